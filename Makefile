@@ -1,0 +1,31 @@
+# The front door: `make demo`, `make test`, `make build`. On a bare Debian 12 each installs what is missing first.
+SHELL := /bin/bash
+VENV := .venv
+PYTHON := $(VENV)/bin/python
+
+.PHONY: demo test build setup clean golden lint
+
+demo: build
+	build/bin/emulator --dsps 4
+
+test: build
+	$(PYTHON) -m pytest -q tests
+
+build: setup
+	@cmake --preset release -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) > build-configure.log 2>&1 || (cat build-configure.log; exit 1)
+	@rm -f build-configure.log
+	cmake --build --preset release
+
+setup:
+	@scripts/setup
+
+golden: build
+	$(PYTHON) -m pytest -q tests --update-golden -m golden
+
+lint:
+	$(PYTHON) -m pip install -q ruff mypy
+	$(PYTHON) -m ruff check python tests
+	$(PYTHON) -m mypy --strict python/cmrc
+
+clean:
+	rm -rf build

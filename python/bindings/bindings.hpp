@@ -1,0 +1,13 @@
+#pragma once
+// Each room's binding adds its classes and functions to a submodule of cmrc._core, named as the room.
+#include <pybind11/pybind11.h>
+
+namespace py = pybind11;
+
+void bind_isa(py::module_& core);
+void bind_c40(py::module_& core);
+void bind_toolchain(py::module_& core);
+void bind_bus_model(py::module_& core);
+void bind_plant(py::module_& core);
+void bind_machine(py::module_& core);
+void bind_cmrc(py::module_& core);

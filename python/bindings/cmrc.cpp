@@ -1,0 +1,3 @@
+#include "python/bindings/bindings.hpp"
+
+void bind_cmrc(py::module_&) {}

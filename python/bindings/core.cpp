@@ -1,0 +1,12 @@
+#include "python/bindings/bindings.hpp"
+
+PYBIND11_MODULE(_core, core) {
+  core.doc() = "The emulator's C++ core. Use the package cmrc; this module is its private part.";
+  bind_isa(core);
+  bind_toolchain(core);
+  bind_c40(core);
+  bind_bus_model(core);
+  bind_plant(core);
+  bind_machine(core);
+  bind_cmrc(core);
+}
