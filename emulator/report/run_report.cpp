@@ -1,0 +1,21 @@
+#include "report/run_report.hpp"
+
+namespace report {
+
+std::string name(StopReason reason) {
+  switch (reason) {
+    case StopReason::completed: return "completed";
+    case StopReason::interrupted: return "interrupted";
+    case StopReason::no_dsp_left: return "no_dsp_left";
+    case StopReason::plant_fault: return "plant_fault";
+  }
+  return "unknown";
+}
+
+std::uint64_t RunReport::misses() const {
+  std::uint64_t sum = 0;
+  for (const TaskReport& task : tasks) sum += task.misses;
+  return sum;
+}
+
+}  // namespace report

@@ -1,0 +1,167 @@
+#pragma once
+// Everything that a run says of itself, as plain structs (docs/report.md): filled by the controller, rendered here as text and JSON.
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "report/event.hpp"
+#include "report/statistics.hpp"
+
+namespace report {
+
+inline constexpr int schema_version = 1;
+
+/// An amount with its name, in a fixed order: cycles or picoseconds by cause.
+struct Share {
+  std::string name;
+  std::int64_t amount = 0;
+};
+
+/// The jobs of one task kind (ruling 16). released = on_time + late + unfinished + never_started + lost + dropped, always.
+struct TaskReport {
+  std::string kind;  ///< key of ruling 29: "pid", "trajectory_planning.crane", ...
+  std::uint64_t released = 0;
+  std::uint64_t on_time = 0;
+  std::uint64_t late = 0;
+  std::uint64_t unfinished = 0;
+  std::uint64_t never_started = 0;
+  std::uint64_t lost = 0;
+  std::uint64_t dropped = 0;
+  std::uint64_t misses = 0;               ///< late + lost + dropped + those unfinished or never started whose deadline has passed
+  std::uint64_t longest_miss_streak = 0;  ///< misses in a row
+  Summary response;                       ///< ps from release to the end, finished jobs
+  Summary waiting;                        ///< ps from release to the claim, claimed jobs
+  Summary execution;                      ///< ps from the claim to the end, finished jobs
+  Summary lateness;                       ///< ps after the deadline, late jobs
+  Jitter start_jitter;                    ///< ps, periodic kinds only
+  std::vector<Share> execution_causes;    ///< ps by the chips' causes, all finished jobs; sums to the sum of execution
+  /// Of the missed jobs only: ps from release to the end (or the run's end), by what it was spent on. "waiting behind KIND": all DSPs were taken and this share
+  /// of them ran KIND; "waiting, a DSP was free": not claimed although one was idle; then the chips' causes while it ran.
+  std::vector<Share> miss_causes;
+};
+
+struct DspReport {
+  unsigned slot = 0;
+  std::string state;  ///< "running", "idle", "halted: <fault>", "unplugged"
+  double clock_hz = 0;
+  std::int64_t cycles = 0;
+  std::uint64_t instructions = 0;
+  std::vector<Share> causes;              ///< cycles by cause; sums to cycles
+  std::uint64_t claims = 0;               ///< blocks claimed
+  std::vector<Share> tasks;               ///< ps occupied, by task kind
+  std::uint64_t faults = 0;
+  std::uint64_t resets = 0;               ///< by the watchdog
+  std::uint64_t dropped_writes = 0;       ///< while fenced
+};
+
+struct MasterReport {
+  std::string name;                       ///< "host", "dsp 0", ...
+  std::uint64_t transactions = 0;
+  std::uint64_t words_read = 0;
+  std::uint64_t words_written = 0;
+  Summary wait;                           ///< bus clocks from request to the first data phase
+  std::uint64_t retries = 0;
+  std::uint64_t disconnects = 0;
+};
+
+struct TargetReport {
+  std::string name;
+  std::uint64_t words_read = 0;
+  std::uint64_t words_written = 0;
+};
+
+/// One bus; the five shares of its clocks sum to clocks.
+struct BusReport {
+  std::string name;                       ///< "A", "B"
+  double clock_hz = 0;
+  std::int64_t clocks = 0;
+  std::int64_t data = 0;
+  std::int64_t wait = 0;
+  std::int64_t turnaround = 0;
+  std::int64_t idle_requested = 0;        ///< nobody on the bus although someone asked
+  std::int64_t idle = 0;
+  std::vector<MasterReport> masters;
+  std::vector<TargetReport> targets;
+};
+
+/// One container's way (equations 2 to 4). Absent: has not happened by the end of the run.
+struct CycleReport {
+  unsigned number = 0;                    ///< from 1
+  unsigned agv = 0;
+  std::optional<Time> t3, t4, t5, t6;     ///< duration of the process
+  std::optional<Time> t_w;                ///< AGV waited for the crane, beyond loading
+  std::optional<Time> t_v;                ///< crane waited for an AGV
+  std::optional<Time> T_g;                ///< t3 + t4 + t_v
+  std::optional<Time> T_a;                ///< t5 + t6 + t4 + t_w
+  std::optional<Time> delivered;          ///< instant of delivery
+};
+
+/// RMS and peak of a quantity over the time in which it was controlled.
+struct ErrorReport {
+  std::string name;                       ///< "s", "psi", "phi", "l", "kappa"; "alpha", "beta"; "agv 0 lateral"
+  std::string unit;                       ///< "m", "rad"
+  double rms = 0;
+  double peak = 0;
+};
+
+struct HostReport {
+  std::uint64_t refreshes = 0;
+  std::uint64_t skipped_refreshes = 0;
+  Summary semaphore_hold;                 ///< ps for which the host held the list, per refresh
+  Summary refresh_duration;               ///< ps from the host's tick to the end of its list work
+  Summary list_length;                    ///< blocks, per refresh
+  std::uint64_t doorbells = 0;
+  std::uint64_t recomputed = 0;           ///< blocks put back by the watchdog
+  std::uint64_t semaphores_freed = 0;
+};
+
+/// Something that went wrong and was contained, or not.
+struct FailureReport {
+  Time time{};
+  std::optional<unsigned> dsp;
+  std::string kind;                       ///< "fault", "watchdog", "semaphore", "dropped block", "no dsp left", "plant"
+  std::string message;
+};
+
+/// A setting of the run, as given by the configuration after defaults.
+struct Setting {
+  std::string key;
+  std::variant<std::int64_t, double, bool, std::string> value;
+};
+
+/// Why the run ended.
+enum class StopReason : std::uint8_t { completed, interrupted, no_dsp_left, plant_fault };
+std::string name(StopReason reason);
+
+struct RunReport {
+  StopReason stop_reason = StopReason::completed;
+  Time simulated{};
+  double elapsed_s = 0;                   ///< wall clock; not in the hash
+  std::string hash;                       ///< 64 hexadecimal digits (ruling 4)
+  std::uint64_t events = 0;
+  std::vector<Setting> configuration;
+  std::vector<TaskReport> tasks;          ///< every kind of ruling 29 in its order, also those never released
+  std::vector<DspReport> dsps;
+  std::vector<BusReport> buses;
+  std::vector<CycleReport> cycles;
+  unsigned cycles_completed = 0;
+  unsigned containers_delivered = 0;
+  std::vector<ErrorReport> tracking;
+  std::vector<ErrorReport> sway;
+  std::vector<ErrorReport> agvs;
+  HostReport host;
+  std::vector<FailureReport> failures;
+
+  /// Missed deadlines of all kinds.
+  std::uint64_t misses() const;
+};
+
+/// The report for a terminal, in at most 100 columns. Ends with a line feed.
+std::string to_text(const RunReport& report);
+/// The report as JSON (docs/report.md), indented by two. Ends with a line feed.
+std::string to_json(const RunReport& report);
+
+}  // namespace report

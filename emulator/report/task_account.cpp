@@ -1,0 +1,174 @@
+#include "report/task_account.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace report {
+
+std::string name(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::on_time: return "on_time";
+    case Outcome::late: return "late";
+    case Outcome::unfinished: return "unfinished";
+    case Outcome::never_started: return "never_started";
+    case Outcome::lost: return "lost";
+    case Outcome::dropped: return "dropped";
+  }
+  return "unknown";
+}
+
+TaskAccount::TaskAccount(std::vector<std::string> kinds, std::vector<std::string> causes, std::vector<Time> periods)
+    : names_(std::move(kinds)), causes_(std::move(causes)), periods_(std::move(periods)) {
+  if (periods_.size() != names_.size()) throw std::invalid_argument("TaskAccount: one period per kind");
+  kinds_.resize(names_.size());
+  for (std::size_t i = 0; i < kinds_.size(); ++i) {
+    kinds_[i].counts.kind = names_[i];
+    kinds_[i].causes.assign(causes_.size(), 0);
+    kinds_[i].miss_causes.assign(causes_.size(), 0);
+  }
+}
+
+void TaskAccount::occupied(unsigned slot, std::size_t kind, Time from, Time to) {
+  if (occupations_.size() <= slot) occupations_.resize(slot + 1);
+  occupations_[slot].push_back({from, to, kind});
+}
+
+namespace {
+
+Outcome classify(const Job& job) {
+  switch (job.progress) {
+    case Progress::finished: return !job.deadline || job.finished <= *job.deadline ? Outcome::on_time : Outcome::late;
+    case Progress::running: return Outcome::unfinished;
+    case Progress::waiting: return Outcome::never_started;
+    case Progress::lost: return Outcome::lost;
+    case Progress::dropped: return Outcome::dropped;
+  }
+  throw std::invalid_argument("TaskAccount: no such progress");
+}
+
+std::uint64_t& counter(TaskReport& report, Outcome outcome) {
+  switch (outcome) {
+    case Outcome::on_time: return report.on_time;
+    case Outcome::late: return report.late;
+    case Outcome::unfinished: return report.unfinished;
+    case Outcome::never_started: return report.never_started;
+    case Outcome::lost: return report.lost;
+    case Outcome::dropped: return report.dropped;
+  }
+  throw std::invalid_argument("TaskAccount: no such outcome");
+}
+
+bool is_miss(Outcome outcome, const Job& job, Time now) {
+  switch (outcome) {
+    case Outcome::on_time: return false;
+    case Outcome::unfinished:
+    case Outcome::never_started: return job.deadline && *job.deadline < now;
+    default: return true;
+  }
+}
+
+}  // namespace
+
+Outcome TaskAccount::add(const Job& job, Time now) {
+  Kind& kind = kinds_.at(job.kind);
+  if (!job.causes.empty() && job.causes.size() != causes_.size())
+    throw std::invalid_argument("TaskAccount: a job's causes do not match the account's");
+  const Outcome outcome = classify(job);
+  ++kind.counts.released;
+  ++counter(kind.counts, outcome);
+
+  const bool claimed = job.progress != Progress::waiting && job.progress != Progress::dropped;
+  if (claimed) {
+    kind.waiting.add((job.claimed - job.released).count());
+    if (job.tick) kind.starts.push_back({*job.tick, job.claimed});
+  }
+  if (job.progress == Progress::finished) {
+    kind.response.add((job.finished - job.released).count());
+    kind.execution.add((job.finished - job.claimed).count());
+    for (std::size_t i = 0; i < job.causes.size(); ++i) kind.causes[i] += job.causes[i];
+    if (outcome == Outcome::late) kind.lateness.add((job.finished - *job.deadline).count());
+  }
+
+  if (!is_miss(outcome, job, now)) {
+    kind.streak = 0;
+    return outcome;
+  }
+  ++kind.counts.misses;
+  kind.counts.longest_miss_streak = std::max(kind.counts.longest_miss_streak, ++kind.streak);
+  // A dropped job never stood in the list: it did not wait.
+  if (job.progress != Progress::dropped) kind.missed.push_back({job.released, claimed ? job.claimed : now});
+  for (std::size_t i = 0; i < job.causes.size(); ++i) kind.miss_causes[i] += job.causes[i];
+  return outcome;
+}
+
+Jitter TaskAccount::jitter(std::size_t index) const {
+  Jitter result;
+  const Time period = periods_[index];
+  if (period == Time::zero()) return result;
+  std::vector<Start> starts = kinds_[index].starts;
+  std::ranges::sort(starts, {}, &Start::tick);
+  std::int64_t smallest = std::numeric_limits<std::int64_t>::max();
+  std::int64_t largest = std::numeric_limits<std::int64_t>::min();
+  double squares = 0;
+  for (std::size_t i = 1; i < starts.size(); ++i) {
+    if (starts[i].tick != starts[i - 1].tick + 1) continue;
+    const std::int64_t deviation = (starts[i].time - starts[i - 1].time - period).count();
+    smallest = std::min(smallest, deviation);
+    largest = std::max(largest, deviation);
+    squares += static_cast<double>(deviation) * static_cast<double>(deviation);
+    ++result.count;
+  }
+  if (result.count == 0) return result;
+  result.peak_to_peak = largest - smallest;
+  result.worst = std::max(std::abs(smallest), std::abs(largest));
+  result.rms = std::sqrt(squares / static_cast<double>(result.count));
+  return result;
+}
+
+std::vector<Share> TaskAccount::miss_causes(const Kind& kind, unsigned slots) const {
+  // While a job waits, each DSP stands for an equal part of the time: taken by some kind, or free.
+  std::vector<std::int64_t> behind(names_.size(), 0);
+  std::int64_t waited = 0;
+  for (const Missed& missed : kind.missed) {
+    waited += (missed.claimed - missed.released).count();
+    for (const auto& occupations : occupations_) {
+      auto occupation = std::ranges::upper_bound(occupations, missed.released, {}, &Occupation::to);
+      for (; occupation != occupations.end() && occupation->from < missed.claimed; ++occupation)
+        behind[occupation->kind] += (std::min(occupation->to, missed.claimed) - std::max(occupation->from, missed.released)).count();
+    }
+  }
+  std::vector<Share> shares;
+  std::int64_t accounted = 0;
+  for (std::size_t i = 0; i < behind.size(); ++i) {
+    const std::int64_t part = behind[i] / std::max(slots, 1U);
+    accounted += part;
+    if (part > 0) shares.push_back({"waiting behind " + names_[i], part});
+  }
+  if (waited > accounted) shares.push_back({"waiting, a DSP was free or claiming", waited - accounted});
+  for (std::size_t i = 0; i < causes_.size(); ++i)
+    if (kind.miss_causes[i] > 0) shares.push_back({causes_[i], kind.miss_causes[i]});
+  return shares;
+}
+
+std::vector<TaskReport> TaskAccount::report(unsigned slots) const {
+  std::vector<TaskReport> reports;
+  for (std::size_t i = 0; i < kinds_.size(); ++i) {
+    const Kind& kind = kinds_[i];
+    TaskReport report = kind.counts;
+    report.response = kind.response.summary();
+    report.waiting = kind.waiting.summary();
+    report.execution = kind.execution.summary();
+    report.lateness = kind.lateness.summary();
+    report.start_jitter = jitter(i);
+    for (std::size_t cause = 0; cause < causes_.size(); ++cause) report.execution_causes.push_back({causes_[cause], kind.causes[cause]});
+    report.miss_causes = miss_causes(kind, slots);
+    reports.push_back(std::move(report));
+  }
+  return reports;
+}
+
+}  // namespace report

@@ -1,0 +1,82 @@
+#pragma once
+// Books every job under exactly one outcome (ruling 16) and makes the task kinds' statistics.
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "report/event.hpp"
+#include "report/run_report.hpp"
+#include "report/statistics.hpp"
+
+namespace report {
+
+/// The classes of ruling 16.
+enum class Outcome : std::uint8_t { on_time, late, unfinished, never_started, lost, dropped };
+inline constexpr std::size_t outcome_count = 6;
+std::string name(Outcome outcome);
+
+/// How far a job came. The account derives its outcome from this and the deadline.
+enum class Progress : std::uint8_t { finished, running, waiting, lost, dropped };
+
+/// A job: one release of a task. A recomputed block is one job, booked once, with its last claim.
+struct Job {
+  std::size_t kind = 0;                   ///< index into the account's kinds
+  Progress progress = Progress::finished;
+  Time released{};
+  std::optional<Time> deadline;           ///< none: on time when finished
+  Time claimed{};                         ///< when finished, running or lost
+  Time finished{};                        ///< when finished
+  /// Picoseconds by chip cause while it ran, in the order of the account's causes; empty when not known. Should sum to finished - claimed.
+  std::vector<std::int64_t> causes;
+  std::optional<std::int64_t> tick;       ///< number of the nominal tick, periodic kinds: jitter is taken between neighbouring ticks
+};
+
+/// Collects jobs in any order; `report` may be asked at any time.
+class TaskAccount {
+ public:
+  /// \param kinds   keys of ruling 29 in report order
+  /// \param causes  names of the chips' causes
+  /// \param periods nominal period of kind i, or zero when it is not periodic
+  TaskAccount(std::vector<std::string> kinds, std::vector<std::string> causes, std::vector<Time> periods);
+
+  /// DSP `slot` was taken by a task of `kind` over [from, to). Claims of one slot come in order. Used to say what a missed job waited behind.
+  void occupied(unsigned slot, std::size_t kind, Time from, Time to);
+  /// Books a job. `now` is its end, or the end of the run for jobs that are not finished. \returns its outcome.
+  Outcome add(const Job& job, Time now);
+  /// Statistics of every kind. `slots`: number of DSPs that could have taken jobs.
+  std::vector<TaskReport> report(unsigned slots) const;
+
+ private:
+  struct Start {
+    std::int64_t tick;
+    Time time;
+  };
+  struct Missed {
+    Time released, claimed;
+  };
+  struct Kind {
+    TaskReport counts;
+    Distribution response, waiting, execution, lateness;
+    std::vector<std::int64_t> causes, miss_causes;
+    std::vector<Start> starts;
+    std::vector<Missed> missed;
+    std::uint64_t streak = 0;
+  };
+  struct Occupation {
+    Time from, to;
+    std::size_t kind;
+  };
+
+  Jitter jitter(std::size_t kind) const;
+  std::vector<Share> miss_causes(const Kind& kind, unsigned slots) const;
+
+  std::vector<std::string> names_, causes_;
+  std::vector<Time> periods_;
+  std::vector<Kind> kinds_;
+  std::vector<std::vector<Occupation>> occupations_;  // by slot
+};
+
+}  // namespace report
