@@ -1,0 +1,102 @@
+#pragma once
+// Strict decoding: each of the 2^32 words is an Instruction or Reserved. Operands come in the roles that an executor
+// needs, so it never looks at the bits of the word (c40-isa.md sections 3, 6, 12).
+#include <cstdint>
+#include <string_view>
+#include <variant>
+
+#include "isa/table.hpp"
+#include "isa/types.hpp"
+
+namespace isa {
+
+/// Indirect addressing, bits "modn" (3.9). The low three bits say what is done, the upper two with what.
+namespace modn {
+inline constexpr std::uint8_t plain = 24;         ///< *ARn
+inline constexpr std::uint8_t bit_reversed = 25;  ///< *ARn++(IR0)B
+enum class Index : std::uint8_t { displacement, IR0, IR1, none };
+enum class Action : std::uint8_t {
+  add, subtract,                       ///< *+ARn(x)   *-ARn(x): address ARn +- x, ARn unchanged
+  pre_add, pre_subtract,               ///< *++ARn(x)  *--ARn(x): address and new ARn are ARn +- x
+  post_add, post_subtract,             ///< *ARn++(x)  *ARn--(x): address ARn, new ARn is ARn +- x
+  post_add_circular, post_subtract_circular,  ///< *ARn++(x)% *ARn--(x)%: the same within the circular buffer of BK words
+};
+constexpr bool is_legal(unsigned m) { return m <= bit_reversed; }
+constexpr Index index(unsigned m) { return m == plain ? Index::none : m == bit_reversed ? Index::IR0 : static_cast<Index>(m >> 3); }
+/// Not for `plain` and `bit_reversed`.
+constexpr Action action(unsigned m) { return static_cast<Action>(m & 7); }
+constexpr bool is_circular(unsigned m) { return m < plain && (m & 6) == 6; }
+/// Whether ARn is changed.
+constexpr bool modifies(unsigned m) { return m < plain ? (m & 7) >= 2 : m == bit_reversed; }
+}  // namespace modn
+
+/// The byte that an indirect operand stands in. If two update the same ARn, only the update of J is kept (3.9).
+enum class Slot : std::uint8_t { none, i, j };
+
+struct Operand {
+  enum class Kind : std::uint8_t {
+    none,
+    reg,              ///< `reg`
+    direct,           ///< Memory at (DP << 16) | value
+    indirect,         ///< Memory at `reg` (an ARn) modified by `modn` and, for modn < 8, the displacement `value`
+    immediate_int,    ///< `value`, extended to 32 bits as the instruction has it
+    immediate_float,  ///< `value` holds the 16 bits of a short float (2.2)
+    expansion,        ///< `value`: 0 IVTP, 1 TVTP
+    target,           ///< The address PC + `value`, PC being that of the instruction itself
+    trap,             ///< Trap number `value`, 0 to 511
+  };
+  Kind kind = Kind::none;
+  Register reg = Register::R0;
+  std::uint8_t modn = 0;
+  Slot slot = Slot::none;
+  std::int32_t value = 0;
+
+  constexpr bool is(Kind k) const { return kind == k; }
+  constexpr bool is_memory() const { return kind == Kind::direct || kind == Kind::indirect; }
+  constexpr std::uint32_t displacement() const { return static_cast<std::uint32_t>(value); }
+  constexpr bool operator==(const Operand&) const = default;
+};
+
+/// An instruction is one or two halves:
+///
+///     row->operation   dst  <- src1, src2
+///     row->operation2  dst2 <- src3, src4      (parallel instructions only)
+///
+/// src1 is the minuend, the value shifted, the only source of a unary operation, the register that a store stores, the
+/// target of a branch, what is merged in by LWL, LWR, MB, MH, LDE, LDM (src2 then is the old dst). src2 is the subtrahend,
+/// the shift count, the mask of ANDN. Compares have no dst. A store's dst is its memory operand. DBcond has its counter
+/// in dst. PUSH has src1, POP dst.
+///
+/// The halves read before either writes. Where both write the same place (load || load to one register, store || store
+/// to one address) the first half's result, the one in src1/dst, stays (3.10).
+struct Instruction {
+  const Row* row = nullptr;
+  Word word = 0;
+  Condition condition = Condition::U;
+  Operand src1, src2, dst;
+  Operand src3, src4, dst2;
+};
+
+/// A word that is no instruction of the C4x. The hardware's behaviour is undefined.
+struct Reserved {
+  enum class Reason : std::uint8_t {
+    opcode,              ///< No row has this operation and addressing mode.
+    reserved_bits,       ///< Bits that must be 0 are not.
+    register_class,      ///< A float operand outside R0-R11, an LDA destination that is no address register.
+    same_register,       ///< LDA from its own destination.
+    addressing_mode,     ///< modn of 26 to 31.
+    displacement,        ///< A displacement beside an index register.
+    condition,           ///< 11 or 21 to 31.
+    expansion_register,  ///< Neither IVTP nor TVTP.
+  };
+  Reason reason = Reason::opcode;
+  Word word = 0;
+};
+std::string_view describe(Reserved::Reason reason);
+
+using Decoded = std::variant<Instruction, Reserved>;
+
+/// Total: defined for every word.
+Decoded decode(Word word);
+
+}  // namespace isa

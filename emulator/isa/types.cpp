@@ -1,0 +1,75 @@
+#include "isa/types.hpp"
+
+#include <array>
+#include <cctype>
+
+namespace isa {
+namespace {
+
+constexpr std::array<std::string_view, 32> register_names{
+    "r0",  "r1",  "r2", "r3", "r4", "r5",  "r6",  "r7",  "ar0", "ar1", "ar2", "ar3", "ar4", "ar5", "ar6", "ar7",
+    "dp", "ir0", "ir1", "bk", "sp", "st", "die", "iie", "iif",  "rs",  "re",  "rc",  "r8",  "r9", "r10", "r11"};
+
+struct ConditionName {
+  std::string_view name;
+  Condition condition;
+};
+
+// The first name of a condition is the one that is printed.
+constexpr std::array condition_names{
+    ConditionName{"u", Condition::U},       ConditionName{"lo", Condition::LO},     ConditionName{"c", Condition::LO},
+    ConditionName{"ls", Condition::LS},     ConditionName{"hi", Condition::HI},     ConditionName{"hs", Condition::HS},
+    ConditionName{"nc", Condition::HS},     ConditionName{"eq", Condition::EQ},     ConditionName{"z", Condition::EQ},
+    ConditionName{"ne", Condition::NE},     ConditionName{"nz", Condition::NE},     ConditionName{"lt", Condition::LT},
+    ConditionName{"n", Condition::LT},      ConditionName{"l", Condition::LT},      ConditionName{"le", Condition::LE},
+    ConditionName{"gt", Condition::GT},     ConditionName{"p", Condition::GT},      ConditionName{"ge", Condition::GE},
+    ConditionName{"nn", Condition::GE},     ConditionName{"nv", Condition::NV},     ConditionName{"v", Condition::V},
+    ConditionName{"nuf", Condition::NUF},   ConditionName{"uf", Condition::UF},     ConditionName{"nlv", Condition::NLV},
+    ConditionName{"lv", Condition::LV},     ConditionName{"nluf", Condition::NLUF}, ConditionName{"luf", Condition::LUF},
+    ConditionName{"zuf", Condition::ZUF},
+};
+
+bool same(std::string_view lower, std::string_view text) {
+  if (lower.size() != text.size()) return false;
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if (lower[i] != std::tolower(static_cast<unsigned char>(text[i]))) return false;
+  return true;
+}
+
+}  // namespace
+
+std::string_view name(Register r) { return register_names[code(r)]; }
+
+std::string_view name(Expansion r) { return r == Expansion::IVTP ? "ivtp" : "tvtp"; }
+
+std::string_view name(Condition c) {
+  for (const auto& entry : condition_names)
+    if (entry.condition == c) return entry.name;
+  return "?";
+}
+
+std::optional<Register> register_named(std::string_view text) {
+  for (std::size_t i = 0; i < register_names.size(); ++i) {
+    const auto register_name = register_names[i];
+    if (same(register_name, text)) return static_cast<Register>(i);
+    const bool float_synonym = register_name[0] == 'r' && std::isdigit(static_cast<unsigned char>(register_name[1]));
+    if (float_synonym && !text.empty() && (text[0] == 'f' || text[0] == 'F') &&
+        same(register_name.substr(1), text.substr(1)))
+      return static_cast<Register>(i);
+  }
+  return std::nullopt;
+}
+
+std::optional<Expansion> expansion_named(std::string_view text) {
+  if (same("ivtp", text)) return Expansion::IVTP;
+  if (same("tvtp", text)) return Expansion::TVTP;
+  return std::nullopt;
+}
+
+std::optional<Condition> condition_named(std::string_view text) {
+  for (const auto& entry : condition_names)
+    if (same(entry.name, text)) return entry.condition;
+  return std::nullopt;
+}
+
+}  // namespace isa

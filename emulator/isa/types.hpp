@@ -1,0 +1,50 @@
+#pragma once
+// Words, addresses, registers and conditions of the TMS320C4x, as its user's guide names and numbers them.
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace isa {
+
+using Word = std::uint32_t;
+using Address = std::uint32_t;  ///< Counts 32-bit words.
+
+/// The primary register file; the value is the 5-bit code of every register field (c40-isa.md 1.1).
+enum class Register : std::uint8_t {
+  R0, R1, R2, R3, R4, R5, R6, R7,
+  AR0, AR1, AR2, AR3, AR4, AR5, AR6, AR7,
+  DP, IR0, IR1, BK, SP, ST, DIE, IIE, IIF, RS, RE, RC,
+  R8, R9, R10, R11,
+};
+inline constexpr int register_count = 32;
+
+/// The expansion register file, reached by LDEP and LDPE only (1.2).
+enum class Expansion : std::uint8_t { IVTP, TVTP };
+
+/// Condition codes (section 4); 11 and 21 to 31 are reserved.
+enum class Condition : std::uint8_t {
+  U, LO, LS, HI, HS, EQ, NE, LT, LE, GT, GE,
+  NV = 12, V, NUF, UF, NLV, LV, NLUF, LUF, ZUF,
+};
+
+constexpr std::uint8_t code(Register r) { return static_cast<std::uint8_t>(r); }
+constexpr std::uint8_t code(Condition c) { return static_cast<std::uint8_t>(c); }
+constexpr Register address_register(unsigned n) { return static_cast<Register>(8 + (n & 7)); }
+
+/// R0 to R11: 40 bits wide, the only ones that hold floats.
+constexpr bool is_extended(Register r) { return code(r) < 8 || code(r) >= 28; }
+/// AR0-AR7, DP, IR0, IR1, BK, SP: what LDA can load.
+constexpr bool is_lda_destination(Register r) { return code(r) >= 8 && code(r) <= 20; }
+constexpr bool is_condition(unsigned c) { return c <= 20 && c != 11; }
+
+std::string_view name(Register r);    ///< Lower case: "r0", "ar3", "iie".
+std::string_view name(Expansion r);   ///< "ivtp", "tvtp".
+std::string_view name(Condition c);   ///< The first name of section 4: "u", "lo", "eq".
+
+/// By any of its names, in any case; F0-F11 are names of R0-R11.
+std::optional<Register> register_named(std::string_view text);
+std::optional<Expansion> expansion_named(std::string_view text);
+/// By any of its names, in any case ("eq", "Z", "hs", "NC"...).
+std::optional<Condition> condition_named(std::string_view text);
+
+}  // namespace isa
