@@ -1,0 +1,173 @@
+#pragma once
+// What a dock is made of: every value has a default and a unit (docs/plant.md says where each comes from).
+#include <array>
+#include <cstdint>
+#include <numbers>
+#include <vector>
+
+namespace plant {
+
+inline constexpr int joint_count = 5;  // actuated: s gantry [m], psi slew, phi luff [rad], l hoist [m], kappa rotator [rad]
+inline constexpr double gravity = 9.81;  // m/s2
+
+enum class Joint : std::uint8_t { gantry, slew, luff, hoist, rotator };
+
+using Joints = std::array<double, joint_count>;
+
+// The drive of one joint. "Motor" sums the motors that share the joint.
+struct DriveParameters {
+  double rated_torque;         // N m, motor side
+  double rated_speed = 157.0;  // motor rad/s
+  double gear;                 // motor rad per joint unit (rad or m)
+  double rotor_inertia;        // kg m2, motor side
+  double efficiency = 0.88;    // of the gear, in both directions
+  double torque_lag = 3e-3;    // s, first-order current loop
+  double coulomb = 0.03;       // F_c as a share of the rated joint force gear * rated_torque
+  double stribeck = 1.3;       // F_s / F_c
+  double viscous = 0.015;      // share of the rated joint force at rated joint speed
+  double smooth_speed = 0.01;  // v_0 of the tanh, as a share of the rated joint speed
+  double stribeck_speed = 0.02;  // v_s, share of the rated joint speed
+  double brake = 2.0;          // holding brake, as a share of the rated joint force
+
+  double maximum_torque() const { return 1.5 * rated_torque; }  // N m at code 2047
+  double rated_force() const { return gear * rated_torque; }    // N or N m at the joint
+  double rated_joint_speed() const { return rated_speed / gear; }
+};
+
+// Slewing and luffing jib crane, plant-and-bus.md 1.2 to 1.4 (docs/plant.md).
+struct CraneParameters {
+  double a0 = 2.5;          // m, luff pivot from the slew axis
+  double jib = 32.0;        // m, L
+  double pivot_height = 22.0;  // m, h_p
+  double gantry_mass = 180e3;  // kg, m_g: everything that travels but jib, counterweight and load
+  double slew_inertia = 4.0e6;  // kg m2, J_s
+  double jib_mass = 22e3;   // kg, m_j
+  double jib_centre = 14.0;  // m, c_j along the jib
+  double jib_inertia = 1.88e6;  // kg m2 about the jib's own centre, I_j
+  double counterweight = 60e3;  // kg, m_cw
+  double counterweight_radius = 7.0;  // m, r_cw
+  double spreader_mass = 10e3;  // kg with headblock
+  double spreader_inertia = 1.25e5;  // kg m2 about the vertical
+  double sway_damping = 0.007;  // share of critical, of both sway angles
+  Joints lower = {-60.0, -6.2831853071795862, 0.3490658503988659, 4.0, -6.2831853071795862};
+  Joints upper = {60.0, 6.2831853071795862, 1.3962634015954636, 60.0, 6.2831853071795862};
+  std::array<DriveParameters, joint_count> drives = {{
+      {.rated_torque = 382.0, .gear = 314.0, .rotor_inertia = 0.4},                           // 4 x 15 kW
+      {.rated_torque = 1911.0, .gear = 1250.0, .rotor_inertia = 4.8},                         // 4 x 75 kW
+      {.rated_torque = 7643.0, .gear = 3140.0, .rotor_inertia = 20.0, .efficiency = 0.85},    // 4 x 300 kW
+      {.rated_torque = 3185.0, .gear = 1.0 / 0.00955, .rotor_inertia = 16.0},                 // 2 x 250 kW
+      {.rated_torque = 70.0, .gear = 1500.0, .rotor_inertia = 0.06},                          // 2 x 5.5 kW
+  }};
+};
+
+// The payload near contact (level L2) and the landing.
+struct LandingParameters {
+  double fall_stiffness = 5e7;    // N: stiffness of one of the four falls is this / its length
+  double fall_damping = 2e4;      // N s/m, each fall
+  double fall_spread_x = 1.5;     // m, half distance of the falls, radial
+  double fall_spread_y = 1.5;     // m, tangential
+  double yaw_stiffness = 2e6;     // N m/rad between rotator and load (skew of the reeving)
+  double yaw_damping = 2.5e5;     // N m s/rad
+  double corner_stiffness = 1e7;  // N/m, each corner
+  double corner_damping = 1.5e5;  // N s/m
+  double friction = 0.4;
+  double near = 0.3;              // m, clearance at which the payload becomes a body
+  double away = 0.4;              // m, clearance at which it hangs on the ideal rope again
+  bool guides = true;             // flipper guides and deck cones
+  double guide_window = 0.15;     // m, lateral error that they still catch
+  double guide_height = 0.3;      // m above the surface where they begin
+  double guide_stiffness = 3e5;   // N/m, each corner
+  double guide_damping = 2e4;     // N s/m
+  double seat_error = 0.025;      // m, lateral error per corner that lets a corner seat
+  double seat_gap = 0.005;        // m, a corner switch closes below this gap
+  double touch_speed = 0.25;      // m/s, faster touches are reported as hard landings
+  double touch_sway = 0.1;        // m/s, the same for the horizontal speed
+  double lock_time = 0.8;         // s, twist locks
+};
+
+// Container transporter with two steered axles, plant-and-bus.md 1.4 and 1.5.
+struct AgvParameters {
+  double mass = 25e3;        // kg, empty
+  double length = 14.8, width = 3.0;  // m
+  double front = 4.5, rear = 4.5;     // m, axles from the centre (l_f, l_r)
+  double yaw_inertia = 4.8e5;         // kg m2, empty
+  double deck_height = 1.6;           // m
+  double cornering = 4e5;             // N/rad per axle
+  double adhesion = 0.7;
+  double rolling = 0.01;              // C_rr
+  double drag = 5.0;                  // N s2/m2, C_d
+  double steer_limit = std::numbers::pi / 6;  // rad
+  double steer_rate = 0.35;           // rad/s
+  double steer_lag = 0.2;             // s
+  double drive_lag = 0.3;             // s
+  double acceleration = 0.5;          // m/s2, of the drive's speed ramp
+  double braking = 1.0;               // m/s2, of the ramp
+  double emergency = 2.0;             // m/s2, most that brakes give
+  double blend_speed = 0.5;           // m/s, kinematic model below
+  double speed_gain = 2.0;            // 1/s, speed loop (mass times gain times error)
+  double speed_integral = 0.5;        // 1/s, its integral
+};
+
+struct SensorParameters {
+  double sway_range = std::numbers::pi / 18;  // rad at code 2048 (10 degrees)
+  double sway_noise = 0.02 * std::numbers::pi / 180;  // rad, standard deviation
+  std::uint64_t seed = 1;
+};
+
+// Box in the world, m.
+struct Box {
+  double x_min, x_max, y_min, y_max, z_min, z_max;
+};
+
+inline constexpr double container_length = 12.192, container_width = 2.438, container_height = 2.591;  // m, 40 ft
+
+struct ContainerPlace {
+  double x, y, z;    // m, centre of the underside
+  double yaw;        // rad
+  double mass;       // kg, gross
+};
+
+// A piece of lane driven forward: curvature 1/m (left positive), speed m/s that suits it.
+struct LaneSegment {
+  double x, y, heading, length, curvature, speed;
+};
+
+struct Pose {
+  double x, y, heading;
+};
+
+struct CranePose {
+  double s, x, y, z, yaw;  // gantry, and the middle of the spreader's underside, m and rad
+};
+
+struct Layout {
+  double deck = 3.909;  // m, z of the empty ship deck under the bay
+  std::vector<double> rows = {24.0, 26.6};  // m, y of the bay's rows
+  double scan_x0 = -25.6, scan_dx = 0.4;    // m, bay scanner
+  std::vector<ContainerPlace> containers;   // on the ship
+  Box ship = {-40.0, 40.0, 20.0, 36.0, -5.0, 3.909};
+  std::vector<Box> no_go;                   // boxes for the grab path (containers are not among them)
+  Pose spot = {22.0, 8.0, 0.0};             // loading spot
+  Pose warehouse = {10.0, -16.0, std::numbers::pi};
+  double warehouse_radius = 2.0;            // m, an AGV standing this near is served
+  double warehouse_take = 10.0;             // s
+  double slot_spacing = 18.0;               // m, waiting slots behind the spot
+  std::array<std::vector<LaneSegment>, 3> legs;  // 1 to the warehouse, 2 to the spot, 3 home (the spot too)
+};
+
+struct DockConfig {
+  CraneParameters crane;
+  LandingParameters landing;
+  AgvParameters agv;
+  SensorParameters sensors;
+  Layout layout;
+  int agv_count = 1;
+  CranePose home = {0.0, 12.0, 16.0, 14.0, 0.0};
+  double tolerance = 1e-8;   // relative, of the integrators
+  int signal_decimation = 0;  // record signals each so many latches; 0: never
+};
+
+// The dock of docs/plant.md: five containers in two rows and two tiers, one-way loop of lane, n AGVs queueing at the spot.
+DockConfig default_dock(int agv_count = 1);
+
+}  // namespace plant

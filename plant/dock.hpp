@@ -1,0 +1,144 @@
+#pragma once
+// The dock in time: crane, AGVs, containers, their drives and sensors. Knows no controller.
+//
+// The dock is advanced lazily. Its grid is the drives' 8-kHz latch; what it does depends on that grid and on what was written, never on
+// who reads what when. Calls come in nondecreasing t. A write takes effect at the first latch strictly after its t; a read at t gives
+// what the sensor shows at t (encoders: interpolated to the instant and floored; sway: its own 100-Hz sample, 10 ms late).
+//
+// Inaccuracies: docs/plant.md, last section.
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "plant/config.hpp"
+
+namespace plant {
+
+using Time = std::chrono::duration<std::int64_t, std::pico>;
+inline constexpr Time latch_period{125'000'000};  // 8 kHz
+
+enum class EventKind : std::uint8_t {
+  near_contact,    // the payload became a body: values = clearance m, energy jump J
+  free_again,      // it hangs on the ideal rope again: values = clearance m, energy jump J
+  touch,           // first contact: values = vertical speed, horizontal speed m/s (down positive)
+  hard_landing,    // that touch was outside the tolerances: same values
+  landed,          // all four corner switches closed
+  lifted,          // all four open again
+  locked,          // twist locks locked; index = container, -1: none under the spreader
+  opened,          // twist locks open; index = container that was let go, -1: none
+  refused,         // lock or open commanded while not landed
+  set_on_agv,      // container index stands on AGV values[0]
+  agv_dry,         // AGV index: its set-points ran dry while driving
+  agv_overflow,    // AGV index: a set-point was pushed into a full FIFO and dropped
+  agv_arrived,     // AGV index stands loaded in the warehouse spot
+  delivered,       // container index, taken from AGV values[0] by the warehouse
+  joint_limit,     // joint index ran into its end stop
+  fault,           // the sway passed 40 degrees: values = alpha, beta rad; the drives are off from here on
+};
+const char* name(EventKind);
+
+struct Event {
+  Time time;
+  EventKind kind;
+  int index;
+  std::array<double, 2> values;
+};
+
+enum class ContainerState : std::uint8_t { on_ship, carried, on_agv, on_ground, delivered };
+
+struct ContainerStatus {
+  ContainerState state;
+  int agv;                    // carrier, or -1
+  double x, y, z, yaw;        // m, rad: centre of the top
+  double mass;                // kg
+};
+
+struct AgvSignal {
+  double x, y, heading, speed, yaw_rate, front, rear, speed_command;
+};
+
+// One row of the recorded signals, taken at a latch. q in joint units.
+struct Signal {
+  Time time;
+  std::array<double, joint_count> q, qd, torque;    // torque: motor side, N m, behind the lag
+  std::array<int, joint_count> code;                // as latched
+  double alpha, beta;                               // rad
+  std::array<double, 3> tip, payload;               // m
+  double yaw;                                       // rad, payload in the world
+  double tension;                                   // N, sum of the falls
+  bool contact;
+};
+
+struct DockState;  // everything that the dock's future depends on; plant/state.hpp
+
+class Dock {
+ public:
+  explicit Dock(const DockConfig&);  // throws std::invalid_argument saying which value is wrong
+  ~Dock();
+  Dock(const Dock&) = delete;
+  Dock& operator=(const Dock&) = delete;
+
+  void advance_to(Time);
+  Time time() const;        // as far as the dock was advanced
+  Time next_event() const;  // its next latch
+  const DockConfig& config() const;
+
+  // ---- crane drives and sensors (units: c40_programs/include/devices.inc)
+  void set_torque_code(int joint, int code, Time);  // -2048..2047 (clamped), 2047 = 1.5 x rated
+  void enable_drives(std::uint32_t mask, Time);     // bit j; a disabled drive has no torque and its brake holds
+  std::uint32_t encoder(int joint, Time);           // 24 bits
+  std::int64_t encoder_total(int joint, Time);      // the same count since joint zero, not wrapped (for start-up)
+  std::int32_t sway(int axis, Time);                // 0 alpha (radial), 1 beta (tangential); 2048 = 10 degrees
+  void spreader_command(std::uint32_t, Time);       // 1 lock, 0 open
+  std::uint32_t spreader_status(Time);              // bits 3..0 corners, 4 locked, 5 open
+
+  // ---- bay scanner, mm
+  std::int32_t scan_rows() const;
+  void select_row(std::int32_t row, Time);
+  std::int32_t scan_y(Time);
+  std::int32_t scan_x0() const;
+  std::int32_t scan_dx() const;
+  std::int32_t scan_deck() const;
+  std::int32_t profile(int i, Time);                // 0..127: topmost surface of the selected row, floored to 8 mm
+  static constexpr int scan_count = 128;
+
+  // ---- AGV units
+  int agv_count() const;
+  std::int32_t agv_x(int agv, Time);                // mm
+  std::int32_t agv_y(int agv, Time);
+  std::int32_t agv_heading(int agv, Time);          // microradians, -pi..pi
+  std::int32_t agv_speed(int agv, Time);            // mm/s
+  std::uint32_t agv_status(int agv, Time);          // bits 3..0 set-points waiting, 4 standing, 5 loaded, 6 ran dry while driving
+  void agv_period(int agv, std::uint32_t microseconds, Time);
+  // Speed mm/s, steering microradians; the machine keeps the first two registers and calls this at the write of the third.
+  void agv_push(int agv, std::int32_t speed, std::int32_t front, std::int32_t rear, Time);
+
+  // ---- what an observer may see (true values, no sensors)
+  const std::vector<Event>& events() const;         // in order of time, since the start
+  std::vector<ContainerStatus> containers() const;
+  AgvSignal agv(int index) const;                   // at the last latch
+  Signal signal() const;                            // at the last latch
+  const std::vector<Signal>& signals() const;       // recorded each config.signal_decimation latches
+  const std::vector<std::vector<AgvSignal>>& agv_signals() const;  // same rows, per AGV
+  int delivered() const;                            // containers
+  bool faulted() const;
+  double payload_mass() const;                      // kg on the rope, spreader included
+  double energy() const;                            // J, crane and payload, kinetic and potential
+  void on_latch(std::function<void(Time, std::span<const int>)>);  // after each latch: the codes taken
+  void on_event(std::function<void(const Event&)>);
+
+  // ---- state: complete; restoring and going on equals never having stopped, bit for bit. Taken at the last latch.
+  std::shared_ptr<const DockState> snapshot() const;
+  void restore(const DockState&);                   // of a dock with the same config
+  std::array<std::uint64_t, 2> state_hash() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> self_;
+};
+
+}  // namespace plant
