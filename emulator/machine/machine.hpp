@@ -1,0 +1,200 @@
+#pragma once
+// Several C40s, two PCI buses, shared memory, a host and the dock, in one virtual time (design.md, decisions 2 to 7).
+//
+// Each DSP sees bus A (host, shared memory) through window A at C0000000h and bus B (drives, sensors, AGV units) through window B at
+// 70000000h, each through a bridge of its own. The host is a HostProgram: what it does is C++, but whatever it reads or writes is a transaction on bus A.
+//
+// Order: always the earliest event, ties by component number (host 0, bus A 1, bus B 2, scripted events 3, DSP slot n 16 + n, the plant last). Chips run ahead of that order
+// only where nothing can reach them, so the results do not depend on Config::turn_order nor on how a run is cut into calls of run_until.
+//
+// Inaccuracies: a doorbell or reset takes effect from the end of the write burst that holds it; burst reads take the memory's words at FRAME#; the host's
+// processor has no caches and no other work than its HostProgram's.
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bus_model/config.hpp"
+#include "machine/time.hpp"
+
+namespace c40 {
+class Chip;
+}
+namespace pci {
+class Bus;
+struct Transaction;
+}  // namespace pci
+namespace plant {
+class Dock;
+}
+namespace toolchain {
+struct Image;
+}
+
+namespace machine {
+
+using Word = std::uint32_t;
+using Offset = std::uint32_t;  ///< word address on a bus: a C40's address minus the window's base
+
+enum class BusId : std::uint8_t { a, b };
+
+/// The host's way to bus A. Writes are posted in order (they combine into bursts at rising addresses); a read goes to the bus when all writes
+/// before it have. Legal only inside HostProgram's calls.
+class HostPort {
+ public:
+  virtual ~HostPort() = default;
+  /// Asks for n_words (at least 1) from offset on. The answer comes by HostProgram::read_done with the same tag. Single words one after the other on
+  /// the bus: a Pentium's reads of PCI memory do not burst (plant-and-bus.md 3.1). Throws std::logic_error while a read is outstanding.
+  virtual void read(Offset offset, unsigned n_words, std::uint32_t tag) = 0;
+  virtual void write(Offset offset, std::span<const Word> words) = 0;
+  void write(Offset offset, Word word) { write(offset, std::span<const Word>{&word, 1}); }
+  /// A read has been asked for and not yet answered.
+  virtual bool reading() const = 0;
+  /// Words that have been written here and have not yet reached their target.
+  virtual std::size_t pending_writes() const = 0;
+};
+
+/// The host's software.
+class HostProgram {
+ public:
+  virtual ~HostProgram() = default;
+  /// When it wants to be woken next (never: only by read_done). Asked after each call below; a time that has passed means now.
+  virtual Time next_wake() const = 0;
+  virtual void wake(Time now, HostPort& port) = 0;
+  /// The words are valid during the call only.
+  virtual void read_done(std::uint32_t tag, std::span<const Word> words, Time now, HostPort& port) = 0;
+};
+
+/// Why a DSP stopped for good (until it is reset): what the chip or its bus said.
+struct ChipFault {
+  unsigned slot = 0;
+  Time time{};
+  std::int64_t cycle = 0;
+  std::uint32_t pc = 0;
+  std::uint32_t address = 0;  ///< what it accessed, or 0
+  std::string message;        ///< names the DSP, the PC, the cycle and the cause
+};
+
+enum class SemaphoreEvent : std::uint8_t { acquired, refused, released };
+enum class SlotChange : std::uint8_t { plugged, unplugged, reset, booted };
+
+/// Sees what happens, in the order in which it happens, and changes nothing. Every function does nothing unless overridden.
+class Observer {
+ public:
+  virtual ~Observer() = default;
+  /// A DSP's write has reached its target at `now`; the program issued it at `issued`. Fenced writes do not come here (see dsp_write_dropped).
+  virtual void dsp_write(unsigned /*slot*/, BusId, Offset, Word, Time /*issued*/, Time /*now*/) {}
+  virtual void dsp_write_dropped(unsigned /*slot*/, BusId, Offset, Word, Time /*issued*/, Time /*now*/) {}
+  /// A transaction has ended. Master 0 of bus A is the host; DSP slot n is master n + 1 of bus A and master n of bus B.
+  virtual void transaction(BusId, const pci::Transaction&, Time /*now*/) {}
+  virtual void interrupt(unsigned /*slot*/, int /*iiof pin*/, Time /*now*/) {}
+  /// owner: DSP slot + 1, or host_owner.
+  virtual void semaphore(unsigned /*number*/, SemaphoreEvent, unsigned /*owner*/, Time /*now*/) {}
+  virtual void fault(const ChipFault&) {}
+  virtual void slot(unsigned /*slot*/, SlotChange, Time /*now*/) {}
+};
+
+inline constexpr unsigned host_owner = 0xFF;
+inline constexpr unsigned most_slots = 15;
+
+/// What a scripted event does to a DSP.
+enum class Action : std::uint8_t {
+  fail,    ///< the chip dies: it stands still for good, and no reset revives it (only unplug and plug)
+  hang,    ///< the chip gets stuck: it stands still until it is reset
+  unplug,  ///< the board is pulled: transactions break off, posted words are lost
+  plug,    ///< a board is put in, reset and booted
+  reset,   ///< reset and booted, as by RESET_DSP
+};
+
+struct ScriptedEvent {
+  Time time{};
+  Action action{};
+  unsigned slot = 0;
+};
+
+struct Config {
+  unsigned dsps = 4;                        ///< plugged in from the start: slots 0 to dsps - 1
+  unsigned slots = 0;                       ///< slots in all, at most most_slots; 0: as many as dsps
+  std::int64_t chip_hz = 25'000'000;        ///< instruction cycles per second: C40-40 20 M, C40-50 25 M, C40-60 30 M
+  std::int64_t pci_hz_numerator = 100'000'000;
+  std::int64_t pci_hz_denominator = 3;
+  Word idle_policy = 0;                     ///< poked into the program's symbol idle_policy: 0 doorbell, 1 pause, 2 spin
+  Word pause_count = 125;                   ///< poked into pause_count
+  pci::BusConfig bus_a{.name = "A"};
+  pci::BusConfig bus_b{.name = "B"};
+  pci::MasterConfig dsp_master{};
+  pci::MasterConfig host_master{.name = "host"};
+  pci::BridgeConfig bridge_a{.prefetch_limit = 0x10000};
+  pci::BridgeConfig bridge_b{.prefetch_words = 0};
+  pci::BridgeConfig host_bridge{.request_sync = 5, .return_sync = 3, .post_depth = 16, .prefetch_words = 0};
+  pci::TargetConfig shared_memory = pci::TargetConfig::sram();
+  pci::TargetConfig devices = pci::TargetConfig::drive_card();
+  pci::Clocks interrupt_clocks = 2;         ///< from the end of a doorbell write to the edge on IIOF0
+  Time reset_time = std::chrono::microseconds{10};   ///< RESET held low
+  Time boot_time_per_word{200'000};         ///< ps: the link adapter's comm port carries 20 Mbyte/s
+  std::uint64_t turn_order = 0;             ///< not 0: a seed for the order in which chips are run ahead; changes nothing that can be observed
+  std::vector<ScriptedEvent> script;        ///< in any order
+};
+
+/// What is not a bus statistic, per DSP slot.
+struct SlotStatistics {
+  std::uint64_t posted_writes = 0;
+  std::uint64_t bus_reads = 0;
+  std::uint64_t prefetch_hits = 0;
+  std::uint64_t dropped_writes = 0;  ///< fenced
+  std::uint64_t interrupts = 0;
+  std::uint64_t boots = 0;
+};
+
+/// See the head of this file.
+class Machine {
+ public:
+  /// The program is loaded into every DSP and has to define dsp_slot, idle_policy, pause_count, _start and the constants of the c40_programs/include files
+  /// (std::invalid_argument names the missing ones). dock and host may be null: then bus B answers nothing, and no host is there. All three must outlive the machine,
+  /// except the image, which is copied.
+  Machine(Config config, const toolchain::Image& program, plant::Dock* dock, HostProgram* host);
+  ~Machine();
+  Machine(const Machine&) = delete;
+  Machine& operator=(const Machine&) = delete;
+
+  /// Lets everything before `limit` happen; time() is then `limit`.
+  void run_until(Time limit);
+  Time time() const;
+
+  const Config& config() const;
+  void set_observer(Observer* observer);
+
+  // Between calls of run_until, at time().
+  void plug(unsigned slot);
+  void unplug(unsigned slot);
+  void reset(unsigned slot);
+  void script(ScriptedEvent event);  ///< not before time()
+
+  unsigned slots() const;
+  bool plugged(unsigned slot) const;
+  bool faulted(unsigned slot) const;
+  c40::Chip& chip(unsigned slot);
+  const c40::Chip& chip(unsigned slot) const;
+  const Clock& chip_clock() const;
+  const pci::Bus& bus(BusId id) const;
+  const std::vector<ChipFault>& faults() const;
+  const SlotStatistics& statistics(unsigned slot) const;
+
+  /// Shared memory as a debugger sees it, without time or side effects: offsets 0 to FFFFh.
+  Word peek(Offset offset) const;
+  void poke(Offset offset, Word word);
+  Word symbol(std::string_view name) const;  ///< of the program; std::out_of_range names it
+
+  /// SHA-256 is the report's business: this appends the machine's own final state (shared memory, devices' registers, each chip's registers and counters) as words.
+  void append_state(std::vector<std::uint64_t>& words) const;
+
+ private:
+  class Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace machine
