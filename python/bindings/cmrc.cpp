@@ -1,3 +1,100 @@
+#include <pybind11/stl.h>
+
+#include "cmrc/config.hpp"
 #include "python/bindings/bindings.hpp"
 
-void bind_cmrc(py::module_&) {}
+namespace {
+
+py::object to_python(const cmrc::Value& value) {
+  return std::visit([](const auto& v) { return py::cast(v); }, value);
+}
+
+cmrc::Value to_value(const py::handle& value, const std::string& key) {
+  if (py::isinstance<py::bool_>(value)) return value.cast<bool>();
+  if (py::isinstance<py::str>(value)) return value.cast<std::string>();
+  if (py::isinstance<py::float_>(value)) return value.cast<double>();
+  if (PyIndex_Check(value.ptr()) != 0) {  // int and NumPy's integers
+    const py::object index = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+    try {
+      return index.cast<std::int64_t>();
+    } catch (const py::cast_error&) {
+      throw cmrc::ConfigError(key + ": " + std::string(py::str(value)) + " does not fit 64 bits; a smaller integer is expected");
+    }
+  }
+  if (py::hasattr(value, "__float__")) return py::float_(py::reinterpret_borrow<py::object>(value)).cast<double>();
+  throw cmrc::ConfigError(key + ": " + std::string(py::str(py::type::of(value))) +
+                          " cannot be used; a bool, int, float or str is expected");
+}
+
+/// Nested dictionaries are tables; a flat dictionary of dotted or unambiguous names works too.
+void add_settings(cmrc::ConfigBuilder& builder, const py::dict& settings, const std::string& prefix) {
+  for (const auto& [name, value] : settings) {
+    const std::string key = prefix + std::string(py::str(name));
+    if (py::isinstance<py::dict>(value)) {
+      add_settings(builder, value.cast<py::dict>(), key + ".");
+    } else {
+      builder.set(key, to_value(value, key), {});
+    }
+  }
+}
+
+void bind_config(py::module_& m) {
+  py::register_exception<cmrc::ConfigError>(m, "ConfigError", PyExc_ValueError);
+
+  py::class_<cmrc::Config>(m, "Config", "All parameters of a run (docs/configuration.md).")
+      .def("to_toml", &cmrc::to_toml, "The configuration as complete TOML.")
+      .def("to_dict", [](const cmrc::Config& config) {
+        py::dict all;
+        for (const cmrc::Key& key : cmrc::keys()) all[py::str(key.name)] = to_python(key.read(config));
+        return all;
+      }, "Every key with its value.")
+      .def("intervals", [](const cmrc::Config& config) {
+        const cmrc::Intervals n = cmrc::intervals(config);
+        return py::dict(py::arg("N_p") = n.servo, py::arg("N_t") = n.crane_point, py::arg("N_a") = n.agv_point,
+                        py::arg("N_a_slowed") = n.agv_slowed);
+      }, "Equations (5) and (6), in refreshes.");
+
+  m.def("config", [](const py::object& toml, const std::string& name, const py::object& file, const py::object& preset,
+                     const py::dict& settings) {
+    cmrc::ConfigBuilder builder;
+    if (!file.is_none()) builder.file(py::str(file));
+    if (!toml.is_none()) builder.text(toml.cast<std::string>(), name);
+    if (!preset.is_none()) builder.preset(preset.cast<std::string>(), {});
+    add_settings(builder, settings, "");
+    return builder.build();
+  }, py::arg("toml") = py::none(), py::arg("name") = "<toml>", py::arg("file") = py::none(),
+     py::arg("preset") = py::none(), py::arg("settings") = py::dict(),
+     "Defaults, then the preset, the file, the TOML text, the settings. Raises ConfigError.");
+
+  m.def("config_keys", [] {
+    py::list all;
+    const cmrc::Config defaults;
+    for (const cmrc::Key& key : cmrc::keys()) {
+      py::dict entry;
+      entry["name"] = key.name;
+      entry["type"] = std::string(cmrc::name(key.type));
+      entry["unit"] = key.unit;
+      entry["minimum"] = key.minimum;
+      entry["maximum"] = key.maximum;
+      entry["choices"] = key.choices;
+      entry["default"] = to_python(key.read(defaults));
+      entry["meaning"] = key.meaning;
+      entry["source"] = key.source;
+      all.append(entry);
+    }
+    return all;
+  }, "The schema: one dictionary per key.");
+
+  m.def("presets", [] {
+    py::dict all;
+    for (const cmrc::Preset& preset : cmrc::presets()) all[py::str(std::string(preset.name))] = std::string(preset.meaning);
+    return all;
+  });
+}
+
+}  // namespace
+
+void bind_cmrc(py::module_& core) {
+  py::module_ m = core.def_submodule("cmrc", "The controller: configuration, importance, list, host, runs.");
+  bind_config(m);
+}

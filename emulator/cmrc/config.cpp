@@ -1,0 +1,387 @@
+#include "cmrc/config.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <sstream>
+#include <toml++/toml.h>
+
+namespace cmrc {
+namespace {
+
+[[noreturn]] void fail(const Origin& origin, std::string_view key, std::string_view what, std::string_view right) {
+  const std::string at = origin.text();
+  throw ConfigError(fmt::format("{}{}{}{}{}; {}", at, at.empty() ? "" : ": ", key, key.empty() ? "" : ": ", what, right));
+}
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row[b.size()];
+}
+
+std::string_view leaf(std::string_view key) {
+  const std::size_t dot = key.rfind('.');
+  return dot == std::string_view::npos ? key : key.substr(dot + 1);
+}
+
+/// The known key that the user most likely meant: by the whole name, and by the part after the table.
+std::string_view nearest(std::string_view key) {
+  std::string_view best;
+  std::size_t least = std::numeric_limits<std::size_t>::max();
+  for (const Key& known : keys()) {
+    const std::size_t distance =
+        std::min(edit_distance(key, known.name), edit_distance(leaf(key), leaf(known.name)) + 1);
+    if (distance < least) {
+      least = distance;
+      best = known.name;
+    }
+  }
+  return best;
+}
+
+std::optional<std::size_t> find(std::string_view key) {
+  const auto all = keys();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].name == key) return i;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::size_t> find_leaf(std::string_view key) {
+  const auto all = keys();
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (leaf(all[i].name) != key) continue;
+    if (found) return std::nullopt;
+    found = i;
+  }
+  return found;
+}
+
+std::string quoted_list(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    text += fmt::format("{}\"{}\"", i == 0 ? "" : i + 1 == words.size() ? " or " : ", ", words[i]);
+  }
+  return text;
+}
+
+std::string what_is_right(const Key& key) {
+  switch (key.type) {
+    case Key::Type::boolean: return "true or false is expected";
+    case Key::Type::text: return "a string is expected";
+    case Key::Type::choice: return quoted_list(key.choices) + " is expected";
+    default: break;
+  }
+  const std::string_view noun = key.type == Key::Type::integer ? "an integer" : "a number";
+  const std::string unit = key.unit.empty() ? "" : " (" + key.unit + ")";
+  if (std::isinf(key.maximum)) return fmt::format("{} of at least {} is expected{}", noun, key.minimum, unit);
+  return fmt::format("{} from {} to {} is expected{}", noun, key.minimum, key.maximum, unit);
+}
+
+std::string_view name_of(const Value& value) {
+  static constexpr std::string_view names[] = {"a boolean", "an integer", "a number", "a string"};
+  return names[value.index()];
+}
+
+std::string show(const Value& value) {
+  if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
+  if (const auto* integer = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *integer);
+  if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
+  return fmt::format("\"{}\"", std::get<std::string>(value));
+}
+
+/// The value in the key's own type, range checked.
+Value checked(const Key& key, const Value& value, const Origin& origin) {
+  const auto ill_typed = [&]() -> Value { fail(origin, key.name, fmt::format("{} is {}", show(value), name_of(value)),
+                                               what_is_right(key)); };
+  const auto out_of_range = [&]() -> Value { fail(origin, key.name, fmt::format("{} is out of range", show(value)),
+                                                  what_is_right(key)); };
+  switch (key.type) {
+    case Key::Type::boolean: return std::holds_alternative<bool>(value) ? value : ill_typed();
+    case Key::Type::text: return std::holds_alternative<std::string>(value) ? value : ill_typed();
+    case Key::Type::choice: {
+      const auto* word = std::get_if<std::string>(&value);
+      if (word == nullptr) return ill_typed();
+      if (std::find(key.choices.begin(), key.choices.end(), *word) == key.choices.end()) {
+        fail(origin, key.name, fmt::format("{} is not known", show(value)), what_is_right(key));
+      }
+      return value;
+    }
+    case Key::Type::integer: {
+      const auto* integer = std::get_if<std::int64_t>(&value);
+      if (integer == nullptr) return ill_typed();
+      const auto wide = static_cast<double>(*integer);
+      return wide < key.minimum || wide > key.maximum ? out_of_range() : value;
+    }
+    case Key::Type::number: {
+      double number = 0;
+      if (const auto* real = std::get_if<double>(&value)) number = *real;
+      else if (const auto* integer = std::get_if<std::int64_t>(&value)) number = static_cast<double>(*integer);
+      else return ill_typed();
+      if (!(number >= key.minimum && number <= key.maximum)) return out_of_range();
+      return number;
+    }
+  }
+  return value;
+}
+
+Origin origin_of(const toml::source_region& region, const std::string& name) {
+  return {name, static_cast<std::int64_t>(region.begin.line), static_cast<std::int64_t>(region.begin.column)};
+}
+
+Value value_of(const toml::node& node, std::string_view key, const Origin& origin) {
+  if (const auto* v = node.as_boolean()) return v->get();
+  if (const auto* v = node.as_integer()) return v->get();
+  if (const auto* v = node.as_floating_point()) return v->get();
+  if (const auto* v = node.as_string()) return v->get();
+  fail(origin, key, "arrays, tables and dates are not used here", "a boolean, a number or a string is expected");
+}
+
+bool is_table(std::string_view key) {
+  return std::any_of(keys().begin(), keys().end(), [&](const Key& known) {
+    return known.name.size() > key.size() && known.name.starts_with(key) && known.name[key.size()] == '.';
+  });
+}
+
+void check_preset(std::string_view name, const Origin& origin) {
+  std::vector<std::string> names;
+  for (const Preset& known : presets()) {
+    if (known.name == name) return;
+    names.emplace_back(known.name);
+  }
+  fail(origin, "preset", fmt::format("\"{}\" is not known", name), quoted_list(names) + " is expected");
+}
+
+/// The invariants of plant-and-bus.md 4.5; an error names the place of the key that was set, if any was.
+class Invariants {
+ public:
+  Invariants(const Config& config, const std::map<std::string, Origin, std::less<>>& origins)
+      : config_(config), n_(intervals(config)), origins_(origins) {}
+
+  void check() const {
+    rates();
+    importance();
+    leads();
+  }
+
+ private:
+  void require(bool holds, std::initializer_list<std::string_view> involved, std::string what,
+               std::string right) const {
+    if (holds) return;
+    for (std::string_view key : involved) {
+      if (auto at = origins_.find(key); at != origins_.end()) fail(at->second, key, what, right);
+    }
+    fail({}, *involved.begin(), what, right);
+  }
+
+  void rates() const {
+    const auto& r = config_.rates;
+    require(r.refresh_frequency_hz >= 2 * r.servo_frequency_hz,
+            {"rates.servo_frequency_hz", "rates.refresh_frequency_hz"},
+            fmt::format("f_s = {} Hz is less than 2 f_p = {} Hz", r.refresh_frequency_hz, 2 * r.servo_frequency_hz),
+            "f_s >= 2 f_p is required, f_s >= 8 f_p is better: a release can be late by 1 / f_s");
+    require(r.crane_point_frequency_hz <= r.servo_frequency_hz,
+            {"rates.crane_point_frequency_hz", "rates.servo_frequency_hz"},
+            fmt::format("f_t = {} Hz is above f_p = {} Hz", r.crane_point_frequency_hz, r.servo_frequency_hz),
+            "PID interpolates between points: f_t <= f_p is required");
+    require(r.agv_point_frequency_hz <= r.refresh_frequency_hz / 2,
+            {"rates.agv_point_frequency_hz", "rates.refresh_frequency_hz"},
+            fmt::format("f_a = {} Hz is above f_s / 2 = {} Hz", r.agv_point_frequency_hz, r.refresh_frequency_hz / 2),
+            "f_a <= f_s / 2 is required");
+  }
+
+  void importance() const {
+    const auto& s = config_.scheduling;
+    require(s.q < s.p, {"scheduling.q", "scheduling.p"}, fmt::format("q = {:#x} is not below p = {:#x}", s.q, s.p),
+            "0 < q < p is required (8)");
+    require(s.p + s.b < 0x7FFF, {"scheduling.p", "scheduling.b"}, fmt::format("p + b = {:#x}", s.p + s.b),
+            "p + b < 0x7fff is required (8)");
+    const std::int64_t oldest = s.q + s.b + s.a * (s.agv_interval_max_refreshes - s.beta_refreshes - 1);
+    require(oldest < 0x7FFF,
+            {"scheduling.a", "scheduling.agv_interval_max_refreshes", "scheduling.q", "scheduling.b"},
+            fmt::format("an ageing AGV block reaches q + b + a (N^_a,max - beta - 1) = {:#x}", oldest),
+            fmt::format("it must stay below 0x7fff: a <= {} with these q, b and N^_a,max",
+                        (0x7FFE - s.q - s.b) / s.agv_interval_max_refreshes));
+    require(s.p - s.q >= s.a, {"scheduling.a", "scheduling.p", "scheduling.q"},
+            fmt::format("ageing overtakes the crane's planning after (p - q) / a = {:.3g} refreshes",
+                        static_cast<double>(s.p - s.q) / static_cast<double>(s.a)),
+            "at least 1 is required, about half of N^_a is good");
+  }
+
+  void leads() const {
+    const auto& s = config_.scheduling;
+    require(s.gamma_refreshes < n_.servo, {"scheduling.gamma_refreshes", "rates.servo_frequency_hz"},
+            fmt::format("gamma = {} is not below N_p = {}", s.gamma_refreshes, n_.servo), "0 <= gamma < N_p is required");
+    require(n_.agv_point <= n_.agv_slowed, {"scheduling.agv_interval_refreshes", "rates.agv_point_frequency_hz"},
+            fmt::format("N^_a = {} is below N_a = {}", n_.agv_slowed, n_.agv_point),
+            "N_a <= N^_a <= N^_a,max is required; 0 means N_a");
+    require(n_.agv_slowed <= s.agv_interval_max_refreshes,
+            {"scheduling.agv_interval_refreshes", "scheduling.agv_interval_max_refreshes",
+             "rates.agv_point_frequency_hz", "rates.refresh_frequency_hz"},
+            fmt::format("N^_a = {} is above N^_a,max = {}", n_.agv_slowed, s.agv_interval_max_refreshes),
+            "N_a <= N^_a <= N^_a,max is required");
+    const std::int64_t shortest = std::min(n_.crane_point, n_.agv_slowed);
+    for (auto [key, symbol, value] : {std::tuple{"scheduling.alpha_refreshes", "alpha", s.alpha_refreshes},
+                                      std::tuple{"scheduling.beta_refreshes", "beta", s.beta_refreshes}}) {
+      require(value < shortest, {key, "rates.crane_point_frequency_hz", "rates.agv_point_frequency_hz",
+                                 "rates.refresh_frequency_hz"},
+              fmt::format("{} = {} is not below min(N_t, N^_a) = {}", symbol, value, shortest),
+              fmt::format("0 <= {} < {} is required", symbol, shortest));
+    }
+  }
+
+  const Config& config_;
+  Intervals n_;
+  const std::map<std::string, Origin, std::less<>>& origins_;
+};
+
+}  // namespace
+
+std::string Origin::text() const {
+  return line > 0 ? fmt::format("{}:{}:{}", name, line, column) : name;
+}
+
+Intervals intervals(const Config& config) {
+  const auto& r = config.rates;
+  const auto floor_of = [&](double frequency) {
+    // A ratio that is whole but for the rounding of the division counts as whole.
+    return static_cast<std::int64_t>(std::floor(r.refresh_frequency_hz / frequency * (1 + 1e-12)));
+  };
+  Intervals n{floor_of(r.servo_frequency_hz), floor_of(r.crane_point_frequency_hz), floor_of(r.agv_point_frequency_hz), 0};
+  n.agv_slowed = config.scheduling.agv_interval_refreshes == 0 ? n.agv_point : config.scheduling.agv_interval_refreshes;
+  return n;
+}
+
+ConfigBuilder& ConfigBuilder::preset(std::string_view name, const Origin& origin) {
+  check_preset(name, origin);
+  flag_preset_ = name;
+  return *this;
+}
+
+ConfigBuilder& ConfigBuilder::file(const std::string& path) {
+  std::ifstream in(path);
+  if (!in) throw ConfigError(fmt::format("{}: cannot be read; the name of a TOML file is expected", path));
+  std::stringstream content;
+  content << in.rdbuf();
+  if (in.bad()) throw ConfigError(fmt::format("{}: cannot be read; the name of a TOML file is expected", path));
+  return text(content.str(), path);
+}
+
+ConfigBuilder& ConfigBuilder::text(std::string_view toml, const std::string& name) {
+  parse(toml, name, file_settings_);
+  return *this;
+}
+
+ConfigBuilder& ConfigBuilder::set(std::string_view key, const Value& value, const Origin& origin) {
+  if (key == "preset") {
+    if (const auto* word = std::get_if<std::string>(&value)) return preset(*word, origin);
+    fail(origin, "preset", show(value) + " is " + std::string(name_of(value)), "the name of a preset is expected");
+  }
+  auto index = find(key);
+  if (!index) index = find_leaf(key);
+  if (!index) fail(origin, key, "no such key", fmt::format("the nearest known key is {}", nearest(key)));
+  flag_settings_.push_back({*index, checked(keys()[*index], value, origin), origin});
+  return *this;
+}
+
+void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::vector<Setting>& into) {
+  const auto walk = [&](const auto& self, const toml::table& table, const std::string& prefix) -> void {
+    for (const auto& [key, node] : table) {
+      const std::string full = prefix + std::string(key.str());
+      const Origin key_origin = origin_of(key.source(), name);
+      if (full == "preset" && node.is_string()) {
+        file_preset_ = node.as_string()->get();
+        check_preset(*file_preset_, origin_of(node.source(), name));
+        continue;
+      }
+      if (node.is_table() && is_table(full)) {
+        self(self, *node.as_table(), full + ".");
+        continue;
+      }
+      const auto index = find(full);
+      if (!index) {
+        // Of an unknown table, the first key inside says more than the table's own name.
+        if (node.is_table() && !node.as_table()->empty()) {
+          self(self, *node.as_table(), full + ".");
+          continue;
+        }
+        fail(key_origin, full, "no such key", fmt::format("the nearest known key is {}", nearest(full)));
+      }
+      const Origin origin = origin_of(node.source(), name);
+      into.push_back({*index, checked(keys()[*index], value_of(node, full, origin), origin), key_origin});
+    }
+  };
+  try {
+    walk(walk, toml::parse(toml, name), "");
+  } catch (const toml::parse_error& error) {
+    const Origin origin = origin_of(error.source(), name);
+    throw ConfigError(fmt::format("{}: {}; valid TOML 1.0 is expected", origin.text(), error.description()));
+  }
+}
+
+Config ConfigBuilder::build() const {
+  Config config;
+  std::map<std::string, Origin, std::less<>> origins;
+  const auto apply = [&](const std::vector<Setting>& settings) {
+    for (const Setting& setting : settings) {
+      keys()[setting.key].assign(config, setting.value);
+      origins.insert_or_assign(keys()[setting.key].name, setting.origin);
+    }
+  };
+  if (const auto& chosen = flag_preset_ ? flag_preset_ : file_preset_) {
+    for (const Preset& preset : presets()) {
+      if (preset.name != *chosen) continue;
+      ConfigBuilder parser;
+      std::vector<Setting> settings;
+      parser.parse(preset.toml, fmt::format("preset {}", preset.name), settings);
+      apply(settings);
+    }
+  }
+  apply(file_settings_);
+  apply(flag_settings_);
+  Invariants(config, origins).check();
+  return config;
+}
+
+std::string to_toml(const Config& config) {
+  std::string text;
+  std::string_view table;
+  for (const Key& key : keys()) {
+    const std::string_view in = std::string_view(key.name).substr(0, key.name.find('.'));
+    if (in != table) {
+      text += fmt::format("{}[{}]\n", table.empty() ? "" : "\n", in);
+      table = in;
+    }
+    const Value value = key.read(config);
+    std::string shown = show(value);
+    if (std::holds_alternative<double>(value) && shown.find_first_of(".e") == std::string::npos) shown += ".0";
+    if (const auto* word = std::get_if<std::string>(&value)) {
+      shown = "\"";
+      for (char c : *word) {
+        if (c == '"' || c == '\\') shown += '\\';
+        shown += c;
+      }
+      shown += '"';
+    }
+    text += fmt::format("{} = {}\n", leaf(key.name), shown);
+  }
+  return text;
+}
+
+}  // namespace cmrc

@@ -1,0 +1,181 @@
+#pragma once
+// What a run is made of: every parameter with its default, and the TOML schema that names them (docs/configuration.md).
+//
+// A configuration is built in layers, later ones overriding earlier ones: defaults (the base rates of plant-and-bus.md
+// 2.3), a preset, a TOML file, single settings (command-line flags, keyword arguments). All faults of the user's input
+// are ConfigError, with the place where the value was given.
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace cmrc {
+
+enum class Equation7 { restored, as_printed };
+enum class IdlePolicy { doorbell, pause, spin };
+enum class DspClock { c40_40, c40_50, c40_60 };
+enum class Learning { off, proportional, unit };
+enum class ServoReload { locked, inherited };
+enum class CraneModel { l0, l1 };
+
+/// All parameters of a run. Units are in the names, as in the TOML keys.
+struct Config {
+  struct Run {
+    double duration_s = 180;
+    std::int64_t seed = 1;
+    std::int64_t turn_order = 0;  ///< shuffles which chip the emulator advances first; changes nothing
+    bool strict = false;          ///< a missed deadline makes the run fail
+  } run;
+  struct Machine {
+    std::int64_t dsps = 4;
+    DspClock dsp_clock = DspClock::c40_50;
+    IdlePolicy idle_policy = IdlePolicy::doorbell;
+    std::int64_t pause_nops = 125;  ///< 5 us at C40-50
+    std::string programs;           ///< directory of the assembly sources; empty: the image built in
+  } machine;
+  struct Rates {
+    double refresh_frequency_hz = 8000;  ///< f_s
+    double servo_frequency_hz = 1000;    ///< f_p
+    double crane_point_frequency_hz = 125;  ///< f_t
+    double agv_point_frequency_hz = 50;     ///< f_a
+  } rates;
+  struct Scheduling {
+    Equation7 equation = Equation7::restored;
+    std::int64_t gamma_refreshes = 0;
+    std::int64_t alpha_refreshes = 24;
+    std::int64_t beta_refreshes = 12;
+    std::int64_t p = 0x4000;
+    std::int64_t q = 0x2000;
+    std::int64_t b = 0x100;
+    std::int64_t a = 0x40;
+    std::int64_t agv_interval_refreshes = 0;  ///< N^_a at the start; 0: N_a
+    std::int64_t agv_interval_max_refreshes = 320;
+    std::int64_t buffer_points = 2;
+    ServoReload servo_reload = ServoReload::locked;
+    Learning learning = Learning::off;
+    double learning_rate = 0.5;
+    double learning_dead_band = 0.02;
+    double learning_step_max = 0.1;
+  } scheduling;
+  struct Watchdog {
+    double factor = 3;
+    std::int64_t minimum_refreshes = 16;
+    std::int64_t recomputations_max = 2;
+    double semaphore_limit_us = 100;
+    double servo_run_us = 400;
+    double planning_run_us = 1500;
+    double long_run_us = 40000;
+  } watchdog;
+  struct Host {
+    double refresh_overhead_ns = 1500;
+    double per_block_ns = 60;
+    double semaphore_retry_ns = 200;
+  } host;
+  struct Load {
+    std::int64_t avoidance_cycles = 0;  ///< of the synthetic avoidance block; 0: none is loaded
+  } load;
+  struct Bus {
+    double clock_hz = 100e6 / 3;
+    std::int64_t latency_timer_clocks = 32;
+    bool prefetch = true;
+    bool fast_back_to_back = false;
+  } bus;
+  struct Dock {
+    CraneModel crane_model = CraneModel::l1;
+    std::int64_t agvs = 1;
+    std::int64_t containers = 4;
+    double container_mass_kg = 30480;
+    double agv_speed_m_s = 5.0;
+    double clearance_m = 0.6;
+    double ramp_slack_m = 0.05;
+    double ramp_speed_m_s = 0.15;
+  } dock;
+  struct Report {
+    std::int64_t signal_decimation = 8;  ///< latches (125 us) per recorded sample
+  } report;
+};
+
+/// Equations (5) and (6): refreshes between runs.
+struct Intervals {
+  std::int64_t servo;       ///< N_p
+  std::int64_t crane_point; ///< N_t
+  std::int64_t agv_point;   ///< N_a
+  std::int64_t agv_slowed;  ///< N^_a at the start
+};
+Intervals intervals(const Config& config);
+
+/// "FILE:line:column: key: what is wrong; what would be right" (line and column only where there are any).
+class ConfigError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+using Value = std::variant<bool, std::int64_t, double, std::string>;
+
+/// Where a value was given: a file with line and column, or the name of a flag or an argument.
+struct Origin {
+  std::string name;
+  std::int64_t line = 0;
+  std::int64_t column = 0;
+  std::string text() const;
+};
+
+/// One key of the schema. The list keys() is the schema: the parser, the documentation and the tests read it.
+struct Key {
+  enum class Type { boolean, integer, number, text, choice };
+  std::string name;  ///< dotted: table.key
+  Type type;
+  std::string unit;
+  double minimum;
+  double maximum;
+  std::vector<std::string> choices;
+  std::string meaning;
+  std::string source;
+  std::function<void(Config&, const Value&)> assign;  ///< of a value already checked
+  std::function<Value(const Config&)> read;
+};
+std::span<const Key> keys();
+std::string_view name(Key::Type type);
+
+/// A preset is a piece of TOML laid over the defaults.
+struct Preset {
+  std::string_view name;
+  std::string_view meaning;
+  std::string_view toml;
+};
+std::span<const Preset> presets();
+
+/// Collects the layers; every function throws ConfigError on bad input.
+class ConfigBuilder {
+ public:
+  ConfigBuilder& preset(std::string_view name, const Origin& origin);
+  ConfigBuilder& file(const std::string& path);
+  ConfigBuilder& text(std::string_view toml, const std::string& name);
+  /// One setting above the file. `key` is dotted; a key without its table is accepted when only one table has it.
+  ConfigBuilder& set(std::string_view key, const Value& value, const Origin& origin);
+  /// Applies the layers in order and checks every invariant of plant-and-bus.md 4.5.
+  Config build() const;
+
+ private:
+  struct Setting {
+    std::size_t key;
+    Value value;
+    Origin origin;
+  };
+  void parse(std::string_view toml, const std::string& name, std::vector<Setting>& into);
+
+  std::optional<std::string> flag_preset_;
+  std::optional<std::string> file_preset_;
+  std::vector<Setting> file_settings_;
+  std::vector<Setting> flag_settings_;
+};
+
+/// The configuration as complete TOML, every key with its value.
+std::string to_toml(const Config& config);
+
+}  // namespace cmrc

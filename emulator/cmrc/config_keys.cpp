@@ -1,0 +1,225 @@
+// The schema: one entry per key. docs/configuration.md lists the same and a test compares the two.
+#include <limits>
+
+#include "cmrc/config.hpp"
+
+namespace cmrc {
+namespace {
+
+constexpr double no_limit = std::numeric_limits<double>::infinity();
+
+template <class Get>
+Key integer(std::string name, Get get, std::string unit, double minimum, double maximum, std::string meaning,
+            std::string source) {
+  return {std::move(name), Key::Type::integer, std::move(unit), minimum, maximum, {}, std::move(meaning),
+          std::move(source),
+          [get](Config& config, const Value& value) { get(config) = std::get<std::int64_t>(value); },
+          [get](const Config& config) { return Value{get(const_cast<Config&>(config))}; }};
+}
+
+template <class Get>
+Key number(std::string name, Get get, std::string unit, double minimum, double maximum, std::string meaning,
+           std::string source) {
+  return {std::move(name), Key::Type::number, std::move(unit), minimum, maximum, {}, std::move(meaning),
+          std::move(source), [get](Config& config, const Value& value) { get(config) = std::get<double>(value); },
+          [get](const Config& config) { return Value{get(const_cast<Config&>(config))}; }};
+}
+
+template <class Get>
+Key boolean(std::string name, Get get, std::string meaning, std::string source) {
+  return {std::move(name), Key::Type::boolean, "", 0, 1, {}, std::move(meaning), std::move(source),
+          [get](Config& config, const Value& value) { get(config) = std::get<bool>(value); },
+          [get](const Config& config) { return Value{get(const_cast<Config&>(config))}; }};
+}
+
+template <class Get>
+Key text(std::string name, Get get, std::string meaning, std::string source) {
+  return {std::move(name), Key::Type::text, "", 0, 0, {}, std::move(meaning), std::move(source),
+          [get](Config& config, const Value& value) { get(config) = std::get<std::string>(value); },
+          [get](const Config& config) { return Value{get(const_cast<Config&>(config))}; }};
+}
+
+/// `choices` in the order of the enumeration's values.
+template <class Get>
+Key choice(std::string name, Get get, std::vector<std::string> choices, std::string meaning, std::string source) {
+  using Enum = std::remove_reference_t<decltype(get(std::declval<Config&>()))>;
+  auto assign = [get, choices](Config& config, const Value& value) {
+    for (std::size_t i = 0; i < choices.size(); ++i) {
+      if (choices[i] == std::get<std::string>(value)) get(config) = static_cast<Enum>(i);
+    }
+  };
+  auto read = [get, choices](const Config& config) {
+    return Value{choices[static_cast<std::size_t>(get(const_cast<Config&>(config)))]};
+  };
+  return {std::move(name), Key::Type::choice, "", 0, 0, std::move(choices), std::move(meaning), std::move(source),
+          std::move(assign), std::move(read)};
+}
+
+// Names the member of Config as a function, so that one entry can both read and write it.
+#define FIELD(path) [](Config& c) -> auto& { return c.path; }
+
+std::vector<Key> make_keys() {
+  return {
+      number("run.duration_s", FIELD(run.duration_s), "s", 1e-6, 86400, "simulated time", "ruling 13"),
+      integer("run.seed", FIELD(run.seed), "", 0, no_limit, "seed of everything random", "ruling 3"),
+      integer("run.turn_order", FIELD(run.turn_order), "", 0, no_limit,
+              "shuffles which chip the emulator advances first; must change nothing", "ruling 29"),
+      boolean("run.strict", FIELD(run.strict), "a missed deadline makes the run fail (exit status 1)", "ruling 24"),
+
+      integer("machine.dsps", FIELD(machine.dsps), "", 1, 16, "number of DSPs, in slots 0 upwards", "paper 1"),
+      choice("machine.dsp_clock", FIELD(machine.dsp_clock), {"C40-40", "C40-50", "C40-60"},
+             "speed grade: instruction cycles of 50, 40 or 33.3 ns", "C40 data sheet SPRS038"),
+      choice("machine.idle_policy", FIELD(machine.idle_policy), {"doorbell", "pause", "spin"},
+             "how a DSP without work waits: IDLE until rung, read the list again after a pause, read it at once",
+             "ruling 23"),
+      integer("machine.pause_nops", FIELD(machine.pause_nops), "cycles", 1, 1000000,
+              "length of the pause of idle_policy \"pause\"", "plant-and-bus.md 3.5"),
+      text("machine.programs", FIELD(machine.programs),
+           "directory of the DSP programs' sources, assembled at the start; empty: the image built in", "issue 2"),
+
+      number("rates.refresh_frequency_hz", FIELD(rates.refresh_frequency_hz), "Hz", 100, 200000,
+             "f_s, refreshes of the task-block list", "plant-and-bus.md 2.3"),
+      number("rates.servo_frequency_hz", FIELD(rates.servo_frequency_hz), "Hz", 10, 100000,
+             "f_p, torque compensation and PID", "plant-and-bus.md 2.3"),
+      number("rates.crane_point_frequency_hz", FIELD(rates.crane_point_frequency_hz), "Hz", 1, 10000,
+             "f_t, interpolation points of the crane", "plant-and-bus.md 2.3"),
+      number("rates.agv_point_frequency_hz", FIELD(rates.agv_point_frequency_hz), "Hz", 1, 10000,
+             "f_a, set-points of an AGV at top speed", "plant-and-bus.md 2.3"),
+
+      choice("scheduling.equation", FIELD(scheduling.equation), {"restored", "as_printed"},
+             "which reading of equation (7) computes the importance", "paper 6"),
+      integer("scheduling.gamma_refreshes", FIELD(scheduling.gamma_refreshes), "refreshes", 0, 65535,
+              "gamma: torque compensation and PID become due this much before their tick", "ruling 15"),
+      integer("scheduling.alpha_refreshes", FIELD(scheduling.alpha_refreshes), "refreshes", 0, 65535,
+              "alpha: trajectory planning becomes due this much before its interval ends", "ruling 15"),
+      integer("scheduling.beta_refreshes", FIELD(scheduling.beta_refreshes), "refreshes", 0, 65535,
+              "beta: the same for inverse kinematics", "ruling 15"),
+      integer("scheduling.p", FIELD(scheduling.p), "", 1, 0x7FFE, "p: importance of the crane's planning not yet due",
+              "ruling 15"),
+      integer("scheduling.q", FIELD(scheduling.q), "", 1, 0x7FFE, "q: importance of the AGV's planning not yet due",
+              "ruling 15"),
+      integer("scheduling.b", FIELD(scheduling.b), "", 1, 0x7FFE, "b: inverse kinematics above trajectory planning",
+              "ruling 15"),
+      integer("scheduling.a", FIELD(scheduling.a), "per refresh", 1, 0x7FFE, "a: ageing of the AGV's waiting blocks",
+              "ruling 15"),
+      integer("scheduling.agv_interval_refreshes", FIELD(scheduling.agv_interval_refreshes), "refreshes", 0, 65535,
+              "N^_a at the start; 0: N_a", "paper 5"),
+      integer("scheduling.agv_interval_max_refreshes", FIELD(scheduling.agv_interval_max_refreshes), "refreshes", 1,
+              65535, "upper bound of N^_a", "ruling 15"),
+      integer("scheduling.buffer_points", FIELD(scheduling.buffer_points), "points", 1, 2,
+              "depth of the interpolation buffer", "ruling 15"),
+      choice("scheduling.servo_reload", FIELD(scheduling.servo_reload), {"locked", "inherited"},
+             "t of a servo block put back: counted from the nominal tick, or from when it was last taken "
+             "(then gamma > 0 speeds the servo up)",
+             "plant-and-bus.md 4.6 item 1"),
+      choice("scheduling.learning", FIELD(scheduling.learning), {"off", "proportional", "unit"},
+             "how N^_a is adapted after each AGV cycle: not, by 4.7, or by one as printed", "plant-and-bus.md 4.7"),
+      number("scheduling.learning_rate", FIELD(scheduling.learning_rate), "", 0, 1, "eta of proportional learning",
+             "plant-and-bus.md 4.7"),
+      number("scheduling.learning_dead_band", FIELD(scheduling.learning_dead_band), "", 0, 1,
+             "no change while the waiting is below this share of T_g", "plant-and-bus.md 4.7"),
+      number("scheduling.learning_step_max", FIELD(scheduling.learning_step_max), "", 0, 1,
+             "largest change of N^_a per cycle, as a share of it", "plant-and-bus.md 4.7"),
+
+      number("watchdog.factor", FIELD(watchdog.factor), "", 1, 1000,
+             "the limit of a kind is this times its longest measured run", "ruling 15"),
+      integer("watchdog.minimum_refreshes", FIELD(watchdog.minimum_refreshes), "refreshes", 2, 65535,
+              "no limit is below this", "ruling 15"),
+      integer("watchdog.recomputations_max", FIELD(watchdog.recomputations_max), "", 0, 100,
+              "a block that hangs more often than this is dropped and becomes an error", "ruling 24"),
+      number("watchdog.semaphore_limit_us", FIELD(watchdog.semaphore_limit_us), "us", 1, 1e6,
+             "the host frees a semaphore that one DSP has held this long", "ruling 24"),
+      number("watchdog.servo_run_us", FIELD(watchdog.servo_run_us), "us", 1, 1e6,
+             "longest run assumed for torque compensation and PID until one has been measured", "assumed"),
+      number("watchdog.planning_run_us", FIELD(watchdog.planning_run_us), "us", 1, 1e6,
+             "the same for trajectory planning and inverse kinematics", "assumed"),
+      number("watchdog.long_run_us", FIELD(watchdog.long_run_us), "us", 1, 1e7,
+             "the same for all other kinds", "assumed"),
+
+      number("host.refresh_overhead_ns", FIELD(host.refresh_overhead_ns), "ns", 0, 1e6,
+             "the host's own work per refresh: timer interrupt, bookkeeping", "assumed, Pentium II"),
+      number("host.per_block_ns", FIELD(host.per_block_ns), "ns", 0, 1e5,
+             "the host's own work per block and refresh: t, J, order", "assumed, Pentium II"),
+      number("host.semaphore_retry_ns", FIELD(host.semaphore_retry_ns), "ns", 0, 1e6,
+             "the host's pause before it tries a taken semaphore again", "assumed"),
+
+      integer("load.avoidance_cycles", FIELD(load.avoidance_cycles), "cycles", 0, 100000000,
+              "length of the synthetic avoidance block that each AGV loads per planning point; 0: none", "ruling 14"),
+
+      number("bus.clock_hz", FIELD(bus.clock_hz), "Hz", 1e6, 133e6, "PCI clock of both buses", "plant-and-bus.md 3.1"),
+      integer("bus.latency_timer_clocks", FIELD(bus.latency_timer_clocks), "clocks", 0, 248,
+              "latency timer of every master", "plant-and-bus.md 3.6"),
+      boolean("bus.prefetch", FIELD(bus.prefetch), "bridges of the DSPs fill a line of 8 words on bus A reads",
+              "ruling 25"),
+      boolean("bus.fast_back_to_back", FIELD(bus.fast_back_to_back),
+              "no turnaround clock between two transactions of one master", "plant-and-bus.md 3.6"),
+
+      choice("dock.crane_model", FIELD(dock.crane_model), {"L0", "L1"},
+             "rope as a rigid guide (L0) or with two sway angles (L1)", "plant-and-bus.md 1.1"),
+      integer("dock.agvs", FIELD(dock.agvs), "", 1, 8, "number of AGVs", "ruling 11"),
+      integer("dock.containers", FIELD(dock.containers), "", 1, 8, "containers on the ship", "paper 3"),
+      number("dock.container_mass_kg", FIELD(dock.container_mass_kg), "kg", 1000, 40000, "gross mass of a container",
+             "plant-and-bus.md 1.4"),
+      number("dock.agv_speed_m_s", FIELD(dock.agv_speed_m_s), "m/s", 0.5, 6, "an AGV's speed on the straights",
+             "plant-and-bus.md 1.4"),
+      number("dock.clearance_m", FIELD(dock.clearance_m), "m", 0.1, 5,
+             "height of a route's end above the surface it aims at", "contract of the job areas"),
+      number("dock.ramp_slack_m", FIELD(dock.ramp_slack_m), "m", 0, 0.5,
+             "how far a lowering ramp goes beyond the surface", "contract of the job areas"),
+      number("dock.ramp_speed_m_s", FIELD(dock.ramp_speed_m_s), "m/s", 0.01, 1,
+             "peak speed of lowering and raising ramps", "plant-and-bus.md 1.5 (0.25 m/s at touch)"),
+
+      integer("report.signal_decimation", FIELD(report.signal_decimation), "latches", 1, 80000,
+              "latches of 125 us per recorded sample of the plant's signals", "ruling 5"),
+  };
+}
+
+#undef FIELD
+
+}  // namespace
+
+std::span<const Key> keys() {
+  static const std::vector<Key> all = make_keys();
+  return all;
+}
+
+std::string_view name(Key::Type type) {
+  switch (type) {
+    case Key::Type::boolean: return "boolean";
+    case Key::Type::integer: return "integer";
+    case Key::Type::number: return "number";
+    case Key::Type::text: return "string";
+    case Key::Type::choice: return "choice";
+  }
+  return "";
+}
+
+std::span<const Preset> presets() {
+  static constexpr Preset all[] = {
+      {"base", "f_s 8 kHz, f_p 1 kHz, f_t 125 Hz, f_a 50 Hz, one AGV: the defaults", ""},
+      {"heavy", "f_s 16 kHz, f_p 2 kHz, 4 AGVs, an avoidance block of the dynamic window's length per AGV and point",
+       R"(
+[rates]
+refresh_frequency_hz = 16000
+servo_frequency_hz = 2000
+[scheduling]
+alpha_refreshes = 48
+beta_refreshes = 24
+a = 0x20
+agv_interval_max_refreshes = 640
+[load]
+avoidance_cycles = 150000
+[dock]
+agvs = 4
+)"},
+      {"saturated", "base rates, 4 AGVs, and a synthetic avoidance block of 150 000 cycles (6 ms) per AGV and point", R"(
+[load]
+avoidance_cycles = 150000
+[dock]
+agvs = 4
+)"},
+  };
+  return all;
+}
+
+}  // namespace cmrc
