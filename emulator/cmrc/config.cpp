@@ -359,6 +359,21 @@ Config ConfigBuilder::build() const {
   return config;
 }
 
+namespace {
+
+std::string quoted(std::string_view word) {
+  std::string text = "\"";
+  for (char c : word) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') text += fmt::format("\\{}", c);
+    else if (byte < 0x20 || byte == 0x7F) text += fmt::format("\\u{:04x}", byte);
+    else text += c;
+  }
+  return text + '"';
+}
+
+}  // namespace
+
 std::string to_toml(const Config& config) {
   std::string text;
   std::string_view table;
@@ -372,12 +387,7 @@ std::string to_toml(const Config& config) {
     std::string shown = show(value);
     if (std::holds_alternative<double>(value) && shown.find_first_of(".e") == std::string::npos) shown += ".0";
     if (const auto* word = std::get_if<std::string>(&value)) {
-      shown = "\"";
-      for (char c : *word) {
-        if (c == '"' || c == '\\') shown += '\\';
-        shown += c;
-      }
-      shown += '"';
+      shown = quoted(*word);
     }
     text += fmt::format("{} = {}\n", leaf(key.name), shown);
   }

@@ -88,9 +88,9 @@ struct Config {
   struct Dock {
     CraneModel crane_model = CraneModel::l1;
     std::int64_t agvs = 1;
-    std::int64_t containers = 4;
+    std::int64_t containers = 5;
     double container_mass_kg = 30480;
-    double agv_speed_m_s = 5.0;
+    double agv_speed_m_s = 6.0;
     double clearance_m = 0.6;
     double ramp_slack_m = 0.05;
     double ramp_speed_m_s = 0.15;
