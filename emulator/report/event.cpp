@@ -89,8 +89,8 @@ std::array<std::string_view, 5> argument_names(EventKind kind) {
 
 std::string to_text(const Event& event) {
   constexpr std::int64_t second = 1'000'000'000'000;
-  std::string line =
-      fmt::format("{}.{:012} [{}] {}", event.time.count() / second, event.time.count() % second, name(event.component), name(event.kind));
+  std::string line = fmt::format("{}.{:012} [{}] {}", event.time.count() / second, event.time.count() % second,
+                                 name(event.component), name(event.kind));
   std::size_t i = 0;
   for (const Argument& argument : arguments_of(event.kind)) {
     const std::uint32_t value = event.arguments[i++];

@@ -1,5 +1,5 @@
 #pragma once
-// What happens in a run, as plain values: the events that are hashed (docs/trace.md) and traced. Knows no chip and no bus.
+// What happens in a run, as plain values: the events that are hashed and traced (docs/trace.md). Knows no chip, no bus.
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -24,35 +24,36 @@ constexpr Component dsp(unsigned slot) { return static_cast<Component>(first_dsp
 /// "host", "bus A", "bus B", "dsp 3", "plant", else "component 7".
 std::string name(Component component);
 
-/// The kinds of event. The comment names the five arguments in order (0 where there are fewer); `argument_names` gives the same names to
-/// the text trace. Numbers are part of the hash: append new kinds, never renumber.
+/// The kinds of event. The comment names the five arguments in order (0 where there are fewer); `argument_names` gives
+/// the same names to the text trace. Numbers are part of the hash: append new kinds, never renumber.
 enum class EventKind : std::uint16_t {
-  refresh = 1,          ///< host: number, blocks in the list, waiting blocks, first waiting block (offset), skipped refreshes before it
-  load = 2,             ///< host: block offset, kind (KIND_*), area offset, tick, generation
-  claim = 3,            ///< dsp: block offset, kind, area offset, tick, generation (the block is marked 0Fh)
-  start = 4,            ///< dsp: block offset, kind (the task's first instruction); only where it is observed apart from the claim
-  finish = 5,           ///< dsp: block offset, kind, result, notify, generation (the block is marked FFh)
-  remove = 6,           ///< host: block offset, kind, generation
-  requeue = 7,          ///< host: block offset, kind, generation, old owner's slot, recomputations so far (watchdog)
-  bus_transaction = 8,  ///< bus: master, address (word offset), words, 1 write | 2 interlocked | 4 prefetch, clocks waited before the first data
-  semaphore = 9,        ///< bus: number, 1 acquired | 0 released | 2 freed by the host, owner (master)
-  latch = 10,           ///< plant: torque codes of joints 0 to 4, two's complement
-  interrupt = 11,       ///< dsp: IIOF pin
-  doorbell = 12,        ///< host: slot rung
-  idle = 13,            ///< dsp: 1 gone idle (doorbell bit set) | 0 busy
-  fault = 14,           ///< dsp: kind of fault, PC, word or address
-  reset = 15,           ///< dsp: 1 booted | 0 held
-  fence = 16,           ///< host: mask of slots that may write
-  dropped_write = 17,   ///< dsp: bus, address, value (a fenced slot's write)
-  process = 18,         ///< host: process 1 to 8, 1 started | 0 ended, robot (0 crane, n AGV n - 1)
-  miss = 19,            ///< host: kind, tick, class (report::Outcome), block offset
-  landed = 20,          ///< plant: container, place
-  locked = 21,          ///< plant: container (twist locks closed)
-  opened = 22,          ///< plant: container (twist locks open)
-  delivered = 23,       ///< plant: container
-  starved = 24,         ///< host: robot (0 crane, n AGV n - 1), point: the interpolation buffer ran dry
-  scripted = 25,        ///< host: kind of scripted event (plug, unplug, fail), slot
-  push = 26,            ///< plant: AGV, speed, front, rear (a set-point enters the AGV's FIFO)
+  refresh = 1,  ///< host: number, blocks in the list, waiting blocks, first waiting block, refreshes skipped before it
+  load = 2,     ///< host: block offset, kind (KIND_*), area offset, tick, generation
+  claim = 3,    ///< dsp: block offset, kind, area offset, tick, generation (the block is marked 0Fh)
+  start = 4,    ///< dsp: block offset, kind; only where a start is observed apart from the claim
+  finish = 5,   ///< dsp: block offset, kind, result, notify, generation (the block is marked FFh)
+  remove = 6,   ///< host: block offset, kind, generation
+  requeue = 7,  ///< host: block offset, kind, generation, old owner's slot, recomputations so far (watchdog)
+  bus_transaction =
+      8,               ///< bus: master, word address, words, 1 write | 2 interlocked | 4 prefetch, clocks to first data
+  semaphore = 9,       ///< bus: number, 1 acquired | 0 released | 2 freed by the host, owner (master)
+  latch = 10,          ///< plant: torque codes of joints 0 to 4, two's complement
+  interrupt = 11,      ///< dsp: IIOF pin
+  doorbell = 12,       ///< host: slot rung
+  idle = 13,           ///< dsp: 1 gone idle (doorbell bit set) | 0 busy
+  fault = 14,          ///< dsp: kind of fault, PC, word or address
+  reset = 15,          ///< dsp: 1 booted | 0 held
+  fence = 16,          ///< host: mask of slots that may write
+  dropped_write = 17,  ///< dsp: bus, address, value (a fenced slot's write)
+  process = 18,        ///< host: process 1 to 8, 1 started | 0 ended, robot (0 crane, n AGV n - 1)
+  miss = 19,           ///< host: kind, tick, class (report::Outcome), block offset
+  landed = 20,         ///< plant: container, place
+  locked = 21,         ///< plant: container (twist locks closed)
+  opened = 22,         ///< plant: container (twist locks open)
+  delivered = 23,      ///< plant: container
+  starved = 24,        ///< host: robot (0 crane, n AGV n - 1), point: the interpolation buffer ran dry
+  scripted = 25,       ///< host: kind of scripted event (plug, unplug, fail), slot
+  push = 26,           ///< plant: AGV, speed, front, rear (a set-point enters the AGV's FIFO)
 };
 
 /// One event. 32 bytes, hashed in this layout, little-endian: time, component, kind, arguments.
@@ -68,7 +69,7 @@ static_assert(sizeof(Event) == 32);
 std::string name(EventKind kind);
 /// Names of the arguments in order, empty past the last.
 std::array<std::string_view, 5> argument_names(EventKind kind);
-/// One line of the text trace, without the line's end (docs/trace.md): `0.000125000000 [host] refresh number=1 blocks=2 …`.
+/// One line of the text trace without its end (docs/trace.md): `0.000125000000 [host] refresh number=1 blocks=2 …`.
 std::string to_text(const Event& event);
 
 }  // namespace report

@@ -36,7 +36,9 @@ struct EventLog::Digest {
   Context context = new_context();
 
   Digest() { check(EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr), "EVP_DigestInit_ex"); }
-  void update(const void* data, std::size_t size) { check(EVP_DigestUpdate(context.get(), data, size), "EVP_DigestUpdate"); }
+  void update(const void* data, std::size_t size) {
+    check(EVP_DigestUpdate(context.get(), data, size), "EVP_DigestUpdate");
+  }
 };
 
 EventLog::EventLog() : digest_(std::make_unique<Digest>()) { pending_.reserve(2 * batch); }
@@ -46,7 +48,8 @@ EventLog& EventLog::operator=(EventLog&&) noexcept = default;
 
 void EventLog::add(const Event& event) {
   if (event.time < settled_)
-    throw std::logic_error(fmt::format("event after its time was settled at {} ps: {}", settled_.count(), to_text(event)));
+    throw std::logic_error(
+        fmt::format("event after its time was settled at {} ps: {}", settled_.count(), to_text(event)));
   pending_.push_back(event);
   ++count_;
 }
@@ -89,7 +92,8 @@ void EventLog::drain(Time until) {
   for (EventSink* sink : sinks_)
     for (const Event& event : settled) sink->event(event);
   pending_.erase(pending_.begin(), end);
-  drain_at_ = pending_.size() + batch;  // each event is looked at a bounded number of times, however far chips run ahead
+  drain_at_ =
+      pending_.size() + batch;  // each event is looked at a bounded number of times, however far chips run ahead
 }
 
 }  // namespace report

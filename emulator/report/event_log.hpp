@@ -18,8 +18,9 @@ class EventSink {
 
 /// Puts events in order of (time, component, order of arrival) and hashes them (SHA-256, docs/trace.md).
 ///
-/// Chips run ahead of one another, so events arrive out of order. `settle(t)` promises that nothing before `t` will follow; what is settled
-/// is sorted and hashed, so the hash cannot depend on whose turn came first. Events of one component must arrive in their own order.
+/// Chips run ahead of one another, so events arrive out of order. `settle(t)` promises that nothing before `t` will
+/// follow; what is settled is sorted and hashed, so the hash cannot depend on whose turn came first. Events of one
+/// component must arrive in their own order.
 class EventLog {
  public:
   EventLog();

@@ -1,5 +1,6 @@
 #pragma once
-// Everything that a run says of itself, as plain structs (docs/report.md): filled by the controller, rendered here as text and JSON.
+// Everything that a run says of itself, as plain structs (docs/report.md): filled by the controller, rendered here as
+// text and JSON.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -20,7 +21,8 @@ struct Share {
   std::int64_t amount = 0;
 };
 
-/// The jobs of one task kind (ruling 16). released = on_time + late + unfinished + never_started + lost + dropped, always.
+/// The jobs of one task kind (ruling 16). released = on_time + late + unfinished + never_started + lost + dropped,
+/// always.
 struct TaskReport {
   std::string kind;  ///< key of ruling 29: "pid", "trajectory_planning.crane", ...
   std::uint64_t released = 0;
@@ -30,7 +32,7 @@ struct TaskReport {
   std::uint64_t never_started = 0;
   std::uint64_t lost = 0;
   std::uint64_t dropped = 0;
-  std::uint64_t misses = 0;               ///< late + lost + dropped + those unfinished or never started whose deadline has passed
+  std::uint64_t misses = 0;  ///< late + lost + dropped + those unfinished or never started whose deadline has passed
   std::uint64_t longest_miss_streak = 0;  ///< misses in a row
   Summary response;                       ///< ps from release to the end, finished jobs
   Summary waiting;                        ///< ps from release to the claim, claimed jobs
@@ -38,8 +40,9 @@ struct TaskReport {
   Summary lateness;                       ///< ps after the deadline, late jobs
   Jitter start_jitter;                    ///< ps, periodic kinds only
   std::vector<Share> execution_causes;    ///< ps by the chips' causes, all finished jobs; sums to the sum of execution
-  /// Of the missed jobs only: ps from release to the end (or the run's end), by what it was spent on. "waiting behind KIND": all DSPs were taken and this share
-  /// of them ran KIND; "waiting, a DSP was free": not claimed although one was idle; then the chips' causes while it ran.
+  /// Of the missed jobs only: ps from release to the end (or the run's end), by what it was spent on. "waiting behind
+  /// KIND": all DSPs were taken and this share of them ran KIND; "waiting, a DSP was free": not claimed although one
+  /// was idle; then the chips' causes while it ran.
   std::vector<Share> miss_causes;
 };
 
@@ -49,20 +52,20 @@ struct DspReport {
   double clock_hz = 0;
   std::int64_t cycles = 0;
   std::uint64_t instructions = 0;
-  std::vector<Share> causes;              ///< cycles by cause; sums to cycles
-  std::uint64_t claims = 0;               ///< blocks claimed
-  std::vector<Share> tasks;               ///< ps occupied, by task kind
+  std::vector<Share> causes;  ///< cycles by cause; sums to cycles
+  std::uint64_t claims = 0;   ///< blocks claimed
+  std::vector<Share> tasks;   ///< ps occupied, by task kind
   std::uint64_t faults = 0;
-  std::uint64_t resets = 0;               ///< by the watchdog
-  std::uint64_t dropped_writes = 0;       ///< while fenced
+  std::uint64_t resets = 0;          ///< by the watchdog
+  std::uint64_t dropped_writes = 0;  ///< while fenced
 };
 
 struct MasterReport {
-  std::string name;                       ///< "host", "dsp 0", ...
+  std::string name;  ///< "host", "dsp 0", ...
   std::uint64_t transactions = 0;
   std::uint64_t words_read = 0;
   std::uint64_t words_written = 0;
-  Summary wait;                           ///< bus clocks from request to the first data phase
+  Summary wait;  ///< bus clocks from request to the first data phase
   std::uint64_t retries = 0;
   std::uint64_t disconnects = 0;
 };
@@ -75,13 +78,13 @@ struct TargetReport {
 
 /// One bus; the five shares of its clocks sum to clocks.
 struct BusReport {
-  std::string name;                       ///< "A", "B"
+  std::string name;  ///< "A", "B"
   double clock_hz = 0;
   std::int64_t clocks = 0;
   std::int64_t data = 0;
   std::int64_t wait = 0;
   std::int64_t turnaround = 0;
-  std::int64_t idle_requested = 0;        ///< nobody on the bus although someone asked
+  std::int64_t idle_requested = 0;  ///< nobody on the bus although someone asked
   std::int64_t idle = 0;
   std::vector<MasterReport> masters;
   std::vector<TargetReport> targets;
@@ -89,20 +92,20 @@ struct BusReport {
 
 /// One container's way (equations 2 to 4). Absent: has not happened by the end of the run.
 struct CycleReport {
-  unsigned number = 0;                    ///< from 1
+  unsigned number = 0;  ///< from 1
   unsigned agv = 0;
-  std::optional<Time> t3, t4, t5, t6;     ///< duration of the process
-  std::optional<Time> t_w;                ///< AGV waited for the crane, beyond loading
-  std::optional<Time> t_v;                ///< crane waited for an AGV
-  std::optional<Time> T_g;                ///< t3 + t4 + t_v
-  std::optional<Time> T_a;                ///< t5 + t6 + t4 + t_w
-  std::optional<Time> delivered;          ///< instant of delivery
+  std::optional<Time> t3, t4, t5, t6;  ///< duration of the process
+  std::optional<Time> t_w;             ///< AGV waited for the crane, beyond loading
+  std::optional<Time> t_v;             ///< crane waited for an AGV
+  std::optional<Time> T_g;             ///< t3 + t4 + t_v
+  std::optional<Time> T_a;             ///< t5 + t6 + t4 + t_w
+  std::optional<Time> delivered;       ///< instant of delivery
 };
 
 /// RMS and peak of a quantity over the time in which it was controlled.
 struct ErrorReport {
-  std::string name;                       ///< "s", "psi", "phi", "l", "kappa"; "alpha", "beta"; "agv 0 lateral"
-  std::string unit;                       ///< "m", "rad"
+  std::string name;  ///< "s", "psi", "phi", "l", "kappa"; "alpha", "beta"; "agv 0 lateral"
+  std::string unit;  ///< "m", "rad"
   double rms = 0;
   double peak = 0;
 };
@@ -110,11 +113,11 @@ struct ErrorReport {
 struct HostReport {
   std::uint64_t refreshes = 0;
   std::uint64_t skipped_refreshes = 0;
-  Summary semaphore_hold;                 ///< ps for which the host held the list, per refresh
-  Summary refresh_duration;               ///< ps from the host's tick to the end of its list work
-  Summary list_length;                    ///< blocks, per refresh
+  Summary semaphore_hold;    ///< ps for which the host held the list, per refresh
+  Summary refresh_duration;  ///< ps from the host's tick to the end of its list work
+  Summary list_length;       ///< blocks, per refresh
   std::uint64_t doorbells = 0;
-  std::uint64_t recomputed = 0;           ///< blocks put back by the watchdog
+  std::uint64_t recomputed = 0;  ///< blocks put back by the watchdog
   std::uint64_t semaphores_freed = 0;
 };
 
@@ -122,7 +125,7 @@ struct HostReport {
 struct FailureReport {
   Time time{};
   std::optional<unsigned> dsp;
-  std::string kind;                       ///< "fault", "watchdog", "semaphore", "dropped block", "no dsp left", "plant"
+  std::string kind;  ///< "fault", "watchdog", "semaphore", "dropped block", "no dsp left", "plant"
   std::string message;
 };
 
@@ -139,11 +142,11 @@ std::string name(StopReason reason);
 struct RunReport {
   StopReason stop_reason = StopReason::completed;
   Time simulated{};
-  double elapsed_s = 0;                   ///< wall clock; not in the hash
-  std::string hash;                       ///< 64 hexadecimal digits (ruling 4)
+  double elapsed_s = 0;  ///< wall clock; not in the hash
+  std::string hash;      ///< 64 hexadecimal digits (ruling 4)
   std::uint64_t events = 0;
   std::vector<Setting> configuration;
-  std::vector<TaskReport> tasks;          ///< every kind of ruling 29 in its order, also those never released
+  std::vector<TaskReport> tasks;  ///< every kind of ruling 29 in its order, also those never released
   std::vector<DspReport> dsps;
   std::vector<BusReport> buses;
   std::vector<CycleReport> cycles;

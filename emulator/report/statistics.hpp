@@ -14,7 +14,7 @@ struct Summary {
   std::uint64_t count = 0;
   std::int64_t best = 0;
   double mean = 0;
-  std::int64_t p50 = 0;    ///< smallest sample that at least 50 % of the samples do not exceed (nearest rank)
+  std::int64_t p50 = 0;  ///< smallest sample that at least 50 % of the samples do not exceed (nearest rank)
   std::int64_t p99 = 0;
   std::int64_t p99_9 = 0;
   std::int64_t worst = 0;
@@ -32,7 +32,8 @@ class Distribution {
   std::vector<std::int64_t> samples_;
 };
 
-/// Deviation of the starts of a periodic task from the period: start[i+1] - start[i] - period, over neighbouring ticks only.
+/// Deviation of the starts of a periodic task from the period: start[i+1] - start[i] - period, over neighbouring ticks
+/// only.
 struct Jitter {
   std::uint64_t count = 0;
   std::int64_t peak_to_peak = 0;  ///< largest minus smallest deviation

@@ -138,7 +138,8 @@ std::vector<Share> TaskAccount::miss_causes(const Kind& kind, unsigned slots) co
     for (const auto& occupations : occupations_) {
       auto occupation = std::ranges::upper_bound(occupations, missed.released, {}, &Occupation::to);
       for (; occupation != occupations.end() && occupation->from < missed.claimed; ++occupation)
-        behind[occupation->kind] += (std::min(occupation->to, missed.claimed) - std::max(occupation->from, missed.released)).count();
+        behind[occupation->kind] +=
+            (std::min(occupation->to, missed.claimed) - std::max(occupation->from, missed.released)).count();
     }
   }
   std::vector<Share> shares;
@@ -164,7 +165,8 @@ std::vector<TaskReport> TaskAccount::report(unsigned slots) const {
     report.execution = kind.execution.summary();
     report.lateness = kind.lateness.summary();
     report.start_jitter = jitter(i);
-    for (std::size_t cause = 0; cause < causes_.size(); ++cause) report.execution_causes.push_back({causes_[cause], kind.causes[cause]});
+    for (std::size_t cause = 0; cause < causes_.size(); ++cause)
+      report.execution_causes.push_back({causes_[cause], kind.causes[cause]});
     report.miss_causes = miss_causes(kind, slots);
     reports.push_back(std::move(report));
   }

@@ -23,15 +23,17 @@ enum class Progress : std::uint8_t { finished, running, waiting, lost, dropped }
 
 /// A job: one release of a task. A recomputed block is one job, booked once, with its last claim.
 struct Job {
-  std::size_t kind = 0;                   ///< index into the account's kinds
+  std::size_t kind = 0;  ///< index into the account's kinds
   Progress progress = Progress::finished;
   Time released{};
-  std::optional<Time> deadline;           ///< none: on time when finished
-  Time claimed{};                         ///< when finished, running or lost
-  Time finished{};                        ///< when finished
-  /// Picoseconds by chip cause while it ran, in the order of the account's causes; empty when not known. Should sum to finished - claimed.
+  std::optional<Time> deadline;  ///< none: on time when finished
+  Time claimed{};                ///< when finished, running or lost
+  Time finished{};               ///< when finished
+  /// Picoseconds by chip cause while it ran, in the order of the account's causes; empty when not known. Should sum to
+  /// finished - claimed.
   std::vector<std::int64_t> causes;
-  std::optional<std::int64_t> tick;       ///< number of the nominal tick, periodic kinds: jitter is taken between neighbouring ticks
+  std::optional<std::int64_t>
+      tick;  ///< number of the nominal tick, periodic kinds: jitter is taken between neighbouring ticks
 };
 
 /// Collects jobs in any order; `report` may be asked at any time.
@@ -42,7 +44,8 @@ class TaskAccount {
   /// \param periods nominal period of kind i, or zero when it is not periodic
   TaskAccount(std::vector<std::string> kinds, std::vector<std::string> causes, std::vector<Time> periods);
 
-  /// DSP `slot` was taken by a task of `kind` over [from, to). Claims of one slot come in order. Used to say what a missed job waited behind.
+  /// DSP `slot` was taken by a task of `kind` over [from, to). Claims of one slot come in order. Used to say what a
+  /// missed job waited behind.
   void occupied(unsigned slot, std::size_t kind, Time from, Time to);
   /// Books a job. `now` is its end, or the end of the run for jobs that are not finished. \returns its outcome.
   Outcome add(const Job& job, Time now);

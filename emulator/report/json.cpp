@@ -1,0 +1,172 @@
+// RunReport as JSON: docs/report.md is the schema. A change of a key's meaning raises schema_version.
+#include <nlohmann/json.hpp>
+
+#include "report/run_report.hpp"
+
+namespace report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double seconds(Time time) { return static_cast<double>(time.count()) * 1e-12; }
+
+Json optional_seconds(const std::optional<Time>& time) { return time ? Json(seconds(*time)) : Json(nullptr); }
+
+Json shares(const std::vector<Share>& list) {
+  Json object = Json::object();
+  for (const Share& share : list) object[share.name] = share.amount;
+  return object;
+}
+
+Json histogram(const Log2Histogram& bins) {
+  std::size_t used = bins.size();
+  while (used > 0 && bins[used - 1] == 0) --used;
+  Json list = Json::array();
+  for (std::size_t bin = 0; bin < used; ++bin) list.push_back(bins[bin]);
+  return list;
+}
+
+Json summary(const Summary& of) {
+  return {{"count", of.count}, {"best", of.best},   {"mean", of.mean},   {"p50", of.p50},
+          {"p99", of.p99},     {"p99_9", of.p99_9}, {"worst", of.worst}, {"log2_histogram", histogram(of.histogram)}};
+}
+
+Json task(const TaskReport& of) {
+  return {{"released", of.released},
+          {"on_time", of.on_time},
+          {"late", of.late},
+          {"unfinished", of.unfinished},
+          {"never_started", of.never_started},
+          {"lost", of.lost},
+          {"dropped", of.dropped},
+          {"misses", of.misses},
+          {"longest_miss_streak", of.longest_miss_streak},
+          {"response_ps", summary(of.response)},
+          {"waiting_ps", summary(of.waiting)},
+          {"execution_ps", summary(of.execution)},
+          {"lateness_ps", summary(of.lateness)},
+          {"start_jitter_ps",
+           {{"count", of.start_jitter.count},
+            {"peak_to_peak", of.start_jitter.peak_to_peak},
+            {"worst", of.start_jitter.worst},
+            {"rms", of.start_jitter.rms}}},
+          {"execution_causes_ps", shares(of.execution_causes)},
+          {"miss_causes_ps", shares(of.miss_causes)}};
+}
+
+Json dsp(const DspReport& of) {
+  return {{"slot", of.slot},
+          {"state", of.state},
+          {"clock_hz", of.clock_hz},
+          {"cycles", of.cycles},
+          {"instructions", of.instructions},
+          {"causes", shares(of.causes)},
+          {"claims", of.claims},
+          {"tasks_ps", shares(of.tasks)},
+          {"faults", of.faults},
+          {"resets", of.resets},
+          {"dropped_writes", of.dropped_writes}};
+}
+
+Json bus(const BusReport& of) {
+  const std::int64_t busy = of.data + of.wait + of.turnaround;
+  Json object = {{"clock_hz", of.clock_hz},
+                 {"clocks", of.clocks},
+                 {"utilisation", of.clocks > 0 ? static_cast<double>(busy) / static_cast<double>(of.clocks) : 0.0},
+                 {"clocks_by_use",
+                  {{"data", of.data},
+                   {"wait", of.wait},
+                   {"turnaround", of.turnaround},
+                   {"idle_requested", of.idle_requested},
+                   {"idle", of.idle}}},
+                 {"masters", Json::object()},
+                 {"targets", Json::object()}};
+  for (const MasterReport& master : of.masters)
+    object["masters"][master.name] = {{"transactions", master.transactions},
+                                      {"words_read", master.words_read},
+                                      {"words_written", master.words_written},
+                                      {"wait_clocks", summary(master.wait)},
+                                      {"retries", master.retries},
+                                      {"disconnects", master.disconnects}};
+  for (const TargetReport& target : of.targets)
+    object["targets"][target.name] = {{"words_read", target.words_read}, {"words_written", target.words_written}};
+  return object;
+}
+
+Json cycle(const CycleReport& of) {
+  return {{"number", of.number},
+          {"agv", of.agv},
+          {"t_3_s", optional_seconds(of.t3)},
+          {"t_4_s", optional_seconds(of.t4)},
+          {"t_5_s", optional_seconds(of.t5)},
+          {"t_6_s", optional_seconds(of.t6)},
+          {"t_w_s", optional_seconds(of.t_w)},
+          {"t_v_s", optional_seconds(of.t_v)},
+          {"T_g_s", optional_seconds(of.T_g)},
+          {"T_a_s", optional_seconds(of.T_a)},
+          {"delivered_s", optional_seconds(of.delivered)}};
+}
+
+Json errors(const std::vector<ErrorReport>& list) {
+  Json object = Json::object();
+  for (const ErrorReport& of : list) object[of.name] = {{"unit", of.unit}, {"rms", of.rms}, {"peak", of.peak}};
+  return object;
+}
+
+Json failure(const FailureReport& of) {
+  return {{"time_s", seconds(of.time)},
+          {"dsp", of.dsp ? Json(*of.dsp) : Json(nullptr)},
+          {"kind", of.kind},
+          {"message", of.message}};
+}
+
+Json host_work(const HostReport& of) {
+  return {{"refreshes", of.refreshes},
+          {"skipped_refreshes", of.skipped_refreshes},
+          {"semaphore_hold_ps", summary(of.semaphore_hold)},
+          {"refresh_duration_ps", summary(of.refresh_duration)},
+          {"list_length", summary(of.list_length)},
+          {"doorbells", of.doorbells},
+          {"recomputed", of.recomputed},
+          {"semaphores_freed", of.semaphores_freed}};
+}
+
+Json settings(const std::vector<Setting>& list) {
+  Json object = Json::object();
+  for (const Setting& setting : list)
+    std::visit([&](const auto& value) { object[setting.key] = value; }, setting.value);
+  return object;
+}
+
+}  // namespace
+
+std::string to_json(const RunReport& report) {
+  Json root = {{"schema_version", schema_version},
+               {"stop_reason", name(report.stop_reason)},
+               {"simulated_s", seconds(report.simulated)},
+               {"simulated_ps", report.simulated.count()},
+               {"elapsed_s", report.elapsed_s},
+               {"hash", report.hash},
+               {"events", report.events},
+               {"configuration", settings(report.configuration)},
+               {"tasks", Json::object()},
+               {"dsps", Json::array()},
+               {"buses", Json::object()},
+               {"cycles", Json::array()},
+               {"cycles_completed", report.cycles_completed},
+               {"containers_delivered", report.containers_delivered},
+               {"tracking", errors(report.tracking)},
+               {"sway", errors(report.sway)},
+               {"agvs", errors(report.agvs)},
+               {"host", host_work(report.host)},
+               {"failures", Json::array()}};
+  for (const TaskReport& of : report.tasks) root["tasks"][of.kind] = task(of);
+  for (const DspReport& of : report.dsps) root["dsps"].push_back(dsp(of));
+  for (const BusReport& of : report.buses) root["buses"][of.name] = bus(of);
+  for (const CycleReport& of : report.cycles) root["cycles"].push_back(cycle(of));
+  for (const FailureReport& of : report.failures) root["failures"].push_back(failure(of));
+  // Messages may quote a user's file: bytes that are no UTF-8 are replaced, never thrown at.
+  return root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace report

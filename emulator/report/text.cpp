@@ -1,0 +1,202 @@
+// RunReport for a terminal, at most 100 columns wide.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <span>
+
+#include "report/run_report.hpp"
+#include "report/text_table.hpp"
+
+namespace report {
+namespace {
+
+std::string heading(std::string_view title) { return fmt::format("\n{}\n", title); }
+
+std::string count(std::uint64_t value) { return value == 0 ? "-" : fmt::format("{}", value); }
+
+std::string seconds(const std::optional<Time>& time) {
+  return time ? fmt::format("{:.2f}", static_cast<double>(time->count()) * 1e-12) : "-";
+}
+
+std::string title(const RunReport& report) {
+  const double simulated = static_cast<double>(report.simulated.count()) * 1e-12;
+  const std::string reason = report.stop_reason == StopReason::completed
+                                 ? ""
+                                 : fmt::format(" The run ended early: {}.", name(report.stop_reason));
+  return fmt::format("{} DSP{}, {:.3f} s simulated in {:.2f} s ({:.1f} x real time).{}\n", report.dsps.size(),
+                     report.dsps.size() == 1 ? "" : "s", simulated, report.elapsed_s,
+                     report.elapsed_s > 0 ? simulated / report.elapsed_s : 0.0, reason);
+}
+
+std::string outcomes(const RunReport& report) {
+  TextTable table({"jobs", "released", "on time", "late", "unfinished", "waiting", "lost", "dropped", "MISSED"});
+  for (const TaskReport& task : report.tasks)
+    if (task.released > 0)
+      table.add({task.kind, count(task.released), count(task.on_time), count(task.late), count(task.unfinished),
+                 count(task.never_started), count(task.lost), count(task.dropped), count(task.misses)});
+  return table.empty() ? "" : heading("Deadlines") + table.render();
+}
+
+std::string times(const RunReport& report) {
+  TextTable table({"release to end", "mean", "p50", "p99", "p99.9", "worst", "run alone", "start jitter"});
+  for (const TaskReport& task : report.tasks) {
+    if (task.response.count == 0) continue;
+    const Summary& response = task.response;
+    const auto time = [](std::int64_t ps) { return duration(static_cast<double>(ps)); };
+    table.add({task.kind, duration(response.mean), time(response.p50), time(response.p99), time(response.p99_9),
+               time(response.worst), duration(task.execution.mean),
+               task.start_jitter.count > 0 ? time(task.start_jitter.peak_to_peak) : "-"});
+  }
+  if (table.empty()) return "";
+  return heading("Response times (run alone: mean from claim to end; jitter: peak to peak)") + table.render();
+}
+
+/// The largest shares first, until nine tenths are told.
+std::string dominant(std::vector<Share> shares) {
+  std::ranges::stable_sort(shares, std::greater{}, &Share::amount);
+  double whole = 0;
+  for (const Share& share : shares) whole += static_cast<double>(share.amount);
+  std::string text;
+  double told = 0;
+  for (const Share& share : shares) {
+    if (told >= 0.9 * whole || share.amount <= 0) break;
+    told += static_cast<double>(share.amount);
+    text += fmt::format("      {:>5} %  {}\n", percent(static_cast<double>(share.amount), whole), share.name);
+  }
+  return text;
+}
+
+std::string reasons(const RunReport& report) {
+  std::string text;
+  for (const TaskReport& task : report.tasks) {
+    if (task.misses == 0) continue;
+    text += fmt::format("  {}: {} of {} missed ({} %), at most {} in a row", task.kind, task.misses, task.released,
+                        percent(static_cast<double>(task.misses), static_cast<double>(task.released)),
+                        task.longest_miss_streak);
+    if (task.lateness.count > 0)
+      text += fmt::format("; late by {} on the mean, {} at worst", duration(task.lateness.mean),
+                          duration(static_cast<double>(task.lateness.worst)));
+    text += ".\n";
+    if (task.dropped > 0)
+      text += fmt::format("      {} dropped: the previous block was still out when the next was due\n", task.dropped);
+    const std::string causes = dominant(task.miss_causes);
+    if (!causes.empty()) text += "    The missed ones spent their time, from release on:\n" + causes;
+  }
+  return text.empty() ? heading("No deadline was missed.") : heading("Why deadlines were missed") + text;
+}
+
+/// Columns are DSPs, eight at a time; rows are causes that any DSP knows.
+std::string dsps(const RunReport& report) {
+  constexpr std::size_t per_table = 8;
+  std::string text;
+  for (std::size_t first = 0; first < report.dsps.size(); first += per_table) {
+    const auto group = std::span(report.dsps).subspan(first, std::min(per_table, report.dsps.size() - first));
+    std::vector<std::string> header{"% of cycles"}, cycles{"Mcycles"}, instructions{"Minstructions"}, claims{"blocks"};
+    for (const DspReport& dsp : group) {
+      header.push_back(fmt::format("dsp {}", dsp.slot));
+      cycles.push_back(fmt::format("{:.1f}", static_cast<double>(dsp.cycles) * 1e-6));
+      instructions.push_back(fmt::format("{:.1f}", static_cast<double>(dsp.instructions) * 1e-6));
+      claims.push_back(count(dsp.claims));
+    }
+    TextTable table(std::move(header));
+    for (std::size_t cause = 0; cause < group.front().causes.size(); ++cause) {
+      std::vector<std::string> row{group.front().causes[cause].name};
+      bool any = false;
+      for (const DspReport& dsp : group) {
+        const std::int64_t amount = cause < dsp.causes.size() ? dsp.causes[cause].amount : 0;
+        any = any || amount != 0;
+        row.push_back(percent(static_cast<double>(amount), static_cast<double>(dsp.cycles)));
+      }
+      if (any) table.add(std::move(row));
+    }
+    table.add(std::move(cycles));
+    table.add(std::move(instructions));
+    table.add(std::move(claims));
+    text += table.render();
+    for (const DspReport& dsp : group)
+      if (dsp.state != "running" && dsp.state != "idle") text += fmt::format("  dsp {} is {}\n", dsp.slot, dsp.state);
+  }
+  return text.empty() ? "" : heading("DSPs") + text;
+}
+
+std::string buses(const RunReport& report) {
+  std::string text;
+  for (const BusReport& bus : report.buses) {
+    const auto share = [&](std::int64_t clocks) {
+      return percent(static_cast<double>(clocks), static_cast<double>(bus.clocks));
+    };
+    text += heading(fmt::format("Bus {}: {} % data, {} % wait, {} % turnaround, {} % idle though asked, {} % idle",
+                                bus.name, share(bus.data), share(bus.wait), share(bus.turnaround),
+                                share(bus.idle_requested), share(bus.idle)));
+    TextTable table({"waits in clocks", "transfers", "read", "written", "mean", "p50", "p99", "p99.9", "worst"});
+    for (const MasterReport& master : bus.masters)
+      if (master.transactions > 0)
+        table.add({master.name, count(master.transactions), count(master.words_read), count(master.words_written),
+                   fmt::format("{:.2f}", master.wait.mean), fmt::format("{}", master.wait.p50),
+                   fmt::format("{}", master.wait.p99), fmt::format("{}", master.wait.p99_9),
+                   fmt::format("{}", master.wait.worst)});
+    if (!table.empty()) text += table.render();
+  }
+  return text;
+}
+
+std::string cycles(const RunReport& report) {
+  std::string text = heading(fmt::format("Work cycles: {} completed, {} container{} delivered", report.cycles_completed,
+                                         report.containers_delivered, report.containers_delivered == 1 ? "" : "s"));
+  TextTable table({"s", "AGV", "t_3", "t_4", "t_5", "t_6", "t_v", "t_w", "T_g", "T_a", "delivered at"});
+  for (const CycleReport& cycle : report.cycles)
+    table.add({fmt::format("cycle {}", cycle.number), fmt::format("{}", cycle.agv), seconds(cycle.t3),
+               seconds(cycle.t4), seconds(cycle.t5), seconds(cycle.t6), seconds(cycle.t_v), seconds(cycle.t_w),
+               seconds(cycle.T_g), seconds(cycle.T_a), seconds(cycle.delivered)});
+  return table.empty() ? text : text + table.render();
+}
+
+std::string errors(const RunReport& report) {
+  TextTable table({"error", "unit", "RMS", "peak"});
+  const auto add = [&](const std::vector<ErrorReport>& list, std::string_view what) {
+    for (const ErrorReport& error : list)
+      table.add({fmt::format("{} {}", what, error.name), error.unit, fmt::format("{:.6f}", error.rms),
+                 fmt::format("{:.6f}", error.peak)});
+  };
+  add(report.tracking, "joint");
+  add(report.sway, "sway");
+  add(report.agvs, "AGV");
+  return table.empty() ? "" : heading("Tracking") + table.render();
+}
+
+std::string host_work(const RunReport& report) {
+  const HostReport& host = report.host;
+  if (host.refreshes == 0) return "";
+  return heading(fmt::format("Host: {} refreshes, {} skipped; {} doorbells; {} blocks recomputed", host.refreshes,
+                             host.skipped_refreshes, host.doorbells, host.recomputed)) +
+         fmt::format("  list held for {} on the mean, {} at worst; refresh takes {} on the mean, {} at worst\n",
+                     duration(host.semaphore_hold.mean), duration(static_cast<double>(host.semaphore_hold.worst)),
+                     duration(host.refresh_duration.mean), duration(static_cast<double>(host.refresh_duration.worst))) +
+         fmt::format("  blocks in the list: {:.1f} on the mean, {} at most\n", host.list_length.mean,
+                     host.list_length.worst);
+}
+
+std::string failures(const RunReport& report) {
+  constexpr std::size_t shown = 10;
+  if (report.failures.empty()) return "";
+  std::string text = heading(fmt::format("Failures: {}", report.failures.size()));
+  for (std::size_t i = 0; i < std::min(shown, report.failures.size()); ++i) {
+    const FailureReport& failure = report.failures[i];
+    text += fmt::format("  {:.6f} s  {}{}: {}\n", static_cast<double>(failure.time.count()) * 1e-12,
+                        failure.dsp ? fmt::format("dsp {}, ", *failure.dsp) : "", failure.kind, failure.message);
+  }
+  if (report.failures.size() > shown)
+    text += fmt::format("  and {} more (--report has all)\n", report.failures.size() - shown);
+  return text;
+}
+
+}  // namespace
+
+std::string to_text(const RunReport& report) {
+  return title(report) + outcomes(report) + times(report) + reasons(report) + dsps(report) + buses(report) +
+         cycles(report) + errors(report) + host_work(report) + failures(report) +
+         fmt::format("\nhash {} over {} events\n", report.hash, report.events);
+}
+
+}  // namespace report

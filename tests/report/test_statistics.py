@@ -1,0 +1,132 @@
+"""Exact percentiles, and the identities of the account of jobs (ruling 16)."""
+
+import json
+import random
+from fractions import Fraction
+
+import pytest
+from cmrc._core import report
+from hypothesis import given
+from hypothesis import strategies as st
+
+KINDS = ["pid", "identify"]
+CAUSES = ["execute", "bus_arbitration"]
+OUTCOMES = ["on_time", "late", "unfinished", "never_started", "lost", "dropped"]
+PERIOD = 1_000_000
+
+
+def account() -> report.TaskAccount:
+    return report.TaskAccount(KINDS, CAUSES, [PERIOD, 0])
+
+
+def tasks(of: report.TaskAccount, slots: int = 1) -> dict[str, dict]:
+    run = report.RunReport()
+    run.set_tasks(of, slots)
+    return json.loads(run.to_json())["tasks"]
+
+
+@given(st.lists(st.integers(-10, 10**12), min_size=1, max_size=400))
+def test_summary_is_exact(samples: list[int]) -> None:
+    summary = report.summary(samples)
+    assert (summary.count, summary.best, summary.worst) == (len(samples), min(samples), max(samples))
+    assert summary.mean == pytest.approx(float(Fraction(sum(samples), len(samples))), rel=1e-15)
+    for value, share in ((summary.p50, Fraction(1, 2)), (summary.p99, Fraction(99, 100)), (summary.p99_9, Fraction(999, 1000))):
+        # Nearest rank, by its definition: enough samples at or below it, and not enough below it.
+        assert value in samples
+        assert sum(sample <= value for sample in samples) >= share * len(samples)
+        assert sum(sample < value for sample in samples) < share * len(samples)
+
+
+def test_histogram_bins_are_powers_of_two() -> None:
+    histogram = report.summary([0, 1, 2, 3, 4, 7, 8, 1023, 1024]).log2_histogram
+    assert histogram[:5] == [1, 1, 2, 2, 1]
+    assert (histogram[10], histogram[11]) == (1, 1)
+    assert sum(histogram) == 9
+
+
+def test_each_outcome_is_what_ruling_16_says() -> None:
+    book = account()
+    assert book.add(0, "finished", released=0, deadline=100, claimed=10, finished=100, now=100) == "on_time"
+    assert book.add(0, "finished", released=0, deadline=100, claimed=10, finished=101, now=101) == "late"
+    assert book.add(0, "running", released=0, deadline=100, claimed=10, now=90) == "unfinished"
+    assert book.add(0, "running", released=0, deadline=100, claimed=10, now=110) == "unfinished"
+    assert book.add(0, "waiting", released=0, deadline=100, now=110) == "never_started"
+    assert book.add(0, "lost", released=0, deadline=100, claimed=10, now=110) == "lost"
+    assert book.add(0, "dropped", released=0, now=0) == "dropped"
+    assert book.add(1, "finished", released=0, claimed=10, finished=10**15, now=10**15) == "on_time"
+    pid = tasks(book)["pid"]
+    assert [pid[outcome] for outcome in OUTCOMES] == [1, 1, 2, 1, 1, 1]
+    assert pid["misses"] == 5  # all but the one on time and the one still running before its deadline
+    assert pid["longest_miss_streak"] == 4
+    assert pid["lateness_ps"]["worst"] == 1
+
+
+def test_outcomes_always_sum_to_released() -> None:
+    rng = random.Random(7)
+    book = account()
+    for _ in range(2_000):
+        progress = rng.choice(["finished", "running", "waiting", "lost", "dropped"])
+        released = rng.randrange(1000)
+        claimed = released + rng.randrange(1000)
+        deadline = rng.choice([None, released + rng.randrange(2000)])
+        finished = claimed + rng.randrange(1000)
+        book.add(rng.randrange(2), progress, released=released, deadline=deadline, claimed=claimed, finished=finished, now=3000)
+    for task in tasks(book).values():
+        assert task["released"] == sum(task[outcome] for outcome in OUTCOMES) > 500
+
+
+def test_jitter_is_taken_between_neighbouring_ticks_only() -> None:
+    book = account()
+    starts = {0: 0, 1: PERIOD + 30, 2: 2 * PERIOD - 10, 5: 5 * PERIOD + 70, 6: 6 * PERIOD + 70}
+    for tick, start in starts.items():
+        book.add(0, "finished", released=tick * PERIOD, claimed=start, finished=start + 5, now=start + 5, tick=tick)
+    jitter = tasks(book)["pid"]["start_jitter_ps"]
+    # Deviations: +30, -40, (2 to 5 is no neighbour), 0.
+    assert (jitter["count"], jitter["peak_to_peak"], jitter["worst"]) == (3, 70, 40)
+    assert jitter["rms"] == pytest.approx((2500 / 3) ** 0.5)
+
+
+def test_a_miss_is_explained_by_what_occupied_the_dsps() -> None:
+    book = account()
+    # Two DSPs: slot 0 runs `identify` all the while, slot 1 runs `pid` for half of the wait.
+    book.occupied(0, 1, 0, 1000)
+    book.occupied(1, 0, 0, 200)
+    book.occupied(1, 0, 900, 950)
+    book.add(0, "finished", released=100, deadline=400, claimed=500, finished=700, now=700, causes=[150, 50])
+    causes = tasks(book, slots=2)["pid"]["miss_causes_ps"]
+    assert causes == {
+        "waiting behind identify": 200,  # 400 ps on one of two DSPs
+        "waiting behind pid": 50,  # 100 ps on one of two
+        "waiting, a DSP was free or claiming": 150,
+        "execute": 150,
+        "bus_arbitration": 50,
+    }
+    assert sum(causes.values()) == 700 - 100
+
+
+def test_jobs_on_time_leave_no_miss_causes() -> None:
+    book = account()
+    book.occupied(0, 1, 0, 1000)
+    book.add(0, "finished", released=100, deadline=1000, claimed=500, finished=700, now=700, causes=[200, 0])
+    pid = tasks(book)["pid"]
+    assert pid["miss_causes_ps"] == {}
+    assert pid["execution_causes_ps"] == {"execute": 200, "bus_arbitration": 0}
+
+
+def test_causes_of_another_length_are_refused() -> None:
+    with pytest.raises(ValueError, match="causes"):
+        account().add(0, "finished", released=0, claimed=0, finished=1, now=1, causes=[1])
+
+
+def test_text_names_the_reasons_and_fits_100_columns() -> None:
+    book = account()
+    book.occupied(0, 1, 0, 10**9)
+    for tick in range(3):
+        released = tick * PERIOD
+        book.add(0, "finished", released=released, deadline=released + PERIOD, claimed=10**9, finished=10**9 + 10, now=10**9, tick=tick)
+    run = report.RunReport()
+    run.set_tasks(book, 1)
+    text = run.to_text()
+    assert "pid: 3 of 3 missed (100.0 %), at most 3 in a row" in text
+    assert "100.0 %  waiting behind identify" in text
+    assert max(map(len, text.splitlines())) <= 100
