@@ -1,0 +1,75 @@
+#include "cmrc/list.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace cmrc {
+
+TaskList::TaskList(std::size_t capacity) : blocks_(capacity) { order_.reserve(capacity); }
+
+std::size_t TaskList::load(const Task& task) {
+  const auto free = std::find_if(blocks_.begin(), blocks_.end(), [](const Block& block) { return !block.in_use; });
+  if (free == blocks_.end()) throw ListFull(fmt::format("the task-block list is full: all {} blocks are in use", capacity()));
+  const std::uint32_t generation = free->generation + 1;
+  *free = Block{};
+  free->task = task;
+  free->t = task.t;
+  free->generation = generation;
+  free->inserted = ++insertions_;
+  free->in_use = true;
+  free->fresh = true;
+  const auto index = static_cast<std::size_t>(free - blocks_.begin());
+  order_.push_back(index);
+  ++size_;
+  return index;
+}
+
+void TaskList::remove(std::size_t index) {
+  blocks_[index].in_use = false;
+  order_.erase(std::find(order_.begin(), order_.end(), index));
+  --size_;
+}
+
+void TaskList::take(std::size_t index) {
+  blocks_[index].flag = Flag::taken;
+  blocks_[index].t = 0;
+}
+
+void TaskList::put_back(std::size_t index, std::uint32_t x) {
+  Block& block = blocks_[index];
+  block.task.x = x;
+  block.flag = Flag::waiting;
+  block.t = 0;
+  ++block.generation;
+  block.inserted = ++insertions_;
+  block.fresh = true;
+  block.written_t = block.written_importance = block.written_link = -1;
+}
+
+bool TaskList::before(std::size_t a, std::size_t b) const {
+  const Block& first = blocks_[a];
+  const Block& second = blocks_[b];
+  if (first.importance != second.importance) return first.importance > second.importance;
+  return first.inserted < second.inserted;
+}
+
+void TaskList::refresh(std::int64_t elapsed, const std::function<std::uint32_t(const Block&)>& importance) {
+  for (const std::size_t index : order_) {
+    blocks_[index].t += elapsed;
+    blocks_[index].importance = importance(blocks_[index]);
+  }
+  std::sort(order_.begin(), order_.end(), [this](std::size_t a, std::size_t b) {
+    const bool a_waits = blocks_[a].flag == Flag::waiting;
+    const bool b_waits = blocks_[b].flag == Flag::waiting;
+    return a_waits != b_waits ? b_waits : before(a, b);
+  });
+}
+
+std::vector<std::size_t> TaskList::by_importance() const {
+  std::vector<std::size_t> sorted(order_.begin(), order_.end());
+  std::sort(sorted.begin(), sorted.end(), [this](std::size_t a, std::size_t b) { return before(a, b); });
+  return sorted;
+}
+
+}  // namespace cmrc

@@ -1,0 +1,80 @@
+#pragma once
+// The task-block list as the host keeps it for itself: what it has written to shared memory and what it has read back.
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+namespace cmrc {
+
+enum class Flag : std::uint8_t { waiting, taken, done };
+
+/// What is asked for when a block is loaded.
+struct Task {
+  std::uint32_t x = 0;         ///< kind of equation (7)
+  std::uint32_t y = 0;         ///< robot class
+  std::uint32_t kind = 0;      ///< KIND_*: the program that runs
+  std::uint32_t robot = 0;     ///< 0 crane, n AGV n - 1: for the host only
+  std::uint32_t area = 0;      ///< offset of the robot's area
+  std::uint32_t tick = 0;      ///< refresh number of the nominal release
+  std::uint32_t argument = 0;
+  std::int64_t t = 0;          ///< waiting count at the start (a servo block inherits it)
+};
+
+struct Block {
+  Task task;
+  std::int64_t t = 0;
+  Flag flag = Flag::waiting;
+  std::uint32_t importance = 0;
+  std::uint32_t generation = 0;
+  std::uint64_t inserted = 0;      ///< order of loading, decides between equal J
+  std::uint32_t recomputations = 0;
+  bool in_use = false;
+  bool fresh = false;              ///< its words are not in shared memory yet
+  // What shared memory holds, so that only changes are written.
+  std::int64_t written_t = -1;
+  std::int64_t written_importance = -1;
+  std::int64_t written_link = -1;
+};
+
+class ListFull : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Blocks in a pool, and the order of ruling 19: taken ones first, then the waiting ones by falling J, equal J first come first.
+class TaskList {
+ public:
+  explicit TaskList(std::size_t capacity);
+
+  /// Puts a block in, waiting. \returns its place in the pool. \throws ListFull
+  std::size_t load(const Task& task);
+  void remove(std::size_t index);
+  /// Marks a waiting block as taken: t = 0.
+  void take(std::size_t index);
+  /// Puts a taken block back behind the work pointer as a recompute block (x = 2).
+  void put_back(std::size_t index, std::uint32_t x);
+
+  /// t += elapsed for every block, J anew, order anew.
+  void refresh(std::int64_t elapsed, const std::function<std::uint32_t(const Block&)>& importance);
+  /// Order of the last refresh: places in the pool.
+  std::span<const std::size_t> order() const { return order_; }
+  /// The same blocks by falling J alone, as the tables of plant-and-bus.md 4.8 show them.
+  std::vector<std::size_t> by_importance() const;
+
+  Block& operator[](std::size_t index) { return blocks_[index]; }
+  const Block& operator[](std::size_t index) const { return blocks_[index]; }
+  std::size_t size() const { return size_; }
+  std::size_t capacity() const { return blocks_.size(); }
+
+ private:
+  bool before(std::size_t a, std::size_t b) const;
+
+  std::vector<Block> blocks_;
+  std::vector<std::size_t> order_;
+  std::uint64_t insertions_ = 0;
+  std::size_t size_ = 0;
+};
+
+}  // namespace cmrc
