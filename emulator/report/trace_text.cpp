@@ -1,0 +1,166 @@
+#include "report/trace_text.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <istream>
+#include <ostream>
+#include <stdexcept>
+
+namespace report {
+namespace {
+
+[[noreturn]] void reject(std::size_t number, std::string_view why) {
+  throw std::invalid_argument(fmt::format("line {}: not a line of a trace: {}", number, why));
+}
+
+std::string_view take_word(std::string_view& rest) {
+  rest.remove_prefix(std::min(rest.find_first_not_of(' '), rest.size()));
+  const std::string_view word = rest.substr(0, rest.find(' '));
+  rest.remove_prefix(word.size());
+  return word;
+}
+
+std::string_view trimmed(std::string_view text) {
+  text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
+  return text.substr(0, text.find_last_not_of(' ') + 1);
+}
+
+/// "name=value name=value"; words without = are taken into one field `title` (an event's kind).
+void take_pairs(std::string_view rest, const char* title, TraceLine& line) {
+  std::string kind;
+  while (!trimmed(rest).empty()) {
+    const std::string_view word = take_word(rest);
+    const std::size_t equals = word.find('=');
+    if (equals == std::string_view::npos)
+      kind += (kind.empty() ? "" : " ") + std::string(word);
+    else
+      line.fields.emplace_back(word.substr(0, equals), word.substr(equals + 1));
+  }
+  if (!kind.empty()) line.fields.emplace(line.fields.begin(), title, kind);
+}
+
+/// Reads what counts of a trace.
+class Reader {
+ public:
+  explicit Reader(std::istream& in) : in_(in) {}
+
+  std::optional<TraceLine> next() {
+    std::string text;
+    while (std::getline(in_, text)) {
+      ++number_;
+      if (!text.empty() && text.back() == '\r') text.pop_back();
+      if (number_ == 1) {
+        if (!text.starts_with("# cmrc ")) reject(1, "it should start with a header such as `# cmrc event trace 1`");
+        header_ = text;
+      }
+      if (text.empty() || text.front() == '#') continue;
+      return TraceLine::parse(text, number_);
+    }
+    if (number_ == 0) reject(1, "the file is empty");
+    return std::nullopt;
+  }
+  const std::string& header() const { return header_; }
+
+ private:
+  std::istream& in_;
+  std::string header_;
+  std::size_t number_ = 0;
+};
+
+const std::string* find_field(const TraceLine& line, std::string_view name) {
+  const auto found =
+      std::ranges::find(line.fields, name, [](const auto& field) { return std::string_view(field.first); });
+  return found == line.fields.end() ? nullptr : &found->second;
+}
+
+TraceDifference differing(TraceLine left, TraceLine right, std::string field, std::string left_value,
+                          std::string right_value) {
+  return {std::move(left), std::move(right), std::move(field), std::move(left_value), std::move(right_value)};
+}
+
+std::optional<TraceDifference> compare_lines(const TraceLine& left, const TraceLine& right) {
+  if (left.text == right.text) return std::nullopt;
+  if (left.when != right.when)
+    return differing(left, right, left.when.find('.') == std::string::npos ? "cycle" : "time", left.when, right.when);
+  if (left.who != right.who) return differing(left, right, "component", left.who, right.who);
+  for (const auto& [name, value] : left.fields) {
+    const std::string* other = find_field(right, name);
+    if (!other) return differing(left, right, name, value, "-");
+    if (*other != value) return differing(left, right, name, value, *other);
+  }
+  for (const auto& [name, value] : right.fields)
+    if (!find_field(left, name)) return differing(left, right, name, "-", value);
+  return std::nullopt;  // they differ in blanks only
+}
+
+}  // namespace
+
+EventTextTrace::EventTextTrace(std::ostream& out, Window window) : out_(out), window_(window) {
+  out_ << event_trace_header << '\n';
+}
+
+void EventTextTrace::event(const Event& event) {
+  if (window_.contains(event.time)) out_ << to_text(event) << '\n';
+}
+
+TraceLine TraceLine::parse(std::string_view text, std::size_t number) {
+  TraceLine line;
+  line.number = number;
+  line.text = text;
+  std::string_view rest = text;
+  line.when = take_word(rest);
+  if (line.when.empty() || line.when.find_first_not_of("0123456789.") != std::string::npos)
+    reject(number, "it should start with a time in s or a cycle");
+  rest = trimmed(rest);
+  const std::size_t close = rest.find(']');
+  if (rest.empty() || rest.front() != '[' || close == std::string_view::npos)
+    reject(number, "a component such as [dsp 0] should follow");
+  line.who = rest.substr(1, close - 1);
+  rest.remove_prefix(close + 1);
+  if (line.when.find('.') != std::string::npos) {
+    take_pairs(rest, "event", line);
+    return line;
+  }
+  line.fields.emplace_back("pc", take_word(rest));
+  line.fields.emplace_back("word", take_word(rest));
+  const std::size_t semicolon = rest.find(';');
+  line.fields.emplace_back("instruction", trimmed(rest.substr(0, semicolon)));
+  if (semicolon != std::string_view::npos) take_pairs(rest.substr(semicolon + 1), "note", line);
+  return line;
+}
+
+std::string TraceDifference::message() const {
+  const TraceLine& line = left ? *left : *right;
+  const bool timed = line.when.find('.') != std::string::npos;
+  std::string text =
+      timed ? fmt::format("time {} s, {}", line.when, line.who) : fmt::format("cycle {}, {}", line.when, line.who);
+  if (!left || !right) {
+    text += fmt::format(": the {} trace has ended, the other goes on at its line {}\n", left ? "second" : "first",
+                        line.number);
+  } else {
+    text += fmt::format(", field {}: {} (line {}) and {} (line {})\n", field, left_value, left->number, right_value,
+                        right->number);
+  }
+  if (left) text += fmt::format("< {}\n", left->text);
+  if (right) text += fmt::format("> {}\n", right->text);
+  return text;
+}
+
+std::optional<TraceDifference> compare_traces(std::istream& left, std::istream& right) {
+  Reader left_reader(left);
+  Reader right_reader(right);
+  for (bool first = true;; first = false) {
+    std::optional<TraceLine> left_line = left_reader.next();
+    std::optional<TraceLine> right_line = right_reader.next();
+    if (first && left_reader.header() != right_reader.header())
+      throw std::invalid_argument(
+          fmt::format("traces of two kinds: `{}` and `{}`", left_reader.header(), right_reader.header()));
+    if (!left_line && !right_line) return std::nullopt;
+    if (!left_line || !right_line)
+      return TraceDifference{left_line, right_line, "end", left_line ? "" : "-", right_line ? "" : "-"};
+    if (auto difference = compare_lines(*left_line, *right_line)) return difference;
+  }
+}
+
+}  // namespace report
