@@ -1,0 +1,79 @@
+#pragma once
+// What the command line asks for: one struct and one function per command. main.cpp fills the structs; docs/cli.md
+// explains them.
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace cli {
+
+/// Exit statuses (ruling 29).
+inline constexpr int success = 0;
+inline constexpr int run_failed = 1;
+inline constexpr int bad_input = 2;
+
+/// Something that the user gave cannot be used. The message says what and where, and what would be right.
+class InputError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct RunOptions {
+  std::optional<std::int64_t> dsps;
+  std::optional<std::string> config;
+  std::optional<std::string> preset;
+  std::optional<double> duration_s;
+  std::optional<std::int64_t> seed;
+  std::optional<std::int64_t> turn_order;
+  std::optional<std::string> programs;
+  std::optional<std::string> idle_policy;
+  std::optional<std::string> equation7;
+  bool strict = false;
+  bool quiet = false;
+  std::vector<std::string> settings;  ///< KEY=VALUE
+  std::optional<std::string> report;
+  std::optional<std::string> trace;
+  std::optional<std::string> trace_window;   ///< A:B in seconds
+  std::vector<unsigned> trace_instructions;  ///< slots whose instructions are traced too
+};
+
+struct AssembleOptions {
+  std::string source;
+  std::string output;
+  std::vector<std::string> include_directories;
+  std::optional<std::string> listing;
+};
+
+struct DisassembleOptions {
+  std::string program;
+  std::optional<std::string> load_at;
+};
+
+struct ExecOptions {
+  std::string program;
+  std::vector<std::string> include_directories;
+  std::optional<std::string> until;
+  std::int64_t max_cycles = 100'000'000;
+  std::vector<std::string> dumps;  ///< ADDRESS:COUNT
+  bool json = false;
+  std::string board = "default";
+  std::optional<std::string> load_at;
+  std::optional<std::string> entry;
+  std::optional<std::string> trace;
+};
+
+struct TraceDiffOptions {
+  std::string left;
+  std::string right;
+};
+
+// Each returns an exit status; throws InputError or the rooms' own input errors.
+int run(const RunOptions& options);
+int assemble(const AssembleOptions& options);
+int disassemble(const DisassembleOptions& options);
+int exec(const ExecOptions& options);
+int trace_diff(const TraceDiffOptions& options);
+
+}  // namespace cli

@@ -1,0 +1,98 @@
+#include "cli/program.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+
+#include "cli/options.hpp"
+#include "toolchain/assembler.hpp"
+#include "toolchain/coff.hpp"
+
+namespace cli {
+namespace {
+
+using toolchain::Address;
+using toolchain::Image;
+using toolchain::Word;
+
+std::optional<std::uint64_t> parse_number(std::string_view text, int base) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
+  if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
+  return value;
+}
+
+std::optional<std::uint64_t> parse_integer(std::string_view text) {
+  if (text.starts_with("0x") || text.starts_with("0X")) return parse_number(text.substr(2), 16);
+  if (!text.empty() && (text.back() == 'h' || text.back() == 'H'))
+    return parse_number(text.substr(0, text.size() - 1), 16);
+  return parse_number(text, 10);
+}
+
+void require_file(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path));
+  if (std::filesystem::is_directory(path, error))
+    throw InputError(fmt::format("{}: is a directory; a program is expected", path));
+  if (!std::ifstream(path)) throw InputError(fmt::format("{}: cannot be read", path));
+}
+
+Image read_hex(const std::string& path, Address load_at) {
+  std::ifstream in(path);
+  std::vector<Word> words;
+  std::string line;
+  for (int number = 1; std::getline(in, line); ++number) {
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    if (first == std::string::npos) continue;
+    const std::string text = line.substr(first, line.find_last_not_of(" \t\r") + 1 - first);
+    const auto word = parse_number(text, 16);
+    if (!word || *word > 0xFFFF'FFFF || text.size() > 8)
+      throw InputError(fmt::format("{}:{}: \"{}\" is no word; up to 8 hexadecimal digits per line are expected", path,
+                                   number, text.substr(0, 40)));
+    words.push_back(static_cast<Word>(*word));
+  }
+  if (words.empty()) throw InputError(fmt::format("{}: holds no word", path));
+  Image image;
+  image.entry = load_at;
+  const auto size = static_cast<Address>(words.size());
+  image.sections.push_back(
+      {.name = ".hex", .address = load_at, .size = size, .words = std::move(words), .loaded = true});
+  return image;
+}
+
+}  // namespace
+
+Image read_program(const std::string& path, const std::vector<std::string>& include_directories,
+                   const std::optional<std::string>& load_at) {
+  require_file(path);
+  const std::string suffix = std::filesystem::path(path).extension().string();
+  if (suffix == ".hex") return read_hex(path, load_at ? parse_address(*load_at, nullptr, "--load-at") : 0);
+  if (load_at) throw InputError("--load-at: only a .hex file needs it; other programs say where they stand");
+  if (suffix == ".asm" || suffix == ".s" || suffix == ".S") {
+    toolchain::AssemblerOptions options;
+    for (const std::string& directory : include_directories) options.include_directories.emplace_back(directory);
+    return toolchain::assemble_file(path, options);
+  }
+  return toolchain::read_coff(path);
+}
+
+Address parse_address(std::string_view text, const Image* image, std::string_view what) {
+  if (image) {
+    const auto symbol = image->symbols.find(text);
+    if (symbol != image->symbols.end()) return symbol->second;
+  }
+  const auto value = parse_integer(text);
+  if (value && *value <= 0xFFFF'FFFF) return static_cast<Address>(*value);
+  throw InputError(fmt::format("{}: \"{}\" is no {}32-bit address (300000h, 0x300000 or decimal)", what, text,
+                               image ? "symbol of the program and no " : ""));
+}
+
+std::string symbol_at(const Image& image, Address address) {
+  for (const auto& [name, value] : image.symbols)
+    if (value == address) return name;
+  return {};
+}
+
+}  // namespace cli

@@ -1,0 +1,25 @@
+#pragma once
+// Programs and numbers as a command line names them.
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "toolchain/image.hpp"
+
+namespace cli {
+
+/// Reads a program by its suffix: .asm or .s is assembled, .hex is one word per line in hexadecimal and stands at
+/// `load_at` (default 0), anything else is a COFF executable. \throws InputError, toolchain::AssemblyError,
+/// toolchain::CoffError.
+toolchain::Image read_program(const std::string& path, const std::vector<std::string>& include_directories,
+                              const std::optional<std::string>& load_at);
+
+/// "300000h", "0x300000", "3145728" or a symbol of the image. \throws InputError naming the option `what`.
+toolchain::Address parse_address(std::string_view text, const toolchain::Image* image, std::string_view what);
+
+/// The symbol that stands at exactly this address, or nothing. Of several the first in the alphabet.
+std::string symbol_at(const toolchain::Image& image, toolchain::Address address);
+
+}  // namespace cli
