@@ -1,1 +1,438 @@
-// Filled in by the room's first commit.
+#include "bus_model/bus.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace pci {
+
+namespace {
+
+constexpr Clocks subtractive_clocks = 4;       // no DEVSEL# by then: master abort
+constexpr Clocks discard_clocks = Clocks{1} << 15;  // a target forgets a delayed read that nobody fetches
+constexpr unsigned nobody = Bus::most_masters;
+
+void require(bool good, const std::string& what) {
+  if (!good) throw std::invalid_argument{what};
+}
+
+}  // namespace
+
+TargetConfig TargetConfig::sram() { return {}; }
+
+TargetConfig TargetConfig::s5933() {
+  TargetConfig config;
+  config.read_initial = 8, config.write_initial = 2, config.read_step = config.write_step = 1;
+  return config;
+}
+
+TargetConfig TargetConfig::drive_card() {
+  TargetConfig config;
+  config.read_initial = 6, config.write_initial = 2, config.max_burst = 8;
+  return config;
+}
+
+TargetConfig TargetConfig::host_dram() {
+  TargetConfig config;
+  config.read_initial = 12, config.write_initial = 3, config.max_burst = 8;
+  return config;
+}
+
+struct Bus::Port {
+  MasterConfig config;
+  Initiator* initiator;
+  std::vector<Word> data;
+  Transaction transaction;
+  Clocks request = never;   // REQ# asserted from here on
+  unsigned wanted = 0;
+  unsigned done = 0;
+  bool active = false;
+  bool speculative = false;
+  bool attempted = false;
+  MasterStatistics statistics;
+};
+
+struct Bus::Window {
+  TargetConfig config;
+  Target* target;
+  Address base;
+  std::uint64_t words;
+  // delayed read
+  bool fetching = false;
+  std::uint16_t fetch_master = 0;
+  Address fetch_address = 0;
+  Clocks fetch_ready = 0;
+  Clocks drained = 0;       // the posted-write queue is empty from here on
+  TargetStatistics statistics;
+};
+
+Bus::Bus(BusConfig config) : config_{std::move(config)} {
+  require(config_.grant_clocks >= 1, "bus " + config_.name + ": grant_clocks is at least 1");
+}
+
+Bus::~Bus() = default;
+
+unsigned Bus::add_master(const MasterConfig& config, Initiator& initiator) {
+  require(ports_.size() < most_masters, "bus " + config_.name + ": at most 32 masters");
+  require(config.latency_timer >= 8 && config.latency_timer <= 248 && config.latency_timer % 8 == 0,
+          "master " + config.name + ": latency_timer is 8 to 248 clocks, a multiple of 8");
+  require(config.request_off_after_stop >= 2, "master " + config.name + ": PCI 2.1 has REQ# dropped for at least 2 clocks after a stop");
+  Port port;
+  port.config = config;
+  port.initiator = &initiator;
+  port.data.resize(most_words);
+  ports_.push_back(std::move(port));
+  return static_cast<unsigned>(ports_.size() - 1);
+}
+
+unsigned Bus::add_target(const TargetConfig& config, Target& target, Address base, std::uint64_t words) {
+  const std::string who = "target " + config.name + ": ";
+  require(config.devsel >= 1 && config.devsel <= 3, who + "devsel is 1 (fast), 2 (medium) or 3 (slow)");
+  require(config.read_initial >= 0 && config.devsel + config.read_initial <= 16, who + "PCI 2.1 wants the first data phase within 16 clocks: devsel + read_initial <= 16");
+  require(config.write_initial >= 0 && config.devsel + config.write_initial <= 16, who + "PCI 2.1 wants the first data phase within 16 clocks: devsel + write_initial <= 16");
+  require(config.read_step >= 0 && config.read_step <= 7 && config.write_step >= 0 && config.write_step <= 7, who + "PCI 2.1 wants later data phases within 8 clocks: read_step and write_step <= 7");
+  require(config.fetch >= 0 && config.post_drain >= 1, who + "fetch is at least 0 and post_drain at least 1");
+  require(words > 0 && base + words <= (std::uint64_t{1} << 32), who + "a window lies within 2^32 words");
+  for (const Window& other : windows_)
+    require(base + words <= other.base || other.base + other.words <= base, who + "its window overlaps that of " + other.config.name);
+  windows_.push_back(Window{.config = config, .target = &target, .base = base, .words = words, .statistics = {}});
+  return static_cast<unsigned>(windows_.size() - 1);
+}
+
+std::span<Word> Bus::buffer(unsigned master) { return ports_.at(master).data; }
+bool Bus::busy(unsigned master) const { return ports_.at(master).active; }
+unsigned Bus::masters() const { return static_cast<unsigned>(ports_.size()); }
+unsigned Bus::targets() const { return static_cast<unsigned>(windows_.size()); }
+const std::string& Bus::master_name(unsigned master) const { return ports_.at(master).config.name; }
+const std::string& Bus::target_name(unsigned target) const { return windows_.at(target).config.name; }
+const MasterStatistics& Bus::master_statistics(unsigned master) const { return ports_.at(master).statistics; }
+const TargetStatistics& Bus::target_statistics(unsigned target) const { return windows_.at(target).statistics; }
+
+void Bus::submit(unsigned master, bool write, Address address, unsigned words, Clocks request, bool speculative) {
+  Port& port = ports_.at(master);
+  if (port.active) throw std::logic_error{"pci::Bus::submit: master " + port.config.name + " already has a transaction"};
+  if (words == 0 || words > most_words) throw std::invalid_argument{"pci::Bus::submit: a transaction has 1 to 256 words"};
+  if (request < now_) throw std::logic_error{"pci::Bus::submit: a request in the past"};
+  port.transaction = Transaction{.number = submitted_++, .address = address, .words = words, .master = static_cast<std::uint16_t>(master), .write = write, .requested = request};
+  port.wanted = words;
+  port.done = 0;
+  port.active = true;
+  port.speculative = speculative && !write;
+  port.attempted = false;
+  port.request = request;
+  if (running_)
+    cut_by_timer();
+  else
+    plan_idle();
+}
+
+int Bus::parked() const {
+  if (ports_.empty()) return -1;
+  switch (config_.parking) {
+    case Parking::none: return -1;
+    case Parking::first: return 0;
+    case Parking::last_owner: return static_cast<int>(last_owner_);
+  }
+  return -1;
+}
+
+Clocks Bus::earliest_request(int except) const {
+  Clocks earliest = never;
+  for (std::size_t i = 0; i < ports_.size(); ++i)
+    if (static_cast<int>(i) != except) earliest = std::min(earliest, ports_[i].request);
+  return earliest;
+}
+
+// The arbiter's choice among those whose REQ# stands at `latest`; `nobody` when none does.
+unsigned Bus::pick(Clocks latest) const {
+  const auto count = static_cast<unsigned>(ports_.size());
+  const unsigned from = config_.arbitration == Arbitration::round_robin ? last_owner_ + 1 : 0;
+  for (unsigned i = 0; i < count; ++i) {
+    unsigned candidate = from + i;
+    if (candidate >= count) candidate -= count;
+    if (ports_[candidate].request <= latest) return candidate;
+  }
+  return nobody;
+}
+
+// An idle bus: the first to ask gets it; of several in the same clock the one that already has the grant, then the arbiter's choice.
+void Bus::plan_idle() {
+  const Clocks first = earliest_request(-1);
+  chosen_ = -1;
+  next_ = never;
+  if (first == never) return;
+  const int held = parked();
+  if (held >= 0 && ports_[static_cast<unsigned>(held)].request == first) {
+    chosen_ = held;
+    const bool no_turnaround = config_.fast_back_to_back && after_write_ && held == static_cast<int>(last_owner_);
+    next_ = std::max(first, no_turnaround ? free_ - 1 : free_);
+  } else {
+    chosen_ = static_cast<int>(pick(first));
+    next_ = std::max(first + config_.grant_clocks, free_);
+  }
+}
+
+int Bus::window_of(Address address) const {
+  for (std::size_t i = 0; i < windows_.size(); ++i)
+    if (address >= windows_[i].base && address - windows_[i].base < windows_[i].words) return static_cast<int>(i);
+  return -1;
+}
+
+void Bus::start(unsigned master, Clocks frame) {
+  Port& port = ports_[master];
+  if (frame < free_) {
+    statistics_.turnaround += frame - free_;  // fast back-to-back
+  } else {
+    const Clocks asked = std::clamp(frame - port.request, Clocks{0}, frame - free_);
+    statistics_.idle_requested += asked;
+    statistics_.idle += frame - free_ - asked;
+  }
+  attempt_ = Attempt{.master = static_cast<std::uint16_t>(master), .write = port.transaction.write, .address = port.transaction.address + port.done,
+                     .wanted = port.wanted - port.done, .requested = port.request, .frame = frame};
+  port.transaction.waited += frame - port.request;
+  port.request = never;
+  const bool first = !port.attempted;
+  if (first) {
+    port.attempted = true;
+    port.transaction.framed = frame;
+    port.statistics.wait.add(frame - port.transaction.requested);
+  }
+  const unsigned words = port.initiator->framed(attempt_, first, now_, port.data);
+  if (first && port.transaction.write) {
+    port.wanted = attempt_.wanted = std::min(words, most_words);
+    port.transaction.words = port.wanted;
+  }
+  last_owner_ = master;
+  running_ = true;
+  ahead_ = false;
+  attempt_.target = static_cast<std::int16_t>(window_of(attempt_.address));
+  if (attempt_.target < 0) {
+    attempt_.kind = Attempt::Kind::master_abort;
+    attempt_.last = frame + subtractive_clocks;
+    next_ = attempt_.last + 1;
+    return;
+  }
+  Window& window = windows_[static_cast<unsigned>(attempt_.target)];
+  port.transaction.target = attempt_.target;
+  choose_answer(window, port);
+  if (attempt_.kind != Attempt::Kind::data) {
+    attempt_.last = frame + window.config.devsel;
+    next_ = attempt_.last + 1;
+    return;
+  }
+  attempt_.first = frame + (attempt_.write ? window.config.devsel + window.config.write_initial : std::max(window.config.devsel, 2) + window.config.read_initial);
+  attempt_.step = 1 + (attempt_.write ? window.config.write_step : window.config.read_step);
+  if (port.done == 0) port.transaction.first_data = attempt_.first;
+  natural_words_ = attempt_.words;
+  cut_by_timer();
+  if (attempt_.write || natural_words_ == 1) return;
+  ahead_ = true;
+  for (unsigned i = 0; i < natural_words_; ++i)
+    port.data[port.done + i] = window.target->read(attempt_.address - window.base + i, Access{master, attempt_.first + i * attempt_.step});
+  port.initiator->arriving(attempt_, std::span<const Word>{port.data}.subspan(port.done, attempt_.words));
+}
+
+// Whether the target takes the attempt, and how many words of it.
+void Bus::choose_answer(Window& window, const Port& port) {
+  const TargetConfig& config = window.config;
+  const Address offset = attempt_.address - window.base;
+  attempt_.words = static_cast<unsigned>(std::min<std::uint64_t>(attempt_.wanted, window.words - offset));
+  if (config.max_burst != 0) attempt_.words = std::min(attempt_.words, config.max_burst);
+  const Answer answer = window.target->answer(offset, attempt_.words, attempt_.write, Access{attempt_.master, attempt_.frame});
+  if (answer != Answer::accept) {
+    attempt_.kind = answer == Answer::retry ? Attempt::Kind::retry : Attempt::Kind::target_abort;
+    attempt_.words = 0;
+    return;
+  }
+  if (attempt_.write && config.post_words != 0) {
+    const Clocks queued = std::max<Clocks>(0, window.drained - attempt_.frame + config.post_drain - 1) / config.post_drain;
+    const Clocks room = static_cast<Clocks>(config.post_words) - queued;
+    if (room <= 0) attempt_.kind = Attempt::Kind::retry, attempt_.words = 0;
+    else attempt_.words = std::min(attempt_.words, static_cast<unsigned>(room));
+  }
+  if (!attempt_.write && config.delayed_read) {
+    const bool abandoned = window.fetching && attempt_.frame > window.fetch_ready + discard_clocks;
+    const bool mine = window.fetching && !abandoned && window.fetch_master == attempt_.master && window.fetch_address == attempt_.address;
+    if (mine && attempt_.frame + config.devsel >= window.fetch_ready) {
+      window.fetching = false;
+      return;
+    }
+    if (!window.fetching || abandoned) {
+      window.fetching = true;
+      window.fetch_master = attempt_.master;
+      window.fetch_address = port.transaction.address + port.done;
+      window.fetch_ready = std::max(attempt_.frame + config.devsel, window.drained) + config.fetch;
+    }
+    attempt_.kind = Attempt::Kind::retry;
+    attempt_.words = 0;
+  }
+}
+
+// PCI 2.1: once the latency timer has run out and GNT# has gone to another, the transaction stops with its next data phase.
+void Bus::cut_by_timer() {
+  if (attempt_.kind != Attempt::Kind::data) return;
+  attempt_.last = attempt_.first + (natural_words_ - 1) * attempt_.step;
+  attempt_.words = natural_words_;
+  const Clocks other = earliest_request(attempt_.master);
+  if (other != never) {
+    const Clocks stop = std::max(attempt_.frame + ports_[attempt_.master].config.latency_timer, other + 1);
+    if (attempt_.last > stop) {
+      const Clocks before = stop <= attempt_.first ? 0 : (stop - attempt_.first + attempt_.step - 1) / attempt_.step;
+      attempt_.words = static_cast<unsigned>(before) + 1;
+      attempt_.last = attempt_.first + before * attempt_.step;
+    }
+  }
+  next_ = attempt_.last + 1;
+}
+
+void Bus::move_words(Port& port, unsigned words) {
+  if (words == 0) return;
+  Window& window = windows_[static_cast<unsigned>(attempt_.target)];
+  const Address offset = attempt_.address - window.base;
+  const Access access{attempt_.master, now_};
+  if (attempt_.write) {
+    for (unsigned i = 0; i < words; ++i) window.target->write(offset + i, port.data[port.done + i], access);
+    window.statistics.words_written += words;
+    port.statistics.words_written += words;
+    if (window.config.post_words != 0) window.drained = std::max(window.drained, attempt_.first) + words * window.config.post_drain;
+  } else {
+    if (!ahead_) port.data[port.done] = window.target->read(offset, access);
+    window.statistics.words_read += words;
+    port.statistics.words_read += words;
+  }
+  port.done += words;
+}
+
+// `length` clocks of an attempt with `words` data phases, turnaround apart.
+void Bus::account(Clocks words, Clocks length) {
+  statistics_.address += 1;
+  statistics_.data += words;
+  statistics_.wait += length - 1 - words;
+  statistics_.turnaround += 1;
+}
+
+void Bus::finish() {
+  Port& port = ports_[attempt_.master];
+  const Clocks last = attempt_.last;
+  running_ = false;
+  after_write_ = attempt_.write;
+  free_ = last + 2;
+  account(attempt_.words, last + 1 - attempt_.frame);
+  port.statistics.owned += free_ - attempt_.frame;
+  move_words(port, attempt_.words);
+  if (monitor_ != nullptr) monitor_->attempted(attempt_);
+
+  const bool aborted = attempt_.kind == Attempt::Kind::master_abort || attempt_.kind == Attempt::Kind::target_abort;
+  if (aborted || port.done == port.wanted || (port.speculative && port.done > 0)) {
+    Transaction& transaction = port.transaction;
+    if (attempt_.kind == Attempt::Kind::master_abort) transaction.result = Result::master_abort;
+    if (attempt_.kind == Attempt::Kind::target_abort) transaction.result = Result::target_abort;
+    if (aborted && !transaction.write) std::fill(port.data.begin() + port.done, port.data.begin() + port.wanted, ~Word{0});
+    port.statistics.aborts += aborted;
+    port.statistics.transactions += 1;
+    transaction.words = port.done;
+    transaction.ended = last + 1;
+    port.active = false;
+    const Transaction ended = transaction;
+    if (monitor_ != nullptr) monitor_->ended(ended);
+    port.initiator->completed(ended, std::span<const Word>{port.data}.first(port.wanted));
+  } else if (attempt_.kind == Attempt::Kind::retry) {
+    port.transaction.retries += 1;
+    port.statistics.retries += 1;
+    windows_[static_cast<unsigned>(attempt_.target)].statistics.retries += 1;
+    port.request = free_ + port.config.request_off_after_stop;
+  } else if (attempt_.words < natural_words_) {
+    port.statistics.timer_stops += 1;
+    port.request = last + 1;  // its own REQ# stays; the grant is another's
+  } else {
+    port.transaction.disconnects += 1;
+    port.statistics.disconnects += 1;
+    port.request = free_ + port.config.request_off_after_stop;
+  }
+  arbitrate(last);
+}
+
+// Hidden arbitration: who asked by the last data phase starts right after the turnaround.
+void Bus::arbitrate(Clocks last) {
+  const unsigned winner = pick(last);
+  if (winner != nobody)
+    start(winner, free_);
+  else
+    plan_idle();
+}
+
+void Bus::step() {
+  now_ = next_;
+  if (running_)
+    finish();
+  else
+    start(static_cast<unsigned>(chosen_), now_);
+}
+
+void Bus::advance_to(Clocks clock) {
+  while (next_ <= clock) step();
+  now_ = std::max(now_, clock);
+}
+
+unsigned Bus::withdraw(unsigned master, Clocks now) {
+  Port& port = ports_.at(master);
+  if (!port.active) return 0;
+  now_ = std::max(now_, now);
+  port.active = false;
+  port.request = never;
+  Transaction& transaction = port.transaction;
+  transaction.result = Result::withdrawn;
+  if (running_ && attempt_.master == master) {
+    const Clocks end = std::max(now_, attempt_.frame + 1);  // FRAME# and IRDY# go away here
+    unsigned words = 0;
+    if (attempt_.kind == Attempt::Kind::data && end > attempt_.first)
+      words = std::min(attempt_.words, static_cast<unsigned>((end - 1 - attempt_.first) / attempt_.step) + 1);
+    running_ = false;
+    after_write_ = false;
+    free_ = end + 1;
+    account(words, end - attempt_.frame);
+    port.statistics.owned += free_ - attempt_.frame;
+    move_words(port, words);
+    attempt_.words = words;
+    attempt_.last = end - 1;
+    if (monitor_ != nullptr) monitor_->attempted(attempt_);
+    transaction.words = port.done;
+    transaction.ended = end;
+    if (monitor_ != nullptr) monitor_->ended(transaction);
+    arbitrate(end - 1);
+  } else {
+    transaction.words = port.done;
+    transaction.ended = now_;
+    if (monitor_ != nullptr) monitor_->ended(transaction);
+    if (running_)
+      cut_by_timer();
+    else
+      plan_idle();
+  }
+  return transaction.words;
+}
+
+BusStatistics Bus::statistics(Clocks clock) const {
+  BusStatistics result = statistics_;
+  if (!running_) {
+    if (clock < free_) {
+      result.turnaround -= free_ - clock;
+    } else {
+      const Clocks asked = std::clamp(clock - std::min(earliest_request(-1), clock), Clocks{0}, clock - free_);
+      result.idle_requested += asked;
+      result.idle += clock - free_ - asked;
+    }
+    return result;
+  }
+  if (clock <= attempt_.frame) {
+    result.turnaround -= attempt_.frame - clock;
+    return result;
+  }
+  Clocks data = 0;
+  if (attempt_.kind == Attempt::Kind::data && clock > attempt_.first) data = std::min<Clocks>(attempt_.words, (clock - 1 - attempt_.first) / attempt_.step + 1);
+  result.address += 1;
+  result.data += data;
+  result.wait += clock - attempt_.frame - 1 - data;
+  return result;
+}
+
+}  // namespace pci

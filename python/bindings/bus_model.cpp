@@ -1,3 +1,287 @@
+// cmrc._core.bus_model: a bus with plain masters, bridges and memories, for tests and for looking at PCI alone.
+#include "bus_model/bus.hpp"
+
+#include <pybind11/stl.h>
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <random>
+#include <stdexcept>
+
+#include "bus_model/bridge.hpp"
 #include "python/bindings/bindings.hpp"
 
-void bind_bus_model(py::module_&) {}
+namespace {
+
+using namespace pci;
+
+class Memory final : public Target {
+ public:
+  explicit Memory(std::size_t words) : words_(words) {}
+  Answer answer(Address, unsigned, bool, const Access&) override { return answer_; }
+  Word read(Address offset, const Access& access) override {
+    if (log) accesses.push_back({false, offset, words_[offset], access.master, access.clock});
+    return words_[offset];
+  }
+  void write(Address offset, Word value, const Access& access) override {
+    if (log) accesses.push_back({true, offset, value, access.master, access.clock});
+    words_[offset] = value;
+  }
+  struct Logged {
+    bool write;
+    Address offset;
+    Word value;
+    unsigned master;
+    Clocks clock;
+  };
+  std::vector<Word> words_;
+  std::vector<Logged> accesses;
+  Answer answer_ = Answer::accept;
+  bool log = true;
+};
+
+struct Ended {
+  Transaction transaction;
+  std::vector<Word> words;
+};
+
+struct Master final : Initiator {
+  explicit Master(std::vector<Ended>& list) : ended{list} {}
+  void completed(const Transaction& transaction, std::span<const Word> words) override { ended.push_back({transaction, {words.begin(), words.end()}}); }
+  std::vector<Ended>& ended;
+};
+
+struct PyBridge final : Bridge::Client {
+  PyBridge(Bus& bus, const MasterConfig& master, const BridgeConfig& config) : bridge{bus, master, config, *this} {}
+  void answered(Word value, Clocks ready, Clocks arbitration, Result result) override { answer = {value, ready, arbitration, result}; }
+  void taken(Clocks ready, Clocks) override { room = ready; }
+  void landed(const Posted& posted, Clocks clock, Result) override { landings.emplace_back(posted.address, posted.value, clock); }
+  std::optional<std::tuple<Word, Clocks, Clocks, Result>> take_answer() { return std::exchange(answer, std::nullopt); }
+  std::optional<Clocks> take_room() { return std::exchange(room, std::nullopt); }
+  std::optional<std::pair<Word, Clocks>> look_up(Address address) const {
+    Bridge::Hit hit{};
+    if (!bridge.look_up(address, hit)) return std::nullopt;
+    return std::pair{hit.value, hit.ready};
+  }
+  std::optional<std::tuple<Word, Clocks, Clocks, Result>> answer;
+  std::optional<Clocks> room;
+  std::vector<std::tuple<Address, Word, Clocks>> landings;
+  Bridge bridge;
+};
+
+class PyBus final : public Monitor {
+ public:
+  explicit PyBus(const BusConfig& config) : bus{config} { bus.set_monitor(this); }
+  void attempted(const Attempt& attempt) override { attempts.push_back(attempt); }
+  unsigned add_master(const MasterConfig& config) { return bus.add_master(config, masters.emplace_back(ended)); }
+  Memory& add_memory(const TargetConfig& config, Address base, std::size_t words) {
+    Memory& memory = memories.emplace_back(words);
+    bus.add_target(config, memory, base, words);
+    return memory;
+  }
+  PyBridge& add_bridge(const MasterConfig& master, const BridgeConfig& config) { return bridges.emplace_back(bus, master, config); }
+  void read(unsigned master, Address address, unsigned words, Clocks clock) { bus.submit(master, false, address, words, clock); }
+  void write(unsigned master, Address address, const std::vector<Word>& words, Clocks clock) {
+    if (words.size() > Bus::most_words) throw std::invalid_argument{"a transaction has at most 256 words"};
+    std::copy(words.begin(), words.end(), bus.buffer(master).begin());
+    bus.submit(master, true, address, static_cast<unsigned>(words.size()), clock);
+  }
+  std::vector<Ended> advance_to(Clocks clock) {
+    bus.advance_to(clock);
+    return std::exchange(ended, {});
+  }
+
+  Bus bus;
+  std::deque<Memory> memories;
+  std::deque<PyBridge> bridges;
+  std::vector<Attempt> attempts;
+
+ private:
+  std::vector<Ended> ended;
+  std::deque<Master> masters;
+};
+
+// A load like the dock scene's, without Python in the loop: gives the number of transactions done in `clocks`.
+std::uint64_t exercise(unsigned masters, Clocks clocks, Clocks pause) {
+  struct Loader final : Initiator {
+    void completed(const Transaction& transaction, std::span<const Word>) override {
+      count += 1;
+      state = state * 6364136223846793005u + 1442695040888963407u;
+      const auto random = static_cast<Word>(state >> 33);
+      bus->submit(transaction.master, (random & 3) == 0, random & 0xFFF, 1 + (random >> 12 & 7), transaction.ended + 1 + static_cast<Clocks>(random >> 16) % (2 * pause));
+    }
+    Bus* bus = nullptr;
+    Clocks pause = 0;
+    std::uint64_t state = 0;
+    std::uint64_t count = 0;
+  };
+  Bus bus;
+  Memory memory{0x2000};
+  memory.log = false;
+  std::vector<Loader> loaders(masters);
+  bus.add_target(TargetConfig::sram(), memory, 0, 0x2000);
+  for (unsigned i = 0; i < masters; ++i) {
+    loaders[i].bus = &bus;
+    loaders[i].pause = pause;
+    loaders[i].state = i;
+    bus.add_master({}, loaders[i]);
+    bus.submit(i, false, i, 1, i);
+  }
+  bus.advance_to(clocks);
+  std::uint64_t total = 0;
+  for (const Loader& loader : loaders) total += loader.count;
+  return total;
+}
+
+template <class Class>
+void bind_histogram(Class& owner) {
+  owner.def("count", &Histogram::count).def("max", &Histogram::max).def("percentile", &Histogram::percentile, py::arg("fraction")).def("octaves", &Histogram::octaves).def("add", &Histogram::add);
+}
+
+void bind_configs(py::module_& m) {
+  py::enum_<Arbitration>(m, "Arbitration").value("round_robin", Arbitration::round_robin).value("fixed", Arbitration::fixed);
+  py::enum_<Parking>(m, "Parking").value("none", Parking::none).value("last_owner", Parking::last_owner).value("first", Parking::first);
+  py::enum_<Result>(m, "Result").value("done", Result::done).value("master_abort", Result::master_abort).value("target_abort", Result::target_abort).value("withdrawn", Result::withdrawn);
+  py::enum_<Answer>(m, "Answer").value("accept", Answer::accept).value("retry", Answer::retry).value("abort", Answer::abort);
+  py::enum_<Attempt::Kind>(m, "AttemptKind").value("data", Attempt::Kind::data).value("retry", Attempt::Kind::retry).value("master_abort", Attempt::Kind::master_abort).value("target_abort", Attempt::Kind::target_abort);
+  py::class_<BusConfig>(m, "BusConfig")
+      .def(py::init<>())
+      .def_readwrite("name", &BusConfig::name)
+      .def_readwrite("arbitration", &BusConfig::arbitration)
+      .def_readwrite("parking", &BusConfig::parking)
+      .def_readwrite("grant_clocks", &BusConfig::grant_clocks)
+      .def_readwrite("fast_back_to_back", &BusConfig::fast_back_to_back);
+  py::class_<MasterConfig>(m, "MasterConfig")
+      .def(py::init<>())
+      .def_readwrite("name", &MasterConfig::name)
+      .def_readwrite("latency_timer", &MasterConfig::latency_timer)
+      .def_readwrite("request_off_after_stop", &MasterConfig::request_off_after_stop);
+  py::class_<TargetConfig>(m, "TargetConfig")
+      .def(py::init<>())
+      .def_static("sram", &TargetConfig::sram)
+      .def_static("s5933", &TargetConfig::s5933)
+      .def_static("drive_card", &TargetConfig::drive_card)
+      .def_static("host_dram", &TargetConfig::host_dram)
+      .def_readwrite("name", &TargetConfig::name)
+      .def_readwrite("devsel", &TargetConfig::devsel)
+      .def_readwrite("read_initial", &TargetConfig::read_initial)
+      .def_readwrite("read_step", &TargetConfig::read_step)
+      .def_readwrite("write_initial", &TargetConfig::write_initial)
+      .def_readwrite("write_step", &TargetConfig::write_step)
+      .def_readwrite("max_burst", &TargetConfig::max_burst)
+      .def_readwrite("delayed_read", &TargetConfig::delayed_read)
+      .def_readwrite("fetch", &TargetConfig::fetch)
+      .def_readwrite("post_words", &TargetConfig::post_words)
+      .def_readwrite("post_drain", &TargetConfig::post_drain);
+  py::class_<BridgeConfig>(m, "BridgeConfig")
+      .def(py::init<>())
+      .def_readwrite("request_sync", &BridgeConfig::request_sync)
+      .def_readwrite("return_sync", &BridgeConfig::return_sync)
+      .def_readwrite("post_depth", &BridgeConfig::post_depth)
+      .def_readwrite("prefetch_words", &BridgeConfig::prefetch_words)
+      .def_readwrite("prefetch_limit", &BridgeConfig::prefetch_limit);
+}
+
+void bind_records(py::module_& m) {
+  py::class_<Ended>(m, "Transaction", "A finished transaction, with its words when it was a read.")
+      .def_readonly("words", &Ended::words)
+      .def_property_readonly("number", [](const Ended& e) { return e.transaction.number; })
+      .def_property_readonly("address", [](const Ended& e) { return e.transaction.address; })
+      .def_property_readonly("count", [](const Ended& e) { return e.transaction.words; })
+      .def_property_readonly("master", [](const Ended& e) { return e.transaction.master; })
+      .def_property_readonly("target", [](const Ended& e) { return e.transaction.target; })
+      .def_property_readonly("write", [](const Ended& e) { return e.transaction.write; })
+      .def_property_readonly("result", [](const Ended& e) { return e.transaction.result; })
+      .def_property_readonly("requested", [](const Ended& e) { return e.transaction.requested; })
+      .def_property_readonly("framed", [](const Ended& e) { return e.transaction.framed; })
+      .def_property_readonly("first_data", [](const Ended& e) { return e.transaction.first_data; })
+      .def_property_readonly("ended", [](const Ended& e) { return e.transaction.ended; })
+      .def_property_readonly("waited", [](const Ended& e) { return e.transaction.waited; })
+      .def_property_readonly("retries", [](const Ended& e) { return e.transaction.retries; })
+      .def_property_readonly("disconnects", [](const Ended& e) { return e.transaction.disconnects; });
+  py::class_<Attempt>(m, "Attempt")
+      .def_readonly("master", &Attempt::master)
+      .def_readonly("target", &Attempt::target)
+      .def_readonly("kind", &Attempt::kind)
+      .def_readonly("write", &Attempt::write)
+      .def_readonly("address", &Attempt::address)
+      .def_readonly("wanted", &Attempt::wanted)
+      .def_readonly("words", &Attempt::words)
+      .def_readonly("requested", &Attempt::requested)
+      .def_readonly("frame", &Attempt::frame)
+      .def_readonly("first", &Attempt::first)
+      .def_readonly("last", &Attempt::last);
+  py::class_<Memory::Logged>(m, "Access")
+      .def_readonly("write", &Memory::Logged::write)
+      .def_readonly("offset", &Memory::Logged::offset)
+      .def_readonly("value", &Memory::Logged::value)
+      .def_readonly("master", &Memory::Logged::master)
+      .def_readonly("clock", &Memory::Logged::clock);
+  py::class_<Histogram> histogram(m, "Histogram");
+  histogram.def(py::init<>());
+  bind_histogram(histogram);
+  py::class_<BusStatistics>(m, "BusStatistics")
+      .def_readonly("address", &BusStatistics::address)
+      .def_readonly("data", &BusStatistics::data)
+      .def_readonly("wait", &BusStatistics::wait)
+      .def_readonly("turnaround", &BusStatistics::turnaround)
+      .def_readonly("idle_requested", &BusStatistics::idle_requested)
+      .def_readonly("idle", &BusStatistics::idle)
+      .def("total", &BusStatistics::total);
+  py::class_<MasterStatistics>(m, "MasterStatistics")
+      .def_readonly("transactions", &MasterStatistics::transactions)
+      .def_readonly("words_read", &MasterStatistics::words_read)
+      .def_readonly("words_written", &MasterStatistics::words_written)
+      .def_readonly("retries", &MasterStatistics::retries)
+      .def_readonly("disconnects", &MasterStatistics::disconnects)
+      .def_readonly("timer_stops", &MasterStatistics::timer_stops)
+      .def_readonly("aborts", &MasterStatistics::aborts)
+      .def_readonly("owned", &MasterStatistics::owned)
+      .def_readonly("wait", &MasterStatistics::wait);
+  py::class_<TargetStatistics>(m, "TargetStatistics")
+      .def_readonly("words_read", &TargetStatistics::words_read)
+      .def_readonly("words_written", &TargetStatistics::words_written)
+      .def_readonly("retries", &TargetStatistics::retries);
+}
+
+}  // namespace
+
+void bind_bus_model(py::module_& core) {
+  py::module_ m = core.def_submodule("bus_model", "PCI: transactions, arbitration, targets, bridges, statistics. All times are bus clocks.");
+  bind_configs(m);
+  bind_records(m);
+  py::class_<Memory>(m, "Memory")
+      .def_readwrite("answer", &Memory::answer_)
+      .def_readonly("accesses", &Memory::accesses)
+      .def("__getitem__", [](const Memory& memory, std::size_t i) { return memory.words_.at(i); })
+      .def("__setitem__", [](Memory& memory, std::size_t i, Word word) { memory.words_.at(i) = word; });
+  py::class_<PyBridge>(m, "Bridge")
+      .def_property_readonly("master", [](const PyBridge& b) { return b.bridge.master(); })
+      .def_property_readonly("blocked", [](const PyBridge& b) { return b.bridge.blocked(); })
+      .def_property_readonly("posted", [](const PyBridge& b) { return b.bridge.posted(); })
+      .def_readonly("landings", &PyBridge::landings)
+      .def("has_room", [](const PyBridge& b) { return b.bridge.has_room(); })
+      .def("write", [](PyBridge& b, Address address, Word value, Clocks clock) { b.bridge.write({address, value, clock}); }, py::arg("address"), py::arg("value"), py::arg("clock"))
+      .def("read", [](PyBridge& b, Address address, Clocks clock) { b.bridge.read(address, clock); }, py::arg("address"), py::arg("clock"))
+      .def("look_up", &PyBridge::look_up)
+      .def("clear", [](PyBridge& b, Clocks clock) { b.bridge.clear(clock); })
+      .def("take_answer", &PyBridge::take_answer, "(value, ready, arbitration clocks, result), once")
+      .def("take_room", &PyBridge::take_room);
+  py::class_<PyBus>(m, "Bus")
+      .def(py::init<const BusConfig&>(), py::arg("config") = BusConfig{})
+      .def("add_master", &PyBus::add_master, py::arg("config") = MasterConfig{})
+      .def("add_memory", &PyBus::add_memory, py::arg("config") = TargetConfig{}, py::arg("base") = 0, py::arg("words") = 0x1000, py::return_value_policy::reference_internal)
+      .def("add_bridge", &PyBus::add_bridge, py::arg("master") = MasterConfig{}, py::arg("config") = BridgeConfig{}, py::return_value_policy::reference_internal)
+      .def("read", &PyBus::read, py::arg("master"), py::arg("address"), py::arg("words"), py::arg("clock"))
+      .def("write", &PyBus::write, py::arg("master"), py::arg("address"), py::arg("words"), py::arg("clock"))
+      .def("withdraw", [](PyBus& b, unsigned master, Clocks clock) { return b.bus.withdraw(master, clock); }, py::arg("master"), py::arg("clock"))
+      .def("advance_to", &PyBus::advance_to, py::arg("clock"), "Lets everything up to and with the clock happen; gives what has ended, in order.")
+      .def("next_event", [](const PyBus& b) -> std::optional<Clocks> { return b.bus.next_event() == never ? std::nullopt : std::optional{b.bus.next_event()}; })
+      .def("now", [](const PyBus& b) { return b.bus.now(); })
+      .def_readonly("attempts", &PyBus::attempts)
+      .def("statistics", [](const PyBus& b, Clocks clock) { return b.bus.statistics(clock); }, py::arg("clock"))
+      .def("master_statistics", [](const PyBus& b, unsigned master) { return b.bus.master_statistics(master); })
+      .def("target_statistics", [](const PyBus& b, unsigned target) { return b.bus.target_statistics(target); });
+  m.def("exercise", &exercise, py::arg("masters"), py::arg("clocks"), py::arg("pause"), "Transactions done by so many masters that pause `pause` clocks on average between random accesses of 1 to 8 words.");
+}

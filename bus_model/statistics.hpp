@@ -1,0 +1,75 @@
+#pragma once
+// What a bus counts about itself.
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "bus_model/config.hpp"
+
+namespace pci {
+
+/// Counts of clocks: exact up to 63, eight bins per octave above.
+class Histogram {
+ public:
+  void add(Clocks value) {
+    counts_[bin(value)] += 1;
+    count_ += 1;
+    if (value > max_) max_ = value;
+  }
+  std::uint64_t count() const { return count_; }
+  Clocks max() const { return max_; }
+  /// The smallest value that at least `fraction` (0..1) of the entries do not exceed: exact up to 63, above that the upper edge of its bin, never more than max().
+  Clocks percentile(double fraction) const;
+  /// Entries in [2^k, 2^(k+1)); element 0 holds 0 and 1.
+  std::array<std::uint64_t, 32> octaves() const;
+
+ private:
+  static constexpr std::size_t exact = 64;
+  static constexpr std::size_t bins = exact + 26 * 8;
+  static std::size_t bin(Clocks value);
+  static Clocks upper_edge(std::size_t bin);
+
+  std::array<std::uint64_t, bins> counts_{};
+  std::uint64_t count_ = 0;
+  Clocks max_ = 0;
+};
+
+/// Every clock since clock 0 is in exactly one of these.
+struct BusStatistics {
+  Clocks address = 0;         ///< address phases
+  Clocks data = 0;            ///< data phases
+  Clocks wait = 0;            ///< DEVSEL#, wait states, refused attempts
+  Clocks turnaround = 0;      ///< the idle clock that ends a transaction
+  Clocks idle_requested = 0;  ///< nobody on the bus, somebody asks
+  Clocks idle = 0;
+  Clocks total() const { return address + data + wait + turnaround + idle_requested + idle; }
+};
+
+struct MasterStatistics {
+  std::uint64_t transactions = 0;
+  std::uint64_t words_read = 0;
+  std::uint64_t words_written = 0;
+  std::uint64_t retries = 0;
+  std::uint64_t disconnects = 0;  ///< by the target, words left
+  std::uint64_t timer_stops = 0;  ///< by the latency timer, words left
+  std::uint64_t aborts = 0;
+  Clocks owned = 0;               ///< clocks on the bus
+  Histogram wait;                 ///< clocks from the request to the first FRAME#
+};
+
+struct TargetStatistics {
+  std::uint64_t words_read = 0;
+  std::uint64_t words_written = 0;
+  std::uint64_t retries = 0;
+};
+
+inline std::size_t Histogram::bin(Clocks value) {
+  const auto v = static_cast<std::uint64_t>(value < 0 ? 0 : value);
+  if (v < exact) return static_cast<std::size_t>(v);
+  const auto octave = static_cast<unsigned>(std::bit_width(v)) - 1;
+  if (octave >= 32) return bins - 1;
+  return exact + (octave - 6) * 8 + ((v >> (octave - 3)) & 7);
+}
+
+}  // namespace pci
