@@ -167,7 +167,7 @@ struct DockConfig {
   int signal_decimation = 0;  // record signals each so many latches; 0: never
 };
 
-// The dock of docs/plant.md: five containers in two rows and two tiers, one-way loop of lane, n AGVs queueing at the spot.
+// The dock of docs/plant.md: eight containers in two rows and two tiers, a one-way loop of lane, n AGVs queueing at the spot.
 DockConfig default_dock(int agv_count = 1);
 
 }  // namespace plant

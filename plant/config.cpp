@@ -1,0 +1,49 @@
+#include "plant/config.hpp"
+
+#include <algorithm>
+
+namespace plant {
+namespace {
+
+constexpr double turn_radius = 12.0;  // m
+constexpr double curve_speed = 3.0, straight_speed = 5.0;  // m/s
+
+// Five forward segments make the loop: along the quay past the spot, round, back past the warehouse, round.
+std::array<std::vector<LaneSegment>, 3> loop(const Layout& layout, int agvs) {
+  const double half_turn = std::numbers::pi * turn_radius;
+  const double right = layout.spot.x + 20.0;
+  const double left = std::min(-8.0, layout.spot.x - layout.slot_spacing * agvs - 8.0);
+  const double near = layout.spot.y;
+  const double far = near - 2.0 * turn_radius;
+  const double west = std::numbers::pi;
+  const std::vector<LaneSegment> out = {
+      {layout.spot.x, near, 0.0, right - layout.spot.x, 0.0, straight_speed},
+      {right, near, 0.0, half_turn, -1.0 / turn_radius, curve_speed},
+      {right, far, west, right - layout.warehouse.x, 0.0, straight_speed},
+  };
+  const std::vector<LaneSegment> back = {
+      {layout.warehouse.x, far, west, layout.warehouse.x - left, 0.0, straight_speed},
+      {left, far, west, half_turn, -1.0 / turn_radius, curve_speed},
+      {left, near, 0.0, layout.spot.x - left, 0.0, straight_speed},
+  };
+  return {out, back, back};
+}
+
+}  // namespace
+
+DockConfig default_dock(int agv_count) {
+  DockConfig config;
+  config.agv_count = agv_count;
+  Layout& layout = config.layout;
+  const double upper = layout.deck + container_height;
+  layout.containers = {
+      {0.0, 24.0, layout.deck, 0.0, 24e3},    {12.7, 24.0, layout.deck, 0.0, 20e3},  {-12.7, 24.0, layout.deck, 0.0, 26e3},
+      {0.0, 26.6, layout.deck, 0.0, 22e3},    {12.7, 26.6, layout.deck, 0.0, 18e3},  {-12.7, 26.6, layout.deck, 0.0, 25e3},
+      {0.0, 24.0, upper, 0.0, 21e3},          {-12.7, 26.6, upper, 0.0, 16e3},
+  };
+  layout.no_go = {{-34.0, -24.0, 20.0, 34.0, 0.0, 25.0}};  // the ship's deck-house
+  layout.legs = loop(layout, agv_count);
+  return config;
+}
+
+}  // namespace plant

@@ -1,0 +1,292 @@
+#include "plant/crane.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "plant/math.hpp"
+
+namespace plant {
+namespace {
+
+struct Angles {
+  SinCos psi, phi, alpha, beta;
+  explicit Angles(const CraneVector& q)
+      : psi(sin_cos(q[Q_PSI])), phi(sin_cos(q[Q_PHI])), alpha(sin_cos(q[Q_ALPHA])), beta(sin_cos(q[Q_BETA])) {}
+};
+
+// A mass point's partial velocities in the slewing frame (radial, tangential, up) and its acceleration when all qdd are 0.
+struct Point {
+  std::array<Vector3, crane_size> partial{};
+  Vector3 bias{};
+};
+
+// Acceleration in the slewing frame of a point at `at` with relative velocity `u` and relative acceleration `w`.
+Vector3 turning(const Vector3& at, const Vector3& u, const Vector3& w, double psid) {
+  return {w[0] - 2.0 * psid * u[1] - psid * psid * at[0], w[1] + 2.0 * psid * u[0] - psid * psid * at[1], w[2]};
+}
+
+Point jib_point(const CraneParameters& p, const Angles& a, const CraneVector& qd, double along) {
+  Point point;
+  const double c = along * a.phi.cos;
+  const double s = along * a.phi.sin;
+  const Vector3 at{p.a0 + c, 0.0, p.pivot_height + s};
+  point.partial[Q_S] = {a.psi.cos, -a.psi.sin, 0.0};
+  point.partial[Q_PSI] = {0.0, at[0], 0.0};
+  point.partial[Q_PHI] = {-s, 0.0, c};
+  const double rate = qd[Q_PHI];
+  point.bias = turning(at, rate * point.partial[Q_PHI], {-c * rate * rate, 0.0, -s * rate * rate}, qd[Q_PSI]);
+  return point;
+}
+
+Point payload_point(const CraneParameters& p, const Angles& a, const CraneVector& q, const CraneVector& qd) {
+  Point point;
+  const double l = q[Q_L];
+  const auto [sa, ca] = a.alpha;
+  const auto [sb, cb] = a.beta;
+  const double c = p.jib * a.phi.cos;
+  const double s = p.jib * a.phi.sin;
+  const Vector3 along{sa * cb, sb, -ca * cb};
+  const Vector3 at{p.a0 + c + l * along[0], l * along[1], p.pivot_height + s + l * along[2]};
+  point.partial[Q_S] = {a.psi.cos, -a.psi.sin, 0.0};
+  point.partial[Q_PSI] = {-at[1], at[0], 0.0};
+  point.partial[Q_PHI] = {-s, 0.0, c};
+  point.partial[Q_L] = along;
+  point.partial[Q_ALPHA] = {l * ca * cb, 0.0, l * sa * cb};
+  point.partial[Q_BETA] = {-l * sa * sb, l * cb, l * ca * sb};
+
+  const double ad = qd[Q_ALPHA];
+  const double bd = qd[Q_BETA];
+  const double pd = qd[Q_PHI];
+  const double ld = qd[Q_L];
+  const Vector3 along_rate{ad * ca * cb - bd * sa * sb, bd * cb, ad * sa * cb + bd * ca * sb};
+  const double square = ad * ad + bd * bd;
+  const Vector3 along_second{-square * sa * cb - 2.0 * ad * bd * ca * sb, -bd * bd * sb,
+                             square * ca * cb - 2.0 * ad * bd * sa * sb};
+  const Vector3 u = pd * point.partial[Q_PHI] + ld * along + l * along_rate;
+  const Vector3 w = Vector3{-c * pd * pd, 0.0, -s * pd * pd} + (2.0 * ld) * along_rate + l * along_second;
+  point.bias = turning(at, u, w, qd[Q_PSI]);
+  return point;
+}
+
+void add_force(CraneVector& sum, const Point& point, const Vector3& force) {
+  for (std::size_t k = 0; k < crane_size; ++k) sum[k] += dot(point.partial[k], force);
+}
+
+// h + g: what the inertia of each mass asks for, with `gravity_scale` times gravity and `motion_scale` times the velocity terms.
+CraneVector bias_and_gravity(const CraneParameters& p, const Angles& a, const CraneVector& q, const CraneVector& qd,
+                             const Payload& payload, double motion, double weight) {
+  CraneVector sum{};
+  const Vector3 up{0.0, 0.0, weight * gravity};
+  const Point jib = jib_point(p, a, qd, p.jib_centre);
+  add_force(sum, jib, p.jib_mass * (motion * jib.bias + up));
+  const Point load = payload_point(p, a, q, qd);
+  add_force(sum, load, payload.mass * (motion * load.bias + up));
+  // The counterweight moves on a circle; its pull reaches the gantry only.
+  sum[Q_S] += motion * p.counterweight * p.counterweight_radius * qd[Q_PSI] * qd[Q_PSI] * a.psi.cos;
+  // The slender jib turns about its centre: T = I_j (phid^2 + cos^2 phi psid^2) / 2.
+  const double slender = motion * p.jib_inertia * a.phi.sin * a.phi.cos;
+  sum[Q_PSI] -= 2.0 * slender * qd[Q_PHI] * qd[Q_PSI];
+  sum[Q_PHI] += slender * qd[Q_PSI] * qd[Q_PSI];
+  return sum;
+}
+
+double square(double x) { return x * x; }
+
+// Upper triangle of M, plant-and-bus.md 1.3, mirrored.
+CraneMatrix closed_form(const CraneParameters& p, const Angles& angles, const CraneVector& q, const Payload& payload) {
+  const double mp = payload.mass;
+  const double l = q[Q_L];
+  const double sp = angles.psi.sin, cp = angles.psi.cos, sf = angles.phi.sin, cf = angles.phi.cos;
+  const double sa = angles.alpha.sin, ca = angles.alpha.cos, sb = angles.beta.sin, cb = angles.beta.cos;
+  const double r = p.a0 + p.jib * cf;
+  const double a = mp * p.jib + p.jib_mass * p.jib_centre;
+  const double mu = p.jib_mass * (p.a0 + p.jib_centre * cf) + mp * r - p.counterweight * p.counterweight_radius;
+  const double cos_am = ca * cf + sa * sf;  // cos(alpha - phi)
+  const double sin_am = sa * cf - ca * sf;
+
+  CraneMatrix m{};
+  m[Q_S][Q_S] = p.gantry_mass + p.jib_mass + p.counterweight + mp;
+  m[Q_S][Q_PSI] = -(mu + mp * l * sa * cb) * sp - mp * l * sb * cp;
+  m[Q_S][Q_PHI] = -a * sf * cp;
+  m[Q_S][Q_L] = mp * (sa * cb * cp - sb * sp);
+  m[Q_S][Q_ALPHA] = mp * l * ca * cb * cp;
+  m[Q_S][Q_BETA] = -mp * l * (sa * sb * cp + cb * sp);
+  m[Q_PSI][Q_PSI] = p.slew_inertia + p.jib_inertia * square(cf) + p.counterweight * square(p.counterweight_radius) +
+                    p.jib_mass * square(p.a0 + p.jib_centre * cf) + mp * (square(r + l * sa * cb) + square(l * sb)) +
+                    payload.inertia;
+  m[Q_PSI][Q_PHI] = mp * p.jib * l * sf * sb;
+  m[Q_PSI][Q_L] = mp * r * sb;
+  m[Q_PSI][Q_ALPHA] = -mp * l * l * ca * sb * cb;
+  m[Q_PSI][Q_BETA] = mp * l * (r * cb + l * sa);
+  m[Q_PSI][Q_KAPPA] = payload.inertia;
+  m[Q_PHI][Q_PHI] = p.jib_inertia + p.jib_mass * square(p.jib_centre) + mp * square(p.jib);
+  m[Q_PHI][Q_L] = -mp * p.jib * cb * cos_am;
+  m[Q_PHI][Q_ALPHA] = mp * p.jib * l * cb * sin_am;
+  m[Q_PHI][Q_BETA] = mp * p.jib * l * sb * cos_am;
+  m[Q_L][Q_L] = mp;
+  m[Q_ALPHA][Q_ALPHA] = mp * square(l * cb);
+  m[Q_BETA][Q_BETA] = mp * square(l);
+  m[Q_KAPPA][Q_KAPPA] = payload.inertia;
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const auto& drive = p.drives[j];
+    const auto k = static_cast<std::size_t>(joint_coordinate[j]);
+    m[k][k] += drive.rotor_inertia * square(drive.gear);
+  }
+  for (std::size_t i = 0; i < crane_size; ++i)
+    for (std::size_t j = 0; j < i; ++j) m[i][j] = m[j][i];
+  return m;
+}
+
+Vector3 to_world(const Angles& a, const Vector3& v) {
+  return {a.psi.cos * v[0] - a.psi.sin * v[1], a.psi.sin * v[0] + a.psi.cos * v[1], v[2]};
+}
+
+Vector3 velocity(const Angles& a, const Point& point, const CraneVector& qd) {
+  Vector3 sum{};
+  for (std::size_t k = 0; k < crane_size; ++k) sum = sum + qd[k] * point.partial[k];
+  return to_world(a, sum);
+}
+
+}  // namespace
+
+CraneMatrix Crane::mass_matrix(const CraneVector& q, const Payload& payload) const {
+  return closed_form(p_, Angles(q), q, payload);
+}
+
+CraneVector Crane::bias(const CraneVector& q, const CraneVector& qd, const Payload& payload) const {
+  return bias_and_gravity(p_, Angles(q), q, qd, payload, 1.0, 0.0);
+}
+
+CraneVector Crane::gravity_force(const CraneVector& q, const Payload& payload) const {
+  return bias_and_gravity(p_, Angles(q), q, {}, payload, 0.0, 1.0);
+}
+
+double Crane::kinetic_energy(const CraneVector& q, const CraneVector& qd, const Payload& payload) const {
+  const CraneMatrix m = mass_matrix(q, payload);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < crane_size; ++i)
+    for (std::size_t j = 0; j < crane_size; ++j) sum += m[i][j] * qd[i] * qd[j];
+  return 0.5 * sum;
+}
+
+double Crane::potential_energy(const CraneVector& q, const Payload& payload) const {
+  const double jib = p_.pivot_height + p_.jib_centre * sin(q[Q_PHI]);
+  return gravity * (p_.jib_mass * jib + payload.mass * payload_position(q)[2]);
+}
+
+CraneVector Crane::acceleration(const CraneVector& q, const CraneVector& qd, const CraneVector& force,
+                                const Payload& payload, unsigned locked) const {
+  const Angles a(q);
+  CraneVector rest = bias_and_gravity(p_, a, q, qd, payload, 1.0, 1.0);
+  for (std::size_t k = 0; k < crane_size; ++k) rest[k] = force[k] - rest[k];
+  return solve(closed_form(p_, a, q, payload), rest, locked);
+}
+
+CraneVector Crane::solve(const CraneMatrix& m, const CraneVector& b, unsigned locked) {
+  // Root-free Cholesky; a locked row is the identity's.
+  CraneMatrix lower{};
+  CraneVector inverse{};
+  CraneVector x{};
+  for (std::size_t i = 0; i < crane_size; ++i) {
+    if ((locked >> i & 1U) != 0) continue;
+    double sum = b[i];
+    double diagonal = m[i][i];
+    for (std::size_t j = 0; j < i; ++j) {
+      if ((locked >> j & 1U) != 0) continue;
+      double scaled = m[i][j];
+      for (std::size_t k = 0; k < j; ++k) scaled -= lower[i][k] * lower[j][k] * inverse[k];
+      lower[i][j] = scaled;  // still times the diagonal of j
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      diagonal -= lower[i][j] * lower[i][j] * inverse[j];
+      sum -= lower[i][j] * inverse[j] * x[j];
+    }
+    inverse[i] = 1.0 / diagonal;
+    x[i] = sum;
+  }
+  for (std::size_t i = crane_size; i-- > 0;) {
+    if ((locked >> i & 1U) != 0) {
+      x[i] = 0.0;
+      continue;
+    }
+    double sum = x[i];
+    for (std::size_t j = i + 1; j < crane_size; ++j) sum -= lower[j][i] * x[j];
+    x[i] = sum * inverse[i];
+  }
+  return x;
+}
+
+double Crane::friction(int joint, double v) const {
+  const auto& drive = p_.drives[static_cast<std::size_t>(joint)];
+  const double rated = drive.rated_force();
+  const double speed = drive.rated_joint_speed();
+  const double coulomb = drive.coulomb * rated;
+  const double x = v / (drive.stribeck_speed * speed);
+  const double bump = x * x > 700.0 ? 0.0 : (drive.stribeck - 1.0) * coulomb * exp(-x * x);
+  return (coulomb + bump) * tanh(v / (drive.smooth_speed * speed)) + drive.viscous * rated / speed * v;
+}
+
+double Crane::sway_damping(double l, double mass) const {
+  return 2.0 * p_.sway_damping * mass * l * std::sqrt(gravity * l);
+}
+
+std::array<double, 3> Crane::tip(const CraneVector& q) const {
+  const Angles a(q);
+  const Vector3 world = to_world(a, {p_.a0 + p_.jib * a.phi.cos, 0.0, p_.pivot_height + p_.jib * a.phi.sin});
+  return {world[0] + q[Q_S], world[1], world[2]};
+}
+
+std::array<double, 3> Crane::payload_position(const CraneVector& q) const {
+  const Angles a(q);
+  const double l = q[Q_L];
+  const Vector3 world = to_world(a, {p_.a0 + p_.jib * a.phi.cos + l * a.alpha.sin * a.beta.cos, l * a.beta.sin,
+                                     p_.pivot_height + p_.jib * a.phi.sin - l * a.alpha.cos * a.beta.cos});
+  return {world[0] + q[Q_S], world[1], world[2]};
+}
+
+std::array<double, 3> Crane::tip_velocity(const CraneVector& q, const CraneVector& qd) const {
+  const Angles a(q);
+  return velocity(a, jib_point(p_, a, qd, p_.jib), qd);
+}
+
+std::array<double, 3> Crane::payload_velocity(const CraneVector& q, const CraneVector& qd) const {
+  const Angles a(q);
+  return velocity(a, payload_point(p_, a, q, qd), qd);
+}
+
+double Crane::tension(const CraneVector& q, const CraneVector& qd, const CraneVector& qdd, double mass) const {
+  const Angles a(q);
+  const Point load = payload_point(p_, a, q, qd);
+  Vector3 acceleration = load.bias;
+  for (std::size_t k = 0; k < crane_size; ++k) acceleration = acceleration + qdd[k] * load.partial[k];
+  acceleration[2] += gravity;
+  return -mass * dot(acceleration, load.partial[Q_L]);
+}
+
+CraneVector inverse_kinematics(const CraneParameters& p, const CranePose& pose) {
+  const double dx = pose.x - pose.s;
+  const double radius = std::sqrt(dx * dx + pose.y * pose.y);
+  const double c = (radius - p.a0) / p.jib;
+  if (!(c >= -1.0 && c <= 1.0))
+    throw std::invalid_argument(fmt::format("plant: pose ({} m, {} m) is {} m from the crane's column; the jib reaches {} to {} m",
+                                            pose.x, pose.y, radius, p.a0, p.a0 + p.jib));
+  const double s = std::sqrt(1.0 - c * c);
+  CraneVector q{};
+  q[Q_S] = pose.s;
+  q[Q_PSI] = atan2(pose.y, dx);
+  q[Q_PHI] = atan2(s, c);
+  q[Q_L] = p.pivot_height + p.jib * s - pose.z;
+  q[Q_KAPPA] = wrap_angle(pose.yaw - q[Q_PSI]);
+  static constexpr std::array names{"gantry", "slew", "luff", "hoist", "rotator"};
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const double value = q[static_cast<std::size_t>(joint_coordinate[j])];
+    if (!(value >= p.lower[j] && value <= p.upper[j]))
+      throw std::invalid_argument(fmt::format("plant: the pose needs {} = {}, outside its limits {} to {}", names[j], value,
+                                              p.lower[j], p.upper[j]));
+  }
+  return q;
+}
+
+}  // namespace plant

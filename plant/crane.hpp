@@ -1,0 +1,63 @@
+#pragma once
+// The crane's equations of motion in closed form (plant-and-bus.md 1.2 and 1.3): slewing, luffing jib crane on a gantry, with hoist, two
+// sway angles and a rotator. Coordinates q = (s, psi, phi, l, alpha, beta, kappa), metres and radians.
+//
+//   M(q) qdd + h(q, qd) + g(q) = B F - friction - sway damping + external
+//
+// The payload is a mass that translates without tilting on an inextensible rope; its yaw is psi + kappa.
+#include <array>
+
+#include "plant/config.hpp"
+
+namespace plant {
+
+inline constexpr int crane_size = 7;
+enum Coordinate : std::uint8_t { Q_S, Q_PSI, Q_PHI, Q_L, Q_ALPHA, Q_BETA, Q_KAPPA };
+inline constexpr std::array<int, joint_count> joint_coordinate = {Q_S, Q_PSI, Q_PHI, Q_L, Q_KAPPA};
+
+using CraneVector = std::array<double, crane_size>;
+using CraneMatrix = std::array<CraneVector, crane_size>;
+
+// What hangs on the rope. mass 0: nothing (level L2, where the payload is a body of its own and pulls through `external`).
+struct Payload {
+  double mass;     // kg
+  double inertia;  // kg m2 about the vertical
+};
+
+// A direct sum of what the equations need, built once per evaluation.
+class Crane {
+ public:
+  explicit Crane(const CraneParameters& parameters) : p_(parameters) {}
+  const CraneParameters& parameters() const { return p_; }
+
+  CraneMatrix mass_matrix(const CraneVector& q, const Payload&) const;   // rotor inertias included
+  CraneVector bias(const CraneVector& q, const CraneVector& qd, const Payload&) const;  // h: centrifugal and Coriolis forces
+  CraneVector gravity_force(const CraneVector& q, const Payload&) const;  // g
+  double kinetic_energy(const CraneVector& q, const CraneVector& qd, const Payload&) const;   // J
+  double potential_energy(const CraneVector& q, const Payload&) const;                        // J, zero at z = 0
+
+  // qdd under generalised forces; coordinates whose bit is set in `locked` are held at qdd = 0 (sway angles at L0 and L2, brakes).
+  CraneVector acceleration(const CraneVector& q, const CraneVector& qd, const CraneVector& force, const Payload&,
+                           unsigned locked) const;
+  // Solves M x = b on the free coordinates, 0 on the locked ones.
+  static CraneVector solve(const CraneMatrix& m, const CraneVector& b, unsigned locked);
+
+  // Friction force of an actuated joint at joint speed v, opposing it.
+  double friction(int joint, double v) const;
+  // Viscous sway coefficients, N m s/rad, for the present rope.
+  double sway_damping(double l, double mass) const;
+
+  std::array<double, 3> tip(const CraneVector& q) const;
+  std::array<double, 3> payload_position(const CraneVector& q) const;
+  std::array<double, 3> tip_velocity(const CraneVector& q, const CraneVector& qd) const;
+  std::array<double, 3> payload_velocity(const CraneVector& q, const CraneVector& qd) const;
+  double tension(const CraneVector& q, const CraneVector& qd, const CraneVector& qdd, double mass) const;  // N, rope
+
+ private:
+  CraneParameters p_;
+};
+
+// Inverse kinematics, plant-and-bus.md 1.2. Throws std::invalid_argument when out of reach or beyond a joint limit.
+CraneVector inverse_kinematics(const CraneParameters&, const CranePose&);
+
+}  // namespace plant

@@ -1,0 +1,43 @@
+#pragma once
+// Elementary functions that give the same bits on every x86-64: SLEEF's deterministic scalar ones. The C library picks variants by CPU.
+// sqrt, floor and fabs are exact everywhere and come from <cmath>. Private to this room (the header below is heavy).
+#include <sleef.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace plant {
+
+struct SinCos {
+  double sin, cos;
+};
+
+inline SinCos sin_cos(double x) {
+  const auto r = Sleef_cinz_sincosd1_u10purec(x);
+  return {r.x, r.y};
+}
+inline double sin(double x) { return Sleef_cinz_sind1_u10purec(x); }
+inline double cos(double x) { return Sleef_cinz_cosd1_u10purec(x); }
+inline double atan2(double y, double x) { return Sleef_cinz_atan2d1_u10purec(y, x); }
+// Beyond 20 the nearest double is 1 in any case.
+inline double tanh(double x) { return x > 20.0 ? 1.0 : x < -20.0 ? -1.0 : Sleef_cinz_tanhd1_u10purec(x); }
+inline double exp(double x) { return Sleef_cinz_expd1_u10purec(x); }
+inline double log(double x) { return Sleef_cinz_logd1_u10purec(x); }
+
+inline double wrap_angle(double a) {
+  const double turn = 2.0 * std::numbers::pi;
+  return a - turn * std::floor((a + std::numbers::pi) / turn);
+}
+
+using Vector3 = std::array<double, 3>;
+inline Vector3 operator+(const Vector3& a, const Vector3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
+inline Vector3 operator-(const Vector3& a, const Vector3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+inline Vector3 operator*(double k, const Vector3& a) { return {k * a[0], k * a[1], k * a[2]}; }
+inline double dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+inline Vector3 cross(const Vector3& a, const Vector3& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+inline double length(const Vector3& a) { return std::sqrt(dot(a, a)); }
+
+}  // namespace plant

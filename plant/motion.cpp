@@ -1,0 +1,122 @@
+#include "plant/motion.hpp"
+
+#include <algorithm>
+
+#include "plant/math.hpp"
+
+namespace plant {
+namespace {
+
+// A thousandth of the tolerance on positions in m and rad; speeds and torques by their sizes.
+std::array<double, CraneMotion::size> tolerances(double relative) {
+  std::array<double, CraneMotion::size> absolute{};
+  absolute.fill(relative * 0.1);
+  for (std::size_t j = 0; j < joint_count; ++j) absolute[2 * crane_size + j] = relative * 1e4;
+  return absolute;
+}
+
+}  // namespace
+
+CraneMotion::CraneMotion(const CraneParameters& parameters, double tolerance, int order)
+    : crane_(parameters),
+      tolerance_(tolerance),
+      absolute_(tolerances(tolerance)),
+      integrator_(order, tolerance, absolute_, &CraneMotion::derivative) {}
+
+CraneVector CraneMotion::applied_force(const CraneVector& q, const CraneVector& qd, const Joints& torque,
+                                       const CraneInputs& in) const {
+  const auto& p = crane_.parameters();
+  CraneVector force = in.external;
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const auto k = static_cast<std::size_t>(joint_coordinate[j]);
+    if ((in.locked >> k & 1U) != 0) continue;
+    const auto& drive = p.drives[j];
+    force[k] += drive.gear * drive.efficiency * torque[j] - crane_.friction(static_cast<int>(j), qd[k]);
+    // A slipping brake: full force above a thousandth of rated speed, where it will be taken to hold.
+    if (in.braked[j]) force[k] -= drive.brake * drive.rated_force() * tanh(qd[k] / (1e-3 * drive.rated_joint_speed()));
+  }
+  if (in.payload.mass > 0.0 && p.sway_damping > 0.0) {
+    const double damping = crane_.sway_damping(in.damping_length > 0.0 ? in.damping_length : q[Q_L], in.payload.mass);
+    force[Q_ALPHA] -= damping * qd[Q_ALPHA];
+    force[Q_BETA] -= damping * qd[Q_BETA];
+  }
+  return force;
+}
+
+void CraneMotion::derivative(void* data, const double* y, double* yd) {
+  const auto& self = *static_cast<const CraneMotion*>(data);
+  const CraneInputs& in = *self.inputs_;
+  CraneVector q;
+  CraneVector qd;
+  Joints torque;
+  std::copy_n(y, crane_size, q.begin());
+  std::copy_n(y + crane_size, crane_size, qd.begin());
+  std::copy_n(y + 2 * crane_size, joint_count, torque.begin());
+  const CraneVector force = self.applied_force(q, qd, torque, in);
+  const CraneVector qdd = self.crane_.acceleration(q, qd, force, in.payload, in.locked);
+  for (std::size_t k = 0; k < crane_size; ++k) {
+    const bool held = (in.locked >> k & 1U) != 0;
+    yd[k] = held ? 0.0 : qd[k];
+    yd[crane_size + k] = qdd[k];
+  }
+  const auto& drives = self.crane_.parameters().drives;
+  for (std::size_t j = 0; j < joint_count; ++j)
+    yd[2 * crane_size + j] = (in.command[j] - torque[j]) / drives[j].torque_lag;
+}
+
+CraneMotion::Packed CraneMotion::pack(const CraneState& state) {
+  Packed y;
+  std::copy(state.q.begin(), state.q.end(), y.begin());
+  std::copy(state.qd.begin(), state.qd.end(), y.begin() + crane_size);
+  std::copy(state.torque.begin(), state.torque.end(), y.begin() + 2 * crane_size);
+  return y;
+}
+
+void CraneMotion::unpack(const Packed& y, CraneState& state) {
+  std::copy_n(y.begin(), crane_size, state.q.begin());
+  std::copy_n(y.begin() + crane_size, crane_size, state.qd.begin());
+  std::copy_n(y.begin() + 2 * crane_size, joint_count, state.torque.begin());
+}
+
+void CraneMotion::advance(CraneState& state, const CraneInputs& inputs, double seconds) {
+  inputs_ = &inputs;
+  Packed y = pack(state);
+  integrator_.advance(this, y, seconds, state.step);
+  unpack(y, state);
+}
+
+void CraneMotion::advance_fixed(CraneState& state, const CraneInputs& inputs, double seconds, double step) {
+  inputs_ = &inputs;
+  Packed y = pack(state);
+  integrator_.advance_fixed(this, y, seconds, step);
+  unpack(y, state);
+}
+
+void CraneMotion::advance_reference(CraneState& state, const CraneInputs& inputs, double seconds, bool stiff) {
+  inputs_ = &inputs;
+  Packed y = pack(state);
+  plant::advance_reference(stiff, tolerance_, absolute_, &CraneMotion::derivative, this, y, seconds);
+  unpack(y, state);
+}
+
+CraneVector CraneMotion::acceleration(const CraneState& state, const CraneInputs& in) const {
+  return crane_.acceleration(state.q, state.qd, applied_force(state.q, state.qd, state.torque, in), in.payload, in.locked);
+}
+
+CraneVector CraneMotion::holding_force(const CraneState& state, const CraneInputs& in) const {
+  CraneVector holding{};
+  const CraneVector force = applied_force(state.q, state.qd, state.torque, in);
+  const CraneVector qdd = crane_.acceleration(state.q, state.qd, force, in.payload, in.locked);
+  const CraneMatrix m = crane_.mass_matrix(state.q, in.payload);
+  const CraneVector h = crane_.bias(state.q, state.qd, in.payload);
+  const CraneVector g = crane_.gravity_force(state.q, in.payload);
+  for (std::size_t k = 0; k < crane_size; ++k) {
+    if ((in.locked >> k & 1U) == 0) continue;
+    double sum = h[k] + g[k] - force[k];
+    for (std::size_t i = 0; i < crane_size; ++i) sum += m[k][i] * qdd[i];
+    holding[k] = sum;
+  }
+  return holding;
+}
+
+}  // namespace plant
