@@ -112,7 +112,7 @@ void Bus::submit(unsigned master, bool write, Address address, unsigned words, C
   if (port.active) throw std::logic_error{"pci::Bus::submit: master " + port.config.name + " already has a transaction"};
   if (words == 0 || words > most_words) throw std::invalid_argument{"pci::Bus::submit: a transaction has 1 to 256 words"};
   if (request < now_) throw std::logic_error{"pci::Bus::submit: a request in the past"};
-  port.transaction = Transaction{.number = submitted_++, .address = address, .words = words, .master = static_cast<std::uint16_t>(master), .write = write, .requested = request};
+  port.transaction = Transaction{.address = address, .words = words, .master = static_cast<std::uint16_t>(master), .write = write, .requested = request};
   port.wanted = words;
   port.done = 0;
   port.active = true;
@@ -193,6 +193,7 @@ void Bus::start(unsigned master, Clocks frame) {
   const bool first = !port.attempted;
   if (first) {
     port.attempted = true;
+    port.transaction.number = started_++;
     port.transaction.framed = frame;
     port.statistics.wait.add(frame - port.transaction.requested);
   }

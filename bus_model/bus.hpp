@@ -27,7 +27,7 @@ enum class Result : std::uint8_t {
 
 /// A transaction as its master sees it, whatever number of attempts it took.
 struct Transaction {
-  std::uint64_t number = 0;  ///< on this bus, in order of submission
+  std::uint64_t number = 0;  ///< on this bus, in order of their first FRAME#
   Address address = 0;
   unsigned words = 0;        ///< wanted; after the end: transferred
   std::uint16_t master = 0;
@@ -172,7 +172,7 @@ class Bus {
   Clocks now_ = 0;
   Clocks free_ = 0;           // first clock after the last turnaround
   Clocks next_ = never;
-  std::uint64_t submitted_ = 0;
+  std::uint64_t started_ = 0;
   BusStatistics statistics_;
   Monitor* monitor_ = nullptr;
 };

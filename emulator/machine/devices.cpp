@@ -1,0 +1,119 @@
+#include "machine/devices.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "plant/dock.hpp"
+
+namespace machine {
+
+namespace {
+
+constexpr unsigned joints = 5;
+constexpr unsigned sway_axes = 2;
+
+// Signed 12 bits in the low bits of a word, as the drive's converter takes them.
+constexpr int torque_code(Word value) { return static_cast<int>(static_cast<std::int32_t>(value << 20) >> 20); }
+
+constexpr Word word(std::int32_t value) { return static_cast<Word>(value); }
+
+}  // namespace
+
+Devices::Devices(const Symbols& symbols, plant::Dock& dock, Clock bus_clock, const Fence& fence) : dock_{dock}, clock_{bus_clock}, fence_{fence} {
+  const Symbols& s = symbols;
+  for (unsigned joint = 0; joint < joints; ++joint) {
+    define(s.drive_torque + joint, Kind::drive_torque, joint);
+    define(s.encoder + joint, Kind::encoder, joint);
+  }
+  define(s.drive_enable, Kind::drive_enable);
+  define(s.sway_alpha, Kind::sway, 0);
+  define(s.sway_beta, Kind::sway, 1);
+  define(s.spreader_command, Kind::spreader_command);
+  define(s.spreader_status, Kind::spreader_status);
+  define(s.scan_rows, Kind::scan_rows);
+  define(s.scan_row, Kind::scan_row);
+  define(s.scan_y, Kind::scan_y);
+  define(s.scan_x0, Kind::scan_x0);
+  define(s.scan_dx, Kind::scan_dx);
+  define(s.scan_deck, Kind::scan_deck);
+  for (unsigned i = 0; i < s.scan_count; ++i) define(s.scan_profile + i, Kind::scan_profile, i);
+  const auto agvs = static_cast<unsigned>(dock.agv_count());
+  commands_.resize(agvs);
+  for (unsigned agv = 0; agv < agvs; ++agv) {
+    const Offset unit = s.agv_unit + agv * s.agv_unit_words;
+    define(unit + s.agv_x, Kind::agv_x, agv);
+    define(unit + s.agv_y, Kind::agv_y, agv);
+    define(unit + s.agv_heading, Kind::agv_heading, agv);
+    define(unit + s.agv_speed, Kind::agv_speed, agv);
+    define(unit + s.agv_status, Kind::agv_status, agv);
+    define(unit + s.agv_period, Kind::agv_period, agv);
+    define(unit + s.agv_speed_command, Kind::agv_speed_command, agv);
+    define(unit + s.agv_front_command, Kind::agv_front_command, agv);
+    define(unit + s.agv_rear_command, Kind::agv_rear_command, agv);
+  }
+}
+
+void Devices::define(Offset offset, Kind kind, unsigned index) {
+  if (offset > 0xFFFF || index > 255) throw std::invalid_argument{"the DSP program: devices on bus B lie at offsets 0 to FFFFh"};
+  if (offset >= registers_.size()) registers_.resize(offset + 1);
+  if (registers_[offset].kind != Kind::none) throw std::invalid_argument{"the DSP program: two devices share offset " + std::to_string(offset) + " of bus B"};
+  registers_[offset] = {kind, static_cast<std::uint8_t>(index)};
+}
+
+pci::Answer Devices::answer(pci::Address offset, unsigned words, bool write, const pci::Access&) {
+  for (unsigned i = 0; i < words; ++i)
+    if (!answers(offset + i, write)) return pci::Answer::abort;
+  return pci::Answer::accept;
+}
+
+Word Devices::read(pci::Address offset, const pci::Access& access) {
+  const Time t = clock_.at(access.clock);
+  const Register& r = registers_[offset];
+  const int index = r.index;
+  switch (r.kind) {
+    case Kind::encoder: return dock_.encoder(index, t);
+    case Kind::sway: return word(dock_.sway(index, t));
+    case Kind::spreader_status: return dock_.spreader_status(t);
+    case Kind::scan_rows: return word(dock_.scan_rows());
+    case Kind::scan_y: return word(dock_.scan_y(t));
+    case Kind::scan_x0: return word(dock_.scan_x0());
+    case Kind::scan_dx: return word(dock_.scan_dx());
+    case Kind::scan_deck: return word(dock_.scan_deck());
+    case Kind::scan_profile: return word(dock_.profile(index, t));
+    case Kind::agv_x: return word(dock_.agv_x(index, t));
+    case Kind::agv_y: return word(dock_.agv_y(index, t));
+    case Kind::agv_heading: return word(dock_.agv_heading(index, t));
+    case Kind::agv_speed: return word(dock_.agv_speed(index, t));
+    case Kind::agv_status: return dock_.agv_status(index, t);
+    default: throw std::logic_error{"Devices::read of a register that answer() refuses"};
+  }
+}
+
+void Devices::write(pci::Address offset, Word value, const pci::Access& access) {
+  if (fence_.closed(access.master)) return;
+  const Time t = clock_.at(access.clock);
+  const Register& r = registers_[offset];
+  const int index = r.index;
+  const auto number = static_cast<std::int32_t>(value);
+  switch (r.kind) {
+    case Kind::drive_torque: return dock_.set_torque_code(index, torque_code(value), t);
+    case Kind::drive_enable: return dock_.enable_drives(value, t);
+    case Kind::spreader_command: return dock_.spreader_command(value, t);
+    case Kind::scan_row: return dock_.select_row(number, t);
+    case Kind::agv_period: return dock_.agv_period(index, value, t);
+    case Kind::agv_speed_command: commands_[r.index].speed = number; return;
+    case Kind::agv_front_command: commands_[r.index].front = number; return;
+    case Kind::agv_rear_command: return dock_.agv_push(index, commands_[r.index].speed, commands_[r.index].front, number, t);
+    default: throw std::logic_error{"Devices::write of a register that answer() refuses"};
+  }
+}
+
+void Devices::append_state(std::vector<std::uint64_t>& words) const {
+  for (const AgvCommand& command : commands_) {
+    words.push_back(static_cast<std::uint32_t>(command.speed));
+    words.push_back(static_cast<std::uint32_t>(command.front));
+  }
+}
+
+}  // namespace machine

@@ -1,0 +1,58 @@
+#pragma once
+// Bus B: the drives, sensors and AGV units of the dock behind the registers of c40_programs/include/devices.inc.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "bus_model/bus.hpp"
+#include "machine/shared_memory.hpp"
+#include "machine/symbols.hpp"
+#include "machine/time.hpp"
+
+namespace plant {
+class Dock;
+}
+
+namespace machine {
+
+class Devices final : public pci::Target {
+ public:
+  /// On bus B master n is DSP slot n.
+  Devices(const Symbols& symbols, plant::Dock& dock, Clock bus_clock, const Fence& fence);
+
+  /// Offsets 0 to size() - 1; not every one has a register.
+  Offset size() const { return static_cast<Offset>(registers_.size()); }
+  bool answers(Offset offset, bool write) const { return offset < registers_.size() && (write ? registers_[offset].writable() : registers_[offset].readable()); }
+  void append_state(std::vector<std::uint64_t>& words) const;
+
+  pci::Answer answer(pci::Address offset, unsigned words, bool write, const pci::Access& access) override;
+  Word read(pci::Address offset, const pci::Access& access) override;
+  void write(pci::Address offset, Word value, const pci::Access& access) override;
+
+ private:
+  enum class Kind : std::uint8_t {
+    none,
+    drive_torque, drive_enable, spreader_command, scan_row, agv_period, agv_speed_command, agv_front_command, agv_rear_command,  // written
+    encoder, sway, spreader_status, scan_rows, scan_y, scan_x0, scan_dx, scan_deck, scan_profile, agv_x, agv_y, agv_heading, agv_speed, agv_status,  // read
+  };
+  struct Register {
+    Kind kind = Kind::none;
+    std::uint8_t index = 0;  // joint, axis, sample or AGV
+    bool writable() const { return kind >= Kind::drive_torque && kind <= Kind::agv_rear_command; }
+    bool readable() const { return kind >= Kind::encoder; }
+  };
+  struct AgvCommand {
+    std::int32_t speed = 0;
+    std::int32_t front = 0;
+  };
+
+  void define(Offset offset, Kind kind, unsigned index = 0);
+
+  plant::Dock& dock_;
+  Clock clock_;
+  const Fence& fence_;
+  std::vector<Register> registers_;
+  std::vector<AgvCommand> commands_;
+};
+
+}  // namespace machine

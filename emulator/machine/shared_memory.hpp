@@ -1,0 +1,87 @@
+#pragma once
+// The shared-memory board on bus A: 64 K words of SRAM, semaphores, the doorbell unit, fence and reset registers (c40_programs/include/task_block.inc).
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "bus_model/bus.hpp"
+#include "machine/machine.hpp"
+#include "machine/symbols.hpp"
+
+namespace machine {
+
+/// Which DSPs may write; one register for both buses.
+struct Fence {
+  Word mask = ~Word{0};
+  bool closed(unsigned slot) const { return (mask >> slot & 1) == 0; }
+};
+
+/// What the registers do to the outside.
+class DoorbellClient {
+ public:
+  virtual ~DoorbellClient() = default;
+  virtual void ring(unsigned slot, pci::Clocks clock) = 0;
+  virtual void reset_slot(unsigned slot, pci::Clocks clock) = 0;
+  virtual void semaphore_event(unsigned number, SemaphoreEvent event, unsigned owner, pci::Clocks clock) = 0;
+};
+
+/// On bus A master 0 is the host, master n + 1 is DSP slot n.
+constexpr bool is_host(unsigned master_a) { return master_a == 0; }
+
+class SharedSram final : public pci::Target {
+ public:
+  static constexpr Offset size = 0x10000;
+  explicit SharedSram(const Fence& fence) : fence_{fence}, words_(size) {}
+  Word read(pci::Address offset, const pci::Access&) override { return words_[offset]; }
+  void write(pci::Address offset, Word value, const pci::Access& access) override {
+    if (is_host(access.master) || !fence_.closed(access.master - 1)) words_[offset] = value;
+  }
+  std::vector<Word>& words() { return words_; }
+  const std::vector<Word>& words() const { return words_; }
+
+ private:
+  const Fence& fence_;
+  std::vector<Word> words_;
+};
+
+/// Offsets here and in the .inc file count from bus address 0; the window starts at `base`.
+class SharedRegisters final : public pci::Target {
+ public:
+  static constexpr Offset base = SharedSram::size;
+  static constexpr Offset size = 0x1000;
+
+  SharedRegisters(const Symbols& symbols, unsigned slots, Clock bus_clock, Fence& fence, DoorbellClient& client);
+
+  /// Whether something is there for this access. Only the host may ring, fence and reset.
+  bool answers(Offset offset, bool write, bool by_host) const;
+  /// A write there acts on a DSP.
+  bool acts_on_dsps(Offset offset) const { return offset == symbols_.doorbell_ring || offset == symbols_.reset_dsp; }
+  /// The board of a slot is gone or starts anew: it is not idle.
+  void clear_idle(unsigned slot) { idle_ &= ~(Word{1} << slot); }
+  void append_state(std::vector<std::uint64_t>& words) const;
+
+  pci::Answer answer(pci::Address offset, unsigned words, bool write, const pci::Access& access) override;
+  Word read(pci::Address offset, const pci::Access& access) override;
+  void write(pci::Address offset, Word value, const pci::Access& access) override;
+
+ private:
+  struct Semaphore {
+    std::uint8_t owner = 0;  // 0 nobody, slot + 1, host_owner
+    pci::Clocks since = 0;
+  };
+  static constexpr std::size_t most_semaphores = 64;
+
+  Word acquire(unsigned number, const pci::Access& access);
+  void release(unsigned number, const pci::Access& access);
+  Word microseconds_held(const Semaphore& semaphore, pci::Clocks now) const;
+
+  const Symbols& symbols_;
+  unsigned slots_;
+  Clock clock_;
+  Fence& fence_;
+  DoorbellClient& client_;
+  std::array<Semaphore, most_semaphores> semaphores_{};
+  Word idle_ = 0;
+};
+
+}  // namespace machine

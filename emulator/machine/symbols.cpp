@@ -1,0 +1,73 @@
+#include "machine/symbols.hpp"
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "toolchain/image.hpp"
+
+namespace machine {
+
+namespace {
+
+constexpr std::pair<std::string_view, std::uint32_t Symbols::*> names[] = {
+    {"WINDOW_A", &Symbols::window_a},
+    {"SEMAPHORE", &Symbols::semaphore},
+    {"SEMAPHORE_COUNT", &Symbols::semaphore_count},
+    {"SEMAPHORE_OWNER", &Symbols::semaphore_owner},
+    {"SEMAPHORE_HELD", &Symbols::semaphore_held},
+    {"DOORBELL_RING", &Symbols::doorbell_ring},
+    {"DOORBELL_IDLE", &Symbols::doorbell_idle},
+    {"DOORBELL_BUSY", &Symbols::doorbell_busy},
+    {"FENCE_MASK", &Symbols::fence_mask},
+    {"RESET_DSP", &Symbols::reset_dsp},
+    {"WINDOW_B", &Symbols::window_b},
+    {"DRIVE_TORQUE", &Symbols::drive_torque},
+    {"DRIVE_ENABLE", &Symbols::drive_enable},
+    {"ENCODER", &Symbols::encoder},
+    {"SWAY_ALPHA", &Symbols::sway_alpha},
+    {"SWAY_BETA", &Symbols::sway_beta},
+    {"SPREADER_COMMAND", &Symbols::spreader_command},
+    {"SPREADER_STATUS", &Symbols::spreader_status},
+    {"SCAN_ROWS", &Symbols::scan_rows},
+    {"SCAN_ROW", &Symbols::scan_row},
+    {"SCAN_Y", &Symbols::scan_y},
+    {"SCAN_X0", &Symbols::scan_x0},
+    {"SCAN_DX", &Symbols::scan_dx},
+    {"SCAN_DECK", &Symbols::scan_deck},
+    {"SCAN_PROFILE", &Symbols::scan_profile},
+    {"SCAN_COUNT", &Symbols::scan_count},
+    {"AGV_UNIT", &Symbols::agv_unit},
+    {"AGV_UNIT_WORDS", &Symbols::agv_unit_words},
+    {"AGV_X", &Symbols::agv_x},
+    {"AGV_Y", &Symbols::agv_y},
+    {"AGV_HEADING", &Symbols::agv_heading},
+    {"AGV_SPEED", &Symbols::agv_speed},
+    {"AGV_STATUS", &Symbols::agv_status},
+    {"AGV_PERIOD", &Symbols::agv_period},
+    {"AGV_SPEED_COMMAND", &Symbols::agv_speed_command},
+    {"AGV_FRONT_COMMAND", &Symbols::agv_front_command},
+    {"AGV_REAR_COMMAND", &Symbols::agv_rear_command},
+    {"_start", &Symbols::start},
+    {"dsp_slot", &Symbols::dsp_slot},
+    {"idle_policy", &Symbols::idle_policy},
+    {"pause_count", &Symbols::pause_count},
+};
+
+}  // namespace
+
+Symbols::Symbols(const toolchain::Image& program) {
+  std::string missing;
+  for (const auto& [name, member] : names) {
+    const auto found = program.symbols.find(name);
+    if (found == program.symbols.end())
+      missing.append(missing.empty() ? "" : ", ").append(name);
+    else
+      this->*member = found->second;
+  }
+  if (!missing.empty())
+    throw std::invalid_argument{"the DSP program does not define " + missing + "; include task_block.inc and devices.inc, and have _start, dsp_slot, idle_policy and pause_count as labels"};
+}
+
+}  // namespace machine
