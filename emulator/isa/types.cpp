@@ -36,7 +36,15 @@ bool same(std::string_view lower, std::string_view text) {
   return true;
 }
 
+constexpr auto condition_names_only = [] {
+  std::array<std::string_view, condition_names.size()> out{};
+  for (std::size_t i = 0; i < out.size(); ++i) out[i] = condition_names[i].name;
+  return out;
+}();
+
 }  // namespace
+
+std::span<const std::string_view> condition_name_list() { return condition_names_only; }
 
 std::string_view name(Register r) { return register_names[code(r)]; }
 

@@ -2,6 +2,7 @@
 // Words, addresses, registers and conditions of the TMS320C4x, as its user's guide names and numbers them.
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 
 namespace isa {
@@ -46,5 +47,7 @@ std::optional<Register> register_named(std::string_view text);
 std::optional<Expansion> expansion_named(std::string_view text);
 /// By any of its names, in any case ("eq", "Z", "hs", "NC"...).
 std::optional<Condition> condition_named(std::string_view text);
+/// Every name of every condition.
+std::span<const std::string_view> condition_name_list();
 
 }  // namespace isa

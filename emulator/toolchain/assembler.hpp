@@ -1,0 +1,30 @@
+#pragma once
+// The assembler: TI's C3x/C4x syntax (docs/assembler.md), driven by the instruction table.
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "toolchain/diagnostics.hpp"
+#include "toolchain/image.hpp"
+
+namespace toolchain {
+
+struct Options {
+  std::vector<std::filesystem::path> include_dirs;  ///< Searched after the directory of the including file.
+  std::map<std::string, Word> symbols;              ///< Predefined constants.
+  /// Addresses of sections. Others follow in this order: .text, .data, further loaded ones, .bss, further reserved ones;
+  /// each after the one before it.
+  std::map<std::string, Address> sections = {{".text", 0x300000}};
+  /// The symbol at which the program starts. If empty: _start, _c_int00, start or the first word of .text.
+  std::string entry;
+};
+
+/// Throws AssemblyError with every error of the source; a file that cannot be read is one of them.
+Image assemble_file(const std::filesystem::path& path, const Options& options = {});
+
+/// `name` stands for the text in diagnostics.
+Image assemble_text(std::string_view text, const std::string& name = "<text>", const Options& options = {});
+
+}  // namespace toolchain

@@ -1,0 +1,51 @@
+#pragma once
+// What the assembler has to say about a source text, always with the place.
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace toolchain {
+
+/// One line of source as it was assembled, after macro substitution.
+struct SourceLine {
+  std::shared_ptr<const std::string> file;
+  int number = 0;  ///< Counted from 1.
+  std::string text;
+  std::shared_ptr<const SourceLine> expanded_from;  ///< The macro call or loop that this line comes from.
+};
+using SourceLinePtr = std::shared_ptr<const SourceLine>;
+
+struct Diagnostic {
+  std::string file;
+  int line = 0;
+  int column = 0;  ///< Counted from 1.
+  bool warning = false;
+  std::string message;
+  std::string text;                ///< The offending line.
+  std::vector<std::string> notes;  ///< Where the macro was called.
+
+  /// "file:line:column: error: message", the line, a caret under the column, the notes.
+  std::string format() const;
+};
+
+Diagnostic make_diagnostic(const SourceLine& line, std::size_t offset, std::string message, bool warning = false);
+
+/// Every error of a source text at once. what() is their formatted text.
+class AssemblyError : public std::runtime_error {
+ public:
+  explicit AssemblyError(std::vector<Diagnostic> diagnostics);
+  const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }
+
+ private:
+  std::vector<Diagnostic> diagnostics_;
+};
+
+/// Thrown within the assembler: an error at an offset of the line at hand.
+struct LineError {
+  std::size_t offset = 0;
+  std::string message;
+  int half = 0;  ///< 1: the line of a parallel instruction's second half.
+};
+
+}  // namespace toolchain

@@ -1,0 +1,51 @@
+#pragma once
+// Expressions of the assembler: parsed once, evaluated when their symbols are known.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "toolchain/float_format.hpp"
+
+namespace toolchain {
+
+/// A number, an address within a section, or a float.
+struct Value {
+  enum class Kind : std::uint8_t { integer, real } kind = Kind::integer;
+  std::int64_t integer = 0;
+  int section = absolute;  ///< If not absolute, `integer` counts from the start of that section.
+  Real real;
+
+  static constexpr int absolute = -1;
+  static Value of(std::int64_t value) { return {.kind = Kind::integer, .integer = value, .section = absolute, .real = {}}; }
+  static Value of(Real value) { return {.kind = Kind::real, .integer = 0, .section = absolute, .real = value}; }
+  static Value at(int section, std::int64_t offset) {
+    return {.kind = Kind::integer, .integer = offset, .section = section, .real = {}};
+  }
+  bool is_real() const { return kind == Kind::real; }
+  bool is_absolute() const { return section == absolute; }
+};
+
+struct Expression {
+  enum class Kind : std::uint8_t { constant, symbol, unary, binary, call } kind = Kind::constant;
+  Value value;                       ///< constant
+  std::string name;                  ///< symbol, operator, function
+  std::vector<Expression> operands;  ///< of operators and functions
+  std::size_t offset = 0;            ///< in its line
+};
+
+/// Where expressions find their symbols and their sections' addresses.
+class SymbolSource {
+ public:
+  virtual ~SymbolSource() = default;
+  /// Throws LineError if there is no such symbol.
+  virtual Value value_of(const std::string& name, std::size_t offset) const = 0;
+  virtual bool is_defined(const std::string& name) const = 0;
+  /// True once sections have addresses. Until then hi16, *, << and the like do not take addresses.
+  virtual bool is_placed() const = 0;
+  virtual std::int64_t address_of_section(int section) const = 0;
+};
+
+/// Throws LineError. Integers are 64 bits wide; comparisons give 1 or 0.
+Value evaluate(const Expression& expression, const SymbolSource& symbols);
+
+}  // namespace toolchain

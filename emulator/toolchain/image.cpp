@@ -1,0 +1,31 @@
+#include "toolchain/image.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+namespace toolchain {
+
+Word Image::symbol(std::string_view name) const {
+  const auto found = symbols.find(name);
+  if (found == symbols.end()) throw std::out_of_range(fmt::format("the program has no symbol '{}'", name));
+  return found->second;
+}
+
+std::string listing(const Image& image) {
+  std::string out;
+  for (const Image::Section& section : image.sections) {
+    out += fmt::format("section {} at {:08x}h, {} words{}\n", section.name, section.address, section.size,
+                       section.loaded ? "" : ", not loaded");
+    for (const LineRecord& line : image.lines) {
+      const Address offset = line.address - section.address;
+      if (line.address < section.address || offset >= section.words.size()) continue;
+      out += fmt::format("{:08x} {:08x}  {:>5}  {}\n", line.address, section.words[offset], line.line, line.text);
+    }
+  }
+  out += "symbols\n";
+  for (const auto& [name, value] : image.symbols) out += fmt::format("{:08x} {}\n", value, name);
+  return out;
+}
+
+}  // namespace toolchain

@@ -1,0 +1,47 @@
+#pragma once
+// A program with its addresses settled: what the assembler and the COFF reader give and what a chip loads.
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "isa/types.hpp"
+
+namespace toolchain {
+
+using isa::Address;
+using isa::Word;
+
+/// The source line that a word came from.
+struct LineRecord {
+  Address address = 0;
+  std::uint32_t file = 0;  ///< Index into Image::files.
+  int line = 0;            ///< Counted from 1.
+  std::string text;
+};
+
+struct Image {
+  struct Section {
+    std::string name;
+    Address address = 0;
+    Address size = 0;         ///< In words.
+    std::vector<Word> words;  ///< `size` words if the section is loaded, none if it is only reserved memory (.bss, .usect).
+    bool loaded = true;
+  };
+
+  std::vector<Section> sections;  ///< Only those that are not empty.
+  /// Labels and `.set` constants; those that are floats hold their TI single-precision word.
+  std::map<std::string, Word, std::less<>> symbols;
+  Address entry = 0;
+  std::vector<std::string> files;
+  std::vector<LineRecord> lines;      ///< By rising address within each section; empty if the origin has none.
+  std::vector<std::string> warnings;  ///< Formatted like the errors of AssemblyError.
+
+  /// The value of a symbol. Throws std::out_of_range with the symbol's name if there is none.
+  Word symbol(std::string_view name) const;
+};
+
+/// Address, word and source of every line, as text.
+std::string listing(const Image& image);
+
+}  // namespace toolchain

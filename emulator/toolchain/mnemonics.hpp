@@ -1,0 +1,27 @@
+#pragma once
+// The names of instructions: those of the table's rows with every condition, the optional "3", the numbered halves
+// of double loads and stores, and TI's short forms (c40-isa.md section 11).
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "isa/table.hpp"
+
+namespace toolchain {
+
+struct Candidate {
+  const isa::Row* row = nullptr;
+  isa::Condition condition = isa::Condition::U;
+  bool exchanged = false;  ///< The halves are written in the other order than the row has them.
+};
+
+/// Rows that a name can stand for, in order of preference; empty if there is none.
+const std::vector<Candidate>& candidates(std::string_view name);
+/// The same for two parallel halves.
+const std::vector<Candidate>& pair_candidates(std::string_view first, std::string_view second);
+/// Whether the name occurs as a half of a parallel instruction.
+bool is_parallel_name(std::string_view name);
+/// "; did you mean 'addi'?" or nothing.
+std::string suggestion(std::string_view name);
+
+}  // namespace toolchain

@@ -1,0 +1,85 @@
+#pragma once
+// One line of assembler source to its parts (c40-isa.md section 11, docs/assembler.md).
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "isa/decode.hpp"
+#include "toolchain/expression.hpp"
+
+namespace toolchain {
+
+/// An operand as written. What it means depends on the instruction.
+struct OperandSyntax {
+  enum class Kind : std::uint8_t { reg, expansion, direct, indirect, expression } kind = Kind::expression;
+  isa::Register reg = isa::Register::R0;  ///< For indirect: the ARn.
+  isa::Expansion expansion = isa::Expansion::IVTP;
+  std::uint8_t modn = 0;
+  bool exact = false;                   ///< Marked by '=': the field's very contents.
+  std::optional<Expression> expression; ///< Of direct, expression; the displacement of indirect, if one is written.
+  std::size_t offset = 0;
+};
+
+struct HalfSyntax {
+  std::string mnemonic;  ///< Lower case.
+  std::vector<OperandSyntax> operands;
+  std::size_t offset = 0;
+};
+
+/// What '$' stands for, and how names ending in '?' are made unique.
+struct ParseContext {
+  Value here;
+  std::string local_suffix;
+};
+
+bool is_identifier_start(char c);
+bool is_identifier(char c);
+std::string lower(std::string_view text);
+
+/// Reads a line from left to right. Errors are LineErrors at offsets of that line.
+class Parser {
+ public:
+  /// Takes the line up to its comment.
+  Parser(std::string_view line, ParseContext context);
+
+  void skip_blanks();
+  bool at_end();
+  std::size_t offset() const { return position_; }
+  void seek(std::size_t offset) { position_ = offset; }
+  char peek(std::size_t ahead = 0) const { return position_ + ahead < text_.size() ? text_[position_ + ahead] : '\0'; }
+  bool starts_with(std::string_view token) const { return text_.substr(position_).starts_with(token); }
+  bool accept(std::string_view token);  ///< Skips blanks, then the token if it is there.
+  void expect(std::string_view token);
+  void expect_end();
+
+  /// As written, with a '?' at its end made unique; empty if there is none here.
+  std::string identifier();
+  std::string required_identifier(std::string_view what);
+  std::string quoted();  ///< A string in double quotes, with "" for a quote and C's escapes.
+  /// A file or section name, with or without quotes.
+  std::string name_or_quoted(std::string_view what);
+  std::string_view rest() const { return text_.substr(position_); }
+
+  Expression expression();
+  std::vector<Expression> expression_list();
+  HalfSyntax half();
+  bool at_bars();  ///< Whether "||" comes next.
+
+ private:
+  Expression binary_expression(int level);
+  Expression unary_expression();
+  Expression primary_expression();
+  Expression number();
+  Expression character();
+  Expression call(const std::string& function, std::size_t offset);
+  OperandSyntax operand();
+  OperandSyntax indirect();
+  std::optional<isa::Register> accept_register();
+
+  std::string_view text_;
+  std::size_t position_ = 0;
+  ParseContext context_;
+};
+
+}  // namespace toolchain

@@ -1,0 +1,293 @@
+#include "toolchain/program.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "toolchain/encoder.hpp"
+
+namespace toolchain {
+namespace {
+
+constexpr Address largest_section = 1U << 28;  // Words; a program's own mistakes should not eat the host's memory.
+constexpr Word nop = 0x0C800000;
+
+std::string place_of(const SourceLine* line) {
+  return line == nullptr ? "in the options" : fmt::format("at {}:{}", *line->file, line->number);
+}
+
+bool same(const Value& a, const Value& b) {
+  return a.kind == b.kind && a.integer == b.integer && a.section == b.section && a.real.nearest == b.real.nearest &&
+         a.real.residue == b.real.residue;
+}
+
+}  // namespace
+
+Program::Program(const Options& options) : options_(options) {
+  section(".text", Load::loaded, 0);
+  section(".data", Load::loaded, 0);
+  section(".bss", Load::reserved, 0);
+  for (const auto& [name, value] : options.symbols)
+    symbols_.insert({name, Symbol{Value::of(std::int64_t{value}), nullptr, 0}});
+}
+
+int Program::section(const std::string& name, Load load, std::size_t offset) {
+  for (std::size_t i = 0; i < sections_.size(); ++i) {
+    if (sections_[i].name != name) continue;
+    if (sections_[i].load != load)
+      throw LineError{offset, fmt::format("the section '{}' {} contents; it cannot be both", name,
+                                          sections_[i].load == Load::loaded ? "has" : "has no")};
+    return static_cast<int>(i);
+  }
+  sections_.push_back({.name = name, .load = load, .items = {}});
+  return static_cast<int>(sections_.size() - 1);
+}
+
+void Program::define(const std::string& name, const Value& value, const SourceLinePtr& line, std::size_t offset) {
+  const auto [found, fresh] = symbols_.insert({name, Symbol{value, line, offset}});
+  if (fresh) return;
+  // Constants may be repeated (a file included twice), but not changed.
+  const Value* old = std::get_if<Value>(&found->second.meaning);
+  if (old != nullptr && old->is_absolute() && value.is_absolute() && same(*old, value)) return;
+  throw LineError{offset, fmt::format("'{}' is defined already {}", name, place_of(found->second.line.get()))};
+}
+
+void Program::define(const std::string& name, Expression expression, const SourceLinePtr& line, std::size_t offset) {
+  std::optional<Value> value;
+  try {
+    value = evaluate(expression, *this);
+  } catch (const LineError&) {
+    // It may need what comes later; if it is wrong, finish() says so.
+  }
+  if (value) return define(name, *value, line, offset);
+  const auto [found, fresh] = symbols_.insert({name, Symbol{std::move(expression), line, offset}});
+  if (!fresh)
+    throw LineError{offset, fmt::format("'{}' is defined already {}", name, place_of(found->second.line.get()))};
+}
+
+void Program::declare_global(const std::string& name, bool must_be_defined, const SourceLinePtr& line, std::size_t offset) {
+  globals_.insert({name, Global{line, offset, must_be_defined}});
+}
+
+void Program::grow(Section& section, Address words, std::size_t offset) {
+  if (words > largest_section || section.size > largest_section - words)
+    throw LineError{offset, fmt::format("the section '{}' would pass {} words", section.name, largest_section)};
+  section.size += words;
+}
+
+void Program::add(const SourceLinePtr& line, std::size_t offset,
+                  std::variant<InstructionItem, WordItem, FloatItem, FillItem> content) {
+  Section& section = sections_[index(current_)];
+  if (section.load == Load::reserved && !std::holds_alternative<FillItem>(content))
+    throw LineError{offset, fmt::format("the section '{}' is not loaded: it takes .space, no contents", section.name)};
+  Address words = 1;
+  if (const auto* w = std::get_if<WordItem>(&content)) words = static_cast<Address>(w->values.size());
+  if (const auto* f = std::get_if<FloatItem>(&content)) words = static_cast<Address>(f->values.size());
+  if (const auto* fill = std::get_if<FillItem>(&content)) words = fill->count;
+  parallel_target_ = std::holds_alternative<InstructionItem>(content);
+  const Address start = section.size;
+  grow(section, words, offset);
+  if (words > 0) section.items.push_back({line, start, std::move(content)});
+}
+
+void Program::align(const SourceLinePtr& line, std::size_t offset, Address words) {
+  if (words == 0 || (words & (words - 1)) != 0) throw LineError{offset, "an alignment is a power of 2, in words"};
+  Section& section = sections_[index(current_)];
+  section.alignment = std::max(section.alignment, words);
+  const Address gap = (words - section.size % words) % words;
+  add(line, offset, FillItem{gap, section.name == ".text" ? nop : 0});
+}
+
+void Program::add_parallel(HalfSyntax half, const SourceLinePtr& line, std::size_t offset) {
+  Section& section = sections_[index(current_)];
+  auto* instruction = section.items.empty() ? nullptr : std::get_if<InstructionItem>(&section.items.back().content);
+  if (!parallel_target_ || instruction == nullptr) throw LineError{offset, "'||' has no instruction before it"};
+  if (instruction->second) throw LineError{offset, "an instruction has two parallel halves, not three"};
+  instruction->second = std::move(half);
+  instruction->second_line = line;
+}
+
+Value Program::reserve(int section_number, Address words, Address alignment, std::size_t offset) {
+  Section& section = sections_[index(section_number)];
+  if (alignment == 0 || (alignment & (alignment - 1)) != 0) throw LineError{offset, "an alignment is a power of 2, in words"};
+  section.alignment = std::max(section.alignment, alignment);
+  grow(section, (alignment - section.size % alignment) % alignment, offset);
+  const Value place = Value::at(section_number, section.size);
+  grow(section, words, offset);
+  return place;
+}
+
+Value Program::value_of(const std::string& name, std::size_t offset) const {
+  const auto found = symbols_.find(name);
+  if (found == symbols_.end()) throw LineError{offset, fmt::format("undefined symbol '{}'", name.substr(0, name.find('?') + (name.find('?') == std::string::npos ? 0 : 1)))};
+  const Symbol& symbol = found->second;
+  if (const auto* value = std::get_if<Value>(&symbol.meaning)) return *value;
+  if (symbol.busy) throw LineError{offset, fmt::format("'{}' is defined in terms of itself", name)};
+  symbol.busy = true;
+  try {
+    const Value value = evaluate(std::get<Expression>(symbol.meaning), *this);
+    symbol.busy = false;
+    return value;
+  } catch (const LineError& error) {
+    symbol.busy = false;
+    throw LineError{offset, fmt::format("{} (in '{}', defined {})", error.message, name, place_of(symbol.line.get()))};
+  }
+}
+
+std::vector<Program::Section*> Program::placement_order() {
+  const auto rank = [](const Section& s) {
+    if (s.name == ".text") return 0;
+    if (s.name == ".data") return 1;
+    if (s.load == Load::loaded) return 2;
+    return s.name == ".bss" ? 3 : 4;
+  };
+  std::vector<Section*> order;
+  for (Section& section : sections_) order.push_back(&section);
+  std::stable_sort(order.begin(), order.end(), [&](const Section* a, const Section* b) { return rank(*a) < rank(*b); });
+  return order;
+}
+
+void Program::check_overlaps(const std::vector<Section*>& order, std::vector<Diagnostic>& diagnostics) const {
+  const auto complain = [&](const Section& s, std::string message) {
+    const SourceLine nowhere{std::make_shared<const std::string>("sections"), 0, s.name, nullptr};
+    diagnostics.push_back(make_diagnostic(s.items.empty() ? nowhere : *s.items.front().line, 0, std::move(message)));
+  };
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Section& a = *order[i];
+    if (std::uint64_t{a.address} + a.size > std::uint64_t{1} << 32)
+      complain(a, fmt::format("the section '{}' ({} words at {:x}h) passes the end of the address space", a.name, a.size, a.address));
+    for (std::size_t k = i + 1; k < order.size(); ++k) {
+      const Section& b = *order[k];
+      if (a.size == 0 || b.size == 0 || a.address - b.address >= b.size) {
+        if (a.size == 0 || b.size == 0 || b.address - a.address >= a.size) continue;
+      }
+      complain(b, fmt::format("the sections '{}' ({} words at {:x}h) and '{}' ({} words at {:x}h) overlap", a.name, a.size,
+                              a.address, b.name, b.size, b.address));
+    }
+  }
+}
+
+void Program::place(std::vector<Diagnostic>& diagnostics) {
+  Address next = 0x300000;
+  const auto order = placement_order();
+  for (Section* section : order) {
+    const auto wanted = options_.sections.find(section->name);
+    section->address = wanted != options_.sections.end()
+                           ? wanted->second
+                           : (next + section->alignment - 1) & ~(section->alignment - 1);
+    // An empty section takes no part, unless it was given a place that others follow.
+    if (section->size != 0 || wanted != options_.sections.end()) next = section->address + section->size;
+    if (section->address % section->alignment != 0) {
+      const SourceLine nowhere{std::make_shared<const std::string>("sections"), 0, section->name, nullptr};
+      diagnostics.push_back(make_diagnostic(
+          nowhere, 0, fmt::format("the section '{}' at {:x}h must be aligned to {} words", section->name, section->address, section->alignment)));
+    }
+  }
+  placed_ = true;
+  check_overlaps(order, diagnostics);
+}
+
+std::vector<Word> Program::encode_item(const Section& section, const Item& item, Image& image,
+                                       std::vector<Diagnostic>& diagnostics) const {
+  if (const auto* fill = std::get_if<FillItem>(&item.content)) return std::vector<Word>(fill->count, fill->value);
+  std::vector<Word> words;
+  if (const auto* instruction = std::get_if<InstructionItem>(&item.content)) {
+    const auto line_of = [&](int half) -> const SourceLine& {
+      return half == 1 && instruction->second_line ? *instruction->second_line : *item.line;
+    };
+    const std::function<void(const LineError&)> warn = [&](const LineError& warning) {
+      image.warnings.push_back(make_diagnostic(line_of(warning.half), warning.offset, warning.message, true).format());
+    };
+    try {
+      const EncodeContext context{section.address + item.offset, *this, warn};
+      words.push_back(encode(instruction->first, instruction->second ? &*instruction->second : nullptr, context));
+    } catch (const LineError& error) {
+      diagnostics.push_back(make_diagnostic(line_of(error.half), error.offset, error.message));
+      words.push_back(0);
+    }
+    return words;
+  }
+  const auto* floats = std::get_if<FloatItem>(&item.content);
+  for (const Expression& expression : floats != nullptr ? floats->values : std::get<WordItem>(item.content).values) {
+    words.push_back(0);
+    try {
+      const Value value = evaluate(expression, *this);
+      if (floats != nullptr) {
+        const auto single = to_single(value.is_real() ? value.real : Real(static_cast<double>(value.integer)));
+        if (!single) throw LineError{expression.offset, "out of the range of a 32-bit float"};
+        words.back() = *single;
+        continue;
+      }
+      if (value.is_real()) throw LineError{expression.offset, "a float; use .float, or single(x) for its word"};
+      const std::int64_t number = value.is_absolute() ? value.integer : address_of_section(value.section) + value.integer;
+      if (number < -(std::int64_t{1} << 31) || number >= std::int64_t{1} << 32)
+        throw LineError{expression.offset, fmt::format("{} does not fit in 32 bits", number)};
+      words.back() = static_cast<Word>(number);
+    } catch (const LineError& error) {
+      diagnostics.push_back(make_diagnostic(*item.line, error.offset, error.message));
+    }
+  }
+  return words;
+}
+
+void Program::encode_section(const Section& section, Image& image, std::vector<Diagnostic>& diagnostics) const {
+  if (section.size == 0) return;
+  Image::Section out{section.name, section.address, section.size, {}, section.load == Load::loaded};
+  if (!out.loaded) {
+    image.sections.push_back(std::move(out));
+    return;
+  }
+  for (const Item& item : section.items) {
+    const auto words = encode_item(section, item, image, diagnostics);
+    const auto file = std::find(image.files.begin(), image.files.end(), *item.line->file);
+    image.lines.push_back({section.address + item.offset, static_cast<std::uint32_t>(file - image.files.begin()),
+                           item.line->number, item.line->text});
+    if (file == image.files.end()) image.files.push_back(*item.line->file);
+    out.words.insert(out.words.end(), words.begin(), words.end());
+  }
+  image.sections.push_back(std::move(out));
+}
+
+void Program::export_symbols(Image& image, std::vector<Diagnostic>& diagnostics) const {
+  for (const auto& [name, symbol] : symbols_) {
+    try {
+      const Value value = value_of(name, symbol.offset);
+      if (name.find('?') != std::string::npos) continue;
+      if (value.is_real()) {
+        const auto single = to_single(value.real);
+        if (single) image.symbols[name] = *single;
+        continue;
+      }
+      image.symbols[name] = static_cast<Word>(value.is_absolute() ? value.integer : address_of_section(value.section) + value.integer);
+    } catch (const LineError& error) {
+      if (symbol.line) diagnostics.push_back(make_diagnostic(*symbol.line, error.offset, error.message));
+    }
+  }
+  for (const auto& [name, global] : globals_)
+    if (global.must_be_defined && !symbols_.contains(name))
+      diagnostics.push_back(make_diagnostic(*global.line, global.offset, fmt::format("'{}' is not defined in this program", name)));
+}
+
+Address Program::entry_point(const Image& image, std::vector<Diagnostic>& diagnostics) const {
+  if (!options_.entry.empty()) {
+    const auto found = image.symbols.find(options_.entry);
+    if (found != image.symbols.end()) return found->second;
+    const SourceLine nowhere{std::make_shared<const std::string>("options"), 0, options_.entry, nullptr};
+    diagnostics.push_back(make_diagnostic(nowhere, 0, fmt::format("the entry symbol '{}' is not defined", options_.entry)));
+  }
+  for (const std::string_view name : {"_start", "_c_int00", "start"})
+    if (const auto found = image.symbols.find(name); found != image.symbols.end()) return found->second;
+  return sections_[0].address;
+}
+
+Image Program::finish(std::vector<Diagnostic>& diagnostics) {
+  Image image;
+  place(diagnostics);
+  for (const Section& section : sections_) encode_section(section, image, diagnostics);
+  export_symbols(image, diagnostics);
+  image.entry = entry_point(image, diagnostics);
+  return image;
+}
+
+}  // namespace toolchain

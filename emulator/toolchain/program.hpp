@@ -1,0 +1,118 @@
+#pragma once
+// What the assembler collects while it reads: sections of items with section-relative addresses, and symbols. Addresses
+// are given to the sections and words to the items only at the end (issue: relocatable objects will end before that).
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "toolchain/assembler.hpp"
+#include "toolchain/expression.hpp"
+#include "toolchain/parser.hpp"
+
+namespace toolchain {
+
+struct InstructionItem {
+  HalfSyntax first;
+  std::optional<HalfSyntax> second;
+  SourceLinePtr second_line;
+};
+struct WordItem {
+  std::vector<Expression> values;
+};
+struct FloatItem {
+  std::vector<Expression> values;
+};
+struct FillItem {
+  Address count = 0;
+  Word value = 0;
+};
+
+struct Item {
+  SourceLinePtr line;
+  Address offset = 0;
+  std::variant<InstructionItem, WordItem, FloatItem, FillItem> content;
+};
+
+class Program final : public SymbolSource {
+ public:
+  explicit Program(const Options& options);
+
+  // Sections
+
+  enum class Load : std::uint8_t { loaded, reserved };
+  /// Finds or makes the section. Throws LineError if it exists with the other kind of contents.
+  int section(const std::string& name, Load load, std::size_t offset);
+  void select(int section) { current_ = section; parallel_target_ = false; }
+  int current() const { return current_; }
+  Value here() const { return Value::at(current_, sections_[index(current_)].size); }
+
+  // Symbols: errors are LineErrors at `offset` of the line.
+
+  void define(const std::string& name, const Value& value, const SourceLinePtr& line, std::size_t offset);
+  /// `.set`: evaluated now if possible, else when all is known.
+  void define(const std::string& name, Expression expression, const SourceLinePtr& line, std::size_t offset);
+  void declare_global(const std::string& name, bool must_be_defined, const SourceLinePtr& line, std::size_t offset);
+
+  // Contents of the current section
+
+  void add(const SourceLinePtr& line, std::size_t offset, std::variant<InstructionItem, WordItem, FloatItem, FillItem> content);
+  void align(const SourceLinePtr& line, std::size_t offset, Address words);
+  /// Makes `half` the second half of the instruction just added.
+  void add_parallel(HalfSyntax half, const SourceLinePtr& line, std::size_t offset);
+  void end_instruction() { parallel_target_ = false; }
+  /// Reserves words at the end of a section that is not loaded; gives their place.
+  Value reserve(int section, Address words, Address alignment, std::size_t offset);
+
+  /// Settles addresses and encodes everything; errors go to `diagnostics`.
+  Image finish(std::vector<Diagnostic>& diagnostics);
+
+  // SymbolSource
+
+  Value value_of(const std::string& name, std::size_t offset) const override;
+  bool is_defined(const std::string& name) const override { return symbols_.contains(name); }
+  bool is_placed() const override { return placed_; }
+  std::int64_t address_of_section(int section) const override { return sections_[index(section)].address; }
+
+ private:
+  struct Section {
+    std::string name;
+    Load load = Load::loaded;
+    Address size = 0;
+    Address alignment = 1;
+    std::vector<Item> items;
+    Address address = 0;
+  };
+  struct Symbol {
+    std::variant<Value, Expression> meaning;
+    SourceLinePtr line;
+    std::size_t offset = 0;
+    mutable bool busy = false;  ///< Being evaluated: meeting it again is a definition in terms of itself.
+  };
+  struct Global {
+    SourceLinePtr line;
+    std::size_t offset = 0;
+    bool must_be_defined = false;
+  };
+
+  static std::size_t index(int section) { return static_cast<std::size_t>(section); }
+  void grow(Section& section, Address words, std::size_t offset);
+  std::vector<Section*> placement_order();
+  void place(std::vector<Diagnostic>& diagnostics);
+  void check_overlaps(const std::vector<Section*>& order, std::vector<Diagnostic>& diagnostics) const;
+  void encode_section(const Section& section, Image& image, std::vector<Diagnostic>& diagnostics) const;
+  std::vector<Word> encode_item(const Section& section, const Item& item, Image& image, std::vector<Diagnostic>& diagnostics) const;
+  void export_symbols(Image& image, std::vector<Diagnostic>& diagnostics) const;
+  Address entry_point(const Image& image, std::vector<Diagnostic>& diagnostics) const;
+
+  const Options& options_;
+  std::vector<Section> sections_;
+  int current_ = 0;
+  bool parallel_target_ = false;
+  bool placed_ = false;
+  std::map<std::string, Symbol, std::less<>> symbols_;
+  std::map<std::string, Global, std::less<>> globals_;
+};
+
+}  // namespace toolchain

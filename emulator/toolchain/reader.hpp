@@ -1,0 +1,123 @@
+#pragma once
+// Reads source lines in order: files and includes, conditional parts, macros and repeats, directives, instructions.
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "toolchain/program.hpp"
+
+namespace toolchain {
+
+class Reader {
+ public:
+  Reader(Program& program, const Options& options, std::vector<Diagnostic>& diagnostics);
+
+  void read_file(const std::filesystem::path& path);
+  void read_text(std::string_view text, const std::string& name, const std::filesystem::path& directory);
+
+ private:
+  struct Parameter {
+    std::string name;
+    std::string fallback;
+  };
+  struct Macro {
+    std::vector<Parameter> parameters;
+    std::vector<SourceLinePtr> body;
+  };
+  /// Lines being gathered for a macro or a repeat; `depth` counts the openings within.
+  struct Collector {
+    enum class Kind : std::uint8_t { macro, repeat, broken } kind = Kind::broken;
+    std::string name;
+    Macro macro;
+    std::int64_t count = 0;
+    SourceLinePtr opening;
+    int depth = 1;
+  };
+  struct Conditional {
+    bool active = false;     ///< The present part is assembled.
+    bool taken = false;      ///< A part was assembled already.
+    bool parent = false;     ///< What is around it is assembled.
+    bool after_else = false;
+    SourceLinePtr opening;
+  };
+  /// A line taken apart as far as its operation.
+  struct Statement {
+    SourceLinePtr line;
+    Parser parser;
+    std::string label;
+    std::size_t label_offset = 0;
+    std::string operation;  ///< As written; empty if there is none.
+    std::size_t operation_offset = 0;
+    bool bars = false;
+  };
+  using Directive = void (Reader::*)(Statement&);
+
+  // reader.cpp
+  void read_line(const SourceLinePtr& line);
+  void read_active_line(Statement& statement);
+  Statement take_apart(const SourceLinePtr& line) const;
+  bool collect(const SourceLinePtr& line);
+  void finish_collecting();
+  bool conditional(Statement& statement);
+  void open_conditional(bool condition, const SourceLinePtr& line);
+  bool is_active() const { return conditionals_.empty() || conditionals_.back().active; }
+  void define_label(const Statement& statement);
+  void instruction(Statement& statement);
+  void report(const SourceLine& line, const LineError& error);
+  ParseContext context() const;
+  void end_of_source(std::size_t outer_conditionals);
+
+  // macros.cpp
+  void expand(const Macro& macro, Statement& statement);
+  void read_lines(const std::vector<SourceLinePtr>& body, const SourceLinePtr& from,
+                  const std::map<std::string, std::string, std::less<>>& arguments);
+  std::vector<std::string> macro_arguments(std::string_view text) const;
+  void start_macro(Statement& statement);
+  void start_repeat(Statement& statement);
+
+  // directives.cpp
+  static const std::map<std::string, Directive, std::less<>>& directives();
+  std::int64_t known_number(Parser& parser, std::string_view what);
+  Address known_size(Parser& parser, std::string_view what);
+  std::string symbol_name(Statement& statement);
+  void directive_section_text(Statement&);
+  void directive_section_data(Statement&);
+  void directive_bss(Statement&);
+  void directive_sect(Statement&);
+  void directive_usect(Statement&);
+  void directive_word(Statement&);
+  void directive_byte(Statement&);
+  void directive_float(Statement&);
+  void directive_string(Statement&);
+  void directive_asciz(Statement&);
+  void directive_space(Statement&);
+  void directive_align(Statement&);
+  void directive_set(Statement&);
+  void directive_include(Statement&);
+  void directive_global(Statement&);
+  void directive_def(Statement&);
+  void directive_end(Statement&);
+  void directive_error(Statement&);
+  void directive_nothing(Statement&);
+  void directive_stray(Statement&);
+  void strings(Statement& statement, bool terminated);
+
+  Program& program_;
+  const Options& options_;
+  std::vector<Diagnostic>& diagnostics_;
+  std::map<std::string, Macro, std::less<>> macros_;
+  std::vector<Conditional> conditionals_;
+  std::unique_ptr<Collector> collector_;
+  std::vector<std::filesystem::path> open_files_;  ///< The file at hand and those that include it.
+  std::filesystem::path directory_;
+  int local_scope_ = 0;   ///< Of names ending in '?'.
+  int last_scope_ = 0;
+  int expansion_depth_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace toolchain
