@@ -1,13 +1,32 @@
 #include "toolchain/assembler.hpp"
 
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
 #include "toolchain/program.hpp"
 #include "toolchain/reader.hpp"
 
 namespace toolchain {
 namespace {
 
+/// In the order of the source: files as they first occur, then lines.
+void sort(std::vector<Diagnostic>& diagnostics) {
+  std::vector<std::string> files;
+  const auto rank = [&](const Diagnostic& d) {
+    const auto place = std::find(files.begin(), files.end(), d.file) - files.begin();
+    if (place == std::ssize(files)) files.push_back(d.file);
+    return std::tuple(place, d.line, d.column);
+  };
+  std::vector<std::pair<std::tuple<std::ptrdiff_t, int, int>, Diagnostic>> ranked;
+  for (Diagnostic& d : diagnostics) ranked.emplace_back(rank(d), std::move(d));
+  std::stable_sort(ranked.begin(), ranked.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (std::size_t i = 0; i < ranked.size(); ++i) diagnostics[i] = std::move(ranked[i].second);
+}
+
 Image finish(Program& program, std::vector<Diagnostic> diagnostics) {
   Image image = program.finish(diagnostics);
+  sort(diagnostics);
   if (!diagnostics.empty()) throw AssemblyError(std::move(diagnostics));
   return image;
 }

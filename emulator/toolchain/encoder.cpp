@@ -273,8 +273,15 @@ class Attempt {
     }
   }
 
+  /// Loads of a register from itself are no use, so they have no short form.
+  bool is_load() const {
+    using enum isa::Operation;
+    const auto op = row_.operation;
+    return op == ldi || op == ldf || op == ldi_cond || op == ldf_cond || op == lda || op == lb || op == lbu || op == lh || op == lhu;
+  }
+
   void unary() {
-    if (operands().size() != 1 || operand(0).kind != Kind::reg) need(2);
+    if (operands().size() != 1 || operand(0).kind != Kind::reg || is_load()) need(2);
     const OperandSyntax& destination = operands().back();
     general(operand(0));
     put('d', register_code(destination, row_.destination));
@@ -383,7 +390,7 @@ class Attempt {
 
   /// Operand i of the half at hand; with the destination left out, the last source is the destination too.
   const OperandSyntax& of_three(std::size_t i) const {
-    if (operands().size() == 2 && i == 2) return operand(1);
+    if (operands().size() == 2) return operand(i == 0 ? 0 : 1);
     need(3);
     return operand(i);
   }

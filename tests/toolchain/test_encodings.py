@@ -1,0 +1,177 @@
+"""Text to words and back: against the GNU tools' encodings, and as a fixed point over every row and random words."""
+
+import itertools
+import random
+from pathlib import Path
+
+import pytest
+from cmrc._core import isa, toolchain
+
+HERE = Path(__file__).parent
+ORIGIN = 0x300000
+
+
+def assemble_words(lines: list[str], origin: int = ORIGIN) -> list[int]:
+    image = toolchain.assemble("".join(f"\t{line}\n" for line in lines), sections={".text": origin})
+    assert [section.name for section in image.sections] == [".text"]
+    return list(image.sections[0].words)
+
+
+def test_the_596_lines_of_the_gnu_tools_assemble_to_their_words() -> None:
+    lines = [
+        line.split(maxsplit=2)
+        for line in (HERE.parent / "isa" / "encodings.txt").read_text().splitlines()
+        if not line.startswith("#")
+    ]
+    source = "L0:\n" + "".join(f"\t{text}\n" for _, _, text in lines)
+    words = toolchain.assemble(source, sections={".text": 0}).sections[0].words
+    assert [f"{word:08x}" for word in words] == [word for _, word, _ in lines]
+
+
+@pytest.mark.parametrize("name", ["fir", "branch", "controller"])
+def test_gnu_sources_assemble_to_the_gnu_assemblers_words(name: str) -> None:
+    image = toolchain.assemble_file(HERE / "bench" / f"{name}.s", sections={".text": 0x1000})
+    expected = [int(word, 16) for word in (HERE / "bench" / f"{name}.hex").read_text().split()]
+    assert list(image.sections[0].words) == expected
+    assert image.entry == 0x1000
+
+
+def round_trip(words: list[int]) -> None:
+    lines = [isa.disassemble(word, ORIGIN + i) for i, word in enumerate(words)]
+    again = assemble_words(lines)
+    wrong = [(f"{a:08x}", f"{b:08x}", line) for a, b, line in zip(words, again, lines, strict=True) if a != b]
+    assert not wrong
+
+
+def field_values(width: int, rng: random.Random) -> list[int]:
+    top = (1 << width) - 1
+    return sorted({0, 1, top, top >> 1, (top >> 1) + 1, rng.getrandbits(width), rng.getrandbits(width)} & set(range(top + 1)))
+
+
+def test_every_row_with_the_corner_values_of_every_field_is_a_fixed_point() -> None:
+    rng = random.Random(40)
+    words = []
+    for row in isa.rows():
+        picture = row["picture"].replace(" ", "")
+        letters = [letter for letter in dict.fromkeys(picture) if letter.isalpha()]
+        choices = [
+            [value << (31 - picture.rindex(letter)) for value in field_values(picture.count(letter), rng)] for letter in letters
+        ]
+        combinations = [row["match"] | sum(values) for values in itertools.product(*choices)]
+        legal = [word for word in combinations if isa.decode(word) is not None]
+        assert legal, row["mnemonic"]
+        words += rng.sample(legal, min(len(legal), 400))
+    round_trip(words)
+
+
+def test_every_indirect_form_is_a_fixed_point_in_every_place() -> None:
+    general = [0x08400000 | modn << 11 | ar << 8 | disp for modn in range(26) for ar in (0, 7) for disp in (0, 1, 2, 255)]
+    type1 = [0x20E00000 | a << 11 | 1 << 8 | b << 3 | 2 for a in range(26) for b in range(26)]
+    type2 = [0x31600000 | a << 8 | b for a in range(0, 256, 7) for b in range(256)]
+    type2 += [0x31200000 | 5 << 8 | b for b in range(256)]
+    round_trip([word for word in general + type1 + type2 if isa.decode(word) is not None])
+
+
+def test_every_short_float_is_a_fixed_point() -> None:
+    """All 65536 of LDF and LDM: non-canonical zeros and LDM's idle exponents come back by their bits."""
+    round_trip([0x07600000 | bits for bits in range(65536)])
+    round_trip([0x09600000 | bits for bits in range(65536)])
+
+
+def test_random_words_are_fixed_points_reserved_ones_as_data() -> None:
+    rng = random.Random(1999)
+    rows = isa.rows()
+    words = [(rng.getrandbits(32) & ~row["mask"] & 0xFFFFFFFF) | row["match"] for row in rng.choices(rows, k=60_000)]
+    words += [rng.getrandbits(32) for _ in range(40_000)]
+    assert sum(isa.decode(word) is None for word in words) > 10_000
+    assert sum(isa.decode(word) is not None for word in words) > 30_000
+    round_trip(words)
+
+
+@pytest.mark.parametrize(
+    ("written", "same_as"),
+    [
+        # The 3 of three-operand mnemonics may be left out, and the destination if it is the last source.
+        ("addi r1,r2,r3", "addi3 r1,r2,r3"),
+        ("addi3 r1,r2", "addi3 r1,r2,r2"),
+        ("cmpi *ar0,*ar1", "cmpi3 *ar0,*ar1"),
+        ("mpyf *ar0++,*ar1++,r0 || addf r0,r2,r2", "mpyf3 *ar0++(1),*ar1++(1),r0 || addf3 r0,r2,r2"),
+        ("mpyf3 *ar0,*ar1,r0 || addf3 r1,r2", "mpyf3 *ar0,*ar1,r0 || addf3 r1,r2,r2"),
+        # One operand where source and destination are the same register.
+        ("absi r1", "absi r1,r1"),
+        ("negf f3", "negf r3,r3"),
+        # Commutative operands in either order, where one order has an encoding.
+        ("addi3 r1,5,r0", "addi3 5,r1,r0"),
+        ("addi3 r1,*+ar2(9),r0", "addi3 *+ar2(9),r1,r0"),
+        ("addf3 r4,*ar1,r5 || stf r6,*ar2", "addf3 *ar1,r4,r5 || stf r6,*ar2"),
+        ("mpyf3 r5,*ar2,r1 || subf3 r4,*ar1,r3", "mpyf3 *ar2,r5,r1 || subf3 r4,*ar1,r3"),
+        # Halves in either order, numbered halves.
+        ("stf r6,*ar2 || mpyf3 *ar1,r4,r5", "mpyf3 *ar1,r4,r5 || stf r6,*ar2"),
+        ("sti1 r6,*ar2 || sti2 r5,*ar1", "sti r5,*ar1 || sti r6,*ar2"),
+        ("sti2 r5,*ar1 || sti1 r6,*ar2", "sti r5,*ar1 || sti r6,*ar2"),
+        ("ldf1 *ar2,r3 || ldf2 *ar1,r5", "ldf *ar1,r5 || ldf *ar2,r3"),
+        # A displacement that is left out is 1; of 0 it is none.
+        ("ldi *+ar0,r0", "ldi *+ar0(1),r0"),
+        ("ldi *ar0--%,r0", "ldi *ar0--(1)%,r0"),
+        ("ldi *+ar0(0),r0", "ldi *ar0,r0"),
+        ("LDI *AR0++(IR0)B,R0", "ldi *ar0++(ir0)b,r0"),
+        # Short forms and synonyms of conditions.
+        ("rets", "retsu"),
+        ("reti", "retiu"),
+        ("retid", "retiud"),
+        ("trap 5", "trapu 5"),
+        ("b r11", "bu r11"),
+        ("bd r11", "bud r11"),
+        ("db ar0,r1", "dbu ar0,r1"),
+        ("dbd ar0,r1", "dbud ar0,r1"),
+        ("bz r1", "beq r1"),
+        ("bnzd r1", "bned r1"),
+        ("bnnat r1", "bgeat r1"),
+        ("ldip r1,r2", "ldigt r1,r2"),
+        ("ldfc r1,r2", "ldflo r1,r2"),
+        # STIK by STI, LDP by LDIU, float operands under either name.
+        ("sti -5,@6", "stik -5,@6"),
+        ("ldp 30h,dp", "ldiu 30h,dp"),
+        ("addf f1,f2", "addf r1,r2"),
+        ("ldf 1,r0", "ldf 1.0,r0"),
+        # Numbers.
+        ("ldi 0FFh,r0", "ldi 255,r0"),
+        ("ldi 101b,r0", "ldi 5,r0"),
+        ("ldi 0b101,r0", "ldi 5,r0"),
+        ("ldi 17q,r0", "ldi 15,r0"),
+        ("ldi 017,r0", "ldi 15,r0"),
+        ("ldi 'A',r0", "ldi 65,r0"),
+        ("ldi ';',r0", "ldi 59,r0"),
+        ("ldi (2+3)*4-1<<2,r0", "ldi 76,r0"),
+        ("ldi ~5&0Fh|30h,r0", "ldi 58,r0"),
+        ("ldi 7%4+(5==5)+(1<2),r0", "ldi 5,r0"),
+        ("ldi -7/2,r0", "ldi -3,r0"),
+        ("ldf 3.0/4,r0", "ldf 0.75,r0"),
+        ("ldf 0.5*-3,r0", "ldf -1.5,r0"),
+    ],
+)
+def test_optional_forms_mean_what_their_full_forms_mean(written: str, same_as: str) -> None:
+    assert assemble_words([written]) == assemble_words([same_as])
+
+
+def test_type_1_is_preferred_and_type_2_can_be_forced() -> None:
+    """As GNU as chooses; words from the reference's section 13 style: type 2 has bit 28."""
+    assert assemble_words(["addi3 *+ar4(1),r1,r2"])[0] >> 28 == 2
+    assert assemble_words(["addi3 *+ar4(=1),r1,r2"])[0] >> 28 == 3
+    assert assemble_words(["addi3 *+ar4(2),r1,r2"])[0] >> 28 == 3
+    assert assemble_words(["addi3 *ar4,*+ar5(7),r2"])[0] >> 28 == 3
+    assert assemble_words(["ldi *+ar0(=0),r0"]) == [0x08400000]
+
+
+def test_parallel_bars_may_stand_on_the_next_line() -> None:
+    source = "start:  mpyf3 *ar0++(1),*ar1++(1),r0   ; product\n\n; a comment between\n   ||   addf3 r0,r2,r2\n|| \n"
+    with pytest.raises(toolchain.AssemblyError):
+        toolchain.assemble(source)
+    image = toolchain.assemble(source.replace("|| \n", ""))
+    assert list(image.sections[0].words) == assemble_words(["mpyf3 *ar0++,*ar1++,r0 || addf3 r0,r2,r2"])
+
+
+def test_branch_targets_are_labels_addresses_or_registers() -> None:
+    words = assemble_words(["b 0x300000", "bd $", "call $+2", "dbnzd ar3,$-3", "rptb $+1"])
+    targets = [isa.decode(word)["src1"]["value"] + i for i, word in enumerate(words)]
+    assert targets == [0, 1, 4, 0, 5]
