@@ -1,0 +1,34 @@
+; The image of a CMRC DSP: executive, library, kernels (README.md).
+
+        .include "include/task_block.inc"
+        .include "include/devices.inc"
+        .include "include/areas.inc"
+        .include "include/onchip.inc"
+
+        .text
+
+; Interrupt vectors: IVTP points here, so this must start on a 512-word boundary (the image starts at 300000h).
+vectors:
+        .word   0, 0, 0
+        .word   isr_doorbell            ; 03h IIOF0
+        .space  60
+
+; Written by the loader before the DSP starts.
+dsp_slot:       .word 0                 ; number of this DSP
+idle_policy:    .word 0                 ; what it does when no block waits: IDLE_DOORBELL, IDLE_PAUSE, IDLE_SPIN
+pause_count:    .word 400               ; IDLE_PAUSE: NOPs between two looks at the list, less one
+
+        .include "constants.asm"
+        .include "executive.asm"
+        .include "lib/arithmetic.asm"
+        .include "lib/trigonometry.asm"
+        .include "lib/blend.asm"
+        .include "lib/copy.asm"
+        .include "kernels/trajectory_crane.asm"
+        .include "kernels/inverse_crane.asm"
+        .include "kernels/crane_servo.asm"
+        .include "kernels/torque.asm"
+        .include "kernels/pid.asm"
+        .include "kernels/agv_all.asm"  ; trajectory_agv, inverse_agv, identify, grab_path, home, avoidance
+
+        .end

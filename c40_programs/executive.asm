@@ -1,0 +1,153 @@
+; The executive: claim the block at the work pointer (rulings.md 21), run it, mark it done, claim again; idle when none waits.
+
+IDLE_DOORBELL   .set 0                  ; announce idleness, sleep until IIOF0 rings
+IDLE_PAUSE      .set 1                  ; look again after pause_count NOPs
+IDLE_SPIN       .set 2                  ; look again at once
+
+IIF_DOORBELL    .set 9                  ; IIF: IIOF0 is an edge-triggered interrupt, enabled; writing it clears the flag
+ST_CACHE        .set 0800h              ; ST: instruction cache enabled
+ST_GIE          .set 2000h
+
+; IIOF0: its only use is to end IDLE.
+isr_doorbell:
+        reti
+
+_start:
+        ldi     ST_CACHE, st
+        ldpk    PAGE
+        ldhi    hi16(STACK), ar0
+        or      lo16(STACK), ar0
+        ldi     ar0, sp
+        ldhi    hi16(vectors), ar0
+        or      lo16(vectors), ar0
+        ldpe    ar0, ivtp
+        ldi     0, iie
+
+        ldi     ar0, ar2
+        addi    dsp_slot - vectors, ar2
+        ldi     *ar2, r0
+        sti     r0, @EXEC_SLOT
+        ldi     *+ar2(1), r0
+        sti     r0, @EXEC_POLICY
+        ldi     *+ar2(2), r0
+        sti     r0, @EXEC_PAUSE
+
+        addi    constants - vectors, ar0                ; constants: image -> on-chip RAM
+        ldhi    hi16(CONSTANTS), ar1
+        or      lo16(CONSTANTS), ar1
+        ldi     constants_end - constants - 1, rc
+        call    copy_words
+
+; Take the next block and run it.
+exec_next:
+        call    exec_claim
+        cmpi    0, r0
+        beq     exec_idle
+exec_run:
+        ldi     ar2, ar0
+        ldhi    hi16(TASK), ar1
+        or      lo16(TASK), ar1
+        ldi     BLOCK_WORDS - 1, rc
+        call    copy_words
+        ldhi    hi16(WINDOW_A), ar6
+        ldi     @TASK + TB_AREA, r0
+        addi    r0, ar6
+        ldhi    hi16(TASK), ar7
+        or      lo16(TASK), ar7
+        ldi     @TASK + TB_KIND, ir0
+        cmpi    KIND_COUNT, ir0
+        bhs     exec_unknown                            ; unsigned: catches negative kinds too
+        ldhi    hi16(exec_kernels), ar0
+        or      lo16(exec_kernels), ar0
+        ldi     *+ar0(ir0), r0
+        callu   r0
+exec_done:
+        ldi     @EXEC_BLOCK, ar0
+        ldi     FLAG_DONE, r2
+        sti     r0, *+ar0(TB_RESULT)
+        sti     r1, *+ar0(TB_NOTIFY)
+        sti     r2, *+ar0(TB_FLAG)                      ; last: from here the block is the host's
+        br      exec_next
+
+; A kind this image has no kernel for: result FFFFFFFFh, no notice, done. The host sees it; the list goes on.
+exec_unknown:
+        ldi     -1, r0
+        ldi     0, r1
+        br      exec_done
+
+; An error block (x = 1) asks for nothing more than to be taken note of.
+kernel_error:
+        ldi     0, r0
+        ldi     0, r1
+        rets
+
+exec_kernels:
+        .word   kernel_error, kernel_trajectory_crane, kernel_trajectory_agv, kernel_inverse_crane
+        .word   kernel_inverse_agv, kernel_torque, kernel_pid, kernel_identify
+        .word   kernel_grab_path, kernel_home_crane, kernel_home_agv, kernel_avoidance
+
+; R0 <- 1 and AR2, EXEC_BLOCK <- address of the block in window A; or R0 <- 0 if none is to be run.
+exec_claim:
+        ldhi    hi16(WINDOW_A), ar0
+        ldhi    hi16(WINDOW_A + SEMAPHORE_LIST), ar1
+exec_acquire:
+        ldi     *ar1, r0                                ; 0: the semaphore is ours
+        beq     exec_acquired
+        rpts    15                                      ; let the owner have the bus
+        nop
+        br      exec_acquire
+exec_acquired:
+        ldi     *+ar0(LIST_WORK_POINTER), r0
+        beq     exec_none
+        addi3   r0, ar0, ar2
+        ldi     *+ar2(TB_J), r0
+        beq     exec_none                               ; waiting, but not to be run early
+        ldi     *+ar2(TB_LINK), r1
+        ldi     0, r2
+        ldi     FLAG_TAKEN, r3
+        sti     r2, *+ar2(TB_T)
+        sti     r3, *+ar2(TB_FLAG)
+        ldi     @EXEC_SLOT, r3
+        addi    1, r3
+        sti     r3, *+ar2(TB_OWNER)
+        sti     r1, *+ar0(LIST_WORK_POINTER)
+        sti     r2, *ar1                                ; release
+        sti     ar2, @EXEC_BLOCK
+        ldi     1, r0
+        rets
+exec_none:
+        sti     r0, *ar1                                ; release
+        ldi     0, r0
+        rets
+
+exec_idle:
+        ldi     @EXEC_POLICY, r0
+        cmpi    IDLE_PAUSE, r0
+        bgt     exec_next                               ; IDLE_SPIN
+        beq     exec_pause
+
+; Doorbell. Nobody may ring before this DSP has announced itself, so an older ring is forgotten first; the list is looked at
+; once more after the announcement, for the host may have put a block there in between without ringing.
+        ldi     IIF_DOORBELL, iif
+        ldhi    hi16(WINDOW_A + DOORBELL_IDLE), ar3
+        or      lo16(WINDOW_A + DOORBELL_IDLE), ar3
+        ldi     @EXEC_SLOT, r0
+        sti     r0, *ar3
+        call    exec_claim
+        cmpi    0, r0
+        bne     exec_busy
+        idle                                            ; GIE <- 1; the ring has cleared our idle bit when we wake
+        andn    ST_GIE, st
+        br      exec_next
+exec_busy:
+        ldhi    hi16(WINDOW_A + DOORBELL_BUSY), ar3
+        or      lo16(WINDOW_A + DOORBELL_BUSY), ar3
+        ldi     @EXEC_SLOT, r0
+        sti     r0, *ar3
+        br      exec_run
+
+exec_pause:
+        ldi     @EXEC_PAUSE, r0
+        rpts    r0
+        nop
+        br      exec_next
