@@ -291,7 +291,7 @@ trajectory_crane_chain:
         br      copy_words
 
 ; The end of leg 2 is where the AGV stands, measured: x, y, its heading to within a half turn, deck + box + clearance.
-; It replaces the last via point of the route, also in shared memory. CR_AGV is the AGV's number (or its device offset).
+; It replaces the last via point of the route, also in shared memory.
 trajectory_crane_aim:
         ldi     @TJ_SEGMENTS, r0
         cmpi    0, r0
@@ -300,14 +300,8 @@ trajectory_crane_aim:
         sti     r0, @TJ_SEGMENTS
         sti     r0, *+ar6(CR_ROUTE_COUNT + 2)
 trajectory_crane_has_via:
-        ldi     *+ar6(CR_AGV), r0
-        cmpi    AGV_UNIT, r0
-        bge     trajectory_crane_unit
-        mpyi    AGV_UNIT_WORDS, r0
-        addi    AGV_UNIT, r0
-trajectory_crane_unit:
         ldhi    hi16(WINDOW_B), ar0
-        addi    r0, ar0
+        addi    *+ar6(CR_AGV), ar0
         ldi     @TJ_SEGMENTS, ar1
         lsh     2, ar1
         ldhi    hi16(TJ_CHAIN), ar2

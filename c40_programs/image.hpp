@@ -1,0 +1,10 @@
+#pragma once
+// The DSP image that the build assembled from c40_programs/dsp.asm, as the bytes of its COFF file (toolchain/coff.hpp reads it).
+#include <cstddef>
+#include <span>
+
+namespace c40_programs {
+
+std::span<const std::byte> built_in_image();
+
+}  // namespace c40_programs

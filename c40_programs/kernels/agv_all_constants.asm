@@ -1,0 +1,1 @@
+; Constants of the kernels in agv_all.asm.
