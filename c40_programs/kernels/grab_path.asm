@@ -1,0 +1,609 @@
+; Process 2: the grab path, and the planner that homing shares (docs/kernels_job.md).
+;
+; Route 1 leads from where the crane was last sent to CR_CLEARANCE above the target, route 2 from there, with the container, to CR_CLEARANCE
+; above an AGV's deck in the loading spot (its measured pose replaces this end when the trajectory gets there), route 3 home.
+; A box that must not be entered is grown by half the load's plan and a margin, and upwards by the hanging load; nothing passes below it.
+;
+; 1. The end over the bay gets a column: a point straight above it, raised in steps while the way from the column to the other end is blocked.
+; 2. If it stays blocked, an elastic band of 5 via points is laid over the boxes and pulled tight: minimise the sum of |p_(i+1) - p_i|^2
+;    outside the boxes by projected Gauss-Seidel, GP_SWEEPS times over
+;        p_i := (p_(i-1) + p_(i+1))/2, then p_i and the middles of its two steps are moved out of each box through the nearest face.
+; 3. Via points that a free straight way can skip are left out.
+
+GP_BOXES            .set SCRATCH                ; grown boxes, 8 words each: xmin, xmax, ymin, ymax, zmax; up to 9
+GP_BOX_COUNT        .set SCRATCH + 72           ; i
+GP_POINT            .set SCRATCH + 80           ; p_0 .. p_6: x, y, z, yaw
+GP_START            .set SCRATCH + 108          ; x, y, z, yaw
+GP_END              .set SCRATCH + 112
+GP_OUT              .set SCRATCH + 116          ; up to 8 points
+GP_OUT_COUNT        .set SCRATCH + 148          ; i
+GP_HANG             .set SCRATCH + 149          ; m below the spreader's underside
+GP_LIFT             .set SCRATCH + 150          ; m, height of the column
+GP_LIFT_LEAST       .set SCRATCH + 151          ; m
+GP_COLUMN           .set SCRATCH + 152          ; i, 0: over the start, 4: over the end
+GP_SWEEP            .set SCRATCH + 153          ; i
+GP_INDEX            .set SCRATCH + 154          ; i
+GP_BEFORE           .set SCRATCH + 156          ; a middle before it is moved out
+GP_FROM             .set SCRATCH + 160          ; i
+GP_TO               .set SCRATCH + 161          ; i
+GP_FIRST_COUNT      .set SCRATCH + 162          ; i
+GP_RISES            .set 8                      ; times that the column is raised at most
+GP_SWEEPS           .set 64
+GP_INNER            .set 5                      ; via points of the band
+GP_LAST             .set GP_INNER + 1
+
+kernel_grab_path:
+        ldf     0.0, r0                         ; ---- route 1: the empty spreader
+        stf     r0, @GP_HANG
+        call    grab_path_present
+        ldf     *+ar6(CR_TARGET), r0
+        stf     r0, @GP_END
+        ldf     *+ar6(CR_TARGET + 1), r0
+        stf     r0, @GP_END + 1
+        ldf     *+ar6(CR_TARGET + 2), r0
+        addf    *+ar6(CR_CLEARANCE), r0
+        stf     r0, @GP_END + 2
+        ldf     *+ar6(CR_TARGET + 3), r0
+        stf     r0, @GP_END + 3
+        call    grab_path_grow
+        ldi     4, r0
+        sti     r0, @GP_COLUMN
+        ldf     0.0, r0
+        stf     r0, @GP_LIFT_LEAST
+        call    grab_path_plan
+        ldi     1, r6
+        call    grab_path_store
+        ldi     @GP_OUT_COUNT, r0
+        sti     r0, @GP_FIRST_COUNT
+
+        ldhi    hi16(SCRATCH), ar0              ; ---- route 2: the container hangs below
+        or      lo16(GP_END), ar0
+        ldhi    hi16(SCRATCH), ar1
+        or      lo16(GP_START), ar1
+        ldi     3, rc
+        call    copy_words
+        ldf     *+ar6(CR_BOX_HEIGHT), r0
+        stf     r0, @GP_HANG
+        call    grab_path_spot
+        call    grab_path_grow
+        ldi     0, r0
+        sti     r0, @GP_COLUMN
+        call    grab_path_clear
+        call    grab_path_plan
+        ldi     2, r6
+        call    grab_path_store
+        ldi     @GP_OUT_COUNT, r0
+        addi    @GP_FIRST_COUNT, r0
+        ldhi    8, r1                           ; MAY_PROCESS << 3
+        rets
+
+; ---- GP_START: the pose that the crane was last sent to, home before it was sent anywhere ----
+grab_path_present:
+        ldi     ar6, ar0
+        addi    CR_HOME, ar0
+        ldi     *+ar6(CR_PRODUCED), r0
+        bz      grab_path_present_at
+        subi    1, r0
+        and     1, r0
+        lsh     4, r0
+        addi3   r0, ar6, ar0
+        addi    CR_POINT, ar0
+grab_path_present_at:
+        ldhi    hi16(SCRATCH), ar1
+        or      lo16(GP_START), ar1
+        ldi     3, rc
+        call    copy_words
+        rets
+
+; ---- GP_END: above the deck of an AGV in the loading spot, where leg 1 of every AGV begins ----
+grab_path_spot:
+        ldhi    hi16(WINDOW_A), ar0             ; WINDOW_A
+        or      AG_BASE + AG_SEGMENT, ar0
+        ldf     *ar0, r0
+        stf     r0, @GP_END
+        ldf     *+ar0(1), r0
+        stf     r0, @GP_END + 1
+        ldf     *+ar0(2), r0
+        stf     r0, @GP_END + 3
+        ldf     *+ar6(CR_AGV_DECK), r0
+        addf    *+ar6(CR_BOX_HEIGHT), r0
+        addf    *+ar6(CR_CLEARANCE), r0
+        rnd     r0
+        stf     r0, @GP_END + 2
+        rets
+
+; ---- GP_LIFT_LEAST: from the start to where the hanging load clears everything in the bay ----
+grab_path_clear:
+        ldhi    hi16(SCRATCH), ar0
+        or      lo16(GP_BOXES), ar0
+        ldf     0.0, r0
+        ldi     @GP_BOX_COUNT, r1               ; the bay is the last box
+        bz      grab_path_clear_done
+        subi    1, r1
+        lsh     3, r1
+        addi    r1, ar0
+        ldf     *+ar0(4), r0
+        subf    @GP_START + 2, r0
+        ldf     0.0, r1
+        cmpf    r1, r0
+        ldflt   r1, r0
+grab_path_clear_done:
+        stf     r0, @GP_LIFT_LEAST
+        rets
+
+; ---- the no-go boxes and the bay, grown for a load of GP_HANG at the yaw of GP_END ----
+; A box at yaw c, s has half extents (6.096 |c| + 1.219 |s|, 6.096 |s| + 1.219 |c|).
+grab_path_grow:
+        ldf     @GP_END + 3, r0
+        call    m_sincos
+        absf    r0
+        absf    r1
+        ldf     @K_GP_HALF_LENGTH, r2
+        ldf     @K_GP_HALF_WIDTH, r3
+        mpyf3   r2, r1, r6
+        mpyf3   r3, r0, r4
+        addf    r4, r6
+        addf    @K_GP_MARGIN, r6                ; along x
+        mpyf3   r2, r0, r7
+        mpyf3   r3, r1, r4
+        addf    r4, r7
+        addf    @K_GP_MARGIN, r7                ; along y
+        ldf     @GP_HANG, r8
+        addf    @K_GP_MARGIN, r8                ; upwards
+        ldhi    hi16(SCRATCH), ar1
+        or      lo16(GP_BOXES), ar1
+        ldi     0, r9
+        ldi     ar6, ar0
+        addi    CR_BOX, ar0
+        ldi     *-ar0(CR_BOX - CR_BOX_COUNT), r10
+        ldi     8, r0
+        cmpi    r0, r10
+        ldigt   r0, r10
+        cmpi    0, r10
+        ble     grab_path_bay
+grab_path_grow_next:
+        call    grab_path_grow_one
+        addi    6, ar0
+        subi    1, r10
+        bnz     grab_path_grow_next
+grab_path_bay:
+        ldi     ar6, ar0
+        addi    CR_BAY, ar0
+        call    grab_path_grow_one
+        sti     r9, @GP_BOX_COUNT
+        rets
+
+grab_path_grow_one:                                     ; *AR0 (6 words) to *AR1 (8 words), R9 counts
+        ldf     *ar0, r0
+        subf    r6, r0
+        stf     r0, *ar1
+        ldf     *+ar0(1), r0
+        addf    r6, r0
+        stf     r0, *+ar1(1)
+        ldf     *+ar0(2), r0
+        subf    r7, r0
+        stf     r0, *+ar1(2)
+        ldf     *+ar0(3), r0
+        addf    r7, r0
+        stf     r0, *+ar1(3)
+        ldf     *+ar0(5), r0
+        addf    r8, r0
+        stf     r0, *+ar1(4)
+        addi    8, ar1
+        addi    1, r9
+        rets
+
+; ---- GP_OUT: the way from GP_START to GP_END ----
+grab_path_plan:
+        ldi     0, r0
+        sti     r0, @GP_OUT_COUNT
+        ldf     @GP_LIFT_LEAST, r0
+        stf     r0, @GP_LIFT
+        ldi     GP_RISES, r0
+        sti     r0, @GP_SWEEP
+grab_path_raise:
+        call    grab_path_ends
+        ldi     0, r6
+        ldi     GP_LAST, r7
+        call    grab_path_blocked
+        cmpi    0, r0
+        bz      grab_path_straight
+        ldf     @GP_LIFT, r0
+        addf    @K_GP_RISE, r0
+        stf     r0, @GP_LIFT
+        ldi     @GP_SWEEP, r0
+        subi    1, r0
+        sti     r0, @GP_SWEEP
+        bnn     grab_path_raise
+
+        ldf     @GP_LIFT_LEAST, r0              ; no column is high enough
+        stf     r0, @GP_LIFT
+        call    grab_path_ends
+        call    grab_path_band
+        call    grab_path_column_start
+        call    grab_path_shorten
+        br      grab_path_column_end
+grab_path_straight:
+        call    grab_path_column_start
+        ldi     GP_LAST, r6
+        call    grab_path_emit
+        br      grab_path_column_end
+
+; the column's point itself: over the start it comes first, over the end the last point emitted is it and the end follows
+grab_path_column_start:
+        ldi     @GP_COLUMN, r0
+        bnz     grab_path_column_none
+        ldf     @GP_LIFT, r0
+        bz      grab_path_column_none
+        ldi     0, r6
+        call    grab_path_emit
+grab_path_column_none:
+        rets
+grab_path_column_end:
+        ldi     @GP_COLUMN, r0
+        bz      grab_path_column_none
+        ldf     @GP_LIFT, r0
+        bz      grab_path_column_none
+        ldhi    hi16(SCRATCH), ar0
+        or      lo16(GP_END), ar0
+        br      grab_path_emit_at
+
+; ---- p_0 and p_6, one of them raised by GP_LIFT ----
+grab_path_ends:
+        ldhi    hi16(SCRATCH), ar0
+        or      lo16(GP_START), ar0
+        ldhi    hi16(SCRATCH), ar1
+        or      lo16(GP_POINT), ar1
+        ldi     3, rc
+        call    copy_words
+        ldhi    hi16(SCRATCH), ar0
+        or      lo16(GP_END), ar0
+        ldhi    hi16(SCRATCH), ar1
+        or      lo16(GP_POINT + 4 * GP_LAST), ar1
+        ldi     3, rc
+        call    copy_words
+        ldhi    hi16(SCRATCH), ar0
+        or      lo16(GP_POINT), ar0
+        ldi     @GP_COLUMN, r0
+        bz      grab_path_ends_raise
+        addi    4 * GP_LAST, ar0
+grab_path_ends_raise:
+        ldf     *+ar0(2), r0
+        addf    @GP_LIFT, r0
+        rnd     r0
+        stf     r0, *+ar0(2)
+        rets
+
+; ---- point R6 to the list ----
+grab_path_emit:
+        ldhi    hi16(SCRATCH), ar0
+        or      lo16(GP_POINT), ar0
+        lsh     2, r6
+        addi    r6, ar0
+grab_path_emit_at:
+        ldhi    hi16(SCRATCH), ar1
+        or      lo16(GP_OUT), ar1
+        ldi     @GP_OUT_COUNT, r0
+        lsh     2, r0
+        addi    r0, ar1
+        ldi     3, rc
+        call    copy_words
+        ldi     @GP_OUT_COUNT, r0
+        addi    1, r0
+        sti     r0, @GP_OUT_COUNT
+        rets
+
+; ---- R0 = 1 when the straight way from point R6 to point R7 enters a box by more than GP_TOUCH, else 0; R6, R7 kept ----
+; A box is the set where five functions are positive, each linear along the way: the share t0..t1 of the way where all are.
+grab_path_blocked:
+        ldhi    hi16(SCRATCH), ar3
+        or      lo16(GP_POINT), ar3
+        ldi     ar3, ar4
+        ldi     r6, r0
+        lsh     2, r0
+        addi    r0, ar3
+        ldi     r7, r0
+        lsh     2, r0
+        addi    r0, ar4
+        ldhi    hi16(SCRATCH), ar1
+        or      lo16(GP_BOXES), ar1
+        ldi     @GP_BOX_COUNT, ar2
+        br      grab_path_blocked_next
+grab_path_blocked_box:
+        ldf     0.0, r8                         ; t0
+        ldf     1.0, r9                         ; t1
+        ldf     *ar3, r3
+        subf    *ar1, r3
+        ldf     *ar4, r4
+        subf    *ar1, r4
+        call    grab_path_half
+        ldf     *+ar1(1), r3
+        subf    *ar3, r3
+        ldf     *+ar1(1), r4
+        subf    *ar4, r4
+        call    grab_path_half
+        ldf     *+ar3(1), r3
+        subf    *+ar1(2), r3
+        ldf     *+ar4(1), r4
+        subf    *+ar1(2), r4
+        call    grab_path_half
+        ldf     *+ar1(3), r3
+        subf    *+ar3(1), r3
+        ldf     *+ar1(3), r4
+        subf    *+ar4(1), r4
+        call    grab_path_half
+        ldf     *+ar1(4), r3
+        subf    *+ar3(2), r3
+        ldf     *+ar1(4), r4
+        subf    *+ar4(2), r4
+        call    grab_path_half
+        cmpf    r8, r9
+        bgt     grab_path_is_blocked
+        addi    8, ar1
+grab_path_blocked_next:
+        subi    1, ar2
+        cmpi    0, ar2
+        bge     grab_path_blocked_box
+        ldi     0, r0
+        rets
+grab_path_is_blocked:
+        ldi     1, r0
+        rets
+
+; R3 at t = 0, R4 at t = 1: cut t0..t1 (R8, R9) to where the function exceeds GP_TOUCH. Changes R0..R5.
+grab_path_half:
+        subf    @K_GP_TOUCH, r3
+        subf    @K_GP_TOUCH, r4
+        cmpf    0.0, r3
+        bgt     grab_path_half_inside
+        cmpf    0.0, r4
+        bgt     grab_path_half_enters
+        ldf     -1.0, r9                        ; nowhere
+        rets
+grab_path_half_enters:
+        subf3   r4, r3, r0
+        call    m_reciprocal
+        mpyf    r3, r0
+        cmpf    r8, r0
+        ldfgt   r0, r8
+        rets
+grab_path_half_inside:
+        cmpf    0.0, r4
+        bgt     grab_path_half_done
+        subf3   r4, r3, r0
+        call    m_reciprocal
+        mpyf    r3, r0
+        cmpf    r9, r0
+        ldflt   r0, r9
+grab_path_half_done:
+        rets
+
+; ---- the band: p_1 .. p_5 ----
+grab_path_band:
+        call    grab_path_lay
+        ldi     GP_SWEEPS, r0
+        sti     r0, @GP_SWEEP
+grab_path_sweep:
+        ldhi    hi16(SCRATCH), ar3
+        or      lo16(GP_POINT + 4), ar3
+        ldi     GP_INNER, r0
+        sti     r0, @GP_INDEX
+grab_path_relax:
+        ldf     *-ar3(4), r8                    ; the mean of the neighbours
+        addf    *+ar3(4), r8
+        mpyf    0.5, r8
+        ldf     *-ar3(3), r9
+        addf    *+ar3(5), r9
+        mpyf    0.5, r9
+        ldf     *-ar3(2), r10
+        addf    *+ar3(6), r10
+        mpyf    0.5, r10
+        call    grab_path_out
+        stf     r8, *ar3
+        stf     r9, *+ar3(1)
+        stf     r10, *+ar3(2)
+        ldi     ar3, ar4
+        subi    4, ar4
+        call    grab_path_middle
+        ldi     ar3, ar4
+        addi    4, ar4
+        call    grab_path_middle
+        addi    4, ar3
+        ldi     @GP_INDEX, r0
+        subi    1, r0
+        sti     r0, @GP_INDEX
+        bnz     grab_path_relax
+        ldi     @GP_SWEEP, r0
+        subi    1, r0
+        sti     r0, @GP_SWEEP
+        bnz     grab_path_sweep
+        rets
+
+; the middle of *AR3 and *AR4 is moved out of the boxes, and *AR3 with it
+grab_path_middle:
+        ldf     *ar3, r8
+        addf    *ar4, r8
+        mpyf    0.5, r8
+        stf     r8, @GP_BEFORE
+        ldf     *+ar3(1), r9
+        addf    *+ar4(1), r9
+        mpyf    0.5, r9
+        stf     r9, @GP_BEFORE + 1
+        ldf     *+ar3(2), r10
+        addf    *+ar4(2), r10
+        mpyf    0.5, r10
+        stf     r10, @GP_BEFORE + 2
+        call    grab_path_out
+        subf    @GP_BEFORE, r8
+        addf    *ar3, r8
+        stf     r8, *ar3
+        subf    @GP_BEFORE + 1, r9
+        addf    *+ar3(1), r9
+        stf     r9, *+ar3(1)
+        subf    @GP_BEFORE + 2, r10
+        addf    *+ar3(2), r10
+        stf     r10, *+ar3(2)
+        rets
+
+; ---- (R8, R9, R10) is moved out of every box in turn through the nearest face. Changes R0..R6, AR1, AR2. ----
+grab_path_out:
+        ldhi    hi16(SCRATCH), ar1
+        or      lo16(GP_BOXES), ar1
+        ldi     @GP_BOX_COUNT, ar2
+        br      grab_path_out_next
+grab_path_out_box:
+        subf3   *+ar1(0), r8, r0                ; depths behind the faces: xmin,
+        ble     grab_path_outside
+        ldf     *+ar1(1), r1                    ; xmax,
+        subf    r8, r1
+        ble     grab_path_outside
+        subf3   *+ar1(2), r9, r2                ; ymin,
+        ble     grab_path_outside
+        ldf     *+ar1(3), r3                    ; ymax,
+        subf    r9, r3
+        ble     grab_path_outside
+        ldf     *+ar1(4), r4                    ; top
+        subf    r10, r4
+        ble     grab_path_outside
+        ldf     r4, r5                          ; the least, and its face
+        ldi     4, r6
+        cmpf    r5, r0
+        ldflt   r0, r5
+        ldilt   0, r6
+        cmpf    r5, r1
+        ldflt   r1, r5
+        ldilt   1, r6
+        cmpf    r5, r2
+        ldflt   r2, r5
+        ldilt   2, r6
+        cmpf    r5, r3
+        ldflt   r3, r5
+        ldilt   3, r6
+        cmpi    4, r6
+        beq     grab_path_out_top
+        cmpi    2, r6
+        bge     grab_path_out_y
+        cmpi    0, r6
+        bne     grab_path_out_xmax
+        subf    r5, r8
+        br      grab_path_outside
+grab_path_out_xmax:
+        addf    r5, r8
+        br      grab_path_outside
+grab_path_out_y:
+        bgt     grab_path_out_ymax              ; (still of the comparison with 2)
+        subf    r5, r9
+        br      grab_path_outside
+grab_path_out_ymax:
+        addf    r5, r9
+        br      grab_path_outside
+grab_path_out_top:
+        addf    r5, r10
+grab_path_outside:
+        addi    8, ar1
+grab_path_out_next:
+        subi    1, ar2
+        cmpi    0, ar2
+        bge     grab_path_out_box
+        rets
+
+; ---- p_1 .. p_5 evenly from p_0 to p_6, raised onto every box below or around them ----
+grab_path_lay:
+        ldhi    hi16(SCRATCH), ar3
+        or      lo16(GP_POINT), ar3
+        ldi     ar3, ar4
+        addi    4 * GP_LAST, ar4
+        ldi     ar3, ar5
+        ldi     1, r7
+grab_path_lay_next:
+        addi    4, ar5
+        float   r7, r11
+        mpyf    @K_GP_SIXTH, r11                ; share of the way
+        ldi     ar3, ar0
+        ldi     ar5, ar1
+        subi3   ar3, ar4, ir0
+        ldi     3, rc
+        rptb    grab_path_lay_coordinate
+        ldf     *+ar0(ir0), r0
+        subf    *ar0, r0
+        mpyf    r11, r0
+        addf    *ar0++(1), r0
+        rnd     r0
+grab_path_lay_coordinate:
+        stf     r0, *ar1++(1)
+        ldf     *ar5, r8
+        ldf     *+ar5(1), r9
+        ldf     *+ar5(2), r10
+        ldhi    hi16(SCRATCH), ar1
+        or      lo16(GP_BOXES), ar1
+        ldi     @GP_BOX_COUNT, ar2
+        br      grab_path_lay_box_next
+grab_path_lay_box:
+        cmpf    *ar1, r8
+        ble     grab_path_lay_aside
+        cmpf    *+ar1(1), r8
+        bge     grab_path_lay_aside
+        cmpf    *+ar1(2), r9
+        ble     grab_path_lay_aside
+        cmpf    *+ar1(3), r9
+        bge     grab_path_lay_aside
+        ldf     *+ar1(4), r0
+        cmpf    r10, r0
+        ldfgt   r0, r10
+grab_path_lay_aside:
+        addi    8, ar1
+grab_path_lay_box_next:
+        subi    1, ar2
+        cmpi    0, ar2
+        bge     grab_path_lay_box
+        stf     r10, *+ar5(2)
+        addi    1, r7
+        cmpi    GP_INNER, r7
+        ble     grab_path_lay_next
+        rets
+
+; ---- from p_0 each time to the farthest point that can be reached straight, and at least to the next ----
+grab_path_shorten:
+        ldi     0, r0
+        sti     r0, @GP_FROM
+grab_path_shorten_from:
+        ldi     GP_LAST, r7
+grab_path_shorten_to:
+        ldi     @GP_FROM, r6
+        addi3   1, r6, r0
+        cmpi    r0, r7
+        ble     grab_path_shorten_take
+        sti     r7, @GP_TO
+        call    grab_path_blocked
+        ldi     @GP_TO, r7
+        cmpi    0, r0
+        bz      grab_path_shorten_take
+        subi    1, r7
+        br      grab_path_shorten_to
+grab_path_shorten_take:
+        sti     r7, @GP_FROM
+        ldi     r7, r6
+        call    grab_path_emit
+        ldi     @GP_FROM, r7
+        cmpi    GP_LAST, r7
+        blt     grab_path_shorten_from
+        rets
+
+; ---- the list to route R6: points, then their number ----
+grab_path_store:
+        ldhi    hi16(SCRATCH), ar0
+        or      lo16(GP_OUT), ar0
+        ldi     ar6, ar1
+        addi    CR_ROUTE - 32, ar1
+        ldi     r6, r1
+        lsh     5, r1
+        addi    r1, ar1
+        ldi     @GP_OUT_COUNT, r1
+        lsh     2, r1
+        subi    1, r1
+        ldi     r1, rc
+        call    copy_words
+        addi3   r6, ar6, ar0
+        ldi     @GP_OUT_COUNT, r1
+        sti     r1, *+ar0(CR_ROUTE_COUNT)
+        rets
