@@ -78,12 +78,9 @@ class Reader {
       case 0:
         if ((bits >> 5) != 0) offend(Reason::reserved_bits);
         return reg(bits & 31, row_.source);
-      case 1:
-        return value_operand(Kind::direct, static_cast<std::int32_t>(bits));
-      case 2:
-        return indirect(bits >> 11, (bits >> 8) & 7, bits & 255, true, Slot::none);
-      default:
-        return immediate(bits, 16);
+      case 1: return value_operand(Kind::direct, static_cast<std::int32_t>(bits));
+      case 2: return indirect(bits >> 11, (bits >> 8) & 7, bits & 255, true, Slot::none);
+      default: return immediate(bits, 16);
     }
   }
 
@@ -198,16 +195,14 @@ void read_parallel(Reader& read, Instruction& out) {
       out.src1 = read.source_register('a');
       out.dst = read.byte('i');
       return read_store_half(read, out);
-    default:
-      return read_multiply_add(read, out);
+    default: return read_multiply_add(read, out);
   }
 }
 
 void read_operands(Reader& read, Instruction& out) {
   const Row& row = *out.row;
   switch (row.format) {
-    case Format::plain:
-      return;
+    case Format::plain: return;
     case Format::unary:
       out.src1 = read.general();
       out.dst = read.destination_register('d');
@@ -225,9 +220,7 @@ void read_operands(Reader& read, Instruction& out) {
       out.src2 = read.general();
       out.src1 = read.source_register('d');
       return;
-    case Format::source:
-      out.src1 = read.general();
-      return;
+    case Format::source: out.src1 = read.general(); return;
     case Format::store:
       out.src1 = read.source_register('d');
       out.dst = read.general();
@@ -236,15 +229,9 @@ void read_operands(Reader& read, Instruction& out) {
       out.src1 = value_operand(Kind::immediate_int, sign_extend(read.field('k'), 5));
       out.dst = read.general(row.modes == 1 ? 1 : 2);
       return;
-    case Format::register_source:
-      out.src1 = read.source_register('d');
-      return;
-    case Format::register_destination:
-      out.dst = read.destination_register('d');
-      return;
-    case Format::register_both:
-      out.src1 = out.dst = read.destination_register('d');
-      return;
+    case Format::register_source: out.src1 = read.source_register('d'); return;
+    case Format::register_destination: out.dst = read.destination_register('d'); return;
+    case Format::register_both: out.src1 = out.dst = read.destination_register('d'); return;
     case Format::load_constant:
       out.src1 = read.immediate(read.field('k'), 16);
       out.dst = read.destination_register('d');
@@ -258,12 +245,8 @@ void read_operands(Reader& read, Instruction& out) {
       row.format == Format::three_type1 ? read_three_type1(read, out) : read_three_type2(read, out);
       if (row.has('d')) out.dst = read.destination_register('d');
       return;
-    case Format::branch_displacement:
-      out.src1 = read.target();
-      return;
-    case Format::branch_register:
-      out.src1 = read.source_register('r');
-      return;
+    case Format::branch_displacement: out.src1 = read.target(); return;
+    case Format::branch_register: out.src1 = read.source_register('r'); return;
     case Format::decrement_displacement:
       out.src1 = read.target();
       out.dst = {.kind = Kind::reg, .reg = address_register(read.field('n'))};
@@ -272,9 +255,7 @@ void read_operands(Reader& read, Instruction& out) {
       out.src1 = read.source_register('r');
       out.dst = {.kind = Kind::reg, .reg = address_register(read.field('n'))};
       return;
-    case Format::trap:
-      out.src1 = value_operand(Kind::trap, static_cast<std::int32_t>(read.field('k')));
-      return;
+    case Format::trap: out.src1 = value_operand(Kind::trap, static_cast<std::int32_t>(read.field('k'))); return;
     case Format::from_expansion:
       out.src1 = read.expansion(read.field('r'));
       out.dst = read.destination_register('d');
@@ -283,8 +264,7 @@ void read_operands(Reader& read, Instruction& out) {
       out.src1 = read.source_register('r');
       out.dst = read.expansion(read.field('d'));
       return;
-    default:
-      return read_parallel(read, out);
+    default: return read_parallel(read, out);
   }
 }
 

@@ -16,13 +16,19 @@ inline constexpr std::uint8_t plain = 24;         ///< *ARn
 inline constexpr std::uint8_t bit_reversed = 25;  ///< *ARn++(IR0)B
 enum class Index : std::uint8_t { displacement, IR0, IR1, none };
 enum class Action : std::uint8_t {
-  add, subtract,                       ///< *+ARn(x)   *-ARn(x): address ARn +- x, ARn unchanged
-  pre_add, pre_subtract,               ///< *++ARn(x)  *--ARn(x): address and new ARn are ARn +- x
-  post_add, post_subtract,             ///< *ARn++(x)  *ARn--(x): address ARn, new ARn is ARn +- x
-  post_add_circular, post_subtract_circular,  ///< *ARn++(x)% *ARn--(x)%: the same within the circular buffer of BK words
+  add,
+  subtract,  ///< *+ARn(x)   *-ARn(x): address ARn +- x, ARn unchanged
+  pre_add,
+  pre_subtract,  ///< *++ARn(x)  *--ARn(x): address and new ARn are ARn +- x
+  post_add,
+  post_subtract,  ///< *ARn++(x)  *ARn--(x): address ARn, new ARn is ARn +- x
+  post_add_circular,
+  post_subtract_circular,  ///< *ARn++(x)% *ARn--(x)%: the same within the circular buffer of BK words
 };
 constexpr bool is_legal(unsigned m) { return m <= bit_reversed; }
-constexpr Index index(unsigned m) { return m == plain ? Index::none : m == bit_reversed ? Index::IR0 : static_cast<Index>(m >> 3); }
+constexpr Index index(unsigned m) {
+  return m == plain ? Index::none : m == bit_reversed ? Index::IR0 : static_cast<Index>(m >> 3);
+}
 /// Not for `plain` and `bit_reversed`.
 constexpr Action action(unsigned m) { return static_cast<Action>(m & 7); }
 constexpr bool is_circular(unsigned m) { return m < plain && (m & 6) == 6; }
@@ -63,9 +69,9 @@ struct Operand {
 ///     row->operation2  dst2 <- src3, src4      (parallel instructions only)
 ///
 /// src1 is the minuend, the value shifted, the only source of a unary operation, the register that a store stores, the
-/// target of a branch, what is merged in by LWL, LWR, MB, MH, LDE, LDM (src2 then is the old dst). src2 is the subtrahend,
-/// the shift count, the mask of ANDN. Compares have no dst. A store's dst is its memory operand. DBcond has its counter
-/// in dst. PUSH has src1, POP dst.
+/// target of a branch, what is merged in by LWL, LWR, MB, MH, LDE, LDM (src2 then is the old dst). src2 is the
+/// subtrahend, the shift count, the mask of ANDN. Compares have no dst. A store's dst is its memory operand. DBcond has
+/// its counter in dst. PUSH has src1, POP dst.
 ///
 /// The halves read before either writes. Where both write the same place (load || load to one register, store || store
 /// to one address) the first half's result, the one in src1/dst, stays (3.10).

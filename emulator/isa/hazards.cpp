@@ -40,34 +40,26 @@ void use_stack(Hazards& h, bool push) {
 void add_implied(Hazards& h, const Instruction& instruction) {
   using enum Operation;
   switch (instruction.row->operation) {
-    case push: case pushf: case call:
-      return use_stack(h, true);
-    case trap:
-      ++h.memory_reads;
-      return use_stack(h, true);
-    case pop: case popf: case rets: case reti:
-      return use_stack(h, false);
+    case push:
+    case pushf:
+    case call: return use_stack(h, true);
+    case trap: ++h.memory_reads; return use_stack(h, true);
+    case pop:
+    case popf:
+    case rets:
+    case reti: return use_stack(h, false);
     case lat:
       ++h.memory_reads;
       h.execute_writes |= set_of(Register::R11);
       return;
-    case laj:
-      h.execute_writes |= set_of(Register::R11);
-      return;
-    case rpts:
-      h.execute_writes |= set_of(Register::RC) | set_of(Register::RS) | set_of(Register::RE);
-      return;
-    case rptb:
-      h.execute_writes |= set_of(Register::RS) | set_of(Register::RE);
-      return;
-    case db:
-      h.address_reads |= set_of(instruction.dst.reg);
-      return;
+    case laj: h.execute_writes |= set_of(Register::R11); return;
+    case rpts: h.execute_writes |= set_of(Register::RC) | set_of(Register::RS) | set_of(Register::RE); return;
+    case rptb: h.execute_writes |= set_of(Register::RS) | set_of(Register::RE); return;
+    case db: h.address_reads |= set_of(instruction.dst.reg); return;
     case nop:
       h.memory_reads = 0;  // NOP *ARn++ forms the address and leaves the memory alone.
       return;
-    default:
-      return;
+    default: return;
   }
 }
 

@@ -35,9 +35,26 @@ struct Extra {
 constexpr Row pair(std::string_view picture, std::string_view mnemonic, std::string_view mnemonic2, O operation,
                    O operation2, F format, OperandClass source, OperandClass destination, I immediate, Modes modes,
                    X flags, std::string_view section, Extra extra = {}) {
-  return {picture, mnemonic, mnemonic2, operation, operation2, format, source, destination, immediate, modes, flags,
-          extra.cycles, extra.selector, extra.delay, extra.write_stage, extra.commutative, extra.interlocked,
-          extra.c4x_only, section, parse_picture(picture)};
+  return {picture,
+          mnemonic,
+          mnemonic2,
+          operation,
+          operation2,
+          format,
+          source,
+          destination,
+          immediate,
+          modes,
+          flags,
+          extra.cycles,
+          extra.selector,
+          extra.delay,
+          extra.write_stage,
+          extra.commutative,
+          extra.interlocked,
+          extra.c4x_only,
+          section,
+          parse_picture(picture)};
 }
 
 constexpr Row row(std::string_view picture, std::string_view mnemonic, O operation, F format, OperandClass source,
@@ -287,12 +304,13 @@ static_assert(rows_are_disjoint(), "two rows of the instruction table claim the 
 
 // Same order as the enumeration.
 constexpr std::array<std::string_view, operation_count> operation_names{
-    "none", "absf", "absi", "addc", "addf", "addi", "and", "andn", "ash", "cmpf", "cmpi", "fix", "float", "lde",
-    "ldf", "ldfi", "ldi", "ldii", "ldm", "lsh", "mpyf", "mpyi", "mpyshi", "mpyuhi", "negb", "negf", "negi", "norm",
-    "not", "or", "rnd", "rol", "rolc", "ror", "rorc", "sigi", "subb", "subc", "subf", "subi", "tstb", "xor", "toieee",
-    "frieee", "rsqrf", "rcpf", "lda", "ldpk", "ldhi", "ldep", "ldpe", "ldf_cond", "ldi_cond", "lb", "lbu", "lh",
-    "lhu", "lwl", "lwr", "mb", "mh", "stf", "stfi", "sti", "stii", "pop", "popf", "push", "pushf", "nop", "idle",
-    "idle2", "swi", "iack", "rpts", "rptb", "branch", "db", "call", "laj", "rets", "reti", "trap", "lat",
+    "none",  "absf", "absi", "addc",     "addf",     "addi", "and",    "andn",   "ash",   "cmpf", "cmpi",   "fix",
+    "float", "lde",  "ldf",  "ldfi",     "ldi",      "ldii", "ldm",    "lsh",    "mpyf",  "mpyi", "mpyshi", "mpyuhi",
+    "negb",  "negf", "negi", "norm",     "not",      "or",   "rnd",    "rol",    "rolc",  "ror",  "rorc",   "sigi",
+    "subb",  "subc", "subf", "subi",     "tstb",     "xor",  "toieee", "frieee", "rsqrf", "rcpf", "lda",    "ldpk",
+    "ldhi",  "ldep", "ldpe", "ldf_cond", "ldi_cond", "lb",   "lbu",    "lh",     "lhu",   "lwl",  "lwr",    "mb",
+    "mh",    "stf",  "stfi", "sti",      "stii",     "pop",  "popf",   "push",   "pushf", "nop",  "idle",   "idle2",
+    "swi",   "iack", "rpts", "rptb",     "branch",   "db",   "call",   "laj",    "rets",  "reti", "trap",   "lat",
 };
 static_assert(operation_names.back() == "lat");
 

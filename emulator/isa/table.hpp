@@ -11,6 +11,7 @@
 
 namespace isa {
 
+// clang-format off
 /// What a half of an instruction computes. Encodings that mean the same share one: ADDI, ADDI3 and the first half of
 /// ADDI3 || STI are `addi`; SUBRI is `subi` with its sources exchanged; STIK is `sti` of an immediate.
 enum class Operation : std::uint8_t {
@@ -24,40 +25,41 @@ enum class Operation : std::uint8_t {
   nop, idle, idle2, swi, iack, rpts, rptb,
   branch, db, call, laj, rets, reti, trap, lat,
 };
+// clang-format on
 inline constexpr int operation_count = static_cast<int>(Operation::lat) + 1;
 
 std::string_view name(Operation operation);
 
 /// How the fields of a word become operands in their roles (decode.hpp). "G" is the operand selected by bits 22..21.
 enum class Format : std::uint8_t {
-  plain,                  ///< No operand: IDLE, SWI, RETScond.
-  unary,                  ///< OP G,dst             dst <- op(src1 = G)
-  binary,                 ///< OP G,dst             dst <- op(src1 = dst, src2 = G)
-  binary_reversed,        ///< OP G,dst             dst <- op(src1 = G, src2 = dst); also: src1 merged into src2
-  compare,                ///< OP G,reg             op(src1 = reg, src2 = G), nothing written
-  source,                 ///< OP G                 op(src1 = G)
-  store,                  ///< OP reg,G             memory dst <- src1 = reg
-  store_constant,         ///< STIK k,G'            memory dst <- src1 = k; here G = 0 is direct, G = 3 is indirect
-  register_source,        ///< OP reg               op(src1 = reg)
-  register_destination,   ///< OP reg               dst <- op()
-  register_both,          ///< OP reg               dst <- op(src1 = dst)
-  load_constant,          ///< LDHI k,dst           dst <- op(src1 = k)
-  load_page,              ///< LDPK k               DP <- src1 = k
-  three_type1,            ///< OP3 src2,src1,dst    dst <- op(src1, src2), register and 8-bit indirect operands
-  three_type2,            ///< the same, with *+ARn(5 bits) and 8-bit immediates
-  op3_store,              ///< OP3 I,b,a || ST c,J  a <- op(src1 = b, src2 = I); memory dst2 = J <- src3 = c
-  op3_store_reversed,     ///< OP3 b,I,a || ST c,J  a <- op(src1 = I, src2 = b); memory dst2 = J <- src3 = c
-  op2_store,              ///< OP I,a || ST c,J     a <- op(src1 = I);           memory dst2 = J <- src3 = c
-  load_load,              ///< LD I,a || LD J,b     a <- src1 = I; b (dst2) <- src3 = J
-  store_store,            ///< ST a,I || ST c,J     memory dst = I <- src1 = a; memory dst2 = J <- src3 = c
-  multiply_add,           ///< MPY3 || ADD3/SUB3    d1 <- src1 * src2; d2 (dst2) <- src3 +- src4; `selector` is P
-  branch_displacement,    ///< B target             PC <- src1 = relative target; `selector` is added to the field
-  branch_register,        ///< B reg                PC <- src1 = reg
-  decrement_displacement, ///< DB ARn,target        as branch_displacement; dst = ARn
-  decrement_register,     ///< DB ARn,reg           as branch_register; dst = ARn
-  trap,                   ///< TRAP n               src1 = n
-  from_expansion,         ///< LDEP exp,dst
-  to_expansion,           ///< LDPE src,exp
+  plain,                   ///< No operand: IDLE, SWI, RETScond.
+  unary,                   ///< OP G,dst             dst <- op(src1 = G)
+  binary,                  ///< OP G,dst             dst <- op(src1 = dst, src2 = G)
+  binary_reversed,         ///< OP G,dst             dst <- op(src1 = G, src2 = dst); also: src1 merged into src2
+  compare,                 ///< OP G,reg             op(src1 = reg, src2 = G), nothing written
+  source,                  ///< OP G                 op(src1 = G)
+  store,                   ///< OP reg,G             memory dst <- src1 = reg
+  store_constant,          ///< STIK k,G'            memory dst <- src1 = k; here G = 0 is direct, G = 3 is indirect
+  register_source,         ///< OP reg               op(src1 = reg)
+  register_destination,    ///< OP reg               dst <- op()
+  register_both,           ///< OP reg               dst <- op(src1 = dst)
+  load_constant,           ///< LDHI k,dst           dst <- op(src1 = k)
+  load_page,               ///< LDPK k               DP <- src1 = k
+  three_type1,             ///< OP3 src2,src1,dst    dst <- op(src1, src2), register and 8-bit indirect operands
+  three_type2,             ///< the same, with *+ARn(5 bits) and 8-bit immediates
+  op3_store,               ///< OP3 I,b,a || ST c,J  a <- op(src1 = b, src2 = I); memory dst2 = J <- src3 = c
+  op3_store_reversed,      ///< OP3 b,I,a || ST c,J  a <- op(src1 = I, src2 = b); memory dst2 = J <- src3 = c
+  op2_store,               ///< OP I,a || ST c,J     a <- op(src1 = I);           memory dst2 = J <- src3 = c
+  load_load,               ///< LD I,a || LD J,b     a <- src1 = I; b (dst2) <- src3 = J
+  store_store,             ///< ST a,I || ST c,J     memory dst = I <- src1 = a; memory dst2 = J <- src3 = c
+  multiply_add,            ///< MPY3 || ADD3/SUB3    d1 <- src1 * src2; d2 (dst2) <- src3 +- src4; `selector` is P
+  branch_displacement,     ///< B target             PC <- src1 = relative target; `selector` is added to the field
+  branch_register,         ///< B reg                PC <- src1 = reg
+  decrement_displacement,  ///< DB ARn,target        as branch_displacement; dst = ARn
+  decrement_register,      ///< DB ARn,reg           as branch_register; dst = ARn
+  trap,                    ///< TRAP n               src1 = n
+  from_expansion,          ///< LDEP exp,dst
+  to_expansion,            ///< LDPE src,exp
 };
 
 /// What a register field may name.
@@ -95,8 +97,9 @@ struct Row {
   Immediate immediate = Immediate::none;
   Modes modes = 15;
   FlagClass flags = FlagClass::none;
-  std::uint8_t cycles = 1;    ///< Without any conflict.
-  std::uint8_t selector = 0;  ///< Byte or half-word of a part-word instruction, P of a multiply-add, 1 or 3 of a branch.
+  std::uint8_t cycles = 1;  ///< Without any conflict.
+  std::uint8_t selector =
+      0;  ///< Byte or half-word of a part-word instruction, P of a multiply-add, 1 or 3 of a branch.
   Delay delay = Delay::none;
   WriteStage write_stage = WriteStage::execute;
   bool commutative = false;

@@ -7,8 +7,8 @@ namespace isa {
 namespace {
 
 constexpr std::array<std::string_view, 32> register_names{
-    "r0",  "r1",  "r2", "r3", "r4", "r5",  "r6",  "r7",  "ar0", "ar1", "ar2", "ar3", "ar4", "ar5", "ar6", "ar7",
-    "dp", "ir0", "ir1", "bk", "sp", "st", "die", "iie", "iif",  "rs",  "re",  "rc",  "r8",  "r9", "r10", "r11"};
+    "r0", "r1",  "r2",  "r3", "r4", "r5", "r6",  "r7",  "ar0", "ar1", "ar2", "ar3", "ar4", "ar5", "ar6", "ar7",
+    "dp", "ir0", "ir1", "bk", "sp", "st", "die", "iie", "iif", "rs",  "re",  "rc",  "r8",  "r9",  "r10", "r11"};
 
 struct ConditionName {
   std::string_view name;
@@ -17,15 +17,15 @@ struct ConditionName {
 
 // The first name of a condition is the one that is printed.
 constexpr std::array condition_names{
-    ConditionName{"u", Condition::U},       ConditionName{"lo", Condition::LO},     ConditionName{"c", Condition::LO},
-    ConditionName{"ls", Condition::LS},     ConditionName{"hi", Condition::HI},     ConditionName{"hs", Condition::HS},
-    ConditionName{"nc", Condition::HS},     ConditionName{"eq", Condition::EQ},     ConditionName{"z", Condition::EQ},
-    ConditionName{"ne", Condition::NE},     ConditionName{"nz", Condition::NE},     ConditionName{"lt", Condition::LT},
-    ConditionName{"n", Condition::LT},      ConditionName{"l", Condition::LT},      ConditionName{"le", Condition::LE},
-    ConditionName{"gt", Condition::GT},     ConditionName{"p", Condition::GT},      ConditionName{"ge", Condition::GE},
-    ConditionName{"nn", Condition::GE},     ConditionName{"nv", Condition::NV},     ConditionName{"v", Condition::V},
-    ConditionName{"nuf", Condition::NUF},   ConditionName{"uf", Condition::UF},     ConditionName{"nlv", Condition::NLV},
-    ConditionName{"lv", Condition::LV},     ConditionName{"nluf", Condition::NLUF}, ConditionName{"luf", Condition::LUF},
+    ConditionName{"u", Condition::U},     ConditionName{"lo", Condition::LO},     ConditionName{"c", Condition::LO},
+    ConditionName{"ls", Condition::LS},   ConditionName{"hi", Condition::HI},     ConditionName{"hs", Condition::HS},
+    ConditionName{"nc", Condition::HS},   ConditionName{"eq", Condition::EQ},     ConditionName{"z", Condition::EQ},
+    ConditionName{"ne", Condition::NE},   ConditionName{"nz", Condition::NE},     ConditionName{"lt", Condition::LT},
+    ConditionName{"n", Condition::LT},    ConditionName{"l", Condition::LT},      ConditionName{"le", Condition::LE},
+    ConditionName{"gt", Condition::GT},   ConditionName{"p", Condition::GT},      ConditionName{"ge", Condition::GE},
+    ConditionName{"nn", Condition::GE},   ConditionName{"nv", Condition::NV},     ConditionName{"v", Condition::V},
+    ConditionName{"nuf", Condition::NUF}, ConditionName{"uf", Condition::UF},     ConditionName{"nlv", Condition::NLV},
+    ConditionName{"lv", Condition::LV},   ConditionName{"nluf", Condition::NLUF}, ConditionName{"luf", Condition::LUF},
     ConditionName{"zuf", Condition::ZUF},
 };
 

@@ -10,6 +10,7 @@ namespace isa {
 using Word = std::uint32_t;
 using Address = std::uint32_t;  ///< Counts 32-bit words.
 
+// clang-format off
 /// The primary register file; the value is the 5-bit code of every register field (c40-isa.md 1.1).
 enum class Register : std::uint8_t {
   R0, R1, R2, R3, R4, R5, R6, R7,
@@ -17,16 +18,19 @@ enum class Register : std::uint8_t {
   DP, IR0, IR1, BK, SP, ST, DIE, IIE, IIF, RS, RE, RC,
   R8, R9, R10, R11,
 };
+// clang-format on
 inline constexpr int register_count = 32;
 
 /// The expansion register file, reached by LDEP and LDPE only (1.2).
 enum class Expansion : std::uint8_t { IVTP, TVTP };
 
+// clang-format off
 /// Condition codes (section 4); 11 and 21 to 31 are reserved.
 enum class Condition : std::uint8_t {
   U, LO, LS, HI, HS, EQ, NE, LT, LE, GT, GE,
   NV = 12, V, NUF, UF, NLV, LV, NLUF, LUF, ZUF,
 };
+// clang-format on
 
 constexpr std::uint8_t code(Register r) { return static_cast<std::uint8_t>(r); }
 constexpr std::uint8_t code(Condition c) { return static_cast<std::uint8_t>(c); }
@@ -38,9 +42,9 @@ constexpr bool is_extended(Register r) { return code(r) < 8 || code(r) >= 28; }
 constexpr bool is_lda_destination(Register r) { return code(r) >= 8 && code(r) <= 20; }
 constexpr bool is_condition(unsigned c) { return c <= 20 && c != 11; }
 
-std::string_view name(Register r);    ///< Lower case: "r0", "ar3", "iie".
-std::string_view name(Expansion r);   ///< "ivtp", "tvtp".
-std::string_view name(Condition c);   ///< The first name of section 4: "u", "lo", "eq".
+std::string_view name(Register r);   ///< Lower case: "r0", "ar3", "iie".
+std::string_view name(Expansion r);  ///< "ivtp", "tvtp".
+std::string_view name(Condition c);  ///< The first name of section 4: "u", "lo", "eq".
 
 /// By any of its names, in any case; F0-F11 are names of R0-R11.
 std::optional<Register> register_named(std::string_view text);

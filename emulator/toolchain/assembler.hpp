@@ -14,8 +14,8 @@ namespace toolchain {
 struct Options {
   std::vector<std::filesystem::path> include_dirs;  ///< Searched after the directory of the including file.
   std::map<std::string, Word> symbols;              ///< Predefined constants.
-  /// Addresses of sections. Others follow in this order: .text, .data, further loaded ones, .bss, further reserved ones;
-  /// each after the one before it.
+  /// Addresses of sections. Others follow in this order: .text, .data, further loaded ones, .bss, further reserved
+  /// ones; each after the one before it.
   std::map<std::string, Address> sections = {{".text", 0x300000}};
   /// The symbol at which the program starts. If empty: _start, _c_int00, start or the first word of .text.
   std::string entry;

@@ -20,7 +20,8 @@ struct Arguments {
 };
 
 constexpr std::string_view usage =
-    "usage: c40_asm FILE -o OUT [-I DIR]... [-D NAME=VALUE]... [--section NAME=ADDRESS]... [--entry SYMBOL] [--listing FILE]";
+    "usage: c40_asm FILE -o OUT [-I DIR]... [-D NAME=VALUE]... [--section NAME=ADDRESS]... [--entry SYMBOL] [--listing "
+    "FILE]";
 
 std::pair<std::string, toolchain::Word> parse_assignment(const std::string& text) {
   const auto equals = text.find('=');
@@ -42,17 +43,23 @@ Arguments parse(int count, char** values) {
       if (i + 1 >= count) throw std::invalid_argument(fmt::format("'{}' needs a value\n{}", argument, usage));
       return values[++i];
     };
-    if (argument == "-o") out.output = next();
-    else if (argument == "-I") out.options.include_dirs.emplace_back(next());
-    else if (argument == "-D") out.options.symbols.insert(parse_assignment(next()));
+    if (argument == "-o")
+      out.output = next();
+    else if (argument == "-I")
+      out.options.include_dirs.emplace_back(next());
+    else if (argument == "-D")
+      out.options.symbols.insert(parse_assignment(next()));
     else if (argument == "--section") {
       const auto [name, address] = parse_assignment(next());
       out.options.sections[name] = address;
-    } else if (argument == "--entry") out.options.entry = next();
-    else if (argument == "--listing") out.listing = next();
+    } else if (argument == "--entry")
+      out.options.entry = next();
+    else if (argument == "--listing")
+      out.listing = next();
     else if (argument.starts_with("-") || !out.input.empty())
       throw std::invalid_argument(fmt::format("'{}' not understood\n{}", argument, usage));
-    else out.input = argument;
+    else
+      out.input = argument;
   }
   if (out.input.empty() || out.output.empty()) throw std::invalid_argument(std::string(usage));
   return out;

@@ -8,6 +8,7 @@ namespace toolchain::coff {
 inline constexpr std::uint16_t target_id = 0x0093;  // C3x/C4x; version 0 has it as its magic number
 inline constexpr std::uint16_t magic_v1 = 0x00C1;
 inline constexpr std::uint16_t magic_v2 = 0x00C2;
+inline constexpr std::size_t most_sections = 32767;  // A symbol's section number has 16 bits with a sign.
 inline constexpr std::uint16_t optional_magic = 0x0108;
 
 inline constexpr std::size_t file_header_v0 = 20, file_header_v12 = 22, optional_header = 28;

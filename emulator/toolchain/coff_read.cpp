@@ -11,9 +11,9 @@ namespace {
 
 using namespace coff;
 
-class Reader {
+class CoffReader {
  public:
-  Reader(std::span<const std::byte> bytes, const std::string& name) : bytes_(bytes), name_(name) {}
+  CoffReader(std::span<const std::byte> bytes, const std::string& name) : bytes_(bytes), name_(name) {}
 
   Image read() {
     read_file_header();
@@ -31,7 +31,8 @@ class Reader {
 
   void need(std::uint64_t offset, std::uint64_t size, std::string_view what) const {
     if (offset > bytes_.size() || size > bytes_.size() - offset)
-      fail(fmt::format("cut short: {} should be at bytes {} to {}, but the file has {}", what, offset, offset + size, bytes_.size()));
+      fail(fmt::format("cut short: {} should be at bytes {} to {}, but the file has {}", what, offset, offset + size,
+                       bytes_.size()));
   }
 
   std::uint32_t little(std::size_t offset, std::size_t size, std::string_view what) const {
@@ -40,7 +41,9 @@ class Reader {
     for (std::size_t i = 0; i < size; ++i) value |= std::to_integer<std::uint32_t>(bytes_[offset + i]) << (8 * i);
     return value;
   }
-  std::uint16_t u16(std::size_t offset, std::string_view what) const { return static_cast<std::uint16_t>(little(offset, 2, what)); }
+  std::uint16_t u16(std::size_t offset, std::string_view what) const {
+    return static_cast<std::uint16_t>(little(offset, 2, what));
+  }
   std::uint32_t u32(std::size_t offset, std::string_view what) const { return little(offset, 4, what); }
 
   std::string text(std::size_t offset, std::size_t size, std::string_view what) const {
@@ -59,9 +62,11 @@ class Reader {
     } else if (magic == magic_v1 || magic == magic_v2) {
       version_ = magic == magic_v1 ? 1 : 2;
       const std::uint16_t target = u16(20, "the target");
-      if (target != target_id) fail(fmt::format("a COFF file for target {:04X}h, not for the C3x/C4x ({:04X}h)", target, target_id));
+      if (target != target_id)
+        fail(fmt::format("a COFF file for target {:04X}h, not for the C3x/C4x ({:04X}h)", target, target_id));
     } else {
-      fail(fmt::format("not a COFF file for the C3x/C4x: it starts with {:04X}h (known are 0093h, 00C1h, 00C2h)", magic));
+      fail(fmt::format("not a COFF file for the C3x/C4x: it starts with {:04X}h (known are 0093h, 00C1h, 00C2h)",
+                       magic));
     }
     const std::uint16_t flags = u16(18, "the flags");
     if ((flags & executable) == 0) fail("an object file that was not linked: only executables can be loaded");
@@ -105,7 +110,8 @@ class Reader {
       const std::size_t auxiliary = little(at + 17, 1, "a symbol's auxiliary count");
       i += auxiliary;
       if (section == undefined_section || section < absolute_section) continue;
-      if (section > static_cast<int>(bases_.size())) fail(fmt::format("a symbol lies in section {} of {}", section, bases_.size()));
+      if (section > static_cast<int>(bases_.size()))
+        fail(fmt::format("a symbol lies in section {} of {}", section, bases_.size()));
       const std::string name = symbol_name(at, strings);
       if (!name.empty()) image.symbols.insert_or_assign(name, u32(at + 8, "a symbol's value"));
     }
@@ -116,7 +122,8 @@ class Reader {
     const std::uint32_t offset = u32(at + 4, "a symbol's name");
     const std::uint32_t size = u32(strings, "the string table");
     need(strings, size, "the string table");
-    if (offset < 4 || offset >= size) fail(fmt::format("a symbol's name lies at {} in a string table of {} bytes", offset, size));
+    if (offset < 4 || offset >= size)
+      fail(fmt::format("a symbol's name lies at {} in a string table of {} bytes", offset, size));
     return text(strings + offset, size - offset, "a symbol's name");
   }
 
@@ -130,7 +137,7 @@ class Reader {
 
 }  // namespace
 
-Image read_coff(std::span<const std::byte> bytes, const std::string& name) { return Reader(bytes, name).read(); }
+Image read_coff(std::span<const std::byte> bytes, const std::string& name) { return CoffReader(bytes, name).read(); }
 
 Image read_coff(const std::filesystem::path& path) {
   std::error_code error;

@@ -20,7 +20,8 @@ class Bytes {
   void u32(std::uint32_t value) { little(value, 4); }
   /// Exactly `size` bytes, cut or filled with zeros.
   void text(std::string_view value, std::size_t size) {
-    for (std::size_t i = 0; i < size; ++i) out_.push_back(i < value.size() ? static_cast<std::byte>(value[i]) : std::byte{0});
+    for (std::size_t i = 0; i < size; ++i)
+      out_.push_back(i < value.size() ? static_cast<std::byte>(value[i]) : std::byte{0});
   }
   std::size_t size() const { return out_.size(); }
   std::vector<std::byte> take() { return std::move(out_); }
@@ -105,6 +106,9 @@ void write_symbols(Bytes& out, const Image& image) {
 }  // namespace
 
 std::vector<std::byte> coff_bytes(const Image& image) {
+  if (image.sections.size() > most_sections)
+    throw std::runtime_error(
+        fmt::format("a COFF file holds {} sections, not {}", most_sections, image.sections.size()));
   std::size_t words = 0;
   for (const auto& section : image.sections) words += section.loaded ? section.words.size() : 0;
   const std::size_t contents_at = file_header_v12 + optional_header + section_header_v2 * image.sections.size();

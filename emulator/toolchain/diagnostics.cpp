@@ -24,14 +24,15 @@ std::string indentation(std::string_view text, std::size_t width) {
 }  // namespace
 
 std::string Diagnostic::format() const {
-  std::string out = fmt::format("{}:{}:{}: {}: {}\n  {}\n  {}^", file, line, column, warning ? "warning" : "error", message,
-                                text, indentation(text, static_cast<std::size_t>(column - 1)));
+  std::string out = fmt::format("{}:{}:{}: {}: {}\n  {}\n  {}^", file, line, column, warning ? "warning" : "error",
+                                message, text, indentation(text, static_cast<std::size_t>(column - 1)));
   for (const std::string& note : notes) out += "\n  " + note;
   return out;
 }
 
 Diagnostic make_diagnostic(const SourceLine& line, std::size_t offset, std::string message, bool warning) {
-  Diagnostic diagnostic{*line.file, line.number, static_cast<int>(offset) + 1, warning, std::move(message), line.text, {}};
+  Diagnostic diagnostic{*line.file, line.number, static_cast<int>(offset) + 1, warning, std::move(message),
+                        line.text,  {}};
   for (const SourceLine* from = line.expanded_from.get(); from != nullptr; from = from->expanded_from.get())
     diagnostic.notes.push_back(fmt::format("expanded from {}:{}: {}", *from->file, from->number, from->text));
   return diagnostic;

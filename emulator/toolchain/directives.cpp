@@ -235,7 +235,8 @@ void Reader::directive_def(Statement& s) {
 void Reader::directive_end(Statement&) { ended_ = true; }
 
 void Reader::directive_error(Statement& s) {
-  throw LineError{s.operation_offset, s.parser.at_end() ? "error asked for by the source" : s.parser.name_or_quoted("a message")};
+  throw LineError{s.operation_offset,
+                  s.parser.at_end() ? "error asked for by the source" : s.parser.name_or_quoted("a message")};
 }
 
 void Reader::directive_nothing(Statement&) {}

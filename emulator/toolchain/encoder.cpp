@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <map>
+#include <array>
+#include <optional>
 #include <utility>
 
-#include "isa/table.hpp"
-#include "toolchain/mnemonics.hpp"
+#include "toolchain/operand_encoder.hpp"
 
 namespace toolchain {
 namespace {
@@ -14,28 +14,8 @@ namespace {
 using isa::Format;
 using isa::Immediate;
 using isa::OperandClass;
-using isa::Row;
 using isa::Word;
 using Kind = OperandSyntax::Kind;
-
-constexpr Word no_byte = ~Word{0};
-
-/// A row that does not fit; the nearest miss of all candidates is what the user is told.
-struct Mismatch {
-  enum Rank { count, kind, contents } rank;
-  LineError error;
-};
-
-std::string kind_text(const OperandSyntax& operand) {
-  switch (operand.kind) {
-    case Kind::reg: return fmt::format("the register {}", isa::name(operand.reg));
-    case Kind::expansion: return fmt::format("the expansion register {}", isa::name(operand.expansion));
-    case Kind::direct: return "a direct address";
-    case Kind::indirect: return "an indirect address";
-    case Kind::expression: return "a number or label";
-  }
-  return {};
-}
 
 std::string modes_text(isa::Modes modes) {
   static constexpr std::array<std::string_view, 4> names{"a register", "@address", "*ARn", "an immediate"};
@@ -48,18 +28,11 @@ std::string modes_text(isa::Modes modes) {
   return out;
 }
 
-bool fits_signed(std::int64_t value, unsigned bits) {
-  return value >= -(std::int64_t{1} << (bits - 1)) && value < (std::int64_t{1} << (bits - 1));
-}
-bool fits_unsigned(std::int64_t value, unsigned bits) { return value >= 0 && value < (std::int64_t{1} << bits); }
-
 /// One try to fit a statement into one row.
-class Attempt {
+class Attempt : public OperandEncoder {
  public:
   Attempt(const Candidate& candidate, const HalfSyntax& first, const HalfSyntax* second, const EncodeContext& context)
-      : row_(*candidate.row), swapped_(candidate.exchanged), context_(context), word_(row_.bits.match) {
-    halves_[0] = candidate.exchanged ? second : &first;
-    halves_[1] = candidate.exchanged ? &first : second;
+      : OperandEncoder(candidate, first, second, context), word_(row_.bits.match) {
     if (row_.conditional()) put('c', isa::code(candidate.condition));
   }
 
@@ -77,135 +50,16 @@ class Attempt {
   }
 
  private:
-  [[noreturn]] void miss(Mismatch::Rank rank, std::size_t offset, std::string message) const {
-    throw Mismatch{rank, LineError{offset, std::move(message), swapped_ ? 1 - half_ : half_}};
-  }
-
   void put(char field, Word value) { word_ |= row_.bits.field(field).put(value); }
-
-  const std::vector<OperandSyntax>& operands() const { return halves_[half_]->operands; }
-  const OperandSyntax& operand(std::size_t i) const { return operands()[i]; }
-
-  void need(std::size_t count) const {
-    if (operands().size() == count) return;
-    const auto& mnemonic = halves_[half_]->mnemonic;
-    miss(Mismatch::count, operands().size() > count ? operand(count).offset : halves_[half_]->offset,
-         count == 0 ? fmt::format("'{}' takes no operand", mnemonic)
-                    : fmt::format("'{}' takes {} operand{}, not {}", mnemonic, count, count == 1 ? "" : "s",
-                                  operands().size()));
-  }
-
-  // Values
-
-  Value value(const OperandSyntax& o) const { return toolchain::evaluate(*o.expression, context_.symbols); }
-
-  std::int64_t integer(const OperandSyntax& o, Value v) const {
-    if (v.is_real()) miss(Mismatch::contents, o.offset, "an integer is needed here, not a float");
-    return v.is_absolute() ? v.integer : context_.symbols.address_of_section(v.section) + v.integer;
-  }
-  std::int64_t integer(const OperandSyntax& o) const { return integer(o, value(o)); }
-
-  Word in_range(const OperandSyntax& o, std::int64_t number, bool fits, std::string_view range) const {
-    if (!fits) miss(Mismatch::contents, o.offset, fmt::format("{} is out of range ({})", number, range));
-    return static_cast<Word>(number);
-  }
-
-  void need_kind(const OperandSyntax& o, Kind kind, std::string_view wanted) const {
-    if (o.kind != kind) miss(Mismatch::kind, o.offset, fmt::format("{} is needed here, not {}", wanted, kind_text(o)));
-  }
-
-  // Registers
-
-  Word register_code(const OperandSyntax& o, OperandClass allowed) const {
-    need_kind(o, Kind::reg, "a register");
-    if (allowed == OperandClass::floating && !isa::is_extended(o.reg))
-      miss(Mismatch::contents, o.offset, fmt::format("{} holds no float; only R0 to R11 do", isa::name(o.reg)));
-    if (allowed == OperandClass::lda && !isa::is_lda_destination(o.reg))
-      miss(Mismatch::contents, o.offset,
-           fmt::format("LDA loads AR0-AR7, DP, IR0, IR1, BK and SP, not {}", isa::name(o.reg)));
-    return isa::code(o.reg);
-  }
-
-  Word low_register(const OperandSyntax& o) const {
-    need_kind(o, Kind::reg, "a register");
-    if (isa::code(o.reg) > 7)
-      miss(Mismatch::contents, o.offset, fmt::format("parallel instructions reach R0 to R7 only, not {}", isa::name(o.reg)));
-    return isa::code(o.reg);
-  }
-
-  Word expansion_code(const OperandSyntax& o) const {
-    need_kind(o, Kind::expansion, "IVTP or TVTP");
-    return static_cast<Word>(o.expansion);
-  }
-
-  // Operands by addressing mode
-
-  std::int64_t displacement(const OperandSyntax& o) const { return o.expression ? integer(o) : 1; }
-
-  Word indirect_field(const OperandSyntax& o) const {
-    Word m = o.modn, d = 0;
-    if (m < 8) {
-      const std::int64_t number = displacement(o);
-      d = in_range(o, number, fits_unsigned(number, 8), "a displacement is 0 to 255");
-      if (m == 0 && d == 0 && !o.exact) m = isa::modn::plain;
-    }
-    return m << 11 | (Word{isa::code(o.reg)} & 7) << 8 | d;
-  }
-
-  /// The 8-bit form, where a displacement can only be 1; no_byte if it is another.
-  Word try_byte(const OperandSyntax& o) const {
-    Word m = o.modn;
-    if (m < 8) {
-      const std::int64_t d = displacement(o);
-      if (o.exact) return no_byte;
-      if (m == 0 && d == 0) m = isa::modn::plain;
-      else if (d != 1) return no_byte;
-    }
-    return m << 3 | (Word{isa::code(o.reg)} & 7);
-  }
-
-  Word byte(const OperandSyntax& o) const {
-    need_kind(o, Kind::indirect, "an indirect address");
-    const Word bits = try_byte(o);
-    if (bits == no_byte) miss(Mismatch::contents, o.offset, "the displacement can only be 1 in this instruction");
-    return bits;
-  }
-
-  Word immediate(const OperandSyntax& o) const {
-    const Value v = value(o);
-    if (o.exact) return in_range(o, integer(o, v), fits_unsigned(integer(o, v), 16), "=x is a field of 16 bits");
-    if (row_.immediate == Immediate::short_float) return short_float(o, v);
-    const std::int64_t number = integer(o, v);
-    if (!v.is_absolute() && !fits_signed(number, 16))
-      miss(Mismatch::contents, o.offset,
-           "an address has 32 bits; load it with LDHI hi16(x),reg and OR lo16(x),reg, or from a .word");
-    // GNU as takes these two as signed, the chip zero-extends them (c40-isa.md 10.15): the bits are the same.
-    const bool sign_too = row_.operation == isa::Operation::subc || row_.operation == isa::Operation::mpyuhi;
-    if (row_.immediate == Immediate::zero)
-      return in_range(o, number, fits_unsigned(number, 16) || (sign_too && fits_signed(number, 16)), "0 to 65535");
-    if (!fits_signed(number, 16) && fits_unsigned(number, 16))
-      context_.on_warning({o.offset, fmt::format("{} is taken as the signed number {}", number, number - 65536), half_});
-    return in_range(o, number, fits_signed(number, 16) || fits_unsigned(number, 16), "-32768 to 32767");
-  }
-
-  Word short_float(const OperandSyntax& o, const Value& v) const {
-    const Real real = v.is_real() ? v.real : Real(static_cast<double>(integer(o, v)));
-    const auto bits = to_short(real);
-    if (!bits) miss(Mismatch::contents, o.offset, "out of the range of a 16-bit float (-256 to 255.9375)");
-    return row_.operation == isa::Operation::ldm ? *bits & 0xFFF : *bits;
-  }
 
   /// The operand that G selects.
   void general(const OperandSyntax& o) {
-    const unsigned mode = o.kind == Kind::reg        ? 0
-                          : o.kind == Kind::direct   ? 1
-                          : o.kind == Kind::indirect ? 2
-                                                     : 3;
+    const unsigned mode = o.kind == Kind::reg ? 0 : o.kind == Kind::direct ? 1 : o.kind == Kind::indirect ? 2 : 3;
     if ((row_.modes >> mode & 1) == 0 || o.kind == Kind::expansion)
       miss(Mismatch::kind, o.offset, fmt::format("{} is needed here, not {}", modes_text(row_.modes), kind_text(o)));
     put('g', mode);
     put('s', mode == 0   ? register_code(o, row_.source)
-             : mode == 1 ? static_cast<Word>(integer(o)) & 0xFFFF
+             : mode == 1 ? direct_field(o)
              : mode == 2 ? indirect_field(o)
                          : immediate(o));
   }
@@ -225,35 +79,25 @@ class Attempt {
         need(2);
         general(operand(0));
         return put('d', register_code(operand(1), row_.source));
-      case Format::source:
-        need(1);
-        return general(operand(0));
+      case Format::source: need(1); return general(operand(0));
       case Format::store:
         need(2);
         put('d', register_code(operand(0), row_.source));
         return general(operand(1));
       case Format::store_constant: return store_constant();
-      case Format::register_source:
-        need(1);
-        return put('d', register_code(operand(0), row_.source));
+      case Format::register_source: need(1); return put('d', register_code(operand(0), row_.source));
       case Format::register_destination:
-      case Format::register_both:
-        need(1);
-        return put('d', register_code(operand(0), row_.destination));
+      case Format::register_both: need(1); return put('d', register_code(operand(0), row_.destination));
       case Format::load_constant:
         need(2);
         need_kind(operand(0), Kind::expression, "a number");
         put('k', immediate(operand(0)));
         return put('d', register_code(operand(1), row_.destination));
-      case Format::load_page:
-        need(1);
-        return put('k', page(operand(0)));
+      case Format::load_page: need(1); return put('k', page(operand(0)));
       case Format::three_type1:
       case Format::three_type2: return three();
       case Format::branch_displacement:
-      case Format::branch_register:
-        need(1);
-        return target(operand(0));
+      case Format::branch_register: need(1); return target(operand(0));
       case Format::decrement_displacement:
       case Format::decrement_register: return decrement();
       case Format::trap: {
@@ -277,7 +121,8 @@ class Attempt {
   bool is_load() const {
     using enum isa::Operation;
     const auto op = row_.operation;
-    return op == ldi || op == ldf || op == ldi_cond || op == ldf_cond || op == lda || op == lb || op == lbu || op == lh || op == lhu;
+    return op == ldi || op == ldf || op == ldi_cond || op == ldf_cond || op == lda || op == lb || op == lbu ||
+           op == lh || op == lhu;
   }
 
   void unary() {
@@ -296,21 +141,9 @@ class Attempt {
     need_kind(operand(1), is_direct ? Kind::direct : Kind::indirect, "@address or *ARn");
     const std::int64_t number = integer(operand(0));
     put('k', in_range(operand(0), number, fits_signed(number, 5), "the constant of STIK is -16 to 15"));
-    put('s', is_direct ? static_cast<Word>(integer(operand(1))) & 0xFFFF : indirect_field(operand(1)));
+    put('s', is_direct ? direct_field(operand(1)) : indirect_field(operand(1)));
   }
 
- public:
-  /// A page number, or the page of an address: @x always is an address, a label too, a number is the page itself.
-  Word page(const OperandSyntax& o) const {
-    if (o.kind == Kind::direct) return static_cast<Word>(integer(o)) >> 16;
-    need_kind(o, Kind::expression, "a page number or @address");
-    const Value v = value(o);
-    const std::int64_t number = integer(o, v);
-    if (!v.is_absolute()) return static_cast<Word>(number) >> 16;
-    return in_range(o, number, fits_unsigned(number, 16), "a page is 0 to 65535; @x takes the page of the address x");
-  }
-
- private:
   void target(const OperandSyntax& o) {
     if (row_.format == Format::branch_register || row_.format == Format::decrement_register)
       return put('r', register_code(o, row_.source));
@@ -329,7 +162,8 @@ class Attempt {
     need_kind(operand(0), Kind::reg, "AR0 to AR7");
     const unsigned counter = isa::code(operand(0).reg);
     if (counter < 8 || counter > 15)
-      miss(Mismatch::contents, operand(0).offset, fmt::format("DBcond counts in AR0 to AR7, not in {}", isa::name(operand(0).reg)));
+      miss(Mismatch::contents, operand(0).offset,
+           fmt::format("DBcond counts in AR0 to AR7, not in {}", isa::name(operand(0).reg)));
     put('n', counter & 7);
     target(operand(1));
   }
@@ -356,7 +190,8 @@ class Attempt {
   }
 
   bool is_type2_indirect(const OperandSyntax& o) const {
-    return o.kind == Kind::indirect && (o.modn == isa::modn::plain || (o.modn == 0 && fits_unsigned(displacement(o), 5)));
+    return o.kind == Kind::indirect &&
+           (o.modn == isa::modn::plain || (o.modn == 0 && fits_unsigned(displacement(o), 5)));
   }
 
   bool fits_type2(const OperandSyntax& src1, const OperandSyntax& src2) const {
@@ -369,7 +204,8 @@ class Attempt {
       miss(o.kind == Kind::indirect ? Mismatch::contents : Mismatch::kind, o.offset,
            o.kind == Kind::indirect
                ? "a three-operand instruction takes *+ARn(0..31), or any indirect form with a displacement of 1"
-               : fmt::format("no encoding takes {} here; an immediate or *+ARn(x) can be the first operand only{}", kind_text(o),
+               : fmt::format("no encoding takes {} here; an immediate or *+ARn(x) can be the first operand only{}",
+                             kind_text(o),
                              row_.immediate == Immediate::none ? ", and float instructions take no immediate" : ""));
     const Word d = o.modn == isa::modn::plain ? 0 : static_cast<Word>(displacement(o));
     return d << 3 | (Word{isa::code(o.reg)} & 7);
@@ -383,7 +219,9 @@ class Attempt {
     if (row_.immediate == Immediate::none)
       miss(Mismatch::kind, src2.offset, "float instructions with three operands take no immediate");
     const std::int64_t number = integer(src2);
-    put('i', in_range(src2, number, fits_signed(number, 8), "an immediate of three-operand instructions is -128 to 127") & 255);
+    put('i',
+        in_range(src2, number, fits_signed(number, 8), "an immediate of three-operand instructions is -128 to 127") &
+            255);
   }
 
   // Parallel formats
@@ -442,7 +280,8 @@ class Attempt {
     const unsigned number = isa::code(o.reg);
     if (number != lower && number != lower + 1)
       miss(Mismatch::contents, o.offset,
-           fmt::format("{} goes to R{} or R{} here", lower == 0 ? "the product" : "the sum or difference", lower, lower + 1));
+           fmt::format("{} goes to R{} or R{} here", lower == 0 ? "the product" : "the sum or difference", lower,
+                       lower + 1));
     return number - lower;
   }
 
@@ -466,23 +305,19 @@ class Attempt {
     put('q', paired_destination(of_three(2), 2));
   }
 
-  const Row& row_;
-  bool swapped_;
-  const EncodeContext& context_;
   Word word_;
-  std::array<const HalfSyntax*, 2> halves_{};
-  int half_ = 0;
 };
 
 /// LDP x[,DP] is LDIU page,DP: it has no row of its own (c40-isa.md 3.8).
 Word encode_ldp(const HalfSyntax& half, const EncodeContext& context) {
   const std::size_t count = half.operands.size();
   const bool names_dp = count == 2 && half.operands[1].kind == Kind::reg && half.operands[1].reg == isa::Register::DP;
-  if (count != 1 && !names_dp) throw LineError{half.offset, "'ldp' takes an address or a page, and DP or nothing after it"};
+  if (count != 1 && !names_dp)
+    throw LineError{half.offset, "'ldp' takes an address or a page, and DP or nothing after it"};
   constexpr Word ldiu_immediate_dp = 0x50700000;
   const Candidate ldpk = candidates("ldpk").front();
   try {
-    return ldiu_immediate_dp | Attempt(ldpk, half, nullptr, context).page(half.operands[0]);
+    return ldiu_immediate_dp | OperandEncoder(ldpk, half, nullptr, context).page(half.operands[0]);
   } catch (const Mismatch& mismatch) {
     throw mismatch.error;
   }
@@ -495,19 +330,20 @@ Word encode_ldp(const HalfSyntax& half, const EncodeContext& context) {
   if (second == nullptr)
     throw LineError{first.offset, fmt::format("'{}' is half of a parallel instruction only", first.mnemonic)};
   if (candidates(second->mnemonic).empty() && !is_parallel_name(second->mnemonic))
-    throw LineError{second->offset, fmt::format("no instruction is called '{}'{}", second->mnemonic, suggestion(second->mnemonic)), 1};
-  throw LineError{second->offset, fmt::format("'{}' and '{}' cannot run in parallel", first.mnemonic, second->mnemonic), 1};
+    throw LineError{second->offset,
+                    fmt::format("no instruction is called '{}'{}", second->mnemonic, suggestion(second->mnemonic)), 1};
+  throw LineError{second->offset, fmt::format("'{}' and '{}' cannot run in parallel", first.mnemonic, second->mnemonic),
+                  1};
 }
 
 }  // namespace
 
-bool is_mnemonic(std::string_view name) {
-  return name == "ldp" || !candidates(name).empty() || is_parallel_name(name);
-}
+bool is_mnemonic(std::string_view name) { return name == "ldp" || !candidates(name).empty() || is_parallel_name(name); }
 
 Word encode(const HalfSyntax& first, const HalfSyntax* second, const EncodeContext& context) {
   if (first.mnemonic == "ldp" && second == nullptr) return encode_ldp(first, context);
-  const auto& tries = second != nullptr ? pair_candidates(first.mnemonic, second->mnemonic) : candidates(first.mnemonic);
+  const auto& tries =
+      second != nullptr ? pair_candidates(first.mnemonic, second->mnemonic) : candidates(first.mnemonic);
   if (tries.empty()) refuse_unknown(first, second);
   std::optional<Mismatch> nearest;
   for (const Candidate& candidate : tries) {

@@ -16,7 +16,9 @@ struct Value {
   Real real;
 
   static constexpr int absolute = -1;
-  static Value of(std::int64_t value) { return {.kind = Kind::integer, .integer = value, .section = absolute, .real = {}}; }
+  static Value of(std::int64_t value) {
+    return {.kind = Kind::integer, .integer = value, .section = absolute, .real = {}};
+  }
   static Value of(Real value) { return {.kind = Kind::real, .integer = 0, .section = absolute, .real = value}; }
   static Value at(int section, std::int64_t offset) {
     return {.kind = Kind::integer, .integer = offset, .section = section, .real = {}};

@@ -43,7 +43,8 @@ Decimal decimal_of(std::string_view text) {
 }
 
 int compare(const Decimal& a, const Decimal& b) {
-  if (a.digits.empty() || b.digits.empty()) return static_cast<int>(b.digits.empty()) - static_cast<int>(a.digits.empty());
+  if (a.digits.empty() || b.digits.empty())
+    return static_cast<int>(b.digits.empty()) - static_cast<int>(a.digits.empty());
   if (a.exponent != b.exponent) return a.exponent < b.exponent ? -1 : 1;
   const int order = a.digits.compare(b.digits);
   return (order > 0) - (order < 0);
@@ -94,7 +95,8 @@ isa::Word pack(Format format, int exponent, bool negative, std::int64_t fraction
 
 /// Below the least exponent: the least number of that sign, or 0, whichever is nearer.
 isa::Word tiny(Format format, Real magnitude, bool negative) {
-  const double least = std::ldexp(1.0 + (negative ? std::ldexp(1.0, -format.fraction_bits) : 0.0), format.least_exponent());
+  const double least =
+      std::ldexp(1.0 + (negative ? std::ldexp(1.0, -format.fraction_bits) : 0.0), format.least_exponent());
   const double half = least / 2;
   const bool up = magnitude.nearest > half || (magnitude.nearest == half && magnitude.residue >= 0);
   if (!up) return pack(format, format.least_exponent() - 1, false, 0);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace toolchain {
@@ -20,7 +21,12 @@ std::string listing(const Image& image) {
     for (const LineRecord& line : image.lines) {
       const Address offset = line.address - section.address;
       if (line.address < section.address || offset >= section.words.size()) continue;
+      const Address end = &line + 1 < image.lines.data() + image.lines.size() && (&line + 1)->address > line.address
+                              ? (&line + 1)->address - section.address
+                              : section.size;
       out += fmt::format("{:08x} {:08x}  {:>5}  {}\n", line.address, section.words[offset], line.line, line.text);
+      for (Address i = offset + 1; i < std::min(end, section.size); ++i)
+        out += fmt::format("{:08x} {:08x}\n", section.address + i, section.words[i]);
     }
   }
   out += "symbols\n";

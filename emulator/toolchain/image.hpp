@@ -24,8 +24,9 @@ struct Image {
   struct Section {
     std::string name;
     Address address = 0;
-    Address size = 0;         ///< In words.
-    std::vector<Word> words;  ///< `size` words if the section is loaded, none if it is only reserved memory (.bss, .usect).
+    Address size = 0;  ///< In words.
+    std::vector<Word>
+        words;  ///< `size` words if the section is loaded, none if it is only reserved memory (.bss, .usect).
     bool loaded = true;
   };
 

@@ -86,8 +86,9 @@ void Reader::expand(const Macro& macro, Statement& s) {
     throw LineError{s.operation_offset, fmt::format("macro calls are nested deeper than {}", deepest_expansion)};
   const auto given = macro_arguments(s.parser.rest());
   if (given.size() > macro.parameters.size())
-    throw LineError{s.operation_offset, fmt::format("the macro '{}' takes {} argument{}, not {}", s.operation, macro.parameters.size(),
-                                                    macro.parameters.size() == 1 ? "" : "s", given.size())};
+    throw LineError{s.operation_offset,
+                    fmt::format("the macro '{}' takes {} argument{}, not {}", s.operation, macro.parameters.size(),
+                                macro.parameters.size() == 1 ? "" : "s", given.size())};
   Arguments arguments;
   for (std::size_t i = 0; i < macro.parameters.size(); ++i) {
     const Parameter& parameter = macro.parameters[i];
@@ -101,8 +102,9 @@ void Reader::read_lines(const std::vector<SourceLinePtr>& body, const SourceLine
   const std::size_t outer_conditionals = conditionals_.size();
   ++expansion_depth_;
   for (const SourceLinePtr& line : body) {
-    if (ended_) break;
-    read_line(std::make_shared<const SourceLine>(SourceLine{line->file, line->number, substitute(line->text, arguments), from}));
+    if (stopped()) break;
+    read_line(std::make_shared<const SourceLine>(
+        SourceLine{line->file, line->number, substitute(line->text, arguments), from}));
   }
   --expansion_depth_;
   end_of_source(outer_conditionals);
@@ -134,7 +136,8 @@ void Reader::start_macro(Statement& s) {
     } while (p.accept(","));
   }
   p.expect_end();
-  if (macros_.contains(name)) throw LineError{s.operation_offset, fmt::format("the macro '{}' is defined already", name)};
+  if (macros_.contains(name))
+    throw LineError{s.operation_offset, fmt::format("the macro '{}' is defined already", name)};
   collector_->name = std::move(name);
   collector_->kind = Collector::Kind::macro;
 }
@@ -145,7 +148,8 @@ void Reader::start_repeat(Statement& s) {
   collector_->opening = s.line;
   const std::int64_t count = known_number(s.parser, "the number of repeats");
   s.parser.expect_end();
-  if (count < 0 || count > most_repeats) throw LineError{s.operation_offset, fmt::format("0 to {} repeats", most_repeats)};
+  if (count < 0 || count > most_repeats)
+    throw LineError{s.operation_offset, fmt::format("0 to {} repeats", most_repeats)};
   if (expansion_depth_ >= deepest_expansion) throw LineError{s.operation_offset, "repeats are nested too deep"};
   collector_->count = count;
   collector_->kind = Collector::Kind::repeat;

@@ -40,9 +40,12 @@ class Catalogue {
  public:
   Catalogue() {
     for (const Row& row : isa::rows()) {
-      if (row.parallel()) add_parallel(row);
-      else if (row.conditional()) add_conditional(row);
-      else for (const auto& name : with_optional_three(row, row.mnemonic)) add(name, {&row});
+      if (row.parallel())
+        add_parallel(row);
+      else if (row.conditional())
+        add_conditional(row);
+      else
+        for (const auto& name : with_optional_three(row, row.mnemonic)) add(name, {&row});
       if (row.format == Format::store_constant) add("sti", {&row});
     }
   }
@@ -72,7 +75,8 @@ class Catalogue {
   void add_conditional(const Row& row) {
     const auto place = row.mnemonic.find('?');
     const auto with = [&](std::string_view condition) {
-      return std::string(row.mnemonic.substr(0, place)) + std::string(condition) + std::string(row.mnemonic.substr(place + 1));
+      return std::string(row.mnemonic.substr(0, place)) + std::string(condition) +
+             std::string(row.mnemonic.substr(place + 1));
     };
     for (const auto condition : isa::condition_name_list())
       add(with(condition), {&row, *isa::condition_named(condition)});

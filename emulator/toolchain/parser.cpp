@@ -21,8 +21,10 @@ std::string_view without_comment(std::string_view line) {
   for (std::size_t i = 0; i < line.size(); ++i) {
     const char c = line[i];
     if (quote != 0) {
-      if (c == '\\' && quote == '"') ++i;
-      else if (c == quote) quote = 0;
+      if (c == '\\' && quote == '"')
+        ++i;
+      else if (c == quote)
+        quote = 0;
     } else if (c == '"') {
       quote = c;
     } else if (c == '\'' && i + 2 < line.size() && line[i + 2] == '\'') {
@@ -37,11 +39,14 @@ std::string_view without_comment(std::string_view line) {
 std::optional<std::int64_t> integer_in_base(std::string_view digits, int base) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value, base);
-  if (digits.empty() || error != std::errc{} || end != digits.data() + digits.size() || value >> 63 != 0) return std::nullopt;
+  if (digits.empty() || error != std::errc{} || end != digits.data() + digits.size() || value >> 63 != 0)
+    return std::nullopt;
   return static_cast<std::int64_t>(value);
 }
 
-bool all_of(std::string_view text, std::string_view allowed) { return text.find_first_not_of(allowed) == std::string_view::npos; }
+bool all_of(std::string_view text, std::string_view allowed) {
+  return text.find_first_not_of(allowed) == std::string_view::npos;
+}
 
 constexpr std::string_view hex_digits = "0123456789abcdefABCDEF";
 
@@ -60,12 +65,20 @@ std::optional<std::int64_t> integer_literal(std::string_view text) {
 
 /// Binary operators from the loosest to the tightest, as in C.
 constexpr std::array<std::array<std::string_view, 4>, 7> operator_levels{{
-    {"|"}, {"^"}, {"&"}, {"==", "!="}, {"<=", ">=", "<", ">"}, {"<<", ">>"}, {"+", "-"},
+    {"|"},
+    {"^"},
+    {"&"},
+    {"==", "!="},
+    {"<=", ">=", "<", ">"},
+    {"<<", ">>"},
+    {"+", "-"},
 }};
 
 }  // namespace
 
-bool is_identifier_start(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.' || c == '$'; }
+bool is_identifier_start(char c) {
+  return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.' || c == '$';
+}
 bool is_identifier(char c) { return is_identifier_start(c) || is_digit(c); }
 
 std::string lower(std::string_view text) {
@@ -74,7 +87,8 @@ std::string lower(std::string_view text) {
   return out;
 }
 
-Parser::Parser(std::string_view line, ParseContext context) : text_(without_comment(line)), context_(std::move(context)) {}
+Parser::Parser(std::string_view line, ParseContext context)
+    : text_(without_comment(line)), context_(std::move(context)) {}
 
 void Parser::skip_blanks() {
   while (is_blank(peek())) ++position_;
@@ -135,11 +149,16 @@ std::string Parser::quoted() {
       ++position_;
     } else if (c == '\\' && position_ + 1 < text_.size()) {
       c = text_[++position_];
-      if (c == 'n') c = '\n';
-      else if (c == 't') c = '\t';
-      else if (c == 'r') c = '\r';
-      else if (c == '0') c = '\0';
-      else if (c != '\\' && c != '"') throw LineError{position_, fmt::format("unknown escape '\\{}'", c)};
+      if (c == 'n')
+        c = '\n';
+      else if (c == 't')
+        c = '\t';
+      else if (c == 'r')
+        c = '\r';
+      else if (c == '0')
+        c = '\0';
+      else if (c != '\\' && c != '"')
+        throw LineError{position_, fmt::format("unknown escape '\\{}'", c)};
     }
     out += c;
   }
@@ -161,7 +180,17 @@ bool Parser::at_bars() {
   return starts_with("||");
 }
 
-Expression Parser::expression() { return binary_expression(0); }
+Expression Parser::expression() {
+  operators_ = 0;
+  return binary_expression(0);
+}
+
+/// Trees are walked by recursion, so their depth has a bound.
+void Parser::count_operator(std::size_t offset) {
+  constexpr int most_operators = 500;
+  if (++operators_ > most_operators)
+    throw LineError{offset, fmt::format("an expression of more than {} operators and parentheses", most_operators)};
+}
 
 std::vector<Expression> Parser::expression_list() {
   std::vector<Expression> out;
@@ -190,6 +219,7 @@ Expression Parser::binary_expression(int level) {
   for (auto op = next_operator(); !op.empty(); op = next_operator()) {
     const std::size_t at = position_;
     position_ += op.size();
+    count_operator(at);
     Expression right = operand();
     left = Expression{Expression::Kind::binary, {}, std::string(op), {std::move(left), std::move(right)}, at};
   }
@@ -202,10 +232,12 @@ Expression Parser::unary_expression() {
   const char c = peek();
   if (c == '+') {
     ++position_;
+    count_operator(at);
     return unary_expression();
   }
   if (c == '-' || c == '~' || c == '!') {
     ++position_;
+    count_operator(at);
     return Expression{Expression::Kind::unary, {}, std::string(1, c), {unary_expression()}, at};
   }
   return primary_expression();
@@ -215,7 +247,8 @@ Expression Parser::primary_expression() {
   skip_blanks();
   const std::size_t at = position_;
   if (accept("(")) {
-    Expression inner = expression();
+    count_operator(at);
+    Expression inner = binary_expression(0);
     expect(")");
     return inner;
   }
@@ -243,7 +276,8 @@ Expression Parser::call(const std::string& function, std::size_t at) {
   if (!known)
     throw LineError{at, fmt::format("no function '{}'; there are hi16, lo16, page, single and defined", function)};
   expect("(");
-  Expression argument = expression();
+  count_operator(at);
+  Expression argument = binary_expression(0);
   expect(")");
   if (function == "defined" && argument.kind != Expression::Kind::symbol)
     throw LineError{argument.offset, "defined() takes the name of a symbol"};
@@ -273,7 +307,9 @@ Expression Parser::number() {
   }
   // A float: digits, point, digits, exponent.
   end = at;
-  const auto digits = [&] { while (end < text_.size() && is_digit(text_[end])) ++end; };
+  const auto digits = [&] {
+    while (end < text_.size() && is_digit(text_[end])) ++end;
+  };
   digits();
   bool is_float = false;
   if (end < text_.size() && text_[end] == '.') is_float = true, ++end, digits();
@@ -286,7 +322,8 @@ Expression Parser::number() {
   const auto value = is_float && ends_cleanly ? parse_real(text_.substr(at, end - at)) : std::nullopt;
   if (!value) {
     while (end < text_.size() && is_identifier(text_[end])) ++end;
-    throw LineError{at, fmt::format("'{}' is no number (255, 0FFh, 0xFF, 377q, 101b, 1.5, 2.5e-3, 'A')", text_.substr(at, end - at))};
+    throw LineError{at, fmt::format("'{}' is no number (255, 0FFh, 0xFF, 377q, 101b, 1.5, 2.5e-3, 'A')",
+                                    text_.substr(at, end - at))};
   }
   position_ = end;
   return Expression{Expression::Kind::constant, Value::of(*value), {}, {}, at};
@@ -347,7 +384,8 @@ OperandSyntax Parser::indirect() {
   out.reg = *ar;
   const std::size_t post_offset = position_;
   const int post = accept("++") ? 1 : accept("--") ? -1 : 0;
-  if (plus != 0 && post != 0) throw LineError{post_offset, "an address register is changed either before or after its use, not both"};
+  if (plus != 0 && post != 0)
+    throw LineError{post_offset, "an address register is changed either before or after its use, not both"};
   unsigned index = 0;
   const std::size_t amount_offset = position_;
   const bool amount = accept("(");
@@ -380,8 +418,8 @@ OperandSyntax Parser::indirect() {
     out.modn = isa::modn::plain;
     return out;
   }
-  const Action action = post > 0   ? (circular ? Action::post_add_circular : Action::post_add)
-                        : post < 0 ? (circular ? Action::post_subtract_circular : Action::post_subtract)
+  const Action action = post > 0     ? (circular ? Action::post_add_circular : Action::post_add)
+                        : post < 0   ? (circular ? Action::post_subtract_circular : Action::post_subtract)
                         : plus == 2  ? Action::pre_add
                         : plus == -2 ? Action::pre_subtract
                         : plus == 1  ? Action::add

@@ -16,8 +16,8 @@ struct OperandSyntax {
   isa::Register reg = isa::Register::R0;  ///< For indirect: the ARn.
   isa::Expansion expansion = isa::Expansion::IVTP;
   std::uint8_t modn = 0;
-  bool exact = false;                   ///< Marked by '=': the field's very contents.
-  std::optional<Expression> expression; ///< Of direct, expression; the displacement of indirect, if one is written.
+  bool exact = false;                    ///< Marked by '=': the field's very contents.
+  std::optional<Expression> expression;  ///< Of direct, expression; the displacement of indirect, if one is written.
   std::size_t offset = 0;
 };
 
@@ -71,6 +71,7 @@ class Parser {
   Expression unary_expression();
   Expression primary_expression();
   Expression number();
+  void count_operator(std::size_t offset);
   Expression character();
   Expression call(const std::string& function, std::size_t offset);
   OperandSyntax operand();
@@ -79,6 +80,7 @@ class Parser {
 
   std::string_view text_;
   std::size_t position_ = 0;
+  int operators_ = 0;  ///< In the expression at hand.
   ParseContext context_;
 };
 

@@ -5,16 +5,25 @@
 #include <algorithm>
 #include <array>
 
+#include "toolchain/checks.hpp"
 #include "toolchain/encoder.hpp"
 
 namespace toolchain {
 namespace {
 
-constexpr Address largest_section = 1U << 28;  // Words; a program's own mistakes should not eat the host's memory.
+constexpr Address largest_loaded_section = 1U << 24;  // Words; a slip in a source should not eat the host's memory.
+constexpr Address largest_reserved_section = 0xFFFFFFFF;
+constexpr int deepest_definition = 200;
 constexpr Word nop = 0x0C800000;
 
 std::string place_of(const SourceLine* line) {
   return line == nullptr ? "in the options" : fmt::format("at {}:{}", *line->file, line->number);
+}
+
+/// A name ending in '?' without the number of its scope.
+std::string as_written(const std::string& name) {
+  const auto mark = name.find('?');
+  return mark == std::string::npos ? name : name.substr(0, mark + 1);
 }
 
 bool same(const Value& a, const Value& b) {
@@ -50,7 +59,8 @@ void Program::define(const std::string& name, const Value& value, const SourceLi
   // Constants may be repeated (a file included twice), but not changed.
   const Value* old = std::get_if<Value>(&found->second.meaning);
   if (old != nullptr && old->is_absolute() && value.is_absolute() && same(*old, value)) return;
-  throw LineError{offset, fmt::format("'{}' is defined already {}", name, place_of(found->second.line.get()))};
+  throw LineError{offset,
+                  fmt::format("'{}' is defined already {}", as_written(name), place_of(found->second.line.get()))};
 }
 
 void Program::define(const std::string& name, Expression expression, const SourceLinePtr& line, std::size_t offset) {
@@ -63,16 +73,19 @@ void Program::define(const std::string& name, Expression expression, const Sourc
   if (value) return define(name, *value, line, offset);
   const auto [found, fresh] = symbols_.insert({name, Symbol{std::move(expression), line, offset}});
   if (!fresh)
-    throw LineError{offset, fmt::format("'{}' is defined already {}", name, place_of(found->second.line.get()))};
+    throw LineError{offset,
+                    fmt::format("'{}' is defined already {}", as_written(name), place_of(found->second.line.get()))};
 }
 
-void Program::declare_global(const std::string& name, bool must_be_defined, const SourceLinePtr& line, std::size_t offset) {
+void Program::declare_global(const std::string& name, bool must_be_defined, const SourceLinePtr& line,
+                             std::size_t offset) {
   globals_.insert({name, Global{line, offset, must_be_defined}});
 }
 
 void Program::grow(Section& section, Address words, std::size_t offset) {
-  if (words > largest_section || section.size > largest_section - words)
-    throw LineError{offset, fmt::format("the section '{}' would pass {} words", section.name, largest_section)};
+  const Address largest = section.load == Load::loaded ? largest_loaded_section : largest_reserved_section;
+  if (words > largest || section.size > largest - words)
+    throw LineError{offset, fmt::format("the section '{}' would pass {} words", section.name, largest)};
   section.size += words;
 }
 
@@ -110,7 +123,8 @@ void Program::add_parallel(HalfSyntax half, const SourceLinePtr& line, std::size
 
 Value Program::reserve(int section_number, Address words, Address alignment, std::size_t offset) {
   Section& section = sections_[index(section_number)];
-  if (alignment == 0 || (alignment & (alignment - 1)) != 0) throw LineError{offset, "an alignment is a power of 2, in words"};
+  if (alignment == 0 || (alignment & (alignment - 1)) != 0)
+    throw LineError{offset, "an alignment is a power of 2, in words"};
   section.alignment = std::max(section.alignment, alignment);
   grow(section, (alignment - section.size % alignment) % alignment, offset);
   const Value place = Value::at(section_number, section.size);
@@ -120,17 +134,26 @@ Value Program::reserve(int section_number, Address words, Address alignment, std
 
 Value Program::value_of(const std::string& name, std::size_t offset) const {
   const auto found = symbols_.find(name);
-  if (found == symbols_.end()) throw LineError{offset, fmt::format("undefined symbol '{}'", name.substr(0, name.find('?') + (name.find('?') == std::string::npos ? 0 : 1)))};
+  if (found == symbols_.end()) throw LineError{offset, fmt::format("undefined symbol '{}'", as_written(name))};
   const Symbol& symbol = found->second;
   if (const auto* value = std::get_if<Value>(&symbol.meaning)) return *value;
   if (symbol.busy) throw LineError{offset, fmt::format("'{}' is defined in terms of itself", name)};
+  if (evaluation_depth_ >= deepest_definition)
+    throw LineError{offset,
+                    fmt::format("'{}' is defined through more than {} other symbols", name, deepest_definition)};
   symbol.busy = true;
+  ++evaluation_depth_;
+  const auto leave = [&] {
+    symbol.busy = false;
+    --evaluation_depth_;
+  };
   try {
     const Value value = evaluate(std::get<Expression>(symbol.meaning), *this);
-    symbol.busy = false;
+    leave();
     return value;
   } catch (const LineError& error) {
-    symbol.busy = false;
+    leave();
+    if (evaluation_depth_ > 0) throw LineError{offset, error.message};
     throw LineError{offset, fmt::format("{} (in '{}', defined {})", error.message, name, place_of(symbol.line.get()))};
   }
 }
@@ -156,14 +179,15 @@ void Program::check_overlaps(const std::vector<Section*>& order, std::vector<Dia
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Section& a = *order[i];
     if (std::uint64_t{a.address} + a.size > std::uint64_t{1} << 32)
-      complain(a, fmt::format("the section '{}' ({} words at {:x}h) passes the end of the address space", a.name, a.size, a.address));
+      complain(a, fmt::format("the section '{}' ({} words at {:x}h) passes the end of the address space", a.name,
+                              a.size, a.address));
     for (std::size_t k = i + 1; k < order.size(); ++k) {
       const Section& b = *order[k];
       if (a.size == 0 || b.size == 0 || a.address - b.address >= b.size) {
         if (a.size == 0 || b.size == 0 || b.address - a.address >= a.size) continue;
       }
-      complain(b, fmt::format("the sections '{}' ({} words at {:x}h) and '{}' ({} words at {:x}h) overlap", a.name, a.size,
-                              a.address, b.name, b.size, b.address));
+      complain(b, fmt::format("the sections '{}' ({} words at {:x}h) and '{}' ({} words at {:x}h) overlap", a.name,
+                              a.size, a.address, b.name, b.size, b.address));
     }
   }
 }
@@ -173,15 +197,15 @@ void Program::place(std::vector<Diagnostic>& diagnostics) {
   const auto order = placement_order();
   for (Section* section : order) {
     const auto wanted = options_.sections.find(section->name);
-    section->address = wanted != options_.sections.end()
-                           ? wanted->second
-                           : (next + section->alignment - 1) & ~(section->alignment - 1);
+    section->address = wanted != options_.sections.end() ? wanted->second
+                                                         : (next + section->alignment - 1) & ~(section->alignment - 1);
     // An empty section takes no part, unless it was given a place that others follow.
     if (section->size != 0 || wanted != options_.sections.end()) next = section->address + section->size;
     if (section->address % section->alignment != 0) {
       const SourceLine nowhere{std::make_shared<const std::string>("sections"), 0, section->name, nullptr};
-      diagnostics.push_back(make_diagnostic(
-          nowhere, 0, fmt::format("the section '{}' at {:x}h must be aligned to {} words", section->name, section->address, section->alignment)));
+      diagnostics.push_back(make_diagnostic(nowhere, 0,
+                                            fmt::format("the section '{}' at {:x}h must be aligned to {} words",
+                                                        section->name, section->address, section->alignment)));
     }
   }
   placed_ = true;
@@ -214,13 +238,15 @@ std::vector<Word> Program::encode_item(const Section& section, const Item& item,
     try {
       const Value value = evaluate(expression, *this);
       if (floats != nullptr) {
+        if (!value.is_absolute()) throw LineError{expression.offset, "an address; .float takes numbers"};
         const auto single = to_single(value.is_real() ? value.real : Real(static_cast<double>(value.integer)));
         if (!single) throw LineError{expression.offset, "out of the range of a 32-bit float"};
         words.back() = *single;
         continue;
       }
       if (value.is_real()) throw LineError{expression.offset, "a float; use .float, or single(x) for its word"};
-      const std::int64_t number = value.is_absolute() ? value.integer : address_of_section(value.section) + value.integer;
+      const std::int64_t number =
+          value.is_absolute() ? value.integer : address_of_section(value.section) + value.integer;
       if (number < -(std::int64_t{1} << 31) || number >= std::int64_t{1} << 32)
         throw LineError{expression.offset, fmt::format("{} does not fit in 32 bits", number)};
       words.back() = static_cast<Word>(number);
@@ -231,6 +257,17 @@ std::vector<Word> Program::encode_item(const Section& section, const Item& item,
   return words;
 }
 
+/// Warns about instructions that stand where they do not work.
+void Program::check_run(std::span<const Item> items, const Image::Section& section, Image& image) {
+  if (items.empty()) return;
+  for (const Finding& finding : check_code(std::span(section.words).subspan(items.front().offset, items.size()))) {
+    const SourceLine& line = *items[finding.index].line;
+    const auto first = line.text.find_first_not_of(" \t");
+    image.warnings.push_back(
+        make_diagnostic(line, first == std::string::npos ? 0 : first, finding.message, true).format());
+  }
+}
+
 void Program::encode_section(const Section& section, Image& image, std::vector<Diagnostic>& diagnostics) const {
   if (section.size == 0) return;
   Image::Section out{section.name, section.address, section.size, {}, section.load == Load::loaded};
@@ -238,7 +275,13 @@ void Program::encode_section(const Section& section, Image& image, std::vector<D
     image.sections.push_back(std::move(out));
     return;
   }
-  for (const Item& item : section.items) {
+  std::size_t run = 0;  // The first of the instructions that lead up to this item.
+  for (std::size_t i = 0; i < section.items.size(); ++i) {
+    const Item& item = section.items[i];
+    if (!std::holds_alternative<InstructionItem>(item.content)) {
+      check_run({section.items.data() + run, i - run}, out, image);
+      run = i + 1;
+    }
     const auto words = encode_item(section, item, image, diagnostics);
     const auto file = std::find(image.files.begin(), image.files.end(), *item.line->file);
     image.lines.push_back({section.address + item.offset, static_cast<std::uint32_t>(file - image.files.begin()),
@@ -246,6 +289,7 @@ void Program::encode_section(const Section& section, Image& image, std::vector<D
     if (file == image.files.end()) image.files.push_back(*item.line->file);
     out.words.insert(out.words.end(), words.begin(), words.end());
   }
+  check_run(std::span(section.items).subspan(run), out, image);
   image.sections.push_back(std::move(out));
 }
 
@@ -259,14 +303,16 @@ void Program::export_symbols(Image& image, std::vector<Diagnostic>& diagnostics)
         if (single) image.symbols[name] = *single;
         continue;
       }
-      image.symbols[name] = static_cast<Word>(value.is_absolute() ? value.integer : address_of_section(value.section) + value.integer);
+      image.symbols[name] =
+          static_cast<Word>(value.is_absolute() ? value.integer : address_of_section(value.section) + value.integer);
     } catch (const LineError& error) {
       if (symbol.line) diagnostics.push_back(make_diagnostic(*symbol.line, error.offset, error.message));
     }
   }
   for (const auto& [name, global] : globals_)
     if (global.must_be_defined && !symbols_.contains(name))
-      diagnostics.push_back(make_diagnostic(*global.line, global.offset, fmt::format("'{}' is not defined in this program", name)));
+      diagnostics.push_back(
+          make_diagnostic(*global.line, global.offset, fmt::format("'{}' is not defined in this program", name)));
 }
 
 Address Program::entry_point(const Image& image, std::vector<Diagnostic>& diagnostics) const {
@@ -274,7 +320,8 @@ Address Program::entry_point(const Image& image, std::vector<Diagnostic>& diagno
     const auto found = image.symbols.find(options_.entry);
     if (found != image.symbols.end()) return found->second;
     const SourceLine nowhere{std::make_shared<const std::string>("options"), 0, options_.entry, nullptr};
-    diagnostics.push_back(make_diagnostic(nowhere, 0, fmt::format("the entry symbol '{}' is not defined", options_.entry)));
+    diagnostics.push_back(
+        make_diagnostic(nowhere, 0, fmt::format("the entry symbol '{}' is not defined", options_.entry)));
   }
   for (const std::string_view name : {"_start", "_c_int00", "start"})
     if (const auto found = image.symbols.find(name); found != image.symbols.end()) return found->second;

@@ -1,8 +1,9 @@
 #pragma once
 // What the assembler collects while it reads: sections of items with section-relative addresses, and symbols. Addresses
-// are given to the sections and words to the items only at the end (issue: relocatable objects will end before that).
+// are given to the sections and words to the items only at the end.
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -44,7 +45,10 @@ class Program final : public SymbolSource {
   enum class Load : std::uint8_t { loaded, reserved };
   /// Finds or makes the section. Throws LineError if it exists with the other kind of contents.
   int section(const std::string& name, Load load, std::size_t offset);
-  void select(int section) { current_ = section; parallel_target_ = false; }
+  void select(int section) {
+    current_ = section;
+    parallel_target_ = false;
+  }
   int current() const { return current_; }
   Value here() const { return Value::at(current_, sections_[index(current_)].size); }
 
@@ -57,7 +61,8 @@ class Program final : public SymbolSource {
 
   // Contents of the current section
 
-  void add(const SourceLinePtr& line, std::size_t offset, std::variant<InstructionItem, WordItem, FloatItem, FillItem> content);
+  void add(const SourceLinePtr& line, std::size_t offset,
+           std::variant<InstructionItem, WordItem, FloatItem, FillItem> content);
   void align(const SourceLinePtr& line, std::size_t offset, Address words);
   /// Makes `half` the second half of the instruction just added.
   void add_parallel(HalfSyntax half, const SourceLinePtr& line, std::size_t offset);
@@ -102,7 +107,9 @@ class Program final : public SymbolSource {
   void place(std::vector<Diagnostic>& diagnostics);
   void check_overlaps(const std::vector<Section*>& order, std::vector<Diagnostic>& diagnostics) const;
   void encode_section(const Section& section, Image& image, std::vector<Diagnostic>& diagnostics) const;
-  std::vector<Word> encode_item(const Section& section, const Item& item, Image& image, std::vector<Diagnostic>& diagnostics) const;
+  std::vector<Word> encode_item(const Section& section, const Item& item, Image& image,
+                                std::vector<Diagnostic>& diagnostics) const;
+  static void check_run(std::span<const Item> items, const Image::Section& section, Image& image);
   void export_symbols(Image& image, std::vector<Diagnostic>& diagnostics) const;
   Address entry_point(const Image& image, std::vector<Diagnostic>& diagnostics) const;
 
@@ -111,6 +118,7 @@ class Program final : public SymbolSource {
   int current_ = 0;
   bool parallel_target_ = false;
   bool placed_ = false;
+  mutable int evaluation_depth_ = 0;
   std::map<std::string, Symbol, std::less<>> symbols_;
   std::map<std::string, Global, std::less<>> globals_;
 };

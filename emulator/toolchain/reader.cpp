@@ -14,6 +14,7 @@ namespace toolchain {
 namespace {
 
 constexpr std::size_t deepest_include = 64;
+constexpr std::int64_t most_lines = 5'000'000;  // Reached by macros that call themselves, not by programs.
 
 /// The first word of a line that is a directive, without its label.
 bool opens_collection(std::string_view operation) {
@@ -39,7 +40,8 @@ void Reader::read_file(const std::filesystem::path& path) {
   const auto canonical = std::filesystem::weakly_canonical(path, error);
   if (std::find(open_files_.begin(), open_files_.end(), canonical) != open_files_.end())
     throw LineError{0, fmt::format("the file '{}' includes itself", path.string())};
-  if (open_files_.size() >= deepest_include) throw LineError{0, fmt::format("includes are nested deeper than {}", deepest_include)};
+  if (open_files_.size() >= deepest_include)
+    throw LineError{0, fmt::format("includes are nested deeper than {}", deepest_include)};
   if (std::filesystem::is_directory(path, error)) throw LineError{0, fmt::format("'{}' is a directory", path.string())};
   std::ifstream stream(path, std::ios::binary);
   std::stringstream text;
@@ -56,7 +58,7 @@ void Reader::read_text(std::string_view text, const std::string& name, const std
   const int outer_scope = std::exchange(local_scope_, ++last_scope_);
   const std::size_t outer_conditionals = conditionals_.size();
   int number = 0;
-  while (!text.empty() && !ended_) {
+  while (!text.empty() && !stopped()) {
     const auto end = text.find('\n');
     auto line = text.substr(0, end);
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
@@ -95,9 +97,13 @@ Reader::Statement Reader::take_apart(const SourceLinePtr& line) const {
   if (word.empty()) throw LineError{start, "a label, an instruction or a directive expected"};
   const bool colon = p.peek() == ':';
   if (colon || (in_first_column && word[0] != '.')) {
-    if (colon) p.accept(":");
+    if (colon)
+      p.accept(":");
     else if (is_mnemonic(lower(word)) || macros_.contains(word))
-      throw LineError{start, fmt::format("'{}' stands in the first column, where labels stand; indent it, or write '{}:' for a label", word, word)};
+      throw LineError{
+          start,
+          fmt::format("'{}' stands in the first column, where labels stand; indent it, or write '{}:' for a label",
+                      word, word)};
     out.label = std::move(word);
     out.label_offset = start;
     p.skip_blanks();
@@ -120,8 +126,10 @@ bool Reader::collect(const SourceLinePtr& line) {
     // Whatever is wrong with the line shows when it is expanded.
   }
   if (opens_collection(operation)) ++collector_->depth;
-  if (closes_collection(operation) && --collector_->depth == 0) finish_collecting();
-  else collector_->macro.body.push_back(line);
+  if (closes_collection(operation) && --collector_->depth == 0)
+    finish_collecting();
+  else
+    collector_->macro.body.push_back(line);
   return true;
 }
 
@@ -132,7 +140,8 @@ void Reader::finish_collecting() {
     return;
   }
   if (collected->kind == Collector::Kind::broken) return;
-  for (std::int64_t i = 0; i < collected->count && !ended_; ++i) read_lines(collected->macro.body, collected->opening, {});
+  for (std::int64_t i = 0; i < collected->count && !stopped(); ++i)
+    read_lines(collected->macro.body, collected->opening, {});
 }
 
 void Reader::open_conditional(bool condition, const SourceLinePtr& line) {
@@ -147,8 +156,10 @@ bool Reader::conditional(Statement& s) {
     bool condition = false;
     try {
       if (is_active()) {
-        if (operation == ".if") condition = known_number(p, "the condition") != 0;
-        else condition = program_.is_defined(p.required_identifier("a symbol")) == (operation == ".ifdef");
+        if (operation == ".if")
+          condition = known_number(p, "the condition") != 0;
+        else
+          condition = program_.is_defined(p.required_identifier("a symbol")) == (operation == ".ifdef");
         p.expect_end();
       }
     } catch (const LineError& error) {
@@ -173,6 +184,11 @@ bool Reader::conditional(Statement& s) {
 }
 
 void Reader::read_line(const SourceLinePtr& line) {
+  if (given_up_) return;
+  if (++lines_read_ > most_lines) {
+    given_up_ = true;
+    return report(*line, {0, fmt::format("more than {} lines to assemble; does a macro call itself?", most_lines)});
+  }
   if (collect(line)) return;
   try {
     Statement statement = take_apart(line);
@@ -194,7 +210,8 @@ void Reader::read_active_line(Statement& s) {
   const std::string operation = lower(s.operation);
   if (!operation.empty() && operation[0] == '.') {
     const auto found = directives().find(operation);
-    if (found == directives().end()) throw LineError{s.operation_offset, fmt::format("no directive is called '{}'", s.operation)};
+    if (found == directives().end())
+      throw LineError{s.operation_offset, fmt::format("no directive is called '{}'", s.operation)};
     program_.end_instruction();
     return (this->*found->second)(s);
   }

@@ -38,9 +38,9 @@ class Reader {
     int depth = 1;
   };
   struct Conditional {
-    bool active = false;     ///< The present part is assembled.
-    bool taken = false;      ///< A part was assembled already.
-    bool parent = false;     ///< What is around it is assembled.
+    bool active = false;  ///< The present part is assembled.
+    bool taken = false;   ///< A part was assembled already.
+    bool parent = false;  ///< What is around it is assembled.
     bool after_else = false;
     SourceLinePtr opening;
   };
@@ -64,6 +64,7 @@ class Reader {
   void finish_collecting();
   bool conditional(Statement& statement);
   void open_conditional(bool condition, const SourceLinePtr& line);
+  bool stopped() const { return ended_ || given_up_; }
   bool is_active() const { return conditionals_.empty() || conditionals_.back().active; }
   void define_label(const Statement& statement);
   void instruction(Statement& statement);
@@ -114,10 +115,12 @@ class Reader {
   std::unique_ptr<Collector> collector_;
   std::vector<std::filesystem::path> open_files_;  ///< The file at hand and those that include it.
   std::filesystem::path directory_;
-  int local_scope_ = 0;   ///< Of names ending in '?'.
+  int local_scope_ = 0;  ///< Of names ending in '?'.
   int last_scope_ = 0;
   int expansion_depth_ = 0;
-  bool ended_ = false;
+  bool ended_ = false;     ///< By .end.
+  bool given_up_ = false;  ///< Too many lines.
+  std::int64_t lines_read_ = 0;
 };
 
 }  // namespace toolchain

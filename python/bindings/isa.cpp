@@ -145,14 +145,16 @@ void bind_isa(py::module_& core) {
   py::module_ m = core.def_submodule("isa", "The instruction table of the TMS320C4x: decoding, disassembly, metadata.");
   m.def("decode", &decode_dict, py::arg("word"),
         "The word's operation and operands as a dict, or None if the word is reserved.");
-  m.def("reserved_reason", &reserved_reason, py::arg("word"), "Why the word is reserved, or None if it is an instruction.");
+  m.def("reserved_reason", &reserved_reason, py::arg("word"),
+        "Why the word is reserved, or None if it is an instruction.");
   m.def(
       "disassemble",
       [](isa::Word word, isa::Address pc, const isa::SymbolLookup& symbols) {
         return isa::disassemble(word, pc, symbols);
       },
       py::arg("word"), py::arg("pc") = 0, py::arg("symbols") = isa::SymbolLookup(),
-      "Text that assembles at address pc to the same word; symbols(address) may name branch targets ('' if it has no name).");
+      "Text that assembles at address pc to the same word; symbols(address) may name branch targets ('' if it has no "
+      "name).");
   m.def("rows", &row_dicts, "The instruction table, one dict per encoding.");
   m.def("count_instructions", &count_instructions, py::arg("first"), py::arg("count"), py::arg("step") = 1,
         "How many of `count` words from `first` on, `step` apart, are instructions.");

@@ -31,7 +31,8 @@ void raise_assembly_error(const py::handle& type, const toolchain::AssemblyError
   PyErr_SetObject(type.ptr(), exception.ptr());
 }
 
-toolchain::Options make_options(std::vector<std::filesystem::path> include_dirs, std::map<std::string, toolchain::Word> symbols,
+toolchain::Options make_options(std::vector<std::filesystem::path> include_dirs,
+                                std::map<std::string, toolchain::Word> symbols,
                                 const std::map<std::string, toolchain::Address>& sections, std::string entry) {
   toolchain::Options options;
   options.include_dirs = std::move(include_dirs);
@@ -92,7 +93,8 @@ void bind_toolchain(py::module_& core) {
       py::arg("text"), py::arg("name") = "<text>", py::arg("include_dirs") = std::vector<std::filesystem::path>(),
       py::arg("symbols") = std::map<std::string, toolchain::Word>(),
       py::arg("sections") = std::map<std::string, toolchain::Address>(), py::arg("entry") = "",
-      "Assembles a text (docs/assembler.md). Raises AssemblyError with all errors; its `diagnostics` is a list of dicts.");
+      "Assembles a text (docs/assembler.md). Raises AssemblyError with all errors; its `diagnostics` is a list of "
+      "dicts.");
   m.def(
       "assemble_file",
       [](const std::filesystem::path& path, std::vector<std::filesystem::path> include_dirs,
@@ -106,8 +108,9 @@ void bind_toolchain(py::module_& core) {
       py::arg("symbols") = std::map<std::string, toolchain::Word>(),
       py::arg("sections") = std::map<std::string, toolchain::Address>(), py::arg("entry") = "",
       "Assembles a file. Raises AssemblyError with all errors.");
-  m.def("read_coff", [](const std::filesystem::path& path) { return toolchain::read_coff(path); }, py::arg("path"),
-        "Reads a COFF executable of version 0, 1 or 2. Raises CoffError.");
+  m.def(
+      "read_coff", [](const std::filesystem::path& path) { return toolchain::read_coff(path); }, py::arg("path"),
+      "Reads a COFF executable of version 0, 1 or 2. Raises CoffError.");
   m.def(
       "read_coff_bytes",
       [](const py::bytes& bytes) {

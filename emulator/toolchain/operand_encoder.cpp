@@ -1,0 +1,154 @@
+#include "toolchain/operand_encoder.hpp"
+
+#include <fmt/format.h>
+
+namespace toolchain {
+
+using isa::Immediate;
+using isa::OperandClass;
+using isa::Word;
+using Kind = OperandSyntax::Kind;
+
+std::string kind_text(const OperandSyntax& operand) {
+  switch (operand.kind) {
+    case Kind::reg: return fmt::format("the register {}", isa::name(operand.reg));
+    case Kind::expansion: return fmt::format("the expansion register {}", isa::name(operand.expansion));
+    case Kind::direct: return "a direct address";
+    case Kind::indirect: return "an indirect address";
+    case Kind::expression: return "a number or label";
+  }
+  return {};
+}
+
+bool fits_signed(std::int64_t value, unsigned bits) {
+  return value >= -(std::int64_t{1} << (bits - 1)) && value < (std::int64_t{1} << (bits - 1));
+}
+
+bool fits_unsigned(std::int64_t value, unsigned bits) { return value >= 0 && value < (std::int64_t{1} << bits); }
+
+OperandEncoder::OperandEncoder(const Candidate& candidate, const HalfSyntax& first, const HalfSyntax* second,
+                               const EncodeContext& context)
+    : row_(*candidate.row), context_(context), exchanged_(candidate.exchanged) {
+  halves_ = {&first, second};
+  if (exchanged_) halves_ = {second, &first};
+}
+
+void OperandEncoder::miss(Mismatch::Rank rank, std::size_t offset, std::string message) const {
+  throw Mismatch{rank, LineError{offset, std::move(message), exchanged_ ? 1 - half_ : half_}};
+}
+
+void OperandEncoder::need(std::size_t count) const {
+  const std::size_t given = operands().size();
+  if (given == count) return;
+  const std::size_t offset = given > count ? operand(count).offset : half().offset;
+  if (count == 0) miss(Mismatch::count, offset, fmt::format("'{}' takes no operand", half().mnemonic));
+  miss(Mismatch::count, offset,
+       fmt::format("'{}' takes {} operand{}, not {}", half().mnemonic, count, count == 1 ? "" : "s", given));
+}
+
+void OperandEncoder::need_kind(const OperandSyntax& o, Kind kind, std::string_view wanted) const {
+  if (o.kind != kind) miss(Mismatch::kind, o.offset, fmt::format("{} is needed here, not {}", wanted, kind_text(o)));
+}
+
+// Values
+
+Value OperandEncoder::value(const OperandSyntax& o) const { return evaluate(*o.expression, context_.symbols); }
+
+std::int64_t OperandEncoder::integer(const OperandSyntax& o, const Value& v) const {
+  if (v.is_real()) miss(Mismatch::contents, o.offset, "an integer is needed here, not a float");
+  return v.is_absolute() ? v.integer : context_.symbols.address_of_section(v.section) + v.integer;
+}
+
+Word OperandEncoder::in_range(const OperandSyntax& o, std::int64_t number, bool fits, std::string_view range) const {
+  if (!fits) miss(Mismatch::contents, o.offset, fmt::format("{} is out of range ({})", number, range));
+  return static_cast<Word>(number);
+}
+
+// Registers
+
+Word OperandEncoder::register_code(const OperandSyntax& o, OperandClass allowed) const {
+  need_kind(o, Kind::reg, "a register");
+  if (allowed == OperandClass::floating && !isa::is_extended(o.reg))
+    miss(Mismatch::contents, o.offset, fmt::format("{} holds no float; only R0 to R11 do", isa::name(o.reg)));
+  if (allowed == OperandClass::lda && !isa::is_lda_destination(o.reg))
+    miss(Mismatch::contents, o.offset,
+         fmt::format("LDA loads AR0-AR7, DP, IR0, IR1, BK and SP, not {}", isa::name(o.reg)));
+  return isa::code(o.reg);
+}
+
+Word OperandEncoder::low_register(const OperandSyntax& o) const {
+  need_kind(o, Kind::reg, "a register");
+  if (isa::code(o.reg) > 7)
+    miss(Mismatch::contents, o.offset,
+         fmt::format("parallel instructions reach R0 to R7 only, not {}", isa::name(o.reg)));
+  return isa::code(o.reg);
+}
+
+Word OperandEncoder::expansion_code(const OperandSyntax& o) const {
+  need_kind(o, Kind::expansion, "IVTP or TVTP");
+  return static_cast<Word>(o.expansion);
+}
+
+// Addressing modes
+
+std::int64_t OperandEncoder::displacement(const OperandSyntax& o) const { return o.expression ? integer(o) : 1; }
+
+Word OperandEncoder::direct_field(const OperandSyntax& o) const { return static_cast<Word>(integer(o)) & 0xFFFF; }
+
+Word OperandEncoder::indirect_field(const OperandSyntax& o) const {
+  Word m = o.modn, d = 0;
+  if (m < 8) {
+    const std::int64_t number = displacement(o);
+    d = in_range(o, number, fits_unsigned(number, 8), "a displacement is 0 to 255");
+    if (m == 0 && d == 0 && !o.exact) m = isa::modn::plain;
+  }
+  return m << 11 | (Word{isa::code(o.reg)} & 7) << 8 | d;
+}
+
+Word OperandEncoder::byte(const OperandSyntax& o) const {
+  need_kind(o, Kind::indirect, "an indirect address");
+  Word m = o.modn;
+  if (m < 8) {
+    const std::int64_t d = displacement(o);
+    if (m == 0 && d == 0 && !o.exact)
+      m = isa::modn::plain;
+    else if (d != 1 || o.exact)
+      miss(Mismatch::contents, o.offset, "the displacement can only be 1 in this instruction");
+  }
+  return m << 3 | (Word{isa::code(o.reg)} & 7);
+}
+
+Word OperandEncoder::immediate(const OperandSyntax& o) const {
+  const Value v = value(o);
+  if (o.exact) return in_range(o, integer(o, v), fits_unsigned(integer(o, v), 16), "=x is a field of 16 bits");
+  if (row_.immediate == Immediate::short_float) return short_float(o, v);
+  const std::int64_t number = integer(o, v);
+  if (!v.is_absolute() && !fits_signed(number, 16))
+    miss(Mismatch::contents, o.offset,
+         "an address has 32 bits; load it with LDHI hi16(x),reg and OR lo16(x),reg, or from a .word");
+  // GNU as takes these two as signed, the chip zero-extends them (c40-isa.md 10.15): the bits are the same.
+  const bool sign_too = row_.operation == isa::Operation::subc || row_.operation == isa::Operation::mpyuhi;
+  if (row_.immediate == Immediate::zero)
+    return in_range(o, number, fits_unsigned(number, 16) || (sign_too && fits_signed(number, 16)), "0 to 65535");
+  if (!fits_signed(number, 16) && fits_unsigned(number, 16))
+    context_.on_warning({o.offset, fmt::format("{} is taken as the signed number {}", number, number - 65536), half_});
+  return in_range(o, number, fits_signed(number, 16) || fits_unsigned(number, 16), "-32768 to 32767");
+}
+
+Word OperandEncoder::short_float(const OperandSyntax& o, const Value& v) const {
+  const Real real = v.is_real() ? v.real : Real(static_cast<double>(integer(o, v)));
+  const auto bits = to_short(real);
+  if (!bits) miss(Mismatch::contents, o.offset, "out of the range of a 16-bit float (-256 to 255.9375)");
+  return row_.operation == isa::Operation::ldm ? *bits & 0xFFF : *bits;
+}
+
+Word OperandEncoder::page(const OperandSyntax& o) const {
+  if (o.kind == Kind::direct) return static_cast<Word>(integer(o)) >> 16;
+  need_kind(o, Kind::expression, "a page number or @address");
+  const Value v = value(o);
+  const std::int64_t number = integer(o, v);
+  if (!v.is_absolute()) return static_cast<Word>(number) >> 16;
+  return in_range(o, number, fits_unsigned(number, 16), "a page is 0 to 65535; @x takes the page of the address x");
+}
+
+}  // namespace toolchain
