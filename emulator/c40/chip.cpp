@@ -1,0 +1,118 @@
+#include "c40/chip.hpp"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "c40/engine.hpp"
+
+namespace c40 {
+
+Chip::Chip(Board board) : engine_(std::make_unique<Engine>(std::move(board))) {}
+Chip::~Chip() = default;
+Chip::Chip(Chip&&) noexcept = default;
+Chip& Chip::operator=(Chip&&) noexcept = default;
+
+void Chip::write_block(Address address, std::span<const Word> words) {
+  for (Word word : words) engine_->poke(address++, word);
+}
+Word Chip::peek(Address address) const { return engine_->peek(address); }
+void Chip::poke(Address address, Word value) { engine_->poke(address, value); }
+
+void Chip::reset() { engine_->reset(); }
+Address Chip::pc() const { return engine_->state().core.pc; }
+
+// A jump from outside: nothing that the old place left pending takes effect at the new one.
+void Chip::set_pc(Address pc) {
+  State& state = engine_->touch();
+  state.core.pc = pc;
+  state.core.delay_slots = 0;
+  state.core.annul = state.core.delay_repeat = state.core.idle = false;
+  state.answers = {};
+  state.pipeline.flush(0);
+}
+
+std::uint64_t Chip::register_value(isa::Register r) const {
+  const Core& core = engine_->state().core;
+  const std::uint8_t code = isa::code(r);
+  if (code == reg::ST) return core.status();
+  return isa::is_extended(r) ? float40::bits({core.e[code], core.r[code]}) : core.r[code];
+}
+
+void Chip::set_register(isa::Register r, std::uint64_t value) {
+  const std::uint64_t limit = isa::is_extended(r) ? std::uint64_t{1} << 40 : std::uint64_t{1} << 32;
+  if (value >= limit) throw std::out_of_range(fmt::format("{:X}h does not fit into {}", value, isa::name(r)));
+  Core& core = engine_->touch().core;
+  const std::uint8_t code = isa::code(r);
+  const auto word = static_cast<Word>(value);
+  if (code == reg::ST) return engine_->write_status(word);
+  core.r[code] = word;
+  if (isa::is_extended(r)) core.e[code] = float40::from_bits(value).e;
+  if (code == reg::IIF) engine_->after_interrupt_register_write();
+}
+
+Float40 Chip::float_register(isa::Register r) const {
+  if (!isa::is_extended(r)) throw std::out_of_range(fmt::format("{} holds no float", isa::name(r)));
+  const Core& core = engine_->state().core;
+  return {core.e[isa::code(r)], core.r[isa::code(r)]};
+}
+
+Word Chip::expansion(isa::Expansion r) const {
+  return r == isa::Expansion::IVTP ? engine_->state().core.ivtp : engine_->state().core.tvtp;
+}
+void Chip::set_expansion(isa::Expansion r, Word value) {
+  Core& core = engine_->touch().core;
+  (r == isa::Expansion::IVTP ? core.ivtp : core.tvtp) = value & ~Word{0x1FF};
+}
+
+StopInfo Chip::run_until(Cycles limit) { return engine_->run_until(limit); }
+StopInfo Chip::step() { return engine_->step(); }
+void Chip::complete_read(Word value, Cycles arbitration, Cycles transfer) {
+  engine_->complete(false, value, arbitration, transfer);
+}
+void Chip::complete_write(Cycles arbitration, Cycles transfer) { engine_->complete(true, 0, arbitration, transfer); }
+
+namespace {
+void check_pin(int pin) {
+  if (pin < 0 || pin > 3) throw std::out_of_range(fmt::format("there is no pin IIOF{}; 0 to 3 are possible", pin));
+}
+}  // namespace
+
+void Chip::raise_iiof(int pin) {
+  check_pin(pin);
+  engine_->raise_flag(4u << 4 * pin);
+}
+void Chip::set_iiof(int pin, bool active) {
+  check_pin(pin);
+  engine_->set_level(pin, active);
+}
+void Chip::raise_nmi() { engine_->raise_flag(1u << 16); }
+bool Chip::idle() const { return engine_->waits_in_idle(); }
+void Chip::hold(bool held) { engine_->touch().held = held; }
+bool Chip::halted() const { return engine_->state().held || engine_->state().faulted; }
+
+Cycles Chip::cycle() const { return engine_->state().cycle; }
+std::uint64_t Chip::instructions() const { return engine_->state().instructions; }
+const Causes& Chip::causes() const {
+  engine_->settle_counts();
+  return engine_->state().causes;
+}
+
+void Chip::add_breakpoint(Address address) {
+  engine_->flush_blocks();
+  engine_->breakpoints.insert(address);
+}
+void Chip::remove_breakpoint(Address address) {
+  engine_->flush_blocks();
+  engine_->breakpoints.erase(address);
+}
+void Chip::set_trace(TraceSink* sink) { engine_->trace = sink; }
+void Chip::set_exact(bool exact) { engine_->exact_only = exact; }
+
+const State& Chip::state() const {
+  engine_->settle_counts();
+  return engine_->state();
+}
+const Memory& Chip::memory() const { return engine_->memory(); }
+
+}  // namespace c40

@@ -1,0 +1,136 @@
+#pragma once
+/// One TMS320C40: its whole public face. The chip knows no system: it runs until a limit, or until it would touch something
+/// that is not its own, and says so.
+///
+/// Inaccuracies: no instruction cache, DMA, timers, communication ports or boot ROM yet (touching their registers is a
+/// fault that names the register); software wait states of the memory interface control registers have no effect; annulled slots
+/// update address registers but do not read memory; RCPF and RSQRF seeds are a model. docs/fidelity.md lists every choice.
+#include <functional>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+
+#include "c40/memory.hpp"
+#include "c40/state.hpp"
+
+namespace c40 {
+
+/// An access to an external window that the chip stopped before.
+struct ExternalAccess {
+  Address address = 0;
+  bool write = false;
+  bool interlocked = false;  ///< LDII, LDFI, STII, STFI, SIGI
+  Word value = 0;            ///< of a write
+  Cycles cycle = 0;          ///< when the access begins, never before the chip's cycle()
+};
+
+/// Why a chip cannot go on. It is halted until reset.
+struct Fault {
+  enum class Kind : std::uint8_t { reserved_instruction, reserved_address, not_modelled, illegal_sequence };
+  Kind kind = Kind::not_modelled;
+  std::string message;
+  Address pc = 0;
+  Cycles cycle = 0;
+  Word word = 0;       ///< the instruction
+  Address address = 0;  ///< the address concerned, if any
+};
+
+struct StopInfo {
+  enum class Reason : std::uint8_t { limit, external_access, breakpoint, fault } reason = Reason::limit;
+  ExternalAccess access{};
+  std::optional<Fault> fault;
+};
+
+struct RegisterChange {
+  isa::Register reg;
+  std::uint64_t value;  ///< 40 bits for R0 to R11
+};
+struct MemoryEvent {
+  Address address;
+  Word value;
+  bool write;
+};
+/// What one instruction did.
+struct TraceRecord {
+  Cycles cycle = 0;  ///< before it
+  Address pc = 0;
+  Word word = 0;
+  Cycles cycles = 0;
+  Causes causes{};
+  std::span<const RegisterChange> registers;
+  std::span<const MemoryEvent> memory;
+};
+class TraceSink {
+ public:
+  virtual ~TraceSink() = default;
+  virtual void instruction(const TraceRecord& record) = 0;
+  /// An interrupt was taken: offset in the table, cycle before the entry.
+  virtual void interrupt(Word vector, Cycles cycle) = 0;
+};
+
+class Engine;
+
+class Chip {
+ public:
+  explicit Chip(Board board);
+  ~Chip();
+  Chip(Chip&&) noexcept;
+  Chip& operator=(Chip&&) noexcept;
+
+  /// Debugger access, without time. Throws std::out_of_range for a reserved address or a window.
+  void write_block(Address address, std::span<const Word> words);
+  Word peek(Address address) const;
+  void poke(Address address, Word value);
+
+  /// Registers to known values (all 0, interface control registers from the board), pipeline empty; memory, cycle and
+  /// instruction counts are kept. Ends a fault.
+  void reset();
+  Address pc() const;
+  void set_pc(Address pc);
+  /// R0 to R11: 40 bits, exponent in 39..32. Others: 32 bits.
+  std::uint64_t register_value(isa::Register r) const;
+  void set_register(isa::Register r, std::uint64_t value);
+  Float40 float_register(isa::Register r) const;
+  Word expansion(isa::Expansion r) const;
+  void set_expansion(isa::Expansion r, Word value);
+
+  /// Runs whole instructions while cycle() < limit. Results do not depend on how a run is cut into calls.
+  StopInfo run_until(Cycles limit);
+  /// One instruction (or interrupt entry). In IDLE, one idle cycle.
+  StopInfo step();
+  /// The answer to a read: its value and what the chip waited for it beyond the region's own wait states.
+  void complete_read(Word value, Cycles arbitration, Cycles transfer);
+  void complete_write(Cycles arbitration, Cycles transfer);
+
+  /// An edge on IIOFn at the present cycle.
+  void raise_iiof(int pin);
+  /// The level of IIOFn: going active is an edge; a level-triggered interrupt stays requested while it lasts.
+  void set_iiof(int pin, bool active);
+  void raise_nmi();
+  /// In IDLE with no interrupt to take.
+  bool idle() const;
+  void hold(bool held);
+  /// Held in reset, or stopped by a fault.
+  bool halted() const;
+
+  Cycles cycle() const;
+  std::uint64_t instructions() const;
+  const Causes& causes() const;
+
+  void add_breakpoint(Address address);
+  void remove_breakpoint(Address address);
+  /// Null switches tracing off. Tracing changes nothing observable.
+  void set_trace(TraceSink* sink);
+  /// One instruction at a time, no blocks: the oracle of the fast path.
+  void set_exact(bool exact);
+
+  const State& state() const;
+  const Memory& memory() const;
+
+ private:
+  std::unique_ptr<Engine> engine_;
+};
+
+}  // namespace c40

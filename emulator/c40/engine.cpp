@@ -1,0 +1,547 @@
+#include "c40/engine.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "c40/addressing.hpp"
+#include "c40/handler_tables.hpp"
+
+namespace c40 {
+namespace {
+
+constexpr std::size_t bound_cache_size = 4096;
+constexpr Address global_interface = peripheral_base + 0x00, local_interface = peripheral_base + 0x04;
+constexpr Word nmi_flag = 1u << 16, timer0_flag = 1u << 24, timer1_flag = 1u << 31;
+
+std::size_t cache_index(Word word) { return (word * 0x9E3779B1u) >> 20; }
+
+void add(Causes& causes, Cause cause, Cycles cycles) { causes[static_cast<std::size_t>(cause)] += cycles; }
+
+}  // namespace
+
+Engine::Engine(Board board) : board_(std::move(board)), memory_(board_), bounds_(bound_cache_size) { reset(); }
+
+void Engine::reset() {
+  flush_blocks();
+  const State old = state_;
+  state_ = State{};
+  state_.cycle = old.cycle;
+  state_.instructions = old.instructions;
+  state_.causes = old.causes;
+  state_.held = old.held;
+  state_.iiof_levels = old.iiof_levels;
+  state_.core.e.fill(float40::zero_exponent);
+  state_.global_interface_control = board_.global_interface_control;
+  state_.local_interface_control = board_.local_interface_control;
+  fault_.reset();
+  reported_breakpoint_.reset();
+  touch();
+}
+
+State& Engine::touch() {
+  resume_ = nullptr;
+  missed_ = nullptr;
+  last_exit_ = nullptr;
+  known_pipeline_.reset();
+  return state_;
+}
+
+Word Engine::peek(Address address) const {
+  const Memory::Area* area = memory_.find(address);
+  if (area == nullptr && board_.flat) return 0;
+  if (area == nullptr) throw std::out_of_range(fmt::format("address {:08X}h is reserved on board {}", address, board_.name));
+  if (area->data != nullptr) return area->data[address - area->base];
+  Word value = 0;
+  if (area->kind == Region::Kind::registers && read_register(address, value)) return value;
+  throw std::out_of_range(fmt::format("address {:08X}h ({}) cannot be read without a bus access", address, area->name));
+}
+
+void Engine::poke(Address address, Word value) {
+  const Memory::Area* area = memory_.find(address);
+  if (area == nullptr) throw std::out_of_range(fmt::format("address {:08X}h is reserved on board {}", address, board_.name));
+  if (area->data == nullptr) {
+    if (area->kind == Region::Kind::registers && write_register(address, value)) return;
+    throw std::out_of_range(fmt::format("address {:08X}h ({}) cannot be written without a bus access", address, area->name));
+  }
+  const Word offset = address - area->base;
+  if ((area->code_map()[offset >> 5] >> (offset & 31) & 1u) != 0) flush_blocks();
+  area->data[offset] = value;
+}
+
+// ---- registers on the chip ----
+
+std::string Engine::register_name(Address address) const {
+  const Word offset = address - peripheral_base;
+  const auto channel = [](Word from, Word at) { return (at - from) >> 4; };
+  if (offset == 0x00) return "global memory interface control";
+  if (offset == 0x04) return "local memory interface control";
+  if (offset >= 0x10 && offset <= 0x13) return "analysis block";
+  if (offset >= 0x20 && offset < 0x40) return fmt::format("timer {}", (offset - 0x20) >> 4);
+  if (offset >= 0x40 && offset < 0xA0) return fmt::format("communication port {}", channel(0x40, offset));
+  if (offset >= 0xA0) return fmt::format("DMA channel {}", channel(0xA0, offset));
+  return "reserved peripheral register";
+}
+
+bool Engine::read_register(Address address, Word& value) const {
+  if (address == global_interface) value = state_.global_interface_control;
+  if (address == local_interface) value = state_.local_interface_control;
+  return address == global_interface || address == local_interface;
+}
+
+bool Engine::write_register(Address address, Word value) {
+  constexpr Word pins = 0xFu, reserved = 0xC0000000u;  // the levels of CE0, CE1, DE, AE are read only
+  if (address != global_interface && address != local_interface) return false;
+  Word& control = address == global_interface ? state_.global_interface_control : state_.local_interface_control;
+  control = (control & pins) | (value & ~(pins | reserved));
+  return true;
+}
+
+// ---- one instruction ----
+
+Engine::Stepped Engine::fail(Fault::Kind kind, std::string message, Address address) {
+  Fault fault;
+  fault.kind = kind;
+  fault.message = std::move(message);
+  fault.pc = state_.core.pc;
+  fault.cycle = state_.cycle;
+  fault.address = address;
+  if (const Memory::Area* area = memory_.find(fault.pc); area != nullptr && area->data != nullptr)
+    fault.word = area->data[fault.pc - area->base];
+  fault_ = std::move(fault);
+  return Stepped::fault;
+}
+
+const Bound* Engine::fetch(StepRecord& record) {
+  const Address pc = state_.core.pc;
+  if (code_area_ == nullptr || !code_area_->contains(pc)) {
+    const Memory::Area* area = memory_.find(pc);
+    if (area == nullptr) {
+      fail(Fault::Kind::reserved_address, fmt::format("instruction fetch from the reserved address {:08X}h", pc), pc);
+      return nullptr;
+    }
+    if (area->data == nullptr) {
+      fail(Fault::Kind::not_modelled, fmt::format("instruction fetch from {:08X}h ({}) is not modelled", pc, area->name), pc);
+      return nullptr;
+    }
+    code_area_ = area;
+  }
+  record.demand.fetch = code_area_->read;
+  record.demand.fetched = state_.core.repeat_single != 2;
+  const Word word = code_area_->data[pc - code_area_->base];
+  const bool set_condition = (state_.core.modes & st::SETCOND) != 0;
+  CachedBound& cached = bounds_[cache_index(word)];
+  if (cached.valid && cached.word == word && cached.set_condition == set_condition) return &cached.bound;
+  auto bound = bind(word, set_condition);
+  if (const auto* no = std::get_if<Unexecutable>(&bound)) {
+    if (no->reserved)
+      fail(Fault::Kind::reserved_instruction, fmt::format("{:08X}h is no instruction: {}", word, no->reason));
+    else
+      fail(Fault::Kind::not_modelled, fmt::format("the instruction {} ({:08X}h) is not modelled", no->reason, word));
+    return nullptr;
+  }
+  cached = {word, true, set_condition, std::get<Bound>(bound)};
+  return &cached.bound;
+}
+
+Cycles Engine::access_cycle(const StepRecord& record, int access) const {
+  Pipeline preview = state_.pipeline;
+  Demand demand = record.demand;
+  demand.count = static_cast<std::uint8_t>(access + 1);
+  const int start = preview.advance(demand).start[static_cast<std::size_t>(access)];
+  Cycles cycle = state_.cycle + std::max(start, 0);
+  for (const Answer& answer : state_.answers)
+    if (answer.given) cycle += answer.arbitration + answer.transfer;
+  return cycle;
+}
+
+// An access did not meet a known region: find it, or stop.
+Engine::Stepped Engine::resolve(StepRecord& record, Op& op) {
+  const Core& core = state_.core;
+  const std::size_t k = core.miss_access;
+  const Address address = core.miss_address;
+  const bool write = core.miss_write;
+  const Memory::Area* area = memory_.find(address);
+  if (area == nullptr)
+    return fail(Fault::Kind::reserved_address,
+                fmt::format("{} {:08X}h, which is reserved on board {}", write ? "write to" : "read of", address, board_.name),
+                address);
+  record.demand.data[k] = write ? area->write : area->read;
+  record.demand.count = std::max(record.demand.count, static_cast<std::uint8_t>(k + 1));
+  record.address[k] = address;
+  if (area->data != nullptr) {
+    record.windows[k] = op.access[k] = {area->data, area->base, area->words};
+    if (trace != nullptr) events_.push_back({address, write ? core.miss_value : area->data[address - area->base], write});
+    return Stepped::done;
+  }
+  record.only_ram = false;
+  auto& cell = scratch_[k].cell;
+  cell = {};
+  if (area->kind == Region::Kind::registers) {
+    if (!read_register(address, cell[0]))
+      return fail(Fault::Kind::not_modelled,
+                  fmt::format("{} {:08X}h: the register of {} is not modelled yet", write ? "write to" : "read of", address,
+                              register_name(address)),
+                  address);
+    record.register_write[k] = write;
+  } else {
+    const Answer& answer = state_.answers[k];
+    if (!answer.given || answer.address != address || answer.write != write) {
+      waiting_ = {address, write, record.bound.row->interlocked, write ? core.miss_value : 0, access_cycle(record, core.miss_access)};
+      waiting_access_ = k;
+      return Stepped::external;
+    }
+    cell[0] = answer.value;
+  }
+  op.access[k] = {cell.data(), address, 1};
+  if (trace != nullptr) events_.push_back({address, write ? core.miss_value : cell[0], write});
+  return Stepped::done;
+}
+
+Engine::Stepped Engine::execute(StepRecord& record) {
+  Core& core = state_.core;
+  const Address pc = core.pc;
+  std::array<Op, 2> ops{record.bound.op, Op{}};
+  ops[0].pc = pc;
+  ops[1].handler = &execute::end_of_step;
+  if (record.bound.reads_status) core.r[reg::ST] = core.status();
+  core.pc = pc + 1;
+  for (;;) {
+    const Outcome outcome = ops[0].handler(core, ops.data());
+    if (outcome.exit == Exit::miss) {
+      core.pc = pc;  // faults and stops name this instruction
+      if (const Stepped why = resolve(record, ops[0]); why != Stepped::done) return why;
+      core.pc = pc + 1;
+      continue;
+    }
+    if (outcome.exit == Exit::trap_out) {
+      core.pc = pc;
+      return Stepped::breakpoint;
+    }
+    record.taken = outcome.exit == Exit::taken;
+    return Stepped::done;
+  }
+}
+
+// The execute stage of an annulled slot does not happen; the earlier stages of the first two slots did (8.2).
+void Engine::annulled(const StepRecord& record) {
+  Core& core = state_.core;
+  const std::uint32_t slot = 4 - core.delay_slots;  // 1 to 3
+  core.pc += 1;
+  if (slot == 3) return;
+  const Op& op = record.bound.op;
+  std::array<Word, 2> updated{};
+  const auto slots = static_cast<std::size_t>(record.bound.address_updates);
+  for (std::size_t i = 0; i < slots; ++i)
+    updated[i] = execute::form_indirect(core, op.ar[i], op.modn[i], op.displacement[i]).updated;
+  for (std::size_t i = 0; i < slots; ++i)
+    if (isa::modn::modifies(op.modn[i])) core.r[op.ar[i]] = updated[i];
+  const isa::WriteStage stage = record.bound.row->write_stage;
+  if (stage == isa::WriteStage::decode) core.r[op.dst] = op.immediate;
+  if (stage == isa::WriteStage::read && slot == 1 && record.bound.source == execute::Kind::reg)
+    core.r[op.dst] = core.r[op.src1];
+  if (stage == isa::WriteStage::read && slot == 1 && record.bound.source == execute::Kind::constant)
+    core.r[op.dst] = op.immediate;
+}
+
+void Engine::account(const StepRecord& record) {
+  const StepTiming& t = record.timing;
+  state_.cycle += t.total;
+  ++state_.instructions;
+  Causes& causes = state_.causes;
+  add(causes, Cause::execute, t.total - t.branch - t.register_conflict - t.memory_conflict - t.wait_state);
+  add(causes, Cause::branch, t.branch);
+  add(causes, Cause::register_conflict, t.register_conflict);
+  add(causes, Cause::memory_conflict, t.memory_conflict);
+  add(causes, Cause::wait_state, t.wait_state);
+  for (Answer& answer : state_.answers) {
+    if (!answer.given) continue;
+    add(causes, Cause::bus_arbitration, answer.arbitration);
+    add(causes, Cause::bus_transfer, answer.transfer);
+    state_.cycle += answer.arbitration + answer.transfer;
+    answer = {};
+  }
+}
+
+void Engine::write_status(Word value) {
+  Core& core = state_.core;
+  const Word count = core.r[reg::RC];
+  if (count == 0 || count == 0xFFFFFFFFu) value &= ~st::RM;
+  if ((value & st::RM) == 0) core.repeat_single = 0;
+  core.set_status(value);
+}
+
+// A pin that is an input shows its level in FLAG.
+void Engine::after_interrupt_register_write() {
+  Word& iif = state_.core.r[reg::IIF];
+  for (unsigned pin = 0; pin < 4; ++pin) {
+    const Word nibble = iif >> 4 * pin;
+    if ((nibble & 3u) != 0) continue;
+    // The pins are active low: held active, an input reads 0.
+    const Word level = (state_.iiof_levels >> pin & 1u) != 0 ? 0u : 4u;
+    iif = (iif & ~(4u << 4 * pin)) | level << 4 * pin;
+  }
+}
+
+void Engine::finish_step(const StepRecord& record) {
+  Core& core = state_.core;
+  for (std::size_t k = 0; k < 2; ++k)
+    if (record.register_write[k]) write_register(record.address[k], scratch_[k].cell[0]);
+  if (record.bound.writes_status) write_status(core.r[reg::ST]);
+  if (record.bound.writes_interrupts) after_interrupt_register_write();
+}
+
+// Delayed branches take effect after their third slot; the loop hardware compares with RE.
+void Engine::advance_pc(Address pc) {
+  Core& core = state_.core;
+  if (core.delay_slots != 0 && --core.delay_slots == 0) {
+    core.pc = core.delay_target;
+    core.annul = false;
+    if (core.delay_repeat) {
+      core.delay_repeat = false;
+      core.modes |= st::RM;
+      core.repeat_single = 0;
+    }
+    return;
+  }
+  if ((core.modes & st::RM) == 0 || pc != core.r[reg::RE]) return;
+  if (static_cast<std::int32_t>(--core.r[reg::RC]) >= 0) {
+    core.pc = core.r[reg::RS];
+    if (core.repeat_single == 1) core.repeat_single = 2;
+  } else {
+    core.modes &= ~st::RM;
+    core.repeat_single = 0;
+  }
+}
+
+Engine::Stepped Engine::exact_step(StepRecord& record) {
+  Core& core = state_.core;
+  record = StepRecord{};
+  known_pipeline_.reset();
+  last_exit_ = nullptr;
+  const Bound* bound = fetch(record);
+  if (bound == nullptr) return Stepped::fault;
+  record.bound = *bound;
+  const Address pc = core.pc;
+  const bool held_together = core.delay_slots != 0 || core.repeat_single != 0;
+  if (held_together && bound->flow != Flow::straight)
+    return fail(Fault::Kind::illegal_sequence,
+                fmt::format("{} may not stand {}", bound->row->mnemonic,
+                            core.delay_slots != 0 ? "in the three slots of a delayed branch" : "under RPTS"));
+  const Cycles before_cycle = state_.cycle;
+  std::optional<Core> before;
+  Causes before_causes{};
+  if (trace != nullptr) {
+    before = core;
+    before_causes = state_.causes;
+    events_.clear();
+  }
+  const bool annul = core.annul && core.delay_slots != 0 && core.delay_slots < 4;
+  if (annul) {
+    if (core.delay_slots == 3 && bound->row->write_stage == isa::WriteStage::read && execute::is_memory(bound->source))
+      return fail(Fault::Kind::not_modelled, "LDA from memory in the first slot of an annulled branch is not modelled");
+    annulled(record);
+  } else {
+    if (const Stepped why = execute(record); why != Stepped::done) return why;
+    finish_step(record);
+    record.demand.footprint = bound->footprint;
+    record.demand.flush_cost = record.taken ? bound->taken_cost : bound->not_taken_cost;
+  }
+  record.timing = state_.pipeline.advance(record.demand);
+  account(record);
+  advance_pc(pc);
+  if (before) emit_trace(record, *before, before_cycle, before_causes);
+  return Stepped::done;
+}
+
+void Engine::emit_trace(const StepRecord& record, const Core& before, Cycles cycle, const Causes& causes) {
+  TraceRecord out;
+  out.cycle = cycle;
+  out.pc = before.pc;
+  out.word = record.bound.word;
+  out.cycles = state_.cycle - cycle;
+  for (std::size_t i = 0; i < cause_count; ++i) out.causes[i] = state_.causes[i] - causes[i];
+  std::vector<RegisterChange> changes;
+  const Core& now = state_.core;
+  for (std::uint8_t code = 0; code < 32; ++code) {
+    const auto r = static_cast<isa::Register>(code);
+    const auto value = [&](const Core& core) -> std::uint64_t {
+      if (code == reg::ST) return core.status();
+      return isa::is_extended(r) ? float40::bits({core.e[code], core.r[code]}) : core.r[code];
+    };
+    if (value(before) != value(now)) changes.push_back({r, value(now)});
+  }
+  out.registers = changes;
+  out.memory = events_;
+  trace->instruction(out);
+}
+
+// ---- interrupts ----
+
+Word Engine::pending_vector() const {
+  const Core& core = state_.core;
+  const Word iif = core.r[reg::IIF], iie = core.r[reg::IIE];
+  if ((iif & nmi_flag) != 0) return 1;
+  if ((core.modes & st::GIE) == 0) return 0;
+  if ((iif & timer0_flag) != 0 && (iie & 1u) != 0) return 2;
+  for (unsigned pin = 0; pin < 4; ++pin) {
+    const Word nibble = iif >> 4 * pin & 0xFu;
+    const bool requested = (nibble & 4u) != 0 || ((nibble & 2u) != 0 && (state_.iiof_levels >> pin & 1u) != 0);
+    if ((nibble & 9u) == 9u && requested) return 3 + pin;
+  }
+  for (unsigned channel = 0; channel < 6; ++channel)
+    if ((iif & iie) >> (25 + channel) & 1u) return 0x25 + channel;
+  return (iif & iie & timer1_flag) != 0 ? 0x2Bu : 0u;
+}
+
+bool Engine::take_interrupt(Word vector) {
+  Core& core = state_.core;
+  const Address top = core.r[reg::SP] + 1, entry = (core.ivtp & ~Word{0x1FF}) + vector;
+  const Memory::Area* stack = memory_.find(top);
+  const Memory::Area* table = memory_.find(entry);
+  for (const auto& [area, address, what] : {std::tuple{stack, top, "the stack"}, std::tuple{table, entry, "the vector table"}})
+    if (area == nullptr || area->data == nullptr) {
+      fail(Fault::Kind::not_modelled, fmt::format("interrupt {:02X}h: {} at {:08X}h is not in RAM", vector, what, address), address);
+      return false;
+    }
+  const Cycles before = state_.cycle;
+  poke(top, core.pc);
+  core.r[reg::SP] = top;
+  core.pc = table->data[entry - table->base];
+  const Word old = core.modes;
+  core.modes = (old & ~(st::PGIE | st::PCF | st::GIE)) | (old & st::GIE ? st::PGIE : 0u) | (old & st::CF ? st::PCF : 0u) | st::CF;
+  Word& iif = core.r[reg::IIF];
+  if (vector == 1) iif &= ~nmi_flag;
+  if (vector == 2) iif &= ~timer0_flag;
+  if (vector >= 3 && vector <= 6) iif &= ~(4u << 4 * (vector - 3));
+  if (vector >= 0x25 && vector <= 0x2A) iif &= ~(1u << (vector - 0xC));
+  if (vector == 0x2B) iif &= ~timer1_flag;
+  core.idle = false;
+  const int waits = table->read.waits + stack->write.waits;
+  add(state_.causes, Cause::interrupt, timing::interrupt_entry_cost);
+  add(state_.causes, Cause::wait_state, waits);
+  state_.cycle += timing::interrupt_entry_cost + waits;
+  state_.pipeline.flush(timing::interrupt_entry_cost + waits);
+  touch();
+  if (trace != nullptr) trace->interrupt(vector, before);
+  return true;
+}
+
+void Engine::raise_flag(Word flag) {
+  Word& iif = state_.core.r[reg::IIF];
+  for (unsigned pin = 0; pin < 4; ++pin)
+    if (flag == 4u << 4 * pin && (iif >> 4 * pin & 1u) == 0) return;  // general-purpose I/O
+  iif |= flag;
+}
+
+void Engine::set_level(int pin, bool active) {
+  const auto bit = static_cast<std::uint8_t>(1u << pin);
+  const bool edge = active && (state_.iiof_levels & bit) == 0;
+  state_.iiof_levels = static_cast<std::uint8_t>(active ? state_.iiof_levels | bit : state_.iiof_levels & ~bit);
+  if (edge) raise_flag(4u << 4 * pin);
+  after_interrupt_register_write();
+}
+
+void Engine::complete(bool write, Word value, Cycles arbitration, Cycles transfer) {
+  if (waiting_access_ >= 2 || waiting_.write != write)
+    throw std::logic_error(fmt::format("the chip does not wait for a {}", write ? "write" : "read"));
+  if (arbitration < 0 || transfer < 0) throw std::invalid_argument("a chip cannot wait a negative number of cycles");
+  state_.answers[waiting_access_] = {true, write, waiting_.address, value, arbitration, transfer};
+  waiting_access_ = 2;
+}
+
+// ---- running ----
+
+void Engine::pass(Cause cause, Cycles until) {
+  if (until <= state_.cycle) return;
+  add(state_.causes, cause, until - state_.cycle);
+  state_.cycle = until;
+  state_.pipeline.drain();
+  known_pipeline_.reset();
+}
+
+StopInfo Engine::stop(Stepped why) {
+  StopInfo info;
+  switch (why) {
+    case Stepped::done: break;
+    case Stepped::external:
+      info.reason = StopInfo::Reason::external_access;
+      info.access = waiting_;
+      break;
+    case Stepped::breakpoint: info.reason = StopInfo::Reason::breakpoint; break;
+    case Stepped::fault:
+      info.reason = StopInfo::Reason::fault;
+      info.fault = fault_;
+      state_.faulted = true;
+      break;
+  }
+  return info;
+}
+
+bool Engine::may_interrupt() const {
+  return state_.core.delay_slots == 0 && state_.core.repeat_single == 0 && !state_.answers[0].given && !state_.answers[1].given;
+}
+
+// One thing: a stop, an interrupt entry, idling, a run of blocks, or one exact instruction.
+std::optional<StopInfo> Engine::advance(Cycles limit, bool single) {
+  Core& core = state_.core;
+  core.attention = false;
+  if (core.code_writes != 0) process_code_writes();
+  if (may_interrupt()) {
+    if (const Word vector = pending_vector(); vector != 0) {
+      if (!take_interrupt(vector)) return stop(Stepped::fault);
+      return std::nullopt;
+    }
+    if (core.idle) {
+      pass(Cause::idle, limit);
+      return std::nullopt;
+    }
+  }
+  if (!single && !breakpoints.empty() && breakpoints.contains(core.pc) && reported_breakpoint_ != state_.instructions) {
+    reported_breakpoint_ = state_.instructions;
+    return stop(Stepped::breakpoint);
+  }
+  const bool answered = state_.answers[0].given || state_.answers[1].given;
+  const bool exact = single || exact_only || trace != nullptr || answered;
+  if (!exact && missed_ == nullptr) {
+    if (Block* block = std::exchange(resume_, nullptr); block != nullptr) {
+      run_blocks(block, resume_at_, limit);
+      return std::nullopt;
+    }
+    if (core.delay_slots == 0) {
+      Stepped why = Stepped::done;
+      if (Block* block = find_or_record(limit, why); block != nullptr) run_blocks(block, 0, limit);
+      if (why != Stepped::done) return stop(why);
+      return std::nullopt;
+    }
+  }
+  resume_ = nullptr;
+  Block* missed = std::exchange(missed_, nullptr);
+  StepRecord record;
+  if (const Stepped why = exact_step(record); why != Stepped::done) return stop(why);
+  if (missed != nullptr && core.code_writes == 0) rejoin(*missed);
+  return std::nullopt;
+}
+
+StopInfo Engine::run_until(Cycles limit) {
+  if (state_.held || state_.faulted) {
+    pass(Cause::halted, limit);
+    return {};
+  }
+  while (state_.cycle < limit)
+    if (auto info = advance(limit, false)) return *info;
+  return {};
+}
+
+StopInfo Engine::step() {
+  if (state_.held || state_.faulted) {
+    pass(Cause::halted, state_.cycle + 1);
+    return {};
+  }
+  if (auto info = advance(state_.cycle + 1, true)) return *info;
+  return {};
+}
+
+}  // namespace c40

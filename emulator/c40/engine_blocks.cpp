@@ -1,0 +1,358 @@
+// Recording blocks and running them.
+#include <algorithm>
+#include <utility>
+
+#include "c40/engine.hpp"
+#include "c40/handler_tables.hpp"
+
+namespace c40 {
+namespace {
+
+constexpr std::size_t longest_block = 64;
+constexpr std::size_t most_blocks = 20000;
+constexpr std::uint32_t mode_set_condition = 1, mode_repeat = 2;
+
+void add_costs(Causes& causes, const Costs& costs, Cycles times) {
+  for (std::size_t i = 0; i < cause_count; ++i) causes[i] += times * costs[i];
+}
+void add_difference(Causes& causes, const Costs& to, const Costs& from) {
+  for (std::size_t i = 0; i < cause_count; ++i) causes[i] += to[i] - from[i];
+}
+
+void add_timing(Costs& costs, const StepTiming& t) {
+  const auto charge = [&](Cause cause, int cycles) {
+    auto& cost = costs[static_cast<std::size_t>(cause)];
+    cost = static_cast<std::uint16_t>(cost + cycles);
+  };
+  charge(Cause::execute, t.total - t.branch - t.register_conflict - t.memory_conflict - t.wait_state);
+  charge(Cause::branch, t.branch);
+  charge(Cause::register_conflict, t.register_conflict);
+  charge(Cause::memory_conflict, t.memory_conflict);
+  charge(Cause::wait_state, t.wait_state);
+}
+
+}  // namespace
+
+PipelineId Engine::intern(const Pipeline& pipeline) {
+  auto& ids = pipeline_ids_[pipeline.hash()];
+  for (PipelineId id : ids)
+    if (pipelines_[id] == pipeline) return id;
+  const auto id = static_cast<PipelineId>(pipelines_.size());
+  pipelines_.push_back(pipeline);
+  ids.push_back(id);
+  return id;
+}
+
+PipelineId Engine::current_pipeline() {
+  if (!known_pipeline_) known_pipeline_ = intern(state_.pipeline);
+  return *known_pipeline_;
+}
+
+BlockKey Engine::key() {
+  const Core& core = state_.core;
+  BlockKey key;
+  key.pc = core.pc;
+  key.pipeline = current_pipeline();
+  const bool repeat = (core.modes & st::RM) != 0;
+  if (repeat) key.repeat_end = core.r[reg::RE];
+  key.mode = ((core.modes & st::SETCOND) != 0 ? mode_set_condition : 0u) | (repeat ? mode_repeat : 0u) |
+             static_cast<std::uint32_t>(core.repeat_single) << 2;
+  return key;
+}
+
+Block* Engine::find_or_record(Cycles limit, Stepped& why) {
+  const BlockKey k = key();
+  const auto found = by_key_.find(k);
+  Block* const block = found != by_key_.end() ? found->second : nullptr;
+  // The exit that led here leads here every time.
+  if (Block::Exit* from = std::exchange(last_exit_, nullptr); from != nullptr && block != nullptr && from->chained) from->next = block;
+  if (block != nullptr) return block;
+  if (blocks_.size() >= most_blocks) flush_blocks();
+  record(key(), limit, why);
+  return nullptr;
+}
+
+bool Engine::recordable(const Bound& bound) const {
+  if (bound.flow == Flow::stop || bound.flow == Flow::annulling) return false;
+  if (bound.reads_status || bound.writes_status || bound.writes_interrupts) return false;
+  return !(bound.writes_repeat && bound.flow == Flow::straight && (state_.core.modes & st::RM) != 0);
+}
+
+// Executes as it records. Whatever cannot stand in a block ends it.
+void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
+  Core& core = state_.core;
+  auto block = std::make_unique<Block>();
+  block->key = k;
+  Cycles at = 0;
+  Costs costs{};
+  bool reads_repeat = false, closed = false, chained = true;
+  StepRecord step;
+  Pipeline before, end;
+  while (!closed) {
+    const std::size_t n = block->size;
+    if (n != 0 && state_.cycle >= limit) return;
+    if (n >= longest_block && core.delay_slots == 0) break;
+    if (n != 0 && breakpoints.contains(core.pc)) break;
+    StepRecord look;
+    const Bound* bound = fetch(look);
+    if (bound == nullptr || !recordable(*bound)) {
+      if (n == 0) {
+        why = exact_step(step);
+        return;
+      }
+      fault_.reset();
+      // Slots cannot be left to a block of their own.
+      if (core.delay_slots != 0) return;
+      break;
+    }
+    before = state_.pipeline;
+    const PipelineId id = intern(before);
+    const auto slots = static_cast<std::uint8_t>(core.delay_slots);
+    const bool ends_repeat = (k.mode & mode_repeat) != 0 && core.pc == k.repeat_end;
+    why = exact_step(step);
+    if (why != Stepped::done || !step.only_ram) {
+      if (n == 0 || slots != 0) return;
+      break;
+    }
+    for (std::size_t i = 0; i < step.demand.count; ++i)
+      if (step.demand.data[i].write && step.address[i] - k.pc <= n) return;  // it changes itself
+    Op op = step.bound.op;
+    op.pc = k.pc + static_cast<Address>(n);
+    op.access = step.windows;
+    if (step.bound.flow == Flow::directed || step.bound.row->operation == isa::Operation::lat ||
+        step.bound.row->operation == isa::Operation::reti)
+      op.direction = step.taken || (step.bound.flow == Flow::delayed && core.delay_taken) ? 1 : 0;
+    block->ops.push_back(op);
+    block->start.push_back(at);
+    block->causes.push_back(costs);
+    block->pipelines.push_back(id);
+    block->delay_slots.push_back(slots);
+    ++block->size;
+    reads_repeat |= step.bound.reads_repeat;
+    chained &= !step.bound.dynamic_target && step.bound.row->operation != isa::Operation::reti;
+    end = state_.pipeline;
+    at += step.timing.total;
+    add_timing(costs, step.timing);
+    Op terminal;
+    terminal.pc = op.pc + 1;
+    terminal.immediate = static_cast<Word>(block->size);
+    if (step.bound.flow == Flow::branch || step.bound.flow == Flow::directed) {
+      close_with_branch(*block, step, before, chained);
+      closed = true;
+    } else if (slots == 1) {
+      terminal.handler = &execute::end_of_delay;
+      closed = true;
+    } else if (ends_repeat && slots == 0 && step.bound.flow == Flow::straight) {
+      terminal.handler = &execute::end_of_repeat;
+      block->repeats = closed = true;
+    }
+    if (terminal.handler != nullptr) {
+      block->ops.push_back(terminal);
+      close_straight(*block, at, costs, end, chained);
+    }
+  }
+  if (!closed) {
+    Op terminal;
+    terminal.handler = &execute::end_of_block;
+    terminal.pc = k.pc + static_cast<Address>(block->size);
+    block->ops.push_back(terminal);
+    close_straight(*block, at, costs, end, chained);
+  }
+  block->start.push_back(at);
+  block->causes.push_back(costs);
+  block->pipelines.push_back(block->exits[0].pipeline);
+  block->last_start = block->start[block->size - 1];
+  block->self_loop = block->repeats && !reads_repeat && block->exits[1].pipeline == k.pipeline && (k.mode >> 2) != 1;
+  block->only_nop = block->self_loop && block->size == 1 && step.bound.is_nop;
+  for (std::size_t i = 0; i < block->size; ++i) {
+    const Address pc = k.pc + static_cast<Address>(i);
+    memory_.find(pc)->mark_code(pc);
+  }
+  by_key_.emplace(k, block.get());
+  blocks_.push_back(std::move(block));
+}
+
+void Engine::close_straight(Block& block, Cycles cycles, const Costs& costs, const Pipeline& end, bool chained) {
+  const PipelineId pipeline = intern(end);
+  for (Block::Exit& exit : block.exits) {
+    exit.cycles = cycles;
+    exit.causes = costs;
+    exit.pipeline = pipeline;
+    exit.chained = chained;
+  }
+}
+
+void Engine::close_with_branch(Block& block, const StepRecord& step, const Pipeline& before, bool chained) {
+  const std::size_t last = block.size - 1;
+  for (std::size_t direction = 0; direction < 2; ++direction) {
+    Block::Exit& exit = block.exits[direction];
+    Pipeline pipeline = before;
+    Demand demand = step.demand;
+    demand.flush_cost = direction == 1 ? step.bound.taken_cost : step.bound.not_taken_cost;
+    const StepTiming timing = pipeline.advance(demand);
+    exit.cycles = block.start[last] + timing.total;
+    exit.causes = block.causes[last];
+    add_timing(exit.causes, timing);
+    exit.pipeline = intern(pipeline);
+    exit.chained = chained;
+  }
+}
+
+// ---- running ----
+
+// Leaves a block before instruction `at`, having entered it before `from`.
+void Engine::leave(Block& block, std::size_t from, std::size_t at) {
+  Core& core = state_.core;
+  state_.cycle += block.start[at] - block.start[from];
+  add_difference(state_.causes, block.causes[at], block.causes[from]);
+  state_.instructions += at - from;
+  core.pc = block.key.pc + static_cast<Address>(at);
+  core.delay_slots = at < block.size ? block.delay_slots[at] : 0;
+  known_pipeline_ = block.pipelines[at];
+  state_.pipeline = pipelines_[*known_pipeline_];
+}
+
+// `passes` passes through a repeated block are done: what the loop hardware made of them.
+std::size_t Engine::end_repeat(Block& block, std::uint32_t passes) {
+  Core& core = state_.core;
+  core.r[reg::RC] -= passes;
+  Block::Exit& again = block.exits[1];
+  again.count += passes - 1;
+  state_.cycle += (passes - 1) * again.cycles;
+  state_.instructions += (passes - 1) * block.size;
+  if (static_cast<std::int32_t>(core.r[reg::RC]) >= 0) {
+    core.pc = core.r[reg::RS];
+    if (core.repeat_single == 1) core.repeat_single = 2;
+    return 1;
+  }
+  core.modes &= ~st::RM;
+  core.repeat_single = 0;
+  return 0;
+}
+
+// How often a block that follows itself may run in one go.
+std::uint32_t Engine::passes_within(const Block& block, Cycles limit) const {
+  const Core& core = state_.core;
+  if (!block.self_loop || core.r[reg::RS] != block.key.pc) return 1;
+  const auto count = static_cast<std::int32_t>(core.r[reg::RC]);
+  if (count <= 0) return 1;
+  const Cycles affordable = (limit - state_.cycle) / block.exits[1].cycles;
+  return static_cast<std::uint32_t>(std::clamp<Cycles>(affordable, 1, Cycles{count} + 1));
+}
+
+void Engine::run_blocks(Block* block, std::size_t from, Cycles limit) {
+  Core& core = state_.core;
+  for (;;) {
+    Block& b = *block;
+    Outcome outcome;
+    std::uint32_t passes = 1;
+    core.loop_left = 0;
+    const Cycles budget = limit - state_.cycle + b.start[from];
+    if (b.last_start >= budget) [[unlikely]] {
+      const auto first = std::lower_bound(b.start.begin() + static_cast<std::ptrdiff_t>(from),
+                                          b.start.begin() + static_cast<std::ptrdiff_t>(b.size), budget);
+      const auto at = static_cast<std::size_t>(first - b.start.begin());
+      const Handler handler = std::exchange(b.ops[at].handler, &execute::budget_end);
+      outcome = b.ops[from].handler(core, &b.ops[from]);
+      b.ops[at].handler = handler;
+    } else {
+      if (b.repeats && from == 0) {
+        passes = passes_within(b, limit);
+        core.loop_left = b.only_nop ? 0 : passes - 1;
+      }
+      outcome = b.ops[from].handler(core, &b.ops[from]);
+    }
+    if (outcome.exit > Exit::taken) [[unlikely]] {
+      if (b.repeats && passes > 1) {
+        // Whole passes that came before the one that was left.
+        const std::uint32_t done = passes - 1 - core.loop_left;
+        core.r[reg::RC] -= done;
+        b.exits[1].count += done;
+        state_.cycle += done * b.exits[1].cycles;
+        state_.instructions += done * b.size;
+      }
+      return left_block(b, from, outcome);
+    }
+    std::size_t taken = outcome.exit == Exit::taken;
+    if (b.repeats) taken = end_repeat(b, passes);
+    Block::Exit& exit = b.exits[taken];
+    if (from == 0) [[likely]] {
+      ++exit.count;
+      state_.cycle += exit.cycles;
+    } else {
+      state_.cycle += exit.cycles - b.start[from];
+      add_difference(state_.causes, exit.causes, b.causes[from]);
+    }
+    state_.instructions += b.size - from;
+    from = 0;
+    const bool interrupted = core.attention || core.code_writes != 0;
+    Block* const next = exit.next;
+    if (next != nullptr && next->key.pc == core.pc && !interrupted && state_.cycle < limit) [[likely]] {
+      block = next;
+      continue;
+    }
+    known_pipeline_ = exit.pipeline;
+    state_.pipeline = pipelines_[exit.pipeline];
+    last_exit_ = interrupted ? nullptr : &exit;
+    return;
+  }
+}
+
+void Engine::left_block(Block& block, std::size_t from, const Outcome& outcome) {
+  const auto at = static_cast<std::size_t>(outcome.at - block.ops.data());
+  last_exit_ = nullptr;
+  if (outcome.exit == Exit::left_after) {
+    const std::uint8_t slots = block.delay_slots[at];
+    leave(block, from, at + 1);
+    state_.core.delay_slots = slots;
+    advance_pc(block.key.pc + static_cast<Address>(at));
+    return;
+  }
+  leave(block, from, at);
+  if (outcome.exit == Exit::cut) {
+    resume_ = &block;
+    resume_at_ = at;
+  } else {
+    missed_ = &block;
+  }
+}
+
+// After the exact engine did the instruction that the block could not: back into the block if everything is as recorded.
+void Engine::rejoin(Block& block) {
+  const Core& core = state_.core;
+  const std::size_t at = core.pc - block.key.pc;
+  if (at == 0 || at >= block.size || core.delay_slots != block.delay_slots[at]) return;
+  if (current_pipeline() != block.pipelines[at]) return;
+  resume_ = &block;
+  resume_at_ = at;
+}
+
+void Engine::settle_counts() {
+  for (auto& block : blocks_)
+    for (Block::Exit& exit : block->exits) {
+      if (exit.count == 0) continue;
+      add_costs(state_.causes, exit.causes, static_cast<Cycles>(exit.count));
+      exit.count = 0;
+    }
+}
+
+void Engine::flush_blocks() {
+  settle_counts();
+  for (auto& block : blocks_)
+    for (std::size_t i = 0; i < block->size; ++i) {
+      const Address pc = block->key.pc + static_cast<Address>(i);
+      if (const Memory::Area* area = memory_.find(pc)) area->unmark_code(pc);
+    }
+  blocks_.clear();
+  by_key_.clear();
+  last_exit_ = nullptr;
+  resume_ = nullptr;
+  missed_ = nullptr;
+}
+
+void Engine::process_code_writes() {
+  state_.core.code_writes = 0;
+  flush_blocks();
+}
+
+}  // namespace c40

@@ -1,0 +1,36 @@
+#pragma once
+// The handlers of each group of instructions, by operation and the kinds of its operands. Null: there is no such form.
+#include "c40/op.hpp"
+#include "isa/table.hpp"
+
+namespace c40::execute {
+
+/// dst <- op(src1, src2) on integers; `flags` says whether the condition flags follow.
+Handler integer_handler(isa::Operation operation, Kind a, Kind b, bool flags);
+Handler integer_store_handler(isa::Operation operation, Kind a, Kind b);
+
+/// The same on floats, and FIX (whose destination may be any register), FLOAT, LDE, LDM, NORM.
+Handler float_handler(isa::Operation operation, Kind a, Kind b, bool flags);
+Handler float_store_handler(isa::Operation operation, Kind a, Kind b);
+
+/// LDFcond, LDIcond; the condition is the op's selector.
+Handler conditional_load_handler(bool floating, Kind a);
+
+/// STI, STF, STIK to memory of kind `to`; `from` is reg or constant.
+Handler store_handler(bool floating, Kind from, Kind to);
+Handler load_load_handler(bool floating);
+Handler store_store_handler(bool floating);
+/// `product`: the P field.
+Handler multiply_add_handler(bool floating, bool subtract, int product);
+
+/// PUSH, POP, NOP, IACK and everything that changes the PC. `a` is the kind of src1; none for a relative target.
+Handler control_handler(const isa::Row& row, isa::Condition condition, Kind a, bool flags);
+
+/// What ends a run of ops.
+Outcome end_of_step(Core& core, const Op* op);
+Outcome end_of_block(Core& core, const Op* op);
+Outcome end_of_delay(Core& core, const Op* op);
+Outcome end_of_repeat(Core& core, const Op* op);
+Outcome budget_end(Core& core, const Op* op);
+
+}  // namespace c40::execute

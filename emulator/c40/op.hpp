@@ -1,0 +1,127 @@
+#pragma once
+/// One predecoded instruction, and the state that instructions work on.
+///
+/// Handlers follow each other by tail calls: each does its work and then calls the next op's handler. One that cannot go
+/// on (a guard does not hold, the block ends) returns instead. A handler commits nothing before all its guards have passed,
+/// so any instruction can be left and done again by the exact engine, which runs the same handlers one at a time.
+#include <array>
+#include <cstdint>
+
+#include "c40/float40.hpp"
+#include "c40/timing.hpp"
+#include "c40/types.hpp"
+#include "isa/types.hpp"
+
+namespace c40 {
+
+struct Op;
+struct Core;
+
+/// Why a run of handlers came back.
+enum class Exit : std::uint64_t {
+  not_taken,  ///< the end of the block, straight on (or a branch not taken)
+  taken,      ///< the end of the block, at a branch's target
+  miss,       ///< an access did not meet its region: nothing of `at` was done
+  left_after,  ///< `at` was done; what follows must be looked up afresh
+  trap_out,    ///< SWI: nothing of `at` was done
+  cut          ///< `at` is the first op that the budget does not cover: nothing of it was done
+};
+struct Outcome {
+  const Op* at;
+  Exit exit;
+};
+using Handler = Outcome (*)(Core&, const Op*);
+
+/// The memory that one access of an op met when it was recorded: guard, fast path and timing in one.
+struct Window {
+  Word* data = nullptr;
+  Address base = 0;
+  Word words = 0;
+};
+
+struct Op {
+  Handler handler = nullptr;
+  std::array<Window, 2> access{};
+  Address pc = 0;
+  Word immediate = 0;  ///< Constant, branch offset, trap number.
+  std::array<std::uint16_t, 2> displacement{};
+  std::uint8_t dst = 0, src1 = 0, src2 = 0, src3 = 0, src4 = 0, dst2 = 0;
+  std::array<std::uint8_t, 2> ar{};
+  std::array<std::uint8_t, 2> modn{};
+  std::uint8_t selector = 0;   ///< Condition, byte or half-word.
+  std::uint8_t direction = 2;  ///< In a block: the direction (0, 1) that a conditional call, return or trap must take.
+};
+static_assert(sizeof(Op) == 64);
+
+/// Register codes as indices.
+namespace reg {
+inline constexpr std::uint8_t AR0 = 8, DP = 16, IR0 = 17, IR1 = 18, BK = 19, SP = 20, ST = 21, DIE = 22, IIE = 23, IIF = 24,
+                              RS = 25, RE = 26, RC = 27, R11 = 31;
+}  // namespace reg
+
+/// The program's state. Mantissas and exponents lie apart; the flags of ST are kept in the form that sets them fastest.
+struct Core {
+  std::array<Word, 32> r{};          ///< Primary register file, bits 31..0; ST only while it is being read or written.
+  std::array<std::int32_t, 32> e{};  ///< Exponents of R0 to R11, at their codes.
+  Word negative = 0;                 ///< N is bit 31
+  Word zero = 1;                     ///< Z is (zero == 0)
+  Word carry = 0;                    ///< C is bit 0
+  Word range = 0;                    ///< V and UF, at their places
+  Word sticky = 0;                   ///< LV and LUF, at their places
+  Word modes = 0;                    ///< All other bits of ST
+  Address pc = 0;
+  Address delay_target = 0;
+  std::uint32_t delay_slots = 0;  ///< Instructions until a delayed branch takes effect; 0: none pending
+  bool delay_taken = false;
+  bool delay_repeat = false;  ///< The pending branch is RPTBD: RM is set at its end
+  bool annul = false;         ///< The pending slots are annulled
+  bool idle = false;
+  std::uint8_t repeat_single = 0;  ///< RPTS: 1 before the first execution, 2 after (no further fetch)
+  Word ivtp = 0, tvtp = 0;
+
+  // Not part of the state: what handlers tell the engine.
+  std::uint32_t loop_left = 0;  ///< Further passes through a repeated block
+  Address miss_address = 0;
+  Word miss_value = 0;
+  std::uint8_t miss_access = 0;
+  bool miss_write = false;
+  bool attention = false;  ///< Something changed that decides about interrupts
+  std::uint8_t code_writes = 0;
+  std::array<Address, 2> code_written{};
+
+  Word status() const {
+    return modes | sticky | range | (carry & st::C) | (zero == 0 ? st::Z : 0u) | (negative >> 31) * st::N;
+  }
+  /// Bits of ST as they are, with no rule about RM.
+  void set_status(Word value) {
+    constexpr Word flags = st::C | st::V | st::Z | st::N | st::UF | st::LV | st::LUF;
+    modes = value & 0xFFFFu & ~flags & ~st::CC;
+    carry = value & st::C;
+    zero = ~value & st::Z;
+    negative = value << 28;
+    range = value & (st::V | st::UF);
+    sticky = value & (st::LV | st::LUF);
+  }
+};
+
+namespace execute {
+
+/// Sections 3 and 6 of c40-isa.md: where an operand is.
+enum class Kind : std::uint8_t {
+  none,
+  reg,
+  constant,
+  direct,
+  offset,   ///< *+ARn(d), *-ARn(d), *ARn: ARn stays
+  indirect  ///< any other form
+};
+constexpr bool is_memory(Kind k) { return k >= Kind::direct; }
+
+[[gnu::cold, gnu::noinline]] Outcome miss(Core& core, const Op* op, int access, Address address);
+[[gnu::cold, gnu::noinline]] Outcome miss_write(Core& core, const Op* op, int access, Address address, Word value);
+[[gnu::cold, gnu::noinline]] void code_written(Core& core, Address address);
+
+inline Outcome next(Core& core, const Op* op) { return op[1].handler(core, op + 1); }
+
+}  // namespace execute
+}  // namespace c40

@@ -1,0 +1,232 @@
+#include "c40/timing.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace c40 {
+namespace {
+
+constexpr unsigned first_address_register = 8;  // AR0; AR1..AR7, DP, IR0, IR1, BK, SP follow
+
+constexpr bool on_chip(Resource r) { return r == Resource::ram0 || r == Resource::ram1; }
+constexpr bool external(Resource r) { return r == Resource::local || r == Resource::global; }
+constexpr std::size_t block_of(Resource r) { return r == Resource::ram1; }
+constexpr std::size_t bus_of(Resource r) { return r == Resource::global; }
+
+template <class Visit>
+void each_register(std::uint32_t mask, Visit visit) {
+  for (mask = mask >> first_address_register & 0x1FFFu; mask != 0; mask &= mask - 1) visit(std::countr_zero(mask));
+}
+
+std::int8_t clamp8(int value, int low) { return static_cast<std::int8_t>(std::clamp(value, low, 127)); }
+
+}  // namespace
+
+int Pipeline::port_use(int block, int cycle) const {
+  if (cycle >= 0 || cycle < -window) return 0;  // nothing on chip is reserved at T or later
+  return static_cast<int>(ports_[static_cast<std::size_t>(block)] >> (2 * (cycle + window)) & 3u);
+}
+
+// Fetches have the lowest priority and come in program order: they must fit around the data accesses, and nothing has to
+// fit around them.
+int Pipeline::place_fetch(const Access& fetch, int from) const {
+  int cycle = from;
+  if (on_chip(fetch.resource)) {
+    while (port_use(static_cast<int>(block_of(fetch.resource)), cycle) >= timing::ram_ports) ++cycle;
+  } else if (external(fetch.resource)) {
+    const std::uint64_t need = (std::uint64_t{2} << fetch.waits) - 1;
+    const std::uint64_t busy = buses_[bus_of(fetch.resource)].busy;
+    while (cycle + window < 64 && (busy >> (cycle + window) & need) != 0) ++cycle;
+  }
+  return cycle;
+}
+
+int Pipeline::decode_at(const Footprint& footprint, int from) const {
+  int at = from;
+  if ((ready_ != 0) && footprint.address_uses != 0)
+    each_register(footprint.address_uses, [&](int i) {
+      const int stall = static_cast<int>(ready_ >> (2 * i) & 3u);
+      if (stall != 0) at = std::max(at, stall - 2);
+    });
+  return at;
+}
+
+StepTiming Pipeline::advance(const Demand& demand) {
+  StepTiming out;
+  // Fetch and decode.
+  const int earliest = fetch_ready_;
+  int f = earliest, length = 1;
+  if (demand.fetched) {
+    f = place_fetch(demand.fetch, earliest);
+    length = 1 + demand.fetch.waits;
+  }
+  const int undelayed = std::max(f + length, int{read_entered_});
+  const int d = decode_at(demand.footprint, undelayed);
+  const int r = std::max(d + 1, -1);
+
+  // Reads: the first cycle in which all of them fit.
+  std::array<int, 2> block_reads{}, bus_cycles{};
+  int a = r, longest = 1, waits = 0;
+  for (std::size_t i = 0; i < demand.count; ++i) {
+    const Access& access = demand.data[i];
+    if (access.write) continue;
+    if (on_chip(access.resource)) ++block_reads[block_of(access.resource)];
+    if (external(access.resource)) {
+      const Bus& bus = buses_[bus_of(access.resource)];
+      a = std::max({a, int{bus.free}, bus.write_end + timing::read_after_write_cycles});
+      bus_cycles[bus_of(access.resource)] += 1 + access.waits;
+    } else {
+      longest = std::max(longest, 1 + access.waits);
+      waits = std::max(waits, int{access.waits});
+    }
+  }
+  for (int block = 0; block < 2; ++block)
+    while (block_reads[static_cast<std::size_t>(block)] != 0 &&
+           port_use(block, a) + block_reads[static_cast<std::size_t>(block)] > timing::ram_ports) {
+      ++a;
+      block = 0;
+    }
+  std::array<int, 2> next_on_bus{a, a};
+  for (std::size_t i = 0; i < demand.count; ++i) {
+    const Access& access = demand.data[i];
+    if (access.write) continue;
+    out.start[i] = a;
+    if (!external(access.resource)) continue;
+    int& next = next_on_bus[bus_of(access.resource)];
+    out.start[i] = next;
+    next += 1 + access.waits;
+    if (next - a >= longest) longest = next - a, waits = std::max(waits, int{access.waits});
+  }
+
+  // Writes: execute moves until they fit; only one write waits on a bus.
+  const int e_read = a + longest;
+  int e = e_read;
+  std::array<int, 2> block_writes{};
+  std::array<int, 2> bus_free{buses_[0].free, buses_[1].free};
+  for (std::size_t b = 0; b < 2; ++b)
+    if (bus_cycles[b] != 0) bus_free[b] = next_on_bus[b];
+  struct Interval {
+    std::size_t bus;
+    int from, to;
+  };
+  std::array<Interval, 4> taken{};
+  std::size_t taken_count = 0;
+  for (std::size_t b = 0; b < 2; ++b)
+    if (bus_cycles[b] != 0) taken[taken_count++] = {b, a, next_on_bus[b]};
+  std::array<int, 2> write_end{buses_[0].write_end, buses_[1].write_end};
+  for (std::size_t i = 0; i < demand.count; ++i) {
+    const Access& access = demand.data[i];
+    if (!access.write) continue;
+    if (external(access.resource)) {
+      const std::size_t b = bus_of(access.resource);
+      e = std::max(e, bus_free[b]);
+      out.start[i] = e;
+      bus_free[b] = write_end[b] = e + timing::external_write_cycles + access.waits;
+      taken[taken_count++] = {b, e, write_end[b] + timing::read_after_write_cycles};
+    } else {
+      if (on_chip(access.resource)) ++block_writes[block_of(access.resource)];
+      out.start[i] = e;
+    }
+  }
+
+  const int t = std::max(e + 1, demand.flush_cost != 0 ? e + demand.flush_cost : 0);
+  out.total = t;
+  out.branch = t - (e + 1);
+
+  // The delay is charged from the back: what comes later in the pipeline hides what came earlier.
+  int rest = e;
+  const auto charge = [&rest](int& cause, int cycles) {
+    const int share = std::min(rest, std::max(cycles, 0));
+    cause += share;
+    rest -= share;
+  };
+  charge(out.memory_conflict, e - e_read);
+  charge(out.wait_state, waits);
+  charge(out.memory_conflict, longest - 1 - waits + (a - r));
+  charge(out.register_conflict, d - undelayed);
+  charge(out.wait_state, length - 1);
+  charge(out.memory_conflict, rest);
+
+  // Make everything relative to the new T.
+  ready_ = [&] {
+    std::uint32_t next = 0;
+    const auto set = [&](int i, int when) {
+      const int stall = when - t + 2;  // decode of the next instruction is at T - 2
+      if (stall <= 0) return;
+      const auto old = next >> (2 * i) & 3u;
+      if (static_cast<std::uint32_t>(stall) > old) next = (next & ~(3u << (2 * i))) | static_cast<std::uint32_t>(stall) << (2 * i);
+    };
+    if (ready_ != 0) each_register(0x1FFFu << first_address_register, [&](int i) {
+      const int stall = static_cast<int>(ready_ >> (2 * i) & 3u);
+      if (stall != 0) set(i, stall - 2);
+    });
+    each_register(demand.footprint.operand_reads, [&](int i) { set(i, d + 2); });
+    each_register(demand.footprint.early_writes, [&](int i) { set(i, a + longest); });
+    each_register(demand.footprint.late_writes, [&](int i) { set(i, e + 1); });
+    return next;
+  }();
+  settle(t, std::max(f + 1, d), r);
+  if (demand.flush_cost != 0) fetch_ready_ = -3, read_entered_ = -2;
+  for (int block = 0; block < 2; ++block) {
+    const auto b = static_cast<std::size_t>(block);
+    const auto reserve = [&](int cycle, int accesses) {
+      const int bit = 2 * (cycle - t + window);
+      if (accesses == 0 || bit < 0) return;
+      const auto present = static_cast<int>(ports_[b] >> bit & 3u);
+      const auto sum = static_cast<std::uint64_t>(std::min(present + accesses, 3));
+      ports_[b] = (ports_[b] & ~(std::uint64_t{3} << bit)) | sum << bit;
+    };
+    reserve(a, block_reads[b]);
+    reserve(e, block_writes[b]);
+  }
+  for (std::size_t i = 0; i < taken_count; ++i)
+    for (int cycle = std::max(taken[i].from, t - window); cycle < taken[i].to; ++cycle)
+      if (cycle - t + window < 64) buses_[taken[i].bus].busy |= std::uint64_t{1} << (cycle - t + window);
+  for (std::size_t b = 0; b < 2; ++b) {
+    buses_[b].free = clamp8(bus_free[b] - t, -1);
+    buses_[b].write_end = clamp8(write_end[b] - t, -2);
+  }
+  // Cycles before the next fetch can no longer matter.
+  const int keep = window + fetch_ready_;
+  for (auto& ports : ports_) ports &= ~std::uint64_t{0} << (2 * keep);
+  for (auto& bus : buses_) bus.busy &= ~std::uint64_t{0} << keep;
+  return out;
+}
+
+void Pipeline::settle(int shift, int fetch_ready, int read_entered) {
+  for (auto& ports : ports_) ports = 2 * shift < 64 ? ports >> (2 * shift) : 0;
+  for (auto& bus : buses_) bus.busy = shift < 64 ? bus.busy >> shift : 0;
+  fetch_ready_ = static_cast<std::int8_t>(std::clamp(fetch_ready - shift, -window, -3));
+  read_entered_ = static_cast<std::int8_t>(std::clamp(read_entered - shift, -window, -2));
+}
+
+void Pipeline::flush(int cycles) {
+  for (auto& bus : buses_) {
+    bus.free = clamp8(bus.free - cycles, -1);
+    bus.write_end = clamp8(bus.write_end - cycles, -2);
+  }
+  settle(cycles, -3 + cycles, -2 + cycles);
+  ready_ = 0;
+  for (auto& ports : ports_) ports &= ~std::uint64_t{0} << (2 * (window - 3));
+  for (auto& bus : buses_) bus.busy &= ~std::uint64_t{0} << (window - 3);
+}
+
+void Pipeline::drain() { *this = Pipeline{}; }
+
+std::uint64_t Pipeline::hash() const {
+  std::uint64_t h = 0x9E3779B97F4A7C15u;
+  const auto mix = [&h](std::uint64_t v) {
+    h ^= v;
+    h *= 0xFF51AFD7ED558CCDu;
+    h ^= h >> 32;
+  };
+  mix(static_cast<std::uint8_t>(fetch_ready_) | std::uint64_t{static_cast<std::uint8_t>(read_entered_)} << 8 |
+      std::uint64_t{ready_} << 16);
+  for (auto ports : ports_) mix(ports);
+  for (const auto& bus : buses_)
+    mix(bus.busy ^ std::uint64_t{static_cast<std::uint8_t>(bus.free)} << 40 ^
+        std::uint64_t{static_cast<std::uint8_t>(bus.write_end)} << 48);
+  return h;
+}
+
+}  // namespace c40

@@ -1,0 +1,93 @@
+#pragma once
+/// The pipeline model (c40-hardware.md 7.5): when each instruction gets through fetch, decode, read and execute, and what
+/// delayed it. It knows nothing of what instructions do: it is fed with a description of each instruction in program
+/// order. It is the only place where time is computed: the exact engine runs it per instruction, and a block's constants are
+/// what it said while the block was recorded.
+///
+/// All times are relative to T, "the cycle in which the next instruction without conflicts would execute". T is the
+/// chip's cycle count. A standard branch moves T by its whole cost, so its refill is charged to the branch itself.
+///
+/// Inaccuracies: stalls imposed from outside (a shared bus) hold everything, posted writes included. No cache yet.
+#include <array>
+#include <cstdint>
+
+#include "c40/timing_parameters.hpp"
+#include "c40/types.hpp"
+
+namespace c40 {
+
+/// What an access occupies. `ideal` never conflicts (board `flat`, peripheral registers).
+enum class Resource : std::uint8_t { ideal, ram0, ram1, local, global };
+
+struct Access {
+  Resource resource = Resource::ideal;
+  std::uint8_t waits = 0;
+  bool write = false;
+  friend bool operator==(const Access&, const Access&) = default;
+};
+
+/// What an instruction does to the pipeline wherever its operands lie. Masks are by register code.
+struct Footprint {
+  std::uint32_t address_uses = 0;   ///< registers used in address generation (decode)
+  std::uint32_t operand_reads = 0;  ///< address registers read as plain operands
+  std::uint32_t late_writes = 0;    ///< address registers written in execute
+  std::uint32_t early_writes = 0;   ///< address registers written in read (LDA)
+};
+
+/// One instruction as it goes through: its footprint, where it was fetched, its data accesses.
+struct Demand {
+  Footprint footprint;
+  Access fetch;
+  bool fetched = true;  ///< false for the repetitions of RPTS
+  std::uint8_t count = 0;
+  std::array<Access, 2> data{};
+  int flush_cost = 0;  ///< cost of a standard branch in this direction; 0 for everything else
+};
+
+/// Cycles that one instruction added to T, by cause; `start` is when each data access begins, relative to T before.
+struct StepTiming {
+  int total = 1;
+  int branch = 0;
+  int register_conflict = 0;
+  int memory_conflict = 0;
+  int wait_state = 0;
+  std::array<int, 2> start{};
+  friend bool operator==(const StepTiming&, const StepTiming&) = default;
+};
+
+/// What the past still means for the next instructions, relative to T and normalised, so that equal futures compare equal.
+class Pipeline {
+ public:
+  /// Lets one instruction through.
+  StepTiming advance(const Demand& demand);
+  /// Empties the pipeline at T (reset, interrupt entry); bus writes under way go on.
+  void flush(int cycles);
+  /// Lets `cycles` pass with nothing issued (idle): everything under way completes.
+  void drain();
+
+  friend bool operator==(const Pipeline&, const Pipeline&) = default;
+  std::uint64_t hash() const;
+
+ private:
+  struct Bus {
+    std::uint64_t busy = 0;  ///< cycles taken by data, bit 0 is T - window
+    std::int8_t free = -1;   ///< first cycle after all data accesses
+    std::int8_t write_end = -2;
+    friend bool operator==(const Bus&, const Bus&) = default;
+  };
+  static constexpr int window = 24;
+  static constexpr int address_register_count = 13;
+
+  int port_use(int block, int cycle) const;
+  int place_fetch(const Access& fetch, int from) const;
+  int decode_at(const Footprint& footprint, int from) const;
+  void settle(int shift, int fetch_ready, int read_entered);
+
+  std::int8_t fetch_ready_ = -3;   ///< earliest fetch of the next instruction
+  std::int8_t read_entered_ = -2;  ///< when the last instruction left decode
+  std::uint32_t ready_ = 0;        ///< two bits per address register: stall of its use in the next instruction
+  std::array<std::uint64_t, 2> ports_{};  ///< two bits per cycle and RAM block, bit 0 is T - window
+  std::array<Bus, 2> buses_{};
+};
+
+}  // namespace c40

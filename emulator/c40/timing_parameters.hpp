@@ -1,0 +1,36 @@
+#pragma once
+// Every number of the timing model that the documents leave open or give as a class, in one place (docs/fidelity.md).
+
+namespace c40::timing {
+
+/// Standard branches: cycles from the branch's slot to the first instruction at the new address (c40-hardware.md 7.2).
+inline constexpr int branch_cost = 4;
+inline constexpr int branch_not_taken_cost = 4;            // (unverified)
+inline constexpr int decrement_branch_cost = 4;            // (unverified number)
+inline constexpr int decrement_branch_not_taken_cost = 4;  // (unverified)
+inline constexpr int call_cost = 4;
+inline constexpr int conditional_call_cost = 5;            // (unverified)
+inline constexpr int conditional_call_not_taken_cost = 5;  // (unverified)
+inline constexpr int return_cost = 4;
+inline constexpr int return_not_taken_cost = 4;  // (unverified)
+inline constexpr int trap_cost = 5;              // (unverified)
+inline constexpr int trap_not_taken_cost = 5;    // (unverified)
+inline constexpr int repeat_block_cost = 4;
+inline constexpr int repeat_single_cost = 4;
+inline constexpr int late_trap_cost = 1;  // LATcond: delayed, like LAJ (unverified)
+
+/// From recognition of an interrupt to the first instruction of the service routine, zero-wait code, stack and table
+/// (c40-hardware.md 5.5) (unverified).
+inline constexpr int interrupt_entry_cost = 8;
+
+/// Accesses per cycle of an on-chip RAM block (c40-hardware.md 7.4).
+inline constexpr int ram_ports = 2;
+
+/// An external write occupies its bus for this many cycles plus its wait states; a read takes 1 + waits.
+inline constexpr int external_write_cycles = 2;
+/// A read straight after a write on the same bus takes one cycle more.
+inline constexpr int read_after_write_cycles = 1;
+/// Longest wait states that a region of a board may declare.
+inline constexpr int max_region_waits = 15;
+
+}  // namespace c40::timing
