@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   std::vector<c40::Word> words;
   for (std::string line; file >> line;) words.push_back(static_cast<c40::Word>(std::stoul(line, nullptr, 16)));
   const c40::Cycles cycles = (argc > 2 ? std::atoll(argv[2]) : 100) * 1000000;
-  c40::Chip chip(c40::Board::flat_board());
+  c40::Chip chip(c40::Board::flat());
   chip.write_block(0x1000, words);
   chip.set_pc(0x1000);
   chip.set_exact(argc > 3 && std::string(argv[3]) == "--exact");

@@ -51,7 +51,7 @@ State& Engine::touch() {
 
 Word Engine::peek(Address address) const {
   const Memory::Area* area = memory_.find(address);
-  if (area == nullptr && board_.flat) return 0;
+  if (area == nullptr && board_.is_flat) return 0;
   if (area == nullptr) throw std::out_of_range(fmt::format("address {:08X}h is reserved on board {}", address, board_.name));
   if (area->data != nullptr) return area->data[address - area->base];
   Word value = 0;
@@ -273,16 +273,11 @@ void Engine::write_status(Word value) {
   core.set_status(value);
 }
 
-// A pin that is an input shows its level in FLAG.
+// FLAG of a general-purpose input is read only; nothing drives such a pin here, it reads 0.
 void Engine::after_interrupt_register_write() {
   Word& iif = state_.core.r[reg::IIF];
-  for (unsigned pin = 0; pin < 4; ++pin) {
-    const Word nibble = iif >> 4 * pin;
-    if ((nibble & 3u) != 0) continue;
-    // The pins are active low: held active, an input reads 0.
-    const Word level = (state_.iiof_levels >> pin & 1u) != 0 ? 0u : 4u;
-    iif = (iif & ~(4u << 4 * pin)) | level << 4 * pin;
-  }
+  for (unsigned pin = 0; pin < 4; ++pin)
+    if ((iif >> 4 * pin & 3u) == 0) iif &= ~(4u << 4 * pin);
 }
 
 void Engine::finish_step(const StepRecord& record) {
@@ -441,7 +436,6 @@ void Engine::set_level(int pin, bool active) {
   const bool edge = active && (state_.iiof_levels & bit) == 0;
   state_.iiof_levels = static_cast<std::uint8_t>(active ? state_.iiof_levels | bit : state_.iiof_levels & ~bit);
   if (edge) raise_flag(4u << 4 * pin);
-  after_interrupt_register_write();
 }
 
 void Engine::complete(bool write, Word value, Cycles arbitration, Cycles transfer) {

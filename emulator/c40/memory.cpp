@@ -70,16 +70,16 @@ Board Board::default_board() {
   return board;
 }
 
-Board Board::flat_board() {
+Board Board::flat() {
   Board board;
   board.name = "flat";
-  board.flat = true;
+  board.is_flat = true;
   return board;
 }
 
 void Memory::Free::operator()(Word* words) const { std::free(words); }
 
-Memory::Memory(const Board& board) : flat_(board.flat) {
+Memory::Memory(const Board& board) : flat_(board.is_flat) {
   for (const Region& region : board.regions) add(area_of(region));
   add(on_chip(0));
   add(on_chip(1));

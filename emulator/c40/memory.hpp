@@ -32,14 +32,14 @@ struct Region {
 struct Board {
   std::string name;
   std::vector<Region> regions;
-  bool flat = false;  ///< Plain zero-wait RAM at every address, without bus conflicts and without peripheral registers.
+  bool is_flat = false;  ///< Plain zero-wait RAM at every address, without bus conflicts and without peripheral registers.
   Word global_interface_control = 0x3E39FFF0u;  ///< GMICR as the boot header leaves it.
   Word local_interface_control = 0x3E39FFF0u;
 
   /// 300000h local SRAM 1 M words 0 wait, 40000000h local SRAM 1 M words 1 wait, 70000000h window to bus B, 80000000h
   /// global SRAM 1 M words 0 wait, C0000000h window to bus A.
   static Board default_board();
-  static Board flat_board();
+  static Board flat();
 };
 
 inline constexpr Address on_chip_ram = 0x002FF800u;

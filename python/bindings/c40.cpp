@@ -1,3 +1,225 @@
-#include "python/bindings/bindings.hpp"
+#include <pybind11/stl.h>
 
-void bind_c40(py::module_&) {}
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "c40/chip.hpp"
+#include "python/bindings/bindings.hpp"
+#include "toolchain/assembler.hpp"
+
+namespace {
+
+using c40::Cycles;
+using c40::Float40;
+using c40::Word;
+
+isa::Register register_of(const std::string& name) {
+  if (const auto r = isa::register_named(name)) return *r;
+  throw py::key_error("no register is called " + name);
+}
+
+std::uint64_t bits(Float40 x) { return c40::float40::bits(x); }
+Float40 from_bits(std::uint64_t bits) { return c40::float40::from_bits(bits); }
+std::pair<std::uint64_t, Word> pair(const c40::FloatResult& r) { return {bits(r.value), r.flags}; }
+
+/// The exact value of a register as a Python number m * 2**e.
+py::object value_of(Float40 x) {
+  const std::int64_t m = c40::float40::mantissa(x);
+  return py::module_::import("fractions").attr("Fraction")(m) *
+         py::module_::import("fractions").attr("Fraction")(2).attr("__pow__")(x.e - 31);
+}
+
+std::string reason_name(c40::StopInfo::Reason reason) {
+  switch (reason) {
+    case c40::StopInfo::Reason::limit: return "limit";
+    case c40::StopInfo::Reason::external_access: return "external_access";
+    case c40::StopInfo::Reason::breakpoint: return "breakpoint";
+    case c40::StopInfo::Reason::fault: return "fault";
+  }
+  return "";
+}
+
+std::string kind_name(c40::Fault::Kind kind) {
+  switch (kind) {
+    case c40::Fault::Kind::reserved_instruction: return "reserved_instruction";
+    case c40::Fault::Kind::reserved_address: return "reserved_address";
+    case c40::Fault::Kind::not_modelled: return "not_modelled";
+    case c40::Fault::Kind::illegal_sequence: return "illegal_sequence";
+  }
+  return "";
+}
+
+py::dict describe(const c40::Chip& chip, const c40::StopInfo& stop) {
+  py::dict out;
+  out["reason"] = reason_name(stop.reason);
+  out["pc"] = chip.pc();
+  out["cycle"] = chip.cycle();
+  if (stop.reason == c40::StopInfo::Reason::external_access) {
+    out["address"] = stop.access.address;
+    out["write"] = stop.access.write;
+    out["interlocked"] = stop.access.interlocked;
+    out["value"] = stop.access.value;
+    out["access_cycle"] = stop.access.cycle;
+  }
+  if (stop.fault) {
+    out["kind"] = kind_name(stop.fault->kind);
+    out["message"] = stop.fault->message;
+    out["word"] = stop.fault->word;
+    out["address"] = stop.fault->address;
+  }
+  return out;
+}
+
+py::dict causes_of(const c40::Causes& causes) {
+  py::dict out;
+  for (std::size_t i = 0; i < c40::cause_count; ++i)
+    out[py::str(std::string(c40::name(static_cast<c40::Cause>(i))))] = causes[i];
+  return out;
+}
+
+c40::Board board_named(const std::string& name) {
+  if (name == "default") return c40::Board::default_board();
+  if (name == "flat") return c40::Board::flat();
+  throw py::value_error("no board is called " + name + "; there are default and flat");
+}
+
+/// Keeps every record as a dict.
+class Recorder : public c40::TraceSink {
+ public:
+  void instruction(const c40::TraceRecord& record) override {
+    py::dict out;
+    out["cycle"] = record.cycle;
+    out["pc"] = record.pc;
+    out["word"] = record.word;
+    out["cycles"] = record.cycles;
+    out["causes"] = causes_of(record.causes);
+    py::dict registers;
+    for (const auto& change : record.registers) registers[py::str(std::string(isa::name(change.reg)))] = change.value;
+    out["registers"] = registers;
+    py::list memory;
+    for (const auto& event : record.memory) memory.append(py::make_tuple(event.write ? "w" : "r", event.address, event.value));
+    out["memory"] = memory;
+    records.append(out);
+  }
+  void interrupt(Word vector, Cycles cycle) override {
+    py::dict out;
+    out["interrupt"] = vector;
+    out["cycle"] = cycle;
+    records.append(out);
+  }
+  py::list records;
+};
+
+class Processor {
+ public:
+  explicit Processor(const std::string& board) : chip(board_named(board)) {}
+
+  void load_words(c40::Address address, const std::vector<Word>& words) { chip.write_block(address, words); }
+  void load_image(const toolchain::Image& image) {
+    for (const auto& section : image.sections)
+      if (section.loaded) chip.write_block(section.address, section.words);
+    chip.set_pc(image.entry);
+  }
+  py::dict run(Cycles max_cycles, std::optional<c40::Address> until) {
+    if (until) chip.add_breakpoint(*until);
+    const c40::StopInfo stop = chip.run_until(chip.cycle() + max_cycles);
+    if (until) chip.remove_breakpoint(*until);
+    return describe(chip, stop);
+  }
+  py::list trace(Cycles max_cycles) {
+    Recorder recorder;
+    chip.set_trace(&recorder);
+    chip.run_until(chip.cycle() + max_cycles);
+    chip.set_trace(nullptr);
+    return recorder.records;
+  }
+
+  c40::Chip chip;
+};
+
+void bind_processor(py::module_& m) {
+  py::class_<Processor>(m, "Processor", "One TMS320C40 on board `default` or `flat` (rulings.md 26).")
+      .def(py::init<const std::string&>(), py::arg("board") = "default")
+      .def("load_words", &Processor::load_words, py::arg("address"), py::arg("words"))
+      .def("load_image", &Processor::load_image, "Loads the sections of an image and sets the PC to its entry.")
+      .def("run", &Processor::run, py::arg("max_cycles"), py::arg("until") = py::none(),
+           "Runs whole instructions for max_cycles, or until the PC is at `until`; says why it stopped.")
+      .def("trace", &Processor::trace, py::arg("max_cycles"), "Runs and returns one dict per instruction.")
+      .def("step", [](Processor& p) { return describe(p.chip, p.chip.step()); })
+      .def("reset", [](Processor& p) { p.chip.reset(); })
+      .def("hold", [](Processor& p, bool held) { p.chip.hold(held); })
+      .def("raise_iiof", [](Processor& p, int pin) { p.chip.raise_iiof(pin); })
+      .def("set_iiof", [](Processor& p, int pin, bool active) { p.chip.set_iiof(pin, active); })
+      .def("raise_nmi", [](Processor& p) { p.chip.raise_nmi(); })
+      .def("complete_read", [](Processor& p, Word value, Cycles arbitration, Cycles transfer) { p.chip.complete_read(value, arbitration, transfer); },
+           py::arg("value"), py::arg("arbitration") = 0, py::arg("transfer") = 0)
+      .def("complete_write", [](Processor& p, Cycles arbitration, Cycles transfer) { p.chip.complete_write(arbitration, transfer); },
+           py::arg("arbitration") = 0, py::arg("transfer") = 0)
+      .def("set_exact", [](Processor& p, bool exact) { p.chip.set_exact(exact); }, "One instruction at a time, no blocks.")
+      .def("peek", [](const Processor& p, c40::Address a) { return p.chip.peek(a); })
+      .def("poke", [](Processor& p, c40::Address a, Word v) { p.chip.poke(a, v); })
+      .def("read", [](const Processor& p, c40::Address a, std::size_t count) {
+        std::vector<Word> words(count);
+        for (auto& word : words) word = p.chip.peek(a++);
+        return words;
+      })
+      .def("get", [](const Processor& p, const std::string& name) -> std::uint64_t {
+        if (const auto e = isa::expansion_named(name)) return p.chip.expansion(*e);
+        return p.chip.register_value(register_of(name));
+      }, "A register by name: 40 bits for R0 to R11, exponent in 39..32.")
+      .def("set", [](Processor& p, const std::string& name, std::uint64_t value) {
+        if (const auto e = isa::expansion_named(name)) return p.chip.set_expansion(*e, static_cast<Word>(value));
+        p.chip.set_register(register_of(name), value);
+      })
+      .def("value", [](const Processor& p, const std::string& name) { return value_of(p.chip.float_register(register_of(name))); },
+           "The exact value of R0 to R11 as a Fraction.")
+      .def_property("pc", [](const Processor& p) { return p.chip.pc(); }, [](Processor& p, c40::Address pc) { p.chip.set_pc(pc); })
+      .def_property_readonly("cycle", [](const Processor& p) { return p.chip.cycle(); })
+      .def_property_readonly("instructions", [](const Processor& p) { return p.chip.instructions(); })
+      .def_property_readonly("causes", [](const Processor& p) { return causes_of(p.chip.causes()); })
+      .def_property_readonly("idle", [](const Processor& p) { return p.chip.idle(); })
+      .def_property_readonly("halted", [](const Processor& p) { return p.chip.halted(); });
+}
+
+void bind_float40(py::module_& m) {
+  namespace f = c40::float40;
+  auto sub = m.def_submodule("float40", "The 40-bit arithmetic: operands and results are 40-bit integers, flags as in ST.");
+  const auto unary = [&](const char* name, c40::FloatResult (*operation)(Float40)) {
+    sub.def(name, [operation](std::uint64_t a) { return pair(operation(from_bits(a))); });
+  };
+  const auto binary = [&](const char* name, c40::FloatResult (*operation)(Float40, Float40)) {
+    sub.def(name, [operation](std::uint64_t a, std::uint64_t b) { return pair(operation(from_bits(a), from_bits(b))); });
+  };
+  binary("add", &f::add);
+  binary("sub", &f::sub);
+  binary("mul", &f::mul);
+  unary("neg", &f::neg);
+  unary("abs", &f::abs);
+  unary("rnd", &f::rnd);
+  unary("norm", &f::norm);
+  unary("rcp", &f::rcp);
+  unary("rsqr", &f::rsqr);
+  unary("to_ieee", &f::to_ieee);
+  unary("load", &f::load);
+  sub.def("from_ieee", [](Word word) { return pair(f::from_ieee(word)); });
+  sub.def("from_integer", [](Word word) { return pair(f::from_integer(word)); });
+  sub.def("fix", [](std::uint64_t a) {
+    const c40::FixResult r = f::fix(from_bits(a));
+    return std::pair{r.value, r.flags};
+  });
+  sub.def("from_single", [](Word word) { return bits(f::from_single(word)); });
+  sub.def("to_single", [](std::uint64_t a) { return f::to_single(from_bits(a)); });
+  sub.def("from_short", [](Word half) { return bits(f::from_single(f::short_to_single(half & 0xFFFFu))); });
+  sub.def("value", [](std::uint64_t a) { return value_of(from_bits(a)); }, "The exact value as a Fraction.");
+}
+
+}  // namespace
+
+void bind_c40(py::module_& core) {
+  auto m = core.def_submodule("c40", "One TMS320C40.");
+  bind_processor(m);
+  bind_float40(m);
+}
