@@ -44,7 +44,7 @@ void TaskList::put_back(std::size_t index, std::uint32_t x) {
   ++block.generation;
   block.inserted = ++insertions_;
   block.fresh = true;
-  block.written_t = block.written_importance = block.written_link = -1;
+  block.written_link = -1;
 }
 
 bool TaskList::before(std::size_t a, std::size_t b) const {
@@ -59,6 +59,10 @@ void TaskList::refresh(std::int64_t elapsed, const std::function<std::uint32_t(c
     blocks_[index].t += elapsed;
     blocks_[index].importance = importance(blocks_[index]);
   }
+  sort();
+}
+
+void TaskList::sort() {
   std::sort(order_.begin(), order_.end(), [this](std::size_t a, std::size_t b) {
     const bool a_waits = blocks_[a].flag == Flag::waiting;
     const bool b_waits = blocks_[b].flag == Flag::waiting;

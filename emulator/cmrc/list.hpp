@@ -32,10 +32,7 @@ struct Block {
   std::uint32_t recomputations = 0;
   bool in_use = false;
   bool fresh = false;              ///< its words are not in shared memory yet
-  // What shared memory holds, so that only changes are written.
-  std::int64_t written_t = -1;
-  std::int64_t written_importance = -1;
-  std::int64_t written_link = -1;
+  std::int64_t written_link = -1;  // as shared memory holds it, so that only changes are written
 };
 
 class ListFull : public std::runtime_error {
@@ -58,6 +55,8 @@ class TaskList {
 
   /// t += elapsed for every block, J anew, order anew.
   void refresh(std::int64_t elapsed, const std::function<std::uint32_t(const Block&)>& importance);
+  /// Order anew, after blocks were found to be taken.
+  void sort();
   /// Order of the last refresh: places in the pool.
   std::span<const std::size_t> order() const { return order_; }
   /// The same blocks by falling J alone, as the tables of plant-and-bus.md 4.8 show them.

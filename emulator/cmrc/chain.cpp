@@ -1,0 +1,67 @@
+#include "cmrc/chain.hpp"
+
+#include <algorithm>
+
+namespace cmrc {
+
+void PointChain::begin(std::int64_t first, std::int64_t interval, std::int64_t tick) {
+  interval_ = interval;
+  cartesian_ = joint_ = consumed_ = base_count_ = first;
+  base_ = tick + interval;
+  anchored_ = trajectory_out_ = inverse_out_ = ended_ = false;
+  active_ = true;
+}
+
+void PointChain::trajectory_done(bool end_of_leg, bool has_point) {
+  trajectory_out_ = false;
+  if (has_point) ++cartesian_;
+  if (end_of_leg) ended_ = true;
+}
+
+void PointChain::consumed(std::int64_t count, std::int64_t start) {
+  if (!active_ || count <= consumed_) return;
+  consumed_ = count;
+  base_ = start + interval_;
+  base_count_ = count;
+  anchored_ = true;
+}
+
+void PointChain::pushed(std::int64_t tick) {
+  drive_buffer_ = true;
+  base_ = anchored_ ? std::max(base_, tick) + interval_ : tick + interval_;
+  base_count_ = joint_;
+  anchored_ = true;
+}
+
+std::int64_t PointChain::consumed_by(std::int64_t tick) const {
+  if (!drive_buffer_ || !anchored_) return consumed_;
+  // The drive holds the point that ends at base_ and those waiting behind the one it holds now.
+  const std::int64_t unfinished = tick >= base_ ? 0 : (base_ - tick + interval_ - 1) / interval_;
+  return joint_ - std::max<std::int64_t>(0, unfinished - 1);
+}
+
+bool PointChain::through(std::int64_t tick) const {
+  return active_ && ended_ && joint_ == cartesian_ && consumed_by(tick) == joint_;
+}
+
+void PointChain::refresh(Desk& desk) {
+  if (!active_) return;
+  if (!trajectory_out_ && !ended_ && cartesian_ - consumed_by(desk.tick()) < depth_ && joint_ >= cartesian_ - 1) {
+    Task task = trajectory_;
+    task.tick = static_cast<std::uint32_t>(desk.tick());
+    task.argument = static_cast<std::uint32_t>(cartesian_);
+    desk.load(task, need(cartesian_));
+    loaded_at_ = desk.tick();
+    trajectory_out_ = true;
+  }
+  if (!inverse_out_ && joint_ < cartesian_) {
+    Task task = inverse_;
+    task.tick = static_cast<std::uint32_t>(desk.tick());
+    task.argument = static_cast<std::uint32_t>(joint_);
+    task.t = desk.tick() - loaded_at_;
+    desk.load(task, need(joint_));
+    inverse_out_ = true;
+  }
+}
+
+}  // namespace cmrc

@@ -1,0 +1,33 @@
+#pragma once
+// What the processes ask of the host in a refresh.
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "cmrc/list.hpp"
+#include "cmrc/words.hpp"
+
+namespace cmrc {
+
+/// The robot of an event or a job: 0 is the crane, n is AGV n - 1.
+using Robot = unsigned;
+
+class Desk {
+ public:
+  virtual ~Desk() = default;
+  /// The number of the present refresh.
+  virtual std::int64_t tick() const = 0;
+  /// Puts a block in the list. \param deadline refresh number, none: never late
+  virtual void load(const Task& task, std::optional<std::int64_t> deadline) = 0;
+  /// Writes words of a job area; they are there before a block loaded in the same refresh can be claimed.
+  virtual void write(Word offset, std::span<const Word> words) = 0;
+  void write(Word offset, Word word) { write(offset, std::span<const Word>(&word, 1)); }
+  /// Neither torque compensation nor PID is running: several words that they read may change together.
+  virtual bool servo_resting() const = 0;
+  /// A process has started or ended. Of process 4 the robot is the AGV that is loaded.
+  virtual void process(unsigned number, bool started, Robot robot) = 0;
+  /// The crane holds a container and no AGV stands in the spot.
+  virtual void crane_waits(bool waits) = 0;
+};
+
+}  // namespace cmrc

@@ -1,0 +1,433 @@
+#include "cmrc/host.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace cmrc {
+namespace {
+
+using report::EventKind;
+
+machine::Clock clock_of(double hertz) {
+  // Millihertz are fine enough for any rate that is typed in, and keep the clock rational (ruling 1).
+  return machine::Clock(std::llround(hertz * 1000), 1000);
+}
+
+Time nanoseconds(double ns) { return Time{std::llround(ns * 1000)}; }
+
+}  // namespace
+
+Host::Host(const Config& config, const Words& words, const CraneJob& crane, const FleetJob& fleet, Ledger& ledger,
+           HostListener& listener)
+    : config_(config), words_(words), parameters_(importance_parameters(config)), intervals_(intervals(config)),
+      clock_(clock_of(config.rates.refresh_frequency_hz)), ledger_(ledger), listener_(listener), list_(words.block_count),
+      consents_(fleet.agvs), crane_(crane, words_, consents_), fleet_(fleet, words_, consents_),
+      torque_{{.x = task::torque, .y = robot_class::crane, .kind = words.kind_torque, .area = words.cr_base},
+              JobKind::torque_compensation, intervals_.servo},
+      pid_{{.x = task::pid, .y = robot_class::crane, .kind = words.kind_pid, .area = words.cr_base},
+           JobKind::pid, intervals_.servo},
+      wake_at_(clock_.at(1)) {
+  const auto& w = config_.watchdog;
+  const auto refreshes = [&](double us) {
+    return static_cast<std::int64_t>(std::ceil(us * 1e-6 * config_.rates.refresh_frequency_hz));
+  };
+  for (JobKind kind : {JobKind::pid, JobKind::torque_compensation}) longest_[kind] = refreshes(w.servo_run_us);
+  for (JobKind kind : {JobKind::trajectory_crane, JobKind::trajectory_agv, JobKind::inverse_crane, JobKind::inverse_agv}) {
+    longest_[kind] = refreshes(w.planning_run_us);
+  }
+  for (JobKind kind : {JobKind::obstacle_avoidance, JobKind::identify, JobKind::grab_path, JobKind::home_crane,
+                       JobKind::home_agv, JobKind::error}) {
+    longest_[kind] = refreshes(w.long_run_us);
+  }
+}
+
+// ---- the steps ---------------------------------------------------------------------------------------------------------
+
+void Host::wake(Time now, machine::HostPort& port) {
+  now_ = now;
+  port_ = &port;
+  wake_at_ = machine::never;
+  switch (step_) {
+    case Step::resting: begin_refresh(); break;
+    case Step::thinking: think(); break;
+    case Step::retry: acquire(); break;
+    default: break;  // an answer of the bus is due first
+  }
+  port_ = nullptr;
+}
+
+void Host::read_done(std::uint32_t, std::span<const machine::Word> words, Time now, machine::HostPort& port) {
+  now_ = now;
+  port_ = &port;
+  switch (step_) {
+    case Step::pointer: pointer_read(words[0]); break;
+    case Step::flags: flag_read(words[0]); break;
+    case Step::result:
+      done_.push_back({flags_.front(), words[0], words[1]});
+      flags_.pop_front();
+      next_flag();
+      break;
+    case Step::owner:
+      hung_.push_back({flags_.front(), words[0]});
+      flags_.pop_front();
+      next_flag();
+      break;
+    case Step::semaphore: semaphore_read(words[0]); break;
+    case Step::locked_flags:
+      if (words[0] != words_.flag_waiting) list_.take(flags_.front());
+      flags_.pop_front();
+      if (flags_.empty()) relink();
+      else port_->read(words_.block(flags_.front()) + words_.flag, 1, 0);
+      break;
+    case Step::relink:
+      claimed_before(words[0]);
+      relink();
+      break;
+    case Step::doorbell: ring(words[0]); break;
+    default: throw std::logic_error("Host: an answer that nobody asked for");
+  }
+  port_ = nullptr;
+}
+
+void Host::begin_refresh() {
+  const std::int64_t before = tick_;
+  tick_ = clock_.tick_at_or_before(now_);
+  elapsed_ = tick_ - before;
+  counts_.skipped_refreshes += static_cast<std::uint64_t>(elapsed_ - 1);
+  ++counts_.refreshes;
+  done_.clear();
+  hung_.clear();
+  step_ = Step::pointer;
+  port_->read(words_.list_work_pointer, 1, 0);
+}
+
+void Host::pointer_read(Word pointer) {
+  claimed_before(pointer);
+  for (const std::size_t index : list_.order()) {
+    if (list_[index].flag == Flag::taken) flags_.push_back(index);
+  }
+  next_flag();
+}
+
+void Host::claimed_before(Word pointer) {
+  const auto first = std::find_if(linked_.begin(), linked_.end(), [&](std::size_t i) { return words_.block(i) == pointer; });
+  if (first == linked_.end() && pointer != 0) {
+    pointer_in_doubt_ = true;  // a DSP that has run wild wrote here
+    return;
+  }
+  std::for_each(linked_.begin(), first, [this](std::size_t index) { list_.take(index); });
+  linked_.erase(linked_.begin(), first);
+}
+
+void Host::next_flag() {
+  if (flags_.empty()) return after_flags();
+  step_ = Step::flags;
+  port_->read(words_.block(flags_.front()) + words_.flag, 1, 0);
+}
+
+void Host::flag_read(Word flag) {
+  const std::size_t index = flags_.front();
+  if (flag == words_.flag_done) {
+    step_ = Step::result;
+    port_->read(words_.block(index) + words_.result, 2, 0);
+  } else if (list_[index].t + elapsed_ > watchdog_limit(job_of(index))) {
+    step_ = Step::owner;
+    port_->read(words_.block(index) + words_.owner, 1, 0);
+  } else {
+    flags_.pop_front();
+    next_flag();
+  }
+}
+
+void Host::after_flags() {
+  step_ = Step::thinking;
+  wake_at_ = now_ + nanoseconds(config_.host.refresh_overhead_ns +
+                                config_.host.per_block_ns * static_cast<double>(list_.size()));
+}
+
+void Host::think() {
+  if (tick_ == elapsed_) {  // the first refresh
+    crane_.start(*this);
+    fleet_.start(*this);
+  }
+  for (const Done& done : done_) take_out(done);
+  for (const Hung& hung : hung_) recompute(hung);
+  if (crane_.servoing()) {
+    refresh_servo(torque_);
+    refresh_servo(pid_);
+  }
+  crane_.refresh(*this, fleet_);
+  if (const auto agv = crane_.take_loaded_agv()) fleet_.loaded(*agv);
+  fleet_.refresh(*this, crane_.grabbing(), crane_.loading());
+  if (const auto cycle = cycles_.take_closed()) {
+    fleet_.set_interval(cycle->agv, learned_interval(config_.scheduling, fleet_.interval(cycle->agv), intervals_.agv_point,
+                                                     static_cast<unsigned>(config_.dock.agvs), *cycle));
+  }
+  list_.refresh(elapsed_, [this](const Block& block) { return importance_of(block); });
+  write_new_blocks();
+  refused_ = false;
+  acquire();
+}
+
+void Host::acquire() {
+  step_ = Step::semaphore;
+  port_->read(words_.semaphore_list, 1, 0);
+}
+
+void Host::semaphore_read(Word taken) {
+  if (taken == 0) {
+    if (!pointer_in_doubt_ || linked_.empty()) {
+      step_ = Step::relink;
+      port_->read(words_.list_work_pointer, 1, 0);
+      return;
+    }
+    // The pointer cannot be trusted: look at every block that might have been claimed.
+    flags_.assign(linked_.begin(), linked_.end());
+    step_ = Step::locked_flags;
+    port_->read(words_.block(flags_.front()) + words_.flag, 1, 0);
+    return;
+  }
+  if (!refused_) refused_since_ = now_;
+  refused_ = true;
+  if (now_ - refused_since_ > nanoseconds(config_.watchdog.semaphore_limit_us * 1000)) {
+    port_->write(words_.semaphore_list, Word{0});
+    ++counts_.semaphores_freed;
+    pointer_in_doubt_ = true;
+    refused_ = false;
+    note(EventKind::semaphore, {0, 2, 0, 0, 0});
+    listener_.failure({now_, std::nullopt, "semaphore", "the list's semaphore was held too long and was freed by the host"});
+  }
+  step_ = Step::retry;
+  wake_at_ = now_ + nanoseconds(config_.host.semaphore_retry_ns);
+}
+
+void Host::relink() {
+  pointer_in_doubt_ = false;
+  list_.sort();
+  linked_.clear();
+  eligible_ = 0;
+  const auto order = list_.order();
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    Block& block = list_[order[i]];
+    const Word offset = words_.block(order[i]);
+    const Word link = i + 1 < order.size() ? words_.block(order[i + 1]) : 0;
+    const auto t = static_cast<Word>(std::min<std::int64_t>(block.t, 0xFFFF));
+    if (block.flag == Flag::waiting) {
+      const std::array<Word, 4> words = {t, words_.flag_waiting, block.importance, link};  // TB_T, TB_FLAG, TB_J, TB_LINK
+      port_->write(offset + words_.t, words);
+      linked_.push_back(order[i]);
+      if (block.importance > 0) ++eligible_;
+    } else {
+      port_->write(offset + words_.t, t);
+      if (block.written_link != link) port_->write(offset + words_.link, link);
+    }
+    block.written_link = link;
+  }
+  const Word first = linked_.empty() ? 0 : words_.block(linked_.front());
+  const std::array<Word, 2> head = {first, static_cast<Word>(tick_)};  // LIST_WORK_POINTER, LIST_REFRESH
+  port_->write(words_.list_work_pointer, head);
+  port_->write(words_.semaphore_list, Word{0});
+  note(EventKind::refresh, {static_cast<std::uint32_t>(tick_), static_cast<std::uint32_t>(order.size()),
+                            static_cast<std::uint32_t>(linked_.size()), first, static_cast<std::uint32_t>(elapsed_ - 1)});
+  if (eligible_ == 0 || config_.machine.idle_policy != IdlePolicy::doorbell) return end_refresh();
+  step_ = Step::doorbell;
+  port_->read(words_.doorbell_idle, 1, 0);
+}
+
+void Host::ring(Word idle) {
+  for (Word slot = 0; slot < 32 && eligible_ > 0; ++slot) {
+    if ((idle >> slot & 1) == 0) continue;
+    port_->write(words_.doorbell_ring, slot);
+    note(EventKind::doorbell, {slot, 0, 0, 0, 0});
+    ++counts_.doorbells;
+    --eligible_;
+  }
+  end_refresh();
+}
+
+void Host::end_refresh() {
+  durations_.add((now_ - clock_.at(tick_)).count());
+  lengths_.add(static_cast<std::int64_t>(list_.size()));
+  step_ = Step::resting;
+  wake_at_ = std::max(now_, clock_.at(tick_ + 1));
+}
+
+// ---- blocks ------------------------------------------------------------------------------------------------------------
+
+std::size_t Host::load_block(const Task& task, JobKind job, Time released, std::optional<Time> deadline,
+                             std::optional<std::int64_t> number) {
+  const std::size_t index = list_.load(task);
+  ledger_.release(index, job, released, deadline, number);
+  note(EventKind::load, {words_.block(index), task.kind, task.area, task.tick, list_[index].generation});
+  return index;
+}
+
+void Host::load(const Task& task, std::optional<std::int64_t> deadline) {
+  load_block(task, job_kind(task.kind, words_), clock_.at(tick_),
+             deadline ? std::optional(clock_.at(*deadline)) : std::nullopt, std::nullopt);
+}
+
+void Host::write(Word offset, std::span<const Word> words) { port_->write(offset, words); }
+
+void Host::write_new_blocks() {
+  for (const std::size_t index : list_.order()) {
+    Block& block = list_[index];
+    if (!block.fresh) continue;
+    block.fresh = false;
+    std::array<Word, 16> words{};
+    words[words_.x] = block.task.x;
+    words[words_.y] = block.task.y;
+    words[words_.t] = static_cast<Word>(block.t);
+    words[words_.flag] = words_.flag_waiting;
+    words[words_.importance] = block.importance;
+    words[words_.kind] = block.task.kind;
+    words[words_.area] = block.task.area;
+    words[words_.tick] = block.task.tick;
+    words[words_.argument] = block.task.argument;
+    words[words_.generation] = block.generation;
+    port_->write(words_.block(index), std::span(words).first(words_.notify + 1));
+  }
+}
+
+std::uint32_t Host::importance_of(const Block& block) const {
+  ImportanceParameters parameters = parameters_;
+  if (block.task.robot > 0) parameters.n_agv = fleet_.interval(block.task.robot - 1);
+  return importance(parameters, block.task.x, block.task.y, block.t);
+}
+
+void Host::take_out(const Done& done) {
+  const Block& block = list_[done.block];
+  const Task task = block.task;
+  const JobKind job = job_kind(task.kind, words_);
+  const std::int64_t t = block.t + elapsed_;
+  // The first run measured replaces what was assumed.
+  auto& longest = longest_[job];
+  longest = measured_.insert(job).second ? t : std::max(longest, t);
+  note(EventKind::remove, {words_.block(done.block), task.kind, block.generation, 0, 0});
+  list_.remove(done.block);
+  ledger_.removed(done.block);
+  for (Servo* servo : {&torque_, &pid_}) {
+    if (servo->out && servo->block == done.block) servo->out = false, servo->last_t = t;
+  }
+  if (task.robot == 0) crane_.finished(task, done.result, done.notify, *this);
+  else fleet_.finished(task, done.result, done.notify, *this);
+}
+
+// ---- the servo ---------------------------------------------------------------------------------------------------------
+
+void Host::refresh_servo(Servo& servo) {
+  if (servo.out) {
+    while (servo.next <= tick_) drop_tick(servo);
+  } else {
+    while (servo.next + intervals_.servo <= tick_) drop_tick(servo);
+    load_servo(servo);
+  }
+}
+
+void Host::load_servo(Servo& servo) {
+  const std::int64_t gamma = config_.scheduling.gamma_refreshes;
+  Task task = servo.task;
+  std::int64_t due = servo.next;
+  if (config_.scheduling.servo_reload == ServoReload::locked) {
+    task.t = tick_ - elapsed_ - (due - intervals_.servo);  // the refresh adds what has elapsed
+  } else {
+    task.t = servo.last_t - elapsed_;
+    due = std::max(tick_, tick_ + intervals_.servo - gamma - servo.last_t) + gamma;
+  }
+  task.tick = static_cast<std::uint32_t>(due);
+  servo.block = load_block(task, servo.job, clock_.at(due - gamma), clock_.at(due + intervals_.servo), due / intervals_.servo);
+  servo.out = true;
+  servo.next = due + intervals_.servo;
+}
+
+void Host::drop_tick(Servo& servo) {
+  ledger_.skipped(servo.job, clock_.at(servo.next), clock_.at(servo.next + intervals_.servo), servo.next / intervals_.servo);
+  servo.next += intervals_.servo;
+}
+
+bool Host::servo_resting() const {
+  // A waiting block whose J in shared memory is 0 cannot be claimed before the coming relink, which follows all writes made now.
+  const auto rests = [this](const Servo& servo) {
+    return !servo.out || (list_[servo.block].flag == Flag::waiting && list_[servo.block].importance == 0);
+  };
+  return rests(torque_) && rests(pid_);
+}
+
+// ---- failures ----------------------------------------------------------------------------------------------------------
+
+std::int64_t Host::watchdog_limit(JobKind job) const {
+  const auto longest = static_cast<double>(longest_.at(job));
+  return std::max(config_.watchdog.minimum_refreshes, static_cast<std::int64_t>(std::ceil(config_.watchdog.factor * longest)));
+}
+
+void Host::recompute(const Hung& hung) {
+  const Block& block = list_[hung.block];
+  const bool known = hung.owner >= 1 && hung.owner <= 32;
+  const unsigned slot = hung.owner - 1;
+  if (known) {
+    // Fencing: from here on the sleeper can change nothing, even if it wakes.
+    fence_ &= ~(Word{1} << slot);
+    port_->write(words_.fence_mask, fence_);
+  }
+  listener_.failure({now_, known ? std::optional(slot) : std::nullopt, "watchdog",
+                     fmt::format("block {:#x} of kind {} was taken {} refreshes ago and is not done", words_.block(hung.block),
+                                 job_kinds()[static_cast<std::size_t>(job_of(hung.block))], block.t + elapsed_)});
+  if (static_cast<std::int64_t>(block.recomputations) < config_.watchdog.recomputations_max) {
+    ++list_[hung.block].recomputations;
+    list_.put_back(hung.block, task::recompute);
+    ledger_.put_back(hung.block, now_);
+    ++counts_.recomputed;
+    note(EventKind::requeue, {words_.block(hung.block), block.task.kind, block.generation, slot, block.recomputations});
+  } else {
+    give_up(hung.block);
+  }
+  if (known) renew(slot);
+}
+
+void Host::give_up(std::size_t index) {
+  const Task task = list_[index].task;
+  listener_.failure({now_, std::nullopt, "dropped block",
+                     fmt::format("block {:#x} of kind {} hung {} times and is given up", words_.block(index),
+                                 job_kinds()[static_cast<std::size_t>(job_of(index))], list_[index].recomputations + 1)});
+  note(EventKind::remove, {words_.block(index), task.kind, list_[index].generation, 0, 0});
+  list_.remove(index);
+  ledger_.dropped(index, now_);
+  for (Servo* servo : {&torque_, &pid_}) {
+    if (servo->out && servo->block == index) servo->out = false;
+  }
+  if (task.kind == words_.kind_error) return;
+  if (task.robot == 0) crane_.dropped(task);
+  else fleet_.dropped(task);
+  load({.x = task::error, .y = robot_class::none, .kind = words_.kind_error, .robot = task.robot, .area = task.area,
+        .tick = static_cast<std::uint32_t>(tick_), .argument = task.kind}, std::nullopt);
+}
+
+void Host::renew(unsigned slot) {
+  // Reset kills what the DSP was doing and what its bridge still held; after that it may write again.
+  port_->write(words_.reset_dsp, Word{slot});
+  fence_ |= Word{1} << slot;
+  port_->write(words_.fence_mask, fence_);
+}
+
+// ---- what is told ------------------------------------------------------------------------------------------------------
+
+void Host::process(unsigned number, bool started, Robot robot) {
+  cycles_.process(number, started, robot, now_);
+  note(EventKind::process, {number, started ? 1U : 0U, robot, 0, 0});
+}
+
+void Host::note(EventKind kind, std::array<std::uint32_t, 5> arguments) {
+  listener_.event({now_, report::host, kind, arguments});
+}
+
+report::HostReport Host::report() const {
+  report::HostReport all = counts_;
+  all.refresh_duration = durations_.summary();
+  all.list_length = lengths_.summary();
+  return all;
+}
+
+}  // namespace cmrc

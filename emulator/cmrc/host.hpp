@@ -1,0 +1,154 @@
+#pragma once
+// The host's software: refreshes the task-block list at f_s, every access a transaction on bus A (ruling 20), and runs the processes.
+//
+// One refresh, as steps between answers of the bus:
+//   pointer    read the work pointer: what stood before it has been claimed since the last refresh
+//   flags      read the flag of every block that is taken; of those that are done the result and notify words, of those that the
+//              watchdog finds too old the owner
+//   thinking   the host's own work, for a modelled time; then finished blocks are out, successors in, t, J and order are computed;
+//              new blocks and changed words of the job areas are written, not yet linked
+//   semaphore  acquire the list
+//   relink     read the work pointer again: a block may have been claimed since; write t, J, links, the work pointer; release
+//   doorbell   read the mask of idle DSPs, ring one per eligible block, lowest slot first
+//
+// A refresh that is late leaves out the ticks it has missed: they are counted, and t advances by all of them.
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "cmrc/config.hpp"
+#include "cmrc/crane.hpp"
+#include "cmrc/cycles.hpp"
+#include "cmrc/fleet.hpp"
+#include "cmrc/importance.hpp"
+#include "cmrc/ledger.hpp"
+#include "cmrc/list.hpp"
+#include "cmrc/words.hpp"
+#include "machine/machine.hpp"
+#include "report/event.hpp"
+#include "report/run_report.hpp"
+
+namespace cmrc {
+
+/// What the host says of itself while it runs.
+class HostListener {
+ public:
+  virtual ~HostListener() = default;
+  virtual void event(const report::Event& event) = 0;
+  virtual void failure(const report::FailureReport& failure) = 0;
+};
+
+class Host : public machine::HostProgram, private Desk {
+ public:
+  Host(const Config& config, const Words& words, const CraneJob& crane, const FleetJob& fleet, Ledger& ledger,
+       HostListener& listener);
+
+  Time next_wake() const override { return wake_at_; }
+  void wake(Time now, machine::HostPort& port) override;
+  void read_done(std::uint32_t tag, std::span<const machine::Word> words, Time now, machine::HostPort& port) override;
+
+  /// Counts; the times of the semaphore are the observer's to add.
+  report::HostReport report() const;
+  const Cycles& cycles() const { return cycles_; }
+  const CraneProcesses& crane() const { return crane_; }
+  const Fleet& fleet() const { return fleet_; }
+  const TaskList& list() const { return list_; }
+  std::int64_t refresh() const { return tick_; }
+  const machine::Clock& refresh_clock() const { return clock_; }
+
+ private:
+  enum class Step : std::uint8_t { resting, pointer, flags, result, owner, thinking, semaphore, retry, locked_flags, relink, doorbell };
+
+  /// A periodic task of the crane: torque compensation or PID.
+  struct Servo {
+    Task task;
+    JobKind job;
+    std::int64_t next;        // nominal tick to be released next
+    bool out = false;         // a block of it is in the list
+    std::size_t block = 0;
+    std::int64_t last_t = 0;  // t of the last block when it was found done
+  };
+  struct Done {
+    std::size_t block;
+    Word result, notify;
+  };
+  struct Hung {
+    std::size_t block;
+    Word owner;
+  };
+
+  // Desk
+  std::int64_t tick() const override { return tick_; }
+  void load(const Task& task, std::optional<std::int64_t> deadline) override;
+  using Desk::write;
+  void write(Word offset, std::span<const Word> words) override;
+  bool servo_resting() const override;
+  void process(unsigned number, bool started, Robot robot) override;
+  void crane_waits(bool waits) override { cycles_.crane_waits(waits, now_); }
+
+  void begin_refresh();
+  void pointer_read(Word pointer);
+  void next_flag();
+  void flag_read(Word flag);
+  void after_flags();
+  void think();
+  void take_out(const Done& done);
+  void recompute(const Hung& hung);
+  void give_up(std::size_t block);
+  void renew(unsigned slot);
+  void refresh_servo(Servo& servo);
+  void load_servo(Servo& servo);
+  void drop_tick(Servo& servo);
+  std::size_t load_block(const Task& task, JobKind job, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick);
+  void write_new_blocks();
+  void acquire();
+  void semaphore_read(Word taken);
+  void claimed_before(Word pointer);
+  void relink();
+  void ring(Word idle);
+  void end_refresh();
+  std::int64_t watchdog_limit(JobKind job) const;
+  std::uint32_t importance_of(const Block& block) const;
+  void note(report::EventKind kind, std::array<std::uint32_t, 5> arguments);
+  JobKind job_of(std::size_t block) const { return job_kind(list_[block].task.kind, words_); }
+
+  const Config config_;
+  const Words words_;
+  const ImportanceParameters parameters_;
+  const Intervals intervals_;
+  machine::Clock clock_;
+  Ledger& ledger_;
+  HostListener& listener_;
+
+  TaskList list_;
+  Consents consents_;
+  CraneProcesses crane_;
+  Fleet fleet_;
+  Cycles cycles_;
+  Servo torque_, pid_;
+
+  Step step_ = Step::resting;
+  Time wake_at_;
+  Time now_{};
+  machine::HostPort* port_ = nullptr;  // during a call only
+  std::int64_t tick_ = 0;
+  std::int64_t elapsed_ = 0;
+  std::vector<std::size_t> linked_;    // waiting blocks as shared memory links them
+  std::deque<std::size_t> flags_;      // blocks whose flags are still to be read
+  std::vector<Done> done_;
+  std::vector<Hung> hung_;
+  bool pointer_in_doubt_ = false;      // a semaphore was freed: a claim may have broken off
+  Time refused_since_{};
+  bool refused_ = false;
+  std::uint64_t eligible_ = 0;
+  Word fence_ = 0xFFFFFFFF;
+  std::map<JobKind, std::int64_t> longest_;  // runs in refreshes: assumed until measured
+  std::set<JobKind> measured_;
+
+  report::HostReport counts_;
+  report::Distribution durations_, lengths_;
+};
+
+}  // namespace cmrc

@@ -1,0 +1,46 @@
+#include "cmrc/words.hpp"
+
+#include <utility>
+
+namespace cmrc {
+
+Words::Words(const std::function<Word(std::string_view)>& symbol) {
+  static constexpr std::pair<std::string_view, Word Words::*> table[] = {
+      {"LIST_WORK_POINTER", &Words::list_work_pointer}, {"LIST_REFRESH", &Words::list_refresh},
+      {"BLOCK_POOL", &Words::block_pool}, {"BLOCK_COUNT", &Words::block_count}, {"BLOCK_WORDS", &Words::block_words},
+      {"TB_X", &Words::x}, {"TB_Y", &Words::y}, {"TB_T", &Words::t}, {"TB_FLAG", &Words::flag},
+      {"TB_J", &Words::importance}, {"TB_LINK", &Words::link}, {"TB_KIND", &Words::kind}, {"TB_AREA", &Words::area},
+      {"TB_TICK", &Words::tick}, {"TB_ARGUMENT", &Words::argument}, {"TB_OWNER", &Words::owner},
+      {"TB_GENERATION", &Words::generation}, {"TB_RESULT", &Words::result}, {"TB_NOTIFY", &Words::notify},
+      {"FLAG_WAITING", &Words::flag_waiting}, {"FLAG_TAKEN", &Words::flag_taken}, {"FLAG_DONE", &Words::flag_done},
+      {"KIND_ERROR", &Words::kind_error}, {"KIND_TRAJECTORY_CRANE", &Words::kind_trajectory_crane},
+      {"KIND_TRAJECTORY_AGV", &Words::kind_trajectory_agv}, {"KIND_INVERSE_CRANE", &Words::kind_inverse_crane},
+      {"KIND_INVERSE_AGV", &Words::kind_inverse_agv}, {"KIND_TORQUE", &Words::kind_torque},
+      {"KIND_PID", &Words::kind_pid}, {"KIND_IDENTIFY", &Words::kind_identify},
+      {"KIND_GRAB_PATH", &Words::kind_grab_path}, {"KIND_HOME_CRANE", &Words::kind_home_crane},
+      {"KIND_HOME_AGV", &Words::kind_home_agv}, {"KIND_AVOIDANCE", &Words::kind_avoidance},
+      {"KIND_COUNT", &Words::kind_count}, {"MUST_PROCESS", &Words::must_process}, {"MAY_PROCESS", &Words::may_process},
+      {"MUST_TRAJECTORY", &Words::must_trajectory}, {"MUST_INVERSE", &Words::must_inverse},
+      {"RESULT_END_OF_LEG", &Words::end_of_leg}, {"PID_LANDED", &Words::pid_landed},
+      {"PID_LOCKED", &Words::pid_locked}, {"PID_OPEN", &Words::pid_open}, {"PID_STARVED", &Words::pid_starved},
+      {"PID_SETTLED", &Words::pid_settled}, {"PID_RAMP_DONE", &Words::pid_ramp_done},
+      {"SEMAPHORE_LIST", &Words::semaphore_list}, {"DOORBELL_RING", &Words::doorbell_ring},
+      {"DOORBELL_IDLE", &Words::doorbell_idle}, {"FENCE_MASK", &Words::fence_mask}, {"RESET_DSP", &Words::reset_dsp},
+      {"CR_BASE", &Words::cr_base}, {"CR_POINT_PERIOD", &Words::cr_point_period},
+      {"CR_SERVO_PERIOD", &Words::cr_servo_period}, {"CR_POINT_TICKS", &Words::cr_point_ticks},
+      {"CR_SERVO_TICKS", &Words::cr_servo_ticks}, {"CR_LEG", &Words::cr_leg}, {"CR_SPREADER", &Words::cr_spreader},
+      {"CR_PAYLOAD", &Words::cr_payload}, {"CR_AGV", &Words::cr_agv}, {"CR_RAMP_START", &Words::cr_ramp_start},
+      {"CR_CLEARANCE", &Words::cr_clearance}, {"CR_AGV_DECK", &Words::cr_agv_deck},
+      {"CR_BOX_HEIGHT", &Words::cr_box_height}, {"CR_HOME", &Words::cr_home},
+      {"CR_ENCODER_LAST", &Words::cr_encoder_last}, {"CR_ENCODER_TOTAL", &Words::cr_encoder_total},
+      {"CR_BOX_COUNT", &Words::cr_box_count}, {"CR_BOX", &Words::cr_box}, {"CR_WORDS", &Words::cr_words},
+      {"AG_BASE", &Words::ag_base}, {"AG_WORDS", &Words::ag_words}, {"AG_STEP_TIME", &Words::ag_step_time},
+      {"AG_POINT_TICKS", &Words::ag_point_ticks}, {"AG_PERIOD_US", &Words::ag_period_us},
+      {"AG_UNIT", &Words::ag_unit}, {"AG_LEG", &Words::ag_leg}, {"AG_PRODUCED", &Words::ag_produced},
+      {"AG_SEGMENT_COUNT", &Words::ag_segment_count}, {"AG_SEGMENT", &Words::ag_segment},
+      {"AGV_UNIT", &Words::agv_unit}, {"AGV_UNIT_WORDS", &Words::agv_unit_words},
+  };
+  for (const auto& [name, member] : table) this->*member = symbol(name);
+}
+
+}  // namespace cmrc

@@ -1,0 +1,34 @@
+#pragma once
+// The words that the host shares with the DSP programs, by their names in c40_programs/include/*.inc: offsets on bus A, bits, kinds.
+#include <cstdint>
+#include <functional>
+#include <string_view>
+
+namespace cmrc {
+
+using Word = std::uint32_t;
+
+struct Words {
+  /// \param symbol gives the value of a symbol of the DSP image, or throws
+  explicit Words(const std::function<Word(std::string_view)>& symbol);
+
+  Word list_work_pointer, list_refresh, block_pool, block_count, block_words;
+  Word x, y, t, flag, importance, link, kind, area, tick, argument, owner, generation, result, notify;
+  Word flag_waiting, flag_taken, flag_done;
+  Word kind_error, kind_trajectory_crane, kind_trajectory_agv, kind_inverse_crane, kind_inverse_agv, kind_torque, kind_pid,
+      kind_identify, kind_grab_path, kind_home_crane, kind_home_agv, kind_avoidance, kind_count;
+  Word must_process, may_process, must_trajectory, must_inverse, end_of_leg;
+  Word pid_landed, pid_locked, pid_open, pid_starved, pid_settled, pid_ramp_done;
+  Word semaphore_list, doorbell_ring, doorbell_idle, fence_mask, reset_dsp;
+  Word cr_base, cr_point_period, cr_servo_period, cr_point_ticks, cr_servo_ticks, cr_leg, cr_spreader, cr_payload, cr_agv,
+      cr_ramp_start, cr_clearance, cr_agv_deck, cr_box_height, cr_home, cr_encoder_last, cr_encoder_total, cr_box_count,
+      cr_box, cr_words;
+  Word ag_base, ag_words, ag_step_time, ag_point_ticks, ag_period_us, ag_unit, ag_leg, ag_produced, ag_segment_count,
+      ag_segment;
+  Word agv_unit, agv_unit_words;
+
+  Word block(std::size_t index) const { return block_pool + static_cast<Word>(index) * block_words; }
+  Word agv_area(unsigned agv) const { return ag_base + agv * ag_words; }
+};
+
+}  // namespace cmrc
