@@ -1,0 +1,80 @@
+#pragma once
+// A run: machine, dock and host made from a configuration, run in virtual time, and the report of it.
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "cmrc/config.hpp"
+#include "report/event_log.hpp"
+#include "report/run_report.hpp"
+
+namespace c40 {
+class TraceSink;
+}
+namespace machine {
+class Machine;
+}
+namespace plant {
+class Dock;
+}
+namespace toolchain {
+struct Image;
+}
+
+namespace cmrc {
+
+/// The DSP image of a configuration: the one built in, or assembled from `machine.programs`/dsp.asm.
+/// \throws toolchain::AssemblyError; ConfigError when the directory holds no dsp.asm
+toolchain::Image dsp_image(const Config& config);
+
+/// How far a run is.
+struct Progress {
+  report::Time simulated{};
+  report::Time duration{};
+  unsigned containers_delivered = 0;
+  std::uint64_t misses = 0;  ///< jobs that have ended late, been dropped or lost so far
+};
+
+/// One run. Errors of the configuration come from the constructor, the run itself ends with a stop reason.
+///
+/// Wall-clock time, tracing and progress change nothing in the run nor in its hash.
+class Simulation {
+ public:
+  /// \throws ConfigError, toolchain::AssemblyError, std::invalid_argument (an image without the shared words)
+  explicit Simulation(const Config& config);
+  ~Simulation();
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
+
+  /// Hears every event in its final order; must outlive the run. Before run().
+  void listen(report::EventSink& sink);
+  /// Hears the instructions of one DSP; must outlive the run. Before run().
+  void trace(unsigned slot, c40::TraceSink& sink);
+
+  /// Runs to the end of the configured duration. `on_progress` is called about every `slice` of simulated time; false stops the run
+  /// cleanly (stop reason: interrupted). May be called again: it goes on where it stopped.
+  void run(const std::function<bool(const Progress&)>& on_progress = {}, report::Time slice = std::chrono::milliseconds{20});
+  /// Runs until `time`, or the end of the duration if that is earlier.
+  void run_until(report::Time time);
+  bool ended() const;
+
+  report::RunReport report() const;
+  /// What `--strict` asks: completed, and no deadline missed.
+  bool strictly_good() const;
+  /// Exit status of ruling 24: 0, or 1.
+  int exit_status() const;
+
+  const Config& config() const;
+  const toolchain::Image& image() const;
+  machine::Machine& machine();
+  const machine::Machine& machine() const;
+  const plant::Dock& dock() const;
+
+ private:
+  class Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace cmrc
