@@ -17,7 +17,6 @@ struct Posted {
   Word value = 0;
   Clocks clock = 0;          ///< when the processor issued it
   std::int64_t stamp = 0;    ///< the caller's own, for instance the exact time
-  std::uint32_t origin = 0;  ///< the caller's own, for instance the program counter
 };
 
 class Bridge final : public Initiator {
@@ -58,6 +57,8 @@ class Bridge final : public Initiator {
   void read(Address address, Clocks clock);
   /// The processor stands still until answered() or taken().
   bool blocked() const { return blocked_ != Blocked::no; }
+  /// It is a write that waits for room.
+  bool blocked_write() const { return blocked_ == Blocked::room; }
   /// No posted word and no read is left.
   bool idle() const { return count_ == 0 && !blocked(); }
   unsigned posted() const { return count_; }

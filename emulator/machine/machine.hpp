@@ -50,6 +50,7 @@ class HostPort {
   /// Asks for n_words (at least 1) from offset on. The answer comes by HostProgram::read_done with the same tag. Single words one after the other on
   /// the bus: a Pentium's reads of PCI memory do not burst (plant-and-bus.md 3.1). Throws std::logic_error while a read is outstanding.
   virtual void read(Offset offset, unsigned n_words, std::uint32_t tag) = 0;
+  /// Throws std::logic_error while a read is outstanding: the processor waits for it. Both throw std::out_of_range where nothing answers on bus A.
   virtual void write(Offset offset, std::span<const Word> words) = 0;
   void write(Offset offset, Word word) { write(offset, std::span<const Word>{&word, 1}); }
   /// A read has been asked for and not yet answered.
@@ -133,7 +134,9 @@ struct Config {
   pci::BridgeConfig host_bridge{.request_sync = 5, .return_sync = 3, .post_depth = 16, .prefetch_words = 0};
   pci::TargetConfig shared_memory = pci::TargetConfig::sram();
   pci::TargetConfig devices = pci::TargetConfig::drive_card();
-  pci::Clocks interrupt_clocks = 2;         ///< from the end of a doorbell write to the edge on IIOF0
+  pci::Clocks interrupt_clocks = 2;         ///< 1 to 3, from the end of a doorbell or reset write to the edge on IIOF0 or the reset
+  pci::Clocks host_write_clocks = 2;        ///< the host's processor needs so long to post a word
+  std::int64_t prefetch_hit_cycles = 1;     ///< a DSP's read that its bridge's line answers
   Time reset_time = std::chrono::microseconds{10};   ///< RESET held low
   Time boot_time_per_word{200'000};         ///< ps: the link adapter's comm port carries 20 Mbyte/s
   std::uint64_t turn_order = 0;             ///< not 0: a seed for the order in which chips are run ahead; changes nothing that can be observed
@@ -168,15 +171,14 @@ class Machine {
   const Config& config() const;
   void set_observer(Observer* observer);
 
-  // Between calls of run_until, at time().
-  void plug(unsigned slot);
-  void unplug(unsigned slot);
-  void reset(unsigned slot);
-  void script(ScriptedEvent event);  ///< not before time()
+  /// At time(), between calls of run_until.
+  void act(Action action, unsigned slot);
+  /// Not before time() (std::invalid_argument).
+  void script(ScriptedEvent event);
 
   unsigned slots() const;
   bool plugged(unsigned slot) const;
-  bool faulted(unsigned slot) const;
+  bool standing(unsigned slot) const;  ///< stands still after a fault, Action::fail or Action::hang
   c40::Chip& chip(unsigned slot);
   const c40::Chip& chip(unsigned slot) const;
   const Clock& chip_clock() const;

@@ -1,0 +1,349 @@
+#include "machine/dsp.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "toolchain/image.hpp"
+
+namespace machine {
+
+namespace {
+
+pci::MasterConfig named(pci::MasterConfig config, unsigned slot) {
+  config.name = fmt::format("DSP {}", slot);
+  return config;
+}
+
+}  // namespace
+
+Dsp::Dsp(unsigned slot, bool plugged, Surroundings& surroundings)
+    : slot_{slot},
+      around_{surroundings},
+      chip_{c40::Board::default_board()},
+      side_a_{*this, BusId::a},
+      side_b_{*this, BusId::b},
+      bridge_a_{around_.bus_a, named(around_.config.dsp_master, slot), around_.config.bridge_a, side_a_},
+      bridge_b_{around_.bus_b, named(around_.config.dsp_master, slot), around_.config.bridge_b, side_b_} {
+  chip_.hold(true);
+  if (plugged) boot();
+  set_next();
+}
+
+void Dsp::set_next() { next_ = std::min({own_next_, edge_, reset_}); }
+
+void Dsp::process(Time now, Time horizon) {
+  if (reset_ <= now) {
+    reset_ = never;
+    reset(now);
+  }
+  if (edge_ <= now) deliver_edge(now);
+  if (own_next_ <= now) {
+    switch (state_) {
+      case State::running: run(horizon); break;
+      case State::access: begin_access(horizon); break;
+      case State::resuming: complete(horizon); break;
+      case State::faulting: report_fault(now); break;
+      case State::booting:
+        settle(now);
+        boot();
+        break;
+      case State::out:
+      case State::blocked:
+      case State::idle:
+      case State::dead: own_next_ = never; break;
+    }
+  }
+  set_next();
+}
+
+void Dsp::run_ahead(Time horizon) {
+  run(horizon);
+  set_next();
+}
+
+// Leaves the chip at `horizon`, idle, before an access that has to wait for its turn, or in a fault.
+void Dsp::run(Time horizon) {
+  state_ = State::running;
+  const Time end = std::min({horizon, edge_, reset_});
+  const c40::Cycles limit = around_.chip_clock.tick_at_or_after(end);
+  while (true) {
+    if (!edge_waiting_) {
+      if (chip_.idle()) {
+        state_ = State::idle;
+        own_next_ = never;
+        return;
+      }
+      if (chip_.cycle() >= limit) {
+        own_next_ = around_.chip_clock.at(chip_.cycle());
+        return;
+      }
+    }
+    const c40::StopInfo stop = edge_waiting_ ? chip_.step() : chip_.run_until(limit);
+    switch (stop.reason) {
+      case c40::StopInfo::Reason::external_access:
+        if (!take(stop.access, end)) return;
+        break;
+      case c40::StopInfo::Reason::fault: return fault(stop.fault->cycle, stop.fault->pc, stop.fault->address, stop.fault->message);
+      case c40::StopInfo::Reason::limit:
+      case c40::StopInfo::Reason::breakpoint:
+        if (edge_waiting_) {
+          edge_waiting_ = false;
+          chip_.raise_iiof(0);
+        }
+        break;
+    }
+  }
+}
+
+bool Dsp::writable(BusId bus, Offset offset) const {
+  if (bus == BusId::b) return around_.devices != nullptr && around_.devices->answers(offset, true);
+  return offset < SharedSram::size || around_.registers.answers(offset, true, false);
+}
+
+// Whether the access could be completed without waiting for its turn.
+bool Dsp::take(const c40::ExternalAccess& access, Time horizon) {
+  pci::Bridge& bridge = bridge_of(access.address);
+  const Time begins = around_.chip_clock.at(access.cycle);
+  if (access.write) {
+    const BusId bus = on_a(access.address) ? BusId::a : BusId::b;
+    if (!writable(bus, offset_of(access.address))) {
+      fault(access.cycle, chip_.pc(), access.address, fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)", bus == BusId::a ? 'A' : 'B'));
+      return false;
+    }
+    if (begins < horizon && bridge.has_room()) {
+      post(bridge, access);
+      chip_.complete_write(0, 0);
+      return true;
+    }
+  } else if (pci::Bridge::Hit hit{}; bridge.look_up(offset_of(access.address), hit)) {
+    const c40::Cycles there = around_.chip_clock.tick_at_or_after(around_.bus_clock.at(hit.ready));
+    statistics_.prefetch_hits += 1;
+    chip_.complete_read(hit.value, 0, std::max(there - access.cycle, around_.config.prefetch_hit_cycles));
+    return true;
+  }
+  access_ = access;
+  state_ = State::access;
+  own_next_ = begins;
+  return false;
+}
+
+void Dsp::post(pci::Bridge& bridge, const c40::ExternalAccess& access) {
+  const Time issued = around_.chip_clock.at(access.cycle);
+  statistics_.posted_writes += 1;
+  bridge.write({.address = offset_of(access.address), .value = access.value, .clock = around_.bus_clock.tick_at_or_after(issued), .stamp = issued.count()});
+}
+
+void Dsp::begin_access(Time horizon) {
+  pci::Bridge& bridge = bridge_of(access_.address);
+  if (access_.write && bridge.has_room()) {
+    post(bridge, access_);
+    chip_.complete_write(0, 0);
+    return run(horizon);
+  }
+  state_ = State::blocked;
+  own_next_ = never;
+  if (access_.write) return post(bridge, access_);
+  statistics_.bus_reads += 1;
+  bridge.read(offset_of(access_.address), around_.bus_clock.tick_at_or_after(around_.chip_clock.at(access_.cycle)));
+}
+
+void Dsp::answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) {
+  if (state_ != State::blocked) return;
+  if (result != pci::Result::done) {
+    const c40::Cycles cycle = std::max(access_.cycle, around_.chip_clock.tick_at_or_after(around_.bus_clock.at(ready)));
+    return fault(cycle, chip_.pc(), access_.address,
+                 fmt::format("a read that nothing on bus {} answers (PCI {} abort)", side.bus == BusId::a ? 'A' : 'B', result == pci::Result::master_abort ? "master" : "target"));
+  }
+  answer_ = value;
+  resume_at(ready, arbitration);
+}
+
+// The chip waited from the access to bus clock `ready`, `arbitration` clocks of it without the bus.
+void Dsp::resume_at(pci::Clocks ready, pci::Clocks arbitration) {
+  if (state_ != State::blocked) return;
+  const c40::Cycles resumes = std::max(access_.cycle, around_.chip_clock.tick_at_or_after(around_.bus_clock.at(ready)));
+  const c40::Cycles waited = resumes - access_.cycle;
+  arbitration_ = std::min(waited, around_.chip_clock.tick_at_or_before(around_.bus_clock.at(arbitration)));
+  transfer_ = waited - arbitration_;
+  state_ = State::resuming;
+  own_next_ = around_.chip_clock.at(resumes);
+  set_next();
+}
+
+void Dsp::complete(Time horizon) {
+  if (access_.write)
+    chip_.complete_write(arbitration_, transfer_);
+  else
+    chip_.complete_read(answer_, arbitration_, transfer_);
+  run(horizon);
+}
+
+void Dsp::landed(const Side& side, const pci::Posted& posted, pci::Clocks clock) {
+  const bool dropped = around_.fence.closed(slot_);
+  statistics_.dropped_writes += dropped;
+  if (around_.observer == nullptr) return;
+  const Time now = around_.bus_clock.at(clock);
+  if (dropped)
+    around_.observer->dsp_write_dropped(slot_, side.bus, posted.address, posted.value, Time{posted.stamp}, now);
+  else
+    around_.observer->dsp_write(slot_, side.bus, posted.address, posted.value, Time{posted.stamp}, now);
+}
+
+void Dsp::schedule_edge(Time time) {
+  edge_ = time;
+  set_next();
+}
+
+void Dsp::schedule_reset(Time time) {
+  reset_ = time;
+  set_next();
+}
+
+// An edge that finds the chip in the middle of an access is seen when the instruction has ended.
+void Dsp::deliver_edge(Time now) {
+  edge_ = never;
+  if (state_ == State::running || state_ == State::idle) {
+    settle(now);
+    if (state_ == State::running) run(now);
+  }
+  switch (state_) {
+    case State::running:
+    case State::idle:
+      settle(now);
+      chip_.raise_iiof(0);
+      state_ = State::running;
+      own_next_ = around_.chip_clock.at(chip_.cycle());
+      break;
+    case State::access:
+    case State::blocked:
+    case State::resuming: edge_waiting_ = true; break;
+    case State::out:
+    case State::booting:
+    case State::faulting:
+    case State::dead: return;
+  }
+  statistics_.interrupts += 1;
+  if (around_.observer != nullptr) around_.observer->interrupt(slot_, 0, now);
+}
+
+void Dsp::settle(Time now) {
+  switch (state_) {
+    case State::out:
+    case State::booting:
+    case State::idle:
+    case State::dead: chip_.run_until(around_.chip_clock.tick_at_or_after(now)); break;
+    default: break;
+  }
+}
+
+void Dsp::stand_still(Time now) {
+  settle(now);
+  chip_.hold(true);
+  own_next_ = never;
+  edge_waiting_ = false;
+}
+
+void Dsp::fail(Time now) {
+  hang(now);
+  broken_ = true;
+}
+
+void Dsp::hang(Time now) {
+  if (state_ == State::out) return;
+  stand_still(now);
+  state_ = State::dead;
+  set_next();
+}
+
+void Dsp::unplug(Time now) {
+  if (state_ == State::out) return;
+  const pci::Clocks clock = around_.bus_clock.tick_at_or_after(now);
+  bridge_a_.clear(clock);
+  bridge_b_.clear(clock);
+  stand_still(now);
+  state_ = State::out;
+  edge_ = reset_ = never;
+  set_next();
+  if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::unplugged, now);
+}
+
+void Dsp::plug(Time now) {
+  if (state_ != State::out) return;
+  broken_ = false;
+  state_ = State::booting;
+  if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::plugged, now);
+  reset(now);
+}
+
+void Dsp::reset(Time now) {
+  if (state_ == State::out || broken_) return;
+  const pci::Clocks clock = around_.bus_clock.tick_at_or_after(now);
+  bridge_a_.clear(clock);
+  bridge_b_.clear(clock);
+  stand_still(now);
+  chip_.reset();
+  chip_.hold(true);
+  state_ = State::booting;
+  std::int64_t words = 0;
+  for (const auto& section : around_.program.sections) words += static_cast<std::int64_t>(section.words.size());
+  own_next_ = std::max(now, around_.chip_clock.at(chip_.cycle())) + around_.config.reset_time + words * around_.config.boot_time_per_word;
+  edge_ = reset_ = never;
+  set_next();
+  if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::reset, now);
+}
+
+void Dsp::boot() {
+  const toolchain::Image& program = around_.program;
+  chip_.reset();
+  for (const auto& section : program.sections) {
+    if (section.loaded) {
+      chip_.write_block(section.address, section.words);
+    } else {
+      const std::vector<Word> zeros(section.size);
+      chip_.write_block(section.address, zeros);
+    }
+  }
+  chip_.poke(around_.symbols.dsp_slot, slot_);
+  chip_.poke(around_.symbols.idle_policy, around_.config.idle_policy);
+  chip_.poke(around_.symbols.pause_count, around_.config.pause_count);
+  chip_.set_pc(around_.symbols.start);
+  chip_.hold(false);
+  statistics_.boots += 1;
+  state_ = State::running;
+  own_next_ = around_.chip_clock.at(chip_.cycle());
+  if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::booted, own_next_);
+}
+
+void Dsp::append_state(std::vector<std::uint64_t>& words) const {
+  for (unsigned code = 0; code < 32; ++code) words.push_back(chip_.register_value(static_cast<isa::Register>(code)));
+  words.push_back(chip_.pc());
+  words.push_back(static_cast<std::uint64_t>(chip_.cycle()));
+  words.push_back(chip_.instructions());
+  for (const c40::Cycles cycles : chip_.causes()) words.push_back(static_cast<std::uint64_t>(cycles));
+  for (c40::Address address = c40::on_chip_ram; address < c40::on_chip_ram + 2 * c40::on_chip_block_words; ++address) words.push_back(chip_.peek(address));
+  words.push_back(static_cast<std::uint64_t>(state_));
+  words.push_back(statistics_.posted_writes);
+  words.push_back(statistics_.bus_reads);
+  words.push_back(statistics_.prefetch_hits);
+  words.push_back(statistics_.dropped_writes);
+}
+
+void Dsp::fault(c40::Cycles cycle, std::uint32_t pc, std::uint32_t address, std::string what) {
+  fault_ = ChipFault{.slot = slot_, .time = around_.chip_clock.at(cycle), .cycle = cycle, .pc = pc, .address = address, .message = {}};
+  fault_.message = fmt::format("DSP {} at PC {:08X}h, cycle {}, address {:08X}h: {}", slot_, pc, cycle, address, what);
+  state_ = State::faulting;
+  own_next_ = fault_.time;
+  set_next();
+}
+
+void Dsp::report_fault(Time now) {
+  chip_.hold(true);
+  state_ = State::dead;
+  own_next_ = never;
+  settle(now);
+  around_.faults.push_back(fault_);
+  if (around_.observer != nullptr) around_.observer->fault(around_.faults.back());
+}
+
+}  // namespace machine

@@ -1,0 +1,130 @@
+#pragma once
+// One DSP board: a chip and its two bridges, and how they go through time together.
+//
+// The board is always in one state, and says when it wants to be called next. What it does on its own between two accesses (and posted writes that find room, and reads that
+// the bridge's line answers) it may do ahead of everybody else, up to the horizon given.
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "bus_model/bridge.hpp"
+#include "c40/chip.hpp"
+#include "machine/devices.hpp"
+#include "machine/machine.hpp"
+#include "machine/shared_memory.hpp"
+#include "machine/symbols.hpp"
+#include "machine/time.hpp"
+
+namespace machine {
+
+/// What all boards share.
+struct Surroundings {
+  const Config& config;
+  const Symbols& symbols;
+  const toolchain::Image& program;
+  Clock chip_clock;
+  Clock bus_clock;
+  pci::Bus& bus_a;
+  pci::Bus& bus_b;
+  const SharedRegisters& registers;
+  const Devices* devices;
+  const Fence& fence;
+  Observer* observer = nullptr;
+  std::vector<ChipFault> faults;
+};
+
+class Dsp {
+ public:
+  Dsp(unsigned slot, bool plugged, Surroundings& surroundings);
+  Dsp(const Dsp&) = delete;
+  Dsp& operator=(const Dsp&) = delete;
+
+  /// When process() has to be called, unless something reaches it before.
+  Time next() const { return next_; }
+  /// Its time has come. Nothing but what has been scheduled here can reach it before `horizon` (later than `now`).
+  void process(Time now, Time horizon);
+  /// It is executing, and may be run ahead.
+  bool running() const { return state_ == State::running; }
+  void run_ahead(Time horizon);
+
+  void schedule_edge(Time time);
+  void schedule_reset(Time time);
+  void fail(Time now);
+  void hang(Time now);
+  void unplug(Time now);
+  void plug(Time now);
+  void reset(Time now);
+  void append_state(std::vector<std::uint64_t>& words) const;
+  /// Counts idle and halted cycles up to `now`.
+  void settle(Time now);
+
+  bool plugged() const { return state_ != State::out; }
+  bool standing() const { return state_ == State::dead; }
+  c40::Chip& chip() { return chip_; }
+  const c40::Chip& chip() const { return chip_; }
+  const SlotStatistics& statistics() const { return statistics_; }
+
+ private:
+  enum class State : std::uint8_t {
+    out,       // no board in the slot
+    booting,   // held in reset until own_next_
+    running,
+    access,    // stopped before access_, which begins at own_next_
+    blocked,   // the bridge has the access
+    resuming,  // its answer reaches the chip at own_next_
+    idle,
+    faulting,  // fault_ happens at own_next_
+    dead,      // stands still
+  };
+  struct Side final : pci::Bridge::Client {
+    Side(Dsp& owner, BusId which) : dsp{owner}, bus{which} {}
+    void answered(Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) override { dsp.answered(*this, value, ready, arbitration, result); }
+    void taken(pci::Clocks ready, pci::Clocks arbitration) override { dsp.resume_at(ready, arbitration); }
+    void landed(const pci::Posted& posted, pci::Clocks clock, pci::Result) override { dsp.landed(*this, posted, clock); }
+    Dsp& dsp;
+    BusId bus;
+  };
+
+  void run(Time horizon);
+  bool take(const c40::ExternalAccess& access, Time horizon);
+  void begin_access(Time horizon);
+  void post(pci::Bridge& bridge, const c40::ExternalAccess& access);
+  void complete(Time horizon);
+  void deliver_edge(Time now);
+  void boot();
+  void stand_still(Time now);
+  void answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result);
+  void resume_at(pci::Clocks ready, pci::Clocks arbitration);
+  void landed(const Side& side, const pci::Posted& posted, pci::Clocks clock);
+  void fault(c40::Cycles cycle, std::uint32_t pc, std::uint32_t address, std::string what);
+  void report_fault(Time now);
+  void set_next();
+  bool writable(BusId bus, Offset offset) const;
+
+  bool on_a(std::uint32_t address) const { return address >= around_.symbols.window_a; }
+  Offset offset_of(std::uint32_t address) const { return address - (on_a(address) ? around_.symbols.window_a : around_.symbols.window_b); }
+  pci::Bridge& bridge_of(std::uint32_t address) { return on_a(address) ? bridge_a_ : bridge_b_; }
+
+  unsigned slot_;
+  Surroundings& around_;
+  c40::Chip chip_;
+  Side side_a_;
+  Side side_b_;
+  pci::Bridge bridge_a_;
+  pci::Bridge bridge_b_;
+  State state_ = State::out;
+  bool broken_ = false;        // no reset revives it
+  bool edge_waiting_ = false;  // came in the middle of an access; taken when its instruction has ended
+  Time next_ = never;
+  Time own_next_ = never;
+  Time edge_ = never;
+  Time reset_ = never;
+  c40::ExternalAccess access_{};
+  Word answer_ = 0;
+  c40::Cycles arbitration_ = 0;
+  c40::Cycles transfer_ = 0;
+  ChipFault fault_{};
+  SlotStatistics statistics_{};
+};
+
+}  // namespace machine

@@ -1,0 +1,112 @@
+#include "machine/host.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace machine {
+
+Host::Host(HostProgram& program, const Config& config, pci::Bus& bus, Clock bus_clock, const SharedRegisters& registers)
+    : program_{program},
+      config_{config},
+      bus_{bus},
+      clock_{bus_clock},
+      registers_{registers},
+      bridge_{bus, config.host_master, config.host_bridge, *this},
+      action_clocks_{config.host_bridge.request_sync + config.shared_memory.devsel + config.shared_memory.write_initial + 1 + config.interrupt_clocks} {
+  waiting_.reserve(1024);
+  words_read_.reserve(1024);
+  set_next(Time{0});
+}
+
+void Host::set_next(Time now) { next_ = std::min(read_done_, std::max(now, program_.next_wake())); }
+
+void Host::process(Time now) {
+  cpu_ = std::max(cpu_, clock_.tick_at_or_after(now));
+  if (read_done_ <= now) {
+    read_done_ = never;
+    words_wanted_ = 0;
+    program_.read_done(tag_, words_read_, now, *this);
+  }
+  if (program_.next_wake() <= now) program_.wake(now, *this);
+  set_next(now);
+}
+
+Time Host::earliest_action() const {
+  const pci::Clocks event = bus_.next_event();
+  const Time bus = event == pci::never ? never : clock_.at(event);
+  // A program that waits for words wakes with the bus's next event at the earliest; then its write has to cross the bridge and the bus.
+  const Time acts = words_wanted_ != 0 && read_done_ == never ? std::min(next_, bus) : next_;
+  Time earliest = acts == never ? never : acts + clock_.at(action_clocks_) - Time{1};
+  if (acting_ != 0) earliest = std::min(earliest, bus);
+  return earliest;
+}
+
+void Host::require_answer(Offset offset, std::size_t words, bool write) const {
+  for (std::size_t i = 0; i < words; ++i) {
+    const auto one = static_cast<Offset>(offset + i);
+    if (one >= SharedSram::size && !registers_.answers(one, write, true))
+      throw std::out_of_range{fmt::format("the host {} bus A offset {:X}h, where nothing answers", write ? "writes to" : "reads from", one)};
+  }
+}
+
+void Host::read(Offset offset, unsigned n_words, std::uint32_t tag) {
+  if (words_wanted_ != 0) throw std::logic_error{"HostPort::read: the read before is not done; wait for read_done"};
+  if (n_words == 0) throw std::invalid_argument{"HostPort::read of no words"};
+  require_answer(offset, n_words, false);
+  tag_ = tag;
+  read_offset_ = offset;
+  words_wanted_ = n_words;
+  words_read_.clear();
+  feed();
+}
+
+void Host::write(Offset offset, std::span<const Word> words) {
+  if (words_wanted_ != 0) throw std::logic_error{"HostPort::write while a read is outstanding: the host's processor waits for it"};
+  require_answer(offset, words.size(), true);
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const auto one = static_cast<Offset>(offset + i);
+    if (one >= SharedSram::size && registers_.acts_on_dsps(one)) acting_ += 1;
+    waiting_.push_back({.address = one, .value = words[i]});
+  }
+  feed();
+}
+
+// Gives the bridge what it takes: writes in order, then the read.
+void Host::feed() {
+  while (first_waiting_ < waiting_.size() && !bridge_.blocked()) {
+    pci::Posted posted = waiting_[first_waiting_++];
+    cpu_ += config_.host_write_clocks;
+    posted.clock = cpu_;
+    bridge_.write(posted);
+  }
+  if (first_waiting_ == waiting_.size()) {
+    waiting_.clear();
+    first_waiting_ = 0;
+    if (words_wanted_ != 0 && !bridge_.blocked()) bridge_.read(read_offset_, cpu_);
+  }
+}
+
+void Host::taken(pci::Clocks ready, pci::Clocks) {
+  cpu_ = std::max(cpu_, ready);
+  feed();
+}
+
+void Host::landed(const pci::Posted& posted, pci::Clocks, pci::Result) {
+  if (posted.address >= SharedSram::size && registers_.acts_on_dsps(posted.address)) acting_ -= 1;
+}
+
+void Host::answered(Word value, pci::Clocks ready, pci::Clocks, pci::Result) {
+  cpu_ = std::max(cpu_, ready);
+  words_read_.push_back(value);
+  read_offset_ += 1;
+  if (words_read_.size() < words_wanted_) {
+    bridge_.read(read_offset_, cpu_);
+  } else {
+    read_done_ = clock_.at(ready);
+    next_ = std::min(next_, read_done_);
+  }
+}
+
+}  // namespace machine

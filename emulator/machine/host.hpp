@@ -1,0 +1,56 @@
+#pragma once
+// The host board: a HostProgram behind a bridge to bus A.
+#include <cstdint>
+#include <vector>
+
+#include "bus_model/bridge.hpp"
+#include "machine/machine.hpp"
+#include "machine/shared_memory.hpp"
+#include "machine/time.hpp"
+
+namespace machine {
+
+class Host final : public HostPort, private pci::Bridge::Client {
+ public:
+  Host(HostProgram& program, const Config& config, pci::Bus& bus, Clock bus_clock, const SharedRegisters& registers);
+
+  Time next() const { return next_; }
+  void process(Time now);
+
+  /// Nothing that it has posted or will post can act on a DSP before this (a lower bound, never earlier than `now`).
+  Time earliest_action() const;
+
+  void read(Offset offset, unsigned n_words, std::uint32_t tag) override;
+  void write(Offset offset, std::span<const Word> words) override;
+  using HostPort::write;
+  bool reading() const override { return words_wanted_ != 0; }
+  std::size_t pending_writes() const override { return waiting_.size() - first_waiting_ + bridge_.posted() + bridge_.blocked_write(); }
+
+ private:
+  void answered(Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) override;
+  void taken(pci::Clocks ready, pci::Clocks arbitration) override;
+  void landed(const pci::Posted& posted, pci::Clocks clock, pci::Result result) override;
+  void require_answer(Offset offset, std::size_t words, bool write) const;
+  void feed();
+  void set_next(Time now);
+
+  HostProgram& program_;
+  const Config& config_;
+  pci::Bus& bus_;
+  Clock clock_;
+  const SharedRegisters& registers_;
+  pci::Bridge bridge_;
+  Time next_ = never;
+  Time read_done_ = never;
+  pci::Clocks cpu_ = 0;  // the processor issues its next access at this clock or later
+  std::vector<pci::Posted> waiting_;  // writes that found the FIFO full
+  std::size_t first_waiting_ = 0;
+  unsigned acting_ = 0;  // posted words that will act on a DSP
+  std::uint32_t tag_ = 0;
+  Offset read_offset_ = 0;
+  unsigned words_wanted_ = 0;
+  std::vector<Word> words_read_;
+  pci::Clocks action_clocks_;
+};
+
+}  // namespace machine

@@ -1,0 +1,52 @@
+"""Small C40 programs for the machine's tests, assembled when a test asks for them."""
+
+from functools import cache
+from pathlib import Path
+
+from cmrc._core import machine, toolchain
+
+INCLUDE = Path(__file__).resolve().parents[2] / "c40_programs" / "include"
+
+MS = 10**9  # picoseconds
+US = 10**6
+ON_CHIP = 0x2FF800
+
+HEAD = """
+        .include "task_block.inc"
+        .include "devices.inc"
+        .text
+_start: ldhi    0C000h, ar0             ; window A
+        ldhi    0C001h, ar1             ; its registers, semaphore 0 first
+        ldhi    07000h, ar2             ; window B
+        ldhi    002Fh, ar3
+        or      0F800h, ar3             ; on-chip RAM
+        ldhi    0030h, ar4
+        or      0F000h, ar4             ; parameters
+        ldi     *ar4, r7                ; the slot
+        ldhi    002Fh, sp
+        or      0FC00h, sp
+"""
+
+TAIL = """
+halt:   b       halt
+        .sect   ".parameters"
+dsp_slot:    .word 0
+idle_policy: .word 0
+pause_count: .word 0
+"""
+
+
+@cache
+def assemble(body: str) -> toolchain.Image:
+    """A program whose registers are set up as HEAD says and that ends in an endless loop."""
+    return toolchain.assemble(
+        HEAD + body + TAIL, "test.asm", include_dirs=[INCLUDE], sections={".text": 0x300000, ".parameters": 0x30F000}, entry="_start"
+    )
+
+
+def config(**values: object) -> machine.Config:
+    """A configuration with some fields set."""
+    result = machine.Config()
+    for name, value in values.items():
+        setattr(result, name, value)
+    return result
