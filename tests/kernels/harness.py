@@ -1,0 +1,105 @@
+"""One emulated DSP with the real image. Its windows are plain RAM (board `flat`), which the test fills and reads."""
+
+from __future__ import annotations
+
+import functools
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+from cmrc import _core
+from conftest import ROOT
+
+WINDOW_A, WINDOW_B = 0xC0000000, 0x70000000
+RETURN = 0x3FF000  # nothing is here: where the called code returns to
+
+
+@functools.cache
+def image() -> Any:
+    programs = Path(os.environ.get("CMRC_PROGRAMS", ROOT / "c40_programs"))
+    return _core.toolchain.assemble_file(programs / "dsp.asm", entry="_start")
+
+
+def to_ti(x: float) -> int:
+    """The nearest single of the C40: x = M 2^(e - 23), M in [2^23, 2^24) or [-2^24, -2^23), sign and fraction stored."""
+    if x == 0:
+        return 0x80000000
+    fraction, exponent = math.frexp(x)
+    m, e = round(fraction * 2**24), exponent - 1
+    if m == 2**24:
+        m, e = 2**23, e + 1
+    if m == -(2**23):
+        m, e = -(2**24), e - 1
+    return ((e & 0xFF) << 24) | ((m ^ 0x800000) & 0xFFFFFF)
+
+
+def from_ti(word: int) -> float:
+    return float(_core.c40.float40.value(_core.c40.float40.from_single(word)))
+
+
+def signed(word: int) -> int:
+    return word - (1 << 32) if word & 0x80000000 else word
+
+
+class Dsp:
+    """The DSP after `_start` has copied the constants; `area` is the address of the robot's area."""
+
+    def __init__(self) -> None:
+        self.symbols: dict[str, int] = image().symbols
+        self.chip = _core.c40.Processor("flat")
+        self.chip.load_image(image())
+        first, last = self.symbols["constants"], self.symbols["constants_end"]
+        self.chip.load_words(self.symbols["CONSTANTS"], self.chip.read(first, last - first))
+        self.area = WINDOW_A + self.symbols["CR_BASE"]
+
+    # ---- words of the area and of the devices
+    def put(self, name: str, *values: float | int, offset: int = 0) -> None:
+        """Floats as TI singles, integers as they are."""
+        for i, v in enumerate(values):
+            word = to_ti(v) if isinstance(v, float) else v & 0xFFFFFFFF
+            self.chip.poke(self.area + self.symbols[name] + offset + i, word)
+
+    def floats(self, name: str, count: int, offset: int = 0) -> list[float]:
+        return [from_ti(w) for w in self.chip.read(self.area + self.symbols[name] + offset, count)]
+
+    def word(self, name: str, offset: int = 0) -> int:
+        return signed(self.chip.peek(self.area + self.symbols[name] + offset))
+
+    def device(self, name: str, value: int, offset: int = 0) -> None:
+        self.chip.poke(WINDOW_B + self.symbols[name] + offset, value & 0xFFFFFFFF)
+
+    def device_word(self, name: str, offset: int = 0) -> int:
+        return signed(self.chip.peek(WINDOW_B + self.symbols[name] + offset))
+
+    # ---- running
+    def call(self, label: str) -> int:
+        """Calls what is at `label` and returns its cycles."""
+        s, chip = self.symbols, self.chip
+        chip.set("DP", s["PAGE"])
+        chip.set("SP", s["STACK"])
+        chip.set("ST", 0x0800)
+        chip.poke(s["STACK"], RETURN)
+        chip.pc = s[label]
+        before = chip.cycle
+        stop = chip.run(20_000_000, RETURN)
+        assert stop["reason"] == "breakpoint", stop
+        assert chip.get("DP") == s["PAGE"] and chip.get("SP") == s["STACK"] - 1
+        return int(chip.cycle - before)
+
+    def function(self, label: str, *arguments: float) -> tuple[float, ...]:
+        """R0, R1, ... of a library function whose arguments are 40-bit floats exactly equal to doubles rounded to single."""
+        for i, a in enumerate(arguments):
+            self.chip.set(f"R{i}", _core.c40.float40.from_single(to_ti(a)))
+        self.call(label)
+        return tuple(float(self.chip.value(f"R{i}")) for i in range(5))
+
+    def run(self, kernel: str, argument: int = 0, tick: int = 0) -> tuple[int, int, int]:
+        """TB_RESULT, TB_NOTIFY and the kernel's cycles with windows that cost nothing."""
+        s, chip = self.symbols, self.chip
+        chip.poke(s["TASK"] + s["TB_ARGUMENT"], argument)
+        chip.poke(s["TASK"] + s["TB_TICK"], tick)
+        chip.set("AR6", self.area)
+        chip.set("AR7", s["TASK"])
+        cycles = self.call(f"kernel_{kernel}")
+        return chip.get("R0") & 0xFFFFFFFF, chip.get("R1") & 0xFFFFFFFF, cycles
