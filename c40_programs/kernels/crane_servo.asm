@@ -83,7 +83,7 @@ servo_ramp:
         mpyf    @SV_RAMP_DELTA, r2
         rets
 servo_ramp_none:
-        ldf     @SV_RAMP_BASE, r0
+        ldf     0.0, r0
         ldf     0.0, r1
         ldf     0.0, r2
         rets

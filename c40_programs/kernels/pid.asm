@@ -81,9 +81,9 @@ kernel_pid:
         cmpi    1, r0
         blt     pid_take_pose
         bgt     pid_servo
-        ldi     @PD_FEED + 2, r0
-        cmpi    0, r0                   ; the luff's weight: never 0 once computed
-        beq     pid_finish
+        absf    @PD_FEED + 2, r0        ; what holds the jib: thousands of N m once computed (and a word of 0 is 1.0)
+        cmpf    2.0, r0
+        ble     pid_finish
         ldhi    hi16(WINDOW_B), ar0
         ldi     1Fh, r0
         sti     r0, *+ar0(DRIVE_ENABLE)
