@@ -1,0 +1,184 @@
+"""Blocks against the exact engine, and runs cut into pieces against whole ones: every register, word, cycle and cause."""
+
+import random
+from pathlib import Path
+from typing import Any
+
+import pytest
+import small_programs
+
+from cmrc._core import c40
+
+DATA = Path(__file__).parent / "data"
+REGISTERS = [f"R{n}" for n in range(12)] + [f"AR{n}" for n in range(8)]
+REGISTERS += ["DP", "IR0", "IR1", "BK", "SP", "ST", "DIE", "IIE", "IIF", "RS", "RE", "RC"]
+RAM = (0x2FF800, 0x800)
+
+
+def state(processor: Any) -> dict[str, Any]:
+    out: dict[str, Any] = {name: processor.get(name) for name in REGISTERS}
+    out |= {"pc": processor.pc, "cycle": processor.cycle, "instructions": processor.instructions}
+    out |= processor.causes
+    out["ram"] = processor.read(*RAM)
+    return out
+
+
+def kernel(name: str) -> Any:
+    processor = c40.Processor("flat")
+    words = [int(line, 16) for line in (DATA / f"{name}.hex").read_text().split()]
+    processor.load_words(0x1000, words)
+    processor.load_words(RAM[0], [(n * 0x9E3779B1) & 0x03FFFFFF for n in range(RAM[1])])
+    processor.pc = 0x1000
+    return processor
+
+
+@pytest.mark.parametrize("name", ["fir", "branch", "controller"])
+def test_blocks_and_exact_engine_agree_at_many_points(name: str) -> None:
+    fast, exact = kernel(name), kernel(name)
+    exact.set_exact(True)
+    rng = random.Random(1)
+    for _ in range(150):
+        cycles = rng.choice([1, 2, 3, 7, 20, 64, 150, 1000])
+        fast.run(cycles)
+        exact.run(cycles)
+        assert state(fast) == state(exact)
+        assert small_programs.consistent(fast)
+
+
+# Straight pieces from which random programs are made; AR4..AR7 point into RAM and move by at most one a piece.
+PIECES = [
+    "ldi *ar4++(1)%,r0",
+    "addi *ar5,r1",
+    "sti r1,*ar5++(1)%",
+    "addi3 r0,r1,r2",
+    "subi 7,r2",
+    "mpyi3 r2,r1,r3",
+    "float r2,r4",
+    "mpyf3 r4,r5,r6",
+    "addf3 r4,r6,r5",
+    "rnd r5",
+    "stf r5,*+ar4(1)",
+    "ldf *ar4,r6",
+    "cmpi r0,r1",
+    "ldigt r0,r2",
+    "cmpf r5,r6",
+    "ldflt r5,r6",
+    "fix r5,r7",
+    "lsh -3,r2",
+    "ash 2,r3",
+    "xor r3,r2",
+    "push r2\n        pop r3",
+    "pushf r5\n        popf r6",
+    "ldi r2,r8",
+    "addc r8,r1",
+    "addf3 *ar4,r4,r5\n||      stf r6,*ar5",
+    "mpyf3 *ar4,*ar5,r0\n||      addf3 r4,r6,r2",
+    "ldf *ar4,r1\n||      ldf *ar5,r3",
+    "sti r1,*ar4\n||      sti r2,*ar5",
+    "lda ar4,ar6\n        ldi *ar6,r1",
+    "ldi ar5,ar7\n        ldi *ar7,r2",
+    "or 80h,st",
+    "andn 80h,st",
+    "ldi st,r9",
+    "sti r3,*ar2",
+    "ldi *ar2,r0",
+    "sti r0,*ar3\n        ldi *ar3,r2",
+    "rpts 5\n        addi 3,r1",
+    "ldi 4,rc\n        rptb e{n}\n        addi 1,r2\n        sti r2,*ar4\ne{n}:   addi r2,r3",
+    "ldi 3,rc\n        rptbd e{n}\n        nop\n        addi 1,r0\n        nop\n        addi 1,r2\ne{n}:   addi r2,r3",
+    "cmpi r2,r3\n        bgt e{n}\n        addi 5,r1\n        addi 6,r2\ne{n}:   nop",
+    "cmpi r1,r3\n        bltd e{n}\n        addi 5,r1\n        nop\n        addi 6,r2\n        addi 1,r3\ne{n}:   nop",
+    "cmpi r1,r3\n        bltaf e{n}\n        addi 5,r1\n        nop\n        addi 6,r2\n        addi 1,r3\ne{n}:   nop",
+    "call sub",
+    "laj sub2\n        nop\n        addi 1,r0\n        nop",
+    "cmpi r1,r2\n        callgt sub",
+]
+
+
+def random_program(seed: int) -> Any:
+    rng = random.Random(seed)
+    body = "\n".join("        " + rng.choice(PIECES).replace("{n}", str(n)) for n in range(40))
+    text = f"""
+loop:
+{body}
+        dbu ar1,loop
+stop:   bu stop
+sub:    addi 1,r7
+        retsge
+        subi 3,r7
+        rets
+sub2:   addi 2,r7
+        bu r11
+"""
+    processor, _ = small_programs.load(text, at=0x300000 if seed % 2 else 0x2FFC00)
+    processor.set("AR1", 20)
+    processor.set("AR4", 0x2FF800)
+    processor.set("AR5", 0x2FF840)
+    processor.set("AR2", 0x80000000)
+    processor.set("AR3", 0x40000000)
+    processor.set("BK", 32)
+    processor.set("SP", 0x2FFA00)
+    for n, value in enumerate([0x0012345678, 0x0023456789, 0x05400001, 0x0300000007]):
+        processor.set(f"R{n + 4}", value)
+    return processor
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_random_programs_agree_cycle_by_cycle(seed: int) -> None:
+    fast, exact = random_program(seed), random_program(seed)
+    exact.set_exact(True)
+    rng = random.Random(seed)
+    for _ in range(60):
+        cycles = rng.choice([1, 5, 30, 100, 400])
+        stops = fast.run(cycles), exact.run(cycles)
+        assert stops[0] == stops[1]
+        assert state(fast) == state(exact)
+        assert small_programs.consistent(fast)
+    assert fast.instructions > 500
+
+
+def test_tracing_changes_nothing() -> None:
+    traced, plain = random_program(3), random_program(3)
+    records = traced.trace(3000)
+    plain.run(3000)
+    assert state(traced) == state(plain)
+    assert len(records) == plain.instructions
+    assert all(sum(record["causes"].values()) == record["cycles"] for record in records)
+
+
+def test_a_program_that_changes_its_code_runs_the_new_code() -> None:
+    text = """
+        ldi 20,rc
+loop:   ldi @count,r1
+        addi 1,r1
+        sti r1,@count
+        cmpi 10,r1
+        bne same
+        ldi @other,r2
+        sti r2,@place
+same:
+place:  addi 1,r0
+        cmpi 20,r1
+        bne loop
+stop:   bu stop
+        .data
+count:  .word 0
+other:  addi 100,r0
+"""
+    results = []
+    for exact in (False, True):
+        processor, image = small_programs.load(text.replace(".data", ""))
+        processor.set("DP", 0x2F)
+        processor.set_exact(exact)
+        processor.run(100000, until=image.symbols["stop"])
+        results.append(state(processor))
+    assert results[0] == results[1]
+    assert results[0]["R0"] & 0xFFFFFFFF == 9 * 1 + 11 * 100
+
+
+def test_repeated_nop_is_advanced_in_closed_form() -> None:
+    processor, image = small_programs.load("        rpts r0\n        nop\nstop:   bu stop\n")
+    processor.set("R0", 999_999_999)
+    processor.run(10**10, until=image.symbols["stop"])
+    assert processor.cycle == 4 + 10**9
+    assert processor.get("RC") == 0xFFFFFFFF
