@@ -256,6 +256,14 @@ std::array<double, 3> Crane::payload_velocity(const CraneVector& q, const CraneV
   return velocity(a, payload_point(p_, a, q, qd), qd);
 }
 
+CraneVector Crane::at_payload(const CraneVector& q, const std::array<double, 3>& world) const {
+  const Angles a(q);
+  const Vector3 local{a.psi.cos * world[0] + a.psi.sin * world[1], -a.psi.sin * world[0] + a.psi.cos * world[1], world[2]};
+  CraneVector sum{};
+  add_force(sum, payload_point(p_, a, q, {}), local);
+  return sum;
+}
+
 double Crane::tension(const CraneVector& q, const CraneVector& qd, const CraneVector& qdd, double mass) const {
   const Angles a(q);
   const Point load = payload_point(p_, a, q, qd);

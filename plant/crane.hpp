@@ -51,6 +51,8 @@ class Crane {
   std::array<double, 3> payload_position(const CraneVector& q) const;
   std::array<double, 3> tip_velocity(const CraneVector& q, const CraneVector& qd) const;
   std::array<double, 3> payload_velocity(const CraneVector& q, const CraneVector& qd) const;
+  // Generalised force (or momentum) of a force (or momentum) at the payload, in world axes.
+  CraneVector at_payload(const CraneVector& q, const std::array<double, 3>& world) const;
   double tension(const CraneVector& q, const CraneVector& qd, const CraneVector& qdd, double mass) const;  // N, rope
 
  private:

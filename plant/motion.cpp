@@ -36,7 +36,7 @@ CraneVector CraneMotion::applied_force(const CraneVector& q, const CraneVector& 
     if (in.braked[j]) force[k] -= drive.brake * drive.rated_force() * tanh(qd[k] / (1e-3 * drive.rated_joint_speed()));
   }
   if (in.payload.mass > 0.0 && p.sway_damping > 0.0) {
-    const double damping = crane_.sway_damping(in.damping_length > 0.0 ? in.damping_length : q[Q_L], in.payload.mass);
+    const double damping = crane_.sway_damping(q[Q_L], in.payload.mass);
     force[Q_ALPHA] -= damping * qd[Q_ALPHA];
     force[Q_BETA] -= damping * qd[Q_BETA];
   }

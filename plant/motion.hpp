@@ -20,7 +20,6 @@ struct CraneInputs {
   unsigned locked = 0;         // coordinates held at rest: brakes that hold, sway angles at L0 and L2
   Payload payload{};
   CraneVector external{};      // generalised forces besides the drives
-  double damping_length = 0.0;  // m, rope that the sway damping is taken for
 };
 
 class CraneMotion {

@@ -102,7 +102,6 @@ void bind_motion(py::module_& m) {
       .def_readwrite("braked", &CraneInputs::braked)
       .def_readwrite("locked", &CraneInputs::locked)
       .def_readwrite("external", &CraneInputs::external)
-      .def_readwrite("damping_length", &CraneInputs::damping_length)
       .def_property(
           "payload", [](const CraneInputs& i) { return std::pair{i.payload.mass, i.payload.inertia}; },
           [](CraneInputs& i, std::pair<double, double> p) { i.payload = {p.first, p.second}; });

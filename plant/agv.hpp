@@ -1,0 +1,58 @@
+#pragma once
+// One AGV: single-track model with two steered axles, drive and steering lags (plant-and-bus.md 1.5), and its drive unit: a FIFO of
+// set-points, each held for the period, and a speed loop at 100 Hz.
+#include <array>
+#include <cstdint>
+
+#include "plant/dock.hpp"
+#include "plant/integrator.hpp"
+
+namespace plant {
+
+enum AgvCoordinate : std::uint8_t { A_X, A_Y, A_HEADING, A_SPEED, A_SIDE, A_YAW_RATE, A_FRONT, A_REAR, A_FORCE, agv_size };
+
+struct AgvSetPoint {
+  double speed, front, rear;  // m/s, rad
+};
+
+struct AgvState {
+  std::array<double, agv_size> y{};  // m, rad, m/s, rad/s, N
+  double step = 1e-3;                // s, with which the integrator begins
+  int container = -1;                // on the deck
+  double load_mass = 0.0, load_inertia = 0.0;
+
+  std::array<AgvSetPoint, 4> fifo{};
+  int waiting = 0;
+  AgvSetPoint current{};             // held now
+  Time period{20'000'000'000};       // each set-point is held for this
+  Time due{0};                       // when the next one is taken; meaningful while running
+  bool running = false;              // set-points are being taken
+  bool dry = false;                  // ran dry while driving; cleared when a set-point is taken
+  bool standing = true;              // brakes hold
+  double reference = 0.0;            // m/s, ramped
+  double integral = 0.0;             // N
+  double command = 0.0;              // N, to the drive
+  Time served_since{-1};             // standing loaded in the warehouse since, or -1
+};
+
+class AgvMotion {
+ public:
+  AgvMotion(const AgvParameters&, double tolerance);
+  // Over an interval with the commands held. A standing vehicle only turns its wheels.
+  void advance(AgvState&, double seconds);
+  // The drive unit's 100-Hz tick: speed loop, standing brake.
+  void drive_tick(AgvState&) const;
+  // Takes the next set-point if it is due at `now`. True if the FIFO ran dry while driving just now.
+  static bool take_set_point(AgvState&, Time now);
+  static bool push(AgvState&, const AgvSetPoint&);  // false: full, dropped
+
+ private:
+  static void derivative(void* self, const double* y, double* yd);
+  double mass(const AgvState& s) const { return p_.mass + s.load_mass; }
+
+  AgvParameters p_;
+  Integrator integrator_;
+  const AgvState* state_ = nullptr;
+};
+
+}  // namespace plant

@@ -1,0 +1,161 @@
+#include "plant/contact.hpp"
+
+#include <fmt/format.h>
+#include <ode/ode.h>
+
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <mutex>
+#include <stdexcept>
+
+#include "plant/math.hpp"
+
+namespace plant {
+namespace {
+
+constexpr double foot_radius = 0.05;  // m
+constexpr int most_contacts = 8;      // of one pair of shapes
+
+// ODE prints and exits by itself; here its complaints become exceptions and its chatter nothing.
+void complain(int number, const char* message, va_list arguments) {
+  char text[256];
+  std::vsnprintf(text, sizeof text, message, arguments);
+  throw std::runtime_error(fmt::format("plant: ODE error {}: {}", number, text));
+}
+
+void ignore(int, const char*, va_list) {}
+
+void start_ode() {
+  static std::once_flag once;
+  std::call_once(once, [] {
+    dSetErrorHandler(complain);
+    dSetDebugHandler(complain);
+    dSetMessageHandler(ignore);
+    if (dInitODE2(0) == 0) throw std::runtime_error("plant: ODE does not start");
+    if (dCheckConfiguration("ODE_double_precision") == 0)
+      throw std::runtime_error("plant: ODE is built in single precision; the double precision library is needed");
+  });
+  thread_local const bool ready = dAllocateODEDataForThread(dAllocateMaskAll) != 0;
+  if (!ready) throw std::runtime_error("plant: ODE has no data for this thread");
+}
+
+}  // namespace
+
+struct ContactEngine::Implementation {
+  LandingParameters p;
+  dWorldID world;
+  dBodyID body;
+  dJointGroupID joints;
+  std::array<dGeomID, 4> feet{};
+  std::array<dGeomID, 2> hulls{};
+  dGeomID solid;
+  std::vector<dJointFeedback> feedback;
+
+  explicit Implementation(const LandingParameters& parameters) : p(parameters) {
+    start_ode();
+    world = dWorldCreate();
+    dWorldSetGravity(world, 0.0, 0.0, -gravity);
+    dWorldSetAutoDisableFlag(world, 0);
+    body = dBodyCreate(world);
+    dBodySetGyroscopicMode(body, 1);
+    joints = dJointGroupCreate(0);
+    for (auto& foot : feet) foot = on_body(dCreateSphere(nullptr, foot_radius));
+    for (auto& hull : hulls) hull = on_body(dCreateBox(nullptr, 1.0, 1.0, 1.0));
+    solid = dCreateBox(nullptr, 1.0, 1.0, 1.0);
+    feedback.resize(256);
+  }
+  ~Implementation() {
+    for (auto* foot : feet) dGeomDestroy(foot);
+    for (auto* hull : hulls) dGeomDestroy(hull);
+    dGeomDestroy(solid);
+    dJointGroupDestroy(joints);
+    dWorldDestroy(world);
+  }
+  Implementation(const Implementation&) = delete;
+  Implementation& operator=(const Implementation&) = delete;
+
+  dGeomID on_body(dGeomID geom) const {
+    dGeomSetBody(geom, body);
+    return geom;
+  }
+
+  void place(const BodyState& s, const BodyShape& shape) {
+    dMass mass;
+    dMassSetParameters(&mass, shape.mass, 0, 0, 0, shape.inertia[0], shape.inertia[1], shape.inertia[2], 0, 0, 0);
+    dBodySetMass(body, &mass);
+    dBodySetPosition(body, s.position[0], s.position[1], s.position[2]);
+    const dQuaternion turn = {s.turn[0], s.turn[1], s.turn[2], s.turn[3]};
+    dBodySetQuaternion(body, turn);
+    dBodySetLinearVel(body, s.velocity[0], s.velocity[1], s.velocity[2]);
+    dBodySetAngularVel(body, s.spin[0], s.spin[1], s.spin[2]);
+    for (std::size_t i = 0; i < feet.size(); ++i)
+      dGeomSetOffsetPosition(feet[i], shape.corners[i][0], shape.corners[i][1], shape.corners[i][2] + foot_radius);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(shape.hull_count); ++i) {
+      const auto& hull = shape.hulls[i];
+      dGeomBoxSetLengths(hulls[i], 2 * hull.half[0], 2 * hull.half[1], 2 * hull.half[2]);
+      dGeomSetOffsetPosition(hulls[i], hull.centre[0], hull.centre[1], hull.centre[2]);
+      const auto [sy, cy] = sin_cos(0.5 * hull.yaw);
+      const dQuaternion yaw = {cy, 0, 0, sy};
+      dGeomSetOffsetQuaternion(hulls[i], yaw);
+    }
+  }
+
+  // Contact joints between one shape of the body and the solid. The surface is a spring and damper (plant-and-bus.md 1.7).
+  int touch(dGeomID shape, double h, int count) {
+    std::array<dContact, most_contacts> contacts{};
+    const int n = dCollide(shape, solid, most_contacts, &contacts[0].geom, sizeof(dContact));
+    for (int i = 0; i < n && count < static_cast<int>(feedback.size()); ++i) {
+      dContact& c = contacts[static_cast<std::size_t>(i)];
+      c.surface.mode = dContactSoftERP | dContactSoftCFM | dContactApprox1;
+      c.surface.mu = p.friction;
+      c.surface.soft_erp = h * p.corner_stiffness / (h * p.corner_stiffness + p.corner_damping);
+      c.surface.soft_cfm = 1.0 / (h * p.corner_stiffness + p.corner_damping);
+      const dJointID joint = dJointCreateContact(world, joints, &c);
+      dJointAttach(joint, body, nullptr);
+      dJointSetFeedback(joint, &feedback[static_cast<std::size_t>(count)]);
+      ++count;
+    }
+    return count;
+  }
+
+  BodyState read() const {
+    const dReal* x = dBodyGetPosition(body);
+    const dReal* q = dBodyGetQuaternion(body);
+    const dReal* v = dBodyGetLinearVel(body);
+    const dReal* w = dBodyGetAngularVel(body);
+    return {{x[0], x[1], x[2]}, {q[0], q[1], q[2], q[3]}, {v[0], v[1], v[2]}, {w[0], w[1], w[2]}};
+  }
+};
+
+ContactEngine::ContactEngine(const LandingParameters& parameters) : self_(std::make_unique<Implementation>(parameters)) {}
+ContactEngine::~ContactEngine() = default;
+
+ContactResult ContactEngine::step(BodyState& state, const BodyShape& shape, const std::array<double, 3>& force,
+                                  const std::array<double, 3>& torque, std::span<const Solid> solids, double seconds) {
+  start_ode();
+  dRandSetSeed(0);  // ODE's random numbers are one for the whole process
+  auto& s = *self_;
+  s.place(state, shape);
+  int count = 0;
+  for (const Solid& solid : solids) {
+    dGeomBoxSetLengths(s.solid, 2 * solid.half_x, 2 * solid.half_y, solid.top - solid.bottom);
+    dGeomSetPosition(s.solid, solid.x, solid.y, 0.5 * (solid.top + solid.bottom));
+    const auto [sy, cy] = sin_cos(0.5 * solid.yaw);
+    const dQuaternion yaw = {cy, 0, 0, sy};
+    dGeomSetQuaternion(s.solid, yaw);
+    for (auto* foot : s.feet) count = s.touch(foot, seconds, count);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(shape.hull_count); ++i) count = s.touch(s.hulls[i], seconds, count);
+  }
+  dBodyAddForce(s.body, force[0], force[1], force[2]);
+  dBodyAddTorque(s.body, torque[0], torque[1], torque[2]);
+  dWorldStep(s.world, seconds);
+  ContactResult result;
+  result.contacts = count;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) result.normal_force += s.feedback[i].f1[2];
+  dJointGroupEmpty(s.joints);
+  state = s.read();
+  return result;
+}
+
+}  // namespace plant

@@ -1,0 +1,253 @@
+#include "plant/dock.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "plant/dock_core.hpp"
+#include "plant/math.hpp"
+#include "plant/sensors.hpp"
+#include "plant/state_hash.hpp"
+
+namespace plant {
+namespace {
+
+void require(bool good, const char* what) {
+  if (!good) throw std::invalid_argument(fmt::format("plant: {}", what));
+}
+
+void check(const DockConfig& c) {
+  require(c.agv_count >= 0 && c.agv_count <= 16, "agv_count must be 0..16");
+  require(c.tolerance >= 1e-12 && c.tolerance <= 1e-4, "tolerance must be 1e-12..1e-4");
+  require(c.signal_decimation >= 0, "signal_decimation must be 0 (off) or a number of latches");
+  require(!c.layout.rows.empty(), "the bay needs at least one row");
+  require(c.layout.scan_dx > 0.0, "scan_dx must be positive");
+  require(c.crane.spreader_mass > 0.0 && c.crane.spreader_inertia > 0.0, "the spreader needs mass and inertia");
+  require(c.landing.away > c.landing.near && c.landing.near > 0.0, "landing needs 0 < near < away");
+  for (const auto& place : c.layout.containers) require(place.mass > 0.0, "a container's mass must be positive");
+  for (const auto& drive : c.crane.drives)
+    require(drive.torque_lag > 0.0 && drive.gear > 0.0 && drive.rated_torque > 0.0 && drive.rated_speed > 0.0,
+            "a drive needs positive torque_lag, gear, rated_torque and rated_speed");
+}
+
+std::int32_t rounded(double value) { return static_cast<std::int32_t>(std::floor(value + 0.5)); }
+
+}  // namespace
+
+const char* name(EventKind kind) {
+  switch (kind) {
+    case EventKind::near_contact: return "near_contact";
+    case EventKind::free_again: return "free_again";
+    case EventKind::touch: return "touch";
+    case EventKind::hard_landing: return "hard_landing";
+    case EventKind::landed: return "landed";
+    case EventKind::lifted: return "lifted";
+    case EventKind::locked: return "locked";
+    case EventKind::opened: return "opened";
+    case EventKind::refused: return "refused";
+    case EventKind::set_on_agv: return "set_on_agv";
+    case EventKind::agv_dry: return "agv_dry";
+    case EventKind::agv_overflow: return "agv_overflow";
+    case EventKind::agv_arrived: return "agv_arrived";
+    case EventKind::delivered: return "delivered";
+    case EventKind::joint_limit: return "joint_limit";
+    case EventKind::fault: return "fault";
+  }
+  return "unknown";
+}
+
+struct Dock::Implementation {
+  DockCore core;
+  Time called{0};  // latest t of a call
+
+  explicit Implementation(const DockConfig& c) : core(c) {}
+
+  void advance(Time t) {
+    if (t < called)
+      throw std::invalid_argument(
+          fmt::format("plant: a call at {} ps after one at {} ps; calls come in nondecreasing time", t.count(), called.count()));
+    called = t;
+    while (core.now() + latch_period <= t) core.step();
+  }
+  // Cubic Hermite interpolation over the latch interval, from positions and speeds at its ends.
+  double joint_at(int joint, Time t) {
+    advance(t);
+    const auto j = check_joint(joint);
+    const CraneState& a = core.state.crane;
+    if (t == core.now()) return core.drum(a, j);
+    const CraneState& b = core.ahead();
+    const auto k = static_cast<std::size_t>(joint_coordinate[j]);
+    const double h = 125e-6;
+    const double u = static_cast<double>((t - core.now()).count()) / static_cast<double>(latch_period.count());
+    const double w = 1.0 - u;
+    return core.drum(a, j) * (w * w * (1.0 + 2.0 * u)) + core.drum(b, j) * (u * u * (3.0 - 2.0 * u)) +
+           h * (a.qd[k] * (u * w * w) - b.qd[k] * (u * u * w));
+  }
+  static std::size_t check_joint(int joint) {
+    require(joint >= 0 && joint < joint_count, "joint must be 0..4");
+    return static_cast<std::size_t>(joint);
+  }
+  AgvState& agv(int i) {
+    require(i >= 0 && static_cast<std::size_t>(i) < core.state.agvs.size(), "there is no AGV of that number");
+    return core.state.agvs[static_cast<std::size_t>(i)];
+  }
+  AgvState& agv_at(int i, Time t) {
+    advance(t);
+    return agv(i);
+  }
+};
+
+Dock::Dock(const DockConfig& config) {
+  check(config);
+  self_ = std::make_unique<Implementation>(config);
+}
+Dock::~Dock() = default;
+
+void Dock::advance_to(Time t) { self_->advance(t); }
+Time Dock::time() const { return std::max(self_->called, self_->core.now()); }
+Time Dock::next_event() const { return self_->core.now() + latch_period; }
+const DockConfig& Dock::config() const { return self_->core.config; }
+
+void Dock::set_torque_code(int joint, int code, Time t) {
+  self_->advance(t);
+  self_->core.state.shadow[Implementation::check_joint(joint)] = std::clamp(code, -2048, 2047);
+}
+
+void Dock::enable_drives(std::uint32_t mask, Time t) {
+  self_->advance(t);
+  self_->core.state.shadow_enable = mask & ((1U << joint_count) - 1U);
+}
+
+std::int64_t Dock::encoder_total(int joint, Time t) {
+  const double q = self_->joint_at(joint, t);
+  return encoder_counts(q, self_->core.config.crane.drives[static_cast<std::size_t>(joint)]);
+}
+
+std::uint32_t Dock::encoder(int joint, Time t) { return static_cast<std::uint32_t>(encoder_total(joint, t)) & 0xFFFFFFU; }
+
+std::int32_t Dock::sway(int axis, Time t) {
+  require(axis == 0 || axis == 1, "sway axis must be 0 or 1");
+  self_->advance(t);
+  return self_->core.state.sway_shown[static_cast<std::size_t>(axis)];
+}
+
+void Dock::spreader_command(std::uint32_t command, Time t) {
+  self_->advance(t);
+  self_->core.state.spreader_command = command & 1U;
+}
+
+std::uint32_t Dock::spreader_status(Time t) {
+  self_->advance(t);
+  const DockState& s = self_->core.state;
+  const unsigned corners = s.landing.active ? s.landing.corners : 0U;
+  return corners | (s.lock == Lock::locked ? 0x10U : 0U) | (s.lock == Lock::open ? 0x20U : 0U);
+}
+
+// ---- scanner
+
+std::int32_t Dock::scan_rows() const { return static_cast<std::int32_t>(config().layout.rows.size()); }
+
+void Dock::select_row(std::int32_t row, Time t) {
+  self_->advance(t);
+  self_->core.state.row = std::clamp(row, 0, scan_rows() - 1);
+}
+
+std::int32_t Dock::scan_y(Time t) {
+  self_->advance(t);
+  return rounded(1e3 * config().layout.rows[static_cast<std::size_t>(self_->core.state.row)]);
+}
+
+std::int32_t Dock::scan_x0() const { return rounded(1e3 * config().layout.scan_x0); }
+std::int32_t Dock::scan_dx() const { return rounded(1e3 * config().layout.scan_dx); }
+std::int32_t Dock::scan_deck() const { return rounded(1e3 * config().layout.deck); }
+
+std::int32_t Dock::profile(int i, Time t) {
+  require(i >= 0 && i < scan_count, "the profile has samples 0..127");
+  self_->advance(t);
+  const DockCore& core = self_->core;
+  const Layout& layout = core.config.layout;
+  const double z = bay_height(core.config, core.state.containers, layout.scan_x0 + i * layout.scan_dx,
+                              layout.rows[static_cast<std::size_t>(core.state.row)]);
+  return static_cast<std::int32_t>(std::floor(1e3 * z / 8.0)) * 8;
+}
+
+// ---- AGVs
+
+int Dock::agv_count() const { return static_cast<int>(self_->core.state.agvs.size()); }
+std::int32_t Dock::agv_x(int i, Time t) { return rounded(1e3 * self_->agv_at(i, t).y[A_X]); }
+std::int32_t Dock::agv_y(int i, Time t) { return rounded(1e3 * self_->agv_at(i, t).y[A_Y]); }
+std::int32_t Dock::agv_heading(int i, Time t) { return rounded(1e6 * wrap_angle(self_->agv_at(i, t).y[A_HEADING])); }
+std::int32_t Dock::agv_speed(int i, Time t) { return rounded(1e3 * self_->agv_at(i, t).y[A_SPEED]); }
+
+std::uint32_t Dock::agv_status(int i, Time t) {
+  const AgvState& agv = self_->agv_at(i, t);
+  return static_cast<std::uint32_t>(agv.waiting) | (agv.standing ? 0x10U : 0U) | (agv.container >= 0 ? 0x20U : 0U) |
+         (agv.dry ? 0x40U : 0U);
+}
+
+void Dock::agv_period(int i, std::uint32_t microseconds, Time t) {
+  self_->agv_at(i, t).period = Time{static_cast<std::int64_t>(std::max(microseconds, 1000U)) * 1'000'000};
+}
+
+void Dock::agv_push(int i, std::int32_t speed, std::int32_t front, std::int32_t rear, Time t) {
+  AgvState& agv = self_->agv_at(i, t);
+  const double limit = config().agv.steer_limit;
+  const auto steer = [limit](std::int32_t microradians) { return std::clamp(1e-6 * microradians, -limit, limit); };
+  if (!AgvMotion::push(agv, {1e-3 * speed, steer(front), steer(rear)}))
+    self_->core.report(t, EventKind::agv_overflow, i);
+}
+
+// ---- observers
+
+const std::vector<Event>& Dock::events() const { return self_->core.events; }
+
+std::vector<ContainerStatus> Dock::containers() const {
+  const DockCore& core = self_->core;
+  std::vector<ContainerStatus> all;
+  for (const ContainerData& data : core.state.containers) {
+    const ContainerData c = in_world(data, core.state.agvs);
+    all.push_back({c.state, c.agv, c.x, c.y, c.z + container_height, c.yaw, c.mass});
+  }
+  if (core.state.carried >= 0) {
+    const Signal s = core.make_signal();
+    auto& carried = all[static_cast<std::size_t>(core.state.carried)];
+    carried.x = s.payload[0];
+    carried.y = s.payload[1];
+    carried.z = s.payload[2] + core.state.grip.top;
+    carried.yaw = wrap_angle(s.yaw + core.state.grip.yaw);
+  }
+  return all;
+}
+
+AgvSignal Dock::agv(int i) const {
+  self_->agv(i);
+  return self_->core.make_agv_signal(static_cast<std::size_t>(i));
+}
+
+Signal Dock::signal() const { return self_->core.make_signal(); }
+const std::vector<Signal>& Dock::signals() const { return self_->core.signals; }
+const std::vector<std::vector<AgvSignal>>& Dock::agv_signals() const { return self_->core.agv_signals; }
+int Dock::delivered() const { return self_->core.state.delivered; }
+bool Dock::faulted() const { return self_->core.state.faulted; }
+double Dock::payload_mass() const { return self_->core.landing.payload(self_->core.state).mass; }
+double Dock::energy() const { return self_->core.energy(); }
+void Dock::on_latch(std::function<void(Time, std::span<const int>)> f) { self_->core.on_latch = std::move(f); }
+void Dock::on_event(std::function<void(const Event&)> f) { self_->core.on_event = std::move(f); }
+
+// ---- state
+
+std::shared_ptr<const DockState> Dock::snapshot() const { return std::make_shared<const DockState>(self_->core.state); }
+
+void Dock::restore(const DockState& state) {
+  if (state.agvs.size() != self_->core.state.agvs.size() || state.containers.size() != self_->core.state.containers.size())
+    throw std::invalid_argument("plant: the snapshot is of a dock with other AGVs or containers");
+  self_->core.state = state;
+  self_->core.forget_ahead();
+  self_->called = self_->core.now();
+}
+
+std::array<std::uint64_t, 2> Dock::state_hash() const { return hash(self_->core.state); }
+
+}  // namespace plant

@@ -1,0 +1,340 @@
+#include "plant/dock_core.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "plant/math.hpp"
+#include "plant/sensors.hpp"
+
+namespace plant {
+namespace {
+
+constexpr double seconds_per_latch = 125e-6;
+constexpr double sway_fault = 40.0 * std::numbers::pi / 180.0;
+constexpr std::int64_t clearance_latches = 8;  // how often the payload looks for what is below it
+
+std::size_t coordinate_of(std::size_t joint) { return static_cast<std::size_t>(joint_coordinate[joint]); }
+
+bool bit(std::uint32_t mask, std::size_t i) { return (mask >> i & 1U) != 0; }
+
+}  // namespace
+
+DockCore::DockCore(const DockConfig& c)
+    : config(c), crane(c.crane, c.tolerance, 3), agv_motion(c.agv, c.tolerance * 10.0), landing(c) {
+  state.crane.q = inverse_kinematics(config.crane, config.home);
+  for (const ContainerPlace& place : config.layout.containers)
+    state.containers.push_back({ContainerState::on_ship, -1, place.x, place.y, place.z, place.yaw, place.mass});
+  const Pose& spot = config.layout.spot;
+  const auto [s, co] = sin_cos(spot.heading);
+  for (int i = 0; i < config.agv_count; ++i) {
+    AgvState agv;
+    const double back = config.layout.slot_spacing * i;
+    agv.y[A_X] = spot.x - co * back;
+    agv.y[A_Y] = spot.y - s * back;
+    agv.y[A_HEADING] = wrap_angle(spot.heading);
+    state.agvs.push_back(agv);
+  }
+  agv_signals.resize(state.agvs.size());
+  state.inputs.payload = landing.payload(state);
+  for (std::size_t j = 0; j < joint_count; ++j) state.inputs.locked |= 1U << coordinate_of(j);
+  sample_sway();
+  state.sway_shown = state.sway_sampled;
+  begin_latch();
+}
+
+const CraneState& DockCore::ahead() {
+  if (!ahead_) {
+    ahead_ = state.crane;
+    crane.advance(*ahead_, state.inputs, seconds_per_latch);
+  }
+  return *ahead_;
+}
+
+void DockCore::step() {
+  state.crane = ahead();
+  ahead_.reset();
+  ++state.latch;
+  if (state.latch % agv_latches == 0) move_agvs();
+  if (state.latch % tick_latches == 0) sample_sway();
+  begin_latch();
+}
+
+void DockCore::begin_latch() {
+  take_codes();
+  check_limits();
+  if (state.enabled != (1U << joint_count) - 1U) apply_brakes();
+  check_fault();
+  turn_locks();
+  move_payload();
+  if (config.signal_decimation > 0 && state.latch % config.signal_decimation == 0) {
+    signals.push_back(make_signal());
+    for (std::size_t i = 0; i < agv_signals.size(); ++i) agv_signals[i].push_back(make_agv_signal(i));
+  }
+  if (on_latch) on_latch(now(), state.code);
+}
+
+void DockCore::report(Time time, EventKind kind, int index, double first, double second) {
+  events.push_back({time, kind, index, {first, second}});
+  if (on_event) on_event(events.back());
+}
+
+// ---- drives
+
+void DockCore::take_codes() {
+  state.code = state.shadow;
+  const std::uint32_t enable = state.faulted ? 0U : state.shadow_enable;
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const bool on = bit(enable, j);
+    if (on && !bit(state.enabled, j)) {
+      state.inputs.braked[j] = false;
+      state.inputs.locked &= ~(1U << coordinate_of(j));
+    } else if (!on && bit(state.enabled, j)) {
+      state.inputs.braked[j] = true;
+    }
+    state.inputs.command[j] = on ? state.code[j] / 2047.0 * config.crane.drives[j].maximum_torque() : 0.0;
+  }
+  state.enabled = enable;
+}
+
+// A closed brake slips until the joint is almost still, then holds; too great a load makes it slip again.
+void DockCore::apply_brakes() {
+  CraneVector holding{};
+  bool asked = false;
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    if (bit(state.enabled, j)) continue;
+    const std::size_t k = coordinate_of(j);
+    const DriveParameters& drive = config.crane.drives[j];
+    if (!bit(state.inputs.locked, k)) {
+      if (std::fabs(state.crane.qd[k]) > 1e-3 * drive.rated_joint_speed()) continue;
+      stop_coordinate(k);
+      state.inputs.braked[j] = false;
+      state.inputs.locked |= 1U << k;
+      continue;
+    }
+    if (!asked) holding = crane.holding_force(state.crane, state.inputs);
+    asked = true;
+    if (std::fabs(holding[k]) > drive.brake * drive.rated_force()) {
+      state.inputs.locked &= ~(1U << k);
+      state.inputs.braked[j] = true;
+    }
+  }
+}
+
+// Brings one coordinate to rest by an impulse there; the others feel it through the crane's inertia.
+void DockCore::stop_coordinate(std::size_t k) {
+  CraneVector& qd = state.crane.qd;
+  if (qd[k] == 0.0) return;
+  const CraneMatrix m = crane.crane().mass_matrix(state.crane.q, state.inputs.payload);
+  CraneVector impulse{};
+  impulse[k] = 1.0;
+  const CraneVector response = Crane::solve(m, impulse, state.inputs.locked & ~(1U << k));
+  const double scale = -qd[k] / response[k];
+  for (std::size_t i = 0; i < crane_size; ++i) qd[i] += scale * response[i];
+  qd[k] = 0.0;
+}
+
+void DockCore::check_limits() {
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const std::size_t k = coordinate_of(j);
+    const double low = config.crane.lower[j];
+    const double high = config.crane.upper[j];
+    double& q = state.crane.q[k];
+    if (q > low && q < high) {
+      state.at_limit &= ~(1U << j);
+      continue;
+    }
+    if (!bit(state.at_limit, j)) report(EventKind::joint_limit, static_cast<int>(j));
+    state.at_limit |= 1U << j;
+    q = std::clamp(q, low, high);
+    const double speed = state.crane.qd[k];
+    if ((q <= low && speed < 0.0) || (q >= high && speed > 0.0)) stop_coordinate(k);
+  }
+}
+
+void DockCore::check_fault() {
+  const auto& q = state.crane.q;
+  if (state.faulted || state.landing.active || std::max(std::fabs(q[Q_ALPHA]), std::fabs(q[Q_BETA])) < sway_fault) return;
+  state.faulted = true;
+  report(EventKind::fault, -1, q[Q_ALPHA], q[Q_BETA]);
+}
+
+// ---- payload
+
+// The ideal rope holds only while it is taut and nothing is near.
+void DockCore::watch_free_payload() {
+  const double clearance = landing.clearance(state, crane.crane());
+  if (clearance > config.landing.near) {
+    const CraneVector qdd = crane.acceleration(state.crane, state.inputs);
+    if (crane.crane().tension(state.crane.q, state.crane.qd, qdd, state.inputs.payload.mass) > 0.0) return;
+  }
+  const double jump = landing.begin(state, crane);
+  report(EventKind::near_contact, -1, clearance, jump);
+}
+
+void DockCore::move_payload() {
+  LandingState& near = state.landing;
+  if (!near.active && state.latch % clearance_latches == 0) watch_free_payload();
+  if (!near.active || state.latch < near.next) return;
+  if (near.clear && state.latch % clearance_latches == 0) {
+    const double clearance = landing.clearance(state, crane.crane());
+    if (clearance > config.landing.away) {
+      const double jump = landing.end(state, crane.crane());
+      report(EventKind::free_again, -1, clearance, jump);
+      return;
+    }
+  }
+  const int latches = landing.latches_per_step(state, crane.crane());
+  const Landing::Outcome outcome = landing.step(state, crane.crane(), latches * seconds_per_latch);
+  near.next = state.latch + latches;
+  near.clear = outcome.clear;
+  if (outcome.touched) {
+    report(EventKind::touch, -1, outcome.vertical, outcome.horizontal);
+    if (outcome.vertical > config.landing.touch_speed || outcome.horizontal > config.landing.touch_sway)
+      report(EventKind::hard_landing, -1, outcome.vertical, outcome.horizontal);
+  }
+  if (near.corners == 0xF && !near.landed) {
+    near.landed = true;
+    report(EventKind::landed);
+  } else if (near.corners == 0 && near.landed && near.contacts == 0) {
+    near.landed = near.touched = false;
+    report(EventKind::lifted);
+  }
+}
+
+void DockCore::turn_locks() {
+  const bool landed = state.landing.active && state.landing.corners == 0xF;
+  const bool wants_lock = (state.spreader_command & 1U) != 0;
+  const auto duration = static_cast<std::int64_t>(std::llround(config.landing.lock_time / seconds_per_latch));
+  switch (state.lock) {
+    case Lock::open:
+    case Lock::locked:
+      if (wants_lock == (state.lock == Lock::locked) || !landed) return;
+      state.lock = wants_lock ? Lock::locking : Lock::opening;
+      state.lock_done = state.latch + duration;
+      return;
+    case Lock::locking:
+    case Lock::opening: break;
+  }
+  const bool locking = state.lock == Lock::locking;
+  if (!landed || wants_lock != locking) {
+    state.lock = locking ? Lock::open : Lock::locked;
+    report(EventKind::refused);
+    return;
+  }
+  if (state.latch < state.lock_done || state.latch < state.landing.next) return;
+  if (locking) {
+    state.lock = Lock::locked;
+    report(EventKind::locked, landing.take(state));
+    return;
+  }
+  state.lock = Lock::open;
+  const int container = landing.release(state);
+  report(EventKind::opened, container);
+  if (container >= 0 && state.containers[static_cast<std::size_t>(container)].state == ContainerState::on_agv)
+    report(EventKind::set_on_agv, container, state.containers[static_cast<std::size_t>(container)].agv);
+}
+
+// ---- AGVs
+
+void DockCore::move_agvs() {
+  for (std::size_t i = 0; i < state.agvs.size(); ++i) {
+    AgvState& agv = state.agvs[i];
+    agv_motion.advance(agv, agv_latches * seconds_per_latch);
+    if (AgvMotion::take_set_point(agv, now())) report(EventKind::agv_dry, static_cast<int>(i));
+    if (state.latch % tick_latches == 0) {
+      agv_motion.drive_tick(agv);
+      serve_warehouse(i);
+    }
+  }
+}
+
+void DockCore::serve_warehouse(std::size_t index) {
+  AgvState& agv = state.agvs[index];
+  const Layout& layout = config.layout;
+  const double dx = agv.y[A_X] - layout.warehouse.x;
+  const double dy = agv.y[A_Y] - layout.warehouse.y;
+  const bool there = dx * dx + dy * dy <= layout.warehouse_radius * layout.warehouse_radius;
+  if (!agv.standing || agv.container < 0 || !there) {
+    agv.served_since = Time{-1};
+    return;
+  }
+  if (agv.served_since.count() < 0) {
+    agv.served_since = now();
+    report(EventKind::agv_arrived, static_cast<int>(index));
+  }
+  if (now() - agv.served_since < Time{std::llround(layout.warehouse_take * 1e12)}) return;
+  ContainerData& container = state.containers[static_cast<std::size_t>(agv.container)];
+  container.state = ContainerState::delivered;
+  container.agv = -1;
+  ++state.delivered;
+  report(EventKind::delivered, agv.container, static_cast<double>(index));
+  agv.container = -1;
+  agv.load_mass = agv.load_inertia = 0.0;
+  agv.served_since = Time{-1};
+}
+
+// ---- sensors and observers
+
+std::array<double, 2> DockCore::sway() const {
+  const CraneVector& q = state.crane.q;
+  if (!state.landing.active) return {q[Q_ALPHA], q[Q_BETA]};
+  const Vector3 hang = landing.payload_position(state) - crane.crane().tip(q);
+  const auto [s, c] = sin_cos(q[Q_PSI]);
+  const double radial = c * hang[0] + s * hang[1];
+  return {atan2(radial, -hang[2]), atan2(-s * hang[0] + c * hang[1], std::sqrt(radial * radial + hang[2] * hang[2]))};
+}
+
+void DockCore::sample_sway() {
+  state.sway_shown = state.sway_sampled;
+  const auto angles = sway();
+  const std::int64_t sample = state.latch / tick_latches;
+  for (std::size_t axis = 0; axis < 2; ++axis)
+    state.sway_sampled[axis] = sway_code(angles[axis], config.sensors, static_cast<int>(axis), sample);
+}
+
+double DockCore::drum(const CraneState& c, std::size_t joint) const {
+  const double q = c.q[coordinate_of(joint)];
+  return joint == static_cast<std::size_t>(Joint::hoist) ? q - state.stretch : q;
+}
+
+Signal DockCore::make_signal() const {
+  Signal row{};
+  const CraneState& c = state.crane;
+  row.time = now();
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    row.q[j] = drum(c, j);
+    row.qd[j] = c.qd[coordinate_of(j)];
+  }
+  row.torque = c.torque;
+  row.code = state.code;
+  const auto angles = sway();
+  row.alpha = angles[0];
+  row.beta = angles[1];
+  row.tip = crane.crane().tip(c.q);
+  if (state.landing.active) {
+    row.payload = landing.payload_position(state);
+    row.yaw = landing.payload_yaw(state);
+    row.tension = state.landing.tension;
+    row.contact = state.landing.contacts > 0;
+  } else {
+    row.payload = crane.crane().payload_position(c.q);
+    row.yaw = c.q[Q_PSI] + c.q[Q_KAPPA];
+    row.tension = crane.crane().tension(c.q, c.qd, crane.acceleration(c, state.inputs), state.inputs.payload.mass);
+  }
+  return row;
+}
+
+AgvSignal DockCore::make_agv_signal(std::size_t index) const {
+  const AgvState& a = state.agvs[index];
+  const auto& y = a.y;
+  return {y[A_X], y[A_Y], wrap_angle(y[A_HEADING]), y[A_SPEED], y[A_YAW_RATE], y[A_FRONT], y[A_REAR], a.current.speed};
+}
+
+double DockCore::energy() const {
+  if (state.landing.active) return landing.energy(state, crane.crane());
+  const CraneState& c = state.crane;
+  return crane.crane().kinetic_energy(c.q, c.qd, state.inputs.payload) +
+         crane.crane().potential_energy(c.q, state.inputs.payload);
+}
+
+}  // namespace plant

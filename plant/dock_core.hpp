@@ -1,0 +1,64 @@
+#pragma once
+// What happens at each latch. Private to the dock.
+#include <array>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "plant/dock.hpp"
+#include "plant/landing.hpp"
+#include "plant/state.hpp"
+
+namespace plant {
+
+inline constexpr std::int64_t agv_latches = 8;     // AGVs move on a 1-ms grid
+inline constexpr std::int64_t tick_latches = 80;   // 100 Hz: AGV drives, sway sensor
+
+class DockCore {
+ public:
+  explicit DockCore(const DockConfig&);
+
+  void step();                       // to the next latch
+  const CraneState& ahead();         // the crane at the next latch, integrated when first asked for
+  void report(Time, EventKind, int index = -1, double first = 0.0, double second = 0.0);
+  void forget_ahead() { ahead_.reset(); }
+  Time now() const { return state.latch * latch_period; }
+  Signal make_signal() const;
+  AgvSignal make_agv_signal(std::size_t index) const;
+  double energy() const;
+  double drum(const CraneState&, std::size_t joint) const;  // joint position as its encoder sees it
+
+  DockConfig config;
+  CraneMotion crane;
+  AgvMotion agv_motion;
+  Landing landing;
+  DockState state;
+  std::vector<Event> events;
+  std::vector<Signal> signals;
+  std::vector<std::vector<AgvSignal>> agv_signals;
+  std::function<void(Time, std::span<const int>)> on_latch;
+  std::function<void(const Event&)> on_event;
+
+ private:
+  void begin_latch();                // everything that happens at the present latch
+  void take_codes();
+  void apply_brakes();
+  void stop_coordinate(std::size_t coordinate);
+  void check_limits();
+  void check_fault();
+  void watch_free_payload();
+  void move_payload();
+  void turn_locks();
+  void move_agvs();
+  void serve_warehouse(std::size_t agv);
+  void sample_sway();
+  std::array<double, 2> sway() const;
+  void report(EventKind kind, int index = -1, double first = 0.0, double second = 0.0) {
+    report(now(), kind, index, first, second);
+  }
+
+  std::optional<CraneState> ahead_;
+};
+
+}  // namespace plant

@@ -1,0 +1,84 @@
+#include "plant/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "plant/math.hpp"
+
+namespace plant {
+
+Solid make_solid(Solid::Kind kind, int index, double x, double y, double yaw, double half_x, double half_y, double bottom,
+                 double top) {
+  const auto [s, c] = sin_cos(yaw);
+  return {x, y, yaw, half_x, half_y, bottom, top, s, c, kind, index};
+}
+
+ContainerData in_world(const ContainerData& c, const std::vector<AgvState>& agvs) {
+  if (c.state != ContainerState::on_agv) return c;
+  const auto& y = agvs[static_cast<std::size_t>(c.agv)].y;
+  const auto [s, co] = sin_cos(y[A_HEADING]);
+  ContainerData world = c;
+  world.x = y[A_X] + co * c.x - s * c.y;
+  world.y = y[A_Y] + s * c.x + co * c.y;
+  world.yaw = wrap_angle(y[A_HEADING] + c.yaw);
+  return world;
+}
+
+void collect_solids(const DockConfig& config, const std::vector<ContainerData>& containers, const std::vector<AgvState>& agvs,
+                    int without, std::vector<Solid>& solids) {
+  solids.clear();
+  const auto add_box = [&solids](Solid::Kind kind, const Box& b) {
+    solids.push_back(make_solid(kind, -1, 0.5 * (b.x_min + b.x_max), 0.5 * (b.y_min + b.y_max), 0.0, 0.5 * (b.x_max - b.x_min),
+                                0.5 * (b.y_max - b.y_min), b.z_min, b.z_max));
+  };
+  add_box(Solid::Kind::ground, {-500.0, 500.0, -500.0, 500.0, -5.0, 0.0});
+  add_box(Solid::Kind::ship, config.layout.ship);
+  for (const Box& box : config.layout.no_go) add_box(Solid::Kind::fixed, box);
+  for (std::size_t i = 0; i < agvs.size(); ++i) {
+    const auto& y = agvs[i].y;
+    const auto& p = config.agv;
+    solids.push_back(make_solid(Solid::Kind::agv, static_cast<int>(i), y[A_X], y[A_Y], y[A_HEADING], 0.5 * p.length,
+                                0.5 * p.width, 0.3, p.deck_height));
+  }
+  for (std::size_t i = 0; i < containers.size(); ++i) {
+    const ContainerState state = containers[i].state;
+    if (static_cast<int>(i) == without || state == ContainerState::carried || state == ContainerState::delivered) continue;
+    const ContainerData c = in_world(containers[i], agvs);
+    solids.push_back(make_solid(Solid::Kind::container, static_cast<int>(i), c.x, c.y, c.yaw, 0.5 * container_length,
+                                0.5 * container_width, c.z, c.z + container_height));
+  }
+}
+
+bool covers(const Solid& solid, double x, double y) {
+  const double dx = x - solid.x;
+  const double dy = y - solid.y;
+  return std::fabs(solid.cos_yaw * dx + solid.sin_yaw * dy) <= solid.half_x &&
+         std::fabs(-solid.sin_yaw * dx + solid.cos_yaw * dy) <= solid.half_y;
+}
+
+bool overlaps(const Solid& a, const Solid& b, double margin) {
+  // Separating axes: the two sides of each rectangle.
+  const double dx = b.x - a.x;
+  const double dy = b.y - a.y;
+  const double c = std::fabs(a.cos_yaw * b.cos_yaw + a.sin_yaw * b.sin_yaw);
+  const double s = std::fabs(a.cos_yaw * b.sin_yaw - a.sin_yaw * b.cos_yaw);
+  const double ax = a.half_x + margin;
+  const double ay = a.half_y + margin;
+  if (std::fabs(a.cos_yaw * dx + a.sin_yaw * dy) > ax + c * b.half_x + s * b.half_y) return false;
+  if (std::fabs(-a.sin_yaw * dx + a.cos_yaw * dy) > ay + s * b.half_x + c * b.half_y) return false;
+  if (std::fabs(b.cos_yaw * dx + b.sin_yaw * dy) > b.half_x + c * ax + s * ay) return false;
+  return std::fabs(-b.sin_yaw * dx + b.cos_yaw * dy) <= b.half_y + s * ax + c * ay;
+}
+
+double bay_height(const DockConfig& config, const std::vector<ContainerData>& containers, double x, double y) {
+  double top = config.layout.deck;
+  for (const ContainerData& c : containers) {
+    if (c.state != ContainerState::on_ship || c.z + container_height <= top) continue;
+    if (covers(make_solid(Solid::Kind::container, -1, c.x, c.y, c.yaw, 0.5 * container_length, 0.5 * container_width, c.z,
+                          c.z + container_height), x, y))
+      top = c.z + container_height;
+  }
+  return top;
+}
+
+}  // namespace plant

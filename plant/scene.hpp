@@ -1,0 +1,43 @@
+#pragma once
+// What stands on the dock and what lies below a point: containers wherever they are, AGV decks, the ship, the ground.
+#include <vector>
+
+#include "plant/agv.hpp"
+#include "plant/dock.hpp"
+
+namespace plant {
+
+struct ContainerData {
+  ContainerState state = ContainerState::on_ship;
+  int agv = -1;
+  double x = 0.0, y = 0.0, z = 0.0, yaw = 0.0;  // centre of the underside; on an AGV relative to its centre and heading
+  double mass = 0.0;
+};
+
+// An upright box turned about the vertical.
+struct Solid {
+  double x, y, yaw;            // centre
+  double half_x, half_y;       // m
+  double bottom, top;          // z
+  double sin_yaw, cos_yaw;
+  enum class Kind : std::uint8_t { ground, ship, container, agv, fixed } kind;
+  int index;                   // container or AGV, else -1
+};
+
+Solid make_solid(Solid::Kind, int index, double x, double y, double yaw, double half_x, double half_y, double bottom, double top);
+
+// A container's pose in the world.
+ContainerData in_world(const ContainerData&, const std::vector<AgvState>&);
+
+// Everything solid but the container `without`. Clears and fills `solids`.
+void collect_solids(const DockConfig&, const std::vector<ContainerData>&, const std::vector<AgvState>&, int without,
+                    std::vector<Solid>& solids);
+
+bool covers(const Solid&, double x, double y);
+// Whether two turned rectangles overlap when the first is widened by `margin` on every side.
+bool overlaps(const Solid& a, const Solid& b, double margin);
+
+// Height of the topmost container (or the deck) at a point of the bay, m.
+double bay_height(const DockConfig&, const std::vector<ContainerData>&, double x, double y);
+
+}  // namespace plant

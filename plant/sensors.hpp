@@ -1,0 +1,17 @@
+#pragma once
+// Quantised sensors. Encoders floor to counts, 16384 to a motor revolution; the sway sensor has 12 bits over +-10 degrees and a noise
+// that depends on nothing but the seed and the number of the sample.
+#include <cstdint>
+
+#include "plant/config.hpp"
+
+namespace plant {
+
+inline constexpr double counts_per_revolution = 16384.0;
+
+std::int64_t encoder_counts(double joint_position, const DriveParameters&);
+std::int32_t sway_code(double angle, const SensorParameters&, int axis, std::int64_t sample);
+// Standard normal deviate of (seed, axis, sample).
+double noise(std::uint64_t seed, int axis, std::int64_t sample);
+
+}  // namespace plant

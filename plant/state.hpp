@@ -1,0 +1,57 @@
+#pragma once
+// The dock's whole state, in one place: what is not here does not influence the future. Plain values only.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "plant/agv.hpp"
+#include "plant/contact.hpp"
+#include "plant/motion.hpp"
+#include "plant/scene.hpp"
+
+namespace plant {
+
+enum class Lock : std::uint8_t { open, locking, locked, opening };
+
+// How the container sits under the spreader: its centre and heading in the spreader's frame, its top's height above the underside.
+struct Grip {
+  double x = 0.0, y = 0.0, yaw = 0.0, top = 0.0;
+};
+
+// The payload near contact: a body of its own (level L2).
+struct LandingState {
+  bool active = false;
+  BodyState body{};
+  double slack = 0.0;            // m: unstretched falls are this much shorter than q_l
+  std::int64_t next = 0;         // latch at which the body's step ends
+  bool touched = false;          // since it last stood clear
+  int contacts = 0;
+  bool clear = false;            // the last step was free of contact with all falls taut
+  double tension = 0.0;          // N, sum of the falls
+  unsigned corners = 0;          // switches, bit i
+  bool landed = false;           // all four closed, until all four open
+};
+
+struct DockState {
+  std::int64_t latch = 0;        // number of the last latch; its time is latch * 125 us
+  CraneState crane;
+  CraneInputs inputs;            // held since that latch
+  double stretch = 0.0;          // m: rope below the tip less what the drum has paid out
+  std::array<int, joint_count> shadow{}, code{};  // torque codes: written, and taken at the latch
+  std::uint32_t shadow_enable = 0, enabled = 0;
+  std::uint32_t spreader_command = 0;
+  Lock lock = Lock::open;
+  std::int64_t lock_done = 0;    // latch at which the twist locks finish turning
+  int carried = -1;              // container
+  Grip grip;
+  LandingState landing;
+  std::array<std::int32_t, 2> sway_shown{}, sway_sampled{};  // codes: readable now, and 10 ms later
+  std::vector<ContainerData> containers;
+  std::vector<AgvState> agvs;
+  int row = 0;                   // of the bay scanner
+  unsigned at_limit = 0;         // joints in their end stops
+  bool faulted = false;
+  int delivered = 0;
+};
+
+}  // namespace plant
