@@ -1,8 +1,12 @@
 #include <pybind11/stl.h>
 
+#include <cmath>
+
+#include "plant/contact.hpp"
 #include "plant/crane.hpp"
 #include "plant/dock.hpp"
 #include "plant/motion.hpp"
+#include "plant/state.hpp"
 #include "python/bindings/bindings.hpp"
 
 using namespace plant;
@@ -115,6 +119,183 @@ void bind_motion(py::module_& m) {
       .def("holding_force", &CraneMotion::holding_force, py::arg("state"), py::arg("inputs"));
 }
 
+#define FIELD(T, name) .def_readwrite(#name, &T::name)
+
+void bind_config(py::module_& m) {
+  py::class_<LandingParameters>(m, "LandingParameters")
+      FIELD(LandingParameters, fall_stiffness) FIELD(LandingParameters, fall_damping)
+      FIELD(LandingParameters, fall_spread_x) FIELD(LandingParameters, fall_spread_y)
+      FIELD(LandingParameters, yaw_stiffness) FIELD(LandingParameters, yaw_damping)
+      FIELD(LandingParameters, corner_stiffness) FIELD(LandingParameters, corner_damping)
+      FIELD(LandingParameters, friction) FIELD(LandingParameters, near) FIELD(LandingParameters, away)
+      FIELD(LandingParameters, guides) FIELD(LandingParameters, guide_window) FIELD(LandingParameters, guide_height)
+      FIELD(LandingParameters, guide_stiffness) FIELD(LandingParameters, guide_damping)
+      FIELD(LandingParameters, seat_error) FIELD(LandingParameters, seat_gap) FIELD(LandingParameters, touch_speed)
+      FIELD(LandingParameters, touch_sway) FIELD(LandingParameters, lock_time);
+  py::class_<AgvParameters>(m, "AgvParameters")
+      FIELD(AgvParameters, mass) FIELD(AgvParameters, length) FIELD(AgvParameters, width) FIELD(AgvParameters, front)
+      FIELD(AgvParameters, rear) FIELD(AgvParameters, yaw_inertia) FIELD(AgvParameters, deck_height)
+      FIELD(AgvParameters, cornering) FIELD(AgvParameters, adhesion) FIELD(AgvParameters, rolling)
+      FIELD(AgvParameters, drag) FIELD(AgvParameters, steer_limit) FIELD(AgvParameters, steer_rate)
+      FIELD(AgvParameters, steer_lag) FIELD(AgvParameters, drive_lag) FIELD(AgvParameters, acceleration)
+      FIELD(AgvParameters, braking) FIELD(AgvParameters, emergency) FIELD(AgvParameters, blend_speed)
+      FIELD(AgvParameters, speed_gain) FIELD(AgvParameters, speed_integral);
+  py::class_<SensorParameters>(m, "SensorParameters")
+      FIELD(SensorParameters, sway_range) FIELD(SensorParameters, sway_noise) FIELD(SensorParameters, seed);
+  py::class_<Box>(m, "Box")
+      .def(py::init<double, double, double, double, double, double>())
+      FIELD(Box, x_min) FIELD(Box, x_max) FIELD(Box, y_min) FIELD(Box, y_max) FIELD(Box, z_min) FIELD(Box, z_max);
+  py::class_<ContainerPlace>(m, "ContainerPlace", "Centre of the underside, m; yaw, rad; gross mass, kg.")
+      .def(py::init<double, double, double, double, double>(), py::arg("x"), py::arg("y"), py::arg("z"), py::arg("yaw"),
+           py::arg("mass"))
+      FIELD(ContainerPlace, x) FIELD(ContainerPlace, y) FIELD(ContainerPlace, z) FIELD(ContainerPlace, yaw)
+      FIELD(ContainerPlace, mass);
+  py::class_<LaneSegment>(m, "LaneSegment")
+      .def(py::init<double, double, double, double, double, double>(), py::arg("x"), py::arg("y"), py::arg("heading"),
+           py::arg("length"), py::arg("curvature"), py::arg("speed"))
+      FIELD(LaneSegment, x) FIELD(LaneSegment, y) FIELD(LaneSegment, heading) FIELD(LaneSegment, length)
+      FIELD(LaneSegment, curvature) FIELD(LaneSegment, speed);
+  py::class_<Pose>(m, "Pose").def(py::init<double, double, double>(), py::arg("x"), py::arg("y"), py::arg("heading"))
+      FIELD(Pose, x) FIELD(Pose, y) FIELD(Pose, heading);
+  py::class_<Layout>(m, "Layout")
+      FIELD(Layout, deck) FIELD(Layout, rows) FIELD(Layout, scan_x0) FIELD(Layout, scan_dx) FIELD(Layout, containers)
+      FIELD(Layout, ship) FIELD(Layout, no_go) FIELD(Layout, spot) FIELD(Layout, warehouse) FIELD(Layout, warehouse_radius)
+      FIELD(Layout, warehouse_take) FIELD(Layout, slot_spacing) FIELD(Layout, legs);
+  py::class_<DockConfig>(m, "DockConfig")
+      FIELD(DockConfig, crane) FIELD(DockConfig, landing) FIELD(DockConfig, agv) FIELD(DockConfig, sensors)
+      FIELD(DockConfig, layout) FIELD(DockConfig, agv_count) FIELD(DockConfig, home) FIELD(DockConfig, tolerance)
+      FIELD(DockConfig, signal_decimation);
+  m.def("default_dock", &default_dock, py::arg("agv_count") = 1);
+}
+
+#undef FIELD
+
+Time ps(std::int64_t t) { return Time{t}; }
+
+void bind_records(py::module_& m) {
+  py::class_<Event>(m, "Event")
+      .def_property_readonly("time", [](const Event& e) { return e.time.count(); })
+      .def_property_readonly("kind", [](const Event& e) { return std::string(name(e.kind)); })
+      .def_readonly("index", &Event::index)
+      .def_readonly("values", &Event::values)
+      .def("__repr__", [](const Event& e) {
+        return std::string(py::str("Event({:.6f} s, {}, {}, {})")
+                               .format(static_cast<double>(e.time.count()) * 1e-12, name(e.kind), e.index, e.values));
+      });
+  py::class_<ContainerStatus>(m, "ContainerStatus")
+      .def_property_readonly("state",
+                             [](const ContainerStatus& c) {
+                               static constexpr std::array names{"on_ship", "carried", "on_agv", "on_ground", "delivered"};
+                               return std::string(names.at(static_cast<std::size_t>(c.state)));
+                             })
+      .def_readonly("agv", &ContainerStatus::agv)
+      .def_readonly("x", &ContainerStatus::x)
+      .def_readonly("y", &ContainerStatus::y)
+      .def_readonly("z", &ContainerStatus::z)
+      .def_readonly("yaw", &ContainerStatus::yaw)
+      .def_readonly("mass", &ContainerStatus::mass);
+  py::class_<AgvSignal>(m, "AgvSignal")
+      .def_readonly("x", &AgvSignal::x)
+      .def_readonly("y", &AgvSignal::y)
+      .def_readonly("heading", &AgvSignal::heading)
+      .def_readonly("speed", &AgvSignal::speed)
+      .def_readonly("yaw_rate", &AgvSignal::yaw_rate)
+      .def_readonly("front", &AgvSignal::front)
+      .def_readonly("rear", &AgvSignal::rear)
+      .def_readonly("speed_command", &AgvSignal::speed_command);
+  py::class_<Signal>(m, "Signal")
+      .def_property_readonly("time", [](const Signal& s) { return s.time.count(); })
+      .def_readonly("q", &Signal::q)
+      .def_readonly("qd", &Signal::qd)
+      .def_readonly("torque", &Signal::torque)
+      .def_readonly("code", &Signal::code)
+      .def_readonly("alpha", &Signal::alpha)
+      .def_readonly("beta", &Signal::beta)
+      .def_readonly("tip", &Signal::tip)
+      .def_readonly("payload", &Signal::payload)
+      .def_readonly("yaw", &Signal::yaw)
+      .def_readonly("tension", &Signal::tension)
+      .def_readonly("contact", &Signal::contact);
+  py::class_<DockState, std::shared_ptr<DockState>>(m, "DockState", "A dock's complete state at a latch; opaque.");
+}
+
+void bind_dock(py::module_& m) {
+  m.attr("latch_period") = latch_period.count();
+  py::class_<Dock>(m, "Dock", "The dock in time; t is integer picoseconds, nondecreasing over calls.")
+      .def(py::init<const DockConfig&>(), py::arg("config"))
+      .def("advance_to", [](Dock& d, std::int64_t t) { d.advance_to(ps(t)); }, py::call_guard<py::gil_scoped_release>())
+      .def_property_readonly("time", [](const Dock& d) { return d.time().count(); })
+      .def_property_readonly("config", &Dock::config)
+      .def("set_torque_code", [](Dock& d, int j, int code, std::int64_t t) { d.set_torque_code(j, code, ps(t)); })
+      .def("enable_drives", [](Dock& d, std::uint32_t mask, std::int64_t t) { d.enable_drives(mask, ps(t)); })
+      .def("encoder", [](Dock& d, int j, std::int64_t t) { return d.encoder(j, ps(t)); })
+      .def("encoder_total", [](Dock& d, int j, std::int64_t t) { return d.encoder_total(j, ps(t)); })
+      .def("sway", [](Dock& d, int axis, std::int64_t t) { return d.sway(axis, ps(t)); })
+      .def("spreader_command", [](Dock& d, std::uint32_t v, std::int64_t t) { d.spreader_command(v, ps(t)); })
+      .def("spreader_status", [](Dock& d, std::int64_t t) { return d.spreader_status(ps(t)); })
+      .def("scan_rows", &Dock::scan_rows)
+      .def("select_row", [](Dock& d, std::int32_t row, std::int64_t t) { d.select_row(row, ps(t)); })
+      .def("scan_y", [](Dock& d, std::int64_t t) { return d.scan_y(ps(t)); })
+      .def("scan_x0", &Dock::scan_x0)
+      .def("scan_dx", &Dock::scan_dx)
+      .def("scan_deck", &Dock::scan_deck)
+      .def("profile", [](Dock& d, int i, std::int64_t t) { return d.profile(i, ps(t)); })
+      .def_property_readonly("agv_count", &Dock::agv_count)
+      .def("agv_x", [](Dock& d, int i, std::int64_t t) { return d.agv_x(i, ps(t)); })
+      .def("agv_y", [](Dock& d, int i, std::int64_t t) { return d.agv_y(i, ps(t)); })
+      .def("agv_heading", [](Dock& d, int i, std::int64_t t) { return d.agv_heading(i, ps(t)); })
+      .def("agv_speed", [](Dock& d, int i, std::int64_t t) { return d.agv_speed(i, ps(t)); })
+      .def("agv_status", [](Dock& d, int i, std::int64_t t) { return d.agv_status(i, ps(t)); })
+      .def("agv_period", [](Dock& d, int i, std::uint32_t us, std::int64_t t) { d.agv_period(i, us, ps(t)); })
+      .def("agv_push", [](Dock& d, int i, std::int32_t speed, std::int32_t front, std::int32_t rear, std::int64_t t) {
+        d.agv_push(i, speed, front, rear, ps(t));
+      })
+      .def_property_readonly("events", &Dock::events, py::return_value_policy::copy)
+      .def_property_readonly("containers", &Dock::containers)
+      .def("agv", &Dock::agv)
+      .def_property_readonly("signal", &Dock::signal)
+      .def_property_readonly("signals", &Dock::signals, py::return_value_policy::copy)
+      .def_property_readonly("agv_signals", &Dock::agv_signals, py::return_value_policy::copy)
+      .def_property_readonly("delivered", &Dock::delivered)
+      .def_property_readonly("faulted", &Dock::faulted)
+      .def_property_readonly("payload_mass", &Dock::payload_mass)
+      .def_property_readonly("energy", &Dock::energy)
+      .def("snapshot", [](const Dock& d) { return std::make_shared<DockState>(*d.snapshot()); })
+      .def("restore", &Dock::restore)
+      .def("state_hash", &Dock::state_hash);
+}
+
+// ODE's contact alone, for tests: a box-shaped body on a solid.
+void bind_contact(py::module_& m) {
+  m.def(
+      "drop_box",
+      [](double mass, std::array<double, 3> size, double gap, double speed, double slope, double step, int steps) {
+        LandingParameters p;
+        ContactEngine engine(p);
+        BodyShape shape{};
+        shape.mass = mass;
+        shape.inertia = {mass * (size[1] * size[1] + size[2] * size[2]) / 12, mass * (size[0] * size[0] + size[2] * size[2]) / 12,
+                         mass * (size[0] * size[0] + size[1] * size[1]) / 12};
+        const double x = 0.5 * size[0] - 0.1;
+        const double y = 0.5 * size[1] - 0.1;
+        shape.corners = {{{x, y, -0.5 * size[2]}, {x, -y, -0.5 * size[2]}, {-x, -y, -0.5 * size[2]}, {-x, y, -0.5 * size[2]}}};
+        BodyState body;
+        body.position = {0.0, 0.0, 0.5 * size[2] + gap};
+        body.velocity = {0.0, 0.0, -speed};
+        const std::array solid{make_solid(Solid::Kind::ground, -1, 0, 0, 0, 100, 100, -5.0, 0.0)};
+        // A slope is a sideways pull and less weight: the floor stays level.
+        const std::array force{mass * gravity * std::sin(slope), 0.0, mass * gravity * (1.0 - std::cos(slope))};
+        std::vector<std::array<double, 4>> rows;
+        for (int i = 0; i < steps; ++i) {
+          const ContactResult r = engine.step(body, shape, force, {0.0, 0.0, 0.0}, solid, step);
+          rows.push_back({body.position[2] - 0.5 * size[2], body.velocity[2], r.normal_force, body.position[0]});
+        }
+        return rows;
+      },
+      py::arg("mass"), py::arg("size"), py::arg("gap"), py::arg("speed"), py::arg("slope"), py::arg("step"), py::arg("steps"),
+      "rows of (height of the underside, vertical speed, normal force, x)");
+}
+
 }  // namespace
 
 void bind_plant(py::module_& core) {
@@ -122,4 +303,8 @@ void bind_plant(py::module_& core) {
   m.attr("gravity") = gravity;
   bind_crane_parameters(m);
   bind_motion(m);
+  bind_config(m);
+  bind_records(m);
+  bind_dock(m);
+  bind_contact(m);
 }
