@@ -100,7 +100,7 @@ class Observer {
 };
 
 inline constexpr unsigned host_owner = 0xFF;
-inline constexpr unsigned most_slots = 15;
+inline constexpr unsigned most_slots = 16;
 
 /// What a scripted event does to a DSP.
 enum class Action : std::uint8_t {
