@@ -1,2 +1,132 @@
-#include <cstdio>
-int main() { return 0; }
+// The command line, nothing else: what can be asked for is declared here, what is done stands in cli/.
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+#include <exception>
+#include <functional>
+
+#include "cli/options.hpp"
+#include "cmrc/config.hpp"
+#include "toolchain/coff.hpp"
+#include "toolchain/diagnostics.hpp"
+
+namespace {
+
+using Action = std::function<int()>;
+
+void declare_run(CLI::App& app, cli::RunOptions& options) {
+  app.add_option("--dsps", options.dsps, "Number of DSPs, 1 to 16 (default 4)");
+  app.add_option("--config", options.config, "Configuration (TOML; docs/configuration.md)")->type_name("FILE");
+  app.add_option("--preset", options.preset, "base (default), heavy or saturated");
+  app.add_option("--duration", options.duration_s, "Simulated time in s (default 180)");
+  app.add_option("--seed", options.seed, "Seed of everything random (default 1)");
+  app.add_option("--set", options.settings, "Any other setting, e.g. --set scheduling.gamma_refreshes=1")
+      ->type_name("KEY=VALUE");
+  app.add_option("--report", options.report, "Write the report as JSON (docs/report.md)")->type_name("FILE.json");
+  app.add_option("--trace", options.trace, "Write the event trace as text (docs/trace.md)")->type_name("FILE");
+  app.add_option("--trace-window", options.trace_window, "Trace only from A to B, in simulated s")->type_name("A:B");
+  app.add_option("--trace-instructions", options.trace_instructions,
+                 "Also write the instructions of these DSPs, into FILE.dspN")
+      ->type_name("N");
+  app.add_option("--turn-order", options.turn_order, "Shuffle which chip is advanced first; changes nothing")
+      ->type_name("SEED");
+  app.add_option("--programs", options.programs, "Assemble the DSP programs from this directory")->type_name("DIR");
+  app.add_option("--idle-policy", options.idle_policy,
+                 "How a DSP without work waits: doorbell (default), pause or spin");
+  app.add_option("--eq7", options.equation7, "Reading of equation (7): restored (default) or as_printed");
+  app.add_flag("--strict", options.strict, "Exit with status 1 when a deadline was missed");
+  app.add_flag("--quiet", options.quiet, "No progress line and no report on the terminal");
+}
+
+void declare_assemble(CLI::App& app, cli::AssembleOptions& options) {
+  app.add_option("FILE", options.source, "Source in TI's syntax (docs/assembler.md)")->required();
+  app.add_option("-o,--output", options.output, "COFF executable to write")->required()->type_name("OUT");
+  app.add_option("-I,--include", options.include_directories, "Look here for included files")->type_name("DIR");
+  app.add_option("--listing", options.listing, "Also write a listing")->type_name("FILE");
+}
+
+void declare_disassemble(CLI::App& app, cli::DisassembleOptions& options) {
+  app.add_option("FILE", options.program, "COFF executable, .hex or source")->required();
+  app.add_option("--load-at", options.load_at, "Where a .hex file stands")->type_name("ADDRESS");
+}
+
+void declare_exec(CLI::App& app, cli::ExecOptions& options) {
+  app.add_option("PROGRAM", options.program, "COFF executable, .asm, .s or .hex")->required();
+  app.add_option("-I,--include", options.include_directories, "Look here for included files")->type_name("DIR");
+  app.add_option("--until", options.until, "Stop before the instruction there")->type_name("SYMBOL|ADDRESS");
+  app.add_option("--max-cycles", options.max_cycles, "Stop after so many cycles (default 100000000)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--dump", options.dumps, "Print so many words from there")->type_name("ADDRESS:COUNT");
+  app.add_flag("--json", options.json, "Print the result as JSON");
+  app.add_option("--board", options.board, "default: the CMRC board's memory map; flat: zero-wait RAM everywhere");
+  app.add_option("--load-at", options.load_at, "Where a .hex file stands and starts")->type_name("ADDRESS");
+  app.add_option("--entry", options.entry, "Start here instead of at the program's entry")->type_name("SYMBOL|ADDRESS");
+  app.add_option("--trace", options.trace, "Write the instruction trace (docs/trace.md)")->type_name("FILE");
+}
+
+void declare_trace_diff(CLI::App& app, cli::TraceDiffOptions& options) {
+  app.add_option("A", options.left, "A trace")->required();
+  app.add_option("B", options.right, "Another trace of the same kind")->required();
+}
+
+template <typename Options>
+CLI::App* add_command(CLI::App& app, const char* name, const char* purpose, void (*declare)(CLI::App&, Options&),
+                      int (*perform)(const Options&), Options& options, Action& action) {
+  CLI::App* command = app.add_subcommand(name, purpose);
+  declare(*command, options);
+  command->callback([&action, &options, perform] { action = [&options, perform] { return perform(options); }; });
+  return command;
+}
+
+/// Performs the action; one message on standard error when it fails.
+int guarded(const Action& action) {
+  const auto fail = [](const char* message, int status) {
+    fmt::print(stderr, "emulator: {}\n", message);
+    return status;
+  };
+  try {
+    return action();
+  } catch (const cli::InputError& error) {
+    return fail(error.what(), cli::bad_input);
+  } catch (const cmrc::ConfigError& error) {
+    return fail(error.what(), cli::bad_input);
+  } catch (const toolchain::AssemblyError& error) {
+    return fail(error.what(), cli::bad_input);
+  } catch (const toolchain::CoffError& error) {
+    return fail(error.what(), cli::bad_input);
+  } catch (const std::exception& error) {
+    return fail(error.what(), cli::run_failed);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "Emulator of TMS320C40 multiprocessors that reproduces the CMRC robot controller. Without a command it simulates "
+      "the dock and reports "
+      "whether the control tasks met their deadlines."};
+  cli::RunOptions run_options;
+  cli::AssembleOptions assemble_options;
+  cli::DisassembleOptions disassemble_options;
+  cli::ExecOptions exec_options;
+  cli::TraceDiffOptions trace_diff_options;
+  Action action = [&run_options] { return cli::run(run_options); };
+
+  declare_run(app, run_options);
+  app.require_subcommand(0, 1);
+  add_command(app, "asm", "Assemble a C4x program", declare_assemble, cli::assemble, assemble_options, action);
+  add_command(app, "disasm", "Print a program as instructions", declare_disassemble, cli::disassemble,
+              disassemble_options, action);
+  add_command(app, "exec", "Run a program on one chip", declare_exec, cli::exec, exec_options, action);
+  add_command(app, "trace-diff", "Find where two traces part (exit status 1 if they do)", declare_trace_diff,
+              cli::trace_diff, trace_diff_options, action);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help
+    fmt::print(stderr, "emulator: {} (emulator --help lists what there is)\n", error.what());
+    return cli::bad_input;
+  }
+  return guarded(action);
+}

@@ -1,21 +1,67 @@
-"""What every test shares: where the build is, and the path to the package in it."""
+"""What every test shares: where the build is, the path to the package in it, and the comparison with golden files."""
 
 import os
+import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 BUILD = Path(os.environ.get("CMRC_BUILD_DIR", ROOT / "build"))
+GOLDEN = ROOT / "tests" / "golden"
 sys.path.insert(0, str(BUILD / "python"))
+
+changes = pytest.StashKey[list[str]]()
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update-golden", action="store_true", help="rewrite the files in tests/golden and print what changed")
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    config.stash[changes] = []
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    if not config.getoption("--update-golden"):
+        return
+    terminalreporter.section("golden files")
+    for line in config.stash[changes] or ["nothing changed"]:
+        terminalreporter.write_line(line)
+
+
 @pytest.fixture(scope="session")
 def emulator() -> Path:
     """The command, as built."""
     return BUILD / "bin" / "emulator"
+
+
+@pytest.fixture
+def golden(request: pytest.FixtureRequest, emulator: Path, tmp_path: Path) -> Callable[[str, str], None]:
+    """golden(name, trace): the trace is the one in tests/golden/name, else the first difference is named.
+
+    With --update-golden the file is rewritten instead, and the summary says what changed.
+    """
+
+    def check(name: str, trace: str) -> None:
+        path = GOLDEN / name
+        if path.exists() and path.read_text() == trace:
+            return
+        fresh = tmp_path / name
+        fresh.write_text(trace)
+        difference = f"{name}: new"
+        if path.exists():
+            compared = subprocess.run([emulator, "trace-diff", path, fresh], capture_output=True, text=True, check=False)
+            difference = f"{name} (<: golden, >: now): {compared.stdout}{compared.stderr}".rstrip()
+        if request.config.getoption("--update-golden"):
+            GOLDEN.mkdir(exist_ok=True)
+            path.write_text(trace)
+            request.config.stash[changes].append(difference)
+        elif not path.exists():
+            pytest.fail(f"tests/golden/{name} does not exist; `make golden` writes it")
+        else:
+            pytest.fail(f"{difference}\nIf this change is wanted: make golden")
+
+    return check

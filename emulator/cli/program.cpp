@@ -71,8 +71,8 @@ Image read_program(const std::string& path, const std::vector<std::string>& incl
   if (suffix == ".hex") return read_hex(path, load_at ? parse_address(*load_at, nullptr, "--load-at") : 0);
   if (load_at) throw InputError("--load-at: only a .hex file needs it; other programs say where they stand");
   if (suffix == ".asm" || suffix == ".s" || suffix == ".S") {
-    toolchain::AssemblerOptions options;
-    for (const std::string& directory : include_directories) options.include_directories.emplace_back(directory);
+    toolchain::Options options;
+    for (const std::string& directory : include_directories) options.include_dirs.emplace_back(directory);
     return toolchain::assemble_file(path, options);
   }
   return toolchain::read_coff(path);

@@ -10,4 +10,5 @@ PYBIND11_MODULE(_core, core) {
   bind_plant(core);
   bind_machine(core);
   bind_cmrc(core);
+  bind_trace(core);
 }

@@ -1,0 +1,244 @@
+// emulator exec: a program on one chip.
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "c40/chip.hpp"
+#include "cli/options.hpp"
+#include "cli/output_file.hpp"
+#include "cli/program.hpp"
+#include "isa/decode.hpp"
+#include "machine/instruction_trace.hpp"
+#include "report/trace_text.hpp"
+
+namespace cli {
+namespace {
+
+using isa::Register;
+using toolchain::Address;
+using toolchain::Image;
+using toolchain::Word;
+
+struct Dump {
+  Address address;
+  std::vector<Word> words;
+};
+
+struct Outcome {
+  std::string reason;  ///< "until", "halt", "idle", "limit", "external_access", "fault"
+  std::string message;
+  int status = success;
+};
+
+c40::Board board_named(const std::string& name) {
+  if (name == "default") return c40::Board::default_board();
+  if (name == "flat") return c40::Board::flat();
+  throw InputError(fmt::format("--board: there is no board \"{}\"; default and flat are", name));
+}
+
+void load(c40::Chip& chip, const Image& image, const std::string& board) {
+  for (const Image::Section& section : image.sections) {
+    if (!section.loaded) continue;
+    try {
+      chip.write_block(section.address, section.words);
+    } catch (const std::out_of_range&) {
+      throw InputError(fmt::format(
+          "section {} ({} words at {:08X}h) does not lie in RAM of board {}; --board flat has RAM everywhere",
+          section.name, section.size, section.address, board));
+    }
+  }
+}
+
+bool is_idle(const isa::Instruction& instruction) { return instruction.row->mnemonic == "idle"; }
+
+/// An unconditional branch to itself: how a program says that it has ended.
+bool is_halt(const isa::Instruction& instruction, Address pc) {
+  const isa::Operand& target = instruction.src1;
+  return (instruction.row->mnemonic == "b?" || instruction.row->mnemonic == "br") &&
+         instruction.condition == isa::Condition::U && target.is(isa::Operand::Kind::target) &&
+         pc + static_cast<Address>(target.value) == pc;
+}
+
+/// Stops at a branch to itself and at an IDLE that nothing can end; the words that may be one are breakpoints.
+class Run {
+ public:
+  Run(c40::Chip& chip, const Image& image, std::optional<Address> until) : chip_(chip), until_(until) {
+    if (until_) chip_.add_breakpoint(*until_);
+    for (const Image::Section& section : image.sections) {
+      Address address = section.address;
+      for (const Word word : section.words) {
+        const isa::Decoded decoded = isa::decode(word);
+        const auto* instruction = std::get_if<isa::Instruction>(&decoded);
+        if (instruction && (is_idle(*instruction) || is_halt(*instruction, address))) chip_.add_breakpoint(address);
+        ++address;
+      }
+    }
+  }
+
+  Outcome run(c40::Cycles limit) {
+    for (;;) {
+      const c40::StopInfo stop = chip_.run_until(limit);
+      if (stop.reason == c40::StopInfo::Reason::breakpoint) {
+        if (auto outcome = at_breakpoint()) return *outcome;
+        continue;
+      }
+      return describe(stop);
+    }
+  }
+
+ private:
+  std::optional<Outcome> at_breakpoint() {
+    const Address pc = chip_.pc();
+    if (until_ && pc == *until_) return Outcome{"until", fmt::format("reached {:08X}h", pc)};
+    const isa::Decoded decoded = isa::decode(chip_.peek(pc));
+    const auto* instruction = std::get_if<isa::Instruction>(&decoded);
+    if (instruction && is_halt(*instruction, pc))
+      return Outcome{"halt", fmt::format("branch to itself at {:08X}h", pc)};
+    const c40::StopInfo stop = chip_.step();
+    if (stop.reason == c40::StopInfo::Reason::fault || stop.reason == c40::StopInfo::Reason::external_access)
+      return describe(stop);
+    if (chip_.idle()) return Outcome{"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come", pc)};
+    return std::nullopt;
+  }
+
+  Outcome describe(const c40::StopInfo& stop) const {
+    switch (stop.reason) {
+      case c40::StopInfo::Reason::limit:
+        return {"limit", fmt::format("--max-cycles reached at {:08X}h", chip_.pc()), until_ ? run_failed : success};
+      case c40::StopInfo::Reason::external_access:
+        return {"external_access",
+                fmt::format("{} at {:08X}h from PC {:08X}h: that is a bus window, and exec has no bus behind it",
+                            stop.access.write ? "write" : "read", stop.access.address, chip_.pc()),
+                run_failed};
+      case c40::StopInfo::Reason::fault:
+        return {"fault",
+                fmt::format("{} (PC {:08X}h, cycle {})", stop.fault ? stop.fault->message : "the chip stopped",
+                            chip_.pc(), chip_.cycle()),
+                run_failed};
+      case c40::StopInfo::Reason::breakpoint: break;
+    }
+    throw std::logic_error("exec: a stop without a reason");
+  }
+
+  c40::Chip& chip_;
+  std::optional<Address> until_;
+};
+
+/// ADDRESS:COUNT
+std::pair<Address, Address> parse_dump(const std::string& text, const Image& image) {
+  const std::size_t colon = text.rfind(':');
+  if (colon == std::string::npos) throw InputError(fmt::format("--dump: \"{}\" is not ADDRESS:COUNT", text));
+  const Address address = parse_address(std::string_view(text).substr(0, colon), &image, "--dump");
+  const Address count = parse_address(std::string_view(text).substr(colon + 1), nullptr, "--dump, COUNT");
+  if (count == 0 || count > 1'000'000)
+    throw InputError(fmt::format("--dump: {} words; 1 to 1000000 are possible", count));
+  return {address, count};
+}
+
+Dump read_dump(const c40::Chip& chip, Address address, Address count) {
+  Dump dump{address, {}};
+  for (Address i = 0; i < count; ++i) {
+    try {
+      dump.words.push_back(chip.peek(address + i));
+    } catch (const std::out_of_range&) {
+      throw InputError(fmt::format("--dump: {:08X}h is no memory of this board", address + i));
+    }
+  }
+  return dump;
+}
+
+std::string register_name(Register reg) {
+  std::string name(isa::name(reg));
+  for (char& c : name) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return name;
+}
+
+/// Exact: a register's mantissa fits a double.
+double to_double(c40::Float40 value) {
+  return std::ldexp(static_cast<double>(c40::float40::mantissa(value)), value.e - 31);
+}
+
+constexpr std::array<Register, isa::register_count> all_registers() {
+  using enum Register;
+  return {R0,  R1,  R2,  R3,  R4, R5,  R6,  R7, R8, R9, R10, R11, AR0, AR1, AR2, AR3,
+          AR4, AR5, AR6, AR7, DP, IR0, IR1, BK, SP, ST, DIE, IIE, IIF, RS,  RE,  RC};
+}
+
+void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps) {
+  fmt::print("stop: {}: {}\n", outcome.reason, outcome.message);
+  fmt::print("PC {:08X}  {} instructions, {} cycles\n", chip.pc(), chip.instructions(), chip.cycle());
+  for (std::size_t cause = 0; cause < c40::cause_count; ++cause)
+    if (chip.causes()[cause] != 0)
+      fmt::print("  {:<18}{:>14}\n", name(static_cast<c40::Cause>(cause)), chip.causes()[cause]);
+  int column = 0;
+  for (const Register reg : all_registers()) {
+    if (isa::is_extended(reg)) {
+      fmt::print("{:<4}{:010X}  {:.9g}\n", register_name(reg), chip.register_value(reg),
+                 to_double(chip.float_register(reg)));
+      continue;
+    }
+    fmt::print("{:<4}{:08X}{}", register_name(reg), chip.register_value(reg), ++column % 5 == 0 ? "\n" : "   ");
+  }
+  fmt::print("IVTP {:08X}  TVTP {:08X}\n", chip.expansion(isa::Expansion::IVTP), chip.expansion(isa::Expansion::TVTP));
+  for (const Dump& dump : dumps)
+    for (std::size_t i = 0; i < dump.words.size(); ++i) {
+      if (i % 8 == 0) fmt::print("{}{:08X}:", i == 0 ? "" : "\n", dump.address + i);
+      fmt::print(" {:08X}{}", dump.words[i], i + 1 == dump.words.size() ? "\n" : "");
+    }
+}
+
+void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps) {
+  using Json = nlohmann::ordered_json;
+  Json root = {{"stop", {{"reason", outcome.reason}, {"message", outcome.message}, {"pc", chip.pc()}}},
+               {"instructions", chip.instructions()},
+               {"cycles", chip.cycle()}};
+  for (std::size_t cause = 0; cause < c40::cause_count; ++cause)
+    root["causes"][std::string(name(static_cast<c40::Cause>(cause)))] = chip.causes()[cause];
+  for (const Register reg : all_registers()) {
+    root["registers"][register_name(reg)] = chip.register_value(reg);
+    if (isa::is_extended(reg)) root["floats"][register_name(reg)] = to_double(chip.float_register(reg));
+  }
+  root["registers"]["IVTP"] = chip.expansion(isa::Expansion::IVTP);
+  root["registers"]["TVTP"] = chip.expansion(isa::Expansion::TVTP);
+  root["dumps"] = Json::array();
+  for (const Dump& dump : dumps) root["dumps"].push_back({{"address", dump.address}, {"words", dump.words}});
+  fmt::print("{}\n", root.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+}  // namespace
+
+int exec(const ExecOptions& options) {
+  const c40::Board board = board_named(options.board);
+  const Image image = read_program(options.program, options.include_directories, options.load_at);
+  for (const std::string& warning : image.warnings) fmt::print(stderr, "{}\n", warning);
+  std::optional<Address> until;
+  if (options.until) until = parse_address(*options.until, &image, "--until");
+  std::vector<std::pair<Address, Address>> ranges;
+  for (const std::string& text : options.dumps) ranges.push_back(parse_dump(text, image));
+
+  c40::Chip chip(board);
+  chip.reset();
+  load(chip, image, options.board);
+  chip.set_pc(options.entry ? parse_address(*options.entry, &image, "--entry") : image.entry);
+  for (const auto& [address, count] : ranges) read_dump(chip, address, count);  // refuses bad ranges before the run
+
+  std::optional<OutputFile> trace;
+  std::optional<machine::InstructionText> sink;
+  if (options.trace) {
+    trace.emplace(*options.trace);
+    trace->stream() << report::instruction_trace_header << '\n';
+    sink.emplace(0U, [&trace](const std::string& line) { trace->stream() << line << '\n'; });
+    chip.set_trace(&*sink);
+  }
+  const Outcome outcome = Run(chip, image, until).run(options.max_cycles);
+  if (trace) trace->commit();
+
+  std::vector<Dump> dumps;
+  for (const auto& [address, count] : ranges) dumps.push_back(read_dump(chip, address, count));
+  (options.json ? print_json : print_text)(chip, outcome, dumps);
+  return outcome.status;
+}
+
+}  // namespace cli

@@ -1,0 +1,33 @@
+#include "cli/progress_line.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+namespace cli {
+
+ProgressLine::ProgressLine(report::Time duration, bool wanted)
+    : duration_(duration), active_(wanted && ::isatty(STDERR_FILENO) == 1) {}
+
+ProgressLine::~ProgressLine() {
+  if (width_ > 0) fmt::print(stderr, "\r{:<{}}\r", "", width_);
+}
+
+void ProgressLine::show(report::Time simulated, std::uint64_t misses) {
+  if (!active_) return;
+  const auto now = Wall::now();
+  if (now - last_ < std::chrono::milliseconds(200)) return;
+  last_ = now;
+  const double elapsed = std::chrono::duration<double>(now - start_).count();
+  const double done = static_cast<double>(simulated.count()) * 1e-12;
+  const double whole = static_cast<double>(duration_.count()) * 1e-12;
+  const std::string left = done > 0 ? fmt::format("{:.0f} s left", (whole - done) * elapsed / done) : "";
+  const std::string line =
+      fmt::format("{:.1f} of {:.1f} s  {:.2f} x real time  {}  {} missed", done, whole, done / elapsed, left, misses);
+  width_ = std::max(width_, line.size());
+  fmt::print(stderr, "\r{:<{}}", line, width_);
+  std::fflush(stderr);
+}
+
+}  // namespace cli

@@ -1,0 +1,32 @@
+#pragma once
+// The line that shows how a run is coming along: on a terminal only.
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+#include "report/event.hpp"
+
+namespace cli {
+
+/// Rewrites one line on standard error a few times per second; erases it in the end. Silent when standard error is no
+/// terminal.
+class ProgressLine {
+ public:
+  ProgressLine(report::Time duration, bool wanted);
+  ~ProgressLine();
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  void show(report::Time simulated, std::uint64_t misses);
+
+ private:
+  using Wall = std::chrono::steady_clock;
+
+  report::Time duration_;
+  bool active_;
+  Wall::time_point start_ = Wall::now();
+  Wall::time_point last_ = start_;
+  std::size_t width_ = 0;
+};
+
+}  // namespace cli

@@ -1,0 +1,85 @@
+#include "cli/settings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+namespace cli {
+namespace {
+
+template <typename Number>
+std::optional<Number> parse(std::string_view text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
+  return value;
+}
+
+std::optional<std::int64_t> parse_integer(std::string_view text) {
+  if (!text.starts_with("0x")) return parse<std::int64_t>(text);
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data() + 2, text.data() + text.size(), value, 16);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+/// What the text would be in TOML; a word without quotes is a string.
+cmrc::Value parse_value(const std::string& text) {
+  if (text == "true") return true;
+  if (text == "false") return false;
+  if (const auto integer = parse_integer(text)) return *integer;
+  if (const auto number = parse<double>(text)) return *number;
+  return text;
+}
+
+void add_setting(cmrc::ConfigBuilder& builder, const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) throw InputError(fmt::format("--set: \"{}\" is not KEY=VALUE", text));
+  builder.set(text.substr(0, equals), parse_value(text.substr(equals + 1)), {.name = "--set"});
+}
+
+std::optional<report::Time> parse_seconds(std::string_view text) {
+  const auto seconds = parse<double>(text);
+  if (!seconds || !(*seconds >= 0) || *seconds > 1e6) return std::nullopt;
+  return report::Time(std::llround(*seconds * 1e12));
+}
+
+}  // namespace
+
+cmrc::Config build_config(const RunOptions& options) {
+  cmrc::ConfigBuilder builder;
+  if (options.config) builder.file(*options.config);
+  if (options.preset) builder.preset(*options.preset, {.name = "--preset"});
+  for (const std::string& setting : options.settings) add_setting(builder, setting);
+  const auto set = [&builder](const char* key, const auto& value, const char* flag) {
+    if (value) builder.set(key, *value, {.name = flag});
+  };
+  set("machine.dsps", options.dsps, "--dsps");
+  set("run.duration_s", options.duration_s, "--duration");
+  set("run.seed", options.seed, "--seed");
+  set("run.turn_order", options.turn_order, "--turn-order");
+  set("machine.programs", options.programs, "--programs");
+  set("machine.idle_policy", options.idle_policy, "--idle-policy");
+  set("scheduling.equation", options.equation7, "--eq7");
+  if (options.strict) builder.set("run.strict", true, {.name = "--strict"});
+  return builder.build();
+}
+
+report::Window parse_window(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos) throw InputError(fmt::format("--trace-window: \"{}\" is not A:B, in seconds", text));
+  report::Window window;
+  const std::string_view from = std::string_view(text).substr(0, colon);
+  const std::string_view to = std::string_view(text).substr(colon + 1);
+  const auto begin = from.empty() ? window.from : parse_seconds(from);
+  const auto end = to.empty() ? window.to : parse_seconds(to);
+  if (!begin || !end) throw InputError(fmt::format("--trace-window: \"{}\" is not A:B, in seconds", text));
+  if (*begin >= *end)
+    throw InputError(fmt::format("--trace-window: \"{}\" holds no time; A has to come before B", text));
+  return {*begin, *end};
+}
+
+}  // namespace cli

@@ -1,0 +1,17 @@
+#pragma once
+// Flags as settings of the configuration.
+#include <string>
+
+#include "cli/options.hpp"
+#include "cmrc/config.hpp"
+#include "report/trace_text.hpp"
+
+namespace cli {
+
+/// Defaults, preset, file, then flags. \throws cmrc::ConfigError naming the flag, InputError.
+cmrc::Config build_config(const RunOptions& options);
+
+/// "A:B" in seconds; either may be left out. \throws InputError.
+report::Window parse_window(const std::string& text);
+
+}  // namespace cli

@@ -1,0 +1,41 @@
+#include <pybind11/stl.h>
+
+#include "machine/instruction_trace.hpp"
+#include "python/bindings/bindings.hpp"
+
+namespace {
+
+/// The record of cmrc._core.c40.Processor.trace() back as the struct that the text is made of.
+std::string trace_line(const py::dict& record, unsigned slot) {
+  c40::TraceRecord out;
+  out.cycle = record["cycle"].cast<c40::Cycles>();
+  out.pc = record["pc"].cast<c40::Address>();
+  out.word = record["word"].cast<c40::Word>();
+  out.cycles = record["cycles"].cast<c40::Cycles>();
+  std::size_t cause = 0;
+  for (const auto& item : record["causes"].cast<py::dict>()) out.causes.at(cause++) = item.second.cast<c40::Cycles>();
+  std::vector<c40::RegisterChange> registers;
+  for (const auto& item : record["registers"].cast<py::dict>()) {
+    const auto reg = isa::register_named(item.first.cast<std::string>());
+    if (!reg) throw py::key_error(item.first.cast<std::string>());
+    registers.push_back({*reg, item.second.cast<std::uint64_t>()});
+  }
+  std::vector<c40::MemoryEvent> memory;
+  for (const auto& item : record["memory"]) {
+    const auto event = item.cast<py::tuple>();
+    memory.push_back({event[1].cast<c40::Address>(), event[2].cast<c40::Word>(), event[0].cast<std::string>() == "w"});
+  }
+  out.registers = registers;
+  out.memory = memory;
+  return machine::to_text(out, slot);
+}
+
+}  // namespace
+
+void bind_trace(py::module_& core) {
+  py::module_ room = core.def_submodule("trace", "Text traces (docs/trace.md).");
+  room.attr("event_header") = "# cmrc event trace 1";
+  room.attr("instruction_header") = "# cmrc instruction trace 1";
+  room.def("line", &trace_line, py::arg("record"), py::arg("slot") = 0,
+           "The line of an instruction, from a record of c40.Processor.trace().");
+}

@@ -1,0 +1,317 @@
+"""One TMS320C40: assemble, disassemble, run, and look inside.
+
+    program = cmrc.c40.assemble(text)
+    processor = cmrc.c40.Processor(program)
+    stop = processor.run(until="done")
+    processor.registers["R0"], processor.floats["R1"], processor.memory[0x300000]
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, MutableMapping, Sequence
+from dataclasses import dataclass
+from typing import Any, overload
+
+from cmrc import _core
+from cmrc.floats import extended_to_float, float_to_extended, float_to_single, single_to_float
+
+AssemblyError = _core.toolchain.AssemblyError
+"""Raised with all errors of a source at once; ``diagnostics`` is a list of dicts (file, line, column, message, text)."""
+CoffError = _core.toolchain.CoffError
+"""Raised for a file that is no COFF executable of this family, or a damaged one."""
+Program = _core.toolchain.Image
+"""An assembled program: ``sections``, ``symbols`` (name to 32-bit word), ``entry``, ``listing()``."""
+
+Path = str | os.PathLike[str]
+
+REGISTERS = (
+    *(f"R{n}" for n in range(12)),
+    *(f"AR{n}" for n in range(8)),
+    *("DP", "IR0", "IR1", "BK", "SP", "ST", "DIE", "IIE", "IIF", "RS", "RE", "RC", "IVTP", "TVTP"),
+)
+"""Names of all registers. R0 to R11 are 40 bits wide, all others 32."""
+
+
+def assemble(
+    text: str,
+    *,
+    name: str = "<text>",
+    include_dirs: Sequence[Path] = (),
+    symbols: Mapping[str, int] | None = None,
+    sections: Mapping[str, int] | None = None,
+    entry: str = "",
+) -> Program:
+    """Assembles a text in TI's syntax (docs/assembler.md).
+
+    ``symbols`` are predefined constants, ``sections`` places sections at addresses (``.text`` stands at 300000h unless said), ``entry`` names the symbol to
+    start at. Raises AssemblyError.
+    """
+    return _core.toolchain.assemble(text, name, list(include_dirs), dict(symbols or {}), dict(sections or {}), entry)
+
+
+def assemble_file(
+    path: Path,
+    *,
+    include_dirs: Sequence[Path] = (),
+    symbols: Mapping[str, int] | None = None,
+    sections: Mapping[str, int] | None = None,
+    entry: str = "",
+) -> Program:
+    """Assembles a file; see ``assemble``. Included files are looked for beside it first. Raises AssemblyError."""
+    return _core.toolchain.assemble_file(path, list(include_dirs), dict(symbols or {}), dict(sections or {}), entry)
+
+
+def read_coff(path: Path) -> Program:
+    """Reads a COFF executable of version 0, 1 or 2. Raises CoffError."""
+    return _core.toolchain.read_coff(path)
+
+
+def write_coff(program: Program, path: Path) -> None:
+    """Writes a COFF version-2 executable with all symbols, whole or not at all."""
+    _core.toolchain.write_coff(program, path)
+
+
+@overload
+def disassemble(words: int, pc: int = 0) -> str: ...
+@overload
+def disassemble(words: Sequence[int], pc: int = 0) -> list[str]: ...
+def disassemble(words: int | Sequence[int], pc: int = 0) -> str | list[str]:
+    """The instruction of a word, or of each word from address ``pc`` on. Reserved words give ``.word``."""
+    if isinstance(words, int):
+        return str(_core.isa.disassemble(words, pc))
+    return [str(_core.isa.disassemble(word, pc + i)) for i, word in enumerate(words)]
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Why a run ended.
+
+    ``reason`` is ``until``, ``limit`` (of cycles), ``breakpoint``, ``external_access`` (a bus window: answer with ``complete_read`` or ``complete_write`` and run on) or ``fault``.
+    """
+
+    reason: str
+    pc: int
+    cycle: int
+    message: str = ""
+    details: Mapping[str, Any] | None = None
+    """Of an external access: address, write, interlocked, value, access_cycle. Of a fault: kind, word, address."""
+
+
+class _Registers(MutableMapping[str, int]):
+    """Registers by name as integers: R0 to R11 have 40 bits, exponent in 39 to 32; all others 32."""
+
+    def __init__(self, core: Any) -> None:
+        self._core = core
+
+    def __getitem__(self, name: str) -> int:
+        return int(self._core.get(name))
+
+    def __setitem__(self, name: str, value: int) -> None:
+        width = 40 if name.upper() in REGISTERS[:12] else 32
+        if not 0 <= value < 1 << width:
+            raise ValueError(f"{name} has {width} bits; {value:#x} does not fit")
+        self._core.set(name, value)
+
+    def __delitem__(self, name: str) -> None:
+        raise TypeError("a register cannot be removed")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(REGISTERS)
+
+    def __len__(self) -> int:
+        return len(REGISTERS)
+
+
+class _Floats(MutableMapping[str, float]):
+    """R0 to R11 by name as floats. Reading is exact; writing rounds to the nearest 40-bit value."""
+
+    def __init__(self, core: Any) -> None:
+        self._core = core
+
+    def _check(self, name: str) -> str:
+        if name.upper() not in REGISTERS[:12]:
+            raise KeyError(f"{name} holds no float; R0 to R11 do")
+        return name
+
+    def __getitem__(self, name: str) -> float:
+        return extended_to_float(int(self._core.get(self._check(name))))
+
+    def __setitem__(self, name: str, value: float) -> None:
+        self._core.set(self._check(name), float_to_extended(value))
+
+    def __delitem__(self, name: str) -> None:
+        raise TypeError("a register cannot be removed")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(REGISTERS[:12])
+
+    def __len__(self) -> int:
+        return 12
+
+
+class _Memory:
+    """Memory by word address, as a debugger sees it: ``memory[a]``, ``memory[a:b]``, and assignment of words or lists of words.
+
+    Raises IndexError for reserved addresses and bus windows, ValueError for what is no 32-bit word.
+    """
+
+    def __init__(self, core: Any) -> None:
+        self._core = core
+
+    @overload
+    def __getitem__(self, where: int) -> int: ...
+    @overload
+    def __getitem__(self, where: slice) -> list[int]: ...
+    def __getitem__(self, where: int | slice) -> int | list[int]:
+        if isinstance(where, slice):
+            return [int(self._core.peek(address)) for address in _addresses(where)]
+        return int(self._core.peek(where))
+
+    @overload
+    def __setitem__(self, where: int, value: int) -> None: ...
+    @overload
+    def __setitem__(self, where: slice, value: Sequence[int]) -> None: ...
+    def __setitem__(self, where: int | slice, value: int | Sequence[int]) -> None:
+        if isinstance(where, int) and isinstance(value, int):
+            self._core.poke(where, _word(value))
+            return
+        if not isinstance(where, slice) or isinstance(value, int):
+            raise TypeError("a word goes to an address, a list of words to a slice")
+        start = where.start or 0
+        if where.step not in (None, 1) or (where.stop is not None and where.stop - start != len(value)):
+            raise ValueError("the slice and the list of words differ in length")
+        for offset, word in enumerate(value):
+            self._core.poke(start + offset, _word(word))
+
+    def read_floats(self, address: int, count: int) -> list[float]:
+        """Words in the 32-bit single format, as floats. Exact."""
+        return [single_to_float(word) for word in self[address : address + count]]
+
+    def write_floats(self, address: int, values: Sequence[float]) -> None:
+        """Floats as words of the 32-bit single format, each rounded to the nearest."""
+        self[address : address + len(values)] = [float_to_single(value) for value in values]
+
+
+def _addresses(where: slice) -> range:
+    if where.stop is None:
+        raise ValueError("a slice of memory needs an end")
+    return range(where.start or 0, where.stop, where.step or 1)
+
+
+def _word(value: int) -> int:
+    if not -(1 << 31) <= value < 1 << 32:
+        raise ValueError(f"{value:#x} is no 32-bit word")
+    return value & 0xFFFF_FFFF
+
+
+class Processor:
+    """One TMS320C40 with memory around it: board ``default`` (the CMRC board's map) or ``flat`` (zero-wait RAM everywhere)."""
+
+    def __init__(self, program: Program | Path | None = None, *, board: str = "default") -> None:
+        self._core = _core.c40.Processor(board)
+        self.program: Program | None = None
+        """What was loaded last."""
+        self.registers = _Registers(self._core)
+        self.floats = _Floats(self._core)
+        self.memory = _Memory(self._core)
+        if program is not None:
+            self.load(program)
+
+    def load(self, program: Program | Path) -> None:
+        """Loads a program, or a COFF file, and sets PC to its entry. Raises CoffError; IndexError where no RAM is."""
+        self.program = read_coff(program) if isinstance(program, (str, os.PathLike)) else program
+        self._core.load_image(self.program)
+
+    def address(self, where: int | str) -> int:
+        """An address, or that of a symbol of the program. Raises KeyError for an unknown symbol."""
+        if isinstance(where, int):
+            return where
+        if self.program is None or where not in self.program.symbols:
+            raise KeyError(f"the program has no symbol {where}")
+        return int(self.program.symbols[where])
+
+    def run(self, max_cycles: int = 100_000_000, *, until: int | str | None = None) -> Stop:
+        """Runs whole instructions for ``max_cycles`` cycles, or until PC is at ``until`` (an address or a symbol)."""
+        target = None if until is None else self.address(until)
+        stop = _stop(self._core.run(max_cycles, target))
+        if stop.reason == "breakpoint" and stop.pc == target:
+            return Stop("until", stop.pc, stop.cycle)
+        return stop
+
+    def step(self) -> Stop:
+        """Executes one instruction; reason ``limit`` when it went well."""
+        return _stop(self._core.step())
+
+    def trace(self, max_cycles: int, *, slot: int = 0) -> list[str]:
+        """Runs like ``run`` and returns a line per instruction (docs/trace.md), without the header."""
+        return [_core.trace.line(record, slot) for record in self._core.trace(max_cycles) if "pc" in record]
+
+    def complete_read(self, value: int, *, arbitration: int = 0, transfer: int = 0) -> None:
+        """Answers the read that stopped a run: the word, and the cycles waited for the bus and its transfer."""
+        self._core.complete_read(_word(value), arbitration, transfer)
+
+    def complete_write(self, *, arbitration: int = 0, transfer: int = 0) -> None:
+        """Lets the write that stopped a run go through."""
+        self._core.complete_write(arbitration, transfer)
+
+    def interrupt(self, pin: int) -> None:
+        """An edge on IIOF0 to IIOF3."""
+        self._core.raise_iiof(pin)
+
+    def reset(self) -> None:
+        """Registers to 0, a fault forgotten; memory and counters are kept."""
+        self._core.reset()
+
+    @property
+    def pc(self) -> int:
+        """Program counter."""
+        return int(self._core.pc)
+
+    @pc.setter
+    def pc(self, where: int | str) -> None:
+        self._core.pc = self.address(where)
+
+    @property
+    def cycles(self) -> int:
+        """Instruction cycles so far: the sum of ``causes``."""
+        return int(self._core.cycle)
+
+    @property
+    def instructions(self) -> int:
+        """Instructions executed so far."""
+        return int(self._core.instructions)
+
+    @property
+    def causes(self) -> dict[str, int]:
+        """Cycles by cause."""
+        return dict(self._core.causes)
+
+    @property
+    def idle(self) -> bool:
+        """In IDLE, with no interrupt to take."""
+        return bool(self._core.idle)
+
+
+def _stop(core: Mapping[str, Any]) -> Stop:
+    rest = {key: value for key, value in core.items() if key not in ("reason", "pc", "cycle", "message")}
+    return Stop(core["reason"], core["pc"], core["cycle"], core.get("message", ""), rest or None)
+
+
+__all__ = [
+    "REGISTERS",
+    "AssemblyError",
+    "CoffError",
+    "Processor",
+    "Program",
+    "Stop",
+    "assemble",
+    "assemble_file",
+    "disassemble",
+    "extended_to_float",
+    "float_to_extended",
+    "float_to_single",
+    "read_coff",
+    "single_to_float",
+    "write_coff",
+]

@@ -1,0 +1,81 @@
+"""The C40's float formats and Python's floats. Exact wherever the target can hold the value."""
+
+from __future__ import annotations
+
+import math
+
+_EXTENDED_FRACTION = 31
+_SINGLE_FRACTION = 23
+
+
+def extended_to_float(register: int) -> float:
+    """The value of a 40-bit register R0 to R11: exponent in bits 39 to 32, mantissa in 31 to 0.
+
+    Every register value is a double, so this is exact. Raises ValueError outside 0 .. 2**40 - 1.
+    """
+    if not 0 <= register < 1 << 40:
+        raise ValueError(f"{register:#x} is no 40-bit register value")
+    return _value(register >> 32, register & 0xFFFF_FFFF, _EXTENDED_FRACTION)
+
+
+def single_to_float(word: int) -> float:
+    """The value of a memory word in the C40's 32-bit single format: exponent in bits 31 to 24. Exact.
+
+    Raises ValueError outside 0 .. 2**32 - 1.
+    """
+    if not 0 <= word < 1 << 32:
+        raise ValueError(f"{word:#x} is no 32-bit word")
+    return _value(word >> 24, word & 0x00FF_FFFF, _SINGLE_FRACTION)
+
+
+def float_to_extended(value: float) -> int:
+    """The 40-bit register value nearest to a float, ties away from zero; 0 where it is too small.
+
+    Raises OverflowError where it is too large, ValueError for NaN and infinities.
+    """
+    exponent, mantissa = _parts(value, _EXTENDED_FRACTION)
+    return (exponent & 0xFF) << 32 | mantissa
+
+
+def float_to_single(value: float) -> int:
+    """The 32-bit single-format word nearest to a float, ties away from zero; 0 where it is too small.
+
+    Raises OverflowError where it is too large, ValueError for NaN and infinities.
+    """
+    exponent, mantissa = _parts(value, _SINGLE_FRACTION)
+    return (exponent & 0xFF) << 24 | mantissa
+
+
+def _value(exponent: int, mantissa: int, fraction: int) -> float:
+    if exponent == 0x80:  # zero, whatever the mantissa holds
+        return 0.0
+    sign = mantissa >> fraction
+    scaled = mantissa - (1 << (fraction + 1)) - (1 << fraction) if sign else mantissa + (1 << fraction)
+    return math.ldexp(scaled, (exponent - 0x100 if exponent & 0x80 else exponent) - fraction)
+
+
+def _parts(value: float, fraction: int) -> tuple[int, int]:
+    """Exponent and mantissa field. The implied bit is the sign's complement: 1.f or -2 + 0.f."""
+    if not math.isfinite(value):
+        raise ValueError(f"{value} has no counterpart on the C40")
+    if value == 0:
+        return -128, 0
+    significand, exponent = math.frexp(abs(value))
+    scaled = _round_away(math.ldexp(significand, fraction + 1))
+    exponent -= 1
+    one = 1 << fraction
+    if scaled == 2 * one and value > 0:
+        scaled, exponent = one, exponent + 1
+    if scaled == one and value < 0:  # -1.0 is -2.0 of the next lower exponent
+        scaled, exponent = 2 * one, exponent - 1
+    if exponent > 127:
+        raise OverflowError(f"{value} is beyond the C40's range")
+    if exponent < -127:
+        return -128, 0
+    mantissa = scaled - one if value > 0 else 3 * one - scaled
+    return exponent, mantissa & (2 * one - 1) if value > 0 else mantissa
+
+
+def _round_away(positive: float) -> int:
+    whole = math.floor(positive)
+    return whole + (positive - whole >= 0.5)

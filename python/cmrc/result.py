@@ -1,0 +1,69 @@
+"""What a run gives back."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any
+
+from cmrc.table import Table
+
+
+class Result:
+    """A finished run: the report (docs/report.md) as tables and as a dict, and the plant's time series.
+
+    Column names of tables carry their units as the report's keys do: ``_s`` seconds, ``_ps`` picoseconds, ``cycles``, ``clocks``.
+    """
+
+    def __init__(self, report: Mapping[str, Any], text: str, signals: Table) -> None:
+        self.report: dict[str, Any] = dict(report)
+        """The whole report, as the JSON of ``emulator --report`` has it."""
+        self.text = text
+        """The report as the terminal shows it."""
+        self.signals = signals
+        """The plant in time: column ``time_s`` and one column per signal, units in the names."""
+
+    @property
+    def hash(self) -> str:
+        """SHA-256 of the run: equal for equal configurations, on every run."""
+        return str(self.report["hash"])
+
+    @property
+    def stop_reason(self) -> str:
+        """``completed``, ``interrupted``, ``no_dsp_left`` or ``plant_fault``."""
+        return str(self.report["stop_reason"])
+
+    @property
+    def misses(self) -> int:
+        """Missed deadlines of all kinds."""
+        return sum(int(task["misses"]) for task in self.report["tasks"].values())
+
+    @cached_property
+    def tasks(self) -> Table:
+        """One row per task kind: the classes of jobs, response times (``response_ps_p99`` ...), causes."""
+        return Table.from_rows({"kind": kind, **task} for kind, task in self.report["tasks"].items())
+
+    @cached_property
+    def dsps(self) -> Table:
+        """One row per DSP: cycles, instructions, and the cycles by cause (``causes_execute`` ...)."""
+        return Table.from_rows(self.report["dsps"])
+
+    @cached_property
+    def buses(self) -> Table:
+        """One row per bus and master: its waits and words, beside the bus's own clocks by use."""
+        rows = []
+        for name, bus in self.report["buses"].items():
+            whole = {key: value for key, value in bus.items() if key not in ("masters", "targets")}
+            rows += [{"bus": name, "master": master, **counts, **whole} for master, counts in bus["masters"].items()]
+        return Table.from_rows(rows)
+
+    @cached_property
+    def cycles(self) -> Table:
+        """One row per work cycle: t_3 to t_6, t_w, t_v, T_g, T_a and the instant of delivery, in s; NaN where not reached."""
+        return Table.from_rows(self.report["cycles"])
+
+    def __repr__(self) -> str:
+        return (
+            f"<cmrc.Result: {self.report['simulated_s']} s on {len(self.report['dsps'])} DSPs, {self.misses} misses, "
+            f"{self.report['containers_delivered']} delivered, {self.stop_reason}>"
+        )

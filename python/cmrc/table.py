@@ -1,0 +1,58 @@
+"""Tables: columns of equal length under their names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import pandas
+
+
+class Table(dict[str, NDArray[Any]]):
+    """A dict of NumPy arrays of equal length, one per column. Missing numbers are NaN.
+
+    ``len(table)`` is the number of columns, as of any dict; ``table.rows`` is the number of rows.
+    """
+
+    @classmethod
+    def from_rows(cls, rows: Iterable[Mapping[str, Any]]) -> Table:
+        """One row per mapping. Nested mappings give columns joined by ``_``; lists (histograms) are left out."""
+        flat = [dict(_flatten(row)) for row in rows]
+        names = list(dict.fromkeys(name for row in flat for name in row))
+        return cls({name: _column([row.get(name) for row in flat]) for name in names})
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return len(next(iter(self.values()), ()))
+
+    def row(self, index: int) -> dict[str, Any]:
+        """One row as a dict."""
+        return {name: column[index] for name, column in self.items()}
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The table as a DataFrame. Raises ImportError where pandas is not installed."""
+        import pandas
+
+        return pandas.DataFrame(dict(self))
+
+    def __repr__(self) -> str:
+        return f"Table({self.rows} rows: {', '.join(self)})"
+
+
+def _flatten(row: Mapping[str, Any], prefix: str = "") -> Iterable[tuple[str, Any]]:
+    for name, value in row.items():
+        if isinstance(value, Mapping):
+            yield from _flatten(value, f"{prefix}{name}_")
+        elif not isinstance(value, list):
+            yield prefix + name, value
+
+
+def _column(values: Sequence[Any]) -> NDArray[Any]:
+    if any(value is None for value in values) and not any(isinstance(value, str) for value in values):
+        return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
+    return np.array(values)

@@ -1,0 +1,133 @@
+"""emulator asm, disasm and exec: programs in, words and results out."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+SQUARES = """
+; the first eight squares into a table, by repeated addition
+        .data
+table   .space 8
+        .text
+start:  ldi   @table_at,ar0
+        ldi   0,r0              ; square
+        ldi   1,r1              ; next odd number
+        ldi   7,rc
+        rptb  loop
+        sti   r0,*ar0++
+        addi  r1,r0
+loop:   addi  2,r1
+        ldf   1.5,r2
+        mpyf  r2,r2,r3
+done:   b     done
+table_at .word table
+        .global start, done
+"""
+
+
+@pytest.fixture
+def squares(tmp_path: Path) -> Path:
+    source = tmp_path / "squares.asm"
+    # The pointer is reached by DP: both lie in the page of .text.
+    source.write_text(SQUARES.replace("start:  ldi", "start:  ldp   table_at\n        ldi", 1))
+    return source
+
+
+def test_exec_runs_source_to_its_end(run, squares) -> None:
+    result = run("exec", squares, "--dump", "table:8")
+    assert result.returncode == 0, result.stderr
+    assert result.stdout.startswith("stop: halt: branch to itself at ")
+    dump = [line for line in result.stdout.splitlines() if re.fullmatch(r"[0-9A-F]{8}:( [0-9A-F]{8})+", line)]
+    assert [int(word, 16) for word in dump[0].split(": ")[1].split()] == [n * n for n in range(8)]
+    assert "2.25" in result.stdout  # R3 as a float
+
+
+def test_exec_json_accounts_every_cycle(run, squares) -> None:
+    result = run("exec", squares, "--until", "done", "--json", "--dump", "table:3", "--dump", "table:1")
+    report = json.loads(result.stdout)
+    assert report["stop"]["reason"] == "until"
+    assert sum(report["causes"].values()) == report["cycles"] > report["instructions"] >= 3 * 8
+    assert report["registers"]["R0"] & 0xFFFFFFFF == 64
+    assert report["floats"]["R3"] == 2.25
+    assert [dump["words"] for dump in report["dumps"]] == [[0, 1, 4], [0]]
+
+
+def test_coff_and_source_run_alike(run, squares, tmp_path: Path) -> None:
+    made = run("asm", squares, "-o", "squares.out", "--listing", "squares.lst")
+    assert (made.returncode, made.stdout, made.stderr) == (0, "", "")
+    assert "mpyf" in (tmp_path / "squares.lst").read_text()
+    assert run("exec", "squares.out", "--json").stdout == run("exec", squares, "--json").stdout
+
+
+def test_disasm_assembles_to_the_same_words(run, squares, tmp_path: Path) -> None:
+    run("asm", squares, "-o", "squares.out")
+    text = run("disasm", "squares.out").stdout
+    words = re.findall(r"^[0-9A-F]{8}  ([0-9A-F]{8})  (.*)$", text, re.M)
+    assert any(instruction.startswith("rptb") for _, instruction in words)
+    assert "done:" in text.splitlines()
+    code = text.split("; section .text")[1].split("; section")[0]
+    lines = re.findall(r"^(?:(\w+):)$|^[0-9A-F]{8}  ([0-9A-F]{8})  (.*)$", code, re.M)
+    again = tmp_path / "again.asm"
+    again.write_text("\n".join(f"{label}:" if label else f"        {instruction}" for label, _, instruction in lines))
+    assert run("asm", again, "-o", "again.out").returncode == 0
+    rebuilt = re.findall(r"^[0-9A-F]{8}  ([0-9A-F]{8})  ", run("disasm", "again.out").stdout, re.M)
+    assert rebuilt == [word for _, word, _ in lines if word]
+
+
+def test_hex_is_loaded_and_started_where_told(run, tmp_path: Path) -> None:
+    # ldi 5,r0 ; addi 2,r0 ; b $ (words of c40-isa.md's tables: 08600005, 02600002, branch to itself 6A00FFFF)
+    (tmp_path / "p.hex").write_text("08600005\n02600002\n6A00FFFF\n")
+    result = run("exec", "p.hex", "--load-at", "1000h", "--board", "flat", "--json")
+    report = json.loads(result.stdout)
+    assert report["registers"]["R0"] & 0xFFFFFFFF == 7
+    assert (report["stop"]["reason"], report["stop"]["pc"]) == ("halt", 0x1002)
+
+
+def test_limit_of_cycles(run, tmp_path: Path) -> None:
+    (tmp_path / "loop.asm").write_text("start: nop\n       b start\nnever: nop\n")
+    plain = run("exec", "loop.asm", "--max-cycles", 1000, "--json")
+    assert (plain.returncode, json.loads(plain.stdout)["stop"]["reason"]) == (0, "limit")
+    assert 1000 <= json.loads(plain.stdout)["cycles"] < 1010
+    assert run("exec", "loop.asm", "--max-cycles", 1000, "--until", "never").returncode == 1
+
+
+def test_idle_without_an_interrupt_to_come_ends_the_run(run, tmp_path: Path) -> None:
+    (tmp_path / "idle.asm").write_text("start: ldi 3,r0\n       idle\n       ldi 4,r0\n")
+    report = json.loads(run("exec", "idle.asm", "--json").stdout)
+    assert report["stop"]["reason"] == "idle"
+    assert report["registers"]["R0"] & 0xFFFFFFFF == 3
+
+
+@pytest.mark.parametrize(
+    ("source", "what"),
+    [
+        ("start: ldhi 0C000h,ar0\n ldi *ar0,r0\n", "C0000000h"),  # window to bus A: nobody there
+        ("start: .word 0FFFFFFFFh\n", "300000"),  # a reserved word: the PC is named
+        ("start: ldhi 0F000h,ar0\n ldi *ar0,r0\n", "F0000000"),  # a reserved address
+    ],
+)
+def test_what_a_chip_cannot_do_is_a_typed_stop(run, tmp_path: Path, source: str, what: str) -> None:
+    (tmp_path / "p.asm").write_text(source)
+    result = run("exec", "p.asm")
+    assert result.returncode == 1
+    first = result.stdout.splitlines()[0]
+    assert re.match("stop: (fault|external_access): ", first)
+    assert what.upper() in first.upper()
+
+
+def test_trace_shows_every_instruction_and_changes_nothing(run, squares, tmp_path: Path) -> None:
+    plain = run("exec", squares, "--json").stdout
+    assert run("exec", squares, "--json", "--trace", "t.trace").stdout == plain
+    lines = (tmp_path / "t.trace").read_text().splitlines()
+    assert lines[0] == "# cmrc instruction trace 1"
+    assert len(lines) - 1 == json.loads(plain)["instructions"]
+    # Cycles of the lines add up: each line starts where the one before ended.
+    cycle = 0
+    for line in lines[1:]:
+        at, rest = line.split(" ", 1)
+        assert int(at) == cycle
+        spent = re.findall(r" (?:branch|register_conflict|memory_conflict|wait_state)=(\d+)", rest)
+        cycle += 1 + sum(map(int, spent))
+    assert cycle == json.loads(plain)["cycles"]

@@ -1,0 +1,72 @@
+"""emulator trace-diff names the first difference: when, who, which field."""
+
+from pathlib import Path
+
+import pytest
+
+EVENTS = """# cmrc event trace 1
+0.000125000000 [host] refresh number=1 blocks=3 waiting=2 pointer=0x50 skipped=0
+0.000127412000 [dsp 2] claim block=0x50 kind=6 area=0x1000 tick=8 generation=2
+0.000250000000 [host] refresh number=2 blocks=3 waiting=1 pointer=0x60 skipped=0
+"""
+INSTRUCTIONS = """# cmrc instruction trace 1
+12 [dsp 0] 00300004 6A06FFFB  bnz 00300000h  ; branch=3
+16 [dsp 0] 00300000 02610001  addi 1,r1  ; R1=0000000003 ST=00000000 @00310000=00000005
+"""
+
+
+@pytest.fixture
+def diff(run, tmp_path: Path):
+    def call(left: str, right: str):
+        (tmp_path / "a.trace").write_text(left)
+        (tmp_path / "b.trace").write_text(right)
+        return run("trace-diff", "a.trace", "b.trace")
+
+    return call
+
+
+def test_equal_traces(diff) -> None:
+    result = diff(EVENTS, EVENTS.replace("\n", "\n# a comment\n", 2))
+    assert (result.returncode, result.stdout) == (0, "no difference\n")
+
+
+@pytest.mark.parametrize(
+    ("trace", "old", "new", "message"),
+    [
+        (EVENTS, "tick=8", "tick=9", "time 0.000127412000 s, dsp 2, field tick: 8 (line 3) and 9 (line 3)"),
+        (EVENTS, "[dsp 2]", "[dsp 1]", "time 0.000127412000 s, dsp 2, field component: dsp 2 (line 3) and dsp 1 (line 3)"),
+        (EVENTS, "claim", "finish", "time 0.000127412000 s, dsp 2, field event: claim (line 3) and finish (line 3)"),
+        (EVENTS, "7412", "7413", "time 0.000127412000 s, dsp 2, field time: 0.000127412000 (line 3) and 0.000127413000 (line 3)"),
+        (INSTRUCTIONS, "R1=0000000003", "R1=0000000004", "cycle 16, dsp 0, field R1: 0000000003 (line 3) and 0000000004 (line 3)"),
+        (INSTRUCTIONS, "branch=3", "branch=2", "cycle 12, dsp 0, field branch: 3 (line 2) and 2 (line 2)"),
+        (INSTRUCTIONS, " @00310000=00000005", "", "cycle 16, dsp 0, field @00310000: 00000005 (line 3) and - (line 3)"),
+        (INSTRUCTIONS, "02610001", "02610002", "cycle 16, dsp 0, field word: 02610001 (line 3) and 02610002 (line 3)"),
+        (INSTRUCTIONS, "16 [dsp", "17 [dsp", "cycle 16, dsp 0, field cycle: 16 (line 3) and 17 (line 3)"),
+    ],
+)
+def test_the_first_difference_is_named(diff, trace: str, old: str, new: str, message: str) -> None:
+    result = diff(trace, trace.replace(old, new))
+    assert result.returncode == 1
+    assert result.stdout.splitlines()[0] == f"first difference: {message}"
+
+
+def test_a_trace_that_ends_early(diff) -> None:
+    result = diff(EVENTS, EVENTS.rsplit("\n", 2)[0] + "\n")
+    assert result.returncode == 1
+    assert "the second trace has ended, the other goes on at its line 4" in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("left", "right", "message"),
+    [
+        (EVENTS, INSTRUCTIONS, "traces of two kinds"),
+        (EVENTS, "hello\n", "line 1: not a line of a trace"),
+        (EVENTS, "", "the file is empty"),
+        (EVENTS, EVENTS + "0.1 nobody\n", "line 5: not a line of a trace"),
+    ],
+)
+def test_what_is_no_trace_is_bad_input(diff, left: str, right: str, message: str) -> None:
+    result = diff(left, right)
+    assert result.returncode == 2
+    assert message in result.stderr
+    assert "a.trace and b.trace" in result.stderr

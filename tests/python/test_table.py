@@ -1,0 +1,31 @@
+"""Tables: columns from rows."""
+
+import numpy as np
+import pytest
+from cmrc.table import Table
+
+ROWS = [
+    {"kind": "pid", "released": 10, "response_ps": {"p50": 5, "log2_histogram": [1, 2]}, "delivered_s": None},
+    {"kind": "identify", "released": 2, "response_ps": {"p50": 7, "log2_histogram": []}, "delivered_s": 81.5},
+]
+
+
+def test_columns_are_flat_and_typed() -> None:
+    table = Table.from_rows(ROWS)
+    assert list(table) == ["kind", "released", "response_ps_p50", "delivered_s"]
+    assert table.rows == 2
+    assert table["released"].dtype.kind == "i"
+    assert list(table["response_ps_p50"]) == [5, 7]
+    assert np.isnan(table["delivered_s"][0])
+    assert table["delivered_s"][1] == 81.5
+    assert table.row(1)["kind"] == "identify"
+
+
+def test_pandas() -> None:
+    pytest.importorskip("pandas")
+    frame = Table.from_rows(ROWS).to_pandas()
+    assert frame.loc[frame.kind == "pid", "released"].item() == 10
+
+
+def test_no_rows() -> None:
+    assert Table.from_rows([]).rows == 0
