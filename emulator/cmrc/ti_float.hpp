@@ -22,4 +22,12 @@ inline std::uint32_t ti_float(double value) {
   return static_cast<std::uint32_t>(exponent & 0xFF) << 24 | (value < 0 ? 0x800000U : 0U) | (fraction & 0x7FFFFF);
 }
 
+/// The same back; exact.
+inline double from_ti_float(std::uint32_t word) {
+  const int exponent = static_cast<std::int8_t>(word >> 24);
+  if (exponent == -128) return 0;
+  const double fraction = static_cast<double>(word & 0x7FFFFF) / 0x800000;
+  return std::ldexp((word & 0x800000) != 0 ? fraction - 2 : fraction + 1, exponent);
+}
+
 }  // namespace cmrc

@@ -1,0 +1,162 @@
+// From the parts of a run to its report.
+#include <algorithm>
+#include <cmath>
+
+#include "bus_model/bus.hpp"
+#include "c40/chip.hpp"
+#include "cmrc/setup.hpp"
+
+namespace cmrc {
+namespace {
+
+report::Summary summary_of(const pci::Histogram& histogram) {
+  report::Summary summary;
+  summary.count = histogram.count();
+  summary.p50 = histogram.percentile(0.5);
+  summary.p99 = histogram.percentile(0.99);
+  summary.p99_9 = histogram.percentile(0.999);
+  summary.best = histogram.percentile(0);
+  summary.worst = histogram.max();
+  const auto octaves = histogram.octaves();
+  for (std::size_t i = 0; i < octaves.size(); ++i) summary.histogram[i + 1] = octaves[i];
+  return summary;
+}
+
+report::BusReport bus_report(const machine::Machine& machine, machine::BusId id, double hertz) {
+  const pci::Bus& bus = machine.bus(id);
+  report::BusReport report;
+  report.name = id == machine::BusId::a ? "A" : "B";
+  report.clock_hz = hertz;
+  const pci::BusStatistics statistics = bus.statistics(bus.now());
+  report.clocks = statistics.total();
+  report.data = statistics.data;
+  report.wait = statistics.address + statistics.wait;
+  report.turnaround = statistics.turnaround;
+  report.idle_requested = statistics.idle_requested;
+  report.idle = statistics.idle;
+  for (unsigned i = 0; i < bus.masters(); ++i) {
+    const pci::MasterStatistics& master = bus.master_statistics(i);
+    report.masters.push_back({bus.master_name(i), master.transactions, master.words_read, master.words_written,
+                              summary_of(master.wait), master.retries, master.disconnects});
+  }
+  for (unsigned i = 0; i < bus.targets(); ++i) {
+    const pci::TargetStatistics& target = bus.target_statistics(i);
+    report.targets.push_back({bus.target_name(i), target.words_read, target.words_written});
+  }
+  return report;
+}
+
+report::DspReport dsp_report(const Evidence& e, unsigned slot) {
+  const c40::Chip& chip = e.machine.chip(slot);
+  report::DspReport report;
+  report.slot = slot;
+  report.state = !e.machine.plugged(slot) ? "unplugged" : e.machine.standing(slot) ? "halted" : chip.idle() ? "idle" : "running";
+  if (e.machine.standing(slot)) {
+    for (const machine::ChipFault& fault : e.machine.faults()) {
+      if (fault.slot == slot) report.state = "halted: " + fault.message;
+    }
+  }
+  report.clock_hz = chip_hertz(e.config);
+  report.cycles = chip.cycle();
+  report.instructions = chip.instructions();
+  for (std::size_t i = 0; i < e.causes.size(); ++i) report.causes.push_back({e.causes[i], chip.causes()[i]});
+  report.claims = e.ledger.claims(slot);
+  report.tasks = e.ledger.occupied(slot, e.machine.time());
+  report.faults = e.observer.faults(slot);
+  report.resets = e.observer.resets(slot);
+  report.dropped_writes = e.machine.statistics(slot).dropped_writes;
+  return report;
+}
+
+/// Distance of a point from a lane; large where the point lies before or behind it.
+double distance(const plant::LaneSegment& lane, double x, double y) {
+  const double dx = x - lane.x, dy = y - lane.y;
+  const double c = std::cos(lane.heading), s = std::sin(lane.heading);
+  const double along = dx * c + dy * s, across = dy * c - dx * s;
+  if (lane.curvature == 0) {
+    const double beyond = along < 0 ? -along : std::max(0.0, along - lane.length);
+    return std::hypot(across, beyond);
+  }
+  // Centre of the arc at (0, 1/k) in the lane's frame.
+  const double radius = 1 / lane.curvature;
+  const double angle = std::atan2(along * (radius > 0 ? 1 : -1), (radius - across) * (radius > 0 ? 1 : -1)) * (radius > 0 ? 1 : -1);
+  const double turned = angle * radius < 0 ? angle * radius + 2 * std::numbers::pi * std::abs(radius) : angle * radius;
+  if (turned > lane.length) return 1e9;
+  return std::abs(std::hypot(along, across - radius) - std::abs(radius));
+}
+
+void add_plant(const Evidence& e, report::RunReport& report) {
+  static constexpr std::pair<const char*, const char*> joints[] = {{"s", "m"}, {"psi", "rad"}, {"phi", "rad"}, {"l", "m"}, {"kappa", "rad"}};
+  for (std::size_t j = 0; j < 5; ++j) {
+    const TrackingSum& sum = e.observer.tracking()[j];
+    const double rms = sum.count == 0 ? 0 : std::sqrt(sum.squares / static_cast<double>(sum.count));
+    report.tracking.push_back({joints[j].first, joints[j].second, rms, sum.peak});
+  }
+  double squares[2] = {0, 0}, peaks[2] = {0, 0};
+  for (const plant::Signal& row : e.dock.signals()) {
+    const double sway[2] = {row.alpha, row.beta};
+    for (int i = 0; i < 2; ++i) squares[i] += sway[i] * sway[i], peaks[i] = std::max(peaks[i], std::abs(sway[i]));
+  }
+  const double rows = std::max<double>(1, static_cast<double>(e.dock.signals().size()));
+  report.sway = {{"alpha", "rad", std::sqrt(squares[0] / rows), peaks[0]}, {"beta", "rad", std::sqrt(squares[1] / rows), peaks[1]}};
+  for (int i = 0; i < e.dock.agv_count(); ++i) {
+    double sum = 0, peak = 0;
+    std::size_t count = 0;
+    if (static_cast<std::size_t>(i) < e.dock.agv_signals().size()) {
+      for (const plant::AgvSignal& row : e.dock.agv_signals()[static_cast<std::size_t>(i)]) {
+        if (row.speed < 0.05) continue;
+        double nearest = 1e9;
+        for (const auto& leg : e.layout.layout.legs) {
+          for (const auto& lane : leg) nearest = std::min(nearest, distance(lane, row.x, row.y));
+        }
+        sum += nearest * nearest, peak = std::max(peak, nearest), ++count;
+      }
+    }
+    report.agvs.push_back({"agv " + std::to_string(i) + " lateral", "m", count == 0 ? 0 : std::sqrt(sum / static_cast<double>(count)), peak});
+  }
+}
+
+std::string hash_of(const Evidence& e) {
+  std::vector<std::uint64_t> state;
+  e.machine.append_state(state);
+  for (const std::uint64_t word : e.dock.state_hash()) state.push_back(word);
+  return e.log.hash_with(std::as_bytes(std::span(state)));
+}
+
+}  // namespace
+
+report::RunReport make_report(const Evidence& e) {
+  report::RunReport report;
+  const Time now = e.machine.time();
+  report.stop_reason = e.stop.value_or(report::StopReason::completed);
+  report.simulated = now;
+  report.elapsed_s = std::chrono::duration<double>(e.elapsed).count();
+  report.hash = hash_of(e);
+  report.events = e.log.count();
+  for (const Key& key : keys()) {
+    report::Setting setting{key.name, {}};
+    std::visit([&](const auto& value) { setting.value = value; }, key.read(e.config));
+    report.configuration.push_back(std::move(setting));
+  }
+  Ledger ledger = e.ledger;
+  for (unsigned slot = 0; slot < e.machine.slots(); ++slot) {
+    if (e.machine.standing(slot) || !e.machine.plugged(slot)) ledger.slot_failed(slot, now);
+    report.dsps.push_back(dsp_report(e, slot));
+  }
+  report.tasks = ledger.report(now, e.machine.slots());
+  report.buses = {bus_report(e.machine, machine::BusId::a, e.config.bus.clock_hz), bus_report(e.machine, machine::BusId::b, e.config.bus.clock_hz)};
+  report.cycles = e.host.cycles().cycles();
+  std::size_t delivered = 0;
+  for (const plant::Event& event : e.dock.events()) {
+    if (event.kind == plant::EventKind::delivered && delivered < report.cycles.size()) report.cycles[delivered++].delivered = event.time;
+  }
+  report.cycles_completed = e.host.cycles().completed();
+  report.containers_delivered = static_cast<unsigned>(e.dock.delivered());
+  add_plant(e, report);
+  report.host = e.host.report();
+  report.host.semaphore_hold = e.observer.semaphore_hold().summary();
+  report.failures = e.observer.failures();
+  return report;
+}
+
+}  // namespace cmrc

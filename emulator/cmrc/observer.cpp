@@ -1,0 +1,148 @@
+#include "cmrc/observer.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bus_model/bus.hpp"
+#include "cmrc/ti_float.hpp"
+
+namespace cmrc {
+namespace {
+
+using report::Component;
+using report::EventKind;
+
+Component component_of(machine::BusId bus) { return bus == machine::BusId::a ? report::bus_a : report::bus_b; }
+
+}  // namespace
+
+RunObserver::RunObserver(const Words& words, Ledger& ledger, report::EventLog& log)
+    : words_(words), ledger_(ledger), log_(log), snapshots_(32), blocks_(words.block_count), faults_(32), resets_(32) {}
+
+void RunObserver::attach(plant::Dock& dock) {
+  dock.on_latch([this](plant::Time time, std::span<const int> codes) {
+    report::Event event{time, report::plant, EventKind::latch, {}};
+    for (std::size_t i = 0; i < event.arguments.size() && i < codes.size(); ++i) event.arguments[i] = static_cast<std::uint32_t>(codes[i]);
+    log_.add(event);
+  });
+  dock.on_event([this](const plant::Event& event) { dock_event(event); });
+}
+
+void RunObserver::dock_event(const plant::Event& event) {
+  const auto index = static_cast<std::uint32_t>(event.index);
+  const auto add = [&](EventKind kind) { log_.add({event.time, report::plant, kind, {index, 0, 0, 0, 0}}); };
+  switch (event.kind) {
+    case plant::EventKind::landed: add(EventKind::landed); break;
+    case plant::EventKind::locked: add(EventKind::locked); break;
+    case plant::EventKind::opened: add(EventKind::opened); break;
+    case plant::EventKind::delivered: add(EventKind::delivered); break;
+    case plant::EventKind::hard_landing:
+    case plant::EventKind::refused:
+    case plant::EventKind::agv_dry:
+    case plant::EventKind::agv_overflow:
+    case plant::EventKind::joint_limit:
+    case plant::EventKind::fault:
+      failures_.push_back({event.time, std::nullopt, "plant", std::string(plant::name(event.kind)) + " (" + std::to_string(event.index) + ")"});
+      break;
+    default: break;
+  }
+}
+
+std::optional<std::size_t> RunObserver::flag_of(machine::Offset offset) const {
+  const Word in_pool = offset - words_.block_pool;
+  if (in_pool >= words_.block_count * words_.block_words || in_pool % words_.block_words != words_.flag) return std::nullopt;
+  return in_pool / words_.block_words;
+}
+
+// ---- claims and ends -----------------------------------------------------------------------------------------------------
+
+void RunObserver::dsp_issue(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word, Time issued) {
+  if (bus != machine::BusId::a || !flag_of(offset)) return;
+  snapshots_[slot].push_back({issued, offset, causes_(slot)});
+}
+
+CauseTimes RunObserver::take_snapshot(unsigned slot, machine::Offset offset, Time issued) {
+  auto& waiting = snapshots_[slot];
+  while (!waiting.empty()) {
+    Snapshot first = std::move(waiting.front());
+    waiting.pop_front();
+    if (first.issued == issued && first.offset == offset) return std::move(first.causes);
+  }
+  return {};
+}
+
+void RunObserver::dsp_write(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word value, Time issued, Time now) {
+  if (bus != machine::BusId::a) return;
+  if (const Word joint = offset - errors_; errors_ != 0 && joint < tracking_.size()) {
+    const double error = from_ti_float(value);
+    auto& sum = tracking_[joint];
+    sum.squares += error * error;
+    sum.peak = std::max(sum.peak, std::abs(error));
+    ++sum.count;
+    return;
+  }
+  const Word in_pool = offset - words_.block_pool;
+  if (in_pool >= words_.block_count * words_.block_words) return;
+  const std::size_t block = in_pool / words_.block_words;
+  const Word word = in_pool % words_.block_words;
+  blocks_[block][word] = value;
+  if (word != words_.flag) return;
+  if (value == words_.flag_taken) claim(slot, block, issued, now);
+  if (value == words_.flag_done) finish(slot, block, issued, now);
+}
+
+void RunObserver::claim(unsigned slot, std::size_t block, Time issued, Time now) {
+  ledger_.claimed(block, slot, issued, take_snapshot(slot, words_.block(block) + words_.flag, issued));
+  const auto at = [&](Word word) { return peek_(words_.block(block) + word); };
+  log_.add({now, report::dsp(slot), EventKind::claim,
+            {words_.block(block), at(words_.kind), at(words_.area), at(words_.tick), at(words_.generation)}});
+}
+
+void RunObserver::finish(unsigned slot, std::size_t block, Time issued, Time now) {
+  ledger_.finished(block, slot, issued, take_snapshot(slot, words_.block(block) + words_.flag, issued));
+  log_.add({now, report::dsp(slot), EventKind::finish,
+            {words_.block(block), peek_(words_.block(block) + words_.kind), blocks_[block][words_.result],
+             blocks_[block][words_.notify], peek_(words_.block(block) + words_.generation)}});
+}
+
+// ---- everything else -------------------------------------------------------------------------------------------------------
+
+void RunObserver::dsp_write_dropped(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word value, Time, Time now) {
+  log_.add({now, report::dsp(slot), EventKind::dropped_write, {bus == machine::BusId::a ? 0U : 1U, offset, value, 0, 0}});
+}
+
+void RunObserver::transaction(machine::BusId bus, const pci::Transaction& transaction, Time now) {
+  log_.add({now, component_of(bus), EventKind::bus_transaction,
+            {transaction.master, transaction.address, transaction.words, transaction.write ? 1U : 0U,
+             static_cast<std::uint32_t>(transaction.waited)}});
+}
+
+void RunObserver::interrupt(unsigned slot, int pin, Time now) {
+  log_.add({now, report::dsp(slot), EventKind::interrupt, {static_cast<std::uint32_t>(pin), 0, 0, 0, 0}});
+}
+
+void RunObserver::semaphore(unsigned number, machine::SemaphoreEvent event, unsigned owner, Time now) {
+  if (event == machine::SemaphoreEvent::refused) return;
+  const bool acquired = event == machine::SemaphoreEvent::acquired;
+  log_.add({now, report::bus_a, EventKind::semaphore, {number, acquired ? 1U : 0U, owner, 0, 0}});
+  if (owner != machine::host_owner) return;
+  if (acquired) held_since_ = now;
+  else hold_.add((now - held_since_).count());
+}
+
+void RunObserver::fault(const machine::ChipFault& fault) {
+  ++faults_.at(fault.slot);
+  ledger_.slot_failed(fault.slot, fault.time);
+  log_.add({fault.time, report::dsp(fault.slot), EventKind::fault, {0, fault.pc, fault.address, 0, 0}});
+  failures_.push_back({fault.time, fault.slot, "fault", fault.message});
+}
+
+void RunObserver::slot(unsigned slot, machine::SlotChange change, Time now) {
+  if (change == machine::SlotChange::reset) ++resets_.at(slot);
+  if (change == machine::SlotChange::unplugged) ledger_.slot_failed(slot, now);
+  if (change == machine::SlotChange::unplugged || change == machine::SlotChange::reset) snapshots_[slot].clear();
+  const bool booted = change == machine::SlotChange::booted || change == machine::SlotChange::plugged;
+  log_.add({now, report::dsp(slot), EventKind::reset, {booted ? 1U : 0U, static_cast<std::uint32_t>(change), 0, 0, 0}});
+}
+
+}  // namespace cmrc

@@ -1,0 +1,83 @@
+#pragma once
+// What a run shows of itself, from the machine and the dock to the event log, the ledger and the report's statistics.
+#include <array>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "cmrc/host.hpp"
+#include "cmrc/ledger.hpp"
+#include "cmrc/words.hpp"
+#include "machine/machine.hpp"
+#include "plant/dock.hpp"
+#include "report/event_log.hpp"
+
+namespace cmrc {
+
+/// Mean square and peak of one joint's error as PID computed it.
+struct TrackingSum {
+  double squares = 0, peak = 0;
+  std::uint64_t count = 0;
+};
+
+class RunObserver : public machine::Observer, public HostListener {
+ public:
+  RunObserver(const Words& words, Ledger& ledger, report::EventLog& log);
+  /// The offset of PID's five errors in the crane's area.
+  void watch_errors(Word offset) { errors_ = offset; }
+  /// Slot's cycles by cause, asked when it issues a write.
+  void set_causes(std::function<CauseTimes(unsigned)> causes) { causes_ = std::move(causes); }
+  /// Shared memory without time.
+  void set_peek(std::function<machine::Word(machine::Offset)> peek) { peek_ = std::move(peek); }
+  void attach(plant::Dock& dock);
+
+  // machine::Observer
+  void dsp_issue(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word value, Time issued) override;
+  void dsp_write(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word value, Time issued, Time now) override;
+  void dsp_write_dropped(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word value, Time issued, Time now) override;
+  void transaction(machine::BusId bus, const pci::Transaction& transaction, Time now) override;
+  void interrupt(unsigned slot, int pin, Time now) override;
+  void semaphore(unsigned number, machine::SemaphoreEvent event, unsigned owner, Time now) override;
+  void fault(const machine::ChipFault& fault) override;
+  void slot(unsigned slot, machine::SlotChange change, Time now) override;
+
+  // HostListener
+  void event(const report::Event& event) override { log_.add(event); }
+  void failure(const report::FailureReport& failure) override { failures_.push_back(failure); }
+
+  const std::vector<report::FailureReport>& failures() const { return failures_; }
+  const report::Distribution& semaphore_hold() const { return hold_; }
+  const std::array<TrackingSum, 5>& tracking() const { return tracking_; }
+  std::uint64_t faults(unsigned slot) const { return slot < faults_.size() ? faults_[slot] : 0; }
+  std::uint64_t resets(unsigned slot) const { return slot < resets_.size() ? resets_[slot] : 0; }
+
+ private:
+  struct Snapshot {
+    Time issued;
+    machine::Offset offset;
+    CauseTimes causes;
+  };
+
+  void claim(unsigned slot, std::size_t block, Time issued, Time now);
+  void finish(unsigned slot, std::size_t block, Time issued, Time now);
+  std::optional<std::size_t> flag_of(machine::Offset offset) const;
+  CauseTimes take_snapshot(unsigned slot, machine::Offset offset, Time issued);
+  void dock_event(const plant::Event& event);
+
+  const Words words_;
+  Ledger& ledger_;
+  report::EventLog& log_;
+  std::function<CauseTimes(unsigned)> causes_;
+  std::function<machine::Word(machine::Offset)> peek_;
+  std::vector<std::deque<Snapshot>> snapshots_;  // by slot: flag writes on their way
+  std::vector<std::array<Word, 16>> blocks_;     // what DSPs wrote into each block: result and notify
+  std::vector<report::FailureReport> failures_;
+  std::vector<std::uint64_t> faults_, resets_;
+  report::Distribution hold_;
+  Time held_since_{};
+  std::array<TrackingSum, 5> tracking_{};
+  Word errors_ = 0;
+};
+
+}  // namespace cmrc

@@ -1,0 +1,121 @@
+#include "cmrc/setup.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cmrc/ti_float.hpp"
+
+namespace cmrc {
+
+double chip_hertz(const Config& config) {
+  switch (config.machine.dsp_clock) {
+    case DspClock::c40_40: return 20e6;
+    case DspClock::c40_50: return 25e6;
+    case DspClock::c40_60: return 30e6;
+  }
+  return 25e6;
+}
+
+plant::DockConfig dock_of(const Config& config) {
+  plant::DockConfig dock = plant::default_dock(static_cast<int>(config.dock.agvs));
+  dock.layout.containers.resize(std::min<std::size_t>(dock.layout.containers.size(), static_cast<std::size_t>(config.dock.containers)));
+  for (auto& container : dock.layout.containers) container.mass = config.dock.container_mass_kg;
+  for (auto& leg : dock.layout.legs) {
+    for (auto& lane : leg) lane.speed = std::min(lane.speed, config.dock.agv_speed_m_s);
+  }
+  dock.sensors.seed = static_cast<std::uint64_t>(config.run.seed);
+  dock.signal_decimation = static_cast<int>(config.report.signal_decimation);
+  return dock;
+}
+
+CraneJob crane_of(const Config& config, const plant::DockConfig& dock) {
+  const Intervals n = intervals(config);
+  CraneJob job;
+  job.clearance = config.dock.clearance_m;
+  job.slack = config.dock.ramp_slack_m;
+  job.ramp_speed = config.dock.ramp_speed_m_s;
+  job.settle_limit = config.dock.settle_limit_s;
+  job.empty_mass = dock.crane.spreader_mass;
+  job.full_mass = dock.crane.spreader_mass + config.dock.container_mass_kg;
+  job.refresh_frequency = config.rates.refresh_frequency_hz;
+  job.servo_interval = n.servo;
+  job.point_interval = n.crane_point;
+  job.buffer_points = config.scheduling.buffer_points;
+  return job;
+}
+
+FleetJob fleet_of(const Config& config, const plant::DockConfig& dock) {
+  const Intervals n = intervals(config);
+  const auto lanes = [](const std::vector<plant::LaneSegment>& leg) {
+    std::vector<Lane> all;
+    for (const auto& s : leg) all.push_back({s.x, s.y, s.heading, s.length, s.curvature, s.speed});
+    return all;
+  };
+  FleetJob job;
+  job.agvs = static_cast<unsigned>(config.dock.agvs);
+  job.to_warehouse = lanes(dock.layout.legs[0]);
+  job.to_spot = lanes(dock.layout.legs[1]);
+  job.spot_x = dock.layout.spot.x;
+  job.spot_y = dock.layout.spot.y;
+  job.spot_heading = dock.layout.spot.heading;
+  job.slot_spacing = dock.layout.slot_spacing;
+  job.warehouse_take = dock.layout.warehouse_take;
+  job.point_frequency = config.rates.refresh_frequency_hz / static_cast<double>(n.agv_point);
+  job.refresh_frequency = config.rates.refresh_frequency_hz;
+  job.interval = n.agv_slowed;
+  job.buffer_points = config.scheduling.buffer_points;
+  job.avoidance_cycles = config.load.avoidance_cycles;
+  return job;
+}
+
+machine::Config machine_of(const Config& config) {
+  machine::Config machine;
+  machine.dsps = static_cast<unsigned>(config.machine.dsps);
+  machine.chip_hz = static_cast<std::int64_t>(chip_hertz(config));
+  // Thirds of a hertz hold PCI's 33 1/3 MHz exactly.
+  machine.pci_hz_numerator = std::llround(config.bus.clock_hz * 3);
+  machine.pci_hz_denominator = 3;
+  machine.idle_policy = static_cast<machine::Word>(config.machine.idle_policy);
+  machine.pause_count = static_cast<machine::Word>(config.machine.pause_nops);
+  machine.dsp_master.latency_timer = machine.host_master.latency_timer = config.bus.latency_timer_clocks;
+  machine.bus_a.fast_back_to_back = machine.bus_b.fast_back_to_back = config.bus.fast_back_to_back;
+  if (!config.bus.prefetch) machine.bridge_a.prefetch_words = 0;
+  machine.turn_order = static_cast<std::uint64_t>(config.run.turn_order);
+  return machine;
+}
+
+std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfig& layout, const Words& w, plant::Dock& dock) {
+  const Intervals n = intervals(config);
+  const double f_s = config.rates.refresh_frequency_hz;
+  std::vector<AreaWord> all;
+  const auto put = [&](Word offset, Word value) { all.push_back({w.cr_base + offset, value}); };
+  const auto put_float = [&](Word offset, double value) { put(offset, ti_float(value)); };
+  put_float(w.cr_point_period, static_cast<double>(n.crane_point) / f_s);
+  put_float(w.cr_servo_period, static_cast<double>(n.servo) / f_s);
+  put(w.cr_point_ticks, static_cast<Word>(n.crane_point));
+  put(w.cr_servo_ticks, static_cast<Word>(n.servo));
+  put_float(w.cr_payload, layout.crane.spreader_mass);
+  put(w.cr_agv, w.agv_unit);
+  put_float(w.cr_clearance, config.dock.clearance_m);
+  put_float(w.cr_agv_deck, layout.agv.deck_height);
+  put_float(w.cr_box_height, plant::container_height);
+  put_float(w.cr_ramp_start + 2, 0);
+  put_float(w.cr_ramp_start + 3, 0);
+  const double home[] = {layout.home.x, layout.home.y, layout.home.z, layout.home.yaw};
+  for (Word i = 0; i < 4; ++i) put_float(w.cr_home + i, home[i]);
+  for (int j = 0; j < plant::joint_count; ++j) {
+    const auto joint = static_cast<Word>(j);
+    put(w.cr_encoder_last + joint, dock.encoder(j, plant::Time{}));
+    put(w.cr_encoder_total + joint, static_cast<Word>(dock.encoder_total(j, plant::Time{})));
+  }
+  const auto boxes = std::min<std::size_t>(layout.layout.no_go.size(), 8);
+  put(w.cr_box_count, static_cast<Word>(boxes));
+  for (std::size_t i = 0; i < boxes; ++i) {
+    const plant::Box& box = layout.layout.no_go[i];
+    const double sides[] = {box.x_min, box.x_max, box.y_min, box.y_max, box.z_min, box.z_max};
+    for (Word k = 0; k < 6; ++k) put_float(w.cr_box + static_cast<Word>(i) * 6 + k, sides[k]);
+  }
+  return all;
+}
+
+}  // namespace cmrc

@@ -1,0 +1,49 @@
+#pragma once
+// From the configuration to the parts of a run, and from the parts to the report.
+#include <chrono>
+#include <optional>
+#include <vector>
+
+#include "cmrc/config.hpp"
+#include "cmrc/crane.hpp"
+#include "cmrc/fleet.hpp"
+#include "cmrc/host.hpp"
+#include "cmrc/ledger.hpp"
+#include "cmrc/observer.hpp"
+#include "machine/machine.hpp"
+#include "plant/dock.hpp"
+#include "report/event_log.hpp"
+#include "report/run_report.hpp"
+
+namespace cmrc {
+
+double chip_hertz(const Config& config);
+plant::DockConfig dock_of(const Config& config);
+CraneJob crane_of(const Config& config, const plant::DockConfig& dock);
+FleetJob fleet_of(const Config& config, const plant::DockConfig& dock);
+machine::Config machine_of(const Config& config);
+
+/// What the operator loads into the job areas before the start.
+struct AreaWord {
+  Word offset;
+  Word value;
+};
+std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfig& layout, const Words& words, plant::Dock& dock);
+
+/// Everything a report is made from.
+struct Evidence {
+  const Config& config;
+  const machine::Machine& machine;
+  const plant::Dock& dock;
+  const plant::DockConfig& layout;
+  const Host& host;
+  const Ledger& ledger;
+  const RunObserver& observer;
+  const report::EventLog& log;
+  std::optional<report::StopReason> stop;
+  std::chrono::steady_clock::duration elapsed;
+  std::vector<std::string> causes;
+};
+report::RunReport make_report(const Evidence& evidence);
+
+}  // namespace cmrc

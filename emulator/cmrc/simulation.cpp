@@ -1,0 +1,154 @@
+#include "cmrc/simulation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "bus_model/bus.hpp"
+#include "c40/chip.hpp"
+#include "c40_programs/image.hpp"
+#include "cmrc/host.hpp"
+#include "cmrc/ledger.hpp"
+#include "cmrc/observer.hpp"
+#include "cmrc/setup.hpp"
+#include "cmrc/words.hpp"
+#include "machine/machine.hpp"
+#include "plant/dock.hpp"
+#include "toolchain/assembler.hpp"
+#include "toolchain/coff.hpp"
+
+namespace cmrc {
+namespace {
+
+// Bus words are told when their burst has ended; nothing is told later than this after its time.
+constexpr Time settling = std::chrono::milliseconds{1};
+// DSPs that stand still are reset by the watchdog; when none has come back after so long, none is left.
+constexpr Time patience = std::chrono::milliseconds{500};
+
+std::vector<std::string> cause_names() {
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < std::tuple_size_v<c40::Causes>; ++i) names.emplace_back(c40::name(static_cast<c40::Cause>(i)));
+  return names;
+}
+
+CauseTimes to_times(const c40::Causes& causes) { return {causes.begin(), causes.end()}; }
+
+Time duration_of(double seconds) { return Time{std::llround(seconds * 1e12)}; }
+
+Time servo_period(const Config& config) {
+  return duration_of(static_cast<double>(intervals(config).servo) / config.rates.refresh_frequency_hz);
+}
+
+std::span<const std::byte> bytes_of(const std::vector<std::uint64_t>& words) { return std::as_bytes(std::span(words)); }
+
+}  // namespace
+
+toolchain::Image dsp_image(const Config& config) {
+  if (config.machine.programs.empty()) return toolchain::read_coff(c40_programs::built_in_image());
+  const std::filesystem::path directory = config.machine.programs;
+  const std::filesystem::path source = directory / "dsp.asm";
+  if (!std::filesystem::is_regular_file(source)) {
+    throw ConfigError(fmt::format("machine.programs: {} is not there; a directory with dsp.asm is expected", source.string()));
+  }
+  toolchain::Options options;
+  options.include_dirs = {directory, directory / "include"};
+  return toolchain::assemble_file(source, options);
+}
+
+class Simulation::Parts {
+ public:
+  explicit Parts(const Config& given)
+      : config(given), image(dsp_image(given)), words([this](std::string_view name) { return image.symbol(name); }),
+        dock_config(dock_of(given)), dock(dock_config), ledger(cause_names(), chip_hertz(given), servo_period(given)),
+        observer(words, ledger, log), host(given, words, crane_of(given, dock_config), fleet_of(given, dock_config), ledger, observer),
+        machine(machine_of(given), image, &dock, &host), end(duration_of(given.run.duration_s)) {
+    for (const AreaWord& word : initial_words(config, dock_config, words, dock)) machine.poke(word.offset, word.value);
+    observer.set_causes([this](unsigned slot) { return to_times(machine.chip(slot).causes()); });
+    observer.set_peek([this](machine::Offset offset) { return machine.peek(offset); });
+    observer.watch_errors(words.cr_base + image.symbol("CR_PID") + image.symbol("PD_E") - image.symbol("PD_STATE"));
+    observer.attach(dock);
+    machine.set_observer(&observer);
+  }
+
+  void run_until(Time time) {
+    machine.run_until(time);
+    if (machine.time() > settling) log.settle(machine.time() - settling);
+    bool alive = false;
+    for (unsigned slot = 0; slot < machine.slots(); ++slot) alive = alive || (machine.plugged(slot) && !machine.standing(slot));
+    if (alive) last_alive = machine.time();
+    if (machine.time() - last_alive >= patience) stop = report::StopReason::no_dsp_left;
+    if (dock.faulted()) stop = report::StopReason::plant_fault;
+  }
+
+  Config config;
+  toolchain::Image image;
+  Words words;
+  plant::DockConfig dock_config;
+  plant::Dock dock;
+  Ledger ledger;
+  report::EventLog log;
+  RunObserver observer;
+  Host host;
+  machine::Machine machine;
+  Time end;
+  Time last_alive{};
+  std::optional<report::StopReason> stop;
+  std::chrono::steady_clock::duration elapsed{};
+};
+
+Simulation::Simulation(const Config& config) : parts_(std::make_unique<Parts>(config)) {}
+Simulation::~Simulation() = default;
+
+void Simulation::listen(report::EventSink& sink) { parts_->log.listen(sink); }
+void Simulation::trace(unsigned slot, c40::TraceSink& sink) { parts_->machine.chip(slot).set_trace(&sink); }
+
+bool Simulation::ended() const {
+  const auto& stop = parts_->stop;
+  return parts_->machine.time() >= parts_->end || (stop && *stop != report::StopReason::interrupted);
+}
+
+void Simulation::run_until(report::Time time) {
+  const auto began = std::chrono::steady_clock::now();
+  parts_->run_until(std::min(time, parts_->end));
+  parts_->elapsed += std::chrono::steady_clock::now() - began;
+}
+
+void Simulation::run(const std::function<bool(const Progress&)>& on_progress, report::Time slice) {
+  parts_->stop.reset();
+  while (!ended()) {
+    run_until(parts_->machine.time() + slice);
+    if (!on_progress) continue;
+    const Progress progress{parts_->machine.time(), parts_->end, static_cast<unsigned>(parts_->dock.delivered()), parts_->ledger.misses()};
+    if (!on_progress(progress) && !ended()) {
+      parts_->stop = report::StopReason::interrupted;
+      return;
+    }
+  }
+}
+
+report::RunReport Simulation::report() const {
+  const Parts& p = *parts_;
+  return make_report({p.config, p.machine, p.dock, p.dock_config, p.host, p.ledger, p.observer, p.log, p.stop, p.elapsed, cause_names()});
+}
+
+bool Simulation::strictly_good() const {
+  const report::RunReport report = this->report();
+  return report.stop_reason == report::StopReason::completed && report.misses() == 0;
+}
+
+int Simulation::exit_status() const {
+  const auto& stop = parts_->stop;
+  if (stop && *stop != report::StopReason::interrupted) return 1;
+  return parts_->config.run.strict && !strictly_good() ? 1 : 0;
+}
+
+const Config& Simulation::config() const { return parts_->config; }
+const toolchain::Image& Simulation::image() const { return parts_->image; }
+machine::Machine& Simulation::machine() { return parts_->machine; }
+const machine::Machine& Simulation::machine() const { return parts_->machine; }
+const plant::Dock& Simulation::dock() const { return parts_->dock; }
+
+}  // namespace cmrc
