@@ -178,6 +178,8 @@ class Invariants {
     rates();
     importance();
     leads();
+    require(config_.bus.latency_timer_clocks % 8 == 0, {"bus.latency_timer_clocks"},
+            fmt::format("{} is not a multiple of 8", config_.bus.latency_timer_clocks), "PCI's latency timer counts in units of 8 clocks");
   }
 
  private:

@@ -21,7 +21,6 @@ enum class IdlePolicy { doorbell, pause, spin };
 enum class DspClock { c40_40, c40_50, c40_60 };
 enum class Learning { off, proportional, unit };
 enum class ServoReload { locked, inherited };
-enum class CraneModel { l0, l1 };
 
 /// All parameters of a run. Units are in the names, as in the TOML keys.
 struct Config {
@@ -66,7 +65,7 @@ struct Config {
     double factor = 3;
     std::int64_t minimum_refreshes = 16;
     std::int64_t recomputations_max = 2;
-    double semaphore_limit_us = 100;
+    double semaphore_limit_us = 500;
     double servo_run_us = 400;
     double planning_run_us = 1500;
     double long_run_us = 40000;
@@ -86,17 +85,17 @@ struct Config {
     bool fast_back_to_back = false;
   } bus;
   struct Dock {
-    CraneModel crane_model = CraneModel::l1;
     std::int64_t agvs = 1;
-    std::int64_t containers = 5;
-    double container_mass_kg = 30480;
+    std::int64_t containers = 8;
+    double container_mass_kg = 24000;
     double agv_speed_m_s = 6.0;
     double clearance_m = 0.6;
-    double ramp_slack_m = 0.05;
-    double ramp_speed_m_s = 0.15;
+    double ramp_slack_m = 0.1;
+    double ramp_speed_m_s = 0.2;
+    double settle_limit_s = 20;
   } dock;
   struct Report {
-    std::int64_t signal_decimation = 8;  ///< latches (125 us) per recorded sample
+    std::int64_t signal_decimation = 80;  ///< latches (125 us) per recorded sample
   } report;
 };
 

@@ -40,8 +40,8 @@ JobKind job_kind(Word kind, const Words& words) {
   throw std::invalid_argument("a task block of a kind that has no account");
 }
 
-Ledger::Ledger(std::vector<std::string> cause_names, double chip_hz, Time servo_period)
-    : account_(kind_names(), std::move(cause_names), periods(servo_period)), chip_hz_(chip_hz) {}
+Ledger::Ledger(std::vector<std::string> cause_names, Time servo_period)
+    : account_(kind_names(), std::move(cause_names), periods(servo_period)) {}
 
 Ledger::Slot& Ledger::slot(unsigned number) {
   if (slots_.size() <= number) slots_.resize(number + 1);
@@ -58,6 +58,10 @@ void Ledger::release(std::size_t block, JobKind kind, Time released, std::option
   open_[block] = std::move(open);
 }
 
+void Ledger::book(const report::Job& job, Time now) {
+  if (account_.add(job, now) != report::Outcome::on_time) ++misses_;
+}
+
 void Ledger::skipped(JobKind kind, Time released, Time deadline, std::int64_t tick) {
   report::Job job;
   job.kind = static_cast<std::size_t>(kind);
@@ -65,7 +69,7 @@ void Ledger::skipped(JobKind kind, Time released, Time deadline, std::int64_t ti
   job.released = released;
   job.deadline = deadline;
   job.tick = tick;
-  account_.add(job, deadline);
+  book(job, deadline);
 }
 
 void Ledger::claimed(std::size_t block, unsigned number, Time at, const CauseTimes& causes) {
@@ -140,7 +144,7 @@ void Ledger::dropped(std::size_t block, Time at) {
   report::Job job = job_of(found->second);
   job.progress = report::Progress::dropped;
   job.causes.clear();
-  account_.add(job, at);
+  book(job, at);
   open_.erase(found);
 }
 
@@ -148,7 +152,7 @@ void Ledger::removed(std::size_t block) {
   const auto found = open_.find(block);
   if (found == open_.end()) return;
   const report::Job job = job_of(found->second);
-  account_.add(job, job.finished);
+  book(job, job.finished);
   open_.erase(found);
 }
 

@@ -31,8 +31,8 @@ using CauseTimes = std::vector<std::int64_t>;  ///< cycles of one chip by cause
 
 class Ledger {
  public:
-  /// \param cause_names of the chips; \param chip_hz instruction cycles per second; \param servo_period of PID and torque compensation
-  Ledger(std::vector<std::string> cause_names, double chip_hz, Time servo_period);
+  /// \param cause_names of the chips; \param servo_period of PID and torque compensation
+  Ledger(std::vector<std::string> cause_names, Time servo_period);
 
   /// A job exists from now on: it is released at `released` (a servo block may be loaded before its tick).
   void release(std::size_t block, JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick);
@@ -53,6 +53,8 @@ class Ledger {
   /// Statistics with the jobs that are still open booked as they stand at `now`.
   std::vector<report::TaskReport> report(Time now, unsigned slots) const;
   std::uint64_t claims(unsigned slot) const;
+  /// Jobs that have ended late or were dropped so far.
+  std::uint64_t misses() const { return misses_; }
   /// Picoseconds that a DSP was occupied, by job kind.
   std::vector<report::Share> occupied(unsigned slot, Time now) const;
   std::optional<JobKind> kind_of(std::size_t block) const;
@@ -75,14 +77,14 @@ class Ledger {
   };
 
   report::Job job_of(const Open& open) const;
-  void book(report::TaskAccount& account, const report::Job& job, Time now) const { account.add(job, now); }
+  void book(const report::Job& job, Time now);
   void leave(Open& open, Time at);
   Slot& slot(unsigned number);
 
   report::TaskAccount account_;
   std::map<std::size_t, Open> open_;
   std::vector<Slot> slots_;
-  double chip_hz_;
+  std::uint64_t misses_ = 0;
 };
 
 }  // namespace cmrc

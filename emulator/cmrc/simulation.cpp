@@ -42,8 +42,6 @@ Time servo_period(const Config& config) {
   return duration_of(static_cast<double>(intervals(config).servo) / config.rates.refresh_frequency_hz);
 }
 
-std::span<const std::byte> bytes_of(const std::vector<std::uint64_t>& words) { return std::as_bytes(std::span(words)); }
-
 }  // namespace
 
 toolchain::Image dsp_image(const Config& config) {
@@ -62,7 +60,7 @@ class Simulation::Parts {
  public:
   explicit Parts(const Config& given)
       : config(given), image(dsp_image(given)), words([this](std::string_view name) { return image.symbol(name); }),
-        dock_config(dock_of(given)), dock(dock_config), ledger(cause_names(), chip_hertz(given), servo_period(given)),
+        dock_config(dock_of(given)), dock(dock_config), ledger(cause_names(), servo_period(given)),
         observer(words, ledger, log), host(given, words, crane_of(given, dock_config), fleet_of(given, dock_config), ledger, observer),
         machine(machine_of(given), image, &dock, &host), end(duration_of(given.run.duration_s)) {
     for (const AreaWord& word : initial_words(config, dock_config, words, dock)) machine.poke(word.offset, word.value);
@@ -127,6 +125,7 @@ void Simulation::run(const std::function<bool(const Progress&)>& on_progress, re
       return;
     }
   }
+  parts_->log.flush();
 }
 
 report::RunReport Simulation::report() const {

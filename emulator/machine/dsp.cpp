@@ -131,6 +131,8 @@ bool Dsp::take(const c40::ExternalAccess& access, Time horizon) {
 void Dsp::post(pci::Bridge& bridge, const c40::ExternalAccess& access) {
   const Time issued = around_.chip_clock.at(access.cycle);
   statistics_.posted_writes += 1;
+  if (around_.observer != nullptr)
+    around_.observer->dsp_issue(slot_, on_a(access.address) ? BusId::a : BusId::b, offset_of(access.address), access.value, issued);
   bridge.write({.address = offset_of(access.address), .value = access.value, .clock = around_.bus_clock.tick_at_or_after(issued), .stamp = issued.count()});
 }
 

@@ -87,6 +87,9 @@ enum class SlotChange : std::uint8_t { plugged, unplugged, reset, booted };
 class Observer {
  public:
   virtual ~Observer() = default;
+  /// A DSP issues a write at `issued`, which its program may do ahead of others: per slot in order, before dsp_write tells of the same write. The
+  /// chip's counters are those of this instant.
+  virtual void dsp_issue(unsigned /*slot*/, BusId, Offset, Word, Time /*issued*/) {}
   /// A DSP's write has reached its target at `now`; the program issued it at `issued`. Fenced writes do not come here (see dsp_write_dropped).
   virtual void dsp_write(unsigned /*slot*/, BusId, Offset, Word, Time /*issued*/, Time /*now*/) {}
   virtual void dsp_write_dropped(unsigned /*slot*/, BusId, Offset, Word, Time /*issued*/, Time /*now*/) {}

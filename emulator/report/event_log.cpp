@@ -26,6 +26,15 @@ Context new_context() {
   return context;
 }
 
+std::string finished(EVP_MD_CTX* context) {
+  unsigned char digest[EVP_MAX_MD_SIZE];
+  unsigned size = 0;
+  check(EVP_DigestFinal_ex(context, digest, &size), "EVP_DigestFinal_ex");
+  std::string text;
+  for (unsigned i = 0; i < size; ++i) text += fmt::format("{:02x}", digest[i]);
+  return text;
+}
+
 bool comes_before(const Event& left, const Event& right) {
   return left.time != right.time ? left.time < right.time : left.component < right.component;
 }
@@ -74,12 +83,17 @@ void EventLog::listen(EventSink& sink) {
 std::string EventLog::hash() const {
   Context copy = new_context();
   check(EVP_MD_CTX_copy_ex(copy.get(), digest_->context.get()), "EVP_MD_CTX_copy_ex");
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned size = 0;
-  check(EVP_DigestFinal_ex(copy.get(), digest, &size), "EVP_DigestFinal_ex");
-  std::string text;
-  for (unsigned i = 0; i < size; ++i) text += fmt::format("{:02x}", digest[i]);
-  return text;
+  return finished(copy.get());
+}
+
+std::string EventLog::hash_with(std::span<const std::byte> bytes) const {
+  std::vector<Event> rest = pending_;
+  std::ranges::stable_sort(rest, comes_before);
+  Context copy = new_context();
+  check(EVP_MD_CTX_copy_ex(copy.get(), digest_->context.get()), "EVP_MD_CTX_copy_ex");
+  check(EVP_DigestUpdate(copy.get(), rest.data(), rest.size() * sizeof(Event)), "EVP_DigestUpdate");
+  check(EVP_DigestUpdate(copy.get(), bytes.data(), bytes.size()), "EVP_DigestUpdate");
+  return finished(copy.get());
 }
 
 void EventLog::drain(Time until) {

@@ -38,6 +38,8 @@ class EventLog {
   void flush();
   /// SHA-256 of all that was settled so far, as 64 hexadecimal digits. May be asked at any time.
   std::string hash() const;
+  /// The hash as it would be after flush and absorb(bytes), without doing either.
+  std::string hash_with(std::span<const std::byte> bytes) const;
   /// Number of events added so far.
   std::uint64_t count() const { return count_; }
   /// `sink` hears every event settled from now on; it must outlive the log. Changes nothing in the hash.

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -6,6 +7,9 @@
 #include "cmrc/config.hpp"
 #include "cmrc/importance.hpp"
 #include "cmrc/list.hpp"
+#include "cmrc/simulation.hpp"
+#include "machine/machine.hpp"
+#include "plant/dock.hpp"
 #include "python/bindings/bindings.hpp"
 
 namespace {
@@ -192,10 +196,121 @@ void bind_scheduling(py::module_& m) {
       .def("tick", &TickTable::tick);
 }
 
+/// Runs without the GIL; between slices signals are looked at, so that Ctrl-C ends the run cleanly and then raises.
+void run(cmrc::Simulation& simulation, const py::object& on_progress, double slice_s) {
+  bool raised = false;
+  const auto between = [&](const cmrc::Progress& progress) {
+    const py::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) {
+      raised = true;
+      return false;
+    }
+    if (on_progress.is_none()) return true;
+    const py::object go_on = on_progress(static_cast<double>(progress.simulated.count()) * 1e-12,
+                                         static_cast<double>(progress.duration.count()) * 1e-12);
+    return go_on.is_none() || go_on.cast<bool>();
+  };
+  {
+    const py::gil_scoped_release released;
+    simulation.run(between, report::Time{static_cast<std::int64_t>(slice_s * 1e12)});
+  }
+  if (raised) throw py::error_already_set();
+}
+
+machine::Action to_action(const std::string& name) {
+  static const std::map<std::string, machine::Action> actions = {{"fail", machine::Action::fail}, {"hang", machine::Action::hang},
+      {"unplug", machine::Action::unplug}, {"plug", machine::Action::plug}, {"reset", machine::Action::reset}};
+  const auto found = actions.find(name);
+  if (found == actions.end()) throw py::value_error(name + " is not known; fail, hang, unplug, plug or reset is expected");
+  return found->second;
+}
+
+/// The plant's time series, one array per signal, units in the names.
+py::dict signals_of(const plant::Dock& dock) {
+  const auto& rows = dock.signals();
+  py::dict all;
+  const auto column = [&](const std::string& name, auto value) {
+    py::array_t<double> array(static_cast<py::ssize_t>(rows.size()));
+    double* out = array.mutable_data();
+    for (std::size_t i = 0; i < rows.size(); ++i) out[i] = static_cast<double>(value(rows[i]));
+    all[py::str(name)] = array;
+  };
+  column("time_s", [](const plant::Signal& s) { return static_cast<double>(s.time.count()) * 1e-12; });
+  static constexpr const char* names[] = {"s", "psi", "phi", "l", "kappa"};
+  static constexpr const char* units[] = {"m", "rad", "rad", "m", "rad"};
+  for (std::size_t j = 0; j < 5; ++j) {
+    column(fmt::format("{}_{}", names[j], units[j]), [j](const plant::Signal& s) { return s.q[j]; });
+    column(fmt::format("{}_rate_{}_per_s", names[j], units[j]), [j](const plant::Signal& s) { return s.qd[j]; });
+    column(fmt::format("{}_torque_Nm", names[j]), [j](const plant::Signal& s) { return s.torque[j]; });
+    column(fmt::format("{}_code", names[j]), [j](const plant::Signal& s) { return s.code[j]; });
+  }
+  column("sway_alpha_rad", [](const plant::Signal& s) { return s.alpha; });
+  column("sway_beta_rad", [](const plant::Signal& s) { return s.beta; });
+  static constexpr const char* axes[] = {"x", "y", "z"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    column(fmt::format("tip_{}_m", axes[i]), [i](const plant::Signal& s) { return s.tip[i]; });
+    column(fmt::format("payload_{}_m", axes[i]), [i](const plant::Signal& s) { return s.payload[i]; });
+  }
+  column("payload_yaw_rad", [](const plant::Signal& s) { return s.yaw; });
+  column("tension_N", [](const plant::Signal& s) { return s.tension; });
+  column("contact", [](const plant::Signal& s) { return s.contact; });
+  const auto& fleet = dock.agv_signals();
+  for (std::size_t agv = 0; agv < fleet.size(); ++agv) {
+    const auto agv_column = [&](const char* name, auto value) {
+      py::array_t<double> array(static_cast<py::ssize_t>(fleet[agv].size()));
+      double* out = array.mutable_data();
+      for (std::size_t i = 0; i < fleet[agv].size(); ++i) out[i] = value(fleet[agv][i]);
+      all[py::str(fmt::format("agv{}_{}", agv, name))] = array;
+    };
+    agv_column("x_m", [](const plant::AgvSignal& s) { return s.x; });
+    agv_column("y_m", [](const plant::AgvSignal& s) { return s.y; });
+    agv_column("heading_rad", [](const plant::AgvSignal& s) { return s.heading; });
+    agv_column("speed_m_per_s", [](const plant::AgvSignal& s) { return s.speed; });
+    agv_column("speed_command_m_per_s", [](const plant::AgvSignal& s) { return s.speed_command; });
+    agv_column("front_rad", [](const plant::AgvSignal& s) { return s.front; });
+    agv_column("rear_rad", [](const plant::AgvSignal& s) { return s.rear; });
+  }
+  return all;
+}
+
+void bind_simulation(py::module_& m) {
+  py::class_<cmrc::Simulation>(m, "Simulation", "One run. Times in seconds.")
+      .def(py::init<const cmrc::Config&>(), py::arg("config"))
+      .def("run", &run, py::arg("on_progress") = py::none(), py::arg("slice_s") = 0.02,
+           "Runs to the end; on_progress(simulated_s, duration_s) may return False to stop. Ctrl-C stops cleanly and raises KeyboardInterrupt.")
+      .def("run_until", [](cmrc::Simulation& simulation, double seconds) {
+        const py::gil_scoped_release released;
+        simulation.run_until(report::Time{static_cast<std::int64_t>(seconds * 1e12)});
+      }, py::arg("time_s"))
+      .def("script", [](cmrc::Simulation& simulation, double time_s, const std::string& action, unsigned slot) {
+        simulation.machine().script({machine::Time{static_cast<std::int64_t>(time_s * 1e12)}, to_action(action), slot});
+      }, py::arg("time_s"), py::arg("action"), py::arg("slot"), "At that time: fail, hang, unplug, plug or reset the DSP in a slot.")
+      .def("peek", [](const cmrc::Simulation& simulation, std::uint32_t offset) { return simulation.machine().peek(offset); },
+           "A word of shared memory.")
+      .def("symbol", [](const cmrc::Simulation& simulation, const std::string& name) { return simulation.machine().symbol(name); })
+      .def_property_readonly("time_s", [](const cmrc::Simulation& simulation) {
+        return static_cast<double>(simulation.machine().time().count()) * 1e-12;
+      })
+      .def_property_readonly("ended", &cmrc::Simulation::ended)
+      .def_property_readonly("exit_status", &cmrc::Simulation::exit_status)
+      .def("report_json", [](const cmrc::Simulation& simulation) { return report::to_json(simulation.report()); })
+      .def("report_text", [](const cmrc::Simulation& simulation) { return report::to_text(simulation.report()); })
+      .def("signals", [](const cmrc::Simulation& simulation) { return signals_of(simulation.dock()); })
+      .def("dock_events", [](const cmrc::Simulation& simulation) {
+        py::list all;
+        for (const plant::Event& event : simulation.dock().events()) {
+          all.append(py::make_tuple(static_cast<double>(event.time.count()) * 1e-12, plant::name(event.kind), event.index,
+                                    event.values[0], event.values[1]));
+        }
+        return all;
+      });
+}
+
 }  // namespace
 
 void bind_cmrc(py::module_& core) {
   py::module_ m = core.def_submodule("cmrc", "The controller: configuration, importance, list, host, runs.");
   bind_config(m);
   bind_scheduling(m);
+  bind_simulation(m);
 }
