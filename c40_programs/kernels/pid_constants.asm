@@ -30,5 +30,5 @@ K_PD_SWAY_TOLERANCE .set $ - LIFT               ; rad
                     .float 1.6e-3
 K_PD_SETTLE         .set $ - LIFT               ; s within all tolerances
                     .float 1.5
-K_PD_REST           .set $ - LIFT               ; joint speed that counts as rest
-                    .float 1.0e-6
+K_PD_REST           .set $ - LIFT               ; joint speed that counts as rest, rad/s or m/s
+                    .float 1.0e-4

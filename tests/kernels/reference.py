@@ -222,7 +222,7 @@ CODE = tuple(2047 / u for u in U_MAX)
 JOINT_TOLERANCE = (0.02, 1.5e-3, 1.5e-3, 0.03, 5e-3)
 SWAY_GAIN, SWAY_LEAK, SWAY_FILTER, SWAY_LIMIT = 9.0, 0.125, 0.15, 0.03  # m/s per rad, 1/s, s, rad
 SWAY_TOLERANCE, SETTLE_TIME = 1.6e-3, 1.5
-REST = 1e-6  # joint speed below which the reference counts as at rest
+REST = 1e-4  # joint speed below which the reference counts as at rest
 
 
 @dataclass
