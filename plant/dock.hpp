@@ -30,7 +30,7 @@ enum class EventKind : std::uint8_t {
   lifted,          // all four open again
   locked,          // twist locks locked; index = container, -1: none under the spreader
   opened,          // twist locks open; index = container that was let go, -1: none
-  refused,         // lock or open commanded while not landed
+  refused,         // the twist locks turned back: landing lost, or command changed, before they were done
   set_on_agv,      // container index stands on AGV values[0]
   agv_dry,         // AGV index: its set-points ran dry while driving
   agv_overflow,    // AGV index: a set-point was pushed into a full FIFO and dropped
