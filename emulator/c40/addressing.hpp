@@ -63,12 +63,22 @@ struct Place {
       before = core.r[op.ar[s]];
       formed = form_indirect(core, op.ar[s], op.modn[s], op.displacement[s]);
     }
+    if constexpr (kind == Kind::post) {
+      before = formed.address = core.r[op.ar[s]];
+      formed.updated = before + static_cast<Word>(static_cast<std::int16_t>(op.displacement[s]));
+    }
+    if constexpr (kind == Kind::circular) {
+      before = formed.address = core.r[op.ar[s]];
+      const Word bk = core.r[reg::BK], mask = (std::uint32_t{2} << (31 - std::countl_zero(bk | 1u))) - 1;
+      const Word t = (before & mask) + op.displacement[s];
+      formed.updated = (before & ~mask) + (t >= bk ? t - bk : t);
+    }
   }
   void update(Core& core, const Op& op) const {
-    if constexpr (kind == Kind::indirect) core.r[op.ar[s]] = formed.updated;
+    if constexpr (updates_register(kind)) core.r[op.ar[s]] = formed.updated;
   }
   void undo(Core& core, const Op& op) const {
-    if constexpr (kind == Kind::indirect) core.r[op.ar[s]] = before;
+    if constexpr (updates_register(kind)) core.r[op.ar[s]] = before;
   }
   bool met(const Op& op) const {
     if constexpr (is_memory(kind)) return formed.address - op.access[s].base < op.access[s].words;

@@ -168,7 +168,7 @@ class Binder {
         for (const Operand* operand : {&in_.src1, &in_.src2, &in_.src3, &in_.src4})
           if (operand->is_memory()) place(operand->slot == isa::Slot::j ? 0 : 1, *operand, true);
         const bool subtract = row_.operation2 == Operation::subf || row_.operation2 == Operation::subi;
-        return execute::multiply_add_handler(floating(), subtract, row_.selector);
+        return execute::multiply_add_handler(floating(), subtract, row_.selector, common_movement());
       }
       default: {
         place(0, in_.src1.is_memory() ? in_.src1 : in_.src2, true);
@@ -178,6 +178,13 @@ class Binder {
                           : execute::integer_store_handler(row_.operation, a, b);
       }
     }
+  }
+
+  Kind common_movement() const {
+    const Op& op = out_.op;
+    if (op.ar[0] == op.ar[1] || row_.selector != 0) return Kind::indirect;
+    if (op.modn[0] == 6 && op.modn[1] == 6) return Kind::circular;
+    return op.modn[0] == 4 && op.modn[1] == 4 ? Kind::post : Kind::indirect;
   }
 
   bool is_control() const {

@@ -5,6 +5,8 @@
 /// M = sign_extend(m) XOR 2^31, a 33-bit two's complement mantissa; e = -128 means zero whatever m is.
 /// Every operation returns its value and the flags V, Z, N, UF at their places in ST.
 ///
+/// What every inner loop runs is inlined by force: a call costs as much as the arithmetic.
+///
 /// Inaccuracies: the seed tables of RCPF and RSQRF are a model (the ROM's contents are not published).
 #include <array>
 #include <bit>
@@ -40,7 +42,7 @@ inline constexpr std::int32_t zero_exponent = -128;
 inline constexpr std::int64_t one = std::int64_t{1} << 31;  ///< the mantissa 1.0
 
 constexpr Float40 zero() { return {zero_exponent, 0}; }
-constexpr Float40 canonical(Float40 x) { return x.e == zero_exponent ? zero() : x; }
+[[gnu::always_inline]] constexpr Float40 canonical(Float40 x) { return x.e == zero_exponent ? zero() : x; }
 
 /// The 40 bits of a register, exponent in 39..32.
 constexpr std::uint64_t bits(Float40 x) { return std::uint64_t{static_cast<std::uint8_t>(x.e)} << 32 | x.m; }
@@ -50,7 +52,7 @@ constexpr Float40 from_bits(std::uint64_t bits) {
 
 /// A memory word as it stands: the mantissa is kept even if the exponent is that of zero (NORM, POPF).
 constexpr Float40 from_single_raw(std::uint32_t word) { return {static_cast<std::int8_t>(word >> 24), word << 8}; }
-constexpr Float40 from_single(std::uint32_t word) { return canonical(from_single_raw(word)); }
+[[gnu::always_inline]] constexpr Float40 from_single(std::uint32_t word) { return canonical(from_single_raw(word)); }
 /// What STF stores: bits 39..8, truncated.
 constexpr std::uint32_t to_single(Float40 x) { return static_cast<std::uint32_t>(x.e) << 24 | x.m >> 8; }
 
@@ -62,14 +64,14 @@ constexpr std::uint32_t short_to_single(std::uint32_t half) {
 }
 
 /// The 33-bit mantissa, scaled by 2^31; 0 for zero.
-constexpr std::int64_t mantissa(Float40 x) {
+[[gnu::always_inline]] constexpr std::int64_t mantissa(Float40 x) {
   const std::int64_t m = static_cast<std::int64_t>(static_cast<std::int32_t>(x.m)) ^ one;
   return x.e == zero_exponent ? 0 : m;
 }
-constexpr Float40 pack(std::int32_t e, std::int64_t m) { return {e, static_cast<std::uint32_t>(m) ^ 0x80000000u}; }
+[[gnu::always_inline]] constexpr Float40 pack(std::int32_t e, std::int64_t m) { return {e, static_cast<std::uint32_t>(m) ^ 0x80000000u}; }
 
 /// Section 7.1 for a normalised, non-zero mantissa.
-constexpr FloatResult finish(std::int32_t e, std::int64_t m) {
+[[gnu::always_inline]] constexpr FloatResult finish(std::int32_t e, std::int64_t m) {
   const std::uint32_t sign = m < 0 ? st::N : 0u;
   if (static_cast<std::uint32_t>(e + 127) <= 254u) [[likely]] return {pack(e, m), sign};
   if (e > 127) return {{127, m > 0 ? 0x7FFFFFFFu : 0x80000000u}, sign | st::V};
@@ -77,7 +79,7 @@ constexpr FloatResult finish(std::int32_t e, std::int64_t m) {
 }
 
 /// Normalises any non-zero |s| < 2^35 (a right shift by at most 2, floor, or a left shift) and finishes.
-constexpr FloatResult normalise(std::int32_t e, std::int64_t s) {
+[[gnu::always_inline]] constexpr FloatResult normalise(std::int32_t e, std::int64_t s) {
   const auto magnitude = static_cast<std::uint64_t>(s ^ (s >> 63));
   const int k = std::countl_zero(magnitude << 1 | 1u) - 31;
   return finish(e - k, static_cast<std::int64_t>(static_cast<std::uint64_t>(s) << (k + 2)) >> 2);
@@ -87,7 +89,7 @@ constexpr FloatResult exact_zero() { return {zero(), st::Z}; }
 
 /// Section 7.2. Both mantissas are aligned (floor, no cut-off) before they are added or subtracted.
 template <bool subtract>
-constexpr FloatResult add_aligned(Float40 a, Float40 b) {
+[[gnu::always_inline]] constexpr FloatResult add_aligned(Float40 a, Float40 b) {
   const std::int32_t e = a.e > b.e ? a.e : b.e;
   const std::int32_t da = e - a.e, db = e - b.e;
   const std::int64_t ma = mantissa(a) >> (da > 63 ? 63 : da);
@@ -96,11 +98,11 @@ constexpr FloatResult add_aligned(Float40 a, Float40 b) {
   if (s == 0) [[unlikely]] return exact_zero();
   return normalise(e, s);
 }
-constexpr FloatResult add(Float40 a, Float40 b) { return add_aligned<false>(a, b); }
-constexpr FloatResult sub(Float40 a, Float40 b) { return add_aligned<true>(a, b); }
+[[gnu::always_inline]] constexpr FloatResult add(Float40 a, Float40 b) { return add_aligned<false>(a, b); }
+[[gnu::always_inline]] constexpr FloatResult sub(Float40 a, Float40 b) { return add_aligned<true>(a, b); }
 
 /// Section 7.3: 32-bit mantissas, truncated.
-constexpr FloatResult mul(Float40 a, Float40 b) {
+[[gnu::always_inline]] constexpr FloatResult mul(Float40 a, Float40 b) {
   __extension__ using Int128 = __int128;
   const Int128 p = static_cast<Int128>(mantissa(a)) * mantissa(b);
   const auto s = static_cast<std::int64_t>(p >> 31);

@@ -20,8 +20,8 @@ Handler conditional_load_handler(bool floating, Kind a);
 Handler store_handler(bool floating, Kind from, Kind to);
 Handler load_load_handler(bool floating);
 Handler store_store_handler(bool floating);
-/// `product`: the P field.
-Handler multiply_add_handler(bool floating, bool subtract, int product);
+/// `product`: the P field; `kind`: how both operands move, if they do so alike, else indirect.
+Handler multiply_add_handler(bool floating, bool subtract, int product, Kind kind);
 
 /// PUSH, POP, NOP, IACK and everything that changes the PC. `a` is the kind of src1; none for a relative target.
 Handler control_handler(const isa::Row& row, isa::Condition condition, Kind a, bool flags);

@@ -204,10 +204,10 @@ Outcome store_store(Core& core, const Op* op) {
 }
 
 /// MPY3 || ADD3/SUB3: access 0 is the J byte, access 1 the I byte; dealt out by P (3.6).
-template <bool floating, bool subtract, int p>
+template <bool floating, bool subtract, int p, Kind kind = Kind::indirect>
 Outcome multiply_add(Core& core, const Op* op) {
-  Place<Kind::indirect, 0> j;
-  Place<Kind::indirect, 1> i;
+  Place<kind, 0> j;
+  Place<kind, 1> i;
   j.form(core, *op);
   i.form(core, *op);
   i.update(core, *op);
@@ -257,6 +257,14 @@ Handler multiply_add_by_product(int p) {
     case 2: return &multiply_add<floating, subtract, 2>;
     default: return &multiply_add<floating, subtract, 3>;
   }
+}
+
+/// The inner loops of filters: both operands move the same way.
+template <bool subtract>
+Handler float_multiply_add(int p, Kind kind) {
+  if (p == 0 && kind == Kind::post) return &multiply_add<true, subtract, 0, Kind::post>;
+  if (p == 0 && kind == Kind::circular) return &multiply_add<true, subtract, 0, Kind::circular>;
+  return multiply_add_by_product<true, subtract>(p);
 }
 
 template <bool floating, Kind from>
@@ -335,8 +343,8 @@ Handler store_handler(bool floating, Kind from, Kind to) {
 Handler load_load_handler(bool floating) { return floating ? &load_load<true> : &load_load<false>; }
 Handler store_store_handler(bool floating) { return floating ? &store_store<true> : &store_store<false>; }
 
-Handler multiply_add_handler(bool floating, bool subtract, int product) {
-  if (floating) return subtract ? multiply_add_by_product<true, true>(product) : multiply_add_by_product<true, false>(product);
+Handler multiply_add_handler(bool floating, bool subtract, int product, Kind kind) {
+  if (floating) return subtract ? float_multiply_add<true>(product, kind) : float_multiply_add<false>(product, kind);
   return subtract ? multiply_add_by_product<false, true>(product) : multiply_add_by_product<false, false>(product);
 }
 

@@ -113,9 +113,12 @@ enum class Kind : std::uint8_t {
   constant,
   direct,
   offset,   ///< *+ARn(d), *-ARn(d), *ARn: ARn stays
-  indirect  ///< any other form
+  indirect,  ///< any form
+  post,      ///< *ARn++(d), for the multiply-adds
+  circular   ///< *ARn++(d)%, for the multiply-adds
 };
 constexpr bool is_memory(Kind k) { return k >= Kind::direct; }
+constexpr bool updates_register(Kind k) { return k >= Kind::indirect; }
 
 [[gnu::cold, gnu::noinline]] Outcome miss(Core& core, const Op* op, int access, Address address);
 [[gnu::cold, gnu::noinline]] Outcome miss_write(Core& core, const Op* op, int access, Address address, Word value);

@@ -73,6 +73,8 @@ PIECES = [
     "addc r8,r1",
     "addf3 *ar4,r4,r5\n||      stf r6,*ar5",
     "mpyf3 *ar4,*ar5,r0\n||      addf3 r4,r6,r2",
+    "mpyf3 *ar4++(1),*ar5++(1),r1\n||      subf3 r4,r6,r3\n        nop *ar4--(1)\n        nop *ar5--(1)",
+    "mpyf3 *ar4++(1)%,*ar5++(1)%,r1\n||      addf3 r4,r6,r3",
     "ldf *ar4,r1\n||      ldf *ar5,r3",
     "sti r1,*ar4\n||      sti r2,*ar5",
     "lda ar4,ar6\n        ldi *ar6,r1",
