@@ -1,0 +1,6 @@
+"""Lets the tests here import their own programs module."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
