@@ -1,7 +1,7 @@
 """The sequences with exact counts of c40-hardware.md 7.6, on chip and on the external buses; the counts are the document's."""
 
-import small_programs
 import pytest
+import small_programs
 
 BLOCK0, BLOCK1 = 0x2FF900, 0x2FFE00  # data; code lies at the start of block 1
 LOCAL, SLOW, GLOBAL = 0x300000, 0x40000000, 0x80000000
@@ -52,8 +52,10 @@ CASES = [
     (33, "l: addi 1,r0 / addi 1,r1 / addi 1,r2 / addi 1,r3 / db ar0,l", {"AR0": 9}, 80),
     (
         34,
-        "call f / br go / f: mpyf3 *ar0++,*ar1++,r0 / ldf 0.0,r2 / rpts 14 /"
-        " mpyf3 *ar0++,*ar1++,r0 || addf3 r0,r2,r2 / addf r0,r2 / rets / go:",
+        (
+            "call f / br go / f: mpyf3 *ar0++,*ar1++,r0 / ldf 0.0,r2 / rpts 14 /"
+            " mpyf3 *ar0++,*ar1++,r0 || addf3 r0,r2,r2 / addf r0,r2 / rets / go:"
+        ),
         {"AR0": BLOCK0, "AR1": BLOCK0 + 64},
         4 + (11 + 15) + 4,
     ),
@@ -65,7 +67,7 @@ def assembly(text: str) -> str:
     for part in text.split(" / "):
         label, colon, rest = part.partition(":")
         lines.append(f"{label.strip()}: {rest.strip()}" if colon else f"        {part.strip()}")
-    return "\n".join(lines + ["stop:   nop", "        nop", ""]).replace("|| ", "\n||      ").replace("||", "||")
+    return "\n".join(lines + ["stop:   nop", "        nop", ""]).replace("|| ", "\n||      ")
 
 
 @pytest.mark.parametrize("exact", [True, False])

@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 import small_programs
-
 from cmrc._core import c40
 
 DATA = Path(__file__).parent / "data"

@@ -4,7 +4,6 @@ import lzma
 from pathlib import Path
 
 import vectors
-
 from cmrc._core import c40
 
 DATA = Path(__file__).parent / "data" / "c3x-common-vectors.txt.xz"
