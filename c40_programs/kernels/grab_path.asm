@@ -5,12 +5,17 @@
 ; A box that must not be entered is grown by half the load's plan and a margin, and upwards by the hanging load; nothing passes below it.
 ;
 ; 1. The end over the bay gets a column: a point straight above it, raised in steps while the way from the column to the other end is blocked.
-; 2. If it stays blocked, an elastic band of 5 via points is laid over the boxes and pulled tight: minimise the sum of |p_(i+1) - p_i|^2
-;    outside the boxes by projected Gauss-Seidel, GP_SWEEPS times over
-;        p_i := (p_(i-1) + p_(i+1))/2, then p_i and the middles of its two steps are moved out of each box through the nearest face.
+; 2. If it stays blocked, every box that blocks the straight way gets the face through which it is left most cheaply (the least over the
+;    faces of the depth behind it along the way; upwards if it holds an end), and an elastic band of 5 via points is pulled tight around those faces: minimise the
+;    sum of |p_(i+1) - p_i|^2 outside the boxes by projected Gauss-Seidel. In each of GP_SWEEPS           .set 64
+GP_PUSHES           .set 12
+;        p_i := (p_(i-1) + p_(i+1))/2, and then for its two steps and every box: the middle of the part inside is moved out, and p_i with it.
+;    The last GP_PUSHES sweeps only move out.
 ; 3. Via points that a free straight way can skip are left out.
+; 4. If a step of the band is still blocked (boxes that leave no way between them), the route goes straight up, over everything that stands
+;    between the ends, and straight down.
 
-GP_BOXES            .set SCRATCH                ; grown boxes, 8 words each: xmin, xmax, ymin, ymax, zmax; up to 9
+GP_BOXES            .set SCRATCH                ; grown boxes, 8 words each: xmin, xmax, ymin, ymax, top, face (i, -1: any); up to 9
 GP_BOX_COUNT        .set SCRATCH + 72           ; i
 GP_POINT            .set SCRATCH + 80           ; p_0 .. p_6: x, y, z, yaw
 GP_START            .set SCRATCH + 108          ; x, y, z, yaw
@@ -23,14 +28,19 @@ GP_LIFT_LEAST       .set SCRATCH + 151          ; m
 GP_COLUMN           .set SCRATCH + 152          ; i, 0: over the start, 4: over the end
 GP_SWEEP            .set SCRATCH + 153          ; i
 GP_INDEX            .set SCRATCH + 154          ; i
-GP_BEFORE           .set SCRATCH + 156          ; a middle before it is moved out
+GP_NEAR             .set SCRATCH + 164          ; depths behind the five faces at the beginning of a way,
+GP_FAR              .set SCRATCH + 169          ; and at its end
 GP_FROM             .set SCRATCH + 160          ; i
 GP_TO               .set SCRATCH + 161          ; i
 GP_FIRST_COUNT      .set SCRATCH + 162          ; i
 GP_RISES            .set 8                      ; times that the column is raised at most
-GP_SWEEPS           .set 64
+GP_SWEEPS           .set 40
+GP_PUSHES           .set 12
 GP_INNER            .set 5                      ; via points of the band
 GP_LAST             .set GP_INNER + 1
+GP_FACE             .set 5                      ; in a grown box
+GP_FACES            .set 5
+GP_OVER             .set 4                      ; the face upwards
 
 kernel_grab_path:
         ldf     0.0, r0                         ; ---- route 1: the empty spreader
@@ -222,6 +232,8 @@ grab_path_raise:
         call    grab_path_band
         call    grab_path_column_start
         call    grab_path_shorten
+        cmpi    0, r0
+        bnz     grab_path_over
         br      grab_path_column_end
 grab_path_straight:
         call    grab_path_column_start
@@ -310,33 +322,7 @@ grab_path_blocked:
         ldi     @GP_BOX_COUNT, ar2
         br      grab_path_blocked_next
 grab_path_blocked_box:
-        ldf     0.0, r8                         ; t0
-        ldf     1.0, r9                         ; t1
-        ldf     *ar3, r3
-        subf    *ar1, r3
-        ldf     *ar4, r4
-        subf    *ar1, r4
-        call    grab_path_half
-        ldf     *+ar1(1), r3
-        subf    *ar3, r3
-        ldf     *+ar1(1), r4
-        subf    *ar4, r4
-        call    grab_path_half
-        ldf     *+ar3(1), r3
-        subf    *+ar1(2), r3
-        ldf     *+ar4(1), r4
-        subf    *+ar1(2), r4
-        call    grab_path_half
-        ldf     *+ar1(3), r3
-        subf    *+ar3(1), r3
-        ldf     *+ar1(3), r4
-        subf    *+ar4(1), r4
-        call    grab_path_half
-        ldf     *+ar1(4), r3
-        subf    *+ar3(2), r3
-        ldf     *+ar1(4), r4
-        subf    *+ar4(2), r4
-        call    grab_path_half
+        call    grab_path_clip
         cmpf    r8, r9
         bgt     grab_path_is_blocked
         addi    8, ar1
@@ -348,6 +334,59 @@ grab_path_blocked_next:
         rets
 grab_path_is_blocked:
         ldi     1, r0
+        rets
+
+; ---- r8 = t0, r9 = t1: the share of the way from *ar3 to *ar4 inside the box *ar1, none when t1 <= t0; GP_NEAR, GP_FAR. Changes r0..r5. ----
+grab_path_clip:
+        call    grab_path_clip_plan
+        cmpf    r8, r9
+        retsle
+        ldf     *+ar1(4), r3
+        subf    *+ar3(2), r3
+        ldf     *+ar1(4), r4
+        subf    *+ar4(2), r4
+        stf     r3, @GP_NEAR + 4
+        stf     r4, @GP_FAR + 4
+        call    grab_path_half
+        rets
+
+grab_path_clip_plan:                            ; the same without the top
+        ldf     0.0, r8
+        ldf     1.0, r9
+        ldf     *ar3, r3
+        subf    *ar1, r3
+        ldf     *ar4, r4
+        subf    *ar1, r4
+        stf     r3, @GP_NEAR
+        stf     r4, @GP_FAR
+        call    grab_path_half
+        cmpf    r8, r9
+        retsle
+        ldf     *+ar1(1), r3
+        subf    *ar3, r3
+        ldf     *+ar1(1), r4
+        subf    *ar4, r4
+        stf     r3, @GP_NEAR + 1
+        stf     r4, @GP_FAR + 1
+        call    grab_path_half
+        cmpf    r8, r9
+        retsle
+        ldf     *+ar3(1), r3
+        subf    *+ar1(2), r3
+        ldf     *+ar4(1), r4
+        subf    *+ar1(2), r4
+        stf     r3, @GP_NEAR + 2
+        stf     r4, @GP_FAR + 2
+        call    grab_path_half
+        cmpf    r8, r9
+        retsle
+        ldf     *+ar1(3), r3
+        subf    *+ar3(1), r3
+        ldf     *+ar1(3), r4
+        subf    *+ar4(1), r4
+        stf     r3, @GP_NEAR + 3
+        stf     r4, @GP_FAR + 3
+        call    grab_path_half
         rets
 
 ; R3 at t = 0, R4 at t = 1: cut t0..t1 (R8, R9) to where the function exceeds GP_TOUCH. Changes R0..R5.
@@ -380,6 +419,7 @@ grab_path_half_done:
 
 ; ---- the band: p_1 .. p_5 ----
 grab_path_band:
+        call    grab_path_choose
         call    grab_path_lay
         ldi     GP_SWEEPS, r0
         sti     r0, @GP_SWEEP
@@ -389,25 +429,24 @@ grab_path_sweep:
         ldi     GP_INNER, r0
         sti     r0, @GP_INDEX
 grab_path_relax:
-        ldf     *-ar3(4), r8                    ; the mean of the neighbours
-        addf    *+ar3(4), r8
-        mpyf    0.5, r8
-        ldf     *-ar3(3), r9
-        addf    *+ar3(5), r9
-        mpyf    0.5, r9
-        ldf     *-ar3(2), r10
-        addf    *+ar3(6), r10
-        mpyf    0.5, r10
-        call    grab_path_out
-        stf     r8, *ar3
-        stf     r9, *+ar3(1)
-        stf     r10, *+ar3(2)
+        ldi     @GP_SWEEP, r0
+        cmpi    GP_PUSHES, r0
+        ble     grab_path_push
+        ldi     ar3, ar0                        ; the mean of the neighbours
+        ldi     2, rc
+        rptb    grab_path_mean
+        ldf     *-ar0(4), r0
+        addf    *+ar0(4), r0
+        mpyf    0.5, r0
+grab_path_mean:
+        stf     r0, *ar0++(1)
+grab_path_push:
         ldi     ar3, ar4
         subi    4, ar4
-        call    grab_path_middle
+        call    grab_path_step
         ldi     ar3, ar4
         addi    4, ar4
-        call    grab_path_middle
+        call    grab_path_step
         addi    4, ar3
         ldi     @GP_INDEX, r0
         subi    1, r0
@@ -419,95 +458,116 @@ grab_path_relax:
         bnz     grab_path_sweep
         rets
 
-; the middle of *AR3 and *AR4 is moved out of the boxes, and *AR3 with it
-grab_path_middle:
-        ldf     *ar3, r8
-        addf    *ar4, r8
-        mpyf    0.5, r8
-        stf     r8, @GP_BEFORE
-        ldf     *+ar3(1), r9
-        addf    *+ar4(1), r9
-        mpyf    0.5, r9
-        stf     r9, @GP_BEFORE + 1
-        ldf     *+ar3(2), r10
-        addf    *+ar4(2), r10
-        mpyf    0.5, r10
-        stf     r10, @GP_BEFORE + 2
-        call    grab_path_out
-        subf    @GP_BEFORE, r8
-        addf    *ar3, r8
-        stf     r8, *ar3
-        subf    @GP_BEFORE + 1, r9
-        addf    *+ar3(1), r9
-        stf     r9, *+ar3(1)
-        subf    @GP_BEFORE + 2, r10
-        addf    *+ar3(2), r10
-        stf     r10, *+ar3(2)
-        rets
-
-; ---- (R8, R9, R10) is moved out of every box in turn through the nearest face. Changes R0..R6, AR1, AR2. ----
-grab_path_out:
+; ---- the way from *ar3 to *ar4 is moved out of every box in turn, by moving *ar3 ----
+grab_path_step:
         ldhi    hi16(SCRATCH), ar1
         or      lo16(GP_BOXES), ar1
         ldi     @GP_BOX_COUNT, ar2
-        br      grab_path_out_next
-grab_path_out_box:
-        subf3   *+ar1(0), r8, r0                ; depths behind the faces: xmin,
-        ble     grab_path_outside
-        ldf     *+ar1(1), r1                    ; xmax,
-        subf    r8, r1
-        ble     grab_path_outside
-        subf3   *+ar1(2), r9, r2                ; ymin,
-        ble     grab_path_outside
-        ldf     *+ar1(3), r3                    ; ymax,
-        subf    r9, r3
-        ble     grab_path_outside
-        ldf     *+ar1(4), r4                    ; top
-        subf    r10, r4
-        ble     grab_path_outside
-        ldf     r4, r5                          ; the least, and its face
-        ldi     4, r6
-        cmpf    r5, r0
-        ldflt   r0, r5
-        ldilt   0, r6
-        cmpf    r5, r1
-        ldflt   r1, r5
-        ldilt   1, r6
-        cmpf    r5, r2
-        ldflt   r2, r5
-        ldilt   2, r6
-        cmpf    r5, r3
-        ldflt   r3, r5
-        ldilt   3, r6
-        cmpi    4, r6
-        beq     grab_path_out_top
-        cmpi    2, r6
-        bge     grab_path_out_y
-        cmpi    0, r6
-        bne     grab_path_out_xmax
-        subf    r5, r8
-        br      grab_path_outside
-grab_path_out_xmax:
-        addf    r5, r8
-        br      grab_path_outside
-grab_path_out_y:
-        bgt     grab_path_out_ymax              ; (still of the comparison with 2)
-        subf    r5, r9
-        br      grab_path_outside
-grab_path_out_ymax:
-        addf    r5, r9
-        br      grab_path_outside
-grab_path_out_top:
-        addf    r5, r10
-grab_path_outside:
+        br      grab_path_step_next
+grab_path_step_box:
+        call    grab_path_clip
+        cmpf    r8, r9
+        ble     grab_path_step_clear
+        addf3   r8, r9, r11
+        mpyf    0.5, r11                        ; the middle of the part inside
+        ldi     *+ar1(GP_FACE), r6
+        bnn     grab_path_step_known
+        call    grab_path_nearest
+grab_path_step_known:
+        ldhi    hi16(SCRATCH), ar0
+        or      lo16(GP_NEAR), ar0
+        addi    r6, ar0
+        ldf     *+ar0(GP_FACES), r0             ; its depth behind the face
+        subf    *ar0, r0
+        mpyf    r11, r0
+        addf    *ar0, r0
+        ldi     r6, r1
+        lsh     -1, r1
+        addi3   r1, ar3, ar5                    ; coordinate 0, 0, 1, 1, 2
+        cmpi    GP_OVER, r6
+        beq     grab_path_step_up
+        tstb    1, r6
+        bnz     grab_path_step_up
+        negf    r0
+grab_path_step_up:
+        addf    *ar5, r0
+        rnd     r0
+        stf     r0, *ar5
+grab_path_step_clear:
         addi    8, ar1
-grab_path_out_next:
+grab_path_step_next:
         subi    1, ar2
         cmpi    0, ar2
-        bge     grab_path_out_box
+        bge     grab_path_step_box
         rets
 
-; ---- p_1 .. p_5 evenly from p_0 to p_6, raised onto every box below or around them ----
+; ---- r6 = the face with the least depth at the share r11 of the way. Changes r0, r4, r5, ar0. ----
+grab_path_nearest:
+        ldhi    hi16(SCRATCH), ar0
+        or      lo16(GP_NEAR), ar0
+        ldf     @K_GP_HUGE, r4
+        ldi     0, r5
+grab_path_nearest_face:
+        ldf     *+ar0(GP_FACES), r0
+        subf    *ar0, r0
+        mpyf    r11, r0
+        addf    *ar0++(1), r0
+        cmpf    r4, r0
+        ldflt   r0, r4
+        ldilt   r5, r6
+        addi    1, r5
+        cmpi    GP_FACES, r5
+        blt     grab_path_nearest_face
+        rets
+
+; ---- for every box the face through which the straight way leaves it most cheaply, -1 when it does not enter ----
+grab_path_choose:
+        ldhi    hi16(SCRATCH), ar3
+        or      lo16(GP_POINT), ar3
+        ldi     ar3, ar4
+        addi    4 * GP_LAST, ar4
+        ldhi    hi16(SCRATCH), ar1
+        or      lo16(GP_BOXES), ar1
+        ldi     @GP_BOX_COUNT, ar2
+        br      grab_path_choose_next
+grab_path_choose_box:
+        call    grab_path_clip
+        ldi     -1, r6
+        cmpf    r8, r9
+        ble     grab_path_choose_store
+        ldhi    hi16(SCRATCH), ar0
+        or      lo16(GP_NEAR), ar0
+        ldf     @K_GP_HUGE, r4
+        ldi     0, r5
+grab_path_choose_face:
+        ldf     *+ar0(GP_FACES), r0
+        subf    *ar0, r0
+        mpyf3   r8, r0, r1
+        addf    *ar0, r1                        ; depth at t0
+        mpyf    r9, r0
+        addf    *ar0++(1), r0                   ; and at t1
+        cmpf    r1, r0
+        ldflt   r1, r0                          ; the greater
+        cmpf    r4, r0
+        ldflt   r0, r4
+        ldilt   r5, r6
+        addi    1, r5
+        cmpi    GP_FACES, r5
+        blt     grab_path_choose_face
+        cmpf    0.0, r8                         ; a box that holds one of the ends is left upwards
+        ldile   GP_OVER, r6
+        cmpf    1.0, r9
+        ldige   GP_OVER, r6
+grab_path_choose_store:
+        sti     r6, *+ar1(GP_FACE)
+        addi    8, ar1
+grab_path_choose_next:
+        subi    1, ar2
+        cmpi    0, ar2
+        bge     grab_path_choose_box
+        rets
+
+; ---- p_1 .. p_5 evenly from p_0 to p_6, raised onto every box that is to be passed over ----
 grab_path_lay:
         ldhi    hi16(SCRATCH), ar3
         or      lo16(GP_POINT), ar3
@@ -539,6 +599,9 @@ grab_path_lay_coordinate:
         ldi     @GP_BOX_COUNT, ar2
         br      grab_path_lay_box_next
 grab_path_lay_box:
+        ldi     *+ar1(GP_FACE), r0
+        cmpi    GP_OVER, r0
+        bne     grab_path_lay_aside
         cmpf    *ar1, r8
         ble     grab_path_lay_aside
         cmpf    *+ar1(1), r8
@@ -562,7 +625,7 @@ grab_path_lay_box_next:
         ble     grab_path_lay_next
         rets
 
-; ---- from p_0 each time to the farthest point that can be reached straight, and at least to the next ----
+; ---- from p_0 each time to the farthest point that can be reached straight; R0 = 1 when not even the next can be, else 0 ----
 grab_path_shorten:
         ldi     0, r0
         sti     r0, @GP_FROM
@@ -570,9 +633,8 @@ grab_path_shorten_from:
         ldi     GP_LAST, r7
 grab_path_shorten_to:
         ldi     @GP_FROM, r6
-        addi3   1, r6, r0
-        cmpi    r0, r7
-        ble     grab_path_shorten_take
+        cmpi    r6, r7
+        ble     grab_path_shorten_stuck
         sti     r7, @GP_TO
         call    grab_path_blocked
         ldi     @GP_TO, r7
@@ -587,7 +649,55 @@ grab_path_shorten_take:
         ldi     @GP_FROM, r7
         cmpi    GP_LAST, r7
         blt     grab_path_shorten_from
+        ldi     0, r0
         rets
+grab_path_shorten_stuck:
+        ldi     1, r0
+        rets
+
+; ---- the list anew: straight up from p_0, above whatever the plan of the way crosses, down to the end ----
+grab_path_over:
+        ldhi    hi16(SCRATCH), ar3
+        or      lo16(GP_POINT), ar3
+        ldi     ar3, ar4
+        addi    4 * GP_LAST, ar4
+        ldf     *+ar3(2), r10
+        ldf     *+ar4(2), r0
+        cmpf    r10, r0
+        ldfgt   r0, r10                         ; the higher end
+        ldhi    hi16(SCRATCH), ar1
+        or      lo16(GP_BOXES), ar1
+        ldi     @GP_BOX_COUNT, ar2
+        br      grab_path_over_next
+grab_path_over_box:
+        call    grab_path_clip_plan
+        cmpf    r8, r9
+        ble     grab_path_over_aside
+        ldf     *+ar1(4), r0
+        cmpf    r10, r0
+        ldfgt   r0, r10
+grab_path_over_aside:
+        addi    8, ar1
+grab_path_over_next:
+        subi    1, ar2
+        cmpi    0, ar2
+        bge     grab_path_over_box
+        stf     r10, *+ar3(2)
+        stf     r10, *+ar4(2)
+        ldi     0, r0
+        sti     r0, @GP_OUT_COUNT
+        cmpf    @GP_START + 2, r10
+        ble     grab_path_over_start            ; the start is as high already
+        ldi     0, r6
+        call    grab_path_emit
+grab_path_over_start:
+        ldi     GP_LAST, r6
+        call    grab_path_emit
+        cmpf    @GP_END + 2, r10
+        retsle
+        ldhi    hi16(SCRATCH), ar0
+        or      lo16(GP_END), ar0
+        br      grab_path_emit_at
 
 ; ---- the list to route R6: points, then their number ----
 grab_path_store:

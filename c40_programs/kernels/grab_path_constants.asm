@@ -12,3 +12,5 @@ K_GP_HALF_WIDTH     .set $ - LIFT
                     .float 1.219
 K_GP_SIXTH          .set $ - LIFT
                     .float 1.6666666666667e-1
+K_GP_HUGE           .set $ - LIFT
+                    .float 1.0e9

@@ -13,7 +13,7 @@ WINDOW_A, WINDOW_B = 0xC0000000, 0x70000000
 RETURN = 0x3FF000  # a word where nothing is: the kernel comes back here
 
 
-def image() -> "_core.toolchain.Image":
+def image() -> _core.toolchain.Image:
     programs = Path(os.environ.get("CMRC_PROGRAMS", ROOT / "c40_programs"))
     return _core.toolchain.assemble_file(programs / "dsp.asm", entry="_start")
 
@@ -55,7 +55,7 @@ class Dsp:
     def agv(self, index: int) -> None:
         self.area = WINDOW_A + self.symbols["AG_BASE"] + index * self.symbols["AG_WORDS"]
 
-    def put(self, name: str, value: float | int, offset: int = 0) -> None:
+    def put(self, name: str, value: float, offset: int = 0) -> None:
         """A word of the robot's area: floats as TI singles, integers as they are."""
         word = to_ti(value) if isinstance(value, float) else value & 0xFFFFFFFF
         self.chip.poke(self.area + self.symbols[name] + offset, word)
@@ -72,8 +72,8 @@ class Dsp:
     def device_word(self, offset: int) -> int:
         return signed(self.chip.peek(WINDOW_B + offset))
 
-    def run(self, kernel: str, argument: int = 0, tick: int = 0) -> tuple[int, int, int]:
-        """TB_RESULT, TB_NOTIFY and the cycles that the kernel took, CALL and windows not counted."""
+    def start(self, kernel: str, argument: int = 0, tick: int = 0) -> int:
+        """Sets the chip as the executive does when it calls a kernel; the cycle at which it starts."""
         s, chip = self.symbols, self.chip
         task = s["TASK"]
         chip.poke(task + s["TB_ARGUMENT"], argument)
@@ -84,8 +84,15 @@ class Dsp:
         chip.set("AR6", self.area)
         chip.set("AR7", task)
         chip.pc = s[f"kernel_{kernel}"]
-        before = chip.cycle
+        return chip.cycle
+
+    def finish(self, start: int) -> tuple[int, int, int]:
+        """TB_RESULT, TB_NOTIFY and the cycles that the kernel took: its own, windows without wait."""
+        s, chip = self.symbols, self.chip
         stop = chip.run(20_000_000, RETURN)
         assert stop["reason"] == "breakpoint", stop
         assert chip.get("DP") == s["PAGE"] and chip.get("SP") == s["STACK"] - 1
-        return chip.get("R0") & 0xFFFFFFFF, chip.get("R1") & 0xFFFFFFFF, chip.cycle - before
+        return chip.get("R0") & 0xFFFFFFFF, chip.get("R1") & 0xFFFFFFFF, chip.cycle - start
+
+    def run(self, kernel: str, argument: int = 0, tick: int = 0) -> tuple[int, int, int]:
+        return self.finish(self.start(kernel, argument, tick))

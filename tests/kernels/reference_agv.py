@@ -197,7 +197,7 @@ def identify(
 # ---- process 2 -----------------------------------------------------------------------------------------------------------------
 
 MARGIN, TOUCH, RISE, RISES = 0.5, 0.05, 0.5, 8
-INNER, SWEEPS = 5, 64
+INNER, SWEEPS, PUSHES = 5, 40, 12
 
 Pose = tuple[float, float, float, float]
 Box = tuple[float, float, float, float, float, float]
@@ -216,48 +216,72 @@ def faces(box: np.ndarray, p: np.ndarray) -> np.ndarray:
     return np.array([p[0] - box[0], box[1] - p[0], p[1] - box[2], box[3] - p[1], box[4] - p[2]])
 
 
-def blocked(boxes: list[np.ndarray], p: np.ndarray, q: np.ndarray, touch: float = TOUCH) -> bool:
-    """Whether the straight way from p to q enters a box deeper than `touch`."""
-    for box in boxes:
-        at_p, at_q = faces(box, p) - touch, faces(box, q) - touch
-        low, high = 0.0, 1.0
-        for a, e in zip(at_p, at_q):
-            if a <= 0 and e <= 0:
-                high = -1.0
-            elif a <= 0:
-                low = max(low, a / (a - e))
-            elif e <= 0:
-                high = min(high, a / (a - e))
-        if high > low:
-            return True
-    return False
+def inside(box: np.ndarray, p: np.ndarray, q: np.ndarray) -> tuple[float, float]:
+    """The share of the way from p to q that is deeper than TOUCH in a box; (.., less) when none is."""
+    low, high = 0.0, 1.0
+    for a, e in zip(faces(box, p) - TOUCH, faces(box, q) - TOUCH):
+        if a <= 0 and e <= 0:
+            return 0.0, -1.0
+        if a <= 0:
+            low = max(low, a / (a - e))
+        elif e <= 0:
+            high = min(high, a / (a - e))
+    return low, high
 
 
-def move_out(boxes: list[np.ndarray], p: np.ndarray) -> np.ndarray:
-    p = p.copy()
+def blocked(boxes: list[np.ndarray], p: np.ndarray, q: np.ndarray) -> bool:
+    return any(low < high for low, high in (inside(box, p, q) for box in boxes))
+
+
+OUT = ((0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0), (2, 1.0))  # axis and direction of each face
+OVER = 4
+
+
+def choose(boxes: list[np.ndarray], p: np.ndarray, q: np.ndarray) -> list[int | None]:
+    chosen: list[int | None] = []
     for box in boxes:
-        depth = faces(box, p)
-        if np.all(depth > 0):
-            order = [4, 0, 1, 2, 3]
-            face = min(order, key=lambda i: depth[i])
-            axis, sign = [(0, -1), (0, 1), (1, -1), (1, 1), (2, 1)][face]
+        low, high = inside(box, p, q)
+        deepest = np.maximum(*(faces(box, p + t * (q - p)) for t in (low, high)))
+        face = OVER if low <= 0.0 or high >= 1.0 else int(np.argmin(deepest))
+        chosen.append(face if low < high else None)
+    return chosen
+
+
+def push(boxes: list[np.ndarray], chosen: list[int | None], p: np.ndarray, other: np.ndarray) -> None:
+    """Moves p so that the way to `other` leaves every box in turn."""
+    for box, face in zip(boxes, chosen):
+        low, high = inside(box, p, other)
+        if low < high:
+            depth = faces(box, p + (low + high) / 2 * (other - p))
+            face = int(np.argmin(depth)) if face is None else face
+            axis, sign = OUT[face]
             p[axis] += sign * depth[face]
-    return p
 
 
 def band(boxes: list[np.ndarray], start: np.ndarray, end: np.ndarray) -> list[np.ndarray]:
+    chosen = choose(boxes, start, end)
     points = [start + (end - start) * i / (INNER + 1) for i in range(INNER + 2)]
     for p in points[1:-1]:
-        for box in boxes:
-            if box[0] < p[0] < box[1] and box[2] < p[1] < box[3]:
+        for box, face in zip(boxes, chosen):
+            if face == OVER and box[0] < p[0] < box[1] and box[2] < p[1] < box[3]:
                 p[2] = max(p[2], box[4])
-    for _ in range(SWEEPS):
+    for sweep in range(SWEEPS):
         for i in range(1, INNER + 1):
-            points[i][:3] = move_out(boxes, (points[i - 1][:3] + points[i + 1][:3]) / 2)
-            for other in (i - 1, i + 1):
-                middle = (points[i][:3] + points[other][:3]) / 2
-                points[i][:3] += move_out(boxes, middle) - middle
+            if sweep < SWEEPS - PUSHES:
+                points[i][:3] = (points[i - 1][:3] + points[i + 1][:3]) / 2
+            push(boxes, chosen, points[i], points[i - 1])
+            push(boxes, chosen, points[i], points[i + 1])
     return points
+
+
+def over(boxes: list[np.ndarray], a: np.ndarray, b: np.ndarray, start: np.ndarray, end: np.ndarray) -> list[np.ndarray]:
+    """Straight up, over everything that the plan of the way crosses, straight down."""
+    flat = np.array([1.0, 1.0, 0.0, 1.0])
+    crossed = [box for box in boxes if np.less(*inside(np.array([*box[:4], 1e9]), a * flat, b * flat))]
+    z = max([a[2], b[2], *(box[4] for box in crossed)])
+    chain = [np.array([*start[:2], z, start[3]])] if z > start[2] else []
+    chain.append(np.array([*end[:2], z, end[3]]))
+    return [*chain, end] if z > end[2] else chain
 
 
 def plan(boxes: list[np.ndarray], start: Pose, end: Pose, column_at_start: bool, least: float) -> list[np.ndarray]:
@@ -276,7 +300,10 @@ def plan(boxes: list[np.ndarray], start: Pose, end: Pose, column_at_start: bool,
         points = band(boxes, a, b)
         chain, i = [], 0
         while i < INNER + 1:
-            i = next(j for j in range(INNER + 1, i, -1) if j == i + 1 or not blocked(boxes, points[i], points[j]))
+            free = [j for j in range(INNER + 1, i, -1) if not blocked(boxes, points[i], points[j])]
+            if not free:
+                return over(boxes, a, b, p, q)
+            i = free[0]
             chain.append(points[i])
     if lift > 0:
         chain = [a, *chain] if column_at_start else [*chain, q]

@@ -2,6 +2,7 @@
 
 import math
 import random
+from itertools import pairwise
 
 import pytest
 from harness_agv import Dsp, from_ti, to_ti
@@ -110,4 +111,4 @@ def test_the_loop_is_driven_to_within_centimetres(dsp: Dsp, load: float, period_
     assert abs(wrap(vehicle.heading - segments[-1].heading)) < 0.005
     assert across < 0.15
     assert vehicle.ran_dry == 0
-    assert max(abs(b - a) for a, b in zip(steers, steers[1:])) < 0.03  # smooth: 1.5 rad/s at most
+    assert max(abs(b - a) for a, b in pairwise(steers)) < 0.03  # smooth: 1.5 rad/s at most

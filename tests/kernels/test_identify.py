@@ -1,0 +1,121 @@
+"""Process 1 on an emulated DSP: bays with known containers."""
+
+import math
+import random
+
+import numpy as np
+import pytest
+from harness_agv import WINDOW_B, Dsp
+from reference_agv import BOX_LENGTH, BOX_WIDTH, identify
+
+HEIGHT, DECK = 2.591, 3.909
+X0, DX = -25.6, 0.4
+Stack = tuple[float, int]  # x of the middle, containers on each other
+
+
+class Bay(Dsp):
+    """A DSP before a scanner with several rows: selecting a row is a device write, so the run stops there and the row is put in place."""
+
+    def look(self, rows: list[tuple[float, list[Stack]]]) -> tuple[int, int, int]:
+        s = self.symbols
+        self.put("CR_BOX_HEIGHT", HEIGHT)
+        profiles = [profile(stacks) for _, stacks in rows]
+        for name, value in (("SCAN_ROWS", len(rows)), ("SCAN_X0", X0), ("SCAN_DX", DX), ("SCAN_DECK", DECK)):
+            self.device(s[name], value if name == "SCAN_ROWS" else round(value * 1e3))
+        self.device(s["SCAN_ROW"], -1)
+        start = self.start("identify")
+        while True:
+            stop = self.chip.run(2_000_000, s["identify_scan"] + 2)  # behind the write of SCAN_ROW
+            if stop["reason"] != "breakpoint":
+                raise AssertionError(stop)
+            row = self.chip.peek(WINDOW_B + s["SCAN_ROW"])
+            self.device(s["SCAN_Y"], round(rows[row][0] * 1e3))
+            for i, z in enumerate(profiles[row]):
+                self.device(s["SCAN_PROFILE"] + i, z)
+            self.chip.step()
+            if row == len(rows) - 1:
+                return self.finish(start)
+
+
+def profile(stacks: list[Stack]) -> list[int]:
+    """mm, floored to 8: the height at each sample."""
+    out = []
+    for i in range(128):
+        z = DECK
+        for x, n in stacks:
+            if abs(X0 + i * DX - x) <= BOX_LENGTH / 2:
+                z = max(z, DECK + n * HEIGHT)
+        out.append(math.floor(z * 1e3 / 8) * 8)
+    return out
+
+
+@pytest.fixture(scope="module")
+def bay() -> Bay:
+    return Bay()
+
+
+def test_topmost_then_nearest(bay: Bay) -> None:
+    """The default ship, unloaded container by container: the upper tier first, then by distance from the column."""
+    rows = {24.0: {0.0: 2, 12.7: 1, -12.7: 1}, 26.6: {0.0: 1, 12.7: 1, -12.7: 2}}
+    order = []
+    for _ in range(8):
+        scene = [(y, [(x, n) for x, n in stacks.items() if n]) for y, stacks in rows.items()]
+        result, notify, _ = bay.look(scene)
+        assert (result, notify) == (1, 1 << 2)
+        x, y, z, yaw = bay.floats("CR_TARGET", 4)
+        y = round(y, 3)
+        nearest = min(rows[y], key=lambda at: abs(at - x))
+        assert abs(x - nearest) <= 0.11  # what samples 0.4 m apart can tell of a 12.192-m box
+        assert z == pytest.approx(DECK + rows[y][nearest] * HEIGHT, abs=0.005)
+        assert yaw == 0.0
+        order.append((y, nearest, rows[y][nearest]))
+        rows[y][nearest] -= 1
+    assert order[:2] == [(24.0, 0.0, 2), (26.6, -12.7, 2)]
+    assert [math.hypot(x, y) for y, x, _ in order[2:]] == sorted(math.hypot(x, y) for y, x, _ in order[2:])
+    result, notify, _ = bay.look([(24.0, []), (26.6, [])])
+    assert (result, notify) == (0, (0x10000 << 7) | (0x10000 << 8))
+
+
+def test_agrees_with_the_reference_and_with_the_truth(bay: Bay) -> None:
+    rng = random.Random(11)
+    errors = []
+    for _ in range(40):
+        rows: list[tuple[float, list[Stack]]] = []
+        for y in (24.0, 26.6, 29.2)[: rng.randint(1, 3)]:
+            at = rng.uniform(-19, -12)
+            stacks = []
+            while at < 19:
+                if rng.random() < 0.7:
+                    stacks.append((at, rng.randint(1, 4)))
+                at += BOX_LENGTH + rng.uniform(0.5, 3.0)
+            rows.append((y, stacks))
+        want = identify([(y, np.array(profile(s)) / 1e3) for y, s in rows], X0, DX, DECK, HEIGHT)
+        result, _, cycles = bay.look(rows)
+        assert cycles < 200_000
+        assert bool(result) == (want is not None) == any(s for _, s in rows)
+        if want is None:
+            continue
+        got = bay.floats("CR_TARGET", 3)
+        assert got == pytest.approx(want, abs=1e-4)
+        tops = [(n, x) for y, s in rows if abs(y - got[1]) < 1e-3 for x, n in s]
+        assert got[2] == pytest.approx(DECK + max(n for _, s in rows for _, n in s) * HEIGHT, abs=0.005)
+        errors.append(min(abs(x - got[0]) for _, x in tops))
+        box = bay.floats("CR_BAY", 6)
+        spans = [(x - BOX_LENGTH / 2, x + BOX_LENGTH / 2) for _, s in rows for x, _ in s]
+        assert box[0] <= min(a for a, _ in spans) <= box[0] + 2 * DX and box[1] - 2 * DX <= max(b for _, b in spans) <= box[1]
+        assert box[2] == pytest.approx(rows[0][0] - BOX_WIDTH / 2, abs=1e-4)
+        assert box[3] == pytest.approx(rows[-1][0] + BOX_WIDTH / 2, abs=1e-4)
+        assert box[5] == pytest.approx(got[2], abs=0.01)
+    assert max(errors) < 0.11
+    assert float(np.mean(errors)) < 0.07  # a quarter of the spacing, as for the middle of what the samples allow
+
+
+def test_ropes_and_hatch_covers_are_no_containers(bay: Bay) -> None:
+    """Steps of half a tier, and boxes of half the length."""
+    s = bay.symbols
+    bay.look([(24.0, [])])
+    bay.device(s["SCAN_ROWS"], 1)
+    for i in range(128):
+        z = DECK + (0.5 * HEIGHT if 20 <= i < 60 else HEIGHT if 80 <= i < 95 else 0.0)
+        bay.device(s["SCAN_PROFILE"] + i, round(z * 1e3))
+    assert bay.run("identify")[0] == 0
