@@ -64,15 +64,15 @@ def test_coff_and_source_run_alike(run, squares, tmp_path: Path) -> None:
 def test_disasm_assembles_to_the_same_words(run, squares, tmp_path: Path) -> None:
     run("asm", squares, "-o", "squares.out")
     text = run("disasm", "squares.out").stdout
-    words = re.findall(r"^[0-9A-F]{8}  ([0-9A-F]{8})  (.*)$", text, re.M)
+    words = re.findall(r"^[0-9A-F]{8}  ([0-9A-F]{8})  (.*)$", text, re.MULTILINE)
     assert any(instruction.startswith("rptb") for _, instruction in words)
     assert "done:" in text.splitlines()
     code = text.split("; section .text")[1].split("; section")[0]
-    lines = re.findall(r"^(?:(\w+):)$|^[0-9A-F]{8}  ([0-9A-F]{8})  (.*)$", code, re.M)
+    lines = re.findall(r"^(?:(\w+):)$|^[0-9A-F]{8}  ([0-9A-F]{8})  (.*)$", code, re.MULTILINE)
     again = tmp_path / "again.asm"
     again.write_text("\n".join(f"{label}:" if label else f"        {instruction}" for label, _, instruction in lines))
     assert run("asm", again, "-o", "again.out").returncode == 0
-    rebuilt = re.findall(r"^[0-9A-F]{8}  ([0-9A-F]{8})  ", run("disasm", "again.out").stdout, re.M)
+    rebuilt = re.findall(r"^[0-9A-F]{8}  ([0-9A-F]{8})  ", run("disasm", "again.out").stdout, re.MULTILINE)
     assert rebuilt == [word for _, word, _ in lines if word]
 
 

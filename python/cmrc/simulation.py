@@ -1,0 +1,87 @@
+"""Runs of the dock."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from cmrc import _core
+from cmrc.result import Result
+from cmrc.table import Table
+
+ConfigError = _core.cmrc.ConfigError
+"""Raised for an unknown or ill-typed setting, or rates that break an invariant. Says where, and what would be right."""
+
+Setting = bool | int | float | str
+Progress = Callable[[float, float], bool | None]
+
+
+class Simulation:
+    """One run that can be stopped on the way, looked at, and continued.
+
+    Every setting of docs/configuration.md may be given: by ``settings`` under its dotted name, or as a keyword under its last part where only one table has
+    it (``dsps``, ``duration_s``, ``seed``, ``idle_policy``, ...). ``config`` is a TOML file, ``preset`` one of base, heavy, saturated. Later ones win: defaults,
+    preset, file, settings. Raises ConfigError; c40.AssemblyError when ``programs`` names sources that do not assemble.
+    """
+
+    def __init__(
+        self,
+        *,
+        config: str | os.PathLike[str] | None = None,
+        preset: str | None = None,
+        settings: Mapping[str, Setting] | None = None,
+        **keywords: Setting,
+    ) -> None:
+        file = None if config is None else os.fspath(config)
+        self.config = _core.cmrc.config(file=file, preset=preset, settings={**(settings or {}), **keywords})
+        """Every setting of this run; ``config.to_dict()``, ``config.to_toml()``."""
+        self._core = _core.cmrc.Simulation(self.config)
+
+    def script(self, time_s: float, action: str, dsp: int) -> None:
+        """At ``time_s``, not before the present time: ``fail``, ``hang``, ``unplug``, ``plug`` or ``reset`` that DSP."""
+        self._core.script(time_s, action, dsp)
+
+    def run(self, on_progress: Progress | None = None) -> Result:
+        """Runs to the end of the duration, without holding the GIL.
+
+        ``on_progress(simulated_s, duration_s)`` is called every 20 ms of simulated time and may return False to stop. Ctrl-C stops cleanly
+        and raises KeyboardInterrupt; ``result()`` then tells of what ran, and ``run`` goes on.
+        """
+        self._core.run(on_progress)
+        return self.result()
+
+    def run_until(self, time_s: float) -> None:
+        """Runs until that instant of virtual time, or the end of the duration."""
+        self._core.run_until(time_s)
+
+    def result(self) -> Result:
+        """The report and the signals of what has run so far."""
+        return Result(json.loads(self._core.report_json()), self._core.report_text(), Table(self._core.signals()))
+
+    @property
+    def time_s(self) -> float:
+        """Virtual time, in s."""
+        return float(self._core.time_s)
+
+    @property
+    def ended(self) -> bool:
+        """The duration has passed, no DSP is left, or the plant has faulted."""
+        return bool(self._core.ended)
+
+
+def run(
+    dsps: int | None = None,
+    duration_s: float | None = None,
+    *,
+    config: str | os.PathLike[str] | None = None,
+    preset: str | None = None,
+    settings: Mapping[str, Setting] | None = None,
+    on_progress: Progress | None = None,
+    **keywords: Setting,
+) -> Result:
+    """Simulates the dock on ``dsps`` DSPs (default 4) for ``duration_s`` seconds (default 180). See ``Simulation``."""
+    given: dict[str, Any] = {"dsps": dsps, "duration_s": duration_s}
+    keywords = {**{name: value for name, value in given.items() if value is not None}, **keywords}
+    return Simulation(config=config, preset=preset, settings=settings, **keywords).run(on_progress)
