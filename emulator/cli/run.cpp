@@ -1,14 +1,112 @@
 // emulator without a command: simulates the dock.
-#include <stdexcept>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <memory>
+
+#include "c40/chip.hpp"
 #include "cli/options.hpp"
+#include "cli/output_file.hpp"
+#include "cli/progress_line.hpp"
 #include "cli/settings.hpp"
+#include "cmrc/simulation.hpp"
+#include "machine/instruction_trace.hpp"
+#include "machine/machine.hpp"
+#include "report/trace_text.hpp"
 
 namespace cli {
+namespace {
+
+using report::Time;
+
+volatile std::sig_atomic_t interrupted = 0;
+
+/// The first Ctrl-C ends the run, the second the program.
+void on_interrupt(int) {
+  interrupted = 1;
+  std::signal(SIGINT, SIG_DFL);
+}
+
+/// Files for the instructions of some DSPs, named FILE.dspN.
+class InstructionFiles {
+ public:
+  InstructionFiles(const RunOptions& options, report::Window window, cmrc::Simulation& simulation) {
+    const machine::Clock& clock = simulation.machine().chip_clock();
+    const c40::Cycles from = clock.tick_at_or_after(window.from);
+    const c40::Cycles to =
+        window.to == Time::max() ? std::numeric_limits<c40::Cycles>::max() : clock.tick_at_or_after(window.to);
+    for (const unsigned slot : options.trace_instructions) {
+      auto file = std::make_unique<OutputFile>(fmt::format("{}.dsp{}", *options.trace, slot));
+      std::ostream& out = file->stream();
+      out << report::instruction_trace_header << '\n';
+      sinks_.push_back(std::make_unique<machine::InstructionText>(
+          slot, [&out](const std::string& line) { out << line << '\n'; }, from, to));
+      simulation.trace(slot, *sinks_.back());
+      files_.push_back(std::move(file));
+    }
+  }
+  void commit() {
+    for (const auto& file : files_) file->commit();
+  }
+
+ private:
+  std::vector<std::unique_ptr<OutputFile>> files_;
+  std::vector<std::unique_ptr<machine::InstructionText>> sinks_;
+};
+
+void check(const RunOptions& options, const cmrc::Config& config) {
+  if (options.trace_window && !options.trace) throw InputError("--trace-window: needs --trace FILE");
+  if (!options.trace_instructions.empty() && !options.trace)
+    throw InputError("--trace-instructions: needs --trace FILE");
+  for (const unsigned slot : options.trace_instructions)
+    if (slot >= config.machine.dsps)
+      throw InputError(
+          fmt::format("--trace-instructions: there is no DSP {}; 0 to {} are", slot, config.machine.dsps - 1));
+}
+
+}  // namespace
 
 int run(const RunOptions& options) {
-  build_config(options);
-  throw std::runtime_error("the simulation is not linked into this build");
+  const cmrc::Config config = build_config(options);
+  check(options, config);
+  const report::Window window = options.trace_window ? parse_window(*options.trace_window) : report::Window{};
+
+  std::optional<OutputFile> report_file;
+  if (options.report) report_file.emplace(*options.report);
+  std::optional<OutputFile> trace_file;
+  std::optional<report::EventTextTrace> trace;
+  if (options.trace) {
+    trace_file.emplace(*options.trace);
+    trace.emplace(trace_file->stream(), window);
+  }
+
+  cmrc::Simulation simulation(config);
+  if (trace) simulation.listen(*trace);
+  InstructionFiles instructions(options, window, simulation);
+
+  std::signal(SIGINT, on_interrupt);
+  {
+    ProgressLine line(Time(std::llround(config.run.duration_s * 1e12)), !options.quiet);
+    simulation.run([&line](const cmrc::Progress& progress) {
+      line.show(progress.simulated, progress.misses);
+      return interrupted == 0;
+    });
+  }
+  std::signal(SIGINT, SIG_DFL);
+
+  const report::RunReport report = simulation.report();
+  if (report_file) {
+    report_file->stream() << to_json(report);
+    report_file->commit();
+  }
+  if (trace_file) trace_file->commit();
+  instructions.commit();
+  if (!options.quiet) fmt::print("{}", to_text(report));
+  return simulation.exit_status();
 }
 
 }  // namespace cli

@@ -39,7 +39,7 @@ std::string outcomes(const RunReport& report) {
 }
 
 std::string times(const RunReport& report) {
-  TextTable table({"release to end", "mean", "p50", "p99", "p99.9", "worst", "run alone", "start jitter"});
+  TextTable table({"release to end", "mean", "p50", "p99", "p99.9", "worst", "execution", "start jitter"});
   for (const TaskReport& task : report.tasks) {
     if (task.response.count == 0) continue;
     const Summary& response = task.response;
@@ -49,7 +49,7 @@ std::string times(const RunReport& report) {
                task.start_jitter.count > 0 ? time(task.start_jitter.peak_to_peak) : "-"});
   }
   if (table.empty()) return "";
-  return heading("Response times (run alone: mean from claim to end; jitter: peak to peak)") + table.render();
+  return heading("Response times (execution: mean from claim to end; jitter: peak to peak)") + table.render();
 }
 
 /// The largest shares first, until nine tenths are told.

@@ -32,7 +32,7 @@ def files_of(directory: Path) -> set[str]:
         (["--seed", "x"], ["--seed"]),
         (["--config", "missing.toml"], ["missing.toml"]),
         (["--programs", "nowhere", "--duration", "0.001"], ["nowhere"]),
-        (["--trace-window", "3"], ["--trace-window", "A:B"]),
+        (["--trace-window", "3", "--trace", "t"], ["--trace-window", "A:B"]),
         (["--trace-window", "5:2", "--trace", "t"], ["--trace-window", "5:2"]),
         (["--trace-window", "0:1"], ["--trace-window", "--trace"]),
         (["--trace-instructions", "9", "--trace", "t"], ["--trace-instructions", "9"]),
