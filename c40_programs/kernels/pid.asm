@@ -151,7 +151,7 @@ pid_finish:
         ldi     0, r1
         rets
 
-; Joint point -1: the measured pose, at rest, and no sway damping there.
+; Joint point -1: the measured pose, at rest; the sway's reference 0 and its factors -1/(L sin phi), 1/(a0 + L cos phi).
 pid_take_pose:
         ldhi    hi16(PD_Y), ar0
         or      lo16(PD_Y), ar0
@@ -166,10 +166,20 @@ pid_take_rates:
         stf     r0, *ar1++
         ldi     ar6, ar1
         addi    CR_SWAY + 3 * 4, ar1
-        ldi     3, rc
-        rptb    pid_take_sway
-pid_take_sway:
-        stf     r0, *ar1++
+        stf     r0, *ar1
+        stf     r0, *+ar1(1)
+        ldf     @PD_Y + 2, r0
+        call    m_sincos
+        ldf     r1, r8
+        mpyf    @K_JIB, r0
+        call    m_reciprocal
+        negf    r0, r0
+        stf     r0, *+ar1(2)
+        ldf     r8, r0
+        mpyf    @K_JIB, r0
+        addf    @K_A0, r0
+        call    m_reciprocal
+        stf     r0, *+ar1(3)
         ldi     1, r0
         sti     r0, @PD_STAGE
         br      pid_finish

@@ -71,6 +71,8 @@ def test_stages_from_the_brakes_to_the_servo() -> None:
     assert servo.run() == OPEN
     assert servo.dsp.word("CR_PID_STAGE") == 1
     assert servo.dsp.floats("CR_RING", 15, offset=48) == pytest.approx(POSE + [0.0] * 10, abs=5e-6)
+    factors = [0, 0, -1 / (ref.JIB * math.sin(POSE[2])), 1 / (ref.A0 + ref.JIB * math.cos(POSE[2]))]
+    assert servo.dsp.floats("CR_SWAY", 4, offset=12) == pytest.approx(factors, rel=2**-22)
     assert servo.run() == OPEN and servo.dsp.device_word("DRIVE_ENABLE") == 0  # no feed-forward yet
     feed = [0.0, 100.0, 3000.0, -900.0, 1.0]
     servo.dsp.put("CR_FEED_FORWARD", *feed)
