@@ -105,10 +105,10 @@ grab_path_present_at:
         call    copy_words
         rets
 
-; ---- GP_END: above the deck of an AGV in the loading spot, where leg 1 of every AGV begins ----
+; ---- GP_END: above the deck of an AGV in the loading spot ----
 grab_path_spot:
-        ldhi    hi16(WINDOW_A), ar0             ; WINDOW_A
-        or      AG_BASE + AG_SEGMENT, ar0
+        ldi     ar6, ar0
+        addi    CR_SPOT, ar0
         ldf     *ar0, r0
         stf     r0, @GP_END
         ldf     *+ar0(1), r0

@@ -103,6 +103,8 @@ std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfi
   put_float(w.cr_ramp_start + 3, 0);
   const double home[] = {layout.home.x, layout.home.y, layout.home.z, layout.home.yaw};
   for (Word i = 0; i < 4; ++i) put_float(w.cr_home + i, home[i]);
+  const double spot[] = {layout.layout.spot.x, layout.layout.spot.y, layout.layout.spot.heading};
+  for (Word i = 0; i < 3; ++i) put_float(w.cr_spot + i, spot[i]);
   for (int j = 0; j < plant::joint_count; ++j) {
     const auto joint = static_cast<Word>(j);
     put(w.cr_encoder_last + joint, dock.encoder(j, plant::Time{}));

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from harness_agv import WINDOW_A, Dsp, from_ti, to_ti
+from harness_agv import Dsp, from_ti, to_ti
 from reference_agv import Box, Pose, faces, grow, plan
 
 HOME: Pose = (12.0, 16.0, 14.0, 0.0)
@@ -28,10 +28,8 @@ def dsp() -> Dsp:
 
 
 def prepare(dsp: Dsp, boxes: list[Box], bay: Box, target: Pose, produced: int = 0, at: Pose = HOME) -> None:
-    dsp.area = WINDOW_A + dsp.symbols["AG_BASE"]
     for i, value in enumerate(SPOT):
-        dsp.put("AG_SEGMENT", value, i)
-    dsp.area = WINDOW_A + dsp.symbols["CR_BASE"]
+        dsp.put("CR_SPOT", value, i)
     for name, value in (("CR_CLEARANCE", CLEARANCE), ("CR_AGV_DECK", DECK), ("CR_BOX_HEIGHT", HEIGHT)):
         dsp.put(name, value)
     dsp.put("CR_PRODUCED", produced)
