@@ -18,7 +18,7 @@ HA_TARGET           .set SCRATCH + 106          ; address of leg 3
 HA_LEG              .set 3
 
 kernel_home_agv:
-        ldhi    hi16(WINDOW_B), ar5             ; WINDOW_B
+        ldhi    hi16(WINDOW_B), ar5
         addi    *+ar6(AG_UNIT), ar5
         float   *+ar5(AGV_X), r0
         mpyf    @K_MILLI, r0

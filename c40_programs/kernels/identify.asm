@@ -35,7 +35,7 @@ ID_TIERS            .set 4
 ID_NARROWEST        .set 4                      ; samples that a container must have
 
 kernel_identify:
-        ldhi    hi16(WINDOW_B), ar5             ; WINDOW_B
+        ldhi    hi16(WINDOW_B), ar5
         ldf     *+ar6(CR_BOX_HEIGHT), r0
         stf     r0, @ID_BOX
         ldi     0, r0

@@ -19,7 +19,7 @@ IA_FRONT            .set SCRATCH + 15           ; microradians
 IA_COMMAND          .set SCRATCH + 16           ; mm/s
 
 kernel_inverse_agv:
-        ldhi    hi16(WINDOW_B), ar5             ; WINDOW_B
+        ldhi    hi16(WINDOW_B), ar5
         addi    *+ar6(AG_UNIT), ar5
         ldi     @TASK + TB_ARGUMENT, r6
         bz      inverse_agv_run

@@ -320,7 +320,7 @@ trajectory_agv_arrived:
         bz      trajectory_agv_arrived_done
         cmpi    TA_SETTLE_MOST, r1
         bge     trajectory_agv_end
-        ldhi    hi16(WINDOW_B), ar3             ; WINDOW_B
+        ldhi    hi16(WINDOW_B), ar3
         addi    *+ar6(AG_UNIT), ar3
         ldi     *+ar3(AGV_STATUS), r1
         tstb    10h, r1                         ; standing still?
