@@ -66,9 +66,9 @@ struct Config {
     std::int64_t minimum_refreshes = 16;
     std::int64_t recomputations_max = 2;
     double semaphore_limit_us = 500;
-    double servo_run_us = 400;
-    double planning_run_us = 1500;
-    double long_run_us = 40000;
+    double servo_run_us = 250;
+    double planning_run_us = 250;
+    double long_run_us = 15000;
   } watchdog;
   struct Host {
     double refresh_overhead_ns = 1500;
@@ -89,9 +89,9 @@ struct Config {
     std::int64_t containers = 8;
     double container_mass_kg = 24000;
     double agv_speed_m_s = 6.0;
-    double clearance_m = 0.6;
+    double clearance_m = 0.5;
     double ramp_slack_m = 0.1;
-    double ramp_speed_m_s = 0.2;
+    double ramp_speed_m_s = 0.25;
     double settle_limit_s = 20;
   } dock;
   struct Report {

@@ -1,6 +1,7 @@
 // From the parts of a run to its report.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "bus_model/bus.hpp"
 #include "c40/chip.hpp"
@@ -77,12 +78,13 @@ double distance(const plant::LaneSegment& lane, double x, double y) {
     const double beyond = along < 0 ? -along : std::max(0.0, along - lane.length);
     return std::hypot(across, beyond);
   }
-  // Centre of the arc at (0, 1/k) in the lane's frame.
-  const double radius = 1 / lane.curvature;
-  const double angle = std::atan2(along * (radius > 0 ? 1 : -1), (radius - across) * (radius > 0 ? 1 : -1)) * (radius > 0 ? 1 : -1);
-  const double turned = angle * radius < 0 ? angle * radius + 2 * std::numbers::pi * std::abs(radius) : angle * radius;
-  if (turned > lane.length) return 1e9;
-  return std::abs(std::hypot(along, across - radius) - std::abs(radius));
+  // Mirrored so that the arc turns left: its centre lies at (0, radius).
+  const double radius = 1 / std::abs(lane.curvature);
+  const double left = lane.curvature > 0 ? across : -across;
+  double angle = std::atan2(along, radius - left);
+  if (angle < -1e-6) angle += 2 * std::numbers::pi;
+  if (angle * radius > lane.length + 1e-6) return 1e9;
+  return std::abs(std::hypot(along, radius - left) - radius);
 }
 
 void add_plant(const Evidence& e, report::RunReport& report) {

@@ -303,9 +303,7 @@ void Host::take_out(const Done& done) {
   const Task task = block.task;
   const JobKind job = job_kind(task.kind, words_);
   const std::int64_t t = block.t + elapsed_;
-  // The first run measured replaces what was assumed.
-  auto& longest = longest_[job];
-  longest = measured_.insert(job).second ? t : std::max(longest, t);
+  longest_[job] = std::max(longest_[job], t);
   note(EventKind::remove, {words_.block(done.block), task.kind, block.generation, 0, 0});
   list_.remove(done.block);
   ledger_.removed(done.block);

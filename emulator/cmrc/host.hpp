@@ -15,7 +15,6 @@
 #include <cstdint>
 #include <deque>
 #include <map>
-#include <set>
 #include <vector>
 
 #include "cmrc/config.hpp"
@@ -144,8 +143,7 @@ class Host : public machine::HostProgram, private Desk {
   bool refused_ = false;
   std::uint64_t eligible_ = 0;
   Word fence_ = 0xFFFFFFFF;
-  std::map<JobKind, std::int64_t> longest_;  // runs in refreshes: assumed until measured
-  std::set<JobKind> measured_;
+  std::map<JobKind, std::int64_t> longest_;  // longest runs in refreshes, at least as configured
 
   report::HostReport counts_;
   report::Distribution durations_, lengths_;
