@@ -6,13 +6,20 @@
 
 namespace pci {
 
-Bridge::Bridge(Bus& bus, const MasterConfig& master, const BridgeConfig& config, Client& client) : bus_{bus}, client_{client}, config_{config}, master_{bus.add_master(master, *this)} {
-  if (config_.post_depth < 1 || config_.post_depth > most_posted) throw std::invalid_argument{"bridge of " + master.name + ": post_depth is 1 to 64 words"};
-  if (config_.request_sync < 1 || config_.return_sync < 0) throw std::invalid_argument{"bridge of " + master.name + ": request_sync is at least 1 clock and return_sync at least 0"};
+Bridge::Bridge(Bus& bus, const MasterConfig& master, const BridgeConfig& config, Client& client)
+    : bus_{bus}, client_{client}, config_{config}, master_{bus.add_master(master, *this)} {
+  if (config_.post_depth < 1 || config_.post_depth > most_posted)
+    throw std::invalid_argument{"bridge of " + master.name + ": post_depth is 1 to 64 words"};
+  if (config_.request_sync < 1 || config_.return_sync < 0)
+    throw std::invalid_argument{"bridge of " + master.name +
+                                ": request_sync is at least 1 clock and return_sync at least 0"};
   if (config_.prefetch_words == 0) config_.prefetch_words = 1;
-  if (!std::has_single_bit(config_.prefetch_words) || config_.prefetch_words > line_.size()) throw std::invalid_argument{"bridge of " + master.name + ": prefetch_words is a power of two up to 64, or 0"};
+  if (!std::has_single_bit(config_.prefetch_words) || config_.prefetch_words > line_.size())
+    throw std::invalid_argument{"bridge of " + master.name + ": prefetch_words is a power of two up to 64, or 0"};
   if (config_.prefetch_words > 1 && master.latency_timer < 24 + static_cast<Clocks>(config_.prefetch_words))
-    throw std::invalid_argument{"bridge of " + master.name + ": a line of prefetch_words has to fit into latency_timer; take at least prefetch_words + 24 clocks, or a shorter line"};
+    throw std::invalid_argument{"bridge of " + master.name +
+                                ": a line of prefetch_words has to fit into latency_timer; take at least "
+                                "prefetch_words + 24 clocks, or a shorter line"};
 }
 
 void Bridge::push(const Posted& posted, Clocks earliest) {
@@ -57,11 +64,13 @@ void Bridge::submit_read(Clocks earliest) {
 }
 
 unsigned Bridge::framed(const Attempt& attempt, bool first, Clocks now, std::span<Word> room) {
-  if (blocked()) blocked_without_bus_ += attempt.frame - std::min(attempt.frame, std::max(attempt.requested, blocked_since_));
+  if (blocked())
+    blocked_without_bus_ += attempt.frame - std::min(attempt.frame, std::max(attempt.requested, blocked_since_));
   if (!attempt.write || !first) return attempt.wanted;
   // Words issued in this very clock are left for later: they may not all be known yet.
   unsigned words = 0;
-  while (words < count_ && entry(words).address == attempt.address + words && (words == 0 || entry(words).clock < now)) {
+  while (words < count_ && entry(words).address == attempt.address + words &&
+         (words == 0 || entry(words).clock < now)) {
     room[words] = entry(words).value;
     words += 1;
   }

@@ -1,9 +1,12 @@
 #pragma once
-// A bridge between a processor bus and PCI (plant-and-bus.md 3.6, rulings.md 25): posts writes in a FIFO and drains them in order, words at rising consecutive addresses as one
-// burst; lets a read wait until the FIFO is empty; reads ahead to the end of an aligned line and answers the processor's next reads from it. The line is dropped by any write of this processor and by
-// a read at or above prefetch_limit; another master's write leaves it stale, as in the real thing.
+// A bridge between a processor bus and PCI (plant-and-bus.md 3.6, rulings.md 25): posts writes in a FIFO and drains
+// them in order, words at rising consecutive addresses as one burst; lets a read wait until the FIFO is empty; reads
+// ahead to the end of an aligned line and answers the processor's next reads from it. The line is dropped by any write
+// of this processor and by a read at or above prefetch_limit; another master's write leaves it stale, as in the real
+// thing.
 //
-// The processor may run ahead of the bus: what it posts carries the clock of its issue, and the bus takes no word before its time.
+// The processor may run ahead of the bus: what it posts carries the clock of its issue, and the bus takes no word
+// before its time.
 #include <array>
 #include <cstdint>
 
@@ -15,8 +18,8 @@ namespace pci {
 struct Posted {
   Address address = 0;
   Word value = 0;
-  Clocks clock = 0;          ///< when the processor issued it
-  std::int64_t stamp = 0;    ///< the caller's own, for instance the exact time
+  Clocks clock = 0;        ///< when the processor issued it
+  std::int64_t stamp = 0;  ///< the caller's own, for instance the exact time
 };
 
 class Bridge final : public Initiator {
@@ -25,7 +28,8 @@ class Bridge final : public Initiator {
   class Client {
    public:
     virtual ~Client() = default;
-    /// The read's answer reaches the processor at clock `ready`; `arbitration` of the clocks since its issue went by without the bus.
+    /// The read's answer reaches the processor at clock `ready`; `arbitration` of the clocks since its issue went by
+    /// without the bus.
     virtual void answered(Word value, Clocks ready, Clocks arbitration, Result result) = 0;
     /// The write that found the FIFO full has been taken at clock `ready`.
     virtual void taken(Clocks ready, Clocks arbitration) = 0;
@@ -44,7 +48,8 @@ class Bridge final : public Initiator {
   unsigned master() const { return master_; }
   /// A write certainly finds room (more of it may appear with time).
   bool has_room() const { return count_ < config_.post_depth; }
-  /// A write by the processor; clocks do not fall from call to call. Without room it waits (taken() follows) and the processor with it.
+  /// A write by the processor; clocks do not fall from call to call. Without room it waits (taken() follows) and the
+  /// processor with it.
   void write(const Posted& posted);
   /// Answers from the line, when it holds the address.
   bool look_up(Address address, Hit& hit) const {

@@ -7,7 +7,7 @@ namespace pci {
 
 namespace {
 
-constexpr Clocks subtractive_clocks = 4;       // no DEVSEL# by then: master abort
+constexpr Clocks subtractive_clocks = 4;            // no DEVSEL# by then: master abort
 constexpr Clocks discard_clocks = Clocks{1} << 15;  // a target forgets a delayed read that nobody fetches
 constexpr unsigned nobody = Bus::most_masters;
 
@@ -42,7 +42,7 @@ struct Bus::Port {
   Initiator* initiator;
   std::vector<Word> data;
   Transaction transaction;
-  Clocks request = never;   // REQ# asserted from here on
+  Clocks request = never;  // REQ# asserted from here on
   unsigned wanted = 0;
   unsigned done = 0;
   bool active = false;
@@ -61,7 +61,7 @@ struct Bus::Window {
   std::uint16_t fetch_master = 0;
   Address fetch_address = 0;
   Clocks fetch_ready = 0;
-  Clocks drained = 0;       // the posted-write queue is empty from here on
+  Clocks drained = 0;  // the posted-write queue is empty from here on
   TargetStatistics statistics;
 };
 
@@ -75,7 +75,8 @@ unsigned Bus::add_master(const MasterConfig& config, Initiator& initiator) {
   require(ports_.size() < most_masters, "bus " + config_.name + ": at most 32 masters");
   require(config.latency_timer >= 8 && config.latency_timer <= 248 && config.latency_timer % 8 == 0,
           "master " + config.name + ": latency_timer is 8 to 248 clocks, a multiple of 8");
-  require(config.request_off_after_stop >= 2, "master " + config.name + ": PCI 2.1 has REQ# dropped for at least 2 clocks after a stop");
+  require(config.request_off_after_stop >= 2,
+          "master " + config.name + ": PCI 2.1 has REQ# dropped for at least 2 clocks after a stop");
   Port port;
   port.config = config;
   port.initiator = &initiator;
@@ -87,13 +88,17 @@ unsigned Bus::add_master(const MasterConfig& config, Initiator& initiator) {
 unsigned Bus::add_target(const TargetConfig& config, Target& target, Address base, std::uint64_t words) {
   const std::string who = "target " + config.name + ": ";
   require(config.devsel >= 1 && config.devsel <= 3, who + "devsel is 1 (fast), 2 (medium) or 3 (slow)");
-  require(config.read_initial >= 0 && config.devsel + config.read_initial <= 16, who + "PCI 2.1 wants the first data phase within 16 clocks: devsel + read_initial <= 16");
-  require(config.write_initial >= 0 && config.devsel + config.write_initial <= 16, who + "PCI 2.1 wants the first data phase within 16 clocks: devsel + write_initial <= 16");
-  require(config.read_step >= 0 && config.read_step <= 7 && config.write_step >= 0 && config.write_step <= 7, who + "PCI 2.1 wants later data phases within 8 clocks: read_step and write_step <= 7");
+  require(config.read_initial >= 0 && config.devsel + config.read_initial <= 16,
+          who + "PCI 2.1 wants the first data phase within 16 clocks: devsel + read_initial <= 16");
+  require(config.write_initial >= 0 && config.devsel + config.write_initial <= 16,
+          who + "PCI 2.1 wants the first data phase within 16 clocks: devsel + write_initial <= 16");
+  require(config.read_step >= 0 && config.read_step <= 7 && config.write_step >= 0 && config.write_step <= 7,
+          who + "PCI 2.1 wants later data phases within 8 clocks: read_step and write_step <= 7");
   require(config.fetch >= 0 && config.post_drain >= 1, who + "fetch is at least 0 and post_drain at least 1");
   require(words > 0 && base + words <= (std::uint64_t{1} << 32), who + "a window lies within 2^32 words");
   for (const Window& other : windows_)
-    require(base + words <= other.base || other.base + other.words <= base, who + "its window overlaps that of " + other.config.name);
+    require(base + words <= other.base || other.base + other.words <= base,
+            who + "its window overlaps that of " + other.config.name);
   windows_.push_back(Window{.config = config, .target = &target, .base = base, .words = words, .statistics = {}});
   return static_cast<unsigned>(windows_.size() - 1);
 }
@@ -109,10 +114,16 @@ const TargetStatistics& Bus::target_statistics(unsigned target) const { return w
 
 void Bus::submit(unsigned master, bool write, Address address, unsigned words, Clocks request, bool speculative) {
   Port& port = ports_.at(master);
-  if (port.active) throw std::logic_error{"pci::Bus::submit: master " + port.config.name + " already has a transaction"};
-  if (words == 0 || words > most_words) throw std::invalid_argument{"pci::Bus::submit: a transaction has 1 to 256 words"};
+  if (port.active)
+    throw std::logic_error{"pci::Bus::submit: master " + port.config.name + " already has a transaction"};
+  if (words == 0 || words > most_words)
+    throw std::invalid_argument{"pci::Bus::submit: a transaction has 1 to 256 words"};
   if (request < now_) throw std::logic_error{"pci::Bus::submit: a request in the past"};
-  port.transaction = Transaction{.address = address, .words = words, .master = static_cast<std::uint16_t>(master), .write = write, .requested = request};
+  port.transaction = Transaction{.address = address,
+                                 .words = words,
+                                 .master = static_cast<std::uint16_t>(master),
+                                 .write = write,
+                                 .requested = request};
   port.wanted = words;
   port.done = 0;
   port.active = true;
@@ -154,7 +165,8 @@ unsigned Bus::pick(Clocks latest) const {
   return nobody;
 }
 
-// An idle bus: the first to ask gets it; of several in the same clock the one that already has the grant, then the arbiter's choice.
+// An idle bus: the first to ask gets it; of several in the same clock the one that already has the grant, then the
+// arbiter's choice.
 void Bus::plan_idle() {
   const Clocks first = earliest_request(-1);
   chosen_ = -1;
@@ -186,8 +198,12 @@ void Bus::start(unsigned master, Clocks frame) {
     statistics_.idle_requested += asked;
     statistics_.idle += frame - free_ - asked;
   }
-  attempt_ = Attempt{.master = static_cast<std::uint16_t>(master), .write = port.transaction.write, .address = port.transaction.address + port.done,
-                     .wanted = port.wanted - port.done, .requested = port.request, .frame = frame};
+  attempt_ = Attempt{.master = static_cast<std::uint16_t>(master),
+                     .write = port.transaction.write,
+                     .address = port.transaction.address + port.done,
+                     .wanted = port.wanted - port.done,
+                     .requested = port.request,
+                     .frame = frame};
   port.transaction.waited += frame - port.request;
   port.request = never;
   const bool first = !port.attempted;
@@ -220,7 +236,8 @@ void Bus::start(unsigned master, Clocks frame) {
     next_ = attempt_.last + 1;
     return;
   }
-  attempt_.first = frame + (attempt_.write ? window.config.devsel + window.config.write_initial : std::max(window.config.devsel, 2) + window.config.read_initial);
+  attempt_.first = frame + (attempt_.write ? window.config.devsel + window.config.write_initial
+                                           : std::max(window.config.devsel, 2) + window.config.read_initial);
   attempt_.step = 1 + (attempt_.write ? window.config.write_step : window.config.read_step);
   if (port.done == 0) port.transaction.first_data = attempt_.first;
   natural_words_ = attempt_.words;
@@ -228,7 +245,8 @@ void Bus::start(unsigned master, Clocks frame) {
   if (attempt_.write || natural_words_ == 1) return;
   ahead_ = true;
   for (unsigned i = 0; i < natural_words_; ++i)
-    port.data[port.done + i] = window.target->read(attempt_.address - window.base + i, Access{master, attempt_.first + i * attempt_.step});
+    port.data[port.done + i] =
+        window.target->read(attempt_.address - window.base + i, Access{master, attempt_.first + i * attempt_.step});
   port.initiator->arriving(attempt_, std::span<const Word>{port.data}.subspan(port.done, attempt_.words));
 }
 
@@ -238,21 +256,26 @@ void Bus::choose_answer(Window& window, const Port& port) {
   const Address offset = attempt_.address - window.base;
   attempt_.words = static_cast<unsigned>(std::min<std::uint64_t>(attempt_.wanted, window.words - offset));
   if (config.max_burst != 0) attempt_.words = std::min(attempt_.words, config.max_burst);
-  const Answer answer = window.target->answer(offset, attempt_.words, attempt_.write, Access{attempt_.master, attempt_.frame});
+  const Answer answer =
+      window.target->answer(offset, attempt_.words, attempt_.write, Access{attempt_.master, attempt_.frame});
   if (answer != Answer::accept) {
     attempt_.kind = answer == Answer::retry ? Attempt::Kind::retry : Attempt::Kind::target_abort;
     attempt_.words = 0;
     return;
   }
   if (attempt_.write && config.post_words != 0) {
-    const Clocks queued = std::max<Clocks>(0, window.drained - attempt_.frame + config.post_drain - 1) / config.post_drain;
+    const Clocks queued =
+        std::max<Clocks>(0, window.drained - attempt_.frame + config.post_drain - 1) / config.post_drain;
     const Clocks room = static_cast<Clocks>(config.post_words) - queued;
-    if (room <= 0) attempt_.kind = Attempt::Kind::retry, attempt_.words = 0;
-    else attempt_.words = std::min(attempt_.words, static_cast<unsigned>(room));
+    if (room <= 0)
+      attempt_.kind = Attempt::Kind::retry, attempt_.words = 0;
+    else
+      attempt_.words = std::min(attempt_.words, static_cast<unsigned>(room));
   }
   if (!attempt_.write && config.delayed_read) {
     const bool abandoned = window.fetching && attempt_.frame > window.fetch_ready + discard_clocks;
-    const bool mine = window.fetching && !abandoned && window.fetch_master == attempt_.master && window.fetch_address == attempt_.address;
+    const bool mine = window.fetching && !abandoned && window.fetch_master == attempt_.master &&
+                      window.fetch_address == attempt_.address;
     if (mine && attempt_.frame + config.devsel >= window.fetch_ready) {
       window.fetching = false;
       return;
@@ -268,7 +291,8 @@ void Bus::choose_answer(Window& window, const Port& port) {
   }
 }
 
-// PCI 2.1: once the latency timer has run out and GNT# has gone to another, the transaction stops with its next data phase.
+// PCI 2.1: once the latency timer has run out and GNT# has gone to another, the transaction stops with its next data
+// phase.
 void Bus::cut_by_timer() {
   if (attempt_.kind != Attempt::Kind::data) return;
   attempt_.last = attempt_.first + (natural_words_ - 1) * attempt_.step;
@@ -294,7 +318,8 @@ void Bus::move_words(Port& port, unsigned words) {
     for (unsigned i = 0; i < words; ++i) window.target->write(offset + i, port.data[port.done + i], access);
     window.statistics.words_written += words;
     port.statistics.words_written += words;
-    if (window.config.post_words != 0) window.drained = std::max(window.drained, attempt_.first) + words * window.config.post_drain;
+    if (window.config.post_words != 0)
+      window.drained = std::max(window.drained, attempt_.first) + words * window.config.post_drain;
   } else {
     if (!ahead_) port.data[port.done] = window.target->read(offset, access);
     window.statistics.words_read += words;
@@ -327,7 +352,8 @@ void Bus::finish() {
     Transaction& transaction = port.transaction;
     if (attempt_.kind == Attempt::Kind::master_abort) transaction.result = Result::master_abort;
     if (attempt_.kind == Attempt::Kind::target_abort) transaction.result = Result::target_abort;
-    if (aborted && !transaction.write) std::fill(port.data.begin() + port.done, port.data.begin() + port.wanted, ~Word{0});
+    if (aborted && !transaction.write)
+      std::fill(port.data.begin() + port.done, port.data.begin() + port.wanted, ~Word{0});
     port.statistics.aborts += aborted;
     port.statistics.transactions += 1;
     transaction.words = port.done;
@@ -429,7 +455,8 @@ BusStatistics Bus::statistics(Clocks clock) const {
     return result;
   }
   Clocks data = 0;
-  if (attempt_.kind == Attempt::Kind::data && clock > attempt_.first) data = std::min<Clocks>(attempt_.words, (clock - 1 - attempt_.first) / attempt_.step + 1);
+  if (attempt_.kind == Attempt::Kind::data && clock > attempt_.first)
+    data = std::min<Clocks>(attempt_.words, (clock - 1 - attempt_.first) / attempt_.step + 1);
   result.address += 1;
   result.data += data;
   result.wait += clock - attempt_.frame - 1 - data;

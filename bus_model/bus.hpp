@@ -1,13 +1,16 @@
 #pragma once
 // One PCI bus (2.1, 32 bit), transaction by transaction (plant-and-bus.md 3.1, 3.6). Time is a count of bus clocks.
 //
-// A transaction of n words occupies 1 + F + (n - 1)(1 + W_s) + 1 clocks: the address phase, F = devsel + W_i for a write or max(devsel, 2) + W_i for a read up to
-// and with the first data phase, the further data phases, one turnaround. Arbitration is hidden behind the running transaction; on an idle bus a
-// master starts grant_clocks after its request, or at once when the grant is parked on it. A transaction is cut by its target (disconnect, retry) or by
-// the latency timer once another master asks; the bus repeats the rest by itself. A stopped master drops REQ# for request_off_after_stop clocks.
+// A transaction of n words occupies 1 + F + (n - 1)(1 + W_s) + 1 clocks: the address phase, F = devsel + W_i for a
+// write or max(devsel, 2) + W_i for a read up to and with the first data phase, the further data phases, one
+// turnaround. Arbitration is hidden behind the running transaction; on an idle bus a master starts grant_clocks after
+// its request, or at once when the grant is parked on it. A transaction is cut by its target (disconnect, retry) or by
+// the latency timer once another master asks; the bus repeats the rest by itself. A stopped master drops REQ# for
+// request_off_after_stop clocks.
 //
-// Inaccuracies: masters are always ready (no IRDY# waits); the words of a write reach the target together at the end of the attempt; those of a burst read are fetched at
-// FRAME# with the clocks of their data phases (so windows whose reads have effects need max_burst 1), a single word at its data phase; no parity, no LOCK#, no I/O or configuration cycles.
+// Inaccuracies: masters are always ready (no IRDY# waits); the words of a write reach the target together at the end of
+// the attempt; those of a burst read are fetched at FRAME# with the clocks of their data phases (so windows whose reads
+// have effects need max_burst 1), a single word at its data phase; no parity, no LOCK#, no I/O or configuration cycles.
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -29,7 +32,7 @@ enum class Result : std::uint8_t {
 struct Transaction {
   std::uint64_t number = 0;  ///< on this bus, in order of their first FRAME#
   Address address = 0;
-  unsigned words = 0;        ///< wanted; after the end: transferred
+  unsigned words = 0;  ///< wanted; after the end: transferred
   std::uint16_t master = 0;
   std::int16_t target = -1;  ///< index of the window that answered
   bool write = false;
@@ -51,13 +54,13 @@ struct Attempt {
   Kind kind = Kind::data;
   bool write = false;
   Address address = 0;
-  unsigned wanted = 0;   ///< words left to do
-  unsigned words = 0;    ///< data phases in this attempt
+  unsigned wanted = 0;  ///< words left to do
+  unsigned words = 0;   ///< data phases in this attempt
   Clocks requested = 0;
   Clocks frame = 0;
-  Clocks first = 0;      ///< first data phase
-  Clocks step = 1;       ///< from one data phase to the next
-  Clocks last = 0;       ///< last data phase, or clock of the stop
+  Clocks first = 0;  ///< first data phase
+  Clocks step = 1;   ///< from one data phase to the next
+  Clocks last = 0;   ///< last data phase, or clock of the stop
 };
 
 /// What a target is told about an access.
@@ -73,7 +76,9 @@ class Target {
  public:
   virtual ~Target() = default;
   /// Asked at FRAME# of each attempt.
-  virtual Answer answer(Address /*offset*/, unsigned /*words*/, bool /*write*/, const Access&) { return Answer::accept; }
+  virtual Answer answer(Address /*offset*/, unsigned /*words*/, bool /*write*/, const Access&) {
+    return Answer::accept;
+  }
   virtual Word read(Address offset, const Access& access) = 0;
   virtual void write(Address offset, Word value, const Access& access) = 0;
 };
@@ -82,12 +87,16 @@ class Target {
 class Initiator {
  public:
   virtual ~Initiator() = default;
-  /// FRAME# of an attempt, decided at clock `now` <= attempt.frame. `first`: the first attempt of this transaction; a write may then put more words into `room` (those submitted are its
-  /// first attempt.wanted) and return the new number.
-  virtual unsigned framed(const Attempt& attempt, bool /*first*/, Clocks /*now*/, std::span<Word> /*room*/) { return attempt.wanted; }
+  /// FRAME# of an attempt, decided at clock `now` <= attempt.frame. `first`: the first attempt of this transaction; a
+  /// write may then put more words into `room` (those submitted are its first attempt.wanted) and return the new
+  /// number.
+  virtual unsigned framed(const Attempt& attempt, bool /*first*/, Clocks /*now*/, std::span<Word> /*room*/) {
+    return attempt.wanted;
+  }
   /// A burst read's words, known ahead: word i arrives with the data phase at first + i * step.
   virtual void arriving(const Attempt& /*attempt*/, std::span<const Word> /*words*/) {}
-  /// The end; `words` (of a read) stay valid until the next submission. The master may submit again, from `transaction.ended` on.
+  /// The end; `words` (of a read) stay valid until the next submission. The master may submit again, from
+  /// `transaction.ended` on.
   virtual void completed(const Transaction& transaction, std::span<const Word> words) = 0;
 };
 
@@ -101,7 +110,7 @@ class Monitor {
 
 class Bus {
  public:
-  static constexpr unsigned most_words = 256;   ///< of one transaction
+  static constexpr unsigned most_words = 256;  ///< of one transaction
   static constexpr unsigned most_masters = 32;
 
   explicit Bus(BusConfig config = {});
@@ -109,18 +118,20 @@ class Bus {
   Bus(const Bus&) = delete;
   Bus& operator=(const Bus&) = delete;
 
-  /// Masters are numbered from 0 in order of addition. The initiator must outlive the bus. Throws std::invalid_argument for parameters that PCI forbids.
+  /// Masters are numbered from 0 in order of addition. The initiator must outlive the bus. Throws std::invalid_argument
+  /// for parameters that PCI forbids.
   unsigned add_master(const MasterConfig& config, Initiator& initiator);
   /// A window [base, base + words) of a target; windows must not overlap. Gives its index.
   unsigned add_target(const TargetConfig& config, Target& target, Address base, std::uint64_t words);
 
-  /// Raises REQ# at clock `request` >= now() for `words` words from `address` on. Words of a write are put into buffer(master) before. `speculative`: a read that
-  /// ends at the first stop that left it at least one word. One transaction per master at a time (std::logic_error otherwise).
+  /// Raises REQ# at clock `request` >= now() for `words` words from `address` on. Words of a write are put into
+  /// buffer(master) before. `speculative`: a read that ends at the first stop that left it at least one word. One
+  /// transaction per master at a time (std::logic_error otherwise).
   void submit(unsigned master, bool write, Address address, unsigned words, Clocks request, bool speculative = false);
   std::span<Word> buffer(unsigned master);
   bool busy(unsigned master) const;
-  /// The master leaves at clock `now`: its request goes away, its running transaction breaks off, what its data phases have moved so far is moved. completed() is not called.
-  /// Gives the number of words moved.
+  /// The master leaves at clock `now`: its request goes away, its running transaction breaks off, what its data phases
+  /// have moved so far is moved. completed() is not called. Gives the number of words moved.
   unsigned withdraw(unsigned master, Clocks now);
 
   /// The clock of the next thing to happen here, or never.
@@ -164,13 +175,13 @@ class Bus {
   std::vector<Window> windows_;
   Attempt attempt_{};
   bool running_ = false;
-  bool ahead_ = false;        // the attempt's words have been read at FRAME#
+  bool ahead_ = false;  // the attempt's words have been read at FRAME#
   bool after_write_ = false;
-  int chosen_ = -1;           // who starts at next_ when idle
+  int chosen_ = -1;  // who starts at next_ when idle
   unsigned natural_words_ = 0;
   unsigned last_owner_ = 0;
   Clocks now_ = 0;
-  Clocks free_ = 0;           // first clock after the last turnaround
+  Clocks free_ = 0;  // first clock after the last turnaround
   Clocks next_ = never;
   std::uint64_t started_ = 0;
   BusStatistics statistics_;

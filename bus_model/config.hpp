@@ -1,6 +1,6 @@
 #pragma once
-// Parameters of a PCI bus, its masters, its targets and the bridges in front of it. All times are whole bus clocks (30 ns at 33 1/3 MHz).
-// Defaults: plant-and-bus.md 3.6.
+// Parameters of a PCI bus, its masters, its targets and the bridges in front of it. All times are whole bus clocks (30
+// ns at 33 1/3 MHz). Defaults: plant-and-bus.md 3.6.
 #include <cstdint>
 #include <string>
 
@@ -33,23 +33,24 @@ struct BusConfig {
 
 struct MasterConfig {
   std::string name = "master";
-  Clocks latency_timer = 32;              ///< MLT: 8..248, a multiple of 8
-  Clocks request_off_after_stop = 2;      ///< clocks for which REQ# is dropped after a retry or disconnect
+  Clocks latency_timer = 32;          ///< MLT: 8..248, a multiple of 8
+  Clocks request_off_after_stop = 2;  ///< clocks for which REQ# is dropped after a retry or disconnect
 };
 
 /// One window of addresses of a target, and how fast it answers.
 struct TargetConfig {
   std::string name = "target";
-  int devsel = 2;            ///< 1 fast, 2 medium, 3 slow
-  int read_initial = 3;      ///< W_i: wait states before the first data phase; devsel + W_i is at most 16
-  int read_step = 0;         ///< W_s: wait states before each later data phase, at most 7
+  int devsel = 2;        ///< 1 fast, 2 medium, 3 slow
+  int read_initial = 3;  ///< W_i: wait states before the first data phase; devsel + W_i is at most 16
+  int read_step = 0;     ///< W_s: wait states before each later data phase, at most 7
   int write_initial = 1;
   int write_step = 0;
-  unsigned max_burst = 0;    ///< disconnects after so many words; 0: never
-  bool delayed_read = false; ///< a read is refused (retry) until the target has fetched it
-  Clocks fetch = 0;          ///< clocks of that fetch
-  unsigned post_words = 0;   ///< room of a posted-write queue that refuses when it is full; 0: writes go straight through
-  Clocks post_drain = 1;     ///< clocks per word that leave that queue
+  unsigned max_burst = 0;     ///< disconnects after so many words; 0: never
+  bool delayed_read = false;  ///< a read is refused (retry) until the target has fetched it
+  Clocks fetch = 0;           ///< clocks of that fetch
+  unsigned post_words =
+      0;                  ///< room of a posted-write queue that refuses when it is full; 0: writes go straight through
+  Clocks post_drain = 1;  ///< clocks per word that leave that queue
 
   static TargetConfig sram();        ///< W_i 3/1, W_s 0/0
   static TargetConfig s5933();       ///< W_i 8/2, W_s 1/1
@@ -62,7 +63,8 @@ struct BridgeConfig {
   Clocks request_sync = 2;      ///< clocks from the processor's request to REQ#
   Clocks return_sync = 2;       ///< clocks from the data phase to the processor
   unsigned post_depth = 8;      ///< words of the posted-write FIFO, 1..64
-  unsigned prefetch_words = 8;  ///< a read fetches up to the end of the aligned line of so many words (a power of two up to 64); 0 or 1: one word
+  unsigned prefetch_words = 8;  ///< a read fetches up to the end of the aligned line of so many words (a power of two
+                                ///< up to 64); 0 or 1: one word
   Address prefetch_limit = 0;   ///< only below this address; reads at or above it drop the line
 };
 

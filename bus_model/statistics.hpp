@@ -15,11 +15,14 @@ class Histogram {
   void add(Clocks value) {
     counts_[bin(value)] += 1;
     count_ += 1;
+    sum_ += value;
     if (value > max_) max_ = value;
   }
   std::uint64_t count() const { return count_; }
+  Clocks sum() const { return sum_; }
   Clocks max() const { return max_; }
-  /// The smallest value that at least `fraction` (0..1) of the entries do not exceed: exact up to 63, above that the upper edge of its bin, never more than max().
+  /// The smallest value that at least `fraction` (0..1) of the entries do not exceed: exact up to 63, above that the
+  /// upper edge of its bin, never more than max().
   Clocks percentile(double fraction) const;
   /// Entries in [2^k, 2^(k+1)); element 0 holds 0 and 1.
   std::array<std::uint64_t, 32> octaves() const;
@@ -32,6 +35,7 @@ class Histogram {
 
   std::array<std::uint64_t, bins> counts_{};
   std::uint64_t count_ = 0;
+  Clocks sum_ = 0;
   Clocks max_ = 0;
 };
 
@@ -54,8 +58,8 @@ struct MasterStatistics {
   std::uint64_t disconnects = 0;  ///< by the target, words left
   std::uint64_t timer_stops = 0;  ///< by the latency timer, words left
   std::uint64_t aborts = 0;
-  Clocks owned = 0;               ///< clocks on the bus
-  Histogram wait;                 ///< clocks from the request to the first FRAME#
+  Clocks owned = 0;  ///< clocks on the bus
+  Histogram wait;    ///< clocks from the request to the first FRAME#
 };
 
 struct TargetStatistics {

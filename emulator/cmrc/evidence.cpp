@@ -13,6 +13,7 @@ namespace {
 report::Summary summary_of(const pci::Histogram& histogram) {
   report::Summary summary;
   summary.count = histogram.count();
+  if (histogram.count() != 0) summary.mean = static_cast<double>(histogram.sum()) / static_cast<double>(histogram.count());
   summary.p50 = histogram.percentile(0.5);
   summary.p99 = histogram.percentile(0.99);
   summary.p99_9 = histogram.percentile(0.999);
@@ -28,7 +29,7 @@ report::BusReport bus_report(const machine::Machine& machine, machine::BusId id,
   report::BusReport report;
   report.name = id == machine::BusId::a ? "A" : "B";
   report.clock_hz = hertz;
-  const pci::BusStatistics statistics = bus.statistics(bus.now());
+  const pci::BusStatistics statistics = machine.bus_statistics(id);
   report.clocks = statistics.total();
   report.data = statistics.data;
   report.wait = statistics.address + statistics.wait;

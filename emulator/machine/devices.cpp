@@ -20,7 +20,8 @@ constexpr Word word(std::int32_t value) { return static_cast<Word>(value); }
 
 }  // namespace
 
-Devices::Devices(const Symbols& symbols, plant::Dock& dock, Clock bus_clock, const Fence& fence) : dock_{dock}, clock_{bus_clock}, fence_{fence} {
+Devices::Devices(const Symbols& symbols, plant::Dock& dock, Clock bus_clock, const Fence& fence)
+    : dock_{dock}, clock_{bus_clock}, fence_{fence} {
   const Symbols& s = symbols;
   for (unsigned joint = 0; joint < joints; ++joint) {
     define(s.drive_torque + joint, Kind::drive_torque, joint);
@@ -55,9 +56,11 @@ Devices::Devices(const Symbols& symbols, plant::Dock& dock, Clock bus_clock, con
 }
 
 void Devices::define(Offset offset, Kind kind, unsigned index) {
-  if (offset > 0xFFFF || index > 255) throw std::invalid_argument{"the DSP program: devices on bus B lie at offsets 0 to FFFFh"};
+  if (offset > 0xFFFF || index > 255)
+    throw std::invalid_argument{"the DSP program: devices on bus B lie at offsets 0 to FFFFh"};
   if (offset >= registers_.size()) registers_.resize(offset + 1);
-  if (registers_[offset].kind != Kind::none) throw std::invalid_argument{"the DSP program: two devices share offset " + std::to_string(offset) + " of bus B"};
+  if (registers_[offset].kind != Kind::none)
+    throw std::invalid_argument{"the DSP program: two devices share offset " + std::to_string(offset) + " of bus B"};
   registers_[offset] = {kind, static_cast<std::uint8_t>(index)};
 }
 
@@ -104,7 +107,8 @@ void Devices::write(pci::Address offset, Word value, const pci::Access& access) 
     case Kind::agv_period: return dock_.agv_period(index, value, t);
     case Kind::agv_speed_command: commands_[r.index].speed = number; return;
     case Kind::agv_front_command: commands_[r.index].front = number; return;
-    case Kind::agv_rear_command: return dock_.agv_push(index, commands_[r.index].speed, commands_[r.index].front, number, t);
+    case Kind::agv_rear_command:
+      return dock_.agv_push(index, commands_[r.index].speed, commands_[r.index].front, number, t);
     default: throw std::logic_error{"Devices::write of a register that answer() refuses"};
   }
 }

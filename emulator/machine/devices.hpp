@@ -22,7 +22,9 @@ class Devices final : public pci::Target {
 
   /// Offsets 0 to size() - 1; not every one has a register.
   Offset size() const { return static_cast<Offset>(registers_.size()); }
-  bool answers(Offset offset, bool write) const { return offset < registers_.size() && (write ? registers_[offset].writable() : registers_[offset].readable()); }
+  bool answers(Offset offset, bool write) const {
+    return offset < registers_.size() && (write ? registers_[offset].writable() : registers_[offset].readable());
+  }
   void append_state(std::vector<std::uint64_t>& words) const;
 
   pci::Answer answer(pci::Address offset, unsigned words, bool write, const pci::Access& access) override;
@@ -32,8 +34,28 @@ class Devices final : public pci::Target {
  private:
   enum class Kind : std::uint8_t {
     none,
-    drive_torque, drive_enable, spreader_command, scan_row, agv_period, agv_speed_command, agv_front_command, agv_rear_command,  // written
-    encoder, sway, spreader_status, scan_rows, scan_y, scan_x0, scan_dx, scan_deck, scan_profile, agv_x, agv_y, agv_heading, agv_speed, agv_status,  // read
+    drive_torque,
+    drive_enable,
+    spreader_command,
+    scan_row,
+    agv_period,
+    agv_speed_command,
+    agv_front_command,
+    agv_rear_command,  // written
+    encoder,
+    sway,
+    spreader_status,
+    scan_rows,
+    scan_y,
+    scan_x0,
+    scan_dx,
+    scan_deck,
+    scan_profile,
+    agv_x,
+    agv_y,
+    agv_heading,
+    agv_speed,
+    agv_status,  // read
   };
   struct Register {
     Kind kind = Kind::none;

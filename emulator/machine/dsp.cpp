@@ -84,7 +84,8 @@ void Dsp::run(Time horizon) {
       case c40::StopInfo::Reason::external_access:
         if (!take(stop.access, end)) return;
         break;
-      case c40::StopInfo::Reason::fault: return fault(stop.fault->cycle, stop.fault->pc, stop.fault->address, stop.fault->message);
+      case c40::StopInfo::Reason::fault:
+        return fault(stop.fault->cycle, stop.fault->pc, stop.fault->address, stop.fault->message);
       case c40::StopInfo::Reason::limit:
       case c40::StopInfo::Reason::breakpoint:
         if (edge_waiting_) {
@@ -108,7 +109,9 @@ bool Dsp::take(const c40::ExternalAccess& access, Time horizon) {
   if (access.write) {
     const BusId bus = on_a(access.address) ? BusId::a : BusId::b;
     if (!writable(bus, offset_of(access.address))) {
-      fault(access.cycle, chip_.pc(), access.address, fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)", bus == BusId::a ? 'A' : 'B'));
+      fault(access.cycle, chip_.pc(), access.address,
+            fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)",
+                        bus == BusId::a ? 'A' : 'B'));
       return false;
     }
     if (begins < horizon && bridge.has_room()) {
@@ -132,8 +135,12 @@ void Dsp::post(pci::Bridge& bridge, const c40::ExternalAccess& access) {
   const Time issued = around_.chip_clock.at(access.cycle);
   statistics_.posted_writes += 1;
   if (around_.observer != nullptr)
-    around_.observer->dsp_issue(slot_, on_a(access.address) ? BusId::a : BusId::b, offset_of(access.address), access.value, issued);
-  bridge.write({.address = offset_of(access.address), .value = access.value, .clock = around_.bus_clock.tick_at_or_after(issued), .stamp = issued.count()});
+    around_.observer->dsp_issue(slot_, on_a(access.address) ? BusId::a : BusId::b, offset_of(access.address),
+                                access.value, issued);
+  bridge.write({.address = offset_of(access.address),
+                .value = access.value,
+                .clock = around_.bus_clock.tick_at_or_after(issued),
+                .stamp = issued.count()});
 }
 
 void Dsp::begin_access(Time horizon) {
@@ -155,7 +162,8 @@ void Dsp::answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks 
   if (result != pci::Result::done) {
     const c40::Cycles cycle = std::max(access_.cycle, around_.chip_clock.tick_at_or_after(around_.bus_clock.at(ready)));
     return fault(cycle, chip_.pc(), access_.address,
-                 fmt::format("a read that nothing on bus {} answers (PCI {} abort)", side.bus == BusId::a ? 'A' : 'B', result == pci::Result::master_abort ? "master" : "target"));
+                 fmt::format("a read that nothing on bus {} answers (PCI {} abort)", side.bus == BusId::a ? 'A' : 'B',
+                             result == pci::Result::master_abort ? "master" : "target"));
   }
   answer_ = value;
   resume_at(ready, arbitration);
@@ -289,7 +297,8 @@ void Dsp::reset(Time now) {
   state_ = State::booting;
   std::int64_t words = 0;
   for (const auto& section : around_.program.sections) words += static_cast<std::int64_t>(section.words.size());
-  own_next_ = std::max(now, around_.chip_clock.at(chip_.cycle())) + around_.config.reset_time + words * around_.config.boot_time_per_word;
+  own_next_ = std::max(now, around_.chip_clock.at(chip_.cycle())) + around_.config.reset_time +
+              words * around_.config.boot_time_per_word;
   edge_ = reset_ = never;
   set_next();
   if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::reset, now);
@@ -323,7 +332,8 @@ void Dsp::append_state(std::vector<std::uint64_t>& words) const {
   words.push_back(static_cast<std::uint64_t>(chip_.cycle()));
   words.push_back(chip_.instructions());
   for (const c40::Cycles cycles : chip_.causes()) words.push_back(static_cast<std::uint64_t>(cycles));
-  for (c40::Address address = c40::on_chip_ram; address < c40::on_chip_ram + 2 * c40::on_chip_block_words; ++address) words.push_back(chip_.peek(address));
+  for (c40::Address address = c40::on_chip_ram; address < c40::on_chip_ram + 2 * c40::on_chip_block_words; ++address)
+    words.push_back(chip_.peek(address));
   words.push_back(static_cast<std::uint64_t>(state_));
   words.push_back(statistics_.posted_writes);
   words.push_back(statistics_.bus_reads);
@@ -332,7 +342,8 @@ void Dsp::append_state(std::vector<std::uint64_t>& words) const {
 }
 
 void Dsp::fault(c40::Cycles cycle, std::uint32_t pc, std::uint32_t address, std::string what) {
-  fault_ = ChipFault{.slot = slot_, .time = around_.chip_clock.at(cycle), .cycle = cycle, .pc = pc, .address = address, .message = {}};
+  fault_ = ChipFault{
+      .slot = slot_, .time = around_.chip_clock.at(cycle), .cycle = cycle, .pc = pc, .address = address, .message = {}};
   fault_.message = fmt::format("DSP {} at PC {:08X}h, cycle {}, address {:08X}h: {}", slot_, pc, cycle, address, what);
   state_ = State::faulting;
   own_next_ = fault_.time;

@@ -1,8 +1,9 @@
 #pragma once
 // One DSP board: a chip and its two bridges, and how they go through time together.
 //
-// The board is always in one state, and says when it wants to be called next. What it does on its own between two accesses (and posted writes that find room, and reads that
-// the bridge's line answers) it may do ahead of everybody else, up to the horizon given.
+// The board is always in one state, and says when it wants to be called next. What it does on its own between two
+// accesses (and posted writes that find room, and reads that the bridge's line answers) it may do ahead of everybody
+// else, up to the horizon given.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -66,8 +67,8 @@ class Dsp {
 
  private:
   enum class State : std::uint8_t {
-    out,       // no board in the slot
-    booting,   // held in reset until own_next_
+    out,      // no board in the slot
+    booting,  // held in reset until own_next_
     running,
     access,    // stopped before access_, which begins at own_next_
     blocked,   // the bridge has the access
@@ -78,9 +79,13 @@ class Dsp {
   };
   struct Side final : pci::Bridge::Client {
     Side(Dsp& owner, BusId which) : dsp{owner}, bus{which} {}
-    void answered(Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) override { dsp.answered(*this, value, ready, arbitration, result); }
+    void answered(Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) override {
+      dsp.answered(*this, value, ready, arbitration, result);
+    }
     void taken(pci::Clocks ready, pci::Clocks arbitration) override { dsp.resume_at(ready, arbitration); }
-    void landed(const pci::Posted& posted, pci::Clocks clock, pci::Result) override { dsp.landed(*this, posted, clock); }
+    void landed(const pci::Posted& posted, pci::Clocks clock, pci::Result) override {
+      dsp.landed(*this, posted, clock);
+    }
     Dsp& dsp;
     BusId bus;
   };
@@ -102,7 +107,9 @@ class Dsp {
   bool writable(BusId bus, Offset offset) const;
 
   bool on_a(std::uint32_t address) const { return address >= around_.symbols.window_a; }
-  Offset offset_of(std::uint32_t address) const { return address - (on_a(address) ? around_.symbols.window_a : around_.symbols.window_b); }
+  Offset offset_of(std::uint32_t address) const {
+    return address - (on_a(address) ? around_.symbols.window_a : around_.symbols.window_b);
+  }
   pci::Bridge& bridge_of(std::uint32_t address) { return on_a(address) ? bridge_a_ : bridge_b_; }
 
   unsigned slot_;

@@ -14,7 +14,8 @@ Host::Host(HostProgram& program, const Config& config, pci::Bus& bus, Clock bus_
       clock_{bus_clock},
       registers_{registers},
       bridge_{bus, config.host_master, config.host_bridge, *this},
-      action_clocks_{config.host_bridge.request_sync + config.shared_memory.devsel + config.shared_memory.write_initial + 1 + config.interrupt_clocks} {
+      action_clocks_{config.host_bridge.request_sync + config.shared_memory.devsel +
+                     config.shared_memory.write_initial + 1 + config.interrupt_clocks} {
   waiting_.reserve(1024);
   words_read_.reserve(1024);
   set_next(Time{0});
@@ -36,7 +37,8 @@ void Host::process(Time now) {
 Time Host::earliest_action() const {
   const pci::Clocks event = bus_.next_event();
   const Time bus = event == pci::never ? never : clock_.at(event);
-  // A program that waits for words wakes with the bus's next event at the earliest; then its write has to cross the bridge and the bus.
+  // A program that waits for words wakes with the bus's next event at the earliest; then its write has to cross the
+  // bridge and the bus.
   const Time acts = words_wanted_ != 0 && read_done_ == never ? std::min(next_, bus) : next_;
   Time earliest = acts == never ? never : acts + clock_.at(action_clocks_) - Time{1};
   if (acting_ != 0) earliest = std::min(earliest, bus);
@@ -47,7 +49,8 @@ void Host::require_answer(Offset offset, std::size_t words, bool write) const {
   for (std::size_t i = 0; i < words; ++i) {
     const auto one = static_cast<Offset>(offset + i);
     if (one >= SharedSram::size && !registers_.answers(one, write, true))
-      throw std::out_of_range{fmt::format("the host {} bus A offset {:X}h, where nothing answers", write ? "writes to" : "reads from", one)};
+      throw std::out_of_range{fmt::format("the host {} bus A offset {:X}h, where nothing answers",
+                                          write ? "writes to" : "reads from", one)};
   }
 }
 
@@ -63,7 +66,8 @@ void Host::read(Offset offset, unsigned n_words, std::uint32_t tag) {
 }
 
 void Host::write(Offset offset, std::span<const Word> words) {
-  if (words_wanted_ != 0) throw std::logic_error{"HostPort::write while a read is outstanding: the host's processor waits for it"};
+  if (words_wanted_ != 0)
+    throw std::logic_error{"HostPort::write while a read is outstanding: the host's processor waits for it"};
   require_answer(offset, words.size(), true);
   for (std::size_t i = 0; i < words.size(); ++i) {
     const auto one = static_cast<Offset>(offset + i);

@@ -24,7 +24,9 @@ class Host final : public HostPort, private pci::Bridge::Client {
   void write(Offset offset, std::span<const Word> words) override;
   using HostPort::write;
   bool reading() const override { return words_wanted_ != 0; }
-  std::size_t pending_writes() const override { return waiting_.size() - first_waiting_ + bridge_.posted() + bridge_.blocked_write(); }
+  std::size_t pending_writes() const override {
+    return waiting_.size() - first_waiting_ + bridge_.posted() + bridge_.blocked_write();
+  }
 
  private:
   void answered(Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) override;
@@ -42,7 +44,7 @@ class Host final : public HostPort, private pci::Bridge::Client {
   pci::Bridge bridge_;
   Time next_ = never;
   Time read_done_ = never;
-  pci::Clocks cpu_ = 0;  // the processor issues its next access at this clock or later
+  pci::Clocks cpu_ = 0;               // the processor issues its next access at this clock or later
   std::vector<pci::Posted> waiting_;  // writes that found the FIFO full
   std::size_t first_waiting_ = 0;
   unsigned acting_ = 0;  // posted words that will act on a DSP

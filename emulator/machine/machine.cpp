@@ -23,12 +23,18 @@ namespace {
 Config checked(Config config) {
   if (config.slots == 0) config.slots = config.dsps;
   if (config.slots > most_slots || config.dsps > config.slots)
-    throw std::invalid_argument{fmt::format("machine: {} DSPs in {} slots; there are at most {} slots and no more DSPs than slots", config.dsps, config.slots, most_slots)};
-  if (config.interrupt_clocks < 1 || config.interrupt_clocks > 3) throw std::invalid_argument{"machine: interrupt_clocks is 1 to 3"};
+    throw std::invalid_argument{
+        fmt::format("machine: {} DSPs in {} slots; there are at most {} slots and no more DSPs than slots", config.dsps,
+                    config.slots, most_slots)};
+  if (config.interrupt_clocks < 1 || config.interrupt_clocks > 3)
+    throw std::invalid_argument{"machine: interrupt_clocks is 1 to 3"};
   if (config.prefetch_hit_cycles < 0) throw std::invalid_argument{"machine: prefetch_hit_cycles is at least 0"};
   for (const ScriptedEvent& event : config.script)
-    if (event.slot >= config.slots || event.time < Time{0}) throw std::invalid_argument{fmt::format("machine: a scripted event at {} ps for slot {}; slots are 0 to {}", event.time.count(), event.slot, config.slots - 1)};
-  std::stable_sort(config.script.begin(), config.script.end(), [](const ScriptedEvent& a, const ScriptedEvent& b) { return a.time < b.time; });
+    if (event.slot >= config.slots || event.time < Time{0})
+      throw std::invalid_argument{fmt::format("machine: a scripted event at {} ps for slot {}; slots are 0 to {}",
+                                              event.time.count(), event.slot, config.slots - 1)};
+  std::stable_sort(config.script.begin(), config.script.end(),
+                   [](const ScriptedEvent& a, const ScriptedEvent& b) { return a.time < b.time; });
   return config;
 }
 
@@ -61,15 +67,21 @@ class Machine::Parts final : public DoorbellClient {
   void act(Action action, unsigned slot, Time now);
   void observe(Observer* observer);
 
-  void ring(unsigned slot, pci::Clocks clock) override { dsps.at(slot).schedule_edge(bus_clock.at(clock + config.interrupt_clocks)); }
-  void reset_slot(unsigned slot, pci::Clocks clock) override { dsps.at(slot).schedule_reset(bus_clock.at(clock + config.interrupt_clocks)); }
+  void ring(unsigned slot, pci::Clocks clock) override {
+    dsps.at(slot).schedule_edge(bus_clock.at(clock + config.interrupt_clocks));
+  }
+  void reset_slot(unsigned slot, pci::Clocks clock) override {
+    dsps.at(slot).schedule_reset(bus_clock.at(clock + config.interrupt_clocks));
+  }
   void semaphore_event(unsigned number, SemaphoreEvent event, unsigned owner, pci::Clocks clock) override {
     if (around->observer != nullptr) around->observer->semaphore(number, event, owner, bus_clock.at(clock));
   }
 
   struct Watch final : pci::Monitor {
     Watch(Parts& owner, BusId which) : parts{owner}, bus{which} {}
-    void ended(const pci::Transaction& transaction) override { parts.around->observer->transaction(bus, transaction, parts.bus_clock.at(transaction.ended)); }
+    void ended(const pci::Transaction& transaction) override {
+      parts.around->observer->transaction(bus, transaction, parts.bus_clock.at(transaction.ended));
+    }
     Parts& parts;
     BusId bus;
   };
@@ -106,7 +118,9 @@ class Machine::Parts final : public DoorbellClient {
   void take(Turn turn, Time limit);
   Time horizon(Time limit) const;
   void run_some_ahead(Time limit);
-  Time bus_time(const pci::Bus& bus) const { return bus.next_event() == pci::never ? never : bus_clock.at(bus.next_event()); }
+  Time bus_time(const pci::Bus& bus) const {
+    return bus.next_event() == pci::never ? never : bus_clock.at(bus.next_event());
+  }
   Time script_time() const { return next_scripted < config.script.size() ? config.script[next_scripted].time : never; }
 
   Shuffle shuffle_{config.turn_order};
@@ -174,7 +188,8 @@ Machine::Parts::Turn Machine::Parts::earliest(Time limit) const {
   return best;
 }
 
-// Until then nothing that is not yet scheduled at a DSP can act on it: rings and resets come from the host, failures from the script.
+// Until then nothing that is not yet scheduled at a DSP can act on it: rings and resets come from the host, failures
+// from the script.
 Time Machine::Parts::horizon(Time limit) const {
   const Time planned = std::min(limit, script_time());
   return host ? std::min(planned, host->earliest_action()) : planned;
@@ -197,7 +212,8 @@ void Machine::Parts::take(Turn turn, Time limit) {
     dock->advance_to(turn.time);
 }
 
-// Lets some chips do in advance what is theirs alone, in any order and to any point. It must not matter (rulings.md 3), and tests see to it.
+// Lets some chips do in advance what is theirs alone, in any order and to any point. It must not matter (rulings.md 3),
+// and tests see to it.
 void Machine::Parts::run_some_ahead(Time limit) {
   const Time far = horizon(limit);
   for (std::size_t i = 0; i < dsps.size(); ++i) {
@@ -226,19 +242,14 @@ void Machine::Parts::act(Action action, unsigned slot, Time now) {
   switch (action) {
     case Action::fail: return dsp.fail(now);
     case Action::hang: return dsp.hang(now);
-    case Action::unplug:
-      registers.clear_idle(slot);
-      return dsp.unplug(now);
-    case Action::plug:
-      fence.mask |= Word{1} << slot;
-      return dsp.plug(now);
-    case Action::reset:
-      registers.clear_idle(slot);
-      return dsp.reset(now);
+    case Action::unplug: registers.clear_idle(slot); return dsp.unplug(now);
+    case Action::plug: fence.mask |= Word{1} << slot; return dsp.plug(now);
+    case Action::reset: registers.clear_idle(slot); return dsp.reset(now);
   }
 }
 
-Machine::Machine(Config config, const toolchain::Image& program, plant::Dock* dock, HostProgram* host) : parts_{std::make_unique<Parts>(std::move(config), program, dock, host)} {}
+Machine::Machine(Config config, const toolchain::Image& program, plant::Dock* dock, HostProgram* host)
+    : parts_{std::make_unique<Parts>(std::move(config), program, dock, host)} {}
 Machine::~Machine() = default;
 
 void Machine::run_until(Time limit) { parts_->run_until(limit); }
@@ -248,10 +259,15 @@ void Machine::set_observer(Observer* observer) { parts_->observe(observer); }
 void Machine::act(Action action, unsigned slot) { parts_->act(action, slot, parts_->time); }
 
 void Machine::script(ScriptedEvent event) {
-  if (event.time < parts_->time || event.slot >= slots()) throw std::invalid_argument{fmt::format("machine: a scripted event at {} ps for slot {}; the time is {} ps, slots are 0 to {}", event.time.count(), event.slot, parts_->time.count(), slots() - 1)};
+  if (event.time < parts_->time || event.slot >= slots())
+    throw std::invalid_argument{
+        fmt::format("machine: a scripted event at {} ps for slot {}; the time is {} ps, slots are 0 to {}",
+                    event.time.count(), event.slot, parts_->time.count(), slots() - 1)};
   auto& script = parts_->config.script;
   const auto from = script.begin() + static_cast<std::ptrdiff_t>(parts_->next_scripted);
-  script.insert(std::upper_bound(from, script.end(), event, [](const ScriptedEvent& a, const ScriptedEvent& b) { return a.time < b.time; }), event);
+  script.insert(std::upper_bound(from, script.end(), event,
+                                 [](const ScriptedEvent& a, const ScriptedEvent& b) { return a.time < b.time; }),
+                event);
 }
 
 unsigned Machine::slots() const { return parts_->config.slots; }
@@ -261,6 +277,9 @@ c40::Chip& Machine::chip(unsigned slot) { return parts_->dsps.at(slot).chip(); }
 const c40::Chip& Machine::chip(unsigned slot) const { return parts_->dsps.at(slot).chip(); }
 const Clock& Machine::chip_clock() const { return parts_->around->chip_clock; }
 const pci::Bus& Machine::bus(BusId id) const { return id == BusId::a ? parts_->bus_a : parts_->bus_b; }
+pci::BusStatistics Machine::bus_statistics(BusId id) const {
+  return bus(id).statistics(std::max(bus(id).now(), parts_->bus_clock.tick_at_or_before(parts_->time)));
+}
 const std::vector<ChipFault>& Machine::faults() const { return parts_->around->faults; }
 const SlotStatistics& Machine::statistics(unsigned slot) const { return parts_->dsps.at(slot).statistics(); }
 Word Machine::peek(Offset offset) const { return parts_->sram.words().at(offset); }

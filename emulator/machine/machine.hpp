@@ -1,14 +1,16 @@
 #pragma once
 // Several C40s, two PCI buses, shared memory, a host and the dock, in one virtual time (design.md, decisions 2 to 7).
 //
-// Each DSP sees bus A (host, shared memory) through window A at C0000000h and bus B (drives, sensors, AGV units) through window B at
-// 70000000h, each through a bridge of its own. The host is a HostProgram: what it does is C++, but whatever it reads or writes is a transaction on bus A.
+// Each DSP sees bus A (host, shared memory) through window A at C0000000h and bus B (drives, sensors, AGV units)
+// through window B at 70000000h, each through a bridge of its own. The host is a HostProgram: what it does is C++, but
+// whatever it reads or writes is a transaction on bus A.
 //
-// Order: always the earliest event, ties by component number (host 0, bus A 1, bus B 2, scripted events 3, DSP slot n 16 + n, the plant last). Chips run ahead of that order
-// only where nothing can reach them, so the results do not depend on Config::turn_order nor on how a run is cut into calls of run_until.
+// Order: always the earliest event, ties by component number (host 0, bus A 1, bus B 2, scripted events 3, DSP slot n
+// 16 + n, the plant last). Chips run ahead of that order only where nothing can reach them, so the results do not
+// depend on Config::turn_order nor on how a run is cut into calls of run_until.
 //
-// Inaccuracies: a doorbell or reset takes effect from the end of the write burst that holds it; burst reads take the memory's words at FRAME#; the host's
-// processor has no caches and no other work than its HostProgram's.
+// Inaccuracies: a doorbell or reset takes effect from the end of the write burst that holds it; burst reads take the
+// memory's words at FRAME#; the host's processor has no caches and no other work than its HostProgram's.
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -26,6 +28,7 @@ class Chip;
 }
 namespace pci {
 class Bus;
+struct BusStatistics;
 struct Transaction;
 }  // namespace pci
 namespace plant {
@@ -42,15 +45,17 @@ using Offset = std::uint32_t;  ///< word address on a bus: a C40's address minus
 
 enum class BusId : std::uint8_t { a, b };
 
-/// The host's way to bus A. Writes are posted in order (they combine into bursts at rising addresses); a read goes to the bus when all writes
-/// before it have. Legal only inside HostProgram's calls.
+/// The host's way to bus A. Writes are posted in order (they combine into bursts at rising addresses); a read goes to
+/// the bus when all writes before it have. Legal only inside HostProgram's calls.
 class HostPort {
  public:
   virtual ~HostPort() = default;
-  /// Asks for n_words (at least 1) from offset on. The answer comes by HostProgram::read_done with the same tag. Single words one after the other on
-  /// the bus: a Pentium's reads of PCI memory do not burst (plant-and-bus.md 3.1). Throws std::logic_error while a read is outstanding.
+  /// Asks for n_words (at least 1) from offset on. The answer comes by HostProgram::read_done with the same tag. Single
+  /// words one after the other on the bus: a Pentium's reads of PCI memory do not burst (plant-and-bus.md 3.1). Throws
+  /// std::logic_error while a read is outstanding.
   virtual void read(Offset offset, unsigned n_words, std::uint32_t tag) = 0;
-  /// Throws std::logic_error while a read is outstanding: the processor waits for it. Both throw std::out_of_range where nothing answers on bus A.
+  /// Throws std::logic_error while a read is outstanding: the processor waits for it. Both throw std::out_of_range
+  /// where nothing answers on bus A.
   virtual void write(Offset offset, std::span<const Word> words) = 0;
   void write(Offset offset, Word word) { write(offset, std::span<const Word>{&word, 1}); }
   /// A read has been asked for and not yet answered.
@@ -63,7 +68,8 @@ class HostPort {
 class HostProgram {
  public:
   virtual ~HostProgram() = default;
-  /// When it wants to be woken next (never: only by read_done). Asked after each call below; a time that has passed means now.
+  /// When it wants to be woken next (never: only by read_done). Asked after each call below; a time that has passed
+  /// means now.
   virtual Time next_wake() const = 0;
   virtual void wake(Time now, HostPort& port) = 0;
   /// The words are valid during the call only.
@@ -83,14 +89,16 @@ struct ChipFault {
 enum class SemaphoreEvent : std::uint8_t { acquired, refused, released };
 enum class SlotChange : std::uint8_t { plugged, unplugged, reset, booted };
 
-/// Sees what happens, in the order in which it happens, and changes nothing. Every function does nothing unless overridden.
+/// Sees what happens, in the order in which it happens, and changes nothing. Every function does nothing unless
+/// overridden.
 class Observer {
  public:
   virtual ~Observer() = default;
-  /// A DSP issues a write at `issued`, which its program may do ahead of others: per slot in order, before dsp_write tells of the same write. The
-  /// chip's counters are those of this instant.
+  /// A DSP issues a write at `issued`, which its program may do ahead of others: per slot in order, before dsp_write
+  /// tells of the same write. The chip's counters are those of this instant.
   virtual void dsp_issue(unsigned /*slot*/, BusId, Offset, Word, Time /*issued*/) {}
-  /// A DSP's write has reached its target at `now`; the program issued it at `issued`. Fenced writes do not come here (see dsp_write_dropped).
+  /// A DSP's write has reached its target at `now`; the program issued it at `issued`. Fenced writes do not come here
+  /// (see dsp_write_dropped).
   virtual void dsp_write(unsigned /*slot*/, BusId, Offset, Word, Time /*issued*/, Time /*now*/) {}
   virtual void dsp_write_dropped(unsigned /*slot*/, BusId, Offset, Word, Time /*issued*/, Time /*now*/) {}
   /// A transaction has ended. Master 0 of bus A is the host; DSP slot n is master n + 1 of bus A and master n of bus B.
@@ -121,13 +129,13 @@ struct ScriptedEvent {
 };
 
 struct Config {
-  unsigned dsps = 4;                        ///< plugged in from the start: slots 0 to dsps - 1
-  unsigned slots = 0;                       ///< slots in all, at most most_slots; 0: as many as dsps
-  std::int64_t chip_hz = 25'000'000;        ///< instruction cycles per second: C40-40 20 M, C40-50 25 M, C40-60 30 M
+  unsigned dsps = 4;                  ///< plugged in from the start: slots 0 to dsps - 1
+  unsigned slots = 0;                 ///< slots in all, at most most_slots; 0: as many as dsps
+  std::int64_t chip_hz = 25'000'000;  ///< instruction cycles per second: C40-40 20 M, C40-50 25 M, C40-60 30 M
   std::int64_t pci_hz_numerator = 100'000'000;
   std::int64_t pci_hz_denominator = 3;
-  Word idle_policy = 0;                     ///< poked into the program's symbol idle_policy: 0 doorbell, 1 pause, 2 spin
-  Word pause_count = 125;                   ///< poked into pause_count
+  Word idle_policy = 0;    ///< poked into the program's symbol idle_policy: 0 doorbell, 1 pause, 2 spin
+  Word pause_count = 125;  ///< poked into pause_count
   pci::BusConfig bus_a{.name = "A"};
   pci::BusConfig bus_b{.name = "B"};
   pci::MasterConfig dsp_master{};
@@ -137,13 +145,15 @@ struct Config {
   pci::BridgeConfig host_bridge{.request_sync = 5, .return_sync = 3, .post_depth = 16, .prefetch_words = 0};
   pci::TargetConfig shared_memory = pci::TargetConfig::sram();
   pci::TargetConfig devices = pci::TargetConfig::drive_card();
-  pci::Clocks interrupt_clocks = 2;         ///< 1 to 3, from the end of a doorbell or reset write to the edge on IIOF0 or the reset
-  pci::Clocks host_write_clocks = 2;        ///< the host's processor needs so long to post a word
-  std::int64_t prefetch_hit_cycles = 1;     ///< a DSP's read that its bridge's line answers
-  Time reset_time = std::chrono::microseconds{10};   ///< RESET held low
-  Time boot_time_per_word{200'000};         ///< ps: the link adapter's comm port carries 20 Mbyte/s
-  std::uint64_t turn_order = 0;             ///< not 0: a seed for the order in which chips are run ahead; changes nothing that can be observed
-  std::vector<ScriptedEvent> script;        ///< in any order
+  pci::Clocks interrupt_clocks =
+      2;  ///< 1 to 3, from the end of a doorbell or reset write to the edge on IIOF0 or the reset
+  pci::Clocks host_write_clocks = 2;                ///< the host's processor needs so long to post a word
+  std::int64_t prefetch_hit_cycles = 1;             ///< a DSP's read that its bridge's line answers
+  Time reset_time = std::chrono::microseconds{10};  ///< RESET held low
+  Time boot_time_per_word{200'000};                 ///< ps: the link adapter's comm port carries 20 Mbyte/s
+  std::uint64_t turn_order =
+      0;  ///< not 0: a seed for the order in which chips are run ahead; changes nothing that can be observed
+  std::vector<ScriptedEvent> script;  ///< in any order
 };
 
 /// What is not a bus statistic, per DSP slot.
@@ -159,9 +169,10 @@ struct SlotStatistics {
 /// See the head of this file.
 class Machine {
  public:
-  /// The program is loaded into every DSP and has to define dsp_slot, idle_policy, pause_count, _start and the constants of the c40_programs/include files
-  /// (std::invalid_argument names the missing ones). dock and host may be null: then bus B answers nothing, and no host is there. All three must outlive the machine,
-  /// except the image, which is copied.
+  /// The program is loaded into every DSP and has to define dsp_slot, idle_policy, pause_count, _start and the
+  /// constants of the c40_programs/include files (std::invalid_argument names the missing ones). dock and host may be
+  /// null: then bus B answers nothing, and no host is there. All three must outlive the machine, except the image,
+  /// which is copied.
   Machine(Config config, const toolchain::Image& program, plant::Dock* dock, HostProgram* host);
   ~Machine();
   Machine(const Machine&) = delete;
@@ -186,6 +197,7 @@ class Machine {
   const c40::Chip& chip(unsigned slot) const;
   const Clock& chip_clock() const;
   const pci::Bus& bus(BusId id) const;
+  pci::BusStatistics bus_statistics(BusId id) const;  ///< of all clocks up to time()
   const std::vector<ChipFault>& faults() const;
   const SlotStatistics& statistics(unsigned slot) const;
 
@@ -194,7 +206,8 @@ class Machine {
   void poke(Offset offset, Word word);
   Word symbol(std::string_view name) const;  ///< of the program; std::out_of_range names it
 
-  /// SHA-256 is the report's business: this appends the machine's own final state (shared memory, devices' registers, each chip's registers and counters) as words.
+  /// SHA-256 is the report's business: this appends the machine's own final state (shared memory, devices' registers,
+  /// each chip's registers and counters) as words.
   void append_state(std::vector<std::uint64_t>& words) const;
 
  private:

@@ -10,11 +10,17 @@ constexpr unsigned owner_of(unsigned master) { return is_host(master) ? host_own
 
 }  // namespace
 
-SharedRegisters::SharedRegisters(const Symbols& symbols, unsigned slots, Clock bus_clock, Fence& fence, DoorbellClient& client)
+SharedRegisters::SharedRegisters(const Symbols& symbols, unsigned slots, Clock bus_clock, Fence& fence,
+                                 DoorbellClient& client)
     : symbols_{symbols}, slots_{slots}, clock_{bus_clock}, fence_{fence}, client_{client} {
-  if (symbols_.semaphore_count > most_semaphores) throw std::invalid_argument{"the DSP program: SEMAPHORE_COUNT is at most 64"};
-  for (const Offset offset : {symbols_.semaphore, symbols_.semaphore_owner, symbols_.semaphore_held, symbols_.doorbell_ring, symbols_.doorbell_idle, symbols_.doorbell_busy, symbols_.fence_mask, symbols_.reset_dsp})
-    if (offset - base >= size) throw std::invalid_argument{"the DSP program: registers of the shared memory lie at offsets 10000h to 10FFFh of bus A"};
+  if (symbols_.semaphore_count > most_semaphores)
+    throw std::invalid_argument{"the DSP program: SEMAPHORE_COUNT is at most 64"};
+  for (const Offset offset :
+       {symbols_.semaphore, symbols_.semaphore_owner, symbols_.semaphore_held, symbols_.doorbell_ring,
+        symbols_.doorbell_idle, symbols_.doorbell_busy, symbols_.fence_mask, symbols_.reset_dsp})
+    if (offset - base >= size)
+      throw std::invalid_argument{
+          "the DSP program: registers of the shared memory lie at offsets 10000h to 10FFFh of bus A"};
 }
 
 bool SharedRegisters::answers(Offset offset, bool write, bool by_host) const {
@@ -61,7 +67,8 @@ Word SharedRegisters::read(pci::Address offset, const pci::Access& access) {
   const Word count = symbols_.semaphore_count;
   if (const Word n = bus_offset - symbols_.semaphore; n < count) return acquire(n, access);
   if (const Word n = bus_offset - symbols_.semaphore_owner; n < count) return semaphores_[n].owner;
-  if (const Word n = bus_offset - symbols_.semaphore_held; n < count) return microseconds_held(semaphores_[n], access.clock);
+  if (const Word n = bus_offset - symbols_.semaphore_held; n < count)
+    return microseconds_held(semaphores_[n], access.clock);
   return bus_offset == symbols_.doorbell_idle ? idle_ : fence_.mask;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// The shared-memory board on bus A: 64 K words of SRAM, semaphores, the doorbell unit, fence and reset registers (c40_programs/include/task_block.inc).
+// The shared-memory board on bus A: 64 K words of SRAM, semaphores, the doorbell unit, fence and reset registers
+// (c40_programs/include/task_block.inc).
 #include <array>
 #include <cstdint>
 #include <vector>

@@ -67,7 +67,9 @@ Symbols::Symbols(const toolchain::Image& program) {
       this->*member = found->second;
   }
   if (!missing.empty())
-    throw std::invalid_argument{"the DSP program does not define " + missing + "; include task_block.inc and devices.inc, and have _start, dsp_slot, idle_policy and pause_count as labels"};
+    throw std::invalid_argument{
+        "the DSP program does not define " + missing +
+        "; include task_block.inc and devices.inc, and have _start, dsp_slot, idle_policy and pause_count as labels"};
 }
 
 }  // namespace machine

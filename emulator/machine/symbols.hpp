@@ -1,5 +1,6 @@
 #pragma once
-// The constants that DSP programs and the machine share, taken from the assembled program (c40_programs/include/task_block.inc, devices.inc).
+// The constants that DSP programs and the machine share, taken from the assembled program
+// (c40_programs/include/task_block.inc, devices.inc).
 #include <cstdint>
 
 namespace toolchain {
@@ -13,11 +14,13 @@ struct Symbols {
   explicit Symbols(const toolchain::Image& program);
 
   // bus A
-  std::uint32_t window_a, semaphore, semaphore_count, semaphore_owner, semaphore_held, doorbell_ring, doorbell_idle, doorbell_busy, fence_mask, reset_dsp;
+  std::uint32_t window_a, semaphore, semaphore_count, semaphore_owner, semaphore_held, doorbell_ring, doorbell_idle,
+      doorbell_busy, fence_mask, reset_dsp;
   // bus B
   std::uint32_t window_b, drive_torque, drive_enable, encoder, sway_alpha, sway_beta, spreader_command, spreader_status;
   std::uint32_t scan_rows, scan_row, scan_y, scan_x0, scan_dx, scan_deck, scan_profile, scan_count;
-  std::uint32_t agv_unit, agv_unit_words, agv_x, agv_y, agv_heading, agv_speed, agv_status, agv_period, agv_speed_command, agv_front_command, agv_rear_command;
+  std::uint32_t agv_unit, agv_unit_words, agv_x, agv_y, agv_heading, agv_speed, agv_status, agv_period,
+      agv_speed_command, agv_front_command, agv_rear_command;
   // addresses in the DSP's own memory
   std::uint32_t start, dsp_slot, idle_policy, pause_count;
 };

@@ -1,5 +1,6 @@
 #pragma once
-// Virtual time (rulings.md 1): an integer count of picoseconds, and clocks whose frequency is rational. No period is ever accumulated.
+// Virtual time (rulings.md 1): an integer count of picoseconds, and clocks whose frequency is rational. No period is
+// ever accumulated.
 #include <chrono>
 #include <cstdint>
 #include <limits>
@@ -18,10 +19,11 @@ inline constexpr Time never = Time::max();
 /// A clock of num/den hertz: tick n stands at phase + floor(n * 10^12 * den / num) picoseconds, for n of either sign.
 class Clock {
  public:
-  /// Throws std::invalid_argument unless 0 < num/den <= 10^12 and the reduced fraction 10^12 * den / num fits (it does for every
-  /// frequency given in whole hertz, or in whole hertz over a den up to 10^6).
+  /// Throws std::invalid_argument unless 0 < num/den <= 10^12 and the reduced fraction 10^12 * den / num fits (it does
+  /// for every frequency given in whole hertz, or in whole hertz over a den up to 10^6).
   explicit constexpr Clock(std::int64_t num, std::int64_t den = 1, Time phase = Time{0}) : phase_{phase.count()} {
-    if (num <= 0 || den <= 0 || den > 1'000'000) throw std::invalid_argument{"Clock: a frequency is a positive fraction with a denominator up to 1000000"};
+    if (num <= 0 || den <= 0 || den > 1'000'000)
+      throw std::invalid_argument{"Clock: a frequency is a positive fraction with a denominator up to 1000000"};
     const std::int64_t above = picoseconds_per_second * den;
     const std::int64_t divisor = std::gcd(above, num);
     period_ = above / divisor;

@@ -48,15 +48,21 @@ struct Ended {
 
 struct Master final : Initiator {
   explicit Master(std::vector<Ended>& list) : ended{list} {}
-  void completed(const Transaction& transaction, std::span<const Word> words) override { ended.push_back({transaction, {words.begin(), words.end()}}); }
+  void completed(const Transaction& transaction, std::span<const Word> words) override {
+    ended.push_back({transaction, {words.begin(), words.end()}});
+  }
   std::vector<Ended>& ended;
 };
 
 struct PyBridge final : Bridge::Client {
   PyBridge(Bus& bus, const MasterConfig& master, const BridgeConfig& config) : bridge{bus, master, config, *this} {}
-  void answered(Word value, Clocks ready, Clocks arbitration, Result result) override { answer = {value, ready, arbitration, result}; }
+  void answered(Word value, Clocks ready, Clocks arbitration, Result result) override {
+    answer = {value, ready, arbitration, result};
+  }
   void taken(Clocks ready, Clocks) override { room = ready; }
-  void landed(const Posted& posted, Clocks clock, Result) override { landings.emplace_back(posted.address, posted.value, clock); }
+  void landed(const Posted& posted, Clocks clock, Result) override {
+    landings.emplace_back(posted.address, posted.value, clock);
+  }
   std::optional<std::tuple<Word, Clocks, Clocks, Result>> take_answer() { return std::exchange(answer, std::nullopt); }
   std::optional<Clocks> take_room() { return std::exchange(room, std::nullopt); }
   std::optional<std::pair<Word, Clocks>> look_up(Address address) const {
@@ -80,8 +86,12 @@ class PyBus final : public Monitor {
     bus.add_target(config, memory, base, words);
     return memory;
   }
-  PyBridge& add_bridge(const MasterConfig& master, const BridgeConfig& config) { return bridges.emplace_back(bus, master, config); }
-  void read(unsigned master, Address address, unsigned words, Clocks clock) { bus.submit(master, false, address, words, clock); }
+  PyBridge& add_bridge(const MasterConfig& master, const BridgeConfig& config) {
+    return bridges.emplace_back(bus, master, config);
+  }
+  void read(unsigned master, Address address, unsigned words, Clocks clock) {
+    bus.submit(master, false, address, words, clock);
+  }
   void write(unsigned master, Address address, const std::vector<Word>& words, Clocks clock) {
     if (words.size() > Bus::most_words) throw std::invalid_argument{"a transaction has at most 256 words"};
     std::copy(words.begin(), words.end(), bus.buffer(master).begin());
@@ -109,7 +119,8 @@ std::uint64_t exercise(unsigned masters, Clocks clocks, Clocks pause) {
       count += 1;
       state = state * 6364136223846793005u + 1442695040888963407u;
       const auto random = static_cast<Word>(state >> 33);
-      bus->submit(transaction.master, (random & 3) == 0, random & 0xFFF, 1 + (random >> 12 & 7), transaction.ended + 1 + static_cast<Clocks>(random >> 16) % (2 * pause));
+      bus->submit(transaction.master, (random & 3) == 0, random & 0xFFF, 1 + (random >> 12 & 7),
+                  transaction.ended + 1 + static_cast<Clocks>(random >> 16) % (2 * pause));
     }
     Bus* bus = nullptr;
     Clocks pause = 0;
@@ -136,15 +147,36 @@ std::uint64_t exercise(unsigned masters, Clocks clocks, Clocks pause) {
 
 template <class Class>
 void bind_histogram(Class& owner) {
-  owner.def("count", &Histogram::count).def("max", &Histogram::max).def("percentile", &Histogram::percentile, py::arg("fraction")).def("octaves", &Histogram::octaves).def("add", &Histogram::add);
+  owner.def("count", &Histogram::count)
+      .def("sum", &Histogram::sum)
+      .def("max", &Histogram::max)
+      .def("percentile", &Histogram::percentile, py::arg("fraction"))
+      .def("octaves", &Histogram::octaves)
+      .def("add", &Histogram::add);
 }
 
 void bind_configs(py::module_& m) {
-  py::enum_<Arbitration>(m, "Arbitration").value("round_robin", Arbitration::round_robin).value("fixed", Arbitration::fixed);
-  py::enum_<Parking>(m, "Parking").value("none", Parking::none).value("last_owner", Parking::last_owner).value("first", Parking::first);
-  py::enum_<Result>(m, "Result").value("done", Result::done).value("master_abort", Result::master_abort).value("target_abort", Result::target_abort).value("withdrawn", Result::withdrawn);
-  py::enum_<Answer>(m, "Answer").value("accept", Answer::accept).value("retry", Answer::retry).value("abort", Answer::abort);
-  py::enum_<Attempt::Kind>(m, "AttemptKind").value("data", Attempt::Kind::data).value("retry", Attempt::Kind::retry).value("master_abort", Attempt::Kind::master_abort).value("target_abort", Attempt::Kind::target_abort);
+  py::enum_<Arbitration>(m, "Arbitration")
+      .value("round_robin", Arbitration::round_robin)
+      .value("fixed", Arbitration::fixed);
+  py::enum_<Parking>(m, "Parking")
+      .value("none", Parking::none)
+      .value("last_owner", Parking::last_owner)
+      .value("first", Parking::first);
+  py::enum_<Result>(m, "Result")
+      .value("done", Result::done)
+      .value("master_abort", Result::master_abort)
+      .value("target_abort", Result::target_abort)
+      .value("withdrawn", Result::withdrawn);
+  py::enum_<Answer>(m, "Answer")
+      .value("accept", Answer::accept)
+      .value("retry", Answer::retry)
+      .value("abort", Answer::abort);
+  py::enum_<Attempt::Kind>(m, "AttemptKind")
+      .value("data", Attempt::Kind::data)
+      .value("retry", Attempt::Kind::retry)
+      .value("master_abort", Attempt::Kind::master_abort)
+      .value("target_abort", Attempt::Kind::target_abort);
   py::class_<BusConfig>(m, "BusConfig")
       .def(py::init<>())
       .def_readwrite("name", &BusConfig::name)
@@ -248,7 +280,8 @@ void bind_records(py::module_& m) {
 }  // namespace
 
 void bind_bus_model(py::module_& core) {
-  py::module_ m = core.def_submodule("bus_model", "PCI: transactions, arbitration, targets, bridges, statistics. All times are bus clocks.");
+  py::module_ m = core.def_submodule(
+      "bus_model", "PCI: transactions, arbitration, targets, bridges, statistics. All times are bus clocks.");
   bind_configs(m);
   bind_records(m);
   py::class_<Memory>(m, "Memory")
@@ -262,8 +295,15 @@ void bind_bus_model(py::module_& core) {
       .def_property_readonly("posted", [](const PyBridge& b) { return b.bridge.posted(); })
       .def_readonly("landings", &PyBridge::landings)
       .def("has_room", [](const PyBridge& b) { return b.bridge.has_room(); })
-      .def("write", [](PyBridge& b, Address address, Word value, Clocks clock) { b.bridge.write({address, value, clock}); }, py::arg("address"), py::arg("value"), py::arg("clock"))
-      .def("read", [](PyBridge& b, Address address, Clocks clock) { b.bridge.read(address, clock); }, py::arg("address"), py::arg("clock"))
+      .def(
+          "write",
+          [](PyBridge& b, Address address, Word value, Clocks clock) {
+            b.bridge.write({address, value, clock});
+          },
+          py::arg("address"), py::arg("value"), py::arg("clock"))
+      .def(
+          "read", [](PyBridge& b, Address address, Clocks clock) { b.bridge.read(address, clock); }, py::arg("address"),
+          py::arg("clock"))
       .def("look_up", &PyBridge::look_up)
       .def("clear", [](PyBridge& b, Clocks clock) { b.bridge.clear(clock); })
       .def("take_answer", &PyBridge::take_answer, "(value, ready, arbitration clocks, result), once")
@@ -271,17 +311,28 @@ void bind_bus_model(py::module_& core) {
   py::class_<PyBus>(m, "Bus")
       .def(py::init<const BusConfig&>(), py::arg("config") = BusConfig{})
       .def("add_master", &PyBus::add_master, py::arg("config") = MasterConfig{})
-      .def("add_memory", &PyBus::add_memory, py::arg("config") = TargetConfig{}, py::arg("base") = 0, py::arg("words") = 0x1000, py::return_value_policy::reference_internal)
-      .def("add_bridge", &PyBus::add_bridge, py::arg("master") = MasterConfig{}, py::arg("config") = BridgeConfig{}, py::return_value_policy::reference_internal)
+      .def("add_memory", &PyBus::add_memory, py::arg("config") = TargetConfig{}, py::arg("base") = 0,
+           py::arg("words") = 0x1000, py::return_value_policy::reference_internal)
+      .def("add_bridge", &PyBus::add_bridge, py::arg("master") = MasterConfig{}, py::arg("config") = BridgeConfig{},
+           py::return_value_policy::reference_internal)
       .def("read", &PyBus::read, py::arg("master"), py::arg("address"), py::arg("words"), py::arg("clock"))
       .def("write", &PyBus::write, py::arg("master"), py::arg("address"), py::arg("words"), py::arg("clock"))
-      .def("withdraw", [](PyBus& b, unsigned master, Clocks clock) { return b.bus.withdraw(master, clock); }, py::arg("master"), py::arg("clock"))
-      .def("advance_to", &PyBus::advance_to, py::arg("clock"), "Lets everything up to and with the clock happen; gives what has ended, in order.")
-      .def("next_event", [](const PyBus& b) -> std::optional<Clocks> { return b.bus.next_event() == never ? std::nullopt : std::optional{b.bus.next_event()}; })
+      .def(
+          "withdraw", [](PyBus& b, unsigned master, Clocks clock) { return b.bus.withdraw(master, clock); },
+          py::arg("master"), py::arg("clock"))
+      .def("advance_to", &PyBus::advance_to, py::arg("clock"),
+           "Lets everything up to and with the clock happen; gives what has ended, in order.")
+      .def("next_event",
+           [](const PyBus& b) -> std::optional<Clocks> {
+             return b.bus.next_event() == never ? std::nullopt : std::optional{b.bus.next_event()};
+           })
       .def("now", [](const PyBus& b) { return b.bus.now(); })
       .def_readonly("attempts", &PyBus::attempts)
-      .def("statistics", [](const PyBus& b, Clocks clock) { return b.bus.statistics(clock); }, py::arg("clock"))
+      .def(
+          "statistics", [](const PyBus& b, Clocks clock) { return b.bus.statistics(clock); }, py::arg("clock"))
       .def("master_statistics", [](const PyBus& b, unsigned master) { return b.bus.master_statistics(master); })
       .def("target_statistics", [](const PyBus& b, unsigned target) { return b.bus.target_statistics(target); });
-  m.def("exercise", &exercise, py::arg("masters"), py::arg("clocks"), py::arg("pause"), "Transactions done by so many masters that pause `pause` clocks on average between random accesses of 1 to 8 words.");
+  m.def("exercise", &exercise, py::arg("masters"), py::arg("clocks"), py::arg("pause"),
+        "Transactions done by so many masters that pause `pause` clocks on average between random accesses of 1 to 8 "
+        "words.");
 }

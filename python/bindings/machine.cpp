@@ -1,4 +1,5 @@
-// cmrc._core.machine: several DSPs on their buses with a host that follows a script; for tests and experiments with the machine alone.
+// cmrc._core.machine: several DSPs on their buses with a host that follows a script; for tests and experiments with the
+// machine alone.
 #include "machine/machine.hpp"
 
 #include <pybind11/stl.h>
@@ -48,22 +49,37 @@ struct ScriptedHost final : HostProgram {
 using Logged = std::tuple<std::int64_t, std::string, std::vector<std::int64_t>>;
 
 struct Recorder final : Observer {
-  void add(Time now, std::string what, std::vector<std::int64_t> values) { events.emplace_back(now.count(), std::move(what), std::move(values)); }
-  void dsp_write(unsigned slot, BusId bus, Offset offset, Word value, Time issued, Time now) override { add(now, "write", {slot, static_cast<int>(bus), offset, value, issued.count()}); }
-  void dsp_write_dropped(unsigned slot, BusId bus, Offset offset, Word value, Time issued, Time now) override { add(now, "dropped", {slot, static_cast<int>(bus), offset, value, issued.count()}); }
+  void add(Time now, std::string what, std::vector<std::int64_t> values) {
+    events.emplace_back(now.count(), std::move(what), std::move(values));
+  }
+  void dsp_write(unsigned slot, BusId bus, Offset offset, Word value, Time issued, Time now) override {
+    add(now, "write", {slot, static_cast<int>(bus), offset, value, issued.count()});
+  }
+  void dsp_write_dropped(unsigned slot, BusId bus, Offset offset, Word value, Time issued, Time now) override {
+    add(now, "dropped", {slot, static_cast<int>(bus), offset, value, issued.count()});
+  }
   void transaction(BusId bus, const pci::Transaction& t, Time now) override {
-    add(now, "transaction", {static_cast<int>(bus), t.master, t.address, t.words, t.write, static_cast<int>(t.result), t.requested, t.framed, t.ended, static_cast<std::int64_t>(t.number)});
+    add(now, "transaction",
+        {static_cast<int>(bus), t.master, t.address, t.words, t.write, static_cast<int>(t.result), t.requested,
+         t.framed, t.ended, static_cast<std::int64_t>(t.number)});
   }
   void interrupt(unsigned slot, int pin, Time now) override { add(now, "interrupt", {slot, pin}); }
-  void semaphore(unsigned number, SemaphoreEvent event, unsigned owner, Time now) override { add(now, "semaphore", {number, static_cast<int>(event), owner}); }
-  void fault(const ChipFault& fault) override { add(fault.time, "fault", {fault.slot, fault.pc, fault.address, fault.cycle}); }
-  void slot(unsigned number, SlotChange change, Time now) override { add(now, "slot", {number, static_cast<int>(change)}); }
+  void semaphore(unsigned number, SemaphoreEvent event, unsigned owner, Time now) override {
+    add(now, "semaphore", {number, static_cast<int>(event), owner});
+  }
+  void fault(const ChipFault& fault) override {
+    add(fault.time, "fault", {fault.slot, fault.pc, fault.address, fault.cycle});
+  }
+  void slot(unsigned number, SlotChange change, Time now) override {
+    add(now, "slot", {number, static_cast<int>(change)});
+  }
   std::vector<Logged> events;
 };
 
 class PyMachine {
  public:
-  PyMachine(const toolchain::Image& program, const Config& config, plant::Dock* dock, const std::vector<std::tuple<std::int64_t, Offset, std::vector<Word>, unsigned>>& host_script, bool record)
+  PyMachine(const toolchain::Image& program, const Config& config, plant::Dock* dock,
+            const std::vector<std::tuple<std::int64_t, Offset, std::vector<Word>, unsigned>>& host_script, bool record)
       : machine{config, program, dock, prepare(host_script)} {
     if (record) machine.set_observer(&recorder);
   }
@@ -79,19 +95,26 @@ class PyMachine {
  private:
   HostProgram* prepare(const std::vector<std::tuple<std::int64_t, Offset, std::vector<Word>, unsigned>>& script) {
     for (const auto& [time, offset, words, read] : script) host.steps.push_back({time, offset, words, read});
-    std::stable_sort(host.steps.begin(), host.steps.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
+    std::stable_sort(host.steps.begin(), host.steps.end(),
+                     [](const auto& a, const auto& b) { return a.time < b.time; });
     return host.steps.empty() ? nullptr : &host;
   }
 };
 
 py::dict causes_of(const c40::Chip& chip) {
   py::dict result;
-  for (std::size_t i = 0; i < c40::cause_count; ++i) result[py::str(std::string{c40::name(static_cast<c40::Cause>(i))})] = chip.causes()[i];
+  for (std::size_t i = 0; i < c40::cause_count; ++i)
+    result[py::str(std::string{c40::name(static_cast<c40::Cause>(i))})] = chip.causes()[i];
   return result;
 }
 
 void bind_config(py::module_& m) {
-  py::enum_<Action>(m, "Action").value("fail", Action::fail).value("hang", Action::hang).value("unplug", Action::unplug).value("plug", Action::plug).value("reset", Action::reset);
+  py::enum_<Action>(m, "Action")
+      .value("fail", Action::fail)
+      .value("hang", Action::hang)
+      .value("unplug", Action::unplug)
+      .value("plug", Action::plug)
+      .value("reset", Action::reset);
   py::class_<Config>(m, "Config", "All parameters of a machine; times in picoseconds.")
       .def(py::init<>())
       .def_readwrite("dsps", &Config::dsps)
@@ -109,7 +132,12 @@ void bind_config(py::module_& m) {
       .def_readwrite("bridge_b", &Config::bridge_b)
       .def_readwrite("host_bridge", &Config::host_bridge)
       .def_readwrite("turn_order", &Config::turn_order)
-      .def("script", [](Config& config, std::int64_t time, Action action, unsigned slot) { config.script.push_back({Time{time}, action, slot}); }, py::arg("time"), py::arg("action"), py::arg("slot"));
+      .def(
+          "script",
+          [](Config& config, std::int64_t time, Action action, unsigned slot) {
+            config.script.push_back({Time{time}, action, slot});
+          },
+          py::arg("time"), py::arg("action"), py::arg("slot"));
   py::class_<ChipFault>(m, "ChipFault")
       .def_readonly("slot", &ChipFault::slot)
       .def_readonly("cycle", &ChipFault::cycle)
@@ -128,41 +156,60 @@ void bind_config(py::module_& m) {
 
 void bind_clock(py::module_& m) {
   py::class_<Clock>(m, "Clock", "A rational clock; instants are integer picoseconds (rulings.md 1).")
-      .def(py::init([](std::int64_t num, std::int64_t den, std::int64_t phase) { return Clock{num, den, Time{phase}}; }), py::arg("num"), py::arg("den") = 1, py::arg("phase") = 0)
+      .def(py::init([](std::int64_t num, std::int64_t den, std::int64_t phase) {
+             return Clock{num, den, Time{phase}};
+           }),
+           py::arg("num"), py::arg("den") = 1, py::arg("phase") = 0)
       .def("at", [](const Clock& clock, Ticks tick) { return clock.at(tick).count(); })
-      .def("tick_at_or_before", [](const Clock& clock, std::int64_t time) { return clock.tick_at_or_before(Time{time}); })
-      .def("tick_at_or_after", [](const Clock& clock, std::int64_t time) { return clock.tick_at_or_after(Time{time}); });
+      .def("tick_at_or_before",
+           [](const Clock& clock, std::int64_t time) { return clock.tick_at_or_before(Time{time}); })
+      .def("tick_at_or_after",
+           [](const Clock& clock, std::int64_t time) { return clock.tick_at_or_after(Time{time}); });
 }
 
 }  // namespace
 
 void bind_machine(py::module_& core) {
-  py::module_ m = core.def_submodule("machine", "DSPs, buses, shared memory and devices in one virtual time. Times are integer picoseconds.");
+  py::module_ m = core.def_submodule(
+      "machine", "DSPs, buses, shared memory and devices in one virtual time. Times are integer picoseconds.");
   bind_clock(m);
   bind_config(m);
   py::class_<PyMachine>(m, "Machine")
-      .def(py::init<const toolchain::Image&, const Config&, plant::Dock*, const std::vector<std::tuple<std::int64_t, Offset, std::vector<Word>, unsigned>>&, bool>(), py::arg("program"), py::arg("config") = Config{}, py::arg("dock").none(true) = nullptr,
-           py::arg("host") = std::vector<std::tuple<std::int64_t, Offset, std::vector<Word>, unsigned>>{}, py::arg("record") = false, py::keep_alive<1, 4>(),
-           "host: steps (time, bus A offset, words to write, number of words to read), none: no host. record: keep `events`.")
-      .def("run_until", [](PyMachine& self, std::int64_t time) { self.machine.run_until(Time{time}); }, py::arg("time"), py::call_guard<py::gil_scoped_release>())
+      .def(py::init<const toolchain::Image&, const Config&, plant::Dock*,
+                    const std::vector<std::tuple<std::int64_t, Offset, std::vector<Word>, unsigned>>&, bool>(),
+           py::arg("program"), py::arg("config") = Config{}, py::arg("dock").none(true) = nullptr,
+           py::arg("host") = std::vector<std::tuple<std::int64_t, Offset, std::vector<Word>, unsigned>>{},
+           py::arg("record") = false, py::keep_alive<1, 4>(),
+           "host: steps (time, bus A offset, words to write, number of words to read), none: no host. record: keep "
+           "`events`.")
+      .def(
+          "run_until", [](PyMachine& self, std::int64_t time) { self.machine.run_until(Time{time}); }, py::arg("time"),
+          py::call_guard<py::gil_scoped_release>())
       .def_property_readonly("time", [](const PyMachine& self) { return self.machine.time().count(); })
-      .def("act", [](PyMachine& self, Action action, unsigned slot) { self.machine.act(action, slot); }, py::arg("action"), py::arg("slot"))
+      .def(
+          "act", [](PyMachine& self, Action action, unsigned slot) { self.machine.act(action, slot); },
+          py::arg("action"), py::arg("slot"))
       .def("peek", [](const PyMachine& self, Offset offset) { return self.machine.peek(offset); })
       .def("poke", [](PyMachine& self, Offset offset, Word word) { self.machine.poke(offset, word); })
       .def("causes", [](const PyMachine& self, unsigned slot) { return causes_of(self.machine.chip(slot)); })
       .def("cycle", [](const PyMachine& self, unsigned slot) { return self.machine.chip(slot).cycle(); })
       .def("instructions", [](const PyMachine& self, unsigned slot) { return self.machine.chip(slot).instructions(); })
-      .def("chip_word", [](const PyMachine& self, unsigned slot, std::uint32_t address) { return self.machine.chip(slot).peek(address); }, py::arg("slot"), py::arg("address"))
+      .def(
+          "chip_word",
+          [](const PyMachine& self, unsigned slot, std::uint32_t address) {
+            return self.machine.chip(slot).peek(address);
+          },
+          py::arg("slot"), py::arg("address"))
       .def("idle", [](const PyMachine& self, unsigned slot) { return self.machine.chip(slot).idle(); })
       .def("plugged", [](const PyMachine& self, unsigned slot) { return self.machine.plugged(slot); })
       .def("standing", [](const PyMachine& self, unsigned slot) { return self.machine.standing(slot); })
       .def("statistics", [](const PyMachine& self, unsigned slot) { return self.machine.statistics(slot); })
-      .def("bus_statistics", [](const PyMachine& self, char bus) {
-            const pci::Bus& which = self.machine.bus(bus == 'A' ? BusId::a : BusId::b);
-            return which.statistics(std::max(which.now(), Clock{self.machine.config().pci_hz_numerator, self.machine.config().pci_hz_denominator}.tick_at_or_before(self.machine.time())));
-          })
+      .def("bus_statistics", [](const PyMachine& self,
+                                char bus) { return self.machine.bus_statistics(bus == 'A' ? BusId::a : BusId::b); })
       .def_property_readonly("faults", [](const PyMachine& self) { return self.machine.faults(); })
-      .def_property_readonly("reads", [](const PyMachine& self) { return self.host.reads; }, "The host's reads: (time of the step, time of the answer, words).")
+      .def_property_readonly(
+          "reads", [](const PyMachine& self) { return self.host.reads; },
+          "The host's reads: (time of the step, time of the answer, words).")
       .def_property_readonly("events", [](const PyMachine& self) { return self.recorder.events; })
       .def("state", &PyMachine::state);
 }

@@ -36,7 +36,14 @@ def test_rising_addresses_combine_into_one_burst_and_others_do_not() -> None:
         bridge.write(address, 100 + i, 1 if i < 3 else 2)
     bus.advance_to(200)
     assert [(a.address, a.words) for a in bus.attempts] == [(10, 3), (20, 1), (19, 1), (18, 1)]
-    assert [landing[:2] for landing in bridge.landings] == [(10, 100), (11, 101), (12, 102), (20, 103), (19, 104), (18, 105)]
+    assert [landing[:2] for landing in bridge.landings] == [
+        (10, 100),
+        (11, 101),
+        (12, 102),
+        (20, 103),
+        (19, 104),
+        (18, 105),
+    ]
     assert [memory[a] for a in (10, 11, 12, 20, 19, 18)] == list(range(100, 106))
 
 
@@ -45,7 +52,10 @@ def test_a_word_is_not_taken_before_its_time() -> None:
     bridge.write(0, 1, 0)
     bridge.write(1, 2, 50)
     bus.advance_to(200)
-    assert [(a.address, a.frame >= least) for a, least in zip(bus.attempts, (2, 52), strict=True)] == [(0, True), (1, True)]
+    assert [(a.address, a.frame >= least) for a, least in zip(bus.attempts, (2, 52), strict=True)] == [
+        (0, True),
+        (1, True),
+    ]
 
 
 def test_a_full_fifo_holds_the_processor_until_words_have_left() -> None:

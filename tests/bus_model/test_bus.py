@@ -32,7 +32,9 @@ ZERO_WAIT = {"devsel": 2, "read_initial": 0, "write_initial": 0}
 SLOW = {"devsel": 2, "read_initial": 8, "read_step": 1, "write_initial": 8, "write_step": 1}
 
 
-@pytest.mark.parametrize("words, zero_wait, slow_read", [(1, 4, 12), (4, 7, 18), (7, 10, 24), (16, 19, 42), (64, 67, 138)])
+@pytest.mark.parametrize(
+    "words, zero_wait, slow_read", [(1, 4, 12), (4, 7, 18), (7, 10, 24), (16, 19, 42), (64, 67, 138)]
+)
 def test_the_table_of_transaction_lengths(words: int, zero_wait: int, slow_read: int) -> None:
     for write in (False, True):
         bus, _ = one_master(config(pci.TargetConfig, **ZERO_WAIT))
@@ -47,7 +49,9 @@ def test_the_table_of_transaction_lengths(words: int, zero_wait: int, slow_read:
 
 def test_an_s5933_burst_of_four_words_takes_thirteen_clocks() -> None:
     """The vendor's own sum: disconnect after 4 words, REQ# off for 2 clocks, 4 clocks to regain the grant: 390 ns per 16 bytes."""
-    bus, memory = one_master(config(pci.TargetConfig, max_burst=4, **ZERO_WAIT), parking=pci.Parking.none, grant_clocks=4)
+    bus, memory = one_master(
+        config(pci.TargetConfig, max_burst=4, **ZERO_WAIT), parking=pci.Parking.none, grant_clocks=4
+    )
     bus.write(0, 0, list(range(100, 140)), 0)
     (ended,) = bus.advance_to(1000)
     assert [b.frame - a.frame for a, b in pairwise(bus.attempts)] == [13] * 9
@@ -103,7 +107,9 @@ def test_the_latency_timer_cuts_only_when_another_asks() -> None:
         if rival:
             bus.read(1, 0, 1, 5)
         bus.advance_to(500)
-        assert [(a.master, a.frame, a.words) for a in bus.attempts] == ([(0, 0, 15), (1, 18, 1), (0, 22, 49)] if rival else [(0, 0, 64)])
+        assert [(a.master, a.frame, a.words) for a in bus.attempts] == (
+            [(0, 0, 15), (1, 18, 1), (0, 22, 49)] if rival else [(0, 0, 64)]
+        )
 
 
 @pytest.mark.parametrize("masters, latency_timer, seed", [(2, 32, 1), (4, 32, 2), (5, 64, 3), (8, 16, 4), (16, 8, 5)])
@@ -114,13 +120,30 @@ def test_round_robin_bounds_every_wait(masters: int, latency_timer: int, seed: i
         bus.add_master(config(pci.MasterConfig, latency_timer=latency_timer))
     for i, target in enumerate([(1, 15, 7), (2, 14, 3), (3, 0, 0)]):
         devsel, initial, step = target
-        bus.add_memory(config(pci.TargetConfig, devsel=devsel, read_initial=initial, write_initial=initial, read_step=step, write_step=step), i * 4096, 4096)
+        bus.add_memory(
+            config(
+                pci.TargetConfig,
+                devsel=devsel,
+                read_initial=initial,
+                write_initial=initial,
+                read_step=step,
+                write_step=step,
+            ),
+            i * 4096,
+            4096,
+        )
     waits = []
     for _ in range(300):
         start = bus.now() + 400 * masters * 10
         for master in range(masters):
-            address, words, clock = draw.randrange(3) * 4096 + draw.randrange(3000), draw.randrange(1, 257), start + draw.randrange(60)
-            bus.read(master, address, words, clock) if draw.random() < 0.5 else bus.write(master, address, [0] * words, clock)
+            address, words, clock = (
+                draw.randrange(3) * 4096 + draw.randrange(3000),
+                draw.randrange(1, 257),
+                start + draw.randrange(60),
+            )
+            bus.read(master, address, words, clock) if draw.random() < 0.5 else bus.write(
+                master, address, [0] * words, clock
+            )
         ended = bus.advance_to(start + 400 * masters * 9)
         assert len(ended) == masters
         waits += [t.framed - t.requested for t in ended]
@@ -128,7 +151,9 @@ def test_round_robin_bounds_every_wait(masters: int, latency_timer: int, seed: i
     assert max(waits) > masters  # the bound was tried
 
 
-def traffic(seed: int, arbitration: pci.Arbitration = pci.Arbitration.round_robin) -> tuple[pci.Bus, list[pci.Memory], list[pci.Transaction], list[tuple[int, int, list[int]]]]:
+def traffic(
+    seed: int, arbitration: pci.Arbitration = pci.Arbitration.round_robin
+) -> tuple[pci.Bus, list[pci.Memory], list[pci.Transaction], list[tuple[int, int, list[int]]]]:
     """Random transactions of four masters over an SRAM, an S5933, a drive card and a target with posted writes and delayed reads."""
     draw = random.Random(seed)
     bus = pci.Bus(config(pci.BusConfig, arbitration=arbitration, fast_back_to_back=seed % 2 == 0))
@@ -175,7 +200,10 @@ def test_the_bus_has_one_owner_and_loses_no_word(seed: int, arbitration: pci.Arb
     # Every word written arrived, in order, and what memory holds is the last of them.
     for master, address, values in written:
         log = [a for a in memories[address >> 12].accesses if a.write and a.master == master]
-        assert any([a.value for a in log[i : i + len(values)]] == values and log[i].offset == address & 0xFFF for i in range(len(log)))
+        assert any(
+            [a.value for a in log[i : i + len(values)]] == values and log[i].offset == address & 0xFFF
+            for i in range(len(log))
+        )
     for memory in memories:
         for offset, value in {a.offset: a.value for a in memory.accesses if a.write}.items():
             assert memory[offset] == value
@@ -190,7 +218,12 @@ def test_a_retry_repeats_the_identical_transaction(seed: int) -> None:
         for before, after in pairwise(own):
             if before.kind == pci.AttemptKind.retry:
                 refused += 1
-                assert (after.write, after.address, after.wanted, after.target) == (before.write, before.address, before.wanted, before.target)
+                assert (after.write, after.address, after.wanted, after.target) == (
+                    before.write,
+                    before.address,
+                    before.wanted,
+                    before.target,
+                )
                 assert after.frame >= before.last + 2 + 2
                 assert before.last + 2 - before.frame in (3, 4, 5)
     assert refused == sum(t.retries for t in done) > 20
@@ -299,6 +332,7 @@ def test_the_histogram_against_sorted_values() -> None:
     for fraction in (0.5, 0.99, 0.999, 1.0):
         true = values[max(0, -(-int(fraction * 100000) * 5000 // 100000) - 1)]
         assert true <= histogram.percentile(fraction) <= max(true, true * 9 // 8)
+    assert (histogram.count(), histogram.sum(), histogram.max()) == (5000, sum(values), values[-1])
     octaves = histogram.octaves()
     assert octaves[5] == sum(32 <= v < 64 for v in values) and octaves[0] == sum(v < 2 for v in values)
 

@@ -40,7 +40,11 @@ pause_count: .word 0
 def assemble(body: str) -> toolchain.Image:
     """A program whose registers are set up as HEAD says and that ends in an endless loop."""
     return toolchain.assemble(
-        HEAD + body + TAIL, "test.asm", include_dirs=[INCLUDE], sections={".text": 0x300000, ".parameters": 0x30F000}, entry="_start"
+        HEAD + body + TAIL,
+        "test.asm",
+        include_dirs=[INCLUDE],
+        sections={".text": 0x300000, ".parameters": 0x30F000},
+        entry="_start",
     )
 
 

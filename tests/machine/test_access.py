@@ -42,7 +42,10 @@ def test_a_read_waits_for_the_posted_writes_before_it() -> None:
 
 
 def test_rising_writes_combine_into_bursts() -> None:
-    m = run("        ldi     40, r0\n" + "".join(f"        sti     r0, *+ar0({i})\n        addi    1, r0\n" for i in range(40)))
+    m = run(
+        "        ldi     40, r0\n"
+        + "".join(f"        sti     r0, *+ar0({i})\n        addi    1, r0\n" for i in range(40))
+    )
     assert [m.peek(i) for i in range(40)] == list(range(40, 80))
     bursts = transactions(m, 0)
     assert sum(words for _, words, _ in bursts) == 40 and len(bursts) < 20
@@ -62,7 +65,12 @@ def test_falling_writes_fill_the_fifo_and_the_chip_stalls() -> None:
 
 def test_the_line_serves_the_reads_that_follow_and_goes_with_a_write() -> None:
     m = machine.Machine(
-        assemble("".join(f"        ldi     *+ar0({i}), r{i & 3}\n        addi    r{i & 3}, r4\n" for i in range(16)) + "        sti r4, *ar3\n"), config(dsps=1), record=True
+        assemble(
+            "".join(f"        ldi     *+ar0({i}), r{i & 3}\n        addi    r{i & 3}, r4\n" for i in range(16))
+            + "        sti r4, *ar3\n"
+        ),
+        config(dsps=1),
+        record=True,
     )
     for i in range(16):
         m.poke(i, 3**i)
@@ -102,7 +110,12 @@ def test_semaphores_doorbell_and_fence_as_registers() -> None:
         ldi     0, r2
         sti     r2, *+ar1(ir0)
         """,
-        host=[(50 * US, 0x10101, [], 1), (60 * US, 0x10040, [], 1), (70 * US, 0x10080, [], 1), (71 * US, 0x10040, [], 2)],
+        host=[
+            (50 * US, 0x10101, [], 1),
+            (60 * US, 0x10040, [], 1),
+            (70 * US, 0x10080, [], 1),
+            (71 * US, 0x10040, [], 2),
+        ],
     )
     assert [m.chip_word(0, ON_CHIP + i) for i in range(3)] == [0, 1, 0]
     idle, owner, held, owners = [words for _, _, words in m.reads]

@@ -6,7 +6,17 @@ from fractions import Fraction
 import pytest
 from cmrc._core import machine
 
-FREQUENCIES = [(20_000_000, 1), (25_000_000, 1), (30_000_000, 1), (100_000_000, 3), (33_333_333, 1), (8_000, 1), (1, 1), (7, 3), (999_999_999_999, 1)]
+FREQUENCIES = [
+    (20_000_000, 1),
+    (25_000_000, 1),
+    (30_000_000, 1),
+    (100_000_000, 3),
+    (33_333_333, 1),
+    (8_000, 1),
+    (1, 1),
+    (7, 3),
+    (999_999_999_999, 1),
+]
 
 
 @pytest.mark.parametrize("num, den", FREQUENCIES)

@@ -54,7 +54,9 @@ def sleeper() -> object:
     from programs import HEAD, INCLUDE, TAIL
 
     sections = {".text": 0x300000, ".parameters": 0x30F000, ".handlers": 0x30F010}
-    return toolchain.assemble(HEAD + SLEEPER + TAIL, "sleeper.asm", include_dirs=[INCLUDE], sections=sections, entry="_start")
+    return toolchain.assemble(
+        HEAD + SLEEPER + TAIL, "sleeper.asm", include_dirs=[INCLUDE], sections=sections, entry="_start"
+    )
 
 
 def sums_hold(m: machine.Machine, dsps: int) -> None:
@@ -115,7 +117,14 @@ loop:   addi    1, r5
         ldi     *ar1, r6                ; never released
         b       loop
     """
-    host = [(100 * US, 0x10110, [0xFFFFFFFE], 0), (110 * US, 5, [], 1), (150 * US, 5, [], 1), (160 * US, 0x10040, [], 1), (200 * US, 0x10110, [0xFFFFFFFF], 0), (250 * US, 5, [], 1)]
+    host = [
+        (100 * US, 0x10110, [0xFFFFFFFE], 0),
+        (110 * US, 5, [], 1),
+        (150 * US, 5, [], 1),
+        (160 * US, 0x10040, [], 1),
+        (200 * US, 0x10110, [0xFFFFFFFF], 0),
+        (250 * US, 5, [], 1),
+    ]
     m = machine.Machine(assemble(body), config(dsps=1), host=host, record=True)
     m.run_until(300 * US)
     before, during, owner, after = (words[0] for _, _, words in m.reads)
@@ -130,7 +139,13 @@ def test_a_board_pulled_in_mid_transaction_leaves_the_bus_to_others(moment: int)
     setup = config(dsps=2, slots=2)
     setup.script(50 * US + moment * 1000, machine.Action.unplug, 0)
     setup.script(100 * US, machine.Action.plug, 0)
-    m = machine.Machine(assemble("again:  sti     r7, *+ar0(3)\n        ldi     *+ar0(9), r1\n        sti     r1, *+ar0(2)\n        b again\n"), setup, record=True)
+    m = machine.Machine(
+        assemble(
+            "again:  sti     r7, *+ar0(3)\n        ldi     *+ar0(9), r1\n        sti     r1, *+ar0(2)\n        b again\n"
+        ),
+        setup,
+        record=True,
+    )
     m.run_until(99 * US)
     assert not m.plugged(0)
     own = [time for time, what, v in m.events if what == "transaction" and v[0] == 0 and v[1] == 1]
@@ -150,7 +165,13 @@ def test_the_host_resets_a_dsp_that_hangs_and_none_that_is_broken() -> None:
     for action, alive in ((machine.Action.hang, True), (machine.Action.fail, False)):
         setup = config(dsps=2)
         setup.script(100 * US, action, 1)
-        m = machine.Machine(assemble("        ldi 0, r5\nagain:  addi 1, r5\n        addi3 ar0, r7, ar5\n        sti r5, *+ar5(32)\n        b again\n"), setup, host=[(200 * US, 0x10111, [1], 0), (190 * US, 33, [], 1), (150 * US, 33, [], 1)])
+        m = machine.Machine(
+            assemble(
+                "        ldi 0, r5\nagain:  addi 1, r5\n        addi3 ar0, r7, ar5\n        sti r5, *+ar5(32)\n        b again\n"
+            ),
+            setup,
+            host=[(200 * US, 0x10111, [1], 0), (190 * US, 33, [], 1), (150 * US, 33, [], 1)],
+        )
         m.run_until(199 * US)
         assert m.standing(1) and m.reads[0][2] == m.reads[1][2]
         m.run_until(MS)
@@ -211,14 +232,30 @@ def mixture(turn_order: int, cuts: list[int], seed: int = 3) -> tuple[list[int],
     host = []
     for i in range(300):
         time = 20 * US + i * 6 * US + draw.randrange(US)
-        host.append(draw.choice([(time, 0x10100, [draw.randrange(4)], 0), (time, 8, [], 3), (time, 100 + i, [i, i + 1, i + 2], 0), (time, 0x10101, [], 1)]))
-    host += [(700 * US, 0x10110, [0xD], 0), (800 * US, 0x10111, [1], 0), (900 * US, 0x10110, [0xF], 0), (905 * US, 0x10000, [0], 0)]
+        host.append(
+            draw.choice(
+                [
+                    (time, 0x10100, [draw.randrange(4)], 0),
+                    (time, 8, [], 3),
+                    (time, 100 + i, [i, i + 1, i + 2], 0),
+                    (time, 0x10101, [], 1),
+                ]
+            )
+        )
+    host += [
+        (700 * US, 0x10110, [0xD], 0),
+        (800 * US, 0x10111, [1], 0),
+        (900 * US, 0x10110, [0xF], 0),
+        (905 * US, 0x10000, [0], 0),
+    ]
     setup = config(dsps=4, turn_order=turn_order)
     setup.script(500 * US + 7, machine.Action.unplug, 2)
     setup.script(500 * US + 9, machine.Action.hang, 3)
     setup.script(520 * US, machine.Action.plug, 2)
     sections = {".text": 0x300000, ".parameters": 0x30F000, ".handlers": 0x30F010}
-    program = toolchain.assemble(HEAD + MIXTURE + TAIL, "mixture.asm", include_dirs=[INCLUDE], sections=sections, entry="_start")
+    program = toolchain.assemble(
+        HEAD + MIXTURE + TAIL, "mixture.asm", include_dirs=[INCLUDE], sections=sections, entry="_start"
+    )
     m = machine.Machine(program, setup, plant.Dock(plant.default_dock()), host, record=True)
     for cut in [*sorted(cuts), 2 * MS]:
         m.run_until(cut)
@@ -235,7 +272,14 @@ def plain() -> tuple[list[int], list[object]]:
 
 def test_the_mixture_has_what_it_should_have(plain: tuple[list[int], list[object]]) -> None:
     kinds = [what for _, what, _ in plain[1]]
-    for kind, least in (("transaction", 3000), ("write", 1000), ("interrupt", 20), ("semaphore", 500), ("slot", 6), ("dropped", 1)):
+    for kind, least in (
+        ("transaction", 3000),
+        ("write", 1000),
+        ("interrupt", 20),
+        ("semaphore", 500),
+        ("slot", 6),
+        ("dropped", 1),
+    ):
         assert kinds.count(kind) >= least, kind
     # In order of time but for writes, which are told when their burst has ended.
     times = [time for time, what, _ in plain[1] if what in ("transaction", "interrupt", "semaphore")]
@@ -243,7 +287,9 @@ def test_the_mixture_has_what_it_should_have(plain: tuple[list[int], list[object
 
 
 @pytest.mark.parametrize("turn_order", [1, 2, 3, 123456789])
-def test_the_order_in_which_chips_are_advanced_changes_nothing(turn_order: int, plain: tuple[list[int], list[object]]) -> None:
+def test_the_order_in_which_chips_are_advanced_changes_nothing(
+    turn_order: int, plain: tuple[list[int], list[object]]
+) -> None:
     assert mixture(turn_order, []) == plain
 
 
