@@ -54,7 +54,7 @@ class Dsp:
         self.area = WINDOW_A + self.symbols["CR_BASE"]
 
     # ---- words of the area and of the devices
-    def put(self, name: str, *values: float | int, offset: int = 0) -> None:
+    def put(self, name: str, *values: float, offset: int = 0) -> None:
         """Floats as TI singles, integers as they are."""
         for i, v in enumerate(values):
             word = to_ti(v) if isinstance(v, float) else v & 0xFFFFFFFF

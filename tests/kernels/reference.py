@@ -6,6 +6,7 @@ and compare. The same functions close the loop around the plant in test_closed_l
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass, field
 
@@ -65,7 +66,7 @@ def segment_time(a: list[float], b: list[float]) -> float:
 def start_times(durations: list[float]) -> list[float]:
     """Each segment starts before its predecessor ends, by half the shorter of the two."""
     starts = [0.0]
-    for a, b in zip(durations, durations[1:], strict=False):
+    for a, b in itertools.pairwise(durations):
         starts.append(starts[-1] + a - 0.5 * min(a, b))
     return starts
 
@@ -78,7 +79,7 @@ class Leg:
 
     def __post_init__(self) -> None:
         chain = [self.start, *self.vias]
-        self.durations = [segment_time(a, b) for a, b in zip(chain, chain[1:], strict=False)]
+        self.durations = [segment_time(a, b) for a, b in itertools.pairwise(chain)]
 
     def total(self) -> float:
         return start_times(self.durations)[-1] + self.durations[-1] if self.durations else 0.0

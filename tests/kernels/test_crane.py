@@ -102,7 +102,7 @@ def test_second_leg_starts_where_the_first_ended_and_aims_at_the_agv(dsp: Dsp) -
     end = [22.013, 7.988, 1.6 + 2.591 + 1.5, (3141593 - 20000) * 1e-6 - math.pi * round((3.121593 - target[3]) / math.pi)]
     leg = ref.Leg(target, [via, end])
     for n in (0, 1, 500, 1000, 2000, leg.points(period) - 1):
-        result, _, _ = dsp.run("trajectory_crane", k + 1 + n)
+        _result, _, _ = dsp.run("trajectory_crane", k + 1 + n)
         assert_point(dsp, k + 1 + n, ref.trajectory(leg, (n + 1) * period))
     assert dsp.floats("CR_ROUTE", 4, offset=32 + 4) == pytest.approx(end, abs=4e-6)
 

@@ -7,7 +7,6 @@ import random
 
 import pytest
 from harness import Dsp, from_ti, to_ti
-
 from reference import blend, quintic
 
 
