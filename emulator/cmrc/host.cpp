@@ -76,6 +76,7 @@ void Host::read_done(std::uint32_t, std::span<const machine::Word> words, Time n
       next_flag();
       break;
     case Step::semaphore: semaphore_read(words[0]); break;
+    case Step::held: held_read(words[0]); break;
     case Step::locked_flags:
       if (words[0] != words_.flag_waiting) list_.take(flags_.front());
       flags_.pop_front();
@@ -192,16 +193,29 @@ void Host::semaphore_read(Word taken) {
   }
   if (!refused_) refused_since_ = now_;
   refused_ = true;
-  if (now_ - refused_since_ > nanoseconds(config_.watchdog.semaphore_limit_us * 1000)) {
+  if (now_ - refused_since_ <= nanoseconds(config_.watchdog.semaphore_limit_us * 1000)) return try_again();
+  step_ = Step::held;
+  port_->read(words_.semaphore_held + words_.semaphore_list - words_.semaphore, 1, 0);
+}
+
+// Others may have taken turns all this time; only one that holds on is taken for dead.
+void Host::held_read(Word microseconds) {
+  refused_since_ = now_;
+  if (static_cast<double>(microseconds) >= config_.watchdog.semaphore_limit_us) {
     port_->write(words_.semaphore_list, Word{0});
     ++counts_.semaphores_freed;
     pointer_in_doubt_ = true;
-    refused_ = false;
     note(EventKind::semaphore, {0, 2, 0, 0, 0});
-    listener_.failure({now_, std::nullopt, "semaphore", "the list's semaphore was held too long and was freed by the host"});
+    listener_.failure({now_, std::nullopt, "semaphore", fmt::format("the list was held for {} us and was freed by the host", microseconds)});
   }
+  try_again();
+}
+
+// With a constant pause the host could fall into step with DSPs that poll, and never find the list free.
+void Host::try_again() {
+  dither_ ^= dither_ << 13, dither_ ^= dither_ >> 17, dither_ ^= dither_ << 5;
   step_ = Step::retry;
-  wake_at_ = now_ + nanoseconds(config_.host.semaphore_retry_ns);
+  wake_at_ = now_ + nanoseconds(config_.host.semaphore_retry_ns * (1 + dither_ % 16 / 4.0));
 }
 
 void Host::relink() {

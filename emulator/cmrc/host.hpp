@@ -58,7 +58,7 @@ class Host : public machine::HostProgram, private Desk {
   const machine::Clock& refresh_clock() const { return clock_; }
 
  private:
-  enum class Step : std::uint8_t { resting, pointer, flags, result, owner, thinking, semaphore, retry, locked_flags, relink, doorbell };
+  enum class Step : std::uint8_t { resting, pointer, flags, result, owner, thinking, semaphore, retry, held, locked_flags, relink, doorbell };
 
   /// A periodic task of the crane: torque compensation or PID.
   struct Servo {
@@ -104,6 +104,8 @@ class Host : public machine::HostProgram, private Desk {
   void write_new_blocks();
   void acquire();
   void semaphore_read(Word taken);
+  void held_read(Word microseconds);
+  void try_again();
   void claimed_before(Word pointer);
   void relink();
   void ring(Word idle);
@@ -141,6 +143,7 @@ class Host : public machine::HostProgram, private Desk {
   bool pointer_in_doubt_ = false;      // a semaphore was freed: a claim may have broken off
   Time refused_since_{};
   bool refused_ = false;
+  std::uint32_t dither_ = 1;           // state of the generator that varies the pause before the next try
   std::uint64_t eligible_ = 0;
   Word fence_ = 0xFFFFFFFF;
   std::map<JobKind, std::int64_t> longest_;  // longest runs in refreshes, at least as configured
