@@ -1,15 +1,13 @@
 """What every test shares: where the build is, the path to the package in it, and the comparison with golden files."""
 
-import os
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from locations import BUILD, ROOT
 
-ROOT = Path(__file__).resolve().parent.parent
-BUILD = Path(os.environ.get("CMRC_BUILD_DIR", ROOT / "build"))
 GOLDEN = ROOT / "tests" / "golden"
 sys.path.insert(0, str(BUILD / "python"))
 

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from conftest import ROOT
+from locations import ROOT
 
 from cmrc import _core
 

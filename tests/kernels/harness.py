@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from cmrc import _core
-from conftest import ROOT
+from locations import ROOT
 
 WINDOW_A, WINDOW_B = 0xC0000000, 0x70000000
 RETURN = 0x3FF000  # nothing is here: where the called code returns to

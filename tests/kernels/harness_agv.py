@@ -7,7 +7,7 @@ import os
 from pathlib import Path
 
 from cmrc import _core
-from conftest import ROOT
+from locations import ROOT
 
 WINDOW_A, WINDOW_B = 0xC0000000, 0x70000000
 RETURN = 0x3FF000  # a word where nothing is: the kernel comes back here
