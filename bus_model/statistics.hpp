@@ -21,6 +21,7 @@ class Histogram {
   std::uint64_t count() const { return count_; }
   Clocks sum() const { return sum_; }
   Clocks max() const { return max_; }
+  std::uint64_t zeros() const { return counts_[0]; }
   /// The smallest value that at least `fraction` (0..1) of the entries do not exceed: exact up to 63, above that the
   /// upper edge of its bin, never more than max().
   Clocks percentile(double fraction) const;

@@ -21,6 +21,8 @@ report::Summary summary_of(const pci::Histogram& histogram) {
   summary.worst = histogram.max();
   const auto octaves = histogram.octaves();
   for (std::size_t i = 0; i < octaves.size(); ++i) summary.histogram[i + 1] = octaves[i];
+  summary.histogram[0] = histogram.zeros();  // the lowest octave holds 0 and 1
+  summary.histogram[1] -= histogram.zeros();
   return summary;
 }
 

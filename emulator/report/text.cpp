@@ -20,7 +20,7 @@ std::string seconds(const std::optional<Time>& time) {
 }
 
 std::string title(const RunReport& report) {
-  const double simulated = static_cast<double>(report.simulated.count()) * 1e-12;
+  const double simulated = static_cast<double>(report.simulated.count()) / 1e12;
   const std::string reason = report.stop_reason == StopReason::completed
                                  ? ""
                                  : fmt::format(" The run ended early: {}.", name(report.stop_reason));
@@ -30,7 +30,7 @@ std::string title(const RunReport& report) {
 }
 
 std::string outcomes(const RunReport& report) {
-  TextTable table({"jobs", "released", "on time", "late", "unfinished", "waiting", "lost", "dropped", "MISSED"});
+  TextTable table({"jobs", "released", "on time", "late", "unfinished", "not started", "lost", "dropped", "MISSED"});
   for (const TaskReport& task : report.tasks)
     if (task.released > 0)
       table.add({task.kind, count(task.released), count(task.on_time), count(task.late), count(task.unfinished),
@@ -39,7 +39,7 @@ std::string outcomes(const RunReport& report) {
 }
 
 std::string times(const RunReport& report) {
-  TextTable table({"release to end", "mean", "p50", "p99", "p99.9", "worst", "execution", "start jitter"});
+  TextTable table({"release to end", "mean", "p50", "p99", "p99.9", "worst", "execution", "jitter"});
   for (const TaskReport& task : report.tasks) {
     if (task.response.count == 0) continue;
     const Summary& response = task.response;
@@ -49,7 +49,8 @@ std::string times(const RunReport& report) {
                task.start_jitter.count > 0 ? time(task.start_jitter.peak_to_peak) : "-"});
   }
   if (table.empty()) return "";
-  return heading("Response times (execution: mean from claim to end; jitter: peak to peak)") + table.render();
+  return heading("Response times (execution: mean from claim to end; jitter: of the start, peak to peak)") +
+         table.render();
 }
 
 /// The largest shares first, until nine tenths are told.
@@ -96,7 +97,7 @@ std::string dsps(const RunReport& report) {
     for (const DspReport& dsp : group) {
       header.push_back(fmt::format("dsp {}", dsp.slot));
       cycles.push_back(fmt::format("{:.1f}", static_cast<double>(dsp.cycles) * 1e-6));
-      instructions.push_back(fmt::format("{:.1f}", static_cast<double>(dsp.instructions) * 1e-6));
+      instructions.push_back(fmt::format("{:.2f}", static_cast<double>(dsp.instructions) * 1e-6));
       claims.push_back(count(dsp.claims));
     }
     TextTable table(std::move(header));
@@ -156,12 +157,12 @@ std::string errors(const RunReport& report) {
   TextTable table({"error", "unit", "RMS", "peak"});
   const auto add = [&](const std::vector<ErrorReport>& list, std::string_view what) {
     for (const ErrorReport& error : list)
-      table.add({fmt::format("{} {}", what, error.name), error.unit, fmt::format("{:.6f}", error.rms),
+      table.add({std::string(what) + error.name, error.unit, fmt::format("{:.6f}", error.rms),
                  fmt::format("{:.6f}", error.peak)});
   };
-  add(report.tracking, "joint");
-  add(report.sway, "sway");
-  add(report.agvs, "AGV");
+  add(report.tracking, "joint ");
+  add(report.sway, "sway ");
+  add(report.agvs, "");
   return table.empty() ? "" : heading("Tracking") + table.render();
 }
 
@@ -170,7 +171,7 @@ std::string host_work(const RunReport& report) {
   if (host.refreshes == 0) return "";
   return heading(fmt::format("Host: {} refreshes, {} skipped; {} doorbells; {} blocks recomputed", host.refreshes,
                              host.skipped_refreshes, host.doorbells, host.recomputed)) +
-         fmt::format("  list held for {} on the mean, {} at worst; refresh takes {} on the mean, {} at worst\n",
+         fmt::format("  list held for {} on the mean, {} at worst\n  refresh takes {} on the mean, {} at worst\n",
                      duration(host.semaphore_hold.mean), duration(static_cast<double>(host.semaphore_hold.worst)),
                      duration(host.refresh_duration.mean), duration(static_cast<double>(host.refresh_duration.worst))) +
          fmt::format("  blocks in the list: {:.1f} on the mean, {} at most\n", host.list_length.mean,
