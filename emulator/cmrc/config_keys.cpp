@@ -212,9 +212,9 @@ avoidance_cycles = 150000
 [dock]
 agvs = 4
 )"},
-      {"saturated", "base rates, 4 AGVs, and a synthetic avoidance block of 150 000 cycles (6 ms) per AGV and point", R"(
+      {"saturated", "base rates, 4 AGVs, and a synthetic avoidance block of 330 000 cycles (13.2 ms) per AGV and point", R"(
 [load]
-avoidance_cycles = 150000
+avoidance_cycles = 330000
 [dock]
 agvs = 4
 )"},
