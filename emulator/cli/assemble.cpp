@@ -1,13 +1,10 @@
-// emulator asm, emulator disasm, emulator trace-diff
+// emulator asm, emulator disasm
 #include <fmt/format.h>
-
-#include <fstream>
 
 #include "cli/options.hpp"
 #include "cli/output_file.hpp"
 #include "cli/program.hpp"
 #include "isa/disassemble.hpp"
-#include "report/trace_text.hpp"
 #include "toolchain/coff.hpp"
 
 namespace cli {
@@ -39,28 +36,6 @@ int disassemble(const DisassembleOptions& options) {
     }
   }
   return success;
-}
-
-int trace_diff(const TraceDiffOptions& options) {
-  const auto open = [](const std::string& path) {
-    std::ifstream in(path);
-    if (!in) throw InputError(fmt::format("{}: no such file, or it cannot be read", path));
-    return in;
-  };
-  std::ifstream left = open(options.left);
-  std::ifstream right = open(options.right);
-  std::optional<report::TraceDifference> difference;
-  try {
-    difference = report::compare_traces(left, right);
-  } catch (const std::invalid_argument& error) {
-    throw InputError(fmt::format("{} and {}: {}", options.left, options.right, error.what()));
-  }
-  if (!difference) {
-    fmt::print("no difference\n");
-    return success;
-  }
-  fmt::print("first difference: {}", difference->message());
-  return run_failed;
 }
 
 }  // namespace cli

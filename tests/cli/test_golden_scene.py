@@ -1,0 +1,67 @@
+"""Golden traces of the scene (ruling 31): from the start of process 3, with 1, 2 and 4 DSPs."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from traces import condensed
+
+HZ = 25_000_000
+LENGTH_S = 0.009  # holds a claim of trajectory planning, which comes every 8 ms
+WINDOW_S = 0.0005
+
+
+def start_of_process_3(events: list[str]) -> float:
+    return next(float(line.split()[0]) for line in events if " process number=3 state=1 " in line)
+
+
+def claim_of(kind: int, events: list[str], after: float) -> float:
+    claims = (float(line.split()[0]) for line in events if f" kind={kind} " in line and "] claim " in line)
+    return next(time for time in claims if time > after)
+
+
+@pytest.mark.golden
+@pytest.mark.parametrize("dsps", [1, 2, 4])
+def test_scene(run, golden: Callable[[str, str], None], tmp_path: Path, dsps: int) -> None:
+    def trace(window: str, *slots: int) -> list[str]:
+        extra = [argument for slot in slots for argument in ("--trace-instructions", slot)]
+        result = run("--dsps", dsps, "--duration", 0.05, "--quiet", "--trace", "t", "--trace-window", window, *extra)
+        assert result.returncode == 0, result.stderr
+        return (tmp_path / "t").read_text().splitlines()[1:]
+
+    start = start_of_process_3(trace("0:0.05"))
+    start = int(start * 1e4) / 1e4  # windows and hashes on whole tenths of a millisecond
+    end = start + LENGTH_S
+    events = trace(f"{start:.4f}:{end:.4f}", *range(dsps))
+    # A servo tick, and a tick at which planning is claimed beside torque compensation and PID.
+    windows = [int(claim_of(kind, events, start + 0.001) * 1e4) / 1e4 for kind in (6, 1)]
+
+    def keep(cycle: int) -> bool:
+        return any(window <= cycle / HZ < window + WINDOW_S for window in windows)
+
+    lines = ["# cmrc scene trace 1", f"# emulator --dsps {dsps}", *events]
+    for slot in range(dsps):
+        instructions = (tmp_path / f"t.dsp{slot}").read_text().splitlines()[1:]
+        lines += condensed(instructions, slot, keep)
+    assert any(re.search(r"\[dsp 0\] .*; count=", line) for line in lines)
+    golden(f"scene-{dsps}.trace", "\n".join(lines) + "\n")
+
+
+def test_golden_files_stay_small() -> None:
+    directory = Path(__file__).parents[1] / "golden"
+    assert 0 < sum(path.stat().st_size for path in directory.glob("*.trace")) < 5_000_000
+
+
+def test_trace_diff_regenerates_the_text_behind_a_differing_hash(run, tmp_path: Path) -> None:
+    run("--dsps", 1, "--duration", 0.0041, "--quiet", "--trace", "t", "--trace-window", "0.004:0.0041", "--trace-instructions", 0)
+    executed = (tmp_path / "t.dsp0").read_text().splitlines()[1:]
+    assert executed
+    hashed = condensed(executed, 0, keep=lambda cycle: False)
+    text = "\n".join(["# cmrc scene trace 1", "# emulator --dsps 1", *hashed]) + "\n"
+    (tmp_path / "a.trace").write_text(text)
+    (tmp_path / "b.trace").write_text(re.sub("sha256=.{16}", "sha256=0123456789abcdef", text))
+    result = run("trace-diff", "a.trace", "b.trace")
+    assert result.returncode == 1
+    assert "cycle 100000, dsp 0, field sha256: " in result.stdout
+    assert result.stdout.split("what this emulator executes there:\n")[1].splitlines() == executed

@@ -1,0 +1,122 @@
+"""Golden instruction traces: every kernel once, on a chip of its own, with fixed inputs and windows that cost nothing."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import pytest
+from cmrc import _core
+from harness_agv import Dsp
+from lanes import loop
+from traces import condensed
+
+FULL_TEXT_CYCLES = 1500
+TICK = 1000
+UNIT = 0x400
+
+
+def crane() -> Dsp:
+    """At home, at rest, with a route to the first container and every input of process 3 in place."""
+    dsp = Dsp()
+    scalars = {
+        "CR_POINT_PERIOD": 0.008, "CR_SERVO_PERIOD": 0.001, "CR_POINT_TICKS": 64, "CR_SERVO_TICKS": 8, "CR_LEG": 1,
+        "CR_CLEARANCE": 0.6, "CR_AGV_DECK": 1.6, "CR_BOX_HEIGHT": 2.591, "CR_PAYLOAD": 10_000.0, "CR_BOX_COUNT": 1,
+    }  # fmt: skip
+    for name, value in scalars.items():
+        dsp.put(name, value)
+    vectors = {
+        "CR_HOME": (12.0, 16.0, 14.0, 0.0),
+        "CR_TARGET": (0.0, 24.0, 9.092, 0.0),
+        "CR_SPOT": (22.0, 8.0, 0.0),
+        "CR_BOX": (-34.0, -24.0, 20.0, 34.0, 0.0, 25.0),
+    }
+    for name, values in vectors.items():
+        for i, value in enumerate(values):
+            dsp.put(name, value, i)
+    dsp.put("CR_ROUTE_COUNT", 2, 1)
+    for i, value in enumerate((6.0, 20.0, 16.0, 0.0, 0.0, 24.0, 10.0, 0.0)):
+        dsp.put("CR_ROUTE", value, i)
+    for j, total in enumerate((0, 400_000, 250_000, 300_000, 10_000)):
+        dsp.put("CR_ENCODER_TOTAL", total, j)
+        dsp.put("CR_ENCODER_LAST", total, j)
+        dsp.device(dsp.symbols["ENCODER"] + j, total + 3 * j)
+    return dsp
+
+
+def crane_moving() -> Dsp:
+    """The same after three points and three servo ticks."""
+    dsp = crane()
+    for k in range(3):
+        dsp.run("trajectory_crane", argument=k)
+        dsp.run("inverse_crane", argument=k)
+        dsp.run("torque", tick=TICK + 8 * k)
+        dsp.run("pid", tick=TICK + 8 * k)
+    dsp.run("trajectory_crane", argument=3)
+    return dsp
+
+
+def ship() -> Dsp:
+    """One row of the bay with two containers."""
+    dsp = crane()
+    s = dsp.symbols
+    for name, value in (("SCAN_ROWS", 1), ("SCAN_Y", 24_000), ("SCAN_X0", -25_600), ("SCAN_DX", 400), ("SCAN_DECK", 3_909)):
+        dsp.device(s[name], value)
+    for i in range(128):
+        x = -25.6 + 0.4 * i
+        height = 3.909 + 2.591 * ((abs(x) <= 6.096) + (abs(x - 12.7) <= 6.096))
+        dsp.device(s["SCAN_PROFILE"] + i, math.floor(height * 1e3 / 8) * 8)
+    return dsp
+
+
+def agv() -> Dsp:
+    """In the loading spot, before its way to the warehouse and home."""
+    dsp = Dsp()
+    dsp.agv(0)
+    for name, value in (("AG_UNIT", UNIT), ("AG_STEP_TIME", 0.02), ("AG_PERIOD_US", 20_000), ("AG_POINT_TICKS", 160), ("AG_LEG", 1)):
+        dsp.put(name, value)
+    for leg, segments in enumerate((*loop(), loop()[1]), start=1):
+        dsp.put("AG_SEGMENT_COUNT", len(segments), leg)
+        for i, segment in enumerate(segments):
+            words = (segment.x, segment.y, segment.heading, segment.length, segment.curvature, segment.speed)
+            for j, value in enumerate(words):
+                dsp.put("AG_SEGMENT", float(value), (leg - 1) * 64 + 8 * i + j)
+    for name, value in (("AGV_X", 22_010), ("AGV_Y", 7_995), ("AGV_HEADING", 900), ("AGV_SPEED", 0), ("AGV_STATUS", 0x30)):
+        dsp.device(UNIT + dsp.symbols[name], value)
+    return dsp
+
+
+def agv_planned() -> Dsp:
+    dsp = agv()
+    dsp.run("trajectory_agv", argument=0)
+    return dsp
+
+
+@pytest.mark.golden
+@pytest.mark.parametrize(
+    ("kernel", "prepare", "argument", "tick"),
+    [
+        ("trajectory_crane", crane, 0, 0),
+        ("inverse_crane", crane_moving, 3, 0),
+        ("torque", crane_moving, 0, TICK + 24),
+        ("pid", crane_moving, 0, TICK + 24),
+        ("identify", ship, 0, 0),
+        ("grab_path", crane, 0, 0),
+        ("home_crane", crane, 0, 0),
+        ("trajectory_agv", agv, 0, 0),
+        ("inverse_agv", agv_planned, 0, 0),
+        ("home_agv", agv, 0, 0),
+        ("avoidance", agv, 400, 0),
+    ],
+)
+def test_kernel(golden: Callable[[str, str], None], kernel: str, prepare: Callable[[], Dsp], argument: int, tick: int) -> None:
+    *_, cycles = prepare().run(kernel, argument, tick)
+    dsp = prepare()
+    start = dsp.start(kernel, argument, tick)
+    records = dsp.chip.trace(cycles)
+    assert dsp.chip.cycle - start == cycles
+    for record in records:
+        record["cycle"] -= start
+    lines = [_core.trace.line(record) for record in records]
+    text = condensed(lines, 0, keep=lambda cycle: cycle < FULL_TEXT_CYCLES)
+    golden(f"kernel-{kernel}.trace", "\n".join([_core.trace.instruction_header, f"# kernel_{kernel}: {cycles} cycles", *text]) + "\n")
