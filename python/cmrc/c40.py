@@ -1,9 +1,9 @@
 """One TMS320C40: assemble, disassemble, run, and look inside.
 
-    program = cmrc.c40.assemble(text)
-    processor = cmrc.c40.Processor(program)
-    stop = processor.run(until="done")
-    processor.registers["R0"], processor.floats["R1"], processor.memory[0x300000]
+program = cmrc.c40.assemble(text)
+processor = cmrc.c40.Processor(program)
+stop = processor.run(until="done")
+processor.registers["R0"], processor.floats["R1"], processor.memory[0x300000]
 """
 
 from __future__ import annotations

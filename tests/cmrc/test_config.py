@@ -3,9 +3,8 @@
 import re
 
 import pytest
-from locations import ROOT
-
 from cmrc import _core
+from locations import ROOT
 
 cmrc = _core.cmrc
 KEYS = {key["name"]: key for key in cmrc.config_keys()}

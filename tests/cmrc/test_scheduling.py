@@ -1,7 +1,6 @@
 """Equation (7) against the paper's table, and the scheduling rule against the hand-worked tables of plant-and-bus.md 4.8."""
 
 import pytest
-
 from cmrc import _core
 
 cmrc = _core.cmrc
