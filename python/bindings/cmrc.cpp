@@ -3,11 +3,17 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 
 #include "cmrc/config.hpp"
+#include "cmrc/consents.hpp"
+#include "cmrc/cycles.hpp"
 #include "cmrc/importance.hpp"
+#include "cmrc/ledger.hpp"
 #include "cmrc/list.hpp"
 #include "cmrc/simulation.hpp"
+#include "cmrc/ti_float.hpp"
 #include "machine/machine.hpp"
 #include "plant/dock.hpp"
 #include "python/bindings/bindings.hpp"
@@ -196,6 +202,99 @@ void bind_scheduling(py::module_& m) {
       .def("tick", &TickTable::tick);
 }
 
+report::Time seconds(double s) { return report::Time{std::llround(s * 1e12)}; }
+
+py::object to_seconds(const std::optional<report::Time>& time) {
+  return time ? py::object(py::float_(static_cast<double>(time->count()) * 1e-12)) : py::none();
+}
+
+py::dict to_dict(const report::CycleReport& c) {
+  return py::dict(py::arg("number") = c.number, py::arg("agv") = c.agv, py::arg("t3") = to_seconds(c.t3), py::arg("t4") = to_seconds(c.t4),
+                  py::arg("t5") = to_seconds(c.t5), py::arg("t6") = to_seconds(c.t6), py::arg("t_v") = to_seconds(c.t_v),
+                  py::arg("t_w") = to_seconds(c.t_w), py::arg("T_g") = to_seconds(c.T_g), py::arg("T_a") = to_seconds(c.T_a));
+}
+
+/// The ledger with times in seconds and one cause, for tests of the classes of ruling 16.
+class TestLedger {
+ public:
+  void release(std::size_t block, const std::string& kind, double released, const std::optional<double>& deadline) {
+    ledger_.release(block, index_of(kind), seconds(released), deadline ? std::optional(seconds(*deadline)) : std::nullopt, std::nullopt);
+  }
+  void skipped(const std::string& kind, double released, double deadline, std::int64_t tick) {
+    ledger_.skipped(index_of(kind), seconds(released), seconds(deadline), tick);
+  }
+  void claimed(std::size_t block, unsigned slot, double at, const std::vector<std::int64_t>& causes) { ledger_.claimed(block, slot, seconds(at), causes); }
+  void finished(std::size_t block, unsigned slot, double at, const std::vector<std::int64_t>& causes) { ledger_.finished(block, slot, seconds(at), causes); }
+  void put_back(std::size_t block, double at) { ledger_.put_back(block, seconds(at)); }
+  void dropped(std::size_t block, double at) { ledger_.dropped(block, seconds(at)); }
+  void removed(std::size_t block) { ledger_.removed(block); }
+  void slot_failed(unsigned slot) { ledger_.slot_failed(slot, {}); }
+  py::dict report(double now) const {
+    py::dict all;
+    for (const report::TaskReport& task : ledger_.report(seconds(now), 2)) {
+      py::dict causes;
+      for (const report::Share& share : task.execution_causes) causes[py::str(share.name)] = share.amount;
+      all[py::str(task.kind)] = py::dict(
+          py::arg("released") = task.released, py::arg("on_time") = task.on_time, py::arg("late") = task.late, py::arg("unfinished") = task.unfinished,
+          py::arg("never_started") = task.never_started, py::arg("lost") = task.lost, py::arg("dropped") = task.dropped, py::arg("misses") = task.misses,
+          py::arg("causes") = causes, py::arg("worst_response") = task.response.worst);
+    }
+    return all;
+  }
+
+ private:
+  static cmrc::JobKind index_of(const std::string& kind) {
+    const auto kinds = cmrc::job_kinds();
+    return static_cast<cmrc::JobKind>(std::find(kinds.begin(), kinds.end(), kind) - kinds.begin());
+  }
+  cmrc::Ledger ledger_{{"execute", "bus"}, seconds(1e-3)};
+};
+
+void bind_parts(py::module_& m) {
+  py::class_<cmrc::Consents>(m, "Consents", "May-load tokens (plant-and-bus.md 4.4 items 13 to 16).")
+      .def(py::init<unsigned>())
+      .def("give", &cmrc::Consents::give, py::arg("source"), py::arg("target"), py::arg("agv") = 0)
+      .def("clear", &cmrc::Consents::clear, py::arg("source"), py::arg("target"), py::arg("agv") = 0)
+      .def("given", &cmrc::Consents::given, py::arg("source"), py::arg("target"), py::arg("agv") = 0)
+      .def("all", &cmrc::Consents::all, py::arg("target"), py::arg("agv") = 0)
+      .def("consume", &cmrc::Consents::consume, py::arg("target"), py::arg("agv") = 0);
+  py::class_<cmrc::Cycles>(m, "Cycles", "Times of the processes; seconds.")
+      .def(py::init<>())
+      .def("process", [](cmrc::Cycles& c, unsigned number, bool started, unsigned robot, double now) { c.process(number, started, robot, seconds(now)); })
+      .def("crane_waits", [](cmrc::Cycles& c, bool waits, double now) { c.crane_waits(waits, seconds(now)); })
+      .def_property_readonly("completed", &cmrc::Cycles::completed)
+      .def("cycles", [](const cmrc::Cycles& c) {
+        py::list all;
+        for (const auto& cycle : c.cycles()) all.append(to_dict(cycle));
+        return all;
+      });
+  m.def("learned_interval", [](const cmrc::Config&, const std::string& rule, std::int64_t present, std::int64_t lowest, unsigned agvs, double driving,
+                               double t_w, double t_v, double T_g) {
+    cmrc::Config::Scheduling scheduling;
+    scheduling.learning = rule == "unit" ? cmrc::Learning::unit : rule == "off" ? cmrc::Learning::off : cmrc::Learning::proportional;
+    report::CycleReport cycle;
+    cycle.t5 = seconds(driving / 2);
+    cycle.t6 = seconds(driving) - *cycle.t5;
+    cycle.t_w = seconds(t_w);
+    cycle.t_v = seconds(t_v);
+    cycle.T_g = seconds(T_g);
+    return cmrc::learned_interval(scheduling, present, lowest, agvs, cycle);
+  }, py::arg("config"), py::arg("rule"), py::arg("present"), py::arg("lowest"), py::arg("agvs"), py::arg("driving"), py::arg("t_w"), py::arg("t_v"), py::arg("T_g"),
+     "N^_a after a cycle (plant-and-bus.md 4.7).");
+  m.def("ti_float", &cmrc::ti_float, "A number in the C40's single format.");
+  py::class_<TestLedger>(m, "Ledger", "The account of jobs; seconds.")
+      .def(py::init<>())
+      .def("release", &TestLedger::release, py::arg("block"), py::arg("kind"), py::arg("released"), py::arg("deadline") = py::none())
+      .def("skipped", &TestLedger::skipped)
+      .def("claimed", &TestLedger::claimed)
+      .def("finished", &TestLedger::finished)
+      .def("put_back", &TestLedger::put_back)
+      .def("dropped", &TestLedger::dropped)
+      .def("removed", &TestLedger::removed)
+      .def("slot_failed", &TestLedger::slot_failed)
+      .def("report", &TestLedger::report);
+}
+
 /// Runs without the GIL; between slices signals are looked at, so that Ctrl-C ends the run cleanly and then raises.
 void run(cmrc::Simulation& simulation, const py::object& on_progress, double slice_s) {
   bool raised = false;
@@ -312,5 +411,6 @@ void bind_cmrc(py::module_& core) {
   py::module_ m = core.def_submodule("cmrc", "The controller: configuration, importance, list, host, runs.");
   bind_config(m);
   bind_scheduling(m);
+  bind_parts(m);
   bind_simulation(m);
 }

@@ -1,0 +1,99 @@
+"""Every job is booked under exactly one outcome (ruling 16)."""
+
+import hypothesis.strategies as st
+from hypothesis import given, settings
+
+from cmrc import _core
+
+OUTCOMES = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
+
+
+def ledger() -> "_core.cmrc.Ledger":
+    return _core.cmrc.Ledger()
+
+
+def test_each_class() -> None:
+    jobs = ledger()
+    for block in range(6):
+        jobs.release(block, "pid", 1.0, 2.0)
+    jobs.claimed(0, 0, 1.1, [0, 0])
+    jobs.finished(0, 0, 2.0, [1, 1])  # at its deadline: on time
+    jobs.removed(0)
+    jobs.claimed(1, 0, 1.1, [0, 0])
+    jobs.finished(1, 0, 2.000001, [1, 1])
+    jobs.removed(1)
+    jobs.claimed(2, 1, 1.5, [0, 0])
+    jobs.claimed(4, 0, 2.5, [0, 0])
+    jobs.slot_failed(1)
+    jobs.dropped(5, 2.5)
+    jobs.skipped("pid", 3.0, 4.0, 3)
+    row = jobs.report(5.0)["pid"]
+    assert {name: row[name] for name in OUTCOMES} == {"on_time": 1, "late": 1, "unfinished": 1, "never_started": 1, "lost": 1, "dropped": 2}
+    assert row["released"] == 7
+    assert row["misses"] == 6  # all but the first: deadlines of the open ones have passed
+
+
+def test_open_jobs_before_their_deadline_are_no_misses() -> None:
+    jobs = ledger()
+    jobs.release(0, "pid", 1.0, 9.0)
+    jobs.release(1, "identify", 1.0)
+    row = jobs.report(5.0)
+    assert row["pid"]["misses"] == 0 and row["identify"]["misses"] == 0
+
+
+def test_a_job_released_after_the_end_does_not_exist_yet() -> None:
+    jobs = ledger()
+    jobs.release(0, "pid", 6.0, 7.0)
+    assert jobs.report(5.0)["pid"]["released"] == 0
+
+
+def test_a_recomputed_job_counts_once_with_its_last_claim() -> None:
+    jobs = ledger()
+    jobs.release(0, "pid", 1.0, 5.0)
+    jobs.claimed(0, 0, 1.1, [0, 0])
+    jobs.slot_failed(0)
+    jobs.put_back(0, 3.0)
+    jobs.claimed(0, 1, 3.1, [10, 10])
+    jobs.finished(0, 0, 3.2, [0, 0])  # the dead one's late word changes nothing
+    jobs.finished(0, 1, 4.0, [12, 11])
+    jobs.removed(0)
+    row = jobs.report(9.0)["pid"]
+    assert (row["released"], row["on_time"], row["lost"]) == (1, 1, 0)
+
+
+def test_causes_of_a_run_sum_to_its_length() -> None:
+    jobs = ledger()
+    jobs.release(0, "pid", 0.0, 1.0)
+    jobs.claimed(0, 0, 0.1, [100, 7])
+    jobs.finished(0, 0, 0.1 + 3e-12 * 7, [102, 8])  # 21 ps, shared 2 : 1
+    jobs.removed(0)
+    assert jobs.report(1.0)["pid"]["causes"] == {"execute": 14, "bus": 7}
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(st.integers(0, 5), st.integers(0, 7), st.integers(0, 1)), max_size=60))
+def test_nothing_falls_between_the_classes(steps: list[tuple[int, int, int]]) -> None:
+    jobs = ledger()
+    loaded: set[int] = set()
+    released = 0
+    for now, (action, block, slot) in enumerate(steps):
+        if block not in loaded:
+            jobs.release(block, "pid", float(now), now + 5.0)
+            loaded.add(block)
+            released += 1
+        elif action == 0:
+            jobs.claimed(block, slot, float(now), [now, 0])
+        elif action == 1:
+            jobs.finished(block, slot, float(now), [now, 0])
+        elif action == 2:
+            jobs.put_back(block, float(now))
+        elif action == 3:
+            jobs.dropped(block, float(now))
+            loaded.discard(block)
+        elif action == 4:
+            jobs.slot_failed(slot)
+        else:
+            jobs.skipped("pid", float(now), now + 1.0, now)
+            released += 1
+    row = jobs.report(float(len(steps)))["pid"]
+    assert row["released"] == sum(row[name] for name in OUTCOMES) == released
