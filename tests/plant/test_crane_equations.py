@@ -113,7 +113,7 @@ def test_the_level_robot_of_sub_process_3_is_the_same_model_with_the_sway_held()
     for q, qd in states(40):
         q[4] = q[5] = qd[4] = qd[5] = 0.0
         qdd = RNG.uniform(-1, 1, 7) * np.array([0.1, 0.02, 0.02, 0.3, 0, 0, 0.05])
-        s, psi, phi, _, _, _, _ = q
+        _s, psi, phi, _, _, _, _ = q
         _, psid, phid, _, _, _, _ = qd
         sdd, psidd, phidd, ldd, _, _, kappadd = qdd
         r = c.a0 + c.jib * math.cos(phi)
