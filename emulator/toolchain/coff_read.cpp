@@ -50,9 +50,12 @@ class CoffReader {
     need(offset, size, what);
     std::string out;
     for (std::size_t i = 0; i < size && bytes_[offset + i] != std::byte{0}; ++i)
-      out += static_cast<char>(bytes_[offset + i]);
+      out += printable(static_cast<char>(bytes_[offset + i]));
     return out;
   }
+
+  /// Names go into messages and Python strings; a damaged file may hold anything.
+  static char printable(char c) { return c >= ' ' && c <= '~' ? c : '?'; }
 
   void read_file_header() {
     if (bytes_.size() < file_header_v0) fail(fmt::format("not a COFF file: only {} bytes", bytes_.size()));

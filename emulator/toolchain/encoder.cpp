@@ -213,11 +213,13 @@ class Attempt : public OperandEncoder {
 
   void type2(const OperandSyntax& src1, const OperandSyntax& src2) {
     const bool constant = src2.kind == Kind::expression;
+    if (src1.kind == Kind::expression)
+      miss(Mismatch::contents, src1.offset, "an immediate can be the first operand only");
     put('t', (src1.kind == Kind::indirect ? 2U : 0U) | (constant ? 0U : 1U));
     put('j', src1.kind == Kind::indirect ? type2_byte(src1) : register_code(src1, row_.source));
     if (!constant) return put('i', type2_byte(src2));
     if (row_.immediate == Immediate::none)
-      miss(Mismatch::kind, src2.offset, "float instructions with three operands take no immediate");
+      miss(Mismatch::contents, src2.offset, "float instructions with three operands take no immediate");
     const std::int64_t number = integer(src2);
     put('i',
         in_range(src2, number, fits_signed(number, 8), "an immediate of three-operand instructions is -128 to 127") &

@@ -82,8 +82,11 @@ std::vector<std::string> Reader::macro_arguments(std::string_view text) const {
 }
 
 void Reader::expand(const Macro& macro, Statement& s) {
-  if (expansion_depth_ >= deepest_expansion)
-    throw LineError{s.operation_offset, fmt::format("macro calls are nested deeper than {}", deepest_expansion)};
+  if (expansion_depth_ >= deepest_expansion) {
+    report(*s.line, {s.operation_offset, fmt::format("macro calls are nested deeper than {}", deepest_expansion)});
+    given_up_ = true;
+    return;
+  }
   const auto given = macro_arguments(s.parser.rest());
   if (given.size() > macro.parameters.size())
     throw LineError{s.operation_offset,

@@ -14,7 +14,8 @@ namespace toolchain {
 namespace {
 
 constexpr std::size_t deepest_include = 64;
-constexpr std::int64_t most_lines = 5'000'000;  // Reached by macros that call themselves, not by programs.
+constexpr std::size_t most_errors = 1000;
+constexpr std::int64_t most_lines = 1'000'000;  // Reached by macros that call themselves, not by programs.
 
 /// The first word of a line that is a directive, without its label.
 bool opens_collection(std::string_view operation) {
@@ -32,6 +33,8 @@ Reader::Reader(Program& program, const Options& options, std::vector<Diagnostic>
 ParseContext Reader::context() const { return {program_.here(), fmt::format("?{}", local_scope_)}; }
 
 void Reader::report(const SourceLine& line, const LineError& error) {
+  if (given_up_) return;
+  given_up_ = diagnostics_.size() >= most_errors;
   diagnostics_.push_back(make_diagnostic(line, error.offset, error.message));
 }
 
@@ -139,7 +142,7 @@ void Reader::finish_collecting() {
     macros_[collected->name] = std::move(collected->macro);
     return;
   }
-  if (collected->kind == Collector::Kind::broken) return;
+  if (collected->kind == Collector::Kind::broken || collected->macro.body.empty()) return;
   for (std::int64_t i = 0; i < collected->count && !stopped(); ++i)
     read_lines(collected->macro.body, collected->opening, {});
 }
@@ -186,8 +189,9 @@ bool Reader::conditional(Statement& s) {
 void Reader::read_line(const SourceLinePtr& line) {
   if (given_up_) return;
   if (++lines_read_ > most_lines) {
+    report(*line, {0, fmt::format("more than {} lines to assemble; does a macro call itself?", most_lines)});
     given_up_ = true;
-    return report(*line, {0, fmt::format("more than {} lines to assemble; does a macro call itself?", most_lines)});
+    return;
   }
   if (collect(line)) return;
   try {

@@ -119,7 +119,7 @@ class Reader {
   int last_scope_ = 0;
   int expansion_depth_ = 0;
   bool ended_ = false;     ///< By .end.
-  bool given_up_ = false;  ///< Too many lines.
+  bool given_up_ = false;  ///< Too many lines or errors.
   std::int64_t lines_read_ = 0;
 };
 

@@ -13,6 +13,12 @@ namespace {
 
 using toolchain::Image;
 
+/// Sources may hold any bytes, in comments for instance.
+py::str as_str(const std::string& text) {
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<Py_ssize_t>(text.size()), "replace"));
+}
+
 /// Keeps the diagnostics on the Python exception: AssemblyError.diagnostics is a list of dicts.
 void raise_assembly_error(const py::handle& type, const toolchain::AssemblyError& error) {
   py::list diagnostics;
@@ -21,12 +27,14 @@ void raise_assembly_error(const py::handle& type, const toolchain::AssemblyError
     entry["file"] = d.file;
     entry["line"] = d.line;
     entry["column"] = d.column;
-    entry["message"] = d.message;
-    entry["text"] = d.text;
-    entry["notes"] = d.notes;
+    entry["message"] = as_str(d.message);
+    entry["text"] = as_str(d.text);
+    py::list notes;
+    for (const std::string& note : d.notes) notes.append(as_str(note));
+    entry["notes"] = notes;
     diagnostics.append(entry);
   }
-  py::object exception = type(error.what());
+  py::object exception = type(as_str(error.what()));
   exception.attr("diagnostics") = diagnostics;
   PyErr_SetObject(type.ptr(), exception.ptr());
 }
@@ -53,15 +61,20 @@ void bind_image(py::module_& m) {
       .def_readonly("address", &toolchain::LineRecord::address)
       .def_readonly("file", &toolchain::LineRecord::file, "Index into Image.files.")
       .def_readonly("line", &toolchain::LineRecord::line)
-      .def_readonly("text", &toolchain::LineRecord::text);
+      .def_property_readonly("text", [](const toolchain::LineRecord& record) { return as_str(record.text); });
   py::class_<Image>(m, "Image", "A program with its addresses settled.")
       .def_readonly("sections", &Image::sections)
       .def_readonly("symbols", &Image::symbols, "Labels and constants by name, as 32-bit words.")
       .def_readonly("entry", &Image::entry)
       .def_readonly("files", &Image::files)
       .def_readonly("lines", &Image::lines)
-      .def_readonly("warnings", &Image::warnings)
-      .def("listing", [](const Image& image) { return toolchain::listing(image); });
+      .def_property_readonly("warnings",
+                             [](const Image& image) {
+                               py::list out;
+                               for (const std::string& warning : image.warnings) out.append(as_str(warning));
+                               return out;
+                             })
+      .def("listing", [](const Image& image) { return as_str(toolchain::listing(image)); });
 }
 
 }  // namespace
