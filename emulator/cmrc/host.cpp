@@ -320,7 +320,13 @@ void Host::take_out(const Done& done) {
   longest_[job] = std::max(longest_[job], t);
   note(EventKind::remove, {words_.block(done.block), task.kind, block.generation, 0, 0});
   list_.remove(done.block);
-  ledger_.removed(done.block);
+  const report::Outcome outcome = ledger_.removed(done.block);
+  if (outcome != report::Outcome::on_time) {
+    note(EventKind::miss, {task.kind, task.tick, static_cast<std::uint32_t>(outcome), words_.block(done.block), 0});
+  }
+  if (task.kind == words_.kind_pid && (done.result & words_.pid_starved) != 0) {
+    note(EventKind::starved, {0, done.result & 0xFFFF, 0, 0, 0});
+  }
   for (Servo* servo : {&torque_, &pid_}) {
     if (servo->out && servo->block == done.block) servo->out = false, servo->last_t = t;
   }
@@ -356,6 +362,8 @@ void Host::load_servo(Servo& servo) {
 }
 
 void Host::drop_tick(Servo& servo) {
+  note(EventKind::miss, {servo.task.kind, static_cast<std::uint32_t>(servo.next),
+                         static_cast<std::uint32_t>(report::Outcome::dropped), words_.block(servo.block), 0});
   ledger_.skipped(servo.job, clock_.at(servo.next), clock_.at(servo.next + intervals_.servo), servo.next / intervals_.servo);
   servo.next += intervals_.servo;
 }

@@ -58,8 +58,10 @@ void Ledger::release(std::size_t block, JobKind kind, Time released, std::option
   open_[block] = std::move(open);
 }
 
-void Ledger::book(const report::Job& job, Time now) {
-  if (account_.add(job, now) != report::Outcome::on_time) ++misses_;
+report::Outcome Ledger::book(const report::Job& job, Time now) {
+  const report::Outcome outcome = account_.add(job, now);
+  if (outcome != report::Outcome::on_time) ++misses_;
+  return outcome;
 }
 
 void Ledger::skipped(JobKind kind, Time released, Time deadline, std::int64_t tick) {
@@ -148,12 +150,13 @@ void Ledger::dropped(std::size_t block, Time at) {
   open_.erase(found);
 }
 
-void Ledger::removed(std::size_t block) {
+report::Outcome Ledger::removed(std::size_t block) {
   const auto found = open_.find(block);
-  if (found == open_.end()) return;
+  if (found == open_.end()) return report::Outcome::on_time;
   const report::Job job = job_of(found->second);
-  book(job, job.finished);
+  const report::Outcome outcome = book(job, job.finished);
   open_.erase(found);
+  return outcome;
 }
 
 void Ledger::slot_failed(unsigned number, Time) {

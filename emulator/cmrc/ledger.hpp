@@ -45,8 +45,8 @@ class Ledger {
   void put_back(std::size_t block, Time at);
   /// The block was given up for good (ruling 24).
   void dropped(std::size_t block, Time at);
-  /// The host has seen FFh and taken the block out.
-  void removed(std::size_t block);
+  /// The host has seen FFh and taken the block out. \returns what became of the job.
+  report::Outcome removed(std::size_t block);
   /// A DSP has died or been pulled; what it was running is lost unless it is recomputed.
   void slot_failed(unsigned slot, Time at);
 
@@ -77,7 +77,7 @@ class Ledger {
   };
 
   report::Job job_of(const Open& open) const;
-  void book(const report::Job& job, Time now);
+  report::Outcome book(const report::Job& job, Time now);
   void leave(Open& open, Time at);
   Slot& slot(unsigned number);
 

@@ -85,11 +85,10 @@ def test_polling_dsps_do_not_shut_the_host_out(policy: str) -> None:
 
 
 def test_misses_fall_as_dsps_are_added_to_the_saturated_preset() -> None:
-    # Four blocks of 6 ms at once every 20 ms: the servo needs a DSP of its own.
-    counts = [misses(run(preset="saturated", duration_s=0.3, dsps=n)) for n in (1, 2, 4, 5)]
-    assert counts == sorted(counts, reverse=True)
-    assert counts[0] > 2 * counts[2] > 0
-    assert counts[3] == 0
+    # A long block per AGV, all at once: three DSPs cannot carry them, four leave nothing for the servo while they run.
+    counts = [misses(run(preset="saturated", duration_s=0.3, dsps=n)) for n in (2, 4, 5)]
+    assert counts[0] > 1.5 * counts[1] > 0
+    assert counts[2] == 0
 
 
 @pytest.mark.parametrize(("action", "kind"), [("hang", "pid"), ("fail", "pid"), ("unplug", "torque_compensation")])
