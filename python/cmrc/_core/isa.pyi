@@ -1,0 +1,3 @@
+from collections.abc import Callable
+
+def disassemble(word: int, pc: int = 0, symbols: Callable[[int], str] = ...) -> str: ...
