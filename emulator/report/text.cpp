@@ -82,7 +82,9 @@ std::string reasons(const RunReport& report) {
     if (task.dropped > 0)
       text += fmt::format("      {} dropped: the previous block was still out when the next was due\n", task.dropped);
     const std::string causes = dominant(task.miss_causes);
-    if (!causes.empty()) text += "    The missed ones spent their time, from release on:\n" + causes;
+    if (!causes.empty())
+      text += fmt::format("    {} spent their time, from release on:\n{}", task.dropped > 0 ? "The others" : "They",
+                          causes);
   }
   return text.empty() ? heading("No deadline was missed.") : heading("Why deadlines were missed") + text;
 }
