@@ -8,6 +8,7 @@
 
 #include "plant/dock_core.hpp"
 #include "plant/math.hpp"
+#include "plant/range.hpp"
 #include "plant/sensors.hpp"
 #include "plant/state_hash.hpp"
 
@@ -185,6 +186,27 @@ std::uint32_t Dock::agv_status(int i, Time t) {
   const AgvState& agv = self_->agv_at(i, t);
   return static_cast<std::uint32_t>(agv.waiting) | (agv.standing ? 0x10U : 0U) | (agv.container >= 0 ? 0x20U : 0U) |
          (agv.dry ? 0x40U : 0U);
+}
+
+std::int32_t Dock::range_mount() const { return rounded(500.0 * config().agv.length); }
+
+std::uint32_t Dock::range_scan(int i, Time t) {
+  self_->agv_at(i, t);
+  return static_cast<std::uint32_t>(self_->core.state.latch / agv_latches);
+}
+
+std::int32_t Dock::agv_range(int i, int ray, Time t) {
+  require(ray >= 0 && ray < range_rays, "the range sensor has rays 0..179");
+  const AgvState& agv = self_->agv_at(i, t);
+  const DockCore& core = self_->core;
+  const auto [s, c] = sin_cos(agv.y[A_HEADING]);
+  const double ahead = 0.5 * config().agv.length;
+  const RangeRay from{agv.y[A_X] + ahead * c, agv.y[A_Y] + ahead * s, agv.y[A_HEADING] + 1e-6 * (range_first + ray * range_step)};
+  std::vector<Solid> solids;
+  collect_solids(core.config, core.state.containers, core.state.agvs, agv.container, solids);
+  const auto own = [i](const Solid& solid) { return solid.kind == Solid::Kind::agv && solid.index == i; };
+  std::erase_if(solids, own);
+  return range_code(nearest(from, solids));
 }
 
 void Dock::agv_period(int i, std::uint32_t microseconds, Time t) {

@@ -73,6 +73,10 @@ struct Signal {
   bool contact;
 };
 
+inline constexpr int range_rays = 180;
+inline constexpr std::int32_t range_first = -1'562'070, range_step = 17'453;  // microradians from the heading, left positive: -89.5 degrees, 1 degree
+inline constexpr std::int32_t range_most = 30'000, range_least = 50, range_quantum = 8;  // mm
+
 struct DockState;  // everything that the dock's future depends on; plant/state.hpp
 
 class Dock {
@@ -113,6 +117,10 @@ class Dock {
   std::int32_t agv_heading(int agv, Time);          // microradians, -pi..pi
   std::int32_t agv_speed(int agv, Time);            // mm/s
   std::uint32_t agv_status(int agv, Time);          // bits 3..0 set-points waiting, 4 standing, 5 loaded, 6 ran dry while driving
+  // Range sensor in front of the vehicle, looking ahead in a horizontal plane: ray 0 .. range_rays - 1, from the right to the left.
+  std::int32_t agv_range(int agv, int ray, Time);   // mm in steps of 8; range_most: nothing within it; 0: no valid echo
+  std::uint32_t range_scan(int agv, Time);          // number of the scan that agv_range shows
+  std::int32_t range_mount() const;                 // mm ahead of the vehicle's centre
   void agv_period(int agv, std::uint32_t microseconds, Time);
   // Speed mm/s, steering microradians; the machine keeps the first two registers and calls this at the write of the third.
   void agv_push(int agv, std::int32_t speed, std::int32_t front, std::int32_t rear, Time);

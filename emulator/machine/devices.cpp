@@ -52,16 +52,23 @@ Devices::Devices(const Symbols& symbols, plant::Dock& dock, Clock bus_clock, con
     define(unit + s.agv_speed_command, Kind::agv_speed_command, agv);
     define(unit + s.agv_front_command, Kind::agv_front_command, agv);
     define(unit + s.agv_rear_command, Kind::agv_rear_command, agv);
+    const Offset range = s.agv_range + agv * s.agv_range_words;
+    define(range + s.range_count, Kind::range_count, agv);
+    define(range + s.range_first, Kind::range_first, agv);
+    define(range + s.range_step, Kind::range_step, agv);
+    define(range + s.range_mount, Kind::range_mount, agv);
+    define(range + s.range_scan, Kind::range_scan, agv);
+    for (unsigned ray = 0; ray < s.range_rays; ++ray) define(range + s.range_ray + ray, Kind::range_ray, agv, ray);
   }
 }
 
-void Devices::define(Offset offset, Kind kind, unsigned index) {
-  if (offset > 0xFFFF || index > 255)
+void Devices::define(Offset offset, Kind kind, unsigned index, unsigned ray) {
+  if (offset > 0xFFFF || index > 255 || ray > 255)
     throw std::invalid_argument{"the DSP program: devices on bus B lie at offsets 0 to FFFFh"};
   if (offset >= registers_.size()) registers_.resize(offset + 1);
   if (registers_[offset].kind != Kind::none)
     throw std::invalid_argument{"the DSP program: two devices share offset " + std::to_string(offset) + " of bus B"};
-  registers_[offset] = {kind, static_cast<std::uint8_t>(index)};
+  registers_[offset] = {kind, static_cast<std::uint8_t>(index), static_cast<std::uint8_t>(ray)};
 }
 
 pci::Answer Devices::answer(pci::Address offset, unsigned words, bool write, const pci::Access&) {
@@ -89,6 +96,12 @@ Word Devices::read(pci::Address offset, const pci::Access& access) {
     case Kind::agv_heading: return word(dock_.agv_heading(index, t));
     case Kind::agv_speed: return word(dock_.agv_speed(index, t));
     case Kind::agv_status: return dock_.agv_status(index, t);
+    case Kind::range_count: return plant::range_rays;
+    case Kind::range_first: return word(plant::range_first);
+    case Kind::range_step: return word(plant::range_step);
+    case Kind::range_mount: return word(dock_.range_mount());
+    case Kind::range_scan: return dock_.range_scan(index, t);
+    case Kind::range_ray: return word(dock_.agv_range(index, r.ray, t));
     default: throw std::logic_error{"Devices::read of a register that answer() refuses"};
   }
 }

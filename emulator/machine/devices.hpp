@@ -55,11 +55,18 @@ class Devices final : public pci::Target {
     agv_y,
     agv_heading,
     agv_speed,
-    agv_status,  // read
+    agv_status,
+    range_count,
+    range_first,
+    range_step,
+    range_mount,
+    range_scan,
+    range_ray,  // read
   };
   struct Register {
     Kind kind = Kind::none;
     std::uint8_t index = 0;  // joint, axis, sample or AGV
+    std::uint8_t ray = 0;
     bool writable() const { return kind >= Kind::drive_torque && kind <= Kind::agv_rear_command; }
     bool readable() const { return kind >= Kind::encoder; }
   };
@@ -68,7 +75,7 @@ class Devices final : public pci::Target {
     std::int32_t front = 0;
   };
 
-  void define(Offset offset, Kind kind, unsigned index = 0);
+  void define(Offset offset, Kind kind, unsigned index = 0, unsigned ray = 0);
 
   plant::Dock& dock_;
   Clock clock_;

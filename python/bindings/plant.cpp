@@ -246,6 +246,9 @@ void bind_dock(py::module_& m) {
       .def("agv_heading", [](Dock& d, int i, std::int64_t t) { return d.agv_heading(i, ps(t)); })
       .def("agv_speed", [](Dock& d, int i, std::int64_t t) { return d.agv_speed(i, ps(t)); })
       .def("agv_status", [](Dock& d, int i, std::int64_t t) { return d.agv_status(i, ps(t)); })
+      .def("agv_range", [](Dock& d, int i, int ray, std::int64_t t) { return d.agv_range(i, ray, ps(t)); })
+      .def("range_scan", [](Dock& d, int i, std::int64_t t) { return d.range_scan(i, ps(t)); })
+      .def_property_readonly("range_mount", &Dock::range_mount)
       .def("agv_period", [](Dock& d, int i, std::uint32_t us, std::int64_t t) { d.agv_period(i, us, ps(t)); })
       .def("agv_push", [](Dock& d, int i, std::int32_t speed, std::int32_t front, std::int32_t rear, std::int64_t t) {
         d.agv_push(i, speed, front, rear, ps(t));
