@@ -69,6 +69,13 @@ void declare_trace_diff(CLI::App& app, cli::TraceDiffOptions& options) {
   app.add_option("B", options.right, "Another trace of the same kind")->required();
 }
 
+void declare_vectors(CLI::App& app, cli::VectorOptions& options) {
+  app.add_option("FILE", options.files, "Single-step vectors (docs/cli.md), plain, .gz or .xz")->required();
+  app.add_option("--show", options.show, "Name so many failing vectors (default 10)")->check(CLI::NonNegativeNumber);
+  app.add_flag("--every-access", options.every_access, "Each line names all its bus accesses: one without any makes none");
+  app.add_flag("--json", options.json, "Print the result as JSON");
+}
+
 template <typename Options>
 CLI::App* add_command(CLI::App& app, const char* name, const char* purpose, void (*declare)(CLI::App&, Options&),
                       int (*perform)(const Options&), Options& options, Action& action) {
@@ -111,6 +118,7 @@ int main(int argc, char** argv) {
   cli::DisassembleOptions disassemble_options;
   cli::ExecOptions exec_options;
   cli::TraceDiffOptions trace_diff_options;
+  cli::VectorOptions vector_options;
   Action action = [&run_options] { return cli::run(run_options); };
 
   declare_run(app, run_options);
@@ -121,6 +129,8 @@ int main(int argc, char** argv) {
   add_command(app, "exec", "Run a program on one chip", declare_exec, cli::exec, exec_options, action);
   add_command(app, "trace-diff", "Find where two traces part (exit status 1 if they do)", declare_trace_diff,
               cli::trace_diff, trace_diff_options, action);
+  add_command(app, "vectors", "Run single-step vectors (exit status 1 if one fails)", declare_vectors, cli::vectors,
+              vector_options, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -69,11 +69,19 @@ struct TraceDiffOptions {
   std::string right;
 };
 
+struct VectorOptions {
+  std::vector<std::string> files;
+  int show = 10;              ///< Failing vectors to name.
+  bool every_access = false;  ///< Each line names all its bus accesses; one without any makes none.
+  bool json = false;
+};
+
 // Each returns an exit status; throws InputError or the rooms' own input errors.
 int run(const RunOptions& options);
 int assemble(const AssembleOptions& options);
 int disassemble(const DisassembleOptions& options);
 int exec(const ExecOptions& options);
 int trace_diff(const TraceDiffOptions& options);
+int vectors(const VectorOptions& options);
 
 }  // namespace cli

@@ -1,0 +1,218 @@
+// emulator vectors: single instructions against the states that another core, or a specification, gives.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "c40/chip.hpp"
+#include "cli/options.hpp"
+#include "cli/text_lines.hpp"
+#include "cli/vector_line.hpp"
+
+namespace cli {
+namespace {
+
+using Kind = Vector::Place::Kind;
+using isa::Address;
+using isa::Word;
+
+constexpr Address start = 0x1000;
+
+/// What the instructions did on the bus.
+class Bus : public c40::TraceSink {
+ public:
+  void instruction(const c40::TraceRecord& record) override {
+    events.insert(events.end(), record.memory.begin(), record.memory.end());
+  }
+  void interrupt(Word, c40::Cycles) override {}
+  std::vector<c40::MemoryEvent> events;
+};
+
+/// A chip on a board of plain RAM, whose memory is all zero between vectors.
+class Bench {
+ public:
+  explicit Bench(bool every_access) : chip_(c40::Board::flat()), every_access_(every_access) { chip_.set_trace(&bus_); }
+
+  std::vector<std::string> differences(const Vector& vector) {
+    found_.clear();
+    bus_.events.clear();
+    set_up(vector);
+    run(vector);
+    compare_registers(vector);
+    compare_memory(vector);
+    compare_bus(vector);
+    for (const Address address : touched_) chip_.poke(address, 0);
+    touched_.clear();
+    return std::move(found_);
+  }
+
+ private:
+  std::uint64_t get(Vector::Place place) const {
+    switch (place.kind) {
+      case Kind::pc: return chip_.pc();
+      case Kind::expansion: return chip_.expansion(static_cast<isa::Expansion>(place.code));
+      case Kind::primary: return chip_.register_value(static_cast<isa::Register>(place.code));
+    }
+    return 0;
+  }
+  void set(const Vector::Setting& setting) {
+    if (setting.place.kind == Kind::expansion)
+      chip_.set_expansion(static_cast<isa::Expansion>(setting.place.code), static_cast<Word>(setting.value));
+    else
+      chip_.set_register(static_cast<isa::Register>(setting.place.code), setting.value);
+  }
+  void poke(Address address, Word value) {
+    chip_.poke(address, value);
+    touched_.insert(address);
+  }
+
+  void set_up(const Vector& vector) {
+    chip_.reset();
+    for (std::size_t i = 0; i < vector.code.size(); ++i) poke(start + static_cast<Address>(i), vector.code[i]);
+    for (const Vector::Word& word : vector.memory_before) poke(word.address, word.value);
+    constexpr Vector::Place status{Kind::primary, isa::code(isa::Register::ST)};
+    // Writing ST with RM looks at RC, so ST comes last.
+    for (const Vector::Setting& setting : vector.before)
+      if (setting.place != status) set(setting);
+    for (const Vector::Setting& setting : vector.before)
+      if (setting.place == status) set(setting);
+    chip_.set_pc(start);
+    initial_.clear();
+    for (const Vector::Place place : places()) initial_.push_back(get(place));
+  }
+
+  void run(const Vector& vector) {
+    for (unsigned step = 0; step < vector.steps; ++step) {
+      const c40::StopInfo stop = chip_.step();
+      // SWI stops as a breakpoint; the state then says the rest.
+      if (stop.reason == c40::StopInfo::Reason::limit || stop.reason == c40::StopInfo::Reason::breakpoint) continue;
+      found_.push_back(fmt::format("stopped in step {}: {}", step + 1, stop.fault ? stop.fault->message : "external access"));
+      return;
+    }
+  }
+
+  static const std::vector<Vector::Place>& places() {
+    static const std::vector<Vector::Place> all = [] {
+      std::vector<Vector::Place> out{{Kind::pc, 0}};
+      for (std::uint8_t code = 0; code < isa::register_count; ++code) out.push_back({Kind::primary, code});
+      for (std::uint8_t code = 0; code < 2; ++code) out.push_back({Kind::expansion, code});
+      return out;
+    }();
+    return all;
+  }
+
+  // What is not named on the right has kept its value. The PC is compared if it is named.
+  void compare_registers(const Vector& vector) {
+    for (std::size_t i = 0; i < places().size(); ++i) {
+      const Vector::Place place = places()[i];
+      const auto after = std::find_if(vector.after.begin(), vector.after.end(), [&](const auto& s) { return s.place == place; });
+      if (after == vector.after.end() && place.kind == Kind::pc) continue;
+      const std::uint64_t expected = after == vector.after.end() ? initial_[i] : after->value;
+      const bool is_status = place == Vector::Place{Kind::primary, isa::code(isa::Register::ST)};
+      const std::uint64_t mask = is_status ? vector.status_mask : ~std::uint64_t{0};
+      const std::uint64_t actual = get(place);
+      if (((actual ^ expected) & mask) == 0) continue;
+      const bool extended = place.kind == Kind::primary && isa::is_extended(static_cast<isa::Register>(place.code));
+      found_.push_back(fmt::format("{} is {:0{}X}, expected {:0{}X}", name(place), actual & mask, extended ? 10 : 8,
+                                   expected & mask, extended ? 10 : 8));
+    }
+  }
+
+  void compare_memory(const Vector& vector) {
+    std::map<Address, Word> expected;
+    for (std::size_t i = 0; i < vector.code.size(); ++i) expected[start + static_cast<Address>(i)] = vector.code[i];
+    for (const Vector::Word& word : vector.memory_before) expected[word.address] = word.value;
+    for (const Vector::Word& word : vector.memory_after) expected[word.address] = word.value;
+    for (const c40::MemoryEvent& event : bus_.events)
+      if (event.write) expected.try_emplace(event.address, 0u), touched_.insert(event.address);
+    for (const auto& [address, value] : expected) {
+      const Word actual = chip_.peek(address);
+      if (actual != value) found_.push_back(fmt::format("@{:08X} is {:08X}, expected {:08X}", address, actual, value));
+    }
+  }
+
+  void compare_bus(const Vector& vector) {
+    if (vector.accesses.empty() && !every_access_) return;
+    const auto show = [](bool write, Address address, Word value) {
+      return write ? fmt::format(" wr@{:08X}={:08X}", address, value) : fmt::format(" rd@{:08X}", address);
+    };
+    std::string actual, expected;
+    for (const c40::MemoryEvent& event : bus_.events) actual += show(event.write, event.address, event.value);
+    for (const Vector::Access& access : vector.accesses) expected += show(access.write, access.address, access.value);
+    if (actual != expected)
+      found_.push_back(fmt::format("the bus shows{}, expected{}", actual.empty() ? " nothing" : actual,
+                                   expected.empty() ? " nothing" : expected));
+  }
+
+  c40::Chip chip_;
+  Bus bus_;
+  bool every_access_;
+  std::vector<std::uint64_t> initial_;
+  std::set<Address> touched_;
+  std::vector<std::string> found_;
+};
+
+struct Failure {
+  std::string file;
+  std::uint64_t line;
+  std::string id;
+  std::vector<std::string> differences;
+};
+
+struct Totals {
+  std::uint64_t passed = 0, failed = 0;
+  std::vector<Failure> failures;  ///< the first
+};
+
+void run_file(const std::string& path, Bench& bench, Totals& totals, std::size_t shown) {
+  TextLines lines(path);
+  std::string line;
+  while (lines.next(line)) {
+    const std::size_t first = line.find_first_not_of(" \t");
+    if (first == std::string::npos || line[first] == '#') continue;
+    try {
+      const Vector vector = parse_vector(line);
+      std::vector<std::string> differences = bench.differences(vector);
+      if (differences.empty()) {
+        ++totals.passed;
+        continue;
+      }
+      ++totals.failed;
+      if (totals.failures.size() < shown) totals.failures.push_back({path, lines.number(), vector.id, std::move(differences)});
+    } catch (const VectorError& error) {
+      throw InputError(fmt::format("{}:{}: {}", path, lines.number(), error.what()));
+    }
+  }
+}
+
+void print_text(const Totals& totals) {
+  for (const Failure& failure : totals.failures)
+    for (const std::string& difference : failure.differences)
+      fmt::print("{}:{}: {}: {}\n", failure.file, failure.line, failure.id, difference);
+  if (totals.failed > totals.failures.size()) fmt::print("... and {} more\n", totals.failed - totals.failures.size());
+  fmt::print("{} passed, {} failed\n", totals.passed, totals.failed);
+}
+
+void print_json(const Totals& totals) {
+  using Json = nlohmann::ordered_json;
+  Json root = {{"passed", totals.passed}, {"failed", totals.failed}, {"failures", Json::array()}};
+  for (const Failure& failure : totals.failures)
+    root["failures"].push_back(
+        {{"file", failure.file}, {"line", failure.line}, {"id", failure.id}, {"differences", failure.differences}});
+  fmt::print("{}\n", root.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+}  // namespace
+
+int vectors(const VectorOptions& options) {
+  Bench bench(options.every_access);
+  Totals totals;
+  for (const std::string& file : options.files) run_file(file, bench, totals, static_cast<std::size_t>(options.show));
+  if (totals.passed + totals.failed == 0) throw InputError(fmt::format("{}: holds no vector", options.files.front()));
+  (options.json ? print_json : print_text)(totals);
+  return totals.failed == 0 ? success : run_failed;
+}
+
+}  // namespace cli
