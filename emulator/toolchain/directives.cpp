@@ -1,37 +1,97 @@
 // The directives of the assembler's reader.
 #include <fmt/format.h>
 
+#include <set>
+
 #include "toolchain/reader.hpp"
 
 namespace toolchain {
 
 const std::map<std::string, Reader::Directive, std::less<>>& Reader::directives() {
   static const std::map<std::string, Directive, std::less<>> table{
-      {".text", &Reader::directive_section_text}, {".data", &Reader::directive_section_data},
-      {".bss", &Reader::directive_bss},           {".sect", &Reader::directive_sect},
-      {".section", &Reader::directive_sect},      {".usect", &Reader::directive_usect},
-      {".word", &Reader::directive_word},         {".int", &Reader::directive_word},
-      {".long", &Reader::directive_word},         {".byte", &Reader::directive_byte},
-      {".float", &Reader::directive_float},       {".single", &Reader::directive_float},
-      {".string", &Reader::directive_string},     {".ascii", &Reader::directive_string},
-      {".asciz", &Reader::directive_asciz},       {".cstring", &Reader::directive_asciz},
-      {".space", &Reader::directive_space},       {".align", &Reader::directive_align},
-      {".set", &Reader::directive_set},           {".equ", &Reader::directive_set},
-      {".include", &Reader::directive_include},   {".copy", &Reader::directive_include},
-      {".global", &Reader::directive_global},     {".globl", &Reader::directive_global},
-      {".ref", &Reader::directive_global},        {".def", &Reader::directive_def},
-      {".macro", &Reader::start_macro},           {".endm", &Reader::directive_stray},
-      {".rept", &Reader::start_repeat},           {".loop", &Reader::start_repeat},
-      {".endr", &Reader::directive_stray},        {".endloop", &Reader::directive_stray},
-      {".end", &Reader::directive_end},           {".emsg", &Reader::directive_error},
-      {".error", &Reader::directive_error},       {".title", &Reader::directive_nothing},
-      {".version", &Reader::directive_nothing},   {".file", &Reader::directive_nothing},
-      {".ident", &Reader::directive_nothing},     {".page", &Reader::directive_nothing},
-      {".list", &Reader::directive_nothing},      {".nolist", &Reader::directive_nothing},
-      {".mlist", &Reader::directive_nothing},     {".mnolist", &Reader::directive_nothing},
-      {".length", &Reader::directive_nothing},    {".width", &Reader::directive_nothing},
+      // Sections
+      {".text", &Reader::directive_section_text},
+      {".data", &Reader::directive_section_data},
+      {".bss", &Reader::directive_bss},
+      {".sect", &Reader::directive_sect},
+      {".section", &Reader::directive_sect},
+      {".usect", &Reader::directive_usect},
+      {".align", &Reader::directive_align},
+      // Contents
+      {".word", &Reader::directive_word},
+      {".int", &Reader::directive_word},
+      {".long", &Reader::directive_word},
+      {".byte", &Reader::directive_byte},
+      {".hword", &Reader::directive_half_word},
+      {".short", &Reader::directive_half_word},
+      {".field", &Reader::directive_field},
+      {".float", &Reader::directive_float},
+      {".single", &Reader::directive_float},
+      {".double", &Reader::directive_float},
+      {".ldouble", &Reader::directive_long_double},
+      {".ieee", &Reader::directive_ieee},
+      {".string", &Reader::directive_string},
+      {".ascii", &Reader::directive_string},
+      {".asciz", &Reader::directive_asciz},
+      {".cstring", &Reader::directive_asciz},
+      {".space", &Reader::directive_space},
+      {".block", &Reader::directive_space},
+      {".bes", &Reader::directive_space_end},
+      // Symbols and files
+      {".set", &Reader::directive_set},
+      {".equ", &Reader::directive_set},
+      {".label", &Reader::directive_label},
+      {".newblock", &Reader::directive_newblock},
+      {".asg", &Reader::assign_text},
+      {".eval", &Reader::assign_number},
+      {".var", &Reader::declare_variables},
+      {".unasg", &Reader::forget_text},
+      {".include", &Reader::directive_include},
+      {".copy", &Reader::directive_include},
+      {".global", &Reader::directive_global},
+      {".globl", &Reader::directive_global},
+      {".xdef", &Reader::directive_global},
+      {".ref", &Reader::directive_global},
+      {".def", &Reader::directive_def},
+      {".version", &Reader::directive_version},
+      {".end", &Reader::directive_end},
+      // Macros and repeats
+      {".macro", &Reader::start_macro},
+      {".mexit", &Reader::leave_macro},
+      {".exitm", &Reader::leave_macro},
+      {".endm", &Reader::directive_stray},
+      {".rept", &Reader::start_repeat},
+      {".loop", &Reader::start_repeat},
+      {".break", &Reader::leave_repeat},
+      {".endr", &Reader::directive_stray},
+      {".endloop", &Reader::directive_stray},
+      // Messages
+      {".emsg", &Reader::directive_error},
+      {".error", &Reader::directive_error},
+      {".wmsg", &Reader::directive_warning},
+      {".warning", &Reader::directive_warning},
   };
   return table;
+}
+
+namespace {
+
+/// What TI's tools take for listings, debuggers and section hints, and what has no bearing on the program.
+bool is_ignored(std::string_view directive) {
+  static const std::set<std::string_view> ignored{
+      ".title",   ".page",   ".list",     ".nolist", ".length",   ".width",  ".option",   ".tab",     ".mlist",
+      ".mnolist", ".fclist", ".fcnolist", ".sslist", ".ssnolist", ".drlist", ".drnolist", ".mmsg",    ".mlib",
+      ".clink",   ".sblock", ".file",     ".ident",  ".line",     ".ln",     ".func",     ".endfunc", ".sym",
+      ".stag",    ".etag",   ".utag",     ".member", ".eos",      ".blockb", ".endblock"};
+  return ignored.contains(directive);
+}
+
+}  // namespace
+
+Reader::Directive Reader::directive_named(const std::string& name) {
+  if (is_ignored(name)) return &Reader::directive_nothing;
+  const auto found = directives().find(name);
+  return found == directives().end() ? nullptr : found->second;
 }
 
 std::int64_t Reader::known_number(Parser& parser, std::string_view what) {
@@ -61,36 +121,36 @@ std::string Reader::symbol_name(Statement& s) {
   return name;
 }
 
+void Reader::select_section(Statement& s, const std::string& name, Program::Load load, std::size_t offset) {
+  const int section = program_.section(name, load, offset);
+  if (section != program_.current()) new_block();
+  program_.select(section);
+  if (!s.label.empty()) define_label(s);
+}
+
 void Reader::directive_section_text(Statement& s) {
   s.parser.expect_end();
-  program_.select(program_.section(".text", Program::Load::loaded, s.operation_offset));
-  if (!s.label.empty()) define_label(s);
+  select_section(s, ".text", Program::Load::loaded, s.operation_offset);
 }
 
 void Reader::directive_section_data(Statement& s) {
   s.parser.expect_end();
-  program_.select(program_.section(".data", Program::Load::loaded, s.operation_offset));
-  if (!s.label.empty()) define_label(s);
+  select_section(s, ".data", Program::Load::loaded, s.operation_offset);
 }
 
 void Reader::directive_sect(Statement& s) {
   const std::size_t offset = s.parser.offset();
   const std::string name = s.parser.name_or_quoted("the section's name");
   s.parser.expect_end();
-  const auto load = name == ".bss" ? Program::Load::reserved : Program::Load::loaded;
-  program_.select(program_.section(name, load, offset));
-  if (!s.label.empty()) define_label(s);
+  select_section(s, name, name == ".bss" ? Program::Load::reserved : Program::Load::loaded, offset);
 }
 
-/// `.bss name,size[,alignment]` reserves; `.bss` alone makes it the current section.
+/// `.bss name,size[,alignment]` reserves; `.bss` alone makes it the current section. An alignment of 1 is TI's blocking
+/// flag: words that fit into one page are not spread over two.
 void Reader::directive_bss(Statement& s) {
   Parser& p = s.parser;
+  if (p.at_end()) return select_section(s, ".bss", Program::Load::reserved, s.operation_offset);
   const int bss = program_.section(".bss", Program::Load::reserved, s.operation_offset);
-  if (p.at_end()) {
-    program_.select(bss);
-    if (!s.label.empty()) define_label(s);
-    return;
-  }
   p.skip_blanks();
   const std::size_t offset = p.offset();
   const std::string name = p.required_identifier("a symbol");
@@ -115,56 +175,103 @@ void Reader::directive_usect(Statement& s) {
   program_.define(s.label, program_.reserve(section, size, alignment, offset), s.line, s.label_offset);
 }
 
+/// Numbers and strings, one word for each number and each character. Of numbers of fewer than 32 bits the rest is 0.
+WordItem Reader::numbers(Statement& s, unsigned bits) {
+  if (!s.label.empty()) define_label(s);
+  WordItem item;
+  Parser& p = s.parser;
+  do {
+    p.skip_blanks();
+    const std::size_t offset = p.offset();
+    const auto constant = [&](std::int64_t value) {
+      item.values.push_back({Expression::Kind::constant, Value::of(value), {}, {}, offset});
+    };
+    if (p.peek() == '"') {
+      for (const char c : p.quoted()) constant(static_cast<unsigned char>(c));
+    } else if (bits == 32) {
+      item.values.push_back(p.expression());
+    } else {
+      const std::int64_t value = known_number(p, "the value");
+      if (value < -(std::int64_t{1} << (bits - 1)) || value >= std::int64_t{1} << bits)
+        throw LineError{offset, fmt::format("{} does not fit in {} bits", value, bits)};
+      constant(value & ((std::int64_t{1} << bits) - 1));
+    }
+  } while (p.accept(","));
+  p.expect_end();
+  return item;
+}
+
 void Reader::directive_word(Statement& s) {
-  if (!s.label.empty()) define_label(s);
-  WordItem item{s.parser.expression_list()};
-  s.parser.expect_end();
+  WordItem item = numbers(s, 32);
   program_.add(s.line, s.operation_offset, std::move(item));
 }
 
-/// One character or number of 8 bits per word.
 void Reader::directive_byte(Statement& s) {
+  WordItem item = numbers(s, 8);
+  program_.add(s.line, s.operation_offset, std::move(item));
+}
+
+void Reader::directive_half_word(Statement& s) {
+  WordItem item = numbers(s, 16);
+  program_.add(s.line, s.operation_offset, std::move(item));
+}
+
+/// `.field value[,bits]`: the next bits of the present word, from bit 0 up; a field that does not fit starts a word.
+void Reader::directive_field(Statement& s) {
+  Parser& p = s.parser;
+  p.skip_blanks();
+  const std::size_t offset = p.offset();
+  Expression value = p.expression();
+  const Address bits = p.accept(",") ? known_size(p, "the number of bits") : 32;
+  p.expect_end();
+  if (bits < 1 || bits > 32) throw LineError{offset, "a field has 1 to 32 bits"};
+  if (bits < 32) {
+    const Value known = evaluate(value, program_);
+    if (known.is_real() || !known.is_absolute())
+      throw LineError{offset, "a field of less than 32 bits takes a number that is known here"};
+    if (known.integer < -(std::int64_t{1} << (bits - 1)) || known.integer >= std::int64_t{1} << bits)
+      throw LineError{offset, fmt::format("{} does not fit in {} bits", known.integer, bits)};
+    value = {Expression::Kind::constant, Value::of(known.integer & ((std::int64_t{1} << bits) - 1)), {}, {}, offset};
+  }
+  if (!s.label.empty()) program_.define(s.label, program_.field_place(bits), s.line, s.label_offset);
+  program_.add_field(s.line, s.operation_offset, std::move(value), bits);
+}
+
+void Reader::floats(Statement& s, FloatItem::Format format) {
   if (!s.label.empty()) define_label(s);
-  WordItem item;
-  do {
-    s.parser.skip_blanks();
-    const std::size_t offset = s.parser.offset();
-    const std::int64_t value = known_number(s.parser, "a byte");
-    if (value < -128 || value > 255) throw LineError{offset, fmt::format("{} does not fit in 8 bits", value)};
-    item.values.push_back({Expression::Kind::constant, Value::of(value & 255), {}, {}, offset});
-  } while (s.parser.accept(","));
+  FloatItem item{s.parser.expression_list(), format};
   s.parser.expect_end();
   program_.add(s.line, s.operation_offset, std::move(item));
 }
 
-void Reader::directive_float(Statement& s) {
-  if (!s.label.empty()) define_label(s);
-  FloatItem item{s.parser.expression_list()};
-  s.parser.expect_end();
-  program_.add(s.line, s.operation_offset, std::move(item));
-}
+void Reader::directive_float(Statement& s) { floats(s, FloatItem::Format::single); }
+void Reader::directive_ieee(Statement& s) { floats(s, FloatItem::Format::ieee); }
+void Reader::directive_long_double(Statement& s) { floats(s, FloatItem::Format::extended); }
 
-void Reader::directive_string(Statement& s) { strings(s, false); }
-void Reader::directive_asciz(Statement& s) { strings(s, true); }
+void Reader::directive_string(Statement& s) { packed_strings(s, false); }
+void Reader::directive_asciz(Statement& s) { packed_strings(s, true); }
 
-/// A C40 character is a word.
-void Reader::strings(Statement& s, bool terminated) {
+/// Four characters to a word, the first in bits 7 to 0; the last word is filled up with zeros.
+void Reader::packed_strings(Statement& s, bool terminated) {
   if (!s.label.empty()) define_label(s);
-  WordItem item;
-  const auto append = [&](std::int64_t code, std::size_t offset) {
-    item.values.push_back({Expression::Kind::constant, Value::of(code), {}, {}, offset});
-  };
+  std::string bytes;
   do {
     s.parser.skip_blanks();
-    const std::size_t offset = s.parser.offset();
     if (s.parser.peek() != '"') {
-      append(known_number(s.parser, "a character's number") & 255, offset);
+      bytes += static_cast<char>(known_number(s.parser, "a character's number") & 255);
       continue;
     }
-    for (const char c : s.parser.quoted()) append(static_cast<unsigned char>(c), offset);
-    if (terminated) append(0, offset);
+    bytes += s.parser.quoted();
+    if (terminated) bytes += '\0';
   } while (s.parser.accept(","));
   s.parser.expect_end();
+  WordItem item;
+  for (std::size_t i = 0; i < bytes.size(); i += 4) {
+    Word word = 0;
+    for (std::size_t k = 0; k < 4 && i + k < bytes.size(); ++k)
+      word |= Word{static_cast<unsigned char>(bytes[i + k])} << (8 * k);
+    item.values.push_back({Expression::Kind::constant, Value::of(std::int64_t{word}), {}, {}, s.operation_offset});
+  }
   program_.add(s.line, s.operation_offset, std::move(item));
 }
 
@@ -173,6 +280,47 @@ void Reader::directive_space(Statement& s) {
   const Address words = known_size(s.parser, "the number of words");
   s.parser.expect_end();
   program_.add(s.line, s.operation_offset, FillItem{words, 0});
+}
+
+/// As .space, but the label is that of the last word.
+void Reader::directive_space_end(Statement& s) {
+  const Address words = known_size(s.parser, "the number of words");
+  s.parser.expect_end();
+  program_.add(s.line, s.operation_offset, FillItem{words, 0});
+  Value last = program_.here();
+  --last.integer;
+  if (!s.label.empty()) program_.define(s.label, last, s.line, s.label_offset);
+}
+
+void Reader::directive_label(Statement& s) {
+  s.parser.skip_blanks();
+  const std::size_t offset = s.parser.offset();
+  const std::string name = s.parser.required_identifier("a symbol");
+  s.parser.expect_end();
+  program_.define(name, program_.here(), s.line, offset);
+}
+
+void Reader::directive_newblock(Statement& s) {
+  s.parser.expect_end();
+  if (!s.label.empty()) define_label(s);
+  new_block();
+}
+
+/// `.version 40`. Code of the C3x is told apart by branches and interrupt registers, so a warning is due.
+void Reader::directive_version(Statement& s) {
+  s.parser.skip_blanks();
+  const std::size_t offset = s.parser.offset();
+  const std::int64_t version = known_number(s.parser, "the processor's number");
+  s.parser.expect_end();
+  if (version == 40 || version == 44) return;
+  if (version < 30 || version > 33)
+    throw LineError{offset, fmt::format("no processor has the number {}; 40 and 44 are known here", version)};
+  program_.warn(s.line, offset, "a program for the C3x; it is encoded for the C4x");
+}
+
+void Reader::directive_warning(Statement& s) {
+  program_.warn(s.line, s.operation_offset,
+                s.parser.at_end() ? "warning asked for by the source" : s.parser.name_or_quoted("a message"));
 }
 
 /// Without an operand: 32 words, a cache segment.
@@ -185,6 +333,12 @@ void Reader::directive_align(Statement& s) {
 
 void Reader::directive_set(Statement& s) {
   const std::string name = symbol_name(s);
+  if (const auto named = s.parser.lone_register()) {
+    s.parser.expect_end();
+    if (program_.is_defined(name)) throw LineError{s.label_offset, fmt::format("'{}' is defined already", name)};
+    registers_[name] = *named;
+    return;
+  }
   Expression expression = s.parser.expression();
   s.parser.expect_end();
   program_.define(name, std::move(expression), s.line, s.label_offset);

@@ -81,7 +81,7 @@ class Evaluator {
     if (e.name == ">") return Value::of(std::int64_t{a > b});
     if (e.name == "<=") return Value::of(std::int64_t{a <= b});
     if (e.name == ">=") return Value::of(std::int64_t{a >= b});
-    if (e.name == "==") return Value::of(std::int64_t{a == b});
+    if (e.name == "==" || e.name == "=") return Value::of(std::int64_t{a == b});
     if (e.name == "!=") return Value::of(std::int64_t{a != b});
     throw LineError{e.offset, fmt::format("'{}' takes integers, not floats", e.name)};
   }
@@ -109,6 +109,7 @@ class Evaluator {
     if (op == "<=") return a <= b;
     if (op == ">=") return a >= b;
     if (op == "!=") return a != b;
+    if (op == "&&") return a != 0 && b != 0;
     return a == b;
   }
 

@@ -1,5 +1,7 @@
 #include "toolchain/float_format.hpp"
 
+#include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -87,14 +89,14 @@ struct Format {
   int greatest_exponent() const { return (1 << (exponent_bits - 1)) - 1; }
 };
 
-isa::Word pack(Format format, int exponent, bool negative, std::int64_t fraction) {
-  const isa::Word exponent_field = static_cast<isa::Word>(exponent) & ((1U << format.exponent_bits) - 1);
-  return exponent_field << (format.fraction_bits + 1) | (negative ? 1U : 0U) << format.fraction_bits |
-         static_cast<isa::Word>(fraction);
+std::uint64_t pack(Format format, int exponent, bool negative, std::int64_t fraction) {
+  const std::uint64_t exponent_field = static_cast<std::uint64_t>(exponent) & ((1U << format.exponent_bits) - 1);
+  return exponent_field << (format.fraction_bits + 1) | std::uint64_t{negative} << format.fraction_bits |
+         static_cast<std::uint64_t>(fraction);
 }
 
 /// Below the least exponent: the least number of that sign, or 0, whichever is nearer.
-isa::Word tiny(Format format, Real magnitude, bool negative) {
+std::uint64_t tiny(Format format, Real magnitude, bool negative) {
   const double least =
       std::ldexp(1.0 + (negative ? std::ldexp(1.0, -format.fraction_bits) : 0.0), format.least_exponent());
   const double half = least / 2;
@@ -103,7 +105,7 @@ isa::Word tiny(Format format, Real magnitude, bool negative) {
   return pack(format, format.least_exponent(), negative, negative ? (std::int64_t{1} << format.fraction_bits) - 1 : 0);
 }
 
-std::optional<isa::Word> convert(Format format, Real value) {
+std::optional<std::uint64_t> convert(Format format, Real value) {
   const bool negative = std::signbit(value.nearest);
   const Real magnitude = negative ? -value : value;
   if (magnitude.nearest == 0) return pack(format, format.least_exponent() - 1, false, 0);
@@ -133,5 +135,19 @@ std::optional<Real> parse_real(std::string_view text) {
 
 std::optional<isa::Word> to_single(Real value) { return convert({8, 23}, value); }
 std::optional<isa::Word> to_short(Real value) { return convert({4, 11}, value); }
+std::optional<std::uint64_t> to_extended(Real value) { return convert({8, 31}, value); }
+
+std::optional<isa::Word> to_ieee(Real value) {
+  const double exact = value.nearest;
+  auto rounded = static_cast<float>(exact);
+  if (exact != rounded && value.residue != 0) {
+    // Half-way by the double alone: the residue decides.
+    const float other = std::nextafter(rounded, exact > rounded ? HUGE_VALF : -HUGE_VALF);
+    if (double{other} - exact == exact - double{rounded})
+      rounded = value.residue > 0 ? std::max(rounded, other) : std::min(rounded, other);
+  }
+  if (!std::isfinite(rounded)) return std::nullopt;
+  return std::bit_cast<isa::Word>(rounded);
+}
 
 }  // namespace toolchain

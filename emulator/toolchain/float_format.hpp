@@ -26,5 +26,9 @@ std::optional<Real> parse_real(std::string_view text);
 std::optional<isa::Word> to_single(Real value);
 /// The 16-bit short format of immediates.
 std::optional<isa::Word> to_short(Real value);
+/// The 40-bit extended format of registers R0 to R11.
+std::optional<std::uint64_t> to_extended(Real value);
+/// IEEE 754 single precision, rounded to nearest, ties to even.
+std::optional<isa::Word> to_ieee(Real value);
 
 }  // namespace toolchain

@@ -12,42 +12,14 @@ namespace {
 constexpr int deepest_expansion = 100;
 constexpr std::int64_t most_repeats = 1'000'000;
 
-bool is_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
-
-using Arguments = std::map<std::string, std::string, std::less<>>;
-
-/// Replaces parameters that stand alone outside quotes, and \name or :name: anywhere.
-std::string substitute(const std::string& text, const Arguments& arguments) {
-  if (arguments.empty()) return text;
+/// Quotes hold an argument with commas together and are not part of it; """text""" gives "text".
+std::string without_quotes(const std::string& argument) {
+  if (argument.size() < 2 || argument.front() != '"' || argument.back() != '"') return argument;
+  const std::string inside = argument.substr(1, argument.size() - 2);
   std::string out;
-  bool in_quotes = false;
-  const auto name_at = [&](std::size_t start, auto is_part) {
-    std::size_t end = start;
-    while (end < text.size() && is_part(text[end])) ++end;
-    return std::string_view(text).substr(start, end - start);
-  };
-  for (std::size_t i = 0; i < text.size();) {
-    const char c = text[i];
-    if (c == '"') in_quotes = !in_quotes;
-    if (c == '\\' || c == ':') {
-      const auto name = name_at(i + 1, is_name);
-      const auto found = arguments.find(name);
-      const std::size_t after = i + 1 + name.size();
-      if (found != arguments.end() && (c == '\\' || (after < text.size() && text[after] == ':'))) {
-        out += found->second;
-        i = after + (c == ':' ? 1 : 0);
-        continue;
-      }
-    }
-    if (is_identifier(c) && c != '.' && !in_quotes) {
-      const auto name = name_at(i, is_identifier);
-      const auto found = arguments.find(name);
-      out += found != arguments.end() ? std::string_view(found->second) : name;
-      i += name.size();
-      continue;
-    }
-    out += c;
-    ++i;
+  for (std::size_t i = 0; i < inside.size(); ++i) {
+    out += inside[i];
+    if (inside[i] == '"' && i + 1 < inside.size() && inside[i + 1] == '"') ++i;
   }
   return out;
 }
@@ -76,6 +48,7 @@ std::vector<std::string> Reader::macro_arguments(std::string_view text) const {
     const auto first = argument.find_first_not_of(" \t\r");
     const auto last = argument.find_last_not_of(" \t\r");
     argument = first == std::string::npos ? std::string() : argument.substr(first, last - first + 1);
+    argument = without_quotes(argument);
   }
   if (out.size() == 1 && out[0].empty()) out.clear();
   return out;
@@ -87,31 +60,100 @@ void Reader::expand(const Macro& macro, Statement& s) {
     given_up_ = true;
     return;
   }
-  const auto given = macro_arguments(s.parser.rest());
+  auto given = macro_arguments(s.parser.rest());
+  // What is too much belongs to the last parameter, as a list.
+  while (given.size() > macro.parameters.size() && !macro.parameters.empty()) {
+    const std::string last = std::move(given.back());
+    given.pop_back();
+    given.back() += "," + last;
+  }
   if (given.size() > macro.parameters.size())
     throw LineError{s.operation_offset,
                     fmt::format("the macro '{}' takes {} argument{}, not {}", s.operation, macro.parameters.size(),
                                 macro.parameters.size() == 1 ? "" : "s", given.size())};
-  Arguments arguments;
+  Substitutes arguments;
   for (std::size_t i = 0; i < macro.parameters.size(); ++i) {
     const Parameter& parameter = macro.parameters[i];
     arguments[parameter.name] = i < given.size() && !given[i].empty() ? given[i] : parameter.fallback;
   }
-  read_lines(macro.body, s.line, arguments);
+  Substitutes* const outer_parameters = std::exchange(parameters_, &arguments);
+  const int outer_scope = std::exchange(local_scope_, ++last_scope_);
+  const int outer_repeats = std::exchange(repeat_depth_, 0);
+  read_lines(macro.body, s.line);
+  if (leaving_ == Leaving::macro) leaving_ = Leaving::nothing;
+  repeat_depth_ = outer_repeats;
+  local_scope_ = outer_scope;
+  parameters_ = outer_parameters;
 }
 
-void Reader::read_lines(const std::vector<SourceLinePtr>& body, const SourceLinePtr& from, const Arguments& arguments) {
-  const int outer_scope = std::exchange(local_scope_, ++last_scope_);
+void Reader::read_lines(const std::vector<SourceLinePtr>& body, const SourceLinePtr& from) {
   const std::size_t outer_conditionals = conditionals_.size();
   ++expansion_depth_;
   for (const SourceLinePtr& line : body) {
     if (stopped()) break;
-    read_line(std::make_shared<const SourceLine>(
-        SourceLine{line->file, line->number, substitute(line->text, arguments), from}));
+    read_line(std::make_shared<const SourceLine>(SourceLine{line->file, line->number, line->text, from}));
   }
   --expansion_depth_;
+  if (leaving_ != Leaving::nothing) conditionals_.resize(outer_conditionals);
   end_of_source(outer_conditionals);
-  local_scope_ = outer_scope;
+}
+
+void Reader::leave_macro(Statement& s) {
+  s.parser.expect_end();
+  if (parameters_ == nullptr) throw LineError{s.operation_offset, "'.mexit' outside a macro"};
+  leaving_ = Leaving::macro;
+}
+
+/// `.break [condition]`
+void Reader::leave_repeat(Statement& s) {
+  const bool leave = s.parser.at_end() || known_number(s.parser, "the condition") != 0;
+  s.parser.expect_end();
+  if (repeat_depth_ == 0) throw LineError{s.operation_offset, "'.break' outside a .loop"};
+  if (leave) leaving_ = Leaving::repeat;
+}
+
+/// `.asg text,symbol`; a text with commas stands in quotes.
+void Reader::assign_text(Statement& s) {
+  Parser& p = s.parser;
+  p.skip_blanks();
+  std::string text;
+  if (p.peek() == '"') {
+    text = p.quoted();
+  } else {
+    const auto rest = p.rest();
+    const auto comma = rest.find(',');
+    if (comma == std::string_view::npos) throw LineError{p.offset(), ".asg takes a text and a symbol: .asg AR3,FP"};
+    text = rest.substr(0, comma);
+    text.erase(text.find_last_not_of(" \t") + 1);
+    p.seek(p.offset() + comma);
+  }
+  p.expect(",");
+  const std::string name = p.required_identifier("a symbol");
+  p.expect_end();
+  SubstituteScopes{parameters_, &substitutes_}.owner(name)[name] = std::move(text);
+}
+
+/// `.eval expression,symbol`
+void Reader::assign_number(Statement& s) {
+  const std::int64_t value = known_number(s.parser, "the value");
+  s.parser.expect(",");
+  const std::string name = s.parser.required_identifier("a symbol");
+  s.parser.expect_end();
+  SubstituteScopes{parameters_, &substitutes_}.owner(name)[name] = std::to_string(value);
+}
+
+/// `.var symbol,...`: substitution symbols of this expansion alone.
+void Reader::declare_variables(Statement& s) {
+  if (parameters_ == nullptr) throw LineError{s.operation_offset, "'.var' outside a macro"};
+  do (*parameters_)[s.parser.required_identifier("a symbol")] = "";
+  while (s.parser.accept(","));
+  s.parser.expect_end();
+}
+
+void Reader::forget_text(Statement& s) {
+  do substitutes_.erase(s.parser.required_identifier("a symbol"));
+  while (s.parser.accept(","));
+  s.parser.expect_end();
 }
 
 void Reader::start_macro(Statement& s) {
@@ -149,7 +191,7 @@ void Reader::start_repeat(Statement& s) {
   if (!s.label.empty()) define_label(s);
   collector_ = std::make_unique<Collector>();
   collector_->opening = s.line;
-  const std::int64_t count = known_number(s.parser, "the number of repeats");
+  const std::int64_t count = s.parser.at_end() ? most_repeats : known_number(s.parser, "the number of repeats");
   s.parser.expect_end();
   if (count < 0 || count > most_repeats)
     throw LineError{s.operation_offset, fmt::format("0 to {} repeats", most_repeats)};

@@ -64,11 +64,12 @@ std::optional<std::int64_t> integer_literal(std::string_view text) {
 }
 
 /// Binary operators from the loosest to the tightest, as in C.
-constexpr std::array<std::array<std::string_view, 4>, 7> operator_levels{{
+constexpr std::array<std::array<std::string_view, 4>, 8> operator_levels{{
+    {"&&"},
     {"|"},
     {"^"},
     {"&"},
-    {"==", "!="},
+    {"==", "!=", "="},
     {"<=", ">=", "<", ">"},
     {"<<", ">>"},
     {"+", "-"},
@@ -120,6 +121,7 @@ std::string Parser::identifier() {
   const std::size_t start = position_;
   while (is_identifier(peek())) ++position_;
   std::string name(text_.substr(start, position_ - start));
+  if (name.size() == 2 && name[0] == '$' && is_digit(name[1])) name += context_.block_suffix;
   if (peek() == '?') {
     const std::size_t mark = position_++;
     while (is_digit(peek())) ++position_;  // A macro argument brings the scope of its caller along.
@@ -175,6 +177,14 @@ std::string Parser::name_or_quoted(std::string_view what) {
   return std::string(text_.substr(start, position_ - start));
 }
 
+std::string_view Parser::next_word() {
+  skip_blanks();
+  std::size_t end = position_;
+  if (is_identifier_start(peek()))
+    while (end < text_.size() && is_identifier(text_[end])) ++end;
+  return text_.substr(position_, end - position_);
+}
+
 bool Parser::at_bars() {
   skip_blanks();
   return starts_with("||");
@@ -209,6 +219,8 @@ Expression Parser::binary_expression(int level) {
       return {};
     }
     if (starts_with("||")) return {};
+    const bool logical = operator_levels[static_cast<std::size_t>(level)][0] == "&&";
+    if (!logical && starts_with("&&")) return {};
     for (const auto op : operator_levels[static_cast<std::size_t>(level)]) {
       const bool shift_ahead = (op == "<" && starts_with("<<")) || (op == ">" && starts_with(">>"));
       if (!op.empty() && starts_with(op) && !shift_ahead) return op;
@@ -264,7 +276,7 @@ Expression Parser::primary_expression() {
     throw LineError{at, fmt::format("a number, a symbol or '(' expected, not {}", found)};
   }
   if (peek() == '(') return call(lower(name), at);
-  if (isa::register_named(name) || isa::expansion_named(name))
+  if (register_called(name) || isa::expansion_named(name))
     throw LineError{at, fmt::format("the register {} cannot be part of an expression", name)};
   return Expression{Expression::Kind::symbol, {}, std::move(name), {}, at};
 }
@@ -286,6 +298,7 @@ Expression Parser::call(const std::string& function, std::size_t at) {
 
 Expression Parser::character() {
   const std::size_t at = position_;
+  if (accept("''''")) return Expression{Expression::Kind::constant, Value::of(std::int64_t{'\''}), {}, {}, at};
   if (position_ + 2 >= text_.size() || text_[position_ + 2] != '\'')
     throw LineError{at, "a character constant is one character between single quotes"};
   const auto code = static_cast<unsigned char>(text_[position_ + 1]);
@@ -293,11 +306,25 @@ Expression Parser::character() {
   return Expression{Expression::Kind::constant, Value::of(std::int64_t{code}), {}, {}, at};
 }
 
+/// GNU's 0f1.5, where it is no hexadecimal number.
+std::optional<Real> Parser::prefixed_float() {
+  if (peek() != '0' || lower(text_.substr(position_, 2)) != "0f") return std::nullopt;
+  std::size_t end = position_ + 2;
+  while (end < text_.size() &&
+         (is_identifier(text_[end]) || ((text_[end] == '-' || text_[end] == '+') &&
+                                        (end == position_ + 2 || lower(text_.substr(end - 1, 1)) == "e"))))
+    ++end;
+  const auto value = parse_real(text_.substr(position_ + 2, end - position_ - 2));
+  if (value) position_ = end;
+  return value;
+}
+
 Expression Parser::number() {
   const std::size_t at = position_;
   std::size_t end = position_;
   while (end < text_.size() && std::isalnum(static_cast<unsigned char>(text_[end]))) ++end;
   const auto word = text_.substr(at, end - at);
+  if (const auto value = prefixed_float()) return Expression{Expression::Kind::constant, Value::of(*value), {}, {}, at};
   const bool point = end < text_.size() && text_[end] == '.';
   if (!point && !word.empty()) {
     if (const auto value = integer_literal(word)) {
@@ -329,11 +356,26 @@ Expression Parser::number() {
   return Expression{Expression::Kind::constant, Value::of(*value), {}, {}, at};
 }
 
+std::optional<isa::Register> Parser::register_called(std::string_view name) const {
+  if (const auto found = isa::register_named(name)) return found;
+  if (context_.registers == nullptr) return std::nullopt;
+  const auto alias = context_.registers->find(name);
+  return alias == context_.registers->end() ? std::nullopt : std::optional(alias->second);
+}
+
+std::optional<isa::Register> Parser::lone_register() {
+  const std::size_t start = position_;
+  const auto found = accept_register();
+  if (found && (at_end() || peek() == ',')) return found;
+  position_ = start;
+  return std::nullopt;
+}
+
 std::optional<isa::Register> Parser::accept_register() {
   skip_blanks();
   const std::size_t start = position_;
-  if (!std::isalpha(static_cast<unsigned char>(peek()))) return std::nullopt;
-  const auto found = isa::register_named(identifier());
+  if (!is_identifier_start(peek())) return std::nullopt;
+  const auto found = register_called(identifier());
   if (!found) position_ = start;
   return found;
 }

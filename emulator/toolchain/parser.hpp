@@ -1,5 +1,6 @@
 #pragma once
 // One line of assembler source to its parts (c40-isa.md section 11, docs/assembler.md).
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,10 +28,15 @@ struct HalfSyntax {
   std::size_t offset = 0;
 };
 
-/// What '$' stands for, and how names ending in '?' are made unique.
+/// Names that stand for registers (`FP .set AR3`).
+using RegisterNames = std::map<std::string, isa::Register, std::less<>>;
+
+/// What '$' stands for, how local labels are made unique, and which further names registers have.
 struct ParseContext {
   Value here;
-  std::string local_suffix;
+  std::string local_suffix;  ///< Of names ending in '?'.
+  std::string block_suffix;  ///< Of $0 to $9.
+  const RegisterNames* registers = nullptr;
 };
 
 bool is_identifier_start(char c);
@@ -53,14 +59,17 @@ class Parser {
   void expect(std::string_view token);
   void expect_end();
 
-  /// As written, with a '?' at its end made unique; empty if there is none here.
+  /// As written, local labels made unique; empty if there is none here.
   std::string identifier();
   std::string required_identifier(std::string_view what);
   std::string quoted();  ///< A string in double quotes, with "" for a quote and C's escapes.
   /// A file or section name, with or without quotes.
   std::string name_or_quoted(std::string_view what);
   std::string_view rest() const { return text_.substr(position_); }
+  std::string_view next_word();  ///< The identifier ahead, if there is one; it is not taken.
 
+  /// The register named here, if one is, and nothing but blanks or a comma follows it.
+  std::optional<isa::Register> lone_register();
   Expression expression();
   std::vector<Expression> expression_list();
   HalfSyntax half();
@@ -71,11 +80,13 @@ class Parser {
   Expression unary_expression();
   Expression primary_expression();
   Expression number();
+  std::optional<Real> prefixed_float();
   void count_operator(std::size_t offset);
   Expression character();
   Expression call(const std::string& function, std::size_t offset);
   OperandSyntax operand();
   OperandSyntax indirect();
+  std::optional<isa::Register> register_called(std::string_view name) const;
   std::optional<isa::Register> accept_register();
 
   std::string_view text_;

@@ -20,10 +20,22 @@ std::string place_of(const SourceLine* line) {
   return line == nullptr ? "in the options" : fmt::format("at {}:{}", *line->file, line->number);
 }
 
-/// A name ending in '?' without the number of its scope.
+/// A local label without the number of its scope.
 std::string as_written(const std::string& name) {
   const auto mark = name.find('?');
-  return mark == std::string::npos ? name : name.substr(0, mark + 1);
+  return mark == std::string::npos ? name : name.substr(0, name[0] == '$' ? mark : mark + 1);
+}
+
+/// TI's symbols for the processor and the memory model, in any case (SPRU035 as quoted by GNU as).
+std::optional<std::int64_t> predefined(const std::string& name) {
+  static const std::map<std::string_view, std::int64_t> symbols{
+      {".tms320xx", 40}, {".tms320c40", 1}, {".c4x", 1},       {".c40", 1},       {".tms320c44", 0},
+      {".c44", 0},       {".tms320c30", 0}, {".tms320c31", 0}, {".tms320c32", 0}, {".tms320c33", 0},
+      {".tmx320c40", 0}, {".c3x", 0},       {".c30", 0},       {".c31", 0},       {".c32", 0},
+      {".c33", 0},       {".regparm", 0},   {".memparm", 1},   {".bigmodel", 0},  {".c30interrupt", 0}};
+  if (name.empty() || name[0] != '.') return std::nullopt;
+  const auto found = symbols.find(lower(name));
+  return found == symbols.end() ? std::nullopt : std::optional(found->second);
 }
 
 bool same(const Value& a, const Value& b) {
@@ -96,12 +108,36 @@ void Program::add(const SourceLinePtr& line, std::size_t offset,
     throw LineError{offset, fmt::format("the section '{}' is not loaded: it takes .space, no contents", section.name)};
   Address words = 1;
   if (const auto* w = std::get_if<WordItem>(&content)) words = static_cast<Address>(w->values.size());
-  if (const auto* f = std::get_if<FloatItem>(&content)) words = static_cast<Address>(f->values.size());
+  if (const auto* f = std::get_if<FloatItem>(&content)) words = f->words();
   if (const auto* fill = std::get_if<FillItem>(&content)) words = fill->count;
   parallel_target_ = std::holds_alternative<InstructionItem>(content);
+  field_bits_ = 0;
   const Address start = section.size;
   grow(section, words, offset);
   if (words > 0) section.items.push_back({line, start, std::move(content)});
+}
+
+Value Program::field_place(Address bits) const {
+  Value place = here();
+  if (field_bits_ != 0 && field_bits_ + bits <= 32) --place.integer;
+  return place;
+}
+
+void Program::add_field(const SourceLinePtr& line, std::size_t offset, Expression value, Address bits) {
+  if (field_bits_ == 0 || field_bits_ + bits > 32) {
+    WordItem item;
+    item.values.push_back(std::move(value));
+    add(line, offset, std::move(item));
+    field_bits_ = bits;
+    return;
+  }
+  auto& word = std::get<WordItem>(sections_[index(current_)].items.back().content).values.back();
+  word.value.integer |= value.value.integer << field_bits_;
+  field_bits_ += bits;
+}
+
+void Program::warn(const SourceLinePtr& line, std::size_t offset, const std::string& message) {
+  warnings_.push_back(make_diagnostic(*line, offset, message, true).format());
 }
 
 void Program::align(const SourceLinePtr& line, std::size_t offset, Address words) {
@@ -132,8 +168,13 @@ Value Program::reserve(int section_number, Address words, Address alignment, std
   return place;
 }
 
+bool Program::is_defined(const std::string& name) const { return symbols_.contains(name) || predefined(name); }
+
 Value Program::value_of(const std::string& name, std::size_t offset) const {
   const auto found = symbols_.find(name);
+  if (found == symbols_.end()) {
+    if (const auto value = predefined(name)) return Value::of(*value);
+  }
   if (found == symbols_.end()) throw LineError{offset, fmt::format("undefined symbol '{}'", as_written(name))};
   const Symbol& symbol = found->second;
   if (const auto* value = std::get_if<Value>(&symbol.meaning)) return *value;
@@ -212,6 +253,29 @@ void Program::place(std::vector<Diagnostic>& diagnostics) {
   check_overlaps(order, diagnostics);
 }
 
+void Program::encode_float(const FloatItem& item, const Expression& expression, const Value& value,
+                           std::vector<Word>& out) {
+  const std::size_t before = out.size();
+  out.resize(before + (item.format == FloatItem::Format::extended ? 2 : 1));
+  if (!value.is_absolute()) throw LineError{expression.offset, "an address; .float takes numbers"};
+  const Real real = value.is_real() ? value.real : Real(static_cast<double>(value.integer));
+  const auto put = [&](std::optional<std::uint64_t> bits, std::string_view format) {
+    if (!bits) throw LineError{expression.offset, fmt::format("out of the range of {}", format)};
+    return *bits;
+  };
+  switch (item.format) {
+    case FloatItem::Format::single: out[before] = static_cast<Word>(put(to_single(real), "a 32-bit float")); return;
+    case FloatItem::Format::ieee:
+      out[before] = static_cast<Word>(put(to_ieee(real), "an IEEE single-precision float"));
+      return;
+    case FloatItem::Format::extended: {
+      const std::uint64_t bits = put(to_extended(real), "a 40-bit float");
+      out[before] = static_cast<Word>(bits >> 8);
+      out[before + 1] = static_cast<Word>(bits);
+    }
+  }
+}
+
 std::vector<Word> Program::encode_item(const Section& section, const Item& item, Image& image,
                                        std::vector<Diagnostic>& diagnostics) const {
   if (const auto* fill = std::get_if<FillItem>(&item.content)) return std::vector<Word>(fill->count, fill->value);
@@ -238,10 +302,8 @@ std::vector<Word> Program::encode_item(const Section& section, const Item& item,
     try {
       const Value value = evaluate(expression, *this);
       if (floats != nullptr) {
-        if (!value.is_absolute()) throw LineError{expression.offset, "an address; .float takes numbers"};
-        const auto single = to_single(value.is_real() ? value.real : Real(static_cast<double>(value.integer)));
-        if (!single) throw LineError{expression.offset, "out of the range of a 32-bit float"};
-        words.back() = *single;
+        words.pop_back();
+        encode_float(*floats, expression, value, words);
         continue;
       }
       if (value.is_real()) throw LineError{expression.offset, "a float; use .float, or single(x) for its word"};
@@ -330,6 +392,7 @@ Address Program::entry_point(const Image& image, std::vector<Diagnostic>& diagno
 
 Image Program::finish(std::vector<Diagnostic>& diagnostics) {
   Image image;
+  image.warnings = warnings_;
   place(diagnostics);
   for (const Section& section : sections_) encode_section(section, image, diagnostics);
   export_symbols(image, diagnostics);

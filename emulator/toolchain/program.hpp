@@ -24,6 +24,12 @@ struct WordItem {
 };
 struct FloatItem {
   std::vector<Expression> values;
+  enum class Format : std::uint8_t {
+    single,    ///< The 32-bit format of the C4x.
+    ieee,      ///< IEEE 754 single precision.
+    extended,  ///< The 40-bit format in two words: as STF and as STI store a register.
+  } format = Format::single;
+  Address words() const { return static_cast<Address>(values.size()) * (format == Format::extended ? 2 : 1); }
 };
 struct FillItem {
   Address count = 0;
@@ -48,6 +54,7 @@ class Program final : public SymbolSource {
   void select(int section) {
     current_ = section;
     parallel_target_ = false;
+    field_bits_ = 0;
   }
   int current() const { return current_; }
   Value here() const { return Value::at(current_, sections_[index(current_)].size); }
@@ -63,6 +70,10 @@ class Program final : public SymbolSource {
 
   void add(const SourceLinePtr& line, std::size_t offset,
            std::variant<InstructionItem, WordItem, FloatItem, FillItem> content);
+  /// The word in which add_field() with so many bits would put its value.
+  Value field_place(Address bits) const;
+  void add_field(const SourceLinePtr& line, std::size_t offset, Expression value, Address bits);
+  void warn(const SourceLinePtr& line, std::size_t offset, const std::string& message);
   void align(const SourceLinePtr& line, std::size_t offset, Address words);
   /// Makes `half` the second half of the instruction just added.
   void add_parallel(HalfSyntax half, const SourceLinePtr& line, std::size_t offset);
@@ -76,7 +87,7 @@ class Program final : public SymbolSource {
   // SymbolSource
 
   Value value_of(const std::string& name, std::size_t offset) const override;
-  bool is_defined(const std::string& name) const override { return symbols_.contains(name); }
+  bool is_defined(const std::string& name) const override;
   bool is_placed() const override { return placed_; }
   std::int64_t address_of_section(int section) const override { return sections_[index(section)].address; }
 
@@ -107,6 +118,8 @@ class Program final : public SymbolSource {
   void place(std::vector<Diagnostic>& diagnostics);
   void check_overlaps(const std::vector<Section*>& order, std::vector<Diagnostic>& diagnostics) const;
   void encode_section(const Section& section, Image& image, std::vector<Diagnostic>& diagnostics) const;
+  static void encode_float(const FloatItem& item, const Expression& expression, const Value& value,
+                           std::vector<Word>& out);
   std::vector<Word> encode_item(const Section& section, const Item& item, Image& image,
                                 std::vector<Diagnostic>& diagnostics) const;
   static void check_run(std::span<const Item> items, const Image::Section& section, Image& image);
@@ -117,6 +130,8 @@ class Program final : public SymbolSource {
   std::vector<Section> sections_;
   int current_ = 0;
   bool parallel_target_ = false;
+  Address field_bits_ = 0;  ///< Taken of the last word by fields; 0: the last word is none of theirs.
+  std::vector<std::string> warnings_;
   bool placed_ = false;
   mutable int evaluation_depth_ = 0;
   std::map<std::string, Symbol, std::less<>> symbols_;

@@ -15,12 +15,17 @@ namespace {
 
 constexpr std::size_t deepest_include = 64;
 constexpr std::size_t most_errors = 1000;
+constexpr std::size_t longest_line = 1 << 16;
 constexpr std::int64_t most_lines = 1'000'000;  // Reached by macros that call themselves, not by programs.
 
 /// The first word of a line that is a directive, without its label.
 bool opens_collection(std::string_view operation) {
   return operation == ".macro" || operation == ".rept" || operation == ".loop";
 }
+SourceLinePtr with_text(const SourceLinePtr& line, std::string text) {
+  return std::make_shared<const SourceLine>(SourceLine{line->file, line->number, std::move(text), line->expanded_from});
+}
+
 bool closes_collection(std::string_view operation) {
   return operation == ".endm" || operation == ".endr" || operation == ".endloop";
 }
@@ -30,7 +35,15 @@ bool closes_collection(std::string_view operation) {
 Reader::Reader(Program& program, const Options& options, std::vector<Diagnostic>& diagnostics)
     : program_(program), options_(options), diagnostics_(diagnostics) {}
 
-ParseContext Reader::context() const { return {program_.here(), fmt::format("?{}", local_scope_)}; }
+ParseContext Reader::context() const {
+  return {program_.here(), fmt::format("?{}", local_scope_), fmt::format("?{}", block_), &registers_};
+}
+
+/// Ends the scope of $0 to $9 and, outside macros, of names ending in '?'.
+void Reader::new_block() {
+  block_ = ++last_scope_;
+  if (parameters_ == nullptr) local_scope_ = block_;
+}
 
 void Reader::report(const SourceLine& line, const LineError& error) {
   if (given_up_) return;
@@ -58,18 +71,27 @@ void Reader::read_file(const std::filesystem::path& path) {
 void Reader::read_text(std::string_view text, const std::string& name, const std::filesystem::path& directory) {
   const auto file = std::make_shared<const std::string>(name);
   const auto outer_directory = std::exchange(directory_, directory);
-  const int outer_scope = std::exchange(local_scope_, ++last_scope_);
+  const int outer_scope = local_scope_;
+  Substitutes* const outer_parameters = std::exchange(parameters_, nullptr);
   const std::size_t outer_conditionals = conditionals_.size();
+  new_block();
   int number = 0;
   while (!text.empty() && !stopped()) {
     const auto end = text.find('\n');
     auto line = text.substr(0, end);
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-    read_line(std::make_shared<const SourceLine>(SourceLine{file, ++number, std::string(line), nullptr}));
+    ++number;
+    if (line.size() > longest_line)
+      report(SourceLine{file, number, std::string(line.substr(0, 80)), nullptr},
+             {0, fmt::format("a line of {} characters; {} are the most", line.size(), longest_line)});
+    else
+      read_line(std::make_shared<const SourceLine>(SourceLine{file, number, std::string(line), nullptr}));
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
   }
   end_of_source(outer_conditionals);
   ended_ = false;
+  new_block();
+  parameters_ = outer_parameters;
   local_scope_ = outer_scope;
   directory_ = outer_directory;
 }
@@ -102,7 +124,7 @@ Reader::Statement Reader::take_apart(const SourceLinePtr& line) const {
   if (colon || (in_first_column && word[0] != '.')) {
     if (colon)
       p.accept(":");
-    else if (is_mnemonic(lower(word)) || macros_.contains(word))
+    else if (is_operation(word) && !is_operation(p.next_word()))
       throw LineError{
           start,
           fmt::format("'{}' stands in the first column, where labels stand; indent it, or write '{}:' for a label",
@@ -120,6 +142,11 @@ Reader::Statement Reader::take_apart(const SourceLinePtr& line) const {
   return out;
 }
 
+/// Whether the word names an instruction, a directive or a macro.
+bool Reader::is_operation(std::string_view word) const {
+  return !word.empty() && (word[0] == '.' || is_mnemonic(lower(word)) || macros_.contains(word));
+}
+
 bool Reader::collect(const SourceLinePtr& line) {
   if (!collector_) return false;
   std::string operation;
@@ -129,10 +156,14 @@ bool Reader::collect(const SourceLinePtr& line) {
     // Whatever is wrong with the line shows when it is expanded.
   }
   if (opens_collection(operation)) ++collector_->depth;
-  if (closes_collection(operation) && --collector_->depth == 0)
+  if (closes_collection(operation) && --collector_->depth == 0) {
     finish_collecting();
-  else
-    collector_->macro.body.push_back(line);
+    return true;
+  }
+  // A macro that defines a macro puts its arguments in; a repeat's lines take theirs each time they are read.
+  const bool repeat = collector_->kind == Collector::Kind::repeat;
+  collector_->macro.body.push_back(
+      repeat || parameters_ == nullptr ? line : with_text(line, substitute(line->text, *parameters_, false)));
   return true;
 }
 
@@ -143,8 +174,15 @@ void Reader::finish_collecting() {
     return;
   }
   if (collected->kind == Collector::Kind::broken || collected->macro.body.empty()) return;
-  for (std::int64_t i = 0; i < collected->count && !stopped(); ++i)
-    read_lines(collected->macro.body, collected->opening, {});
+  ++repeat_depth_;
+  const int outer_scope = local_scope_;
+  for (std::int64_t i = 0; i < collected->count && !stopped(); ++i) {
+    local_scope_ = ++last_scope_;
+    read_lines(collected->macro.body, collected->opening);
+  }
+  local_scope_ = outer_scope;
+  --repeat_depth_;
+  if (leaving_ == Leaving::repeat) leaving_ = Leaving::nothing;
 }
 
 void Reader::open_conditional(bool condition, const SourceLinePtr& line) {
@@ -186,15 +224,37 @@ bool Reader::conditional(Statement& s) {
   return true;
 }
 
-void Reader::read_line(const SourceLinePtr& line) {
+/// The line with its substitution symbols replaced; the last operand of an assignment stays the name it is.
+SourceLinePtr Reader::substituted(const SourceLinePtr& line) {
+  if (parameters_ == nullptr && substitutes_.empty() && line->text.find('$') == std::string::npos) return line;
+  std::string text = line->text, kept;
+  const std::string operation = lower(take_apart(line).operation);
+  if (operation == ".asg" || operation == ".eval") {
+    const auto comma = text.substr(0, text.find(';')).rfind(',');
+    if (comma != std::string::npos) {
+      kept = text.substr(comma);
+      text.resize(comma);
+    }
+  } else if (operation == ".var" || operation == ".unasg") {
+    return line;
+  }
+  text = replace_functions(text, {parameters_, &substitutes_});
+  if (parameters_ != nullptr) text = substitute(text, *parameters_, false);
+  text = substitute(text, substitutes_, true) + kept;
+  return text == line->text ? line : with_text(line, std::move(text));
+}
+
+void Reader::read_line(const SourceLinePtr& raw_line) {
   if (given_up_) return;
   if (++lines_read_ > most_lines) {
-    report(*line, {0, fmt::format("more than {} lines to assemble; does a macro call itself?", most_lines)});
+    report(*raw_line, {0, fmt::format("more than {} lines to assemble; does a macro call itself?", most_lines)});
     given_up_ = true;
     return;
   }
-  if (collect(line)) return;
+  if (collect(raw_line)) return;
+  SourceLinePtr line = raw_line;
   try {
+    line = substituted(raw_line);
     Statement statement = take_apart(line);
     if (!statement.operation.empty() && conditional(statement)) return;
     if (is_active()) read_active_line(statement);
@@ -213,11 +273,11 @@ void Reader::read_active_line(Statement& s) {
   }
   const std::string operation = lower(s.operation);
   if (!operation.empty() && operation[0] == '.') {
-    const auto found = directives().find(operation);
-    if (found == directives().end())
+    const Directive directive = directive_named(operation);
+    if (directive == nullptr)
       throw LineError{s.operation_offset, fmt::format("no directive is called '{}'", s.operation)};
     program_.end_instruction();
-    return (this->*found->second)(s);
+    return (this->*directive)(s);
   }
   if (!s.label.empty()) {
     program_.end_instruction();

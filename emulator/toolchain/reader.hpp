@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "toolchain/program.hpp"
+#include "toolchain/substitution.hpp"
 
 namespace toolchain {
 
@@ -58,30 +59,40 @@ class Reader {
 
   // reader.cpp
   void read_line(const SourceLinePtr& line);
+  SourceLinePtr substituted(const SourceLinePtr& line);
   void read_active_line(Statement& statement);
   Statement take_apart(const SourceLinePtr& line) const;
+  bool is_operation(std::string_view word) const;
   bool collect(const SourceLinePtr& line);
   void finish_collecting();
   bool conditional(Statement& statement);
   void open_conditional(bool condition, const SourceLinePtr& line);
-  bool stopped() const { return ended_ || given_up_; }
+  bool stopped() const { return ended_ || given_up_ || leaving_ != Leaving::nothing; }
   bool is_active() const { return conditionals_.empty() || conditionals_.back().active; }
   void define_label(const Statement& statement);
   void instruction(Statement& statement);
   void report(const SourceLine& line, const LineError& error);
   ParseContext context() const;
+  void new_block();
   void end_of_source(std::size_t outer_conditionals);
 
   // macros.cpp
   void expand(const Macro& macro, Statement& statement);
-  void read_lines(const std::vector<SourceLinePtr>& body, const SourceLinePtr& from,
-                  const std::map<std::string, std::string, std::less<>>& arguments);
+  void read_lines(const std::vector<SourceLinePtr>& body, const SourceLinePtr& from);
   std::vector<std::string> macro_arguments(std::string_view text) const;
   void start_macro(Statement& statement);
   void start_repeat(Statement& statement);
+  void leave_macro(Statement& statement);
+  void leave_repeat(Statement& statement);
+  void assign_text(Statement& statement);
+  void assign_number(Statement& statement);
+  void declare_variables(Statement& statement);
+  void forget_text(Statement& statement);
+  void directive_newblock(Statement& statement);
 
   // directives.cpp
   static const std::map<std::string, Directive, std::less<>>& directives();
+  static Directive directive_named(const std::string& name);
   std::int64_t known_number(Parser& parser, std::string_view what);
   Address known_size(Parser& parser, std::string_view what);
   std::string symbol_name(Statement& statement);
@@ -92,10 +103,18 @@ class Reader {
   void directive_usect(Statement&);
   void directive_word(Statement&);
   void directive_byte(Statement&);
+  void directive_half_word(Statement&);
+  void directive_field(Statement&);
   void directive_float(Statement&);
+  void directive_ieee(Statement&);
+  void directive_long_double(Statement&);
   void directive_string(Statement&);
   void directive_asciz(Statement&);
   void directive_space(Statement&);
+  void directive_space_end(Statement&);
+  void directive_label(Statement&);
+  void directive_version(Statement&);
+  void directive_warning(Statement&);
   void directive_align(Statement&);
   void directive_set(Statement&);
   void directive_include(Statement&);
@@ -105,7 +124,10 @@ class Reader {
   void directive_error(Statement&);
   void directive_nothing(Statement&);
   void directive_stray(Statement&);
-  void strings(Statement& statement, bool terminated);
+  void packed_strings(Statement& statement, bool terminated);
+  void floats(Statement& statement, FloatItem::Format format);
+  void select_section(Statement& statement, const std::string& name, Program::Load load, std::size_t offset);
+  WordItem numbers(Statement& statement, unsigned bits);
 
   Program& program_;
   const Options& options_;
@@ -115,6 +137,12 @@ class Reader {
   std::unique_ptr<Collector> collector_;
   std::vector<std::filesystem::path> open_files_;  ///< The file at hand and those that include it.
   std::filesystem::path directory_;
+  Substitutes substitutes_;
+  Substitutes* parameters_ = nullptr;  ///< Of the macro being expanded.
+  RegisterNames registers_;
+  enum class Leaving : std::uint8_t { nothing, repeat, macro } leaving_ = Leaving::nothing;  ///< By .break or .mexit.
+  int repeat_depth_ = 0;
+  int block_ = 0;        ///< Of $0 to $9.
   int local_scope_ = 0;  ///< Of names ending in '?'.
   int last_scope_ = 0;
   int expansion_depth_ = 0;
