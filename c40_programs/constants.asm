@@ -104,6 +104,7 @@ K_MICRO             .set $ - LIFT
         .include "kernels/trajectory_crane_constants.asm"
         .include "kernels/inverse_crane_constants.asm"
         .include "kernels/torque_constants.asm"
+        .include "kernels/torque_newton_euler_constants.asm"
         .include "kernels/pid_constants.asm"
         .include "kernels/agv_all_constants.asm"
 constants_end:

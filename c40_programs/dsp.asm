@@ -28,6 +28,7 @@ pause_count:    .word 400               ; IDLE_PAUSE: NOPs between two looks at 
         .include "kernels/inverse_crane.asm"
         .include "kernels/crane_servo.asm"
         .include "kernels/torque.asm"
+        .include "kernels/torque_newton_euler.asm"
         .include "kernels/pid.asm"
         .include "kernels/agv_all.asm"  ; trajectory_agv, inverse_agv, identify, grab_path, home, avoidance
 

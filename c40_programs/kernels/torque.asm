@@ -1,5 +1,5 @@
 ; Sub-process 3: motor torques that make the L0 crane (no sway) follow the set-point of TB_TICK: closed form of
-; plant-and-bus.md 1.3, rotors, friction, gears.
+; plant-and-bus.md 1.3, rotors, friction, gears. torque_newton_euler.asm is the second build of the same task.
 ;   A = m_p L + m_j c_j        R = a0 + L cos phi        mu = m_j (a0 + c_j cos phi) + m_p R - m_cw r_cw
 ;   H = I_j + m_j c_j^2 + m_p L^2        C = H cos phi + a0 A
 ;   M_psi = J_s + I_j cos^2 phi + m_cw r_cw^2 + m_j (a0 + c_j cos phi)^2 + m_p R^2
@@ -21,6 +21,14 @@ TQ_COS_PSI      .set SCRATCH + 92
 TQ_RADIUS       .set SCRATCH + 93
 
 kernel_torque:
+        call    torque_set_point
+        ldi     @TQ_STAGE, r0
+        beq     torque_nothing          ; PID has not yet taken the pose at the start
+        call    torque_closed_form
+        br      torque_motors
+
+; Q, QD, QDD <- the set-point of TB_TICK, SV_PAYLOAD; nothing but STAGE when that is 0.
+torque_set_point:
         call    servo_head
         ldi     ar6, ar0
         addi    CR_CONSUMED, ar0
@@ -29,7 +37,7 @@ kernel_torque:
         ldi     2, rc
         call    copy_words
         ldi     @TQ_STAGE, r0
-        beq     torque_nothing          ; PID has not yet taken the pose at the start
+        retseq
 
         ldi     @TQ_CONSUMED, r0
         call    servo_slots
@@ -72,7 +80,10 @@ torque_between:
         stf     r1, @TQ_QD + 3
         addf    @TQ_QDD + 3, r2
         stf     r2, @TQ_QDD + 3
+        rets
 
+; TAU <- the joint forces.
+torque_closed_form:
 ; Configuration
         ldf     @TQ_Q + 1, r0
         call    m_sincos
@@ -208,8 +219,10 @@ torque_between:
         addf    r1, r0
         mpyf    r11, r0
         stf     r0, @TQ_TAU + 3
+        rets
 
 ; motor torque = (tau + J_m n^2 qdd + F_c tanh(qd / v_0) + b qd) / (n eta)
+torque_motors:
         ldhi    hi16(TQ_TAU), ar2
         or      lo16(TQ_TAU), ar2
         ldhi    hi16(K_TQ_DRIVES), ar3

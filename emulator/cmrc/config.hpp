@@ -21,6 +21,7 @@ enum class IdlePolicy { doorbell, pause, spin };
 enum class DspClock { c40_40, c40_50, c40_60 };
 enum class Learning { off, proportional, unit };
 enum class ServoReload { locked, inherited };
+enum class TorqueBuild { closed_form, newton_euler };
 
 /// All parameters of a run. Units are in the names, as in the TOML keys.
 struct Config {
@@ -75,6 +76,10 @@ struct Config {
     double per_block_ns = 60;
     double semaphore_retry_ns = 200;
   } host;
+  /// Which build of a task's program the DSPs run.
+  struct Kernels {
+    TorqueBuild torque = TorqueBuild::closed_form;
+  } kernels;
   struct Load {
     std::int64_t avoidance_cycles = 0;  ///< of the synthetic avoidance block; 0: none is loaded
   } load;

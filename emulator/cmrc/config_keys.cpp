@@ -143,6 +143,10 @@ std::vector<Key> make_keys() {
       number("host.semaphore_retry_ns", FIELD(host.semaphore_retry_ns), "ns", 0, 1e6,
              "the host's pause before it tries a taken semaphore again", "assumed"),
 
+      choice("kernels.torque", FIELD(kernels.torque), {"closed_form", "newton_euler"},
+             "torque compensation: closed form of the crane's equations, or recursive Newton-Euler over its links",
+             "plant-and-bus.md 2.1"),
+
       integer("load.avoidance_cycles", FIELD(load.avoidance_cycles), "cycles", 0, 100000000,
               "length of the synthetic avoidance block that each AGV loads per planning point; 0: none", "ruling 14"),
 

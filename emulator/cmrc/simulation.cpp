@@ -11,6 +11,7 @@
 #include "c40/chip.hpp"
 #include "c40_programs/image.hpp"
 #include "cmrc/host.hpp"
+#include "cmrc/kernels.hpp"
 #include "cmrc/ledger.hpp"
 #include "cmrc/observer.hpp"
 #include "cmrc/setup.hpp"
@@ -44,7 +45,9 @@ Time servo_period(const Config& config) {
 
 }  // namespace
 
-toolchain::Image dsp_image(const Config& config) {
+namespace {
+
+toolchain::Image assembled(const Config& config) {
   if (config.machine.programs.empty()) return toolchain::read_coff(c40_programs::built_in_image());
   const std::filesystem::path directory = config.machine.programs;
   const std::filesystem::path source = directory / "dsp.asm";
@@ -54,6 +57,14 @@ toolchain::Image dsp_image(const Config& config) {
   toolchain::Options options;
   options.include_dirs = {directory, directory / "include"};
   return toolchain::assemble_file(source, options);
+}
+
+}  // namespace
+
+toolchain::Image dsp_image(const Config& config) {
+  toolchain::Image image = assembled(config);
+  place_kernels(image, config);
+  return image;
 }
 
 class Simulation::Parts {

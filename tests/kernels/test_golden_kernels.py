@@ -99,6 +99,7 @@ def agv_planned() -> Dsp:
         ("trajectory_crane", crane, 0, 0),
         ("inverse_crane", crane_moving, 3, 0),
         ("torque", crane_moving, 0, TICK + 24),
+        ("torque_newton_euler", crane_moving, 0, TICK + 24),
         ("pid", crane_moving, 0, TICK + 24),
         ("identify", ship, 0, 0),
         ("grab_path", crane, 0, 0),

@@ -1,0 +1,35 @@
+#include "cmrc/kernels.hpp"
+
+#include <fmt/format.h>
+
+namespace cmrc {
+namespace {
+
+toolchain::Word& word_at(toolchain::Image& image, toolchain::Address address) {
+  for (auto& section : image.sections) {
+    if (address >= section.address && address - section.address < section.words.size()) return section.words[address - section.address];
+  }
+  throw ConfigError("machine.programs: exec_kernels lies in no loaded section; the table of dsp.asm's executive is expected");
+}
+
+}  // namespace
+
+void place_kernel(toolchain::Image& image, toolchain::Word kind, std::string_view label, std::string_view key) {
+  const auto program = image.symbols.find(label);
+  if (program == image.symbols.end()) {
+    throw ConfigError(fmt::format("{}: the DSP programs have no label {}; the entry of a kernel is expected", key, label));
+  }
+  if (kind >= image.symbol("KIND_COUNT")) {
+    throw ConfigError(fmt::format("{}: the executive's table has no row {}; one below KIND_COUNT is expected", key, kind));
+  }
+  word_at(image, image.symbol("exec_kernels") + kind) = program->second;
+}
+
+void place_kernels(toolchain::Image& image, const Config& config) {
+  const auto choose = [&](std::string_view kind, std::string_view label, std::string_view key) {
+    place_kernel(image, image.symbol(kind), label, key);
+  };
+  if (config.kernels.torque == TorqueBuild::newton_euler) choose("KIND_TORQUE", "kernel_torque_newton_euler", "kernels.torque");
+}
+
+}  // namespace cmrc

@@ -1,0 +1,29 @@
+"""The configuration chooses which build of a program the DSPs run."""
+
+import json
+from typing import Any
+
+import pytest
+from cmrc import _core
+
+cmrc = _core.cmrc
+
+
+def run(**settings: Any) -> dict[str, Any]:
+    simulation = cmrc.Simulation(cmrc.config(settings=settings))
+    simulation.run()
+    report: dict[str, Any] = json.loads(simulation.report_json())
+    return report
+
+
+def execution_us(report: dict[str, Any], task: str) -> float:
+    return float(report["tasks"][task]["execution_ps"]["mean"]) / 1e6
+
+
+def test_newton_euler_takes_the_place_of_the_closed_form() -> None:
+    closed = run(duration_s=0.3)
+    general = run(duration_s=0.3, **{"kernels.torque": "newton_euler"})
+    assert execution_us(closed, "torque_compensation") < 60
+    assert 150 < execution_us(general, "torque_compensation") < 220  # 4 400 cycles of 40 ns and the bus
+    assert execution_us(general, "pid") == pytest.approx(execution_us(closed, "pid"), rel=0.05)
+    assert sum(task["misses"] for task in general["tasks"].values()) == 0
