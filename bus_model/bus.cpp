@@ -168,12 +168,13 @@ unsigned Bus::pick(Clocks latest) const {
 // An idle bus: the first to ask gets it; of several in the same clock the one that already has the grant, then the
 // arbiter's choice.
 void Bus::plan_idle() {
-  const Clocks first = earliest_request(-1);
+  Clocks first = earliest_request(-1);
   chosen_ = -1;
   next_ = never;
   if (first == never) return;
+  first = std::max(first, stalled_ - config_.grant_clocks);  // what waits through a stall is arbitrated at its end
   const int held = parked();
-  if (held >= 0 && ports_[static_cast<unsigned>(held)].request == first) {
+  if (held >= 0 && ports_[static_cast<unsigned>(held)].request == first && first >= stalled_) {
     chosen_ = held;
     const bool no_turnaround = config_.fast_back_to_back && after_write_ && held == static_cast<int>(last_owner_);
     next_ = std::max(first, no_turnaround ? free_ - 1 : free_);
@@ -381,10 +382,16 @@ void Bus::finish() {
 // Hidden arbitration: who asked by the last data phase starts right after the turnaround.
 void Bus::arbitrate(Clocks last) {
   const unsigned winner = pick(last);
-  if (winner != nobody)
+  if (winner != nobody && free_ >= stalled_)
     start(winner, free_);
   else
     plan_idle();
+}
+
+void Bus::stall(Clocks now, Clocks until) {
+  now_ = std::max(now_, now);
+  stalled_ = std::max(stalled_, until);
+  if (!running_) plan_idle();
 }
 
 void Bus::step() {

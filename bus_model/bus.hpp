@@ -134,6 +134,9 @@ class Bus {
   /// have moved so far is moved. completed() is not called. Gives the number of words moved.
   unsigned withdraw(unsigned master, Clocks now);
 
+  /// From clock `now` on the arbiter grants nothing before clock `until`; a running attempt goes on to its end.
+  void stall(Clocks now, Clocks until);
+
   /// The clock of the next thing to happen here, or never.
   Clocks next_event() const { return next_; }
   /// Lets the next thing happen.
@@ -182,6 +185,7 @@ class Bus {
   unsigned last_owner_ = 0;
   Clocks now_ = 0;
   Clocks free_ = 0;  // first clock after the last turnaround
+  Clocks stalled_ = 0;  // no FRAME# before this clock
   Clocks next_ = never;
   std::uint64_t started_ = 0;
   BusStatistics statistics_;

@@ -163,6 +163,7 @@ struct DockConfig {
   Layout layout;
   int agv_count = 1;
   CranePose home = {0.0, 12.0, 16.0, 14.0, 0.0};
+  double drive_timeout = 0.1;  // s, a drive that gets no torque code for so long brakes; 0: never
   double tolerance = 1e-8;   // relative, of the integrators
   int signal_decimation = 0;  // record signals each so many latches; 0: never
 };

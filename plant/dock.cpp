@@ -23,6 +23,7 @@ void check(const DockConfig& c) {
   require(c.agv_count >= 0 && c.agv_count <= 16, "agv_count must be 0..16");
   require(c.tolerance >= 1e-12 && c.tolerance <= 1e-4, "tolerance must be 1e-12..1e-4");
   require(c.signal_decimation >= 0, "signal_decimation must be 0 (off) or a number of latches");
+  require(c.drive_timeout >= 0.0, "drive_timeout must not be negative");
   require(!c.layout.rows.empty(), "the bay needs at least one row");
   require(c.layout.scan_dx > 0.0, "scan_dx must be positive");
   require(c.crane.spreader_mass > 0.0 && c.crane.spreader_inertia > 0.0, "the spreader needs mass and inertia");
@@ -32,6 +33,8 @@ void check(const DockConfig& c) {
     require(drive.torque_lag > 0.0 && drive.gear > 0.0 && drive.rated_torque > 0.0 && drive.rated_speed > 0.0,
             "a drive needs positive torque_lag, gear, rated_torque and rated_speed");
 }
+
+void set_bit(std::uint32_t& mask, std::size_t i, bool on) { mask = on ? mask | 1U << i : mask & ~(1U << i); }
 
 std::int32_t rounded(double value) { return static_cast<std::int32_t>(std::floor(value + 0.5)); }
 
@@ -54,6 +57,8 @@ const char* name(EventKind kind) {
     case EventKind::agv_arrived: return "agv_arrived";
     case EventKind::delivered: return "delivered";
     case EventKind::joint_limit: return "joint_limit";
+    case EventKind::drive_stopped: return "drive_stopped";
+    case EventKind::drive_resumed: return "drive_resumed";
     case EventKind::fault: return "fault";
   }
   return "unknown";
@@ -113,7 +118,9 @@ const DockConfig& Dock::config() const { return self_->core.config; }
 
 void Dock::set_torque_code(int joint, int code, Time t) {
   self_->advance(t);
-  self_->core.state.shadow[Implementation::check_joint(joint)] = std::clamp(code, -2048, 2047);
+  const std::size_t j = Implementation::check_joint(joint);
+  self_->core.state.shadow[j] = std::clamp(code, -2048, 2047);
+  self_->core.state.updated[j] = self_->core.state.latch;
 }
 
 void Dock::enable_drives(std::uint32_t mask, Time t) {
@@ -121,8 +128,27 @@ void Dock::enable_drives(std::uint32_t mask, Time t) {
   self_->core.state.shadow_enable = mask & ((1U << joint_count) - 1U);
 }
 
+void Dock::fail_drive(int joint, bool failed, Time t) {
+  self_->advance(t);
+  set_bit(self_->core.state.failed_drives, Implementation::check_joint(joint), failed);
+}
+
+void Dock::fail_encoder(int joint, bool failed, Time t) {
+  const std::int64_t shown = encoder_total(joint, t);
+  const auto j = static_cast<std::size_t>(joint);
+  self_->core.state.stuck_count[j] = shown;
+  set_bit(self_->core.state.stuck_encoders, j, failed);
+}
+
+void Dock::fail_sway(int axis, bool failed, Time t) {
+  sway(axis, t);
+  set_bit(self_->core.state.stuck_sways, static_cast<std::size_t>(axis), failed);
+}
+
 std::int64_t Dock::encoder_total(int joint, Time t) {
   const double q = self_->joint_at(joint, t);
+  const DockState& state = self_->core.state;
+  if ((state.stuck_encoders >> joint & 1U) != 0) return state.stuck_count[static_cast<std::size_t>(joint)];
   return encoder_counts(q, self_->core.config.crane.drives[static_cast<std::size_t>(joint)]);
 }
 
@@ -253,6 +279,7 @@ const std::vector<Signal>& Dock::signals() const { return self_->core.signals; }
 const std::vector<std::vector<AgvSignal>>& Dock::agv_signals() const { return self_->core.agv_signals; }
 int Dock::delivered() const { return self_->core.state.delivered; }
 bool Dock::faulted() const { return self_->core.state.faulted; }
+bool Dock::braked() const { return self_->core.state.enabled == 0; }
 double Dock::payload_mass() const { return self_->core.landing.payload(self_->core.state).mass; }
 double Dock::energy() const { return self_->core.energy(); }
 void Dock::on_latch(std::function<void(Time, std::span<const int>)> f) { self_->core.on_latch = std::move(f); }

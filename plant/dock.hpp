@@ -37,6 +37,8 @@ enum class EventKind : std::uint8_t {
   agv_arrived,     // AGV index stands loaded in the warehouse spot
   delivered,       // container index, taken from AGV values[0] by the warehouse
   joint_limit,     // joint index ran into its end stop
+  drive_stopped,   // drive index: no torque code came for drive_timeout; its brake closes until one comes
+  drive_resumed,   // drive index takes codes again
   fault,           // the sway passed 40 degrees: values = alpha, beta rad; the drives are off from here on
 };
 const char* name(EventKind);
@@ -95,6 +97,11 @@ class Dock {
   void set_torque_code(int joint, int code, Time);  // -2048..2047 (clamped), 2047 = 1.5 x rated
   void enable_drives(std::uint32_t mask, Time);     // bit j; a disabled drive has no torque and its brake holds
   std::uint32_t encoder(int joint, Time);           // 24 bits
+  // A failed drive has no torque and its brake holds, whatever is written.
+  void fail_drive(int joint, bool failed, Time);
+  // A failed sensor goes on showing what it shows at this time.
+  void fail_encoder(int joint, bool failed, Time);
+  void fail_sway(int axis, bool failed, Time);
   std::int64_t encoder_total(int joint, Time);      // the same count since joint zero, not wrapped (for start-up)
   std::int32_t sway(int axis, Time);                // 0 alpha (radial), 1 beta (tangential); 2048 = 10 degrees
   void spreader_command(std::uint32_t, Time);       // 1 lock, 0 open
@@ -134,6 +141,7 @@ class Dock {
   const std::vector<std::vector<AgvSignal>>& agv_signals() const;  // same rows, per AGV
   int delivered() const;                            // containers
   bool faulted() const;
+  bool braked() const;                              // no drive is on: brakes hold every joint, or are bringing it to rest
   double payload_mass() const;                      // kg on the rope, spreader included
   double energy() const;                            // J, crane and payload, kinetic and potential
   void on_latch(std::function<void(Time, std::span<const int>)>);  // after each latch: the codes taken

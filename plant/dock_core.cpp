@@ -82,7 +82,8 @@ void DockCore::report(Time time, EventKind kind, int index, double first, double
 
 void DockCore::take_codes() {
   state.code = state.shadow;
-  const std::uint32_t enable = state.faulted ? 0U : state.shadow_enable;
+  watch_updates();
+  const std::uint32_t enable = state.faulted ? 0U : state.shadow_enable & ~state.stopped & ~state.failed_drives;
   for (std::size_t j = 0; j < joint_count; ++j) {
     const bool on = bit(enable, j);
     if (on && !bit(state.enabled, j)) {
@@ -94,6 +95,18 @@ void DockCore::take_codes() {
     state.inputs.command[j] = on ? state.code[j] / 2047.0 * config.crane.drives[j].maximum_torque() : 0.0;
   }
   state.enabled = enable;
+}
+
+// A drive that gets no torque code any more must not go on pushing with the last one.
+void DockCore::watch_updates() {
+  if (config.drive_timeout <= 0.0) return;
+  const auto timeout = static_cast<std::int64_t>(std::llround(config.drive_timeout / seconds_per_latch));
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const bool silent = bit(state.shadow_enable, j) && state.latch - state.updated[j] > timeout;
+    if (silent == bit(state.stopped, j)) continue;
+    state.stopped ^= 1U << j;
+    report(silent ? EventKind::drive_stopped : EventKind::drive_resumed, static_cast<int>(j));
+  }
 }
 
 // A closed brake slips until the joint is almost still, then holds; too great a load makes it slip again.
@@ -285,11 +298,13 @@ std::array<double, 2> DockCore::sway() const {
 }
 
 void DockCore::sample_sway() {
-  state.sway_shown = state.sway_sampled;
   const auto angles = sway();
   const std::int64_t sample = state.latch / tick_latches;
-  for (std::size_t axis = 0; axis < 2; ++axis)
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    if (bit(state.stuck_sways, axis)) continue;
+    state.sway_shown[axis] = state.sway_sampled[axis];
     state.sway_sampled[axis] = sway_code(angles[axis], config.sensors, static_cast<int>(axis), sample);
+  }
 }
 
 double DockCore::drum(const CraneState& c, std::size_t joint) const {

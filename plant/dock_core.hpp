@@ -43,6 +43,7 @@ class DockCore {
  private:
   void begin_latch();                // everything that happens at the present latch
   void take_codes();
+  void watch_updates();
   void apply_brakes();
   void stop_coordinate(std::size_t coordinate);
   void check_limits();

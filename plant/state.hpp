@@ -39,6 +39,11 @@ struct DockState {
   double stretch = 0.0;          // m: rope below the tip less what the drum has paid out
   std::array<int, joint_count> shadow{}, code{};  // torque codes: written, and taken at the latch
   std::uint32_t shadow_enable = 0, enabled = 0;
+  std::array<std::int64_t, joint_count> updated{};  // number of the last latch before the code was written
+  std::uint32_t stopped = 0;     // drives that have got no code for drive_timeout
+  std::uint32_t failed_drives = 0;
+  std::uint32_t stuck_encoders = 0, stuck_sways = 0;
+  std::array<std::int64_t, joint_count> stuck_count{};  // what a stuck encoder shows
   std::uint32_t spreader_command = 0;
   Lock lock = Lock::open;
   std::int64_t lock_done = 0;    // latch at which the twist locks finish turning

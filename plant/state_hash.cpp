@@ -59,7 +59,8 @@ class Hash {
 
 std::array<std::uint64_t, 2> hash(const DockState& s) {
   Hash h;
-  h(s.latch, s.crane, s.inputs, s.stretch, s.shadow, s.code, s.shadow_enable, s.enabled, s.spreader_command, s.lock, s.lock_done,
+  h(s.latch, s.crane, s.inputs, s.stretch, s.shadow, s.code, s.shadow_enable, s.enabled, s.updated, s.stopped,
+    s.failed_drives, s.stuck_encoders, s.stuck_sways, s.stuck_count, s.spreader_command, s.lock, s.lock_done,
     s.carried, s.grip, s.landing, s.sway_shown, s.sway_sampled, s.containers, s.agvs, s.row, s.at_limit, s.faulted, s.delivered);
   return h.result();
 }

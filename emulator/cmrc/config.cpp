@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -13,11 +14,6 @@
 
 namespace cmrc {
 namespace {
-
-[[noreturn]] void fail(const Origin& origin, std::string_view key, std::string_view what, std::string_view right) {
-  const std::string at = origin.text();
-  throw ConfigError(fmt::format("{}{}{}{}{}; {}", at, at.empty() ? "" : ": ", key, key.empty() ? "" : ": ", what, right));
-}
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -73,14 +69,6 @@ std::optional<std::size_t> find_leaf(std::string_view key) {
   return found;
 }
 
-std::string quoted_list(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    text += fmt::format("{}\"{}\"", i == 0 ? "" : i + 1 == words.size() ? " or " : ", ", words[i]);
-  }
-  return text;
-}
-
 std::string what_is_right(const Key& key) {
   switch (key.type) {
     case Key::Type::boolean: return "true or false is expected";
@@ -94,23 +82,11 @@ std::string what_is_right(const Key& key) {
   return fmt::format("{} from {} to {} is expected{}", noun, key.minimum, key.maximum, unit);
 }
 
-std::string_view name_of(const Value& value) {
-  static constexpr std::string_view names[] = {"a boolean", "an integer", "a number", "a string"};
-  return names[value.index()];
-}
-
-std::string show(const Value& value) {
-  if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
-  if (const auto* integer = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *integer);
-  if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
-  return fmt::format("\"{}\"", std::get<std::string>(value));
-}
-
 /// The value in the key's own type, range checked.
 Value checked(const Key& key, const Value& value, const Origin& origin) {
-  const auto ill_typed = [&]() -> Value { fail(origin, key.name, fmt::format("{} is {}", show(value), name_of(value)),
+  const auto ill_typed = [&]() -> Value { refuse(origin, key.name, fmt::format("{} is {}", show(value), noun(value)),
                                                what_is_right(key)); };
-  const auto out_of_range = [&]() -> Value { fail(origin, key.name, fmt::format("{} is out of range", show(value)),
+  const auto out_of_range = [&]() -> Value { refuse(origin, key.name, fmt::format("{} is out of range", show(value)),
                                                   what_is_right(key)); };
   switch (key.type) {
     case Key::Type::boolean: return std::holds_alternative<bool>(value) ? value : ill_typed();
@@ -119,7 +95,7 @@ Value checked(const Key& key, const Value& value, const Origin& origin) {
       const auto* word = std::get_if<std::string>(&value);
       if (word == nullptr) return ill_typed();
       if (std::find(key.choices.begin(), key.choices.end(), *word) == key.choices.end()) {
-        fail(origin, key.name, fmt::format("{} is not known", show(value)), what_is_right(key));
+        refuse(origin, key.name, fmt::format("{} is not known", show(value)), what_is_right(key));
       }
       return value;
     }
@@ -150,7 +126,25 @@ Value value_of(const toml::node& node, std::string_view key, const Origin& origi
   if (const auto* v = node.as_integer()) return v->get();
   if (const auto* v = node.as_floating_point()) return v->get();
   if (const auto* v = node.as_string()) return v->get();
-  fail(origin, key, "arrays, tables and dates are not used here", "a boolean, a number or a string is expected");
+  refuse(origin, key, "arrays, tables and dates are not used here", "a boolean, a number or a string is expected");
+}
+
+/// The tables of [[events]], as fields with their places.
+std::vector<std::pair<std::map<std::string, Field>, Origin>> event_tables(const toml::node& node, const std::string& name) {
+  const toml::array* list = node.as_array();
+  if (list == nullptr || !list->is_homogeneous<toml::table>()) {
+    refuse(origin_of(node.source(), name), "events", "is no list of tables", "[[events]] begins each event");
+  }
+  std::vector<std::pair<std::map<std::string, Field>, Origin>> all;
+  for (const toml::node& element : *list) {
+    std::map<std::string, Field> fields;
+    for (const auto& [key, field] : *element.as_table()) {
+      const Origin origin = origin_of(field.source(), name);
+      fields[std::string(key.str())] = {value_of(field, "events." + std::string(key.str()), origin), origin};
+    }
+    all.emplace_back(std::move(fields), origin_of(element.source(), name));
+  }
+  return all;
 }
 
 bool is_table(std::string_view key) {
@@ -165,19 +159,22 @@ void check_preset(std::string_view name, const Origin& origin) {
     if (known.name == name) return;
     names.emplace_back(known.name);
   }
-  fail(origin, "preset", fmt::format("\"{}\" is not known", name), quoted_list(names) + " is expected");
+  refuse(origin, "preset", fmt::format("\"{}\" is not known", name), quoted_list(names) + " is expected");
 }
 
 /// The invariants of plant-and-bus.md 4.5; an error names the place of the key that was set, if any was.
 class Invariants {
  public:
-  Invariants(const Config& config, const std::map<std::string, Origin, std::less<>>& origins)
-      : config_(config), n_(intervals(config)), origins_(origins) {}
+  Invariants(const Config& config, std::map<std::string, Origin, std::less<>> origins)
+      : config_(config), n_(intervals(config)), origins_(std::move(origins)) {}
 
   void check() const {
     rates();
     importance();
     leads();
+    const auto& m = config_.machine;
+    require(m.slots == 0 || m.slots >= m.dsps, {"machine.slots", "machine.dsps"}, fmt::format("{} DSPs in {} slots", m.dsps, m.slots),
+            "machine.slots >= machine.dsps is required, or 0");
     require(config_.bus.latency_timer_clocks % 8 == 0, {"bus.latency_timer_clocks"},
             fmt::format("{} is not a multiple of 8", config_.bus.latency_timer_clocks), "PCI's latency timer counts in units of 8 clocks");
   }
@@ -187,9 +184,9 @@ class Invariants {
                std::string right) const {
     if (holds) return;
     for (std::string_view key : involved) {
-      if (auto at = origins_.find(key); at != origins_.end()) fail(at->second, key, what, right);
+      if (auto at = origins_.find(key); at != origins_.end()) refuse(at->second, key, what, right);
     }
-    fail({}, *involved.begin(), what, right);
+    refuse({}, *involved.begin(), what, right);
   }
 
   void rates() const {
@@ -250,14 +247,10 @@ class Invariants {
 
   const Config& config_;
   Intervals n_;
-  const std::map<std::string, Origin, std::less<>>& origins_;
+  const std::map<std::string, Origin, std::less<>> origins_;
 };
 
 }  // namespace
-
-std::string Origin::text() const {
-  return line > 0 ? fmt::format("{}:{}:{}", name, line, column) : name;
-}
 
 Intervals intervals(const Config& config) {
   const auto& r = config.rates;
@@ -293,11 +286,11 @@ ConfigBuilder& ConfigBuilder::text(std::string_view toml, const std::string& nam
 ConfigBuilder& ConfigBuilder::set(std::string_view key, const Value& value, const Origin& origin) {
   if (key == "preset") {
     if (const auto* word = std::get_if<std::string>(&value)) return preset(*word, origin);
-    fail(origin, "preset", show(value) + " is " + std::string(name_of(value)), "the name of a preset is expected");
+    refuse(origin, "preset", show(value) + " is " + std::string(noun(value)), "the name of a preset is expected");
   }
   auto index = find(key);
   if (!index) index = find_leaf(key);
-  if (!index) fail(origin, key, "no such key", fmt::format("the nearest known key is {}", nearest(key)));
+  if (!index) refuse(origin, key, "no such key", fmt::format("the nearest known key is {}", nearest(key)));
   flag_settings_.push_back({*index, checked(keys()[*index], value, origin), origin});
   return *this;
 }
@@ -316,6 +309,10 @@ void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::v
         self(self, *node.as_table(), full + ".");
         continue;
       }
+      if (full == "events") {
+        for (const auto& [fields, where] : event_tables(node, name)) event(timed_event(fields, where));
+        continue;
+      }
       const auto index = find(full);
       if (!index) {
         // Of an unknown table, the first key inside says more than the table's own name.
@@ -323,7 +320,7 @@ void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::v
           self(self, *node.as_table(), full + ".");
           continue;
         }
-        fail(key_origin, full, "no such key", fmt::format("the nearest known key is {}", nearest(full)));
+        refuse(key_origin, full, "no such key", fmt::format("the nearest known key is {}", nearest(full)));
       }
       const Origin origin = origin_of(node.source(), name);
       into.push_back({*index, checked(keys()[*index], value_of(node, full, origin), origin), key_origin});
@@ -357,24 +354,45 @@ Config ConfigBuilder::build() const {
   }
   apply(file_settings_);
   apply(flag_settings_);
+  config.events = events_;
   Invariants(config, origins).check();
+  check_events(config);
   return config;
 }
 
-namespace {
-
-std::string quoted(std::string_view word) {
-  std::string text = "\"";
-  for (char c : word) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (c == '"' || c == '\\') text += fmt::format("\\{}", c);
-    else if (byte < 0x20 || byte == 0x7F) text += fmt::format("\\u{:04x}", byte);
-    else text += c;
-  }
-  return text + '"';
+ConfigBuilder& ConfigBuilder::event(TimedEvent event) {
+  events_.push_back(std::move(event));
+  return *this;
 }
 
-}  // namespace
+void check_live(std::string_view name, const Value& value, const Origin& origin) {
+  const auto index = find(name);
+  if (!index) refuse(origin, name, "no such key", fmt::format("the nearest known key is {}", nearest(name)));
+  const Key& key = keys()[*index];
+  if (!key.live) refuse(origin, name, "cannot be changed while a run is on", "docs/configuration.md marks the keys that can");
+  checked(key, value, origin);
+}
+
+KeyBits bits_of(std::string_view name, const Value& value) {
+  const std::size_t index = find(name).value();
+  const Key& key = keys()[index];
+  const Value exact = checked(key, value, {});
+  std::uint64_t bits = 0;
+  if (const auto* flag = std::get_if<bool>(&exact)) bits = *flag ? 1 : 0;
+  else if (const auto* integer = std::get_if<std::int64_t>(&exact)) bits = static_cast<std::uint64_t>(*integer);
+  else if (const auto* number = std::get_if<double>(&exact)) bits = std::bit_cast<std::uint64_t>(*number);
+  else bits = static_cast<std::uint64_t>(std::ranges::find(key.choices, std::get<std::string>(exact)) - key.choices.begin());
+  return {static_cast<std::uint32_t>(index), bits};
+}
+
+Config with_live(const Config& config, std::string_view name, const Value& value, const Origin& origin) {
+  check_live(name, value, origin);
+  const Key& key = keys()[*find(name)];
+  Config changed = config;
+  key.assign(changed, checked(key, value, origin));
+  Invariants(changed, {{std::string(name), origin}}).check();
+  return changed;
+}
 
 std::string to_toml(const Config& config) {
   std::string text;
@@ -385,14 +403,9 @@ std::string to_toml(const Config& config) {
       text += fmt::format("{}[{}]\n", table.empty() ? "" : "\n", in);
       table = in;
     }
-    const Value value = key.read(config);
-    std::string shown = show(value);
-    if (std::holds_alternative<double>(value) && shown.find_first_of(".e") == std::string::npos) shown += ".0";
-    if (const auto* word = std::get_if<std::string>(&value)) {
-      shown = quoted(*word);
-    }
-    text += fmt::format("{} = {}\n", leaf(key.name), shown);
+    text += fmt::format("{} = {}\n", leaf(key.name), show(key.read(config)));
   }
+  for (const TimedEvent& event : config.events) text += "\n[[events]]\n" + to_toml(event);
   return text;
 }
 

@@ -8,11 +8,12 @@
 #include <functional>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
+
+#include "cmrc/timed_event.hpp"
+#include "cmrc/value.hpp"
 
 namespace cmrc {
 
@@ -33,6 +34,7 @@ struct Config {
   } run;
   struct Machine {
     std::int64_t dsps = 4;
+    std::int64_t slots = 0;  ///< for boards that come later; 0: as many as DSPs
     DspClock dsp_clock = DspClock::c40_50;
     IdlePolicy idle_policy = IdlePolicy::doorbell;
     std::int64_t pause_nops = 125;  ///< 5 us at C40-50
@@ -97,11 +99,13 @@ struct Config {
     double clearance_m = 0.5;
     double ramp_slack_m = 0.1;
     double ramp_speed_m_s = 0.25;
+    double drive_timeout_ms = 100;
     double settle_limit_s = 20;
   } dock;
   struct Report {
     std::int64_t signal_decimation = 80;  ///< latches (125 us) per recorded sample
   } report;
+  std::vector<TimedEvent> events;  ///< in the order in which they were given
 };
 
 /// Equations (5) and (6): refreshes between runs.
@@ -112,22 +116,6 @@ struct Intervals {
   std::int64_t agv_slowed;  ///< N^_a at the start
 };
 Intervals intervals(const Config& config);
-
-/// "FILE:line:column: key: what is wrong; what would be right" (line and column only where there are any).
-class ConfigError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-using Value = std::variant<bool, std::int64_t, double, std::string>;
-
-/// Where a value was given: a file with line and column, or the name of a flag or an argument.
-struct Origin {
-  std::string name;
-  std::int64_t line = 0;
-  std::int64_t column = 0;
-  std::string text() const;
-};
 
 /// One key of the schema. The list keys() is the schema: the parser, the documentation and the tests read it.
 struct Key {
@@ -142,8 +130,19 @@ struct Key {
   std::string source;
   std::function<void(Config&, const Value&)> assign;  ///< of a value already checked
   std::function<Value(const Config&)> read;
+  bool live = false;  ///< an operator may change it while a run is on
 };
 std::span<const Key> keys();
+/// A value as 64 bits: an integer, a double's bits, the number of a choice.
+struct KeyBits {
+  std::uint32_t key;
+  std::uint64_t bits;
+};
+KeyBits bits_of(std::string_view key, const Value& value);
+/// \throws ConfigError unless the key may be changed while a run is on, and the value is of its type and in its range
+void check_live(std::string_view key, const Value& value, const Origin& origin);
+/// The configuration with one live key changed and every invariant checked. \throws ConfigError
+Config with_live(const Config& config, std::string_view key, const Value& value, const Origin& origin);
 std::string_view name(Key::Type type);
 
 /// A preset is a piece of TOML laid over the defaults.
@@ -162,6 +161,8 @@ class ConfigBuilder {
   ConfigBuilder& text(std::string_view toml, const std::string& name);
   /// One setting above the file. `key` is dotted; a key without its table is accepted when only one table has it.
   ConfigBuilder& set(std::string_view key, const Value& value, const Origin& origin);
+  /// An event, after those given before. Fields as of [[events]].
+  ConfigBuilder& event(TimedEvent event);
   /// Applies the layers in order and checks every invariant of plant-and-bus.md 4.5.
   Config build() const;
 
@@ -177,6 +178,7 @@ class ConfigBuilder {
   std::optional<std::string> file_preset_;
   std::vector<Setting> file_settings_;
   std::vector<Setting> flag_settings_;
+  std::vector<TimedEvent> events_;
 };
 
 /// The configuration as complete TOML, every key with its value.

@@ -160,7 +160,15 @@ report::RunReport make_report(const Evidence& e) {
   add_plant(e, report);
   report.host = e.host.report();
   report.host.semaphore_hold = e.observer.semaphore_hold().summary();
+  for (const TimedEvent& event : e.config.events) {
+    const Time at{std::llround(event.at_s * 1e12)};
+    if (at < now) report.timed_events.push_back({at, describe(event)});
+  }
+  std::ranges::stable_sort(report.timed_events, {}, &report::TimedEventReport::time);
+  report.audit = {e.ledger.audit().checks(), e.ledger.audit().violations()};
+  report.braked = e.dock.braked();
   report.failures = e.observer.failures();
+  for (const std::string& violation : report.audit.violations) report.failures.push_back({now, std::nullopt, "audit", violation});
   return report;
 }
 

@@ -47,6 +47,7 @@ class Fleet : public Berth {
   void refresh(Desk& desk, bool crane_holds_container, std::optional<unsigned> loading);
 
   std::optional<unsigned> agv_in_spot() const override;
+  unsigned size() const { return static_cast<unsigned>(agvs_.size()); }
   /// N^_a of an AGV, adapted by learning from its next leg on.
   std::int64_t interval(unsigned agv) const { return agvs_.at(agv).interval; }
   void set_interval(unsigned agv, std::int64_t interval) { agvs_.at(agv).next_interval = interval; }

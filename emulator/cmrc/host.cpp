@@ -70,13 +70,11 @@ void Host::read_done(std::uint32_t, std::span<const machine::Word> words, Time n
       flags_.pop_front();
       next_flag();
       break;
-    case Step::owner:
-      hung_.push_back({flags_.front(), words[0]});
-      flags_.pop_front();
-      next_flag();
-      break;
+    case Step::owner: owner_read(words[0]); break;
+    case Step::verdict: verdict_read(words[0]); break;
     case Step::semaphore: semaphore_read(words[0]); break;
     case Step::held: held_read(words[0]); break;
+    case Step::holder: holder_read(words[0]); break;
     case Step::locked_flags:
       if (words[0] != words_.flag_waiting) list_.take(flags_.front());
       flags_.pop_front();
@@ -99,10 +97,25 @@ void Host::begin_refresh() {
   elapsed_ = tick_ - before;
   counts_.skipped_refreshes += static_cast<std::uint64_t>(elapsed_ - 1);
   ++counts_.refreshes;
+  apply_changes();
   done_.clear();
   hung_.clear();
   step_ = Step::pointer;
   port_->read(words_.list_work_pointer, 1, 0);
+}
+
+void Host::apply_changes() {
+  while (!changes_.empty() && changes_.begin()->first <= clock_.at(tick_)) {
+    const std::int64_t before = intervals(config_).agv_slowed;
+    const TimedEvent& event = changes_.begin()->second;
+    config_ = with_live(config_, event.key, event.value, event.origin);
+    const auto [key, bits] = bits_of(event.key, event.value);
+    note(EventKind::set, {key, static_cast<std::uint32_t>(bits), static_cast<std::uint32_t>(bits >> 32), 0, 0});
+    changes_.erase(changes_.begin());
+    parameters_ = importance_parameters(config_);
+    const std::int64_t interval = intervals(config_).agv_slowed;
+    for (unsigned agv = 0; interval != before && agv < fleet_.size(); ++agv) fleet_.set_interval(agv, interval);
+  }
 }
 
 void Host::pointer_read(Word pointer) {
@@ -141,6 +154,33 @@ void Host::flag_read(Word flag) {
     flags_.pop_front();
     next_flag();
   }
+}
+
+// A read follows all writes before it: the flag that comes back is the last word of a DSP that is fenced off. One that was reset since
+// it took the block works on something else, and is left alone.
+void Host::owner_read(Word owner) {
+  const std::size_t index = flags_.front();
+  suspect_.reset();
+  if (owner >= 1 && owner <= renewed_.size()) {
+    const unsigned slot = owner - 1;
+    const std::int64_t taken_at = tick_ - (list_[index].t + elapsed_);
+    if (renewed_[slot] < taken_at || renewed_[slot] == 0) suspect_ = slot;
+  }
+  if (suspect_) fence_off(*suspect_);
+  step_ = Step::verdict;
+  port_->read(words_.block(index) + words_.flag, 1, 0);
+}
+
+void Host::verdict_read(Word flag) {
+  if (flag == words_.flag_done) {  // late, but in time
+    if (suspect_) fence_ |= Word{1} << *suspect_, port_->write(words_.fence_mask, fence_);
+    step_ = Step::result;
+    port_->read(words_.block(flags_.front()) + words_.result, 2, 0);
+    return;
+  }
+  hung_.push_back({flags_.front(), suspect_});
+  flags_.pop_front();
+  next_flag();
 }
 
 void Host::after_flags() {
@@ -201,13 +241,23 @@ void Host::semaphore_read(Word taken) {
 // Others may have taken turns all this time; only one that holds on is taken for dead.
 void Host::held_read(Word microseconds) {
   refused_since_ = now_;
-  if (static_cast<double>(microseconds) >= config_.watchdog.semaphore_limit_us) {
-    port_->write(words_.semaphore_list, Word{0});
-    ++counts_.semaphores_freed;
-    pointer_in_doubt_ = true;
-    note(EventKind::semaphore, {0, 2, 0, 0, 0});
-    listener_.failure({now_, std::nullopt, "semaphore", fmt::format("the list was held for {} us and was freed by the host", microseconds)});
-  }
+  if (static_cast<double>(microseconds) < config_.watchdog.semaphore_limit_us) return try_again();
+  held_for_ = microseconds;
+  step_ = Step::holder;
+  port_->read(words_.semaphore_owner + words_.semaphore_list - words_.semaphore, 1, 0);
+}
+
+// The holder is fenced off and reset before the list is freed: it must not go on with its claim when it wakes.
+void Host::holder_read(Word owner) {
+  const bool known = owner >= 1 && owner <= renewed_.size();
+  if (known) fence_off(owner - 1);
+  port_->write(words_.semaphore_list, Word{0});
+  if (known) renew(owner - 1);
+  ++counts_.semaphores_freed;
+  pointer_in_doubt_ = true;
+  note(EventKind::semaphore, {0, 2, owner, 0, 0});
+  listener_.failure({now_, known ? std::optional<unsigned>(owner - 1) : std::nullopt, "semaphore",
+                     fmt::format("the list was held for {} us and was freed by the host", held_for_)});
   try_again();
 }
 
@@ -385,14 +435,7 @@ std::int64_t Host::watchdog_limit(JobKind job) const {
 
 void Host::recompute(const Hung& hung) {
   const Block& block = list_[hung.block];
-  const bool known = hung.owner >= 1 && hung.owner <= 32;
-  const unsigned slot = hung.owner - 1;
-  if (known) {
-    // Fencing: from here on the sleeper can change nothing, even if it wakes.
-    fence_ &= ~(Word{1} << slot);
-    port_->write(words_.fence_mask, fence_);
-  }
-  listener_.failure({now_, known ? std::optional(slot) : std::nullopt, "watchdog",
+  listener_.failure({now_, hung.slot, "watchdog",
                      fmt::format("block {:#x} of kind {} was taken {} refreshes ago and is not done", words_.block(hung.block),
                                  job_kinds()[static_cast<std::size_t>(job_of(hung.block))], block.t + elapsed_)});
   if (static_cast<std::int64_t>(block.recomputations) < config_.watchdog.recomputations_max) {
@@ -400,11 +443,11 @@ void Host::recompute(const Hung& hung) {
     list_.put_back(hung.block, task::recompute);
     ledger_.put_back(hung.block, now_);
     ++counts_.recomputed;
-    note(EventKind::requeue, {words_.block(hung.block), block.task.kind, block.generation, slot, block.recomputations});
+    note(EventKind::requeue, {words_.block(hung.block), block.task.kind, block.generation, hung.slot.value_or(0xFF), block.recomputations});
   } else {
     give_up(hung.block);
   }
-  if (known) renew(slot);
+  if (hung.slot) renew(*hung.slot);
 }
 
 void Host::give_up(std::size_t index) {
@@ -425,11 +468,17 @@ void Host::give_up(std::size_t index) {
         .tick = static_cast<std::uint32_t>(tick_), .argument = task.kind}, std::nullopt);
 }
 
+void Host::fence_off(unsigned slot) {
+  fence_ &= ~(Word{1} << slot);
+  port_->write(words_.fence_mask, fence_);
+}
+
 void Host::renew(unsigned slot) {
   // Reset kills what the DSP was doing and what its bridge still held; after that it may write again.
   port_->write(words_.reset_dsp, Word{slot});
   fence_ |= Word{1} << slot;
   port_->write(words_.fence_mask, fence_);
+  renewed_[slot] = tick_;
 }
 
 // ---- what is told ------------------------------------------------------------------------------------------------------

@@ -3,8 +3,8 @@
 //
 // One refresh, as steps between answers of the bus:
 //   pointer    read the work pointer: what stood before it has been claimed since the last refresh
-//   flags      read the flag of every block that is taken; of those that are done the result and notify words, of those that the
-//              watchdog finds too old the owner
+//   flags      read the flag of every block that is taken; of those that are done the result and notify words. Of those that the
+//              watchdog finds too old read the owner, fence it off, and read the flag again: now it cannot change any more
 //   thinking   the host's own work, for a modelled time; then finished blocks are out, successors in, t, J and order are computed;
 //              new blocks and changed words of the job areas are written, not yet linked
 //   semaphore  acquire the list
@@ -12,6 +12,7 @@
 //   doorbell   read the mask of idle DSPs, ring one per eligible block, lowest slot first
 //
 // A refresh that is late leaves out the ticks it has missed: they are counted, and t advances by all of them.
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -44,6 +45,9 @@ class Host : public machine::HostProgram, private Desk {
   Host(const Config& config, const Words& words, const CraneJob& crane, const FleetJob& fleet, Ledger& ledger,
        HostListener& listener);
 
+  /// A checked event "set", for the first refresh at or after `at`.
+  void change(Time at, const TimedEvent& event) { changes_.emplace(at, event); }
+
   Time next_wake() const override { return wake_at_; }
   void wake(Time now, machine::HostPort& port) override;
   void read_done(std::uint32_t tag, std::span<const machine::Word> words, Time now, machine::HostPort& port) override;
@@ -58,7 +62,9 @@ class Host : public machine::HostProgram, private Desk {
   const machine::Clock& refresh_clock() const { return clock_; }
 
  private:
-  enum class Step : std::uint8_t { resting, pointer, flags, result, owner, thinking, semaphore, retry, held, locked_flags, relink, doorbell };
+  enum class Step : std::uint8_t {
+    resting, pointer, flags, result, owner, verdict, thinking, semaphore, retry, held, holder, locked_flags, relink, doorbell
+  };
 
   /// A periodic task of the crane: torque compensation or PID.
   struct Servo {
@@ -75,7 +81,7 @@ class Host : public machine::HostProgram, private Desk {
   };
   struct Hung {
     std::size_t block;
-    Word owner;
+    std::optional<unsigned> slot;  // its owner, fenced off; none when the claim broke off before it was written
   };
 
   // Desk
@@ -88,14 +94,18 @@ class Host : public machine::HostProgram, private Desk {
   void crane_waits(bool waits) override { cycles_.crane_waits(waits, now_); }
 
   void begin_refresh();
+  void apply_changes();
   void pointer_read(Word pointer);
   void next_flag();
   void flag_read(Word flag);
+  void owner_read(Word owner);
+  void verdict_read(Word flag);
   void after_flags();
   void think();
   void take_out(const Done& done);
   void recompute(const Hung& hung);
   void give_up(std::size_t block);
+  void fence_off(unsigned slot);
   void renew(unsigned slot);
   void refresh_servo(Servo& servo);
   void load_servo(Servo& servo);
@@ -105,6 +115,7 @@ class Host : public machine::HostProgram, private Desk {
   void acquire();
   void semaphore_read(Word taken);
   void held_read(Word microseconds);
+  void holder_read(Word owner);
   void try_again();
   void claimed_before(Word pointer);
   void relink();
@@ -115,10 +126,11 @@ class Host : public machine::HostProgram, private Desk {
   void note(report::EventKind kind, std::array<std::uint32_t, 5> arguments);
   JobKind job_of(std::size_t block) const { return job_kind(list_[block].task.kind, words_); }
 
-  const Config config_;
+  Config config_;
   const Words words_;
-  const ImportanceParameters parameters_;
+  ImportanceParameters parameters_;
   const Intervals intervals_;
+  std::multimap<Time, TimedEvent> changes_;  // still to come
   machine::Clock clock_;
   Ledger& ledger_;
   HostListener& listener_;
@@ -143,9 +155,12 @@ class Host : public machine::HostProgram, private Desk {
   bool pointer_in_doubt_ = false;      // a semaphore was freed: a claim may have broken off
   Time refused_since_{};
   bool refused_ = false;
+  Word held_for_ = 0;                  // us, the list's semaphore
   std::uint32_t dither_ = 1;           // state of the generator that varies the pause before the next try
   std::uint64_t eligible_ = 0;
   Word fence_ = 0xFFFFFFFF;
+  std::array<std::int64_t, 32> renewed_{};  // refresh at which a slot was last reset by the host
+  std::optional<unsigned> suspect_;         // owner of the block whose flag is being read again
   std::map<JobKind, std::int64_t> longest_;  // longest runs in refreshes, at least as configured
 
   report::HostReport counts_;

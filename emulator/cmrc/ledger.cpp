@@ -50,6 +50,7 @@ Ledger::Slot& Ledger::slot(unsigned number) {
 
 void Ledger::release(std::size_t block, JobKind kind, Time released, std::optional<Time> deadline,
                      std::optional<std::int64_t> tick) {
+  audit_.loaded(block, released);
   Open open;
   open.kind = kind;
   open.released = released;
@@ -75,6 +76,7 @@ void Ledger::skipped(JobKind kind, Time released, Time deadline, std::int64_t ti
 }
 
 void Ledger::claimed(std::size_t block, unsigned number, Time at, const CauseTimes& causes) {
+  audit_.claimed(block, number, at);
   const auto found = open_.find(block);
   if (found == open_.end()) return;
   ++slot(number).claims;
@@ -91,6 +93,7 @@ void Ledger::leave(Open& open, Time at) {
 }
 
 void Ledger::finished(std::size_t block, unsigned number, Time at, const CauseTimes& causes) {
+  audit_.finished(block, number, at);
   const auto found = open_.find(block);
   if (found == open_.end() || found->second.slot != number || found->second.finished) return;
   Open& open = found->second;
@@ -112,6 +115,7 @@ void Ledger::finished(std::size_t block, unsigned number, Time at, const CauseTi
 }
 
 void Ledger::put_back(std::size_t block, Time at) {
+  audit_.put_back(block, at);
   const auto found = open_.find(block);
   if (found == open_.end()) return;
   leave(found->second, at);
@@ -140,6 +144,7 @@ report::Job Ledger::job_of(const Open& open) const {
 }
 
 void Ledger::dropped(std::size_t block, Time at) {
+  audit_.dropped(block, at);
   const auto found = open_.find(block);
   if (found == open_.end()) return;
   leave(found->second, at);
@@ -154,6 +159,7 @@ report::Outcome Ledger::removed(std::size_t block) {
   const auto found = open_.find(block);
   if (found == open_.end()) return report::Outcome::on_time;
   const report::Job job = job_of(found->second);
+  audit_.removed(block, job.finished);
   const report::Outcome outcome = book(job, job.finished);
   open_.erase(found);
   return outcome;

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "cmrc/audit.hpp"
 #include "cmrc/list.hpp"
 #include "cmrc/words.hpp"
 #include "report/task_account.hpp"
@@ -58,6 +59,7 @@ class Ledger {
   /// Picoseconds that a DSP was occupied, by job kind.
   std::vector<report::Share> occupied(unsigned slot, Time now) const;
   std::optional<JobKind> kind_of(std::size_t block) const;
+  const Audit& audit() const { return audit_; }
 
  private:
   struct Open {
@@ -82,6 +84,7 @@ class Ledger {
   Slot& slot(unsigned number);
 
   report::TaskAccount account_;
+  Audit audit_;
   std::map<std::size_t, Open> open_;
   std::vector<Slot> slots_;
   std::uint64_t misses_ = 0;

@@ -41,6 +41,8 @@ void RunObserver::dock_event(const plant::Event& event) {
     case plant::EventKind::agv_dry:
     case plant::EventKind::agv_overflow:
     case plant::EventKind::joint_limit:
+    case plant::EventKind::drive_stopped:
+    case plant::EventKind::drive_resumed:
     case plant::EventKind::fault:
       failures_.push_back({event.time, std::nullopt, "plant", std::string(plant::name(event.kind)) + " (" + std::to_string(event.index) + ")"});
       break;
@@ -143,6 +145,11 @@ void RunObserver::slot(unsigned slot, machine::SlotChange change, Time now) {
   if (change == machine::SlotChange::unplugged || change == machine::SlotChange::reset) snapshots_[slot].clear();
   const bool booted = change == machine::SlotChange::booted || change == machine::SlotChange::plugged;
   log_.add({now, report::dsp(slot), EventKind::reset, {booted ? 1U : 0U, static_cast<std::uint32_t>(change), 0, 0, 0}});
+}
+
+void RunObserver::scripted(const machine::ScriptedEvent& event, Time now) {
+  log_.add({now, report::host, EventKind::scripted, {static_cast<std::uint32_t>(event.action), event.number,
+                                                     static_cast<std::uint32_t>(event.amount), static_cast<std::uint32_t>(event.amount >> 32), 0}});
 }
 
 }  // namespace cmrc

@@ -41,6 +41,7 @@ class RunObserver : public machine::Observer, public HostListener {
   void semaphore(unsigned number, machine::SemaphoreEvent event, unsigned owner, Time now) override;
   void fault(const machine::ChipFault& fault) override;
   void slot(unsigned slot, machine::SlotChange change, Time now) override;
+  void scripted(const machine::ScriptedEvent& event, Time now) override;
 
   // HostListener
   void event(const report::Event& event) override { log_.add(event); }

@@ -24,6 +24,7 @@ plant::DockConfig dock_of(const Config& config) {
     for (auto& lane : leg) lane.speed = std::min(lane.speed, config.dock.agv_speed_m_s);
   }
   dock.sensors.seed = static_cast<std::uint64_t>(config.run.seed);
+  dock.drive_timeout = config.dock.drive_timeout_ms * 1e-3;
   dock.signal_decimation = static_cast<int>(config.report.signal_decimation);
   return dock;
 }
@@ -68,9 +69,35 @@ FleetJob fleet_of(const Config& config, const plant::DockConfig& dock) {
   return job;
 }
 
+std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event) {
+  using machine::Action;
+  struct Row {
+    std::string_view name;
+    Action action;
+    double unit;           // of the event's amount, in the machine's
+    std::int64_t amount;   // where the event has none
+  };
+  static constexpr Row rows[] = {
+      {"fail", Action::fail, 0, 0},           {"hang", Action::hang, 0, 0},
+      {"unplug", Action::unplug, 0, 0},       {"plug", Action::plug, 0, 0},
+      {"reset", Action::reset, 0, 0},         {"slow", Action::pace, 1e6, 0},
+      {"pause_host", Action::pause_host, 1e9, 0}, {"stall_bus", Action::stall_bus, 1e9, 0},
+      {"fail_drive", Action::drive, 0, 1},    {"repair_drive", Action::drive, 0, 0},
+      {"stick_encoder", Action::encoder, 0, 1}, {"repair_encoder", Action::encoder, 0, 0},
+      {"stick_sway", Action::sway, 0, 1},     {"repair_sway", Action::sway, 0, 0},
+  };
+  for (const Row& row : rows) {
+    if (row.name != event.action) continue;
+    const std::int64_t amount = row.unit > 0 ? std::llround(event.amount * row.unit) : row.amount;
+    return machine::ScriptedEvent{Time{std::llround(event.at_s * 1e12)}, row.action, event.number, amount};
+  }
+  return std::nullopt;
+}
+
 machine::Config machine_of(const Config& config) {
   machine::Config machine;
   machine.dsps = static_cast<unsigned>(config.machine.dsps);
+  machine.slots = static_cast<unsigned>(std::max(config.machine.dsps, config.machine.slots));
   machine.chip_hz = static_cast<std::int64_t>(chip_hertz(config));
   // Thirds of a hertz hold PCI's 33 1/3 MHz exactly.
   machine.pci_hz_numerator = std::llround(config.bus.clock_hz * 3);
@@ -81,6 +108,9 @@ machine::Config machine_of(const Config& config) {
   machine.bus_a.fast_back_to_back = machine.bus_b.fast_back_to_back = config.bus.fast_back_to_back;
   if (!config.bus.prefetch) machine.bridge_a.prefetch_words = 0;
   machine.turn_order = static_cast<std::uint64_t>(config.run.turn_order);
+  for (const TimedEvent& event : config.events) {
+    if (const auto scripted = scripted_event(event)) machine.script.push_back(*scripted);
+  }
   return machine;
 }
 

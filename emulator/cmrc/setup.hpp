@@ -22,6 +22,8 @@ plant::DockConfig dock_of(const Config& config);
 CraneJob crane_of(const Config& config, const plant::DockConfig& dock);
 FleetJob fleet_of(const Config& config, const plant::DockConfig& dock);
 machine::Config machine_of(const Config& config);
+/// What the machine has to do at the event; none for a change of parameters, which is the host's.
+std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event);
 
 /// What the operator loads into the job areas before the start.
 struct AreaWord {

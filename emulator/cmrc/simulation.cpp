@@ -80,6 +80,9 @@ class Simulation::Parts {
     observer.watch_errors(words.cr_base + image.symbol("CR_PID") + image.symbol("PD_E") - image.symbol("PD_STATE"));
     observer.attach(dock);
     machine.set_observer(&observer);
+    for (const TimedEvent& event : config.events) {
+      if (event.action == "set") host.change(duration_of(event.at_s), event);
+    }
   }
 
   void run_until(Time time) {
@@ -110,6 +113,20 @@ class Simulation::Parts {
 
 Simulation::Simulation(const Config& config) : parts_(std::make_unique<Parts>(config)) {}
 Simulation::~Simulation() = default;
+
+void Simulation::at(const TimedEvent& event) {
+  Parts& p = *parts_;
+  if (duration_of(event.at_s) < p.machine.time()) {
+    refuse(event.origin, "events.at_s", fmt::format("{} s has passed", event.at_s),
+           fmt::format("the run is at {} s", static_cast<double>(p.machine.time().count()) * 1e-12));
+  }
+  Config with = p.config;
+  with.events.push_back(event);
+  check_events(with);
+  p.config.events.push_back(event);
+  if (const auto scripted = scripted_event(event)) p.machine.script(*scripted);
+  else p.host.change(duration_of(event.at_s), event);
+}
 
 void Simulation::listen(report::EventSink& sink) { parts_->log.listen(sink); }
 void Simulation::trace(unsigned slot, c40::TraceSink& sink) { parts_->machine.chip(slot).set_trace(&sink); }
@@ -152,6 +169,7 @@ bool Simulation::strictly_good() const {
 int Simulation::exit_status() const {
   const auto& stop = parts_->stop;
   if (stop && *stop != report::StopReason::interrupted) return 1;
+  if (!parts_->ledger.audit().violations().empty()) return 1;
   return parts_->config.run.strict && !strictly_good() ? 1 : 0;
 }
 

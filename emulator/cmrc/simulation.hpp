@@ -53,6 +53,9 @@ class Simulation {
   /// Hears the instructions of one DSP; must outlive the run. Before run().
   void trace(unsigned slot, c40::TraceSink& sink);
 
+  /// A further event, not before the present time. \throws ConfigError, also when it contradicts those that are still to come
+  void at(const TimedEvent& event);
+
   /// Runs to the end of the configured duration. `on_progress` is called about every `slice` of simulated time; false stops the run
   /// cleanly (stop reason: interrupted). May be called again: it goes on where it stopped.
   void run(const std::function<bool(const Progress&)>& on_progress = {}, report::Time slice = std::chrono::milliseconds{20});

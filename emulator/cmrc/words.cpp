@@ -24,7 +24,7 @@ Words::Words(const std::function<Word(std::string_view)>& symbol) {
       {"RESULT_END_OF_LEG", &Words::end_of_leg}, {"PID_LANDED", &Words::pid_landed},
       {"PID_LOCKED", &Words::pid_locked}, {"PID_OPEN", &Words::pid_open}, {"PID_STARVED", &Words::pid_starved},
       {"PID_SETTLED", &Words::pid_settled}, {"PID_RAMP_DONE", &Words::pid_ramp_done},
-      {"SEMAPHORE", &Words::semaphore}, {"SEMAPHORE_HELD", &Words::semaphore_held},
+      {"SEMAPHORE", &Words::semaphore}, {"SEMAPHORE_OWNER", &Words::semaphore_owner}, {"SEMAPHORE_HELD", &Words::semaphore_held},
       {"SEMAPHORE_LIST", &Words::semaphore_list}, {"DOORBELL_RING", &Words::doorbell_ring},
       {"DOORBELL_IDLE", &Words::doorbell_idle}, {"FENCE_MASK", &Words::fence_mask}, {"RESET_DSP", &Words::reset_dsp},
       {"CR_BASE", &Words::cr_base}, {"CR_POINT_PERIOD", &Words::cr_point_period},

@@ -20,6 +20,7 @@ pci::MasterConfig named(pci::MasterConfig config, unsigned slot) {
 Dsp::Dsp(unsigned slot, bool plugged, Surroundings& surroundings)
     : slot_{slot},
       around_{surroundings},
+      clock_{around_.chip_clock},
       chip_{c40::Board::default_board()},
       side_a_{*this, BusId::a},
       side_b_{*this, BusId::b},
@@ -66,7 +67,7 @@ void Dsp::run_ahead(Time horizon) {
 void Dsp::run(Time horizon) {
   state_ = State::running;
   const Time end = std::min({horizon, edge_, reset_});
-  const c40::Cycles limit = around_.chip_clock.tick_at_or_after(end);
+  const c40::Cycles limit = clock_.tick_at_or_after(end);
   while (true) {
     if (!edge_waiting_) {
       if (chip_.idle()) {
@@ -75,7 +76,7 @@ void Dsp::run(Time horizon) {
         return;
       }
       if (chip_.cycle() >= limit) {
-        own_next_ = around_.chip_clock.at(chip_.cycle());
+        own_next_ = clock_.at(chip_.cycle());
         return;
       }
     }
@@ -105,7 +106,7 @@ bool Dsp::writable(BusId bus, Offset offset) const {
 // Whether the access could be completed without waiting for its turn.
 bool Dsp::take(const c40::ExternalAccess& access, Time horizon) {
   pci::Bridge& bridge = bridge_of(access.address);
-  const Time begins = around_.chip_clock.at(access.cycle);
+  const Time begins = clock_.at(access.cycle);
   if (access.write) {
     const BusId bus = on_a(access.address) ? BusId::a : BusId::b;
     if (!writable(bus, offset_of(access.address))) {
@@ -120,7 +121,7 @@ bool Dsp::take(const c40::ExternalAccess& access, Time horizon) {
       return true;
     }
   } else if (pci::Bridge::Hit hit{}; bridge.look_up(offset_of(access.address), hit)) {
-    const c40::Cycles there = around_.chip_clock.tick_at_or_after(around_.bus_clock.at(hit.ready));
+    const c40::Cycles there = clock_.tick_at_or_after(around_.bus_clock.at(hit.ready));
     statistics_.prefetch_hits += 1;
     chip_.complete_read(hit.value, 0, std::max(there - access.cycle, around_.config.prefetch_hit_cycles));
     return true;
@@ -132,7 +133,7 @@ bool Dsp::take(const c40::ExternalAccess& access, Time horizon) {
 }
 
 void Dsp::post(pci::Bridge& bridge, const c40::ExternalAccess& access) {
-  const Time issued = around_.chip_clock.at(access.cycle);
+  const Time issued = clock_.at(access.cycle);
   statistics_.posted_writes += 1;
   if (around_.observer != nullptr)
     around_.observer->dsp_issue(slot_, on_a(access.address) ? BusId::a : BusId::b, offset_of(access.address),
@@ -154,13 +155,13 @@ void Dsp::begin_access(Time horizon) {
   own_next_ = never;
   if (access_.write) return post(bridge, access_);
   statistics_.bus_reads += 1;
-  bridge.read(offset_of(access_.address), around_.bus_clock.tick_at_or_after(around_.chip_clock.at(access_.cycle)));
+  bridge.read(offset_of(access_.address), around_.bus_clock.tick_at_or_after(clock_.at(access_.cycle)));
 }
 
 void Dsp::answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) {
   if (state_ != State::blocked) return;
   if (result != pci::Result::done) {
-    const c40::Cycles cycle = std::max(access_.cycle, around_.chip_clock.tick_at_or_after(around_.bus_clock.at(ready)));
+    const c40::Cycles cycle = std::max(access_.cycle, clock_.tick_at_or_after(around_.bus_clock.at(ready)));
     return fault(cycle, chip_.pc(), access_.address,
                  fmt::format("a read that nothing on bus {} answers (PCI {} abort)", side.bus == BusId::a ? 'A' : 'B',
                              result == pci::Result::master_abort ? "master" : "target"));
@@ -172,12 +173,12 @@ void Dsp::answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks 
 // The chip waited from the access to bus clock `ready`, `arbitration` clocks of it without the bus.
 void Dsp::resume_at(pci::Clocks ready, pci::Clocks arbitration) {
   if (state_ != State::blocked) return;
-  const c40::Cycles resumes = std::max(access_.cycle, around_.chip_clock.tick_at_or_after(around_.bus_clock.at(ready)));
+  const c40::Cycles resumes = std::max(access_.cycle, clock_.tick_at_or_after(around_.bus_clock.at(ready)));
   const c40::Cycles waited = resumes - access_.cycle;
-  arbitration_ = std::min(waited, around_.chip_clock.tick_at_or_before(around_.bus_clock.at(arbitration)));
+  arbitration_ = std::min(waited, clock_.ticks_in(around_.bus_clock.at(arbitration)));
   transfer_ = waited - arbitration_;
   state_ = State::resuming;
-  own_next_ = around_.chip_clock.at(resumes);
+  own_next_ = clock_.at(resumes);
   set_next();
 }
 
@@ -223,7 +224,7 @@ void Dsp::deliver_edge(Time now) {
       settle(now);
       chip_.raise_iiof(0);
       state_ = State::running;
-      own_next_ = around_.chip_clock.at(chip_.cycle());
+      own_next_ = clock_.at(chip_.cycle());
       break;
     case State::access:
     case State::blocked:
@@ -242,7 +243,7 @@ void Dsp::settle(Time now) {
     case State::out:
     case State::booting:
     case State::idle:
-    case State::dead: chip_.run_until(around_.chip_clock.tick_at_or_after(now)); break;
+    case State::dead: chip_.run_until(clock_.tick_at_or_after(now)); break;
     default: break;
   }
 }
@@ -263,6 +264,16 @@ void Dsp::hang(Time now) {
   if (state_ == State::out) return;
   stand_still(now);
   state_ = State::dead;
+  set_next();
+}
+
+// Its present cycle, or the access that it stands before, is the last of the old clock.
+void Dsp::pace(Time now, std::int64_t parts_per_million) {
+  settle(now);
+  Ticks reached = std::max(clock_.tick_at_or_after(now), chip_.cycle());
+  if (state_ == State::access) reached = std::max(reached, access_.cycle);
+  clock_.change(reached, around_.config.chip_hz * parts_per_million, 1'000'000);
+  if (state_ == State::resuming) own_next_ = clock_.at(access_.cycle + arbitration_ + transfer_);
   set_next();
 }
 
@@ -297,7 +308,7 @@ void Dsp::reset(Time now) {
   state_ = State::booting;
   std::int64_t words = 0;
   for (const auto& section : around_.program.sections) words += static_cast<std::int64_t>(section.words.size());
-  own_next_ = std::max(now, around_.chip_clock.at(chip_.cycle())) + around_.config.reset_time +
+  own_next_ = std::max(now, clock_.at(chip_.cycle())) + around_.config.reset_time +
               words * around_.config.boot_time_per_word;
   edge_ = reset_ = never;
   set_next();
@@ -322,7 +333,7 @@ void Dsp::boot() {
   chip_.hold(false);
   statistics_.boots += 1;
   state_ = State::running;
-  own_next_ = around_.chip_clock.at(chip_.cycle());
+  own_next_ = clock_.at(chip_.cycle());
   if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::booted, own_next_);
 }
 
@@ -343,7 +354,7 @@ void Dsp::append_state(std::vector<std::uint64_t>& words) const {
 
 void Dsp::fault(c40::Cycles cycle, std::uint32_t pc, std::uint32_t address, std::string what) {
   fault_ = ChipFault{
-      .slot = slot_, .time = around_.chip_clock.at(cycle), .cycle = cycle, .pc = pc, .address = address, .message = {}};
+      .slot = slot_, .time = clock_.at(cycle), .cycle = cycle, .pc = pc, .address = address, .message = {}};
   fault_.message = fmt::format("DSP {} at PC {:08X}h, cycle {}, address {:08X}h: {}", slot_, pc, cycle, address, what);
   state_ = State::faulting;
   own_next_ = fault_.time;

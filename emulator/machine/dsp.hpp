@@ -53,6 +53,8 @@ class Dsp {
   void fail(Time now);
   void hang(Time now);
   void unplug(Time now);
+  /// From now on its clock runs at so many millionths of its nominal frequency.
+  void pace(Time now, std::int64_t parts_per_million);
   void plug(Time now);
   void reset(Time now);
   void append_state(std::vector<std::uint64_t>& words) const;
@@ -114,6 +116,7 @@ class Dsp {
 
   unsigned slot_;
   Surroundings& around_;
+  PacedClock clock_;
   c40::Chip chip_;
   Side side_a_;
   Side side_b_;

@@ -21,7 +21,14 @@ Host::Host(HostProgram& program, const Config& config, pci::Bus& bus, Clock bus_
   set_next(Time{0});
 }
 
-void Host::set_next(Time now) { next_ = std::min(read_done_, std::max(now, program_.next_wake())); }
+void Host::set_next(Time now) {
+  next_ = std::max(paused_until_, std::min(read_done_, std::max(now, program_.next_wake())));
+}
+
+void Host::pause(Time until) {
+  paused_until_ = std::max(paused_until_, until);
+  next_ = std::max(next_, paused_until_);
+}
 
 void Host::process(Time now) {
   cpu_ = std::max(cpu_, clock_.tick_at_or_after(now));
@@ -109,7 +116,7 @@ void Host::answered(Word value, pci::Clocks ready, pci::Clocks, pci::Result) {
     bridge_.read(read_offset_, cpu_);
   } else {
     read_done_ = clock_.at(ready);
-    next_ = std::min(next_, read_done_);
+    next_ = std::max(paused_until_, std::min(next_, read_done_));
   }
 }
 

@@ -17,6 +17,9 @@ class Host final : public HostPort, private pci::Bridge::Client {
   Time next() const { return next_; }
   void process(Time now);
 
+  /// The processor stands still until then; what it has posted goes on.
+  void pause(Time until);
+
   /// Nothing that it has posted or will post can act on a DSP before this (a lower bound, never earlier than `now`).
   Time earliest_action() const;
 
@@ -44,6 +47,7 @@ class Host final : public HostPort, private pci::Bridge::Client {
   pci::Bridge bridge_;
   Time next_ = never;
   Time read_done_ = never;
+  Time paused_until_{0};
   pci::Clocks cpu_ = 0;               // the processor issues its next access at this clock or later
   std::vector<pci::Posted> waiting_;  // writes that found the FIFO full
   std::size_t first_waiting_ = 0;

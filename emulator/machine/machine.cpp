@@ -6,6 +6,7 @@
 #include <deque>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 
 #include "bus_model/bus.hpp"
 #include "machine/devices.hpp"
@@ -20,6 +21,37 @@ namespace machine {
 
 namespace {
 
+struct Numbered {
+  std::string_view what;
+  unsigned count;
+};
+
+Numbered numbered(Action action, unsigned slots) {
+  switch (action) {
+    case Action::fail:
+    case Action::hang:
+    case Action::unplug:
+    case Action::plug:
+    case Action::reset:
+    case Action::pace: return {"slot", slots};
+    case Action::pause_host: return {"host", 1};
+    case Action::stall_bus: return {"bus", 2};
+    case Action::drive:
+    case Action::encoder: return {"joint", 5};
+    case Action::sway: return {"axis", 2};
+  }
+  return {"event", 0};
+}
+
+void require_sense(const ScriptedEvent& event, Time now, unsigned slots) {
+  const auto [what, count] = numbered(event.action, slots);
+  if (event.number >= count || event.time < now)
+    throw std::invalid_argument{fmt::format("machine: a scripted event at {} ps for {} {}; the time is {} ps, and the last {} is {}",
+                                            event.time.count(), what, event.number, now.count(), what, count - 1)};
+  if (event.amount < 0 || (event.action == Action::pace && event.amount == 0))
+    throw std::invalid_argument{fmt::format("machine: a scripted event with amount {}; it is not negative, and a clock runs", event.amount)};
+}
+
 Config checked(Config config) {
   if (config.slots == 0) config.slots = config.dsps;
   if (config.slots > most_slots || config.dsps > config.slots)
@@ -29,10 +61,7 @@ Config checked(Config config) {
   if (config.interrupt_clocks < 1 || config.interrupt_clocks > 3)
     throw std::invalid_argument{"machine: interrupt_clocks is 1 to 3"};
   if (config.prefetch_hit_cycles < 0) throw std::invalid_argument{"machine: prefetch_hit_cycles is at least 0"};
-  for (const ScriptedEvent& event : config.script)
-    if (event.slot >= config.slots || event.time < Time{0})
-      throw std::invalid_argument{fmt::format("machine: a scripted event at {} ps for slot {}; slots are 0 to {}",
-                                              event.time.count(), event.slot, config.slots - 1)};
+  for (const ScriptedEvent& event : config.script) require_sense(event, Time{0}, config.slots);
   std::stable_sort(config.script.begin(), config.script.end(),
                    [](const ScriptedEvent& a, const ScriptedEvent& b) { return a.time < b.time; });
   return config;
@@ -64,7 +93,7 @@ class Machine::Parts final : public DoorbellClient {
   Parts(Config given, const toolchain::Image& image, plant::Dock* the_dock, HostProgram* program);
 
   void run_until(Time limit);
-  void act(Action action, unsigned slot, Time now);
+  void act(const ScriptedEvent& event, Time now);
   void observe(Observer* observer);
 
   void ring(unsigned slot, pci::Clocks clock) override {
@@ -202,7 +231,7 @@ void Machine::Parts::take(Turn turn, Time limit) {
     case 2: return bus_b.step();
     case 3: {
       const ScriptedEvent event = config.script[next_scripted++];
-      return act(event.action, event.slot, turn.time);
+      return act(event, turn.time);
     }
     default: break;
   }
@@ -237,14 +266,32 @@ void Machine::Parts::run_until(Time limit) {
   for (Dsp& dsp : dsps) dsp.settle(time);
 }
 
-void Machine::Parts::act(Action action, unsigned slot, Time now) {
-  Dsp& dsp = dsps.at(slot);
-  switch (action) {
-    case Action::fail: return dsp.fail(now);
-    case Action::hang: return dsp.hang(now);
-    case Action::unplug: registers.clear_idle(slot); return dsp.unplug(now);
-    case Action::plug: fence.mask |= Word{1} << slot; return dsp.plug(now);
-    case Action::reset: registers.clear_idle(slot); return dsp.reset(now);
+void Machine::Parts::act(const ScriptedEvent& event, Time now) {
+  const auto dsp = [&]() -> Dsp& { return dsps.at(event.number); };
+  const auto clocks = [&](Time at) { return bus_clock.tick_at_or_after(at); };
+  const bool failed = event.amount != 0;
+  const auto index = static_cast<int>(event.number);
+  if (around->observer != nullptr) around->observer->scripted(event, now);
+  switch (event.action) {
+    case Action::fail: return dsp().fail(now);
+    case Action::hang: return dsp().hang(now);
+    case Action::unplug: registers.clear_idle(event.number); return dsp().unplug(now);
+    case Action::plug: fence.mask |= Word{1} << event.number; return dsp().plug(now);
+    case Action::reset: registers.clear_idle(event.number); return dsp().reset(now);
+    case Action::pace: return dsp().pace(now, event.amount);
+    case Action::pause_host:
+      if (host) host->pause(now + Time{event.amount});
+      return;
+    case Action::stall_bus: return (event.number == 0 ? bus_a : bus_b).stall(clocks(now), clocks(now + Time{event.amount}));
+    case Action::drive:
+      if (dock != nullptr) dock->fail_drive(index, failed, now);
+      return;
+    case Action::encoder:
+      if (dock != nullptr) dock->fail_encoder(index, failed, now);
+      return;
+    case Action::sway:
+      if (dock != nullptr) dock->fail_sway(index, failed, now);
+      return;
   }
 }
 
@@ -256,13 +303,13 @@ void Machine::run_until(Time limit) { parts_->run_until(limit); }
 Time Machine::time() const { return parts_->time; }
 const Config& Machine::config() const { return parts_->config; }
 void Machine::set_observer(Observer* observer) { parts_->observe(observer); }
-void Machine::act(Action action, unsigned slot) { parts_->act(action, slot, parts_->time); }
+void Machine::act(const ScriptedEvent& event) {
+  require_sense({.time = parts_->time, .action = event.action, .number = event.number, .amount = event.amount}, parts_->time, slots());
+  parts_->act(event, parts_->time);
+}
 
-void Machine::script(ScriptedEvent event) {
-  if (event.time < parts_->time || event.slot >= slots())
-    throw std::invalid_argument{
-        fmt::format("machine: a scripted event at {} ps for slot {}; the time is {} ps, slots are 0 to {}",
-                    event.time.count(), event.slot, parts_->time.count(), slots() - 1)};
+void Machine::script(const ScriptedEvent& event) {
+  require_sense(event, parts_->time, slots());
   auto& script = parts_->config.script;
   const auto from = script.begin() + static_cast<std::ptrdiff_t>(parts_->next_scripted);
   script.insert(std::upper_bound(from, script.end(), event,

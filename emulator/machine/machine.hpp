@@ -89,6 +89,28 @@ struct ChipFault {
 enum class SemaphoreEvent : std::uint8_t { acquired, refused, released };
 enum class SlotChange : std::uint8_t { plugged, unplugged, reset, booted };
 
+/// What a scripted event does, and to what its number refers.
+enum class Action : std::uint8_t {
+  fail,         ///< DSP: the chip dies: it stands still for good, and no reset revives it (only unplug and plug)
+  hang,         ///< DSP: the chip gets stuck: it stands still until it is reset
+  unplug,       ///< DSP: the board is pulled: transactions break off, posted words are lost
+  plug,         ///< DSP: a board is put in, reset and booted
+  reset,        ///< DSP: reset and booted, as by RESET_DSP
+  pace,         ///< DSP: its clock runs at `amount` millionths of its nominal frequency
+  pause_host,   ///< the host's processor stands still for `amount` picoseconds
+  stall_bus,    ///< bus (0 A, 1 B): its arbiter grants nothing for `amount` picoseconds
+  drive,        ///< joint: its drive fails (amount 1) or works again (0)
+  encoder,      ///< joint: its encoder sticks (1) or works again (0)
+  sway,         ///< axis (0 alpha, 1 beta): its sway sensor sticks (1) or works again (0)
+};
+
+struct ScriptedEvent {
+  Time time{};
+  Action action{};
+  unsigned number = 0;
+  std::int64_t amount = 0;
+};
+
 /// Sees what happens, in the order in which it happens, and changes nothing. Every function does nothing unless
 /// overridden.
 class Observer {
@@ -108,25 +130,11 @@ class Observer {
   virtual void semaphore(unsigned /*number*/, SemaphoreEvent, unsigned /*owner*/, Time /*now*/) {}
   virtual void fault(const ChipFault&) {}
   virtual void slot(unsigned /*slot*/, SlotChange, Time /*now*/) {}
+  virtual void scripted(const ScriptedEvent&, Time /*now*/) {}
 };
 
 inline constexpr unsigned host_owner = 0xFF;
 inline constexpr unsigned most_slots = 16;
-
-/// What a scripted event does to a DSP.
-enum class Action : std::uint8_t {
-  fail,    ///< the chip dies: it stands still for good, and no reset revives it (only unplug and plug)
-  hang,    ///< the chip gets stuck: it stands still until it is reset
-  unplug,  ///< the board is pulled: transactions break off, posted words are lost
-  plug,    ///< a board is put in, reset and booted
-  reset,   ///< reset and booted, as by RESET_DSP
-};
-
-struct ScriptedEvent {
-  Time time{};
-  Action action{};
-  unsigned slot = 0;
-};
 
 struct Config {
   unsigned dsps = 4;                  ///< plugged in from the start: slots 0 to dsps - 1
@@ -185,10 +193,10 @@ class Machine {
   const Config& config() const;
   void set_observer(Observer* observer);
 
-  /// At time(), between calls of run_until.
-  void act(Action action, unsigned slot);
-  /// Not before time() (std::invalid_argument).
-  void script(ScriptedEvent event);
+  /// Not before time(); std::invalid_argument for that and for a number that nothing has.
+  void script(const ScriptedEvent& event);
+  /// The event happens at once, whatever its time; between calls of run_until.
+  void act(const ScriptedEvent& event);
 
   unsigned slots() const;
   bool plugged(unsigned slot) const;

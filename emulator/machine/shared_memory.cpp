@@ -52,7 +52,9 @@ Word SharedRegisters::acquire(unsigned number, const pci::Access& access) {
   return 0;
 }
 
+// By its owner, or by the host: a DSP that wakes late must not release what another has acquired since.
 void SharedRegisters::release(unsigned number, const pci::Access& access) {
+  if (!is_host(access.master) && semaphores_[number].owner != owner_of(access.master)) return;
   semaphores_[number] = {};
   client_.semaphore_event(number, SemaphoreEvent::released, owner_of(access.master), access.clock);
 }

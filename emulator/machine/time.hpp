@@ -67,6 +67,26 @@ class Clock {
   std::int64_t per_ = 1;
 };
 
+/// A clock whose frequency may change while its ticks go on being counted.
+class PacedClock {
+ public:
+  explicit constexpr PacedClock(Clock clock) : clock_{clock} {}
+  constexpr Time at(Ticks tick) const { return clock_.at(tick - first_); }
+  constexpr Ticks tick_at_or_before(Time time) const { return first_ + clock_.tick_at_or_before(time); }
+  constexpr Ticks tick_at_or_after(Time time) const { return first_ + clock_.tick_at_or_after(time); }
+  /// Whole ticks in a span of time, at the present frequency.
+  constexpr Ticks ticks_in(Time span) const { return clock_.tick_at_or_before(clock_.at(0) + span); }
+  /// From tick `first` on, num/den hertz. Earlier ticks may not be asked for any more.
+  constexpr void change(Ticks first, std::int64_t num, std::int64_t den) {
+    clock_ = Clock{num, den, at(first)};
+    first_ = first;
+  }
+
+ private:
+  Clock clock_;
+  Ticks first_ = 0;
+};
+
 /// PCI at its nominal 33 1/3 MHz.
 inline constexpr Clock pci_clock{100'000'000, 3};
 

@@ -46,7 +46,8 @@ constexpr KindRow kind_rows[] = {
     {EventKind::opened, "opened", {{{"container"}}}},
     {EventKind::delivered, "delivered", {{{"container"}}}},
     {EventKind::starved, "starved", {{{"robot"}, {"point"}}}},
-    {EventKind::scripted, "scripted", {{{"kind"}, {"slot"}}}},
+    {EventKind::scripted, "scripted", {{{"action"}, {"number"}, {"amount_low"}, {"amount_high"}}}},
+    {EventKind::set, "set", {{{"key"}, {"value_low", 'h'}, {"value_high", 'h'}}}},
     {EventKind::push, "push", {{{"agv"}, {"speed", 's'}, {"front", 's'}, {"rear", 's'}}}},
 };
 

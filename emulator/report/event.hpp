@@ -52,7 +52,8 @@ enum class EventKind : std::uint16_t {
   opened = 22,         ///< plant: container (twist locks open)
   delivered = 23,      ///< plant: container
   starved = 24,        ///< host: robot (0 crane, n AGV n - 1), point: the interpolation buffer ran dry
-  scripted = 25,       ///< host: kind of scripted event (plug, unplug, fail), slot
+  scripted = 25,       ///< host: action (machine::Action), number of what it acts on, amount low and high word
+  set = 27,             ///< host: number of the key in the schema, its new value (integer or bits of a double) low and high word
   push = 26,           ///< plant: AGV, speed, front, rear (a set-point enters the AGV's FIFO)
 };
 

@@ -120,6 +120,12 @@ Json failure(const FailureReport& of) {
           {"message", of.message}};
 }
 
+Json timed_events(const std::vector<TimedEventReport>& list) {
+  Json array = Json::array();
+  for (const TimedEventReport& of : list) array.push_back({{"time_s", seconds(of.time)}, {"what", of.what}});
+  return array;
+}
+
 Json host_work(const HostReport& of) {
   return {{"refreshes", of.refreshes},
           {"skipped_refreshes", of.skipped_refreshes},
@@ -159,6 +165,9 @@ std::string to_json(const RunReport& report) {
                {"sway", errors(report.sway)},
                {"agvs", errors(report.agvs)},
                {"host", host_work(report.host)},
+               {"timed_events", timed_events(report.timed_events)},
+               {"audit", {{"checks", report.audit.checks}, {"violations", report.audit.violations}}},
+               {"braked", report.braked},
                {"failures", Json::array()}};
   for (const TaskReport& of : report.tasks) root["tasks"][of.kind] = task(of);
   for (const DspReport& of : report.dsps) root["dsps"].push_back(dsp(of));

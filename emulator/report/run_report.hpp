@@ -121,6 +121,18 @@ struct HostReport {
   std::uint64_t semaphores_freed = 0;
 };
 
+/// What was made to happen, as the configuration or the operator asked.
+struct TimedEventReport {
+  Time time{};
+  std::string what;
+};
+
+/// The life of every task block, checked while it ran (docs/controller.md).
+struct AuditReport {
+  std::uint64_t checks = 0;
+  std::vector<std::string> violations;
+};
+
 /// Something that went wrong and was contained, or not.
 struct FailureReport {
   Time time{};
@@ -156,6 +168,9 @@ struct RunReport {
   std::vector<ErrorReport> sway;
   std::vector<ErrorReport> agvs;
   HostReport host;
+  std::vector<TimedEventReport> timed_events;
+  AuditReport audit;
+  bool braked = false;  ///< at the end no drive is on
   std::vector<FailureReport> failures;
 
   /// Missed deadlines of all kinds.

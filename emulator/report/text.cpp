@@ -180,6 +180,14 @@ std::string host_work(const RunReport& report) {
                      host.list_length.worst);
 }
 
+std::string timed_events(const RunReport& report) {
+  if (report.timed_events.empty()) return "";
+  std::string text = heading("As asked for");
+  for (const TimedEventReport& event : report.timed_events)
+    text += fmt::format("  {:.6f} s  {}\n", static_cast<double>(event.time.count()) * 1e-12, event.what);
+  return text;
+}
+
 std::string failures(const RunReport& report) {
   constexpr std::size_t shown = 10;
   if (report.failures.empty()) return "";
@@ -198,8 +206,10 @@ std::string failures(const RunReport& report) {
 
 std::string to_text(const RunReport& report) {
   return title(report) + outcomes(report) + times(report) + reasons(report) + dsps(report) + buses(report) +
-         cycles(report) + errors(report) + host_work(report) + failures(report) +
-         fmt::format("\nhash {} over {} events\n", report.hash, report.events);
+         cycles(report) + errors(report) + host_work(report) + timed_events(report) + failures(report) +
+         fmt::format("\ntask blocks: {} steps of their lives checked, {} violations{}\n", report.audit.checks, report.audit.violations.size(),
+                     report.braked ? "; every crane drive is braked" : "") +
+         fmt::format("hash {} over {} events\n", report.hash, report.events);
 }
 
 }  // namespace report

@@ -53,11 +53,20 @@ void add_settings(cmrc::ConfigBuilder& builder, const py::dict& settings, const 
   }
 }
 
+cmrc::TimedEvent to_event(const py::dict& fields) {
+  std::map<std::string, cmrc::Field> all;
+  for (const auto& [name, value] : fields) {
+    const std::string key = py::str(name);
+    all[key] = {to_value(value, key), {}};
+  }
+  return cmrc::timed_event(all, {});
+}
+
 void bind_config(py::module_& m) {
   py::register_exception<cmrc::ConfigError>(m, "ConfigError", PyExc_ValueError);
 
   py::class_<cmrc::Config>(m, "Config", "All parameters of a run (docs/configuration.md).")
-      .def("to_toml", &cmrc::to_toml, "The configuration as complete TOML.")
+      .def("to_toml", [](const cmrc::Config& config) { return cmrc::to_toml(config); }, "The configuration as complete TOML.")
       .def("to_dict", [](const cmrc::Config& config) {
         py::dict all;
         for (const cmrc::Key& key : cmrc::keys()) all[py::str(key.name)] = to_python(key.read(config));
@@ -70,15 +79,16 @@ void bind_config(py::module_& m) {
       }, "Equations (5) and (6), in refreshes.");
 
   m.def("config", [](const py::object& toml, const std::string& name, const py::object& file, const py::object& preset,
-                     const py::dict& settings) {
+                     const py::dict& settings, const std::vector<py::dict>& events) {
     cmrc::ConfigBuilder builder;
     if (!file.is_none()) builder.file(py::str(file));
     if (!toml.is_none()) builder.text(toml.cast<std::string>(), name);
     if (!preset.is_none()) builder.preset(preset.cast<std::string>(), {});
     add_settings(builder, settings, "");
+    for (const py::dict& event : events) builder.event(to_event(event));
     return builder.build();
   }, py::arg("toml") = py::none(), py::arg("name") = "<toml>", py::arg("file") = py::none(),
-     py::arg("preset") = py::none(), py::arg("settings") = py::dict(),
+     py::arg("preset") = py::none(), py::arg("settings") = py::dict(), py::arg("events") = std::vector<py::dict>{},
      "Defaults, then the preset, the file, the TOML text, the settings. Raises ConfigError.");
 
   m.def("config_keys", [] {
@@ -95,10 +105,20 @@ void bind_config(py::module_& m) {
       entry["default"] = to_python(key.read(defaults));
       entry["meaning"] = key.meaning;
       entry["source"] = key.source;
+      entry["live"] = key.live;
       all.append(entry);
     }
     return all;
   }, "The schema: one dictionary per key.");
+
+  m.def("timed_actions", [] {
+    py::list all;
+    for (const cmrc::TimedAction& action : cmrc::timed_actions()) {
+      all.append(py::dict(py::arg("name") = std::string(action.name), py::arg("target") = std::string(action.target),
+                          py::arg("amount") = std::string(action.amount), py::arg("meaning") = std::string(action.meaning)));
+    }
+    return all;
+  }, "What [[events]] can do.");
 
   m.def("presets", [] {
     py::dict all;
@@ -316,14 +336,6 @@ void run(cmrc::Simulation& simulation, const py::object& on_progress, double sli
   if (raised) throw py::error_already_set();
 }
 
-machine::Action to_action(const std::string& name) {
-  static const std::map<std::string, machine::Action> actions = {{"fail", machine::Action::fail}, {"hang", machine::Action::hang},
-      {"unplug", machine::Action::unplug}, {"plug", machine::Action::plug}, {"reset", machine::Action::reset}};
-  const auto found = actions.find(name);
-  if (found == actions.end()) throw py::value_error(name + " is not known; fail, hang, unplug, plug or reset is expected");
-  return found->second;
-}
-
 /// The plant's time series, one array per signal, units in the names.
 py::dict signals_of(const plant::Dock& dock) {
   const auto& rows = dock.signals();
@@ -381,9 +393,8 @@ void bind_simulation(py::module_& m) {
         const py::gil_scoped_release released;
         simulation.run_until(report::Time{static_cast<std::int64_t>(seconds * 1e12)});
       }, py::arg("time_s"))
-      .def("script", [](cmrc::Simulation& simulation, double time_s, const std::string& action, unsigned slot) {
-        simulation.machine().script({machine::Time{static_cast<std::int64_t>(time_s * 1e12)}, to_action(action), slot});
-      }, py::arg("time_s"), py::arg("action"), py::arg("slot"), "At that time: fail, hang, unplug, plug or reset the DSP in a slot.")
+      .def("at", [](cmrc::Simulation& simulation, const py::dict& fields) { simulation.at(to_event(fields)); }, py::arg("fields"),
+           "A timed event: at_s, action and its fields (docs/configuration.md, [[events]]).")
       .def("peek", [](const cmrc::Simulation& simulation, std::uint32_t offset) { return simulation.machine().peek(offset); },
            "A word of shared memory.")
       .def("symbol", [](const cmrc::Simulation& simulation, const std::string& name) { return simulation.machine().symbol(name); })

@@ -134,10 +134,10 @@ void bind_config(py::module_& m) {
       .def_readwrite("turn_order", &Config::turn_order)
       .def(
           "script",
-          [](Config& config, std::int64_t time, Action action, unsigned slot) {
-            config.script.push_back({Time{time}, action, slot});
+          [](Config& config, std::int64_t time, Action action, unsigned number, std::int64_t amount) {
+            config.script.push_back({Time{time}, action, number, amount});
           },
-          py::arg("time"), py::arg("action"), py::arg("slot"));
+          py::arg("time"), py::arg("action"), py::arg("number"), py::arg("amount") = 0);
   py::class_<ChipFault>(m, "ChipFault")
       .def_readonly("slot", &ChipFault::slot)
       .def_readonly("cycle", &ChipFault::cycle)
@@ -187,8 +187,11 @@ void bind_machine(py::module_& core) {
           py::call_guard<py::gil_scoped_release>())
       .def_property_readonly("time", [](const PyMachine& self) { return self.machine.time().count(); })
       .def(
-          "act", [](PyMachine& self, Action action, unsigned slot) { self.machine.act(action, slot); },
-          py::arg("action"), py::arg("slot"))
+          "act",
+          [](PyMachine& self, Action action, unsigned number, std::int64_t amount) {
+            self.machine.act({{}, action, number, amount});
+          },
+          py::arg("action"), py::arg("number"), py::arg("amount") = 0)
       .def("peek", [](const PyMachine& self, Offset offset) { return self.machine.peek(offset); })
       .def("poke", [](PyMachine& self, Offset offset, Word word) { self.machine.poke(offset, word); })
       .def("causes", [](const PyMachine& self, unsigned slot) { return causes_of(self.machine.chip(slot)); })

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from cmrc import _core
@@ -23,7 +23,7 @@ class Simulation:
 
     Every setting of docs/configuration.md may be given: by ``settings`` under its dotted name, or as a keyword under its last part where only one table has
     it (``dsps``, ``duration_s``, ``seed``, ``idle_policy``, ...). ``config`` is a TOML file, ``preset`` one of base, heavy, saturated. Later ones win: defaults,
-    preset, file, settings. Raises ConfigError; c40.AssemblyError when ``programs`` names sources that do not assemble.
+    preset, file, settings. ``events`` are dictionaries with the fields of ``[[events]]``. Raises ConfigError; c40.AssemblyError when ``programs`` names sources that do not assemble.
     """
 
     def __init__(
@@ -32,16 +32,21 @@ class Simulation:
         config: str | os.PathLike[str] | None = None,
         preset: str | None = None,
         settings: Mapping[str, Setting] | None = None,
+        events: Sequence[Mapping[str, Setting]] = (),
         **keywords: Setting,
     ) -> None:
         file = None if config is None else os.fspath(config)
-        self.config = _core.cmrc.config(file=file, preset=preset, settings={**(settings or {}), **keywords})
+        given = {**(settings or {}), **keywords}
+        self.config = _core.cmrc.config(file=file, preset=preset, settings=given, events=[dict(event) for event in events])
         """Every setting of this run; ``config.to_dict()``, ``config.to_toml()``."""
         self._core = _core.cmrc.Simulation(self.config)
 
-    def script(self, time_s: float, action: str, dsp: int) -> None:
-        """At ``time_s``, not before the present time: ``fail``, ``hang``, ``unplug``, ``plug`` or ``reset`` that DSP."""
-        self._core.script(time_s, action, dsp)
+    def at(self, at_s: float, action: str, **fields: Setting) -> None:
+        """An event at ``at_s``, not before the present time, with the fields of docs/configuration.md, ``[[events]]``.
+
+        ``at(0.5, "fail", dsp=1)``, ``at(1, "stall_bus", bus="A", lasts_ms=0.2)``, ``at(2, "set", key="scheduling.p", value=0x5000)``. Raises ConfigError.
+        """
+        self._core.at({"at_s": at_s, "action": action, **fields})
 
     def run(self, on_progress: Progress | None = None) -> Result:
         """Runs to the end of the duration, without holding the GIL.
@@ -78,10 +83,11 @@ def run(
     config: str | os.PathLike[str] | None = None,
     preset: str | None = None,
     settings: Mapping[str, Setting] | None = None,
+    events: Sequence[Mapping[str, Setting]] = (),
     on_progress: Progress | None = None,
     **keywords: Setting,
 ) -> Result:
     """Simulates the dock on ``dsps`` DSPs (default 4) for ``duration_s`` seconds (default 180). See ``Simulation``."""
     given: dict[str, Any] = {"dsps": dsps, "duration_s": duration_s}
     keywords = {**{name: value for name, value in given.items() if value is not None}, **keywords}
-    return Simulation(config=config, preset=preset, settings=settings, **keywords).run(on_progress)
+    return Simulation(config=config, preset=preset, settings=settings, events=events, **keywords).run(on_progress)

@@ -136,8 +136,9 @@ def test_documentation_lists_exactly_the_schema() -> None:
         if len(cells) == 5 and re.fullmatch(r"`[a-z_0-9.]+`", cells[0]):
             rows[cells[0].strip("`")] = cells
     assert set(rows) == set(KEYS)
-    for name, (_, default, unit, _, source) in rows.items():
+    for name, (_, default, unit, meaning, source) in rows.items():
         key = KEYS[name]
+        assert meaning.startswith("*live:*") == key["live"], name
         assert (unit, source) == (key["unit"], key["source"]), name
         if key["type"] in ("integer", "number"):
             assert float(int(default, 0) if default.startswith("0x") else default) == pytest.approx(key["default"], rel=1e-6), name

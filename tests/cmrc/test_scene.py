@@ -16,7 +16,7 @@ OUTCOMES = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
 def run(script: list[tuple[float, str, int]] | None = None, preset: str = "base", **settings: Any) -> Report:
     simulation = cmrc.Simulation(cmrc.config(preset=preset, settings=settings))
     for time_s, action, slot in script or []:
-        simulation.script(time_s, action, slot)
+        simulation.at({"at_s": time_s, "action": action, "dsp": slot})
     simulation.run()
     report: Report = json.loads(simulation.report_json())
     for task in report["tasks"].values():
@@ -125,7 +125,7 @@ def test_a_dsp_that_dies_holding_the_list_does_not_stop_it() -> None:
 def test_pulling_every_dsp_ends_the_run() -> None:
     simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 5, "dsps": 2}))
     for slot in (0, 1):
-        simulation.script(0.1, "unplug", slot)
+        simulation.at({"at_s": 0.1, "action": "unplug", "dsp": slot})
     simulation.run()
     report = json.loads(simulation.report_json())
     assert report["stop_reason"] == "no_dsp_left"

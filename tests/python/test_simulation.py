@@ -105,7 +105,7 @@ def test_bad_settings_are_value_errors() -> None:
 
 def test_a_scripted_failure_is_in_the_report() -> None:
     simulation = cmrc.Simulation(dsps=3, duration_s=0.1)
-    simulation.script(0.03, "fail", 0)
+    simulation.at(0.03, "fail", dsp=0)
     result = simulation.run()
     assert result.report["dsps"][0]["causes"]["halted"] > 0.05 * 25e6
     outcomes = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")

@@ -1,0 +1,197 @@
+#include "cmrc/timed_event.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "cmrc/config.hpp"
+
+namespace cmrc {
+namespace {
+
+constexpr double longest_ms = 1e6;
+
+std::vector<std::string> names_of(std::string_view target) {
+  if (target == "bus") return {"A", "B"};
+  if (target == "joint") return {"travel", "slew", "luff", "hoist", "rotate"};
+  if (target == "axis") return {"alpha", "beta"};
+  return {};
+}
+
+const TimedAction& action_named(const std::string& name, const Origin& origin) {
+  std::vector<std::string> names;
+  for (const TimedAction& known : timed_actions()) {
+    if (known.name == name) return known;
+    names.emplace_back(known.name);
+  }
+  refuse(origin, "events.action", fmt::format("\"{}\" is not known", name), quoted_list(names) + " is expected");
+}
+
+/// Takes the fields of one event one by one; what is left over is unknown.
+class Fields {
+ public:
+  Fields(const std::map<std::string, Field>& fields, const Origin& where) : fields_(fields), where_(where) {}
+
+  const Field& take(std::string_view name, std::string_view right) {
+    const auto found = fields_.find(std::string(name));
+    if (found == fields_.end()) refuse(where_, fmt::format("events.{}", name), "is missing", right);
+    taken_.push_back(found->first);
+    return found->second;
+  }
+  double number(std::string_view name, double least, double most) {
+    const std::string right = fmt::format("a number from {} to {} is expected", least, most);
+    const Field& field = take(name, right);
+    double value = 0;
+    if (const auto* real = std::get_if<double>(&field.value)) value = *real;
+    else if (const auto* integer = std::get_if<std::int64_t>(&field.value)) value = static_cast<double>(*integer);
+    else refuse(field.origin, fmt::format("events.{}", name), fmt::format("{} is {}", show(field.value), noun(field.value)), right);
+    if (!(value >= least && value <= most)) {
+      refuse(field.origin, fmt::format("events.{}", name), fmt::format("{} is out of range", show(field.value)), right);
+    }
+    return value;
+  }
+  std::string text(std::string_view name, std::string_view right) {
+    const Field& field = take(name, right);
+    if (const auto* word = std::get_if<std::string>(&field.value)) return *word;
+    refuse(field.origin, fmt::format("events.{}", name), fmt::format("{} is {}", show(field.value), noun(field.value)), right);
+  }
+  unsigned target(std::string_view name) {
+    if (name == "dsp") {
+      const Field& field = take(name, "a DSP's number is expected");
+      const auto* number = std::get_if<std::int64_t>(&field.value);
+      if (number == nullptr || *number < 0 || *number > 15) {
+        refuse(field.origin, "events.dsp", fmt::format("{} is no DSP", show(field.value)), "an integer from 0 to 15 is expected");
+      }
+      return static_cast<unsigned>(*number);
+    }
+    const auto names = names_of(name);
+    const std::string word = text(name, quoted_list(names) + " is expected");
+    const auto found = std::find(names.begin(), names.end(), word);
+    if (found == names.end()) {
+      refuse(fields_.at(std::string(name)).origin, fmt::format("events.{}", name), fmt::format("\"{}\" is not known", word),
+             quoted_list(names) + " is expected");
+    }
+    return static_cast<unsigned>(found - names.begin());
+  }
+  void nothing_left(const TimedAction& action) const {
+    for (const auto& [name, field] : fields_) {
+      if (std::find(taken_.begin(), taken_.end(), name) != taken_.end()) continue;
+      refuse(field.origin, "events." + name, fmt::format("\"{}\" has no such field", action.name),
+             fmt::format("its fields are {}", quoted_list(taken_)));
+    }
+  }
+
+ private:
+  const std::map<std::string, Field>& fields_;
+  const Origin& where_;
+  std::vector<std::string> taken_;
+};
+
+const TimedAction& action_of(const TimedEvent& event) { return action_named(event.action, event.origin); }
+
+/// Which slots hold a board, as the events come and go.
+class Slots {
+ public:
+  explicit Slots(const Config& config) : config_(config) {
+    for (std::size_t slot = 0; slot < static_cast<std::size_t>(config.machine.dsps); ++slot) plugged_.at(slot) = true;
+  }
+  void follow(const TimedEvent& event) {
+    if (action_of(event).target != "dsp") return;
+    const auto slots = std::max(config_.machine.dsps, config_.machine.slots);
+    if (event.number >= slots) {
+      refuse(event.origin, "events.dsp", fmt::format("there is no slot {}", event.number),
+             fmt::format("the slots are 0 to {}; machine.slots makes more", slots - 1));
+    }
+    bool& plugged = plugged_.at(event.number);
+    const bool wanted = event.action != "plug";
+    if (plugged != wanted) {
+      refuse(event.origin, "events.action", fmt::format("{} at {} s, but slot {} {}", event.action, event.at_s, event.number,
+                                                        plugged ? "holds a board" : "is empty"),
+             plugged ? "unplug it first" : "plug a board in first");
+    }
+    if (event.action == "unplug" || event.action == "plug") plugged = !plugged;
+  }
+
+ private:
+  const Config& config_;
+  std::array<bool, 16> plugged_{};
+};
+
+}  // namespace
+
+std::span<const TimedAction> timed_actions() {
+  static constexpr TimedAction all[] = {
+      {"fail", "dsp", "", "the chip dies and stays dead; only another board helps (unplug, plug)"},
+      {"hang", "dsp", "", "the chip gets stuck until it is reset"},
+      {"unplug", "dsp", "", "the board is pulled out: transactions break off, posted words are lost"},
+      {"plug", "dsp", "", "a board is put in, is booted and starts working"},
+      {"reset", "dsp", "", "reset and booted again"},
+      {"slow", "dsp", "factor", "its clock runs at this factor of its frequency; 1 is full speed again"},
+      {"pause_host", "", "lasts_ms", "the host's processor does nothing for so long"},
+      {"stall_bus", "bus", "lasts_ms", "the bus's arbiter grants nothing for so long"},
+      {"fail_drive", "joint", "", "the drive has no torque and its brake closes"},
+      {"repair_drive", "joint", "", "the drive works again"},
+      {"stick_encoder", "joint", "", "the encoder goes on showing the count of this instant"},
+      {"repair_encoder", "joint", "", "the encoder works again"},
+      {"stick_sway", "axis", "", "the sway sensor goes on showing the angle of this instant"},
+      {"repair_sway", "axis", "", "the sway sensor works again"},
+      {"set", "", "", "the operator sets `key` to `value`; the keys marked \"live\" may change while a run is on"},
+  };
+  return all;
+}
+
+TimedEvent timed_event(const std::map<std::string, Field>& given, const Origin& where) {
+  Fields fields(given, where);
+  TimedEvent event;
+  event.origin = where;
+  event.at_s = fields.number("at_s", 0, 86400);
+  event.action = fields.text("action", "the name of an action is expected");
+  const TimedAction& action = action_named(event.action, given.at("action").origin);
+  if (!action.target.empty()) event.number = fields.target(action.target);
+  if (action.amount == "factor") event.amount = fields.number("factor", 0.001, 1);
+  if (action.amount == "lasts_ms") event.amount = fields.number("lasts_ms", 1e-6, longest_ms);
+  if (event.action == "set") {
+    event.key = fields.text("key", "a dotted key is expected");
+    event.value = fields.take("value", "a value for the key is expected").value;
+    check_live(event.key, event.value, given.at("key").origin);
+  }
+  fields.nothing_left(action);
+  return event;
+}
+
+std::string to_toml(const TimedEvent& event) {
+  const TimedAction& action = action_of(event);
+  std::string text = fmt::format("at_s = {}\naction = \"{}\"\n", show(Value{event.at_s}), event.action);
+  if (action.target == "dsp") text += fmt::format("dsp = {}\n", event.number);
+  else if (!action.target.empty()) text += fmt::format("{} = \"{}\"\n", action.target, names_of(action.target).at(event.number));
+  if (!action.amount.empty()) text += fmt::format("{} = {}\n", action.amount, show(Value{event.amount}));
+  if (event.action == "set") text += fmt::format("key = \"{}\"\nvalue = {}\n", event.key, show(event.value));
+  return text;
+}
+
+std::string describe(const TimedEvent& event) {
+  const TimedAction& action = action_of(event);
+  std::string text = event.action;
+  if (action.target == "dsp") text += fmt::format(" DSP {}", event.number);
+  else if (!action.target.empty()) text += " " + names_of(action.target).at(event.number);
+  if (action.amount == "factor") text += fmt::format(" to {}", event.amount);
+  if (action.amount == "lasts_ms") text += fmt::format(" for {} ms", event.amount);
+  if (event.action == "set") text += fmt::format(" {} = {}", event.key, show(event.value));
+  return text;
+}
+
+void check_events(const Config& config) {
+  std::vector<const TimedEvent*> order;
+  for (const TimedEvent& event : config.events) order.push_back(&event);
+  std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) { return a->at_s < b->at_s; });
+  Slots slots(config);
+  Config changed = config;
+  for (const TimedEvent* event : order) {
+    slots.follow(*event);
+    if (event->action == "set") changed = with_live(changed, event->key, event->value, event->origin);
+  }
+}
+
+}  // namespace cmrc

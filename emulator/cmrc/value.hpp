@@ -1,0 +1,38 @@
+#pragma once
+// Values as the user gives them, where they were given, and the error for what is wrong with them.
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace cmrc {
+
+using Value = std::variant<bool, std::int64_t, double, std::string>;
+
+/// Where a value was given: a file with line and column, or the name of a flag or an argument.
+struct Origin {
+  std::string name;
+  std::int64_t line = 0;
+  std::int64_t column = 0;
+  std::string text() const;
+};
+
+/// "FILE:line:column: key: what is wrong; what would be right" (line and column only where there are any).
+class ConfigError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// \throws ConfigError in the form above
+[[noreturn]] void refuse(const Origin& origin, std::string_view key, std::string_view what, std::string_view right);
+
+/// The value as TOML would have it.
+std::string show(const Value& value);
+/// "a boolean", "an integer", "a number", "a string"
+std::string_view noun(const Value& value);
+/// "a", "b" or "c"
+std::string quoted_list(const std::vector<std::string>& words);
+
+}  // namespace cmrc
