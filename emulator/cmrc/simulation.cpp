@@ -118,7 +118,7 @@ void Simulation::at(const TimedEvent& event) {
   Parts& p = *parts_;
   if (duration_of(event.at_s) < p.machine.time()) {
     refuse(event.origin, "events.at_s", fmt::format("{} s has passed", event.at_s),
-           fmt::format("the run is at {} s", static_cast<double>(p.machine.time().count()) * 1e-12));
+           fmt::format("the run is at {:.9g} s", static_cast<double>(p.machine.time().count()) * 1e-12));
   }
   Config with = p.config;
   with.events.push_back(event);

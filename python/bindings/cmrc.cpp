@@ -249,6 +249,7 @@ class TestLedger {
   void dropped(std::size_t block, double at) { ledger_.dropped(block, seconds(at)); }
   void removed(std::size_t block) { ledger_.removed(block); }
   void slot_failed(unsigned slot) { ledger_.slot_failed(slot, {}); }
+  std::vector<std::string> violations() const { return ledger_.audit().violations(); }
   py::dict report(double now) const {
     py::dict all;
     for (const report::TaskReport& task : ledger_.report(seconds(now), 2)) {
@@ -312,6 +313,7 @@ void bind_parts(py::module_& m) {
       .def("dropped", &TestLedger::dropped)
       .def("removed", &TestLedger::removed)
       .def("slot_failed", &TestLedger::slot_failed)
+      .def("violations", &TestLedger::violations)
       .def("report", &TestLedger::report);
 }
 

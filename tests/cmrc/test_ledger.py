@@ -1,6 +1,7 @@
 """Every job is booked under exactly one outcome (ruling 16)."""
 
 import hypothesis.strategies as st
+import pytest
 from hypothesis import given, settings
 
 from cmrc import _core
@@ -97,3 +98,32 @@ def test_nothing_falls_between_the_classes(steps: list[tuple[int, int, int]]) ->
             released += 1
     row = jobs.report(float(len(steps)))["pid"]
     assert row["released"] == sum(row[name] for name in OUTCOMES) == released
+
+
+@pytest.mark.parametrize(("steps", "message"), [
+    ("load claim0 finish0 remove", None),
+    ("load claim0 back claim1 finish1 remove load claim0", None),
+    ("load claim0 drop load", None),
+    ("load load", "loaded while waiting"),
+    ("load claim0 claim1", "claimed while taken"),
+    ("load claim0 finish1", "taken by DSP 0, finished by DSP 1"),
+    ("load claim0 finish0 finish0", "finished while done"),
+    ("load claim0 back finish0", "finished while waiting"),  # a late finisher that no fence stopped
+    ("load claim0 finish0 back", "put back while done"),     # a block that would be done twice
+    ("load claim0 remove", "removed while taken"),
+    ("load drop", "given up while waiting"),
+])  # fmt: skip
+def test_a_block_that_leaves_its_life_is_noticed(steps: str, message: str | None) -> None:
+    jobs = ledger()
+    for number, step in enumerate(steps.split()):
+        at = 1.0 + number
+        name, slot = step.rstrip("01"), int(step[-1]) if step[-1] in "01" else 0
+        if name == "load":
+            jobs.release(0, "pid", at)
+        elif name in ("claim", "finish"):
+            getattr(jobs, {"claim": "claimed", "finish": "finished"}[name])(0, slot, at, [0, 0])
+        elif name == "remove":
+            jobs.removed(0)
+        else:
+            getattr(jobs, {"back": "put_back", "drop": "dropped"}[name])(0, at)
+    assert [violation.split(": ")[1] for violation in jobs.violations()] == ([] if message is None else [message])

@@ -1,0 +1,268 @@
+"""Failures, hot-plug and changes of parameters at given instants: what they do, that nothing is lost, that nonsense is refused."""
+
+import json
+import random
+from typing import Any
+
+import pytest
+
+from cmrc import _core
+
+cmrc = _core.cmrc
+Report = dict[str, Any]
+OUTCOMES = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
+
+
+def run(events: list[dict[str, Any]], **settings: Any) -> Report:
+    simulation = cmrc.Simulation(cmrc.config(settings=settings, events=events))
+    simulation.run()
+    report: Report = json.loads(simulation.report_json())
+    assert report["audit"]["violations"] == []
+    assert report["audit"]["checks"] > 0
+    for task in report["tasks"].values():
+        assert task["released"] == sum(task[name] for name in OUTCOMES)
+    for dsp in report["dsps"]:
+        assert sum(dsp["causes"].values()) == dsp["cycles"]
+    return report
+
+
+def refused(events: list[dict[str, Any]] | str, **settings: Any) -> str:
+    with pytest.raises(cmrc.ConfigError) as info:
+        if isinstance(events, str):
+            cmrc.config(toml=events, name="dock.toml", settings=settings)
+        else:
+            cmrc.config(events=events, settings=settings)
+    return str(info.value)
+
+
+def misses(report: Report) -> int:
+    return sum(task["misses"] for task in report["tasks"].values())
+
+
+# ---- each action does what its line in docs/configuration.md says
+
+
+def test_a_slowed_dsp_executes_that_much_less_and_longer() -> None:
+    # One DSP works alone: half the clock, half the cycles from then on, and each run of PID takes longer.
+    full = run([], duration_s=0.1, dsps=1)
+    half = run([{"at_s": 0.05, "action": "slow", "dsp": 0, "factor": 0.5}], duration_s=0.1, dsps=1)
+    assert full["dsps"][0]["cycles"] == 2_500_000
+    assert half["dsps"][0]["cycles"] == 1_250_000 + 625_000
+    assert half["tasks"]["pid"]["execution_ps"]["worst"] > 1.5 * full["tasks"]["pid"]["execution_ps"]["worst"]
+
+
+def test_full_speed_again_is_full_speed() -> None:
+    events = [{"at_s": at, "action": "slow", "dsp": 0, "factor": factor} for at, factor in ((0.02, 0.25), (0.06, 1))]
+    report = run(events, duration_s=0.1, dsps=1)
+    assert report["dsps"][0]["cycles"] == 500_000 + 250_000 + 1_000_000
+
+
+def test_a_paused_host_leaves_out_its_refreshes() -> None:
+    report = run([{"at_s": 0.0500001, "action": "pause_host", "lasts_ms": 5}], duration_s=0.1)
+    assert 39 <= report["host"]["skipped_refreshes"] <= 41  # 5 ms of 125 us
+    assert 4 <= report["tasks"]["pid"]["dropped"] <= 6
+
+
+def test_a_stalled_bus_moves_no_word_while_it_lasts() -> None:
+    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.1}, events=[{"at_s": 0.05, "action": "stall_bus", "bus": "A", "lasts_ms": 2}]))
+    words = []
+    for at_s in (0.05001, 0.0519, 0.054):
+        simulation.run_until(at_s)
+        bus = json.loads(simulation.report_json())["buses"]["A"]
+        words.append(sum(master["words_read"] + master["words_written"] for master in bus["masters"].values()))
+    assert words[0] == words[1] < words[2]
+
+
+def test_every_clock_of_a_stalled_bus_is_accounted_for() -> None:
+    # The host asks at its next refresh, 125 us into the stall at the latest; a millisecond is 33 333 clocks.
+    shares = {}
+    for name in ("A", "B"):
+        report = run([{"at_s": 0.05, "action": "stall_bus", "bus": name, "lasts_ms": 1}], duration_s=0.1)
+        shares[name] = {bus: report["buses"][bus]["clocks_by_use"] for bus in ("A", "B")}
+        for bus in ("A", "B"):
+            assert sum(shares[name][bus].values()) == report["buses"][bus]["clocks"]
+    assert 33_333 * 7 / 8 < shares["A"]["A"]["idle_requested"] - shares["B"]["A"]["idle_requested"] < 33_500
+    assert shares["B"]["B"]["idle_requested"] > 10_000
+
+
+def test_a_failed_drive_brakes_its_joint_alone() -> None:
+    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 3, "signal_decimation": 80}, events=[{"at_s": 2, "action": "fail_drive", "joint": "slew"}]))
+    simulation.run()
+    signals = simulation.signals()
+    last = signals["time_s"] > 2.9
+    assert abs(signals["psi_rate_rad_per_s"][last]).max() < 1e-6
+    assert abs(signals["l_rate_m_per_s"][last]).max() > 1e-3 or abs(signals["phi_rate_rad_per_s"][last]).max() > 1e-5
+
+
+def test_a_stuck_encoder_shows_the_same_count() -> None:
+    from cmrc._core import plant
+
+    dock = plant.Dock(plant.default_dock(1))
+    ms = 1_000_000_000
+    dock.enable_drives(0x1F, 0)
+    for joint in range(5):
+        dock.set_torque_code(joint, 200, 0)
+    before = dock.encoder(3, 50 * ms)
+    dock.fail_encoder(3, True, 50 * ms)
+    assert dock.encoder(3, 90 * ms) == before
+    dock.fail_encoder(3, False, 91 * ms)
+    assert dock.encoder(3, 92 * ms) != before
+
+
+def test_drives_brake_when_no_torque_code_comes() -> None:
+    # Both DSPs die; the drives hold the last code for 100 ms, then brake; the run ends when no DSP has been alive for 500 ms.
+    report = run([{"at_s": 1, "action": "fail", "dsp": dsp} for dsp in (0, 1)], duration_s=5, dsps=2)
+    assert report["stop_reason"] == "no_dsp_left"
+    assert report["braked"]
+    stopped = [failure for failure in report["failures"] if "drive_stopped" in failure["message"]]
+    assert len(stopped) == 5
+    assert all(1.099 < failure["time_s"] < 1.102 for failure in stopped)
+    assert not run([], duration_s=0.2)["braked"]
+
+
+def test_a_board_plugged_into_an_empty_slot_works() -> None:
+    report = run([{"at_s": 0.05, "action": "plug", "dsp": 1}, {"at_s": 0.06, "action": "fail", "dsp": 0}], duration_s=0.2, dsps=1, slots=2)
+    assert report["dsps"][1]["claims"] > 200
+    assert report["tasks"]["pid"]["on_time"] > 190
+    assert [entry["what"] for entry in report["timed_events"]] == ["plug DSP 1", "fail DSP 0"]
+
+
+def test_an_operator_changes_a_parameter() -> None:
+    # With as_printed a pid block waits with J = FFECh instead of FFEFh (paper table); the trace tells J only by its order, so look at shared memory.
+    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.2, "dsps": 1}))
+    simulation.at({"at_s": 0.1, "action": "set", "key": "scheduling.equation", "value": "as_printed"})
+    symbol = simulation.symbol
+
+    def importances(from_s: float) -> set[int]:
+        seen = set()
+        for k in range(400):
+            simulation.run_until(from_s + k * 20e-6)
+            for block in range(symbol("BLOCK_COUNT")):
+                offset = symbol("BLOCK_POOL") + block * symbol("BLOCK_WORDS")
+                if simulation.peek(offset + symbol("TB_KIND")) == symbol("KIND_PID"):
+                    seen.add(simulation.peek(offset + symbol("TB_J")))
+        return seen
+
+    assert importances(0.05) == {0, 0xFFEF}
+    assert 0xFFEC in importances(0.15)
+
+
+def test_a_change_is_an_event_of_the_trace_and_of_the_hash() -> None:
+    change = [{"at_s": 0.05, "action": "set", "key": "scheduling.gamma_refreshes", "value": 1}]
+    assert run(change, duration_s=0.1)["hash"] != run([], duration_s=0.1)["hash"]
+    assert run(change, duration_s=0.1)["hash"] == run(change, duration_s=0.1, turn_order=77)["hash"]
+
+
+# ---- whatever fails, nothing is lost or done twice
+
+
+def failures(seed: int, dsps: int, duration_s: float) -> list[dict[str, Any]]:
+    """Random failures that never leave the scene without a DSP for good: slot 0 only hangs."""
+    chance = random.Random(seed)
+    plugged = dict.fromkeys(range(dsps), True)
+    events: list[dict[str, Any]] = []
+    # Within 150 us of a servo tick the DSPs are at work: half of the claims, runs and ends of the scene happen there.
+    ticks = [chance.randint(10, int(duration_s * 1e3) - 50) * 1e-3 for _ in range(chance.randint(2, 8))]
+    times = sorted(tick + chance.uniform(0, 150e-6) for tick in ticks)
+    for at_s in times:
+        dsp = chance.randrange(dsps)
+        kinds = ["hang", "reset", "slow", "pause_host", "stall_bus"]
+        if dsp > 0:
+            kinds += ["fail", "unplug"]
+        action = chance.choice(kinds) if plugged[dsp] else "plug"
+        event: dict[str, Any] = {"at_s": at_s, "action": action}
+        if action == "stall_bus":
+            event |= {"bus": chance.choice("AB"), "lasts_ms": chance.uniform(0.01, 3)}
+        elif action == "pause_host":
+            event |= {"lasts_ms": chance.uniform(0.01, 3)}
+        else:
+            event["dsp"] = dsp
+        if action == "slow":
+            event["factor"] = chance.choice([0.01, 0.1, 0.5, 1.0])
+        if action in ("unplug", "plug"):
+            plugged[dsp] = action == "plug"
+        events.append(event)
+    return events
+
+
+def survives(seed: int) -> None:
+    dsps = 2 + seed % 3
+    report = run(failures(seed, dsps, 0.3), duration_s=0.3, dsps=dsps, agvs=1 + seed % 2)
+    assert report["stop_reason"] == "completed"
+    # What was lost is lost to a DSP that had just died: by the end everything but the last few blocks has been done.
+    assert sum(task["lost"] + task["unfinished"] + task["never_started"] for task in report["tasks"].values()) <= 2 * dsps + 4
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_failures_lose_nothing(seed: int) -> None:
+    survives(seed)
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("seed", range(100, 600))
+def test_random_failures_by_the_hundred_lose_nothing(seed: int) -> None:
+    survives(seed)
+
+
+def test_failures_are_the_same_in_any_turn_order() -> None:
+    events = failures(5, 3, 0.3)
+    assert run(events, duration_s=0.3, dsps=3)["hash"] == run(events, duration_s=0.3, dsps=3, turn_order=4711)["hash"]
+
+
+# ---- what makes no sense is refused before the run starts
+
+
+@pytest.mark.parametrize(("event", "message"), [
+    ({"action": "fail", "dsp": 0}, r"events.at_s: is missing"),
+    ({"at_s": -1, "action": "fail", "dsp": 0}, r"events.at_s: -1 is out of range"),
+    ({"at_s": 1, "action": "explode"}, r'events.action: "explode" is not known; "fail", '),
+    ({"at_s": 1, "action": "fail"}, r"events.dsp: is missing"),
+    ({"at_s": 1, "action": "fail", "dsp": 4}, r"events.dsp: there is no slot 4; the slots are 0 to 3; machine.slots makes more"),
+    ({"at_s": 1, "action": "fail", "dsp": 1.5}, r"events.dsp: 1.5 is no DSP"),
+    ({"at_s": 1, "action": "fail", "dsp": 1, "bus": "A"}, r'events.bus: "fail" has no such field; its fields are "at_s", "action" or "dsp"'),
+    ({"at_s": 1, "action": "plug", "dsp": 1}, r"events.action: plug at 1 s, but slot 1 holds a board; unplug it first"),
+    ({"at_s": 1, "action": "slow", "dsp": 1, "factor": 0}, r"events.factor: 0 is out of range"),
+    ({"at_s": 1, "action": "stall_bus", "bus": "C", "lasts_ms": 1}, r'events.bus: "C" is not known; "A" or "B" is expected'),
+    ({"at_s": 1, "action": "fail_drive", "joint": "elbow"}, r'events.joint: "elbow" is not known'),
+    ({"at_s": 1, "action": "set", "key": "scheduling.pp", "value": 1}, r"scheduling.pp: no such key; the nearest known key is scheduling.p"),
+    ({"at_s": 1, "action": "set", "key": "machine.dsps", "value": 5}, r"machine.dsps: cannot be changed while a run is on"),
+    ({"at_s": 1, "action": "set", "key": "scheduling.q", "value": 0x4000}, r"scheduling.q: q = 0x4000 is not below p = 0x4000"),
+    ({"at_s": 1, "action": "set", "key": "scheduling.q", "value": "high"}, r'scheduling.q: "high" is a string'),
+])  # fmt: skip
+def test_an_event_without_sense_is_refused(event: dict[str, Any], message: str) -> None:
+    import re
+
+    assert re.search(message, refused([event])), refused([event])
+
+
+def test_an_error_in_a_file_says_where() -> None:
+    toml = '[machine]\ndsps = 2\n\n[[events]]\nat_s = 0.1\naction = "fail"\ndsp = 2\n'
+    assert refused(toml).startswith("dock.toml:4:")
+    assert refused('[[events]]\nat_s = 0.1\naction = "fail"\ndsp = "two"\n').startswith("dock.toml:4:7: events.dsp:")
+
+
+def test_pulling_a_board_twice_is_refused() -> None:
+    twice = [{"at_s": at, "action": "unplug", "dsp": 1} for at in (1, 2)]
+    assert "slot 1 is empty; plug a board in first" in refused(twice)
+
+
+def test_a_later_change_is_checked_with_the_earlier_ones() -> None:
+    raise_p = {"at_s": 1, "action": "set", "key": "scheduling.p", "value": 0x5000}
+    raise_q = {"at_s": 2, "action": "set", "key": "scheduling.q", "value": 0x2400}
+    cmrc.config(events=[raise_p, raise_q])
+    lower_p = {"at_s": 3, "action": "set", "key": "scheduling.p", "value": 0x2400}
+    assert "q = 0x2400 is not below p = 0x2400" in refused([raise_p, raise_q, lower_p])
+
+
+def test_the_past_cannot_be_changed() -> None:
+    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.1}))
+    simulation.run_until(0.05)
+    with pytest.raises(cmrc.ConfigError, match=r"0.04 s has passed; the run is at 0.05 s"):
+        simulation.at({"at_s": 0.04, "action": "fail", "dsp": 0})
+
+
+def test_events_are_part_of_the_configuration_as_toml() -> None:
+    events = [{"at_s": 0.5, "action": "slow", "dsp": 1, "factor": 0.5}, {"at_s": 1, "action": "set", "key": "scheduling.equation", "value": "as_printed"}]
+    toml = cmrc.config(events=events).to_toml()
+    assert cmrc.config(toml=toml).to_toml() == toml
+    assert toml.count("[[events]]") == 2
