@@ -3,6 +3,7 @@
 #include <bit>
 
 #include "c40/op.hpp"
+#include "isa/decode.hpp"
 
 namespace c40::execute {
 
@@ -75,6 +76,10 @@ struct Place {
     }
   }
   void update(Core& core, const Op& op) const {
+    // A second operand through the same ARn that leaves it as it is must not take back the update of the first.
+    if constexpr (kind == Kind::indirect) {
+      if (!isa::modn::modifies(op.modn[s])) return;
+    }
     if constexpr (updates_register(kind)) core.r[op.ar[s]] = formed.updated;
   }
   void undo(Core& core, const Op& op) const {

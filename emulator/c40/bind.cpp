@@ -161,8 +161,8 @@ class Binder {
         place(1, in_.dst, true);
         return execute::store_store_handler(floating());
       case Format::load_load:
-        place(0, in_.src1, true);
-        place(1, in_.src3, true);
+        place(0, in_.src3, true);
+        place(1, in_.src1, true);
         return execute::load_load_handler(floating());
       case Format::multiply_add: {
         for (const Operand* operand : {&in_.src1, &in_.src2, &in_.src3, &in_.src4})

@@ -284,7 +284,9 @@ void Engine::finish_step(const StepRecord& record) {
   Core& core = state_.core;
   for (std::size_t k = 0; k < 2; ++k)
     if (record.register_write[k]) write_register(record.address[k], scratch_[k].cell[0]);
-  if (record.bound.writes_status) write_status(core.r[reg::ST]);
+  // LDIcond may leave ST as it is.
+  const bool written = !record.bound.row->conditional() || execute::holds(core, static_cast<isa::Condition>(record.bound.op.selector));
+  if (record.bound.writes_status && written) write_status(core.r[reg::ST]);
   if (record.bound.writes_interrupts) after_interrupt_register_write();
 }
 

@@ -148,20 +148,20 @@ Outcome store(Core& core, const Op* op) {
   return finish_store(core, op, code, place.formed.address);
 }
 
-/// Access 0 is the I byte (src1 -> dst), access 1 the J byte (src3 -> dst2); dst survives.
+/// Access 0 is the J byte (src3 -> dst2), access 1 the I byte (src1 -> dst); dst survives.
 template <bool floating>
 Outcome load_load(Core& core, const Op* op) {
-  Place<Kind::indirect, 0> i;
-  Place<Kind::indirect, 1> j;
-  i.form(core, *op);
+  Place<Kind::indirect, 0> j;
+  Place<Kind::indirect, 1> i;
   j.form(core, *op);
+  i.form(core, *op);
   i.update(core, *op);
   j.update(core, *op);
-  const bool i_met = i.met(*op);
-  if (!i_met || !j.met(*op)) [[unlikely]] {
+  const bool j_met = j.met(*op);
+  if (!j_met || !i.met(*op)) [[unlikely]] {
     i.undo(core, *op);
     j.undo(core, *op);
-    return i_met ? miss(core, op, 1, j.formed.address) : miss(core, op, 0, i.formed.address);
+    return j_met ? miss(core, op, 1, i.formed.address) : miss(core, op, 0, j.formed.address);
   }
   if constexpr (floating) {
     const Float40 x = i.floating(core, *op, 0), y = j.floating(core, *op, 0);

@@ -70,6 +70,7 @@ class Bench {
 
   void set_up(const Vector& vector) {
     chip_.reset();
+    for (std::uint8_t code = 0; code < isa::register_count; ++code) set({{Kind::primary, code}, 0});
     for (std::size_t i = 0; i < vector.code.size(); ++i) poke(start + static_cast<Address>(i), vector.code[i]);
     for (const Vector::Word& word : vector.memory_before) poke(word.address, word.value);
     constexpr Vector::Place status{Kind::primary, isa::code(isa::Register::ST)};

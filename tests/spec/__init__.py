@@ -1,0 +1,16 @@
+"""An executable specification of the TMS320C4x's instructions, in exact rationals and unlimited integers.
+
+Written from the reference text (sections 2 to 8 of the instruction set's description), not from the emulator, and sharing
+nothing with it: its own formats, arithmetic, decoder and machine. Slow and plain on purpose. Registers R0 to R11 are
+40-bit integers, exponent byte in bits 39..32; all others 32-bit.
+
+    formats      the floating-point formats and what they mean (2)
+    flags        what an operation says about ST, and what ST becomes (1.4, 5)
+    floats       floating-point arithmetic (7.1 to 7.7, 7.10, 2.3)
+    integers     integer arithmetic, logic, shifts, part-words (6.1 to 6.3, 7.8, 7.9, 7.11)
+    addressing   indirect addressing (3.9)
+    machine      registers, memory, the instructions of every group (3, 6, 8)
+    encodings    every encoding with its operand forms, for generators (3, 6)
+    vectors      single-step vectors: states in, states out
+    campaign     a million cases of every operation against the C++ reference of tests/reference
+"""

@@ -1,0 +1,319 @@
+"""Every encoding with its operand forms (sections 3 and 6), as builders of random words; some come with a program around them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from random import Random
+
+from .machine import IIF, RC
+from .operands import EDGE_WORDS
+
+R_CODES = [0, 1, 2, 3, 4, 5, 6, 7, 28, 29, 30, 31]
+# IIF is left out: what it reads back depends on pins.
+INTEGER_CODES = [code for code in range(32) if code != IIF]
+LDA_CODES = list(range(8, 21))
+CONDITION_CODES = [code for code in range(21) if code != 11]
+NOP = 0x0C800000
+
+# Section 6.1: op6, mnemonic, modes, source, destination (f: R0 to R11, n: any register).
+GENERAL = """
+0 absf rdim f f | 1 absi rdim n n | 2 addc rdim n n | 3 addf rdim f f | 4 addi rdim n n | 5 and rdim n n | 6 andn rdim n n
+7 ash rdim n n | 8 cmpf rdim f f | 9 cmpi rdim n n | 10 fix rdim f n | 11 float rdim n f | 13 lde rdim f f | 14 ldf rdim f f
+15 ldfi di f f | 16 ldi rdim n n | 17 ldii di n n | 18 ldm rdim f f | 19 lsh rdim n n | 20 mpyf rdim f f | 21 mpyi rdim n n
+22 negb rdim n n | 23 negf rdim f f | 24 negi rdim n n | 26 norm rdim f f | 27 not rdim n n | 32 or rdim n n | 34 rnd rdim f f
+40 stf di f f | 41 stfi di f f | 42 sti di n n | 43 stii di n n | 44 sigi di n n | 45 subb rdim n n | 46 subc rdim n n
+47 subf rdim f f | 48 subi rdim n n | 49 subrb rdim n n | 50 subrf rdim f f | 51 subri rdim n n | 52 tstb rdim n n
+53 xor rdim n n | 55 toieee rdim f f | 56 frieee di f f | 57 rsqrf rdim f f | 58 rcpf rdim f f | 59 mpyshi rdim n n
+60 mpyuhi rdim n n | 61 lda rdim n a
+"""
+PART_WORDS = [f"{op}{n}" for op in ("lb", "lbu", "lwl", "lwr", "mb") for n in range(4)]
+PART_WORDS += [f"{op}{n}" for op in ("lh", "lhu", "mh") for n in range(2)]
+THREE = "addc addf addi and andn ash cmpf cmpi lsh mpyf mpyi or subb subf subi tstb xor mpyshi mpyuhi".split()
+PAIRS = """stf_stf sti_sti ldf_ldf ldi_ldi absf_stf absi_sti addf_stf addi_sti and_sti ash_sti fix_sti float_stf ldf_stf ldi_sti
+lsh_sti mpyf_stf mpyi_sti negf_stf negi_sti not_sti or_sti subf_stf subi_sti xor_sti toieee_stf frieee_stf""".split()
+THREE_OPERAND_PAIRS = {6, 7, 8, 9, 14, 15, 16, 20, 21, 22, 23}
+
+
+@dataclass(frozen=True)
+class Program:
+    """The instruction at 1000h, what stands behind it, the registers it needs, and how many instructions are executed."""
+
+    words: tuple[int, ...]
+    steps: int = 1
+    registers: tuple[tuple[int, int], ...] = ()
+
+
+@dataclass(frozen=True)
+class Encoding:
+    name: str
+    form: str
+    build: Callable[[Random], Program]
+
+
+def one(build: Callable[[Random], int]) -> Callable[[Random], Program]:
+    return lambda rng: Program((build(rng),))
+
+
+# ---- operands ----
+
+
+def indirect_16(rng: Random) -> int:
+    modn, n = rng.randrange(26), rng.randrange(8)
+    displacement = rng.choice((0, 1, 1, 2, rng.randrange(256), 255)) if modn < 8 else 0
+    return modn << 11 | n << 8 | displacement
+
+
+def indirect_8(rng: Random) -> int:
+    return rng.randrange(26) << 3 | rng.randrange(8)
+
+
+def offset_8(rng: Random) -> int:
+    return rng.getrandbits(8)
+
+
+def register_of(kind: str) -> list[int]:
+    return {"f": R_CODES, "n": INTEGER_CODES, "a": LDA_CODES}[kind]
+
+
+def immediate_16(rng: Random) -> int:
+    return rng.choice((rng.getrandbits(16), rng.choice(EDGE_WORDS) & 0xFFFF, 0x8000, 0x7FFF))
+
+
+def general(op: int, mode: int, source: str, destination: str) -> Callable[[Random], int]:
+    def build(rng: Random) -> int:
+        dst = rng.choice(register_of(destination))
+        src = (lambda: rng.choice(register_of(source)), lambda: rng.getrandbits(16), lambda: indirect_16(rng), lambda: immediate_16(rng))[mode]()
+        while destination == "a" and mode == 0 and src == dst:
+            src = rng.choice(register_of(source))
+        return op << 23 | mode << 21 | dst << 16 | src
+
+    return build
+
+
+def part_word(sub: int, mode: int) -> Callable[[Random], int]:
+    build = general(0, mode, "n", "n")
+    return lambda rng: 0xB0000000 | sub << 23 | build(rng)
+
+
+FORMS = {"r": "register", "d": "direct", "i": "indirect", "m": "immediate"}
+
+
+def general_encodings() -> Iterator[Encoding]:
+    for entry in GENERAL.replace("|", "\n").split("\n"):
+        if not entry.strip():
+            continue
+        op, name, modes, source, destination = entry.split()
+        for letter in modes:
+            mode = "rdim".index(letter)
+            yield Encoding(name, FORMS[letter], one(general(int(op), mode, source, destination)))
+    for sub, name in enumerate(PART_WORDS):
+        for mode, letter in enumerate("rdim"):
+            yield Encoding(name, FORMS[letter], one(part_word(sub, mode)))
+    yield Encoding("stik", "direct", one(lambda rng: 0x15000000 | rng.getrandbits(21)))
+    yield Encoding("stik", "indirect", one(lambda rng: 0x15600000 | rng.getrandbits(5) << 16 | indirect_16(rng)))
+    for name, word, codes in (("pop", 0x0E200000, INTEGER_CODES), ("popf", 0x0EA00000, R_CODES),
+                              ("push", 0x0F200000, INTEGER_CODES), ("pushf", 0x0FA00000, R_CODES),
+                              ("rol", 0x11E00001, INTEGER_CODES), ("rolc", 0x12600001, INTEGER_CODES),
+                              ("ror", 0x12E0FFFF, INTEGER_CODES), ("rorc", 0x1360FFFF, INTEGER_CODES)):  # fmt: skip
+        yield Encoding(name, "register", one(lambda rng, w=word, c=codes: w | rng.choice(c) << 16))
+    yield Encoding("nop", "", one(lambda rng: NOP))
+    yield Encoding("nop", "indirect", one(lambda rng: 0x0CC00000 | indirect_16(rng)))
+    yield Encoding("idle", "", one(lambda rng: 0x06000000))
+    yield Encoding("idle2", "", one(lambda rng: 0x06000001))
+    yield Encoding("swi", "", one(lambda rng: 0x66000000))
+    yield Encoding("iack", "direct", one(lambda rng: 0x1B200000 | rng.getrandbits(16)))
+    yield Encoding("iack", "indirect", one(lambda rng: 0x1B400000 | indirect_16(rng)))
+    yield Encoding("ldpk", "immediate", one(lambda rng: 0x1F700000 | rng.getrandbits(16)))
+    yield Encoding("ldhi", "immediate", one(lambda rng: 0x1FE00000 | rng.choice(INTEGER_CODES) << 16 | rng.getrandbits(16)))
+    yield Encoding("ldep", "register", one(lambda rng: 0x76000000 | rng.choice(INTEGER_CODES) << 16 | rng.getrandbits(1)))
+    yield Encoding("ldpe", "register", one(lambda rng: 0x76800000 | rng.getrandbits(1) << 16 | rng.choice(INTEGER_CODES)))
+
+
+def three_operand_encodings() -> Iterator[Encoding]:
+    forms = (("register_register", "indirect_register", "register_indirect", "indirect_indirect"),
+             ("register_immediate", "register_offset", "offset_immediate", "offset_offset"))  # fmt: skip
+    for op, name in enumerate(THREE):
+        is_float, compares = name in ("addf", "cmpf", "mpyf", "subf"), name in ("cmpf", "cmpi", "tstb")
+        codes = R_CODES if is_float else INTEGER_CODES
+        for type2 in (0, 1):
+            for t in range(4):
+                if type2 and is_float and not t & 1:
+                    continue
+
+                def build(rng: Random, op=op, type2=type2, t=t, codes=codes, compares=compares) -> int:
+                    register = rng.choice(codes)
+                    if type2:
+                        j = offset_8(rng) if t & 2 else register
+                        i = rng.getrandbits(8)
+                    else:
+                        j = indirect_8(rng) if t & 1 else register
+                        i = indirect_8(rng) if t & 2 else rng.choice(codes)
+                    dst = 0 if compares else rng.choice(codes)
+                    return 0x20000000 | type2 << 28 | op << 23 | t << 21 | dst << 16 | j << 8 | i
+
+                yield Encoding(f"{name}3", forms[type2][t], one(build))
+
+
+def conditional_load_encodings() -> Iterator[Encoding]:
+    for k, name in enumerate(("ldfcond", "ldicond")):
+        kind = "fn"[k]
+        for mode, letter in enumerate("rdim"):
+            build = general(0, mode, kind, kind)
+            yield Encoding(
+                name,
+                FORMS[letter],
+                one(lambda rng, k=k, b=build: 0x40000000 | k << 28 | rng.choice(CONDITION_CODES) << 23 | b(rng)),
+            )
+
+
+def parallel_encodings() -> Iterator[Encoding]:
+    for op, name in enumerate(PAIRS):
+
+        def build(rng: Random, op=op) -> int:
+            a, b, c = (rng.getrandbits(3) for _ in range(3))
+            if op == 2 or op == 3:
+                c = 0
+            elif op not in THREE_OPERAND_PAIRS:
+                b = 0
+            return 0xC0000000 | op << 25 | a << 22 | b << 19 | c << 16 | indirect_8(rng) << 8 | indirect_8(rng)
+
+        yield Encoding(name, "indirect_indirect", one(build))
+    for op, name in enumerate(("mpyf_addf", "mpyf_subf", "mpyi_addi", "mpyi_subi")):
+        for p in range(4):
+
+            def build_pair(rng: Random, op=op, p=p) -> int:
+                return 0x80000000 | op << 26 | p << 24 | rng.getrandbits(8) << 16 | indirect_8(rng) << 8 | indirect_8(rng)
+
+            yield Encoding(name, f"p{p}", one(build_pair))
+
+
+# ---- program control ----
+
+
+def harmless(rng: Random) -> int:
+    """An instruction for a delay slot or a repeated block: registers R0 to R7 only."""
+    a, b, c = (rng.randrange(8) for _ in range(3))
+    return rng.choice((
+        NOP,
+        0x08600000 | a << 16 | rng.getrandbits(16),  # LDI
+        0x02000000 | a << 16 | b,  # ADDI
+        0x20800000 | a << 16 | b << 8 | c,  # ADDF3
+        0x26000000 | a << 16 | b << 8 | c,  # SUBB3
+        0x09600000 | a << 16 | rng.getrandbits(16),  # LDM
+    ))  # fmt: skip
+
+
+def slots(rng: Random) -> tuple[int, ...]:
+    return tuple(harmless(rng) for _ in range(3))
+
+
+def branch(base: int, relative: bool, delayed: bool, conditional: bool = True) -> Callable[[Random], Program]:
+    def build(rng: Random) -> Program:
+        word = base | (rng.choice(CONDITION_CODES) << 16 if conditional else 0)
+        word |= rng.getrandbits(16) if relative else rng.choice(INTEGER_CODES[:31])
+        return Program((word, *slots(rng)), 4) if delayed else Program((word,))
+
+    return build
+
+
+def branch_24(base: int, delayed: bool) -> Callable[[Random], Program]:
+    def build(rng: Random) -> Program:
+        word = base | rng.getrandbits(24)
+        return Program((word, *slots(rng)), 4) if delayed else Program((word,))
+
+    return build
+
+
+def counted(base: int, relative: bool, delayed: bool) -> Callable[[Random], Program]:
+    plain = branch(base, relative, delayed)
+
+    def build(rng: Random) -> Program:
+        n = rng.randrange(8)
+        program = plain(rng)
+        count = rng.choice((0, 1, 2, 0xFFFFFFFF, 0x80000000, 0x7FFFFFFF, rng.getrandbits(32)))
+        return Program((program.words[0] | n << 22, *program.words[1:]), program.steps, ((8 + n, count),))
+
+    return build
+
+
+def trap(base: int, late: bool) -> Callable[[Random], Program]:
+    def build(rng: Random) -> Program:
+        word = base | rng.choice(CONDITION_CODES) << 16 | rng.getrandbits(9)
+        return Program((word, *slots(rng)), 4) if late else Program((word,))
+
+    return build
+
+
+def returning(base: int, delayed: bool) -> Callable[[Random], Program]:
+    def build(rng: Random) -> Program:
+        word = base | rng.choice(CONDITION_CODES) << 16
+        return Program((word, *slots(rng)), 4) if delayed else Program((word,))
+
+    return build
+
+
+def repeated_block(in_register: bool, delayed: bool) -> Callable[[Random], Program]:
+    def build(rng: Random) -> Program:
+        before = slots(rng) if delayed else ()
+        block = tuple(harmless(rng) for _ in range(rng.randint(1, 3)))
+        count = rng.choice((0, 1, 2, 3, 0xFFFFFFFF))
+        last = 0x1000 + len(before) + len(block)
+        register = rng.choice([*range(8, 21), 28, 29, 30, 31])
+        if in_register:
+            word = (0x79800000 if delayed else 0x79000000) | register
+        else:
+            word = (0x65000000 if delayed else 0x64000000) | last - 0x1000 - (3 if delayed else 1)
+        passes = count + 1 if count < 4 else 1
+        steps = 1 + len(before) + passes * len(block) + rng.randint(0, 1)
+        registers = ((RC, count), *(((register, last),) if in_register else ()))
+        return Program((word, *before, *block, NOP), steps, registers)
+
+    return build
+
+
+def repeat_single(mode: int) -> Callable[[Random], Program]:
+    operand = general(39, mode, "n", "n")
+
+    def build(rng: Random) -> Program:
+        word = operand(rng) & ~(31 << 16) | RC << 16
+        if mode == 3 and rng.random() < 0.5:
+            count = rng.randrange(5)
+            return Program((word & ~0xFFFF | count, harmless(rng), NOP), count + 2 + rng.randint(0, 1))
+        return Program((word, NOP))
+
+    return build
+
+
+def control_encodings() -> Iterator[Encoding]:
+    for name, base, delayed in (("br", 0x60000000, False), ("brd", 0x61000000, True), ("call", 0x62000000, False), ("laj", 0x63000000, True)):
+        yield Encoding(name, "displacement", branch_24(base, delayed))
+    kinds = (("b", 0x68000000, False), ("bd", 0x68200000, True), ("bat", 0x68600000, True), ("baf", 0x68A00000, True),
+             ("callcond", 0x70000000, False), ("lajcond", 0x70200000, True))  # fmt: skip
+    for name, base, delayed in kinds:
+        yield Encoding(name, "register", branch(base, False, delayed))
+        yield Encoding(name, "displacement", branch(base | 0x02000000, True, delayed))
+    for name, base, delayed in (("db", 0x6C000000, False), ("dbd", 0x6C200000, True)):
+        yield Encoding(name, "register", counted(base, False, delayed))
+        yield Encoding(name, "displacement", counted(base | 0x02000000, True, delayed))
+    yield Encoding("trap", "", trap(0x74000000, False))
+    yield Encoding("lat", "", trap(0x74800000, True))
+    yield Encoding("reti", "", returning(0x78000000, False))
+    yield Encoding("retid", "", returning(0x78200000, True))
+    yield Encoding("rets", "", returning(0x78800000, False))
+    for delayed in (False, True):
+        name = "rptbd" if delayed else "rptb"
+        yield Encoding(name, "displacement", repeated_block(False, delayed))
+        yield Encoding(name, "register", repeated_block(True, delayed))
+    for mode, letter in enumerate("rdim"):
+        yield Encoding("rpts", FORMS[letter], repeat_single(mode))
+
+
+def encodings() -> list[Encoding]:
+    return [
+        *general_encodings(),
+        *three_operand_encodings(),
+        *conditional_load_encodings(),
+        *parallel_encodings(),
+        *control_encodings(),
+    ]
