@@ -3,7 +3,7 @@ SHELL := /bin/bash
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 
-.PHONY: demo test build setup clean golden lint
+.PHONY: demo test build setup clean golden lint vectors arithmetic
 
 demo: build
 	build/bin/emulator --dsps 4
@@ -21,6 +21,17 @@ setup:
 
 golden: build
 	$(PYTHON) -m pytest -q tests --update-golden -m golden
+
+# More single-step vectors from the specification, N of each operand form, run by the emulator (docs/verification.md).
+N := 1000
+vectors: build
+	PYTHONPATH=tests $(PYTHON) -m spec.vectors --per-form $(N) -o build/c40-vectors.txt.xz
+	build/bin/emulator vectors --every-access build/c40-vectors.txt.xz
+
+# The campaigns behind the arithmetic (docs/verification.md): about twenty minutes.
+arithmetic: build
+	build/bin/arithmetic_campaign --cases 100000000 --jobs 2
+	PYTHONPATH=tests $(PYTHON) -m spec.campaign --cases 1000000 --jobs 2
 
 lint:
 	$(PYTHON) -m pip install -q ruff mypy

@@ -29,9 +29,55 @@ GENERAL = """
 """
 PART_WORDS = [f"{op}{n}" for op in ("lb", "lbu", "lwl", "lwr", "mb") for n in range(4)]
 PART_WORDS += [f"{op}{n}" for op in ("lh", "lhu", "mh") for n in range(2)]
-THREE = "addc addf addi and andn ash cmpf cmpi lsh mpyf mpyi or subb subf subi tstb xor mpyshi mpyuhi".split()
-PAIRS = """stf_stf sti_sti ldf_ldf ldi_ldi absf_stf absi_sti addf_stf addi_sti and_sti ash_sti fix_sti float_stf ldf_stf ldi_sti
-lsh_sti mpyf_stf mpyi_sti negf_stf negi_sti not_sti or_sti subf_stf subi_sti xor_sti toieee_stf frieee_stf""".split()
+THREE = [
+    "addc",
+    "addf",
+    "addi",
+    "and",
+    "andn",
+    "ash",
+    "cmpf",
+    "cmpi",
+    "lsh",
+    "mpyf",
+    "mpyi",
+    "or",
+    "subb",
+    "subf",
+    "subi",
+    "tstb",
+    "xor",
+    "mpyshi",
+    "mpyuhi",
+]
+PAIRS = [
+    "stf_stf",
+    "sti_sti",
+    "ldf_ldf",
+    "ldi_ldi",
+    "absf_stf",
+    "absi_sti",
+    "addf_stf",
+    "addi_sti",
+    "and_sti",
+    "ash_sti",
+    "fix_sti",
+    "float_stf",
+    "ldf_stf",
+    "ldi_sti",
+    "lsh_sti",
+    "mpyf_stf",
+    "mpyi_sti",
+    "negf_stf",
+    "negi_sti",
+    "not_sti",
+    "or_sti",
+    "subf_stf",
+    "subi_sti",
+    "xor_sti",
+    "toieee_stf",
+    "frieee_stf",
+]
 THREE_OPERAND_PAIRS = {6, 7, 8, 9, 14, 15, 16, 20, 21, 22, 23}
 
 
@@ -83,7 +129,12 @@ def immediate_16(rng: Random) -> int:
 def general(op: int, mode: int, source: str, destination: str) -> Callable[[Random], int]:
     def build(rng: Random) -> int:
         dst = rng.choice(register_of(destination))
-        src = (lambda: rng.choice(register_of(source)), lambda: rng.getrandbits(16), lambda: indirect_16(rng), lambda: immediate_16(rng))[mode]()
+        src = (
+            lambda: rng.choice(register_of(source)),
+            lambda: rng.getrandbits(16),
+            lambda: indirect_16(rng),
+            lambda: immediate_16(rng),
+        )[mode]()
         while destination == "a" and mode == 0 and src == dst:
             src = rng.choice(register_of(source))
         return op << 23 | mode << 21 | dst << 16 | src
@@ -125,9 +176,15 @@ def general_encodings() -> Iterator[Encoding]:
     yield Encoding("iack", "direct", one(lambda rng: 0x1B200000 | rng.getrandbits(16)))
     yield Encoding("iack", "indirect", one(lambda rng: 0x1B400000 | indirect_16(rng)))
     yield Encoding("ldpk", "immediate", one(lambda rng: 0x1F700000 | rng.getrandbits(16)))
-    yield Encoding("ldhi", "immediate", one(lambda rng: 0x1FE00000 | rng.choice(INTEGER_CODES) << 16 | rng.getrandbits(16)))
-    yield Encoding("ldep", "register", one(lambda rng: 0x76000000 | rng.choice(INTEGER_CODES) << 16 | rng.getrandbits(1)))
-    yield Encoding("ldpe", "register", one(lambda rng: 0x76800000 | rng.getrandbits(1) << 16 | rng.choice(INTEGER_CODES)))
+    yield Encoding(
+        "ldhi", "immediate", one(lambda rng: 0x1FE00000 | rng.choice(INTEGER_CODES) << 16 | rng.getrandbits(16))
+    )
+    yield Encoding(
+        "ldep", "register", one(lambda rng: 0x76000000 | rng.choice(INTEGER_CODES) << 16 | rng.getrandbits(1))
+    )
+    yield Encoding(
+        "ldpe", "register", one(lambda rng: 0x76800000 | rng.getrandbits(1) << 16 | rng.choice(INTEGER_CODES))
+    )
 
 
 def three_operand_encodings() -> Iterator[Encoding]:
@@ -183,7 +240,9 @@ def parallel_encodings() -> Iterator[Encoding]:
         for p in range(4):
 
             def build_pair(rng: Random, op=op, p=p) -> int:
-                return 0x80000000 | op << 26 | p << 24 | rng.getrandbits(8) << 16 | indirect_8(rng) << 8 | indirect_8(rng)
+                return (
+                    0x80000000 | op << 26 | p << 24 | rng.getrandbits(8) << 16 | indirect_8(rng) << 8 | indirect_8(rng)
+                )
 
             yield Encoding(name, f"p{p}", one(build_pair))
 
@@ -286,7 +345,12 @@ def repeat_single(mode: int) -> Callable[[Random], Program]:
 
 
 def control_encodings() -> Iterator[Encoding]:
-    for name, base, delayed in (("br", 0x60000000, False), ("brd", 0x61000000, True), ("call", 0x62000000, False), ("laj", 0x63000000, True)):
+    for name, base, delayed in (
+        ("br", 0x60000000, False),
+        ("brd", 0x61000000, True),
+        ("call", 0x62000000, False),
+        ("laj", 0x63000000, True),
+    ):
         yield Encoding(name, "displacement", branch_24(base, delayed))
     kinds = (("b", 0x68000000, False), ("bd", 0x68200000, True), ("bat", 0x68600000, True), ("baf", 0x68A00000, True),
              ("callcond", 0x70000000, False), ("lajcond", 0x70200000, True))  # fmt: skip

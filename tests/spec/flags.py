@@ -55,7 +55,29 @@ CONDITIONS = (
     lambda st: st & LUF,
     lambda st: st & (Z | UF),
 )
-CONDITION_NAMES = "u lo ls hi hs eq ne lt le gt ge - nv v nuf uf nlv lv nluf luf zuf".split()
+CONDITION_NAMES = [
+    "u",
+    "lo",
+    "ls",
+    "hi",
+    "hs",
+    "eq",
+    "ne",
+    "lt",
+    "le",
+    "gt",
+    "ge",
+    "-",
+    "nv",
+    "v",
+    "nuf",
+    "uf",
+    "nlv",
+    "lv",
+    "nluf",
+    "luf",
+    "zuf",
+]
 
 
 def holds(condition: int, st: int) -> bool:

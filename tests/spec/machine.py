@@ -345,7 +345,11 @@ class Machine:
             m = (src & 0xFFF) << 20 if g == 3 else self.integer(operand)
             self.put(dst, m)
         elif op == 26:
-            raw = from_single_raw(self.integer(operand)) if operand[0] == "memory" else self.float_constant(operand, g, src)
+            raw = (
+                from_single_raw(self.integer(operand))
+                if operand[0] == "memory"
+                else self.float_constant(operand, g, src)
+            )
             self.put_float(dst, floats.norm(raw))
         elif op == 39:
             if dst != RC:
@@ -574,7 +578,12 @@ class Machine:
             if kind not in (0, 1, 3, 5):
                 raise ReservedError(hex(w))
             taken = holds(condition, self.r[ST])
-            self.go(self.target(w, pc, relative, kind != 0), taken, kind != 0, kind == 3 and taken or kind == 5 and not taken)
+            self.go(
+                self.target(w, pc, relative, kind != 0),
+                taken,
+                kind != 0,
+                kind == 3 and taken or kind == 5 and not taken,
+            )
         elif 12 <= op < 16:
             delayed, counter = bool(w >> 21 & 1), AR0 + (w >> 22 & 7)
             target = self.target(w, pc, relative, delayed)
@@ -664,5 +673,3 @@ class Machine:
             st = self.r[ST] & ~(GIE | CF)
             self.r[ST] = st | (GIE if st & PGIE else 0) | (CF if st & PCF else 0)
         self.go(target, True, delayed)
-
-

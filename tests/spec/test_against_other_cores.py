@@ -31,7 +31,9 @@ def differences(line: str) -> list[str]:
             found.append(f"{name}: {machine.r[code]:X}")
     memory |= {int(key[1:], 16): word for key, word in expected.items() if key[0] == "@"}
     memory[0x1000] = machine.memory[0x1000]
-    return found + [f"@{a:X}" for a in machine.memory.keys() | memory.keys() if machine.memory.get(a, 0) != memory.get(a, 0)]
+    return found + [
+        f"@{a:X}" for a in machine.memory.keys() | memory.keys() if machine.memory.get(a, 0) != memory.get(a, 0)
+    ]
 
 
 def test_the_specification_agrees_with_every_common_vector() -> None:

@@ -1,6 +1,6 @@
 """Single-step vectors in the emulator's line format: expected states come from this specification alone.
 
-    python -m spec.vectors --per-form 100 --seed 1 -o FILE.xz      (PYTHONPATH=tests)
+python -m spec.vectors --per-form 100 --seed 1 -o FILE.xz      (PYTHONPATH=tests)
 """
 
 from __future__ import annotations
@@ -15,8 +15,26 @@ from typing import IO
 
 from . import operands
 from .encodings import Encoding, Program, encodings
-from .flags import IMPLEMENTED, RM
-from .machine import BK, DIE, DP, IIE, IIF, IR0, IR1, NAMES, RC, RE, RS, SP, ST, Machine, ReservedError, StopError, is_extended
+from .flags import GIE, IMPLEMENTED, RM
+from .machine import (
+    BK,
+    DIE,
+    DP,
+    IIE,
+    IIF,
+    IR0,
+    IR1,
+    NAMES,
+    RC,
+    RE,
+    RS,
+    SP,
+    ST,
+    Machine,
+    ReservedError,
+    StopError,
+    is_extended,
+)
 
 START = 0x1000
 CODE = range(START - 16, START + 64)
@@ -87,7 +105,10 @@ def random_registers(rng: Random) -> list[int]:
     r[ST] = rng.getrandbits(16) & IMPLEMENTED & ~RM
     if r[RE] in CODE:
         r[RE] = 0
-    r[IIF] = 0  # nothing is to be interrupted
+    # Nothing is to be interrupted: a communication port may ask at any time.
+    r[IIF] = 0
+    if r[ST] & GIE:
+        r[IIE] = 0
     return r
 
 
@@ -130,7 +151,11 @@ def vector(rng: Random, name: str, program: Program) -> str:
     left += [f"steps={program.steps}"] if program.steps > 1 else []
     right = [f"PC={machine.pc:08X}"]
     right += [shown(c, after) for c in kept if (after := list.__getitem__(registers, c)) != before[c]]
-    right += [f"{label}={new:08X}" for label, new, old in (("IVTP", machine.ivtp, ivtp), ("TVTP", machine.tvtp, tvtp)) if new != old]
+    right += [
+        f"{label}={new:08X}"
+        for label, new, old in (("IVTP", machine.ivtp, ivtp), ("TVTP", machine.tvtp, tvtp))
+        if new != old
+    ]
     changed = {a: w for a, w in memory.items() if a not in CODE and memory.initial.get(a, 0) != w}
     right += [f"@{a:06X}={w:08X}" for a, w in sorted(changed.items())]
     right += [f"rd@{a:06X}" if kind == "rd" else f"wr@{a:06X}={w:08X}" for kind, a, w in machine.bus]
@@ -164,7 +189,9 @@ def open_for_writing(path: Path) -> IO[str]:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description="Writes single-step vectors whose expected states come from the specification.")
+    parser = argparse.ArgumentParser(
+        description="Writes single-step vectors whose expected states come from the specification."
+    )
     parser.add_argument("-o", "--output", type=Path, required=True, help="FILE, FILE.gz or FILE.xz")
     parser.add_argument("--per-form", type=int, default=100, help="of each operand form of an instruction")
     parser.add_argument("--per-instruction", type=int, default=100, help="at least so many of each instruction")
