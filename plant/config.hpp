@@ -161,6 +161,7 @@ struct DockConfig {
   AgvParameters agv;
   SensorParameters sensors;
   Layout layout;
+  bool rigid = false;        // level L0: the free payload does not sway; else L1
   int agv_count = 1;
   CranePose home = {0.0, 12.0, 16.0, 14.0, 0.0};
   double drive_timeout = 0.1;  // s, a drive that gets no torque code for so long brakes; 0: never

@@ -195,7 +195,8 @@ std::int32_t Dock::profile(int i, Time t) {
   self_->advance(t);
   const DockCore& core = self_->core;
   const Layout& layout = core.config.layout;
-  const double z = bay_height(core.config, core.state.containers, layout.scan_x0 + i * layout.scan_dx,
+  const double x = layout.scan_x0 + i * layout.scan_dx;
+  const double z = bay_height(core.config, core.state.containers, x - 0.5 * layout.scan_dx, x + 0.5 * layout.scan_dx,
                               layout.rows[static_cast<std::size_t>(core.state.row)]);
   return static_cast<std::int32_t>(std::floor(1e3 * z / 8.0)) * 8;
 }

@@ -114,7 +114,7 @@ class Dock {
   std::int32_t scan_x0() const;
   std::int32_t scan_dx() const;
   std::int32_t scan_deck() const;
-  std::int32_t profile(int i, Time);                // 0..127: topmost surface of the selected row, floored to 8 mm
+  std::int32_t profile(int i, Time);                // 0..127: mean height of a cell scan_dx long of the selected row, floored to 8 mm
   static constexpr int scan_count = 128;
 
   // ---- AGV units

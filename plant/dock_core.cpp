@@ -37,6 +37,7 @@ DockCore::DockCore(const DockConfig& c)
   agv_signals.resize(state.agvs.size());
   state.inputs.payload = landing.payload(state);
   for (std::size_t j = 0; j < joint_count; ++j) state.inputs.locked |= 1U << coordinate_of(j);
+  if (config.rigid) state.inputs.locked |= sway_coordinates;
   sample_sway();
   state.sway_shown = state.sway_sampled;
   begin_latch();

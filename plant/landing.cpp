@@ -183,7 +183,7 @@ double Landing::begin(DockState& s, const CraneMotion& motion) {
 
   c.q[Q_ALPHA] = c.q[Q_BETA] = c.qd[Q_ALPHA] = c.qd[Q_BETA] = 0.0;
   s.inputs.payload = {};
-  s.inputs.locked |= 1U << Q_ALPHA | 1U << Q_BETA;
+  s.inputs.locked |= sway_coordinates;
   s.inputs.external = {};
   return 0.5 * 4.0 * each * landing.slack;
 }
@@ -206,14 +206,16 @@ double Landing::end(DockState& s, const Crane& crane) {
   const double l = length(hang);
   s.stretch += l - c.q[Q_L];
   c.q[Q_L] = l;
-  c.q[Q_ALPHA] = atan2(radial, -hang[2]);
-  c.q[Q_BETA] = atan2(tangential, std::sqrt(radial * radial + hang[2] * hang[2]));
+  if (!config_.rigid) {
+    c.q[Q_ALPHA] = atan2(radial, -hang[2]);
+    c.q[Q_BETA] = atan2(tangential, std::sqrt(radial * radial + hang[2] * hang[2]));
+  }
   const CraneVector carried = crane.at_payload(c.q, load.mass * s.landing.body.velocity);
   for (std::size_t k = 0; k < crane_size; ++k) momentum[k] += carried[k];
   momentum[Q_PSI] += load.inertia * s.landing.body.spin[2];
   momentum[Q_KAPPA] += load.inertia * s.landing.body.spin[2];
 
-  s.inputs.locked &= ~(1U << Q_ALPHA | 1U << Q_BETA);
+  if (!config_.rigid) s.inputs.locked &= ~sway_coordinates;
   s.inputs.external = {};
   s.inputs.payload = load;
   c.qd = Crane::solve(crane.mass_matrix(c.q, load), momentum, s.inputs.locked);

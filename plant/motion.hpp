@@ -14,6 +14,9 @@ struct CraneState {
 };
 
 // What is held while the crane moves.
+// The sway angles, as bits of CraneInputs::locked.
+inline constexpr unsigned sway_coordinates = 1U << Q_ALPHA | 1U << Q_BETA;
+
 struct CraneInputs {
   Joints command{};            // motor torque, N m
   std::array<bool, joint_count> braked{};  // brake closed and slipping

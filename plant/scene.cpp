@@ -70,15 +70,54 @@ bool overlaps(const Solid& a, const Solid& b, double margin) {
   return std::fabs(-b.sin_yaw * dx + b.cos_yaw * dy) <= b.half_y + s * ax + c * ay;
 }
 
-double bay_height(const DockConfig& config, const std::vector<ContainerData>& containers, double x, double y) {
-  double top = config.layout.deck;
+namespace {
+
+struct Stretch {
+  double from, to, top;
+};
+
+// Where a line along x at `y` runs over the solid; from >= to when nowhere.
+Stretch stretch_over(const Solid& solid, double y) {
+  const double dy = y - solid.y;
+  double from = -1e9, to = 1e9;
+  const auto clip = [&](double slope, double at_centre, double half) {  // |slope (x - solid.x) + at_centre| <= half
+    if (std::fabs(slope) < 1e-12) {
+      if (std::fabs(at_centre) > half) to = from;
+      return;
+    }
+    const double a = (-half - at_centre) / slope, b = (half - at_centre) / slope;
+    from = std::max(from, std::min(a, b));
+    to = std::min(to, std::max(a, b));
+  };
+  clip(solid.cos_yaw, solid.sin_yaw * dy, solid.half_x);
+  clip(-solid.sin_yaw, solid.cos_yaw * dy, solid.half_y);
+  return {solid.x + from, solid.x + to, solid.top};
+}
+
+}  // namespace
+
+double bay_height(const DockConfig& config, const std::vector<ContainerData>& containers, double x_from, double x_to, double y) {
+  std::vector<Stretch> stretches;
+  std::vector<double> ends = {x_from, x_to};
   for (const ContainerData& c : containers) {
-    if (c.state != ContainerState::on_ship || c.z + container_height <= top) continue;
-    if (covers(make_solid(Solid::Kind::container, -1, c.x, c.y, c.yaw, 0.5 * container_length, 0.5 * container_width, c.z,
-                          c.z + container_height), x, y))
-      top = c.z + container_height;
+    if (c.state != ContainerState::on_ship) continue;
+    const Stretch s = stretch_over(make_solid(Solid::Kind::container, -1, c.x, c.y, c.yaw, 0.5 * container_length,
+                                              0.5 * container_width, c.z, c.z + container_height), y);
+    if (s.from >= s.to || s.to <= x_from || s.from >= x_to) continue;
+    stretches.push_back(s);
+    for (const double end : {s.from, s.to})
+      if (end > x_from && end < x_to) ends.push_back(end);
   }
-  return top;
+  std::sort(ends.begin(), ends.end());
+  double sum = 0.0;
+  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+    const double middle = 0.5 * (ends[i] + ends[i + 1]);
+    double top = config.layout.deck;
+    for (const Stretch& s : stretches)
+      if (middle > s.from && middle < s.to) top = std::max(top, s.top);
+    sum += top * (ends[i + 1] - ends[i]);
+  }
+  return sum / (x_to - x_from);
 }
 
 }  // namespace plant

@@ -37,7 +37,7 @@ bool covers(const Solid&, double x, double y);
 // Whether two turned rectangles overlap when the first is widened by `margin` on every side.
 bool overlaps(const Solid& a, const Solid& b, double margin);
 
-// Height of the topmost container (or the deck) at a point of the bay, m.
-double bay_height(const DockConfig&, const std::vector<ContainerData>&, double x, double y);
+// Mean height of the topmost surface (container or deck) of the bay between two x along the line y, m.
+double bay_height(const DockConfig&, const std::vector<ContainerData>&, double x_from, double x_to, double y);
 
 }  // namespace plant

@@ -4,11 +4,12 @@
 ; tops lie at H = T CR_BOX_HEIGHT, a sample fits by g_i = max(0, 1 - ((h_i - H)/0.25 m)^2). The template of a container is W = floor(12.192 m / dx)
 ; ones with a guard of -1/2 on either side; its correlation with g over all shifts m is
 ;     c_m = g_m + ... + g_(m+W-1) - (g_(m-1) + g_(m+W)) / 2
-; A maximum of at least 0.93 W is a container; the vertex of the parabola through c_(m-1), c_m, c_(m+1) places it between the samples. Of all
-; containers the one in the highest tier is next, and of those the one nearest to the crane's column. Everything that stands in the bay is
-; boxed into CR_BAY for the grab path.
+; A maximum of at least 0.93 W is a container. A sample is the mean height of a cell dx long, so its edges show in the cells they cut: with i the
+; last cell to the left that no longer fits (g = 0), and j the first to the right,
+;     left edge at i + 3/2 - (h_i + h_(i+1))/H,  right edge at j - 3/2 + (h_j + h_(j-1))/H,  in cells
+; and its middle is theirs. Of all containers the one in the highest tier is next, and of those the one nearest to the crane's column.
+; Everything that stands in the bay is boxed into CR_BAY for the grab path.
 
-ID_HEIGHT           .set SCRATCH                ; h, 128 samples
 ID_FIT              .set SCRATCH + 128          ; g, 128 samples between two zeros
 ID_TEMPLATE         .set SCRATCH + 258          ; up to 126 ones between two guards
 ID_SCORE            .set SCRATCH + 386          ; c, up to 127 shifts between two zeros
@@ -31,6 +32,9 @@ ID_FIRST            .set SCRATCH + 535          ; i, lowest sample that is no de
 ID_LAST             .set SCRATCH + 536          ; i, highest
 ID_Y_LEAST          .set SCRATCH + 537          ; m, of all rows
 ID_Y_MOST           .set SCRATCH + 538
+ID_LEFT             .set SCRATCH + 539          ; i, of the container in hand
+ID_RIGHT            .set SCRATCH + 540          ; j
+ID_HEIGHT           .set SCRATCH + 542          ; h, 128 samples between two zeros
 ID_TIERS            .set 4
 ID_NARROWEST        .set 4                      ; samples that a container must have
 
@@ -188,6 +192,9 @@ identify_scan:
         ldigt   r1, r9
 identify_scanned:
         addi    1, r10
+        ldf     0.0, r0                         ; the zeros at both ends of h
+        stf     r0, *ar1
+        stf     r0, *-ar1(SCAN_COUNT + 1)
         sti     r8, @ID_FIRST
         sti     r9, @ID_LAST
         stf     r7, @ID_TOP
@@ -286,26 +293,50 @@ identify_no_peak:
         blt     identify_peak
         rets
 
-; ---- the container at shift R8, score R6, neighbours *AR2 and *+AR2(2) ----
-; vertex at (c- - c+) / (2 (c- - 2 c + c+)); centre = x0 + dx (m + vertex + (W - 1)/2)
+; ---- the container at shift R8: edges, middle, height ----
+; From the middle cell outwards as far as cells fit; the zeros at both ends of g stop the walk.
 identify_place:
-        addf3   r6, r6, r0
-        subrf   *ar2, r0
-        addf    *+ar2(2), r0                    ; c- - 2 c + c+ < 0
+        ldi     @ID_WIDTH, r0
+        lsh     -1, r0
+        addi    r8, r0                          ; a cell in the middle
+        ldhi    hi16(SCRATCH), ar0
+        or      lo16(ID_FIT + 1), ar0
+        addi    r0, ar0
+        ldi     ar0, ar1
+identify_left:
+        ldf     *--ar0(1), r1
+        bgt     identify_left
+identify_right:
+        ldf     *++ar1(1), r1
+        bgt     identify_right
+        ldhi    hi16(SCRATCH), ar3
+        or      lo16(ID_FIT + 1), ar3
+        subi    ar3, ar0
+        subi    ar3, ar1
+        sti     ar0, @ID_LEFT
+        sti     ar1, @ID_RIGHT
+
+        float   @ID_TIER, r0
+        mpyf    @ID_BOX, r0                     ; H
         call    m_reciprocal
-        ldf     *ar2, r1
-        subf    *+ar2(2), r1
-        mpyf    r1, r0
-        mpyf    0.5, r0                         ; -1/2 .. 1/2
-        ldi     @ID_WIDTH, r1
-        subi    1, r1
-        float   r1, r1
-        mpyf    0.5, r1
-        addf    r1, r0
-        float   r8, r1
-        addf    r1, r0
-        mpyf    @ID_DX, r0
-        addf    @ID_X0, r0                      ; x of the centre
+        ldhi    hi16(SCRATCH), ar0
+        or      lo16(ID_HEIGHT), ar0
+        ldi     ar0, ar1
+        addi    @ID_LEFT, ar0
+        addi    @ID_RIGHT, ar1
+        ldf     *ar1, r1
+        addf    *-ar1(1), r1
+        subf    *ar0, r1
+        subf    *+ar0(1), r1
+        mpyf    r0, r1                          ; (h_j + h_(j-1) - h_i - h_(i+1)) / H
+        ldi     @ID_LEFT, r2
+        addi    @ID_RIGHT, r2
+        float   r2, r2
+        addf    r2, r1
+        mpyf    0.5, r1                         ; middle, in cells
+        mpyf    @ID_DX, r1
+        ldf     r1, r0
+        addf    @ID_X0, r0                      ; x of the middle
         mpyf3   r0, r0, r1
         ldf     @ID_Y, r2
         mpyf    r2, r2
@@ -324,15 +355,15 @@ identify_better:
         stf     r0, @ID_BEST + 1
         ldf     0.0, r0
         stf     r0, @ID_BEST + 3                ; rows lie along x
-        ldhi    hi16(SCRATCH), ar0              ; z: deck + mean of the W samples + half a quantum
-        or      lo16(ID_HEIGHT), ar0
-        addi    r8, ar0
-        ldi     @ID_WIDTH, rc
+        ldi     @ID_RIGHT, rc                   ; z: deck + mean of the cells i + 2 .. j - 2, which no edge cuts, + half a quantum
+        subi    @ID_LEFT, rc
+        subi    3, rc
+        float   rc, r0
         subi    1, rc
+        addi    2, ar0
         ldf     0.0, r4
         rpts    rc
         addf    *ar0++(1), r4
-        float   @ID_WIDTH, r0
         call    m_reciprocal
         mpyf    r4, r0
         addf    @ID_DECK, r0

@@ -21,6 +21,7 @@ enum class Equation7 { restored, as_printed };
 enum class IdlePolicy { doorbell, pause, spin };
 enum class DspClock { c40_40, c40_50, c40_60 };
 enum class Learning { off, proportional, unit };
+enum class CraneModel { sway, rigid };
 enum class ServoReload { locked, inherited };
 enum class TorqueBuild { closed_form, newton_euler };
 
@@ -94,6 +95,7 @@ struct Config {
   struct Dock {
     std::int64_t agvs = 1;
     std::int64_t containers = 8;
+    CraneModel crane_model = CraneModel::sway;
     double container_mass_kg = 24000;
     double agv_speed_m_s = 6.0;
     double clearance_m = 0.5;

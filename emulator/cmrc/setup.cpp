@@ -24,6 +24,7 @@ plant::DockConfig dock_of(const Config& config) {
     for (auto& lane : leg) lane.speed = std::min(lane.speed, config.dock.agv_speed_m_s);
   }
   dock.sensors.seed = static_cast<std::uint64_t>(config.run.seed);
+  dock.rigid = config.dock.crane_model == CraneModel::rigid;
   dock.drive_timeout = config.dock.drive_timeout_ms * 1e-3;
   dock.signal_decimation = static_cast<int>(config.report.signal_decimation);
   return dock;

@@ -140,6 +140,20 @@ def test_a_dsp_plugged_in_starts_working_by_itself() -> None:
     assert report["dsps"][0]["claims"] > 150  # more than half of what it did in 200 ms
 
 
+def test_a_rigid_crane_does_not_sway() -> None:
+    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 4, "crane_model": "rigid"}))
+    simulation.run()
+    signals = simulation.signals()
+    assert abs(signals["sway_alpha_rad"]).max() == abs(signals["sway_beta_rad"]).max() == 0
+    assert signals["payload_x_m"] == pytest.approx(signals["tip_x_m"], abs=1e-9)
+    swaying = cmrc.Simulation(cmrc.config(settings={"duration_s": 4}))
+    swaying.run()
+    assert abs(swaying.signals()["sway_beta_rad"]).max() > 1e-4
+    tracking = json.loads(simulation.report_json())["tracking"]
+    assert max(tracking[joint]["peak"] for joint in ("s", "psi", "phi", "kappa")) < 1e-3
+    assert signals["psi_rad"][-1] > 0.9  # it has slewed to the ship
+
+
 def test_strict_turns_a_miss_into_a_failed_run() -> None:
     status: Callable[[bool], int] = lambda strict: _strict_status(strict)  # noqa: E731
     assert (status(False), status(True)) == (0, 1)

@@ -185,12 +185,17 @@ def identify(
             for m in range(1, len(score) - 1):
                 before, here, after = score[m - 1 : m + 2]
                 if here >= ENOUGH * width and here > before and here >= after:
-                    a, b, _ = np.polyfit([-1.0, 0.0, 1.0], [before, here, after], 2)
-                    x = x0 + dx * (m - 1 - b / (2 * a) + (width - 1) / 2)
+                    fits = np.concatenate([[False], fit > 0, [False]])
+                    middle = m - 1 + width // 2 + 1
+                    left = max(k for k in range(middle) if not fits[k]) - 1
+                    right = min(k for k in range(middle, len(fits)) if not fits[k]) - 1
+                    cells = np.concatenate([h, [0.0, 0.0]]) / (tier * height)  # index -1 is a zero too
+                    edges = left + 1.5 - cells[left] - cells[left + 1], right - 1.5 + cells[right] + cells[right - 1]
+                    x = x0 + dx * sum(edges) / 2
                     rank = (-tier, x * x + y * y)
                     if best is None or rank < best:
                         best = rank
-                        found = (x, y, deck + float(np.mean(h[m - 1 : m - 1 + width])) + QUANTUM / 2)
+                        found = (x, y, deck + float(np.mean(h[left + 2 : right - 1])) + QUANTUM / 2)
     return found
 
 
