@@ -62,7 +62,7 @@ Word Chip::expansion(isa::Expansion r) const {
 }
 void Chip::set_expansion(isa::Expansion r, Word value) {
   Core& core = engine_->touch().core;
-  (r == isa::Expansion::IVTP ? core.ivtp : core.tvtp) = value & ~Word{0x1FF};
+  (r == isa::Expansion::IVTP ? core.ivtp : core.tvtp) = value & choices::vector_table_mask;
 }
 
 StopInfo Chip::run_until(Cycles limit) { return engine_->run_until(limit); }

@@ -225,7 +225,8 @@ Engine::Stepped Engine::execute(StepRecord& record) {
   }
 }
 
-// The execute stage of an annulled slot does not happen; the earlier stages of the first two slots did (8.2).
+// The execute stage of an annulled slot does not happen; the earlier stages of the first two slots did (8.2). LDA in the first
+// slot, which is over with its read stage, does not come here.
 void Engine::annulled(const StepRecord& record) {
   Core& core = state_.core;
   const std::uint32_t slot = 4 - core.delay_slots;  // 1 to 3
@@ -238,12 +239,7 @@ void Engine::annulled(const StepRecord& record) {
     updated[i] = execute::form_indirect(core, op.ar[i], op.modn[i], op.displacement[i]).updated;
   for (std::size_t i = 0; i < slots; ++i)
     if (isa::modn::modifies(op.modn[i])) core.r[op.ar[i]] = updated[i];
-  const isa::WriteStage stage = record.bound.row->write_stage;
-  if (stage == isa::WriteStage::decode) core.r[op.dst] = op.immediate;
-  if (stage == isa::WriteStage::read && slot == 1 && record.bound.source == execute::Kind::reg)
-    core.r[op.dst] = core.r[op.src1];
-  if (stage == isa::WriteStage::read && slot == 1 && record.bound.source == execute::Kind::constant)
-    core.r[op.dst] = op.immediate;
+  if (record.bound.row->write_stage == isa::WriteStage::decode) core.r[op.dst] = op.immediate;
 }
 
 void Engine::account(const StepRecord& record) {
@@ -335,10 +331,9 @@ Engine::Stepped Engine::exact_step(StepRecord& record) {
     before_causes = state_.causes;
     events_.clear();
   }
-  const bool annul = core.annul && core.delay_slots != 0 && core.delay_slots < 4;
+  const bool over_with_read = core.delay_slots == 3 && bound->row->write_stage == isa::WriteStage::read;
+  const bool annul = core.annul && core.delay_slots != 0 && core.delay_slots < 4 && !over_with_read;
   if (annul) {
-    if (core.delay_slots == 3 && bound->row->write_stage == isa::WriteStage::read && execute::is_memory(bound->source))
-      return fail(Fault::Kind::not_modelled, "LDA from memory in the first slot of an annulled branch is not modelled");
     annulled(record);
   } else {
     if (const Stepped why = execute(record); why != Stepped::done) return why;
@@ -395,7 +390,7 @@ Word Engine::pending_vector() const {
 
 bool Engine::take_interrupt(Word vector) {
   Core& core = state_.core;
-  const Address top = core.r[reg::SP] + 1, entry = (core.ivtp & ~Word{0x1FF}) + vector;
+  const Address top = core.r[reg::SP] + 1, entry = (core.ivtp & choices::vector_table_mask) + vector;
   const Memory::Area* stack = memory_.find(top);
   const Memory::Area* table = memory_.find(entry);
   for (const auto& [area, address, what] : {std::tuple{stack, top, "the stack"}, std::tuple{table, entry, "the vector table"}})
@@ -408,7 +403,7 @@ bool Engine::take_interrupt(Word vector) {
   core.r[reg::SP] = top;
   core.pc = table->data[entry - table->base];
   const Word old = core.modes;
-  core.modes = (old & ~(st::PGIE | st::PCF | st::GIE)) | (old & st::GIE ? st::PGIE : 0u) | (old & st::CF ? st::PCF : 0u) | st::CF;
+  core.modes = (old & ~(st::PGIE | st::PCF | st::GIE)) | (old & st::GIE ? st::PGIE : 0u) | (old & st::CF ? st::PCF : 0u) | (choices::entry_sets_cache_freeze ? st::CF : 0u);
   Word& iif = core.r[reg::IIF];
   if (vector == 1) iif &= ~nmi_flag;
   if (vector == 2) iif &= ~timer0_flag;

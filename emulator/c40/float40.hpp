@@ -12,6 +12,8 @@
 #include <bit>
 #include <cstdint>
 
+#include "c40/choices.hpp"
+
 namespace c40 {
 
 /// Bits of the status register ST (c40-isa.md 1.4).
@@ -167,6 +169,7 @@ constexpr FloatResult norm(Float40 x) {
 
 /// Section 2.3. The IEEE word is left in bits 39..8.
 constexpr FloatResult to_ieee(Float40 x) {
+  if (choices::toieee_rounds && x.e != zero_exponent) x = rnd(x).value;
   const std::uint32_t negative = x.m >> 31, f = x.m >> 8 & 0x7FFFFFu;
   if (x.e == zero_exponent) return {from_single_raw(0), st::Z};
   if (x.e == -127) return {from_single_raw(0), st::Z | st::UF | negative * st::N};
@@ -179,7 +182,7 @@ constexpr FloatResult to_ieee(Float40 x) {
 constexpr FloatResult from_ieee(std::uint32_t word) {
   const std::uint32_t exponent = word >> 23 & 0xFFu, f = word & 0x7FFFFFu;
   const bool negative = word >> 31 != 0;
-  if (exponent == 255) return {{127, negative ? 0x80000000u : 0x7FFFFF00u}, st::V | (negative ? st::N : 0u)};
+  if (exponent == 255) return {{127, negative ? 0x80000000u : 0x7FFFFF00u | choices::frieee_saturated_low_bits}, st::V | (negative ? st::N : 0u)};
   if (exponent == 0) return {zero(), st::Z | (f != 0 ? st::UF : 0u)};
   const auto e = static_cast<std::int32_t>(exponent) - 127;
   if (!negative) return {{e, f << 8}, 0};
@@ -194,10 +197,13 @@ constexpr std::uint32_t reciprocal_seed(std::uint32_t i) {
   return f > 255 ? 255 : f;
 }
 
+/// RCPF and RSQRF of zero.
+constexpr FloatResult seed_of_zero() { return {{127, 0x7FFFFFFFu}, st::V}; }
+
 /// Section 7.10, our model of the seed: the exponent is exact, eight fraction bits from a table.
 constexpr FloatResult rcp(Float40 x) {
   std::int64_t m = mantissa(x);
-  if (m == 0) return {{127, 0x7FFFFFFFu}, st::V};
+  if (m == 0) return seed_of_zero();
   std::int32_t e = x.e;
   const bool negative = m < 0;
   if (negative) {
@@ -228,9 +234,10 @@ constexpr std::array<std::uint8_t, 512> root_seeds = [] {
   return table;
 }();
 
+/// The root of the magnitude: what the chip makes of a negative operand is not known.
 constexpr FloatResult rsqr(Float40 x) {
   std::int64_t m = mantissa(x);
-  if (m == 0) return {{127, 0x7FFFFFFFu}, st::V};
+  if (m == 0) return seed_of_zero();
   std::int32_t e = x.e;
   if (m < 0) {
     m = -m;

@@ -112,7 +112,11 @@ struct FloatForm {
   }
   static void apply(Core& core, const Op& op, Inputs in) {
     const FloatResult result = Body::run(in.a, in.b);
-    if constexpr (Body::sets_flags) set_float(core, result.flags);
+    if constexpr (Body::sets_flags) {
+      const Word zero = core.zero;
+      set_float(core, result.flags);
+      if constexpr (Body::keeps_zero) core.zero = zero;
+    }
     if constexpr (Body::writes) {
       core.e[op.dst] = result.value.e;
       core.r[op.dst] = result.value.m;

@@ -9,8 +9,6 @@ namespace {
 using isa::Condition;
 using isa::Operation;
 
-constexpr Word table_mask = ~Word{0x1FF};
-
 Outcome leave(const Op* op, bool taken) { return {op, taken ? Exit::taken : Exit::not_taken}; }
 
 Address target_of(const Core& core, const Op& op, bool relative) {
@@ -20,7 +18,8 @@ Address target_of(const Core& core, const Op& op, bool relative) {
 /// GIE and CF are saved, interrupts and the cache's updates stop (8.6).
 void enter_handler(Core& core) {
   const Word modes = core.modes & ~(st::PGIE | st::PCF | st::GIE);
-  core.modes = modes | (core.modes & st::GIE ? st::PGIE : 0u) | (core.modes & st::CF ? st::PCF : 0u) | st::CF;
+  core.modes = modes | (core.modes & st::GIE ? st::PGIE : 0u) | (core.modes & st::CF ? st::PCF : 0u) |
+               (choices::entry_sets_cache_freeze ? st::CF : 0u);
 }
 
 void delay(Core& core, bool taken, Address target, Address straight_on) {
@@ -59,12 +58,13 @@ Outcome branch_delayed(Core& core, const Op* op) {
   return next(core, op);
 }
 
-/// The decrement is unconditional; the condition is that of the flags as they stand.
+/// The condition is that of the flags as they stand; the target is sampled before the counter counts.
 template <bool relative, bool delayed>
 Outcome decrement_and_branch(Core& core, const Op* op) {
   const Address target = target_of(core, *op, relative);
-  const Word count = --core.r[op->dst];
-  const bool taken = static_cast<std::int32_t>(count) >= 0 && holds(core, static_cast<Condition>(op->selector));
+  const bool met = holds(core, static_cast<Condition>(op->selector));
+  if (choices::db_counts_on_false || met) --core.r[op->dst];
+  const bool taken = met && static_cast<std::int32_t>(core.r[op->dst]) >= 0;
   if constexpr (delayed) {
     delay(core, taken, target, op->pc + 4);
     return next(core, op);
@@ -143,7 +143,7 @@ Outcome trap(Core& core, const Op* op) {
   Place<Kind::direct, 0> stack;
   Place<Kind::direct, 1> vector;
   stack.formed.address = core.r[reg::SP] + 1;
-  vector.formed.address = (core.tvtp & table_mask) + op->immediate;
+  vector.formed.address = (core.tvtp & choices::vector_table_mask) + op->immediate;
   if (!stack.met(*op)) [[unlikely]] return miss_write(core, op, 0, stack.formed.address, op->pc + 1);
   if (!vector.met(*op)) [[unlikely]] return miss(core, op, 1, vector.formed.address);
   core.r[reg::SP] = stack.formed.address;
@@ -158,7 +158,7 @@ Outcome late_trap(Core& core, const Op* op) {
   const bool taken = holds(core, static_cast<Condition>(op->selector));
   if (against_recording(*op, taken)) return {op, Exit::miss};
   Place<Kind::direct, 0> vector;
-  vector.formed.address = (core.tvtp & table_mask) + op->immediate;
+  vector.formed.address = (core.tvtp & choices::vector_table_mask) + op->immediate;
   if (taken && !vector.met(*op)) [[unlikely]] return miss(core, op, 0, vector.formed.address);
   delay(core, taken, taken ? vector.read(*op) : 0, op->pc + 4);
   if (taken) {
@@ -228,7 +228,7 @@ Outcome pop(Core& core, const Op* op) {
   const Word word = top.read(*op);
   --core.r[reg::SP];
   if constexpr (floating) {
-    const Float40 value = float40::from_single_raw(word);
+    const Float40 value = choices::popf_keeps_bits ? float40::from_single_raw(word) : float40::from_single(word);
     set_float(core, float40::load(value).flags);
     core.e[op->dst] = value.e;
     core.r[op->dst] = value.m;
@@ -263,7 +263,7 @@ Outcome from_expansion(Core& core, const Op* op) {
   return next(core, op);
 }
 Outcome to_expansion(Core& core, const Op* op) {
-  (op->selector == 0 ? core.ivtp : core.tvtp) = core.r[op->src1] & table_mask;
+  (op->selector == 0 ? core.ivtp : core.tvtp) = core.r[op->src1] & choices::vector_table_mask;
   return next(core, op);
 }
 

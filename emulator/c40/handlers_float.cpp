@@ -7,7 +7,7 @@ namespace {
 using isa::Operation;
 
 struct Body {
-  static constexpr bool writes = true, sets_flags = true;
+  static constexpr bool writes = true, sets_flags = true, keeps_zero = false;
 };
 struct Addf : Body {
   static FloatResult run(Float40 a, Float40 b) { return float40::add(a, b); }
@@ -28,6 +28,7 @@ struct Negf : Body {
   static FloatResult run(Float40 a, Float40) { return float40::neg(a); }
 };
 struct Rnd : Body {
+  static constexpr bool keeps_zero = !choices::rnd_clears_zero;
   static FloatResult run(Float40 a, Float40) { return float40::rnd(a); }
 };
 struct Toieee : Body {
@@ -164,7 +165,8 @@ Outcome load_load(Core& core, const Op* op) {
     return j_met ? miss(core, op, 1, i.formed.address) : miss(core, op, 0, j.formed.address);
   }
   if constexpr (floating) {
-    const Float40 x = i.floating(core, *op, 0), y = j.floating(core, *op, 0);
+    const Float40 x = i.floating(core, *op, 0);
+    const Float40 y = choices::j_load_keeps_mantissa ? float40::from_single_raw(j.read(*op)) : j.floating(core, *op, 0);
     core.e[op->dst2] = y.e;
     core.r[op->dst2] = y.m;
     core.e[op->dst] = x.e;

@@ -21,7 +21,7 @@ Word arithmetic(Core& core, Word wrapped, Word carry, bool overflow) {
   }
   if constexpr (flags) {
     core.negative = true_sign;
-    core.zero = out;
+    core.zero = choices::zero_follows_output || !overflow ? out : 1u;
     core.range = overflow ? st::V : 0u;
     if constexpr (set_carry) core.carry = carry;
   }
@@ -134,7 +134,7 @@ C40_BODY(Mpyi, Writes,
            if (flags) core.sticky |= st::LV;
          } if (flags) {
            core.negative = static_cast<Word>(static_cast<std::uint64_t>(product) >> 32);
-           core.zero = out;
+           core.zero = choices::zero_follows_output || !overflow ? out : 1u;
            core.range = overflow ? st::V : 0u;
          } return out;)
 C40_BODY(Mpyshi, Writes,
@@ -147,7 +147,7 @@ C40_BODY(Lsh, Writes, const Shifted s = shift_logical(a, shift_count(b));
 C40_BODY(Ash, Writes, const std::int32_t n = shift_count(b); const Shifted s = shift_arithmetic(a, n); if (flags) {
   set_logic(core, s.value);
   core.carry = s.carry;
-  if (left_shift_overflows(a, n)) latch(core, st::V);
+  if (choices::ash_reports_overflow && left_shift_overflows(a, n)) latch(core, st::V);
 } return s.value;)
 C40_BODY(Rol, Writes, return rotate<flags>(core, a << 1 | a >> 31, a >> 31);)
 C40_BODY(Rolc, Writes, return rotate<flags>(core, a << 1 | (core.carry & 1), a >> 31);)
@@ -165,7 +165,7 @@ C40_BODY(Lhu, Writes, return logic<flags>(core, a >> 16 * op.selector & 0xFFFFu)
 C40_BODY(Lwl, Writes, const Word keep = (1u << 8 * op.selector) - 1;
          return logic<flags>(core, a << 8 * op.selector | (b & keep));)
 C40_BODY(Lwr, Writes, const Word moved = ~Word{0} >> 8 * op.selector;
-         return logic<flags>(core, a >> 8 * op.selector | (b & ~moved));)
+         return logic<flags>(core, a >> 8 * op.selector | (choices::lwr_keeps_high_bytes ? b & ~moved : 0u));)
 C40_BODY(Mb, Writes, const Word field = 0xFFu << 8 * op.selector;
          return logic<flags>(core, (a << 8 * op.selector & field) | (b & ~field));)
 C40_BODY(Mh, Writes, const Word field = 0xFFFFu << 16 * op.selector;

@@ -18,6 +18,12 @@ constexpr Modes di = direct | indirect;
 // Float instructions have no 8-bit immediate, which type 2 puts at T = 0 and 2 (3.4).
 constexpr Modes five_bit_only = 2 | 8;
 
+// What no document settles (docs/fidelity.md): how the immediates of these are read.
+constexpr I signed_part_immediate = I::sign;  // LB, LH
+constexpr I other_part_immediate = I::zero;   // LBU, LHU, LWL, LWR, MB, MH
+constexpr I mpyuhi_immediate = I::zero;
+constexpr I subc_immediate = I::zero;
+
 constexpr auto none = OperandClass::none;
 constexpr Modes any = 15;
 
@@ -116,7 +122,7 @@ constexpr std::array table{
     row("000 101011 gg ddddd ssssssssssssssss", "stii", O::stii, F::store, integer, none, I::none, di, X::none, "6.7", {.interlocked = true}),
     row("000 101100 gg ddddd ssssssssssssssss", "sigi", O::sigi, F::unary, integer, integer, I::none, di, X::L, "6.7", {.interlocked = true, .c4x_only = true}),
     row("000 101101 gg ddddd ssssssssssssssss", "subb", O::subb, F::binary, integer, integer, I::sign, rdim, X::A, "6.1"),
-    row("000 101110 gg ddddd ssssssssssssssss", "subc", O::subc, F::binary, integer, integer, I::zero, rdim, X::none, "7.9"),
+    row("000 101110 gg ddddd ssssssssssssssss", "subc", O::subc, F::binary, integer, integer, subc_immediate, rdim, X::none, "7.9"),
     row("000 101111 gg ddddd ssssssssssssssss", "subf", O::subf, F::binary, floating, floating, I::short_float, rdim, X::F, "6.1"),
     row("000 110000 gg ddddd ssssssssssssssss", "subi", O::subi, F::binary, integer, integer, I::sign, rdim, X::A, "6.1"),
     row("000 110001 gg ddddd ssssssssssssssss", "subrb", O::subb, F::binary_reversed, integer, integer, I::sign, rdim, X::A, "6.1"),
@@ -130,38 +136,38 @@ constexpr std::array table{
     row("000 111001 gg ddddd ssssssssssssssss", "rsqrf", O::rsqrf, F::unary, floating, floating, I::short_float, rdim, X::F, "7.10", {.c4x_only = true}),
     row("000 111010 gg ddddd ssssssssssssssss", "rcpf", O::rcpf, F::unary, floating, floating, I::short_float, rdim, X::F, "7.10", {.c4x_only = true}),
     row("000 111011 gg ddddd ssssssssssssssss", "mpyshi", O::mpyshi, F::binary, integer, integer, I::sign, rdim, X::B, "6.1", {.c4x_only = true}),
-    row("000 111100 gg ddddd ssssssssssssssss", "mpyuhi", O::mpyuhi, F::binary, integer, integer, I::zero, rdim, X::B, "6.1", {.c4x_only = true}),
+    row("000 111100 gg ddddd ssssssssssssssss", "mpyuhi", O::mpyuhi, F::binary, integer, integer, mpyuhi_immediate, rdim, X::B, "6.1", {.c4x_only = true}),
     row("000 111101 gg ddddd ssssssssssssssss", "lda", O::lda, F::unary, integer, lda, I::sign, rdim, X::none, "6.1", {.write_stage = WriteStage::read, .c4x_only = true}),
     row("000 111110 11 10000 kkkkkkkkkkkkkkkk", "ldpk", O::ldpk, F::load_page, none, none, I::zero, any, X::none, "6.1", {.write_stage = WriteStage::decode, .c4x_only = true}),
     row("000 111111 11 ddddd kkkkkkkkkkkkkkkk", "ldhi", O::ldhi, F::load_constant, none, integer, I::zero, any, X::none, "6.1", {.c4x_only = true}),
 
     // Part-word instructions, by bits 27..23.
-    row("1011 00000 gg ddddd ssssssssssssssss", "lb0", O::lb, F::unary, integer, integer, I::sign, rdim, X::L, "6.2", {.c4x_only = true}),
-    row("1011 00001 gg ddddd ssssssssssssssss", "lb1", O::lb, F::unary, integer, integer, I::sign, rdim, X::L, "6.2", {.selector = 1, .c4x_only = true}),
-    row("1011 00010 gg ddddd ssssssssssssssss", "lb2", O::lb, F::unary, integer, integer, I::sign, rdim, X::L, "6.2", {.selector = 2, .c4x_only = true}),
-    row("1011 00011 gg ddddd ssssssssssssssss", "lb3", O::lb, F::unary, integer, integer, I::sign, rdim, X::L, "6.2", {.selector = 3, .c4x_only = true}),
-    row("1011 00100 gg ddddd ssssssssssssssss", "lbu0", O::lbu, F::unary, integer, integer, I::zero, rdim, X::L, "6.2", {.c4x_only = true}),
-    row("1011 00101 gg ddddd ssssssssssssssss", "lbu1", O::lbu, F::unary, integer, integer, I::zero, rdim, X::L, "6.2", {.selector = 1, .c4x_only = true}),
-    row("1011 00110 gg ddddd ssssssssssssssss", "lbu2", O::lbu, F::unary, integer, integer, I::zero, rdim, X::L, "6.2", {.selector = 2, .c4x_only = true}),
-    row("1011 00111 gg ddddd ssssssssssssssss", "lbu3", O::lbu, F::unary, integer, integer, I::zero, rdim, X::L, "6.2", {.selector = 3, .c4x_only = true}),
-    row("1011 01000 gg ddddd ssssssssssssssss", "lwl0", O::lwl, F::binary_reversed, integer, integer, I::zero, rdim, X::L, "6.2", {.c4x_only = true}),
-    row("1011 01001 gg ddddd ssssssssssssssss", "lwl1", O::lwl, F::binary_reversed, integer, integer, I::zero, rdim, X::L, "6.2", {.selector = 1, .c4x_only = true}),
-    row("1011 01010 gg ddddd ssssssssssssssss", "lwl2", O::lwl, F::binary_reversed, integer, integer, I::zero, rdim, X::L, "6.2", {.selector = 2, .c4x_only = true}),
-    row("1011 01011 gg ddddd ssssssssssssssss", "lwl3", O::lwl, F::binary_reversed, integer, integer, I::zero, rdim, X::L, "6.2", {.selector = 3, .c4x_only = true}),
-    row("1011 01100 gg ddddd ssssssssssssssss", "lwr0", O::lwr, F::binary_reversed, integer, integer, I::zero, rdim, X::L, "6.2", {.c4x_only = true}),
-    row("1011 01101 gg ddddd ssssssssssssssss", "lwr1", O::lwr, F::binary_reversed, integer, integer, I::zero, rdim, X::L, "6.2", {.selector = 1, .c4x_only = true}),
-    row("1011 01110 gg ddddd ssssssssssssssss", "lwr2", O::lwr, F::binary_reversed, integer, integer, I::zero, rdim, X::L, "6.2", {.selector = 2, .c4x_only = true}),
-    row("1011 01111 gg ddddd ssssssssssssssss", "lwr3", O::lwr, F::binary_reversed, integer, integer, I::zero, rdim, X::L, "6.2", {.selector = 3, .c4x_only = true}),
-    row("1011 10000 gg ddddd ssssssssssssssss", "mb0", O::mb, F::binary_reversed, integer, integer, I::zero, rdim, X::L, "6.2", {.c4x_only = true}),
-    row("1011 10001 gg ddddd ssssssssssssssss", "mb1", O::mb, F::binary_reversed, integer, integer, I::zero, rdim, X::L, "6.2", {.selector = 1, .c4x_only = true}),
-    row("1011 10010 gg ddddd ssssssssssssssss", "mb2", O::mb, F::binary_reversed, integer, integer, I::zero, rdim, X::L, "6.2", {.selector = 2, .c4x_only = true}),
-    row("1011 10011 gg ddddd ssssssssssssssss", "mb3", O::mb, F::binary_reversed, integer, integer, I::zero, rdim, X::L, "6.2", {.selector = 3, .c4x_only = true}),
-    row("1011 10100 gg ddddd ssssssssssssssss", "lh0", O::lh, F::unary, integer, integer, I::sign, rdim, X::L, "6.2", {.c4x_only = true}),
-    row("1011 10101 gg ddddd ssssssssssssssss", "lh1", O::lh, F::unary, integer, integer, I::sign, rdim, X::L, "6.2", {.selector = 1, .c4x_only = true}),
-    row("1011 10110 gg ddddd ssssssssssssssss", "lhu0", O::lhu, F::unary, integer, integer, I::zero, rdim, X::L, "6.2", {.c4x_only = true}),
-    row("1011 10111 gg ddddd ssssssssssssssss", "lhu1", O::lhu, F::unary, integer, integer, I::zero, rdim, X::L, "6.2", {.selector = 1, .c4x_only = true}),
-    row("1011 11000 gg ddddd ssssssssssssssss", "mh0", O::mh, F::binary_reversed, integer, integer, I::zero, rdim, X::L, "6.2", {.c4x_only = true}),
-    row("1011 11001 gg ddddd ssssssssssssssss", "mh1", O::mh, F::binary_reversed, integer, integer, I::zero, rdim, X::L, "6.2", {.selector = 1, .c4x_only = true}),
+    row("1011 00000 gg ddddd ssssssssssssssss", "lb0", O::lb, F::unary, integer, integer, signed_part_immediate, rdim, X::L, "6.2", {.c4x_only = true}),
+    row("1011 00001 gg ddddd ssssssssssssssss", "lb1", O::lb, F::unary, integer, integer, signed_part_immediate, rdim, X::L, "6.2", {.selector = 1, .c4x_only = true}),
+    row("1011 00010 gg ddddd ssssssssssssssss", "lb2", O::lb, F::unary, integer, integer, signed_part_immediate, rdim, X::L, "6.2", {.selector = 2, .c4x_only = true}),
+    row("1011 00011 gg ddddd ssssssssssssssss", "lb3", O::lb, F::unary, integer, integer, signed_part_immediate, rdim, X::L, "6.2", {.selector = 3, .c4x_only = true}),
+    row("1011 00100 gg ddddd ssssssssssssssss", "lbu0", O::lbu, F::unary, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.c4x_only = true}),
+    row("1011 00101 gg ddddd ssssssssssssssss", "lbu1", O::lbu, F::unary, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.selector = 1, .c4x_only = true}),
+    row("1011 00110 gg ddddd ssssssssssssssss", "lbu2", O::lbu, F::unary, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.selector = 2, .c4x_only = true}),
+    row("1011 00111 gg ddddd ssssssssssssssss", "lbu3", O::lbu, F::unary, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.selector = 3, .c4x_only = true}),
+    row("1011 01000 gg ddddd ssssssssssssssss", "lwl0", O::lwl, F::binary_reversed, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.c4x_only = true}),
+    row("1011 01001 gg ddddd ssssssssssssssss", "lwl1", O::lwl, F::binary_reversed, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.selector = 1, .c4x_only = true}),
+    row("1011 01010 gg ddddd ssssssssssssssss", "lwl2", O::lwl, F::binary_reversed, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.selector = 2, .c4x_only = true}),
+    row("1011 01011 gg ddddd ssssssssssssssss", "lwl3", O::lwl, F::binary_reversed, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.selector = 3, .c4x_only = true}),
+    row("1011 01100 gg ddddd ssssssssssssssss", "lwr0", O::lwr, F::binary_reversed, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.c4x_only = true}),
+    row("1011 01101 gg ddddd ssssssssssssssss", "lwr1", O::lwr, F::binary_reversed, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.selector = 1, .c4x_only = true}),
+    row("1011 01110 gg ddddd ssssssssssssssss", "lwr2", O::lwr, F::binary_reversed, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.selector = 2, .c4x_only = true}),
+    row("1011 01111 gg ddddd ssssssssssssssss", "lwr3", O::lwr, F::binary_reversed, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.selector = 3, .c4x_only = true}),
+    row("1011 10000 gg ddddd ssssssssssssssss", "mb0", O::mb, F::binary_reversed, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.c4x_only = true}),
+    row("1011 10001 gg ddddd ssssssssssssssss", "mb1", O::mb, F::binary_reversed, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.selector = 1, .c4x_only = true}),
+    row("1011 10010 gg ddddd ssssssssssssssss", "mb2", O::mb, F::binary_reversed, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.selector = 2, .c4x_only = true}),
+    row("1011 10011 gg ddddd ssssssssssssssss", "mb3", O::mb, F::binary_reversed, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.selector = 3, .c4x_only = true}),
+    row("1011 10100 gg ddddd ssssssssssssssss", "lh0", O::lh, F::unary, integer, integer, signed_part_immediate, rdim, X::L, "6.2", {.c4x_only = true}),
+    row("1011 10101 gg ddddd ssssssssssssssss", "lh1", O::lh, F::unary, integer, integer, signed_part_immediate, rdim, X::L, "6.2", {.selector = 1, .c4x_only = true}),
+    row("1011 10110 gg ddddd ssssssssssssssss", "lhu0", O::lhu, F::unary, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.c4x_only = true}),
+    row("1011 10111 gg ddddd ssssssssssssssss", "lhu1", O::lhu, F::unary, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.selector = 1, .c4x_only = true}),
+    row("1011 11000 gg ddddd ssssssssssssssss", "mh0", O::mh, F::binary_reversed, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.c4x_only = true}),
+    row("1011 11001 gg ddddd ssssssssssssssss", "mh1", O::mh, F::binary_reversed, integer, integer, other_part_immediate, rdim, X::L, "6.2", {.selector = 1, .c4x_only = true}),
 
     // Three-operand instructions, by bits 27..23: type 1, then type 2.
     row("001 0 00000 tt ddddd jjjjjjjj iiiiiiii", "addc3", O::addc, F::three_type1, integer, integer, I::none, any, X::A, "6.3", {.commutative = true}),
