@@ -9,6 +9,8 @@
 #include "cmrc/config.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/diagnostics.hpp"
+#include "toolchain/linker.hpp"
+#include "toolchain/memory_map.hpp"
 
 namespace {
 
@@ -40,14 +42,32 @@ void declare_run(CLI::App& app, cli::RunOptions& options) {
 
 void declare_assemble(CLI::App& app, cli::AssembleOptions& options) {
   app.add_option("FILE", options.source, "Source in TI's syntax (docs/assembler.md)")->required();
-  app.add_option("-o,--output", options.output, "COFF executable to write")->required()->type_name("OUT");
+  app.add_option("-o,--output", options.output, "COFF file to write")->required()->type_name("OUT");
   app.add_option("-I,--include", options.include_directories, "Look here for included files")->type_name("DIR");
+  app.add_option("-D,--define", options.defines, "Define a constant (1 if no number is given)")
+      ->type_name("NAME[=NUMBER]");
+  app.add_option("--section", options.sections, "Where a section stands (.text: 300000h)")->type_name("NAME=ADDRESS");
+  app.add_option("--entry", options.entry, "The symbol at which the program starts")->type_name("SYMBOL");
   app.add_option("--listing", options.listing, "Also write a listing")->type_name("FILE");
+  app.add_flag("-c,--object", options.object, "Write a relocatable object, for emulator link");
+  app.add_option("--coff-version", options.version, "0, 1 or 2 (default)")->check(CLI::Range(0, 2));
+}
+
+void declare_link(CLI::App& app, cli::LinkOptions& options) {
+  app.add_option("FILES", options.inputs, "Relocatable objects and libraries (.a, .lib)")->required();
+  app.add_option("-o,--output", options.output, "COFF executable to write")->required()->type_name("OUT");
+  app.add_option("--map", options.memory_map, "Memory map (TOML; docs/assembler.md); default: 1 M words at 300000h")
+      ->type_name("FILE.toml");
+  app.add_option("--entry", options.entry, "The symbol at which the program starts")->type_name("SYMBOL");
+  app.add_option("--map-output", options.map_output, "Also write what went where")->type_name("FILE");
+  app.add_option("--coff-version", options.version, "0, 1 or 2 (default)")->check(CLI::Range(0, 2));
 }
 
 void declare_disassemble(CLI::App& app, cli::DisassembleOptions& options) {
-  app.add_option("FILE", options.program, "COFF executable, .hex or source")->required();
+  app.add_option("FILE", options.program, "COFF file, .hex or source")->required();
+  app.add_option("-I,--include", options.include_directories, "Look here for included files")->type_name("DIR");
   app.add_option("--load-at", options.load_at, "Where a .hex file stands")->type_name("ADDRESS");
+  app.add_flag("--source", options.source, "Without addresses and words: text that assembles to the same words");
 }
 
 void declare_exec(CLI::App& app, cli::ExecOptions& options) {
@@ -72,7 +92,8 @@ void declare_trace_diff(CLI::App& app, cli::TraceDiffOptions& options) {
 void declare_vectors(CLI::App& app, cli::VectorOptions& options) {
   app.add_option("FILE", options.files, "Single-step vectors (docs/cli.md), plain, .gz or .xz")->required();
   app.add_option("--show", options.show, "Name so many failing vectors (default 10)")->check(CLI::NonNegativeNumber);
-  app.add_flag("--every-access", options.every_access, "Each line names all its bus accesses: one without any makes none");
+  app.add_flag("--every-access", options.every_access,
+               "Each line names all its bus accesses: one without any makes none");
   app.add_flag("--json", options.json, "Print the result as JSON");
 }
 
@@ -101,6 +122,10 @@ int guarded(const Action& action) {
     return fail(error.what(), cli::bad_input);
   } catch (const toolchain::CoffError& error) {
     return fail(error.what(), cli::bad_input);
+  } catch (const toolchain::LinkError& error) {
+    return fail(error.what(), cli::bad_input);
+  } catch (const toolchain::MemoryMapError& error) {
+    return fail(error.what(), cli::bad_input);
   } catch (const std::exception& error) {
     return fail(error.what(), cli::run_failed);
   }
@@ -116,6 +141,7 @@ int main(int argc, char** argv) {
   cli::RunOptions run_options;
   cli::AssembleOptions assemble_options;
   cli::DisassembleOptions disassemble_options;
+  cli::LinkOptions link_options;
   cli::ExecOptions exec_options;
   cli::TraceDiffOptions trace_diff_options;
   cli::VectorOptions vector_options;
@@ -126,6 +152,7 @@ int main(int argc, char** argv) {
   add_command(app, "asm", "Assemble a C4x program", declare_assemble, cli::assemble, assemble_options, action);
   add_command(app, "disasm", "Print a program as instructions", declare_disassemble, cli::disassemble,
               disassemble_options, action);
+  add_command(app, "link", "Link objects to a program", declare_link, cli::link, link_options, action);
   add_command(app, "exec", "Run a program on one chip", declare_exec, cli::exec, exec_options, action);
   add_command(app, "trace-diff", "Find where two traces part (exit status 1 if they do)", declare_trace_diff,
               cli::trace_diff, trace_diff_options, action);

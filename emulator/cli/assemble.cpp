@@ -1,40 +1,102 @@
-// emulator asm, emulator disasm
+// emulator asm, emulator link, emulator disasm
 #include <fmt/format.h>
 
 #include "cli/options.hpp"
 #include "cli/output_file.hpp"
 #include "cli/program.hpp"
-#include "isa/disassemble.hpp"
+#include "toolchain/assembler.hpp"
 #include "toolchain/coff.hpp"
+#include "toolchain/disassembly.hpp"
+#include "toolchain/linker.hpp"
 
 namespace cli {
+namespace {
+
+/// NAME=NUMBER; without a number it is `otherwise`, if there is one.
+std::pair<std::string, toolchain::Word> assignment(const std::string& text, std::string_view option,
+                                                   std::optional<toolchain::Word> otherwise) {
+  const auto equals = text.find('=');
+  const std::string name = text.substr(0, equals);
+  if (name.empty() || (equals == std::string::npos && !otherwise))
+    throw InputError(fmt::format("{}: \"{}\" is not NAME=NUMBER", option, text));
+  if (equals == std::string::npos) return {name, *otherwise};
+  return {name, parse_address(std::string_view(text).substr(equals + 1), nullptr, option)};
+}
+
+toolchain::Options toolchain_options(const AssembleOptions& options) {
+  toolchain::Options out;
+  for (const std::string& directory : options.include_directories) out.include_dirs.emplace_back(directory);
+  for (const std::string& define : options.defines) out.symbols.insert(assignment(define, "-D", 1));
+  for (const std::string& section : options.sections) {
+    const auto [name, address] = assignment(section, "--section", std::nullopt);
+    out.sections[name] = address;
+  }
+  out.entry = options.entry.value_or("");
+  return out;
+}
+
+/// Both files, or none.
+void write(toolchain::Object object, int version, const std::string& path, const std::optional<std::string>& text_path,
+           const std::string& text) {
+  object.version = version;
+  OutputFile output(path);
+  std::optional<OutputFile> text_output;
+  if (text_path) text_output.emplace(*text_path);
+  toolchain::write_coff(object, output.working_path());
+  if (text_output) text_output->stream() << text;
+  output.commit();
+  if (text_output) text_output->commit();
+}
+
+void print_warnings(const toolchain::Image& image) {
+  for (const std::string& warning : image.warnings) fmt::print(stderr, "{}\n", warning);
+}
+
+}  // namespace
 
 int assemble(const AssembleOptions& options) {
-  const toolchain::Image image = read_program(options.source, options.include_directories, std::nullopt);
-  for (const std::string& warning : image.warnings) fmt::print(stderr, "{}\n", warning);
-  OutputFile output(options.output);
-  std::optional<OutputFile> listing;
-  if (options.listing) listing.emplace(*options.listing);
-  toolchain::write_coff(image, output.working_path());
-  if (listing) listing->stream() << toolchain::listing(image);
-  output.commit();
-  if (listing) listing->commit();
+  require_file(options.source);
+  const toolchain::Options how = toolchain_options(options);
+  if (options.object) {
+    const auto assembled = toolchain::assemble_object_file(options.source, how);
+    print_warnings(assembled.listed);
+    write(assembled.object, options.version, options.output, options.listing,
+          options.listing ? toolchain::listing(assembled.listed) : std::string());
+    return success;
+  }
+  const toolchain::Image image = toolchain::assemble_file(options.source, how);
+  print_warnings(image);
+  write(toolchain::executable_of(image), options.version, options.output, options.listing,
+        options.listing ? toolchain::listing(image) : std::string());
+  return success;
+}
+
+int link(const LinkOptions& options) {
+  std::vector<std::filesystem::path> files;
+  for (const std::string& input : options.inputs) {
+    require_file(input);
+    files.emplace_back(input);
+  }
+  if (options.memory_map) require_file(*options.memory_map);
+  toolchain::MemoryMap map =
+      options.memory_map ? toolchain::read_memory_map(*options.memory_map) : toolchain::MemoryMap::standard();
+  if (options.entry) map.entry = *options.entry;
+  const toolchain::Linked linked = toolchain::link_files(files, map);
+  print_warnings(linked.image);
+  write(toolchain::executable_of(linked.image), options.version, options.output, options.map_output, linked.map);
   return success;
 }
 
 int disassemble(const DisassembleOptions& options) {
-  const toolchain::Image image = read_program(options.program, {}, options.load_at);
-  const auto lookup = [&image](toolchain::Address address) { return symbol_at(image, address); };
-  for (const auto& section : image.sections) {
-    fmt::print("; section {}, {} words at {:08X}h{}\n", section.name, section.size, section.address,
-               section.loaded ? "" : ", reserved");
-    toolchain::Address address = section.address;
-    for (const toolchain::Word word : section.words) {
-      if (const std::string label = symbol_at(image, address); !label.empty()) fmt::print("{}:\n", label);
-      fmt::print("{:08X}  {:08X}  {}\n", address, word, isa::disassemble(word, address, lookup));
-      ++address;
-    }
+  require_file(options.program);
+  if (is_coff_name(options.program) && !options.source) {
+    const toolchain::Object object = toolchain::read_object(options.program);
+    fmt::print(
+        "{}", object.executable ? toolchain::disassembly(toolchain::image_of(object)) : toolchain::disassembly(object));
+    return success;
   }
+  const toolchain::Image image = read_program(options.program, options.include_directories, options.load_at);
+  fmt::print("{}", options.source ? toolchain::source_of(image) : toolchain::disassembly(image));
   return success;
 }
 

@@ -43,12 +43,28 @@ struct AssembleOptions {
   std::string source;
   std::string output;
   std::vector<std::string> include_directories;
+  std::vector<std::string> defines;   ///< NAME or NAME=NUMBER
+  std::vector<std::string> sections;  ///< NAME=ADDRESS
+  std::optional<std::string> entry;
   std::optional<std::string> listing;
+  bool object = false;
+  int version = 2;  ///< Of the COFF file.
+};
+
+struct LinkOptions {
+  std::vector<std::string> inputs;
+  std::string output;
+  std::optional<std::string> memory_map;
+  std::optional<std::string> entry;
+  std::optional<std::string> map_output;
+  int version = 2;
 };
 
 struct DisassembleOptions {
   std::string program;
+  std::vector<std::string> include_directories;
   std::optional<std::string> load_at;
+  bool source = false;  ///< Text that assembles to the same words.
 };
 
 struct ExecOptions {
@@ -80,6 +96,7 @@ struct VectorOptions {
 int run(const RunOptions& options);
 int assemble(const AssembleOptions& options);
 int disassemble(const DisassembleOptions& options);
+int link(const LinkOptions& options);
 int exec(const ExecOptions& options);
 int trace_diff(const TraceDiffOptions& options);
 int vectors(const VectorOptions& options);

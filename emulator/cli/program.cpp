@@ -31,14 +31,6 @@ std::optional<std::uint64_t> parse_integer(std::string_view text) {
   return parse_number(text, 10);
 }
 
-void require_file(const std::string& path) {
-  std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path));
-  if (std::filesystem::is_directory(path, error))
-    throw InputError(fmt::format("{}: is a directory; a program is expected", path));
-  if (!std::ifstream(path)) throw InputError(fmt::format("{}: cannot be read", path));
-}
-
 Image read_hex(const std::string& path, Address load_at) {
   std::ifstream in(path);
   std::vector<Word> words;
@@ -62,7 +54,22 @@ Image read_hex(const std::string& path, Address load_at) {
   return image;
 }
 
+bool is_source(const std::string& suffix) { return suffix == ".asm" || suffix == ".s" || suffix == ".S"; }
+
 }  // namespace
+
+void require_file(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path));
+  if (std::filesystem::is_directory(path, error))
+    throw InputError(fmt::format("{}: is a directory; a program is expected", path));
+  if (!std::ifstream(path)) throw InputError(fmt::format("{}: cannot be read", path));
+}
+
+bool is_coff_name(const std::string& path) {
+  const std::string suffix = std::filesystem::path(path).extension().string();
+  return suffix != ".hex" && !is_source(suffix);
+}
 
 Image read_program(const std::string& path, const std::vector<std::string>& include_directories,
                    const std::optional<std::string>& load_at) {
@@ -70,7 +77,7 @@ Image read_program(const std::string& path, const std::vector<std::string>& incl
   const std::string suffix = std::filesystem::path(path).extension().string();
   if (suffix == ".hex") return read_hex(path, load_at ? parse_address(*load_at, nullptr, "--load-at") : 0);
   if (load_at) throw InputError("--load-at: only a .hex file needs it; other programs say where they stand");
-  if (suffix == ".asm" || suffix == ".s" || suffix == ".S") {
+  if (is_source(suffix)) {
     toolchain::Options options;
     for (const std::string& directory : include_directories) options.include_dirs.emplace_back(directory);
     return toolchain::assemble_file(path, options);

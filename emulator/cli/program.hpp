@@ -16,6 +16,12 @@ namespace cli {
 toolchain::Image read_program(const std::string& path, const std::vector<std::string>& include_directories,
                               const std::optional<std::string>& load_at);
 
+/// \throws InputError if there is no file that can be read.
+void require_file(const std::string& path);
+
+/// Whether read_program() would take the file for a COFF file.
+bool is_coff_name(const std::string& path);
+
 /// "300000h", "0x300000", "3145728" or a symbol of the image. \throws InputError naming the option `what`.
 toolchain::Address parse_address(std::string_view text, const toolchain::Image* image, std::string_view what);
 

@@ -24,11 +24,34 @@ void sort(std::vector<Diagnostic>& diagnostics) {
   for (std::size_t i = 0; i < ranked.size(); ++i) diagnostics[i] = std::move(ranked[i].second);
 }
 
-Image finish(Program& program, std::vector<Diagnostic> diagnostics) {
-  Image image = program.finish(diagnostics);
+/// Throws what is wrong, if anything is.
+void conclude(std::vector<Diagnostic> diagnostics) {
   sort(diagnostics);
   if (!diagnostics.empty()) throw AssemblyError(std::move(diagnostics));
+}
+
+void read_file(Program& program, const std::filesystem::path& path, const Options& options,
+               std::vector<Diagnostic>& diagnostics) {
+  Reader reader(program, options, diagnostics);
+  try {
+    reader.read_file(path);
+  } catch (const LineError& error) {
+    throw AssemblyError({Diagnostic{path.string(), 0, 1, false, error.message, "", {}}});
+  }
+}
+
+Image finish(Program& program, std::vector<Diagnostic> diagnostics) {
+  Image image = program.finish(diagnostics);
+  conclude(std::move(diagnostics));
   return image;
+}
+
+AssembledObject finish_object(Program& program, const std::string& name, std::vector<Diagnostic> diagnostics) {
+  AssembledObject out;
+  out.object = program.finish_object(out.listed, diagnostics);
+  out.object.name = name;
+  conclude(std::move(diagnostics));
+  return out;
 }
 
 }  // namespace
@@ -36,12 +59,7 @@ Image finish(Program& program, std::vector<Diagnostic> diagnostics) {
 Image assemble_file(const std::filesystem::path& path, const Options& options) {
   Program program(options);
   std::vector<Diagnostic> diagnostics;
-  Reader reader(program, options, diagnostics);
-  try {
-    reader.read_file(path);
-  } catch (const LineError& error) {
-    throw AssemblyError({Diagnostic{path.string(), 0, 1, false, error.message, "", {}}});
-  }
+  read_file(program, path, options, diagnostics);
   return finish(program, std::move(diagnostics));
 }
 
@@ -50,6 +68,20 @@ Image assemble_text(std::string_view text, const std::string& name, const Option
   std::vector<Diagnostic> diagnostics;
   Reader(program, options, diagnostics).read_text(text, name, {});
   return finish(program, std::move(diagnostics));
+}
+
+AssembledObject assemble_object_file(const std::filesystem::path& path, const Options& options) {
+  Program program(options);
+  std::vector<Diagnostic> diagnostics;
+  read_file(program, path, options, diagnostics);
+  return finish_object(program, path.string(), std::move(diagnostics));
+}
+
+AssembledObject assemble_object_text(std::string_view text, const std::string& name, const Options& options) {
+  Program program(options);
+  std::vector<Diagnostic> diagnostics;
+  Reader(program, options, diagnostics).read_text(text, name, {});
+  return finish_object(program, name, std::move(diagnostics));
 }
 
 }  // namespace toolchain

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "toolchain/diagnostics.hpp"
-#include "toolchain/image.hpp"
+#include "toolchain/object.hpp"
 
 namespace toolchain {
 
@@ -26,5 +26,15 @@ Image assemble_file(const std::filesystem::path& path, const Options& options = 
 
 /// `name` stands for the text in diagnostics.
 Image assemble_text(std::string_view text, const std::string& name = "<text>", const Options& options = {});
+
+/// A relocatable object (`Options::sections` and `entry` have no meaning for it), and its lines and warnings. Symbols
+/// that are declared by .global or .ref and not defined are left to the linker. Throws AssemblyError.
+struct AssembledObject {
+  Object object;
+  Image listed;  ///< Every section begins at 0.
+};
+AssembledObject assemble_object_file(const std::filesystem::path& path, const Options& options = {});
+AssembledObject assemble_object_text(std::string_view text, const std::string& name = "<text>",
+                                     const Options& options = {});
 
 }  // namespace toolchain

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <array>
+#include <bit>
 #include <fstream>
 
 #include "toolchain/coff.hpp"
@@ -23,106 +25,204 @@ class Bytes {
     for (std::size_t i = 0; i < size; ++i)
       out_.push_back(i < value.size() ? static_cast<std::byte>(value[i]) : std::byte{0});
   }
-  std::size_t size() const { return out_.size(); }
   std::vector<std::byte> take() { return std::move(out_); }
 
  private:
   std::vector<std::byte> out_;
 };
 
-std::uint32_t section_flags(const Image::Section& section) {
+/// What kind a section is in the optional header.
+std::uint32_t kind(const ObjectSection& section) {
   if (!section.loaded) return bss;
   return section.name == ".text" ? text : data;
 }
 
-/// Number of the section that holds the address (from 1), or -1: the value is absolute.
-std::int16_t section_of(const Image& image, Word value) {
-  for (std::size_t i = 0; i < image.sections.size(); ++i)
-    if (value - image.sections[i].address < image.sections[i].size) return static_cast<std::int16_t>(i + 1);
-  return absolute_section;
-}
+class CoffWriter {
+ public:
+  explicit CoffWriter(const Object& object) : object_(object), v2_(object.version == 2) {}
 
-Address total(const Image& image, std::uint32_t flag) {
-  Address words = 0;
-  for (const auto& section : image.sections)
-    if (section_flags(section) == flag) words += section.size;
-  return words;
-}
-
-Address start(const Image& image, std::uint32_t flag) {
-  for (const auto& section : image.sections)
-    if (section_flags(section) == flag) return section.address;
-  return 0;
-}
-
-void write_headers(Bytes& out, const Image& image, std::size_t contents_at, std::size_t symbols_at) {
-  out.u16(magic_v2);
-  out.u16(static_cast<std::uint32_t>(image.sections.size()));
-  out.u32(0);  // No time stamp: equal programs give equal files.
-  out.u32(static_cast<std::uint32_t>(symbols_at));
-  out.u32(static_cast<std::uint32_t>(image.symbols.size()));
-  out.u16(optional_header);
-  out.u16(no_relocations | executable | no_line_numbers | c4x | little_endian);
-  out.u16(target_id);
-  out.u16(optional_magic);
-  out.u16(0);
-  for (const std::uint32_t flag : {text, data, bss}) out.u32(total(image, flag));
-  out.u32(image.entry);
-  for (const std::uint32_t flag : {text, data}) out.u32(start(image, flag));
-  for (const Image::Section& section : image.sections) {
-    out.text(section.name, 8);
-    out.u32(section.address);
-    out.u32(section.address);
-    out.u32(section.size);
-    out.u32(section.loaded ? static_cast<std::uint32_t>(contents_at) : 0);
-    if (section.loaded) contents_at += 4 * section.words.size();
-    for (int i = 0; i < 4; ++i) out.u32(0);  // Neither relocations nor line numbers.
-    out.u32(section_flags(section));
-    out.u16(0);
-    out.u16(0);
+  std::vector<std::byte> write() {
+    check();
+    number_symbols();
+    write_file_header();
+    write_section_headers();
+    for (const auto& section : object_.sections)
+      for (const Word word : section.words) out_.u32(word);
+    for (const auto& section : object_.sections)
+      for (const Relocation& relocation : section.relocations) write_relocation(section, relocation);
+    for (const ObjectSymbol& symbol : object_.symbols) write_symbol(symbol);
+    out_.u32(static_cast<std::uint32_t>(4 + strings_.size()));
+    out_.text(strings_, strings_.size());
+    return out_.take();
   }
-}
 
-void write_symbols(Bytes& out, const Image& image) {
-  std::string strings;
-  for (const auto& [name, value] : image.symbols) {
-    if (name.size() <= 8) {
-      out.text(name, 8);
-    } else {
-      out.u32(0);
-      out.u32(static_cast<std::uint32_t>(4 + strings.size()));
-      strings += name + '\0';
+ private:
+  void check() const {
+    const auto refuse = [](std::size_t most, std::string_view what, std::size_t given) {
+      if (given > most) throw std::runtime_error(fmt::format("a COFF file holds {} {}, not {}", most, what, given));
+    };
+    refuse(most_sections, "sections", object_.sections.size());
+    for (const auto& section : object_.sections)
+      if (!v2_) refuse(65535, "relocations of a section", section.relocations.size());
+    if (object_.version == 0) refuse(32767, "symbols", object_.symbols.size());
+  }
+
+  std::size_t header_size() const { return object_.version == 0 ? file_header_v0 : file_header_v12; }
+  std::size_t optional_size() const { return object_.executable ? optional_header : 0; }
+  std::size_t section_size() const { return v2_ ? section_header_v2 : section_header_v01; }
+  std::size_t relocation_size() const { return object_.version == 0 ? relocation_v0 : relocation_v12; }
+  std::size_t contents_at() const { return header_size() + optional_size() + section_size() * object_.sections.size(); }
+  std::size_t relocations_at() const {
+    std::size_t words = 0;
+    for (const auto& section : object_.sections) words += section.words.size();
+    return contents_at() + 4 * words;
+  }
+  std::size_t symbols_at() const {
+    std::size_t count = 0;
+    for (const auto& section : object_.sections) count += section.relocations.size();
+    return relocations_at() + relocation_size() * count;
+  }
+
+  /// A section's symbol has an auxiliary entry.
+  void number_symbols() {
+    std::uint32_t next = 0;
+    for (const ObjectSymbol& symbol : object_.symbols) {
+      symbol_numbers_.push_back(next);
+      next += symbol.stands_for_section ? 2 : 1;
     }
-    out.u32(value);
-    out.u16(static_cast<std::uint16_t>(section_of(image, value)));
-    out.u16(0);
-    out.u8(class_external);
-    out.u8(0);
+    symbol_entries_ = next;
   }
-  out.u32(static_cast<std::uint32_t>(4 + strings.size()));
-  out.text(strings, strings.size());
+
+  Address total(std::uint32_t wanted) const {
+    Address words = 0;
+    for (const auto& section : object_.sections)
+      if (kind(section) == wanted) words += section.size;
+    return words;
+  }
+  Address start(std::uint32_t wanted) const {
+    for (const auto& section : object_.sections)
+      if (kind(section) == wanted) return section.address;
+    return 0;
+  }
+
+  void write_file_header() {
+    bool relocations = false;
+    for (const auto& section : object_.sections) relocations = relocations || !section.relocations.empty();
+    constexpr std::array<std::uint16_t, 3> magic{target_id, magic_v1, magic_v2};
+    out_.u16(magic[static_cast<std::size_t>(object_.version)]);
+    out_.u16(static_cast<std::uint32_t>(object_.sections.size()));
+    out_.u32(0);  // No time stamp: equal programs give equal files.
+    out_.u32(static_cast<std::uint32_t>(symbols_at()));
+    out_.u32(symbol_entries_);
+    out_.u16(static_cast<std::uint32_t>(optional_size()));
+    out_.u16((relocations ? 0U : no_relocations) | (object_.executable ? executable : 0U) | no_line_numbers | c4x |
+             little_endian);
+    if (object_.version > 0) out_.u16(target_id);
+    if (!object_.executable) return;
+    out_.u16(optional_magic);
+    out_.u16(0);
+    for (const std::uint32_t wanted : {text, data, bss}) out_.u32(total(wanted));
+    out_.u32(object_.entry);
+    for (const std::uint32_t wanted : {text, data}) out_.u32(start(wanted));
+  }
+
+  void write_section_headers() {
+    std::size_t contents = contents_at(), relocations = relocations_at();
+    for (const ObjectSection& section : object_.sections) {
+      out_.text(section.name, 8);
+      out_.u32(section.address);
+      out_.u32(section.address);
+      out_.u32(section.size);
+      out_.u32(section.words.empty() ? 0 : static_cast<std::uint32_t>(contents));
+      out_.u32(section.relocations.empty() ? 0 : static_cast<std::uint32_t>(relocations));
+      out_.u32(0);  // No line numbers.
+      const std::size_t count_size = v2_ ? 4 : 2;
+      out_.little(static_cast<std::uint32_t>(section.relocations.size()), count_size);
+      out_.little(0, count_size);
+      const auto alignment = static_cast<std::uint32_t>(std::bit_width(section.alignment) - 1);
+      out_.little(kind(section) | alignment << alignment_shift | (section.blocked ? block : 0U), count_size);
+      out_.little(0, count_size);  // Reserved, and the memory page.
+      contents += 4 * section.words.size();
+      relocations += relocation_size() * section.relocations.size();
+    }
+  }
+
+  void write_relocation(const ObjectSection& section, const Relocation& relocation) {
+    out_.u32(section.address + relocation.offset);
+    const std::uint32_t symbol = relocation.symbol == Relocation::own_section
+                                     ? 0xFFFFFFFF
+                                     : symbol_numbers_[static_cast<std::size_t>(relocation.symbol)];
+    out_.little(symbol, object_.version == 0 ? 2 : 4);
+    out_.u16(relocation.low);
+    out_.u16(static_cast<std::uint32_t>(relocation.type));
+  }
+
+  void write_symbol(const ObjectSymbol& symbol) {
+    if (symbol.name.size() <= 8) {
+      out_.text(symbol.name, 8);
+    } else {
+      out_.u32(0);
+      out_.u32(static_cast<std::uint32_t>(4 + strings_.size()));
+      strings_ += symbol.name + '\0';
+    }
+    out_.u32(symbol.value);
+    const int section = symbol.section == ObjectSymbol::absolute    ? absolute_section
+                        : symbol.section == ObjectSymbol::undefined ? undefined_section
+                                                                    : symbol.section + 1;
+    out_.u16(static_cast<std::uint16_t>(section));
+    out_.u16(0);
+    out_.u8(symbol.global ? class_external : class_static);
+    out_.u8(symbol.stands_for_section ? 1 : 0);
+    if (!symbol.stands_for_section) return;
+    const auto& owner = object_.sections[static_cast<std::size_t>(symbol.section)];
+    out_.u32(owner.size);
+    out_.u16(static_cast<std::uint32_t>(owner.relocations.size()));
+    out_.text("", symbol_entry - 6);
+  }
+
+  const Object& object_;
+  bool v2_;
+  Bytes out_;
+  std::string strings_;
+  std::vector<std::uint32_t> symbol_numbers_;
+  std::uint32_t symbol_entries_ = 0;
+};
+
+/// The section that holds the address, or ObjectSymbol::absolute.
+int section_of(const Image& image, Word value) {
+  for (std::size_t i = 0; i < image.sections.size(); ++i)
+    if (value - image.sections[i].address < image.sections[i].size) return static_cast<int>(i);
+  return ObjectSymbol::absolute;
 }
 
 }  // namespace
 
-std::vector<std::byte> coff_bytes(const Image& image) {
-  if (image.sections.size() > most_sections)
-    throw std::runtime_error(
-        fmt::format("a COFF file holds {} sections, not {}", most_sections, image.sections.size()));
-  std::size_t words = 0;
-  for (const auto& section : image.sections) words += section.loaded ? section.words.size() : 0;
-  const std::size_t contents_at = file_header_v12 + optional_header + section_header_v2 * image.sections.size();
-  Bytes out;
-  write_headers(out, image, contents_at, contents_at + 4 * words);
-  for (const auto& section : image.sections)
-    if (section.loaded)
-      for (const Word word : section.words) out.u32(word);
-  write_symbols(out, image);
-  return out.take();
+Object executable_of(const Image& image) {
+  Object out;
+  out.executable = true;
+  out.entry = image.entry;
+  for (const Image::Section& section : image.sections) {
+    ObjectSection& copy = out.sections.emplace_back();
+    copy.name = section.name;
+    copy.address = section.address;
+    copy.size = section.size;
+    copy.words = section.words;
+    copy.loaded = section.loaded;
+  }
+  for (const auto& [name, value] : image.symbols) {
+    ObjectSymbol& symbol = out.symbols.emplace_back();
+    symbol.name = name;
+    symbol.value = value;
+    symbol.section = section_of(image, value);
+    symbol.global = true;
+  }
+  return out;
 }
 
-void write_coff(const Image& image, const std::filesystem::path& path) {
-  const auto bytes = coff_bytes(image);
+std::vector<std::byte> coff_bytes(const Object& object) { return CoffWriter(object).write(); }
+std::vector<std::byte> coff_bytes(const Image& image) { return coff_bytes(executable_of(image)); }
+
+void write_whole(std::span<const std::byte> bytes, const std::filesystem::path& path) {
   const std::filesystem::path temporary = path.string() + ".tmp";
   {
     std::ofstream stream(temporary, std::ios::binary);
@@ -142,5 +242,8 @@ void write_coff(const Image& image, const std::filesystem::path& path) {
     throw std::runtime_error(fmt::format("cannot write '{}': {}", path.string(), error.message()));
   }
 }
+
+void write_coff(const Object& object, const std::filesystem::path& path) { write_whole(coff_bytes(object), path); }
+void write_coff(const Image& image, const std::filesystem::path& path) { write_whole(coff_bytes(image), path); }
 
 }  // namespace toolchain

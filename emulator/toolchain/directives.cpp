@@ -1,6 +1,7 @@
 // The directives of the assembler's reader.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 
 #include "toolchain/reader.hpp"
@@ -145,6 +146,14 @@ void Reader::directive_sect(Statement& s) {
   select_section(s, name, name == ".bss" ? Program::Load::reserved : Program::Load::loaded, offset);
 }
 
+/// The alignment that may follow a size.
+Address Reader::alignment_of_reserved(Parser& p, int section) {
+  if (!p.accept(",")) return 1;
+  const Address alignment = known_size(p, "the alignment");
+  if (alignment == 1) program_.block(section);
+  return std::max(alignment, Address{1});
+}
+
 /// `.bss name,size[,alignment]` reserves; `.bss` alone makes it the current section. An alignment of 1 is TI's blocking
 /// flag: words that fit into one page are not spread over two.
 void Reader::directive_bss(Statement& s) {
@@ -156,7 +165,7 @@ void Reader::directive_bss(Statement& s) {
   const std::string name = p.required_identifier("a symbol");
   p.expect(",");
   const Address size = known_size(p, "the size");
-  const Address alignment = p.accept(",") ? known_size(p, "the alignment") : 1;
+  const Address alignment = alignment_of_reserved(p, bss);
   p.expect_end();
   program_.define(name, program_.reserve(bss, size, alignment, offset), s.line, offset);
 }
@@ -169,9 +178,9 @@ void Reader::directive_usect(Statement& s) {
   const std::string section_name = p.name_or_quoted("the section's name");
   p.expect(",");
   const Address size = known_size(p, "the size");
-  const Address alignment = p.accept(",") ? known_size(p, "the alignment") : 1;
-  p.expect_end();
   const int section = program_.section(section_name, Program::Load::reserved, offset);
+  const Address alignment = alignment_of_reserved(p, section);
+  p.expect_end();
   program_.define(s.label, program_.reserve(section, size, alignment, offset), s.line, s.label_offset);
 }
 

@@ -46,6 +46,7 @@ class Attempt : public OperandEncoder {
       case Format::multiply_add: parallel(); break;
       default: single(); break;
     }
+    note_relocations();
     return word_;
   }
 
@@ -149,9 +150,10 @@ class Attempt : public OperandEncoder {
       return put('r', register_code(o, row_.source));
     need_kind(o, Kind::expression, "a label or a register");
     const auto origin = static_cast<Word>(context_.pc + row_.selector);
-    const auto distance = static_cast<std::int32_t>(static_cast<Word>(integer(o)) - origin);
     const unsigned width = row_.bits.field('v').width;
-    if (!fits_signed(distance, width))
+    const auto type = width == 24 ? RelocationType::pcr24 : RelocationType::pcrword;
+    const auto distance = static_cast<std::int32_t>(static_cast<Word>(address(o, value(o), type)) - origin);
+    if (relocations_.empty() && !fits_signed(distance, width))
       miss(Mismatch::contents, o.offset,
            fmt::format("the target is {} words away; this branch reaches {} bits", distance, width));
     put('v', static_cast<Word>(distance));
@@ -319,7 +321,10 @@ Word encode_ldp(const HalfSyntax& half, const EncodeContext& context) {
   constexpr Word ldiu_immediate_dp = 0x50700000;
   const Candidate ldpk = candidates("ldpk").front();
   try {
-    return ldiu_immediate_dp | OperandEncoder(ldpk, half, nullptr, context).page(half.operands[0]);
+    const OperandEncoder encoder(ldpk, half, nullptr, context);
+    const Word word = ldiu_immediate_dp | encoder.page(half.operands[0]);
+    encoder.note_relocations();
+    return word;
   } catch (const Mismatch& mismatch) {
     throw mismatch.error;
   }

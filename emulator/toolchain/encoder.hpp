@@ -5,14 +5,24 @@
 
 #include "isa/types.hpp"
 #include "toolchain/diagnostics.hpp"
+#include "toolchain/object.hpp"
 #include "toolchain/parser.hpp"
 
 namespace toolchain {
 
+/// A field of the word that the linker has to settle, and what it stands for.
+struct FieldRelocation {
+  RelocationType type = RelocationType::rellong;
+  Value target;
+};
+
 struct EncodeContext {
   isa::Address pc = 0;
-  const SymbolSource& symbols;                              ///< Placed.
+  const SymbolSource& symbols;                              ///< Placed, unless `relocations` is given.
   const std::function<void(const LineError&)>& on_warning;  ///< For what is odd but has a meaning.
+  /// Of a relocatable object: addresses count from their sections' starts, and what they need is added here.
+  std::vector<FieldRelocation>* relocations = nullptr;
+  int section = Value::absolute;  ///< That the word lies in.
 };
 
 /// Whether any instruction has this name (lower case).

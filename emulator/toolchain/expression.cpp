@@ -30,13 +30,21 @@ class Evaluator {
     const Value value = (*this)(e);
     if (value.is_real()) throw LineError{e.offset, "an integer is needed here, not a float"};
     if (value.is_absolute()) return value.integer;
-    if (!symbols_.is_placed()) throw LineError{e.offset, "an address cannot be used here: it is not settled yet"};
+    if (!symbols_.is_placed())
+      throw LineError{e.offset,
+                      "an address cannot be used here: it is not settled yet (only address + number, "
+                      "address - number, address - address of one section, hi16 and lo16 can be)"};
     return symbols_.address_of_section(value.section) + value.integer;
   }
 
   Real real(const Expression& e) const {
     const Value value = (*this)(e);
     return value.is_real() ? value.real : Real(static_cast<double>(number(e)));
+  }
+
+  static Value half(Value address, Value::Half which) {
+    address.half = which;
+    return address;
   }
 
   Value unary(const Expression& e) const {
@@ -55,6 +63,12 @@ class Evaluator {
   Value binary(const Expression& e) const {
     const Value a = (*this)(e.operands[0]), b = (*this)(e.operands[1]);
     if (a.is_real() || b.is_real()) return float_operation(e);
+    if (a.half != Value::Half::none || b.half != Value::Half::none)
+      throw LineError{e.offset, "half of an address that is not settled yet cannot be part of an expression"};
+    if (!symbols_.is_placed() && !a.is_absolute() && b.is_absolute()) {
+      if (e.name == ">>" && b.integer == 16) return half(a, Value::Half::high);
+      if (e.name == "&" && b.integer == 0xFFFF) return half(a, Value::Half::low);
+    }
     if (e.name == "+" && (a.is_absolute() || b.is_absolute()))
       return Value::at(a.is_absolute() ? b.section : a.section, wrap_add(a.integer, b.integer));
     if (e.name == "-") {
@@ -121,6 +135,9 @@ class Evaluator {
       if (!word) throw LineError{e.offset, "out of the range of a 32-bit float"};
       return Value::of(std::int64_t{*word});
     }
+    if (const Value address = (*this)(argument);
+        !symbols_.is_placed() && !address.is_real() && !address.is_absolute() && address.half == Value::Half::none)
+      return half(address, e.name == "lo16" ? Value::Half::low : Value::Half::high);
     const std::int64_t value = number(argument);
     if (e.name == "lo16") return Value::of(value & 0xFFFF);
     return Value::of((value >> 16) & 0xFFFF);  // hi16, page

@@ -8,23 +8,31 @@
 
 namespace toolchain {
 
-/// A number, an address within a section, or a float.
+/// A number, an address within a section or beside an external symbol, a half of such an address, or a float.
 struct Value {
   enum class Kind : std::uint8_t { integer, real } kind = Kind::integer;
   std::int64_t integer = 0;
-  int section = absolute;  ///< If not absolute, `integer` counts from the start of that section.
+  /// If not absolute, `integer` counts from the start of that section, or from external symbol number -2 - section.
+  int section = absolute;
   Real real;
+  enum class Half : std::uint8_t { none, low, high } half = Half::none;  ///< Of an address that is not settled.
 
   static constexpr int absolute = -1;
+  static constexpr int first_external = -2;
   static Value of(std::int64_t value) {
-    return {.kind = Kind::integer, .integer = value, .section = absolute, .real = {}};
+    return {.kind = Kind::integer, .integer = value, .section = absolute, .real = {}, .half = Half::none};
   }
-  static Value of(Real value) { return {.kind = Kind::real, .integer = 0, .section = absolute, .real = value}; }
+  static Value of(Real value) {
+    return {.kind = Kind::real, .integer = 0, .section = absolute, .real = value, .half = Half::none};
+  }
   static Value at(int section, std::int64_t offset) {
-    return {.kind = Kind::integer, .integer = offset, .section = section, .real = {}};
+    return {.kind = Kind::integer, .integer = offset, .section = section, .real = {}, .half = Half::none};
   }
+  static Value external(int number) { return at(first_external - number, 0); }
   bool is_real() const { return kind == Kind::real; }
   bool is_absolute() const { return section == absolute; }
+  bool is_external() const { return section <= first_external; }
+  int external_number() const { return first_external - section; }
 };
 
 struct Expression {
@@ -42,7 +50,7 @@ class SymbolSource {
   /// Throws LineError if there is no such symbol.
   virtual Value value_of(const std::string& name, std::size_t offset) const = 0;
   virtual bool is_defined(const std::string& name) const = 0;
-  /// True once sections have addresses. Until then hi16, *, << and the like do not take addresses.
+  /// True once sections have addresses. Until then *, << and the like do not take addresses, and hi16, lo16 are halves.
   virtual bool is_placed() const = 0;
   virtual std::int64_t address_of_section(int section) const = 0;
 };

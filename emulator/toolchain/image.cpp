@@ -20,10 +20,10 @@ std::string listing(const Image& image) {
                        section.loaded ? "" : ", not loaded");
     for (const LineRecord& line : image.lines) {
       const Address offset = line.address - section.address;
-      if (line.address < section.address || offset >= section.words.size()) continue;
-      const Address end = &line + 1 < image.lines.data() + image.lines.size() && (&line + 1)->address > line.address
-                              ? (&line + 1)->address - section.address
-                              : section.size;
+      if (line.section != static_cast<std::uint32_t>(&section - image.sections.data())) continue;
+      const LineRecord* next = &line + 1;
+      const bool is_last = next == image.lines.data() + image.lines.size() || next->section != line.section;
+      const Address end = is_last ? section.size : next->address - section.address;
       out += fmt::format("{:08x} {:08x}  {:>5}  {}\n", line.address, section.words[offset], line.line, line.text);
       for (Address i = offset + 1; i < std::min(end, section.size); ++i)
         out += fmt::format("{:08x} {:08x}\n", section.address + i, section.words[i]);

@@ -18,6 +18,7 @@ struct LineRecord {
   std::uint32_t file = 0;  ///< Index into Image::files.
   int line = 0;            ///< Counted from 1.
   std::string text;
+  std::uint32_t section = 0;  ///< Index into Image::sections.
 };
 
 struct Image {

@@ -33,6 +33,11 @@ OperandEncoder::OperandEncoder(const Candidate& candidate, const HalfSyntax& fir
   if (exchanged_) halves_ = {second, &first};
 }
 
+void OperandEncoder::note_relocations() const {
+  if (context_.relocations != nullptr)
+    context_.relocations->insert(context_.relocations->end(), relocations_.begin(), relocations_.end());
+}
+
 void OperandEncoder::miss(Mismatch::Rank rank, std::size_t offset, std::string message) const {
   throw Mismatch{rank, LineError{offset, std::move(message), exchanged_ ? 1 - half_ : half_}};
 }
@@ -56,7 +61,17 @@ Value OperandEncoder::value(const OperandSyntax& o) const { return evaluate(*o.e
 
 std::int64_t OperandEncoder::integer(const OperandSyntax& o, const Value& v) const {
   if (v.is_real()) miss(Mismatch::contents, o.offset, "an integer is needed here, not a float");
-  return v.is_absolute() ? v.integer : context_.symbols.address_of_section(v.section) + v.integer;
+  if (v.is_absolute()) return v.integer;
+  if (context_.relocations != nullptr)
+    miss(Mismatch::contents, o.offset, "an address that the linker settles cannot stand here");
+  return context_.symbols.address_of_section(v.section) + v.integer;
+}
+
+std::int64_t OperandEncoder::address(const OperandSyntax& o, const Value& v, RelocationType type) const {
+  if (context_.relocations == nullptr || v.is_real()) return integer(o, v);
+  const bool settled = is_relative(type) ? v.section == context_.section : v.is_absolute();
+  if (!settled) relocations_.push_back({type, v});
+  return v.integer;
 }
 
 Word OperandEncoder::in_range(const OperandSyntax& o, std::int64_t number, bool fits, std::string_view range) const {
@@ -93,7 +108,9 @@ Word OperandEncoder::expansion_code(const OperandSyntax& o) const {
 
 std::int64_t OperandEncoder::displacement(const OperandSyntax& o) const { return o.expression ? integer(o) : 1; }
 
-Word OperandEncoder::direct_field(const OperandSyntax& o) const { return static_cast<Word>(integer(o)) & 0xFFFF; }
+Word OperandEncoder::direct_field(const OperandSyntax& o) const {
+  return static_cast<Word>(address(o, value(o), RelocationType::partls16)) & 0xFFFF;
+}
 
 Word OperandEncoder::indirect_field(const OperandSyntax& o) const {
   Word m = o.modn, d = 0;
@@ -122,6 +139,12 @@ Word OperandEncoder::immediate(const OperandSyntax& o) const {
   const Value v = value(o);
   if (o.exact) return in_range(o, integer(o, v), fits_unsigned(integer(o, v), 16), "=x is a field of 16 bits");
   if (row_.immediate == Immediate::short_float) return short_float(o, v);
+  const bool page_of_address = row_.operation == isa::Operation::ldhi && !v.is_real() && !v.is_absolute();
+  if (v.half == Value::Half::high || (page_of_address && v.half == Value::Half::none))
+    return static_cast<Word>(address(o, v, RelocationType::partms16) >> 16) & 0xFFFF;
+  if (v.half == Value::Half::low) return static_cast<Word>(address(o, v, RelocationType::partls16)) & 0xFFFF;
+  if (context_.relocations != nullptr && !v.is_absolute())
+    return static_cast<Word>(address(o, v, RelocationType::relword)) & 0xFFFF;
   const std::int64_t number = integer(o, v);
   if (!v.is_absolute() && !fits_signed(number, 16))
     miss(Mismatch::contents, o.offset,
@@ -143,11 +166,12 @@ Word OperandEncoder::short_float(const OperandSyntax& o, const Value& v) const {
 }
 
 Word OperandEncoder::page(const OperandSyntax& o) const {
-  if (o.kind == Kind::direct) return static_cast<Word>(integer(o)) >> 16;
+  const auto page_of = [&](const Value& v) { return static_cast<Word>(address(o, v, RelocationType::partms16)) >> 16; };
+  if (o.kind == Kind::direct) return page_of(value(o));
   need_kind(o, Kind::expression, "a page number or @address");
   const Value v = value(o);
+  if (!v.is_real() && !v.is_absolute()) return page_of(v);
   const std::int64_t number = integer(o, v);
-  if (!v.is_absolute()) return static_cast<Word>(number) >> 16;
   return in_range(o, number, fits_unsigned(number, 16), "a page is 0 to 65535; @x takes the page of the address x");
 }
 

@@ -31,6 +31,9 @@ class OperandEncoder {
   /// A page number, or the page of an address: @x always is an address, a label too, a number is the page itself.
   isa::Word page(const OperandSyntax& operand) const;
 
+  /// Hands what the linker has to settle to the context, once the row is known to fit.
+  void note_relocations() const;
+
  protected:
   using Kind = OperandSyntax::Kind;
   using Word = isa::Word;
@@ -44,7 +47,10 @@ class OperandEncoder {
   void need_kind(const OperandSyntax& operand, Kind kind, std::string_view wanted) const;
 
   Value value(const OperandSyntax& operand) const;
+  /// A number. In a relocatable object an address is none.
   std::int64_t integer(const OperandSyntax& operand, const Value& value) const;
+  /// A number, or an address as far as it is known, with a relocation of this type noted for the rest.
+  std::int64_t address(const OperandSyntax& operand, const Value& value, RelocationType type) const;
   std::int64_t integer(const OperandSyntax& operand) const { return integer(operand, value(operand)); }
   Word in_range(const OperandSyntax& operand, std::int64_t number, bool fits, std::string_view range) const;
 
@@ -61,6 +67,7 @@ class OperandEncoder {
   const isa::Row& row_;
   const EncodeContext& context_;
   int half_ = 0;  ///< The half at hand, in the row's order.
+  mutable std::vector<FieldRelocation> relocations_;
 
  private:
   Word short_float(const OperandSyntax& operand, const Value& value) const;

@@ -38,6 +38,14 @@ std::optional<std::int64_t> predefined(const std::string& name) {
   return found == symbols.end() ? std::nullopt : std::optional(found->second);
 }
 
+/// The first address from `next` on that suits a section.
+Address placed_at(Address next, Address size, Address alignment, bool blocked) {
+  constexpr Address page = 1 << 16;
+  const Address place = (next + alignment - 1) & ~(alignment - 1);
+  const bool crosses = size != 0 && size <= page && place / page != (place + size - 1) / page;
+  return blocked && crosses ? (place + page - 1) & ~(page - 1) : place;
+}
+
 bool same(const Value& a, const Value& b) {
   return a.kind == b.kind && a.integer == b.integer && a.section == b.section && a.real.nearest == b.real.nearest &&
          a.real.residue == b.real.residue;
@@ -175,7 +183,18 @@ Value Program::value_of(const std::string& name, std::size_t offset) const {
   if (found == symbols_.end()) {
     if (const auto value = predefined(name)) return Value::of(*value);
   }
-  if (found == symbols_.end()) throw LineError{offset, fmt::format("undefined symbol '{}'", as_written(name))};
+  if (found == symbols_.end() && relocatable_ && globals_.contains(name)) {
+    const auto external = std::find(externals_.begin(), externals_.end(), name);
+    const auto number = static_cast<int>(external - externals_.begin());
+    if (external == externals_.end()) externals_.push_back(name);
+    return Value::external(number);
+  }
+  if (found == symbols_.end())
+    throw LineError{offset,
+                    fmt::format("undefined symbol '{}'{}", as_written(name),
+                                globals_.contains(name)
+                                    ? ", which another object is to define (emulator asm --object, emulator link)"
+                                    : "")};
   const Symbol& symbol = found->second;
   if (const auto* value = std::get_if<Value>(&symbol.meaning)) return *value;
   if (symbol.busy) throw LineError{offset, fmt::format("'{}' is defined in terms of itself", name)};
@@ -238,8 +257,10 @@ void Program::place(std::vector<Diagnostic>& diagnostics) {
   const auto order = placement_order();
   for (Section* section : order) {
     const auto wanted = options_.sections.find(section->name);
-    section->address = wanted != options_.sections.end() ? wanted->second
-                                                         : (next + section->alignment - 1) & ~(section->alignment - 1);
+    if (wanted != options_.sections.end())
+      section->address = wanted->second;
+    else
+      section->address = placed_at(next, section->size, section->alignment, section->blocked);
     // An empty section takes no part, unless it was given a place that others follow.
     if (section->size != 0 || wanted != options_.sections.end()) next = section->address + section->size;
     if (section->address % section->alignment != 0) {
@@ -277,7 +298,7 @@ void Program::encode_float(const FloatItem& item, const Expression& expression, 
 }
 
 std::vector<Word> Program::encode_item(const Section& section, const Item& item, Image& image,
-                                       std::vector<Diagnostic>& diagnostics) const {
+                                       std::vector<Diagnostic>& diagnostics, WordRelocations* relocations) const {
   if (const auto* fill = std::get_if<FillItem>(&item.content)) return std::vector<Word>(fill->count, fill->value);
   std::vector<Word> words;
   if (const auto* instruction = std::get_if<InstructionItem>(&item.content)) {
@@ -288,8 +309,12 @@ std::vector<Word> Program::encode_item(const Section& section, const Item& item,
       image.warnings.push_back(make_diagnostic(line_of(warning.half), warning.offset, warning.message, true).format());
     };
     try {
-      const EncodeContext context{section.address + item.offset, *this, warn};
+      std::vector<FieldRelocation> fields;
+      const EncodeContext context{section.address + item.offset, *this, warn,
+                                  relocations != nullptr ? &fields : nullptr,
+                                  static_cast<int>(&section - sections_.data())};
       words.push_back(encode(instruction->first, instruction->second ? &*instruction->second : nullptr, context));
+      for (const FieldRelocation& field : fields) relocations->push_back({item.offset, field});
     } catch (const LineError& error) {
       diagnostics.push_back(make_diagnostic(line_of(error.half), error.offset, error.message));
       words.push_back(0);
@@ -306,17 +331,28 @@ std::vector<Word> Program::encode_item(const Section& section, const Item& item,
         encode_float(*floats, expression, value, words);
         continue;
       }
-      if (value.is_real()) throw LineError{expression.offset, "a float; use .float, or single(x) for its word"};
-      const std::int64_t number =
-          value.is_absolute() ? value.integer : address_of_section(value.section) + value.integer;
-      if (number < -(std::int64_t{1} << 31) || number >= std::int64_t{1} << 32)
-        throw LineError{expression.offset, fmt::format("{} does not fit in 32 bits", number)};
-      words.back() = static_cast<Word>(number);
+      const Address offset = item.offset + static_cast<Address>(words.size() - 1);
+      words.back() = plain_word(expression, value, offset, relocations);
     } catch (const LineError& error) {
       diagnostics.push_back(make_diagnostic(*item.line, error.offset, error.message));
     }
   }
   return words;
+}
+
+Word Program::plain_word(const Expression& expression, const Value& value, Address offset,
+                         WordRelocations* relocations) const {
+  if (value.is_real()) throw LineError{expression.offset, "a float; use .float, or single(x) for its word"};
+  if (relocations != nullptr && !value.is_absolute()) {
+    if (value.half != Value::Half::none)
+      throw LineError{expression.offset, "half of an address that is not settled yet fits into instructions only"};
+    relocations->push_back({offset, {RelocationType::rellong, value}});
+    return static_cast<Word>(value.integer);
+  }
+  const std::int64_t number = value.is_absolute() ? value.integer : address_of_section(value.section) + value.integer;
+  if (number < -(std::int64_t{1} << 31) || number >= std::int64_t{1} << 32)
+    throw LineError{expression.offset, fmt::format("{} does not fit in 32 bits", number)};
+  return static_cast<Word>(number);
 }
 
 /// Warns about instructions that stand where they do not work.
@@ -330,7 +366,8 @@ void Program::check_run(std::span<const Item> items, const Image::Section& secti
   }
 }
 
-void Program::encode_section(const Section& section, Image& image, std::vector<Diagnostic>& diagnostics) const {
+void Program::encode_section(const Section& section, Image& image, std::vector<Diagnostic>& diagnostics,
+                             WordRelocations* relocations) const {
   if (section.size == 0) return;
   Image::Section out{section.name, section.address, section.size, {}, section.load == Load::loaded};
   if (!out.loaded) {
@@ -344,10 +381,10 @@ void Program::encode_section(const Section& section, Image& image, std::vector<D
       check_run({section.items.data() + run, i - run}, out, image);
       run = i + 1;
     }
-    const auto words = encode_item(section, item, image, diagnostics);
+    const auto words = encode_item(section, item, image, diagnostics, relocations);
     const auto file = std::find(image.files.begin(), image.files.end(), *item.line->file);
     image.lines.push_back({section.address + item.offset, static_cast<std::uint32_t>(file - image.files.begin()),
-                           item.line->number, item.line->text});
+                           item.line->number, item.line->text, static_cast<std::uint32_t>(image.sections.size())});
     if (file == image.files.end()) image.files.push_back(*item.line->file);
     out.words.insert(out.words.end(), words.begin(), words.end());
   }
@@ -371,6 +408,10 @@ void Program::export_symbols(Image& image, std::vector<Diagnostic>& diagnostics)
       if (symbol.line) diagnostics.push_back(make_diagnostic(*symbol.line, error.offset, error.message));
     }
   }
+  check_globals(diagnostics);
+}
+
+void Program::check_globals(std::vector<Diagnostic>& diagnostics) const {
   for (const auto& [name, global] : globals_)
     if (global.must_be_defined && !symbols_.contains(name))
       diagnostics.push_back(
@@ -394,7 +435,7 @@ Image Program::finish(std::vector<Diagnostic>& diagnostics) {
   Image image;
   image.warnings = warnings_;
   place(diagnostics);
-  for (const Section& section : sections_) encode_section(section, image, diagnostics);
+  for (const Section& section : sections_) encode_section(section, image, diagnostics, nullptr);
   export_symbols(image, diagnostics);
   image.entry = entry_point(image, diagnostics);
   return image;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "toolchain/assembler.hpp"
+#include "toolchain/encoder.hpp"
 #include "toolchain/expression.hpp"
 #include "toolchain/parser.hpp"
 
@@ -81,8 +82,15 @@ class Program final : public SymbolSource {
   /// Reserves words at the end of a section that is not loaded; gives their place.
   Value reserve(int section, Address words, Address alignment, std::size_t offset);
 
+  /// The words of this section are not to be spread over two pages of 64 K words if they fit into one.
+  void block(int section) { sections_[index(section)].blocked = true; }
+
   /// Settles addresses and encodes everything; errors go to `diagnostics`.
   Image finish(std::vector<Diagnostic>& diagnostics);
+
+  /// The same without settling addresses: what depends on them becomes relocations. Undefined symbols that were
+  /// declared become references to other objects. `listed` takes the lines and warnings, its sections beginning at 0.
+  Object finish_object(Image& listed, std::vector<Diagnostic>& diagnostics);
 
   // SymbolSource
 
@@ -97,6 +105,7 @@ class Program final : public SymbolSource {
     Load load = Load::loaded;
     Address size = 0;
     Address alignment = 1;
+    bool blocked = false;
     std::vector<Item> items;
     Address address = 0;
   };
@@ -117,13 +126,26 @@ class Program final : public SymbolSource {
   std::vector<Section*> placement_order();
   void place(std::vector<Diagnostic>& diagnostics);
   void check_overlaps(const std::vector<Section*>& order, std::vector<Diagnostic>& diagnostics) const;
-  void encode_section(const Section& section, Image& image, std::vector<Diagnostic>& diagnostics) const;
+  /// What a word has to be told by the linker.
+  struct WordRelocation {
+    Address offset = 0;
+    FieldRelocation field;
+  };
+  using WordRelocations = std::vector<WordRelocation>;
+
+  void encode_section(const Section& section, Image& image, std::vector<Diagnostic>& diagnostics,
+                      WordRelocations* relocations) const;
   static void encode_float(const FloatItem& item, const Expression& expression, const Value& value,
                            std::vector<Word>& out);
   std::vector<Word> encode_item(const Section& section, const Item& item, Image& image,
-                                std::vector<Diagnostic>& diagnostics) const;
+                                std::vector<Diagnostic>& diagnostics, WordRelocations* relocations) const;
+  Word plain_word(const Expression& expression, const Value& value, Address offset, WordRelocations* relocations) const;
   static void check_run(std::span<const Item> items, const Image::Section& section, Image& image);
   void export_symbols(Image& image, std::vector<Diagnostic>& diagnostics) const;
+  void check_globals(std::vector<Diagnostic>& diagnostics) const;
+  bool goes_into_object(std::size_t section) const;
+  void add_object_symbols(Object& object, const std::vector<int>& numbers, std::vector<Diagnostic>& diagnostics) const;
+  Relocation relocation(Object& object, const std::vector<int>& numbers, const WordRelocation& wanted) const;
   Address entry_point(const Image& image, std::vector<Diagnostic>& diagnostics) const;
 
   const Options& options_;
@@ -133,6 +155,8 @@ class Program final : public SymbolSource {
   Address field_bits_ = 0;  ///< Taken of the last word by fields; 0: the last word is none of theirs.
   std::vector<std::string> warnings_;
   bool placed_ = false;
+  bool relocatable_ = false;                    ///< finish_object() is at work.
+  mutable std::vector<std::string> externals_;  ///< Those met while it is.
   mutable int evaluation_depth_ = 0;
   std::map<std::string, Symbol, std::less<>> symbols_;
   std::map<std::string, Global, std::less<>> globals_;

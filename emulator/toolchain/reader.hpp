@@ -94,6 +94,7 @@ class Reader {
   static const std::map<std::string, Directive, std::less<>>& directives();
   static Directive directive_named(const std::string& name);
   std::int64_t known_number(Parser& parser, std::string_view what);
+  Address alignment_of_reserved(Parser& parser, int section);
   Address known_size(Parser& parser, std::string_view what);
   std::string symbol_name(Statement& statement);
   void directive_section_text(Statement&);

@@ -8,6 +8,7 @@
 #include "toolchain/assembler.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/float_format.hpp"
+#include "toolchain/linker.hpp"
 
 namespace {
 
@@ -77,11 +78,41 @@ void bind_image(py::module_& m) {
       .def("listing", [](const Image& image) { return as_str(toolchain::listing(image)); });
 }
 
+void bind_object(py::module_& m) {
+  using namespace toolchain;
+  py::class_<Relocation>(m, "Relocation")
+      .def_readonly("offset", &Relocation::offset)
+      .def_property_readonly("type", [](const Relocation& r) { return std::string(name(r.type)); })
+      .def_readonly("symbol", &Relocation::symbol, "Index into Object.symbols, or -1: the section itself.")
+      .def_readonly("low", &Relocation::low);
+  py::class_<ObjectSymbol>(m, "ObjectSymbol")
+      .def_readonly("name", &ObjectSymbol::name)
+      .def_readonly("value", &ObjectSymbol::value)
+      .def_readonly("section", &ObjectSymbol::section, "Index into Object.sections, -1: absolute, -2: undefined.")
+      .def_property_readonly("is_global", [](const ObjectSymbol& s) { return s.global; });
+  py::class_<ObjectSection>(m, "ObjectSection")
+      .def_readonly("name", &ObjectSection::name)
+      .def_readonly("address", &ObjectSection::address)
+      .def_readonly("size", &ObjectSection::size)
+      .def_readonly("words", &ObjectSection::words)
+      .def_readonly("loaded", &ObjectSection::loaded)
+      .def_readonly("alignment", &ObjectSection::alignment)
+      .def_readonly("blocked", &ObjectSection::blocked)
+      .def_readonly("relocations", &ObjectSection::relocations);
+  py::class_<Object>(m, "Object", "A COFF file taken apart.")
+      .def_readonly("name", &Object::name)
+      .def_readonly("version", &Object::version)
+      .def_readonly("executable", &Object::executable)
+      .def_readonly("sections", &Object::sections)
+      .def_readonly("symbols", &Object::symbols);
+}
+
 }  // namespace
 
 void bind_toolchain(py::module_& core) {
   py::module_ m = core.def_submodule("toolchain", "Assembler and COFF files of the TMS320C4x.");
   bind_image(m);
+  bind_object(m);
 
   // The exception types live as long as the module, which is never unloaded.
   static py::object assembly_error = py::exception<toolchain::AssemblyError>(m, "AssemblyError", PyExc_ValueError);
@@ -93,6 +124,8 @@ void bind_toolchain(py::module_& core) {
     }
   });
   py::register_exception<toolchain::CoffError>(m, "CoffError", PyExc_ValueError);
+  py::register_exception<toolchain::LinkError>(m, "LinkError", PyExc_ValueError);
+  py::register_exception<toolchain::MemoryMapError>(m, "MemoryMapError", PyExc_ValueError);
 
   m.def(
       "assemble",
@@ -122,6 +155,40 @@ void bind_toolchain(py::module_& core) {
       py::arg("sections") = std::map<std::string, toolchain::Address>(), py::arg("entry") = "",
       "Assembles a file. Raises AssemblyError with all errors.");
   m.def(
+      "assemble_object",
+      [](const std::string& text, const std::string& name, std::vector<std::filesystem::path> include_dirs) {
+        const auto options = make_options(std::move(include_dirs), {}, {}, {});
+        return toolchain::assemble_object_text(text, name, options).object;
+      },
+      py::arg("text"), py::arg("name") = "<text>", py::arg("include_dirs") = std::vector<std::filesystem::path>(),
+      "Assembles a text to a relocatable object. Raises AssemblyError.");
+  m.def(
+      "link",
+      [](std::vector<toolchain::Object> objects, std::vector<toolchain::Object> library, const std::string& map) {
+        const auto memory_map =
+            map.empty() ? toolchain::MemoryMap::standard() : toolchain::parse_memory_map(map, "<map>");
+        auto linked = toolchain::link(std::move(objects), std::move(library), memory_map);
+        return std::pair(std::move(linked.image), std::move(linked.map));
+      },
+      py::arg("objects"), py::arg("library") = std::vector<toolchain::Object>(), py::arg("map") = "",
+      "Links objects by a memory map (TOML, docs/assembler.md); gives the image and the map as text. Raises "
+      "LinkError.");
+  m.def(
+      "read_object",
+      [](const py::bytes& bytes, const std::string& name) {
+        const auto view = static_cast<std::string_view>(bytes);
+        return toolchain::read_object(std::as_bytes(std::span(view)), name);
+      },
+      py::arg("bytes"), py::arg("name") = "<bytes>", "Takes a COFF file of any kind apart. Raises CoffError.");
+  m.def(
+      "object_bytes",
+      [](toolchain::Object object, int version) {
+        object.version = version;
+        const auto bytes = toolchain::coff_bytes(object);
+        return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+      },
+      py::arg("object"), py::arg("version") = 2, "The bytes of a COFF file of this version.");
+  m.def(
       "read_coff", [](const std::filesystem::path& path) { return toolchain::read_coff(path); }, py::arg("path"),
       "Reads a COFF executable of version 0, 1 or 2. Raises CoffError.");
   m.def(
@@ -131,8 +198,8 @@ void bind_toolchain(py::module_& core) {
         return toolchain::read_coff(std::as_bytes(std::span(view)));
       },
       py::arg("bytes"), "Reads a COFF executable held in memory. Raises CoffError.");
-  m.def("write_coff", &toolchain::write_coff, py::arg("image"), py::arg("path"),
-        "Writes a COFF version-2 executable with all symbols.");
+  m.def("write_coff", py::overload_cast<const Image&, const std::filesystem::path&>(&toolchain::write_coff),
+        py::arg("image"), py::arg("path"), "Writes a COFF version-2 executable with all symbols.");
   m.def(
       "single",
       [](const std::string& text) -> std::optional<toolchain::Word> {

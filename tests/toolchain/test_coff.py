@@ -68,17 +68,18 @@ def old_executable(version: int) -> bytes:
     """A version-0 or version-1 file by the tables of the format: one loaded section, one COPY section, two symbols."""
     header = 20 if version == 0 else 22
     contents = header + 28 + 2 * 40
+    copies = (2, 0x2000, 77, 78, 1, 0x2010, 79, 0)  # What the loader sets: records up to a count of 0.
     strings = b"a_long_symbol_name\0"
     symbols = struct.pack("<8sIhHBB", b"start", 0x1001, 1, 0, 2, 1) + bytes(18)  # with an auxiliary entry
     symbols += struct.pack("<IIIhHBB", 0, 4, 0x77, -1, 0, 2, 0) + struct.pack("<8sIhHBB", b"extern", 0, 0, 0, 2, 0)
-    out = struct.pack("<HHIIIHH", 0x93 if version == 0 else 0xC1, 2, 0, contents + 12, 4, 28, 0x0113)
+    out = struct.pack("<HHIIIHH", 0x93 if version == 0 else 0xC1, 2, 0, contents + 8 + 4 * len(copies), 4, 28, 0x0113)
     if version == 1:
         out += struct.pack("<H", 0x93)
     out += struct.pack("<HHIIIIII", 0x108, 0, 2, 0, 0, 0x1001, 0x1000, 0)
-    for name, size, flags in ((b".text", 2, 0x20), (b".cinit", 1, 0x50)):
+    for name, size, flags in ((b".text", 2, 0x20), (b".cinit", len(copies), 0x50)):
         where = contents if name == b".text" else contents + 8
         out += struct.pack("<8sIIIIIIHHHBB", name, 0x1000, 0x1000, size, where, 0, 0, 0, 0, flags, 0, 0)
-    out += struct.pack("<3I", 0x0C800000, 0x6A00FFFF, 99)
+    out += struct.pack(f"<{2 + len(copies)}I", 0x0C800000, 0x6A00FFFF, *copies)
     return out + symbols + struct.pack("<I", 4 + len(strings)) + strings
 
 
@@ -88,6 +89,8 @@ def test_older_versions_are_read(version: int) -> None:
     assert [(s.name, s.address, list(s.words), s.loaded) for s in image.sections] == [
         (".text", 0x1000, [0x0C800000, 0x6A00FFFF], True),
         (".cinit", 0x1000, [], False),
+        (".cinit.0", 0x2000, [77, 78], True),
+        (".cinit.1", 0x2010, [79], True),
     ]
     assert image.entry == 0x1001 and image.symbols == {"start": 0x1001, "a_long_symbol_name": 0x77}
 

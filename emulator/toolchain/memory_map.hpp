@@ -1,0 +1,51 @@
+#pragma once
+// Where the linker may put what: a TOML file (docs/assembler.md, "The linker").
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "isa/types.hpp"
+
+namespace toolchain {
+
+/// A memory map that cannot be used; says file, line and column.
+class MemoryMapError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct MemoryMap {
+  struct Memory {
+    std::string name;
+    isa::Address origin = 0;
+    std::uint64_t length = 0;  ///< In words; up to 2^32.
+  };
+  struct Placement {
+    std::string section;
+    std::string memory;  ///< Empty if only an address is given.
+    std::optional<isa::Address> address;
+    isa::Address alignment = 1;
+    isa::Address size = 0;  ///< At least so many words; what the objects do not fill is reserved.
+  };
+
+  std::vector<Memory> memories;
+  std::vector<Placement> sections;  ///< In the order of the file.
+  std::string others;               ///< The memory of sections that are not named.
+  std::map<std::string, isa::Word, std::less<>> symbols;
+  std::string entry;  ///< A symbol, or empty.
+
+  const Memory* memory(std::string_view name) const;
+
+  /// One memory, `local`: a megaword from 300000h, as the board `default` has it.
+  static MemoryMap standard();
+};
+
+/// `name` stands for the text in messages. Throws MemoryMapError.
+MemoryMap parse_memory_map(std::string_view toml, const std::string& name);
+MemoryMap read_memory_map(const std::filesystem::path& path);
+
+}  // namespace toolchain

@@ -1,0 +1,306 @@
+"""Relocatable objects and the linker: against GNU as and ld, against assembling at once, and what it refuses."""
+
+import random
+import subprocess
+from pathlib import Path
+
+import pytest
+from cmrc._core import isa, toolchain
+from locations import ROOT
+
+HERE = Path(__file__).parent / "linking"
+MAP = """
+[memory]
+local = { origin = 0x300000, length = 0x100000 }
+[sections]
+".text" = "local"
+".data" = { address = 0x300100 }
+"more" = { address = 0x300200 }
+".bss" = { address = 0x300300 }
+"""
+
+
+def contents(image: toolchain.Image) -> dict[str, tuple[int, list[int]]]:
+    return {section.name: (section.address, list(section.words)) for section in image.sections}
+
+
+def link(*sources: str, map: str = "") -> toolchain.Image:  # noqa: A002
+    objects = [toolchain.assemble_object(source, name=f"{chr(97 + i)}.o") for i, source in enumerate(sources)]
+    return toolchain.link(objects, map=map)[0]
+
+
+def link_errors(*sources: str, map: str = "") -> list[str]:  # noqa: A002
+    with pytest.raises(toolchain.LinkError) as caught:
+        link(*sources, map=map)
+    return str(caught.value).splitlines()
+
+
+def from_gnu(name: str) -> toolchain.Object:
+    return toolchain.read_object((HERE / f"{name}.gnu.o").read_bytes(), name)
+
+
+def from_us(name: str) -> toolchain.Object:
+    return toolchain.assemble_object((HERE / f"{name}.s").read_text(), name=name)
+
+
+@pytest.mark.parametrize("first", [from_gnu, from_us])
+@pytest.mark.parametrize("second", [from_gnu, from_us])
+@pytest.mark.parametrize("version", [0, 1, 2])
+def test_objects_of_either_assembler_link_to_what_gnu_ld_makes_of_them(first, second, version: int) -> None:  # type: ignore[no-untyped-def]
+    expected = toolchain.read_coff(HERE / "gnu.out")
+    again = [toolchain.read_object(toolchain.object_bytes(o, version), o.name) for o in (first("a"), second("b"))]
+    assert [o.version for o in again] == [version, version]
+    image, _ = toolchain.link(again, map=MAP)
+    assert contents(image) == contents(expected)
+    assert image.entry == expected.entry
+    assert all(image.symbols[name] == value for name, value in expected.symbols.items() if not name.startswith(".") and name != "more")
+
+
+def test_relocations_are_those_of_gnu_as() -> None:
+    def of(o: toolchain.Object) -> list[tuple[str, int, str, str]]:
+        return [
+            (s.name, r.offset, r.type, "" if r.type.startswith("R_PCR") else o.symbols[r.symbol].name)
+            for s in o.sections for r in s.relocations
+        ]  # fmt: skip
+
+    assert of(from_us("a")) == of(from_gnu("a"))
+    assert {kind for _, _, kind, _ in of(from_us("a"))} == {"R_PARTMS8", "R_PARTLS16", "R_PCR24", "R_PCRWORD", "R_RELLONG"}
+
+
+@pytest.mark.parametrize("source", [*sorted((ROOT / "tests/toolchain/bench").glob("*.s")), ROOT / "c40_programs/dsp.asm"], ids=lambda p: p.name)
+def test_one_object_linked_by_the_standard_map_is_the_program_assembled_at_once(source: Path, tmp_path: Path, emulator: Path) -> None:
+    include = ["-I", ROOT / "c40_programs/include", "-I", ROOT / "c40_programs"]
+    at_once, linked = tmp_path / "at_once.out", tmp_path / "linked.out"
+    subprocess.run([emulator, "asm", source, "-o", at_once, *include], check=True)
+    subprocess.run([emulator, "asm", source, "-c", "-o", tmp_path / "x.o", *include], check=True)
+    subprocess.run([emulator, "link", tmp_path / "x.o", "-o", linked], check=True)
+    a, b = toolchain.read_coff(at_once), toolchain.read_coff(linked)
+    assert contents(a) == contents(b) and a.entry == b.entry and len(contents(a)[".text"][1]) > 10
+    assert {n: v for n, v in a.symbols.items() if not n.startswith(".")} == {n: v for n, v in b.symbols.items() if not n.startswith(".")}
+
+
+def test_halves_of_addresses_carry_into_each_other() -> None:
+    """The high half of table+8000h depends on the low one: the object keeps it."""
+    use = "\t.ref table\n\tldhi hi16(table+8000h),ar0\n\tor lo16(table+8000h),ar0\n\tldp @table+8000h\n\tldhi table>>16,ar1\n\tor table&0FFFFh,ar1\n"
+    image = link(use, "\t.def table\n\t.data\n\t.space 5\ntable: .word table\n", map="""
+[memory]
+all = { origin = 0, length = 0x100000000 }
+[sections]
+".text" = { address = 0x300000 }
+".data" = { address = 0x8000FFF0 }
+""")  # fmt: skip
+    text = [isa.disassemble(word) for word in contents(image)[".text"][1]]
+    assert text == ["ldhi 32769,ar0", "or 32757,ar0", "ldiu -32767,dp", "ldhi 32768,ar1", "or 65525,ar1"]
+    assert contents(image)[".data"][1][5] == 0x8000FFF5
+
+
+def test_branches_between_objects_reach_what_they_name_wherever_it_lies() -> None:
+    far = "\t.def here,there\n\t.text\nhere: nop\n\t.space 40000\nthere: nop\n"
+    for origin in (0x300000, 0x2FF800 - 20000):
+        image = link(f"\t.ref here,there\n\tb here\n\tcall there\n\tbrd there\n\tnop\n\tnop\n\tnop\n\tbr 0x300000\n\tlaj {origin:#x}\n", far, map=f"""
+[memory]
+all = {{ origin = {origin:#x}, length = 0x100000 }}
+""")  # fmt: skip
+        words = contents(image)[".text"][1]
+        here, there = image.symbols["here"], image.symbols["there"]
+        targets = [isa.disassemble(word, origin + i).split()[1] for i, word in enumerate(words[:8]) if i not in (3, 4, 5)]
+        assert targets == [hex(here), hex(there), hex(there), "0x300000", hex(origin)]
+
+
+def test_a_conditional_branch_into_a_section_of_more_than_32767_words() -> None:
+    """Referred to the section's start, 16 bits would not hold the place; a symbol at the place itself does."""
+    source = "\t.text\n\tbz target\n\t.sect \"big\"\n\t.space 40000\n\tnop\ntarget: nop\n"
+    image = link(source, map='[memory]\nm = { origin = 0, length = 0x10000 }\n[sections]\n"big" = "m"\n')
+    text_at, words = contents(image)[".text"]
+    assert isa.disassemble(words[0], text_at) == f"beq {image.symbols['target']:#x}" == "beq 0x9c41"
+
+
+def test_sections_of_one_name_follow_each_other_aligned() -> None:
+    image = link(
+        "\t.word 1\n\t.bss x,3\n", "\t.text\n\t.align 8\n\t.word 2\n\t.bss y,2,4\n\t.def y\n", "\t.word 3\n",
+    )  # fmt: skip
+    assert contents(image)[".text"][1] == [1, 0, 0, 0, 0, 0, 0, 0, 2, 3]
+    assert image.symbols["y"] % 4 == 0 and image.symbols["y"] >= image.symbols["x"] + 3
+
+
+def test_a_blocked_section_stays_within_a_page() -> None:
+    image = link('\t.space 65000\nx .usect "pagewise",1000,1\n\t.def x\n', map="[memory]\nm = { origin = 0x300000, length = 0x100000 }\n")
+    assert image.symbols["x"] == 0x310000
+
+
+def test_local_symbols_of_several_objects_do_not_clash_and_global_ones_do() -> None:
+    image = link("\t.ref f\nloop: b loop\n\tb f\n", "\t.def f\nloop: b loop\nf: rets\n")
+    assert [isa.disassemble(w, 0x300000 + i) for i, w in enumerate(contents(image)[".text"][1])] == [
+        "bu 0x300000", "bu 0x300003", "bu 0x300002", "retsu",
+    ]  # fmt: skip
+    assert link_errors("\t.def f\nf: nop\n", "\t.def f\nf: nop\n") == ["b.o: 'f' is defined already in a.o"]
+
+
+def test_what_tis_linker_defines_by_itself() -> None:
+    image = link('\t.ref cinit,etext,end\n\t.word cinit,etext,end\n\t.sect ".cinit"\n\t.word 1,x,5\n\t.bss x,1\n')
+    (at, text), (cinit_at, cinit) = contents(image)[".text"], contents(image)[".cinit"]
+    assert text == [cinit_at, at + 3, image.symbols["x"] + 1]
+    assert cinit == [1, image.symbols["x"], 5, 0]  # closed by a count of 0
+    assert contents(link("\t.ref cinit\n\t.word cinit\n"))[".text"][1] == [0xFFFFFFFF]
+
+
+def test_the_memory_map_gives_places_sizes_symbols_and_the_entry() -> None:
+    image = link("\t.ref limit\n\t.def go\n\tnop\ngo: .word limit\n\t.sect \"vectors\"\n\t.word go\n", map="""
+entry = "go"
+others = "slow"
+[memory]
+fast = { origin = 0x2FF800, length = 0x800 }
+slow = { origin = 0x40000000, length = 0x1000 }
+[sections]
+"vectors" = { memory = "fast", align = 0x200 }
+".stack" = { memory = "fast", size = 0x100 }
+[symbols]
+limit = 0xDEADBEEF
+""")  # fmt: skip
+    assert {s.name: (s.address, s.size, s.loaded) for s in image.sections} == {
+        "vectors": (0x2FF800, 1, True), ".stack": (0x2FF801, 0x100, False), ".text": (0x40000000, 2, True),
+    }  # fmt: skip
+    assert image.entry == 0x40000001 and contents(image)[".text"][1][1] == 0xDEADBEEF
+
+
+def test_all_errors_of_a_link_come_at_once_with_object_and_place() -> None:
+    errors = link_errors(
+        "\t.ref lost,far\n\tnop\n\tcall lost\n\t.word lost\n", "\t.ref gone\n\t.def f\nf: .word gone\n", "\t.def f\nf: nop\n"
+    )
+    assert sorted(errors) == [
+        "a.o: .text+1h: undefined symbol 'lost'", "b.o: .text+0h: undefined symbol 'gone'", "c.o: 'f' is defined already in b.o",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("instruction", "message"),
+    [
+        ("bz far", "a distance of 1048574 does not fit in the 16 bits of R_PCRWORD"),
+        ("br away", "does not fit in the 24 bits of R_PCR24"),
+        ("ldi far,r0", "the value 4194304 does not fit in the 16 bits of R_RELWORD"),
+    ],
+)
+def test_relocations_out_of_reach(instruction: str, message: str) -> None:
+    where = """
+[memory]
+all = { origin = 0, length = 0x100000000 }
+[sections]
+".text" = { address = 0x300000 }
+"far" = { address = 0x400000 }
+"away" = { address = 0x40000000 }
+"""
+    errors = link_errors(f'\t.ref far,away\n\tnop\n\t{instruction}\n', '\t.def far,away\n\t.sect "far"\nfar: nop\n\t.sect "away"\naway: nop\n', map=where)
+    assert len(errors) == 1 and errors[0].startswith("a.o: .text+1h: ") and message in errors[0]
+
+
+@pytest.mark.parametrize(
+    ("source", "placement", "message"),
+    [
+        ("\t.space 2000h\n", "", "section '.text' of 8192 words does not fit in the memory 'm' (4096 words at 00001000h, 4096 left)"),
+        ("\t.space 20h\n\t.data\n\t.word 1\n", '".text" = { address = 0x1000 }\n".data" = { address = 0x1010 }', "overlap"),
+        ("\t.space 20h\n", '".text" = { memory = "m", address = 0x1FF0 }', "does not lie in the memory 'm'"),
+        ("\tnop\n\t.align 16\n", '".text" = { address = 0x1001 }', "must be aligned to 16 words"),
+        ("\t.space 20h\n", '".text" = { address = 0xFFFFFFF0 }', "passes the end of the address space"),
+    ],
+)  # fmt: skip
+def test_sections_that_cannot_be_placed(source: str, placement: str, message: str) -> None:
+    errors = link_errors(source, map=f"[memory]\nm = {{ origin = 0x1000, length = 0x1000 }}\n[sections]\n{placement}\n")
+    assert len(errors) == 1 and message in errors[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("memory = 3", "<map>:1:10: 'memory' is a table"),
+        ("[memory]\nm = { origin = 0 }", "<map>:2:5: m: origin and length are needed"),
+        ("[memory]\nm = { origin = 0, length = 0x100000001 }", "1 to 4294967296 words"),
+        ("[memory]\na = { origin = 0, length = 8 }\nb = { origin = 4, length = 8 }", "'a' and 'b' overlap"),
+        ("[memory]\nm = { origin = 0, length = 8 }\n[sections]\n\".text\" = \"n\"", "<map>:4:11: .text: there is no memory 'n'"),
+        ("[memory]\nm = { origin = 0, length = 8, speed = 3 }", "no such key 'speed'; known are origin, length"),
+        ("[memory]\nm = { origin = -1, length = 8 }", "is not within 0 to"),
+        ("[memory]\nm = { origin = 0, length = 8 }\n[sections]\nx = { align = 3 }", "power of 2"),
+        ("# empty", "no memory"),
+        ("[memory", "<map>:1:"),
+    ],
+)
+def test_faulty_memory_maps_are_refused_at_their_place(text: str, message: str) -> None:
+    with pytest.raises(toolchain.MemoryMapError, match="<map>") as caught:
+        toolchain.link([toolchain.assemble_object("\tnop\n")], map=text)
+    assert message in str(caught.value)
+
+
+def test_members_of_a_library_come_in_when_they_are_wanted(tmp_path: Path, emulator: Path) -> None:
+    sources = {
+        "main": "\t.ref f\n\tcall f\n", "a_member_of_a_long_name": "\t.def f\n\t.ref g\nf: b g\n",
+        "g": "\t.def g\ng: rets\n", "h": "\t.def h\n\t.ref lost\nh: b lost\n",
+    }  # fmt: skip
+    for name, text in sources.items():
+        (tmp_path / f"{name}.asm").write_text(text)
+        subprocess.run([emulator, "asm", f"{name}.asm", "--object", "-o", f"{name}.o"], cwd=tmp_path, check=True)
+    subprocess.run(["ar", "rc", "lib.a", "h.o", "g.o", "a_member_of_a_long_name.o"], cwd=tmp_path, check=True)
+    subprocess.run([emulator, "link", "main.o", "lib.a", "-o", "p.out", "--map-output", "p.map"], cwd=tmp_path, check=True)
+    image = toolchain.read_coff(tmp_path / "p.out")
+    text = [isa.disassemble(w, 0x300000 + i) for i, w in enumerate(image.sections[0].words)]
+    assert text == ["call 0x300001", "bu 0x300002", "retsu"]
+    listed = (tmp_path / "p.map").read_text()
+    assert "lib.a(a_member_of_a_long_name.o)" in listed and "00300002h  g" in listed and "h.o" not in listed
+    damaged = (tmp_path / "lib.a").read_bytes()
+    for length in (9, 40, 70, 200, len(damaged) - 1):
+        (tmp_path / "cut.a").write_bytes(damaged[:length])
+        failed = subprocess.run([emulator, "link", "main.o", "cut.a", "-o", "q.out"], cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert failed.returncode == 2 and "cut.a" in failed.stderr
+    assert not list(tmp_path.glob("q.out*"))
+
+
+def test_the_command_lines_errors(tmp_path: Path, emulator: Path) -> None:
+    (tmp_path / "a.asm").write_text("\t.ref f\n\tcall f\n")
+
+    def run(*arguments: str) -> tuple[int, str]:
+        done = subprocess.run([emulator, *arguments], cwd=tmp_path, capture_output=True, text=True, check=False)
+        return done.returncode, done.stderr
+
+    status, message = run("asm", "a.asm", "-o", "a.out")
+    assert status == 2 and "a.asm:2:7: error: undefined symbol 'f', which another object is to define" in message
+    assert run("asm", "a.asm", "-c", "-o", "a.o") == (0, "")
+    status, message = run("link", "a.o", "-o", "a.out")
+    assert status == 2 and message == "emulator: a.o: .text+0h: undefined symbol 'f'\n"
+    status, message = run("exec", "a.o")
+    assert status == 2 and "was not linked (emulator link" in message
+    for arguments, expected in [
+        (("link", "none.o", "-o", "x"), "none.o: no such file"),
+        (("link", "a.asm", "-o", "x"), "not a COFF file"),
+        (("link", "a.o", "-o", "x", "--map", "none.toml"), "none.toml: no such file"),
+        (("link", "a.o", "-o", "none/x"), "undefined symbol"),
+        (("asm", "a.asm", "-c", "-o", "x", "--coff-version", "3"), "--coff-version"),
+        (("asm", "a.asm", "-c", "-o", "x", "-D", "=3"), "NAME=NUMBER"),
+    ]:
+        status, message = run(*arguments)
+        assert status == 2 and expected in message, arguments
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.asm", "a.o"]
+
+
+def test_an_object_shows_its_relocations(tmp_path: Path, emulator: Path) -> None:
+    done = subprocess.run([emulator, "disasm", HERE / "a.gnu.o"], capture_output=True, text=True, check=True).stdout
+    assert "00000008  62FFFFF7  call 0x0  ; R_PCR24 ext" in done and "local:\n0000000F" in done
+
+
+def test_damaged_objects_are_refused_or_linked_but_harm_nothing() -> None:
+    rng = random.Random(22)
+    good = (HERE / "a.gnu.o").read_bytes()
+    other = from_gnu("b")
+    outcomes = {"refused": 0, "not linked": 0, "linked": 0}
+    for _ in range(4000):
+        bad = bytearray(good)
+        for _ in range(rng.randint(1, 6)):
+            bad[rng.randrange(len(bad))] = rng.choice([0, 1, 0x7F, 0x80, 0xFF, rng.randrange(256)])
+        try:
+            toolchain.link([toolchain.read_object(bytes(bad), "bad"), other], map=MAP)
+            outcomes["linked"] += 1
+        except toolchain.CoffError:
+            outcomes["refused"] += 1
+        except toolchain.LinkError:
+            outcomes["not linked"] += 1
+    assert min(outcomes.values()) > 50, outcomes
+    for length in range(0, len(good) - 8, 5):  # Its last bytes are an empty string table.
+        with pytest.raises(toolchain.CoffError):
+            toolchain.read_object(good[:length], "cut")
