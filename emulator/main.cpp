@@ -93,7 +93,7 @@ void declare_vectors(CLI::App& app, cli::VectorOptions& options) {
   app.add_option("FILE", options.files, "Single-step vectors (docs/cli.md), plain, .gz or .xz")->required();
   app.add_option("--show", options.show, "Name so many failing vectors (default 10)")->check(CLI::NonNegativeNumber);
   app.add_flag("--every-access", options.every_access,
-               "Each line names all its bus accesses: one without any makes none");
+               "Each line names all its bus accesses in order: one without any makes none");
   app.add_flag("--json", options.json, "Print the result as JSON");
 }
 

@@ -88,7 +88,7 @@ struct TraceDiffOptions {
 struct VectorOptions {
   std::vector<std::string> files;
   int show = 10;              ///< Failing vectors to name.
-  bool every_access = false;  ///< Each line names all its bus accesses; one without any makes none.
+  bool every_access = false;  ///< Each line names all its bus accesses in order; one without any makes none.
   bool json = false;
 };
 

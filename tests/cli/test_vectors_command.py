@@ -77,6 +77,17 @@ def test_masked_status_bits_and_steps(vectors) -> None:
     assert vectors(twice.replace("R0=0000000008", "R0=000000000F")).stdout == "1 passed, 0 failed\n"
 
 
+def test_two_reads_of_one_instruction_may_come_in_either_order_unless_asked(vectors) -> None:
+    """LDI *AR0,R1 || LDI *AR1,R2; a read and a write have an order."""
+    pair = "id=pair AR0=00002001 AR1=00002000 @2000=5 @2001=6 op=C650C1C0 -> PC=001001 R1=0000000006 R2=0000000005 "
+    assert vectors(pair + "rd@2000 rd@2001").returncode == 0
+    assert vectors(pair + "rd@2001 rd@2000").returncode == 0
+    assert vectors(pair + "rd@2001 rd@2000", "--every-access").returncode == 1
+    both = "id=both AR0=00002001 AR1=00002000 R3=0000000009 @2001=6 op=DA43C1C0 -> PC=001001 R1=0000000006 @2000=9 "
+    assert vectors(both + "rd@2001 wr@2000=9").returncode == 0
+    assert vectors(both + "wr@2000=9 rd@2001").returncode == 1
+
+
 def test_every_access_must_be_named_if_asked(vectors) -> None:
     assert vectors(ADD).returncode == 0
     assert "the bus shows rd@00002000, expected nothing" in vectors(ADD, "--every-access").stdout

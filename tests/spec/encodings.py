@@ -6,7 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from random import Random
 
-from .machine import IIF, RC
+from .flags import RM
+from .machine import IIF, RC, RE, RS, ST
 from .operands import EDGE_WORDS
 
 R_CODES = [0, 1, 2, 3, 4, 5, 6, 7, 28, 29, 30, 31]
@@ -126,6 +127,11 @@ def immediate_16(rng: Random) -> int:
     return rng.choice((rng.getrandbits(16), rng.choice(EDGE_WORDS) & 0xFFFF, 0x8000, 0x7FFF))
 
 
+def perhaps_the_pointer(rng: Random, register: int, n: int, codes: list[int]) -> int:
+    """Now and then the ARn of an indirect operand instead, whose update comes before the register is read or written."""
+    return 8 + n if 8 + n in codes and rng.random() < 0.15 else register
+
+
 def general(op: int, mode: int, source: str, destination: str) -> Callable[[Random], int]:
     def build(rng: Random) -> int:
         dst = rng.choice(register_of(destination))
@@ -137,6 +143,8 @@ def general(op: int, mode: int, source: str, destination: str) -> Callable[[Rand
         )[mode]()
         while destination == "a" and mode == 0 and src == dst:
             src = rng.choice(register_of(source))
+        if mode == 2:
+            dst = perhaps_the_pointer(rng, dst, src >> 8 & 7, register_of(destination))
         return op << 23 | mode << 21 | dst << 16 | src
 
     return build
@@ -207,6 +215,13 @@ def three_operand_encodings() -> Iterator[Encoding]:
                         j = indirect_8(rng) if t & 1 else register
                         i = indirect_8(rng) if t & 2 else rng.choice(codes)
                     dst = 0 if compares else rng.choice(codes)
+                    if not type2 and t:
+                        n = (j if t & 1 else i) & 7
+                        dst = dst if compares else perhaps_the_pointer(rng, dst, n, codes)
+                        if t == 1:
+                            i = perhaps_the_pointer(rng, i, n, codes)
+                        elif t == 2:
+                            j = perhaps_the_pointer(rng, j, n, codes)
                     return 0x20000000 | type2 << 28 | op << 23 | t << 21 | dst << 16 | j << 8 | i
 
                 yield Encoding(f"{name}3", forms[type2][t], one(build))
@@ -331,6 +346,12 @@ def repeated_block(in_register: bool, delayed: bool) -> Callable[[Random], Progr
     return build
 
 
+def last_of_a_block(rng: Random) -> Program:
+    """Any harmless instruction where RE is, with RM set."""
+    count = rng.choice((0, 1, 2, 0xFFFFFFFF, 0x80000000, 0x7FFFFFFF, rng.getrandbits(32)))
+    return Program((harmless(rng),), 1, ((RC, count), (RS, rng.getrandbits(32)), (RE, 0x1000), (ST, RM)))
+
+
 def repeat_single(mode: int) -> Callable[[Random], Program]:
     operand = general(39, mode, "n", "n")
 
@@ -369,6 +390,7 @@ def control_encodings() -> Iterator[Encoding]:
         name = "rptbd" if delayed else "rptb"
         yield Encoding(name, "displacement", repeated_block(False, delayed))
         yield Encoding(name, "register", repeated_block(True, delayed))
+    yield Encoding("repeat", "last_instruction", last_of_a_block)
     for mode, letter in enumerate("rdim"):
         yield Encoding("rpts", FORMS[letter], repeat_single(mode))
 

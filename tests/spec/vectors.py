@@ -39,6 +39,7 @@ from .machine import (
 START = 0x1000
 CODE = range(START - 16, START + 64)
 WORD = 0xFFFFFFFF
+USE_TABLES = ("trap", "lat", "ldep", "ldpe")
 AREAS = (0x2000, 0x2FF900, 0x300000, 0x40000000, 0x7FFFFFF0, 0x80000000, 0xC0010000, 0xFFFFFFF8)
 
 
@@ -73,6 +74,8 @@ class Memory(dict):
 
 
 def word_of_memory(rng: Random) -> int:
+    if rng.random() < 0.04:
+        return 0x80000000 | rng.getrandbits(24)  # as a float a zero, not always the canonical one
     return operands.extended(rng) >> 8 if rng.random() < 0.5 else operands.word(rng)
 
 
@@ -133,8 +136,8 @@ def vector(rng: Random, name: str, program: Program) -> str:
     code = {START + n: word for n, word in enumerate(program.words)}
     before = random_registers(rng)
     for register, value in program.registers:
-        before[register] = value
-    ivtp, tvtp = (address(rng) & ~0x1FF & WORD for _ in range(2))
+        before[register] = before[ST] | value if register == ST else value
+    ivtp, tvtp = (address(rng) & ~0x1FF & WORD if name.startswith(USE_TABLES) else 0 for _ in range(2))
     registers, memory = Registers(before), Memory(rng, code)
     machine = Machine(r=registers, ivtp=ivtp, tvtp=tvtp, memory=memory)
     run(machine, program.steps)
