@@ -12,7 +12,8 @@ from spec.vectors import CODE, START, Memory, Registers, random_registers
 
 LENGTH = 24
 STOP = 0x60FFFFFF  # BR to itself
-CONTROL = "br brd call laj b bd bat baf callcond lajcond db dbd trap lat reti retid rets rptb rptbd rpts repeat idle idle2 swi".split()
+CONTROL = """br brd call laj b bd bat baf callcond lajcond db dbd trap lat reti retid rets
+rptb rptbd rpts repeat idle idle2 swi""".split()
 STRAIGHT = [encoding for encoding in encodings() if encoding.name not in CONTROL]
 
 
