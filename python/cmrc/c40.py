@@ -32,6 +32,10 @@ REGISTERS = (
 )
 """Names of all registers. R0 to R11 are 40 bits wide, all others 32."""
 
+INTERRUPT_PINS = ("IIOF0", "IIOF1", "IIOF2", "IIOF3")
+INTERRUPT_FLAGS = {"TINT0": 24, **{f"DMAINT{channel}": 25 + channel for channel in range(6)}, "TINT1": 31}
+"""Bits of IIF that internal sources set (TMS320C4x User's Guide, IIF register)."""
+
 
 def assemble(
     text: str,
@@ -255,9 +259,20 @@ class Processor:
         """Lets the write that stopped a run go through."""
         self._core.complete_write(arbitration, transfer)
 
-    def interrupt(self, pin: int) -> None:
-        """An edge on IIOF0 to IIOF3."""
-        self._core.raise_iiof(pin)
+    def raise_interrupt(self, source: str) -> None:
+        """Requests an interrupt as its source would: an edge on ``IIOF0`` to ``IIOF3`` or ``NMI``, the flag of ``TINT0``, ``TINT1`` or ``DMAINT0`` to ``DMAINT5`` in IIF.
+
+        It is taken when ST, IIE and IIF allow it. An IIOF pin that IIF does not make an interrupt pin ignores the edge. Raises ValueError for another source.
+        """
+        name = source.upper()
+        if name == "NMI":
+            self._core.raise_nmi()
+        elif name in INTERRUPT_PINS:
+            self._core.raise_iiof(INTERRUPT_PINS.index(name))
+        elif name in INTERRUPT_FLAGS:
+            self.registers["IIF"] |= 1 << INTERRUPT_FLAGS[name]
+        else:
+            raise ValueError(f"{source} is no interrupt that can be raised; {', '.join(('NMI', *INTERRUPT_PINS, *INTERRUPT_FLAGS))} are")
 
     def reset(self) -> None:
         """Registers to 0, a fault forgotten; memory and counters are kept."""
