@@ -82,6 +82,7 @@ void declare_exec(CLI::App& app, cli::ExecOptions& options) {
   app.add_option("--load-at", options.load_at, "Where a .hex file stands and starts")->type_name("ADDRESS");
   app.add_option("--entry", options.entry, "Start here instead of at the program's entry")->type_name("SYMBOL|ADDRESS");
   app.add_option("--trace", options.trace, "Write the instruction trace (docs/trace.md)")->type_name("FILE");
+  app.add_flag("--check", options.check, "Look for broken rules of the manual (docs/fidelity.md, Self-checks)");
 }
 
 void declare_trace_diff(CLI::App& app, cli::TraceDiffOptions& options) {

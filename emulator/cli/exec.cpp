@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "c40/chip.hpp"
+#include "c40/self_check.hpp"
 #include "cli/options.hpp"
 #include "cli/output_file.hpp"
 #include "cli/program.hpp"
@@ -166,12 +167,20 @@ constexpr std::array<Register, isa::register_count> all_registers() {
           AR4, AR5, AR6, AR7, DP, IR0, IR1, BK, SP, ST, DIE, IIE, IIF, RS,  RE,  RC};
 }
 
-void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps) {
+void print_diagnostics(const std::vector<c40::Diagnostic>& diagnostics) {
+  fmt::print("checks: {}\n", diagnostics.empty() ? "no rule was broken" : fmt::format("{} found", diagnostics.size()));
+  for (const c40::Diagnostic& found : diagnostics)
+    fmt::print("  {:08X}  {}\n    {} (c40-isa.md {}): {}; cycle {}{}\n", found.pc, found.instruction, name(found.rule), section(found.rule), found.message,
+               found.cycle, found.count > 1 ? fmt::format(", {} times", found.count) : "");
+}
+
+void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps, const c40::SelfCheck* check) {
   fmt::print("stop: {}: {}\n", outcome.reason, outcome.message);
   fmt::print("PC {:08X}  {} instructions, {} cycles\n", chip.pc(), chip.instructions(), chip.cycle());
   for (std::size_t cause = 0; cause < c40::cause_count; ++cause)
     if (chip.causes()[cause] != 0)
       fmt::print("  {:<18}{:>14}\n", name(static_cast<c40::Cause>(cause)), chip.causes()[cause]);
+  if (check != nullptr) print_diagnostics(check->diagnostics());
   int column = 0;
   for (const Register reg : all_registers()) {
     if (isa::is_extended(reg)) {
@@ -189,7 +198,7 @@ void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector
     }
 }
 
-void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps) {
+void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps, const c40::SelfCheck* check) {
   using Json = nlohmann::ordered_json;
   Json root = {{"stop", {{"reason", outcome.reason}, {"message", outcome.message}, {"pc", chip.pc()}}},
                {"instructions", chip.instructions()},
@@ -202,6 +211,12 @@ void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector
   }
   root["registers"]["IVTP"] = chip.expansion(isa::Expansion::IVTP);
   root["registers"]["TVTP"] = chip.expansion(isa::Expansion::TVTP);
+  if (check != nullptr) {
+    root["diagnostics"] = Json::array();
+    for (const c40::Diagnostic& found : check->diagnostics())
+      root["diagnostics"].push_back({{"rule", name(found.rule)}, {"section", section(found.rule)}, {"pc", found.pc}, {"cycle", found.cycle},
+                                     {"instruction", found.instruction}, {"message", found.message}, {"count", found.count}});
+  }
   root["dumps"] = Json::array();
   for (const Dump& dump : dumps) root["dumps"].push_back({{"address", dump.address}, {"words", dump.words}});
   fmt::print("{}\n", root.dump(2, ' ', false, Json::error_handler_t::replace));
@@ -232,12 +247,17 @@ int exec(const ExecOptions& options) {
     sink.emplace(0U, [&trace](const std::string& line) { trace->stream() << line << '\n'; });
     chip.set_trace(&*sink);
   }
+  std::optional<c40::SelfCheck> check;
+  if (options.check) {
+    check.emplace(chip, sink ? &*sink : nullptr);
+    chip.set_trace(&*check);
+  }
   const Outcome outcome = Run(chip, image, until).run(options.max_cycles);
   if (trace) trace->commit();
 
   std::vector<Dump> dumps;
   for (const auto& [address, count] : ranges) dumps.push_back(read_dump(chip, address, count));
-  (options.json ? print_json : print_text)(chip, outcome, dumps);
+  (options.json ? print_json : print_text)(chip, outcome, dumps, check ? &*check : nullptr);
   return outcome.status;
 }
 

@@ -78,6 +78,7 @@ struct ExecOptions {
   std::optional<std::string> load_at;
   std::optional<std::string> entry;
   std::optional<std::string> trace;
+  bool check = false;
 };
 
 struct TraceDiffOptions {

@@ -301,4 +301,22 @@ Decoded decode(Word word) {
   return out;
 }
 
+bool is_program_control(const Instruction& instruction) {
+  switch (instruction.row->operation) {
+    case Operation::branch:
+    case Operation::db:
+    case Operation::call:
+    case Operation::laj:
+    case Operation::rets:
+    case Operation::reti:
+    case Operation::trap:
+    case Operation::lat:
+    case Operation::rptb:
+    case Operation::rpts:
+    case Operation::idle:
+    case Operation::idle2: return true;
+    default: return false;
+  }
+}
+
 }  // namespace isa

@@ -9,25 +9,8 @@ namespace toolchain {
 namespace {
 
 using isa::Instruction;
+using isa::is_program_control;
 using isa::Operation;
-
-bool is_program_control(const Instruction& instruction) {
-  switch (instruction.row->operation) {
-    case Operation::branch:
-    case Operation::db:
-    case Operation::call:
-    case Operation::laj:
-    case Operation::rets:
-    case Operation::reti:
-    case Operation::trap:
-    case Operation::lat:
-    case Operation::rptb:
-    case Operation::rpts:
-    case Operation::idle:
-    case Operation::idle2: return true;
-    default: return false;
-  }
-}
 
 bool is_delayed(const Instruction& instruction) { return instruction.row->delay != isa::Delay::none; }
 

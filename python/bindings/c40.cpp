@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "c40/chip.hpp"
+#include "c40/self_check.hpp"
 #include "python/bindings/bindings.hpp"
 #include "toolchain/assembler.hpp"
 
@@ -115,7 +116,11 @@ class Recorder : public c40::TraceSink {
 
 class Processor {
  public:
-  explicit Processor(const std::string& board) : chip(board_named(board)) {}
+  Processor(const std::string& board, bool checks) : chip(board_named(board)) {
+    if (!checks) return;
+    self_check.emplace(chip);
+    chip.set_trace(&*self_check);
+  }
 
   void load_words(c40::Address address, const std::vector<Word>& words) { chip.write_block(address, words); }
   void load_image(const toolchain::Image& image) {
@@ -124,6 +129,7 @@ class Processor {
     chip.set_pc(image.entry);
   }
   py::dict run(Cycles max_cycles, std::optional<c40::Address> until) {
+    if (self_check) self_check->look();
     if (until) chip.add_breakpoint(*until);
     const c40::StopInfo stop = chip.run_until(chip.cycle() + max_cycles);
     if (until) chip.remove_breakpoint(*until);
@@ -131,24 +137,42 @@ class Processor {
   }
   py::list trace(Cycles max_cycles) {
     Recorder recorder;
-    chip.set_trace(&recorder);
+    if (self_check) self_check->look(), self_check->hand_on_to(&recorder);
+    else chip.set_trace(&recorder);
     chip.run_until(chip.cycle() + max_cycles);
-    chip.set_trace(nullptr);
+    if (self_check) self_check->hand_on_to(nullptr);
+    else chip.set_trace(nullptr);
     return recorder.records;
   }
 
+  py::dict step() {
+    if (self_check) self_check->look();
+    return describe(chip, chip.step());
+  }
+  py::list diagnostics() const {
+    py::list all;
+    if (!self_check) return all;
+    for (const c40::Diagnostic& d : self_check->diagnostics()) {
+      all.append(py::dict(py::arg("rule") = std::string(c40::name(d.rule)), py::arg("section") = std::string(c40::section(d.rule)), py::arg("pc") = d.pc,
+                          py::arg("cycle") = d.cycle, py::arg("instruction") = d.instruction, py::arg("message") = d.message, py::arg("count") = d.count));
+    }
+    return all;
+  }
+
   c40::Chip chip;
+  std::optional<c40::SelfCheck> self_check;
 };
 
 void bind_processor(py::module_& m) {
   py::class_<Processor>(m, "Processor", "One TMS320C40 on board `default` or `flat` (rulings.md 26).")
-      .def(py::init<const std::string&>(), py::arg("board") = "default")
+      .def(py::init<const std::string&, bool>(), py::arg("board") = "default", py::arg("checks") = false)
+      .def("diagnostics", &Processor::diagnostics, "Rules that the program broke, with checks on.")
       .def("load_words", &Processor::load_words, py::arg("address"), py::arg("words"))
       .def("load_image", &Processor::load_image, "Loads the sections of an image and sets the PC to its entry.")
       .def("run", &Processor::run, py::arg("max_cycles"), py::arg("until") = py::none(),
            "Runs whole instructions for max_cycles, or until the PC is at `until`; says why it stopped.")
       .def("trace", &Processor::trace, py::arg("max_cycles"), "Runs and returns one dict per instruction.")
-      .def("step", [](Processor& p) { return describe(p.chip, p.chip.step()); })
+      .def("step", &Processor::step)
       .def("reset", [](Processor& p) { p.chip.reset(); })
       .def("hold", [](Processor& p, bool held) { p.chip.hold(held); })
       .def("raise_iiof", [](Processor& p, int pin) { p.chip.raise_iiof(pin); })

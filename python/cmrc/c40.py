@@ -102,6 +102,19 @@ class Stop:
     """Of an external access: address, write, interlocked, value, access_cycle. Of a fault: kind, word, address."""
 
 
+@dataclass(frozen=True)
+class Diagnostic:
+    """A rule of the manual that a program broke: ``rule`` is its name, ``section`` where it stands in the instruction set's description, ``cycle`` when it was first broken."""
+
+    rule: str
+    section: str
+    pc: int
+    cycle: int
+    instruction: str
+    message: str
+    count: int
+
+
 class _Registers(MutableMapping[str, int]):
     """Registers by name as integers: R0 to R11 have 40 bits, exponent in 39 to 32; all others 32."""
 
@@ -210,10 +223,13 @@ def _word(value: int) -> int:
 
 
 class Processor:
-    """One TMS320C40 with memory around it: board ``default`` (the CMRC board's map) or ``flat`` (zero-wait RAM everywhere)."""
+    """One TMS320C40 with memory around it: board ``default`` (the CMRC board's map) or ``flat`` (zero-wait RAM everywhere).
 
-    def __init__(self, program: Program | Path | None = None, *, board: str = "default") -> None:
-        self._core = _core.c40.Processor(board)
+    With ``checks`` it watches for rules of the manual that a program breaks; ``diagnostics`` has them. It is slower then, and nothing else changes.
+    """
+
+    def __init__(self, program: Program | Path | None = None, *, board: str = "default", checks: bool = False) -> None:
+        self._core = _core.c40.Processor(board, checks)
         self.program: Program | None = None
         """What was loaded last."""
         self.registers = _Registers(self._core)
@@ -303,6 +319,11 @@ class Processor:
         return dict(self._core.causes)
 
     @property
+    def diagnostics(self) -> list[Diagnostic]:
+        """What the checks have found (docs/fidelity.md, Self-checks), each rule and place once."""
+        return [Diagnostic(**found) for found in self._core.diagnostics()]
+
+    @property
     def idle(self) -> bool:
         """In IDLE, with no interrupt to take."""
         return bool(self._core.idle)
@@ -317,6 +338,7 @@ __all__ = [
     "REGISTERS",
     "AssemblyError",
     "CoffError",
+    "Diagnostic",
     "Processor",
     "Program",
     "Stop",

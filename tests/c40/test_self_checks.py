@@ -1,0 +1,105 @@
+"""The self-checks name the instruction and the rule; programs that keep the rules get no diagnostic."""
+
+import json
+import subprocess
+from pathlib import Path
+
+import pytest
+from cmrc import c40
+from locations import BUILD, ROOT
+
+CODE, DATA = 0x2FFC00, 0x2FF800
+
+
+def checked(text: str, cycles: int = 300, **registers: int) -> list[c40.Diagnostic]:
+    chip = c40.Processor(c40.assemble(text, sections={".text": CODE}), checks=True)
+    chip.pc = CODE
+    for name, value in {"SP": 0x2FF900, "AR0": DATA, **registers}.items():
+        chip.registers[name] = value
+    chip.run(cycles)
+    return chip.diagnostics
+
+
+BROKEN = [
+    ("a branch in a slot", " brd x\n nop\n br x\n nop\nx: nop\nstop: b stop", "delay_slot", 2, "program control may not stand in slot 2 of brd"),
+    ("IDLE in a slot of a branch that is not taken", " cmpi 1,r0\n beqd x\n nop\n nop\n idle\nx: nop\nstop: b stop", "delay_slot", 4, "slot 3 of beqd"),
+    ("R11 in a slot of LAJ", " laj x\n ldi 0,r11\n nop\n nop\nx: nop\nstop: b stop", "delay_slot", 1, "R11 holds the way back"),
+    ("RC in a slot of RPTBD", " ldi 1,rc\n rptbd x\n ldi 2,rc\n nop\n nop\nx: nop\nstop: b stop", "delay_slot", 2, "RS, RE and RC may not be written"),
+    ("a block that ends before it begins", "x: nop\n ldi 0,rc\n rptb x\n nop\nstop: b stop", "repeat_block", 2, "before it begins"),
+    ("a branch at the end of a block", " ldi 0,rc\n rptb x\n nop\nx: b stop\nstop: b stop", "repeat_block", 3, "may not end with program control"),
+    ("a delayed branch near the end", " ldi 0,rc\n rptb x\n cmpi 1,r0\n beqd stop\n nop\n nop\nx: nop\nstop: b stop", "repeat_block", 3, "none of the last four"),
+    ("RC written at the end", " ldi 1,rc\n rptb x\n nop\nx: ldi 0,rc\nstop: b stop", "repeat_block", 3, "may not write RS, RE or RC"),
+    ("a block inside a block", " ldi 1,rc\n rptb outer\n ldi 1,rc\n rptb inner\ninner: nop\n nop\nouter: nop\nstop: b stop", "repeat_nesting", 6, "a repeat inside it has taken"),
+    ("RPTS inside a block", " ldi 1,rc\n rptb outer\n rpts 3\n nop\n nop\nouter: nop\nstop: b stop", "repeat_nesting", 5, "a repeat inside it has taken"),
+    ("RPTS of a branch", " rpts 3\n b stop\nstop: b stop", "repeat_single", 1, "may not repeat program control"),
+    ("a store two words ahead", " ldi 0,r0\n ldhi 2fh,ar1\n or 0fc05h,ar1\n sti r0,*ar1\n nop\nnear: nop\n nop\nstop: b stop", "self_modifying", 3, "2 words ahead"),
+    ("a circular step without BK", " ldi *ar0++(1)%,r0\nstop: b stop", "circular", 0, "BK is 0"),
+    ("a circular step longer than the buffer", " ldi 4,bk\n ldi *ar0++(5)%,r0\nstop: b stop", "circular", 1, "a step of 5 in a circular buffer of BK = 4"),
+    ("a pointer behind its buffer", " ldi 3,bk\n addi 3,ar0\n nop\n nop\n ldi *ar0++(1)%,r0\nstop: b stop", "circular", 4, "ar0 points 3 words into a circular buffer of BK = 3"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "text", "rule", "where", "message"), BROKEN, ids=[row[0] for row in BROKEN])
+def test_a_broken_rule_is_named_with_its_place(name: str, text: str, rule: str, where: int, message: str) -> None:
+    found = [d for d in checked(text) if d.rule == rule]
+    assert [d.pc for d in found] == [CODE + where]
+    assert message in found[0].message
+    assert found[0].section.startswith(("8.", "3.9"))
+    word = c40.assemble(text, sections={".text": CODE}).sections[0].words[where]
+    assert found[0].instruction == c40.disassemble(word, CODE + where)
+
+
+def test_each_place_is_told_once_and_counted() -> None:
+    found = checked(" ldi 9,ar5\nagain: ldi *ar0++(1)%,r0\n db ar5,again\nstop: b stop", 500)
+    assert [(d.rule, d.count) for d in found] == [("circular", 10)]
+
+
+GOOD = {
+    "nested blocks with all four saved": """
+ ldi 2,rc
+ rptb outer
+ push st
+ push rs
+ push re
+ push rc
+ ldi 4,rc
+ rptb inner
+inner: addi 1,r0
+ pop rc
+ pop re
+ pop rs
+ pop st
+ nop
+outer: addi 1,r1
+stop: b stop""",
+    "a circular buffer": " ldi 4,bk\n ldi 9,rc\n rptb x\nx: ldi *ar0++(1)%,r0\nstop: b stop",
+    "a store far ahead": " ldi 0,r0\n ldhi 2fh,ar1\n or 0fc10h,ar1\n sti r0,*ar1\nstop: b stop",
+}
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_what_keeps_the_rules_is_not_blamed(name: str) -> None:
+    assert checked(GOOD[name]) == []
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "c40_programs" / "examples").glob("*.asm")), ids=lambda path: path.stem)
+def test_the_examples_keep_all_rules_and_run_the_same_when_watched(path: Path) -> None:
+    program = c40.assemble_file(path, entry="start")
+    outcomes = []
+    for checks in (False, True):
+        chip = c40.Processor(program, checks=checks)
+        chip.run(2_000_000, until="done")
+        assert chip.diagnostics == []
+        outcomes.append((chip.cycles, chip.causes, dict(chip.registers)))
+    assert outcomes[0] == outcomes[1]
+
+
+def test_on_the_command_line(tmp_path: Path) -> None:
+    source = tmp_path / "bad.asm"
+    source.write_text(" .text\nstart: ldi *ar0++(1)%,r0\nstop: b stop\n")
+    command = [BUILD / "bin" / "emulator", "exec", source, "--board", "flat"]
+    text = subprocess.run([*command, "--check"], capture_output=True, text=True, check=True).stdout
+    assert "checks: 1 found" in text and "circular (c40-isa.md 3.9): BK is 0" in text
+    found = json.loads(subprocess.run([*command, "--check", "--json"], capture_output=True, text=True, check=True).stdout)["diagnostics"]
+    assert [(d["rule"], d["pc"]) for d in found] == [("circular", 0x300000)]
+    assert "checks" not in subprocess.run(command, capture_output=True, text=True, check=True).stdout
