@@ -28,10 +28,11 @@ vectors: build
 	PYTHONPATH=tests $(PYTHON) -m spec.vectors --per-form $(N) -o build/c40-vectors.txt.xz
 	build/bin/emulator vectors --every-access build/c40-vectors.txt.xz
 
-# The campaigns behind the arithmetic (docs/verification.md): about twenty minutes.
+# The campaigns behind arithmetic and decoding (docs/verification.md): about ten minutes on two cores.
 arithmetic: build
 	build/bin/arithmetic_campaign --cases 100000000 --jobs 2
 	PYTHONPATH=tests $(PYTHON) -m spec.campaign --cases 1000000 --jobs 2
+	build/bin/word_sweep
 
 lint:
 	$(PYTHON) -m pip install -q ruff mypy

@@ -9,8 +9,11 @@ nothing with it: its own formats, arithmetic, decoder and machine. Slow and plai
     floats       floating-point arithmetic (7.1 to 7.7, 7.10, 2.3)
     integers     integer arithmetic, logic, shifts, part-words (6.1 to 6.3, 7.8, 7.9, 7.11)
     addressing   indirect addressing (3.9)
-    machine      registers, memory, the instructions of every group (3, 6, 8)
-    encodings    every encoding with its operand forms, for generators (3, 6)
+    state        registers, memory, operands (1, 3)
+    flow         program control (6.6, 8)
+    machine      the instructions of every other group, and one step (6)
+    fields       random fields of words
+    encodings    every encoding with its operand forms, for generators (3, 6), those of program control apart
     vectors      single-step vectors: states in, states out
     campaign     a million cases of every operation against the C++ reference of tests/reference
 """

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 from random import Random
 
-from .flags import RM
-from .machine import IIF, RC, RE, RS, ST
-from .operands import EDGE_WORDS
-
-R_CODES = [0, 1, 2, 3, 4, 5, 6, 7, 28, 29, 30, 31]
-# IIF is left out: what it reads back depends on pins.
-INTEGER_CODES = [code for code in range(32) if code != IIF]
-LDA_CODES = list(range(8, 21))
-CONDITION_CODES = [code for code in range(21) if code != 11]
-NOP = 0x0C800000
+from .control_encodings import control_encodings
+from .fields import (
+    CONDITION_CODES,
+    FORMS,
+    INTEGER_CODES,
+    NOP,
+    R_CODES,
+    Encoding,
+    general,
+    indirect_8,
+    indirect_16,
+    offset_8,
+    one,
+    part_word,
+    perhaps_the_pointer,
+)
 
 # Section 6.1: op6, mnemonic, modes, source, destination (f: R0 to R11, n: any register).
 GENERAL = """
@@ -30,132 +35,10 @@ GENERAL = """
 """
 PART_WORDS = [f"{op}{n}" for op in ("lb", "lbu", "lwl", "lwr", "mb") for n in range(4)]
 PART_WORDS += [f"{op}{n}" for op in ("lh", "lhu", "mh") for n in range(2)]
-THREE = [
-    "addc",
-    "addf",
-    "addi",
-    "and",
-    "andn",
-    "ash",
-    "cmpf",
-    "cmpi",
-    "lsh",
-    "mpyf",
-    "mpyi",
-    "or",
-    "subb",
-    "subf",
-    "subi",
-    "tstb",
-    "xor",
-    "mpyshi",
-    "mpyuhi",
-]
-PAIRS = [
-    "stf_stf",
-    "sti_sti",
-    "ldf_ldf",
-    "ldi_ldi",
-    "absf_stf",
-    "absi_sti",
-    "addf_stf",
-    "addi_sti",
-    "and_sti",
-    "ash_sti",
-    "fix_sti",
-    "float_stf",
-    "ldf_stf",
-    "ldi_sti",
-    "lsh_sti",
-    "mpyf_stf",
-    "mpyi_sti",
-    "negf_stf",
-    "negi_sti",
-    "not_sti",
-    "or_sti",
-    "subf_stf",
-    "subi_sti",
-    "xor_sti",
-    "toieee_stf",
-    "frieee_stf",
-]
+THREE = "addc addf addi and andn ash cmpf cmpi lsh mpyf mpyi or subb subf subi tstb xor mpyshi mpyuhi"
+PAIRS = """stf_stf sti_sti ldf_ldf ldi_ldi absf_stf absi_sti addf_stf addi_sti and_sti ash_sti fix_sti float_stf ldf_stf ldi_sti
+lsh_sti mpyf_stf mpyi_sti negf_stf negi_sti not_sti or_sti subf_stf subi_sti xor_sti toieee_stf frieee_stf"""
 THREE_OPERAND_PAIRS = {6, 7, 8, 9, 14, 15, 16, 20, 21, 22, 23}
-
-
-@dataclass(frozen=True)
-class Program:
-    """The instruction at 1000h, what stands behind it, the registers it needs, and how many instructions are executed."""
-
-    words: tuple[int, ...]
-    steps: int = 1
-    registers: tuple[tuple[int, int], ...] = ()
-
-
-@dataclass(frozen=True)
-class Encoding:
-    name: str
-    form: str
-    build: Callable[[Random], Program]
-
-
-def one(build: Callable[[Random], int]) -> Callable[[Random], Program]:
-    return lambda rng: Program((build(rng),))
-
-
-# ---- operands ----
-
-
-def indirect_16(rng: Random) -> int:
-    modn, n = rng.randrange(26), rng.randrange(8)
-    displacement = rng.choice((0, 1, 1, 2, rng.randrange(256), 255)) if modn < 8 else 0
-    return modn << 11 | n << 8 | displacement
-
-
-def indirect_8(rng: Random) -> int:
-    return rng.randrange(26) << 3 | rng.randrange(8)
-
-
-def offset_8(rng: Random) -> int:
-    return rng.getrandbits(8)
-
-
-def register_of(kind: str) -> list[int]:
-    return {"f": R_CODES, "n": INTEGER_CODES, "a": LDA_CODES}[kind]
-
-
-def immediate_16(rng: Random) -> int:
-    return rng.choice((rng.getrandbits(16), rng.choice(EDGE_WORDS) & 0xFFFF, 0x8000, 0x7FFF))
-
-
-def perhaps_the_pointer(rng: Random, register: int, n: int, codes: list[int]) -> int:
-    """Now and then the ARn of an indirect operand instead, whose update comes before the register is read or written."""
-    return 8 + n if 8 + n in codes and rng.random() < 0.15 else register
-
-
-def general(op: int, mode: int, source: str, destination: str) -> Callable[[Random], int]:
-    def build(rng: Random) -> int:
-        dst = rng.choice(register_of(destination))
-        src = (
-            lambda: rng.choice(register_of(source)),
-            lambda: rng.getrandbits(16),
-            lambda: indirect_16(rng),
-            lambda: immediate_16(rng),
-        )[mode]()
-        while destination == "a" and mode == 0 and src == dst:
-            src = rng.choice(register_of(source))
-        if mode == 2:
-            dst = perhaps_the_pointer(rng, dst, src >> 8 & 7, register_of(destination))
-        return op << 23 | mode << 21 | dst << 16 | src
-
-    return build
-
-
-def part_word(sub: int, mode: int) -> Callable[[Random], int]:
-    build = general(0, mode, "n", "n")
-    return lambda rng: 0xB0000000 | sub << 23 | build(rng)
-
-
-FORMS = {"r": "register", "d": "direct", "i": "indirect", "m": "immediate"}
 
 
 def general_encodings() -> Iterator[Encoding]:
@@ -198,7 +81,7 @@ def general_encodings() -> Iterator[Encoding]:
 def three_operand_encodings() -> Iterator[Encoding]:
     forms = (("register_register", "indirect_register", "register_indirect", "indirect_indirect"),
              ("register_immediate", "register_offset", "offset_immediate", "offset_offset"))  # fmt: skip
-    for op, name in enumerate(THREE):
+    for op, name in enumerate(THREE.split()):
         is_float, compares = name in ("addf", "cmpf", "mpyf", "subf"), name in ("cmpf", "cmpi", "tstb")
         codes = R_CODES if is_float else INTEGER_CODES
         for type2 in (0, 1):
@@ -240,7 +123,7 @@ def conditional_load_encodings() -> Iterator[Encoding]:
 
 
 def parallel_encodings() -> Iterator[Encoding]:
-    for op, name in enumerate(PAIRS):
+    for op, name in enumerate(PAIRS.split()):
 
         def build(rng: Random, op=op) -> int:
             a, b, c = (rng.getrandbits(3) for _ in range(3))
@@ -260,139 +143,6 @@ def parallel_encodings() -> Iterator[Encoding]:
                 )
 
             yield Encoding(name, f"p{p}", one(build_pair))
-
-
-# ---- program control ----
-
-
-def harmless(rng: Random) -> int:
-    """An instruction for a delay slot or a repeated block: registers R0 to R7 only."""
-    a, b, c = (rng.randrange(8) for _ in range(3))
-    return rng.choice((
-        NOP,
-        0x08600000 | a << 16 | rng.getrandbits(16),  # LDI
-        0x02000000 | a << 16 | b,  # ADDI
-        0x20800000 | a << 16 | b << 8 | c,  # ADDF3
-        0x26000000 | a << 16 | b << 8 | c,  # SUBB3
-        0x09600000 | a << 16 | rng.getrandbits(16),  # LDM
-    ))  # fmt: skip
-
-
-def slots(rng: Random) -> tuple[int, ...]:
-    return tuple(harmless(rng) for _ in range(3))
-
-
-def branch(base: int, relative: bool, delayed: bool, conditional: bool = True) -> Callable[[Random], Program]:
-    def build(rng: Random) -> Program:
-        word = base | (rng.choice(CONDITION_CODES) << 16 if conditional else 0)
-        word |= rng.getrandbits(16) if relative else rng.choice(INTEGER_CODES[:31])
-        return Program((word, *slots(rng)), 4) if delayed else Program((word,))
-
-    return build
-
-
-def branch_24(base: int, delayed: bool) -> Callable[[Random], Program]:
-    def build(rng: Random) -> Program:
-        word = base | rng.getrandbits(24)
-        return Program((word, *slots(rng)), 4) if delayed else Program((word,))
-
-    return build
-
-
-def counted(base: int, relative: bool, delayed: bool) -> Callable[[Random], Program]:
-    plain = branch(base, relative, delayed)
-
-    def build(rng: Random) -> Program:
-        n = rng.randrange(8)
-        program = plain(rng)
-        count = rng.choice((0, 1, 2, 0xFFFFFFFF, 0x80000000, 0x7FFFFFFF, rng.getrandbits(32)))
-        return Program((program.words[0] | n << 22, *program.words[1:]), program.steps, ((8 + n, count),))
-
-    return build
-
-
-def trap(base: int, late: bool) -> Callable[[Random], Program]:
-    def build(rng: Random) -> Program:
-        word = base | rng.choice(CONDITION_CODES) << 16 | rng.getrandbits(9)
-        return Program((word, *slots(rng)), 4) if late else Program((word,))
-
-    return build
-
-
-def returning(base: int, delayed: bool) -> Callable[[Random], Program]:
-    def build(rng: Random) -> Program:
-        word = base | rng.choice(CONDITION_CODES) << 16
-        return Program((word, *slots(rng)), 4) if delayed else Program((word,))
-
-    return build
-
-
-def repeated_block(in_register: bool, delayed: bool) -> Callable[[Random], Program]:
-    def build(rng: Random) -> Program:
-        before = slots(rng) if delayed else ()
-        block = tuple(harmless(rng) for _ in range(rng.randint(1, 3)))
-        count = rng.choice((0, 1, 2, 3, 0xFFFFFFFF))
-        last = 0x1000 + len(before) + len(block)
-        register = rng.choice([*range(8, 21), 28, 29, 30, 31])
-        if in_register:
-            word = (0x79800000 if delayed else 0x79000000) | register
-        else:
-            word = (0x65000000 if delayed else 0x64000000) | last - 0x1000 - (3 if delayed else 1)
-        passes = count + 1 if count < 4 else 1
-        steps = 1 + len(before) + passes * len(block) + rng.randint(0, 1)
-        registers = ((RC, count), *(((register, last),) if in_register else ()))
-        return Program((word, *before, *block, NOP), steps, registers)
-
-    return build
-
-
-def last_of_a_block(rng: Random) -> Program:
-    """Any harmless instruction where RE is, with RM set."""
-    count = rng.choice((0, 1, 2, 0xFFFFFFFF, 0x80000000, 0x7FFFFFFF, rng.getrandbits(32)))
-    return Program((harmless(rng),), 1, ((RC, count), (RS, rng.getrandbits(32)), (RE, 0x1000), (ST, RM)))
-
-
-def repeat_single(mode: int) -> Callable[[Random], Program]:
-    operand = general(39, mode, "n", "n")
-
-    def build(rng: Random) -> Program:
-        word = operand(rng) & ~(31 << 16) | RC << 16
-        if mode == 3 and rng.random() < 0.5:
-            count = rng.randrange(5)
-            return Program((word & ~0xFFFF | count, harmless(rng), NOP), count + 2 + rng.randint(0, 1))
-        return Program((word, NOP))
-
-    return build
-
-
-def control_encodings() -> Iterator[Encoding]:
-    for name, base, delayed in (
-        ("br", 0x60000000, False),
-        ("brd", 0x61000000, True),
-        ("call", 0x62000000, False),
-        ("laj", 0x63000000, True),
-    ):
-        yield Encoding(name, "displacement", branch_24(base, delayed))
-    kinds = (("b", 0x68000000, False), ("bd", 0x68200000, True), ("bat", 0x68600000, True), ("baf", 0x68A00000, True),
-             ("callcond", 0x70000000, False), ("lajcond", 0x70200000, True))  # fmt: skip
-    for name, base, delayed in kinds:
-        yield Encoding(name, "register", branch(base, False, delayed))
-        yield Encoding(name, "displacement", branch(base | 0x02000000, True, delayed))
-    for name, base, delayed in (("db", 0x6C000000, False), ("dbd", 0x6C200000, True)):
-        yield Encoding(name, "register", counted(base, False, delayed))
-        yield Encoding(name, "displacement", counted(base | 0x02000000, True, delayed))
-    yield Encoding("trap", "", trap(0x74000000, False))
-    yield Encoding("lat", "", trap(0x74800000, True))
-    yield Encoding("reti", "", returning(0x78000000, False))
-    yield Encoding("retid", "", returning(0x78200000, True))
-    yield Encoding("rets", "", returning(0x78800000, False))
-    for delayed in (False, True):
-        name = "rptbd" if delayed else "rptb"
-        yield Encoding(name, "displacement", repeated_block(False, delayed))
-        yield Encoding(name, "register", repeated_block(True, delayed))
-    yield Encoding("repeat", "last_instruction", last_of_a_block)
-    for mode, letter in enumerate("rdim"):
-        yield Encoding("rpts", FORMS[letter], repeat_single(mode))
 
 
 def encodings() -> list[Encoding]:

@@ -1,41 +1,14 @@
-"""Registers, memory, and what every instruction does to them (sections 3, 6 and 8).
-
-One instruction: effective addresses from the old registers, then the updates of address registers, then reads (registers
-see the updates), then writes. Of two accesses of one kind, the one of the byte in bits 15..8 comes first; reads come before writes.
-
-What is written here is one instruction's meaning. There are no interrupts and no time.
-"""
+"""What every instruction does (sections 6 and 8). There are no interrupts and no time."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 
 from . import floats, integers
-from .addressing import BIT_REVERSED, indirect, modifies
-from .flags import CF, GIE, IMPLEMENTED, PCF, PGIE, RM, SET_COND, Flags, applied, holds
-from .formats import canonical, from_short, from_single, from_single_raw, signed, to_single
-
-WORD = 0xFFFFFFFF
-AR0, DP, IR0, IR1, BK, SP, ST, DIE, IIE, IIF, RS, RE, RC, R11 = 8, 16, 17, 18, 19, 20, 21, 22, 23, 24, 25, 26, 27, 31
-NAMES = [f"R{n}" for n in range(8)] + [f"AR{n}" for n in range(8)]
-NAMES += ["DP", "IR0", "IR1", "BK", "SP", "ST", "DIE", "IIE", "IIF", "RS", "RE", "RC", "R8", "R9", "R10", "R11"]
-TABLE_BASE = WORD & ~0x1FF
-
-
-class ReservedError(Exception):
-    """The word is no instruction."""
-
-
-class StopError(Exception):
-    """SWI: the emulator's own breakpoint. Nothing has happened."""
-
-
-def is_extended(code: int) -> bool:
-    return code < 8 or code >= 28
-
-
-Operand = tuple[str, int]  # ("register", code), ("memory", address), ("constant", value)
+from .flags import GIE, RM, Flags, holds
+from .flow import Flow
+from .formats import canonical, from_short, from_single_raw, signed, to_single
+from .state import DP, RC, SP, ST, WORD, Operand, ReservedError
 
 # Section 6.1 by op6: what is computed from dst and src. Sources are integers or floats as the table's column says.
 INTEGER_BINARY: dict[int, Callable[[int, int, int], integers.Result]] = {
@@ -135,28 +108,7 @@ PARALLEL_FLOAT: dict[int, Callable[[int, int], floats.Result]] = {
 TWO_OPERAND_PAIRS = {4, 5, 10, 11, 12, 13, 17, 18, 19, 24, 25}
 
 
-@dataclass
-class Pending:
-    """A delayed branch whose slots are being executed."""
-
-    target: int | None  # None: straight on
-    slots: int = 3
-    annulled: bool = False
-    repeats: bool = False  # RPTBD
-
-
-@dataclass
-class Machine:
-    r: list[int] = field(default_factory=lambda: [0] * 32)
-    ivtp: int = 0
-    tvtp: int = 0
-    pc: int = 0x1000
-    memory: dict[int, int] = field(default_factory=dict)
-    bus: list[tuple[str, int, int]] = field(default_factory=list)
-    pending: Pending | None = None
-    updates: list[tuple[int, int]] = field(default_factory=list)
-    started_repeat: bool = False
-
+class Machine(Flow):
     # ---- one instruction ----
 
     def step(self) -> None:
@@ -175,16 +127,6 @@ class Machine:
                     self.r[ST] |= RM
                 return
         self.repeat(pc)
-
-    def repeat(self, pc: int) -> None:
-        """8.3 and 8.4; RPTS differs from RPTB in fetching and in interrupts only."""
-        if not self.r[ST] & RM or pc != self.r[RE] or self.started_repeat:
-            return
-        self.r[RC] = (self.r[RC] - 1) & WORD
-        if signed(self.r[RC], 32) >= 0:
-            self.pc = self.r[RS]
-        else:
-            self.r[ST] &= ~RM
 
     def execute(self, pc: int, w: int) -> None:
         self.started_repeat = False
@@ -205,103 +147,6 @@ class Machine:
             self.parallel(w)
         else:
             raise ReservedError(hex(w))
-
-    # ---- operands ----
-
-    def read(self, address: int) -> int:
-        self.bus.append(("rd", address, 0))
-        return self.memory.get(address, 0)
-
-    def write(self, address: int, word: int) -> None:
-        self.bus.append(("wr", address, word))
-        self.memory[address] = word
-
-    def at_direct(self, offset: int) -> Operand:
-        return "memory", (self.r[DP] << 16 | offset) & WORD
-
-    def at_indirect(self, modn: int, n: int, displacement: int) -> Operand:
-        if modn > BIT_REVERSED or (modn >= 8 and displacement not in (0, 1)):
-            raise ReservedError(f"modn {modn}, displacement {displacement}")
-        code = AR0 + n
-        address, after = indirect(modn, self.r[code], displacement, self.r[IR0], self.r[IR1], self.r[BK])
-        if modifies(modn):
-            self.updates.append((code, after))
-        return "memory", address
-
-    def at_byte(self, byte: int) -> Operand:
-        """The 8-bit indirect operand: an implied displacement of 1."""
-        return self.at_indirect(byte >> 3, byte & 7, 1)
-
-    def at_offset_byte(self, byte: int) -> Operand:
-        """Type 2: *+ARn(0 to 31)."""
-        return "memory", (self.r[AR0 + (byte & 7)] + (byte >> 3)) & WORD
-
-    def operand(self, g: int, src: int, constant: int) -> Operand:
-        if g == 0:
-            if src > 31:
-                raise ReservedError("register field")
-            return "register", src
-        if g == 1:
-            return self.at_direct(src)
-        if g == 2:
-            if src >> 11 >= 8 and src & 0xFF:
-                raise ReservedError("displacement beside an index register")
-            return self.at_indirect(src >> 11, src >> 8 & 7, src & 0xFF)
-        return "constant", constant
-
-    def settle(self) -> None:
-        """The updates of address registers; the last one noted stays."""
-        for code, after in self.updates:
-            self.r[code] = after
-        self.updates = []
-
-    def integer(self, operand: Operand) -> int:
-        kind, where = operand
-        if kind == "register":
-            return self.r[where] & WORD
-        return self.read(where) if kind == "memory" else where & WORD
-
-    def floating(self, operand: Operand) -> int:
-        kind, where = operand
-        if kind == "register":
-            if not is_extended(where):
-                raise ReservedError("float operand")
-            return self.r[where]
-        return from_single(self.read(where)) if kind == "memory" else from_short(where)
-
-    # ---- results ----
-
-    def set_flags(self, flags: Flags | None) -> None:
-        self.r[ST] = applied(self.r[ST], flags)
-
-    def gated(self, code: int, flags: Flags | None) -> None:
-        if is_extended(code) or (self.r[ST] & SET_COND and code != ST):
-            self.set_flags(flags)
-
-    def write_status(self, word: int) -> None:
-        if self.r[RC] in (0, WORD):
-            word &= ~RM
-        self.r[ST] = word & IMPLEMENTED
-
-    def put(self, code: int, word: int) -> None:
-        """An integer result: the exponent byte of R0 to R11 stays."""
-        word &= WORD
-        if code == ST:
-            self.write_status(word)
-        elif is_extended(code):
-            self.r[code] = self.r[code] & ~WORD | word
-        else:
-            self.r[code] = word
-
-    def put_integer(self, code: int, result: integers.Result) -> None:
-        self.gated(code, result[1])
-        self.put(code, result[0])
-
-    def put_float(self, code: int, result: floats.Result) -> None:
-        if not is_extended(code):
-            raise ReservedError("float destination")
-        self.set_flags(result[1])
-        self.r[code] = result[0]
 
     # ---- section 6.1 ----
 
@@ -367,12 +212,6 @@ class Machine:
 
     def float_constant(self, operand: Operand, g: int, src: int) -> int:
         return from_short(src) if g == 3 else self.floating(operand)
-
-    def start_repeat(self, count: int, pc: int) -> None:
-        self.r[RC] = count
-        self.r[RS] = self.r[RE] = (pc + 1) & WORD
-        self.r[ST] |= RM
-        self.started_repeat = True
 
     def general_special(self, op: int, g: int, dst: int, src: int, pc: int) -> None:
         if op == 12:  # IDLE, IDLE2
@@ -543,133 +382,3 @@ class Machine:
             self.put(total, second[0])
         overflow, underflow = first[1].v or second[1].v, first[1].uf or second[1].uf
         self.set_flags(Flags(v=overflow, z=False, n=False, uf=underflow))
-
-    # ---- section 6.6 ----
-
-    def target(self, w: int, pc: int, relative: bool, delayed: bool) -> int:
-        if relative:
-            return (pc + signed(w, 16) + (3 if delayed else 1)) & WORD
-        if w & 0xFFE0:
-            raise ReservedError("register field")
-        return self.r[w & 31] & WORD
-
-    def go(self, target: int, taken: bool, delayed: bool, annuls: bool = False) -> None:
-        if delayed:
-            self.pending = Pending(target if taken else None, annulled=annuls)
-        elif taken:
-            self.pc = target
-
-    def push(self, word: int) -> None:
-        self.r[SP] = (self.r[SP] + 1) & WORD
-        self.write(self.r[SP], word)
-
-    def enter_handler(self) -> None:
-        st = self.r[ST]
-        saved = (PGIE if st & GIE else 0) | (PCF if st & CF else 0)
-        self.r[ST] = st & ~(GIE | PGIE | PCF) | CF | saved
-
-    def control(self, pc: int, w: int) -> None:
-        op = w >> 24 & 31
-        relative, condition = bool(w >> 25 & 1), w >> 16 & 31
-        if op < 8:
-            self.branch_24(pc, w, op)
-        elif op in (8, 10):
-            kind = w >> 21 & 7
-            if kind not in (0, 1, 3, 5):
-                raise ReservedError(hex(w))
-            taken = holds(condition, self.r[ST])
-            self.go(
-                self.target(w, pc, relative, kind != 0),
-                taken,
-                kind != 0,
-                kind == 3 and taken or kind == 5 and not taken,
-            )
-        elif 12 <= op < 16:
-            delayed, counter = bool(w >> 21 & 1), AR0 + (w >> 22 & 7)
-            target = self.target(w, pc, relative, delayed)
-            self.r[counter] = (self.r[counter] - 1) & WORD
-            self.go(target, signed(self.r[counter], 32) >= 0 and holds(condition, self.r[ST]), delayed)
-        elif op in (16, 18):
-            linked = bool(w >> 21 & 1)
-            taken = holds(condition, self.r[ST])
-            target = self.target(w, pc, relative, linked)
-            if linked:
-                self.link(pc, target, taken)
-            elif taken:
-                self.push(pc + 1)
-                self.pc = target
-        elif op == 20:
-            self.trap(pc, w & 0x1FF, bool(w >> 23 & 1), holds(condition, self.r[ST]))
-        elif op == 22:
-            self.expansion(w)
-        elif op == 24:
-            self.come_back(w, holds(condition, self.r[ST]))
-        elif op == 25:
-            self.repeat_block(pc, self.r[w & 31] & WORD, bool(w >> 23 & 1))
-        else:
-            raise ReservedError(hex(w))
-
-    def link(self, pc: int, target: int, taken: bool) -> None:
-        if taken:
-            self.put(R11, pc + 4)
-        self.go(target, taken, True)
-
-    def branch_24(self, pc: int, w: int, op: int) -> None:
-        target = (pc + signed(w, 24) + (3 if op & 1 else 1)) & WORD
-        if op < 2:
-            self.go(target, True, op == 1)
-        elif op == 2:
-            self.push(pc + 1)
-            self.pc = target
-        elif op == 3:
-            self.link(pc, target, True)
-        elif op < 6:
-            self.repeat_block(pc, target, op == 5)
-        elif w == 0x66000000:
-            raise StopError
-        else:
-            raise ReservedError(hex(w))
-
-    def repeat_block(self, pc: int, end: int, delayed: bool) -> None:
-        self.r[RS] = (pc + (4 if delayed else 1)) & WORD
-        self.r[RE] = end
-        if delayed:
-            self.pending = Pending(None, repeats=True)
-        else:
-            self.r[ST] |= RM
-            self.started_repeat = True
-
-    def trap(self, pc: int, number: int, late: bool, taken: bool) -> None:
-        vector = (self.tvtp & TABLE_BASE) + number & WORD
-        if not taken:
-            return self.go(0, False, late)
-        if late:
-            target = self.read(vector)
-            self.put(R11, pc + 4)
-            self.go(target, True, True)
-        else:
-            self.push(pc + 1)
-            self.pc = self.read(vector)
-        self.enter_handler()
-
-    def expansion(self, w: int) -> None:
-        to_expansion, dst, src = w >> 23 & 1, w >> 16 & 31, w & 31
-        if to_expansion:
-            word = self.r[src] & TABLE_BASE
-            if dst == 0:
-                self.ivtp = word
-            else:
-                self.tvtp = word
-        else:
-            self.put(dst, self.ivtp if src == 0 else self.tvtp)
-
-    def come_back(self, w: int, taken: bool) -> None:
-        from_subroutine, delayed = w >> 23 & 1, bool(w >> 21 & 1)
-        if not taken:
-            return self.go(0, False, delayed)
-        target = self.read(self.r[SP])
-        self.r[SP] = (self.r[SP] - 1) & WORD
-        if not from_subroutine:
-            st = self.r[ST] & ~(GIE | CF)
-            self.r[ST] = st | (GIE if st & PGIE else 0) | (CF if st & PCF else 0)
-        self.go(target, True, delayed)

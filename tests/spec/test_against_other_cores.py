@@ -4,7 +4,8 @@ import lzma
 
 from locations import ROOT
 
-from spec.machine import NAMES, ST, Machine
+from spec.machine import Machine
+from spec.state import NAMES, ST
 
 COMMON = ROOT / "tests" / "c40" / "data" / "c3x-common-vectors.txt.xz"
 

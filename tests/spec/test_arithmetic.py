@@ -9,10 +9,11 @@ from cmrc._core import c40
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
-from spec import addressing, floats, formats, integers, machine
+from spec import addressing, floats, formats, integers
 from spec.flags import CONDITION_NAMES, IMPLEMENTED, OVM, RM, SET_COND
-from spec.machine import BK, DP, IR0, IR1, NAMES, RC, ST, Machine
+from spec.machine import Machine
 from spec.operands import EDGE_EXPONENTS, EDGE_FLOATS, EDGE_MANTISSAS, EDGE_WORDS
+from spec.state import BK, DP, IR0, IR1, NAMES, RC, ST
 
 WORD = 0xFFFFFFFF
 DATA = 0x2000
@@ -228,4 +229,4 @@ def test_the_specification_gives_the_examples_of_the_text() -> None:
         seen.append(ar)
         ar = addressing.bit_reversed(ar, 8)
     assert seen == [0x60, 0x68, 0x64, 0x6C, 0x62, 0x6A, 0x66, 0x6E, 0x61]
-    assert machine.NAMES[31] == "R11"
+    assert NAMES[31] == "R11"

@@ -6,15 +6,17 @@ from typing import Any
 import pytest
 from cmrc._core import c40
 
-from spec.encodings import Encoding, encodings
-from spec.machine import DIE, IIE, NAMES, ST, Machine
+from spec.encodings import encodings
+from spec.fields import Encoding
+from spec.machine import Machine
+from spec.state import DIE, IIE, NAMES, ST
 from spec.vectors import CODE, START, Memory, Registers, random_registers
 
 LENGTH = 24
 STOP = 0x60FFFFFF  # BR to itself
 CONTROL = """br brd call laj b bd bat baf callcond lajcond db dbd trap lat reti retid rets
-rptb rptbd rpts repeat idle idle2 swi""".split()
-STRAIGHT = [encoding for encoding in encodings() if encoding.name not in CONTROL]
+rptb rptbd rpts repeat idle idle2 swi"""
+STRAIGHT = [encoding for encoding in encodings() if encoding.name not in CONTROL.split()]
 
 
 def word_of(rng: Random, encoding: Encoding) -> int:

@@ -1,4 +1,4 @@
-"""A sample of the two campaigns: the emulator against the C++ reference, the reference against the specification."""
+"""A sample of the campaigns: the emulator against the C++ reference, the reference against the specification."""
 
 import subprocess
 from pathlib import Path
@@ -32,3 +32,11 @@ def test_the_comparison_sees_a_wrong_specification(monkeypatch: pytest.MonkeyPat
 def test_unknown_operations_are_refused() -> None:
     result = subprocess.run([Path(PROGRAM), "addq"], capture_output=True, text=True, check=False)
     assert result.returncode == 2 and "operations: addf" in result.stderr
+
+
+def test_decoder_and_reference_call_the_same_words_instructions() -> None:
+    """A sample of the sweep over all words; the step is prime, so every field takes every value."""
+    result = subprocess.run([BUILD / "bin" / "word_sweep", "211"], capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stdout
+    words, instructions = (int(part.split()[0]) for part in result.stdout.split(", ")[:2])
+    assert words > 20_000_000 and abs(instructions / words - 1097843595 / 2**32) < 1e-4

@@ -14,27 +14,11 @@ from random import Random
 from typing import IO
 
 from . import operands
-from .encodings import Encoding, Program, encodings
+from .encodings import encodings
+from .fields import Encoding, Program
 from .flags import GIE, IMPLEMENTED, RM
-from .machine import (
-    BK,
-    DIE,
-    DP,
-    IIE,
-    IIF,
-    IR0,
-    IR1,
-    NAMES,
-    RC,
-    RE,
-    RS,
-    SP,
-    ST,
-    Machine,
-    ReservedError,
-    StopError,
-    is_extended,
-)
+from .machine import Machine
+from .state import BK, DIE, DP, IIE, IIF, IR0, IR1, NAMES, RC, RE, RS, SP, ST, ReservedError, StopError, is_extended
 
 START = 0x1000
 CODE = range(START - 16, START + 64)
