@@ -3,7 +3,7 @@ SHELL := /bin/bash
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 
-.PHONY: demo test build setup clean golden lint vectors arithmetic
+.PHONY: demo test build setup clean golden lint vectors arithmetic oracles
 
 demo: build
 	build/bin/emulator --dsps 4
@@ -33,6 +33,10 @@ arithmetic: build
 	build/bin/arithmetic_campaign --cases 100000000 --jobs 2
 	PYTHONPATH=tests $(PYTHON) -m spec.campaign --cases 1000000 --jobs 2
 	build/bin/word_sweep
+
+# GNU as, ld and objdump for the C4x, from Debian's sources, into build-oracles/ (docs/oracles.md).
+oracles:
+	@scripts/oracles
 
 lint:
 	$(PYTHON) -m pip install -q ruff mypy
