@@ -43,10 +43,15 @@ void declare_run(CLI::App& app, cli::RunOptions& options) {
 void declare_assemble(CLI::App& app, cli::AssembleOptions& options) {
   app.add_option("FILE", options.source, "Source in TI's syntax (docs/assembler.md)")->required();
   app.add_option("-o,--output", options.output, "COFF file to write")->required()->type_name("OUT");
-  app.add_option("-I,--include", options.include_directories, "Look here for included files")->type_name("DIR");
+  app.add_option("-I,--include", options.include_directories, "Look here for included files")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
   app.add_option("-D,--define", options.defines, "Define a constant (1 if no number is given)")
-      ->type_name("NAME[=NUMBER]");
-  app.add_option("--section", options.sections, "Where a section stands (.text: 300000h)")->type_name("NAME=ADDRESS");
+      ->type_name("NAME[=NUMBER]")
+      ->allow_extra_args(false);
+  app.add_option("--section", options.sections, "Where a section stands (.text: 300000h)")
+      ->type_name("NAME=ADDRESS")
+      ->allow_extra_args(false);
   app.add_option("--entry", options.entry, "The symbol at which the program starts")->type_name("SYMBOL");
   app.add_option("--listing", options.listing, "Also write a listing")->type_name("FILE");
   app.add_flag("-c,--object", options.object, "Write a relocatable object, for emulator link");
@@ -63,16 +68,25 @@ void declare_link(CLI::App& app, cli::LinkOptions& options) {
   app.add_option("--coff-version", options.version, "0, 1 or 2 (default)")->check(CLI::Range(0, 2));
 }
 
+void declare_classify(CLI::App& app, cli::ClassifyOptions& options) {
+  app.add_option("--range", options.range, "Only these words (default: all 4294967296)")->type_name("FIRST:COUNT");
+  app.add_flag("--rows", options.rows, "Count the words of every encoding");
+}
+
 void declare_disassemble(CLI::App& app, cli::DisassembleOptions& options) {
   app.add_option("FILE", options.program, "COFF file, .hex or source")->required();
-  app.add_option("-I,--include", options.include_directories, "Look here for included files")->type_name("DIR");
+  app.add_option("-I,--include", options.include_directories, "Look here for included files")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
   app.add_option("--load-at", options.load_at, "Where a .hex file stands")->type_name("ADDRESS");
   app.add_flag("--source", options.source, "Without addresses and words: text that assembles to the same words");
 }
 
 void declare_exec(CLI::App& app, cli::ExecOptions& options) {
   app.add_option("PROGRAM", options.program, "COFF executable, .asm, .s or .hex")->required();
-  app.add_option("-I,--include", options.include_directories, "Look here for included files")->type_name("DIR");
+  app.add_option("-I,--include", options.include_directories, "Look here for included files")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
   app.add_option("--until", options.until, "Stop before the instruction there")->type_name("SYMBOL|ADDRESS");
   app.add_option("--max-cycles", options.max_cycles, "Stop after so many cycles (default 100000000)")
       ->check(CLI::PositiveNumber);
@@ -143,6 +157,7 @@ int main(int argc, char** argv) {
   cli::AssembleOptions assemble_options;
   cli::DisassembleOptions disassemble_options;
   cli::LinkOptions link_options;
+  cli::ClassifyOptions classify_options;
   cli::ExecOptions exec_options;
   cli::TraceDiffOptions trace_diff_options;
   cli::VectorOptions vector_options;
@@ -154,6 +169,8 @@ int main(int argc, char** argv) {
   add_command(app, "disasm", "Print a program as instructions", declare_disassemble, cli::disassemble,
               disassemble_options, action);
   add_command(app, "link", "Link objects to a program", declare_link, cli::link, link_options, action);
+  add_command(app, "classify", "Count what every 32-bit word is: an instruction, or reserved and why", declare_classify,
+              cli::classify, classify_options, action);
   add_command(app, "exec", "Run a program on one chip", declare_exec, cli::exec, exec_options, action);
   add_command(app, "trace-diff", "Find where two traces part (exit status 1 if they do)", declare_trace_diff,
               cli::trace_diff, trace_diff_options, action);

@@ -51,6 +51,11 @@ struct AssembleOptions {
   int version = 2;  ///< Of the COFF file.
 };
 
+struct ClassifyOptions {
+  std::optional<std::string> range;  ///< FIRST:COUNT
+  bool rows = false;                 ///< Name every encoding.
+};
+
 struct LinkOptions {
   std::vector<std::string> inputs;
   std::string output;
@@ -98,6 +103,7 @@ int run(const RunOptions& options);
 int assemble(const AssembleOptions& options);
 int disassemble(const DisassembleOptions& options);
 int link(const LinkOptions& options);
+int classify(const ClassifyOptions& options);
 int exec(const ExecOptions& options);
 int trace_diff(const TraceDiffOptions& options);
 int vectors(const VectorOptions& options);

@@ -31,14 +31,11 @@ std::string indirect_text(const Operand& operand, bool exact) {
   return {};
 }
 
-/// LDM ignores the exponent, which the assembler leaves 0; other instructions have one zero only.
-bool has_decimal_form(Word bits, Operation operation) {
-  if (operation == Operation::ldm) return (bits >> 12) == 0;
-  return (bits >> 12) != 8 || bits == 0x8000;
-}
+/// The format has one zero only; the other patterns of its exponent are 0 too, but no decimal gives them.
+bool has_decimal_form(Word bits) { return (bits >> 12) != 8 || bits == 0x8000; }
 
-std::string short_float_text(Word bits, Operation operation) {
-  if (!has_decimal_form(bits, operation)) return fmt::format("={:#06x}", bits);
+std::string short_float_text(Word bits) {
+  if (!has_decimal_form(bits)) return fmt::format("={:#06x}", bits);
   if (bits == 0x8000) return "0.0";
   const int exponent = static_cast<int>(bits >> 12) - ((bits >> 12) >= 8 ? 16 : 0);
   const double fraction = static_cast<double>(bits & 0x7FF) / 2048.0;
@@ -73,7 +70,7 @@ class Printer {
       case Kind::direct: return fmt::format("@{:#x}", o.value);
       case Kind::indirect: return indirect_text(o, exact || (o.slot == Slot::none && o.modn == 0 && o.value == 0));
       case Kind::immediate_int: return fmt::format("{}", o.value);
-      case Kind::immediate_float: return short_float_text(static_cast<Word>(o.value), row_.operation);
+      case Kind::immediate_float: return short_float_text(static_cast<Word>(o.value));
       case Kind::expansion: return std::string(name(static_cast<Expansion>(o.value)));
       case Kind::trap: return fmt::format("{}", o.value);
       case Kind::target: {

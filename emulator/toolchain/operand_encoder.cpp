@@ -9,6 +9,18 @@ using isa::OperandClass;
 using isa::Word;
 using Kind = OperandSyntax::Kind;
 
+namespace {
+
+/// The chip extends these immediates with zeros, GNU as takes them as signed (c40-isa.md 10.6, 10.15): the bits are the
+/// same.
+bool gnu_takes_signed(isa::Operation operation) {
+  using enum isa::Operation;
+  return operation == subc || operation == mpyuhi || operation == lwl || operation == lwr || operation == mb ||
+         operation == mh;
+}
+
+}  // namespace
+
 std::string kind_text(const OperandSyntax& operand) {
   switch (operand.kind) {
     case Kind::reg: return fmt::format("the register {}", isa::name(operand.reg));
@@ -149,8 +161,7 @@ Word OperandEncoder::immediate(const OperandSyntax& o) const {
   if (!v.is_absolute() && !fits_signed(number, 16))
     miss(Mismatch::contents, o.offset,
          "an address has 32 bits; load it with LDHI hi16(x),reg and OR lo16(x),reg, or from a .word");
-  // GNU as takes these two as signed, the chip zero-extends them (c40-isa.md 10.15): the bits are the same.
-  const bool sign_too = row_.operation == isa::Operation::subc || row_.operation == isa::Operation::mpyuhi;
+  const bool sign_too = gnu_takes_signed(row_.operation);
   if (row_.immediate == Immediate::zero)
     return in_range(o, number, fits_unsigned(number, 16) || (sign_too && fits_signed(number, 16)), "0 to 65535");
   if (!fits_signed(number, 16) && fits_unsigned(number, 16))
@@ -162,7 +173,7 @@ Word OperandEncoder::short_float(const OperandSyntax& o, const Value& v) const {
   const Real real = v.is_real() ? v.real : Real(static_cast<double>(integer(o, v)));
   const auto bits = to_short(real);
   if (!bits) miss(Mismatch::contents, o.offset, "out of the range of a 16-bit float (-256 to 255.9375)");
-  return row_.operation == isa::Operation::ldm ? *bits & 0xFFF : *bits;
+  return *bits;
 }
 
 Word OperandEncoder::page(const OperandSyntax& o) const {
