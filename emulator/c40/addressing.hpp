@@ -127,7 +127,7 @@ inline void set_float(Core& core, Word flags) {
   latch(core, flags & (st::V | st::UF));
 }
 
-inline bool holds(const Core& core, isa::Condition condition) {
+[[gnu::always_inline]] inline bool holds(const Core& core, isa::Condition condition) {
   using enum isa::Condition;
   const bool n = core.negative >> 31 != 0, z = core.zero == 0, c = (core.carry & 1) != 0;
   switch (condition) {

@@ -168,6 +168,7 @@ class Binder {
         for (const Operand* operand : {&in_.src1, &in_.src2, &in_.src3, &in_.src4})
           if (operand->is_memory()) place(operand->slot == isa::Slot::j ? 0 : 1, *operand, true);
         const bool subtract = row_.operation2 == Operation::subf || row_.operation2 == Operation::subi;
+        if (floating() && !subtract && row_.selector == 0) out_.repeated = execute::repeated_multiply_add_handler(out_.op, common_movement());
         return execute::multiply_add_handler(floating(), subtract, row_.selector, common_movement());
       }
       default: {

@@ -30,6 +30,7 @@ struct Bound {
   bool reads_repeat = false;
   bool dynamic_target = false;   ///< RPTB of a register: RE is known only when it runs
   bool is_nop = false;
+  Handler repeated = nullptr;    ///< Does all passes of a block that is this instruction alone.
   execute::Kind source = execute::Kind::none;  ///< of src1
   int address_updates = 0;  ///< Operands whose addressing changes an ARn (annulled slots).
 };

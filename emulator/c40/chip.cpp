@@ -92,7 +92,10 @@ void Chip::hold(bool held) { engine_->touch().held = held; }
 bool Chip::halted() const { return engine_->state().held || engine_->state().faulted; }
 
 Cycles Chip::cycle() const { return engine_->state().cycle; }
-std::uint64_t Chip::instructions() const { return engine_->state().instructions; }
+std::uint64_t Chip::instructions() const {
+  engine_->settle_counts();
+  return engine_->state().instructions;
+}
 const Causes& Chip::causes() const {
   engine_->settle_counts();
   return engine_->state().causes;

@@ -490,8 +490,8 @@ std::optional<StopInfo> Engine::advance(Cycles limit, bool single) {
       return std::nullopt;
     }
   }
-  if (!single && !breakpoints.empty() && breakpoints.contains(core.pc) && reported_breakpoint_ != state_.instructions) {
-    reported_breakpoint_ = state_.instructions;
+  if (!single && !breakpoints.empty() && breakpoints.contains(core.pc) && reported_breakpoint_ != state_.cycle) {
+    reported_breakpoint_ = state_.cycle;
     return stop(Stepped::breakpoint);
   }
   const bool answered = state_.answers[0].given || state_.answers[1].given;

@@ -36,7 +36,7 @@ struct Block {
     PipelineId pipeline = 0;
     bool chained = false;  ///< `next` may be kept: nothing but the pc decides which block follows.
     Costs causes{};
-    std::uint64_t count = 0;  ///< runs not yet in the chip's causes
+    std::uint64_t count = 0;  ///< runs of the whole block not yet in the chip's causes and instructions
     Block* next = nullptr;
   };
   BlockKey key;
@@ -130,7 +130,9 @@ class Engine {
   void leave(Block& block, std::size_t from, std::size_t at);
   void left_block(Block& block, std::size_t from, const Outcome& outcome);
   void rejoin(Block& block);
-  std::size_t end_repeat(Block& block, std::uint32_t passes);
+  Block::Exit* run_repeated(Block& block, Cycles limit);
+  Block::Exit* run_part(Block& block, std::size_t from, Cycles limit);
+  Block::Exit& end_repeat(Block& block, std::uint32_t passes);
   std::uint32_t passes_within(const Block& block, Cycles limit) const;
   void process_code_writes();
 
@@ -140,7 +142,7 @@ class Engine {
   ExternalAccess waiting_{};
   std::size_t waiting_access_ = 2;  ///< which of the instruction's accesses waits; 2: none
   std::optional<Fault> fault_;
-  std::optional<std::uint64_t> reported_breakpoint_;  ///< instruction count at the last breakpoint stop
+  std::optional<Cycles> reported_breakpoint_;  ///< cycle of the last breakpoint stop
   std::vector<MemoryEvent> events_;
   struct Scratch {
     std::array<Word, 2> cell{};

@@ -135,7 +135,6 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
     add_timing(costs, step.timing);
     Op terminal;
     terminal.pc = op.pc + 1;
-    terminal.immediate = static_cast<Word>(block->size);
     if (step.bound.flow == Flow::branch || step.bound.flow == Flow::directed) {
       close_with_branch(*block, step, before, chained);
       closed = true;
@@ -164,6 +163,7 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
   block->last_start = block->start[block->size - 1];
   block->self_loop = block->repeats && !reads_repeat && block->exits[1].pipeline == k.pipeline && (k.mode >> 2) != 1;
   block->only_nop = block->self_loop && block->size == 1 && step.bound.is_nop;
+  if (block->self_loop && block->size == 1 && step.bound.repeated != nullptr) block->ops[0].handler = step.bound.repeated;
   for (std::size_t i = 0; i < block->size; ++i) {
     const Address pc = k.pc + static_cast<Address>(i);
     memory_.find(pc)->mark_code(pc);
@@ -213,21 +213,20 @@ void Engine::leave(Block& block, std::size_t from, std::size_t at) {
 }
 
 // `passes` passes through a repeated block are done: what the loop hardware made of them.
-std::size_t Engine::end_repeat(Block& block, std::uint32_t passes) {
+Block::Exit& Engine::end_repeat(Block& block, std::uint32_t passes) {
   Core& core = state_.core;
   core.r[reg::RC] -= passes;
   Block::Exit& again = block.exits[1];
   again.count += passes - 1;
   state_.cycle += (passes - 1) * again.cycles;
-  state_.instructions += (passes - 1) * block.size;
   if (static_cast<std::int32_t>(core.r[reg::RC]) >= 0) {
     core.pc = core.r[reg::RS];
     if (core.repeat_single == 1) core.repeat_single = 2;
-    return 1;
+    return again;
   }
   core.modes &= ~st::RM;
   core.repeat_single = 0;
-  return 0;
+  return block.exits[0];
 }
 
 // How often a block that follows itself may run in one go.
@@ -240,62 +239,84 @@ std::uint32_t Engine::passes_within(const Block& block, Cycles limit) const {
   return static_cast<std::uint32_t>(std::clamp<Cycles>(affordable, 1, Cycles{count} + 1));
 }
 
+// A repeated block, as many passes as the budget covers. A handler may do several at once and takes them off loop_left.
+Block::Exit* Engine::run_repeated(Block& block, Cycles limit) {
+  Core& core = state_.core;
+  const std::uint32_t passes = passes_within(block, limit);
+  core.loop_left = block.only_nop ? 0 : passes - 1;
+  for (;;) {
+    const Outcome outcome = block.ops[0].handler(core, block.ops.data());
+    if (outcome.exit > Exit::taken) [[unlikely]] {
+      const std::uint32_t done = passes - 1 - core.loop_left;  // whole passes before the one that was left
+      core.r[reg::RC] -= done;
+      block.exits[1].count += done;
+      state_.cycle += done * block.exits[1].cycles;
+      left_block(block, 0, outcome);
+      return nullptr;
+    }
+    if (core.loop_left == 0) return &end_repeat(block, passes);
+    --core.loop_left;
+  }
+}
+
+// From the middle, or with a budget that does not cover all of it.
+Block::Exit* Engine::run_part(Block& block, std::size_t from, Cycles limit) {
+  Core& core = state_.core;
+  core.loop_left = 0;
+  const Cycles budget = limit - state_.cycle + block.start[from];
+  Outcome outcome;
+  if (block.last_start >= budget) {
+    const auto begin = block.start.begin();
+    const auto first = std::lower_bound(begin + static_cast<std::ptrdiff_t>(from), begin + static_cast<std::ptrdiff_t>(block.size), budget);
+    const auto at = static_cast<std::size_t>(first - begin);
+    const Handler handler = std::exchange(block.ops[at].handler, &execute::budget_end);
+    outcome = block.ops[from].handler(core, &block.ops[from]);
+    block.ops[at].handler = handler;
+  } else {
+    outcome = block.ops[from].handler(core, &block.ops[from]);
+  }
+  if (outcome.exit > Exit::taken) {
+    left_block(block, from, outcome);
+    return nullptr;
+  }
+  Block::Exit& exit = block.repeats ? end_repeat(block, 1) : block.exits[outcome.exit == Exit::taken];
+  // The count that run_blocks will add stands for the whole block.
+  state_.cycle -= block.start[from];
+  state_.instructions -= from;
+  add_difference(state_.causes, Costs{}, block.causes[from]);
+  return &exit;
+}
+
+// Block after block, as long as each leads to one that is known. What every block costs is here: counts and cycles only.
 void Engine::run_blocks(Block* block, std::size_t from, Cycles limit) {
   Core& core = state_.core;
-  for (;;) {
-    Block& b = *block;
-    Outcome outcome;
-    std::uint32_t passes = 1;
-    core.loop_left = 0;
-    const Cycles budget = limit - state_.cycle + b.start[from];
-    if (b.last_start >= budget) [[unlikely]] {
-      const auto first = std::lower_bound(b.start.begin() + static_cast<std::ptrdiff_t>(from),
-                                          b.start.begin() + static_cast<std::ptrdiff_t>(b.size), budget);
-      const auto at = static_cast<std::size_t>(first - b.start.begin());
-      const Handler handler = std::exchange(b.ops[at].handler, &execute::budget_end);
-      outcome = b.ops[from].handler(core, &b.ops[from]);
-      b.ops[at].handler = handler;
+  Block::Exit* exit = nullptr;
+  Cycles cycle = state_.cycle;
+  for (;; from = 0) {
+    if (block->repeats || from != 0 || block->last_start >= limit - cycle) [[unlikely]] {
+      state_.cycle = cycle;
+      const bool covered = from == 0 && block->last_start < limit - cycle;
+      exit = covered ? run_repeated(*block, limit) : run_part(*block, from, limit);
+      if (exit == nullptr) return;
+      cycle = state_.cycle;
     } else {
-      if (b.repeats && from == 0) {
-        passes = passes_within(b, limit);
-        core.loop_left = b.only_nop ? 0 : passes - 1;
+      const Outcome outcome = block->ops[0].handler(core, block->ops.data());
+      if (outcome.exit > Exit::taken) [[unlikely]] {
+        state_.cycle = cycle;
+        return left_block(*block, 0, outcome);
       }
-      outcome = b.ops[from].handler(core, &b.ops[from]);
+      exit = &block->exits[outcome.exit == Exit::taken];
     }
-    if (outcome.exit > Exit::taken) [[unlikely]] {
-      if (b.repeats && passes > 1) {
-        // Whole passes that came before the one that was left.
-        const std::uint32_t done = passes - 1 - core.loop_left;
-        core.r[reg::RC] -= done;
-        b.exits[1].count += done;
-        state_.cycle += done * b.exits[1].cycles;
-        state_.instructions += done * b.size;
-      }
-      return left_block(b, from, outcome);
-    }
-    std::size_t taken = outcome.exit == Exit::taken;
-    if (b.repeats) taken = end_repeat(b, passes);
-    Block::Exit& exit = b.exits[taken];
-    if (from == 0) [[likely]] {
-      ++exit.count;
-      state_.cycle += exit.cycles;
-    } else {
-      state_.cycle += exit.cycles - b.start[from];
-      add_difference(state_.causes, exit.causes, b.causes[from]);
-    }
-    state_.instructions += b.size - from;
-    from = 0;
-    const bool interrupted = core.attention || core.code_writes != 0;
-    Block* const next = exit.next;
-    if (next != nullptr && next->key.pc == core.pc && !interrupted && state_.cycle < limit) [[likely]] {
-      block = next;
-      continue;
-    }
-    known_pipeline_ = exit.pipeline;
-    state_.pipeline = pipelines_[exit.pipeline];
-    last_exit_ = interrupted ? nullptr : &exit;
-    return;
+    ++exit->count;
+    cycle += exit->cycles;
+    Block* const next = exit->next;
+    if (next == nullptr || next->key.pc != core.pc || (core.attention | core.code_writes) != 0 || cycle >= limit) [[unlikely]] break;
+    block = next;
   }
+  state_.cycle = cycle;
+  known_pipeline_ = exit->pipeline;
+  state_.pipeline = pipelines_[exit->pipeline];
+  last_exit_ = (core.attention | core.code_writes) != 0 ? nullptr : exit;
 }
 
 void Engine::left_block(Block& block, std::size_t from, const Outcome& outcome) {
@@ -332,6 +353,7 @@ void Engine::settle_counts() {
     for (Block::Exit& exit : block->exits) {
       if (exit.count == 0) continue;
       add_costs(state_.causes, exit.causes, static_cast<Cycles>(exit.count));
+      state_.instructions += exit.count * block->size;
       exit.count = 0;
     }
 }

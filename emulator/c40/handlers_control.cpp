@@ -375,11 +375,6 @@ Outcome end_of_delay(Core& core, const Op* op) {
 
 // The terminal's constant says how many ops lie before it in the block.
 Outcome end_of_repeat(Core& core, const Op* op) {
-  if (core.loop_left != 0) {
-    --core.loop_left;
-    const Op* first = op - op->immediate;
-    return first->handler(core, first);
-  }
   core.pc = op->pc;
   return {op, Exit::not_taken};
 }

@@ -12,7 +12,7 @@ struct Shifted {
 
 /// Class A and B: the wrapped result with its carry and overflow becomes the written value.
 template <bool flags, bool set_carry, bool saturates = true>
-Word arithmetic(Core& core, Word wrapped, Word carry, bool overflow) {
+[[gnu::always_inline]] inline Word arithmetic(Core& core, Word wrapped, Word carry, bool overflow) {
   const Word true_sign = overflow ? ~wrapped : wrapped;
   Word out = wrapped;
   if (overflow) [[unlikely]] {
@@ -29,7 +29,7 @@ Word arithmetic(Core& core, Word wrapped, Word carry, bool overflow) {
 }
 
 template <bool flags, bool saturates = true>
-Word add(Core& core, Word a, Word b, Word carry_in) {
+[[gnu::always_inline]] inline Word add(Core& core, Word a, Word b, Word carry_in) {
   const std::uint64_t sum = std::uint64_t{a} + b + carry_in;
   const auto wrapped = static_cast<Word>(sum);
   const bool overflow = ((a ^ wrapped) & (b ^ wrapped)) >> 31 != 0;
@@ -37,7 +37,7 @@ Word add(Core& core, Word a, Word b, Word carry_in) {
 }
 
 template <bool flags, bool saturates = true>
-Word subtract(Core& core, Word a, Word b, Word borrow_in) {
+[[gnu::always_inline]] inline Word subtract(Core& core, Word a, Word b, Word borrow_in) {
   const std::uint64_t difference = std::uint64_t{a} - b - borrow_in;
   const auto wrapped = static_cast<Word>(difference);
   const bool overflow = ((a ^ b) & (a ^ wrapped)) >> 31 != 0;

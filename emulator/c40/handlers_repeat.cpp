@@ -1,0 +1,128 @@
+// RPTS of MPYF3 *ARj++,*ARi++,Rp || ADDF3 Rp,Rs,Rs: the inner loop of filters and matrices, all its passes in one call. The same
+// arithmetic as float40, on mantissas that stay unpacked from pass to pass.
+#include <algorithm>
+
+#include "c40/addressing.hpp"
+#include "c40/handler_tables.hpp"
+
+namespace c40::execute {
+namespace {
+
+/// A float with its mantissa as float40::mantissa gives it: 33 bits, 0 for zero.
+struct Wide {
+  std::int32_t e;
+  std::int64_t m;
+};
+
+Wide unpacked(Float40 x) { return {x.e, float40::mantissa(x)}; }
+Float40 packed(Wide x) { return x.m == 0 ? float40::zero() : float40::pack(x.e, x.m); }
+
+/// What lies outside the exponents' range, as float40::finish has it.
+[[gnu::cold, gnu::noinline]] Wide saturated(Wide x, Word& range) {
+  const FloatResult result = float40::finish(x.e, x.m);
+  range |= result.flags & (st::V | st::UF);
+  return unpacked(result.value);
+}
+
+[[gnu::always_inline]] inline Wide normalised(std::int32_t e, std::int64_t s, Word& range) {
+  const auto magnitude = static_cast<std::uint64_t>(s ^ (s >> 63));
+  const int k = std::countl_zero(magnitude << 1 | 1u) - 31;
+  const Wide result{e - k, static_cast<std::int64_t>(static_cast<std::uint64_t>(s) << (k + 2)) >> 2};
+  if (static_cast<std::uint32_t>(result.e + 127) > 254u) [[unlikely]] return saturated(result, range);
+  return result;
+}
+
+/// Of two words: 25-bit mantissas, so the product of the full ones, shifted down by 31, is theirs shifted by 15.
+[[gnu::always_inline]] inline Wide product_of(Word a, Word b, Word& range) {
+  constexpr std::int32_t one = 1 << 23;
+  const std::int32_t ea = static_cast<std::int32_t>(a) >> 24, eb = static_cast<std::int32_t>(b) >> 24;
+  if (ea == float40::zero_exponent || eb == float40::zero_exponent) [[unlikely]] return {float40::zero_exponent, 0};
+  const std::int64_t ma = (static_cast<std::int32_t>(a << 8) >> 8) ^ one, mb = (static_cast<std::int32_t>(b << 8) >> 8) ^ one;
+  return normalised(ea + eb, ma * mb >> 15, range);
+}
+
+[[gnu::always_inline]] inline Wide sum_of(Wide a, Wide b, Word& range) {
+  const std::int32_t e = std::max(a.e, b.e);
+  const std::int64_t s = (a.m >> std::min(e - a.e, 63)) + (b.m >> std::min(e - b.e, 63));
+  if (s == 0) [[unlikely]] return {float40::zero_exponent, 0};
+  return normalised(e, s, range);
+}
+
+/// Where the passes of one operand read: a window of memory that holds all of them, or null.
+template <Kind kind>
+struct Walk {
+  const Word* data = nullptr;
+  Word at = 0, step = 0, length = 0;
+
+  Walk(const Core& core, const Op& op, std::size_t slot, Word passes) {
+    const Window& window = op.access[slot];
+    const Word ar = core.r[op.ar[slot]];
+    step = op.displacement[slot];
+    if constexpr (kind == Kind::circular) {
+      length = core.r[reg::BK];
+      const Word mask = length == 0 ? 0u : ~Word{0} >> std::countl_zero(length);
+      const Word first = (ar & ~mask) - window.base;
+      at = ar & mask;
+      if (at < length && step <= length && first < window.words && length <= window.words - first) data = window.data + first;
+    } else {
+      const Word first = ar - window.base;
+      const std::uint64_t last = first + std::uint64_t{passes - 1} * step;
+      if (first < window.words && last < window.words) data = window.data + first;
+    }
+  }
+  [[gnu::always_inline]] Word next() {
+    const Word word = data[at];
+    at += step;
+    if constexpr (kind == Kind::circular) at = at >= length ? at - length : at;
+    return word;
+  }
+  void leave(Core& core, const Op& op, std::size_t slot) const {
+    Word& ar = core.r[op.ar[slot]];
+    if constexpr (kind == Kind::circular) {
+      ar = (ar & ~(~Word{0} >> std::countl_zero(length))) + at;
+    } else {
+      ar += at;
+    }
+  }
+};
+
+template <Kind kind>
+Outcome multiply_accumulate(Core& core, const Op* op) {
+  const Word passes = core.loop_left + 1;
+  Walk<kind> j(core, *op, 0, passes), i(core, *op, 1, passes);
+  if (j.data == nullptr || i.data == nullptr) [[unlikely]] return multiply_add_handler(true, false, 0, kind)(core, op);
+  Wide product = unpacked({core.e[op->dst], core.r[op->dst]});
+  Wide sum = unpacked({core.e[op->dst2], core.r[op->dst2]});
+  Word range = 0, ever = 0;
+  for (Word left = passes; left != 0; --left) {
+    range = 0;
+    sum = sum_of(product, sum, range);
+    product = product_of(j.next(), i.next(), range);
+    ever |= range;
+  }
+  j.leave(core, *op, 0);
+  i.leave(core, *op, 1);
+  const auto put = [&core](std::uint8_t code, Float40 value) { core.e[code] = value.e, core.r[code] = value.m; };
+  put(op->dst, packed(product));
+  put(op->dst2, packed(sum));
+  latch(core, ever);
+  core.range = range;
+  core.negative = 0;
+  core.zero = 1;
+  core.loop_left = 0;
+  return next(core, op);
+}
+
+}  // namespace
+
+Handler repeated_multiply_add_handler(const Op& op, Kind kind) {
+  const bool accumulates = (op.src3 == op.dst && op.src4 == op.dst2) || (op.src3 == op.dst2 && op.src4 == op.dst);
+  if (!accumulates) return nullptr;
+  switch (kind) {
+    case Kind::post: return &multiply_accumulate<Kind::post>;
+    case Kind::circular: return &multiply_accumulate<Kind::circular>;
+    default: return nullptr;
+  }
+}
+
+}  // namespace c40::execute
