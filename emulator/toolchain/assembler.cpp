@@ -1,5 +1,7 @@
 #include "toolchain/assembler.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <tuple>
 #include <utility>
@@ -9,6 +11,8 @@
 
 namespace toolchain {
 namespace {
+
+constexpr std::size_t most_errors = 1000;
 
 /// In the order of the source: files as they first occur, then lines.
 void sort(std::vector<Diagnostic>& diagnostics) {
@@ -27,6 +31,12 @@ void sort(std::vector<Diagnostic>& diagnostics) {
 /// Throws what is wrong, if anything is.
 void conclude(std::vector<Diagnostic> diagnostics) {
   sort(diagnostics);
+  if (diagnostics.size() > most_errors) {
+    Diagnostic rest = diagnostics[most_errors];
+    rest.message += fmt::format(" (and {} more errors)", diagnostics.size() - most_errors - 1);
+    diagnostics.resize(most_errors);
+    diagnostics.push_back(std::move(rest));
+  }
   if (!diagnostics.empty()) throw AssemblyError(std::move(diagnostics));
 }
 

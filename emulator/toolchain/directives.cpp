@@ -173,7 +173,6 @@ void Reader::directive_bss(Statement& s) {
 /// `name .usect "section",size[,alignment]`
 void Reader::directive_usect(Statement& s) {
   Parser& p = s.parser;
-  if (s.label.empty()) throw LineError{s.operation_offset, ".usect needs a label: name .usect \"section\",size"};
   const std::size_t offset = p.offset();
   const std::string section_name = p.name_or_quoted("the section's name");
   p.expect(",");
@@ -181,7 +180,8 @@ void Reader::directive_usect(Statement& s) {
   const int section = program_.section(section_name, Program::Load::reserved, offset);
   const Address alignment = alignment_of_reserved(p, section);
   p.expect_end();
-  program_.define(s.label, program_.reserve(section, size, alignment, offset), s.line, s.label_offset);
+  const Value place = program_.reserve(section, size, alignment, offset);
+  if (!s.label.empty()) program_.define(s.label, place, s.line, s.label_offset);
 }
 
 /// Numbers and strings, one word for each number and each character. Of numbers of fewer than 32 bits the rest is 0.

@@ -11,6 +11,7 @@ namespace {
 
 constexpr int deepest_expansion = 100;
 constexpr std::int64_t most_repeats = 1'000'000;
+constexpr std::int64_t usual_repeats = 1024;  // As TI's tools have it.
 
 /// Quotes hold an argument with commas together and are not part of it; """text""" gives "text".
 std::string without_quotes(const std::string& argument) {
@@ -191,7 +192,7 @@ void Reader::start_repeat(Statement& s) {
   if (!s.label.empty()) define_label(s);
   collector_ = std::make_unique<Collector>();
   collector_->opening = s.line;
-  const std::int64_t count = s.parser.at_end() ? most_repeats : known_number(s.parser, "the number of repeats");
+  const std::int64_t count = s.parser.at_end() ? usual_repeats : known_number(s.parser, "the number of repeats");
   s.parser.expect_end();
   if (count < 0 || count > most_repeats)
     throw LineError{s.operation_offset, fmt::format("0 to {} repeats", most_repeats)};
