@@ -22,7 +22,7 @@ void add(Causes& causes, Cause cause, Cycles cycles) { causes[static_cast<std::s
 
 }  // namespace
 
-Engine::Engine(Board board) : board_(std::move(board)), memory_(board_), bounds_(bound_cache_size) { reset(); }
+Engine::Engine(Board board) : board_(std::move(board)), memory_(board_), bounds_(bound_cache_size), transitions_(4096) { reset(); }
 
 void Engine::reset() {
   flush_blocks();
@@ -146,11 +146,30 @@ const Bound* Engine::fetch(StepRecord& record) {
   return &cached.bound;
 }
 
-Cycles Engine::access_cycle(const StepRecord& record, int access) const {
-  Pipeline preview = state_.pipeline;
+// The model costs some hundred instructions, and the same few transitions come again and again.
+const Engine::Transition& Engine::transition(const Demand& demand, isa::Word word) {
+  const auto packed = [](const Access& access) {
+    return static_cast<std::uint64_t>(access.resource) | std::uint64_t{access.write} << 3 | std::uint64_t{access.waits} << 4;
+  };
+  std::uint64_t bits = packed(demand.fetch) | std::uint64_t{demand.fetched} << 12 | std::uint64_t{demand.count} << 13 |
+                       static_cast<std::uint64_t>(demand.flush_cost) << 15;
+  for (std::size_t i = 0; i < demand.count; ++i) bits |= packed(demand.data[i]) << (20 + 12 * i);
+  const PipelineId before = current_pipeline();
+  const std::uint64_t hash = (bits ^ std::uint64_t{before} << 44 ^ std::uint64_t{word} << 17) * 0x9E3779B97F4A7C15u;
+  Transition& entry = transitions_[hash >> 52];
+  if (entry.demand != bits || entry.before != before || entry.word != word) {
+    entry = {bits, before, word, {}, 0};
+    Pipeline pipeline = state_.pipeline;
+    entry.timing = pipeline.advance(demand);
+    entry.after = intern(pipeline);
+  }
+  return entry;
+}
+
+Cycles Engine::access_cycle(const StepRecord& record, int access) {
   Demand demand = record.demand;
   demand.count = static_cast<std::uint8_t>(access + 1);
-  const int start = preview.advance(demand).start[static_cast<std::size_t>(access)];
+  const int start = transition(demand, record.bound.word).timing.start[static_cast<std::size_t>(access)];
   Cycles cycle = state_.cycle + std::max(start, 0);
   for (const Answer& answer : state_.answers)
     if (answer.given) cycle += answer.arbitration + answer.transfer;
@@ -312,7 +331,6 @@ void Engine::advance_pc(Address pc) {
 Engine::Stepped Engine::exact_step(StepRecord& record) {
   Core& core = state_.core;
   record = StepRecord{};
-  known_pipeline_.reset();
   last_exit_ = nullptr;
   const Bound* bound = fetch(record);
   if (bound == nullptr) return Stepped::fault;
@@ -336,12 +354,15 @@ Engine::Stepped Engine::exact_step(StepRecord& record) {
   if (annul) {
     annulled(record);
   } else {
+    record.demand.footprint = bound->footprint;
     if (const Stepped why = execute(record); why != Stepped::done) return why;
     finish_step(record);
-    record.demand.footprint = bound->footprint;
     record.demand.flush_cost = record.taken ? bound->taken_cost : bound->not_taken_cost;
   }
-  record.timing = state_.pipeline.advance(record.demand);
+  const Transition& step = transition(record.demand, annul ? 0 : record.bound.word);  // annulled: no footprint
+  record.timing = step.timing;
+  known_pipeline_ = step.after;
+  state_.pipeline = pipelines_[step.after];
   account(record);
   advance_pc(pc);
   if (before) emit_trace(record, *before, before_cycle, before_causes);
@@ -501,7 +522,7 @@ std::optional<StopInfo> Engine::advance(Cycles limit, bool single) {
       run_blocks(block, resume_at_, limit);
       return std::nullopt;
     }
-    if (core.delay_slots == 0) {
+    if (core.delay_slots == 0 && !exact_site(core.pc)) {
       Stepped why = Stepped::done;
       if (Block* block = find_or_record(limit, why); block != nullptr) run_blocks(block, 0, limit);
       if (why != Stepped::done) return stop(why);
@@ -511,7 +532,9 @@ std::optional<StopInfo> Engine::advance(Cycles limit, bool single) {
   resume_ = nullptr;
   Block* missed = std::exchange(missed_, nullptr);
   StepRecord record;
+  const Address pc = core.pc;
   if (const Stepped why = exact_step(record); why != Stepped::done) return stop(why);
+  if (record.only_ram && exact_site(pc) && site(pc).external) site(pc).known = false;
   if (missed != nullptr && core.code_writes == 0) rejoin(*missed);
   return std::nullopt;
 }

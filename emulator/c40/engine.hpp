@@ -95,12 +95,28 @@ class Engine {
     StepTiming timing;
   };
 
+  /// What the pipeline model makes of an instruction in a state of the pipeline: it depends on nothing else.
+  struct Transition {
+    std::uint64_t demand = ~std::uint64_t{0};  ///< packed, but for the footprint, which is the word's
+    PipelineId before = 0;
+    isa::Word word = 0;
+    StepTiming timing;
+    PipelineId after = 0;
+  };
+  /// An instruction that no block can begin with: the exact engine does it each time.
+  struct ExactSite {
+    Address pc = 0;
+    bool known = false;
+    bool external = false;  ///< only as long as it leaves the chip
+  };
+
   // engine.cpp: the exact engine
   Stepped exact_step(StepRecord& record);
   const Bound* fetch(StepRecord& record);
   Stepped execute(StepRecord& record);
   Stepped resolve(StepRecord& record, Op& op);
-  Cycles access_cycle(const StepRecord& record, int access) const;
+  Cycles access_cycle(const StepRecord& record, int access);
+  const Transition& transition(const Demand& demand, isa::Word word);
   void annulled(const StepRecord& record);
   void account(const StepRecord& record);
   void finish_step(const StepRecord& record);
@@ -124,6 +140,8 @@ class Engine {
   Block* find_or_record(Cycles limit, Stepped& why);
   void record(const BlockKey& key, Cycles limit, Stepped& why);
   bool recordable(const Bound& bound) const;
+  ExactSite& site(Address pc) { return exact_sites_[pc % exact_sites_.size()]; }
+  bool exact_site(Address pc) { return site(pc).known && site(pc).pc == pc; }
   void close_straight(Block& block, Cycles cycles, const Costs& costs, const Pipeline& end, bool chained);
   void close_with_branch(Block& block, const StepRecord& step, const Pipeline& before, bool chained);
   void run_blocks(Block* block, std::size_t from, Cycles limit);
@@ -155,6 +173,8 @@ class Engine {
     Bound bound;
   };
   std::vector<CachedBound> bounds_;
+  std::vector<Transition> transitions_;  ///< direct mapped
+  std::array<ExactSite, 1024> exact_sites_{};
   const Memory::Area* code_area_ = nullptr;
 
   std::vector<std::unique_ptr<Block>> blocks_;

@@ -97,6 +97,7 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
     const Bound* bound = fetch(look);
     if (bound == nullptr || !recordable(*bound)) {
       if (n == 0) {
+        site(k.pc) = {k.pc, bound != nullptr, false};
         why = exact_step(step);
         return;
       }
@@ -111,6 +112,7 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
     const bool ends_repeat = (k.mode & mode_repeat) != 0 && core.pc == k.repeat_end;
     why = exact_step(step);
     if (why != Stepped::done || !step.only_ram) {
+      if (n == 0) site(k.pc) = {k.pc, why == Stepped::external, true};
       if (n == 0 || slots != 0) return;
       break;
     }
@@ -367,6 +369,7 @@ void Engine::flush_blocks() {
     }
   blocks_.clear();
   by_key_.clear();
+  exact_sites_ = {};
   last_exit_ = nullptr;
   resume_ = nullptr;
   missed_ = nullptr;

@@ -203,3 +203,18 @@ def test_a_held_chip_only_counts() -> None:
     processor.hold(True)
     processor.run(10**12)
     assert (processor.cycle, processor.instructions, processor.causes["halted"]) == (10**12, 0, 10**12)
+
+
+def test_a_window_access_begins_when_its_address_is_ready() -> None:
+    # Written in execute, used as an address by the next instruction: two cycles later than without (c40-hardware.md 7.3), and the bus sees it then.
+    begins = {}
+    for first in ("addi 1,r5", "addi 1,ar0"):
+        processor, _ = small_programs.load(f"        nop\n        {first}\n        ldi *ar0,r0\nstop:   bu stop\n")
+        processor.set("AR0", WINDOW_A)
+        stop = processor.run(100)
+        assert stop["reason"] == "external_access"
+        begins[first] = stop["access_cycle"] - processor.cycle
+        processor.complete_read(5, 0, 10)
+        processor.step()
+        assert processor.cycle == 3 + 10 + processor.causes["register_conflict"]
+    assert begins["addi 1,ar0"] == begins["addi 1,r5"] + 2
