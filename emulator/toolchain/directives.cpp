@@ -43,6 +43,11 @@ const std::map<std::string, Reader::Directive, std::less<>>& Reader::directives(
       {".equ", &Reader::directive_set},
       {".label", &Reader::directive_label},
       {".newblock", &Reader::directive_newblock},
+      {".struct", &Reader::start_structure},
+      {".union", &Reader::start_structure},
+      {".endstruct", &Reader::end_structure},
+      {".endunion", &Reader::end_structure},
+      {".tag", &Reader::tag},
       {".asg", &Reader::assign_text},
       {".eval", &Reader::assign_number},
       {".var", &Reader::declare_variables},
@@ -78,6 +83,20 @@ const std::map<std::string, Reader::Directive, std::less<>>& Reader::directives(
 namespace {
 
 /// What TI's tools take for listings, debuggers and section hints, and what has no bearing on the program.
+/// The file, or one whose name differs in the case of letters only: sources of DOS do not mind it.
+std::optional<std::filesystem::path> in_any_case(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::exists(path, error)) return path;
+  const std::string wanted = lower(path.filename().string());
+  const auto directory = path.parent_path().empty() ? std::filesystem::path(".") : path.parent_path();
+  std::vector<std::filesystem::path> found;
+  for (const auto& entry : std::filesystem::directory_iterator(directory, error))
+    if (lower(entry.path().filename().string()) == wanted)
+      found.push_back(path.parent_path() / entry.path().filename());
+  if (found.empty()) return std::nullopt;
+  return *std::min_element(found.begin(), found.end());
+}
+
 bool is_ignored(std::string_view directive) {
   static const std::set<std::string_view> ignored{
       ".title",   ".page",   ".list",     ".nolist", ".length",   ".width",  ".option",   ".tab",     ".mlist",
@@ -363,13 +382,13 @@ void Reader::directive_include(Statement& s) {
   for (const auto& directory : options_.include_dirs) places.push_back(directory / name);
   std::string tried;
   for (const auto& place : places) {
-    std::error_code error;
-    if (!std::filesystem::exists(place, error)) {
+    const auto found = in_any_case(place);
+    if (!found) {
       tried += (tried.empty() ? "" : ", ") + place.string();
       continue;
     }
     try {
-      return read_file(place);
+      return read_file(*found);
     } catch (const LineError& failure) {
       throw LineError{offset, failure.message};
     }

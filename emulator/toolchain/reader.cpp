@@ -102,6 +102,10 @@ void Reader::end_of_source(std::size_t outer_conditionals) {
     report(*collector_->opening, {0, macro ? ".macro has no .endm" : ".rept has no .endr"});
     collector_.reset();
   }
+  if (structure_ && open_files_.size() <= 1 && expansion_depth_ == 0) {
+    report(*structure_->opening, {0, ".struct has no .endstruct"});
+    structure_.reset();
+  }
   while (conditionals_.size() > outer_conditionals) {
     report(*conditionals_.back().opening, {0, ".if has no .endif"});
     conditionals_.pop_back();
@@ -272,6 +276,7 @@ void Reader::read_active_line(Statement& s) {
     return program_.add_parallel(std::move(half), s.line, 0);
   }
   const std::string operation = lower(s.operation);
+  if (structure_ && (operation.empty() || operation[0] == '.')) return member(s);
   if (!operation.empty() && operation[0] == '.') {
     const Directive directive = directive_named(operation);
     if (directive == nullptr)

@@ -4,8 +4,10 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "toolchain/program.hpp"
@@ -55,6 +57,15 @@ class Reader {
     std::size_t operation_offset = 0;
     bool bars = false;
   };
+  /// A .struct or .union.
+  struct Structure {
+    std::string name;
+    std::vector<std::pair<std::string, Address>> members;  ///< With their places, in words.
+    Address size = 0;
+    Address place = 0;  ///< Of the next member.
+    bool is_union = false;
+    SourceLinePtr opening;
+  };
   using Directive = void (Reader::*)(Statement&);
 
   // reader.cpp
@@ -89,6 +100,13 @@ class Reader {
   void declare_variables(Statement& statement);
   void forget_text(Statement& statement);
   void directive_newblock(Statement& statement);
+
+  // structures.cpp
+  void start_structure(Statement& statement);
+  void end_structure(Statement& statement);
+  void member(Statement& statement);
+  void tag(Statement& statement);
+  const Structure& structure_named(Parser& parser);
 
   // directives.cpp
   static const std::map<std::string, Directive, std::less<>>& directives();
@@ -134,6 +152,8 @@ class Reader {
   const Options& options_;
   std::vector<Diagnostic>& diagnostics_;
   std::map<std::string, Macro, std::less<>> macros_;
+  std::map<std::string, Structure, std::less<>> structures_;
+  std::optional<Structure> structure_;  ///< Being declared.
   std::vector<Conditional> conditionals_;
   std::unique_ptr<Collector> collector_;
   std::vector<std::filesystem::path> open_files_;  ///< The file at hand and those that include it.

@@ -228,6 +228,49 @@ def test_labels_may_have_the_names_of_instructions() -> None:
     assert words("B .set 5\n\tldi B,r0\nstore ldi 1,r0\nOR: nop\nabsf\tnop\n") == [0x08600005, 0x08600001, 0x0C800000, 0x0C800000]
 
 
+def test_structures_name_places_in_records() -> None:
+    source = """
+point   .struct
+x       .float
+y       .float
+size    .endstruct
+box     .struct 1
+lo      .tag    point
+hi      .tag    point
+name    .string 4
+        .align  8
+last    .int
+        .endstruct
+either  .union
+a       .int    3
+b       .tag    point
+esize   .endunion
+        .struct
+plain   .int    2
+after   .int
+        .endstruct
+        .word   point.x,point.y,size,point
+        .word   box.lo,box.hi,box.hi.y,box.name,box.last,box
+        .word   either.a,either.b.y,esize,plain,after
+b1      .tag    box
+        .bss    b1,box
+        ldi     @b1.hi.y,r0
+"""
+    image = toolchain.assemble(source, sections={".bss": 0x310000})
+    assert list(image.sections[0].words) == [0, 1, 2, 2, 1, 3, 4, 5, 16, 17, 0, 1, 3, 0, 2, 0x08200004]
+    assert errors("s .struct\nx .int\n")[0] == (1, 1, ".struct has no .endstruct")
+    assert "no structure" in errors("x .tag y\n")[0][2]
+    assert "declares no member" in errors("s .struct\n\t.text\n\t.endstruct\n")[0][2]
+    assert "closes nothing" in errors("\t.endstruct\n")[0][2]
+    assert "within a structure" in errors("s .struct\n\t.struct\n\t.endstruct\n")[0][2]
+
+
+def test_included_files_are_found_in_any_case_of_letters(tmp_path: Path) -> None:
+    (tmp_path / "regs.inc").write_text("N .set 7\n")
+    (tmp_path / "main.asm").write_text('\t.include "REGS.INC"\n\t.word N\n')
+    assert list(toolchain.assemble_file(tmp_path / "main.asm").sections[0].words) == [7]
+
+
 def test_what_compilers_and_listings_need_is_accepted() -> None:
     ignored = ".title \"x\"|.page|.list|.nolist|.length 60|.width 132|.option B|.sym _f,_f,32,2,0|.func 6|.line 2|.file \"a.c\"" \
               "|.stag .fake0,96|.member _a,0,15,8,32|.eos|.endfunc 29,000000000H,2|.sblock \".text\"|.mlib \"m.lib\"|.fclist|.tab 8"

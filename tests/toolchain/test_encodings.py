@@ -120,8 +120,8 @@ def test_every_row_with_the_corner_values_of_every_field_is_a_fixed_point() -> N
         choices = [
             [value << (31 - picture.rindex(letter)) for value in field_values(picture.count(letter), rng)] for letter in letters
         ]
-        tries = {row["match"] | sum(rng.choice(values) for values in choices) for _ in range(1000)}
-        legal = [word for word in sorted(tries) if isa.decode(word) is not None][:400]
+        tries = {row["match"] | sum(rng.choice(values) for values in choices) for _ in range(400)}
+        legal = [word for word in sorted(tries) if isa.decode(word) is not None][:150]
         assert legal, row["mnemonic"]
         words += legal
     round_trip(words)
