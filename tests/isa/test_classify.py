@@ -15,7 +15,7 @@ GENERAL_FLOAT = 12 * (12 + 65536 + INDIRECT_16 + 65536)
 
 def classify(emulator: Path, first: int, count: int) -> dict[str, int]:
     done = subprocess.run([emulator, "classify", "--range", f"{first:#x}:{count}"], capture_output=True, text=True, check=True)
-    return {re.sub(r" of \d+ encodings", "", name): int(number) for number, name in re.findall(r"^ *(\d+) +(.*)$", done.stdout, re.M)}
+    return {re.sub(r" of \d+ encodings", "", name): int(number) for number, name in re.findall(r"^ *(\d+) +(.*)$", done.stdout, re.MULTILINE)}
 
 
 @pytest.mark.parametrize(

@@ -32,6 +32,16 @@ def test_executables_of_the_gnu_linker_are_read(name: str, text_words: int, main
     assert sections[".const"].words[0] == 0x320000
 
 
+@pytest.mark.parametrize("form", ["coff0", "coff0-beh", "coff1", "coff1-beh", "coff2-beh"])
+def test_every_version_and_byte_order_of_gnu_ld_is_read(form: str) -> None:
+    linking = HERE / "linking"
+    image, expected = toolchain.read_coff(linking / f"gnu.{form}.out"), toolchain.read_coff(linking / "gnu.out")
+    assert [(s.name, s.address, s.size, s.words, s.loaded) for s in image.sections] == [
+        (s.name, s.address, s.size, s.words, s.loaded) for s in expected.sections
+    ]
+    assert (image.entry, image.symbols) == (expected.entry, expected.symbols)
+
+
 SOURCE = """
         .global _start
 a_name_longer_than_eight .set 12345678h

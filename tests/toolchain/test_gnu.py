@@ -2,12 +2,12 @@
 
 import re
 import subprocess
-import tomllib
 from fractions import Fraction
 from pathlib import Path
 
 import corpus
 import pytest
+import tomllib
 from cmrc._core import isa, toolchain
 from locations import BUILD, ROOT
 
@@ -158,7 +158,7 @@ def test_disassembly_of_random_words_differs_only_as_explained() -> None:
     """The sample of the campaign scripts/compare_with_gnu (docs/oracles.md)."""
     done = subprocess.run([ROOT / "scripts/compare_with_gnu", "--words", "1e6", "--seed", "11", "--build", BUILD], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-    counts = {name.split("   e.g.")[0]: int(number.replace(",", "")) for number, name in re.findall(r"^ *([\d,]+)  (.*)$", done.stdout, re.M)}
+    counts = {name.split("   e.g.")[0]: int(number.replace(",", "")) for number, name in re.findall(r"^ *([\d,]+)  (.*)$", done.stdout, re.MULTILINE)}
     assert counts["words"] == 1_000_000 and counts["equal instructions"] > 300_000 and counts["reserved for both"] > 300_000
 
 
