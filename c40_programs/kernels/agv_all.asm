@@ -7,3 +7,7 @@
         .include "home_crane.asm"
         .include "home_agv.asm"
         .include "avoidance.asm"
+        .include "avoidance_common.asm"
+        .include "avoidance_potential.asm"
+        .include "avoidance_vfh.asm"
+        .include "avoidance_dwa.asm"

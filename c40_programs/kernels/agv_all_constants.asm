@@ -4,3 +4,4 @@
         .include "inverse_agv_constants.asm"
         .include "identify_constants.asm"
         .include "grab_path_constants.asm"
+        .include "avoidance_constants.asm"

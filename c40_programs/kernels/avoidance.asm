@@ -1,5 +1,5 @@
-; Sub-process 5 in this release: a synthetic load that keeps a DSP busy for TB_ARGUMENT cycles (preset "saturated"), so that misses can be shown
-; before the dynamic-window kernel exists. It computes, and its result is thrown away: the repulsion k (1/d - 1/d0)/d^2 of a sample of distances.
+; Sub-process 5 as a synthetic load that keeps a DSP busy for TB_ARGUMENT cycles (preset "saturated"), so that misses can be shown at any
+; length. It computes, and its result is thrown away: the repulsion k (1/d - 1/d0)/d^2 of a sample of distances.
 ;
 ; Cycles from the kernel's first instruction to the end of its return: 16 per turn of the loop and AVOIDANCE_OVERHEAD, so that any argument
 ; from 40 on is met within 8 cycles.

@@ -17,6 +17,7 @@ IA_ALONG            .set SCRATCH + 13           ; m
 IA_LATERAL          .set SCRATCH + 14           ; m
 IA_FRONT            .set SCRATCH + 15           ; microradians
 IA_COMMAND          .set SCRATCH + 16           ; mm/s
+IA_SHIFT            .set SCRATCH + 17           ; m, slope, 1/m of the shift across the lane
 
 kernel_inverse_agv:
         ldhi    hi16(WINDOW_B), ar5
@@ -58,6 +59,17 @@ inverse_agv_read:
         or      lo16(IA_POINT), ar1
         ldi     6, rc
         call    copy_words
+        lsh     -1, r6
+        addi3   r6, ar6, ar0
+        float   *+ar0(AG_SHIFT), r0
+        mpyf    @K_MICRO, r0
+        stf     r0, @IA_SHIFT
+        float   *+ar0(AG_SHIFT + 1), r0
+        mpyf    @K_MICRO, r0
+        stf     r0, @IA_SHIFT + 1
+        float   *+ar0(AG_SHIFT + 2), r0
+        mpyf    @K_MICRO, r0
+        stf     r0, @IA_SHIFT + 2
         float   *+ar6(AG_PERIOD_US), r0
         mpyf    @K_MICRO, r0
         stf     r0, @IA_PERIOD
@@ -112,11 +124,20 @@ inverse_agv_errors:
         mpyf3   r1, r9, r2
         mpyf3   r0, r8, r3
         subf    r3, r2
-        stf     r2, @IA_LATERAL                 ; c dy - s dx
+        subf    @IA_SHIFT, r2
+        stf     r2, @IA_LATERAL                 ; c dy - s dx, against the shift
         rets
 
 ; ---- IA_FRONT ----
 inverse_agv_steer:
+        ldf     @K_IA_HEADING, r6               ; k_th
+        ldf     @IA_SPEED, r0
+        cmpf    2.5, r0
+        ble     inverse_agv_gains
+        call    m_reciprocal
+        mpyf    1.25, r0
+        ldf     r0, r6
+inverse_agv_gains:
         ldf     @K_IA_DRIFT_EMPTY, r0
         ldi     @IA_STATUS, r1
         tstb    20h, r1                         ; loaded?
@@ -126,12 +147,16 @@ inverse_agv_steer:
         mpyf    @IA_POINT + 6, r0
         subf3   r0, r10, r0                     ; heading - drift
         subf    @IA_POINT + 2, r0
+        subf    @IA_SHIFT + 1, r0
         call    m_sincos
-        mpyf    @K_IA_HEADING, r0
+        mpyf    r6, r0
         ldf     @IA_LATERAL, r1
         mpyf    @K_IA_LATERAL, r1
+        mpyf    r6, r1
+        mpyf    r6, r1
         addf    r1, r0
-        subrf   @IA_POINT + 6, r0               ; k
+        subrf   @IA_POINT + 6, r0
+        addf    @IA_SHIFT + 2, r0               ; k
         mpyf    @K_IA_HALF_BASE, r0
         call    m_atan
         ldf     @K_IA_STEER_LIMIT, r1

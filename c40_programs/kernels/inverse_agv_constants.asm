@@ -1,7 +1,7 @@
 ; Constants of inverse_agv.asm (m, s, rad).
 
 K_IA_LATERAL        .set $ - LIFT
-                    .float 0.08                 ; 1/m^2
+                    .float 0.32                 ; times k_th^2
 K_IA_HEADING        .set $ - LIFT
                     .float 0.5                  ; 1/m
 K_IA_ALONG          .set $ - LIFT

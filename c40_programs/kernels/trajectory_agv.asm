@@ -15,6 +15,9 @@ TA_TOTAL            .set SCRATCH + 67           ; m, length of the leg (2 words,
 TA_SETTLED          .set SCRATCH + 70           ; points since the end of the leg was reached, 0 before
 TA_POINT            .set SCRATCH + 72           ; the point being made, as in AG_POINT
 TA_CHORD            .set SCRATCH + 80
+TA_LIMIT            .set SCRATCH + 81           ; i AG_AVOID_LIMIT
+TA_SHIFT            .set SCRATCH + 82           ; m, slope, 1/m: as in AG_SHIFT, of the point before, then of this one
+TA_WANTED           .set SCRATCH + 85           ; m, AG_AVOID_SHIFT
 TA_STATE            .set AG_TRAJECTORY          ; + (k & 1) * 8: s, v (float and mantissa words), settled
 
 TA_SEGMENT_X        .set 0
@@ -30,6 +33,7 @@ kernel_trajectory_agv:
         ldi     @TA_COUNT, r0
         ble     trajectory_agv_empty
         call    trajectory_agv_speed
+        call    trajectory_agv_shift
         call    trajectory_agv_place
         call    trajectory_agv_preview
         call    trajectory_agv_write
@@ -55,19 +59,33 @@ trajectory_agv_read:
         mpyf    @K_TA_MICRO, r0
         mpyf    r6, r0
         stf     r0, @TA_SLOW
+        ldi     *+ar6(AG_AVOID_LIMIT), r0
+        sti     r0, @TA_LIMIT
+        float   *+ar6(AG_AVOID_SHIFT), r0
+        mpyf    @K_MILLI, r0
+        stf     r0, @TA_WANTED
         ldi     *+ar6(AG_LEG), r6
         call    trajectory_agv_load
 
         ldf     0.0, r8
         ldf     0.0, r9
+        stf     r8, @TA_SHIFT
+        stf     r8, @TA_SHIFT + 1
         ldi     0, r0
         sti     r0, @TA_SETTLED
         ldi     @TASK + TB_ARGUMENT, r1
         bz      trajectory_agv_read_done        ; point 0 starts the leg at rest
         subi    1, r1
         and     1, r1
-        lsh     3, r1
+        lsh     2, r1
         addi3   r1, ar6, ar0
+        float   *+ar0(AG_SHIFT), r0
+        mpyf    @K_MICRO, r0
+        stf     r0, @TA_SHIFT
+        float   *+ar0(AG_SHIFT + 1), r0
+        mpyf    @K_MICRO, r0
+        stf     r0, @TA_SHIFT + 1
+        addi    r1, ar0
         ldf     *+ar0(TA_STATE), r8
         ldi     *+ar0(TA_STATE + 1), r8
         ldf     *+ar0(TA_STATE + 2), r9
@@ -156,6 +174,8 @@ trajectory_agv_next:
         ldf     0.0, r1
         cmpf    r1, r0
         ldflt   r1, r0                          ; v'
+        ldi     @TA_LIMIT, r1
+        callnz  trajectory_agv_limit
 
         addf3   r9, r0, r1
         mpyf    0.5, r1
@@ -172,6 +192,78 @@ trajectory_agv_next:
         addi    1, r0
         sti     r0, @TA_SETTLED
 trajectory_agv_speed_done:
+        rets
+
+; ---- obstacle avoidance: R0 = v' is cut to the limit, which is physical; 1 m/s^2 is the most that the drive's ramp brakes. Clobbers R1, R2, R6 ----
+trajectory_agv_limit:
+        ldf     r0, r6
+        ldf     @TA_SLOW, r0
+        call    m_reciprocal
+        ldi     @TA_LIMIT, r1
+        subi    1, r1
+        float   r1, r1
+        mpyf    @K_MILLI, r1
+        mpyf    r0, r1                          ; nominal limit
+        mpyf    r0, r0
+        mpyf    @TA_DT, r0
+        subf3   r0, r9, r2                      ; v - dt 1 m/s^2 (period / dt)^2
+        cmpf    r2, r1
+        ldflt   r2, r1
+        cmpf    0.0, r1
+        ldflt   0.0, r1
+        ldf     r6, r0
+        cmpf    r1, r0
+        ldfgt   r1, r0
+        rets
+
+; ---- the shift across the lane follows AG_AVOID_SHIFT as a critically damped system over the way: o'' = w^2 (wanted - o) - 2 w o',
+; |o''| <= 0.04 1/m, w = 0.3 1/m, above 2.5 m/s slower: 0.75 1/s. The curvature that is written is that of 0.35 s ahead, for the wheels' lag ----
+trajectory_agv_shift:
+        ldf     @TA_SLOW, r0
+        mpyf    r9, r0                          ; physical speed
+        ldf     r0, r6
+        mpyf    @K_TA_SHIFT_LEAD, r6            ; lead, m
+        ldf     @K_TA_SHIFT_RATE, r7
+        cmpf    2.5, r0
+        ble     trajectory_agv_shift_rate
+        call    m_reciprocal
+        mpyf    0.75, r0
+        ldf     r0, r7
+trajectory_agv_shift_rate:                      ; R7 = w
+        ldf     @TA_SHIFT, r4
+        ldf     @TA_SHIFT + 1, r5
+        call    trajectory_agv_bend
+        mpyf3   r5, r6, r1                      ; ahead: o + o' lead, o' + o'' lead
+        addf    r1, r4
+        mpyf3   r0, r6, r1
+        addf    r1, r5
+        ldf     r0, r6
+        call    trajectory_agv_bend
+        stf     r0, @TA_SHIFT + 2
+        mpyf3   r9, r6, r1                      ; times the way v dt
+        mpyf    @TA_DT, r1
+        addf    @TA_SHIFT + 1, r1
+        stf     r1, @TA_SHIFT + 1
+        mpyf    r9, r1
+        mpyf    @TA_DT, r1
+        addf    @TA_SHIFT, r1
+        stf     r1, @TA_SHIFT
+        rets
+
+; R0 <- o'' at o = R4, o' = R5. Clobbers R1.
+trajectory_agv_bend:
+        ldf     @TA_WANTED, r0
+        subf    r4, r0
+        mpyf    r7, r0
+        subf    r5, r0
+        subf    r5, r0
+        mpyf    r7, r0
+        ldf     @K_TA_SHIFT_MOST, r1
+        cmpf    r1, r0
+        ldfgt   r1, r0
+        negf    r1, r1
+        cmpf    r1, r0
+        ldflt   r1, r0
         rets
 
 ; ---- the segment of s' and the pose on it ----
@@ -311,6 +403,22 @@ trajectory_agv_write:
         sti     r9, *+ar0(TA_STATE + 3)
         ldi     @TA_SETTLED, r0
         sti     r0, *+ar0(TA_STATE + 4)
+        lsh     -1, r6
+        subi    r6, ar0                         ; 4 words apart, where the state has 8
+        ldf     @TA_SHIFT, r0
+        call    trajectory_agv_millionths
+        sti     r0, *+ar0(AG_SHIFT)
+        ldf     @TA_SHIFT + 1, r0
+        call    trajectory_agv_millionths
+        sti     r0, *+ar0(AG_SHIFT + 1)
+        ldf     @TA_SHIFT + 2, r0
+        call    trajectory_agv_millionths
+        sti     r0, *+ar0(AG_SHIFT + 2)
+        rets
+trajectory_agv_millionths:
+        mpyf    @K_IA_MEGA, r0
+        addf    0.5, r0
+        fix     r0, r0
         rets
 
 ; ---- R0 = RESULT_END_OF_LEG when the vehicle stands at the end of the leg, or has been given time enough ----

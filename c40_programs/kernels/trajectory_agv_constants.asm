@@ -36,3 +36,10 @@ K_TA_SINC6          .set $ - LIFT
                     .float 1.6059043836822e-10
 K_TA_SINC7          .set $ - LIFT
                     .float -7.6471637318198e-13
+
+K_TA_SHIFT_RATE     .set $ - LIFT
+                    .float 0.3                  ; 1/m
+K_TA_SHIFT_LEAD     .set $ - LIFT
+                    .float 0.35                 ; s
+K_TA_SHIFT_MOST     .set $ - LIFT
+                    .float 0.04                 ; 1/m

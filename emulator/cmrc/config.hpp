@@ -24,6 +24,7 @@ enum class Learning { off, proportional, unit };
 enum class CraneModel { sway, rigid };
 enum class ServoReload { locked, inherited };
 enum class TorqueBuild { closed_form, newton_euler };
+enum class AvoidanceBuild { none, synthetic, potential_field, vfh, dynamic_window };
 
 /// All parameters of a run. Units are in the names, as in the TOML keys.
 struct Config {
@@ -82,9 +83,10 @@ struct Config {
   /// Which build of a task's program the DSPs run.
   struct Kernels {
     TorqueBuild torque = TorqueBuild::closed_form;
+    AvoidanceBuild avoidance = AvoidanceBuild::synthetic;
   } kernels;
   struct Load {
-    std::int64_t avoidance_cycles = 0;  ///< of the synthetic avoidance block; 0: none is loaded
+    std::int64_t avoidance_cycles = 0;  ///< of the synthetic avoidance block; 0: that one is not loaded
   } load;
   struct Bus {
     double clock_hz = 100e6 / 3;

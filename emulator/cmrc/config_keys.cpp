@@ -154,9 +154,12 @@ std::vector<Key> make_keys() {
       choice("kernels.torque", FIELD(kernels.torque), {"closed_form", "newton_euler"},
              "torque compensation: closed form of the crane's equations, or recursive Newton-Euler over its links",
              "plant-and-bus.md 2.1"),
+      choice("kernels.avoidance", FIELD(kernels.avoidance), {"none", "synthetic", "potential_field", "vfh", "dynamic_window"},
+             "obstacle avoidance of each AGV and planning point: not at all, a load of load.avoidance_cycles, or one of the methods",
+             "plant-and-bus.md 2.1"),
 
       integer("load.avoidance_cycles", FIELD(load.avoidance_cycles), "cycles", 0, 100000000,
-              "length of the synthetic avoidance block that each AGV loads per planning point; 0: none", "ruling 14"),
+              "length of the avoidance block where kernels.avoidance is \"synthetic\"; 0: none is loaded", "ruling 14"),
 
       number("bus.clock_hz", FIELD(bus.clock_hz), "Hz", 1e6, 133e6, "PCI clock of both buses", "plant-and-bus.md 3.1"),
       integer("bus.latency_timer_clocks", FIELD(bus.latency_timer_clocks), "clocks", 8, 248,
@@ -213,7 +216,7 @@ std::string_view name(Key::Type type) {
 std::span<const Preset> presets() {
   static constexpr Preset all[] = {
       {"base", "f_s 8 kHz, f_p 1 kHz, f_t 125 Hz, f_a 50 Hz, one AGV: the defaults", ""},
-      {"heavy", "f_s 16 kHz, f_p 2 kHz, 4 AGVs, an avoidance block of the dynamic window's length per AGV and point",
+      {"heavy", "f_s 16 kHz, f_p 2 kHz, 4 AGVs, obstacle avoidance by the dynamic window for each AGV and point",
        R"(
 [rates]
 refresh_frequency_hz = 16000
@@ -223,8 +226,8 @@ alpha_refreshes = 48
 beta_refreshes = 24
 a = 0x20
 agv_interval_max_refreshes = 640
-[load]
-avoidance_cycles = 150000
+[kernels]
+avoidance = "dynamic_window"
 [dock]
 agvs = 4
 )"},

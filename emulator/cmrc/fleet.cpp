@@ -172,7 +172,7 @@ void Fleet::dropped(const Task& lost) {
 
 void Fleet::avoidance(unsigned index, Desk& desk) {
   Agv& agv = agvs_[index];
-  if (job_.avoidance_cycles == 0 || agv.motion == Motion::home || desk.tick() < agv.avoidance_at) return;
+  if (!job_.avoidance || agv.motion == Motion::home || desk.tick() < agv.avoidance_at) return;
   if (agv.avoidance_out) return;
   agv.avoidance_at += agv.interval * ((desk.tick() - agv.avoidance_at) / agv.interval + 1);
   agv.avoidance_out = true;

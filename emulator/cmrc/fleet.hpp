@@ -31,7 +31,8 @@ struct FleetJob {
   double refresh_frequency = 8000;
   std::int64_t interval = 160;      ///< N^_a at the start
   std::int64_t buffer_points = 2;
-  std::int64_t avoidance_cycles = 0;
+  bool avoidance = false;           ///< each AGV loads a block of sub-process 5 per planning point
+  std::int64_t avoidance_cycles = 0;  ///< what a synthetic one is told
 };
 
 class Fleet : public Berth {

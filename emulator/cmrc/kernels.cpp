@@ -30,6 +30,13 @@ void place_kernels(toolchain::Image& image, const Config& config) {
     place_kernel(image, image.symbol(kind), label, key);
   };
   if (config.kernels.torque == TorqueBuild::newton_euler) choose("KIND_TORQUE", "kernel_torque_newton_euler", "kernels.torque");
+  switch (config.kernels.avoidance) {
+    case AvoidanceBuild::none:
+    case AvoidanceBuild::synthetic: break;
+    case AvoidanceBuild::potential_field: choose("KIND_AVOIDANCE", "kernel_avoidance_potential", "kernels.avoidance"); break;
+    case AvoidanceBuild::vfh: choose("KIND_AVOIDANCE", "kernel_avoidance_vfh", "kernels.avoidance"); break;
+    case AvoidanceBuild::dynamic_window: choose("KIND_AVOIDANCE", "kernel_avoidance_dwa", "kernels.avoidance"); break;
+  }
 }
 
 }  // namespace cmrc

@@ -67,6 +67,8 @@ FleetJob fleet_of(const Config& config, const plant::DockConfig& dock) {
   job.interval = n.agv_slowed;
   job.buffer_points = config.scheduling.buffer_points;
   job.avoidance_cycles = config.load.avoidance_cycles;
+  const AvoidanceBuild build = config.kernels.avoidance;
+  job.avoidance = build != AvoidanceBuild::none && (build != AvoidanceBuild::synthetic || job.avoidance_cycles > 0);
   return job;
 }
 

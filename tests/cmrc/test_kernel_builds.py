@@ -27,3 +27,18 @@ def test_newton_euler_takes_the_place_of_the_closed_form() -> None:
     assert 150 < execution_us(general, "torque_compensation") < 220  # 4 400 cycles of 40 ns and the bus
     assert execution_us(general, "pid") == pytest.approx(execution_us(closed, "pid"), rel=0.05)
     assert sum(task["misses"] for task in general["tasks"].values()) == 0
+
+
+@pytest.mark.parametrize(("build", "least_us", "most_us"), [("potential_field", 150, 500), ("vfh", 300, 1500), ("dynamic_window", 8000, 10000)])
+def test_avoidance_runs_once_per_agv_and_point(build: str, least_us: float, most_us: float) -> None:
+    """Two AGVs, the second 3.2 m behind the first: 20 ms per point; each block reads 180 rays over bus B."""
+    report = run(duration_s=0.5, agvs=2, **{"kernels.avoidance": build})
+    task = report["tasks"]["obstacle_avoidance"]
+    assert 2 * 23 <= task["released"] <= 2 * 25
+    assert least_us < execution_us(report, "obstacle_avoidance") < most_us
+    assert sum(t["misses"] for t in report["tasks"].values()) == 0
+
+
+def test_no_avoidance_means_none() -> None:
+    report = run(duration_s=0.2, **{"kernels.avoidance": "none", "load.avoidance_cycles": 1000})
+    assert report["tasks"]["obstacle_avoidance"]["released"] == 0

@@ -20,7 +20,8 @@ STEER_LEAD = 0.4  # s by which the wheels are told ahead
 STEER_SWEEP = 1.05  # s over which a step of curvature is spread: 0.36 rad (R 12 m) at 0.35 rad/s
 SWEEP_MINIMUM = 0.2  # m
 
-LATERAL_GAIN = 0.08  # 1/m^2
+SLOW = 2.5  # m/s, above which the feedback softens
+LATERAL_RATIO = 0.32
 HEADING_GAIN = 0.5  # 1/m
 ALONG_GAIN = 1.2  # 1/s
 AT_SPOT = 0.01  # m from the end of the leg where the vehicle is told to stand
@@ -152,7 +153,8 @@ def inverse(
     lateral = c * (y - point.y) - s * (x - point.x)
     mass = MASS_LOADED if loaded else MASS_EMPTY
     drift = mass * v_ref * v_ref * point.curvature_ahead / (2.0 * STIFFNESS)
-    k = point.curvature_ahead - LATERAL_GAIN * lateral - HEADING_GAIN * math.sin(heading + turned - point.heading - drift)
+    stiff = HEADING_GAIN * min(1.0, SLOW / v_ref) if v_ref > 0 else HEADING_GAIN
+    k = point.curvature_ahead - LATERAL_RATIO * stiff**2 * lateral - stiff * math.sin(heading + turned - point.heading - drift)
     front = max(-STEER_LIMIT, min(STEER_LIMIT, math.atan(WHEELBASE * k / 2.0)))
     v = max(SLOWEST, min(FASTEST, v_ref + ALONG_GAIN * along))
     if point.left == 0.0 and abs(along) < AT_SPOT:

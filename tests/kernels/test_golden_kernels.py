@@ -7,8 +7,10 @@ from collections.abc import Callable
 
 import pytest
 from cmrc import _core
+from avoidance_loop import show
 from harness_agv import Dsp
 from lanes import loop
+from range_scene import Disc, Scene
 from traces import condensed
 
 FULL_TEXT_CYCLES = 1500
@@ -92,6 +94,12 @@ def agv_planned() -> Dsp:
     return dsp
 
 
+def agv_facing_a_person() -> Dsp:
+    dsp = agv()
+    show(dsp, Scene([Disc(45.0, 8.7, 0.3)]).scan(22.01, 7.995, 0.0009))
+    return dsp
+
+
 @pytest.mark.golden
 @pytest.mark.parametrize(
     ("kernel", "prepare", "argument", "tick"),
@@ -108,6 +116,9 @@ def agv_planned() -> Dsp:
         ("inverse_agv", agv_planned, 0, 0),
         ("home_agv", agv, 0, 0),
         ("avoidance", agv, 400, 0),
+        ("avoidance_potential", agv_facing_a_person, 0, 0),
+        ("avoidance_vfh", agv_facing_a_person, 0, 0),
+        ("avoidance_dwa", agv_facing_a_person, 0, 0),
     ],
 )
 def test_kernel(golden: Callable[[str, str], None], kernel: str, prepare: Callable[[], Dsp], argument: int, tick: int) -> None:

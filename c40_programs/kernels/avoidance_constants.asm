@@ -1,0 +1,128 @@
+; Constants of the avoidance kernels (m, s, rad).
+
+K_AV_FRACTION       .set $ - LIFT
+                    .float 65536.0
+K_AV_NO_LIMIT       .set $ - LIFT
+                    .float 1000.0
+K_AV_AHEAD          .set $ - LIFT
+                    .float 45.0                 ; how far ahead the lane is looked at
+K_AV_BEHIND         .set $ - LIFT
+                    .float -15.0
+K_AV_BEYOND         .set $ - LIFT
+                    .float 40.0                 ; straight on behind the end of the leg
+K_AV_ACROSS         .set $ - LIFT
+                    .float 5.0                  ; what stands farther beside the lane does not matter
+K_AV_OVERLAP_LOW    .set $ - LIFT
+                    .float -0.5                 ; pieces of the lane overlap so much, for feet on their joint
+K_AV_HALF           .set $ - LIFT
+                    .float 1.9                  ; half the vehicle's width and 0.4
+K_AV_CLOSE          .set $ - LIFT
+                    .float 2.4                  ; nearer than this beside the way is passed slowly
+K_AV_CLOSE_AHEAD    .set $ - LIFT
+                    .float 12.0
+K_AV_CLOSE_SPEED    .set $ - LIFT
+                    .float 2.0                  ; m/s
+K_AV_SHIFTING       .set $ - LIFT
+                    .float 0.5                  ; m from the shift wanted: no faster than
+K_AV_SHIFT_SPEED    .set $ - LIFT
+                    .float 2.5                  ; m/s
+K_AV_BESIDE         .set $ - LIFT
+                    .float -0.5                 ; of the front: what is behind that has been passed
+K_AV_SHIFT_MOST     .set $ - LIFT
+                    .float 2.5
+K_AV_HOLD_WITHIN    .set $ - LIFT
+                    .float 25.0
+K_AV_REAR           .set $ - LIFT
+                    .float 9.0                  ; the rear is past a place when the middle is so far past it
+K_AV_HOME_STRAIGHT  .set $ - LIFT
+                    .float 25.0                 ; before the end of the leg there is no shift
+K_AV_BLEND          .set $ - LIFT
+                    .float 0.06666667           ; 1 / 15 m, in which a shift is taken
+K_AV_B              .set $ - LIFT
+                    .float 0.9                  ; m/s^2
+K_AV_TWICE_OVER_B   .set $ - LIFT
+                    .float 2.2222222            ; 2 / B
+K_AV_T              .set $ - LIFT
+                    .float 0.5
+K_AV_T_SQUARED      .set $ - LIFT
+                    .float 0.25
+K_AV_STAND          .set $ - LIFT
+                    .float 1.5                  ; distance at which to stand
+
+; potential field
+K_PF_REACH          .set $ - LIFT
+                    .float 0.04                 ; 1 / d0, d0 = 25 m
+K_PF_MOST           .set $ - LIFT
+                    .float 1.0e-4               ; 1/m^3, limit of one obstacle's force
+K_PF_COS            .set $ - LIFT
+                    .float 0.5                  ; by how much forces are turned: 60 degrees
+K_PF_SIN            .set $ - LIFT
+                    .float 0.8660254
+K_PF_SHIFT          .set $ - LIFT
+                    .float 30000.0              ; m per force: repulsion over the spring that draws to the lane
+K_PF_SLOW           .set $ - LIFT
+                    .float 3000.0               ; speed = K_PF_FASTEST / (1 + this force)
+K_PF_FASTEST        .set $ - LIFT
+                    .float 6.0
+
+; vector-field histogram
+K_VF_ACTIVE         .set $ - LIFT
+                    .float 25.0                 ; m, reach of the active window
+K_VF_ONE_OVER       .set $ - LIFT
+                    .float 0.04
+K_VF_SINE_MOST      .set $ - LIFT
+                    .float 0.98
+K_VF_ASIN3          .set $ - LIFT
+                    .float 0.16666667
+K_VF_ASIN5          .set $ - LIFT
+                    .float 0.075
+K_VF_THRESHOLD      .set $ - LIFT
+                    .float 0.02                 ; below it a sector is free
+K_VF_NINTH          .set $ - LIFT
+                    .float 0.11111111
+K_VF_LOOK           .set $ - LIFT
+                    .float 10.0                 ; m, the lane's point that is steered for, ahead of the front
+K_VF_FASTEST        .set $ - LIFT
+                    .float 6.0
+K_VF_SLOWING        .set $ - LIFT
+                    .float 0.7
+K_VF_NEAR           .set $ - LIFT
+                    .float 4.0
+
+; dynamic window
+K_DW_UP             .set $ - LIFT
+                    .float 0.75                 ; m/s, window of speeds: down 1.5, up 0.75 from the present one
+K_DW_DOWN           .set $ - LIFT
+                    .float 1.5
+K_DW_FASTEST        .set $ - LIFT
+                    .float 6.0
+K_DW_TENTH          .set $ - LIFT
+                    .float 0.1
+K_DW_BEND           .set $ - LIFT
+                    .float 0.01                 ; 1/m between samples of curvature
+K_DW_STEP           .set $ - LIFT
+                    .float 0.4                  ; s between the steps of an arc
+K_DW_RADIUS2        .set $ - LIFT
+                    .float 3.61                 ; K_AV_HALF squared
+K_DW_FAR            .set $ - LIFT
+                    .float 1000.0               ; m, where discs stand that are not needed
+K_DW_LOOK           .set $ - LIFT
+                    .float 12.0                 ; m, length of the arc whose end is compared with the lane
+K_DW_CLEAR_MOST     .set $ - LIFT
+                    .float 2.0
+K_DW_W_SPEED        .set $ - LIFT
+                    .float 0.5                  ; per m/s
+K_DW_W_CLEAR        .set $ - LIFT
+                    .float 1.0                  ; per m
+K_DW_W_LANE         .set $ - LIFT
+                    .float 0.6                  ; per m
+K_DW_WORST          .set $ - LIFT
+                    .float -1.0e6
+K_DW_EASY2          .set $ - LIFT
+                    .float 6.25                 ; m^2, beyond this nothing is near
+K_DW_FAR2           .set $ - LIFT
+                    .float 1.0e9
+K_DW_HALF_OVER_B    .set $ - LIFT
+                    .float 0.5555556            ; 1 / (2 B)
+K_DW_STEP_LEAST     .set $ - LIFT
+                    .float 1.6                  ; m

@@ -1,0 +1,216 @@
+"""Double-precision reference of obstacle avoidance, from docs/kernels.md: lanes by circles and their centres, sums and minima in numpy."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from reference_agv import Segment, pose_at, wrap
+
+AHEAD, BEHIND, BEYOND, ACROSS = 45.0, -15.0, 40.0, 5.0  # m
+HALF, CLOSE, CLOSE_AHEAD, CLOSE_SPEED, BESIDE = 1.9, 2.4, 12.0, 2.0, -0.5
+SHIFT_MOST, HOLD_WITHIN, REAR, HOME, BLEND = 2.5, 25.0, 9.0, 25.0, 15.0
+B, T, STAND = 0.9, 0.5, 1.5
+SHIFTING, SHIFT_SPEED = 0.5, 2.5
+REACH, FASTEST = 25.0, 6.0
+
+
+@dataclass
+class View:
+    """What avoidance reads."""
+
+    x: float
+    y: float
+    heading: float
+    speed: float
+    rays: list[float | None]  # m; None: nothing, or no valid echo
+    first: float
+    step: float
+    mount: float
+    segments: list[Segment]
+    s: float
+    curvature: float
+    shift: float
+    hold: float
+
+
+@dataclass
+class Echo:
+    range: float
+    x: float
+    y: float
+    along: float
+    lateral: float
+    sector: int
+
+
+def pieces(view: View) -> list[tuple[float, Segment]]:
+    out, start = [], 0.0
+    for g in view.segments:
+        if start - view.s <= AHEAD and start + g.length - view.s >= BEHIND:
+            out.append((start, g))
+        start += g.length
+    x, y, h = pose_at(view.segments[-1], view.segments[-1].length)
+    return [*out, (start, Segment(x, y, h, BEYOND, 0.0, 0.0))]
+
+
+def project(view: View, x: float, y: float) -> tuple[float, float] | None:
+    best: tuple[float, float] | None = None
+    for start, g in pieces(view):
+        if g.curvature == 0:
+            along = math.cos(g.heading) * (x - g.x) + math.sin(g.heading) * (y - g.y)
+            lateral = math.cos(g.heading) * (y - g.y) - math.sin(g.heading) * (x - g.x)
+        else:
+            r, sign = 1 / g.curvature, math.copysign(1, g.curvature)
+            cx, cy = g.x - r * math.sin(g.heading), g.y + r * math.cos(g.heading)
+            lateral = r - sign * math.hypot(x - cx, y - cy)
+            along = wrap(math.atan2(sign * (x - cx), -sign * (y - cy)) - g.heading) * r
+        if -0.5 <= along <= g.length + 0.5 and abs(lateral) < min(ACROSS, abs(best[1]) if best else ACROSS):
+            best = (start + along, lateral)
+    return best
+
+
+class Lane:
+    """The view along and across the lane."""
+
+    def __init__(self, view: View, sectors: int) -> None:
+        self.view = view
+        foot = project(view, view.x, view.y)
+        self.s, self.lateral = foot or (view.s, 0.0)
+        self.left = sum(g.length for g in view.segments) - self.s
+        self.echoes: list[Echo] = []
+        n = len(view.rays)
+        c, s = math.cos(view.heading), math.sin(view.heading)
+        for k in range(sectors):
+            sector = [(r, -i) for i, r in enumerate(view.rays) if k * n // sectors <= i < (k + 1) * n // sectors and r is not None]
+            if not sector:
+                continue
+            r, i = min(sector, key=lambda e: (e[0], -e[1]))
+            angle = view.first - i * view.step
+            x, y = view.mount + r * math.cos(angle), r * math.sin(angle)
+            at = project(view, view.x + c * x - s * y, view.y + s * x + c * y)
+            if at:
+                self.echoes.append(Echo(r, x, y, at[0] - self.s, at[1], k))
+
+    def target(self, ahead: float) -> tuple[float, float]:
+        s = self.s + ahead
+        for start, g in zip(np.cumsum([0, *(g.length for g in self.view.segments)]), self.view.segments):
+            if s < start + g.length or g is self.view.segments[-1]:
+                x, y, h = pose_at(g, min(s - start, g.length))
+                beyond = max(0.0, s - start - g.length)
+                break
+        dx, dy = x + beyond * math.cos(h) - self.view.x, y + beyond * math.sin(h) - self.view.y
+        c, si = math.cos(self.view.heading), math.sin(self.view.heading)
+        return c * dx + si * dy, c * dy - si * dx
+
+
+def decide(lane: Lane, shift: float, speed: float) -> tuple[float | None, float, float]:
+    """Limit (None: none), shift, hold."""
+    view = lane.view
+    shift = max(-SHIFT_MOST, min(SHIFT_MOST, shift))
+    hold = max([view.hold, *(lane.s + e.along + REAR for e in lane.echoes if abs(e.lateral) < HALF and e.along < HOLD_WITHIN)])
+    if hold > lane.s and (abs(shift) < abs(view.shift) or shift * view.shift < 0):
+        shift = view.shift
+    if lane.left < HOME:
+        shift = 0.0
+    free, close = math.inf, False
+    for e in lane.echoes:
+        t = min(e.along / BLEND, 1.0)
+        gap = abs(shift + (lane.lateral - shift) * (1 - t) ** 2 * (1 + 2 * t) - e.lateral)
+        ahead = e.along - view.mount
+        if ahead < BESIDE or gap >= CLOSE:
+            continue
+        close |= ahead < CLOSE_AHEAD
+        if gap < HALF:
+            free = min(free, ahead)
+    if free < math.inf:
+        # v T + v^2 / (2 B) = what is left
+        left = max(0.0, free - STAND)
+        speed = min(speed, float(max(np.roots([1 / (2 * B), T, -left]).real)))
+    if close:
+        speed = min(speed, CLOSE_SPEED)
+    if abs(shift - lane.lateral) > SHIFTING:
+        speed = min(speed, SHIFT_SPEED)
+    return (None if speed == math.inf else speed), shift, hold
+
+
+def potential(view: View) -> tuple[float | None, float, float]:
+    lane = Lane(view, 16)
+    total = np.zeros(2)
+    for e in lane.echoes:
+        d = max(e.range, 0.5)
+        force = min((1 / d - 1 / REACH) / d**2, 1e-4)
+        if force <= 0:
+            continue
+        turn = math.radians(60 if e.lateral - view.shift / 2 >= 0 else -60)
+        away = -np.array([e.x - view.mount, e.y]) / d
+        rotation = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
+        total += force * rotation @ away
+    speed = FASTEST / (1 - 3000 * total[0]) if total[0] < 0 else math.inf
+    return decide(lane, 30000 * total[1], speed)
+
+
+def vfh(view: View) -> tuple[float | None, float, float]:
+    lane = Lane(view, 72)
+    density = 72 / (len(view.rays) * view.step)
+    dark = np.zeros(72)
+    nearest, beside = REACH, 0.0
+    for e in lane.echoes:
+        if e.range >= REACH:
+            continue
+        if e.range < nearest:
+            nearest, beside = e.range, e.lateral
+        x = min(HALF / max(e.range, 0.5), 0.98)
+        half = math.floor((x + x**3 / 6 + 3 * x**5 / 40) * density)
+        span = slice(max(0, e.sector - half), min(71, e.sector + half) + 1)
+        dark[span] = np.maximum(dark[span], (1 - max(e.range, 0.5) / REACH) ** 2)
+    padded = np.concatenate([[dark[0]] * 2, dark, [dark[-1]] * 2])
+    smooth = np.convolve(padded, np.array([1, 2, 3, 2, 1]) / 9, "valid")
+    tx, ty = lane.target(view.mount + 10.0)
+    goal = min(71, max(0, math.floor((math.atan2(ty, tx - view.mount) - view.first) * density)))
+    if smooth[goal] < 0.02:
+        return decide(lane, 0.0, math.inf)
+    side = 1 if (view.shift or -beside) > 0 else -1
+    behind = 4 if view.shift else 2
+    # distance in sectors, the other side counted as `behind` farther and after this one
+    ways = sorted((abs(k - goal) + (0 if (k - goal) * side > 0 else behind), (k - goal) * side < 0, k) for k in range(72) if smooth[k] < 0.02)
+    if not ways:
+        return decide(lane, view.shift, 0.0)
+    angle = (ways[0][2] - goal) / density
+    return decide(lane, lane.lateral + max(nearest, 4.0) * math.sin(angle), FASTEST * (1 - 0.7 * smooth[goal]))
+
+
+def dynamic_window(view: View) -> tuple[float | None, float, float]:
+    lane = Lane(view, 16)
+    spots = np.array([[e.x, e.y] for e in lane.echoes] + [[1000.0, 0.0]] * (16 - len(lane.echoes)))
+    slow, fast = max(0.0, view.speed - 1.5), min(FASTEST, view.speed + 0.75)
+    goal = np.array(lane.target(view.mount + 12.0))
+    best, met, least = (-math.inf, math.nan, math.nan), False, math.inf
+    for i in range(11):
+        v = slow + (fast - slow) * i / 10
+        for j in range(-5, 6):
+            k = view.curvature + 0.01 * j
+            half = 6.0 * k
+            end = 12.0 * np.array([math.cos(half), math.sin(half)]) + view.mount * np.array([math.cos(2 * half), math.sin(2 * half)])
+            way = max(0.4 * v, 1.6)
+            headings = k * way * (np.arange(10) + 0.5)
+            ahead = np.stack([np.cos(headings), np.sin(headings)], axis=1)
+            fronts = np.cumsum(way * ahead, axis=0) + view.mount * ahead
+            near = np.min(np.linalg.norm(fronts[:, None] - spots[None], axis=2), axis=1)
+            least = min(least, float(near.min()))
+            if (near < HALF).any():
+                met = True
+                if v * T + v * v / (2 * B) > way * int(np.argmax(near < HALF)) - STAND:
+                    continue
+            score = 0.5 * v + min(float(near.min()) - HALF, 2.0) - 0.6 * float(np.linalg.norm(end - goal))
+            if score > best[0]:
+                best = (score, v, float(end[1] - goal[1]))
+    if not met and least >= 2.5:
+        return decide(lane, 0.0, math.inf)
+    if best[0] == -math.inf:
+        return decide(lane, view.shift, 0.0)
+    return decide(lane, best[2], best[1])
+
+
+METHODS = {"avoidance_potential": potential, "avoidance_vfh": vfh, "avoidance_dwa": dynamic_window}
