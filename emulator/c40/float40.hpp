@@ -134,8 +134,7 @@ constexpr FloatResult rnd(Float40 x) {
   const std::int64_t m = mantissa(x);
   if (m == 0) return {zero(), st::UF};
   FloatResult r = normalise(x.e, m + 0x80);
-  if (r.flags & st::V) return {{127, 0x7FFFFF00u}, r.flags};
-  r.value.m &= 0xFFFFFF00u;
+  r.value.m &= 0xFFFFFF00u;  // of an overflow too: the greatest single
   return r;
 }
 

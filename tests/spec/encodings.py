@@ -20,6 +20,7 @@ from .fields import (
     one,
     part_word,
     perhaps_the_pointer,
+    shift_count,
 )
 
 # Section 6.1: op6, mnemonic, modes, source, destination (f: R0 to R11, n: any register).
@@ -89,11 +90,11 @@ def three_operand_encodings() -> Iterator[Encoding]:
                 if type2 and is_float and not t & 1:
                     continue
 
-                def build(rng: Random, op=op, type2=type2, t=t, codes=codes, compares=compares) -> int:
+                def build(rng: Random, name=name, op=op, type2=type2, t=t, codes=codes, compares=compares) -> int:
                     register = rng.choice(codes)
                     if type2:
                         j = offset_8(rng) if t & 2 else register
-                        i = rng.getrandbits(8)
+                        i = shift_count(rng, 8) if name in ("ash", "lsh") and not t & 1 else rng.getrandbits(8)
                     else:
                         j = indirect_8(rng) if t & 1 else register
                         i = indirect_8(rng) if t & 2 else rng.choice(codes)

@@ -58,6 +58,14 @@ def register_of(kind: str) -> list[int]:
     return {"f": R_CODES, "n": INTEGER_CODES, "a": LDA_CODES}[kind]
 
 
+# Of shifts: around nothing, the word's width, and the ends of the seven bits.
+COUNTS = [0, 1, 2, 30, 31, 32, 33, 34, 62, 63, 64, 65, -1, -2, -30, -31, -32, -33, -34, -63, -64, -65]
+
+
+def shift_count(rng: Random, width: int) -> int:
+    return rng.choice((rng.getrandbits(width), rng.choice(COUNTS) & (1 << width) - 1))
+
+
 def immediate_16(rng: Random) -> int:
     return rng.choice((rng.getrandbits(16), rng.choice(EDGE_WORDS) & 0xFFFF, 0x8000, 0x7FFF))
 
@@ -67,6 +75,9 @@ def perhaps_the_pointer(rng: Random, register: int, n: int, codes: list[int]) ->
     return 8 + n if 8 + n in codes and rng.random() < 0.15 else register
 
 
+SHIFTS = (7, 19)  # op6 of ASH and LSH
+
+
 def general(op: int, mode: int, source: str, destination: str) -> Callable[[Random], int]:
     def build(rng: Random) -> int:
         dst = rng.choice(register_of(destination))
@@ -74,7 +85,7 @@ def general(op: int, mode: int, source: str, destination: str) -> Callable[[Rand
             lambda: rng.choice(register_of(source)),
             lambda: rng.getrandbits(16),
             lambda: indirect_16(rng),
-            lambda: immediate_16(rng),
+            lambda: shift_count(rng, 16) if op in SHIFTS else immediate_16(rng),
         )[mode]()
         while destination == "a" and mode == 0 and src == dst:
             src = rng.choice(register_of(source))

@@ -15,6 +15,7 @@ EDGE_WORDS = sorted(
         *(1 << n for n in range(32)),
         *(WORD ^ (1 << n) for n in range(0, 32, 5)),
         0x0000FFFF, 0xFFFF0000, 0x00FF00FF, 0x7FFF8000, 0x46340000, 0xB504F334, 0x0000B505, 0x55555555, 0xAAAAAAAA,
+        0x7F800000, 0xFF800000, 0x7F7FFFFF, 0xFF7FFFFF, 0x00800000, 0x80800000, 0x007FFFFF, 0x807FFFFF, 0x7FC00000,
         31, 32, 33, 63, 64, 65, WORD - 31, WORD - 32, WORD - 62, WORD - 63, WORD - 64, 127, 128, 255, 256,
     }
 )  # fmt: skip
@@ -24,6 +25,12 @@ EDGE_MANTISSAS = [
     0, 1, 0x7F, 0x80, 0x81, 0xFF, 0x100, 0x3FFFFFFF, 0x40000000, 0x7FFFFF00, 0x7FFFFF7F, 0x7FFFFF80, 0x7FFFFFFF,
     0x80000000, 0x80000001, 0x8000007F, 0x80000080, 0x80000100, 0xC0000000, 0xFFFFFF00, 0xFFFFFF7F, 0xFFFFFF80, 0xFFFFFFFF,
 ]  # fmt: skip
+# Where results leave the range or change their kind, more often than the rest.
+CORNERS = [
+    pack(e, m)
+    for e in (-128, -127, -126, 30, 31, 126, 127)
+    for m in (0, 0x7FFFFF7F, 0x7FFFFFFF, 0x80000000, 0x8000007F, 0xFFFFFF80, 0xFFFFFFFF)
+]
 EDGE_FLOATS = [pack(e, m) for e in EDGE_EXPONENTS for m in EDGE_MANTISSAS]
 
 
@@ -52,6 +59,8 @@ def mantissa(rng: Random) -> int:
 def extended(rng: Random) -> int:
     """A register as a float."""
     kind = rng.random()
+    if kind < 0.15:
+        return rng.choice(CORNERS)
     if kind < 0.3:
         return rng.choice(EDGE_FLOATS)
     if kind < 0.6:
