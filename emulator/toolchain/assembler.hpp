@@ -17,7 +17,8 @@ struct Options {
   /// Addresses of sections. Others follow in this order: .text, .data, further loaded ones, .bss, further reserved
   /// ones; each after the one before it.
   std::map<std::string, Address> sections = {{".text", 0x300000}};
-  /// The symbol at which the program starts. If empty: _start, _c_int00, start or the first word of .text.
+  /// The symbol at which the program starts. If empty: _start, _c_int00, c_int00, start, START or the first word of
+  /// .text.
   std::string entry;
 };
 

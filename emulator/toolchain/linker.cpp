@@ -255,7 +255,7 @@ class Linker {
 
   Address entry(const Image& image) const {
     if (!map_.entry.empty()) return globals_.find(map_.entry)->second.value;
-    for (const std::string_view name : {"_start", "_c_int00", "c_int00", "start"})
+    for (const std::string_view name : {"_start", "_c_int00", "c_int00", "start", "START", "Start"})
       if (const auto found = image.symbols.find(name); found != image.symbols.end()) return found->second;
     const OutputSection* text = placement_.find(".text");
     return text != nullptr ? text->address : placement_.sections().front().address;

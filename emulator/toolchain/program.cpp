@@ -278,7 +278,7 @@ Address Program::entry_point(const Image& image, std::vector<Diagnostic>& diagno
     diagnostics.push_back(
         make_diagnostic(nowhere, 0, fmt::format("the entry symbol '{}' is not defined", options_.entry)));
   }
-  for (const std::string_view name : {"_start", "_c_int00", "start"})
+  for (const std::string_view name : {"_start", "_c_int00", "c_int00", "start", "START", "Start"})
     if (const auto found = image.symbols.find(name); found != image.symbols.end()) return found->second;
   return sections_[0].address;
 }
