@@ -9,6 +9,7 @@
 #include "cli/options.hpp"
 #include "toolchain/assembler.hpp"
 #include "toolchain/coff.hpp"
+#include "toolchain/linker.hpp"
 
 namespace cli {
 namespace {
@@ -82,7 +83,9 @@ Image read_program(const std::string& path, const std::vector<std::string>& incl
     for (const std::string& directory : include_directories) options.include_dirs.emplace_back(directory);
     return toolchain::assemble_file(path, options);
   }
-  return toolchain::read_coff(path);
+  toolchain::Object object = toolchain::read_object(path);
+  if (object.executable) return toolchain::image_of(object);
+  return toolchain::link({std::move(object)}, {}, toolchain::MemoryMap::standard()).image;
 }
 
 Address parse_address(std::string_view text, const Image* image, std::string_view what) {

@@ -11,8 +11,8 @@
 namespace cli {
 
 /// Reads a program by its suffix: .asm or .s is assembled, .hex is one word per line in hexadecimal and stands at
-/// `load_at` (default 0), anything else is a COFF executable. \throws InputError, toolchain::AssemblyError,
-/// toolchain::CoffError.
+/// `load_at` (default 0), anything else is a COFF file; an object is linked as `emulator link` does without a map.
+/// \throws InputError, toolchain::AssemblyError, toolchain::CoffError, toolchain::LinkError.
 toolchain::Image read_program(const std::string& path, const std::vector<std::string>& include_directories,
                               const std::optional<std::string>& load_at);
 

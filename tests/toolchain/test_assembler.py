@@ -85,6 +85,8 @@ def test_the_entry_is_the_start_symbol_or_the_one_asked_for() -> None:
     source = "\tnop\n_start: nop\nother: nop\n"
     assert toolchain.assemble(source).entry == 0x300001
     assert toolchain.assemble(source, entry="other").entry == 0x300002
+    for name in ("c_int00", "start", "START"):
+        assert toolchain.assemble(f"\tnop\n{name}: nop\n").entry == 0x300001
     assert "entry symbol" in errors(source, entry="nowhere")[0][2]
 
 
