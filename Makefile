@@ -3,7 +3,7 @@ SHELL := /bin/bash
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 
-.PHONY: demo test build setup clean golden lint vectors arithmetic oracles
+.PHONY: demo test build setup clean golden lint vectors arithmetic oracles bench
 
 demo: build
 	build/bin/emulator --dsps 4
@@ -21,6 +21,11 @@ setup:
 
 golden: build
 	$(PYTHON) -m pytest -q tests --update-golden -m golden
+
+# Emulated instructions per second of the core and of the scene (docs/speed.md). Wants a quiet machine.
+bench: build
+	build/bin/c40_bench tests/toolchain/bench/fir.hex tests/toolchain/bench/branch.hex tests/toolchain/bench/controller.hex
+	scripts/bench_scene
 
 # More single-step vectors from the specification, N of each operand form, run by the emulator (docs/verification.md).
 N := 1000

@@ -180,8 +180,8 @@ class Invariants {
   }
 
  private:
-  void require(bool holds, std::initializer_list<std::string_view> involved, std::string what,
-               std::string right) const {
+  void require(bool holds, std::initializer_list<std::string_view> involved, const std::string& what,
+               const std::string& right) const {
     if (holds) return;
     for (std::string_view key : involved) {
       if (auto at = origins_.find(key); at != origins_.end()) refuse(at->second, key, what, right);

@@ -11,7 +11,6 @@ namespace machine {
 namespace {
 
 constexpr unsigned joints = 5;
-constexpr unsigned sway_axes = 2;
 
 // Signed 12 bits in the low bits of a word, as the drive's converter takes them.
 constexpr int torque_code(Word value) { return static_cast<int>(static_cast<std::int32_t>(value << 20) >> 20); }

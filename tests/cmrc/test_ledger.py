@@ -2,9 +2,8 @@
 
 import hypothesis.strategies as st
 import pytest
-from hypothesis import given, settings
-
 from cmrc import _core
+from hypothesis import given, settings
 
 OUTCOMES = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
 

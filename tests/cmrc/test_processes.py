@@ -3,7 +3,6 @@
 import struct
 
 import pytest
-
 from cmrc import _core
 
 cmrc = _core.cmrc

@@ -5,7 +5,6 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-
 from cmrc import _core
 
 cmrc = _core.cmrc
@@ -155,7 +154,7 @@ def test_a_rigid_crane_does_not_sway() -> None:
 
 
 def test_strict_turns_a_miss_into_a_failed_run() -> None:
-    status: Callable[[bool], int] = lambda strict: _strict_status(strict)  # noqa: E731
+    status: Callable[[bool], int] = lambda strict: _strict_status(strict)
     assert (status(False), status(True)) == (0, 1)
 
 

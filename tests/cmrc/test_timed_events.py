@@ -5,7 +5,6 @@ import random
 from typing import Any
 
 import pytest
-
 from cmrc import _core
 
 cmrc = _core.cmrc
