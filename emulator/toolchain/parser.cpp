@@ -133,7 +133,7 @@ std::string Parser::quoted() {
       else if (c == '0')
         c = '\0';
       else if (c != '\\' && c != '"')
-        throw LineError{position_, fmt::format("unknown escape '\\{}'", c)};
+        out += '\\';  // No escape: TI's strings have none, a path for instance.
     }
     out += c;
   }

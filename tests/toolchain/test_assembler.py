@@ -103,6 +103,7 @@ def test_numbers_take_a_word_per_character_and_strings_a_word_per_four() -> None
     """As GNU as has them, whose authors had TI's manual: its examples are the first and the last line."""
     assert words("\t.byte 10,-1,\"abc\",'a'\n") == [10, 255, 97, 98, 99, 97]
     assert words('\t.int 1,"ab"\n\t.byte "x\\n",0\n') == [1, 97, 98, 120, 10, 0]
+    assert words('\t.byte "a\\b""c"\n') == [97, 92, 98, 34, 99]  # only C's escapes are escapes; a quote is doubled
     assert words('\t.asciz "c"\n\t.asciz "abc","d"\n') == [0x63, 0x00636261, 0x64]
     assert words('\t.string "ABCD", 51h, 52h, 53h, 54h, "Houston", 36+12\n') == [
         0x44434241, 0x54535251, 0x73756F48, 0x306E6F74,
