@@ -129,18 +129,18 @@ Value value_of(const toml::node& node, std::string_view key, const Origin& origi
   refuse(origin, key, "arrays, tables and dates are not used here", "a boolean, a number or a string is expected");
 }
 
-/// The tables of [[events]], as fields with their places.
-std::vector<std::pair<std::map<std::string, Field>, Origin>> event_tables(const toml::node& node, const std::string& name) {
+/// The tables of [[events]] or [[tasks]], as fields with their places.
+std::vector<std::pair<std::map<std::string, Field>, Origin>> tables_of(const toml::node& node, const std::string& kind, const std::string& name) {
   const toml::array* list = node.as_array();
   if (list == nullptr || !list->is_homogeneous<toml::table>()) {
-    refuse(origin_of(node.source(), name), "events", "is no list of tables", "[[events]] begins each event");
+    refuse(origin_of(node.source(), name), kind, "is no list of tables", fmt::format("[[{}]] begins each of them", kind));
   }
   std::vector<std::pair<std::map<std::string, Field>, Origin>> all;
   for (const toml::node& element : *list) {
     std::map<std::string, Field> fields;
     for (const auto& [key, field] : *element.as_table()) {
       const Origin origin = origin_of(field.source(), name);
-      fields[std::string(key.str())] = {value_of(field, "events." + std::string(key.str()), origin), origin};
+      fields[std::string(key.str())] = {value_of(field, kind + "." + std::string(key.str()), origin), origin};
     }
     all.emplace_back(std::move(fields), origin_of(element.source(), name));
   }
@@ -310,7 +310,11 @@ void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::v
         continue;
       }
       if (full == "events") {
-        for (const auto& [fields, where] : event_tables(node, name)) event(timed_event(fields, where));
+        for (const auto& [fields, where] : tables_of(node, full, name)) event(timed_event(fields, where));
+        continue;
+      }
+      if (full == "tasks") {
+        for (const auto& [fields, where] : tables_of(node, full, name)) tasks_.push_back(user_task(fields, where));
         continue;
       }
       const auto index = find(full);
@@ -355,6 +359,8 @@ Config ConfigBuilder::build() const {
   apply(file_settings_);
   apply(flag_settings_);
   config.events = events_;
+  config.tasks = tasks_;
+  check_user_tasks(config.tasks);
   Invariants(config, origins).check();
   check_events(config);
   return config;
@@ -405,6 +411,7 @@ std::string to_toml(const Config& config) {
     }
     text += fmt::format("{} = {}\n", leaf(key.name), show(key.read(config)));
   }
+  for (const UserTask& task : config.tasks) text += "\n[[tasks]]\n" + to_toml(task);
   for (const TimedEvent& event : config.events) text += "\n[[events]]\n" + to_toml(event);
   return text;
 }

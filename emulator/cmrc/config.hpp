@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "cmrc/timed_event.hpp"
+#include "cmrc/user_task.hpp"
 #include "cmrc/value.hpp"
 
 namespace cmrc {
@@ -110,6 +111,7 @@ struct Config {
     std::int64_t signal_decimation = 80;  ///< latches (125 us) per recorded sample
   } report;
   std::vector<TimedEvent> events;  ///< in the order in which they were given
+  std::vector<UserTask> tasks;     ///< the user's own, in the order of KIND_USER + n
 };
 
 /// Equations (5) and (6): refreshes between runs.
@@ -183,6 +185,7 @@ class ConfigBuilder {
   std::vector<Setting> file_settings_;
   std::vector<Setting> flag_settings_;
   std::vector<TimedEvent> events_;
+  std::vector<UserTask> tasks_;
 };
 
 /// The configuration as complete TOML, every key with its value.

@@ -25,6 +25,7 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
     : config_(config), words_(words), parameters_(importance_parameters(config)), intervals_(intervals(config)),
       clock_(clock_of(config.rates.refresh_frequency_hz)), ledger_(ledger), listener_(listener), list_(words.block_count),
       consents_(fleet.agvs), crane_(crane, words_, consents_), fleet_(fleet, words_, consents_),
+      user_tasks_(config_.tasks, words_, config_.rates.refresh_frequency_hz),
       torque_{{.x = task::torque, .y = robot_class::crane, .kind = words.kind_torque, .area = words.cr_base},
               JobKind::torque_compensation, intervals_.servo},
       pid_{{.x = task::pid, .y = robot_class::crane, .kind = words.kind_pid, .area = words.cr_base},
@@ -41,6 +42,9 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
   for (JobKind kind : {JobKind::obstacle_avoidance, JobKind::identify, JobKind::grab_path, JobKind::home_crane,
                        JobKind::home_agv, JobKind::error}) {
     longest_[kind] = refreshes(w.long_run_us);
+  }
+  for (std::size_t i = 0; i < config_.tasks.size(); ++i) {
+    longest_[static_cast<JobKind>(static_cast<std::size_t>(JobKind::user) + i)] = refreshes(w.long_run_us);
   }
 }
 
@@ -203,6 +207,7 @@ void Host::think() {
   crane_.refresh(*this, fleet_);
   if (const auto agv = crane_.take_loaded_agv()) fleet_.loaded(*agv);
   fleet_.refresh(*this, crane_.grabbing(), crane_.loading());
+  user_tasks_.refresh(*this);
   if (const auto cycle = cycles_.take_closed()) {
     fleet_.set_interval(cycle->agv, learned_interval(config_.scheduling, fleet_.interval(cycle->agv), intervals_.agv_point,
                                                      static_cast<unsigned>(config_.dock.agvs), *cycle));
@@ -357,6 +362,7 @@ void Host::write_new_blocks() {
 }
 
 std::uint32_t Host::importance_of(const Block& block) const {
+  if (user_tasks_.owns(block.task) && block.task.x != task::recompute) return importance(user_tasks_.row(block.task), block.t);
   ImportanceParameters parameters = parameters_;
   if (block.task.robot > 0) parameters.n_agv = fleet_.interval(block.task.robot - 1);
   return importance(parameters, block.task.x, block.task.y, block.t);
@@ -380,7 +386,8 @@ void Host::take_out(const Done& done) {
   for (Servo* servo : {&torque_, &pid_}) {
     if (servo->out && servo->block == done.block) servo->out = false, servo->last_t = t;
   }
-  if (task.robot == 0) crane_.finished(task, done.result, done.notify, *this);
+  if (user_tasks_.owns(task)) user_tasks_.ended(task);
+  else if (task.robot == 0) crane_.finished(task, done.result, done.notify, *this);
   else fleet_.finished(task, done.result, done.notify, *this);
 }
 
@@ -437,7 +444,7 @@ void Host::recompute(const Hung& hung) {
   const Block& block = list_[hung.block];
   listener_.failure({now_, hung.slot, "watchdog",
                      fmt::format("block {:#x} of kind {} was taken {} refreshes ago and is not done", words_.block(hung.block),
-                                 job_kinds()[static_cast<std::size_t>(job_of(hung.block))], block.t + elapsed_)});
+                                 ledger_.name(job_of(hung.block)), block.t + elapsed_)});
   if (static_cast<std::int64_t>(block.recomputations) < config_.watchdog.recomputations_max) {
     ++list_[hung.block].recomputations;
     list_.put_back(hung.block, task::recompute);
@@ -454,7 +461,7 @@ void Host::give_up(std::size_t index) {
   const Task task = list_[index].task;
   listener_.failure({now_, std::nullopt, "dropped block",
                      fmt::format("block {:#x} of kind {} hung {} times and is given up", words_.block(index),
-                                 job_kinds()[static_cast<std::size_t>(job_of(index))], list_[index].recomputations + 1)});
+                                 ledger_.name(job_of(index)), list_[index].recomputations + 1)});
   note(EventKind::remove, {words_.block(index), task.kind, list_[index].generation, 0, 0});
   list_.remove(index);
   ledger_.dropped(index, now_);
@@ -462,7 +469,8 @@ void Host::give_up(std::size_t index) {
     if (servo->out && servo->block == index) servo->out = false;
   }
   if (task.kind == words_.kind_error) return;
-  if (task.robot == 0) crane_.dropped(task);
+  if (user_tasks_.owns(task)) user_tasks_.ended(task);
+  else if (task.robot == 0) crane_.dropped(task);
   else fleet_.dropped(task);
   load({.x = task::error, .y = robot_class::none, .kind = words_.kind_error, .robot = task.robot, .area = task.area,
         .tick = static_cast<std::uint32_t>(tick_), .argument = task.kind}, std::nullopt);

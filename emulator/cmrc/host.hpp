@@ -25,6 +25,7 @@
 #include "cmrc/importance.hpp"
 #include "cmrc/ledger.hpp"
 #include "cmrc/list.hpp"
+#include "cmrc/user_task.hpp"
 #include "cmrc/words.hpp"
 #include "machine/machine.hpp"
 #include "report/event.hpp"
@@ -139,6 +140,7 @@ class Host : public machine::HostProgram, private Desk {
   Consents consents_;
   CraneProcesses crane_;
   Fleet fleet_;
+  UserTasks user_tasks_;
   Cycles cycles_;
   Servo torque_, pid_;
 

@@ -37,6 +37,10 @@ void place_kernels(toolchain::Image& image, const Config& config) {
     case AvoidanceBuild::vfh: choose("KIND_AVOIDANCE", "kernel_avoidance_vfh", "kernels.avoidance"); break;
     case AvoidanceBuild::dynamic_window: choose("KIND_AVOIDANCE", "kernel_avoidance_dwa", "kernels.avoidance"); break;
   }
+  for (std::size_t i = 0; i < config.tasks.size(); ++i) {
+    const UserTask& task = config.tasks[i];
+    place_kernel(image, image.symbol("KIND_USER") + static_cast<toolchain::Word>(i), task.program, task.origin.text() + ": tasks.program");
+  }
 }
 
 }  // namespace cmrc

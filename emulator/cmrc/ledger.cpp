@@ -14,8 +14,14 @@ const std::vector<std::string>& kind_names() {
   return names;
 }
 
-std::vector<Time> periods(Time servo) {
-  std::vector<Time> all(kind_names().size(), Time::zero());
+std::vector<std::string> with(const std::vector<std::string>& user_tasks) {
+  std::vector<std::string> all = kind_names();
+  for (const std::string& name : user_tasks) all.push_back("user." + name);
+  return all;
+}
+
+std::vector<Time> periods(Time servo, std::size_t user_tasks) {
+  std::vector<Time> all(kind_names().size() + user_tasks, Time::zero());
   all[static_cast<std::size_t>(JobKind::pid)] = all[static_cast<std::size_t>(JobKind::torque_compensation)] = servo;
   return all;
 }
@@ -37,11 +43,14 @@ JobKind job_kind(Word kind, const Words& words) {
   if (kind == words.kind_home_crane) return JobKind::home_crane;
   if (kind == words.kind_home_agv) return JobKind::home_agv;
   if (kind == words.kind_error) return JobKind::error;
+  if (kind >= words.kind_user && kind < words.kind_count) {
+    return static_cast<JobKind>(static_cast<Word>(JobKind::user) + kind - words.kind_user);
+  }
   throw std::invalid_argument("a task block of a kind that has no account");
 }
 
-Ledger::Ledger(std::vector<std::string> cause_names, Time servo_period)
-    : account_(kind_names(), std::move(cause_names), periods(servo_period)) {}
+Ledger::Ledger(std::vector<std::string> cause_names, Time servo_period, std::vector<std::string> user_tasks)
+    : names_(with(user_tasks)), account_(names_, std::move(cause_names), periods(servo_period, user_tasks.size())) {}
 
 Ledger::Slot& Ledger::slot(unsigned number) {
   if (slots_.size() <= number) slots_.resize(number + 1);
@@ -188,7 +197,7 @@ std::vector<report::Share> Ledger::occupied(unsigned number, Time now) const {
     if (open.slot == number && !open.finished) sums[static_cast<std::size_t>(open.kind)] += (now - open.claimed).count();
   }
   for (std::size_t i = 0; i < sums.size(); ++i) {
-    if (sums[i] != 0) shares.push_back({kind_names()[i], sums[i]});
+    if (sums[i] != 0) shares.push_back({names_.at(i), sums[i]});
   }
   return shares;
 }

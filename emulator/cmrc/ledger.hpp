@@ -21,7 +21,8 @@ using report::Time;
 /// Kinds of jobs in the order of ruling 29.
 enum class JobKind : std::uint8_t {
   pid, torque_compensation, trajectory_crane, trajectory_agv, inverse_crane, inverse_agv, obstacle_avoidance, identify,
-  grab_path, home_crane, home_agv, error, recompute
+  grab_path, home_crane, home_agv, error, recompute,
+  user  ///< the first of the user's own tasks
 };
 /// Keys of ruling 29, in the order of JobKind.
 std::vector<std::string> job_kinds();
@@ -32,8 +33,9 @@ using CauseTimes = std::vector<std::int64_t>;  ///< cycles of one chip by cause
 
 class Ledger {
  public:
-  /// \param cause_names of the chips; \param servo_period of PID and torque compensation
-  Ledger(std::vector<std::string> cause_names, Time servo_period);
+  /// \param cause_names of the chips; \param servo_period of PID and torque compensation; \param user_tasks their names,
+  /// kinds from JobKind::user on
+  Ledger(std::vector<std::string> cause_names, Time servo_period, std::vector<std::string> user_tasks = {});
 
   /// A job exists from now on: it is released at `released` (a servo block may be loaded before its tick).
   void release(std::size_t block, JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick);
@@ -59,6 +61,7 @@ class Ledger {
   /// Picoseconds that a DSP was occupied, by job kind.
   std::vector<report::Share> occupied(unsigned slot, Time now) const;
   std::optional<JobKind> kind_of(std::size_t block) const;
+  const std::string& name(JobKind kind) const { return names_.at(static_cast<std::size_t>(kind)); }
   const Audit& audit() const { return audit_; }
 
  private:
@@ -75,7 +78,7 @@ class Ledger {
   };
   struct Slot {
     std::uint64_t claims = 0;
-    std::vector<std::int64_t> occupied = std::vector<std::int64_t>(13, 0);
+    std::vector<std::int64_t> occupied = std::vector<std::int64_t>(21, 0);
   };
 
   report::Job job_of(const Open& open) const;
@@ -83,6 +86,7 @@ class Ledger {
   void leave(Open& open, Time at);
   Slot& slot(unsigned number);
 
+  std::vector<std::string> names_;
   report::TaskAccount account_;
   Audit audit_;
   std::map<std::size_t, Open> open_;

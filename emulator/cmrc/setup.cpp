@@ -143,6 +143,14 @@ std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfi
     put(w.cr_encoder_last + joint, dock.encoder(j, plant::Time{}));
     put(w.cr_encoder_total + joint, static_cast<Word>(dock.encoder_total(j, plant::Time{})));
   }
+  for (std::size_t i = 0; i < config.tasks.size(); ++i) {
+    const auto& parameters = config.tasks[i].parameters;
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+      const auto* real = std::get_if<double>(&parameters[k]);
+      all.push_back({w.us_base + static_cast<Word>(i) * w.us_words + static_cast<Word>(k),
+                     real != nullptr ? ti_float(*real) : static_cast<Word>(std::get<std::int64_t>(parameters[k]))});
+    }
+  }
   const auto boxes = std::min<std::size_t>(layout.layout.no_go.size(), 8);
   put(w.cr_box_count, static_cast<Word>(boxes));
   for (std::size_t i = 0; i < boxes; ++i) {

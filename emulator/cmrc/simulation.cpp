@@ -47,6 +47,12 @@ Time servo_period(const Config& config) {
 
 namespace {
 
+std::vector<std::string> user_names(const Config& config) {
+  std::vector<std::string> names;
+  for (const UserTask& task : config.tasks) names.push_back(task.name);
+  return names;
+}
+
 toolchain::Image assembled(const Config& config) {
   if (config.machine.programs.empty()) return toolchain::read_coff(c40_programs::built_in_image());
   const std::filesystem::path directory = config.machine.programs;
@@ -71,7 +77,7 @@ class Simulation::Parts {
  public:
   explicit Parts(const Config& given)
       : config(given), image(dsp_image(given)), words([this](std::string_view name) { return image.symbol(name); }),
-        dock_config(dock_of(given)), dock(dock_config), ledger(cause_names(), servo_period(given)),
+        dock_config(dock_of(given)), dock(dock_config), ledger(cause_names(), servo_period(given), user_names(given)),
         observer(words, ledger, log), host(given, words, crane_of(given, dock_config), fleet_of(given, dock_config), ledger, observer),
         machine(machine_of(given), image, &dock, &host), end(duration_of(given.run.duration_s)) {
     for (const AreaWord& word : initial_words(config, dock_config, words, dock)) machine.poke(word.offset, word.value);

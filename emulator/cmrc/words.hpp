@@ -16,7 +16,8 @@ struct Words {
   Word x, y, t, flag, importance, link, kind, area, tick, argument, owner, generation, result, notify;
   Word flag_waiting, flag_taken, flag_done;
   Word kind_error, kind_trajectory_crane, kind_trajectory_agv, kind_inverse_crane, kind_inverse_agv, kind_torque, kind_pid,
-      kind_identify, kind_grab_path, kind_home_crane, kind_home_agv, kind_avoidance, kind_count;
+      kind_identify, kind_grab_path, kind_home_crane, kind_home_agv, kind_avoidance, kind_count, kind_user;
+  Word us_base, us_words;
   Word must_process, may_process, must_trajectory, must_inverse, end_of_leg;
   Word pid_landed, pid_locked, pid_open, pid_starved, pid_settled, pid_ramp_done;
   Word semaphore, semaphore_owner, semaphore_held, semaphore_list, doorbell_ring, doorbell_idle, fence_mask, reset_dsp;

@@ -1,0 +1,1 @@
+; Tasks of your own: docs/add-a-task.md.
