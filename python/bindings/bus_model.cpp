@@ -112,39 +112,6 @@ class PyBus final : public Monitor {
   std::deque<Master> masters;
 };
 
-// A load like the dock scene's, without Python in the loop: gives the number of transactions done in `clocks`.
-std::uint64_t exercise(unsigned masters, Clocks clocks, Clocks pause) {
-  struct Loader final : Initiator {
-    void completed(const Transaction& transaction, std::span<const Word>) override {
-      count += 1;
-      state = state * 6364136223846793005u + 1442695040888963407u;
-      const auto random = static_cast<Word>(state >> 33);
-      bus->submit(transaction.master, (random & 3) == 0, random & 0xFFF, 1 + (random >> 12 & 7),
-                  transaction.ended + 1 + static_cast<Clocks>(random >> 16) % (2 * pause));
-    }
-    Bus* bus = nullptr;
-    Clocks pause = 0;
-    std::uint64_t state = 0;
-    std::uint64_t count = 0;
-  };
-  Bus bus;
-  Memory memory{0x2000};
-  memory.log = false;
-  std::vector<Loader> loaders(masters);
-  bus.add_target(TargetConfig::sram(), memory, 0, 0x2000);
-  for (unsigned i = 0; i < masters; ++i) {
-    loaders[i].bus = &bus;
-    loaders[i].pause = pause;
-    loaders[i].state = i;
-    bus.add_master({}, loaders[i]);
-    bus.submit(i, false, i, 1, i);
-  }
-  bus.advance_to(clocks);
-  std::uint64_t total = 0;
-  for (const Loader& loader : loaders) total += loader.count;
-  return total;
-}
-
 template <class Class>
 void bind_histogram(Class& owner) {
   owner.def("count", &Histogram::count)
@@ -332,7 +299,4 @@ void bind_bus_model(py::module_& core) {
           "statistics", [](const PyBus& b, Clocks clock) { return b.bus.statistics(clock); }, py::arg("clock"))
       .def("master_statistics", [](const PyBus& b, unsigned master) { return b.bus.master_statistics(master); })
       .def("target_statistics", [](const PyBus& b, unsigned target) { return b.bus.target_statistics(target); });
-  m.def("exercise", &exercise, py::arg("masters"), py::arg("clocks"), py::arg("pause"),
-        "Transactions done by so many masters that pause `pause` clocks on average between random accesses of 1 to 8 "
-        "words.");
 }

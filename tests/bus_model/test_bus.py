@@ -1,7 +1,6 @@
 """PCI's rules as counted in plant-and-bus.md 3.1 and 3.6, held against the bus model."""
 
 import random
-import time
 from itertools import pairwise
 
 import pytest
@@ -335,12 +334,3 @@ def test_the_histogram_against_sorted_values() -> None:
     assert (histogram.count(), histogram.sum(), histogram.max()) == (5000, sum(values), values[-1])
     octaves = histogram.octaves()
     assert octaves[5] == sum(32 <= v < 64 for v in values) and octaves[0] == sum(v < 2 for v in values)
-
-
-def test_a_transaction_is_cheap() -> None:
-    """The dock scene does about 300 000 transactions per second; a minute of them has to cost well under 5 s."""
-    start = time.perf_counter()
-    done = pci.exercise(masters=5, clocks=33_333_333, pause=500)
-    took = time.perf_counter() - start
-    assert done > 250_000
-    assert took / done < 5.0 / (60 * 300_000) * 2  # twice the budget: this machine may be busy

@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable
 
 import pytest
-from cmrc import _core
 from avoidance_loop import show
+from cmrc import _core
 from harness_agv import Dsp
 from lanes import loop
 from range_scene import Disc, Scene

@@ -2,7 +2,6 @@
 
 import random
 import subprocess
-import time
 from pathlib import Path
 
 import pytest
@@ -59,7 +58,6 @@ t:      .word   t,hi16(t)&0FFh,lo16(t)<<2,page(buf),single(1.0)/2
 
 
 def outcome(source: str) -> str:
-    started = time.monotonic()
     try:
         toolchain.assemble(source, include_dirs=[EXAMPLES])
         result = "fine"
@@ -71,7 +69,6 @@ def outcome(source: str) -> str:
         toolchain.assemble_object(source, include_dirs=[EXAMPLES])
     except toolchain.AssemblyError:
         pass
-    assert time.monotonic() - started < 5
     return result
 
 
@@ -158,7 +155,6 @@ def test_any_order_of_directives_is_assembled_or_refused(lines: list[str]) -> No
     ],
 )  # fmt: skip
 def test_what_a_slip_can_ask_for(source: str, line: int, message: str | None) -> None:
-    started = time.monotonic()
     if message is None:
         outcome(source)
     else:
@@ -166,7 +162,6 @@ def test_what_a_slip_can_ask_for(source: str, line: int, message: str | None) ->
             toolchain.assemble(source)
         first = caught.value.diagnostics[0]
         assert first["line"] == line and message in first["message"], first
-    assert time.monotonic() - started < 5
 
 
 def test_a_thousand_errors_are_reported_and_then_an_end_is_made() -> None:
