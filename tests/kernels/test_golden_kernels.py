@@ -100,27 +100,28 @@ def agv_facing_a_person() -> Dsp:
     return dsp
 
 
+# kernel, its inputs, TB_ARGUMENT, TB_TICK
+CASES: list[tuple[str, Callable[[], Dsp], int, int]] = [
+    ("trajectory_crane", crane, 0, 0),
+    ("inverse_crane", crane_moving, 3, 0),
+    ("torque", crane_moving, 0, TICK + 24),
+    ("torque_newton_euler", crane_moving, 0, TICK + 24),
+    ("pid", crane_moving, 0, TICK + 24),
+    ("identify", ship, 0, 0),
+    ("grab_path", crane, 0, 0),
+    ("home_crane", crane, 0, 0),
+    ("trajectory_agv", agv, 0, 0),
+    ("inverse_agv", agv_planned, 0, 0),
+    ("home_agv", agv, 0, 0),
+    ("avoidance", agv, 400, 0),
+    ("avoidance_potential", agv_facing_a_person, 0, 0),
+    ("avoidance_vfh", agv_facing_a_person, 0, 0),
+    ("avoidance_dwa", agv_facing_a_person, 0, 0),
+]
+
+
 @pytest.mark.golden
-@pytest.mark.parametrize(
-    ("kernel", "prepare", "argument", "tick"),
-    [
-        ("trajectory_crane", crane, 0, 0),
-        ("inverse_crane", crane_moving, 3, 0),
-        ("torque", crane_moving, 0, TICK + 24),
-        ("torque_newton_euler", crane_moving, 0, TICK + 24),
-        ("pid", crane_moving, 0, TICK + 24),
-        ("identify", ship, 0, 0),
-        ("grab_path", crane, 0, 0),
-        ("home_crane", crane, 0, 0),
-        ("trajectory_agv", agv, 0, 0),
-        ("inverse_agv", agv_planned, 0, 0),
-        ("home_agv", agv, 0, 0),
-        ("avoidance", agv, 400, 0),
-        ("avoidance_potential", agv_facing_a_person, 0, 0),
-        ("avoidance_vfh", agv_facing_a_person, 0, 0),
-        ("avoidance_dwa", agv_facing_a_person, 0, 0),
-    ],
-)
+@pytest.mark.parametrize(("kernel", "prepare", "argument", "tick"), CASES)
 def test_kernel(golden: Callable[[str, str], None], kernel: str, prepare: Callable[[], Dsp], argument: int, tick: int) -> None:
     *_, cycles = prepare().run(kernel, argument, tick)
     dsp = prepare()
