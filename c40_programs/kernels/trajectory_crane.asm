@@ -24,9 +24,13 @@ TJ_SUM          .set SCRATCH + 80       ; p and its derivatives 1..4, 4 words ea
 TJ_START        .set SCRATCH + 112      ; t_i, 8 words
 TJ_TOTAL        .set SCRATCH + 120
 TJ_SELECTOR     .set SCRATCH + 121
+TJ_SHAPED       .set SCRATCH + 122      ; 0: this build; 1: trajectory_crane_shaper.asm
 TJ_MAX_SEGMENTS .set 8
 
 kernel_trajectory_crane:
+        ldi     0, r0
+trajectory_crane_build:
+        sti     r0, @TJ_SHAPED
         ldi     ar6, ar5
         addi    CR_TRAJECTORY, ar5
         ldi     *ar5, r0
@@ -107,6 +111,8 @@ trajectory_crane_more:
         cmpi    0, ar2
         bge     trajectory_crane_durations
         call    trajectory_crane_starts
+        ldi     @TJ_SHAPED, r0
+        callnz  shaper_ahead
 
         ldf     @TJ_PERIOD, r0                  ; points: ceil(total / period), at least one
         call    m_reciprocal
@@ -137,6 +143,8 @@ trajectory_crane_more:
 
 ; The payload at t = (k - k0 + 1) period.
 trajectory_crane_point:
+        ldi     @TJ_SHAPED, r0
+        bnz     shaper_point
         ldhi    hi16(TJ_CHAIN), ar3
         or      lo16(TJ_CHAIN), ar3
         ldhi    hi16(TJ_DURATION), ar4
@@ -254,6 +262,7 @@ trajectory_crane_summed:
 trajectory_crane_suspend:
         nop     *ar1++
 
+trajectory_crane_write:
         ldi     @TASK + TB_ARGUMENT, ar1
         and     1, ar1
         lsh     4, ar1
@@ -343,6 +352,12 @@ trajectory_crane_has_via:
 
 ; R0 <- T of the segment from *AR3 to *+AR3(4): the longest that any limit of docs/kernels.md asks for.
 trajectory_crane_duration:
+        ldhi    hi16(K_TJ_XY1), ar1
+        or      lo16(K_TJ_XY1), ar1
+        ldi     @TJ_SHAPED, r0
+        bz      trajectory_crane_limits
+        addi    K_TJ_SHAPED - K_TJ_XY1, ar1
+trajectory_crane_limits:
         ldf     *+ar3(4), r0
         subf    *ar3, r0
         mpyf    r0, r0
@@ -352,10 +367,10 @@ trajectory_crane_duration:
         addf    r1, r0
         call    m_sqrt                          ; h
         ldf     r0, r8
-        mpyf    @K_TJ_XY1, r8                   ; longest T
+        mpyf    *ar1, r8                   ; longest T
         ldf     r0, r9
-        mpyf    @K_TJ_XY2, r9                   ; longest T^2
-        mpyf    @K_TJ_XY4, r0
+        mpyf    *+ar1(1), r9                   ; longest T^2
+        mpyf    *+ar1(2), r0
         call    m_sqrt
         cmpf    r9, r0
         ldfgt   r0, r9
@@ -363,20 +378,20 @@ trajectory_crane_duration:
         subf    *+ar3(2), r0
         absf    r0, r0
         ldf     r0, r1
-        mpyf    @K_TJ_Z1, r1
+        mpyf    *+ar1(3), r1
         cmpf    r8, r1
         ldfgt   r1, r8
-        mpyf    @K_TJ_Z2, r0
+        mpyf    *+ar1(4), r0
         cmpf    r9, r0
         ldfgt   r0, r9
         ldf     *+ar3(7), r0
         subf    *+ar3(3), r0
         absf    r0, r0
         ldf     r0, r1
-        mpyf    @K_TJ_YAW1, r1
+        mpyf    *+ar1(5), r1
         cmpf    r8, r1
         ldfgt   r1, r8
-        mpyf    @K_TJ_YAW2, r0
+        mpyf    *+ar1(6), r0
         cmpf    r9, r0
         ldfgt   r0, r9
         ldf     r9, r0

@@ -13,3 +13,14 @@ K_TJ_YAW1           .set $ - LIFT               ; 0.1 rad/s
                     .float 2.4609375 / 0.1
 K_TJ_YAW2           .set $ - LIFT               ; 0.03 rad/s2
                     .float 9.372 / 0.03
+; The same for quintics: peaks 1.875 and 5.774; no fourth derivative is asked for.
+K_TJ_SHAPED         .set $ - LIFT
+                    .float 1.875 / 2.3, 5.7735 / 0.4, 0.0, 1.875 / 0.8, 5.7735 / 0.12, 1.875 / 0.1, 5.7735 / 0.03
+K_TJ_SLEW           .set $ - LIFT               ; look-ahead: 1 / joint speed limits
+                    .float 1.0 / 0.12
+K_TJ_LUFF           .set $ - LIFT
+                    .float 1.0 / 0.05
+K_TJ_HOIST          .set $ - LIFT
+                    .float 1.0
+K_TJ_SEVENTEENTH    .set $ - LIFT
+                    .float 1.0 / 17.0

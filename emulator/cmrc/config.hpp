@@ -25,6 +25,7 @@ enum class Learning { off, proportional, unit };
 enum class CraneModel { sway, rigid };
 enum class ServoReload { locked, inherited };
 enum class TorqueBuild { closed_form, newton_euler };
+enum class TrajectoryBuild { blend9, quintic_shaper };
 enum class AvoidanceBuild { none, synthetic, potential_field, vfh, dynamic_window };
 
 /// All parameters of a run. Units are in the names, as in the TOML keys.
@@ -84,6 +85,7 @@ struct Config {
   /// Which build of a task's program the DSPs run.
   struct Kernels {
     TorqueBuild torque = TorqueBuild::closed_form;
+    TrajectoryBuild trajectory = TrajectoryBuild::blend9;
     AvoidanceBuild avoidance = AvoidanceBuild::synthetic;
   } kernels;
   struct Load {

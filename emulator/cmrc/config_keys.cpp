@@ -154,6 +154,8 @@ std::vector<Key> make_keys() {
       choice("kernels.torque", FIELD(kernels.torque), {"closed_form", "newton_euler"},
              "torque compensation: closed form of the crane's equations, or recursive Newton-Euler over its links",
              "plant-and-bus.md 2.1"),
+      choice("kernels.trajectory", FIELD(kernels.trajectory), {"blend9", "quintic_shaper"},
+             "the crane's trajectory: blends of degree 9 of the load itself, or quintics through an input shaper", "plant-and-bus.md 2.1"),
       choice("kernels.avoidance", FIELD(kernels.avoidance), {"none", "synthetic", "potential_field", "vfh", "dynamic_window"},
              "obstacle avoidance of each AGV and planning point: not at all, a load of load.avoidance_cycles, or one of the methods",
              "plant-and-bus.md 2.1"),

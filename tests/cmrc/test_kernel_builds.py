@@ -42,3 +42,11 @@ def test_avoidance_runs_once_per_agv_and_point(build: str, least_us: float, most
 def test_no_avoidance_means_none() -> None:
     report = run(duration_s=0.2, **{"kernels.avoidance": "none", "load.avoidance_cycles": 1000})
     assert report["tasks"]["obstacle_avoidance"]["released"] == 0
+
+
+def test_the_quintic_build_plans_the_crane() -> None:
+    blend = run(duration_s=0.3)
+    quintic = run(duration_s=0.3, **{"kernels.trajectory": "quintic_shaper"})
+    task = "trajectory_planning.crane"
+    assert quintic["tasks"][task]["on_time"] == quintic["tasks"][task]["released"] > 30
+    assert execution_us(quintic, task) > execution_us(blend, task)

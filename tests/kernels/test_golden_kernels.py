@@ -103,6 +103,7 @@ def agv_facing_a_person() -> Dsp:
 # kernel, its inputs, TB_ARGUMENT, TB_TICK
 CASES: list[tuple[str, Callable[[], Dsp], int, int]] = [
     ("trajectory_crane", crane, 0, 0),
+    ("trajectory_crane_shaper", crane, 0, 0),
     ("inverse_crane", crane_moving, 3, 0),
     ("torque", crane_moving, 0, TICK + 24),
     ("torque_newton_euler", crane_moving, 0, TICK + 24),
