@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "plant/crane_alone.hpp"
 #include "plant/dock_core.hpp"
 #include "plant/math.hpp"
 #include "plant/range.hpp"
@@ -26,12 +27,9 @@ void check(const DockConfig& c) {
   require(c.drive_timeout >= 0.0, "drive_timeout must not be negative");
   require(!c.layout.rows.empty(), "the bay needs at least one row");
   require(c.layout.scan_dx > 0.0, "scan_dx must be positive");
-  require(c.crane.spreader_mass > 0.0 && c.crane.spreader_inertia > 0.0, "the spreader needs mass and inertia");
+  check(c.crane);
   require(c.landing.away > c.landing.near && c.landing.near > 0.0, "landing needs 0 < near < away");
   for (const auto& place : c.layout.containers) require(place.mass > 0.0, "a container's mass must be positive");
-  for (const auto& drive : c.crane.drives)
-    require(drive.torque_lag > 0.0 && drive.gear > 0.0 && drive.rated_torque > 0.0 && drive.rated_speed > 0.0,
-            "a drive needs positive torque_lag, gear, rated_torque and rated_speed");
 }
 
 void set_bit(std::uint32_t& mask, std::size_t i, bool on) { mask = on ? mask | 1U << i : mask & ~(1U << i); }

@@ -120,7 +120,7 @@ void DockCore::apply_brakes() {
     const DriveParameters& drive = config.crane.drives[j];
     if (!bit(state.inputs.locked, k)) {
       if (std::fabs(state.crane.qd[k]) > 1e-3 * drive.rated_joint_speed()) continue;
-      stop_coordinate(k);
+      crane.stop(state.crane, state.inputs, k);
       state.inputs.braked[j] = false;
       state.inputs.locked |= 1U << k;
       continue;
@@ -132,19 +132,6 @@ void DockCore::apply_brakes() {
       state.inputs.braked[j] = true;
     }
   }
-}
-
-// Brings one coordinate to rest by an impulse there; the others feel it through the crane's inertia.
-void DockCore::stop_coordinate(std::size_t k) {
-  CraneVector& qd = state.crane.qd;
-  if (qd[k] == 0.0) return;
-  const CraneMatrix m = crane.crane().mass_matrix(state.crane.q, state.inputs.payload);
-  CraneVector impulse{};
-  impulse[k] = 1.0;
-  const CraneVector response = Crane::solve(m, impulse, state.inputs.locked & ~(1U << k));
-  const double scale = -qd[k] / response[k];
-  for (std::size_t i = 0; i < crane_size; ++i) qd[i] += scale * response[i];
-  qd[k] = 0.0;
 }
 
 void DockCore::check_limits() {
@@ -161,7 +148,7 @@ void DockCore::check_limits() {
     state.at_limit |= 1U << j;
     q = std::clamp(q, low, high);
     const double speed = state.crane.qd[k];
-    if ((q <= low && speed < 0.0) || (q >= high && speed > 0.0)) stop_coordinate(k);
+    if ((q <= low && speed < 0.0) || (q >= high && speed > 0.0)) crane.stop(state.crane, state.inputs, k);
   }
 }
 

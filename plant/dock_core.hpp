@@ -45,7 +45,6 @@ class DockCore {
   void take_codes();
   void watch_updates();
   void apply_brakes();
-  void stop_coordinate(std::size_t coordinate);
   void check_limits();
   void check_fault();
   void watch_free_payload();

@@ -9,6 +9,7 @@
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
 #include <algorithm>
+#include <array>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -21,10 +22,13 @@ struct Call {
   RightHandSide f = nullptr;
   void* model = nullptr;
   std::string message;
+  const double* linked = nullptr;  // a parameter that CVODES varies, and where f reads it
+  double* link = nullptr;
 };
 
 int evaluate(realtype, N_Vector y, N_Vector yd, void* data) {
   auto& call = *static_cast<Call*>(data);
+  if (call.link != nullptr) *call.link = *call.linked;
   call.f(call.model, NV_DATA_S(y), NV_DATA_S(yd));
   return 0;
 }
@@ -57,6 +61,37 @@ struct Vector {
   Vector(const Vector&) = delete;
   Vector& operator=(const Vector&) = delete;
   double* data() { return NV_DATA_S(vector); }
+};
+
+// CVODES' memory and what hangs on it.
+struct Solver {
+  void* memory;
+  SUNMatrix matrix = nullptr;
+  SUNLinearSolver linear = nullptr;
+  SUNNonlinearSolver nonlinear = nullptr;
+  SUNNonlinearSolver staggered = nullptr;
+
+  Solver(int method, const Context& context) : memory(CVodeCreate(method, context.context)) {
+    if (memory == nullptr) throw std::runtime_error("plant: CVodeCreate failed");
+  }
+  ~Solver() {
+    CVodeFree(&memory);
+    if (linear != nullptr) SUNLinSolFree(linear);
+    if (matrix != nullptr) SUNMatDestroy(matrix);
+    if (nonlinear != nullptr) SUNNonlinSolFree(nonlinear);
+    if (staggered != nullptr) SUNNonlinSolFree(staggered);
+  }
+  Solver(const Solver&) = delete;
+  Solver& operator=(const Solver&) = delete;
+
+  void begin(Call& call, Vector& state, double relative, Vector& tolerance, double interval) const {
+    require(CVodeSetErrHandlerFn(memory, keep_message, &call), call, "CVodeSetErrHandlerFn");
+    require(CVodeInit(memory, evaluate, 0.0, state.vector), call, "CVodeInit");
+    require(CVodeSetUserData(memory, &call), call, "CVodeSetUserData");
+    require(CVodeSVtolerances(memory, relative, tolerance.vector), call, "CVodeSVtolerances");
+    require(CVodeSetMaxNumSteps(memory, 10'000'000), call, "CVodeSetMaxNumSteps");
+    require(CVodeSetStopTime(memory, interval), call, "CVodeSetStopTime");
+  }
 };
 
 }  // namespace
@@ -129,25 +164,9 @@ void advance_reference(bool stiff, double relative, std::span<const double> abso
   Vector tolerance(y.size(), context);
   std::copy(y.begin(), y.end(), state.data());
   std::copy(absolute.begin(), absolute.end(), tolerance.data());
-  Call call{f, model, {}};
-  struct Solver {
-    void* memory;
-    SUNMatrix matrix = nullptr;
-    SUNLinearSolver linear = nullptr;
-    SUNNonlinearSolver nonlinear = nullptr;
-    ~Solver() {
-      CVodeFree(&memory);
-      if (linear != nullptr) SUNLinSolFree(linear);
-      if (matrix != nullptr) SUNMatDestroy(matrix);
-      if (nonlinear != nullptr) SUNNonlinSolFree(nonlinear);
-    }
-  } solver{CVodeCreate(stiff ? CV_BDF : CV_ADAMS, context.context)};
-  if (solver.memory == nullptr) throw std::runtime_error("plant: CVodeCreate failed");
-  require(CVodeSetErrHandlerFn(solver.memory, keep_message, &call), call, "CVodeSetErrHandlerFn");
-  require(CVodeInit(solver.memory, evaluate, 0.0, state.vector), call, "CVodeInit");
-  require(CVodeSetUserData(solver.memory, &call), call, "CVodeSetUserData");
-  require(CVodeSVtolerances(solver.memory, relative, tolerance.vector), call, "CVodeSVtolerances");
-  require(CVodeSetMaxNumSteps(solver.memory, 10'000'000), call, "CVodeSetMaxNumSteps");
+  Call call{.f = f, .model = model};
+  Solver solver(stiff ? CV_BDF : CV_ADAMS, context);
+  solver.begin(call, state, relative, tolerance, interval);
   if (stiff) {
     const auto n = static_cast<sunindextype>(y.size());
     solver.matrix = SUNDenseMatrix(n, n, context.context);
@@ -158,9 +177,46 @@ void advance_reference(bool stiff, double relative, std::span<const double> abso
     require(CVodeSetNonlinearSolver(solver.memory, solver.nonlinear), call, "CVodeSetNonlinearSolver");
   }
   double reached = 0.0;
-  require(CVodeSetStopTime(solver.memory, interval), call, "CVodeSetStopTime");
   require(CVode(solver.memory, interval, state.vector, &reached, CV_NORMAL), call, "CVode");
   std::copy_n(state.data(), y.size(), y.begin());
+}
+
+void advance_sensitivity(double relative, std::span<const double> absolute, RightHandSide f, void* model, std::span<double> y,
+                         std::span<double> by_parameter, std::span<double> by_start, double& parameter, double start_size,
+                         double interval) {
+  const Context context;
+  Vector state(y.size(), context);
+  Vector tolerance(y.size(), context);
+  Vector first(y.size(), context);
+  Vector second(y.size(), context);
+  std::copy(y.begin(), y.end(), state.data());
+  std::copy(absolute.begin(), absolute.end(), tolerance.data());
+  std::copy(by_parameter.begin(), by_parameter.end(), first.data());
+  std::copy(by_start.begin(), by_start.end(), second.data());
+  Call call{.f = f, .model = model};
+  Solver solver(CV_ADAMS, context);
+  solver.begin(call, state, relative, tolerance, interval);
+  solver.nonlinear = SUNNonlinSol_FixedPoint(state.vector, 0, context.context);
+  require(CVodeSetNonlinearSolver(solver.memory, solver.nonlinear), call, "CVodeSetNonlinearSolver");
+  std::array<N_Vector, 2> vectors{first.vector, second.vector};
+  require(CVodeSensInit1(solver.memory, 2, CV_STAGGERED, nullptr, vectors.data()), call, "CVodeSensInit1");
+  // Two parameters must lie side by side: f reads the first through `link`, and the second enters by the initial values alone.
+  std::array<double, 2> values{parameter, start_size};
+  std::array<double, 2> sizes = values;
+  std::array<int, 2> list{0, 1};
+  call.linked = values.data();
+  call.link = &parameter;
+  require(CVodeSetSensParams(solver.memory, values.data(), sizes.data(), list.data()), call, "CVodeSetSensParams");
+  require(CVodeSensEEtolerances(solver.memory), call, "CVodeSensEEtolerances");
+  require(CVodeSetSensErrCon(solver.memory, SUNTRUE), call, "CVodeSetSensErrCon");
+  solver.staggered = SUNNonlinSol_FixedPointSens(2, state.vector, 0, context.context);
+  require(CVodeSetNonlinearSolverSensStg(solver.memory, solver.staggered), call, "CVodeSetNonlinearSolverSensStg");
+  double reached = 0.0;
+  require(CVode(solver.memory, interval, state.vector, &reached, CV_NORMAL), call, "CVode");
+  require(CVodeGetSens(solver.memory, &reached, vectors.data()), call, "CVodeGetSens");
+  std::copy_n(state.data(), y.size(), y.begin());
+  std::copy_n(first.data(), y.size(), by_parameter.begin());
+  std::copy_n(second.data(), y.size(), by_start.begin());
 }
 
 }  // namespace plant

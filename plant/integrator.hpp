@@ -33,4 +33,10 @@ class Integrator {
 void advance_reference(bool stiff, double relative, std::span<const double> absolute, RightHandSide f, void* model,
                        std::span<double> y, double interval);
 
+// CVODES (Adams) with two forward sensitivities: `by_parameter` by `parameter`, which f reads and CVODES varies, and `by_start` by a
+// quantity of the given size that enters through the initial values alone. Both hold the derivatives at the start, then at the end.
+void advance_sensitivity(double relative, std::span<const double> absolute, RightHandSide f, void* model, std::span<double> y,
+                         std::span<double> by_parameter, std::span<double> by_start, double& parameter, double start_size,
+                         double interval);
+
 }  // namespace plant

@@ -119,4 +119,36 @@ CraneVector CraneMotion::holding_force(const CraneState& state, const CraneInput
   return holding;
 }
 
+void CraneMotion::stop(CraneState& state, const CraneInputs& inputs, std::size_t k) const {
+  CraneVector& qd = state.qd;
+  if (qd[k] == 0.0) return;
+  const CraneMatrix m = crane_.mass_matrix(state.q, inputs.payload);
+  CraneVector impulse{};
+  impulse[k] = 1.0;
+  const CraneVector response = Crane::solve(m, impulse, inputs.locked & ~(1U << k));
+  const double scale = -qd[k] / response[k];
+  for (std::size_t i = 0; i < crane_size; ++i) qd[i] += scale * response[i];
+  qd[k] = 0.0;
+}
+
+std::array<CraneMotion::Packed, 2> CraneMotion::sensitivity(const CraneState& state, const CraneInputs& inputs, double seconds) const {
+  // CVODES varies the payload's mass in place while it differences the right-hand side.
+  struct Varied {
+    CraneMotion motion;
+    CraneInputs inputs;
+    double mass;
+  } varied{{crane_.parameters(), tolerance_}, inputs, inputs.payload.mass};
+  const auto f = [](void* model, const double* y, double* yd) {
+    auto& self = *static_cast<Varied*>(model);
+    self.inputs.payload.mass = self.mass;
+    self.motion.inputs_ = &self.inputs;
+    derivative(&self.motion, y, yd);
+  };
+  Packed y = pack(state);
+  std::array<Packed, 2> by{};
+  by[1][Q_L] = 1.0;
+  advance_sensitivity(tolerance_, absolute_, f, &varied, y, by[0], by[1], varied.mass, state.q[Q_L], seconds);
+  return by;
+}
+
 }  // namespace plant

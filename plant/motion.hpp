@@ -13,10 +13,10 @@ struct CraneState {
   double step = 1e-4;   // s, with which the integrator begins
 };
 
-// What is held while the crane moves.
 // The sway angles, as bits of CraneInputs::locked.
 inline constexpr unsigned sway_coordinates = 1U << Q_ALPHA | 1U << Q_BETA;
 
+// What is held while the crane moves.
 struct CraneInputs {
   Joints command{};            // motor torque, N m
   std::array<bool, joint_count> braked{};  // brake closed and slipping
@@ -38,6 +38,10 @@ class CraneMotion {
   // Tests: fixed steps, and an independent multistep integrator.
   void advance_fixed(CraneState&, const CraneInputs&, double seconds, double step);
   void advance_reference(CraneState&, const CraneInputs&, double seconds, bool stiff);
+  // Brings one coordinate to rest by an impulse there; the others feel it through the crane's inertia.
+  void stop(CraneState&, const CraneInputs&, std::size_t coordinate) const;
+  // CVODES' forward sensitivities: derivatives of (q, qd, torque) after `seconds` by the payload's mass and by the rope's length at the start.
+  std::array<std::array<double, 2 * crane_size + joint_count>, 2> sensitivity(const CraneState&, const CraneInputs&, double seconds) const;
   long evaluations() const { return integrator_.evaluations(); }
 
   static constexpr std::size_t size = 2 * crane_size + joint_count;

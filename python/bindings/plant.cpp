@@ -4,6 +4,7 @@
 
 #include "plant/contact.hpp"
 #include "plant/crane.hpp"
+#include "plant/crane_alone.hpp"
 #include "plant/dock.hpp"
 #include "plant/motion.hpp"
 #include "plant/state.hpp"
@@ -141,6 +142,7 @@ void bind_config(py::module_& m) {
       FIELD(AgvParameters, braking) FIELD(AgvParameters, emergency) FIELD(AgvParameters, blend_speed)
       FIELD(AgvParameters, speed_gain) FIELD(AgvParameters, speed_integral);
   py::class_<SensorParameters>(m, "SensorParameters")
+      .def(py::init<>())
       FIELD(SensorParameters, sway_range) FIELD(SensorParameters, sway_noise) FIELD(SensorParameters, seed);
   py::class_<Box>(m, "Box")
       .def(py::init<double, double, double, double, double, double>())
@@ -169,6 +171,44 @@ void bind_config(py::module_& m) {
 }
 
 #undef FIELD
+
+void bind_alone(py::module_& m) {
+  py::class_<CraneAlone::State>(m, "CraneAloneState", "Everything that the crane's future depends on; opaque but for reading.")
+      .def_property_readonly("time", [](const CraneAlone::State& s) { return s.time; });
+  py::class_<CraneAlone>(m, "CraneAlone", "A crane by itself, driven by motor torques.")
+      .def(py::init([](const CraneParameters& crane, const CranePose& home, double mass, double inertia, double rated_load, bool rigid,
+                       double tolerance, int order, const SensorParameters& sensors) {
+             return std::make_unique<CraneAlone>(
+                 CraneAloneConfig{crane, home, {mass, inertia}, rated_load, rigid, tolerance, order, sensors});
+           }),
+           py::arg("crane"), py::arg("home"), py::arg("mass"), py::arg("inertia"), py::arg("rated_load"), py::arg("rigid"),
+           py::arg("tolerance"), py::arg("order"), py::arg("sensors"))
+      .def("step", &CraneAlone::step, py::arg("torques"), py::arg("dt"))
+      .def(
+          "run", [](CraneAlone& c, const Joints& torque, double dt, long steps) { for (long i = 0; i < steps; ++i) c.step(torque, dt); },
+          py::arg("torques"), py::arg("dt"), py::arg("steps"), py::call_guard<py::gil_scoped_release>())
+      .def("set_load", [](CraneAlone& c, double mass, double inertia) { c.set_load({mass, inertia}); }, py::arg("mass"), py::arg("inertia"))
+      .def("reset", &CraneAlone::reset, py::arg("q"), py::arg("qd"))
+      .def("snapshot", [](const CraneAlone& c) { return c.state(); })
+      .def("restore", &CraneAlone::restore)
+      .def_property_readonly("q", [](const CraneAlone& c) { return c.state().crane.q; })
+      .def_property_readonly("qd", [](const CraneAlone& c) { return c.state().crane.qd; })
+      .def_property_readonly("torque", [](const CraneAlone& c) { return c.state().crane.torque; })
+      .def_property_readonly("time", [](const CraneAlone& c) { return c.state().time; })
+      .def_property_readonly("faulted", [](const CraneAlone& c) { return c.state().faulted; })
+      .def_property_readonly("at_limit", [](const CraneAlone& c) { return c.state().at_limit; })
+      .def_property_readonly("swung_out", [](const CraneAlone& c) { return c.state().swung_out; })
+      .def_property_readonly("payload", [](const CraneAlone& c) { return std::pair{c.state().inputs.payload.mass, c.state().inputs.payload.inertia}; })
+      .def_property_readonly("model", [](const CraneAlone& c) { return c.crane(); })
+      .def("acceleration", &CraneAlone::acceleration)
+      .def("energy", &CraneAlone::energy)
+      .def("encoders", &CraneAlone::encoders)
+      .def("sway", &CraneAlone::sway)
+      .def("sensitivity", [](const CraneAlone& c, const Joints& torque, double seconds) {
+        const CraneSensitivity s = c.sensitivity(torque, seconds);
+        return std::tuple{s.q_by_mass, s.qd_by_mass, s.q_by_length, s.qd_by_length};
+      }, py::arg("torques"), py::arg("seconds"));
+}
 
 Time ps(std::int64_t t) { return Time{t}; }
 
@@ -310,6 +350,7 @@ void bind_plant(py::module_& core) {
   bind_crane_parameters(m);
   bind_motion(m);
   bind_config(m);
+  bind_alone(m);
   bind_records(m);
   bind_dock(m);
   bind_contact(m);

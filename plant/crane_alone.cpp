@@ -1,0 +1,185 @@
+#include "plant/crane_alone.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <stdexcept>
+
+#include "plant/math.hpp"
+#include "plant/sensors.hpp"
+
+namespace plant {
+namespace {
+
+constexpr double longest_piece = 1e-3;  // s, between two looks at brakes and end stops
+constexpr double widest_sway = 40.0 * std::numbers::pi / 180.0;
+constexpr std::int64_t sway_sample = 10'000'000'000;  // ps
+
+void refuse(bool bad, const char* what, double value) {
+  if (bad) throw std::invalid_argument(fmt::format("plant: {} (got {})", what, value));
+}
+
+struct Named {
+  const char* name;
+  double value;
+};
+
+void require_positive(std::initializer_list<Named> values) {
+  for (const auto& [name, value] : values)
+    if (!std::isfinite(value) || value <= 0.0)
+      throw std::invalid_argument(fmt::format("plant: {} must be positive (got {})", name, value));
+}
+
+void require_not_negative(std::initializer_list<Named> values) {
+  for (const auto& [name, value] : values)
+    if (!std::isfinite(value) || value < 0.0)
+      throw std::invalid_argument(fmt::format("plant: {} must not be negative (got {})", name, value));
+}
+
+std::size_t coordinate_of(std::size_t joint) { return static_cast<std::size_t>(joint_coordinate[joint]); }
+
+}  // namespace
+
+void check(const CraneParameters& p) {
+  require_positive({{"jib", p.jib}, {"pivot_height", p.pivot_height}, {"gantry_mass", p.gantry_mass}, {"slew_inertia", p.slew_inertia},
+                    {"jib_mass", p.jib_mass}, {"jib_inertia", p.jib_inertia}, {"spreader_mass", p.spreader_mass},
+                    {"spreader_inertia", p.spreader_inertia}});
+  require_not_negative({{"a0", p.a0}, {"jib_centre", p.jib_centre}, {"counterweight", p.counterweight},
+                        {"counterweight_radius", p.counterweight_radius}, {"sway_damping", p.sway_damping}});
+  for (const DriveParameters& d : p.drives) {
+    require_positive({{"a drive's rated_torque", d.rated_torque}, {"a drive's rated_speed", d.rated_speed}, {"a drive's gear", d.gear},
+                      {"a drive's torque_lag", d.torque_lag}, {"a drive's smooth_speed", d.smooth_speed},
+                      {"a drive's stribeck_speed", d.stribeck_speed}});
+    require_not_negative({{"a drive's rotor_inertia", d.rotor_inertia}, {"a drive's coulomb", d.coulomb},
+                          {"a drive's stribeck", d.stribeck}, {"a drive's viscous", d.viscous}, {"a drive's brake", d.brake}});
+    refuse(!(d.efficiency > 0.0 && d.efficiency <= 1.0), "a drive's efficiency must be above 0 and at most 1", d.efficiency);
+  }
+  for (std::size_t j = 0; j < joint_count; ++j)
+    refuse(!(p.lower[j] < p.upper[j]), "a joint's lower limit must be below its upper one", p.lower[j]);
+  refuse(!(p.lower[static_cast<std::size_t>(Joint::hoist)] > 0.0), "the rope's shortest length must be positive",
+         p.lower[static_cast<std::size_t>(Joint::hoist)]);
+}
+
+CraneAlone::CraneAlone(const CraneAloneConfig& config)
+    : config_((check(config.crane), config)), motion_(config.crane, config.tolerance, config.order) {
+  refuse(!(config.tolerance >= 1e-13 && config.tolerance <= 1e-3), "tolerance must be 1e-13 to 1e-3", config.tolerance);
+  refuse(!(config.order >= 2 && config.order <= 6), "order must be 2 to 6", config.order);
+  reset(inverse_kinematics(config.crane, config.home), {});
+  set_load(config.load);
+}
+
+void CraneAlone::set_load(const Payload& load) {
+  refuse(!(load.mass >= 0.0 && load.mass <= config_.rated_load), "the load must be 0 kg up to rated_load", load.mass);
+  refuse(!(std::isfinite(load.inertia) && load.inertia >= 0.0), "the load's inertia must not be negative", load.inertia);
+  state_.inputs.payload = {config_.crane.spreader_mass + load.mass, config_.crane.spreader_inertia + load.inertia};
+}
+
+void CraneAlone::reset(const CraneVector& q, const CraneVector& qd) {
+  for (std::size_t k = 0; k < crane_size; ++k)
+    refuse(!std::isfinite(q[k]) || !std::isfinite(qd[k]), "positions and speeds must be numbers", std::isfinite(q[k]) ? qd[k] : q[k]);
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const double at = q[coordinate_of(j)];
+    refuse(at < config_.crane.lower[j] || at > config_.crane.upper[j], "a joint's position must lie within its limits", at);
+  }
+  for (const Coordinate sway : {Q_ALPHA, Q_BETA}) {
+    refuse(std::fabs(q[sway]) >= widest_sway, "sway angles must be within 40 degrees", q[sway]);
+    refuse(config_.rigid && (q[sway] != 0.0 || qd[sway] != 0.0), "a rigid crane does not sway", q[sway]);
+  }
+  const Payload payload = state_.inputs.payload;
+  state_ = {};
+  state_.inputs.payload = payload;
+  state_.inputs.locked = config_.rigid ? sway_coordinates : 0U;
+  state_.crane.q = q;
+  state_.crane.qd = qd;
+}
+
+void CraneAlone::step(const Joints& torque, double seconds) {
+  refuse(!(seconds >= 0.0 && seconds <= longest_step), "a step must be 0 to 60 s", seconds);
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    if (!std::isfinite(torque[j])) state_.faulted |= 1U << j;
+    const double most = config_.crane.drives[j].maximum_torque();
+    const bool on = (state_.faulted >> j & 1U) == 0 && !state_.swung_out;
+    state_.inputs.command[j] = on ? std::clamp(torque[j], -most, most) : 0.0;
+  }
+  const auto pieces = static_cast<std::int64_t>(std::ceil(seconds / longest_piece - 1e-9));
+  for (std::int64_t i = 0; i < pieces; ++i) piece(seconds / static_cast<double>(pieces));
+  state_.time += std::llround(seconds * 1e12);
+}
+
+void CraneAlone::piece(double seconds) {
+  if (state_.faulted != 0 || state_.swung_out) brake_off_drives();
+  motion_.advance(state_.crane, state_.inputs, seconds);
+  mind_limits();
+  const CraneVector& q = state_.crane.q;
+  if (std::max(std::fabs(q[Q_ALPHA]), std::fabs(q[Q_BETA])) > widest_sway && !state_.swung_out) {
+    state_.swung_out = true;
+    state_.inputs.command = {};
+  }
+}
+
+// A closed brake slips until its joint is almost still, then it holds.
+void CraneAlone::brake_off_drives() {
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const std::size_t k = coordinate_of(j);
+    if ((state_.faulted >> j & 1U) == 0 && !state_.swung_out) continue;
+    if ((state_.inputs.locked >> k & 1U) != 0) continue;
+    state_.inputs.braked[j] = true;
+    if (std::fabs(state_.crane.qd[k]) > 1e-3 * config_.crane.drives[j].rated_joint_speed()) continue;
+    motion_.stop(state_.crane, state_.inputs, k);
+    state_.inputs.braked[j] = false;
+    state_.inputs.locked |= 1U << k;
+  }
+}
+
+void CraneAlone::mind_limits() {
+  state_.at_limit = 0;
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const std::size_t k = coordinate_of(j);
+    double& q = state_.crane.q[k];
+    const double low = config_.crane.lower[j];
+    const double high = config_.crane.upper[j];
+    if (q > low && q < high) continue;
+    state_.at_limit |= 1U << j;
+    q = std::clamp(q, low, high);
+    const double speed = state_.crane.qd[k];
+    if ((q <= low && speed < 0.0) || (q >= high && speed > 0.0)) motion_.stop(state_.crane, state_.inputs, k);
+  }
+}
+
+double CraneAlone::energy() const {
+  const CraneState& c = state_.crane;
+  return crane().kinetic_energy(c.q, c.qd, state_.inputs.payload) + crane().potential_energy(c.q, state_.inputs.payload);
+}
+
+std::array<std::uint32_t, joint_count> CraneAlone::encoders() const {
+  std::array<std::uint32_t, joint_count> counts{};
+  for (std::size_t j = 0; j < joint_count; ++j)
+    counts[j] = static_cast<std::uint32_t>(encoder_counts(state_.crane.q[coordinate_of(j)], config_.crane.drives[j])) & 0xFFFFFFU;
+  return counts;
+}
+
+std::array<std::int32_t, 2> CraneAlone::sway() const {
+  const std::int64_t sample = state_.time / sway_sample;
+  return {sway_code(state_.crane.q[Q_ALPHA], config_.sensors, 0, sample), sway_code(state_.crane.q[Q_BETA], config_.sensors, 1, sample)};
+}
+
+CraneSensitivity CraneAlone::sensitivity(const Joints& torque, double seconds) const {
+  refuse(!(seconds > 0.0 && seconds <= longest_step), "sensitivities need a time of more than 0, at most 60 s", seconds);
+  CraneInputs inputs = state_.inputs;
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    refuse(!std::isfinite(torque[j]), "torques must be numbers", torque[j]);
+    const double most = config_.crane.drives[j].maximum_torque();
+    inputs.command[j] = std::clamp(torque[j], -most, most);
+  }
+  CraneSensitivity out{};
+  const auto [by_mass, by_length] = motion_.sensitivity(state_.crane, inputs, seconds);
+  std::copy_n(by_mass.begin(), crane_size, out.q_by_mass.begin());
+  std::copy_n(by_mass.begin() + crane_size, crane_size, out.qd_by_mass.begin());
+  std::copy_n(by_length.begin(), crane_size, out.q_by_length.begin());
+  std::copy_n(by_length.begin() + crane_size, crane_size, out.qd_by_length.begin());
+  return out;
+}
+
+}  // namespace plant

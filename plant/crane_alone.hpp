@@ -1,0 +1,69 @@
+#pragma once
+// A crane by itself: no dock, no codes, no latches. Motor torques in N m are held over a step; for controllers that bring their own loop.
+#include <array>
+#include <cstdint>
+
+#include "plant/motion.hpp"
+
+namespace plant {
+
+struct CraneAloneConfig {
+  CraneParameters crane;
+  CranePose home = {0.0, 12.0, 16.0, 14.0, 0.0};
+  Payload load = {0.0, 0.0};  // besides the spreader: kg, kg m2
+  double rated_load = 40e3;   // kg, a heavier load is refused
+  bool rigid = false;         // level L0
+  double tolerance = 1e-8;
+  int order = 3;              // of ERKStep, 2 to 6
+  SensorParameters sensors;
+};
+
+// Throws std::invalid_argument naming the first value that no crane can have.
+void check(const CraneParameters&);
+
+// Derivatives of the coordinates and speeds by the payload's mass (per kg) and by the rope's length at the start (per m).
+struct CraneSensitivity {
+  CraneVector q_by_mass, qd_by_mass, q_by_length, qd_by_length;
+};
+
+class CraneAlone {
+ public:
+  struct State {
+    std::int64_t time = 0;     // ps
+    CraneState crane;
+    CraneInputs inputs;
+    std::uint32_t faulted = 0;  // drives that were given a torque that is no number
+    std::uint32_t at_limit = 0;  // joints in their end stops
+    bool swung_out = false;    // a sway angle passed 40 degrees: all drives are off
+  };
+  static constexpr double longest_step = 60.0;  // s
+
+  explicit CraneAlone(const CraneAloneConfig&);
+  // Goes on by `seconds`, 0 to longest_step (0 changes nothing but a drive's fault). Torques beyond 1.5 x rated saturate; one that is
+  // no finite number faults its drive, whose brake closes until reset.
+  void step(const Joints& torque, double seconds);
+  void set_load(const Payload& load);  // besides the spreader; positions and speeds stay
+  void reset(const CraneVector& q, const CraneVector& qd);
+
+  const State& state() const { return state_; }
+  void restore(const State& state) { state_ = state; }
+  const CraneAloneConfig& config() const { return config_; }
+  const Crane& crane() const { return motion_.crane(); }
+  CraneVector acceleration() const { return motion_.acceleration(state_.crane, state_.inputs); }
+  double energy() const;  // J
+  std::array<std::uint32_t, joint_count> encoders() const;  // 24-bit counters
+  std::array<std::int32_t, 2> sway() const;                 // codes, 2048 = 10 degrees; of this instant
+  // By CVODES, over `seconds` from the present state with the torques held; the state stays.
+  CraneSensitivity sensitivity(const Joints& torque, double seconds) const;
+
+ private:
+  void piece(double seconds);
+  void brake_off_drives();
+  void mind_limits();
+
+  CraneAloneConfig config_;
+  CraneMotion motion_;
+  State state_;
+};
+
+}  // namespace plant

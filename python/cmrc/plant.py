@@ -1,0 +1,323 @@
+"""The dock without any DSP: a crane by itself, and the whole scene (docs/plant.md). SI units, angles in radians.
+
+``Crane`` is driven by motor torques, ``Scene`` by what a controller writes to its devices; ``CraneEnv`` is a crane in the manner of gymnasium.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cmrc import _core
+
+Array = NDArray[np.float64]
+
+COORDINATES = ("s", "psi", "phi", "l", "alpha", "beta", "kappa")
+"""Gantry m, slew, luff rad, rope m, radial and tangential sway, rotator rad."""
+JOINTS = ("gantry", "slew", "luff", "hoist", "rotator")
+"""What has a motor, in the order of torques."""
+ACTUATED = (0, 1, 2, 3, 6)
+"""The joints' indices in the coordinates."""
+
+_OPTIONS: dict[str, Any] = {
+    "home": (0.0, 12.0, 16.0, 14.0, 0.0),
+    "load_mass": 0.0,
+    "load_inertia": 0.0,
+    "rated_load": 40e3,
+    "model": "sway",
+    "tolerance": 1e-8,
+    "order": 3,
+    "seed": 1,
+    "sway_noise": None,
+    "drives": {},
+}
+
+
+@dataclass(frozen=True)
+class CraneState:
+    """What moves: coordinates and speeds in the order of COORDINATES, motor torques in that of JOINTS."""
+
+    time_s: float
+    q: Array
+    qd: Array
+    torque: Array
+
+
+@dataclass(frozen=True)
+class Sensors:
+    """What a controller sees: 24-bit encoder counts (16384 per motor turn) and sway codes (2048 is 10 degrees), with the sensor's noise, without latency."""
+
+    encoders: tuple[int, ...]
+    sway: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Sensitivity:
+    """Derivatives of coordinates and speeds, per kg of payload and per m of rope at the start."""
+
+    q_by_mass: Array
+    qd_by_mass: Array
+    q_by_length: Array
+    qd_by_length: Array
+
+
+class Crane:
+    """The slewing, luffing crane with its drives, at level L1 (``model="sway"``) or L0 (``"rigid"``).
+
+    ``config`` holds parameters under the names of docs/plant.md (``jib``, ``spreader_mass``, ...), and besides: ``home`` (s, x, y, z, yaw of the spreader),
+    ``load_mass`` and ``load_inertia`` of what hangs below the spreader, ``rated_load``, ``model``, ``tolerance``, ``order`` (2 to 6), ``seed``,
+    ``sway_noise`` in rad, ``drives`` ({joint: {parameter: value}}). Raises ValueError for an unknown name or a crane that cannot be.
+    """
+
+    def __init__(self, config: Mapping[str, Any] | None = None, **keywords: Any) -> None:
+        given = {**(config or {}), **keywords}
+        options = {name: given.pop(name, default) for name, default in _OPTIONS.items()}
+        parameters = _core.plant.CraneParameters()
+        for name, value in given.items():
+            if name.startswith("_") or not hasattr(parameters, name):
+                known = sorted([*(n for n in dir(parameters) if not n.startswith("_")), *_OPTIONS])
+                raise ValueError(f"a crane has no parameter {name!r}; it has {', '.join(known)}")
+            setattr(parameters, name, value)
+        drives = parameters.drives
+        for joint, values in options["drives"].items():
+            if joint not in JOINTS:
+                raise ValueError(f"there is no joint {joint!r}; the joints are {', '.join(JOINTS)}")
+            for name, value in values.items():
+                if name.startswith("_") or not hasattr(drives[0], name):
+                    raise ValueError(f"a drive has no parameter {name!r}")
+                setattr(drives[JOINTS.index(joint)], name, value)
+        parameters.drives = drives
+        if options["model"] not in ("sway", "rigid"):
+            raise ValueError(f'model must be "sway" (L1) or "rigid" (L0), not {options["model"]!r}')
+        sensors = _core.plant.SensorParameters()
+        sensors.seed = options["seed"]
+        if options["sway_noise"] is not None:
+            sensors.sway_noise = options["sway_noise"]
+        self.parameters = parameters
+        """The crane's parameters, as checked at the start."""
+        self._core = _core.plant.CraneAlone(
+            parameters, _core.plant.CranePose(*options["home"]), options["load_mass"], options["load_inertia"], options["rated_load"],
+            options["model"] == "rigid", options["tolerance"], options["order"], sensors,
+        )  # fmt: skip
+        self.maximum_torques: Array = np.array([drive.maximum_torque for drive in drives])
+        """Motor torques at which the drives saturate, N m."""
+        self.step = self._core.step
+        """``step(torques, dt)``: goes on by ``dt`` seconds, 0 to 60, with the five motor torques (N m) held.
+
+        Torques saturate; one that is no finite number faults its drive: its brake closes until ``reset``. Raises ValueError for another ``dt``.
+        """
+        self.run = self._core.run
+        """``run(torques, dt, steps)``: so many equal steps, without holding the GIL."""
+
+    @property
+    def state(self) -> CraneState:
+        """The present state (a copy)."""
+        c = self._core
+        return CraneState(c.time * 1e-12, np.array(c.q), np.array(c.qd), np.array(c.torque))
+
+    def reset(self, q: Sequence[float] | Array, qd: Sequence[float] | Array = (0.0,) * 7) -> None:
+        """Time zero, at these coordinates and speeds, torques zero, faults cleared. Raises ValueError beyond the joints' limits."""
+        self._core.reset(list(q), list(qd))
+
+    def set_load(self, mass: float, inertia: float = 0.0) -> None:
+        """Hangs another load below the spreader (kg, kg m2). Raises ValueError above ``rated_load``."""
+        self._core.set_load(mass, inertia)
+
+    def snapshot(self) -> object:
+        """The whole state; ``restore`` it and go on, bit for bit."""
+        return self._core.snapshot()
+
+    def restore(self, snapshot: object) -> None:
+        """Back to a snapshot of a crane of the same config."""
+        self._core.restore(snapshot)
+
+    def mass_matrix(self) -> Array:
+        """M(q), rotors included: kg, kg m or kg m2."""
+        return np.array(self._core.model.mass_matrix(self._core.q, *self._core.payload))
+
+    def bias(self) -> Array:
+        """h(q, qd) + g(q): centrifugal, Coriolis and gravity forces, N or N m."""
+        model, q = self._core.model, self._core.q
+        mass, inertia = self._core.payload
+        return np.array(model.bias(q, self._core.qd, mass, inertia)) + np.array(model.gravity(q, mass))
+
+    def acceleration(self) -> Array:
+        """qdd under the present torques, friction and damping."""
+        return np.array(self._core.acceleration())
+
+    def energy(self) -> float:
+        """Kinetic and potential energy, rotors included, J; zero of height at z = 0."""
+        return float(self._core.energy())
+
+    def sensors(self) -> Sensors:
+        """Encoders and sway as codes."""
+        return Sensors(tuple(self._core.encoders()), tuple(self._core.sway()))
+
+    def tip(self) -> Array:
+        """The jib's tip in the world, m."""
+        return np.array(self._core.model.tip(self._core.q))
+
+    def payload(self) -> Array:
+        """The load in the world, m."""
+        return np.array(self._core.model.payload_position(self._core.q))
+
+    def sensitivity(self, torques: Sequence[float], seconds: float) -> Sensitivity:
+        """How the state after ``seconds`` with these torques held depends on the payload's mass and the rope's length (CVODES, Adams). The crane stays."""
+        return Sensitivity(*(np.array(part) for part in self._core.sensitivity(list(torques), seconds)))
+
+    @property
+    def faulted(self) -> tuple[str, ...]:
+        """Joints whose drive was given a torque that is no number; all of them once the load swung beyond 40 degrees."""
+        mask = 0b11111 if self._core.swung_out else self._core.faulted
+        return tuple(joint for j, joint in enumerate(JOINTS) if mask >> j & 1)
+
+    @property
+    def at_limit(self) -> tuple[str, ...]:
+        """Joints in their end stops."""
+        return tuple(joint for j, joint in enumerate(JOINTS) if self._core.at_limit >> j & 1)
+
+
+class CraneEnv:
+    """A crane in the manner of gymnasium: ``reset`` and ``step`` with its tuples, without needing that package.
+
+    Action: five shares of the maximum torque, -1 to 1. Observation: q, qd and the load's way to ``target`` (17 numbers). Reward: minus that way in m and
+    minus the sway in rad, per step. An episode terminates when the load is within 0.1 m of the target and slower than 0.05 m/s, or a drive faults.
+    """
+
+    def __init__(self, target: Sequence[float], dt: float = 0.01, duration: float = 60.0, **config: Any) -> None:
+        self.crane = Crane(config)
+        self.target: Array = np.array(target, dtype=np.float64)
+        self.dt = dt
+        self.duration = duration
+        self._start = self.crane.snapshot()
+
+    def reset(
+        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
+    ) -> tuple[Array, dict[str, Any]]:
+        """Back to the start, the sway angles within ``options["sway"]`` rad of plumb, drawn from ``seed``."""
+        self.crane.restore(self._start)
+        most = float((options or {}).get("sway", 0.0))
+        if most > 0.0:
+            q = self.crane.state.q
+            q[4:6] = np.random.default_rng(seed).uniform(-most, most, 2)
+            self.crane.reset(q)
+        return self._observe(), {}
+
+    def step(self, action: Sequence[float] | Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
+        """Observation, reward, terminated, truncated, info."""
+        self.crane.step(np.asarray(action, dtype=np.float64) * self.crane.maximum_torques, self.dt)
+        state = self.crane.state
+        way = float(np.linalg.norm(self.crane.payload() - self.target))
+        model = self.crane._core.model
+        speed = float(np.linalg.norm(model.payload_velocity(state.q, state.qd)))
+        there = way < 0.1 and speed < 0.05
+        reward = -(way + float(np.abs(state.q[4:6]).sum())) * self.dt
+        return (
+            self._observe(),
+            reward,
+            there or bool(self.crane.faulted),
+            self.crane._core.time >= round(self.duration * 1e12),
+            {"way_m": way, "speed_m_s": speed},
+        )
+
+    def _observe(self) -> Array:
+        state = self.crane.state
+        observation: Array = np.concatenate([state.q, state.qd, self.target - self.crane.payload()])
+        return observation
+
+
+class Scene:
+    """The whole dock: crane, 0 to 16 AGVs, containers, landing. A controller's devices are its inputs; time goes on by ``step``.
+
+    ``config`` is a ``DockConfig`` (``cmrc.plant.default_dock``), by default that of docs/plant.md with ``agvs`` vehicles.
+    """
+
+    def __init__(self, config: Any = None, agvs: int = 1) -> None:
+        self._dock = _core.plant.Dock(_core.plant.default_dock(agvs) if config is None else config)
+        self._time = 0
+
+    @property
+    def time_s(self) -> float:
+        """Virtual time."""
+        return self._time * 1e-12
+
+    def step(self, torques: Sequence[float] | None, dt: float) -> None:
+        """Goes on by ``dt`` seconds, 0 to 60. ``torques`` (motor, N m) become the drives' 12-bit codes; None leaves the drives off, brakes holding.
+
+        A torque that is no finite number faults its drive: the brake holds from then on.
+        """
+        if not 0.0 <= dt <= 60.0:
+            raise ValueError(f"a step must be 0 to 60 s (got {dt})")
+        if torques is not None:
+            if len(torques) != len(JOINTS):
+                raise ValueError(f"five torques are needed ({', '.join(JOINTS)}), not {len(torques)}")
+            self._dock.enable_drives(0b11111, self._time)
+            for j, (torque, drive) in enumerate(zip(torques, self._dock.config.crane.drives, strict=True)):
+                if not np.isfinite(torque):
+                    self._dock.fail_drive(j, True, self._time)
+                else:
+                    share = np.clip(torque / drive.maximum_torque, -1.0, 1.0)
+                    self._dock.set_torque_code(j, round(float(share) * 2047), self._time)
+        else:
+            self._dock.enable_drives(0, self._time)
+        self._time += round(dt * 1e12)
+        self._dock.advance_to(self._time)
+
+    def drive(self, agv: int, speed: float, front: float, rear: float) -> None:
+        """A set-point into that AGV's FIFO: m/s, steering angles in rad. ``hold`` says how long each is held."""
+        self._dock.agv_push(agv, round(speed * 1e3), round(front * 1e6), round(rear * 1e6), self._time)
+
+    def hold(self, agv: int, seconds: float) -> None:
+        """Each set-point of that AGV is held for so long, at least 1 ms."""
+        self._dock.agv_period(agv, round(seconds * 1e6), self._time)
+
+    def lock(self, closed: bool) -> None:
+        """Commands the twist locks; they turn while all four corners are seated."""
+        self._dock.spreader_command(int(closed), self._time)
+
+    def agv(self, index: int) -> Any:
+        """True pose, speed and steering of an AGV at the last latch."""
+        return self._dock.agv(index)
+
+    def ranges(self, index: int) -> Array:
+        """The range sensor's 180 rays in m, from the right to the left."""
+        return np.array([self._dock.agv_range(index, ray, self._time) for ray in range(180)]) * 1e-3
+
+    @property
+    def signal(self) -> Any:
+        """The crane at the last latch: joints, sway, tip, payload, tension."""
+        return self._dock.signal
+
+    @property
+    def containers(self) -> list[Any]:
+        """Every container: where it is and who has it."""
+        return list(self._dock.containers)
+
+    @property
+    def events(self) -> list[Any]:
+        """What has happened, in order of time."""
+        return list(self._dock.events)
+
+    def energy(self) -> float:
+        """Crane and payload, J."""
+        return float(self._dock.energy)
+
+    def snapshot(self) -> object:
+        """The whole state at the last latch."""
+        return (self._time, self._dock.snapshot())
+
+    def restore(self, snapshot: Any) -> None:
+        """Back to a snapshot of a scene of the same config. One taken off the 125-us grid goes back to the latch before it."""
+        _, state = snapshot
+        self._dock.restore(state)
+        self._time = int(self._dock.time)
+
+
+default_dock = _core.plant.default_dock
+"""``default_dock(agv_count)``: the configuration of docs/plant.md, every value of which may be changed."""
+DockConfig = _core.plant.DockConfig
+"""A dock's configuration."""
