@@ -137,17 +137,18 @@ class Crane:
 
     def mass_matrix(self) -> Array:
         """M(q), rotors included: kg, kg m or kg m2."""
-        return np.array(self._core.model.mass_matrix(self._core.q, *self._core.payload))
+        return np.asarray(self._core.model.mass_matrix(self._core.q, *self._core.payload))
 
     def bias(self) -> Array:
         """h(q, qd) + g(q): centrifugal, Coriolis and gravity forces, N or N m."""
         model, q = self._core.model, self._core.q
         mass, inertia = self._core.payload
-        return np.array(model.bias(q, self._core.qd, mass, inertia)) + np.array(model.gravity(q, mass))
+        sum_of_both: Array = np.array(model.bias(q, self._core.qd, mass, inertia)) + np.array(model.gravity(q, mass))
+        return sum_of_both
 
     def acceleration(self) -> Array:
         """qdd under the present torques, friction and damping."""
-        return np.array(self._core.acceleration())
+        return np.asarray(self._core.acceleration())
 
     def energy(self) -> float:
         """Kinetic and potential energy, rotors included, J; zero of height at z = 0."""
