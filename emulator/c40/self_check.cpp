@@ -23,6 +23,26 @@ isa::RegisterSet written(const Instruction& instruction) {
   return h.execute_writes | h.read_writes | h.decode_writes;
 }
 
+std::string_view section(Rule rule) {
+  static constexpr std::string_view sections[] = {"8.2", "8.3", "8.5", "8.4", "8.1", "3.9", "12"};
+  return sections[static_cast<std::size_t>(rule)];
+}
+
+std::string_view section(isa::Reserved::Reason reason) {
+  using enum isa::Reserved::Reason;
+  switch (reason) {
+    case opcode: return "12";
+    case reserved_bits: return "3";
+    case register_class: return "1.1";
+    case same_register: return "6.1";
+    case addressing_mode:
+    case displacement: return "3.9";
+    case condition: return "4";
+    case expansion_register: return "1.2";
+  }
+  return "";
+}
+
 bool repeats_block(const Instruction& instruction) { return instruction.row->operation == Operation::rptb; }
 bool repeats(const Instruction& instruction) {
   return repeats_block(instruction) || instruction.row->operation == Operation::rpts;
@@ -31,13 +51,8 @@ bool repeats(const Instruction& instruction) {
 }  // namespace
 
 std::string_view name(Rule rule) {
-  static constexpr std::string_view names[] = {"delay_slot", "repeat_block", "repeat_nesting", "repeat_single", "self_modifying", "circular"};
+  static constexpr std::string_view names[] = {"delay_slot", "repeat_block", "repeat_nesting", "repeat_single", "self_modifying", "circular", "reserved"};
   return names[static_cast<std::size_t>(rule)];
-}
-
-std::string_view section(Rule rule) {
-  static constexpr std::string_view sections[] = {"8.2", "8.3", "8.5", "8.4", "8.1", "3.9"};
-  return sections[static_cast<std::size_t>(rule)];
 }
 
 SelfCheck::SelfCheck(const Chip& chip, TraceSink* next) : chip_(chip), next_(next) { look(); }
@@ -59,8 +74,22 @@ std::optional<Instruction> SelfCheck::at(Address address) const {
 
 void SelfCheck::report(Rule rule, Address pc, Cycles cycle, Word word, std::string message) {
   const auto [found, fresh] = known_.try_emplace({rule, pc}, diagnostics_.size());
-  if (fresh) diagnostics_.push_back({rule, pc, cycle, isa::disassemble(word, pc), std::move(message)});
+  if (fresh) diagnostics_.push_back({rule, section(rule), pc, cycle, isa::disassemble(word, pc), std::move(message)});
   else ++diagnostics_[found->second].count;
+}
+
+void SelfCheck::run_ended() {
+  const Address pc = chip_.pc();
+  if (!chip_.halted() || known_.contains({Rule::reserved, pc})) return;
+  try {
+    const isa::Decoded decoded = isa::decode(chip_.peek(pc));
+    const auto* reserved = std::get_if<isa::Reserved>(&decoded);
+    if (reserved == nullptr) return;
+    report(Rule::reserved, pc, chip_.cycle(), reserved->word, std::string(isa::describe(reserved->reason)));
+    diagnostics_.back().section = section(reserved->reason);
+  } catch (const std::out_of_range&) {
+    // No memory there: the fault says so.
+  }
 }
 
 void SelfCheck::instruction(const TraceRecord& record) {

@@ -20,15 +20,14 @@ enum class Rule : std::uint8_t {
   repeat_single,   ///< RPTS before program control
   self_modifying,  ///< a store to a word that the pipeline has fetched already
   circular,        ///< a circular step outside what the buffer allows
+  reserved,        ///< a word that is no instruction: reserved mode, register code, condition or bits; the chip stops with a fault
 };
 /// "delay_slot"
 std::string_view name(Rule rule);
-/// Where the rule stands: a section of c40-isa.md.
-std::string_view section(Rule rule);
-
 /// One breach; later ones of the same rule at the same place are only counted.
 struct Diagnostic {
   Rule rule{};
+  std::string_view section;  ///< of c40-isa.md: where the rule stands
   Address pc = 0;
   Cycles cycle = 0;
   std::string instruction;  ///< disassembled
@@ -44,6 +43,8 @@ class SelfCheck final : public TraceSink {
   /// Takes note of registers that were changed from outside.
   void look();
   void hand_on_to(TraceSink* next) { next_ = next; }
+  /// To be called when a run has ended: a chip that a reserved word has stopped sends no record of it.
+  void run_ended();
 
   void instruction(const TraceRecord& record) override;
   void interrupt(Word vector, Cycles cycle) override;

@@ -170,7 +170,7 @@ constexpr std::array<Register, isa::register_count> all_registers() {
 void print_diagnostics(const std::vector<c40::Diagnostic>& diagnostics) {
   fmt::print("checks: {}\n", diagnostics.empty() ? "no rule was broken" : fmt::format("{} found", diagnostics.size()));
   for (const c40::Diagnostic& found : diagnostics)
-    fmt::print("  {:08X}  {}\n    {} (c40-isa.md {}): {}; cycle {}{}\n", found.pc, found.instruction, name(found.rule), section(found.rule), found.message,
+    fmt::print("  {:08X}  {}\n    {} (c40-isa.md {}): {}; cycle {}{}\n", found.pc, found.instruction, name(found.rule), found.section, found.message,
                found.cycle, found.count > 1 ? fmt::format(", {} times", found.count) : "");
 }
 
@@ -214,7 +214,7 @@ void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector
   if (check != nullptr) {
     root["diagnostics"] = Json::array();
     for (const c40::Diagnostic& found : check->diagnostics())
-      root["diagnostics"].push_back({{"rule", name(found.rule)}, {"section", section(found.rule)}, {"pc", found.pc}, {"cycle", found.cycle},
+      root["diagnostics"].push_back({{"rule", name(found.rule)}, {"section", found.section}, {"pc", found.pc}, {"cycle", found.cycle},
                                      {"instruction", found.instruction}, {"message", found.message}, {"count", found.count}});
   }
   root["dumps"] = Json::array();
@@ -253,6 +253,7 @@ int exec(const ExecOptions& options) {
     chip.set_trace(&*check);
   }
   const Outcome outcome = Run(chip, image, until).run(options.max_cycles);
+  if (check) check->run_ended();
   if (trace) trace->commit();
 
   std::vector<Dump> dumps;

@@ -133,6 +133,7 @@ class Processor {
     if (until) chip.add_breakpoint(*until);
     const c40::StopInfo stop = chip.run_until(chip.cycle() + max_cycles);
     if (until) chip.remove_breakpoint(*until);
+    if (self_check) self_check->run_ended();
     return describe(chip, stop);
   }
   py::list trace(Cycles max_cycles) {
@@ -140,20 +141,22 @@ class Processor {
     if (self_check) self_check->look(), self_check->hand_on_to(&recorder);
     else chip.set_trace(&recorder);
     chip.run_until(chip.cycle() + max_cycles);
-    if (self_check) self_check->hand_on_to(nullptr);
+    if (self_check) self_check->run_ended(), self_check->hand_on_to(nullptr);
     else chip.set_trace(nullptr);
     return recorder.records;
   }
 
   py::dict step() {
     if (self_check) self_check->look();
-    return describe(chip, chip.step());
+    const c40::StopInfo stop = chip.step();
+    if (self_check) self_check->run_ended();
+    return describe(chip, stop);
   }
   py::list diagnostics() const {
     py::list all;
     if (!self_check) return all;
     for (const c40::Diagnostic& d : self_check->diagnostics()) {
-      all.append(py::dict(py::arg("rule") = std::string(c40::name(d.rule)), py::arg("section") = std::string(c40::section(d.rule)), py::arg("pc") = d.pc,
+      all.append(py::dict(py::arg("rule") = std::string(c40::name(d.rule)), py::arg("section") = std::string(d.section), py::arg("pc") = d.pc,
                           py::arg("cycle") = d.cycle, py::arg("instruction") = d.instruction, py::arg("message") = d.message, py::arg("count") = d.count));
     }
     return all;

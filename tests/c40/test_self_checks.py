@@ -49,6 +49,22 @@ def test_a_broken_rule_is_named_with_its_place(name: str, text: str, rule: str, 
     assert found[0].instruction == c40.disassemble(word, CODE + where)
 
 
+RESERVED = [
+    ("opcode", 0x3E000000, "12", "no instruction has this operation"),
+    ("indirect mode 26", 0x0840D000, "3.9", "modes 26 to 31 are reserved"),
+    ("a register code above 31", 0x08000020, "3", "bits that must be 0"),
+    ("a float operand in an address register", 0x07000008, "1.1", "cannot stand in this place"),
+    ("condition 11", 0x6A0B0000, "4", "conditions 11 and 21 to 31"),
+]
+
+
+@pytest.mark.parametrize(("name", "word", "section", "message"), RESERVED, ids=[row[0] for row in RESERVED])
+def test_a_reserved_word_is_named_with_its_rule(name: str, word: int, section: str, message: str) -> None:
+    found = checked(f" nop\n .word {word}\nstop: b stop")
+    assert [(d.rule, d.section, d.pc, d.count) for d in found] == [("reserved", section, CODE + 1, 1)]
+    assert message in found[0].message
+
+
 def test_each_place_is_told_once_and_counted() -> None:
     found = checked(" ldi 9,ar5\nagain: ldi *ar0++(1)%,r0\n db ar5,again\nstop: b stop", 500)
     assert [(d.rule, d.count) for d in found] == [("circular", 10)]
