@@ -1,0 +1,108 @@
+"""Plots of a recorded run (``cmrc.replay.record``): plan and side view, joint tracking, sway, deadlines. Needs matplotlib."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cmrc.replay import Recording
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+JOINTS = {"s": "gantry, m", "psi": "slew, rad", "phi": "luff, rad", "l": "rope, m", "kappa": "rotator, rad"}
+
+
+def plan(recording: Recording, axes: Axes) -> None:
+    """From above: ship, fixed boxes, containers, lanes, the load's path, the AGVs' paths with their outlines at the end."""
+    from matplotlib.patches import Polygon
+
+    layout, signals = recording["layout"], recording["signals"]
+
+    def outline(x: float, y: float, yaw: float, length: float, width: float, **style: Any) -> None:
+        corners = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [length / 2, width / 2]
+        turned = corners @ np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]]) + [x, y]
+        axes.add_patch(Polygon(turned, closed=True, **style))
+
+    for box in [layout["ship"], *layout["boxes"]]:
+        outline((box[0] + box[1]) / 2, (box[2] + box[3]) / 2, 0.0, box[1] - box[0], box[3] - box[2], fc="0.85", ec="0.5")
+    for x, y, _, yaw in layout["containers"]:
+        outline(x, y, yaw, *layout["size"][:2], fc="tab:orange", ec="k", alpha=0.5)
+    for x, y, heading, length, curvature in layout["lanes"]:
+        d = np.linspace(0.0, length, 40)
+        h = heading + curvature * d
+        if curvature:
+            axes.plot(x + (np.sin(h) - np.sin(heading)) / curvature, y - (np.cos(h) - np.cos(heading)) / curvature, "0.8", lw=4)
+        else:
+            axes.plot(x + d * np.cos(heading), y + d * np.sin(heading), "0.8", lw=4)
+    axes.plot(signals["payload_x_m"], signals["payload_y_m"], "tab:blue", lw=1, label="load")
+    for i in range(layout["agv"]["count"]):
+        x, y = signals[f"agv{i}_x_m"], signals[f"agv{i}_y_m"]
+        (path,) = axes.plot(x, y, lw=1.2, label=f"AGV {i}")
+        outline(x[-1], y[-1], signals[f"agv{i}_heading_rad"][-1], layout["agv"]["length"], layout["agv"]["width"], fill=False, ec=path.get_color())
+    axes.set(aspect="equal", xlabel="x, m", ylabel="y, m", title="plan")
+    axes.legend(fontsize=7)
+
+
+def side(recording: Recording, axes: Axes) -> None:
+    """Across the quay: the paths of jib tip and load over y and z."""
+    signals, layout = recording["signals"], recording["layout"]
+    ship = layout["ship"]
+    axes.fill([ship[2], ship[3], ship[3], ship[2]], [0, 0, ship[5], ship[5]], color="0.85")
+    axes.plot(signals["tip_y_m"], signals["tip_z_m"], "0.5", lw=1, label="jib tip")
+    axes.plot(signals["payload_y_m"], signals["payload_z_m"], "tab:blue", lw=1, label="load")
+    for every in range(0, len(signals["time_s"]), max(1, len(signals["time_s"]) // 12)):
+        axes.plot([signals[f"{p}_y_m"][every] for p in ("tip", "payload")], [signals[f"{p}_z_m"][every] for p in ("tip", "payload")], "k", lw=0.4)
+    axes.set(aspect="equal", xlabel="y, m", ylabel="z, m", title="side view, ropes at twelve instants")
+    axes.legend(fontsize=7)
+
+
+def joints(recording: Recording, axes: Axes) -> None:
+    """The five joints over time, each scaled to its own range."""
+    signals = recording["signals"]
+    for name, label in JOINTS.items():
+        values = np.array(signals[f"{name}_rad" if f"{name}_rad" in signals else f"{name}_m"])
+        span = float(np.ptp(values))
+        axes.plot(signals["time_s"], (values - values.min()) / (span or 1.0), lw=1, label=f"{label}: {values.min():.2f} to {values.max():.2f}")
+    axes.set(xlabel="time, s", ylabel="share of range", title="joints")
+    axes.legend(fontsize=7)
+
+
+def sway(recording: Recording, axes: Axes) -> None:
+    """Both sway angles in degrees; contact in grey."""
+    signals = recording["signals"]
+    time = np.array(signals["time_s"])
+    for name, label in (("sway_alpha_rad", "radial"), ("sway_beta_rad", "tangential")):
+        axes.plot(time, np.degrees(signals[name]), lw=1, label=label)
+    low, high = axes.get_ylim()
+    axes.fill_between(time, low, high, where=(np.array(signals["contact"]) > 0.5).tolist(), color="0.85", label="contact")
+    axes.set(xlabel="time, s", ylabel="degrees", title="sway")
+    axes.legend(fontsize=7)
+
+
+def deadlines(recording: Recording, axes: Axes) -> None:
+    """Jobs on time (green) and missed (red) per kind over time."""
+    from matplotlib.colors import ListedColormap
+
+    kinds, edges = recording["deadlines"]["kinds"], recording["deadlines"]["edges_s"]
+    if kinds:
+        table = np.array([[2 if missed else 1 if met else 0 for met, missed in row] for row in kinds.values()])
+        axes.pcolormesh(edges, np.arange(len(kinds) + 1), table, cmap=ListedColormap(["white", "#7cb77c", "#cc2f27"]), vmin=0, vmax=2)
+        axes.set_yticks(np.arange(len(kinds)) + 0.5, list(kinds), fontsize=7)
+    axes.set(xlabel="time, s", title="deadlines: green met, red missed")
+
+
+def overview(recording: Recording) -> Figure:
+    """All of them on one sheet."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(14, 12), layout="constrained")
+    grid = figure.add_gridspec(3, 2, height_ratios=(2, 1, 1))
+    plan(recording, figure.add_subplot(grid[0, 0]))
+    side(recording, figure.add_subplot(grid[0, 1]))
+    joints(recording, figure.add_subplot(grid[1, 0]))
+    sway(recording, figure.add_subplot(grid[1, 1]))
+    deadlines(recording, figure.add_subplot(grid[2, :]))
+    return figure

@@ -1,0 +1,85 @@
+"""Recordings, the replay page and the plots."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+
+import cmrc
+import pytest
+from cmrc import __main__ as command
+from cmrc import replay
+
+
+@pytest.fixture(scope="module")
+def recording() -> replay.Recording:
+    return replay.record(cmrc.Simulation(duration_s=0.5, agvs=2))
+
+
+def test_a_recording_holds_every_job_of_the_report(recording):
+    report = cmrc.run(4, 0.5, agvs=2).report
+    for kind, row in recording["deadlines"]["kinds"].items():
+        assert sum(met for met, _ in row) == report["tasks"][kind]["on_time"]
+        assert len(row) == len(recording["deadlines"]["edges_s"]) - 1
+    assert "pid" in recording["deadlines"]["kinds"] and len(recording["layout"]["containers"]) == 8
+
+
+def test_containers_go_where_the_events_say(recording):
+    story = {**recording, "events": [[0.1, "locked", 0, 0, 0], [0.3, "opened", 0, 0, 0], [0.3, "set_on_agv", 0, 1.0, 0], [0.4, "delivered", 0, 1.0, 0]]}
+    steps = replay.containers(story)[0]
+    assert [step[1] for step in steps] == ["ship", "carried", "set", "agv", "gone"] and steps[3][2] == 1
+
+
+def test_the_page_fetches_nothing(recording):
+    page = replay.page(recording)
+    assert not re.search(r"(src|href)\s*=|https?:|import\s|@import|fetch\(", page)
+    assert "/*RECORDING*/null" not in page
+
+
+def test_the_page_draws_in_a_browser(recording, tmp_path):
+    browser = next((path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None)
+    if browser is None:
+        pytest.skip("no Chromium here")
+    html = tmp_path / "run.html"
+    html.write_text(replay.page(recording), encoding="utf-8")
+    dom = subprocess.run(
+        [browser, "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom", f"{html.as_uri()}#t=0.25"],
+        capture_output=True, text=True, timeout=120, check=True,
+    ).stdout  # fmt: skip
+    drawn = re.search(r'data-ready="(\d+)"', dom)
+    assert drawn and int(drawn[1]) > 100  # faces: the script ran to its end
+    assert "0.25 s of 0.5 s" in dom and "kN" in dom
+
+
+def test_the_overview_has_its_five_plots(recording, tmp_path):
+    pytest.importorskip("matplotlib")
+    from cmrc import plot
+
+    figure = plot.overview(recording)
+    figure.savefig(tmp_path / "run.png")
+    titles = [axes.get_title() for axes in figure.axes]
+    assert len(titles) == 5 and titles[0] == "plan" and len(figure.axes[0].lines) >= 3
+    assert (tmp_path / "run.png").stat().st_size > 20000
+
+
+def test_the_command_replays_what_it_saved(recording, tmp_path):
+    run = tmp_path / "run.json"
+    replay.save(recording, run)
+    assert command.main(["replay", str(run), "--html"]) == 0
+    assert (tmp_path / "run.html").read_text(encoding="utf-8") == replay.page(json.loads(run.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize("text", ["{", "[]", '{"format": 99}'])
+def test_what_is_no_recording_is_refused(text, tmp_path, capsys):
+    run = tmp_path / "run.json"
+    run.write_text(text, encoding="utf-8")
+    assert command.main(["replay", str(run), "--html"]) == 2
+    assert "no recording" in capsys.readouterr().err
+    assert command.main(["replay", str(tmp_path / "missing.json"), "--html"]) == 2
+
+
+def test_it_runs_as_a_module():
+    helped = subprocess.run([sys.executable, "-c", "import sys; sys.argv=['cmrc']; from cmrc.__main__ import main; main()"],
+                            check=False, capture_output=True, text=True, env={"PYTHONPATH": ":".join(sys.path)})  # fmt: skip
+    assert helped.returncode == 2 and "replay" in helped.stderr
