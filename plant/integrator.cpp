@@ -164,7 +164,9 @@ void advance_reference(bool stiff, double relative, std::span<const double> abso
   Vector tolerance(y.size(), context);
   std::copy(y.begin(), y.end(), state.data());
   std::copy(absolute.begin(), absolute.end(), tolerance.data());
-  Call call{.f = f, .model = model};
+  Call call;
+  call.f = f;
+  call.model = model;
   Solver solver(stiff ? CV_BDF : CV_ADAMS, context);
   solver.begin(call, state, relative, tolerance, interval);
   if (stiff) {
@@ -193,7 +195,9 @@ void advance_sensitivity(double relative, std::span<const double> absolute, Righ
   std::copy(absolute.begin(), absolute.end(), tolerance.data());
   std::copy(by_parameter.begin(), by_parameter.end(), first.data());
   std::copy(by_start.begin(), by_start.end(), second.data());
-  Call call{.f = f, .model = model};
+  Call call;
+  call.f = f;
+  call.model = model;
   Solver solver(CV_ADAMS, context);
   solver.begin(call, state, relative, tolerance, interval);
   solver.nonlinear = SUNNonlinSol_FixedPoint(state.vector, 0, context.context);

@@ -191,6 +191,64 @@ def test_pinocchio_agrees():
         close(ours[:6], theirs, 1e-9)
 
 
+def random_parameters(rng) -> plant.CraneParameters:
+    crane = parameters()
+    for name in ("a0", "jib", "pivot_height", "gantry_mass", "slew_inertia", "jib_mass", "jib_centre", "jib_inertia", "counterweight",
+                 "counterweight_radius"):  # fmt: skip
+        setattr(crane, name, getattr(crane, name) * rng.uniform(0.4, 2.0))
+    return crane
+
+
+def test_pinocchio_agrees_for_cranes_of_other_sizes():
+    pin = pytest.importorskip("pinocchio")
+    rng = np.random.default_rng(20)
+    for q, qd in states(30):
+        crane, mass = random_parameters(rng), rng.uniform(2e3, 60e3)
+        model = plant.Crane(crane)
+        chain = pinocchio_model(pin, crane, mass, 0.0)
+        data = chain.createData()
+        x, v = CHAIN @ q[:6], CHAIN @ qd[:6]
+        upper = np.triu(pin.crba(chain, data, x))
+        close(np.asarray(model.mass_matrix(q, mass, 0.0))[:6, :6], CHAIN.T @ (upper + np.triu(upper, 1).T) @ CHAIN, 1e-13)
+        both = np.asarray(model.bias(q, qd, mass, 0.0)) + model.gravity(q, mass)
+        close(both[:6], CHAIN.T @ pin.rnea(chain, data, x, v, np.zeros(6)), 1e-12)
+
+
+def test_pinocchio_follows_the_same_trajectory():
+    """Its forward dynamics in a Runge-Kutta scheme of this test, against SUNDIALS' ERKStep: 5 s under constant forces, free sway."""
+    pin = pytest.importorskip("pinocchio")
+    rng = np.random.default_rng(21)
+    for _ in range(4):
+        crane, mass = random_parameters(rng), rng.uniform(5e3, 50e3)
+        crane.sway_damping = 0.0
+        drives = crane.drives
+        for drive in drives:
+            drive.coulomb = drive.viscous = 0.0
+        crane.drives = drives
+        chain = pinocchio_model(pin, crane, mass, 0.0)
+        data = chain.createData()
+        q = np.array([0.0, rng.uniform(-2, 2), rng.uniform(0.6, 1.1), rng.uniform(10, 25), rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), 0.0])
+        qd = np.array([0.1, 0.05, 0.0, 0.2, rng.uniform(-0.1, 0.1), rng.uniform(-0.1, 0.1), 0.0])
+        force = np.asarray(plant.Crane(crane).gravity(q, mass))[:6] * [0, 0, 1, 1, 0, 0] + rng.uniform(-1e3, 1e3, 6) * [1, 1, 1, 1, 0, 0]
+        x, v, tau = CHAIN @ q[:6], CHAIN @ qd[:6], np.linalg.solve(CHAIN.T, force)
+
+        def rate(y, chain=chain, data=data, tau=tau):
+            return np.concatenate([y[6:], pin.aba(chain, data, y[:6], y[6:], tau)])
+
+        y, h = np.concatenate([x, v]), 0.005
+        for _ in range(1000):
+            k1 = rate(y)
+            k2 = rate(y + h / 2 * k1)
+            k3 = rate(y + h / 2 * k2)
+            k4 = rate(y + h * k3)
+            y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
+        state, inputs = plant.CraneState(), plant.CraneInputs()
+        state.q, state.qd = list(q), list(qd)
+        inputs.payload, inputs.locked, inputs.external = (mass, 1.0), 1 << 6, [*force, 0.0]
+        plant.CraneMotion(crane, 1e-11).advance(state, inputs, 5.0)
+        np.testing.assert_allclose(state.q[:6], np.linalg.solve(CHAIN, y[:6]), atol=1e-6, rtol=1e-8)
+
+
 def test_mujoco_agrees():
     mujoco = pytest.importorskip("mujoco")
     c, mass = parameters(), 33e3
