@@ -182,33 +182,35 @@ std::vector<Expression> Parser::expression_list() {
   return out;
 }
 
-Expression Parser::binary_expression(int level) {
-  const bool tightest = static_cast<std::size_t>(level) == operator_levels.size();
-  const auto operand = [&] { return tightest ? unary_expression() : binary_expression(level + 1); };
-  const auto next_operator = [&]() -> std::string_view {
-    skip_blanks();
-    if (tightest) {
-      if (peek() == '*' || peek() == '/' || peek() == '%') return text_.substr(position_, 1);
-      return {};
-    }
-    if (starts_with("||")) return {};
-    const bool logical = operator_levels[static_cast<std::size_t>(level)][0] == "&&";
-    if (!logical && starts_with("&&")) return {};
-    for (const auto op : operator_levels[static_cast<std::size_t>(level)]) {
+/// The operator that stands here, if it binds at least as tightly as `loosest`: its level and its text.
+std::pair<int, std::string_view> Parser::operator_ahead(int loosest) {
+  skip_blanks();
+  const auto tightest = static_cast<int>(operator_levels.size());
+  if (loosest <= tightest && (peek() == '*' || peek() == '/' || peek() == '%')) return {tightest, text_.substr(position_, 1)};
+  if (starts_with("||")) return {};
+  for (int level = tightest - 1; level >= loosest; --level) {
+    const auto& operators = operator_levels[static_cast<std::size_t>(level)];
+    if (operators[0] != "&&" && starts_with("&&")) continue;
+    for (const auto op : operators) {
       const bool shift_ahead = (op == "<" && starts_with("<<")) || (op == ">" && starts_with(">>"));
-      if (!op.empty() && starts_with(op) && !shift_ahead) return op;
+      if (!op.empty() && starts_with(op) && !shift_ahead) return {level, op};
     }
-    return {};
-  };
-  Expression left = operand();
-  for (auto op = next_operator(); !op.empty(); op = next_operator()) {
+  }
+  return {};
+}
+
+/// By precedence climbing, so that a parenthesis costs two calls and not one for every level.
+Expression Parser::binary_expression(int loosest) {
+  Expression left = unary_expression();
+  for (;;) {
+    const auto [level, op] = operator_ahead(loosest);
+    if (op.empty()) return left;
     const std::size_t at = position_;
     position_ += op.size();
     count_operator(at);
-    Expression right = operand();
+    Expression right = binary_expression(level + 1);
     left = Expression{Expression::Kind::binary, {}, std::string(op), {std::move(left), std::move(right)}, at};
   }
-  return left;
 }
 
 Expression Parser::unary_expression() {

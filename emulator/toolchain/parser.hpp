@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "isa/decode.hpp"
@@ -76,7 +77,8 @@ class Parser {
   bool at_bars();  ///< Whether "||" comes next.
 
  private:
-  Expression binary_expression(int level);
+  std::pair<int, std::string_view> operator_ahead(int loosest);
+  Expression binary_expression(int loosest);
   Expression unary_expression();
   Expression primary_expression();
   Expression number();
