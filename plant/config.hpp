@@ -114,6 +114,17 @@ struct SensorParameters {
   std::uint64_t seed = 1;
 };
 
+// Wind on the load; off as it stands.
+struct WindParameters {
+  double mean = 0.0;       // m/s
+  double gust = 0.0;       // m/s, root mean square of the gusts
+  double direction = 0.0;  // rad, whither it blows: 0 along the quay, pi/2 towards the ship
+  double area = 38.0;      // m2, drag coefficient times the face: 1.2 times the long side of a container
+  std::uint64_t seed = 1;
+
+  bool blows() const { return mean != 0.0 || gust != 0.0; }
+};
+
 // Box in the world, m.
 struct Box {
   double x_min, x_max, y_min, y_max, z_min, z_max;
@@ -160,6 +171,7 @@ struct DockConfig {
   LandingParameters landing;
   AgvParameters agv;
   SensorParameters sensors;
+  WindParameters wind;
   Layout layout;
   bool rigid = false;        // level L0: the free payload does not sway; else L1
   int agv_count = 1;

@@ -9,6 +9,7 @@
 
 #include "plant/math.hpp"
 #include "plant/sensors.hpp"
+#include "plant/wind.hpp"
 
 namespace plant {
 namespace {
@@ -62,10 +63,18 @@ void check(const CraneParameters& p) {
          p.lower[static_cast<std::size_t>(Joint::hoist)]);
 }
 
+void check(const WindParameters& p) {
+  require_not_negative({{"the wind's gust", p.gust}, {"the wind's area", p.area}});
+  refuse(!(std::fabs(p.mean) <= 100.0), "the wind's mean must be within 100 m/s", p.mean);
+  refuse(p.gust > 100.0, "the wind's gust must be within 100 m/s", p.gust);
+  refuse(!std::isfinite(p.direction), "the wind's direction must be a number", p.direction);
+}
+
 CraneAlone::CraneAlone(const CraneAloneConfig& config)
     : config_((check(config.crane), config)), motion_(config.crane, config.tolerance, config.order) {
   refuse(!(config.tolerance >= 1e-13 && config.tolerance <= 1e-3), "tolerance must be 1e-13 to 1e-3", config.tolerance);
   refuse(!(config.order >= 2 && config.order <= 6), "order must be 2 to 6", config.order);
+  check(config.wind);
   reset(inverse_kinematics(config.crane, config.home), {});
   set_load(config.load);
 }
@@ -104,11 +113,14 @@ void CraneAlone::step(const Joints& torque, double seconds) {
     state_.inputs.command[j] = on ? std::clamp(torque[j], -most, most) : 0.0;
   }
   const auto pieces = static_cast<std::int64_t>(std::ceil(seconds / longest_piece - 1e-9));
-  for (std::int64_t i = 0; i < pieces; ++i) piece(seconds / static_cast<double>(pieces));
+  const double each = seconds / static_cast<double>(pieces);
+  const double start = static_cast<double>(state_.time) * 1e-12;
+  for (std::int64_t i = 0; i < pieces; ++i) piece(start + static_cast<double>(i) * each, each);
   state_.time += std::llround(seconds * 1e12);
 }
 
-void CraneAlone::piece(double seconds) {
+void CraneAlone::piece(double at, double seconds) {
+  if (config_.wind.blows()) state_.inputs.external = crane().at_payload(state_.crane.q, wind_force(config_.wind, at));
   if (state_.faulted != 0 || state_.swung_out) brake_off_drives();
   motion_.advance(state_.crane, state_.inputs, seconds);
   mind_limits();

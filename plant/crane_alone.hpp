@@ -16,10 +16,12 @@ struct CraneAloneConfig {
   double tolerance = 1e-8;
   int order = 3;              // of ERKStep, 2 to 6
   SensorParameters sensors;
+  WindParameters wind;
 };
 
 // Throws std::invalid_argument naming the first value that no crane can have.
 void check(const CraneParameters&);
+void check(const WindParameters&);
 
 // Derivatives of the coordinates and speeds by the payload's mass (per kg) and by the rope's length at the start (per m).
 struct CraneSensitivity {
@@ -57,7 +59,7 @@ class CraneAlone {
   CraneSensitivity sensitivity(const Joints& torque, double seconds) const;
 
  private:
-  void piece(double seconds);
+  void piece(double at, double seconds);
   void brake_off_drives();
   void mind_limits();
 

@@ -24,6 +24,7 @@ void check(const DockConfig& c) {
   require(c.agv_count >= 0 && c.agv_count <= 16, "agv_count must be 0..16");
   require(c.tolerance >= 1e-12 && c.tolerance <= 1e-4, "tolerance must be 1e-12..1e-4");
   require(c.signal_decimation >= 0, "signal_decimation must be 0 (off) or a number of latches");
+  check(c.wind);
   require(c.drive_timeout >= 0.0, "drive_timeout must not be negative");
   require(!c.layout.rows.empty(), "the bay needs at least one row");
   require(c.layout.scan_dx > 0.0, "scan_dx must be positive");

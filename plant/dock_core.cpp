@@ -5,6 +5,7 @@
 
 #include "plant/math.hpp"
 #include "plant/sensors.hpp"
+#include "plant/wind.hpp"
 
 namespace plant {
 namespace {
@@ -67,6 +68,7 @@ void DockCore::begin_latch() {
   check_fault();
   turn_locks();
   move_payload();
+  blow();
   if (config.signal_decimation > 0 && state.latch % config.signal_decimation == 0) {
     signals.push_back(make_signal());
     for (std::size_t i = 0; i < agv_signals.size(); ++i) agv_signals[i].push_back(make_agv_signal(i));
@@ -160,6 +162,12 @@ void DockCore::check_fault() {
 }
 
 // ---- payload
+
+// Near contact the landing puts the wind on the body itself.
+void DockCore::blow() {
+  if (!config.wind.blows() || state.landing.active) return;
+  state.inputs.external = crane.crane().at_payload(state.crane.q, wind_force(config.wind, static_cast<double>(state.latch) * seconds_per_latch));
+}
 
 // The ideal rope holds only while it is taut and nothing is near.
 void DockCore::watch_free_payload() {

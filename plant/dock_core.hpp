@@ -49,6 +49,7 @@ class DockCore {
   void check_fault();
   void watch_free_payload();
   void move_payload();
+  void blow();
   void turn_locks();
   void move_agvs();
   void serve_warehouse(std::size_t agv);

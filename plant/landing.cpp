@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "plant/math.hpp"
+#include "plant/wind.hpp"
 
 namespace plant {
 namespace {
@@ -348,6 +349,7 @@ Landing::Outcome Landing::step(DockState& s, const Crane& crane, double seconds)
   Forces forces;
   add_falls(s, crane, seconds, forces);
   add_guides(s, forces);
+  if (config_.wind.blows()) forces.force = forces.force + wind_force(config_.wind, static_cast<double>(s.latch) * 125e-6);
   s.inputs.external = forces.crane;
   s.landing.tension = forces.tension;
 

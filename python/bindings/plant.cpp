@@ -8,6 +8,7 @@
 #include "plant/dock.hpp"
 #include "plant/motion.hpp"
 #include "plant/state.hpp"
+#include "plant/wind.hpp"
 #include "python/bindings/bindings.hpp"
 
 using namespace plant;
@@ -144,6 +145,11 @@ void bind_config(py::module_& m) {
   py::class_<SensorParameters>(m, "SensorParameters")
       .def(py::init<>())
       FIELD(SensorParameters, sway_range) FIELD(SensorParameters, sway_noise) FIELD(SensorParameters, seed);
+  py::class_<WindParameters>(m, "WindParameters")
+      .def(py::init<>())
+      FIELD(WindParameters, mean) FIELD(WindParameters, gust) FIELD(WindParameters, direction)
+      FIELD(WindParameters, area) FIELD(WindParameters, seed);
+  m.def("wind_speed", &wind_speed, py::arg("wind"), py::arg("seconds"));
   py::class_<Box>(m, "Box")
       .def(py::init<double, double, double, double, double, double>())
       FIELD(Box, x_min) FIELD(Box, x_max) FIELD(Box, y_min) FIELD(Box, y_max) FIELD(Box, z_min) FIELD(Box, z_max);
@@ -164,7 +170,7 @@ void bind_config(py::module_& m) {
       FIELD(Layout, ship) FIELD(Layout, no_go) FIELD(Layout, spot) FIELD(Layout, warehouse) FIELD(Layout, warehouse_radius)
       FIELD(Layout, warehouse_take) FIELD(Layout, slot_spacing) FIELD(Layout, legs);
   py::class_<DockConfig>(m, "DockConfig")
-      FIELD(DockConfig, crane) FIELD(DockConfig, landing) FIELD(DockConfig, agv) FIELD(DockConfig, sensors)
+      FIELD(DockConfig, crane) FIELD(DockConfig, landing) FIELD(DockConfig, agv) FIELD(DockConfig, sensors) FIELD(DockConfig, wind)
       FIELD(DockConfig, layout) FIELD(DockConfig, agv_count) FIELD(DockConfig, home) FIELD(DockConfig, tolerance)
       FIELD(DockConfig, signal_decimation);
   m.def("default_dock", &default_dock, py::arg("agv_count") = 1);
@@ -177,12 +183,12 @@ void bind_alone(py::module_& m) {
       .def_property_readonly("time", [](const CraneAlone::State& s) { return s.time; });
   py::class_<CraneAlone>(m, "CraneAlone", "A crane by itself, driven by motor torques.")
       .def(py::init([](const CraneParameters& crane, const CranePose& home, double mass, double inertia, double rated_load, bool rigid,
-                       double tolerance, int order, const SensorParameters& sensors) {
+                       double tolerance, int order, const SensorParameters& sensors, const WindParameters& wind) {
              return std::make_unique<CraneAlone>(
-                 CraneAloneConfig{crane, home, {mass, inertia}, rated_load, rigid, tolerance, order, sensors});
+                 CraneAloneConfig{crane, home, {mass, inertia}, rated_load, rigid, tolerance, order, sensors, wind});
            }),
            py::arg("crane"), py::arg("home"), py::arg("mass"), py::arg("inertia"), py::arg("rated_load"), py::arg("rigid"),
-           py::arg("tolerance"), py::arg("order"), py::arg("sensors"))
+           py::arg("tolerance"), py::arg("order"), py::arg("sensors"), py::arg("wind"))
       .def("step", &CraneAlone::step, py::arg("torques"), py::arg("dt"))
       .def(
           "run", [](CraneAlone& c, const Joints& torque, double dt, long steps) { for (long i = 0; i < steps; ++i) c.step(torque, dt); },

@@ -34,6 +34,7 @@ _OPTIONS: dict[str, Any] = {
     "seed": 1,
     "sway_noise": None,
     "drives": {},
+    "wind": {},
 }
 
 
@@ -70,7 +71,7 @@ class Crane:
 
     ``config`` holds parameters under the names of docs/plant.md (``jib``, ``spreader_mass``, ...), and besides: ``home`` (s, x, y, z, yaw of the spreader),
     ``load_mass`` and ``load_inertia`` of what hangs below the spreader, ``rated_load``, ``model``, ``tolerance``, ``order`` (2 to 6), ``seed``,
-    ``sway_noise`` in rad, ``drives`` ({joint: {parameter: value}}). Raises ValueError for an unknown name or a crane that cannot be.
+    ``sway_noise`` in rad, ``wind`` ({mean, gust, direction, area, seed}: m/s, rad, m2), ``drives`` ({joint: {parameter: value}}). Raises ValueError for an unknown name or a crane that cannot be.
     """
 
     def __init__(self, config: Mapping[str, Any] | None = None, **keywords: Any) -> None:
@@ -97,11 +98,17 @@ class Crane:
         sensors.seed = options["seed"]
         if options["sway_noise"] is not None:
             sensors.sway_noise = options["sway_noise"]
+        wind = _core.plant.WindParameters()
+        wind.seed = options["seed"]
+        for name, value in options["wind"].items():
+            if name.startswith("_") or not hasattr(wind, name):
+                raise ValueError(f"the wind has no parameter {name!r}; it has mean, gust, direction, area, seed")
+            setattr(wind, name, value)
         self.parameters = parameters
         """The crane's parameters, as checked at the start."""
         self._core = _core.plant.CraneAlone(
             parameters, _core.plant.CranePose(*options["home"]), options["load_mass"], options["load_inertia"], options["rated_load"],
-            options["model"] == "rigid", options["tolerance"], options["order"], sensors,
+            options["model"] == "rigid", options["tolerance"], options["order"], sensors, wind,
         )  # fmt: skip
         self.maximum_torques: Array = np.array([drive.maximum_torque for drive in drives])
         """Motor torques at which the drives saturate, N m."""

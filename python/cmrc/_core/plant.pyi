@@ -12,6 +12,13 @@ class SensorParameters:
     sway_noise: float
     seed: int
 
+class WindParameters:
+    mean: float
+    gust: float
+    direction: float
+    area: float
+    seed: int
+
 class DockConfig:
     def __getattr__(self, name: str) -> Any: ...
 
