@@ -7,7 +7,7 @@
 ; Stages: 0 take the pose at the start from the encoders as joint point -1; 1 wait until torque compensation has spoken;
 ; 2 enable the drives and servo.
 
-PD_STATE        .set SCRATCH + 64       ; the area's words from CR_PID on:
+PD_STATE        .set SCRATCH + 56       ; the area's words from CR_PID on:
 PD_CONSUMED     .set PD_STATE + 0
 PD_SEGMENT      .set PD_STATE + 1
 PD_STAGE        .set PD_STATE + 2
@@ -22,6 +22,7 @@ PD_D            .set PD_STATE + 29      ; f x5
 PD_E            .set PD_STATE + 34      ; f x5: the last error
 PD_OFFSET       .set PD_STATE + 40      ; i x5: total - 24-bit count
 PD_STATE_WORDS  .set 45
+PD_Y_OLD        .set PD_STATE + 45      ; f x5: the last measurement (second build only)
 
 PD_COUNTS       .set SCRATCH + 112      ; encoders, alpha, beta, spreader status
 PD_ANGLES       .set SCRATCH + 117
@@ -40,8 +41,21 @@ PD_MOVING       .set SCRATCH + 164      ; not 0: a joint point of this segment i
 PD_OUT          .set SCRATCH + 165      ; not 0: out of tolerance
 PD_PHASE        .set SCRATCH + 166
 PD_PRODUCED     .set SCRATCH + 167
+PD_BUILD        .set SCRATCH + 168      ; 0: kernel_pid, 1: kernel_pid_document
+PD_WORDS        .set SCRATCH + 169      ; words of the state, less 1
 
+; The law as plant-and-bus.md 2.1 prints it: the derivative acts on the measurement alone, D <- T_d / (T_d + N h) (D - K N (y - y_old)), and the set-point
+; runs straight from joint point to joint point (first-order hold).
+kernel_pid_document:
+        ldi     1, r0
+        ldi     PD_STATE_WORDS + 4, r1
+        br      pid_build
 kernel_pid:
+        ldi     0, r0
+        ldi     PD_STATE_WORDS - 1, r1
+pid_build:
+        sti     r0, @PD_BUILD
+        sti     r1, @PD_WORDS
         ldhi    hi16(WINDOW_B), ar0
         addi    ENCODER, ar0
         ldhi    hi16(PD_COUNTS), ar1
@@ -68,7 +82,7 @@ kernel_pid:
         addi    CR_PID, ar0
         ldhi    hi16(PD_STATE), ar1
         or      lo16(PD_STATE), ar1
-        ldi     PD_STATE_WORDS - 1, rc
+        ldi     @PD_WORDS, rc
         call    copy_words
         call    pid_status
         ldi     @PD_STAGE, r0
@@ -143,7 +157,7 @@ pid_finish:
         or      lo16(PD_STATE), ar0
         ldi     ar6, ar1
         addi    CR_PID, ar1
-        ldi     PD_STATE_WORDS - 1, rc
+        ldi     @PD_WORDS, rc
         call    copy_words
         ldi     @PD_CONSUMED, r0
         and     0FFFFh, r0
@@ -153,6 +167,12 @@ pid_finish:
 
 ; Joint point -1: the measured pose, at rest; the sway's reference 0 and its factors -1/(L sin phi), 1/(a0 + L cos phi).
 pid_take_pose:
+        ldhi    hi16(PD_Y), ar0
+        or      lo16(PD_Y), ar0
+        ldhi    hi16(PD_Y_OLD), ar1
+        or      lo16(PD_Y_OLD), ar1
+        ldi     4, rc
+        call    copy_words
         ldhi    hi16(PD_Y), ar0
         or      lo16(PD_Y), ar0
         ldi     ar6, ar1
@@ -359,6 +379,13 @@ pid_reference:
         mpyf    r1, r3
         mpyf    r6, r3
         negf    r3, r3                          ; R3: of the latter's
+        ldi     @PD_BUILD, r7
+        bz      pid_reference_weights
+        ldf     r1, r4
+        ldf     r0, r5
+        ldf     0.0, r2
+        ldf     0.0, r3
+pid_reference_weights:
         ldhi    hi16(SV_FROM), ar0
         or      lo16(SV_FROM), ar0
         ldhi    hi16(PD_R), ar1
@@ -503,6 +530,13 @@ pid_joint_within:
         mpyf    *+ar3(2), r0                    ; T_d / (T_d + N h)
         ldf     r8, r1
         subf    *-ar2(PD_R - PD_E), r1
+        ldi     @PD_BUILD, r2
+        bz      pid_joint_change
+        ldf     *-ar2(PD_R - PD_Y), r2
+        ldf     *-ar2(PD_R - PD_Y_OLD), r1
+        subf    r2, r1
+        stf     r2, *-ar2(PD_R - PD_Y_OLD)
+pid_joint_change:
         mpyf    *+ar3(1), r1
         addf    *-ar2(PD_R - PD_D), r1
         mpyf    r0, r1                          ; D

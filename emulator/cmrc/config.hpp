@@ -25,6 +25,7 @@ enum class Learning { off, proportional, unit };
 enum class CraneModel { sway, rigid };
 enum class ServoReload { locked, inherited };
 enum class TorqueBuild { closed_form, newton_euler };
+enum class PidBuild { error_derivative, measurement_derivative };
 enum class TrajectoryBuild { blend9, quintic_shaper };
 enum class AvoidanceBuild { none, synthetic, potential_field, vfh, dynamic_window };
 
@@ -85,6 +86,7 @@ struct Config {
   /// Which build of a task's program the DSPs run.
   struct Kernels {
     TorqueBuild torque = TorqueBuild::closed_form;
+    PidBuild pid = PidBuild::error_derivative;
     TrajectoryBuild trajectory = TrajectoryBuild::blend9;
     AvoidanceBuild avoidance = AvoidanceBuild::synthetic;
   } kernels;

@@ -30,6 +30,7 @@ void place_kernels(toolchain::Image& image, const Config& config) {
     place_kernel(image, image.symbol(kind), label, key);
   };
   if (config.kernels.torque == TorqueBuild::newton_euler) choose("KIND_TORQUE", "kernel_torque_newton_euler", "kernels.torque");
+  if (config.kernels.pid == PidBuild::measurement_derivative) choose("KIND_PID", "kernel_pid_document", "kernels.pid");
   if (config.kernels.trajectory == TrajectoryBuild::quintic_shaper) {
     choose("KIND_TRAJECTORY_CRANE", "kernel_trajectory_crane_shaper", "kernels.trajectory");
   }
