@@ -92,10 +92,14 @@ void declare_exec(CLI::App& app, cli::ExecOptions& options) {
       ->check(CLI::PositiveNumber);
   app.add_option("--dump", options.dumps, "Print so many words from there")->type_name("ADDRESS:COUNT");
   app.add_flag("--json", options.json, "Print the result as JSON");
-  app.add_option("--board", options.board, "default: the CMRC board's memory map; flat: zero-wait RAM everywhere");
+  app.add_option("--board", options.board,
+                 "default: the CMRC board's memory map; flat: zero-wait RAM everywhere; or a board file (docs/configuration.md)")
+      ->type_name("default|flat|FILE.toml");
   app.add_option("--load-at", options.load_at, "Where a .hex file stands and starts")->type_name("ADDRESS");
   app.add_option("--entry", options.entry, "Start here instead of at the program's entry")->type_name("SYMBOL|ADDRESS");
   app.add_option("--trace", options.trace, "Write the instruction trace (docs/trace.md)")->type_name("FILE");
+  app.add_flag("--profile", options.profile, "Cycles by cause, per routine and per source line");
+  app.add_option("--pipeline", options.pipeline, "Draw the pipeline in these cycles")->type_name("FIRST:LAST");
   app.add_flag("--check", options.check, "Look for broken rules of the manual (docs/fidelity.md, Self-checks)");
 }
 

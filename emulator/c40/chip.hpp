@@ -59,6 +59,7 @@ struct TraceRecord {
   Word word = 0;
   Cycles cycles = 0;
   Causes causes{};
+  StepTiming::Stages stages;  ///< relative to `cycle`, without what it waited for a shared bus
   std::span<const RegisterChange> registers;
   std::span<const MemoryEvent> memory;
 };

@@ -376,6 +376,7 @@ void Engine::emit_trace(const StepRecord& record, const Core& before, Cycles cyc
   out.word = record.bound.word;
   out.cycles = state_.cycle - cycle;
   for (std::size_t i = 0; i < cause_count; ++i) out.causes[i] = state_.causes[i] - causes[i];
+  out.stages = record.timing.stages;
   std::vector<RegisterChange> changes;
   const Core& now = state_.core;
   for (std::uint8_t code = 0; code < 32; ++code) {

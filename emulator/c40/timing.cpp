@@ -147,6 +147,9 @@ StepTiming Pipeline::advance(const Demand& demand) {
   charge(out.wait_state, length - 1);
   charge(out.memory_conflict, rest);
 
+  const auto stage = [](int cycle) { return static_cast<std::int16_t>(cycle); };
+  out.stages = {stage(f), stage(demand.fetched ? length : 0), stage(d), stage(a), stage(e)};
+
   // Make everything relative to the new T.
   ready_ = [&] {
     std::uint32_t next = 0;

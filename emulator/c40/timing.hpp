@@ -52,6 +52,11 @@ struct StepTiming {
   int memory_conflict = 0;
   int wait_state = 0;
   std::array<int, 2> start{};
+  /// When the instruction stood in each stage, relative to T before.
+  struct Stages {
+    std::int16_t fetch = 0, fetch_cycles = 0, decode = 0, read = 0, execute = 0;
+    friend bool operator==(const Stages&, const Stages&) = default;
+  } stages;
   friend bool operator==(const StepTiming&, const StepTiming&) = default;
 };
 

@@ -6,9 +6,13 @@
 #include <nlohmann/json.hpp>
 
 #include "c40/chip.hpp"
+#include "c40/pipeline_diagram.hpp"
+#include "c40/profile.hpp"
 #include "c40/self_check.hpp"
+#include "cli/board_file.hpp"
 #include "cli/options.hpp"
 #include "cli/output_file.hpp"
+#include "cli/profile.hpp"
 #include "cli/program.hpp"
 #include "isa/decode.hpp"
 #include "machine/instruction_trace.hpp"
@@ -32,12 +36,6 @@ struct Outcome {
   std::string message;
   int status = success;
 };
-
-c40::Board board_named(const std::string& name) {
-  if (name == "default") return c40::Board::default_board();
-  if (name == "flat") return c40::Board::flat();
-  throw InputError(fmt::format("--board: there is no board \"{}\"; default and flat are", name));
-}
 
 void load(c40::Chip& chip, const Image& image, const std::string& board) {
   for (const Image::Section& section : image.sections) {
@@ -127,6 +125,34 @@ class Run {
   std::optional<Address> until_;
 };
 
+/// FIRST:LAST, in cycles.
+c40::PipelineDiagram parse_window(const std::string& text, c40::TraceSink* next) {
+  const std::size_t colon = text.find(':');
+  c40::Cycles first = 0, last = 0;
+  const auto number = [](std::string_view part, c40::Cycles& value) {
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    return error == std::errc{} && end == part.data() + part.size();
+  };
+  const std::string_view view = text;
+  if (colon == std::string::npos || !number(view.substr(0, colon), first) || !number(view.substr(colon + 1), last))
+    throw InputError(fmt::format("--pipeline: \"{}\" is not FIRST:LAST, two numbers of cycles", text));
+  try {
+    return {first, last, next};
+  } catch (const std::invalid_argument& error) {
+    throw InputError(fmt::format("--pipeline: {}", error.what()));
+  }
+}
+
+/// What listened to the run; each may be absent.
+struct Listeners {
+  std::optional<c40::SelfCheck> check;
+  std::optional<c40::Profile> profile;
+  std::optional<c40::PipelineDiagram> pipeline;
+  std::optional<double> clock_mhz;
+};
+
+double microseconds(const c40::Chip& chip, double clock_mhz) { return static_cast<double>(chip.cycle()) * 2.0 / clock_mhz; }
+
 /// ADDRESS:COUNT
 std::pair<Address, Address> parse_dump(const std::string& text, const Image& image) {
   const std::size_t colon = text.rfind(':');
@@ -174,13 +200,14 @@ void print_diagnostics(const std::vector<c40::Diagnostic>& diagnostics) {
                found.cycle, found.count > 1 ? fmt::format(", {} times", found.count) : "");
 }
 
-void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps, const c40::SelfCheck* check) {
+void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps, const Listeners& listeners, const Image& image) {
   fmt::print("stop: {}: {}\n", outcome.reason, outcome.message);
   fmt::print("PC {:08X}  {} instructions, {} cycles\n", chip.pc(), chip.instructions(), chip.cycle());
   for (std::size_t cause = 0; cause < c40::cause_count; ++cause)
     if (chip.causes()[cause] != 0)
       fmt::print("  {:<18}{:>14}\n", name(static_cast<c40::Cause>(cause)), chip.causes()[cause]);
-  if (check != nullptr) print_diagnostics(check->diagnostics());
+  if (listeners.clock_mhz) fmt::print("  {:.3f} us at {} MHz\n", microseconds(chip, *listeners.clock_mhz), *listeners.clock_mhz);
+  if (listeners.check) print_diagnostics(listeners.check->diagnostics());
   int column = 0;
   for (const Register reg : all_registers()) {
     if (isa::is_extended(reg)) {
@@ -196,9 +223,11 @@ void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector
       if (i % 8 == 0) fmt::print("{}{:08X}:", i == 0 ? "" : "\n", dump.address + i);
       fmt::print(" {:08X}{}", dump.words[i], i + 1 == dump.words.size() ? "\n" : "");
     }
+  if (listeners.profile) print_profile(*listeners.profile, chip, image);
+  if (listeners.pipeline) fmt::print("{}", listeners.pipeline->text());
 }
 
-void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps, const c40::SelfCheck* check) {
+void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps, const Listeners& listeners, const Image& image) {
   using Json = nlohmann::ordered_json;
   Json root = {{"stop", {{"reason", outcome.reason}, {"message", outcome.message}, {"pc", chip.pc()}}},
                {"instructions", chip.instructions()},
@@ -211,21 +240,24 @@ void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector
   }
   root["registers"]["IVTP"] = chip.expansion(isa::Expansion::IVTP);
   root["registers"]["TVTP"] = chip.expansion(isa::Expansion::TVTP);
-  if (check != nullptr) {
+  if (listeners.clock_mhz) root["microseconds"] = microseconds(chip, *listeners.clock_mhz);
+  if (listeners.check) {
     root["diagnostics"] = Json::array();
-    for (const c40::Diagnostic& found : check->diagnostics())
+    for (const c40::Diagnostic& found : listeners.check->diagnostics())
       root["diagnostics"].push_back({{"rule", name(found.rule)}, {"section", found.section}, {"pc", found.pc}, {"cycle", found.cycle},
                                      {"instruction", found.instruction}, {"message", found.message}, {"count", found.count}});
   }
   root["dumps"] = Json::array();
   for (const Dump& dump : dumps) root["dumps"].push_back({{"address", dump.address}, {"words", dump.words}});
+  if (listeners.profile) root["profile"] = profile_json(*listeners.profile, chip, image);
+  if (listeners.pipeline) root["pipeline"] = listeners.pipeline->text();
   fmt::print("{}\n", root.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace
 
 int exec(const ExecOptions& options) {
-  const c40::Board board = board_named(options.board);
+  const ChosenBoard chosen = read_board(options.board);
   const Image image = read_program(options.program, options.include_directories, options.load_at);
   for (const std::string& warning : image.warnings) fmt::print(stderr, "{}\n", warning);
   std::optional<Address> until;
@@ -233,9 +265,9 @@ int exec(const ExecOptions& options) {
   std::vector<std::pair<Address, Address>> ranges;
   for (const std::string& text : options.dumps) ranges.push_back(parse_dump(text, image));
 
-  c40::Chip chip(board);
+  c40::Chip chip(chosen.board);
   chip.reset();
-  load(chip, image, options.board);
+  load(chip, image, chosen.board.name);
   chip.set_pc(options.entry ? parse_address(*options.entry, &image, "--entry") : image.entry);
   for (const auto& [address, count] : ranges) read_dump(chip, address, count);  // refuses bad ranges before the run
 
@@ -245,20 +277,21 @@ int exec(const ExecOptions& options) {
     trace.emplace(*options.trace);
     trace->stream() << report::instruction_trace_header << '\n';
     sink.emplace(0U, [&trace](const std::string& line) { trace->stream() << line << '\n'; });
-    chip.set_trace(&*sink);
   }
-  std::optional<c40::SelfCheck> check;
-  if (options.check) {
-    check.emplace(chip, sink ? &*sink : nullptr);
-    chip.set_trace(&*check);
-  }
+  Listeners listeners;
+  listeners.clock_mhz = chosen.clock_mhz;
+  c40::TraceSink* first = sink ? &*sink : nullptr;  // each hands on to the one before
+  if (options.check) first = &listeners.check.emplace(chip, first);
+  if (options.profile) first = &listeners.profile.emplace(chip.pc(), first);
+  if (options.pipeline) first = &listeners.pipeline.emplace(parse_window(*options.pipeline, first));
+  chip.set_trace(first);
   const Outcome outcome = Run(chip, image, until).run(options.max_cycles);
-  if (check) check->run_ended();
+  if (listeners.check) listeners.check->run_ended();
   if (trace) trace->commit();
 
   std::vector<Dump> dumps;
   for (const auto& [address, count] : ranges) dumps.push_back(read_dump(chip, address, count));
-  (options.json ? print_json : print_text)(chip, outcome, dumps, check ? &*check : nullptr);
+  (options.json ? print_json : print_text)(chip, outcome, dumps, listeners, image);
   return outcome.status;
 }
 

@@ -84,6 +84,8 @@ struct ExecOptions {
   std::optional<std::string> entry;
   std::optional<std::string> trace;
   bool check = false;
+  bool profile = false;
+  std::optional<std::string> pipeline;  ///< FIRST:LAST in cycles
 };
 
 struct TraceDiffOptions {

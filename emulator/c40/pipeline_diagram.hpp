@@ -1,0 +1,35 @@
+#pragma once
+/// The pipeline as the manual's figures draw it: one line per instruction, one column per cycle, each stall labelled.
+#include <string>
+#include <vector>
+
+#include "c40/chip.hpp"
+
+namespace c40 {
+
+class PipelineDiagram final : public TraceSink {
+ public:
+  static constexpr Cycles widest = 200;
+
+  /// The cycles from first to last. Throws std::invalid_argument if there are none, or more than `widest`.
+  /// \param next hears everything too; may be null and must outlive this.
+  PipelineDiagram(Cycles first, Cycles last, TraceSink* next = nullptr);
+
+  void instruction(const TraceRecord& record) override;
+  void interrupt(Word vector, Cycles cycle) override;
+
+  /// F fetch, D decode, R read, E execute; `-` holds the stage before, `b` waits for a shared bus.
+  std::string text() const;
+
+ private:
+  struct Row {
+    std::string cells, label;
+  };
+  bool put(std::string& cells, Cycles cycle, char letter) const;
+
+  Cycles first_, last_;
+  TraceSink* next_;
+  std::vector<Row> rows_;
+};
+
+}  // namespace c40

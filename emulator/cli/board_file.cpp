@@ -1,0 +1,141 @@
+#include "cli/board_file.hpp"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <initializer_list>
+#include <sstream>
+
+#include "cli/options.hpp"
+
+namespace cli {
+namespace {
+
+using c40::Address;
+using c40::Region;
+
+class BoardReader {
+ public:
+  explicit BoardReader(std::string file) : file_(std::move(file)) {}
+
+  ChosenBoard read(const toml::table& root) const {
+    allow(root, "", {"name", "clock_mhz", "gmicr", "lmicr", "region"});
+    ChosenBoard out;
+    out.board.name = file_;
+    if (const auto* node = root.get("name")) out.board.name = text(*node, "name");
+    if (const auto* node = root.get("clock_mhz")) {
+      const auto value = node->value<double>();
+      if (!node->is_number() || !value || !std::isfinite(*value) || *value <= 0 || *value > 1000)
+        fail(*node, "clock_mhz: the frequency of CLKIN in MHz is expected, more than 0 and at most 1000");
+      out.clock_mhz = *value;
+    }
+    if (const auto* node = root.get("gmicr")) out.board.global_interface_control = word(*node, "gmicr", 0xFFFFFFFF);
+    if (const auto* node = root.get("lmicr")) out.board.local_interface_control = word(*node, "lmicr", 0xFFFFFFFF);
+    const auto* regions = root.get("region");
+    if (regions == nullptr || !regions->is_array() || regions->as_array()->empty())
+      throw InputError(fmt::format("{}: region: a board needs at least one [[region]] with name, base, words and bus", file_));
+    for (const auto& node : *regions->as_array()) add(out.board, node);
+    return out;
+  }
+
+ private:
+  [[noreturn]] void fail(const toml::node& node, const std::string& what) const {
+    throw InputError(fmt::format("{}:{}: {}", file_, node.source().begin.line, what));
+  }
+
+  void allow(const toml::table& table, const std::string& prefix, std::initializer_list<std::string_view> keys) const {
+    for (const auto& [key, node] : table)
+      if (std::find(keys.begin(), keys.end(), key.str()) == keys.end())
+        fail(node, fmt::format("no such key {}{}; known are {}", prefix, key.str(), fmt::join(keys, ", ")));
+  }
+
+  std::string text(const toml::node& node, std::string_view key) const {
+    if (!node.is_string()) fail(node, fmt::format("{}: text in quotes is expected", key));
+    return node.as_string()->get();
+  }
+
+  c40::Word word(const toml::node& node, std::string_view key, std::int64_t most) const {
+    const auto* value = node.as_integer();
+    if (value == nullptr || value->get() < 0 || value->get() > most)
+      fail(node, fmt::format("{}: a whole number from 0 to {} is expected", key, most));
+    return static_cast<c40::Word>(value->get());
+  }
+
+  void add(c40::Board& board, const toml::node& node) const {
+    if (!node.is_table()) fail(node, "region: each is a table, [[region]]");
+    const toml::table& table = *node.as_table();
+    const auto needed = [&](std::string_view key) -> const toml::node& {
+      const auto* found = table.get(key);
+      if (found == nullptr) fail(node, fmt::format("region {}: {} is missing", board.regions.size() + 1, key));
+      return *found;
+    };
+    allow(table, "region.", {"name", "base", "words", "bus", "waits", "read_waits", "write_waits"});
+    Region region;
+    region.name = text(needed("name"), "region.name");
+    region.base = word(needed("base"), "region.base", 0xFFFFFFFF);
+    const auto* words = needed("words").as_integer();
+    const std::int64_t room = (std::int64_t{1} << 32) - region.base;
+    if (words == nullptr || words->get() < 1 || words->get() > room)
+      fail(needed("words"), fmt::format("region.words of {}: 1 to {} words are possible from {:08X}h", region.name, room, region.base));
+    region.words = static_cast<std::uint64_t>(words->get());
+    if (region.words > most_words) fail(needed("words"), fmt::format("region.words of {}: at most {} words of RAM", region.name, most_words));
+    region.bus = bus_of(needed("bus"), region);
+    if (const auto* waits = table.get("waits")) region.read_waits = region.write_waits = wait_states(*waits, "region.waits");
+    if (const auto* waits = table.get("read_waits")) region.read_waits = wait_states(*waits, "region.read_waits");
+    if (const auto* waits = table.get("write_waits")) region.write_waits = wait_states(*waits, "region.write_waits");
+    check_place(board, region, node);
+    board.regions.push_back(std::move(region));
+  }
+
+  // The address decides which bus the chip drives (c40-hardware.md 1.1).
+  Region::Bus bus_of(const toml::node& node, const Region& region) const {
+    const std::string bus = text(node, "region.bus");
+    if (bus != "local" && bus != "global") fail(node, fmt::format("region.bus of {}: local or global is expected", region.name));
+    const bool upper = region.base >= 0x80000000u;
+    const std::uint64_t end = region.base + region.words;
+    if (upper != (bus == "global") || (!upper && end > 0x80000000ull))
+      fail(node, fmt::format("region.bus of {}: the local bus is below 80000000h, the global bus from there on", region.name));
+    return bus == "local" ? Region::Bus::local : Region::Bus::global;
+  }
+
+  int wait_states(const toml::node& node, std::string_view key) const {
+    return static_cast<int>(word(node, key, c40::timing::max_region_waits));
+  }
+
+  void check_place(const c40::Board& board, const Region& region, const toml::node& node) const {
+    const std::uint64_t end = region.base + region.words;
+    if (region.base < first_external && end > chip_begin)
+      fail(node, fmt::format("region.base of {}: {:08X}h to {:08X}h are the chip's own; a board has what lies before and behind", region.name, chip_begin,
+                             first_external - 1));
+    for (const Region& other : board.regions)
+      if (region.base < other.base + other.words && other.base < end)
+        fail(node, fmt::format("region {} ({:08X}h, {} words) overlaps {} ({:08X}h, {} words)", region.name, region.base, region.words, other.name,
+                               other.base, other.words));
+  }
+
+  static constexpr Address chip_begin = 0x00100000u, first_external = 0x00300000u;
+  static constexpr std::uint64_t most_words = std::uint64_t{1} << 28;
+  std::string file_;
+};
+
+}  // namespace
+
+ChosenBoard read_board(const std::string& name) {
+  if (name == "default") return {c40::Board::default_board(), {}};
+  if (name == "flat") return {c40::Board::flat(), {}};
+  if (!name.ends_with(".toml")) throw InputError(fmt::format("--board: there is no board \"{}\"; default, flat and TOML files are", name));
+  std::ifstream in(name, std::ios::binary);
+  if (!in) throw InputError(fmt::format("--board: {} cannot be read", name));
+  std::ostringstream text;
+  text << in.rdbuf();
+  try {
+    return BoardReader(name).read(toml::parse(text.str(), name));
+  } catch (const toml::parse_error& error) {
+    throw InputError(fmt::format("{}:{}: {}", name, error.source().begin.line, error.description()));
+  }
+}
+
+}  // namespace cli
