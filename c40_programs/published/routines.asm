@@ -1,0 +1,152 @@
+; Routines after the structures of TI's published programs, whose cycle counts are known or remembered (docs/fidelity.md, Published counts).
+; Each is called with its arguments in registers; scripts/published_counts runs them and makes the table.
+
+                .text
+
+; FIR of N taps. AR0 coefficients, AR1 samples (circular, BK = N), RC = N-2. R2 := sum.
+fir:            mpyf3   *ar0++(1),*ar1++(1)%,r0
+                ldf     0.0,r2
+                rpts    rc
+                mpyf3   *ar0++(1),*ar1++(1)%,r0
+        ||      addf3   r0,r2,r2
+                addf    r0,r2
+                rets
+
+; N biquads, direct form II, one sample. AR0 coefficients a2, b2, a1, b1, b0 of each; AR1 delays: word k N + i is delay k of biquad i, circular with
+; BK = 3N; IR0 = N, IR1 = N+1, RC = N-1, R2 = x. R0 := y; AR1 := where the next sample begins.
+biquads:        ldf     0.0,r1
+                rptb    biquad_end
+                mpyf3   *ar0++(1),*ar1,r0               ; a2 d(n-2)
+        ||      addf3   r1,r2,r2                        ; the biquad before: its last term
+                mpyf3   *ar0++(1),*ar1++(ir0)%,r1       ; b2 d(n-2)
+        ||      addf3   r0,r2,r2
+                mpyf3   *ar0++(1),*ar1,r0               ; a1 d(n-1)
+                mpyf3   *ar0++(1),*ar1++(ir0)%,r0       ; b1 d(n-1)
+        ||      addf3   r0,r2,r2                        ; d(n)
+                mpyf3   *ar0++(1),r2,r2                 ; b0 d(n)
+        ||      stf     r2,*ar1++(ir1)%
+biquad_end:     addf    r0,r2
+                addf3   r1,r2,r0
+                rets
+
+; LMS filter of N taps. AR0 weights, AR1 samples (circular, BK = N), RC = N-2, R5 = desired, R6 = 2 mu, IR0 = N, IR1 = N-2. R2 := y.
+lms:            mpyf3   *ar0++(1),*ar1++(1)%,r0
+                ldf     0.0,r2
+                rpts    rc
+                mpyf3   *ar0++(1),*ar1++(1)%,r0
+        ||      addf3   r0,r2,r2
+                addf    r0,r2
+                subf3   r2,r5,r7                        ; error
+                mpyf    r6,r7
+                mpyf3   *ar1++(1)%,r7,r1
+                subi    ir0,ar0                         ; back to the first weight
+                ldi     ir1,rc
+                ldf     r2,r4                           ; y
+                rptb    lms_end
+                mpyf3   *ar1++(1)%,r7,r1
+        ||      addf3   *ar0,r1,r2
+lms_end:        stf     r2,*ar0++(1)
+                addf3   *ar0,r1,r2
+                stf     r2,*ar0
+                ldf     r4,r2
+                rets
+
+; K x N matrix times vector. AR0 matrix by rows, AR1 vector (circular, BK = N), AR2 = K-1, AR3 product, R4 = N-2.
+matrix_vector:  mpyf3   *ar0++(1),*ar1++(1)%,r0
+                ldf     0.0,r2
+                rpts    r4
+                mpyf3   *ar0++(1),*ar1++(1)%,r0
+        ||      addf3   r0,r2,r2
+                dbd     ar2,matrix_vector
+                addf    r0,r2
+                stf     r2,*ar3++
+                nop
+                rets
+
+; R2 := 1 / R0: the seed and two steps of Newton's method.
+inverse:        rcpf    r0,r2
+                mpyf3   r0,r2,r3
+                subrf   2.0,r3
+                mpyf    r3,r2
+                mpyf3   r0,r2,r3
+                subrf   2.0,r3
+                mpyf    r3,r2
+                rets
+
+; R2 := square root of R0 > 0.
+square_root:    rsqrf   r0,r2
+                ldf     r0,r4
+                mpyf    0.5,r4
+                mpyf3   r2,r2,r3
+                mpyf    r4,r3
+                subrf   1.5,r3
+                mpyf    r3,r2
+                mpyf3   r2,r2,r3
+                mpyf    r4,r3
+                subrf   1.5,r3
+                mpyf    r3,r2
+                mpyf    r0,r2
+                rets
+
+; N complex points (real, imaginary, real ...), decimation in frequency, radix 2, then in natural order to another place.
+; AR5 points, AR6 table of sines (N points of one and a quarter period), AR3 result, R8 = N; AR5 and AR3 on multiples of 2N.
+fft_radix2:     ldi     r8,r9                           ; words between the two of a butterfly
+                ldi     1,r10                           ; butterflies of one twiddle factor
+                ldi     r8,ir1
+                lsh     -2,ir1
+fft_stage:      ldi     r9,ir0
+                addi    r9,ir0
+                ldi     ar5,ar0
+                addi3   r9,ar5,ar2
+                subi3   1,r10,rc
+                rptb    fft_trivial                     ; W = 1
+                addf3   *ar2,*ar0,r0
+                subf3   *ar2,*ar0,r1
+                addf3   *+ar2(1),*+ar0(1),r2
+                subf3   *+ar2(1),*+ar0(1),r3
+                stf     r2,*+ar0(1)
+        ||      stf     r3,*+ar2(1)
+fft_trivial:    stf     r0,*ar0++(ir0)
+        ||      stf     r1,*ar2++(ir0)
+                ldi     r9,r0
+                lsh     -1,r0
+                subi    2,r0
+                blt     fft_sort
+                ldi     r0,ar7                          ; groups but the first and one
+                ldi     ar5,ar1
+                ldi     ar6,ar4
+fft_group:      addi    2,ar1
+                addi    r10,ar4
+                subi3   1,r10,rc
+                ldi     ar1,ar0
+                addi3   r9,ar1,ar2
+                ldf     *ar4,r6                         ; sine
+                rptb    fft_butterfly
+                subf3   *ar2,*ar0,r2
+                subf3   *+ar2(1),*+ar0(1),r1
+                mpyf3   r2,r6,r0
+        ||      addf3   *+ar2(1),*+ar0(1),r3
+                mpyf3   r1,*+ar4(ir1),r3
+        ||      stf     r3,*+ar0(1)
+                subf3   r0,r3,r4
+                mpyf3   r1,r6,r0
+        ||      addf3   *ar2,*ar0,r3
+                mpyf3   r2,*+ar4(ir1),r3
+        ||      stf     r3,*ar0++(ir0)
+                addf3   r0,r3,r5
+fft_butterfly:  stf     r4,*+ar2(1)
+        ||      stf     r5,*ar2++(ir0)
+                db      ar7,fft_group
+                lsh     -1,r9
+                lsh     1,r10
+                b       fft_stage
+fft_sort:       ldi     ar5,ar0
+                ldi     r8,ir0                          ; with reversed carry
+                ldi     2,ir1
+                subi3   1,r8,rc
+                rptb    fft_sorted
+                ldf     *+ar0(1),r0
+        ||      ldf     *ar0++(ir0)b,r1
+fft_sorted:     stf     r0,*+ar3(1)
+        ||      stf     r1,*ar3++(ir1)
+                rets
