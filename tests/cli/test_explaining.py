@@ -64,7 +64,17 @@ def test_profile_places_every_cycle(run, program) -> None:
 
 @pytest.mark.parametrize("name", ["crc32", "fft1024", "lms", "quicksort", "strings", "divide"])
 def test_profile_adds_up_to_the_report(run, name) -> None:
-    arguments = ("exec", EXAMPLES / f"{name}.asm", "--entry", "start", "--until", "done", "--json", "--max-cycles", 200000)
+    arguments = (
+        "exec",
+        EXAMPLES / f"{name}.asm",
+        "--entry",
+        "start",
+        "--until",
+        "done",
+        "--json",
+        "--max-cycles",
+        200000,
+    )
     plain = json.loads(run(*arguments).stdout)
     report = json.loads(run(*arguments, "--profile").stdout)
     profile = report.pop("profile")

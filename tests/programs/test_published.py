@@ -2,6 +2,7 @@
 
 import importlib.machinery
 import importlib.util
+import sys
 
 import numpy as np
 import pytest
@@ -11,8 +12,6 @@ loader = importlib.machinery.SourceFileLoader("published_counts", str(ROOT / "sc
 spec = importlib.util.spec_from_loader("published_counts", loader)
 assert spec is not None
 published = importlib.util.module_from_spec(spec)
-import sys  # noqa: E402
-
 sys.modules["published_counts"] = published
 loader.exec_module(published)
 
