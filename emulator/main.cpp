@@ -93,7 +93,7 @@ void declare_exec(CLI::App& app, cli::ExecOptions& options) {
   app.add_option("--dump", options.dumps, "Print so many words from there")->type_name("ADDRESS:COUNT");
   app.add_flag("--json", options.json, "Print the result as JSON");
   app.add_option("--board", options.board,
-                 "default: the CMRC board's memory map; flat: zero-wait RAM everywhere; or a board file (docs/configuration.md)")
+                 "default: the CMRC board's memory map; flat: zero-wait RAM everywhere; or a board file (docs/cli.md)")
       ->type_name("default|flat|FILE.toml");
   app.add_option("--load-at", options.load_at, "Where a .hex file stands and starts")->type_name("ADDRESS");
   app.add_option("--entry", options.entry, "Start here instead of at the program's entry")->type_name("SYMBOL|ADDRESS");

@@ -6,7 +6,7 @@ import random
 
 import pytest
 import reference as ref
-from test_pid import H, POINT_TICKS, POSE, SERVO_TICKS, Servo, single
+from test_pid import POINT_TICKS, POSE, SERVO_TICKS, H, Servo, single
 
 
 class Printed(Servo):
