@@ -47,6 +47,7 @@ print(of_crane(10), of_crane(2000), of_dock(1), of_dock(3))
 """
 
 
+@pytest.mark.skipif("libasan" in os.environ.get("LD_PRELOAD", ""), reason="the sanitizer has a malloc of its own")
 def test_stepping_does_not_allocate(tmp_path):
     compiler = shutil.which("cc")
     if compiler is None:
