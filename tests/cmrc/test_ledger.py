@@ -76,24 +76,24 @@ def test_nothing_falls_between_the_classes(steps: list[tuple[int, int, int]]) ->
     jobs = ledger()
     loaded: set[int] = set()
     released = 0
-    for now, (action, block, slot) in enumerate(steps):
+    for at, (action, block, slot) in enumerate(steps):
         if block not in loaded:
-            jobs.release(block, "pid", float(now), now + 5.0)
+            jobs.release(block, "pid", float(at), at + 5.0)
             loaded.add(block)
             released += 1
         elif action == 0:
-            jobs.claimed(block, slot, float(now), [now, 0])
+            jobs.claimed(block, slot, float(at), [at, 0])
         elif action == 1:
-            jobs.finished(block, slot, float(now), [now, 0])
+            jobs.finished(block, slot, float(at), [at, 0])
         elif action == 2:
-            jobs.put_back(block, float(now))
+            jobs.put_back(block, float(at))
         elif action == 3:
-            jobs.dropped(block, float(now))
+            jobs.dropped(block, float(at))
             loaded.discard(block)
         elif action == 4:
             jobs.slot_failed(slot)
         else:
-            jobs.skipped("pid", float(now), now + 1.0, now)
+            jobs.skipped("pid", float(at), at + 1.0, at)
             released += 1
     row = jobs.report(float(len(steps)))["pid"]
     assert row["released"] == sum(row[name] for name in OUTCOMES) == released

@@ -43,11 +43,11 @@ def test_consents_of_an_agv_are_its_own_and_the_end_of_the_job_is_everybodys() -
 def test_cycle_times_of_one_crane_and_one_agv() -> None:
     # Crane: 3 in 0..70, 4 in 75..85 (the AGV came at 75), next 3 in 85..160. AGV 0: 5 in 85..120, 6 in 120..150, loaded again at 160.
     cycles = cmrc.Cycles()
-    for now, number, started, robot in [
+    for at, number, started, robot in [
         (0, 3, True, 0), (70, 3, False, 0), (75, 4, True, 1), (85, 4, False, 1), (85, 3, True, 0), (85, 5, True, 1),
         (120, 5, False, 1), (120, 6, True, 1), (150, 6, False, 1), (160, 3, False, 0), (160, 4, True, 1),
     ]:  # fmt: skip
-        cycles.process(number, started, robot, now)
+        cycles.process(number, started, robot, at)
     first = cycles.cycles()[0]
     expected = {"t3": 70, "t_v": 5, "t4": 10, "T_g": 85, "t5": 35, "t6": 30, "t_w": 10, "T_a": 85}
     assert {name: first[name] for name in expected} == pytest.approx(expected)
