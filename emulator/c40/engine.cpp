@@ -13,8 +13,6 @@ namespace c40 {
 namespace {
 
 constexpr std::size_t bound_cache_size = 4096;
-constexpr Address global_interface = peripheral_base + 0x00, local_interface = peripheral_base + 0x04;
-constexpr Word nmi_flag = 1u << 16, timer0_flag = 1u << 24, timer1_flag = 1u << 31;
 
 std::size_t cache_index(Word word) { return (word * 0x9E3779B1u) >> 20; }
 
@@ -69,34 +67,6 @@ void Engine::poke(Address address, Word value) {
   const Word offset = address - area->base;
   if ((area->code_map()[offset >> 5] >> (offset & 31) & 1u) != 0) flush_blocks();
   area->data[offset] = value;
-}
-
-// ---- registers on the chip ----
-
-std::string Engine::register_name(Address address) const {
-  const Word offset = address - peripheral_base;
-  const auto channel = [](Word from, Word at) { return (at - from) >> 4; };
-  if (offset == 0x00) return "global memory interface control";
-  if (offset == 0x04) return "local memory interface control";
-  if (offset >= 0x10 && offset <= 0x13) return "analysis block";
-  if (offset >= 0x20 && offset < 0x40) return fmt::format("timer {}", (offset - 0x20) >> 4);
-  if (offset >= 0x40 && offset < 0xA0) return fmt::format("communication port {}", channel(0x40, offset));
-  if (offset >= 0xA0) return fmt::format("DMA channel {}", channel(0xA0, offset));
-  return "reserved peripheral register";
-}
-
-bool Engine::read_register(Address address, Word& value) const {
-  if (address == global_interface) value = state_.global_interface_control;
-  if (address == local_interface) value = state_.local_interface_control;
-  return address == global_interface || address == local_interface;
-}
-
-bool Engine::write_register(Address address, Word value) {
-  constexpr Word pins = 0xFu, reserved = 0xC0000000u;  // the levels of CE0, CE1, DE, AE are read only
-  if (address != global_interface && address != local_interface) return false;
-  Word& control = address == global_interface ? state_.global_interface_control : state_.local_interface_control;
-  control = (control & pins) | (value & ~(pins | reserved));
-  return true;
 }
 
 // ---- one instruction ----
@@ -288,13 +258,6 @@ void Engine::write_status(Word value) {
   core.set_status(value);
 }
 
-// FLAG of a general-purpose input is read only; nothing drives such a pin here, it reads 0.
-void Engine::after_interrupt_register_write() {
-  Word& iif = state_.core.r[reg::IIF];
-  for (unsigned pin = 0; pin < 4; ++pin)
-    if ((iif >> 4 * pin & 3u) == 0) iif &= ~(4u << 4 * pin);
-}
-
 void Engine::finish_step(const StepRecord& record) {
   Core& core = state_.core;
   for (std::size_t k = 0; k < 2; ++k)
@@ -392,79 +355,6 @@ void Engine::emit_trace(const StepRecord& record, const Core& before, Cycles cyc
   trace->instruction(out);
 }
 
-// ---- interrupts ----
-
-Word Engine::pending_vector() const {
-  const Core& core = state_.core;
-  const Word iif = core.r[reg::IIF], iie = core.r[reg::IIE];
-  if ((iif & nmi_flag) != 0) return 1;
-  if ((core.modes & st::GIE) == 0) return 0;
-  if ((iif & timer0_flag) != 0 && (iie & 1u) != 0) return 2;
-  for (unsigned pin = 0; pin < 4; ++pin) {
-    const Word nibble = iif >> 4 * pin & 0xFu;
-    const bool requested = (nibble & 4u) != 0 || ((nibble & 2u) != 0 && (state_.iiof_levels >> pin & 1u) != 0);
-    if ((nibble & 9u) == 9u && requested) return 3 + pin;
-  }
-  for (unsigned channel = 0; channel < 6; ++channel)
-    if ((iif & iie) >> (25 + channel) & 1u) return 0x25 + channel;
-  return (iif & iie & timer1_flag) != 0 ? 0x2Bu : 0u;
-}
-
-bool Engine::take_interrupt(Word vector) {
-  Core& core = state_.core;
-  const Address top = core.r[reg::SP] + 1, entry = (core.ivtp & choices::vector_table_mask) + vector;
-  const Memory::Area* stack = memory_.find(top);
-  const Memory::Area* table = memory_.find(entry);
-  for (const auto& [area, address, what] : {std::tuple{stack, top, "the stack"}, std::tuple{table, entry, "the vector table"}})
-    if (area == nullptr || area->data == nullptr) {
-      fail(Fault::Kind::not_modelled, fmt::format("interrupt {:02X}h: {} at {:08X}h is not in RAM", vector, what, address), address);
-      return false;
-    }
-  const Cycles before = state_.cycle;
-  poke(top, core.pc);
-  core.r[reg::SP] = top;
-  core.pc = table->data[entry - table->base];
-  const Word old = core.modes;
-  core.modes = (old & ~(st::PGIE | st::PCF | st::GIE)) | (old & st::GIE ? st::PGIE : 0u) | (old & st::CF ? st::PCF : 0u) | (choices::entry_sets_cache_freeze ? st::CF : 0u);
-  Word& iif = core.r[reg::IIF];
-  if (vector == 1) iif &= ~nmi_flag;
-  if (vector == 2) iif &= ~timer0_flag;
-  if (vector >= 3 && vector <= 6) iif &= ~(4u << 4 * (vector - 3));
-  if (vector >= 0x25 && vector <= 0x2A) iif &= ~(1u << (vector - 0xC));
-  if (vector == 0x2B) iif &= ~timer1_flag;
-  core.idle = false;
-  const int waits = table->read.waits + stack->write.waits;
-  add(state_.causes, Cause::interrupt, timing::interrupt_entry_cost);
-  add(state_.causes, Cause::wait_state, waits);
-  state_.cycle += timing::interrupt_entry_cost + waits;
-  state_.pipeline.flush(timing::interrupt_entry_cost + waits);
-  touch();
-  if (trace != nullptr) trace->interrupt(vector, before);
-  return true;
-}
-
-void Engine::raise_flag(Word flag) {
-  Word& iif = state_.core.r[reg::IIF];
-  for (unsigned pin = 0; pin < 4; ++pin)
-    if (flag == 4u << 4 * pin && (iif >> 4 * pin & 1u) == 0) return;  // general-purpose I/O
-  iif |= flag;
-}
-
-void Engine::set_level(int pin, bool active) {
-  const auto bit = static_cast<std::uint8_t>(1u << pin);
-  const bool edge = active && (state_.iiof_levels & bit) == 0;
-  state_.iiof_levels = static_cast<std::uint8_t>(active ? state_.iiof_levels | bit : state_.iiof_levels & ~bit);
-  if (edge) raise_flag(4u << 4 * pin);
-}
-
-void Engine::complete(bool write, Word value, Cycles arbitration, Cycles transfer) {
-  if (waiting_access_ >= 2 || waiting_.write != write)
-    throw std::logic_error(fmt::format("the chip does not wait for a {}", write ? "write" : "read"));
-  if (arbitration < 0 || transfer < 0) throw std::invalid_argument("a chip cannot wait a negative number of cycles");
-  state_.answers[waiting_access_] = {true, write, waiting_.address, value, arbitration, transfer};
-  waiting_access_ = 2;
-}
-
 // ---- running ----
 
 void Engine::pass(Cause cause, Cycles until) {
@@ -557,6 +447,14 @@ StopInfo Engine::step() {
   }
   if (auto info = advance(state_.cycle + 1, true)) return *info;
   return {};
+}
+
+void Engine::complete(bool write, Word value, Cycles arbitration, Cycles transfer) {
+  if (waiting_access_ >= 2 || waiting_.write != write)
+    throw std::logic_error(fmt::format("the chip does not wait for a {}", write ? "write" : "read"));
+  if (arbitration < 0 || transfer < 0) throw std::invalid_argument("a chip cannot wait a negative number of cycles");
+  state_.answers[waiting_access_] = {true, write, waiting_.address, value, arbitration, transfer};
+  waiting_access_ = 2;
 }
 
 }  // namespace c40

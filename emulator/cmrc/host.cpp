@@ -160,33 +160,6 @@ void Host::flag_read(Word flag) {
   }
 }
 
-// A read follows all writes before it: the flag that comes back is the last word of a DSP that is fenced off. One that was reset since
-// it took the block works on something else, and is left alone.
-void Host::owner_read(Word owner) {
-  const std::size_t index = flags_.front();
-  suspect_.reset();
-  if (owner >= 1 && owner <= renewed_.size()) {
-    const unsigned slot = owner - 1;
-    const std::int64_t taken_at = tick_ - (list_[index].t + elapsed_);
-    if (renewed_[slot] < taken_at || renewed_[slot] == 0) suspect_ = slot;
-  }
-  if (suspect_) fence_off(*suspect_);
-  step_ = Step::verdict;
-  port_->read(words_.block(index) + words_.flag, 1, 0);
-}
-
-void Host::verdict_read(Word flag) {
-  if (flag == words_.flag_done) {  // late, but in time
-    if (suspect_) fence_ |= Word{1} << *suspect_, port_->write(words_.fence_mask, fence_);
-    step_ = Step::result;
-    port_->read(words_.block(flags_.front()) + words_.result, 2, 0);
-    return;
-  }
-  hung_.push_back({flags_.front(), suspect_});
-  flags_.pop_front();
-  next_flag();
-}
-
 void Host::after_flags() {
   step_ = Step::thinking;
   wake_at_ = now_ + nanoseconds(config_.host.refresh_overhead_ns +
@@ -241,29 +214,6 @@ void Host::semaphore_read(Word taken) {
   if (now_ - refused_since_ <= nanoseconds(config_.watchdog.semaphore_limit_us * 1000)) return try_again();
   step_ = Step::held;
   port_->read(words_.semaphore_held + words_.semaphore_list - words_.semaphore, 1, 0);
-}
-
-// Others may have taken turns all this time; only one that holds on is taken for dead.
-void Host::held_read(Word microseconds) {
-  refused_since_ = now_;
-  if (static_cast<double>(microseconds) < config_.watchdog.semaphore_limit_us) return try_again();
-  held_for_ = microseconds;
-  step_ = Step::holder;
-  port_->read(words_.semaphore_owner + words_.semaphore_list - words_.semaphore, 1, 0);
-}
-
-// The holder is fenced off and reset before the list is freed: it must not go on with its claim when it wakes.
-void Host::holder_read(Word owner) {
-  const bool known = owner >= 1 && owner <= renewed_.size();
-  if (known) fence_off(owner - 1);
-  port_->write(words_.semaphore_list, Word{0});
-  if (known) renew(owner - 1);
-  ++counts_.semaphores_freed;
-  pointer_in_doubt_ = true;
-  note(EventKind::semaphore, {0, 2, owner, 0, 0});
-  listener_.failure({now_, known ? std::optional<unsigned>(owner - 1) : std::nullopt, "semaphore",
-                     fmt::format("the list was held for {} us and was freed by the host", held_for_)});
-  try_again();
 }
 
 // With a constant pause the host could fall into step with DSPs that poll, and never find the list free.
@@ -431,62 +381,6 @@ bool Host::servo_resting() const {
     return !servo.out || (list_[servo.block].flag == Flag::waiting && list_[servo.block].importance == 0);
   };
   return rests(torque_) && rests(pid_);
-}
-
-// ---- failures ----------------------------------------------------------------------------------------------------------
-
-std::int64_t Host::watchdog_limit(JobKind job) const {
-  const auto longest = static_cast<double>(longest_.at(job));
-  return std::max(config_.watchdog.minimum_refreshes, static_cast<std::int64_t>(std::ceil(config_.watchdog.factor * longest)));
-}
-
-void Host::recompute(const Hung& hung) {
-  const Block& block = list_[hung.block];
-  listener_.failure({now_, hung.slot, "watchdog",
-                     fmt::format("block {:#x} of kind {} was taken {} refreshes ago and is not done", words_.block(hung.block),
-                                 ledger_.name(job_of(hung.block)), block.t + elapsed_)});
-  if (static_cast<std::int64_t>(block.recomputations) < config_.watchdog.recomputations_max) {
-    ++list_[hung.block].recomputations;
-    list_.put_back(hung.block, task::recompute);
-    ledger_.put_back(hung.block, now_);
-    ++counts_.recomputed;
-    note(EventKind::requeue, {words_.block(hung.block), block.task.kind, block.generation, hung.slot.value_or(0xFF), block.recomputations});
-  } else {
-    give_up(hung.block);
-  }
-  if (hung.slot) renew(*hung.slot);
-}
-
-void Host::give_up(std::size_t index) {
-  const Task task = list_[index].task;
-  listener_.failure({now_, std::nullopt, "dropped block",
-                     fmt::format("block {:#x} of kind {} hung {} times and is given up", words_.block(index),
-                                 ledger_.name(job_of(index)), list_[index].recomputations + 1)});
-  note(EventKind::remove, {words_.block(index), task.kind, list_[index].generation, 0, 0});
-  list_.remove(index);
-  ledger_.dropped(index, now_);
-  for (Servo* servo : {&torque_, &pid_}) {
-    if (servo->out && servo->block == index) servo->out = false;
-  }
-  if (task.kind == words_.kind_error) return;
-  if (user_tasks_.owns(task)) user_tasks_.ended(task);
-  else if (task.robot == 0) crane_.dropped(task);
-  else fleet_.dropped(task);
-  load({.x = task::error, .y = robot_class::none, .kind = words_.kind_error, .robot = task.robot, .area = task.area,
-        .tick = static_cast<std::uint32_t>(tick_), .argument = task.kind}, std::nullopt);
-}
-
-void Host::fence_off(unsigned slot) {
-  fence_ &= ~(Word{1} << slot);
-  port_->write(words_.fence_mask, fence_);
-}
-
-void Host::renew(unsigned slot) {
-  // Reset kills what the DSP was doing and what its bridge still held; after that it may write again.
-  port_->write(words_.reset_dsp, Word{slot});
-  fence_ |= Word{1} << slot;
-  port_->write(words_.fence_mask, fence_);
-  renewed_[slot] = tick_;
 }
 
 // ---- what is told ------------------------------------------------------------------------------------------------------
