@@ -1,6 +1,7 @@
 #include "bus_model/bus.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <stdexcept>
 
 namespace pci {
@@ -9,7 +10,7 @@ namespace {
 
 constexpr Clocks subtractive_clocks = 4;            // no DEVSEL# by then: master abort
 constexpr Clocks discard_clocks = Clocks{1} << 15;  // a target forgets a delayed read that nobody fetches
-constexpr unsigned nobody = Bus::most_masters;
+constexpr unsigned nobody = Arbiter::nobody;
 
 void require(bool good, const std::string& what) {
   if (!good) throw std::invalid_argument{what};
@@ -42,9 +43,9 @@ struct Bus::Port {
   Initiator* initiator;
   std::vector<Word> data;
   Transaction transaction;
-  Clocks request = never;  // REQ# asserted from here on
   unsigned wanted = 0;
   unsigned done = 0;
+  unsigned agent = 0;
   bool active = false;
   bool speculative = false;
   bool attempted = false;
@@ -60,13 +61,17 @@ struct Bus::Window {
   bool fetching = false;
   std::uint16_t fetch_master = 0;
   Address fetch_address = 0;
+  unsigned fetch_words = 0;
   Clocks fetch_ready = 0;
   Clocks drained = 0;  // the posted-write queue is empty from here on
   TargetStatistics statistics;
 };
 
-Bus::Bus(BusConfig config) : config_{std::move(config)} {
+Bus::Bus(BusConfig config) : config_{std::move(config)}, arbiter_{config_} {
   require(config_.grant_clocks >= 1, "bus " + config_.name + ": grant_clocks is at least 1");
+  require(config_.multi_transaction_timer >= 0 && config_.multi_transaction_timer <= 2048,
+          "bus " + config_.name + ": multi_transaction_timer is 0 to 2048 clocks");
+  require(std::has_single_bit(config_.line_words), "bus " + config_.name + ": line_words is a power of two");
 }
 
 Bus::~Bus() = default;
@@ -77,11 +82,14 @@ unsigned Bus::add_master(const MasterConfig& config, Initiator& initiator) {
           "master " + config.name + ": latency_timer is 8 to 248 clocks, a multiple of 8");
   require(config.request_off_after_stop >= 2,
           "master " + config.name + ": PCI 2.1 has REQ# dropped for at least 2 clocks after a stop");
+  require(config.think_on_retry >= 0, "master " + config.name + ": think_on_retry is at least 0");
   Port port;
   port.config = config;
   port.initiator = &initiator;
   port.data.resize(most_words);
   ports_.push_back(std::move(port));
+  requests_.push_back(never);
+  arbiter_.add_master(config.first_level);
   return static_cast<unsigned>(ports_.size() - 1);
 }
 
@@ -107,12 +115,24 @@ std::span<Word> Bus::buffer(unsigned master) { return ports_.at(master).data; }
 bool Bus::busy(unsigned master) const { return ports_.at(master).active; }
 unsigned Bus::masters() const { return static_cast<unsigned>(ports_.size()); }
 unsigned Bus::targets() const { return static_cast<unsigned>(windows_.size()); }
+const MasterConfig& Bus::master_config(unsigned master) const { return ports_.at(master).config; }
 const std::string& Bus::master_name(unsigned master) const { return ports_.at(master).config.name; }
 const std::string& Bus::target_name(unsigned target) const { return windows_.at(target).config.name; }
 const MasterStatistics& Bus::master_statistics(unsigned master) const { return ports_.at(master).statistics; }
 const TargetStatistics& Bus::target_statistics(unsigned target) const { return windows_.at(target).statistics; }
 
+Command Bus::command_of(bool write, Address address, unsigned words) const {
+  if (write) return Command::write;
+  if (words <= 2) return Command::read;
+  return (address & (config_.line_words - 1)) + words <= config_.line_words ? Command::read_line : Command::read_multiple;
+}
+
 void Bus::submit(unsigned master, bool write, Address address, unsigned words, Clocks request, bool speculative) {
+  submit(master, command_of(write, address, words), address, words, request, ports_.at(master).config.agent);
+  ports_[master].speculative = speculative && !write;
+}
+
+void Bus::submit(unsigned master, Command command, Address address, unsigned words, Clocks request, unsigned agent) {
   Port& port = ports_.at(master);
   if (port.active)
     throw std::logic_error{"pci::Bus::submit: master " + port.config.name + " already has a transaction"};
@@ -122,65 +142,48 @@ void Bus::submit(unsigned master, bool write, Address address, unsigned words, C
   port.transaction = Transaction{.address = address,
                                  .words = words,
                                  .master = static_cast<std::uint16_t>(master),
-                                 .write = write,
+                                 .write = is_write(command),
+                                 .command = command,
+                                 .agent = static_cast<std::uint16_t>(agent),
                                  .requested = request};
+  port.agent = agent;
   port.wanted = words;
   port.done = 0;
   port.active = true;
-  port.speculative = speculative && !write;
+  port.speculative = false;
   port.attempted = false;
-  port.request = request;
+  requests_[master] = request;
   if (running_)
     cut_by_timer();
   else
     plan_idle();
 }
 
-int Bus::parked() const {
-  if (ports_.empty()) return -1;
-  switch (config_.parking) {
-    case Parking::none: return -1;
-    case Parking::first: return 0;
-    case Parking::last_owner: return static_cast<int>(last_owner_);
-  }
-  return -1;
-}
-
-Clocks Bus::earliest_request(int except) const {
+Clocks Bus::earliest_request(unsigned except) const {
   Clocks earliest = never;
-  for (std::size_t i = 0; i < ports_.size(); ++i)
-    if (static_cast<int>(i) != except) earliest = std::min(earliest, ports_[i].request);
+  for (unsigned i = 0; i < requests_.size(); ++i)
+    if (i != except) earliest = std::min(earliest, requests_[i]);
   return earliest;
-}
-
-// The arbiter's choice among those whose REQ# stands at `latest`; `nobody` when none does.
-unsigned Bus::pick(Clocks latest) const {
-  const auto count = static_cast<unsigned>(ports_.size());
-  const unsigned from = config_.arbitration == Arbitration::round_robin ? last_owner_ + 1 : 0;
-  for (unsigned i = 0; i < count; ++i) {
-    unsigned candidate = from + i;
-    if (candidate >= count) candidate -= count;
-    if (ports_[candidate].request <= latest) return candidate;
-  }
-  return nobody;
 }
 
 // An idle bus: the first to ask gets it; of several in the same clock the one that already has the grant, then the
 // arbiter's choice.
 void Bus::plan_idle() {
-  Clocks first = earliest_request(-1);
-  chosen_ = -1;
+  Clocks first = earliest_request(nobody);
+  chosen_ = nobody;
   next_ = never;
   if (first == never) return;
   first = std::max(first, stalled_ - config_.grant_clocks);  // what waits through a stall is arbitrated at its end
-  const int held = parked();
-  if (held >= 0 && ports_[static_cast<unsigned>(held)].request == first && first >= stalled_) {
+  const unsigned held = arbiter_.parked();
+  chosen_at_ = first;
+  if (held != nobody && requests_[held] == first && first >= stalled_) {
     chosen_ = held;
-    const bool no_turnaround = config_.fast_back_to_back && after_write_ && held == static_cast<int>(last_owner_);
+    const bool no_turnaround = config_.fast_back_to_back && after_write_ && held == arbiter_.last_owner();
     next_ = std::max(first, no_turnaround ? free_ - 1 : free_);
   } else {
-    chosen_ = static_cast<int>(pick(first));
+    chosen_ = arbiter_.pick(requests_, first);
     next_ = std::max(first + config_.grant_clocks, free_);
+    chosen_at_ = next_ - 1;
   }
 }
 
@@ -190,28 +193,36 @@ int Bus::window_of(Address address) const {
   return -1;
 }
 
-void Bus::start(unsigned master, Clocks frame) {
+Access Bus::access_at(Clocks clock) const {
+  return {attempt_.master, clock, ports_[attempt_.master].agent, attempt_.command};
+}
+
+void Bus::start(unsigned master, Clocks granted, Clocks frame) {
   Port& port = ports_[master];
   if (frame < free_) {
     statistics_.turnaround += frame - free_;  // fast back-to-back
   } else {
-    const Clocks asked = std::clamp(frame - port.request, Clocks{0}, frame - free_);
+    const Clocks asked = std::clamp(frame - requests_[master], Clocks{0}, frame - free_);
     statistics_.idle_requested += asked;
     statistics_.idle += frame - free_ - asked;
   }
   attempt_ = Attempt{.master = static_cast<std::uint16_t>(master),
                      .write = port.transaction.write,
+                     .command = port.transaction.command,
                      .address = port.transaction.address + port.done,
                      .wanted = port.wanted - port.done,
-                     .requested = port.request,
+                     .requested = requests_[master],
                      .frame = frame};
-  port.transaction.waited += frame - port.request;
-  port.request = never;
+  port.transaction.waited += frame - requests_[master];
+  requests_[master] = never;
   const bool first = !port.attempted;
   if (first) {
     port.attempted = true;
     port.transaction.number = started_++;
     port.transaction.framed = frame;
+    port.transaction.granted = std::clamp(granted, port.transaction.requested, frame);
+    port.statistics.arbitration += port.transaction.granted - port.transaction.requested;
+    port.statistics.acquisition += frame - port.transaction.granted;
     port.statistics.wait.add(frame - port.transaction.requested);
   }
   const unsigned words = port.initiator->framed(attempt_, first, now_, port.data);
@@ -219,7 +230,7 @@ void Bus::start(unsigned master, Clocks frame) {
     port.wanted = attempt_.wanted = std::min(words, most_words);
     port.transaction.words = port.wanted;
   }
-  last_owner_ = master;
+  arbiter_.granted(master, frame);
   running_ = true;
   ahead_ = false;
   attempt_.target = static_cast<std::int16_t>(window_of(attempt_.address));
@@ -240,15 +251,28 @@ void Bus::start(unsigned master, Clocks frame) {
   attempt_.first = frame + (attempt_.write ? window.config.devsel + window.config.write_initial
                                            : std::max(window.config.devsel, 2) + window.config.read_initial);
   attempt_.step = 1 + (attempt_.write ? window.config.write_step : window.config.read_step);
-  if (port.done == 0) port.transaction.first_data = attempt_.first;
+  if (port.done == 0) {
+    port.transaction.first_data = attempt_.first;
+    port.statistics.target += attempt_.first - frame;
+  }
+  ends_itself_ = port.config.max_burst != 0 && port.config.max_burst < attempt_.words;
+  if (ends_itself_) attempt_.words = port.config.max_burst;
   natural_words_ = attempt_.words;
   cut_by_timer();
   if (attempt_.write || natural_words_ == 1) return;
   ahead_ = true;
   for (unsigned i = 0; i < natural_words_; ++i)
     port.data[port.done + i] =
-        window.target->read(attempt_.address - window.base + i, Access{master, attempt_.first + i * attempt_.step});
+        window.target->read(attempt_.address - window.base + i, access_at(attempt_.first + i * attempt_.step));
   port.initiator->arriving(attempt_, std::span<const Word>{port.data}.subspan(port.done, attempt_.words));
+}
+
+// How many words the target fetches for the attempt's delayed read.
+unsigned Bus::fetched_ahead(const TargetConfig& config) const {
+  const unsigned chosen = attempt_.command == Command::read        ? config.prefetch.read
+                          : attempt_.command == Command::read_line ? config.prefetch.line
+                                                                   : config.prefetch.multiple;
+  return chosen == 0 ? most_words : chosen;
 }
 
 // Whether the target takes the attempt, and how many words of it.
@@ -257,13 +281,14 @@ void Bus::choose_answer(Window& window, const Port& port) {
   const Address offset = attempt_.address - window.base;
   attempt_.words = static_cast<unsigned>(std::min<std::uint64_t>(attempt_.wanted, window.words - offset));
   if (config.max_burst != 0) attempt_.words = std::min(attempt_.words, config.max_burst);
-  const Answer answer =
-      window.target->answer(offset, attempt_.words, attempt_.write, Access{attempt_.master, attempt_.frame});
+  const Access access = access_at(attempt_.frame);
+  const Answer answer = window.target->answer(offset, attempt_.words, attempt_.write, access);
   if (answer != Answer::accept) {
     attempt_.kind = answer == Answer::retry ? Attempt::Kind::retry : Attempt::Kind::target_abort;
     attempt_.words = 0;
     return;
   }
+  attempt_.words = std::min(attempt_.words, window.target->most(offset, attempt_.words, attempt_.write, access));
   if (attempt_.write && config.post_words != 0) {
     const Clocks queued =
         std::max<Clocks>(0, window.drained - attempt_.frame + config.post_drain - 1) / config.post_drain;
@@ -279,12 +304,14 @@ void Bus::choose_answer(Window& window, const Port& port) {
                       window.fetch_address == attempt_.address;
     if (mine && attempt_.frame + config.devsel >= window.fetch_ready) {
       window.fetching = false;
+      attempt_.words = std::min(attempt_.words, window.fetch_words);
       return;
     }
     if (!window.fetching || abandoned) {
       window.fetching = true;
       window.fetch_master = attempt_.master;
       window.fetch_address = port.transaction.address + port.done;
+      window.fetch_words = fetched_ahead(config);
       window.fetch_ready = std::max(attempt_.frame + config.devsel, window.drained) + config.fetch;
     }
     attempt_.kind = Attempt::Kind::retry;
@@ -293,18 +320,23 @@ void Bus::choose_answer(Window& window, const Port& port) {
 }
 
 // PCI 2.1: once the latency timer has run out and GNT# has gone to another, the transaction stops with its next data
-// phase.
+// phase; Memory Write and Invalidate with the last one of its line.
 void Bus::cut_by_timer() {
   if (attempt_.kind != Attempt::Kind::data) return;
   attempt_.last = attempt_.first + (natural_words_ - 1) * attempt_.step;
   attempt_.words = natural_words_;
   const Clocks other = earliest_request(attempt_.master);
   if (other != never) {
-    const Clocks stop = std::max(attempt_.frame + ports_[attempt_.master].config.latency_timer, other + 1);
+    Clocks stop = std::max(attempt_.frame + ports_[attempt_.master].config.latency_timer, other + 1);
+    if (config_.multi_transaction_timer > 0) stop = std::max(stop, arbiter_.kept_until());
     if (attempt_.last > stop) {
       const Clocks before = stop <= attempt_.first ? 0 : (stop - attempt_.first + attempt_.step - 1) / attempt_.step;
       attempt_.words = static_cast<unsigned>(before) + 1;
-      attempt_.last = attempt_.first + before * attempt_.step;
+      if (attempt_.command == Command::write_invalidate) {
+        const Address end = attempt_.address + attempt_.words;
+        attempt_.words = std::min(natural_words_, attempt_.words + ((0 - end) & (config_.line_words - 1)));
+      }
+      attempt_.last = attempt_.first + (attempt_.words - 1) * attempt_.step;
     }
   }
   next_ = attempt_.last + 1;
@@ -314,7 +346,7 @@ void Bus::move_words(Port& port, unsigned words) {
   if (words == 0) return;
   Window& window = windows_[static_cast<unsigned>(attempt_.target)];
   const Address offset = attempt_.address - window.base;
-  const Access access{attempt_.master, now_};
+  const Access access = access_at(now_);
   if (attempt_.write) {
     for (unsigned i = 0; i < words; ++i) window.target->write(offset + i, port.data[port.done + i], access);
     window.statistics.words_written += words;
@@ -367,23 +399,25 @@ void Bus::finish() {
     port.transaction.retries += 1;
     port.statistics.retries += 1;
     windows_[static_cast<unsigned>(attempt_.target)].statistics.retries += 1;
-    port.request = free_ + port.config.request_off_after_stop;
+    requests_[attempt_.master] = free_ + port.config.request_off_after_stop + port.config.think_on_retry;
   } else if (attempt_.words < natural_words_) {
     port.statistics.timer_stops += 1;
-    port.request = last + 1;  // its own REQ# stays; the grant is another's
+    requests_[attempt_.master] = last + 1;  // its own REQ# stays; the grant is another's
+  } else if (ends_itself_) {
+    requests_[attempt_.master] = last;  // its REQ# has stood all the time
   } else {
     port.transaction.disconnects += 1;
     port.statistics.disconnects += 1;
-    port.request = free_ + port.config.request_off_after_stop;
+    requests_[attempt_.master] = free_ + port.config.request_off_after_stop;
   }
   arbitrate(last);
 }
 
 // Hidden arbitration: who asked by the last data phase starts right after the turnaround.
 void Bus::arbitrate(Clocks last) {
-  const unsigned winner = pick(last);
+  const unsigned winner = arbiter_.pick(requests_, last);
   if (winner != nobody && free_ >= stalled_)
-    start(winner, free_);
+    start(winner, last, free_);
   else
     plan_idle();
 }
@@ -391,6 +425,7 @@ void Bus::arbitrate(Clocks last) {
 void Bus::stall(Clocks now, Clocks until) {
   now_ = std::max(now_, now);
   stalled_ = std::max(stalled_, until);
+  was_stalled_ = true;
   if (!running_) plan_idle();
 }
 
@@ -399,7 +434,7 @@ void Bus::step() {
   if (running_)
     finish();
   else
-    start(static_cast<unsigned>(chosen_), now_);
+    start(chosen_, chosen_at_, now_);
 }
 
 void Bus::advance_to(Clocks clock) {
@@ -412,7 +447,7 @@ unsigned Bus::withdraw(unsigned master, Clocks now) {
   if (!port.active) return 0;
   now_ = std::max(now_, now);
   port.active = false;
-  port.request = never;
+  requests_[master] = never;
   Transaction& transaction = port.transaction;
   transaction.result = Result::withdrawn;
   if (running_ && attempt_.master == master) {
@@ -445,13 +480,15 @@ unsigned Bus::withdraw(unsigned master, Clocks now) {
   return transaction.words;
 }
 
+std::uint64_t Bus::words_moved() const { return static_cast<std::uint64_t>(statistics_.data); }
+
 BusStatistics Bus::statistics(Clocks clock) const {
   BusStatistics result = statistics_;
   if (!running_) {
     if (clock < free_) {
       result.turnaround -= free_ - clock;
     } else {
-      const Clocks asked = std::clamp(clock - std::min(earliest_request(-1), clock), Clocks{0}, clock - free_);
+      const Clocks asked = std::clamp(clock - std::min(earliest_request(nobody), clock), Clocks{0}, clock - free_);
       result.idle_requested += asked;
       result.idle += clock - free_ - asked;
     }

@@ -6,7 +6,8 @@
 // turnaround. Arbitration is hidden behind the running transaction; on an idle bus a master starts grant_clocks after
 // its request, or at once when the grant is parked on it. A transaction is cut by its target (disconnect, retry) or by
 // the latency timer once another master asks; the bus repeats the rest by itself. A stopped master drops REQ# for
-// request_off_after_stop clocks.
+// request_off_after_stop clocks. Commands matter in two places: to what a target fetches ahead for a delayed read, and to
+// the latency timer, which lets Memory Write and Invalidate go on to the end of a cache line.
 //
 // Inaccuracies: masters are always ready (no IRDY# waits); the words of a write reach the target together at the end of
 // the attempt; those of a burst read are fetched at FRAME# with the clocks of their data phases (so windows whose reads
@@ -16,6 +17,7 @@
 #include <span>
 #include <vector>
 
+#include "bus_model/arbiter.hpp"
 #include "bus_model/config.hpp"
 #include "bus_model/statistics.hpp"
 
@@ -36,8 +38,11 @@ struct Transaction {
   std::uint16_t master = 0;
   std::int16_t target = -1;  ///< index of the window that answered
   bool write = false;
+  Command command = Command::read;
+  std::uint16_t agent = 0;
   Result result = Result::done;
   Clocks requested = 0;
+  Clocks granted = 0;     ///< GNT# of the first attempt
   Clocks framed = 0;      ///< FRAME# of the first attempt
   Clocks first_data = 0;  ///< clock of the first data phase
   Clocks ended = 0;       ///< the clock after the last data phase
@@ -53,6 +58,7 @@ struct Attempt {
   std::int16_t target = -1;
   Kind kind = Kind::data;
   bool write = false;
+  Command command = Command::read;
   Address address = 0;
   unsigned wanted = 0;  ///< words left to do
   unsigned words = 0;   ///< data phases in this attempt
@@ -65,8 +71,10 @@ struct Attempt {
 
 /// What a target is told about an access.
 struct Access {
-  unsigned master;
+  unsigned master;     ///< who drives the bus
   Clocks clock;
+  unsigned agent = 0;  ///< for whom: MasterConfig::agent, or the far agent that a bridge between buses passes on
+  Command command = Command::read;
 };
 
 enum class Answer : std::uint8_t { accept, retry, abort };
@@ -79,6 +87,8 @@ class Target {
   virtual Answer answer(Address /*offset*/, unsigned /*words*/, bool /*write*/, const Access&) {
     return Answer::accept;
   }
+  /// Of an access that it accepts: after how many words it disconnects.
+  virtual unsigned most(Address /*offset*/, unsigned words, bool /*write*/, const Access&) { return words; }
   virtual Word read(Address offset, const Access& access) = 0;
   virtual void write(Address offset, Word value, const Access& access) = 0;
 };
@@ -128,6 +138,10 @@ class Bus {
   /// buffer(master) before. `speculative`: a read that ends at the first stop that left it at least one word. One
   /// transaction per master at a time (std::logic_error otherwise).
   void submit(unsigned master, bool write, Address address, unsigned words, Clocks request, bool speculative = false);
+  /// The same with a command of the master's choice, for another agent than itself.
+  void submit(unsigned master, Command command, Address address, unsigned words, Clocks request, unsigned agent);
+  /// The command that such a transaction has by itself: a read by the cache lines it touches; a plain write.
+  Command command_of(bool write, Address address, unsigned words) const;
   std::span<Word> buffer(unsigned master);
   bool busy(unsigned master) const;
   /// The master leaves at clock `now`: its request goes away, its running transaction breaks off, what its data phases
@@ -149,6 +163,10 @@ class Bus {
   const BusConfig& config() const { return config_; }
   unsigned masters() const;
   unsigned targets() const;
+  const MasterConfig& master_config(unsigned master) const;
+  bool was_stalled() const { return was_stalled_; }
+  /// Data phases of all attempts that have ended.
+  std::uint64_t words_moved() const;
   const std::string& master_name(unsigned master) const;
   const std::string& target_name(unsigned target) const;
   /// Of clocks 0 to clock - 1, where `clock` is now() or later, but not later than next_event().
@@ -160,29 +178,33 @@ class Bus {
   struct Port;
   struct Window;
 
-  void start(unsigned master, Clocks frame);
+  void start(unsigned master, Clocks granted, Clocks frame);
   void choose_answer(Window& window, const Port& port);
   void cut_by_timer();
   void finish();
   void move_words(Port& port, unsigned words);
   void arbitrate(Clocks last);
   void plan_idle();
-  unsigned pick(Clocks latest) const;
-  Clocks earliest_request(int except) const;
-  int parked() const;
+  unsigned fetched_ahead(const TargetConfig& config) const;
+  Access access_at(Clocks clock) const;
+  Clocks earliest_request(unsigned except) const;
   int window_of(Address address) const;
   void account(Clocks words, Clocks length);
 
   BusConfig config_;
+  Arbiter arbiter_;
   std::vector<Port> ports_;
+  std::vector<Clocks> requests_;  // by master: REQ# stands from here on, or never
   std::vector<Window> windows_;
   Attempt attempt_{};
   bool running_ = false;
   bool ahead_ = false;  // the attempt's words have been read at FRAME#
   bool after_write_ = false;
-  int chosen_ = -1;  // who starts at next_ when idle
+  unsigned chosen_ = Arbiter::nobody;  // who starts at next_ when idle
+  Clocks chosen_at_ = 0;               // and when he gets GNT#
   unsigned natural_words_ = 0;
-  unsigned last_owner_ = 0;
+  bool ends_itself_ = false;  // natural_words_ is the master's own limit
+  bool was_stalled_ = false;
   Clocks now_ = 0;
   Clocks free_ = 0;  // first clock after the last turnaround
   Clocks stalled_ = 0;  // no FRAME# before this clock

@@ -15,6 +15,8 @@ inline constexpr Clocks never = INT64_MAX;
 enum class Arbitration : std::uint8_t {
   round_robin,  ///< the next master after the last owner
   fixed,        ///< the lowest number first
+  two_level,    ///< round robin of the first-level masters and, as one of them, the round robin of all others
+  host_fair,    ///< two_level with master 0 (the host bridge) alone on the first level: it gets every other turn
 };
 
 enum class Parking : std::uint8_t {
@@ -23,18 +25,41 @@ enum class Parking : std::uint8_t {
   first,       ///< it goes to master 0 (the host bridge)
 };
 
+/// PCI's memory commands; I/O and configuration cycles are not modelled.
+enum class Command : std::uint8_t {
+  read,              ///< Memory Read: one or two words, nothing fetched ahead
+  read_line,         ///< to the end of a cache line
+  read_multiple,     ///< more than one line
+  write,
+  write_invalidate,  ///< of whole lines: the latency timer lets it go on to the end of a line
+};
+constexpr bool is_write(Command command) { return command >= Command::write; }
+
 struct BusConfig {
   std::string name = "bus";
   Arbitration arbitration = Arbitration::round_robin;
   Parking parking = Parking::last_owner;
   Clocks grant_clocks = 2;         ///< REQ# to FRAME# on an idle bus whose grant is parked elsewhere
   bool fast_back_to_back = false;  ///< no turnaround after a write when the same master goes on
+  Clocks multi_transaction_timer = 0;  ///< MTT of the 430TX: an owner that asks again goes first for so long; 0: none
+  unsigned line_words = 8;             ///< words of a cache line, a power of two
 };
 
 struct MasterConfig {
   std::string name = "master";
   Clocks latency_timer = 32;          ///< MLT: 8..248, a multiple of 8
   Clocks request_off_after_stop = 2;  ///< clocks for which REQ# is dropped after a retry or disconnect
+  Clocks think_on_retry = 0;          ///< clocks beyond these before it repeats what a target has refused
+  unsigned max_burst = 0;             ///< ends its own bursts after so many words; 0: never
+  bool first_level = false;           ///< with Arbitration::two_level
+  unsigned agent = 0;                 ///< who it is to targets, wherever they lie (see Access::agent)
+};
+
+/// How many words a target fetches ahead for a read that it delays, by the read's command; 0: all that are asked for.
+struct Prefetch {
+  unsigned read = 0;
+  unsigned line = 0;
+  unsigned multiple = 0;
 };
 
 /// One window of addresses of a target, and how fast it answers.
@@ -48,6 +73,7 @@ struct TargetConfig {
   unsigned max_burst = 0;     ///< disconnects after so many words; 0: never
   bool delayed_read = false;  ///< a read is refused (retry) until the target has fetched it
   Clocks fetch = 0;           ///< clocks of that fetch
+  Prefetch prefetch{};        ///< what it fetches; it disconnects where that ends
   unsigned post_words =
       0;                  ///< room of a posted-write queue that refuses when it is full; 0: writes go straight through
   Clocks post_drain = 1;  ///< clocks per word that leave that queue

@@ -60,6 +60,9 @@ struct MasterStatistics {
   std::uint64_t timer_stops = 0;  ///< by the latency timer, words left
   std::uint64_t aborts = 0;
   Clocks owned = 0;  ///< clocks on the bus
+  Clocks arbitration = 0;    ///< REQ# to GNT#, of all transactions' first attempts in sum
+  Clocks acquisition = 0;    ///< GNT# to FRAME#, the same
+  Clocks target = 0;         ///< FRAME# to the first data phase, the same
   Histogram wait;    ///< clocks from the request to the first FRAME#
 };
 

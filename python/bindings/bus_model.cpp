@@ -9,6 +9,7 @@
 #include <random>
 #include <stdexcept>
 
+#include "bus_model/audit.hpp"
 #include "bus_model/bridge.hpp"
 #include "python/bindings/bindings.hpp"
 
@@ -92,10 +93,12 @@ class PyBus final : public Monitor {
   void read(unsigned master, Address address, unsigned words, Clocks clock) {
     bus.submit(master, false, address, words, clock);
   }
-  void write(unsigned master, Address address, const std::vector<Word>& words, Clocks clock) {
+  void write(unsigned master, Address address, const std::vector<Word>& words, Clocks clock, Command command) {
     if (words.size() > Bus::most_words) throw std::invalid_argument{"a transaction has at most 256 words"};
+    if (!is_write(command)) throw std::invalid_argument{"a write's command is write or write_invalidate"};
     std::copy(words.begin(), words.end(), bus.buffer(master).begin());
-    bus.submit(master, true, address, static_cast<unsigned>(words.size()), clock);
+    bus.submit(master, command, address, static_cast<unsigned>(words.size()), clock,
+               bus.master_config(master).agent);
   }
   std::vector<Ended> advance_to(Clocks clock) {
     bus.advance_to(clock);
@@ -125,7 +128,15 @@ void bind_histogram(Class& owner) {
 void bind_configs(py::module_& m) {
   py::enum_<Arbitration>(m, "Arbitration")
       .value("round_robin", Arbitration::round_robin)
-      .value("fixed", Arbitration::fixed);
+      .value("fixed", Arbitration::fixed)
+      .value("two_level", Arbitration::two_level)
+      .value("host_fair", Arbitration::host_fair);
+  py::enum_<Command>(m, "Command")
+      .value("read", Command::read)
+      .value("read_line", Command::read_line)
+      .value("read_multiple", Command::read_multiple)
+      .value("write", Command::write)
+      .value("write_invalidate", Command::write_invalidate);
   py::enum_<Parking>(m, "Parking")
       .value("none", Parking::none)
       .value("last_owner", Parking::last_owner)
@@ -150,12 +161,20 @@ void bind_configs(py::module_& m) {
       .def_readwrite("arbitration", &BusConfig::arbitration)
       .def_readwrite("parking", &BusConfig::parking)
       .def_readwrite("grant_clocks", &BusConfig::grant_clocks)
-      .def_readwrite("fast_back_to_back", &BusConfig::fast_back_to_back);
+      .def_readwrite("fast_back_to_back", &BusConfig::fast_back_to_back)
+      .def_readwrite("multi_transaction_timer", &BusConfig::multi_transaction_timer)
+      .def_readwrite("line_words", &BusConfig::line_words);
   py::class_<MasterConfig>(m, "MasterConfig")
       .def(py::init<>())
       .def_readwrite("name", &MasterConfig::name)
       .def_readwrite("latency_timer", &MasterConfig::latency_timer)
-      .def_readwrite("request_off_after_stop", &MasterConfig::request_off_after_stop);
+      .def_readwrite("request_off_after_stop", &MasterConfig::request_off_after_stop)
+      .def_readwrite("think_on_retry", &MasterConfig::think_on_retry)
+      .def_readwrite("max_burst", &MasterConfig::max_burst)
+      .def_readwrite("first_level", &MasterConfig::first_level)
+      .def_readwrite("agent", &MasterConfig::agent);
+  py::class_<Prefetch>(m, "Prefetch")
+      .def(py::init<unsigned, unsigned, unsigned>(), py::arg("read") = 0, py::arg("line") = 0, py::arg("multiple") = 0);
   py::class_<TargetConfig>(m, "TargetConfig")
       .def(py::init<>())
       .def_static("sram", &TargetConfig::sram)
@@ -171,6 +190,7 @@ void bind_configs(py::module_& m) {
       .def_readwrite("max_burst", &TargetConfig::max_burst)
       .def_readwrite("delayed_read", &TargetConfig::delayed_read)
       .def_readwrite("fetch", &TargetConfig::fetch)
+      .def_readwrite("prefetch", &TargetConfig::prefetch)
       .def_readwrite("post_words", &TargetConfig::post_words)
       .def_readwrite("post_drain", &TargetConfig::post_drain);
   py::class_<BridgeConfig>(m, "BridgeConfig")
@@ -192,7 +212,9 @@ void bind_records(py::module_& m) {
       .def_property_readonly("target", [](const Ended& e) { return e.transaction.target; })
       .def_property_readonly("write", [](const Ended& e) { return e.transaction.write; })
       .def_property_readonly("result", [](const Ended& e) { return e.transaction.result; })
+      .def_property_readonly("command", [](const Ended& e) { return e.transaction.command; })
       .def_property_readonly("requested", [](const Ended& e) { return e.transaction.requested; })
+      .def_property_readonly("granted", [](const Ended& e) { return e.transaction.granted; })
       .def_property_readonly("framed", [](const Ended& e) { return e.transaction.framed; })
       .def_property_readonly("first_data", [](const Ended& e) { return e.transaction.first_data; })
       .def_property_readonly("ended", [](const Ended& e) { return e.transaction.ended; })
@@ -237,6 +259,9 @@ void bind_records(py::module_& m) {
       .def_readonly("timer_stops", &MasterStatistics::timer_stops)
       .def_readonly("aborts", &MasterStatistics::aborts)
       .def_readonly("owned", &MasterStatistics::owned)
+      .def_readonly("arbitration", &MasterStatistics::arbitration)
+      .def_readonly("acquisition", &MasterStatistics::acquisition)
+      .def_readonly("target", &MasterStatistics::target)
       .def_readonly("wait", &MasterStatistics::wait);
   py::class_<TargetStatistics>(m, "TargetStatistics")
       .def_readonly("words_read", &TargetStatistics::words_read)
@@ -283,7 +308,13 @@ void bind_bus_model(py::module_& core) {
       .def("add_bridge", &PyBus::add_bridge, py::arg("master") = MasterConfig{}, py::arg("config") = BridgeConfig{},
            py::return_value_policy::reference_internal)
       .def("read", &PyBus::read, py::arg("master"), py::arg("address"), py::arg("words"), py::arg("clock"))
-      .def("write", &PyBus::write, py::arg("master"), py::arg("address"), py::arg("words"), py::arg("clock"))
+      .def("write", &PyBus::write, py::arg("master"), py::arg("address"), py::arg("words"), py::arg("clock"),
+           py::arg("command") = Command::write)
+      .def(
+          "stall", [](PyBus& b, Clocks from, Clocks until) { b.bus.stall(from, until); }, py::arg("now"),
+          py::arg("until"))
+      .def(
+          "audit", [](const PyBus& b, Clocks clock) { return audit(b.bus, clock); }, py::arg("clock"))
       .def(
           "withdraw", [](PyBus& b, unsigned master, Clocks clock) { return b.bus.withdraw(master, clock); },
           py::arg("master"), py::arg("clock"))
