@@ -11,6 +11,7 @@
 
 #include "bus_model/audit.hpp"
 #include "bus_model/bridge.hpp"
+#include "bus_model/bus_bridge.hpp"
 #include "python/bindings/bindings.hpp"
 
 namespace {
@@ -100,9 +101,10 @@ class PyBus final : public Monitor {
     bus.submit(master, command, address, static_cast<unsigned>(words.size()), clock,
                bus.master_config(master).agent);
   }
+  std::vector<Ended> take_ended() { return std::exchange(ended, {}); }
   std::vector<Ended> advance_to(Clocks clock) {
     bus.advance_to(clock);
-    return std::exchange(ended, {});
+    return take_ended();
   }
 
   Bus bus;
@@ -113,6 +115,46 @@ class PyBus final : public Monitor {
  private:
   std::vector<Ended> ended;
   std::deque<Master> masters;
+};
+
+// Buses and bridges between them, in one time.
+class PyBuses final : public BusBridge::Client {
+ public:
+  explicit PyBuses(unsigned count) {
+    for (unsigned i = 0; i < count; ++i) {
+      BusConfig config;
+      config.name = std::string(1, static_cast<char>('A' + i));
+      buses.emplace_back(config);
+    }
+  }
+  void join(unsigned first, unsigned second, const BusBridgeConfig& config) {
+    bridges.emplace_back(buses.at(first).bus, buses.at(second).bus, config, this);
+  }
+  void claim(std::size_t bridge, unsigned near, Address base, std::uint64_t words) {
+    bridges.at(bridge).claim(buses.at(near).bus, "window", base, words);
+  }
+  std::optional<Clocks> next_event() const {
+    Clocks next = never;
+    for (const PyBus& bus : buses) next = std::min(next, bus.bus.next_event());
+    return next == never ? std::nullopt : std::optional{next};
+  }
+  /// The earliest event of all, the lower bus first; gives (bus, transaction) of what has ended.
+  std::vector<std::pair<unsigned, Ended>> step() {
+    unsigned earliest = 0;
+    for (unsigned i = 1; i < buses.size(); ++i)
+      if (buses[i].bus.next_event() < buses[earliest].bus.next_event()) earliest = i;
+    buses[earliest].bus.step();
+    std::vector<std::pair<unsigned, Ended>> all;
+    for (Ended& one : buses[earliest].take_ended()) all.emplace_back(earliest, std::move(one));
+    return all;
+  }
+  void delivered(unsigned agent, Address address, Word value, Clocks clock, Result) override {
+    deliveries.emplace_back(agent, address, value, clock);
+  }
+
+  std::deque<PyBus> buses;
+  std::deque<BusBridge> bridges;
+  std::vector<std::tuple<unsigned, Address, Word, Clocks>> deliveries;
 };
 
 template <class Class>
@@ -330,4 +372,21 @@ void bind_bus_model(py::module_& core) {
           "statistics", [](const PyBus& b, Clocks clock) { return b.bus.statistics(clock); }, py::arg("clock"))
       .def("master_statistics", [](const PyBus& b, unsigned master) { return b.bus.master_statistics(master); })
       .def("target_statistics", [](const PyBus& b, unsigned target) { return b.bus.target_statistics(target); });
+  py::class_<BusBridgeConfig>(m, "BusBridgeConfig")
+      .def(py::init<>())
+      .def_readwrite("post_depth", &BusBridgeConfig::post_depth)
+      .def_readwrite("delayed_reads", &BusBridgeConfig::delayed_reads)
+      .def_readwrite("prefetch_lines", &BusBridgeConfig::prefetch_lines)
+      .def_readwrite("forward", &BusBridgeConfig::forward)
+      .def_readwrite("latency_timer", &BusBridgeConfig::latency_timer);
+  py::class_<PyBuses>(m, "Buses", "Several buses with bridges between them.")
+      .def(py::init<unsigned>(), py::arg("count"))
+      .def(
+          "__getitem__", [](PyBuses& b, std::size_t i) -> PyBus& { return b.buses.at(i); },
+          py::return_value_policy::reference_internal)
+      .def("join", &PyBuses::join, py::arg("first"), py::arg("second"), py::arg("config") = BusBridgeConfig{})
+      .def("claim", &PyBuses::claim, py::arg("bridge"), py::arg("near"), py::arg("base"), py::arg("words"))
+      .def("next_event", &PyBuses::next_event)
+      .def("step", &PyBuses::step)
+      .def_readonly("deliveries", &PyBuses::deliveries, "(agent, address, value, clock) of posted words that have landed");
 }
