@@ -171,7 +171,7 @@ def test_a_flag_never_arrives_before_its_data(seed: int) -> None:
     """The producer on bus C posts data to a memory on A, then sets a flag on its own bus C; the consumer on A reads the
     flag across two bridges, and then the data beside it: PCI's ordering makes them new."""
     draw = random.Random(seed)
-    buses, memories = chain(3, post_depth=draw.choice([4, 16]))
+    buses, _ = chain(3, post_depth=draw.choice([4, 16]))
     producer_master = buses[2].add_master(agent(1))
     consumer_master = buses[0].add_master(agent(2))
     rounds = 40
