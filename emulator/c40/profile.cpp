@@ -1,29 +1,94 @@
 #include "c40/profile.hpp"
 
+#include <algorithm>
+
 #include "isa/decode.hpp"
 
 namespace c40 {
+namespace {
 
-void Profile::Entry::add(const Entry& other) {
+/// How many instructions after this one the first of the routine that it calls is executed; 0 if it calls none.
+int instructions_to_arrival(Word word) {
+  const isa::Decoded decoded = isa::decode(word);
+  const auto* instruction = std::get_if<isa::Instruction>(&decoded);
+  if (instruction == nullptr) return 0;
+  switch (instruction->row->operation) {
+    case isa::Operation::call:
+    case isa::Operation::trap: return 1;
+    case isa::Operation::laj:
+    case isa::Operation::lat: return 4;  // three slots lie between
+    default: return 0;
+  }
+}
+
+}  // namespace
+
+void ProfileCounts::Entry::add(const Entry& other) {
   instructions += other.instructions;
   cycles += other.cycles;
   for (std::size_t i = 0; i < cause_count; ++i) causes[i] += other.causes[i];
+  word = other.word;
 }
 
-Profile::Profile(Address entry, TraceSink* next) : next_(next) { calls_[entry] = 0; }
+ProfileCounts::Entry& ProfileCounts::at(Address address) {
+  const Address number = address / page_words;
+  if (page_ == nullptr || number != page_number_) {
+    auto& page = pages_[number];
+    if (page == nullptr) page = std::make_unique<Page>();
+    page_ = page.get();
+    page_number_ = number;
+  }
+  Entry& entry = (*page_)[address % page_words];
+  if (entry.instructions == 0) touched_.push_back(address);
+  return entry;
+}
+
+void ProfileCounts::add(const TraceRecord& record) { at(record.pc).add({1, record.cycles, record.causes, record.word}); }
+
+void ProfileCounts::add(const ProfileCounts& other) {
+  for (const Address address : other.touched_) at(address).add((*other.pages_.at(address / page_words))[address % page_words]);
+  for (const auto& [address, calls] : other.calls_) calls_[address] += calls;
+}
+
+void ProfileCounts::clear() {
+  for (const Address address : touched_) (*pages_.at(address / page_words))[address % page_words] = {};
+  touched_.clear();
+  calls_.clear();
+}
+
+std::map<Address, ProfileCounts::Entry> ProfileCounts::instructions() const {
+  std::map<Address, Entry> out;
+  for (const Address address : touched_) out[address] = (*pages_.at(address / page_words))[address % page_words];
+  return out;
+}
+
+ProfileCounts::Entry ProfileCounts::total() const {
+  Entry sum;
+  for (const auto& [address, entry] : instructions()) sum.add(entry);
+  return sum;
+}
+
+std::map<Address, Routine> routines(const ProfileCounts& counts, const std::set<Address>& starts) {
+  std::map<Address, Routine> all;
+  for (const Address start : starts) all.try_emplace(start);
+  for (const auto& [address, calls] : counts.calls()) all[address].calls = calls;
+  for (const auto& [address, entry] : counts.instructions()) {
+    auto after = all.upper_bound(address);
+    if (after == all.begin()) after = std::next(all.try_emplace(address).first);  // code before everything that was called
+    std::prev(after)->second.own.add(entry);
+  }
+  std::erase_if(all, [](const auto& routine) { return routine.second.own.instructions == 0; });
+  return all;
+}
 
 void Profile::instruction(const TraceRecord& record) {
-  if (until_arrival_ > 0 && --until_arrival_ == 0 && record.pc != return_to_) ++calls_[record.pc];
-  instructions_[record.pc].add({1, record.cycles, record.causes});
-  const isa::Decoded decoded = isa::decode(record.word);
-  if (const auto* instruction = std::get_if<isa::Instruction>(&decoded)) {
-    using enum isa::Operation;
-    const isa::Operation operation = instruction->row->operation;
-    const bool late = operation == laj || operation == lat;  // three slots lie between
-    if (late || operation == call || operation == trap) {
-      until_arrival_ = late ? 4 : 1;
-      return_to_ = record.pc + (late ? 4 : 1);
-    }
+  if (until_arrival_ > 0 && --until_arrival_ == 0 && record.pc != return_to_) counts_->called(record.pc);
+  counts_->add(record);
+  const auto [arrival, is_new] = arrivals_.try_emplace(record.word, 0);
+  if (is_new) arrival->second = instructions_to_arrival(record.word);
+  if (arrival->second != 0) {
+    until_arrival_ = arrival->second;
+    return_to_ = record.pc + static_cast<Address>(until_arrival_);
   }
   if (next_ != nullptr) next_->instruction(record);
 }
@@ -32,24 +97,6 @@ void Profile::interrupt(Word vector, Cycles cycle) {
   until_arrival_ = 1;
   return_to_.reset();
   if (next_ != nullptr) next_->interrupt(vector, cycle);
-}
-
-std::map<Address, Profile::Routine> Profile::routines() const {
-  std::map<Address, Routine> out;
-  for (const auto& [address, calls] : calls_) out[address].calls = calls;
-  for (const auto& [address, entry] : instructions_) {
-    auto after = out.upper_bound(address);
-    if (after == out.begin()) after = std::next(out.try_emplace(address).first);  // code before everything that was called
-    std::prev(after)->second.own.add(entry);
-  }
-  return out;
-}
-
-Causes Profile::outside(const Causes& total) const {
-  Causes rest = total;
-  for (const auto& [address, entry] : instructions_)
-    for (std::size_t i = 0; i < cause_count; ++i) rest[i] -= entry.causes[i];
-  return rest;
 }
 
 }  // namespace c40

@@ -12,10 +12,10 @@
 #include "cli/board_file.hpp"
 #include "cli/options.hpp"
 #include "cli/output_file.hpp"
-#include "cli/profile.hpp"
 #include "cli/program.hpp"
 #include "isa/decode.hpp"
 #include "machine/instruction_trace.hpp"
+#include "machine/profile.hpp"
 #include "report/trace_text.hpp"
 
 namespace cli {
@@ -146,10 +146,21 @@ c40::PipelineDiagram parse_window(const std::string& text, c40::TraceSink* next)
 /// What listened to the run; each may be absent.
 struct Listeners {
   std::optional<c40::SelfCheck> check;
+  c40::ProfileCounts counts;
   std::optional<c40::Profile> profile;
+  Address entry = 0;
   std::optional<c40::PipelineDiagram> pipeline;
   std::optional<double> clock_mhz;
 };
+
+std::string profile_of(const c40::Chip& chip, const Listeners& listeners, const Image& image, bool json) {
+  c40::Causes outside = chip.causes();
+  const c40::Causes instructions = listeners.counts.total().causes;
+  for (std::size_t i = 0; i < outside.size(); ++i) outside[i] -= instructions[i];
+  const report::Profile profile = machine::empty_profile();
+  const report::ProfileGroup group = machine::profile_group(listeners.counts, outside, {listeners.entry}, image, true);
+  return json ? to_json(profile, group) : to_text(profile, group);
+}
 
 double microseconds(const c40::Chip& chip, double clock_mhz) { return static_cast<double>(chip.cycle()) * 2.0 / clock_mhz; }
 
@@ -223,7 +234,7 @@ void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector
       if (i % 8 == 0) fmt::print("{}{:08X}:", i == 0 ? "" : "\n", dump.address + i);
       fmt::print(" {:08X}{}", dump.words[i], i + 1 == dump.words.size() ? "\n" : "");
     }
-  if (listeners.profile) print_profile(*listeners.profile, chip, image);
+  if (listeners.profile) fmt::print("{}", profile_of(chip, listeners, image, false));
   if (listeners.pipeline) fmt::print("{}", listeners.pipeline->text());
 }
 
@@ -249,7 +260,7 @@ void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector
   }
   root["dumps"] = Json::array();
   for (const Dump& dump : dumps) root["dumps"].push_back({{"address", dump.address}, {"words", dump.words}});
-  if (listeners.profile) root["profile"] = profile_json(*listeners.profile, chip, image);
+  if (listeners.profile) root["profile"] = Json::parse(profile_of(chip, listeners, image, true));
   if (listeners.pipeline) root["pipeline"] = listeners.pipeline->text();
   fmt::print("{}\n", root.dump(2, ' ', false, Json::error_handler_t::replace));
 }
@@ -282,7 +293,8 @@ int exec(const ExecOptions& options) {
   listeners.clock_mhz = chosen.clock_mhz;
   c40::TraceSink* first = sink ? &*sink : nullptr;  // each hands on to the one before
   if (options.check) first = &listeners.check.emplace(chip, first);
-  if (options.profile) first = &listeners.profile.emplace(chip.pc(), first);
+  listeners.entry = chip.pc();
+  if (options.profile) first = &listeners.profile.emplace(listeners.counts, first);
   if (options.pipeline) first = &listeners.pipeline.emplace(parse_window(*options.pipeline, first));
   chip.set_trace(first);
   const Outcome outcome = Run(chip, image, until).run(options.max_cycles);
