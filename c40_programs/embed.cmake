@@ -1,19 +1,24 @@
-# Writes the bytes of INPUT as a C++ array into OUTPUT.
-file(READ ${INPUT} hex HEX)
-string(LENGTH "${hex}" digits)
-math(EXPR size "${digits} / 2")
-string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
-string(REGEX REPLACE "(0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,)" "\\1\n" bytes "${bytes}")
+# Writes the bytes of IMAGE and of MAP as C++ arrays into OUTPUT.
+function(array name file)
+  file(READ ${file} hex HEX)
+  string(LENGTH "${hex}" digits)
+  math(EXPR size "${digits} / 2")
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
+  string(REGEX REPLACE "(0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,)" "\\1\n" bytes "${bytes}")
+  file(APPEND ${OUTPUT} "constexpr unsigned char ${name}[${size}] = {\n${bytes}\n};\n")
+endfunction()
+
 file(WRITE ${OUTPUT} "#include \"c40_programs/image.hpp\"
 
 namespace c40_programs {
 namespace {
-constexpr unsigned char image[${size}] = {
-${bytes}
-};
-}  // namespace
+")
+array(image ${IMAGE})
+array(source_map ${MAP})
+file(APPEND ${OUTPUT} "}  // namespace
 
 std::span<const std::byte> built_in_image() { return std::as_bytes(std::span(image)); }
+std::span<const std::byte> built_in_source_map() { return std::as_bytes(std::span(source_map)); }
 
 }  // namespace c40_programs
 ")

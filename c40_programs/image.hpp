@@ -6,5 +6,7 @@
 namespace c40_programs {
 
 std::span<const std::byte> built_in_image();
+/// The source lines of it, as text (toolchain/source_map.hpp reads it).
+std::span<const std::byte> built_in_source_map();
 
 }  // namespace c40_programs

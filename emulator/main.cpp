@@ -30,6 +30,10 @@ void declare_run(CLI::App& app, cli::RunOptions& options) {
   app.add_option("--trace-instructions", options.trace_instructions,
                  "Also write the instructions of these DSPs, into FILE.dspN")
       ->type_name("N");
+  app.add_option("--profile", options.profile,
+                 "Where the DSPs' cycles went, per task kind, routine and source line; into FILE (.json: as JSON), or after the report")
+      ->type_name("[FILE]")
+      ->expected(0, 1);
   app.add_option("--turn-order", options.turn_order, "Shuffle which chip is advanced first; changes nothing")
       ->type_name("SEED");
   app.add_option("--programs", options.programs, "Assemble the DSP programs from this directory")->type_name("DIR");

@@ -43,11 +43,9 @@ ProfileCounts::Entry& ProfileCounts::at(Address address) {
   return entry;
 }
 
-void ProfileCounts::add(const TraceRecord& record) { at(record.pc).add({1, record.cycles, record.causes, record.word}); }
-
 void ProfileCounts::add(const ProfileCounts& other) {
   for (const Address address : other.touched_) at(address).add((*other.pages_.at(address / page_words))[address % page_words]);
-  for (const auto& [address, calls] : other.calls_) calls_[address] += calls;
+  for (const auto& [address, times] : other.calls_) called(address, times);
 }
 
 void ProfileCounts::clear() {
@@ -83,7 +81,7 @@ std::map<Address, Routine> routines(const ProfileCounts& counts, const std::set<
 
 void Profile::instruction(const TraceRecord& record) {
   if (until_arrival_ > 0 && --until_arrival_ == 0 && record.pc != return_to_) counts_->called(record.pc);
-  counts_->add(record);
+  counts_->add(record.pc, {1, record.cycles, record.causes, record.word});
   const auto [arrival, is_new] = arrivals_.try_emplace(record.word, 0);
   if (is_new) arrival->second = instructions_to_arrival(record.word);
   if (arrival->second != 0) {

@@ -23,8 +23,8 @@ class ProfileCounts {
     void add(const Entry& other);
   };
 
-  void add(const TraceRecord& record);
-  void called(Address address) { ++calls_[address]; }
+  void add(Address address, const Entry& entry) { at(address).add(entry); }
+  void called(Address address, std::uint64_t times = 1) { calls_[address] += times; }
   void add(const ProfileCounts& other);
   /// Back to nothing; the room for the counts is kept.
   void clear();

@@ -59,6 +59,8 @@ class InstructionFiles {
 };
 
 void check(const RunOptions& options, const cmrc::Config& config) {
+  if (options.quiet && options.profile && options.profile->empty())
+    throw InputError("--profile: with --quiet a file is needed, --profile FILE");
   if (options.trace_window && !options.trace) throw InputError("--trace-window: needs --trace FILE");
   if (!options.trace_instructions.empty() && !options.trace)
     throw InputError("--trace-instructions: needs --trace FILE");
@@ -77,6 +79,8 @@ int run(const RunOptions& options) {
 
   std::optional<OutputFile> report_file;
   if (options.report) report_file.emplace(*options.report);
+  std::optional<OutputFile> profile_file;
+  if (options.profile && !options.profile->empty()) profile_file.emplace(*options.profile);
   std::optional<OutputFile> trace_file;
   std::optional<report::EventTextTrace> trace;
   if (options.trace) {
@@ -86,6 +90,7 @@ int run(const RunOptions& options) {
 
   cmrc::Simulation simulation(config);
   if (trace) simulation.listen(*trace);
+  if (options.profile) simulation.profile();
   InstructionFiles instructions(options, window, simulation);
 
   std::signal(SIGINT, on_interrupt);
@@ -106,6 +111,15 @@ int run(const RunOptions& options) {
   if (trace_file) trace_file->commit();
   instructions.commit();
   if (!options.quiet) fmt::print("{}", to_text(report));
+  if (options.profile) {
+    const report::Profile profile = simulation.profile_report();
+    if (!profile_file) {
+      fmt::print("{}", to_text(profile));
+    } else {
+      profile_file->stream() << (options.profile->ends_with(".json") ? to_json(profile) : to_text(profile));
+      profile_file->commit();
+    }
+  }
   return simulation.exit_status();
 }
 

@@ -92,7 +92,8 @@ void Ledger::claimed(std::size_t block, unsigned number, Time at, const CauseTim
   found->second.slot = number;
   found->second.claimed = at;
   found->second.failed = false;
-  found->second.causes = causes;
+  found->second.cycles = causes;
+  found->second.causes.clear();
 }
 
 void Ledger::leave(Open& open, Time at) {
@@ -101,26 +102,30 @@ void Ledger::leave(Open& open, Time at) {
   slot(*open.slot).occupied[static_cast<std::size_t>(open.kind)] += (at - open.claimed).count();
 }
 
-void Ledger::finished(std::size_t block, unsigned number, Time at, const CauseTimes& causes) {
+bool Ledger::finished(std::size_t block, unsigned number, Time at, const CauseTimes& causes) {
   audit_.finished(block, number, at);
   const auto found = open_.find(block);
-  if (found == open_.end() || found->second.slot != number || found->second.finished) return;
+  if (found == open_.end() || found->second.slot != number || found->second.finished) return false;
   Open& open = found->second;
   leave(open, at);
   open.finished = at;
-  if (open.causes.size() != causes.size()) return open.causes.clear();
-  // Cycles to picoseconds so that the parts sum to the whole exactly: each cumulative sum is rounded, not each part.
+  if (open.cycles.size() != causes.size()) {
+    open.cycles.clear();
+    return true;
+  }
   std::int64_t total = 0;
-  for (std::size_t i = 0; i < causes.size(); ++i) total += causes[i] - open.causes[i];
+  for (std::size_t i = 0; i < causes.size(); ++i) total += open.cycles[i] = causes[i] - open.cycles[i];
+  // Cycles to picoseconds so that the parts sum to the whole exactly: each cumulative sum is rounded, not each part.
   const std::int64_t whole = (at - open.claimed).count();
   std::int64_t cycles = 0, before = 0;
-  for (std::size_t i = 0; i < causes.size(); ++i) {
-    cycles += causes[i] - open.causes[i];
+  for (const std::int64_t part : open.cycles) {
+    cycles += part;
     const std::int64_t until =
         total == 0 ? 0 : static_cast<std::int64_t>(std::llround(static_cast<double>(whole) * static_cast<double>(cycles) / static_cast<double>(total)));
-    open.causes[i] = until - before;
+    open.causes.push_back(until - before);
     before = until;
   }
+  return true;
 }
 
 void Ledger::put_back(std::size_t block, Time at) {
@@ -130,6 +135,7 @@ void Ledger::put_back(std::size_t block, Time at) {
   leave(found->second, at);
   found->second.slot.reset();
   found->second.failed = false;
+  found->second.cycles.clear();
   found->second.causes.clear();
 }
 
@@ -144,6 +150,7 @@ report::Job Ledger::job_of(const Open& open) const {
     job.progress = report::Progress::finished;
     job.finished = *open.finished;
     job.causes = open.causes;
+    job.cycles = open.cycles;
   } else if (open.slot) {
     job.progress = open.failed ? report::Progress::lost : report::Progress::running;
   } else {

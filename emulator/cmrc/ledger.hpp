@@ -43,7 +43,8 @@ class Ledger {
   void skipped(JobKind kind, Time released, Time deadline, std::int64_t tick);
   /// A DSP has marked the block 0Fh / FFh. Times are those at which the program issued the write.
   void claimed(std::size_t block, unsigned slot, Time at, const CauseTimes& causes);
-  void finished(std::size_t block, unsigned slot, Time at, const CauseTimes& causes);
+  /// \returns whether it was this DSP's to finish.
+  bool finished(std::size_t block, unsigned slot, Time at, const CauseTimes& causes);
   /// The block's DSP was given up; the block waits again.
   void put_back(std::size_t block, Time at);
   /// The block was given up for good (ruling 24).
@@ -74,7 +75,8 @@ class Ledger {
     Time claimed{};
     bool failed = false;            // its DSP is dead
     std::optional<Time> finished;
-    CauseTimes causes;              // at the claim; after the end, what the run took, in picoseconds
+    CauseTimes cycles;              // at the claim; after the end, what the run took
+    CauseTimes causes;              // after the end: the same in picoseconds
   };
   struct Slot {
     std::uint64_t claims = 0;

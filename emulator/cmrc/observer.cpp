@@ -58,9 +58,12 @@ std::optional<std::size_t> RunObserver::flag_of(machine::Offset offset) const {
 
 // ---- claims and ends -----------------------------------------------------------------------------------------------------
 
-void RunObserver::dsp_issue(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word, Time issued) {
+void RunObserver::dsp_issue(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word value, Time issued) {
   if (bus != machine::BusId::a || !flag_of(offset)) return;
   snapshots_[slot].push_back({issued, offset, causes_(slot)});
+  if (profile_ == nullptr) return;
+  if (value == words_.flag_taken) profile_->taken(slot);
+  if (value == words_.flag_done) profile_->done(slot, offset, issued);
 }
 
 CauseTimes RunObserver::take_snapshot(unsigned slot, machine::Offset offset, Time issued) {
@@ -101,7 +104,9 @@ void RunObserver::claim(unsigned slot, std::size_t block, Time issued, Time now)
 }
 
 void RunObserver::finish(unsigned slot, std::size_t block, Time issued, Time now) {
-  ledger_.finished(block, slot, issued, take_snapshot(slot, words_.block(block) + words_.flag, issued));
+  const machine::Offset flag = words_.block(block) + words_.flag;
+  const bool ended = ledger_.finished(block, slot, issued, take_snapshot(slot, flag, issued));
+  if (profile_ != nullptr) profile_->landed(slot, flag, issued, ended ? ledger_.kind_of(block) : std::nullopt);
   log_.add({now, report::dsp(slot), EventKind::finish,
             {words_.block(block), peek_(words_.block(block) + words_.kind), blocks_[block][words_.result],
              blocks_[block][words_.notify], peek_(words_.block(block) + words_.generation)}});
@@ -109,7 +114,8 @@ void RunObserver::finish(unsigned slot, std::size_t block, Time issued, Time now
 
 // ---- everything else -------------------------------------------------------------------------------------------------------
 
-void RunObserver::dsp_write_dropped(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word value, Time, Time now) {
+void RunObserver::dsp_write_dropped(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word value, Time issued, Time now) {
+  if (profile_ != nullptr && bus == machine::BusId::a) profile_->landed(slot, offset, issued, std::nullopt);
   log_.add({now, report::dsp(slot), EventKind::dropped_write, {bus == machine::BusId::a ? 0U : 1U, offset, value, 0, 0}});
 }
 
@@ -142,7 +148,10 @@ void RunObserver::fault(const machine::ChipFault& fault) {
 void RunObserver::slot(unsigned slot, machine::SlotChange change, Time now) {
   if (change == machine::SlotChange::reset) ++resets_.at(slot);
   if (change == machine::SlotChange::unplugged) ledger_.slot_failed(slot, now);
-  if (change == machine::SlotChange::unplugged || change == machine::SlotChange::reset) snapshots_[slot].clear();
+  if (change == machine::SlotChange::unplugged || change == machine::SlotChange::reset) {
+    snapshots_[slot].clear();
+    if (profile_ != nullptr) profile_->reset(slot);
+  }
   const bool booted = change == machine::SlotChange::booted || change == machine::SlotChange::plugged;
   log_.add({now, report::dsp(slot), EventKind::reset, {booted ? 1U : 0U, static_cast<std::uint32_t>(change), 0, 0, 0}});
 }

@@ -8,6 +8,7 @@
 
 #include "cmrc/host.hpp"
 #include "cmrc/ledger.hpp"
+#include "cmrc/run_profile.hpp"
 #include "cmrc/words.hpp"
 #include "machine/machine.hpp"
 #include "plant/dock.hpp"
@@ -31,6 +32,8 @@ class RunObserver : public machine::Observer, public HostListener {
   /// Shared memory without time.
   void set_peek(std::function<machine::Word(machine::Offset)> peek) { peek_ = std::move(peek); }
   void attach(plant::Dock& dock);
+  /// Tells it when jobs begin and end; null: nobody.
+  void set_profile(RunProfile* profile) { profile_ = profile; }
 
   // machine::Observer
   void dsp_issue(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word value, Time issued) override;
@@ -79,6 +82,7 @@ class RunObserver : public machine::Observer, public HostListener {
   Time held_since_{};
   std::array<TrackingSum, 5> tracking_{};
   Word errors_ = 0;
+  RunProfile* profile_ = nullptr;
 };
 
 }  // namespace cmrc

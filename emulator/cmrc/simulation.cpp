@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <map>
 
 #include "bus_model/bus.hpp"
 #include "c40/chip.hpp"
@@ -14,12 +15,14 @@
 #include "cmrc/kernels.hpp"
 #include "cmrc/ledger.hpp"
 #include "cmrc/observer.hpp"
+#include "cmrc/run_profile.hpp"
 #include "cmrc/setup.hpp"
 #include "cmrc/words.hpp"
 #include "machine/machine.hpp"
 #include "plant/dock.hpp"
 #include "toolchain/assembler.hpp"
 #include "toolchain/coff.hpp"
+#include "toolchain/source_map.hpp"
 
 namespace cmrc {
 namespace {
@@ -52,6 +55,8 @@ std::vector<std::string> user_names(const Config& config) {
   for (const UserTask& task : config.tasks) names.push_back(task.name);
   return names;
 }
+
+std::string_view built_in_text(std::span<const std::byte> bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
 toolchain::Image assembled(const Config& config) {
   if (config.machine.programs.empty()) return toolchain::read_coff(c40_programs::built_in_image());
@@ -101,6 +106,13 @@ class Simulation::Parts {
     if (dock.faulted()) stop = report::StopReason::plant_fault;
   }
 
+  void connect_traces() {
+    for (const auto& [slot, sink] : traces) {
+      if (profile) profile->trace(slot, sink);
+      else machine.chip(slot).set_trace(sink);
+    }
+  }
+
   Config config;
   toolchain::Image image;
   Words words;
@@ -115,6 +127,8 @@ class Simulation::Parts {
   Time last_alive{};
   std::optional<report::StopReason> stop;
   std::chrono::steady_clock::duration elapsed{};
+  std::map<unsigned, c40::TraceSink*> traces;
+  std::optional<RunProfile> profile;
 };
 
 Simulation::Simulation(const Config& config) : parts_(std::make_unique<Parts>(config)) {}
@@ -135,7 +149,24 @@ void Simulation::at(const TimedEvent& event) {
 }
 
 void Simulation::listen(report::EventSink& sink) { parts_->log.listen(sink); }
-void Simulation::trace(unsigned slot, c40::TraceSink& sink) { parts_->machine.chip(slot).set_trace(&sink); }
+void Simulation::trace(unsigned slot, c40::TraceSink& sink) {
+  parts_->traces[slot] = &sink;
+  parts_->connect_traces();
+}
+
+void Simulation::profile() {
+  if (parts_->machine.time() != Time{}) throw std::logic_error("Simulation::profile: the run has begun; a profile is of a whole run");
+  parts_->profile.emplace(parts_->machine);
+  parts_->observer.set_profile(&*parts_->profile);
+  parts_->connect_traces();
+}
+
+report::Profile Simulation::profile_report() const {
+  if (!parts_->profile) throw std::logic_error("Simulation::profile_report: nothing was counted; Simulation::profile comes before the run");
+  toolchain::Image image = parts_->image;
+  if (parts_->config.machine.programs.empty()) toolchain::add_source_map(image, built_in_text(c40_programs::built_in_source_map()));
+  return parts_->profile->report(report().tasks, image);
+}
 
 bool Simulation::ended() const {
   const auto& stop = parts_->stop;

@@ -8,6 +8,7 @@
 
 #include "cmrc/config.hpp"
 #include "report/event_log.hpp"
+#include "report/profile_report.hpp"
 #include "report/run_report.hpp"
 
 namespace c40 {
@@ -52,6 +53,10 @@ class Simulation {
   void listen(report::EventSink& sink);
   /// Hears the instructions of one DSP; must outlive the run. Before run().
   void trace(unsigned slot, c40::TraceSink& sink);
+  /// Counts from now on where the DSPs' cycles go. Before run(); it slows the run down and changes nothing else.
+  void profile();
+  /// \throws std::logic_error without profile(), and if the profile and report() contradict each other
+  report::Profile profile_report() const;
 
   /// A further event, not before the present time. \throws ConfigError, also when it contradicts those that are still to come
   void at(const TimedEvent& event);

@@ -51,6 +51,7 @@ Json task(const TaskReport& of) {
             {"worst", of.start_jitter.worst},
             {"rms", of.start_jitter.rms}}},
           {"execution_causes_ps", shares(of.execution_causes)},
+          {"execution_cycles", shares(of.execution_cycles)},
           {"miss_causes_ps", shares(of.miss_causes)}};
 }
 

@@ -145,11 +145,20 @@ std::string to_text(const Profile& profile, const ProfileGroup& group) {
 
 std::string to_json(const Profile& profile, const ProfileGroup& group) { return dumped(group_json(profile, group)); }
 
+namespace {
+
+std::string mean(const ProfileGroup& group) {
+  if (group.jobs == 0) return "";
+  return fmt::format(", {} jobs, {:.1f} cycles on the mean", group.jobs, static_cast<double>(group.total.cycles) / static_cast<double>(group.jobs));
+}
+
+}  // namespace
+
 std::string to_text(const Profile& profile) {
   std::string out = "\nprofile: cycles of all DSPs by what they were spent on\n" + overview(profile);
   for (const ProfileGroup& group : profile.groups) {
     if (group.total.instructions == 0) continue;
-    out += fmt::format("\nprofile: {}, routines without what they call\n", group.name) + routine_table(profile, group);
+    out += fmt::format("\nprofile: {}{}; routines, without what they call\n", group.name, mean(group)) + routine_table(profile, group);
     out += fmt::format("\nprofile: {}, source\n", group.name) + annotated_source(profile, group);
   }
   return out;

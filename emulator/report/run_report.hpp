@@ -40,6 +40,7 @@ struct TaskReport {
   Summary lateness;                       ///< ps after the deadline, late jobs
   Jitter start_jitter;                    ///< ps, periodic kinds only
   std::vector<Share> execution_causes;    ///< ps by the chips' causes, all finished jobs; sums to the sum of execution
+  std::vector<Share> execution_cycles;    ///< the same in cycles of the DSPs
   /// Of the missed jobs only: ps from release to the end (or the run's end), by what it was spent on. "waiting behind
   /// KIND": all DSPs were taken and this share of them ran KIND; "waiting, a DSP was free": not claimed although one
   /// was idle; then the chips' causes while it ran.

@@ -28,6 +28,7 @@ TaskAccount::TaskAccount(std::vector<std::string> kinds, std::vector<std::string
   for (std::size_t i = 0; i < kinds_.size(); ++i) {
     kinds_[i].counts.kind = names_[i];
     kinds_[i].causes.assign(causes_.size(), 0);
+    kinds_[i].cycles.assign(causes_.size(), 0);
     kinds_[i].miss_causes.assign(causes_.size(), 0);
   }
 }
@@ -75,7 +76,8 @@ bool is_miss(Outcome outcome, const Job& job, Time now) {
 
 Outcome TaskAccount::add(const Job& job, Time now) {
   Kind& kind = kinds_.at(job.kind);
-  if (!job.causes.empty() && job.causes.size() != causes_.size())
+  const auto fits = [this](const std::vector<std::int64_t>& causes) { return causes.empty() || causes.size() == causes_.size(); };
+  if (!fits(job.causes) || !fits(job.cycles))
     throw std::invalid_argument("TaskAccount: a job's causes do not match the account's");
   const Outcome outcome = classify(job);
   ++kind.counts.released;
@@ -90,6 +92,7 @@ Outcome TaskAccount::add(const Job& job, Time now) {
     kind.response.add((job.finished - job.released).count());
     kind.execution.add((job.finished - job.claimed).count());
     for (std::size_t i = 0; i < job.causes.size(); ++i) kind.causes[i] += job.causes[i];
+    for (std::size_t i = 0; i < job.cycles.size(); ++i) kind.cycles[i] += job.cycles[i];
     if (outcome == Outcome::late) kind.lateness.add((job.finished - *job.deadline).count());
   }
 
@@ -165,8 +168,10 @@ std::vector<TaskReport> TaskAccount::report(unsigned slots) const {
     report.execution = kind.execution.summary();
     report.lateness = kind.lateness.summary();
     report.start_jitter = jitter(i);
-    for (std::size_t cause = 0; cause < causes_.size(); ++cause)
+    for (std::size_t cause = 0; cause < causes_.size(); ++cause) {
       report.execution_causes.push_back({causes_[cause], kind.causes[cause]});
+      report.execution_cycles.push_back({causes_[cause], kind.cycles[cause]});
+    }
     report.miss_causes = miss_causes(kind, slots);
     reports.push_back(std::move(report));
   }

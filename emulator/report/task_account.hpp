@@ -32,6 +32,7 @@ struct Job {
   /// Picoseconds by chip cause while it ran, in the order of the account's causes; empty when not known. Should sum to
   /// finished - claimed.
   std::vector<std::int64_t> causes;
+  std::vector<std::int64_t> cycles;  ///< of the chip, by cause, as its counters have them; empty when not known
   std::optional<std::int64_t>
       tick;  ///< number of the nominal tick, periodic kinds: jitter is taken between neighbouring ticks
 };
@@ -63,7 +64,7 @@ class TaskAccount {
   struct Kind {
     TaskReport counts;
     Distribution response, waiting, execution, lateness;
-    std::vector<std::int64_t> causes, miss_causes;
+    std::vector<std::int64_t> causes, cycles, miss_causes;
     std::vector<Start> starts;
     std::vector<Missed> missed;
     std::uint64_t streak = 0;

@@ -1,4 +1,5 @@
 // c40_asm FILE -o OUT [-I DIR]... [-D NAME=VALUE]... [--section NAME=ADDRESS]... [--entry SYMBOL] [--listing FILE]
+//         [--source-map FILE]
 //
 // Assembles one source file to a COFF executable. Exit status 2 and no output file if anything is wrong.
 #include <fmt/format.h>
@@ -11,17 +12,18 @@
 
 #include "toolchain/assembler.hpp"
 #include "toolchain/coff.hpp"
+#include "toolchain/source_map.hpp"
 
 namespace {
 
 struct Arguments {
-  std::filesystem::path input, output, listing;
+  std::filesystem::path input, output, listing, source_map;
   toolchain::Options options;
 };
 
 constexpr std::string_view usage =
     "usage: c40_asm FILE -o OUT [-I DIR]... [-D NAME=VALUE]... [--section NAME=ADDRESS]... [--entry SYMBOL] [--listing "
-    "FILE]";
+    "FILE] [--source-map FILE]";
 
 std::pair<std::string, toolchain::Word> parse_assignment(const std::string& text) {
   const auto equals = text.find('=');
@@ -56,6 +58,8 @@ Arguments parse(int count, char** values) {
       out.options.entry = next();
     else if (argument == "--listing")
       out.listing = next();
+    else if (argument == "--source-map")
+      out.source_map = next();
     else if (argument.starts_with("-") || !out.input.empty())
       throw std::invalid_argument(fmt::format("'{}' not understood\n{}", argument, usage));
     else
@@ -76,6 +80,10 @@ int main(int count, char** values) {
     if (!arguments.listing.empty()) {
       std::ofstream stream(arguments.listing);
       stream << toolchain::listing(image);
+    }
+    if (!arguments.source_map.empty()) {
+      std::ofstream stream(arguments.source_map);
+      stream << toolchain::source_map(image, arguments.input.parent_path());
     }
     return 0;
   } catch (const std::exception& error) {

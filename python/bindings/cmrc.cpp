@@ -407,6 +407,9 @@ void bind_simulation(py::module_& m) {
       .def_property_readonly("exit_status", &cmrc::Simulation::exit_status)
       .def("report_json", [](const cmrc::Simulation& simulation) { return report::to_json(simulation.report()); })
       .def("report_text", [](const cmrc::Simulation& simulation) { return report::to_text(simulation.report()); })
+      .def("profile", &cmrc::Simulation::profile, "Counts where the DSPs' cycles go; before the run.")
+      .def("profile_json", [](const cmrc::Simulation& simulation) { return report::to_json(simulation.profile_report()); })
+      .def("profile_text", [](const cmrc::Simulation& simulation) { return report::to_text(simulation.profile_report()); })
       .def("signals", [](const cmrc::Simulation& simulation) { return signals_of(simulation.dock()); })
       .def("dock_events", [](const cmrc::Simulation& simulation) {
         py::list all;

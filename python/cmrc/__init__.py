@@ -5,8 +5,8 @@ dock without DSPs.
 """
 
 from cmrc import c40, plant
-from cmrc.result import Result
+from cmrc.result import Profile, Result
 from cmrc.simulation import ConfigError, Simulation, run
 from cmrc.table import Table
 
-__all__ = ["ConfigError", "Result", "Simulation", "Table", "c40", "plant", "run"]
+__all__ = ["ConfigError", "Profile", "Result", "Simulation", "Table", "c40", "plant", "run"]

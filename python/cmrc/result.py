@@ -9,19 +9,56 @@ from typing import Any
 from cmrc.table import Table
 
 
+class Profile:
+    """Where the DSPs' cycles went (docs/cli.md, Profiles): by task kind, and within each by routine and by source line.
+
+    A group is a task kind, or what the DSPs did between tasks. Cycles of all groups sum to those of all DSPs, cause by cause; a kind's are its finished
+    jobs', as ``report["tasks"][kind]["execution_cycles"]`` has them. Columns ``causes_...`` are cycles.
+    """
+
+    def __init__(self, data: Mapping[str, Any], text: str) -> None:
+        self.data: dict[str, Any] = dict(data)
+        """All of it, as the JSON of ``emulator --profile FILE.json`` has it."""
+        self.text = text
+        """The tables and the annotated source, as the terminal shows them."""
+
+    @cached_property
+    def groups(self) -> Table:
+        """One row per group: jobs, instructions, cycles, causes, and those causes that belong to no instruction (``outside_...``)."""
+        return Table.from_rows({key: value for key, value in group.items() if key not in ("routines", "lines")} for group in self.data["groups"])
+
+    @cached_property
+    def routines(self) -> Table:
+        """One row per group and routine: calls, and cycles without what it called; most cycles first within a group."""
+        return self._parts("routines")
+
+    @cached_property
+    def lines(self) -> Table:
+        """One row per group and executed instruction: address, file and line, source text, cycles."""
+        return self._parts("lines")
+
+    def _parts(self, key: str) -> Table:
+        return Table.from_rows({"group": group["name"], **part} for group in self.data["groups"] for part in group[key])
+
+    def __repr__(self) -> str:
+        return f"<cmrc.Profile: {self.data['cycles']} cycles in {len(self.data['groups'])} groups>"
+
+
 class Result:
     """A finished run: the report (docs/report.md) as tables and as a dict, and the plant's time series.
 
     Column names of tables carry their units as the report's keys do: ``_s`` seconds, ``_ps`` picoseconds, ``cycles``, ``clocks``.
     """
 
-    def __init__(self, report: Mapping[str, Any], text: str, signals: Table) -> None:
+    def __init__(self, report: Mapping[str, Any], text: str, signals: Table, profile: Profile | None = None) -> None:
         self.report: dict[str, Any] = dict(report)
         """The whole report, as the JSON of ``emulator --report`` has it."""
         self.text = text
         """The report as the terminal shows it."""
         self.signals = signals
         """The plant in time: column ``time_s`` and one column per signal, units in the names."""
+        self.profile = profile
+        """Where the DSPs' cycles went; None unless the run was asked for a profile."""
 
     @property
     def hash(self) -> str:

@@ -1,0 +1,58 @@
+#include "toolchain/source_map.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <stdexcept>
+
+namespace toolchain {
+namespace {
+
+/// What stands before the next blank, which is passed.
+std::string_view next_word(std::string_view& line) {
+  const std::string_view word = line.substr(0, line.find(' '));
+  line.remove_prefix(std::min(word.size() + 1, line.size()));
+  return word;
+}
+
+template <typename Number>
+Number next_number(std::string_view& line, int base) {
+  const std::string_view word = next_word(line);
+  Number value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value, base);
+  if (error != std::errc{} || end != word.data() + word.size())
+    throw std::invalid_argument(fmt::format("source map: \"{}\" is no number", word));
+  return value;
+}
+
+}  // namespace
+
+std::string source_map(const Image& image, const std::filesystem::path& base) {
+  std::string out;
+  for (const std::string& file : image.files) out += fmt::format("file {}\n", std::filesystem::path(file).lexically_proximate(base).generic_string());
+  for (const LineRecord& line : image.lines)
+    out += fmt::format("line {:x} {} {} {} {}\n", line.address, line.section, line.file, line.line, line.text);
+  return out;
+}
+
+void add_source_map(Image& image, std::string_view map) {
+  while (!map.empty()) {
+    std::string_view line = map.substr(0, map.find('\n'));
+    map.remove_prefix(std::min(line.size() + 1, map.size()));
+    const std::string_view what = next_word(line);
+    if (what == "file") {
+      image.files.emplace_back(line);
+      continue;
+    }
+    if (what != "line") throw std::invalid_argument(fmt::format("source map: \"{}\" begins no line of one", what));
+    LineRecord record;
+    record.address = next_number<Address>(line, 16);
+    record.section = next_number<std::uint32_t>(line, 10);
+    record.file = next_number<std::uint32_t>(line, 10);
+    record.line = next_number<int>(line, 10);
+    record.text = line;
+    image.lines.push_back(std::move(record));
+  }
+}
+
+}  // namespace toolchain
