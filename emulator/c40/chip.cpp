@@ -29,6 +29,7 @@ void Chip::set_pc(Address pc) {
   state.core.delay_slots = 0;
   state.core.annul = state.core.delay_repeat = state.core.idle = false;
   state.answers = {};
+  engine_->forget_access();
   state.pipeline.flush(0);
 }
 
@@ -73,6 +74,10 @@ void Chip::complete_read(Word value, Cycles arbitration, Cycles transfer) {
 void Chip::complete_write(Cycles arbitration, Cycles transfer) { engine_->complete(true, 0, arbitration, transfer); }
 
 namespace {
+void check_port(int port) {
+  if (port < 0 || port >= port_count)
+    throw std::invalid_argument(fmt::format("there is no communication port {}; 0 to {} are possible", port, port_count - 1));
+}
 void check_pin(int pin) {
   if (pin < 0 || pin > 3) throw std::out_of_range(fmt::format("there is no pin IIOF{}; 0 to 3 are possible", pin));
 }
@@ -87,6 +92,22 @@ void Chip::set_iiof(int pin, bool active) {
   engine_->set_level(pin, active);
 }
 void Chip::raise_nmi() { engine_->raise_flag(1u << 16); }
+void Chip::attach(int port, PortListener* link) {
+  check_port(port);
+  if (link != nullptr && engine_->listener(port) != nullptr) throw std::invalid_argument(fmt::format("communication port {} is taken", port));
+  engine_->attach(port, link);
+}
+CommPort& Chip::port(int port) {
+  check_port(port);
+  return engine_->port(port);
+}
+const CommPort& Chip::port(int port) const {
+  check_port(port);
+  return engine_->state().ports[static_cast<std::size_t>(port)];
+}
+void Chip::complete_port(Cycles at) { engine_->complete_port(at); }
+bool Chip::watches_ports() const { return engine_->watched_ports() != 0; }
+
 bool Chip::idle() const { return engine_->waits_in_idle(); }
 void Chip::hold(bool held) { engine_->touch().held = held; }
 bool Chip::halted() const { return engine_->state().held || engine_->state().faulted; }

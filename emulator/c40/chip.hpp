@@ -2,7 +2,7 @@
 /// One TMS320C40: its whole public face. The chip knows no system: it runs until a limit, or until it would touch something
 /// that is not its own, and says so.
 ///
-/// Inaccuracies: no instruction cache, DMA, timers, communication ports or boot ROM yet (touching their registers is a
+/// Inaccuracies: no instruction cache, DMA, timers or boot ROM yet (touching their registers is a
 /// fault that names the register); software wait states of the memory interface control registers have no effect; annulled slots
 /// update address registers but do not read memory; RCPF and RSQRF seeds are a model. docs/fidelity.md lists every choice.
 #include <functional>
@@ -38,8 +38,17 @@ struct Fault {
 };
 
 struct StopInfo {
-  enum class Reason : std::uint8_t { limit, external_access, breakpoint, fault } reason = Reason::limit;
+  enum class Reason : std::uint8_t {
+    limit,
+    external_access,  ///< stopped before an access to a window: complete_read, complete_write
+    breakpoint,
+    fault,
+    port_access,  ///< stopped before an access to a port that a link is attached to: complete_port
+    port_wait,    ///< an access to a port with nothing attached waits for a FIFO: without help, for ever
+    horizon       ///< the program began to watch a linked port (watches_ports): run on with a limit that regards its link
+  } reason = Reason::limit;
   ExternalAccess access{};
+  PortAccess port{};
   std::optional<Fault> fault;
 };
 
@@ -104,6 +113,18 @@ class Chip {
   /// The answer to a read: its value and what the chip waited for it beyond the region's own wait states.
   void complete_read(Word value, Cycles arbitration, Cycles transfer);
   void complete_write(Cycles arbitration, Cycles transfer);
+
+  /// A link (or another model of the port's other side) is attached; null detaches. Throws std::invalid_argument if the port
+  /// does not exist or is taken.
+  void attach(int port, PortListener* link);
+  /// The port's FIFOs, levels and counters. The link and whoever feeds a port by hand may change it, between runs.
+  CommPort& port(int port);
+  const CommPort& port(int port) const;
+  /// The access that the chip stopped at takes place in cycle `at`, which is not before the access's own; the chip has waited
+  /// since. Throws std::logic_error if none is waiting, or if the port is not ready for it.
+  void complete_port(Cycles at);
+  /// Interrupts that linked ports could raise are enabled: the chip's horizon depends on its links.
+  bool watches_ports() const;
 
   /// An edge on IIOFn at the present cycle.
   void raise_iiof(int pin);

@@ -24,6 +24,8 @@ Engine::Engine(Board board) : board_(std::move(board)), memory_(board_), bounds_
 
 void Engine::reset() {
   flush_blocks();
+  for (PortListener* link : listeners_)
+    if (link != nullptr) link->about_to_reset(state_.cycle);
   const State old = state_;
   state_ = State{};
   state_.cycle = old.cycle;
@@ -31,10 +33,13 @@ void Engine::reset() {
   state_.causes = old.causes;
   state_.held = old.held;
   state_.iiof_levels = old.iiof_levels;
+  state_.ports = old.ports;
+  reset_ports();
   state_.core.e.fill(float40::zero_exponent);
   state_.global_interface_control = board_.global_interface_control;
   state_.local_interface_control = board_.local_interface_control;
   fault_.reset();
+  forget_access();
   reported_breakpoint_.reset();
   touch();
 }
@@ -142,7 +147,7 @@ Cycles Engine::access_cycle(const StepRecord& record, int access) {
   const int start = transition(demand, record.bound.word).timing.start[static_cast<std::size_t>(access)];
   Cycles cycle = state_.cycle + std::max(start, 0);
   for (const Answer& answer : state_.answers)
-    if (answer.given) cycle += answer.arbitration + answer.transfer;
+    if (answer.given) cycle += answer.waited();
   return cycle;
 }
 
@@ -168,7 +173,9 @@ Engine::Stepped Engine::resolve(StepRecord& record, Op& op) {
   record.only_ram = false;
   auto& cell = scratch_[k].cell;
   cell = {};
-  if (area->kind == Region::Kind::registers) {
+  if (area->kind == Region::Kind::registers && is_port_register(address)) {
+    if (const Stepped why = access_port(record, k, cell[0]); why != Stepped::done) return why;
+  } else if (area->kind == Region::Kind::registers) {
     if (!read_register(address, cell[0]))
       return fail(Fault::Kind::not_modelled,
                   fmt::format("{} {:08X}h: the register of {} is not modelled yet", write ? "write to" : "read of", address,
@@ -180,6 +187,7 @@ Engine::Stepped Engine::resolve(StepRecord& record, Op& op) {
     if (!answer.given || answer.address != address || answer.write != write) {
       waiting_ = {address, write, record.bound.row->interlocked, write ? core.miss_value : 0, access_cycle(record, core.miss_access)};
       waiting_access_ = k;
+      port_slot_ = 2;
       return Stepped::external;
     }
     cell[0] = answer.value;
@@ -245,7 +253,8 @@ void Engine::account(const StepRecord& record) {
     if (!answer.given) continue;
     add(causes, Cause::bus_arbitration, answer.arbitration);
     add(causes, Cause::bus_transfer, answer.transfer);
-    state_.cycle += answer.arbitration + answer.transfer;
+    add(causes, Cause::comm_port, answer.comm_port);
+    state_.cycle += answer.waited();
     answer = {};
   }
 }
@@ -374,6 +383,11 @@ StopInfo Engine::stop(Stepped why) {
       info.access = waiting_;
       break;
     case Stepped::breakpoint: info.reason = StopInfo::Reason::breakpoint; break;
+    case Stepped::port:
+      info.reason = listener(port_access_.port) != nullptr ? StopInfo::Reason::port_access : StopInfo::Reason::port_wait;
+      info.port = port_access_;
+      break;
+    case Stepped::horizon: info.reason = StopInfo::Reason::horizon; break;
     case Stepped::fault:
       info.reason = StopInfo::Reason::fault;
       info.fault = fault_;
@@ -384,7 +398,8 @@ StopInfo Engine::stop(Stepped why) {
 }
 
 bool Engine::may_interrupt() const {
-  return state_.core.delay_slots == 0 && state_.core.repeat_single == 0 && !state_.answers[0].given && !state_.answers[1].given;
+  return state_.core.delay_slots == 0 && state_.core.repeat_single == 0 && !state_.answers[0].given && !state_.answers[1].given &&
+         !state_.stalled_on_port;
 }
 
 // One thing: a stop, an interrupt entry, idling, a run of blocks, or one exact instruction.
@@ -435,8 +450,11 @@ StopInfo Engine::run_until(Cycles limit) {
     pass(Cause::halted, limit);
     return {};
   }
-  while (state_.cycle < limit)
+  const Word watched = watched_ports();
+  while (state_.cycle < limit) {
     if (auto info = advance(limit, false)) return *info;
+    if (attached_ != 0 && (watched_ports() & ~watched) != 0) return stop(Stepped::horizon);
+  }
   return {};
 }
 
@@ -453,7 +471,7 @@ void Engine::complete(bool write, Word value, Cycles arbitration, Cycles transfe
   if (waiting_access_ >= 2 || waiting_.write != write)
     throw std::logic_error(fmt::format("the chip does not wait for a {}", write ? "write" : "read"));
   if (arbitration < 0 || transfer < 0) throw std::invalid_argument("a chip cannot wait a negative number of cycles");
-  state_.answers[waiting_access_] = {true, write, waiting_.address, value, arbitration, transfer};
+  state_.answers[waiting_access_] = {true, write, waiting_.address, value, arbitration, transfer, 0};
   waiting_access_ = 2;
 }
 

@@ -76,13 +76,21 @@ class Engine {
   void flush_blocks();
   void write_status(Word value);
   void after_interrupt_register_write();
+  void complete_port(Cycles at);
+  /// The access that the chip stopped at will not be asked for any more.
+  void forget_access();
+  /// Bit n: linked port n could raise an interrupt.
+  Word watched_ports() const;
+  CommPort& port(int n) { return state_.ports[static_cast<std::size_t>(n)]; }
+  void attach(int n, PortListener* link);
+  PortListener* listener(int n) const { return listeners_[static_cast<std::size_t>(n)]; }
 
   TraceSink* trace = nullptr;
   bool exact_only = false;
   std::set<Address> breakpoints;
 
  private:
-  enum class Stepped : std::uint8_t { done, external, fault, breakpoint };
+  enum class Stepped : std::uint8_t { done, external, fault, breakpoint, port, horizon };
   /// What the exact engine found out about one instruction.
   struct StepRecord {
     Bound bound;
@@ -125,6 +133,9 @@ class Engine {
   bool read_register(Address address, Word& value) const;
   bool write_register(Address address, Word value);
   std::string register_name(Address address) const;
+  void reset_ports();
+  Stepped access_port(const StepRecord& record, std::size_t k, Word& cell);
+  Word pending_port_vector(Word enabled) const;
   Word pending_vector() const;
   bool take_interrupt(Word vector);
   void pass(Cause cause, Cycles until);
@@ -158,6 +169,10 @@ class Engine {
   Board board_;
   Memory memory_;
   ExternalAccess waiting_{};
+  PortAccess port_access_{};
+  std::size_t port_slot_ = 2;  ///< which of the instruction's accesses waits for a port; 2: none
+  std::array<PortListener*, port_count> listeners_{};
+  Word attached_ = 0;  ///< bit n: port n has a listener
   std::size_t waiting_access_ = 2;  ///< which of the instruction's accesses waits; 2: none
   std::optional<Fault> fault_;
   std::optional<Cycles> reported_breakpoint_;  ///< cycle of the last breakpoint stop

@@ -11,6 +11,7 @@ namespace {
 
 constexpr Address global_interface = peripheral_base + 0x00, local_interface = peripheral_base + 0x04;
 constexpr Word nmi_flag = 1u << 16, timer0_flag = 1u << 24, timer1_flag = 1u << 31;
+constexpr Word port_sources = 0x01FFFFFEu;  // of IIE
 
 void add(Causes& causes, Cause cause, Cycles cycles) { causes[static_cast<std::size_t>(cause)] += cycles; }
 
@@ -31,6 +32,10 @@ std::string Engine::register_name(Address address) const {
 }
 
 bool Engine::read_register(Address address, Word& value) const {
+  if (is_port_register(address)) {
+    const PortAccess access = port_access(address, false, 0, 0);
+    return access.peek(state_.ports[static_cast<std::size_t>(access.port)], value);
+  }
   if (address == global_interface) value = state_.global_interface_control;
   if (address == local_interface) value = state_.local_interface_control;
   return address == global_interface || address == local_interface;
@@ -42,6 +47,58 @@ bool Engine::write_register(Address address, Word value) {
   Word& control = address == global_interface ? state_.global_interface_control : state_.local_interface_control;
   control = (control & pins) | (value & ~(pins | reserved));
   return true;
+}
+
+// ---- communication ports ----
+
+void Engine::attach(int n, PortListener* link) {
+  listeners_[static_cast<std::size_t>(n)] = link;
+  attached_ = (attached_ & ~(1u << n)) | (link != nullptr ? 1u << n : 0u);
+}
+
+void Engine::reset_ports() {
+  for (int n = 0; n < port_count; ++n) {
+    port(n).reset(n);
+    if (PortListener* link = listener(n); link != nullptr) link->was_reset(port(n), state_.cycle);
+  }
+}
+
+// What the access finds. One that a link is concerned with, or that has to wait, stops the chip first.
+Engine::Stepped Engine::access_port(const StepRecord& record, std::size_t k, Word& cell) {
+  const Core& core = state_.core;
+  const Answer& answer = state_.answers[k];
+  const bool write = core.miss_write;
+  if (!answer.given || answer.address != core.miss_address || answer.write != write) {
+    port_access_ = port_access(core.miss_address, write, write ? core.miss_value : 0, access_cycle(record, static_cast<int>(k)));
+    port_slot_ = k;
+    waiting_access_ = 2;
+    if (listener(port_access_.port) != nullptr || !port_access_.ready(port(port_access_.port))) {
+      state_.stalled_on_port = true;
+      return Stepped::port;
+    }
+    complete_port(port_access_.cycle);
+  }
+  cell = answer.value;
+  return Stepped::done;
+}
+
+void Engine::forget_access() {
+  waiting_access_ = port_slot_ = 2;
+  state_.stalled_on_port = false;
+}
+
+void Engine::complete_port(Cycles at) {
+  if (port_slot_ >= 2) throw std::logic_error("the chip waits for no communication port");
+  CommPort& side = port(port_access_.port);
+  if (!port_access_.ready(side))
+    throw std::logic_error(fmt::format("communication port {}: the {} FIFO is {}", port_access_.port, port_access_.write ? "output" : "input",
+                                       port_access_.write ? "full" : "empty"));
+  if (at < port_access_.cycle) throw std::logic_error("an access cannot take place before it begins");
+  const Word value = port_access_.perform(side);
+  state_.answers[port_slot_] = {true, port_access_.write, port_access_.address, value, 0, 0, at - port_access_.cycle};
+  state_.stalled_on_port = false;
+  port_slot_ = 2;
+  if (PortListener* link = listener(port_access_.port); link != nullptr) link->changed(side, at);
 }
 
 // ---- interrupts ----
@@ -57,6 +114,8 @@ Word Engine::pending_vector() const {
     const bool requested = (nibble & 4u) != 0 || ((nibble & 2u) != 0 && (state_.iiof_levels >> pin & 1u) != 0);
     if ((nibble & 9u) == 9u && requested) return 3 + pin;
   }
+  if ((iie & port_sources) != 0)
+    if (const Word vector = pending_port_vector(iie); vector != 0) return vector;
   for (unsigned channel = 0; channel < 6; ++channel)
     if ((iif & iie) >> (25 + channel) & 1u) return 0x25 + channel;
   return (iif & iie & timer1_flag) != 0 ? 0x2Bu : 0u;
@@ -93,6 +152,24 @@ bool Engine::take_interrupt(Word vector) {
   touch();
   if (trace != nullptr) trace->interrupt(vector, before);
   return true;
+}
+
+// Levels, not latched (2.3): 0Dh + 4n ICFULL, then ICRDY, OCRDY, OCEMPTY, in the order of their bits in IIE.
+Word Engine::pending_port_vector(Word enabled) const {
+  for (unsigned n = 0; n < port_count; ++n) {
+    const CommPort& port = state_.ports[n];
+    const std::array<bool, 4> active{port.icfull(), port.icrdy(), port.ocrdy(), port.ocempty()};
+    for (unsigned source = 0; source < 4; ++source)
+      if (active[source] && (enabled >> (1 + 4 * n + source) & 1u) != 0) return 0x0D + 4 * n + source;
+  }
+  return 0;
+}
+
+Word Engine::watched_ports() const {
+  Word watched = 0;
+  for (unsigned n = 0; n < port_count; ++n)
+    if ((state_.core.r[reg::IIE] >> (1 + 4 * n) & 0xFu) != 0) watched |= 1u << n;
+  return watched & attached_;
 }
 
 void Engine::raise_flag(Word flag) {

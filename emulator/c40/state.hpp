@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "c40/op.hpp"
+#include "c40/peripherals/comm_port.hpp"
 
 namespace c40 {
 
@@ -13,7 +14,8 @@ struct Answer {
   bool write = false;
   Address address = 0;
   Word value = 0;
-  Cycles arbitration = 0, transfer = 0;
+  Cycles arbitration = 0, transfer = 0, comm_port = 0;
+  Cycles waited() const { return arbitration + transfer + comm_port; }
 };
 
 struct State {
@@ -24,6 +26,8 @@ struct State {
   Causes causes{};
   std::array<Answer, 2> answers{};  ///< By access of the instruction at PC.
   Word global_interface_control = 0, local_interface_control = 0;
+  std::array<CommPort, port_count> ports{};
+  bool stalled_on_port = false;  ///< The instruction at PC has begun an access that a FIFO does not answer yet.
   std::uint8_t iiof_levels = 0;  ///< Bit n: IIOFn is held active.
   bool held = false;             ///< In reset.
   bool faulted = false;
@@ -58,6 +62,8 @@ void visit_state(S& s, Visit&& visit) {
   visit(std::string_view{"answers"}, s.answers);
   visit(std::string_view{"global_interface_control"}, s.global_interface_control);
   visit(std::string_view{"local_interface_control"}, s.local_interface_control);
+  visit(std::string_view{"ports"}, s.ports);
+  visit(std::string_view{"stalled_on_port"}, s.stalled_on_port);
   visit(std::string_view{"iiof_levels"}, s.iiof_levels);
   visit(std::string_view{"held"}, s.held);
   visit(std::string_view{"faulted"}, s.faulted);

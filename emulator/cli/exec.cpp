@@ -96,7 +96,8 @@ class Run {
     if (instruction && is_halt(*instruction, pc))
       return Outcome{"halt", fmt::format("branch to itself at {:08X}h", pc)};
     const c40::StopInfo stop = chip_.step();
-    if (stop.reason == c40::StopInfo::Reason::fault || stop.reason == c40::StopInfo::Reason::external_access)
+    if (stop.reason == c40::StopInfo::Reason::fault || stop.reason == c40::StopInfo::Reason::external_access ||
+        stop.reason == c40::StopInfo::Reason::port_wait)
       return describe(stop);
     if (chip_.idle()) return Outcome{"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come", pc)};
     return std::nullopt;
@@ -116,6 +117,13 @@ class Run {
                 fmt::format("{} (PC {:08X}h, cycle {})", stop.fault ? stop.fault->message : "the chip stopped",
                             chip_.pc(), chip_.cycle()),
                 run_failed};
+      case c40::StopInfo::Reason::port_access:
+      case c40::StopInfo::Reason::port_wait:
+        return {"port_wait",
+                fmt::format("{} from PC {:08X}h waits for ever since cycle {}: nothing is attached to the port", c40::describe(stop.port),
+                            chip_.pc(), stop.port.cycle),
+                run_failed};
+      case c40::StopInfo::Reason::horizon:
       case c40::StopInfo::Reason::breakpoint: break;
     }
     throw std::logic_error("exec: a stop without a reason");

@@ -85,6 +85,11 @@ void Dsp::run(Time horizon) {
       case c40::StopInfo::Reason::external_access:
         if (!take(stop.access, end)) return;
         break;
+      case c40::StopInfo::Reason::port_access:
+      case c40::StopInfo::Reason::port_wait:
+      case c40::StopInfo::Reason::horizon:
+        return fault(stop.port.cycle, chip_.pc(), stop.port.address,
+                     fmt::format("{} waits for ever: nothing is attached to the port", describe(stop.port)));
       case c40::StopInfo::Reason::fault:
         return fault(stop.fault->cycle, stop.fault->pc, stop.fault->address, stop.fault->message);
       case c40::StopInfo::Reason::limit:

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "c40/chip.hpp"
+#include "c40/peripherals/link.hpp"
 #include "c40/self_check.hpp"
 #include "python/bindings/bindings.hpp"
 #include "toolchain/assembler.hpp"
@@ -39,6 +40,9 @@ std::string reason_name(c40::StopInfo::Reason reason) {
     case c40::StopInfo::Reason::external_access: return "external_access";
     case c40::StopInfo::Reason::breakpoint: return "breakpoint";
     case c40::StopInfo::Reason::fault: return "fault";
+    case c40::StopInfo::Reason::port_access: return "port_access";
+    case c40::StopInfo::Reason::port_wait: return "port_wait";
+    case c40::StopInfo::Reason::horizon: return "horizon";
   }
   return "";
 }
@@ -64,6 +68,15 @@ py::dict describe(const c40::Chip& chip, const c40::StopInfo& stop) {
     out["interlocked"] = stop.access.interlocked;
     out["value"] = stop.access.value;
     out["access_cycle"] = stop.access.cycle;
+  }
+  if (stop.reason == c40::StopInfo::Reason::port_access || stop.reason == c40::StopInfo::Reason::port_wait) {
+    out["message"] = describe(stop.port);
+    out["port"] = stop.port.port;
+    out["address"] = stop.port.address;
+    out["write"] = stop.port.write;
+    out["value"] = stop.port.value;
+    out["access_cycle"] = stop.port.cycle;
+    out["ready"] = stop.port.ready(chip.port(stop.port.port));
   }
   if (stop.fault) {
     out["kind"] = kind_name(stop.fault->kind);
@@ -166,6 +179,66 @@ class Processor {
   std::optional<c40::SelfCheck> self_check;
 };
 
+py::dict port_of(const c40::CommPort& port) {
+  const c40::PortTraffic& t = port.traffic;
+  const auto words = [](const c40::Fifo& fifo) { return std::vector<Word>(fifo.words().begin(), fifo.words().end()); };
+  return py::dict(py::arg("input") = words(port.input), py::arg("output") = words(port.output), py::arg("token") = port.token,
+                  py::arg("input_halted") = port.input_halted, py::arg("output_halted") = port.output_halted,
+                  py::arg("control") = port.control(), py::arg("written") = t.written, py::arg("sent") = t.sent,
+                  py::arg("received") = t.received, py::arg("read") = t.read, py::arg("discarded_input") = t.discarded_input,
+                  py::arg("discarded_output") = t.discarded_output);
+}
+
+/// A link of two processors; its events as dicts.
+class Link : public c40::LinkListener {
+ public:
+  using End = std::pair<Processor*, int>;
+  static c40::Link::Side side(End end, std::pair<std::int64_t, std::int64_t> hertz) {
+    return {"port " + std::to_string(end.second), end.second, &end.first->chip.port(end.second), c40::PacedClock{c40::Clock{hertz.first, hertz.second}}};
+  }
+  Link(End a, End b, std::pair<std::int64_t, std::int64_t> hertz_a, std::pair<std::int64_t, std::int64_t> hertz_b)
+      : link(side(a, hertz_a), side(b, hertz_b)), ends{a, b} {
+    a.first->chip.attach(a.second, &link.listener(0));
+    b.first->chip.attach(b.second, &link.listener(1));
+    link.listener_of_events = this;
+  }
+  void happened(const c40::LinkEvent& e) override {
+    events.append(py::dict(py::arg("kind") = std::string(name(e.kind)), py::arg("time") = e.time.count(), py::arg("side") = e.side,
+                           py::arg("word") = e.word, py::arg("bytes") = e.bytes));
+  }
+  ~Link() override {
+    for (const End& end : ends) end.first->chip.attach(end.second, nullptr);
+  }
+  Link(const Link&) = delete;
+  Link& operator=(const Link&) = delete;
+
+  c40::Link link;
+  std::array<End, 2> ends;
+  py::list events;
+};
+
+void bind_link(py::module_& m) {
+  using c40::Time;
+  py::class_<Link>(m, "Link", "A link of two ports, driven by whoever drives the processors. Ends are (processor, port), clocks (numerator, denominator) in Hz, times picoseconds.")
+      .def(py::init<Link::End, Link::End, std::pair<std::int64_t, std::int64_t>, std::pair<std::int64_t, std::int64_t>>(), py::arg("a"),
+           py::arg("b"), py::arg("hertz_a") = std::pair{20'000'000, 1}, py::arg("hertz_b") = std::pair{20'000'000, 1},
+           py::keep_alive<1, 2>(), py::keep_alive<1, 3>())
+      .def("advance_to", [](Link& l, std::int64_t t) { l.link.advance_to(Time{t}); })
+      .def_property_readonly("next_event", [](const Link& l) -> std::optional<std::int64_t> {
+        return l.link.next_event() == c40::never ? std::nullopt : std::optional{l.link.next_event().count()};
+      })
+      .def("cut", [](Link& l, std::int64_t t) { l.link.cut(Time{t}); })
+      .def("restore", [](Link& l, std::int64_t t) { l.link.restore(Time{t}); })
+      .def_property_readonly("is_dead", [](const Link& l) { return l.link.is_dead(); })
+      .def_property_readonly("lookahead", [](const Link& l) { return l.link.lookahead().count(); })
+      .def("counters", [](const Link& l, int side) {
+        const auto& c = l.link.counters(side);
+        return py::dict(py::arg("sent") = c.sent, py::arg("arrived") = c.arrived, py::arg("lost") = c.lost, py::arg("tokens") = c.tokens,
+                        py::arg("under_way") = l.link.under_way(side));
+      })
+      .def_readonly("events", &Link::events);
+}
+
 void bind_processor(py::module_& m) {
   py::class_<Processor>(m, "Processor", "One TMS320C40 on board `default` or `flat` (rulings.md 26).")
       .def(py::init<const std::string&, bool>(), py::arg("board") = "default", py::arg("checks") = false)
@@ -185,6 +258,17 @@ void bind_processor(py::module_& m) {
            py::arg("value"), py::arg("arbitration") = 0, py::arg("transfer") = 0)
       .def("complete_write", [](Processor& p, Cycles arbitration, Cycles transfer) { p.chip.complete_write(arbitration, transfer); },
            py::arg("arbitration") = 0, py::arg("transfer") = 0)
+      .def("port", [](const Processor& p, int n) { return port_of(p.chip.port(n)); }, "FIFOs, halts, token and counters of a communication port.")
+      .def("complete_port", [](Processor& p, Cycles at) { p.chip.complete_port(at); }, py::arg("at"))
+      .def("deliver", [](Processor& p, int n, Word word) {
+        if (p.chip.port(n).input.full()) throw py::value_error("the input FIFO is full");
+        p.chip.port(n).receive(word);
+      }, "Puts a word into the input FIFO of a port, as its neighbour would.")
+      .def("collect", [](Processor& p, int n) {
+        if (p.chip.port(n).output.empty()) throw py::value_error("the output FIFO is empty");
+        return p.chip.port(n).send();
+      }, "Takes a word from the output FIFO of a port, as its neighbour would.")
+      .def_property_readonly("watches_ports", [](const Processor& p) { return p.chip.watches_ports(); })
       .def("set_exact", [](Processor& p, bool exact) { p.chip.set_exact(exact); }, "One instruction at a time, no blocks.")
       .def("peek", [](const Processor& p, c40::Address a) { return p.chip.peek(a); })
       .def("poke", [](Processor& p, c40::Address a, Word v) { p.chip.poke(a, v); })
@@ -248,5 +332,6 @@ void bind_float40(py::module_& m) {
 void bind_c40(py::module_& core) {
   auto m = core.def_submodule("c40", "One TMS320C40.");
   bind_processor(m);
+  bind_link(m);
   bind_float40(m);
 }

@@ -1,0 +1,90 @@
+#pragma once
+/// Virtual time (rulings.md 1): an integer count of picoseconds, and clocks whose frequency is rational. No period is ever
+/// accumulated.
+#include <chrono>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <ratio>
+#include <stdexcept>
+
+namespace c40 {
+
+using Time = std::chrono::duration<std::int64_t, std::pico>;
+using Ticks = std::int64_t;
+
+/// Later than everything that happens.
+inline constexpr Time never = Time::max();
+
+/// A clock of num/den hertz: tick n stands at phase + floor(n * 10^12 * den / num) picoseconds, for n of either sign.
+class Clock {
+ public:
+  /// Throws std::invalid_argument unless 0 < num/den <= 10^12 and the reduced fraction 10^12 * den / num fits (it does
+  /// for every frequency given in whole hertz, or in whole hertz over a den up to 10^6).
+  explicit constexpr Clock(std::int64_t num, std::int64_t den = 1, Time phase = Time{0}) : phase_{phase.count()} {
+    if (num <= 0 || den <= 0 || den > 1'000'000)
+      throw std::invalid_argument{"Clock: a frequency is a positive fraction with a denominator up to 1000000"};
+    const std::int64_t above = picoseconds_per_second * den;
+    const std::int64_t divisor = std::gcd(above, num);
+    period_ = above / divisor;
+    per_ = num / divisor;
+    if (period_ < per_) throw std::invalid_argument{"Clock: faster than one tick per picosecond"};
+  }
+
+  /// The instant of a tick.
+  constexpr Time at(Ticks tick) const {
+    if (per_ == 1) return Time{phase_ + tick * period_};
+    return Time{phase_ + floor_divide(Wide{tick} * period_, per_)};
+  }
+
+  /// The last tick at or before an instant.
+  constexpr Ticks tick_at_or_before(Time time) const {
+    const std::int64_t since = time.count() - phase_;
+    if (per_ == 1 && since >= 0) return since / period_;
+    return floor_divide((Wide{since} + 1) * per_ - 1, period_);
+  }
+
+  /// The first tick at or after an instant.
+  constexpr Ticks tick_at_or_after(Time time) const {
+    const std::int64_t since = time.count() - phase_;
+    if (per_ == 1 && since >= 0) return (since + period_ - 1) / period_;
+    return -floor_divide(-(Wide{since} * per_), period_);
+  }
+
+  constexpr double hertz() const { return 1e12 * static_cast<double>(per_) / static_cast<double>(period_); }
+
+ private:
+  __extension__ using Wide = __int128;
+  static constexpr std::int64_t picoseconds_per_second = 1'000'000'000'000;
+
+  static constexpr std::int64_t floor_divide(Wide above, std::int64_t below) {
+    const Wide quotient = above / below;
+    return static_cast<std::int64_t>(quotient * below > above ? quotient - 1 : quotient);
+  }
+
+  std::int64_t phase_;
+  std::int64_t period_ = 1;  // period_ / per_ picoseconds between ticks, reduced
+  std::int64_t per_ = 1;
+};
+
+/// A clock whose frequency may change while its ticks go on being counted.
+class PacedClock {
+ public:
+  explicit constexpr PacedClock(Clock clock) : clock_{clock} {}
+  constexpr Time at(Ticks tick) const { return clock_.at(tick - first_); }
+  constexpr Ticks tick_at_or_before(Time time) const { return first_ + clock_.tick_at_or_before(time); }
+  constexpr Ticks tick_at_or_after(Time time) const { return first_ + clock_.tick_at_or_after(time); }
+  /// Whole ticks in a span of time, at the present frequency.
+  constexpr Ticks ticks_in(Time span) const { return clock_.tick_at_or_before(clock_.at(0) + span); }
+  /// From tick `first` on, num/den hertz. Earlier ticks may not be asked for any more.
+  constexpr void change(Ticks first, std::int64_t num, std::int64_t den) {
+    clock_ = Clock{num, den, at(first)};
+    first_ = first;
+  }
+
+ private:
+  Clock clock_;
+  Ticks first_ = 0;
+};
+
+}  // namespace c40

@@ -1,0 +1,106 @@
+"""Several processors and links, driven the plainest way that is exact: whoever is earliest goes next."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from cmrc._core import c40, toolchain
+
+CODE, DATA, STACK = 0x2FFC00, 0x2FF800, 0x2FFB00
+HERTZ = 20_000_000
+
+
+def processor(text: str) -> Any:
+    """A processor on the default board with this program in on-chip RAM block 1; its stack is in block 0."""
+    image = toolchain.assemble("        .text\n" + text, "test.asm", sections={".text": CODE})
+    chip = c40.Processor("default")
+    chip.load_image(image)
+    chip.pc = CODE
+    chip.set("SP", STACK)
+    return chip
+
+
+class Network:
+    """Chips and links in the order of time: link events before accesses, accesses at one instant in the order of `order`."""
+
+    def __init__(self, chips: list[Any], hertz: list[int] | None = None, order: list[int] | None = None) -> None:
+        self.chips = chips
+        self.hertz = hertz or [HERTZ] * len(chips)
+        self.order = order or list(range(len(chips)))
+        self.links: list[Any] = []
+        self.ends: dict[tuple[int, int], tuple[Any, int]] = {}
+        self.other: dict[tuple[int, int], tuple[int, int]] = {}
+        self.waiting: dict[int, dict[str, Any]] = {}
+        self.since: dict[int, int] = {}
+        self.log: list[tuple[int, str, int, int]] = []
+        """(chip, read or write, cycle in which the access began, cycle in which it took place)"""
+
+    def join(self, a: int, port_a: int, b: int, port_b: int) -> Any:
+        link = c40.Link((self.chips[a], port_a), (self.chips[b], port_b), (self.hertz[a], 1), (self.hertz[b], 1))
+        self.links.append(link)
+        self.ends[a, port_a], self.ends[b, port_b] = (link, 0), (link, 1)
+        self.other[a, port_a], self.other[b, port_b] = (b, port_b), (a, port_a)
+        return link
+
+    def at(self, chip: int, cycle: int) -> int:
+        return cycle * 10**12 // self.hertz[chip]
+
+    def first_cycle(self, chip: int, time: int) -> int:
+        cycle = time * self.hertz[chip] // 10**12
+        while self.at(chip, cycle) < time:
+            cycle += 1
+        return cycle
+
+    def run(self, until: int) -> None:
+        """To an instant in picoseconds; accesses from then on wait."""
+        for n in self.order:
+            self._advance(n, until)
+        while True:
+            accesses = [(self.at(n, self._cycle(n)), i, n) for i, n in enumerate(self.order) if n in self.waiting and self._ready(n)]
+            event = min((link.next_event for link in self.links if link.next_event is not None), default=until + 1)
+            access, _, n = min(accesses, default=(until, 0, 0))
+            if min(event, access) >= until:
+                return
+            if event <= access:
+                unready = [m for m in self.waiting if not self._ready(m)]
+                for link in self.links:
+                    link.advance_to(event)
+                self.since.update({m: event for m in unready if self._ready(m)})
+                continue
+            for link in self.links:
+                link.advance_to(access)
+            cycle = self._cycle(n)
+            stop = self.waiting.pop(n)
+            self.chips[n].complete_port(cycle)
+            self.log.append((n, "write" if stop["write"] else "read", stop["access_cycle"], cycle))
+            self._advance(n, until)
+
+    def _advance(self, n: int, until: int) -> None:
+        chip, limit = self.chips[n], self.first_cycle(n, until)
+        while n not in self.waiting and chip.cycle < limit:
+            stop = chip.run(limit - chip.cycle)
+            assert stop["reason"] in ("port_access", "limit", "horizon"), stop
+            if stop["reason"] == "port_access":
+                self.waiting[n] = stop
+                self.since[n] = 0
+
+    def _cycle(self, n: int) -> int:
+        return max(self.waiting[n]["access_cycle"], self.first_cycle(n, self.since[n]))
+
+    def _ready(self, n: int) -> bool:
+        stop = self.waiting[n]
+        port = self.chips[n].port(stop["port"])
+        if stop["address"] & 0xF == 1 and not stop["write"]:
+            return len(port["input"]) > 0
+        if stop["address"] & 0xF == 2 and stop["write"]:
+            return len(port["output"]) < 8
+        return True
+
+    def balance(self) -> None:
+        """For each direction of each link: written = read + in FIFOs + under way + lost + discarded by resets."""
+        for (n, number), (link, side) in self.ends.items():
+            m, other = self.other[n, number]
+            mine, theirs, counters = self.chips[n].port(number), self.chips[m].port(other), link.counters(side)
+            assert mine["written"] == mine["sent"] + len(mine["output"]) + mine["discarded_output"]
+            assert mine["sent"] == counters["sent"] == counters["arrived"] + counters["under_way"] + counters["lost"]
+            assert theirs["received"] == counters["arrived"] == theirs["read"] + len(theirs["input"]) + theirs["discarded_input"]
