@@ -168,7 +168,7 @@ def test_a_window_write_shows_its_value() -> None:
     [
         ("        .word 67000000h\n", "reserved_instruction", "no instruction"),
         ("        ldi *ar0,r0\n", "reserved_address", "00200000h"),
-        ("        ldi *ar1,r0\n", "not_modelled", "timer 0"),
+        ("        ldi *ar1,r0\n", "not_modelled", "analysis block"),
         ("        sti r0,*ar2\n", "not_modelled", "communication port 1"),
         ("        sti r0,*ar3\n", "not_modelled", "DMA channel 2"),
         ("        brd x\n        br x\nx:      nop\n        nop\n", "illegal_sequence", "br"),
@@ -176,7 +176,7 @@ def test_a_window_write_shows_its_value() -> None:
 )
 def test_what_is_not_modelled_is_a_fault_that_names_it(text: str, kind: str, word: str) -> None:
     processor, _ = small_programs.load(text)
-    for n, address in enumerate([0x200000, 0x100024, 0x100052, 0x1000C0]):
+    for n, address in enumerate([0x200000, 0x100010, 0x100053, 0x1000C9]):
         processor.set(f"AR{n}", address)
     stop = processor.run(100)
     assert (stop["reason"], stop["kind"]) == ("fault", kind)
