@@ -29,7 +29,7 @@ double blend(double speed, double edge) {
 }  // namespace
 
 AgvMotion::AgvMotion(const AgvParameters& parameters, double tolerance)
-    : p_(parameters), integrator_(3, tolerance, tolerances(tolerance), &AgvMotion::derivative) {}
+    : p_(parameters), integrator_({.order = 3, .relative = tolerance}, tolerances(tolerance), &AgvMotion::derivative) {}
 
 void AgvMotion::derivative(void* data, const double* y, double* yd) {
   const auto& self = *static_cast<const AgvMotion*>(data);

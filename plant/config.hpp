@@ -5,6 +5,8 @@
 #include <numbers>
 #include <vector>
 
+#include "plant/integrator.hpp"
+
 namespace plant {
 
 inline constexpr int joint_count = 5;  // actuated: s gantry [m], psi slew, phi luff [rad], l hoist [m], kappa rotator [rad]
@@ -49,6 +51,7 @@ struct CraneParameters {
   double spreader_mass = 10e3;  // kg with headblock
   double spreader_inertia = 1.25e5;  // kg m2 about the vertical
   double sway_damping = 0.007;  // share of critical, of both sway angles
+  bool stiction = false;    // dry friction is exact: joints stick below F_s and break away; else it is smoothed by the tanh
   Joints lower = {-60.0, -6.2831853071795862, 0.3490658503988659, 4.0, -6.2831853071795862};
   Joints upper = {60.0, 6.2831853071795862, 1.3962634015954636, 60.0, 6.2831853071795862};
   std::array<DriveParameters, joint_count> drives = {{
@@ -177,6 +180,7 @@ struct DockConfig {
   int agv_count = 1;
   CranePose home = {0.0, 12.0, 16.0, 14.0, 0.0};
   double drive_timeout = 0.1;  // s, a drive that gets no torque code for so long brakes; 0: never
+  Method method = Method::erk;
   double tolerance = 1e-8;   // relative, of the integrators
   int signal_decimation = 0;  // record signals each so many latches; 0: never
 };

@@ -1,44 +1,17 @@
 #include "plant/contact.hpp"
 
-#include <fmt/format.h>
 #include <ode/ode.h>
 
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
-#include <mutex>
-#include <stdexcept>
 
 #include "plant/math.hpp"
+#include "plant/ode_start.hpp"
 
 namespace plant {
 namespace {
 
 constexpr double foot_radius = 0.05;  // m
 constexpr int most_contacts = 8;      // of one pair of shapes
-
-// ODE prints and exits by itself; here its complaints become exceptions and its chatter nothing.
-void complain(int number, const char* message, va_list arguments) {
-  char text[256];
-  std::vsnprintf(text, sizeof text, message, arguments);
-  throw std::runtime_error(fmt::format("plant: ODE error {}: {}", number, text));
-}
-
-void ignore(int, const char*, va_list) {}
-
-void start_ode() {
-  static std::once_flag once;
-  std::call_once(once, [] {
-    dSetErrorHandler(complain);
-    dSetDebugHandler(complain);
-    dSetMessageHandler(ignore);
-    if (dInitODE2(0) == 0) throw std::runtime_error("plant: ODE does not start");
-    if (dCheckConfiguration("ODE_double_precision") == 0)
-      throw std::runtime_error("plant: ODE is built in single precision; the double precision library is needed");
-  });
-  thread_local const bool ready = dAllocateODEDataForThread(dAllocateMaskAll) != 0;
-  if (!ready) throw std::runtime_error("plant: ODE has no data for this thread");
-}
 
 }  // namespace
 
@@ -134,7 +107,6 @@ ContactEngine::~ContactEngine() = default;
 ContactResult ContactEngine::step(BodyState& state, const BodyShape& shape, const std::array<double, 3>& force,
                                   const std::array<double, 3>& torque, std::span<const Solid> solids, double seconds) {
   start_ode();
-  dRandSetSeed(0);  // ODE's random numbers are one for the whole process
   auto& s = *self_;
   s.place(state, shape);
   int count = 0;

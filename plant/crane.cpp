@@ -218,14 +218,20 @@ CraneVector Crane::solve(const CraneMatrix& m, const CraneVector& b, unsigned lo
   return x;
 }
 
-double Crane::friction(int joint, double v) const {
+double Crane::static_friction(int joint) const {
+  const auto& drive = p_.drives[static_cast<std::size_t>(joint)];
+  return std::max(drive.stribeck, 1.0) * drive.coulomb * drive.rated_force();
+}
+
+double Crane::friction(int joint, double v, int sliding) const {
   const auto& drive = p_.drives[static_cast<std::size_t>(joint)];
   const double rated = drive.rated_force();
   const double speed = drive.rated_joint_speed();
   const double coulomb = drive.coulomb * rated;
   const double x = v / (drive.stribeck_speed * speed);
   const double bump = x * x > 700.0 ? 0.0 : (drive.stribeck - 1.0) * coulomb * exp(-x * x);
-  return (coulomb + bump) * tanh(v / (drive.smooth_speed * speed)) + drive.viscous * rated / speed * v;
+  const double direction = sliding != 0 ? sliding : tanh(v / (drive.smooth_speed * speed));
+  return (coulomb + bump) * direction + drive.viscous * rated / speed * v;
 }
 
 double Crane::sway_damping(double l, double mass) const {

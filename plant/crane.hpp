@@ -42,8 +42,10 @@ class Crane {
   // Solves M x = b on the free coordinates, 0 on the locked ones.
   static CraneVector solve(const CraneMatrix& m, const CraneVector& b, unsigned locked);
 
-  // Friction force of an actuated joint at joint speed v, opposing it.
-  double friction(int joint, double v) const;
+  // Friction force of an actuated joint at joint speed v, opposing it. sliding: 0 smooths dry friction about v = 0; 1 and -1 take it
+  // whole, for a joint that is known to slide in that direction (stiction).
+  double friction(int joint, double v, int sliding = 0) const;
+  double static_friction(int joint) const;  // F_s, N or N m: what a stuck joint withstands
   // Viscous sway coefficients, N m s/rad, for the present rope.
   double sway_damping(double l, double mass) const;
 

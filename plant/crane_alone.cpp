@@ -15,7 +15,6 @@ namespace plant {
 namespace {
 
 constexpr double longest_piece = 1e-3;  // s, between two looks at brakes and end stops
-constexpr double widest_sway = 40.0 * std::numbers::pi / 180.0;
 constexpr std::int64_t sway_sample = 10'000'000'000;  // ps
 
 void refuse(bool bad, const char* what, double value) {
@@ -70,10 +69,19 @@ void check(const WindParameters& p) {
   refuse(!std::isfinite(p.direction), "the wind's direction must be a number", p.direction);
 }
 
-CraneAlone::CraneAlone(const CraneAloneConfig& config)
-    : config_((check(config.crane), config)), motion_(config.crane, config.tolerance, config.order) {
+namespace {
+
+void check(const CraneAloneConfig& config) {
+  plant::check(config.crane);
   refuse(!(config.tolerance >= 1e-13 && config.tolerance <= 1e-3), "tolerance must be 1e-13 to 1e-3", config.tolerance);
-  refuse(!(config.order >= 2 && config.order <= 6), "order must be 2 to 6", config.order);
+  refuse(!((config.order >= 2 && config.order <= 6) || config.order == 8), "order must be 2 to 6, or 8", config.order);
+  refuse(!(std::isfinite(config.rated_load) && config.rated_load >= 0.0), "rated_load must not be negative", config.rated_load);
+}
+
+}  // namespace
+
+CraneAlone::CraneAlone(const CraneAloneConfig& config)
+    : config_((check(config), config)), motion_(config.crane, {config.method, config.order, config.tolerance}) {
   check(config.wind);
   reset(inverse_kinematics(config.crane, config.home), {});
   set_load(config.load);
@@ -100,8 +108,15 @@ void CraneAlone::reset(const CraneVector& q, const CraneVector& qd) {
   state_ = {};
   state_.inputs.payload = payload;
   state_.inputs.locked = config_.rigid ? sway_coordinates : 0U;
+  state_.modes.watch_rope = true;
   state_.crane.q = q;
   state_.crane.qd = qd;
+  events_.clear();
+}
+
+void CraneAlone::restore(const State& state) {
+  state_ = state;
+  events_.clear();
 }
 
 void CraneAlone::step(const Joints& torque, double seconds) {
@@ -122,13 +137,15 @@ void CraneAlone::step(const Joints& torque, double seconds) {
 void CraneAlone::piece(double at, double seconds) {
   if (config_.wind.blows()) state_.inputs.external = crane().at_payload(state_.crane.q, wind_force(config_.wind, at));
   if (state_.faulted != 0 || state_.swung_out) brake_off_drives();
-  motion_.advance(state_.crane, state_.inputs, seconds);
-  mind_limits();
-  const CraneVector& q = state_.crane.q;
-  if (std::max(std::fabs(q[Q_ALPHA]), std::fabs(q[Q_BETA])) > widest_sway && !state_.swung_out) {
+  happenings_.clear();
+  advance_with_events(motion_, state_.crane, state_.inputs, state_.modes, seconds, happenings_, config_.bookkeeping ? &state_.work : nullptr);
+  for (const CraneHappening& happening : happenings_) {
+    events_.push_back({std::llround((at + happening.at) * 1e12), happening.kind, happening.joint});
+    if (happening.kind != CraneHappening::Kind::swung_out) continue;
     state_.swung_out = true;
     state_.inputs.command = {};
   }
+  rest_in_stops();
 }
 
 // A closed brake slips until its joint is almost still, then it holds.
@@ -136,8 +153,10 @@ void CraneAlone::brake_off_drives() {
   for (std::size_t j = 0; j < joint_count; ++j) {
     const std::size_t k = coordinate_of(j);
     if ((state_.faulted >> j & 1U) == 0 && !state_.swung_out) continue;
+    state_.modes.stuck &= ~(1U << j);  // what dry friction held, the brake holds from now on
     if ((state_.inputs.locked >> k & 1U) != 0) continue;
     state_.inputs.braked[j] = true;
+    state_.inputs.sliding[j] = 0;
     if (std::fabs(state_.crane.qd[k]) > 1e-3 * config_.crane.drives[j].rated_joint_speed()) continue;
     motion_.stop(state_.crane, state_.inputs, k);
     state_.inputs.braked[j] = false;
@@ -145,15 +164,17 @@ void CraneAlone::brake_off_drives() {
   }
 }
 
-void CraneAlone::mind_limits() {
-  state_.at_limit = 0;
+void CraneAlone::rest_in_stops() {
   for (std::size_t j = 0; j < joint_count; ++j) {
     const std::size_t k = coordinate_of(j);
     double& q = state_.crane.q[k];
     const double low = config_.crane.lower[j];
     const double high = config_.crane.upper[j];
-    if (q > low && q < high) continue;
-    state_.at_limit |= 1U << j;
+    if (q > low && q < high) {
+      state_.modes.at_limit &= ~(1U << j);
+      continue;
+    }
+    state_.modes.at_limit |= 1U << j;
     q = std::clamp(q, low, high);
     const double speed = state_.crane.qd[k];
     if ((q <= low && speed < 0.0) || (q >= high && speed > 0.0)) motion_.stop(state_.crane, state_.inputs, k);

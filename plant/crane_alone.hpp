@@ -2,8 +2,9 @@
 // A crane by itself: no dock, no codes, no latches. Motor torques in N m are held over a step; for controllers that bring their own loop.
 #include <array>
 #include <cstdint>
+#include <vector>
 
-#include "plant/motion.hpp"
+#include "plant/crane_events.hpp"
 
 namespace plant {
 
@@ -14,7 +15,9 @@ struct CraneAloneConfig {
   double rated_load = 40e3;   // kg, a heavier load is refused
   bool rigid = false;         // level L0
   double tolerance = 1e-8;
-  int order = 3;              // of ERKStep, 2 to 6
+  Method method = Method::erk;
+  int order = 3;              // of ERKStep, 2 to 6 or 8
+  bool bookkeeping = false;   // State::work is kept: more states to integrate, so other bits
   SensorParameters sensors;
   WindParameters wind;
 };
@@ -34,9 +37,15 @@ class CraneAlone {
     std::int64_t time = 0;     // ps
     CraneState crane;
     CraneInputs inputs;
+    CraneModes modes;
     std::uint32_t faulted = 0;  // drives that were given a torque that is no number
-    std::uint32_t at_limit = 0;  // joints in their end stops
     bool swung_out = false;    // a sway angle passed 40 degrees: all drives are off
+    Work work;                 // since the last reset, with bookkeeping
+  };
+  struct Event {
+    std::int64_t time;         // ps
+    CraneHappening::Kind kind;
+    int joint;
   };
   static constexpr double longest_step = 60.0;  // s
 
@@ -48,10 +57,11 @@ class CraneAlone {
   void reset(const CraneVector& q, const CraneVector& qd);
 
   const State& state() const { return state_; }
-  void restore(const State& state) { state_ = state; }
+  void restore(const State& state);
   const CraneAloneConfig& config() const { return config_; }
   const Crane& crane() const { return motion_.crane(); }
   CraneVector acceleration() const { return motion_.acceleration(state_.crane, state_.inputs); }
+  const std::vector<Event>& events() const { return events_; }  // since the start or the last reset or restore
   double energy() const;  // J
   std::array<std::uint32_t, joint_count> encoders() const;  // 24-bit counters
   std::array<std::int32_t, 2> sway() const;                 // codes, 2048 = 10 degrees; of this instant
@@ -61,11 +71,13 @@ class CraneAlone {
  private:
   void piece(double at, double seconds);
   void brake_off_drives();
-  void mind_limits();
+  void rest_in_stops();
 
   CraneAloneConfig config_;
   CraneMotion motion_;
   State state_;
+  std::vector<Event> events_;
+  std::vector<CraneHappening> happenings_;  // scratch
 };
 
 }  // namespace plant

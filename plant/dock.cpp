@@ -58,6 +58,8 @@ const char* name(EventKind kind) {
     case EventKind::joint_limit: return "joint_limit";
     case EventKind::drive_stopped: return "drive_stopped";
     case EventKind::drive_resumed: return "drive_resumed";
+    case EventKind::joint_stuck: return "joint_stuck";
+    case EventKind::joint_slipped: return "joint_slipped";
     case EventKind::fault: return "fault";
   }
   return "unknown";

@@ -40,6 +40,8 @@ enum class EventKind : std::uint8_t {
   drive_stopped,   // drive index: no torque code came for drive_timeout; its brake closes until one comes
   drive_resumed,   // drive index takes codes again
   fault,           // the sway passed 40 degrees: values = alpha, beta rad; the drives are off from here on
+  joint_stuck,     // joint index came to rest and sticks (stiction)
+  joint_slipped,   // joint index broke away
 };
 const char* name(EventKind);
 

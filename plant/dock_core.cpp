@@ -11,7 +11,6 @@ namespace plant {
 namespace {
 
 constexpr double seconds_per_latch = 125e-6;
-constexpr double sway_fault = 40.0 * std::numbers::pi / 180.0;
 constexpr std::int64_t clearance_latches = 8;  // how often the payload looks for what is below it
 
 std::size_t coordinate_of(std::size_t joint) { return static_cast<std::size_t>(joint_coordinate[joint]); }
@@ -21,7 +20,7 @@ bool bit(std::uint32_t mask, std::size_t i) { return (mask >> i & 1U) != 0; }
 }  // namespace
 
 DockCore::DockCore(const DockConfig& c)
-    : config(c), crane(c.crane, c.tolerance, 3), agv_motion(c.agv, c.tolerance * 10.0), landing(c) {
+    : config(c), crane(c.crane, {c.method, 3, c.tolerance}), agv_motion(c.agv, c.tolerance * 10.0), landing(c) {
   state.crane.q = inverse_kinematics(config.crane, config.home);
   for (const ContainerPlace& place : config.layout.containers)
     state.containers.push_back({ContainerState::on_ship, -1, place.x, place.y, place.z, place.yaw, place.mass});
@@ -46,19 +45,41 @@ DockCore::DockCore(const DockConfig& c)
 
 const CraneState& DockCore::ahead() {
   if (!ahead_) {
-    ahead_ = state.crane;
-    crane.advance(*ahead_, state.inputs, seconds_per_latch);
+    ahead_ = {state.crane, state.inputs, state.modes};
+    happenings_.clear();
+    advance_with_events(crane, ahead_->crane, ahead_->inputs, ahead_->modes, seconds_per_latch, happenings_);
   }
-  return *ahead_;
+  return ahead_->crane;
 }
 
 void DockCore::step() {
-  state.crane = ahead();
+  ahead();
+  state.crane = ahead_->crane;
+  state.inputs = ahead_->inputs;
+  state.modes = ahead_->modes;
   ahead_.reset();
+  meet_happenings();
   ++state.latch;
   if (state.latch % agv_latches == 0) move_agvs();
   if (state.latch % tick_latches == 0) sample_sway();
   begin_latch();
+}
+
+void DockCore::meet_happenings() {
+  for (const CraneHappening& happening : happenings_) {
+    const Time time = now() + Time{std::llround(happening.at * 1e12)};
+    switch (happening.kind) {
+      case CraneHappening::Kind::limit: report(time, EventKind::joint_limit, happening.joint); break;
+      case CraneHappening::Kind::stuck: report(time, EventKind::joint_stuck, happening.joint); break;
+      case CraneHappening::Kind::slipped: report(time, EventKind::joint_slipped, happening.joint); break;
+      case CraneHappening::Kind::swung_out:
+        if (state.faulted) break;
+        state.faulted = true;
+        report(time, EventKind::fault, -1, state.crane.q[Q_ALPHA], state.crane.q[Q_BETA]);
+        break;
+      case CraneHappening::Kind::slack: break;  // the payload becomes a body then
+    }
+  }
 }
 
 void DockCore::begin_latch() {
@@ -92,8 +113,11 @@ void DockCore::take_codes() {
     if (on && !bit(state.enabled, j)) {
       state.inputs.braked[j] = false;
       state.inputs.locked &= ~(1U << coordinate_of(j));
+      state.modes.stuck &= ~(1U << j);
     } else if (!on && bit(state.enabled, j)) {
       state.inputs.braked[j] = true;
+      state.inputs.sliding[j] = 0;
+      state.modes.stuck &= ~(1U << j);  // what dry friction held, the brake holds from now on
     }
     state.inputs.command[j] = on ? state.code[j] / 2047.0 * config.crane.drives[j].maximum_torque() : 0.0;
   }
@@ -143,11 +167,11 @@ void DockCore::check_limits() {
     const double high = config.crane.upper[j];
     double& q = state.crane.q[k];
     if (q > low && q < high) {
-      state.at_limit &= ~(1U << j);
+      state.modes.at_limit &= ~(1U << j);
       continue;
     }
-    if (!bit(state.at_limit, j)) report(EventKind::joint_limit, static_cast<int>(j));
-    state.at_limit |= 1U << j;
+    if (!bit(state.modes.at_limit, j)) report(EventKind::joint_limit, static_cast<int>(j));
+    state.modes.at_limit |= 1U << j;
     q = std::clamp(q, low, high);
     const double speed = state.crane.qd[k];
     if ((q <= low && speed < 0.0) || (q >= high && speed > 0.0)) crane.stop(state.crane, state.inputs, k);
@@ -156,7 +180,7 @@ void DockCore::check_limits() {
 
 void DockCore::check_fault() {
   const auto& q = state.crane.q;
-  if (state.faulted || state.landing.active || std::max(std::fabs(q[Q_ALPHA]), std::fabs(q[Q_BETA])) < sway_fault) return;
+  if (state.faulted || state.landing.active || std::max(std::fabs(q[Q_ALPHA]), std::fabs(q[Q_BETA])) < widest_sway) return;
   state.faulted = true;
   report(EventKind::fault, -1, q[Q_ALPHA], q[Q_BETA]);
 }

@@ -21,6 +21,7 @@ class DockCore {
 
   void step();                       // to the next latch
   const CraneState& ahead();         // the crane at the next latch, integrated when first asked for
+  void meet_happenings();            // those of the interval that ends
   void report(Time, EventKind, int index = -1, double first = 0.0, double second = 0.0);
   void forget_ahead() { ahead_.reset(); }
   Time now() const { return state.latch * latch_period; }
@@ -59,7 +60,14 @@ class DockCore {
     report(now(), kind, index, first, second);
   }
 
-  std::optional<CraneState> ahead_;
+  // The crane at the next latch, and what happens to it until then.
+  struct Ahead {
+    CraneState crane;
+    CraneInputs inputs;
+    CraneModes modes;
+  };
+  std::optional<Ahead> ahead_;
+  std::vector<CraneHappening> happenings_;
 };
 
 }  // namespace plant

@@ -1,26 +1,40 @@
 #pragma once
-// One adaptive one-step integrator (ARKODE's ERKStep), restarted at every call: its whole memory is the caller's state and step.
-#include <functional>
+// One adaptive integrator, restarted at every call: its whole memory is the caller's state and step.
+#include <cstdint>
 #include <memory>
 #include <span>
 
 namespace plant {
 
+// ARKODE's explicit Runge-Kutta (ERKStep), or CVODES' multistep methods. A multistep method falls back to order 1 at every restart, so it
+// costs more where inputs change often (plant-and-bus.md 1.6); BDF is for stiff settings.
+enum class Method : std::uint8_t { erk, adams, bdf };
+
 // yd = f(y); autonomous, so that an interval always runs from 0 and no time is accumulated in floating point.
 using RightHandSide = void (*)(void* model, const double* y, double* yd);
+// values = what changes its sign at an event.
+using RootFunction = void (*)(void* model, const double* y, double* values);
 
 class Integrator {
  public:
-  // order 2..6 or 8; absolute: one tolerance per state. Throws std::runtime_error if SUNDIALS refuses.
-  Integrator(int order, double relative, std::span<const double> absolute, RightHandSide f);
+  struct Settings {
+    Method method = Method::erk;
+    int order = 4;             // of ERKStep, 2 to 6 or 8; the multistep methods choose their own
+    double relative = 1e-8;
+  };
+  // absolute: one tolerance per state. roots: events of advance_to_root, none if null. Throws std::runtime_error if SUNDIALS refuses.
+  Integrator(const Settings&, std::span<const double> absolute, RightHandSide f, RootFunction roots = nullptr, int root_count = 0);
   ~Integrator();
   Integrator(const Integrator&) = delete;
   Integrator& operator=(const Integrator&) = delete;
 
-  // Advances y by `interval` seconds. `step` is the step to begin with, and on return the one to begin with next time.
-  // Allocates nothing after the first call. Throws std::runtime_error naming SUNDIALS' reason.
+  // Advances y by `interval` seconds. `step` is the step to begin with, and on return the one to begin with next time (ERKStep; the
+  // multistep methods choose it from y alone). Allocates nothing after the first call. Throws std::runtime_error naming SUNDIALS' reason.
   void advance(void* model, std::span<double> y, double interval, double& step);
-  // The same with steps of a fixed size (tests of the order).
+  // The same, but stops at the first root; returns the seconds gone, `interval` if there was none. found: -1, 0 or 1 per root, the
+  // direction in which it passed zero.
+  double advance_to_root(void* model, std::span<double> y, double interval, double& step, std::span<int> found);
+  // The same as advance with steps of a fixed size (ERKStep only; tests of the order).
   void advance_fixed(void* model, std::span<double> y, double interval, double step);
   long evaluations() const;  // of f, since the last call of advance
 
@@ -28,10 +42,6 @@ class Integrator {
   struct Implementation;
   std::unique_ptr<Implementation> self_;
 };
-
-// An independent multistep reference: CVODES, Adams or BDF. Slow; for tests and stiff settings.
-void advance_reference(bool stiff, double relative, std::span<const double> absolute, RightHandSide f, void* model,
-                       std::span<double> y, double interval);
 
 // CVODES (Adams) with two forward sensitivities: `by_parameter` by `parameter`, which f reads and CVODES varies, and `by_start` by a
 // quantity of the given size that enters through the initial values alone. Both hold the derivatives at the start, then at the end.

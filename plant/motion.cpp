@@ -1,6 +1,7 @@
 #include "plant/motion.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "plant/math.hpp"
 
@@ -17,11 +18,11 @@ std::array<double, CraneMotion::size> tolerances(double relative) {
 
 }  // namespace
 
-CraneMotion::CraneMotion(const CraneParameters& parameters, double tolerance, int order)
+CraneMotion::CraneMotion(const CraneParameters& parameters, const Integrator::Settings& settings)
     : crane_(parameters),
-      tolerance_(tolerance),
-      absolute_(tolerances(tolerance)),
-      integrator_(order, tolerance, absolute_, &CraneMotion::derivative) {}
+      settings_(settings),
+      absolute_(tolerances(settings.relative)),
+      integrator_(settings, absolute_, &CraneMotion::derivative) {}
 
 CraneVector CraneMotion::applied_force(const CraneVector& q, const CraneVector& qd, const Joints& torque,
                                        const CraneInputs& in) const {
@@ -31,7 +32,7 @@ CraneVector CraneMotion::applied_force(const CraneVector& q, const CraneVector& 
     const auto k = static_cast<std::size_t>(joint_coordinate[j]);
     if ((in.locked >> k & 1U) != 0) continue;
     const auto& drive = p.drives[j];
-    force[k] += drive.gear * drive.efficiency * torque[j] - crane_.friction(static_cast<int>(j), qd[k]);
+    force[k] += drive.gear * drive.efficiency * torque[j] - crane_.friction(static_cast<int>(j), qd[k], in.sliding[j]);
     // A slipping brake: full force above a thousandth of rated speed, where it will be taken to hold.
     if (in.braked[j]) force[k] -= drive.brake * drive.rated_force() * tanh(qd[k] / (1e-3 * drive.rated_joint_speed()));
   }
@@ -72,7 +73,7 @@ CraneMotion::Packed CraneMotion::pack(const CraneState& state) {
   return y;
 }
 
-void CraneMotion::unpack(const Packed& y, CraneState& state) {
+void CraneMotion::unpack(std::span<const double> y, CraneState& state) {
   std::copy_n(y.begin(), crane_size, state.q.begin());
   std::copy_n(y.begin() + crane_size, crane_size, state.qd.begin());
   std::copy_n(y.begin() + 2 * crane_size, joint_count, state.torque.begin());
@@ -92,11 +93,82 @@ void CraneMotion::advance_fixed(CraneState& state, const CraneInputs& inputs, do
   unpack(y, state);
 }
 
-void CraneMotion::advance_reference(CraneState& state, const CraneInputs& inputs, double seconds, bool stiff) {
+void CraneMotion::root_values(void* data, const double* y, double* values) {
+  const auto& self = *static_cast<const CraneMotion*>(data);
+  CraneState state;
+  unpack({y, size}, state);
+  std::fill_n(values, most_roots, 1.0);
+  for (std::size_t i = 0; i < self.roots_.size(); ++i) values[i] = self.value(self.roots_[i], state, *self.inputs_);
+}
+
+double CraneMotion::value(const CraneRoot& root, const CraneState& state, const CraneInputs& in) const {
+  switch (root.kind) {
+    case CraneRoot::Kind::position: return state.q[root.index] - root.level;
+    case CraneRoot::Kind::speed: return state.qd[root.index] - root.level;
+    case CraneRoot::Kind::sticking: return std::fabs(sticking_force(state, in, root.index)) - root.level;
+    case CraneRoot::Kind::tension:
+      return crane_.tension(state.q, state.qd, acceleration(state, in), in.payload.mass) - root.level;
+  }
+  return 1.0;
+}
+
+double CraneMotion::advance_to(CraneState& state, const CraneInputs& inputs, double seconds, std::span<const CraneRoot> roots, int& which) {
+  if (!finder_)
+    finder_ = std::make_unique<Integrator>(settings_, absolute_, &CraneMotion::derivative, &CraneMotion::root_values,
+                                           static_cast<int>(most_roots));
   inputs_ = &inputs;
+  roots_ = roots;
   Packed y = pack(state);
-  plant::advance_reference(stiff, tolerance_, absolute_, &CraneMotion::derivative, this, y, seconds);
+  std::array<int, most_roots> found{};
+  const double reached = finder_->advance_to_root(this, y, seconds, state.step, found);
   unpack(y, state);
+  const auto first = std::find_if(found.begin(), found.end(), [](int direction) { return direction != 0; });
+  which = first == found.end() ? -1 : static_cast<int>(first - found.begin());
+  return reached;
+}
+
+void CraneMotion::booked_derivative(void* data, const double* y, double* yd) {
+  derivative(data, y, yd);
+  const auto& self = *static_cast<const CraneMotion*>(data);
+  const CraneInputs& in = *self.inputs_;
+  CraneState state;
+  unpack({y, size}, state);
+  double* const rate = yd + size;
+  std::fill_n(rate, booked_size - size, 0.0);
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const auto k = static_cast<std::size_t>(joint_coordinate[j]);
+    if ((in.locked >> k & 1U) != 0) continue;
+    const auto& drive = self.crane_.parameters().drives[j];
+    const double power = drive.gear * state.torque[j] * state.qd[k];
+    rate[0] += power;
+    rate[1] += (1.0 - drive.efficiency) * power;
+  }
+  // What the joints' losses take is what is missing between the forces with and without them.
+  const CraneVector force = self.applied_force(state.q, state.qd, state.torque, in);
+  for (std::size_t k = 0; k < crane_size; ++k) {
+    if ((in.locked >> k & 1U) != 0) continue;
+    rate[4] += in.external[k] * state.qd[k];
+    const double power = force[k] * state.qd[k];
+    if (k == Q_ALPHA || k == Q_BETA) rate[3] -= power - in.external[k] * state.qd[k];
+    else rate[2] -= power - in.external[k] * state.qd[k];
+  }
+  rate[2] += rate[0] - rate[1];
+}
+
+Work CraneMotion::advance_booked(CraneState& state, const CraneInputs& inputs, double seconds) {
+  std::array<double, booked_size> y{};
+  if (!booker_) {
+    std::array<double, booked_size> absolute{};
+    std::copy(absolute_.begin(), absolute_.end(), absolute.begin());
+    std::fill(absolute.begin() + size, absolute.end(), settings_.relative * 1e4);
+    booker_ = std::make_unique<Integrator>(settings_, absolute, &CraneMotion::booked_derivative);
+  }
+  inputs_ = &inputs;
+  const Packed start = pack(state);
+  std::copy(start.begin(), start.end(), y.begin());
+  booker_->advance(this, y, seconds, state.step);
+  unpack({y.data(), size}, state);
+  return {y[size], y[size + 1], y[size + 2], y[size + 3], y[size + 4], 0.0};
 }
 
 CraneVector CraneMotion::acceleration(const CraneState& state, const CraneInputs& in) const {
@@ -119,6 +191,11 @@ CraneVector CraneMotion::holding_force(const CraneState& state, const CraneInput
   return holding;
 }
 
+double CraneMotion::sticking_force(const CraneState& state, const CraneInputs& in, std::size_t joint) const {
+  const auto& drive = crane_.parameters().drives[joint];
+  return holding_force(state, in)[static_cast<std::size_t>(joint_coordinate[joint])] - drive.gear * drive.efficiency * state.torque[joint];
+}
+
 void CraneMotion::stop(CraneState& state, const CraneInputs& inputs, std::size_t k) const {
   CraneVector& qd = state.qd;
   if (qd[k] == 0.0) return;
@@ -137,7 +214,7 @@ std::array<CraneMotion::Packed, 2> CraneMotion::sensitivity(const CraneState& st
     CraneMotion motion;
     CraneInputs inputs;
     double mass;
-  } varied{{crane_.parameters(), tolerance_}, inputs, inputs.payload.mass};
+  } varied{{crane_.parameters(), settings_}, inputs, inputs.payload.mass};
   const auto f = [](void* model, const double* y, double* yd) {
     auto& self = *static_cast<Varied*>(model);
     self.inputs.payload.mass = self.mass;
@@ -147,7 +224,7 @@ std::array<CraneMotion::Packed, 2> CraneMotion::sensitivity(const CraneState& st
   Packed y = pack(state);
   std::array<Packed, 2> by{};
   by[1][Q_L] = 1.0;
-  advance_sensitivity(tolerance_, absolute_, f, &varied, y, by[0], by[1], varied.mass, state.q[Q_L], seconds);
+  advance_sensitivity(settings_.relative, absolute_, f, &varied, y, by[0], by[1], varied.mass, state.q[Q_L], seconds);
   return by;
 }
 

@@ -6,7 +6,7 @@
 
 #include "plant/agv.hpp"
 #include "plant/contact.hpp"
-#include "plant/motion.hpp"
+#include "plant/crane_events.hpp"
 #include "plant/scene.hpp"
 
 namespace plant {
@@ -54,7 +54,7 @@ struct DockState {
   std::vector<ContainerData> containers;
   std::vector<AgvState> agvs;
   int row = 0;                   // of the bay scanner
-  unsigned at_limit = 0;         // joints in their end stops
+  CraneModes modes;              // of the crane's joints
   bool faulted = false;
   int delivered = 0;
 };

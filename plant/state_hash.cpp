@@ -61,7 +61,9 @@ std::array<std::uint64_t, 2> hash(const DockState& s) {
   Hash h;
   h(s.latch, s.crane, s.inputs, s.stretch, s.shadow, s.code, s.shadow_enable, s.enabled, s.updated, s.stopped,
     s.failed_drives, s.stuck_encoders, s.stuck_sways, s.stuck_count, s.spreader_command, s.lock, s.lock_done,
-    s.carried, s.grip, s.landing, s.sway_shown, s.sway_sampled, s.containers, s.agvs, s.row, s.at_limit, s.faulted, s.delivered);
+    s.carried, s.grip, s.landing, s.sway_shown, s.sway_sampled, s.containers, s.agvs, s.row, s.modes.at_limit, s.faulted, s.delivered);
+  // What only some docks have counts only where it is, so that a dock without it keeps its hash.
+  if (s.modes.stuck != 0 || s.inputs.sliding != decltype(s.inputs.sliding){}) h(s.modes.stuck, s.inputs.sliding);
   return h.result();
 }
 

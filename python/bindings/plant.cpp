@@ -1,3 +1,4 @@
+#include <pybind11/native_enum.h>
 #include <pybind11/stl.h>
 
 #include <cmath>
@@ -7,6 +8,7 @@
 #include "plant/crane_alone.hpp"
 #include "plant/dock.hpp"
 #include "plant/motion.hpp"
+#include "plant/ode_crane.hpp"
 #include "plant/state.hpp"
 #include "plant/wind.hpp"
 #include "python/bindings/bindings.hpp"
@@ -47,6 +49,7 @@ void bind_crane_parameters(py::module_& m) {
       .def_readwrite("spreader_mass", &CraneParameters::spreader_mass)
       .def_readwrite("spreader_inertia", &CraneParameters::spreader_inertia)
       .def_readwrite("sway_damping", &CraneParameters::sway_damping)
+      .def_readwrite("stiction", &CraneParameters::stiction)
       .def_readwrite("lower", &CraneParameters::lower)
       .def_readwrite("upper", &CraneParameters::upper)
       .def_property(
@@ -89,7 +92,8 @@ void bind_motion(py::module_& m) {
       .def("potential_energy",
            [](const Crane& c, const CraneVector& q, double mass) { return c.potential_energy(q, {mass, 0.0}); }, py::arg("q"),
            py::arg("mass"))
-      .def("friction", &Crane::friction, py::arg("joint"), py::arg("speed"))
+      .def("friction", &Crane::friction, py::arg("joint"), py::arg("speed"), py::arg("sliding") = 0)
+      .def("static_friction", &Crane::static_friction, py::arg("joint"))
       .def("tip", &Crane::tip, py::arg("q"))
       .def("payload_position", &Crane::payload_position, py::arg("q"))
       .def("tip_velocity", &Crane::tip_velocity, py::arg("q"), py::arg("qd"))
@@ -111,12 +115,23 @@ void bind_motion(py::module_& m) {
       .def_property(
           "payload", [](const CraneInputs& i) { return std::pair{i.payload.mass, i.payload.inertia}; },
           [](CraneInputs& i, std::pair<double, double> p) { i.payload = {p.first, p.second}; });
+  py::class_<Work>(m, "Work", "Where energy went, J.")
+      .def_readonly("motors", &Work::motors)
+      .def_readonly("gears", &Work::gears)
+      .def_readonly("friction", &Work::friction)
+      .def_readonly("damping", &Work::damping)
+      .def_readonly("external", &Work::external)
+      .def_readonly("impacts", &Work::impacts)
+      .def_property_readonly("stored", &Work::stored);
+  py::native_enum<Method>(m, "Method", "enum.Enum").value("erk", Method::erk).value("adams", Method::adams).value("bdf", Method::bdf).finalize();
   py::class_<CraneMotion>(m, "CraneMotion", "The crane with drives and friction, integrated by SUNDIALS.")
-      .def(py::init<const CraneParameters&, double, int>(), py::arg("crane"), py::arg("tolerance") = 1e-8, py::arg("order") = 4)
+      .def(py::init([](const CraneParameters& crane, double tolerance, int order, Method method) {
+             return std::make_unique<CraneMotion>(crane, Integrator::Settings{method, order, tolerance});
+           }),
+           py::arg("crane"), py::arg("tolerance") = 1e-8, py::arg("order") = 4, py::arg("method") = Method::erk)
       .def("advance", &CraneMotion::advance, py::arg("state"), py::arg("inputs"), py::arg("seconds"))
       .def("advance_fixed", &CraneMotion::advance_fixed, py::arg("state"), py::arg("inputs"), py::arg("seconds"), py::arg("step"))
-      .def("advance_reference", &CraneMotion::advance_reference, py::arg("state"), py::arg("inputs"), py::arg("seconds"),
-           py::arg("stiff") = false)
+      .def("advance_booked", &CraneMotion::advance_booked, py::arg("state"), py::arg("inputs"), py::arg("seconds"))
       .def("acceleration", &CraneMotion::acceleration, py::arg("state"), py::arg("inputs"))
       .def("holding_force", &CraneMotion::holding_force, py::arg("state"), py::arg("inputs"));
 }
@@ -172,7 +187,7 @@ void bind_config(py::module_& m) {
   py::class_<DockConfig>(m, "DockConfig")
       FIELD(DockConfig, crane) FIELD(DockConfig, landing) FIELD(DockConfig, agv) FIELD(DockConfig, sensors) FIELD(DockConfig, wind)
       FIELD(DockConfig, layout) FIELD(DockConfig, agv_count) FIELD(DockConfig, home) FIELD(DockConfig, tolerance)
-      FIELD(DockConfig, signal_decimation);
+      FIELD(DockConfig, signal_decimation) FIELD(DockConfig, method) FIELD(DockConfig, rigid) FIELD(DockConfig, drive_timeout);
   m.def("default_dock", &default_dock, py::arg("agv_count") = 1);
 }
 
@@ -183,12 +198,13 @@ void bind_alone(py::module_& m) {
       .def_property_readonly("time", [](const CraneAlone::State& s) { return s.time; });
   py::class_<CraneAlone>(m, "CraneAlone", "A crane by itself, driven by motor torques.")
       .def(py::init([](const CraneParameters& crane, const CranePose& home, double mass, double inertia, double rated_load, bool rigid,
-                       double tolerance, int order, const SensorParameters& sensors, const WindParameters& wind) {
-             return std::make_unique<CraneAlone>(
-                 CraneAloneConfig{crane, home, {mass, inertia}, rated_load, rigid, tolerance, order, sensors, wind});
+                       double tolerance, Method method, int order, bool bookkeeping, const SensorParameters& sensors,
+                       const WindParameters& wind) {
+             return std::make_unique<CraneAlone>(CraneAloneConfig{
+                 crane, home, {mass, inertia}, rated_load, rigid, tolerance, method, order, bookkeeping, sensors, wind});
            }),
            py::arg("crane"), py::arg("home"), py::arg("mass"), py::arg("inertia"), py::arg("rated_load"), py::arg("rigid"),
-           py::arg("tolerance"), py::arg("order"), py::arg("sensors"), py::arg("wind"))
+           py::arg("tolerance"), py::arg("method"), py::arg("order"), py::arg("bookkeeping"), py::arg("sensors"), py::arg("wind"))
       .def("step", &CraneAlone::step, py::arg("torques"), py::arg("dt"))
       .def(
           "run", [](CraneAlone& c, const Joints& torque, double dt, long steps) { for (long i = 0; i < steps; ++i) c.step(torque, dt); },
@@ -202,7 +218,16 @@ void bind_alone(py::module_& m) {
       .def_property_readonly("torque", [](const CraneAlone& c) { return c.state().crane.torque; })
       .def_property_readonly("time", [](const CraneAlone& c) { return c.state().time; })
       .def_property_readonly("faulted", [](const CraneAlone& c) { return c.state().faulted; })
-      .def_property_readonly("at_limit", [](const CraneAlone& c) { return c.state().at_limit; })
+      .def_property_readonly("at_limit", [](const CraneAlone& c) { return c.state().modes.at_limit; })
+      .def_property_readonly("stuck", [](const CraneAlone& c) { return c.state().modes.stuck; })
+      .def_property_readonly("work", [](const CraneAlone& c) { return c.state().work; })
+      .def_property_readonly("events",
+                             [](const CraneAlone& c) {
+                               static constexpr std::array names{"limit", "stuck", "slipped", "slack", "swung_out"};
+                               std::vector<std::tuple<std::int64_t, std::string, int>> all;
+                               for (const auto& e : c.events()) all.emplace_back(e.time, names.at(static_cast<std::size_t>(e.kind)), e.joint);
+                               return all;
+                             })
       .def_property_readonly("swung_out", [](const CraneAlone& c) { return c.state().swung_out; })
       .def_property_readonly("payload", [](const CraneAlone& c) { return std::pair{c.state().inputs.payload.mass, c.state().inputs.payload.inertia}; })
       .def_property_readonly("model", [](const CraneAlone& c) { return c.crane(); })
@@ -319,6 +344,8 @@ void bind_dock(py::module_& m) {
 
 // ODE's contact alone, for tests: a box-shaped body on a solid.
 void bind_contact(py::module_& m) {
+  m.def("swing_in_ode", &swing_in_ode, py::arg("crane"), py::arg("mass"), py::arg("q"), py::arg("qd"), py::arg("force"), py::arg("step"),
+        py::arg("steps"));
   m.def(
       "drop_box",
       [](double mass, std::array<double, 3> size, double gap, double speed, double slope, double step, int steps) {

@@ -22,6 +22,8 @@ JOINTS = ("gantry", "slew", "luff", "hoist", "rotator")
 """What has a motor, in the order of torques."""
 ACTUATED = (0, 1, 2, 3, 6)
 """The joints' indices in the coordinates."""
+INTEGRATORS = ("erk", "adams", "bdf")
+"""ARKODE's explicit Runge-Kutta, CVODES' Adams and BDF."""
 
 _OPTIONS: dict[str, Any] = {
     "home": (0.0, 12.0, 16.0, 14.0, 0.0),
@@ -30,7 +32,9 @@ _OPTIONS: dict[str, Any] = {
     "rated_load": 40e3,
     "model": "sway",
     "tolerance": 1e-8,
+    "integrator": "erk",
     "order": 3,
+    "bookkeeping": False,
     "seed": 1,
     "sway_noise": None,
     "drives": {},
@@ -57,6 +61,27 @@ class Sensors:
 
 
 @dataclass(frozen=True)
+class Event:
+    """What happened, found as a root by the integrator: ``limit``, ``stuck``, ``slipped`` (a joint's name), ``slack``, ``swung_out`` (None)."""
+
+    time_s: float
+    kind: str
+    joint: str | None
+
+
+@dataclass(frozen=True)
+class Work:
+    """Where energy went since the start, J: put in by the motors and by the wind; lost in gears (negative where the load drives), joints, sway, impacts."""
+
+    motors: float
+    gears: float
+    friction: float
+    damping: float
+    external: float
+    impacts: float
+
+
+@dataclass(frozen=True)
 class Sensitivity:
     """Derivatives of coordinates and speeds, per kg of payload and per m of rope at the start."""
 
@@ -70,7 +95,8 @@ class Crane:
     """The slewing, luffing crane with its drives, at level L1 (``model="sway"``) or L0 (``"rigid"``).
 
     ``config`` holds parameters under the names of docs/plant.md (``jib``, ``spreader_mass``, ...), and besides: ``home`` (s, x, y, z, yaw of the spreader),
-    ``load_mass`` and ``load_inertia`` of what hangs below the spreader, ``rated_load``, ``model``, ``tolerance``, ``order`` (2 to 6), ``seed``,
+    ``load_mass`` and ``load_inertia`` of what hangs below the spreader, ``rated_load``, ``model``, ``tolerance``, ``integrator`` ("erk", "adams", "bdf"), ``order`` of "erk" (2 to 6, 8),
+    ``bookkeeping`` (keeps ``work``), ``seed``,
     ``sway_noise`` in rad, ``wind`` ({mean, gust, direction, area, seed}: m/s, rad, m2), ``drives`` ({joint: {parameter: value}}). Raises ValueError for an unknown name or a crane that cannot be.
     """
 
@@ -94,6 +120,8 @@ class Crane:
         parameters.drives = drives
         if options["model"] not in ("sway", "rigid"):
             raise ValueError(f'model must be "sway" (L1) or "rigid" (L0), not {options["model"]!r}')
+        if options["integrator"] not in INTEGRATORS:
+            raise ValueError(f'integrator must be one of {", ".join(INTEGRATORS)}, not {options["integrator"]!r}')
         sensors = _core.plant.SensorParameters()
         sensors.seed = options["seed"]
         if options["sway_noise"] is not None:
@@ -108,7 +136,8 @@ class Crane:
         """The crane's parameters, as checked at the start."""
         self._core = _core.plant.CraneAlone(
             parameters, _core.plant.CranePose(*options["home"]), options["load_mass"], options["load_inertia"], options["rated_load"],
-            options["model"] == "rigid", options["tolerance"], options["order"], sensors, wind,
+            options["model"] == "rigid", options["tolerance"],
+            getattr(_core.plant.Method, options["integrator"]), options["order"], options["bookkeeping"], sensors, wind,
         )  # fmt: skip
         self.maximum_torques: Array = np.array([drive.maximum_torque for drive in drives])
         """Motor torques at which the drives saturate, N m."""
@@ -182,6 +211,25 @@ class Crane:
         """Joints whose drive was given a torque that is no number; all of them once the load swung beyond 40 degrees."""
         mask = 0b11111 if self._core.swung_out else self._core.faulted
         return tuple(joint for j, joint in enumerate(JOINTS) if mask >> j & 1)
+
+    @property
+    def events(self) -> list[Event]:
+        """What happened since the start or the last ``reset`` or ``restore``."""
+        return [
+            Event(time * 1e-12, kind, JOINTS[joint] if kind in ("limit", "stuck", "slipped") else None)
+            for time, kind, joint in self._core.events
+        ]
+
+    @property
+    def work(self) -> Work:
+        """Energy since the start or the last ``reset``; zeros unless ``bookkeeping`` is on."""
+        w = self._core.work
+        return Work(w.motors, w.gears, w.friction, w.damping, w.external, w.impacts)
+
+    @property
+    def stuck(self) -> tuple[str, ...]:
+        """Joints that dry friction holds (with ``stiction``)."""
+        return tuple(joint for j, joint in enumerate(JOINTS) if self._core.stuck >> j & 1)
 
     @property
     def at_limit(self) -> tuple[str, ...]:

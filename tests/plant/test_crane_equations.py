@@ -214,23 +214,32 @@ def test_pinocchio_agrees_for_cranes_of_other_sizes():
         close(both[:6], CHAIN.T @ pin.rnea(chain, data, x, v, np.zeros(6)), 1e-12)
 
 
+def free_swing(rng, crane, mass):
+    """A random start with free sway, without losses, under constant forces near those that hold luff and hoist."""
+    crane.sway_damping = 0.0
+    drives = crane.drives
+    for drive in drives:
+        drive.coulomb = drive.viscous = 0.0
+    crane.drives = drives
+    q = np.array([0.0, rng.uniform(-2, 2), rng.uniform(0.6, 1.1), rng.uniform(10, 25), rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), 0.0])
+    qd = np.array([0.1, 0.05, 0.0, 0.2, rng.uniform(-0.1, 0.1), rng.uniform(-0.1, 0.1), 0.0])
+    force = np.asarray(plant.Crane(crane).gravity(q, mass))[:6] * [0, 0, 1, 1, 0, 0] + rng.uniform(-1e3, 1e3, 6) * [1, 1, 1, 1, 0, 0]
+    state, inputs = plant.CraneState(), plant.CraneInputs()
+    state.q, state.qd = list(q), list(qd)
+    inputs.payload, inputs.locked, inputs.external = (mass, 1.0), 1 << 6, [*force, 0.0]
+    return state, inputs, force
+
+
 def test_pinocchio_follows_the_same_trajectory():
     """Its forward dynamics in a Runge-Kutta scheme of this test, against SUNDIALS' ERKStep: 5 s under constant forces, free sway."""
     pin = pytest.importorskip("pinocchio")
     rng = np.random.default_rng(21)
     for _ in range(4):
         crane, mass = random_parameters(rng), rng.uniform(5e3, 50e3)
-        crane.sway_damping = 0.0
-        drives = crane.drives
-        for drive in drives:
-            drive.coulomb = drive.viscous = 0.0
-        crane.drives = drives
         chain = pinocchio_model(pin, crane, mass, 0.0)
         data = chain.createData()
-        q = np.array([0.0, rng.uniform(-2, 2), rng.uniform(0.6, 1.1), rng.uniform(10, 25), rng.uniform(-0.3, 0.3), rng.uniform(-0.3, 0.3), 0.0])
-        qd = np.array([0.1, 0.05, 0.0, 0.2, rng.uniform(-0.1, 0.1), rng.uniform(-0.1, 0.1), 0.0])
-        force = np.asarray(plant.Crane(crane).gravity(q, mass))[:6] * [0, 0, 1, 1, 0, 0] + rng.uniform(-1e3, 1e3, 6) * [1, 1, 1, 1, 0, 0]
-        x, v, tau = CHAIN @ q[:6], CHAIN @ qd[:6], np.linalg.solve(CHAIN.T, force)
+        state, inputs, force = free_swing(rng, crane, mass)
+        x, v, tau = CHAIN @ state.q[:6], CHAIN @ state.qd[:6], np.linalg.solve(CHAIN.T, force)
 
         def rate(y, chain=chain, data=data, tau=tau):
             return np.concatenate([y[6:], pin.aba(chain, data, y[:6], y[6:], tau)])
@@ -242,45 +251,69 @@ def test_pinocchio_follows_the_same_trajectory():
             k3 = rate(y + h / 2 * k2)
             k4 = rate(y + h * k3)
             y = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-        state, inputs = plant.CraneState(), plant.CraneInputs()
-        state.q, state.qd = list(q), list(qd)
-        inputs.payload, inputs.locked, inputs.external = (mass, 1.0), 1 << 6, [*force, 0.0]
         plant.CraneMotion(crane, 1e-11).advance(state, inputs, 5.0)
         np.testing.assert_allclose(state.q[:6], np.linalg.solve(CHAIN, y[:6]), atol=1e-6, rtol=1e-8)
 
 
-def test_mujoco_agrees():
-    mujoco = pytest.importorskip("mujoco")
-    c, mass = parameters(), 33e3
+def mujoco_model(mujoco, c, mass):
+    """The same chain in MJCF. MuJoCo wants inertias that keep the triangle inequality, so the platform's is spread over its axes."""
     tiny = "1e-4 1e-4 1e-4"
-    xml = f"""<mujoco><compiler angle="radian" boundinertia="1e-9" boundmass="1e-9"/>
-      <option gravity="0 0 -{GRAVITY}"><flag contact="disable"/></option><worldbody>
+    return mujoco.MjModel.from_xml_string(f"""<mujoco><compiler angle="radian" boundinertia="1e-9" boundmass="1e-9"/>
+      <option gravity="0 0 -{GRAVITY}" integrator="RK4" timestep="0.002"><flag contact="disable"/></option><worldbody>
       <body><joint type="slide" axis="1 0 0"/><inertial pos="0 0 0" mass="{c.gantry_mass}" diaginertia="1 1 1"/>
-      <body><joint type="hinge" axis="0 0 1"/>
-        <inertial pos="{-c.counterweight_radius} 0 0" mass="{c.counterweight}" diaginertia="1 1 {c.slew_inertia}"/>
+      <body><joint type="hinge" axis="0 0 1"/><inertial pos="{-c.counterweight_radius} 0 0" mass="{c.counterweight}"
+        diaginertia="{c.slew_inertia} {c.slew_inertia} {c.slew_inertia}"/>
       <body pos="{c.a0} 0 {c.pivot_height}"><joint type="hinge" axis="0 -1 0"/>
         <inertial pos="{c.jib_centre} 0 0" mass="{c.jib_mass}" diaginertia="1e-3 {c.jib_inertia} {c.jib_inertia}"/>
       <body pos="{c.jib} 0 0"><joint type="hinge" axis="0 -1 0"/><inertial pos="0 0 0" mass="1e-6" diaginertia="{tiny}"/>
       <body><joint type="hinge" axis="1 0 0"/><inertial pos="0 0 0" mass="1e-6" diaginertia="{tiny}"/>
       <body><joint type="slide" axis="0 0 -1"/><inertial pos="0 0 0" mass="{mass}" diaginertia="{tiny}"/>
-      </body></body></body></body></body></body></worldbody></mujoco>"""
-    # MuJoCo refuses inertias that break the triangle inequality (slender platform about z only), so the platform's share is spread.
-    xml = xml.replace(f'diaginertia="1 1 {c.slew_inertia}"',
-                      f'diaginertia="{c.slew_inertia} {c.slew_inertia} {c.slew_inertia}"')
-    m = mujoco.MjModel.from_xml_string(xml)
-    d = mujoco.MjData(m)
-    model = plant.Crane(c)
-    for q, qd in states(60):
+      </body></body></body></body></body></body></worldbody></mujoco>""")
+
+
+def full_matrix(mujoco, m, d):
+    full = np.zeros((6, 6))
+    try:
+        mujoco.mj_fullM(m, d, full)
+    except TypeError:  # before 4.0
+        mujoco.mj_fullM(m, full, d.qM)
+    return full
+
+
+@pytest.mark.parametrize("sizes", ["default", "random"])
+def test_mujoco_agrees(sizes):
+    mujoco = pytest.importorskip("mujoco")
+    rng = np.random.default_rng(22)
+    for q, qd in states(40):
+        c, mass = (parameters(), 33e3) if sizes == "default" else (random_parameters(rng), rng.uniform(5e3, 60e3))
+        m = mujoco_model(mujoco, c, mass)
+        d, model = mujoco.MjData(m), plant.Crane(c)
+        force = RNG.uniform(-1e5, 1e5, 6)
         d.qpos[:], d.qvel[:] = CHAIN @ q[:6], CHAIN @ qd[:6]
+        d.qfrc_applied[:] = np.linalg.solve(CHAIN.T, force)
         mujoco.mj_forward(m, d)
-        full = np.zeros((6, 6))
-        try:
-            mujoco.mj_fullM(m, d, full)
-        except TypeError:
-            mujoco.mj_fullM(m, full, d.qM)
-        close(np.asarray(model.mass_matrix(q, mass, 0.0))[:6, :6], CHAIN.T @ full @ CHAIN, 1e-9)
+        close(np.asarray(model.mass_matrix(q, mass, 0.0))[:6, :6], CHAIN.T @ full_matrix(mujoco, m, d) @ CHAIN, 1e-9)
         both = np.asarray(model.bias(q, qd, mass, 0.0)) + model.gravity(q, mass)
         close(both[:6], CHAIN.T @ d.qfrc_bias, 1e-6)
+        ours = model.acceleration(q, qd, [*force, 0.0], mass, 0.0, 1 << 6)
+        close(ours[:6], np.linalg.solve(CHAIN, d.qacc), 1e-6)
+
+
+def test_mujoco_follows_the_same_trajectory():
+    """Its own Runge-Kutta steps of 2 ms against SUNDIALS: 4 s under constant forces, free sway."""
+    mujoco = pytest.importorskip("mujoco")
+    rng = np.random.default_rng(23)
+    for _ in range(4):
+        c, mass = random_parameters(rng), rng.uniform(5e3, 50e3)
+        m = mujoco_model(mujoco, c, mass)
+        d = mujoco.MjData(m)
+        state, inputs, force = free_swing(rng, c, mass)
+        d.qpos[:], d.qvel[:] = CHAIN @ state.q[:6], CHAIN @ state.qd[:6]
+        d.qfrc_applied[:] = np.linalg.solve(CHAIN.T, force)
+        for _ in range(2000):
+            mujoco.mj_step(m, d)
+        plant.CraneMotion(c, 1e-11).advance(state, inputs, 4.0)
+        np.testing.assert_allclose(state.q[:6], np.linalg.solve(CHAIN, d.qpos), atol=2e-6, rtol=1e-7)
 
 
 def test_inverse_kinematics_puts_the_spreader_where_it_should_be():
