@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "plant/math.hpp"
+
 namespace plant {
 namespace {
 
@@ -44,6 +46,12 @@ DockConfig default_dock(int agv_count) {
   layout.no_go = {{-34.0, -24.0, 20.0, 34.0, 0.0, 25.0}};  // the ship's deck-house
   layout.legs = loop(layout, agv_count);
   return config;
+}
+
+Pose start_of_agv(const Layout& layout, int i) {
+  const auto [s, c] = sin_cos(layout.spot.heading);
+  const double back = layout.slot_spacing * i;
+  return {layout.spot.x - c * back, layout.spot.y - s * back, wrap_angle(layout.spot.heading)};
 }
 
 }  // namespace plant

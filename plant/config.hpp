@@ -179,6 +179,7 @@ struct DockConfig {
   bool rigid = false;        // level L0: the free payload does not sway; else L1
   int agv_count = 1;
   CranePose home = {0.0, 12.0, 16.0, 14.0, 0.0};
+  double rated_load = 40e3;    // kg below the spreader; heavier containers are refused
   double drive_timeout = 0.1;  // s, a drive that gets no torque code for so long brakes; 0: never
   Method method = Method::erk;
   double tolerance = 1e-8;   // relative, of the integrators
@@ -187,5 +188,8 @@ struct DockConfig {
 
 // The dock of docs/plant.md: eight containers in two rows and two tiers, a one-way loop of lane, n AGVs queueing at the spot.
 DockConfig default_dock(int agv_count = 1);
+
+// Where AGV i stands at the start: the spot, and the slots behind it.
+Pose start_of_agv(const Layout&, int i);
 
 }  // namespace plant

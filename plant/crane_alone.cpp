@@ -1,12 +1,9 @@
 #include "plant/crane_alone.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
-#include <stdexcept>
 
+#include "plant/check.hpp"
 #include "plant/math.hpp"
 #include "plant/sensors.hpp"
 #include "plant/wind.hpp"
@@ -17,57 +14,9 @@ namespace {
 constexpr double longest_piece = 1e-3;  // s, between two looks at brakes and end stops
 constexpr std::int64_t sway_sample = 10'000'000'000;  // ps
 
-void refuse(bool bad, const char* what, double value) {
-  if (bad) throw std::invalid_argument(fmt::format("plant: {} (got {})", what, value));
-}
-
-struct Named {
-  const char* name;
-  double value;
-};
-
-void require_positive(std::initializer_list<Named> values) {
-  for (const auto& [name, value] : values)
-    if (!std::isfinite(value) || value <= 0.0)
-      throw std::invalid_argument(fmt::format("plant: {} must be positive (got {})", name, value));
-}
-
-void require_not_negative(std::initializer_list<Named> values) {
-  for (const auto& [name, value] : values)
-    if (!std::isfinite(value) || value < 0.0)
-      throw std::invalid_argument(fmt::format("plant: {} must not be negative (got {})", name, value));
-}
-
 std::size_t coordinate_of(std::size_t joint) { return static_cast<std::size_t>(joint_coordinate[joint]); }
 
 }  // namespace
-
-void check(const CraneParameters& p) {
-  require_positive({{"jib", p.jib}, {"pivot_height", p.pivot_height}, {"gantry_mass", p.gantry_mass}, {"slew_inertia", p.slew_inertia},
-                    {"jib_mass", p.jib_mass}, {"jib_inertia", p.jib_inertia}, {"spreader_mass", p.spreader_mass},
-                    {"spreader_inertia", p.spreader_inertia}});
-  require_not_negative({{"a0", p.a0}, {"jib_centre", p.jib_centre}, {"counterweight", p.counterweight},
-                        {"counterweight_radius", p.counterweight_radius}, {"sway_damping", p.sway_damping}});
-  for (const DriveParameters& d : p.drives) {
-    require_positive({{"a drive's rated_torque", d.rated_torque}, {"a drive's rated_speed", d.rated_speed}, {"a drive's gear", d.gear},
-                      {"a drive's torque_lag", d.torque_lag}, {"a drive's smooth_speed", d.smooth_speed},
-                      {"a drive's stribeck_speed", d.stribeck_speed}});
-    require_not_negative({{"a drive's rotor_inertia", d.rotor_inertia}, {"a drive's coulomb", d.coulomb},
-                          {"a drive's stribeck", d.stribeck}, {"a drive's viscous", d.viscous}, {"a drive's brake", d.brake}});
-    refuse(!(d.efficiency > 0.0 && d.efficiency <= 1.0), "a drive's efficiency must be above 0 and at most 1", d.efficiency);
-  }
-  for (std::size_t j = 0; j < joint_count; ++j)
-    refuse(!(p.lower[j] < p.upper[j]), "a joint's lower limit must be below its upper one", p.lower[j]);
-  refuse(!(p.lower[static_cast<std::size_t>(Joint::hoist)] > 0.0), "the rope's shortest length must be positive",
-         p.lower[static_cast<std::size_t>(Joint::hoist)]);
-}
-
-void check(const WindParameters& p) {
-  require_not_negative({{"the wind's gust", p.gust}, {"the wind's area", p.area}});
-  refuse(!(std::fabs(p.mean) <= 100.0), "the wind's mean must be within 100 m/s", p.mean);
-  refuse(p.gust > 100.0, "the wind's gust must be within 100 m/s", p.gust);
-  refuse(!std::isfinite(p.direction), "the wind's direction must be a number", p.direction);
-}
 
 namespace {
 

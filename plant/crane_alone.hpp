@@ -22,10 +22,6 @@ struct CraneAloneConfig {
   WindParameters wind;
 };
 
-// Throws std::invalid_argument naming the first value that no crane can have.
-void check(const CraneParameters&);
-void check(const WindParameters&);
-
 // Derivatives of the coordinates and speeds by the payload's mass (per kg) and by the rope's length at the start (per m).
 struct CraneSensitivity {
   CraneVector q_by_mass, qd_by_mass, q_by_length, qd_by_length;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "plant/crane_alone.hpp"
+#include "plant/check.hpp"
 #include "plant/dock_core.hpp"
 #include "plant/math.hpp"
 #include "plant/range.hpp"
@@ -18,19 +18,6 @@ namespace {
 
 void require(bool good, const char* what) {
   if (!good) throw std::invalid_argument(fmt::format("plant: {}", what));
-}
-
-void check(const DockConfig& c) {
-  require(c.agv_count >= 0 && c.agv_count <= 16, "agv_count must be 0..16");
-  require(c.tolerance >= 1e-12 && c.tolerance <= 1e-4, "tolerance must be 1e-12..1e-4");
-  require(c.signal_decimation >= 0, "signal_decimation must be 0 (off) or a number of latches");
-  check(c.wind);
-  require(c.drive_timeout >= 0.0, "drive_timeout must not be negative");
-  require(!c.layout.rows.empty(), "the bay needs at least one row");
-  require(c.layout.scan_dx > 0.0, "scan_dx must be positive");
-  check(c.crane);
-  require(c.landing.away > c.landing.near && c.landing.near > 0.0, "landing needs 0 < near < away");
-  for (const auto& place : c.layout.containers) require(place.mass > 0.0, "a container's mass must be positive");
 }
 
 void set_bit(std::uint32_t& mask, std::size_t i, bool on) { mask = on ? mask | 1U << i : mask & ~(1U << i); }

@@ -24,14 +24,12 @@ DockCore::DockCore(const DockConfig& c)
   state.crane.q = inverse_kinematics(config.crane, config.home);
   for (const ContainerPlace& place : config.layout.containers)
     state.containers.push_back({ContainerState::on_ship, -1, place.x, place.y, place.z, place.yaw, place.mass});
-  const Pose& spot = config.layout.spot;
-  const auto [s, co] = sin_cos(spot.heading);
   for (int i = 0; i < config.agv_count; ++i) {
+    const Pose at = start_of_agv(config.layout, i);
     AgvState agv;
-    const double back = config.layout.slot_spacing * i;
-    agv.y[A_X] = spot.x - co * back;
-    agv.y[A_Y] = spot.y - s * back;
-    agv.y[A_HEADING] = wrap_angle(spot.heading);
+    agv.y[A_X] = at.x;
+    agv.y[A_Y] = at.y;
+    agv.y[A_HEADING] = at.heading;
     state.agvs.push_back(agv);
   }
   agv_signals.resize(state.agvs.size());

@@ -187,7 +187,7 @@ void bind_config(py::module_& m) {
   py::class_<DockConfig>(m, "DockConfig")
       FIELD(DockConfig, crane) FIELD(DockConfig, landing) FIELD(DockConfig, agv) FIELD(DockConfig, sensors) FIELD(DockConfig, wind)
       FIELD(DockConfig, layout) FIELD(DockConfig, agv_count) FIELD(DockConfig, home) FIELD(DockConfig, tolerance)
-      FIELD(DockConfig, signal_decimation) FIELD(DockConfig, method) FIELD(DockConfig, rigid) FIELD(DockConfig, drive_timeout);
+      FIELD(DockConfig, signal_decimation) FIELD(DockConfig, method) FIELD(DockConfig, rigid) FIELD(DockConfig, rated_load) FIELD(DockConfig, drive_timeout);
   m.def("default_dock", &default_dock, py::arg("agv_count") = 1);
 }
 

@@ -189,7 +189,8 @@ def test_times_of_events_do_not_depend_on_the_step():
 
 def test_times_of_the_docks_events_do_not_depend_on_who_asks():
     def fault_time(quantum):
-        config = plant.default_dock()
+        config = plant.default_dock(0)
+        config.layout.containers = []
         config.crane.upper = [60, 0.95, 1.39, 60, 6.3]
         dock = plant.Dock(config)
         dock.enable_drives(2, 0)

@@ -1,0 +1,14 @@
+#pragma once
+// What no crane or dock can be. Each throws std::invalid_argument that names the value and says what would be right.
+#include "plant/config.hpp"
+
+namespace plant {
+
+void check(const CraneParameters&);
+void check(const WindParameters&);
+void check(const DockConfig&);
+
+// Throws "plant: `what` (got `value`)" if bad.
+void refuse(bool bad, const char* what, double value);
+
+}  // namespace plant
