@@ -44,6 +44,14 @@ void declare_run(CLI::App& app, cli::RunOptions& options) {
   app.add_flag("--quiet", options.quiet, "No progress line and no report on the terminal");
 }
 
+void declare_config(CLI::App& app, cli::ConfigOptions& options) {
+  app.add_option("--config", options.run.config, "Configuration (TOML; docs/configuration.md)")->type_name("FILE");
+  app.add_option("--preset", options.run.preset, "base (default), heavy or saturated");
+  app.add_option("--set", options.run.settings, "Any setting, e.g. --set machine.dsps=8")->type_name("KEY=VALUE");
+  app.add_flag("--processes", options.processes,
+               "Only the processes and sub-processes built in, with comments (docs/processes.md)");
+}
+
 void declare_assemble(CLI::App& app, cli::AssembleOptions& options) {
   app.add_option("FILE", options.source, "Source in TI's syntax (docs/assembler.md)")->required();
   app.add_option("-o,--output", options.output, "COFF file to write")->required()->type_name("OUT");
@@ -162,6 +170,7 @@ int main(int argc, char** argv) {
       "the dock and reports "
       "whether the control tasks met their deadlines."};
   cli::RunOptions run_options;
+  cli::ConfigOptions config_options;
   cli::AssembleOptions assemble_options;
   cli::DisassembleOptions disassemble_options;
   cli::LinkOptions link_options;
@@ -173,6 +182,8 @@ int main(int argc, char** argv) {
 
   declare_run(app, run_options);
   app.require_subcommand(0, 1);
+  add_command(app, "config", "Print the configuration that a run would have, as TOML", declare_config, cli::print_config,
+              config_options, action);
   add_command(app, "asm", "Assemble a C4x program", declare_assemble, cli::assemble, assemble_options, action);
   add_command(app, "disasm", "Print a program as instructions", declare_disassemble, cli::disassemble,
               disassemble_options, action);

@@ -40,6 +40,12 @@ struct RunOptions {
   std::vector<unsigned> trace_instructions;  ///< slots whose instructions are traced too
 };
 
+/// The configuration of a run, printed instead of run.
+struct ConfigOptions {
+  RunOptions run;
+  bool processes = false;  ///< Only the rows of processes and sub-processes that are built in.
+};
+
 struct AssembleOptions {
   std::string source;
   std::string output;
@@ -103,6 +109,7 @@ struct VectorOptions {
 
 // Each returns an exit status; throws InputError or the rooms' own input errors.
 int run(const RunOptions& options);
+int print_config(const ConfigOptions& options);
 int assemble(const AssembleOptions& options);
 int disassemble(const DisassembleOptions& options);
 int link(const LinkOptions& options);

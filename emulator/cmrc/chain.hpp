@@ -31,6 +31,9 @@ class PointChain {
   void lost_trajectory() { trajectory_out_ = false; }
   void lost_inverse() { inverse_out_ = false; }
 
+  /// No more points: the work is given up.
+  void abandon() { active_ = false; }
+
   bool active() const { return active_; }
   /// All points of the leg have passed inverse kinematics, and all were consumed.
   bool through(std::int64_t tick) const;

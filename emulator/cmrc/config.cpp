@@ -12,6 +12,8 @@
 #include <sstream>
 #include <toml++/toml.h>
 
+#include "cmrc/process_rows.hpp"
+
 namespace cmrc {
 namespace {
 
@@ -317,6 +319,10 @@ void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::v
         for (const auto& [fields, where] : tables_of(node, full, name)) tasks_.push_back(user_task(fields, where));
         continue;
       }
+      if (full == "processes" || full == "subprocesses") {
+        full == "processes" ? read_processes(node, name, processes_) : read_subprocesses(node, name, processes_);
+        continue;
+      }
       const auto index = find(full);
       if (!index) {
         // Of an unknown table, the first key inside says more than the table's own name.
@@ -360,7 +366,9 @@ Config ConfigBuilder::build() const {
   apply(flag_settings_);
   config.events = events_;
   config.tasks = tasks_;
+  config.processes = processes_;
   check_user_tasks(config.tasks);
+  check(config.processes, config.tasks);
   Invariants(config, origins).check();
   check_events(config);
   return config;
@@ -412,6 +420,7 @@ std::string to_toml(const Config& config) {
     text += fmt::format("{} = {}\n", leaf(key.name), show(key.read(config)));
   }
   for (const UserTask& task : config.tasks) text += "\n[[tasks]]\n" + to_toml(task);
+  text += to_toml(config.processes);
   for (const TimedEvent& event : config.events) text += "\n[[events]]\n" + to_toml(event);
   return text;
 }

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cmrc/process_table.hpp"
 #include "cmrc/timed_event.hpp"
 #include "cmrc/user_task.hpp"
 #include "cmrc/value.hpp"
@@ -116,6 +117,7 @@ struct Config {
   } report;
   std::vector<TimedEvent> events;  ///< in the order in which they were given
   std::vector<UserTask> tasks;     ///< the user's own, in the order of KIND_USER + n
+  ProcessTable processes = built_in_processes();  ///< with the rows given laid over those built in
 };
 
 /// Equations (5) and (6): refreshes between runs.
@@ -190,6 +192,7 @@ class ConfigBuilder {
   std::vector<Setting> flag_settings_;
   std::vector<TimedEvent> events_;
   std::vector<UserTask> tasks_;
+  ProcessTable processes_ = built_in_processes();
 };
 
 /// The configuration as complete TOML, every key with its value.

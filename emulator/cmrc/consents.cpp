@@ -1,49 +1,26 @@
 #include "cmrc/consents.hpp"
 
-#include <span>
-#include <stdexcept>
+#include <algorithm>
 
 namespace cmrc {
-namespace {
 
-std::span<const unsigned> sources(unsigned target) {
-  static constexpr unsigned grab[] = {2, 4}, load[] = {3, 6}, crane_home[] = {1, 4}, agv_home[] = {1, 5};
-  switch (target) {
-    case 3: return grab;
-    case 4: return load;
-    case 7: return crane_home;
-    case 8: return agv_home;
-    default: throw std::logic_error("Consents: processes 1, 2, 5, 6 are loaded by demand, not by consent");
+Consents::Consents(const ProcessTable& table, unsigned agvs) : of_agv_(numbers), sources_(numbers), tokens_(std::max(agvs, 1U) * numbers * numbers) {
+  for (const Process& process : table.processes) {
+    of_agv_.at(process.number) = process.robot == Robots::agv;
+    sources_.at(process.number) = table.sources(process.number);
   }
 }
 
-}  // namespace
-
-Consents::Consents(unsigned agvs) : tokens_(agvs) {}
-
-void Consents::give(unsigned source, unsigned target, unsigned agv) {
-  tokens_.at(of_agv(source, target) ? agv : 0).at(source).at(target) = true;
-}
-
-void Consents::clear(unsigned source, unsigned target, unsigned agv) {
-  tokens_.at(of_agv(source, target) ? agv : 0).at(source).at(target) = false;
-}
-
-bool Consents::given(unsigned source, unsigned target, unsigned agv) const {
-  return tokens_.at(of_agv(source, target) ? agv : 0).at(source).at(target);
-}
+bool Consents::given(unsigned source, unsigned target, unsigned agv) const { return tokens_.at(place(source, target, agv)) != 0; }
 
 bool Consents::all(unsigned target, unsigned agv) const {
-  for (const unsigned source : sources(target)) {
-    if (!given(source, target, agv)) return false;
-  }
-  return true;
+  const auto& sources = sources_.at(target);
+  return !sources.empty() && std::all_of(sources.begin(), sources.end(), [&](unsigned source) { return given(source, target, agv); });
 }
 
 void Consents::consume(unsigned target, unsigned agv) {
-  for (const unsigned source : sources(target)) {
-    // "The job is done" (1 to 8) holds for every AGV.
-    if (source == 1 && target == 8) continue;
+  for (const unsigned source : sources_.at(target)) {
+    if (of_agv(target) && !of_agv(source)) continue;
     clear(source, target, agv);
   }
 }

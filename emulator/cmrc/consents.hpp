@@ -1,33 +1,38 @@
 #pragma once
 // May-load as tokens (plant-and-bus.md 4.4, items 13 to 16): a process starts when every process that has to consent has.
 //
-//     from    to        from    to
-//     2, 4    3         1, 4    7
-//     3, 6    4         1, 5    8
-//
-// A consent is a one-place token. Those that belong to one AGV (6 to 4, 5 to 8) are kept per AGV.
-#include <array>
+// A consent is a one-place token, taken away when its target starts. Those that an AGV's process gives are kept per AGV. One that the crane's
+// or nobody's process gives to an AGV's process holds for every AGV ("the job is done", 1 to 8), and stays until it is cleared.
 #include <cstdint>
 #include <vector>
+
+#include "cmrc/process_table.hpp"
 
 namespace cmrc {
 
 class Consents {
  public:
-  explicit Consents(unsigned agvs);
+  Consents(const ProcessTable& table, unsigned agvs);
 
-  void give(unsigned source, unsigned target, unsigned agv = 0);
-  void clear(unsigned source, unsigned target, unsigned agv = 0);
+  void give(unsigned source, unsigned target, unsigned agv = 0) { token(source, target, agv) = 1; }
+  void clear(unsigned source, unsigned target, unsigned agv = 0) { token(source, target, agv) = 0; }
   bool given(unsigned source, unsigned target, unsigned agv = 0) const;
-  /// Every source of `target` has consented (to AGV `agv`, where it matters).
+  /// There is a process that has to consent, and every one has (to AGV `agv`, where it matters).
   bool all(unsigned target, unsigned agv = 0) const;
   /// Takes the consents of all sources away: the process starts.
   void consume(unsigned target, unsigned agv = 0);
 
  private:
-  static bool of_agv(unsigned source, unsigned target) { return (source == 6 && target == 4) || (source == 5 && target == 8); }
+  static constexpr unsigned numbers = 16;
+  bool of_agv(unsigned process) const { return of_agv_.at(process); }
+  std::size_t place(unsigned source, unsigned target, unsigned agv) const {
+    return ((of_agv(source) ? agv : 0) * numbers + source) * numbers + target;
+  }
+  std::uint8_t& token(unsigned source, unsigned target, unsigned agv) { return tokens_.at(place(source, target, agv)); }
 
-  std::vector<std::array<std::array<bool, 9>, 9>> tokens_;  // [agv][source][target]; others than of_agv at [0]
+  std::vector<bool> of_agv_;
+  std::vector<std::vector<unsigned>> sources_;  // [target]
+  std::vector<std::uint8_t> tokens_;            // [agv][source][target]; of those that are not an AGV's at agv 0
 };
 
 }  // namespace cmrc

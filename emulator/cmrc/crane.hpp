@@ -1,16 +1,13 @@
 #pragma once
-// The crane's processes: 1 identify, 2 plan the grab, 3 grab, 4 load, 7 go home.
+// The crane as the steps of its processes see it: legs, ramps of the hoist, twist locks; and its sub-processes 1 and 2.
 //
-// Process 3: leg 1 to above the container, settle, lower, lock, raise, leg 2 to above the AGV, settle. Process 4: lower, open, raise.
-// Process 7: plan leg 3, follow it, settle. Lowering and raising are hoist ramps that PID adds to its set-point.
-// Processes 1 and 2 are one block each and run beside process 4.
+// Lowering and raising are hoist ramps that PID adds to its set-point (plant-and-bus.md 4.4 item 17).
 #include <cstdint>
 #include <optional>
 
 #include "cmrc/chain.hpp"
-#include "cmrc/config.hpp"
-#include "cmrc/consents.hpp"
 #include "cmrc/desk.hpp"
+#include "cmrc/process_table.hpp"
 
 namespace cmrc {
 
@@ -41,68 +38,50 @@ class Berth {
   virtual std::optional<unsigned> agv_in_spot() const = 0;
 };
 
-class CraneProcesses {
+class Crane {
  public:
-  CraneProcesses(const CraneJob& job, const Words& words, Consents& consents);
+  Crane(const CraneJob& job, const Words& words);
 
-  /// The run begins: process 1 is loaded (item 15).
-  void start(Desk& desk);
-  void finished(const Task& task, Word result, Word notify, Desk& desk);
-  /// A block was dropped after too many recomputations: what it was for is asked for again.
+  /// Begins a step; all kinds but Step::Kind::task.
+  void enter(const Step& step, Desk& desk);
+  /// Goes on with the step that was entered last: true when it is done.
+  bool done(const Step& step, Desk& desk, const Berth& berth);
+  /// A block of PID or of sub-processes 1 and 2 has ended.
+  void finished(const Task& task, Word result, Word notify);
+  /// It was dropped after too many recomputations: what it was for is asked for again.
   void dropped(const Task& task);
-  /// Moves on as far as the last reports allow.
-  void refresh(Desk& desk, const Berth& berth);
+  /// ... and will not be asked for any more.
+  void abandon() { chain_.abandon(); }
+  void refresh(Desk& desk) { chain_.refresh(desk); }
 
-  /// The container that process 4 has just set down stands on this AGV; asked once.
-  std::optional<unsigned> take_loaded_agv();
-  /// An AGV is being loaded.
-  std::optional<unsigned> loading() const;
-  bool servoing() const { return motion_ != Motion::off; }
-  bool job_done() const { return job_done_; }
-  /// Process 3 holds a container, or is on its way to hold one.
-  bool grabbing() const;
   const PidStatus& pid() const { return pid_; }
-  const PointChain& chain() const { return chain_; }
+  std::int64_t point_interval() const { return job_.point_interval; }
+  void set_point_interval(std::int64_t refreshes) { job_.point_interval = refreshes; }
 
  private:
-  enum class Motion {
-    resting, grab_leg, grab_settle, grab_lower, grab_lock, grab_raise, carry_wait, carry_leg, carry_settle, holding,
-    load_lower, load_open, load_raise, home_plan, home_leg, home_settle, off
-  };
-
   void pid_finished(const Task& task, Word result);
-  void move_on(Desk& desk, const Berth& berth);
-  void begin_leg(Word leg, Motion next, Desk& desk);
-  void end_leg(Motion settle, Desk& desk);
+  void begin_leg(Word leg, Desk& desk);
   bool settled(const Desk& desk) const;
   /// Commands a hoist ramp; false while the servo's words cannot be changed.
   bool ramp(double delta, Desk& desk);
   bool ramp_done() const;
   /// Lowers until the load stands: true when it does and the ramp is over.
   bool lowered(Desk& desk);
-  void raise(Motion next, Desk& desk);
-  void start_process(unsigned number, Desk& desk);
-  void end_process(unsigned number, Desk& desk);
+  bool raised(Desk& desk);
+  void set_payload(double mass, Desk& desk);
   std::int64_t ticks(double seconds) const;
-  Task task(Word kind, std::uint32_t x, std::uint32_t y, const Desk& desk) const;
 
   CraneJob job_;
   const Words& words_;
-  Consents& consents_;
   PointChain chain_;
   PidStatus pid_;
-  Motion motion_ = Motion::resting;
-  std::optional<unsigned> agv_;         // being loaded
-  std::optional<unsigned> loaded_agv_;
   std::int64_t consumed_ = 0;           // points, all of the run
   std::int64_t segment_start_ = 0;
-  std::int64_t since_ = 0;              // refresh at which the present motion was entered
+  std::int64_t since_ = 0;              // refresh from which the load may settle, or until which a step holds
   double ramp_offset_ = 0;              // m added to l when the last ramp is over
   std::int64_t ramp_end_ = 0;
   int probes_ = 0;                      // how often lowering was prolonged
   bool ramp_pending_ = false;
-  bool job_done_ = false;
-  bool want_identify_ = false, want_plan_ = false, want_home_ = false;
 };
 
 }  // namespace cmrc

@@ -1,16 +1,15 @@
 #pragma once
-// The AGVs' processes: 5 to the warehouse, 6 to the dock, 8 to the initial state; and who stands where (ruling 11).
+// The AGVs as the steps of their processes see them: legs, the queue at the dock, and who stands where (ruling 11).
 //
-// One-way traffic: the loading spot under the crane is slot 0, slots 1.. wait behind it. Process 6 ends in the loading spot; an AGV that
-// has to wait in a slot moves up as slots become free, which belongs to process 6.
+// One-way traffic: the loading spot under the crane is slot 0, slots 1.. wait behind it. The step "queue" ends in the loading spot; an AGV
+// that has to wait in a slot moves up as slots become free, which belongs to it.
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "cmrc/chain.hpp"
-#include "cmrc/consents.hpp"
-#include "cmrc/crane.hpp"
 #include "cmrc/desk.hpp"
+#include "cmrc/process_table.hpp"
 
 namespace cmrc {
 
@@ -31,63 +30,58 @@ struct FleetJob {
   double refresh_frequency = 8000;
   std::int64_t interval = 160;      ///< N^_a at the start
   std::int64_t buffer_points = 2;
-  bool avoidance = false;           ///< each AGV loads a block of sub-process 5 per planning point
+  bool avoidance = false;           ///< obstacle avoidance is loaded at all
   std::int64_t avoidance_cycles = 0;  ///< what a synthetic one is told
 };
 
-class Fleet : public Berth {
+class Fleet {
  public:
-  Fleet(const FleetJob& job, const Words& words, Consents& consents);
+  Fleet(const FleetJob& job, const Words& words);
 
-  /// The AGVs stand in slots 0, 1, ...: the first one has consented to be loaded (item 15).
+  /// The AGVs stand in slots 0, 1, ...
   void start(Desk& desk);
+  /// Begins a step; "task" only prepares what its block reads.
+  void enter(unsigned agv, const Step& step, Desk& desk);
+  /// Goes on with the step that was entered last: true when it is done.
+  bool done(unsigned agv, const Step& step, Desk& desk);
+  /// A block of sub-processes 1 and 2 has ended.
   void finished(const Task& task, Word result, Word notify, Desk& desk);
   void dropped(const Task& task);
-  /// Process 4 has put a container on this AGV: it must go (process 5).
-  void loaded(unsigned agv) { agvs_.at(agv).must_go = true; }
-  void refresh(Desk& desk, bool crane_holds_container, std::optional<unsigned> loading);
+  void abandon(unsigned agv) { agvs_.at(agv).chain.abandon(); }
+  void refresh(unsigned agv, Desk& desk) { agvs_.at(agv).chain.refresh(desk); }
 
-  std::optional<unsigned> agv_in_spot() const override;
+  /// It is in a slot of the queue, or on its way there.
+  bool queued(unsigned agv) const { return !agvs_.at(agv).away; }
+  unsigned slot(unsigned agv) const { return agvs_.at(agv).slot; }
+  bool moving_up(unsigned agv) const { return agvs_.at(agv).moving; }
   unsigned size() const { return static_cast<unsigned>(agvs_.size()); }
+  const FleetJob& job() const { return job_; }
   /// N^_a of an AGV, adapted by learning from its next leg on.
   std::int64_t interval(unsigned agv) const { return agvs_.at(agv).interval; }
   void set_interval(unsigned agv, std::int64_t interval) { agvs_.at(agv).next_interval = interval; }
-  bool all_home() const;
-  const PointChain& chain(unsigned agv) const { return agvs_.at(agv).chain; }
 
  private:
-  enum class Motion { standing, to_warehouse, unloading, to_slot, home_plan, going_home, home };
   struct Agv {
     PointChain chain;
-    Motion motion = Motion::standing;
-    unsigned slot = 0;               // where it stands or is going; meaningless on the way to the warehouse
+    unsigned slot = 0;               // where it stands or is going; meaningless while away
+    bool away = false;               // it has left the queue
+    bool moving = false;             // within the step "queue": on its way to its slot
     std::int64_t interval = 160;
     std::int64_t next_interval = 160;
-    std::int64_t until = 0;          // refresh at which the warehouse has taken the container
-    bool must_go = false;            // loaded by process 4
-    bool in_process_6 = false;
-    bool want_home = false;
-    std::int64_t avoidance_at = 0;   // next refresh at which an avoidance block is due
-    bool avoidance_out = false;
+    std::int64_t until = 0;          // refresh at which the present step has held long enough
   };
 
   void write_leg(unsigned agv, Word leg, std::span<const Lane> lanes, Desk& desk);
-  void begin_leg(unsigned agv, Word leg, std::span<const Lane> lanes, Motion next, Desk& desk);
-  void depart(unsigned agv, Desk& desk);
-  void to_dock(unsigned agv, Desk& desk);
+  void begin_leg(unsigned agv, Word leg, std::span<const Lane> lanes, Desk& desk);
+  void take_slot(unsigned agv);
   void move_up(unsigned agv, Desk& desk);
-  void arrived(unsigned agv, Desk& desk);
-  bool goes_home(unsigned agv, bool crane_holds_container, std::optional<unsigned> loading) const;
-  void go_home(unsigned agv, Desk& desk);
-  static bool queued(const Agv& agv);
+  bool in_spot(unsigned agv, Desk& desk);
   bool slot_taken(unsigned slot) const;
   unsigned first_free_slot() const;
   std::vector<Lane> lanes_to_slot(unsigned slot) const;
-  void avoidance(unsigned agv, Desk& desk);
 
   FleetJob job_;
   const Words& words_;
-  Consents& consents_;
   std::vector<Agv> agvs_;
 };
 

@@ -24,7 +24,7 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
            HostListener& listener)
     : config_(config), words_(words), parameters_(importance_parameters(config)), intervals_(intervals(config)),
       clock_(clock_of(config.rates.refresh_frequency_hz)), ledger_(ledger), listener_(listener), list_(words.block_count),
-      consents_(fleet.agvs), crane_(crane, words_, consents_), fleet_(fleet, words_, consents_),
+      processes_(config.processes, config.tasks, crane, fleet, words_),
       user_tasks_(config_.tasks, words_, config_.rates.refresh_frequency_hz),
       torque_{{.x = task::torque, .y = robot_class::crane, .kind = words.kind_torque, .area = words.cr_base},
               JobKind::torque_compensation, intervals_.servo},
@@ -118,7 +118,8 @@ void Host::apply_changes() {
     changes_.erase(changes_.begin());
     parameters_ = importance_parameters(config_);
     const std::int64_t interval = intervals(config_).agv_slowed;
-    for (unsigned agv = 0; interval != before && agv < fleet_.size(); ++agv) fleet_.set_interval(agv, interval);
+    Fleet& fleet = processes_.fleet();
+    for (unsigned agv = 0; interval != before && agv < fleet.size(); ++agv) fleet.set_interval(agv, interval);
   }
 }
 
@@ -168,22 +169,18 @@ void Host::after_flags() {
 
 void Host::think() {
   if (tick_ == elapsed_) {  // the first refresh
-    crane_.start(*this);
-    fleet_.start(*this);
+    processes_.start(*this);
   }
   for (const Done& done : done_) take_out(done);
   for (const Hung& hung : hung_) recompute(hung);
-  if (crane_.servoing()) {
-    refresh_servo(torque_);
-    refresh_servo(pid_);
-  }
-  crane_.refresh(*this, fleet_);
-  if (const auto agv = crane_.take_loaded_agv()) fleet_.loaded(*agv);
-  fleet_.refresh(*this, crane_.grabbing(), crane_.loading());
+  refresh_servo(torque_, processes_.releases(3, 0));
+  refresh_servo(pid_, processes_.releases(4, 0));
+  processes_.refresh(*this);
   user_tasks_.refresh(*this);
   if (const auto cycle = cycles_.take_closed()) {
-    fleet_.set_interval(cycle->agv, learned_interval(config_.scheduling, fleet_.interval(cycle->agv), intervals_.agv_point,
-                                                     static_cast<unsigned>(config_.dock.agvs), *cycle));
+    Fleet& fleet = processes_.fleet();
+    fleet.set_interval(cycle->agv, learned_interval(config_.scheduling, fleet.interval(cycle->agv), intervals_.agv_point,
+                                                    static_cast<unsigned>(config_.dock.agvs), *cycle));
   }
   list_.refresh(elapsed_, [this](const Block& block) { return importance_of(block); });
   write_new_blocks();
@@ -312,9 +309,9 @@ void Host::write_new_blocks() {
 }
 
 std::uint32_t Host::importance_of(const Block& block) const {
-  if (user_tasks_.owns(block.task) && block.task.x != task::recompute) return importance(user_tasks_.row(block.task), block.t);
+  if (user_tasks_.is_one(block.task) && block.task.x != task::recompute) return importance(user_tasks_.row(block.task), block.t);
   ImportanceParameters parameters = parameters_;
-  if (block.task.robot > 0) parameters.n_agv = fleet_.interval(block.task.robot - 1);
+  if (block.task.robot > 0) parameters.n_agv = processes_.fleet().interval(block.task.robot - 1);
   return importance(parameters, block.task.x, block.task.y, block.t);
 }
 
@@ -337,14 +334,15 @@ void Host::take_out(const Done& done) {
     if (servo->out && servo->block == done.block) servo->out = false, servo->last_t = t;
   }
   if (user_tasks_.owns(task)) user_tasks_.ended(task);
-  else if (task.robot == 0) crane_.finished(task, done.result, done.notify, *this);
-  else fleet_.finished(task, done.result, done.notify, *this);
+  else processes_.finished(task, done.result, done.notify, *this);
 }
 
 // ---- the servo ---------------------------------------------------------------------------------------------------------
 
-void Host::refresh_servo(Servo& servo) {
-  if (servo.out) {
+void Host::refresh_servo(Servo& servo, bool on) {
+  if (!on) {
+    while (servo.next <= tick_) servo.next += intervals_.servo;
+  } else if (servo.out) {
     while (servo.next <= tick_) drop_tick(servo);
   } else {
     while (servo.next + intervals_.servo <= tick_) drop_tick(servo);

@@ -19,12 +19,11 @@
 #include <vector>
 
 #include "cmrc/config.hpp"
-#include "cmrc/crane.hpp"
 #include "cmrc/cycles.hpp"
-#include "cmrc/fleet.hpp"
 #include "cmrc/importance.hpp"
 #include "cmrc/ledger.hpp"
 #include "cmrc/list.hpp"
+#include "cmrc/processes.hpp"
 #include "cmrc/user_task.hpp"
 #include "cmrc/words.hpp"
 #include "machine/machine.hpp"
@@ -56,8 +55,6 @@ class Host : public machine::HostProgram, private Desk {
   /// Counts; the times of the semaphore are the observer's to add.
   report::HostReport report() const;
   const Cycles& cycles() const { return cycles_; }
-  const CraneProcesses& crane() const { return crane_; }
-  const Fleet& fleet() const { return fleet_; }
   const TaskList& list() const { return list_; }
   std::int64_t refresh() const { return tick_; }
   const machine::Clock& refresh_clock() const { return clock_; }
@@ -108,7 +105,8 @@ class Host : public machine::HostProgram, private Desk {
   void give_up(std::size_t block);
   void fence_off(unsigned slot);
   void renew(unsigned slot);
-  void refresh_servo(Servo& servo);
+  /// \param on servoing is on; ticks at which it is not are nobody's
+  void refresh_servo(Servo& servo, bool on);
   void load_servo(Servo& servo);
   void drop_tick(Servo& servo);
   std::size_t load_block(const Task& task, JobKind job, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick);
@@ -137,9 +135,7 @@ class Host : public machine::HostProgram, private Desk {
   HostListener& listener_;
 
   TaskList list_;
-  Consents consents_;
-  CraneProcesses crane_;
-  Fleet fleet_;
+  Processes processes_;
   UserTasks user_tasks_;
   Cycles cycles_;
   Servo torque_, pid_;

@@ -72,8 +72,7 @@ void Host::give_up(std::size_t index) {
   }
   if (task.kind == words_.kind_error) return;
   if (user_tasks_.owns(task)) user_tasks_.ended(task);
-  else if (task.robot == 0) crane_.dropped(task);
-  else fleet_.dropped(task);
+  else processes_.dropped(task);
   load({.x = task::error, .y = robot_class::none, .kind = words_.kind_error, .robot = task.robot, .area = task.area,
         .tick = static_cast<std::uint32_t>(tick_), .argument = task.kind}, std::nullopt);
 }

@@ -20,6 +20,8 @@ struct Task {
   std::uint32_t tick = 0;      ///< refresh number of the nominal release
   std::uint32_t argument = 0;
   std::int64_t t = 0;          ///< waiting count at the start (a servo block inherits it)
+  std::uint32_t process = 0;     ///< number of the process whose step it is; 0: none. For the host only, as is:
+  std::uint32_t subprocess = 0;  ///< number of the sub-process that is released once per interval
 };
 
 struct Block {

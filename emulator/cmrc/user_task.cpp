@@ -83,7 +83,8 @@ UserTask user_task(const std::map<std::string, Field>& given, const Origin& wher
   task.importance = static_cast<std::uint32_t>(fields.integer("importance", std::nullopt, 1, 0xFFFF));
   task.importance_waiting = static_cast<std::uint32_t>(fields.integer("importance_waiting", task.importance, 0, 0xFFFF));
   task.due_refreshes = fields.integer("due_refreshes", 0, 0, 0xFFFF);
-  task.period_ms = fields.number("period_ms", std::nullopt, 0.01, 1e6);
+  task.period_ms = fields.number("period_ms", 0, 0, 1e6);
+  if (task.period_ms != 0 && task.period_ms < 0.01) refuse(given.at("period_ms").origin, "tasks.period_ms", fmt::format("{} is out of range", task.period_ms), "a number from 0.01 to 1e6, or 0, is expected");
   task.deadline_ms = fields.number("deadline_ms", 0, 0, 1e6);
   task.argument = fields.integer("argument", 0, -2147483648LL, 4294967295LL);
   for (std::size_t i = 0; i < most_parameters; ++i) {
@@ -124,7 +125,7 @@ std::uint32_t importance(const UserTask& task, std::int64_t t) { return t >= tas
 UserTasks::UserTasks(std::span<const UserTask> tasks, const Words& words, double refresh_frequency) : words_(words) {
   const auto refreshes = [&](double ms) { return std::max<std::int64_t>(1, std::llround(ms * 1e-3 * refresh_frequency)); };
   for (const UserTask& task : tasks) {
-    const std::int64_t period = refreshes(task.period_ms);
+    const std::int64_t period = task.period_ms > 0 ? refreshes(task.period_ms) : 0;
     rows_.push_back({task, period, task.deadline_ms > 0 ? refreshes(task.deadline_ms) : 0, period, false});
   }
 }
@@ -132,7 +133,7 @@ UserTasks::UserTasks(std::span<const UserTask> tasks, const Words& words, double
 void UserTasks::refresh(Desk& desk) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Row& row = rows_[i];
-    if (desk.tick() < row.next) continue;
+    if (row.period == 0 || desk.tick() < row.next) continue;
     row.next += row.period * ((desk.tick() - row.next) / row.period + 1);
     if (row.out) continue;
     row.out = true;

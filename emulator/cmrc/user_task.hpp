@@ -45,7 +45,10 @@ class UserTasks {
   void refresh(Desk& desk);
   /// A block of a user's task is out of the list, done or given up.
   void ended(const Task& task) { rows_.at(task.kind - words_.kind_user).out = false; }
-  bool owns(const Task& task) const { return task.kind >= words_.kind_user; }
+  /// The block is one of a user's program.
+  bool is_one(const Task& task) const { return task.kind >= words_.kind_user; }
+  /// ... and was released here, not by a process or sub-process of the table.
+  bool owns(const Task& task) const { return is_one(task) && task.process == 0 && task.subprocess == 0; }
   const UserTask& row(const Task& task) const { return rows_.at(task.kind - words_.kind_user).task; }
 
  private:

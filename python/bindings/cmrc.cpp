@@ -273,7 +273,7 @@ class TestLedger {
 
 void bind_parts(py::module_& m) {
   py::class_<cmrc::Consents>(m, "Consents", "May-load tokens (plant-and-bus.md 4.4 items 13 to 16).")
-      .def(py::init<unsigned>())
+      .def(py::init([](unsigned agvs) { return cmrc::Consents(cmrc::built_in_processes(), agvs); }))
       .def("give", &cmrc::Consents::give, py::arg("source"), py::arg("target"), py::arg("agv") = 0)
       .def("clear", &cmrc::Consents::clear, py::arg("source"), py::arg("target"), py::arg("agv") = 0)
       .def("given", &cmrc::Consents::given, py::arg("source"), py::arg("target"), py::arg("agv") = 0)

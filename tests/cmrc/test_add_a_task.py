@@ -74,7 +74,8 @@ def test_importance_row_decides_between_waiting_and_due(desk: Path) -> None:
         ("kind = 14", "kind = 8", "tasks.kind: 8 is one of the paper's own"),
         ("kind = 14", 'kind = "x"', "tasks.kind"),
         ('name = "sway_watch"', "", "tasks.name: is missing"),
-        ("period_ms = 10", "period_ms = 0", "tasks.period_ms: 0 is out of range"),
+        ("period_ms = 10", "period_ms = 0", 'tasks.period_ms: nobody releases "sway_watch"'),
+        ("period_ms = 10", "period_ms = 0.001", "tasks.period_ms: 0.001 is out of range"),
         ("parameter_0", "parameter_1", "parameter"),
         ("deadline_ms", "deadlin_ms", "tasks.deadlin_ms: no such field"),
     ],
@@ -93,3 +94,21 @@ def test_an_unknown_program_is_named(desk: Path) -> None:
 def test_rows_are_written_back() -> None:
     config = cmrc.config(toml=blocks("toml")[0])
     assert cmrc.config(toml=config.to_toml()).to_toml() == config.to_toml()
+
+
+def test_a_sub_process_of_ones_own_runs_where_its_process_lists_it(desk: Path) -> None:
+    """As docs/processes.md has it: once per point interval (8 ms) of the crane, while process 3 runs (from 2.4 ms on)."""
+    row = re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "processes.md").read_text(), re.DOTALL)[1]
+    grab = re.search(r"\[\[processes\]\]\nnumber = 3.*?\n\n", (ROOT / "emulator" / "cmrc" / "processes.toml").read_text(), re.DOTALL)
+    assert grab is not None
+    tasks = blocks("toml")[0].replace("period_ms = 10", "period_ms = 0")
+    with_it = grab[0].replace("[1, 2, 3, 4]", "[1, 2, 3, 4, 6]")
+    assert report_of(tasks + row + with_it, duration_s=0.1)["tasks"]["user.sway_watch"]["on_time"] == 12
+    assert report_of(tasks + row, duration_s=0.1)["tasks"]["user.sway_watch"]["released"] == 0
+
+
+def test_a_task_can_be_a_step(desk: Path) -> None:
+    tasks = blocks("toml")[0].replace("period_ms = 10", "period_ms = 0")
+    steps = '[[processes]]\nnumber = 9\nname = "look"\nrobot = "none"\nsteps = ["task user.sway_watch", "task user.sway_watch"]\nloaded = true\n'
+    row = report_of(tasks + steps, duration_s=0.05)["tasks"]["user.sway_watch"]
+    assert (row["released"], row["on_time"]) == (2, 2)

@@ -1,0 +1,217 @@
+#include "cmrc/process_table.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <functional>
+#include <set>
+
+#include "cmrc/process_rows.hpp"
+
+namespace cmrc {
+namespace {
+
+bool has(const std::vector<unsigned>& list, unsigned number) { return std::find(list.begin(), list.end(), number) != list.end(); }
+
+/// Everything that check() asks of a table; an error names the row's place.
+class Checker {
+ public:
+  Checker(const ProcessTable& table, std::span<const UserTask> tasks) : table_(table), tasks_(tasks) {}
+
+  void check() const {
+    for (const Subprocess& row : table_.subprocesses) subprocess(row);
+    for (const Process& process : table_.processes) {
+      numbers(process);
+      steps(process);
+      tokens(process);
+    }
+    all_start();
+    for (const UserTask& own : tasks_) released(own);
+  }
+
+ private:
+  void released(const UserTask& own) const {
+    const std::string name = "user." + own.name;
+    const auto in_steps = [&](const Process& process) {
+      return std::any_of(process.steps.begin(), process.steps.end(), [&](const Step& step) { return step.task == name; });
+    };
+    const bool used = std::any_of(table_.processes.begin(), table_.processes.end(), in_steps) ||
+                      std::any_of(table_.subprocesses.begin(), table_.subprocesses.end(), [&](const Subprocess& row) { return row.crane == name || row.agv == name; });
+    if (own.period_ms == 0 && !used) {
+      refuse(own.origin, "tasks.period_ms", fmt::format("nobody releases \"{}\"", own.name), "a period above 0, or a row of [[processes]] or [[subprocesses]] that names it, is expected");
+    }
+  }
+
+  void require(bool holds, const Process& process, std::string_view field, const std::string& what, std::string_view right) const {
+    if (!holds) refuse(process.origin, fmt::format("processes.{}", field), fmt::format("process {}: {}", process.number, what), right);
+  }
+
+  bool users(std::string_view task) const {
+    return std::any_of(tasks_.begin(), tasks_.end(), [&](const UserTask& own) { return task == "user." + own.name; });
+  }
+
+  void subprocess(const Subprocess& row) const {
+    const auto refuse_row = [&](std::string_view field, const std::string& what, std::string_view right) {
+      refuse(row.origin, fmt::format("subprocesses.{}", field), fmt::format("sub-process {}: {}", row.number, what), right);
+    };
+    if (const Subprocess* own = built_in_processes().find_subprocess(row.number); own != nullptr && row.number <= 4) {
+      // The host's own: their release is not a matter of configuration beyond this.
+      if (row.crane != own->crane || row.agv != own->agv || row.release != own->release || row.must != own->must ||
+          (row.release == Subprocess::Release::point && row.between_processes)) {
+        refuse_row("number", "only the name, and of 3 and 4 between_processes, can be changed", "sub-processes of one's own have numbers from 6 on");
+      }
+      return;
+    }
+    if (row.release != Subprocess::Release::interval) refuse_row("release", "is bound to sub-processes 1 to 4", "\"interval\" is expected");
+    if (row.crane.empty() && row.agv.empty()) refuse_row("crane", "no task of any robot", "`crane` or `agv` names one");
+    if (!row.must.empty()) refuse_row("must", "only sub-process 1 loads others", "no `must` is expected");
+    if (!row.crane.empty() && !users(row.crane)) refuse_row("crane", fmt::format("\"{}\" is no task for it", row.crane), "\"user.NAME\" of a row of [[tasks]] is expected");
+    if (!row.agv.empty() && row.agv != "obstacle_avoidance" && !users(row.agv)) {
+      refuse_row("agv", fmt::format("\"{}\" is no task for it", row.agv), "\"obstacle_avoidance\" or \"user.NAME\" of a row of [[tasks]] is expected");
+    }
+  }
+
+  void numbers(const Process& process) const {
+    for (const auto& [field, list] : {std::pair{"must", &process.must}, std::pair{"may", &process.may}, std::pair{"initial", &process.initial},
+                                      std::pair{"replaces", &process.replaces}}) {
+      for (const unsigned number : *list) {
+        require(table_.find(number) != nullptr, process, field, fmt::format("there is no process {}", number), "the number of a row is expected");
+      }
+    }
+    for (const unsigned number : process.subprocesses) {
+      require(table_.find_subprocess(number) != nullptr, process, "subprocesses", fmt::format("there is no sub-process {}", number), "the number of a row of [[subprocesses]] is expected");
+    }
+  }
+
+  void steps(const Process& process) const {
+    using Kind = Step::Kind;
+    static const std::set<Kind> of_crane = {Kind::task, Kind::leg, Kind::settle, Kind::lower, Kind::lock, Kind::open, Kind::raise, Kind::wait_for_agv, Kind::hold};
+    static const std::set<Kind> of_agv = {Kind::task, Kind::leg, Kind::queue, Kind::hand_over, Kind::hold};
+    static const std::set<Kind> servo = {Kind::leg, Kind::settle, Kind::lower, Kind::lock, Kind::open, Kind::raise};
+    static const std::set<Kind> points = {Kind::leg, Kind::queue};
+    require(!process.steps.empty(), process, "steps", "no step", "at least one is expected");
+    bool waited = false;
+    for (const Step& step : process.steps) {
+      const std::string text = to_text(step);
+      const bool fits = process.robot == Robots::none ? step.kind == Kind::task
+                                                      : (process.robot == Robots::crane ? of_crane : of_agv).contains(step.kind);
+      require(fits, process, "steps", fmt::format("\"{}\" is not for its robot", text), "docs/processes.md lists the steps of each robot");
+      const auto needs = [&](const std::set<Kind>& kinds, unsigned a, unsigned b) {
+        require(!kinds.contains(step.kind) || (has(process.subprocesses, a) && has(process.subprocesses, b)), process, "subprocesses",
+                fmt::format("\"{}\" needs sub-processes {} and {}", text, a, b), "they belong into the list");
+      };
+      needs(points, 1, 2);
+      if (process.robot == Robots::crane) needs(servo, 3, 4);
+      waited = waited || step.kind == Kind::wait_for_agv;
+      require(process.robot != Robots::crane || step.kind != Kind::leg || step.leg != 2 || waited, process, "steps",
+              "\"leg 2\" aims at an AGV", "\"wait_for_agv\" is expected before it");
+      require(process.robot != Robots::agv || step.kind != Kind::leg || step.leg != 2, process, "steps", "leg 2 of an AGV is its way to the queue",
+              "\"queue\" is expected in its place");
+      if (step.kind == Kind::task) task(process, step.task);
+    }
+  }
+
+  void task(const Process& process, const std::string& name) const {
+    const bool agvs = process.robot == Robots::agv;
+    const bool known = name == "identify" || name == "grab_path" || (process.robot == Robots::crane && name == "home.crane") || (agvs && name == "home.agv");
+    require(known || users(name), process, "steps", fmt::format("\"{}\" is no task for it", name),
+            agvs ? "home.agv, identify, grab_path or user.NAME of a row of [[tasks]] is expected"
+                 : "identify, grab_path, home.crane (of the crane) or user.NAME of a row of [[tasks]] is expected");
+  }
+
+  void tokens(const Process& process) const {
+    for (const unsigned source : process.initial) {
+      require(has(table_.find(source)->may, process.number), process, "initial", fmt::format("process {} never consents to it", source),
+              fmt::format("{} in `may` of process {}, or not here", process.number, source));
+    }
+    for (const Consent& consent : process.clears) {
+      const Process* source = table_.find(consent.source);
+      require(source != nullptr && has(source->may, consent.target), process, "clears", fmt::format("there is no consent {}->{}", consent.source, consent.target),
+              "one that `may` of its source lists is expected");
+    }
+    require(process.replaces.empty() || process.robot == Robots::agv, process, "replaces", "only an AGV's process replaces another", "robot = \"agv\", or no `replaces`");
+    if (process.notified_by_task) {
+      require(process.steps.back().kind == Step::Kind::task, process, "notify", "its last step is no task", "\"host\" is expected");
+      for (const unsigned number : process.must) require(number <= 8, process, "must", fmt::format("TB_NOTIFY has no bit for process {}", number), "a number up to 8 is expected");
+      for (const unsigned number : process.may) require(number <= 8, process, "may", fmt::format("TB_NOTIFY has no bit for process {}", number), "a number up to 8 is expected");
+    }
+    for (const unsigned number : process.must) {
+      require(table_.find(number)->robot != Robots::agv || has_agv(process), process, "must", fmt::format("no AGV is named for process {}", number),
+              "an AGV's process is demanded by one that has an AGV: an AGV's own, or one of the crane to which an AGV's consents");
+    }
+    require(!process.loaded || process.robot == Robots::none, process, "loaded", "a robot's process begins by consent or demand", "robot = \"none\", or initial consents");
+  }
+
+  bool has_agv(const Process& process) const {
+    if (process.robot == Robots::agv) return true;
+    const auto sources = table_.sources(process.number);
+    return process.robot == Robots::crane && std::any_of(sources.begin(), sources.end(), [&](unsigned n) { return table_.find(n)->robot == Robots::agv; });
+  }
+
+  /// A process can start when it is loaded, when one that can start demands it, or when each that must consent has or can start.
+  void all_start() const {
+    std::set<unsigned> can;
+    const auto starts = [&](const Process& process) {
+      const auto sources = table_.sources(process.number);
+      const auto demanded = [&](const Process& other) { return can.contains(other.number) && has(other.must, process.number); };
+      const auto consents = [&](unsigned source) { return has(process.initial, source) || can.contains(source); };
+      return process.loaded || std::any_of(table_.processes.begin(), table_.processes.end(), demanded) ||
+             (!sources.empty() && std::all_of(sources.begin(), sources.end(), consents));
+    };
+    for (bool grown = true; grown;) {
+      grown = false;
+      for (const Process& process : table_.processes) {
+        if (!can.contains(process.number) && starts(process)) grown = can.insert(process.number).second;
+      }
+    }
+    for (const Process& process : table_.processes) {
+      std::vector<unsigned> missing;
+      for (const unsigned source : table_.sources(process.number)) {
+        if (!has(process.initial, source) && !can.contains(source)) missing.push_back(source);
+      }
+      require(can.contains(process.number), process, "number",
+              missing.empty() ? std::string("can never start: no process demands or consents to it")
+                              : fmt::format("can never start: it waits for process {}, which waits for others in a circle or never starts", fmt::join(missing, ", ")),
+              "a `must`, a `may`, an `initial` consent or `loaded` is expected");
+    }
+  }
+
+  const ProcessTable& table_;
+  std::span<const UserTask> tasks_;
+};
+
+}  // namespace
+
+const Process* ProcessTable::find(unsigned number) const {
+  const auto found = std::find_if(processes.begin(), processes.end(), [number](const Process& process) { return process.number == number; });
+  return found == processes.end() ? nullptr : &*found;
+}
+
+const Subprocess* ProcessTable::find_subprocess(unsigned number) const {
+  const auto found = std::find_if(subprocesses.begin(), subprocesses.end(), [number](const Subprocess& row) { return row.number == number; });
+  return found == subprocesses.end() ? nullptr : &*found;
+}
+
+std::vector<unsigned> ProcessTable::sources(unsigned target) const {
+  std::vector<unsigned> all;
+  for (const Process& process : processes) {
+    if (has(process.may, target)) all.push_back(process.number);
+  }
+  return all;
+}
+
+const ProcessTable& built_in_processes() {
+  static const ProcessTable table = [] {
+    const toml::table rows = toml::parse(built_in_processes_text(), std::string_view("processes.toml"));
+    ProcessTable read;
+    read_subprocesses(*rows.get("subprocesses"), "processes.toml", read);
+    read_processes(*rows.get("processes"), "processes.toml", read);
+    return read;
+  }();
+  return table;
+}
+
+void check(const ProcessTable& table, std::span<const UserTask> tasks) { Checker(table, tasks).check(); }
+
+}  // namespace cmrc

@@ -1,0 +1,299 @@
+#include "cmrc/processes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "cmrc/importance.hpp"
+
+namespace cmrc {
+namespace {
+
+bool has(const std::vector<unsigned>& list, unsigned number) { return std::find(list.begin(), list.end(), number) != list.end(); }
+
+const Step* step_of(const Process& process, std::size_t step) { return step < process.steps.size() ? &process.steps[step] : nullptr; }
+
+}  // namespace
+
+Processes::Processes(const ProcessTable& table, std::span<const UserTask> tasks, const CraneJob& crane, const FleetJob& fleet, const Words& words)
+    : table_(table), tasks_(tasks.begin(), tasks.end()), words_(words), consents_(table_, fleet.agvs), crane_(crane, words), fleet_(fleet, words),
+      agv_runs_(fleet.agvs), demands_(16, std::vector<unsigned>(std::max(fleet.agvs, 1U))) {
+  for (const Process& process : table_.processes) {
+    if (process.robot == Robots::none) free_runs_.emplace_back();
+  }
+  for (const Subprocess& row : table_.subprocesses) {
+    if (row.release != Subprocess::Release::interval) continue;
+    if (!row.crane.empty()) intervals_.push_back({&row, 0});
+    for (unsigned agv = 0; agv < fleet.agvs && !row.agv.empty(); ++agv) {
+      if (row.agv != "obstacle_avoidance" || fleet.avoidance) intervals_.push_back({&row, agv + 1});
+    }
+  }
+}
+
+void Processes::start(Desk& desk) {
+  fleet_.start(desk);
+  for (const Process& process : table_.processes) {
+    for (const unsigned source : process.initial) {
+      // To the crane's process consents the AGV that stands in the spot, to an AGV's own each its own.
+      const bool every = process.robot == Robots::agv && table_.find(source)->robot == Robots::agv;
+      for (unsigned agv = 0; agv < (every ? fleet_.size() : 1); ++agv) consents_.give(source, process.number, agv);
+    }
+    if (process.loaded) demand(process.number, std::nullopt, desk);
+    const auto queue = std::find_if(process.steps.begin(), process.steps.end(), [](const Step& step) { return step.kind == Step::Kind::queue; });
+    if (queue == process.steps.end()) continue;
+    for (unsigned agv = 1; agv < fleet_.size(); ++agv) {
+      if (agv_runs_[agv].process == nullptr) {
+        agv_runs_[agv] = {.process = &process, .step = static_cast<std::size_t>(queue - process.steps.begin()), .agv = agv, .silent = true};
+      }
+    }
+  }
+  for (Interval& interval : intervals_) {
+    interval.at = desk.tick() + (interval.robot == 0 ? crane_.point_interval() : fleet_.interval(interval.robot - 1));  // all at once: the worst case (2.4)
+  }
+}
+
+// ---- what may start ----------------------------------------------------------------------------------------------------
+
+bool Processes::takes_agv(const Process& process) const {
+  const auto sources = table_.sources(process.number);
+  return process.robot == Robots::crane && std::any_of(sources.begin(), sources.end(), [this](unsigned n) { return table_.find(n)->robot == Robots::agv; });
+}
+
+bool Processes::may_start(const Process& process, unsigned agv) const {
+  return demands(process, agv) != 0 || consents_.all(process.number, agv);
+}
+
+const Process* Processes::next_of(Robots robot, unsigned agv) const {
+  const Process* chosen = nullptr;
+  for (const Process& process : table_.processes) {
+    if (process.robot != robot) continue;
+    if (robot == Robots::crane && takes_agv(process)) {
+      const auto there = agv_in_spot();
+      if (!there || !may_start(process, *there)) continue;
+    } else if (!may_start(process, agv)) {
+      continue;
+    }
+    if (chosen == nullptr || has(process.replaces, chosen->number)) chosen = &process;
+  }
+  return chosen;
+}
+
+std::optional<unsigned> Processes::agv_in_spot() const {
+  for (unsigned agv = 0; agv < fleet_.size(); ++agv) {
+    const Run& run = agv_runs_[agv];
+    if (run.process != nullptr || run.retired || !fleet_.queued(agv) || fleet_.slot(agv) != 0) continue;
+    const bool called = std::any_of(table_.processes.begin(), table_.processes.end(),
+                                    [&](const Process& process) { return process.robot == Robots::agv && demands(process, agv) != 0; });
+    if (!called) return agv;
+  }
+  return std::nullopt;
+}
+
+void Processes::demand(unsigned target, std::optional<unsigned> agv, Desk& desk) {
+  const Process& process = *table_.find(target);
+  demands_[target][process.robot == Robots::agv ? agv.value() : 0] = 1;
+  if (process.robot == Robots::none) start_free(desk);  // else its robot takes it up when it is free
+}
+
+void Processes::start_free(Desk& desk) {
+  std::size_t n = 0;
+  for (const Process& process : table_.processes) {
+    if (process.robot != Robots::none) continue;
+    Run& run = free_runs_[n++];
+    if (run.process == nullptr && !run.retired && may_start(process, 0)) begin(run, process, std::nullopt, desk);
+  }
+}
+
+// ---- from step to step -------------------------------------------------------------------------------------------------
+
+void Processes::begin(Run& run, const Process& process, std::optional<unsigned> agv, Desk& desk) {
+  const unsigned one = agv.value_or(0);
+  demands_[process.number][process.robot == Robots::agv ? one : 0] = 0;
+  consents_.consume(process.number, one);
+  for (const Consent& consent : process.clears) consents_.clear(consent.source, consent.target, one);
+  run = {.process = &process, .agv = agv};
+  desk.process(process.number, true, agv ? *agv + 1 : 0);
+  enter(run, desk);
+}
+
+void Processes::enter(Run& run, Desk& desk) {
+  const Step& step = run.process->steps[run.step];
+  run.wants_task = step.kind == Step::Kind::task;
+  if (run.process->robot == Robots::agv) fleet_.enter(*run.agv, step, desk);
+  else if (!run.wants_task) crane_.enter(step, desk);
+}
+
+void Processes::advance(Run& run, Word notify, Desk& desk) {
+  ++run.step;
+  if (step_of(*run.process, run.step) != nullptr) return enter(run, desk);
+  end(run, notify, desk);
+}
+
+void Processes::end(Run& run, Word notify, Desk& desk) {
+  const Process& process = *run.process;
+  const auto agv = run.agv;
+  const auto given = [&](Word bit, unsigned number) { return !process.notified_by_task || (notify & bit << number) != 0; };
+  if (!run.silent) desk.process(process.number, false, agv ? *agv + 1 : 0);
+  run = {.retired = process.final};
+  for (const unsigned target : process.may) {
+    if (given(words_.may_process, target)) consents_.give(process.number, target, agv.value_or(0));
+  }
+  for (const unsigned target : process.must) {
+    if (given(words_.must_process, target)) demand(target, agv, desk);
+  }
+}
+
+Task Processes::user_block(const std::string& name, Robot robot) const {
+  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+    if ("user." + tasks_[i].name != name) continue;
+    const auto number = static_cast<Word>(i);
+    return {.x = tasks_[i].x, .kind = words_.kind_user + number, .robot = robot, .area = words_.us_base + number * words_.us_words,
+            .argument = static_cast<std::uint32_t>(tasks_[i].argument)};
+  }
+  throw std::logic_error("Processes: a task that check() should have refused: " + name);
+}
+
+Task Processes::task_of(const Run& run, const Desk& desk) const {
+  const std::string& name = run.process->steps[run.step].task;
+  const Robot robot = run.process->robot == Robots::agv ? *run.agv + 1 : 0;
+  Task task;
+  if (name == "identify") task = {.x = task::identify, .kind = words_.kind_identify, .area = words_.cr_base};
+  else if (name == "grab_path") task = {.x = task::grab_path, .kind = words_.kind_grab_path, .area = words_.cr_base};
+  else if (name == "home.crane") task = {.x = task::home_crane, .y = robot_class::crane, .kind = words_.kind_home_crane, .area = words_.cr_base};
+  else if (name == "home.agv") task = {.x = task::home_agv, .y = robot_class::agv, .kind = words_.kind_home_agv, .area = words_.agv_area(robot - 1)};
+  else task = user_block(name, robot);
+  task.robot = robot;
+  task.tick = static_cast<std::uint32_t>(desk.tick());
+  task.process = run.process->number;
+  return task;
+}
+
+void Processes::load_task(Run& run, Desk& desk) {
+  if (!run.wants_task || run.stopped) return;
+  run.wants_task = false;
+  desk.load(task_of(run, desk), std::nullopt);
+}
+
+// ---- a refresh ---------------------------------------------------------------------------------------------------------
+
+void Processes::refresh(Desk& desk) {
+  start_free(desk);
+  for (Run& run : free_runs_) load_task(run, desk);
+  load_task(crane_run_, desk);
+  move_crane(desk);
+  crane_.refresh(desk);
+  release_intervals(0, desk);
+  for (unsigned agv = 0; agv < fleet_.size(); ++agv) {
+    move_agv(agv, desk);
+    fleet_.refresh(agv, desk);
+    release_intervals(agv + 1, desk);
+  }
+}
+
+void Processes::move_crane(Desk& desk) {
+  Run& run = crane_run_;
+  if (run.stopped || run.retired) return;
+  if (run.process == nullptr) {
+    const Process* next = next_of(Robots::crane, 0);
+    if (next != nullptr) begin(run, *next, takes_agv(*next) ? agv_in_spot() : std::nullopt, desk);
+    return;
+  }
+  const Step& step = run.process->steps[run.step];
+  if (step.kind != Step::Kind::task && crane_.done(step, desk, *this)) advance(run, 0, desk);
+}
+
+void Processes::move_agv(unsigned agv, Desk& desk) {
+  Run& run = agv_runs_[agv];
+  if (run.stopped || run.retired) return;
+  const auto start_next = [&] {
+    if (const Process* next = next_of(Robots::agv, agv)) begin(run, *next, agv, desk);
+  };
+  if (run.process == nullptr) return start_next();
+  const Step& step = run.process->steps[run.step];
+  if (step.kind == Step::Kind::task) return load_task(run, desk);
+  if (step.kind == Step::Kind::queue && !fleet_.moving_up(agv)) {
+    const Process* next = next_of(Robots::agv, agv);
+    if (next != nullptr && has(next->replaces, run.process->number)) return begin(run, *next, agv, desk);
+  }
+  if (!fleet_.done(agv, step, desk)) return;
+  advance(run, 0, desk);
+  // What it demands of itself follows at once.
+  const bool called = std::any_of(table_.processes.begin(), table_.processes.end(),
+                                  [&](const Process& process) { return process.robot == Robots::agv && demands(process, agv) != 0; });
+  if (run.process == nullptr && !run.retired && called) start_next();
+}
+
+// ---- sub-processes -----------------------------------------------------------------------------------------------------
+
+bool Processes::releases(unsigned number, Robot robot) const {
+  const Run& run = run_of_robot(robot);
+  if (run.retired) return false;
+  return run.process != nullptr && !run.silent ? has(run.process->subprocesses, number) : table_.find_subprocess(number)->between_processes;
+}
+
+void Processes::release_intervals(Robot robot, Desk& desk) {
+  for (Interval& interval : intervals_) {
+    if (interval.robot != robot || interval.stopped || interval.out || desk.tick() < interval.at || !releases(interval.row->number, robot)) continue;
+    const std::int64_t period = robot == 0 ? crane_.point_interval() : fleet_.interval(robot - 1);
+    interval.at += period * ((desk.tick() - interval.at) / period + 1);
+    interval.out = true;
+    const std::string& name = robot == 0 ? interval.row->crane : interval.row->agv;
+    Task task;
+    if (name == "obstacle_avoidance") {
+      task = {.x = task::avoidance, .kind = words_.kind_avoidance, .area = words_.agv_area(robot - 1),
+              .argument = static_cast<std::uint32_t>(fleet_.job().avoidance_cycles)};
+    } else {
+      task = user_block(name, robot);
+    }
+    task.y = robot == 0 ? robot_class::crane : robot_class::agv;
+    task.robot = robot;
+    task.tick = static_cast<std::uint32_t>(desk.tick());
+    task.subprocess = interval.row->number;
+    desk.load(task, desk.tick() + period);
+  }
+}
+
+// ---- blocks that have ended --------------------------------------------------------------------------------------------
+
+Processes::Run& Processes::run_of(const Task& task) {
+  const Process& process = *table_.find(task.process);
+  if (process.robot == Robots::crane) return crane_run_;
+  if (process.robot == Robots::agv) return agv_runs_.at(task.robot - 1);
+  return *std::find_if(free_runs_.begin(), free_runs_.end(), [&](const Run& run) { return run.process == &process; });
+}
+
+void Processes::finished(const Task& task, Word result, Word notify, Desk& desk) {
+  if (task.process != 0) return advance(run_of(task), notify, desk);
+  if (task.subprocess == 0) return task.robot == 0 ? crane_.finished(task, result, notify) : fleet_.finished(task, result, notify, desk);
+  for (Interval& interval : intervals_) {
+    if (interval.row->number == task.subprocess && interval.robot == task.robot) interval.out = false;
+  }
+}
+
+void Processes::dropped(const Task& task) {
+  if (task.process != 0) {
+    run_of(task).wants_task = true;
+  } else if (task.subprocess == 0) {
+    task.robot == 0 ? crane_.dropped(task) : fleet_.dropped(task);
+  } else {
+    for (Interval& interval : intervals_) {
+      if (interval.row->number == task.subprocess && interval.robot == task.robot) interval.out = false;
+    }
+  }
+}
+
+std::string Processes::abandoned(const Task& task) {
+  if (task.subprocess != 0) {
+    for (Interval& interval : intervals_) {
+      if (interval.row->number == task.subprocess && interval.robot == task.robot) interval.stopped = true;
+    }
+    return fmt::format("sub-process {} ({})", task.subprocess, table_.find_subprocess(task.subprocess)->name);
+  }
+  Run& run = task.process != 0 ? run_of(task) : task.robot == 0 ? crane_run_ : agv_runs_.at(task.robot - 1);
+  run.stopped = true;
+  if (task.process == 0) task.robot == 0 ? crane_.abandon() : fleet_.abandon(task.robot - 1);
+  return run.process == nullptr ? std::string("what moves the robot") : fmt::format("process {} ({})", run.process->number, run.process->name);
+}
+
+}  // namespace cmrc

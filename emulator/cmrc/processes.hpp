@@ -1,0 +1,95 @@
+#pragma once
+// The processes of the table at work: which one each robot is in, at which step, and what starts next.
+//
+// A process starts when it is demanded, or when all that have to consent have. Those of no robot run beside all others; the crane and each AGV
+// are in one at a time. When several of a robot's may start, the one with the lowest number does, unless another says that it replaces it. A
+// crane's process to which an AGV's consents takes the AGV that stands in the loading spot.
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cmrc/consents.hpp"
+#include "cmrc/crane.hpp"
+#include "cmrc/desk.hpp"
+#include "cmrc/fleet.hpp"
+#include "cmrc/process_table.hpp"
+#include "cmrc/user_task.hpp"
+
+namespace cmrc {
+
+class Processes : private Berth {
+ public:
+  Processes(const ProcessTable& table, std::span<const UserTask> tasks, const CraneJob& crane, const FleetJob& fleet, const Words& words);
+
+  void start(Desk& desk);
+  /// A block has ended that is a step's, or a sub-process's of a robot.
+  void finished(const Task& task, Word result, Word notify, Desk& desk);
+  /// A block was dropped after too many recomputations: what it was for is asked for again.
+  void dropped(const Task& task);
+  /// ... and is not asked for any more: what it was for stops where it is. \returns what stops, for the report
+  std::string abandoned(const Task& task);
+  /// Moves on as far as the last reports allow.
+  void refresh(Desk& desk);
+
+  /// Sub-process `number` of a robot is to be released now.
+  bool releases(unsigned number, Robot robot) const;
+  Crane& crane() { return crane_; }
+  Fleet& fleet() { return fleet_; }
+  const Fleet& fleet() const { return fleet_; }
+
+ private:
+  /// A process that runs, or where one could.
+  struct Run {
+    const Process* process = nullptr;
+    std::size_t step = 0;
+    std::optional<unsigned> agv = std::nullopt;  // of an AGV's process, or bound to the crane's
+    bool wants_task = false;      // the step's block is to be loaded
+    bool silent = false;          // it was never told to have started: an AGV that waits in the queue at the beginning
+    bool stopped = false;         // given up
+    bool retired = false;         // its robot's work is over
+  };
+  /// A sub-process that is released once per interval.
+  struct Interval {
+    const Subprocess* row;
+    Robot robot;
+    std::int64_t at = 0;
+    bool out = false;
+    bool stopped = false;
+  };
+
+  std::optional<unsigned> agv_in_spot() const override;
+  bool may_start(const Process& process, unsigned agv) const;
+  const Process* next_of(Robots robot, unsigned agv) const;
+  bool takes_agv(const Process& process) const;
+  void begin(Run& run, const Process& process, std::optional<unsigned> agv, Desk& desk);
+  void enter(Run& run, Desk& desk);
+  void advance(Run& run, Word notify, Desk& desk);
+  void end(Run& run, Word notify, Desk& desk);
+  void demand(unsigned target, std::optional<unsigned> agv, Desk& desk);
+  void start_free(Desk& desk);
+  void load_task(Run& run, Desk& desk);
+  Task task_of(const Run& run, const Desk& desk) const;
+  Task user_block(const std::string& name, Robot robot) const;
+  void move_crane(Desk& desk);
+  void move_agv(unsigned agv, Desk& desk);
+  void release_intervals(Robot robot, Desk& desk);
+  Run& run_of(const Task& task);
+  const Run& run_of_robot(Robot robot) const { return robot == 0 ? crane_run_ : agv_runs_.at(robot - 1); }
+  unsigned demands(const Process& process, unsigned agv) const { return demands_.at(process.number).at(process.robot == Robots::agv ? agv : 0); }
+
+  const ProcessTable table_;
+  const std::vector<UserTask> tasks_;
+  const Words& words_;
+  Consents consents_;
+  Crane crane_;
+  Fleet fleet_;
+  std::vector<Run> free_runs_;              // processes of no robot, in the table's order
+  Run crane_run_;
+  std::vector<Run> agv_runs_;
+  std::vector<std::vector<unsigned>> demands_;  // [process][agv]: one-place, as consents are
+  std::vector<Interval> intervals_;
+};
+
+}  // namespace cmrc
