@@ -134,7 +134,7 @@ class BusBridge::Way {
       fifo_.pop_front();
       landed_ += 1;
       if (client_ != nullptr)
-        client_->delivered(word.agent, word.address, word.value, transaction.ended,
+        client_->delivered(far_, word.agent, word.address, word.value, transaction.ended,
                            i < transaction.words ? Result::done : transaction.result);
     }
     in_flight_ = 0;

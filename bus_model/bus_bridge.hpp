@@ -18,23 +18,13 @@
 
 namespace pci {
 
-struct BusBridgeConfig {
-  std::string name = "bridge";
-  unsigned post_depth = 32;     ///< words per direction, 1 to 256
-  unsigned delayed_reads = 4;   ///< that can be under way per direction
-  unsigned prefetch_lines = 2;  ///< lines that Memory Read Multiple fetches; Read Line fetches to the end of one, Memory
-                                ///< Read one word
-  Clocks forward = 3;           ///< clocks from the last data phase on one bus to REQ# on the other, at least 1
-  Clocks latency_timer = 32;
-};
-
 class BusBridge {
  public:
-  /// Told of each posted word that has reached its target on the far bus (or, result not done, has been lost).
+  /// Told of each posted word that has reached a target on the far bus (or, result not done, has been lost).
   class Client {
    public:
     virtual ~Client() = default;
-    virtual void delivered(unsigned agent, Address address, Word value, Clocks clock, Result result) = 0;
+    virtual void delivered(const Bus& far, unsigned agent, Address address, Word value, Clocks clock, Result result) = 0;
   };
 
   /// Becomes two masters of each bus. The client may be null. Throws std::invalid_argument for impossible parameters.

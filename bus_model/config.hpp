@@ -94,4 +94,15 @@ struct BridgeConfig {
   Address prefetch_limit = 0;   ///< only below this address; reads at or above it drop the line
 };
 
+/// A transparent bridge between two buses.
+struct BusBridgeConfig {
+  std::string name = "bridge";
+  unsigned post_depth = 32;     ///< words per direction, 1 to 256
+  unsigned delayed_reads = 4;   ///< that can be under way per direction
+  unsigned prefetch_lines = 2;  ///< lines that Memory Read Multiple fetches; Read Line fetches to the end of one, Memory
+                                ///< Read one word
+  Clocks forward = 3;           ///< clocks from the last data phase on one bus to REQ# on the other, at least 1
+  Clocks latency_timer = 32;
+};
+
 }  // namespace pci

@@ -29,7 +29,7 @@ report::Summary summary_of(const pci::Histogram& histogram) {
 report::BusReport bus_report(const machine::Machine& machine, machine::BusId id, double hertz) {
   const pci::Bus& bus = machine.bus(id);
   report::BusReport report;
-  report.name = id == machine::BusId::a ? "A" : "B";
+  report.name = bus.config().name;
   report.clock_hz = hertz;
   const pci::BusStatistics statistics = machine.bus_statistics(id);
   report.clocks = statistics.total();
@@ -45,7 +45,10 @@ report::BusReport bus_report(const machine::Machine& machine, machine::BusId id,
   }
   for (unsigned i = 0; i < bus.targets(); ++i) {
     const pci::TargetStatistics& target = bus.target_statistics(i);
-    report.targets.push_back({bus.target_name(i), target.words_read, target.words_written});
+    auto same = std::ranges::find(report.targets, bus.target_name(i), &report::TargetReport::name);
+    if (same == report.targets.end()) same = report.targets.insert(same, {bus.target_name(i), 0, 0});
+    same->words_read += target.words_read;
+    same->words_written += target.words_written;
   }
   return report;
 }
@@ -149,7 +152,7 @@ report::RunReport make_report(const Evidence& e) {
     report.dsps.push_back(dsp_report(e, slot));
   }
   report.tasks = ledger.report(now, e.machine.slots());
-  report.buses = {bus_report(e.machine, machine::BusId::a, e.config.bus.clock_hz), bus_report(e.machine, machine::BusId::b, e.config.bus.clock_hz)};
+  for (unsigned i = 0; i < e.machine.buses(); ++i) report.buses.push_back(bus_report(e.machine, static_cast<machine::BusId>(i), e.config.bus.clock_hz));
   report.cycles = e.host.cycles().cycles();
   std::size_t delivered = 0;
   for (const plant::Event& event : e.dock.events()) {
@@ -166,6 +169,7 @@ report::RunReport make_report(const Evidence& e) {
   }
   std::ranges::stable_sort(report.timed_events, {}, &report::TimedEventReport::time);
   report.audit = {e.ledger.audit().checks(), e.ledger.audit().violations()};
+  for (std::string& fault : e.machine.audit_buses()) report.audit.violations.push_back(std::move(fault));
   report.braked = e.dock.braked();
   report.failures = e.observer.failures();
   for (const std::string& violation : report.audit.violations) report.failures.push_back({now, std::nullopt, "audit", violation});

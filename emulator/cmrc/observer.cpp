@@ -12,7 +12,7 @@ namespace {
 using report::Component;
 using report::EventKind;
 
-Component component_of(machine::BusId bus) { return bus == machine::BusId::a ? report::bus_a : report::bus_b; }
+Component component_of(machine::BusId bus) { return static_cast<Component>(report::bus_a + static_cast<unsigned>(bus)); }
 
 }  // namespace
 
@@ -58,8 +58,8 @@ std::optional<std::size_t> RunObserver::flag_of(machine::Offset offset) const {
 
 // ---- claims and ends -----------------------------------------------------------------------------------------------------
 
-void RunObserver::dsp_issue(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word value, Time issued) {
-  if (bus != machine::BusId::a || !flag_of(offset)) return;
+void RunObserver::dsp_issue(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued) {
+  if (window != machine::Window::a || !flag_of(offset)) return;
   snapshots_[slot].push_back({issued, offset, causes_(slot)});
   if (profile_ == nullptr) return;
   if (value == words_.flag_taken) profile_->taken(slot);
@@ -76,8 +76,8 @@ CauseTimes RunObserver::take_snapshot(unsigned slot, machine::Offset offset, Tim
   return {};
 }
 
-void RunObserver::dsp_write(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word value, Time issued, Time now) {
-  if (bus != machine::BusId::a) return;
+void RunObserver::dsp_write(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued, Time now) {
+  if (window != machine::Window::a) return;
   if (const Word joint = offset - errors_; errors_ != 0 && joint < tracking_.size()) {
     const double error = from_ti_float(value);
     auto& sum = tracking_[joint];
@@ -114,9 +114,9 @@ void RunObserver::finish(unsigned slot, std::size_t block, Time issued, Time now
 
 // ---- everything else -------------------------------------------------------------------------------------------------------
 
-void RunObserver::dsp_write_dropped(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word value, Time issued, Time now) {
-  if (profile_ != nullptr && bus == machine::BusId::a) profile_->landed(slot, offset, issued, std::nullopt);
-  log_.add({now, report::dsp(slot), EventKind::dropped_write, {bus == machine::BusId::a ? 0U : 1U, offset, value, 0, 0}});
+void RunObserver::dsp_write_dropped(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued, Time now) {
+  if (profile_ != nullptr && window == machine::Window::a) profile_->landed(slot, offset, issued, std::nullopt);
+  log_.add({now, report::dsp(slot), EventKind::dropped_write, {window == machine::Window::a ? 0U : 1U, offset, value, 0, 0}});
 }
 
 void RunObserver::transaction(machine::BusId bus, const pci::Transaction& transaction, Time now) {

@@ -36,9 +36,9 @@ class RunObserver : public machine::Observer, public HostListener {
   void set_profile(RunProfile* profile) { profile_ = profile; }
 
   // machine::Observer
-  void dsp_issue(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word value, Time issued) override;
-  void dsp_write(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word value, Time issued, Time now) override;
-  void dsp_write_dropped(unsigned slot, machine::BusId bus, machine::Offset offset, machine::Word value, Time issued, Time now) override;
+  void dsp_issue(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued) override;
+  void dsp_write(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued, Time now) override;
+  void dsp_write_dropped(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued, Time now) override;
   void transaction(machine::BusId bus, const pci::Transaction& transaction, Time now) override;
   void interrupt(unsigned slot, int pin, Time now) override;
   void semaphore(unsigned number, machine::SemaphoreEvent event, unsigned owner, Time now) override;

@@ -108,7 +108,7 @@ machine::Config machine_of(const Config& config) {
   machine.idle_policy = static_cast<machine::Word>(config.machine.idle_policy);
   machine.pause_count = static_cast<machine::Word>(config.machine.pause_nops);
   machine.dsp_master.latency_timer = machine.host_master.latency_timer = config.bus.latency_timer_clocks;
-  machine.bus_a.fast_back_to_back = machine.bus_b.fast_back_to_back = config.bus.fast_back_to_back;
+  machine.bus.fast_back_to_back = config.bus.fast_back_to_back;
   if (!config.bus.prefetch) machine.bridge_a.prefetch_words = 0;
   machine.turn_order = static_cast<std::uint64_t>(config.run.turn_order);
   for (const TimedEvent& event : config.events) {

@@ -106,7 +106,7 @@ Word Devices::read(pci::Address offset, const pci::Access& access) {
 }
 
 void Devices::write(pci::Address offset, Word value, const pci::Access& access) {
-  if (fence_.closed(access.master)) return;
+  if (!is_host(access.agent) && fence_.closed(access.agent - 1)) return;
   const Time t = clock_.at(access.clock);
   const Register& r = registers_[offset];
   const int index = r.index;
@@ -123,6 +123,37 @@ void Devices::write(pci::Address offset, Word value, const pci::Access& access) 
       return dock_.agv_push(index, commands_[r.index].speed, commands_[r.index].front, number, t);
     default: throw std::logic_error{"Devices::write of a register that answer() refuses"};
   }
+}
+
+DeviceGroup Devices::Register::group() const {
+  switch (kind) {
+    case Kind::drive_torque:
+    case Kind::drive_enable:
+    case Kind::encoder:
+    case Kind::spreader_command:
+    case Kind::spreader_status: return DeviceGroup::drives;
+    case Kind::agv_period:
+    case Kind::agv_speed_command:
+    case Kind::agv_front_command:
+    case Kind::agv_rear_command:
+    case Kind::agv_x:
+    case Kind::agv_y:
+    case Kind::agv_heading:
+    case Kind::agv_speed:
+    case Kind::agv_status: return DeviceGroup::comm_port;
+    default: return DeviceGroup::sensors;
+  }
+}
+
+std::vector<Devices::Stretch> Devices::stretches() const {
+  std::vector<Stretch> all;
+  for (Offset offset = 0; offset < size(); ++offset) {
+    const Register& one = registers_[offset];
+    if (all.empty()) all.push_back({one.kind == Kind::none ? DeviceGroup::drives : one.group(), offset, offset});
+    if (one.kind != Kind::none && one.group() != all.back().group) all.push_back({one.group(), offset, offset});
+    all.back().end = offset + 1;
+  }
+  return all;
 }
 
 void Devices::append_state(std::vector<std::uint64_t>& words) const {

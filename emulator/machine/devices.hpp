@@ -1,5 +1,6 @@
 #pragma once
-// Bus B: the drives, sensors and AGV units of the dock behind the registers of c40_programs/include/devices.inc.
+// The drives, sensors and AGV units of the dock behind the registers of c40_programs/include/devices.inc. Offsets are those of
+// window B.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "machine/shared_memory.hpp"
 #include "machine/symbols.hpp"
 #include "machine/time.hpp"
+#include "machine/topology.hpp"
 
 namespace plant {
 class Dock;
@@ -17,7 +19,6 @@ namespace machine {
 
 class Devices final : public pci::Target {
  public:
-  /// On bus B master n is DSP slot n.
   Devices(const Symbols& symbols, plant::Dock& dock, Clock bus_clock, const Fence& fence);
 
   /// Offsets 0 to size() - 1; not every one has a register.
@@ -25,6 +26,13 @@ class Devices final : public pci::Target {
   bool answers(Offset offset, bool write) const {
     return offset < registers_.size() && (write ? registers_[offset].writable() : registers_[offset].readable());
   }
+  /// A stretch of offsets whose registers belong together; a hole belongs to what stands before it.
+  struct Stretch {
+    DeviceGroup group;
+    Offset first;
+    Offset end;
+  };
+  std::vector<Stretch> stretches() const;
   void append_state(std::vector<std::uint64_t>& words) const;
 
   pci::Answer answer(pci::Address offset, unsigned words, bool write, const pci::Access& access) override;
@@ -67,6 +75,7 @@ class Devices final : public pci::Target {
     Kind kind = Kind::none;
     std::uint8_t index = 0;  // joint, axis, sample or AGV
     std::uint8_t ray = 0;
+    DeviceGroup group() const;
     bool writable() const { return kind >= Kind::drive_torque && kind <= Kind::agv_rear_command; }
     bool readable() const { return kind >= Kind::encoder; }
   };

@@ -10,9 +10,12 @@ namespace machine {
 
 namespace {
 
-pci::MasterConfig named(pci::MasterConfig config, unsigned slot) {
-  config.name = fmt::format("DSP {}", slot);
-  return config;
+pci::MasterConfig master_of(const Config& config, unsigned slot) {
+  pci::MasterConfig master = config.dsp_master;
+  master.name = fmt::format("DSP {}", slot);
+  master.agent = slot + 1;
+  master.first_level = slot < config.first_level_dsps;
+  return master;
 }
 
 }  // namespace
@@ -22,10 +25,11 @@ Dsp::Dsp(unsigned slot, bool plugged, Surroundings& surroundings)
       around_{surroundings},
       clock_{around_.chip_clock},
       chip_{c40::Board::default_board()},
-      side_a_{*this, BusId::a},
-      side_b_{*this, BusId::b},
-      bridge_a_{around_.bus_a, named(around_.config.dsp_master, slot), around_.config.bridge_a, side_a_},
-      bridge_b_{around_.bus_b, named(around_.config.dsp_master, slot), around_.config.bridge_b, side_b_} {
+      sides_{} {
+  const Config& config = around_.config;
+  for (unsigned port = 0; port < config.topology.dsps.size(); ++port)
+    sides_.emplace_back(*this, config.topology.dsps[port], master_of(config, slot),
+                        port == around_.window_a.front().port ? config.bridge_a : config.bridge_b);
   chip_.hold(true);
   if (plugged) boot();
   set_next();
@@ -103,29 +107,36 @@ void Dsp::run(Time horizon) {
   }
 }
 
-bool Dsp::writable(BusId bus, Offset offset) const {
-  if (bus == BusId::b) return around_.devices != nullptr && around_.devices->answers(offset, true);
+// The part of its window that holds the address; behind the last part nothing answers.
+const Way& Dsp::way_of(std::uint32_t address) const {
+  const std::vector<Way>& ways = on_a(address) ? around_.window_a : around_.window_b;
+  const Offset offset = offset_of(address);
+  for (const Way& way : ways)
+    if (offset - way.first < way.end - way.first) return way;
+  return ways.back();
+}
+
+bool Dsp::writable(Window window, Offset offset) const {
+  if (window == Window::b) return around_.devices != nullptr && around_.devices->answers(offset, true);
   return offset < SharedSram::size || around_.registers.answers(offset, true, false);
 }
 
 // Whether the access could be completed without waiting for its turn.
 bool Dsp::take(const c40::ExternalAccess& access, Time horizon) {
-  pci::Bridge& bridge = bridge_of(access.address);
+  const Way& way = way_of(access.address);
   const Time begins = clock_.at(access.cycle);
   if (access.write) {
-    const BusId bus = on_a(access.address) ? BusId::a : BusId::b;
-    if (!writable(bus, offset_of(access.address))) {
+    if (!writable(window_of(access.address), offset_of(access.address))) {
       fault(access.cycle, chip_.pc(), access.address,
-            fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)",
-                        bus == BusId::a ? 'A' : 'B'));
+            fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)", bus_name(way)));
       return false;
     }
-    if (begins < horizon && bridge.has_room()) {
-      post(bridge, access);
+    if (begins < horizon && bridge(way).has_room()) {
+      post(way, access);
       chip_.complete_write(0, 0);
       return true;
     }
-  } else if (pci::Bridge::Hit hit{}; bridge.look_up(offset_of(access.address), hit)) {
+  } else if (pci::Bridge::Hit hit{}; bridge(way).look_up(offset_of(access.address) + way.shift, hit)) {
     const c40::Cycles there = clock_.tick_at_or_after(around_.bus_clock.at(hit.ready));
     statistics_.prefetch_hits += 1;
     chip_.complete_read(hit.value, 0, std::max(there - access.cycle, around_.config.prefetch_hit_cycles));
@@ -137,30 +148,29 @@ bool Dsp::take(const c40::ExternalAccess& access, Time horizon) {
   return false;
 }
 
-void Dsp::post(pci::Bridge& bridge, const c40::ExternalAccess& access) {
+void Dsp::post(const Way& way, const c40::ExternalAccess& access) {
   const Time issued = clock_.at(access.cycle);
   statistics_.posted_writes += 1;
   if (around_.observer != nullptr)
-    around_.observer->dsp_issue(slot_, on_a(access.address) ? BusId::a : BusId::b, offset_of(access.address),
-                                access.value, issued);
-  bridge.write({.address = offset_of(access.address),
-                .value = access.value,
-                .clock = around_.bus_clock.tick_at_or_after(issued),
-                .stamp = issued.count()});
+    around_.observer->dsp_issue(slot_, window_of(access.address), offset_of(access.address), access.value, issued);
+  bridge(way).write({.address = offset_of(access.address) + way.shift,
+                     .value = access.value,
+                     .clock = around_.bus_clock.tick_at_or_after(issued),
+                     .stamp = issued.count()});
 }
 
 void Dsp::begin_access(Time horizon) {
-  pci::Bridge& bridge = bridge_of(access_.address);
-  if (access_.write && bridge.has_room()) {
-    post(bridge, access_);
+  const Way& way = way_of(access_.address);
+  if (access_.write && bridge(way).has_room()) {
+    post(way, access_);
     chip_.complete_write(0, 0);
     return run(horizon);
   }
   state_ = State::blocked;
   own_next_ = never;
-  if (access_.write) return post(bridge, access_);
+  if (access_.write) return post(way, access_);
   statistics_.bus_reads += 1;
-  bridge.read(offset_of(access_.address), around_.bus_clock.tick_at_or_after(clock_.at(access_.cycle)));
+  bridge(way).read(offset_of(access_.address) + way.shift, around_.bus_clock.tick_at_or_after(clock_.at(access_.cycle)));
 }
 
 void Dsp::answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) {
@@ -168,7 +178,7 @@ void Dsp::answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks 
   if (result != pci::Result::done) {
     const c40::Cycles cycle = std::max(access_.cycle, clock_.tick_at_or_after(around_.bus_clock.at(ready)));
     return fault(cycle, chip_.pc(), access_.address,
-                 fmt::format("a read that nothing on bus {} answers (PCI {} abort)", side.bus == BusId::a ? 'A' : 'B',
+                 fmt::format("a read that nothing on bus {} answers (PCI {} abort)", static_cast<char>('A' + side.bus),
                              result == pci::Result::master_abort ? "master" : "target"));
   }
   answer_ = value;
@@ -195,15 +205,37 @@ void Dsp::complete(Time horizon) {
   run(horizon);
 }
 
+// The word has left the board's bridge: it is at its target, or in a bridge between buses.
 void Dsp::landed(const Side& side, const pci::Posted& posted, pci::Clocks clock) {
+  for (const Window window : {Window::a, Window::b}) {
+    for (const Way& way : window == Window::a ? around_.window_a : around_.window_b) {
+      const Offset offset = posted.address - way.shift;
+      if (&sides_[way.port] != &side || offset - way.first >= way.end - way.first) continue;
+      if (way.direct) return arrived(window, offset, posted, clock);
+      underway_.push_back({way.bus, window, offset, posted});
+      return;
+    }
+  }
+}
+
+void Dsp::delivered(unsigned bus, pci::Address address, pci::Clocks clock, pci::Result result) {
+  const auto first = std::ranges::find_if(
+      underway_, [&](const Underway& word) { return word.bus == bus && word.posted.address == address; });
+  if (first == underway_.end()) return;
+  const Underway word = *first;
+  underway_.erase(first);
+  if (result == pci::Result::done) arrived(word.window, word.offset, word.posted, clock);
+}
+
+void Dsp::arrived(Window window, Offset offset, const pci::Posted& posted, pci::Clocks clock) {
   const bool dropped = around_.fence.closed(slot_);
   statistics_.dropped_writes += dropped;
   if (around_.observer == nullptr) return;
   const Time now = around_.bus_clock.at(clock);
   if (dropped)
-    around_.observer->dsp_write_dropped(slot_, side.bus, posted.address, posted.value, Time{posted.stamp}, now);
+    around_.observer->dsp_write_dropped(slot_, window, offset, posted.value, Time{posted.stamp}, now);
   else
-    around_.observer->dsp_write(slot_, side.bus, posted.address, posted.value, Time{posted.stamp}, now);
+    around_.observer->dsp_write(slot_, window, offset, posted.value, Time{posted.stamp}, now);
 }
 
 void Dsp::schedule_edge(Time time) {
@@ -285,8 +317,7 @@ void Dsp::pace(Time now, std::int64_t parts_per_million) {
 void Dsp::unplug(Time now) {
   if (state_ == State::out) return;
   const pci::Clocks clock = around_.bus_clock.tick_at_or_after(now);
-  bridge_a_.clear(clock);
-  bridge_b_.clear(clock);
+  for (Side& side : sides_) side.bridge.clear(clock);
   stand_still(now);
   state_ = State::out;
   edge_ = reset_ = never;
@@ -305,8 +336,7 @@ void Dsp::plug(Time now) {
 void Dsp::reset(Time now) {
   if (state_ == State::out || broken_) return;
   const pci::Clocks clock = around_.bus_clock.tick_at_or_after(now);
-  bridge_a_.clear(clock);
-  bridge_b_.clear(clock);
+  for (Side& side : sides_) side.bridge.clear(clock);
   stand_still(now);
   chip_.reset();
   chip_.hold(true);

@@ -5,6 +5,7 @@
 // accesses (and posted writes that find room, and reads that the bridge's line answers) it may do ahead of everybody
 // else, up to the horizon given.
 #include <cstdint>
+#include <deque>
 #include <string>
 #include <vector>
 
@@ -25,8 +26,9 @@ struct Surroundings {
   const toolchain::Image& program;
   Clock chip_clock;
   Clock bus_clock;
-  pci::Bus& bus_a;
-  pci::Bus& bus_b;
+  std::deque<pci::Bus>& buses;
+  std::vector<Way> window_a;  // as every DSP board reaches it
+  std::vector<Way> window_b;
   const SharedRegisters& registers;
   const Devices* devices;
   const Fence& fence;
@@ -57,6 +59,8 @@ class Dsp {
   void pace(Time now, std::int64_t parts_per_million);
   void plug(Time now);
   void reset(Time now);
+  /// A word that it posted has come through the last bridge between buses to its target.
+  void delivered(unsigned bus, pci::Address address, pci::Clocks clock, pci::Result result);
   void append_state(std::vector<std::uint64_t>& words) const;
   /// Counts idle and halted cycles up to `now`.
   void settle(Time now);
@@ -80,7 +84,8 @@ class Dsp {
     dead,      // stands still
   };
   struct Side final : pci::Bridge::Client {
-    Side(Dsp& owner, BusId which) : dsp{owner}, bus{which} {}
+    Side(Dsp& owner, unsigned which, const pci::MasterConfig& master, const pci::BridgeConfig& config)
+        : dsp{owner}, bus{which}, bridge{owner.around_.buses[which], master, config, *this} {}
     void answered(Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) override {
       dsp.answered(*this, value, ready, arbitration, result);
     }
@@ -89,13 +94,21 @@ class Dsp {
       dsp.landed(*this, posted, clock);
     }
     Dsp& dsp;
-    BusId bus;
+    unsigned bus;
+    pci::Bridge bridge;
+  };
+
+  struct Underway {
+    unsigned bus;
+    Window window;
+    Offset offset;
+    pci::Posted posted;
   };
 
   void run(Time horizon);
   bool take(const c40::ExternalAccess& access, Time horizon);
   void begin_access(Time horizon);
-  void post(pci::Bridge& bridge, const c40::ExternalAccess& access);
+  void post(const Way& way, const c40::ExternalAccess& access);
   void complete(Time horizon);
   void deliver_edge(Time now);
   void boot();
@@ -103,25 +116,27 @@ class Dsp {
   void answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result);
   void resume_at(pci::Clocks ready, pci::Clocks arbitration);
   void landed(const Side& side, const pci::Posted& posted, pci::Clocks clock);
+  void arrived(Window window, Offset offset, const pci::Posted& posted, pci::Clocks clock);
   void fault(c40::Cycles cycle, std::uint32_t pc, std::uint32_t address, std::string what);
   void report_fault(Time now);
   void set_next();
-  bool writable(BusId bus, Offset offset) const;
+  bool writable(Window window, Offset offset) const;
 
   bool on_a(std::uint32_t address) const { return address >= around_.symbols.window_a; }
   Offset offset_of(std::uint32_t address) const {
     return address - (on_a(address) ? around_.symbols.window_a : around_.symbols.window_b);
   }
-  pci::Bridge& bridge_of(std::uint32_t address) { return on_a(address) ? bridge_a_ : bridge_b_; }
+  Window window_of(std::uint32_t address) const { return on_a(address) ? Window::a : Window::b; }
+  const Way& way_of(std::uint32_t address) const;
+  pci::Bridge& bridge(const Way& way) { return sides_[way.port].bridge; }
+  char bus_name(const Way& way) const { return static_cast<char>('A' + sides_[way.port].bus); }
 
   unsigned slot_;
   Surroundings& around_;
   PacedClock clock_;
   c40::Chip chip_;
-  Side side_a_;
-  Side side_b_;
-  pci::Bridge bridge_a_;
-  pci::Bridge bridge_b_;
+  std::deque<Side> sides_;              // by bus on which the board stands
+  std::vector<Underway> underway_;      // in bridges between buses
   State state_ = State::out;
   bool broken_ = false;        // no reset revives it
   bool edge_waiting_ = false;  // came in the middle of an access; taken when its instruction has ended

@@ -7,15 +7,20 @@
 
 namespace machine {
 
-Host::Host(HostProgram& program, const Config& config, pci::Bus& bus, Clock bus_clock, const SharedRegisters& registers)
+Host::Host(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses, std::vector<Way> ways, Clock bus_clock,
+           const SharedRegisters& registers)
     : program_{program},
       config_{config},
-      bus_{bus},
+      buses_{buses},
+      ways_{std::move(ways)},
       clock_{bus_clock},
       registers_{registers},
-      bridge_{bus, config.host_master, config.host_bridge, *this},
       action_clocks_{config.host_bridge.request_sync + config.shared_memory.devsel +
                      config.shared_memory.write_initial + 1 + config.interrupt_clocks} {
+  pci::MasterConfig master = config.host_master;
+  master.first_level = true;
+  for (const unsigned bus : config.topology.host)
+    bridges_.emplace_back(buses[bus], master, config.host_bridge, *this);
   waiting_.reserve(1024);
   words_read_.reserve(1024);
   set_next(Time{0});
@@ -42,21 +47,43 @@ void Host::process(Time now) {
 }
 
 Time Host::earliest_action() const {
-  const pci::Clocks event = bus_.next_event();
+  const pci::Clocks event = next_bus_event();
   const Time bus = event == pci::never ? never : clock_.at(event);
-  // A program that waits for words wakes with the bus's next event at the earliest; then its write has to cross the
+  // A program that waits for words wakes with its bus's next event at the earliest; then its write has to cross the
   // bridge and the bus.
   const Time acts = words_wanted_ != 0 && read_done_ == never ? std::min(next_, bus) : next_;
   Time earliest = acts == never ? never : acts + clock_.at(action_clocks_) - Time{1};
-  if (acting_ != 0) earliest = std::min(earliest, bus);
+  if (acting_ != registers_.acted()) earliest = std::min(earliest, bus);
   return earliest;
+}
+
+// The earliest event of a bus that a word of the host's is on, or may come to.
+pci::Clocks Host::next_bus_event() const {
+  pci::Clocks next = pci::never;
+  if (config_.topology.bridges.empty()) {
+    for (const unsigned bus : config_.topology.host) next = std::min(next, buses_[bus].next_event());
+  } else {
+    for (const pci::Bus& bus : buses_) next = std::min(next, bus.next_event());
+  }
+  return next;
+}
+
+const Way* Host::way_of(Offset offset) const {
+  for (const Way& way : ways_)
+    if (offset - way.first < way.end - way.first) return &way;
+  return nullptr;
+}
+
+bool Host::blocked() const {
+  return std::ranges::any_of(bridges_, [](const pci::Bridge& bridge) { return bridge.blocked(); });
 }
 
 void Host::require_answer(Offset offset, std::size_t words, bool write) const {
   for (std::size_t i = 0; i < words; ++i) {
     const auto one = static_cast<Offset>(offset + i);
-    if (one >= SharedSram::size && !registers_.answers(one, write, true))
-      throw std::out_of_range{fmt::format("the host {} bus A offset {:X}h, where nothing answers",
+    const bool shared = one < SharedSram::size || registers_.answers(one, write, true);
+    if (way_of(one) == nullptr || !(shared || one >= host_devices))
+      throw std::out_of_range{fmt::format("the host {} offset {:X}h, where nothing answers",
                                           write ? "writes to" : "reads from", one)};
   }
 }
@@ -86,16 +113,18 @@ void Host::write(Offset offset, std::span<const Word> words) {
 
 // Gives the bridge what it takes: writes in order, then the read.
 void Host::feed() {
-  while (first_waiting_ < waiting_.size() && !bridge_.blocked()) {
+  while (first_waiting_ < waiting_.size() && !blocked()) {
     pci::Posted posted = waiting_[first_waiting_++];
     cpu_ += config_.host_write_clocks;
     posted.clock = cpu_;
-    bridge_.write(posted);
+    const Way& way = *way_of(posted.address);
+    posted.address += way.shift;
+    bridges_[way.port].write(posted);
   }
   if (first_waiting_ == waiting_.size()) {
     waiting_.clear();
     first_waiting_ = 0;
-    if (words_wanted_ != 0 && !bridge_.blocked()) bridge_.read(read_offset_, cpu_);
+    if (words_wanted_ != 0 && !blocked()) ask();
   }
 }
 
@@ -104,8 +133,9 @@ void Host::taken(pci::Clocks ready, pci::Clocks) {
   feed();
 }
 
-void Host::landed(const pci::Posted& posted, pci::Clocks, pci::Result) {
-  if (posted.address >= SharedSram::size && registers_.acts_on_dsps(posted.address)) acting_ -= 1;
+void Host::ask() {
+  const Way& way = *way_of(read_offset_);
+  bridges_[way.port].read(read_offset_ + way.shift, cpu_);
 }
 
 void Host::answered(Word value, pci::Clocks ready, pci::Clocks, pci::Result) {
@@ -113,7 +143,7 @@ void Host::answered(Word value, pci::Clocks ready, pci::Clocks, pci::Result) {
   words_read_.push_back(value);
   read_offset_ += 1;
   if (words_read_.size() < words_wanted_) {
-    bridge_.read(read_offset_, cpu_);
+    ask();
   } else {
     read_done_ = clock_.at(ready);
     next_ = std::max(paused_until_, std::min(next_, read_done_));

@@ -1,6 +1,7 @@
 #pragma once
-// The host board: a HostProgram behind a bridge to bus A.
+// The host board: a HostProgram behind a bridge to each bus on which the board stands.
 #include <cstdint>
+#include <deque>
 #include <vector>
 
 #include "bus_model/bridge.hpp"
@@ -10,9 +11,11 @@
 
 namespace machine {
 
-class Host final : public HostPort, private pci::Bridge::Client {
+class Host final : public HostPort, public pci::Bridge::Client {
  public:
-  Host(HostProgram& program, const Config& config, pci::Bus& bus, Clock bus_clock, const SharedRegisters& registers);
+  /// Becomes the first master of its buses. `ways`: of offsets as HostPort counts them.
+  Host(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses, std::vector<Way> ways, Clock bus_clock,
+       const SharedRegisters& registers);
 
   Time next() const { return next_; }
   void process(Time now);
@@ -28,30 +31,37 @@ class Host final : public HostPort, private pci::Bridge::Client {
   using HostPort::write;
   bool reading() const override { return words_wanted_ != 0; }
   std::size_t pending_writes() const override {
-    return waiting_.size() - first_waiting_ + bridge_.posted() + bridge_.blocked_write();
+    std::size_t words = waiting_.size() - first_waiting_;
+    for (const pci::Bridge& bridge : bridges_) words += bridge.posted() + bridge.blocked_write();
+    return words;
   }
 
  private:
   void answered(Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) override;
   void taken(pci::Clocks ready, pci::Clocks arbitration) override;
-  void landed(const pci::Posted& posted, pci::Clocks clock, pci::Result result) override;
+  void landed(const pci::Posted&, pci::Clocks, pci::Result) override {}
   void require_answer(Offset offset, std::size_t words, bool write) const;
+  const Way* way_of(Offset offset) const;
+  bool blocked() const;
+  pci::Clocks next_bus_event() const;
+  void ask();
   void feed();
   void set_next(Time now);
 
   HostProgram& program_;
   const Config& config_;
-  pci::Bus& bus_;
+  std::deque<pci::Bus>& buses_;
+  std::vector<Way> ways_;
   Clock clock_;
   const SharedRegisters& registers_;
-  pci::Bridge bridge_;
+  std::deque<pci::Bridge> bridges_;  // by bus on which the host stands
   Time next_ = never;
   Time read_done_ = never;
   Time paused_until_{0};
   pci::Clocks cpu_ = 0;               // the processor issues its next access at this clock or later
   std::vector<pci::Posted> waiting_;  // writes that found the FIFO full
   std::size_t first_waiting_ = 0;
-  unsigned acting_ = 0;  // posted words that will act on a DSP
+  std::uint64_t acting_ = 0;  // words posted so far that act on a DSP when they arrive
   std::uint32_t tag_ = 0;
   Offset read_offset_ = 0;
   unsigned words_wanted_ = 0;

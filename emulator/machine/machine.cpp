@@ -8,7 +8,9 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "bus_model/audit.hpp"
 #include "bus_model/bus.hpp"
+#include "bus_model/bus_bridge.hpp"
 #include "machine/devices.hpp"
 #include "machine/dsp.hpp"
 #include "machine/host.hpp"
@@ -26,7 +28,7 @@ struct Numbered {
   unsigned count;
 };
 
-Numbered numbered(Action action, unsigned slots) {
+Numbered numbered(Action action, unsigned slots, unsigned buses) {
   switch (action) {
     case Action::fail:
     case Action::hang:
@@ -35,7 +37,7 @@ Numbered numbered(Action action, unsigned slots) {
     case Action::reset:
     case Action::pace: return {"slot", slots};
     case Action::pause_host: return {"host", 1};
-    case Action::stall_bus: return {"bus", 2};
+    case Action::stall_bus: return {"bus", buses};
     case Action::drive:
     case Action::encoder: return {"joint", 5};
     case Action::sway: return {"axis", 2};
@@ -43,8 +45,8 @@ Numbered numbered(Action action, unsigned slots) {
   return {"event", 0};
 }
 
-void require_sense(const ScriptedEvent& event, Time now, unsigned slots) {
-  const auto [what, count] = numbered(event.action, slots);
+void require_sense(const ScriptedEvent& event, Time now, const Config& config) {
+  const auto [what, count] = numbered(event.action, config.slots, static_cast<unsigned>(config.topology.buses.size()));
   if (event.number >= count || event.time < now)
     throw std::invalid_argument{fmt::format("machine: a scripted event at {} ps for {} {}; the time is {} ps, and the last {} is {}",
                                             event.time.count(), what, event.number, now.count(), what, count - 1)};
@@ -58,18 +60,44 @@ Config checked(Config config) {
     throw std::invalid_argument{
         fmt::format("machine: {} DSPs in {} slots; there are at most {} slots and no more DSPs than slots", config.dsps,
                     config.slots, most_slots)};
+  check(config.topology);
   if (config.interrupt_clocks < 1 || config.interrupt_clocks > 3)
     throw std::invalid_argument{"machine: interrupt_clocks is 1 to 3"};
   if (config.prefetch_hit_cycles < 0) throw std::invalid_argument{"machine: prefetch_hit_cycles is at least 0"};
-  for (const ScriptedEvent& event : config.script) require_sense(event, Time{0}, config.slots);
+  for (const ScriptedEvent& event : config.script) require_sense(event, Time{0}, config);
   std::stable_sort(config.script.begin(), config.script.end(),
                    [](const ScriptedEvent& a, const ScriptedEvent& b) { return a.time < b.time; });
   return config;
 }
 
-// Bus A's master 0 when there is no host.
+// Master 0 of the host's buses when there is no host.
 struct Nobody final : pci::Initiator {
   void completed(const pci::Transaction&, std::span<const Word>) override {}
+};
+
+// A target at another place of its bus than its own offset 0.
+class Shifted final : public pci::Target {
+ public:
+  Shifted(pci::Target& target, Offset first) : target_{target}, first_{first} {}
+  pci::Answer answer(pci::Address offset, unsigned words, bool write, const pci::Access& access) override {
+    return target_.answer(first_ + offset, words, write, access);
+  }
+  Word read(pci::Address offset, const pci::Access& access) override { return target_.read(first_ + offset, access); }
+  void write(pci::Address offset, Word value, const pci::Access& access) override {
+    target_.write(first_ + offset, value, access);
+  }
+
+ private:
+  pci::Target& target_;
+  Offset first_;
+};
+
+// What answers on some bus.
+struct Region {
+  std::string name;
+  unsigned bus;
+  pci::Address base;
+  Offset words;
 };
 
 // xorshift64*: only for the order in which chips are run ahead.
@@ -88,7 +116,7 @@ class Shuffle {
 
 }  // namespace
 
-class Machine::Parts final : public DoorbellClient {
+class Machine::Parts final : public DoorbellClient, public pci::BusBridge::Client {
  public:
   Parts(Config given, const toolchain::Image& image, plant::Dock* the_dock, HostProgram* program);
 
@@ -121,23 +149,31 @@ class Machine::Parts final : public DoorbellClient {
   Symbols symbols;
   plant::Dock* dock;
   Clock bus_clock;
-  pci::Bus bus_a;
-  pci::Bus bus_b;
+  std::deque<pci::Bus> buses;
   Fence fence;
   SharedSram sram;
   SharedRegisters registers;
   std::optional<Devices> devices;
+  std::deque<Shifted> device_windows;
+  std::vector<Region> regions;
   std::optional<Host> host;
   std::optional<Surroundings> around;
   std::deque<Dsp> dsps;
+  std::deque<pci::BusBridge> bridges;
   std::size_t next_scripted = 0;
   Time time{0};
-  Watch watch_a{*this, BusId::a};
-  Watch watch_b{*this, BusId::b};
+  std::deque<Watch> watches;
 
  private:
-  // What can happen next, in the order of ties: host, bus A, bus B, script, DSPs, plant.
-  static constexpr unsigned first_dsp = 4;
+  void build_targets();
+  std::vector<Way> ways(const std::vector<unsigned>& standing, Window window, Offset at) const;
+  void build_bridges();
+  void delivered(const pci::Bus& far, unsigned agent, pci::Address address, Word value, pci::Clocks clock,
+                 pci::Result result) override;
+
+  // What can happen next, in the order of ties: host, buses, script, DSPs, plant.
+  unsigned script_turn() const { return 1 + static_cast<unsigned>(buses.size()); }
+  unsigned first_dsp() const { return 2 + static_cast<unsigned>(buses.size()); }
   struct Turn {
     Time time;
     unsigned who;
@@ -161,45 +197,108 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
       symbols{program},
       dock{the_dock},
       bus_clock{config.pci_hz_numerator, config.pci_hz_denominator},
-      bus_a{config.bus_a},
-      bus_b{config.bus_b},
       sram{fence},
       registers{symbols, config.slots, bus_clock, fence, *this} {
-  pci::TargetConfig board = config.shared_memory;
-  board.name = "shared memory";
-  bus_a.add_target(board, sram, 0, SharedSram::size);
-  board.name = "shared registers";
-  board.max_burst = 1;
-  bus_a.add_target(board, registers, SharedRegisters::base, SharedRegisters::size);
-  if (dock != nullptr) {
-    devices.emplace(symbols, *dock, bus_clock, fence);
-    pci::TargetConfig cards = config.devices;
-    cards.name = "devices";
-    bus_b.add_target(cards, *devices, 0, devices->size());
+  for (const std::string& name : config.topology.buses) {
+    pci::BusConfig bus = config.bus;
+    bus.name = name;
+    buses.emplace_back(bus);
   }
-  if (the_program != nullptr)
-    host.emplace(*the_program, config, bus_a, bus_clock, registers);
-  else
-    bus_a.add_master(config.host_master, nobody);
+  build_targets();
+  if (the_program != nullptr) {
+    std::vector<Way> host_ways = ways(config.topology.host, Window::a, 0);
+    for (const Way& way : ways(config.topology.host, Window::b, host_devices)) host_ways.push_back(way);
+    host.emplace(*the_program, config, buses, std::move(host_ways), bus_clock, registers);
+  } else {
+    for (const unsigned bus : config.topology.host) buses[bus].add_master(config.host_master, nobody);
+  }
   around.emplace(Surroundings{.config = config,
                               .symbols = symbols,
                               .program = program,
                               .chip_clock = Clock{config.chip_hz},
                               .bus_clock = bus_clock,
-                              .bus_a = bus_a,
-                              .bus_b = bus_b,
+                              .buses = buses,
+                              .window_a = ways(config.topology.dsps, Window::a, 0),
+                              .window_b = ways(config.topology.dsps, Window::b, 0),
                               .registers = registers,
                               .devices = devices ? &*devices : nullptr,
                               .fence = fence,
                               .observer = nullptr,
                               .faults = {}});
   for (unsigned slot = 0; slot < config.slots; ++slot) dsps.emplace_back(slot, slot < config.dsps, *around);
+  build_bridges();
+}
+
+void Machine::Parts::build_targets() {
+  const Topology& topology = config.topology;
+  const auto add = [&](pci::TargetConfig target, const char* name, unsigned bus, pci::Target& what, pci::Address base,
+                       Offset words) {
+    target.name = name;
+    buses[bus].add_target(target, what, base, words);
+    regions.push_back({name, bus, base, words});
+  };
+  add(config.shared_memory, "shared memory", topology.shared_memory, sram, 0, SharedSram::size);
+  pci::TargetConfig board = config.shared_memory;
+  board.max_burst = 1;
+  add(board, "shared registers", topology.shared_memory, registers, SharedRegisters::base, SharedRegisters::size);
+  if (dock == nullptr) return;
+  devices.emplace(symbols, *dock, bus_clock, fence);
+  static constexpr const char* names[device_groups] = {"drives", "sensors", "comm port"};
+  for (const Devices::Stretch& part : devices->stretches()) {
+    const auto group = static_cast<std::size_t>(part.group);
+    add(config.devices, names[group], topology.devices[group], device_windows.emplace_back(*devices, part.first),
+        topology.devices_at[group] + part.first, part.end - part.first);
+  }
+}
+
+// How a board reaches the parts of a window that it finds from offset `at` on; a part that no way leads to is left out.
+std::vector<Way> Machine::Parts::ways(const std::vector<unsigned>& standing, Window window, Offset at) const {
+  const Topology& topology = config.topology;
+  if (window == Window::a)
+    return {way_to(topology, standing, topology.shared_memory, at, at + shared_space, pci::Address{0} - at)};
+  std::vector<Way> all;
+  const auto add = [&](DeviceGroup of, Offset first, Offset end) {
+    const auto group = static_cast<std::size_t>(of);
+    for (const unsigned bus : standing) {
+      if (hops(topology, bus, topology.devices[group]) < 0) continue;
+      all.push_back(way_to(topology, standing, topology.devices[group], at + first, at + end, topology.devices_at[group] - at));
+      return;
+    }
+  };
+  if (!devices) add(DeviceGroup::drives, 0, device_space);
+  if (devices)
+    for (const Devices::Stretch& part : devices->stretches()) add(part.group, part.first, part.end);
+  return all;
+}
+
+void Machine::Parts::build_bridges() {
+  const Topology& topology = config.topology;
+  for (const auto& [a, b] : topology.bridges) {
+    pci::BusBridgeConfig bridge = config.bus_bridge;
+    bridge.name = fmt::format("bridge {}-{}", topology.buses[a], topology.buses[b]);
+    bridges.emplace_back(buses[a], buses[b], bridge, this);
+    for (const Region& region : regions) {
+      for (const auto& [near, far] : {std::pair{a, b}, std::pair{b, a}})
+        if (near != region.bus && next_bus(topology, near, region.bus) == static_cast<int>(far))
+          bridges.back().claim(buses[near], bridge.name + ": " + region.name, region.base, region.words);
+    }
+  }
+}
+
+void Machine::Parts::delivered(const pci::Bus& far, unsigned agent, pci::Address address, Word, pci::Clocks clock,
+                               pci::Result result) {
+  if (is_host(agent)) return;
+  for (unsigned bus = 0; bus < buses.size(); ++bus)
+    if (&buses[bus] == &far) dsps.at(agent - 1).delivered(bus, address, clock, result);
 }
 
 void Machine::Parts::observe(Observer* observer) {
   around->observer = observer;
-  bus_a.set_monitor(observer == nullptr ? nullptr : &watch_a);
-  bus_b.set_monitor(observer == nullptr ? nullptr : &watch_b);
+  watches.clear();
+  for (unsigned i = 0; i < buses.size(); ++i) {
+    if (observer != nullptr) watches.emplace_back(*this, static_cast<BusId>(i));
+    buses[i].set_monitor(observer == nullptr ? nullptr : &watches.back());
+  }
 }
 
 Machine::Parts::Turn Machine::Parts::earliest(Time limit) const {
@@ -208,10 +307,9 @@ Machine::Parts::Turn Machine::Parts::earliest(Time limit) const {
     if (when < best.time) best = {when, who};
   };
   if (host) offer(host->next(), 0);
-  offer(bus_time(bus_a), 1);
-  offer(bus_time(bus_b), 2);
-  offer(script_time(), 3);
-  unsigned who = first_dsp;
+  unsigned who = 1;
+  for (const pci::Bus& bus : buses) offer(bus_time(bus), who++);
+  offer(script_time(), who++);
   for (const Dsp& dsp : dsps) offer(dsp.next(), who++);
   if (dock != nullptr) offer(dock->next_event(), who);
   return best;
@@ -225,18 +323,14 @@ Time Machine::Parts::horizon(Time limit) const {
 }
 
 void Machine::Parts::take(Turn turn, Time limit) {
-  switch (turn.who) {
-    case 0: return host->process(turn.time);
-    case 1: return bus_a.step();
-    case 2: return bus_b.step();
-    case 3: {
-      const ScriptedEvent event = config.script[next_scripted++];
-      return act(event, turn.time);
-    }
-    default: break;
+  if (turn.who == 0) return host->process(turn.time);
+  if (turn.who <= buses.size()) return buses[turn.who - 1].step();
+  if (turn.who == script_turn()) {
+    const ScriptedEvent event = config.script[next_scripted++];
+    return act(event, turn.time);
   }
-  if (turn.who < first_dsp + dsps.size())
-    dsps[turn.who - first_dsp].process(turn.time, horizon(limit));
+  if (turn.who < first_dsp() + dsps.size())
+    dsps[turn.who - first_dsp()].process(turn.time, horizon(limit));
   else
     dock->advance_to(turn.time);
 }
@@ -282,7 +376,7 @@ void Machine::Parts::act(const ScriptedEvent& event, Time now) {
     case Action::pause_host:
       if (host) host->pause(now + Time{event.amount});
       return;
-    case Action::stall_bus: return (event.number == 0 ? bus_a : bus_b).stall(clocks(now), clocks(now + Time{event.amount}));
+    case Action::stall_bus: return buses[event.number].stall(clocks(now), clocks(now + Time{event.amount}));
     case Action::drive:
       if (dock != nullptr) dock->fail_drive(index, failed, now);
       return;
@@ -304,12 +398,12 @@ Time Machine::time() const { return parts_->time; }
 const Config& Machine::config() const { return parts_->config; }
 void Machine::set_observer(Observer* observer) { parts_->observe(observer); }
 void Machine::act(const ScriptedEvent& event) {
-  require_sense({.time = parts_->time, .action = event.action, .number = event.number, .amount = event.amount}, parts_->time, slots());
+  require_sense({.time = parts_->time, .action = event.action, .number = event.number, .amount = event.amount}, parts_->time, parts_->config);
   parts_->act(event, parts_->time);
 }
 
 void Machine::script(const ScriptedEvent& event) {
-  require_sense(event, parts_->time, slots());
+  require_sense(event, parts_->time, parts_->config);
   auto& script = parts_->config.script;
   const auto from = script.begin() + static_cast<std::ptrdiff_t>(parts_->next_scripted);
   script.insert(std::upper_bound(from, script.end(), event,
@@ -323,9 +417,18 @@ bool Machine::standing(unsigned slot) const { return parts_->dsps.at(slot).stand
 c40::Chip& Machine::chip(unsigned slot) { return parts_->dsps.at(slot).chip(); }
 const c40::Chip& Machine::chip(unsigned slot) const { return parts_->dsps.at(slot).chip(); }
 const Clock& Machine::chip_clock() const { return parts_->around->chip_clock; }
-const pci::Bus& Machine::bus(BusId id) const { return id == BusId::a ? parts_->bus_a : parts_->bus_b; }
+unsigned Machine::buses() const { return static_cast<unsigned>(parts_->buses.size()); }
+const pci::Bus& Machine::bus(BusId id) const { return parts_->buses.at(static_cast<std::size_t>(id)); }
 pci::BusStatistics Machine::bus_statistics(BusId id) const {
   return bus(id).statistics(std::max(bus(id).now(), parts_->bus_clock.tick_at_or_before(parts_->time)));
+}
+std::vector<std::string> Machine::audit_buses() const {
+  std::vector<std::string> faults;
+  for (const pci::Bus& bus : parts_->buses) {
+    const auto clock = std::max(bus.now(), parts_->bus_clock.tick_at_or_before(parts_->time));
+    for (std::string& fault : pci::audit(bus, clock)) faults.push_back(std::move(fault));
+  }
+  return faults;
 }
 const std::vector<ChipFault>& Machine::faults() const { return parts_->around->faults; }
 const SlotStatistics& Machine::statistics(unsigned slot) const { return parts_->dsps.at(slot).statistics(); }
@@ -339,6 +442,7 @@ void Machine::append_state(std::vector<std::uint64_t>& words) const {
   parts_->registers.append_state(words);
   if (parts_->devices) parts_->devices->append_state(words);
   for (const Dsp& dsp : parts_->dsps) dsp.append_state(words);
+  for (const pci::BusBridge& bridge : parts_->bridges) bridge.append_state(words);
 }
 
 }  // namespace machine

@@ -1,12 +1,12 @@
 #pragma once
 // Several C40s, two PCI buses, shared memory, a host and the dock, in one virtual time (design.md, decisions 2 to 7).
 //
-// Each DSP sees bus A (host, shared memory) through window A at C0000000h and bus B (drives, sensors, AGV units)
-// through window B at 70000000h, each through a bridge of its own. The host is a HostProgram: what it does is C++, but
-// whatever it reads or writes is a transaction on bus A.
+// Each DSP sees shared memory through window A at C0000000h and drives, sensors and AGV units through window B at 70000000h.
+// Which of its bridges leads there is a matter of the topology: by default bus A (host, shared memory) for window A, bus B
+// (devices) for window B. The host is a HostProgram: what it does is C++, but whatever it reads or writes is a transaction.
 //
-// Order: always the earliest event, ties by component number (host 0, bus A 1, bus B 2, scripted events 3, DSP slot n
-// 16 + n, the plant last). Chips run ahead of that order only where nothing can reach them, so the results do not
+// Order: always the earliest event, ties by component (host, buses in their order, scripted events, DSP slots, the plant
+// last). Chips run ahead of that order only where nothing can reach them, so the results do not
 // depend on Config::turn_order nor on how a run is cut into calls of run_until.
 //
 // Inaccuracies: a doorbell or reset takes effect from the end of the write burst that holds it; burst reads take the
@@ -22,6 +22,7 @@
 
 #include "bus_model/config.hpp"
 #include "machine/time.hpp"
+#include "machine/topology.hpp"
 
 namespace c40 {
 class Chip;
@@ -41,11 +42,13 @@ struct Image;
 namespace machine {
 
 using Word = std::uint32_t;
-using Offset = std::uint32_t;  ///< word address on a bus: a C40's address minus the window's base
+// Offset: a C40's address minus the window's base; that of window A is also what the host's program counts in.
 
-enum class BusId : std::uint8_t { a, b };
+enum class BusId : std::uint8_t { a, b, c, d };
+/// Which of a DSP's windows; by default bus A and bus B lie behind them.
+enum class Window : std::uint8_t { a, b };
 
-/// The host's way to bus A. Writes are posted in order (they combine into bursts at rising addresses); a read goes to
+/// The host's way to shared memory. Writes are posted in order (they combine into bursts at rising addresses); a read goes to
 /// the bus when all writes before it have. Legal only inside HostProgram's calls.
 class HostPort {
  public:
@@ -98,7 +101,7 @@ enum class Action : std::uint8_t {
   reset,        ///< DSP: reset and booted, as by RESET_DSP
   pace,         ///< DSP: its clock runs at `amount` millionths of its nominal frequency
   pause_host,   ///< the host's processor stands still for `amount` picoseconds
-  stall_bus,    ///< bus (0 A, 1 B): its arbiter grants nothing for `amount` picoseconds
+  stall_bus,    ///< bus (in the order of the topology): its arbiter grants nothing for `amount` picoseconds
   drive,        ///< joint: its drive fails (amount 1) or works again (0)
   encoder,      ///< joint: its encoder sticks (1) or works again (0)
   sway,         ///< axis (0 alpha, 1 beta): its sway sensor sticks (1) or works again (0)
@@ -118,12 +121,13 @@ class Observer {
   virtual ~Observer() = default;
   /// A DSP issues a write at `issued`, which its program may do ahead of others: per slot in order, before dsp_write
   /// tells of the same write. The chip's counters are those of this instant.
-  virtual void dsp_issue(unsigned /*slot*/, BusId, Offset, Word, Time /*issued*/) {}
+  virtual void dsp_issue(unsigned /*slot*/, Window, Offset, Word, Time /*issued*/) {}
   /// A DSP's write has reached its target at `now`; the program issued it at `issued`. Fenced writes do not come here
   /// (see dsp_write_dropped).
-  virtual void dsp_write(unsigned /*slot*/, BusId, Offset, Word, Time /*issued*/, Time /*now*/) {}
-  virtual void dsp_write_dropped(unsigned /*slot*/, BusId, Offset, Word, Time /*issued*/, Time /*now*/) {}
-  /// A transaction has ended. Master 0 of bus A is the host; DSP slot n is master n + 1 of bus A and master n of bus B.
+  virtual void dsp_write(unsigned /*slot*/, Window, Offset, Word, Time /*issued*/, Time /*now*/) {}
+  virtual void dsp_write_dropped(unsigned /*slot*/, Window, Offset, Word, Time /*issued*/, Time /*now*/) {}
+  /// A transaction has ended. On every bus the host, if it stands there, is master 0; the DSPs follow in the order of their
+  /// slots, then the bridges between buses.
   virtual void transaction(BusId, const pci::Transaction&, Time /*now*/) {}
   virtual void interrupt(unsigned /*slot*/, int /*iiof pin*/, Time /*now*/) {}
   /// owner: DSP slot + 1, or host_owner.
@@ -134,6 +138,8 @@ class Observer {
 };
 
 inline constexpr unsigned host_owner = 0xFF;
+/// Where the host's program finds offset 0 of window B, where its board leads there.
+inline constexpr Offset host_devices = 0x100000;
 inline constexpr unsigned most_slots = 16;
 
 struct Config {
@@ -144,12 +150,14 @@ struct Config {
   std::int64_t pci_hz_denominator = 3;
   Word idle_policy = 0;    ///< poked into the program's symbol idle_policy: 0 doorbell, 1 pause, 2 spin
   Word pause_count = 125;  ///< poked into pause_count
-  pci::BusConfig bus_a{.name = "A"};
-  pci::BusConfig bus_b{.name = "B"};
+  Topology topology{};
+  pci::BusConfig bus{};  ///< of every bus; the names are the topology's
   pci::MasterConfig dsp_master{};
+  unsigned first_level_dsps = 0;  ///< with Arbitration::two_level, slots below this share the first level with the host
   pci::MasterConfig host_master{.name = "host"};
-  pci::BridgeConfig bridge_a{.prefetch_limit = 0x10000};
-  pci::BridgeConfig bridge_b{.prefetch_words = 0};
+  pci::BridgeConfig bridge_a{.prefetch_limit = 0x10000};  ///< of a DSP towards shared memory
+  pci::BridgeConfig bridge_b{.prefetch_words = 0};        ///< of a DSP to a bus that leads to devices only
+  pci::BusBridgeConfig bus_bridge{};
   pci::BridgeConfig host_bridge{.request_sync = 5, .return_sync = 3, .post_depth = 16, .prefetch_words = 0};
   pci::TargetConfig shared_memory = pci::TargetConfig::sram();
   pci::TargetConfig devices = pci::TargetConfig::drive_card();
@@ -204,7 +212,10 @@ class Machine {
   c40::Chip& chip(unsigned slot);
   const c40::Chip& chip(unsigned slot) const;
   const Clock& chip_clock() const;
+  unsigned buses() const;
   const pci::Bus& bus(BusId id) const;
+  /// What the buses' own invariants have to say against this run (pci::audit); empty unless the model has a fault.
+  std::vector<std::string> audit_buses() const;
   pci::BusStatistics bus_statistics(BusId id) const;  ///< of all clocks up to time()
   const std::vector<ChipFault>& faults() const;
   const SlotStatistics& statistics(unsigned slot) const;

@@ -6,7 +6,7 @@ namespace machine {
 
 namespace {
 
-constexpr unsigned owner_of(unsigned master) { return is_host(master) ? host_owner : master; }
+constexpr unsigned owner_of(unsigned agent) { return is_host(agent) ? host_owner : agent; }
 
 }  // namespace
 
@@ -35,13 +35,13 @@ bool SharedRegisters::answers(Offset offset, bool write, bool by_host) const {
 }
 
 pci::Answer SharedRegisters::answer(pci::Address offset, unsigned, bool write, const pci::Access& access) {
-  return answers(base + offset, write, is_host(access.master)) ? pci::Answer::accept : pci::Answer::abort;
+  return answers(base + offset, write, is_host(access.agent)) ? pci::Answer::accept : pci::Answer::abort;
 }
 
 Word SharedRegisters::acquire(unsigned number, const pci::Access& access) {
-  const unsigned owner = owner_of(access.master);
+  const unsigned owner = owner_of(access.agent);
   Semaphore& semaphore = semaphores_[number];
-  const bool fenced = !is_host(access.master) && fence_.closed(access.master - 1);
+  const bool fenced = !is_host(access.agent) && fence_.closed(access.agent - 1);
   if (semaphore.owner != 0 || fenced) {
     client_.semaphore_event(number, SemaphoreEvent::refused, owner, access.clock);
     return 1;
@@ -54,9 +54,9 @@ Word SharedRegisters::acquire(unsigned number, const pci::Access& access) {
 
 // By its owner, or by the host: a DSP that wakes late must not release what another has acquired since.
 void SharedRegisters::release(unsigned number, const pci::Access& access) {
-  if (!is_host(access.master) && semaphores_[number].owner != owner_of(access.master)) return;
+  if (!is_host(access.agent) && semaphores_[number].owner != owner_of(access.agent)) return;
   semaphores_[number] = {};
-  client_.semaphore_event(number, SemaphoreEvent::released, owner_of(access.master), access.clock);
+  client_.semaphore_event(number, SemaphoreEvent::released, owner_of(access.agent), access.clock);
 }
 
 Word SharedRegisters::microseconds_held(const Semaphore& semaphore, pci::Clocks now) const {
@@ -76,7 +76,8 @@ Word SharedRegisters::read(pci::Address offset, const pci::Access& access) {
 
 void SharedRegisters::write(pci::Address offset, Word value, const pci::Access& access) {
   const Offset bus_offset = base + offset;
-  if (!is_host(access.master) && fence_.closed(access.master - 1)) return;
+  if (!is_host(access.agent) && fence_.closed(access.agent - 1)) return;
+  acted_ += acts_on_dsps(bus_offset);
   const Word bit = value < 32 ? Word{1} << value : 0;
   if (const Word n = bus_offset - symbols_.semaphore; n < symbols_.semaphore_count) {
     release(n, access);

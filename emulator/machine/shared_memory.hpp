@@ -26,8 +26,8 @@ class DoorbellClient {
   virtual void semaphore_event(unsigned number, SemaphoreEvent event, unsigned owner, pci::Clocks clock) = 0;
 };
 
-/// On bus A master 0 is the host, master n + 1 is DSP slot n.
-constexpr bool is_host(unsigned master_a) { return master_a == 0; }
+/// Agents, as the buses' transactions carry them: 0 is the host, n + 1 is DSP slot n.
+constexpr bool is_host(unsigned agent) { return agent == 0; }
 
 class SharedSram final : public pci::Target {
  public:
@@ -35,7 +35,7 @@ class SharedSram final : public pci::Target {
   explicit SharedSram(const Fence& fence) : fence_{fence}, words_(size) {}
   Word read(pci::Address offset, const pci::Access&) override { return words_[offset]; }
   void write(pci::Address offset, Word value, const pci::Access& access) override {
-    if (is_host(access.master) || !fence_.closed(access.master - 1)) words_[offset] = value;
+    if (is_host(access.agent) || !fence_.closed(access.agent - 1)) words_[offset] = value;
   }
   std::vector<Word>& words() { return words_; }
   const std::vector<Word>& words() const { return words_; }
@@ -57,6 +57,8 @@ class SharedRegisters final : public pci::Target {
   bool answers(Offset offset, bool write, bool by_host) const;
   /// A write there acts on a DSP.
   bool acts_on_dsps(Offset offset) const { return offset == symbols_.doorbell_ring || offset == symbols_.reset_dsp; }
+  /// Writes so far that acted on a DSP.
+  std::uint64_t acted() const { return acted_; }
   /// The board of a slot is gone or starts anew: it is not idle.
   void clear_idle(unsigned slot) { idle_ &= ~(Word{1} << slot); }
   void append_state(std::vector<std::uint64_t>& words) const;
@@ -83,6 +85,7 @@ class SharedRegisters final : public pci::Target {
   DoorbellClient& client_;
   std::array<Semaphore, most_semaphores> semaphores_{};
   Word idle_ = 0;
+  std::uint64_t acted_ = 0;
 };
 
 }  // namespace machine

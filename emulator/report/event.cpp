@@ -70,6 +70,8 @@ std::string name(Component component) {
     case host: return "host";
     case bus_a: return "bus A";
     case bus_b: return "bus B";
+    case bus_c: return "bus C";
+    case bus_d: return "bus D";
     case plant: return "plant";
     default: break;
   }

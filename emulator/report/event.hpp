@@ -17,6 +17,8 @@ using Component = std::uint16_t;
 inline constexpr Component host = 0;
 inline constexpr Component bus_a = 1;
 inline constexpr Component bus_b = 2;
+inline constexpr Component bus_c = 3;
+inline constexpr Component bus_d = 4;
 inline constexpr Component first_dsp = 16;
 inline constexpr Component plant = 0xFFFF;
 constexpr Component dsp(unsigned slot) { return static_cast<Component>(first_dsp + slot); }

@@ -148,7 +148,7 @@ class PyBuses final : public BusBridge::Client {
     for (Ended& one : buses[earliest].take_ended()) all.emplace_back(earliest, std::move(one));
     return all;
   }
-  void delivered(unsigned agent, Address address, Word value, Clocks clock, Result) override {
+  void delivered(const Bus&, unsigned agent, Address address, Word value, Clocks clock, Result) override {
     deliveries.emplace_back(agent, address, value, clock);
   }
 

@@ -52,10 +52,10 @@ struct Recorder final : Observer {
   void add(Time now, std::string what, std::vector<std::int64_t> values) {
     events.emplace_back(now.count(), std::move(what), std::move(values));
   }
-  void dsp_write(unsigned slot, BusId bus, Offset offset, Word value, Time issued, Time now) override {
+  void dsp_write(unsigned slot, Window bus, Offset offset, Word value, Time issued, Time now) override {
     add(now, "write", {slot, static_cast<int>(bus), offset, value, issued.count()});
   }
-  void dsp_write_dropped(unsigned slot, BusId bus, Offset offset, Word value, Time issued, Time now) override {
+  void dsp_write_dropped(unsigned slot, Window bus, Offset offset, Word value, Time issued, Time now) override {
     add(now, "dropped", {slot, static_cast<int>(bus), offset, value, issued.count()});
   }
   void transaction(BusId bus, const pci::Transaction& t, Time now) override {
@@ -115,6 +115,15 @@ void bind_config(py::module_& m) {
       .value("unplug", Action::unplug)
       .value("plug", Action::plug)
       .value("reset", Action::reset);
+  py::class_<Topology>(m, "Topology", "Which agent stands on which bus; buses are numbered as in `buses`.")
+      .def(py::init<>())
+      .def_readwrite("buses", &Topology::buses)
+      .def_readwrite("host", &Topology::host)
+      .def_readwrite("dsps", &Topology::dsps)
+      .def_readwrite("shared_memory", &Topology::shared_memory)
+      .def_readwrite("devices", &Topology::devices)
+      .def_readwrite("devices_at", &Topology::devices_at)
+      .def_readwrite("bridges", &Topology::bridges);
   py::class_<Config>(m, "Config", "All parameters of a machine; times in picoseconds.")
       .def(py::init<>())
       .def_readwrite("dsps", &Config::dsps)
@@ -125,8 +134,10 @@ void bind_config(py::module_& m) {
       .def_readwrite("idle_policy", &Config::idle_policy)
       .def_readwrite("pause_count", &Config::pause_count)
       .def_readwrite("interrupt_clocks", &Config::interrupt_clocks)
-      .def_readwrite("bus_a", &Config::bus_a)
-      .def_readwrite("bus_b", &Config::bus_b)
+      .def_readwrite("bus", &Config::bus)
+      .def_readwrite("topology", &Config::topology)
+      .def_readwrite("bus_bridge", &Config::bus_bridge)
+      .def_readwrite("host_master", &Config::host_master)
       .def_readwrite("dsp_master", &Config::dsp_master)
       .def_readwrite("bridge_a", &Config::bridge_a)
       .def_readwrite("bridge_b", &Config::bridge_b)
@@ -208,7 +219,7 @@ void bind_machine(py::module_& core) {
       .def("standing", [](const PyMachine& self, unsigned slot) { return self.machine.standing(slot); })
       .def("statistics", [](const PyMachine& self, unsigned slot) { return self.machine.statistics(slot); })
       .def("bus_statistics", [](const PyMachine& self,
-                                char bus) { return self.machine.bus_statistics(bus == 'A' ? BusId::a : BusId::b); })
+                                char bus) { return self.machine.bus_statistics(static_cast<BusId>(bus - 'A')); })
       .def_property_readonly("faults", [](const PyMachine& self) { return self.machine.faults(); })
       .def_property_readonly(
           "reads", [](const PyMachine& self) { return self.host.reads; },
