@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "c40/engine.hpp"
+#include "c40/peripherals/register_map.hpp"
 
 namespace c40 {
 
@@ -78,6 +79,9 @@ void check_port(int port) {
   if (port < 0 || port >= port_count)
     throw std::invalid_argument(fmt::format("there is no communication port {}; 0 to {} are possible", port, port_count - 1));
 }
+void check_timer(int timer) {
+  if (timer < 0 || timer >= timer_count) throw std::out_of_range(fmt::format("there is no timer {}; 0 and 1 are possible", timer));
+}
 void check_pin(int pin) {
   if (pin < 0 || pin > 3) throw std::out_of_range(fmt::format("there is no pin IIOF{}; 0 to 3 are possible", pin));
 }
@@ -108,6 +112,20 @@ const CommPort& Chip::port(int port) const {
 void Chip::complete_port(Cycles at) { engine_->complete_port(at); }
 bool Chip::watches_ports() const { return engine_->watched_ports() != 0; }
 
+void Chip::set_timer_pin(int timer, bool level) {
+  check_timer(timer);
+  engine_->set_timer_pin(timer, level);
+}
+bool Chip::timer_pin(int timer) const {
+  check_timer(timer);
+  const State& state = engine_->state();
+  Timer now = state.timers[static_cast<std::size_t>(timer)];
+  now.advance_to(state.cycle);
+  return now.pin(state.cycle);
+}
+Word Chip::peripheral(std::string_view name) const { return engine_->peek(register_named(name).address); }
+
+Cycles Chip::next_event() const { return engine_->next_peripheral_event(); }
 bool Chip::idle() const { return engine_->waits_in_idle(); }
 void Chip::hold(bool held) { engine_->touch().held = held; }
 bool Chip::halted() const { return engine_->state().held || engine_->state().faulted; }

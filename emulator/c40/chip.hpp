@@ -2,7 +2,7 @@
 /// One TMS320C40: its whole public face. The chip knows no system: it runs until a limit, or until it would touch something
 /// that is not its own, and says so.
 ///
-/// Inaccuracies: no instruction cache, DMA, timers or boot ROM yet (touching their registers is a
+/// Inaccuracies: no instruction cache, DMA or boot ROM yet (touching their registers is a
 /// fault that names the register); software wait states of the memory interface control registers have no effect; annulled slots
 /// update address registers but do not read memory; RCPF and RSQRF seeds are a model. docs/fidelity.md lists every choice.
 #include <functional>
@@ -126,11 +126,21 @@ class Chip {
   /// Interrupts that linked ports could raise are enabled: the chip's horizon depends on its links.
   bool watches_ports() const;
 
+  /// Level that the outside drives pin TCLKn to, from the present cycle on.
+  void set_timer_pin(int timer, bool level);
+  /// The level at pin TCLKn.
+  bool timer_pin(int timer) const;
+  /// A peripheral register's value, by the name that the register map gives it (peripherals/register_map.hpp); a FIFO's oldest word
+  /// without taking it. Throws std::out_of_range for an unknown name, with the nearest, and for an empty FIFO.
+  Word peripheral(std::string_view name) const;
+
   /// An edge on IIOFn at the present cycle.
   void raise_iiof(int pin);
   /// The level of IIOFn: going active is an edge; a level-triggered interrupt stays requested while it lasts.
   void set_iiof(int pin, bool active);
   void raise_nmi();
+  /// The next cycle in which a peripheral does something by itself that the processor could see; the greatest number if none will.
+  Cycles next_event() const;
   /// In IDLE with no interrupt to take.
   bool idle() const;
   void hold(bool held);

@@ -8,6 +8,7 @@
 
 #include "c40/addressing.hpp"
 #include "c40/handler_tables.hpp"
+#include "c40/peripherals/register_map.hpp"
 
 namespace c40 {
 namespace {
@@ -35,6 +36,7 @@ void Engine::reset() {
   state_.iiof_levels = old.iiof_levels;
   state_.ports = old.ports;
   reset_ports();
+  expect_peripherals();
   state_.core.e.fill(float40::zero_exponent);
   state_.global_interface_control = board_.global_interface_control;
   state_.local_interface_control = board_.local_interface_control;
@@ -58,7 +60,7 @@ Word Engine::peek(Address address) const {
   if (area == nullptr) throw std::out_of_range(fmt::format("address {:08X}h is reserved on board {}", address, board_.name));
   if (area->data != nullptr) return area->data[address - area->base];
   Word value = 0;
-  if (area->kind == Region::Kind::registers && read_register(address, value)) return value;
+  if (area->kind == Region::Kind::registers && read_register(address, state_.cycle, value)) return value;
   throw std::out_of_range(fmt::format("address {:08X}h ({}) cannot be read without a bus access", address, area->name));
 }
 
@@ -66,7 +68,7 @@ void Engine::poke(Address address, Word value) {
   const Memory::Area* area = memory_.find(address);
   if (area == nullptr) throw std::out_of_range(fmt::format("address {:08X}h is reserved on board {}", address, board_.name));
   if (area->data == nullptr) {
-    if (area->kind == Region::Kind::registers && write_register(address, value)) return;
+    if (area->kind == Region::Kind::registers && write_register(address, value, state_.cycle)) return;
     throw std::out_of_range(fmt::format("address {:08X}h ({}) cannot be written without a bus access", address, area->name));
   }
   const Word offset = address - area->base;
@@ -176,10 +178,10 @@ Engine::Stepped Engine::resolve(StepRecord& record, Op& op) {
   if (area->kind == Region::Kind::registers && is_port_register(address)) {
     if (const Stepped why = access_port(record, k, cell[0]); why != Stepped::done) return why;
   } else if (area->kind == Region::Kind::registers) {
-    if (!read_register(address, cell[0]))
+    record.register_cycle[k] = access_cycle(record, core.miss_access);
+    if (!read_register(address, record.register_cycle[k], cell[0]))
       return fail(Fault::Kind::not_modelled,
-                  fmt::format("{} {:08X}h: the register of {} is not modelled yet", write ? "write to" : "read of", address,
-                              register_name(address)),
+                  fmt::format("{} {:08X}h: {} is not modelled", write ? "write to" : "read of", address, describe_register(address)),
                   address);
     record.register_write[k] = write;
   } else {
@@ -270,7 +272,7 @@ void Engine::write_status(Word value) {
 void Engine::finish_step(const StepRecord& record) {
   Core& core = state_.core;
   for (std::size_t k = 0; k < 2; ++k)
-    if (record.register_write[k]) write_register(record.address[k], scratch_[k].cell[0]);
+    if (record.register_write[k]) write_register(record.address[k], scratch_[k].cell[0], record.register_cycle[k]);
   // LDIcond may leave ST as it is.
   const bool written = !record.bound.row->conditional() || execute::holds(core, static_cast<isa::Condition>(record.bound.op.selector));
   if (record.bound.writes_status && written) write_status(core.r[reg::ST]);
@@ -406,6 +408,8 @@ bool Engine::may_interrupt() const {
 std::optional<StopInfo> Engine::advance(Cycles limit, bool single) {
   Core& core = state_.core;
   core.attention = false;
+  if (state_.cycle >= next_peripheral_event_) advance_peripherals(state_.cycle);
+  limit = std::min(limit, next_peripheral_event_);
   if (core.code_writes != 0) process_code_writes();
   if (may_interrupt()) {
     if (const Word vector = pending_vector(); vector != 0) {
@@ -455,6 +459,7 @@ StopInfo Engine::run_until(Cycles limit) {
     if (auto info = advance(limit, false)) return *info;
     if (attached_ != 0 && (watched_ports() & ~watched) != 0) return stop(Stepped::horizon);
   }
+  if (state_.cycle >= next_peripheral_event_) advance_peripherals(state_.cycle);
   return {};
 }
 

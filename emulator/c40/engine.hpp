@@ -82,6 +82,8 @@ class Engine {
   /// Bit n: linked port n could raise an interrupt.
   Word watched_ports() const;
   CommPort& port(int n) { return state_.ports[static_cast<std::size_t>(n)]; }
+  Cycles next_peripheral_event() const { return next_peripheral_event_; }
+  void set_timer_pin(int timer, bool level);
   void attach(int n, PortListener* link);
   PortListener* listener(int n) const { return listeners_[static_cast<std::size_t>(n)]; }
 
@@ -98,6 +100,7 @@ class Engine {
     std::array<Window, 2> windows{};
     std::array<Address, 2> address{};  ///< of each data access
     std::array<bool, 2> register_write{};
+    std::array<Cycles, 2> register_cycle{};  ///< when the access to a register takes place
     bool only_ram = true;
     bool taken = false;
     StepTiming timing;
@@ -130,9 +133,10 @@ class Engine {
   void finish_step(const StepRecord& record);
   void advance_pc(Address pc);
   Stepped fail(Fault::Kind kind, std::string message, Address address = 0);
-  bool read_register(Address address, Word& value) const;
-  bool write_register(Address address, Word value);
-  std::string register_name(Address address) const;
+  bool read_register(Address address, Cycles at, Word& value) const;
+  bool write_register(Address address, Word value, Cycles at);
+  void advance_peripherals(Cycles at);
+  void expect_peripherals();
   void reset_ports();
   Stepped access_port(const StepRecord& record, std::size_t k, Word& cell);
   Word pending_port_vector(Word enabled) const;
@@ -169,6 +173,7 @@ class Engine {
   Board board_;
   Memory memory_;
   ExternalAccess waiting_{};
+  Cycles next_peripheral_event_ = 0;  ///< before it, no peripheral does anything by itself that the processor could see
   PortAccess port_access_{};
   std::size_t port_slot_ = 2;  ///< which of the instruction's accesses waits for a port; 2: none
   std::array<PortListener*, port_count> listeners_{};

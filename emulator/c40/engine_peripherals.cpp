@@ -1,6 +1,7 @@
 // What surrounds the processor core on the chip: its registers in memory, and the interrupts.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "c40/choices.hpp"
@@ -11,6 +12,7 @@ namespace {
 
 constexpr Address global_interface = peripheral_base + 0x00, local_interface = peripheral_base + 0x04;
 constexpr Word nmi_flag = 1u << 16, timer0_flag = 1u << 24, timer1_flag = 1u << 31;
+constexpr std::array timer_flags{timer0_flag, timer1_flag};
 constexpr Word port_sources = 0x01FFFFFEu;  // of IIE
 
 void add(Causes& causes, Cause cause, Cycles cycles) { causes[static_cast<std::size_t>(cause)] += cycles; }
@@ -19,34 +21,53 @@ void add(Causes& causes, Cause cause, Cycles cycles) { causes[static_cast<std::s
 
 // ---- registers on the chip ----
 
-std::string Engine::register_name(Address address) const {
-  const Word offset = address - peripheral_base;
-  const auto channel = [](Word from, Word at) { return (at - from) >> 4; };
-  if (offset == 0x00) return "global memory interface control";
-  if (offset == 0x04) return "local memory interface control";
-  if (offset >= 0x10 && offset <= 0x13) return "analysis block";
-  if (offset >= 0x20 && offset < 0x40) return fmt::format("timer {}", (offset - 0x20) >> 4);
-  if (offset >= 0x40 && offset < 0xA0) return fmt::format("communication port {}", channel(0x40, offset));
-  if (offset >= 0xA0) return fmt::format("DMA channel {}", channel(0xA0, offset));
-  return "reserved peripheral register";
-}
-
-bool Engine::read_register(Address address, Word& value) const {
+bool Engine::read_register(Address address, Cycles at, Word& value) const {
+  if (address == global_interface || address == local_interface) {
+    value = address == global_interface ? state_.global_interface_control : state_.local_interface_control;
+    return true;
+  }
   if (is_port_register(address)) {
     const PortAccess access = port_access(address, false, 0, 0);
     return access.peek(state_.ports[static_cast<std::size_t>(access.port)], value);
   }
-  if (address == global_interface) value = state_.global_interface_control;
-  if (address == local_interface) value = state_.local_interface_control;
-  return address == global_interface || address == local_interface;
+  if (is_timer_register(address)) {
+    value = state_.timers[timer_of(address)].read(timer_register(address), at);
+    return true;
+  }
+  return false;
 }
 
-bool Engine::write_register(Address address, Word value) {
-  constexpr Word pins = 0xFu, reserved = 0xC0000000u;  // the levels of CE0, CE1, DE, AE are read only
-  if (address != global_interface && address != local_interface) return false;
-  Word& control = address == global_interface ? state_.global_interface_control : state_.local_interface_control;
-  control = (control & pins) | (value & ~(pins | reserved));
-  return true;
+bool Engine::write_register(Address address, Word value, Cycles at) {
+  if (address == global_interface || address == local_interface) {
+    constexpr Word pins = 0xFu, reserved = 0xC0000000u;  // the levels of CE0, CE1, DE, AE are read only
+    Word& control = address == global_interface ? state_.global_interface_control : state_.local_interface_control;
+    control = (control & pins) | (value & ~(pins | reserved));
+    return true;
+  }
+  if (is_timer_register(address)) {
+    if (state_.timers[timer_of(address)].write(timer_register(address), value, at)) raise_flag(timer_flags[timer_of(address)]);
+    expect_peripherals();
+    return true;
+  }
+  return false;
+}
+
+// ---- what goes on by itself ----
+
+void Engine::advance_peripherals(Cycles at) {
+  for (std::size_t n = 0; n < timer_count; ++n)
+    if (state_.timers[n].advance_to(at)) raise_flag(timer_flags[n]);
+  expect_peripherals();
+}
+
+void Engine::expect_peripherals() {
+  next_peripheral_event_ = std::min(state_.timers[0].next_event(), state_.timers[1].next_event());
+}
+
+void Engine::set_timer_pin(int timer, bool level) {
+  const auto n = static_cast<std::size_t>(timer);
+  if (state_.timers[n].set_pin(level, state_.cycle)) raise_flag(timer_flags[n]);
+  expect_peripherals();
 }
 
 // ---- communication ports ----

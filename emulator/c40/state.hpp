@@ -5,6 +5,7 @@
 
 #include "c40/op.hpp"
 #include "c40/peripherals/comm_port.hpp"
+#include "c40/peripherals/timer.hpp"
 
 namespace c40 {
 
@@ -27,6 +28,7 @@ struct State {
   std::array<Answer, 2> answers{};  ///< By access of the instruction at PC.
   Word global_interface_control = 0, local_interface_control = 0;
   std::array<CommPort, port_count> ports{};
+  std::array<Timer, timer_count> timers{};
   bool stalled_on_port = false;  ///< The instruction at PC has begun an access that a FIFO does not answer yet.
   std::uint8_t iiof_levels = 0;  ///< Bit n: IIOFn is held active.
   bool held = false;             ///< In reset.
@@ -63,6 +65,7 @@ void visit_state(S& s, Visit&& visit) {
   visit(std::string_view{"global_interface_control"}, s.global_interface_control);
   visit(std::string_view{"local_interface_control"}, s.local_interface_control);
   visit(std::string_view{"ports"}, s.ports);
+  visit(std::string_view{"timers"}, s.timers);
   visit(std::string_view{"stalled_on_port"}, s.stalled_on_port);
   visit(std::string_view{"iiof_levels"}, s.iiof_levels);
   visit(std::string_view{"held"}, s.held);

@@ -30,6 +30,8 @@ inline constexpr int ram_ports = 2;
 inline constexpr int external_write_cycles = 2;
 /// A read straight after a write on the same bus takes one cycle more.
 inline constexpr int read_after_write_cycles = 1;
+/// Cycles per tick of a timer's internal clock, H1/2 (c40-hardware.md 4).
+inline constexpr int timer_tick_cycles = 2;
 /// Longest wait states that a region of a board may declare.
 inline constexpr int max_region_waits = 15;
 

@@ -8,6 +8,7 @@
 
 #include "c40/chip.hpp"
 #include "c40/peripherals/link.hpp"
+#include "c40/peripherals/register_map.hpp"
 #include "c40/self_check.hpp"
 #include "python/bindings/bindings.hpp"
 #include "toolchain/assembler.hpp"
@@ -268,6 +269,9 @@ void bind_processor(py::module_& m) {
         if (p.chip.port(n).output.empty()) throw py::value_error("the output FIFO is empty");
         return p.chip.port(n).send();
       }, "Takes a word from the output FIFO of a port, as its neighbour would.")
+      .def("set_timer_pin", [](Processor& p, int timer, bool level) { p.chip.set_timer_pin(timer, level); })
+      .def("timer_pin", [](const Processor& p, int timer) { return p.chip.timer_pin(timer); })
+      .def("peripheral", [](const Processor& p, const std::string& name) { return p.chip.peripheral(name); })
       .def_property_readonly("watches_ports", [](const Processor& p) { return p.chip.watches_ports(); })
       .def("set_exact", [](Processor& p, bool exact) { p.chip.set_exact(exact); }, "One instruction at a time, no blocks.")
       .def("peek", [](const Processor& p, c40::Address a) { return p.chip.peek(a); })
@@ -333,5 +337,16 @@ void bind_c40(py::module_& core) {
   auto m = core.def_submodule("c40", "One TMS320C40.");
   bind_processor(m);
   bind_link(m);
+  m.def("register_page", &c40::register_page, "The register tables of docs/peripherals.md.");
+  m.def("peripheral_registers", [] {
+    py::list all;
+    for (const c40::RegisterInfo& info : c40::register_map()) {
+      py::dict fields;
+      for (const c40::Field& field : info.fields) fields[py::str(std::string(field.name))] = py::make_tuple(field.low, field.width);
+      all.append(py::dict(py::arg("name") = info.name, py::arg("address") = info.address, py::arg("reset") = info.reset, py::arg("fields") = fields,
+                          py::arg("meaning") = std::string(info.meaning)));
+    }
+    return all;
+  }, "Every memory-mapped register: name, address, value after reset, fields (lowest bit, width).");
   bind_float40(m);
 }

@@ -1,0 +1,200 @@
+"""Timers against counts by hand and a model that steps every cycle (c40-hardware.md 4, 11.5)."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import pytest
+from cmrc._core import c40, toolchain
+
+CONTROL, COUNTER, PERIOD = 0x100020, 0x100024, 0x100028
+TABLE = 0x2FFA00
+
+SERVICE = """
+        ldhi 2fh,ar1
+        or 0fa00h,ar1
+        ldpe ar1,ivtp
+        ldhi 10h,ar0
+        or OFFSET,ar0
+        ldhi PERIOD_HIGH,r0
+        or PERIOD_LOW,r0
+        sti r0,*+ar0(8)
+        ldi CONTROL,r0
+        ldi MASK,r1
+        lsh SHIFT,r1
+        ldi r1,iie
+        or 2000h,st
+start:  sti r0,*ar0
+wait:   idle
+        bu wait
+isr:    addi 1,r2
+        reti
+"""
+
+
+def program(timer: int, control: int, period: int) -> tuple[Any, Any]:
+    text = SERVICE.replace("OFFSET", f"{0x20 + 0x10 * timer:x}h").replace("PERIOD_HIGH", str(period >> 16))
+    text = text.replace("PERIOD_LOW", str(period & 0xFFFF)).replace("CONTROL", f"0{control:x}h").replace("MASK", "1").replace("SHIFT", str(31 * timer))
+    image = toolchain.assemble("        .text\n" + text, "timer.asm", sections={".text": 0x2FFC00})
+    chip = c40.Processor("default")
+    chip.load_image(image)
+    chip.pc = 0x2FFC00
+    chip.set("SP", 0x2FFB00)
+    chip.poke(TABLE + (2 if timer == 0 else 0x2B), image.symbols["isr"])
+    return chip, image
+
+
+def interrupts(chip: Any, cycles: int) -> list[int]:
+    return [record["cycle"] for record in chip.trace(cycles) if "interrupt" in record]
+
+
+@pytest.mark.parametrize("timer", [0, 1])
+@pytest.mark.parametrize(("control", "period", "cycles"), [(0x2C2, 8250, 16_500), (0x3C0, 100, 400), (0x2C0, 100, 200)])
+def test_golden_vectors(timer: int, control: int, period: int, cycles: int) -> None:
+    chip, image = program(timer, control, period)
+    chip.run(100, until=image.symbols["start"])
+    started = chip.cycle
+    taken = interrupts(chip, 5 * cycles)
+    assert [at - started for at in taken][:2] == [2 * period, 2 * period + cycles]
+    assert {b - a for a, b in zip(taken, taken[1:], strict=False)} == {cycles}
+    assert sum(chip.causes.values()) == chip.cycle
+
+
+def test_go_reads_back_as_zero_and_hold_freezes_the_counter() -> None:
+    chip, image = program(0, 0x2C0, 1000)
+    chip.run(100, until=image.symbols["start"])
+    started = chip.cycle
+    chip.run(200)
+    assert chip.peripheral("timer0.control") == 0x280
+    assert chip.peripheral("TIMER0.counter") == (chip.cycle - started) // 2
+    chip.poke(CONTROL, 0x200)
+    frozen = chip.peripheral("TIMER0.counter")
+    chip.run(500)
+    assert chip.peripheral("TIMER0.counter") == frozen
+    chip.poke(CONTROL, 0x280)
+    chip.run(100)
+    assert chip.peripheral("TIMER0.counter") == frozen + 50
+
+
+def test_a_counter_beyond_the_period_goes_on_through_the_top() -> None:
+    chip, image = program(0, 0x2C0, 1000)
+    chip.run(100, until=image.symbols["wait"])
+    chip.run(100)
+    chip.poke(PERIOD, 10)
+    chip.poke(COUNTER, 0xFFFFFFF0)
+    first = chip.cycle
+    taken = interrupts(chip, 200)
+    assert [at - first for at in taken] in ([52, 72, 92, 112, 132, 152, 172, 192], [51, 71, 91, 111, 131, 151, 171, 191])
+
+
+def test_the_flag_stays_while_the_interrupt_is_off() -> None:
+    chip, image = program(0, 0x2C0, 100)
+    chip.run(100, until=image.symbols["start"])
+    chip.set("IIE", 0)
+    started = chip.cycle
+    chip.run(199)
+    assert chip.get("IIF") & 1 << 24 == 0
+    chip.run(2)
+    assert chip.cycle - started == 201 and chip.get("IIF") & 1 << 24
+    chip.set("IIE", 1)
+    assert not chip.idle
+
+
+def test_an_external_clock_counts_rising_edges_and_inverted_ones() -> None:
+    for inverted in (0, 0x400):
+        chip, image = program(1, 0xC1 | inverted, 3)  # FUNC, GO, HLD; clock from the pin; pulse mode
+        chip.run(100)
+        counts = []
+        for _ in range(4):
+            chip.set_timer_pin(1, True)
+            counts.append(chip.peripheral("TIMER1.counter"))
+            chip.set_timer_pin(1, False)
+            chip.run(20)
+        assert counts == ([1, 2, 0, 1] if not inverted else [0, 1, 2, 0])
+        assert chip.get("R2") & 0xFFFFFFFF == 1
+
+
+def test_the_pin_shows_the_status_and_its_inverse() -> None:
+    chip, image = program(0, 0x3C1, 10)  # FUNC, clock mode
+    chip.run(100, until=image.symbols["start"])
+    started = chip.cycle
+    levels = []
+    while chip.cycle < started + 80:
+        chip.run(1)
+        levels.append((chip.cycle - started, chip.timer_pin(0)))
+    assert all(level == (cycle // 20 % 2 == 1) for cycle, level in levels)
+
+
+def test_general_purpose_pin() -> None:
+    chip, _ = program(0, 0, 0)
+    chip.poke(CONTROL, 0b110)
+    assert chip.timer_pin(0) and chip.peripheral("TIMER0.control") == 0b1110
+    chip.poke(CONTROL, 0b010)
+    assert not chip.timer_pin(0)
+    chip.poke(CONTROL, 0)
+    chip.set_timer_pin(0, True)
+    assert chip.peripheral("TIMER0.control") == 0b1000
+
+
+class Stepped:
+    """A timer, tick by tick."""
+
+    def __init__(self) -> None:
+        self.clock = self.running = self.status = False
+        self.counter = self.period = 0
+        self.phase = 0
+        self.rose: list[int] = []
+
+    def cycle(self, at: int) -> None:
+        """The cycle `at` begins."""
+        if not self.running:
+            return
+        self.phase += 1
+        if self.phase < 2:
+            return
+        self.phase = 0
+        self.counter = (self.counter + 1) & 0xFFFFFFFF
+        if self.counter != self.period:
+            return
+        self.counter = 0
+        if self.clock:
+            self.status = not self.status
+        if self.status or not self.clock:
+            self.rose.append(at)
+
+
+def test_random_periods_against_the_stepped_model() -> None:
+    for seed in range(20):
+        rng = random.Random(seed)
+        chip, image = program(0, 0, 0)
+        chip.run(100, until=image.symbols["start"])
+        chip.set("IIE", 0)
+        chip.set("ST", 0)
+        chip.run(30)
+        model = Stepped()
+        seen: list[int] = []
+        for _ in range(12):
+            period, clock = rng.randint(1, 40), rng.random() < 0.5
+            chip.poke(PERIOD, period)
+            chip.poke(CONTROL, 0x3C0 if clock else 0x2C0)
+            model.period, model.clock, model.counter, model.phase, model.status, model.running = period, clock, 0, 0, False, True
+            for _ in range(rng.randint(1, 200)):
+                chip.run(1)
+                model.cycle(chip.cycle)
+                assert chip.peripheral("TIMER0.counter") == model.counter
+                if chip.get("IIF") & 1 << 24:
+                    chip.set("IIF", 0)
+                    seen.append(chip.cycle)
+                assert (seen[-1:] == [chip.cycle]) == (model.rose[-1:] == [chip.cycle])
+        assert seen
+
+
+def test_register_names() -> None:
+    chip, _ = program(0, 0, 0)
+    registers = c40.peripheral_registers()
+    assert len(registers) == 2 + 2 * 3 + 6 * 3 + 6 * 9
+    assert {entry["name"]: entry["address"] for entry in registers}["DMA3.link"] == 0x1000D6
+    assert chip.peripheral("gmicr") == 0x1DEA4000
+    with pytest.raises(IndexError, match=r"did you mean PORT3.control\?"):
+        chip.peripheral("PROT3.control")
