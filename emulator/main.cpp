@@ -7,6 +7,7 @@
 
 #include "cli/options.hpp"
 #include "cmrc/config.hpp"
+#include "machine/board_file.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/diagnostics.hpp"
 #include "toolchain/linker.hpp"
@@ -37,6 +38,8 @@ void declare_run(CLI::App& app, cli::RunOptions& options) {
   app.add_option("--turn-order", options.turn_order, "Shuffle which chip is advanced first; changes nothing")
       ->type_name("SEED");
   app.add_option("--programs", options.programs, "Assemble the DSP programs from this directory")->type_name("DIR");
+  app.add_option("--board", options.board, "Memories and clock of the DSPs' boards (docs/cli.md, Board files)")
+      ->type_name("default|FILE.toml");
   app.add_option("--idle-policy", options.idle_policy,
                  "How a DSP without work waits: doorbell (default), pause or spin");
   app.add_option("--eq7", options.equation7, "Reading of equation (7): restored (default) or as_printed");
@@ -146,6 +149,8 @@ int guarded(const Action& action) {
   try {
     return action();
   } catch (const cli::InputError& error) {
+    return fail(error.what(), cli::bad_input);
+  } catch (const machine::BoardError& error) {
     return fail(error.what(), cli::bad_input);
   } catch (const cmrc::ConfigError& error) {
     return fail(error.what(), cli::bad_input);

@@ -10,11 +10,11 @@
 #include "c40/pipeline_diagram.hpp"
 #include "c40/profile.hpp"
 #include "c40/self_check.hpp"
-#include "cli/board_file.hpp"
 #include "cli/options.hpp"
 #include "cli/output_file.hpp"
 #include "cli/program.hpp"
 #include "isa/decode.hpp"
+#include "machine/board_file.hpp"
 #include "machine/instruction_trace.hpp"
 #include "machine/profile.hpp"
 #include "report/trace_text.hpp"
@@ -277,7 +277,7 @@ void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector
 }  // namespace
 
 int exec(const ExecOptions& options) {
-  const ChosenBoard chosen = read_board(options.board);
+  const machine::BoardDescription chosen = machine::read_board(options.board);
   const Image image = read_program(options.program, options.include_directories, options.load_at);
   for (const std::string& warning : image.warnings) fmt::print(stderr, "{}\n", warning);
   std::optional<Address> until;

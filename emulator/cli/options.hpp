@@ -28,6 +28,7 @@ struct RunOptions {
   std::optional<std::int64_t> seed;
   std::optional<std::int64_t> turn_order;
   std::optional<std::string> programs;
+  std::optional<std::string> board;
   std::optional<std::string> idle_policy;
   std::optional<std::string> equation7;
   bool strict = false;

@@ -45,6 +45,7 @@ struct Config {
     IdlePolicy idle_policy = IdlePolicy::doorbell;
     std::int64_t pause_nops = 125;  ///< 5 us at C40-50
     std::string programs;           ///< directory of the assembly sources; empty: the image built in
+    std::string board = "default";  ///< of every DSP: "default", or a board file
   } machine;
   struct Rates {
     double refresh_frequency_hz = 8000;  ///< f_s

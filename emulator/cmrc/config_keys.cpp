@@ -84,6 +84,8 @@ std::vector<Key> make_keys() {
               "length of the pause of idle_policy \"pause\"", "plant-and-bus.md 3.5"),
       text("machine.programs", FIELD(machine.programs),
            "directory of the DSP programs' sources, assembled at the start; empty: the image built in", "issue 2"),
+      text("machine.board", FIELD(machine.board),
+           "memories and clock of every DSP's board: default, or a board file (cli.md), whose clock_mhz comes before dsp_clock", "issue 4"),
 
       number("rates.refresh_frequency_hz", FIELD(rates.refresh_frequency_hz), "Hz", 100, 200000,
              "f_s, refreshes of the task-block list", "plant-and-bus.md 2.3"),

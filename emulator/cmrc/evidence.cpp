@@ -63,7 +63,7 @@ report::DspReport dsp_report(const Evidence& e, unsigned slot) {
       if (fault.slot == slot) report.state = "halted: " + fault.message;
     }
   }
-  report.clock_hz = chip_hertz(e.config);
+  report.clock_hz = static_cast<double>(e.machine.config().chip_hz);
   report.cycles = chip.cycle();
   report.instructions = chip.instructions();
   for (std::size_t i = 0; i < e.causes.size(); ++i) report.causes.push_back({e.causes[i], chip.causes()[i]});

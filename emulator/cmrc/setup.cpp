@@ -4,17 +4,22 @@
 #include <cmath>
 
 #include "cmrc/ti_float.hpp"
+#include "machine/board_file.hpp"
 
 namespace cmrc {
 
-double chip_hertz(const Config& config) {
-  switch (config.machine.dsp_clock) {
-    case DspClock::c40_40: return 20e6;
-    case DspClock::c40_50: return 25e6;
-    case DspClock::c40_60: return 30e6;
+namespace {
+
+std::int64_t instruction_cycles_per_second(DspClock clock) {
+  switch (clock) {
+    case DspClock::c40_40: return 20'000'000;
+    case DspClock::c40_50: return 25'000'000;
+    case DspClock::c40_60: return 30'000'000;
   }
-  return 25e6;
+  return 25'000'000;
 }
+
+}  // namespace
 
 plant::DockConfig dock_of(const Config& config) {
   plant::DockConfig dock = plant::default_dock(static_cast<int>(config.dock.agvs));
@@ -101,7 +106,10 @@ machine::Config machine_of(const Config& config) {
   machine::Config machine;
   machine.dsps = static_cast<unsigned>(config.machine.dsps);
   machine.slots = static_cast<unsigned>(std::max(config.machine.dsps, config.machine.slots));
-  machine.chip_hz = static_cast<std::int64_t>(chip_hertz(config));
+  const machine::BoardDescription board = machine::read_board(config.machine.board);
+  machine.board = board.board;
+  machine.chip_hz = board.clock_mhz ? machine::instruction_cycles_per_second(*board.clock_mhz)
+                                    : instruction_cycles_per_second(config.machine.dsp_clock);
   // Thirds of a hertz hold PCI's 33 1/3 MHz exactly.
   machine.pci_hz_numerator = std::llround(config.bus.clock_hz * 3);
   machine.pci_hz_denominator = 3;

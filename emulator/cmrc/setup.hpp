@@ -17,10 +17,10 @@
 
 namespace cmrc {
 
-double chip_hertz(const Config& config);
 plant::DockConfig dock_of(const Config& config);
 CraneJob crane_of(const Config& config, const plant::DockConfig& dock);
 FleetJob fleet_of(const Config& config, const plant::DockConfig& dock);
+/// \throws machine::BoardError
 machine::Config machine_of(const Config& config);
 /// What the machine has to do at the event; none for a change of parameters, which is the host's.
 std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event);

@@ -18,6 +18,7 @@
 #include "cmrc/run_profile.hpp"
 #include "cmrc/setup.hpp"
 #include "cmrc/words.hpp"
+#include "machine/board_file.hpp"
 #include "machine/machine.hpp"
 #include "plant/dock.hpp"
 #include "toolchain/assembler.hpp"
@@ -131,7 +132,10 @@ class Simulation::Parts {
   std::optional<RunProfile> profile;
 };
 
-Simulation::Simulation(const Config& config) : parts_(std::make_unique<Parts>(config)) {}
+Simulation::Simulation(const Config& config) try : parts_(std::make_unique<Parts>(config)) {
+} catch (const machine::BoardError& error) {
+  throw ConfigError(fmt::format("machine.board: {}", error.what()));
+}
 Simulation::~Simulation() = default;
 
 void Simulation::at(const TimedEvent& event) {

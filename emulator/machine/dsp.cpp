@@ -24,7 +24,7 @@ Dsp::Dsp(unsigned slot, bool plugged, Surroundings& surroundings)
     : slot_{slot},
       around_{surroundings},
       clock_{around_.chip_clock},
-      chip_{c40::Board::default_board()},
+      chip_{around_.config.board},
       sides_{} {
   const Config& config = around_.config;
   for (unsigned port = 0; port < config.topology.dsps.size(); ++port)

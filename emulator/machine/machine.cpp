@@ -11,6 +11,7 @@
 #include "bus_model/audit.hpp"
 #include "bus_model/bus.hpp"
 #include "bus_model/bus_bridge.hpp"
+#include "machine/board_file.hpp"
 #include "machine/devices.hpp"
 #include "machine/dsp.hpp"
 #include "machine/host.hpp"
@@ -199,6 +200,7 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
       bus_clock{config.pci_hz_numerator, config.pci_hz_denominator},
       sram{fence},
       registers{symbols, config.slots, bus_clock, fence, *this} {
+  require_dsp_board(config.board, program, symbols);
   for (const std::string& name : config.topology.buses) {
     pci::BusConfig bus = config.bus;
     bus.name = name;

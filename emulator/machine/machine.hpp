@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "bus_model/config.hpp"
+#include "c40/memory.hpp"
 #include "machine/time.hpp"
 #include "machine/topology.hpp"
 
@@ -146,6 +147,7 @@ struct Config {
   unsigned dsps = 4;                  ///< plugged in from the start: slots 0 to dsps - 1
   unsigned slots = 0;                 ///< slots in all, at most most_slots; 0: as many as dsps
   std::int64_t chip_hz = 25'000'000;  ///< instruction cycles per second: C40-40 20 M, C40-50 25 M, C40-60 30 M
+  c40::Board board = c40::Board::default_board();  ///< of every DSP; needs the windows to both buses (BoardError otherwise)
   std::int64_t pci_hz_numerator = 100'000'000;
   std::int64_t pci_hz_denominator = 3;
   Word idle_policy = 0;    ///< poked into the program's symbol idle_policy: 0 doorbell, 1 pause, 2 spin

@@ -1,4 +1,4 @@
-#include "cli/board_file.hpp"
+#include "machine/board_file.hpp"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -9,9 +9,10 @@
 #include <initializer_list>
 #include <sstream>
 
-#include "cli/options.hpp"
+#include "machine/shared_memory.hpp"
+#include "toolchain/image.hpp"
 
-namespace cli {
+namespace machine {
 namespace {
 
 using c40::Address;
@@ -21,29 +22,29 @@ class BoardReader {
  public:
   explicit BoardReader(std::string file) : file_(std::move(file)) {}
 
-  ChosenBoard read(const toml::table& root) const {
+  BoardDescription read(const toml::table& root) const {
     allow(root, "", {"name", "clock_mhz", "gmicr", "lmicr", "region"});
-    ChosenBoard out;
+    BoardDescription out;
     out.board.name = file_;
     if (const auto* node = root.get("name")) out.board.name = text(*node, "name");
     if (const auto* node = root.get("clock_mhz")) {
       const auto value = node->value<double>();
-      if (!node->is_number() || !value || !std::isfinite(*value) || *value <= 0 || *value > 1000)
-        fail(*node, "clock_mhz: the frequency of CLKIN in MHz is expected, more than 0 and at most 1000");
+      if (!node->is_number() || !value || !std::isfinite(*value) || *value < slowest_mhz || *value > fastest_mhz)
+        fail(*node, fmt::format("clock_mhz: the frequency of CLKIN in MHz is expected, {} to {}", slowest_mhz, fastest_mhz));
       out.clock_mhz = *value;
     }
     if (const auto* node = root.get("gmicr")) out.board.global_interface_control = word(*node, "gmicr", 0xFFFFFFFF);
     if (const auto* node = root.get("lmicr")) out.board.local_interface_control = word(*node, "lmicr", 0xFFFFFFFF);
     const auto* regions = root.get("region");
     if (regions == nullptr || !regions->is_array() || regions->as_array()->empty())
-      throw InputError(fmt::format("{}: region: a board needs at least one [[region]] with name, base, words and bus", file_));
+      throw BoardError(fmt::format("{}: region: a board needs at least one [[region]] with name, base, words and bus", file_));
     for (const auto& node : *regions->as_array()) add(out.board, node);
     return out;
   }
 
  private:
   [[noreturn]] void fail(const toml::node& node, const std::string& what) const {
-    throw InputError(fmt::format("{}:{}: {}", file_, node.source().begin.line, what));
+    throw BoardError(fmt::format("{}:{}: {}", file_, node.source().begin.line, what));
   }
 
   void allow(const toml::table& table, const std::string& prefix, std::initializer_list<std::string_view> keys) const {
@@ -72,7 +73,7 @@ class BoardReader {
       if (found == nullptr) fail(node, fmt::format("region {}: {} is missing", board.regions.size() + 1, key));
       return *found;
     };
-    allow(table, "region.", {"name", "base", "words", "bus", "waits", "read_waits", "write_waits"});
+    allow(table, "region.", {"name", "kind", "base", "words", "bus", "waits", "read_waits", "write_waits"});
     Region region;
     region.name = text(needed("name"), "region.name");
     region.base = word(needed("base"), "region.base", 0xFFFFFFFF);
@@ -81,8 +82,13 @@ class BoardReader {
     if (words == nullptr || words->get() < 1 || words->get() > room)
       fail(needed("words"), fmt::format("region.words of {}: 1 to {} words are possible from {:08X}h", region.name, room, region.base));
     region.words = static_cast<std::uint64_t>(words->get());
-    if (region.words > most_words) fail(needed("words"), fmt::format("region.words of {}: at most {} words of RAM", region.name, most_words));
+    if (const auto* kind = table.get("kind")) region.kind = kind_of(*kind, region);
+    const bool window = region.kind == Region::Kind::external_window;
+    if (!window && region.words > most_words) fail(needed("words"), fmt::format("region.words of {}: at most {} words of RAM", region.name, most_words));
     region.bus = bus_of(needed("bus"), region);
+    for (const char* key : {"waits", "read_waits", "write_waits"})
+      if (const auto* waits = table.get(key); window && waits != nullptr)
+        fail(*waits, fmt::format("region.{} of {}: a window waits for its bus, and for nothing else", key, region.name));
     if (const auto* waits = table.get("waits")) region.read_waits = region.write_waits = wait_states(*waits, "region.waits");
     if (const auto* waits = table.get("read_waits")) region.read_waits = wait_states(*waits, "region.read_waits");
     if (const auto* waits = table.get("write_waits")) region.write_waits = wait_states(*waits, "region.write_waits");
@@ -99,6 +105,12 @@ class BoardReader {
     if (upper != (bus == "global") || (!upper && end > 0x80000000ull))
       fail(node, fmt::format("region.bus of {}: the local bus is below 80000000h, the global bus from there on", region.name));
     return bus == "local" ? Region::Bus::local : Region::Bus::global;
+  }
+
+  Region::Kind kind_of(const toml::node& node, const Region& region) const {
+    const std::string kind = text(node, "region.kind");
+    if (kind != "ram" && kind != "window") fail(node, fmt::format("region.kind of {}: ram or window (to a shared bus) is expected", region.name));
+    return kind == "ram" ? Region::Kind::ram : Region::Kind::external_window;
   }
 
   int wait_states(const toml::node& node, std::string_view key) const {
@@ -118,24 +130,62 @@ class BoardReader {
 
   static constexpr Address chip_begin = 0x00100000u, first_external = 0x00300000u;
   static constexpr std::uint64_t most_words = std::uint64_t{1} << 28;
+  static constexpr double slowest_mhz = 0.001, fastest_mhz = 1000;
   std::string file_;
 };
 
 }  // namespace
 
-ChosenBoard read_board(const std::string& name) {
+BoardDescription read_board(const std::string& name) {
   if (name == "default") return {c40::Board::default_board(), {}};
   if (name == "flat") return {c40::Board::flat(), {}};
-  if (!name.ends_with(".toml")) throw InputError(fmt::format("--board: there is no board \"{}\"; default, flat and TOML files are", name));
+  if (!name.ends_with(".toml")) throw BoardError(fmt::format("there is no board \"{}\"; default, flat and files that end in .toml are", name));
   std::ifstream in(name, std::ios::binary);
-  if (!in) throw InputError(fmt::format("--board: {} cannot be read", name));
+  if (!in) throw BoardError(fmt::format("{}: cannot be read; a board file is expected (docs/cli.md)", name));
   std::ostringstream text;
   text << in.rdbuf();
   try {
     return BoardReader(name).read(toml::parse(text.str(), name));
   } catch (const toml::parse_error& error) {
-    throw InputError(fmt::format("{}:{}: {}", name, error.source().begin.line, error.description()));
+    throw BoardError(fmt::format("{}:{}: {}", name, error.source().begin.line, error.description()));
   }
 }
 
-}  // namespace cli
+std::int64_t instruction_cycles_per_second(double clock_mhz) { return std::llround(clock_mhz * 1e6 / 2); }
+
+namespace {
+
+/// \param reach words that the board's window must at least have
+void require_window(const c40::Board& board, char bus, Address base, std::uint64_t reach) {
+  for (const Region& region : board.regions) {
+    if (region.kind != Region::Kind::external_window || region.base != base) continue;
+    if (region.words >= reach) return;
+    throw BoardError(fmt::format("board {}: region.words of {}: the window to bus {} has {} words; what answers on the bus needs {}", board.name,
+                                 region.name, bus, region.words, reach));
+  }
+  throw BoardError(fmt::format("board {}: region: the DSPs reach bus {} at {:08X}h, and there is no window; one with kind = \"window\", base = 0x{:X} is "
+                               "expected",
+                               board.name, bus, base, base));
+}
+
+}  // namespace
+
+void require_dsp_board(const c40::Board& board, const toolchain::Image& program, const Symbols& symbols) {
+  require_window(board, 'A', symbols.window_a, SharedRegisters::base + SharedRegisters::size);
+  require_window(board, 'B', symbols.window_b, 1);
+  for (const Region& region : board.regions)
+    if (region.kind == Region::Kind::external_window && region.base != symbols.window_a && region.base != symbols.window_b)
+      throw BoardError(fmt::format("board {}: region.base of {}: a window at {:08X}h leads nowhere; those to buses A and B are at {:08X}h and {:08X}h",
+                                   board.name, region.name, region.base, symbols.window_a, symbols.window_b));
+  const c40::Memory memory(board);
+  for (const toolchain::Image::Section& section : program.sections) {
+    if (section.size == 0) continue;
+    const c40::Memory::Area* area = memory.find(section.address);
+    const bool holds = area != nullptr && area->data != nullptr && section.address - area->base + std::uint64_t{section.size} <= area->words;
+    if (!holds)
+      throw BoardError(fmt::format("board {}: region: no RAM holds section {} of the DSP programs, {} words at {:08X}h", board.name, section.name,
+                                   section.size, section.address));
+  }
+}
+
+}  // namespace machine

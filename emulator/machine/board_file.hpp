@@ -1,0 +1,39 @@
+#pragma once
+// Boards by name, or as TOML files describe them (docs/cli.md, Board files): for a program alone, and for the DSPs of the dock.
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+
+#include "c40/memory.hpp"
+#include "machine/symbols.hpp"
+
+namespace toolchain {
+struct Image;
+}
+
+namespace machine {
+
+/// A board that cannot be used. The message names the file and line, or the board, the key and what would be right.
+class BoardError : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/// What surrounds a chip, and what a board file says about the chip itself.
+struct BoardDescription {
+  c40::Board board;
+  std::optional<double> clock_mhz;  ///< CLKIN; an H1 period is two of its periods.
+};
+
+/// "default", "flat", or a TOML file. \throws BoardError
+BoardDescription read_board(const std::string& name);
+
+/// H1 periods per second.
+std::int64_t instruction_cycles_per_second(double clock_mhz);
+
+/// That DSPs of the machine can stand on this board: windows to buses A and B where the program expects them and nowhere else, and RAM
+/// under each of its sections. \throws BoardError
+void require_dsp_board(const c40::Board& board, const toolchain::Image& program, const Symbols& symbols);
+
+}  // namespace machine
