@@ -85,6 +85,8 @@ struct LandingParameters {
   double seat_gap = 0.005;        // m, a corner switch closes below this gap
   double touch_speed = 0.25;      // m/s, faster touches are reported as hard landings
   double touch_sway = 0.1;        // m/s, the same for the horizontal speed
+  bool strict = false;            // a hard or crooked touch counts for nothing: corner switches stay open until it is tried again
+  double yaw_error = std::numbers::pi / 180.0;  // rad, most that a strict touch may be turned
   double lock_time = 0.8;         // s, twist locks
 };
 

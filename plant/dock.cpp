@@ -47,7 +47,20 @@ const char* name(EventKind kind) {
     case EventKind::drive_resumed: return "drive_resumed";
     case EventKind::joint_stuck: return "joint_stuck";
     case EventKind::joint_slipped: return "joint_slipped";
+    case EventKind::missed: return "missed";
     case EventKind::fault: return "fault";
+  }
+  return "unknown";
+}
+
+const char* name(HandoverPhase phase) {
+  switch (phase) {
+    case HandoverPhase::free: return "free";
+    case HandoverPhase::align: return "align";
+    case HandoverPhase::landed: return "landed";
+    case HandoverPhase::lock: return "lock";
+    case HandoverPhase::tension: return "tension";
+    case HandoverPhase::lift: return "lift";
   }
   return "unknown";
 }
@@ -156,7 +169,7 @@ void Dock::spreader_command(std::uint32_t command, Time t) {
 std::uint32_t Dock::spreader_status(Time t) {
   self_->advance(t);
   const DockState& s = self_->core.state;
-  const unsigned corners = s.landing.active ? s.landing.corners : 0U;
+  const unsigned corners = s.landing.active && self_->core.accepted() ? s.landing.corners : 0U;
   return corners | (s.lock == Lock::locked ? 0x10U : 0U) | (s.lock == Lock::open ? 0x20U : 0U);
 }
 
@@ -270,6 +283,12 @@ int Dock::delivered() const { return self_->core.state.delivered; }
 bool Dock::faulted() const { return self_->core.state.faulted; }
 bool Dock::braked() const { return self_->core.state.enabled == 0; }
 double Dock::payload_mass() const { return self_->core.landing.payload(self_->core.state).mass; }
+Handover Dock::handover() const {
+  const DockState& s = self_->core.state;
+  const bool after = s.handover.phase == HandoverPhase::tension || s.handover.phase == HandoverPhase::lift;
+  return {s.handover.phase, (s.carried >= 0) != after, s.handover.attempts};
+}
+const std::vector<Switch>& Dock::switches() const { return self_->core.switches; }
 double Dock::energy() const { return self_->core.energy(); }
 void Dock::on_latch(std::function<void(Time, std::span<const int>)> f) { self_->core.on_latch = std::move(f); }
 void Dock::on_event(std::function<void(const Event&)> f) { self_->core.on_event = std::move(f); }

@@ -42,6 +42,7 @@ enum class EventKind : std::uint8_t {
   fault,           // the sway passed 40 degrees: values = alpha, beta rad; the drives are off from here on
   joint_stuck,     // joint index came to rest and sticks (stiction)
   joint_slipped,   // joint index broke away
+  missed,          // a touch came to nothing and is to be tried again: index = attempts so far, values = lateral error m, yaw error rad
 };
 const char* name(EventKind);
 
@@ -59,6 +60,37 @@ struct ContainerStatus {
   int agv;                    // carrier, or -1
   double x, y, z, yaw;        // m, rad: centre of the top
   double mass;                // kg
+};
+
+// Where a container's change of hands stands.
+enum class HandoverPhase : std::uint8_t {
+  free,     // hangs on the ideal rope
+  align,    // near something to land on
+  landed,   // all four corners closed
+  lock,     // twist locks turning
+  tension,  // they have turned; the rope takes the weight
+  lift,     // off the surface
+};
+const char* name(HandoverPhase);
+
+struct Handover {
+  HandoverPhase phase;
+  bool releasing;   // a container is under the spreader (in tension and lift: was set down)
+  int attempts;     // touches since the payload last hung free; more than 1 are retries
+};
+
+// What a change of the payload's model or mass did to energy and momentum.
+struct Momentum {
+  std::array<double, 3> payload;  // kg m/s
+  double spin;                    // kg m2/s of the payload about its own vertical
+  double travel, slewing;         // of everything: along the quay, kg m/s, and about the slewing axis, kg m2/s
+};
+struct Switch {
+  Time time;
+  EventKind kind;                 // near_contact, free_again, locked (attached), opened (detached)
+  int container;                  // or -1
+  double energy_before, energy_after;  // J, crane and payload; of what was detached or attached too, if it moved
+  Momentum before, after;
 };
 
 struct AgvSignal {
@@ -142,6 +174,8 @@ class Dock {
   const std::vector<Signal>& signals() const;       // recorded each config.signal_decimation latches
   const std::vector<std::vector<AgvSignal>>& agv_signals() const;  // same rows, per AGV
   int delivered() const;                            // containers
+  Handover handover() const;
+  const std::vector<Switch>& switches() const;      // bookkeeping of every hand-over between levels and of every attach and detach
   bool faulted() const;
   bool braked() const;                              // no drive is on: brakes hold every joint, or are bringing it to rest
   double payload_mass() const;                      // kg on the rope, spreader included

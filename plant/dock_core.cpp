@@ -87,6 +87,7 @@ void DockCore::begin_latch() {
   check_fault();
   turn_locks();
   move_payload();
+  if (state.landing.active || state.handover.phase != HandoverPhase::free) watch_handover(false);
   blow();
   if (config.signal_decimation > 0 && state.latch % config.signal_decimation == 0) {
     signals.push_back(make_signal());
@@ -191,6 +192,16 @@ void DockCore::blow() {
   state.inputs.external = crane.crane().at_payload(state.crane.q, wind_force(config.wind, static_cast<double>(state.latch) * seconds_per_latch));
 }
 
+template <class Change>
+auto DockCore::booked(EventKind kind, int container, Change change) {
+  Switch entry{now(), kind, container, energy(), 0.0, momentum(), {}};
+  const auto result = change();
+  entry.energy_after = energy();
+  entry.after = momentum();
+  switches.push_back(entry);
+  return result;
+}
+
 // The ideal rope holds only while it is taut and nothing is near.
 void DockCore::watch_free_payload() {
   const double clearance = landing.clearance(state, crane.crane());
@@ -198,7 +209,7 @@ void DockCore::watch_free_payload() {
     const CraneVector qdd = crane.acceleration(state.crane, state.inputs);
     if (crane.crane().tension(state.crane.q, state.crane.qd, qdd, state.inputs.payload.mass) > 0.0) return;
   }
-  const double jump = landing.begin(state, crane);
+  const double jump = booked(EventKind::near_contact, state.carried, [this] { return landing.begin(state, crane); });
   report(EventKind::near_contact, -1, clearance, jump);
 }
 
@@ -209,7 +220,7 @@ void DockCore::move_payload() {
   if (near.clear && state.latch % clearance_latches == 0) {
     const double clearance = landing.clearance(state, crane.crane());
     if (clearance > config.landing.away) {
-      const double jump = landing.end(state, crane.crane());
+      const double jump = booked(EventKind::free_again, state.carried, [this] { return landing.end(state, crane.crane()); });
       report(EventKind::free_again, -1, clearance, jump);
       return;
     }
@@ -220,10 +231,11 @@ void DockCore::move_payload() {
   near.clear = outcome.clear;
   if (outcome.touched) {
     report(EventKind::touch, -1, outcome.vertical, outcome.horizontal);
-    if (outcome.vertical > config.landing.touch_speed || outcome.horizontal > config.landing.touch_sway)
-      report(EventKind::hard_landing, -1, outcome.vertical, outcome.horizontal);
+    const bool hard = outcome.vertical > config.landing.touch_speed || outcome.horizontal > config.landing.touch_sway;
+    if (hard) report(EventKind::hard_landing, -1, outcome.vertical, outcome.horizontal);
+    if (config.landing.strict) state.handover.accepted = !hard && std::fabs(landing.landing_error(state)[1]) <= config.landing.yaw_error;
   }
-  if (near.corners == 0xF && !near.landed) {
+  if (near.corners == 0xF && accepted() && !near.landed) {
     near.landed = true;
     report(EventKind::landed);
   } else if (near.corners == 0 && near.landed && near.contacts == 0) {
@@ -232,8 +244,24 @@ void DockCore::move_payload() {
   }
 }
 
+void DockCore::watch_handover(bool turned) {
+  const LandingState& near = state.landing;
+  HandoverView view;
+  view.body = near.active;
+  view.contacts = near.contacts;
+  view.seated = near.corners == 0xF && accepted();
+  view.turning = state.lock == Lock::locking || state.lock == Lock::opening;
+  view.turned = turned;
+  // The clearance is asked for only where it decides: once a touch has let go.
+  if (state.handover.touching && near.contacts == 0) view.clearance = landing.clearance(state, crane.crane());
+  if (!watch(state.handover, view)) return;
+  state.landing.touched = false;  // the next touch is one of its own
+  const auto [distance, yaw] = landing.landing_error(state);
+  report(EventKind::missed, state.handover.attempts, distance, yaw);
+}
+
 void DockCore::turn_locks() {
-  const bool landed = state.landing.active && state.landing.corners == 0xF;
+  const bool landed = state.landing.active && state.landing.corners == 0xF && accepted();
   const bool wants_lock = (state.spreader_command & 1U) != 0;
   const auto duration = static_cast<std::int64_t>(std::llround(config.landing.lock_time / seconds_per_latch));
   switch (state.lock) {
@@ -255,11 +283,15 @@ void DockCore::turn_locks() {
   if (state.latch < state.lock_done || state.latch < state.landing.next) return;
   if (locking) {
     state.lock = Lock::locked;
-    report(EventKind::locked, landing.take(state));
+    const int taken = booked(EventKind::locked, state.carried, [this] { return landing.take(state); });
+    switches.back().container = taken;
+    report(EventKind::locked, taken);
+    watch_handover(true);
     return;
   }
   state.lock = Lock::open;
-  const int container = landing.release(state);
+  const int container = booked(EventKind::opened, state.carried, [this] { return landing.release(state); });
+  watch_handover(true);
   report(EventKind::opened, container);
   if (container >= 0 && state.containers[static_cast<std::size_t>(container)].state == ContainerState::on_agv)
     report(EventKind::set_on_agv, container, state.containers[static_cast<std::size_t>(container)].agv);
@@ -361,6 +393,24 @@ AgvSignal DockCore::make_agv_signal(std::size_t index) const {
   const AgvState& a = state.agvs[index];
   const auto& y = a.y;
   return {y[A_X], y[A_Y], wrap_angle(y[A_HEADING]), y[A_SPEED], y[A_YAW_RATE], y[A_FRONT], y[A_REAR], a.current.speed};
+}
+
+Momentum DockCore::momentum() const {
+  const CraneState& c = state.crane;
+  const Crane& model = crane.crane();
+  const Payload load = landing.payload(state);
+  const LandingState& near = state.landing;
+  const Vector3 velocity = near.active ? near.body.velocity : model.payload_velocity(c.q, c.qd);
+  const Vector3 at = near.active ? landing.payload_position(state) : model.payload_position(c.q);
+  const CraneMatrix bare = model.mass_matrix(c.q, {});
+  Momentum sum{load.mass * velocity, load.inertia * (near.active ? near.body.spin[2] : c.qd[Q_PSI] + c.qd[Q_KAPPA]), 0.0, 0.0};
+  for (std::size_t k = 0; k < crane_size; ++k) {
+    sum.travel += bare[Q_S][k] * c.qd[k];
+    sum.slewing += bare[Q_PSI][k] * c.qd[k];
+  }
+  sum.travel += sum.payload[0];
+  sum.slewing += (at[0] - c.q[Q_S]) * sum.payload[1] - at[1] * sum.payload[0] + sum.spin;
+  return sum;
 }
 
 double DockCore::energy() const {

@@ -28,6 +28,8 @@ class DockCore {
   Signal make_signal() const;
   AgvSignal make_agv_signal(std::size_t index) const;
   double energy() const;
+  Momentum momentum() const;
+  bool accepted() const { return !config.landing.strict || state.handover.accepted; }  // the landing's corners count
   double drum(const CraneState&, std::size_t joint) const;  // joint position as its encoder sees it
 
   DockConfig config;
@@ -36,6 +38,7 @@ class DockCore {
   Landing landing;
   DockState state;
   std::vector<Event> events;
+  std::vector<Switch> switches;
   std::vector<Signal> signals;
   std::vector<std::vector<AgvSignal>> agv_signals;
   std::function<void(Time, std::span<const int>)> on_latch;
@@ -52,6 +55,9 @@ class DockCore {
   void move_payload();
   void blow();
   void turn_locks();
+  void watch_handover(bool turned);
+  template <class Change>
+  auto booked(EventKind, int container, Change);   // a change of the payload, with what it does to energy and momentum
   void move_agvs();
   void serve_warehouse(std::size_t agv);
   void sample_sway();

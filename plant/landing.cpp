@@ -159,6 +159,18 @@ int Landing::latches_per_step(const DockState& s, const Crane& crane) {
   return fine || s.latch % 4 != 0 ? 2 : 4;
 }
 
+std::array<double, 2> Landing::landing_error(const DockState& s) {
+  find_near(s);
+  const Frame frame(s.landing.body.turn);
+  const BodyShape body = shape(s);
+  const Vector3 at = s.landing.body.position + frame(Vector3{s.grip.x, s.grip.y, body.corners[0][2]});
+  const Solid* below = support(at[0], at[1], at[2]);
+  if (below == nullptr || !has_castings(*below)) return {0.0, 0.0};
+  const double turned = wrap_angle(frame.yaw() + s.grip.yaw - below->yaw);
+  const double yaw = std::fabs(turned) > 0.5 * std::numbers::pi ? wrap_angle(turned + std::numbers::pi) : turned;
+  return {horizontal_distance(at, {below->x, below->y, 0.0}), yaw};
+}
+
 // ---- hand-over
 
 double Landing::begin(DockState& s, const CraneMotion& motion) {

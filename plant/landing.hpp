@@ -38,6 +38,8 @@ class Landing {
   std::array<double, 3> payload_position(const DockState&) const;  // of the body: middle of the spreader's underside
   double payload_yaw(const DockState&) const;
   double energy(const DockState&, const Crane&) const;             // J, crane and body and falls
+  // How far the payload is from where it should land: metres between the middles, radians; nothing below: zeros.
+  std::array<double, 2> landing_error(const DockState&);
 
  private:
   struct Forces {

@@ -7,6 +7,7 @@
 #include "plant/agv.hpp"
 #include "plant/contact.hpp"
 #include "plant/crane_events.hpp"
+#include "plant/handover.hpp"
 #include "plant/scene.hpp"
 
 namespace plant {
@@ -50,6 +51,7 @@ struct DockState {
   int carried = -1;              // container
   Grip grip;
   LandingState landing;
+  HandoverState handover;
   std::array<std::int32_t, 2> sway_shown{}, sway_sampled{};  // codes: readable now, and 10 ms later
   std::vector<ContainerData> containers;
   std::vector<AgvState> agvs;

@@ -16,6 +16,7 @@
 #include "cmrc/timed_event.hpp"
 #include "cmrc/user_task.hpp"
 #include "cmrc/value.hpp"
+#include "plant/integrator.hpp"
 
 namespace cmrc {
 
@@ -112,6 +113,13 @@ struct Config {
     double ramp_speed_m_s = 0.25;
     double drive_timeout_ms = 100;
     double settle_limit_s = 20;
+    plant::Method integrator = plant::Method::erk;
+    bool stiction = false;
+    bool strict_landing = false;
+    double capture_window_m = 0.15;
+    double wind_mean_m_s = 0;
+    double wind_gust_m_s = 0;
+    double wind_direction_deg = 0;
   } dock;
   struct Report {
     std::int64_t signal_decimation = 80;  ///< latches (125 us) per recorded sample

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "cmrc/ti_float.hpp"
 #include "machine/board_file.hpp"
@@ -30,6 +31,15 @@ plant::DockConfig dock_of(const Config& config) {
   }
   dock.sensors.seed = static_cast<std::uint64_t>(config.run.seed);
   dock.rigid = config.dock.crane_model == CraneModel::rigid;
+  dock.method = config.dock.integrator;
+  dock.crane.stiction = config.dock.stiction;
+  dock.landing.strict = config.dock.strict_landing;
+  dock.landing.guides = config.dock.capture_window_m > 0.0;
+  if (dock.landing.guides) dock.landing.guide_window = config.dock.capture_window_m;
+  dock.wind.mean = config.dock.wind_mean_m_s;
+  dock.wind.gust = config.dock.wind_gust_m_s;
+  dock.wind.direction = config.dock.wind_direction_deg * std::numbers::pi / 180.0;
+  dock.wind.seed = dock.sensors.seed;
   dock.drive_timeout = config.dock.drive_timeout_ms * 1e-3;
   dock.signal_decimation = static_cast<int>(config.report.signal_decimation);
   return dock;

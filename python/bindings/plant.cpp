@@ -148,7 +148,8 @@ void bind_config(py::module_& m) {
       FIELD(LandingParameters, guides) FIELD(LandingParameters, guide_window) FIELD(LandingParameters, guide_height)
       FIELD(LandingParameters, guide_stiffness) FIELD(LandingParameters, guide_damping)
       FIELD(LandingParameters, seat_error) FIELD(LandingParameters, seat_gap) FIELD(LandingParameters, touch_speed)
-      FIELD(LandingParameters, touch_sway) FIELD(LandingParameters, lock_time);
+      FIELD(LandingParameters, touch_sway) FIELD(LandingParameters, lock_time)
+      FIELD(LandingParameters, strict) FIELD(LandingParameters, yaw_error);
   py::class_<AgvParameters>(m, "AgvParameters")
       FIELD(AgvParameters, mass) FIELD(AgvParameters, length) FIELD(AgvParameters, width) FIELD(AgvParameters, front)
       FIELD(AgvParameters, rear) FIELD(AgvParameters, yaw_inertia) FIELD(AgvParameters, deck_height)
@@ -265,6 +266,23 @@ void bind_records(py::module_& m) {
       .def_readonly("z", &ContainerStatus::z)
       .def_readonly("yaw", &ContainerStatus::yaw)
       .def_readonly("mass", &ContainerStatus::mass);
+  py::class_<Handover>(m, "Handover")
+      .def_property_readonly("phase", [](const Handover& h) { return std::string(name(h.phase)); })
+      .def_readonly("releasing", &Handover::releasing)
+      .def_readonly("attempts", &Handover::attempts);
+  py::class_<Momentum>(m, "Momentum")
+      .def_readonly("payload", &Momentum::payload)
+      .def_readonly("spin", &Momentum::spin)
+      .def_readonly("travel", &Momentum::travel)
+      .def_readonly("slewing", &Momentum::slewing);
+  py::class_<Switch>(m, "Switch", "Energy and momentum before and after a change of the payload's model or mass.")
+      .def_property_readonly("time", [](const Switch& s) { return s.time.count(); })
+      .def_property_readonly("kind", [](const Switch& s) { return std::string(name(s.kind)); })
+      .def_readonly("container", &Switch::container)
+      .def_readonly("energy_before", &Switch::energy_before)
+      .def_readonly("energy_after", &Switch::energy_after)
+      .def_readonly("before", &Switch::before)
+      .def_readonly("after", &Switch::after);
   py::class_<AgvSignal>(m, "AgvSignal")
       .def_readonly("x", &AgvSignal::x)
       .def_readonly("y", &AgvSignal::y)
@@ -334,6 +352,8 @@ void bind_dock(py::module_& m) {
       .def_property_readonly("signals", &Dock::signals, py::return_value_policy::copy)
       .def_property_readonly("agv_signals", &Dock::agv_signals, py::return_value_policy::copy)
       .def_property_readonly("delivered", &Dock::delivered)
+      .def_property_readonly("handover", &Dock::handover)
+      .def_property_readonly("switches", &Dock::switches, py::return_value_policy::copy)
       .def_property_readonly("faulted", &Dock::faulted)
       .def_property_readonly("payload_mass", &Dock::payload_mass)
       .def_property_readonly("energy", &Dock::energy)

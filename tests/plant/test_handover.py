@@ -1,0 +1,117 @@
+"""A container's change of hands: the phases, the edges of the tolerances, retries, and what each switch does to energy and momentum."""
+
+import pytest
+from cmrc._core import plant
+from controller import Crane, quiet_dock
+
+TOP = 6.5  # m, of the container at x = 12.7
+
+
+def land(dx=0.0, dy=0.0, yaw=0.0, seconds=3.0, **landing):
+    """Straight down beside the only container by (dx, dy), turned by yaw."""
+    config = quiet_dock(above=(12.7 + dx, 24 + dy), z=TOP + 0.3, yaw=yaw)
+    config.layout.containers = [config.layout.containers[1]]
+    for name, value in landing.items():
+        setattr(config.landing, name, value)
+    dock = plant.Dock(config)
+    crane = Crane(dock)
+    crane.hold(0.3)
+    crane.move(crane.pose(12.7 + dx, 24 + dy, TOP - 0.08, yaw), seconds)
+    crane.hold(0.8)
+    return dock, crane
+
+
+# Castings seat within 25 mm, guides catch up to 150 mm; a yaw of 25 mm over the 6.1 m to a corner is 4.1 mrad, of 150 mm 24.6 mrad.
+@pytest.mark.parametrize(
+    ("offset", "guides", "lands"),
+    [
+        ({"dy": 0.024}, False, True), ({"dy": 0.026}, False, False), ({"dx": -0.024}, False, True), ({"dx": 0.026}, False, False),
+        ({"yaw": 0.0038}, False, True), ({"yaw": 0.0044}, False, False), ({"dy": 0.14}, True, True), ({"dy": 0.16}, True, False),
+        ({"dx": 0.16}, True, False), ({"yaw": 0.02}, True, True), ({"yaw": 0.026}, True, False),
+    ],
+)  # fmt: skip
+def test_the_edges_of_the_tolerances(offset, guides, lands):
+    dock, crane = land(**offset, guides=guides)
+    assert (dock.spreader_status(crane.t) & 0xF == 0xF) == lands
+    assert dock.handover.phase == ("landed" if lands else "align") and dock.handover.attempts == 1
+
+
+def test_a_missed_landing_is_tried_again():
+    dock, crane = land(dy=0.16)
+    for at in ((12.7, 24.16, TOP + 0.25), (12.7, 24.0, TOP + 0.25), (12.7, 24.0, TOP - 0.08)):
+        crane.move(crane.pose(*at), 3.0)
+        crane.hold(1.0)
+    missed = [event for event in dock.events if event.kind == "missed"]
+    assert [event.index for event in missed] == [1]
+    assert dock.handover.phase == "landed" and dock.handover.attempts == 2
+    assert [event.kind for event in dock.events].count("touch") == 2
+
+
+@pytest.mark.parametrize(("seconds", "accepted"), [(3.0, True), (1.0, False)])
+def test_a_strict_landing_refuses_a_hard_touch(seconds, accepted):
+    dock, crane = land(seconds=seconds, strict=True)
+    touch = next(event for event in dock.events if event.kind == "touch")
+    assert (touch.values[0] <= dock.config.landing.touch_speed) == accepted
+    dock.spreader_command(1, crane.t)
+    crane.hold(1.0)
+    assert bool(dock.spreader_status(crane.t) & 0x10) == accepted
+
+
+@pytest.fixture(scope="module")
+def taken():
+    """Lands on the container, takes it, lifts it clear, sets it down again and leaves it. Returns the dock and the phases seen."""
+    dock, crane = land()
+    phases = ["free"]
+
+    def see():
+        h = dock.handover
+        if phases[-1] != h.phase:
+            phases.append(h.phase)
+
+    def act(seconds):
+        for _ in range(round(seconds / 0.01)):
+            crane.hold(0.01)
+            see()
+
+    def move(z, seconds):
+        crane.move(crane.pose(12.7, 24.0, z), seconds, stop=lambda: see())
+        see()
+
+    see()
+    dock.spreader_command(1, crane.t)
+    act(1.0)
+    move(TOP + 0.7, 4.0)
+    act(0.5)
+    move(TOP - 0.12, 5.0)
+    act(0.8)
+    dock.spreader_command(0, crane.t)
+    act(1.2)
+    move(TOP + 0.7, 3.0)
+    act(0.5)
+    return dock, phases
+
+
+def test_the_phases_come_in_order_and_back(taken):
+    _, phases = taken
+    once = ["landed", "lock", "tension", "lift", "free"]
+    assert phases == ["free", *once, "align", *once]
+
+
+def test_every_switch_keeps_its_books(taken):
+    dock, _ = taken
+    books = dock.switches
+    assert [entry.kind for entry in books] == ["near_contact", "locked", "free_again", "near_contact", "opened", "free_again"]
+    assert [entry.container for entry in books] == [-1, 0, 0, 0, 0, -1]
+    for entry in books:
+        size = max(abs(entry.before.slewing), 1.0)
+        if entry.kind in ("near_contact", "free_again"):  # between the levels nothing of the whole's momentum is lost
+            assert entry.after.travel == pytest.approx(entry.before.travel, abs=1e-6)
+            assert entry.after.slewing == pytest.approx(entry.before.slewing, abs=1e-8 * size)
+            weight = 9.81 * (30e3 if entry.container >= 0 else 10e3)
+            assert abs(entry.energy_after - entry.energy_before) < 0.03 * weight
+        if entry.kind == "locked":  # a container at rest joins: momentum stays
+            assert entry.after.payload == pytest.approx(entry.before.payload, rel=1e-9, abs=1e-9)
+    attached = next(entry for entry in books if entry.kind == "locked")
+    box = dock.config.layout.containers[0]
+    middle = 9.81 * box.mass * box.z  # reckoned to the payload's underside, with the container's mass
+    assert attached.energy_after - attached.energy_before > middle
