@@ -15,9 +15,13 @@ Audit::Block& Audit::at(std::size_t block) {
   return blocks_[block];
 }
 
-void Audit::violated(std::size_t block, report::Time time, const std::string& what) {
+void Audit::violated(report::Time time, const std::string& what) {
   if (violations_.size() >= most_kept) return;
-  violations_.push_back(fmt::format("{:.9f} s, block {}: {}", static_cast<double>(time.count()) * 1e-12, block, what));
+  violations_.push_back(fmt::format("{:.9f} s, {}", static_cast<double>(time.count()) * 1e-12, what));
+}
+
+void Audit::violated(std::size_t block, report::Time time, const std::string& what) {
+  violated(time, fmt::format("block {}: {}", block, what));
 }
 
 void Audit::pass(std::size_t block, State from, State to, report::Time time, const char* what) {

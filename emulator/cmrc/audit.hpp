@@ -21,6 +21,13 @@ class Audit {
   void removed(std::size_t block, report::Time at);
   void dropped(std::size_t block, report::Time at);
 
+  /// A further rule that holds in every run; `what` tells how it was broken.
+  template <class What>
+  void require(bool holds, report::Time at, What what) {
+    ++checks_;
+    if (!holds) violated(at, what());
+  }
+
   std::uint64_t checks() const { return checks_; }
   /// What broke the rule, at most the first hundred.
   const std::vector<std::string>& violations() const { return violations_; }
@@ -32,6 +39,7 @@ class Audit {
     unsigned owner = 0;
   };
   void pass(std::size_t block, State from, State to, report::Time at, const char* what);
+  void violated(report::Time at, const std::string& what);
   void violated(std::size_t block, report::Time at, const std::string& what);
   Block& at(std::size_t block);
 

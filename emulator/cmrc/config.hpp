@@ -123,6 +123,7 @@ struct Config {
   } dock;
   struct Report {
     std::int64_t signal_decimation = 80;  ///< latches (125 us) per recorded sample
+    std::int64_t misses_max = 1000;       ///< missed jobs told one by one
   } report;
   std::vector<TimedEvent> events;  ///< in the order in which they were given
   std::vector<UserTask> tasks;     ///< the user's own, in the order of KIND_USER + n

@@ -207,6 +207,8 @@ std::vector<Key> make_keys() {
       number("dock.wind_direction_deg", FIELD(dock.wind_direction_deg), "deg", -360, 360,
              "whither it blows: 0 along the quay, 90 towards the ship", "assumed"),
 
+      integer("report.misses_max", FIELD(report.misses_max), "jobs", 0, 100000000,
+              "missed jobs whose causes the report tells one by one: the first ones; the others are counted", "docs/report.md"),
       integer("report.signal_decimation", FIELD(report.signal_decimation), "latches", 1, 80000,
               "latches of 125 us per recorded sample of the plant's signals", "ruling 5"),
   };

@@ -146,12 +146,12 @@ report::RunReport make_report(const Evidence& e) {
     std::visit([&](const auto& value) { setting.value = value; }, key.read(e.config));
     report.configuration.push_back(std::move(setting));
   }
-  Ledger ledger = e.ledger;
-  for (unsigned slot = 0; slot < e.machine.slots(); ++slot) {
-    if (e.machine.standing(slot) || !e.machine.plugged(slot)) ledger.slot_failed(slot, now);
-    report.dsps.push_back(dsp_report(e, slot));
-  }
-  report.tasks = ledger.report(now, e.machine.slots());
+  for (unsigned slot = 0; slot < e.machine.slots(); ++slot) report.dsps.push_back(dsp_report(e, slot));
+  Ledger::Told told = e.ledger.tell(now, e.job_causes);
+  report.tasks = std::move(told.tasks);
+  report.missed = std::move(told.misses);
+  report.misses_left_out = told.misses_left_out;
+  report.audit = std::move(told.audit);
   for (unsigned i = 0; i < e.machine.buses(); ++i) report.buses.push_back(bus_report(e.machine, static_cast<machine::BusId>(i), e.config.bus.clock_hz));
   report.cycles = e.host.cycles().cycles();
   std::size_t delivered = 0;
@@ -168,7 +168,6 @@ report::RunReport make_report(const Evidence& e) {
     if (at < now) report.timed_events.push_back({at, describe(event)});
   }
   std::ranges::stable_sort(report.timed_events, {}, &report::TimedEventReport::time);
-  report.audit = {e.ledger.audit().checks(), e.ledger.audit().violations()};
   for (std::string& fault : e.machine.audit_buses()) report.audit.violations.push_back(std::move(fault));
   report.braked = e.dock.braked();
   report.failures = e.observer.failures();

@@ -101,6 +101,7 @@ void Host::begin_refresh() {
   elapsed_ = tick_ - before;
   counts_.skipped_refreshes += static_cast<std::uint64_t>(elapsed_ - 1);
   ++counts_.refreshes;
+  ledger_.refresh_began(now_);
   apply_changes();
   done_.clear();
   hung_.clear();
@@ -185,6 +186,7 @@ void Host::think() {
   list_.refresh(elapsed_, [this](const Block& block) { return importance_of(block); });
   write_new_blocks();
   refused_ = false;
+  ledger_.list_wanted(now_);
   acquire();
 }
 
@@ -195,6 +197,7 @@ void Host::acquire() {
 
 void Host::semaphore_read(Word taken) {
   if (taken == 0) {
+    ledger_.list_held(now_);
     if (!pointer_in_doubt_ || linked_.empty()) {
       step_ = Step::relink;
       port_->read(words_.list_work_pointer, 1, 0);
@@ -235,7 +238,7 @@ void Host::relink() {
       const std::array<Word, 4> words = {t, words_.flag_waiting, block.importance, link};  // TB_T, TB_FLAG, TB_J, TB_LINK
       port_->write(offset + words_.t, words);
       linked_.push_back(order[i]);
-      if (block.importance > 0) ++eligible_;
+      if (block.importance > 0) ++eligible_, ledger_.offered(order[i]);
     } else {
       port_->write(offset + words_.t, t);
       if (block.written_link != link) port_->write(offset + words_.link, link);
@@ -276,7 +279,7 @@ void Host::end_refresh() {
 std::size_t Host::load_block(const Task& task, JobKind job, Time released, std::optional<Time> deadline,
                              std::optional<std::int64_t> number) {
   const std::size_t index = list_.load(task);
-  ledger_.release(index, job, released, deadline, number);
+  ledger_.release(index, job, released, deadline, number, task.robot);
   note(EventKind::load, {words_.block(index), task.kind, task.area, task.tick, list_[index].generation});
   return index;
 }
@@ -369,7 +372,7 @@ void Host::load_servo(Servo& servo) {
 void Host::drop_tick(Servo& servo) {
   note(EventKind::miss, {servo.task.kind, static_cast<std::uint32_t>(servo.next),
                          static_cast<std::uint32_t>(report::Outcome::dropped), words_.block(servo.block), 0});
-  ledger_.skipped(servo.job, clock_.at(servo.next), clock_.at(servo.next + intervals_.servo), servo.next / intervals_.servo);
+  ledger_.skipped(servo.job, clock_.at(servo.next), clock_.at(servo.next + intervals_.servo), servo.next / intervals_.servo, now_);
   servo.next += intervals_.servo;
 }
 

@@ -1,7 +1,9 @@
 #include "cmrc/ledger.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <numeric>
 #include <stdexcept>
 
 namespace cmrc {
@@ -24,6 +26,47 @@ std::vector<Time> periods(Time servo, std::size_t user_tasks) {
   std::vector<Time> all(kind_names().size() + user_tasks, Time::zero());
   all[static_cast<std::size_t>(JobKind::pid)] = all[static_cast<std::size_t>(JobKind::torque_compensation)] = servo;
   return all;
+}
+
+/// A chain's causes: the chips', a clock that was slowed, and runs whose counters are not known.
+std::vector<std::string> chain_causes(std::vector<std::string> causes) {
+  causes.insert(causes.end(), {"slow_clock", "unknown"});
+  return causes;
+}
+
+CauseTimes minus(const CauseTimes& later, const CauseTimes& earlier) {
+  if (later.size() != earlier.size()) return {};
+  CauseTimes difference(later.size());
+  std::ranges::transform(later, earlier, difference.begin(), std::minus{});
+  return difference;
+}
+
+__extension__ using Wide = __int128;
+
+/// Cycles to picoseconds so that the parts sum to the whole exactly: each cumulative sum is rounded down, not each part.
+std::vector<std::int64_t> in_picoseconds(const CauseTimes& cycles, std::int64_t whole) {
+  const std::int64_t total = std::accumulate(cycles.begin(), cycles.end(), std::int64_t{0});
+  std::vector<std::int64_t> parts;
+  std::int64_t sum = 0, before = 0;
+  for (const std::int64_t count : cycles) {
+    sum += count;
+    const std::int64_t until = total == 0 ? 0 : static_cast<std::int64_t>(Wide{whole} * sum / total);
+    parts.push_back(until - before);
+    before = until;
+  }
+  return parts;
+}
+
+/// The same with the cycles at their nominal length, and what a slowed clock made of them. (One picosecond is the clock's rounding.)
+std::vector<std::int64_t> with_clock(const CauseTimes& cycles, std::int64_t whole, const machine::Clock& clock) {
+  const std::int64_t total = std::accumulate(cycles.begin(), cycles.end(), std::int64_t{0});
+  std::int64_t nominal = clock.at(total).count();
+  if (std::abs(whole - nominal) <= 1) nominal = whole;
+  std::vector<std::int64_t> parts = in_picoseconds(cycles, nominal);
+  const std::int64_t known = std::accumulate(parts.begin(), parts.end(), std::int64_t{0});
+  parts.push_back(whole - nominal);
+  parts.push_back(nominal - known);
+  return parts;
 }
 
 }  // namespace
@@ -49,57 +92,79 @@ JobKind job_kind(Word kind, const Words& words) {
   throw std::invalid_argument("a task block of a kind that has no account");
 }
 
-Ledger::Ledger(std::vector<std::string> cause_names, Time servo_period, std::vector<std::string> user_tasks)
-    : names_(with(user_tasks)), account_(names_, std::move(cause_names), periods(servo_period, user_tasks.size())) {}
+Ledger::Ledger(LedgerConfig config)
+    : names_(with(config.user_tasks)), cause_names_(config.causes), booked_(config.booked.empty() ? config.causes : config.booked),
+      booked_as_(config.booked_as), chip_clock_(config.chip_clock), account_(names_, booked_, periods(config.servo_period, config.user_tasks.size())),
+      why_(names_, chain_causes(config.causes), config.misses_kept), released_(names_.size(), 0) {}
 
 Ledger::Slot& Ledger::slot(unsigned number) {
   if (slots_.size() <= number) slots_.resize(number + 1);
   return slots_[number];
 }
 
+// ---- a job's life --------------------------------------------------------------------------------------------------------
+
 void Ledger::release(std::size_t block, JobKind kind, Time released, std::optional<Time> deadline,
-                     std::optional<std::int64_t> tick) {
+                     std::optional<std::int64_t> tick, std::uint32_t robot) {
   audit_.loaded(block, released);
   Open open;
   open.kind = kind;
+  const auto index = static_cast<std::size_t>(kind);
+  open.name = {index, robot, tick.value_or(released_.at(index))};
+  ++released_[index];
   open.released = released;
   open.deadline = deadline;
   open.tick = tick;
+  open.tries.emplace_back();
+  open.tries.back().waits_from = released;
+  if (released <= refresh_.began) open.tries.back().first_refresh = refresh_.began;
   open_[block] = std::move(open);
 }
 
-report::Outcome Ledger::book(const report::Job& job, Time now) {
-  const report::Outcome outcome = account_.add(job, now);
-  if (outcome != report::Outcome::on_time) ++misses_;
-  return outcome;
-}
-
-void Ledger::skipped(JobKind kind, Time released, Time deadline, std::int64_t tick) {
+void Ledger::skipped(JobKind kind, Time released, Time deadline, std::int64_t tick, Time found) {
+  Open open;
+  open.kind = kind;
+  open.name = {static_cast<std::size_t>(kind), 0, tick};
+  open.released = released;
+  open.deadline = deadline;
   report::Job job;
-  job.kind = static_cast<std::size_t>(kind);
+  job.kind = open.name.kind;
   job.progress = report::Progress::dropped;
   job.released = released;
   job.deadline = deadline;
   job.tick = tick;
-  book(job, deadline);
+  account_.add(job, deadline);
+  ++misses_;
+  MissedJob missed = missed_job(open, report::Outcome::dropped, deadline);
+  missed.given_up = found;
+  for (const auto& [block, other] : open_) {
+    if (other.kind == kind) missed.previous = other.name.number;
+  }
+  why_.missed(missed, timeline_, audit_);
 }
 
 void Ledger::claimed(std::size_t block, unsigned number, Time at, const CauseTimes& causes) {
   audit_.claimed(block, number, at);
   const auto found = open_.find(block);
   if (found == open_.end()) return;
+  Open& open = found->second;
   ++slot(number).claims;
-  found->second.slot = number;
-  found->second.claimed = at;
-  found->second.failed = false;
-  found->second.cycles = causes;
-  found->second.causes.clear();
+  open.slot = number;
+  open.tries.back().run = report::Run{number, at, at, report::Run::End::running};
+  open.failed = false;
+  open.at_claim = causes;
+  timeline_.took(number, open.name, at);
 }
 
-void Ledger::leave(Open& open, Time at) {
+void Ledger::leave(Open& open, Time at, report::Run::End end) {
   if (!open.slot) return;
-  account_.occupied(*open.slot, static_cast<std::size_t>(open.kind), open.claimed, at);
-  slot(*open.slot).occupied[static_cast<std::size_t>(open.kind)] += (at - open.claimed).count();
+  const Time claimed = open.claimed();
+  slot(*open.slot).occupied[static_cast<std::size_t>(open.kind)] += (at - claimed).count();
+  report::Run& run = *open.tries.back().run;
+  if (run.end != report::Run::End::running) return;  // it had failed before
+  run.end = end;
+  run.ended = at;
+  timeline_.left(run.slot, at);
 }
 
 bool Ledger::finished(std::size_t block, unsigned number, Time at, const CauseTimes& causes) {
@@ -107,24 +172,13 @@ bool Ledger::finished(std::size_t block, unsigned number, Time at, const CauseTi
   const auto found = open_.find(block);
   if (found == open_.end() || found->second.slot != number || found->second.finished) return false;
   Open& open = found->second;
-  leave(open, at);
+  open.failed = false;
+  open.tries.back().run->end = report::Run::End::running;  // whatever was said of its DSP: here is its word
+  leave(open, at, report::Run::End::done);
   open.finished = at;
-  if (open.cycles.size() != causes.size()) {
-    open.cycles.clear();
-    return true;
-  }
-  std::int64_t total = 0;
-  for (std::size_t i = 0; i < causes.size(); ++i) total += open.cycles[i] = causes[i] - open.cycles[i];
-  // Cycles to picoseconds so that the parts sum to the whole exactly: each cumulative sum is rounded, not each part.
-  const std::int64_t whole = (at - open.claimed).count();
-  std::int64_t cycles = 0, before = 0;
-  for (const std::int64_t part : open.cycles) {
-    cycles += part;
-    const std::int64_t until =
-        total == 0 ? 0 : static_cast<std::int64_t>(std::llround(static_cast<double>(whole) * static_cast<double>(cycles) / static_cast<double>(total)));
-    open.causes.push_back(until - before);
-    before = until;
-  }
+  open.spent = minus(causes, open.at_claim);
+  const std::int64_t whole = (at - open.claimed()).count();
+  if (!open.spent.empty()) why_.ran(open.name.kind, whole, with_clock(open.spent, whole, chip_clock_));
   return true;
 }
 
@@ -132,25 +186,36 @@ void Ledger::put_back(std::size_t block, Time at) {
   audit_.put_back(block, at);
   const auto found = open_.find(block);
   if (found == open_.end()) return;
-  leave(found->second, at);
-  found->second.slot.reset();
-  found->second.failed = false;
-  found->second.cycles.clear();
-  found->second.causes.clear();
+  Open& open = found->second;
+  leave(open, at, report::Run::End::taken_away);
+  open.slot.reset();
+  open.failed = false;
+  open.at_claim.clear();
+  open.tries.emplace_back();
+  open.tries.back().waits_from = at;
+  open.tries.back().first_refresh = at;
+}
+
+// The account has one name for what the chains tell by bus.
+std::vector<std::int64_t> Ledger::booked(const std::vector<std::int64_t>& amounts) const {
+  if (booked_as_.empty() || amounts.empty()) return amounts;
+  std::vector<std::int64_t> all(booked_.size(), 0);
+  for (std::size_t i = 0; i < amounts.size(); ++i) all.at(booked_as_.at(i)) += amounts[i];
+  return all;
 }
 
 report::Job Ledger::job_of(const Open& open) const {
   report::Job job;
-  job.kind = static_cast<std::size_t>(open.kind);
+  job.kind = open.name.kind;
   job.released = open.released;
   job.deadline = open.deadline;
-  job.claimed = open.claimed;
+  job.claimed = open.claimed();
   job.tick = open.tick;
   if (open.finished) {
     job.progress = report::Progress::finished;
     job.finished = *open.finished;
-    job.causes = open.causes;
-    job.cycles = open.cycles;
+    job.cycles = booked(open.spent);
+    job.causes = booked(in_picoseconds(open.spent, (*open.finished - job.claimed).count()));
   } else if (open.slot) {
     job.progress = open.failed ? report::Progress::lost : report::Progress::running;
   } else {
@@ -159,16 +224,54 @@ report::Job Ledger::job_of(const Open& open) const {
   return job;
 }
 
+MissedJob Ledger::missed_job(const Open& open, report::Outcome outcome, Time end) const {
+  MissedJob missed;
+  missed.name = open.name;
+  missed.outcome = outcome;
+  missed.released = open.released;
+  missed.deadline = open.deadline;
+  missed.end = end;
+  missed.tries = open.tries;
+  if (!open.tries.empty() && open.tries.back().run) {
+    report::Run& run = *missed.tries.back().run;
+    if (run.end == report::Run::End::running) run.ended = end;
+    if (run.end == report::Run::End::running || run.end == report::Run::End::done) {
+      const std::int64_t whole = (run.ended - run.claimed).count();
+      missed.execution = run.end == report::Run::End::done ? with_clock(open.spent, whole, chip_clock_) : in_picoseconds(open.spent, whole);
+      missed.execution.resize(cause_names_.size() + 2, 0);
+      missed.execution.back() += whole - std::accumulate(missed.execution.begin(), missed.execution.end(), std::int64_t{0});
+    }
+  }
+  return missed;
+}
+
+report::Outcome Ledger::book(const Open& open, const report::Job& job, Time now) {
+  const report::Outcome outcome = account_.add(job, now);
+  if (outcome != report::Outcome::on_time) ++misses_;
+  if (!report::missed(job, outcome, now)) return outcome;
+  MissedJob missed = missed_job(open, outcome, now);
+  if (outcome == report::Outcome::dropped) missed.given_up = now;
+  why_.missed(missed, timeline_, audit_);
+  return outcome;
+}
+
+void Ledger::forget(Time now) {
+  Time oldest = now;
+  for (const auto& [block, open] : open_) oldest = std::min(oldest, open.released);
+  timeline_.forget(oldest);
+}
+
 void Ledger::dropped(std::size_t block, Time at) {
   audit_.dropped(block, at);
   const auto found = open_.find(block);
   if (found == open_.end()) return;
-  leave(found->second, at);
+  leave(found->second, at, report::Run::End::taken_away);
   report::Job job = job_of(found->second);
   job.progress = report::Progress::dropped;
   job.causes.clear();
-  book(job, at);
+  book(found->second, job, at);
   open_.erase(found);
+  forget(at);
 }
 
 report::Outcome Ledger::removed(std::size_t block) {
@@ -176,23 +279,65 @@ report::Outcome Ledger::removed(std::size_t block) {
   if (found == open_.end()) return report::Outcome::on_time;
   const report::Job job = job_of(found->second);
   audit_.removed(block, job.finished);
-  const report::Outcome outcome = book(job, job.finished);
+  const report::Outcome outcome = book(found->second, job, job.finished);
   open_.erase(found);
+  forget(job.finished);
   return outcome;
 }
 
-void Ledger::slot_failed(unsigned number, Time) {
+void Ledger::slot_failed(unsigned number, Time at) {
+  timeline_.slot(number, SlotState::off, at);
   for (auto& [block, open] : open_) {
-    if (open.slot == number && !open.finished) open.failed = true;
+    if (open.slot != number || open.finished || open.failed) continue;
+    open.failed = true;
+    report::Run& run = *open.tries.back().run;
+    run.end = report::Run::End::failed;
+    run.ended = std::max(at, run.claimed);
   }
 }
 
-std::vector<report::TaskReport> Ledger::report(Time now, unsigned slots) const {
-  report::TaskAccount account = account_;
-  for (const auto& [block, open] : open_) {
-    if (open.released <= now) account.add(job_of(open), now);
+void Ledger::slot_off(unsigned number, Time at) { timeline_.slot(number, SlotState::off, at); }
+
+// ---- the host's refresh ----------------------------------------------------------------------------------------------------
+
+void Ledger::refresh_began(Time at) {
+  refresh_ = {at, at, at, at};
+  for (auto& [block, open] : open_) {
+    Try& attempt = open.tries.back();
+    if (!attempt.first_refresh && attempt.waits_from <= at) attempt.first_refresh = at;
   }
-  return account.report(slots);
+}
+
+void Ledger::offered(std::size_t block) {
+  const auto found = open_.find(block);
+  if (found != open_.end() && !found->second.tries.back().put_up) offered_.emplace_back(block, refresh_);
+}
+
+void Ledger::list_freed(Time at) {
+  for (auto& [block, refresh] : offered_) {
+    refresh.free = at;
+    if (const auto found = open_.find(block); found != open_.end()) found->second.tries.back().put_up = refresh;
+  }
+  offered_.clear();
+}
+
+// ---- what is told --------------------------------------------------------------------------------------------------------------
+
+Ledger::Told Ledger::tell(Time now, const std::function<CauseTimes(unsigned)>& causes) const {
+  Ledger all = *this;
+  for (auto& [block, open] : all.open_) {
+    if (open.released > now) continue;
+    if (open.slot && !open.finished && !open.failed && causes) open.spent = minus(causes(*open.slot), open.at_claim);
+    const Time end = open.finished.value_or(now);
+    all.book(open, all.job_of(open), end);
+  }
+  Told told;
+  told.tasks = all.account_.report();
+  for (std::size_t i = 0; i < told.tasks.size(); ++i) told.tasks[i].why_late = all.why_.summary(i, all.audit_);
+  told.misses = all.why_.misses(all.audit_);
+  told.misses_left_out = all.why_.left_out();
+  told.audit = {all.audit_.checks(), all.audit_.violations()};
+  return told;
 }
 
 std::uint64_t Ledger::claims(unsigned number) const { return number < slots_.size() ? slots_[number].claims : 0; }
@@ -201,7 +346,7 @@ std::vector<report::Share> Ledger::occupied(unsigned number, Time now) const {
   std::vector<report::Share> shares;
   std::vector<std::int64_t> sums = number < slots_.size() ? slots_[number].occupied : Slot{}.occupied;
   for (const auto& [block, open] : open_) {
-    if (open.slot == number && !open.finished) sums[static_cast<std::size_t>(open.kind)] += (now - open.claimed).count();
+    if (open.slot == number && !open.finished) sums[static_cast<std::size_t>(open.kind)] += (now - open.claimed()).count();
   }
   for (std::size_t i = 0; i < sums.size(); ++i) {
     if (sums[i] != 0) shares.push_back({names_.at(i), sums[i]});

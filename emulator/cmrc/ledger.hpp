@@ -4,14 +4,17 @@
 // A job is one release of a task. A block in the list stands for one job at a time; a recomputed block goes on being the same job.
 // Claims and ends are seen at the DSPs' own writes to the block's flag; the host only says what is released and what is given up.
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "cmrc/audit.hpp"
-#include "cmrc/list.hpp"
+#include "cmrc/timeline.hpp"
+#include "cmrc/why_late.hpp"
 #include "cmrc/words.hpp"
+#include "machine/time.hpp"
 #include "report/task_account.hpp"
 
 namespace cmrc {
@@ -31,16 +34,36 @@ JobKind job_kind(Word kind, const Words& words);
 
 using CauseTimes = std::vector<std::int64_t>;  ///< cycles of one chip by cause
 
+/// What the ledger has to know of the run.
+struct LedgerConfig {
+  std::vector<std::string> causes;      ///< of the jobs' cycles
+  std::vector<std::string> booked;      ///< of the account's; empty: the same
+  std::vector<std::size_t> booked_as;   ///< of each of the jobs' causes, the account's
+  Time servo_period{};                  ///< of PID and torque compensation
+  std::vector<std::string> user_tasks;  ///< their names, kinds from JobKind::user on
+  machine::Clock chip_clock{25'000'000};
+  std::size_t misses_kept = 1000;       ///< chains of causes told one by one
+};
+
 class Ledger {
  public:
-  /// \param cause_names of the chips; \param servo_period of PID and torque compensation; \param user_tasks their names,
-  /// kinds from JobKind::user on
-  Ledger(std::vector<std::string> cause_names, Time servo_period, std::vector<std::string> user_tasks = {});
+  explicit Ledger(LedgerConfig config);
 
   /// A job exists from now on: it is released at `released` (a servo block may be loaded before its tick).
-  void release(std::size_t block, JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick);
-  /// A nominal tick for which no block could be released.
-  void skipped(JobKind kind, Time released, Time deadline, std::int64_t tick);
+  void release(std::size_t block, JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick,
+               std::uint32_t robot = 0);
+  /// A nominal tick for which no block could be released, as the host found at `found`.
+  void skipped(JobKind kind, Time released, Time deadline, std::int64_t tick, Time found);
+
+  // The host's refresh: it begins, wants the list, has it, has offered these blocks with J > 0, and the list is free again.
+  void refresh_began(Time at);
+  void list_wanted(Time at) { refresh_.wanted = at; }
+  void list_held(Time at) { refresh_.held = at; }
+  void offered(std::size_t block);
+  void list_freed(Time at);
+  /// What the DSPs and the list's semaphore do.
+  Timeline& timeline() { return timeline_; }
+
   /// A DSP has marked the block 0Fh / FFh. Times are those at which the program issued the write.
   void claimed(std::size_t block, unsigned slot, Time at, const CauseTimes& causes);
   /// \returns whether it was this DSP's to finish.
@@ -53,9 +76,18 @@ class Ledger {
   report::Outcome removed(std::size_t block);
   /// A DSP has died or been pulled; what it was running is lost unless it is recomputed.
   void slot_failed(unsigned slot, Time at);
+  /// A DSP was reset or is about to start.
+  void slot_off(unsigned slot, Time at);
 
-  /// Statistics with the jobs that are still open booked as they stand at `now`.
-  std::vector<report::TaskReport> report(Time now, unsigned slots) const;
+  /// Statistics, chains of causes, and the audit, with the jobs that are still open booked as they stand at `now`.
+  struct Told {
+    std::vector<report::TaskReport> tasks;
+    std::vector<report::MissReport> misses;
+    std::uint64_t misses_left_out = 0;
+    report::AuditReport audit;
+  };
+  /// \param causes a slot's cycles by cause so far, for the jobs that are still running
+  Told tell(Time now, const std::function<CauseTimes(unsigned)>& causes) const;
   std::uint64_t claims(unsigned slot) const;
   /// Jobs that have ended late or were dropped so far.
   std::uint64_t misses() const { return misses_; }
@@ -68,31 +100,45 @@ class Ledger {
  private:
   struct Open {
     JobKind kind{};
+    report::JobName name;
     Time released{};
     std::optional<Time> deadline;
     std::optional<std::int64_t> tick;
     std::optional<unsigned> slot;   // running on it
-    Time claimed{};
     bool failed = false;            // its DSP is dead
     std::optional<Time> finished;
-    CauseTimes cycles;              // at the claim; after the end, what the run took
-    CauseTimes causes;              // after the end: the same in picoseconds
+    CauseTimes at_claim;
+    CauseTimes spent;               // cycles of the run by cause, when it has ended
+    std::vector<Try> tries;
+    Time claimed() const { return tries.back().run ? tries.back().run->claimed : Time{}; }
   };
   struct Slot {
     std::uint64_t claims = 0;
     std::vector<std::int64_t> occupied = std::vector<std::int64_t>(21, 0);
   };
 
+  std::vector<std::int64_t> booked(const std::vector<std::int64_t>& amounts) const;
   report::Job job_of(const Open& open) const;
-  report::Outcome book(const report::Job& job, Time now);
-  void leave(Open& open, Time at);
+  MissedJob missed_job(const Open& open, report::Outcome outcome, Time end) const;
+  report::Outcome book(const Open& open, const report::Job& job, Time now);
+  void leave(Open& open, Time at, report::Run::End end);
+  void forget(Time now);
   Slot& slot(unsigned number);
 
   std::vector<std::string> names_;
+  std::vector<std::string> cause_names_;
+  std::vector<std::string> booked_;
+  std::vector<std::size_t> booked_as_;
+  machine::Clock chip_clock_;
   report::TaskAccount account_;
   Audit audit_;
+  Timeline timeline_;
+  WhyLate why_;
   std::map<std::size_t, Open> open_;
   std::vector<Slot> slots_;
+  std::vector<std::int64_t> released_;  // jobs so far, by kind
+  RefreshTimes refresh_;                // the present one
+  std::vector<std::pair<std::size_t, RefreshTimes>> offered_;  // blocks whose refresh has not freed the list yet
   std::uint64_t misses_ = 0;
 };
 

@@ -86,6 +86,7 @@ void RunObserver::dsp_write(unsigned slot, machine::Window window, machine::Offs
     ++sum.count;
     return;
   }
+  if (offset == words_.doorbell_idle || offset == words_.doorbell_busy) return idle(slot, offset == words_.doorbell_idle, now);
   const Word in_pool = offset - words_.block_pool;
   if (in_pool >= words_.block_count * words_.block_words) return;
   const std::size_t block = in_pool / words_.block_words;
@@ -101,6 +102,7 @@ void RunObserver::claim(unsigned slot, std::size_t block, Time issued, Time now)
   const auto at = [&](Word word) { return peek_(words_.block(block) + word); };
   log_.add({now, report::dsp(slot), EventKind::claim,
             {words_.block(block), at(words_.kind), at(words_.area), at(words_.tick), at(words_.generation)}});
+  this->issued(slot, block, words_.flag_taken, issued, now);
 }
 
 void RunObserver::finish(unsigned slot, std::size_t block, Time issued, Time now) {
@@ -110,6 +112,19 @@ void RunObserver::finish(unsigned slot, std::size_t block, Time issued, Time now
   log_.add({now, report::dsp(slot), EventKind::finish,
             {words_.block(block), peek_(words_.block(block) + words_.kind), blocks_[block][words_.result],
              blocks_[block][words_.notify], peek_(words_.block(block) + words_.generation)}});
+  this->issued(slot, block, words_.flag_done, issued, now);
+}
+
+// The account of a run goes by the program's own write, which comes before its arrival by what it waited for the bus.
+void RunObserver::issued(unsigned slot, std::size_t block, Word flag, Time issued, Time now) {
+  const auto delay = static_cast<std::uint64_t>((now - issued).count());
+  log_.add({now, report::dsp(slot), EventKind::issue,
+            {words_.block(block), flag, static_cast<std::uint32_t>(delay), static_cast<std::uint32_t>(delay >> 32), 0}});
+}
+
+void RunObserver::idle(unsigned slot, bool idle, Time now) {
+  ledger_.timeline().slot(slot, idle ? SlotState::asleep : SlotState::awake, now);
+  log_.add({now, report::dsp(slot), EventKind::idle, {idle ? 1U : 0U, 0, 0, 0, 0}});
 }
 
 // ---- everything else -------------------------------------------------------------------------------------------------------
@@ -126,6 +141,7 @@ void RunObserver::transaction(machine::BusId bus, const pci::Transaction& transa
 }
 
 void RunObserver::interrupt(unsigned slot, int pin, Time now) {
+  ledger_.timeline().slot(slot, SlotState::awake, now);
   log_.add({now, report::dsp(slot), EventKind::interrupt, {static_cast<std::uint32_t>(pin), 0, 0, 0, 0}});
 }
 
@@ -133,9 +149,14 @@ void RunObserver::semaphore(unsigned number, machine::SemaphoreEvent event, unsi
   if (event == machine::SemaphoreEvent::refused) return;
   const bool acquired = event == machine::SemaphoreEvent::acquired;
   log_.add({now, report::bus_a, EventKind::semaphore, {number, acquired ? 1U : 0U, owner, 0, 0}});
+  if (number == words_.semaphore_list - words_.semaphore) ledger_.timeline().list(acquired ? owner : Timeline::nobody, now);
   if (owner != machine::host_owner) return;
-  if (acquired) held_since_ = now;
-  else hold_.add((now - held_since_).count());
+  if (acquired) {
+    held_since_ = now;
+  } else {
+    hold_.add((now - held_since_).count());
+    ledger_.list_freed(now);
+  }
 }
 
 void RunObserver::fault(const machine::ChipFault& fault) {
@@ -147,8 +168,9 @@ void RunObserver::fault(const machine::ChipFault& fault) {
 
 void RunObserver::slot(unsigned slot, machine::SlotChange change, Time now) {
   if (change == machine::SlotChange::reset) ++resets_.at(slot);
-  if (change == machine::SlotChange::unplugged) ledger_.slot_failed(slot, now);
+  if (change == machine::SlotChange::booted) ledger_.timeline().slot(slot, SlotState::awake, now);
   if (change == machine::SlotChange::unplugged || change == machine::SlotChange::reset) {
+    ledger_.slot_failed(slot, now);
     snapshots_[slot].clear();
     if (profile_ != nullptr) profile_->reset(slot);
   }
@@ -157,6 +179,7 @@ void RunObserver::slot(unsigned slot, machine::SlotChange change, Time now) {
 }
 
 void RunObserver::scripted(const machine::ScriptedEvent& event, Time now) {
+  if (event.action == machine::Action::fail || event.action == machine::Action::hang) ledger_.slot_failed(event.number, now);
   log_.add({now, report::host, EventKind::scripted, {static_cast<std::uint32_t>(event.action), event.number,
                                                      static_cast<std::uint32_t>(event.amount), static_cast<std::uint32_t>(event.amount >> 32), 0}});
 }

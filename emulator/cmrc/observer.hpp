@@ -39,6 +39,7 @@ class RunObserver : public machine::Observer, public HostListener {
   void dsp_issue(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued) override;
   void dsp_write(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued, Time now) override;
   void dsp_write_dropped(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued, Time now) override;
+  void dsp_waited(unsigned slot, machine::Window window, Time from, Time to) override { ledger_.timeline().window(slot, window, from, to); }
   void transaction(machine::BusId bus, const pci::Transaction& transaction, Time now) override;
   void interrupt(unsigned slot, int pin, Time now) override;
   void semaphore(unsigned number, machine::SemaphoreEvent event, unsigned owner, Time now) override;
@@ -65,6 +66,8 @@ class RunObserver : public machine::Observer, public HostListener {
 
   void claim(unsigned slot, std::size_t block, Time issued, Time now);
   void finish(unsigned slot, std::size_t block, Time issued, Time now);
+  void issued(unsigned slot, std::size_t block, Word flag, Time issued, Time now);
+  void idle(unsigned slot, bool idle, Time now);
   std::optional<std::size_t> flag_of(machine::Offset offset) const;
   CauseTimes take_snapshot(unsigned slot, machine::Offset offset, Time issued);
   void dock_event(const plant::Event& event);

@@ -1,6 +1,7 @@
 #pragma once
 // From the configuration to the parts of a run, and from the parts to the report.
 #include <chrono>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -45,6 +46,7 @@ struct Evidence {
   std::optional<report::StopReason> stop;
   std::chrono::steady_clock::duration elapsed;
   std::vector<std::string> causes;
+  std::function<CauseTimes(unsigned)> job_causes;  ///< a slot's cycles by cause, as jobs are told
 };
 report::RunReport make_report(const Evidence& evidence);
 

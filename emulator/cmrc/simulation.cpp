@@ -39,7 +39,27 @@ std::vector<std::string> cause_names() {
   return names;
 }
 
-CauseTimes to_times(const c40::Causes& causes) { return {causes.begin(), causes.end()}; }
+constexpr auto arbitration = static_cast<std::size_t>(c40::Cause::bus_arbitration);
+constexpr auto transfer = static_cast<std::size_t>(c40::Cause::bus_transfer);
+
+/// A job's causes tell the two windows apart: A's stand at the chip's places, B's behind.
+std::vector<std::string> job_causes() {
+  std::vector<std::string> names = cause_names();
+  names[arbitration] = "bus_a_arbitration";
+  names[transfer] = "bus_a_transfer";
+  names.insert(names.end(), {"bus_b_arbitration", "bus_b_transfer"});
+  return names;
+}
+
+CauseTimes job_causes(const machine::Machine& machine, unsigned slot) {
+  const c40::Causes& causes = machine.chip(slot).causes();
+  const machine::SlotStatistics& bus = machine.statistics(slot);
+  CauseTimes all(causes.begin(), causes.end());
+  all[arbitration] -= bus.window_b_arbitration;
+  all[transfer] -= bus.window_b_transfer;
+  all.insert(all.end(), {bus.window_b_arbitration, bus.window_b_transfer});
+  return all;
+}
 
 Time duration_of(double seconds) { return Time{std::llround(seconds * 1e12)}; }
 
@@ -58,6 +78,19 @@ std::vector<std::string> user_names(const Config& config) {
 }
 
 std::string_view built_in_text(std::span<const std::byte> bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
+
+LedgerConfig ledger_of(const Config& config) {
+  LedgerConfig ledger;
+  ledger.causes = job_causes();
+  ledger.booked = cause_names();
+  for (std::size_t i = 0; i < ledger.booked.size(); ++i) ledger.booked_as.push_back(i);
+  ledger.booked_as.insert(ledger.booked_as.end(), {arbitration, transfer});
+  ledger.servo_period = servo_period(config);
+  ledger.user_tasks = user_names(config);
+  ledger.chip_clock = machine::Clock(static_cast<std::int64_t>(chip_hertz(config)));
+  ledger.misses_kept = static_cast<std::size_t>(config.report.misses_max);
+  return ledger;
+}
 
 toolchain::Image assembled(const Config& config) {
   if (config.machine.programs.empty()) return toolchain::read_coff(c40_programs::built_in_image());
@@ -83,15 +116,18 @@ class Simulation::Parts {
  public:
   explicit Parts(const Config& given)
       : config(given), image(dsp_image(given)), words([this](std::string_view name) { return image.symbol(name); }),
-        dock_config(dock_of(given)), dock(dock_config), ledger(cause_names(), servo_period(given), user_names(given)),
+        dock_config(dock_of(given)), dock(dock_config), ledger(ledger_of(given)),
         observer(words, ledger, log), host(given, words, crane_of(given, dock_config), fleet_of(given, dock_config), ledger, observer),
         machine(machine_of(given), image, &dock, &host), end(duration_of(given.run.duration_s)) {
     for (const AreaWord& word : initial_words(config, dock_config, words, dock)) machine.poke(word.offset, word.value);
-    observer.set_causes([this](unsigned slot) { return to_times(machine.chip(slot).causes()); });
+    observer.set_causes([this](unsigned slot) { return job_causes(machine, slot); });
     observer.set_peek([this](machine::Offset offset) { return machine.peek(offset); });
     observer.watch_errors(words.cr_base + image.symbol("CR_PID") + image.symbol("PD_E") - image.symbol("PD_STATE"));
     observer.attach(dock);
     machine.set_observer(&observer);
+    for (unsigned slot = 0; slot < machine.slots(); ++slot) {
+      ledger.timeline().slot(slot, machine.plugged(slot) ? SlotState::awake : SlotState::off, Time{0});
+    }
     for (const TimedEvent& event : config.events) {
       if (event.action == "set") host.change(duration_of(event.at_s), event);
     }
@@ -199,7 +235,8 @@ void Simulation::run(const std::function<bool(const Progress&)>& on_progress, re
 
 report::RunReport Simulation::report() const {
   const Parts& p = *parts_;
-  return make_report({p.config, p.machine, p.dock, p.dock_config, p.host, p.ledger, p.observer, p.log, p.stop, p.elapsed, cause_names()});
+  return make_report({p.config, p.machine, p.dock, p.dock_config, p.host, p.ledger, p.observer, p.log, p.stop, p.elapsed, cause_names(),
+                      [&p](unsigned slot) { return job_causes(p.machine, slot); }});
 }
 
 bool Simulation::strictly_good() const {
@@ -210,7 +247,7 @@ bool Simulation::strictly_good() const {
 int Simulation::exit_status() const {
   const auto& stop = parts_->stop;
   if (stop && *stop != report::StopReason::interrupted) return 1;
-  if (!parts_->ledger.audit().violations().empty()) return 1;
+  if (!report().audit.violations.empty()) return 1;
   return parts_->config.run.strict && !strictly_good() ? 1 : 0;
 }
 

@@ -27,7 +27,7 @@ Words::Words(const std::function<Word(std::string_view)>& symbol) {
       {"PID_SETTLED", &Words::pid_settled}, {"PID_RAMP_DONE", &Words::pid_ramp_done},
       {"SEMAPHORE", &Words::semaphore}, {"SEMAPHORE_OWNER", &Words::semaphore_owner}, {"SEMAPHORE_HELD", &Words::semaphore_held},
       {"SEMAPHORE_LIST", &Words::semaphore_list}, {"DOORBELL_RING", &Words::doorbell_ring},
-      {"DOORBELL_IDLE", &Words::doorbell_idle}, {"FENCE_MASK", &Words::fence_mask}, {"RESET_DSP", &Words::reset_dsp},
+      {"DOORBELL_IDLE", &Words::doorbell_idle}, {"DOORBELL_BUSY", &Words::doorbell_busy}, {"FENCE_MASK", &Words::fence_mask}, {"RESET_DSP", &Words::reset_dsp},
       {"CR_BASE", &Words::cr_base}, {"CR_POINT_PERIOD", &Words::cr_point_period},
       {"CR_SERVO_PERIOD", &Words::cr_servo_period}, {"CR_POINT_TICKS", &Words::cr_point_ticks},
       {"CR_SERVO_TICKS", &Words::cr_servo_ticks}, {"CR_LEG", &Words::cr_leg}, {"CR_SPREADER", &Words::cr_spreader},

@@ -198,6 +198,13 @@ void Dsp::resume_at(pci::Clocks ready, pci::Clocks arbitration) {
 }
 
 void Dsp::complete(Time horizon) {
+  const Window window = window_of(access_.address);
+  if (window == Window::b) {
+    statistics_.window_b_arbitration += arbitration_;
+    statistics_.window_b_transfer += transfer_;
+  }
+  if (around_.observer != nullptr)
+    around_.observer->dsp_waited(slot_, window, clock_.at(access_.cycle), clock_.at(access_.cycle + arbitration_ + transfer_));
   if (access_.write)
     chip_.complete_write(arbitration_, transfer_);
   else

@@ -127,6 +127,8 @@ class Observer {
   /// (see dsp_write_dropped).
   virtual void dsp_write(unsigned /*slot*/, Window, Offset, Word, Time /*issued*/, Time /*now*/) {}
   virtual void dsp_write_dropped(unsigned /*slot*/, Window, Offset, Word, Time /*issued*/, Time /*now*/) {}
+  /// A DSP's access through a window has held it up from `from` to `to`.
+  virtual void dsp_waited(unsigned /*slot*/, Window, Time /*from*/, Time /*to*/) {}
   /// A transaction has ended. On every bus the host, if it stands there, is master 0; the DSPs follow in the order of their
   /// slots, then the bridges between buses.
   virtual void transaction(BusId, const pci::Transaction&, Time /*now*/) {}
@@ -182,6 +184,8 @@ struct SlotStatistics {
   std::uint64_t dropped_writes = 0;  ///< fenced
   std::uint64_t interrupts = 0;
   std::uint64_t boots = 0;
+  std::int64_t window_b_arbitration = 0;  ///< cycles, of the chip's cause bus_arbitration; the others are window A's
+  std::int64_t window_b_transfer = 0;     ///< the same of bus_transfer
 };
 
 /// See the head of this file.

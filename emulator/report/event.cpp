@@ -48,6 +48,7 @@ constexpr KindRow kind_rows[] = {
     {EventKind::starved, "starved", {{{"robot"}, {"point"}}}},
     {EventKind::scripted, "scripted", {{{"action"}, {"number"}, {"amount_low"}, {"amount_high"}}}},
     {EventKind::set, "set", {{{"key"}, {"value_low", 'h'}, {"value_high", 'h'}}}},
+    {EventKind::issue, "issue", {{{"block", 'h'}, {"flag", 'h'}, {"delay_low"}, {"delay_high"}}}},
     {EventKind::push, "push", {{{"agv"}, {"speed", 's'}, {"front", 's'}, {"rear", 's'}}}},
 };
 

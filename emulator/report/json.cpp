@@ -31,6 +31,23 @@ Json summary(const Summary& of) {
           {"p99", of.p99},     {"p99_9", of.p99_9}, {"worst", of.worst}, {"log2_histogram", histogram(of.histogram)}};
 }
 
+Json parts(const std::vector<NamedPart>& list) {
+  Json object = Json::object();
+  for (const NamedPart& part : list) object[part.name] = part.ps;
+  return object;
+}
+
+Json why_late(const WhyLate& of) {
+  return {{"jobs", of.chains},
+          {"jobs_with_deadline", of.with_deadline},
+          {"lateness_ps", of.lateness},
+          {"usual_ps", of.usual ? Json(*of.usual) : Json(nullptr)},
+          {"parts_ps", parts(of.parts)},
+          {"behind_ps", parts(of.behind)},
+          {"dropped_previous_out", of.dropped_previous_out},
+          {"dropped_host_late", of.dropped_host_late}};
+}
+
 Json task(const TaskReport& of) {
   return {{"released", of.released},
           {"on_time", of.on_time},
@@ -52,7 +69,45 @@ Json task(const TaskReport& of) {
             {"rms", of.start_jitter.rms}}},
           {"execution_causes_ps", shares(of.execution_causes)},
           {"execution_cycles", shares(of.execution_cycles)},
-          {"miss_causes_ps", shares(of.miss_causes)}};
+          {"why_late", why_late(of.why_late)}};
+}
+
+template <class Value>
+Json optional(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json optional_ps(const std::optional<Time>& time) { return time ? Json(time->count()) : Json(nullptr); }
+
+Json miss(const MissReport& of, const std::vector<TaskReport>& kinds) {
+  Json behind = Json::array();
+  for (const Behind& block : of.behind)
+    behind.push_back({{"kind", kinds.at(block.job.kind).kind},
+                      {"robot", block.job.robot},
+                      {"number", block.job.number},
+                      {"dsp", block.slot},
+                      {"claimed_ps", block.claimed.count()},
+                      {"from_ps", block.from.count()},
+                      {"to_ps", block.to.count()},
+                      {"share_ps", block.share},
+                      {"overtook", block.overtook}});
+  Json runs = Json::array();
+  for (const Run& run : of.runs)
+    runs.push_back({{"dsp", run.slot}, {"claimed_ps", run.claimed.count()}, {"ended_ps", run.ended.count()}, {"end", name(run.end)}});
+  return {{"kind", of.kind},
+          {"robot", of.job.robot},
+          {"number", of.job.number},
+          {"outcome", of.outcome},
+          {"release_ps", of.released.count()},
+          {"deadline_ps", optional_ps(of.deadline)},
+          {"end_ps", of.end.count()},
+          {"lateness_ps", optional(of.lateness)},
+          {"usual_ps", optional(of.usual)},
+          {"unavoidable_ps", optional_ps(of.unavoidable)},
+          {"parts_ps", parts(of.parts)},
+          {"behind", std::move(behind)},
+          {"runs", std::move(runs)},
+          {"previous", optional(of.previous)}};
 }
 
 Json dsp(const DspReport& of) {
@@ -157,6 +212,8 @@ std::string to_json(const RunReport& report) {
                {"events", report.events},
                {"configuration", settings(report.configuration)},
                {"tasks", Json::object()},
+               {"misses", Json::array()},
+               {"misses_left_out", report.misses_left_out},
                {"dsps", Json::array()},
                {"buses", Json::object()},
                {"cycles", Json::array()},
@@ -171,6 +228,7 @@ std::string to_json(const RunReport& report) {
                {"braked", report.braked},
                {"failures", Json::array()}};
   for (const TaskReport& of : report.tasks) root["tasks"][of.kind] = task(of);
+  for (const MissReport& of : report.missed) root["misses"].push_back(miss(of, report.tasks));
   for (const DspReport& of : report.dsps) root["dsps"].push_back(dsp(of));
   for (const BusReport& of : report.buses) root["buses"][of.name] = bus(of);
   for (const CycleReport& of : report.cycles) root["cycles"].push_back(cycle(of));

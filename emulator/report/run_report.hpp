@@ -10,10 +10,11 @@
 
 #include "report/event.hpp"
 #include "report/statistics.hpp"
+#include "report/why_late.hpp"
 
 namespace report {
 
-inline constexpr int schema_version = 1;
+inline constexpr int schema_version = 2;
 
 /// An amount with its name, in a fixed order: cycles or picoseconds by cause.
 struct Share {
@@ -41,10 +42,7 @@ struct TaskReport {
   Jitter start_jitter;                    ///< ps, periodic kinds only
   std::vector<Share> execution_causes;    ///< ps by the chips' causes, all finished jobs; sums to the sum of execution
   std::vector<Share> execution_cycles;    ///< the same in cycles of the DSPs
-  /// Of the missed jobs only: ps from release to the end (or the run's end), by what it was spent on. "waiting behind
-  /// KIND": all DSPs were taken and this share of them ran KIND; "waiting, a DSP was free": not claimed although one
-  /// was idle; then the chips' causes while it ran.
-  std::vector<Share> miss_causes;
+  WhyLate why_late;                       ///< of the missed jobs
 };
 
 struct DspReport {
@@ -160,6 +158,8 @@ struct RunReport {
   std::uint64_t events = 0;
   std::vector<Setting> configuration;
   std::vector<TaskReport> tasks;  ///< every kind of ruling 29 in its order, also those never released
+  std::vector<MissReport> missed;     ///< the first report.misses_max missed jobs, one by one
+  std::uint64_t misses_left_out = 0;  ///< missed jobs that are not among them
   std::vector<DspReport> dsps;
   std::vector<BusReport> buses;
   std::vector<CycleReport> cycles;

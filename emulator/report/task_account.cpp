@@ -29,13 +29,7 @@ TaskAccount::TaskAccount(std::vector<std::string> kinds, std::vector<std::string
     kinds_[i].counts.kind = names_[i];
     kinds_[i].causes.assign(causes_.size(), 0);
     kinds_[i].cycles.assign(causes_.size(), 0);
-    kinds_[i].miss_causes.assign(causes_.size(), 0);
   }
-}
-
-void TaskAccount::occupied(unsigned slot, std::size_t kind, Time from, Time to) {
-  if (occupations_.size() <= slot) occupations_.resize(slot + 1);
-  occupations_[slot].push_back({from, to, kind});
 }
 
 namespace {
@@ -63,7 +57,9 @@ std::uint64_t& counter(TaskReport& report, Outcome outcome) {
   throw std::invalid_argument("TaskAccount: no such outcome");
 }
 
-bool is_miss(Outcome outcome, const Job& job, Time now) {
+}  // namespace
+
+bool missed(const Job& job, Outcome outcome, Time now) {
   switch (outcome) {
     case Outcome::on_time: return false;
     case Outcome::unfinished:
@@ -71,8 +67,6 @@ bool is_miss(Outcome outcome, const Job& job, Time now) {
     default: return true;
   }
 }
-
-}  // namespace
 
 Outcome TaskAccount::add(const Job& job, Time now) {
   Kind& kind = kinds_.at(job.kind);
@@ -96,15 +90,12 @@ Outcome TaskAccount::add(const Job& job, Time now) {
     if (outcome == Outcome::late) kind.lateness.add((job.finished - *job.deadline).count());
   }
 
-  if (!is_miss(outcome, job, now)) {
+  if (!missed(job, outcome, now)) {
     kind.streak = 0;
     return outcome;
   }
   ++kind.counts.misses;
   kind.counts.longest_miss_streak = std::max(kind.counts.longest_miss_streak, ++kind.streak);
-  // A dropped job never stood in the list: it did not wait.
-  if (job.progress != Progress::dropped) kind.missed.push_back({job.released, claimed ? job.claimed : now});
-  for (std::size_t i = 0; i < job.causes.size(); ++i) kind.miss_causes[i] += job.causes[i];
   return outcome;
 }
 
@@ -132,33 +123,7 @@ Jitter TaskAccount::jitter(std::size_t index) const {
   return result;
 }
 
-std::vector<Share> TaskAccount::miss_causes(const Kind& kind, unsigned slots) const {
-  // While a job waits, each DSP stands for an equal part of the time: taken by some kind, or free.
-  std::vector<std::int64_t> behind(names_.size(), 0);
-  std::int64_t waited = 0;
-  for (const Missed& missed : kind.missed) {
-    waited += (missed.claimed - missed.released).count();
-    for (const auto& occupations : occupations_) {
-      auto occupation = std::ranges::upper_bound(occupations, missed.released, {}, &Occupation::to);
-      for (; occupation != occupations.end() && occupation->from < missed.claimed; ++occupation)
-        behind[occupation->kind] +=
-            (std::min(occupation->to, missed.claimed) - std::max(occupation->from, missed.released)).count();
-    }
-  }
-  std::vector<Share> shares;
-  std::int64_t accounted = 0;
-  for (std::size_t i = 0; i < behind.size(); ++i) {
-    const std::int64_t part = behind[i] / std::max(slots, 1U);
-    accounted += part;
-    if (part > 0) shares.push_back({"waiting behind " + names_[i], part});
-  }
-  if (waited > accounted) shares.push_back({"waiting, a DSP was free or claiming", waited - accounted});
-  for (std::size_t i = 0; i < causes_.size(); ++i)
-    if (kind.miss_causes[i] > 0) shares.push_back({causes_[i], kind.miss_causes[i]});
-  return shares;
-}
-
-std::vector<TaskReport> TaskAccount::report(unsigned slots) const {
+std::vector<TaskReport> TaskAccount::report() const {
   std::vector<TaskReport> reports;
   for (std::size_t i = 0; i < kinds_.size(); ++i) {
     const Kind& kind = kinds_[i];
@@ -172,7 +137,6 @@ std::vector<TaskReport> TaskAccount::report(unsigned slots) const {
       report.execution_causes.push_back({causes_[cause], kind.causes[cause]});
       report.execution_cycles.push_back({causes_[cause], kind.cycles[cause]});
     }
-    report.miss_causes = miss_causes(kind, slots);
     reports.push_back(std::move(report));
   }
   return reports;

@@ -37,6 +37,9 @@ struct Job {
       tick;  ///< number of the nominal tick, periodic kinds: jitter is taken between neighbouring ticks
 };
 
+/// Whether a job of that outcome is a missed deadline, as it stands at `now`.
+bool missed(const Job& job, Outcome outcome, Time now);
+
 /// Collects jobs in any order; `report` may be asked at any time.
 class TaskAccount {
  public:
@@ -45,42 +48,29 @@ class TaskAccount {
   /// \param periods nominal period of kind i, or zero when it is not periodic
   TaskAccount(std::vector<std::string> kinds, std::vector<std::string> causes, std::vector<Time> periods);
 
-  /// DSP `slot` was taken by a task of `kind` over [from, to). Claims of one slot come in order. Used to say what a
-  /// missed job waited behind.
-  void occupied(unsigned slot, std::size_t kind, Time from, Time to);
   /// Books a job. `now` is its end, or the end of the run for jobs that are not finished. \returns its outcome.
   Outcome add(const Job& job, Time now);
-  /// Statistics of every kind. `slots`: number of DSPs that could have taken jobs.
-  std::vector<TaskReport> report(unsigned slots) const;
+  /// Statistics of every kind.
+  std::vector<TaskReport> report() const;
 
  private:
   struct Start {
     std::int64_t tick;
     Time time;
   };
-  struct Missed {
-    Time released, claimed;
-  };
   struct Kind {
     TaskReport counts;
     Distribution response, waiting, execution, lateness;
-    std::vector<std::int64_t> causes, cycles, miss_causes;
+    std::vector<std::int64_t> causes, cycles;
     std::vector<Start> starts;
-    std::vector<Missed> missed;
     std::uint64_t streak = 0;
-  };
-  struct Occupation {
-    Time from, to;
-    std::size_t kind;
   };
 
   Jitter jitter(std::size_t kind) const;
-  std::vector<Share> miss_causes(const Kind& kind, unsigned slots) const;
 
   std::vector<std::string> names_, causes_;
   std::vector<Time> periods_;
   std::vector<Kind> kinds_;
-  std::vector<std::vector<Occupation>> occupations_;  // by slot
 };
 
 }  // namespace report

@@ -53,19 +53,68 @@ std::string times(const RunReport& report) {
          table.render();
 }
 
-/// The largest shares first, until nine tenths are told.
-std::string dominant(std::vector<Share> shares) {
-  std::ranges::stable_sort(shares, std::greater{}, &Share::amount);
+/// What a part of a chain says, for a reader who has not read docs/report.md.
+std::string explained(std::string_view part) {
+  static constexpr std::pair<std::string_view, std::string_view> words[] = {
+      {"host_late", "the host's refresh began late"},
+      {"not_due", "in the list, not yet due"},
+      {"host_refresh", "the host's refresh"},
+      {"host_lock", "the host waited for the list"},
+      {"doorbell", "waking up a DSP"},
+      {"claim", "claiming: instructions"},
+      {"claim_bus_a", "claiming: bus A"},
+      {"claim_bus_b", "claiming: bus B"},
+      {"lock", "the list was held by another"},
+      {"behind_list", "behind blocks that stood before it"},
+      {"blocked", "every DSP ran a block taken before"},
+      {"no_dsp", "no DSP was there"},
+      {"lost_run", "runs lost with their DSP"},
+      {"watchdog", "until the watchdog noticed"},
+      {"execution.execute", "ran longer: more instructions"},
+      {"execution.slow_clock", "ran longer: slowed DSP"}};
+  for (const auto& [name, meaning] : words)
+    if (name == part) return std::string(meaning);
+  constexpr std::string_view execution = "execution.";
+  if (!part.starts_with(execution)) return std::string(part);
+  std::string cause(part.substr(execution.size()));
+  std::ranges::replace(cause, '_', ' ');
+  return "ran longer: " + cause;
+}
+
+/// " (obstacle_avoidance 97 %)": whose blocks were in the way.
+std::string in_the_way(std::vector<NamedPart> behind) {
+  if (behind.empty()) return "";
+  std::ranges::stable_sort(behind, std::greater{}, &NamedPart::ps);
   double whole = 0;
-  for (const Share& share : shares) whole += static_cast<double>(share.amount);
+  for (const NamedPart& part : behind) whole += static_cast<double>(part.ps);
+  const auto share = [&](const NamedPart& part) { return fmt::format("{} {} %", part.name, percent(static_cast<double>(part.ps), whole)); };
+  return fmt::format("    in the way: {}{}\n", share(behind[0]), behind.size() > 1 ? ", " + share(behind[1]) : "");
+}
+
+/// The parts of a kind's chains on the mean, the largest first until nine tenths are told, and what they add up to.
+std::string chain(const WhyLate& why) {
+  if (why.chains == 0) return "";
+  std::vector<NamedPart> longer;
+  double whole = 0, shorter = 0;
+  for (const NamedPart& part : why.parts) {
+    if (part.ps > 0) longer.push_back(part), whole += static_cast<double>(part.ps);
+    else if (part.name != "slack") shorter += static_cast<double>(part.ps);
+  }
+  std::ranges::stable_sort(longer, std::greater{}, &NamedPart::ps);
+  const auto mean = [&](double ps) { return duration(ps / static_cast<double>(why.chains)); };
   std::string text;
   double told = 0;
-  for (const Share& share : shares) {
-    if (told >= 0.9 * whole || share.amount <= 0) break;
-    told += static_cast<double>(share.amount);
-    text += fmt::format("      {:>5} %  {}\n", percent(static_cast<double>(share.amount), whole), share.name);
+  for (const NamedPart& part : longer) {
+    if (told >= 0.9 * whole) break;
+    told += static_cast<double>(part.ps);
+    text += fmt::format("    {:>10}  {}\n", mean(static_cast<double>(part.ps)), explained(part.name));
   }
-  return text;
+  if (whole - told >= 0.5) text += fmt::format("    {:>10}  all else\n", mean(whole - told));
+  if (shorter < 0) text += fmt::format("  - {:>10}  ran shorter, or not to the end\n", mean(-shorter));
+  for (const NamedPart& part : why.parts)
+    if (part.name == "slack" && part.ps < 0) text += fmt::format("  - {:>10}  slack\n", mean(static_cast<double>(-part.ps)));
+    else if (part.name == "slack") text += fmt::format("    {:>10}  too little time from the start\n", mean(static_cast<double>(part.ps)));
+  return text + in_the_way(why.behind);
 }
 
 std::string reasons(const RunReport& report) {
@@ -79,12 +128,15 @@ std::string reasons(const RunReport& report) {
       text += fmt::format("; late by {} on the mean, {} at worst", duration(task.lateness.mean),
                           duration(static_cast<double>(task.lateness.worst)));
     text += ".\n";
-    if (task.dropped > 0)
-      text += fmt::format("      {} dropped: the previous block was still out when the next was due\n", task.dropped);
-    const std::string causes = dominant(task.miss_causes);
-    if (!causes.empty())
-      text += fmt::format("    {} spent their time, from release on:\n{}", task.dropped > 0 ? "The others" : "They",
-                          causes);
+    const WhyLate& why = task.why_late;
+    if (why.dropped_previous_out > 0)
+      text += fmt::format("    {} dropped: the previous block was still out when the next was due\n", why.dropped_previous_out);
+    if (why.dropped_host_late > 0)
+      text += fmt::format("    {} dropped: the host skipped the refresh of its tick\n", why.dropped_host_late);
+    if (why.chains > 0)
+      text += fmt::format("    on the mean of {}, beyond a usual run{}:\n", why.chains == 1 ? "one job" : fmt::format("{} jobs", why.chains),
+                          why.usual ? " of " + duration(static_cast<double>(*why.usual)) : "");
+    text += chain(why);
   }
   return text.empty() ? heading("No deadline was missed.") : heading("Why deadlines were missed") + text;
 }

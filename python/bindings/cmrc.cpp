@@ -241,7 +241,7 @@ class TestLedger {
     ledger_.release(block, index_of(kind), seconds(released), deadline ? std::optional(seconds(*deadline)) : std::nullopt, std::nullopt);
   }
   void skipped(const std::string& kind, double released, double deadline, std::int64_t tick) {
-    ledger_.skipped(index_of(kind), seconds(released), seconds(deadline), tick);
+    ledger_.skipped(index_of(kind), seconds(released), seconds(deadline), tick, seconds(released));
   }
   void claimed(std::size_t block, unsigned slot, double at, const std::vector<std::int64_t>& causes) { ledger_.claimed(block, slot, seconds(at), causes); }
   void finished(std::size_t block, unsigned slot, double at, const std::vector<std::int64_t>& causes) { ledger_.finished(block, slot, seconds(at), causes); }
@@ -252,7 +252,7 @@ class TestLedger {
   std::vector<std::string> violations() const { return ledger_.audit().violations(); }
   py::dict report(double now) const {
     py::dict all;
-    for (const report::TaskReport& task : ledger_.report(seconds(now), 2)) {
+    for (const report::TaskReport& task : ledger_.tell(seconds(now), {}).tasks) {
       py::dict causes;
       for (const report::Share& share : task.execution_causes) causes[py::str(share.name)] = share.amount;
       all[py::str(task.kind)] = py::dict(
@@ -268,7 +268,7 @@ class TestLedger {
     const auto kinds = cmrc::job_kinds();
     return static_cast<cmrc::JobKind>(std::find(kinds.begin(), kinds.end(), kind) - kinds.begin());
   }
-  cmrc::Ledger ledger_{{"execute", "bus"}, seconds(1e-3)};
+  cmrc::Ledger ledger_{{.causes = {"execute", "bus"}, .booked = {}, .booked_as = {}, .servo_period = seconds(1e-3), .user_tasks = {}}};
 };
 
 void bind_parts(py::module_& m) {

@@ -10,5 +10,6 @@ PYBIND11_MODULE(_core, core) {
   bind_plant(core);
   bind_machine(core);
   bind_cmrc(core);
+  bind_why_late(core);
   bind_trace(core);
 }

@@ -123,12 +123,6 @@ void bind_report(py::module_& core) {
              return report::TaskAccount(std::move(kinds), std::move(causes), periods_of(periods));
            }),
            "kinds"_a, "causes"_a, "periods_ps"_a)
-      .def(
-          "occupied",
-          [](report::TaskAccount& account, unsigned slot, std::size_t kind, std::int64_t from, std::int64_t to) {
-            account.occupied(slot, kind, Time(from), Time(to));
-          },
-          "slot"_a, "kind"_a, "from_ps"_a, "to_ps"_a)
       .def("add", &add_job, "kind"_a, "progress"_a, py::kw_only(), "released"_a, "deadline"_a = py::none(),
            "claimed"_a = 0, "finished"_a = 0, "now"_a = 0, "tick"_a = py::none(),
            "causes"_a = std::vector<std::int64_t>{});
@@ -138,10 +132,7 @@ void bind_report(py::module_& core) {
       .def(py::init<>())
       .def(
           "set_tasks",
-          [](report::RunReport& run, const report::TaskAccount& account, unsigned slots) {
-            run.tasks = account.report(slots);
-          },
-          "account"_a, "slots"_a)
+          [](report::RunReport& run, const report::TaskAccount& account) { run.tasks = account.report(); }, "account"_a)
       .def("to_json", [](const report::RunReport& run) { return to_json(run); })
       .def("to_text", [](const report::RunReport& run) { return to_text(run); })
       .def_readonly("hash", &report::RunReport::hash);

@@ -75,6 +75,14 @@ class Result:
         """Missed deadlines of all kinds."""
         return sum(int(task["misses"]) for task in self.report["tasks"].values())
 
+    @property
+    def missed(self) -> list[dict[str, Any]]:
+        """Missed jobs one by one, each with the chain of causes that adds up to its lateness (docs/report.md, Why late).
+
+        At most ``report.misses_max`` of them; ``report["misses_left_out"]`` counts the others. ``Table.from_rows(result.missed)`` is a table.
+        """
+        return list(self.report["misses"])
+
     @cached_property
     def tasks(self) -> Table:
         """One row per task kind: the classes of jobs, response times (``response_ps_p99`` ...), causes."""

@@ -32,7 +32,7 @@ def report_of(run, tmp_path: Path):
 @pytest.mark.parametrize("dsps", [1, 2, 4, 8, 16])
 def test_the_identities_of_the_report(report_of, dsps: int) -> None:
     report = report_of("--dsps", dsps)
-    assert report["schema_version"] == 1
+    assert report["schema_version"] == 2
     assert report["stop_reason"] == "completed"
     assert report["simulated_s"] == SHORT
     assert list(report["tasks"]) == KINDS

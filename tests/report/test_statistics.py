@@ -19,9 +19,9 @@ def account() -> report.TaskAccount:
     return report.TaskAccount(KINDS, CAUSES, [PERIOD, 0])
 
 
-def tasks(of: report.TaskAccount, slots: int = 1) -> dict[str, dict]:
+def tasks(of: report.TaskAccount) -> dict[str, dict]:
     run = report.RunReport()
-    run.set_tasks(of, slots)
+    run.set_tasks(of)
     return json.loads(run.to_json())["tasks"]
 
 
@@ -86,47 +86,18 @@ def test_jitter_is_taken_between_neighbouring_ticks_only() -> None:
     assert jitter["rms"] == pytest.approx((2500 / 3) ** 0.5)
 
 
-def test_a_miss_is_explained_by_what_occupied_the_dsps() -> None:
-    book = account()
-    # Two DSPs: slot 0 runs `identify` all the while, slot 1 runs `pid` for half of the wait.
-    book.occupied(0, 1, 0, 1000)
-    book.occupied(1, 0, 0, 200)
-    book.occupied(1, 0, 900, 950)
-    book.add(0, "finished", released=100, deadline=400, claimed=500, finished=700, now=700, causes=[150, 50])
-    causes = tasks(book, slots=2)["pid"]["miss_causes_ps"]
-    assert causes == {
-        "waiting behind identify": 200,  # 400 ps on one of two DSPs
-        "waiting behind pid": 50,  # 100 ps on one of two
-        "waiting, a DSP was free or claiming": 150,
-        "execute": 150,
-        "bus_arbitration": 50,
-    }
-    assert sum(causes.values()) == 700 - 100
-
-
-def test_jobs_on_time_leave_no_miss_causes() -> None:
-    book = account()
-    book.occupied(0, 1, 0, 1000)
-    book.add(0, "finished", released=100, deadline=1000, claimed=500, finished=700, now=700, causes=[200, 0])
-    pid = tasks(book)["pid"]
-    assert pid["miss_causes_ps"] == {}
-    assert pid["execution_causes_ps"] == {"execute": 200, "bus_arbitration": 0}
-
-
 def test_causes_of_another_length_are_refused() -> None:
     with pytest.raises(ValueError, match="causes"):
         account().add(0, "finished", released=0, claimed=0, finished=1, now=1, causes=[1])
 
 
-def test_text_names_the_reasons_and_fits_100_columns() -> None:
+def test_text_counts_the_misses_and_fits_100_columns() -> None:
     book = account()
-    book.occupied(0, 1, 0, 10**9)
     for tick in range(3):
         released = tick * PERIOD
         book.add(0, "finished", released=released, deadline=released + PERIOD, claimed=10**9, finished=10**9 + 10, now=10**9, tick=tick)
     run = report.RunReport()
-    run.set_tasks(book, 1)
+    run.set_tasks(book)
     text = run.to_text()
     assert "pid: 3 of 3 missed (100.0 %), at most 3 in a row" in text
-    assert "100.0 %  waiting behind identify" in text
     assert max(map(len, text.splitlines())) <= 100
