@@ -2,6 +2,7 @@
 
 import importlib.machinery
 import importlib.util
+import random
 import sys
 
 import numpy as np
@@ -65,9 +66,24 @@ def test_inverse_and_root() -> None:
         assert chip.floats["R2"] == pytest.approx(expected, rel=1e-7)
 
 
-@pytest.mark.parametrize("points", [64, 512, 1024])
-def test_fft(points: int) -> None:
-    call = published.fft_radix2(points)
+def test_integer_division_is_that_of_c() -> None:
+    rng = random.Random(5)
+    pairs = [(2**31 - 1, 1), (2**31 - 1, -3), (5, 9), (-5, 9), (0, 4), (-7, -7), (2**30, 2**30), (2**31 - 1, 2**31 - 1), (-(2**31) + 1, 2)]
+    pairs += [(rng.randrange(-(2**31) + 1, 2**31), rng.choice([-1, 1]) * (rng.randrange(2**31) >> rng.randrange(31) or 1)) for _ in range(60)]
+    for dividend, divisor in pairs:
+        chip, _ = published.division(dividend, divisor).run()
+        quotient = abs(dividend) // abs(divisor) * (1 if dividend * divisor > 0 else -1)
+        assert chip.registers["R0"] & 0xFFFFFFFF == quotient & 0xFFFFFFFF, (dividend, divisor)
+
+
+def test_integer_division_takes_a_cycle_for_each_bit() -> None:
+    cycles = [published.division(2**bits - 1, 1).run()[1] for bits in range(1, 32)]
+    assert cycles == list(range(cycles[0], cycles[0] + 31))
+
+
+@pytest.mark.parametrize(("radix", "points"), [(2, 64), (2, 512), (2, 1024), (4, 64), (4, 256), (4, 1024)])
+def test_fft(radix: int, points: int) -> None:
+    call = published.fft(radix, points)
     chip, _ = call.run()
     data = np.array(call.memory[published.fft_places(points)[0]])
     result = read(chip, published.fft_places(points)[1], 2 * points)
