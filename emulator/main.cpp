@@ -42,6 +42,8 @@ void declare_run(CLI::App& app, cli::RunOptions& options) {
       ->type_name("default|FILE.toml");
   app.add_option("--idle-policy", options.idle_policy,
                  "How a DSP without work waits: doorbell (default), pause or spin");
+  app.add_option("--topology", options.topology,
+                 "What stands on which bus: dual (default), host_on_both, sensors_with_host or single");
   app.add_option("--eq7", options.equation7, "Reading of equation (7): restored (default) or as_printed");
   app.add_flag("--strict", options.strict, "Exit with status 1 when a deadline was missed");
   app.add_flag("--quiet", options.quiet, "No progress line and no report on the terminal");

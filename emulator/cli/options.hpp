@@ -30,6 +30,7 @@ struct RunOptions {
   std::optional<std::string> programs;
   std::optional<std::string> board;
   std::optional<std::string> idle_policy;
+  std::optional<std::string> topology;
   std::optional<std::string> equation7;
   bool strict = false;
   bool quiet = false;

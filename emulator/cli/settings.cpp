@@ -63,6 +63,7 @@ cmrc::Config build_config(const RunOptions& options) {
   set("run.turn_order", options.turn_order, "--turn-order");
   set("machine.programs", options.programs, "--programs");
   set("machine.board", options.board, "--board");
+  set("bus.topology", options.topology, "--topology");
   set("machine.idle_policy", options.idle_policy, "--idle-policy");
   set("scheduling.equation", options.equation7, "--eq7");
   if (options.strict) builder.set("run.strict", true, {.name = "--strict"});

@@ -13,6 +13,7 @@
 #include <toml++/toml.h>
 
 #include "cmrc/process_rows.hpp"
+#include "cmrc/topology.hpp"
 
 namespace cmrc {
 namespace {
@@ -179,16 +180,24 @@ class Invariants {
             "machine.slots >= machine.dsps is required, or 0");
     require(config_.bus.latency_timer_clocks % 8 == 0, {"bus.latency_timer_clocks"},
             fmt::format("{} is not a multiple of 8", config_.bus.latency_timer_clocks), "PCI's latency timer counts in units of 8 clocks");
+    require(!config_.bus.prefetch || config_.bus.latency_timer_clocks >= 32, {"bus.latency_timer_clocks", "bus.prefetch"},
+            fmt::format("a line of 8 words does not fit into {} clocks", config_.bus.latency_timer_clocks),
+            "at least 32 is expected, or bus.prefetch = false");
+    topology_of(config_, [this](const auto& keys, const std::string& what, const std::string& right) { contradiction(keys, what, right); });
   }
 
  private:
   void require(bool holds, std::initializer_list<std::string_view> involved, const std::string& what,
                const std::string& right) const {
-    if (holds) return;
+    if (!holds) contradiction(involved, what, right);
+  }
+
+  [[noreturn]] void contradiction(const std::vector<std::string_view>& involved, const std::string& what,
+                                  const std::string& right) const {
     for (std::string_view key : involved) {
       if (auto at = origins_.find(key); at != origins_.end()) refuse(at->second, key, what, right);
     }
-    refuse({}, *involved.begin(), what, right);
+    refuse({}, involved.front(), what, right);
   }
 
   void rates() const {

@@ -29,6 +29,13 @@ enum class ServoReload { locked, inherited };
 enum class TorqueBuild { closed_form, newton_euler };
 enum class PidBuild { error_derivative, measurement_derivative };
 enum class TrajectoryBuild { blend9, quintic_shaper };
+/// Which agent stands on which bus, as plant-and-bus.md 3.4 has them.
+enum class TopologyPreset { dual, host_on_both, sensors_with_host, single };
+/// In the order of pci::Arbitration and pci::Parking.
+enum class Arbiter { round_robin, fixed, two_level, host_fair };
+enum class Parking { none, last_owner, host };
+/// Wait states of plant-and-bus.md 3.6.
+enum class Card { sram, s5933, drive_card, host_dram };
 enum class AvoidanceBuild { none, synthetic, potential_field, vfh, dynamic_window };
 
 /// All parameters of a run. Units are in the names, as in the TOML keys.
@@ -101,7 +108,27 @@ struct Config {
     std::int64_t latency_timer_clocks = 32;
     bool prefetch = true;
     bool fast_back_to_back = false;
+    TopologyPreset topology = TopologyPreset::dual;
+    Arbiter arbiter = Arbiter::round_robin;
+    std::int64_t first_level_dsps = 0;
+    Parking parking = Parking::last_owner;
+    std::int64_t grant_clocks = 2;
+    std::int64_t multi_transaction_clocks = 0;
+    std::int64_t request_off_clocks = 2;
+    std::int64_t think_on_retry_clocks = 0;
+    std::int64_t max_burst_words = 0;
+    std::int64_t post_depth_words = 8;
+    Card shared_memory_card = Card::sram;
+    Card device_card = Card::drive_card;
+    bool delayed_reads = false;
+    std::int64_t delayed_read_clocks = 20;
+    std::int64_t device_post_words = 0;
   } bus;
+  /// What differs from bus.topology; empty: as that says.
+  struct Topology {
+    std::string buses, host, dsps, shared_memory, drives, sensors, comm_port, bridges;
+    std::int64_t drives_at = -1, sensors_at = -1, comm_port_at = -1;
+  } topology;
   struct Dock {
     std::int64_t agvs = 1;
     std::int64_t containers = 8;

@@ -6,6 +6,7 @@
 
 #include "cmrc/ti_float.hpp"
 #include "machine/board_file.hpp"
+#include "cmrc/topology.hpp"
 
 namespace cmrc {
 
@@ -112,6 +113,44 @@ std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event) {
   return std::nullopt;
 }
 
+namespace {
+
+pci::TargetConfig target_of(Card card) {
+  switch (card) {
+    case Card::sram: return pci::TargetConfig::sram();
+    case Card::s5933: return pci::TargetConfig::s5933();
+    case Card::drive_card: return pci::TargetConfig::drive_card();
+    case Card::host_dram: return pci::TargetConfig::host_dram();
+  }
+  return {};
+}
+
+void set_buses(const Config& config, machine::Config& machine) {
+  const Config::Bus& bus = config.bus;
+  machine.topology = topology_of(config);
+  machine.bus.fast_back_to_back = bus.fast_back_to_back;
+  machine.bus.arbitration = static_cast<pci::Arbitration>(bus.arbiter);
+  machine.bus.parking = static_cast<pci::Parking>(bus.parking);
+  machine.bus.grant_clocks = bus.grant_clocks;
+  machine.bus.multi_transaction_timer = bus.multi_transaction_clocks;
+  machine.first_level_dsps = static_cast<unsigned>(bus.first_level_dsps);
+  for (pci::MasterConfig* master : {&machine.dsp_master, &machine.host_master}) {
+    master->latency_timer = bus.latency_timer_clocks;
+    master->request_off_after_stop = bus.request_off_clocks;
+    master->think_on_retry = bus.think_on_retry_clocks;
+    master->max_burst = static_cast<unsigned>(bus.max_burst_words);
+  }
+  machine.bridge_a.post_depth = machine.bridge_b.post_depth = static_cast<unsigned>(bus.post_depth_words);
+  if (!bus.prefetch) machine.bridge_a.prefetch_words = 0;
+  machine.shared_memory = target_of(bus.shared_memory_card);
+  machine.devices = target_of(bus.device_card);
+  machine.devices.delayed_read = bus.delayed_reads;
+  machine.devices.fetch = bus.delayed_read_clocks;
+  machine.devices.post_words = static_cast<unsigned>(bus.device_post_words);
+}
+
+}  // namespace
+
 machine::Config machine_of(const Config& config) {
   machine::Config machine;
   machine.dsps = static_cast<unsigned>(config.machine.dsps);
@@ -125,9 +164,7 @@ machine::Config machine_of(const Config& config) {
   machine.pci_hz_denominator = 3;
   machine.idle_policy = static_cast<machine::Word>(config.machine.idle_policy);
   machine.pause_count = static_cast<machine::Word>(config.machine.pause_nops);
-  machine.dsp_master.latency_timer = machine.host_master.latency_timer = config.bus.latency_timer_clocks;
-  machine.bus.fast_back_to_back = config.bus.fast_back_to_back;
-  if (!config.bus.prefetch) machine.bridge_a.prefetch_words = 0;
+  set_buses(config, machine);
   machine.turn_order = static_cast<std::uint64_t>(config.run.turn_order);
   for (const TimedEvent& event : config.events) {
     if (const auto scripted = scripted_event(event)) machine.script.push_back(*scripted);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cmrc/config.hpp"
+#include "cmrc/topology.hpp"
 
 namespace cmrc {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 constexpr double longest_ms = 1e6;
 
 std::vector<std::string> names_of(std::string_view target) {
-  if (target == "bus") return {"A", "B"};
+  if (target == "bus") return {"A", "B", "C", "D"};
   if (target == "joint") return {"travel", "slew", "luff", "hoist", "rotate"};
   if (target == "axis") return {"alpha", "beta"};
   return {};
@@ -186,10 +187,14 @@ void check_events(const Config& config) {
   std::vector<const TimedEvent*> order;
   for (const TimedEvent& event : config.events) order.push_back(&event);
   std::stable_sort(order.begin(), order.end(), [](const auto* a, const auto* b) { return a->at_s < b->at_s; });
+  const std::vector<std::string> buses = topology_of(config).buses;
   Slots slots(config);
   Config changed = config;
   for (const TimedEvent* event : order) {
     slots.follow(*event);
+    if (action_of(*event).target == "bus" && event->number >= buses.size())
+      refuse(event->origin, "events.bus", fmt::format("there is no bus {}", names_of("bus")[event->number]),
+             quoted_list(buses) + " is expected (bus.topology)");
     if (event->action == "set") changed = with_live(changed, event->key, event->value, event->origin);
   }
 }

@@ -34,6 +34,8 @@ struct Topology {
 /// Words of window B, and of the part of the address space that shared memory and its registers take.
 inline constexpr Offset device_space = 0x1000;
 inline constexpr Offset shared_space = 0x11000;
+/// Where devices begin in an address space that they share with shared memory, unless told otherwise.
+inline constexpr Offset devices_beside_memory = 0x100000;
 
 /// The next bus on the way from one bus to another over bridges; `from` itself when they are the same, -1 when no way leads
 /// there.
