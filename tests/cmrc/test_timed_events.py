@@ -221,7 +221,7 @@ def test_failures_are_the_same_in_any_turn_order() -> None:
     ({"at_s": 1, "action": "fail", "dsp": 1, "bus": "A"}, r'events.bus: "fail" has no such field; its fields are "at_s", "action" or "dsp"'),
     ({"at_s": 1, "action": "plug", "dsp": 1}, r"events.action: plug at 1 s, but slot 1 holds a board; unplug it first"),
     ({"at_s": 1, "action": "slow", "dsp": 1, "factor": 0}, r"events.factor: 0 is out of range"),
-    ({"at_s": 1, "action": "stall_bus", "bus": "C", "lasts_ms": 1}, r'events.bus: "C" is not known; "A" or "B" is expected'),
+    ({"at_s": 1, "action": "stall_bus", "bus": "C", "lasts_ms": 1}, r'events.bus: there is no bus C; "A" or "B" is expected'),
     ({"at_s": 1, "action": "fail_drive", "joint": "elbow"}, r'events.joint: "elbow" is not known'),
     ({"at_s": 1, "action": "set", "key": "scheduling.pp", "value": 1}, r"scheduling.pp: no such key; the nearest known key is scheduling.p"),
     ({"at_s": 1, "action": "set", "key": "machine.dsps", "value": 5}, r"machine.dsps: cannot be changed while a run is on"),
