@@ -5,8 +5,8 @@
 #include <numbers>
 
 #include "cmrc/ti_float.hpp"
-#include "machine/board_file.hpp"
 #include "cmrc/topology.hpp"
+#include "machine/board_file.hpp"
 
 namespace cmrc {
 
