@@ -79,7 +79,7 @@ std::vector<std::string> user_names(const Config& config) {
 
 std::string_view built_in_text(std::span<const std::byte> bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
-LedgerConfig ledger_of(const Config& config) {
+LedgerConfig ledger_of(const Config& config, const machine::Config& machine) {
   LedgerConfig ledger;
   ledger.causes = job_causes();
   ledger.booked = cause_names();
@@ -87,7 +87,7 @@ LedgerConfig ledger_of(const Config& config) {
   ledger.booked_as.insert(ledger.booked_as.end(), {arbitration, transfer});
   ledger.servo_period = servo_period(config);
   ledger.user_tasks = user_names(config);
-  ledger.chip_clock = machine::Clock(static_cast<std::int64_t>(chip_hertz(config)));
+  ledger.chip_clock = machine::Clock(machine.chip_hz);
   ledger.misses_kept = static_cast<std::size_t>(config.report.misses_max);
   return ledger;
 }
@@ -116,9 +116,9 @@ class Simulation::Parts {
  public:
   explicit Parts(const Config& given)
       : config(given), image(dsp_image(given)), words([this](std::string_view name) { return image.symbol(name); }),
-        dock_config(dock_of(given)), dock(dock_config), ledger(ledger_of(given)),
+        dock_config(dock_of(given)), dock(dock_config), machine_config(machine_of(given)), ledger(ledger_of(given, machine_config)),
         observer(words, ledger, log), host(given, words, crane_of(given, dock_config), fleet_of(given, dock_config), ledger, observer),
-        machine(machine_of(given), image, &dock, &host), end(duration_of(given.run.duration_s)) {
+        machine(machine_config, image, &dock, &host), end(duration_of(given.run.duration_s)) {
     for (const AreaWord& word : initial_words(config, dock_config, words, dock)) machine.poke(word.offset, word.value);
     observer.set_causes([this](unsigned slot) { return job_causes(machine, slot); });
     observer.set_peek([this](machine::Offset offset) { return machine.peek(offset); });
@@ -155,6 +155,7 @@ class Simulation::Parts {
   Words words;
   plant::DockConfig dock_config;
   plant::Dock dock;
+  machine::Config machine_config;
   Ledger ledger;
   report::EventLog log;
   RunObserver observer;
