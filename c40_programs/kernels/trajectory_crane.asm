@@ -103,6 +103,7 @@ trajectory_crane_aimed:
         br      trajectory_crane_more
 trajectory_crane_durations:
         call    trajectory_crane_duration
+        mpyf    *+ar6(CR_STRETCH), r0
         rnd     r0, r0
         stf     r0, *ar4++
         addi    4, ar3

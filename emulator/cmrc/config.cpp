@@ -269,8 +269,13 @@ Intervals intervals(const Config& config) {
     // A ratio that is whole but for the rounding of the division counts as whole.
     return static_cast<std::int64_t>(std::floor(r.refresh_frequency_hz / frequency * (1 + 1e-12)));
   };
-  Intervals n{floor_of(r.servo_frequency_hz), floor_of(r.crane_point_frequency_hz), floor_of(r.agv_point_frequency_hz), 0};
-  n.agv_slowed = config.scheduling.agv_interval_refreshes == 0 ? n.agv_point : config.scheduling.agv_interval_refreshes;
+  const auto& s = config.scheduling;
+  const auto slowed = [&](std::int64_t n, WorkMode mode) {
+    return s.work_mode == mode ? static_cast<std::int64_t>(std::llround(static_cast<double>(n) * s.slow_factor)) : n;
+  };
+  Intervals n{floor_of(r.servo_frequency_hz), floor_of(r.crane_point_frequency_hz), floor_of(r.agv_point_frequency_hz), 0, 0};
+  n.agv_slowed = s.agv_interval_refreshes == 0 ? slowed(n.agv_point, WorkMode::slowed_agv) : s.agv_interval_refreshes;
+  n.crane_slowed = slowed(n.crane_point, WorkMode::slowed_crane);
   return n;
 }
 

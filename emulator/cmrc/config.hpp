@@ -26,6 +26,8 @@ enum class DspClock { c40_40, c40_50, c40_60 };
 enum class Learning { off, proportional, unit };
 enum class CraneModel { sway, rigid };
 enum class ServoReload { locked, inherited };
+enum class WorkMode { full_load, slowed_agv, slowed_crane };
+enum class TimeAfterDelay { elapsed, one };
 enum class TorqueBuild { closed_form, newton_euler };
 enum class PidBuild { error_derivative, measurement_derivative };
 enum class TrajectoryBuild { blend9, quintic_shaper };
@@ -73,6 +75,13 @@ struct Config {
     std::int64_t agv_interval_refreshes = 0;  ///< N^_a at the start; 0: N_a
     std::int64_t agv_interval_max_refreshes = 320;
     std::int64_t buffer_points = 2;
+    std::int64_t agv_buffer_points = 0;    ///< 0: as buffer_points
+    WorkMode work_mode = WorkMode::full_load;
+    double slow_factor = 1.5;
+    bool pid_after_torque = false;
+    std::int64_t long_blocks_max = 0;      ///< 0: no cap
+    std::int64_t slice_cycles = 0;         ///< 0: long tasks run whole
+    TimeAfterDelay time_after_delay = TimeAfterDelay::elapsed;
     ServoReload servo_reload = ServoReload::locked;
     Learning learning = Learning::off;
     double learning_rate = 0.5;
@@ -83,6 +92,8 @@ struct Config {
     double factor = 3;
     std::int64_t minimum_refreshes = 16;
     std::int64_t recomputations_max = 2;
+    std::int64_t retries_max = 2;
+    double silence_ms = 50;
     double semaphore_limit_us = 500;
     double servo_run_us = 250;
     double planning_run_us = 250;
@@ -163,6 +174,7 @@ struct Intervals {
   std::int64_t crane_point; ///< N_t
   std::int64_t agv_point;   ///< N_a
   std::int64_t agv_slowed;  ///< N^_a at the start
+  std::int64_t crane_slowed;  ///< N^_t, N_t unless the crane is slowed
 };
 Intervals intervals(const Config& config);
 

@@ -21,7 +21,8 @@ Crane::Crane(const CraneJob& job, const Words& words)
     : job_(job), words_(words),
       chain_({.x = task::trajectory, .y = robot_class::crane, .kind = words.kind_trajectory_crane, .area = words.cr_base},
              {.x = task::inverse, .y = robot_class::crane, .kind = words.kind_inverse_crane, .area = words.cr_base},
-             job.buffer_points) {}
+             job.buffer_points),
+      interval_(job.point_interval), next_interval_(job.slowed_interval) {}
 
 std::int64_t Crane::ticks(double seconds) const { return static_cast<std::int64_t>(std::ceil(seconds * job_.refresh_frequency)); }
 
@@ -30,7 +31,7 @@ std::int64_t Crane::ticks(double seconds) const { return static_cast<std::int64_
 void Crane::enter(const Step& step, Desk& desk) {
   switch (step.kind) {
     case Step::Kind::leg: begin_leg(step.leg, desk); break;
-    case Step::Kind::settle: since_ = desk.tick() + job_.point_interval; break;  // the last segment is still being followed
+    case Step::Kind::settle: since_ = desk.tick() + interval_; break;  // the last segment is still being followed
     case Step::Kind::lower: ramp_pending_ = true; break;
     case Step::Kind::lock: desk.write(words_.cr_base + words_.cr_spreader, Word{1}); break;
     case Step::Kind::open: desk.write(words_.cr_base + words_.cr_spreader, Word{0}); break;
@@ -72,8 +73,15 @@ bool Crane::done(const Step& step, Desk& desk, const Berth& berth) {
 }
 
 void Crane::begin_leg(Word leg, Desk& desk) {
+  if (next_interval_ != interval_) {
+    interval_ = next_interval_;
+    const auto n = static_cast<double>(interval_);
+    desk.write(words_.cr_base + words_.cr_point_period, ti_float(n / job_.refresh_frequency));
+    desk.write(words_.cr_base + words_.cr_point_ticks, static_cast<Word>(interval_));
+    desk.write(words_.cr_base + words_.cr_stretch, ti_float(n / static_cast<double>(job_.point_interval)));
+  }
   desk.write(words_.cr_base + words_.cr_leg, leg);
-  chain_.begin(chain_.next_point(), job_.point_interval, desk.tick());
+  chain_.begin(chain_.next_point(), interval_, desk.tick());
 }
 
 void Crane::set_payload(double mass, Desk& desk) { desk.write(words_.cr_base + words_.cr_payload, ti_float(mass)); }
@@ -143,7 +151,7 @@ void Crane::pid_finished(const Task& done, Word result) {
   const std::int64_t step = static_cast<std::int64_t>((result - static_cast<Word>(consumed_)) & 0xFFFF);
   if (step == 0 || step > 0x8000) return;
   consumed_ += step;
-  const std::int64_t due = segment_start_ + job_.point_interval * step;
+  const std::int64_t due = segment_start_ + interval_ * step;
   segment_start_ = pid_.tick - due < job_.servo_interval && pid_.tick >= due ? due : pid_.tick;
   chain_.consumed(consumed_, segment_start_);
 }

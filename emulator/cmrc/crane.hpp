@@ -21,7 +21,8 @@ struct CraneJob {
   double full_mass = 40480;
   double refresh_frequency = 8000;
   std::int64_t servo_interval = 8;
-  std::int64_t point_interval = 64;
+  std::int64_t point_interval = 64;    ///< N_t
+  std::int64_t slowed_interval = 64;   ///< N^_t at the start
   std::int64_t buffer_points = 2;
 };
 
@@ -55,8 +56,9 @@ class Crane {
   void refresh(Desk& desk) { chain_.refresh(desk); }
 
   const PidStatus& pid() const { return pid_; }
-  std::int64_t point_interval() const { return job_.point_interval; }
-  void set_point_interval(std::int64_t refreshes) { job_.point_interval = refreshes; }
+  /// N^_t: refreshes between points of the present leg.
+  std::int64_t interval() const { return interval_; }
+  void set_interval(std::int64_t refreshes) { next_interval_ = refreshes; }
 
  private:
   void pid_finished(const Task& task, Word result);
@@ -75,6 +77,8 @@ class Crane {
   const Words& words_;
   PointChain chain_;
   PidStatus pid_;
+  std::int64_t interval_;
+  std::int64_t next_interval_;          // from the next leg on
   std::int64_t consumed_ = 0;           // points, all of the run
   std::int64_t segment_start_ = 0;
   std::int64_t since_ = 0;              // refresh from which the load may settle, or until which a step holds

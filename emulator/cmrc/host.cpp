@@ -43,6 +43,7 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
                        JobKind::home_agv, JobKind::error}) {
     longest_[kind] = refreshes(w.long_run_us);
   }
+  for (unsigned slot = 0; slot < static_cast<unsigned>(config_.machine.dsps); ++slot) liveness_.sign(slot, 0);
   for (std::size_t i = 0; i < config_.tasks.size(); ++i) {
     longest_[static_cast<JobKind>(static_cast<std::size_t>(JobKind::user) + i)] = refreshes(w.long_run_us);
   }
@@ -76,6 +77,7 @@ void Host::read_done(std::uint32_t, std::span<const machine::Word> words, Time n
       break;
     case Step::owner: owner_read(words[0]); break;
     case Step::verdict: verdict_read(words[0]); break;
+    case Step::signs: sign_read(words[0]); break;
     case Step::semaphore: semaphore_read(words[0]); break;
     case Step::held: held_read(words[0]); break;
     case Step::holder: holder_read(words[0]); break;
@@ -103,6 +105,7 @@ void Host::begin_refresh() {
   ++counts_.refreshes;
   ledger_.refresh_began(now_);
   apply_changes();
+  grown_ = config_.scheduling.time_after_delay == TimeAfterDelay::one ? 1 : elapsed_;
   done_.clear();
   hung_.clear();
   step_ = Step::pointer;
@@ -119,6 +122,7 @@ void Host::apply_changes() {
     changes_.erase(changes_.begin());
     parameters_ = importance_parameters(config_);
     const std::int64_t interval = intervals(config_).agv_slowed;
+    processes_.crane().set_interval(intervals(config_).crane_slowed);
     Fleet& fleet = processes_.fleet();
     for (unsigned agv = 0; interval != before && agv < fleet.size(); ++agv) fleet.set_interval(agv, interval);
   }
@@ -129,6 +133,7 @@ void Host::pointer_read(Word pointer) {
   for (const std::size_t index : list_.order()) {
     if (list_[index].flag == Flag::taken) flags_.push_back(index);
   }
+  signs_ = flags_;
   next_flag();
 }
 
@@ -153,7 +158,7 @@ void Host::flag_read(Word flag) {
   if (flag == words_.flag_done) {
     step_ = Step::result;
     port_->read(words_.block(index) + words_.result, 2, 0);
-  } else if (list_[index].t + elapsed_ > watchdog_limit(job_of(index))) {
+  } else if (list_[index].t + grown_ > watchdog_limit(job_of(index))) {
     step_ = Step::owner;
     port_->read(words_.block(index) + words_.owner, 1, 0);
   } else {
@@ -162,7 +167,7 @@ void Host::flag_read(Word flag) {
   }
 }
 
-void Host::after_flags() {
+void Host::begin_thinking() {
   step_ = Step::thinking;
   wake_at_ = now_ + nanoseconds(config_.host.refresh_overhead_ns +
                                 config_.host.per_block_ns * static_cast<double>(list_.size()));
@@ -174,8 +179,8 @@ void Host::think() {
   }
   for (const Done& done : done_) take_out(done);
   for (const Hung& hung : hung_) recompute(hung);
-  refresh_servo(torque_, processes_.releases(3, 0));
-  refresh_servo(pid_, processes_.releases(4, 0));
+  refresh_servo(torque_, processes_.releases(3, 0) && !torque_.stopped);
+  refresh_servo(pid_, processes_.releases(4, 0) && !pid_.stopped);
   processes_.refresh(*this);
   user_tasks_.refresh(*this);
   if (const auto cycle = cycles_.take_closed()) {
@@ -183,7 +188,8 @@ void Host::think() {
     fleet.set_interval(cycle->agv, learned_interval(config_.scheduling, fleet.interval(cycle->agv), intervals_.agv_point,
                                                     static_cast<unsigned>(config_.dock.agvs), *cycle));
   }
-  list_.refresh(elapsed_, [this](const Block& block) { return importance_of(block); });
+  list_.refresh(grown_, [this](const Block& block) { return importance_of(block); });
+  hold_back_long_blocks();
   write_new_blocks();
   refused_ = false;
   ledger_.list_wanted(now_);
@@ -257,6 +263,7 @@ void Host::relink() {
 }
 
 void Host::ring(Word idle) {
+  liveness_.signs(idle, tick_);
   for (Word slot = 0; slot < 32 && eligible_ > 0; ++slot) {
     if ((idle >> slot & 1) == 0) continue;
     port_->write(words_.doorbell_ring, slot);
@@ -312,19 +319,40 @@ void Host::write_new_blocks() {
 }
 
 std::uint32_t Host::importance_of(const Block& block) const {
+  const bool waits_for_torque = config_.scheduling.pid_after_torque && block.task.kind == words_.kind_pid && torque_.out &&
+                                static_cast<std::int32_t>(list_[torque_.block].task.tick - block.task.tick) <= 0;
+  if (waits_for_torque && block.flag == Flag::waiting) return 0;
   if (user_tasks_.is_one(block.task) && block.task.x != task::recompute) return importance(user_tasks_.row(block.task), block.t);
   ImportanceParameters parameters = parameters_;
+  parameters.n_crane = processes_.crane().interval();
   if (block.task.robot > 0) parameters.n_agv = processes_.fleet().interval(block.task.robot - 1);
   return importance(parameters, block.task.x, block.task.y, block.t);
+}
+
+bool Host::is_long(const Block& block) const { return 2 * longest_.at(job_kind(block.task.kind, words_)) > intervals_.servo; }
+
+// Those beyond the cap are not to be run yet: J = 0, until one that is out is done (plant-and-bus.md 4.6 item 4).
+void Host::hold_back_long_blocks() {
+  std::int64_t room = config_.scheduling.long_blocks_max;
+  if (room == 0) return;
+  bool held = false;
+  for (const std::size_t index : list_.order()) {  // taken ones come first
+    Block& block = list_[index];
+    if (!is_long(block) || block.importance == 0 || --room >= 0 || block.flag != Flag::waiting) continue;
+    block.importance = 0;
+    held = true;
+  }
+  if (held) list_.sort();
 }
 
 void Host::take_out(const Done& done) {
   const Block& block = list_[done.block];
   const Task task = block.task;
   const JobKind job = job_kind(task.kind, words_);
-  const std::int64_t t = block.t + elapsed_;
+  const std::int64_t t = block.t + grown_;
   longest_[job] = std::max(longest_[job], t);
   note(EventKind::remove, {words_.block(done.block), task.kind, block.generation, 0, 0});
+  drops_.erase({task.kind, task.robot});
   list_.remove(done.block);
   const report::Outcome outcome = ledger_.removed(done.block);
   if (outcome != report::Outcome::on_time) {
@@ -358,9 +386,9 @@ void Host::load_servo(Servo& servo) {
   Task task = servo.task;
   std::int64_t due = servo.next;
   if (config_.scheduling.servo_reload == ServoReload::locked) {
-    task.t = tick_ - elapsed_ - (due - intervals_.servo);  // the refresh adds what has elapsed
+    task.t = tick_ - grown_ - (due - intervals_.servo);  // the refresh adds what has elapsed
   } else {
-    task.t = servo.last_t - elapsed_;
+    task.t = servo.last_t - grown_;
     due = std::max(tick_, tick_ + intervals_.servo - gamma - servo.last_t) + gamma;
   }
   task.tick = static_cast<std::uint32_t>(due);

@@ -22,6 +22,7 @@
 #include "cmrc/cycles.hpp"
 #include "cmrc/importance.hpp"
 #include "cmrc/ledger.hpp"
+#include "cmrc/liveness.hpp"
 #include "cmrc/list.hpp"
 #include "cmrc/processes.hpp"
 #include "cmrc/user_task.hpp"
@@ -61,7 +62,7 @@ class Host : public machine::HostProgram, private Desk {
 
  private:
   enum class Step : std::uint8_t {
-    resting, pointer, flags, result, owner, verdict, thinking, semaphore, retry, held, holder, locked_flags, relink, doorbell
+    resting, pointer, flags, result, owner, verdict, signs, thinking, semaphore, retry, held, holder, locked_flags, relink, doorbell
   };
 
   /// A periodic task of the crane: torque compensation or PID.
@@ -72,6 +73,7 @@ class Host : public machine::HostProgram, private Desk {
     bool out = false;         // a block of it is in the list
     std::size_t block = 0;
     std::int64_t last_t = 0;  // t of the last block when it was found done
+    bool stopped = false;     // given up
   };
   struct Done {
     std::size_t block;
@@ -99,10 +101,14 @@ class Host : public machine::HostProgram, private Desk {
   void owner_read(Word owner);
   void verdict_read(Word flag);
   void after_flags();
+  void begin_thinking();
+  void sign_read(Word owner);
+  void judge_silence();
   void think();
   void take_out(const Done& done);
   void recompute(const Hung& hung);
   void give_up(std::size_t block);
+  void stop_work(const Task& task, std::int64_t drops);
   void fence_off(unsigned slot);
   void renew(unsigned slot);
   /// \param on servoing is on; ticks at which it is not are nobody's
@@ -122,6 +128,8 @@ class Host : public machine::HostProgram, private Desk {
   void end_refresh();
   std::int64_t watchdog_limit(JobKind job) const;
   std::uint32_t importance_of(const Block& block) const;
+  bool is_long(const Block& block) const;
+  void hold_back_long_blocks();
   void note(report::EventKind kind, std::array<std::uint32_t, 5> arguments);
   JobKind job_of(std::size_t block) const { return job_kind(list_[block].task.kind, words_); }
 
@@ -145,9 +153,11 @@ class Host : public machine::HostProgram, private Desk {
   Time now_{};
   machine::HostPort* port_ = nullptr;  // during a call only
   std::int64_t tick_ = 0;
-  std::int64_t elapsed_ = 0;
+  std::int64_t elapsed_ = 0;           // refreshes since the last one
+  std::int64_t grown_ = 0;             // by which t grows at this one
   std::vector<std::size_t> linked_;    // waiting blocks as shared memory links them
   std::deque<std::size_t> flags_;      // blocks whose flags are still to be read
+  std::deque<std::size_t> signs_;      // blocks that were out at this refresh, whose owners are alive
   std::vector<Done> done_;
   std::vector<Hung> hung_;
   bool pointer_in_doubt_ = false;      // a semaphore was freed: a claim may have broken off
@@ -159,6 +169,8 @@ class Host : public machine::HostProgram, private Desk {
   Word fence_ = 0xFFFFFFFF;
   std::array<std::int64_t, 32> renewed_{};  // refresh at which a slot was last reset by the host
   std::optional<unsigned> suspect_;         // owner of the block whose flag is being read again
+  Liveness liveness_;
+  std::map<std::pair<Word, Robot>, std::int64_t> drops_;  // of a kind and robot, in a row
   std::map<JobKind, std::int64_t> longest_;  // longest runs in refreshes, at least as configured
 
   report::HostReport counts_;

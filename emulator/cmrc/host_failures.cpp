@@ -22,7 +22,7 @@ void Host::owner_read(Word owner) {
   suspect_.reset();
   if (owner >= 1 && owner <= renewed_.size()) {
     const unsigned slot = owner - 1;
-    const std::int64_t taken_at = tick_ - (list_[index].t + elapsed_);
+    const std::int64_t taken_at = tick_ - (list_[index].t + grown_);
     if (renewed_[slot] < taken_at || renewed_[slot] == 0) suspect_ = slot;
   }
   if (suspect_) fence_off(*suspect_);
@@ -46,7 +46,7 @@ void Host::recompute(const Hung& hung) {
   const Block& block = list_[hung.block];
   listener_.failure({now_, hung.slot, "watchdog",
                      fmt::format("block {:#x} of kind {} was taken {} refreshes ago and is not done", words_.block(hung.block),
-                                 ledger_.name(job_of(hung.block)), block.t + elapsed_)});
+                                 ledger_.name(job_of(hung.block)), block.t + grown_)});
   if (static_cast<std::int64_t>(block.recomputations) < config_.watchdog.recomputations_max) {
     ++list_[hung.block].recomputations;
     list_.put_back(hung.block, task::recompute);
@@ -57,6 +57,52 @@ void Host::recompute(const Hung& hung) {
     give_up(hung.block);
   }
   if (hung.slot) renew(*hung.slot);
+}
+
+// ---- signs of life -----------------------------------------------------------------------------------------------------
+
+void Host::after_flags() {
+  const auto limit = static_cast<std::int64_t>(std::ceil(config_.watchdog.silence_ms * 1e-3 * config_.rates.refresh_frequency_hz));
+  if (limit == 0 || config_.machine.idle_policy != IdlePolicy::doorbell || !liveness_.doubtful(tick_, limit)) return begin_thinking();
+  if (signs_.empty()) return judge_silence();
+  step_ = Step::signs;
+  port_->read(words_.block(signs_.front()) + words_.owner, 1, 0);
+}
+
+void Host::sign_read(Word owner) {
+  if (owner >= 1 && owner <= renewed_.size()) liveness_.sign(owner - 1, tick_);
+  signs_.pop_front();
+  if (signs_.empty()) judge_silence();
+  else port_->read(words_.block(signs_.front()) + words_.owner, 1, 0);
+}
+
+void Host::judge_silence() {
+  const auto limit = static_cast<std::int64_t>(std::ceil(config_.watchdog.silence_ms * 1e-3 * config_.rates.refresh_frequency_hz));
+  for (const auto& [slot, verdict] : liveness_.judge(tick_, limit)) {
+    const bool silent = verdict == Liveness::Verdict::silent;
+    listener_.failure({now_, slot, "silent",
+                       silent ? fmt::format("no sign of life for {} ms: it is reset", config_.watchdog.silence_ms)
+                              : fmt::format("no sign of life for {} ms after its reset: it is taken for dead", config_.watchdog.silence_ms)});
+    if (silent) renew(slot);
+  }
+  begin_thinking();
+}
+
+// ---- blocks that are given up ------------------------------------------------------------------------------------------
+
+void Host::stop_work(const Task& task, std::int64_t drops) {
+  std::string what;
+  if (task.kind == words_.kind_torque || task.kind == words_.kind_pid) {
+    (task.kind == words_.kind_pid ? pid_ : torque_).stopped = true;
+    what = fmt::format("sub-process {}; the drives brake", task.kind == words_.kind_pid ? 4 : 3);
+  } else if (user_tasks_.owns(task)) {
+    user_tasks_.stop(task);
+    what = "the task";
+  } else {
+    what = processes_.abandoned(task);
+  }
+  listener_.failure({now_, std::nullopt, "stopped",
+                     fmt::format("a block of kind {} was given up {} times in a row; stopped: {}", ledger_.name(job_kind(task.kind, words_)), drops, what)});
 }
 
 void Host::give_up(std::size_t index) {
@@ -71,7 +117,9 @@ void Host::give_up(std::size_t index) {
     if (servo->out && servo->block == index) servo->out = false;
   }
   if (task.kind == words_.kind_error) return;
-  if (user_tasks_.owns(task)) user_tasks_.ended(task);
+  const std::int64_t drops = ++drops_[{task.kind, task.robot}];
+  if (drops > config_.watchdog.retries_max) stop_work(task, drops);
+  else if (user_tasks_.owns(task)) user_tasks_.ended(task);
   else processes_.dropped(task);
   load({.x = task::error, .y = robot_class::none, .kind = words_.kind_error, .robot = task.robot, .area = task.area,
         .tick = static_cast<std::uint32_t>(tick_), .argument = task.kind}, std::nullopt);
@@ -88,6 +136,7 @@ void Host::renew(unsigned slot) {
   fence_ |= Word{1} << slot;
   port_->write(words_.fence_mask, fence_);
   renewed_[slot] = tick_;
+  liveness_.renewed(slot, tick_);
 }
 
 // ---- the list's semaphore ----

@@ -49,7 +49,7 @@ void Processes::start(Desk& desk) {
     }
   }
   for (Interval& interval : intervals_) {
-    interval.at = desk.tick() + (interval.robot == 0 ? crane_.point_interval() : fleet_.interval(interval.robot - 1));  // all at once: the worst case (2.4)
+    interval.at = desk.tick() + (interval.robot == 0 ? crane_.interval() : fleet_.interval(interval.robot - 1));  // all at once: the worst case (2.4)
   }
 }
 
@@ -235,7 +235,7 @@ bool Processes::releases(unsigned number, Robot robot) const {
 void Processes::release_intervals(Robot robot, Desk& desk) {
   for (Interval& interval : intervals_) {
     if (interval.robot != robot || interval.stopped || interval.out || desk.tick() < interval.at || !releases(interval.row->number, robot)) continue;
-    const std::int64_t period = robot == 0 ? crane_.point_interval() : fleet_.interval(robot - 1);
+    const std::int64_t period = robot == 0 ? crane_.interval() : fleet_.interval(robot - 1);
     interval.at += period * ((desk.tick() - interval.at) / period + 1);
     interval.out = true;
     const std::string& name = robot == 0 ? interval.row->crane : interval.row->agv;

@@ -36,6 +36,7 @@ class Processes : private Berth {
   /// Sub-process `number` of a robot is to be released now.
   bool releases(unsigned number, Robot robot) const;
   Crane& crane() { return crane_; }
+  const Crane& crane() const { return crane_; }
   Fleet& fleet() { return fleet_; }
   const Fleet& fleet() const { return fleet_; }
 

@@ -58,6 +58,7 @@ CraneJob crane_of(const Config& config, const plant::DockConfig& dock) {
   job.refresh_frequency = config.rates.refresh_frequency_hz;
   job.servo_interval = n.servo;
   job.point_interval = n.crane_point;
+  job.slowed_interval = n.crane_slowed;
   job.buffer_points = config.scheduling.buffer_points;
   return job;
 }
@@ -81,7 +82,7 @@ FleetJob fleet_of(const Config& config, const plant::DockConfig& dock) {
   job.point_frequency = config.rates.refresh_frequency_hz / static_cast<double>(n.agv_point);
   job.refresh_frequency = config.rates.refresh_frequency_hz;
   job.interval = n.agv_slowed;
-  job.buffer_points = config.scheduling.buffer_points;
+  job.buffer_points = config.scheduling.agv_buffer_points != 0 ? config.scheduling.agv_buffer_points : config.scheduling.buffer_points;
   job.avoidance_cycles = config.load.avoidance_cycles;
   const AvoidanceBuild build = config.kernels.avoidance;
   job.avoidance = build != AvoidanceBuild::none && (build != AvoidanceBuild::synthetic || job.avoidance_cycles > 0);
@@ -98,6 +99,7 @@ std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event) {
   };
   static constexpr Row rows[] = {
       {"fail", Action::fail, 0, 0},           {"hang", Action::hang, 0, 0},
+      {"freeze", Action::freeze, 0, 0},
       {"unplug", Action::unplug, 0, 0},       {"plug", Action::plug, 0, 0},
       {"reset", Action::reset, 0, 0},         {"slow", Action::pace, 1e6, 0},
       {"pause_host", Action::pause_host, 1e9, 0}, {"stall_bus", Action::stall_bus, 1e9, 0},

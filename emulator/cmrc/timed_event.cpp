@@ -125,7 +125,8 @@ class Slots {
 std::span<const TimedAction> timed_actions() {
   static constexpr TimedAction all[] = {
       {"fail", "dsp", "", "the chip dies and stays dead; only another board helps (unplug, plug)"},
-      {"hang", "dsp", "", "the chip gets stuck until it is reset"},
+      {"hang", "dsp", "", "its program loops for ever with interrupts masked, until it is reset"},
+      {"freeze", "dsp", "", "the chip stands still until it is reset"},
       {"unplug", "dsp", "", "the board is pulled out: transactions break off, posted words are lost"},
       {"plug", "dsp", "", "a board is put in, is booted and starts working"},
       {"reset", "dsp", "", "reset and booted again"},

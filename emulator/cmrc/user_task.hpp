@@ -45,6 +45,8 @@ class UserTasks {
   void refresh(Desk& desk);
   /// A block of a user's task is out of the list, done or given up.
   void ended(const Task& task) { rows_.at(task.kind - words_.kind_user).out = false; }
+  /// It is released no more.
+  void stop(const Task& task) { rows_.at(task.kind - words_.kind_user).period = 0; }
   /// The block is one of a user's program.
   bool is_one(const Task& task) const { return task.kind >= words_.kind_user; }
   /// ... and was released here, not by a process or sub-process of the table.

@@ -32,7 +32,7 @@ Words::Words(const std::function<Word(std::string_view)>& symbol) {
       {"CR_SERVO_PERIOD", &Words::cr_servo_period}, {"CR_POINT_TICKS", &Words::cr_point_ticks},
       {"CR_SERVO_TICKS", &Words::cr_servo_ticks}, {"CR_LEG", &Words::cr_leg}, {"CR_SPREADER", &Words::cr_spreader},
       {"CR_PAYLOAD", &Words::cr_payload}, {"CR_AGV", &Words::cr_agv}, {"CR_RAMP_START", &Words::cr_ramp_start},
-      {"CR_CLEARANCE", &Words::cr_clearance}, {"CR_AGV_DECK", &Words::cr_agv_deck},
+      {"CR_CLEARANCE", &Words::cr_clearance}, {"CR_STRETCH", &Words::cr_stretch}, {"CR_AGV_DECK", &Words::cr_agv_deck},
       {"CR_BOX_HEIGHT", &Words::cr_box_height}, {"CR_HOME", &Words::cr_home}, {"CR_SPOT", &Words::cr_spot},
       {"CR_ENCODER_LAST", &Words::cr_encoder_last}, {"CR_ENCODER_TOTAL", &Words::cr_encoder_total},
       {"CR_BOX_COUNT", &Words::cr_box_count}, {"CR_BOX", &Words::cr_box}, {"CR_WORDS", &Words::cr_words},

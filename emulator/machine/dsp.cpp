@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "toolchain/image.hpp"
 
@@ -73,7 +74,8 @@ void Dsp::run(Time horizon) {
   const Time end = std::min({horizon, edge_, reset_});
   const c40::Cycles limit = clock_.tick_at_or_after(end);
   while (true) {
-    if (!edge_waiting_) {
+    const bool waiting = edge_waiting_ || hang_waiting_;
+    if (!waiting) {
       if (chip_.idle()) {
         state_ = State::idle;
         own_next_ = never;
@@ -84,7 +86,7 @@ void Dsp::run(Time horizon) {
         return;
       }
     }
-    const c40::StopInfo stop = edge_waiting_ ? chip_.step() : chip_.run_until(limit);
+    const c40::StopInfo stop = waiting ? chip_.step() : chip_.run_until(limit);
     switch (stop.reason) {
       case c40::StopInfo::Reason::external_access:
         if (!take(stop.access, end)) return;
@@ -98,10 +100,8 @@ void Dsp::run(Time horizon) {
         return fault(stop.fault->cycle, stop.fault->pc, stop.fault->address, stop.fault->message);
       case c40::StopInfo::Reason::limit:
       case c40::StopInfo::Reason::breakpoint:
-        if (edge_waiting_) {
-          edge_waiting_ = false;
-          chip_.raise_iiof(0);
-        }
+        if (std::exchange(edge_waiting_, false)) chip_.raise_iiof(0);
+        if (std::exchange(hang_waiting_, false)) go_astray();
         break;
     }
   }
@@ -258,18 +258,14 @@ void Dsp::schedule_reset(Time time) {
 // An edge that finds the chip in the middle of an access is seen when the instruction has ended.
 void Dsp::deliver_edge(Time now) {
   edge_ = never;
-  if (state_ == State::running || state_ == State::idle) {
-    settle(now);
-    if (state_ == State::running) run(now);
+  if (caught_up(now)) {
+    chip_.raise_iiof(0);
+    state_ = State::running;
+    own_next_ = clock_.at(chip_.cycle());
   }
   switch (state_) {
     case State::running:
-    case State::idle:
-      settle(now);
-      chip_.raise_iiof(0);
-      state_ = State::running;
-      own_next_ = clock_.at(chip_.cycle());
-      break;
+    case State::idle: break;
     case State::access:
     case State::blocked:
     case State::resuming: edge_waiting_ = true; break;
@@ -280,6 +276,38 @@ void Dsp::deliver_edge(Time now) {
   }
   statistics_.interrupts += 1;
   if (around_.observer != nullptr) around_.observer->interrupt(slot_, 0, now);
+}
+
+// Between two instructions at `now`; false in the middle of an access, or where there is no program running.
+bool Dsp::caught_up(Time now) {
+  if (state_ == State::running || state_ == State::idle) {
+    settle(now);
+    if (state_ == State::running) run(now);
+  }
+  if (state_ != State::running && state_ != State::idle) return false;
+  settle(now);
+  return true;
+}
+
+// Real code: BR to itself in the last word of the local SRAM, GIE off. The present instruction has ended.
+void Dsp::go_astray() {
+  constexpr c40::Address trap = 0x3FFFFF;
+  constexpr Word branch_to_itself = 0x60FFFFFF;  // BR, displacement -1
+  constexpr std::uint64_t gie = 0x2000;
+  chip_.poke(trap, branch_to_itself);
+  chip_.set_register(isa::Register::ST, chip_.register_value(isa::Register::ST) & ~gie);
+  chip_.set_pc(trap);
+}
+
+void Dsp::hang(Time now) {
+  if (caught_up(now)) {
+    go_astray();
+    state_ = State::running;
+    own_next_ = clock_.at(chip_.cycle());
+  } else if (state_ == State::access || state_ == State::blocked || state_ == State::resuming) {
+    hang_waiting_ = true;
+  }
+  set_next();
 }
 
 void Dsp::settle(Time now) {
@@ -296,15 +324,15 @@ void Dsp::stand_still(Time now) {
   settle(now);
   chip_.hold(true);
   own_next_ = never;
-  edge_waiting_ = false;
+  edge_waiting_ = hang_waiting_ = false;
 }
 
 void Dsp::fail(Time now) {
-  hang(now);
+  freeze(now);
   broken_ = true;
 }
 
-void Dsp::hang(Time now) {
+void Dsp::freeze(Time now) {
   if (state_ == State::out) return;
   stand_still(now);
   state_ = State::dead;

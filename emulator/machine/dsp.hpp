@@ -53,6 +53,7 @@ class Dsp {
   void schedule_edge(Time time);
   void schedule_reset(Time time);
   void fail(Time now);
+  void freeze(Time now);
   void hang(Time now);
   void unplug(Time now);
   /// From now on its clock runs at so many millionths of its nominal frequency.
@@ -111,6 +112,8 @@ class Dsp {
   void post(const Way& way, const c40::ExternalAccess& access);
   void complete(Time horizon);
   void deliver_edge(Time now);
+  bool caught_up(Time now);
+  void go_astray();
   void boot();
   void stand_still(Time now);
   void answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result);
@@ -140,6 +143,7 @@ class Dsp {
   State state_ = State::out;
   bool broken_ = false;        // no reset revives it
   bool edge_waiting_ = false;  // came in the middle of an access; taken when its instruction has ended
+  bool hang_waiting_ = false;  // the same
   Time next_ = never;
   Time own_next_ = never;
   Time edge_ = never;

@@ -32,6 +32,7 @@ struct Numbered {
 Numbered numbered(Action action, unsigned slots, unsigned buses) {
   switch (action) {
     case Action::fail:
+    case Action::freeze:
     case Action::hang:
     case Action::unplug:
     case Action::plug:
@@ -370,6 +371,7 @@ void Machine::Parts::act(const ScriptedEvent& event, Time now) {
   if (around->observer != nullptr) around->observer->scripted(event, now);
   switch (event.action) {
     case Action::fail: return dsp().fail(now);
+    case Action::freeze: return dsp().freeze(now);
     case Action::hang: return dsp().hang(now);
     case Action::unplug: registers.clear_idle(event.number); return dsp().unplug(now);
     case Action::plug: fence.mask |= Word{1} << event.number; return dsp().plug(now);

@@ -96,7 +96,8 @@ enum class SlotChange : std::uint8_t { plugged, unplugged, reset, booted };
 /// What a scripted event does, and to what its number refers.
 enum class Action : std::uint8_t {
   fail,         ///< DSP: the chip dies: it stands still for good, and no reset revives it (only unplug and plug)
-  hang,         ///< DSP: the chip gets stuck: it stands still until it is reset
+  freeze,       ///< DSP: the chip stands still until it is reset
+  hang,         ///< DSP: its program goes astray into a branch to itself with interrupts masked, and runs there until it is reset
   unplug,       ///< DSP: the board is pulled: transactions break off, posted words are lost
   plug,         ///< DSP: a board is put in, reset and booted
   reset,        ///< DSP: reset and booted, as by RESET_DSP

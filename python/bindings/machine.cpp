@@ -111,6 +111,7 @@ py::dict causes_of(const c40::Chip& chip) {
 void bind_config(py::module_& m) {
   py::enum_<Action>(m, "Action")
       .value("fail", Action::fail)
+      .value("freeze", Action::freeze)
       .value("hang", Action::hang)
       .value("unplug", Action::unplug)
       .value("plug", Action::plug)

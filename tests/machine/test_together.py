@@ -161,8 +161,8 @@ def test_a_board_pulled_in_mid_transaction_leaves_the_bus_to_others(moment: int)
     sums_hold(m, 2)
 
 
-def test_the_host_resets_a_dsp_that_hangs_and_none_that_is_broken() -> None:
-    for action, alive in ((machine.Action.hang, True), (machine.Action.fail, False)):
+def test_the_host_resets_a_dsp_that_stands_still_and_none_that_is_broken() -> None:
+    for action, alive in ((machine.Action.freeze, True), (machine.Action.fail, False)):
         setup = config(dsps=2)
         setup.script(100 * US, action, 1)
         m = machine.Machine(
@@ -250,7 +250,7 @@ def mixture(turn_order: int, cuts: list[int], seed: int = 3) -> tuple[list[int],
     ]
     setup = config(dsps=4, turn_order=turn_order)
     setup.script(500 * US + 7, machine.Action.unplug, 2)
-    setup.script(500 * US + 9, machine.Action.hang, 3)
+    setup.script(500 * US + 9, machine.Action.freeze, 3)
     setup.script(520 * US, machine.Action.plug, 2)
     sections = {".text": 0x300000, ".parameters": 0x30F000, ".handlers": 0x30F010}
     program = toolchain.assemble(

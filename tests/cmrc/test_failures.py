@@ -1,0 +1,102 @@
+"""A DSP that hangs in real code, one that dies idle, a block that kills every DSP it meets: found, bounded, survived."""
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cmrc import _core
+from locations import ROOT
+
+cmrc = _core.cmrc
+
+
+def run(events: list[dict[str, Any]], **settings: Any) -> dict[str, Any]:
+    simulation = cmrc.Simulation(cmrc.config(settings=settings, events=events))
+    simulation.run()
+    report: dict[str, Any] = json.loads(simulation.report_json())
+    assert report["audit"]["violations"] == []
+    return report
+
+
+def failures(report: dict[str, Any], kind: str) -> list[dict[str, Any]]:
+    return [failure for failure in report["failures"] if failure["kind"] == kind]
+
+
+def test_a_dsp_that_hangs_runs_on_in_a_loop() -> None:
+    # Hung while idle at 50 ms, never reset: it executes instead of idling. BR takes 4 cycles.
+    report = run([{"at_s": 0.0505, "action": "hang", "dsp": 3}], duration_s=0.1, dsps=4)
+    hung = report["dsps"][3]
+    assert hung["state"] == "running"
+    assert hung["causes"]["idle"] < 0.51 * hung["cycles"]
+    assert hung["instructions"] > 0.0494 * 25e6 / 4
+    frozen = run([{"at_s": 0.0505, "action": "freeze", "dsp": 3}], duration_s=0.1, dsps=4)["dsps"][3]
+    assert frozen["causes"]["halted"] > 0.49 * frozen["cycles"]
+    assert frozen["state"].startswith("halted")
+
+
+@pytest.mark.parametrize(("action", "works_again"), [("hang", True), ("freeze", True), ("fail", False)])
+def test_a_dsp_that_dies_idle_is_found_by_its_silence(action: str, works_again: bool) -> None:
+    report = run([{"at_s": 0.1006, "action": action, "dsp": 0}], duration_s=0.3, dsps=2)
+    [silent, *more] = failures(report, "silent")
+    # Rung in vain at 101 ms; its last sign was at 100 ms (or when the ring found its idle bit, 101 ms).
+    assert silent["dsp"] == 0 and 0.150 < silent["time_s"] < 0.153
+    assert len(more) == (0 if works_again else 1)
+    if not works_again:
+        assert 0.200 < more[0]["time_s"] < 0.204 and "taken for dead" in more[0]["message"]
+    assert (report["dsps"][0]["claims"] > 250) == works_again
+    assert report["tasks"]["pid"]["misses"] <= 1
+    assert not failures(run([], duration_s=0.2, dsps=1), "silent")
+
+
+def test_no_healthy_dsp_is_silent_however_busy() -> None:
+    for preset, dsps in (("saturated", 2), ("heavy", 3)):
+        simulation = cmrc.Simulation(cmrc.config(preset=preset, settings={"duration_s": 0.5, "dsps": dsps, "watchdog.silence_ms": 5}))
+        simulation.run()
+        report = json.loads(simulation.report_json())
+        assert failures(report, "silent") == []
+        assert all(dsp["resets"] == 0 for dsp in report["dsps"])
+
+
+def programs_with(directory: Path, kernel: str, entry: str) -> str:
+    shutil.copytree(ROOT / "c40_programs", directory / "programs")
+    source = directory / "programs" / "kernels" / kernel
+    text = source.read_text()
+    assert text.count(f"\n{entry}:\n") == 1
+    source.write_text(text.replace(f"\n{entry}:\n", f"\n{entry}:\n        br      {entry}\n"))
+    return str(directory / "programs")
+
+
+def test_work_that_kills_every_dsp_is_asked_for_so_often_and_no_more(tmp_path: Path) -> None:
+    programs = programs_with(tmp_path, "grab_path.asm", "kernel_grab_path")
+    settings = {"machine.programs": programs, "duration_s": 1.0, "dsps": 3, "watchdog.long_run_us": 3000, "watchdog.recomputations_max": 1}
+    for retries in (0, 2):
+        report = run([], **settings, **{"watchdog.retries_max": retries})
+        path = report["tasks"]["grab_path"]
+        assert (path["released"], path["dropped"]) == (1 + retries, 1 + retries)
+        assert report["host"]["recomputed"] == 1 + retries
+        [stopped] = failures(report, "stopped")
+        assert f"grab_path was given up {1 + retries} times in a row" in stopped["message"] and "process 2 (plan the grab)" in stopped["message"]
+        assert report["tasks"]["error"]["on_time"] == 1 + retries
+        # The servo goes on holding the crane.
+        assert report["tasks"]["pid"]["on_time"] > 980
+        assert report["stop_reason"] == "completed"
+
+
+def test_a_pid_that_never_returns_ends_with_the_drives_braked(tmp_path: Path) -> None:
+    programs = programs_with(tmp_path, "pid.asm", "kernel_pid")
+    report = run([], **{"machine.programs": programs, "duration_s": 0.5, "dsps": 3, "watchdog.retries_max": 1})
+    [stopped] = failures(report, "stopped")
+    assert "sub-process 4; the drives brake" in stopped["message"]
+    assert report["braked"]
+    assert report["tasks"]["pid"]["on_time"] == 0
+    assert report["tasks"]["torque_compensation"]["on_time"] > 400
+
+
+def test_a_task_that_hangs_once_in_a_while_is_not_stopped() -> None:
+    # Drops are counted in a row: here every recomputation succeeds.
+    events = [{"at_s": 0.10004 + 0.05 * k, "action": "hang", "dsp": 1} for k in range(4)]
+    report = run(events, duration_s=0.4, dsps=2, retries_max=0)
+    assert not failures(report, "stopped")
+    assert report["host"]["recomputed"] == 4

@@ -1,0 +1,137 @@
+"""Options of plant-and-bus.md 4.6 and 4.4, each seen in what a run's own trace says."""
+
+import json
+import re
+import subprocess
+from collections import defaultdict
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cmrc import _core
+from locations import BUILD
+
+cmrc = _core.cmrc
+EMULATOR = BUILD / "bin" / "emulator"
+KIND = {"torque": 5, "pid": 6, "avoidance": 11}
+OUTCOMES = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
+
+
+def run(preset: str = "base", **settings: Any) -> dict[str, Any]:
+    simulation = cmrc.Simulation(cmrc.config(preset=preset, settings=settings))
+    simulation.run()
+    report: dict[str, Any] = json.loads(simulation.report_json())
+    assert report["audit"]["violations"] == []
+    for task in report["tasks"].values():
+        assert task["released"] == sum(task[name] for name in OUTCOMES)
+    return report
+
+
+def claims_and_ends(path: Path, duration_s: float, *settings: str, preset: str = "base", dsps: int = 4) -> list[tuple[float, str, int, int, int]]:
+    """(second, "claim" or "finish", kind, tick, block)."""
+    trace = path / "trace.txt"
+    sets = [word for setting in settings for word in ("--set", setting)]
+    subprocess.run([EMULATOR, "--dsps", str(dsps), "--preset", preset, "--duration", str(duration_s), "--quiet", "--trace", trace, *sets], check=True)
+    events, ticks = [], {}
+    for line in trace.read_text().splitlines():
+        found = re.match(r"([0-9.]+) \[dsp \d+\] (claim|finish) block=0x([0-9a-f]+) kind=(\d+)(?:.* tick=(\d+))?", line)
+        if found is None:
+            continue
+        block = int(found[3], 16)
+        if found[2] == "claim":
+            ticks[block] = int(found[5])
+        events.append((float(found[1]), found[2], int(found[4]), ticks[block], block))
+    return events
+
+
+def servo(events: list[tuple[float, str, int, int, int]]) -> dict[int, dict[tuple[str, int], float]]:
+    ticks: dict[int, dict[tuple[str, int], float]] = defaultdict(dict)
+    for at, what, kind, tick, _ in events:
+        if kind in (KIND["torque"], KIND["pid"]):
+            ticks[tick][what, kind] = at
+    return {tick: seen for tick, seen in ticks.items() if len(seen) == 4}
+
+
+def test_pid_waits_for_torque_compensation_of_its_tick(tmp_path: Path) -> None:
+    beside = servo(claims_and_ends(tmp_path, 0.05))
+    after = servo(claims_and_ends(tmp_path, 0.05, "pid_after_torque=true"))
+    assert len(beside) == len(after) == 49
+    assert all(seen["claim", KIND["pid"]] < seen["finish", KIND["torque"]] for seen in beside.values())
+    assert all(seen["claim", KIND["pid"]] > seen["finish", KIND["torque"]] for seen in after.values())
+    # It is claimed at the refresh that finds torque compensation done: the next one, 125 us after the tick.
+    assert all(seen["claim", KIND["pid"]] - tick * 125e-6 < 2 * 125e-6 for tick, seen in after.items())
+    assert run(duration_s=0.2, pid_after_torque=True)["tasks"]["pid"]["misses"] == 0
+
+
+def most_at_once(events: list[tuple[float, str, int, int, int]]) -> int:
+    out, most = 0, 0
+    for _, what, kind, _, _ in events:
+        if kind == KIND["avoidance"]:
+            out += 1 if what == "claim" else -1
+            most = max(most, out)
+    return most
+
+
+def test_a_cap_on_long_blocks_keeps_a_dsp_for_the_servo(tmp_path: Path) -> None:
+    # Four AGVs, a block of 13.2 ms each every 20 ms. The servo guarantee of 4.5: one DSP more than long blocks at a time.
+    assert most_at_once(claims_and_ends(tmp_path, 0.1, preset="saturated")) == 4
+    assert most_at_once(claims_and_ends(tmp_path, 0.1, "long_blocks_max=3", preset="saturated")) == 3
+    capped = run(preset="saturated", duration_s=0.3, dsps=4, long_blocks_max=3)["tasks"]
+    free = run(preset="saturated", duration_s=0.3, dsps=4)["tasks"]
+    # Identify runs at the start and is as long: it is under the cap, too.
+    assert capped["pid"]["misses"] == capped["torque_compensation"]["misses"] == 0
+    assert free["pid"]["misses"] > 100
+
+
+def test_slowed_robots_plan_less_often() -> None:
+    full, crane, factor3 = (run(duration_s=3, **settings)["tasks"] for settings in (
+        {}, {"work_mode": "slowed_crane"}, {"work_mode": "slowed_crane", "slow_factor": 3}))  # fmt: skip
+    points = [tasks["trajectory_planning.crane"]["released"] for tasks in (full, crane, factor3)]
+    # One point per 64, 96, 192 refreshes of 125 us, and at most three more than consumed.
+    for released, interval_s in zip(points, (8e-3, 12e-3, 24e-3), strict=True):
+        assert 2.9 / interval_s < released < 3 / interval_s + 4
+    assert all(tasks["pid"]["misses"] == tasks["trajectory_planning.crane"]["misses"] == 0 for tasks in (full, crane, factor3))
+
+
+def test_slowed_agvs_have_a_longer_interval() -> None:
+    config = cmrc.config(settings={"work_mode": "slowed_agv", "slow_factor": 1.75})
+    assert config.intervals()["N_a_slowed"] == 280
+    assert cmrc.config(settings={"work_mode": "slowed_agv", "agv_interval_refreshes": 200}).intervals()["N_a_slowed"] == 200
+    with pytest.raises(cmrc.ConfigError, match=r"N\^_a = 480 is above N\^_a,max = 320"):
+        cmrc.config(settings={"work_mode": "slowed_agv", "slow_factor": 3})
+
+
+@pytest.mark.campaign
+def test_a_slowed_crane_goes_the_same_way() -> None:
+    # Leg 1 takes 20 s at full speed: as many points at 1.5 times the interval, and the same place at its end.
+    ends = {}
+    for mode, duration_s in (("full_load", 22.0), ("slowed_crane", 32.0)):
+        simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": duration_s, "work_mode": mode}))
+        simulation.run()
+        signals = simulation.signals()
+        points = json.loads(simulation.report_json())["tasks"]["inverse_kinematics.crane"]["released"]
+        ends[mode] = (points, signals["psi_rad"][-1], signals["phi_rad"][-1], abs(signals["psi_rate_rad_per_s"]).max())
+    assert abs(ends["full_load"][0] - ends["slowed_crane"][0]) <= 1
+    assert ends["full_load"][1:3] == pytest.approx(ends["slowed_crane"][1:3], abs=2e-3)
+    assert ends["slowed_crane"][3] == pytest.approx(ends["full_load"][3] / 1.5, rel=0.05)
+
+
+def test_t_grows_by_one_or_by_what_has_elapsed() -> None:
+    # The host pauses for 5 ms, 40 refreshes, while servo blocks wait for their tick: after it they are 40 older, or 1.
+    oldest = {}
+    for reading in ("elapsed", "one"):
+        events = [{"at_s": 0.0504, "action": "pause_host", "lasts_ms": 5}]
+        simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.06, "time_after_delay": reading, "dsps": 1}, events=events))
+        symbol, seen = simulation.symbol, [0]
+        for k in range(40):
+            simulation.run_until(0.0553 + k * 5e-6)
+            seen += [simulation.peek(symbol("BLOCK_POOL") + n * symbol("BLOCK_WORDS") + symbol("TB_T")) for n in range(symbol("BLOCK_COUNT"))]
+        oldest[reading] = max(seen)
+    assert oldest["elapsed"] >= 40 > 20 > oldest["one"]
+
+
+def test_an_agvs_buffer_may_be_as_deep_as_its_fifo(tmp_path: Path) -> None:
+    with pytest.raises(cmrc.ConfigError, match="an integer from 0 to 4"):
+        cmrc.config(settings={"agv_buffer_points": 5})
+    with pytest.raises(cmrc.ConfigError, match="an integer from 1 to 2"):
+        cmrc.config(settings={"buffer_points": 3})
