@@ -19,13 +19,15 @@ struct BlockKey {
   Address pc = 0;
   Address repeat_end = 0;  ///< RE while RM is set
   PipelineId pipeline = 0;
-  std::uint32_t mode = 0;  ///< bit 0 SET COND, bit 1 RM, bits 2, 3 the state of RPTS
+  std::uint32_t mode = 0;  ///< bit 0 SET COND, bit 1 RM, bits 2, 3 the state of RPTS, bit 4 the cache is on, bit 5 frozen
+  std::uint32_t hits = 0;  ///< which of its words and those after it the cache has
   friend bool operator==(const BlockKey&, const BlockKey&) = default;
 };
 struct BlockKeyHash {
   std::size_t operator()(const BlockKey& key) const {
     std::uint64_t h = (std::uint64_t{key.pc} << 32 | key.repeat_end) * 0x9E3779B97F4A7C15u;
-    h ^= (h >> 29) ^ (std::uint64_t{key.pipeline} << 4 | key.mode) * 0xBF58476D1CE4E5B9u;
+    h ^= (h >> 29) ^ (std::uint64_t{key.pipeline} << 6 | key.mode) * 0xBF58476D1CE4E5B9u;
+    h += std::uint64_t{key.hits} * 0x94D049BB133111EBu;
     return static_cast<std::size_t>(h ^ h >> 32);
   }
 };
@@ -52,6 +54,10 @@ struct Block {
   bool repeats = false;    ///< ends at RE: the loop hardware decides
   bool self_loop = false;  ///< following itself, it is in the same state again
   bool only_nop = false;
+  bool uses_cache = false;   ///< fetched while the cache was on
+  bool all_hits = false;     ///< `words` need not come into the cache
+  std::uint64_t checked = 0;  ///< the version of the cache in which its hits were last seen to be those of its key
+  std::vector<Word> words;   ///< if it uses the cache
 };
 
 class Engine {
@@ -68,6 +74,7 @@ class Engine {
   void settle_counts();
   /// The state may be changed from outside after this.
   State& touch();
+  /// All but causes, instructions and pipeline are up to date at any time; those after settle_counts().
   const State& state() const { return state_; }
   Memory& memory() { return memory_; }
   const Memory& memory() const { return memory_; }
@@ -93,18 +100,6 @@ class Engine {
 
  private:
   enum class Stepped : std::uint8_t { done, external, fault, breakpoint, port, horizon };
-  /// What the exact engine found out about one instruction.
-  struct StepRecord {
-    Bound bound;
-    Demand demand;
-    std::array<Window, 2> windows{};
-    std::array<Address, 2> address{};  ///< of each data access
-    std::array<bool, 2> register_write{};
-    std::array<Cycles, 2> register_cycle{};  ///< when the access to a register takes place
-    bool only_ram = true;
-    bool taken = false;
-    StepTiming timing;
-  };
 
   /// What the pipeline model makes of an instruction in a state of the pipeline: it depends on nothing else.
   struct Transition {
@@ -114,6 +109,44 @@ class Engine {
     StepTiming timing;
     PipelineId after = 0;
   };
+  /// An instruction as the exact engine last met it at an address. Its windows and the accesses through them stay as long as they
+  /// hold for every way in which it can be executed.
+  struct Site {
+    bool known = false, set_condition = false, keeps_windows = false;
+    bool quick = false;  ///< nothing but its accesses, the pipeline and the PC needs attention
+    bool stale = false;  ///< the windows hold for the last execution only
+    Bound bound;
+    std::array<Op, 2> ops{};  ///< it, and what stops after it
+    Demand demand;
+    std::uint64_t data_bits = 0;  ///< its data accesses, packed
+    Transition transition;        ///< the last one
+  };
+  /// One instruction on its way through the exact engine.
+  struct Step {
+    Site* site = nullptr;
+    Access fetch;
+    Word word = 0;
+    bool fetched = true;
+    bool from_cache = false, missed = false;  ///< the instruction cache: hit, miss
+    bool plain = true;   ///< data in RAM whose wait states never change
+    bool paged = false;  ///< pages_ is what the page pins show afterwards
+    bool locks = false;  ///< interlocked, and leaves the chip
+    bool taken = false;
+    std::uint8_t register_writes = 0;  ///< a bit for each access
+    std::array<Address, 2> address{};  ///< of each data access that was looked up
+    std::array<Cycles, 2> register_cycle{};  ///< when the access to a register takes place
+    const StepTiming* timing = nullptr;
+  };
+  /// Where instructions are being fetched.
+  struct Code {
+    const Memory::Area* area = nullptr;
+    Memory::Met met;
+    bool cacheable = false;
+    const Word* words = nullptr;   ///< from met.base on
+    std::uint64_t fetch_bits = 0;  ///< packed
+    bool contains(Address pc) const { return pc - met.base < met.words; }
+  };
+
   /// An instruction that no block can begin with: the exact engine does it each time.
   struct ExactSite {
     Address pc = 0;
@@ -122,28 +155,43 @@ class Engine {
   };
 
   // engine.cpp: the exact engine
-  Stepped exact_step(StepRecord& record);
-  const Bound* fetch(StepRecord& record);
-  Stepped execute(StepRecord& record);
-  Stepped resolve(StepRecord& record, Op& op);
-  Cycles access_cycle(const StepRecord& record, int access);
-  const Transition& transition(const Demand& demand, isa::Word word);
-  void annulled(const StepRecord& record);
-  void account(const StepRecord& record);
-  void finish_step(const StepRecord& record);
+  Stepped exact_step(Step& step, bool fresh);
+  bool quick_step();
+  Stepped traced_step(Step& step);
+  Stepped untraced_step(Step& step, bool fresh);
+  const Transition& annulled_transition(const Step& step);
+  const Transition& executed_transition(const Step& step);
+  void settle_answers();
+  bool find_code(Address pc);
+  bool caching() const;
+  bool by_blocks();
+  bool fetch(Step& step);
+  bool bind_site(Site& site, Word word, bool set_condition);
+  Stepped execute(Step& step);
+  Stepped resolve(Step& step);
+  Demand demand_of(const Step& step) const;
+  static void forget_windows(Site& site);
+  Cycles access_cycle(const Step& step, std::size_t access);
+  const Transition& transition(const Demand& demand, std::uint64_t bits, isa::Word word);
+  void annulled(const Step& step);
+  void account(const StepTiming& timing);
+  void finish_step(const Step& step);
+  void settle_accesses(const Step& step, Address pc);
   void advance_pc(Address pc);
   Stepped fail(Fault::Kind kind, std::string message, Address address = 0);
   bool read_register(Address address, Cycles at, Word& value) const;
   bool write_register(Address address, Word value, Cycles at);
+  void forget_memory();
   void advance_peripherals(Cycles at);
   void expect_peripherals();
   void reset_ports();
-  Stepped access_port(const StepRecord& record, std::size_t k, Word& cell);
+  Stepped access_port(const Step& step, std::size_t k, Word& cell);
   Word pending_port_vector(Word enabled) const;
   Word pending_vector() const;
   bool take_interrupt(Word vector);
   void pass(Cause cause, Cycles until);
-  void emit_trace(const StepRecord& record, const Core& before, Cycles cycle, const Causes& causes);
+  void forget_pipelines();
+  void emit_trace(const Step& step, const Core& before, Cycles cycle, const Causes& causes);
   StopInfo stop(Stepped why);
   bool may_interrupt() const;
   std::optional<StopInfo> advance(Cycles limit, bool single);
@@ -155,10 +203,12 @@ class Engine {
   Block* find_or_record(Cycles limit, Stepped& why);
   void record(const BlockKey& key, Cycles limit, Stepped& why);
   bool recordable(const Bound& bound) const;
-  ExactSite& site(Address pc) { return exact_sites_[pc % exact_sites_.size()]; }
-  bool exact_site(Address pc) { return site(pc).known && site(pc).pc == pc; }
-  void close_straight(Block& block, Cycles cycles, const Costs& costs, const Pipeline& end, bool chained);
-  void close_with_branch(Block& block, const StepRecord& step, const Pipeline& before, bool chained);
+  bool cache_fits(Block& block) const;
+  void fetch_through_cache(const Block& block, std::size_t from, std::size_t to);
+  ExactSite& exact_site_of(Address pc) { return exact_sites_[pc % exact_sites_.size()]; }
+  bool exact_site(Address pc) { return exact_site_of(pc).known && exact_site_of(pc).pc == pc; }
+  void close_straight(Block& block, Cycles cycles, const Costs& costs, PipelineId end, bool chained);
+  void close_with_branch(Block& block, const Step& step, PipelineId before, bool chained);
   void run_blocks(Block* block, std::size_t from, Cycles limit);
   void leave(Block& block, std::size_t from, std::size_t at);
   void left_block(Block& block, std::size_t from, const Outcome& outcome);
@@ -168,6 +218,8 @@ class Engine {
   Block::Exit& end_repeat(Block& block, std::uint32_t passes);
   std::uint32_t passes_within(const Block& block, Cycles limit) const;
   void process_code_writes();
+
+  static constexpr PipelineId drained = 0;  ///< of an empty pipeline
 
   State state_;
   Board board_;
@@ -186,16 +238,12 @@ class Engine {
     std::array<Word, 2> cell{};
   };
   std::array<Scratch, 2> scratch_{};  ///< stands for a register or a window during one instruction
-  struct CachedBound {
-    Word word = 0;
-    bool valid = false;
-    bool set_condition = false;
-    Bound bound;
-  };
-  std::vector<CachedBound> bounds_;
+  std::vector<Site> sites_;              ///< direct mapped by address
   std::vector<Transition> transitions_;  ///< direct mapped
   std::array<ExactSite, 1024> exact_sites_{};
-  const Memory::Area* code_area_ = nullptr;
+  Code code_;
+  Memory::OpenPages pages_;  ///< of the step under way
+  bool interface_changed_ = false;  ///< GMICR or LMICR was written
 
   std::vector<std::unique_ptr<Block>> blocks_;
   std::unordered_map<BlockKey, Block*, BlockKeyHash> by_key_;
@@ -205,7 +253,11 @@ class Engine {
   std::size_t resume_at_ = 0;
   Block* missed_ = nullptr;              ///< the block whose instruction at PC the exact engine must do
   Block::Exit* last_exit_ = nullptr;     ///< the exit that led to PC with nothing in between
-  std::optional<PipelineId> known_pipeline_;  ///< of state_.pipeline
+  std::uint64_t cache_version_ = 1;  ///< rises when words come into the cache or leave it
+  bool stale_code_ = false;          ///< the cache holds words that memory no longer does
+  /// Of the pipeline; state_.pipeline is brought up to date when it is asked for.
+  PipelineId pipeline_ = 0;
+  bool pipeline_known_ = false;
 };
 
 }  // namespace c40

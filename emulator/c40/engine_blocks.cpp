@@ -8,9 +8,9 @@
 namespace c40 {
 namespace {
 
-constexpr std::size_t longest_block = 64;
+constexpr std::size_t longest_block = 64, longest_cached_block = Cache::segment_words;
 constexpr std::size_t most_blocks = 20000;
-constexpr std::uint32_t mode_set_condition = 1, mode_repeat = 2;
+constexpr std::uint32_t mode_set_condition = 1, mode_repeat = 2, mode_cached = 16, mode_frozen = 32;
 
 void add_costs(Causes& causes, const Costs& costs, Cycles times) {
   for (std::size_t i = 0; i < cause_count; ++i) causes[i] += times * costs[i];
@@ -24,10 +24,11 @@ void add_timing(Costs& costs, const StepTiming& t) {
     auto& cost = costs[static_cast<std::size_t>(cause)];
     cost = static_cast<std::uint16_t>(cost + cycles);
   };
-  charge(Cause::execute, t.total - t.branch - t.register_conflict - t.memory_conflict - t.wait_state);
+  charge(Cause::execute, t.execute());
   charge(Cause::branch, t.branch);
   charge(Cause::register_conflict, t.register_conflict);
   charge(Cause::memory_conflict, t.memory_conflict);
+  charge(Cause::cache_miss, t.cache_miss);
   charge(Cause::wait_state, t.wait_state);
 }
 
@@ -44,8 +45,11 @@ PipelineId Engine::intern(const Pipeline& pipeline) {
 }
 
 PipelineId Engine::current_pipeline() {
-  if (!known_pipeline_) known_pipeline_ = intern(state_.pipeline);
-  return *known_pipeline_;
+  if (!pipeline_known_) {
+    pipeline_ = intern(state_.pipeline);
+    pipeline_known_ = true;
+  }
+  return pipeline_;
 }
 
 BlockKey Engine::key() {
@@ -57,9 +61,14 @@ BlockKey Engine::key() {
   if (repeat) key.repeat_end = core.r[reg::RE];
   key.mode = ((core.modes & st::SETCOND) != 0 ? mode_set_condition : 0u) | (repeat ? mode_repeat : 0u) |
              static_cast<std::uint32_t>(core.repeat_single) << 2;
+  if (caching()) {
+    key.mode |= mode_cached | ((core.modes & st::CF) != 0 ? mode_frozen : 0u);
+    key.hits = state_.cache.hits_from(core.pc);
+  }
   return key;
 }
 
+// PC is where by_blocks() looked.
 Block* Engine::find_or_record(Cycles limit, Stepped& why) {
   const BlockKey k = key();
   const auto found = by_key_.find(k);
@@ -68,8 +77,35 @@ Block* Engine::find_or_record(Cycles limit, Stepped& why) {
   if (Block::Exit* from = std::exchange(last_exit_, nullptr); from != nullptr && block != nullptr && from->chained) from->next = block;
   if (block != nullptr) return block;
   if (blocks_.size() >= most_blocks) flush_blocks();
-  record(key(), limit, why);
+  record(k, limit, why);
   return nullptr;
+}
+
+// Whether the cache has of its words what it had when the block was recorded.
+bool Engine::cache_fits(Block& block) const {
+  if (block.checked == cache_version_) return true;
+  if (state_.cache.hits_from(block.key.pc) != block.key.hits) return false;
+  block.checked = cache_version_;
+  return true;
+}
+
+// What fetching instructions [from, to) does to the cache.
+void Engine::fetch_through_cache(const Block& block, std::size_t from, std::size_t to) {
+  if (!block.uses_cache || from == to || (block.key.mode & mode_frozen) != 0) return;
+  const Address begin = block.key.pc + static_cast<Address>(from), end = block.key.pc + static_cast<Address>(to);
+  if (block.all_hits) {
+    state_.cache.touch(begin);
+    if ((begin ^ (end - 1)) >= Cache::segment_words) state_.cache.touch(end - 1);
+    return;
+  }
+  ++cache_version_;
+  for (Address pc = begin; pc != end; ++pc) {
+    const std::size_t i = pc - block.key.pc;
+    if ((block.key.hits >> i & 1u) != 0)
+      state_.cache.touch(pc);
+    else
+      state_.cache.load(pc, block.words[i]);
+  }
 }
 
 bool Engine::recordable(const Bound& bound) const {
@@ -86,19 +122,21 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
   Cycles at = 0;
   Costs costs{};
   bool reads_repeat = false, closed = false, chained = true;
-  StepRecord step;
-  Pipeline before, end;
+  Step step;
+  PipelineId before = 0;
   while (!closed) {
     const std::size_t n = block->size;
     if (n != 0 && state_.cycle >= limit) return;
     if (n >= longest_block && core.delay_slots == 0) break;
     if (n != 0 && breakpoints.contains(core.pc)) break;
-    StepRecord look;
-    const Bound* bound = fetch(look);
-    if (bound == nullptr || !recordable(*bound)) {
+    Step look;
+    const bool known = fetch(look);
+    const bool cached = caching();
+    const bool crowded = cached && n + (look.site != nullptr && look.site->bound.flow == Flow::delayed ? 4 : 1) > longest_cached_block;
+    if (!known || look.paged || crowded || cached != ((k.mode & mode_cached) != 0) || !recordable(look.site->bound)) {
       if (n == 0) {
-        site(k.pc) = {k.pc, bound != nullptr, false};
-        why = exact_step(step);
+        exact_site_of(k.pc) = {k.pc, known, false};
+        why = exact_step(step, false);
         return;
       }
       fault_.reset();
@@ -106,50 +144,49 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
       if (core.delay_slots != 0) return;
       break;
     }
-    before = state_.pipeline;
-    const PipelineId id = intern(before);
+    before = current_pipeline();
     const auto slots = static_cast<std::uint8_t>(core.delay_slots);
     const bool ends_repeat = (k.mode & mode_repeat) != 0 && core.pc == k.repeat_end;
-    why = exact_step(step);
-    if (why != Stepped::done || !step.only_ram) {
-      if (n == 0) site(k.pc) = {k.pc, why == Stepped::external, true};
+    why = exact_step(step, true);
+    if (why != Stepped::done || !step.plain) {
+      if (n == 0) exact_site_of(k.pc) = {k.pc, why == Stepped::external, true};
       if (n == 0 || slots != 0) return;
       break;
     }
-    for (std::size_t i = 0; i < step.demand.count; ++i)
-      if (step.demand.data[i].write && step.address[i] - k.pc <= n) return;  // it changes itself
-    Op op = step.bound.op;
+    const Bound& bound = step.site->bound;
+    for (std::size_t i = 0; i < step.site->demand.count; ++i)
+      if (step.site->demand.data[i].write && step.address[i] - k.pc <= n) return;  // it changes itself
+    Op op = step.site->ops[0];
     op.pc = k.pc + static_cast<Address>(n);
-    op.access = step.windows;
-    if (step.bound.flow == Flow::directed || step.bound.row->operation == isa::Operation::lat ||
-        step.bound.row->operation == isa::Operation::reti)
-      op.direction = step.taken || (step.bound.flow == Flow::delayed && core.delay_taken) ? 1 : 0;
+    if (bound.flow == Flow::directed || bound.row->operation == isa::Operation::lat ||
+        bound.row->operation == isa::Operation::reti)
+      op.direction = step.taken || (bound.flow == Flow::delayed && core.delay_taken) ? 1 : 0;
     block->ops.push_back(op);
     block->start.push_back(at);
     block->causes.push_back(costs);
-    block->pipelines.push_back(id);
+    block->pipelines.push_back(before);
     block->delay_slots.push_back(slots);
     ++block->size;
-    reads_repeat |= step.bound.reads_repeat;
-    chained &= !step.bound.dynamic_target && step.bound.row->operation != isa::Operation::reti;
-    end = state_.pipeline;
-    at += step.timing.total;
-    add_timing(costs, step.timing);
+    reads_repeat |= bound.reads_repeat;
+    chained &= !bound.dynamic_target && bound.row->operation != isa::Operation::reti;
+    if (cached) block->words.push_back(step.word);
+    at += step.timing->total;
+    add_timing(costs, *step.timing);
     Op terminal;
     terminal.pc = op.pc + 1;
-    if (step.bound.flow == Flow::branch || step.bound.flow == Flow::directed) {
+    if (bound.flow == Flow::branch || bound.flow == Flow::directed) {
       close_with_branch(*block, step, before, chained);
       closed = true;
     } else if (slots == 1) {
       terminal.handler = &execute::end_of_delay;
       closed = true;
-    } else if (ends_repeat && slots == 0 && step.bound.flow == Flow::straight) {
+    } else if (ends_repeat && slots == 0 && bound.flow == Flow::straight) {
       terminal.handler = &execute::end_of_repeat;
       block->repeats = closed = true;
     }
     if (terminal.handler != nullptr) {
       block->ops.push_back(terminal);
-      close_straight(*block, at, costs, end, chained);
+      close_straight(*block, at, costs, pipeline_, chained);
     }
   }
   if (!closed) {
@@ -157,15 +194,20 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
     terminal.handler = &execute::end_of_block;
     terminal.pc = k.pc + static_cast<Address>(block->size);
     block->ops.push_back(terminal);
-    close_straight(*block, at, costs, end, chained);
+    close_straight(*block, at, costs, pipeline_, chained);
   }
   block->start.push_back(at);
   block->causes.push_back(costs);
   block->pipelines.push_back(block->exits[0].pipeline);
   block->last_start = block->start[block->size - 1];
-  block->self_loop = block->repeats && !reads_repeat && block->exits[1].pipeline == k.pipeline && (k.mode >> 2) != 1;
-  block->only_nop = block->self_loop && block->size == 1 && step.bound.is_nop;
-  if (block->self_loop && block->size == 1 && step.bound.repeated != nullptr) block->ops[0].handler = step.bound.repeated;
+  block->uses_cache = (k.mode & mode_cached) != 0;
+  const std::uint32_t own_words = block->size < longest_cached_block ? (1u << block->size) - 1 : ~0u;
+  block->all_hits = (~k.hits & own_words) == 0;
+  const bool same_fetches = !block->uses_cache || block->all_hits || (k.mode & mode_frozen) != 0;
+  block->self_loop = block->repeats && !reads_repeat && same_fetches && block->exits[1].pipeline == k.pipeline && (k.mode >> 2 & 3) != 1;
+  const Bound& last = step.site->bound;
+  block->only_nop = block->self_loop && block->size == 1 && last.is_nop;
+  if (block->self_loop && block->size == 1 && last.repeated != nullptr) block->ops[0].handler = last.repeated;
   for (std::size_t i = 0; i < block->size; ++i) {
     const Address pc = k.pc + static_cast<Address>(i);
     memory_.find(pc)->mark_code(pc);
@@ -174,23 +216,22 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
   blocks_.push_back(std::move(block));
 }
 
-void Engine::close_straight(Block& block, Cycles cycles, const Costs& costs, const Pipeline& end, bool chained) {
-  const PipelineId pipeline = intern(end);
+void Engine::close_straight(Block& block, Cycles cycles, const Costs& costs, PipelineId end, bool chained) {
   for (Block::Exit& exit : block.exits) {
     exit.cycles = cycles;
     exit.causes = costs;
-    exit.pipeline = pipeline;
+    exit.pipeline = end;
     exit.chained = chained;
   }
 }
 
-void Engine::close_with_branch(Block& block, const StepRecord& step, const Pipeline& before, bool chained) {
+void Engine::close_with_branch(Block& block, const Step& step, PipelineId before, bool chained) {
   const std::size_t last = block.size - 1;
   for (std::size_t direction = 0; direction < 2; ++direction) {
     Block::Exit& exit = block.exits[direction];
-    Pipeline pipeline = before;
-    Demand demand = step.demand;
-    demand.flush_cost = direction == 1 ? step.bound.taken_cost : step.bound.not_taken_cost;
+    Pipeline pipeline = pipelines_[before];
+    Demand demand = demand_of(step);
+    demand.flush_cost = direction == 1 ? step.site->bound.taken_cost : step.site->bound.not_taken_cost;
     const StepTiming timing = pipeline.advance(demand);
     exit.cycles = block.start[last] + timing.total;
     exit.causes = block.causes[last];
@@ -210,8 +251,9 @@ void Engine::leave(Block& block, std::size_t from, std::size_t at) {
   state_.instructions += at - from;
   core.pc = block.key.pc + static_cast<Address>(at);
   core.delay_slots = at < block.size ? block.delay_slots[at] : 0;
-  known_pipeline_ = block.pipelines[at];
-  state_.pipeline = pipelines_[*known_pipeline_];
+  pipeline_ = block.pipelines[at];
+  pipeline_known_ = true;
+  fetch_through_cache(block, from, at);
 }
 
 // `passes` passes through a repeated block are done: what the loop hardware made of them.
@@ -251,12 +293,16 @@ Block::Exit* Engine::run_repeated(Block& block, Cycles limit) {
     if (outcome.exit > Exit::taken) [[unlikely]] {
       const std::uint32_t done = passes - 1 - core.loop_left;  // whole passes before the one that was left
       core.r[reg::RC] -= done;
+      if (done != 0) fetch_through_cache(block, 0, block.size);
       block.exits[1].count += done;
       state_.cycle += done * block.exits[1].cycles;
       left_block(block, 0, outcome);
       return nullptr;
     }
-    if (core.loop_left == 0) return &end_repeat(block, passes);
+    if (core.loop_left == 0) {
+      fetch_through_cache(block, 0, block.size);
+      return &end_repeat(block, passes);
+    }
     --core.loop_left;
   }
 }
@@ -281,6 +327,7 @@ Block::Exit* Engine::run_part(Block& block, std::size_t from, Cycles limit) {
     left_block(block, from, outcome);
     return nullptr;
   }
+  fetch_through_cache(block, from, block.size);
   Block::Exit& exit = block.repeats ? end_repeat(block, 1) : block.exits[outcome.exit == Exit::taken];
   // The count that run_blocks will add stands for the whole block.
   state_.cycle -= block.start[from];
@@ -308,16 +355,18 @@ void Engine::run_blocks(Block* block, std::size_t from, Cycles limit) {
         return left_block(*block, 0, outcome);
       }
       exit = &block->exits[outcome.exit == Exit::taken];
+      if (block->uses_cache) fetch_through_cache(*block, 0, block->size);
     }
     ++exit->count;
     cycle += exit->cycles;
     Block* const next = exit->next;
     if (next == nullptr || next->key.pc != core.pc || (core.attention | core.code_writes) != 0 || cycle >= limit) [[unlikely]] break;
+    if (next->uses_cache && !cache_fits(*next)) break;
     block = next;
   }
   state_.cycle = cycle;
-  known_pipeline_ = exit->pipeline;
-  state_.pipeline = pipelines_[exit->pipeline];
+  pipeline_ = exit->pipeline;
+  pipeline_known_ = true;
   last_exit_ = (core.attention | core.code_writes) != 0 ? nullptr : exit;
 }
 
@@ -358,6 +407,7 @@ void Engine::settle_counts() {
       state_.instructions += exit.count * block->size;
       exit.count = 0;
     }
+  if (pipeline_known_) state_.pipeline = pipelines_[pipeline_];
 }
 
 void Engine::flush_blocks() {
@@ -373,10 +423,16 @@ void Engine::flush_blocks() {
   last_exit_ = nullptr;
   resume_ = nullptr;
   missed_ = nullptr;
+  // Words that the cache holds stay marked: a write to them makes them stale.
+  state_.cache.each_word([this](Address pc) {
+    if (const Memory::Area* area = memory_.find(pc); area != nullptr && area->data != nullptr) area->mark_code(pc);
+  });
 }
 
 void Engine::process_code_writes() {
-  state_.core.code_writes = 0;
+  Core& core = state_.core;
+  for (std::size_t i = 0; i < core.code_writes; ++i) stale_code_ |= state_.cache.find(core.code_written[i]) != nullptr;
+  core.code_writes = 0;
   flush_blocks();
 }
 

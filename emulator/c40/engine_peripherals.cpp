@@ -39,9 +39,9 @@ bool Engine::read_register(Address address, Cycles at, Word& value) const {
 
 bool Engine::write_register(Address address, Word value, Cycles at) {
   if (address == global_interface || address == local_interface) {
-    constexpr Word pins = 0xFu, reserved = 0xC0000000u;  // the levels of CE0, CE1, DE, AE are read only
     Word& control = address == global_interface ? state_.global_interface_control : state_.local_interface_control;
-    control = (control & pins) | (value & ~(pins | reserved));
+    control = (control & ~InterfaceControl::writable) | (value & InterfaceControl::writable);
+    interface_changed_ = true;
     return true;
   }
   if (is_timer_register(address)) {
@@ -85,12 +85,12 @@ void Engine::reset_ports() {
 }
 
 // What the access finds. One that a link is concerned with, or that has to wait, stops the chip first.
-Engine::Stepped Engine::access_port(const StepRecord& record, std::size_t k, Word& cell) {
+Engine::Stepped Engine::access_port(const Step& step, std::size_t k, Word& cell) {
   const Core& core = state_.core;
   const Answer& answer = state_.answers[k];
   const bool write = core.miss_write;
   if (!answer.given || answer.address != core.miss_address || answer.write != write) {
-    port_access_ = port_access(core.miss_address, write, write ? core.miss_value : 0, access_cycle(record, static_cast<int>(k)));
+    port_access_ = port_access(core.miss_address, write, write ? core.miss_value : 0, access_cycle(step, k));
     port_slot_ = k;
     waiting_access_ = 2;
     if (listener(port_access_.port) != nullptr || !port_access_.ready(port(port_access_.port))) {
@@ -165,12 +165,11 @@ bool Engine::take_interrupt(Word vector) {
   if (vector >= 0x25 && vector <= 0x2A) iif &= ~(1u << (vector - 0xC));
   if (vector == 0x2B) iif &= ~timer1_flag;
   core.idle = false;
-  const int waits = table->read.waits + stack->write.waits;
+  const int waits = memory_.meet(*table, entry, false, state_.open_pages).access.waits + memory_.meet(*stack, top, true, state_.open_pages).access.waits;
   add(state_.causes, Cause::interrupt, timing::interrupt_entry_cost);
   add(state_.causes, Cause::wait_state, waits);
   state_.cycle += timing::interrupt_entry_cost + waits;
-  state_.pipeline.flush(timing::interrupt_entry_cost + waits);
-  touch();
+  touch().pipeline.flush(timing::interrupt_entry_cost + waits);
   if (trace != nullptr) trace->interrupt(vector, before);
   return true;
 }

@@ -21,11 +21,14 @@ Resource resource_of(const Region& region) {
   }
 }
 
+constexpr std::size_t bus_index(Resource r) { return r == Resource::global; }
+constexpr std::uint64_t range_begin(std::size_t bus) { return bus == 1 ? 0x80000000u : 0u; }
+
 Memory::Area area_of(const Region& region) {
   if (region.words == 0 || region.words > 0xFFFFFFFFull || region.base + (region.words - 1) > 0xFFFFFFFFull)
     throw std::invalid_argument(fmt::format("region {}: {} words at {:08X}h do not fit into the address space",
                                             region.name, region.words, region.base));
-  for (int waits : {region.read_waits, region.write_waits})
+  for (int waits : {region.read_waits, region.write_waits, region.page_waits})
     if (waits < 0 || waits > timing::max_region_waits)
       throw std::invalid_argument(fmt::format("region {}: {} wait states; 0 to {} are possible", region.name, waits,
                                               timing::max_region_waits));
@@ -34,8 +37,10 @@ Memory::Area area_of(const Region& region) {
   area.base = region.base;
   area.words = static_cast<Word>(region.words);
   area.kind = region.kind;
-  area.read = {resource_of(region), static_cast<std::uint8_t>(region.read_waits), false};
-  area.write = {resource_of(region), static_cast<std::uint8_t>(region.write_waits), true};
+  area.resource = resource_of(region);
+  area.read_waits = region.read_waits;
+  area.write_waits = region.write_waits;
+  area.page_waits = region.page_waits;
   return area;
 }
 
@@ -44,9 +49,16 @@ Memory::Area on_chip(int block) {
   area.name = fmt::format("on-chip RAM block {}", block);
   area.base = on_chip_ram + static_cast<Word>(block) * on_chip_block_words;
   area.words = on_chip_block_words;
-  const Resource resource = block == 0 ? Resource::ram0 : Resource::ram1;
-  area.read = {resource, 0, false};
-  area.write = {resource, 0, true};
+  area.resource = block == 0 ? Resource::ram0 : Resource::ram1;
+  return area;
+}
+
+Memory::Area boot_rom() {
+  Memory::Area area;
+  area.name = "boot ROM";
+  area.words = rom_words;
+  area.kind = Region::Kind::rom;
+  area.resource = Resource::rom;
   return area;
 }
 
@@ -64,9 +76,6 @@ Board Board::default_board() {
       {"global SRAM", 0x80000000u, 0x100000u, 0, 0, ram, global},
       {"window to bus A", 0xC0000000u, 0x40000000u, 0, 0, external_window, global},
   };
-  // Ready comes from the pin on both strobes, no software wait states, pages of 1 K words, STRB0 is the lower half.
-  board.global_interface_control = 0x1DEA4000u;
-  board.local_interface_control = 0x1DEA4000u;
   return board;
 }
 
@@ -83,15 +92,54 @@ Memory::Memory(const Board& board) : flat_(board.is_flat) {
   for (const Region& region : board.regions) add(area_of(region));
   add(on_chip(0));
   add(on_chip(1));
+  if (board.rom.size() > rom_words) throw std::invalid_argument(fmt::format("the boot ROM has {} words, not {}", rom_words, board.rom.size()));
+  if (!board.rom.empty()) std::ranges::copy(board.rom, add(boot_rom())->data);
   if (!flat_) {
     Area registers;
     registers.name = "peripheral registers";
     registers.base = peripheral_base;
     registers.words = peripheral_words;
     registers.kind = Region::Kind::registers;
-    registers.write.write = true;
+    registers.resource = Resource::peripheral;
     add(registers);
   }
+  configure(board.global_interface_control, board.local_interface_control);
+}
+
+void Memory::configure(Word global, Word local) {
+  control_ = {InterfaceControl::decode(local), InterfaceControl::decode(global)};
+  for (std::size_t b = 0; b < 2; ++b)
+    for (std::size_t s = 0; s < 2; ++s) {
+      const std::uint64_t start = range_begin(b), split = start + control_[b].strobe0_words;
+      paged_[b][s] = std::ranges::any_of(areas_, [&](const auto& area) {
+        const std::uint64_t end = std::uint64_t{area->base} + area->words;
+        return area->page_waits != 0 && external(area->resource) && bus_index(area->resource) == b && (s == 0 ? area->base < split : end > split);
+      });
+    }
+}
+
+Memory::Met Memory::meet(const Area& area, Address address, bool write, OpenPages& pages) const {
+  Met met{{area.resource, static_cast<std::uint8_t>(write ? area.write_waits : area.read_waits), write, false}, area.base, area.words, false};
+  if (!external(area.resource)) return met;
+  const std::size_t b = bus_index(area.resource);
+  const InterfaceControl& control = control_[b];
+  const std::uint64_t split = range_begin(b) + control.strobe0_words, end = std::uint64_t{area.base} + area.words;
+  const unsigned strobe = address >= split ? 1 : 0;
+  if (area.base < split && split < end) {
+    if (strobe == 1) met.base = static_cast<Address>(split);
+    met.words = static_cast<Word>(strobe == 1 ? end - split : split - area.base);
+  }
+  int outside = met.access.waits;
+  if (paged_[b][strobe]) {
+    met.paged = true;
+    const Word page = address >> control.strobe[strobe].page_bits;
+    if (!pages.open[b][strobe] || pages.page[b][strobe] != page) outside += area.page_waits;
+    pages.open[b][strobe] = true;
+    pages.page[b][strobe] = page;
+  }
+  met.access.waits = static_cast<std::uint8_t>(control.waits(strobe, outside));
+  met.access.strobe1 = control.strobe_switch && strobe == 1;
+  return met;
 }
 
 const Memory::Area* Memory::add(Area area) {
@@ -100,7 +148,7 @@ const Memory::Area* Memory::add(Area area) {
   const bool overlaps = (place != areas_.end() && (*place)->base < end) ||
                         (place != areas_.begin() && (*std::prev(place))->contains(area.base));
   if (overlaps) throw std::invalid_argument(fmt::format("region {} overlaps another one", area.name));
-  if (area.kind == Region::Kind::ram) {
+  if (area.kind == Region::Kind::ram || area.kind == Region::Kind::rom) {
     // Fresh zero pages from the system: a large SRAM costs nothing until it is used.
     auto* data = static_cast<Word*>(std::calloc(std::size_t{area.words} + area.words / 32 + 1, sizeof(Word)));
     if (data == nullptr) throw std::bad_alloc();
@@ -115,7 +163,6 @@ const Memory::Area* Memory::make_flat_page(Address address) {
   Area area;
   area.base = address & ~(flat_page_words - 1);
   area.words = flat_page_words;
-  area.write.write = true;
   if (address >= area.base && area.base == (on_chip_ram & ~(flat_page_words - 1))) area.words = on_chip_ram - area.base;
   area.name = fmt::format("flat RAM {:08X}h", area.base);
   return add(area);

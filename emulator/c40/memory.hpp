@@ -1,15 +1,16 @@
 #pragma once
 /// Boards and memory: regions are objects, so an access needs one subtraction and one comparison to know that it lies in the
-/// region it met first.
+/// region it met first. What the region's board asks for by RDY and what GMICR and LMICR say make the wait states.
 ///
-/// Inaccuracies: the wait states are the region's; software wait states programmed into the memory interface control
-/// registers have no effect. Address decoding by STRB ACTIVE is the board's, not the register's.
+/// Inaccuracies: a region answers on whichever strobe the registers give its addresses to.
+#include <array>
 #include <cstddef>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "c40/interface_control.hpp"
 #include "c40/timing.hpp"
 #include "c40/types.hpp"
 
@@ -17,15 +18,16 @@ namespace c40 {
 
 /// A part of the address space as a board declares it. On-chip RAM and the peripheral registers are the chip's own.
 struct Region {
-  enum class Kind : std::uint8_t { ram, external_window, registers };
+  enum class Kind : std::uint8_t { ram, rom, external_window, registers };
   enum class Bus : std::uint8_t { internal, local, global };
   std::string name;
   Address base = 0;
   std::uint64_t words = 0;
-  int read_waits = 0;   ///< 0 to 15
+  int read_waits = 0;   ///< wait states that the board's RDY asks for, 0 to 15
   int write_waits = 0;  ///< 0 to 15
   Kind kind = Kind::ram;
   Bus bus = Bus::local;
+  int page_waits = 0;  ///< what RDY asks for beyond them when PAGE says that the strobe's last access was in another page, 0 to 15
 };
 
 /// What surrounds one chip (rulings.md 26).
@@ -33,8 +35,11 @@ struct Board {
   std::string name;
   std::vector<Region> regions;
   bool is_flat = false;  ///< Plain zero-wait RAM at every address, without bus conflicts and without peripheral registers.
-  Word global_interface_control = 0x3E39FFF0u;  ///< GMICR as the boot header leaves it.
-  Word local_interface_control = 0x3E39FFF0u;
+  /// GMICR and LMICR as the board's boot header leaves them. The default: RDY alone on both strobes, no software wait states, pages
+  /// of 1 K words on STRB0, which is the lower half.
+  Word global_interface_control = 0x1DEA4000u;
+  Word local_interface_control = 0x1DEA4000u;
+  std::vector<Word> rom;  ///< The boot ROM's contents from address 0 on (ROMEN = 1); empty: it is not there.
 
   /// 300000h local SRAM 1 M words 0 wait, 40000000h local SRAM 1 M words 1 wait, 70000000h window to bus B, 80000000h
   /// global SRAM 1 M words 0 wait, C0000000h window to bus A.
@@ -44,6 +49,7 @@ struct Board {
 
 inline constexpr Address on_chip_ram = 0x002FF800u;
 inline constexpr Word on_chip_block_words = 0x400u;
+inline constexpr Word rom_words = 0x1000u;
 inline constexpr Address peripheral_base = 0x00100000u;
 inline constexpr Word peripheral_words = 0x100u;
 
@@ -55,8 +61,9 @@ class Memory {
     Address base = 0;
     Word words = 0;  ///< Whole address space: flat areas are made page by page.
     Region::Kind kind = Region::Kind::ram;
-    Access read, write;
-    Word* data = nullptr;  ///< null unless RAM
+    Resource resource = Resource::ideal;
+    int read_waits = 0, write_waits = 0, page_waits = 0;
+    Word* data = nullptr;  ///< null unless RAM or ROM
 
     bool contains(Address address) const { return address - base < words; }
     Word* code_map() const { return data + words; }
@@ -64,7 +71,26 @@ class Memory {
     void unmark_code(Address address) const { code_map()[(address - base) >> 5] &= ~(1u << ((address - base) & 31)); }
   };
 
+  /// Pages that were last accessed, by bus and strobe: the PAGE pins.
+  struct OpenPages {
+    std::array<std::array<std::uint32_t, 2>, 2> page{};
+    std::array<std::array<bool, 2>, 2> open{};
+    friend bool operator==(const OpenPages&, const OpenPages&) = default;
+  };
+  /// What an address is met with: how it is accessed, and how far around it the same holds.
+  struct Met {
+    Access access;
+    Address base = 0;
+    Word words = 0;
+    bool paged = false;  ///< The wait states depend on the page accessed before.
+  };
+
   explicit Memory(const Board& board);
+
+  /// GMICR and LMICR have these values from now on.
+  void configure(Word global, Word local);
+  /// `pages` matter to, and are changed by, accesses to a strobe where some region counts them.
+  Met meet(const Area& area, Address address, bool write, OpenPages& pages) const;
 
   /// The area of an address, or null for a reserved one. On a flat board a page is made when it is first asked for.
   const Area* find(Address address);
@@ -79,6 +105,8 @@ class Memory {
   const Area* make_flat_page(Address address);
 
   bool flat_;
+  std::array<InterfaceControl, 2> control_{};  // local, global
+  std::array<std::array<bool, 2>, 2> paged_{};  // by bus and strobe: some region has page_waits
   std::vector<std::unique_ptr<Area>> areas_;  // by base
   std::vector<std::unique_ptr<Word, Free>> contents_;
 };

@@ -3,6 +3,8 @@
 /// (Memory); everything else a chip has is derived from these.
 #include <string_view>
 
+#include "c40/cache.hpp"
+#include "c40/memory.hpp"
 #include "c40/op.hpp"
 #include "c40/peripherals/comm_port.hpp"
 #include "c40/peripherals/timer.hpp"
@@ -27,6 +29,9 @@ struct State {
   Causes causes{};
   std::array<Answer, 2> answers{};  ///< By access of the instruction at PC.
   Word global_interface_control = 0, local_interface_control = 0;
+  Cache cache;
+  Memory::OpenPages open_pages;
+  std::array<bool, 2> locked{};  ///< LLOCK, LOCK are low: the local, the global bus is kept by an interlocked access.
   std::array<CommPort, port_count> ports{};
   std::array<Timer, timer_count> timers{};
   bool stalled_on_port = false;  ///< The instruction at PC has begun an access that a FIFO does not answer yet.
@@ -64,6 +69,9 @@ void visit_state(S& s, Visit&& visit) {
   visit(std::string_view{"answers"}, s.answers);
   visit(std::string_view{"global_interface_control"}, s.global_interface_control);
   visit(std::string_view{"local_interface_control"}, s.local_interface_control);
+  visit(std::string_view{"cache"}, s.cache);
+  visit(std::string_view{"open_pages"}, s.open_pages);
+  visit(std::string_view{"locked"}, s.locked);
   visit(std::string_view{"ports"}, s.ports);
   visit(std::string_view{"timers"}, s.timers);
   visit(std::string_view{"stalled_on_port"}, s.stalled_on_port);

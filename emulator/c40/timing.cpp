@@ -8,10 +8,13 @@ namespace {
 
 constexpr unsigned first_address_register = 8;  // AR0; AR1..AR7, DP, IR0, IR1, BK, SP follow
 
-constexpr bool on_chip(Resource r) { return r == Resource::ram0 || r == Resource::ram1; }
-constexpr bool external(Resource r) { return r == Resource::local || r == Resource::global; }
-constexpr std::size_t block_of(Resource r) { return r == Resource::ram1; }
-constexpr std::size_t bus_of(Resource r) { return r == Resource::global; }
+constexpr bool in_block(Resource r) { return r == Resource::ram0 || r == Resource::ram1 || r == Resource::rom; }
+constexpr bool on_bus(Resource r) { return r >= Resource::local; }
+constexpr std::size_t block_of(Resource r) { return static_cast<std::size_t>(r) - static_cast<std::size_t>(Resource::ram0); }
+constexpr std::size_t bus_of(Resource r) { return static_cast<std::size_t>(r) - static_cast<std::size_t>(Resource::local); }
+constexpr std::size_t peripheral_bus = bus_of(Resource::peripheral);
+constexpr int write_cycles(std::size_t bus) { return bus == peripheral_bus ? timing::peripheral_write_cycles : timing::external_write_cycles; }
+constexpr int read_after_write(std::size_t bus) { return bus == peripheral_bus ? 0 : timing::read_after_write_cycles; }
 
 template <class Visit>
 void each_register(std::uint32_t mask, Visit visit) {
@@ -22,18 +25,18 @@ std::int8_t clamp8(int value, int low) { return static_cast<std::int8_t>(std::cl
 
 }  // namespace
 
-int Pipeline::port_use(int block, int cycle) const {
+int Pipeline::port_use(std::size_t block, int cycle) const {
   if (cycle >= 0 || cycle < -window) return 0;  // nothing on chip is reserved at T or later
-  return static_cast<int>(ports_[static_cast<std::size_t>(block)] >> (2 * (cycle + window)) & 3u);
+  return static_cast<int>(ports_[block] >> (2 * (cycle + window)) & 3u);
 }
 
 // Fetches have the lowest priority and come in program order: they must fit around the data accesses, and nothing has to
 // fit around them.
 int Pipeline::place_fetch(const Access& fetch, int from) const {
   int cycle = from;
-  if (on_chip(fetch.resource)) {
-    while (port_use(static_cast<int>(block_of(fetch.resource)), cycle) >= timing::ram_ports) ++cycle;
-  } else if (external(fetch.resource)) {
+  if (in_block(fetch.resource)) {
+    while (port_use(block_of(fetch.resource), cycle) >= timing::block_ports) ++cycle;
+  } else if (on_bus(fetch.resource)) {
     const std::uint64_t need = (std::uint64_t{2} << fetch.waits) - 1;
     const std::uint64_t busy = buses_[bus_of(fetch.resource)].busy;
     while (cycle + window < 64 && (busy >> (cycle + window) & need) != 0) ++cycle;
@@ -65,34 +68,40 @@ StepTiming Pipeline::advance(const Demand& demand) {
   const int r = std::max(d + 1, -1);
 
   // Reads: the first cycle in which all of them fit.
-  std::array<int, 2> block_reads{}, bus_cycles{};
+  std::array<int, block_count> block_reads{};
+  std::array<bool, bus_count> bus_reads{};
   int a = r, longest = 1, waits = 0;
   for (std::size_t i = 0; i < demand.count; ++i) {
     const Access& access = demand.data[i];
     if (access.write) continue;
-    if (on_chip(access.resource)) ++block_reads[block_of(access.resource)];
-    if (external(access.resource)) {
-      const Bus& bus = buses_[bus_of(access.resource)];
-      a = std::max({a, int{bus.free}, bus.write_end + timing::read_after_write_cycles});
-      bus_cycles[bus_of(access.resource)] += 1 + access.waits;
+    if (in_block(access.resource)) ++block_reads[block_of(access.resource)];
+    if (on_bus(access.resource)) {
+      const std::size_t b = bus_of(access.resource);
+      const Bus& bus = buses_[b];
+      a = std::max({a, int{bus.free}, bus.write_end + read_after_write(b)});
+      if (!bus_reads[b] && a == bus.read_end && access.strobe1 != bus.read_strobe1) a += timing::strobe_switch_cycles;
+      bus_reads[b] = true;
     } else {
       longest = std::max(longest, 1 + access.waits);
       waits = std::max(waits, int{access.waits});
     }
   }
-  for (int block = 0; block < 2; ++block)
-    while (block_reads[static_cast<std::size_t>(block)] != 0 &&
-           port_use(block, a) + block_reads[static_cast<std::size_t>(block)] > timing::ram_ports) {
+  for (std::size_t block = 0; block < block_count; ++block)
+    while (block_reads[block] != 0 && port_use(block, a) + block_reads[block] > timing::block_ports) {
       ++a;
       block = 0;
     }
-  std::array<int, 2> next_on_bus{a, a};
+  std::array<int, bus_count> next_on_bus{a, a, a};
+  std::array<bool, bus_count> last_strobe1{};
   for (std::size_t i = 0; i < demand.count; ++i) {
     const Access& access = demand.data[i];
     if (access.write) continue;
     out.start[i] = a;
-    if (!external(access.resource)) continue;
-    int& next = next_on_bus[bus_of(access.resource)];
+    if (!on_bus(access.resource)) continue;
+    const std::size_t b = bus_of(access.resource);
+    int& next = next_on_bus[b];
+    if (next != a && last_strobe1[b] != access.strobe1) next += timing::strobe_switch_cycles;
+    last_strobe1[b] = access.strobe1;
     out.start[i] = next;
     next += 1 + access.waits;
     if (next - a >= longest) longest = next - a, waits = std::max(waits, int{access.waits});
@@ -101,30 +110,30 @@ StepTiming Pipeline::advance(const Demand& demand) {
   // Writes: execute moves until they fit; only one write waits on a bus.
   const int e_read = a + longest;
   int e = e_read;
-  std::array<int, 2> block_writes{};
-  std::array<int, 2> bus_free{buses_[0].free, buses_[1].free};
-  for (std::size_t b = 0; b < 2; ++b)
-    if (bus_cycles[b] != 0) bus_free[b] = next_on_bus[b];
+  std::array<int, block_count> block_writes{};
+  std::array<int, bus_count> bus_free{}, write_end{};
   struct Interval {
     std::size_t bus;
     int from, to;
   };
-  std::array<Interval, 4> taken{};
+  std::array<Interval, bus_count + 2> taken{};
   std::size_t taken_count = 0;
-  for (std::size_t b = 0; b < 2; ++b)
-    if (bus_cycles[b] != 0) taken[taken_count++] = {b, a, next_on_bus[b]};
-  std::array<int, 2> write_end{buses_[0].write_end, buses_[1].write_end};
+  for (std::size_t b = 0; b < bus_count; ++b) {
+    bus_free[b] = bus_reads[b] ? next_on_bus[b] : buses_[b].free;
+    write_end[b] = buses_[b].write_end;
+    if (bus_reads[b]) taken[taken_count++] = {b, a, next_on_bus[b]};
+  }
   for (std::size_t i = 0; i < demand.count; ++i) {
     const Access& access = demand.data[i];
     if (!access.write) continue;
-    if (external(access.resource)) {
+    if (on_bus(access.resource)) {
       const std::size_t b = bus_of(access.resource);
       e = std::max(e, bus_free[b]);
       out.start[i] = e;
-      bus_free[b] = write_end[b] = e + timing::external_write_cycles + access.waits;
-      taken[taken_count++] = {b, e, write_end[b] + timing::read_after_write_cycles};
+      bus_free[b] = write_end[b] = e + write_cycles(b) + access.waits;
+      taken[taken_count++] = {b, e, write_end[b] + read_after_write(b)};
     } else {
-      if (on_chip(access.resource)) ++block_writes[block_of(access.resource)];
+      if (in_block(access.resource)) ++block_writes[block_of(access.resource)];
       out.start[i] = e;
     }
   }
@@ -144,7 +153,10 @@ StepTiming Pipeline::advance(const Demand& demand) {
   charge(out.wait_state, waits);
   charge(out.memory_conflict, longest - 1 - waits + (a - r));
   charge(out.register_conflict, d - undelayed);
-  charge(out.wait_state, length - 1);
+  if (demand.fetch_missed)
+    charge(out.cache_miss, length - 1 + (f - earliest));
+  else
+    charge(out.wait_state, length - 1);
   charge(out.memory_conflict, rest);
 
   const auto stage = [](int cycle) { return static_cast<std::int16_t>(cycle); };
@@ -170,8 +182,7 @@ StepTiming Pipeline::advance(const Demand& demand) {
   }();
   settle(t, std::max(f + 1, d), r);
   if (demand.flush_cost != 0) fetch_ready_ = -3, read_entered_ = -2;
-  for (int block = 0; block < 2; ++block) {
-    const auto b = static_cast<std::size_t>(block);
+  for (std::size_t b = 0; b < block_count; ++b) {
     const auto reserve = [&](int cycle, int accesses) {
       const int bit = 2 * (cycle - t + window);
       if (accesses == 0 || bit < 0) return;
@@ -185,9 +196,13 @@ StepTiming Pipeline::advance(const Demand& demand) {
   for (std::size_t i = 0; i < taken_count; ++i)
     for (int cycle = std::max(taken[i].from, t - window); cycle < taken[i].to; ++cycle)
       if (cycle - t + window < 64) buses_[taken[i].bus].busy |= std::uint64_t{1} << (cycle - t + window);
-  for (std::size_t b = 0; b < 2; ++b) {
-    buses_[b].free = clamp8(bus_free[b] - t, -1);
-    buses_[b].write_end = clamp8(write_end[b] - t, -2);
+  for (std::size_t b = 0; b < bus_count; ++b) {
+    Bus& bus = buses_[b];
+    bus.free = clamp8(bus_free[b] - t, -1);
+    bus.write_end = clamp8(write_end[b] - t, -2);
+    bus.read_end = clamp8((bus_reads[b] ? next_on_bus[b] : bus.read_end) - t, -2);
+    if (bus_reads[b]) bus.read_strobe1 = last_strobe1[b];
+    if (bus.read_end == -2) bus.read_strobe1 = false;  // too long ago to matter
   }
   // Cycles before the next fetch can no longer matter.
   const int keep = window + fetch_ready_;
@@ -207,6 +222,8 @@ void Pipeline::flush(int cycles) {
   for (auto& bus : buses_) {
     bus.free = clamp8(bus.free - cycles, -1);
     bus.write_end = clamp8(bus.write_end - cycles, -2);
+    bus.read_end = clamp8(bus.read_end - cycles, -2);
+    bus.read_strobe1 &= bus.read_end != -2;
   }
   settle(cycles, -3 + cycles, -2 + cycles);
   ready_ = 0;
@@ -227,8 +244,9 @@ std::uint64_t Pipeline::hash() const {
       std::uint64_t{ready_} << 16);
   for (auto ports : ports_) mix(ports);
   for (const auto& bus : buses_)
-    mix(bus.busy ^ std::uint64_t{static_cast<std::uint8_t>(bus.free)} << 40 ^
-        std::uint64_t{static_cast<std::uint8_t>(bus.write_end)} << 48);
+    mix(bus.busy ^ std::uint64_t{static_cast<std::uint8_t>(bus.free)} << 32 ^
+        std::uint64_t{static_cast<std::uint8_t>(bus.write_end)} << 40 ^
+        std::uint64_t{static_cast<std::uint8_t>(bus.read_end)} << 48 ^ std::uint64_t{bus.read_strobe1} << 56);
   return h;
 }
 

@@ -7,7 +7,8 @@
 /// All times are relative to T, "the cycle in which the next instruction without conflicts would execute". T is the
 /// chip's cycle count. A standard branch moves T by its whole cost, so its refill is charged to the branch itself.
 ///
-/// Inaccuracies: stalls imposed from outside (a shared bus) hold everything, posted writes included. No cache yet.
+/// Inaccuracies: stalls imposed from outside (a shared bus) hold everything, posted writes included. A change of strobe between a
+/// fetch and a data read costs nothing.
 #include <array>
 #include <cstdint>
 
@@ -16,13 +17,16 @@
 
 namespace c40 {
 
-/// What an access occupies. `ideal` never conflicts (board `flat`, peripheral registers).
-enum class Resource : std::uint8_t { ideal, ram0, ram1, local, global };
+/// What an access occupies. `ideal` never conflicts (board `flat`, hits of the instruction cache).
+enum class Resource : std::uint8_t { ideal, ram0, ram1, rom, local, global, peripheral };
+
+constexpr bool external(Resource r) { return r == Resource::local || r == Resource::global; }
 
 struct Access {
   Resource resource = Resource::ideal;
   std::uint8_t waits = 0;
   bool write = false;
+  bool strobe1 = false;  ///< where a change of strobe costs a cycle (STRB SWITCH): the access is on STRB1
   friend bool operator==(const Access&, const Access&) = default;
 };
 
@@ -39,6 +43,7 @@ struct Demand {
   Footprint footprint;
   Access fetch;
   bool fetched = true;  ///< false for the repetitions of RPTS
+  bool fetch_missed = false;  ///< the instruction cache is on and does not have the word
   std::uint8_t count = 0;
   std::array<Access, 2> data{};
   int flush_cost = 0;  ///< cost of a standard branch in this direction; 0 for everything else
@@ -50,7 +55,9 @@ struct StepTiming {
   int branch = 0;
   int register_conflict = 0;
   int memory_conflict = 0;
+  int cache_miss = 0;
   int wait_state = 0;
+  int execute() const { return total - branch - register_conflict - memory_conflict - cache_miss - wait_state; }
   std::array<int, 2> start{};
   /// When the instruction stood in each stage, relative to T before.
   struct Stages {
@@ -78,12 +85,14 @@ class Pipeline {
     std::uint64_t busy = 0;  ///< cycles taken by data, bit 0 is T - window
     std::int8_t free = -1;   ///< first cycle after all data accesses
     std::int8_t write_end = -2;
+    std::int8_t read_end = -2;
+    bool read_strobe1 = false;  ///< of the read that ended then
     friend bool operator==(const Bus&, const Bus&) = default;
   };
   static constexpr int window = 24;
-  static constexpr int address_register_count = 13;
+  static constexpr std::size_t block_count = 3, bus_count = 3;  ///< RAM 0, RAM 1, ROM; local, global, peripheral
 
-  int port_use(int block, int cycle) const;
+  int port_use(std::size_t block, int cycle) const;
   int place_fetch(const Access& fetch, int from) const;
   int decode_at(const Footprint& footprint, int from) const;
   void settle(int shift, int fetch_ready, int read_entered);
@@ -91,8 +100,8 @@ class Pipeline {
   std::int8_t fetch_ready_ = -3;   ///< earliest fetch of the next instruction
   std::int8_t read_entered_ = -2;  ///< when the last instruction left decode
   std::uint32_t ready_ = 0;        ///< two bits per address register: stall of its use in the next instruction
-  std::array<std::uint64_t, 2> ports_{};  ///< two bits per cycle and RAM block, bit 0 is T - window
-  std::array<Bus, 2> buses_{};
+  std::array<std::uint64_t, block_count> ports_{};  ///< two bits per cycle and block, bit 0 is T - window
+  std::array<Bus, bus_count> buses_{};
 };
 
 }  // namespace c40

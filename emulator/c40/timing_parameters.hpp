@@ -23,16 +23,20 @@ inline constexpr int late_trap_cost = 1;  // LATcond: delayed, like LAJ (unverif
 /// (c40-hardware.md 5.5) (unverified).
 inline constexpr int interrupt_entry_cost = 8;
 
-/// Accesses per cycle of an on-chip RAM block (c40-hardware.md 7.4).
-inline constexpr int ram_ports = 2;
+/// Accesses per cycle of an on-chip block (c40-hardware.md 7.4); of the boot ROM it is the C3x figure (unverified).
+inline constexpr int block_ports = 2;
 
 /// An external write occupies its bus for this many cycles plus its wait states; a read takes 1 + waits.
 inline constexpr int external_write_cycles = 2;
-/// A read straight after a write on the same bus takes one cycle more.
+/// A read straight after a write on the same external bus takes one cycle more.
 inline constexpr int read_after_write_cycles = 1;
+/// The peripheral bus takes one access per cycle, in either direction (unverified).
+inline constexpr int peripheral_write_cycles = 1;
+/// With STRB SWITCH set, a read straight after a read on the other strobe of the bus takes so many cycles more (unverified).
+inline constexpr int strobe_switch_cycles = 1;
 /// Cycles per tick of a timer's internal clock, H1/2 (c40-hardware.md 4).
 inline constexpr int timer_tick_cycles = 2;
-/// Longest wait states that a region of a board may declare.
+/// Longest wait states, and longest further wait states for another page, that a region of a board may declare.
 inline constexpr int max_region_waits = 15;
 
 }  // namespace c40::timing

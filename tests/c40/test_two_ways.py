@@ -96,9 +96,12 @@ PIECES = [
 ]
 
 
-def random_program(seed: int) -> Any:
+CACHE_ENABLE, CACHE_CLEAR = 0x800, 0x1000
+
+
+def random_program(seed: int, status: int = 0, pieces: int = 40) -> Any:
     rng = random.Random(seed)
-    body = "\n".join("        " + rng.choice(PIECES).replace("{n}", str(n)) for n in range(40))
+    body = "\n".join("        " + rng.choice(PIECES).replace("{n}", str(n)) for n in range(pieces))
     text = f"""
 loop:
 {body}
@@ -119,14 +122,19 @@ sub2:   addi 2,r7
     processor.set("AR3", 0x40000000)
     processor.set("BK", 32)
     processor.set("SP", 0x2FFA00)
+    processor.set("ST", status)
     for n, value in enumerate([0x0012345678, 0x0023456789, 0x05400001, 0x0300000007]):
         processor.set(f"R{n + 4}", value)
     return processor
 
 
-@pytest.mark.parametrize("seed", range(40))
-def test_random_programs_agree_cycle_by_cycle(seed: int) -> None:
-    fast, exact = random_program(seed), random_program(seed)
+# With the cache on, 40 pieces fit into its 128 words and 100 do not.
+CASES = [(seed, 0, 40) for seed in range(40)] + [(seed, CACHE_ENABLE, pieces) for seed in range(1, 30, 2) for pieces in (40, 70, 100)]
+
+
+@pytest.mark.parametrize(("seed", "status", "pieces"), CASES)
+def test_random_programs_agree_cycle_by_cycle(seed: int, status: int, pieces: int) -> None:
+    fast, exact = random_program(seed, status, pieces), random_program(seed, status, pieces)
     exact.set_exact(True)
     rng = random.Random(seed)
     for _ in range(60):

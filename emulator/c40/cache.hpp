@@ -1,0 +1,87 @@
+#pragma once
+/// The instruction cache (c40-hardware.md 6): 4 segments of 32 words, fully associative, least recently used first, one word per miss.
+/// It holds the words themselves: code that was changed in memory runs as it was until CC clears the cache.
+///
+/// Inaccuracies: wrong-path fetches behind a branch are not made, so they load nothing.
+#include <array>
+#include <bit>
+#include <cstdint>
+
+#include "c40/types.hpp"
+
+namespace c40 {
+
+class Cache {
+ public:
+  static constexpr unsigned segment_count = 4, segment_words = 32;
+
+  /// The cached word at an address, or null.
+  const Word* find(Address address) const {
+    const unsigned s = segment_of(address);
+    return s != segment_count && (present_[s] >> (address & 31) & 1u) != 0 ? &words_[s][address & 31] : nullptr;
+  }
+
+  /// For each of 32 words from an address on, bit 0 first: whether it will be a hit when they are fetched in order.
+  std::uint32_t hits_from(Address address) const {
+    const unsigned first = segment_of(address), shift = address % segment_words;
+    std::uint32_t hits = first != segment_count ? present_[first] >> shift : 0;
+    if (shift == 0) return hits;
+    const unsigned second = segment_of(address + segment_words);
+    const bool replaced = first == segment_count && second == order_[segment_count - 1];
+    if (second != segment_count && !replaced) hits |= present_[second] << (segment_words - shift);
+    return hits;
+  }
+
+  /// A hit: the segment becomes the most recently used one.
+  void touch(Address address) {
+    if (start_[order_[0]] == address >> 5) return;
+    move_to_front(segment_of(address));
+  }
+
+  /// A miss: the word comes into the cache.
+  void load(Address address, Word word) {
+    unsigned s = segment_of(address);
+    if (s == segment_count) {
+      s = order_[segment_count - 1];
+      present_[s] = 0;
+      start_[s] = address >> 5;
+    }
+    present_[s] |= 1u << (address & 31);
+    words_[s][address & 31] = word;
+    move_to_front(s);
+  }
+
+  /// CC: clears all P flags; segment addresses and their order stay.
+  void clear() { present_ = {}; }
+
+  /// Calls visit(address) for each word that is there.
+  template <class Visit>
+  void each_word(Visit&& visit) const {
+    for (unsigned s = 0; s < segment_count; ++s)
+      for (Word rest = present_[s]; rest != 0; rest &= rest - 1) visit(start_[s] << 5 | static_cast<Address>(std::countr_zero(rest)));
+  }
+
+  friend bool operator==(const Cache&, const Cache&) = default;
+
+ private:
+  static constexpr Address nowhere = ~Address{0};  // no segment begins there: a start address has 27 bits
+
+  unsigned segment_of(Address address) const {
+    for (unsigned s = 0; s < segment_count; ++s)
+      if (start_[s] == address >> 5) return s;
+    return segment_count;
+  }
+  void move_to_front(unsigned segment) {
+    unsigned at = 0;
+    while (order_[at] != segment) ++at;
+    for (; at != 0; --at) order_[at] = order_[at - 1];
+    order_[0] = static_cast<std::uint8_t>(segment);
+  }
+
+  std::array<std::array<Word, segment_words>, segment_count> words_{};
+  std::array<Word, segment_count> present_{};  // P flags
+  std::array<Address, segment_count> start_{nowhere, nowhere, nowhere, nowhere};
+  std::array<std::uint8_t, segment_count> order_{0, 1, 2, 3};  // most recently used first
+};
+
+}  // namespace c40
