@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as some
 
 from spec import addressing, floats, formats, integers
-from spec.flags import CONDITION_NAMES, IMPLEMENTED, OVM, RM, SET_COND
+from spec.flags import CONDITION_NAMES, GIE, IMPLEMENTED, OVM, RM, SET_COND
 from spec.machine import Machine
 from spec.operands import EDGE_EXPONENTS, EDGE_FLOATS, EDGE_MANTISSAS, EDGE_WORDS
 from spec.state import BK, DP, IR0, IR1, NAMES, RC, ST
@@ -153,6 +153,8 @@ def test_destinations_outside_the_extended_registers(
 ) -> None:
     """Flags follow with SET COND only, and never an ST that is the destination; saturation follows OVM alone."""
     st = st & ~(SET_COND | OVM) | SET_COND * set_cond | OVM * ovm
+    if dst == IIE:
+        st &= ~GIE  # the empty output FIFOs would ask at once
     compare(processor, op << 23 | dst << 16 | 1, {1: a, ST: st} | ({dst: old} if dst != ST else {}))
 
 
