@@ -62,15 +62,15 @@ def test_the_clock_of_the_board_is_that_of_the_chip(tmp_path: Path) -> None:
 
 
 def test_wait_states_of_the_program_memory(tmp_path: Path) -> None:
-    """Each instruction of a kernel's straight code waits twice for its fetch; of the dock, execution gets longer, not wrong."""
+    """A kernel's straight code misses the cache and waits twice for its fetch; of the dock, execution gets longer, not wrong."""
     fast, slow = run(tmp_path, DEFAULT), run(tmp_path, DEFAULT.replace(*PROGRAM_WAITS))
     before, after = (r.report["tasks"]["torque_compensation"] for r in (fast, slow))
     assert before["execution_cycles"]["wait_state"] == 0
     assert before["on_time"] == after["on_time"] > 40
     executed = after["execution_cycles"]["execute"]
     assert executed == pytest.approx(before["execution_cycles"]["execute"], rel=1e-3)  # later, the plant is read later
-    # RPTS fetches once, and data waits as well: about two for each instruction.
-    assert 1.9 * executed < after["execution_cycles"]["wait_state"] < 2.1 * executed
+    # Two cycles for each miss; what is called again soon (sine and cosine), hits.
+    assert 0.5 * executed < after["execution_cycles"]["cache_miss"] < 2 * executed
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from spec import addressing, floats, formats, integers
 from spec.flags import CONDITION_NAMES, GIE, IMPLEMENTED, OVM, RM, SET_COND
 from spec.machine import Machine
 from spec.operands import EDGE_EXPONENTS, EDGE_FLOATS, EDGE_MANTISSAS, EDGE_WORDS
-from spec.state import BK, DP, IR0, IR1, NAMES, RC, ST
+from spec.state import BK, DP, IIE, IR0, IR1, NAMES, RC, ST
 
 WORD = 0xFFFFFFFF
 DATA = 0x2000
