@@ -2,7 +2,7 @@
 
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -16,6 +16,21 @@ changes = pytest.StashKey[list[str]]()
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update-golden", action="store_true", help="rewrite the files in tests/golden and print what changed")
+
+
+    parser.addoption("--way", help="run every program in two ways of timing, and compare them at many points (tests/lockstep.py)")
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _in_two_ways(request: pytest.FixtureRequest) -> Iterator[None]:
+    way = request.config.getoption("--way")
+    if way is None:
+        yield
+        return
+    import lockstep
+
+    with lockstep.processors(way, keep=False):
+        yield
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -180,6 +180,20 @@ class Processor {
   std::optional<c40::SelfCheck> self_check;
 };
 
+/// Of all words of RAM that are not 0, whatever areas they lie in.
+std::uint64_t digest(const c40::Memory& memory) {
+  std::uint64_t sum = 0;
+  for (const auto& area : memory.areas()) {
+    if (area->data == nullptr) continue;
+    for (Word i = 0; i < area->words; ++i)
+      if (const Word word = area->data[i]; word != 0) {
+        std::uint64_t h = (std::uint64_t{area->base + i} << 32 | word) * 0x9E3779B97F4A7C15u;
+        sum += (h ^ h >> 29) * 0xBF58476D1CE4E5B9u;
+      }
+  }
+  return sum;
+}
+
 py::dict port_of(const c40::CommPort& port) {
   const c40::PortTraffic& t = port.traffic;
   const auto words = [](const c40::Fifo& fifo) { return std::vector<Word>(fifo.words().begin(), fifo.words().end()); };
@@ -273,6 +287,9 @@ void bind_processor(py::module_& m) {
       .def("timer_pin", [](const Processor& p, int timer) { return p.chip.timer_pin(timer); })
       .def("peripheral", [](const Processor& p, const std::string& name) { return p.chip.peripheral(name); })
       .def_property_readonly("watches_ports", [](const Processor& p) { return p.chip.watches_ports(); })
+      .def("add_breakpoint", [](Processor& p, c40::Address a) { p.chip.add_breakpoint(a); })
+      .def("remove_breakpoint", [](Processor& p, c40::Address a) { p.chip.remove_breakpoint(a); })
+      .def("digest", [](const Processor& p) { return digest(p.chip.memory()); }, "A hash of all RAM.")
       .def("set_exact", [](Processor& p, bool exact) { p.chip.set_exact(exact); }, "One instruction at a time, no blocks.")
       .def("peek", [](const Processor& p, c40::Address a) { return p.chip.peek(a); })
       .def("poke", [](Processor& p, c40::Address a, Word v) { p.chip.poke(a, v); })
