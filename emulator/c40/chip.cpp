@@ -126,6 +126,7 @@ bool Chip::timer_pin(int timer) const {
 Word Chip::peripheral(std::string_view name) const { return engine_->peek(register_named(name).address); }
 
 Cycles Chip::next_event() const { return engine_->next_peripheral_event(); }
+bool Chip::locked(bool global_bus) const { return engine_->state().locked[global_bus]; }
 bool Chip::idle() const { return engine_->waits_in_idle(); }
 void Chip::hold(bool held) { engine_->touch().held = held; }
 bool Chip::halted() const { return engine_->state().held || engine_->state().faulted; }

@@ -2,8 +2,8 @@
 /// One TMS320C40: its whole public face. The chip knows no system: it runs until a limit, or until it would touch something
 /// that is not its own, and says so.
 ///
-/// Inaccuracies: no instruction cache, DMA or boot ROM yet (touching their registers is a
-/// fault that names the register); software wait states of the memory interface control registers have no effect; annulled slots
+/// Inaccuracies: no DMA or boot ROM yet (touching their registers is a
+/// fault that names the register); annulled slots
 /// update address registers but do not read memory; RCPF and RSQRF seeds are a model. docs/fidelity.md lists every choice.
 #include <functional>
 #include <memory>
@@ -141,6 +141,8 @@ class Chip {
   void raise_nmi();
   /// The next cycle in which a peripheral does something by itself that the processor could see; the greatest number if none will.
   Cycles next_event() const;
+  /// Whether LOCK (LLOCK, the local bus's) is low: an LDII or LDFI has taken it, and no STII or STFI given it back.
+  bool locked(bool global_bus) const;
   /// In IDLE with no interrupt to take.
   bool idle() const;
   void hold(bool held);

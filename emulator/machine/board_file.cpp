@@ -73,7 +73,7 @@ class BoardReader {
       if (found == nullptr) fail(node, fmt::format("region {}: {} is missing", board.regions.size() + 1, key));
       return *found;
     };
-    allow(table, "region.", {"name", "kind", "base", "words", "bus", "waits", "read_waits", "write_waits"});
+    allow(table, "region.", {"name", "kind", "base", "words", "bus", "waits", "read_waits", "write_waits", "page_waits"});
     Region region;
     region.name = text(needed("name"), "region.name");
     region.base = word(needed("base"), "region.base", 0xFFFFFFFF);
@@ -86,12 +86,13 @@ class BoardReader {
     const bool window = region.kind == Region::Kind::external_window;
     if (!window && region.words > most_words) fail(needed("words"), fmt::format("region.words of {}: at most {} words of RAM", region.name, most_words));
     region.bus = bus_of(needed("bus"), region);
-    for (const char* key : {"waits", "read_waits", "write_waits"})
+    for (const char* key : {"waits", "read_waits", "write_waits", "page_waits"})
       if (const auto* waits = table.get(key); window && waits != nullptr)
         fail(*waits, fmt::format("region.{} of {}: a window waits for its bus, and for nothing else", key, region.name));
     if (const auto* waits = table.get("waits")) region.read_waits = region.write_waits = wait_states(*waits, "region.waits");
     if (const auto* waits = table.get("read_waits")) region.read_waits = wait_states(*waits, "region.read_waits");
     if (const auto* waits = table.get("write_waits")) region.write_waits = wait_states(*waits, "region.write_waits");
+    if (const auto* waits = table.get("page_waits")) region.page_waits = wait_states(*waits, "region.page_waits");
     check_place(board, region, node);
     board.regions.push_back(std::move(region));
   }

@@ -12,6 +12,7 @@
 #include "c40/self_check.hpp"
 #include "python/bindings/bindings.hpp"
 #include "toolchain/assembler.hpp"
+#include "machine/board_file.hpp"
 
 namespace {
 
@@ -95,12 +96,6 @@ py::dict causes_of(const c40::Causes& causes) {
   return out;
 }
 
-c40::Board board_named(const std::string& name) {
-  if (name == "default") return c40::Board::default_board();
-  if (name == "flat") return c40::Board::flat();
-  throw py::value_error("no board is called " + name + "; there are default and flat");
-}
-
 /// Keeps every record as a dict.
 class Recorder : public c40::TraceSink {
  public:
@@ -132,7 +127,7 @@ class Recorder : public c40::TraceSink {
 
 class Processor {
  public:
-  Processor(const std::string& board, bool checks) : chip(board_named(board)) {
+  Processor(const std::string& board, bool checks) : chip(machine::read_board(board).board) {
     if (!checks) return;
     self_check.emplace(chip);
     chip.set_trace(&*self_check);
@@ -257,7 +252,7 @@ void bind_link(py::module_& m) {
 }
 
 void bind_processor(py::module_& m) {
-  py::class_<Processor>(m, "Processor", "One TMS320C40 on board `default` or `flat` (rulings.md 26).")
+  py::class_<Processor>(m, "Processor", "One TMS320C40 on board `default`, `flat` (rulings.md 26), or one that a TOML file describes.")
       .def(py::init<const std::string&, bool>(), py::arg("board") = "default", py::arg("checks") = false)
       .def("diagnostics", &Processor::diagnostics, "Rules that the program broke, with checks on.")
       .def("load_words", &Processor::load_words, py::arg("address"), py::arg("words"))
@@ -292,6 +287,8 @@ void bind_processor(py::module_& m) {
       .def("add_breakpoint", [](Processor& p, c40::Address a) { p.chip.add_breakpoint(a); })
       .def("remove_breakpoint", [](Processor& p, c40::Address a) { p.chip.remove_breakpoint(a); })
       .def("digest", [](const Processor& p) { return digest(p.chip.memory()); }, "A hash of all RAM.")
+      .def("locked", [](const Processor& p, bool global) { return p.chip.locked(global); }, py::arg("global_bus"),
+           "Whether LOCK of the global, LLOCK of the local bus is low.")
       .def("set_exact", [](Processor& p, bool exact) { p.chip.set_exact(exact); }, "One instruction at a time, no blocks.")
       .def("peek", [](const Processor& p, c40::Address a) { return p.chip.peek(a); })
       .def("poke", [](Processor& p, c40::Address a, Word v) { p.chip.poke(a, v); })

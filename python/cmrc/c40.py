@@ -223,13 +223,13 @@ def _word(value: int) -> int:
 
 
 class Processor:
-    """One TMS320C40 with memory around it: board ``default`` (the CMRC board's map) or ``flat`` (zero-wait RAM everywhere).
+    """One TMS320C40 with memory around it: board ``default`` (the CMRC board's map), ``flat`` (zero-wait RAM everywhere), or a TOML file's path.
 
     With ``checks`` it watches for rules of the manual that a program breaks; ``diagnostics`` has them. It is slower then, and nothing else changes.
     """
 
-    def __init__(self, program: Program | Path | None = None, *, board: str = "default", checks: bool = False) -> None:
-        self._core = _core.c40.Processor(board, checks)
+    def __init__(self, program: Program | Path | None = None, *, board: str | Path = "default", checks: bool = False) -> None:
+        self._core = _core.c40.Processor(str(board), checks)
         self.program: Program | None = None
         """What was loaded last."""
         self.registers = _Registers(self._core)

@@ -1,0 +1,194 @@
+"""The instruction cache (c40-hardware.md 6). Where a word is fetched from shows in what its fetch costs: SLOW has one wait state, a hit none."""
+
+from typing import Any
+
+import pytest
+import small_programs
+from cmrc._core import c40
+
+LOCAL, SLOW = 0x300000, 0x40000000
+ENABLE, FREEZE, CLEAR = 0x800, 0x400, 0x1000
+NOP, ADD_1_TO_R0 = 0x0C800000, 0x02600001
+SEGMENT = 32
+
+
+@pytest.fixture
+def processor() -> Any:
+    processor = c40.Processor("default")
+    processor.load_words(SLOW, [NOP] * 1024)
+    processor.set("ST", ENABLE)
+    return processor
+
+
+def misses(processor: Any, address: int) -> bool:
+    """One instruction from an empty pipeline: a miss waits once, and says why; a fetch with the cache off waits for its memory."""
+    before = processor.causes
+    processor.pc = address
+    processor.step()
+    spent = {cause: after - before[cause] for cause, after in processor.causes.items() if after != before[cause]}
+    assert spent in ({"execute": 1}, {"execute": 1, "cache_miss": 1})
+    return "cache_miss" in spent
+
+
+def waits_for_memory(processor: Any, address: int) -> bool:
+    before = processor.causes["wait_state"]
+    processor.pc = address
+    processor.step()
+    return processor.causes["wait_state"] == before + 1
+
+
+def test_a_miss_loads_one_word(processor: Any) -> None:
+    assert [misses(processor, SLOW + n) for n in (0, 0, 1, 0, 1, 31, 31, 2)] == [True, False, True, False, False, True, False, True]
+
+
+def test_four_segments_fit_and_the_least_recently_used_one_goes(processor: Any) -> None:
+    a, b, c, d, e = (SLOW + n * SEGMENT for n in range(5))
+    assert all(misses(processor, address) for address in (a, b, c, d))
+    assert not any(misses(processor, address) for address in (a, b, c, d, a))  # b is the oldest now
+    assert misses(processor, e)
+    assert not any(misses(processor, address) for address in (c, d, a, e))
+    assert misses(processor, b)  # takes the place of c, which was used longest ago
+    assert [misses(processor, address) for address in (d, a, e, b)] == [False] * 4
+    assert misses(processor, c)
+
+
+def test_a_miss_of_a_word_is_a_use_of_its_segment(processor: Any) -> None:
+    a, b, c, d, e = (SLOW + n * SEGMENT for n in range(5))
+    for address in (a, b, c, d, a + 1, e):
+        misses(processor, address)
+    assert [misses(processor, address) for address in (a, a + 1, b)] == [False, False, True]
+
+
+def test_a_segment_that_comes_back_has_lost_its_other_words(processor: Any) -> None:
+    for n in range(6):
+        misses(processor, SLOW + n * SEGMENT)
+        misses(processor, SLOW + n * SEGMENT + 5)
+    assert misses(processor, SLOW)
+    assert misses(processor, SLOW + 5)
+
+
+def test_frozen_it_serves_hits_and_loads_nothing(processor: Any) -> None:
+    misses(processor, SLOW)
+    processor.set("ST", ENABLE | FREEZE)
+    assert [misses(processor, SLOW + n) for n in (0, 1, 1)] == [False, True, True]
+    processor.set("ST", ENABLE)
+    assert [misses(processor, SLOW + n) for n in (0, 1, 1)] == [False, True, False]
+
+
+def test_frozen_it_keeps_the_order_of_use(processor: Any) -> None:
+    a, b, c, d, e = (SLOW + n * SEGMENT for n in range(5))
+    for address in (a, b, c, d):
+        misses(processor, address)
+    processor.set("ST", ENABLE | FREEZE)
+    misses(processor, a)
+    processor.set("ST", ENABLE)
+    misses(processor, e)
+    assert misses(processor, a)
+
+
+def test_switched_off_it_keeps_its_words(processor: Any) -> None:
+    misses(processor, SLOW)
+    processor.set("ST", 0)
+    assert waits_for_memory(processor, SLOW)
+    assert waits_for_memory(processor, SLOW + 1)
+    processor.set("ST", ENABLE)
+    assert [misses(processor, SLOW + n) for n in (0, 1)] == [False, True]
+
+
+def test_clearing_empties_it_and_reads_back_zero(processor: Any) -> None:
+    for n in range(4):
+        misses(processor, SLOW + n)
+    processor.set("ST", ENABLE | CLEAR)
+    assert processor.get("ST") == ENABLE
+    assert all(misses(processor, SLOW + n) for n in range(4))
+
+
+def test_changed_code_runs_as_it_was_until_the_cache_is_cleared(processor: Any) -> None:
+    misses(processor, SLOW)
+    processor.poke(SLOW, ADD_1_TO_R0)
+    assert not misses(processor, SLOW)
+    assert processor.get("R0") & 0xFFFFFFFF == 0
+    processor.set("ST", ENABLE | CLEAR)
+    assert misses(processor, SLOW)
+    assert processor.get("R0") & 0xFFFFFFFF == 1
+
+
+@pytest.mark.parametrize("exact", [True, False])
+def test_a_program_that_writes_over_its_code_needs_cc(exact: bool) -> None:
+    """Its loop is in the cache when the new instruction is stored: it counts by 1 on, until CC."""
+    text = """
+        call loop
+        ldi @new,r2
+        sti r2,@e
+        call loop
+        or 1000h,st
+        call loop
+stop:   bu stop
+loop:   ldi 9,rc
+        rptb e
+        nop
+e:      addi 1,r1
+        rets
+new:    addi 100,r1
+"""
+    processor, image = small_programs.load(text, at=LOCAL)
+    processor.set_exact(exact)
+    for name, value in {"DP": LOCAL >> 16, "SP": 0x2FFA00, "ST": ENABLE}.items():
+        processor.set(name, value)
+    processor.run(10_000, until=image.symbols["stop"])
+    assert processor.get("R1") & 0xFFFFFFFF == 10 + 10 + 10 * 100
+    assert small_programs.consistent(processor)
+
+
+def cycles_per_pass(body: str, status: int, registers: dict[str, int], at: int, exact: bool) -> tuple[int, dict[str, int]]:
+    """Of a repeated block once it is in the cache: the difference of 30 passes and 10."""
+    cycles, causes = [], []
+    for count in (10, 30):
+        processor, image = small_programs.load(f"        ldi {count - 1},rc\n        rptb e\n{body}\nstop:   bu stop\n", at=at)
+        processor.set_exact(exact)
+        for name, value in (registers | {"ST": status}).items():
+            processor.set(name, value)
+        processor.run(100_000, until=image.symbols["stop"])
+        assert small_programs.consistent(processor)
+        cycles.append(processor.cycle)
+        causes.append(processor.causes)
+    assert (cycles[1] - cycles[0]) % 20 == 0
+    return (cycles[1] - cycles[0]) // 20, {c: (causes[1][c] - causes[0][c]) // 20 for c in causes[0] if causes[1][c] != causes[0][c]}
+
+
+EIGHT_LOADS = "        ldi *ar0,r0\n" * 7 + "e:      ldi *ar0,r0"
+EIGHT_ADDS = "        addi 1,r0\n" * 7 + "e:      addi 1,r0"
+FORTY_ADDS = "        addi 1,r0\n" * 39 + "e:      addi 1,r0"
+MANY_ADDS = "        addi 1,r0\n" * 159 + "e:      addi 1,r0"
+
+
+@pytest.mark.parametrize("exact", [True, False])
+@pytest.mark.parametrize(
+    ("body", "status", "at", "cycles", "causes"),
+    [
+        # Eight fetches and eight reads on one bus, or eight reads alone.
+        (EIGHT_LOADS, 0, LOCAL, 16, {"execute": 8, "memory_conflict": 8}),
+        (EIGHT_LOADS, ENABLE, LOCAL, 8, {"execute": 8}),
+        # Two cycles for each fetch from memory with one wait state, or one.
+        (EIGHT_ADDS, 0, SLOW, 16, {"execute": 8, "wait_state": 8}),
+        (EIGHT_ADDS, ENABLE, SLOW, 8, {"execute": 8}),
+        (FORTY_ADDS, ENABLE, SLOW, 40, {"execute": 40}),
+        # 160 words in a circle through 128: each pass finds none of what it needs.
+        (MANY_ADDS, ENABLE, SLOW, 320, {"execute": 160, "cache_miss": 160}),
+    ],
+)
+def test_what_a_loop_costs(body: str, status: int, at: int, cycles: int, causes: dict[str, int], exact: bool) -> None:
+    assert cycles_per_pass(body, status, {"AR0": LOCAL + 0x1000}, at, exact) == (cycles, causes)
+
+
+def test_on_chip_code_is_not_cached() -> None:
+    """c40-hardware.md 6: only fetches from the external buses are."""
+    processor = c40.Processor("default")
+    processor.load_words(0x2FF800, [NOP] * 8)
+    processor.set("ST", ENABLE)
+    processor.pc = 0x2FF800
+    processor.run(8)
+    processor.poke(0x2FF800, ADD_1_TO_R0)
+    processor.pc = 0x2FF800
+    processor.step()
+    assert processor.get("R0") & 0xFFFFFFFF == 1
