@@ -3,7 +3,7 @@ SHELL := /bin/bash
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 
-.PHONY: demo test build setup clean golden lint vectors arithmetic oracles bench
+.PHONY: demo test build setup clean golden lint vectors arithmetic oracles bench results
 
 demo: build
 	build/bin/emulator --dsps 4
@@ -21,6 +21,10 @@ setup:
 
 golden: build
 	$(PYTHON) -m pytest -q tests --update-golden -m golden
+
+# docs/results.md: the paper's six claims, each put to its experiment, on all cores (about five minutes on two quiet ones).
+results: build
+	PYTHONPATH=build/python $(PYTHON) -m cmrc.results --page docs/results.md
 
 # Emulated instructions per second of the core and of the scene (docs/speed.md). Wants a quiet machine.
 bench: build

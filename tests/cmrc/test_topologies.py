@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+import cmrc as package
 import pytest
 from cmrc._core import cmrc
-
-import cmrc as package
 
 SHORT = {"dsps": 2, "duration_s": 0.15}
 PRESETS = ["dual", "host_on_both", "sensors_with_host", "single"]

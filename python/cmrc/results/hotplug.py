@@ -1,0 +1,136 @@
+"""Claim 3: a DSP can be plugged in while the system runs and starts working by itself."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from cmrc.results.dsps import rates
+from cmrc.results.judgement import Row, Verdict, counted, markdown, with_interval
+from cmrc.results.runs import FirstClaim, Reports, Run
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NUMBER, NAME = 3, "hotplug"
+TITLE = "A DSP can be plugged in while the system runs and starts working by itself"
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """What a user may change."""
+
+    dsps: tuple[int, ...] = (1, 2, 4)
+    """Before the plug."""
+    servo_hz: float = 8000.0
+    refreshes_per_servo: int = 4
+    trials: int = 8
+    seed: int = 1
+    before_s: float = 0.04
+    """From the start to the plug, give or take a servo period."""
+    window_s: float = 0.03
+    """In which misses are counted, before the plug and from ``settle_s`` after it."""
+    settle_s: float = 0.01
+
+
+QUICK = Parameters(dsps=(1,), trials=1)
+
+
+def runs(p: Parameters) -> list[Run]:
+    draw = random.Random(p.seed)
+    table = []
+    for n in p.dsps:
+        for _ in range(p.trials):
+            at = round(p.before_s + draw.uniform(0, 1 / p.servo_hz), 9)
+            table.append(
+                Run(
+                    {"dsps": n, "at_s": at},
+                    {"machine.dsps": n, "machine.slots": n + 1, **rates(p.servo_hz, p.refreshes_per_servo)},
+                    round(at + p.settle_s + p.window_s, 9),
+                    events=[{"at_s": at, "action": "plug", "dsp": n}],
+                    stops_s=(round(at - p.window_s, 9), at, round(at + p.settle_s, 9)),
+                    first_claim=FirstClaim(n, at, limit_s=p.settle_s * 0.9),
+                )
+            )
+    return table
+
+
+def rows(p: Parameters, done: Sequence[tuple[Run, Reports]]) -> list[Row]:
+    """One row per trial: shares of the released jobs that were missed before and after, and when the new DSP took its first block."""
+    table = []
+    for run, reports in done:
+        begin, plug, settled, end = reports
+
+        def missed(first: dict[str, object], last: dict[str, object]) -> float:
+            released = counted(last, of="released") - counted(first, of="released")
+            return 100 * (counted(last) - counted(first)) / released if released else 0.0
+
+        table.append(
+            {
+                **run.label,
+                "before": missed(begin, plug),
+                "after": missed(settled, end),
+                "first_claim_ms": None if end["first_claim_s"] is None else 1e3 * end["first_claim_s"],
+                "claims": end["dsps"][-1]["claims"],
+                "violations": len(end["audit"]["violations"]),
+            }
+        )
+    return table
+
+
+def group(all_rows: Sequence[Row], dsps: int) -> Row:
+    own = [row for row in all_rows if row["dsps"] == dsps]
+    first = [row["first_claim_ms"] for row in own if row["first_claim_ms"] is not None]
+    return {
+        "dsps": f"{dsps} + 1",
+        "trials": len(own),
+        "working": sum(1 for row in own if row["claims"]),
+        "first": with_interval(first),
+        "before": with_interval([row["before"] for row in own], 1),
+        "after": with_interval([row["after"] for row in own], 1),
+    }
+
+
+def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
+    if not all_rows:
+        return Verdict("not tested", "No trial was run.", "")
+    relevant = [row for row in all_rows if row["before"] > 0]
+    if not relevant:
+        return Verdict("not tested", "Nothing was missed before the plug: the new DSP was not needed.", "")
+    working = [row for row in relevant if row["claims"] and not row["violations"]]
+    least = min(row["dsps"] for row in relevant)
+    own = [row for row in relevant if row["dsps"] == least]
+    before, after = float(np.mean([row["before"] for row in own])), float(np.mean([row["after"] for row in own]))
+    first = [row["first_claim_ms"] for row in all_rows if row["first_claim_ms"] is not None]
+    why = (
+        f"In {len(working)} of {len(relevant)} trials in which deadlines were being missed the new DSP took blocks by itself, the first {with_interval(first)} ms after the plug (reset and boot)."
+        f" With {least} + 1 DSPs the share of missed jobs went from {before:.0f} % to {after:.1f} %."
+    )
+    idle = sorted({row["dsps"] for row in all_rows if not row["claims"]})
+    limit = f"Where {idle[0]} DSPs already do, it stays idle: it is the last that is rung, and there is no work left." if idle else ""
+    if len(working) < len(relevant):
+        return Verdict("fails", why, limit)
+    return Verdict("holds" if after < 0.5 * before else "holds in part", why, limit)
+
+
+def section(p: Parameters, all_rows: Sequence[Row]) -> str:
+    columns = {"dsps": "DSPs", "trials": "trials", "working": "new one at work", "first": "its first block after, ms", "before": "missed before, %", "after": "missed after, %"}
+    return (
+        f"f_p {p.servo_hz:g} Hz, f_s {p.servo_hz * p.refreshes_per_servo:g} Hz; plugged after about {p.before_s:g} s, at a random phase, seed {p.seed}; windows of {p.window_s:g} s before,"
+        f" and from {p.settle_s:g} s after. Means with 95 % intervals (bootstrap).\n\n" + markdown(columns, [group(all_rows, n) for n in p.dsps])
+    )
+
+
+def draw(p: Parameters, all_rows: Sequence[Row], figure: Figure) -> None:
+    axes = figure.subplots()
+    places = np.arange(len(p.dsps))
+    for shift, key, label in ((-0.2, "before", "before"), (0.2, "after", "after")):
+        means = [float(np.mean([row[key] for row in all_rows if row["dsps"] == n] or [0.0])) for n in p.dsps]
+        axes.bar(places + shift, means, 0.4, label=label)
+    axes.set_xticks(places, [f"{n} + 1 DSPs" for n in p.dsps])
+    axes.set_ylabel("missed jobs, %")
+    axes.legend(fontsize=8)

@@ -1,0 +1,141 @@
+"""Many runs of the emulator, on all cores, with progress; results of earlier ones are kept and used again."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import multiprocessing
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from cmrc.simulation import Setting, Simulation
+
+Report = dict[str, Any]
+Reports = Sequence[Report]
+
+
+@dataclass(frozen=True)
+class FirstClaim:
+    """Looks every ``step_s`` from ``from_s`` on whether the DSP has taken a block since; ``limit_s`` later it gives up."""
+
+    dsp: int
+    from_s: float
+    step_s: float = 25e-6
+    limit_s: float = 10e-3
+
+
+@dataclass(frozen=True)
+class Run:
+    """One run: ``label`` says which row it makes, the rest is the configuration."""
+
+    label: Mapping[str, Setting]
+    settings: Mapping[str, Setting]
+    duration_s: float
+    preset: str | None = None
+    events: Sequence[Mapping[str, Setting]] = ()
+    toml: str = ""
+    stops_s: Sequence[float] = ()
+    """Instants at which a report is made besides the end's."""
+    first_claim: FirstClaim | None = None
+
+    def key(self) -> str:
+        """Names the run: the same configuration on the same emulator has the same key."""
+        from cmrc import _core
+
+        built = Path(_core.__file__).stat()
+        return hashlib.sha256(json.dumps([asdict(self), built.st_size, built.st_mtime_ns], sort_keys=True).encode()).hexdigest()[:24]
+
+    def cost(self) -> float:
+        """Grows with the time that the run will take."""
+        return self.duration_s * float(self.settings.get("servo_frequency_hz", 1000.0))
+
+
+def execute(run: Run) -> list[Report]:
+    """The reports at the stops and at the end; that of the end has ``first_claim_s`` where asked for."""
+    with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
+        file.write(run.toml)
+        file.flush()
+        simulation = Simulation(
+            config=file.name if run.toml else None,
+            preset=run.preset,
+            settings={**run.settings, "duration_s": run.duration_s},
+            events=run.events,
+        )
+    reports: list[Report] = []
+    claimed: float | None = None
+    watch = run.first_claim
+    for stop in sorted({*run.stops_s, *([watch.from_s] if watch else [])}):
+        simulation.run_until(stop)
+        if stop in run.stops_s:
+            reports.append(simulation.result().report)
+        if watch is not None and stop == watch.from_s:
+            claimed = _first_claim(simulation, watch)
+    report = simulation.run().report
+    report["first_claim_s"] = claimed
+    return [*reports, report]
+
+
+def _first_claim(simulation: Simulation, watch: FirstClaim) -> float | None:
+    def claims() -> int:
+        return int(simulation.result().report["dsps"][watch.dsp]["claims"])
+
+    before = claims()
+    for step in range(1, round(watch.limit_s / watch.step_s) + 1):
+        simulation.run_until(watch.from_s + step * watch.step_s)
+        if claims() > before:
+            return step * watch.step_s
+    return None
+
+
+@dataclass
+class Laboratory:
+    """Runs what the claims ask for."""
+
+    jobs: int = 2
+    cache: Path | None = None
+    progress: Callable[[str], None] = field(default=lambda text: print(text, end="", file=sys.stderr, flush=True))
+
+    def all(self, runs: Sequence[Run], what: str) -> list[list[Report]]:
+        """The reports of every run, in order; long ones are begun first."""
+        results: dict[int, list[Report]] = {}
+        for index, run in enumerate(runs):
+            if (known := self._known(run)) is not None:
+                results[index] = known
+        due = sorted((i for i in range(len(runs)) if i not in results), key=lambda i: -runs[i].cost())
+        started = time.monotonic()
+        for done, (index, reports) in enumerate(self._execute([(i, runs[i]) for i in due]), 1):
+            results[index] = reports
+            self._keep(runs[index], reports)
+            self.progress(f"\r{what}: {done} of {len(due)} runs, {time.monotonic() - started:.0f} s ")
+        if due:
+            self.progress("\n")
+        return [results[i] for i in range(len(runs))]
+
+    def _execute(self, due: Sequence[tuple[int, Run]]) -> Iterable[tuple[int, list[Report]]]:
+        if self.jobs == 1 or len(due) < 2:
+            yield from map(_numbered, due)
+            return
+        with multiprocessing.Pool(min(self.jobs, len(due))) as pool:
+            yield from pool.imap_unordered(_numbered, due)
+
+    def _known(self, run: Run) -> list[Report] | None:
+        file = None if self.cache is None else self.cache / f"{run.key()}.json"
+        if file is None or not file.exists():
+            return None
+        reports: list[Report] = json.loads(file.read_text(encoding="utf-8"))
+        return reports
+
+    def _keep(self, run: Run, reports: list[Report]) -> None:
+        if self.cache is not None:
+            self.cache.mkdir(parents=True, exist_ok=True)
+            (self.cache / f"{run.key()}.json").write_text(json.dumps(reports), encoding="utf-8")
+
+
+def _numbered(numbered: tuple[int, Run]) -> tuple[int, list[Report]]:
+    index, run = numbered
+    return index, execute(run)

@@ -1,0 +1,221 @@
+"""The six claims: every experiment in small, and every verdict either way from numbers made up for it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+from cmrc.results import __main__ as command
+from cmrc.results import dsps, failures, fleet, hotplug, importance, judgement, learning, page
+from cmrc.results.runs import Laboratory, Run
+
+Rows = list[dict[str, Any]]
+
+
+@pytest.mark.parametrize("claim", command.CLAIMS, ids=lambda claim: claim.NAME)
+def test_every_experiment_runs_in_small(claim: ModuleType, tmp_path: Path) -> None:
+    said: list[str] = []
+    section = command.examine(claim, claim.QUICK, Laboratory(jobs=1, progress=said.append), tmp_path, "results")
+    assert section.startswith(f"## {claim.NUMBER}. {claim.TITLE}\n\n**")
+    assert "| " in section and f"--claim {claim.NUMBER}" in section
+    assert "runs" in "".join(said)
+    drawn = list(tmp_path.glob("*.svg"))
+    assert len(drawn) == ("![" in section) and all(file.stat().st_size > 5000 for file in drawn)
+
+
+def load_rows(missed: dict[int, float]) -> Rows:
+    return [{"part": "load", "dsps": n, "misses": int(10 * m), "missed": m} for n, m in missed.items()]
+
+
+def rate_rows(best: dict[int, float], grid: tuple[float, ...], **more: float) -> Rows:
+    healthy = {"skipped": 0, "host": 20.0, "refresh_us": 4.0, "bus_a": 30.0, "pid_run_us": 50.0, **more}
+    return [
+        {"part": "rate", "dsps": n, "servo_hz": f, "misses": int(f > top), "missed": float(f > top), **healthy}
+        for n, top in best.items()
+        for f in grid
+    ]
+
+
+GRID = (1000.0, 2000.0, 4000.0, 8000.0)
+ADDING = dsps.Parameters(dsps=(1, 2, 4), rate_dsps=(1, 2, 4), servo_hz=GRID)
+
+
+@pytest.mark.parametrize(
+    "missed, word",
+    [
+        ({1: 40.0, 2: 5.0, 4: 0.0}, "holds"),
+        ({1: 40.0, 2: 5.0, 4: 1.0}, "holds in part"),
+        ({1: 40.0, 2: 38.0, 4: 37.0}, "fails"),
+        ({1: 40.0, 2: 0.0, 4: 12.0}, "fails"),  # more DSPs made it worse again
+        ({1: 0.0, 2: 0.0, 4: 0.0}, "not tested"),
+    ],
+)
+def test_adding_dsps(missed: dict[int, float], word: str) -> None:
+    assert dsps.verdict(ADDING, load_rows(missed) + rate_rows({1: 2000, 2: 4000, 4: 4000}, GRID)).word == word
+
+
+@pytest.mark.parametrize(
+    "measured, named",
+    [
+        ({"skipped": 30.0}, "the host's refresh of the list"),
+        ({"host": 97.0}, "the host's refresh of the list"),
+        ({"bus_a": 93.0}, "bus A (93 % in use)"),
+        ({"pid_run_us": 110.0}, "the PID block itself"),
+        ({}, "DSPs: bus A is 30 % in use"),
+    ],
+)
+def test_what_ends_the_gain_of_more_dsps_is_named(measured: dict[str, float], named: str) -> None:
+    rows = load_rows({1: 9.0, 2: 0.0, 4: 0.0}) + rate_rows({1: 2000, 2: 4000, 4: 4000}, GRID, **measured)
+    limit = dsps.verdict(ADDING, rows).limit
+    assert named in limit and "2 kHz with 1, 4 kHz with 2 DSPs" in limit
+
+
+def test_the_highest_rate_ends_at_the_first_miss_below_it() -> None:
+    rows = rate_rows({1: 8000}, GRID)
+    rows[1]["misses"] = 1  # 2 kHz misses although 4 and 8 kHz pass: an anomaly of non-preemptive scheduling
+    assert dsps.highest_rate(rows, 1) == 1000
+
+
+def trial(dsps_left: int = 1, **more: Any) -> dict[str, Any]:
+    row = {"dsps": dsps_left + 1, "action": "fail", "samples": 3, "lost": 0, "recomputed": 1, "violations": 0, "detected_ms": 1.1}
+    return {**row, "stopped": False, "braked": False, **more}
+
+
+def test_failures() -> None:
+    p = failures.Parameters()
+    assert failures.verdict(p, [trial()] * 5).word == "holds"
+    assert failures.verdict(p, [trial()] * 5 + [trial(lost=1)]).word == "fails"
+    assert failures.verdict(p, [trial()] * 5 + [trial(violations=1)]).word == "fails"
+    assert failures.verdict(p, [trial(recomputed=0)] * 5).word == "not tested"
+    # Of the only DSP nothing is demanded, but it is told.
+    alone = failures.verdict(p, [trial(), trial(0, stopped=True, braked=True, lost=1), trial(0)])
+    assert alone.word == "holds" and "1 ended the work, and 1 of these left the crane braked" in alone.limit
+
+
+def plug(before: float, after: float, claims: int = 9, n: int = 1, **more: Any) -> dict[str, Any]:
+    return {"dsps": n, "before": before, "after": after, "claims": claims, "first_claim_ms": 1.5 if claims else None, "violations": 0, **more}
+
+
+def test_hotplug() -> None:
+    p = hotplug.Parameters()
+    assert hotplug.verdict(p, [plug(50.0, 0.0)] * 3).word == "holds"
+    assert hotplug.verdict(p, [plug(50.0, 45.0)] * 3).word == "holds in part"
+    assert hotplug.verdict(p, [plug(50.0, 0.0), plug(50.0, 50.0, claims=0)]).word == "fails"
+    assert hotplug.verdict(p, [plug(50.0, 0.0), plug(50.0, 0.0, violations=1)]).word == "fails"
+    assert hotplug.verdict(p, [plug(0.0, 0.0)]).word == "not tested"
+    assert "Where 4 DSPs already do" in hotplug.verdict(p, [plug(50.0, 0.0), plug(0.0, 0.0, claims=0, n=4)]).limit
+
+
+def gap(ratio: int, servo: float, planning: float = 0.0, equation: str = "restored") -> dict[str, Any]:
+    return {"part": "gaps", "equation": equation, "ratio": ratio, "servo": servo, "crane": planning, "agv": planning, "idle": 20.0}
+
+
+def starving(a: int, agv: float, servo_hz: float = 5000) -> dict[str, Any]:
+    return {"part": "starving", "servo_hz": servo_hz, "a": a, "agv": agv, "servo": 0.0, "crane": 3.0}
+
+
+@pytest.mark.parametrize(
+    "rows, word",
+    [
+        ([gap(2, 30.0), gap(8, 0.0), starving(1, 60.0), starving(20, 2.0)], "holds"),
+        ([gap(8, 0.0), starving(1, 60.0), starving(20, 55.0)], "holds in part"),
+        ([gap(8, 9.0), starving(1, 60.0), starving(20, 2.0)], "holds in part"),
+        ([gap(8, 0.1, planning=30.0), starving(1, 60.0), starving(20, 55.0)], "fails"),
+        ([gap(8, 0.0), starving(1, 0.0), starving(20, 0.0)], "holds"),
+        ([gap(8, 0.0, equation="as_printed"), starving(1, 0.0)], "not tested"),
+    ],
+)
+def test_importance(rows: Rows, word: str) -> None:
+    assert importance.verdict(importance.Parameters(crowded_hz=(5000,)), rows).word == word
+
+
+def cycles(rule: str, waiting: list[float], agvs: int = 2) -> Rows:
+    return [{"rule": rule, "agvs": agvs, "cycle": i, "waiting": w} for i, w in enumerate(waiting, 1)]
+
+
+@pytest.mark.parametrize(
+    "untaught, taught, word",
+    [
+        ([0.5, 0.5, 0.5], [0.5, 0.2, 0.01, 0.01], "holds"),
+        ([0.5, 0.5, 0.5], [0.5, 0.5, 0.45], "fails"),
+        ([0.0, 0.0, 0.01], [0.0, 0.0, 0.0], "not tested"),
+        ([0.5, 0.5, 0.5], [0.5], "not tested"),
+    ],
+)
+def test_learning(untaught: list[float], taught: list[float], word: str) -> None:
+    rows = cycles("off", untaught) + cycles("proportional", taught)
+    assert learning.verdict(learning.Parameters(), rows).word == word
+
+
+def test_learning_tells_where_it_ends() -> None:
+    rows = cycles("off", [0.5] * 3) + cycles("proportional", [0.5, 0.0, 0.0]) + cycles("proportional", [0.9, 0.6, 0.6], 3)
+    assert "With 3 AGVs 60.0% is left: N̂_a,max" in learning.verdict(learning.Parameters(), rows).limit
+
+
+def box(agvs: int, t_v: float | None, t_w: float = 0.0) -> dict[str, Any]:
+    return {"agvs": agvs, "t_v_s": t_v, "t_w_s": t_w, "T_g_s": 100.0, "per_hour": 30.0}
+
+
+@pytest.mark.parametrize(
+    "rows, word",
+    [
+        ([box(1, 60.0), box(2, 10.0), box(3, 0.1, 40.0)], "holds"),
+        ([box(1, 60.0), box(2, 30.0)], "holds in part"),
+        ([box(1, 60.0), box(2, 58.0)], "fails"),
+        ([box(1, 0.5), box(2, 0.0)], "not tested"),
+        ([box(1, None), box(2, 0.0)], "not tested"),
+    ],
+)
+def test_fleet(rows: Rows, word: str) -> None:
+    assert fleet.verdict(fleet.Parameters(), rows).word == word
+
+
+def test_intervals() -> None:
+    # Wilson's interval of 8 of 10: Newcombe 1998 gives 0.490 to 0.943.
+    assert judgement.share_interval(8, 10) == pytest.approx((0.490, 0.943), abs=5e-4)
+    assert judgement.share_interval(10, 10)[1] == 1.0
+    mean, low, high = judgement.mean_interval([float(i % 10) for i in range(400)])
+    half = 1.96 * 8.25**0.5 / 400**0.5  # a mean of 400 draws of variance 8.25
+    assert mean == 4.5 and (mean - low, high - mean) == pytest.approx((half, half), rel=0.15)
+
+
+def test_a_section_is_replaced_alone(tmp_path: Path) -> None:
+    file = tmp_path / "results.md"
+    page.write(file, 3, "## 3. three\n\noutdated")
+    page.write(file, 1, "## 1. one\n\nkept")
+    page.write(file, 3, "## 3. three\n\nnew")
+    text = file.read_text()
+    assert text.index("## 1. one\n\nkept") < text.index("## 3. three\n\nnew")
+    assert "outdated" not in text and text.startswith("# The six claims")
+
+
+def test_earlier_runs_are_used_again(tmp_path: Path) -> None:
+    run = Run({"n": 1}, {"machine.dsps": 1}, 0.001)
+    said: list[str] = []
+    first = Laboratory(1, tmp_path, said.append).all([run], "a")
+    again = Laboratory(1, tmp_path, said.append).all([run], "b")
+    assert again == first and not any("b:" in text for text in said)
+    assert Run({"n": 1}, {"machine.dsps": 2}, 0.001).key() != run.key()
+
+
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        (["--claim", "2", "--servo-hz", "fast"], "--servo-hz: 'fast' is no float"),
+        (["--claim", "2", "--trials", "1,2"], "--trials: '1,2'; one value expected"),
+        (["--claim", "5", "--trials", "3"], "--trials: claim 5 has no such parameter"),
+        (["--claim", "6", "--quick", "--agvs", "99"], "dock.agvs: 99 is out of range"),
+        (["--jobs", "0"], "--jobs: at least 1 is expected"),
+    ],
+)
+def test_bad_input_is_named(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert command.main(arguments) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_other_parameters_by_the_command_line(capsys: pytest.CaptureFixture[str]) -> None:
+    assert command.main(["--claim", "3", "--quick", "--dsps", "2", "--servo-hz", "4000", "--jobs", "1"]) == 0
+    out = capsys.readouterr().out
+    assert "| 2 + 1 | 1 |" in out and "f_p 4000 Hz" in out
