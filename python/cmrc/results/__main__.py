@@ -65,7 +65,7 @@ def parameters(claim: ModuleType, given: argparse.Namespace) -> Any:
         except ValueError:
             raise ValueError(f"--{one.name.replace('_', '-')}: {text!r} is no {kind.__name__} or list of them") from None
         if not values or (len(values) > 1 and not isinstance(default, tuple)):
-            raise ValueError(f"--{one.name.replace('_', '-')}: {text!r}; {'one value or several' if isinstance(default, tuple) else 'one value'} expected")
+            raise ValueError(f"--{one.name.replace('_', '-')}: {text!r}; claim {claim.NUMBER} expects {'one value or several' if isinstance(default, tuple) else 'one value'}")
         changes[one.name] = values if isinstance(default, tuple) else values[0]
     return dataclasses.replace(chosen, **changes)
 

@@ -26,7 +26,7 @@ class Parameters:
     preset: str = "saturated"
     dsps: tuple[int, ...] = (1, 2, 3, 4, 5, 6, 8, 12, 16)
     load_duration_s: float = 1.2
-    servo_hz: tuple[float, ...] = (1000, 2000, 3000, 4000, 5000, 6000, 7000, 8000, 9000, 10000, 11000, 12000)
+    servo_hz: tuple[float, ...] = tuple(1000.0 * k for k in range(1, 13))
     rate_dsps: tuple[int, ...] = (1, 2, 4, 8, 16)
     refreshes_per_servo: int = 4
     rate_duration_s: float = 0.12
@@ -35,13 +35,13 @@ class Parameters:
     idle_policies: tuple[str, ...] = ("doorbell", "pause", "spin")
     policy_dsps: tuple[int, ...] = (2, 4, 8, 16)
     policy_duration_s: float = 0.2
-    refresh_hz: tuple[float, ...] = (8000, 16000, 32000, 64000, 96000, 128000, 160000, 192000)
+    refresh_hz: tuple[float, ...] = (8e3, 16e3, 32e3, 64e3, 96e3, 128e3, 160e3, 192e3)
     refresh_dsps: int = 4
     refresh_duration_s: float = 0.08
 
 
 QUICK = Parameters(
-    dsps=(1, 2), load_duration_s=0.02, servo_hz=(1000, 16000), rate_dsps=(1, 2), rate_duration_s=0.03, idle_policies=("doorbell", "spin"), policy_dsps=(2, 4), policy_duration_s=0.02, refresh_hz=(8000,), refresh_duration_s=0.02
+    dsps=(1, 2), load_duration_s=0.02, servo_hz=(1000.0, 16000.0), rate_dsps=(1, 2), rate_duration_s=0.03, idle_policies=("doorbell", "spin"), policy_dsps=(2, 4), policy_duration_s=0.02, refresh_hz=(8000.0,), refresh_duration_s=0.02
 )
 
 

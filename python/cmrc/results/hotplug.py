@@ -105,7 +105,7 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
     least = min(row["dsps"] for row in relevant)
     own = [row for row in relevant if row["dsps"] == least]
     before, after = float(np.mean([row["before"] for row in own])), float(np.mean([row["after"] for row in own]))
-    first = [row["first_claim_ms"] for row in all_rows if row["first_claim_ms"] is not None]
+    first = [row["first_claim_ms"] for row in own if row["first_claim_ms"] is not None]
     why = (
         f"In {len(working)} of {len(relevant)} trials in which deadlines were being missed the new DSP took blocks by itself, the first {with_interval(first)} ms after the plug (reset and boot)."
         f" With {least} + 1 DSPs the share of missed jobs went from {before:.0f} % to {after:.1f} %."
