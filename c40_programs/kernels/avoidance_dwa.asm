@@ -56,6 +56,7 @@ dwa_bend:
         cmpi    DW_SAMPLES, r0
         blt     dwa_speed
 
+dwa_done:
         ldi     @DW_MET, r0
         bne     dwa_decide
         ldf     @DW_LEAST, r0

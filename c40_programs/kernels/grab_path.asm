@@ -42,8 +42,8 @@ GP_FACE             .set 5                      ; in a grown box
 GP_FACES            .set 5
 GP_OVER             .set 4                      ; the face upwards
 
-kernel_grab_path:
-        ldf     0.0, r0                         ; ---- route 1: the empty spreader
+grab_path_first .macro                          ; ---- route 1: the empty spreader
+        ldf     0.0, r0
         stf     r0, @GP_HANG
         call    grab_path_present
         ldf     *+ar6(CR_TARGET), r0
@@ -65,8 +65,12 @@ kernel_grab_path:
         call    grab_path_store
         ldi     @GP_OUT_COUNT, r0
         sti     r0, @GP_FIRST_COUNT
+        .endm
 
-        ldhi    hi16(SCRATCH), ar0              ; ---- route 2: the container hangs below
+kernel_grab_path:
+        grab_path_first
+grab_path_second:                               ; ---- route 2: the container hangs below
+        ldhi    hi16(SCRATCH), ar0
         or      lo16(GP_END), ar0
         ldhi    hi16(SCRATCH), ar1
         or      lo16(GP_START), ar1

@@ -38,7 +38,7 @@ ID_HEIGHT           .set SCRATCH + 542          ; h, 128 samples between two zer
 ID_TIERS            .set 4
 ID_NARROWEST        .set 4                      ; samples that a container must have
 
-kernel_identify:
+identify_begin  .macro
         ldhi    hi16(WINDOW_B), ar5
         ldf     *+ar6(CR_BOX_HEIGHT), r0
         stf     r0, @ID_BOX
@@ -57,6 +57,10 @@ kernel_identify:
         sti     r0, @ID_LAST
         ldi     *+ar5(SCAN_ROWS), r0
         sti     r0, @ID_ROWS
+        .endm
+
+kernel_identify:
+        identify_begin
         ble     identify_done
 identify_row:
         call    identify_scan

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 namespace cmrc {
 namespace {
@@ -291,7 +292,9 @@ std::size_t Host::load_block(const Task& task, JobKind job, Time released, std::
   return index;
 }
 
-void Host::load(const Task& task, std::optional<std::int64_t> deadline) {
+void Host::load(const Task& asked, std::optional<std::int64_t> deadline) {
+  Task task = asked;
+  task.deadline = deadline;
   load_block(task, job_kind(task.kind, words_), clock_.at(tick_),
              deadline ? std::optional(clock_.at(*deadline)) : std::nullopt, std::nullopt);
 }
@@ -314,7 +317,10 @@ void Host::write_new_blocks() {
     words[words_.tick] = block.task.tick;
     words[words_.argument] = block.task.argument;
     words[words_.generation] = block.generation;
-    port_->write(words_.block(index), std::span(words).first(words_.notify + 1));
+    words[words_.slice] = block.task.slice;
+    // The word of the slice only where a task is or was split.
+    const bool split = std::exchange(block.written_slice, block.task.slice) != block.task.slice;
+    port_->write(words_.block(index), std::span(words).first((split ? words_.slice : words_.notify) + 1));
   }
 }
 
@@ -364,8 +370,16 @@ void Host::take_out(const Done& done) {
   for (Servo* servo : {&torque_, &pid_}) {
     if (servo->out && servo->block == done.block) servo->out = false, servo->last_t = t;
   }
-  if (user_tasks_.owns(task)) user_tasks_.ended(task);
-  else processes_.finished(task, done.result, done.notify, *this);
+  if ((done.notify & words_.must_continue) != 0) {
+    Task next = task;
+    ++next.slice;
+    next.t = 0;
+    load(next, task.deadline);
+  } else if (user_tasks_.owns(task)) {
+    user_tasks_.ended(task);
+  } else {
+    processes_.finished(task, done.result, done.notify, *this);
+  }
 }
 
 // ---- the servo ---------------------------------------------------------------------------------------------------------

@@ -41,6 +41,13 @@ void place_kernels(toolchain::Image& image, const Config& config) {
     case AvoidanceBuild::vfh: choose("KIND_AVOIDANCE", "kernel_avoidance_vfh", "kernels.avoidance"); break;
     case AvoidanceBuild::dynamic_window: choose("KIND_AVOIDANCE", "kernel_avoidance_dwa", "kernels.avoidance"); break;
   }
+  if (config.scheduling.slice_cycles > 0) {
+    constexpr std::string_view key = "scheduling.slice_cycles";
+    choose("KIND_IDENTIFY", "kernel_identify_sliced", key);
+    choose("KIND_GRAB_PATH", "kernel_grab_path_sliced", key);
+    if (config.kernels.avoidance == AvoidanceBuild::synthetic) choose("KIND_AVOIDANCE", "kernel_avoidance_sliced", key);
+    if (config.kernels.avoidance == AvoidanceBuild::dynamic_window) choose("KIND_AVOIDANCE", "kernel_avoidance_dwa_sliced", key);
+  }
   for (std::size_t i = 0; i < config.tasks.size(); ++i) {
     const UserTask& task = config.tasks[i];
     place_kernel(image, image.symbol("KIND_USER") + static_cast<toolchain::Word>(i), task.program, task.origin.text() + ": tasks.program");

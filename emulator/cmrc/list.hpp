@@ -2,6 +2,7 @@
 // The task-block list as the host keeps it for itself: what it has written to shared memory and what it has read back.
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <vector>
@@ -20,7 +21,9 @@ struct Task {
   std::uint32_t tick = 0;      ///< refresh number of the nominal release
   std::uint32_t argument = 0;
   std::int64_t t = 0;          ///< waiting count at the start (a servo block inherits it)
-  std::uint32_t process = 0;     ///< number of the process whose step it is; 0: none. For the host only, as is:
+  std::uint32_t slice = 0;     ///< blocks of this task that have gone before
+  std::optional<std::int64_t> deadline = std::nullopt;  ///< refresh number. For the host only, as are:
+  std::uint32_t process = 0;     ///< number of the process whose step it is; 0: none
   std::uint32_t subprocess = 0;  ///< number of the sub-process that is released once per interval
 };
 
@@ -34,6 +37,7 @@ struct Block {
   std::uint32_t recomputations = 0;
   bool in_use = false;
   bool fresh = false;              ///< its words are not in shared memory yet
+  std::uint32_t written_slice = 0;
   std::int64_t written_link = -1;  // as shared memory holds it, so that only changes are written
 };
 

@@ -208,6 +208,7 @@ std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfi
                      real != nullptr ? ti_float(*real) : static_cast<Word>(std::get<std::int64_t>(parameters[k]))});
     }
   }
+  if (config.scheduling.slice_cycles > 0) all.push_back({w.slice_cycles, static_cast<Word>(config.scheduling.slice_cycles)});
   const auto boxes = std::min<std::size_t>(layout.layout.no_go.size(), 8);
   put(w.cr_box_count, static_cast<Word>(boxes));
   for (std::size_t i = 0; i < boxes; ++i) {

@@ -135,3 +135,16 @@ def test_an_agvs_buffer_may_be_as_deep_as_its_fifo(tmp_path: Path) -> None:
         cmrc.config(settings={"agv_buffer_points": 5})
     with pytest.raises(cmrc.ConfigError, match="an integer from 1 to 2"):
         cmrc.config(settings={"buffer_points": 3})
+
+
+def test_split_tasks_let_the_servo_through() -> None:
+    # One DSP: identify is longer than a servo period, and in blocks of one row of the bay it is not.
+    whole, split = (run(duration_s=0.1, dsps=1, slice_cycles=cycles)["tasks"] for cycles in (0, 10_000))
+    assert whole["pid"]["misses"] > 0
+    assert split["pid"]["misses"] == split["torque_compensation"]["misses"] == 0
+    assert (split["identify"]["released"], split["identify"]["on_time"]) == (2, 2)
+    # Four AGVs and four DSPs: every block of 13.2 ms takes a DSP; in pieces of 0.4 ms the servo comes in between.
+    saturated = run(preset="saturated", duration_s=0.2, dsps=4, slice_cycles=10_000)["tasks"]
+    assert saturated["pid"]["misses"] == 0
+    # 330 000 cycles in 33 blocks: the first period's four are done.
+    assert saturated["obstacle_avoidance"]["on_time"] >= 4 * 33

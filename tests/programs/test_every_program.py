@@ -20,6 +20,7 @@ import test_examples as examples
 import test_golden_kernels
 import test_period_programs as period
 import test_published as published
+import test_slices
 import test_two_ways
 
 EXAMPLES: dict[str, Callable[[], Any]] = {
@@ -55,6 +56,10 @@ PUBLISHED: dict[str, Callable[[], Any]] = {
 KERNELS: dict[str, Callable[[], Any]] = {
     case[0]: lambda case=case: case[1]().run(case[0], case[2], case[3])  # type: ignore[misc]
     for case in test_golden_kernels.CASES
+}
+KERNELS |= {
+    f"{name}_sliced": lambda name=name: test_slices.first_block(name)  # type: ignore[misc]
+    for name in ("avoidance", "avoidance_dwa", "identify", "grab_path")
 }
 COMPILED: dict[str, Callable[[], Any]] = {
     name: lambda name=name: test_chip.test_compiled_program_gives_the_results_of_the_hosts_own_build(name)  # type: ignore[misc]
