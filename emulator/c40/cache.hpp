@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <span>
 
 #include "c40/types.hpp"
 
@@ -38,16 +39,18 @@ class Cache {
     move_to_front(segment_of(address));
   }
 
-  /// A miss: the word comes into the cache.
-  void load(Address address, Word word) {
+  /// Words of one segment are fetched in order: those that were not there come into the cache.
+  void load(Address address, std::span<const Word> words) {
     unsigned s = segment_of(address);
     if (s == segment_count) {
       s = order_[segment_count - 1];
       present_[s] = 0;
       start_[s] = address >> 5;
     }
-    present_[s] |= 1u << (address & 31);
-    words_[s][address & 31] = word;
+    for (const Word word : words) {
+      present_[s] |= 1u << (address & 31);
+      words_[s][address++ & 31] = word;
+    }
     move_to_front(s);
   }
 

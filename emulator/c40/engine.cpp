@@ -182,6 +182,7 @@ bool Engine::bind_site(Site& site, Word word, bool set_condition) {
   site.demand = {};
   site.demand.footprint = site.bound.footprint;
   site.data_bits = 0;
+  site.area = {};
   site.transition = {};
   return true;
 }
@@ -250,26 +251,30 @@ Engine::Stepped Engine::resolve(Step& step) {
   const std::size_t k = core.miss_access;
   const Address address = core.miss_address;
   const bool write = core.miss_write;
-  const Memory::Area* area = memory_.find(address);
-  if (area == nullptr)
-    return fail(Fault::Kind::reserved_address,
-                fmt::format("{} {:08X}h, which is reserved on board {}", write ? "write to" : "read of", address, board_.name),
-                address);
-  if (write && area->kind == Region::Kind::rom)
-    return fail(Fault::Kind::reserved_address, fmt::format("write to {:08X}h, which is in the {}", address, area->name), address);
   Site& site = *step.site;
-  if (!step.paged) pages_ = state_.open_pages;
-  const Memory::Met met = memory_.meet(*area, address, write, pages_);
-  step.paged |= met.paged;
+  const Memory::Area* area = site.area[k];
+  if (area == nullptr || !area->contains(address) || site.demand.data[k].write != write) {
+    area = site.area[k] = memory_.find(address);
+    if (area == nullptr)
+      return fail(Fault::Kind::reserved_address,
+                  fmt::format("{} {:08X}h, which is reserved on board {}", write ? "write to" : "read of", address, board_.name), address);
+    if (write && area->kind == Region::Kind::rom)
+      return fail(Fault::Kind::reserved_address, fmt::format("write to {:08X}h, which is in the {}", address, area->name), address);
+    if (!step.paged) pages_ = state_.open_pages;
+    const Memory::Met met = memory_.meet(*area, address, write, pages_);
+    step.paged |= met.paged;
+    site.demand.data[k] = met.access;
+    // An area on two strobes, or with pages, is looked up at every access.
+    if (met.paged || met.words != area->words) site.area[k] = nullptr;
+  }
   step.locks |= site.bound.row->interlocked && external(area->resource);
-  site.demand.data[k] = met.access;
-  site.demand.count = std::max(site.demand.count, static_cast<std::uint8_t>(k + 1));
+  if (site.demand.count <= k) site.demand.count = static_cast<std::uint8_t>(k + 1);
   site.data_bits = packed_data(site.demand);
   step.address[k] = address;
   Window& window = site.ops[0].access[k];
   if (area->data != nullptr) {
-    // An area on two strobes is looked up at every access: windows are whole areas, whose map of code words follows the data.
-    step.plain &= !met.paged && !step.locks && met.words == area->words;
+    // Windows are whole areas, whose map of code words follows the data.
+    step.plain &= site.area[k] != nullptr && !step.locks;
     window = {area->data, area->base, area->words};
     if (trace != nullptr) events_.push_back({address, write ? core.miss_value : area->data[address - area->base], write});
     return Stepped::done;
@@ -376,7 +381,7 @@ void Engine::settle_accesses(const Step& step, Address pc) {
     const bool frozen = (state_.core.modes & st::CF) != 0;
     if (!frozen && step.from_cache) state_.cache.touch(pc);
     if (!frozen && step.missed) {
-      state_.cache.load(pc, step.word);
+      state_.cache.load(pc, {&step.word, 1});
       code_.area->mark_code(pc);
       ++cache_version_;
     }
@@ -624,7 +629,7 @@ bool Engine::may_interrupt() const {
 }
 
 // One thing: a stop, an interrupt entry, idling, a run of blocks, or one exact instruction.
-std::optional<StopInfo> Engine::advance(Cycles limit, bool single) {
+Engine::Stepped Engine::advance(Cycles limit, bool single) {
   Core& core = state_.core;
   core.attention = false;
   if (state_.cycle >= next_peripheral_event_) advance_peripherals(state_.cycle);
@@ -636,17 +641,17 @@ std::optional<StopInfo> Engine::advance(Cycles limit, bool single) {
   }
   if (may_interrupt()) {
     if (const Word vector = pending_vector(); vector != 0) {
-      if (!take_interrupt(vector)) return stop(Stepped::fault);
-      return std::nullopt;
+      if (!take_interrupt(vector)) return Stepped::fault;
+      return Stepped::done;
     }
     if (core.idle) {
       pass(Cause::idle, limit);
-      return std::nullopt;
+      return Stepped::done;
     }
   }
   if (!single && !breakpoints.empty() && breakpoints.contains(core.pc) && reported_breakpoint_ != state_.cycle) {
     reported_breakpoint_ = state_.cycle;
-    return stop(Stepped::breakpoint);
+    return Stepped::breakpoint;
   }
   if (pipelines_.size() > most_pipelines) forget_pipelines();
   const bool answered = state_.answers[0].given || state_.answers[1].given;
@@ -655,28 +660,27 @@ std::optional<StopInfo> Engine::advance(Cycles limit, bool single) {
   if (!one && !exact_only && missed_ == nullptr) {
     if (Block* block = std::exchange(resume_, nullptr); block != nullptr) {
       run_blocks(block, resume_at_, limit);
-      return std::nullopt;
+      return Stepped::done;
     }
     if (core.delay_slots == 0 && !exact_site(core.pc) && by_blocks()) {
       Stepped why = Stepped::done;
       if (Block* block = find_or_record(limit, why); block != nullptr) run_blocks(block, 0, limit);
-      if (why != Stepped::done) return stop(why);
-      return std::nullopt;
+      return why;
     }
   }
   resume_ = nullptr;
   Block* missed = std::exchange(missed_, nullptr);
   Step step;
   const Address pc = core.pc;
-  if (const Stepped why = exact_step(step, trace != nullptr); why != Stepped::done) return stop(why);
+  if (const Stepped why = exact_step(step, trace != nullptr); why != Stepped::done) return why;
   if (step.plain && exact_site(pc) && exact_site_of(pc).external) exact_site_of(pc).known = false;
   if (missed != nullptr && core.code_writes == 0) rejoin(*missed);
   // As long as nothing can have changed that was asked above.
   if (!one && breakpoints.empty() && resume_ == nullptr)
     while (!core.attention && core.code_writes == 0 && !interface_changed_ && !core.idle && state_.cycle < limit && (exact_only || !by_blocks()))
       if (!quick_step())
-        if (const Stepped why = exact_step(step, false); why != Stepped::done) return stop(why);
-  return std::nullopt;
+        if (const Stepped why = exact_step(step, false); why != Stepped::done) return why;
+  return Stepped::done;
 }
 
 StopInfo Engine::run_until(Cycles limit) {
@@ -686,7 +690,7 @@ StopInfo Engine::run_until(Cycles limit) {
   }
   const Word watched = watched_ports();
   while (state_.cycle < limit) {
-    if (auto info = advance(limit, false)) return *info;
+    if (const Stepped why = advance(limit, false); why != Stepped::done) return stop(why);
     if (attached_ != 0 && (watched_ports() & ~watched) != 0) return stop(Stepped::horizon);
   }
   if (state_.cycle >= next_peripheral_event_) advance_peripherals(state_.cycle);
@@ -698,8 +702,7 @@ StopInfo Engine::step() {
     pass(Cause::halted, state_.cycle + 1);
     return {};
   }
-  if (auto info = advance(state_.cycle + 1, true)) return *info;
-  return {};
+  return stop(advance(state_.cycle + 1, true));
 }
 
 void Engine::complete(bool write, Word value, Cycles arbitration, Cycles transfer) {

@@ -39,6 +39,7 @@ struct Block {
     bool chained = false;  ///< `next` may be kept: nothing but the pc decides which block follows.
     Costs causes{};
     std::uint64_t count = 0;  ///< runs of the whole block not yet in the chip's causes and instructions
+    std::size_t size = 0;     ///< instructions of the block
     Block* next = nullptr;
   };
   BlockKey key;
@@ -118,7 +119,8 @@ class Engine {
     Bound bound;
     std::array<Op, 2> ops{};  ///< it, and what stops after it
     Demand demand;
-    std::uint64_t data_bits = 0;  ///< its data accesses, packed
+    std::array<const Memory::Area*, 2> area{};  ///< that each access was last in, where all of it is accessed alike
+    std::uint64_t data_bits = 0;                ///< its data accesses, packed
     Transition transition;        ///< the last one
   };
   /// One instruction on its way through the exact engine.
@@ -194,7 +196,7 @@ class Engine {
   void emit_trace(const Step& step, const Core& before, Cycles cycle, const Causes& causes);
   StopInfo stop(Stepped why);
   bool may_interrupt() const;
-  std::optional<StopInfo> advance(Cycles limit, bool single);
+  Stepped advance(Cycles limit, bool single);
 
   // engine_blocks.cpp: recording and running blocks
   BlockKey key();
@@ -205,6 +207,7 @@ class Engine {
   bool recordable(const Bound& bound) const;
   bool cache_fits(Block& block) const;
   void fetch_through_cache(const Block& block, std::size_t from, std::size_t to);
+  void count(Block::Exit& exit, std::uint64_t times);
   ExactSite& exact_site_of(Address pc) { return exact_sites_[pc % exact_sites_.size()]; }
   bool exact_site(Address pc) { return exact_site_of(pc).known && exact_site_of(pc).pc == pc; }
   void close_straight(Block& block, Cycles cycles, const Costs& costs, PipelineId end, bool chained);
@@ -246,6 +249,7 @@ class Engine {
   bool interface_changed_ = false;  ///< GMICR or LMICR was written
 
   std::vector<std::unique_ptr<Block>> blocks_;
+  std::vector<Block::Exit*> counted_;  ///< exits whose count is not 0
   std::unordered_map<BlockKey, Block*, BlockKeyHash> by_key_;
   std::deque<Pipeline> pipelines_;
   std::unordered_map<std::uint64_t, std::vector<PipelineId>> pipeline_ids_;

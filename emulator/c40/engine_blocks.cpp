@@ -99,12 +99,10 @@ void Engine::fetch_through_cache(const Block& block, std::size_t from, std::size
     return;
   }
   ++cache_version_;
-  for (Address pc = begin; pc != end; ++pc) {
-    const std::size_t i = pc - block.key.pc;
-    if ((block.key.hits >> i & 1u) != 0)
-      state_.cache.touch(pc);
-    else
-      state_.cache.load(pc, block.words[i]);
+  for (Address pc = begin; pc != end;) {
+    const Address stop = std::min(end, (pc | (Cache::segment_words - 1)) + 1);
+    state_.cache.load(pc, std::span{block.words}.subspan(pc - block.key.pc, stop - pc));
+    pc = stop;
   }
 }
 
@@ -200,6 +198,7 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
   block->causes.push_back(costs);
   block->pipelines.push_back(block->exits[0].pipeline);
   block->last_start = block->start[block->size - 1];
+  for (Block::Exit& exit : block->exits) exit.size = block->size;
   block->uses_cache = (k.mode & mode_cached) != 0;
   const std::uint32_t own_words = block->size < longest_cached_block ? (1u << block->size) - 1 : ~0u;
   block->all_hits = (~k.hits & own_words) == 0;
@@ -256,12 +255,17 @@ void Engine::leave(Block& block, std::size_t from, std::size_t at) {
   fetch_through_cache(block, from, at);
 }
 
+inline void Engine::count(Block::Exit& exit, std::uint64_t times) {
+  if (exit.count == 0 && times != 0) counted_.push_back(&exit);
+  exit.count += times;
+}
+
 // `passes` passes through a repeated block are done: what the loop hardware made of them.
 Block::Exit& Engine::end_repeat(Block& block, std::uint32_t passes) {
   Core& core = state_.core;
   core.r[reg::RC] -= passes;
   Block::Exit& again = block.exits[1];
-  again.count += passes - 1;
+  count(again, passes - 1);
   state_.cycle += (passes - 1) * again.cycles;
   if (static_cast<std::int32_t>(core.r[reg::RC]) >= 0) {
     core.pc = core.r[reg::RS];
@@ -294,7 +298,7 @@ Block::Exit* Engine::run_repeated(Block& block, Cycles limit) {
       const std::uint32_t done = passes - 1 - core.loop_left;  // whole passes before the one that was left
       core.r[reg::RC] -= done;
       if (done != 0) fetch_through_cache(block, 0, block.size);
-      block.exits[1].count += done;
+      count(block.exits[1], done);
       state_.cycle += done * block.exits[1].cycles;
       left_block(block, 0, outcome);
       return nullptr;
@@ -357,7 +361,7 @@ void Engine::run_blocks(Block* block, std::size_t from, Cycles limit) {
       exit = &block->exits[outcome.exit == Exit::taken];
       if (block->uses_cache) fetch_through_cache(*block, 0, block->size);
     }
-    ++exit->count;
+    count(*exit, 1);
     cycle += exit->cycles;
     Block* const next = exit->next;
     if (next == nullptr || next->key.pc != core.pc || (core.attention | core.code_writes) != 0 || cycle >= limit) [[unlikely]] break;
@@ -400,13 +404,12 @@ void Engine::rejoin(Block& block) {
 }
 
 void Engine::settle_counts() {
-  for (auto& block : blocks_)
-    for (Block::Exit& exit : block->exits) {
-      if (exit.count == 0) continue;
-      add_costs(state_.causes, exit.causes, static_cast<Cycles>(exit.count));
-      state_.instructions += exit.count * block->size;
-      exit.count = 0;
-    }
+  for (Block::Exit* exit : counted_) {
+    add_costs(state_.causes, exit->causes, static_cast<Cycles>(exit->count));
+    state_.instructions += exit->count * exit->size;
+    exit->count = 0;
+  }
+  counted_.clear();
   if (pipeline_known_) state_.pipeline = pipelines_[pipeline_];
 }
 

@@ -186,6 +186,7 @@ Word Engine::pending_port_vector(Word enabled) const {
 }
 
 Word Engine::watched_ports() const {
+  if (attached_ == 0) return 0;
   Word watched = 0;
   for (unsigned n = 0; n < port_count; ++n)
     if ((state_.core.r[reg::IIE] >> (1 + 4 * n) & 0xFu) != 0) watched |= 1u << n;
