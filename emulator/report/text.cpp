@@ -175,6 +175,36 @@ std::string dsps(const RunReport& report) {
   return text.empty() ? "" : heading("DSPs") + text;
 }
 
+/// The masters' waits as histograms, and how often they were stopped.
+std::string waits(const BusReport& bus) {
+  static constexpr const char* names[] = {"0", "1", "2-3", "4-7", "8-15", "16-31", "32-63", "64-127", ">127"};
+  constexpr std::size_t last = std::size(names) - 1;
+  std::size_t used = 0;
+  bool stopped = false;
+  for (const MasterReport& master : bus.masters) {
+    for (std::size_t bin = 0; bin < master.wait.histogram.size(); ++bin)
+      if (master.wait.histogram[bin] != 0) used = std::max(used, std::min(bin, last));
+    stopped = stopped || master.retries + master.disconnects > 0;
+  }
+  std::vector<std::string> header{"% by wait"};
+  for (std::size_t bin = 0; bin <= used; ++bin) header.push_back(names[bin]);
+  if (stopped) header.insert(header.end(), {"retries", "disconnects"});
+  TextTable table(std::move(header));
+  for (const MasterReport& master : bus.masters) {
+    if (master.transactions == 0) continue;
+    std::vector<std::string> row{master.name};
+    for (std::size_t bin = 0; bin <= used; ++bin) {
+      std::uint64_t entries = master.wait.histogram[bin];
+      if (bin == last)
+        for (std::size_t more = last + 1; more < master.wait.histogram.size(); ++more) entries += master.wait.histogram[more];
+      row.push_back(percent(static_cast<double>(entries), static_cast<double>(master.wait.count)));
+    }
+    if (stopped) row.insert(row.end(), {count(master.retries), count(master.disconnects)});
+    table.add(std::move(row));
+  }
+  return table.empty() ? "" : table.render();
+}
+
 std::string buses(const RunReport& report) {
   std::string text;
   for (const BusReport& bus : report.buses) {
@@ -191,7 +221,7 @@ std::string buses(const RunReport& report) {
                    fmt::format("{:.2f}", master.wait.mean), fmt::format("{}", master.wait.p50),
                    fmt::format("{}", master.wait.p99), fmt::format("{}", master.wait.p99_9),
                    fmt::format("{}", master.wait.worst)});
-    if (!table.empty()) text += table.render();
+    if (!table.empty()) text += table.render() + waits(bus);
   }
   return text;
 }

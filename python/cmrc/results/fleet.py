@@ -24,9 +24,9 @@ class Parameters:
     """What a user may change."""
 
     agvs: tuple[int, ...] = (1, 2, 3)
-    agv_speed_m_s: float = 2.0
+    agv_speed_m_s: float = 3.0
     dsps: int = 1
-    duration_s: float = 500.0
+    duration_s: float = 400.0
 
 
 QUICK = Parameters(agvs=(1, 2), duration_s=1.0)

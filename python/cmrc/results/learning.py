@@ -31,11 +31,14 @@ CALM: dict[str, Setting] = {
 class Parameters:
     """What a user may change."""
 
-    rules: tuple[str, ...] = ("off", "proportional", "unit")
-    agvs: tuple[int, ...] = (2, 3)
+    rules: tuple[str, ...] = ("off", "proportional")
+    agvs: tuple[int, ...] = (2,)
     """The first is run with every rule, the others with the proportional one only."""
     dsps: int = 1
-    duration_s: float = 700.0
+    duration_s: float = 450.0
+    rate: float = 1.0
+    step_max: float = 1.0
+    """scheduling.learning_rate and learning_step_max: as fast as it goes, since a job has few cycles."""
     dead_band: float = 0.02
 
 
@@ -47,7 +50,7 @@ def runs(p: Parameters) -> list[Run]:
     return [
         Run(
             {"rule": rule, "agvs": agvs},
-            {**CALM, "machine.dsps": p.dsps, "dock.agvs": agvs, "scheduling.learning": rule, "scheduling.learning_dead_band": p.dead_band},
+            {**CALM, "machine.dsps": p.dsps, "dock.agvs": agvs, "scheduling.learning": rule, "scheduling.learning_dead_band": p.dead_band, "scheduling.learning_rate": p.rate, "scheduling.learning_step_max": p.step_max},
             p.duration_s,
         )
         for rule, agvs in cases
@@ -104,7 +107,7 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
 def section(p: Parameters, all_rows: Sequence[Row]) -> str:
     columns = {"rule": "learning", "agvs": "AGVs", "cycle": "cycle", "driving_s": "t_5 + t_6, s", "t_w_s": "t_w, s", "t_v_s": "t_v, s", "T_g_s": "T_g, s"}
     return (
-        f"{p.dsps} DSP, {p.duration_s:g} s, f_s 4 kHz, f_p 500 Hz, N̂_a from 80 to at most 320. Of each work cycle that has closed:\n\n"
+        f"{p.dsps} DSP, {p.duration_s:g} s, f_s 4 kHz, f_p 500 Hz, N̂_a from 80 to at most 320, learning rate {p.rate:g}, largest step {p.step_max:g}. Of each work cycle that has closed:\n\n"
         + markdown(columns, all_rows)
     )
 
