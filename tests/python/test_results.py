@@ -151,7 +151,7 @@ def test_learning(untaught: list[float], taught: list[float], word: str) -> None
 
 def test_learning_tells_where_it_ends() -> None:
     rows = cycles("off", [0.5] * 3) + cycles("proportional", [0.5, 0.0, 0.0]) + cycles("proportional", [0.9, 0.6, 0.6], 3)
-    assert "With 3 AGVs 60.0% is left: N̂_a,max" in learning.verdict(learning.Parameters(), rows).limit
+    assert "With 3 AGVs 60.0% is left: N̂_a,max" in learning.verdict(learning.Parameters(agvs=(2, 3)), rows).limit
 
 
 def box(agvs: int, t_v: float | None, t_w: float = 0.0) -> dict[str, Any]:

@@ -26,7 +26,7 @@ class Parameters:
     agvs: tuple[int, ...] = (1, 2, 3)
     agv_speed_m_s: float = 3.0
     dsps: int = 1
-    duration_s: float = 400.0
+    duration_s: float = 330.0
 
 
 QUICK = Parameters(agvs=(1, 2), duration_s=1.0)

@@ -35,7 +35,7 @@ class Parameters:
     agvs: tuple[int, ...] = (2,)
     """The first is run with every rule, the others with the proportional one only."""
     dsps: int = 1
-    duration_s: float = 450.0
+    duration_s: float = 600.0
     rate: float = 1.0
     step_max: float = 1.0
     """scheduling.learning_rate and learning_step_max: as fast as it goes, since a job has few cycles."""
