@@ -35,6 +35,7 @@ void AgvMotion::derivative(void* data, const double* y, double* yd) {
   const auto& self = *static_cast<const AgvMotion*>(data);
   const AgvParameters& p = self.p_;
   const AgvState& s = *self.state_;
+  if (p.drive == AgvDrive::differential) return self.differential(y, yd);
   const auto rate = [&](double command, double angle) {
     return std::clamp((command - angle) / p.steer_lag, -p.steer_rate, p.steer_rate);
   };
@@ -68,8 +69,10 @@ void AgvMotion::derivative(void* data, const double* y, double* yd) {
   double turn_rate = (v * (tf - tr) / base - r) / settle_time;
   const double weight = blend(v, p.blend_speed);
   if (weight > 0.0) {
-    const double slip_front = atan2(side + p.front * r, v) - y[A_FRONT];
-    const double slip_rear = atan2(side - p.rear * r, v) - y[A_REAR];
+    // Backwards, a wheel turned to the left rolls to the right.
+    const double way = v < 0.0 ? -1.0 : 1.0;
+    const double slip_front = atan2(side + p.front * r, std::fabs(v)) - way * y[A_FRONT];
+    const double slip_rear = atan2(side - p.rear * r, std::fabs(v)) - way * y[A_REAR];
     const double front = -saturate(p.cornering * slip_front, p.adhesion * m * gravity * p.rear / base);
     const double rear = -saturate(p.cornering * slip_rear, p.adhesion * m * gravity * p.front / base);
     along -= weight * (front * sf + rear * sr);
@@ -81,6 +84,34 @@ void AgvMotion::derivative(void* data, const double* y, double* yd) {
   yd[A_YAW_RATE] = turn_rate;
 }
 
+// Two wheels beside the middle follow their commanded speeds with the drive's lag and push by their slip; castors carry the rest.
+void AgvMotion::differential(const double* y, double* yd) const {
+  const AgvState& s = *state_;
+  const double half_track = 0.5 * p_.track;
+  yd[A_LEFT] = (s.reference - s.current.turn * half_track - y[A_LEFT]) / p_.drive_lag;
+  yd[A_RIGHT] = (s.reference + s.current.turn * half_track - y[A_RIGHT]) / p_.drive_lag;
+  yd[A_FORCE] = 0.0;
+  if (s.standing) {
+    std::fill(yd, yd + A_FRONT, 0.0);
+    return;
+  }
+  const double m = mass(s);
+  const double v = y[A_SPEED], side = y[A_SIDE], r = y[A_YAW_RATE];
+  const auto [sh, ch] = sin_cos(y[A_HEADING]);
+  yd[A_X] = v * ch - side * sh;
+  yd[A_Y] = v * sh + side * ch;
+  yd[A_HEADING] = r;
+  const double grip = 0.5 * p_.adhesion * m * gravity;
+  const double left = saturate(p_.wheel_slip * (y[A_LEFT] - (v - r * half_track)), grip);
+  const double right = saturate(p_.wheel_slip * (y[A_RIGHT] - (v + r * half_track)), grip);
+  // Both tyres' cornering, their slip angle reckoned at blend_speed or faster so that it has a meaning at rest.
+  const double across = -saturate(2.0 * p_.cornering * side / std::max(std::fabs(v), p_.blend_speed), 2.0 * grip);
+  const double resistance = p_.rolling * m * gravity * tanh(v / 0.02) + p_.drag * v * std::fabs(v);
+  yd[A_SPEED] = (left + right - resistance) / m + side * r;
+  yd[A_SIDE] = across / m - v * r;
+  yd[A_YAW_RATE] = (right - left) * half_track / (p_.yaw_inertia + s.load_inertia);
+}
+
 void AgvMotion::advance(AgvState& state, double seconds) {
   state_ = &state;
   std::array<double, agv_size> y = state.y;
@@ -88,15 +119,23 @@ void AgvMotion::advance(AgvState& state, double seconds) {
   state.y = y;
 }
 
-void AgvMotion::drive_tick(AgvState& s) const {
-  const double target = s.dry ? 0.0 : s.current.speed;
+void AgvMotion::drive_tick(AgvState& s, double allowed) const {
+  const double target = s.dry || s.bumped ? 0.0 : std::min(s.current.speed, allowed);
   const double speed = s.y[A_SPEED];
-  const auto stop = [&s] {
+  const auto stop = [&s, this] {
     s.standing = true;
     s.reference = s.integral = s.command = 0.0;
     s.y[A_SPEED] = s.y[A_SIDE] = s.y[A_YAW_RATE] = s.y[A_FORCE] = 0.0;
+    if (p_.drive == AgvDrive::differential) s.y[A_LEFT] = s.y[A_RIGHT] = 0.0;
   };
-  if (target == 0.0 && (s.standing || (std::fabs(s.reference) < 1e-9 && std::fabs(speed) < 0.02))) return stop();
+  if (s.bumped) {  // the bumper cuts the drive, and the brakes give all they can
+    s.reference = s.integral = 0.0;
+    s.command = -p_.emergency * mass(s) * tanh(speed / 0.05);
+    if (std::fabs(speed) < 0.02 && std::fabs(s.y[A_YAW_RATE]) < 0.02) stop();
+    return;
+  }
+  if (p_.drive == AgvDrive::differential && s.current.turn != 0.0 && !s.dry) s.standing = false;
+  else if (target == 0.0 && (s.standing || (std::fabs(s.reference) < 1e-9 && std::fabs(speed) < 0.02))) return stop();
   s.standing = false;
 
   const double before = s.reference;

@@ -1,6 +1,6 @@
 #pragma once
-// One AGV: single-track model with two steered axles, drive and steering lags (plant-and-bus.md 1.5), and its drive unit: a FIFO of
-// set-points, each held for the period, and a speed loop at 100 Hz.
+// One AGV (plant-and-bus.md 1.5): single-track model with two steered axles, drive and steering lags, or two driven wheels; and its drive
+// unit: a FIFO of set-points, each held for the period, and a speed loop at 100 Hz.
 #include <array>
 #include <cstdint>
 
@@ -9,10 +9,13 @@
 
 namespace plant {
 
+// With differential drive A_FRONT and A_REAR are the speeds of the left and the right wheel's rim, m/s.
 enum AgvCoordinate : std::uint8_t { A_X, A_Y, A_HEADING, A_SPEED, A_SIDE, A_YAW_RATE, A_FRONT, A_REAR, A_FORCE, agv_size };
+inline constexpr AgvCoordinate A_LEFT = A_FRONT, A_RIGHT = A_REAR;
 
 struct AgvSetPoint {
   double speed, front, rear;  // m/s, rad
+  double turn = 0.0;          // rad/s, of a vehicle with differential drive
 };
 
 struct AgvState {
@@ -29,6 +32,7 @@ struct AgvState {
   bool running = false;              // set-points are being taken
   bool dry = false;                  // ran dry while driving; cleared when a set-point is taken
   bool standing = true;              // brakes hold
+  bool bumped = false;               // ran into something: brakes until its bumper is reset
   double reference = 0.0;            // m/s, ramped
   double integral = 0.0;             // N
   double command = 0.0;              // N, to the drive
@@ -40,14 +44,15 @@ class AgvMotion {
   AgvMotion(const AgvParameters&, double tolerance);
   // Over an interval with the commands held. A standing vehicle only turns its wheels.
   void advance(AgvState&, double seconds);
-  // The drive unit's 100-Hz tick: speed loop, standing brake.
-  void drive_tick(AgvState&) const;
+  // The drive unit's 100-Hz tick: speed loop, standing brake. allowed: what the protective field admits forward, m/s.
+  void drive_tick(AgvState&, double allowed) const;
   // Takes the next set-point if it is due at `now`. True if the FIFO ran dry while driving just now.
   static bool take_set_point(AgvState&, Time now);
   static bool push(AgvState&, const AgvSetPoint&);  // false: full, dropped
 
  private:
   static void derivative(void* self, const double* y, double* yd);
+  void differential(const double* y, double* yd) const;
   double mass(const AgvState& s) const { return p_.mass + s.load_mass; }
 
   AgvParameters p_;

@@ -48,10 +48,29 @@ void check(const AgvParameters& p) {
                     {"an AGV's rear", p.rear}, {"an AGV's yaw_inertia", p.yaw_inertia}, {"an AGV's deck_height", p.deck_height},
                     {"an AGV's cornering", p.cornering}, {"an AGV's adhesion", p.adhesion}, {"an AGV's steer_rate", p.steer_rate},
                     {"an AGV's steer_lag", p.steer_lag}, {"an AGV's drive_lag", p.drive_lag}, {"an AGV's acceleration", p.acceleration},
-                    {"an AGV's braking", p.braking}, {"an AGV's emergency", p.emergency}, {"an AGV's blend_speed", p.blend_speed}});
+                    {"an AGV's braking", p.braking}, {"an AGV's emergency", p.emergency}, {"an AGV's blend_speed", p.blend_speed},
+                    {"an AGV's track", p.track}, {"an AGV's wheel_slip", p.wheel_slip}});
   require_not_negative({{"an AGV's rolling", p.rolling}, {"an AGV's drag", p.drag}, {"an AGV's speed_gain", p.speed_gain},
-                        {"an AGV's speed_integral", p.speed_integral}});
+                        {"an AGV's speed_integral", p.speed_integral},
+                        {"an AGV's protective_margin", p.protective_margin}});
   refuse(!(p.steer_limit > 0.0 && p.steer_limit < 1.5), "an AGV's steer_limit must be above 0 and below 1.5 rad", p.steer_limit);
+}
+
+void check(const Mover& m, std::size_t index) {
+  const auto bad = [index](const char* what) { throw std::invalid_argument(fmt::format("plant: mover {} {}", index, what)); };
+  if (!(m.radius > 0.0 && m.height > 0.0 && std::isfinite(m.radius + m.height))) bad("needs a positive radius and height");
+  if (m.path.empty()) bad("needs at least one waypoint");
+  for (std::size_t i = 0; i < m.path.size(); ++i) {
+    if (!std::isfinite(m.path[i].time + m.path[i].x + m.path[i].y)) bad("has a waypoint that is no number");
+    if (i > 0 && !(m.path[i].time > m.path[i - 1].time)) bad("needs waypoints of rising times");
+  }
+}
+
+void check(const SensorParameters& p) {
+  require_positive({{"sway_range", p.sway_range}});
+  require_not_negative({{"sway_noise", p.sway_noise}});
+  refuse(!(p.range_rate >= 0.0 && p.range_rate <= 1000.0), "range_rate must be 0 to 1000 Hz", p.range_rate);
+  refuse(!(p.range_dropout >= 0.0 && p.range_dropout <= 1.0), "range_dropout must be 0 to 1", p.range_dropout);
 }
 
 void check(const Box& b, const std::string& name) {
@@ -77,6 +96,11 @@ std::vector<Thing> things(const DockConfig& c) {
     const ContainerPlace& p = c.layout.containers[i];
     all.push_back({fmt::format("container {}", i), make_solid(Solid::Kind::container, -1, p.x, p.y, p.yaw, 0.5 * container_length,
                                                               0.5 * container_width, p.z, p.z + container_height)});
+  }
+  for (std::size_t i = 0; i < c.layout.movers.size(); ++i) {
+    const Mover& m = c.layout.movers[i];
+    all.push_back({fmt::format("mover {}", i), make_solid(Solid::Kind::mover, -1, m.path.front().x, m.path.front().y, 0.0, m.radius,
+                                                          m.radius, 0.0, m.height)});
   }
   for (int i = 0; i < c.agv_count; ++i) {
     const Pose at = start_of_agv(c.layout, i);
@@ -174,6 +198,8 @@ void check(const DockConfig& c) {
   check(c.wind);
   check(c.layout.ship, "the ship");
   for (std::size_t i = 0; i < c.layout.no_go.size(); ++i) check(c.layout.no_go[i], fmt::format("box {}", i));
+  check(c.sensors);
+  for (std::size_t i = 0; i < c.layout.movers.size(); ++i) check(c.layout.movers[i], i);
   check_containers(c);
   check_reach(c);
   check_apart(c);

@@ -10,8 +10,10 @@ namespace {
 constexpr double turn_radius = 12.0;  // m
 constexpr double curve_speed = 3.0, straight_speed = 5.0;  // m/s
 
+}  // namespace
+
 // Five forward segments make the loop: along the quay past the spot, round, back past the warehouse, round.
-std::array<std::vector<LaneSegment>, 3> loop(const Layout& layout, int agvs) {
+std::array<std::vector<LaneSegment>, 3> default_loop(const Layout& layout, int agvs) {
   const double half_turn = std::numbers::pi * turn_radius;
   const double right = layout.spot.x + 20.0;
   const double left = std::min(-8.0, layout.spot.x - layout.slot_spacing * agvs - 8.0);
@@ -31,8 +33,6 @@ std::array<std::vector<LaneSegment>, 3> loop(const Layout& layout, int agvs) {
   return {out, back, back};
 }
 
-}  // namespace
-
 DockConfig default_dock(int agv_count) {
   DockConfig config;
   config.agv_count = agv_count;
@@ -44,7 +44,7 @@ DockConfig default_dock(int agv_count) {
       {0.0, 24.0, upper, 0.0, 21e3},          {-12.7, 26.6, upper, 0.0, 16e3},
   };
   layout.no_go = {{-34.0, -24.0, 20.0, 34.0, 0.0, 25.0}};  // the ship's deck-house
-  layout.legs = loop(layout, agv_count);
+  layout.legs = default_loop(layout, agv_count);
   return config;
 }
 

@@ -90,8 +90,12 @@ struct LandingParameters {
   double lock_time = 0.8;         // s, twist locks
 };
 
-// Container transporter with two steered axles, plant-and-bus.md 1.4 and 1.5.
+// What turns an AGV: two steered axles, or two driven wheels beside its middle and castors.
+enum class AgvDrive : std::uint8_t { steered, differential };
+
+// Container transporter, plant-and-bus.md 1.4 and 1.5.
 struct AgvParameters {
+  AgvDrive drive = AgvDrive::steered;
   double mass = 25e3;        // kg, empty
   double length = 14.8, width = 3.0;  // m
   double front = 4.5, rear = 4.5;     // m, axles from the centre (l_f, l_r)
@@ -109,6 +113,10 @@ struct AgvParameters {
   double braking = 1.0;               // m/s2, of the ramp
   double emergency = 2.0;             // m/s2, most that brakes give
   double blend_speed = 0.5;           // m/s, kinematic model below
+  double track = 2.4;                 // m between the two wheels (differential)
+  double wheel_slip = 4e5;            // N s/m, force per slip speed of each wheel (differential)
+  bool protective_field = false;      // the unit itself slows down for what its range sensor sees in its way
+  double protective_margin = 1.0;     // m, where it stops before that
   double speed_gain = 2.0;            // 1/s, speed loop (mass times gain times error)
   double speed_integral = 0.5;        // 1/s, its integral
 };
@@ -116,6 +124,8 @@ struct AgvParameters {
 struct SensorParameters {
   double sway_range = std::numbers::pi / 18;  // rad at code 2048 (10 degrees)
   double sway_noise = 0.02 * std::numbers::pi / 180;  // rad, standard deviation
+  double range_rate = 0.0;     // Hz, of the AGVs' range sensors; 0: each of the AGVs' steps, 1 kHz
+  double range_dropout = 0.0;  // probability that a ray brings no valid echo; with a rate only
   std::uint64_t seed = 1;
 };
 
@@ -133,6 +143,17 @@ struct WindParameters {
 // Box in the world, m.
 struct Box {
   double x_min, x_max, y_min, y_max, z_min, z_max;
+};
+
+struct Waypoint {
+  double time, x, y;  // s, m
+};
+
+// A person, a truck, a post: an upright cylinder that follows its waypoints whatever is in its way. One waypoint: it stands.
+struct Mover {
+  double radius, height;  // m
+  std::vector<Waypoint> path;
+  bool repeats = false;   // from the first waypoint again after the last
 };
 
 inline constexpr double container_length = 12.192, container_width = 2.438, container_height = 2.591;  // m, 40 ft
@@ -163,6 +184,7 @@ struct Layout {
   std::vector<ContainerPlace> containers;   // on the ship
   Box ship = {-40.0, 40.0, 20.0, 36.0, -5.0, 3.909};
   std::vector<Box> no_go;                   // boxes for the grab path (containers are not among them)
+  std::vector<Mover> movers;                // for the AGVs, posts among them
   Pose spot = {22.0, 8.0, 0.0};             // loading spot
   Pose warehouse = {10.0, -16.0, std::numbers::pi};
   double warehouse_radius = 2.0;            // m, an AGV standing this near is served
@@ -178,6 +200,7 @@ struct DockConfig {
   SensorParameters sensors;
   WindParameters wind;
   Layout layout;
+  bool collisions = true;    // AGVs stop at what they run into; else they go through it
   bool rigid = false;        // level L0: the free payload does not sway; else L1
   int agv_count = 1;
   CranePose home = {0.0, 12.0, 16.0, 14.0, 0.0};
@@ -190,6 +213,9 @@ struct DockConfig {
 
 // The dock of docs/plant.md: eight containers in two rows and two tiers, a one-way loop of lane, n AGVs queueing at the spot.
 DockConfig default_dock(int agv_count = 1);
+
+// The lanes of that dock for another spot and warehouse (24 m apart across the quay).
+std::array<std::vector<LaneSegment>, 3> default_loop(const Layout&, int agvs);
 
 // Where AGV i stands at the start: the spot, and the slots behind it.
 Pose start_of_agv(const Layout&, int i);

@@ -9,7 +9,6 @@
 #include "plant/check.hpp"
 #include "plant/dock_core.hpp"
 #include "plant/math.hpp"
-#include "plant/range.hpp"
 #include "plant/sensors.hpp"
 #include "plant/state_hash.hpp"
 
@@ -47,6 +46,7 @@ const char* name(EventKind kind) {
     case EventKind::drive_resumed: return "drive_resumed";
     case EventKind::joint_stuck: return "joint_stuck";
     case EventKind::joint_slipped: return "joint_slipped";
+    case EventKind::collision: return "collision";
     case EventKind::missed: return "missed";
     case EventKind::fault: return "fault";
   }
@@ -99,6 +99,10 @@ struct Dock::Implementation {
   AgvState& agv(int i) {
     require(i >= 0 && static_cast<std::size_t>(i) < core.state.agvs.size(), "there is no AGV of that number");
     return core.state.agvs[static_cast<std::size_t>(i)];
+  }
+  void push(int i, const AgvSetPoint& point, Time t) {
+    AgvState& to = agv_at(i, t);
+    if (!to.bumped && !AgvMotion::push(to, point)) core.report(t, EventKind::agv_overflow, i);
   }
   AgvState& agv_at(int i, Time t) {
     advance(t);
@@ -213,28 +217,20 @@ std::int32_t Dock::agv_speed(int i, Time t) { return rounded(1e3 * self_->agv_at
 std::uint32_t Dock::agv_status(int i, Time t) {
   const AgvState& agv = self_->agv_at(i, t);
   return static_cast<std::uint32_t>(agv.waiting) | (agv.standing ? 0x10U : 0U) | (agv.container >= 0 ? 0x20U : 0U) |
-         (agv.dry ? 0x40U : 0U);
+         (agv.dry ? 0x40U : 0U) | (agv.bumped ? 0x80U : 0U);
 }
 
 std::int32_t Dock::range_mount() const { return rounded(500.0 * config().agv.length); }
 
 std::uint32_t Dock::range_scan(int i, Time t) {
   self_->agv_at(i, t);
-  return static_cast<std::uint32_t>(self_->core.state.latch / agv_latches);
+  return static_cast<std::uint32_t>(self_->core.state.latch / self_->core.range_latches());
 }
 
 std::int32_t Dock::agv_range(int i, int ray, Time t) {
   require(ray >= 0 && ray < range_rays, "the range sensor has rays 0..179");
-  const AgvState& agv = self_->agv_at(i, t);
-  const DockCore& core = self_->core;
-  const auto [s, c] = sin_cos(agv.y[A_HEADING]);
-  const double ahead = 0.5 * config().agv.length;
-  const RangeRay from{agv.y[A_X] + ahead * c, agv.y[A_Y] + ahead * s, agv.y[A_HEADING] + 1e-6 * (range_first + ray * range_step)};
-  std::vector<Solid> solids;
-  collect_solids(core.config, core.state.containers, core.state.agvs, agv.container, solids);
-  const auto own = [i](const Solid& solid) { return solid.kind == Solid::Kind::agv && solid.index == i; };
-  std::erase_if(solids, own);
-  return range_code(nearest(from, solids));
+  self_->agv_at(i, t);
+  return self_->core.scan(static_cast<std::size_t>(i))[static_cast<std::size_t>(ray)];
 }
 
 void Dock::agv_period(int i, std::uint32_t microseconds, Time t) {
@@ -242,12 +238,23 @@ void Dock::agv_period(int i, std::uint32_t microseconds, Time t) {
 }
 
 void Dock::agv_push(int i, std::int32_t speed, std::int32_t front, std::int32_t rear, Time t) {
-  AgvState& agv = self_->agv_at(i, t);
-  const double limit = config().agv.steer_limit;
-  const auto steer = [limit](std::int32_t microradians) { return std::clamp(1e-6 * microradians, -limit, limit); };
-  if (!AgvMotion::push(agv, {1e-3 * speed, steer(front), steer(rear)}))
-    self_->core.report(t, EventKind::agv_overflow, i);
+  const AgvParameters& p = config().agv;
+  const auto steer = [&p](std::int32_t microradians) { return std::clamp(1e-6 * microradians, -p.steer_limit, p.steer_limit); };
+  AgvSetPoint point{1e-3 * speed, steer(front), steer(rear)};
+  if (p.drive == AgvDrive::differential) {
+    const auto [sf, cf] = sin_cos(point.front);
+    const auto [sr, cr] = sin_cos(point.rear);
+    point.turn = point.speed * (sf / cf - sr / cr) / (p.front + p.rear);
+  }
+  self_->push(i, point, t);
 }
+
+void Dock::agv_push_wheels(int i, std::int32_t left, std::int32_t right, Time t) {
+  require(config().agv.drive == AgvDrive::differential, "only AGVs with differential drive take wheel speeds");
+  self_->push(i, {0.5e-3 * (left + right), 0.0, 0.0, 1e-3 * (right - left) / config().agv.track}, t);
+}
+
+void Dock::agv_reset_bumper(int i, Time t) { self_->agv_at(i, t).bumped = false; }
 
 // ---- observers
 
@@ -302,6 +309,7 @@ void Dock::restore(const DockState& state) {
     throw std::invalid_argument("plant: the snapshot is of a dock with other AGVs or containers");
   self_->core.state = state;
   self_->core.forget_ahead();
+  self_->core.forget_scans();
   self_->called = self_->core.now();
 }
 

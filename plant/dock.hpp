@@ -42,6 +42,7 @@ enum class EventKind : std::uint8_t {
   fault,           // the sway passed 40 degrees: values = alpha, beta rad; the drives are off from here on
   joint_stuck,     // joint index came to rest and sticks (stiction)
   joint_slipped,   // joint index broke away
+  collision,       // AGV index ran into something: values = closing speed m/s, the other AGV or -1
   missed,          // a touch came to nothing and is to be tried again: index = attempts so far, values = lateral error m, yaw error rad
 };
 const char* name(EventKind);
@@ -157,14 +158,18 @@ class Dock {
   std::int32_t agv_y(int agv, Time);
   std::int32_t agv_heading(int agv, Time);          // microradians, -pi..pi
   std::int32_t agv_speed(int agv, Time);            // mm/s
-  std::uint32_t agv_status(int agv, Time);          // bits 3..0 set-points waiting, 4 standing, 5 loaded, 6 ran dry while driving
+  std::uint32_t agv_status(int agv, Time);          // bits 3..0 set-points waiting, 4 standing, 5 loaded, 6 ran dry while driving, 7 bumper
   // Range sensor in front of the vehicle, looking ahead in a horizontal plane: ray 0 .. range_rays - 1, from the right to the left.
   std::int32_t agv_range(int agv, int ray, Time);   // mm in steps of 8; range_most: nothing within it; 0: no valid echo
   std::uint32_t range_scan(int agv, Time);          // number of the scan that agv_range shows
   std::int32_t range_mount() const;                 // mm ahead of the vehicle's centre
   void agv_period(int agv, std::uint32_t microseconds, Time);
   // Speed mm/s, steering microradians; the machine keeps the first two registers and calls this at the write of the third.
+  // A vehicle with differential drive takes them for the turning that they would give a steered one.
   void agv_push(int agv, std::int32_t speed, std::int32_t front, std::int32_t rear, Time);
+  void agv_push_wheels(int agv, std::int32_t left, std::int32_t right, Time);  // mm/s, differential drive only
+  // After a collision: the bumper is back, set-points are taken again.
+  void agv_reset_bumper(int agv, Time);
 
   // ---- what an observer may see (true values, no sensors)
   const std::vector<Event>& events() const;         // in order of time, since the start

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "plant/math.hpp"
 #include "plant/sensors.hpp"
@@ -20,7 +21,7 @@ bool bit(std::uint32_t mask, std::size_t i) { return (mask >> i & 1U) != 0; }
 }  // namespace
 
 DockCore::DockCore(const DockConfig& c)
-    : config(c), crane(c.crane, {c.method, 3, c.tolerance}), agv_motion(c.agv, c.tolerance * 10.0), landing(c) {
+    : config(c), crane(c.crane, {c.method, 3, c.tolerance}), agv_motion(c.agv, c.tolerance * 10.0), traffic(c), landing(c) {
   state.crane.q = inverse_kinematics(config.crane, config.home);
   for (const ContainerPlace& place : config.layout.containers)
     state.containers.push_back({ContainerState::on_ship, -1, place.x, place.y, place.z, place.yaw, place.mass});
@@ -33,6 +34,10 @@ DockCore::DockCore(const DockConfig& c)
     state.agvs.push_back(agv);
   }
   agv_signals.resize(state.agvs.size());
+  if (config.sensors.range_rate > 0.0) {
+    state.scans.resize(state.agvs.size());
+    for (std::size_t i = 0; i < state.agvs.size(); ++i) look(i);
+  }
   state.inputs.payload = landing.payload(state);
   for (std::size_t j = 0; j < joint_count; ++j) state.inputs.locked |= 1U << coordinate_of(j);
   if (config.rigid) state.inputs.locked |= sway_coordinates;
@@ -189,7 +194,7 @@ void DockCore::check_fault() {
 // Near contact the landing puts the wind on the body itself.
 void DockCore::blow() {
   if (!config.wind.blows() || state.landing.active) return;
-  state.inputs.external = crane.crane().at_payload(state.crane.q, wind_force(config.wind, static_cast<double>(state.latch) * seconds_per_latch));
+  state.inputs.external = crane.crane().at_payload(state.crane.q, wind_force(config.wind, seconds()));
 }
 
 template <class Change>
@@ -300,15 +305,51 @@ void DockCore::turn_locks() {
 // ---- AGVs
 
 void DockCore::move_agvs() {
+  for (AgvState& agv : state.agvs) agv_motion.advance(agv, agv_latches * seconds_per_latch);
+  if (config.collisions) {
+    collect_solids(config, state.containers, state.agvs, -1, seconds(), solids_);
+    std::erase_if(solids_, [](const Solid& s) { return s.bottom >= 1.5; });  // above every vehicle, or carried by one
+    traffic.collide(state.agvs, solids_, [this](std::size_t agv, int other, double speed) {
+      report(EventKind::collision, static_cast<int>(agv), speed, other);
+    });
+  }
   for (std::size_t i = 0; i < state.agvs.size(); ++i) {
     AgvState& agv = state.agvs[i];
-    agv_motion.advance(agv, agv_latches * seconds_per_latch);
+    if (state.latch % range_latches() == 0) look(i);
     if (AgvMotion::take_set_point(agv, now())) report(EventKind::agv_dry, static_cast<int>(i));
     if (state.latch % tick_latches == 0) {
-      agv_motion.drive_tick(agv);
+      const double allowed = config.agv.protective_field ? traffic.allowed_speed(agv, scan(i)) : std::numeric_limits<double>::infinity();
+      agv_motion.drive_tick(agv, allowed);
       serve_warehouse(i);
     }
   }
+}
+
+std::int64_t DockCore::range_latches() const {
+  if (config.sensors.range_rate <= 0.0) return agv_latches;
+  return std::max<std::int64_t>(1, std::llround(1.0 / (config.sensors.range_rate * agv_latches * seconds_per_latch))) * agv_latches;
+}
+
+const Geometry::Scan& DockCore::scan(std::size_t agv) {
+  if (!state.scans.empty()) return state.scans[agv];
+  fresh_.resize(state.agvs.size());
+  Fresh& fresh = fresh_[agv];
+  if (fresh.latch != state.latch) {
+    collect_solids(config, state.containers, state.agvs, state.agvs[agv].container, seconds(), solids_);
+    fresh = {state.latch, traffic.scan(state.agvs[agv], agv, solids_)};
+  }
+  return fresh.codes;
+}
+
+// A range sensor with a rate of its own samples; some rays bring nothing back.
+void DockCore::look(std::size_t agv) {
+  if (state.scans.empty()) return;
+  collect_solids(config, state.containers, state.agvs, state.agvs[agv].container, seconds(), solids_);
+  Geometry::Scan codes = traffic.scan(state.agvs[agv], agv, solids_);
+  const std::int64_t number = state.latch / range_latches();
+  for (std::size_t ray = 0; ray < codes.size(); ++ray)
+    if (drops(config.sensors, agv, number * range_rays + static_cast<std::int64_t>(ray))) codes[ray] = 0;
+  state.scans[agv] = codes;
 }
 
 void DockCore::serve_warehouse(std::size_t index) {

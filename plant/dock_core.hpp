@@ -9,6 +9,7 @@
 #include "plant/dock.hpp"
 #include "plant/landing.hpp"
 #include "plant/state.hpp"
+#include "plant/traffic.hpp"
 
 namespace plant {
 
@@ -24,7 +25,12 @@ class DockCore {
   void meet_happenings();            // those of the interval that ends
   void report(Time, EventKind, int index = -1, double first = 0.0, double second = 0.0);
   void forget_ahead() { ahead_.reset(); }
+  // What the range sensor of an AGV shows now.
+  const Geometry::Scan& scan(std::size_t agv);
+  void forget_scans() { fresh_.clear(); }
+  std::int64_t range_latches() const;  // from a scan to the next
   Time now() const { return state.latch * latch_period; }
+  double seconds() const { return static_cast<double>(state.latch) * 125e-6; }
   Signal make_signal() const;
   AgvSignal make_agv_signal(std::size_t index) const;
   double energy() const;
@@ -35,6 +41,7 @@ class DockCore {
   DockConfig config;
   CraneMotion crane;
   AgvMotion agv_motion;
+  Traffic traffic;
   Landing landing;
   DockState state;
   std::vector<Event> events;
@@ -59,6 +66,7 @@ class DockCore {
   template <class Change>
   auto booked(EventKind, int container, Change);   // a change of the payload, with what it does to energy and momentum
   void move_agvs();
+  void look(std::size_t agv);
   void serve_warehouse(std::size_t agv);
   void sample_sway();
   std::array<double, 2> sway() const;
@@ -74,6 +82,13 @@ class DockCore {
   };
   std::optional<Ahead> ahead_;
   std::vector<CraneHappening> happenings_;
+  // The scans of this latch that have been asked for, so that 180 reads cost one.
+  struct Fresh {
+    std::int64_t latch = -1;
+    Geometry::Scan codes{};
+  };
+  std::vector<Fresh> fresh_;
+  std::vector<Solid> solids_;
 };
 
 }  // namespace plant

@@ -32,6 +32,8 @@ struct Frame {
 
 double box_inertia(double mass, double a, double b) { return mass * (a * a + b * b) / 12.0; }
 
+double seconds_of(const DockState& s) { return static_cast<double>(s.latch) * 125e-6; }
+
 double container_mass(const DockState& s) {
   return s.carried < 0 ? 0.0 : s.containers[static_cast<std::size_t>(s.carried)].mass;
 }
@@ -121,7 +123,7 @@ Solid Landing::footprint(const DockState& s, double x, double y, double z, doubl
 }
 
 double Landing::clearance_of(const DockState& s, const Solid& foot) {
-  collect_solids(config_, s.containers, s.agvs, s.carried, solids_);
+  collect_solids(config_, s.containers, s.agvs, s.carried, seconds_of(s), solids_);
   double least = 1e9;
   for (const Solid& solid : solids_)
     if (foot.top >= solid.bottom && overlaps(foot, solid, p_.near)) least = std::min(least, foot.bottom - solid.top);
@@ -140,7 +142,7 @@ double Landing::clearance(const DockState& s, const Crane& crane) {
 void Landing::find_near(const DockState& s) {
   const Vector3 at = payload_position(s);
   const Solid foot = footprint(s, at[0], at[1], at[2], payload_yaw(s));
-  collect_solids(config_, s.containers, s.agvs, s.carried, solids_);
+  collect_solids(config_, s.containers, s.agvs, s.carried, seconds_of(s), solids_);
   near_.clear();
   for (const Solid& solid : solids_)
     if (foot.bottom - 0.5 < solid.top && overlaps(foot, solid, 0.5)) near_.push_back(solid);
@@ -361,7 +363,7 @@ Landing::Outcome Landing::step(DockState& s, const Crane& crane, double seconds)
   Forces forces;
   add_falls(s, crane, seconds, forces);
   add_guides(s, forces);
-  if (config_.wind.blows()) forces.force = forces.force + wind_force(config_.wind, static_cast<double>(s.latch) * 125e-6);
+  if (config_.wind.blows()) forces.force = forces.force + wind_force(config_.wind, seconds_of(s));
   s.inputs.external = forces.crane;
   s.landing.tension = forces.tension;
 

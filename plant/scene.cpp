@@ -25,7 +25,7 @@ ContainerData in_world(const ContainerData& c, const std::vector<AgvState>& agvs
 }
 
 void collect_solids(const DockConfig& config, const std::vector<ContainerData>& containers, const std::vector<AgvState>& agvs,
-                    int without, std::vector<Solid>& solids) {
+                    int without, double seconds, std::vector<Solid>& solids) {
   solids.clear();
   const auto add_box = [&solids](Solid::Kind kind, const Box& b) {
     solids.push_back(make_solid(kind, -1, 0.5 * (b.x_min + b.x_max), 0.5 * (b.y_min + b.y_max), 0.0, 0.5 * (b.x_max - b.x_min),
@@ -34,6 +34,15 @@ void collect_solids(const DockConfig& config, const std::vector<ContainerData>& 
   add_box(Solid::Kind::ground, {-500.0, 500.0, -500.0, 500.0, -5.0, 0.0});
   add_box(Solid::Kind::ship, config.layout.ship);
   for (const Box& box : config.layout.no_go) add_box(Solid::Kind::fixed, box);
+  for (std::size_t i = 0; i < config.layout.movers.size(); ++i) {
+    const Mover& mover = config.layout.movers[i];
+    const MoverPlace at = place_of(mover, seconds);
+    Solid solid = make_solid(Solid::Kind::mover, static_cast<int>(i), at.x, at.y, 0.0, mover.radius, mover.radius, 0.0, mover.height);
+    solid.round = true;
+    solid.vx = at.vx;
+    solid.vy = at.vy;
+    solids.push_back(solid);
+  }
   for (std::size_t i = 0; i < agvs.size(); ++i) {
     const auto& y = agvs[i].y;
     const auto& p = config.agv;
@@ -47,6 +56,33 @@ void collect_solids(const DockConfig& config, const std::vector<ContainerData>& 
     solids.push_back(make_solid(Solid::Kind::container, static_cast<int>(i), c.x, c.y, c.yaw, 0.5 * container_length,
                                 0.5 * container_width, c.z, c.z + container_height));
   }
+}
+
+// A cubic through the waypoints with the mean of the neighbouring slopes (Catmull and Rom's); at rest before the first and after the last.
+MoverPlace place_of(const Mover& mover, double seconds) {
+  const std::vector<Waypoint>& path = mover.path;
+  const double first = path.front().time, last = path.back().time;
+  double t = seconds;
+  if (mover.repeats && last > first && t > first) t = first + std::fmod(t - first, last - first);
+  if (t <= first || path.size() == 1) return {path.front().x, path.front().y, 0.0, 0.0};
+  if (t >= last) return {path.back().x, path.back().y, 0.0, 0.0};
+  std::size_t i = 0;
+  while (path[i + 1].time <= t) ++i;
+  const auto slope = [&](std::size_t k, double Waypoint::*axis) {
+    if (k == 0 || k + 1 == path.size()) return 0.0;
+    return (path[k + 1].*axis - path[k - 1].*axis) / (path[k + 1].time - path[k - 1].time);
+  };
+  const double h = path[i + 1].time - path[i].time;
+  const double u = (t - path[i].time) / h, w = 1.0 - u;
+  const auto value = [&](double Waypoint::*axis) {
+    return path[i].*axis * (w * w * (1.0 + 2.0 * u)) + path[i + 1].*axis * (u * u * (3.0 - 2.0 * u)) +
+           h * (slope(i, axis) * (u * w * w) - slope(i + 1, axis) * (u * u * w));
+  };
+  const auto rate = [&](double Waypoint::*axis) {
+    return 6.0 * u * w * (path[i + 1].*axis - path[i].*axis) / h + slope(i, axis) * (w * w - 2.0 * u * w) +
+           slope(i + 1, axis) * (u * u - 2.0 * u * w);
+  };
+  return {value(&Waypoint::x), value(&Waypoint::y), rate(&Waypoint::x), rate(&Waypoint::y)};
 }
 
 bool covers(const Solid& solid, double x, double y) {

@@ -20,8 +20,10 @@ struct Solid {
   double half_x, half_y;       // m
   double bottom, top;          // z
   double sin_yaw, cos_yaw;
-  enum class Kind : std::uint8_t { ground, ship, container, agv, fixed } kind;
-  int index;                   // container or AGV, else -1
+  enum class Kind : std::uint8_t { ground, ship, container, agv, fixed, mover } kind;
+  int index;                   // container, AGV or mover, else -1
+  bool round = false;          // an upright cylinder of radius half_x; what has no use for that takes the box around it
+  double vx = 0.0, vy = 0.0, vz = 0.0;  // m/s
 };
 
 Solid make_solid(Solid::Kind, int index, double x, double y, double yaw, double half_x, double half_y, double bottom, double top);
@@ -29,8 +31,14 @@ Solid make_solid(Solid::Kind, int index, double x, double y, double yaw, double 
 // A container's pose in the world.
 ContainerData in_world(const ContainerData&, const std::vector<AgvState>&);
 
-// Everything solid but the container `without`. Clears and fills `solids`.
-void collect_solids(const DockConfig&, const std::vector<ContainerData>&, const std::vector<AgvState>&, int without,
+// Where a mover is, and how fast, at `seconds`.
+struct MoverPlace {
+  double x, y, vx, vy;
+};
+MoverPlace place_of(const Mover&, double seconds);
+
+// Everything solid at `seconds` but the container `without`. Clears and fills `solids`.
+void collect_solids(const DockConfig&, const std::vector<ContainerData>&, const std::vector<AgvState>&, int without, double seconds,
                     std::vector<Solid>& solids);
 
 bool covers(const Solid&, double x, double y);

@@ -31,6 +31,11 @@ double noise(std::uint64_t seed, int axis, std::int64_t sample) {
   return radius * cos(2.0 * std::numbers::pi * unit(mix(base)));
 }
 
+bool drops(const SensorParameters& p, std::size_t agv, std::int64_t ray) {
+  if (p.range_dropout <= 0.0) return false;
+  return unit(mix(mix(p.seed ^ 0x52414E4745ULL) ^ mix(static_cast<std::uint64_t>(ray) * 16 + agv))) < p.range_dropout;
+}
+
 std::int32_t sway_code(double angle, const SensorParameters& p, int axis, std::int64_t sample) {
   const double seen = angle + (p.sway_noise > 0.0 ? p.sway_noise * noise(p.seed, axis, sample) : 0.0);
   return static_cast<std::int32_t>(std::clamp(std::floor(seen / p.sway_range * 2048.0), -2048.0, 2047.0));

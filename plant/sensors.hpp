@@ -11,6 +11,8 @@ inline constexpr double counts_per_revolution = 16384.0;
 
 std::int64_t encoder_counts(double joint_position, const DriveParameters&);
 std::int32_t sway_code(double angle, const SensorParameters&, int axis, std::int64_t sample);
+// Whether a ray of AGV `agv` brings no echo; depends on the seed and the ray's running number alone.
+bool drops(const SensorParameters&, std::size_t agv, std::int64_t ray);
 // Standard normal deviate of (seed, axis, sample).
 double noise(std::uint64_t seed, int axis, std::int64_t sample);
 

@@ -55,6 +55,7 @@ struct DockState {
   std::array<std::int32_t, 2> sway_shown{}, sway_sampled{};  // codes: readable now, and 10 ms later
   std::vector<ContainerData> containers;
   std::vector<AgvState> agvs;
+  std::vector<std::array<std::int32_t, range_rays>> scans;  // per AGV, where the range sensors have a rate of their own
   int row = 0;                   // of the bay scanner
   CraneModes modes;              // of the crane's joints
   bool faulted = false;

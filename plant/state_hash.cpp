@@ -46,10 +46,14 @@ class Hash {
     (*this)(s.active, s.body, s.slack, s.next, s.touched, s.contacts, s.clear, s.tension, s.corners, s.landed);
   }
   void add(const ContainerData& s) { (*this)(s.state, s.agv, s.x, s.y, s.z, s.yaw, s.mass); }
-  void add(const AgvSetPoint& s) { (*this)(s.speed, s.front, s.rear); }
+  void add(const AgvSetPoint& s) {
+    (*this)(s.speed, s.front, s.rear);
+    if (s.turn != 0.0) add(s.turn);
+  }
   void add(const AgvState& s) {
     (*this)(s.y, s.step, s.container, s.load_mass, s.load_inertia, s.fifo, s.waiting, s.current, s.period, s.due, s.running,
             s.dry, s.standing, s.reference, s.integral, s.command, s.served_since);
+    if (s.bumped) word(1);
   }
 
   std::uint64_t a_ = 0xCBF29CE484222325ULL, b_ = 0x94D049BB133111EBULL;
@@ -64,6 +68,7 @@ std::array<std::uint64_t, 2> hash(const DockState& s) {
     s.carried, s.grip, s.landing, s.sway_shown, s.sway_sampled, s.containers, s.agvs, s.row, s.modes.at_limit, s.faulted, s.delivered);
   // What only some docks have counts only where it is, so that a dock without it keeps its hash.
   if (s.modes.stuck != 0 || s.inputs.sliding != decltype(s.inputs.sliding){}) h(s.modes.stuck, s.inputs.sliding);
+  if (!s.scans.empty()) h(s.scans);
   if (s.handover.attempts > 1 || s.handover.accepted) h(s.handover.phase, s.handover.attempts, s.handover.touching, s.handover.accepted);
   return h.result();
 }

@@ -155,6 +155,8 @@ struct Config {
     bool stiction = false;
     bool strict_landing = false;
     double capture_window_m = 0.15;
+    std::string layout;
+    bool protective_field = false;
     double wind_mean_m_s = 0;
     double wind_gust_m_s = 0;
     double wind_direction_deg = 0;

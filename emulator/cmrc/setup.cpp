@@ -1,12 +1,17 @@
 #include "cmrc/setup.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "cmrc/ti_float.hpp"
 #include "cmrc/topology.hpp"
 #include "machine/board_file.hpp"
+#include "plant/check.hpp"
+#include "plant/layout_file.hpp"
 
 namespace cmrc {
 
@@ -23,9 +28,25 @@ std::int64_t instruction_cycles_per_second(DspClock clock) {
 
 }  // namespace
 
+namespace {
+
+void read_layout(plant::DockConfig& dock, const std::string& path) try {
+  plant::load_layout(dock, path);
+  plant::check(dock);
+} catch (const plant::LayoutError& error) {
+  throw ConfigError(fmt::format("dock.layout: {}", error.what()));
+} catch (const std::invalid_argument& error) {
+  throw ConfigError(fmt::format("dock.layout: {}: {}", path, error.what()));
+}
+
+}  // namespace
+
 plant::DockConfig dock_of(const Config& config) {
   plant::DockConfig dock = plant::default_dock(static_cast<int>(config.dock.agvs));
+  dock.agv.protective_field = config.dock.protective_field;
+  if (!config.dock.layout.empty()) read_layout(dock, config.dock.layout);
   dock.layout.containers.resize(std::min<std::size_t>(dock.layout.containers.size(), static_cast<std::size_t>(config.dock.containers)));
+  // The controller knows one mass of a container (see crane_of).
   for (auto& container : dock.layout.containers) container.mass = config.dock.container_mass_kg;
   for (auto& leg : dock.layout.legs) {
     for (auto& lane : leg) lane.speed = std::min(lane.speed, config.dock.agv_speed_m_s);

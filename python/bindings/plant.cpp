@@ -7,6 +7,7 @@
 #include "plant/crane.hpp"
 #include "plant/crane_alone.hpp"
 #include "plant/dock.hpp"
+#include "plant/layout_file.hpp"
 #include "plant/motion.hpp"
 #include "plant/ode_crane.hpp"
 #include "plant/state.hpp"
@@ -150,6 +151,10 @@ void bind_config(py::module_& m) {
       FIELD(LandingParameters, seat_error) FIELD(LandingParameters, seat_gap) FIELD(LandingParameters, touch_speed)
       FIELD(LandingParameters, touch_sway) FIELD(LandingParameters, lock_time)
       FIELD(LandingParameters, strict) FIELD(LandingParameters, yaw_error);
+  py::native_enum<AgvDrive>(m, "AgvDrive", "enum.Enum")
+      .value("steered", AgvDrive::steered)
+      .value("differential", AgvDrive::differential)
+      .finalize();
   py::class_<AgvParameters>(m, "AgvParameters")
       FIELD(AgvParameters, mass) FIELD(AgvParameters, length) FIELD(AgvParameters, width) FIELD(AgvParameters, front)
       FIELD(AgvParameters, rear) FIELD(AgvParameters, yaw_inertia) FIELD(AgvParameters, deck_height)
@@ -157,10 +162,12 @@ void bind_config(py::module_& m) {
       FIELD(AgvParameters, drag) FIELD(AgvParameters, steer_limit) FIELD(AgvParameters, steer_rate)
       FIELD(AgvParameters, steer_lag) FIELD(AgvParameters, drive_lag) FIELD(AgvParameters, acceleration)
       FIELD(AgvParameters, braking) FIELD(AgvParameters, emergency) FIELD(AgvParameters, blend_speed)
-      FIELD(AgvParameters, speed_gain) FIELD(AgvParameters, speed_integral);
+      FIELD(AgvParameters, speed_gain) FIELD(AgvParameters, speed_integral) FIELD(AgvParameters, drive) FIELD(AgvParameters, track)
+      FIELD(AgvParameters, wheel_slip) FIELD(AgvParameters, protective_field) FIELD(AgvParameters, protective_margin);
   py::class_<SensorParameters>(m, "SensorParameters")
       .def(py::init<>())
-      FIELD(SensorParameters, sway_range) FIELD(SensorParameters, sway_noise) FIELD(SensorParameters, seed);
+      FIELD(SensorParameters, sway_range) FIELD(SensorParameters, sway_noise) FIELD(SensorParameters, seed)
+      FIELD(SensorParameters, range_rate) FIELD(SensorParameters, range_dropout);
   py::class_<WindParameters>(m, "WindParameters")
       .def(py::init<>())
       FIELD(WindParameters, mean) FIELD(WindParameters, gust) FIELD(WindParameters, direction)
@@ -169,6 +176,17 @@ void bind_config(py::module_& m) {
   py::class_<Box>(m, "Box")
       .def(py::init<double, double, double, double, double, double>())
       FIELD(Box, x_min) FIELD(Box, x_max) FIELD(Box, y_min) FIELD(Box, y_max) FIELD(Box, z_min) FIELD(Box, z_max);
+  py::class_<Waypoint>(m, "Waypoint")
+      .def(py::init<double, double, double>(), py::arg("time"), py::arg("x"), py::arg("y"))
+      FIELD(Waypoint, time) FIELD(Waypoint, x) FIELD(Waypoint, y);
+  py::class_<Mover>(m, "Mover", "An upright cylinder that follows its waypoints; with one of them it stands.")
+      .def(py::init<double, double, std::vector<Waypoint>, bool>(), py::arg("radius"), py::arg("height"), py::arg("path"),
+           py::arg("repeats") = false)
+      FIELD(Mover, radius) FIELD(Mover, height) FIELD(Mover, path) FIELD(Mover, repeats);
+  m.def("mover_place", [](const Mover& mover, double seconds) {
+    const MoverPlace p = place_of(mover, seconds);
+    return std::array{p.x, p.y, p.vx, p.vy};
+  }, "x, y and their rates");
   py::class_<ContainerPlace>(m, "ContainerPlace", "Centre of the underside, m; yaw, rad; gross mass, kg.")
       .def(py::init<double, double, double, double, double>(), py::arg("x"), py::arg("y"), py::arg("z"), py::arg("yaw"),
            py::arg("mass"))
@@ -183,13 +201,16 @@ void bind_config(py::module_& m) {
       FIELD(Pose, x) FIELD(Pose, y) FIELD(Pose, heading);
   py::class_<Layout>(m, "Layout")
       FIELD(Layout, deck) FIELD(Layout, rows) FIELD(Layout, scan_x0) FIELD(Layout, scan_dx) FIELD(Layout, containers)
-      FIELD(Layout, ship) FIELD(Layout, no_go) FIELD(Layout, spot) FIELD(Layout, warehouse) FIELD(Layout, warehouse_radius)
+      FIELD(Layout, ship) FIELD(Layout, no_go) FIELD(Layout, movers) FIELD(Layout, spot) FIELD(Layout, warehouse) FIELD(Layout, warehouse_radius)
       FIELD(Layout, warehouse_take) FIELD(Layout, slot_spacing) FIELD(Layout, legs);
   py::class_<DockConfig>(m, "DockConfig")
       FIELD(DockConfig, crane) FIELD(DockConfig, landing) FIELD(DockConfig, agv) FIELD(DockConfig, sensors) FIELD(DockConfig, wind)
       FIELD(DockConfig, layout) FIELD(DockConfig, agv_count) FIELD(DockConfig, home) FIELD(DockConfig, tolerance)
-      FIELD(DockConfig, signal_decimation) FIELD(DockConfig, method) FIELD(DockConfig, rigid) FIELD(DockConfig, rated_load) FIELD(DockConfig, drive_timeout);
+      FIELD(DockConfig, signal_decimation) FIELD(DockConfig, method) FIELD(DockConfig, rigid) FIELD(DockConfig, collisions) FIELD(DockConfig, rated_load) FIELD(DockConfig, drive_timeout);
   m.def("default_dock", &default_dock, py::arg("agv_count") = 1);
+  py::register_exception<LayoutError>(m, "LayoutError", PyExc_ValueError);
+  m.def("apply_layout", &apply_layout, py::arg("config"), py::arg("text"), py::arg("name") = "layout");
+  m.def("load_layout", &load_layout, py::arg("config"), py::arg("path"));
 }
 
 #undef FIELD
@@ -345,6 +366,8 @@ void bind_dock(py::module_& m) {
       .def("agv_push", [](Dock& d, int i, std::int32_t speed, std::int32_t front, std::int32_t rear, std::int64_t t) {
         d.agv_push(i, speed, front, rear, ps(t));
       })
+      .def("agv_push_wheels", [](Dock& d, int i, std::int32_t left, std::int32_t right, std::int64_t t) { d.agv_push_wheels(i, left, right, ps(t)); })
+      .def("agv_reset_bumper", [](Dock& d, int i, std::int64_t t) { d.agv_reset_bumper(i, ps(t)); })
       .def_property_readonly("events", &Dock::events, py::return_value_policy::copy)
       .def_property_readonly("containers", &Dock::containers)
       .def("agv", &Dock::agv)

@@ -177,6 +177,16 @@ def test_agv_circle_has_the_radius_of_its_geometry():
     assert agv.speed / agv.yaw_rate == pytest.approx(wheelbase / (2 * math.tan(angle)), rel=0.03)
 
 
+@pytest.mark.parametrize("speed", [2000, -2000])
+def test_agv_drives_the_same_circle_forwards_and_backwards(speed):
+    dock = plant.Dock(quiet_dock())
+    angle = math.radians(6)
+    drive(dock, 9.0, speed, round(angle * 1e6), -round(angle * 1e6))
+    agv = dock.agv(0)
+    assert agv.speed == pytest.approx(speed * 1e-3, rel=0.03)
+    assert agv.speed / agv.yaw_rate == pytest.approx(4.5 / math.tan(angle), rel=0.03)
+
+
 def test_agv_whose_set_points_run_dry_stops_and_says_so():
     dock = plant.Dock(quiet_dock())
     drive(dock, 4.0, 1500, 0, 0)
