@@ -119,9 +119,11 @@ class Reader {
     layout_.movers.clear();
     list(fields, "posts", layout_.movers, [this](const toml::table& t) { return post(t); }, false);
     list(fields, "movers", layout_.movers, [this](const toml::table& t) { return mover(t); }, false);
-    std::vector<LaneSegment> lanes[2];
-    table(fields, "lanes", [&](const toml::table& t) { lanes_of(t, lanes); });
+    const toml::table* lane_table = nullptr;
+    table(fields, "lanes", [&lane_table](const toml::table& t) { lane_table = &t; });
     fields.done();
+    std::vector<LaneSegment> lanes[2];
+    if (lane_table != nullptr) lanes_of(*lane_table, lanes);  // now that spot and warehouse are known
     const bool moved = old_spot.heading != layout_.spot.heading || old_spot.x != layout_.spot.x || old_spot.y != layout_.spot.y || old_warehouse.x != layout_.warehouse.x ||
                        old_warehouse.y != layout_.warehouse.y || spacing != layout_.slot_spacing;
     if (!lanes[0].empty() || !lanes[1].empty()) layout_.legs = {lanes[0], lanes[1], lanes[1]};
