@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <limits>
 #include <stdexcept>
 
 #include "c40/engine.hpp"
@@ -110,6 +112,11 @@ const CommPort& Chip::port(int port) const {
   return engine_->state().ports[static_cast<std::size_t>(port)];
 }
 void Chip::complete_port(Cycles at) { engine_->complete_port(at); }
+bool Chip::dma_active() const { return engine_->dma_active(); }
+Cycles Chip::settled() const {
+  const State& state = engine_->state();
+  return engine_->dma_active() ? std::min(state.cycle, state.dma.now) : state.cycle;
+}
 bool Chip::watches_ports() const { return engine_->watched_ports() != 0; }
 
 void Chip::set_timer_pin(int timer, bool level) {
@@ -127,6 +134,7 @@ Word Chip::peripheral(std::string_view name) const { return engine_->peek(regist
 
 Cycles Chip::next_event() const { return engine_->next_peripheral_event(); }
 bool Chip::locked(bool global_bus) const { return engine_->state().locked[global_bus]; }
+bool Chip::dormant() const { return idle() && !dma_active() && next_event() == std::numeric_limits<Cycles>::max(); }
 bool Chip::idle() const { return engine_->waits_in_idle(); }
 void Chip::hold(bool held) { engine_->touch().held = held; }
 bool Chip::halted() const { return engine_->state().held || engine_->state().faulted; }

@@ -2,8 +2,7 @@
 /// One TMS320C40: its whole public face. The chip knows no system: it runs until a limit, or until it would touch something
 /// that is not its own, and says so.
 ///
-/// Inaccuracies: no DMA or boot ROM yet (touching their registers is a
-/// fault that names the register); annulled slots
+/// Inaccuracies: the analysis block is not modelled (touching it is a fault that names the register); annulled slots
 /// update address registers but do not read memory; RCPF and RSQRF seeds are a model. docs/fidelity.md lists every choice.
 #include <functional>
 #include <memory>
@@ -23,7 +22,8 @@ struct ExternalAccess {
   bool write = false;
   bool interlocked = false;  ///< LDII, LDFI, STII, STFI, SIGI
   Word value = 0;            ///< of a write
-  Cycles cycle = 0;          ///< when the access begins, never before the chip's cycle()
+  Cycles cycle = 0;        ///< when the access begins; one of the processor's never before the chip's cycle()
+  int channel = -1;        ///< of the DMA; -1: the processor's
 };
 
 /// Why a chip cannot go on. It is halted until reset.
@@ -123,7 +123,13 @@ class Chip {
   /// The access that the chip stopped at takes place in cycle `at`, which is not before the access's own; the chip has waited
   /// since. Throws std::logic_error if none is waiting, or if the port is not ready for it.
   void complete_port(Cycles at);
-  /// Interrupts that linked ports could raise are enabled: the chip's horizon depends on its links.
+  /// A DMA channel is started. While the processor waits for a port or a window, the DMA goes on: run_until with a limit that regards
+  /// everybody else, which ends with the same access again. Accesses of the DMA to linked ports take place without a stop
+  /// before them (the limit has seen to it), but end the run (Reason::horizon), because the link goes on differently now.
+  bool dma_active() const;
+  /// Everything before this cycle is done, by the processor and by the DMA, which may be behind cycle().
+  Cycles settled() const;
+  /// Interrupts that linked ports could raise are enabled, or a started DMA channel uses one: the chip's horizon depends on its links.
   bool watches_ports() const;
 
   /// Level that the outside drives pin TCLKn to, from the present cycle on.
@@ -145,6 +151,8 @@ class Chip {
   bool locked(bool global_bus) const;
   /// In IDLE with no interrupt to take.
   bool idle() const;
+  /// Idle, and no peripheral of its own will change that: only something from outside can.
+  bool dormant() const;
   void hold(bool held);
   /// Held in reset, or stopped by a fault.
   bool halted() const;

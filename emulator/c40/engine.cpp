@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "c40/addressing.hpp"
+#include "c40/engine_dma.hpp"
 #include "c40/handler_tables.hpp"
 #include "c40/peripherals/register_map.hpp"
 
@@ -41,10 +42,13 @@ std::uint64_t packed(const Demand& demand) {
 
 }  // namespace
 
-Engine::Engine(Board board) : board_(std::move(board)), memory_(board_), sites_(site_count), transitions_(4096) {
+Engine::Engine(Board board)
+    : dma_side_(std::make_unique<DmaSide>(*this)), dma_(state_.dma, *dma_side_), board_(std::move(board)), memory_(board_), sites_(site_count),
+      transitions_(4096) {
   intern(Pipeline{});
   reset();
 }
+Engine::~Engine() = default;
 
 void Engine::reset() {
   pipeline_known_ = false;
@@ -60,6 +64,10 @@ void Engine::reset() {
   state_.iiof_levels = old.iiof_levels;
   state_.ports = old.ports;
   reset_ports();
+  state_.dma.now = state_.cycle;
+  dma_side_->forget();
+  dma_request_.reset();
+  watch_dma();
   expect_peripherals();
   state_.core.e.fill(float40::zero_exponent);
   state_.global_interface_control = board_.global_interface_control;
@@ -294,7 +302,9 @@ Engine::Stepped Engine::resolve(Step& step) {
   } else {
     const Answer& answer = state_.answers[k];
     if (!answer.given || answer.address != address || answer.write != write) {
-      waiting_ = {address, write, site.bound.row->interlocked, write ? core.miss_value : 0, access_cycle(step, k)};
+      waiting_ = {address, write, site.bound.row->interlocked, write ? core.miss_value : 0, access_cycle(step, k), -1};
+      held_ = std::max<Cycles>(0, state_.dma.answered_until - waiting_.cycle);
+      waiting_.cycle += held_;
       waiting_access_ = k;
       port_slot_ = 2;
       return Stepped::external;
@@ -492,8 +502,10 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   const Transition& next = annul ? annulled_transition(step) : executed_transition(step);
   step.timing = &next.timing;
   pipeline_ = next.after;
+  const Cycles before = state_.cycle;
   account(next.timing);
   if (state_.answers[0].given || state_.answers[1].given) [[unlikely]] settle_answers();
+  if (dma_active_) [[unlikely]] note_accesses(step, annul, before);
   advance_pc(pc);
   return Stepped::done;
 }
@@ -656,7 +668,7 @@ Engine::Stepped Engine::advance(Cycles limit, bool single) {
   if (pipelines_.size() > most_pipelines) forget_pipelines();
   const bool answered = state_.answers[0].given || state_.answers[1].given;
   const bool waiting_interrupt = !may_interrupt() && pending_vector() != 0;
-  const bool one = single || trace != nullptr || answered || waiting_interrupt;
+  const bool one = single || trace != nullptr || answered || waiting_interrupt || (dma_active_ && dma_.busy());
   if (!one && !exact_only && missed_ == nullptr) {
     if (Block* block = std::exchange(resume_, nullptr); block != nullptr) {
       run_blocks(block, resume_at_, limit);
@@ -689,8 +701,18 @@ StopInfo Engine::run_until(Cycles limit) {
     return {};
   }
   const Word watched = watched_ports();
-  while (state_.cycle < limit) {
-    if (const Stepped why = advance(limit, false); why != Stepped::done) return stop(why);
+  const bool waits = state_.stalled_on_port || waiting_access_ < 2;
+  for (;;) {
+    if (dma_active_)
+      if (auto info = run_dma(limit, false)) return *info;
+    if (state_.cycle >= limit) break;
+    if (const Stepped why = advance(limit, false); why != Stepped::done) {
+      if (dma_active_ && (why == Stepped::port || why == Stepped::external)) {
+        const Cycles begins = why == Stepped::port ? port_access_.cycle : waiting_.cycle;
+        if (auto earlier = run_dma(waits ? limit : std::min(limit, begins), true)) return *earlier;
+      }
+      return stop(why);
+    }
     if (attached_ != 0 && (watched_ports() & ~watched) != 0) return stop(Stepped::horizon);
   }
   if (state_.cycle >= next_peripheral_event_) advance_peripherals(state_.cycle);
@@ -702,14 +724,17 @@ StopInfo Engine::step() {
     pass(Cause::halted, state_.cycle + 1);
     return {};
   }
+  if (dma_active_)
+    if (auto info = run_dma(state_.cycle, false)) return *info;
   return stop(advance(state_.cycle + 1, true));
 }
 
 void Engine::complete(bool write, Word value, Cycles arbitration, Cycles transfer) {
+  if (dma_request_) return complete_dma(write, value, arbitration + transfer);
   if (waiting_access_ >= 2 || waiting_.write != write)
     throw std::logic_error(fmt::format("the chip does not wait for a {}", write ? "write" : "read"));
   if (arbitration < 0 || transfer < 0) throw std::invalid_argument("a chip cannot wait a negative number of cycles");
-  state_.answers[waiting_access_] = {true, write, waiting_.address, value, arbitration, transfer, 0};
+  state_.answers[waiting_access_] = {true, write, waiting_.address, value, arbitration + held_, transfer, 0};
   waiting_access_ = 2;
 }
 

@@ -64,6 +64,7 @@ struct Block {
 class Engine {
  public:
   explicit Engine(Board board);
+  ~Engine();
 
   void reset();
   StopInfo run_until(Cycles limit);
@@ -71,7 +72,8 @@ class Engine {
   void complete(bool write, Word value, Cycles arbitration, Cycles transfer);
   void raise_flag(Word flag);
   void set_level(int pin, bool active);
-  bool waits_in_idle() const { return state_.core.idle && pending_vector() == 0; }
+  bool waits_in_idle() const;
+  bool dma_active() const { return dma_active_; }
   void settle_counts();
   /// The state may be changed from outside after this.
   State& touch();
@@ -187,6 +189,7 @@ class Engine {
   void advance_peripherals(Cycles at);
   void expect_peripherals();
   void reset_ports();
+  bool latch_for_dma(Word flag);
   Stepped access_port(const Step& step, std::size_t k, Word& cell);
   Word pending_port_vector(Word enabled) const;
   Word pending_vector() const;
@@ -197,6 +200,18 @@ class Engine {
   StopInfo stop(Stepped why);
   bool may_interrupt() const;
   Stepped advance(Cycles limit, bool single);
+
+  // engine_dma.cpp: the DMA coprocessor beside the processor
+  struct DmaSide;
+  void watch_dma();
+  std::optional<StopInfo> run_dma(Cycles limit, bool processor_waits);
+  StopInfo dma_stop(const DmaRequest& request);
+  void complete_dma(bool write, Word value, Cycles waited);
+  void note_accesses(const Step& step, bool annulled, Cycles before);
+  std::unique_ptr<DmaSide> dma_side_;
+  Dma dma_;
+  bool dma_active_ = false;  ///< a channel is started
+  std::optional<DmaRequest> dma_request_;  ///< reported and not answered
 
   // engine_blocks.cpp: recording and running blocks
   BlockKey key();
@@ -230,6 +245,7 @@ class Engine {
   ExternalAccess waiting_{};
   Cycles next_peripheral_event_ = 0;  ///< before it, no peripheral does anything by itself that the processor could see
   PortAccess port_access_{};
+  Cycles held_ = 0;  ///< of the reported access: how long it was held off by the DMA's access to a window
   std::size_t port_slot_ = 2;  ///< which of the instruction's accesses waits for a port; 2: none
   std::array<PortListener*, port_count> listeners_{};
   Word attached_ = 0;  ///< bit n: port n has a listener

@@ -34,6 +34,10 @@ bool Engine::read_register(Address address, Cycles at, Word& value) const {
     value = state_.timers[timer_of(address)].read(timer_register(address), at);
     return true;
   }
+  if (is_dma_register(address)) {
+    value = dma_.read(dma_channel_of(address), dma_register(address));
+    return true;
+  }
   return false;
 }
 
@@ -47,6 +51,11 @@ bool Engine::write_register(Address address, Word value, Cycles at) {
   if (is_timer_register(address)) {
     if (state_.timers[timer_of(address)].write(timer_register(address), value, at)) raise_flag(timer_flags[timer_of(address)]);
     expect_peripherals();
+    return true;
+  }
+  if (is_dma_register(address)) {
+    dma_.write(dma_channel_of(address), dma_register(address), value, at);
+    watch_dma();
     return true;
   }
   return false;
@@ -91,6 +100,8 @@ Engine::Stepped Engine::access_port(const Step& step, std::size_t k, Word& cell)
   const bool write = core.miss_write;
   if (!answer.given || answer.address != core.miss_address || answer.write != write) {
     port_access_ = port_access(core.miss_address, write, write ? core.miss_value : 0, access_cycle(step, k));
+    held_ = std::max<Cycles>(0, state_.dma.answered_until - port_access_.cycle);
+    port_access_.cycle += held_;
     port_slot_ = k;
     waiting_access_ = 2;
     if (listener(port_access_.port) != nullptr || !port_access_.ready(port(port_access_.port))) {
@@ -116,7 +127,7 @@ void Engine::complete_port(Cycles at) {
                                        port_access_.write ? "full" : "empty"));
   if (at < port_access_.cycle) throw std::logic_error("an access cannot take place before it begins");
   const Word value = port_access_.perform(side);
-  state_.answers[port_slot_] = {true, port_access_.write, port_access_.address, value, 0, 0, at - port_access_.cycle};
+  state_.answers[port_slot_] = {true, port_access_.write, port_access_.address, value, 0, 0, at - port_access_.cycle + held_};
   state_.stalled_on_port = false;
   port_slot_ = 2;
   if (PortListener* link = listener(port_access_.port); link != nullptr) link->changed(side, at);
@@ -190,13 +201,28 @@ Word Engine::watched_ports() const {
   Word watched = 0;
   for (unsigned n = 0; n < port_count; ++n)
     if ((state_.core.r[reg::IIE] >> (1 + 4 * n) & 0xFu) != 0) watched |= 1u << n;
+  if (dma_active_) watched |= dma_.ports_used();
   return watched & attached_;
+}
+
+// What DIE selects for a started channel goes to the DMA instead of IIF (3.8). Codes of channels 0 and 1: 2 an IIOF pin of
+// their own, 3 timer 0; of the others: 2 to 5 IIOF0 to 3, 6 and 7 the timers.
+bool Engine::latch_for_dma(Word flag) {
+  if (!dma_active_) return false;
+  return dma_.latch([flag](int channel, bool write, Word code) -> bool {
+    const unsigned own_pin = static_cast<unsigned>(2 * channel + write);
+    for (unsigned pin = 0; pin < 4; ++pin)
+      if (flag == 4u << 4 * pin) return channel < 2 ? code == 2 && pin == own_pin : code == 2 + pin;
+    if (flag == timer0_flag) return code == (channel < 2 ? 3u : 6u);
+    return flag == timer1_flag && channel >= 2 && code == 7;
+  });
 }
 
 void Engine::raise_flag(Word flag) {
   Word& iif = state_.core.r[reg::IIF];
   for (unsigned pin = 0; pin < 4; ++pin)
     if (flag == 4u << 4 * pin && (iif >> 4 * pin & 1u) == 0) return;  // general-purpose I/O
+  if (latch_for_dma(flag)) return;
   iif |= flag;
 }
 

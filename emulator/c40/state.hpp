@@ -7,6 +7,7 @@
 #include "c40/memory.hpp"
 #include "c40/op.hpp"
 #include "c40/peripherals/comm_port.hpp"
+#include "c40/peripherals/dma.hpp"
 #include "c40/peripherals/timer.hpp"
 
 namespace c40 {
@@ -34,6 +35,7 @@ struct State {
   std::array<bool, 2> locked{};  ///< LLOCK, LOCK are low: the local, the global bus is kept by an interlocked access.
   std::array<CommPort, port_count> ports{};
   std::array<Timer, timer_count> timers{};
+  DmaState dma;
   bool stalled_on_port = false;  ///< The instruction at PC has begun an access that a FIFO does not answer yet.
   std::uint8_t iiof_levels = 0;  ///< Bit n: IIOFn is held active.
   bool held = false;             ///< In reset.
@@ -74,6 +76,7 @@ void visit_state(S& s, Visit&& visit) {
   visit(std::string_view{"locked"}, s.locked);
   visit(std::string_view{"ports"}, s.ports);
   visit(std::string_view{"timers"}, s.timers);
+  visit(std::string_view{"dma"}, s.dma);
   visit(std::string_view{"stalled_on_port"}, s.stalled_on_port);
   visit(std::string_view{"iiof_levels"}, s.iiof_levels);
   visit(std::string_view{"held"}, s.held);

@@ -79,6 +79,8 @@ class Pipeline {
 
   friend bool operator==(const Pipeline&, const Pipeline&) = default;
   std::uint64_t hash() const;
+  /// Of the next instruction, relative to T.
+  int earliest_fetch() const { return fetch_ready_; }
 
  private:
   struct Bus {

@@ -3,7 +3,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "c40/chip.hpp"
@@ -100,7 +99,7 @@ class Run {
     if (stop.reason == c40::StopInfo::Reason::fault || stop.reason == c40::StopInfo::Reason::external_access ||
         stop.reason == c40::StopInfo::Reason::port_wait)
       return describe(stop);
-    if (chip_.idle() && chip_.next_event() == std::numeric_limits<c40::Cycles>::max()) return Outcome{"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come", pc)};
+    if (chip_.dormant()) return Outcome{"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come", pc)};
     return std::nullopt;
   }
 

@@ -76,7 +76,7 @@ void Dsp::run(Time horizon) {
   while (true) {
     const bool waiting = edge_waiting_ || hang_waiting_;
     if (!waiting) {
-      if (chip_.idle()) {
+      if (chip_.dormant()) {
         state_ = State::idle;
         own_next_ = never;
         return;

@@ -70,6 +70,7 @@ py::dict describe(const c40::Chip& chip, const c40::StopInfo& stop) {
     out["interlocked"] = stop.access.interlocked;
     out["value"] = stop.access.value;
     out["access_cycle"] = stop.access.cycle;
+    out["channel"] = stop.access.channel;
   }
   if (stop.reason == c40::StopInfo::Reason::port_access || stop.reason == c40::StopInfo::Reason::port_wait) {
     out["message"] = describe(stop.port);
@@ -283,6 +284,8 @@ void bind_processor(py::module_& m) {
       .def("set_timer_pin", [](Processor& p, int timer, bool level) { p.chip.set_timer_pin(timer, level); })
       .def("timer_pin", [](const Processor& p, int timer) { return p.chip.timer_pin(timer); })
       .def("peripheral", [](const Processor& p, const std::string& name) { return p.chip.peripheral(name); })
+      .def_property_readonly("dma_active", [](const Processor& p) { return p.chip.dma_active(); })
+      .def_property_readonly("settled", [](const Processor& p) { return p.chip.settled(); })
       .def_property_readonly("watches_ports", [](const Processor& p) { return p.chip.watches_ports(); })
       .def("add_breakpoint", [](Processor& p, c40::Address a) { p.chip.add_breakpoint(a); })
       .def("remove_breakpoint", [](Processor& p, c40::Address a) { p.chip.remove_breakpoint(a); })

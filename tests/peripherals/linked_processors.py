@@ -53,36 +53,49 @@ class Network:
 
     def run(self, until: int) -> None:
         """To an instant in picoseconds; accesses from then on wait."""
-        for n in self.order:
-            self._advance(n, until)
         while True:
-            accesses = [(self.at(n, self._cycle(n)), i, n) for i, n in enumerate(self.order) if n in self.waiting and self._ready(n)]
-            event = min((link.next_event for link in self.links if link.next_event is not None), default=until + 1)
-            access, _, n = min(accesses, default=(until, 0, 0))
-            if min(event, access) >= until:
+            event = min((link.next_event for link in self.links if link.next_event is not None), default=until)
+            turns = [(self._next(n), i, n) for i, n in enumerate(self.order)]
+            now, _, n = min(turns)
+            if min(event, now) >= until:
                 return
-            if event <= access:
+            if event <= now:
                 unready = [m for m in self.waiting if not self._ready(m)]
                 for link in self.links:
                     link.advance_to(event)
                 self.since.update({m: event for m in unready if self._ready(m)})
-                continue
-            for link in self.links:
-                link.advance_to(access)
-            cycle = self._cycle(n)
-            stop = self.waiting.pop(n)
-            self.chips[n].complete_port(cycle)
-            self.log.append((n, "write" if stop["write"] else "read", stop["access_cycle"], cycle))
-            self._advance(n, until)
+            elif n in self.waiting and self._ready(n) and self.at(n, self._cycle(n)) == now:
+                for link in self.links:
+                    link.advance_to(now)
+                cycle = self._cycle(n)
+                stop = self.waiting.pop(n)
+                self.chips[n].complete_port(cycle)
+                self.log.append((n, "write" if stop["write"] else "read", stop["access_cycle"], cycle))
+            else:
+                self._advance(n, min(until, self._horizon(n)))
+
+    def _next(self, n: int) -> int:
+        """The earliest instant at which a chip could do something."""
+        own = self.at(n, self.chips[n].settled) if n not in self.waiting or self.chips[n].dma_active else 2**62
+        access = self.at(n, self._cycle(n)) if n in self.waiting and self._ready(n) else 2**62
+        return min(own, access)
+
+    def _horizon(self, n: int) -> int:
+        if not self.chips[n].watches_ports:
+            return 2**62
+        horizon = 2**62
+        for (m, port), (link, _) in self.ends.items():
+            if m == n:
+                horizon = min(horizon, link.next_event or horizon, self._next(self.other[m, port][0]) + link.lookahead)
+        return horizon
 
     def _advance(self, n: int, until: int) -> None:
-        chip, limit = self.chips[n], self.first_cycle(n, until)
-        while n not in self.waiting and chip.cycle < limit:
-            stop = chip.run(limit - chip.cycle)
-            assert stop["reason"] in ("port_access", "limit", "horizon"), stop
-            if stop["reason"] == "port_access":
-                self.waiting[n] = stop
-                self.since[n] = 0
+        chip = self.chips[n]
+        stop = chip.run(self.first_cycle(n, until) - chip.cycle)
+        assert stop["reason"] in ("port_access", "limit", "horizon"), stop
+        if stop["reason"] == "port_access" and n not in self.waiting:
+            self.waiting[n] = stop
+            self.since[n] = 0
 
     def _cycle(self, n: int) -> int:
         return max(self.waiting[n]["access_cycle"], self.first_cycle(n, self.since[n]))

@@ -1,0 +1,313 @@
+#include "c40/peripherals/dma.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "c40/addressing.hpp"
+#include "c40/peripherals/comm_port.hpp"
+
+namespace c40 {
+
+using namespace dma_control;
+using enum DmaRegister;
+
+namespace {
+
+constexpr Address first_channel = 0x001000A0u, port_base = 0x00100040u;
+constexpr Word start_reset = 0, start_halt_access = 1, start_halt_word = 2, start_run = 3;
+constexpr Word mode_endless = 0, mode_autoinit = 2, mode_autoinit_on_restart = 3;
+constexpr Word status_held = 0, status_held_within = 1, status_busy = 3;
+constexpr Word read_only = STATUS.mask() | AUX_STATUS.mask();
+/// What a list overwrites in split mode: of the primary half everything but the other's fields, and the other way round (3.7).
+constexpr Word auxiliary_fields = AUX_MODE.mask() | AUX_STATIC.mask() | AUX_AUTOINIT_SYNC.mask() | AUX_TCC.mask() | AUX_TCINT.mask() | AUX_START.mask();
+
+struct Fields {
+  Field start, mode, stay, list_sync, tcc, tcint, status;
+};
+constexpr std::array<Fields, 2> fields{Fields{START, MODE, STATIC, AUTOINIT_SYNC, TCC, TCINT, STATUS},
+                                       Fields{AUX_START, AUX_MODE, AUX_STATIC, AUX_AUTOINIT_SYNC, AUX_TCC, AUX_TCINT, AUX_STATUS}};
+
+constexpr std::array unified_list{control, source, source_index, counter, destination, destination_index, link};
+constexpr std::array primary_list{control, source, source_index, counter, link};
+constexpr std::array auxiliary_list{control, destination, destination_index, auxiliary_counter, auxiliary_link};
+
+Address stepped(Address address, Word index, bool reversed) {
+  using execute::reverse_bits;
+  return reversed ? reverse_bits(reverse_bits(address) + reverse_bits(index)) : address + index;
+}
+
+}  // namespace
+
+bool is_dma_register(Address address) {
+  const Address offset = address - first_channel;
+  return offset < 0x10u * dma_channel_count && (offset & 0xFu) < dma_register_count;
+}
+int dma_channel_of(Address address) { return static_cast<int>((address - first_channel) >> 4); }
+DmaRegister dma_register(Address address) { return static_cast<DmaRegister>((address - first_channel) & 0xFu); }
+
+Word Dma::start(Half h) const { return fields[static_cast<std::size_t>(h.half)].start.of(word_of(h)); }
+Word Dma::mode(Half h) const { return fields[static_cast<std::size_t>(h.half)].mode.of(word_of(h)); }
+
+void Dma::set_start(Half h, Word value) {
+  Word& word = channel(h.channel)[DmaRegister::control];
+  word = fields[static_cast<std::size_t>(h.half)].start.with(word, value);
+}
+
+bool Dma::started(int c) const {
+  return start({c, 0}) != start_reset || (split(c) && start({c, 1}) != start_reset);
+}
+
+Word Dma::read(int c, DmaRegister reg) const {
+  Word value = channel(c)[reg];
+  if (reg != control) return value;
+  for (int half = 0; half < (split(c) ? 2 : 1); ++half) {
+    const Half h{c, half};
+    const Word status = start(h) == start_run ? status_busy : state(h).has_data ? status_held_within : status_held;
+    value = fields[static_cast<std::size_t>(half)].status.with(value, status);
+  }
+  return value;
+}
+
+void Dma::write(int c, DmaRegister reg, Word value, Cycles at) {
+  DmaChannel& written = channel(c);
+  if (reg != control) {
+    written[reg] = value;
+    return;
+  }
+  const bool was_active = active();
+  const std::array<Word, 2> before{start({c, 0}), start({c, 1})};
+  written[control] = value & ~read_only;
+  for (int half = 0; half < 2; ++half) {
+    const Half h{c, half};
+    if (half == 1 && !split(c)) break;
+    if (start(h) == start_reset) {
+      if (s_.current == 2 * c + half && !s_.waits_for_answer) s_.current = -1;
+      state(h) = {};
+      written[counter_of(h)] = 0;
+      if (half == 0 || start({c, 0}) == start_reset) written.read_event = written.write_event = false;
+    } else if (start(h) == start_run && before[static_cast<std::size_t>(half)] != start_run) {
+      const bool lists = mode(h) == mode_autoinit || mode(h) == mode_autoinit_on_restart;
+      if (written[counter_of(h)] == 0 && !state(h).has_data && lists) begin_list(h);
+    }
+  }
+  if (!was_active) s_.now = std::max(s_.now, at + timing::dma_start_cycles);
+}
+
+void Dma::reset() {
+  const Cycles now = s_.now;
+  s_ = {};
+  s_.now = now;
+}
+
+Word Dma::event_code(int c, bool write) const {
+  const Word die = around_.dma_interrupt_enable();
+  if (c < 2) return die >> (4 * c + (write ? 2 : 0)) & 3u;
+  return die >> (8 + 6 * (c - 2) + (write ? 3 : 0)) & 7u;
+}
+
+bool Dma::event_ready(int c, bool write) const {
+  const Word code = event_code(c, write);
+  if (code == 0) return false;
+  if (const auto level = around_.level(c, write, code)) return *level;
+  return write ? channel(c).write_event : channel(c).read_event;
+}
+
+void Dma::take_event(int c, bool write) { (write ? channel(c).write_event : channel(c).read_event) = false; }
+
+// Whether what the half does next waits for an event: in split mode only the port's side does (3.6).
+bool Dma::synchronised(Half h) const {
+  const Word word = word_of(h);
+  const DmaHalf& now = state(h);
+  if (now.listing) return fields[static_cast<std::size_t>(h.half)].list_sync.in(word);
+  if (now.has_data) return SYNC_WRITE.in(word) && !(split(h.channel) && h.half == 1);
+  return SYNC_READ.in(word) && !(split(h.channel) && h.half == 0);
+}
+
+// Of the next access.
+Address Dma::address(Half h) const {
+  const DmaChannel& c = channel(h.channel);
+  const DmaHalf& now = state(h);
+  if (now.listing) return now.list_at;
+  const Address port = port_base + 0x10 * COM_PORT.of(word_of(h));
+  if (now.has_data) return split(h.channel) && h.half == 0 ? port + 2 : c[destination];
+  return split(h.channel) && h.half == 1 ? port + 1 : c[source];
+}
+
+bool Dma::runs(Half h) const {
+  if (h.half == 1 && !split(h.channel)) return false;
+  const Word how = start(h);
+  return how == start_run || (how == start_halt_word && state(h).has_data);
+}
+
+bool Dma::ready(Half h) const {
+  if (!runs(h)) return false;
+  const bool write = state(h).has_data && !state(h).listing;
+  if (synchronised(h) && !event_ready(h.channel, write)) return false;
+  const Address next = address(h);
+  return !is_port_register(next) || around_.port_ready(next, write);
+}
+
+// Rotating: the half served last comes last; of a channel, the halves take turns. Fixed: channel 0 first (3.4).
+std::optional<int> Dma::pick() const {
+  const bool fixed = PRIORITY_MODE.in(channel(0)[control]);
+  const int last = s_.last;
+  const int from = fixed || last < 0 ? 0 : last / 2 + 1;
+  for (int i = 0; i < dma_channel_count; ++i) {
+    const int c = (from + i) % dma_channel_count;
+    const int first = last >= 0 && last / 2 == c ? 1 - last % 2 : 0;
+    for (int half : {first, 1 - first})
+      if (ready({c, half})) return 2 * c + half;
+  }
+  return std::nullopt;
+}
+
+bool Dma::active() const {
+  for (int c = 0; c < dma_channel_count; ++c)
+    if (runs({c, 0}) || runs({c, 1})) return true;
+  return false;
+}
+
+bool Dma::busy() const { return s_.waits_for_answer || (s_.current >= 0 && ready(half_of(s_.current))) || pick().has_value(); }
+
+Word Dma::ports_used() const {
+  Word used = 0;
+  const auto use = [&used](Address address) {
+    if (is_port_register(address)) used |= 1u << port_access(address, false, 0, 0).port;
+  };
+  for (int c = 0; c < dma_channel_count; ++c) {
+    if (!runs({c, 0}) && !runs({c, 1})) continue;
+    const Word word = channel(c)[control];
+    if (split(c)) used |= 1u << COM_PORT.of(word);
+    use(channel(c)[source]);
+    use(channel(c)[destination]);
+    for (int half : {0, 1})
+      if (state({c, half}).listing) use(state({c, half}).list_at);
+    for (bool write : {false, true})
+      if (event_code(c, write) == 1) used |= 1u << c;
+  }
+  return used;
+}
+
+std::optional<DmaRequest> Dma::advance_to(Cycles limit) {
+  stop_requested = false;
+  std::optional<DmaRequest> request;
+  for (;;) {
+    if (ends_at(limit)) end_block(half_of(std::exchange(s_.ended, std::int8_t{-1})), s_.now);
+    if (s_.now >= limit || s_.waits_for_answer || stop_requested || !step(limit, request)) return request;
+  }
+}
+
+// One access. False: nothing more can happen before the limit.
+bool Dma::step(Cycles limit, std::optional<DmaRequest>& request) {
+  if (s_.current >= 0 && !ready(half_of(s_.current))) s_.current = -1;  // parked, its word kept
+  if (s_.current < 0) {
+    const auto next = pick();
+    if (!next) {
+      s_.now = limit;
+      return false;
+    }
+    s_.current = static_cast<std::int8_t>(*next);
+  }
+  const Half h = half_of(s_.current);
+  DmaHalf& half = state(h);
+  const bool write = half.has_data && !half.listing;
+  const Address at = address(h);
+  const DmaPlace place = around_.place(at, write);
+  if (place.kind == DmaPlace::Kind::nothing) {
+    request = DmaRequest{h.channel, write, at, write ? half.data : 0, s_.now, true};
+    return false;
+  }
+  const auto span = around_.acquire(place, s_.now, limit, PRI.of(word_of(h)));
+  if (!span) {
+    s_.now = limit;
+    return false;
+  }
+  if (synchronised(h)) take_event(h.channel, write);
+  if (place.kind == DmaPlace::Kind::window) {
+    s_.waits_for_answer = true;
+    s_.now = span->end;
+    request = DmaRequest{h.channel, write, at, write ? half.data : 0, span->begin, false};
+    return false;
+  }
+  Word value = 0;
+  if (write) around_.write(at, half.data, span->begin);
+  else value = around_.read(at, span->begin);
+  done(h, value, span->end);
+  return true;
+}
+
+void Dma::answer(Word value, Cycles at) {
+  s_.waits_for_answer = false;
+  s_.now = at;
+  const Half h = half_of(s_.current);
+  if (start(h) != start_reset) return done(h, value, at);
+  s_.current = -1;
+}
+
+// After an access of a half that ended before cycle `end`.
+void Dma::done(Half h, Word value, Cycles end) {
+  DmaChannel& c = channel(h.channel);
+  DmaHalf& half = state(h);
+  const bool divided = split(h.channel);
+  s_.now = end;
+  if (half.listing) {
+    half.list[half.listed++] = value;
+    if (!fields[static_cast<std::size_t>(h.half)].stay.in(c[control])) ++half.list_at;
+    s_.now += timing::dma_list_write_cycles;
+    if (half.listed == (divided ? primary_list.size() : unified_list.size())) load_list(h);
+    s_.last = s_.current;
+    s_.current = -1;
+  } else if (!half.has_data) {
+    half.has_data = true;
+    half.data = value;
+    if (!divided || h.half == 0) c[source] = stepped(c[source], c[source_index], READ_BIT_REV.in(c[control]));
+    --c[counter_of(h)];
+  } else {
+    half.has_data = false;
+    if (!divided || h.half == 1) c[destination] = stepped(c[destination], c[destination_index], WRITE_BIT_REV.in(c[control]));
+    if (c[counter_of(h)] == 0) s_.ended = s_.current;
+    s_.last = s_.current;
+    s_.current = -1;
+  }
+  if (start(h) == start_halt_access) s_.current = -1;
+}
+
+void Dma::end_block(Half h, Cycles at) {
+  Word& word = channel(h.channel)[control];
+  const Fields& mine = fields[static_cast<std::size_t>(h.half)];
+  word = mine.tcint.with(word, 1);
+  around_.block_ended(h.channel, h.half == 1, mine.tcc.in(word), at);
+  if (mode(h) == mode_autoinit) begin_list(h);
+  else if (mode(h) != mode_endless) set_start(h, start_halt_word);
+}
+
+void Dma::begin_list(Half h) {
+  DmaHalf& half = state(h);
+  half = {};
+  half.listing = true;
+  half.list_at = channel(h.channel)[link_of(h)];
+}
+
+// The last word brings the new link pointer. In split mode a list changes only its own half's fields of the control register.
+void Dma::load_list(Half h) {
+  DmaChannel& c = channel(h.channel);
+  DmaHalf& half = state(h);
+  const bool divided = split(h.channel);
+  const Word old = c[control];
+  const auto load = [&](const auto& order) {
+    for (std::size_t i = 0; i < order.size(); ++i) c[order[i]] = half.list[i] & (order[i] == control ? ~read_only : ~Word{0});
+  };
+  if (!divided) load(unified_list);
+  else if (h.half == 0) load(primary_list);
+  else load(auxiliary_list);
+  if (divided) {
+    const Word mine = h.half == 0 ? ~auxiliary_fields : auxiliary_fields;
+    c[control] = (old & ~mine) | (c[control] & mine);
+  }
+  half = {};
+  if (start(h) != start_run) return;
+  const bool lists = mode(h) == mode_autoinit || mode(h) == mode_autoinit_on_restart;
+  if (c[counter_of(h)] == 0 && lists) begin_list(h);
+}
+
+}  // namespace c40

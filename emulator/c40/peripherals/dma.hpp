@@ -1,0 +1,164 @@
+#pragma once
+/// The DMA coprocessor (c40-hardware.md 3): six channels, in split mode twelve halves, that take turns on one internal bus: a read,
+/// then its write. It goes on by itself; the processor and the DMA meet only at memory ports and buses.
+///
+/// Inaccuracies: the quirks of 3.9 are not modelled. The registers of a list take effect together, when the last has been
+/// read. A DMA read of a word that the processor writes in the same cycle, or in the next, sees the new word.
+#include <array>
+#include <optional>
+
+#include "c40/peripherals/dma_registers.hpp"
+#include "c40/timing.hpp"
+
+namespace c40 {
+
+/// Half a channel: the whole of a unified one, or the primary or the auxiliary one of split mode.
+struct DmaHalf {
+  bool has_data = false;  ///< read, not yet written
+  Word data = 0;
+  bool listing = false;  ///< reading a list of register values
+  std::uint8_t listed = 0;
+  std::array<Word, 7> list{};
+  Address list_at = 0;
+  friend bool operator==(const DmaHalf&, const DmaHalf&) = default;
+};
+
+struct DmaChannel {
+  std::array<Word, dma_register_count> registers{};  ///< by DmaRegister; control without STATUS
+  std::array<DmaHalf, 2> halves{};                   ///< primary or unified, auxiliary
+  bool read_event = false, write_event = false;      ///< latched by the sources that DIE selects
+  Word& operator[](DmaRegister r) { return registers[static_cast<std::size_t>(r)]; }
+  Word operator[](DmaRegister r) const { return registers[static_cast<std::size_t>(r)]; }
+  friend bool operator==(const DmaChannel&, const DmaChannel&) = default;
+};
+
+/// The DMA coprocessor's whole state.
+struct DmaState {
+  std::array<DmaChannel, dma_channel_count> channels{};
+  Cycles now = 0;               ///< everything before is done
+  std::int8_t current = -1;     ///< the half that has the internal bus: 2 * channel + half
+  std::int8_t last = -1;        ///< served last
+  std::int8_t ended = -1;       ///< whose block ends in cycle `now`
+  bool waits_for_answer = false;  ///< `current` has an access under way to a window
+  Cycles answered_until = 0;      ///< until when the last access to a window took
+  Cycles conflict = -2;           ///< priority 01: the cycle of the last conflict with the processor, and whether the DMA lost it
+  bool lost = false;
+  friend bool operator==(const DmaState&, const DmaState&) = default;
+};
+
+/// What lies at an address, for the DMA.
+struct DmaPlace {
+  enum class Kind : std::uint8_t { memory, peripheral, port, window, nothing } kind = Kind::nothing;
+  Access access{};
+};
+
+/// What the DMA coprocessor works on: the rest of the chip.
+class DmaSurroundings {
+ public:
+  virtual ~DmaSurroundings() = default;
+  virtual DmaPlace place(Address address, bool write) = 0;
+  virtual Word read(Address address, Cycles at) = 0;
+  virtual void write(Address address, Word value, Cycles at) = 0;
+  /// An input FIFO has a word, an output FIFO room.
+  virtual bool port_ready(Address address, bool write) const = 0;
+  /// The event of code `code` of DIE is a level, and its value; nothing if it is latched.
+  virtual std::optional<bool> level(int channel, bool write, Word code) const = 0;
+  virtual Word dma_interrupt_enable() const = 0;
+  /// The cycles that an access takes, the first of them at `from` or later and before `limit`; nothing if the processor holds it
+  /// off longer.
+  struct Span {
+    Cycles begin = 0, end = 0;
+  };
+  virtual std::optional<Span> acquire(const DmaPlace& place, Cycles from, Cycles limit, Word priority) = 0;
+  /// A block of a channel has ended in cycle `at`; `interrupt`: the processor is told.
+  virtual void block_ended(int channel, bool auxiliary, bool interrupt, Cycles at) = 0;
+};
+
+/// An access of the DMA that the chip cannot complete by itself.
+struct DmaRequest {
+  int channel = 0;
+  bool write = false;
+  Address address = 0;
+  Word value = 0;
+  Cycles cycle = 0;
+  bool nothing_there = false;  ///< a fault, not a window
+};
+
+class Dma {
+ public:
+  Dma(DmaState& state, DmaSurroundings& around) : s_(state), around_(around) {}
+
+  Word read(int channel, DmaRegister reg) const;
+  /// A write of the processor in cycle `at`.
+  void write(int channel, DmaRegister reg, Word value, Cycles at);
+  void reset();
+  /// Lets everything before `limit` happen. Stops before an access that the chip cannot complete, and after one to a linked port.
+  /// \return the access to a window, or to nothing; answered by `answer`.
+  std::optional<DmaRequest> advance_to(Cycles limit);
+  /// The access to a window is done in cycle `at`; the DMA goes on there.
+  void answer(Word value, Cycles at);
+  /// A half could go on now: neither stopped nor waiting for an event or a FIFO.
+  bool busy() const;
+  /// Something is left to do in cycle `limit` itself.
+  bool ends_at(Cycles limit) const { return s_.ended >= 0 && s_.now <= limit; }
+  /// A channel is started, though perhaps waiting.
+  bool active() const;
+  /// Ports that started channels use: bit n.
+  Word ports_used() const;
+  /// Latches an event for the channels whose DIE fields select it. `codes` gives, per channel and direction, the code that names it.
+  template <class Selects>
+  bool latch(Selects selects) {
+    bool any = false;
+    for (int c = 0; c < dma_channel_count; ++c)
+      for (bool write : {false, true})
+        if (started(c) && selects(c, write, event_code(c, write))) {
+          (write ? channel(c).write_event : channel(c).read_event) = true;
+          any = true;
+        }
+    return any;
+  }
+  /// Stops the pending advance after a linked port was touched: set by the surroundings.
+  bool stop_requested = false;
+
+ private:
+  struct Half {
+    int channel = 0, half = 0;
+  };
+  DmaChannel& channel(int c) { return s_.channels[static_cast<std::size_t>(c)]; }
+  const DmaChannel& channel(int c) const { return s_.channels[static_cast<std::size_t>(c)]; }
+  DmaHalf& state(Half h) { return channel(h.channel).halves[static_cast<std::size_t>(h.half)]; }
+  const DmaHalf& state(Half h) const { return channel(h.channel).halves[static_cast<std::size_t>(h.half)]; }
+  Word word_of(Half h) const { return channel(h.channel)[DmaRegister::control]; }
+  static Half half_of(int index) { return {index / 2, index % 2}; }
+
+  bool split(int c) const { return dma_control::SPLIT.in(channel(c)[DmaRegister::control]); }
+  bool started(int c) const;
+  Word start(Half h) const;
+  void set_start(Half h, Word value);
+  Word mode(Half h) const;
+  DmaRegister counter_of(Half h) const { return h.half == 1 ? DmaRegister::auxiliary_counter : DmaRegister::counter; }
+  DmaRegister link_of(Half h) const { return h.half == 1 ? DmaRegister::auxiliary_link : DmaRegister::link; }
+  Word event_code(int c, bool write) const;
+  bool event_ready(int c, bool write) const;
+  void take_event(int c, bool write);
+  bool synchronised(Half h) const;
+  Address address(Half h) const;
+  bool ready(Half h) const;
+  bool runs(Half h) const;
+  std::optional<int> pick() const;
+  bool step(Cycles limit, std::optional<DmaRequest>& request);
+  void done(Half h, Word value, Cycles end);
+  void end_block(Half h, Cycles at);
+  void begin_list(Half h);
+  void load_list(Half h);
+
+  DmaState& s_;
+  DmaSurroundings& around_;
+};
+
+/// DMA registers stand at 1000A0h + 10h * channel (1.3).
+bool is_dma_register(Address address);
+int dma_channel_of(Address address);
+DmaRegister dma_register(Address address);
+
+}  // namespace c40
