@@ -17,7 +17,8 @@ namespace {
 
 using Action = std::function<int()>;
 
-void declare_run(CLI::App& app, cli::RunOptions& options) {
+/// What makes a configuration, for a run and for all that runs several.
+void declare_settings(CLI::App& app, cli::RunOptions& options) {
   app.add_option("--dsps", options.dsps, "Number of DSPs, 1 to 16 (default 4)");
   app.add_option("--config", options.config, "Configuration (TOML; docs/configuration.md)")->type_name("FILE");
   app.add_option("--preset", options.preset, "base (default), heavy or saturated");
@@ -25,16 +26,6 @@ void declare_run(CLI::App& app, cli::RunOptions& options) {
   app.add_option("--seed", options.seed, "Seed of everything random (default 1)");
   app.add_option("--set", options.settings, "Any other setting, e.g. --set scheduling.gamma_refreshes=1")
       ->type_name("KEY=VALUE");
-  app.add_option("--report", options.report, "Write the report as JSON (docs/report.md)")->type_name("FILE.json");
-  app.add_option("--trace", options.trace, "Write the event trace as text (docs/trace.md)")->type_name("FILE");
-  app.add_option("--trace-window", options.trace_window, "Trace only from A to B, in simulated s")->type_name("A:B");
-  app.add_option("--trace-instructions", options.trace_instructions,
-                 "Also write the instructions of these DSPs, into FILE.dspN")
-      ->type_name("N");
-  app.add_option("--profile", options.profile,
-                 "Where the DSPs' cycles went, per task kind, routine and source line; into FILE (.json: as JSON), or after the report")
-      ->type_name("[FILE]")
-      ->expected(0, 1);
   app.add_option("--turn-order", options.turn_order, "Shuffle which chip is advanced first; changes nothing")
       ->type_name("SEED");
   app.add_option("--programs", options.programs, "Assemble the DSP programs from this directory")->type_name("DIR");
@@ -45,8 +36,35 @@ void declare_run(CLI::App& app, cli::RunOptions& options) {
   app.add_option("--topology", options.topology,
                  "What stands on which bus: dual (default), host_on_both, sensors_with_host or single");
   app.add_option("--eq7", options.equation7, "Reading of equation (7): restored (default) or as_printed");
+}
+
+void declare_run(CLI::App& app, cli::RunOptions& options) {
+  declare_settings(app, options);
+  app.add_option("--report", options.report, "Write the report as JSON (docs/report.md)")->type_name("FILE.json");
+  app.add_option("--trace", options.trace, "Write the event trace as text (docs/trace.md)")->type_name("FILE");
+  app.add_option("--trace-window", options.trace_window, "Trace only from A to B, in simulated s")->type_name("A:B");
+  app.add_option("--trace-instructions", options.trace_instructions,
+                 "Also write the instructions of these DSPs, into FILE.dspN")
+      ->type_name("N");
+  app.add_option("--profile", options.profile,
+                 "Where the DSPs' cycles went, per task kind, routine and source line; into FILE (.json: as JSON), or after the report")
+      ->type_name("[FILE]")
+      ->expected(0, 1);
   app.add_flag("--strict", options.strict, "Exit with status 1 when a deadline was missed");
   app.add_flag("--quiet", options.quiet, "No progress line and no report on the terminal");
+}
+
+void declare_limits(CLI::App& app, cli::LimitsOptions& options) {
+  declare_settings(app, options.run);
+  app.add_option("--cycles", options.cycles, "Factors on the time of an instruction cycle to try, e.g. 1:3:0.25 or 1,2,4")->type_name("GRID");
+  app.add_option("--dsps-grid", options.dsps, "Numbers of DSPs to try, e.g. 1:8")->type_name("GRID");
+  app.add_option("--servo", options.servo, "Servo frequencies f_p in Hz to try, e.g. 500:4000:250")->type_name("GRID");
+  app.add_option("--json", options.json, "Also write the result as JSON (docs/report.md, Limits)")->type_name("FILE");
+}
+
+void declare_compare(CLI::App& app, cli::CompareOptions& options) {
+  declare_settings(app, options.run);
+  app.add_option("--json", options.json, "Also write the result as JSON (docs/report.md, Ideal)")->type_name("FILE");
 }
 
 void declare_config(CLI::App& app, cli::ConfigOptions& options) {
@@ -178,6 +196,8 @@ int main(int argc, char** argv) {
       "whether the control tasks met their deadlines."};
   cli::RunOptions run_options;
   cli::ConfigOptions config_options;
+  cli::LimitsOptions limits_options;
+  cli::CompareOptions compare_options;
   cli::AssembleOptions assemble_options;
   cli::DisassembleOptions disassemble_options;
   cli::LinkOptions link_options;
@@ -191,6 +211,10 @@ int main(int argc, char** argv) {
   app.require_subcommand(0, 1);
   add_command(app, "config", "Print the configuration that a run would have, as TOML", declare_config, cli::print_config,
               config_options, action);
+  add_command(app, "limits", "Scan for the first missed deadline: longer instruction cycles, fewer DSPs, a faster servo", declare_limits,
+              cli::limits, limits_options, action);
+  add_command(app, "compare", "Run beside the same run with instant execution: what delays and misses cost", declare_compare, cli::compare,
+              compare_options, action);
   add_command(app, "asm", "Assemble a C4x program", declare_assemble, cli::assemble, assemble_options, action);
   add_command(app, "disasm", "Print a program as instructions", declare_disassemble, cli::disassemble,
               disassemble_options, action);

@@ -48,6 +48,17 @@ struct ConfigOptions {
   bool processes = false;  ///< Only the rows of processes and sub-processes that are built in.
 };
 
+struct LimitsOptions {
+  RunOptions run;
+  std::optional<std::string> cycles, dsps, servo;  ///< grids
+  std::optional<std::string> json;
+};
+
+struct CompareOptions {
+  RunOptions run;
+  std::optional<std::string> json;
+};
+
 struct AssembleOptions {
   std::string source;
   std::string output;
@@ -112,6 +123,8 @@ struct VectorOptions {
 // Each returns an exit status; throws InputError or the rooms' own input errors.
 int run(const RunOptions& options);
 int print_config(const ConfigOptions& options);
+int limits(const LimitsOptions& options);
+int compare(const CompareOptions& options);
 int assemble(const AssembleOptions& options);
 int disassemble(const DisassembleOptions& options);
 int link(const LinkOptions& options);

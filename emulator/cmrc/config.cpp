@@ -415,10 +415,17 @@ KeyBits bits_of(std::string_view name, const Value& value) {
 
 Config with_live(const Config& config, std::string_view name, const Value& value, const Origin& origin) {
   check_live(name, value, origin);
-  const Key& key = keys()[*find(name)];
+  return with_key(config, name, value, origin);
+}
+
+Config with_key(const Config& config, std::string_view name, const Value& value, const Origin& origin) {
+  const auto index = find(name);
+  if (!index) refuse(origin, name, "no such key", fmt::format("the nearest known key is {}", nearest(name)));
+  const Key& key = keys()[*index];
   Config changed = config;
   key.assign(changed, checked(key, value, origin));
   Invariants(changed, {{std::string(name), origin}}).check();
+  check_events(changed);
   return changed;
 }
 

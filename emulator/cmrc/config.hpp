@@ -47,11 +47,13 @@ struct Config {
     std::int64_t seed = 1;
     std::int64_t turn_order = 0;  ///< shuffles which chip the emulator advances first; changes nothing
     bool strict = false;          ///< a missed deadline makes the run fail
+    bool ideal = false;           ///< with instant execution
   } run;
   struct Machine {
     std::int64_t dsps = 4;
     std::int64_t slots = 0;  ///< for boards that come later; 0: as many as DSPs
     DspClock dsp_clock = DspClock::c40_50;
+    double cycle_time_factor = 1;
     IdlePolicy idle_policy = IdlePolicy::doorbell;
     std::int64_t pause_nops = 125;  ///< 5 us at C40-50
     std::string programs;           ///< directory of the assembly sources; empty: the image built in
@@ -164,6 +166,7 @@ struct Config {
   struct Report {
     std::int64_t signal_decimation = 80;  ///< latches (125 us) per recorded sample
     std::int64_t misses_max = 1000;       ///< missed jobs told one by one
+    double control_cost_rho_m2 = 1e-6;    ///< weight of the drives in the control cost
   } report;
   std::vector<TimedEvent> events;  ///< in the order in which they were given
   std::vector<UserTask> tasks;     ///< the user's own, in the order of KIND_USER + n
@@ -206,6 +209,8 @@ KeyBits bits_of(std::string_view key, const Value& value);
 void check_live(std::string_view key, const Value& value, const Origin& origin);
 /// The configuration with one live key changed and every invariant checked. \throws ConfigError
 Config with_live(const Config& config, std::string_view key, const Value& value, const Origin& origin);
+/// The same of any key, for another run. \throws ConfigError
+Config with_key(const Config& config, std::string_view key, const Value& value, const Origin& origin);
 std::string_view name(Key::Type type);
 
 /// A preset is a piece of TOML laid over the defaults.

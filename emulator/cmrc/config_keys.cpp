@@ -71,12 +71,17 @@ std::vector<Key> make_keys() {
       integer("run.turn_order", FIELD(run.turn_order), "", 0, no_limit,
               "shuffles which chip the emulator advances first; must change nothing", "ruling 29"),
       boolean("run.strict", FIELD(run.strict), "a missed deadline makes the run fail (exit status 1)", "ruling 24"),
+      boolean("run.ideal", FIELD(run.ideal),
+              "instant execution: DSPs and buses a thousand times as fast, no host time, nothing of the machine fails (docs/report.md, Ideal)",
+              "plant-and-bus.md 5"),
 
       integer("machine.dsps", FIELD(machine.dsps), "", 1, 16, "number of DSPs, in slots 0 upwards", "paper 1"),
       integer("machine.slots", FIELD(machine.slots), "", 0, 16,
               "number of slots for DSP boards, so that boards can be plugged in later; 0: as many as DSPs", "paper 1"),
       choice("machine.dsp_clock", FIELD(machine.dsp_clock), {"C40-40", "C40-50", "C40-60"},
              "speed grade: instruction cycles of 50, 40 or 33.3 ns", "C40 data sheet SPRS038"),
+      number("machine.cycle_time_factor", FIELD(machine.cycle_time_factor), "", 0.01, 100,
+             "instruction cycles take this times as long, the buses' clocks stay as they are; exact to thousandths", "issue 6"),
       choice("machine.idle_policy", FIELD(machine.idle_policy), {"doorbell", "pause", "spin"},
              "how a DSP without work waits: IDLE until rung, read the list again after a pause, read it at once",
              "ruling 23"),
@@ -276,6 +281,9 @@ std::vector<Key> make_keys() {
 
       integer("report.misses_max", FIELD(report.misses_max), "jobs", 0, 100000000,
               "missed jobs whose causes the report tells one by one: the first ones; the others are counted", "docs/report.md"),
+      number("report.control_cost_rho_m2", FIELD(report.control_cost_rho_m2), "m2", 0, 1e6,
+             "rho of the control cost: how much a drive at full torque counts beside the squared error of the spreader",
+             "plant-and-bus.md 5"),
       integer("report.signal_decimation", FIELD(report.signal_decimation), "latches", 1, 80000,
               "latches of 125 us per recorded sample of the plant's signals", "ruling 5"),
   };

@@ -63,7 +63,7 @@ report::DspReport dsp_report(const Evidence& e, unsigned slot) {
       if (fault.slot == slot) report.state = "halted: " + fault.message;
     }
   }
-  report.clock_hz = static_cast<double>(e.machine.config().chip_hz);
+  report.clock_hz = e.machine.chip_clock().hertz();
   report.cycles = chip.cycle();
   report.instructions = chip.instructions();
   for (std::size_t i = 0; i < e.causes.size(); ++i) report.causes.push_back({e.causes[i], chip.causes()[i]});
@@ -152,7 +152,9 @@ report::RunReport make_report(const Evidence& e) {
   report.missed = std::move(told.misses);
   report.misses_left_out = told.misses_left_out;
   report.audit = std::move(told.audit);
-  for (unsigned i = 0; i < e.machine.buses(); ++i) report.buses.push_back(bus_report(e.machine, static_cast<machine::BusId>(i), e.config.bus.clock_hz));
+  const machine::Config& clocks = e.machine.config();
+  const double hertz = static_cast<double>(clocks.pci_hz_numerator) / static_cast<double>(clocks.pci_hz_denominator);
+  for (unsigned i = 0; i < e.machine.buses(); ++i) report.buses.push_back(bus_report(e.machine, static_cast<machine::BusId>(i), hertz));
   report.cycles = e.host.cycles().cycles();
   std::size_t delivered = 0;
   for (const plant::Event& event : e.dock.events()) {
@@ -161,6 +163,7 @@ report::RunReport make_report(const Evidence& e) {
   report.cycles_completed = e.host.cycles().completed();
   report.containers_delivered = static_cast<unsigned>(e.dock.delivered());
   add_plant(e, report);
+  report.control_cost = {e.observer.weighted_error(), e.observer.drive_effort(), e.config.report.control_cost_rho_m2};
   report.host = e.host.report();
   report.host.semaphore_hold = e.observer.semaphore_hold().summary();
   for (const TimedEvent& event : e.config.events) {

@@ -9,6 +9,8 @@
 namespace cmrc {
 namespace {
 
+constexpr double full_torque = 2047;  // code of a drive's u_max
+
 using report::Component;
 using report::EventKind;
 
@@ -24,8 +26,24 @@ void RunObserver::attach(plant::Dock& dock) {
     report::Event event{time, report::plant, EventKind::latch, {}};
     for (std::size_t i = 0; i < event.arguments.size() && i < codes.size(); ++i) event.arguments[i] = static_cast<std::uint32_t>(codes[i]);
     log_.add(event);
+    double squares = 0;
+    for (const int code : codes) squares += static_cast<double>(code) * code / (full_torque * full_torque);
+    effort_ += squares * static_cast<double>((time - effort_until_).count()) * 1e-12;
+    effort_until_ = time;
   });
   dock.on_event([this](const plant::Event& event) { dock_event(event); });
+}
+
+// A box of twelve metres turns about its middle.
+void RunObserver::weigh_errors(const plant::CraneParameters& crane) {
+  const double levers[] = {1, crane.a0 + crane.jib, crane.jib, 1, 0.5 * plant::container_length};
+  for (std::size_t j = 0; j < tracking_.size(); ++j) tracking_[j].lever = levers[j];
+}
+
+double RunObserver::weighted_error() const {
+  double sum = 0;
+  for (const TrackingSum& joint : tracking_) sum += joint.integral;
+  return sum;
 }
 
 void RunObserver::dock_event(const plant::Event& event) {
@@ -84,6 +102,10 @@ void RunObserver::dsp_write(unsigned slot, machine::Window window, machine::Offs
     auto& sum = tracking_[joint];
     sum.squares += error * error;
     sum.peak = std::max(sum.peak, std::abs(error));
+    const double moved = error * sum.lever;
+    if (sum.count > 0) sum.integral += 0.5 * (sum.last * sum.last + moved * moved) * static_cast<double>((issued - sum.at).count()) * 1e-12;
+    sum.last = moved;
+    sum.at = issued;
     ++sum.count;
     return;
   }

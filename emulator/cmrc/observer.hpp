@@ -20,6 +20,10 @@ namespace cmrc {
 struct TrackingSum {
   double squares = 0, peak = 0;
   std::uint64_t count = 0;
+  double lever = 0;     ///< m of the spreader per unit of the joint
+  double integral = 0;  ///< of the squared error times lever squared, trapezoids between samples, m2 s
+  double last = 0;      ///< lever times error, m
+  Time at{};
 };
 
 class RunObserver : public machine::Observer, public HostListener {
@@ -32,6 +36,8 @@ class RunObserver : public machine::Observer, public HostListener {
   /// Shared memory without time.
   void set_peek(std::function<machine::Word(machine::Offset)> peek) { peek_ = std::move(peek); }
   void attach(plant::Dock& dock);
+  /// How far an error of each joint moves the spreader, at the jib's full reach.
+  void weigh_errors(const plant::CraneParameters& crane);
   /// Tells it when jobs begin and end; null: nobody.
   void set_profile(RunProfile* profile) { profile_ = profile; }
 
@@ -54,6 +60,9 @@ class RunObserver : public machine::Observer, public HostListener {
   const std::vector<report::FailureReport>& failures() const { return failures_; }
   const report::Distribution& semaphore_hold() const { return hold_; }
   const std::array<TrackingSum, 5>& tracking() const { return tracking_; }
+  /// The integral of the squared errors, m2 s; of the squared torque codes, s.
+  double weighted_error() const;
+  double drive_effort() const { return effort_; }
   std::uint64_t faults(unsigned slot) const { return slot < faults_.size() ? faults_[slot] : 0; }
   std::uint64_t resets(unsigned slot) const { return slot < resets_.size() ? resets_[slot] : 0; }
 
@@ -85,6 +94,8 @@ class RunObserver : public machine::Observer, public HostListener {
   Time held_since_{};
   std::array<TrackingSum, 5> tracking_{};
   Word errors_ = 0;
+  double effort_ = 0;
+  Time effort_until_{};
   RunProfile* profile_ = nullptr;
 };
 

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 
+#include "cmrc/ideal.hpp"
 #include "cmrc/ti_float.hpp"
 #include "cmrc/topology.hpp"
 #include "machine/board_file.hpp"
@@ -182,9 +184,14 @@ machine::Config machine_of(const Config& config) {
   machine.board = board.board;
   machine.chip_hz = board.clock_mhz ? machine::instruction_cycles_per_second(*board.clock_mhz)
                                     : instruction_cycles_per_second(config.machine.dsp_clock);
+  const std::int64_t thousandths = std::llround(config.machine.cycle_time_factor * 1000);
+  const std::int64_t divisor = std::gcd(machine.chip_hz * 1000, thousandths);
+  machine.chip_hz = machine.chip_hz * 1000 / divisor;
+  machine.chip_hz_denominator = thousandths / divisor;
   // Thirds of a hertz hold PCI's 33 1/3 MHz exactly.
   machine.pci_hz_numerator = std::llround(config.bus.clock_hz * 3);
   machine.pci_hz_denominator = 3;
+  if (config.run.ideal) machine.chip_hz *= ideal_speed, machine.pci_hz_numerator *= ideal_speed;
   machine.idle_policy = static_cast<machine::Word>(config.machine.idle_policy);
   machine.pause_count = static_cast<machine::Word>(config.machine.pause_nops);
   set_buses(config, machine);

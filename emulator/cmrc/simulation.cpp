@@ -12,6 +12,7 @@
 #include "c40/chip.hpp"
 #include "c40_programs/image.hpp"
 #include "cmrc/host.hpp"
+#include "cmrc/ideal.hpp"
 #include "cmrc/kernels.hpp"
 #include "cmrc/ledger.hpp"
 #include "cmrc/observer.hpp"
@@ -87,7 +88,7 @@ LedgerConfig ledger_of(const Config& config, const machine::Config& machine) {
   ledger.booked_as.insert(ledger.booked_as.end(), {arbitration, transfer});
   ledger.servo_period = servo_period(config);
   ledger.user_tasks = user_names(config);
-  ledger.chip_clock = machine::Clock(machine.chip_hz);
+  ledger.chip_clock = machine::Clock(machine.chip_hz, machine.chip_hz_denominator);
   ledger.misses_kept = static_cast<std::size_t>(config.report.misses_max);
   return ledger;
 }
@@ -115,10 +116,11 @@ toolchain::Image dsp_image(const Config& config) {
 class Simulation::Parts {
  public:
   explicit Parts(const Config& given)
-      : config(given), image(dsp_image(given)), words([this](std::string_view name) { return image.symbol(name); }),
-        dock_config(dock_of(given)), dock(dock_config), machine_config(machine_of(given)), ledger(ledger_of(given, machine_config)),
-        observer(words, ledger, log), host(given, words, crane_of(given, dock_config), fleet_of(given, dock_config), ledger, observer),
-        machine(machine_config, image, &dock, &host), end(duration_of(given.run.duration_s)) {
+      : config(as_run(given)), image(dsp_image(config)), words([this](std::string_view name) { return image.symbol(name); }),
+        dock_config(dock_of(config)), dock(dock_config), machine_config(machine_of(config)), ledger(ledger_of(config, machine_config)),
+        observer(words, ledger, log), host(config, words, crane_of(config, dock_config), fleet_of(config, dock_config), ledger, observer),
+        machine(machine_config, image, &dock, &host), end(duration_of(config.run.duration_s)) {
+    observer.weigh_errors(dock_config.crane);
     for (const AreaWord& word : initial_words(config, dock_config, words, dock)) machine.poke(word.offset, word.value);
     observer.set_causes([this](unsigned slot) { return job_causes(machine, slot); });
     observer.set_peek([this](machine::Offset offset) { return machine.peek(offset); });

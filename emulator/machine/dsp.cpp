@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "toolchain/image.hpp"
@@ -344,7 +345,9 @@ void Dsp::pace(Time now, std::int64_t parts_per_million) {
   settle(now);
   Ticks reached = std::max(clock_.tick_at_or_after(now), chip_.cycle());
   if (state_ == State::access) reached = std::max(reached, access_.cycle);
-  clock_.change(reached, around_.config.chip_hz * parts_per_million, 1'000'000);
+  std::int64_t above = around_.config.chip_hz * parts_per_million, below = 1'000'000 * around_.config.chip_hz_denominator;
+  const std::int64_t divisor = std::gcd(above, below);
+  clock_.change(reached, above / divisor, below / divisor);
   if (state_ == State::resuming) own_next_ = clock_.at(access_.cycle + arbitration_ + transfer_);
   set_next();
 }

@@ -218,7 +218,7 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
   around.emplace(Surroundings{.config = config,
                               .symbols = symbols,
                               .program = program,
-                              .chip_clock = Clock{config.chip_hz},
+                              .chip_clock = Clock{config.chip_hz, config.chip_hz_denominator},
                               .bus_clock = bus_clock,
                               .buses = buses,
                               .window_a = ways(config.topology.dsps, Window::a, 0),

@@ -150,6 +150,7 @@ struct Config {
   unsigned dsps = 4;                  ///< plugged in from the start: slots 0 to dsps - 1
   unsigned slots = 0;                 ///< slots in all, at most most_slots; 0: as many as dsps
   std::int64_t chip_hz = 25'000'000;  ///< instruction cycles per second: C40-40 20 M, C40-50 25 M, C40-60 30 M
+  std::int64_t chip_hz_denominator = 1;
   c40::Board board = c40::Board::default_board();  ///< of every DSP; needs the windows to both buses (BoardError otherwise)
   std::int64_t pci_hz_numerator = 100'000'000;
   std::int64_t pci_hz_denominator = 3;

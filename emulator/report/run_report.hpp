@@ -109,6 +109,14 @@ struct ErrorReport {
   double peak = 0;
 };
 
+/// Quadratic control cost: the integral of e^2 + rho u^2.
+struct ControlCost {
+  double error_m2s = 0;  ///< integral of the squared joint errors as they move the spreader (docs/report.md), m2 s
+  double drive_s = 0;    ///< integral of the squared torque codes, 1 at full torque, of all drives, s
+  double rho_m2 = 0;
+  double cost() const { return error_m2s + rho_m2 * drive_s; }
+};
+
 struct HostReport {
   std::uint64_t refreshes = 0;
   std::uint64_t skipped_refreshes = 0;
@@ -168,6 +176,7 @@ struct RunReport {
   std::vector<ErrorReport> tracking;
   std::vector<ErrorReport> sway;
   std::vector<ErrorReport> agvs;
+  ControlCost control_cost;
   HostReport host;
   std::vector<TimedEventReport> timed_events;
   AuditReport audit;

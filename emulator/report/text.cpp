@@ -247,7 +247,10 @@ std::string errors(const RunReport& report) {
   add(report.tracking, "joint ");
   add(report.sway, "sway ");
   add(report.agvs, "");
-  return table.empty() ? "" : heading("Tracking") + table.render();
+  if (table.empty()) return "";
+  return heading("Tracking") + table.render() +
+         fmt::format("  control cost: {:.6g} m2 s, of it {:.6g} by the drives (rho {:g} m2)\n", report.control_cost.cost(),
+                     report.control_cost.rho_m2 * report.control_cost.drive_s, report.control_cost.rho_m2);
 }
 
 std::string host_work(const RunReport& report) {

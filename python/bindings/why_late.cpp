@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "cmrc/compare.hpp"
 #include "cmrc/ledger.hpp"
+#include "cmrc/limits.hpp"
 #include "python/bindings/bindings.hpp"
 #include "report/run_report.hpp"
 
@@ -67,11 +69,42 @@ class Scene {
   cmrc::Ledger ledger_;
 };
 
+using Grid = std::optional<std::vector<double>>;
+
+std::pair<std::string, std::string> limits(const cmrc::Config& config, const Grid& cycles, const Grid& dsps, const Grid& servo, const py::object& on_progress) {
+  cmrc::LimitGrids grids{cycles.value_or(std::vector<double>{}), dsps.value_or(std::vector<double>{}), servo.value_or(std::vector<double>{})};
+  if (!cycles && !dsps && !servo) grids = cmrc::LimitGrids::standard(config);
+  const auto progress = [&](std::size_t done, std::size_t points) {
+    const py::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (!on_progress.is_none()) on_progress(done, points);
+  };
+  const py::gil_scoped_release released;
+  const report::Limits found = cmrc::find_limits(config, grids, progress);
+  return {to_text(found), to_json(found)};
+}
+
 }  // namespace
 
 void bind_why_late(py::module_& core) {
   using namespace py::literals;
-  py::module_ m = core.def_submodule("why_late", "Chains of causes (docs/report.md, Why late).");
+  py::module_ m = core.def_submodule("why_late", "Chains of causes, limits, and what a miss costs (docs/report.md).");
+  m.def("limits", &limits, "config"_a, "cycles"_a, "dsps"_a, "servo"_a, "on_progress"_a, "Text and JSON of a scan; all grids None: the standard ones.");
+  m.def("scan_outcome", [](const std::vector<std::pair<double, bool>>& points, bool more_is_harder) {
+    report::LimitScan scan;
+    scan.more_is_harder = more_is_harder;
+    for (const auto& [value, passed] : points) {
+      report::LimitPoint& point = scan.points.emplace_back();
+      point.value = value;
+      point.passed = passed;
+    }
+    return std::pair(scan.limit(), scan.beyond());
+  }, "points"_a, "more_is_harder"_a, "Limit of a scan, and what passes beyond a miss.");
+  m.def("compare", [](const cmrc::Config& config) {
+    const py::gil_scoped_release released;
+    const report::Comparison comparison = cmrc::compare_with_ideal(config);
+    return std::pair(to_text(comparison), to_json(comparison));
+  }, "config"_a, "Text and JSON of a run beside its ideal.");
   py::class_<Scene>(m, "Scene", "A ledger whose events are told by hand; picoseconds.")
       .def(py::init<std::size_t>(), "kept"_a = 1000)
       .def("release", &Scene::release, "block"_a, "kind"_a, "released"_a, "deadline"_a = py::none(), "robot"_a = 0)

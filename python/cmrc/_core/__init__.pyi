@@ -5,3 +5,4 @@ from cmrc._core import isa as isa
 from cmrc._core import plant as plant
 from cmrc._core import toolchain as toolchain
 from cmrc._core import trace as trace
+from cmrc._core import why_late as why_late

@@ -1,0 +1,50 @@
+// emulator limits and emulator compare: what is derived from several runs.
+#include "cmrc/limits.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "cli/grid.hpp"
+#include "cli/options.hpp"
+#include "cli/output_file.hpp"
+#include "cli/settings.hpp"
+#include "cmrc/compare.hpp"
+
+namespace cli {
+
+int limits(const LimitsOptions& options) {
+  const cmrc::Config config = build_config(options.run);
+  cmrc::LimitGrids grids;
+  if (options.cycles) grids.cycles = parse_grid(*options.cycles, "--cycles");
+  if (options.dsps) grids.dsps = parse_grid(*options.dsps, "--dsps-grid");
+  if (options.servo) grids.servo = parse_grid(*options.servo, "--servo");
+  if (!options.cycles && !options.dsps && !options.servo) grids = cmrc::LimitGrids::standard(config);
+  std::optional<OutputFile> file;
+  if (options.json) file.emplace(*options.json);
+  const bool line = ::isatty(STDERR_FILENO) == 1;
+  const report::Limits limits = cmrc::find_limits(config, grids, [line](std::size_t done, std::size_t points) {
+    fmt::print(stderr, "{}{} of {} runs done{}", line ? "\r" : "", done, points, line && done < points ? "" : "\n");
+    std::fflush(stderr);
+  });
+  fmt::print("{}", to_text(limits));
+  if (file) {
+    file->stream() << to_json(limits);
+    file->commit();
+  }
+  return success;
+}
+
+int compare(const CompareOptions& options) {
+  const cmrc::Config config = build_config(options.run);
+  std::optional<OutputFile> file;
+  if (options.json) file.emplace(*options.json);
+  const report::Comparison comparison = cmrc::compare_with_ideal(config);
+  fmt::print("{}", to_text(comparison));
+  if (file) {
+    file->stream() << to_json(comparison);
+    file->commit();
+  }
+  return success;
+}
+
+}  // namespace cli

@@ -1,0 +1,21 @@
+#pragma once
+// Independent pieces of work in processes of their own, several at a time. Processes, not threads: ODE keeps its random numbers once
+// per process, so only processes give each run the results that it has alone.
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace cmrc {
+
+/// Runs work(0) to work(count - 1), at most `at_once` at a time, each in a child process, and returns what they return, in order.
+///
+/// \param done is told of each result as it comes, in any order
+/// \throws std::runtime_error with what a child's exception said, or when one has died; the others are ended first
+std::vector<std::string> in_processes(std::size_t count, unsigned at_once, const std::function<std::string(std::size_t)>& work,
+                                      const std::function<void(std::size_t, const std::string&)>& done);
+
+/// As many as this machine has processors.
+unsigned processors();
+
+}  // namespace cmrc

@@ -1,0 +1,31 @@
+#include "cmrc/ideal.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace cmrc {
+namespace {
+
+bool is_the_machines(const TimedEvent& event) {
+  static constexpr std::array<std::string_view, 8> actions = {"fail", "hang", "unplug", "plug", "reset", "slow", "pause_host", "stall_bus"};
+  return std::ranges::find(actions, event.action) != actions.end();
+}
+
+}  // namespace
+
+Config as_run(const Config& given) {
+  if (!given.run.ideal) return given;
+  Config config = given;
+  config.machine.idle_policy = IdlePolicy::doorbell;
+  config.machine.cycle_time_factor = 1;
+  config.host.refresh_overhead_ns = config.host.per_block_ns = config.host.semaphore_retry_ns = 0;
+  std::erase_if(config.events, is_the_machines);
+  return config;
+}
+
+Config ideal(Config config) {
+  config.run.ideal = true;
+  return config;
+}
+
+}  // namespace cmrc

@@ -1,0 +1,35 @@
+#pragma once
+// A run beside the same run with instant execution (docs/report.md, Ideal).
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "report/run_report.hpp"
+
+namespace report {
+
+/// One number of a run.
+struct Metric {
+  std::string name;
+  std::string unit;
+  std::optional<double> value;  ///< none: has not happened
+};
+
+/// What a run is judged by: misses, tracking, sway, control cost, cycles, and the servo's slowest response. The names depend on the
+/// configuration only.
+std::vector<Metric> metrics(const RunReport& report);
+
+struct Comparison {
+  double duration_s = 0;
+  struct Row {
+    Metric run;
+    std::optional<double> ideal;
+    std::optional<double> difference() const;
+  };
+  std::vector<Row> rows;
+};
+
+std::string to_text(const Comparison& comparison);
+std::string to_json(const Comparison& comparison);
+
+}  // namespace report

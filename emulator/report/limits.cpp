@@ -1,0 +1,94 @@
+#include "report/limits.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "report/text_table.hpp"
+
+namespace report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The points that were run, the easiest first.
+std::vector<const LimitPoint*> by_ease(const LimitScan& scan) {
+  std::vector<const LimitPoint*> points;
+  for (const LimitPoint& point : scan.points)
+    if (point.refused.empty()) points.push_back(&point);
+  if (!scan.more_is_harder) std::ranges::reverse(points);
+  return points;
+}
+
+std::string outcome(const LimitPoint& point) {
+  if (!point.refused.empty()) return "not run: " + point.refused;
+  if (point.passed) return "no miss";
+  if (!point.first_miss.empty()) return fmt::format("{} missed at {:.6f} s", point.first_miss, point.first_miss_s);
+  return point.stop_reason;
+}
+
+std::string list(const std::vector<double>& values) {
+  std::string text;
+  for (const double value : values) text += fmt::format("{}{:g}", text.empty() ? "" : ", ", value);
+  return text;
+}
+
+}  // namespace
+
+std::optional<double> LimitScan::limit() const {
+  std::optional<double> found;
+  for (const LimitPoint* point : by_ease(*this)) {
+    if (!point->passed) break;
+    found = point->value;
+  }
+  return found;
+}
+
+std::vector<double> LimitScan::beyond() const {
+  std::vector<double> values;
+  bool failed = false;
+  for (const LimitPoint* point : by_ease(*this)) {
+    if (!point->passed) failed = true;
+    else if (failed) values.push_back(point->value);
+  }
+  return values;
+}
+
+std::string to_text(const Limits& limits) {
+  std::string text = fmt::format("Limits, {:g} s simulated for each point\n", limits.duration_s);
+  for (const LimitScan& scan : limits.scans) {
+    text += fmt::format("\n{} ({})\n", scan.meaning, scan.key);
+    for (const LimitPoint& point : scan.points) text += fmt::format("  {:>9g}  {}\n", point.value, outcome(point));
+    const auto limit = scan.limit();
+    text += limit ? fmt::format("  limit: {:g}; {} passes\n", *limit, scan.more_is_harder ? "every point up to it" : "every point from it on")
+                  : std::string("  no limit: the easiest point does not pass\n");
+    if (const auto beyond = scan.beyond(); !beyond.empty()) text += fmt::format("  anomalies, passing beyond a miss: {}\n", list(beyond));
+  }
+  return text;
+}
+
+std::string to_json(const Limits& limits) {
+  Json root = {{"duration_s", limits.duration_s}, {"scans", Json::object()}};
+  for (const LimitScan& scan : limits.scans) {
+    Json points = Json::array();
+    for (const LimitPoint& point : scan.points) {
+      const bool missed = !point.first_miss.empty();
+      points.push_back({{"value", point.value},
+                        {"passed", point.passed},
+                        {"refused", point.refused.empty() ? Json(nullptr) : Json(point.refused)},
+                        {"stop_reason", point.stop_reason.empty() ? Json(nullptr) : Json(point.stop_reason)},
+                        {"first_miss", missed ? Json(point.first_miss) : Json(nullptr)},
+                        {"first_miss_s", missed ? Json(point.first_miss_s) : Json(nullptr)}});
+    }
+    const auto limit = scan.limit();
+    root["scans"][scan.name] = {{"key", scan.key},
+                                {"meaning", scan.meaning},
+                                {"limit", limit ? Json(*limit) : Json(nullptr)},
+                                {"passing_beyond", scan.beyond()},
+                                {"points", std::move(points)}};
+  }
+  return root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace report

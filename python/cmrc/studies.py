@@ -1,0 +1,100 @@
+"""What is learnt from several runs of one configuration: how far it is from its first missed deadline, and what time costs it."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any
+
+from cmrc import _core
+from cmrc.simulation import Setting
+from cmrc.table import Table
+
+
+class Limits:
+    """The outcome of ``limits`` (docs/report.md, Limits)."""
+
+    def __init__(self, text: str, found: Mapping[str, Any]) -> None:
+        self.text = text
+        """As the terminal shows it."""
+        self.report: dict[str, Any] = dict(found)
+        """As the JSON of ``emulator limits --json`` has it."""
+
+    def limit(self, scan: str) -> float | None:
+        """The limit of ``"cycles"``, ``"dsps"`` or ``"servo"``; None where the easiest point misses. KeyError if it was not scanned."""
+        value = self.report["scans"][scan]["limit"]
+        return None if value is None else float(value)
+
+    @property
+    def points(self) -> Table:
+        """One row per run: its scan, value, whether it passed, and its first miss."""
+        return Table.from_rows({"scan": name, **point} for name, scan in self.report["scans"].items() for point in scan["points"])
+
+    def __repr__(self) -> str:
+        return f"<cmrc.Limits: {', '.join(f'{name} {self.limit(name)}' for name in self.report['scans'])}>"
+
+
+class Comparison:
+    """The outcome of ``compare``: a run beside the same run with instant execution (docs/report.md, Ideal)."""
+
+    def __init__(self, text: str, found: Mapping[str, Any]) -> None:
+        self.text = text
+        """As the terminal shows it."""
+        self.report: dict[str, Any] = dict(found)
+        """As the JSON of ``emulator compare --json`` has it."""
+
+    @property
+    def metrics(self) -> Table:
+        """One row per metric: ``unit``, ``run``, ``ideal``, ``difference``."""
+        return Table.from_rows({"metric": name, **row} for name, row in self.report["metrics"].items())
+
+    def __getitem__(self, metric: str) -> dict[str, Any]:
+        return dict(self.report["metrics"][metric])
+
+    def __repr__(self) -> str:
+        return f"<cmrc.Comparison: {len(self.report['metrics'])} metrics over {self.report['duration_s']} s>"
+
+
+def _config(
+    config: str | os.PathLike[str] | None, preset: str | None, settings: Mapping[str, Setting] | None, events: Sequence[Mapping[str, Setting]], keywords: Mapping[str, Setting]
+) -> _core.cmrc.Config:
+    file = None if config is None else os.fspath(config)
+    return _core.cmrc.config(file=file, preset=preset, settings={**(settings or {}), **keywords}, events=[dict(event) for event in events])
+
+
+def limits(
+    *,
+    cycles: Iterable[float] | None = None,
+    dsps: Iterable[float] | None = None,
+    servo: Iterable[float] | None = None,
+    config: str | os.PathLike[str] | None = None,
+    preset: str | None = None,
+    settings: Mapping[str, Setting] | None = None,
+    events: Sequence[Mapping[str, Setting]] = (),
+    on_progress: Callable[[int, int], object] | None = None,
+    **keywords: Setting,
+) -> Limits:
+    """Scans for the first missed deadline, each point a run of its own, as many at a time as there are processors.
+
+    ``cycles`` are factors on the time of an instruction cycle (the buses keep theirs), ``dsps`` numbers of DSPs, ``servo`` frequencies f_p in Hz. What is None is
+    not scanned; if all three are, each has its standard grid. The other arguments are those of ``run``; ``settings={"machine.dsps": 2}`` is the configuration's own
+    number of DSPs. ``on_progress(done, points)`` is told of every run that ends. Raises ConfigError for an empty grid or a value given twice; a point whose
+    configuration is not allowed is reported as refused, not raised.
+    """
+    grids = [None if grid is None else [float(value) for value in grid] for grid in (cycles, dsps, servo)]
+    text, found = _core.why_late.limits(_config(config, preset, settings, events, keywords), *grids, on_progress)
+    return Limits(text, json.loads(found))
+
+
+def compare(
+    *,
+    config: str | os.PathLike[str] | None = None,
+    preset: str | None = None,
+    settings: Mapping[str, Setting] | None = None,
+    events: Sequence[Mapping[str, Setting]] = (),
+    **keywords: Setting,
+) -> Comparison:
+    """The run beside the same run with instant execution (``run.ideal``), both at the same time. Arguments as of ``run``."""
+    text, found = _core.why_late.compare(_config(config, preset, settings, events, keywords))
+    return Comparison(text, json.loads(found))

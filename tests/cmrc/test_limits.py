@@ -1,0 +1,138 @@
+"""emulator limits and emulator compare: answers that are known beforehand, and bad input."""
+
+import json
+import subprocess
+
+import cmrc
+import pytest
+from cmrc import _core
+from locations import BUILD
+
+EMULATOR = BUILD / "bin" / "emulator"
+
+
+def test_the_limit_is_where_all_passes_and_anomalies_lie_beyond() -> None:
+    outcome = _core.why_late.scan_outcome
+    assert outcome([(1, True), (2, True), (3, False), (4, True), (5, False)], True) == (2, [4])
+    assert outcome([(1, True), (2, False), (3, True), (4, True)], False) == (3, [1])
+    assert outcome([(1, False), (2, True)], True) == (None, [2])
+    assert outcome([], True) == (None, [])
+
+
+def test_two_dsps_are_the_least_for_the_base_rates() -> None:
+    # plant-and-bus.md 2.4: one more than long jobs that can run at once; identify is the only one here.
+    found = cmrc.limits(dsps=[3, 1, 2], duration_s=0.02)
+    assert found.limit("dsps") == 2
+    first = found.points.row(0)
+    assert (first["value"], first["passed"], first["first_miss"]) == (1, False, "torque_compensation")
+
+
+def test_the_slack_of_the_servo_is_what_its_cycles_leave() -> None:
+    """Where instructions take f times as long and the bus does not, PID needs W + B + f I; it has a millisecond."""
+    pid = cmrc.run(duration_s=0.05, dsps=4).report["tasks"]["pid"]
+    cycles = pid["execution_cycles"]
+    period_us = 1000.0
+    instructions = 0.04 * sum(cycles[cause] for cause in ("execute", "branch", "register_conflict", "memory_conflict")) / pid["execution_ps"]["count"]
+    rest = pid["response_ps"]["mean"] * 1e-6 - instructions
+    predicted = (period_us - rest) / instructions
+    assert 5 < predicted < 50
+    found = cmrc.limits(cycles=[round(predicted * share, 2) for share in (0.5, 0.85, 1.15, 1.5)], duration_s=0.05, dsps=None, settings={"machine.dsps": 4})
+    assert list(found.points["passed"]) == [True, True, False, False]
+    assert found.limit("cycles") == round(predicted * 0.85, 2)
+
+
+def test_a_point_that_is_not_allowed_is_refused_and_the_others_are_run() -> None:
+    found = cmrc.limits(servo=[1000, 5000], dsps=[2, 2.5, 99], duration_s=0.002)
+    servo, dsps = found.report["scans"]["servo"], found.report["scans"]["dsps"]
+    assert servo["limit"] == 1000 and "f_s" in servo["points"][1]["refused"]
+    assert dsps["limit"] == 2 and [point["refused"] is None for point in dsps["points"]] == [True, False, False]
+
+
+def test_a_scan_gives_the_same_twice() -> None:
+    once, twice = (cmrc.limits(cycles=[1, 8, 16, 32], duration_s=0.02).report for _ in range(2))
+    assert once == twice
+
+
+@pytest.mark.parametrize(("grids", "message"), [({"cycles": []}, "empty"), ({"dsps": [2, 2]}, "twice")])
+def test_grids_that_are_none(grids: dict[str, list[float]], message: str) -> None:
+    with pytest.raises(cmrc.ConfigError, match=message):
+        cmrc.limits(duration_s=0.01, **grids)
+
+
+@pytest.mark.parametrize("grid", ["", "3:1:1", "1:2:0", "1:2:-1", "a", "1,,2", "1:2:3:4", "1:1000000:0.5"])
+def test_grids_that_are_ill_typed(grid: str) -> None:
+    run = subprocess.run([EMULATOR, "limits", "--duration", "0.01", "--cycles", grid], capture_output=True, text=True, check=False)
+    assert run.returncode == 2 and "--cycles" in run.stderr and run.stdout == ""
+
+
+def test_the_command_and_python_agree(tmp_path) -> None:  # type: ignore[no-untyped-def]
+    file = tmp_path / "limits.json"
+    command = [EMULATOR, "limits", "--dsps-grid", "1:2", "--duration", "0.01", "--json", file]
+    run = subprocess.run(command, capture_output=True, text=True, check=True)
+    found = cmrc.limits(dsps=[1, 2], duration_s=0.01)
+    assert json.loads(file.read_text()) == found.report and run.stdout == found.text
+
+
+def test_an_ideal_run_answers_within_a_latch_and_misses_nothing() -> None:
+    result = cmrc.run(preset="saturated", dsps=1, duration_s=0.1, ideal=True)
+    assert result.misses == 0
+    for kind, task in result.report["tasks"].items():
+        assert task["response_ps"]["worst"] < 125_000_000 / 2, kind  # avoidance: 330 000 cycles of 40 ps, behind three others
+
+
+def test_an_ideal_run_computes_what_the_real_one_does() -> None:
+    # The drives take the same codes at the same latches, but for what the encoders see 80 us earlier.
+    real, ideal = (cmrc.run(dsps=4, duration_s=0.5, ideal=ideal) for ideal in (False, True))
+    for joint, error in real.report["tracking"].items():
+        assert ideal.report["tracking"][joint]["rms"] == pytest.approx(error["rms"], rel=0.05, abs=2e-6)
+
+
+def test_nothing_of_the_machine_fails_in_an_ideal_run_and_drives_do() -> None:
+    events = [{"at_s": 0.01, "action": "fail", "dsp": 0}, {"at_s": 0.01, "action": "fail_drive", "joint": "hoist"}]
+    result = cmrc.run(dsps=1, duration_s=0.02, ideal=True, events=events)
+    [event] = result.report["timed_events"]
+    assert "hoist" in event["what"]
+    assert result.stop_reason == "completed" and result.report["dsps"][0]["state"] in ("idle", "running")
+
+
+def test_a_comparison_is_the_difference_of_two_runs() -> None:
+    real, ideal = (cmrc.run(dsps=1, duration_s=0.2, ideal=ideal).report for ideal in (False, True))
+    found = cmrc.compare(dsps=1, duration_s=0.2)
+    assert found["missed deadlines"] == {"unit": "", "run": sum(t["misses"] for t in real["tasks"].values()), "ideal": 0, "difference": 4}
+    for joint in real["tracking"]:
+        row = found[f"tracking {joint} RMS"]
+        assert (row["run"], row["ideal"]) == (real["tracking"][joint]["rms"], ideal["tracking"][joint]["rms"])
+        assert row["difference"] == row["run"] - row["ideal"]
+    cost = found["control cost"]
+    assert (cost["run"], cost["ideal"]) == (real["control_cost"]["cost_m2s"], ideal["control_cost"]["cost_m2s"])
+    with pytest.raises(cmrc.ConfigError, match=r"run\.ideal"):
+        cmrc.compare(duration_s=0.01, ideal=True)
+
+
+def test_the_control_cost_is_the_integral_of_its_parts() -> None:
+    """The drives' share from the recorded codes, which are held from latch to latch; the error's from PID's mean squares."""
+    result = cmrc.run(dsps=2, duration_s=0.5, settings={"report.signal_decimation": 1, "report.control_cost_rho_m2": 0.25})
+    cost = result.report["control_cost"]
+    codes = [result.signals[f"{joint}_code"] for joint in ("s", "psi", "phi", "l", "kappa")]
+    effort = sum(float(((code / 2047) ** 2).sum()) for code in codes) * 125e-6
+    assert cost["drive_s"] == pytest.approx(effort, rel=0.01)
+    levers = {"s": 1, "psi": 34.5, "phi": 32, "l": 1, "kappa": 12.192 / 2}
+    squares = sum((lever * result.report["tracking"][joint]["rms"]) ** 2 for joint, lever in levers.items())
+    assert cost["error_m2s"] == pytest.approx(0.5 * squares, rel=0.02)
+    assert cost["cost_m2s"] == pytest.approx(cost["error_m2s"] + 0.25 * cost["drive_s"])
+
+
+@pytest.mark.parametrize("factor", [0.001, 101, 0])
+def test_cycle_time_factors_have_bounds(factor: float) -> None:
+    with pytest.raises(cmrc.ConfigError, match="cycle_time_factor"):
+        cmrc.run(duration_s=0.01, cycle_time_factor=factor)
+
+
+def test_longer_cycles_leave_the_buses_alone() -> None:
+    slow = cmrc.run(dsps=2, duration_s=0.05, cycle_time_factor=1.37).report
+    fast = cmrc.run(dsps=2, duration_s=0.05).report
+    assert slow["dsps"][0]["clock_hz"] == pytest.approx(25e6 / 1.37, rel=1e-12)
+    assert slow["buses"]["A"]["clock_hz"] == fast["buses"]["A"]["clock_hz"] and slow["buses"]["A"]["clocks"] == fast["buses"]["A"]["clocks"]
+    for kind in ("pid", "torque_compensation"):
+        own = [run["tasks"][kind]["execution_causes_ps"]["execute"] for run in (slow, fast)]
+        assert own[0] / own[1] == pytest.approx(1.37, rel=0.02)
