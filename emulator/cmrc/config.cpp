@@ -425,7 +425,6 @@ Config with_key(const Config& config, std::string_view name, const Value& value,
   Config changed = config;
   key.assign(changed, checked(key, value, origin));
   Invariants(changed, {{std::string(name), origin}}).check();
-  check_events(changed);
   return changed;
 }
 

@@ -209,7 +209,7 @@ KeyBits bits_of(std::string_view key, const Value& value);
 void check_live(std::string_view key, const Value& value, const Origin& origin);
 /// The configuration with one live key changed and every invariant checked. \throws ConfigError
 Config with_live(const Config& config, std::string_view key, const Value& value, const Origin& origin);
-/// The same of any key, for another run. \throws ConfigError
+/// The same of any key, for another run; its events may yet contradict it (check_events). \throws ConfigError
 Config with_key(const Config& config, std::string_view key, const Value& value, const Origin& origin);
 std::string_view name(Key::Type type);
 

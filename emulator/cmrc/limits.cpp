@@ -58,7 +58,9 @@ std::vector<double> sorted(std::vector<double> values, const char* grid) {
 std::optional<Config> with(const Config& config, std::string_view key, double value, std::string& refused) {
   const bool whole = key == dsps_key && value == std::floor(value) && std::abs(value) < 1e9;
   try {
-    return with_key(config, key, whole ? Value{static_cast<std::int64_t>(value)} : Value{value}, {});
+    Config changed = with_key(config, key, whole ? Value{static_cast<std::int64_t>(value)} : Value{value}, {});
+    check_events(changed);
+    return changed;
   } catch (const ConfigError& error) {
     refused = error.what();
     return std::nullopt;

@@ -76,6 +76,7 @@ class Replay:
     """Follows a trace; `faults` are sentences on what the rule does not allow. Begins anywhere: it checks once it knows every block of the list."""
 
     rule: Rule
+    doorbells: bool = True  # idle policy "doorbell": one DSP that has announced itself idle is rung for each block with J > 0
     faults: list[str] = field(default_factory=list)
     refreshes: int = 0
     claims: int = 0
@@ -89,14 +90,25 @@ class Replay:
         self.planned_at: dict[int, int] = {}
         self.loaded_since_refresh: list[tuple[int, Block]] = []
         self.known = False
+        self.idle: set[int] = set()
+        self.to_ring: tuple[int, int] | None = None  # at least, at most, after the last refresh
+        self.rung = 0
 
     def fault(self, time: int, what: str) -> None:
         if self.known:
             self.faults.append(f"{time} ps: {what}")
 
     def follow(self, trace: Iterable[Event]) -> None:
-        for time, _, name, n in trace:
-            if name == "load":
+        for time, who, name, n in trace:
+            slot = int(who.split()[1]) if who.startswith("dsp") else -1
+            if name == "idle" and n["state"]:
+                self.idle.add(slot)
+            elif name in ("idle", "reset"):
+                self.idle.discard(slot)
+            elif name == "doorbell":
+                self.rung += 1
+                self.idle.discard(n["slot"])
+            elif name == "load":
                 self.inserted += 1
                 self.blocks[n["block"]] = Block(n["kind"], n["area"], n["tick"], 0, self.inserted)
                 self.loaded_since_refresh.append((n["block"], self.blocks[n["block"]]))
@@ -125,7 +137,13 @@ class Replay:
         if offset in self.order:
             self.order.remove(offset)
 
+    def check_doorbells(self, time: int) -> None:
+        if self.doorbells and self.to_ring and not self.to_ring[0] <= self.rung <= self.to_ring[1]:
+            self.fault(time, f"before this refresh {self.rung} DSPs were rung, {self.to_ring[0]} to {self.to_ring[1]} by the rule")
+        self.rung = 0
+
     def refresh(self, time: int, n: dict[str, int]) -> None:
+        self.check_doorbells(time)
         number, elapsed = n["number"], n["skipped"] + 1
         for _, block in self.loaded_since_refresh:  # t at the load, to which this refresh adds what has elapsed
             if block.kind in SERVO:
@@ -145,6 +163,8 @@ class Replay:
         self.order = [offset for _, _, offset in sorted(waiting)]
         self.known = self.known or (len(self.blocks) == n["blocks"] and len(self.planned_at) > 0) or number == 1
         self.refreshes += self.known
+        eligible = sum(self.blocks[offset].importance > 0 for offset in self.order)
+        self.to_ring = (min(eligible, len(self.idle)), eligible)
         self.longest = max(self.longest, len(self.order))
         head = self.order[0] if self.order else 0
         if head != n["pointer"]:

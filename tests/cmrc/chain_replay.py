@@ -1,0 +1,235 @@
+"""Why jobs were late, once more, from the event trace alone (docs/report.md, Why late; docs/trace.md): who waited for what, picosecond by picosecond.
+
+Brute force: the wait of a job is cut at every instant at which anything changed, and each piece is judged by itself. Shares no code with the emulator."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from scheduling_replay import SERVO, Event
+
+NAMES = {
+    0: "error", 1: "trajectory_planning.crane", 2: "trajectory_planning.agv", 3: "inverse_kinematics.crane", 4: "inverse_kinematics.agv", 5: "torque_compensation",
+    6: "pid", 7: "identify", 8: "grab_path", 9: "home.crane", 10: "home.agv", 11: "obstacle_avoidance",
+}  # fmt: skip
+HOST, DROPPED = 0xFF, 5
+FAIL, HANG, UNPLUG = 0, 1, 2  # machine::Action
+BEFORE = ("host_late", "not_due", "host_refresh", "host_lock")
+CLAIM = ("claim", "claim_bus_a", "claim_bus_b")
+
+
+@dataclass
+class Steps:
+    """A quantity that changes at instants."""
+
+    times: list[int] = field(default_factory=list)
+    values: list[Any] = field(default_factory=list)
+
+    def set(self, time: int, value: Any) -> None:
+        time = max(time, self.times[-1]) if self.times else time
+        self.times.append(time)
+        self.values.append(value)
+
+    def at(self, time: int, default: Any) -> Any:
+        place = bisect_right(self.times, time)
+        return self.values[place - 1] if place else default
+
+    def between(self, start: int, end: int) -> list[int]:
+        return self.times[bisect_right(self.times, start) : bisect_right(self.times, end)]
+
+
+@dataclass
+class Job:
+    kind: int
+    number: int
+    due: int
+    waits_from: list[int] = field(default_factory=list)
+    offered: list[int] = field(default_factory=list)  # when the list was free, J > 0, once per wait
+    claims: list[tuple[int, int]] = field(default_factory=list)
+    failed: list[int | None] = field(default_factory=list)
+    end: int | None = None
+
+
+class Trace:
+    """Everything that the chains are checked against."""
+
+    def __init__(self, events: Iterable[Event], dsps: int, servo: int, refresh_hz: int) -> None:
+        self.servo, self.refresh_hz = servo, refresh_hz
+        self.jobs: dict[tuple[int, int], Job] = {}
+        self.slots = [Steps([0], [("awake", None)]) for _ in range(dsps)]
+        self.list = Steps()
+        self.dropped: dict[tuple[int, int], int] = {}  # kind, tick: when the host found it
+        self.shortest: dict[int, int] = {}
+        self.last = 0
+        in_list: dict[int, Job] = {}
+        numbers: dict[int, int] = {}
+        eligible: list[Job] = []
+        for time, component, name, n in events:
+            self.last = time
+            slot = int(component.split()[1]) if component.startswith("dsp") else -1
+            if name == "load":
+                kind = n["kind"]
+                number = n["tick"] // servo if kind in SERVO else numbers.get(kind, 0)
+                numbers[kind] = numbers.get(kind, 0) + 1
+                job = Job(kind, number, n["tick"])
+                in_list[n["block"]] = self.jobs[kind, number] = job
+            elif name == "refresh":
+                for job in in_list.values():
+                    if not job.waits_from:
+                        job.waits_from.append(self.tick(job.due if job.kind in SERVO else n["number"]))
+                    waits = len(job.claims) < len(job.waits_from)
+                    if waits and len(job.offered) < len(job.waits_from) and (job.kind not in SERVO or n["number"] >= job.due or len(job.waits_from) > 1):
+                        eligible.append(job)
+            elif name == "semaphore" and n["number"] == 0:
+                self.list.set(time, n["owner"] if n["state"] == 1 else 0)
+                if n["owner"] == HOST and n["state"] == 0:
+                    for job in eligible:
+                        job.offered.append(time)
+                    eligible.clear()
+            elif name == "issue":
+                issued = time - (n["delay_low"] + (n["delay_high"] << 32))
+                job = in_list[n["block"]]
+                if n["flag"] == 0xF:
+                    job.claims.append((slot, issued))
+                    job.failed.append(None)
+                    self.slots[slot].set(issued, ("busy", (job, issued)))
+                else:
+                    job.end = issued
+                    if self.slots[slot].values[-1][0] == "busy":
+                        self.slots[slot].set(issued, ("awake", None))
+                    length = issued - job.claims[-1][1]
+                    self.shortest[job.kind] = min(self.shortest.get(job.kind, length), length)
+            elif name == "requeue":
+                job = in_list[n["block"]]
+                holder, _ = job.claims[-1]
+                if self.slots[holder].values[-1][0] == "busy" and self.slots[holder].values[-1][1][0] is job:
+                    self.slots[holder].set(time, ("awake", None))
+                job.waits_from.append(time)
+            elif name == "remove":
+                del in_list[n["block"]]
+            elif name == "miss" and n["class"] == DROPPED:
+                self.dropped[n["kind"], n["tick"] // servo] = time
+            elif name == "idle":
+                self.slots[slot].set(time, ("asleep" if n["state"] else "awake", None))
+            elif name == "interrupt":
+                self.slots[slot].set(time, ("awake", None))
+            elif name in ("fault", "reset") or (name == "scripted" and n["action"] in (FAIL, HANG, UNPLUG)):
+                slot = n["number"] if name == "scripted" else slot
+                if name == "reset" and n["state"] == 1:
+                    self.slots[slot].set(time, ("awake", None))
+                    continue
+                state, what = self.slots[slot].values[-1]
+                if state == "busy" and what[0].end is None and what[0].failed[-1] is None and len(what[0].claims) == len(what[0].waits_from):
+                    what[0].failed[-1] = time
+                self.slots[slot].set(time, ("off", None))
+
+    def tick(self, number: int) -> int:
+        return number * 10**12 // self.refresh_hz
+
+    def waits(self, start: int, end: int, claimer: int | None) -> dict[str, int]:
+        """What a block waited for that could be claimed from `start` on."""
+        cuts = sorted({start, end}.union(*(steps.between(start, end) for steps in [*self.slots, self.list])))
+        cuts = [cut for cut in cuts if start <= cut <= end]
+        sums: dict[str, int] = {}
+        for at, until in zip(cuts, cuts[1:], strict=False):
+            states = [steps.at(at, ("off", None)) for steps in self.slots]
+            awake = [slot for slot, (state, _) in enumerate(states) if state == "awake"]
+            busy = [what[1] for state, what in states if state == "busy"]
+            if awake:
+                free = claimer if claimer in awake else awake[0]
+                what = "lock" if self.list.at(at, 0) not in (0, free + 1) else "claim"
+            elif any(state == "asleep" for state, _ in states):
+                what = "doorbell"
+            elif not busy:
+                what = "no_dsp"
+            else:
+                what = "behind_list" if any(claimed >= start for claimed in busy) else "blocked"
+            sums[what] = sums.get(what, 0) + until - at
+        return sums
+
+
+def check(trace: Trace, report: dict[str, Any]) -> int:
+    """Compares every miss of the report with the trace; returns how many jobs with a chain there were."""
+    kinds = {name: kind for kind, name in NAMES.items()}
+    chains = 0
+    for miss in report["misses"]:
+        kind = kinds[miss["kind"]]
+        where = f"{miss['kind']} {miss['number']}"
+        parts, release, deadline, end = dict(miss["parts_ps"]), miss["release_ps"], miss["deadline_ps"], miss["end_ps"]
+        usual = trace.shortest.get(kind, 0)
+        assert (miss["usual_ps"] or 0) == usual, where
+        if deadline is None:
+            assert miss["lateness_ps"] is None and sum(parts.values()) == end - release - usual, where
+        else:
+            assert miss["lateness_ps"] == end - deadline == sum(parts.values()), where
+            assert parts.pop("slack", 0) == usual - (deadline - release), where
+        if kind in SERVO:
+            assert (release, deadline) == (trace.tick(miss["number"] * trace.servo), trace.tick((miss["number"] + 1) * trace.servo)), where
+        if miss["outcome"] == "dropped" and not miss["runs"]:
+            assert parts == {key: value for key, value in (("host_late" if miss["previous"] is None else "previous_out", deadline - release), ("not_run", -usual)) if value}, where
+            found = trace.dropped[kind, miss["number"]]
+            assert miss["unavoidable_ps"] == max(release, min(found, deadline - usual + 1)), where
+            continue
+        chains += 1
+        job = trace.jobs[kind, miss["number"]]
+        assert release == job.waits_from[0], where
+        assert [(run["dsp"], run["claimed_ps"]) for run in miss["runs"]] == job.claims, where
+        expected: dict[str, int] = {}
+        before = 0
+        for i, waits_from in enumerate(job.waits_from):
+            claimer, claimed = job.claims[i] if i < len(job.claims) else (None, end)
+            offered = job.offered[i] if i < len(job.offered) else claimed
+            before += min(offered, claimed) - waits_from
+            for what, time in trace.waits(offered, claimed, claimer).items():
+                expected[what] = expected.get(what, 0) + time
+            after = job.waits_from[i + 1] if i + 1 < len(job.waits_from) else end
+            if claimer is not None and (i + 1 < len(job.waits_from) or job.failed[i] is not None):
+                stop = after if job.failed[i] is None else min(after, max(claimed, job.failed[i] or 0))
+                expected["lost_run"] = expected.get("lost_run", 0) + stop - claimed
+                expected["watchdog"] = expected.get("watchdog", 0) + after - stop
+        told = {what: parts.pop(what, 0) for what in ("doorbell", "lock", "blocked", "behind_list", "no_dsp", "lost_run", "watchdog")}
+        told["claim"] = sum(parts.pop(what, 0) for what in CLAIM)
+        assert sum(parts.pop(what, 0) for what in BEFORE) == before, where
+        assert told == {what: expected.get(what, 0) for what in told}, where
+        ran = bool(job.claims) and len(job.claims) == len(job.waits_from) and job.failed[-1] is None
+        if ran:
+            assert all(name.startswith("execution.") for name in parts), where
+            assert sum(parts.values()) == end - job.claims[-1][1] - usual, where
+        else:
+            assert parts == ({"not_run": -usual} if usual else {}), where
+        if miss["outcome"] == "late":
+            assert end == job.end, where
+        in_the_way = sum(block["share_ps"] for block in miss["behind"])
+        assert in_the_way == told["blocked"] + told["behind_list"], where
+        for block in miss["behind"]:
+            state, what = trace.slots[block["dsp"]].at(block["from_ps"], ("off", None))
+            assert state == "busy" and what[1] == block["claimed_ps"] and (NAMES[what[0].kind], what[0].number) == (block["kind"], block["number"]), where
+        if deadline is not None:
+            check_unavoidable(miss, job, usual)
+    return chains
+
+
+def check_unavoidable(miss: dict[str, Any], job: Job, usual: int) -> None:
+    """By the definition: the first instant at which now + the shortest remaining time is past the deadline."""
+
+    def remaining(now: int) -> int:
+        for i, (_, claimed) in enumerate(job.claims):
+            ends = min([time for time in (job.failed[i], job.waits_from[i + 1] if i + 1 < len(job.waits_from) else None) if time is not None], default=None)
+            if claimed <= now and (ends is None or now < ends):
+                return max(0, claimed + usual - now)
+        return usual
+
+    said, deadline = miss["unavoidable_ps"], miss["deadline_ps"]
+    given_up = miss["outcome"] == "dropped"
+    instants = {miss["release_ps"], deadline - usual, deadline - usual + 1, deadline, deadline + 1}
+    for start, (_, claimed), failed in zip(job.waits_from, job.claims, job.failed, strict=False):
+        instants |= {start, claimed, *(() if failed is None else (failed,))}
+    instants |= set(job.waits_from)
+    instants |= {instant + step for instant in set(instants) for step in (-1, 1)}
+    past = [now for now in sorted(instants) if now >= miss["release_ps"] and now + remaining(now) > deadline]
+    if given_up:
+        past.append(miss["end_ps"])
+    assert said == min(past), f"{miss['kind']} {miss['number']}: {said}, by the definition {min(past)}"

@@ -1,0 +1,122 @@
+"""Whole runs beside what their event traces alone say: the scheduling rule, and why jobs were late."""
+
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+from locations import BUILD
+
+import chain_replay
+import scheduling_replay
+from scheduling_replay import Replay, Rule
+
+EMULATOR = BUILD / "bin" / "emulator"
+
+# All AGVs drive home from the start: their planning runs at once.
+DRIVING = """
+[[processes]]
+number = 8
+name = "AGV to initial state"
+robot = "agv"
+subprocesses = [1, 2, 5]
+steps = ["task home.agv", "leg 3"]
+final = true
+"""
+
+
+def run(tmp_path: Path, *options: str, toml: str = "") -> tuple[list[scheduling_replay.Event], dict[str, Any]]:
+    """The events and the report of a run."""
+    config, trace, report = tmp_path / "run.toml", tmp_path / "trace", tmp_path / "report.json"
+    config.write_text(toml)
+    command = [EMULATOR, "--quiet", "--config", config, "--trace", trace, "--report", report, "--set", "report.misses_max=100000", *options]
+    finished = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert finished.returncode in (0, 1), finished.stderr
+    found = json.loads(report.read_text())
+    assert found["audit"]["violations"] == []
+    with trace.open() as lines:
+        return list(scheduling_replay.events(lines)), found
+
+
+def failures(*rows: tuple[float, str, dict[str, Any]]) -> str:
+    text = ""
+    for at, action, fields in rows:
+        text += f'[[events]]\nat_s = {at}\naction = "{action}"\n' + "".join(f"{key} = {json.dumps(value)}\n" for key, value in fields.items())
+    return text
+
+
+DYING = failures((0.04003, "fail", {"dsp": 0}), (0.06003, "hang", {"dsp": 1}), (0.09004, "unplug", {"dsp": 2}), (0.12, "plug", {"dsp": 2}))
+ROUGH = failures(
+    (0.0203, "pause_host", {"lasts_ms": 1.7}), (0.03, "stall_bus", {"bus": "A", "lasts_ms": 0.9}), (0.0402, "hang", {"dsp": 0}), (0.05, "slow", {"dsp": 1, "factor": 0.05}),
+    (0.08, "slow", {"dsp": 1, "factor": 1}),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("options", "toml", "rule", "kinds"),
+    [
+        ("--dsps 1 --duration 0.3", "", Rule(), {1, 3, 5, 6, 7, 8}),
+        ("--dsps 4 --duration 0.3", "", Rule(), {1, 3, 5, 6, 7, 8}),
+        ("--dsps 16 --duration 0.2 --set dock.agvs=8", "", Rule(), {5, 6, 7}),
+        ("--dsps 4 --duration 0.3 --set dock.agvs=8", DRIVING, Rule(), {2, 4, 5, 6, 10}),
+        ("--dsps 1 --duration 0.2 --set dock.agvs=8", DRIVING, Rule(), {2, 4, 5, 6, 10}),
+        ("--dsps 1 --duration 0.2 --preset saturated", "", Rule(), {5, 6, 11}),
+        ("--dsps 2 --duration 0.2 --preset saturated --idle-policy spin", "", Rule(), {5, 6, 11}),
+        ("--dsps 4 --duration 0.2", DYING, Rule(), {5, 6}),
+        ("--dsps 2 --duration 0.2 --idle-policy pause", ROUGH, Rule(), {5, 6}),
+        ("--dsps 3 --duration 0.2 --set scheduling.gamma_refreshes=2 --set scheduling.alpha_refreshes=30", "", Rule(gamma=2, alpha=30), {5, 6}),
+        ("--dsps 2 --duration 0.2 --set rates.servo_frequency_hz=2000 --set scheduling.p=20480", "", Rule(servo=4, p=20480), {5, 6}),
+    ],
+)
+def test_the_list_and_every_claim_follow_equation_7(tmp_path: Path, options: str, toml: str, rule: Rule, kinds: set[int]) -> None:
+    events, report = run(tmp_path, *options.split(), toml=toml)
+    replay = Replay(rule, doorbells="--idle-policy" not in options)
+    replay.follow(events)
+    assert replay.faults == []
+    assert replay.refreshes == report["host"]["refreshes"] and replay.claims == sum(dsp["claims"] for dsp in report["dsps"]) > 50
+    assert kinds <= replay.kinds
+
+
+def test_the_replay_notices_a_broken_rule(tmp_path: Path) -> None:
+    events, _ = run(tmp_path, "--dsps", "1", "--duration", "0.1")
+    for wrong in (Rule(gamma=1), Rule(alpha=20, p=0x1000)):
+        replay = Replay(wrong)
+        replay.follow(events)
+        assert replay.faults != []
+    swapped = [(time, who, name, {**n, "kind": {5: 6, 6: 5}.get(n["kind"], n["kind"])} if name == "load" else n) for time, who, name, n in events]
+    replay = Replay(Rule())
+    replay.follow(swapped)
+    assert any("work pointer" in fault or "order" in fault for fault in replay.faults)
+
+
+@pytest.mark.parametrize(
+    ("options", "toml", "dsps", "least"),
+    [
+        ("--dsps 1 --duration 0.3", "", 1, 2),
+        ("--dsps 1 --duration 0.3 --preset saturated", "", 1, 20),
+        ("--dsps 2 --duration 0.3 --preset saturated", "", 2, 20),
+        ("--dsps 4 --duration 0.5 --preset saturated", "", 4, 20),
+        ("--dsps 2 --duration 0.3 --preset saturated --idle-policy spin", "", 2, 20),
+        ("--dsps 2 --duration 0.3 --preset saturated --idle-policy pause", "", 2, 20),
+        ("--dsps 4 --duration 0.2", DYING, 4, 1),
+        ("--dsps 2 --duration 0.2 --preset saturated", ROUGH, 2, 10),
+        ("--dsps 2 --duration 0.2", ROUGH, 2, 3),
+        ("--dsps 1 --duration 1.0", failures((0.05, "fail", {"dsp": 0})), 1, 1),
+        ("--dsps 3 --duration 0.2 --set machine.cycle_time_factor=14", "", 3, 50),
+    ],
+)
+def test_chains_add_up_and_are_those_of_the_trace(tmp_path: Path, options: str, toml: str, dsps: int, least: int) -> None:
+    events, report = run(tmp_path, *options.split(), toml=toml)
+    assert report["misses_left_out"] == 0
+    assert len(report["misses"]) == sum(task["misses"] for task in report["tasks"].values())
+    trace = chain_replay.Trace(events, dsps, servo=8, refresh_hz=8000)
+    assert chain_replay.check(trace, report) >= least
+    for kind, task in report["tasks"].items():
+        why = task["why_late"]
+        own = [miss for miss in report["misses"] if miss["kind"] == kind]
+        chained = [miss for miss in own if miss["runs"] or miss["outcome"] != "dropped"]
+        assert why["jobs"] == len(chained) and why["dropped_previous_out"] + why["dropped_host_late"] == len(own) - len(chained)
+        assert sum(why["parts_ps"].values()) == why["lateness_ps"]
+        for part, total in why["parts_ps"].items():
+            assert total == sum(miss["parts_ps"].get(part, 0) for miss in chained), (kind, part)
