@@ -14,14 +14,15 @@ from scheduling_replay import Replay, Rule
 
 EMULATOR = BUILD / "bin" / "emulator"
 
-# All AGVs drive home from the start: their planning runs at once.
+# All AGVs drive to the warehouse from the start: their planning runs at once.
 DRIVING = """
 [[processes]]
 number = 8
 name = "AGV to initial state"
 robot = "agv"
 subprocesses = [1, 2, 5]
-steps = ["task home.agv", "leg 3"]
+steps = ["task home.agv", "leg 1"]
+initial = [1, 4, 5]
 final = true
 """
 
@@ -46,6 +47,7 @@ def failures(*rows: tuple[float, str, dict[str, Any]]) -> str:
     return text
 
 
+CROWDED = "--dsps 1 --duration 0.3 --set dock.agvs=8 --set load.avoidance_cycles=30000"
 DYING = failures((0.04003, "fail", {"dsp": 0}), (0.06003, "hang", {"dsp": 1}), (0.09004, "unplug", {"dsp": 2}), (0.12, "plug", {"dsp": 2}))
 ROUGH = failures(
     (0.0203, "pause_host", {"lasts_ms": 1.7}), (0.03, "stall_bus", {"bus": "A", "lasts_ms": 0.9}), (0.0402, "hang", {"dsp": 0}), (0.05, "slow", {"dsp": 1, "factor": 0.05}),
@@ -60,7 +62,7 @@ ROUGH = failures(
         ("--dsps 4 --duration 0.3", "", Rule(), {1, 3, 5, 6, 7, 8}),
         ("--dsps 16 --duration 0.2 --set dock.agvs=8", "", Rule(), {5, 6, 7}),
         ("--dsps 4 --duration 0.3 --set dock.agvs=8", DRIVING, Rule(), {2, 4, 5, 6, 10}),
-        ("--dsps 1 --duration 0.2 --set dock.agvs=8", DRIVING, Rule(), {2, 4, 5, 6, 10}),
+        (CROWDED, DRIVING, Rule(), {2, 4, 5, 6, 10, 11}),
         ("--dsps 1 --duration 0.2 --preset saturated", "", Rule(), {5, 6, 11}),
         ("--dsps 2 --duration 0.2 --preset saturated --idle-policy spin", "", Rule(), {5, 6, 11}),
         ("--dsps 4 --duration 0.2", DYING, Rule(), {5, 6}),
@@ -79,11 +81,14 @@ def test_the_list_and_every_claim_follow_equation_7(tmp_path: Path, options: str
 
 
 def test_the_replay_notices_a_broken_rule(tmp_path: Path) -> None:
-    events, _ = run(tmp_path, "--dsps", "1", "--duration", "0.1")
-    for wrong in (Rule(gamma=1), Rule(alpha=20, p=0x1000)):
-        replay = Replay(wrong)
+    events, _ = run(tmp_path, *CROWDED.split(), toml=DRIVING)
+    rules = [Rule(), Rule(gamma=1), Rule(a=1), Rule(b=1), Rule(alpha=120), Rule(beta=100), Rule(agv=60), Rule(p=0x1000, q=0x100)]
+    faults = []
+    for rule in rules:
+        replay = Replay(rule)
         replay.follow(events)
-        assert replay.faults != []
+        faults.append(len(replay.faults))
+    assert faults[0] == 0 and all(faults[1:])
     swapped = [(time, who, name, {**n, "kind": {5: 6, 6: 5}.get(n["kind"], n["kind"])} if name == "load" else n) for time, who, name, n in events]
     replay = Replay(Rule())
     replay.follow(swapped)
