@@ -63,6 +63,10 @@ def _config(
     return _core.cmrc.config(file=file, preset=preset, settings={**(settings or {}), **keywords}, events=[dict(event) for event in events])
 
 
+def _grid(values: Iterable[float] | None) -> list[float] | None:
+    return None if values is None else [float(value) for value in values]
+
+
 def limits(
     *,
     cycles: Iterable[float] | None = None,
@@ -82,8 +86,8 @@ def limits(
     number of DSPs. ``on_progress(done, points)`` is told of every run that ends. Raises ConfigError for an empty grid or a value given twice; a point whose
     configuration is not allowed is reported as refused, not raised.
     """
-    grids = [None if grid is None else [float(value) for value in grid] for grid in (cycles, dsps, servo)]
-    text, found = _core.why_late.limits(_config(config, preset, settings, events, keywords), *grids, on_progress)
+    made = _config(config, preset, settings, events, keywords)
+    text, found = _core.why_late.limits(made, _grid(cycles), _grid(dsps), _grid(servo), on_progress)
     return Limits(text, json.loads(found))
 
 

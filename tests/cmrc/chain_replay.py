@@ -7,6 +7,7 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 from scheduling_replay import SERVO, Event
@@ -134,7 +135,7 @@ class Trace:
         cuts = sorted({start, end}.union(*(steps.between(start, end) for steps in [*self.slots, self.list])))
         cuts = [cut for cut in cuts if start <= cut <= end]
         sums: dict[str, int] = {}
-        for at, until in zip(cuts, cuts[1:], strict=False):
+        for at, until in pairwise(cuts):
             states = [steps.at(at, ("off", None)) for steps in self.slots]
             awake = [slot for slot, (state, _) in enumerate(states) if state == "awake"]
             busy = [what[1] for state, what in states if state == "busy"]

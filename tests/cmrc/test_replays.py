@@ -5,11 +5,10 @@ import subprocess
 from pathlib import Path
 from typing import Any
 
-import pytest
-from locations import BUILD
-
 import chain_replay
+import pytest
 import scheduling_replay
+from locations import BUILD
 from scheduling_replay import Replay, Rule
 
 EMULATOR = BUILD / "bin" / "emulator"
