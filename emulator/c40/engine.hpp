@@ -55,6 +55,7 @@ struct Block {
   bool repeats = false;    ///< ends at RE: the loop hardware decides
   bool self_loop = false;  ///< following itself, it is in the same state again
   bool only_nop = false;
+  bool plain = false;        ///< neither repeats nor uses the cache
   bool uses_cache = false;   ///< fetched while the cache was on
   bool all_hits = false;     ///< `words` need not come into the cache
   std::uint64_t checked = 0;  ///< the version of the cache in which its hits were last seen to be those of its key
@@ -231,6 +232,7 @@ class Engine {
   void leave(Block& block, std::size_t from, std::size_t at);
   void left_block(Block& block, std::size_t from, const Outcome& outcome);
   void rejoin(Block& block);
+  Block::Exit* run_special(Block& block, std::size_t from, Cycles limit);
   Block::Exit* run_repeated(Block& block, Cycles limit);
   Block::Exit* run_part(Block& block, std::size_t from, Cycles limit);
   Block::Exit& end_repeat(Block& block, std::uint32_t passes);

@@ -200,6 +200,7 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
   block->last_start = block->start[block->size - 1];
   for (Block::Exit& exit : block->exits) exit.size = block->size;
   block->uses_cache = (k.mode & mode_cached) != 0;
+  block->plain = !block->repeats && !block->uses_cache;
   const std::uint32_t own_words = block->size < longest_cached_block ? (1u << block->size) - 1 : ~0u;
   block->all_hits = (~k.hits & own_words) == 0;
   const bool same_fetches = !block->uses_cache || block->all_hits || (k.mode & mode_frozen) != 0;
@@ -345,33 +346,44 @@ void Engine::run_blocks(Block* block, std::size_t from, Cycles limit) {
   Core& core = state_.core;
   Block::Exit* exit = nullptr;
   Cycles cycle = state_.cycle;
-  for (;; from = 0) {
-    if (block->repeats || from != 0 || block->last_start >= limit - cycle) [[unlikely]] {
-      state_.cycle = cycle;
-      const bool covered = from == 0 && block->last_start < limit - cycle;
-      exit = covered ? run_repeated(*block, limit) : run_part(*block, from, limit);
-      if (exit == nullptr) return;
-      cycle = state_.cycle;
-    } else {
+  for (;;) {
+    if (block->plain && from == 0 && block->last_start < limit - cycle) [[likely]] {
       const Outcome outcome = block->ops[0].handler(core, block->ops.data());
       if (outcome.exit > Exit::taken) [[unlikely]] {
         state_.cycle = cycle;
         return left_block(*block, 0, outcome);
       }
       exit = &block->exits[outcome.exit == Exit::taken];
-      if (block->uses_cache) fetch_through_cache(*block, 0, block->size);
+    } else {
+      if (exit != nullptr && (cycle >= limit || (block->uses_cache && !cache_fits(*block)))) break;
+      state_.cycle = cycle;
+      exit = run_special(*block, from, limit);
+      if (exit == nullptr) return;
+      cycle = state_.cycle;
+      from = 0;
     }
     count(*exit, 1);
     cycle += exit->cycles;
-    Block* const next = exit->next;
-    if (next == nullptr || next->key.pc != core.pc || (core.attention | core.code_writes) != 0 || cycle >= limit) [[unlikely]] break;
-    if (next->uses_cache && !cache_fits(*next)) break;
-    block = next;
+    block = exit->next;
+    if (block == nullptr || block->key.pc != core.pc || core.attention) [[unlikely]] break;
   }
   state_.cycle = cycle;
   pipeline_ = exit->pipeline;
   pipeline_known_ = true;
-  last_exit_ = (core.attention | core.code_writes) != 0 ? nullptr : exit;
+  last_exit_ = core.attention ? nullptr : exit;
+}
+
+// One that repeats or comes from the cache, from the middle, or with a budget that does not cover it. Null: it was left.
+Block::Exit* Engine::run_special(Block& block, std::size_t from, Cycles limit) {
+  if (from != 0 || block.last_start >= limit - state_.cycle) return run_part(block, from, limit);
+  if (block.repeats) return run_repeated(block, limit);
+  const Outcome outcome = block.ops[0].handler(state_.core, block.ops.data());
+  if (outcome.exit > Exit::taken) [[unlikely]] {
+    left_block(block, 0, outcome);
+    return nullptr;
+  }
+  fetch_through_cache(block, 0, block.size);
+  return &block.exits[outcome.exit == Exit::taken];
 }
 
 void Engine::left_block(Block& block, std::size_t from, const Outcome& outcome) {

@@ -399,6 +399,7 @@ Outcome miss_write(Core& core, const Op* op, int access, Address address, Word v
 
 void code_written(Core& core, Address address) {
   if (core.code_writes < core.code_written.size()) core.code_written[core.code_writes++] = address;
+  core.attention = true;
 }
 
 }  // namespace c40::execute

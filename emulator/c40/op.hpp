@@ -85,7 +85,7 @@ struct Core {
   Word miss_value = 0;
   std::uint8_t miss_access = 0;
   bool miss_write = false;
-  bool attention = false;  ///< Something changed that decides about interrupts
+  bool attention = false;  ///< Something changed that decides about interrupts, or code was written
   std::uint8_t code_writes = 0;
   std::array<Address, 2> code_written{};
 
