@@ -56,6 +56,7 @@ struct Config {
     double cycle_time_factor = 1;
     IdlePolicy idle_policy = IdlePolicy::doorbell;
     std::int64_t pause_nops = 125;  ///< 5 us at C40-50
+    bool guard = true;
     std::string programs;           ///< directory of the assembly sources; empty: the image built in
     std::string board = "default";  ///< of every DSP: "default", or a board file
   } machine;

@@ -87,6 +87,8 @@ std::vector<Key> make_keys() {
              "ruling 23"),
       integer("machine.pause_nops", FIELD(machine.pause_nops), "cycles", 1, 1000000,
               "length of the pause of idle_policy \"pause\"", "plant-and-bus.md 3.5"),
+      boolean("machine.guard", FIELD(machine.guard),
+              "shared memory refuses a DSP's write outside the area of the task that it has claimed; false: it takes every write", "docs/add-a-task.md"),
       text("machine.programs", FIELD(machine.programs),
            "directory of the DSP programs' sources, assembled at the start; empty: the image built in", "issue 2"),
       text("machine.board", FIELD(machine.board),

@@ -1,5 +1,7 @@
 #include "cmrc/observer.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -155,6 +157,20 @@ void RunObserver::idle(unsigned slot, bool idle, Time now) {
 void RunObserver::dsp_write_dropped(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued, Time now) {
   if (profile_ != nullptr && window == machine::Window::a) profile_->landed(slot, offset, issued, std::nullopt);
   log_.add({now, report::dsp(slot), EventKind::dropped_write, {window == machine::Window::a ? 0U : 1U, offset, value, 0, 0}});
+}
+
+// One entry per DSP and kind of task: a task that goes astray writes by the thousand.
+void RunObserver::dsp_write_refused(unsigned slot, machine::Offset offset, machine::Word value, machine::Word kind, Time now) {
+  const std::string task = kind < words_.kind_count ? ledger_.name(job_kind(kind, words_)) : "no task";
+  const auto [found, first] = refused_.try_emplace({slot, kind}, Refused{failures_.size(), 0, {}});
+  Refused& entry = found->second;
+  if (first) {
+    entry.first = fmt::format("{:08X}h at offset {:X}h", value, offset);
+    failures_.push_back({now, slot, "guard", {}});
+  }
+  ++entry.count;
+  failures_[entry.failure].message = fmt::format("{} wrote {} outside its area, refused: {}", task, entry.count == 1 ? "a word" : fmt::format("{} words", entry.count),
+                                                 entry.count == 1 ? entry.first : "the first " + entry.first);
 }
 
 void RunObserver::transaction(machine::BusId bus, const pci::Transaction& transaction, Time now) {

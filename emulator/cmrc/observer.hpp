@@ -3,6 +3,7 @@
 #include <array>
 #include <deque>
 #include <functional>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -46,6 +47,7 @@ class RunObserver : public machine::Observer, public HostListener {
   void dsp_write(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued, Time now) override;
   void dsp_write_dropped(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued, Time now) override;
   void dsp_waited(unsigned slot, machine::Window window, Time from, Time to) override { ledger_.timeline().window(slot, window, from, to); }
+  void dsp_write_refused(unsigned slot, machine::Offset offset, machine::Word value, machine::Word kind, Time now) override;
   void transaction(machine::BusId bus, const pci::Transaction& transaction, Time now) override;
   void interrupt(unsigned slot, int pin, Time now) override;
   void semaphore(unsigned number, machine::SemaphoreEvent event, unsigned owner, Time now) override;
@@ -88,7 +90,13 @@ class RunObserver : public machine::Observer, public HostListener {
   std::function<machine::Word(machine::Offset)> peek_;
   std::vector<std::deque<Snapshot>> snapshots_;  // by slot: flag writes on their way
   std::vector<std::array<Word, 16>> blocks_;     // what DSPs wrote into each block: result and notify
+  struct Refused {
+    std::size_t failure;  // its place among the failures, for the first one told
+    std::uint64_t count;
+    std::string first;
+  };
   std::vector<report::FailureReport> failures_;
+  std::map<std::pair<unsigned, machine::Word>, Refused> refused_;  // by slot and kind
   std::vector<std::uint64_t> faults_, resets_;
   report::Distribution hold_;
   Time held_since_{};

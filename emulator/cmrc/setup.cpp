@@ -195,6 +195,7 @@ machine::Config machine_of(const Config& config) {
   machine.idle_policy = static_cast<machine::Word>(config.machine.idle_policy);
   machine.pause_count = static_cast<machine::Word>(config.machine.pause_nops);
   set_buses(config, machine);
+  machine.guard = config.machine.guard;
   machine.turn_order = static_cast<std::uint64_t>(config.run.turn_order);
   for (const TimedEvent& event : config.events) {
     if (const auto scripted = scripted_event(event)) machine.script.push_back(*scripted);

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "machine/guard.hpp"
 #include "toolchain/image.hpp"
 
 namespace machine {
@@ -236,10 +237,12 @@ void Dsp::delivered(unsigned bus, pci::Address address, pci::Clocks clock, pci::
 }
 
 void Dsp::arrived(Window window, Offset offset, const pci::Posted& posted, pci::Clocks clock) {
-  const bool dropped = around_.fence.closed(slot_);
+  const auto refused = window == Window::a && around_.guard != nullptr ? around_.guard->take_refusal(slot_, offset, posted.value) : std::nullopt;
+  const bool dropped = refused || around_.fence.closed(slot_);
   statistics_.dropped_writes += dropped;
   if (around_.observer == nullptr) return;
   const Time now = around_.bus_clock.at(clock);
+  if (refused) around_.observer->dsp_write_refused(slot_, offset, posted.value, *refused, now);
   if (dropped)
     around_.observer->dsp_write_dropped(slot_, window, offset, posted.value, Time{posted.stamp}, now);
   else
@@ -356,6 +359,7 @@ void Dsp::unplug(Time now) {
   if (state_ == State::out) return;
   const pci::Clocks clock = around_.bus_clock.tick_at_or_after(now);
   for (Side& side : sides_) side.bridge.clear(clock);
+  if (around_.guard != nullptr) around_.guard->forget(slot_);
   stand_still(now);
   state_ = State::out;
   edge_ = reset_ = never;
@@ -375,6 +379,7 @@ void Dsp::reset(Time now) {
   if (state_ == State::out || broken_) return;
   const pci::Clocks clock = around_.bus_clock.tick_at_or_after(now);
   for (Side& side : sides_) side.bridge.clear(clock);
+  if (around_.guard != nullptr) around_.guard->forget(slot_);
   stand_still(now);
   chip_.reset();
   chip_.hold(true);

@@ -32,6 +32,7 @@ struct Surroundings {
   const SharedRegisters& registers;
   const Devices* devices;
   const Fence& fence;
+  Guard* guard = nullptr;
   Observer* observer = nullptr;
   std::vector<ChipFault> faults;
 };

@@ -14,6 +14,7 @@
 #include "machine/board_file.hpp"
 #include "machine/devices.hpp"
 #include "machine/dsp.hpp"
+#include "machine/guard.hpp"
 #include "machine/host.hpp"
 #include "machine/shared_memory.hpp"
 #include "machine/symbols.hpp"
@@ -154,6 +155,7 @@ class Machine::Parts final : public DoorbellClient, public pci::BusBridge::Clien
   std::deque<pci::Bus> buses;
   Fence fence;
   SharedSram sram;
+  std::optional<Guard> guard;
   SharedRegisters registers;
   std::optional<Devices> devices;
   std::deque<Shifted> device_windows;
@@ -226,6 +228,7 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
                               .registers = registers,
                               .devices = devices ? &*devices : nullptr,
                               .fence = fence,
+                              .guard = guard ? &*guard : nullptr,
                               .observer = nullptr,
                               .faults = {}});
   for (unsigned slot = 0; slot < config.slots; ++slot) dsps.emplace_back(slot, slot < config.dsps, *around);
@@ -233,6 +236,10 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
 }
 
 void Machine::Parts::build_targets() {
+  if (config.guard) {
+    guard.emplace(program, sram.words());
+    sram.set_guard(*guard, registers);
+  }
   const Topology& topology = config.topology;
   const auto add = [&](pci::TargetConfig target, const char* name, unsigned bus, pci::Target& what, pci::Address base,
                        Offset words) {

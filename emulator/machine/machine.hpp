@@ -128,6 +128,8 @@ class Observer {
   /// (see dsp_write_dropped).
   virtual void dsp_write(unsigned /*slot*/, Window, Offset, Word, Time /*issued*/, Time /*now*/) {}
   virtual void dsp_write_dropped(unsigned /*slot*/, Window, Offset, Word, Time /*issued*/, Time /*now*/) {}
+  /// Beside dsp_write_dropped: the guard has refused it. kind: of the task that the DSP runs, FFFFFFFFh none.
+  virtual void dsp_write_refused(unsigned /*slot*/, Offset, Word, Word /*kind*/, Time /*now*/) {}
   /// A DSP's access through a window has held it up from `from` to `to`.
   virtual void dsp_waited(unsigned /*slot*/, Window, Time /*from*/, Time /*to*/) {}
   /// A transaction has ended. On every bus the host, if it stands there, is master 0; the DSPs follow in the order of their
@@ -175,6 +177,7 @@ struct Config {
   Time boot_time_per_word{200'000};                 ///< ps: the link adapter's comm port carries 20 Mbyte/s
   std::uint64_t turn_order =
       0;  ///< not 0: a seed for the order in which chips are run ahead; changes nothing that can be observed
+  bool guard = false;  ///< shared memory refuses what a DSP's task may not write (machine/guard.hpp)
   std::vector<ScriptedEvent> script;  ///< in any order
 };
 

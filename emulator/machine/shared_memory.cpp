@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "machine/guard.hpp"
+
 namespace machine {
 
 namespace {
@@ -9,6 +11,15 @@ namespace {
 constexpr unsigned owner_of(unsigned agent) { return is_host(agent) ? host_owner : agent; }
 
 }  // namespace
+
+void SharedSram::write(pci::Address offset, Word value, const pci::Access& access) {
+  if (!is_host(access.agent)) {
+    const unsigned slot = access.agent - 1;
+    if (fence_.closed(slot)) return;
+    if (guard_ != nullptr && !guard_->admits(slot, offset, value, registers_->holder(guard_->list_semaphore()) == slot + 1)) return;
+  }
+  words_[offset] = value;
+}
 
 SharedRegisters::SharedRegisters(const Symbols& symbols, unsigned slots, Clock bus_clock, Fence& fence,
                                  DoorbellClient& client)

@@ -29,19 +29,23 @@ class DoorbellClient {
 /// Agents, as the buses' transactions carry them: 0 is the host, n + 1 is DSP slot n.
 constexpr bool is_host(unsigned agent) { return agent == 0; }
 
+class Guard;
+class SharedRegisters;
+
 class SharedSram final : public pci::Target {
  public:
   static constexpr Offset size = 0x10000;
   explicit SharedSram(const Fence& fence) : fence_{fence}, words_(size) {}
   Word read(pci::Address offset, const pci::Access&) override { return words_[offset]; }
-  void write(pci::Address offset, Word value, const pci::Access& access) override {
-    if (is_host(access.agent) || !fence_.closed(access.agent - 1)) words_[offset] = value;
-  }
+  void write(pci::Address offset, Word value, const pci::Access& access) override;
+  void set_guard(Guard& guard, const SharedRegisters& registers) { guard_ = &guard, registers_ = &registers; }
   std::vector<Word>& words() { return words_; }
   const std::vector<Word>& words() const { return words_; }
 
  private:
   const Fence& fence_;
+  Guard* guard_ = nullptr;
+  const SharedRegisters* registers_ = nullptr;
   std::vector<Word> words_;
 };
 
@@ -61,6 +65,8 @@ class SharedRegisters final : public pci::Target {
   std::uint64_t acted() const { return acted_; }
   /// The board of a slot is gone or starts anew: it is not idle.
   void clear_idle(unsigned slot) { idle_ &= ~(Word{1} << slot); }
+  /// 0 nobody, DSP slot + 1, or host_owner.
+  unsigned holder(unsigned number) const { return semaphores_.at(number).owner; }
   void append_state(std::vector<std::uint64_t>& words) const;
 
   pci::Answer answer(pci::Address offset, unsigned words, bool write, const pci::Access& access) override;

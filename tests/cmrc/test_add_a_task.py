@@ -112,3 +112,102 @@ def test_a_task_can_be_a_step(desk: Path) -> None:
     steps = '[[processes]]\nnumber = 9\nname = "look"\nrobot = "none"\nsteps = ["task user.sway_watch", "task user.sway_watch"]\nloaded = true\n'
     row = report_of(tasks + steps, duration_s=0.05)["tasks"]["user.sway_watch"]
     assert (row["released"], row["on_time"]) == (2, 2)
+
+
+# ---- tasks that do what they must not: contained, reported, survived by the rest
+
+KEEPS_TO_ITSELF = {"pid", "torque_compensation", "trajectory_planning.crane", "inverse_kinematics.crane", "identify", "grab_path"}
+
+
+def sabotage(desk: Path, body: str, **settings: Any) -> dict[str, Any]:
+    (desk / "my_programs" / "kernels" / "user.asm").write_text(f"kernel_sway_watch:\n{body}        ldi     0, r0\n        ldi     0, r1\n        rets\n")
+    report = report_of(blocks("toml")[0].replace("parameter_0 = 0.02\n", ""), duration_s=0.3, dsps=3, **settings)
+    assert report["stop_reason"] == "completed"
+    assert report["audit"]["violations"] == []
+    return report
+
+
+def others_are_well(report: dict[str, Any]) -> None:
+    for kind in KEEPS_TO_ITSELF:
+        assert report["tasks"][kind]["misses"] == 0, kind
+    assert max(report["tracking"][joint]["peak"] for joint in report["tracking"]) < 1e-3
+
+
+# Words of others: the whole list, the crane's area with PID's state, AGV 0's; 4000 words from there on.
+# In the list it may write two words, result and notify of its own block.
+@pytest.mark.parametrize(("first", "words", "own"), [("LIST_WORK_POINTER", 0x440, 2), ("CR_BASE", 0x200, 0), ("AG_BASE", 0x100, 0), ("US_BASE + US_WORDS", 4000, 0)])
+def test_writes_outside_the_area_are_refused_and_reported(desk: Path, first: str, words: int, own: int) -> None:
+    body = f"""        ldhi    hi16(WINDOW_A + {first}), ar0
+        or      lo16(WINDOW_A + {first}), ar0
+        ldhi    0DEADh, r0
+        ldi     {words - 1}, rc
+        rptb    sabotage_end
+sabotage_end:
+        sti     r0, *ar0++
+"""
+    report = sabotage(desk, body)
+    others_are_well(report)
+    mine = report["tasks"]["user.sway_watch"]
+    told = [failure for failure in report["failures"] if failure["kind"] == "guard"]
+    assert told and all("user.sway_watch wrote" in failure["message"] and "the first DEAD0000h at offset" in failure["message"] for failure in told)
+    assert sum(int(re.search(r"wrote (\d+) words", failure["message"])[1]) for failure in told) == mine["on_time"] * (words - own)
+    assert mine["released"] == mine["on_time"] == 29
+
+
+def test_without_the_guard_the_list_is_spoilt(desk: Path) -> None:
+    """What the guard is for: the same task on a board that takes every write."""
+    body = """        ldhi    hi16(WINDOW_A + CR_BASE), ar0
+        or      lo16(WINDOW_A + CR_BASE), ar0
+        ldhi    0DEADh, r0
+        ldi     1FFh, rc
+        rptb    sabotage_end
+sabotage_end:
+        sti     r0, *ar0++
+"""
+    report = sabotage(desk, body, **{"machine.guard": False})
+    assert not [failure for failure in report["failures"] if failure["kind"] == "guard"]
+    assert max(report["tracking"][joint]["peak"] for joint in report["tracking"]) > 1e-3 or any(
+        report["tasks"][kind]["misses"] for kind in KEEPS_TO_ITSELF)
+
+
+def test_a_task_that_spoils_its_dsps_own_program_costs_only_resets(desk: Path) -> None:
+    """It overwrites the executive and the kernels in local memory: the DSP runs wild, is found by the watchdog, booted again; the block is dropped at last."""
+    body = """        ldhi    30h, ar0
+        ldhi    6000h, r0
+        ldi     3FFFh, rc
+        rptb    sabotage_end
+sabotage_end:
+        sti     r0, *ar0++
+"""
+    report = sabotage(desk, body, **{"watchdog.long_run_us": 3000, "watchdog.retries_max": 1})
+    assert report["tasks"]["user.sway_watch"]["on_time"] == 0
+    assert sum(dsp["resets"] for dsp in report["dsps"]) >= 3
+    assert any(failure["kind"] == "stopped" and "user.sway_watch" in failure["message"] for failure in report["failures"])
+    assert report["tasks"]["pid"]["on_time"] > 280
+    assert max(report["tracking"][joint]["peak"] for joint in report["tracking"]) < 1e-3
+
+
+def test_a_task_that_touches_an_address_with_nothing_behind_it_stops_its_dsp(desk: Path) -> None:
+    body = """        ldhi    hi16(WINDOW_B + 0FFF0h), ar0
+        or      lo16(WINDOW_B + 0FFF0h), ar0
+        sti     r0, *ar0
+"""
+    report = sabotage(desk, body, **{"watchdog.long_run_us": 3000, "watchdog.retries_max": 0})
+    faults = [failure for failure in report["failures"] if failure["kind"] == "fault"]
+    assert faults and all("7000FFF0h" in failure["message"] and "PC 0030" in failure["message"] for failure in faults)
+    assert report["tasks"]["user.sway_watch"]["dropped"] >= 1
+    assert report["tasks"]["pid"]["on_time"] > 280
+
+
+def test_a_task_that_overruns_is_reported_as_late_and_delays_nobody_with_a_dsp_to_spare(desk: Path) -> None:
+    body = """        ldhi    1, rc                           ; 65 537 turns of a cycle and more: 2.6 ms, deadline 1 ms
+        rptb    sabotage_end
+sabotage_end:
+        nop
+"""
+    (desk / "my_programs" / "kernels" / "user.asm").write_text(f"kernel_sway_watch:\n{body}        ldi     0, r0\n        ldi     0, r1\n        rets\n")
+    report = report_of(blocks("toml")[0].replace("deadline_ms = 10", "deadline_ms = 1"), duration_s=0.2, dsps=3)
+    mine = report["tasks"]["user.sway_watch"]
+    assert (mine["released"], mine["on_time"]) == (19, 0)
+    assert mine["late"] == 19
+    assert report["tasks"]["pid"]["misses"] == 0
