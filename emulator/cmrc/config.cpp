@@ -242,7 +242,7 @@ class Invariants {
             fmt::format("N^_a = {} is below N_a = {}", n_.agv_slowed, n_.agv_point),
             "N_a <= N^_a <= N^_a,max is required; 0 means N_a");
     require(n_.agv_slowed <= s.agv_interval_max_refreshes,
-            {"scheduling.agv_interval_refreshes", "scheduling.agv_interval_max_refreshes",
+            {"scheduling.agv_interval_refreshes", "scheduling.agv_interval_max_refreshes", "scheduling.slow_factor", "scheduling.work_mode",
              "rates.agv_point_frequency_hz", "rates.refresh_frequency_hz"},
             fmt::format("N^_a = {} is above N^_a,max = {}", n_.agv_slowed, s.agv_interval_max_refreshes),
             "N_a <= N^_a <= N^_a,max is required");

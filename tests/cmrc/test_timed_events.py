@@ -156,7 +156,7 @@ def test_a_change_is_an_event_of_the_trace_and_of_the_hash() -> None:
 
 
 def failures(seed: int, dsps: int, duration_s: float) -> list[dict[str, Any]]:
-    """Random failures that never leave the scene without a DSP for good: slot 0 only hangs."""
+    """Random failures that never leave the scene without a DSP for good: slot 0 only hangs or freezes."""
     chance = random.Random(seed)
     plugged = dict.fromkeys(range(dsps), True)
     events: list[dict[str, Any]] = []
@@ -165,7 +165,7 @@ def failures(seed: int, dsps: int, duration_s: float) -> list[dict[str, Any]]:
     times = sorted(tick + chance.uniform(0, 150e-6) for tick in ticks)
     for at_s in times:
         dsp = chance.randrange(dsps)
-        kinds = ["hang", "reset", "slow", "pause_host", "stall_bus"]
+        kinds = ["hang", "freeze", "reset", "slow", "pause_host", "stall_bus"]
         if dsp > 0:
             kinds += ["fail", "unplug"]
         action = chance.choice(kinds) if plugged[dsp] else "plug"
