@@ -5,6 +5,7 @@ It stands in for `cmrc._core.c40.Processor`, so that whatever runs a program can
 
 from __future__ import annotations
 
+import itertools
 import random
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -62,8 +63,9 @@ class Processor:
         end = began + max_cycles
         if until is not None:
             self._both(lambda core: core.add_breakpoint(until), "breakpoint")
-        while True:
-            piece = min(self._rng.choice(PIECES), end - self._cores[0].cycle)
+        for number in itertools.count():
+            growing = self._rng.choice(PIECES) << number // 100  # a limit may be far away
+            piece = min(growing, end - self._cores[0].cycle)
             stop: dict[str, Any] = self._both(lambda core, piece=piece: core.run(piece), "stop")  # type: ignore[misc]
             self._compare()
             if stop["reason"] != "limit" or self._cores[0].cycle >= end:
