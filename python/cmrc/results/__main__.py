@@ -79,7 +79,7 @@ def examine(claim: ModuleType, chosen: Any, laboratory: Laboratory, plots: Path 
         from matplotlib import rcParams
         from matplotlib.figure import Figure
 
-        rcParams["svg.hashsalt"] = "cmrc"
+        rcParams.update({"svg.hashsalt": "cmrc", "svg.fonttype": "none"})
         figure = Figure(figsize=(8, 3.2), layout="constrained")
         claim.draw(chosen, rows, figure)
         plots.mkdir(parents=True, exist_ok=True)

@@ -117,7 +117,9 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
         dead = [row for row in last if row["stopped"]]
         limit = f"It ends with the last DSP: of {len(last)} failures of the only one, {len(dead)} ended the work, and {sum(row['braked'] for row in dead)} of these left the crane braked."
         if len(dead) < len(last):
-            limit += " One that hangs in mid-task is reset by the watchdog and goes on; one that hangs between two blocks holds nothing that the watchdog could miss."
+            between = [row["samples"] for row in last if not row["stopped"] and not row["recomputed"]]
+            limit += " One that only hangs is reset and goes on"
+            limit += f"; hung between two blocks it costs up to {max(between)} samples, for it holds nothing that the watchdog could miss." if between else "."
     return Verdict("fails" if broken else "holds", why, limit)
 
 
