@@ -140,7 +140,7 @@ struct Config {
   } bus;
   /// What differs from bus.topology; empty: as that says.
   struct Topology {
-    std::string buses, host, dsps, shared_memory, drives, sensors, comm_port, bridges;
+    std::string buses, host, boards, shared_memory, drives, sensors, comm_port, bridges;
     std::int64_t drives_at = -1, sensors_at = -1, comm_port_at = -1;
   } topology;
   struct Dock {

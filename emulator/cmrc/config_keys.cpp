@@ -234,7 +234,7 @@ std::vector<Key> make_keys() {
       text("topology.buses", FIELD(topology.buses), "the buses: \"A\" to \"A B C D\"; empty, here and below: as bus.topology says",
            "plant-and-bus.md 3.4"),
       text("topology.host", FIELD(topology.host), "buses on which the host stands", "plant-and-bus.md 3.4"),
-      text("topology.boards", FIELD(topology.dsps), "buses on which every DSP stands", "plant-and-bus.md 3.4"),
+      text("topology.boards", FIELD(topology.boards), "buses on which every DSP stands", "plant-and-bus.md 3.4"),
       text("topology.shared_memory", FIELD(topology.shared_memory), "bus of the shared memory", "plant-and-bus.md 3.4"),
       text("topology.drives", FIELD(topology.drives), "bus of the crane's drives, encoders and spreader", "plant-and-bus.md 3.4"),
       text("topology.sensors", FIELD(topology.sensors), "bus of sway, bay and range sensors", "plant-and-bus.md 3.4"),

@@ -15,7 +15,7 @@ namespace {
 using machine::Topology;
 
 struct Preset {
-  std::string_view buses, host, dsps, shared_memory, drives, sensors, comm_port;
+  std::string_view buses, host, boards, shared_memory, drives, sensors, comm_port;
 };
 
 // In the order of TopologyPreset.
@@ -50,7 +50,7 @@ class Reader {
     };
     read_buses(chosen(own.buses, preset.buses));
     topology_.host = places("topology.host", chosen(own.host, preset.host));
-    topology_.dsps = places("topology.boards", chosen(own.dsps, preset.dsps));
+    topology_.dsps = places("topology.boards", chosen(own.boards, preset.boards));
     topology_.shared_memory = place("topology.shared_memory", chosen(own.shared_memory, preset.shared_memory));
     topology_.devices = {place(device_keys[0], chosen(own.drives, preset.drives)),
                          place(device_keys[1], chosen(own.sensors, preset.sensors)),

@@ -81,10 +81,10 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
         return Verdict(word, why, f"The least was {least['t_v_s']:.0f} s, with {least['agvs']} AGVs.")
     limit = f"{cured['agvs']} are enough (t_v {cured['t_v_s']:.1f} s)."
     beyond = [row for row in known if row["agvs"] > cured["agvs"]]
-    if beyond and beyond[-1]["t_w_s"] is not None and cured["per_hour"] and beyond[-1]["per_hour"]:
+    if beyond and cured["per_hour"] and beyond[-1]["per_hour"]:
         limit += (
-            f" From there on the crane is the limit: {beyond[-1]['agvs']} AGVs deliver {beyond[-1]['per_hour']:.0f} containers per hour instead of"
-            f" {cured['per_hour']:.0f}, and wait {beyond[-1]['t_w_s']:.0f} s each (case A)."
+            f" From there on the crane is the limit: {beyond[-1]['agvs']} AGVs deliver {beyond[-1]['per_hour']:.0f} containers per hour,"
+            f" {cured['agvs']} deliver {cured['per_hour']:.0f}."
         )
     return Verdict("holds", why, limit)
 
