@@ -132,7 +132,7 @@ def test_importance(rows: Rows, word: str) -> None:
 
 
 def cycles(rule: str, waiting: list[float], agvs: int = 2) -> Rows:
-    return [{"rule": rule, "agvs": agvs, "cycle": i, "waiting": w} for i, w in enumerate(waiting, 1)]
+    return [{"rule": rule, "agvs": agvs, "cycle": i, "waiting": w, "T_g_s": 100.0} for i, w in enumerate(waiting, 1)]
 
 
 @pytest.mark.parametrize(
@@ -140,6 +140,7 @@ def cycles(rule: str, waiting: list[float], agvs: int = 2) -> Rows:
     [
         ([0.5, 0.5, 0.5], [0.5, 0.2, 0.01, 0.01], "holds"),
         ([0.5, 0.5, 0.5], [0.5, 0.5, 0.45], "fails"),
+        ([0.5, 0.5, 0.5], [0.5, 0.3, 0.2], "holds in part"),
         ([0.0, 0.0, 0.01], [0.0, 0.0, 0.0], "not tested"),
         ([0.5, 0.5, 0.5], [0.5], "not tested"),
     ],
