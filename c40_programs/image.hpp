@@ -8,5 +8,7 @@ namespace c40_programs {
 std::span<const std::byte> built_in_image();
 /// The source lines of it, as text (toolchain/source_map.hpp reads it).
 std::span<const std::byte> built_in_source_map();
+/// The boot loader of the on-chip ROM (boot_rom.asm), as a COFF file; it stands at address 0.
+std::span<const std::byte> built_in_boot_rom();
 
 }  // namespace c40_programs

@@ -132,7 +132,11 @@ void declare_exec(CLI::App& app, cli::ExecOptions& options) {
       ->type_name("default|flat|FILE.toml");
   app.add_option("--load-at", options.load_at, "Where a .hex file stands and starts")->type_name("ADDRESS");
   app.add_option("--entry", options.entry, "Start here instead of at the program's entry")->type_name("SYMBOL|ADDRESS");
+  app.add_option("--boot", options.boot, "From reset, by the boot ROM's loader: the program comes through port 0 to 5, or stands as a stream at ADDRESS")
+      ->type_name("PORT|ADDRESS");
+  app.add_flag("--peripherals", options.peripherals, "Print the peripheral registers that differ from reset, and what the FIFOs hold");
   app.add_option("--trace", options.trace, "Write the instruction trace (docs/trace.md)")->type_name("FILE");
+  app.add_option("--events", options.events, "Write what the peripherals did (docs/peripherals.md)")->type_name("FILE");
   app.add_flag("--profile", options.profile, "Cycles by cause, per routine and per source line");
   app.add_option("--pipeline", options.pipeline, "Draw the pipeline in these cycles")->type_name("FIRST:LAST");
   app.add_flag("--check", options.check, "Look for broken rules of the manual (docs/fidelity.md, Self-checks)");

@@ -23,6 +23,7 @@ Word Chip::peek(Address address) const { return engine_->peek(address); }
 void Chip::poke(Address address, Word value) { engine_->poke(address, value); }
 
 void Chip::reset() { engine_->reset(); }
+void Chip::boot() { engine_->boot(); }
 Address Chip::pc() const { return engine_->state().core.pc; }
 
 // A jump from outside: nothing that the old place left pending takes effect at the new one.
@@ -89,6 +90,10 @@ void check_pin(int pin) {
 }
 }  // namespace
 
+bool Chip::iiof_pin(int pin) const {
+  check_pin(pin);
+  return engine_->iiof_pin(pin);
+}
 void Chip::raise_iiof(int pin) {
   check_pin(pin);
   engine_->raise_flag(4u << 4 * pin);
@@ -157,6 +162,7 @@ void Chip::remove_breakpoint(Address address) {
   engine_->flush_blocks();
   engine_->breakpoints.erase(address);
 }
+void Chip::set_peripheral_sink(PeripheralSink* sink) { engine_->peripheral_sink = sink; }
 void Chip::set_trace(TraceSink* sink) { engine_->trace = sink; }
 void Chip::set_exact(bool exact) { engine_->exact_only = exact; }
 

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "c40/memory.hpp"
+#include "c40/peripherals/events.hpp"
 #include "c40/state.hpp"
 
 namespace c40 {
@@ -97,6 +98,9 @@ class Chip {
   /// Registers to known values (all 0, interface control registers from the board), pipeline empty; memory, cycle and
   /// instruction counts are kept. Ends a fault.
   void reset();
+  /// What the RESET pin does: as reset(), but the interface control registers take their reset values, and the PC comes from the
+  /// reset vector (Board::pins). With the boot ROM on the board, its loader runs. Throws std::out_of_range if nothing is there.
+  void boot();
   Address pc() const;
   void set_pc(Address pc);
   /// R0 to R11: 40 bits, exponent in 39..32. Others: 32 bits.
@@ -140,6 +144,8 @@ class Chip {
   /// without taking it. Throws std::out_of_range for an unknown name, with the nearest, and for an empty FIFO.
   Word peripheral(std::string_view name) const;
 
+  /// The level at pin IIOFn: a general-purpose output's, else the board's.
+  bool iiof_pin(int pin) const;
   /// An edge on IIOFn at the present cycle.
   void raise_iiof(int pin);
   /// The level of IIOFn: going active is an edge; a level-triggered interrupt stays requested while it lasts.
@@ -165,6 +171,8 @@ class Chip {
   void remove_breakpoint(Address address);
   /// Null switches tracing off. Tracing changes nothing observable.
   void set_trace(TraceSink* sink);
+  /// Null: nobody listens.
+  void set_peripheral_sink(PeripheralSink* sink);
   /// One instruction at a time, no blocks: the oracle of the fast path.
   void set_exact(bool exact);
 

@@ -72,6 +72,7 @@ void Engine::reset() {
   state_.core.e.fill(float40::zero_exponent);
   state_.global_interface_control = board_.global_interface_control;
   state_.local_interface_control = board_.local_interface_control;
+  after_interrupt_register_write();
   stale_code_ = false;
   ++cache_version_;
   forget_memory();

@@ -68,6 +68,8 @@ class Engine {
   ~Engine();
 
   void reset();
+  void boot();
+  bool iiof_pin(int pin) const;
   StopInfo run_until(Cycles limit);
   StopInfo step();
   void complete(bool write, Word value, Cycles arbitration, Cycles transfer);
@@ -99,6 +101,7 @@ class Engine {
   PortListener* listener(int n) const { return listeners_[static_cast<std::size_t>(n)]; }
 
   TraceSink* trace = nullptr;
+  PeripheralSink* peripheral_sink = nullptr;
   bool exact_only = false;
   std::set<Address> breakpoints;
 
@@ -191,6 +194,9 @@ class Engine {
   void expect_peripherals();
   void reset_ports();
   bool latch_for_dma(Word flag);
+  void timer_event(std::size_t timer, Cycles at);
+  void tell_word(const PortAccess& access, Word read, Cycles at, int channel);
+  void tell(PeripheralEvent::Kind kind, Cycles cycle, int number, Word value = 0, int channel = -1);
   Stepped access_port(const Step& step, std::size_t k, Word& cell);
   Word pending_port_vector(Word enabled) const;
   Word pending_vector() const;

@@ -81,7 +81,8 @@ std::optional<bool> Engine::DmaSide::level(int channel, bool write, Word code) c
 
 Word Engine::DmaSide::dma_interrupt_enable() const { return engine.state_.core.r[reg::DIE]; }
 
-void Engine::DmaSide::block_ended(int channel, bool, bool interrupt, Cycles) {
+void Engine::DmaSide::block_ended(int channel, bool auxiliary, bool interrupt, Cycles at) {
+  engine.tell(PeripheralEvent::Kind::dma_end, at, channel, auxiliary);
   if (!interrupt) return;
   engine.raise_flag(first_dma_flag << channel);
   engine.dma_.stop_requested = true;
@@ -163,6 +164,7 @@ void Engine::DmaSide::stall_processor(Cycles at, Cycles cycles) {
 Word Engine::DmaSide::touch_port(const PortAccess& access, Cycles at) {
   CommPort& side = engine.port(access.port);
   const Word value = access.perform(side);
+  engine.tell_word(access, value, at, engine.state_.dma.current / 2);
   if (PortListener* link = engine.listener(access.port); link != nullptr) {
     link->changed(side, at);
     touched_link = engine.dma_.stop_requested = true;

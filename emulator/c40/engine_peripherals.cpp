@@ -49,12 +49,14 @@ bool Engine::write_register(Address address, Word value, Cycles at) {
     return true;
   }
   if (is_timer_register(address)) {
-    if (state_.timers[timer_of(address)].write(timer_register(address), value, at)) raise_flag(timer_flags[timer_of(address)]);
+    if (state_.timers[timer_of(address)].write(timer_register(address), value, at)) timer_event(timer_of(address), at);
     expect_peripherals();
     return true;
   }
   if (is_dma_register(address)) {
     dma_.write(dma_channel_of(address), dma_register(address), value, at);
+    if (dma_register(address) == DmaRegister::control && dma_control::START.of(value) == dma_control::start_run)
+      tell(PeripheralEvent::Kind::dma_start, at, dma_channel_of(address), value);
     watch_dma();
     return true;
   }
@@ -63,9 +65,20 @@ bool Engine::write_register(Address address, Word value, Cycles at) {
 
 // ---- what goes on by itself ----
 
+void Engine::tell(PeripheralEvent::Kind kind, Cycles cycle, int number, Word value, int channel) {
+  if (peripheral_sink != nullptr) peripheral_sink->happened({kind, cycle, number, value, channel});
+}
+
+void Engine::timer_event(std::size_t timer, Cycles at) {
+  raise_flag(timer_flags[timer]);
+  tell(PeripheralEvent::Kind::timer, at, static_cast<int>(timer));
+}
+
 void Engine::advance_peripherals(Cycles at) {
-  for (std::size_t n = 0; n < timer_count; ++n)
-    if (state_.timers[n].advance_to(at)) raise_flag(timer_flags[n]);
+  for (std::size_t n = 0; n < timer_count; ++n) {
+    const Cycles event = state_.timers[n].next_event();
+    if (state_.timers[n].advance_to(at)) timer_event(n, event);
+  }
   expect_peripherals();
 }
 
@@ -75,7 +88,7 @@ void Engine::expect_peripherals() {
 
 void Engine::set_timer_pin(int timer, bool level) {
   const auto n = static_cast<std::size_t>(timer);
-  if (state_.timers[n].set_pin(level, state_.cycle)) raise_flag(timer_flags[n]);
+  if (state_.timers[n].set_pin(level, state_.cycle)) timer_event(n, state_.cycle);
   expect_peripherals();
 }
 
@@ -114,6 +127,11 @@ Engine::Stepped Engine::access_port(const Step& step, std::size_t k, Word& cell)
   return Stepped::done;
 }
 
+void Engine::tell_word(const PortAccess& access, Word read, Cycles at, int channel) {
+  if (access.reg == PortRegister::output && access.write) tell(PeripheralEvent::Kind::port_write, at, access.port, access.value, channel);
+  if (access.reg == PortRegister::input && !access.write) tell(PeripheralEvent::Kind::port_read, at, access.port, read, channel);
+}
+
 void Engine::forget_access() {
   waiting_access_ = port_slot_ = 2;
   state_.stalled_on_port = false;
@@ -130,6 +148,7 @@ void Engine::complete_port(Cycles at) {
   state_.answers[port_slot_] = {true, port_access_.write, port_access_.address, value, 0, 0, at - port_access_.cycle + held_};
   state_.stalled_on_port = false;
   port_slot_ = 2;
+  tell_word(port_access_, value, at, -1);
   if (PortListener* link = listener(port_access_.port); link != nullptr) link->changed(side, at);
 }
 
@@ -233,11 +252,35 @@ void Engine::set_level(int pin, bool active) {
   if (edge) raise_flag(4u << 4 * pin);
 }
 
-// FLAG of a general-purpose input is read only; nothing drives such a pin here, it reads 0.
+// FLAG of a general-purpose input is read only: the level to which the board ties the pin.
 void Engine::after_interrupt_register_write() {
   Word& iif = state_.core.r[reg::IIF];
   for (unsigned pin = 0; pin < 4; ++pin)
-    if ((iif >> 4 * pin & 3u) == 0) iif &= ~(4u << 4 * pin);
+    if ((iif >> 4 * pin & 3u) == 0) iif = (iif & ~(4u << 4 * pin)) | (board_.pins.iiof >> pin & 1u) << (4 * pin + 2);
+}
+
+bool Engine::iiof_pin(int pin) const {
+  const Word nibble = state_.core.r[reg::IIF] >> 4 * pin & 0xFu;
+  const bool output = (nibble & 3u) == 2;
+  return output ? (nibble & 4u) != 0 : (board_.pins.iiof >> pin & 1u) != 0;
+}
+
+// The reset vector is an address, at a place that two pins choose (c40-hardware.md 1.2).
+void Engine::boot() {
+  constexpr std::array<Address, 4> vectors{0x00000000u, 0x7FFFFFFFu, 0x80000000u, 0xFFFFFFFFu};
+  constexpr Word interface_after_reset = 0x3E39FFF0u;
+  reset();
+  const Address vector = vectors.at(static_cast<std::size_t>(board_.pins.reset_location));
+  try {
+    state_.core.pc = peek(vector);
+  } catch (const std::out_of_range&) {
+    throw std::out_of_range(fmt::format("the reset vector of RESETLOC {} stands at {:08X}h, where board {} has no memory{}",
+                                        board_.pins.reset_location, vector, board_.name,
+                                        vector == 0 && board_.rom.empty() ? " and no boot ROM" : ""));
+  }
+  if (board_.is_flat) return;
+  poke(global_interface, interface_after_reset);
+  poke(local_interface, interface_after_reset);
 }
 
 }  // namespace c40

@@ -40,6 +40,11 @@ struct Board {
   Word global_interface_control = 0x1DEA4000u;
   Word local_interface_control = 0x1DEA4000u;
   std::vector<Word> rom;  ///< The boot ROM's contents from address 0 on (ROMEN = 1); empty: it is not there.
+  /// Pins that the board ties (c40-hardware.md 1.2).
+  struct Pins {
+    int reset_location = 0;  ///< RESETLOC(1,0): the reset vector stands at 0, 7FFFFFFFh, 80000000h or FFFFFFFFh
+    Word iiof = 0;           ///< levels of IIOF3 to IIOF0 while nothing drives them: what a general-purpose input reads
+  } pins;
 
   /// 300000h local SRAM 1 M words 0 wait, 40000000h local SRAM 1 M words 1 wait, 70000000h window to bus B, 80000000h
   /// global SRAM 1 M words 0 wait, C0000000h window to bus A.

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "c40/chip.hpp"
+#include "c40/peripherals/register_map.hpp"
+#include "machine/boot.hpp"
 #include "c40/pipeline_diagram.hpp"
 #include "c40/profile.hpp"
 #include "c40/self_check.hpp"
@@ -79,6 +81,7 @@ class Run {
   Outcome run(c40::Cycles limit) {
     for (;;) {
       const c40::StopInfo stop = chip_.run_until(limit);
+      if (stop.reason == c40::StopInfo::Reason::port_wait && feeder && feeder->serve(stop.port)) continue;
       if (stop.reason == c40::StopInfo::Reason::breakpoint) {
         if (auto outcome = at_breakpoint()) return *outcome;
         continue;
@@ -87,7 +90,16 @@ class Run {
     }
   }
 
+  std::optional<machine::BootFeeder> feeder;
+
  private:
+  /// Whether the loader of the boot ROM is what stopped, and where its stream stands.
+  std::string booting() const {
+    if (!feeder || chip_.pc() >= c40::rom_words) return "";
+    return fmt::format("; this is the boot loader, which has got {} of {} words of its stream through port {}", feeder->sent(), feeder->size(),
+                       feeder->port());
+  }
+
   std::optional<Outcome> at_breakpoint() {
     const Address pc = chip_.pc();
     if (until_ && pc == *until_) return Outcome{"until", fmt::format("reached {:08X}h", pc)};
@@ -114,14 +126,14 @@ class Run {
                 run_failed};
       case c40::StopInfo::Reason::fault:
         return {"fault",
-                fmt::format("{} (PC {:08X}h, cycle {})", stop.fault ? stop.fault->message : "the chip stopped",
-                            chip_.pc(), chip_.cycle()),
+                fmt::format("{} (PC {:08X}h, cycle {}){}", stop.fault ? stop.fault->message : "the chip stopped",
+                            chip_.pc(), chip_.cycle(), booting()),
                 run_failed};
       case c40::StopInfo::Reason::port_access:
       case c40::StopInfo::Reason::port_wait:
         return {"port_wait",
-                fmt::format("{} from PC {:08X}h waits for ever since cycle {}: nothing is attached to the port", c40::describe(stop.port),
-                            chip_.pc(), stop.port.cycle),
+                fmt::format("{} from PC {:08X}h waits for ever since cycle {}: nothing is attached to the port{}", c40::describe(stop.port),
+                            chip_.pc(), stop.port.cycle, booting()),
                 run_failed};
       case c40::StopInfo::Reason::horizon:
       case c40::StopInfo::Reason::breakpoint: break;
@@ -275,6 +287,73 @@ void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector
 
 }  // namespace
 
+namespace {
+
+/// "cycle port_write 3 = 0000002A (DMA 1)"
+class EventText : public c40::PeripheralSink {
+ public:
+  explicit EventText(const std::string& path) : file_(path) {}
+  void happened(const c40::PeripheralEvent& event) override {
+    file_.stream() << fmt::format("{} {} {} = {:08X}{}\n", event.cycle, name(event.kind), event.number, event.value,
+                                  event.channel >= 0 ? fmt::format(" (DMA {})", event.channel) : "");
+  }
+  void commit() { file_.commit(); }
+
+ private:
+  OutputFile file_;
+};
+
+void print_peripherals(const c40::Chip& chip) {
+  for (const c40::RegisterInfo& info : c40::register_map()) {
+    if (info.name.find(".input") != std::string::npos || info.name.find(".output") != std::string::npos) continue;
+    const Word value = chip.peripheral(info.name);
+    if (value == info.reset) continue;
+    std::string fields;
+    for (const c40::Field& field : info.fields)
+      if (field.in(value)) fields += fmt::format("  {}={}", field.name, field.of(value));
+    fmt::print("{:<22}{:08X}{}\n", info.name, value, fields);
+  }
+  for (int n = 0; n < c40::port_count; ++n) {
+    const c40::CommPort& port = chip.port(n);
+    for (const auto& [name, fifo] : {std::pair{"input", &port.input}, std::pair{"output", &port.output}})
+      if (!fifo->empty()) fmt::print("PORT{}.{:<16}{:08X}\n", n, name, fmt::join(fifo->words(), " "));
+  }
+}
+
+/// The program by the boot loader, from reset on.
+struct Boot {
+  std::optional<int> port;
+  Address address = 0;
+};
+std::optional<Boot> parse_boot(const ExecOptions& options) {
+  if (!options.boot) return std::nullopt;
+  const std::string& text = *options.boot;
+  if (text.size() == 1 && text[0] >= '0' && text[0] <= '5') return Boot{text[0] - '0', 0};
+  return Boot{std::nullopt, parse_address(text, nullptr, "--boot")};
+}
+
+c40::Board board_for(c40::Board board, const std::optional<Boot>& boot) {
+  if (!boot) return board;
+  try {
+    return boot->port ? machine::with_boot_from_port(std::move(board)) : machine::with_boot_from_memory(std::move(board), boot->address);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(fmt::format("--boot: {}", error.what()));
+  }
+}
+
+std::vector<Word> stream_for(const Image& image, const c40::Board& board, const Boot& boot) {
+  machine::BootHeader header;
+  header.global_interface_control = board.global_interface_control;
+  header.local_interface_control = board.local_interface_control;
+  try {
+    return boot.port ? machine::boot_stream(image, header) : machine::boot_memory(image, header);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(fmt::format("--boot: {}", error.what()));
+  }
+}
+
+}  // namespace
+
 int exec(const ExecOptions& options) {
   const machine::BoardDescription chosen = machine::read_board(options.board);
   const Image image = read_program(options.program, options.include_directories, options.load_at);
@@ -284,10 +363,22 @@ int exec(const ExecOptions& options) {
   std::vector<std::pair<Address, Address>> ranges;
   for (const std::string& text : options.dumps) ranges.push_back(parse_dump(text, image));
 
-  c40::Chip chip(chosen.board);
-  chip.reset();
-  load(chip, image, chosen.board.name);
-  chip.set_pc(options.entry ? parse_address(*options.entry, &image, "--entry") : image.entry);
+  const std::optional<Boot> boot = parse_boot(options);
+  c40::Chip chip(board_for(chosen.board, boot));
+  if (boot) {
+    if (!boot->port) {
+      try {
+        chip.write_block(boot->address, stream_for(image, chosen.board, *boot));
+      } catch (const std::out_of_range& error) {
+        throw InputError(fmt::format("--boot {}: the stream does not lie in memory: {}", *options.boot, error.what()));
+      }
+    }
+    chip.boot();
+  } else {
+    chip.reset();
+    load(chip, image, chosen.board.name);
+    chip.set_pc(options.entry ? parse_address(*options.entry, &image, "--entry") : image.entry);
+  }
   for (const auto& [address, count] : ranges) read_dump(chip, address, count);  // refuses bad ranges before the run
 
   std::optional<OutputFile> trace;
@@ -305,13 +396,19 @@ int exec(const ExecOptions& options) {
   if (options.profile) first = &listeners.profile.emplace(listeners.counts, first);
   if (options.pipeline) first = &listeners.pipeline.emplace(parse_window(*options.pipeline, first));
   chip.set_trace(first);
-  const Outcome outcome = Run(chip, image, until).run(options.max_cycles);
+  std::optional<EventText> events;
+  if (options.events) chip.set_peripheral_sink(&events.emplace(*options.events));
+  Run run(chip, image, until);
+  if (boot && boot->port) run.feeder.emplace(chip, *boot->port, stream_for(image, chosen.board, *boot));
+  const Outcome outcome = run.run(options.max_cycles);
+  if (events) events->commit();
   if (listeners.check) listeners.check->run_ended();
   if (trace) trace->commit();
 
   std::vector<Dump> dumps;
   for (const auto& [address, count] : ranges) dumps.push_back(read_dump(chip, address, count));
   (options.json ? print_json : print_text)(chip, outcome, dumps, listeners, image);
+  if (options.peripherals && !options.json) print_peripherals(chip);
   return outcome.status;
 }
 

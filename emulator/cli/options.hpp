@@ -102,7 +102,10 @@ struct ExecOptions {
   std::string board = "default";
   std::optional<std::string> load_at;
   std::optional<std::string> entry;
+  std::optional<std::string> boot;  ///< a port 0 to 5, or an address
+  bool peripherals = false;
   std::optional<std::string> trace;
+  std::optional<std::string> events;
   bool check = false;
   bool profile = false;
   std::optional<std::string> pipeline;  ///< FIRST:LAST in cycles

@@ -8,6 +8,7 @@
 
 #include "c40/chip.hpp"
 #include "c40/peripherals/link.hpp"
+#include "machine/boot.hpp"
 #include "c40/peripherals/register_map.hpp"
 #include "c40/self_check.hpp"
 #include "python/bindings/bindings.hpp"
@@ -126,9 +127,10 @@ class Recorder : public c40::TraceSink {
   py::list records;
 };
 
-class Processor {
+class Processor : public c40::PeripheralSink {
  public:
-  Processor(const std::string& board, bool checks) : chip(machine::read_board(board).board) {
+  Processor(const std::string& board, bool checks) : Processor(machine::read_board(board).board, checks) {}
+  Processor(c40::Board board, bool checks) : chip(std::move(board)) {
     if (!checks) return;
     self_check.emplace(chip);
     chip.set_trace(&*self_check);
@@ -174,8 +176,14 @@ class Processor {
     return all;
   }
 
+  void record_events() { chip.set_peripheral_sink(this); }
+  void happened(const c40::PeripheralEvent& e) override {
+    events.append(py::make_tuple(std::string(name(e.kind)), e.cycle, e.number, e.value, e.channel));
+  }
+
   c40::Chip chip;
   std::optional<c40::SelfCheck> self_check;
+  py::list events;
 };
 
 /// Of all words of RAM that are not 0, whatever areas they lie in.
@@ -281,6 +289,15 @@ void bind_processor(py::module_& m) {
         if (p.chip.port(n).output.empty()) throw py::value_error("the output FIFO is empty");
         return p.chip.port(n).send();
       }, "Takes a word from the output FIFO of a port, as its neighbour would.")
+      .def_static("bootable", [](const std::string& board, std::optional<c40::Address> memory) {
+        c40::Board described = machine::read_board(board).board;
+        return std::make_unique<Processor>(memory ? machine::with_boot_from_memory(std::move(described), *memory)
+                                                  : machine::with_boot_from_port(std::move(described)), false);
+      }, py::arg("board") = "default", py::arg("memory") = py::none(), "With the boot ROM, its pins for a port, or for memory at this address.")
+      .def("boot", [](Processor& p) { p.chip.boot(); }, "What the RESET pin does.")
+      .def("iiof_pin", [](const Processor& p, int pin) { return p.chip.iiof_pin(pin); })
+      .def("record_events", &Processor::record_events)
+      .def_readonly("events", &Processor::events)
       .def("set_timer_pin", [](Processor& p, int timer, bool level) { p.chip.set_timer_pin(timer, level); })
       .def("timer_pin", [](const Processor& p, int timer) { return p.chip.timer_pin(timer); })
       .def("peripheral", [](const Processor& p, const std::string& name) { return p.chip.peripheral(name); })
@@ -356,6 +373,11 @@ void bind_c40(py::module_& core) {
   auto m = core.def_submodule("c40", "One TMS320C40.");
   bind_processor(m);
   bind_link(m);
+  m.def("boot_stream", [](const toolchain::Image& image, Word ivtp, Word tvtp, c40::Address acknowledge, bool memory) {
+    const machine::BootHeader header{0x3E39FFF0u, 0x3E39FFF0u, ivtp, tvtp, acknowledge};
+    return memory ? machine::boot_memory(image, header) : machine::boot_stream(image, header);
+  }, py::arg("image"), py::arg("ivtp") = 0, py::arg("tvtp") = 0, py::arg("acknowledge") = 0x2FF800, py::arg("memory") = false,
+     "The words that the boot loader takes, from a port or from memory of 32 bits.");
   m.def("register_page", &c40::register_page, "The register tables of docs/peripherals.md.");
   m.def("peripheral_registers", [] {
     py::list all;

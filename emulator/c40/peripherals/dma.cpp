@@ -14,7 +14,7 @@ using enum DmaRegister;
 namespace {
 
 constexpr Address first_channel = 0x001000A0u, port_base = 0x00100040u;
-constexpr Word start_reset = 0, start_halt_access = 1, start_halt_word = 2, start_run = 3;
+constexpr Word start_reset = 0, start_halt_access = 1, start_halt_word = 2;
 constexpr Word mode_endless = 0, mode_autoinit = 2, mode_autoinit_on_restart = 3;
 constexpr Word status_held = 0, status_held_within = 1, status_busy = 3;
 constexpr Word read_only = STATUS.mask() | AUX_STATUS.mask();

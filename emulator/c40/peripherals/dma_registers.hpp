@@ -43,6 +43,8 @@ inline constexpr Field AUX_START{"AUX START", 24, 2, FieldAccess::read_write, "t
 inline constexpr Field STATUS{"STATUS", 26, 2, FieldAccess::read_only, "00 held between words, 01 held within one, 11 busy"};
 inline constexpr Field AUX_STATUS{"AUX STATUS", 28, 2, FieldAccess::read_only, "the same of the auxiliary channel"};
 inline constexpr Field PRIORITY_MODE{"PRIORITY MODE", 30, 1, FieldAccess::read_write, "channel 0 only: 1 fixed order of the channels, 0 rotating"};
+/// A value of START and AUX START.
+inline constexpr Word start_run = 3;
 }  // namespace dma_control
 
 }  // namespace c40

@@ -1,0 +1,35 @@
+#pragma once
+/// What the peripherals of a chip did, as it happens; links tell their own events (link.hpp), interrupts are in the trace (chip.hpp).
+#include <string_view>
+
+#include "c40/types.hpp"
+
+namespace c40 {
+
+struct PeripheralEvent {
+  enum class Kind : std::uint8_t {
+    port_write,   ///< a word went into the output FIFO of port `number`
+    port_read,    ///< a word was taken from the input FIFO of port `number`
+    dma_start,    ///< channel `number` was started; `value` is its control word
+    dma_end,      ///< a block of channel `number` has ended; `value` is 1 for the auxiliary half
+    timer         ///< TINT of timer `number`
+  };
+  Kind kind = Kind::port_write;
+  Cycles cycle = 0;
+  int number = 0;
+  Word value = 0;
+  int channel = -1;  ///< of port_write and port_read: the DMA channel that did it; -1: the processor
+};
+
+constexpr std::string_view name(PeripheralEvent::Kind kind) {
+  constexpr std::array<std::string_view, 5> names{"port_write", "port_read", "dma_start", "dma_end", "timer"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+class PeripheralSink {
+ public:
+  virtual ~PeripheralSink() = default;
+  virtual void happened(const PeripheralEvent& event) = 0;
+};
+
+}  // namespace c40

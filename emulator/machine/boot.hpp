@@ -1,0 +1,48 @@
+#pragma once
+/// Starting a chip as its RESET pin does: the boot ROM, the pins that choose its source, and the streams that it reads
+/// (c40-hardware.md 9). The loader itself is C40 code, c40_programs/boot_rom.asm.
+#include <vector>
+
+#include "c40/chip.hpp"
+#include "toolchain/image.hpp"
+
+namespace machine {
+
+/// What stands in a boot stream beside the program's blocks.
+struct BootHeader {
+  c40::Word global_interface_control = 0x3E39FFF0u;
+  c40::Word local_interface_control = 0x3E39FFF0u;
+  c40::Word ivtp = 0, tvtp = 0;
+  c40::Address acknowledge = 0x002FF800u;  ///< read by the loader's IACK
+};
+
+/// The board with the boot ROM at 0, and its pins so that the loader takes the first port that has a word.
+c40::Board with_boot_from_port(c40::Board board);
+/// The same, with the pins that choose memory at this address. Throws std::invalid_argument if no pins do.
+c40::Board with_boot_from_memory(c40::Board board, c40::Address address);
+
+/// The stream that a port is sent (9.3): the block that begins at the entry comes first.
+/// Throws std::invalid_argument if the entry lies in no section, or a section below 1000h, where the ROM is.
+std::vector<c40::Word> boot_stream(const toolchain::Image& image, const BootHeader& header);
+/// The same for memory of 32 bits (9.2).
+std::vector<c40::Word> boot_memory(const toolchain::Image& image, const BootHeader& header);
+
+/// Sends a boot stream into a port that has no link, at a link's pace, whenever the chip waits for a word.
+class BootFeeder {
+ public:
+  BootFeeder(c40::Chip& chip, int port, std::vector<c40::Word> stream);
+  /// True: a word was delivered for the access that the chip stopped at; run on.
+  bool serve(const c40::PortAccess& access);
+  int port() const { return port_; }
+  std::size_t sent() const { return sent_; }
+  std::size_t size() const { return stream_.size(); }
+
+ private:
+  c40::Chip& chip_;
+  int port_;
+  std::vector<c40::Word> stream_;
+  std::size_t sent_ = 0;
+  c40::Cycles next_ = 0;
+};
+
+}  // namespace machine

@@ -1,0 +1,169 @@
+"""The boot loader of the ROM: the streams of c40-hardware.md 9, from every port, from memory of every width, over a link."""
+
+from __future__ import annotations
+
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cmrc._core import c40, toolchain
+from linked_processors import HERTZ, Network, processor
+
+PERIOD = 10**12 // HERTZ
+PROGRAM = """
+        .text
+entry:  ldi 1234h,r7
+end:    bu end
+        .data
+        .word 11,22,33
+"""
+MINIMAL = [0x3E39FFF0, 0x1DEA4050]
+
+
+def image(text: str = PROGRAM) -> Any:
+    return toolchain.assemble(text, "boot.asm", sections={".text": 0x2FFC00, ".data": 0x300100}, entry="entry")
+
+
+def feed(chip: Any, port: int, stream: list[int], limit: int = 20_000) -> dict[str, Any]:
+    """Words by hand, as fast as the loader asks for them."""
+    chip.deliver(port, stream[0])
+    rest = list(stream[1:])
+    while True:
+        stop = chip.run(limit, until=0x2FFC00)
+        if stop["reason"] != "port_wait" or not rest:
+            return dict(stop)
+        chip.deliver(port, rest.pop(0))
+        chip.complete_port(stop["access_cycle"])
+
+
+@pytest.mark.parametrize("port", range(6))
+def test_from_a_port(port: int) -> None:
+    chip = c40.Processor.bootable()
+    chip.boot()
+    assert chip.peripheral("GMICR") == 0x3E39FFF0
+    stream = c40.boot_stream(image(), ivtp=0x2FFA00, tvtp=0x300000)
+    stream[1] = 0x1DEA4050
+    stop = feed(chip, port, stream)
+    assert (stop["reason"], stop["pc"]) == ("breakpoint", 0x2FFC00)
+    assert chip.get("AR3") == 0x100040 + 0x10 * port
+    assert (chip.get("IVTP"), chip.get("TVTP")) == (0x2FFA00, 0x300000)
+    assert (chip.peripheral("GMICR"), chip.peripheral("LMICR")) == (0x3E39FFF0, 0x1DEA4050)
+    assert [chip.peek(0x300100 + i) for i in range(3)] == [11, 22, 33]
+    assert chip.get("ST") & 0x2800 == 0  # interrupts and cache off
+    chip.run(20)
+    assert chip.get("R7") & 0xFFFFFFFF == 0x1234
+    assert sum(chip.causes.values()) == chip.cycle
+
+
+def in_units(words: list[int], width: int) -> list[int]:
+    """A stream as it lies in memory of `width` bits: low part first; the unused bits carry rubbish."""
+    out = []
+    for word in words:
+        for shift in range(0, 32, width):
+            out.append((word >> shift & (1 << width) - 1) | (0xA5A5A5A5 << width & 0xFFFFFFFF))
+    return out
+
+
+@pytest.mark.parametrize("width", [8, 16, 32])
+@pytest.mark.parametrize("address", [0x300000, 0x40000000, 0x80000000])
+def test_from_memory(address: int, width: int) -> None:
+    chip = c40.Processor.bootable(memory=address)
+    stream = [width, *c40.boot_stream(image())]
+    assert stream[1:] == c40.boot_stream(image(), memory=True)[1:]
+    units = in_units(stream, width) if width < 32 else stream
+    chip.load_words(address, units)
+    chip.boot()
+    assert chip.run(200_000, until=0x2FFC00)["reason"] == "breakpoint"
+    assert chip.get("AR1") == address + len(units)
+    chip.run(200)
+    assert chip.get("R7") & 0xFFFFFFFF == 0x1234
+    assert [chip.peek(0x300100 + i) for i in range(3)] == [11, 22, 33]
+
+
+def test_several_blocks_and_the_first_is_entered() -> None:
+    chip = c40.Processor.bootable()
+    chip.boot()
+    code = [0x08671234, 0x60300000]
+    stream = [*MINIMAL, 2, 0x2FFC00, *code, 3, 0x2FF800, 7, 8, 9, 1, 0x80000005, 5, 0, 0, 0, 0x2FF800]
+    assert feed(chip, 2, stream)["pc"] == 0x2FFC00
+    assert [chip.peek(0x2FF800 + i) for i in range(3)] == [7, 8, 9] and chip.peek(0x80000005) == 5
+
+
+def test_a_stream_that_is_cut_short_waits_in_the_rom() -> None:
+    chip = c40.Processor.bootable()
+    chip.boot()
+    stop = feed(chip, 1, c40.boot_stream(image())[:-3])
+    assert stop["reason"] == "port_wait" and stop["port"] == 1 and stop["pc"] < 0x1000
+
+
+def test_a_stream_into_memory_that_is_not_there_is_a_fault() -> None:
+    chip = c40.Processor.bootable()
+    chip.boot()
+    stop = feed(chip, 0, [*MINIMAL, 2, 0x00200000, 1, 2, 0, 0, 0, 0x2FF800])
+    assert (stop["reason"], stop["kind"]) == ("fault", "reserved_address") and "00200000h" in stop["message"]
+
+
+def test_without_a_boot_rom_the_reset_vector_is_missing() -> None:
+    with pytest.raises(IndexError, match="no boot ROM"):
+        c40.Processor("default").boot()
+    with pytest.raises(ValueError, match="the pins choose no memory at 12345678h"):
+        c40.Processor.bootable(memory=0x12345678)
+    with pytest.raises(ValueError, match="the boot ROM is there"):
+        c40.boot_stream(toolchain.assemble("        .text\nentry:  nop\n", "low.asm", sections={".text": 0x100}, entry="entry"))
+
+
+def test_a_chip_boots_its_neighbour() -> None:
+    stream = c40.boot_stream(image())
+    sender = processor(
+        "        ldhi 10h,ar0\n        or 40h,ar0\n        ldhi 30h,ar1\n        ldi COUNT,rc\n        rptb last\n"
+        "        ldi *ar1++,r0\nlast:   sti r0,*+ar0(2)\n        ldi *+ar0(1),r6\nend:    bu end\n".replace("COUNT", str(len(stream) - 1))
+    )
+    sender.load_words(0x300000, stream)
+    booted = c40.Processor.bootable()
+    booted.boot()
+    network = Network([sender, booted])
+    network.join(0, 0, 1, 3)
+    network.run(4000 * PERIOD)
+    assert booted.get("R7") & 0xFFFFFFFF == 0x1234
+    assert booted.get("AR3") == 0x100070
+    network.balance()
+
+
+def test_general_purpose_output_on_an_iiof_pin() -> None:
+    chip = c40.Processor("default")
+    for level in (True, False):
+        chip.set("IIF", 0x20 | (0x40 if level else 0))
+        assert chip.iiof_pin(1) == level
+    bootable = c40.Processor.bootable(memory=0x300000)
+    bootable.reset()
+    assert bootable.get("IIF") == 0x4404  # IIOF3, 2, 0 high; IIOF1 low
+    assert [bootable.iiof_pin(n) for n in range(4)] == [True, False, True, True]
+
+
+def test_the_command_boots_a_program(emulator: Path, tmp_path: Path) -> None:
+    source = tmp_path / "program.asm"
+    source.write_text(PROGRAM.replace("        .text\n", '        .text\n        .global entry\n'))
+    for how in ("4", "0x80000000"):
+        run = subprocess.run([emulator, "exec", source, "--boot", how, "--until", "end", "--peripherals", "--events", tmp_path / "events"],
+                             capture_output=True, text=True, check=False)  # fmt: skip
+        assert run.returncode == 0, run.stdout + run.stderr
+        assert "00001234" in run.stdout and "reached" in run.stdout
+    assert (tmp_path / "events").read_text() == ""
+    bad = subprocess.run([emulator, "exec", source, "--boot", "0x12340000"], capture_output=True, text=True, check=False)
+    assert bad.returncode == 2 and "00300000h" in bad.stderr
+
+
+def test_events_of_ports_timers_and_dma() -> None:
+    chip = processor("        ldhi 10h,ar0\n        or 40h,ar0\n        ldi 9,r0\n        sti r0,*+ar0(2)\n        ldi *+ar0(1),r1\nend:    bu end\n")
+    chip.record_events()
+    chip.deliver(0, 77)
+    chip.poke(0x100028, 10)
+    chip.poke(0x100020, 0x2C0)
+    for offset, value in ((1, 0x2FF800), (3, 2), (4, 0x100052), (0, 0x00C00004)):
+        chip.poke(0x1000A0 + offset, value)
+    chip.run(50)
+    kinds = [(kind, number, value, channel) for kind, _, number, value, channel in chip.events]
+    assert ("port_write", 0, 9, -1) in kinds and ("port_read", 0, 77, -1) in kinds
+    assert kinds.count(("port_write", 1, 0, 0)) == 2 and ("dma_end", 0, 0, -1) in kinds
+    assert [cycle for kind, cycle, *_ in chip.events if kind == "timer"] == [20, 40]
