@@ -198,6 +198,8 @@ void check(const DockConfig& c) {
   check(c.wind);
   check(c.layout.ship, "the ship");
   for (std::size_t i = 0; i < c.layout.no_go.size(); ++i) check(c.layout.no_go[i], fmt::format("box {}", i));
+  refuse(!(c.ship.scale >= 0.0 && c.ship.scale <= 10.0), "the ship's scale of motion must be 0 to 10", c.ship.scale);
+  refuse(!(c.ship.draught >= 0.0 && c.ship.draught <= 1e-4), "the ship's draught must be 0 to 1e-4 m/kg", c.ship.draught);
   check(c.sensors);
   for (std::size_t i = 0; i < c.layout.movers.size(); ++i) check(c.layout.movers[i], i);
   check_containers(c);

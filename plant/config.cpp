@@ -33,6 +33,20 @@ std::array<std::vector<LaneSegment>, 3> default_loop(const Layout& layout, int a
   return {out, back, back};
 }
 
+CraneParameters gantry_crane() {
+  CraneParameters p;
+  p.machine = Machine::gantry;
+  p.pivot_height = 34.0;
+  p.gantry_mass = 900e3;
+  p.jib_mass = 25e3;
+  p.counterweight = 0.0;
+  p.lower = {-200.0, 0.0, -33.0, 3.0, -6.2831853071795862};
+  p.upper = {200.0, 3.1415926535897931, 38.5, 49.0, 6.2831853071795862};
+  p.drives[0] = {.rated_torque = 1146.0, .gear = 209.0, .rotor_inertia = 1.2};  // 12 x 15 kW: 0.75 m/s
+  p.drives[2] = {.rated_torque = 1019.0, .gear = 62.8, .rotor_inertia = 2.0};   // 4 x 40 kW: 2.5 m/s
+  return p;
+}
+
 DockConfig default_dock(int agv_count) {
   DockConfig config;
   config.agv_count = agv_count;

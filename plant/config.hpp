@@ -36,8 +36,13 @@ struct DriveParameters {
   double rated_joint_speed() const { return rated_speed / gear; }
 };
 
+// What stands in the place of slew and luff. The ship-to-shore gantry does not slew (its psi is held at pi/2, across the quay), and its
+// coordinate phi is the trolley's place on the boom, m from the crane's rail: the jib is a trolley of jib_mass there, on a boom at pivot_height.
+enum class Machine : std::uint8_t { slewing, gantry };
+
 // Slewing and luffing jib crane, plant-and-bus.md 1.2 to 1.4 (docs/plant.md).
 struct CraneParameters {
+  Machine machine = Machine::slewing;
   double a0 = 2.5;          // m, luff pivot from the slew axis
   double jib = 32.0;        // m, L
   double pivot_height = 22.0;  // m, h_p
@@ -62,6 +67,9 @@ struct CraneParameters {
       {.rated_torque = 70.0, .gear = 1500.0, .rotor_inertia = 0.06},                          // 2 x 5.5 kW
   }};
 };
+
+// A ship-to-shore gantry with the figures of plant-and-bus.md 1.4: trolley 150 m/min, outreach 38.5 m, backreach 15 m, lift 31 m above the rail.
+CraneParameters gantry_crane();
 
 // The payload near contact (level L2) and the landing.
 struct LandingParameters {
@@ -140,6 +148,15 @@ struct WindParameters {
   bool blows() const { return mean != 0.0 || gust != 0.0; }
 };
 
+// A moored ship's motion: three sinusoids for each of surge, sway, heave, roll and pitch (plant-and-bus.md 1.5). Off as it stands.
+struct ShipMotion {
+  double scale = 0.0;      // of the amplitudes: surge 0.2 m, sway 0.1 m, heave 0.1 m, roll 0.5 deg, pitch 0.1 deg
+  double draught = 0.0;    // m by which the ship rises per kg that leaves it; 3.3e-7 is usual
+  std::uint64_t seed = 1;
+
+  bool moves() const { return scale != 0.0 || draught != 0.0; }
+};
+
 // Box in the world, m.
 struct Box {
   double x_min, x_max, y_min, y_max, z_min, z_max;
@@ -199,6 +216,7 @@ struct DockConfig {
   AgvParameters agv;
   SensorParameters sensors;
   WindParameters wind;
+  ShipMotion ship;
   Layout layout;
   bool collisions = true;    // AGVs stop at what they run into; else they go through it
   bool rigid = false;        // level L0: the free payload does not sway; else L1

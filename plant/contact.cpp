@@ -18,7 +18,7 @@ constexpr int most_contacts = 8;      // of one pair of shapes
 struct ContactEngine::Implementation {
   LandingParameters p;
   dWorldID world;
-  dBodyID body;
+  dBodyID body, carrier;  // carrier: what the solid rides on, where it moves
   dJointGroupID joints;
   std::array<dGeomID, 4> feet{};
   std::array<dGeomID, 2> hulls{};
@@ -32,6 +32,8 @@ struct ContactEngine::Implementation {
     dWorldSetAutoDisableFlag(world, 0);
     body = dBodyCreate(world);
     dBodySetGyroscopicMode(body, 1);
+    carrier = dBodyCreate(world);
+    dBodySetKinematic(carrier);
     joints = dJointGroupCreate(0);
     for (auto& foot : feet) foot = on_body(dCreateSphere(nullptr, foot_radius));
     for (auto& hull : hulls) hull = on_body(dCreateBox(nullptr, 1.0, 1.0, 1.0));
@@ -75,7 +77,7 @@ struct ContactEngine::Implementation {
   }
 
   // Contact joints between one shape of the body and the solid. The surface is a spring and damper (plant-and-bus.md 1.7).
-  int touch(dGeomID shape, double h, int count) {
+  int touch(dGeomID shape, dBodyID below, double h, int count) {
     std::array<dContact, most_contacts> contacts{};
     const int n = dCollide(shape, solid, most_contacts, &contacts[0].geom, sizeof(dContact));
     for (int i = 0; i < n && count < static_cast<int>(feedback.size()); ++i) {
@@ -85,7 +87,7 @@ struct ContactEngine::Implementation {
       c.surface.soft_erp = h * p.corner_stiffness / (h * p.corner_stiffness + p.corner_damping);
       c.surface.soft_cfm = 1.0 / (h * p.corner_stiffness + p.corner_damping);
       const dJointID joint = dJointCreateContact(world, joints, &c);
-      dJointAttach(joint, body, nullptr);
+      dJointAttach(joint, body, below);
       dJointSetFeedback(joint, &feedback[static_cast<std::size_t>(count)]);
       ++count;
     }
@@ -116,8 +118,15 @@ ContactResult ContactEngine::step(BodyState& state, const BodyShape& shape, cons
     const auto [sy, cy] = sin_cos(0.5 * solid.yaw);
     const dQuaternion yaw = {cy, 0, 0, sy};
     dGeomSetQuaternion(s.solid, yaw);
-    for (auto* foot : s.feet) count = s.touch(foot, seconds, count);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(shape.hull_count); ++i) count = s.touch(s.hulls[i], seconds, count);
+    const bool rides = solid.vx != 0.0 || solid.vy != 0.0 || solid.vz != 0.0;
+    // One carrier serves all solids of a step: what moves is the ship, whose points differ in speed by its slow turning only.
+    if (rides) {
+      dBodySetPosition(s.carrier, solid.x, solid.y, solid.top);
+      dBodySetLinearVel(s.carrier, solid.vx, solid.vy, solid.vz);
+    }
+    const dBodyID below = rides ? s.carrier : nullptr;
+    for (auto* foot : s.feet) count = s.touch(foot, below, seconds, count);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(shape.hull_count); ++i) count = s.touch(s.hulls[i], below, seconds, count);
   }
   dBodyAddForce(s.body, force[0], force[1], force[2]);
   dBodyAddTorque(s.body, torque[0], torque[1], torque[2]);

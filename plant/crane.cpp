@@ -12,9 +12,12 @@ namespace {
 
 struct Angles {
   SinCos psi, phi, alpha, beta;
+  double trolley;  // m, what phi is on a gantry
   explicit Angles(const CraneVector& q)
-      : psi(sin_cos(q[Q_PSI])), phi(sin_cos(q[Q_PHI])), alpha(sin_cos(q[Q_ALPHA])), beta(sin_cos(q[Q_BETA])) {}
+      : psi(sin_cos(q[Q_PSI])), phi(sin_cos(q[Q_PHI])), alpha(sin_cos(q[Q_ALPHA])), beta(sin_cos(q[Q_BETA])), trolley(q[Q_PHI]) {}
 };
+
+bool is_gantry(const CraneParameters& p) { return p.machine == Machine::gantry; }
 
 // A mass point's partial velocities in the slewing frame (radial, tangential, up) and its acceleration when all qdd are 0.
 struct Point {
@@ -29,6 +32,14 @@ Vector3 turning(const Vector3& at, const Vector3& u, const Vector3& w, double ps
 
 Point jib_point(const CraneParameters& p, const Angles& a, const CraneVector& qd, double along) {
   Point point;
+  if (is_gantry(p)) {
+    const Vector3 at{a.trolley, 0.0, p.pivot_height};
+    point.partial[Q_S] = {a.psi.cos, -a.psi.sin, 0.0};
+    point.partial[Q_PSI] = {0.0, at[0], 0.0};
+    point.partial[Q_PHI] = {1.0, 0.0, 0.0};
+    point.bias = turning(at, qd[Q_PHI] * point.partial[Q_PHI], {}, qd[Q_PSI]);
+    return point;
+  }
   const double c = along * a.phi.cos;
   const double s = along * a.phi.sin;
   const Vector3 at{p.a0 + c, 0.0, p.pivot_height + s};
@@ -45,13 +56,14 @@ Point payload_point(const CraneParameters& p, const Angles& a, const CraneVector
   const double l = q[Q_L];
   const auto [sa, ca] = a.alpha;
   const auto [sb, cb] = a.beta;
-  const double c = p.jib * a.phi.cos;
-  const double s = p.jib * a.phi.sin;
+  const bool gantry = is_gantry(p);
+  const double c = gantry ? a.trolley - p.a0 : p.jib * a.phi.cos;
+  const double s = gantry ? 0.0 : p.jib * a.phi.sin;
   const Vector3 along{sa * cb, sb, -ca * cb};
   const Vector3 at{p.a0 + c + l * along[0], l * along[1], p.pivot_height + s + l * along[2]};
   point.partial[Q_S] = {a.psi.cos, -a.psi.sin, 0.0};
   point.partial[Q_PSI] = {-at[1], at[0], 0.0};
-  point.partial[Q_PHI] = {-s, 0.0, c};
+  point.partial[Q_PHI] = gantry ? Vector3{1.0, 0.0, 0.0} : Vector3{-s, 0.0, c};
   point.partial[Q_L] = along;
   point.partial[Q_ALPHA] = {l * ca * cb, 0.0, l * sa * cb};
   point.partial[Q_BETA] = {-l * sa * sb, l * cb, l * ca * sb};
@@ -65,7 +77,8 @@ Point payload_point(const CraneParameters& p, const Angles& a, const CraneVector
   const Vector3 along_second{-square * sa * cb - 2.0 * ad * bd * ca * sb, -bd * bd * sb,
                              square * ca * cb - 2.0 * ad * bd * sa * sb};
   const Vector3 u = pd * point.partial[Q_PHI] + ld * along + l * along_rate;
-  const Vector3 w = Vector3{-c * pd * pd, 0.0, -s * pd * pd} + (2.0 * ld) * along_rate + l * along_second;
+  const Vector3 luffing = gantry ? Vector3{} : Vector3{-c * pd * pd, 0.0, -s * pd * pd};
+  const Vector3 w = luffing + (2.0 * ld) * along_rate + l * along_second;
   point.bias = turning(at, u, w, qd[Q_PSI]);
   return point;
 }
@@ -85,6 +98,7 @@ CraneVector bias_and_gravity(const CraneParameters& p, const Angles& a, const Cr
   add_force(sum, load, payload.mass * (motion * load.bias + up));
   // The counterweight moves on a circle; its pull reaches the gantry only.
   sum[Q_S] += motion * p.counterweight * p.counterweight_radius * qd[Q_PSI] * qd[Q_PSI] * a.psi.cos;
+  if (is_gantry(p)) return sum;
   // The slender jib turns about its centre: T = I_j (phid^2 + cos^2 phi psid^2) / 2.
   const double slender = motion * p.jib_inertia * a.phi.sin * a.phi.cos;
   sum[Q_PSI] -= 2.0 * slender * qd[Q_PHI] * qd[Q_PSI];
@@ -93,6 +107,14 @@ CraneVector bias_and_gravity(const CraneParameters& p, const Angles& a, const Cr
 }
 
 double square(double x) { return x * x; }
+
+void add_rotors(const CraneParameters& p, CraneMatrix& m) {
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const auto& drive = p.drives[j];
+    const auto k = static_cast<std::size_t>(joint_coordinate[j]);
+    m[k][k] += drive.rotor_inertia * square(drive.gear);
+  }
+}
 
 // Upper triangle of M, plant-and-bus.md 1.3, mirrored.
 CraneMatrix closed_form(const CraneParameters& p, const Angles& angles, const CraneVector& q, const Payload& payload) {
@@ -129,14 +151,32 @@ CraneMatrix closed_form(const CraneParameters& p, const Angles& angles, const Cr
   m[Q_ALPHA][Q_ALPHA] = mp * square(l * cb);
   m[Q_BETA][Q_BETA] = mp * square(l);
   m[Q_KAPPA][Q_KAPPA] = payload.inertia;
-  for (std::size_t j = 0; j < joint_count; ++j) {
-    const auto& drive = p.drives[j];
-    const auto k = static_cast<std::size_t>(joint_coordinate[j]);
-    m[k][k] += drive.rotor_inertia * square(drive.gear);
-  }
+  add_rotors(p, m);
   for (std::size_t i = 0; i < crane_size; ++i)
     for (std::size_t j = 0; j < i; ++j) m[i][j] = m[j][i];
   return m;
+}
+
+// The gantry's, as the sum over its masses of their partial velocities' products.
+CraneMatrix from_points(const CraneParameters& p, const Angles& a, const CraneVector& q, const Payload& payload) {
+  CraneMatrix m{};
+  const auto add = [&m](double mass, const Point& point) {
+    for (std::size_t i = 0; i < crane_size; ++i)
+      for (std::size_t j = 0; j < crane_size; ++j) m[i][j] += mass * dot(point.partial[i], point.partial[j]);
+  };
+  add(p.jib_mass, jib_point(p, a, {}, 0.0));
+  add(payload.mass, payload_point(p, a, q, {}));
+  m[Q_S][Q_S] += p.gantry_mass + p.counterweight;
+  m[Q_PSI][Q_PSI] += p.slew_inertia + p.counterweight * square(p.counterweight_radius) + payload.inertia;
+  m[Q_PSI][Q_KAPPA] += payload.inertia;
+  m[Q_KAPPA][Q_PSI] += payload.inertia;
+  m[Q_KAPPA][Q_KAPPA] += payload.inertia;
+  add_rotors(p, m);
+  return m;
+}
+
+CraneMatrix mass_matrix_of(const CraneParameters& p, const Angles& a, const CraneVector& q, const Payload& payload) {
+  return is_gantry(p) ? from_points(p, a, q, payload) : closed_form(p, a, q, payload);
 }
 
 Vector3 to_world(const Angles& a, const Vector3& v) {
@@ -152,7 +192,7 @@ Vector3 velocity(const Angles& a, const Point& point, const CraneVector& qd) {
 }  // namespace
 
 CraneMatrix Crane::mass_matrix(const CraneVector& q, const Payload& payload) const {
-  return closed_form(p_, Angles(q), q, payload);
+  return mass_matrix_of(p_, Angles(q), q, payload);
 }
 
 CraneVector Crane::bias(const CraneVector& q, const CraneVector& qd, const Payload& payload) const {
@@ -172,7 +212,7 @@ double Crane::kinetic_energy(const CraneVector& q, const CraneVector& qd, const 
 }
 
 double Crane::potential_energy(const CraneVector& q, const Payload& payload) const {
-  const double jib = p_.pivot_height + p_.jib_centre * sin(q[Q_PHI]);
+  const double jib = p_.pivot_height + (is_gantry(p_) ? 0.0 : p_.jib_centre * sin(q[Q_PHI]));
   return gravity * (p_.jib_mass * jib + payload.mass * payload_position(q)[2]);
 }
 
@@ -181,7 +221,7 @@ CraneVector Crane::acceleration(const CraneVector& q, const CraneVector& qd, con
   const Angles a(q);
   CraneVector rest = bias_and_gravity(p_, a, q, qd, payload, 1.0, 1.0);
   for (std::size_t k = 0; k < crane_size; ++k) rest[k] = force[k] - rest[k];
-  return solve(closed_form(p_, a, q, payload), rest, locked);
+  return solve(mass_matrix_of(p_, a, q, payload), rest, locked);
 }
 
 CraneVector Crane::solve(const CraneMatrix& m, const CraneVector& b, unsigned locked) {
@@ -240,16 +280,27 @@ double Crane::sway_damping(double l, double mass) const {
 
 std::array<double, 3> Crane::tip(const CraneVector& q) const {
   const Angles a(q);
-  const Vector3 world = to_world(a, {p_.a0 + p_.jib * a.phi.cos, 0.0, p_.pivot_height + p_.jib * a.phi.sin});
+  const Vector3 here = is_gantry(p_) ? Vector3{a.trolley, 0.0, p_.pivot_height}
+                                     : Vector3{p_.a0 + p_.jib * a.phi.cos, 0.0, p_.pivot_height + p_.jib * a.phi.sin};
+  const Vector3 world = to_world(a, here);
   return {world[0] + q[Q_S], world[1], world[2]};
 }
 
 std::array<double, 3> Crane::payload_position(const CraneVector& q) const {
   const Angles a(q);
   const double l = q[Q_L];
-  const Vector3 world = to_world(a, {p_.a0 + p_.jib * a.phi.cos + l * a.alpha.sin * a.beta.cos, l * a.beta.sin,
-                                     p_.pivot_height + p_.jib * a.phi.sin - l * a.alpha.cos * a.beta.cos});
+  const bool gantry = is_gantry(p_);
+  const double out = gantry ? a.trolley : p_.a0 + p_.jib * a.phi.cos;
+  const double up = gantry ? p_.pivot_height : p_.pivot_height + p_.jib * a.phi.sin;
+  const Vector3 world = to_world(a, {out + l * a.alpha.sin * a.beta.cos, l * a.beta.sin, up - l * a.alpha.cos * a.beta.cos});
   return {world[0] + q[Q_S], world[1], world[2]};
+}
+
+std::array<double, 3> Crane::tip_by_luff(const CraneVector& q) const {
+  const auto [sp, cp] = sin_cos(q[Q_PSI]);
+  if (is_gantry(p_)) return {cp, sp, 0.0};
+  const auto [sf, cf] = sin_cos(q[Q_PHI]);
+  return {-p_.jib * sf * cp, -p_.jib * sf * sp, p_.jib * cf};
 }
 
 std::array<double, 3> Crane::tip_velocity(const CraneVector& q, const CraneVector& qd) const {
@@ -279,20 +330,9 @@ double Crane::tension(const CraneVector& q, const CraneVector& qd, const CraneVe
   return -mass * dot(acceleration, load.partial[Q_L]);
 }
 
-CraneVector inverse_kinematics(const CraneParameters& p, const CranePose& pose) {
-  const double dx = pose.x - pose.s;
-  const double radius = std::sqrt(dx * dx + pose.y * pose.y);
-  const double c = (radius - p.a0) / p.jib;
-  if (!(c >= -1.0 && c <= 1.0))
-    throw std::invalid_argument(fmt::format("plant: pose ({} m, {} m) is {} m from the crane's column; the jib reaches {} to {} m",
-                                            pose.x, pose.y, radius, p.a0, p.a0 + p.jib));
-  const double s = std::sqrt(1.0 - c * c);
-  CraneVector q{};
-  q[Q_S] = pose.s;
-  q[Q_PSI] = atan2(pose.y, dx);
-  q[Q_PHI] = atan2(s, c);
-  q[Q_L] = p.pivot_height + p.jib * s - pose.z;
-  q[Q_KAPPA] = wrap_angle(pose.yaw - q[Q_PSI]);
+namespace {
+
+CraneVector within_limits(const CraneParameters& p, const CraneVector& q) {
   static constexpr std::array names{"gantry", "slew", "luff", "hoist", "rotator"};
   for (std::size_t j = 0; j < joint_count; ++j) {
     const double value = q[static_cast<std::size_t>(joint_coordinate[j])];
@@ -301,6 +341,33 @@ CraneVector inverse_kinematics(const CraneParameters& p, const CranePose& pose) 
                                               p.lower[j], p.upper[j]));
   }
   return q;
+}
+
+}  // namespace
+
+CraneVector inverse_kinematics(const CraneParameters& p, const CranePose& pose) {
+  CraneVector q{};
+  if (is_gantry(p)) {
+    q[Q_S] = pose.x;  // pose.s is where the gantry has to be
+    q[Q_PSI] = 0.5 * std::numbers::pi;
+    q[Q_PHI] = pose.y;
+    q[Q_L] = p.pivot_height - pose.z;
+    q[Q_KAPPA] = wrap_angle(pose.yaw - q[Q_PSI]);
+    return within_limits(p, q);
+  }
+  const double dx = pose.x - pose.s;
+  const double radius = std::sqrt(dx * dx + pose.y * pose.y);
+  const double c = (radius - p.a0) / p.jib;
+  if (!(c >= -1.0 && c <= 1.0))
+    throw std::invalid_argument(fmt::format("plant: pose ({} m, {} m) is {} m from the crane's column; the jib reaches {} to {} m",
+                                            pose.x, pose.y, radius, p.a0, p.a0 + p.jib));
+  const double s = std::sqrt(1.0 - c * c);
+  q[Q_S] = pose.s;
+  q[Q_PSI] = atan2(pose.y, dx);
+  q[Q_PHI] = atan2(s, c);
+  q[Q_L] = p.pivot_height + p.jib * s - pose.z;
+  q[Q_KAPPA] = wrap_angle(pose.yaw - q[Q_PSI]);
+  return within_limits(p, q);
 }
 
 }  // namespace plant

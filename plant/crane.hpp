@@ -4,6 +4,8 @@
 //
 //   M(q) qdd + h(q, qd) + g(q) = B F - friction - sway damping + external
 //
+// CraneParameters::machine makes it a ship-to-shore gantry: psi held at pi/2, phi the trolley's place in m.
+//
 // The payload is a mass that translates without tilting on an inextensible rope; its yaw is psi + kappa.
 #include <array>
 
@@ -51,6 +53,7 @@ class Crane {
 
   std::array<double, 3> tip(const CraneVector& q) const;
   std::array<double, 3> payload_position(const CraneVector& q) const;
+  std::array<double, 3> tip_by_luff(const CraneVector& q) const;  // d tip / d phi, world axes
   std::array<double, 3> tip_velocity(const CraneVector& q, const CraneVector& qd) const;
   std::array<double, 3> payload_velocity(const CraneVector& q, const CraneVector& qd) const;
   // Generalised force (or momentum) of a force (or momentum) at the payload, in world axes.

@@ -57,6 +57,10 @@ void CraneAlone::reset(const CraneVector& q, const CraneVector& qd) {
   state_ = {};
   state_.inputs.payload = payload;
   state_.inputs.locked = config_.rigid ? sway_coordinates : 0U;
+  if (config_.crane.machine == Machine::gantry) {
+    refuse(std::fabs(q[Q_PSI] - 0.5 * std::numbers::pi) > 1e-9 || qd[Q_PSI] != 0.0, "a gantry does not slew: psi must be pi/2", q[Q_PSI]);
+    state_.inputs.locked |= 1U << Q_PSI;
+  }
   state_.modes.watch_rope = true;
   state_.crane.q = q;
   state_.crane.qd = qd;

@@ -111,7 +111,8 @@ void DockCore::report(Time time, EventKind kind, int index, double first, double
 void DockCore::take_codes() {
   state.code = state.shadow;
   watch_updates();
-  const std::uint32_t enable = state.faulted ? 0U : state.shadow_enable & ~state.stopped & ~state.failed_drives;
+  std::uint32_t enable = state.faulted ? 0U : state.shadow_enable & ~state.stopped & ~state.failed_drives;
+  if (config.crane.machine == Machine::gantry) enable &= ~(1U << static_cast<unsigned>(Joint::slew));  // it does not slew
   for (std::size_t j = 0; j < joint_count; ++j) {
     const bool on = bit(enable, j);
     if (on && !bit(state.enabled, j)) {

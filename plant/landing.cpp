@@ -262,12 +262,10 @@ void Landing::add_falls(const DockState& s, const Crane& crane, double seconds, 
   const BodyState& b = s.landing.body;
   const Frame frame(b.turn);
   const auto [sp, cp] = sin_cos(q[Q_PSI]);
-  const auto [sf, cf] = sin_cos(q[Q_PHI]);
   const auto [sk, ck] = sin_cos(q[Q_KAPPA]);
   const Vector3 tip = crane.tip(q);
   const Vector3 tip_velocity = crane.tip_velocity(q, qd);
-  const double jib = crane.parameters().jib;
-  const Vector3 luffing{-jib * sf * cp, -jib * sf * sp, jib * cf};
+  const Vector3 luffing = crane.tip_by_luff(q);
   const Vector3 under = underside(s, config_.crane.spreader_mass);
   const double rest = q[Q_L] - s.landing.slack;
   const double stiffness = p_.fall_stiffness / rest;
@@ -333,7 +331,7 @@ void Landing::add_guides(const DockState& s, Forces& sum) const {
     const double excess = error - (narrow + slope * std::max(0.0, height));
     if (excess <= 0.0 || error > p_.guide_window) continue;
     const Vector3 outward = (1.0 / error) * (foot - goal);
-    const double speed = dot(outward, point_velocity(b, arm));
+    const double speed = dot(outward, point_velocity(b, arm) - Vector3{below->vx, below->vy, below->vz});
     const double push = std::max(0.0, p_.guide_stiffness * excess + p_.guide_damping * speed);
     const Vector3 force = -push * outward + Vector3{0.0, 0.0, height > 0.0 ? push * slope : 0.0};
     sum.force = sum.force + force;
@@ -397,7 +395,7 @@ int Landing::take(DockState& s) {
   if (std::fabs(turn) > 0.5 * std::numbers::pi) turn = wrap_angle(turn + std::numbers::pi);
   const double top = below->top - at[2];
 
-  // The container stands still: the momentum of the spreader is shared.
+  // The container rests on what carries it: the momentum of both is shared.
   BodyState& b = s.landing.body;
   const double ms = config_.crane.spreader_mass;
   const double alone = config_.crane.spreader_inertia;
@@ -414,6 +412,7 @@ int Landing::take(DockState& s) {
   const Payload whole = payload(s);
   b.position = at - frame(underside(s, ms));
   b.velocity = (ms / whole.mass) * b.velocity;
+  if (config_.ship.moves()) b.velocity = b.velocity + (1.0 - ms / whole.mass) * Vector3{below->vx, below->vy, below->vz};
   b.spin = (alone / whole.inertia) * b.spin;
   return number;
 }
@@ -449,6 +448,10 @@ int Landing::release(DockState& s) {
   } else if (below != nullptr && (below->kind == Solid::Kind::ship ||
                                   (below->kind == Solid::Kind::container &&
                                    s.containers[static_cast<std::size_t>(below->index)].state == ContainerState::on_ship))) {
+    const auto shift = ship_at(config_, s.containers, seconds_of(s)).place.shift(config_.layout.ship, c.x, c.y, c.z);
+    c.x -= shift[0];  // kept as it lies in calm water
+    c.y -= shift[1];
+    c.z -= shift[2];
     c.state = ContainerState::on_ship;
   }
   // The spreader keeps its own velocity; what the container had, its support takes.

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "plant/math.hpp"
+#include "plant/sensors.hpp"
 
 namespace plant {
 
@@ -13,7 +15,53 @@ Solid make_solid(Solid::Kind kind, int index, double x, double y, double yaw, do
   return {x, y, yaw, half_x, half_y, bottom, top, s, c, kind, index};
 }
 
-ContainerData in_world(const ContainerData& c, const std::vector<AgvState>& agvs) {
+std::array<double, 3> ShipPlace::shift(const Box& ship, double x, double y, double z) const {
+  const double dx = x - 0.5 * (ship.x_min + ship.x_max);
+  const double dy = y - 0.5 * (ship.y_min + ship.y_max);
+  return {surge + pitch * z, sway - roll * z, heave + roll * dy - pitch * dx};
+}
+
+ShipNow ship_at(const DockConfig& config, const std::vector<ContainerData>& containers, double seconds) {
+  const ShipMotion& motion = config.ship;
+  ShipNow now;
+  if (!motion.moves()) return now;
+  struct Row {
+    double ShipPlace::*of;
+    double size, period;  // m or rad, s
+  };
+  constexpr double degree = std::numbers::pi / 180.0;
+  static constexpr std::array<Row, 5> rows = {{{&ShipPlace::surge, 0.2, 80.0},
+                                               {&ShipPlace::sway, 0.1, 60.0},
+                                               {&ShipPlace::heave, 0.1, 10.0},
+                                               {&ShipPlace::roll, 0.5 * degree, 12.0},
+                                               {&ShipPlace::pitch, 0.1 * degree, 8.0}}};
+  static constexpr std::array<std::array<double, 2>, 3> parts = {{{0.6, 1.0}, {0.3, 0.83}, {0.1, 1.31}}};  // of size, of period
+  constexpr int ship_axis = 16;  // keeps the phases apart from other noise
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      const double size = motion.scale * rows[i].size * parts[k][0];
+      const double rate = 2.0 * std::numbers::pi / (rows[i].period * parts[k][1]);
+      const double phase = 2.0 * std::numbers::pi * noise(motion.seed, ship_axis + static_cast<int>(i), static_cast<std::int64_t>(k));
+      const auto [s, c] = sin_cos(rate * seconds + phase);
+      now.place.*rows[i].of += size * s;
+      now.rate.*rows[i].of += size * rate * c;
+    }
+  double gone = 0.0;
+  for (const ContainerData& c : containers)
+    if (c.state != ContainerState::on_ship) gone += c.mass;
+  now.place.heave += motion.draught * gone;
+  return now;
+}
+
+ContainerData in_world(const ContainerData& c, const std::vector<AgvState>& agvs, const Box& ship, const ShipPlace& place) {
+  if (c.state == ContainerState::on_ship) {
+    const auto shift = place.shift(ship, c.x, c.y, c.z);
+    ContainerData world = c;
+    world.x += shift[0];
+    world.y += shift[1];
+    world.z += shift[2];
+    return world;
+  }
   if (c.state != ContainerState::on_agv) return c;
   const auto& y = agvs[static_cast<std::size_t>(c.agv)].y;
   const auto [s, co] = sin_cos(y[A_HEADING]);
@@ -33,6 +81,23 @@ void collect_solids(const DockConfig& config, const std::vector<ContainerData>& 
   };
   add_box(Solid::Kind::ground, {-500.0, 500.0, -500.0, 500.0, -5.0, 0.0});
   add_box(Solid::Kind::ship, config.layout.ship);
+  const Box& ship = config.layout.ship;
+  const ShipNow now = ship_at(config, containers, seconds);
+  const auto ride = [&ship, &now](Solid& solid, double x, double y, double z) {
+    const auto rate = now.rate.shift(ship, x, y, z);
+    solid.vx = rate[0];
+    solid.vy = rate[1];
+    solid.vz = rate[2];
+  };
+  if (config.ship.moves()) {
+    Solid& hull = solids.back();
+    const double z = ship.z_max;
+    const auto shift = now.place.shift(ship, hull.x, hull.y, z);
+    ride(hull, hull.x, hull.y, z);
+    hull.x += shift[0];
+    hull.y += shift[1];
+    hull.top += shift[2];
+  }
   for (const Box& box : config.layout.no_go) add_box(Solid::Kind::fixed, box);
   for (std::size_t i = 0; i < config.layout.movers.size(); ++i) {
     const Mover& mover = config.layout.movers[i];
@@ -52,9 +117,10 @@ void collect_solids(const DockConfig& config, const std::vector<ContainerData>& 
   for (std::size_t i = 0; i < containers.size(); ++i) {
     const ContainerState state = containers[i].state;
     if (static_cast<int>(i) == without || state == ContainerState::carried || state == ContainerState::delivered) continue;
-    const ContainerData c = in_world(containers[i], agvs);
+    const ContainerData c = in_world(containers[i], agvs, ship, now.place);
     solids.push_back(make_solid(Solid::Kind::container, static_cast<int>(i), c.x, c.y, c.yaw, 0.5 * container_length,
                                 0.5 * container_width, c.z, c.z + container_height));
+    if (state == ContainerState::on_ship) ride(solids.back(), containers[i].x, containers[i].y, containers[i].z);
   }
 }
 
@@ -132,11 +198,13 @@ Stretch stretch_over(const Solid& solid, double y) {
 
 }  // namespace
 
-double bay_height(const DockConfig& config, const std::vector<ContainerData>& containers, double x_from, double x_to, double y) {
+double bay_height(const DockConfig& config, const std::vector<ContainerData>& containers, double seconds, double x_from, double x_to, double y) {
+  const ShipPlace place = ship_at(config, containers, seconds).place;
   std::vector<Stretch> stretches;
   std::vector<double> ends = {x_from, x_to};
-  for (const ContainerData& c : containers) {
-    if (c.state != ContainerState::on_ship) continue;
+  for (const ContainerData& still : containers) {
+    if (still.state != ContainerState::on_ship) continue;
+    const ContainerData c = in_world(still, {}, config.layout.ship, place);
     const Stretch s = stretch_over(make_solid(Solid::Kind::container, -1, c.x, c.y, c.yaw, 0.5 * container_length,
                                               0.5 * container_width, c.z, c.z + container_height), y);
     if (s.from >= s.to || s.to <= x_from || s.from >= x_to) continue;
@@ -148,7 +216,7 @@ double bay_height(const DockConfig& config, const std::vector<ContainerData>& co
   double sum = 0.0;
   for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
     const double middle = 0.5 * (ends[i] + ends[i + 1]);
-    double top = config.layout.deck;
+    double top = config.layout.deck + place.shift(config.layout.ship, middle, y, config.layout.deck)[2];
     for (const Stretch& s : stretches)
       if (middle > s.from && middle < s.to) top = std::max(top, s.top);
     sum += top * (ends[i + 1] - ends[i]);

@@ -1,5 +1,6 @@
 #pragma once
 // What stands on the dock and what lies below a point: containers wherever they are, AGV decks, the ship, the ground.
+#include <array>
 #include <vector>
 
 #include "plant/agv.hpp"
@@ -28,8 +29,19 @@ struct Solid {
 
 Solid make_solid(Solid::Kind, int index, double x, double y, double yaw, double half_x, double half_y, double bottom, double top);
 
-// A container's pose in the world.
-ContainerData in_world(const ContainerData&, const std::vector<AgvState>&);
+// How far the ship is from where it lies in calm water, and how fast it moves: at its middle on the quay's level, m and rad.
+struct ShipPlace {
+  double surge = 0.0, sway = 0.0, heave = 0.0, roll = 0.0, pitch = 0.0;
+  // Of a point of the ship that lies at (x, y, z) in calm water.
+  std::array<double, 3> shift(const Box& ship, double x, double y, double z) const;
+};
+struct ShipNow {
+  ShipPlace place, rate;
+};
+ShipNow ship_at(const DockConfig&, const std::vector<ContainerData>&, double seconds);
+
+// A container's pose in the world. On the ship it moves as its place there does, but stays upright.
+ContainerData in_world(const ContainerData&, const std::vector<AgvState>&, const Box& ship, const ShipPlace&);
 
 // Where a mover is, and how fast, at `seconds`.
 struct MoverPlace {
@@ -46,6 +58,6 @@ bool covers(const Solid&, double x, double y);
 bool overlaps(const Solid& a, const Solid& b, double margin);
 
 // Mean height of the topmost surface (container or deck) of the bay between two x along the line y, m.
-double bay_height(const DockConfig&, const std::vector<ContainerData>&, double x_from, double x_to, double y);
+double bay_height(const DockConfig&, const std::vector<ContainerData>&, double seconds, double x_from, double x_to, double y);
 
 }  // namespace plant

@@ -160,6 +160,7 @@ struct Config {
     double capture_window_m = 0.15;
     std::string layout;
     bool protective_field = false;
+    double ship_motion = 0;
     double wind_mean_m_s = 0;
     double wind_gust_m_s = 0;
     double wind_direction_deg = 0;

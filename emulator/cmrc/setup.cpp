@@ -60,6 +60,8 @@ plant::DockConfig dock_of(const Config& config) {
   dock.landing.strict = config.dock.strict_landing;
   dock.landing.guides = config.dock.capture_window_m > 0.0;
   if (dock.landing.guides) dock.landing.guide_window = config.dock.capture_window_m;
+  dock.ship.scale = config.dock.ship_motion;
+  dock.ship.seed = static_cast<std::uint64_t>(config.run.seed);
   dock.wind.mean = config.dock.wind_mean_m_s;
   dock.wind.gust = config.dock.wind_gust_m_s;
   dock.wind.direction = config.dock.wind_direction_deg * std::numbers::pi / 180.0;

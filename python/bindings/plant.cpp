@@ -8,6 +8,7 @@
 #include "plant/crane_alone.hpp"
 #include "plant/dock.hpp"
 #include "plant/layout_file.hpp"
+#include "plant/linkage.hpp"
 #include "plant/motion.hpp"
 #include "plant/ode_crane.hpp"
 #include "plant/state.hpp"
@@ -35,8 +36,11 @@ void bind_crane_parameters(py::module_& m) {
       .def_property_readonly("maximum_torque", &DriveParameters::maximum_torque)
       .def_property_readonly("rated_force", &DriveParameters::rated_force)
       .def_property_readonly("rated_joint_speed", &DriveParameters::rated_joint_speed);
+  py::native_enum<Machine>(m, "Machine", "enum.Enum").value("slewing", Machine::slewing).value("gantry", Machine::gantry).finalize();
+  m.def("gantry_crane", &gantry_crane, "parameters of a ship-to-shore gantry");
   py::class_<CraneParameters>(m, "CraneParameters")
       .def(py::init<>())
+      .def_readwrite("machine", &CraneParameters::machine)
       .def_readwrite("a0", &CraneParameters::a0)
       .def_readwrite("jib", &CraneParameters::jib)
       .def_readwrite("pivot_height", &CraneParameters::pivot_height)
@@ -172,6 +176,8 @@ void bind_config(py::module_& m) {
       .def(py::init<>())
       FIELD(WindParameters, mean) FIELD(WindParameters, gust) FIELD(WindParameters, direction)
       FIELD(WindParameters, area) FIELD(WindParameters, seed);
+  py::class_<ShipMotion>(m, "ShipMotion")
+      FIELD(ShipMotion, scale) FIELD(ShipMotion, draught) FIELD(ShipMotion, seed);
   m.def("wind_speed", &wind_speed, py::arg("wind"), py::arg("seconds"));
   py::class_<Box>(m, "Box")
       .def(py::init<double, double, double, double, double, double>())
@@ -204,7 +210,7 @@ void bind_config(py::module_& m) {
       FIELD(Layout, ship) FIELD(Layout, no_go) FIELD(Layout, movers) FIELD(Layout, spot) FIELD(Layout, warehouse) FIELD(Layout, warehouse_radius)
       FIELD(Layout, warehouse_take) FIELD(Layout, slot_spacing) FIELD(Layout, legs);
   py::class_<DockConfig>(m, "DockConfig")
-      FIELD(DockConfig, crane) FIELD(DockConfig, landing) FIELD(DockConfig, agv) FIELD(DockConfig, sensors) FIELD(DockConfig, wind)
+      FIELD(DockConfig, crane) FIELD(DockConfig, landing) FIELD(DockConfig, agv) FIELD(DockConfig, sensors) FIELD(DockConfig, wind) FIELD(DockConfig, ship)
       FIELD(DockConfig, layout) FIELD(DockConfig, agv_count) FIELD(DockConfig, home) FIELD(DockConfig, tolerance)
       FIELD(DockConfig, signal_decimation) FIELD(DockConfig, method) FIELD(DockConfig, rigid) FIELD(DockConfig, collisions) FIELD(DockConfig, rated_load) FIELD(DockConfig, drive_timeout);
   m.def("default_dock", &default_dock, py::arg("agv_count") = 1);
@@ -212,8 +218,6 @@ void bind_config(py::module_& m) {
   m.def("apply_layout", &apply_layout, py::arg("config"), py::arg("text"), py::arg("name") = "layout");
   m.def("load_layout", &load_layout, py::arg("config"), py::arg("path"));
 }
-
-#undef FIELD
 
 void bind_alone(py::module_& m) {
   py::class_<CraneAlone::State>(m, "CraneAloneState", "Everything that the crane's future depends on; opaque but for reading.")
@@ -386,6 +390,26 @@ void bind_dock(py::module_& m) {
 }
 
 // ODE's contact alone, for tests: a box-shaped body on a solid.
+void bind_linkage(py::module_& m) {
+  py::class_<LinkageParameters>(m, "LinkageParameters")
+      .def(py::init<>())
+      FIELD(LinkageParameters, jib) FIELD(LinkageParameters, jib_mass) FIELD(LinkageParameters, fly)
+      FIELD(LinkageParameters, fly_mass) FIELD(LinkageParameters, back) FIELD(LinkageParameters, tie)
+      FIELD(LinkageParameters, tie_mass) FIELD(LinkageParameters, base_x) FIELD(LinkageParameters, base_z)
+      FIELD(LinkageParameters, load);
+  py::class_<Linkage>(m, "Linkage", "A level-luffing double-link jib in its plane, by IDA.")
+      .def(py::init<const LinkageParameters&, double>(), py::arg("parameters"), py::arg("tolerance") = 1e-9)
+      .def("place", &Linkage::place, py::arg("jib_angle"), py::arg("jib_rate") = 0.0)
+      .def("advance", &Linkage::advance, py::arg("torque"), py::arg("seconds"))
+      .def_property_readonly("angles", &Linkage::angles)
+      .def_property_readonly("rates", &Linkage::rates)
+      .def_property_readonly("nose", &Linkage::nose)
+      .def_property_readonly("open", &Linkage::open)
+      .def_property_readonly("energy", &Linkage::energy)
+      .def_property_readonly("holding_torque", &Linkage::holding_torque)
+      .def_property_readonly("joint_force", &Linkage::joint_force);
+}
+
 void bind_contact(py::module_& m) {
   m.def("swing_in_ode", &swing_in_ode, py::arg("crane"), py::arg("mass"), py::arg("q"), py::arg("qd"), py::arg("force"), py::arg("step"),
         py::arg("steps"));
@@ -430,4 +454,5 @@ void bind_plant(py::module_& core) {
   bind_records(m);
   bind_dock(m);
   bind_contact(m);
+  bind_linkage(m);
 }

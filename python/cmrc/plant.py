@@ -94,6 +94,7 @@ class Sensitivity:
 class Crane:
     """The slewing, luffing crane with its drives, at level L1 (``model="sway"``) or L0 (``"rigid"``).
 
+    ``machine="gantry"`` is the ship-to-shore gantry: psi stays at pi/2, phi is its trolley's place in m, the second torque does nothing.
     ``config`` holds parameters under the names of docs/plant.md (``jib``, ``spreader_mass``, ...), and besides: ``home`` (s, x, y, z, yaw of the spreader),
     ``load_mass`` and ``load_inertia`` of what hangs below the spreader, ``rated_load``, ``model``, ``tolerance``, ``integrator`` ("erk", "adams", "bdf"), ``order`` of "erk" (2 to 6, 8),
     ``bookkeeping`` (keeps ``work``), ``seed``,
@@ -103,7 +104,10 @@ class Crane:
     def __init__(self, config: Mapping[str, Any] | None = None, **keywords: Any) -> None:
         given = {**(config or {}), **keywords}
         options = {name: given.pop(name, default) for name, default in _OPTIONS.items()}
-        parameters = _core.plant.CraneParameters()
+        machine = given.pop("machine", "slewing")
+        if machine not in ("slewing", "gantry"):
+            raise ValueError(f'machine must be "slewing" or "gantry", not {machine!r}')
+        parameters = _core.plant.gantry_crane() if machine == "gantry" else _core.plant.CraneParameters()
         for name, value in given.items():
             if name.startswith("_") or not hasattr(parameters, name):
                 known = sorted([*(n for n in dir(parameters) if not n.startswith("_")), *_OPTIONS])
