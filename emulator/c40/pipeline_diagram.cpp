@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "isa/disassemble.hpp"
-
 namespace c40 {
 
-PipelineDiagram::PipelineDiagram(Cycles first, Cycles last, TraceSink* next) : first_(first), last_(last), next_(next) {
+PipelineDiagram::PipelineDiagram(Cycles first, Cycles last, std::function<std::string(Address, Word)> text, TraceSink* next)
+    : first_(first), last_(last), text_(std::move(text)), next_(next) {
   if (first < 0 || last < first || last - first >= widest)
     throw std::invalid_argument(fmt::format("cycles {} to {}: 1 to {} cycles, the first not negative, can be drawn", first, last, widest));
 }
@@ -44,7 +43,7 @@ void PipelineDiagram::instruction(const TraceRecord& record) {
   std::string stalls;
   for (std::size_t i = 1; i < cause_count; ++i)
     if (record.causes[i] != 0) stalls += fmt::format("  {} {}", name(static_cast<Cause>(i)), record.causes[i]);
-  const std::string instruction = fmt::format("{:08X}  {}", record.pc, isa::disassemble(record.word, record.pc));
+  const std::string instruction = fmt::format("{:08X}  {}", record.pc, text_(record.pc, record.word));
   rows_.push_back({cells, stalls.empty() ? instruction : fmt::format("{:<50}{}", instruction, stalls)});
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 /// The pipeline as the manual's figures draw it: one line per instruction, one column per cycle, each stall labelled.
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,8 @@ class PipelineDiagram final : public TraceSink {
   static constexpr Cycles widest = 200;
 
   /// The cycles from first to last. Throws std::invalid_argument if there are none, or more than `widest`.
-  /// \param next hears everything too; may be null and must outlive this.
-  PipelineDiagram(Cycles first, Cycles last, TraceSink* next = nullptr);
+  /// \param text of the instruction at an address, from its word. \param next hears everything too; may be null and must outlive this.
+  PipelineDiagram(Cycles first, Cycles last, std::function<std::string(Address, Word)> text, TraceSink* next = nullptr);
 
   void instruction(const TraceRecord& record) override;
   void interrupt(Word vector, Cycles cycle) override;
@@ -28,6 +29,7 @@ class PipelineDiagram final : public TraceSink {
   bool put(std::string& cells, Cycles cycle, char letter) const;
 
   Cycles first_, last_;
+  std::function<std::string(Address, Word)> text_;
   TraceSink* next_;
   std::vector<Row> rows_;
 };

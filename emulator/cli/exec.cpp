@@ -3,6 +3,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "c40/chip.hpp"
@@ -15,6 +16,7 @@
 #include "cli/output_file.hpp"
 #include "cli/program.hpp"
 #include "isa/decode.hpp"
+#include "isa/disassemble.hpp"
 #include "machine/board_file.hpp"
 #include "machine/instruction_trace.hpp"
 #include "machine/profile.hpp"
@@ -145,8 +147,33 @@ class Run {
   std::optional<Address> until_;
 };
 
+/// An instruction as its source line has it, without the comment; where none is known, disassembled.
+class InstructionTexts {
+ public:
+  explicit InstructionTexts(const Image& image) {
+    for (const toolchain::LineRecord& line : image.lines) lines_[line.address] = line.second.empty() ? tidy(line.text) : tidy(line.text) + " " + tidy(line.second);
+  }
+  std::string operator()(Address address, Word word) const {
+    const auto line = lines_.find(address);
+    return line == lines_.end() || line->second.empty() ? isa::disassemble(word, address) : line->second;
+  }
+
+ private:
+  static std::string tidy(std::string_view text) {
+    std::string out;
+    for (const char c : text.substr(0, text.find(';'))) {
+      const bool blank = c == ' ' || c == '\t';
+      if (!blank) out += c;
+      else if (!out.empty() && out.back() != ' ') out += ' ';
+    }
+    if (out.ends_with(' ')) out.pop_back();
+    return out;
+  }
+  std::map<Address, std::string> lines_;
+};
+
 /// FIRST:LAST, in cycles.
-c40::PipelineDiagram parse_window(const std::string& text, c40::TraceSink* next) {
+c40::PipelineDiagram parse_window(const std::string& text, const Image& image, c40::TraceSink* next) {
   const std::size_t colon = text.find(':');
   c40::Cycles first = 0, last = 0;
   const auto number = [](std::string_view part, c40::Cycles& value) {
@@ -157,7 +184,7 @@ c40::PipelineDiagram parse_window(const std::string& text, c40::TraceSink* next)
   if (colon == std::string::npos || !number(view.substr(0, colon), first) || !number(view.substr(colon + 1), last))
     throw InputError(fmt::format("--pipeline: \"{}\" is not FIRST:LAST, two numbers of cycles", text));
   try {
-    return {first, last, next};
+    return {first, last, InstructionTexts(image), next};
   } catch (const std::invalid_argument& error) {
     throw InputError(fmt::format("--pipeline: {}", error.what()));
   }
@@ -394,7 +421,7 @@ int exec(const ExecOptions& options) {
   if (options.check) first = &listeners.check.emplace(chip, first);
   listeners.entry = chip.pc();
   if (options.profile) first = &listeners.profile.emplace(listeners.counts, first);
-  if (options.pipeline) first = &listeners.pipeline.emplace(parse_window(*options.pipeline, first));
+  if (options.pipeline) first = &listeners.pipeline.emplace(parse_window(*options.pipeline, image, first));
   chip.set_trace(first);
   std::optional<EventText> events;
   if (options.events) chip.set_peripheral_sink(&events.emplace(*options.events));

@@ -37,14 +37,27 @@ std::vector<report::ProfileRoutine> routines_of(const c40::ProfileCounts& counts
   return all;
 }
 
+/// Data: whatever stands there is a directive, behind a label or not.
+bool is_directive(std::string_view text) {
+  const auto skip = [&text](std::string_view characters, bool these) {
+    const std::size_t n = these ? text.find_first_not_of(characters) : text.find_first_of(characters);
+    text.remove_prefix(std::min(n, text.size()));
+  };
+  constexpr std::string_view blanks = " \t";
+  if (!text.empty() && blanks.find(text.front()) == std::string_view::npos) skip(blanks, false);
+  skip(blanks, true);
+  return text.starts_with('.');
+}
+
 std::vector<report::ProfileLine> lines_of(const c40::ProfileCounts& counts, const toolchain::Image& image, bool all_lines) {
   std::map<Address, report::ProfileLine> lines;
   const auto executed = counts.instructions();
   for (const toolchain::LineRecord& line : image.lines) {
     if (line.section < image.sections.size() && !image.sections[line.section].loaded) continue;
-    if (!all_lines && !executed.contains(line.address)) continue;
+    if (!executed.contains(line.address) && (!all_lines || is_directive(line.text))) continue;
     const std::string file = line.file < image.files.size() ? image.files[line.file] : "";
-    lines[line.address] = {line.address, file, line.line, line.text, cost_of({})};
+    const std::string text = line.second.empty() ? line.text : line.text + "\n" + line.second;
+    lines[line.address] = {line.address, file, line.line, text, cost_of({})};
   }
   for (const auto& [address, entry] : executed) {
     const auto [line, is_new] = lines.try_emplace(address);

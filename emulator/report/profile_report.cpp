@@ -83,7 +83,11 @@ std::string annotated_source(const Profile& profile, const ProfileGroup& group) 
     const bool executed = line.cost.instructions != 0;
     const std::string counts = executed ? fmt::format("{:>12} {:>12}{}", line.cost.instructions, line.cost.cycles, columns.of(line.cost.causes))
                                         : fmt::format("{:>25}{}", "", columns.blank());
-    fmt::format_to(std::back_inserter(out), "{}  {:>4} {:08X} {}\n", counts, line.file.empty() ? "" : fmt::format("{}", line.line), line.address, line.text);
+    const auto end = line.text.find('\n');
+    fmt::format_to(std::back_inserter(out), "{}  {:>4} {:08X} {}\n", counts, line.file.empty() ? "" : fmt::format("{}", line.line), line.address,
+                   line.text.substr(0, end));
+    if (end != std::string::npos)
+      fmt::format_to(std::back_inserter(out), "{:>25}{}  {:>13} {}\n", "", columns.blank(), "", line.text.substr(end + 1));
   }
   return out;
 }
@@ -100,6 +104,11 @@ std::string overview(const Profile& profile) {
   for (const ProfileGroup& group : profile.groups) row(group.name, group.jobs == 0 ? "" : fmt::format("{}", group.jobs), group.total);
   row("total", "", profile.total);
   return out;
+}
+
+std::string mean(const ProfileGroup& group) {
+  if (group.jobs == 0) return "";
+  return fmt::format(", {} jobs, {:.1f} cycles on the mean", group.jobs, static_cast<double>(group.total.cycles) / static_cast<double>(group.jobs));
 }
 
 Json causes_json(const Profile& profile, const CyclesByCause& causes) {
@@ -144,15 +153,6 @@ std::string to_text(const Profile& profile, const ProfileGroup& group) {
 }
 
 std::string to_json(const Profile& profile, const ProfileGroup& group) { return dumped(group_json(profile, group)); }
-
-namespace {
-
-std::string mean(const ProfileGroup& group) {
-  if (group.jobs == 0) return "";
-  return fmt::format(", {} jobs, {:.1f} cycles on the mean", group.jobs, static_cast<double>(group.total.cycles) / static_cast<double>(group.jobs));
-}
-
-}  // namespace
 
 std::string to_text(const Profile& profile) {
   std::string out = "\nprofile: cycles of all DSPs by what they were spent on\n" + overview(profile);

@@ -27,7 +27,7 @@ struct ProfileLine {
   std::uint32_t address = 0;
   std::string file;  ///< empty: no source is known, and text is the disassembly
   int line = 0;
-  std::string text;
+  std::string text;  ///< of a parallel instruction two lines
   ProfileCost cost;  ///< no instructions: not executed
 };
 

@@ -19,6 +19,7 @@ struct LineRecord {
   int line = 0;            ///< Counted from 1.
   std::string text;
   std::uint32_t section = 0;  ///< Index into Image::sections.
+  std::string second;         ///< Of a parallel instruction, the line with the bars; else empty.
 };
 
 struct Image {

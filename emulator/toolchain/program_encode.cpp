@@ -150,8 +150,11 @@ void Program::encode_section(const Section& section, Image& image, std::vector<D
     }
     const auto words = encode_item(section, item, image, diagnostics, relocations);
     const auto file = std::find(image.files.begin(), image.files.end(), *item.line->file);
+    const auto* instruction = std::get_if<InstructionItem>(&item.content);
+    const bool parallel = instruction != nullptr && instruction->second_line != nullptr;
     image.lines.push_back({section.address + item.offset, static_cast<std::uint32_t>(file - image.files.begin()),
-                           item.line->number, item.line->text, static_cast<std::uint32_t>(image.sections.size())});
+                           item.line->number, item.line->text, static_cast<std::uint32_t>(image.sections.size()),
+                           parallel ? instruction->second_line->text : ""});
     if (file == image.files.end()) image.files.push_back(*item.line->file);
     out.words.insert(out.words.end(), words.begin(), words.end());
   }

@@ -30,8 +30,10 @@ Number next_number(std::string_view& line, int base) {
 std::string source_map(const Image& image, const std::filesystem::path& base) {
   std::string out;
   for (const std::string& file : image.files) out += fmt::format("file {}\n", std::filesystem::path(file).lexically_proximate(base).generic_string());
-  for (const LineRecord& line : image.lines)
+  for (const LineRecord& line : image.lines) {
     out += fmt::format("line {:x} {} {} {} {}\n", line.address, line.section, line.file, line.line, line.text);
+    if (!line.second.empty()) out += fmt::format("second {}\n", line.second);
+  }
   return out;
 }
 
@@ -42,6 +44,10 @@ void add_source_map(Image& image, std::string_view map) {
     const std::string_view what = next_word(line);
     if (what == "file") {
       image.files.emplace_back(line);
+      continue;
+    }
+    if (what == "second" && !image.lines.empty()) {
+      image.lines.back().second = line;
       continue;
     }
     if (what != "line") throw std::invalid_argument(fmt::format("source map: \"{}\" begins no line of one", what));

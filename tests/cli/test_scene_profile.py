@@ -93,7 +93,10 @@ def test_lines_are_those_of_the_source() -> None:
     lines = result.profile.lines
     for i in range(lines.rows):
         row = lines.row(i)
-        assert sources[row["file"]][int(row["line"]) - 1] == row["text"]
+        first, _, second = row["text"].partition("\n")
+        assert sources[row["file"]][int(row["line"]) - 1] == first
+        assert ("||" in second) == (second != "") and second in ["", *sources[row["file"]]]
+    assert any("||" in text for text in lines["text"])
     assert {"executive.asm", "kernels/pid.asm", "lib/arithmetic.asm"} <= set(lines["file"])
 
 
