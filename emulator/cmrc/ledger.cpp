@@ -296,8 +296,6 @@ void Ledger::slot_failed(unsigned number, Time at) {
   }
 }
 
-void Ledger::slot_off(unsigned number, Time at) { timeline_.slot(number, SlotState::off, at); }
-
 // ---- the host's refresh ----------------------------------------------------------------------------------------------------
 
 void Ledger::refresh_began(Time at) {

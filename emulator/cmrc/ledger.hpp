@@ -74,10 +74,8 @@ class Ledger {
   void dropped(std::size_t block, Time at);
   /// The host has seen FFh and taken the block out. \returns what became of the job.
   report::Outcome removed(std::size_t block);
-  /// A DSP has died or been pulled; what it was running is lost unless it is recomputed.
+  /// A DSP has died, hung, been pulled or reset; what it was running is lost unless it is recomputed.
   void slot_failed(unsigned slot, Time at);
-  /// A DSP was reset or is about to start.
-  void slot_off(unsigned slot, Time at);
 
   /// Statistics, chains of causes, and the audit, with the jobs that are still open booked as they stand at `now`.
   struct Told {
