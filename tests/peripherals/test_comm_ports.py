@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 from typing import Any
 
@@ -131,7 +132,7 @@ def test_one_way_stream_is_a_word_per_five_cycles() -> None:
     network.join(0, 1, 1, 5)
     network.run(1000 * PERIOD)
     reads = [done for chip, _, _, done in network.log if chip == 1]
-    assert {b - a for a, b in zip(reads, reads[1:], strict=False)} == {5}
+    assert {b - a for a, b in itertools.pairwise(reads)} == {5}
     assert [network.chips[1].peek(DATA + i) for i in range(60)] == list(range(1, 61))
     network.balance()
 
@@ -151,10 +152,10 @@ def test_both_ways_saturated_is_a_word_per_22_cycles_each_way() -> None:
     network.run(700 * PERIOD)
     for side in (0, 1):
         ends = [event["time"] for event in link.events if event["kind"] == "word" and event["side"] == side]
-        gaps = [(b - a) // PERIOD for a, b in zip(ends, ends[1:], strict=False)]
+        gaps = [(b - a) // PERIOD for a, b in itertools.pairwise(ends)]
         assert len(gaps) > 20 and set(gaps[1:]) == {22}
     sides = [event["side"] for event in link.events if event["kind"] == "word"]
-    assert all(a != b for a, b in zip(sides[2:], sides[3:], strict=False))
+    assert all(a != b for a, b in itertools.pairwise(sides))
     network.balance()
 
 
@@ -204,7 +205,7 @@ def test_two_clocks_stream_at_the_senders_rate() -> None:
         ends = [event["time"] for event in link.events if event["kind"] == "word"]
         assert len(ends) == 8  # the peer's FIFO
         ticks = [round(time * hertz[0] / 10**12) for time in ends]
-        assert {b - a for a, b in zip(ticks, ticks[1:], strict=False)} == {5}
+        assert {b - a for a, b in itertools.pairwise(ticks)} == {5}
         assert all(time == tick * 10**12 // hertz[0] for time, tick in zip(ends, ticks, strict=True))
 
 

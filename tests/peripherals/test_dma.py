@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import pytest
@@ -30,14 +31,14 @@ def chip_with(text: str, board: str = "default", at: int = CODE) -> tuple[Any, A
 
 def channel(chip: Any, n: int, control: int, **registers: int) -> None:
     base = 0x1000A0 + 0x10 * n
-    names = dict(source=1, source_index=2, counter=3, destination=4, destination_index=5, link=6, auxiliary_counter=7, auxiliary_link=8)
+    names = {"source": 1, "source_index": 2, "counter": 3, "destination": 4, "destination_index": 5, "link": 6, "auxiliary_counter": 7, "auxiliary_link": 8}
     for name, value in registers.items():
         chip.poke(base + names[name], value & 0xFFFFFFFF)
     chip.poke(base, control)
 
 
 def copy(chip: Any, n: int, source: int, destination: int, count: int, control: int = RUN | STOP_AT_END | TCC, **more: int) -> None:
-    settings = dict(source_index=1, destination_index=1, source=source, destination=destination, counter=count) | more
+    settings = {"source_index": 1, "destination_index": 1, "source": source, "destination": destination, "counter": count} | more
     channel(chip, n, control, **settings)
 
 
@@ -356,13 +357,13 @@ def test_two_chips_stream_by_dma_at_the_links_rate() -> None:
     network.run(700 * PERIOD)
     assert [b.peek(BLOCK0 + i) for i in range(100)] == words
     ends = [event["time"] // PERIOD for event in link.events if event["kind"] == "word"]
-    assert {y - x for x, y in zip(ends, ends[1:], strict=False)} == {5}
+    assert {y - x for x, y in itertools.pairwise(ends)} == {5}
     network.balance()
     assert b.get("IIF") == 1 << 28
 
 
 def test_the_processor_works_while_the_dma_waits_for_a_window() -> None:
-    chip, image = chip_with("        rpts 99\n        addi 1,r0\nend:    bu end\n")
+    chip, _image = chip_with("        rpts 99\n        addi 1,r0\nend:    bu end\n")
     copy(chip, 0, 0xC0000000, BLOCK0, 1)
     stop = chip.run(1000)
     assert stop["reason"] == "external_access"
@@ -377,7 +378,7 @@ def test_the_processor_works_while_the_dma_waits_for_a_window() -> None:
 def test_both_ways_of_execution_agree_with_the_dma_beside() -> None:
     found = []
     for exact in (False, True):
-        chip, image = chip_with(READS.replace("end:    bu end", "        ldi *ar2,r5\n") + IDLE, at=0x300000)
+        chip, _image = chip_with(READS.replace("end:    bu end", "        ldi *ar2,r5\n") + IDLE, at=0x300000)
         chip.set_exact(exact)
         chip.set("AR0", BLOCK0)
         chip.set("AR1", BLOCK0 + 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import random
 from typing import Any
 
@@ -57,7 +58,7 @@ def test_golden_vectors(timer: int, control: int, period: int, cycles: int) -> N
     started = chip.cycle
     taken = interrupts(chip, 5 * cycles)
     assert [at - started for at in taken][:2] == [2 * period, 2 * period + cycles]
-    assert {b - a for a, b in zip(taken, taken[1:], strict=False)} == {cycles}
+    assert {b - a for a, b in itertools.pairwise(taken)} == {cycles}
     assert sum(chip.causes.values()) == chip.cycle
 
 
@@ -103,7 +104,7 @@ def test_the_flag_stays_while_the_interrupt_is_off() -> None:
 
 def test_an_external_clock_counts_rising_edges_and_inverted_ones() -> None:
     for inverted in (0, 0x400):
-        chip, image = program(1, 0xC1 | inverted, 3)  # FUNC, GO, HLD; clock from the pin; pulse mode
+        chip, _image = program(1, 0xC1 | inverted, 3)  # FUNC, GO, HLD; clock from the pin; pulse mode
         chip.run(100)
         counts = []
         for _ in range(4):
