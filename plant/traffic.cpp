@@ -62,6 +62,7 @@ bool Traffic::impact(AgvState& agv, AgvState* other, const Solid& obstacle, cons
   Side there{obstacle.vx * t.nx + obstacle.vy * t.ny, 0.0};
   if (other != nullptr) there = side_of(body_of(config_.agv, *other), t);
   speed = there.speed - here.speed;
+  const bool first = !agv.bumped || (other != nullptr && !other->bumped);
   if (speed > 0.0) {
     const double impulse = speed / (here.give + there.give);
     push(config_.agv, agv, t, impulse);
@@ -75,7 +76,7 @@ bool Traffic::impact(AgvState& agv, AgvState* other, const Solid& obstacle, cons
     other->y[A_X] -= share * t.depth * t.nx;
     other->y[A_Y] -= share * t.depth * t.ny;
   }
-  return speed > felt;
+  return first && speed > felt;
 }
 
 void Traffic::collide(std::vector<AgvState>& agvs, const std::vector<Solid>& solids, const Hear& hear) {

@@ -17,7 +17,7 @@ JOINTS = {"s": "gantry, m", "psi": "slew, rad", "phi": "luff, rad", "l": "rope, 
 
 def plan(recording: Recording, axes: Axes) -> None:
     """From above: ship, fixed boxes, containers, lanes, the load's path, the AGVs' paths with their outlines at the end."""
-    from matplotlib.patches import Polygon
+    from matplotlib.patches import Circle, Polygon
 
     layout, signals = recording["layout"], recording["signals"]
 
@@ -42,6 +42,10 @@ def plan(recording: Recording, axes: Axes) -> None:
         x, y = signals[f"agv{i}_x_m"], signals[f"agv{i}_y_m"]
         (path,) = axes.plot(x, y, lw=1.2, label=f"AGV {i}")
         outline(x[-1], y[-1], signals[f"agv{i}_heading_rad"][-1], layout["agv"]["length"], layout["agv"]["width"], fill=False, ec=path.get_color())
+    for i, (radius, _) in enumerate(layout["movers"]):
+        x, y = signals[f"mover{i}_x_m"], signals[f"mover{i}_y_m"]
+        axes.plot(x, y, "tab:red", lw=0.8, ls=":", label="obstacles" if i == 0 else None)
+        axes.add_patch(Circle((x[-1], y[-1]), radius, fc="tab:red", ec="k", alpha=0.6))
     axes.set(aspect="equal", xlabel="x, m", ylabel="y, m", title="plan")
     axes.legend(fontsize=7)
 

@@ -20,7 +20,7 @@ from cmrc import _core
 from cmrc.simulation import Setting, Simulation
 
 Recording = dict[str, Any]
-FORMAT = 1
+FORMAT = 2
 
 
 def record(simulation: Simulation, step_s: float = 0.1) -> Recording:
@@ -39,6 +39,9 @@ def record(simulation: Simulation, step_s: float = 0.1) -> Recording:
     signals = simulation.result().signals
     every = max(1, round(step_s / max(1e-9, float(signals["time_s"][1] - signals["time_s"][0])))) if signals.rows > 1 else 1
     kept = {name: np.round(np.asarray(column[::every], dtype=float), 5).tolist() for name, column in signals.items()}
+    for i, mover in enumerate(_dock(settings).layout.movers):
+        places = [_core.plant.mover_place(mover, t) for t in kept["time_s"]]
+        kept |= {f"mover{i}_{axis}_m": [round(p[k], 5) for p in places] for k, axis in enumerate("xy")}
     return {
         "format": FORMAT,
         "settings": settings,
@@ -111,8 +114,15 @@ def _per_slice(counts: list[dict[str, tuple[int, int]]]) -> dict[str, list[tuple
     return {kind: row for kind, row in rows.items() if any(on_time or missed for on_time, missed in row)}
 
 
-def _layout(settings: Mapping[str, Any]) -> dict[str, Any]:
+def _dock(settings: Mapping[str, Any]) -> Any:
     config = _core.plant.default_dock(int(settings["dock.agvs"]))
+    if settings["dock.layout"]:
+        _core.plant.load_layout(config, settings["dock.layout"])
+    return config
+
+
+def _layout(settings: Mapping[str, Any]) -> dict[str, Any]:
+    config = _dock(settings)
     layout, crane, agv = config.layout, config.crane, config.agv
 
     def box(b: Any) -> list[float]:
@@ -123,6 +133,7 @@ def _layout(settings: Mapping[str, Any]) -> dict[str, Any]:
         "containers": [[c.x, c.y, c.z, c.yaw] for c in layout.containers[: int(settings["dock.containers"])]],
         "ship": box(layout.ship),
         "boxes": [box(b) for b in layout.no_go],
+        "movers": [[m.radius, m.height] for m in layout.movers],
         "lanes": [[s.x, s.y, s.heading, s.length, s.curvature] for leg in layout.legs for s in leg],
         "crane": {"a0": crane.a0, "pivot": crane.pivot_height, "cw": crane.counterweight_radius},
         "agv": {"count": config.agv_count, "length": agv.length, "width": agv.width, "deck": agv.deck_height},

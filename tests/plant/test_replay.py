@@ -13,8 +13,16 @@ from cmrc import replay
 
 
 @pytest.fixture(scope="module")
-def recording() -> replay.Recording:
-    return replay.record(cmrc.Simulation(duration_s=0.5, agvs=2))
+def recording(tmp_path_factory) -> replay.Recording:
+    layout = tmp_path_factory.mktemp("dock") / "layout.toml"
+    layout.write_text("[[posts]]\nx_m = 34\ny_m = 12\n[[movers]]\npath = [[0, 30, 0], [2, 30, 3]]\n", encoding="utf-8")
+    return replay.record(cmrc.Simulation(duration_s=0.5, agvs=2, settings={"dock.layout": str(layout)}))
+
+
+def test_obstacles_are_recorded_where_they_are(recording):
+    assert [radius for radius, _ in recording["layout"]["movers"]] == [0.4, 0.3]  # the mover, the post
+    assert recording["signals"]["mover0_y_m"][-1] > recording["signals"]["mover0_y_m"][0] == 0.0
+    assert set(recording["signals"]["mover1_x_m"]) == {34.0}
 
 
 def test_a_recording_holds_every_job_of_the_report(recording):
