@@ -8,6 +8,7 @@
 #include "cli/options.hpp"
 #include "cmrc/config.hpp"
 #include "machine/board_file.hpp"
+#include "machine/network.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/diagnostics.hpp"
 #include "toolchain/linker.hpp"
@@ -118,18 +119,24 @@ void declare_disassemble(CLI::App& app, cli::DisassembleOptions& options) {
 }
 
 void declare_exec(CLI::App& app, cli::ExecOptions& options) {
-  app.add_option("PROGRAM", options.program, "COFF executable, .asm, .s or .hex")->required();
+  app.add_option("PROGRAM", options.programs, "COFF executable, .asm, .s or .hex; of several, one for each chip of a network (docs/networks.md)");
   app.add_option("-I,--include", options.include_directories, "Look here for included files")
       ->type_name("DIR")
       ->allow_extra_args(false);
   app.add_option("--until", options.until, "Stop before the instruction there")->type_name("SYMBOL|ADDRESS");
   app.add_option("--max-cycles", options.max_cycles, "Stop after so many cycles (default 100000000)")
       ->check(CLI::PositiveNumber);
-  app.add_option("--dump", options.dumps, "Print so many words from there")->type_name("ADDRESS:COUNT");
+  app.add_option("--dump", options.dumps, "Print so many words from there")->type_name("[CHIP:]ADDRESS:COUNT")->allow_extra_args(false);
   app.add_flag("--json", options.json, "Print the result as JSON");
-  app.add_option("--board", options.board,
-                 "default: the CMRC board's memory map; flat: zero-wait RAM everywhere; or a board file (docs/cli.md)")
-      ->type_name("default|flat|FILE.toml");
+  app.add_option("--board", options.boards,
+                 "default: the CMRC board's memory map; flat: zero-wait RAM everywhere; or a board file (docs/cli.md); of a network one for all or one for each chip")
+      ->type_name("default|flat|FILE.toml")
+      ->allow_extra_args(false);
+  app.add_option("--link", options.links, "Join two communication ports")->type_name("CHIP.PORT:CHIP.PORT")->allow_extra_args(false);
+  app.add_option("--topology", options.topology, "Chips and their links: ring, line, grid, torus or hypercube")->type_name("ring:4|grid:4x4|...");
+  app.add_option("--network", options.network, "Chips, links, memories and events from a file (docs/networks.md)")->type_name("FILE.toml");
+  app.add_option("--link-trace", options.link_trace, "Write the words and tokens on the links")->type_name("FILE");
+  app.add_option("--turn-order", options.turn_order, "Shuffle which chip is advanced first; changes nothing")->type_name("SEED");
   app.add_option("--load-at", options.load_at, "Where a .hex file stands and starts")->type_name("ADDRESS");
   app.add_option("--entry", options.entry, "Start here instead of at the program's entry")->type_name("SYMBOL|ADDRESS");
   app.add_option("--boot", options.boot, "From reset, by the boot ROM's loader: the program comes through port 0 to 5, or stands as a stream at ADDRESS")
@@ -173,6 +180,8 @@ int guarded(const Action& action) {
   try {
     return action();
   } catch (const cli::InputError& error) {
+    return fail(error.what(), cli::bad_input);
+  } catch (const machine::NetworkError& error) {
     return fail(error.what(), cli::bad_input);
   } catch (const machine::BoardError& error) {
     return fail(error.what(), cli::bad_input);
@@ -225,7 +234,7 @@ int main(int argc, char** argv) {
   add_command(app, "link", "Link objects to a program", declare_link, cli::link, link_options, action);
   add_command(app, "classify", "Count what every 32-bit word is: an instruction, or reserved and why", declare_classify,
               cli::classify, classify_options, action);
-  add_command(app, "exec", "Run a program on one chip", declare_exec, cli::exec, exec_options, action);
+  add_command(app, "exec", "Run a program on one chip, or programs on a network of chips", declare_exec, cli::exec, exec_options, action);
   add_command(app, "trace-diff", "Find where two traces part (exit status 1 if they do)", declare_trace_diff,
               cli::trace_diff, trace_diff_options, action);
   add_command(app, "vectors", "Run single-step vectors (exit status 1 if one fails)", declare_vectors, cli::vectors,

@@ -15,11 +15,11 @@
 #include "cli/options.hpp"
 #include "cli/output_file.hpp"
 #include "cli/program.hpp"
-#include "isa/decode.hpp"
 #include "isa/disassemble.hpp"
 #include "machine/board_file.hpp"
 #include "machine/instruction_trace.hpp"
 #include "machine/profile.hpp"
+#include "machine/program_end.hpp"
 #include "report/trace_text.hpp"
 
 namespace cli {
@@ -54,30 +54,12 @@ void load(c40::Chip& chip, const Image& image, const std::string& board) {
   }
 }
 
-bool is_idle(const isa::Instruction& instruction) { return instruction.row->mnemonic == "idle"; }
-
-/// An unconditional branch to itself: how a program says that it has ended.
-bool is_halt(const isa::Instruction& instruction, Address pc) {
-  const isa::Operand& target = instruction.src1;
-  return (instruction.row->mnemonic == "b?" || instruction.row->mnemonic == "br") &&
-         instruction.condition == isa::Condition::U && target.is(isa::Operand::Kind::target) &&
-         pc + static_cast<Address>(target.value) == pc;
-}
-
 /// Stops at a branch to itself and at an IDLE that nothing can end; the words that may be one are breakpoints.
 class Run {
  public:
   Run(c40::Chip& chip, const Image& image, std::optional<Address> until) : chip_(chip), until_(until) {
     if (until_) chip_.add_breakpoint(*until_);
-    for (const Image::Section& section : image.sections) {
-      Address address = section.address;
-      for (const Word word : section.words) {
-        const isa::Decoded decoded = isa::decode(word);
-        const auto* instruction = std::get_if<isa::Instruction>(&decoded);
-        if (instruction && (is_idle(*instruction) || is_halt(*instruction, address))) chip_.add_breakpoint(address);
-        ++address;
-      }
-    }
+    for (const Address end : machine::program_ends(image)) chip_.add_breakpoint(end);
   }
 
   Outcome run(c40::Cycles limit) {
@@ -105,9 +87,7 @@ class Run {
   std::optional<Outcome> at_breakpoint() {
     const Address pc = chip_.pc();
     if (until_ && pc == *until_) return Outcome{"until", fmt::format("reached {:08X}h", pc)};
-    const isa::Decoded decoded = isa::decode(chip_.peek(pc));
-    const auto* instruction = std::get_if<isa::Instruction>(&decoded);
-    if (instruction && is_halt(*instruction, pc))
+    if (machine::program_end(chip_.peek(pc), pc) == machine::ProgramEnd::halt)
       return Outcome{"halt", fmt::format("branch to itself at {:08X}h", pc)};
     const c40::StopInfo stop = chip_.step();
     if (stop.reason == c40::StopInfo::Reason::fault || stop.reason == c40::StopInfo::Reason::external_access ||
@@ -382,8 +362,12 @@ std::vector<Word> stream_for(const Image& image, const c40::Board& board, const 
 }  // namespace
 
 int exec(const ExecOptions& options) {
-  const machine::BoardDescription chosen = machine::read_board(options.board);
-  const Image image = read_program(options.program, options.include_directories, options.load_at);
+  if (options.programs.size() > 1 || options.network || options.topology || !options.links.empty()) return exec_network(options);
+  if (options.programs.empty()) throw InputError("exec: a program is expected, or --network FILE.toml");
+  if (options.boards.size() > 1) throw InputError("--board: one chip has one board");
+  if (options.link_trace) throw InputError("--link-trace: there is no link");
+  const machine::BoardDescription chosen = machine::read_board(options.boards.empty() ? "default" : options.boards.front());
+  const Image image = read_program(options.programs.front(), options.include_directories, options.load_at);
   for (const std::string& warning : image.warnings) fmt::print(stderr, "{}\n", warning);
   std::optional<Address> until;
   if (options.until) until = parse_address(*options.until, &image, "--until");

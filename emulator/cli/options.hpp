@@ -93,17 +93,22 @@ struct DisassembleOptions {
 };
 
 struct ExecOptions {
-  std::string program;
+  std::vector<std::string> programs;
   std::vector<std::string> include_directories;
   std::optional<std::string> until;
   std::int64_t max_cycles = 100'000'000;
   std::vector<std::string> dumps;  ///< ADDRESS:COUNT
   bool json = false;
-  std::string board = "default";
+  std::vector<std::string> boards;  ///< none: default
   std::optional<std::string> load_at;
   std::optional<std::string> entry;
   std::optional<std::string> boot;  ///< a port 0 to 5, or an address
   bool peripherals = false;
+  std::vector<std::string> links;  ///< CHIP.PORT:CHIP.PORT
+  std::optional<std::string> topology;
+  std::optional<std::string> network;
+  std::optional<std::string> link_trace;
+  std::uint64_t turn_order = 0;
   std::optional<std::string> trace;
   std::optional<std::string> events;
   bool check = false;
@@ -133,6 +138,7 @@ int disassemble(const DisassembleOptions& options);
 int link(const LinkOptions& options);
 int classify(const ClassifyOptions& options);
 int exec(const ExecOptions& options);
+int exec_network(const ExecOptions& options);
 int trace_diff(const TraceDiffOptions& options);
 int vectors(const VectorOptions& options);
 

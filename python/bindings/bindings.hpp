@@ -12,5 +12,6 @@ void bind_toolchain(py::module_& core);
 void bind_bus_model(py::module_& core);
 void bind_plant(py::module_& core);
 void bind_machine(py::module_& core);
+void bind_network(py::module_& core);
 void bind_cmrc(py::module_& core);
 void bind_why_late(py::module_& core);

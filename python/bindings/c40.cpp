@@ -12,6 +12,7 @@
 #include "c40/peripherals/register_map.hpp"
 #include "c40/self_check.hpp"
 #include "python/bindings/bindings.hpp"
+#include "python/bindings/chip_inspection.hpp"
 #include "toolchain/assembler.hpp"
 #include "machine/board_file.hpp"
 
@@ -21,21 +22,9 @@ using c40::Cycles;
 using c40::Float40;
 using c40::Word;
 
-isa::Register register_of(const std::string& name) {
-  if (const auto r = isa::register_named(name)) return *r;
-  throw py::key_error("no register is called " + name);
-}
-
 std::uint64_t bits(Float40 x) { return c40::float40::bits(x); }
 Float40 from_bits(std::uint64_t bits) { return c40::float40::from_bits(bits); }
 std::pair<std::uint64_t, Word> pair(const c40::FloatResult& r) { return {bits(r.value), r.flags}; }
-
-/// The exact value of a register as a Python number m * 2**e.
-py::object value_of(Float40 x) {
-  const std::int64_t m = c40::float40::mantissa(x);
-  return py::module_::import("fractions").attr("Fraction")(m) *
-         py::module_::import("fractions").attr("Fraction")(2).attr("__pow__")(x.e - 31);
-}
 
 std::string reason_name(c40::StopInfo::Reason reason) {
   switch (reason) {
@@ -88,13 +77,6 @@ py::dict describe(const c40::Chip& chip, const c40::StopInfo& stop) {
     out["word"] = stop.fault->word;
     out["address"] = stop.fault->address;
   }
-  return out;
-}
-
-py::dict causes_of(const c40::Causes& causes) {
-  py::dict out;
-  for (std::size_t i = 0; i < c40::cause_count; ++i)
-    out[py::str(std::string(c40::name(static_cast<c40::Cause>(i))))] = causes[i];
   return out;
 }
 
@@ -200,16 +182,6 @@ std::uint64_t digest(const c40::Memory& memory) {
   return sum;
 }
 
-py::dict port_of(const c40::CommPort& port) {
-  const c40::PortTraffic& t = port.traffic;
-  const auto words = [](const c40::Fifo& fifo) { return std::vector<Word>(fifo.words().begin(), fifo.words().end()); };
-  return py::dict(py::arg("input") = words(port.input), py::arg("output") = words(port.output), py::arg("token") = port.token,
-                  py::arg("input_halted") = port.input_halted, py::arg("output_halted") = port.output_halted,
-                  py::arg("control") = port.control(), py::arg("written") = t.written, py::arg("sent") = t.sent,
-                  py::arg("received") = t.received, py::arg("read") = t.read, py::arg("discarded_input") = t.discarded_input,
-                  py::arg("discarded_output") = t.discarded_output);
-}
-
 /// A link of two processors; its events as dicts.
 class Link : public c40::LinkListener {
  public:
@@ -261,8 +233,8 @@ void bind_link(py::module_& m) {
 }
 
 void bind_processor(py::module_& m) {
-  py::class_<Processor>(m, "Processor", "One TMS320C40 on board `default`, `flat` (rulings.md 26), or one that a TOML file describes.")
-      .def(py::init<const std::string&, bool>(), py::arg("board") = "default", py::arg("checks") = false)
+  py::class_<Processor> processor(m, "Processor", "One TMS320C40 on board `default`, `flat` (rulings.md 26), or one that a TOML file describes.");
+  processor.def(py::init<const std::string&, bool>(), py::arg("board") = "default", py::arg("checks") = false)
       .def("diagnostics", &Processor::diagnostics, "Rules that the program broke, with checks on.")
       .def("load_words", &Processor::load_words, py::arg("address"), py::arg("words"))
       .def("load_image", &Processor::load_image, "Loads the sections of an image and sets the PC to its entry.")
@@ -279,7 +251,6 @@ void bind_processor(py::module_& m) {
            py::arg("value"), py::arg("arbitration") = 0, py::arg("transfer") = 0)
       .def("complete_write", [](Processor& p, Cycles arbitration, Cycles transfer) { p.chip.complete_write(arbitration, transfer); },
            py::arg("arbitration") = 0, py::arg("transfer") = 0)
-      .def("port", [](const Processor& p, int n) { return port_of(p.chip.port(n)); }, "FIFOs, halts, token and counters of a communication port.")
       .def("complete_port", [](Processor& p, Cycles at) { p.chip.complete_port(at); }, py::arg("at"))
       .def("deliver", [](Processor& p, int n, Word word) {
         if (p.chip.port(n).input.full()) throw py::value_error("the input FIFO is full");
@@ -299,8 +270,6 @@ void bind_processor(py::module_& m) {
       .def("record_events", &Processor::record_events)
       .def_readonly("events", &Processor::events)
       .def("set_timer_pin", [](Processor& p, int timer, bool level) { p.chip.set_timer_pin(timer, level); })
-      .def("timer_pin", [](const Processor& p, int timer) { return p.chip.timer_pin(timer); })
-      .def("peripheral", [](const Processor& p, const std::string& name) { return p.chip.peripheral(name); })
       .def_property_readonly("dma_active", [](const Processor& p) { return p.chip.dma_active(); })
       .def_property_readonly("settled", [](const Processor& p) { return p.chip.settled(); })
       .def_property_readonly("watches_ports", [](const Processor& p) { return p.chip.watches_ports(); })
@@ -310,29 +279,8 @@ void bind_processor(py::module_& m) {
       .def("locked", [](const Processor& p, bool global) { return p.chip.locked(global); }, py::arg("global_bus"),
            "Whether LOCK of the global, LLOCK of the local bus is low.")
       .def("set_exact", [](Processor& p, bool exact) { p.chip.set_exact(exact); }, "One instruction at a time, no blocks.")
-      .def("peek", [](const Processor& p, c40::Address a) { return p.chip.peek(a); })
-      .def("poke", [](Processor& p, c40::Address a, Word v) { p.chip.poke(a, v); })
-      .def("read", [](const Processor& p, c40::Address a, std::size_t count) {
-        std::vector<Word> words(count);
-        for (auto& word : words) word = p.chip.peek(a++);
-        return words;
-      })
-      .def("get", [](const Processor& p, const std::string& name) -> std::uint64_t {
-        if (const auto e = isa::expansion_named(name)) return p.chip.expansion(*e);
-        return p.chip.register_value(register_of(name));
-      }, "A register by name: 40 bits for R0 to R11, exponent in 39..32.")
-      .def("set", [](Processor& p, const std::string& name, std::uint64_t value) {
-        if (const auto e = isa::expansion_named(name)) return p.chip.set_expansion(*e, static_cast<Word>(value));
-        p.chip.set_register(register_of(name), value);
-      })
-      .def("value", [](const Processor& p, const std::string& name) { return value_of(p.chip.float_register(register_of(name))); },
-           "The exact value of R0 to R11 as a Fraction.")
-      .def_property("pc", [](const Processor& p) { return p.chip.pc(); }, [](Processor& p, c40::Address pc) { p.chip.set_pc(pc); })
-      .def_property_readonly("cycle", [](const Processor& p) { return p.chip.cycle(); })
-      .def_property_readonly("instructions", [](const Processor& p) { return p.chip.instructions(); })
-      .def_property_readonly("causes", [](const Processor& p) { return causes_of(p.chip.causes()); })
-      .def_property_readonly("idle", [](const Processor& p) { return p.chip.idle(); })
-      .def_property_readonly("halted", [](const Processor& p) { return p.chip.halted(); });
+      .def_property("pc", [](const Processor& p) { return p.chip.pc(); }, [](Processor& p, c40::Address pc) { p.chip.set_pc(pc); });
+  bind_inspection(processor, [](auto& p) -> auto& { return p.chip; });
 }
 
 void bind_float40(py::module_& m) {

@@ -2,6 +2,7 @@
 from cmrc._core import c40 as c40
 from cmrc._core import cmrc as cmrc
 from cmrc._core import isa as isa
+from cmrc._core import network as network
 from cmrc._core import plant as plant
 from cmrc._core import toolchain as toolchain
 from cmrc._core import trace as trace

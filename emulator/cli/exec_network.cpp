@@ -1,0 +1,214 @@
+// emulator exec with several programs: a network of chips.
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "cli/network_file.hpp"
+#include "cli/options.hpp"
+#include "cli/output_file.hpp"
+#include "cli/program.hpp"
+
+namespace cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using machine::ChipStatus;
+using machine::Network;
+
+struct Dump {
+  std::size_t chip = 0;
+  c40::Address address = 0, count = 0;
+};
+
+void refuse_options_of_one_chip(const ExecOptions& options) {
+  const auto refuse = [](bool given, const char* option) {
+    if (given) throw InputError(fmt::format("{}: a network has no such option; of one chip alone it can be asked for", option));
+  };
+  refuse(options.trace.has_value(), "--trace");
+  refuse(options.check, "--check");
+  refuse(options.profile, "--profile");
+  refuse(options.pipeline.has_value(), "--pipeline");
+  refuse(options.load_at.has_value(), "--load-at");
+}
+
+machine::NetworkDescription described(const ExecOptions& options) {
+  if (options.network) {
+    if (!options.programs.empty() || !options.links.empty() || options.topology || !options.boards.empty())
+      throw InputError("--network: the file says programs, boards and links; the command line does not");
+    return read_network(*options.network, options.include_directories);
+  }
+  machine::NetworkDescription network;
+  std::size_t chips = options.programs.size();
+  if (options.topology) {
+    try {
+      chips = machine::set_topology(network, *options.topology);
+    } catch (const machine::NetworkError& error) {
+      throw InputError(fmt::format("--topology: {}", error.what()));
+    }
+    if (options.programs.size() != 1 && options.programs.size() != chips)
+      throw InputError(fmt::format("--topology {} has {} chips: one program for all or {} programs are expected, not {}", *options.topology, chips, chips, options.programs.size()));
+  }
+  if (options.boards.size() > 1 && options.boards.size() != chips)
+    throw InputError(fmt::format("--board: one for all chips or {} are expected, not {}", chips, options.boards.size()));
+  std::vector<machine::BoardDescription> boards;
+  for (const std::string& board : options.boards) boards.push_back(machine::read_board(board));
+  std::vector<std::shared_ptr<const toolchain::Image>> images;
+  for (const std::string& program : options.programs)
+    images.push_back(std::make_shared<toolchain::Image>(read_program(program, options.include_directories, {})));
+  std::vector<std::string> names;
+  for (std::size_t n = 0; n < chips; ++n) {
+    machine::NetworkChip chip;
+    chip.program = images[images.size() == 1 ? 0 : n];
+    if (!boards.empty()) chip.board = boards[boards.size() == 1 ? 0 : n];
+    if (options.until) chip.until = parse_address(*options.until, chip.program.get(), "--until");
+    if (options.entry) chip.entry = parse_address(*options.entry, chip.program.get(), "--entry");
+    network.chips.push_back(std::move(chip));
+    names.push_back(fmt::format("{}", n));
+  }
+  for (const std::string& link : options.links) network.links.push_back(machine::parse_link(link, names));
+  return network;
+}
+
+/// CHIP:ADDRESS:COUNT
+Dump parse_dump(const std::string& text, const Network& network) {
+  const std::size_t first = text.find(':'), last = text.rfind(':');
+  if (first == last) throw InputError(fmt::format("--dump: \"{}\" is not CHIP:ADDRESS:COUNT, which a network needs", text));
+  Dump dump;
+  dump.chip = parse_address(std::string_view(text).substr(0, first), nullptr, "--dump, CHIP");
+  if (dump.chip >= network.chip_count()) throw InputError(fmt::format("--dump: there is no chip {}; 0 to {} are possible", dump.chip, network.chip_count() - 1));
+  dump.address = parse_address(std::string_view(text).substr(first + 1, last - first - 1), &network.program(dump.chip), "--dump");
+  dump.count = parse_address(std::string_view(text).substr(last + 1), nullptr, "--dump, COUNT");
+  if (dump.count == 0 || dump.count > 1'000'000) throw InputError(fmt::format("--dump: {} words; 1 to 1000000 are possible", dump.count));
+  return dump;
+}
+
+std::vector<c40::Word> words_of(const Network& network, const Dump& dump) {
+  std::vector<c40::Word> words;
+  for (c40::Address i = 0; i < dump.count; ++i) {
+    try {
+      words.push_back(network.chip(dump.chip).peek(dump.address + i));
+    } catch (const std::out_of_range&) {
+      throw InputError(fmt::format("--dump: {:08X}h is no memory of chip {}", dump.address + i, dump.chip));
+    }
+  }
+  return words;
+}
+
+bool failed(const Network& network, const machine::NetworkStop& stop) {
+  if (stop.reason == machine::NetworkStop::Reason::deadlock) return true;
+  for (std::size_t n = 0; n < network.chip_count(); ++n)
+    if (network.status(n) == ChipStatus::fault || network.status(n) == ChipStatus::external_access) return true;
+  return false;
+}
+
+std::string sentence(const machine::NetworkStop& stop) {
+  switch (stop.reason) {
+    case machine::NetworkStop::Reason::ended: return "every chip has ended";
+    case machine::NetworkStop::Reason::deadlock: return "nothing can happen any more, and chips wait";
+    case machine::NetworkStop::Reason::limit: return "--max-cycles reached";
+  }
+  return {};
+}
+
+double microseconds(machine::Time time) { return static_cast<double>(time.count()) * 1e-6; }
+
+void print_text(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps) {
+  fmt::print("stop: {}: {} ({:.3f} us)\n", name(stop.reason), sentence(stop), microseconds(stop.time));
+  for (std::size_t n = 0; n < network.chip_count(); ++n) {
+    const c40::Chip& chip = network.chip(n);
+    const std::string& called = network.chip_name(n);
+    fmt::print("chip {}{}: {}: {}\n", n, called == std::to_string(n) ? "" : " (" + called + ")", name(network.status(n)), network.describe(n));
+    fmt::print("  {} instructions, {} cycles:", chip.instructions(), chip.cycle());
+    for (std::size_t cause = 0; cause < c40::cause_count; ++cause)
+      if (chip.causes()[cause] != 0) fmt::print(" {} {}", name(static_cast<c40::Cause>(cause)), chip.causes()[cause]);
+    fmt::print("\n");
+  }
+  for (std::size_t n = 0; n < network.link_count(); ++n) {
+    const machine::NetworkLink& ends = network.ends(n);
+    const c40::Link& link = network.link(n);
+    fmt::print("link {}{}{}:", to_text(ends), link.is_cut() ? " (cut)" : "", link.is_dead() ? " (token lost)" : "");
+    for (int side = 0; side < 2; ++side) {
+      const auto& counters = link.counters(side);
+      fmt::print("{} {} words", side == 0 ? " forth" : ", back", counters.sent);
+      if (counters.lost != 0) fmt::print(" ({} lost)", counters.lost);
+    }
+    fmt::print("\n");
+  }
+  for (const machine::NetworkEvent& event : network.events())
+    if (event.kind != machine::NetworkEvent::Kind::word && event.kind != machine::NetworkEvent::Kind::token) fmt::print("event {}\n", network.text(event));
+  for (const Dump& dump : dumps) {
+    const std::vector<c40::Word> words = words_of(network, dump);
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      if (i % 8 == 0) fmt::print("{}chip {} {:08X}:", i == 0 ? "" : "\n", dump.chip, dump.address + i);
+      fmt::print(" {:08X}{}", words[i], i + 1 == words.size() ? "\n" : "");
+    }
+  }
+}
+
+Json chip_json(const Network& network, std::size_t n) {
+  const c40::Chip& chip = network.chip(n);
+  Json out = {{"name", network.chip_name(n)}, {"status", name(network.status(n))}, {"message", network.describe(n)}, {"pc", chip.pc()},
+              {"cycles", chip.cycle()}, {"instructions", chip.instructions()}};
+  for (std::size_t cause = 0; cause < c40::cause_count; ++cause) out["causes"][std::string(name(static_cast<c40::Cause>(cause)))] = chip.causes()[cause];
+  for (std::uint8_t code = 0; code < 32; ++code) {
+    const auto reg = static_cast<isa::Register>(code);
+    std::string called(isa::name(reg));
+    for (char& c : called) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    out["registers"][called] = chip.register_value(reg);
+  }
+  out["waits_for"] = network.waits_for(n) ? Json(*network.waits_for(n)) : Json();
+  out["ports"] = Json::array();
+  for (int p = 0; p < c40::port_count; ++p) {
+    const c40::CommPort& port = chip.port(p);
+    const auto words = [](const c40::Fifo& fifo) { return std::vector<c40::Word>(fifo.words().begin(), fifo.words().end()); };
+    out["ports"].push_back({{"control", port.control()}, {"input", words(port.input)}, {"output", words(port.output)}, {"written", port.traffic.written},
+                            {"sent", port.traffic.sent}, {"received", port.traffic.received}, {"read", port.traffic.read},
+                            {"discarded_output", port.traffic.discarded_output}, {"discarded_input", port.traffic.discarded_input}});
+  }
+  return out;
+}
+
+void print_json(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps) {
+  Json root = {{"stop", {{"reason", name(stop.reason)}, {"message", sentence(stop)}, {"time_ps", stop.time.count()}}}};
+  root["chips"] = Json::array();
+  for (std::size_t n = 0; n < network.chip_count(); ++n) root["chips"].push_back(chip_json(network, n));
+  root["links"] = Json::array();
+  for (std::size_t n = 0; n < network.link_count(); ++n) {
+    const machine::NetworkLink& ends = network.ends(n);
+    const c40::Link& link = network.link(n);
+    Json out = {{"a", to_text(ends.a)}, {"b", to_text(ends.b)}, {"cut", link.is_cut()}, {"token_lost", link.is_dead()}};
+    for (int side = 0; side < 2; ++side) {
+      const auto& c = link.counters(side);
+      out[side == 0 ? "forth" : "back"] = {{"sent", c.sent}, {"arrived", c.arrived}, {"under_way", link.under_way(side)}, {"lost", c.lost}, {"tokens", c.tokens}};
+    }
+    root["links"].push_back(std::move(out));
+  }
+  root["events"] = Json::array();
+  for (const machine::NetworkEvent& event : network.events())
+    root["events"].push_back(network.text(event));
+  root["dumps"] = Json::array();
+  for (const Dump& dump : dumps) root["dumps"].push_back({{"chip", dump.chip}, {"address", dump.address}, {"words", words_of(network, dump)}});
+  fmt::print("{}\n", root.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+}  // namespace
+
+int exec_network(const ExecOptions& options) {
+  refuse_options_of_one_chip(options);
+  Network network(described(options), options.turn_order);
+  std::vector<Dump> dumps;
+  for (const std::string& text : options.dumps) words_of(network, dumps.emplace_back(parse_dump(text, network)));  // refuses bad ranges before the run
+  std::optional<OutputFile> trace;
+  if (options.link_trace) trace.emplace(*options.link_trace);
+  network.record_words(trace.has_value());
+  const machine::NetworkStop stop = network.run_until(network.clock(0).at(options.max_cycles));
+  if (trace) {
+    for (const machine::NetworkEvent& event : network.events()) trace->stream() << network.text(event) << '\n';
+    trace->commit();
+  }
+  (options.json ? print_json : print_text)(network, stop, dumps);
+  if (stop.reason == machine::NetworkStop::Reason::limit && options.until) return run_failed;
+  return failed(network, stop) ? run_failed : success;
+}
+
+}  // namespace cli

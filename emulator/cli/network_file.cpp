@@ -1,0 +1,215 @@
+#include "cli/network_file.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "cli/options.hpp"
+#include "cli/program.hpp"
+
+namespace cli {
+namespace {
+
+using machine::NetworkAction;
+using machine::NetworkChip;
+using machine::NetworkDescription;
+
+constexpr auto chip_keys = {"number", "name", "program", "board", "clock_mhz", "entry", "until"};
+
+class NetworkReader {
+ public:
+  NetworkReader(std::string file, const std::vector<std::string>& include_directories) : file_(std::move(file)), include_directories_(include_directories) {}
+
+  NetworkDescription read(const toml::table& root) {
+    allow(root, {"chip", "topology", "link", "memory", "event"}, "");
+    const auto* topology = root.get("topology");
+    if (topology != nullptr) generate(*topology);
+    each(root, "chip", [&](const toml::table& table, const toml::node& node) { chip(table, node, topology != nullptr); });
+    if (network_.chips.empty()) throw InputError(fmt::format("{}: there is no chip; [[chip]] with a program, or [topology], is expected", file_));
+    for (const NetworkChip& chip : network_.chips) names_.push_back(chip.name);
+    for (std::size_t n = 0; n < network_.chips.size(); ++n)
+      if (network_.chips[n].program == nullptr) throw InputError(fmt::format("{}: chip {} has no program", file_, n));
+    each(root, "link", [&](const toml::table& table, const toml::node& node) { link(table, node); });
+    each(root, "memory", [&](const toml::table& table, const toml::node& node) { memory(table, node); });
+    each(root, "event", [&](const toml::table& table, const toml::node& node) { event(table, node); });
+    return std::move(network_);
+  }
+
+ private:
+  [[noreturn]] void fail(const toml::node& node, const std::string& what) const {
+    throw InputError(fmt::format("{}:{}: {}", file_, node.source().begin.line, what));
+  }
+
+  void allow(const toml::table& table, std::initializer_list<const char*> keys, const std::string& prefix) const {
+    for (const auto& [key, node] : table)
+      if (std::none_of(keys.begin(), keys.end(), [&, &k = key](const char* known) { return k.str() == known; }))
+        fail(node, fmt::format("no such key {}{}; known are {}", prefix, key.str(), fmt::join(keys, ", ")));
+  }
+
+  template <class Do>
+  void each(const toml::table& root, const char* key, Do&& action) {
+    const auto* all = root.get(key);
+    if (all == nullptr) return;
+    if (!all->is_array()) fail(*all, fmt::format("{}: each is a table, [[{}]]", key, key));
+    for (const auto& node : *all->as_array()) {
+      if (!node.is_table()) fail(node, fmt::format("{}: each is a table, [[{}]]", key, key));
+      try {
+        action(*node.as_table(), node);
+      } catch (const machine::NetworkError& error) {
+        fail(node, error.what());
+      }
+    }
+  }
+
+  std::string text(const toml::node& node, std::string_view key) const {
+    if (!node.is_string()) fail(node, fmt::format("{}: text in quotes is expected", key));
+    return node.as_string()->get();
+  }
+
+  std::int64_t number(const toml::node& node, std::string_view key, std::int64_t least, std::int64_t most) const {
+    const auto* value = node.as_integer();
+    if (value == nullptr || value->get() < least || value->get() > most) fail(node, fmt::format("{}: a whole number from {} to {} is expected", key, least, most));
+    return value->get();
+  }
+
+  double real(const toml::node& node, std::string_view key, double most) const {
+    const auto value = node.value<double>();
+    if (!node.is_number() || !value || !(*value >= 0) || *value > most) fail(node, fmt::format("{}: a number from 0 to {} is expected", key, most));
+    return *value;
+  }
+
+  const toml::node& needed(const toml::table& table, const toml::node& node, const char* key, const char* of) const {
+    const auto* found = table.get(key);
+    if (found == nullptr) fail(node, fmt::format("{}: {} is missing", of, key));
+    return *found;
+  }
+
+  std::string beside(const std::string& path) const { return (std::filesystem::path(file_).parent_path() / path).string(); }
+
+  void fill(NetworkChip& chip, const toml::table& table) {
+    if (const auto* node = table.get("name")) chip.name = text(*node, "name");
+    if (const auto* node = table.get("program")) {
+      const std::string path = beside(text(*node, "program"));
+      auto& known = programs_[path];
+      if (known == nullptr) known = std::make_shared<toolchain::Image>(read_program(path, include_directories_, {}));
+      chip.program = known;
+    }
+    if (const auto* node = table.get("board")) {
+      const std::string board = text(*node, "board");
+      chip.board = machine::read_board(board.ends_with(".toml") ? beside(board) : board);
+    }
+    if (const auto* node = table.get("clock_mhz")) chip.clock_mhz = real(*node, "clock_mhz", 1000);
+    if (const auto* node = table.get("entry")) chip.entry = parse_address(text(*node, "entry"), chip.program.get(), "entry");
+    if (const auto* node = table.get("until")) chip.until = parse_address(text(*node, "until"), chip.program.get(), "until");
+  }
+
+  void generate(const toml::node& node) {
+    if (!node.is_table()) fail(node, "topology: a table, [topology], is expected");
+    const toml::table& table = *node.as_table();
+    allow(table, {"links", "program", "board", "clock_mhz", "entry", "until"}, "topology.");
+    NetworkChip chip;
+    fill(chip, table);
+    const toml::node& links = needed(table, node, "links", "topology");
+    try {
+      network_.chips.assign(machine::set_topology(network_, text(links, "topology.links")), chip);
+    } catch (const machine::NetworkError& error) {
+      fail(links, error.what());
+    }
+  }
+
+  void chip(const toml::table& table, const toml::node& node, bool generated) {
+    allow(table, chip_keys, "chip.");
+    if (!generated) {
+      if (const auto* given = table.get("number")) fail(*given, "chip.number: chips are numbered as they come; only with [topology] a number says which chip is another");
+      network_.chips.emplace_back();
+      return fill(network_.chips.back(), table);
+    }
+    const auto n = number(needed(table, node, "number", "chip"), "chip.number", 0, static_cast<std::int64_t>(network_.chips.size()) - 1);
+    fill(network_.chips[static_cast<std::size_t>(n)], table);
+  }
+
+  void link(const toml::table& table, const toml::node& node) {
+    allow(table, {"ports", "word_cycles", "token_cycles", "enter_cycles", "exit_cycles"}, "link.");
+    machine::NetworkLink link = machine::parse_link(text(needed(table, node, "ports", "link"), "link.ports"), names_);
+    c40::LinkParameters& p = link.parameters;
+    for (const auto& [key, value] : {std::pair{"word_cycles", &p.word_cycles}, {"token_cycles", &p.token_cycles}, {"enter_cycles", &p.enter_cycles}, {"exit_cycles", &p.exit_cycles}})
+      if (const auto* given = table.get(key)) *value = static_cast<int>(number(*given, key, 0, 1'000'000));
+    network_.links.push_back(link);
+  }
+
+  std::size_t chip_named(const toml::node& node) const {
+    if (node.is_integer()) return static_cast<std::size_t>(number(node, "chip", 0, static_cast<std::int64_t>(names_.size()) - 1));
+    const auto found = std::find(names_.begin(), names_.end(), text(node, "chip"));
+    if (found == names_.end()) fail(node, fmt::format("there is no chip \"{}\"; a number from 0 to {} or a name is expected", text(node, "chip"), names_.size() - 1));
+    return static_cast<std::size_t>(found - names_.begin());
+  }
+
+  void memory(const toml::table& table, const toml::node& node) {
+    allow(table, {"name", "words", "waits", "place"}, "memory.");
+    machine::SharedMemory memory;
+    memory.name = text(needed(table, node, "name", "memory"), "memory.name");
+    memory.words = static_cast<c40::Address>(number(needed(table, node, "words", "memory"), "memory.words", 1, 1 << 24));
+    if (const auto* waits = table.get("waits")) memory.waits = static_cast<int>(number(*waits, "memory.waits", 0, 1000));
+    each(table, "place", [&](const toml::table& place, const toml::node& at) {
+      allow(place, {"chip", "base"}, "memory.place.");
+      memory.places.emplace_back(chip_named(needed(place, at, "chip", "memory.place")),
+                                 static_cast<c40::Address>(number(needed(place, at, "base", "memory.place"), "memory.place.base", 0, 0xFFFFFFFF)));
+    });
+    network_.memories.push_back(std::move(memory));
+  }
+
+  void event(const toml::table& table, const toml::node& node) {
+    allow(table, {"at_us", "action", "link", "chip"}, "event.");
+    NetworkAction action;
+    action.time = machine::Time{std::llround(real(needed(table, node, "at_us", "event"), "event.at_us", 1e12) * 1e6)};
+    const toml::node& what = needed(table, node, "action", "event");
+    using enum NetworkAction::Kind;
+    constexpr std::array kinds{cut, restore, reset, hold, release, pull_out};
+    const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](auto k) { return machine::name(k) == text(what, "event.action"); });
+    if (kind == kinds.end()) fail(what, fmt::format("event.action: there is no \"{}\"; cut, restore, reset, hold, release and pull_out are", text(what, "event.action")));
+    action.kind = *kind;
+    const bool link = action.kind == cut || action.kind == restore;
+    if (table.contains(link ? "chip" : "link")) fail(node, fmt::format("event: {} concerns a {}", machine::name(action.kind), link ? "link" : "chip"));
+    const toml::node& target = needed(table, node, link ? "link" : "chip", "event");
+    action.target = link ? link_named(target) : chip_named(target);
+    network_.actions.push_back(action);
+  }
+
+  std::size_t link_named(const toml::node& node) const {
+    const machine::NetworkLink wanted = machine::parse_link(text(node, "event.link"), names_);
+    for (std::size_t n = 0; n < network_.links.size(); ++n) {
+      const machine::NetworkLink& link = network_.links[n];
+      if ((link.a == wanted.a && link.b == wanted.b) || (link.a == wanted.b && link.b == wanted.a)) return n;
+    }
+    fail(node, fmt::format("there is no link {}", text(node, "event.link")));
+  }
+
+  std::string file_;
+  const std::vector<std::string>& include_directories_;
+  NetworkDescription network_;
+  std::vector<std::string> names_;
+  std::map<std::string, std::shared_ptr<const toolchain::Image>> programs_;
+};
+
+}  // namespace
+
+machine::NetworkDescription read_network(const std::string& path, const std::vector<std::string>& include_directories) {
+  require_file(path);
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  try {
+    return NetworkReader(path, include_directories).read(toml::parse(text.str(), path));
+  } catch (const toml::parse_error& error) {
+    throw InputError(fmt::format("{}:{}: {}", path, error.source().begin.line, error.description()));
+  }
+}
+
+}  // namespace cli

@@ -1,0 +1,636 @@
+#include "machine/network.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <random>
+#include <span>
+
+#include "isa/decode.hpp"
+#include "machine/program_end.hpp"
+
+namespace machine {
+
+using c40::Address;
+using c40::Chip;
+using c40::Cycles;
+using c40::StopInfo;
+using c40::Word;
+
+namespace {
+constexpr Cycles no_cycle = std::numeric_limits<Cycles>::max();
+
+/// "loop+2, ring.asm:14"; empty if nothing is known of the address.
+std::string source_of(const toolchain::Image& image, Address pc) {
+  const auto holds = [pc](const toolchain::Image::Section& s) { return s.loaded && pc - s.address < s.size; };
+  const auto section = std::find_if(image.sections.begin(), image.sections.end(), holds);
+  if (section == image.sections.end()) return {};
+  std::string out;
+  Address nearest = 0;
+  for (const auto& [name, value] : image.symbols)
+    if (value >= section->address && value <= pc && (out.empty() || value > nearest)) {
+      nearest = value;
+      out = value == pc ? name : fmt::format("{}+{}", name, pc - value);
+    }
+  for (const toolchain::LineRecord& line : image.lines)
+    if (line.address == pc && line.file < image.files.size() && &image.sections[line.section] == &*section)
+      return fmt::format("{}{}{}:{}", out, out.empty() ? "" : ", ", image.files[line.file], line.line);
+  return out;
+}
+
+bool is_sigi(Word word) {
+  const isa::Decoded decoded = isa::decode(word);
+  const auto* instruction = std::get_if<isa::Instruction>(&decoded);
+  return instruction != nullptr && instruction->row->mnemonic == "sigi";
+}
+}  // namespace
+
+std::string_view name(NetworkAction::Kind kind) {
+  constexpr std::array<std::string_view, 6> names{"cut", "restore", "reset", "hold", "release", "pull_out"};
+  return names[static_cast<std::size_t>(kind)];
+}
+std::string_view name(NetworkEvent::Kind kind) {
+  constexpr std::array<std::string_view, 11> names{"word", "token", "lost", "dead", "cut", "restored", "discarded", "reset", "hold", "release", "pull_out"};
+  return names[static_cast<std::size_t>(kind)];
+}
+std::string_view name(ChipStatus status) {
+  constexpr std::array<std::string_view, 10> names{"running", "waiting", "sleeping", "halt", "idle", "until", "fault", "external_access", "held", "pulled_out"};
+  return names[static_cast<std::size_t>(status)];
+}
+std::string_view name(NetworkStop::Reason reason) {
+  constexpr std::array<std::string_view, 3> names{"ended", "deadlock", "limit"};
+  return names[static_cast<std::size_t>(reason)];
+}
+
+struct Network::Memory {
+  SharedMemory description;
+  std::vector<Word> words;
+  Time free{0};                      ///< of the access under way
+  std::optional<std::size_t> owner;  ///< of the lock
+};
+
+struct Network::Node {
+  Node(std::size_t number_, NetworkChip given, Clock clock_)
+      : number(number_), description(std::move(given)), clock(clock_), chip(description.board.board) {}
+
+  std::size_t number;
+  NetworkChip description;
+  Clock clock;
+  Chip chip;
+  ChipStatus status = ChipStatus::running;
+  StopInfo stop;              ///< of a chip that waits, or why it ended
+  bool was_ready = false;     ///< what it waits for, when last looked at
+  Time ready_since{0};
+  std::vector<std::size_t> links;
+
+  bool waits_for_port() const { return status == ChipStatus::waiting && stop.reason != StopInfo::Reason::external_access; }
+  bool waits_for_memory() const { return status == ChipStatus::waiting && stop.reason == StopInfo::Reason::external_access; }
+  Cycles first_cycle(Time time) const { return clock.tick_at_or_after(time); }
+  Time now() const { return clock.at(chip.cycle()); }
+};
+
+/// Keeps what happens on one link.
+struct Network::LinkTap final : c40::LinkListener {
+  LinkTap(Network& network_, std::size_t number_) : network(network_), number(number_) {}
+  void happened(const c40::LinkEvent& e) override {
+    const bool common = e.kind == c40::LinkEvent::Kind::word || e.kind == c40::LinkEvent::Kind::token;
+    if (common && !network.records_words_) return;
+    network.events_.push_back({static_cast<NetworkEvent::Kind>(e.kind), e.time, number, e.side, e.word, e.bytes});
+  }
+  Network& network;
+  std::size_t number;
+};
+
+// ---- building ----
+
+Network::Network(NetworkDescription description, std::uint64_t turn_order) : description_(std::move(description)) {
+  NetworkDescription& d = description_;
+  if (d.chips.empty() || d.chips.size() > most_chips)
+    throw NetworkError(fmt::format("a network of {} chips; 1 to {} are possible", d.chips.size(), most_chips));
+  for (NetworkChip& chip : d.chips) {
+    const std::size_t n = nodes_.size();
+    if (chip.name.empty()) chip.name = fmt::format("{}", n);
+    const double mhz = chip.clock_mhz ? *chip.clock_mhz : chip.board.clock_mhz.value_or(default_clock_mhz);
+    if (!(mhz >= 0.001 && mhz <= 1000)) throw NetworkError(fmt::format("chip {}: a clock of {} MHz; 0.001 to 1000 are possible", n, mhz));
+    nodes_.push_back(std::make_unique<Node>(n, chip, Clock{instruction_cycles_per_second(mhz)}));
+  }
+  join_links();
+  add_memories();
+  for (auto& node : nodes_) {
+    load(*node);
+    turns_.push_back(node.get());
+  }
+  if (turn_order != 0) {
+    std::mt19937_64 random{turn_order};
+    for (std::size_t i = turns_.size(); i > 1; --i) std::swap(turns_[i - 1], turns_[random() % i]);
+  }
+  const auto given = std::move(d.actions);
+  for (const NetworkAction& action : given) schedule(action);
+}
+
+Network::~Network() = default;
+
+void Network::join_links() {
+  std::map<PortName, std::string> taken;
+  for (const NetworkLink& given : description_.links) {
+    const std::string name = machine::to_text(given);
+    std::array<c40::Link::Side, 2> sides;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const PortName& end = i == 0 ? given.a : given.b;
+      if (end.chip >= nodes_.size()) throw NetworkError(fmt::format("link {}: there is no chip {}; the network has {}", name, end.chip, nodes_.size()));
+      if (end.port < 0 || end.port >= c40::port_count)
+        throw NetworkError(fmt::format("link {}: chip {} has no port {}; 0 to {} are possible", name, end.chip, end.port, c40::port_count - 1));
+      Node& node = *nodes_[end.chip];
+      sides[i] = {fmt::format("chip {} port {}", end.chip, end.port), end.port, &node.chip.port(end.port), PacedClock{node.clock}};
+    }
+    for (const PortName& end : {given.a, given.b})
+      if (const auto other = taken.find(end); other != taken.end() && given.a != given.b)
+        throw NetworkError(fmt::format("link {}: port {} of chip {} is taken by link {}; a port has one link", name, end.port, end.chip, other->second));
+    taken.emplace(given.a, name), taken.emplace(given.b, name);
+    const std::size_t number = links_.size();
+    try {
+      links_.push_back(std::make_unique<c40::Link>(std::move(sides[0]), std::move(sides[1]), given.parameters));
+    } catch (const std::invalid_argument& error) {
+      throw NetworkError(fmt::format("link {}: {}", name, error.what()));
+    }
+    taps_.push_back(std::make_unique<LinkTap>(*this, number));
+    links_.back()->listener_of_events = taps_.back().get();
+    for (int side = 0; side < 2; ++side) {
+      const PortName& end = side == 0 ? given.a : given.b;
+      nodes_[end.chip]->chip.attach(end.port, &links_.back()->listener(side));
+      std::vector<std::size_t>& links = nodes_[end.chip]->links;
+      if (links.empty() || links.back() != number) links.push_back(number);
+    }
+  }
+}
+
+void Network::add_memories() {
+  for (const SharedMemory& given : description_.memories) {
+    if (given.words == 0 || given.words > 1u << 24) throw NetworkError(fmt::format("memory {}: {} words; 1 to {} are possible", given.name, given.words, 1u << 24));
+    if (given.waits < 0 || given.waits > 1000) throw NetworkError(fmt::format("memory {}: {} wait states; 0 to 1000 are possible", given.name, given.waits));
+    for (const auto& [chip, base] : given.places) {
+      if (chip >= nodes_.size()) throw NetworkError(fmt::format("memory {}: there is no chip {}; the network has {}", given.name, chip, nodes_.size()));
+      const auto& regions = nodes_[chip]->description.board.board.regions;
+      const bool inside = std::any_of(regions.begin(), regions.end(), [&, at = base](const c40::Region& r) {
+        return r.kind == c40::Region::Kind::external_window && at >= r.base && std::uint64_t{at} + given.words <= r.base + r.words;
+      });
+      if (!inside)
+        throw NetworkError(fmt::format("memory {}: the board of chip {} has no window that holds {} words from {:08X}h; a region with kind = \"window\" is expected there",
+                                       given.name, chip, given.words, base));
+      if (memory_of(*nodes_[chip], base) != nullptr || memory_of(*nodes_[chip], base + given.words - 1) != nullptr)
+        throw NetworkError(fmt::format("memory {}: chip {} has another memory at {:08X}h", given.name, chip, base));
+    }
+    memories_.push_back(std::make_unique<Memory>(Memory{given, std::vector<Word>(given.words), Time{0}, {}}));
+  }
+}
+
+void Network::load(Node& node) {
+  if (node.description.program == nullptr) throw NetworkError(fmt::format("chip {} has no program", node.number));
+  const toolchain::Image& image = *node.description.program;
+  node.chip.reset();
+  for (const toolchain::Image::Section& section : image.sections) {
+    if (!section.loaded) continue;
+    try {
+      node.chip.write_block(section.address, section.words);
+    } catch (const std::out_of_range&) {
+      throw NetworkError(fmt::format("chip {}: section {} ({} words at {:08X}h) does not lie in RAM of board {}; board flat has RAM everywhere", node.number,
+                                     section.name, section.size, section.address, node.description.board.board.name));
+    }
+  }
+  for (const Address end : program_ends(image)) node.chip.add_breakpoint(end);
+  if (node.description.until) node.chip.add_breakpoint(*node.description.until);
+  start(node);
+}
+
+void Network::start(Node& node) {
+  node.chip.set_pc(node.description.entry.value_or(node.description.program->entry));
+  const auto chips = static_cast<Word>(nodes_.size());
+  const std::array<Word, 4> values{static_cast<Word>(node.number), chips, description_.shape[0] == 0 ? chips : description_.shape[0],
+                                   description_.shape[0] == 0 ? 1 : description_.shape[1]};
+  constexpr std::array registers{isa::Register::R0, isa::Register::R1, isa::Register::R2, isa::Register::R3};
+  for (std::size_t i = 0; i < registers.size(); ++i)
+    node.chip.set_register(registers[i], (node.chip.register_value(registers[i]) & ~std::uint64_t{0xFFFFFFFF}) | values[i]);
+  node.status = ChipStatus::running;
+}
+
+void Network::schedule(const NetworkAction& action) {
+  const bool link = action.kind == NetworkAction::Kind::cut || action.kind == NetworkAction::Kind::restore;
+  const std::size_t count = link ? links_.size() : nodes_.size();
+  if (action.target >= count)
+    throw NetworkError(fmt::format("{}: there is no {} {}; the network has {}", name(action.kind), link ? "link" : "chip", action.target, count));
+  if (action.time < now_) throw NetworkError(fmt::format("{} at {} ps: the network has been run to {} ps already", name(action.kind), action.time.count(), now_.count()));
+  actions_.insert(std::upper_bound(actions_.begin(), actions_.end(), action, [](const auto& a, const auto& b) { return a.time < b.time; }), action);
+}
+
+// ---- one chip ----
+
+/// The ports could interrupt it: it must not run past what they do.
+bool Network::follows_ports(const Node& node) const { return node.chip.watches_ports(); }
+
+bool Network::is_free(const Node& node) const { return node.status == ChipStatus::running && !follows_ports(node); }
+
+void Network::run_chip(Node& node, Time until) {
+  const Cycles limit = node.first_cycle(until);
+  while (node.status == ChipStatus::running && node.chip.cycle() < limit) {
+    const StopInfo stop = node.chip.run_until(limit);
+    stopped(node, stop);
+    if (stop.reason == StopInfo::Reason::horizon) return;
+  }
+}
+
+void Network::stopped(Node& node, const StopInfo& stop) {
+  switch (stop.reason) {
+    case StopInfo::Reason::breakpoint: return at_breakpoint(node);
+    case StopInfo::Reason::fault:
+      node.status = ChipStatus::fault;
+      node.stop = stop;
+      return;
+    case StopInfo::Reason::external_access:
+      node.status = memory_of(node, stop.access.address) != nullptr ? ChipStatus::waiting : ChipStatus::external_access;
+      node.stop = stop;
+      return;
+    case StopInfo::Reason::port_access:
+    case StopInfo::Reason::port_wait:
+      node.status = ChipStatus::waiting;
+      node.stop = stop;
+      node.was_ready = false;
+      note_ready(node, Time{0});
+      return;
+    case StopInfo::Reason::limit:
+    case StopInfo::Reason::horizon: break;
+  }
+  if (!node.chip.idle()) return;
+  if (follows_ports(node)) node.status = ChipStatus::sleeping;
+  else if (node.chip.next_event() == no_cycle) node.status = ChipStatus::idle;
+}
+
+void Network::at_breakpoint(Node& node) {
+  const Address pc = node.chip.pc();
+  if (node.description.until == pc) {
+    node.status = ChipStatus::until;
+    return;
+  }
+  if (program_end(node.chip.peek(pc), pc) == ProgramEnd::halt && node.chip.next_event() == no_cycle) {
+    const bool interrupts = (node.chip.register_value(isa::Register::ST) & c40::st::GIE) != 0 && follows_ports(node);
+    node.status = interrupts ? ChipStatus::sleeping : ChipStatus::halt;
+    return;
+  }
+  stopped(node, node.chip.step());
+}
+
+/// Lets a chip that does not run reach an instant.
+void Network::bring_to(Node& node, Time time) {
+  const Cycles cycle = node.first_cycle(time);
+  if (node.chip.cycle() >= cycle) return;
+  if (node.status != ChipStatus::sleeping) {
+    const bool held = node.status == ChipStatus::held || node.status == ChipStatus::pulled_out;
+    node.chip.hold(true);
+    node.chip.run_until(cycle);
+    node.chip.hold(held);
+    return;
+  }
+  while (node.chip.cycle() < cycle)
+    if (node.chip.run_until(cycle).reason == StopInfo::Reason::breakpoint) node.chip.step();
+}
+
+bool Network::ready(const Node& node) const {
+  if (node.waits_for_port())
+    return node.stop.reason == StopInfo::Reason::port_access && node.stop.port.ready(node.chip.port(node.stop.port.port));
+  const Memory& memory = *memory_of(node, node.stop.access.address);
+  return !memory.owner || *memory.owner == node.number;
+}
+
+void Network::note_ready(Node& node, Time time) {
+  if (!node.waits_for_port()) return;
+  const bool now = ready(node);
+  if (now && !node.was_ready) node.ready_since = time;
+  node.was_ready = now;
+}
+
+/// When the access that it waits for takes place, as far as can be said.
+Time Network::access_time(const Node& node) const {
+  if (node.status != ChipStatus::waiting || !ready(node)) return never;
+  if (node.waits_for_port()) return node.clock.at(std::max(node.stop.port.cycle, node.first_cycle(node.ready_since)));
+  return node.clock.at(std::max(node.stop.access.cycle, node.first_cycle(memory_of(node, node.stop.access.address)->free)));
+}
+
+// ---- what happens next ----
+
+Time Network::effective(const NetworkAction& action) const {
+  if (action.kind == NetworkAction::Kind::cut || action.kind == NetworkAction::Kind::restore) return action.time;
+  const Node& node = *nodes_[action.target];
+  return node.clock.at(std::max(node.chip.cycle(), node.first_cycle(action.time)));
+}
+
+Time Network::next_action() const {
+  Time next = never;
+  for (const NetworkAction& action : actions_) next = std::min(next, effective(action));
+  return next;
+}
+
+Time Network::next_on_links(const Node& node) const {
+  Time next = never;
+  for (const std::size_t link : node.links) next = std::min(next, links_[link]->next_event());
+  return next;
+}
+
+Time Network::own_event(const Node& node) const {
+  const bool has = node.status == ChipStatus::sleeping && node.chip.next_event() != no_cycle;
+  return has ? node.clock.at(node.chip.next_event()) : never;
+}
+
+Time Network::next_of_all() const {
+  Time next = next_action();
+  for (const auto& link : links_) next = std::min(next, link->next_event());
+  for (const auto& node : nodes_) {
+    if (node->status == ChipStatus::waiting) next = std::min(next, access_time(*node));
+    else if (node->status == ChipStatus::sleeping) next = std::min(next, own_event(*node));
+    else if (node->status == ChipStatus::running && follows_ports(*node)) next = std::min(next, node->now());
+  }
+  return next;
+}
+
+NetworkStop Network::run_until(Time limit) {
+  while (true) {
+    const Time action = next_action();
+    for (Node* node : turns_) {
+      if (!is_free(*node)) continue;
+      Time until = limit;
+      if (action != never)
+        for (const NetworkAction& a : actions_)
+          if (a.target == node->number && a.kind >= NetworkAction::Kind::reset) until = std::min(until, a.time);
+      run_chip(*node, until);
+    }
+    const Time next = next_of_all();
+    const bool quiet = next == never && std::none_of(nodes_.begin(), nodes_.end(), [](const auto& n) { return n->status == ChipStatus::running; });
+    if (quiet) {
+      const bool waiting = std::any_of(nodes_.begin(), nodes_.end(), [](const auto& n) { return n->status == ChipStatus::waiting; });
+      return finish(waiting ? NetworkStop::Reason::deadlock : NetworkStop::Reason::ended, limit);
+    }
+    if (next >= limit) return finish(NetworkStop::Reason::limit, limit);
+    if (advance_watchers(next, limit)) continue;
+    now_ = next;
+    links_happen(next);
+    actions_happen(next);
+    accesses_happen(next);
+  }
+}
+
+// Those that ports can interrupt, up to the first instant at which something could. Whether one moved.
+bool Network::advance_watchers(Time first, Time limit) {
+  const Time action = next_action();
+  bool moved = false;
+  for (Node* node : turns_) {
+    Time until = std::min(limit, action);
+    if (own_event(*node) == first) {
+      node->status = ChipStatus::running;
+      until = std::min(until, node->clock.at(node->chip.next_event() + 1));
+    } else if (node->status != ChipStatus::running || !follows_ports(*node)) {
+      continue;
+    }
+    until = std::min(until, next_on_links(*node));
+    Time lookahead = never;
+    for (const std::size_t link : node->links) lookahead = std::min(lookahead, links_[link]->lookahead());
+    if (first < never - lookahead) until = std::min(until, first + lookahead);
+    for (const NetworkAction& a : actions_)
+      if (a.target == node->number && a.kind >= NetworkAction::Kind::reset) until = std::min(until, a.time);
+    const Cycles before = node->chip.cycle();
+    run_chip(*node, until);
+    moved |= node->chip.cycle() != before || node->status != ChipStatus::running;
+  }
+  return moved;
+}
+
+void Network::links_happen(Time time) {
+  for (auto& link : links_) {
+    if (link->next_event() > time) continue;
+    const NetworkLink& ends = description_.links[static_cast<std::size_t>(&link - links_.data())];
+    Node &a = *nodes_[ends.a.chip], &b = *nodes_[ends.b.chip];
+    for (Node* node : {&a, &b})
+      if (node->status == ChipStatus::sleeping) bring_to(*node, time);
+    link->advance_to(time);
+    for (Node* node : {&a, &b}) {
+      note_ready(*node, time);
+      if (node->status == ChipStatus::sleeping && could_wake(*node)) node->status = ChipStatus::running;
+    }
+  }
+}
+
+/// A chip that sleeps in a branch to itself is asked by running it.
+bool Network::could_wake(const Node& node) const { return !node.chip.idle(); }
+
+void Network::accesses_happen(Time time) {
+  for (auto& node : nodes_) {
+    if (access_time(*node) != time) continue;
+    if (node->waits_for_port()) perform_port(*node);
+    else perform_memory(*node);
+  }
+}
+
+void Network::perform_port(Node& node) {
+  for (const std::size_t link : node.links) links_[link]->advance_to(now_);
+  node.chip.complete_port(node.first_cycle(now_));
+  node.status = ChipStatus::running;
+}
+
+void Network::perform_memory(Node& node) {
+  Memory& memory = *memory_of(node, node.stop.access.address);
+  const c40::ExternalAccess& access = node.stop.access;
+  const auto place = std::find_if(memory.description.places.begin(), memory.description.places.end(), [&](const auto& p) {
+    return p.first == node.number && access.address - p.second < memory.description.words;
+  });
+  Word& word = memory.words[access.address - place->second];
+  const Cycles cycle = node.first_cycle(now_);
+  memory.free = node.clock.at(cycle + 1 + memory.description.waits);
+  if (access.interlocked && access.write) memory.owner.reset();
+  else if (access.interlocked && !is_sigi(node.chip.peek(node.chip.pc()))) memory.owner = node.number;
+  if (access.write) {
+    word = access.value;
+    node.chip.complete_write(cycle - access.cycle, memory.description.waits);
+  } else {
+    node.chip.complete_read(word, cycle - access.cycle, memory.description.waits);
+  }
+  node.status = ChipStatus::running;
+}
+
+Network::Memory* Network::memory_of(const Node& node, Address address) const {
+  for (const auto& memory : memories_)
+    for (const auto& [chip, base] : memory->description.places)
+      if (chip == node.number && address - base < memory->description.words) return memory.get();
+  return nullptr;
+}
+
+// ---- actions ----
+
+void Network::actions_happen(Time time) {
+  for (std::size_t i = 0; i < actions_.size();) {
+    if (effective(actions_[i]) > time) {
+      ++i;
+      continue;
+    }
+    const NetworkAction action = actions_[i];
+    actions_.erase(actions_.begin() + static_cast<std::ptrdiff_t>(i));
+    for (auto& node : nodes_)
+      if (node->status == ChipStatus::sleeping) bring_to(*node, time);
+    perform(action);
+    for (auto& node : nodes_) {
+      note_ready(*node, time);
+      if (node->status == ChipStatus::sleeping && could_wake(*node)) node->status = ChipStatus::running;
+    }
+  }
+}
+
+void Network::perform(const NetworkAction& action) {
+  using enum NetworkAction::Kind;
+  if (action.kind == cut) return links_[action.target]->cut(now_);
+  if (action.kind == restore) return links_[action.target]->restore(now_);
+  Node& node = *nodes_[action.target];
+  if (node.status == ChipStatus::pulled_out)
+    throw NetworkError(fmt::format("{} at {} ps: chip {} has been pulled out", name(action.kind), action.time.count(), node.number));
+  bring_to(node, now_);
+  const auto kind = action.kind == reset ? NetworkEvent::Kind::reset : action.kind == hold ? NetworkEvent::Kind::hold
+                    : action.kind == release ? NetworkEvent::Kind::release : NetworkEvent::Kind::pull_out;
+  events_.push_back({kind, now_, node.number, 0, 0, 0});
+  switch (action.kind) {
+    case reset: return reset_chip(node);
+    case release:
+      if (node.status != ChipStatus::held) return;
+      node.chip.hold(false);
+      node.status = node.chip.halted() ? ChipStatus::fault : ChipStatus::running;
+      return;
+    case pull_out:
+      for (const std::size_t link : node.links) links_[link]->cut(now_);
+      node.chip.hold(true);
+      node.status = ChipStatus::pulled_out;
+      return;
+    default:
+      node.chip.hold(true);
+      node.status = ChipStatus::held;
+  }
+}
+
+void Network::reset_chip(Node& node) {
+  for (int n = 0; n < c40::port_count; ++n)
+    for (const c40::Fifo* fifo : {&node.chip.port(n).output, &node.chip.port(n).input})
+      for (const Word word : fifo->words())
+        events_.push_back({NetworkEvent::Kind::discarded, now_, node.number, n, word, fifo == &node.chip.port(n).input ? 1 : 0});
+  for (auto& memory : memories_)
+    if (memory->owner == node.number) memory->owner.reset();
+  node.chip.hold(false);
+  node.chip.reset();
+  start(node);
+}
+
+// ---- the end, and what can be asked ----
+
+NetworkStop Network::finish(NetworkStop::Reason reason, Time limit) {
+  Time end = limit;
+  if (reason != NetworkStop::Reason::limit) {
+    end = now_;
+    for (const auto& node : nodes_) end = std::max(end, node->now());
+  }
+  now_ = std::max(now_, end);
+  for (auto& node : nodes_)
+    if (node->status == ChipStatus::sleeping || node->status == ChipStatus::held || node->status == ChipStatus::pulled_out) bring_to(*node, end);
+  check_words();
+  return {reason, end};
+}
+
+void Network::check_words() const {
+  for (std::size_t n = 0; n < links_.size(); ++n)
+    for (int side = 0; side < 2; ++side) {
+      const NetworkLink& ends = description_.links[n];
+      const PortName &from = side == 0 ? ends.a : ends.b, &to = side == 0 ? ends.b : ends.a;
+      const c40::CommPort &mine = nodes_[from.chip]->chip.port(from.port), &theirs = nodes_[to.chip]->chip.port(to.port);
+      const c40::Link::Counters& link = links_[n]->counters(side);
+      const bool balanced = mine.traffic.written == mine.traffic.sent + mine.traffic.discarded_output + mine.output.size() &&
+                            mine.traffic.sent == link.sent && link.sent == link.arrived + links_[n]->under_way(side) + link.lost &&
+                            link.arrived == theirs.traffic.received &&
+                            theirs.traffic.received == theirs.traffic.read + theirs.traffic.discarded_input + theirs.input.size();
+      if (!balanced)
+        throw std::logic_error(fmt::format("link {}: words from {} do not add up: {} written, {} sent, {} arrived, {} lost, {} read", machine::to_text(ends),
+                                           machine::to_text(from), mine.traffic.written, mine.traffic.sent, link.arrived, link.lost, theirs.traffic.read));
+    }
+}
+
+Chip& Network::chip(std::size_t n) { return nodes_.at(n)->chip; }
+const Chip& Network::chip(std::size_t n) const { return nodes_.at(n)->chip; }
+const std::string& Network::chip_name(std::size_t n) const { return nodes_.at(n)->description.name; }
+const toolchain::Image& Network::program(std::size_t n) const { return *nodes_.at(n)->description.program; }
+const Clock& Network::clock(std::size_t n) const { return nodes_.at(n)->clock; }
+ChipStatus Network::status(std::size_t n) const { return nodes_.at(n)->status; }
+std::span<Word> Network::memory(std::size_t n) { return memories_.at(n)->words; }
+
+std::optional<std::size_t> Network::waits_for(std::size_t n) const {
+  const Node& node = *nodes_.at(n);
+  if (node.waits_for_memory()) return memory_of(node, node.stop.access.address)->owner;
+  if (!node.waits_for_port()) return {};
+  const PortName here{n, node.stop.port.port};
+  for (const std::size_t link : node.links) {
+    if (ends(link).a == here) return ends(link).b.chip;
+    if (ends(link).b == here) return ends(link).a.chip;
+  }
+  return {};
+}
+
+std::string Network::where(const Node& node) const {
+  const std::string source = source_of(*node.description.program, node.chip.pc());
+  return fmt::format("PC {:08X}h{}", node.chip.pc(), source.empty() ? "" : " (" + source + ")");
+}
+
+std::string Network::describe_wait(const Node& node) const {
+  if (node.waits_for_memory()) {
+    const Memory& memory = *memory_of(node, node.stop.access.address);
+    return fmt::format("waits for memory {} at {:08X}h{} since cycle {}", memory.description.name, node.stop.access.address,
+                       memory.owner ? fmt::format(", which chip {} has locked,", *memory.owner) : "", node.stop.access.cycle);
+  }
+  const c40::PortAccess& access = node.stop.port;
+  const std::string what = access.write ? fmt::format("room in output FIFO {}", access.port) : fmt::format("a word in input FIFO {}", access.port);
+  const PortName here{node.number, access.port};
+  std::string whom = ", to which nothing is linked,";
+  for (const std::size_t n : node.links) {
+    const NetworkLink& link = ends(n);
+    if (link.a != here && link.b != here) continue;
+    whom = fmt::format(" {} chip {} port {}", access.write ? "towards" : "from", (link.a == here ? link.b : link.a).chip, (link.a == here ? link.b : link.a).port);
+    if (links_[n]->is_cut()) whom += " (the link is cut)";
+    else if (links_[n]->is_dead()) whom += " (the token is lost)";
+  }
+  return fmt::format("waits for {}{} since cycle {}", what, whom, access.cycle);
+}
+
+std::string Network::describe(std::size_t n) const {
+  const Node& node = *nodes_.at(n);
+  switch (node.status) {
+    case ChipStatus::running: return fmt::format("runs at {}", where(node));
+    case ChipStatus::waiting: return fmt::format("{}, at {}", describe_wait(node), where(node));
+    case ChipStatus::sleeping: return fmt::format("sleeps at {} until a port interrupts it", where(node));
+    case ChipStatus::halt: return fmt::format("branches to itself at {}", where(node));
+    case ChipStatus::idle: return fmt::format("is in IDLE before {}, and no interrupt is to come", where(node));
+    case ChipStatus::until: return fmt::format("reached {}", where(node));
+    case ChipStatus::fault: return fmt::format("{}, at {}, cycle {}", node.stop.fault ? node.stop.fault->message : "stopped", where(node), node.chip.cycle());
+    case ChipStatus::external_access:
+      return fmt::format("{} {:08X}h at {}: that is a window, and no memory of the network is behind it", node.stop.access.write ? "writes" : "reads",
+                         node.stop.access.address, where(node));
+    case ChipStatus::held: return fmt::format("is held at {}", where(node));
+    case ChipStatus::pulled_out: return "has been pulled out";
+  }
+  return {};
+}
+
+std::string Network::text(const NetworkEvent& event) const {
+  using enum NetworkEvent::Kind;
+  const std::string head = fmt::format("{} {}", event.time.count(), name(event.kind));
+  if (event.kind == discarded)
+    return fmt::format("{} {}.{} {} {:08X}", head, event.place, event.side, event.count == 1 ? "input" : "output", event.word);
+  if (event.kind >= reset) return fmt::format("{} {}", head, event.place);
+  const NetworkLink& link = ends(event.place);
+  const PortName &from = event.side == 0 ? link.a : link.b, &to = event.side == 0 ? link.b : link.a;
+  if (event.kind == word) return fmt::format("{} {}>{} {:08X}", head, machine::to_text(from), machine::to_text(to), event.word);
+  if (event.kind == lost) return fmt::format("{} {}>{} {:08X} after {} bytes", head, machine::to_text(from), machine::to_text(to), event.word, event.count);
+  if (event.kind == token) return fmt::format("{} {}", head, machine::to_text(from));
+  return fmt::format("{} {}", head, machine::to_text(link));
+}
+
+}  // namespace machine

@@ -1,0 +1,227 @@
+#pragma once
+/// Networks of chips: up to 64, each with its own program, board and clock, joined by links between communication ports and by
+/// memories that several of them reach (docs/networks.md).
+///
+/// Order is exact (docs/architecture.md): a chip runs ahead on what is its own and stops before it touches a linked port or a
+/// shared memory; the earliest such access of all happens first, after what the links do at that instant; ties go by the chips' numbers.
+/// A chip whose ports can interrupt it runs no further than anything could reach it. The order in which chips are advanced
+/// (`turn_order`) changes nothing.
+///
+/// Inaccuracies: a wait that a reset, a hold or the end of the run cuts short is not among the chip's cycles by cause as a wait for
+/// the port: up to the reset or hold the chip counts as halted, at the end its count stops where the wait began.
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "c40/chip.hpp"
+#include "c40/peripherals/link.hpp"
+#include "machine/board_file.hpp"
+#include "machine/time.hpp"
+#include "toolchain/image.hpp"
+
+namespace machine {
+
+/// A network that cannot be. The message names chip, port or link, and what would be right.
+class NetworkError : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+inline constexpr std::size_t most_chips = 64;
+inline constexpr double default_clock_mhz = 40;  ///< CLKIN, of a board that does not say
+
+/// One end of a link.
+struct PortName {
+  std::size_t chip = 0;
+  int port = 0;
+  friend auto operator<=>(const PortName&, const PortName&) = default;
+};
+/// "0.3"; also with a chip's name, "root.3". \throws NetworkError
+PortName parse_port(std::string_view text, const std::vector<std::string>& chips);
+std::string to_text(const PortName& port);
+
+struct NetworkLink {
+  PortName a, b;
+  c40::LinkParameters parameters;
+};
+/// "0.3:1.0". \throws NetworkError
+NetworkLink parse_link(std::string_view text, const std::vector<std::string>& chips);
+std::string to_text(const NetworkLink& link);
+
+struct NetworkChip {
+  std::string name;  ///< empty: its number
+  std::shared_ptr<const toolchain::Image> program;
+  BoardDescription board{c40::Board::default_board(), {}};
+  std::optional<double> clock_mhz;            ///< before the board's
+  std::optional<c40::Address> entry, until;  ///< `until`: it has ended before the instruction there
+};
+
+/// A memory that several chips reach through windows of their boards. One access at a time; an interlocked load keeps all other chips out
+/// until the same chip's interlocked store.
+struct SharedMemory {
+  std::string name;
+  c40::Address words = 0;
+  int waits = 0;  ///< cycles that an access takes beyond one, of the chip that makes it
+  std::vector<std::pair<std::size_t, c40::Address>> places;  ///< chip and address of word 0
+};
+
+struct NetworkAction {
+  enum class Kind : std::uint8_t {
+    cut, restore,    ///< a link
+    reset,           ///< a chip starts anew at its entry; memory stays, what its ports hold is lost
+    hold, release,   ///< a chip is held in reset, and goes on where it was
+    pull_out         ///< a chip is held and its links are cut
+  } kind = Kind::cut;
+  Time time{};
+  std::size_t target = 0;  ///< of links or chips
+};
+std::string_view name(NetworkAction::Kind kind);
+
+struct NetworkDescription {
+  std::vector<NetworkChip> chips;
+  std::vector<NetworkLink> links;
+  std::vector<SharedMemory> memories;
+  std::vector<NetworkAction> actions;
+  /// What chips find in R2 and R3 at their start: columns and rows of a grid or torus, else chips and 1.
+  std::array<c40::Word, 2> shape{};
+};
+
+/// Sets links and shape of "ring:4", "line:4", "grid:4x4", "torus:4x4x2", "hypercube:16"; returns the number of chips.
+/// \throws NetworkError
+std::size_t set_topology(NetworkDescription& network, std::string_view text);
+
+/// Links of generated topologies, over the ports that docs/networks.md says.
+/// \param size of each of one to three dimensions
+std::vector<NetworkLink> grid_links(const std::vector<std::size_t>& size, bool closed);
+std::vector<NetworkLink> hypercube_links(unsigned dimensions);
+
+/// Something on a link, or to a chip. Always kept are losses, cuts and actions; words and tokens if asked for.
+struct NetworkEvent {
+  enum class Kind : std::uint8_t { word, token, lost, dead, cut, restored, discarded, reset, hold, release, pull_out };
+  Kind kind = Kind::word;
+  Time time{};
+  std::size_t place = 0;  ///< number of the link; of the chip from `discarded` on
+  int side = 0;           ///< of the link: who sends, or gets the token; the port of `discarded`
+  c40::Word word = 0;
+  int count = 0;  ///< bytes of a lost word that had crossed; of `discarded` 1 if it lay in the input FIFO, 0 in the output FIFO
+};
+std::string_view name(NetworkEvent::Kind kind);
+
+/// How a chip stands.
+enum class ChipStatus : std::uint8_t {
+  running,
+  waiting,          ///< before an access to a port or a shared memory
+  sleeping,         ///< IDLE; a port could wake it
+  halt,             ///< branch to itself with no interrupt to come
+  idle,             ///< IDLE with no interrupt to come
+  until,            ///< reached its `until`
+  fault,
+  external_access,  ///< an access to a window with nothing behind it
+  held,
+  pulled_out
+};
+std::string_view name(ChipStatus status);
+
+struct NetworkStop {
+  enum class Reason : std::uint8_t {
+    ended,     ///< every chip has ended or sleeps, and nothing can wake one
+    deadlock,  ///< nothing can happen any more, and a chip waits
+    limit,
+  } reason = Reason::limit;
+  Time time{};
+};
+std::string_view name(NetworkStop::Reason reason);
+
+class Network {
+ public:
+  /// \throws NetworkError for what cannot be, before anything runs.
+  explicit Network(NetworkDescription description, std::uint64_t turn_order = 0);
+  ~Network();
+  Network(const Network&) = delete;
+  Network& operator=(const Network&) = delete;
+
+  /// Lets everything before `limit` happen. \throws std::logic_error if words do not add up.
+  NetworkStop run_until(Time limit);
+  Time now() const { return now_; }
+
+  std::size_t chip_count() const { return nodes_.size(); }
+  /// Of a chip that `waits`, cycle() is where the access begins to wait.
+  c40::Chip& chip(std::size_t n);
+  const c40::Chip& chip(std::size_t n) const;
+  const std::string& chip_name(std::size_t n) const;
+  const toolchain::Image& program(std::size_t n) const;
+  const Clock& clock(std::size_t n) const;
+  ChipStatus status(std::size_t n) const;
+  /// One sentence: why the chip stopped, or for whom it waits, where and since when.
+  std::string describe(std::size_t n) const;
+  /// The chip at the other end of what `n` waits for.
+  std::optional<std::size_t> waits_for(std::size_t n) const;
+
+  std::size_t link_count() const { return links_.size(); }
+  const c40::Link& link(std::size_t n) const { return *links_[n]; }
+  const NetworkLink& ends(std::size_t n) const { return description_.links[n]; }
+  std::span<c40::Word> memory(std::size_t n);
+
+  /// \throws NetworkError if the target does not exist or the time is past.
+  void schedule(const NetworkAction& action);
+  void record_words(bool on) { records_words_ = on; }
+  const std::vector<NetworkEvent>& events() const { return events_; }
+  /// A line of an event trace (docs/networks.md): "123400000 word 0.0>1.3 0000002A"
+  std::string text(const NetworkEvent& event) const;
+
+  /// For every direction of every link: written = read + in FIFOs + under way + lost + discarded. \throws std::logic_error
+  void check_words() const;
+
+ private:
+  struct Node;
+  struct Memory;
+  struct LinkTap;
+
+  void join_links();
+  void add_memories();
+  void start(Node& node);
+  void load(Node& node);
+  void run_chip(Node& node, Time until);
+  void stopped(Node& node, const c40::StopInfo& stop);
+  void at_breakpoint(Node& node);
+  bool follows_ports(const Node& node) const;
+  bool is_free(const Node& node) const;
+  Time access_time(const Node& node) const;
+  Time own_event(const Node& node) const;
+  Time effective(const NetworkAction& action) const;
+  Time next_action() const;
+  Time next_of_all() const;
+  Time next_on_links(const Node& node) const;
+  bool advance_watchers(Time first, Time limit);
+  void links_happen(Time time);
+  void accesses_happen(Time time);
+  void actions_happen(Time time);
+  void perform(const NetworkAction& action);
+  void perform_port(Node& node);
+  void perform_memory(Node& node);
+  void note_ready(Node& node, Time time);
+  bool ready(const Node& node) const;
+  void bring_to(Node& node, Time time);
+  void reset_chip(Node& node);
+  bool could_wake(const Node& node) const;
+  std::string describe_wait(const Node& node) const;
+  NetworkStop finish(NetworkStop::Reason reason, Time limit);
+  Memory* memory_of(const Node& node, c40::Address address) const;
+  std::string where(const Node& node) const;
+
+  NetworkDescription description_;
+  std::vector<std::unique_ptr<Node>> nodes_;
+  std::vector<Node*> turns_;  ///< in the order in which they are advanced
+  std::vector<std::unique_ptr<c40::Link>> links_;
+  std::vector<std::unique_ptr<LinkTap>> taps_;
+  std::vector<std::unique_ptr<Memory>> memories_;
+  std::vector<NetworkAction> actions_;  ///< to come, by time
+  std::vector<NetworkEvent> events_;
+  Time now_{0};
+  bool records_words_ = false;
+};
+
+}  // namespace machine

@@ -1,0 +1,69 @@
+#pragma once
+// What can be asked of a chip from Python, whoever holds it.
+#include <pybind11/stl.h>
+
+#include <string>
+#include <vector>
+
+#include "c40/chip.hpp"
+#include "python/bindings/bindings.hpp"
+
+inline isa::Register register_of(const std::string& name) {
+  if (const auto r = isa::register_named(name)) return *r;
+  throw py::key_error("no register is called " + name);
+}
+
+/// The exact value of a register as a Python number m * 2**e.
+inline py::object value_of(c40::Float40 x) {
+  const std::int64_t m = c40::float40::mantissa(x);
+  return py::module_::import("fractions").attr("Fraction")(m) *
+         py::module_::import("fractions").attr("Fraction")(2).attr("__pow__")(x.e - 31);
+}
+
+inline py::dict causes_of(const c40::Causes& causes) {
+  py::dict out;
+  for (std::size_t i = 0; i < c40::cause_count; ++i)
+    out[py::str(std::string(c40::name(static_cast<c40::Cause>(i))))] = causes[i];
+  return out;
+}
+
+inline py::dict port_of(const c40::CommPort& port) {
+  const c40::PortTraffic& t = port.traffic;
+  const auto words = [](const c40::Fifo& fifo) { return std::vector<c40::Word>(fifo.words().begin(), fifo.words().end()); };
+  return py::dict(py::arg("input") = words(port.input), py::arg("output") = words(port.output), py::arg("token") = port.token,
+                  py::arg("input_halted") = port.input_halted, py::arg("output_halted") = port.output_halted,
+                  py::arg("control") = port.control(), py::arg("written") = t.written, py::arg("sent") = t.sent,
+                  py::arg("received") = t.received, py::arg("read") = t.read, py::arg("discarded_input") = t.discarded_input,
+                  py::arg("discarded_output") = t.discarded_output);
+}
+
+/// \param chip gives the chip of an object of the class, const or not
+template <class Class, class Chip>
+void bind_inspection(py::class_<Class>& bound, Chip chip) {
+  bound
+      .def("port", [chip](const Class& p, int n) { return port_of(chip(p).port(n)); }, "FIFOs, halts, token and counters of a communication port.")
+      .def("timer_pin", [chip](const Class& p, int timer) { return chip(p).timer_pin(timer); })
+      .def("peripheral", [chip](const Class& p, const std::string& name) { return chip(p).peripheral(name); })
+      .def("peek", [chip](const Class& p, c40::Address a) { return chip(p).peek(a); })
+      .def("poke", [chip](Class& p, c40::Address a, c40::Word v) { chip(p).poke(a, v); })
+      .def("read", [chip](const Class& p, c40::Address a, std::size_t count) {
+        std::vector<c40::Word> words(count);
+        for (auto& word : words) word = chip(p).peek(a++);
+        return words;
+      })
+      .def("get", [chip](const Class& p, const std::string& name) -> std::uint64_t {
+        if (const auto e = isa::expansion_named(name)) return chip(p).expansion(*e);
+        return chip(p).register_value(register_of(name));
+      }, "A register by name: 40 bits for R0 to R11, exponent in 39..32.")
+      .def("set", [chip](Class& p, const std::string& name, std::uint64_t value) {
+        if (const auto e = isa::expansion_named(name)) return chip(p).set_expansion(*e, static_cast<c40::Word>(value));
+        chip(p).set_register(register_of(name), value);
+      })
+      .def("value", [chip](const Class& p, const std::string& name) { return value_of(chip(p).float_register(register_of(name))); },
+           "The exact value of R0 to R11 as a Fraction.")
+      .def_property_readonly("cycle", [chip](const Class& p) { return chip(p).cycle(); })
+      .def_property_readonly("instructions", [chip](const Class& p) { return chip(p).instructions(); })
+      .def_property_readonly("causes", [chip](const Class& p) { return causes_of(chip(p).causes()); })
+      .def_property_readonly("idle", [chip](const Class& p) { return chip(p).idle(); })
+      .def_property_readonly("halted", [chip](const Class& p) { return chip(p).halted(); });
+}

@@ -1,0 +1,135 @@
+// cmrc._core.network: chips, links, memories in one virtual time.
+#include "machine/network.hpp"
+
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "python/bindings/bindings.hpp"
+#include "python/bindings/chip_inspection.hpp"
+
+namespace {
+
+using machine::NetworkAction;
+using machine::NetworkDescription;
+using machine::Time;
+
+struct ChipOf {
+  machine::Network& network;
+  std::size_t number;
+};
+
+machine::NetworkChip chip_of(const py::dict& given) {
+  machine::NetworkChip chip;
+  chip.program = std::make_shared<toolchain::Image>(given["program"].cast<const toolchain::Image&>());
+  chip.board = machine::read_board(given["board"].cast<std::string>());
+  chip.name = given["name"].cast<std::string>();
+  chip.clock_mhz = given["clock_mhz"].cast<std::optional<double>>();
+  chip.until = given["until"].cast<std::optional<c40::Address>>();
+  return chip;
+}
+
+std::unique_ptr<machine::Network> make(const py::list& chips, const std::vector<std::pair<std::string, py::dict>>& links,
+                                       const std::optional<std::string>& topology, const py::list& memories, std::uint64_t turn_order) {
+  NetworkDescription d;
+  std::vector<std::string> names;
+  if (topology) {
+    const std::size_t needed = machine::set_topology(d, *topology);
+    if (py::len(chips) != needed)
+      throw machine::NetworkError("topology " + *topology + " has " + std::to_string(needed) + " chips, and " + std::to_string(py::len(chips)) + " are given");
+  }
+  for (const py::handle chip : chips) {
+    d.chips.push_back(chip_of(chip.cast<py::dict>()));
+    names.push_back(d.chips.back().name.empty() ? std::to_string(names.size()) : d.chips.back().name);
+  }
+  for (const auto& [text, cycles] : links) {
+    machine::NetworkLink link = machine::parse_link(text, names);
+    for (const auto& [key, field] : {std::pair{"word_cycles", &link.parameters.word_cycles}, {"token_cycles", &link.parameters.token_cycles},
+                                     {"enter_cycles", &link.parameters.enter_cycles}, {"exit_cycles", &link.parameters.exit_cycles}})
+      if (cycles.contains(key)) *field = cycles[key].cast<int>();
+    d.links.push_back(link);
+  }
+  for (const py::handle given : memories) {
+    const auto memory = given.cast<py::dict>();
+    d.memories.push_back({memory["name"].cast<std::string>(), memory["words"].cast<c40::Address>(), memory["waits"].cast<int>(),
+                          memory["places"].cast<std::vector<std::pair<std::size_t, c40::Address>>>()});
+  }
+  return std::make_unique<machine::Network>(std::move(d), turn_order);
+}
+
+NetworkAction::Kind kind_named(const std::string& text) {
+  using enum NetworkAction::Kind;
+  for (const auto kind : {cut, restore, reset, hold, release, pull_out})
+    if (machine::name(kind) == text) return kind;
+  throw py::value_error("there is no action " + text + "; cut, restore, reset, hold, release and pull_out are");
+}
+
+py::dict link_of(const machine::Network& network, std::size_t n) {
+  const c40::Link& link = network.link(n);
+  const auto side = [&](int s) {
+    const auto& c = link.counters(s);
+    return py::dict(py::arg("sent") = c.sent, py::arg("arrived") = c.arrived, py::arg("under_way") = link.under_way(s), py::arg("lost") = c.lost,
+                    py::arg("tokens") = c.tokens);
+  };
+  const machine::NetworkLink& ends = network.ends(n);
+  return py::dict(py::arg("a") = std::pair{ends.a.chip, ends.a.port}, py::arg("b") = std::pair{ends.b.chip, ends.b.port}, py::arg("cut") = link.is_cut(),
+                  py::arg("token_lost") = link.is_dead(), py::arg("forth") = side(0), py::arg("back") = side(1));
+}
+
+}  // namespace
+
+void bind_network(py::module_& core) {
+  auto m = core.def_submodule("network", "Networks of chips joined by their communication ports. Times are picoseconds.");
+  py::register_exception<machine::NetworkError>(m, "NetworkError", PyExc_ValueError);
+
+  m.def("chips_of", [](const std::string& topology) {
+    NetworkDescription d;
+    return machine::set_topology(d, topology);
+  }, "How many chips a topology has.");
+
+  py::class_<ChipOf> chip(m, "Chip", "One chip of a network.");
+  chip.def_property_readonly("pc", [](const ChipOf& c) { return c.network.chip(c.number).pc(); })
+      .def_property_readonly("name", [](const ChipOf& c) { return c.network.chip_name(c.number); })
+      .def_property_readonly("status", [](const ChipOf& c) { return std::string(machine::name(c.network.status(c.number))); })
+      .def_property_readonly("message", [](const ChipOf& c) { return c.network.describe(c.number); })
+      .def_property_readonly("waits_for", [](const ChipOf& c) { return c.network.waits_for(c.number); })
+      .def_property_readonly("hertz", [](const ChipOf& c) { return c.network.clock(c.number).hertz(); });
+  bind_inspection(chip, [](const ChipOf& c) -> c40::Chip& { return c.network.chip(c.number); });
+
+  py::class_<machine::Network>(m, "Network")
+      .def(py::init(&make), py::arg("chips"), py::arg("links"), py::arg("topology"), py::arg("memories"), py::arg("turn_order"))
+      .def("run_until", [](machine::Network& network, std::int64_t limit) {
+        const machine::NetworkStop stop = network.run_until(Time{limit});
+        return std::pair{std::string(machine::name(stop.reason)), stop.time.count()};
+      }, py::arg("limit"))
+      .def_property_readonly("now", [](const machine::Network& network) { return network.now().count(); })
+      .def("schedule", [](machine::Network& network, const std::string& kind, std::int64_t time, std::size_t target) {
+        network.schedule({kind_named(kind), Time{time}, target});
+      }, py::arg("kind"), py::arg("time"), py::arg("target"))
+      .def("record_words", &machine::Network::record_words, py::arg("on"))
+      .def_property_readonly("chip_count", &machine::Network::chip_count)
+      .def_property_readonly("link_count", &machine::Network::link_count)
+      .def("chip", [](machine::Network& network, std::size_t n) { return ChipOf{network, n}; }, py::keep_alive<0, 1>())
+      .def("link", &link_of)
+      .def("memory_words", [](machine::Network& network, std::size_t n) {
+        const auto words = network.memory(n);
+        return std::vector<c40::Word>(words.begin(), words.end());
+      })
+      .def("set_memory_words", [](machine::Network& network, std::size_t n, std::size_t at, const std::vector<c40::Word>& words) {
+        const auto all = network.memory(n);
+        if (at > all.size() || words.size() > all.size() - at) throw py::index_error("the memory ends before");
+        std::copy(words.begin(), words.end(), all.begin() + static_cast<std::ptrdiff_t>(at));
+      })
+      .def("events", [](const machine::Network& network) {
+        py::list out;
+        for (const machine::NetworkEvent& e : network.events()) {
+          out.append(py::dict(py::arg("kind") = std::string(machine::name(e.kind)), py::arg("time_ps") = e.time.count(), py::arg("place") = e.place,
+                              py::arg("side") = e.side, py::arg("word") = e.word, py::arg("count") = e.count, py::arg("text") = network.text(e)));
+        }
+        return out;
+      });
+}

@@ -1,0 +1,282 @@
+"""Networks of TMS320C40s joined by their communication ports (docs/networks.md).
+
+ring = cmrc.network.Network(program, topology="ring:8")
+stop = ring.run()
+ring.chips[0].memory[ring.chips[0].address("token")], ring.links[0].forth.sent
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from cmrc import _core
+from cmrc.c40 import Path, Program, _Floats, _Memory, _Registers, assemble_file, read_coff
+
+NetworkError = _core.network.NetworkError
+"""Raised for a network that cannot be: a ValueError that names chip, port or link, and what would be right."""
+
+
+@dataclass(frozen=True)
+class NetworkStop:
+    """Why a run ended: ``ended`` (every chip has ended, or sleeps and nothing can wake it), ``deadlock`` (nothing can happen any more, and chips wait) or ``limit``."""
+
+    reason: str
+    time_ps: int
+
+
+@dataclass(frozen=True)
+class Traffic:
+    """Words of one direction of a link that left the sending FIFO: sent = arrived + under_way + lost. ``tokens``: how often the token came to the sender."""
+
+    sent: int
+    arrived: int
+    under_way: int
+    lost: int
+    tokens: int
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something on a link (``word``, ``token``, ``lost``, ``dead``, ``cut``, ``restored``) or to a chip (``discarded``, ``reset``, ``hold``, ``release``, ``pull_out``).
+
+    ``place`` is the number of the link or chip, ``side`` 0 for the link's first end and 1 for its second, of ``discarded`` the port. ``count``: bytes of a
+    lost word that had crossed; of a discarded word 1 for the input FIFO, 0 for the output FIFO. ``text`` is the line of a link trace.
+    """
+
+    kind: str
+    time_ps: int
+    place: int
+    side: int
+    word: int
+    count: int
+    text: str
+
+
+@dataclass(frozen=True)
+class SharedMemory:
+    """Words that several chips reach, each at an address inside a window of its board. ``waits``: cycles of an access beyond one."""
+
+    name: str
+    words: int
+    places: Mapping[int, int]
+    """Chip to address of word 0."""
+    waits: int = 0
+
+
+class Chip:
+    """One chip of a network: registers, memory, ports, and how it stands."""
+
+    def __init__(self, core: Any, program: Program, number: int) -> None:
+        self._core = core
+        self.program = program
+        self.number = number
+        self.registers = _Registers(core)
+        self.floats = _Floats(core)
+        self.memory = _Memory(core)
+
+    def address(self, where: int | str) -> int:
+        """An address, or that of a symbol of the chip's program. Raises KeyError for an unknown symbol."""
+        if isinstance(where, int):
+            return where
+        if where not in self.program.symbols:
+            raise KeyError(f"the program of chip {self.number} has no symbol {where}")
+        return int(self.program.symbols[where])
+
+    def port(self, number: int) -> dict[str, Any]:
+        """A communication port: ``input`` and ``output`` (FIFO contents, oldest first), ``token``, halts, ``control`` (CPCR), and words counted since the start."""
+        return dict(self._core.port(number))
+
+    def peripheral(self, name: str) -> int:
+        """A peripheral register by the name that the manual gives it. Raises IndexError for an unknown one, naming the nearest."""
+        return int(self._core.peripheral(name))
+
+    @property
+    def name(self) -> str:
+        """Its name, or its number as text."""
+        return str(self._core.name)
+
+    @property
+    def status(self) -> str:
+        """``running``, ``waiting`` (for a port or a shared memory), ``sleeping`` (a port can wake it), ``halt``, ``idle``, ``until``, ``fault``, ``external_access``, ``held`` or ``pulled_out``."""
+        return str(self._core.status)
+
+    @property
+    def message(self) -> str:
+        """The status as a sentence: where, and for whom it waits since when."""
+        return str(self._core.message)
+
+    @property
+    def waits_for(self) -> int | None:
+        """The chip at the other end of what this one waits for."""
+        number = self._core.waits_for
+        return None if number is None else int(number)
+
+    @property
+    def pc(self) -> int:
+        """Program counter."""
+        return int(self._core.pc)
+
+    @property
+    def cycles(self) -> int:
+        """Cycles of its own clock so far: the sum of ``causes``."""
+        return int(self._core.cycle)
+
+    @property
+    def instructions(self) -> int:
+        """Instructions executed so far."""
+        return int(self._core.instructions)
+
+    @property
+    def causes(self) -> dict[str, int]:
+        """Cycles by cause."""
+        return dict(self._core.causes)
+
+
+@dataclass(frozen=True)
+class Link:
+    """A link: its ends as (chip, port), and the words from the first to the second end (``forth``) and ``back``."""
+
+    a: tuple[int, int]
+    b: tuple[int, int]
+    cut: bool
+    token_lost: bool
+    forth: Traffic
+    back: Traffic
+
+
+class Network:
+    """Up to 64 chips. ``programs`` is one for all chips of a ``topology``, or one for each; sources, COFF files or assembled programs.
+
+    ``topology`` is ``ring:4``, ``line:4``, ``grid:4x4``, ``torus:4x4``, ``hypercube:16``; ``links`` are further ones, ``"0.3:1.0"`` for port 3 of chip 0 and port 0 of
+    chip 1, or (that, {"word_cycles": 5, ...}). ``boards``, ``clocks_mhz`` (CLKIN) and ``names`` are one for all chips or one for each. ``until`` is where a chip has ended.
+    Every chip finds its number in R0 and the number of chips in R1. ``turn_order`` shuffles which chip the emulator advances first, and changes nothing.
+    ``record_words`` keeps every word and token in ``events``. Raises NetworkError.
+    """
+
+    def __init__(
+        self,
+        programs: Program | Path | Sequence[Program | Path],
+        *,
+        links: Sequence[str | tuple[str, Mapping[str, int]]] = (),
+        topology: str | None = None,
+        boards: str | Sequence[str] = "default",
+        clocks_mhz: float | Sequence[float] | None = None,
+        names: Sequence[str] = (),
+        until: int | str | None = None,
+        memories: Sequence[SharedMemory] = (),
+        turn_order: int = 0,
+        record_words: bool = False,
+    ) -> None:
+        given = [programs] if isinstance(programs, (str, os.PathLike, Program)) else list(programs)
+        images = [_program(program) for program in given]
+        count = len(images)
+        if topology is not None and count == 1:
+            count = _chips_of(topology)
+        images = images * count if len(images) == 1 else images
+        if len(images) != count:
+            raise NetworkError(f"{len(images)} programs for {count} chips")
+        board = _each(boards, count, "boards")
+        clock = _each(clocks_mhz, count, "clocks_mhz")
+        name = list(names) or [""] * count
+        if len(name) != count:
+            raise NetworkError(f"{len(name)} names for {count} chips")
+        chips = [
+            {"program": image, "board": board[n], "clock_mhz": clock[n], "name": name[n], "until": _address(image, until)}
+            for n, image in enumerate(images)
+        ]
+        wires = [(link, {}) if isinstance(link, str) else (link[0], dict(link[1])) for link in links]
+        shared = [{"name": m.name, "words": m.words, "waits": m.waits, "places": list(m.places.items())} for m in memories]
+        self._core = _core.network.Network(chips, wires, topology, shared, turn_order)
+        self._core.record_words(record_words)
+        self.chips: list[Chip] = [Chip(self._core.chip(n), image, n) for n, image in enumerate(images)]
+
+    def run(self, *, until_us: float | None = None, max_cycles: int = 100_000_000) -> NetworkStop:
+        """Lets everything happen before an instant (from the start of the network, in microseconds), or before ``max_cycles`` of chip 0."""
+        limit = max_cycles * 10**12 // round(self._core.chip(0).hertz) if until_us is None else round(until_us * 1e6)
+        reason, time = self._core.run_until(limit)
+        return NetworkStop(reason, time)
+
+    @property
+    def now_ps(self) -> int:
+        """How far it has been run."""
+        return int(self._core.now)
+
+    @property
+    def links(self) -> list[Link]:
+        """The links as they are now, those of a topology first."""
+        out = []
+        for n in range(self._core.link_count):
+            link = self._core.link(n)
+            out.append(Link(link["a"], link["b"], link["cut"], link["token_lost"], Traffic(**link["forth"]), Traffic(**link["back"])))
+        return out
+
+    @property
+    def events(self) -> list[Event]:
+        """Losses, cuts and what was done to chips; with ``record_words`` also every word and token. In the order of time."""
+        return [Event(**event) for event in self._core.events()]
+
+    def memory(self, number: int) -> list[int]:
+        """The words of a shared memory."""
+        return list(self._core.memory_words(number))
+
+    def write_memory(self, number: int, at: int, words: Sequence[int]) -> None:
+        """Writes words of a shared memory from word ``at`` on. Raises IndexError."""
+        self._core.set_memory_words(number, at, list(words))
+
+    def cut(self, link: int, at_us: float) -> None:
+        """Cuts a link: a word on it is lost, nothing passes until ``restore``. Raises NetworkError for a time that is past."""
+        self._schedule("cut", link, at_us)
+
+    def restore(self, link: int, at_us: float) -> None:
+        """Joins a link again."""
+        self._schedule("restore", link, at_us)
+
+    def reset(self, chip: int, at_us: float) -> None:
+        """Resets a chip: it starts at its entry, memory stays, what its ports held is discarded."""
+        self._schedule("reset", chip, at_us)
+
+    def hold(self, chip: int, at_us: float) -> None:
+        """Holds a chip, until ``release``."""
+        self._schedule("hold", chip, at_us)
+
+    def release(self, chip: int, at_us: float) -> None:
+        """Lets a held chip go on."""
+        self._schedule("release", chip, at_us)
+
+    def pull_out(self, chip: int, at_us: float) -> None:
+        """Holds a chip for good and cuts its links."""
+        self._schedule("pull_out", chip, at_us)
+
+    def _schedule(self, kind: str, target: int, at_us: float) -> None:
+        self._core.schedule(kind, round(at_us * 1e6), target)
+
+
+def _program(given: Program | Path) -> Program:
+    if isinstance(given, Program):
+        return given
+    return assemble_file(given) if str(given).endswith((".asm", ".s", ".S")) else read_coff(given)
+
+
+def _address(program: Program, where: int | str | None) -> int | None:
+    if where is None or isinstance(where, int):
+        return where
+    if where not in program.symbols:
+        raise KeyError(f"the program has no symbol {where}")
+    return int(program.symbols[where])
+
+
+def _chips_of(topology: str) -> int:
+    return int(_core.network.chips_of(topology))
+
+
+def _each(given: Any, count: int, what: str) -> list[Any]:
+    values = [given] * count if given is None or isinstance(given, (str, int, float)) else list(given)
+    if len(values) != count:
+        raise NetworkError(f"{what}: one for all chips or {count} are expected, not {len(values)}")
+    return values
+
+
+__all__ = ["Chip", "Event", "Link", "Network", "NetworkError", "NetworkStop", "SharedMemory", "Traffic"]

@@ -1,0 +1,438 @@
+"""Networks: held against the plainest possible driver of chips and links (linked_processors), and against counts by hand."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import pytest
+from cmrc import c40
+from cmrc.network import Network, NetworkError, SharedMemory
+
+CODE, DATA, STACK = 0x2FFC00, 0x2FF800, 0x2FFB00
+PERIOD_PS = 50_000  # of H1 at 40 MHz
+STOP = "end:    bu end\n"
+
+
+def program(text: str) -> Any:
+    return c40.assemble("        .text\n" + text, sections={".text": CODE})
+
+
+def base(port: int, register: str = "ar0") -> str:
+    return f"        ldhi 10h,{register}\n        or {0x40 + 0x10 * port:x}h,{register}\n"
+
+
+def sender(port: int, count: int, first: int = 1) -> str:
+    return base(port) + f"        ldi {first},r0\n" + "        sti r0,*+ar0(2)\n        addi 1,r0\n" * count + STOP
+
+
+def receiver(port: int, count: int) -> str:
+    """Blocking reads, to 2FF800h on."""
+    return base(port) + "        ldhi 2fh,ar1\n        or 0f800h,ar1\n" + "        ldi *+ar0(1),r0\n        sti r0,*ar1++\n" * count + STOP
+
+
+RELAY = """
+        ldi 100,r0
+        bu FIRST
+loop:   ldi *+ar2(1),r0
+        addi 1,r0
+seed:   sti r0,*+ar0(2)
+        bu loop
+"""
+
+
+def state(network: Network) -> tuple[Any, ...]:
+    """Everything that can be told of it, but the order in which chips were advanced."""
+    registers = [{name: chip.registers[name] for name in c40.REGISTERS} for chip in network.chips]
+    ports = [chip.port(n) for chip in network.chips for n in range(6)]
+    chips = [(chip.status, chip.message, chip.pc, chip.cycles, chip.instructions, chip.causes) for chip in network.chips]
+    return network.now_ps, registers, ports, chips, network.links, network.events
+
+
+def balanced(network: Network) -> bool:
+    """For each direction: written = read + in FIFOs + under way + lost + discarded, counted from the chips' side."""
+    for link in network.links:
+        for (chip, port), (other, other_port), traffic in ((link.a, link.b, link.forth), (link.b, link.a, link.back)):
+            mine, theirs = network.chips[chip].port(port), network.chips[other].port(other_port)
+            there = theirs["read"] + len(theirs["input"]) + theirs["discarded_input"]
+            if mine["written"] != len(mine["output"]) + mine["discarded_output"] + traffic.under_way + traffic.lost + there:
+                return False
+    return True
+
+
+# ---- order and time ----
+
+
+def test_one_word_over_an_idle_link_is_readable_seven_cycles_after_the_store() -> None:
+    network = Network([program(sender(0, 1)), program(receiver(3, 1))], links=["0.0:1.3"], record_words=True)
+    assert network.run().reason == "ended"
+    assert network.chips[1].memory[DATA] == 1
+    (word,) = [event for event in network.events if event.kind == "word"]
+    # The store is the fourth instruction; ar0 is written by the one two before it.
+    alone = c40.Processor(program(sender(0, 1)))
+    while alone.pc != CODE + 3:
+        alone.step()
+    stop = alone.step()
+    written = stop.cycle - 1
+    assert word.time_ps == (written + 1 + 5) * PERIOD_PS
+    read = network.chips[1].causes["comm_port"]
+    assert network.chips[1].cycles - network.chips[1].causes["branch"] >= read
+    assert word.text == f"{word.time_ps} word 0.0>1.3 00000001"
+
+
+@pytest.mark.parametrize("clocks", [(40, 40, 40, 40), (40, 50, 60, 40), (33.333, 40, 50, 60)])
+def test_a_ring_as_the_plainest_driver_runs_it(clocks: tuple[float, ...]) -> None:
+    from linked_processors import Network as PlainNetwork
+    from linked_processors import processor
+
+    def text(n: int) -> str:
+        return base(n % 3) + base(3 + n % 3, "ar2") + RELAY.replace("FIRST", "seed" if n == 0 else "loop")
+
+    hertz = [round(mhz * 1e6 / 2) for mhz in clocks]
+    until = 150_000_000
+    plain = PlainNetwork([processor(text(n)) for n in range(4)], hertz=hertz)
+    for n in range(4):
+        plain.join(n, n % 3, (n + 1) % 4, 3 + (n + 1) % 4 % 3)
+    plain.run(until)
+    links = [f"{n}.{n % 3}:{(n + 1) % 4}.{3 + (n + 1) % 4 % 3}" for n in range(4)]
+    network = Network([program(text(n)) for n in range(4)], links=links, clocks_mhz=clocks, record_words=True)
+    for chip in network.chips:
+        chip.registers["R0"], chip.registers["R1"], chip.registers["R2"], chip.registers["R3"] = 0x8000000000, 0, 0, 0
+    assert network.run(until_us=until / 1e6).reason == "limit"
+    words = [[event["time"] for event in link.events if event["kind"] == "word"] for link in plain.links]
+    assert [[event.time_ps for event in network.events if event.kind == "word" and event.place == n] for n in range(4)] == words
+    assert min(len(times) for times in words) > 20
+    assert [chip.causes for chip in network.chips] == [chip.causes for chip in plain.chips]
+    assert [chip.port(n) for chip in network.chips for n in range(6)] == [chip.port(n) for chip in plain.chips for n in range(6)]
+
+
+INTERRUPTED = """
+        ldi STACK & 0ffffh,sp
+        or SHIGH,sp
+        ldhi 2fh,r4
+        or 0f900h,r4
+        ldpe r4,ivtp
+"""
+
+
+def interrupt_program(port: int, work: str) -> str:
+    """ICRDY of `port` takes a word to 2FFA00h on; the main program is `work`. Vectors stand at 2FF800h."""
+    vector = 0x0D + 4 * port + 1
+    return f"""
+        ldhi 2fh,ar7
+        or 0fb00h,ar7
+        ldi ar7,sp
+        ldhi 2fh,ar6
+        or 0f800h,ar6
+        ldpe ar6,ivtp
+        addi {vector},ar6
+        ldhi 2fh,r8
+        or take & 0ffffh,r8
+        sti r8,*ar6
+        ldhi 2fh,ar5
+        or 0fa00h,ar5
+{base(port, "ar2")}        ldi 0,r9
+        ldhi {(1 << (2 + 4 * port)) >> 16:x}h,r10
+        or {(1 << (2 + 4 * port)) & 0xFFFF:x}h,r10
+        ldi r10,iie
+        or 2000h,st
+{work}
+take:   ldi *+ar2(1),r11
+        sti r11,*ar5++
+        reti
+"""
+
+
+def mixed_network(seed: int) -> Network:
+    """A sender with gaps, a chip that is interrupted while it computes, one that idles until interrupted and passes words on, and a reader."""
+    rng = random.Random(5)
+    gaps = "".join("        sti r0,*+ar0(2)\n        addi 1,r0\n" + "        nop\n" * rng.randrange(30) for _ in range(30))
+    first = base(0) + base(1, "ar1") + "        ldi 1,r0\n" + gaps.replace("addi 1,r0", "addi 1,r0\n        sti r0,*+ar1(2)") + STOP
+    busy = interrupt_program(3, "spin:   addi 1,r9\n        mpyi r9,r9\n        bu spin\n")
+    idle = interrupt_program(4, base(0, "ar4") + "wait:   idle\n        ldi *-ar5(1),r7\n        sti r7,*+ar4(2)\n        bu wait\n")
+    last = base(3) + "loop:   ldi *+ar0(1),r0\n        addi r0,r9\n        bu loop\n"
+    return Network(
+        [program(first), program(busy), program(idle), program(last)],
+        links=["0.0:1.3", "0.1:2.4", "2.0:3.3"], clocks_mhz=[40, 50, 60, 33.333], turn_order=seed, record_words=True,
+    )  # fmt: skip
+
+
+def test_the_order_of_turns_changes_nothing() -> None:
+    results = []
+    for seed in range(6):
+        network = mixed_network(seed)
+        stop = network.run(until_us=120)
+        assert balanced(network)
+        results.append((stop, state(network)))
+    assert all(result == results[0] for result in results)
+    network = mixed_network(0)
+    network.run(until_us=120)
+    taken = network.chips[1].memory[0x2FFA00 : 0x2FFA00 + 30]
+    assert taken == list(range(1, 31))
+    assert network.chips[3].port(3)["read"] > 20
+    assert network.chips[2].causes["idle"] > 0 and network.chips[1].causes["interrupt"] >= 30 * 8
+
+
+def test_how_a_run_is_cut_into_calls_changes_nothing() -> None:
+    whole = mixed_network(0)
+    whole.run(until_us=120)
+    parts = mixed_network(0)
+    for until in (0.001, 3.3, 17.77, 17.78, 60, 119.99, 120):
+        parts.run(until_us=until)
+    assert state(parts) == state(whole)
+
+
+def test_sixty_four_chips_in_a_grid() -> None:
+    """Each chip takes a word from the west (0 at the edge) and one from the north, adds one to the greater, and sends it east and south:
+    the number in column x, row y is x + y + 1."""
+    text = f"""
+        ldi r0,r4
+        ldi r2,r6
+        subi 1,r6
+        and r6,r4
+        ldi r0,r5
+        lsh -3,r5
+{base(0, "ar0")}{base(1, "ar1")}{base(3, "ar3")}{base(4, "ar4")}
+        ldi 0,r8
+        ldi 0,r9
+        cmpi 0,r4
+        beq north
+        ldi *+ar3(1),r8
+north:  cmpi 0,r5
+        beq sum
+        ldi *+ar4(1),r9
+sum:    cmpi r8,r9
+        ldigt r9,r8
+        addi 1,r8
+        cmpi 7,r4
+        beq south
+        sti r8,*+ar0(2)
+south:  cmpi 7,r5
+        beq end
+        sti r8,*+ar1(2)
+{STOP}"""
+    network = Network(program(text), topology="grid:8x8")
+    assert network.run().reason == "ended"
+    assert [chip.registers["R8"] & 0xFFFFFFFF for chip in network.chips] == [x + y + 1 for y in range(8) for x in range(8)]
+    assert len(network.links) == 2 * 7 * 8 and all(link.forth.sent == 1 and link.back.sent == 0 for link in network.links)
+
+
+@pytest.mark.parametrize(("topology", "chips", "links", "degree"), [
+    ("ring:5", 5, 5, 2), ("line:5", 5, 4, None), ("torus:4x4x4", 64, 192, 6), ("torus:3x2", 6, 12, 4), ("hypercube:64", 64, 192, 6), ("hypercube:16", 16, 32, 4), ("grid:2x3", 6, 7, None),
+])  # fmt: skip
+def test_topologies(topology: str, chips: int, links: int, degree: int | None) -> None:
+    network = Network(program(STOP), topology=topology)
+    assert (len(network.chips), len(network.links)) == (chips, links)
+    ends = [end for link in network.links for end in (link.a, link.b)]
+    assert len(set(ends)) == len(ends)
+    assert all((a in (0, 1, 2)) and (b in (3, 4, 5)) for (_, a), (_, b) in ((link.a, link.b) for link in network.links))
+    if degree is not None:
+        assert {sum(end[0] == n for end in ends) for n in range(chips)} == {degree}
+    if topology.startswith("hypercube"):
+        assert all((link.a[0] ^ link.b[0]).bit_count() == 1 for link in network.links)
+        assert len({frozenset((link.a[0], link.b[0])) for link in network.links}) == links
+
+
+# ---- what is done to a network ----
+
+
+@pytest.mark.parametrize(("into", "bytes_over"), [(0, 0), (1, 0), (2, 1), (3, 2), (4, 3)])
+def test_cutting_a_link_in_mid_word(into: int, bytes_over: int) -> None:
+    def made() -> Network:
+        return Network([program(sender(0, 12)), program(receiver(3, 11))], links=["0.0:1.3"], record_words=True)
+
+    whole = made()
+    whole.run()
+    third = [event.time_ps for event in whole.events if event.kind == "word"][2]
+    network = made()
+    cut = third - (5 - into) * PERIOD_PS
+    network.cut(0, cut / 1e6)
+    network.restore(0, cut / 1e6 + 10)
+    assert network.run().reason == "ended"
+    (lost,) = [event for event in network.events if event.kind == "lost"]
+    assert (lost.time_ps, lost.place, lost.side, lost.word, lost.count) == (cut, 0, 0, 3, bytes_over)
+    assert network.chips[1].memory[DATA : DATA + 11] == [n for n in range(1, 13) if n != 3]
+    assert network.links[0].forth.lost == 1 and balanced(network)
+    after = [event.time_ps for event in network.events if event.kind == "word"][2]
+    assert after == cut + 10_000_000 + 5 * PERIOD_PS
+
+
+def test_a_cut_for_good_is_a_deadlock_that_says_so() -> None:
+    network = Network([program(sender(0, 12)), program(receiver(3, 12))], links=["0.0:1.3"])
+    network.cut(0, 1.2)
+    assert network.run().reason == "deadlock"
+    assert [chip.status for chip in network.chips] == ["waiting", "waiting"] or [chip.status for chip in network.chips] == ["halt", "waiting"]
+    assert "(the link is cut)" in network.chips[1].message
+
+
+def test_reset_of_the_side_without_a_right_to_it_loses_the_token_and_says_what_was_discarded() -> None:
+    """Chip 1 sends through a port that begins without the token, gets it, and is reset: both ends then believe that they have none... or both one."""
+    network = Network([program(STOP), program(sender(3, 20))], links=["0.0:1.3"])
+    network.reset(1, 5)
+    network.run(until_us=50)
+    assert network.links[0].token_lost
+    kinds = [event.kind for event in network.events]
+    assert kinds.count("reset") == 1 and kinds.count("dead") == 1
+    discarded = [event for event in network.events if event.kind == "discarded"]
+    assert discarded and {(event.place, event.side, event.count) for event in discarded} == {(1, 3, 0)}
+    assert network.chips[1].port(3)["discarded_output"] == len(discarded)
+    assert "(the token is lost)" in network.chips[1].message
+    assert balanced(network)
+
+
+def test_a_held_chip_does_nothing_and_goes_on() -> None:
+    network = Network([program(sender(0, 20)), program(receiver(3, 20))], links=["0.0:1.3"])
+    network.hold(1, 2)
+    network.run(until_us=100)
+    assert network.chips[1].status == "held"
+    assert network.chips[1].causes["halted"] >= 97 * 20
+    network.release(1, 200)
+    assert network.run().reason == "ended"
+    assert network.chips[1].memory[DATA : DATA + 20] == list(range(1, 21))
+    assert network.chips[1].causes["halted"] in range(197 * 20, 199 * 20)
+
+
+def test_a_chip_pulled_out_takes_its_links_with_it() -> None:
+    network = Network([program(sender(0, 20)), program(receiver(3, 20))], links=["0.0:1.3"])
+    network.pull_out(1, 2)
+    assert network.run().reason == "deadlock"
+    assert network.chips[1].status == "pulled_out" and network.links[0].cut
+    assert network.chips[0].waits_for == 1 and "room in output FIFO 0" in network.chips[0].message
+    assert balanced(network)
+
+
+def test_random_cuts_holds_and_resets_lose_no_word_unsaid() -> None:
+    for seed in range(12):
+        rng = random.Random(seed)
+        network = mixed_network(seed)
+        for _ in range(12):
+            at = rng.uniform(1, 100)
+            kind = rng.choice(["cut", "restore", "hold", "release", "reset"])
+            getattr(network, kind)(rng.randrange(3), at)
+        other = mixed_network(seed + 100)
+        rng = random.Random(seed)
+        for _ in range(12):
+            at = rng.uniform(1, 100)
+            kind = rng.choice(["cut", "restore", "hold", "release", "reset"])
+            getattr(other, kind)(rng.randrange(3), at)
+        network.run(until_us=120)
+        other.run(until_us=120)
+        assert balanced(network)
+        assert state(network) == state(other)
+        lost = sum(traffic.lost for link in network.links for traffic in (link.forth, link.back))
+        assert lost == sum(event.kind == "lost" for event in network.events)
+        discarded = sum(chip.port(n)[f"discarded_{side}"] for chip in network.chips for n in range(6) for side in ("input", "output"))
+        assert discarded == sum(event.kind == "discarded" for event in network.events)
+
+
+# ---- the end ----
+
+
+def test_a_ring_in_which_all_read_first_is_a_deadlock_and_says_who_waits_for_whom() -> None:
+    network = Network(program(receiver(3, 1)), topology="ring:3")
+    stop = network.run()
+    assert stop.reason == "deadlock"
+    assert [chip.waits_for for chip in network.chips] == [2, 0, 1]
+    for n, chip in enumerate(network.chips):
+        assert chip.message.startswith(f"waits for a word in input FIFO 3 from chip {(n + 2) % 3} port 0 since cycle ")
+        assert f"PC {CODE + 4:08X}h" in chip.message and "<text>:" in chip.message
+
+
+def test_chips_that_sleep_are_no_deadlock() -> None:
+    network = Network([program(interrupt_program(3, "wait:   idle\n        bu wait\n")), program(STOP)], links=["0.3:1.0"])
+    assert network.run().reason == "ended"
+    assert [chip.status for chip in network.chips] == ["sleeping", "halt"]
+
+
+def test_a_fault_ends_a_chip_and_not_the_others() -> None:
+    network = Network([program("        .word 0ffffffffh\n"), program(sender(0, 2)), program(receiver(3, 2))], links=["1.0:2.3"])
+    assert network.run().reason == "ended"
+    assert [chip.status for chip in network.chips] == ["fault", "halt", "halt"]
+    assert network.chips[0].message
+
+
+def test_until_is_an_end() -> None:
+    network = Network([program(sender(0, 2).replace("end:    bu", "there:  nop\nend:    bu")), program(receiver(3, 2) + "there:  nop\n")], links=["0.0:1.3"], until="there")
+    assert network.run().reason == "ended"
+    assert network.chips[0].status == "until" and network.chips[0].pc == network.chips[0].address("there")
+
+
+# ---- shared memory ----
+
+
+def counting(rounds: int) -> str:
+    """Adds one to word 0 of the memory at C0000000h `rounds` times, under a lock."""
+    return f"""
+        ldhi 0c000h,ar0
+        ldi {rounds - 1},ar1
+loop:   ldii *ar0,r4
+        addi 1,r4
+        nop
+        stii r4,*ar0
+        db ar1,loop
+{STOP}"""
+
+
+def test_a_lock_keeps_the_others_out() -> None:
+    results = []
+    for seed in range(4):
+        memory = SharedMemory("counter", 16, {0: 0xC0000000, 1: 0xC0000000, 2: 0xC0000000}, waits=1)
+        network = Network([program(counting(50))] * 3, memories=[memory], clocks_mhz=[40, 50, 60], turn_order=seed)
+        assert network.run().reason == "ended"
+        assert network.memory(0)[0] == 150
+        results.append(state(network))
+    assert all(result == results[0] for result in results)
+    assert any(chip.causes["bus_arbitration"] > 0 for chip in network.chips)
+
+
+def test_a_lock_never_given_back_is_a_deadlock() -> None:
+    memory = SharedMemory("counter", 16, {0: 0xC0000000, 1: 0xC0000000})
+    taker = "        ldhi 0c000h,ar0\n        ldii *ar0,r4\n" + STOP
+    late = "        nop\n" * 20 + "        ldhi 0c000h,ar0\n        ldi *ar0,r4\n" + STOP
+    network = Network([program(taker), program(late)], memories=[memory])
+    assert network.run().reason == "deadlock"
+    assert network.chips[1].waits_for == 0 and "which chip 0 has locked" in network.chips[1].message
+
+
+# ---- bad input ----
+
+
+@pytest.mark.parametrize(("links", "message"), [
+    (["0.0:1.7"], "chip 1 has no port 7; 0 to 5 are possible"),
+    (["0.0:2.3"], "there is no chip 2; chips 0 to 1 are"),
+    (["0.0:0.0"], "chip 0 port 0 cannot be linked to itself"),
+    (["0.0:1.1"], "both begin with the token; join one of ports 0 to 2 with one of 3 to 5"),
+    (["0.3:1.5"], "both begin without the token"),
+    (["0.0:1.3", "0.0:1.4"], "port 0 of chip 0 is taken by link 0.0:1.3"),
+    (["0.0-1.3"], "CHIP.PORT:CHIP.PORT is expected"),
+    (["00:1.3"], "CHIP.PORT is expected"),
+    (["x.0:1.3"], "there is no chip x"),
+])  # fmt: skip
+def test_links_that_cannot_be(links: list[str], message: str) -> None:
+    with pytest.raises(NetworkError) as error:
+        Network([program(STOP)] * 2, links=links)
+    assert message in str(error.value) and links[-1] in str(error.value)
+
+
+def test_networks_that_cannot_be() -> None:
+    for given, message in [
+        ({"topology": "ring:65"}, "at most 64|1 to 64"),
+        ({"topology": "hypercube:12"}, "1, 2, 4, 8, 16, 32 or 64"),
+        ({"topology": "star:4"}, "no topology"),
+        ({"clocks_mhz": [40, 40]}, "clocks_mhz"),
+        ({"clocks_mhz": -3}, "clock of -3"),
+        ({"memories": [SharedMemory("m", 4, {0: 0x300000})]}, "no window that holds"),
+        ({"memories": [SharedMemory("m", 4, {3: 0xC0000000})]}, "no chip 3"),
+    ]:
+        with pytest.raises(NetworkError, match=message):
+            Network(program(STOP), **given)  # type: ignore[arg-type]
+    with pytest.raises(NetworkError, match="factor of 2"):
+        Network([program(STOP)] * 2, links=["0.0:1.3"], clocks_mhz=[60, 25])
+    network = Network(program(STOP), topology="ring:2")
+    with pytest.raises(NetworkError, match="there is no link 2"):
+        network.cut(2, 1)
+    with pytest.raises(NetworkError, match="there is no chip 2"):
+        network.reset(2, 1)
+    network.run()
+    with pytest.raises(NetworkError, match="has been run to"):
+        network.cut(0, 0)
