@@ -29,6 +29,9 @@ void refuse_options_of_one_chip(const ExecOptions& options) {
   refuse(options.profile, "--profile");
   refuse(options.pipeline.has_value(), "--pipeline");
   refuse(options.load_at.has_value(), "--load-at");
+  refuse(options.boot.has_value(), "--boot");
+  refuse(options.peripherals, "--peripherals");
+  refuse(options.events.has_value(), "--events");
 }
 
 machine::NetworkDescription described(const ExecOptions& options) {

@@ -21,7 +21,7 @@ using machine::NetworkAction;
 using machine::NetworkChip;
 using machine::NetworkDescription;
 
-constexpr auto chip_keys = {"number", "name", "program", "board", "clock_mhz", "entry", "until"};
+constexpr auto chip_keys = {"number", "name", "program", "board", "clock_mhz", "entry", "until", "boot"};
 
 class NetworkReader {
  public:
@@ -35,7 +35,7 @@ class NetworkReader {
     if (network_.chips.empty()) throw InputError(fmt::format("{}: there is no chip; [[chip]] with a program, or [topology], is expected", file_));
     for (const NetworkChip& chip : network_.chips) names_.push_back(chip.name);
     for (std::size_t n = 0; n < network_.chips.size(); ++n)
-      if (network_.chips[n].program == nullptr) throw InputError(fmt::format("{}: chip {} has no program", file_, n));
+      if (network_.chips[n].program == nullptr && !network_.chips[n].boot) throw InputError(fmt::format("{}: chip {} has no program, and does not boot", file_, n));
     each(root, "link", [&](const toml::table& table, const toml::node& node) { link(table, node); });
     each(root, "memory", [&](const toml::table& table, const toml::node& node) { memory(table, node); });
     each(root, "event", [&](const toml::table& table, const toml::node& node) { event(table, node); });
@@ -106,6 +106,10 @@ class NetworkReader {
       chip.board = machine::read_board(board.ends_with(".toml") ? beside(board) : board);
     }
     if (const auto* node = table.get("clock_mhz")) chip.clock_mhz = real(*node, "clock_mhz", 1000);
+    if (const auto* node = table.get("boot")) {
+      if (!node->is_boolean()) fail(*node, "boot: true or false is expected");
+      chip.boot = node->as_boolean()->get();
+    }
     if (const auto* node = table.get("entry")) chip.entry = parse_address(text(*node, "entry"), chip.program.get(), "entry");
     if (const auto* node = table.get("until")) chip.until = parse_address(text(*node, "until"), chip.program.get(), "until");
   }
@@ -113,7 +117,7 @@ class NetworkReader {
   void generate(const toml::node& node) {
     if (!node.is_table()) fail(node, "topology: a table, [topology], is expected");
     const toml::table& table = *node.as_table();
-    allow(table, {"links", "program", "board", "clock_mhz", "entry", "until"}, "topology.");
+    allow(table, {"links", "program", "board", "clock_mhz", "entry", "until", "boot"}, "topology.");
     NetworkChip chip;
     fill(chip, table);
     const toml::node& links = needed(table, node, "links", "topology");

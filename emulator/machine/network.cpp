@@ -9,6 +9,7 @@
 #include <span>
 
 #include "isa/decode.hpp"
+#include "machine/boot.hpp"
 #include "machine/program_end.hpp"
 
 namespace machine {
@@ -73,7 +74,10 @@ struct Network::Memory {
 
 struct Network::Node {
   Node(std::size_t number_, NetworkChip given, Clock clock_)
-      : number(number_), description(std::move(given)), clock(clock_), chip(description.board.board) {}
+      : number(number_),
+        description(std::move(given)),
+        clock(clock_),
+        chip(description.boot ? with_boot_from_port(description.board.board) : description.board.board) {}
 
   std::size_t number;
   NetworkChip description;
@@ -88,7 +92,13 @@ struct Network::Node {
   bool waits_for_port() const { return status == ChipStatus::waiting && stop.reason != StopInfo::Reason::external_access; }
   bool waits_for_memory() const { return status == ChipStatus::waiting && stop.reason == StopInfo::Reason::external_access; }
   Cycles first_cycle(Time time) const { return clock.tick_at_or_after(time); }
-  Time now() const { return clock.at(chip.cycle()); }
+  /// Everything before it is done, by the processor and by the DMA.
+  Time now() const { return clock.at(chip.settled()); }
+  /// It goes on by itself, and its ports decide how: it must not run past what they do.
+  bool follows_ports() const {
+    if (status == ChipStatus::running) return chip.watches_ports();
+    return status == ChipStatus::waiting && chip.dma_active();
+  }
 };
 
 /// Keeps what happens on one link.
@@ -187,11 +197,14 @@ void Network::add_memories() {
 }
 
 void Network::load(Node& node) {
-  if (node.description.program == nullptr) throw NetworkError(fmt::format("chip {} has no program", node.number));
+  if (node.description.program == nullptr) {
+    if (!node.description.boot) throw NetworkError(fmt::format("chip {} has no program, and does not boot", node.number));
+    node.description.program = std::make_shared<toolchain::Image>();
+  }
   const toolchain::Image& image = *node.description.program;
   node.chip.reset();
   for (const toolchain::Image::Section& section : image.sections) {
-    if (!section.loaded) continue;
+    if (!section.loaded || node.description.boot) continue;
     try {
       node.chip.write_block(section.address, section.words);
     } catch (const std::out_of_range&) {
@@ -205,6 +218,8 @@ void Network::load(Node& node) {
 }
 
 void Network::start(Node& node) {
+  node.status = ChipStatus::running;
+  if (node.description.boot) return node.chip.boot();
   node.chip.set_pc(node.description.entry.value_or(node.description.program->entry));
   const auto chips = static_cast<Word>(nodes_.size());
   const std::array<Word, 4> values{static_cast<Word>(node.number), chips, description_.shape[0] == 0 ? chips : description_.shape[0],
@@ -212,7 +227,6 @@ void Network::start(Node& node) {
   constexpr std::array registers{isa::Register::R0, isa::Register::R1, isa::Register::R2, isa::Register::R3};
   for (std::size_t i = 0; i < registers.size(); ++i)
     node.chip.set_register(registers[i], (node.chip.register_value(registers[i]) & ~std::uint64_t{0xFFFFFFFF}) | values[i]);
-  node.status = ChipStatus::running;
 }
 
 void Network::schedule(const NetworkAction& action) {
@@ -226,17 +240,13 @@ void Network::schedule(const NetworkAction& action) {
 
 // ---- one chip ----
 
-/// The ports could interrupt it: it must not run past what they do.
-bool Network::follows_ports(const Node& node) const { return node.chip.watches_ports(); }
-
-bool Network::is_free(const Node& node) const { return node.status == ChipStatus::running && !follows_ports(node); }
-
+/// A chip that waits goes on with its DMA.
 void Network::run_chip(Node& node, Time until) {
   const Cycles limit = node.first_cycle(until);
-  while (node.status == ChipStatus::running && node.chip.cycle() < limit) {
+  while (node.chip.settled() < limit) {
     const StopInfo stop = node.chip.run_until(limit);
     stopped(node, stop);
-    if (stop.reason == StopInfo::Reason::horizon) return;
+    if (stop.reason != StopInfo::Reason::breakpoint || node.status != ChipStatus::running) return;
   }
 }
 
@@ -253,6 +263,7 @@ void Network::stopped(Node& node, const StopInfo& stop) {
       return;
     case StopInfo::Reason::port_access:
     case StopInfo::Reason::port_wait:
+      if (node.waits_for_port()) return;  // still the same
       node.status = ChipStatus::waiting;
       node.stop = stop;
       node.was_ready = false;
@@ -261,9 +272,9 @@ void Network::stopped(Node& node, const StopInfo& stop) {
     case StopInfo::Reason::limit:
     case StopInfo::Reason::horizon: break;
   }
-  if (!node.chip.idle()) return;
-  if (follows_ports(node)) node.status = ChipStatus::sleeping;
-  else if (node.chip.next_event() == no_cycle) node.status = ChipStatus::idle;
+  if (!node.chip.idle() || node.chip.dma_active() || node.status != ChipStatus::running) return;
+  if (node.chip.watches_ports()) node.status = ChipStatus::sleeping;
+  else if (node.chip.dormant()) node.status = ChipStatus::idle;
 }
 
 void Network::at_breakpoint(Node& node) {
@@ -272,8 +283,8 @@ void Network::at_breakpoint(Node& node) {
     node.status = ChipStatus::until;
     return;
   }
-  if (program_end(node.chip.peek(pc), pc) == ProgramEnd::halt && node.chip.next_event() == no_cycle) {
-    const bool interrupts = (node.chip.register_value(isa::Register::ST) & c40::st::GIE) != 0 && follows_ports(node);
+  if (program_end(node.chip.peek(pc), pc) == ProgramEnd::halt && node.chip.next_event() == no_cycle && !node.chip.dma_active()) {
+    const bool interrupts = (node.chip.register_value(isa::Register::ST) & c40::st::GIE) != 0 && node.chip.watches_ports();
     node.status = interrupts ? ChipStatus::sleeping : ChipStatus::halt;
     return;
   }
@@ -312,8 +323,8 @@ void Network::note_ready(Node& node, Time time) {
 /// When the access that it waits for takes place, as far as can be said.
 Time Network::access_time(const Node& node) const {
   if (node.status != ChipStatus::waiting || !ready(node)) return never;
-  if (node.waits_for_port()) return node.clock.at(std::max(node.stop.port.cycle, node.first_cycle(node.ready_since)));
-  return node.clock.at(std::max(node.stop.access.cycle, node.first_cycle(memory_of(node, node.stop.access.address)->free)));
+  if (node.waits_for_port()) return node.clock.at(std::max({node.stop.port.cycle, node.first_cycle(node.ready_since), node.first_cycle(now_)}));
+  return node.clock.at(std::max({node.stop.access.cycle, node.first_cycle(memory_of(node, node.stop.access.address)->free), node.first_cycle(now_)}));
 }
 
 // ---- what happens next ----
@@ -347,7 +358,7 @@ Time Network::next_of_all() const {
   for (const auto& node : nodes_) {
     if (node->status == ChipStatus::waiting) next = std::min(next, access_time(*node));
     else if (node->status == ChipStatus::sleeping) next = std::min(next, own_event(*node));
-    else if (node->status == ChipStatus::running && follows_ports(*node)) next = std::min(next, node->now());
+    if (node->follows_ports()) next = std::min(next, node->now());
   }
   return next;
 }
@@ -356,7 +367,7 @@ NetworkStop Network::run_until(Time limit) {
   while (true) {
     const Time action = next_action();
     for (Node* node : turns_) {
-      if (!is_free(*node)) continue;
+      if (node->status != ChipStatus::running || node->follows_ports()) continue;
       Time until = limit;
       if (action != never)
         for (const NetworkAction& a : actions_)
@@ -387,7 +398,7 @@ bool Network::advance_watchers(Time first, Time limit) {
     if (own_event(*node) == first) {
       node->status = ChipStatus::running;
       until = std::min(until, node->clock.at(node->chip.next_event() + 1));
-    } else if (node->status != ChipStatus::running || !follows_ports(*node)) {
+    } else if (!node->follows_ports()) {
       continue;
     }
     until = std::min(until, next_on_links(*node));
@@ -396,9 +407,11 @@ bool Network::advance_watchers(Time first, Time limit) {
     if (first < never - lookahead) until = std::min(until, first + lookahead);
     for (const NetworkAction& a : actions_)
       if (a.target == node->number && a.kind >= NetworkAction::Kind::reset) until = std::min(until, a.time);
-    const Cycles before = node->chip.cycle();
+    until = std::min(until, access_time(*node));
+    const Time before = node->now();
+    const ChipStatus status = node->status;
     run_chip(*node, until);
-    moved |= node->chip.cycle() != before || node->status != ChipStatus::running;
+    moved |= node->now() != before || node->status != status;
   }
   return moved;
 }

@@ -8,7 +8,9 @@
 /// (`turn_order`) changes nothing.
 ///
 /// Inaccuracies: a wait that a reset, a hold or the end of the run cuts short is not among the chip's cycles by cause as a wait for
-/// the port: up to the reset or hold the chip counts as halted, at the end its count stops where the wait began.
+/// the port: up to the reset or hold the chip counts as halted, at the end its count stops where the wait began. An access of the DMA
+/// to a shared memory lets its processor's access wait, whatever that is to. A DMA channel that waits for ever keeps a run from ending before
+/// its limit.
 #include <memory>
 #include <optional>
 #include <span>
@@ -57,6 +59,9 @@ struct NetworkChip {
   BoardDescription board{c40::Board::default_board(), {}};
   std::optional<double> clock_mhz;            ///< before the board's
   std::optional<c40::Address> entry, until;  ///< `until`: it has ended before the instruction there
+  /// It starts in the boot ROM and takes its program from whichever port brings it one; `program` says only what is expected to come (symbols,
+  /// lines, ends) and may be null.
+  bool boot = false;
 };
 
 /// A memory that several chips reach through windows of their boards. One access at a time; an interlocked load keeps all other chips out
@@ -187,8 +192,6 @@ class Network {
   void run_chip(Node& node, Time until);
   void stopped(Node& node, const c40::StopInfo& stop);
   void at_breakpoint(Node& node);
-  bool follows_ports(const Node& node) const;
-  bool is_free(const Node& node) const;
   Time access_time(const Node& node) const;
   Time own_event(const Node& node) const;
   Time effective(const NetworkAction& action) const;

@@ -30,6 +30,7 @@ machine::NetworkChip chip_of(const py::dict& given) {
   chip.name = given["name"].cast<std::string>();
   chip.clock_mhz = given["clock_mhz"].cast<std::optional<double>>();
   chip.until = given["until"].cast<std::optional<c40::Address>>();
+  chip.boot = given["boot"].cast<bool>();
   return chip;
 }
 

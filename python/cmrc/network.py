@@ -152,7 +152,8 @@ class Network:
 
     ``topology`` is ``ring:4``, ``line:4``, ``grid:4x4``, ``torus:4x4``, ``hypercube:16``; ``links`` are further ones, ``"0.3:1.0"`` for port 3 of chip 0 and port 0 of
     chip 1, or (that, {"word_cycles": 5, ...}). ``boards``, ``clocks_mhz`` (CLKIN) and ``names`` are one for all chips or one for each. ``until`` is where a chip has ended.
-    Every chip finds its number in R0 and the number of chips in R1. ``turn_order`` shuffles which chip the emulator advances first, and changes nothing.
+    Chips in ``boots`` start in the boot ROM and take their program from whichever port brings it; their ``programs`` only say what is expected to come.
+    Every other chip finds its number in R0 and the number of chips in R1. ``turn_order`` shuffles which chip the emulator advances first, and changes nothing.
     ``record_words`` keeps every word and token in ``events``. Raises NetworkError.
     """
 
@@ -166,6 +167,7 @@ class Network:
         clocks_mhz: float | Sequence[float] | None = None,
         names: Sequence[str] = (),
         until: int | str | None = None,
+        boots: Sequence[int] = (),
         memories: Sequence[SharedMemory] = (),
         turn_order: int = 0,
         record_words: bool = False,
@@ -184,7 +186,7 @@ class Network:
         if len(name) != count:
             raise NetworkError(f"{len(name)} names for {count} chips")
         chips = [
-            {"program": image, "board": board[n], "clock_mhz": clock[n], "name": name[n], "until": _address(image, until)}
+            {"program": image, "board": board[n], "clock_mhz": clock[n], "name": name[n], "until": _address(image, until), "boot": n in boots}
             for n, image in enumerate(images)
         ]
         wires = [(link, {}) if isinstance(link, str) else (link[0], dict(link[1])) for link in links]

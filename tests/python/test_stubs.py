@@ -9,11 +9,7 @@ import pytest
 STUBS = Path(__file__).parents[2] / "python" / "cmrc" / "_core"
 
 
-<<<<<<< HEAD
-@pytest.mark.parametrize("room", ["c40", "cmrc", "isa", "toolchain", "trace", "why_late"])
-=======
-@pytest.mark.parametrize("room", ["c40", "cmrc", "isa", "network", "toolchain", "trace"])
->>>>>>> 13864cf (Networks of chips: exact order, links, shared memories, deadlocks named; exec with several programs, topologies and a network file; cmrc.network)
+@pytest.mark.parametrize("room", ["c40", "cmrc", "isa", "network", "toolchain", "trace", "why_late"])
 def test_stub(room: str) -> None:
     module = getattr(importlib.import_module("cmrc._core"), room)
     promised = 0
