@@ -363,7 +363,7 @@ std::vector<Word> stream_for(const Image& image, const c40::Board& board, const 
 
 int exec(const ExecOptions& options) {
   if (options.programs.size() > 1 || options.network || options.topology || !options.links.empty()) return exec_network(options);
-  if (options.programs.empty()) throw InputError("exec: a program is expected, or --network FILE.toml");
+  if (options.programs.empty()) throw InputError("exec: PROGRAM is missing; a program is expected, or --network FILE.toml");
   if (options.boards.size() > 1) throw InputError("--board: one chip has one board");
   if (options.link_trace) throw InputError("--link-trace: there is no link");
   const machine::BoardDescription chosen = machine::read_board(options.boards.empty() ? "default" : options.boards.front());

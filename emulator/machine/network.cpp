@@ -41,6 +41,9 @@ std::string source_of(const toolchain::Image& image, Address pc) {
   return out;
 }
 
+/// A peripheral of its own could interrupt it.
+bool enables_interrupts(const Chip& chip) { return chip.register_value(isa::Register::IIE) != 0; }
+
 bool is_sigi(Word word) {
   const isa::Decoded decoded = isa::decode(word);
   const auto* instruction = std::get_if<isa::Instruction>(&decoded);
@@ -274,7 +277,7 @@ void Network::stopped(Node& node, const StopInfo& stop) {
   }
   if (!node.chip.idle() || node.chip.dma_active() || node.status != ChipStatus::running) return;
   if (node.chip.watches_ports()) node.status = ChipStatus::sleeping;
-  else if (node.chip.dormant()) node.status = ChipStatus::idle;
+  else if (node.chip.dormant() || !enables_interrupts(node.chip)) node.status = ChipStatus::idle;
 }
 
 void Network::at_breakpoint(Node& node) {
@@ -283,10 +286,11 @@ void Network::at_breakpoint(Node& node) {
     node.status = ChipStatus::until;
     return;
   }
-  if (program_end(node.chip.peek(pc), pc) == ProgramEnd::halt && node.chip.next_event() == no_cycle && !node.chip.dma_active()) {
-    const bool interrupts = (node.chip.register_value(isa::Register::ST) & c40::st::GIE) != 0 && node.chip.watches_ports();
-    node.status = interrupts ? ChipStatus::sleeping : ChipStatus::halt;
-    return;
+  if (program_end(node.chip.peek(pc), pc) == ProgramEnd::halt && !node.chip.dma_active()) {
+    const bool interrupts = (node.chip.register_value(isa::Register::ST) & c40::st::GIE) != 0 && enables_interrupts(node.chip);
+    if (!interrupts) node.status = ChipStatus::halt;
+    else if (node.chip.watches_ports()) node.status = ChipStatus::sleeping;
+    if (node.status != ChipStatus::running) return;
   }
   stopped(node, node.chip.step());
 }

@@ -8,6 +8,8 @@ from typing import Any
 import pytest
 from cmrc import c40
 from cmrc.network import Network, NetworkError, SharedMemory
+from linked_processors import Network as PlainNetwork
+from linked_processors import processor
 
 CODE, DATA, STACK = 0x2FFC00, 0x2FF800, 0x2FFB00
 PERIOD_PS = 50_000  # of H1 at 40 MHz
@@ -63,27 +65,22 @@ def balanced(network: Network) -> bool:
 # ---- order and time ----
 
 
-def test_one_word_over_an_idle_link_is_readable_seven_cycles_after_the_store() -> None:
+def test_one_word_leaves_an_idle_link_six_cycles_after_the_store() -> None:
     network = Network([program(sender(0, 1)), program(receiver(3, 1))], links=["0.0:1.3"], record_words=True)
     assert network.run().reason == "ended"
     assert network.chips[1].memory[DATA] == 1
     (word,) = [event for event in network.events if event.kind == "word"]
-    # The store is the fourth instruction; ar0 is written by the one two before it.
     alone = c40.Processor(program(sender(0, 1)))
     while alone.pc != CODE + 3:
         alone.step()
     stop = alone.step()
     written = stop.cycle - 1
     assert word.time_ps == (written + 1 + 5) * PERIOD_PS
-    read = network.chips[1].causes["comm_port"]
-    assert network.chips[1].cycles - network.chips[1].causes["branch"] >= read
     assert word.text == f"{word.time_ps} word 0.0>1.3 00000001"
 
 
 @pytest.mark.parametrize("clocks", [(40, 40, 40, 40), (40, 50, 60, 40), (33.333, 40, 50, 60)])
 def test_a_ring_as_the_plainest_driver_runs_it(clocks: tuple[float, ...]) -> None:
-    from linked_processors import Network as PlainNetwork
-    from linked_processors import processor
 
     def text(n: int) -> str:
         return base(n % 3) + base(3 + n % 3, "ar2") + RELAY.replace("FIRST", "seed" if n == 0 else "loop")
@@ -104,15 +101,6 @@ def test_a_ring_as_the_plainest_driver_runs_it(clocks: tuple[float, ...]) -> Non
     assert min(len(times) for times in words) > 20
     assert [chip.causes for chip in network.chips] == [chip.causes for chip in plain.chips]
     assert [chip.port(n) for chip in network.chips for n in range(6)] == [chip.port(n) for chip in plain.chips for n in range(6)]
-
-
-INTERRUPTED = """
-        ldi STACK & 0ffffh,sp
-        or SHIGH,sp
-        ldhi 2fh,r4
-        or 0f900h,r4
-        ldpe r4,ivtp
-"""
 
 
 def interrupt_program(port: int, work: str) -> str:
@@ -169,7 +157,7 @@ def test_the_order_of_turns_changes_nothing() -> None:
     network.run(until_us=120)
     taken = network.chips[1].memory[0x2FFA00 : 0x2FFA00 + 30]
     assert taken == list(range(1, 31))
-    assert network.chips[3].port(3)["read"] > 20
+    assert network.chips[3].port(3)["read"] > 10
     assert network.chips[2].causes["idle"] > 0 and network.chips[1].causes["interrupt"] >= 30 * 8
 
 
@@ -261,12 +249,12 @@ def test_a_cut_for_good_is_a_deadlock_that_says_so() -> None:
     network = Network([program(sender(0, 12)), program(receiver(3, 12))], links=["0.0:1.3"])
     network.cut(0, 1.2)
     assert network.run().reason == "deadlock"
-    assert [chip.status for chip in network.chips] == ["waiting", "waiting"] or [chip.status for chip in network.chips] == ["halt", "waiting"]
+    assert [chip.status for chip in network.chips] == ["halt", "waiting"]
     assert "(the link is cut)" in network.chips[1].message
 
 
 def test_reset_of_the_side_without_a_right_to_it_loses_the_token_and_says_what_was_discarded() -> None:
-    """Chip 1 sends through a port that begins without the token, gets it, and is reset: both ends then believe that they have none... or both one."""
+    """Chip 1 sends through a port that begins without the token, gets it, and is reset: then neither end has it."""
     network = Network([program(STOP), program(sender(3, 20))], links=["0.0:1.3"])
     network.reset(1, 5)
     network.run(until_us=50)
@@ -281,14 +269,13 @@ def test_reset_of_the_side_without_a_right_to_it_loses_the_token_and_says_what_w
 
 
 def test_a_held_chip_does_nothing_and_goes_on() -> None:
-    network = Network([program(sender(0, 20)), program(receiver(3, 20))], links=["0.0:1.3"])
+    network = Network([program(sender(0, 40)), program(receiver(3, 40))], links=["0.0:1.3"])
     network.hold(1, 2)
-    network.run(until_us=100)
+    assert network.run().reason == "deadlock"  # until somebody releases it
     assert network.chips[1].status == "held"
-    assert network.chips[1].causes["halted"] >= 97 * 20
     network.release(1, 200)
     assert network.run().reason == "ended"
-    assert network.chips[1].memory[DATA : DATA + 20] == list(range(1, 21))
+    assert network.chips[1].memory[DATA : DATA + 40] == list(range(1, 41))
     assert network.chips[1].causes["halted"] in range(197 * 20, 199 * 20)
 
 
@@ -428,7 +415,7 @@ def test_networks_that_cannot_be() -> None:
             Network(program(STOP), **given)  # type: ignore[arg-type]
     with pytest.raises(NetworkError, match="factor of 2"):
         Network([program(STOP)] * 2, links=["0.0:1.3"], clocks_mhz=[60, 25])
-    network = Network(program(STOP), topology="ring:2")
+    network = Network(program("        nop\n" + STOP), topology="ring:2")
     with pytest.raises(NetworkError, match="there is no link 2"):
         network.cut(2, 1)
     with pytest.raises(NetworkError, match="there is no chip 2"):
