@@ -52,6 +52,7 @@ port:   ldi *ar3,r0
         bnz found
         addi 10h,ar3
         subi 1,rc
+        cmpi 0,rc               ; arithmetic sets flags for R0 to R11 only
         bnn port
         b pins
 found:  ldi link,ar5

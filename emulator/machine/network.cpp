@@ -536,7 +536,7 @@ void Network::reset_chip(Node& node) {
   for (auto& memory : memories_)
     if (memory->owner == node.number) memory->owner.reset();
   node.chip.hold(false);
-  node.chip.reset();
+  if (!node.description.boot) node.chip.reset();  // booting is one
   start(node);
 }
 

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import random
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -423,3 +427,84 @@ def test_networks_that_cannot_be() -> None:
     network.run()
     with pytest.raises(NetworkError, match="has been run to"):
         network.cut(0, 0)
+
+
+# ---- from the command line ----
+
+
+@pytest.fixture
+def run(emulator: Path, tmp_path: Path) -> Callable[..., subprocess.CompletedProcess[str]]:
+    (tmp_path / "send.asm").write_text("        .text\n" + sender(0, 3))
+    (tmp_path / "take.asm").write_text("        .text\n" + receiver(3, 3))
+
+    def command(*arguments: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([emulator, "exec", *arguments], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60)
+
+    return command
+
+
+FILE = """
+[[chip]]
+name = "left"
+program = "send.asm"
+clock_mhz = 50
+[[chip]]
+program = "take.asm"
+[[link]]
+ports = "left.0:1.3"
+word_cycles = 10
+[[event]]
+at_us = 1.0
+action = "cut"
+link = "0.0:1.3"
+[[event]]
+at_us = 4.0
+action = "restore"
+link = "1.3:left.0"
+"""
+
+
+def test_two_programs_and_a_link(run: Any) -> None:
+    result = run("send.asm", "take.asm", "--link", "0.0:1.3", "--json", "--dump", f"1:{DATA}:3", "--link-trace", "trace")
+    report = json.loads(result.stdout)
+    assert result.returncode == 0 and report["stop"]["reason"] == "ended"
+    assert report["dumps"] == [{"chip": 1, "address": DATA, "words": [1, 2, 3]}]
+    assert report["links"][0]["forth"] == {"sent": 3, "arrived": 3, "under_way": 0, "lost": 0, "tokens": 0}
+    assert all(sum(chip["causes"].values()) == chip["cycles"] for chip in report["chips"])
+
+
+def test_a_network_file(run: Any, tmp_path: Path) -> None:
+    (tmp_path / "network.toml").write_text(FILE)
+    result = run("--network", "network.toml", "--json", "--dump", f"1:{DATA}:3")
+    report = json.loads(result.stdout)
+    assert [event.split()[1] for event in report["events"]] == ["cut", "lost", "restored"]
+    assert report["stop"]["reason"] == "deadlock" and result.returncode == 1  # one word is gone, and chip 1 waits for a third
+    assert report["chips"][1]["waits_for"] == 0 and report["chips"][0]["name"] == "left"
+    for old, new, message in [
+        ('name = "left"', 'nam = "left"', "network.toml:3: no such key chip.nam; known are"),
+        ('"left.0:1.3"', '"left.7:1.3"', "network.toml:8: link left.7:1.3: left.7: chip 0 has no port 7; 0 to 5 are possible"),
+        ('"left.0:1.3"', '"right.0:1.3"', "there is no chip right"),
+        ("word_cycles = 10", "word_cycles = -1", "network.toml:10: word_cycles: a whole number from 0"),
+        ('action = "cut"', 'action = "bite"', 'there is no "bite"; cut, restore, reset, hold, release and pull_out are'),
+        ('link = "1.3:left.0"', 'link = "0.1:1.3"', "there is no link 0.1:1.3"),
+        ("at_us = 1.0", "at_us = -1.0", "event.at_us: a number from 0"),
+        ('program = "take.asm"', 'name = "x"', "chip 1 has no program"),
+        ("[[chip]]\nname", "[chip]\nname", "network.toml"),
+    ]:  # fmt: skip
+        (tmp_path / "network.toml").write_text(FILE.replace(old, new, 1))
+        bad = run("--network", "network.toml")
+        assert bad.returncode == 2 and bad.stdout == "" and message in bad.stderr, (new, bad.stderr)
+
+
+@pytest.mark.parametrize(("arguments", "message"), [
+    (["send.asm", "take.asm", "--link", "0.0:1.6"], "chip 1 has no port 6; 0 to 5 are possible"),
+    (["send.asm", "--topology", "ring"], "--topology"),
+    (["send.asm", "take.asm", "--topology", "ring:3"], "one program for all or 3 programs are expected, not 2"),
+    (["send.asm", "take.asm", "--profile"], "--profile: a network has no such option"),
+    (["send.asm", "take.asm", "--dump", "table:3"], "is not CHIP:ADDRESS:COUNT"),
+    (["send.asm", "take.asm", "--dump", "2:0x300000:3"], "there is no chip 2"),
+    (["--network", "nowhere.toml"], "nowhere.toml: no such file"),
+])  # fmt: skip
+def test_bad_commands(run: Any, arguments: list[str], message: str) -> None:
+    result = run(*arguments)
+    assert result.returncode == 2 and result.stdout == "" and message in result.stderr, result.stderr

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
+import subprocess
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+from cmrc.c40 import assemble_file
 from cmrc.network import Network
 from locations import ROOT
 
@@ -99,6 +102,32 @@ def test_fft_hypercube() -> None:
     speed_up = {chips: took[1] / took[chips] for chips in CHIPS}
     assert all(1 < speed_up[2 * n] / speed_up[n] <= 2.05 for n in CHIPS[:-1])
     assert speed_up[16] > 8
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(1, 1), (4, 4), (3, 2)])
+def test_worm(columns: int, rows: int) -> None:
+    chips = columns * rows
+    source = assemble_file(EXAMPLES / "worm.asm", entry="start")
+    network = Network(source, topology=f"grid:{columns}x{rows}", boots=range(1, chips))
+    assert network.run(max_cycles=200_000).reason == "ended"
+    for n, chip in enumerate(network.chips):
+        x, y = n % columns, n // columns
+        here = [chip.memory[chip.address(name)] for name in ("column", "row", "columns", "rows", "count")]
+        below = rows - y
+        assert here == [x, y, columns, rows, below if y else rows * (columns - x)]
+        code = chip.address("end") - chip.address("booted")
+        assert chip.memory[chip.address("booted") : chip.address("end")] == list(source.sections[0].words[:code])
+    sent = {link.forth.sent for link in network.links}
+    assert sent <= {0, code + 8 + 4}  # GMICR, LMICR, size, address, the block, 0, IVTP, TVTP, IACK; then four words
+    assert sum(link.back.sent for link in network.links) == chips - 1
+
+
+def test_worm_from_its_file(emulator: Path, golden: Callable[[str, str], None], tmp_path: Path) -> None:
+    command = [emulator, "exec", "--network", EXAMPLES / "worm.toml", "--json", "--dump", "0:count:1", "--link-trace", tmp_path / "trace"]
+    report = json.loads(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
+    assert report["stop"]["reason"] == "ended" and report["dumps"][0]["words"] == [16]
+    lines = (tmp_path / "trace").read_text().splitlines(keepends=True)
+    golden("network-worm.trace", "".join(line for line in lines if " 0.0>" in line or "token" in line))
 
 
 def test_every_network_example_is_tested_and_listed() -> None:
