@@ -415,7 +415,10 @@ bool Network::advance_watchers(Time first, Time limit) {
     const Time before = node->now();
     const ChipStatus status = node->status;
     run_chip(*node, until);
-    moved |= node->now() != before || node->status != status;
+    // The DMA cannot be settled before the instruction that comes next is known, and that stands behind what is to happen.
+    const bool stuck = node->now() == before && before == first && node->chip.settled() < node->chip.cycle() && node->status == ChipStatus::running;
+    if (stuck) run_chip(*node, node->clock.at(node->chip.cycle() + 1));
+    moved |= node->now() != before || node->status != status || stuck;
   }
   return moved;
 }

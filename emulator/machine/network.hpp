@@ -10,7 +10,7 @@
 /// Inaccuracies: a wait that a reset, a hold or the end of the run cuts short is not among the chip's cycles by cause as a wait for
 /// the port: up to the reset or hold the chip counts as halted, at the end its count stops where the wait began. An access of the DMA
 /// to a shared memory lets its processor's access wait, whatever that is to. A DMA channel that waits for ever keeps a run from ending before
-/// its limit.
+/// its limit. While a chip's DMA uses a port, the DMA may see what the link does, and the processor an interrupt, up to an instruction late.
 #include <memory>
 #include <optional>
 #include <span>

@@ -107,6 +107,56 @@ def test_a_ring_as_the_plainest_driver_runs_it(clocks: tuple[float, ...]) -> Non
     assert [chip.port(n) for chip in network.chips for n in range(6)] == [chip.port(n) for chip in plain.chips for n in range(6)]
 
 
+WORDS = list(range(1000, 1060))
+
+
+def stream_by_dma(sender_core: Any, receiver_core: Any) -> None:
+    """60 words from 2FF800h of one chip through channel 0 and port 0 to 2FF800h of the other, through port 3 and channel 3."""
+    for n, word in enumerate(WORDS):
+        sender_core.poke(DATA + n, word)
+    run, stop_at_end = 3 << 22, 1 << 2
+    for core, base_address, source, source_index, destination, destination_index, control, die in (
+        (sender_core, 0x1000A0, DATA, 1, 0x100042, 0, run | stop_at_end | 1 << 7, 1 << 2),
+        (receiver_core, 0x1000D0, 0x100071, 0, DATA, 1, run | stop_at_end | 1 << 18 | 1 << 6, 1 << 14),
+    ):
+        for offset, value in enumerate((source, source_index, len(WORDS), destination, destination_index), start=1):
+            core.poke(base_address + offset, value)
+        core.poke(base_address, control)
+        core.set("DIE", die)
+
+
+@pytest.mark.parametrize("clocks", [(40, 40), (50, 33.333), (33.333, 60)])
+def test_dma_as_the_plainest_driver_runs_it(clocks: tuple[float, float]) -> None:
+    idles = "wait:   idle\n        bu wait\n"
+    hertz, until = [round(mhz * 1e6 / 2) for mhz in clocks], 30_000_000
+    plain = PlainNetwork([processor(idles), processor(idles)], hertz=hertz)
+    link = plain.join(0, 0, 1, 3)
+    stream_by_dma(plain.chips[0], plain.chips[1])
+    plain.run(until)
+    words = [event["time"] for event in link.events if event["kind"] == "word"]
+    assert len(words) == len(WORDS)
+    network = Network([program(idles), program(idles)], links=["0.0:1.3"], clocks_mhz=clocks, record_words=True)
+    stream_by_dma(network.chips[0]._core, network.chips[1]._core)
+    network.run(until_us=until / 1e6)
+    assert network.chips[1].memory[DATA : DATA + len(WORDS)] == WORDS
+    assert [event.time_ps for event in network.events if event.kind == "word"] == words
+
+
+@pytest.mark.parametrize("clocks", [(40, 40), (50, 33.333), (33.333, 60)])
+def test_dma_streams_at_the_links_rate_beside_a_processor_that_works(clocks: tuple[float, float]) -> None:
+    works = "        ldhi 2fh,ar4\n        or 0f900h,ar4\nloop:   ldi *ar4,r0\n        addi 1,r0\n        sti r0,*ar4\n        bu loop\n"
+    results = []
+    for seed in range(3):
+        network = Network([program(works), program("wait:   idle\n        bu wait\n")], links=["0.0:1.3"], clocks_mhz=clocks, turn_order=seed, record_words=True)
+        stream_by_dma(network.chips[0]._core, network.chips[1]._core)
+        network.run(until_us=30)
+        assert network.chips[1].memory[DATA : DATA + len(WORDS)] == WORDS and balanced(network)
+        times = [event.time_ps for event in network.events if event.kind == "word"]
+        assert (times[-1] - times[0]) / (len(WORDS) - 1) == pytest.approx(5 * 2e6 / clocks[0], rel=0.002)
+        results.append(state(network))
+    assert all(result == results[0] for result in results)
+
+
 def interrupt_program(port: int, work: str) -> str:
     """ICRDY of `port` takes a word to 2FFA00h on; the main program is `work`. Vectors stand at 2FF800h."""
     vector = 0x0D + 4 * port + 1
