@@ -14,7 +14,7 @@
 namespace c40 {
 namespace {
 
-constexpr std::size_t site_count = 1024, most_pipelines = 1 << 18;
+constexpr std::size_t site_count = 1024;
 
 void add(Causes& causes, Cause cause, Cycles cycles) { causes[static_cast<std::size_t>(cause)] += cycles; }
 
@@ -600,6 +600,7 @@ void Engine::forget_pipelines() {
   touch();
   pipelines_.clear();
   pipeline_ids_.clear();
+  too_many_pipelines_ = false;
   intern(Pipeline{});
   transitions_.assign(transitions_.size(), {});
   for (Site& site : sites_) site.transition = {};
@@ -666,7 +667,7 @@ Engine::Stepped Engine::advance(Cycles limit, bool single) {
     reported_breakpoint_ = state_.cycle;
     return Stepped::breakpoint;
   }
-  if (pipelines_.size() > most_pipelines) forget_pipelines();
+  if (too_many_pipelines_) forget_pipelines();
   const bool answered = state_.answers[0].given || state_.answers[1].given;
   const bool waiting_interrupt = !may_interrupt() && pending_vector() != 0;
   const bool one = single || trace != nullptr || answered || waiting_interrupt || (dma_active_ && dma_.busy());

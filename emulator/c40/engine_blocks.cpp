@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t longest_block = 64, longest_cached_block = Cache::segment_words;
 constexpr std::size_t most_blocks = 20000;
+constexpr PipelineId most_pipelines = 1 << 18;
 constexpr std::uint32_t mode_set_condition = 1, mode_repeat = 2, mode_cached = 16, mode_frozen = 32;
 
 void add_costs(Causes& causes, const Costs& costs, Cycles times) {
@@ -41,6 +42,7 @@ PipelineId Engine::intern(const Pipeline& pipeline) {
   const auto id = static_cast<PipelineId>(pipelines_.size());
   pipelines_.push_back(pipeline);
   ids.push_back(id);
+  too_many_pipelines_ = id >= most_pipelines;
   return id;
 }
 
