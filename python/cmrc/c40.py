@@ -222,26 +222,16 @@ def _word(value: int) -> int:
     return value & 0xFFFF_FFFF
 
 
-class Processor:
-    """One TMS320C40 with memory around it: board ``default`` (the CMRC board's map), ``flat`` (zero-wait RAM everywhere), or a TOML file's path.
+class ChipState:
+    """What can be seen of a chip, alone or in a network: registers, memory, ports, counters."""
 
-    With ``checks`` it watches for rules of the manual that a program breaks; ``diagnostics`` has them. It is slower then, and nothing else changes.
-    """
-
-    def __init__(self, program: Program | Path | None = None, *, board: str | Path = "default", checks: bool = False) -> None:
-        self._core = _core.c40.Processor(str(board), checks)
-        self.program: Program | None = None
+    def __init__(self, core: Any, program: Program | None) -> None:
+        self._core = core
+        self.program = program
         """What was loaded last."""
-        self.registers = _Registers(self._core)
-        self.floats = _Floats(self._core)
-        self.memory = _Memory(self._core)
-        if program is not None:
-            self.load(program)
-
-    def load(self, program: Program | Path) -> None:
-        """Loads a program, or a COFF file, and sets PC to its entry. Raises CoffError; IndexError where no RAM is."""
-        self.program = read_coff(program) if isinstance(program, (str, os.PathLike)) else program
-        self._core.load_image(self.program)
+        self.registers = _Registers(core)
+        self.floats = _Floats(core)
+        self.memory = _Memory(core)
 
     def address(self, where: int | str) -> int:
         """An address, or that of a symbol of the program. Raises KeyError for an unknown symbol."""
@@ -250,6 +240,51 @@ class Processor:
         if self.program is None or where not in self.program.symbols:
             raise KeyError(f"the program has no symbol {where}")
         return int(self.program.symbols[where])
+
+    def port(self, number: int) -> dict[str, Any]:
+        """A communication port: ``input`` and ``output`` (FIFO contents, oldest first), ``token``, halts, ``control`` (CPCR), and words counted since the start."""
+        return dict(self._core.port(number))
+
+    def peripheral(self, name: str) -> int:
+        """A peripheral register by the name that the manual gives it (docs/peripherals.md). Raises IndexError for an unknown one, naming the nearest."""
+        return int(self._core.peripheral(name))
+
+    @property
+    def pc(self) -> int:
+        """Program counter."""
+        return int(self._core.pc)
+
+    @property
+    def cycles(self) -> int:
+        """Instruction cycles so far, of its own clock: the sum of ``causes``."""
+        return int(self._core.cycle)
+
+    @property
+    def instructions(self) -> int:
+        """Instructions executed so far."""
+        return int(self._core.instructions)
+
+    @property
+    def causes(self) -> dict[str, int]:
+        """Cycles by cause."""
+        return dict(self._core.causes)
+
+
+class Processor(ChipState):
+    """One TMS320C40 with memory around it: board ``default`` (the CMRC board's map), ``flat`` (zero-wait RAM everywhere), or a TOML file's path.
+
+    With ``checks`` it watches for rules of the manual that a program breaks; ``diagnostics`` has them. It is slower then, and nothing else changes.
+    """
+
+    def __init__(self, program: Program | Path | None = None, *, board: str | Path = "default", checks: bool = False) -> None:
+        super().__init__(_core.c40.Processor(str(board), checks), None)
+        if program is not None:
+            self.load(program)
+
+    def load(self, program: Program | Path) -> None:
+        """Loads a program, or a COFF file, and sets PC to its entry. Raises CoffError; IndexError where no RAM is."""
+        self.program = read_coff(program) if isinstance(program, (str, os.PathLike)) else program
+        self._core.load_image(self.program)
 
     def run(self, max_cycles: int = 100_000_000, *, until: int | str | None = None) -> Stop:
         """Runs whole instructions for ``max_cycles`` cycles, or until PC is at ``until`` (an address or a symbol)."""
@@ -296,27 +331,12 @@ class Processor:
 
     @property
     def pc(self) -> int:
-        """Program counter."""
-        return int(self._core.pc)
+        """Program counter; an address or a symbol may be assigned."""
+        return super().pc
 
     @pc.setter
     def pc(self, where: int | str) -> None:
         self._core.pc = self.address(where)
-
-    @property
-    def cycles(self) -> int:
-        """Instruction cycles so far: the sum of ``causes``."""
-        return int(self._core.cycle)
-
-    @property
-    def instructions(self) -> int:
-        """Instructions executed so far."""
-        return int(self._core.instructions)
-
-    @property
-    def causes(self) -> dict[str, int]:
-        """Cycles by cause."""
-        return dict(self._core.causes)
 
     @property
     def diagnostics(self) -> list[Diagnostic]:
@@ -337,6 +357,7 @@ def _stop(core: Mapping[str, Any]) -> Stop:
 __all__ = [
     "REGISTERS",
     "AssemblyError",
+    "ChipState",
     "CoffError",
     "Diagnostic",
     "Processor",

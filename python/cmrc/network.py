@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from cmrc import _core
-from cmrc.c40 import Path, Program, _Floats, _Memory, _Registers, assemble_file, read_coff
+from cmrc.c40 import ChipState, Path, Program, assemble_file, read_coff
 
 NetworkError = _core.network.NetworkError
 """Raised for a network that cannot be: a ValueError that names chip, port or link, and what would be right."""
@@ -66,32 +66,12 @@ class SharedMemory:
     waits: int = 0
 
 
-class Chip:
-    """One chip of a network: registers, memory, ports, and how it stands."""
+class Chip(ChipState):
+    """One chip of a network: what can be seen of it, and how it stands."""
 
     def __init__(self, core: Any, program: Program, number: int) -> None:
-        self._core = core
-        self.program = program
+        super().__init__(core, program)
         self.number = number
-        self.registers = _Registers(core)
-        self.floats = _Floats(core)
-        self.memory = _Memory(core)
-
-    def address(self, where: int | str) -> int:
-        """An address, or that of a symbol of the chip's program. Raises KeyError for an unknown symbol."""
-        if isinstance(where, int):
-            return where
-        if where not in self.program.symbols:
-            raise KeyError(f"the program of chip {self.number} has no symbol {where}")
-        return int(self.program.symbols[where])
-
-    def port(self, number: int) -> dict[str, Any]:
-        """A communication port: ``input`` and ``output`` (FIFO contents, oldest first), ``token``, halts, ``control`` (CPCR), and words counted since the start."""
-        return dict(self._core.port(number))
-
-    def peripheral(self, name: str) -> int:
-        """A peripheral register by the name that the manual gives it. Raises IndexError for an unknown one, naming the nearest."""
-        return int(self._core.peripheral(name))
 
     @property
     def name(self) -> str:
@@ -113,26 +93,6 @@ class Chip:
         """The chip at the other end of what this one waits for."""
         number = self._core.waits_for
         return None if number is None else int(number)
-
-    @property
-    def pc(self) -> int:
-        """Program counter."""
-        return int(self._core.pc)
-
-    @property
-    def cycles(self) -> int:
-        """Cycles of its own clock so far: the sum of ``causes``."""
-        return int(self._core.cycle)
-
-    @property
-    def instructions(self) -> int:
-        """Instructions executed so far."""
-        return int(self._core.instructions)
-
-    @property
-    def causes(self) -> dict[str, int]:
-        """Cycles by cause."""
-        return dict(self._core.causes)
 
 
 @dataclass(frozen=True)

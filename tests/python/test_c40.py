@@ -132,3 +132,13 @@ def test_coff_round_trip(program, tmp_path: Path) -> None:
         c40.read_coff(tmp_path / "junk.out")
     with pytest.raises(KeyError, match="nowhere"):
         processor.run(until="nowhere")
+
+
+def test_ports_and_peripheral_registers_can_be_looked_at() -> None:
+    """c40-hardware.md 2.4: after reset ports 0 to 2 own the token; 1.3: the registers by name."""
+    processor = c40.Processor()
+    assert [processor.port(n)["token"] for n in range(6)] == [True] * 3 + [False] * 3
+    processor.memory[0x100028] = 8250
+    assert processor.peripheral("timer0.period") == 8250
+    with pytest.raises(IndexError, match="timer0.period"):
+        processor.peripheral("timer0.periode")
