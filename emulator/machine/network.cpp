@@ -1,5 +1,3 @@
-#include "machine/network.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -9,7 +7,7 @@
 #include <span>
 
 #include "isa/decode.hpp"
-#include "machine/boot.hpp"
+#include "machine/network_parts.hpp"
 #include "machine/program_end.hpp"
 
 namespace machine {
@@ -23,24 +21,6 @@ using c40::Word;
 namespace {
 constexpr Cycles no_cycle = std::numeric_limits<Cycles>::max();
 
-/// "loop+2, ring.asm:14"; empty if nothing is known of the address.
-std::string source_of(const toolchain::Image& image, Address pc) {
-  const auto holds = [pc](const toolchain::Image::Section& s) { return s.loaded && pc - s.address < s.size; };
-  const auto section = std::find_if(image.sections.begin(), image.sections.end(), holds);
-  if (section == image.sections.end()) return {};
-  std::string out;
-  Address nearest = 0;
-  for (const auto& [name, value] : image.symbols)
-    if (value >= section->address && value <= pc && (out.empty() || value > nearest)) {
-      nearest = value;
-      out = value == pc ? name : fmt::format("{}+{}", name, pc - value);
-    }
-  for (const toolchain::LineRecord& line : image.lines)
-    if (line.address == pc && line.file < image.files.size() && &image.sections[line.section] == &*section)
-      return fmt::format("{}{}{}:{}", out, out.empty() ? "" : ", ", image.files[line.file], line.line);
-  return out;
-}
-
 /// A peripheral of its own could interrupt it.
 bool enables_interrupts(const Chip& chip) { return chip.register_value(isa::Register::IIE) != 0; }
 
@@ -50,71 +30,6 @@ bool is_sigi(Word word) {
   return instruction != nullptr && instruction->row->mnemonic == "sigi";
 }
 }  // namespace
-
-std::string_view name(NetworkAction::Kind kind) {
-  constexpr std::array<std::string_view, 6> names{"cut", "restore", "reset", "hold", "release", "pull_out"};
-  return names[static_cast<std::size_t>(kind)];
-}
-std::string_view name(NetworkEvent::Kind kind) {
-  constexpr std::array<std::string_view, 11> names{"word", "token", "lost", "dead", "cut", "restored", "discarded", "reset", "hold", "release", "pull_out"};
-  return names[static_cast<std::size_t>(kind)];
-}
-std::string_view name(ChipStatus status) {
-  constexpr std::array<std::string_view, 10> names{"running", "waiting", "sleeping", "halt", "idle", "until", "fault", "external_access", "held", "pulled_out"};
-  return names[static_cast<std::size_t>(status)];
-}
-std::string_view name(NetworkStop::Reason reason) {
-  constexpr std::array<std::string_view, 3> names{"ended", "deadlock", "limit"};
-  return names[static_cast<std::size_t>(reason)];
-}
-
-struct Network::Memory {
-  SharedMemory description;
-  std::vector<Word> words;
-  Time free{0};                      ///< of the access under way
-  std::optional<std::size_t> owner;  ///< of the lock
-};
-
-struct Network::Node {
-  Node(std::size_t number_, NetworkChip given, Clock clock_)
-      : number(number_),
-        description(std::move(given)),
-        clock(clock_),
-        chip(description.boot ? with_boot_from_port(description.board.board) : description.board.board) {}
-
-  std::size_t number;
-  NetworkChip description;
-  Clock clock;
-  Chip chip;
-  ChipStatus status = ChipStatus::running;
-  StopInfo stop;              ///< of a chip that waits, or why it ended
-  bool was_ready = false;     ///< what it waits for, when last looked at
-  Time ready_since{0};
-  std::vector<std::size_t> links;
-
-  bool waits_for_port() const { return status == ChipStatus::waiting && stop.reason != StopInfo::Reason::external_access; }
-  bool waits_for_memory() const { return status == ChipStatus::waiting && stop.reason == StopInfo::Reason::external_access; }
-  Cycles first_cycle(Time time) const { return clock.tick_at_or_after(time); }
-  /// Everything before it is done, by the processor and by the DMA.
-  Time now() const { return clock.at(chip.settled()); }
-  /// It goes on by itself, and its ports decide how: it must not run past what they do.
-  bool follows_ports() const {
-    if (status == ChipStatus::running) return chip.watches_ports();
-    return status == ChipStatus::waiting && chip.dma_active();
-  }
-};
-
-/// Keeps what happens on one link.
-struct Network::LinkTap final : c40::LinkListener {
-  LinkTap(Network& network_, std::size_t number_) : network(network_), number(number_) {}
-  void happened(const c40::LinkEvent& e) override {
-    const bool common = e.kind == c40::LinkEvent::Kind::word || e.kind == c40::LinkEvent::Kind::token;
-    if (common && !network.records_words_) return;
-    network.events_.push_back({static_cast<NetworkEvent::Kind>(e.kind), e.time, number, e.side, e.word, e.bytes});
-  }
-  Network& network;
-  std::size_t number;
-};
 
 // ---- building ----
 
@@ -582,75 +497,5 @@ const toolchain::Image& Network::program(std::size_t n) const { return *nodes_.a
 const Clock& Network::clock(std::size_t n) const { return nodes_.at(n)->clock; }
 ChipStatus Network::status(std::size_t n) const { return nodes_.at(n)->status; }
 std::span<Word> Network::memory(std::size_t n) { return memories_.at(n)->words; }
-
-std::optional<std::size_t> Network::waits_for(std::size_t n) const {
-  const Node& node = *nodes_.at(n);
-  if (node.waits_for_memory()) return memory_of(node, node.stop.access.address)->owner;
-  if (!node.waits_for_port()) return {};
-  const PortName here{n, node.stop.port.port};
-  for (const std::size_t link : node.links) {
-    if (ends(link).a == here) return ends(link).b.chip;
-    if (ends(link).b == here) return ends(link).a.chip;
-  }
-  return {};
-}
-
-std::string Network::where(const Node& node) const {
-  const std::string source = source_of(*node.description.program, node.chip.pc());
-  return fmt::format("PC {:08X}h{}", node.chip.pc(), source.empty() ? "" : " (" + source + ")");
-}
-
-std::string Network::describe_wait(const Node& node) const {
-  if (node.waits_for_memory()) {
-    const Memory& memory = *memory_of(node, node.stop.access.address);
-    return fmt::format("waits for memory {} at {:08X}h{} since cycle {}", memory.description.name, node.stop.access.address,
-                       memory.owner ? fmt::format(", which chip {} has locked,", *memory.owner) : "", node.stop.access.cycle);
-  }
-  const c40::PortAccess& access = node.stop.port;
-  const std::string what = access.write ? fmt::format("room in output FIFO {}", access.port) : fmt::format("a word in input FIFO {}", access.port);
-  const PortName here{node.number, access.port};
-  std::string whom = ", to which nothing is linked,";
-  for (const std::size_t n : node.links) {
-    const NetworkLink& link = ends(n);
-    if (link.a != here && link.b != here) continue;
-    whom = fmt::format(" {} chip {} port {}", access.write ? "towards" : "from", (link.a == here ? link.b : link.a).chip, (link.a == here ? link.b : link.a).port);
-    if (links_[n]->is_cut()) whom += " (the link is cut)";
-    else if (links_[n]->is_dead()) whom += " (the token is lost)";
-  }
-  return fmt::format("waits for {}{} since cycle {}", what, whom, access.cycle);
-}
-
-std::string Network::describe(std::size_t n) const {
-  const Node& node = *nodes_.at(n);
-  switch (node.status) {
-    case ChipStatus::running: return fmt::format("runs at {}", where(node));
-    case ChipStatus::waiting: return fmt::format("{}, at {}", describe_wait(node), where(node));
-    case ChipStatus::sleeping: return fmt::format("sleeps at {} until a port interrupts it", where(node));
-    case ChipStatus::halt: return fmt::format("branches to itself at {}", where(node));
-    case ChipStatus::idle: return fmt::format("is in IDLE before {}, and no interrupt is to come", where(node));
-    case ChipStatus::until: return fmt::format("reached {}", where(node));
-    case ChipStatus::fault: return fmt::format("{}, at {}, cycle {}", node.stop.fault ? node.stop.fault->message : "stopped", where(node), node.chip.cycle());
-    case ChipStatus::external_access:
-      return fmt::format("{} {:08X}h at {}: that is a window, and no memory of the network is behind it", node.stop.access.write ? "writes" : "reads",
-                         node.stop.access.address, where(node));
-    case ChipStatus::held: return fmt::format("is held at {}", where(node));
-    case ChipStatus::pulled_out: return "has been pulled out";
-  }
-  return {};
-}
-
-std::string Network::text(const NetworkEvent& event) const {
-  using enum NetworkEvent::Kind;
-  const std::string head = fmt::format("{} {}", event.time.count(), name(event.kind));
-  if (event.kind == discarded)
-    return fmt::format("{} {}.{} {} {:08X}", head, event.place, event.side, event.count == 1 ? "input" : "output", event.word);
-  if (event.kind >= reset) return fmt::format("{} {}", head, event.place);
-  const NetworkLink& link = ends(event.place);
-  const PortName &from = event.side == 0 ? link.a : link.b, &to = event.side == 0 ? link.b : link.a;
-  if (event.kind == word) return fmt::format("{} {}>{} {:08X}", head, machine::to_text(from), machine::to_text(to), event.word);
-  if (event.kind == lost) return fmt::format("{} {}>{} {:08X} after {} bytes", head, machine::to_text(from), machine::to_text(to), event.word, event.count);
-  if (event.kind == token) return fmt::format("{} {}", head, machine::to_text(from));
-  return fmt::format("{} {}", head, machine::to_text(link));
-}
 
 }  // namespace machine
