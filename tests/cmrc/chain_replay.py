@@ -233,7 +233,7 @@ def check_unavoidable(miss: dict[str, Any], job: Job, usual: int) -> None:
         instants |= {start, claimed, *(() if failed is None else (failed,))}
     instants |= set(job.waits_from)
     instants |= {instant + step for instant in set(instants) for step in (-1, 1)}
-    past = [now for now in sorted(instants) if now >= miss["release_ps"] and now + remaining(now) > deadline]
+    past = [at for at in sorted(instants) if at >= miss["release_ps"] and at + remaining(at) > deadline]
     if given_up:
         past.append(miss["end_ps"])
     assert said == min(past), f"{miss['kind']} {miss['number']}: {said}, by the definition {min(past)}"
