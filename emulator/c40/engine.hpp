@@ -62,6 +62,8 @@ struct Block {
   std::vector<Word> words;   ///< if it uses the cache
 };
 
+inline void add(Causes& causes, Cause cause, Cycles cycles) { causes[static_cast<std::size_t>(cause)] += cycles; }
+
 class Engine {
  public:
   explicit Engine(Board board);
@@ -136,6 +138,7 @@ class Engine {
     Word word = 0;
     bool fetched = true;
     bool from_cache = false, missed = false;  ///< the instruction cache: hit, miss
+    bool frozen = false;                      ///< it changes nothing
     bool plain = true;   ///< data in RAM whose wait states never change
     bool paged = false;  ///< pages_ is what the page pins show afterwards
     bool locks = false;  ///< interlocked, and leaves the chip
@@ -162,8 +165,11 @@ class Engine {
     bool external = false;  ///< only as long as it leaves the chip
   };
 
-  // engine.cpp: the exact engine
+  // engine_step.cpp: the exact engine
+  static constexpr std::size_t site_count = 1024;
+  Site& site_of(Address pc) { return sites_[pc % site_count]; }
   Stepped exact_step(Step& step, bool fresh);
+  Stepped run_exactly(Cycles limit);
   bool quick_step();
   Stepped traced_step(Step& step);
   Stepped untraced_step(Step& step, bool fresh);
@@ -187,9 +193,11 @@ class Engine {
   void settle_accesses(const Step& step, Address pc);
   void advance_pc(Address pc);
   Stepped fail(Fault::Kind kind, std::string message, Address address = 0);
+  void emit_trace(const Step& step, const Core& before, Cycles cycle, const Causes& causes);
+
+  // engine_peripherals.cpp: registers on the chip, ports, timers, interrupts
   bool read_register(Address address, Cycles at, Word& value) const;
   bool write_register(Address address, Word value, Cycles at);
-  void forget_memory();
   void advance_peripherals(Cycles at);
   void expect_peripherals();
   void reset_ports();
@@ -201,9 +209,11 @@ class Engine {
   Word pending_port_vector(Word enabled) const;
   Word pending_vector() const;
   bool take_interrupt(Word vector);
-  void pass(Cause cause, Cycles until);
+
+  // engine.cpp: running
+  void forget_memory();
   void forget_pipelines();
-  void emit_trace(const Step& step, const Core& before, Cycles cycle, const Causes& causes);
+  void pass(Cause cause, Cycles until);
   StopInfo stop(Stepped why);
   bool may_interrupt() const;
   Stepped advance(Cycles limit, bool single);

@@ -15,8 +15,6 @@ constexpr Word nmi_flag = 1u << 16, timer0_flag = 1u << 24, timer1_flag = 1u << 
 constexpr std::array timer_flags{timer0_flag, timer1_flag};
 constexpr Word port_sources = 0x01FFFFFEu;  // of IIE
 
-void add(Causes& causes, Cause cause, Cycles cycles) { causes[static_cast<std::size_t>(cause)] += cycles; }
-
 }  // namespace
 
 // ---- registers on the chip ----

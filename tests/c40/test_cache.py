@@ -8,7 +8,7 @@ from cmrc._core import c40
 
 LOCAL, SLOW = 0x300000, 0x40000000
 ENABLE, FREEZE, CLEAR = 0x800, 0x400, 0x1000
-NOP, ADD_1_TO_R0 = 0x0C800000, 0x02600001
+NOP, ADD_1_TO_R0, RETI = 0x0C800000, 0x02600001, 0x78000000
 SEGMENT = 32
 
 
@@ -28,6 +28,13 @@ def misses(processor: Any, address: int) -> bool:
     spent = {cause: after - before[cause] for cause, after in processor.causes.items() if after != before[cause]}
     assert spent in ({"execute": 1}, {"execute": 1, "cache_miss": 1})
     return "cache_miss" in spent
+
+
+def misses_and_branches(processor: Any, address: int) -> bool:
+    before = processor.causes["cache_miss"]
+    processor.pc = address
+    processor.step()
+    return processor.causes["cache_miss"] == before + 1
 
 
 def waits_for_memory(processor: Any, address: int) -> bool:
@@ -84,6 +91,18 @@ def test_frozen_it_keeps_the_order_of_use(processor: Any) -> None:
     processor.set("ST", ENABLE)
     misses(processor, e)
     assert misses(processor, a)
+
+
+def test_what_unfreezes_it_was_itself_fetched_frozen(processor: Any) -> None:
+    """RETI gives CF back in its execute stage: its own word has not come into the cache; the next one does."""
+    processor.load_words(SLOW, [RETI])
+    processor.load_words(0x2FF900, [SLOW + 64])
+    processor.set("SP", 0x2FF900)
+    processor.set("ST", ENABLE | FREEZE)  # PCF is 0
+    assert misses_and_branches(processor, SLOW)
+    assert processor.get("ST") & FREEZE == 0
+    processor.set("SP", 0x2FF900)
+    assert misses_and_branches(processor, SLOW)
 
 
 def test_switched_off_it_keeps_its_words(processor: Any) -> None:

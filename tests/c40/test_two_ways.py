@@ -96,10 +96,12 @@ PIECES = [
 ]
 
 
-CACHE_ENABLE, CACHE_CLEAR = 0x800, 0x1000
+CACHE_ENABLE, GIE = 0x800, 0x2000
+VECTORS, TIMER0 = 0x80002000, 0x100020
 
 
-def random_program(seed: int, status: int = 0, pieces: int = 40) -> Any:
+def random_program(seed: int, status: int = 0, pieces: int = 40, board: str = "default", timer: int = 0) -> Any:
+    """`timer`: ticks between the interrupts of timer 0; 0: none."""
     rng = random.Random(seed)
     body = "\n".join("        " + rng.choice(PIECES).replace("{n}", str(n)) for n in range(pieces))
     text = f"""
@@ -113,8 +115,14 @@ sub:    addi 1,r7
         rets
 sub2:   addi 2,r7
         bu r11
+service: addi 1,ar0
+        push r1
+        ldi ar0,r1
+        sti r1,*ar7
+        pop r1
+        reti
 """
-    processor, _ = small_programs.load(text, at=0x300000 if seed % 2 else 0x2FFC00)
+    processor, image = small_programs.load(text, board, at=0x300000 if seed % 2 else 0x2FFC00)
     processor.set("AR1", 20)
     processor.set("AR4", 0x2FF800)
     processor.set("AR5", 0x2FF840)
@@ -123,9 +131,27 @@ sub2:   addi 2,r7
     processor.set("BK", 32)
     processor.set("SP", 0x2FFA00)
     processor.set("ST", status)
+    if timer:
+        processor.poke(VECTORS + 2, image.symbols["service"])
+        processor.poke(TIMER0 + 8, timer)
+        processor.poke(TIMER0, 0x3C0)  # go, internal clock, clock mode
+        for name, value in {"IVTP": VECTORS, "AR7": 0x80003000, "IIE": 1, "ST": status | GIE}.items():
+            processor.set(name, value)
     for n, value in enumerate([0x0012345678, 0x0023456789, 0x05400001, 0x0300000007]):
         processor.set(f"R{n + 4}", value)
     return processor
+
+
+def agree(fast: Any, exact: Any, seed: int) -> None:
+    exact.set_exact(True)
+    rng = random.Random(seed)
+    for _ in range(60):
+        cycles = rng.choice([1, 5, 30, 100, 400, 1500])
+        stops = fast.run(cycles), exact.run(cycles)
+        assert stops[0] == stops[1]
+        assert state(fast) == state(exact)
+        assert small_programs.consistent(fast)
+    assert fast.instructions > 500
 
 
 # With the cache on, 40 pieces fit into its 128 words and 100 do not.
@@ -134,16 +160,47 @@ CASES = [(seed, 0, 40) for seed in range(40)] + [(seed, CACHE_ENABLE, pieces) fo
 
 @pytest.mark.parametrize(("seed", "status", "pieces"), CASES)
 def test_random_programs_agree_cycle_by_cycle(seed: int, status: int, pieces: int) -> None:
-    fast, exact = random_program(seed, status, pieces), random_program(seed, status, pieces)
-    exact.set_exact(True)
-    rng = random.Random(seed)
-    for _ in range(60):
-        cycles = rng.choice([1, 5, 30, 100, 400])
-        stops = fast.run(cycles), exact.run(cycles)
-        assert stops[0] == stops[1]
-        assert state(fast) == state(exact)
-        assert small_programs.consistent(fast)
-    assert fast.instructions > 500
+    agree(random_program(seed, status, pieces), random_program(seed, status, pieces), seed)
+
+
+# Pages of 1 K words; of 16, with a cycle for a change of strobe.
+PAGED = """
+name = "paged"
+lmicr = 0x{lmicr:X}
+[[region]]
+name = "local"
+base = 0x300000
+words = 0x10000
+bus = "local"
+waits = 1
+page_waits = 2
+[[region]]
+name = "slow"
+base = 0x40000000
+words = 0x10000
+bus = "local"
+waits = 1
+[[region]]
+name = "global"
+base = 0x80000000
+words = 0x10000
+bus = "global"
+"""
+
+
+@pytest.mark.parametrize("lmicr", [None, 0x1DEA4000, 0x3D18C000])
+@pytest.mark.parametrize("status", [0, CACHE_ENABLE])
+@pytest.mark.parametrize("seed", range(1, 26, 2))
+def test_interrupted_programs_agree(seed: int, status: int, lmicr: int | None, tmp_path: Path) -> None:
+    """An interrupt freezes the cache until RETI; on the paged boards the wait states of a fetch depend on what was accessed before."""
+    board = "default"
+    if lmicr is not None:
+        board = str(tmp_path / "b.toml")
+        Path(board).write_text(PAGED.format(lmicr=lmicr))
+    for timer in (37, 61):
+        fast, exact = (random_program(seed, status, 100, board, timer) for _ in range(2))
+        agree(fast, exact, seed)
+        assert fast.causes["interrupt"] > 0
 
 
 def test_tracing_changes_nothing() -> None:

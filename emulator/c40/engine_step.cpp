@@ -1,0 +1,515 @@
+// The exact engine: one instruction at a time, through fetch, accesses and the pipeline model.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "c40/addressing.hpp"
+#include "c40/engine.hpp"
+#include "c40/handler_tables.hpp"
+#include "c40/peripherals/register_map.hpp"
+
+namespace c40 {
+namespace {
+
+std::uint64_t packed(const Access& access) {
+  return static_cast<std::uint64_t>(access.resource) | std::uint64_t{access.write} << 3 | std::uint64_t{access.strobe1} << 4 |
+         std::uint64_t{access.waits} << 5;
+}
+
+std::uint64_t packed_data(const Demand& demand) {
+  std::uint64_t bits = std::uint64_t{demand.count} << 12;
+  for (std::size_t i = 0; i < demand.count; ++i) bits |= packed(demand.data[i]) << (17 + 10 * i);
+  return bits;
+}
+
+std::uint64_t packed_fetch(const Access& fetch, bool fetched, bool missed) {
+  return packed(fetch) | std::uint64_t{fetched} << 10 | std::uint64_t{missed} << 11;
+}
+
+std::uint64_t packed_flush(int cost) { return static_cast<std::uint64_t>(cost) << 14; }
+
+// All of a demand but the footprint.
+std::uint64_t packed(const Demand& demand) {
+  return packed_fetch(demand.fetch, demand.fetched, demand.fetch_missed) | packed_flush(demand.flush_cost) | packed_data(demand);
+}
+
+}  // namespace
+
+Engine::Stepped Engine::fail(Fault::Kind kind, std::string message, Address address) {
+  Fault fault;
+  fault.kind = kind;
+  fault.message = std::move(message);
+  fault.pc = state_.core.pc;
+  fault.cycle = state_.cycle;
+  fault.address = address;
+  if (const Memory::Area* area = memory_.find(fault.pc); area != nullptr && area->data != nullptr)
+    fault.word = area->data[fault.pc - area->base];
+  fault_ = std::move(fault);
+  return Stepped::fault;
+}
+
+bool Engine::find_code(Address pc) {
+  const Memory::Area* area = memory_.find(pc);
+  code_ = {};
+  if (area == nullptr) {
+    fail(Fault::Kind::reserved_address, fmt::format("instruction fetch from the reserved address {:08X}h", pc), pc);
+    return false;
+  }
+  if (area->data == nullptr) {
+    fail(Fault::Kind::not_modelled, fmt::format("instruction fetch from {:08X}h ({}) is not modelled", pc, area->name), pc);
+    return false;
+  }
+  Memory::OpenPages any;
+  code_.area = area;
+  code_.met = memory_.meet(*area, pc, false, any);
+  code_.cacheable = external(area->resource);
+  code_.words = area->data + (code_.met.base - area->base);
+  code_.fetch_bits = packed_fetch(code_.met.access, true, false);
+  return true;
+}
+
+// Of the code that code_ describes.
+bool Engine::caching() const { return code_.cacheable && (state_.core.modes & st::CE) != 0 && state_.core.repeat_single != 2; }
+
+// Whether blocks may hold the instruction at PC: what it is and what its fetch costs is known before.
+bool Engine::by_blocks() {
+  const Address pc = state_.core.pc;
+  if (!code_.contains(pc) && !find_code(pc)) {
+    fault_.reset();
+    return true;  // the block that cannot be recorded finds out again
+  }
+  if (!caching()) return !code_.met.paged;
+  return !stale_code_ && (!code_.met.paged || state_.cache.find(pc) != nullptr);
+}
+
+bool Engine::bind_site(Site& site, Word word, bool set_condition) {
+  site.known = site.quick = false;
+  auto bound = bind(word, set_condition);
+  if (const auto* no = std::get_if<Unexecutable>(&bound)) {
+    if (no->reserved)
+      fail(Fault::Kind::reserved_instruction, fmt::format("{:08X}h is no instruction: {}", word, no->reason));
+    else
+      fail(Fault::Kind::not_modelled, fmt::format("the instruction {} ({:08X}h) is not modelled", no->reason, word));
+    return false;
+  }
+  site.bound = std::get<Bound>(bound);
+  site.known = true;
+  site.set_condition = set_condition;
+  site.keeps_windows = site.bound.flow == Flow::straight || site.bound.flow == Flow::branch;
+  site.quick = site.keeps_windows && !site.bound.reads_status && !site.bound.writes_status && !site.bound.writes_interrupts;
+  site.ops[0] = site.bound.op;
+  site.ops[1].handler = &execute::end_of_step;
+  site.demand = {};
+  site.demand.footprint = site.bound.footprint;
+  site.data_bits = 0;
+  site.area = {};
+  site.transition = {};
+  return true;
+}
+
+// Looks the instruction at PC up; nothing of the state changes.
+bool Engine::fetch(Step& step) {
+  const Core& core = state_.core;
+  const Address pc = core.pc;
+  if (!code_.contains(pc) && !find_code(pc)) return false;
+  step.fetched = core.repeat_single != 2;
+  step.word = code_.words[pc - code_.met.base];
+  step.fetch = code_.met.access;
+  if (code_.cacheable && (core.modes & st::CE) != 0) {
+    const Word* const cached = state_.cache.find(pc);
+    if (cached != nullptr) step.word = *cached, step.fetch = {};
+    step.from_cache = cached != nullptr && step.fetched;
+    step.missed = cached == nullptr && step.fetched;
+    step.frozen = (core.modes & st::CF) != 0;  // before the instruction itself changes it: RETI, TRAP
+  }
+  if (!step.fetched) step.fetch = {};
+  if (code_.met.paged && step.fetched && !step.from_cache) {
+    pages_ = state_.open_pages;
+    step.fetch = memory_.meet(*code_.area, pc, false, pages_).access;
+    step.paged = true;
+  }
+  step.site = &site_of(pc);
+  const bool set_condition = (core.modes & st::SETCOND) != 0;
+  const Site& site = *step.site;
+  return (site.known && site.bound.word == step.word && site.set_condition == set_condition) || bind_site(*step.site, step.word, set_condition);
+}
+
+Demand Engine::demand_of(const Step& step) const {
+  Demand demand = step.site->demand;
+  demand.fetch = step.fetch;
+  demand.fetched = step.fetched;
+  demand.fetch_missed = step.missed;
+  return demand;
+}
+
+// The model costs some hundred instructions, and the same few transitions come again and again.
+const Engine::Transition& Engine::transition(const Demand& demand, std::uint64_t bits, isa::Word word) {
+  const PipelineId before = current_pipeline();
+  const std::uint64_t hash = (bits ^ std::uint64_t{before} << 40 ^ std::uint64_t{word} << 17) * 0x9E3779B97F4A7C15u;
+  Transition& entry = transitions_[hash >> 52];
+  if (entry.demand != bits || entry.before != before || entry.word != word) {
+    entry = {bits, before, word, {}, 0};
+    Pipeline pipeline = pipelines_[before];
+    entry.timing = pipeline.advance(demand);
+    entry.after = intern(pipeline);
+  }
+  return entry;
+}
+
+Cycles Engine::access_cycle(const Step& step, std::size_t access) {
+  Demand demand = demand_of(step);
+  demand.count = static_cast<std::uint8_t>(access + 1);
+  const int start = transition(demand, packed(demand), step.word).timing.start[access];
+  Cycles cycle = state_.cycle + std::max(start, 0);
+  for (const Answer& answer : state_.answers)
+    if (answer.given) cycle += answer.waited();
+  return cycle;
+}
+
+// An access did not meet a known region: find it, or stop.
+Engine::Stepped Engine::resolve(Step& step) {
+  const Core& core = state_.core;
+  const std::size_t k = core.miss_access;
+  const Address address = core.miss_address;
+  const bool write = core.miss_write;
+  Site& site = *step.site;
+  const Memory::Area* area = site.area[k];
+  if (area == nullptr || !area->contains(address) || site.demand.data[k].write != write) {
+    area = site.area[k] = memory_.find(address);
+    if (area == nullptr)
+      return fail(Fault::Kind::reserved_address,
+                  fmt::format("{} {:08X}h, which is reserved on board {}", write ? "write to" : "read of", address, board_.name), address);
+    if (write && area->kind == Region::Kind::rom)
+      return fail(Fault::Kind::reserved_address, fmt::format("write to {:08X}h, which is in the {}", address, area->name), address);
+    if (!step.paged) pages_ = state_.open_pages;
+    const Memory::Met met = memory_.meet(*area, address, write, pages_);
+    step.paged |= met.paged;
+    site.demand.data[k] = met.access;
+    // An area on two strobes, or with pages, is looked up at every access.
+    if (met.paged || met.words != area->words) site.area[k] = nullptr;
+  }
+  step.locks |= site.bound.row->interlocked && external(area->resource);
+  if (site.demand.count <= k) site.demand.count = static_cast<std::uint8_t>(k + 1);
+  site.data_bits = packed_data(site.demand);
+  step.address[k] = address;
+  Window& window = site.ops[0].access[k];
+  if (area->data != nullptr) {
+    // Windows are whole areas, whose map of code words follows the data.
+    step.plain &= site.area[k] != nullptr && !step.locks;
+    window = {area->data, area->base, area->words};
+    if (trace != nullptr) events_.push_back({address, write ? core.miss_value : area->data[address - area->base], write});
+    return Stepped::done;
+  }
+  step.plain = false;
+  auto& cell = scratch_[k].cell;
+  cell = {};
+  if (area->kind == Region::Kind::registers && is_port_register(address)) {
+    if (const Stepped why = access_port(step, k, cell[0]); why != Stepped::done) return why;
+  } else if (area->kind == Region::Kind::registers) {
+    step.register_cycle[k] = access_cycle(step, k);
+    if (!read_register(address, step.register_cycle[k], cell[0]))
+      return fail(Fault::Kind::not_modelled,
+                  fmt::format("{} {:08X}h: {} is not modelled", write ? "write to" : "read of", address, describe_register(address)),
+                  address);
+    step.register_writes |= static_cast<std::uint8_t>(unsigned{write} << k);
+  } else {
+    const Answer& answer = state_.answers[k];
+    if (!answer.given || answer.address != address || answer.write != write) {
+      waiting_ = {address, write, site.bound.row->interlocked, write ? core.miss_value : 0, access_cycle(step, k), -1};
+      held_ = std::max<Cycles>(0, state_.dma.answered_until - waiting_.cycle);
+      waiting_.cycle += held_;
+      waiting_access_ = k;
+      port_slot_ = 2;
+      return Stepped::external;
+    }
+    cell[0] = answer.value;
+  }
+  window = {cell.data(), address, 1};
+  if (trace != nullptr) events_.push_back({address, write ? core.miss_value : cell[0], write});
+  return Stepped::done;
+}
+
+Engine::Stepped Engine::execute(Step& step) {
+  Core& core = state_.core;
+  Site& site = *step.site;
+  const Address pc = core.pc;
+  site.ops[0].pc = pc;
+  if (site.bound.reads_status) core.r[reg::ST] = core.status();
+  core.pc = pc + 1;
+  for (;;) {
+    const Outcome outcome = site.ops[0].handler(core, site.ops.data());
+    if (outcome.exit == Exit::miss) {
+      core.pc = pc;  // faults and stops name this instruction
+      const Stepped why = resolve(step);
+      site.stale |= !step.plain;
+      if (why != Stepped::done) return why;
+      core.pc = pc + 1;
+      continue;
+    }
+    if (outcome.exit == Exit::trap_out) {
+      core.pc = pc;
+      return Stepped::breakpoint;
+    }
+    step.taken = outcome.exit == Exit::taken;
+    return Stepped::done;
+  }
+}
+
+// The execute stage of an annulled slot does not happen; the earlier stages of the first two slots did (8.2). LDA in the first
+// slot, which is over with its read stage, does not come here.
+void Engine::annulled(const Step& step) {
+  Core& core = state_.core;
+  const Bound& bound = step.site->bound;
+  const std::uint32_t slot = 4 - core.delay_slots;  // 1 to 3
+  core.pc += 1;
+  if (slot == 3) return;
+  const Op& op = bound.op;
+  std::array<Word, 2> updated{};
+  const auto slots = static_cast<std::size_t>(bound.address_updates);
+  for (std::size_t i = 0; i < slots; ++i)
+    updated[i] = execute::form_indirect(core, op.ar[i], op.modn[i], op.displacement[i]).updated;
+  for (std::size_t i = 0; i < slots; ++i)
+    if (isa::modn::modifies(op.modn[i])) core.r[op.ar[i]] = updated[i];
+  if (bound.row->write_stage == isa::WriteStage::decode) core.r[op.dst] = op.immediate;
+}
+
+void Engine::account(const StepTiming& t) {
+  state_.cycle += t.total;
+  ++state_.instructions;
+  Causes& causes = state_.causes;
+  if (t.total == 1) return add(causes, Cause::execute, 1);
+  add(causes, Cause::execute, t.execute());
+  add(causes, Cause::branch, t.branch);
+  add(causes, Cause::register_conflict, t.register_conflict);
+  add(causes, Cause::memory_conflict, t.memory_conflict);
+  add(causes, Cause::cache_miss, t.cache_miss);
+  add(causes, Cause::wait_state, t.wait_state);
+}
+
+void Engine::settle_answers() {
+  Causes& causes = state_.causes;
+  for (Answer& answer : state_.answers) {
+    if (!answer.given) continue;
+    add(causes, Cause::bus_arbitration, answer.arbitration);
+    add(causes, Cause::bus_transfer, answer.transfer);
+    add(causes, Cause::comm_port, answer.comm_port);
+    state_.cycle += answer.waited();
+    answer = {};
+  }
+}
+
+// What the accesses of an instruction leave behind: the cache, the pages, LOCK.
+void Engine::settle_accesses(const Step& step, Address pc) {
+  if (step.from_cache && !step.frozen) state_.cache.touch(pc);
+  if (step.missed && !step.frozen) {
+    state_.cache.load(pc, {&step.word, 1});
+    code_.area->mark_code(pc);
+    ++cache_version_;
+  }
+  if (step.paged) state_.open_pages = pages_;
+  if (step.locks) {
+    using enum isa::Operation;
+    const isa::Operation operation = step.site->bound.row->operation;
+    bool& locked = state_.locked[step.site->demand.data[0].resource == Resource::global];
+    if (operation == ldii || operation == ldfi) locked = true;
+    if (operation == stii || operation == stfi) locked = false;
+  }
+}
+
+void Engine::write_status(Word value) {
+  Core& core = state_.core;
+  const Word count = core.r[reg::RC];
+  if (count == 0 || count == 0xFFFFFFFFu) value &= ~st::RM;
+  if ((value & st::RM) == 0) core.repeat_single = 0;
+  if ((value & st::CC) != 0) {
+    state_.cache.clear();
+    ++cache_version_;
+    stale_code_ = false;
+  }
+  core.set_status(value);
+}
+
+void Engine::finish_step(const Step& step) {
+  Core& core = state_.core;
+  const Bound& bound = step.site->bound;
+  for (std::size_t k = 0; step.register_writes != 0 && k < 2; ++k)
+    if ((step.register_writes >> k & 1u) != 0) write_register(step.address[k], scratch_[k].cell[0], step.register_cycle[k]);
+  if (bound.writes_status) {
+    // LDIcond may leave ST as it is.
+    const bool written = !bound.row->conditional() || execute::holds(core, static_cast<isa::Condition>(bound.op.selector));
+    if (written) write_status(core.r[reg::ST]);
+  }
+  if (bound.writes_interrupts) after_interrupt_register_write();
+  core.attention |= bound.writes_status || bound.writes_interrupts || !step.plain;
+}
+
+// Delayed branches take effect after their third slot; the loop hardware compares with RE.
+void Engine::advance_pc(Address pc) {
+  Core& core = state_.core;
+  if (core.delay_slots != 0 && --core.delay_slots == 0) {
+    core.pc = core.delay_target;
+    core.annul = false;
+    if (core.delay_repeat) {
+      core.delay_repeat = false;
+      core.modes |= st::RM;
+      core.repeat_single = 0;
+    }
+    return;
+  }
+  if ((core.modes & st::RM) == 0 || pc != core.r[reg::RE]) return;
+  if (static_cast<std::int32_t>(--core.r[reg::RC]) >= 0) {
+    core.pc = core.r[reg::RS];
+    if (core.repeat_single == 1) core.repeat_single = 2;
+  } else {
+    core.modes &= ~st::RM;
+    core.repeat_single = 0;
+  }
+}
+
+// `fresh`: every access is looked up, and seen.
+Engine::Stepped Engine::exact_step(Step& step, bool fresh) { return trace == nullptr ? untraced_step(step, fresh) : traced_step(step); }
+
+Engine::Stepped Engine::traced_step(Step& step) {
+  const Core before = state_.core;
+  const Causes causes = state_.causes;
+  const Cycles cycle = state_.cycle;
+  events_.clear();
+  const Stepped why = untraced_step(step, true);
+  if (why == Stepped::done) emit_trace(step, before, cycle, causes);
+  return why;
+}
+
+void Engine::forget_windows(Site& site) {
+  site.ops[0].access = {};
+  site.demand.count = 0;
+  site.data_bits = 0;
+  site.stale = false;
+}
+
+Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
+  Core& core = state_.core;
+  step = Step{};
+  last_exit_ = nullptr;
+  if (!fetch(step)) return Stepped::fault;
+  Site& site = *step.site;
+  const Bound& bound = site.bound;
+  const Address pc = core.pc;
+  if ((core.delay_slots != 0 || core.repeat_single != 0) && bound.flow != Flow::straight)
+    return fail(Fault::Kind::illegal_sequence,
+                fmt::format("{} may not stand {}", bound.row->mnemonic,
+                            core.delay_slots != 0 ? "in the three slots of a delayed branch" : "under RPTS"));
+  if (fresh || site.stale || !site.keeps_windows) forget_windows(site);
+  const bool over_with_read = core.delay_slots == 3 && bound.row->write_stage == isa::WriteStage::read;
+  const bool annul = core.annul && core.delay_slots != 0 && core.delay_slots < 4 && !over_with_read;
+  if (annul) [[unlikely]] {
+    annulled(step);
+    settle_accesses(step, pc);
+  } else {
+    if (const Stepped why = execute(step); why != Stepped::done) return why;
+    settle_accesses(step, pc);
+    finish_step(step);
+  }
+  const Transition& next = annul ? annulled_transition(step) : executed_transition(step);
+  step.timing = &next.timing;
+  pipeline_ = next.after;
+  const Cycles before = state_.cycle;
+  account(next.timing);
+  if (state_.answers[0].given || state_.answers[1].given) [[unlikely]] settle_answers();
+  if (dma_active_) [[unlikely]] note_accesses(step, annul, before);
+  advance_pc(pc);
+  return Stepped::done;
+}
+
+// An annulled slot is fetched, and has no footprint.
+const Engine::Transition& Engine::annulled_transition(const Step& step) {
+  Demand demand;
+  demand.fetch = step.fetch;
+  demand.fetch_missed = step.missed;
+  return transition(demand, packed(demand), 0);
+}
+
+const Engine::Transition& Engine::executed_transition(const Step& step) {
+  Site& site = *step.site;
+  Demand demand = demand_of(step);
+  demand.flush_cost = step.taken ? site.bound.taken_cost : site.bound.not_taken_cost;
+  return site.transition = transition(demand, packed(demand), step.word);
+}
+
+// The common case of untraced_step at a fraction of its price: an instruction that is known, out of slots, meets the windows it met
+// before, and does nothing about interrupts. Else nothing has happened.
+bool Engine::quick_step() {
+  Core& core = state_.core;
+  const Address pc = core.pc;
+  if (!code_.contains(pc) || core.delay_slots != 0 || code_.met.paged) return false;
+  Word word = code_.words[pc - code_.met.base];
+  std::uint64_t bits = code_.fetch_bits;
+  const bool from_cache = code_.cacheable && (core.modes & st::CE) != 0;
+  if (from_cache) [[unlikely]] {
+    const Word* const cached = state_.cache.find(pc);
+    if (cached == nullptr) return false;
+    word = *cached;
+    bits = packed_fetch({}, true, false);
+  }
+  const bool fetched = core.repeat_single != 2;
+  if (!fetched) bits = packed_fetch({}, false, false);
+  Site& site = site_of(pc);
+  if (!site.quick || site.stale || site.bound.word != word || site.set_condition != ((core.modes & st::SETCOND) != 0)) return false;
+  if (core.repeat_single != 0 && site.bound.flow != Flow::straight) return false;
+  core.pc = pc + 1;
+  site.ops[0].pc = pc;
+  const Exit exit = site.ops[0].handler(core, site.ops.data()).exit;
+  if (exit == Exit::miss || exit == Exit::trap_out) [[unlikely]] {
+    core.pc = pc;
+    return false;
+  }
+  const int flush_cost = exit == Exit::taken ? site.bound.taken_cost : site.bound.not_taken_cost;
+  bits |= packed_flush(flush_cost) | site.data_bits;
+  if (site.transition.demand != bits || site.transition.before != pipeline_) {
+    Demand demand = site.demand;
+    demand.fetch = from_cache || !fetched ? Access{} : code_.met.access;
+    demand.fetched = fetched;
+    demand.flush_cost = flush_cost;
+    site.transition = transition(demand, bits, word);
+  }
+  pipeline_ = site.transition.after;
+  account(site.transition.timing);
+  if (from_cache && fetched && (core.modes & st::CF) == 0) state_.cache.touch(pc);
+  if (core.delay_slots != 0 || (core.modes & st::RM) != 0) advance_pc(pc);
+  return true;
+}
+
+// Instruction after instruction, as long as nothing can have changed that advance() asked, and blocks cannot do it.
+Engine::Stepped Engine::run_exactly(Cycles limit) {
+  const Core& core = state_.core;
+  Step step;
+  while (!core.attention && core.code_writes == 0 && !interface_changed_ && !core.idle && state_.cycle < limit && (exact_only || !by_blocks()))
+    if (!quick_step())
+      if (const Stepped why = exact_step(step, false); why != Stepped::done) return why;
+  return Stepped::done;
+}
+
+void Engine::emit_trace(const Step& step, const Core& before, Cycles cycle, const Causes& causes) {
+  TraceRecord out;
+  out.cycle = cycle;
+  out.pc = before.pc;
+  out.word = step.word;
+  out.cycles = state_.cycle - cycle;
+  for (std::size_t i = 0; i < cause_count; ++i) out.causes[i] = state_.causes[i] - causes[i];
+  out.stages = step.timing->stages;
+  std::vector<RegisterChange> changes;
+  const Core& now = state_.core;
+  for (std::uint8_t code = 0; code < 32; ++code) {
+    const auto r = static_cast<isa::Register>(code);
+    const auto value = [&](const Core& core) -> std::uint64_t {
+      if (code == reg::ST) return core.status();
+      return isa::is_extended(r) ? float40::bits({core.e[code], core.r[code]}) : core.r[code];
+    };
+    if (value(before) != value(now)) changes.push_back({r, value(now)});
+  }
+  out.registers = changes;
+  out.memory = events_;
+  trace->instruction(out);
+}
+
+}  // namespace c40
