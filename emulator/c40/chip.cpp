@@ -118,9 +118,12 @@ const CommPort& Chip::port(int port) const {
 }
 void Chip::complete_port(Cycles at) { engine_->complete_port(at); }
 bool Chip::dma_active() const { return engine_->dma_active(); }
+bool Chip::dma_busy() const { return engine_->dma_active() && engine_->dma().busy(); }
+std::vector<DmaWait> Chip::dma_waits() const { return engine_->dma().waits(); }
 Cycles Chip::settled() const {
   const State& state = engine_->state();
-  return engine_->dma_active() ? std::min(state.cycle, state.dma.now) : state.cycle;
+  if (!engine_->dma_active()) return state.cycle;
+  return engine_->processor_waits() ? state.dma.now : std::min(state.cycle, state.dma.now);
 }
 bool Chip::watches_ports() const { return engine_->watched_ports() != 0; }
 

@@ -12,6 +12,7 @@
 #include <string>
 
 #include "c40/memory.hpp"
+#include "c40/peripherals/dma.hpp"
 #include "c40/peripherals/events.hpp"
 #include "c40/state.hpp"
 
@@ -131,7 +132,12 @@ class Chip {
   /// everybody else, which ends with the same access again. Accesses of the DMA to linked ports take place without a stop
   /// before them (the limit has seen to it), but end the run (Reason::horizon), because the link goes on differently now.
   bool dma_active() const;
-  /// Everything before this cycle is done, by the processor and by the DMA, which may be behind cycle().
+  /// One could go on now: all others wait for events or FIFOs.
+  bool dma_busy() const;
+  /// What the others wait for.
+  std::vector<DmaWait> dma_waits() const;
+  /// Everything before this cycle is done, by the processor and by the DMA. The DMA may be behind cycle(); while the processor waits for an
+  /// access, the DMA may be ahead of it.
   Cycles settled() const;
   /// Interrupts that linked ports could raise are enabled, or a started DMA channel uses one: the chip's horizon depends on its links.
   bool watches_ports() const;

@@ -196,12 +196,15 @@ StopInfo Engine::run_until(Cycles limit) {
     return {};
   }
   const Word watched = watched_ports();
-  const bool waits = state_.stalled_on_port || waiting_access_ < 2;
+  const bool waits = processor_waits();
   for (;;) {
     if (dma_active_)
       if (auto info = run_dma(limit, false)) return *info;
     if (state_.cycle >= limit) break;
-    if (const Stepped why = advance(limit, false); why != Stepped::done) {
+    const bool dma_waited = dma_active_ && !dma_.busy();
+    const Stepped why = advance(limit, false);
+    if (dma_waited && dma_.busy()) state_.dma.now = std::max(state_.dma.now, state_.cycle);  // not before what it waited for
+    if (why != Stepped::done) {
       if (dma_active_ && (why == Stepped::port || why == Stepped::external)) {
         const Cycles begins = why == Stepped::port ? port_access_.cycle : waiting_.cycle;
         if (auto earlier = run_dma(waits ? limit : std::min(limit, begins), true)) return *earlier;

@@ -97,6 +97,9 @@ class Engine {
   /// Bit n: linked port n could raise an interrupt.
   Word watched_ports() const;
   CommPort& port(int n) { return state_.ports[static_cast<std::size_t>(n)]; }
+  const Dma& dma() const { return dma_; }
+  /// For an access that was reported.
+  bool processor_waits() const { return state_.stalled_on_port || waiting_access_ < 2; }
   Cycles next_peripheral_event() const { return next_peripheral_event_; }
   void set_timer_pin(int timer, bool level);
   void attach(int n, PortListener* link);

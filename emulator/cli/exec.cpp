@@ -1,8 +1,10 @@
 // emulator exec: a program on one chip.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -36,7 +38,7 @@ struct Dump {
 };
 
 struct Outcome {
-  std::string reason;  ///< "until", "halt", "idle", "limit", "external_access", "fault"
+  std::string reason;  ///< "until", "halt", "idle", "limit", "external_access", "port_wait", "dma_wait", "fault"
   std::string message;
   int status = success;
 };
@@ -64,7 +66,12 @@ class Run {
 
   Outcome run(c40::Cycles limit) {
     for (;;) {
-      const c40::StopInfo stop = chip_.run_until(limit);
+      const c40::Cycles look = chip_.idle() ? 8 : 1000;  // whether the DMA, which an idle processor may wait for, still goes on
+      const c40::StopInfo stop = chip_.run_until(chip_.dma_active() ? std::min(limit, chip_.cycle() + look) : limit);
+      if (stop.reason == c40::StopInfo::Reason::limit && chip_.cycle() < limit) {
+        if (auto outcome = asleep()) return *outcome;
+        continue;
+      }
       if (stop.reason == c40::StopInfo::Reason::port_wait && feeder && feeder->serve(stop.port)) continue;
       if (stop.reason == c40::StopInfo::Reason::breakpoint) {
         if (auto outcome = at_breakpoint()) return *outcome;
@@ -87,14 +94,29 @@ class Run {
   std::optional<Outcome> at_breakpoint() {
     const Address pc = chip_.pc();
     if (until_ && pc == *until_) return Outcome{"until", fmt::format("reached {:08X}h", pc)};
-    if (machine::program_end(chip_.peek(pc), pc) == machine::ProgramEnd::halt)
+    if (machine::program_end(chip_.peek(pc), pc) == machine::ProgramEnd::halt && !chip_.dma_busy()) {
+      if (chip_.dma_active() && !awaits_event()) return dma_wait();
       return Outcome{"halt", fmt::format("branch to itself at {:08X}h", pc)};
+    }
     const c40::StopInfo stop = chip_.step();
     if (stop.reason == c40::StopInfo::Reason::fault || stop.reason == c40::StopInfo::Reason::external_access ||
         stop.reason == c40::StopInfo::Reason::port_wait)
       return describe(stop);
-    if (chip_.dormant()) return Outcome{"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come", pc)};
-    return std::nullopt;
+    return asleep();
+  }
+
+  bool awaits_event() const { return chip_.next_event() != std::numeric_limits<c40::Cycles>::max(); }
+
+  std::optional<Outcome> asleep() const {
+    if (!chip_.idle() || chip_.dma_busy() || awaits_event()) return std::nullopt;
+    if (chip_.dma_active()) return dma_wait();
+    return Outcome{"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come", chip_.pc() - 1)};
+  }
+
+  Outcome dma_wait() const {
+    std::vector<std::string> waits;
+    for (const c40::DmaWait& wait : chip_.dma_waits()) waits.push_back(fmt::format("{} for ever since cycle {}", c40::describe(wait), wait.since));
+    return {"dma_wait", fmt::format("{}; the processor sleeps at PC {:08X}h", fmt::join(waits, "; "), chip_.pc()), run_failed};
   }
 
   Outcome describe(const c40::StopInfo& stop) const {

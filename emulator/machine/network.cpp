@@ -190,8 +190,8 @@ void Network::stopped(Node& node, const StopInfo& stop) {
     case StopInfo::Reason::limit:
     case StopInfo::Reason::horizon: break;
   }
-  if (!node.chip.idle() || node.chip.dma_active() || node.status != ChipStatus::running) return;
-  if (node.chip.watches_ports()) node.status = ChipStatus::sleeping;
+  if (!node.chip.idle() || node.chip.dma_busy() || node.status != ChipStatus::running) return;
+  if (node.chip.watches_ports() || node.chip.dma_active()) node.status = ChipStatus::sleeping;
   else if (node.chip.dormant() || !enables_interrupts(node.chip)) node.status = ChipStatus::idle;
 }
 
@@ -201,10 +201,10 @@ void Network::at_breakpoint(Node& node) {
     node.status = ChipStatus::until;
     return;
   }
-  if (program_end(node.chip.peek(pc), pc) == ProgramEnd::halt && !node.chip.dma_active()) {
+  if (program_end(node.chip.peek(pc), pc) == ProgramEnd::halt && !node.chip.dma_busy()) {
     const bool interrupts = (node.chip.register_value(isa::Register::ST) & c40::st::GIE) != 0 && enables_interrupts(node.chip);
-    if (!interrupts) node.status = ChipStatus::halt;
-    else if (node.chip.watches_ports()) node.status = ChipStatus::sleeping;
+    if (node.chip.dma_active() || (interrupts && node.chip.watches_ports())) node.status = ChipStatus::sleeping;
+    else if (!interrupts) node.status = ChipStatus::halt;
     if (node.status != ChipStatus::running) return;
   }
   stopped(node, node.chip.step());
@@ -214,8 +214,9 @@ void Network::at_breakpoint(Node& node) {
 void Network::bring_to(Node& node, Time time) {
   const Cycles cycle = node.first_cycle(time);
   if (node.chip.cycle() >= cycle) return;
+  if (node.status == ChipStatus::running) return run_chip(node, time);
   if (node.status != ChipStatus::sleeping) {
-    const bool held = node.status == ChipStatus::held || node.status == ChipStatus::pulled_out;
+    const bool held = node.held();
     node.chip.hold(true);
     node.chip.run_until(cycle);
     node.chip.hold(held);
@@ -271,34 +272,44 @@ Time Network::own_event(const Node& node) const {
   return has ? node.clock.at(node.chip.next_event()) : never;
 }
 
+Time Network::next_of(const Node& node) const {
+  Time next = never;
+  if (node.status == ChipStatus::waiting) next = access_time(node);
+  else if (node.status == ChipStatus::sleeping) next = own_event(node);
+  return node.follows_ports() ? std::min(next, node.now()) : next;
+}
+
 Time Network::next_of_all() const {
   Time next = next_action();
   for (const auto& link : links_) next = std::min(next, link->next_event());
-  for (const auto& node : nodes_) {
-    if (node->status == ChipStatus::waiting) next = std::min(next, access_time(*node));
-    else if (node->status == ChipStatus::sleeping) next = std::min(next, own_event(*node));
-    if (node->follows_ports()) next = std::min(next, node->now());
-  }
+  for (const auto& node : nodes_) next = std::min(next, next_of(*node));
   return next;
+}
+
+/// Nothing can happen any more, but for loops that go on as they do.
+bool Network::quiet() const {
+  if (!actions_.empty() || std::any_of(links_.begin(), links_.end(), [](const auto& link) { return link->next_event() != never; })) return false;
+  return std::all_of(nodes_.begin(), nodes_.end(), [&](const auto& node) { return node->patience.loop || (node->status != ChipStatus::running && next_of(*node) == never); });
+}
+
+bool Network::waits_for_ever() const {
+  return std::any_of(nodes_.begin(), nodes_.end(), [&](const auto& node) {
+    return (node->patience.loop ? polls(*node) : node->status == ChipStatus::waiting) || node->dma_waits();
+  });
 }
 
 NetworkStop Network::run_until(Time limit) {
   while (true) {
-    const Time action = next_action();
     for (Node* node : turns_) {
       if (node->status != ChipStatus::running || node->follows_ports()) continue;
       Time until = limit;
-      if (action != never)
-        for (const NetworkAction& a : actions_)
-          if (a.target == node->number && a.kind >= NetworkAction::Kind::reset) until = std::min(until, a.time);
-      run_chip(*node, until);
+      for (const NetworkAction& a : actions_)
+        if (a.target == node->number && a.kind >= NetworkAction::Kind::reset) until = std::min(until, a.time);
+      run_freely(*node, until);
     }
+    for (auto& node : nodes_) watch(*node);
+    if (quiet()) return finish(waits_for_ever() ? NetworkStop::Reason::deadlock : NetworkStop::Reason::ended, limit);
     const Time next = next_of_all();
-    const bool quiet = next == never && std::none_of(nodes_.begin(), nodes_.end(), [](const auto& n) { return n->status == ChipStatus::running; });
-    if (quiet) {
-      const bool waiting = std::any_of(nodes_.begin(), nodes_.end(), [](const auto& n) { return n->status == ChipStatus::waiting; });
-      return finish(waiting ? NetworkStop::Reason::deadlock : NetworkStop::Reason::ended, limit);
-    }
     if (next >= limit) return finish(NetworkStop::Reason::limit, limit);
     if (advance_watchers(next, limit)) continue;
     now_ = next;
@@ -306,6 +317,41 @@ NetworkStop Network::run_until(Time limit) {
     actions_happen(next);
     accesses_happen(next);
   }
+}
+
+// Nothing outside can do anything to it before it stops by itself, so a loop that it is found in can be left alone.
+void Network::run_freely(Node& node, Time until) {
+  while (node.status == ChipStatus::running && !node.follows_ports() && !node.patience.is_private && node.now() < until) {
+    run_chip(node, std::min(until, node.clock.at(std::max(node.patience.next_look(), node.chip.cycle() + 1))));
+    watch(node);
+  }
+}
+
+/// Others can change what is read there.
+bool Network::is_shared(const Node& node, Address address) const {
+  return memory_of(node, address) != nullptr || (c40::is_port_register(address) && neighbour(node, c40::port_access(address, false, 0, 0).port).has_value());
+}
+
+/// Looks from time to time whether the chip goes round a loop.
+void Network::watch(Node& node) {
+  Node::Patience& p = node.patience;
+  if (p.is_private) return;
+  const bool alone = node.status == ChipStatus::running || (node.status == ChipStatus::waiting && ready(node));
+  if (p.happenings != happenings_ || !alone) {
+    p.looking.reset();
+    p.loop.reset();
+    p.since = node.chip.cycle(), p.length = Node::Patience::first, p.happenings = happenings_;
+  } else if (!p.loop && node.chip.cycle() >= p.next_look()) {
+    if (!p.looking) {
+      p.looking.emplace(node.chip, node.trace);
+    } else {
+      if (!node.chip.dma_busy() && node.chip.next_event() == no_cycle) p.loop = p.looking->loop();
+      p.is_private = p.loop && !node.follows_ports() && std::none_of(p.loop->reads.begin(), p.loop->reads.end(), [&](Address a) { return is_shared(node, a); });
+      p.looking.reset();
+      p.length *= Node::Patience::growth;
+    }
+  }
+  node.chip.set_trace(p.looking ? &*p.looking : node.trace);
 }
 
 // Those that ports can interrupt, up to the first instant at which something could. Whether one moved.
@@ -343,9 +389,12 @@ void Network::links_happen(Time time) {
     if (link->next_event() > time) continue;
     const NetworkLink& ends = description_.links[static_cast<std::size_t>(&link - links_.data())];
     Node &a = *nodes_[ends.a.chip], &b = *nodes_[ends.b.chip];
-    for (Node* node : {&a, &b})
+    for (Node* node : {&a, &b}) {
       if (node->status == ChipStatus::sleeping) bring_to(*node, time);
+      else if (node->status == ChipStatus::waiting && node->dma_waits()) run_chip(*node, time);
+    }
     link->advance_to(time);
+    ++happenings_;
     for (Node* node : {&a, &b}) {
       note_ready(*node, time);
       if (node->status == ChipStatus::sleeping && could_wake(*node)) node->status = ChipStatus::running;
@@ -354,7 +403,7 @@ void Network::links_happen(Time time) {
 }
 
 /// A chip that sleeps in a branch to itself is asked by running it.
-bool Network::could_wake(const Node& node) const { return !node.chip.idle(); }
+bool Network::could_wake(const Node& node) const { return !node.chip.idle() || node.chip.dma_busy(); }
 
 void Network::accesses_happen(Time time) {
   for (auto& node : nodes_) {
@@ -379,8 +428,11 @@ void Network::perform_memory(Node& node) {
   Word& word = memory.words[access.address - place->second];
   const Cycles cycle = node.first_cycle(now_);
   memory.free = node.clock.at(cycle + 1 + memory.description.waits);
+  const auto owner = memory.owner;
+  if (access.write && word != access.value) ++happenings_;
   if (access.interlocked && access.write) memory.owner.reset();
   else if (access.interlocked && !is_sigi(node.chip.peek(node.chip.pc()))) memory.owner = node.number;
+  if (memory.owner != owner) ++happenings_;
   if (access.write) {
     word = access.value;
     node.chip.complete_write(cycle - access.cycle, memory.description.waits);
@@ -409,6 +461,7 @@ void Network::actions_happen(Time time) {
     actions_.erase(actions_.begin() + static_cast<std::ptrdiff_t>(i));
     for (auto& node : nodes_)
       if (node->status == ChipStatus::sleeping) bring_to(*node, time);
+    ++happenings_;
     perform(action);
     for (auto& node : nodes_) {
       note_ready(*node, time);
@@ -425,6 +478,8 @@ void Network::perform(const NetworkAction& action) {
   if (node.status == ChipStatus::pulled_out)
     throw NetworkError(fmt::format("{} at {} ps: chip {} has been pulled out", name(action.kind), action.time.count(), node.number));
   bring_to(node, now_);
+  node.patience = {};
+  node.chip.set_trace(node.trace);
   const auto kind = action.kind == reset ? NetworkEvent::Kind::reset : action.kind == hold ? NetworkEvent::Kind::hold
                     : action.kind == release ? NetworkEvent::Kind::release : NetworkEvent::Kind::pull_out;
   events_.push_back({kind, now_, node.number, 0, 0, 0});
@@ -468,7 +523,7 @@ NetworkStop Network::finish(NetworkStop::Reason reason, Time limit) {
   }
   now_ = std::max(now_, end);
   for (auto& node : nodes_)
-    if (node->status == ChipStatus::sleeping || node->status == ChipStatus::held || node->status == ChipStatus::pulled_out) bring_to(*node, end);
+    if (node->status == ChipStatus::sleeping || node->held() || (node->patience.loop && node->status == ChipStatus::running)) bring_to(*node, end);
   check_words();
   return {reason, end};
 }
@@ -495,7 +550,17 @@ const Chip& Network::chip(std::size_t n) const { return nodes_.at(n)->chip; }
 const std::string& Network::chip_name(std::size_t n) const { return nodes_.at(n)->description.name; }
 const toolchain::Image& Network::program(std::size_t n) const { return *nodes_.at(n)->description.program; }
 const Clock& Network::clock(std::size_t n) const { return nodes_.at(n)->clock; }
-ChipStatus Network::status(std::size_t n) const { return nodes_.at(n)->status; }
+ChipStatus Network::status(std::size_t n) const {
+  const Node& node = *nodes_.at(n);
+  if (node.patience.loop) return ChipStatus::looping;
+  return node.status == ChipStatus::sleeping && node.dma_waits() ? ChipStatus::waiting : node.status;
+}
+void Network::set_trace(std::size_t n, c40::TraceSink* sink) {
+  Node& node = *nodes_.at(n);
+  node.trace = sink;
+  node.patience.looking.reset();
+  node.chip.set_trace(sink);
+}
 std::span<Word> Network::memory(std::size_t n) { return memories_.at(n)->words; }
 
 }  // namespace machine

@@ -9,8 +9,8 @@
 ///
 /// Inaccuracies: a wait that a reset, a hold or the end of the run cuts short is not among the chip's cycles by cause as a wait for
 /// the port: up to the reset or hold the chip counts as halted, at the end its count stops where the wait began. An access of the DMA
-/// to a shared memory lets its processor's access wait, whatever that is to. A DMA channel that waits for ever keeps a run from ending before
-/// its limit. While a chip's DMA uses a port, the DMA may see what the link does, and the processor an interrupt, up to an instruction late.
+/// to a shared memory lets its processor's access wait, whatever that is to. That a program polls what nobody will ever change is found only if
+/// no timer of its chip runs, and some ten thousand cycles after the last thing that happened. While a chip's DMA uses a port, the DMA may see what the link does, and the processor an interrupt, up to an instruction late.
 #include <memory>
 #include <optional>
 #include <span>
@@ -118,7 +118,8 @@ std::string_view name(NetworkEvent::Kind kind);
 /// How a chip stands.
 enum class ChipStatus : std::uint8_t {
   running,
-  waiting,          ///< before an access to a port or a shared memory
+  waiting,          ///< before an access to a port or a shared memory; or its DMA waits for an event or a FIFO, and it for nothing else
+  looping,          ///< goes round a loop for ever, unless something that it reads there changes
   sleeping,         ///< IDLE; a port could wake it
   halt,             ///< branch to itself with no interrupt to come
   idle,             ///< IDLE with no interrupt to come
@@ -133,7 +134,7 @@ std::string_view name(ChipStatus status);
 struct NetworkStop {
   enum class Reason : std::uint8_t {
     ended,     ///< every chip has ended or sleeps, and nothing can wake one
-    deadlock,  ///< nothing can happen any more, and a chip waits
+    deadlock,  ///< nothing can happen any more, and a chip waits: its processor, its DMA, or a loop that polls
     limit,
   } reason = Reason::limit;
   Time time{};
@@ -169,6 +170,8 @@ class Network {
   const c40::Link& link(std::size_t n) const { return *links_[n]; }
   const NetworkLink& ends(std::size_t n) const { return description_.links[n]; }
   std::span<c40::Word> memory(std::size_t n);
+  /// Who hears each instruction of a chip; null: nobody. Changes nothing. Use this, not Chip::set_trace: the network listens too.
+  void set_trace(std::size_t n, c40::TraceSink* sink);
 
   /// \throws NetworkError if the target does not exist or the time is past.
   void schedule(const NetworkAction& action);
@@ -196,7 +199,18 @@ class Network {
   Time own_event(const Node& node) const;
   Time effective(const NetworkAction& action) const;
   Time next_action() const;
+  Time next_of(const Node& node) const;
   Time next_of_all() const;
+  bool quiet() const;
+  bool waits_for_ever() const;
+  void run_freely(Node& node, Time until);
+  void watch(Node& node);
+  bool is_shared(const Node& node, c40::Address address) const;
+  bool polls(const Node& node) const;
+  std::string describe_loop(const Node& node) const;
+  std::string describe_dma(const Node& node) const;
+  std::string whom(const Node& node, int port, bool write) const;
+  std::optional<std::size_t> neighbour(const Node& node, int port) const;
   Time next_on_links(const Node& node) const;
   bool advance_watchers(Time first, Time limit);
   void links_happen(Time time);
@@ -224,6 +238,7 @@ class Network {
   std::vector<NetworkAction> actions_;  ///< to come, by time
   std::vector<NetworkEvent> events_;
   Time now_{0};
+  std::uint64_t happenings_ = 0;  ///< on links, in shared memories, to chips: what could end a loop that polls
   bool records_words_ = false;
 };
 

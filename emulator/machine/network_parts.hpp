@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "machine/boot.hpp"
+#include "machine/loop_watch.hpp"
 #include "machine/network.hpp"
 
 namespace machine {
@@ -33,6 +34,20 @@ struct Network::Node {
   Time ready_since{0};
   std::vector<std::size_t> links;
 
+  /// Whether it polls for ever: looked at when nothing has happened for a while, and then ever more rarely.
+  struct Patience {
+    static constexpr c40::Cycles first = 10'000;
+    static constexpr int growth = 8;
+    c40::Cycles since = 0;         ///< nothing has happened anywhere
+    c40::Cycles length = first;    ///< until the next look
+    std::uint64_t happenings = 0;  ///< as they stood then
+    std::optional<LoopWatch> looking;
+    std::optional<LoopWatch::Loop> loop;  ///< found; it holds until something happens
+    bool is_private = false;              ///< it reads nothing that anybody else could change
+    c40::Cycles next_look() const { return since + length + (looking ? length / 10 : 0); }
+  } patience;
+  c40::TraceSink* trace = nullptr;
+
   bool waits_for_port() const { return status == ChipStatus::waiting && stop.reason != c40::StopInfo::Reason::external_access; }
   bool waits_for_memory() const { return status == ChipStatus::waiting && stop.reason == c40::StopInfo::Reason::external_access; }
   c40::Cycles first_cycle(Time time) const { return clock.tick_at_or_after(time); }
@@ -41,8 +56,10 @@ struct Network::Node {
   /// It goes on by itself, and its ports decide how: it must not run past what they do.
   bool follows_ports() const {
     if (status == ChipStatus::running) return chip.watches_ports();
-    return status == ChipStatus::waiting && chip.dma_active();
+    return status == ChipStatus::waiting && chip.dma_busy();
   }
+  bool held() const { return status == ChipStatus::held || status == ChipStatus::pulled_out; }
+  bool dma_waits() const { return chip.dma_active() && !chip.dma_busy() && !held() && status != ChipStatus::fault; }
 };
 
 /// Keeps what happens on one link.

@@ -1,5 +1,6 @@
 // What a network says: names, how each chip stands, events.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -39,7 +40,7 @@ std::string_view name(NetworkEvent::Kind kind) {
   return names[static_cast<std::size_t>(kind)];
 }
 std::string_view name(ChipStatus status) {
-  constexpr std::array<std::string_view, 10> names{"running", "waiting", "sleeping", "halt", "idle", "until", "fault", "external_access", "held", "pulled_out"};
+  constexpr std::array<std::string_view, 11> names{"running", "waiting", "looping", "sleeping", "halt", "idle", "until", "fault", "external_access", "held", "pulled_out"};
   return names[static_cast<std::size_t>(status)];
 }
 std::string_view name(NetworkStop::Reason reason) {
@@ -47,15 +48,30 @@ std::string_view name(NetworkStop::Reason reason) {
   return names[static_cast<std::size_t>(reason)];
 }
 
-std::optional<std::size_t> Network::waits_for(std::size_t n) const {
-  const Node& node = *nodes_.at(n);
-  if (node.waits_for_memory()) return memory_of(node, node.stop.access.address)->owner;
-  if (!node.waits_for_port()) return {};
-  const PortName here{n, node.stop.port.port};
+std::optional<std::size_t> Network::neighbour(const Node& node, int port) const {
+  const PortName here{node.number, port};
   for (const std::size_t link : node.links) {
     if (ends(link).a == here) return ends(link).b.chip;
     if (ends(link).b == here) return ends(link).a.chip;
   }
+  return {};
+}
+
+std::optional<std::size_t> Network::waits_for(std::size_t n) const {
+  const Node& node = *nodes_.at(n);
+  if (node.waits_for_memory()) return memory_of(node, node.stop.access.address)->owner;
+  std::vector<int> ports;
+  if (node.patience.loop) {
+    for (const Address address : node.patience.loop->reads)
+      if (c40::is_port_register(address)) ports.push_back(c40::port_access(address, false, 0, 0).port);
+  } else if (node.waits_for_port()) {
+    ports.push_back(node.stop.port.port);
+  }
+  if (node.dma_waits())
+    for (const c40::DmaWait& wait : node.chip.dma_waits())
+      if (wait.port) ports.push_back(*wait.port);
+  for (const int port : ports)
+    if (const auto other = neighbour(node, port)) return other;
   return {};
 }
 
@@ -72,24 +88,63 @@ std::string Network::describe_wait(const Node& node) const {
   }
   const c40::PortAccess& access = node.stop.port;
   const std::string what = access.write ? fmt::format("room in output FIFO {}", access.port) : fmt::format("a word in input FIFO {}", access.port);
-  const PortName here{node.number, access.port};
-  std::string whom = ", to which nothing is linked,";
+  return fmt::format("waits for {}{} since cycle {}", what, whom(node, access.port, access.write), access.cycle);
+}
+
+/// " from chip 0 port 3 (the link is cut)"
+std::string Network::whom(const Node& node, int port, bool write) const {
+  const PortName here{node.number, port};
   for (const std::size_t n : node.links) {
     const NetworkLink& link = ends(n);
     if (link.a != here && link.b != here) continue;
-    whom = fmt::format(" {} chip {} port {}", access.write ? "towards" : "from", (link.a == here ? link.b : link.a).chip, (link.a == here ? link.b : link.a).port);
-    if (links_[n]->is_cut()) whom += " (the link is cut)";
-    else if (links_[n]->is_dead()) whom += " (the token is lost)";
+    const PortName& other = link.a == here ? link.b : link.a;
+    return fmt::format(" {} chip {} port {}{}", write ? "towards" : "from", other.chip, other.port,
+                       links_[n]->is_cut() ? " (the link is cut)" : links_[n]->is_dead() ? " (the token is lost)" : "");
   }
-  return fmt::format("waits for {}{} since cycle {}", what, whom, access.cycle);
+  return ", to which nothing is linked,";
+}
+
+/// A loop that reads nothing which others could change is an end, as a branch to itself is.
+bool Network::polls(const Node& node) const {
+  const auto& reads = node.patience.loop->reads;
+  return std::any_of(reads.begin(), reads.end(), [&](Address a) { return c40::is_port_register(a) || memory_of(node, a) != nullptr; });
+}
+
+std::string Network::describe_loop(const Node& node) const {
+  std::vector<std::string> polled;
+  std::vector<int> unlinked;
+  for (const Address address : node.patience.loop->reads) {
+    if (const Memory* memory = memory_of(node, address)) polled.push_back(fmt::format("memory {} at {:08X}h", memory->description.name, address));
+    if (!c40::is_port_register(address)) continue;
+    const int port = c40::port_access(address, false, 0, 0).port;
+    if (neighbour(node, port)) polled.push_back(fmt::format("port {}{}", port, whom(node, port, false)));
+    else unlinked.push_back(port);
+  }
+  if (!unlinked.empty()) polled.push_back(fmt::format("port{} {}, to which nothing is linked", unlinked.size() == 1 ? "" : "s", fmt::join(unlinked, ", ")));
+  const Address pc = node.patience.loop->pc;
+  const std::string source = source_of(*node.description.program, pc);
+  const std::string_view rom = node.description.boot && pc < c40::rom_words ? " (boot ROM)" : "";
+  const std::string does = polled.empty() ? "does the same over and over" : fmt::format("polls {}", fmt::join(polled, "; "));
+  return fmt::format("{}; nothing has changed since cycle {}, at PC {:08X}h{}{}", does, node.patience.since, pc, rom, source.empty() ? "" : " (" + source + ")");
+}
+
+std::string Network::describe_dma(const Node& node) const {
+  std::vector<std::string> waits;
+  for (const c40::DmaWait& wait : node.chip.dma_waits())
+    waits.push_back(fmt::format("{}{} since cycle {}", c40::describe(wait), wait.port ? whom(node, *wait.port, wait.write) : "", wait.since));
+  return fmt::format("{}", fmt::join(waits, "; "));
 }
 
 std::string Network::describe(std::size_t n) const {
   const Node& node = *nodes_.at(n);
+  if (node.patience.loop) return node.dma_waits() ? fmt::format("{}; {}", describe_loop(node), describe_dma(node)) : describe_loop(node);
   switch (node.status) {
+    case ChipStatus::looping: break;
     case ChipStatus::running: return fmt::format("runs at {}", where(node));
-    case ChipStatus::waiting: return fmt::format("{}, at {}", describe_wait(node), where(node));
-    case ChipStatus::sleeping: return fmt::format("sleeps at {} until a port interrupts it", where(node));
+    case ChipStatus::waiting: return fmt::format("{}, at {}{}", describe_wait(node), where(node), node.dma_waits() ? "; " + describe_dma(node) : "");
+    case ChipStatus::sleeping:
+      if (node.dma_waits()) return fmt::format("{}; the processor sleeps at {}", describe_dma(node), where(node));
+      return fmt::format("sleeps at {} until a port interrupts it", where(node));
     case ChipStatus::halt: return fmt::format("branches to itself at {}", where(node));
     case ChipStatus::idle: return fmt::format("is in IDLE before {}, and no interrupt is to come", where(node));
     case ChipStatus::until: return fmt::format("reached {}", where(node));

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import itertools
+import json
+import subprocess
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -387,3 +390,17 @@ def test_both_ways_of_execution_agree_with_the_dma_beside() -> None:
         chip.run(3000)
         found.append((chip.cycle, chip.causes, chip.instructions))
     assert found[0] == found[1]
+
+
+@pytest.mark.parametrize("ends", ["end:    bu end\n", "wait:   idle\n        bu wait\n"])
+@pytest.mark.parametrize(("count", "reason"), [(8, None), (20, "dma_wait")])
+def test_a_program_ends_when_its_dma_has(emulator: Path, tmp_path: Path, ends: str, count: int, reason: str | None) -> None:
+    """Channel 0 into an output FIFO to which nothing is linked: it holds eight words."""
+    registers = {1: BLOCK0, 2: 1, 3: count, 4: 0x100042, 5: 0, 0: RUN | STOP_AT_END}
+    writes = "".join(f"        ldhi {v >> 16:x}h,r0\n        or {v & 0xFFFF:x}h,r0\n        sti r0,*+ar0({n})\n" for n, v in registers.items())
+    (tmp_path / "dma.asm").write_text("        .text\nstart:  ldhi 10h,ar0\n        or 0a0h,ar0\n" + writes + ends)
+    result = subprocess.run([emulator, "exec", "dma.asm", "--json"], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60)
+    stop = json.loads(result.stdout)["stop"]
+    assert stop["reason"] == (reason or ("idle" if "idle" in ends else "halt")) and result.returncode == (reason is not None)
+    if reason is not None:
+        assert stop["message"].startswith("DMA channel 0 waits for room in output FIFO 0 (write to 00100042h) for ever since cycle ")

@@ -143,6 +143,22 @@ def test_dma_as_the_plainest_driver_runs_it(clocks: tuple[float, float]) -> None
 
 
 @pytest.mark.parametrize("clocks", [(40, 40), (50, 33.333), (33.333, 60)])
+def test_dma_beside_a_processor_that_works_as_the_plainest_driver_runs_it(clocks: tuple[float, float]) -> None:
+    works = "        ldhi 2fh,ar4\n        or 0f900h,ar4\nloop:   ldi *ar4,r0\n        addi 1,r0\n        sti r0,*ar4\n        bu loop\n"
+    idles = "wait:   idle\n        bu wait\n"
+    hertz, until = [round(mhz * 1e6 / 2) for mhz in clocks], 30_000_000
+    plain = PlainNetwork([processor(works), processor(idles)], hertz=hertz)
+    link = plain.join(0, 0, 1, 3)
+    stream_by_dma(plain.chips[0], plain.chips[1])
+    plain.run(until)
+    network = Network([program(works), program(idles)], links=["0.0:1.3"], clocks_mhz=clocks, record_words=True)
+    stream_by_dma(network.chips[0]._core, network.chips[1]._core)
+    network.run(until_us=until / 1e6)
+    words = [event["time"] for event in link.events if event["kind"] == "word"]
+    assert len(words) == len(WORDS) and [event.time_ps for event in network.events if event.kind == "word"] == words
+
+
+@pytest.mark.parametrize("clocks", [(40, 40), (50, 33.333), (33.333, 60)])
 def test_dma_streams_at_the_links_rate_beside_a_processor_that_works(clocks: tuple[float, float]) -> None:
     works = "        ldhi 2fh,ar4\n        or 0f900h,ar4\nloop:   ldi *ar4,r0\n        addi 1,r0\n        sti r0,*ar4\n        bu loop\n"
     results = []
@@ -377,6 +393,101 @@ def test_a_ring_in_which_all_read_first_is_a_deadlock_and_says_who_waits_for_who
     for n, chip in enumerate(network.chips):
         assert chip.message.startswith(f"waits for a word in input FIFO 3 from chip {(n + 2) % 3} port 0 since cycle ")
         assert f"PC {CODE + 4:08X}h" in chip.message and "<text>:" in chip.message
+
+
+IDLES = "wait:   idle\n        bu wait\n"
+
+
+def polls(port: int) -> str:
+    return base(port) + "loop:   ldi *ar0,r0\n        and 1e00h,r0\n        bz loop\n        ldi *+ar0(1),r1\n" + STOP
+
+
+@pytest.mark.parametrize("ends", [IDLES, STOP])
+def test_a_dma_channel_that_nobody_will_ever_serve_is_a_deadlock(ends: str) -> None:
+    network = Network([program(ends)] * 2, links=["0.0:1.3"])
+    stream_by_dma(network.chips[0]._core, network.chips[1]._core)
+    network.chips[1]._core.poke(0x1000D3, len(WORDS) + 1)  # one more than comes
+    stop = network.run()
+    assert stop.reason == "deadlock" and stop.time_ps < 20_000_000
+    assert network.chips[1].status == "waiting" and network.chips[1].waits_for == 0
+    assert network.chips[1].message.startswith("DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h) from chip 0 port 0 since cycle ")
+    assert network.chips[1].memory[DATA : DATA + len(WORDS)] == WORDS and balanced(network)
+
+
+def test_the_dma_goes_on_while_its_processor_waits_for_a_port() -> None:
+    waits = base(3, "ar2") + "        ldi *+ar2(1),r1\n" + STOP
+    late = base(0, "ar2") + "        ldi 1000,ar3\nl:      db ar3,l\n        ldi 7,r0\n        sti r0,*+ar2(2)\n" + IDLES
+    results = []
+    for seed in range(3):
+        network = Network([program(waits), program(late)], links=["0.0:1.3", "1.0:0.3"], turn_order=seed, record_words=True)
+        stream_by_dma(network.chips[0]._core, network.chips[1]._core)
+        assert network.run().reason == "ended"
+        assert network.chips[1].memory[DATA : DATA + len(WORDS)] == WORDS and network.chips[0].registers["R1"] & 0xFF == 7
+        times = [event.time_ps for event in network.events if event.kind == "word"]
+        assert [b - a for a, b in zip(times, times[1 : len(WORDS)], strict=False)] == [5 * PERIOD_PS] * (len(WORDS) - 1)
+        results.append(state(network))
+    assert all(result == results[0] for result in results)
+
+
+def test_a_processor_and_its_dma_both_wait_for_ever() -> None:
+    waits = base(3, "ar2") + "        ldi *+ar2(1),r1\n" + STOP
+    network = Network([program(STOP), program(waits)], links=["0.0:1.3"])
+    stream_by_dma(network.chips[1]._core, network.chips[1]._core)  # channels 0 and 3; port 0 is not linked
+    network.chips[1].registers["DIE"] = 1 << 2 | 1 << 14
+    assert network.run().reason == "deadlock"
+    message = network.chips[1].message
+    assert "waits for a word in input FIFO 3 from chip 0 port 0" in message
+    assert "DMA channel 0 waits for room in output FIFO 0 (write to 00100042h), to which nothing is linked," in message
+    assert "DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h) from chip 0 port 0" in message
+
+
+def test_loops_that_poll_what_nobody_will_change_are_a_deadlock() -> None:
+    network = Network([program(polls(0)), program(polls(3))], links=["0.0:1.3"])
+    stop = network.run()
+    assert stop.reason == "deadlock" and stop.time_ps < 20_000 * PERIOD_PS
+    assert [chip.status for chip in network.chips] == ["looping"] * 2 and [chip.waits_for for chip in network.chips] == [1, 0]
+    assert network.chips[1].message.startswith("polls port 3 from chip 0 port 0; nothing has changed since cycle 0, at PC 002FFC02h (loop, <text>:")
+
+
+def test_chips_that_wait_for_a_boot_stream_that_nobody_sends() -> None:
+    results = []
+    for seed in range(3):
+        network = Network([program(STOP)] * 3, links=["0.0:1.3", "1.0:2.3"], boots=[1, 2], turn_order=seed)
+        assert network.run().reason == "deadlock"
+        assert [chip.status for chip in network.chips] == ["halt", "looping", "looping"] and network.chips[2].waits_for == 1
+        assert "polls port 3 from chip 1 port 0; ports 0, 1, 2, 4, 5, to which nothing is linked; " in network.chips[2].message
+        assert "(boot ROM)" in network.chips[2].message
+        results.append(state(network))
+    assert all(result == results[0] for result in results)
+
+
+def test_a_loop_that_polls_is_served_however_late() -> None:
+    late = base(0) + "        ldi 9,r1\nmuch:   ldi 30000,ar3\nl:      db ar3,l\n        subi 1,r1\n        bnz much\n        ldi 7,r0\n        sti r0,*+ar0(2)\n" + STOP
+    network = Network([program(late), program(polls(3))], links=["0.0:1.3"])
+    assert network.run().reason == "ended"
+    assert network.chips[1].registers["R1"] & 0xFF == 7 and network.chips[1].cycles > 1_000_000
+    network = Network([program(STOP), program(polls(3))], links=["0.0:1.3"])
+    network.reset(0, 5000)  # something is still to come
+    stop = network.run()
+    assert stop.reason == "deadlock" and stop.time_ps > 5_000_000_000
+
+
+def test_a_loop_that_polls_a_shared_memory() -> None:
+    polls_memory = "        ldhi 0c000h,ar0\nl:      ldi *ar0,r4\n        bz l\n" + STOP
+    writes = "        ldi 30000,ar3\nd:      db ar3,d\n        ldhi 0c000h,ar0\n        ldi 9,r4\n        sti r4,*ar0\n" + STOP
+    memory = SharedMemory("mailbox", 4, {0: 0xC0000000, 1: 0xC0000000})
+    network = Network([program(polls_memory), program(STOP)], memories=[memory])
+    assert network.run().reason == "deadlock" and "polls memory mailbox at C0000000h" in network.chips[0].message
+    network = Network([program(polls_memory), program(writes)], memories=[memory])
+    assert network.run().reason == "ended" and network.chips[0].registers["R4"] & 0xFF == 9
+
+
+def test_a_loop_that_reads_nothing_of_others_is_an_end() -> None:
+    network = Network([program("loop:   nop\n        bu loop\n"), program(STOP)], links=["0.0:1.3"])
+    assert network.run().reason == "ended"
+    assert [chip.status for chip in network.chips] == ["looping", "halt"]
+    counts = Network([program("loop:   addi 1,r0\n        bu loop\n"), program(STOP)], links=["0.0:1.3"])
+    assert counts.run(max_cycles=200_000).reason == "limit"  # it does not do the same
 
 
 def test_chips_that_sleep_are_no_deadlock() -> None:

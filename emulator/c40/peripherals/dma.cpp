@@ -1,5 +1,7 @@
 #include "c40/peripherals/dma.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -74,7 +76,7 @@ void Dma::write(int c, DmaRegister reg, Word value, Cycles at) {
     written[reg] = value;
     return;
   }
-  const bool was_active = active();
+  const bool was_busy = busy();
   const std::array<Word, 2> before{start({c, 0}), start({c, 1})};
   written[control] = value & ~read_only;
   for (int half = 0; half < 2; ++half) {
@@ -86,11 +88,12 @@ void Dma::write(int c, DmaRegister reg, Word value, Cycles at) {
       written[counter_of(h)] = 0;
       if (half == 0 || start({c, 0}) == start_reset) written.read_event = written.write_event = false;
     } else if (start(h) == start_run && before[static_cast<std::size_t>(half)] != start_run) {
+      state(h).since = at;
       const bool lists = mode(h) == mode_autoinit || mode(h) == mode_autoinit_on_restart;
       if (written[counter_of(h)] == 0 && !state(h).has_data && lists) begin_list(h);
     }
   }
-  if (!was_active) s_.now = std::max(s_.now, at + timing::dma_start_cycles);
+  if (!was_busy) s_.now = std::max(s_.now, at + timing::dma_start_cycles);
 }
 
 void Dma::reset() {
@@ -168,6 +171,37 @@ bool Dma::active() const {
 }
 
 bool Dma::busy() const { return s_.waits_for_answer || (s_.current >= 0 && ready(half_of(s_.current))) || pick().has_value(); }
+
+std::vector<DmaWait> Dma::waits() const {
+  std::vector<DmaWait> waits;
+  for (int index = 0; index < 2 * dma_channel_count; ++index) {
+    const Half h = half_of(index);
+    if (!runs(h) || ready(h)) continue;
+    DmaWait wait{h.channel, h.half == 1, state(h).has_data && !state(h).listing, address(h), {}, {}, state(h).since};
+    if (synchronised(h) && !event_ready(h.channel, wait.write)) wait.event = event_code(h.channel, wait.write);
+    if (wait.event == 1u) wait.port = h.channel;
+    else if (!wait.event) wait.port = port_access(wait.address, wait.write, 0, 0).port;
+    waits.push_back(wait);
+  }
+  return waits;
+}
+
+namespace {
+/// Of a code of DIE beyond 1 (fidelity.md).
+std::string event_name(int channel, bool write, Word code) {
+  if (code == 0) return "an event, and DIE selects none";
+  if (channel < 2) return code == 2 ? fmt::format("IIOF{}", 2 * channel + write) : "timer 0";
+  return code < 6 ? fmt::format("IIOF{}", code - 2) : fmt::format("timer {}", code - 6);
+}
+}  // namespace
+
+std::string describe(const DmaWait& wait) {
+  std::string what;
+  if (!wait.port) what = event_name(wait.channel, wait.write, *wait.event);
+  else what = fmt::format("{} FIFO {}", wait.write ? "room in output" : "a word in input", *wait.port);
+  return fmt::format("DMA channel {}{} waits for {} ({} {:08X}h)", wait.channel, wait.auxiliary ? ", auxiliary," : "", what, wait.write ? "write to" : "read of",
+                     wait.address);
+}
 
 Word Dma::ports_used() const {
   Word used = 0;
@@ -249,7 +283,7 @@ void Dma::done(Half h, Word value, Cycles end) {
   DmaChannel& c = channel(h.channel);
   DmaHalf& half = state(h);
   const bool divided = split(h.channel);
-  s_.now = end;
+  s_.now = half.since = end;
   if (half.listing) {
     half.list[half.listed++] = value;
     if (!fields[static_cast<std::size_t>(h.half)].stay.in(c[control])) ++half.list_at;
@@ -283,7 +317,7 @@ void Dma::end_block(Half h, Cycles at) {
 
 void Dma::begin_list(Half h) {
   DmaHalf& half = state(h);
-  half = {};
+  half = {.since = half.since};
   half.listing = true;
   half.list_at = channel(h.channel)[link_of(h)];
 }
@@ -304,7 +338,7 @@ void Dma::load_list(Half h) {
     const Word mine = h.half == 0 ? ~auxiliary_fields : auxiliary_fields;
     c[control] = (old & ~mine) | (c[control] & mine);
   }
-  half = {};
+  half = {.since = half.since};
   if (start(h) != start_run) return;
   const bool lists = mode(h) == mode_autoinit || mode(h) == mode_autoinit_on_restart;
   if (c[counter_of(h)] == 0 && lists) begin_list(h);

@@ -6,6 +6,8 @@
 /// read. A DMA read of a word that the processor writes in the same cycle, or in the next, sees the new word.
 #include <array>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "c40/peripherals/dma_registers.hpp"
 #include "c40/timing.hpp"
@@ -20,6 +22,7 @@ struct DmaHalf {
   std::uint8_t listed = 0;
   std::array<Word, 7> list{};
   Address list_at = 0;
+  Cycles since = 0;  ///< when it was started, or its last access was done
   friend bool operator==(const DmaHalf&, const DmaHalf&) = default;
 };
 
@@ -31,6 +34,19 @@ struct DmaChannel {
   Word operator[](DmaRegister r) const { return registers[static_cast<std::size_t>(r)]; }
   friend bool operator==(const DmaChannel&, const DmaChannel&) = default;
 };
+
+/// What a started half waits for: an event that DIE selects, or a FIFO.
+struct DmaWait {
+  int channel = 0;
+  bool auxiliary = false;
+  bool write = false;
+  Address address = 0;      ///< of the access that waits
+  std::optional<Word> event;  ///< its code in DIE; nothing: it waits for the FIFO at `address`
+  std::optional<int> port;  ///< whose FIFO decides
+  Cycles since = 0;
+};
+/// "DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h)"
+std::string describe(const DmaWait& wait);
 
 /// The DMA coprocessor's whole state.
 struct DmaState {
@@ -101,6 +117,8 @@ class Dma {
   bool busy() const;
   /// Something is left to do in cycle `limit` itself.
   bool ends_at(Cycles limit) const { return s_.ended >= 0 && s_.now <= limit; }
+  /// Of the halves that are started and could not go on now.
+  std::vector<DmaWait> waits() const;
   /// A channel is started, though perhaps waiting.
   bool active() const;
   /// Ports that started channels use: bit n.

@@ -47,7 +47,8 @@ Link::Link(Side first, Side second, LinkParameters parameters) : parameters_(par
 void Link::End::changed(const CommPort& now, Cycles at) {
   const View view{clock.at(at + link->parameters_.enter_cycles), now.traffic.written, now.traffic.read, now.input_halted,
                   now.output_halted};
-  views.push_back(view);
+  const View& last = views.empty() ? seen : views.back();
+  if (!last.shows_the_same(view)) views.push_back(view);  // a look at the control register is nothing to the link
 }
 
 void Link::End::about_to_reset(Cycles at) { link->advance_to(clock.at(at)); }

@@ -129,6 +129,9 @@ class Link {
     Time from{};  ///< when it comes to be seen
     std::uint64_t written = 0, read = 0;
     bool input_halted = false, output_halted = false;
+    bool shows_the_same(const View& other) const {
+      return written == other.written && read == other.read && input_halted == other.input_halted && output_halted == other.output_halted;
+    }
   };
   struct Arrival {
     Time time{};
