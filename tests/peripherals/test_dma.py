@@ -397,7 +397,7 @@ def test_both_ways_of_execution_agree_with_the_dma_beside() -> None:
 def test_a_program_ends_when_its_dma_has(emulator: Path, tmp_path: Path, ends: str, count: int, reason: str | None) -> None:
     """Channel 0 into an output FIFO to which nothing is linked: it holds eight words."""
     registers = {1: BLOCK0, 2: 1, 3: count, 4: 0x100042, 5: 0, 0: RUN | STOP_AT_END}
-    writes = "".join(f"        ldhi {v >> 16:x}h,r0\n        or {v & 0xFFFF:x}h,r0\n        sti r0,*+ar0({n})\n" for n, v in registers.items())
+    writes = "".join(f"        ldhi 0{v >> 16:x}h,r0\n        or 0{v & 0xFFFF:x}h,r0\n        sti r0,*+ar0({n})\n" for n, v in registers.items())
     (tmp_path / "dma.asm").write_text("        .text\nstart:  ldhi 10h,ar0\n        or 0a0h,ar0\n" + writes + ends)
     result = subprocess.run([emulator, "exec", "dma.asm", "--json"], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60)
     stop = json.loads(result.stdout)["stop"]

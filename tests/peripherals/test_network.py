@@ -6,6 +6,7 @@ import json
 import random
 import subprocess
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -424,7 +425,7 @@ def test_the_dma_goes_on_while_its_processor_waits_for_a_port() -> None:
         assert network.run().reason == "ended"
         assert network.chips[1].memory[DATA : DATA + len(WORDS)] == WORDS and network.chips[0].registers["R1"] & 0xFF == 7
         times = [event.time_ps for event in network.events if event.kind == "word"]
-        assert [b - a for a, b in zip(times, times[1 : len(WORDS)], strict=False)] == [5 * PERIOD_PS] * (len(WORDS) - 1)
+        assert [b - a for a, b in pairwise(times[: len(WORDS)])] == [5 * PERIOD_PS] * (len(WORDS) - 1)
         results.append(state(network))
     assert all(result == results[0] for result in results)
 
