@@ -247,7 +247,7 @@ std::vector<Key> make_keys() {
               "plant-and-bus.md 3.4"),
 
       integer("dock.agvs", FIELD(dock.agvs), "", 1, 8, "number of AGVs", "ruling 11"),
-      integer("dock.containers", FIELD(dock.containers), "", 1, 8, "containers on the ship", "paper 3"),
+      integer("dock.containers", FIELD(dock.containers), "", 1, 60, "containers on the ship; more than the eight of the default layout need a layout of their own", "paper 3"),
       choice("dock.crane_model", FIELD(dock.crane_model), {"sway", "rigid"},
              "the load swings on its rope (L1), or hangs plumb below the jib's tip (L0)", "plant-and-bus.md 1.3"),
       number("dock.container_mass_kg", FIELD(dock.container_mass_kg), "kg", 1000, 40000, "gross mass of a container",

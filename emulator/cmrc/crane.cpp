@@ -39,7 +39,7 @@ void Crane::enter(const Step& step, Desk& desk) {
       ramp_pending_ = !ramp(-ramp_offset_, desk);
       probes_ = 0;
       break;
-    case Step::Kind::wait_for_agv: desk.crane_waits(true); break;
+    case Step::Kind::wait_for_agv: desk.crane_asks(); break;
     case Step::Kind::hold: since_ = desk.tick() + ticks(step.seconds); break;
     default: throw std::logic_error("Crane: a step of another robot");
   }
@@ -63,7 +63,6 @@ bool Crane::done(const Step& step, Desk& desk, const Berth& berth) {
       // Leg 2 aims at the AGV's measured pose, so it cannot begin before one stands there.
       const auto agv = berth.agv_in_spot();
       if (!agv) return false;
-      desk.crane_waits(false);
       desk.write(words_.cr_base + words_.cr_agv, words_.agv_unit + *agv * words_.agv_unit_words);
       return true;
     }

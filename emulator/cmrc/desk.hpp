@@ -26,8 +26,12 @@ class Desk {
   virtual bool servo_resting() const = 0;
   /// A process has started or ended. Of process 4 the robot is the AGV that is loaded.
   virtual void process(unsigned number, bool started, Robot robot) = 0;
-  /// The crane holds a container and no AGV stands in the spot.
-  virtual void crane_waits(bool waits) = 0;
+  /// The crane holds a container and is ready for an AGV.
+  virtual void crane_asks() = 0;
+  /// An AGV has come to its slot of the queue or to the loading spot, or drives on from its slot.
+  virtual void agv_waits(unsigned agv, bool waits) = 0;
+  /// An AGV sets out for the warehouse with this N^_a.
+  virtual void agv_sent(unsigned agv, std::int64_t interval) = 0;
 };
 
 }  // namespace cmrc

@@ -66,6 +66,7 @@ void Fleet::enter(unsigned index, const Step& step, Desk& desk) {
       if (step.leg == 1) {
         agv.away = true;
         begin_leg(index, 1, job_.to_warehouse, desk);
+        desk.agv_sent(index, agv.interval);
       } else {
         agv.chain.begin(0, agv.interval, desk.tick());
       }
@@ -97,6 +98,7 @@ bool Fleet::in_spot(unsigned index, Desk& desk) {
   if (agv.moving) {
     if (!agv.chain.through(desk.tick())) return false;
     agv.moving = false;
+    desk.agv_waits(index, true);
     return agv.slot == 0;
   }
   if (agv.slot > 0 && !slot_taken(agv.slot - 1)) move_up(index, desk);
@@ -154,6 +156,7 @@ void Fleet::move_up(unsigned index, Desk& desk) {
   const Lane lane{job_.spot_x - behind * std::cos(job_.spot_heading), job_.spot_y - behind * std::sin(job_.spot_heading),
                   job_.spot_heading, job_.slot_spacing, 0, job_.move_up_speed};
   --agv.slot;
+  desk.agv_waits(index, false);
   begin_leg(index, 2, std::span(&lane, 1), desk);
   agv.moving = true;
 }

@@ -194,13 +194,13 @@ void Processes::refresh(Desk& desk) {
 void Processes::move_crane(Desk& desk) {
   Run& run = crane_run_;
   if (run.stopped || run.retired) return;
-  if (run.process == nullptr) {
-    const Process* next = next_of(Robots::crane, 0);
-    if (next != nullptr) begin(run, *next, takes_agv(*next) ? agv_in_spot() : std::nullopt, desk);
-    return;
+  if (run.process != nullptr) {
+    const Step& step = run.process->steps[run.step];
+    if (step.kind != Step::Kind::task && crane_.done(step, desk, *this)) advance(run, 0, desk);
   }
-  const Step& step = run.process->steps[run.step];
-  if (step.kind != Step::Kind::task && crane_.done(step, desk, *this)) advance(run, 0, desk);
+  if (run.process != nullptr || run.retired) return;
+  const Process* next = next_of(Robots::crane, 0);
+  if (next != nullptr) begin(run, *next, takes_agv(*next) ? agv_in_spot() : std::nullopt, desk);
 }
 
 void Processes::move_agv(unsigned agv, Desk& desk) {

@@ -125,10 +125,10 @@ void WhyLate::missed(const MissedJob& job, const Timeline& timeline, Audit& audi
   else ++left_out_;
 }
 
-std::vector<report::NamedPart> WhyLate::parts(const report::WaitTimes& waits, const std::vector<std::int64_t>& execution, std::int64_t ran,
+std::vector<report::Share> WhyLate::parts(const report::WaitTimes& waits, const std::vector<std::int64_t>& execution, std::int64_t ran,
                                               std::int64_t not_run, const std::optional<report::Usual>& usual,
                                               std::optional<std::int64_t> slack) const {
-  std::vector<report::NamedPart> all;
+  std::vector<report::Share> all;
   const auto put = [&](std::string name, std::int64_t ps) {
     if (ps != 0) all.push_back({std::move(name), ps});
   };
@@ -166,7 +166,7 @@ report::MissReport WhyLate::close(const Chain& chain, Audit& audit) const {
   }
   told.previous = job.previous;
   std::int64_t total = 0;
-  for (const auto& part : told.parts) total += part.ps;
+  for (const auto& part : told.parts) total += part.amount;
   const std::int64_t expected = told.lateness ? *told.lateness : (job.end - job.released).count() - shortest;
   audit.require(total == expected, job.end, [&] {
     return fmt::format("the causes of {} {} add up to {} ps, not to its lateness of {} ps", told.kind, job.name.number, total, expected);
@@ -195,7 +195,7 @@ report::WhyLate WhyLate::summary(std::size_t kind, Audit& audit) const {
   }
   told.lateness -= (chains - with_deadline) * shortest;  // those without a deadline: beyond the usual run
   std::int64_t total = 0;
-  for (const auto& part : told.parts) total += part.ps;
+  for (const auto& part : told.parts) total += part.amount;
   audit.require(total == told.lateness, Time{}, [&] {
     return fmt::format("the summed causes of {} add up to {} ps, not to its lateness of {} ps", kinds_.at(kind), total, told.lateness);
   });

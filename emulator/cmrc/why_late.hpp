@@ -73,7 +73,7 @@ class WhyLate {
 
   report::MissReport close(const Chain& chain, Audit& audit) const;
   /// \param execution summed over `ran` runs \param not_run jobs that have none
-  std::vector<report::NamedPart> parts(const report::WaitTimes& waits, const std::vector<std::int64_t>& execution, std::int64_t ran,
+  std::vector<report::Share> parts(const report::WaitTimes& waits, const std::vector<std::int64_t>& execution, std::int64_t ran,
                                        std::int64_t not_run, const std::optional<report::Usual>& usual,
                                        std::optional<std::int64_t> slack) const;
 

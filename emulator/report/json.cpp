@@ -31,19 +31,13 @@ Json summary(const Summary& of) {
           {"p99", of.p99},     {"p99_9", of.p99_9}, {"worst", of.worst}, {"log2_histogram", histogram(of.histogram)}};
 }
 
-Json parts(const std::vector<NamedPart>& list) {
-  Json object = Json::object();
-  for (const NamedPart& part : list) object[part.name] = part.ps;
-  return object;
-}
-
 Json why_late(const WhyLate& of) {
   return {{"jobs", of.chains},
           {"jobs_with_deadline", of.with_deadline},
           {"lateness_ps", of.lateness},
           {"usual_ps", of.usual ? Json(*of.usual) : Json(nullptr)},
-          {"parts_ps", parts(of.parts)},
-          {"behind_ps", parts(of.behind)},
+          {"parts_ps", shares(of.parts)},
+          {"behind_ps", shares(of.behind)},
           {"dropped_previous_out", of.dropped_previous_out},
           {"dropped_host_late", of.dropped_host_late}};
 }
@@ -104,7 +98,7 @@ Json miss(const MissReport& of, const std::vector<TaskReport>& kinds) {
           {"lateness_ps", optional(of.lateness)},
           {"usual_ps", optional(of.usual)},
           {"unavoidable_ps", optional_ps(of.unavoidable)},
-          {"parts_ps", parts(of.parts)},
+          {"parts_ps", shares(of.parts)},
           {"behind", std::move(behind)},
           {"runs", std::move(runs)},
           {"previous", optional(of.previous)}};
@@ -158,8 +152,10 @@ Json cycle(const CycleReport& of) {
           {"t_6_s", optional_seconds(of.t6)},
           {"t_w_s", optional_seconds(of.t_w)},
           {"t_v_s", optional_seconds(of.t_v)},
+          {"approach_s", optional_seconds(of.approach)},
           {"T_g_s", optional_seconds(of.T_g)},
           {"T_a_s", optional_seconds(of.T_a)},
+          {"agv_interval_refreshes", of.agv_interval ? Json(*of.agv_interval) : Json()},
           {"delivered_s", optional_seconds(of.delivered)}};
 }
 

@@ -16,12 +16,6 @@ namespace report {
 
 inline constexpr int schema_version = 2;
 
-/// An amount with its name, in a fixed order: cycles or picoseconds by cause.
-struct Share {
-  std::string name;
-  std::int64_t amount = 0;
-};
-
 /// The jobs of one task kind (ruling 16). released = on_time + late + unfinished + never_started + lost + dropped,
 /// always.
 struct TaskReport {
@@ -94,10 +88,12 @@ struct CycleReport {
   unsigned number = 0;  ///< from 1
   unsigned agv = 0;
   std::optional<Time> t3, t4, t5, t6;  ///< duration of the process
-  std::optional<Time> t_w;             ///< AGV waited for the crane, beyond loading
+  std::optional<Time> t_w;             ///< AGV waited in the queue, until the crane was ready for it
+  std::optional<Time> approach;        ///< then the crane came to it, and it had to stand there
   std::optional<Time> t_v;             ///< crane waited for an AGV
   std::optional<Time> T_g;             ///< t3 + t4 + t_v
-  std::optional<Time> T_a;             ///< t5 + t6 + t4 + t_w
+  std::optional<Time> T_a;             ///< t5 + t6 + t4 + t_w + approach
+  std::optional<std::int64_t> agv_interval;  ///< N^_a of its way to the warehouse, refreshes
   std::optional<Time> delivered;       ///< instant of delivery
 };
 

@@ -2,9 +2,16 @@
 // Exact statistics of integer samples (picoseconds, bus clocks): nothing is binned before a percentile is taken.
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 namespace report {
+
+/// An amount with its name, in a fixed order: cycles or picoseconds by cause.
+struct Share {
+  std::string name;
+  std::int64_t amount = 0;
+};
 
 /// Bin k counts samples in [2^(k-1), 2^k); bin 0 counts samples <= 0.
 using Log2Histogram = std::array<std::uint64_t, 64>;

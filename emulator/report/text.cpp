@@ -82,38 +82,38 @@ std::string explained(std::string_view part) {
 }
 
 /// " (obstacle_avoidance 97 %)": whose blocks were in the way.
-std::string in_the_way(std::vector<NamedPart> behind) {
+std::string in_the_way(std::vector<Share> behind) {
   if (behind.empty()) return "";
-  std::ranges::stable_sort(behind, std::greater{}, &NamedPart::ps);
+  std::ranges::stable_sort(behind, std::greater{}, &Share::amount);
   double whole = 0;
-  for (const NamedPart& part : behind) whole += static_cast<double>(part.ps);
-  const auto share = [&](const NamedPart& part) { return fmt::format("{} {} %", part.name, percent(static_cast<double>(part.ps), whole)); };
+  for (const Share& part : behind) whole += static_cast<double>(part.amount);
+  const auto share = [&](const Share& part) { return fmt::format("{} {} %", part.name, percent(static_cast<double>(part.amount), whole)); };
   return fmt::format("    in the way: {}{}\n", share(behind[0]), behind.size() > 1 ? ", " + share(behind[1]) : "");
 }
 
 /// The parts of a kind's chains on the mean, the largest first until nine tenths are told, and what they add up to.
 std::string chain(const WhyLate& why) {
   if (why.chains == 0) return "";
-  std::vector<NamedPart> longer;
+  std::vector<Share> longer;
   double whole = 0, shorter = 0;
-  for (const NamedPart& part : why.parts) {
-    if (part.ps > 0) longer.push_back(part), whole += static_cast<double>(part.ps);
-    else if (part.name != "slack") shorter += static_cast<double>(part.ps);
+  for (const Share& part : why.parts) {
+    if (part.amount > 0) longer.push_back(part), whole += static_cast<double>(part.amount);
+    else if (part.name != "slack") shorter += static_cast<double>(part.amount);
   }
-  std::ranges::stable_sort(longer, std::greater{}, &NamedPart::ps);
+  std::ranges::stable_sort(longer, std::greater{}, &Share::amount);
   const auto mean = [&](double ps) { return duration(ps / static_cast<double>(why.chains)); };
   std::string text;
   double told = 0;
-  for (const NamedPart& part : longer) {
+  for (const Share& part : longer) {
     if (told >= 0.9 * whole) break;
-    told += static_cast<double>(part.ps);
-    text += fmt::format("    {:>10}  {}\n", mean(static_cast<double>(part.ps)), explained(part.name));
+    told += static_cast<double>(part.amount);
+    text += fmt::format("    {:>10}  {}\n", mean(static_cast<double>(part.amount)), explained(part.name));
   }
   if (whole - told >= 0.5) text += fmt::format("    {:>10}  all else\n", mean(whole - told));
   if (shorter < 0) text += fmt::format("  - {:>10}  ran shorter, or not to the end\n", mean(-shorter));
-  for (const NamedPart& part : why.parts)
-    if (part.name == "slack" && part.ps < 0) text += fmt::format("  - {:>10}  slack\n", mean(static_cast<double>(-part.ps)));
-    else if (part.name == "slack") text += fmt::format("    {:>10}  too little time from the start\n", mean(static_cast<double>(part.ps)));
+  for (const Share& part : why.parts)
+    if (part.name == "slack" && part.amount < 0) text += fmt::format("  - {:>10}  slack\n", mean(static_cast<double>(-part.amount)));
+    else if (part.name == "slack") text += fmt::format("    {:>10}  too little time from the start\n", mean(static_cast<double>(part.amount)));
   return text + in_the_way(why.behind);
 }
 
@@ -229,11 +229,12 @@ std::string buses(const RunReport& report) {
 std::string cycles(const RunReport& report) {
   std::string text = heading(fmt::format("Work cycles: {} completed, {} container{} delivered", report.cycles_completed,
                                          report.containers_delivered, report.containers_delivered == 1 ? "" : "s"));
-  TextTable table({"s", "AGV", "t_3", "t_4", "t_5", "t_6", "t_v", "t_w", "T_g", "T_a", "delivered at"});
+  TextTable table({"s", "AGV", "t_3", "t_4", "t_5", "t_6", "t_v", "t_w", "approach", "T_g", "T_a", "N^_a", "delivered at"});
   for (const CycleReport& cycle : report.cycles)
     table.add({fmt::format("cycle {}", cycle.number), fmt::format("{}", cycle.agv), seconds(cycle.t3),
                seconds(cycle.t4), seconds(cycle.t5), seconds(cycle.t6), seconds(cycle.t_v), seconds(cycle.t_w),
-               seconds(cycle.T_g), seconds(cycle.T_a), seconds(cycle.delivered)});
+               seconds(cycle.approach), seconds(cycle.T_g), seconds(cycle.T_a),
+               cycle.agv_interval ? fmt::format("{}", *cycle.agv_interval) : "-", seconds(cycle.delivered)});
   return table.empty() ? text : text + table.render();
 }
 

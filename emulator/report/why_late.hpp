@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "report/event.hpp"
+#include "report/statistics.hpp"
 
 namespace report {
 
@@ -70,11 +71,6 @@ struct Usual {
   std::vector<std::int64_t> causes;
 };
 
-struct NamedPart {
-  std::string name;
-  std::int64_t ps = 0;
-};
-
 /// The chain of one missed job.
 struct MissReport {
   JobName job;
@@ -86,7 +82,7 @@ struct MissReport {
   std::optional<std::int64_t> lateness;        ///< end - deadline
   std::optional<std::int64_t> usual;           ///< shortest run of its kind; none: none has finished
   std::optional<Time> unavoidable;             ///< first instant at which now + the shortest remaining time is past the deadline
-  std::vector<NamedPart> parts;                ///< without those that are 0; their sum is the lateness
+  std::vector<Share> parts;                ///< without those that are 0; their sum is the lateness
   std::vector<Behind> behind;
   std::vector<Run> runs;
   std::optional<std::int64_t> previous;        ///< dropped tick: number of the job that was still out
@@ -97,8 +93,8 @@ struct WhyLate {
   std::uint64_t chains = 0;        ///< misses that parts and lateness sum over
   std::uint64_t with_deadline = 0; ///< of them
   std::int64_t lateness = 0;
-  std::vector<NamedPart> parts;
-  std::vector<NamedPart> behind;   ///< ps by kind of the blocks in the way
+  std::vector<Share> parts;
+  std::vector<Share> behind;   ///< ps by kind of the blocks in the way
   std::uint64_t dropped_previous_out = 0, dropped_host_late = 0;
   std::optional<std::int64_t> usual;
 };

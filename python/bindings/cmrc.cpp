@@ -231,7 +231,7 @@ py::object to_seconds(const std::optional<report::Time>& time) {
 py::dict to_dict(const report::CycleReport& c) {
   return py::dict(py::arg("number") = c.number, py::arg("agv") = c.agv, py::arg("t3") = to_seconds(c.t3), py::arg("t4") = to_seconds(c.t4),
                   py::arg("t5") = to_seconds(c.t5), py::arg("t6") = to_seconds(c.t6), py::arg("t_v") = to_seconds(c.t_v),
-                  py::arg("t_w") = to_seconds(c.t_w), py::arg("T_g") = to_seconds(c.T_g), py::arg("T_a") = to_seconds(c.T_a));
+                  py::arg("t_w") = to_seconds(c.t_w), py::arg("approach") = to_seconds(c.approach), py::arg("T_g") = to_seconds(c.T_g), py::arg("T_a") = to_seconds(c.T_a));
 }
 
 /// The ledger with times in seconds and one cause, for tests of the classes of ruling 16.
@@ -282,7 +282,8 @@ void bind_parts(py::module_& m) {
   py::class_<cmrc::Cycles>(m, "Cycles", "Times of the processes; seconds.")
       .def(py::init<>())
       .def("process", [](cmrc::Cycles& c, unsigned number, bool started, unsigned robot, double now) { c.process(number, started, robot, seconds(now)); })
-      .def("crane_waits", [](cmrc::Cycles& c, bool waits, double now) { c.crane_waits(waits, seconds(now)); })
+      .def("crane_asks", [](cmrc::Cycles& c, double now) { c.crane_asks(seconds(now)); })
+      .def("agv_waits", [](cmrc::Cycles& c, unsigned agv, bool waits, double now) { c.agv_waits(agv, waits, seconds(now)); })
       .def_property_readonly("completed", &cmrc::Cycles::completed)
       .def("cycles", [](const cmrc::Cycles& c) {
         py::list all;
@@ -293,12 +294,7 @@ void bind_parts(py::module_& m) {
                                double t_w, double t_v, double T_g) {
     cmrc::Config::Scheduling scheduling;
     scheduling.learning = rule == "unit" ? cmrc::Learning::unit : rule == "off" ? cmrc::Learning::off : cmrc::Learning::proportional;
-    report::CycleReport cycle;
-    cycle.t5 = seconds(driving / 2);
-    cycle.t6 = seconds(driving) - *cycle.t5;
-    cycle.t_w = seconds(t_w);
-    cycle.t_v = seconds(t_v);
-    cycle.T_g = seconds(T_g);
+    const cmrc::AgvCycle cycle{0, seconds(driving), seconds(t_w), seconds(t_v), seconds(T_g)};
     return cmrc::learned_interval(scheduling, present, lowest, agvs, cycle);
   }, py::arg("config"), py::arg("rule"), py::arg("present"), py::arg("lowest"), py::arg("agvs"), py::arg("driving"), py::arg("t_w"), py::arg("t_v"), py::arg("T_g"),
      "N^_a after a cycle (plant-and-bus.md 4.7).");

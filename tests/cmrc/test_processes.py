@@ -59,13 +59,39 @@ def test_cycle_times_of_one_crane_and_one_agv() -> None:
 
 
 def test_waiting_above_the_ship_for_an_agv_is_t_v_not_t_3() -> None:
+    # The crane asks at 40, the AGV comes at 52; what is left of process 3 is the way to it.
     cycles = cmrc.Cycles()
     cycles.process(3, True, 0, 0)
-    cycles.crane_waits(True, 40)
-    cycles.crane_waits(False, 52)
+    cycles.crane_asks(40)
+    cycles.agv_waits(0, True, 52)
     cycles.process(3, False, 0, 80)
     cycles.process(4, True, 1, 80)
     assert (cycles.cycles()[0]["t3"], cycles.cycles()[0]["t_v"]) == (68, 12)
+
+
+def test_an_agv_waits_in_its_slot_and_in_the_spot_until_the_crane_is_ready() -> None:
+    # AGV 0: loaded 80..90, out 90..120, back from 120, in a slot 140..145, in the spot from 150. The crane is ready at 170 and over it at 185.
+    cycles = cmrc.Cycles()
+    cycles.process(3, True, 0, 0)
+    cycles.crane_asks(40)
+    cycles.process(3, False, 0, 80)
+    cycles.process(4, True, 1, 80)
+    cycles.process(4, False, 1, 90)
+    cycles.process(3, True, 0, 90)
+    cycles.process(5, True, 1, 90)
+    cycles.process(5, False, 1, 120)
+    cycles.process(6, True, 1, 120)
+    cycles.agv_waits(0, True, 140)
+    cycles.agv_waits(0, False, 145)
+    cycles.agv_waits(0, True, 150)
+    cycles.process(6, False, 1, 150)
+    cycles.crane_asks(170)
+    cycles.process(3, False, 0, 185)
+    cycles.process(4, True, 1, 185)
+    first, second = cycles.cycles()
+    expected = {"t3": 80, "t_v": 0, "t4": 10, "T_g": 90, "t5": 30, "t6": 25, "t_w": 5 + 20, "approach": 15, "T_a": 185 - 80}
+    assert {name: first[name] for name in expected} == pytest.approx(expected)
+    assert (second["t3"], second["t_v"]) == (95, 0)
 
 
 @pytest.mark.parametrize(
