@@ -199,6 +199,7 @@ bool Engine::take_interrupt(Word vector) {
   state_.cycle += timing::interrupt_entry_cost + waits;
   touch().pipeline.flush(timing::interrupt_entry_cost + waits);
   if (trace != nullptr) trace->interrupt(vector, before);
+  tell(PeripheralEvent::Kind::interrupt, before, static_cast<int>(vector), peek(top));
   return true;
 }
 

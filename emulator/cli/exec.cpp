@@ -2,27 +2,18 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <charconv>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "c40/chip.hpp"
-#include "c40/peripherals/register_map.hpp"
 #include "machine/boot.hpp"
-#include "c40/pipeline_diagram.hpp"
-#include "c40/profile.hpp"
-#include "c40/self_check.hpp"
+#include "cli/chip_listeners.hpp"
 #include "cli/options.hpp"
 #include "cli/output_file.hpp"
 #include "cli/program.hpp"
-#include "isa/disassemble.hpp"
 #include "machine/board_file.hpp"
-#include "machine/instruction_trace.hpp"
-#include "machine/profile.hpp"
 #include "machine/program_end.hpp"
-#include "report/trace_text.hpp"
 
 namespace cli {
 namespace {
@@ -149,68 +140,6 @@ class Run {
   std::optional<Address> until_;
 };
 
-/// An instruction as its source line has it, without the comment; where none is known, disassembled.
-class InstructionTexts {
- public:
-  explicit InstructionTexts(const Image& image) {
-    for (const toolchain::LineRecord& line : image.lines) lines_[line.address] = line.second.empty() ? tidy(line.text) : tidy(line.text) + " " + tidy(line.second);
-  }
-  std::string operator()(Address address, Word word) const {
-    const auto line = lines_.find(address);
-    return line == lines_.end() || line->second.empty() ? isa::disassemble(word, address) : line->second;
-  }
-
- private:
-  static std::string tidy(std::string_view text) {
-    std::string out;
-    for (const char c : text.substr(0, text.find(';'))) {
-      const bool blank = c == ' ' || c == '\t';
-      if (!blank) out += c;
-      else if (!out.empty() && out.back() != ' ') out += ' ';
-    }
-    if (out.ends_with(' ')) out.pop_back();
-    return out;
-  }
-  std::map<Address, std::string> lines_;
-};
-
-/// FIRST:LAST, in cycles.
-c40::PipelineDiagram parse_window(const std::string& text, const Image& image, c40::TraceSink* next) {
-  const std::size_t colon = text.find(':');
-  c40::Cycles first = 0, last = 0;
-  const auto number = [](std::string_view part, c40::Cycles& value) {
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    return error == std::errc{} && end == part.data() + part.size();
-  };
-  const std::string_view view = text;
-  if (colon == std::string::npos || !number(view.substr(0, colon), first) || !number(view.substr(colon + 1), last))
-    throw InputError(fmt::format("--pipeline: \"{}\" is not FIRST:LAST, two numbers of cycles", text));
-  try {
-    return {first, last, InstructionTexts(image), next};
-  } catch (const std::invalid_argument& error) {
-    throw InputError(fmt::format("--pipeline: {}", error.what()));
-  }
-}
-
-/// What listened to the run; each may be absent.
-struct Listeners {
-  std::optional<c40::SelfCheck> check;
-  c40::ProfileCounts counts;
-  std::optional<c40::Profile> profile;
-  Address entry = 0;
-  std::optional<c40::PipelineDiagram> pipeline;
-  std::optional<double> clock_mhz;
-};
-
-std::string profile_of(const c40::Chip& chip, const Listeners& listeners, const Image& image, bool json) {
-  c40::Causes outside = chip.causes();
-  const c40::Causes instructions = listeners.counts.total().causes;
-  for (std::size_t i = 0; i < outside.size(); ++i) outside[i] -= instructions[i];
-  const report::Profile profile = machine::empty_profile();
-  const report::ProfileGroup group = machine::profile_group(listeners.counts, outside, {listeners.entry}, image, true);
-  return json ? to_json(profile, group) : to_text(profile, group);
-}
-
 double microseconds(const c40::Chip& chip, double clock_mhz) { return static_cast<double>(chip.cycle()) * 2.0 / clock_mhz; }
 
 /// ADDRESS:COUNT
@@ -253,21 +182,14 @@ constexpr std::array<Register, isa::register_count> all_registers() {
           AR4, AR5, AR6, AR7, DP, IR0, IR1, BK, SP, ST, DIE, IIE, IIF, RS,  RE,  RC};
 }
 
-void print_diagnostics(const std::vector<c40::Diagnostic>& diagnostics) {
-  fmt::print("checks: {}\n", diagnostics.empty() ? "no rule was broken" : fmt::format("{} found", diagnostics.size()));
-  for (const c40::Diagnostic& found : diagnostics)
-    fmt::print("  {:08X}  {}\n    {} (c40-isa.md {}): {}; cycle {}{}\n", found.pc, found.instruction, name(found.rule), found.section, found.message,
-               found.cycle, found.count > 1 ? fmt::format(", {} times", found.count) : "");
-}
-
-void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps, const Listeners& listeners, const Image& image) {
+void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps, const ChipListeners& listeners, const std::optional<double>& clock_mhz, bool peripherals) {
   fmt::print("stop: {}: {}\n", outcome.reason, outcome.message);
   fmt::print("PC {:08X}  {} instructions, {} cycles\n", chip.pc(), chip.instructions(), chip.cycle());
   for (std::size_t cause = 0; cause < c40::cause_count; ++cause)
     if (chip.causes()[cause] != 0)
       fmt::print("  {:<18}{:>14}\n", name(static_cast<c40::Cause>(cause)), chip.causes()[cause]);
-  if (listeners.clock_mhz) fmt::print("  {:.3f} us at {} MHz\n", microseconds(chip, *listeners.clock_mhz), *listeners.clock_mhz);
-  if (listeners.check) print_diagnostics(listeners.check->diagnostics());
+  if (clock_mhz) fmt::print("  {:.3f} us at {} MHz\n", microseconds(chip, *clock_mhz), *clock_mhz);
+  fmt::print("{}", listeners.checks_text());
   int column = 0;
   for (const Register reg : all_registers()) {
     if (isa::is_extended(reg)) {
@@ -283,11 +205,11 @@ void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector
       if (i % 8 == 0) fmt::print("{}{:08X}:", i == 0 ? "" : "\n", dump.address + i);
       fmt::print(" {:08X}{}", dump.words[i], i + 1 == dump.words.size() ? "\n" : "");
     }
-  if (listeners.profile) fmt::print("{}", profile_of(chip, listeners, image, false));
-  if (listeners.pipeline) fmt::print("{}", listeners.pipeline->text());
+  fmt::print("{}", listeners.text());
+  if (peripherals) fmt::print("{}", peripherals_text(chip));
 }
 
-void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps, const Listeners& listeners, const Image& image) {
+void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps, const ChipListeners& listeners, const std::optional<double>& clock_mhz, bool peripherals) {
   using Json = nlohmann::ordered_json;
   Json root = {{"stop", {{"reason", outcome.reason}, {"message", outcome.message}, {"pc", chip.pc()}}},
                {"instructions", chip.instructions()},
@@ -300,17 +222,14 @@ void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector
   }
   root["registers"]["IVTP"] = chip.expansion(isa::Expansion::IVTP);
   root["registers"]["TVTP"] = chip.expansion(isa::Expansion::TVTP);
-  if (listeners.clock_mhz) root["microseconds"] = microseconds(chip, *listeners.clock_mhz);
-  if (listeners.check) {
-    root["diagnostics"] = Json::array();
-    for (const c40::Diagnostic& found : listeners.check->diagnostics())
-      root["diagnostics"].push_back({{"rule", name(found.rule)}, {"section", found.section}, {"pc", found.pc}, {"cycle", found.cycle},
-                                     {"instruction", found.instruction}, {"message", found.message}, {"count", found.count}});
-  }
+  if (clock_mhz) root["microseconds"] = microseconds(chip, *clock_mhz);
   root["dumps"] = Json::array();
   for (const Dump& dump : dumps) root["dumps"].push_back({{"address", dump.address}, {"words", dump.words}});
-  if (listeners.profile) root["profile"] = Json::parse(profile_of(chip, listeners, image, true));
-  if (listeners.pipeline) root["pipeline"] = listeners.pipeline->text();
+  listeners.add_to(root);
+  if (peripherals) {
+    add_peripherals(chip, root);
+    add_ports(chip, root);
+  }
   fmt::print("{}\n", root.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
@@ -318,36 +237,15 @@ void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector
 
 namespace {
 
-/// "cycle port_write 3 = 0000002A (DMA 1)"
 class EventText : public c40::PeripheralSink {
  public:
   explicit EventText(const std::string& path) : file_(path) {}
-  void happened(const c40::PeripheralEvent& event) override {
-    file_.stream() << fmt::format("{} {} {} = {:08X}{}\n", event.cycle, name(event.kind), event.number, event.value,
-                                  event.channel >= 0 ? fmt::format(" (DMA {})", event.channel) : "");
-  }
+  void happened(const c40::PeripheralEvent& event) override { file_.stream() << event.cycle << ' ' << c40::to_text(event) << '\n'; }
   void commit() { file_.commit(); }
 
  private:
   OutputFile file_;
 };
-
-void print_peripherals(const c40::Chip& chip) {
-  for (const c40::RegisterInfo& info : c40::register_map()) {
-    if (info.name.find(".input") != std::string::npos || info.name.find(".output") != std::string::npos) continue;
-    const Word value = chip.peripheral(info.name);
-    if (value == info.reset) continue;
-    std::string fields;
-    for (const c40::Field& field : info.fields)
-      if (field.in(value)) fields += fmt::format("  {}={}", field.name, field.of(value));
-    fmt::print("{:<22}{:08X}{}\n", info.name, value, fields);
-  }
-  for (int n = 0; n < c40::port_count; ++n) {
-    const c40::CommPort& port = chip.port(n);
-    for (const auto& [name, fifo] : {std::pair{"input", &port.input}, std::pair{"output", &port.output}})
-      if (!fifo->empty()) fmt::print("PORT{}.{:<16}{:08X}\n", n, name, fmt::join(fifo->words(), " "));
-  }
-}
 
 /// The program by the boot loader, from reset on.
 struct Boot {
@@ -414,34 +312,19 @@ int exec(const ExecOptions& options) {
   }
   for (const auto& [address, count] : ranges) read_dump(chip, address, count);  // refuses bad ranges before the run
 
-  std::optional<OutputFile> trace;
-  std::optional<machine::InstructionText> sink;
-  if (options.trace) {
-    trace.emplace(*options.trace);
-    trace->stream() << report::instruction_trace_header << '\n';
-    sink.emplace(0U, [&trace](const std::string& line) { trace->stream() << line << '\n'; });
-  }
-  Listeners listeners;
-  listeners.clock_mhz = chosen.clock_mhz;
-  c40::TraceSink* first = sink ? &*sink : nullptr;  // each hands on to the one before
-  if (options.check) first = &listeners.check.emplace(chip, first);
-  listeners.entry = chip.pc();
-  if (options.profile) first = &listeners.profile.emplace(listeners.counts, first);
-  if (options.pipeline) first = &listeners.pipeline.emplace(parse_window(*options.pipeline, image, first));
-  chip.set_trace(first);
+  ChipListeners listeners(chip, image, options, 0, options.trace);
+  chip.set_trace(listeners.sink());
   std::optional<EventText> events;
   if (options.events) chip.set_peripheral_sink(&events.emplace(*options.events));
   Run run(chip, image, until);
   if (boot && boot->port) run.feeder.emplace(chip, *boot->port, stream_for(image, chosen.board, *boot));
   const Outcome outcome = run.run(options.max_cycles);
   if (events) events->commit();
-  if (listeners.check) listeners.check->run_ended();
-  if (trace) trace->commit();
+  listeners.run_ended();
 
   std::vector<Dump> dumps;
   for (const auto& [address, count] : ranges) dumps.push_back(read_dump(chip, address, count));
-  (options.json ? print_json : print_text)(chip, outcome, dumps, listeners, image);
-  if (options.peripherals && !options.json) print_peripherals(chip);
+  (options.json ? print_json : print_text)(chip, outcome, dumps, listeners, chosen.clock_mhz, options.peripherals);
   return outcome.status;
 }
 

@@ -3,10 +3,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "cli/network_file.hpp"
+#include "cli/chip_listeners.hpp"
 #include "cli/options.hpp"
 #include "cli/output_file.hpp"
 #include "cli/program.hpp"
+#include "machine/network_file.hpp"
 
 namespace cli {
 namespace {
@@ -20,25 +21,32 @@ struct Dump {
   c40::Address address = 0, count = 0;
 };
 
-void refuse_options_of_one_chip(const ExecOptions& options) {
-  const auto refuse = [](bool given, const char* option) {
-    if (given) throw InputError(fmt::format("{}: a network has no such option; of one chip alone it can be asked for", option));
-  };
-  refuse(options.trace.has_value(), "--trace");
-  refuse(options.check, "--check");
-  refuse(options.profile, "--profile");
-  refuse(options.pipeline.has_value(), "--pipeline");
-  refuse(options.load_at.has_value(), "--load-at");
-  refuse(options.boot.has_value(), "--boot");
-  refuse(options.peripherals, "--peripherals");
-  refuse(options.events.has_value(), "--events");
-}
+/// What is asked of each chip. Files of chip 2: FILE.chip2.
+class Watched {
+ public:
+  Watched(Network& network, const ExecOptions& options) {
+    for (std::size_t n = 0; n < network.chip_count(); ++n) {
+      std::optional<std::string> trace;
+      if (options.trace) trace = fmt::format("{}.chip{}", *options.trace, n);
+      const auto& added = all_.emplace_back(std::make_unique<ChipListeners>(network.chip(n), network.program(n), options, static_cast<unsigned>(n), trace));
+      network.set_trace(n, added->sink());
+    }
+  }
+  void run_ended() {
+    for (auto& one : all_) one->run_ended();
+  }
+  const ChipListeners& operator[](std::size_t n) const { return *all_[n]; }
+
+ private:
+  std::vector<std::unique_ptr<ChipListeners>> all_;
+};
 
 machine::NetworkDescription described(const ExecOptions& options) {
   if (options.network) {
     if (!options.programs.empty() || !options.links.empty() || options.topology || !options.boards.empty())
       throw InputError("--network: the file says programs, boards and links; the command line does not");
-    return read_network(*options.network, options.include_directories);
+    require_file(*options.network);
+    return machine::read_network(*options.network, [&](const std::string& path) { return read_program(path, options.include_directories, {}); });
   }
   machine::NetworkDescription network;
   std::size_t chips = options.programs.size();
@@ -57,7 +65,8 @@ machine::NetworkDescription described(const ExecOptions& options) {
   for (const std::string& board : options.boards) boards.push_back(machine::read_board(board));
   std::vector<std::shared_ptr<const toolchain::Image>> images;
   for (const std::string& program : options.programs)
-    images.push_back(std::make_shared<toolchain::Image>(read_program(program, options.include_directories, {})));
+    images.push_back(std::make_shared<toolchain::Image>(
+        read_program(program, options.include_directories, program.ends_with(".hex") ? options.load_at : std::nullopt)));
   std::vector<std::string> names;
   for (std::size_t n = 0; n < chips; ++n) {
     machine::NetworkChip chip;
@@ -115,7 +124,7 @@ std::string sentence(const machine::NetworkStop& stop) {
 
 double microseconds(machine::Time time) { return static_cast<double>(time.count()) * 1e-6; }
 
-void print_text(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps) {
+void print_text(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps, const Watched& watched, bool peripherals) {
   fmt::print("stop: {}: {} ({:.3f} us)\n", name(stop.reason), sentence(stop), microseconds(stop.time));
   for (std::size_t n = 0; n < network.chip_count(); ++n) {
     const c40::Chip& chip = network.chip(n);
@@ -124,7 +133,7 @@ void print_text(const Network& network, const machine::NetworkStop& stop, const 
     fmt::print("  {} instructions, {} cycles:", chip.instructions(), chip.cycle());
     for (std::size_t cause = 0; cause < c40::cause_count; ++cause)
       if (chip.causes()[cause] != 0) fmt::print(" {} {}", name(static_cast<c40::Cause>(cause)), chip.causes()[cause]);
-    fmt::print("\n");
+    fmt::print("\n{}{}{}", watched[n].checks_text(), watched[n].text(), peripherals ? peripherals_text(chip) : "");
   }
   for (std::size_t n = 0; n < network.link_count(); ++n) {
     const machine::NetworkLink& ends = network.ends(n);
@@ -160,21 +169,19 @@ Json chip_json(const Network& network, std::size_t n) {
     out["registers"][called] = chip.register_value(reg);
   }
   out["waits_for"] = network.waits_for(n) ? Json(*network.waits_for(n)) : Json();
-  out["ports"] = Json::array();
-  for (int p = 0; p < c40::port_count; ++p) {
-    const c40::CommPort& port = chip.port(p);
-    const auto words = [](const c40::Fifo& fifo) { return std::vector<c40::Word>(fifo.words().begin(), fifo.words().end()); };
-    out["ports"].push_back({{"control", port.control()}, {"input", words(port.input)}, {"output", words(port.output)}, {"written", port.traffic.written},
-                            {"sent", port.traffic.sent}, {"received", port.traffic.received}, {"read", port.traffic.read},
-                            {"discarded_output", port.traffic.discarded_output}, {"discarded_input", port.traffic.discarded_input}});
-  }
+  add_ports(chip, out);
   return out;
 }
 
-void print_json(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps) {
+void print_json(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps, const Watched& watched, bool peripherals) {
   Json root = {{"stop", {{"reason", name(stop.reason)}, {"message", sentence(stop)}, {"time_ps", stop.time.count()}}}};
   root["chips"] = Json::array();
-  for (std::size_t n = 0; n < network.chip_count(); ++n) root["chips"].push_back(chip_json(network, n));
+  for (std::size_t n = 0; n < network.chip_count(); ++n) {
+    Json chip = chip_json(network, n);
+    watched[n].add_to(chip);
+    if (peripherals) add_peripherals(network.chip(n), chip);
+    root["chips"].push_back(std::move(chip));
+  }
   root["links"] = Json::array();
   for (std::size_t n = 0; n < network.link_count(); ++n) {
     const machine::NetworkLink& ends = network.ends(n);
@@ -187,8 +194,7 @@ void print_json(const Network& network, const machine::NetworkStop& stop, const 
     root["links"].push_back(std::move(out));
   }
   root["events"] = Json::array();
-  for (const machine::NetworkEvent& event : network.events())
-    root["events"].push_back(network.text(event));
+  for (const machine::NetworkEvent& event : network.events()) root["events"].push_back(network.text(event));
   root["dumps"] = Json::array();
   for (const Dump& dump : dumps) root["dumps"].push_back({{"chip", dump.chip}, {"address", dump.address}, {"words", words_of(network, dump)}});
   fmt::print("{}\n", root.dump(2, ' ', false, Json::error_handler_t::replace));
@@ -197,19 +203,29 @@ void print_json(const Network& network, const machine::NetworkStop& stop, const 
 }  // namespace
 
 int exec_network(const ExecOptions& options) {
-  refuse_options_of_one_chip(options);
+  if (options.boot) throw InputError("--boot: in a network the chips boot one another: boot = true of a [[chip]] in a --network file (docs/networks.md)");
+  if (options.load_at && std::none_of(options.programs.begin(), options.programs.end(), [](const std::string& p) { return p.ends_with(".hex"); }))
+    throw InputError("--load-at: only a .hex file needs it; other programs say where they stand");
   Network network(described(options), options.turn_order);
   std::vector<Dump> dumps;
   for (const std::string& text : options.dumps) words_of(network, dumps.emplace_back(parse_dump(text, network)));  // refuses bad ranges before the run
-  std::optional<OutputFile> trace;
-  if (options.link_trace) trace.emplace(*options.link_trace);
-  network.record_words(trace.has_value());
+  Watched watched(network, options);
+  std::optional<OutputFile> link_trace, events;
+  if (options.link_trace) link_trace.emplace(*options.link_trace);
+  if (options.events) events.emplace(*options.events);
+  network.record_words(link_trace || events);
+  network.record_peripherals(events.has_value());
   const machine::NetworkStop stop = network.run_until(network.clock(0).at(options.max_cycles));
-  if (trace) {
-    for (const machine::NetworkEvent& event : network.events()) trace->stream() << network.text(event) << '\n';
-    trace->commit();
+  watched.run_ended();
+  if (link_trace) {
+    for (const machine::NetworkEvent& event : network.events()) link_trace->stream() << network.text(event) << '\n';
+    link_trace->commit();
   }
-  (options.json ? print_json : print_text)(network, stop, dumps);
+  if (events) {
+    for (const std::string& line : network.event_trace()) events->stream() << line << '\n';
+    events->commit();
+  }
+  (options.json ? print_json : print_text)(network, stop, dumps, watched, options.peripherals);
   if (stop.reason == machine::NetworkStop::Reason::limit && options.until) return run_failed;
   return failed(network, stop) ? run_failed : success;
 }

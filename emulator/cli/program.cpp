@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <filesystem>
 #include <fstream>
 
@@ -18,20 +17,6 @@ using toolchain::Address;
 using toolchain::Image;
 using toolchain::Word;
 
-std::optional<std::uint64_t> parse_number(std::string_view text, int base) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
-  if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
-  return value;
-}
-
-std::optional<std::uint64_t> parse_integer(std::string_view text) {
-  if (text.starts_with("0x") || text.starts_with("0X")) return parse_number(text.substr(2), 16);
-  if (!text.empty() && (text.back() == 'h' || text.back() == 'H'))
-    return parse_number(text.substr(0, text.size() - 1), 16);
-  return parse_number(text, 10);
-}
-
 Image read_hex(const std::string& path, Address load_at) {
   std::ifstream in(path);
   std::vector<Word> words;
@@ -40,11 +25,11 @@ Image read_hex(const std::string& path, Address load_at) {
     const std::size_t first = line.find_first_not_of(" \t\r");
     if (first == std::string::npos) continue;
     const std::string text = line.substr(first, line.find_last_not_of(" \t\r") + 1 - first);
-    const auto word = parse_number(text, 16);
-    if (!word || *word > 0xFFFF'FFFF || text.size() > 8)
+    const auto word = toolchain::find_address(text + "h", nullptr);
+    if (!word || text.size() > 8)
       throw InputError(fmt::format("{}:{}: \"{}\" is no word; up to 8 hexadecimal digits per line are expected", path,
                                    number, text.substr(0, 40)));
-    words.push_back(static_cast<Word>(*word));
+    words.push_back(*word);
   }
   if (words.empty()) throw InputError(fmt::format("{}: holds no word", path));
   Image image;
@@ -89,12 +74,7 @@ Image read_program(const std::string& path, const std::vector<std::string>& incl
 }
 
 Address parse_address(std::string_view text, const Image* image, std::string_view what) {
-  if (image) {
-    const auto symbol = image->symbols.find(text);
-    if (symbol != image->symbols.end()) return symbol->second;
-  }
-  const auto value = parse_integer(text);
-  if (value && *value <= 0xFFFF'FFFF) return static_cast<Address>(*value);
+  if (const auto address = toolchain::find_address(text, image)) return *address;
   throw InputError(fmt::format("{}: \"{}\" is no {}32-bit address (300000h, 0x300000 or decimal)", what, text,
                                image ? "symbol of the program and no " : ""));
 }

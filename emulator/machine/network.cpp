@@ -555,6 +555,9 @@ ChipStatus Network::status(std::size_t n) const {
   if (node.patience.loop) return ChipStatus::looping;
   return node.status == ChipStatus::sleeping && node.dma_waits() ? ChipStatus::waiting : node.status;
 }
+void Network::record_peripherals(bool on) {
+  for (auto& node : nodes_) node->chip.set_peripheral_sink(on ? node.get() : nullptr);
+}
 void Network::set_trace(std::size_t n, c40::TraceSink* sink) {
   Node& node = *nodes_.at(n);
   node.trace = sink;

@@ -115,6 +115,13 @@ struct NetworkEvent {
 };
 std::string_view name(NetworkEvent::Kind kind);
 
+/// What the peripherals of a chip did, kept if asked for.
+struct ChipEvent {
+  std::size_t chip = 0;
+  Time time{};  ///< of the cycle's beginning
+  c40::PeripheralEvent event;
+};
+
 /// How a chip stands.
 enum class ChipStatus : std::uint8_t {
   running,
@@ -179,6 +186,13 @@ class Network {
   const std::vector<NetworkEvent>& events() const { return events_; }
   /// A line of an event trace (docs/networks.md): "123400000 word 0.0>1.3 0000002A"
   std::string text(const NetworkEvent& event) const;
+  /// Words, DMA transfers, timers and interrupts as the chips' peripherals see them, by time and then by chip.
+  void record_peripherals(bool on);
+  std::vector<ChipEvent> peripheral_events() const;
+  /// "123400000 chip 0: port_write 3 = 0000002A (DMA 1)"
+  static std::string text(const ChipEvent& event);
+  /// A line for each event of the links and of the chips, by time.
+  std::vector<std::string> event_trace() const;
 
   /// For every direction of every link: written = read + in FIFOs + under way + lost + discarded. \throws std::logic_error
   void check_words() const;

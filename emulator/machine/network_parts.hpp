@@ -17,7 +17,7 @@ struct Network::Memory {
   std::optional<std::size_t> owner;  ///< of the lock
 };
 
-struct Network::Node {
+struct Network::Node : c40::PeripheralSink {
   Node(std::size_t number_, NetworkChip given, Clock clock_)
       : number(number_),
         description(std::move(given)),
@@ -47,6 +47,8 @@ struct Network::Node {
     c40::Cycles next_look() const { return since + length + (looking ? length / 10 : 0); }
   } patience;
   c40::TraceSink* trace = nullptr;
+  std::vector<c40::PeripheralEvent> peripheral_events;
+  void happened(const c40::PeripheralEvent& event) override { peripheral_events.push_back(event); }
 
   bool waits_for_port() const { return status == ChipStatus::waiting && stop.reason != c40::StopInfo::Reason::external_access; }
   bool waits_for_memory() const { return status == ChipStatus::waiting && stop.reason == c40::StopInfo::Reason::external_access; }

@@ -172,4 +172,28 @@ std::string Network::text(const NetworkEvent& event) const {
   return fmt::format("{} {}", head, machine::to_text(link));
 }
 
+std::vector<ChipEvent> Network::peripheral_events() const {
+  std::vector<ChipEvent> all;
+  for (const auto& node : nodes_)
+    for (const c40::PeripheralEvent& event : node->peripheral_events) all.push_back({node->number, node->clock.at(event.cycle), event});
+  std::stable_sort(all.begin(), all.end(), [](const ChipEvent& a, const ChipEvent& b) { return a.time < b.time; });
+  return all;
+}
+
+std::string Network::text(const ChipEvent& event) { return fmt::format("{} chip {}: {}", event.time.count(), event.chip, to_text(event.event)); }
+
+std::vector<std::string> Network::event_trace() const {
+  std::vector<std::string> lines;
+  auto link = events_.begin();
+  const auto links_until = [&](Time time) {
+    for (; link != events_.end() && link->time <= time; ++link) lines.push_back(text(*link));
+  };
+  for (const ChipEvent& event : peripheral_events()) {
+    links_until(event.time);
+    lines.push_back(text(event));
+  }
+  links_until(never);
+  return lines;
+}
+
 }  // namespace machine

@@ -2,6 +2,7 @@
 // A program with its addresses settled: what the assembler and the COFF reader give and what a chip loads.
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,9 @@ struct Image {
   /// The value of a symbol. Throws std::out_of_range with the symbol's name if there is none.
   Word symbol(std::string_view name) const;
 };
+
+/// An address as a user writes it: a symbol of the image, if one is given, else 300000h, 0x300000 or a decimal number.
+std::optional<Address> find_address(std::string_view text, const Image* image);
 
 /// Address, word and source of every line, as text.
 std::string listing(const Image& image);

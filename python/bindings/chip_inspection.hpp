@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "c40/chip.hpp"
+#include "c40/peripherals/register_map.hpp"
 #include "python/bindings/bindings.hpp"
 
 inline isa::Register register_of(const std::string& name) {
@@ -44,6 +45,21 @@ void bind_inspection(py::class_<Class>& bound, Chip chip) {
       .def("port", [chip](const Class& p, int n) { return port_of(chip(p).port(n)); }, "FIFOs, halts, token and counters of a communication port.")
       .def("timer_pin", [chip](const Class& p, int timer) { return chip(p).timer_pin(timer); })
       .def("peripheral", [chip](const Class& p, const std::string& name) { return chip(p).peripheral(name); })
+      .def("fields", [chip](const Class& p, const std::string& name) {
+        const c40::RegisterInfo& info = c40::register_named(name);
+        const c40::Word value = chip(p).peripheral(name);
+        py::dict out;
+        for (const c40::Field& field : info.fields) out[py::str(std::string(field.name))] = field.of(value);
+        return out;
+      })
+      .def("peripherals", [chip](const Class& p) {
+        py::dict out;
+        for (const c40::RegisterInfo& info : c40::register_map()) {
+          const bool fifo = c40::is_port_register(info.address) && c40::port_access(info.address, false, 0, 0).reg != c40::PortRegister::control;
+          if (!fifo) out[py::str(info.name)] = chip(p).peripheral(info.name);
+        }
+        return out;
+      }, "Every register but those of FIFOs, by name.")
       .def("peek", [chip](const Class& p, c40::Address a) { return chip(p).peek(a); })
       .def("poke", [chip](Class& p, c40::Address a, c40::Word v) { chip(p).poke(a, v); })
       .def("read", [chip](const Class& p, c40::Address a, std::size_t count) {

@@ -1,5 +1,6 @@
 // cmrc._core.network: chips, links, memories in one virtual time.
 #include "machine/network.hpp"
+#include "machine/network_file.hpp"
 
 #include <pybind11/stl.h>
 
@@ -62,6 +63,11 @@ std::unique_ptr<machine::Network> make(const py::list& chips, const std::vector<
   return std::make_unique<machine::Network>(std::move(d), turn_order);
 }
 
+std::unique_ptr<machine::Network> from_file(const std::string& path, const py::function& program, std::uint64_t turn_order) {
+  return std::make_unique<machine::Network>(
+      machine::read_network(path, [&](const std::string& file) { return program(file).cast<toolchain::Image>(); }), turn_order);
+}
+
 NetworkAction::Kind kind_named(const std::string& text) {
   using enum NetworkAction::Kind;
   for (const auto kind : {cut, restore, reset, hold, release, pull_out})
@@ -103,6 +109,18 @@ void bind_network(py::module_& core) {
 
   py::class_<machine::Network>(m, "Network")
       .def(py::init(&make), py::arg("chips"), py::arg("links"), py::arg("topology"), py::arg("memories"), py::arg("turn_order"))
+      .def(py::init(&from_file), py::arg("path"), py::arg("program"), py::arg("turn_order"), "From a file; `program` reads one by its path.")
+      .def("program", [](const machine::Network& network, std::size_t n) { return network.program(n); })
+      .def("record_peripherals", &machine::Network::record_peripherals, py::arg("on"))
+      .def("event_trace", &machine::Network::event_trace)
+      .def("peripheral_events", [](const machine::Network& network) {
+        py::list out;
+        for (const machine::ChipEvent& e : network.peripheral_events())
+          out.append(py::dict(py::arg("chip") = e.chip, py::arg("time_ps") = e.time.count(), py::arg("kind") = std::string(name(e.event.kind)),
+                              py::arg("cycle") = e.event.cycle, py::arg("number") = e.event.number, py::arg("value") = e.event.value,
+                              py::arg("channel") = e.event.channel < 0 ? std::optional<int>{} : e.event.channel));
+        return out;
+      })
       .def("run_until", [](machine::Network& network, std::int64_t limit) {
         const machine::NetworkStop stop = network.run_until(Time{limit});
         return std::pair{std::string(machine::name(stop.reason)), stop.time.count()};

@@ -249,6 +249,15 @@ class ChipState:
         """A peripheral register by the name that the manual gives it (docs/peripherals.md). Raises IndexError for an unknown one, naming the nearest."""
         return int(self._core.peripheral(name))
 
+    def fields(self, name: str) -> dict[str, int]:
+        """The fields of a peripheral register, as the manual calls them. Raises IndexError for an unknown register."""
+        return dict(self._core.fields(name))
+
+    @property
+    def peripherals(self) -> dict[str, int]:
+        """Every peripheral register by name; the FIFOs are in ``port``."""
+        return dict(self._core.peripherals())
+
     @property
     def pc(self) -> int:
         """Program counter."""

@@ -56,6 +56,21 @@ class Event:
 
 
 @dataclass(frozen=True)
+class PeripheralEvent:
+    """What the peripherals of a chip did: ``port_write`` and ``port_read`` (``number`` the port, ``value`` the word, ``channel`` the DMA channel that did it, None for the processor),
+    ``dma_start`` and ``dma_end`` (``number`` the channel; ``value`` its control word; at the end 1 for the auxiliary half), ``timer``, ``interrupt`` (``number`` its place
+    in the vector table, ``value`` where the processor was)."""
+
+    chip: int
+    time_ps: int
+    kind: str
+    cycle: int
+    number: int
+    value: int
+    channel: int | None
+
+
+@dataclass(frozen=True)
 class SharedMemory:
     """Words that several chips reach, each at an address inside a window of its board. ``waits``: cycles of an access beyond one."""
 
@@ -114,8 +129,10 @@ class Network:
     chip 1, or (that, {"word_cycles": 5, ...}). ``boards``, ``clocks_mhz`` (CLKIN) and ``names`` are one for all chips or one for each. ``until`` is where a chip has ended.
     Chips in ``boots`` start in the boot ROM and take their program from whichever port brings it; their ``programs`` only say what is expected to come.
     Every other chip finds its number in R0 and the number of chips in R1. ``turn_order`` shuffles which chip the emulator advances first, and changes nothing.
-    ``record_words`` keeps every word and token in ``events``. Raises NetworkError.
+    ``record_words`` keeps every word and token in ``events``, ``record_peripherals`` what the chips' ports, DMA, timers and interrupts did. Raises NetworkError.
     """
+
+    chips: list[Chip]
 
     def __init__(
         self,
@@ -131,6 +148,7 @@ class Network:
         memories: Sequence[SharedMemory] = (),
         turn_order: int = 0,
         record_words: bool = False,
+        record_peripherals: bool = False,
     ) -> None:
         given = [programs] if isinstance(programs, (str, os.PathLike, Program)) else list(programs)
         images = [_program(program) for program in given]
@@ -151,9 +169,20 @@ class Network:
         ]
         wires = [(link, {}) if isinstance(link, str) else (link[0], dict(link[1])) for link in links]
         shared = [{"name": m.name, "words": m.words, "waits": m.waits, "places": list(m.places.items())} for m in memories]
-        self._core = _core.network.Network(chips, wires, topology, shared, turn_order)
-        self._core.record_words(record_words)
-        self.chips: list[Chip] = [Chip(self._core.chip(n), image, n) for n, image in enumerate(images)]
+        self._take(_core.network.Network(chips, wires, topology, shared, turn_order), record_words, record_peripherals)
+
+    @classmethod
+    def from_file(cls, path: Path, *, turn_order: int = 0, record_words: bool = False, record_peripherals: bool = False) -> Network:
+        """A network as a TOML file describes it (docs/networks.md, Files), the same that ``emulator exec --network`` takes. Raises NetworkError, naming file and line."""
+        network = cls.__new__(cls)
+        network._take(_core.network.Network(os.fspath(path), _program, turn_order), record_words, record_peripherals)
+        return network
+
+    def _take(self, core: Any, record_words: bool, record_peripherals: bool) -> None:
+        self._core = core
+        core.record_words(record_words)
+        core.record_peripherals(record_peripherals)
+        self.chips = [Chip(core.chip(n), core.program(n), n) for n in range(core.chip_count)]
 
     def run(self, *, until_us: float | None = None, max_cycles: int = 100_000_000) -> NetworkStop:
         """Lets everything happen before an instant (from the start of the network, in microseconds), or before ``max_cycles`` of chip 0."""
@@ -179,6 +208,16 @@ class Network:
     def events(self) -> list[Event]:
         """Losses, cuts and what was done to chips; with ``record_words`` also every word and token. In the order of time."""
         return [Event(**event) for event in self._core.events()]
+
+    @property
+    def peripheral_events(self) -> list[PeripheralEvent]:
+        """With ``record_peripherals``: what the peripherals of all chips did, in the order of time, then of chips."""
+        return [PeripheralEvent(**event) for event in self._core.peripheral_events()]
+
+    @property
+    def event_trace(self) -> list[str]:
+        """``events`` and ``peripheral_events`` as lines, in the order of time: what ``emulator exec --events`` writes."""
+        return list(self._core.event_trace())
 
     def memory(self, number: int) -> list[int]:
         """The words of a shared memory."""
@@ -241,4 +280,4 @@ def _each(given: Any, count: int, what: str) -> list[Any]:
     return values
 
 
-__all__ = ["Chip", "Event", "Link", "Network", "NetworkError", "NetworkStop", "SharedMemory", "Traffic"]
+__all__ = ["Chip", "Event", "Link", "Network", "NetworkError", "NetworkStop", "PeripheralEvent", "SharedMemory", "Traffic"]

@@ -644,7 +644,7 @@ def test_a_network_file(run: Any, tmp_path: Path) -> None:
     assert report["chips"][1]["waits_for"] == 0 and report["chips"][0]["name"] == "left"
     for old, new, message in [
         ('name = "left"', 'nam = "left"', "network.toml:3: no such key chip.nam; known are"),
-        ('"left.0:1.3"', '"left.7:1.3"', "network.toml:8: link left.7:1.3: left.7: chip 0 has no port 7; 0 to 5 are possible"),
+        ('"left.0:1.3"', '"left.7:1.3"', "network.toml:9: link left.7:1.3: left.7: chip 0 has no port 7; 0 to 5 are possible"),
         ('"left.0:1.3"', '"right.0:1.3"', "there is no chip right"),
         ("word_cycles = 10", "word_cycles = -1", "network.toml:10: word_cycles: a whole number from 0"),
         ('action = "cut"', 'action = "bite"', 'there is no "bite"; cut, restore, reset, hold, release and pull_out are'),
@@ -658,11 +658,71 @@ def test_a_network_file(run: Any, tmp_path: Path) -> None:
         assert bad.returncode == 2 and bad.stdout == "" and message in bad.stderr, (new, bad.stderr)
 
 
+def test_what_one_chip_can_be_asked_a_network_can(run: Any, tmp_path: Path) -> None:
+    options = ["--trace", "t", "--events", "e", "--check", "--profile", "--pipeline", "0:20", "--peripherals"]
+    plain = json.loads(run("send.asm", "take.asm", "--link", "0.0:1.3", "--json").stdout)
+    result = run("send.asm", "take.asm", "--link", "0.0:1.3", "--json", *options)
+    report = json.loads(result.stdout)
+    assert result.returncode == 0 and report["stop"] == plain["stop"]
+    for n, (chip, before) in enumerate(zip(report["chips"], plain["chips"], strict=True)):
+        assert {key: chip[key] for key in before} == before
+        trace = (tmp_path / f"t.chip{n}").read_text().splitlines()
+        assert len(trace) == 1 + chip["instructions"] and all(f"[dsp {n}]" in line for line in trace[1:])
+        assert chip["diagnostics"] == [] and chip["profile"]["causes"] == chip["causes"] and chip["profile"]["instructions"] == chip["instructions"]
+        assert "ldhi 10h,ar0" in chip["pipeline"]
+        assert chip["peripherals"]["PORT3.control"]["fields"]["PORT DIR"] == 1 and chip["peripherals"]["DMA5.auxiliary_link"] == {"value": 0}
+    events = (tmp_path / "e").read_text().splitlines()
+    times = [int(line.split()[0]) for line in events]
+    assert times == sorted(times) and len(events) == 9
+    assert [line.split(" ", 1)[1] for line in events if line.endswith("00000002")] == ["chip 0: port_write 0 = 00000002", "word 0.0>1.3 00000002", "chip 1: port_read 3 = 00000002"]
+    for seed in "12":
+        again = run("send.asm", "take.asm", "--link", "0.0:1.3", "--json", "--turn-order", seed, *options)
+        assert again.stdout == result.stdout and (tmp_path / "e").read_text().splitlines() == events
+    text = run("send.asm", "take.asm", "--link", "0.0:1.3", *options).stdout
+    assert [text.count(word) for word in ("checks: no rule was broken", "profile: routines", "pipeline, cycles 0 to 20")] == [2, 2, 2]
+
+
+def test_a_network_from_a_file_in_python(run: Any, tmp_path: Path) -> None:
+    (tmp_path / "network.toml").write_text(FILE)
+    run("--network", "network.toml", "--events", "e")
+    network = Network.from_file(tmp_path / "network.toml", record_words=True, record_peripherals=True)
+    assert network.run().reason == "deadlock"
+    assert network.event_trace == (tmp_path / "e").read_text().splitlines()
+    assert [event.kind for event in network.events if event.kind not in ("word", "token")] == ["cut", "lost", "restored"]
+    assert [(event.chip, event.kind, event.number, event.value, event.channel) for event in network.peripheral_events][:2] == [(0, "port_write", 0, 1, None), (0, "port_write", 0, 2, None)]
+    assert network.chips[0].name == "left" and network.chips[0].pc == network.chips[0].address("end")
+    chip = network.chips[1]
+    assert chip.peripherals["PORT3.control"] == 4 and chip.fields("port3.control")["INPUT LEVEL"] == 0 and len(chip.peripherals) == 2 + 6 + 6 + 54
+    with pytest.raises(IndexError, match=r"PORT9\.control.*PORT"):
+        chip.fields("PORT9.control")
+    (tmp_path / "network.toml").write_text(FILE.replace('"cut"', '"bite"'))
+    with pytest.raises(NetworkError, match="network.toml:13: event.action: there is no"):
+        Network.from_file(tmp_path / "network.toml")
+    with pytest.raises(NetworkError, match="nowhere.toml: cannot be read"):
+        Network.from_file(tmp_path / "nowhere.toml")
+
+
+def test_interrupts_and_dma_are_events() -> None:
+    network = Network([program(IDLES)] * 2, links=["0.0:1.3"], record_peripherals=True)
+    stream_by_dma(network.chips[0]._core, network.chips[1]._core)
+    network.run(until_us=40)
+    seen = [(event.chip, event.kind, event.number, event.channel) for event in network.peripheral_events]
+    assert seen.count((0, "port_write", 0, 0)) == seen.count((1, "port_read", 3, 3)) == len(WORDS)
+    assert seen[-1] == (1, "dma_end", 3, None) and seen.count((0, "dma_end", 0, None)) == 1
+    network = Network([program(sender(0, 2)), program(interrupt_program(3, IDLES))], links=["0.0:1.3"], record_peripherals=True)
+    network.run(until_us=40)
+    taken = [event for event in network.peripheral_events if event.kind == "interrupt"]
+    assert [(event.chip, event.number) for event in taken] == [(1, 0x0D + 4 * 3 + 1)] * 2
+    assert network.chips[1].memory[0x2FFA00:0x2FFA02] == [1, 2]
+
+
 @pytest.mark.parametrize(("arguments", "message"), [
     (["send.asm", "take.asm", "--link", "0.0:1.6"], "chip 1 has no port 6; 0 to 5 are possible"),
     (["send.asm", "--topology", "ring"], "--topology"),
     (["send.asm", "take.asm", "--topology", "ring:3"], "one program for all or 3 programs are expected, not 2"),
-    (["send.asm", "take.asm", "--profile"], "--profile: a network has no such option"),
+    (["send.asm", "take.asm", "--boot", "3"], "--boot: in a network the chips boot one another: boot = true of a [[chip]]"),
+    (["send.asm", "take.asm", "--load-at", "1000h"], "--load-at: only a .hex file needs it"),
+    (["send.asm", "take.asm", "--pipeline", "5"], "--pipeline: \"5\" is not FIRST:LAST"),
     (["send.asm", "take.asm", "--dump", "table:3"], "is not CHIP:ADDRESS:COUNT"),
     (["send.asm", "take.asm", "--dump", "2:0x300000:3"], "there is no chip 2"),
     (["--network", "nowhere.toml"], "nowhere.toml: no such file"),

@@ -1,5 +1,6 @@
 #pragma once
-/// What the peripherals of a chip did, as it happens; links tell their own events (link.hpp), interrupts are in the trace (chip.hpp).
+/// What the peripherals of a chip did, as it happens; links tell their own events (link.hpp).
+#include <string>
 #include <string_view>
 
 #include "c40/types.hpp"
@@ -12,7 +13,8 @@ struct PeripheralEvent {
     port_read,    ///< a word was taken from the input FIFO of port `number`
     dma_start,    ///< channel `number` was started; `value` is its control word
     dma_end,      ///< a block of channel `number` has ended; `value` is 1 for the auxiliary half
-    timer         ///< TINT of timer `number`
+    timer,        ///< TINT of timer `number`
+    interrupt     ///< the interrupt with offset `number` in the vector table was taken; `value` is where the processor was
   };
   Kind kind = Kind::port_write;
   Cycles cycle = 0;
@@ -22,9 +24,12 @@ struct PeripheralEvent {
 };
 
 constexpr std::string_view name(PeripheralEvent::Kind kind) {
-  constexpr std::array<std::string_view, 5> names{"port_write", "port_read", "dma_start", "dma_end", "timer"};
+  constexpr std::array<std::string_view, 6> names{"port_write", "port_read", "dma_start", "dma_end", "timer", "interrupt"};
   return names[static_cast<std::size_t>(kind)];
 }
+
+/// "port_write 3 = 0000002A (DMA 1)"
+std::string to_text(const PeripheralEvent& event);
 
 class PeripheralSink {
  public:

@@ -1,4 +1,4 @@
-#include "cli/network_file.hpp"
+#include "machine/network_file.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,31 +11,24 @@
 #include <map>
 #include <sstream>
 
-#include "cli/options.hpp"
-#include "cli/program.hpp"
-
-namespace cli {
+namespace machine {
 namespace {
-
-using machine::NetworkAction;
-using machine::NetworkChip;
-using machine::NetworkDescription;
 
 constexpr auto chip_keys = {"number", "name", "program", "board", "clock_mhz", "entry", "until", "boot"};
 
 class NetworkReader {
  public:
-  NetworkReader(std::string file, const std::vector<std::string>& include_directories) : file_(std::move(file)), include_directories_(include_directories) {}
+  NetworkReader(std::string file, const ProgramReader& read_program) : file_(std::move(file)), read_program_(read_program) {}
 
   NetworkDescription read(const toml::table& root) {
     allow(root, {"chip", "topology", "link", "memory", "event"}, "");
     const auto* topology = root.get("topology");
     if (topology != nullptr) generate(*topology);
     each(root, "chip", [&](const toml::table& table, const toml::node& node) { chip(table, node, topology != nullptr); });
-    if (network_.chips.empty()) throw InputError(fmt::format("{}: there is no chip; [[chip]] with a program, or [topology], is expected", file_));
+    if (network_.chips.empty()) throw NetworkError(fmt::format("{}: there is no chip; [[chip]] with a program, or [topology], is expected", file_));
     for (const NetworkChip& chip : network_.chips) names_.push_back(chip.name);
     for (std::size_t n = 0; n < network_.chips.size(); ++n)
-      if (network_.chips[n].program == nullptr && !network_.chips[n].boot) throw InputError(fmt::format("{}: chip {} has no program, and does not boot", file_, n));
+      if (network_.chips[n].program == nullptr && !network_.chips[n].boot) throw NetworkError(fmt::format("{}: chip {} has no program, and does not boot", file_, n));
     each(root, "link", [&](const toml::table& table, const toml::node& node) { link(table, node); });
     each(root, "memory", [&](const toml::table& table, const toml::node& node) { memory(table, node); });
     each(root, "event", [&](const toml::table& table, const toml::node& node) { event(table, node); });
@@ -44,7 +37,7 @@ class NetworkReader {
 
  private:
   [[noreturn]] void fail(const toml::node& node, const std::string& what) const {
-    throw InputError(fmt::format("{}:{}: {}", file_, node.source().begin.line, what));
+    throw NetworkError(fmt::format("{}:{}: {}", file_, node.source().begin.line, what));
   }
 
   void allow(const toml::table& table, std::initializer_list<const char*> keys, const std::string& prefix) const {
@@ -60,11 +53,7 @@ class NetworkReader {
     if (!all->is_array()) fail(*all, fmt::format("{}: each is a table, [[{}]]", key, key));
     for (const auto& node : *all->as_array()) {
       if (!node.is_table()) fail(node, fmt::format("{}: each is a table, [[{}]]", key, key));
-      try {
-        action(*node.as_table(), node);
-      } catch (const machine::NetworkError& error) {
-        fail(node, error.what());
-      }
+      action(*node.as_table(), node);
     }
   }
 
@@ -93,25 +82,32 @@ class NetworkReader {
 
   std::string beside(const std::string& path) const { return (std::filesystem::path(file_).parent_path() / path).string(); }
 
+  toolchain::Address address(const toml::node& node, const char* key, const NetworkChip& chip) const {
+    const std::string given = text(node, key);
+    const auto found = toolchain::find_address(given, chip.program.get());
+    if (!found) fail(node, fmt::format("{}: \"{}\" is no symbol of the program and no 32-bit address (300000h, 0x300000 or decimal)", key, given));
+    return *found;
+  }
+
   void fill(NetworkChip& chip, const toml::table& table) {
     if (const auto* node = table.get("name")) chip.name = text(*node, "name");
     if (const auto* node = table.get("program")) {
       const std::string path = beside(text(*node, "program"));
       auto& known = programs_[path];
-      if (known == nullptr) known = std::make_shared<toolchain::Image>(read_program(path, include_directories_, {}));
+      if (known == nullptr) known = std::make_shared<toolchain::Image>(read_program_(path));
       chip.program = known;
     }
     if (const auto* node = table.get("board")) {
       const std::string board = text(*node, "board");
-      chip.board = machine::read_board(board.ends_with(".toml") ? beside(board) : board);
+      chip.board = read_board(board.ends_with(".toml") ? beside(board) : board);
     }
     if (const auto* node = table.get("clock_mhz")) chip.clock_mhz = real(*node, "clock_mhz", 1000);
     if (const auto* node = table.get("boot")) {
       if (!node->is_boolean()) fail(*node, "boot: true or false is expected");
       chip.boot = node->as_boolean()->get();
     }
-    if (const auto* node = table.get("entry")) chip.entry = parse_address(text(*node, "entry"), chip.program.get(), "entry");
-    if (const auto* node = table.get("until")) chip.until = parse_address(text(*node, "until"), chip.program.get(), "until");
+    if (const auto* node = table.get("entry")) chip.entry = address(*node, "entry", chip);
+    if (const auto* node = table.get("until")) chip.until = address(*node, "until", chip);
   }
 
   void generate(const toml::node& node) {
@@ -121,9 +117,10 @@ class NetworkReader {
     NetworkChip chip;
     fill(chip, table);
     const toml::node& links = needed(table, node, "links", "topology");
+    const std::string kind = text(links, "topology.links");
     try {
-      network_.chips.assign(machine::set_topology(network_, text(links, "topology.links")), chip);
-    } catch (const machine::NetworkError& error) {
+      network_.chips.assign(set_topology(network_, kind), chip);
+    } catch (const NetworkError& error) {
       fail(links, error.what());
     }
   }
@@ -139,9 +136,18 @@ class NetworkReader {
     fill(network_.chips[static_cast<std::size_t>(n)], table);
   }
 
+  NetworkLink link_of(const toml::node& node, const std::string& ends) const {
+    try {
+      return parse_link(ends, names_);
+    } catch (const NetworkError& error) {
+      fail(node, error.what());
+    }
+  }
+
   void link(const toml::table& table, const toml::node& node) {
     allow(table, {"ports", "word_cycles", "token_cycles", "enter_cycles", "exit_cycles"}, "link.");
-    machine::NetworkLink link = machine::parse_link(text(needed(table, node, "ports", "link"), "link.ports"), names_);
+    const toml::node& ports = needed(table, node, "ports", "link");
+    NetworkLink link = link_of(ports, text(ports, "link.ports"));
     c40::LinkParameters& p = link.parameters;
     for (const auto& [key, value] : {std::pair{"word_cycles", &p.word_cycles}, {"token_cycles", &p.token_cycles}, {"enter_cycles", &p.enter_cycles}, {"exit_cycles", &p.exit_cycles}})
       if (const auto* given = table.get(key)) *value = static_cast<int>(number(*given, key, 0, 1'000'000));
@@ -157,7 +163,7 @@ class NetworkReader {
 
   void memory(const toml::table& table, const toml::node& node) {
     allow(table, {"name", "words", "waits", "place"}, "memory.");
-    machine::SharedMemory memory;
+    SharedMemory memory;
     memory.name = text(needed(table, node, "name", "memory"), "memory.name");
     memory.words = static_cast<c40::Address>(number(needed(table, node, "words", "memory"), "memory.words", 1, 1 << 24));
     if (const auto* waits = table.get("waits")) memory.waits = static_cast<int>(number(*waits, "memory.waits", 0, 1000));
@@ -172,31 +178,31 @@ class NetworkReader {
   void event(const toml::table& table, const toml::node& node) {
     allow(table, {"at_us", "action", "link", "chip"}, "event.");
     NetworkAction action;
-    action.time = machine::Time{std::llround(real(needed(table, node, "at_us", "event"), "event.at_us", 1e12) * 1e6)};
+    action.time = Time{std::llround(real(needed(table, node, "at_us", "event"), "event.at_us", 1e12) * 1e6)};
     const toml::node& what = needed(table, node, "action", "event");
     using enum NetworkAction::Kind;
     constexpr std::array kinds{cut, restore, reset, hold, release, pull_out};
-    const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](auto k) { return machine::name(k) == text(what, "event.action"); });
+    const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](auto k) { return name(k) == text(what, "event.action"); });
     if (kind == kinds.end()) fail(what, fmt::format("event.action: there is no \"{}\"; cut, restore, reset, hold, release and pull_out are", text(what, "event.action")));
     action.kind = *kind;
     const bool link = action.kind == cut || action.kind == restore;
-    if (table.contains(link ? "chip" : "link")) fail(node, fmt::format("event: {} concerns a {}", machine::name(action.kind), link ? "link" : "chip"));
+    if (table.contains(link ? "chip" : "link")) fail(node, fmt::format("event: {} concerns a {}", name(action.kind), link ? "link" : "chip"));
     const toml::node& target = needed(table, node, link ? "link" : "chip", "event");
     action.target = link ? link_named(target) : chip_named(target);
     network_.actions.push_back(action);
   }
 
   std::size_t link_named(const toml::node& node) const {
-    const machine::NetworkLink wanted = machine::parse_link(text(node, "event.link"), names_);
+    const NetworkLink wanted = link_of(node, text(node, "event.link"));
     for (std::size_t n = 0; n < network_.links.size(); ++n) {
-      const machine::NetworkLink& link = network_.links[n];
+      const NetworkLink& link = network_.links[n];
       if ((link.a == wanted.a && link.b == wanted.b) || (link.a == wanted.b && link.b == wanted.a)) return n;
     }
     fail(node, fmt::format("there is no link {}", text(node, "event.link")));
   }
 
   std::string file_;
-  const std::vector<std::string>& include_directories_;
+  const ProgramReader& read_program_;
   NetworkDescription network_;
   std::vector<std::string> names_;
   std::map<std::string, std::shared_ptr<const toolchain::Image>> programs_;
@@ -204,16 +210,16 @@ class NetworkReader {
 
 }  // namespace
 
-machine::NetworkDescription read_network(const std::string& path, const std::vector<std::string>& include_directories) {
-  require_file(path);
+NetworkDescription read_network(const std::string& path, const ProgramReader& read_program) {
   std::ifstream in(path, std::ios::binary);
+  if (!in || std::filesystem::is_directory(path)) throw NetworkError(fmt::format("{}: cannot be read; a network file is expected (docs/networks.md)", path));
   std::ostringstream text;
   text << in.rdbuf();
   try {
-    return NetworkReader(path, include_directories).read(toml::parse(text.str(), path));
+    return NetworkReader(path, read_program).read(toml::parse(text.str(), path));
   } catch (const toml::parse_error& error) {
-    throw InputError(fmt::format("{}:{}: {}", path, error.source().begin.line, error.description()));
+    throw NetworkError(fmt::format("{}:{}: {}", path, error.source().begin.line, error.description()));
   }
 }
 
-}  // namespace cli
+}  // namespace machine
