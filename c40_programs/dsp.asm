@@ -34,5 +34,7 @@ pause_count:    .word 400               ; IDLE_PAUSE: NOPs between two looks at 
         .include "kernels/agv_all.asm"  ; trajectory_agv, inverse_agv, identify, grab_path, home, avoidance
         .include "kernels/slices.asm"   ; long tasks in several blocks
         .include "kernels/user.asm"     ; empty: the place for a user's own tasks
+        .include "kernels/gantry.asm"   ; the crane's tasks on a ship-to-shore gantry
+        .include "kernels/gantry_constants.asm"
 
         .end

@@ -131,6 +131,7 @@ void check_reach(const DockConfig& c) {
       throw std::invalid_argument(fmt::format("{}; so the crane cannot reach {}", error.what(), what));
     }
   };
+  reach("its home", c.home.x, c.home.y, c.home.z);
   for (std::size_t i = 0; i < c.layout.containers.size(); ++i) {
     const ContainerPlace& p = c.layout.containers[i];
     reach(fmt::format("container {}", i), p.x, p.y, p.z + container_height);

@@ -33,6 +33,16 @@ std::array<std::vector<LaneSegment>, 3> default_loop(const Layout& layout, int a
   return {out, back, back};
 }
 
+std::array<JointName, joint_count> joint_names(Machine machine) {
+  if (machine == Machine::gantry) return {{{"s", "m"}, {"psi", "rad"}, {"trolley", "m"}, {"l", "m"}, {"kappa", "rad"}}};
+  return {{{"s", "m"}, {"psi", "rad"}, {"phi", "rad"}, {"l", "m"}, {"kappa", "rad"}}};
+}
+
+std::array<int, joint_count> drive_channels(Machine machine) {
+  if (machine == Machine::gantry) return {1, 0, 2, 3, 4};
+  return {0, 1, 2, 3, 4};
+}
+
 CraneParameters gantry_crane() {
   CraneParameters p;
   p.machine = Machine::gantry;
@@ -58,6 +68,27 @@ DockConfig default_dock(int agv_count) {
       {0.0, 24.0, upper, 0.0, 21e3},          {-12.7, 26.6, upper, 0.0, 16e3},
   };
   layout.no_go = {{-34.0, -24.0, 20.0, 34.0, 0.0, 25.0}};  // the ship's deck-house
+  layout.legs = default_loop(layout, agv_count);
+  return config;
+}
+
+DockConfig gantry_dock(int agv_count) {
+  DockConfig config = default_dock(agv_count);
+  config.crane = gantry_crane();
+  config.home = {0.0, 0.0, -8.0, 14.0, 0.0};
+  Layout& layout = config.layout;
+  layout.rows = {10.0, 12.6, 15.2, 17.8};
+  layout.ship.y_min = 6.0;
+  layout.ship.y_max = 22.0;
+  const double upper = layout.deck + container_height;
+  layout.containers = {
+      {0.0, 10.0, layout.deck, 0.0, 24e3},  {0.0, 12.6, layout.deck, 0.0, 20e3},  {0.0, 15.2, layout.deck, 0.0, 26e3},
+      {0.0, 17.8, layout.deck, 0.0, 22e3},  {12.7, 10.0, layout.deck, 0.0, 18e3}, {-12.7, 12.6, layout.deck, 0.0, 25e3},
+      {0.0, 12.6, upper, 0.0, 21e3},        {0.0, 15.2, upper, 0.0, 16e3},
+  };
+  layout.no_go = {{-34.0, -24.0, 6.0, 20.0, 0.0, 25.0}};
+  layout.spot = {0.0, -8.0, 0.0};
+  layout.warehouse = {-12.0, -32.0, std::numbers::pi};
   layout.legs = default_loop(layout, agv_count);
   return config;
 }

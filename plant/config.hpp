@@ -71,6 +71,18 @@ struct CraneParameters {
 // A ship-to-shore gantry with the figures of plant-and-bus.md 1.4: trolley 150 m/min, outreach 38.5 m, backreach 15 m, lift 31 m above the rail.
 CraneParameters gantry_crane();
 
+struct JointName {
+  const char* name;
+  const char* unit;
+};
+
+// What signals and reports call the joints of a machine.
+std::array<JointName, joint_count> joint_names(Machine);
+
+// The joint behind each of the five channels of drives and encoders on the bus. In order on the slewing crane; on a gantry the travel is behind channel 1,
+// where slewing would be (either moves the load tangentially), and nothing that moves is behind channel 0.
+std::array<int, joint_count> drive_channels(Machine);
+
 // The payload near contact (level L2) and the landing.
 struct LandingParameters {
   double fall_stiffness = 5e7;    // N: stiffness of one of the four falls is this / its length
@@ -231,6 +243,9 @@ struct DockConfig {
 
 // The dock of docs/plant.md: eight containers in two rows and two tiers, a one-way loop of lane, n AGVs queueing at the spot.
 DockConfig default_dock(int agv_count = 1);
+
+// The same with a ship-to-shore gantry: the ship alongside, four rows of one bay and of its neighbours, the spot between the gantry's rails.
+DockConfig gantry_dock(int agv_count = 1);
 
 // The lanes of that dock for another spot and warehouse (24 m apart across the quay).
 std::array<std::vector<LaneSegment>, 3> default_loop(const Layout&, int agvs);

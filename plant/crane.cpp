@@ -333,7 +333,7 @@ double Crane::tension(const CraneVector& q, const CraneVector& qd, const CraneVe
 namespace {
 
 CraneVector within_limits(const CraneParameters& p, const CraneVector& q) {
-  static constexpr std::array names{"gantry", "slew", "luff", "hoist", "rotator"};
+  const std::array names{"gantry", "slew", is_gantry(p) ? "trolley" : "luff", "hoist", "rotator"};
   for (std::size_t j = 0; j < joint_count; ++j) {
     const double value = q[static_cast<std::size_t>(joint_coordinate[j])];
     if (!(value >= p.lower[j] && value <= p.upper[j]))

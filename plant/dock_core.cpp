@@ -16,6 +16,8 @@ constexpr std::int64_t clearance_latches = 8;  // how often the payload looks fo
 
 std::size_t coordinate_of(std::size_t joint) { return static_cast<std::size_t>(joint_coordinate[joint]); }
 
+constexpr std::uint32_t slew_bit = 1U << static_cast<unsigned>(Joint::slew);
+
 bool bit(std::uint32_t mask, std::size_t i) { return (mask >> i & 1U) != 0; }
 
 }  // namespace
@@ -112,7 +114,7 @@ void DockCore::take_codes() {
   state.code = state.shadow;
   watch_updates();
   std::uint32_t enable = state.faulted ? 0U : state.shadow_enable & ~state.stopped & ~state.failed_drives;
-  if (config.crane.machine == Machine::gantry) enable &= ~(1U << static_cast<unsigned>(Joint::slew));  // it does not slew
+  if (config.crane.machine == Machine::gantry) enable &= ~slew_bit;  // it does not slew
   for (std::size_t j = 0; j < joint_count; ++j) {
     const bool on = bit(enable, j);
     if (on && !bit(state.enabled, j)) {
@@ -145,8 +147,10 @@ void DockCore::watch_updates() {
 void DockCore::apply_brakes() {
   CraneVector holding{};
   bool asked = false;
+  // A gantry's psi is held by its build, not by a brake that could slip.
+  const std::uint32_t unbraked = config.crane.machine == Machine::gantry ? state.enabled | slew_bit : state.enabled;
   for (std::size_t j = 0; j < joint_count; ++j) {
-    if (bit(state.enabled, j)) continue;
+    if (bit(unbraked, j)) continue;
     const std::size_t k = coordinate_of(j);
     const DriveParameters& drive = config.crane.drives[j];
     if (!bit(state.inputs.locked, k)) {

@@ -186,6 +186,7 @@ kernel_inverse_crane:
         stf     r0, @IK_SWAY + 2
         stf     r8, @IK_SWAY + 3
 
+inverse_crane_write:
         ldi     @TASK + TB_ARGUMENT, r2
         and     3, r2
         ldi     r2, ar1

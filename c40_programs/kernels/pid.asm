@@ -98,6 +98,7 @@ pid_build:
         absf    @PD_FEED + 2, r0        ; what holds the jib: thousands of N m once computed (and a word of 0 is 1.0)
         cmpf    2.0, r0
         ble     pid_finish
+pid_enable:
         ldhi    hi16(WINDOW_B), ar0
         ldi     1Fh, r0
         sti     r0, *+ar0(DRIVE_ENABLE)

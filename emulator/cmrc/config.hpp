@@ -25,6 +25,8 @@ enum class IdlePolicy { doorbell, pause, spin };
 enum class DspClock { c40_40, c40_50, c40_60 };
 enum class Learning { off, proportional, unit };
 enum class CraneModel { sway, rigid };
+/// In the order of plant::Machine.
+enum class CraneMachine { slewing, gantry };
 enum class ServoReload { locked, inherited };
 enum class WorkMode { full_load, slowed_agv, slowed_crane };
 enum class TimeAfterDelay { elapsed, one };
@@ -146,6 +148,7 @@ struct Config {
   struct Dock {
     std::int64_t agvs = 1;
     std::int64_t containers = 8;
+    CraneMachine crane = CraneMachine::slewing;
     CraneModel crane_model = CraneModel::sway;
     double container_mass_kg = 24000;
     double agv_speed_m_s = 6.0;

@@ -248,8 +248,11 @@ std::vector<Key> make_keys() {
 
       integer("dock.agvs", FIELD(dock.agvs), "", 1, 8, "number of AGVs", "ruling 11"),
       integer("dock.containers", FIELD(dock.containers), "", 1, 60, "containers on the ship; more than the eight of the default layout need a layout of their own", "paper 3"),
+      choice("dock.crane", FIELD(dock.crane), {"slewing", "gantry"},
+             "the hoisting machine: slewing, luffing jib crane, or ship-to-shore gantry with a layout and DSP programs of its own (docs/plant.md)",
+             "plant-and-bus.md 1.1"),
       choice("dock.crane_model", FIELD(dock.crane_model), {"sway", "rigid"},
-             "the load swings on its rope (L1), or hangs plumb below the jib's tip (L0)", "plant-and-bus.md 1.3"),
+             "the load swings on its rope (L1), or hangs plumb below the jib's tip or the trolley (L0)", "plant-and-bus.md 1.3"),
       number("dock.container_mass_kg", FIELD(dock.container_mass_kg), "kg", 1000, 40000, "gross mass of a container",
              "plant-and-bus.md 1.4"),
       number("dock.agv_speed_m_s", FIELD(dock.agv_speed_m_s), "m/s", 0.5, 6, "upper bound of an AGV's speed on its lanes",

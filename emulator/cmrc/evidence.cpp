@@ -94,11 +94,15 @@ double distance(const plant::LaneSegment& lane, double x, double y) {
 }
 
 void add_plant(const Evidence& e, report::RunReport& report) {
-  static constexpr std::pair<const char*, const char*> joints[] = {{"s", "m"}, {"psi", "rad"}, {"phi", "rad"}, {"l", "m"}, {"kappa", "rad"}};
-  for (std::size_t j = 0; j < 5; ++j) {
-    const TrackingSum& sum = e.observer.tracking()[j];
+  const plant::Machine machine = e.layout.crane.machine;
+  const auto names = plant::joint_names(machine);
+  const auto channels = plant::drive_channels(machine);
+  for (std::size_t channel = 0; channel < channels.size(); ++channel) {
+    const auto joint = static_cast<std::size_t>(channels[channel]);
+    if (machine == plant::Machine::gantry && joint == static_cast<std::size_t>(plant::Joint::slew)) continue;
+    const TrackingSum& sum = e.observer.tracking()[channel];
     const double rms = sum.count == 0 ? 0 : std::sqrt(sum.squares / static_cast<double>(sum.count));
-    report.tracking.push_back({joints[j].first, joints[j].second, rms, sum.peak});
+    report.tracking.push_back({names[joint].name, names[joint].unit, rms, sum.peak});
   }
   double squares[2] = {0, 0}, peaks[2] = {0, 0};
   for (const plant::Signal& row : e.dock.signals()) {

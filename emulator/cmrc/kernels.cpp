@@ -9,7 +9,18 @@ toolchain::Word& word_at(toolchain::Image& image, toolchain::Address address) {
   for (auto& section : image.sections) {
     if (address >= section.address && address - section.address < section.words.size()) return section.words[address - section.address];
   }
-  throw ConfigError("machine.programs: exec_kernels lies in no loaded section; the table of dsp.asm's executive is expected");
+  throw ConfigError(fmt::format("machine.programs: {:08X}h lies in no loaded section; the tables of dsp.asm are expected there", address));
+}
+
+/// Puts the words of the list at `label` (place on chip, number of words, words; a place of 0 ends it) into the image's constants.
+void place_constants(toolchain::Image& image, std::string_view label) {
+  const toolchain::Word lift = image.symbol("LIFT");
+  for (toolchain::Address at = image.symbol(label); word_at(image, at) != 0;) {
+    const toolchain::Address place = word_at(image, at) + lift;
+    const toolchain::Word count = word_at(image, at + 1);
+    at += 2;
+    for (toolchain::Word i = 0; i < count; ++i) word_at(image, place + i) = word_at(image, at++);
+  }
 }
 
 }  // namespace
@@ -29,10 +40,19 @@ void place_kernels(toolchain::Image& image, const Config& config) {
   const auto choose = [&](std::string_view kind, std::string_view label, std::string_view key) {
     place_kernel(image, image.symbol(kind), label, key);
   };
-  if (config.kernels.torque == TorqueBuild::newton_euler) choose("KIND_TORQUE", "kernel_torque_newton_euler", "kernels.torque");
-  if (config.kernels.pid == PidBuild::measurement_derivative) choose("KIND_PID", "kernel_pid_document", "kernels.pid");
-  if (config.kernels.trajectory == TrajectoryBuild::quintic_shaper) {
-    choose("KIND_TRAJECTORY_CRANE", "kernel_trajectory_crane_shaper", "kernels.trajectory");
+  const bool newton_euler = config.kernels.torque == TorqueBuild::newton_euler;
+  const bool document = config.kernels.pid == PidBuild::measurement_derivative;
+  const bool shaper = config.kernels.trajectory == TrajectoryBuild::quintic_shaper;
+  if (newton_euler) choose("KIND_TORQUE", "kernel_torque_newton_euler", "kernels.torque");
+  if (document) choose("KIND_PID", "kernel_pid_document", "kernels.pid");
+  if (shaper) choose("KIND_TRAJECTORY_CRANE", "kernel_trajectory_crane_shaper", "kernels.trajectory");
+  if (config.dock.crane == CraneMachine::gantry) {
+    constexpr std::string_view key = "dock.crane";
+    choose("KIND_TRAJECTORY_CRANE", shaper ? "kernel_trajectory_gantry_shaper" : "kernel_trajectory_gantry", key);
+    choose("KIND_INVERSE_CRANE", "kernel_inverse_gantry", key);
+    if (!newton_euler) choose("KIND_TORQUE", "kernel_torque_gantry", key);  // that build goes by its table
+    choose("KIND_PID", document ? "kernel_pid_gantry_document" : "kernel_pid_gantry", key);
+    place_constants(image, "gantry_constants");
   }
   switch (config.kernels.avoidance) {
     case AvoidanceBuild::none:

@@ -38,7 +38,9 @@ void RunObserver::attach(plant::Dock& dock) {
 
 // A box of twelve metres turns about its middle.
 void RunObserver::weigh_errors(const plant::CraneParameters& crane) {
-  const double levers[] = {1, crane.a0 + crane.jib, crane.jib, 1, 0.5 * plant::container_length};
+  const double box = 0.5 * plant::container_length;
+  const bool gantry = crane.machine == plant::Machine::gantry;  // by channel: the first is spare
+  const std::array<double, 5> levers = gantry ? std::array{0.0, 1.0, 1.0, 1.0, box} : std::array{1.0, crane.a0 + crane.jib, crane.jib, 1.0, box};
   for (std::size_t j = 0; j < tracking_.size(); ++j) tracking_[j].lever = levers[j];
 }
 

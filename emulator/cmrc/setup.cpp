@@ -44,7 +44,8 @@ void read_layout(plant::DockConfig& dock, const std::string& path) try {
 }  // namespace
 
 plant::DockConfig dock_of(const Config& config) {
-  plant::DockConfig dock = plant::default_dock(static_cast<int>(config.dock.agvs));
+  const int agvs = static_cast<int>(config.dock.agvs);
+  plant::DockConfig dock = config.dock.crane == CraneMachine::gantry ? plant::gantry_dock(agvs) : plant::default_dock(agvs);
   dock.agv.protective_field = config.dock.protective_field;
   if (!config.dock.layout.empty()) read_layout(dock, config.dock.layout);
   dock.layout.containers.resize(std::min<std::size_t>(dock.layout.containers.size(), static_cast<std::size_t>(config.dock.containers)));
@@ -226,10 +227,11 @@ std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfi
   for (Word i = 0; i < 4; ++i) put_float(w.cr_home + i, home[i]);
   const double spot[] = {layout.layout.spot.x, layout.layout.spot.y, layout.layout.spot.heading};
   for (Word i = 0; i < 3; ++i) put_float(w.cr_spot + i, spot[i]);
-  for (int j = 0; j < plant::joint_count; ++j) {
-    const auto joint = static_cast<Word>(j);
-    put(w.cr_encoder_last + joint, dock.encoder(j, plant::Time{}));
-    put(w.cr_encoder_total + joint, static_cast<Word>(dock.encoder_total(j, plant::Time{})));
+  Word channel = 0;
+  for (const int joint : plant::drive_channels(layout.crane.machine)) {
+    put(w.cr_encoder_last + channel, dock.encoder(joint, plant::Time{}));
+    put(w.cr_encoder_total + channel, static_cast<Word>(dock.encoder_total(joint, plant::Time{})));
+    ++channel;
   }
   for (std::size_t i = 0; i < config.tasks.size(); ++i) {
     const auto& parameters = config.tasks[i].parameters;

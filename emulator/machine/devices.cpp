@@ -10,8 +10,6 @@ namespace machine {
 
 namespace {
 
-constexpr unsigned joints = 5;
-
 // Signed 12 bits in the low bits of a word, as the drive's converter takes them.
 constexpr int torque_code(Word value) { return static_cast<int>(static_cast<std::int32_t>(value << 20) >> 20); }
 
@@ -20,11 +18,11 @@ constexpr Word word(std::int32_t value) { return static_cast<Word>(value); }
 }  // namespace
 
 Devices::Devices(const Symbols& symbols, plant::Dock& dock, Clock bus_clock, const Fence& fence)
-    : dock_{dock}, clock_{bus_clock}, fence_{fence} {
+    : dock_{dock}, clock_{bus_clock}, fence_{fence}, channels_{plant::drive_channels(dock.config().crane.machine)} {
   const Symbols& s = symbols;
-  for (unsigned joint = 0; joint < joints; ++joint) {
-    define(s.drive_torque + joint, Kind::drive_torque, joint);
-    define(s.encoder + joint, Kind::encoder, joint);
+  for (unsigned channel = 0; channel < channels_.size(); ++channel) {
+    define(s.drive_torque + channel, Kind::drive_torque, static_cast<unsigned>(channels_[channel]));
+    define(s.encoder + channel, Kind::encoder, static_cast<unsigned>(channels_[channel]));
   }
   define(s.drive_enable, Kind::drive_enable);
   define(s.sway_alpha, Kind::sway, 0);
@@ -113,7 +111,7 @@ void Devices::write(pci::Address offset, Word value, const pci::Access& access) 
   const auto number = static_cast<std::int32_t>(value);
   switch (r.kind) {
     case Kind::drive_torque: return dock_.set_torque_code(index, torque_code(value), t);
-    case Kind::drive_enable: return dock_.enable_drives(value, t);
+    case Kind::drive_enable: return dock_.enable_drives(joints_enabled(value), t);
     case Kind::spreader_command: return dock_.spreader_command(value, t);
     case Kind::scan_row: return dock_.select_row(number, t);
     case Kind::agv_period: return dock_.agv_period(index, value, t);
@@ -123,6 +121,12 @@ void Devices::write(pci::Address offset, Word value, const pci::Access& access) 
       return dock_.agv_push(index, commands_[r.index].speed, commands_[r.index].front, number, t);
     default: throw std::logic_error{"Devices::write of a register that answer() refuses"};
   }
+}
+
+std::uint32_t Devices::joints_enabled(Word channels) const {
+  std::uint32_t joints = 0;
+  for (std::size_t channel = 0; channel < channels_.size(); ++channel) joints |= (channels >> channel & 1U) << channels_[channel];
+  return joints;
 }
 
 DeviceGroup Devices::Register::group() const {

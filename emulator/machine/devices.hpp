@@ -86,9 +86,12 @@ class Devices final : public pci::Target {
 
   void define(Offset offset, Kind kind, unsigned index = 0, unsigned ray = 0);
 
+  std::uint32_t joints_enabled(Word channels) const;
+
   plant::Dock& dock_;
   Clock clock_;
   const Fence& fence_;
+  std::array<int, 5> channels_;  // the joint behind each of the drives' and encoders' channels
   std::vector<Register> registers_;
   std::vector<AgvCommand> commands_;
 };

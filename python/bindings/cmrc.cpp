@@ -345,13 +345,13 @@ py::dict signals_of(const plant::Dock& dock) {
     all[py::str(name)] = array;
   };
   column("time_s", [](const plant::Signal& s) { return static_cast<double>(s.time.count()) * 1e-12; });
-  static constexpr const char* names[] = {"s", "psi", "phi", "l", "kappa"};
-  static constexpr const char* units[] = {"m", "rad", "rad", "m", "rad"};
-  for (std::size_t j = 0; j < 5; ++j) {
-    column(fmt::format("{}_{}", names[j], units[j]), [j](const plant::Signal& s) { return s.q[j]; });
-    column(fmt::format("{}_rate_{}_per_s", names[j], units[j]), [j](const plant::Signal& s) { return s.qd[j]; });
-    column(fmt::format("{}_torque_Nm", names[j]), [j](const plant::Signal& s) { return s.torque[j]; });
-    column(fmt::format("{}_code", names[j]), [j](const plant::Signal& s) { return s.code[j]; });
+  const auto joints = plant::joint_names(dock.config().crane.machine);
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const auto [name, unit] = joints[j];
+    column(fmt::format("{}_{}", name, unit), [j](const plant::Signal& s) { return s.q[j]; });
+    column(fmt::format("{}_rate_{}_per_s", name, unit), [j](const plant::Signal& s) { return s.qd[j]; });
+    column(fmt::format("{}_torque_Nm", name), [j](const plant::Signal& s) { return s.torque[j]; });
+    column(fmt::format("{}_code", name), [j](const plant::Signal& s) { return s.code[j]; });
   }
   column("sway_alpha_rad", [](const plant::Signal& s) { return s.alpha; });
   column("sway_beta_rad", [](const plant::Signal& s) { return s.beta; });

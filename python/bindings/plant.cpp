@@ -214,6 +214,8 @@ void bind_config(py::module_& m) {
       FIELD(DockConfig, layout) FIELD(DockConfig, agv_count) FIELD(DockConfig, home) FIELD(DockConfig, tolerance)
       FIELD(DockConfig, signal_decimation) FIELD(DockConfig, method) FIELD(DockConfig, rigid) FIELD(DockConfig, collisions) FIELD(DockConfig, rated_load) FIELD(DockConfig, drive_timeout);
   m.def("default_dock", &default_dock, py::arg("agv_count") = 1);
+  m.def("gantry_dock", &gantry_dock, py::arg("agv_count") = 1);
+  m.def("drive_channels", &drive_channels, py::arg("machine"), "the joint behind each drive channel of the bus");
   py::register_exception<LayoutError>(m, "LayoutError", PyExc_ValueError);
   m.def("apply_layout", &apply_layout, py::arg("config"), py::arg("text"), py::arg("name") = "layout");
   m.def("load_layout", &load_layout, py::arg("config"), py::arg("path"));

@@ -83,7 +83,7 @@ def test_the_gantry_from_python():
     assert crane.energy() - before == pytest.approx(w.motors - w.gears - w.friction - w.damping + w.external - w.impacts, abs=1.0)
     with pytest.raises(ValueError, match="machine"):
         public.Crane(machine="tower")
-    with pytest.raises(ValueError, match="luff"):
+    with pytest.raises(ValueError, match="trolley"):
         public.Crane(machine="gantry", home=(0, 0, 60, 14, 0))
 
 
