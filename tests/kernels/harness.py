@@ -38,6 +38,15 @@ def from_ti(word: int) -> float:
     return float(_core.c40.float40.value(_core.c40.float40.from_single(word)))
 
 
+def gantry_constants(chip: Any, symbols: dict[str, int]) -> None:
+    """Puts the list in the image over the constants on chip, as the configuration does (dock.crane = "gantry")."""
+    at = symbols["gantry_constants"]
+    while place := chip.peek(at):
+        count = chip.peek(at + 1)
+        chip.load_words(place, chip.read(at + 2, count))
+        at += 2 + count
+
+
 def signed(word: int) -> int:
     return word - (1 << 32) if word & 0x80000000 else word
 

@@ -15,11 +15,17 @@ REFRESH, POINT_TICKS, SERVO_TICKS = 8000, 64, 16  # a servo at 500 Hz halves the
 
 
 class Crane:
-    """Host rules, sensors and latches, reduced to one DSP that is never late."""
+    """Host rules, sensors and latches, reduced to one DSP that is never late. Channels are the order of encoders and drives on the bus."""
+
+    kernels = ("trajectory_crane", "inverse_crane", "torque", "pid")
+    channels = (0, 1, 2, 3, 4)
+    scales, u_max = ref.COUNTS, ref.U_MAX  # by channel
+    parameters = staticmethod(_core.plant.CraneParameters)
+    processor = Dsp
 
     def __init__(self, home: list[float], payload: float) -> None:
         plant = _core.plant
-        parameters = plant.CraneParameters()
+        parameters = self.parameters()
         self.equations, self.motion = plant.Crane(parameters), plant.CraneMotion(parameters)
         self.state, self.inputs = plant.CraneState(), plant.CraneInputs()
         q = plant.inverse_kinematics(parameters, plant.CranePose(0, *home))
@@ -28,7 +34,7 @@ class Crane:
         self.noise = random.Random(1)
         self.sway = [0, 0]
         self.tick, self.planned, self.result, self.leg_ended = 0, 0, 0, True
-        dsp = self.dsp = Dsp()
+        dsp = self.dsp = self.processor()
         dsp.put("CR_POINT_PERIOD", POINT_TICKS / REFRESH)
         dsp.put("CR_SERVO_PERIOD", SERVO_TICKS / REFRESH)
         dsp.put("CR_POINT_TICKS", POINT_TICKS)
@@ -42,7 +48,7 @@ class Crane:
 
     def counts(self) -> list[int]:
         joints = [*self.state.q[:4], self.state.q[6]]
-        return [math.floor(x * c) for x, c in zip(joints, ref.COUNTS, strict=True)]
+        return [math.floor(joints[j] * c) for j, c in zip(self.channels, self.scales, strict=True)]
 
     def go(self, vias: list[list[float]]) -> None:
         self.dsp.put("CR_LEG", 1)
@@ -58,8 +64,8 @@ class Crane:
     def step(self) -> None:
         dsp = self.dsp
         if not self.leg_ended and self.planned - (self.result & 0xFFFF) < 2:
-            self.leg_ended = bool(dsp.run("trajectory_crane", self.planned)[0])
-            dsp.run("inverse_crane", self.planned)
+            self.leg_ended = bool(dsp.run(self.kernels[0], self.planned)[0])
+            dsp.run(self.kernels[1], self.planned)
             self.planned += 1
         for j, c in enumerate(self.counts()):
             dsp.device("ENCODER", c & 0xFFFFFF, offset=j)
@@ -68,10 +74,11 @@ class Crane:
             self.sway = [math.floor((self.state.q[4 + i] + self.noise.gauss(0, math.radians(0.02))) / lsb) for i in range(2)]
         for i in range(2):
             dsp.device("SWAY_ALPHA", self.sway[i], offset=i)
-        dsp.run("torque", tick=self.tick)
-        self.result = dsp.run("pid", tick=self.tick)[0]
+        dsp.run(self.kernels[2], tick=self.tick)
+        self.result = dsp.run(self.kernels[3], tick=self.tick)[0]
         self.inputs.braked = [dsp.device_word("DRIVE_ENABLE") != 0x1F] * 5
-        self.inputs.command = [dsp.device_word("DRIVE_TORQUE", offset=j) / 2047 * u for j, u in enumerate(ref.U_MAX)]
+        torques = [dsp.device_word("DRIVE_TORQUE", offset=j) / 2047 * u for j, u in enumerate(self.u_max)]
+        self.inputs.command = [torques[self.channels.index(j)] for j in range(5)]
         self.motion.advance(self.state, self.inputs, SERVO_TICKS / REFRESH)
         self.tick += SERVO_TICKS
 

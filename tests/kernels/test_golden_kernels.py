@@ -8,6 +8,7 @@ from collections.abc import Callable
 import pytest
 from avoidance_loop import show
 from cmrc import _core
+from harness import gantry_constants
 from harness_agv import Dsp
 from lanes import loop
 from range_scene import Disc, Scene
@@ -55,6 +56,29 @@ def crane_moving() -> Dsp:
         dsp.run("torque", tick=TICK + 8 * k)
         dsp.run("pid", tick=TICK + 8 * k)
     dsp.run("trajectory_crane", argument=3)
+    return dsp
+
+
+def gantry() -> Dsp:
+    """A ship-to-shore gantry at home, with a route out over the water and 2 m along the quay."""
+    dsp = crane()
+    gantry_constants(dsp.chip, dsp.symbols)
+    for i, value in enumerate((0.0, -8.0, 14.0, 0.0)):
+        dsp.put("CR_HOME", value, i)
+    for i, value in enumerate((0.0, -8.0, 16.0, 0.0, 2.0, 10.0, 9.0, 0.0)):
+        dsp.put("CR_ROUTE", value, i)
+    return dsp
+
+
+def gantry_moving() -> Dsp:
+    """The same after three points and three servo ticks."""
+    dsp = gantry()
+    for k in range(3):
+        dsp.run("trajectory_gantry", argument=k)
+        dsp.run("inverse_gantry", argument=k)
+        dsp.run("torque_gantry", tick=TICK + 8 * k)
+        dsp.run("pid_gantry", tick=TICK + 8 * k)
+    dsp.run("trajectory_gantry", argument=3)
     return dsp
 
 
@@ -108,6 +132,10 @@ CASES: list[tuple[str, Callable[[], Dsp], int, int]] = [
     ("torque", crane_moving, 0, TICK + 24),
     ("torque_newton_euler", crane_moving, 0, TICK + 24),
     ("pid", crane_moving, 0, TICK + 24),
+    ("trajectory_gantry", gantry, 0, 0),
+    ("inverse_gantry", gantry_moving, 3, 0),
+    ("torque_gantry", gantry_moving, 0, TICK + 24),
+    ("pid_gantry", gantry_moving, 0, TICK + 24),
     ("identify", ship, 0, 0),
     ("grab_path", crane, 0, 0),
     ("home_crane", crane, 0, 0),

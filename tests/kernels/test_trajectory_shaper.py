@@ -88,8 +88,7 @@ class ShapedCrane(Crane):
 
     def __init__(self, home: list[float], payload: float, kernel: str) -> None:
         super().__init__(home, payload)
-        run = self.dsp.run
-        self.dsp.run = lambda name, *a, **k: run(kernel if name == "trajectory_crane" else name, *a, **k)  # type: ignore[method-assign]
+        self.kernels = (kernel, *self.kernels[1:])
 
 
 def travel(kernel: str) -> tuple[float, float, float]:

@@ -100,4 +100,4 @@ def test_no_program_is_left_out() -> None:
     assert set(KERNELS) == kernels - ALIASES
 
 
-ALIASES = {"pid_document"}
+ALIASES = {"pid_document", "pid_gantry_document", "trajectory_gantry_shaper"}
