@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-JOINTS = {"s": "gantry, m", "psi": "slew, rad", "phi": "luff, rad", "l": "rope, m", "kappa": "rotator, rad"}
+JOINTS = {"s_m": "gantry, m", "psi_rad": "slew, rad", "phi_rad": "luff, rad", "trolley_m": "trolley, m", "l_m": "rope, m", "kappa_rad": "rotator, rad"}
 
 
 def plan(recording: Recording, axes: Axes) -> None:
@@ -51,11 +51,11 @@ def plan(recording: Recording, axes: Axes) -> None:
 
 
 def side(recording: Recording, axes: Axes) -> None:
-    """Across the quay: the paths of jib tip and load over y and z."""
+    """Across the quay: the paths of the jib's tip or the trolley and of the load over y and z."""
     signals, layout = recording["signals"], recording["layout"]
     ship = layout["ship"]
     axes.fill([ship[2], ship[3], ship[3], ship[2]], [0, 0, ship[5], ship[5]], color="0.85")
-    axes.plot(signals["tip_y_m"], signals["tip_z_m"], "0.5", lw=1, label="jib tip")
+    axes.plot(signals["tip_y_m"], signals["tip_z_m"], "0.5", lw=1, label="trolley" if "trolley_m" in signals else "jib tip")
     axes.plot(signals["payload_y_m"], signals["payload_z_m"], "tab:blue", lw=1, label="load")
     for every in range(0, len(signals["time_s"]), max(1, len(signals["time_s"]) // 12)):
         axes.plot([signals[f"{p}_y_m"][every] for p in ("tip", "payload")], [signals[f"{p}_z_m"][every] for p in ("tip", "payload")], "k", lw=0.4)
@@ -64,10 +64,12 @@ def side(recording: Recording, axes: Axes) -> None:
 
 
 def joints(recording: Recording, axes: Axes) -> None:
-    """The five joints over time, each scaled to its own range."""
+    """The joints over time, each scaled to its own range."""
     signals = recording["signals"]
     for name, label in JOINTS.items():
-        values = np.array(signals[f"{name}_rad" if f"{name}_rad" in signals else f"{name}_m"])
+        if name not in signals or (name == "psi_rad" and "trolley_m" in signals):
+            continue  # the other machine's, or a gantry's slewing, which does not move
+        values = np.array(signals[name])
         span = float(np.ptp(values))
         axes.plot(signals["time_s"], (values - values.min()) / (span or 1.0), lw=1, label=f"{label}: {values.min():.2f} to {values.max():.2f}")
     axes.set(xlabel="time, s", ylabel="share of range", title="joints")

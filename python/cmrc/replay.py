@@ -115,7 +115,8 @@ def _per_slice(counts: list[dict[str, tuple[int, int]]]) -> dict[str, list[tuple
 
 
 def _dock(settings: Mapping[str, Any]) -> Any:
-    config = _core.plant.default_dock(int(settings["dock.agvs"]))
+    dock = _core.plant.gantry_dock if settings["dock.crane"] == "gantry" else _core.plant.default_dock
+    config = dock(int(settings["dock.agvs"]))
     if settings["dock.layout"]:
         _core.plant.load_layout(config, settings["dock.layout"])
     return config
@@ -135,7 +136,10 @@ def _layout(settings: Mapping[str, Any]) -> dict[str, Any]:
         "boxes": [box(b) for b in layout.no_go],
         "movers": [[m.radius, m.height] for m in layout.movers],
         "lanes": [[s.x, s.y, s.heading, s.length, s.curvature] for leg in layout.legs for s in leg],
-        "crane": {"a0": crane.a0, "pivot": crane.pivot_height, "cw": crane.counterweight_radius},
+        "crane": {
+            "machine": crane.machine.name, "a0": crane.a0, "pivot": crane.pivot_height, "cw": crane.counterweight_radius,
+            "reach": [crane.lower[2], crane.upper[2]],
+        },
         "agv": {"count": config.agv_count, "length": agv.length, "width": agv.width, "deck": agv.deck_height},
         "spot": [layout.spot.x, layout.spot.y],
         "warehouse": [layout.warehouse.x, layout.warehouse.y],
