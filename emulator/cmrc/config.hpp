@@ -157,6 +157,7 @@ struct Config {
     double ramp_speed_m_s = 0.25;
     double drive_timeout_ms = 100;
     double settle_limit_s = 20;
+    std::int64_t landing_retries_max = 3;
     plant::Method integrator = plant::Method::erk;
     bool stiction = false;
     bool strict_landing = false;

@@ -267,6 +267,8 @@ std::vector<Key> make_keys() {
              "a crane drive that gets no torque code for so long brakes; 0: never", "assumed"),
       number("dock.settle_limit_s", FIELD(dock.settle_limit_s), "s", 0.1, 600,
              "the crane goes on after waiting so long for its load to come to rest", "assumed"),
+      integer("dock.landing_retries_max", FIELD(dock.landing_retries_max), "", 0, 100,
+              "a load that has not landed is lifted, aligned and lowered again at most so many times; then the crane stops", "plant-and-bus.md 1.5"),
       choice("dock.integrator", FIELD(dock.integrator), {"erk", "adams", "bdf"},
              "what integrates the crane: ARKODE's explicit Runge-Kutta, CVODES' Adams or BDF", "plant-and-bus.md 1.6"),
       boolean("dock.stiction", FIELD(dock.stiction), "the crane's joints stick and break away; else dry friction is smoothed",

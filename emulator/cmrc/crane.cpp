@@ -32,12 +32,15 @@ void Crane::enter(const Step& step, Desk& desk) {
   switch (step.kind) {
     case Step::Kind::leg: begin_leg(step.leg, desk); break;
     case Step::Kind::settle: since_ = desk.tick() + interval_; break;  // the last segment is still being followed
-    case Step::Kind::lower: ramp_pending_ = true; break;
+    case Step::Kind::lower:
+      ramp_pending_ = true;
+      phase_ = Phase::down;
+      missed_ = probes_ = 0;
+      break;
     case Step::Kind::lock: desk.write(words_.cr_base + words_.cr_spreader, Word{1}); break;
     case Step::Kind::open: desk.write(words_.cr_base + words_.cr_spreader, Word{0}); break;
     case Step::Kind::raise:
       ramp_pending_ = !ramp(-ramp_offset_, desk);
-      probes_ = 0;
       break;
     case Step::Kind::wait_for_agv: desk.crane_asks(); break;
     case Step::Kind::hold: since_ = desk.tick() + ticks(step.seconds); break;
@@ -79,6 +82,7 @@ void Crane::begin_leg(Word leg, Desk& desk) {
     desk.write(words_.cr_base + words_.cr_point_ticks, static_cast<Word>(interval_));
     desk.write(words_.cr_base + words_.cr_stretch, ti_float(n / static_cast<double>(job_.point_interval)));
   }
+  leg_ = leg;
   desk.write(words_.cr_base + words_.cr_leg, leg);
   chain_.begin(chain_.next_point(), interval_, desk.tick());
 }
@@ -106,17 +110,69 @@ bool Crane::ramp(double delta, Desk& desk) {
 bool Crane::ramp_done() const { return !ramp_pending_ && pid_.tick >= ramp_end_ && pid_.ramp_done; }
 
 bool Crane::lowered(Desk& desk) {
+  switch (phase_) {
+    case Phase::down: return down(desk);
+    case Phase::up:
+      if (raised(desk)) aim_again(desk);
+      break;
+    case Phase::identify: load(words_.kind_identify, task::identify, desk); break;
+    case Phase::plan: load(words_.kind_grab_path, task::grab_path, desk); break;
+    case Phase::align:
+      if (!chain_.through(desk.tick())) break;
+      since_ = desk.tick() + interval_;
+      phase_ = Phase::rest;
+      break;
+    case Phase::rest:
+      if (!settled(desk)) break;
+      ramp_pending_ = true;
+      phase_ = Phase::down;
+      break;
+    case Phase::given_up: break;
+  }
+  return false;
+}
+
+bool Crane::down(Desk& desk) {
   if (ramp_pending_) {
     ramp_pending_ = !ramp(probes_ == 0 ? job_.clearance + job_.slack : probe, desk);
     return false;
   }
   if (!ramp_done()) return false;
   if (pid_.landed) return true;
-  if (pid_.tick > ramp_end_ + ticks(probe_after) && probes_ < most_probes) {
-    ++probes_;
-    ramp_pending_ = true;
-  }
+  if (pid_.tick <= ramp_end_ + ticks(probe_after)) return false;
+  ramp_pending_ = true;
+  if (++probes_ > most_probes) landing_missed(desk);
   return false;
+}
+
+void Crane::landing_missed(Desk& desk) {
+  probes_ = 0;
+  phase_ = Phase::up;
+  desk.landing_missed(++missed_ > job_.landing_retries);
+}
+
+// Over the ship the container is looked for again and the way to it planned; over an AGV its pose is measured again. Where the table has led
+// elsewhere the load only comes to rest.
+void Crane::aim_again(Desk& desk) {
+  asked_ = false;
+  since_ = desk.tick() + interval_;
+  if (missed_ > job_.landing_retries) {
+    phase_ = Phase::given_up;
+  } else if (leg_ == 1 && !pid_.locked) {
+    phase_ = Phase::identify;
+  } else if (leg_ == 2 && pid_.locked) {
+    desk.write(words_.cr_base + words_.cr_route_count + 2, Word{1});  // straight there
+    begin_leg(2, desk);
+    phase_ = Phase::align;
+  } else {
+    phase_ = Phase::rest;
+  }
+}
+
+void Crane::load(Word kind, Word x, Desk& desk) {
+  if (asked_) return;
+  asked_ = true;
+  desk.load({.x = x, .kind = kind, .area = words_.cr_base, .tick = static_cast<std::uint32_t>(desk.tick())}, std::nullopt);
 }
 
 bool Crane::raised(Desk& desk) {
@@ -127,15 +183,18 @@ bool Crane::raised(Desk& desk) {
 
 // ---- blocks that have ended --------------------------------------------------------------------------------------------
 
-void Crane::finished(const Task& done, Word result, Word notify) {
+void Crane::finished(const Task& done, Word result, Word notify, Desk& desk) {
   if (done.kind == words_.kind_pid) pid_finished(done, result);
   else if (done.kind == words_.kind_trajectory_crane) chain_.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0);
   else if (done.kind == words_.kind_inverse_crane) chain_.inverse_done();
+  else if (done.kind == words_.kind_identify && phase_ == Phase::identify) asked_ = false, phase_ = (notify & words_.must_process << 2) != 0 ? Phase::plan : Phase::rest;
+  else if (done.kind == words_.kind_grab_path && phase_ == Phase::plan) begin_leg(1, desk), phase_ = Phase::align;
 }
 
 void Crane::dropped(const Task& lost) {
   if (lost.kind == words_.kind_trajectory_crane) chain_.lost_trajectory();
   else if (lost.kind == words_.kind_inverse_crane) chain_.lost_inverse();
+  else asked_ = false;
 }
 
 void Crane::pid_finished(const Task& done, Word result) {

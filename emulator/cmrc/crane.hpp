@@ -24,6 +24,7 @@ struct CraneJob {
   std::int64_t point_interval = 64;    ///< N_t
   std::int64_t slowed_interval = 64;   ///< N^_t at the start
   std::int64_t buffer_points = 2;
+  std::int64_t landing_retries = 3;    ///< a load that has not landed is lifted, aligned and lowered again at most so many times
 };
 
 /// What PID told the host last.
@@ -48,11 +49,13 @@ class Crane {
   /// Goes on with the step that was entered last: true when it is done.
   bool done(const Step& step, Desk& desk, const Berth& berth);
   /// A block of PID or of sub-processes 1 and 2 has ended.
-  void finished(const Task& task, Word result, Word notify);
+  void finished(const Task& task, Word result, Word notify, Desk& desk);
   /// It was dropped after too many recomputations: what it was for is asked for again.
   void dropped(const Task& task);
   /// ... and will not be asked for any more.
   void abandon() { chain_.abandon(); }
+  /// The load has not landed after all retries: it hangs where it was lowered from.
+  bool gave_up() const { return phase_ == Phase::given_up; }
   void refresh(Desk& desk) { chain_.refresh(desk); }
 
   const PidStatus& pid() const { return pid_; }
@@ -67,8 +70,15 @@ class Crane {
   /// Commands a hoist ramp; false while the servo's words cannot be changed.
   bool ramp(double delta, Desk& desk);
   bool ramp_done() const;
-  /// Lowers until the load stands: true when it does and the ramp is over.
+  /// How far a landing is: the ramp down, prolonged while nothing is met; then, when the corner switches have not closed, the ramp up, a new
+  /// look at what it is to land on, the way over it, rest, and down again (plant-and-bus.md 1.5).
+  enum class Phase : std::uint8_t { down, up, identify, plan, align, rest, given_up };
+  /// Goes on with a landing: true when the load stands and the ramp is over.
   bool lowered(Desk& desk);
+  bool down(Desk& desk);
+  void landing_missed(Desk& desk);
+  void aim_again(Desk& desk);
+  void load(Word kind, Word x, Desk& desk);
   bool raised(Desk& desk);
   void set_payload(double mass, Desk& desk);
   std::int64_t ticks(double seconds) const;
@@ -86,6 +96,10 @@ class Crane {
   std::int64_t ramp_end_ = 0;
   int probes_ = 0;                      // how often lowering was prolonged
   bool ramp_pending_ = false;
+  Phase phase_ = Phase::down;
+  std::int64_t missed_ = 0;             // landings in a row
+  Word leg_ = 0;                        // the last one
+  bool asked_ = false;                  // the block of this phase is out
 };
 
 }  // namespace cmrc

@@ -32,6 +32,8 @@ class Cycles {
   void process(unsigned number, bool started, unsigned robot, report::Time now);
   /// The crane holds a container and is ready for an AGV.
   void crane_asks(report::Time now) { asked_ = now; }
+  /// A landing of the present cycle has been missed.
+  void landing_missed() { if (!cycles_.empty()) ++cycles_.back().landings_missed; }
   /// An AGV has come to its slot of the queue or to the loading spot, or drives on from its slot.
   void agv_waits(unsigned agv, bool waits, report::Time now);
   /// N^_a of the way that an AGV begins.

@@ -28,6 +28,8 @@ class Desk {
   virtual void process(unsigned number, bool started, Robot robot) = 0;
   /// The crane holds a container and is ready for an AGV.
   virtual void crane_asks() = 0;
+  /// The corner switches have not all closed: the load is lifted, and lowered again unless this was the last try.
+  virtual void landing_missed(bool last) = 0;
   /// An AGV has come to its slot of the queue or to the loading spot, or drives on from its slot.
   virtual void agv_waits(unsigned agv, bool waits) = 0;
   /// An AGV sets out for the warehouse with this N^_a.

@@ -91,6 +91,7 @@ class Host : public machine::HostProgram, private Desk {
   void write(Word offset, std::span<const Word> words) override;
   bool servo_resting() const override;
   void process(unsigned number, bool started, Robot robot) override;
+  void landing_missed(bool last) override;
   void crane_asks() override { cycles_.crane_asks(now_); }
   void agv_waits(unsigned agv, bool waits) override { cycles_.agv_waits(agv, waits, now_); }
   void agv_sent(unsigned agv, std::int64_t interval) override { cycles_.sent(agv, interval); }

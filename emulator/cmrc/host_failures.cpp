@@ -105,6 +105,14 @@ void Host::stop_work(const Task& task, std::int64_t drops) {
                      fmt::format("a block of kind {} was given up {} times in a row; stopped: {}", ledger_.name(job_kind(task.kind, words_)), drops, what)});
 }
 
+void Host::landing_missed(bool last) {
+  cycles_.landing_missed();
+  listener_.failure({now_, std::nullopt, last ? "stopped" : "landing",
+                     last ? fmt::format("the load has not landed on all four corners in {} tries; stopped: the crane, above where it should land",
+                                        config_.dock.landing_retries_max + 1)
+                          : std::string("the load has not landed on all four corners: it is lifted, aligned and lowered again")});
+}
+
 void Host::give_up(std::size_t index) {
   const Task task = list_[index].task;
   listener_.failure({now_, std::nullopt, "dropped block",

@@ -197,6 +197,7 @@ void Processes::move_crane(Desk& desk) {
   if (run.process != nullptr) {
     const Step& step = run.process->steps[run.step];
     if (step.kind != Step::Kind::task && crane_.done(step, desk, *this)) advance(run, 0, desk);
+    else if (crane_.gave_up()) run.stopped = true;
   }
   if (run.process != nullptr || run.retired) return;
   const Process* next = next_of(Robots::crane, 0);
@@ -265,7 +266,7 @@ Processes::Run& Processes::run_of(const Task& task) {
 
 void Processes::finished(const Task& task, Word result, Word notify, Desk& desk) {
   if (task.process != 0) return advance(run_of(task), notify, desk);
-  if (task.subprocess == 0) return task.robot == 0 ? crane_.finished(task, result, notify) : fleet_.finished(task, result, notify, desk);
+  if (task.subprocess == 0) return task.robot == 0 ? crane_.finished(task, result, notify, desk) : fleet_.finished(task, result, notify, desk);
   for (Interval& interval : intervals_) {
     if (interval.row->number == task.subprocess && interval.robot == task.robot) interval.out = false;
   }

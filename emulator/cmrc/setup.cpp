@@ -79,6 +79,7 @@ CraneJob crane_of(const Config& config, const plant::DockConfig& dock) {
   job.slack = config.dock.ramp_slack_m;
   job.ramp_speed = config.dock.ramp_speed_m_s;
   job.settle_limit = config.dock.settle_limit_s;
+  job.landing_retries = config.dock.landing_retries_max;
   job.empty_mass = dock.crane.spreader_mass;
   job.full_mass = dock.crane.spreader_mass + config.dock.container_mass_kg;
   job.refresh_frequency = config.rates.refresh_frequency_hz;

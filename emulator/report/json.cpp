@@ -156,6 +156,7 @@ Json cycle(const CycleReport& of) {
           {"T_g_s", optional_seconds(of.T_g)},
           {"T_a_s", optional_seconds(of.T_a)},
           {"agv_interval_refreshes", of.agv_interval ? Json(*of.agv_interval) : Json()},
+          {"landings_missed", of.landings_missed},
           {"delivered_s", optional_seconds(of.delivered)}};
 }
 

@@ -94,6 +94,7 @@ struct CycleReport {
   std::optional<Time> T_g;             ///< t3 + t4 + t_v
   std::optional<Time> T_a;             ///< t5 + t6 + t4 + t_w + approach
   std::optional<std::int64_t> agv_interval;  ///< N^_a of its way to the warehouse, refreshes
+  unsigned landings_missed = 0;        ///< of its container: lifted, aligned and lowered again
   std::optional<Time> delivered;       ///< instant of delivery
 };
 

@@ -104,19 +104,23 @@ def test_slowed_agvs_have_a_longer_interval() -> None:
 
 @pytest.mark.campaign
 def test_a_slowed_crane_carries_its_load_the_same_way() -> None:
-    # The load itself, not the jib, which leads it by the acceleration: at 1.5 times the time it is at the same place.
-    ways, points = [], []
-    for mode, factor in (("full_load", 1.0), ("slowed_crane", 1.5)):
-        simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 14.0 * factor, "work_mode": mode}))
+    # The load itself, not the jib, which leads it by the acceleration. Planned is the same way in k times the time; the load leaves it by what the
+    # trajectory neglects (docs/kernels.md, Trajectory), and that is of second order in the accelerations: a quarter at half the speed.
+    halved_rates = {"dsps": 1, "refresh_frequency_hz": 4000, "servo_frequency_hz": 500, "alpha_refreshes": 12, "beta_refreshes": 6}
+    ways, points = {}, []
+    for factor in (1.0, 1.5, 3.0):
+        mode = {} if factor == 1 else {"work_mode": "slowed_crane", "slow_factor": factor}
+        simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 14.0 * factor, **halved_rates, **mode}))
         simulation.run()
         signals = simulation.signals()
         points.append(json.loads(simulation.report_json())["tasks"]["inverse_kinematics.crane"]["released"])
-        times = [factor * second for second in range(1, 14)]
-        ways.append([[float(np.interp(at, signals["time_s"], signals[f"payload_{axis}_m"])) for at in times] for axis in "xyz"])
-    assert abs(points[0] - points[1]) <= 1
-    for full, slowed in zip(*ways, strict=True):
-        assert slowed == pytest.approx(full, abs=0.06)  # of 10 m, at up to 1 m/s
-    assert max(ways[0][1]) - min(ways[0][1]) > 2
+        times = [factor * second for second in np.arange(1.0, 13.5, 0.5)]
+        ways[factor] = np.array([np.interp(times, signals["time_s"], signals[f"payload_{axis}_m"]) for axis in "xyz"])
+    assert max(points) - min(points) <= 3
+    off = {factor: float(np.abs(ways[factor] - ways[3.0]).max()) for factor in (1.0, 1.5)}
+    assert off[1.0] < 0.05  # of 12 m, at up to 1 m/s
+    assert off[1.5] < off[1.0] / 2
+    assert np.ptp(ways[1.0][1]) > 2
 
 
 def test_t_grows_by_one_or_by_what_has_elapsed() -> None:
