@@ -21,8 +21,11 @@ using c40::Word;
 namespace {
 constexpr Cycles no_cycle = std::numeric_limits<Cycles>::max();
 
-/// A peripheral of its own could interrupt it.
-bool enables_interrupts(const Chip& chip) { return chip.register_value(isa::Register::IIE) != 0; }
+/// A timer of its own could interrupt it: a DMA channel that ends, or a port, is not among what it asks.
+bool awaits_timer(const Chip& chip) {
+  constexpr Word timer_bits = 0x80000001u;  // of IIE
+  return (chip.register_value(isa::Register::IIE) & timer_bits) != 0 && chip.next_event() != no_cycle;
+}
 
 bool is_sigi(Word word) {
   const isa::Decoded decoded = isa::decode(word);
@@ -192,7 +195,7 @@ void Network::stopped(Node& node, const StopInfo& stop) {
   }
   if (!node.chip.idle() || node.chip.dma_busy() || node.status != ChipStatus::running) return;
   if (node.chip.watches_ports() || node.chip.dma_active()) node.status = ChipStatus::sleeping;
-  else if (node.chip.dormant() || !enables_interrupts(node.chip)) node.status = ChipStatus::idle;
+  else if (!awaits_timer(node.chip)) node.status = ChipStatus::idle;
 }
 
 void Network::at_breakpoint(Node& node) {
@@ -202,9 +205,9 @@ void Network::at_breakpoint(Node& node) {
     return;
   }
   if (program_end(node.chip.peek(pc), pc) == ProgramEnd::halt && !node.chip.dma_busy()) {
-    const bool interrupts = (node.chip.register_value(isa::Register::ST) & c40::st::GIE) != 0 && enables_interrupts(node.chip);
+    const bool interrupts = (node.chip.register_value(isa::Register::ST) & c40::st::GIE) != 0;
     if (node.chip.dma_active() || (interrupts && node.chip.watches_ports())) node.status = ChipStatus::sleeping;
-    else if (!interrupts) node.status = ChipStatus::halt;
+    else if (!interrupts || !awaits_timer(node.chip)) node.status = ChipStatus::halt;
     if (node.status != ChipStatus::running) return;
   }
   stopped(node, node.chip.step());

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import subprocess
 from collections.abc import Callable
@@ -54,6 +55,53 @@ def test_bandwidth(golden: Callable[[str, str], None]) -> None:
     words = [event.time_ps for event in network.events if event.kind == "word"][-256:]
     assert {b - a for a, b in pairwise(words)} == {5 * CYCLE_PS}
     assert [event.kind for event in network.events].count("token") == 17  # all but the first message need it
+
+
+def test_bandwidth_dma(golden: Callable[[str, str], None]) -> None:
+    network = Network([EXAMPLES / "bandwidth_dma.asm"] * 2, links=["0.0:1.3"], record_words=True, record_peripherals=True)
+    assert network.run().reason == "ended"
+    golden("network-bandwidth-dma.trace", "".join(line + "\n" for line in network.event_trace if "port_" not in line and " word " not in line))
+    cycles = round_trips(network)
+    sizes = [2**n for n in range(9)]
+    for (a, n), (b, m) in zip(zip(cycles, sizes, strict=True), zip(cycles[1:], sizes[1:], strict=True), strict=False):
+        if n >= 4:
+            assert b - a == 10 * (m - n), (n, m)  # five cycles a word each way, however it is moved
+    assert 5 < cycles[-1] / (2 * 256) < 5.3
+    moved = [event for event in network.peripheral_events if event.kind in ("port_read", "port_write")]
+    assert len(moved) == 4 * sum(sizes) and all(event.channel in (0, 3) for event in moved)  # the processors touch none
+    words = [event.time_ps for event in network.events if event.kind == "word"][-256:]
+    assert {b - a for a, b in pairwise(words)} == {5 * CYCLE_PS}
+    assert all(chip.causes["idle"] > 0.8 * chip.cycles for chip in network.chips)
+
+
+def thinned(network: Network, every: int) -> str:
+    """Each so-manieth word of each direction of each link, and the hash of the whole trace."""
+    seen: dict[tuple[int, int], int] = {}
+    lines = []
+    for event in network.events:
+        key = (event.place, event.side)
+        seen[key] = seen.get(key, 0) + 1
+        if seen[key] % every == 1:
+            lines.append(event.text + "\n")
+    return "".join(lines) + f"# sha256 of all {len(network.events)} lines: {hashlib.sha256(trace(network).encode()).hexdigest()}\n"
+
+
+def test_matrix_ring_golden(golden: Callable[[str, str], None]) -> None:
+    network = Network(EXAMPLES / "matrix_ring.asm", topology="ring:4", record_words=True)
+    for k, chip in enumerate(network.chips):
+        for name in ("a_part", "b_part"):
+            chip.memory.write_floats(chip.address(name), [((7 * i + 3 * k) % 31 - 15) / 8 for i in range(16 * 64)])
+    assert network.run().reason == "ended"
+    golden("network-matrix.trace", thinned(network, 128))
+
+
+def test_fft_hypercube_golden(golden: Callable[[str, str], None]) -> None:
+    network = Network(EXAMPLES / "fft_hypercube.asm", topology="hypercube:4", record_words=True)
+    for k, chip in enumerate(network.chips):
+        for name in ("real", "imaginary"):
+            chip.memory.write_floats(chip.address(name), [((5 * i + k) % 17 - 8) / 4 for i in range(256)])
+    assert network.run().reason == "ended"
+    golden("network-fft.trace", thinned(network, 64))
 
 
 def test_matrix_ring() -> None:
