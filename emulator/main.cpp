@@ -135,12 +135,15 @@ void declare_exec(CLI::App& app, cli::ExecOptions& options) {
   app.add_option("--link", options.links, "Join two communication ports")->type_name("CHIP.PORT:CHIP.PORT")->allow_extra_args(false);
   app.add_option("--topology", options.topology, "Chips and their links: ring, line, grid, torus or hypercube")->type_name("ring:4|grid:4x4|...");
   app.add_option("--network", options.network, "Chips, links, memories and events from a file (docs/networks.md)")->type_name("FILE.toml");
+  app.add_option("--action", options.actions, "Cut or restore a link; reset, hold, release or pull out a chip: 12.5,cut,0.3:1.0")
+      ->type_name("AT_US,ACTION,LINK|CHIP")
+      ->allow_extra_args(false);
   app.add_option("--link-trace", options.link_trace, "Write the words and tokens on the links")->type_name("FILE");
   app.add_option("--turn-order", options.turn_order, "Shuffle which chip is advanced first; changes nothing")->type_name("SEED");
   app.add_option("--load-at", options.load_at, "Where a .hex file stands and starts")->type_name("ADDRESS");
   app.add_option("--entry", options.entry, "Start here instead of at the program's entry")->type_name("SYMBOL|ADDRESS");
-  app.add_option("--boot", options.boot, "From reset, by the boot ROM's loader: the program comes through port 0 to 5, or stands as a stream at ADDRESS")
-      ->type_name("PORT|ADDRESS");
+  app.add_option("--boot", options.boot, "From reset, by the boot ROM's loader: the program comes through port 0 to 5, or stands as a stream at ADDRESS; or as the board's [pins] say")
+      ->type_name("PORT|ADDRESS|reset");
   app.add_flag("--peripherals", options.peripherals, "Print the peripheral registers that differ from reset, and what the FIFOs hold");
   app.add_option("--trace", options.trace, "Write the instruction trace (docs/trace.md)")->type_name("FILE");
   app.add_option("--events", options.events, "Write what the peripherals did (docs/peripherals.md)")->type_name("FILE");

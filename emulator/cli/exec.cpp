@@ -247,35 +247,59 @@ class EventText : public c40::PeripheralSink {
   OutputFile file_;
 };
 
-/// The program by the boot loader, from reset on.
+/// From reset on, as the board's pins say.
 struct Boot {
-  std::optional<int> port;
-  Address address = 0;
+  c40::Board board;
+  std::optional<int> port;  ///< that brings the program
 };
-std::optional<Boot> parse_boot(const ExecOptions& options) {
+
+/// --boot PORT, ADDRESS or reset.
+std::optional<Boot> parse_boot(const ExecOptions& options, const machine::BoardDescription& given) {
   if (!options.boot) return std::nullopt;
   const std::string& text = *options.boot;
-  if (text.size() == 1 && text[0] >= '0' && text[0] <= '5') return Boot{text[0] - '0', 0};
-  return Boot{std::nullopt, parse_address(text, nullptr, "--boot")};
+  if (text == "reset") {
+    if (!given.has_pins) throw InputError(fmt::format("--boot reset: board {} says nothing of its pins; a board file with [pins] is expected (docs/cli.md)", given.board.name));
+    if (machine::reset_source(given.board) == machine::ResetSource::ports)
+      throw InputError("--boot reset: the board's pins choose the communication ports; say through which the program comes: --boot 0 to --boot 5");
+    return Boot{given.board, {}};
+  }
+  Boot boot;
+  try {
+    if (text.size() == 1 && text[0] >= '0' && text[0] <= '5') {
+      boot.port = text[0] - '0';
+      boot.board = machine::with_boot_from_port(given.board);
+    } else {
+      boot.board = machine::with_boot_from_memory(given.board, parse_address(text, nullptr, "--boot"));
+    }
+  } catch (const std::invalid_argument& error) {
+    throw InputError(fmt::format("--boot: {}", error.what()));
+  }
+  const auto& asked = boot.board.pins;
+  const auto& tied = given.board.pins;
+  if (given.has_pins && (given.board.rom.empty() || asked.reset_location != tied.reset_location || asked.iiof != tied.iiof))
+    throw InputError(fmt::format("--boot {}: for that, [pins] of board {} would be romen = true, resetloc = 0, iiof = \"{:04b}\"; --boot reset starts as they are", text,
+                                 given.board.name, asked.iiof));
+  return boot;
 }
 
-c40::Board board_for(c40::Board board, const std::optional<Boot>& boot) {
-  if (!boot) return board;
+std::vector<Word> stream_for(const Image& image, const Boot& boot) {
+  machine::BootHeader header;
+  header.global_interface_control = boot.board.global_interface_control;
+  header.local_interface_control = boot.board.local_interface_control;
   try {
-    return boot->port ? machine::with_boot_from_port(std::move(board)) : machine::with_boot_from_memory(std::move(board), boot->address);
+    return boot.port ? machine::boot_stream(image, header) : machine::boot_memory(image, header);
   } catch (const std::invalid_argument& error) {
     throw InputError(fmt::format("--boot: {}", error.what()));
   }
 }
 
-std::vector<Word> stream_for(const Image& image, const c40::Board& board, const Boot& boot) {
-  machine::BootHeader header;
-  header.global_interface_control = board.global_interface_control;
-  header.local_interface_control = board.local_interface_control;
+/// Where the chip will look for it: as a stream in the memory that the pins choose, or as it is, with a reset vector of its own.
+void place(c40::Chip& chip, const Image& image, const Boot& boot) {
+  if (machine::reset_source(boot.board) == machine::ResetSource::vector) return load(chip, image, boot.board.name);
   try {
-    return boot.port ? machine::boot_stream(image, header) : machine::boot_memory(image, header);
-  } catch (const std::invalid_argument& error) {
-    throw InputError(fmt::format("--boot: {}", error.what()));
+    chip.write_block(machine::boot_address(boot.board), stream_for(image, boot));
+  } catch (const std::out_of_range& error) {
+    throw InputError(fmt::format("--boot: the stream at {:08X}h does not lie in memory: {}", machine::boot_address(boot.board), error.what()));
   }
 }
 
@@ -294,17 +318,15 @@ int exec(const ExecOptions& options) {
   std::vector<std::pair<Address, Address>> ranges;
   for (const std::string& text : options.dumps) ranges.push_back(parse_dump(text, image));
 
-  const std::optional<Boot> boot = parse_boot(options);
-  c40::Chip chip(board_for(chosen.board, boot));
+  const std::optional<Boot> boot = parse_boot(options, chosen);
+  c40::Chip chip(boot ? boot->board : chosen.board);
   if (boot) {
-    if (!boot->port) {
-      try {
-        chip.write_block(boot->address, stream_for(image, chosen.board, *boot));
-      } catch (const std::out_of_range& error) {
-        throw InputError(fmt::format("--boot {}: the stream does not lie in memory: {}", *options.boot, error.what()));
-      }
+    if (!boot->port) place(chip, image, *boot);
+    try {
+      chip.boot();
+    } catch (const std::out_of_range& error) {
+      throw InputError(fmt::format("--boot {}: {}", *options.boot, error.what()));
     }
-    chip.boot();
   } else {
     chip.reset();
     load(chip, image, chosen.board.name);
@@ -317,7 +339,7 @@ int exec(const ExecOptions& options) {
   std::optional<EventText> events;
   if (options.events) chip.set_peripheral_sink(&events.emplace(*options.events));
   Run run(chip, image, until);
-  if (boot && boot->port) run.feeder.emplace(chip, *boot->port, stream_for(image, chosen.board, *boot));
+  if (boot && boot->port) run.feeder.emplace(chip, *boot->port, stream_for(image, *boot));
   const Outcome outcome = run.run(options.max_cycles);
   if (events) events->commit();
   listeners.run_ended();

@@ -1,6 +1,9 @@
 // emulator exec with several programs: a network of chips.
 #include <fmt/format.h>
 
+#include <charconv>
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 #include "cli/chip_listeners.hpp"
@@ -79,6 +82,27 @@ machine::NetworkDescription described(const ExecOptions& options) {
   }
   for (const std::string& link : options.links) network.links.push_back(machine::parse_link(link, names));
   return network;
+}
+
+/// AT_US,ACTION,TARGET
+machine::NetworkAction parse_action(const std::string& text, const Network& network) {
+  const std::size_t first = text.find(','), second = text.find(',', first == std::string::npos ? first : first + 1);
+  double microseconds = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + std::min(first, text.size()), microseconds);
+  if (second == std::string::npos || error != std::errc{} || end != text.data() + first || !(microseconds >= 0 && microseconds <= 1e12))
+    throw InputError(fmt::format("--action: \"{}\" is not AT_US,ACTION,LINK or CHIP, as 12.5,cut,0.3:1.0 or 20,reset,1", text));
+  std::vector<std::string> chips;
+  std::vector<machine::NetworkLink> links;
+  for (std::size_t n = 0; n < network.chip_count(); ++n) chips.push_back(network.chip_name(n));
+  for (std::size_t n = 0; n < network.link_count(); ++n) links.push_back(network.ends(n));
+  try {
+    const std::string target = text.substr(second + 1);
+    const auto kind = machine::action_named(text.substr(first + 1, second - first - 1));
+    using enum machine::NetworkAction::Kind;
+    return {kind, machine::Time{std::llround(microseconds * 1e6)}, kind == cut || kind == restore ? machine::link_named(target, chips, links) : machine::chip_named(target, chips)};
+  } catch (const machine::NetworkError& error_of_it) {
+    throw InputError(fmt::format("--action {}: {}", text, error_of_it.what()));
+  }
 }
 
 /// CHIP:ADDRESS:COUNT
@@ -209,6 +233,7 @@ int exec_network(const ExecOptions& options) {
   Network network(described(options), options.turn_order);
   std::vector<Dump> dumps;
   for (const std::string& text : options.dumps) words_of(network, dumps.emplace_back(parse_dump(text, network)));  // refuses bad ranges before the run
+  for (const std::string& text : options.actions) network.schedule(parse_action(text, network));
   Watched watched(network, options);
   std::optional<OutputFile> link_trace, events;
   if (options.link_trace) link_trace.emplace(*options.link_trace);

@@ -102,12 +102,13 @@ struct ExecOptions {
   std::vector<std::string> boards;  ///< none: default
   std::optional<std::string> load_at;
   std::optional<std::string> entry;
-  std::optional<std::string> boot;  ///< a port 0 to 5, or an address
+  std::optional<std::string> boot;  ///< a port 0 to 5, an address, or "reset"
   bool peripherals = false;
   std::vector<std::string> links;  ///< CHIP.PORT:CHIP.PORT
   std::optional<std::string> topology;
   std::optional<std::string> network;
   std::optional<std::string> link_trace;
+  std::vector<std::string> actions;  ///< AT_US,ACTION,TARGET
   std::uint64_t turn_order = 0;
   std::optional<std::string> trace;
   std::optional<std::string> events;

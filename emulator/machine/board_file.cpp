@@ -9,6 +9,7 @@
 #include <initializer_list>
 #include <sstream>
 
+#include "machine/boot.hpp"
 #include "machine/shared_memory.hpp"
 #include "toolchain/image.hpp"
 
@@ -23,7 +24,7 @@ class BoardReader {
   explicit BoardReader(std::string file) : file_(std::move(file)) {}
 
   BoardDescription read(const toml::table& root) const {
-    allow(root, "", {"name", "clock_mhz", "gmicr", "lmicr", "region"});
+    allow(root, "", {"name", "clock_mhz", "gmicr", "lmicr", "pins", "region"});
     BoardDescription out;
     out.board.name = file_;
     if (const auto* node = root.get("name")) out.board.name = text(*node, "name");
@@ -39,6 +40,10 @@ class BoardReader {
     if (regions == nullptr || !regions->is_array() || regions->as_array()->empty())
       throw BoardError(fmt::format("{}: region: a board needs at least one [[region]] with name, base, words and bus", file_));
     for (const auto& node : *regions->as_array()) add(out.board, node);
+    if (const auto* node = root.get("pins")) {
+      out.has_pins = true;
+      pins(out.board, *node);
+    }
     return out;
   }
 
@@ -95,6 +100,38 @@ class BoardReader {
     if (const auto* waits = table.get("page_waits")) region.page_waits = wait_states(*waits, "region.page_waits");
     check_place(board, region, node);
     board.regions.push_back(std::move(region));
+  }
+
+  // c40-hardware.md 1.2, 9.1
+  void pins(c40::Board& board, const toml::node& node) const {
+    if (!node.is_table()) fail(node, "pins: a table, [pins], is expected");
+    const toml::table& table = *node.as_table();
+    allow(table, "pins.", {"romen", "resetloc", "iiof"});
+    bool rom = false;
+    if (const auto* romen = table.get("romen")) {
+      if (!romen->is_boolean()) fail(*romen, "pins.romen: true (the boot ROM is at 0) or false is expected");
+      rom = romen->as_boolean()->get();
+    }
+    c40::Board::Pins tied;
+    if (const auto* location = table.get("resetloc")) tied.reset_location = static_cast<int>(word(*location, "pins.resetloc", 3));
+    if (const auto* levels = table.get("iiof")) tied.iiof = levels_of(*levels);
+    if (rom) {
+      for (const Region& region : board.regions)
+        if (region.base < c40::rom_words) fail(node, fmt::format("pins.romen: the boot ROM is at 0 to FFFh, and so is region {}", region.name));
+      board.rom = with_boot_from_port({}).rom;
+    }
+    board.pins = tied;
+    if (!rom || tied.reset_location != 0) return;
+    if ((tied.iiof & 1) == 0) fail(node, "pins.iiof: the last level, IIOF0, must be 1 for the boot loader, which romen = true and resetloc = 0 start");
+    if (tied.iiof >> 1 == 0) fail(node, "pins.iiof: 000 of IIOF3 to IIOF1 is reserved; the boot loader would read the pins for ever. 111 means the communication ports");
+  }
+
+  /// "1101": IIOF3 to IIOF0.
+  c40::Word levels_of(const toml::node& node) const {
+    const std::string levels = text(node, "pins.iiof");
+    if (levels.size() != 4 || levels.find_first_not_of("01") != std::string::npos)
+      fail(node, "pins.iiof: the levels of IIOF3 to IIOF0 are expected, as \"1111\"");
+    return static_cast<c40::Word>(std::stoul(levels, nullptr, 2));
   }
 
   // The address decides which bus the chip drives (c40-hardware.md 1.1).

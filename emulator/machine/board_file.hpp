@@ -24,6 +24,7 @@ class BoardError : public std::invalid_argument {
 struct BoardDescription {
   c40::Board board;
   std::optional<double> clock_mhz;  ///< CLKIN; an H1 period is two of its periods.
+  bool has_pins = false;            ///< It says how its pins are tied, and whether the boot ROM is there.
 };
 
 /// "default", "flat", or a TOML file. \throws BoardError

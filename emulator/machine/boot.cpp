@@ -48,6 +48,12 @@ c40::Board with_boot_from_memory(c40::Board board, Address address) {
   return with_rom(std::move(board), static_cast<Word>(found - sources.begin()));
 }
 
+ResetSource reset_source(const c40::Board& board) {
+  if (board.rom.empty() || board.pins.reset_location != 0) return ResetSource::vector;
+  return board.pins.iiof >> 1 == from_ports ? ResetSource::ports : ResetSource::memory;
+}
+Address boot_address(const c40::Board& board) { return sources.at(board.pins.iiof >> 1); }
+
 std::vector<Word> boot_stream(const toolchain::Image& image, const BootHeader& header) {
   std::vector<Word> stream{header.global_interface_control, header.local_interface_control}, others;
   bool entered = false;

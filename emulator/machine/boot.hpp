@@ -21,6 +21,16 @@ c40::Board with_boot_from_port(c40::Board board);
 /// The same, with the pins that choose memory at this address. Throws std::invalid_argument if no pins do.
 c40::Board with_boot_from_memory(c40::Board board, c40::Address address);
 
+/// What a chip does when it is reset on this board.
+enum class ResetSource : std::uint8_t {
+  ports,   ///< the boot loader takes the first port that has a word
+  memory,  ///< the boot loader reads a stream at boot_address()
+  vector   ///< no boot loader: the program begins where the reset vector says
+};
+ResetSource reset_source(const c40::Board& board);
+/// Of the memory that the pins choose.
+c40::Address boot_address(const c40::Board& board);
+
 /// The stream that a port is sent (9.3): the block that begins at the entry comes first.
 /// Throws std::invalid_argument if the entry lies in no section, or a section below 1000h, where the ROM is.
 std::vector<c40::Word> boot_stream(const toolchain::Image& image, const BootHeader& header);

@@ -124,8 +124,11 @@ void Network::load(Node& node) {
   }
   const toolchain::Image& image = *node.description.program;
   node.chip.reset();
+  const c40::Board& board = node.description.board.board;
+  const bool from_ports = node.description.boot && (!node.description.board.has_pins || reset_source(board) == ResetSource::ports);
+  if (node.description.boot && !from_ports && reset_source(board) == ResetSource::memory) return load_stream(node, image, board);
   for (const toolchain::Image::Section& section : image.sections) {
-    if (!section.loaded || node.description.boot) continue;
+    if (!section.loaded || from_ports) continue;
     try {
       node.chip.write_block(section.address, section.words);
     } catch (const std::out_of_range&) {
@@ -133,14 +136,37 @@ void Network::load(Node& node) {
                                      section.name, section.size, section.address, node.description.board.board.name));
     }
   }
-  for (const Address end : program_ends(image)) node.chip.add_breakpoint(end);
+  ready_to_start(node);
+}
+
+/// The pins choose a memory, and the program stands there as a boot stream.
+void Network::load_stream(Node& node, const toolchain::Image& image, const c40::Board& board) {
+  BootHeader header;
+  header.global_interface_control = board.global_interface_control;
+  header.local_interface_control = board.local_interface_control;
+  try {
+    node.chip.write_block(boot_address(board), boot_memory(image, header));
+  } catch (const std::exception& error) {
+    throw NetworkError(fmt::format("chip {}: board {}: the boot stream at {:08X}h, which the pins choose: {}", node.number, board.name, boot_address(board), error.what()));
+  }
+  ready_to_start(node);
+}
+
+void Network::ready_to_start(Node& node) {
+  for (const Address end : program_ends(*node.description.program)) node.chip.add_breakpoint(end);
   if (node.description.until) node.chip.add_breakpoint(*node.description.until);
   start(node);
 }
 
 void Network::start(Node& node) {
   node.status = ChipStatus::running;
-  if (node.description.boot) return node.chip.boot();
+  if (node.description.boot) {
+    try {
+      return node.chip.boot();
+    } catch (const std::out_of_range& error) {
+      throw NetworkError(fmt::format("chip {}: {}", node.number, error.what()));
+    }
+  }
   node.chip.set_pc(node.description.entry.value_or(node.description.program->entry));
   const auto chips = static_cast<Word>(nodes_.size());
   const std::array<Word, 4> values{static_cast<Word>(node.number), chips, description_.shape[0] == 0 ? chips : description_.shape[0],

@@ -59,8 +59,8 @@ struct NetworkChip {
   BoardDescription board{c40::Board::default_board(), {}};
   std::optional<double> clock_mhz;            ///< before the board's
   std::optional<c40::Address> entry, until;  ///< `until`: it has ended before the instruction there
-  /// It starts in the boot ROM and takes its program from whichever port brings it one; `program` says only what is expected to come (symbols,
-  /// lines, ends) and may be null.
+  /// It starts as its RESET pin starts it. If the board says nothing of its pins, or they choose the ports: in the boot ROM, which takes its program from
+  /// whichever port brings it one; `program` says only what is expected to come (symbols, lines, ends) and may be null.
   bool boot = false;
 };
 
@@ -84,6 +84,12 @@ struct NetworkAction {
   std::size_t target = 0;  ///< of links or chips
 };
 std::string_view name(NetworkAction::Kind kind);
+/// \throws NetworkError
+NetworkAction::Kind action_named(std::string_view text);
+/// The number of the link that joins these ends, in either order. \throws NetworkError
+std::size_t link_named(std::string_view text, const std::vector<std::string>& chips, const std::vector<NetworkLink>& links);
+/// By its name or number. \throws NetworkError
+std::size_t chip_named(std::string_view text, const std::vector<std::string>& chips);
 
 struct NetworkDescription {
   std::vector<NetworkChip> chips;
@@ -206,6 +212,8 @@ class Network {
   void add_memories();
   void start(Node& node);
   void load(Node& node);
+  void load_stream(Node& node, const toolchain::Image& image, const c40::Board& board);
+  void ready_to_start(Node& node);
   void run_chip(Node& node, Time until);
   void stopped(Node& node, const c40::StopInfo& stop);
   void at_breakpoint(Node& node);

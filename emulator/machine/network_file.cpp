@@ -26,7 +26,7 @@ class NetworkReader {
     if (topology != nullptr) generate(*topology);
     each(root, "chip", [&](const toml::table& table, const toml::node& node) { chip(table, node, topology != nullptr); });
     if (network_.chips.empty()) throw NetworkError(fmt::format("{}: there is no chip; [[chip]] with a program, or [topology], is expected", file_));
-    for (const NetworkChip& chip : network_.chips) names_.push_back(chip.name);
+    for (const NetworkChip& chip : network_.chips) names_.push_back(chip.name.empty() ? std::to_string(names_.size()) : chip.name);
     for (std::size_t n = 0; n < network_.chips.size(); ++n)
       if (network_.chips[n].program == nullptr && !network_.chips[n].boot) throw NetworkError(fmt::format("{}: chip {} has no program, and does not boot", file_, n));
     each(root, "link", [&](const toml::table& table, const toml::node& node) { link(table, node); });
@@ -38,6 +38,18 @@ class NetworkReader {
  private:
   [[noreturn]] void fail(const toml::node& node, const std::string& what) const {
     throw NetworkError(fmt::format("{}:{}: {}", file_, node.source().begin.line, what));
+  }
+
+  /// An error of what is asked gets the line.
+  template <class Ask>
+  auto checked(const toml::node& node, Ask&& ask) const {
+    try {
+      return ask();
+    } catch (const NetworkError& error) {
+      const std::string what = error.what();
+      if (what.starts_with(file_)) throw;
+      fail(node, what);
+    }
   }
 
   void allow(const toml::table& table, std::initializer_list<const char*> keys, const std::string& prefix) const {
@@ -117,12 +129,7 @@ class NetworkReader {
     NetworkChip chip;
     fill(chip, table);
     const toml::node& links = needed(table, node, "links", "topology");
-    const std::string kind = text(links, "topology.links");
-    try {
-      network_.chips.assign(set_topology(network_, kind), chip);
-    } catch (const NetworkError& error) {
-      fail(links, error.what());
-    }
+    network_.chips.assign(checked(links, [&] { return set_topology(network_, text(links, "topology.links")); }), chip);
   }
 
   void chip(const toml::table& table, const toml::node& node, bool generated) {
@@ -136,29 +143,19 @@ class NetworkReader {
     fill(network_.chips[static_cast<std::size_t>(n)], table);
   }
 
-  NetworkLink link_of(const toml::node& node, const std::string& ends) const {
-    try {
-      return parse_link(ends, names_);
-    } catch (const NetworkError& error) {
-      fail(node, error.what());
-    }
-  }
-
   void link(const toml::table& table, const toml::node& node) {
     allow(table, {"ports", "word_cycles", "token_cycles", "enter_cycles", "exit_cycles"}, "link.");
     const toml::node& ports = needed(table, node, "ports", "link");
-    NetworkLink link = link_of(ports, text(ports, "link.ports"));
+    NetworkLink link = checked(ports, [&] { return parse_link(text(ports, "link.ports"), names_); });
     c40::LinkParameters& p = link.parameters;
     for (const auto& [key, value] : {std::pair{"word_cycles", &p.word_cycles}, {"token_cycles", &p.token_cycles}, {"enter_cycles", &p.enter_cycles}, {"exit_cycles", &p.exit_cycles}})
       if (const auto* given = table.get(key)) *value = static_cast<int>(number(*given, key, 0, 1'000'000));
     network_.links.push_back(link);
   }
 
-  std::size_t chip_named(const toml::node& node) const {
+  std::size_t chip_at(const toml::node& node) const {
     if (node.is_integer()) return static_cast<std::size_t>(number(node, "chip", 0, static_cast<std::int64_t>(names_.size()) - 1));
-    const auto found = std::find(names_.begin(), names_.end(), text(node, "chip"));
-    if (found == names_.end()) fail(node, fmt::format("there is no chip \"{}\"; a number from 0 to {} or a name is expected", text(node, "chip"), names_.size() - 1));
-    return static_cast<std::size_t>(found - names_.begin());
+    return checked(node, [&] { return chip_named(text(node, "chip"), names_); });
   }
 
   void memory(const toml::table& table, const toml::node& node) {
@@ -169,7 +166,7 @@ class NetworkReader {
     if (const auto* waits = table.get("waits")) memory.waits = static_cast<int>(number(*waits, "memory.waits", 0, 1000));
     each(table, "place", [&](const toml::table& place, const toml::node& at) {
       allow(place, {"chip", "base"}, "memory.place.");
-      memory.places.emplace_back(chip_named(needed(place, at, "chip", "memory.place")),
+      memory.places.emplace_back(chip_at(needed(place, at, "chip", "memory.place")),
                                  static_cast<c40::Address>(number(needed(place, at, "base", "memory.place"), "memory.place.base", 0, 0xFFFFFFFF)));
     });
     network_.memories.push_back(std::move(memory));
@@ -181,24 +178,12 @@ class NetworkReader {
     action.time = Time{std::llround(real(needed(table, node, "at_us", "event"), "event.at_us", 1e12) * 1e6)};
     const toml::node& what = needed(table, node, "action", "event");
     using enum NetworkAction::Kind;
-    constexpr std::array kinds{cut, restore, reset, hold, release, pull_out};
-    const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](auto k) { return name(k) == text(what, "event.action"); });
-    if (kind == kinds.end()) fail(what, fmt::format("event.action: there is no \"{}\"; cut, restore, reset, hold, release and pull_out are", text(what, "event.action")));
-    action.kind = *kind;
+    action.kind = checked(what, [&] { return action_named(text(what, "event.action")); });
     const bool link = action.kind == cut || action.kind == restore;
     if (table.contains(link ? "chip" : "link")) fail(node, fmt::format("event: {} concerns a {}", name(action.kind), link ? "link" : "chip"));
     const toml::node& target = needed(table, node, link ? "link" : "chip", "event");
-    action.target = link ? link_named(target) : chip_named(target);
+    action.target = link ? checked(target, [&] { return link_named(text(target, "event.link"), names_, network_.links); }) : chip_at(target);
     network_.actions.push_back(action);
-  }
-
-  std::size_t link_named(const toml::node& node) const {
-    const NetworkLink wanted = link_of(node, text(node, "event.link"));
-    for (std::size_t n = 0; n < network_.links.size(); ++n) {
-      const NetworkLink& link = network_.links[n];
-      if ((link.a == wanted.a && link.b == wanted.b) || (link.a == wanted.b && link.b == wanted.a)) return n;
-    }
-    fail(node, fmt::format("there is no link {}", text(node, "event.link")));
   }
 
   std::string file_;

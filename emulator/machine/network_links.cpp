@@ -17,19 +17,40 @@ void join(std::vector<NetworkLink>& links, std::size_t from, std::size_t to, int
 
 }  // namespace
 
+std::size_t chip_named(std::string_view text, const std::vector<std::string>& chips) {
+  if (const auto named = std::find(chips.begin(), chips.end(), text); named != chips.end()) return static_cast<std::size_t>(named - chips.begin());
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error != std::errc{} || end != text.data() + text.size() || number >= chips.size())
+    throw NetworkError(fmt::format("there is no chip {}; {} are", text, chips.size() == 1 ? "only chip 0" : fmt::format("chips 0 to {}", chips.size() - 1)));
+  return number;
+}
+
+std::size_t link_named(std::string_view text, const std::vector<std::string>& chips, const std::vector<NetworkLink>& links) {
+  const NetworkLink wanted = parse_link(text, chips);
+  const auto joins = [&](const NetworkLink& link) { return (link.a == wanted.a && link.b == wanted.b) || (link.a == wanted.b && link.b == wanted.a); };
+  const auto found = std::find_if(links.begin(), links.end(), joins);
+  if (found == links.end()) throw NetworkError(fmt::format("there is no link {}", text));
+  return static_cast<std::size_t>(found - links.begin());
+}
+
+NetworkAction::Kind action_named(std::string_view text) {
+  using enum NetworkAction::Kind;
+  for (const auto kind : {cut, restore, reset, hold, release, pull_out})
+    if (name(kind) == text) return kind;
+  throw NetworkError(fmt::format("there is no action \"{}\"; cut, restore, reset, hold, release and pull_out are", text));
+}
+
 PortName parse_port(std::string_view text, const std::vector<std::string>& chips) {
   const std::size_t dot = text.rfind('.');
   if (dot == std::string_view::npos || dot == 0 || dot + 1 == text.size())
     throw NetworkError(fmt::format("\"{}\" is no port; CHIP.PORT is expected, as 0.3", text));
   const std::string_view chip = text.substr(0, dot), number = text.substr(dot + 1);
   PortName out;
-  const auto named = std::find(chips.begin(), chips.end(), chip);
-  if (named != chips.end()) {
-    out.chip = static_cast<std::size_t>(named - chips.begin());
-  } else {
-    const auto [end, error] = std::from_chars(chip.data(), chip.data() + chip.size(), out.chip);
-    if (error != std::errc{} || end != chip.data() + chip.size() || out.chip >= chips.size())
-      throw NetworkError(fmt::format("{}: there is no chip {}; {} are", text, chip, chips.size() == 1 ? "only chip 0" : fmt::format("chips 0 to {}", chips.size() - 1)));
+  try {
+    out.chip = chip_named(chip, chips);
+  } catch (const NetworkError& error) {
+    throw NetworkError(fmt::format("{}: {}", text, error.what()));
   }
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), out.port);
   if (error != std::errc{} || end != number.data() + number.size() || out.port < 0 || out.port >= c40::port_count)

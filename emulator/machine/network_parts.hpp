@@ -22,7 +22,7 @@ struct Network::Node : c40::PeripheralSink {
       : number(number_),
         description(std::move(given)),
         clock(clock_),
-        chip(description.boot ? with_boot_from_port(description.board.board) : description.board.board) {}
+        chip(description.boot && !description.board.has_pins ? with_boot_from_port(description.board.board) : description.board.board) {}
 
   std::size_t number;
   NetworkChip description;

@@ -68,13 +68,6 @@ std::unique_ptr<machine::Network> from_file(const std::string& path, const py::f
       machine::read_network(path, [&](const std::string& file) { return program(file).cast<toolchain::Image>(); }), turn_order);
 }
 
-NetworkAction::Kind kind_named(const std::string& text) {
-  using enum NetworkAction::Kind;
-  for (const auto kind : {cut, restore, reset, hold, release, pull_out})
-    if (machine::name(kind) == text) return kind;
-  throw py::value_error("there is no action " + text + "; cut, restore, reset, hold, release and pull_out are");
-}
-
 py::dict link_of(const machine::Network& network, std::size_t n) {
   const c40::Link& link = network.link(n);
   const auto side = [&](int s) {
@@ -127,7 +120,7 @@ void bind_network(py::module_& core) {
       }, py::arg("limit"))
       .def_property_readonly("now", [](const machine::Network& network) { return network.now().count(); })
       .def("schedule", [](machine::Network& network, const std::string& kind, std::int64_t time, std::size_t target) {
-        network.schedule({kind_named(kind), Time{time}, target});
+        network.schedule({machine::action_named(kind), Time{time}, target});
       }, py::arg("kind"), py::arg("time"), py::arg("target"))
       .def("record_words", &machine::Network::record_words, py::arg("on"))
       .def_property_readonly("chip_count", &machine::Network::chip_count)

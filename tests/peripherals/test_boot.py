@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -167,3 +168,103 @@ def test_events_of_ports_timers_and_dma() -> None:
     assert ("port_write", 0, 9, -1) in kinds and ("port_read", 0, 77, -1) in kinds
     assert kinds.count(("port_write", 1, 0, 0)) == 2 and ("dma_end", 0, 0, -1) in kinds
     assert [cycle for kind, cycle, *_ in chip.events if kind == "timer"] == [20, 40]
+
+
+# ---- as the board's pins say ----
+
+BOARD = """
+name = "strapped"
+[pins]
+romen = true
+resetloc = 0
+iiof = "0111"
+[[region]]
+name = "local"
+base = 0x300000
+words = 0x10000
+bus = "local"
+[[region]]
+name = "global"
+base = 0x80000000
+words = 0x10000
+bus = "global"
+"""
+
+
+def run_on(emulator: Path, tmp_path: Path, board: str, *arguments: str, program: str = "plain.asm") -> subprocess.CompletedProcess[str]:
+    (tmp_path / "b.toml").write_text(board)
+    (tmp_path / "plain.asm").write_text(PROGRAM)
+    return subprocess.run([emulator, "exec", program, "--board", "b.toml", *arguments], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60)
+
+
+def assembled(emulator: Path, tmp_path: Path, text: str, *sections: str) -> str:
+    (tmp_path / "p.asm").write_text(text)
+    places = [word for section in sections for word in ("--section", section)]
+    subprocess.run([emulator, "asm", "p.asm", "-o", "p.out", *places], check=True, cwd=tmp_path)
+    return "p.out"
+
+
+@pytest.mark.parametrize(("levels", "address"), [("0111", 0x80000000), ("1101", 0x300000)])
+def test_pins_choose_the_memory_that_the_loader_reads(emulator: Path, tmp_path: Path, levels: str, address: int) -> None:
+    program = assembled(emulator, tmp_path, PROGRAM.split("        .data")[0], ".text=0x2FFC00")
+    result = run_on(emulator, tmp_path, BOARD.replace("0111", levels), "--boot", "reset", "--json", "--peripherals", program=program)
+    report = json.loads(result.stdout)
+    assert result.returncode == 0 and report["stop"]["reason"] == "halt", result.stderr
+    assert report["registers"]["R7"] & 0xFFFF == 0x1234
+    assert report["registers"]["AR1"] == address + 5 + 2 + 4  # just past the stream: width, GMICR, LMICR, size, address; two words; 0, IVTP, TVTP, IACK
+    assert report["peripherals"]["GMICR"]["value"] == 0x1DEA4000  # the stream's header has the board's
+
+
+@pytest.mark.parametrize(("location", "vector"), [(1, 0x7FFFFFFF), (2, 0x80000000), (3, 0xFFFFFFFF)])
+def test_pins_choose_the_reset_vector(emulator: Path, tmp_path: Path, location: int, vector: int) -> None:
+    region = f'[[region]]\nname = "vector"\nbase = 0x{vector & ~0xFF:X}\nwords = 0x100\nbus = "{"global" if vector >> 31 else "local"}"\n'
+    board = BOARD.replace("resetloc = 0", f"resetloc = {location}").replace("romen = true", "romen = false")
+    board = board.replace("0x80000000", "0x90000000") + region
+    text = '        .text\nentry:  ldi 77,r7\nend:    bu end\n        .sect "vec"\n        .word entry\n'
+    program = assembled(emulator, tmp_path, text, f"vec={vector:#x}")
+    result = run_on(emulator, tmp_path, board, "--boot", "reset", "--json", program=program)
+    assert result.returncode == 0, result.stderr
+    assert json.loads(result.stdout)["registers"]["R7"] & 0xFF == 77
+
+
+@pytest.mark.parametrize(("old", "new", "message"), [
+    ("romen = true", "romen = 1", "b.toml:4: pins.romen: true (the boot ROM is at 0) or false is expected"),
+    ("resetloc = 0", "resetloc = 4", "b.toml:5: pins.resetloc: a whole number from 0 to 3 is expected"),
+    ('"0111"', '"111"', "b.toml:6: pins.iiof: the levels of IIOF3 to IIOF0 are expected"),
+    ('"0111"', "7", "pins.iiof: text in quotes is expected"),
+    ('"0111"', '"0110"', "IIOF0, must be 1 for the boot loader"),
+    ('"0111"', '"0001"', "000 of IIOF3 to IIOF1 is reserved"),
+    ("romen", "rom", "b.toml:4: no such key pins.rom; known are romen, resetloc, iiof"),
+    ("[pins]", "[[pins]]", "pins: a table, [pins], is expected"),
+    ("0x300000", "0x100", "the boot ROM is at 0 to FFFh, and so is region local"),
+])  # fmt: skip
+def test_pins_that_cannot_be(emulator: Path, tmp_path: Path, old: str, new: str, message: str) -> None:
+    result = run_on(emulator, tmp_path, BOARD.replace(old, new, 1))
+    assert result.returncode == 2 and result.stdout == "" and message in result.stderr, result.stderr
+
+
+@pytest.mark.parametrize(("board", "boot", "message"), [
+    (BOARD.replace("[pins]", "").replace("romen = true", "").replace("resetloc = 0", "").replace('iiof = "0111"', ""), "reset", "board strapped says nothing of its pins"),
+    (BOARD.replace("0111", "1111"), "reset", "say through which the program comes: --boot 0 to --boot 5"),
+    (BOARD, "3", 'romen = true, resetloc = 0, iiof = "1111"; --boot reset starts as they are'),
+    (BOARD.replace("0111", "0101"), "reset", "the stream at A0000000h does not lie in memory"),
+    (BOARD.replace("romen = true", "romen = false"), "reset", "the reset vector of RESETLOC 0 stands at 00000000h, where board strapped has no memory and no boot ROM"),
+])  # fmt: skip
+def test_boots_that_the_pins_forbid(emulator: Path, tmp_path: Path, board: str, boot: str, message: str) -> None:
+    result = run_on(emulator, tmp_path, board, "--boot", boot)
+    assert result.returncode == 2 and result.stdout == "" and message in result.stderr, result.stderr
+
+
+def test_pins_of_a_chip_in_a_network(emulator: Path, tmp_path: Path) -> None:
+    """Chip 0 boots from its memory at 80000000h, chip 1's pins choose the ports; nobody sends it anything."""
+    (tmp_path / "b.toml").write_text(BOARD)
+    (tmp_path / "c.toml").write_text(BOARD.replace("0111", "1111"))
+    (tmp_path / "p.asm").write_text(PROGRAM)
+    (tmp_path / "n.toml").write_text("".join(f'[[chip]]\nprogram = "p.asm"\nboard = "{b}.toml"\nboot = true\n' for b in "bc") + '[[link]]\nports = "0.0:1.3"\n')
+    result = subprocess.run([emulator, "exec", "--network", "n.toml", "--json"], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60)
+    report = json.loads(result.stdout)
+    assert [chip["status"] for chip in report["chips"]] == ["halt", "looping"] and report["chips"][0]["registers"]["R7"] & 0xFFFF == 0x1234
+    assert "polls port 3 from chip 0 port 0;" in report["chips"][1]["message"]
+    (tmp_path / "b.toml").write_text(BOARD.replace("0111", "0101"))
+    bad = subprocess.run([emulator, "exec", "--network", "n.toml"], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60)
+    assert bad.returncode == 2 and "chip 0: board strapped: the boot stream at A0000000h, which the pins choose:" in bad.stderr

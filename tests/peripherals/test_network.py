@@ -647,7 +647,7 @@ def test_a_network_file(run: Any, tmp_path: Path) -> None:
         ('"left.0:1.3"', '"left.7:1.3"', "network.toml:9: link left.7:1.3: left.7: chip 0 has no port 7; 0 to 5 are possible"),
         ('"left.0:1.3"', '"right.0:1.3"', "there is no chip right"),
         ("word_cycles = 10", "word_cycles = -1", "network.toml:10: word_cycles: a whole number from 0"),
-        ('action = "cut"', 'action = "bite"', 'there is no "bite"; cut, restore, reset, hold, release and pull_out are'),
+        ('action = "cut"', 'action = "bite"', 'there is no action "bite"; cut, restore, reset, hold, release and pull_out are'),
         ('link = "1.3:left.0"', 'link = "0.1:1.3"', "there is no link 0.1:1.3"),
         ("at_us = 1.0", "at_us = -1.0", "event.at_us: a number from 0"),
         ('program = "take.asm"', 'name = "x"', "chip 1 has no program"),
@@ -656,6 +656,33 @@ def test_a_network_file(run: Any, tmp_path: Path) -> None:
         (tmp_path / "network.toml").write_text(FILE.replace(old, new, 1))
         bad = run("--network", "network.toml")
         assert bad.returncode == 2 and bad.stdout == "" and message in bad.stderr, (new, bad.stderr)
+
+
+def test_what_is_done_to_a_network_from_the_command_line_as_from_a_file(run: Any, tmp_path: Path) -> None:
+    (tmp_path / "network.toml").write_text(FILE)
+    from_file = json.loads(run("--network", "network.toml", "--json").stdout)
+    (tmp_path / "network.toml").write_text(FILE[: FILE.index("[[event]]")])
+    asked = json.loads(run("--network", "network.toml", "--json", "--action", "1,cut,left.0:1.3", "--action", "4.0,restore,1.3:0.0").stdout)
+    assert asked == from_file
+    held = json.loads(run("send.asm", "take.asm", "--link", "0.0:1.3", "--json", "--action", "0.5,hold,1", "--action", "100,release,1", "--action", "200,reset,0").stdout)
+    assert [event.split()[1:] for event in held["events"]] == [["hold", "1"], ["release", "1"], ["reset", "0"]]
+    assert held["chips"][1]["causes"]["halted"] in range(1980, 2000)
+    out = json.loads(run("send.asm", "take.asm", "--link", "0.0:1.3", "--json", "--action", "0.5,pull_out,1").stdout)
+    assert out["chips"][1]["status"] == "pulled_out" and out["links"][0]["cut"]
+
+
+@pytest.mark.parametrize(("action", "message"), [
+    ("1,bite,0", 'there is no action "bite"; cut, restore, reset, hold, release and pull_out are'),
+    ("1,cut,0.1:1.3", "there is no link 0.1:1.3"),
+    ("1,cut,0", "CHIP.PORT:CHIP.PORT is expected"),
+    ("1,reset,2", "there is no chip 2; chips 0 to 1 are"),
+    ("x,reset,1", "is not AT_US,ACTION,LINK or CHIP"),
+    ("-1,reset,1", "is not AT_US,ACTION,LINK or CHIP"),
+    ("1,reset", "is not AT_US,ACTION,LINK or CHIP"),
+])  # fmt: skip
+def test_actions_that_cannot_be(run: Any, action: str, message: str) -> None:
+    result = run("send.asm", "take.asm", "--link", "0.0:1.3", "--action", action)
+    assert result.returncode == 2 and result.stdout == "" and message in result.stderr, result.stderr
 
 
 def test_what_one_chip_can_be_asked_a_network_can(run: Any, tmp_path: Path) -> None:
@@ -696,7 +723,7 @@ def test_a_network_from_a_file_in_python(run: Any, tmp_path: Path) -> None:
     with pytest.raises(IndexError, match=r"PORT9\.control.*PORT"):
         chip.fields("PORT9.control")
     (tmp_path / "network.toml").write_text(FILE.replace('"cut"', '"bite"'))
-    with pytest.raises(NetworkError, match="network.toml:13: event.action: there is no"):
+    with pytest.raises(NetworkError, match="network.toml:13: there is no action"):
         Network.from_file(tmp_path / "network.toml")
     with pytest.raises(NetworkError, match="nowhere.toml: cannot be read"):
         Network.from_file(tmp_path / "nowhere.toml")
