@@ -247,7 +247,7 @@ std::vector<Key> make_keys() {
               "plant-and-bus.md 3.4"),
 
       integer("dock.agvs", FIELD(dock.agvs), "", 1, 8, "number of AGVs", "ruling 11"),
-      integer("dock.containers", FIELD(dock.containers), "", 1, 60, "containers on the ship; more than the eight of the default layout need a layout of their own", "paper 3"),
+      integer("dock.containers", FIELD(dock.containers), "", 1, 24, "containers on the ship: eight in one and a half tiers, more in up to four; of a layout of its own at most those that it lists", "paper 3"),
       choice("dock.crane", FIELD(dock.crane), {"slewing", "gantry"},
              "the hoisting machine: slewing, luffing jib crane, or ship-to-shore gantry with a layout and DSP programs of its own (docs/plant.md)",
              "plant-and-bus.md 1.1"),

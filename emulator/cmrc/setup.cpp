@@ -41,13 +41,27 @@ void read_layout(plant::DockConfig& dock, const std::string& path) try {
   throw ConfigError(fmt::format("dock.layout: {}: {}", path, error.what()));
 }
 
+// The default bay filled up: tiers 2 to 4 over the six places of the first, but for what stands there.
+void stack_more(plant::Layout& layout) {
+  const std::vector<plant::ContainerPlace> places = layout.containers;
+  for (int tier = 1; tier < 4; ++tier) {
+    for (plant::ContainerPlace place : places) {
+      if (place.z != layout.deck) continue;
+      place.z += tier * plant::container_height;
+      const bool taken = std::ranges::any_of(places, [&](const auto& p) { return p.x == place.x && p.y == place.y && p.z == place.z; });
+      if (!taken) layout.containers.push_back(place);
+    }
+  }
+}
+
 }  // namespace
 
 plant::DockConfig dock_of(const Config& config) {
   const int agvs = static_cast<int>(config.dock.agvs);
   plant::DockConfig dock = config.dock.crane == CraneMachine::gantry ? plant::gantry_dock(agvs) : plant::default_dock(agvs);
   dock.agv.protective_field = config.dock.protective_field;
-  if (!config.dock.layout.empty()) read_layout(dock, config.dock.layout);
+  if (config.dock.layout.empty()) stack_more(dock.layout);
+  else read_layout(dock, config.dock.layout);
   dock.layout.containers.resize(std::min<std::size_t>(dock.layout.containers.size(), static_cast<std::size_t>(config.dock.containers)));
   // The controller knows one mass of a container (see crane_of).
   for (auto& container : dock.layout.containers) container.mass = config.dock.container_mass_kg;

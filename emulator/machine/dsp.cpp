@@ -293,13 +293,13 @@ bool Dsp::caught_up(Time now) {
   return true;
 }
 
-// Real code: BR to itself in the last word of the local SRAM, GIE off. The present instruction has ended.
+// Real code: BR to itself in the last word of the local SRAM, GIE off, and RM, for under RPTS no branch may stand. The present instruction has ended.
 void Dsp::go_astray() {
   constexpr c40::Address trap = 0x3FFFFF;
   constexpr Word branch_to_itself = 0x60FFFFFF;  // BR, displacement -1
-  constexpr std::uint64_t gie = 0x2000;
+  constexpr std::uint64_t gie = 0x2000, rm = 0x100;
   chip_.poke(trap, branch_to_itself);
-  chip_.set_register(isa::Register::ST, chip_.register_value(isa::Register::ST) & ~gie);
+  chip_.set_register(isa::Register::ST, chip_.register_value(isa::Register::ST) & ~(gie | rm));
   chip_.set_pc(trap);
 }
 

@@ -181,6 +181,18 @@ def test_the_host_resets_a_dsp_that_stands_still_and_none_that_is_broken() -> No
         sums_hold(m, 2)
 
 
+@pytest.mark.parametrize(("repeat", "body"), [("rpts 60000", "addi 1, r5"), ("ldi 10000, rc", "rptb last\nlast:   addi 1, r5"), ("br d", "d:  b d"), ("bd e", "nop\n nop\n nop\ne: bd e\n nop\n nop\n nop")])
+def test_a_program_hangs_wherever_it_is(repeat: str, body: str) -> None:
+    # In a repeat of one instruction, of a block, at a branch, among the delay slots of one: it executes, and nothing but a reset ends it.
+    for moment in range(0, 400, 37):
+        setup = config(dsps=1)
+        setup.script(100 * US + moment * 1000, machine.Action.hang, 0)
+        m = machine.Machine(assemble(f"again:  {repeat}\n        {body}\n        b again\n"), setup)
+        m.run_until(300 * US)
+        assert m.faults == [] and not m.idle(0)
+        assert m.causes(0)["execute"] + m.causes(0)["branch"] > 0.9 * 300 * US / 40_000 - 100
+
+
 # A mixture: counting under the semaphore, posted bursts, reads from the line, devices, sleeping, ringing.
 MIXTURE = f"""
         ldhi    002Fh, ar5
