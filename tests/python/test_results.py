@@ -131,32 +131,40 @@ def test_importance(rows: Rows, word: str) -> None:
     assert importance.verdict(importance.Parameters(crowded_hz=(5000,)), rows).word == word
 
 
-def cycles(rule: str, waiting: list[float], agvs: int = 2) -> Rows:
-    return [{"rule": rule, "agvs": agvs, "cycle": i, "waiting": w, "T_g_s": 100.0} for i, w in enumerate(waiting, 1)]
+def cycles(rule: str, t_w: list[float], t_v: float = 0.0, T_g: tuple[float, ...] = (100.0,)) -> Rows:
+    """A run's closed cycles."""
+    return [
+        {"rule": rule, "seed": 1, "cycle": n, "t_w_s": value, "t_v_s": t_v, "T_g_s": T_g[n % len(T_g)], "planning_per_s": 90.0}
+        for n, value in enumerate(t_w)
+    ]  # fmt: skip
+
+
+LONG = [60.0] * 8
 
 
 @pytest.mark.parametrize(
-    "untaught, taught, word",
+    "rows, word",
     [
-        ([0.5, 0.5, 0.5], [0.5, 0.2, 0.01, 0.01], "holds"),
-        ([0.5, 0.5, 0.5], [0.5, 0.5, 0.45], "fails"),
-        ([0.5, 0.5, 0.5], [0.5, 0.3, 0.2], "holds in part"),
-        ([0.0, 0.0, 0.01], [0.0, 0.0, 0.0], "not tested"),
-        ([0.5, 0.5, 0.5], [0.5], "not tested"),
+        (cycles("off", LONG) + cycles("proportional", [60, 60, 40, 20, 3, 1, 0, 0]), "holds"),
+        (cycles("off", LONG) + cycles("proportional", [60, 60, 55, 40, 30, 25, 30, 25]), "holds in part"),
+        (cycles("off", LONG) + cycles("proportional", [60, 60, 55, 60, 55, 60, 55, 60]), "fails"),
+        (cycles("off", LONG) + cycles("proportional", [60, 60, 40, 20, 0, 0, 0, 0], t_v=20.0), "holds in part"),  # the crane pays for it
+        (cycles("off", LONG) + cycles("proportional", [60, 60, 40, 20, 15, 12, 14, 12], T_g=(85.0, 115.0)), "holds"),  # what T_g varies by
+        (cycles("off", LONG[:4]) + cycles("proportional", LONG), "not tested"),
+        (cycles("off", [1.0] * 8) + cycles("proportional", [1.0] * 8), "not tested"),
     ],
 )
-def test_learning(untaught: list[float], taught: list[float], word: str) -> None:
-    rows = cycles("off", untaught) + cycles("proportional", taught)
+def test_learning(rows: Rows, word: str) -> None:
     assert learning.verdict(learning.Parameters(), rows).word == word
 
 
-def test_learning_tells_where_it_ends() -> None:
-    rows = cycles("off", [0.5] * 3) + cycles("proportional", [0.5, 0.0, 0.0]) + cycles("proportional", [0.9, 0.6, 0.6], 3)
-    assert "With 3 AGVs 60.0% is left: N̂_a,max" in learning.verdict(learning.Parameters(agvs=(2, 3)), rows).limit
+def test_learning_by_one_is_told() -> None:
+    rows = cycles("off", LONG) + cycles("proportional", [60, 60, 40, 20, 3, 1, 0, 0]) + cycles("unit", [58.0] * 8)
+    assert "Changing N̂_a by 1 per cycle, as printed, leaves 58 s" in learning.verdict(learning.Parameters(), rows).limit
 
 
 def box(agvs: int, t_v: float | None, t_w: float = 0.0) -> dict[str, Any]:
-    return {"agvs": agvs, "t_v_s": t_v, "t_w_s": t_w, "T_g_s": 100.0, "per_hour": 30.0}
+    return {"agvs": agvs, "t_v_s": t_v, "t_v": f"{t_v}", "t_w_s": t_w, "T_g_s": 100.0, "per_hour": 30.0}
 
 
 @pytest.mark.parametrize(
