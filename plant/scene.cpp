@@ -124,7 +124,8 @@ void collect_solids(const DockConfig& config, const std::vector<ContainerData>& 
   }
 }
 
-// A cubic through the waypoints with the mean of the neighbouring slopes (Catmull and Rom's); at rest before the first and after the last.
+// Cubics between the waypoints that overshoot none of them (Fritsch and Butland's slopes, each axis for itself): where two successive waypoints are
+// at one place the mover stands in between. At rest before the first and after the last.
 MoverPlace place_of(const Mover& mover, double seconds) {
   const std::vector<Waypoint>& path = mover.path;
   const double first = path.front().time, last = path.back().time;
@@ -134,9 +135,15 @@ MoverPlace place_of(const Mover& mover, double seconds) {
   if (t >= last) return {path.back().x, path.back().y, 0.0, 0.0};
   std::size_t i = 0;
   while (path[i + 1].time <= t) ++i;
+  const auto secant = [&](std::size_t k, double Waypoint::*axis) {
+    return (path[k + 1].*axis - path[k].*axis) / (path[k + 1].time - path[k].time);
+  };
   const auto slope = [&](std::size_t k, double Waypoint::*axis) {
     if (k == 0 || k + 1 == path.size()) return 0.0;
-    return (path[k + 1].*axis - path[k - 1].*axis) / (path[k + 1].time - path[k - 1].time);
+    const double before = secant(k - 1, axis), after = secant(k, axis);
+    if (before * after <= 0.0) return 0.0;
+    const double h0 = path[k].time - path[k - 1].time, h1 = path[k + 1].time - path[k].time;
+    return 3.0 * (h0 + h1) / ((2.0 * h1 + h0) / before + (h1 + 2.0 * h0) / after);
   };
   const double h = path[i + 1].time - path[i].time;
   const double u = (t - path[i].time) / h, w = 1.0 - u;

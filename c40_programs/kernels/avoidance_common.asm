@@ -34,15 +34,32 @@ AV_CLOSE        .set SCRATCH + 120      ; i 1: something stands close beside the
 AV_PATH_COUNT   .set SCRATCH + 121      ; i pieces of the leg in AV_PATH
 AV_TOTAL        .set SCRATCH + 122      ; f m, length of the leg
 AV_PATH         .set SCRATCH + 128      ; pieces of 8 words: x0, y0, cos, sin of heading0, curvature, length, arc length at its start, 1/curvature
+AV_COUNT        .set SCRATCH + 123      ; i AG_PRODUCED: the time, in points
+AV_RATE         .set SCRATCH + 124      ; f 1/s, of the time since the look that is compared with; 0: there is none
+AV_NEAR_FOUND   .set SCRATCH + 125      ; i points in AV_NEAR
+AV_PIECE        .set SCRATCH + 126      ; i result of avoid_project: address of the piece
 AV_MINIMA       .set SCRATCH + 208      ; per sector: mm to the nearest echo less 1 (FFFFFFFFh: none), its ray
-AV_POINTS       .set SCRATCH + 352      ; per echo AV_POINT_WORDS: range, x, y, along from the vehicle's middle, lateral
-AV_POINT_WORDS  .set 8
+AV_POINTS       .set SCRATCH + 352      ; per echo AV_POINT_WORDS: range, x, y, along from the vehicle's middle, lateral, sector, swing
+AV_POINT_WORDS  .set 7
+AV_SECTORS_MOST .set 72
+AV_NEAR         .set AV_MINIMA          ; i x16 addresses of points, once the minima have become points: the nearest of each four sectors
+AV_NOW          .set AV_MINIMA              ; when the decision is made, this look: i AV_COUNT + 1, f m along the leg of what blocks, f x2 AV_BINS: lateral place nearest to the lane, left, right
+AV_THEN         .set AV_NOW + AV_LOOK_WORDS  ; an earlier one
+AV_BINS         .set 32                 ; of 1.5 m along the leg, modulo 48 m
+AV_LOOK_WORDS   .set 2 + 2 * AV_BINS
+AV_BANK         .set 370h               ; four earlier looks are kept behind what a split task keeps: in each of its halves two, AV_BANK_WORDS apart
+AV_BANK_WORDS   .set 48h
 AV_RANGE        .set 0
 AV_PX           .set 1
 AV_PY           .set 2
 AV_PALONG       .set 3
 AV_PLATERAL     .set 4
 AV_PSECTOR      .set 5                  ; i
+AV_PSWING       .set 6                  ; f m by which the vehicle's ends swing out of a bend there, to the left if positive
+
+        .if AG_WORDS != 100h | SV_WORDS != 800h
+        .error "avoid_bank takes the place of an AGV's looks from that of its area by a shift"
+        .endif
 
 ; R0 = number of sectors, 1 .. 72. Pose, lane and points; R0 <- 0 when there is no sensor.
 avoid_look:
@@ -70,6 +87,8 @@ avoid_look:
         float   *+ar6(AG_AVOID_HOLD), r0
         mpyf    @K_MILLI, r0
         stf     r0, @AV_HOLD
+        ldi     *+ar6(AG_PRODUCED), r0
+        sti     r0, @AV_COUNT
         ldf     @K_AV_NO_LIMIT, r0
         stf     r0, @AV_SPEED
         ldf     0.0, r0
@@ -262,8 +281,7 @@ avoid_piece_straight:
         rets
 
 ; ---- ALONG, ACROSS of the world point R10, R11: its foot on the nearest piece; R0 <- 1, or 0 if none is within K_AV_ACROSS ----
-; On an arc, with u, v in the frame of its start and f = v - k (u^2 + v^2) / 2: lateral = f (1 + g + 2 g^2 + 5 g^3), g = k f / 2, which is
-; (1 - sqrt(1 - 2 k f)) / k to 14 g^4; along = atan2(k u, 1 - k v) / k. Keeps R10, R11, AR3, AR5.
+; On an arc, with u, v in the frame of its start: lateral = (1 - |(k u, 1 - k v)|) / k, along = atan2(k u, 1 - k v) / k. Keeps R10, R11, AR3, AR5.
 avoid_project:
         ldhi    hi16(AV_PATH), ar2
         or      lo16(AV_PATH), ar2
@@ -286,32 +304,22 @@ avoid_project_piece:
         ldf     r4, r0
         ldf     *+ar2(4), r3
         bz      avoid_project_foot
-        mpyf3   r4, r4, r6
-        mpyf3   r5, r5, r7
-        addf    r7, r6
-        mpyf    r3, r6
-        mpyf    0.5, r6
-        subf    r6, r8                          ; f
-        mpyf3   r3, r8, r6
-        mpyf    0.5, r6                         ; g
-        absf    r6, r7
-        cmpf    0.25, r7
-        bgt     avoid_project_next              ; beyond the series, and beyond K_AV_ACROSS for any lane
-        ldf     5.0, r7
-        mpyf    r6, r7
-        addf    2.0, r7
-        mpyf    r6, r7
-        addf    1.0, r7
-        mpyf    r6, r7
-        addf    1.0, r7
-        mpyf    r7, r8                          ; lateral
-        absf    r8, r7
-        cmpf    r9, r7
-        bge     avoid_project_next
-        mpyf3   r3, r4, r0
-        ldf     1.0, r1
+        mpyf3   r3, r4, r6                      ; k u
         mpyf    r3, r5
-        subf    r5, r1
+        ldf     1.0, r7
+        subf    r5, r7                          ; 1 - k v
+        mpyf3   r6, r6, r0
+        mpyf3   r7, r7, r1
+        addf    r1, r0
+        call    m_sqrt
+        ldf     1.0, r8
+        subf    r0, r8
+        mpyf    *+ar2(7), r8                    ; lateral
+        absf    r8, r0
+        cmpf    r9, r0
+        bge     avoid_project_next
+        ldf     r6, r0
+        ldf     r7, r1
         call    m_atan2
         mpyf    *+ar2(7), r0
 avoid_project_foot:
@@ -327,6 +335,7 @@ avoid_project_foot:
         addf    *+ar2(6), r0
         stf     r0, @AV_ALONG
         stf     r8, @AV_ACROSS
+        sti     ar2, @AV_PIECE
         ldf     r7, r9
         ldi     1, ir0
 avoid_project_next:
@@ -379,6 +388,8 @@ avoid_point:
         ldf     @AV_ACROSS, r0
         stf     r0, *+ar5(AV_PLATERAL)
         sti     ar1, *+ar5(AV_PSECTOR)
+        call    avoid_swing
+        stf     r0, *+ar5(AV_PSWING)
         addi    AV_POINT_WORDS, ar5
         ldi     @AV_FOUND, r0
         addi    1, r0
@@ -388,6 +399,51 @@ avoid_point_next:
         addi    1, ar1
         cmpi    @AV_SECTORS, ar1
         blt     avoid_point
+        rets
+
+; R0 <- swing at the point just projected: half the vehicle's length squared / 2 times the curvature, to the outer side; before and behind a bend so much
+; less as the square of the distance from it. Clobbers R1 .. R4, AR0.
+avoid_swing:
+        ldi     @AV_PIECE, ar0
+        ldf     *+ar0(4), r0
+        bz      avoid_swing_straight
+        mpyf    @K_AV_SWING, r0
+        rets
+avoid_swing_straight:
+        ldf     @AV_ALONG, r1
+        subf    *+ar0(6), r1                    ; behind the piece before
+        ldf     *+ar0(5), r2
+        subf    r1, r2                          ; before the next
+        ldf     0.0, r0
+        ldhi    hi16(AV_PATH), ar4
+        or      lo16(AV_PATH), ar4
+        ldi     ar0, r3
+        subi    ar4, r3
+        bz      avoid_swing_next                ; the first piece
+        subi    8, ar0
+        ldf     *+ar0(4), r4
+        call    avoid_swing_end
+        addi    8, ar0
+        ldi     ar0, r3
+        subi    ar4, r3
+avoid_swing_next:
+        lsh     -3, r3
+        addi    1, r3
+        cmpi    @AV_PATH_COUNT, r3
+        retsge                                  ; the last
+        addi    8, ar0
+        ldf     *+ar0(4), r4
+        ldf     r2, r1
+; R0 += the swing R1 metres from a bend of curvature R4.
+avoid_swing_end:
+        subrf   @K_AV_HALF_LENGTH, r1
+        retslt
+        cmpf    @K_AV_HALF_LENGTH, r1
+        ldfgt   @K_AV_HALF_LENGTH, r1
+        mpyf    r1, r1
+        mpyf    -0.5, r1
+        mpyf    r4, r1
+        addf    r1, r0
         rets
 
 ; ---- TARGET: the lane's point R8 metres ahead of the vehicle's middle, in the vehicle's frame ----
@@ -426,8 +482,53 @@ avoid_target_within:
         stf     r0, @AV_TARGET + 1
         rets
 
+; ---- NEAR, NEAR_FOUND: of each four sectors the nearest point, for methods that look at 16. Clobbers R0 .. R5 ----
+avoid_nearest:
+        ldhi    hi16(AV_POINTS), ar1
+        or      lo16(AV_POINTS), ar1
+        ldhi    hi16(AV_NEAR), ar0
+        or      lo16(AV_NEAR), ar0
+        subi    1, ar0
+        ldi     -1, r4                          ; the four sectors of the last one
+        ldi     0, r5
+        ldi     @AV_FOUND, ar2
+        br      avoid_nearest_next
+avoid_nearest_point:
+        ldi     *+ar1(AV_PSECTOR), r3
+        lsh     -2, r3
+        ldf     *+ar1(AV_RANGE), r0
+        cmpi    r4, r3
+        beq     avoid_nearest_same
+        ldi     r3, r4
+        addi    1, r5
+        addi    1, ar0
+        br      avoid_nearest_take
+avoid_nearest_same:
+        cmpf    r2, r0
+        bge     avoid_nearest_after
+avoid_nearest_take:
+        ldf     r0, r2
+        sti     ar1, *ar0
+avoid_nearest_after:
+        addi    AV_POINT_WORDS, ar1
+avoid_nearest_next:
+        subi    1, ar2
+        cmpi    0, ar2
+        bge     avoid_nearest_point
+        sti     r5, @AV_NEAR_FOUND
+        rets
+
 ; ---- the decision: AG_AVOID_LIMIT, AG_AVOID_SHIFT, AG_AVOID_HOLD from SHIFT and SPEED; R0, R1 as a kernel returns them ----
 avoid_decide:
+        call    avoid_side
+        call    avoid_block
+        call    avoid_keep
+        call    avoid_motion
+        br      avoid_speed
+
+; SHIFT <- the shift wanted, or the present one while it must be held; HOLD. What stands so near to the leg's end that the vehicle would not be back
+; in the lane behind it is not passed.
+avoid_side:
         ldf     @AV_SHIFT, r6
         ldf     @K_AV_SHIFT_MOST, r1
         cmpf    r1, r6
@@ -436,21 +537,35 @@ avoid_decide:
         cmpf    r1, r6
         ldflt   r1, r6
         ldf     @AV_HOLD, r7                    ; hold: until the rear is past what stands in the lane
+        ldf     @K_AV_NO_LIMIT, r8              ; the nearest that can be passed
+        ldf     r8, r9                          ; the nearest that cannot
+        ldf     @AV_LEFT, r3
+        subf    @K_AV_HOME_STRAIGHT, r3
+        subf    @K_AV_REAR, r3
         ldhi    hi16(AV_POINTS), ar1
         or      lo16(AV_POINTS), ar1
         ldi     @AV_FOUND, ar2
         br      avoid_hold_next
 avoid_hold_point:
-        absf    *+ar1(AV_PLATERAL), r0
+        ldf     *+ar1(AV_PLATERAL), r0
+        call    avoid_gap
         cmpf    @K_AV_HALF, r0
         bge     avoid_hold_after
         ldf     *+ar1(AV_PALONG), r0
+        cmpf    r3, r0
+        bgt     avoid_hold_late
         cmpf    @K_AV_HOLD_WITHIN, r0
         bge     avoid_hold_after
+        cmpf    r8, r0
+        ldflt   r0, r8
         addf    @AV_S, r0
         addf    @K_AV_REAR, r0
         cmpf    r7, r0
         ldfgt   r0, r7
+        br      avoid_hold_after
+avoid_hold_late:
+        cmpf    r9, r0
+        ldflt   r0, r9
 avoid_hold_after:
         addi    AV_POINT_WORDS, ar1
 avoid_hold_next:
@@ -468,23 +583,20 @@ avoid_hold_next:
         mpyf    r6, r0
         cmpf    0.0, r0
         ldflt   @AV_SHIFT_OLD, r6
+        br      avoid_side_home
 avoid_hold_over:
+        cmpf    r8, r9
+        ldflt   0.0, r6
+avoid_side_home:
         ldf     @AV_LEFT, r0                    ; the end of the leg is in the lane
         cmpf    @K_AV_HOME_STRAIGHT, r0
         ldflt   0.0, r6
         rnd     r6, r6
         stf     r6, @AV_SHIFT
+        rets
 
-; What blocks the way from the present lateral place to the shift; the way's lateral place a ahead is shift + (now - shift) (1 - t)^2 (1 + 2 t), t = a / 15 m.
-        ldf     @K_AV_NO_LIMIT, r7              ; free distance
-        ldi     0, r5
-        sti     r5, @AV_CLOSE
-        ldhi    hi16(AV_POINTS), ar1
-        or      lo16(AV_POINTS), ar1
-        ldi     @AV_FOUND, ar2
-        br      avoid_block_next
-avoid_block_point:
-        ldf     *+ar1(AV_PALONG), r8
+; R1 <- lateral place of the way R8 ahead: shift + (now - shift) (1 - t)^2 (1 + 2 t), t = R8 / 15 m. Clobbers R0, R2.
+avoid_way:
         ldf     r8, r0
         mpyf    @K_AV_BLEND, r0                 ; t
         cmpf    1.0, r0
@@ -496,22 +608,49 @@ avoid_block_point:
         addf    1.0, r2
         mpyf    r2, r1
         ldf     @AV_LATERAL, r2
-        subf    r6, r2
+        subf    @AV_SHIFT, r2
         mpyf    r2, r1
-        addf    r6, r1                          ; the way's lateral place there
-        subf    *+ar1(AV_PLATERAL), r1
-        absf    r1, r1
-        ldf     r8, r0
-        subf    @AV_MOUNT, r0                   ; ahead of the front
-        cmpf    @K_AV_BESIDE, r0
-        blt     avoid_block_after
+        addf    @AV_SHIFT, r1
+        rets
+
+; R0 <- how far the point AR1, R0 m to the left of the way, is from what the vehicle's middle sweeps: |R0|, less the swing on its side. Clobbers R1, R2.
+avoid_gap:
+        mpyf3   *+ar1(AV_PSWING), r0, r1
+        absf    r0, r0
+        cmpf    0.0, r1
+        retsle
+        absf    *+ar1(AV_PSWING), r2
+        subf    r2, r0
+        rets
+
+; R0 <- how far the point AR1 is ahead of the front, along the lane or straight on, whichever is more: outside in a bend the lane's metres are longer.
+avoid_ahead:
+        ldf     *+ar1(AV_PALONG), r0
+        cmpf    *+ar1(AV_PX), r0
+        ldflt   *+ar1(AV_PX), r0
+        subf    @AV_MOUNT, r0
+        rets
+
+; FREE, CLOSE: what blocks the way from the present lateral place to SHIFT.
+avoid_block:
+        ldf     @K_AV_NO_LIMIT, r7              ; free distance
+        ldi     0, r5
+        ldhi    hi16(AV_POINTS), ar1
+        or      lo16(AV_POINTS), ar1
+        ldi     @AV_FOUND, ar2
+        br      avoid_block_next
+avoid_block_point:
+        ldf     *+ar1(AV_PALONG), r8
+        call    avoid_way
+        ldf     *+ar1(AV_PLATERAL), r0
+        subf    r1, r0
+        call    avoid_gap
+        ldf     r0, r1
+        call    avoid_ahead
         cmpf    @K_AV_CLOSE, r1
         bge     avoid_block_after
         cmpf    @K_AV_CLOSE_AHEAD, r0
-        bge     avoid_block_far
-        ldi     1, r5
-        sti     r5, @AV_CLOSE
-avoid_block_far:
+        ldilt   1, r5
         cmpf    @K_AV_HALF, r1
         bge     avoid_block_after
         cmpf    r7, r0
@@ -523,8 +662,229 @@ avoid_block_next:
         cmpi    0, ar2
         bge     avoid_block_point
         stf     r7, @AV_FREE
+        sti     r5, @AV_CLOSE
+        rets
+
+; R1 <- what stopping takes from the present speed: v T + v^2 / (2 B).
+avoid_stopping:
+        ldf     @AV_SPEED_NOW, r0
+        ldf     r0, r1
+        mpyf    @K_DW_HALF_OVER_B, r1
+        addf    @K_AV_T, r1
+        mpyf    r0, r1
+        rets
+
+; Where the way to another shift is blocked too near to stop, and that of the present one 0.5 m less, the present one is kept.
+avoid_keep:
+        ldf     @AV_SHIFT, r6
+        cmpf    @AV_SHIFT_OLD, r6
+        retseq
+        call    avoid_stopping
+        addf    @K_AV_STAND, r1
+        ldf     @AV_FREE, r10
+        cmpf    r1, r10
+        retsge
+        ldi     @AV_CLOSE, r11
+        ldf     @AV_SHIFT_OLD, r0
+        stf     r0, @AV_SHIFT
+        call    avoid_block
+        ldf     r10, r0
+        addf    0.5, r0
+        cmpf    r0, r7
+        retsgt
+        stf     r6, @AV_SHIFT
+        stf     r10, @AV_FREE
+        sti     r11, @AV_CLOSE
+        rets
+
+; ---- what moves: the lateral places of what stands beside the lane are compared with those of some 0.4 s ago (16 to 48 points). What comes nearer
+; so fast that it would be in the way before the rear has passed blocks it now; what comes along the way shortens it by its way while the vehicle stops. ----
+avoid_motion:
+        ldi     @AV_COUNT, r0
+        lsh     -4, r0
+        subi    2, r0
+        call    avoid_bank
+        ldhi    hi16(AV_THEN), ar1
+        or      lo16(AV_THEN), ar1
+        ldi     AV_LOOK_WORDS - 1, rc
+        call    copy_words
+        ldf     0.0, r0
+        stf     r0, @AV_RATE
+        ldi     @AV_COUNT, r0
+        addi    1, r0
+        sti     r0, @AV_NOW
+        ldi     @AV_THEN, r1
+        bz      avoid_motion_new                ; nothing has been kept there
+        subi    r1, r0
+        cmpi    16, r0
+        blt     avoid_motion_new
+        cmpi    48, r0
+        bge     avoid_motion_new
+        float   r0, r0
+        float   *+ar6(AG_PERIOD_US), r1
+        mpyf    @K_MICRO, r1
+        mpyf    r1, r0
+        call    m_reciprocal
+        stf     r0, @AV_RATE
+avoid_motion_new:
+        ldf     @AV_FREE, r0
+        cmpf    @K_AV_NO_LIMIT, r0
+        bge     avoid_motion_free
+        addf    @AV_MOUNT, r0
+        addf    @AV_S, r0
+        rnd     r0, r0
+        stf     r0, @AV_NOW + 1
+        call    avoid_closing
+        br      avoid_motion_clear
+avoid_motion_free:
+        stf     r0, @AV_NOW + 1
+avoid_motion_clear:
+        ldhi    hi16(AV_NOW), ar0
+        or      lo16(AV_NOW), ar0
+        addi    2, ar0
+        ldf     @K_AV_NO_LIMIT, r0
+        rpts    2 * AV_BINS - 1
+        stf     r0, *ar0++
+        ldhi    hi16(AV_POINTS), ar1
+        or      lo16(AV_POINTS), ar1
+        ldi     @AV_FOUND, ar2
+        br      avoid_motion_next
+avoid_motion_point:
+        call    avoid_crossing
+        addi    AV_POINT_WORDS, ar1
+avoid_motion_next:
+        subi    1, ar2
+        cmpi    0, ar2
+        bge     avoid_motion_point
+        ldi     @AV_COUNT, r0
+        lsh     -4, r0
+        call    avoid_bank
+        ldi     ar0, ar1
+        ldhi    hi16(AV_NOW), ar0
+        or      lo16(AV_NOW), ar0
+        ldi     AV_LOOK_WORDS - 1, rc
+        br      copy_words
+
+; FREE less what blocks the way comes nearer while the vehicle stops, for it comes along.
+avoid_closing:
+        ldf     @AV_THEN + 1, r1
+        cmpf    @K_AV_NO_LIMIT, r1
+        retsge
+        subf    @AV_NOW + 1, r1
+        mpyf    @AV_RATE, r1
+        cmpf    @K_AV_MOVES, r1
+        retsle
+        cmpf    @K_AV_MOVES_MOST, r1
+        retsgt                                  ; another thing than before
+        ldf     @AV_SPEED_NOW, r2
+        mpyf    @K_AV_ONE_OVER_B, r2
+        addf    @K_AV_T, r2
+        mpyf    r2, r1
+        ldf     @AV_FREE, r0
+        subf    r1, r0
+        stf     r0, @AV_FREE
+        rets
+
+; The point AR1 into NOW; FREE is shortened if it would come into the way. Keeps AR1, AR2.
+avoid_crossing:
+        ldf     *+ar1(AV_PALONG), r8
+        ldf     r8, r0
+        addf    @AV_S, r0
+        mpyf    @K_AV_ONE_OVER_BIN, r0
+        fix     r0, r3                          ; bin
+        ldf     *+ar1(AV_PLATERAL), r9
+        ldf     1.0, r10                        ; side
+        ldi     2, r4                           ; where its bins begin
+        cmpf    @AV_LATERAL, r9
+        bge     avoid_crossing_left
+        negf    r9, r9
+        negf    r10, r10
+        addi    AV_BINS, r4
+avoid_crossing_left:
+        ldhi    hi16(AV_NOW), ar0
+        or      lo16(AV_NOW), ar0
+        ldi     r3, ir0
+        and     AV_BINS - 1, ir0
+        addi    r4, ir0
+        rnd     r9, r1
+        cmpf    *+ar0(ir0), r1
+        bge     avoid_crossing_then
+        stf     r1, *+ar0(ir0)
+avoid_crossing_then:
+        ldf     @AV_RATE, r0
+        cmpf    0.0, r0
+        retseq
+        ldf     r0, r7
+        call    avoid_ahead
+        ldf     r0, r1
+        ldf     r7, r0                          ; rate
+        ldf     r1, r7                          ; ahead of the front
+        addi    AV_LOOK_WORDS, ar0              ; AV_THEN
+        ldf     *+ar0(ir0), r2                  ; where it was, or its neighbour that was nearest
+        subi    1, r3
+        ldi     r3, ir0
+        and     AV_BINS - 1, ir0
+        addi    r4, ir0
+        cmpf    *+ar0(ir0), r2
+        ldfgt   *+ar0(ir0), r2
+        addi    2, r3
+        ldi     r3, ir0
+        and     AV_BINS - 1, ir0
+        addi    r4, ir0
+        cmpf    *+ar0(ir0), r2
+        ldfgt   *+ar0(ir0), r2
+        cmpf    @K_AV_NO_LIMIT, r2
+        retsge
+        subf    r9, r2
+        mpyf    r0, r2                          ; how fast it comes
+        cmpf    @K_AV_MOVES, r2
+        retsle
+        cmpf    @K_AV_MOVES_MOST, r2
+        ldfgt   @K_AV_MOVES_MOST, r2
+        ldf     r2, r11
+        call    avoid_way
+        ldf     *+ar1(AV_PLATERAL), r0
+        subf    r1, r0
+        call    avoid_gap
+        ldf     r0, r1
+        subf    @K_AV_HALF, r1                  ; how far it is from the way
+        ldf     @AV_SPEED_NOW, r0
+        cmpf    1.0, r0
+        ldflt   1.0, r0
+        mpyf    r0, r1
+        ldf     r7, r0
+        addf    @K_AV_PASSED, r0
+        mpyf    r11, r0                         ; gap / speed there < (ahead + length) / speed here
+        cmpf    r0, r1
+        retsge
+        cmpf    @AV_FREE, r7
+        retsge
+        stf     r7, @AV_FREE
+        rets
+
+; AR0 <- where this AGV's look of slot R0 is kept. Clobbers R0, R1.
+avoid_bank:
+        ldi     r0, r1
+        and     1, r1
+        lsh     10, r1                          ; half
+        and     2, r0
+        bz      avoid_bank_first
+        addi    AV_BANK_WORDS, r1
+avoid_bank_first:
+        ldhi    hi16(WINDOW_A + AG_BASE - AG_WORDS), ar0
+        or      lo16(WINDOW_A + AG_BASE - AG_WORDS), ar0
+        ldi     ar6, r0
+        subi    ar0, r0
+        lsh     3, r0
+        addi    r0, r1
+        ldhi    hi16(WINDOW_A + SV_BASE + AV_BANK), ar0
+        or      lo16(WINDOW_A + SV_BASE + AV_BANK), ar0
+        addi    r1, ar0
+        rets
 
 ; The speed from which braking by B after T ends K_AV_STAND short of it: v = B (sqrt(T^2 + 2 d / B) - T)
+avoid_speed:
+        ldf     @AV_FREE, r7
         ldf     @AV_SPEED, r6
         cmpf    @K_AV_NO_LIMIT, r7
         bge     avoid_speed_close
@@ -538,6 +898,8 @@ avoid_block_next:
         call    m_sqrt
         subf    @K_AV_T, r0
         mpyf    @K_AV_B, r0
+        cmpf    0.125, r0
+        ldflt   0.0, r0                         ; do not creep the last centimetres
 avoid_speed_blocked:
         cmpf    r6, r0
         ldflt   r0, r6

@@ -11,7 +11,7 @@ K_AV_BEHIND         .set $ - LIFT
 K_AV_BEYOND         .set $ - LIFT
                     .float 40.0                 ; straight on behind the end of the leg
 K_AV_ACROSS         .set $ - LIFT
-                    .float 5.0                  ; what stands farther beside the lane does not matter
+                    .float 8.0                  ; what stands farther beside the lane does not matter
 K_AV_OVERLAP_LOW    .set $ - LIFT
                     .float -0.5                 ; pieces of the lane overlap so much, for feet on their joint
 K_AV_HALF           .set $ - LIFT
@@ -26,8 +26,6 @@ K_AV_SHIFTING       .set $ - LIFT
                     .float 0.5                  ; m from the shift wanted: no faster than
 K_AV_SHIFT_SPEED    .set $ - LIFT
                     .float 2.5                  ; m/s
-K_AV_BESIDE         .set $ - LIFT
-                    .float -0.5                 ; of the front: what is behind that has been passed
 K_AV_SHIFT_MOST     .set $ - LIFT
                     .float 2.5
 K_AV_HOLD_WITHIN    .set $ - LIFT
@@ -48,6 +46,20 @@ K_AV_T_SQUARED      .set $ - LIFT
                     .float 0.25
 K_AV_STAND          .set $ - LIFT
                     .float 1.5                  ; distance at which to stand
+K_AV_HALF_LENGTH    .set $ - LIFT
+                    .float 7.4                  ; m, of the vehicle
+K_AV_SWING          .set $ - LIFT
+                    .float -27.38               ; m^2, less half its square: times a curvature, how far the ends swing out
+K_AV_ONE_OVER_B     .set $ - LIFT
+                    .float 1.1111111
+K_AV_ONE_OVER_BIN   .set $ - LIFT
+                    .float 0.6666667            ; 1 / 1.5 m
+K_AV_MOVES          .set $ - LIFT
+                    .float 0.25                 ; m/s: slower things are taken to stand
+K_AV_MOVES_MOST     .set $ - LIFT
+                    .float 3.0                  ; m/s
+K_AV_PASSED         .set $ - LIFT
+                    .float 16.0                 ; m, the vehicle's length and some more
 
 ; potential field
 K_PF_REACH          .set $ - LIFT

@@ -6,27 +6,29 @@
 DW_SAMPLES      .set 11
 DW_STEPS        .set 10
 DW_DISCS        .set 16
-DW_SPOTS        .set SCRATCH + 512          ; -2 x, -2 y of each disc
-DW_SQUARES      .set SCRATCH + 544          ; x^2 + y^2 of each
-DW_LANE         .set SCRATCH + 560          ; per curvature: W_lane times its end's distance from the lane
-DW_SIDE         .set SCRATCH + 592          ; per curvature: m by which its end lies left of the lane's point
-DW_V0           .set SCRATCH + 576          ; m/s, slowest of the window, and between two
-DW_DV           .set SCRATCH + 577
-DW_BEND         .set SCRATCH + 578          ; 1/m, the lane's curvature
-DW_V            .set SCRATCH + 579          ; of the sample
-DW_K            .set SCRATCH + 580
-DW_CLEAR        .set SCRATCH + 581          ; least squared distance of the arc from a disc, m^2
-DW_FREE         .set SCRATCH + 582          ; m of arc before a disc is met, K_AV_NO_LIMIT if none is
-DW_BEST         .set SCRATCH + 583
-DW_BEST_V       .set SCRATCH + 584
-DW_BEST_SIDE    .set SCRATCH + 585          ; m, its DW_SIDE
-DW_MET          .set SCRATCH + 586          ; i, some arc meets something
-DW_I            .set SCRATCH + 587          ; i, speed
-DW_J            .set SCRATCH + 588          ; i, curvature
-DW_LEAST        .set SCRATCH + 589          ; m^2, least of DW_CLEAR
+DW_SECTORS      .set 64
+DW_SPOTS        .set SCRATCH + 856          ; -2 x, -2 y of each disc
+DW_SQUARES      .set SCRATCH + 888          ; x^2 + y^2 of each
+DW_LANE         .set SCRATCH + 904          ; per curvature: W_lane times its end's distance from the lane
+DW_SIDE         .set SCRATCH + 934          ; per curvature: m by which its end lies left of the lane's point
+DW_V0           .set SCRATCH + 920          ; m/s, slowest of the window, and between two
+DW_DV           .set SCRATCH + 921
+DW_BEND         .set SCRATCH + 922          ; 1/m, the lane's curvature
+DW_V            .set SCRATCH + 923          ; of the sample
+DW_K            .set SCRATCH + 924
+DW_CLEAR        .set SCRATCH + 925          ; least squared distance of the arc from a disc, m^2
+DW_FREE         .set SCRATCH + 926          ; m of arc before a disc is met, K_AV_NO_LIMIT if none is
+DW_BEST         .set SCRATCH + 927
+DW_BEST_V       .set SCRATCH + 928
+DW_BEST_SIDE    .set SCRATCH + 929          ; m, its DW_SIDE
+DW_MET          .set SCRATCH + 930          ; i, some arc meets something
+DW_I            .set SCRATCH + 931          ; i, speed
+DW_J            .set SCRATCH + 932          ; i, curvature
+DW_LEAST        .set SCRATCH + 933          ; m^2, least of DW_CLEAR
+DW_END          .set DW_SIDE + DW_SAMPLES
 
 kernel_avoidance_dwa:
-        ldi     DW_DISCS, r0
+        ldi     DW_SECTORS, r0
         call    avoid_look
         cmpi    0, r0
         beq     avoid_nothing
@@ -73,8 +75,9 @@ dwa_decide:
         br      avoid_decide
 
 dwa_discs:
-        ldhi    hi16(AV_POINTS), ar0
-        or      lo16(AV_POINTS), ar0
+        call    avoid_nearest
+        ldhi    hi16(AV_NEAR), ar3
+        or      lo16(AV_NEAR), ar3
         ldhi    hi16(DW_SPOTS), ar1
         or      lo16(DW_SPOTS), ar1
         ldhi    hi16(DW_SQUARES), ar2
@@ -83,11 +86,11 @@ dwa_discs:
 dwa_disc:
         ldf     @K_DW_FAR, r0
         ldf     0.0, r1
-        cmpi    @AV_FOUND, r4
+        cmpi    @AV_NEAR_FOUND, r4
         bge     dwa_disc_far
+        ldi     *ar3++, ar0
         ldf     *+ar0(AV_PX), r0
         ldf     *+ar0(AV_PY), r1
-        addi    AV_POINT_WORDS, ar0
 dwa_disc_far:
         mpyf3   r0, r0, r2
         mpyf3   r1, r1, r3

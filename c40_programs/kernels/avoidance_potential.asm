@@ -1,21 +1,23 @@
-; Sub-process 5 as a potential field: each of the 16 nearest echoes (one per sector of 11 degrees) repels by k (1/d - 1/d0)/d^2, limited, turned by 60
+; Sub-process 5 as a potential field: each of the 16 nearest echoes (one per 11 degrees) repels by k (1/d - 1/d0)/d^2, limited, turned by 60
 ; degrees towards the side on which the vehicle passes, so that no obstacle straight ahead holds it in a minimum. What the forces sum to across
 ; the vehicle, over the spring that draws it to its lane, is the shift; what they sum to along it slows it down.
 
-PF_SECTORS      .set 16
+PF_SECTORS      .set 64
 
 kernel_avoidance_potential:
         ldi     PF_SECTORS, r0
         call    avoid_look
         cmpi    0, r0
         beq     avoid_nothing
+        call    avoid_nearest
         ldf     0.0, r10                        ; sum across, left positive
         ldf     0.0, r11                        ; sum along
-        ldhi    hi16(AV_POINTS), ar1
-        or      lo16(AV_POINTS), ar1
-        ldi     @AV_FOUND, ar2
+        ldhi    hi16(AV_NEAR), ar3
+        or      lo16(AV_NEAR), ar3
+        ldi     @AV_NEAR_FOUND, ar2
         br      potential_next
 potential_point:
+        ldi     *ar3++, ar1
         ldf     *+ar1(AV_RANGE), r0
         cmpf    0.5, r0
         ldflt   0.5, r0
@@ -53,7 +55,6 @@ potential_left:                                 ; -(cos, sin) turned: along = -c
         mpyf    r3, r4
         addf    r4, r11                         ; against the motion
 potential_after:
-        addi    AV_POINT_WORDS, ar1
 potential_next:
         subi    1, ar2
         cmpi    0, ar2

@@ -10,7 +10,7 @@
 SL_LEFT         .set SCRATCH + 1000             ; i units of work still to be done in this block
 SL_ROWS         .set SCRATCH + 1001             ; i rows of the bay
 SL_DWA          .set SCRATCH + 96               ; what the dynamic window needs: points, discs, the best so far
-SL_DWA_WORDS    .set 508
+SL_DWA_WORDS    .set DW_END - SL_DWA
 SL_IDENTIFY     .set ID_ROW                     ; what identify needs between two rows
 SL_IDENTIFY_WORDS .set 26
 SL_GRAB_WORDS   .set 172                        ; SCRATCH from the start: what the grab path needs between its routes
@@ -94,7 +94,7 @@ kernel_avoidance_dwa_sliced:
         call    slice_units
         ldi     @TASK + TB_SLICE, r0
         bnz     slice_dwa_on
-        ldi     DW_DISCS, r0
+        ldi     DW_SECTORS, r0
         call    avoid_look
         cmpi    0, r0
         beq     avoid_nothing

@@ -366,6 +366,14 @@ void bind_dock(py::module_& m) {
       .def("agv_speed", [](Dock& d, int i, std::int64_t t) { return d.agv_speed(i, ps(t)); })
       .def("agv_status", [](Dock& d, int i, std::int64_t t) { return d.agv_status(i, ps(t)); })
       .def("agv_range", [](Dock& d, int i, int ray, std::int64_t t) { return d.agv_range(i, ray, ps(t)); })
+      .def(
+          "agv_scan",
+          [](Dock& d, int i, std::int64_t t) {
+            std::vector<std::int32_t> rays(range_rays);
+            for (int ray = 0; ray < range_rays; ++ray) rays[static_cast<std::size_t>(ray)] = d.agv_range(i, ray, ps(t));
+            return rays;
+          },
+          "agv_range of every ray")
       .def("range_scan", [](Dock& d, int i, std::int64_t t) { return d.range_scan(i, ps(t)); })
       .def_property_readonly("range_mount", &Dock::range_mount)
       .def("agv_period", [](Dock& d, int i, std::uint32_t us, std::int64_t t) { d.agv_period(i, us, ps(t)); })

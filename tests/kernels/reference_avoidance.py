@@ -8,12 +8,24 @@ from dataclasses import dataclass
 import numpy as np
 from reference_agv import Segment, pose_at, wrap
 
-AHEAD, BEHIND, BEYOND, ACROSS = 45.0, -15.0, 40.0, 5.0  # m
-HALF, CLOSE, CLOSE_AHEAD, CLOSE_SPEED, BESIDE = 1.9, 2.4, 12.0, 2.0, -0.5
+AHEAD, BEHIND, BEYOND, ACROSS = 45.0, -15.0, 40.0, 8.0  # m
+HALF, CLOSE, CLOSE_AHEAD, CLOSE_SPEED = 1.9, 2.4, 12.0, 2.0
 SHIFT_MOST, HOLD_WITHIN, REAR, HOME, BLEND = 2.5, 25.0, 9.0, 25.0, 15.0
-B, T, STAND = 0.9, 0.5, 1.5
+B, T, STAND, CREEP = 0.9, 0.5, 1.5, 0.125
 SHIFTING, SHIFT_SPEED = 0.5, 2.5
 REACH, FASTEST = 25.0, 6.0
+MOVES, MOVES_MOST, BIN, BINS, PASSED = 0.25, 3.0, 1.5, 32, 16.0
+NOTHING = 1000.0
+HALF_LENGTH = 7.4
+
+
+@dataclass
+class Look:
+    """What is kept of a look: what blocks the way, m along the leg, and per bin of the leg the lateral place nearest to the lane, to the left and (negated) to the right."""
+
+    count: int
+    block: float
+    sides: tuple[list[float], list[float]]
 
 
 @dataclass
@@ -33,6 +45,9 @@ class View:
     curvature: float
     shift: float
     hold: float
+    count: int = 8
+    period: float = 0.02
+    then: Look | None = None  # the look two slots of 16 points before
 
 
 @dataclass
@@ -43,6 +58,7 @@ class Echo:
     along: float
     lateral: float
     sector: int
+    swing: float
 
 
 def pieces(view: View) -> list[tuple[float, Segment]]:
@@ -55,9 +71,27 @@ def pieces(view: View) -> list[tuple[float, Segment]]:
     return [*out, (start, Segment(x, y, h, BEYOND, 0.0, 0.0))]
 
 
-def project(view: View, x: float, y: float) -> tuple[float, float] | None:
-    best: tuple[float, float] | None = None
-    for start, g in pieces(view):
+def swing(view: View, n: int, along: float) -> float:
+    """By how much the ends swing out, to the left, where piece n is `along` from the leg's start."""
+    path = pieces(view)
+    start, g = path[n]
+    if g.curvature:
+        return -(HALF_LENGTH**2) / 2 * g.curvature
+    ends = [(along - start, path[n - 1][1].curvature)] if n else []
+    if n + 1 < len(path):
+        ends.append((start + g.length - along, path[n + 1][1].curvature))
+    return sum(-max(0.0, min(HALF_LENGTH, HALF_LENGTH - d)) ** 2 / 2 * k for d, k in ends)
+
+
+def clear(e: Echo, place: float) -> float:
+    """How far an echo is from what the vehicle's middle sweeps at that lateral place."""
+    off = e.lateral - place
+    return abs(off) - (abs(e.swing) if off * e.swing > 0 else 0.0)
+
+
+def project(view: View, x: float, y: float) -> tuple[float, float, int] | None:
+    best: tuple[float, float, int] | None = None
+    for n, (start, g) in enumerate(pieces(view)):
         if g.curvature == 0:
             along = math.cos(g.heading) * (x - g.x) + math.sin(g.heading) * (y - g.y)
             lateral = math.cos(g.heading) * (y - g.y) - math.sin(g.heading) * (x - g.x)
@@ -67,7 +101,7 @@ def project(view: View, x: float, y: float) -> tuple[float, float] | None:
             lateral = r - sign * math.hypot(x - cx, y - cy)
             along = wrap(math.atan2(sign * (x - cx), -sign * (y - cy)) - g.heading) * r
         if -0.5 <= along <= g.length + 0.5 and abs(lateral) < min(ACROSS, abs(best[1]) if best else ACROSS):
-            best = (start + along, lateral)
+            best = (start + along, lateral, n)
     return best
 
 
@@ -77,9 +111,10 @@ class Lane:
     def __init__(self, view: View, sectors: int) -> None:
         self.view = view
         foot = project(view, view.x, view.y)
-        self.s, self.lateral = foot or (view.s, 0.0)
+        self.s, self.lateral = foot[:2] if foot else (view.s, 0.0)
         self.left = sum(g.length for g in view.segments) - self.s
         self.echoes: list[Echo] = []
+        self.look: Look | None = None  # what decide keeps
         n = len(view.rays)
         c, s = math.cos(view.heading), math.sin(view.heading)
         for k in range(sectors):
@@ -91,7 +126,7 @@ class Lane:
             x, y = view.mount + r * math.cos(angle), r * math.sin(angle)
             at = project(view, view.x + c * x - s * y, view.y + s * x + c * y)
             if at:
-                self.echoes.append(Echo(r, x, y, at[0] - self.s, at[1], k))
+                self.echoes.append(Echo(r, x, y, at[0] - self.s, at[1], k, swing(view, at[2], at[0])))
 
     def target(self, ahead: float) -> tuple[float, float]:
         s = self.s + ahead
@@ -105,29 +140,82 @@ class Lane:
         return c * dx + si * dy, c * dy - si * dx
 
 
-def decide(lane: Lane, shift: float, speed: float) -> tuple[float | None, float, float]:
-    """Limit (None: none), shift, hold."""
+def side(lane: Lane, shift: float) -> tuple[float, float]:
+    """Shift, hold."""
     view = lane.view
     shift = max(-SHIFT_MOST, min(SHIFT_MOST, shift))
-    hold = max([view.hold, *(lane.s + e.along + REAR for e in lane.echoes if abs(e.lateral) < HALF and e.along < HOLD_WITHIN)])
-    if hold > lane.s and (abs(shift) < abs(view.shift) or shift * view.shift < 0):
-        shift = view.shift
-    if lane.left < HOME:
+    inside = [e.along for e in lane.echoes if clear(e, 0.0) < HALF]
+    passable = [a for a in inside if a <= lane.left - HOME - REAR and a < HOLD_WITHIN]
+    late = [a for a in inside if a > lane.left - HOME - REAR]
+    hold = max([view.hold, *(lane.s + a + REAR for a in passable)])
+    if hold > lane.s:
+        if abs(shift) < abs(view.shift) or shift * view.shift < 0:
+            shift = view.shift
+    elif late and min(late) < min(passable, default=NOTHING):
         shift = 0.0
+    return (0.0 if lane.left < HOME else shift), hold
+
+
+def way(lane: Lane, shift: float, along: float) -> float:
+    t = min(along / BLEND, 1.0)
+    return shift + (lane.lateral - shift) * (1 - t) ** 2 * (1 + 2 * t)
+
+
+def block(lane: Lane, shift: float) -> tuple[float, bool]:
     free, close = math.inf, False
     for e in lane.echoes:
-        t = min(e.along / BLEND, 1.0)
-        gap = abs(shift + (lane.lateral - shift) * (1 - t) ** 2 * (1 + 2 * t) - e.lateral)
-        ahead = e.along - view.mount
-        if ahead < BESIDE or gap >= CLOSE:
+        gap = clear(e, way(lane, shift, e.along))
+        ahead = max(e.along, e.x) - lane.view.mount
+        if gap >= CLOSE:
             continue
         close |= ahead < CLOSE_AHEAD
         if gap < HALF:
             free = min(free, ahead)
+    return free, close
+
+
+def motion(lane: Lane, shift: float, free: float) -> tuple[float, Look]:
+    """The free distance, shortened by what comes into the way or along it; this look."""
+    view, then = lane.view, lane.view.then
+    rate = 0.0
+    if then is not None and 16 <= view.count - then.count < 48:
+        rate = 1 / ((view.count - then.count) * view.period)
+    now = Look(view.count, NOTHING, ([NOTHING] * BINS, [NOTHING] * BINS))
+    if free < math.inf:
+        now.block = lane.s + view.mount + free
+        if then is not None and rate and then.block < NOTHING and MOVES < (then.block - now.block) * rate <= MOVES_MOST:
+            free -= (then.block - now.block) * rate * (T + view.speed / B)
+    for e in lane.echoes:
+        n, sign, k = math.floor((lane.s + e.along) / BIN), (1 if e.lateral >= lane.lateral else -1), int(e.lateral < lane.lateral)
+        place, ahead = sign * e.lateral, max(e.along, e.x) - view.mount
+        now.sides[k][n % BINS] = min(now.sides[k][n % BINS], place)
+        if then is None or not rate:
+            continue
+        before = min(then.sides[k][(n + d) % BINS] for d in (-1, 0, 1))
+        speed = min((before - place) * rate, MOVES_MOST)
+        if before >= NOTHING or speed <= MOVES:
+            continue
+        gap = clear(e, way(lane, shift, e.along)) - HALF
+        if gap / speed < (ahead + PASSED) / max(view.speed, 1.0):
+            free = min(free, ahead)
+    return free, now
+
+
+def decide(lane: Lane, shift: float, speed: float) -> tuple[float | None, float, float]:
+    """Limit (None: none), shift, hold."""
+    view = lane.view
+    shift, hold = side(lane, shift)
+    free, close = block(lane, shift)
+    if shift != view.shift and free < view.speed * T + view.speed**2 / (2 * B) + STAND:
+        other, other_close = block(lane, view.shift)
+        if other > free + 0.5:
+            shift, free, close = view.shift, other, other_close
+    free, lane.look = motion(lane, shift, free)
     if free < math.inf:
         # v T + v^2 / (2 B) = what is left
         left = max(0.0, free - STAND)
-        speed = min(speed, float(max(np.roots([1 / (2 * B), T, -left]).real)))
+        stoppable = float(max(np.roots([1 / (2 * B), T, -left]).real))
+        speed = min(speed, stoppable if stoppable >= CREEP else 0.0)
     if close:
         speed = min(speed, CLOSE_SPEED)
     if abs(shift - lane.lateral) > SHIFTING:
@@ -135,10 +223,19 @@ def decide(lane: Lane, shift: float, speed: float) -> tuple[float | None, float,
     return (None if speed == math.inf else speed), shift, hold
 
 
-def potential(view: View) -> tuple[float | None, float, float]:
-    lane = Lane(view, 16)
-    total = np.zeros(2)
+def nearest(lane: Lane) -> list[Echo]:
+    """Of each four sectors the nearest."""
+    groups: dict[int, Echo] = {}
     for e in lane.echoes:
+        if e.sector // 4 not in groups or e.range < groups[e.sector // 4].range:
+            groups[e.sector // 4] = e
+    return list(groups.values())
+
+
+def potential(view: View) -> tuple[float | None, float, float]:
+    lane = Lane(view, 64)
+    total = np.zeros(2)
+    for e in nearest(lane):
         d = max(e.range, 0.5)
         force = min((1 / d - 1 / REACH) / d**2, 1e-4)
         if force <= 0:
@@ -182,8 +279,9 @@ def vfh(view: View) -> tuple[float | None, float, float]:
 
 
 def dynamic_window(view: View) -> tuple[float | None, float, float]:
-    lane = Lane(view, 16)
-    spots = np.array([[e.x, e.y] for e in lane.echoes] + [[1000.0, 0.0]] * (16 - len(lane.echoes)))
+    lane = Lane(view, 64)
+    near = nearest(lane)
+    spots = np.array([[e.x, e.y] for e in near] + [[1000.0, 0.0]] * (16 - len(near)))
     slow, fast = max(0.0, view.speed - 1.5), min(FASTEST, view.speed + 0.75)
     goal = np.array(lane.target(view.mount + 12.0))
     best, met, least = (-math.inf, math.nan, math.nan), False, math.inf
@@ -197,13 +295,13 @@ def dynamic_window(view: View) -> tuple[float | None, float, float]:
             headings = k * way * (np.arange(10) + 0.5)
             ahead = np.stack([np.cos(headings), np.sin(headings)], axis=1)
             fronts = np.cumsum(way * ahead, axis=0) + view.mount * ahead
-            near = np.min(np.linalg.norm(fronts[:, None] - spots[None], axis=2), axis=1)
-            least = min(least, float(near.min()))
-            if (near < HALF).any():
+            far = np.min(np.linalg.norm(fronts[:, None] - spots[None], axis=2), axis=1)
+            least = min(least, float(far.min()))
+            if (far < HALF).any():
                 met = True
-                if v * T + v * v / (2 * B) > way * int(np.argmax(near < HALF)) - STAND:
+                if v * T + v * v / (2 * B) > way * int(np.argmax(far < HALF)) - STAND:
                     continue
-            score = 0.5 * v + min(float(near.min()) - HALF, 2.0) - 0.6 * float(np.linalg.norm(end - goal))
+            score = 0.5 * v + min(float(far.min()) - HALF, 2.0) - 0.6 * float(np.linalg.norm(end - goal))
             if score > best[0]:
                 best = (score, v, float(end[1] - goal[1]))
     if not met and least >= 2.5:

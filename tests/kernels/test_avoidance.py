@@ -9,17 +9,17 @@ from itertools import pairwise
 
 import pytest
 from avoidance_loop import RANGE, Drive, drive, machine, show
-from harness_agv import Dsp, from_ti, signed, to_ti
+from harness_agv import WINDOW_A, Dsp, from_ti, signed, to_ti
 from lanes import chain, loop
 from range_scene import FIRST, MOST, MOUNT, STEP, Disc, Scene
 from reference_agv import Segment, pose_at
-from reference_avoidance import METHODS, View
+from reference_avoidance import BINS, METHODS, NOTHING, Lane, Look, View, motion
 from test_inverse_agv import measure
 from test_trajectory_agv import set_leg
 
 # plant-and-bus.md 2.2; with a scene full of echoes a method may cost up to twice its estimate (VFH projects up to 72 echoes onto the lane)
 ESTIMATE = {"avoidance_potential": 1_200, "avoidance_vfh": 9_000, "avoidance_dwa": 150_000}
-WORST = {"avoidance_potential": 6_500, "avoidance_vfh": 26_000, "avoidance_dwa": 230_000}
+WORST = {"avoidance_potential": 26_000, "avoidance_vfh": 36_000, "avoidance_dwa": 250_000}
 # Singles of at most 60 m: 4e-6 m each, some ten of them; the lane's arcs to 1 mm where it is decided (2.4 m beside a lane of 12 m radius), which the
 # forces and angles turn into at most 2 mm of shift or mm/s; integers to the nearest half.
 BOUND = 3.5  # mm, mm/s
@@ -55,13 +55,30 @@ def random_view(r: random.Random) -> View:
         if r.random() < 0.05:
             rays[i] = 0  # an echo that was missed
     shift = r.choice([0.0, 0.0, -1.2, 0.8, 2.5])
-    return View(x, y, heading, r.randrange(0, 6000) / 1e3, [None if m in (0, MOST) else m / 1e3 for m in rays], FIRST / 1e6, STEP / 1e6, MOUNT / 1e3,
-                segments, s, from_ti(to_ti(segment.curvature)), shift, round(s + r.uniform(-10, 10), 3))  # fmt: skip
+    view = View(x, y, heading, r.randrange(0, 6000) / 1e3, [None if m in (0, MOST) else m / 1e3 for m in rays], FIRST / 1e6, STEP / 1e6, MOUNT / 1e3,
+                segments, s, from_ti(to_ti(segment.curvature)), shift, round(s + r.uniform(-10, 10), 3), count=2 * r.randrange(30, 500), period=r.choice([0.02, 0.032]))  # fmt: skip
+    if r.random() < 0.7:
+        # What is seen now stood elsewhere before: nearer to the lane, farther, or not at all.
+        now = motion(Lane(view, 72), 0.0, math.inf)[1]
+        kept = ([p if p == NOTHING else from_ti(to_ti(p + r.choice([0.0, 0.0, 0.3, 1.0, -0.5]))) for p in places] for places in now.sides)
+        block = r.choice([NOTHING, from_ti(to_ti(s + r.uniform(10, 30)))])
+        view.then = Look(((view.count >> 4) - 2 << 4) + r.randrange(16), block, (next(kept), next(kept)))
+    return view
+
+
+def bank_of(dsp: Dsp, slot: int) -> int:
+    """Where the look of a slot of 16 points is kept: beside what a split task of AGV 0 keeps."""
+    s = dsp.symbols
+    return WINDOW_A + s["SV_BASE"] + s["SV_WORDS"] + s["AV_BANK"] + slot % 2 * 0x400 + slot // 2 % 2 * s["AV_BANK_WORDS"]
 
 
 def run(dsp: Dsp, kernel: str, view: View) -> tuple[float | None, float, float, int, int]:
     set_leg(dsp, 1, view.segments)
-    dsp.put("AG_PRODUCED", 8)
+    dsp.put("AG_PRODUCED", view.count)
+    dsp.put("AG_PERIOD_US", round(view.period * 1e6))
+    bank = bank_of(dsp, (view.count >> 4) - 2)
+    for i, word in enumerate([0] * (2 + 2 * BINS) if view.then is None else [view.then.count + 1, *map(to_ti, (view.then.block, *view.then.sides[0], *view.then.sides[1]))]):
+        dsp.chip.poke(bank + i, word)
     dsp.put("AG_TRAJECTORY", view.s, 8)
     dsp.put("AG_POINT", view.curvature, 8 + 6)
     dsp.put("AG_AVOID_SHIFT", round(view.shift * 1e3))
