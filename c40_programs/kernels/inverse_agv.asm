@@ -175,12 +175,16 @@ inverse_agv_gains:
 inverse_agv_speed:
         ldf     @IA_ALONG, r2
         ldf     @IA_POINT + 5, r0               ; distance left
-        bnz     inverse_agv_moving
+        bnz     inverse_agv_under_way
         absf    r2, r3
         cmpf    @K_IA_AT_SPOT, r3
         bge     inverse_agv_moving
         ldi     0, r0                           ; at the end of the leg: stand
         br      inverse_agv_command
+inverse_agv_under_way:                          ; stopped by avoidance: stand where it is, there is no sensor behind
+        ldi     0, r0
+        ldf     @IA_SPEED, r1
+        bz      inverse_agv_command
 inverse_agv_moving:
         ldf     @K_IA_ALONG, r0
         mpyf    r2, r0

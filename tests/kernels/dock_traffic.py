@@ -101,8 +101,8 @@ def outline(x: float, y: float, heading: float, length: float = 14.8, width: flo
     return np.stack([x + c * u.ravel() - s * v.ravel(), y + s * u.ravel() + c * v.ravel()], axis=1)
 
 
-def could_prevent(course: Course, contact: float, other: Callable[[float], np.ndarray]) -> bool:
-    """`other`: points of what was hit, at a time."""
+def could_prevent(course: Course, contact: float, other: Callable[[float], np.ndarray], vehicle: bool) -> bool:
+    """`other`: points of what was hit, at a time. That another vehicle may turn or brake has to be reckoned with."""
     if abs(course.at(contact - 0.02)[3]) < 0.05:
         return False
     times = course.time[course.time <= contact]
@@ -117,10 +117,12 @@ def could_prevent(course: Course, contact: float, other: Callable[[float], np.nd
         c, s = math.cos(heading), math.sin(heading)
         ahead = c * (before[:, 0] - x) + s * (before[:, 1] - y) - MOUNT
         aside = c * (before[:, 1] - y) - s * (before[:, 0] - x)
-        if ((ahead > 0) & (np.hypot(ahead, aside) < REACH)).any() and float(np.abs(before + (points - other(t - 0.1)) / 0.1 * back - points).max()) < 0.3:
+        if ((ahead > 0) & (np.hypot(ahead, aside) < REACH)).any() and (vehicle and back == 0.0 or float(np.abs(before + (points - other(t - 0.1)) / 0.1 * back - points).max()) < 0.3):
             break
     else:
         return False
+    if vehicle:
+        return True
     rate = (points - other(t - 0.1)) / 0.1
     foreseen = points + rate * (contact - t)
     return float(np.abs(foreseen - other(contact)).max()) < 0.75
@@ -143,6 +145,6 @@ def preventable(collisions: Sequence[tuple[float, int, int]], courses: Sequence[
             body = outline(x, y, heading)
             nearest = min(movers, key=lambda m: np.linalg.norm(body - np.array(_core.plant.mover_place(m, time)[:2]), axis=1).min() - m.radius)
             pairs = [(agv, disc(nearest))]
-        if any(could_prevent(courses[k], time, points) for k, points in pairs):
+        if any(could_prevent(courses[k], time, points, other >= 0) for k, points in pairs):
             found.append((time, agv, other))
     return found

@@ -157,7 +157,7 @@ def inverse(
     k = point.curvature_ahead - LATERAL_RATIO * stiff**2 * lateral - stiff * math.sin(heading + turned - point.heading - drift)
     front = max(-STEER_LIMIT, min(STEER_LIMIT, math.atan(WHEELBASE * k / 2.0)))
     v = max(SLOWEST, min(FASTEST, v_ref + ALONG_GAIN * along))
-    if point.left == 0.0 and abs(along) < AT_SPOT:
+    if abs(along) < AT_SPOT if point.left == 0.0 else v_ref == 0.0:
         v = 0.0
     return Command(v, front, along, lateral)
 

@@ -46,6 +46,8 @@ def test_set_points_agree_with_the_reference(dsp: Dsp) -> None:
         words = [rng.uniform(-60, 60), rng.uniform(-60, 60), heading, 0.0, rng.uniform(0, 6), rng.uniform(0.1, 80), rng.uniform(-0.1, 0.1)]
         if at_end:
             words[4] = words[5] = 0.0
+        elif rng.random() < 0.1:
+            words[4] = 0.0  # stopped on the way
         words = [from_ti(to_ti(w)) for w in words]
         for i, value in enumerate(words):
             dsp.put("AG_POINT", value, (k & 1) * 8 + i)
