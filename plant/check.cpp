@@ -43,19 +43,6 @@ void check(const LandingParameters& p) {
   refuse(!(p.away > p.near), "landing's away must be more than its near", p.away);
 }
 
-void check(const AgvParameters& p) {
-  require_positive({{"an AGV's mass", p.mass}, {"an AGV's length", p.length}, {"an AGV's width", p.width}, {"an AGV's front", p.front},
-                    {"an AGV's rear", p.rear}, {"an AGV's yaw_inertia", p.yaw_inertia}, {"an AGV's deck_height", p.deck_height},
-                    {"an AGV's cornering", p.cornering}, {"an AGV's adhesion", p.adhesion}, {"an AGV's steer_rate", p.steer_rate},
-                    {"an AGV's steer_lag", p.steer_lag}, {"an AGV's drive_lag", p.drive_lag}, {"an AGV's acceleration", p.acceleration},
-                    {"an AGV's braking", p.braking}, {"an AGV's emergency", p.emergency}, {"an AGV's blend_speed", p.blend_speed},
-                    {"an AGV's track", p.track}, {"an AGV's wheel_slip", p.wheel_slip}});
-  require_not_negative({{"an AGV's rolling", p.rolling}, {"an AGV's drag", p.drag}, {"an AGV's speed_gain", p.speed_gain},
-                        {"an AGV's speed_integral", p.speed_integral},
-                        {"an AGV's protective_margin", p.protective_margin}});
-  refuse(!(p.steer_limit > 0.0 && p.steer_limit < 1.5), "an AGV's steer_limit must be above 0 and below 1.5 rad", p.steer_limit);
-}
-
 void check(const Mover& m, std::size_t index) {
   const auto bad = [index](const char* what) { throw std::invalid_argument(fmt::format("plant: mover {} {}", index, what)); };
   if (!(m.radius > 0.0 && m.height > 0.0 && std::isfinite(m.radius + m.height))) bad("needs a positive radius and height");
@@ -156,6 +143,19 @@ void check_containers(const DockConfig& c) {
 
 void refuse(bool bad, const char* what, double value) {
   if (bad) throw std::invalid_argument(fmt::format("plant: {} (got {})", what, value));
+}
+
+void check(const AgvParameters& p) {
+  require_positive({{"an AGV's mass", p.mass}, {"an AGV's length", p.length}, {"an AGV's width", p.width}, {"an AGV's front", p.front},
+                    {"an AGV's rear", p.rear}, {"an AGV's yaw_inertia", p.yaw_inertia}, {"an AGV's deck_height", p.deck_height},
+                    {"an AGV's cornering", p.cornering}, {"an AGV's adhesion", p.adhesion}, {"an AGV's steer_rate", p.steer_rate},
+                    {"an AGV's steer_lag", p.steer_lag}, {"an AGV's drive_lag", p.drive_lag}, {"an AGV's acceleration", p.acceleration},
+                    {"an AGV's braking", p.braking}, {"an AGV's emergency", p.emergency}, {"an AGV's blend_speed", p.blend_speed},
+                    {"an AGV's track", p.track}, {"an AGV's wheel_slip", p.wheel_slip}});
+  require_not_negative({{"an AGV's rolling", p.rolling}, {"an AGV's drag", p.drag}, {"an AGV's speed_gain", p.speed_gain},
+                        {"an AGV's speed_integral", p.speed_integral},
+                        {"an AGV's protective_margin", p.protective_margin}});
+  refuse(!(p.steer_limit > 0.0 && p.steer_limit < 1.5), "an AGV's steer_limit must be above 0 and below 1.5 rad", p.steer_limit);
 }
 
 void check(const CraneParameters& p) {

@@ -5,6 +5,7 @@
 namespace plant {
 
 void check(const CraneParameters&);
+void check(const AgvParameters&);
 void check(const WindParameters&);
 void check(const DockConfig&);
 

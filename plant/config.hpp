@@ -22,7 +22,7 @@ struct DriveParameters {
   double rated_speed = 157.0;  // motor rad/s
   double gear;                 // motor rad per joint unit (rad or m)
   double rotor_inertia;        // kg m2, motor side
-  double efficiency = 0.88;    // of the gear, in both directions
+  double efficiency = 0.88;    // of the gear
   double torque_lag = 3e-3;    // s, first-order current loop
   double coulomb = 0.03;       // F_c as a share of the rated joint force gear * rated_torque
   double stribeck = 1.3;       // F_s / F_c
@@ -56,6 +56,7 @@ struct CraneParameters {
   double spreader_mass = 10e3;  // kg with headblock
   double spreader_inertia = 1.25e5;  // kg m2 about the vertical
   double sway_damping = 0.007;  // share of critical, of both sway angles
+  bool gear_losses = false;  // gears lose where the load drives, too: the motor's torque is divided by the efficiency there; else multiplied always
   bool stiction = false;    // dry friction is exact: joints stick below F_s and break away; else it is smoothed by the tanh
   Joints lower = {-60.0, -6.2831853071795862, 0.3490658503988659, 4.0, -6.2831853071795862};
   Joints upper = {60.0, 6.2831853071795862, 1.3962634015954636, 60.0, 6.2831853071795862};

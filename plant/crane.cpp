@@ -258,6 +258,13 @@ CraneVector Crane::solve(const CraneMatrix& m, const CraneVector& b, unsigned lo
   return x;
 }
 
+double Crane::gear_force(std::size_t joint, double torque, double v) const {
+  const DriveParameters& d = p_.drives[joint];
+  if (!p_.gear_losses) return d.gear * d.efficiency * torque;
+  const double toward = std::copysign(1.0, torque) * tanh(v / (d.smooth_speed * d.rated_joint_speed()));
+  return 0.5 * d.gear * torque * ((1.0 / d.efficiency + d.efficiency) - (1.0 / d.efficiency - d.efficiency) * toward);
+}
+
 double Crane::static_friction(int joint) const {
   const auto& drive = p_.drives[static_cast<std::size_t>(joint)];
   return std::max(drive.stribeck, 1.0) * drive.coulomb * drive.rated_force();

@@ -47,6 +47,9 @@ class Crane {
   // Friction force of an actuated joint at joint speed v, opposing it. sliding: 0 smooths dry friction about v = 0; 1 and -1 take it
   // whole, for a joint that is known to slide in that direction (stiction).
   double friction(int joint, double v, int sliding = 0) const;
+  // What a motor's torque (N m, behind the lag) does at its joint behind the gear, N or N m: gear times efficiency times torque, as
+  // plant-and-bus.md 1.3 has it; with gear_losses gear / efficiency where the load drives the motor, smooth about rest.
+  double gear_force(std::size_t joint, double torque, double v) const;
   double static_friction(int joint) const;  // F_s, N or N m: what a stuck joint withstands
   // Viscous sway coefficients, N m s/rad, for the present rope.
   double sway_damping(double l, double mass) const;

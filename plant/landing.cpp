@@ -371,8 +371,11 @@ Landing::Outcome Landing::step(DockState& s, const Crane& crane, double seconds)
   s.landing.contacts = result.contacts;
   if (result.contacts > 0 && !s.landing.touched) {
     s.landing.touched = outcome.touched = true;
-    outcome.vertical = -velocity[2];
-    outcome.horizontal = std::sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1]);
+    Vector3 against = velocity;  // what lies below may ride on a ship
+    const Vector3 middle = s.landing.body.position + Frame(s.landing.body.turn)(Vector3{0.0, 0.0, shape(s).corners[0][2]});
+    if (const Solid* below = support(middle[0], middle[1], middle[2])) against = against - Vector3{below->vx, below->vy, below->vz};
+    outcome.vertical = -against[2];
+    outcome.horizontal = std::sqrt(against[0] * against[0] + against[1] * against[1]);
   }
   outcome.clear = result.contacts == 0 && forces.taut;
   return outcome;

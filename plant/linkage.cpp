@@ -146,11 +146,51 @@ struct Linkage::Model {
   }
 };
 
-Linkage::Linkage(const LinkageParameters& p, double tolerance) : model_(std::make_unique<Model>(p)), tolerance_(tolerance) {
+// IDA with what it needs, made once: stepping allocates nothing.
+struct Linkage::Solver {
+  SundialsContext context;
+  SundialsVector y{size, context}, yd{size, context};
+  SundialsCall call;
+  SundialsSolvers solvers;
+  struct Memory {
+    void* memory;
+    ~Memory() { IDAFree(&memory); }
+  } ida{IDACreate(context.context)};
+
+  Solver(Model& model, double tolerance) {
+    if (ida.memory == nullptr) throw std::runtime_error("plant: IDACreate failed");
+    solvers.make_dense(size, y.vector, context);
+    SundialsVector kind(size, context), absolute(size, context);
+    for (std::size_t i = 0; i < size; ++i) {
+      kind.data()[i] = i < 6 ? 1.0 : 0.0;
+      absolute.data()[i] = tolerance * 0.1;
+    }
+    require(IDASetErrHandlerFn(ida.memory, keep_message, &call), call, "IDASetErrHandlerFn");
+    require(IDAInit(ida.memory, &Model::residual, 0.0, y.vector, yd.vector), call, "IDAInit");
+    require(IDASetUserData(ida.memory, &model), call, "IDASetUserData");
+    require(IDASVtolerances(ida.memory, tolerance, absolute.vector), call, "IDASVtolerances");
+    require(IDASetId(ida.memory, kind.vector), call, "IDASetId");
+    require(IDASetSuppressAlg(ida.memory, SUNTRUE), call, "IDASetSuppressAlg");
+    require(IDASetMaxNumSteps(ida.memory, 1'000'000), call, "IDASetMaxNumSteps");
+    require(IDASetLinearSolver(ida.memory, solvers.linear, solvers.matrix), call, "IDASetLinearSolver");
+  }
+
+  // From y, yd as they stand.
+  void run(double seconds) {
+    require(IDAReInit(ida.memory, 0.0, y.vector, yd.vector), call, "IDAReInit");
+    require(IDASetInitStep(ida.memory, std::min(1e-4, 0.1 * seconds)), call, "IDASetInitStep");
+    require(IDASetStopTime(ida.memory, seconds), call, "IDASetStopTime");
+    double reached = 0.0;
+    require(IDASolve(ida.memory, seconds, &reached, y.vector, yd.vector, IDA_NORMAL), call, "IDASolve");
+  }
+};
+
+Linkage::Linkage(const LinkageParameters& p, double tolerance) : model_(std::make_unique<Model>(p)) {
   for (const double x : {p.jib, p.jib_mass, p.fly, p.fly_mass, p.back, p.tie, p.tie_mass})
     if (!(x > 0.0 && std::isfinite(x))) throw std::invalid_argument(fmt::format("plant: lengths and masses of a linkage must be positive (got {})", x));
   if (!(p.load >= 0.0 && std::isfinite(p.load))) throw std::invalid_argument(fmt::format("plant: a linkage's load must not be negative (got {})", p.load));
   if (!(tolerance >= 1e-12 && tolerance <= 1e-3)) throw std::invalid_argument(fmt::format("plant: tolerance must be 1e-12 to 1e-3 (got {})", tolerance));
+  solver_ = std::make_unique<Solver>(*model_, tolerance);
 }
 Linkage::~Linkage() = default;
 
@@ -183,47 +223,26 @@ void Linkage::advance(double torque, double seconds) {
   if (seconds == 0.0) return;
   Model& m = *model_;
   m.torque = torque;
-  const SundialsContext context;
-  SundialsVector y(size, context), yd(size, context), kind(size, context), absolute(size, context);
+  double* const y = solver_->y.data();
+  double* const yd = solver_->yd.data();
   Three wd{};
   Two lambda{};
   m.accelerate(angle_, rate_, wd, lambda);
   for (std::size_t k = 0; k < 3; ++k) {
-    y.data()[k] = angle_[k];
-    y.data()[3 + k] = rate_[k];
-    yd.data()[k] = rate_[k];
-    yd.data()[3 + k] = wd[k];
+    y[k] = angle_[k];
+    y[3 + k] = yd[k] = rate_[k];
+    yd[3 + k] = wd[k];
   }
-  for (std::size_t i = 0; i < 2; ++i) y.data()[6 + i] = lambda[i] / m.scale;
-  for (std::size_t i = 0; i < size; ++i) {
-    kind.data()[i] = i < 6 ? 1.0 : 0.0;
-    absolute.data()[i] = tolerance_ * 0.1;
+  for (std::size_t i = 0; i < 2; ++i) {
+    y[6 + i] = lambda[i] / m.scale;
+    yd[6 + i] = 0.0;
   }
-  SundialsCall call;
-  SundialsSolvers solvers;
-  solvers.make_dense(size, y.vector, context);
-  struct Memory {
-    void* memory;
-    ~Memory() { IDAFree(&memory); }
-  } ida{IDACreate(context.context)};
-  if (ida.memory == nullptr) throw std::runtime_error("plant: IDACreate failed");
-  require(IDASetErrHandlerFn(ida.memory, keep_message, &call), call, "IDASetErrHandlerFn");
-  require(IDAInit(ida.memory, &Model::residual, 0.0, y.vector, yd.vector), call, "IDAInit");
-  require(IDASetUserData(ida.memory, &m), call, "IDASetUserData");
-  require(IDASVtolerances(ida.memory, tolerance_, absolute.vector), call, "IDASVtolerances");
-  require(IDASetId(ida.memory, kind.vector), call, "IDASetId");
-  require(IDASetSuppressAlg(ida.memory, SUNTRUE), call, "IDASetSuppressAlg");
-  require(IDASetInitStep(ida.memory, std::min(1e-4, 0.1 * seconds)), call, "IDASetInitStep");
-  require(IDASetMaxNumSteps(ida.memory, 1'000'000), call, "IDASetMaxNumSteps");
-  require(IDASetStopTime(ida.memory, seconds), call, "IDASetStopTime");
-  require(IDASetLinearSolver(ida.memory, solvers.linear, solvers.matrix), call, "IDASetLinearSolver");
-  double reached = 0.0;
-  require(IDASolve(ida.memory, seconds, &reached, y.vector, yd.vector, IDA_NORMAL), call, "IDASolve");
+  solver_->run(seconds);
   for (std::size_t k = 0; k < 3; ++k) {
-    angle_[k] = y.data()[k];
-    rate_[k] = y.data()[3 + k];
+    angle_[k] = y[k];
+    rate_[k] = y[3 + k];
   }
-  for (std::size_t i = 0; i < 2; ++i) force_[i] = y.data()[6 + i] * m.scale;
+  for (std::size_t i = 0; i < 2; ++i) force_[i] = y[6 + i] * m.scale;
 }
 
 std::array<double, 2> Linkage::nose() const {

@@ -47,8 +47,9 @@ class Linkage {
   struct Model;  // for IDA's callback
 
  private:
+  struct Solver;
   std::unique_ptr<Model> model_;
-  double tolerance_;
+  std::unique_ptr<Solver> solver_;
   Angles angle_{}, rate_{};
   std::array<double, 2> force_{};
 };

@@ -32,7 +32,7 @@ CraneVector CraneMotion::applied_force(const CraneVector& q, const CraneVector& 
     const auto k = static_cast<std::size_t>(joint_coordinate[j]);
     if ((in.locked >> k & 1U) != 0) continue;
     const auto& drive = p.drives[j];
-    force[k] += drive.gear * drive.efficiency * torque[j] - crane_.friction(static_cast<int>(j), qd[k], in.sliding[j]);
+    force[k] += crane_.gear_force(j, torque[j], qd[k]) - crane_.friction(static_cast<int>(j), qd[k], in.sliding[j]);
     // A slipping brake: full force above a thousandth of rated speed, where it will be taken to hold.
     if (in.braked[j]) force[k] -= drive.brake * drive.rated_force() * tanh(qd[k] / (1e-3 * drive.rated_joint_speed()));
   }
@@ -141,7 +141,7 @@ void CraneMotion::booked_derivative(void* data, const double* y, double* yd) {
     const auto& drive = self.crane_.parameters().drives[j];
     const double power = drive.gear * state.torque[j] * state.qd[k];
     rate[0] += power;
-    rate[1] += (1.0 - drive.efficiency) * power;
+    rate[1] += power - self.crane_.gear_force(j, state.torque[j], state.qd[k]) * state.qd[k];
   }
   // What the joints' losses take is what is missing between the forces with and without them.
   const CraneVector force = self.applied_force(state.q, state.qd, state.torque, in);
@@ -192,8 +192,7 @@ CraneVector CraneMotion::holding_force(const CraneState& state, const CraneInput
 }
 
 double CraneMotion::sticking_force(const CraneState& state, const CraneInputs& in, std::size_t joint) const {
-  const auto& drive = crane_.parameters().drives[joint];
-  return holding_force(state, in)[static_cast<std::size_t>(joint_coordinate[joint])] - drive.gear * drive.efficiency * state.torque[joint];
+  return holding_force(state, in)[static_cast<std::size_t>(joint_coordinate[joint])] - crane_.gear_force(joint, state.torque[joint], 0.0);
 }
 
 void CraneMotion::stop(CraneState& state, const CraneInputs& inputs, std::size_t k) const {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "plant/agv_alone.hpp"
 #include "plant/contact.hpp"
 #include "plant/crane.hpp"
 #include "plant/crane_alone.hpp"
@@ -38,7 +39,7 @@ void bind_crane_parameters(py::module_& m) {
       .def_property_readonly("rated_joint_speed", &DriveParameters::rated_joint_speed);
   py::native_enum<Machine>(m, "Machine", "enum.Enum").value("slewing", Machine::slewing).value("gantry", Machine::gantry).finalize();
   m.def("gantry_crane", &gantry_crane, "parameters of a ship-to-shore gantry");
-  py::class_<CraneParameters>(m, "CraneParameters")
+  py::class_<CraneParameters>(m, "CraneParameters", "Geometry (m), masses (kg, kg m2), limits and drives of a crane (plant-and-bus.md 1.4, docs/plant.md).")
       .def(py::init<>())
       .def_readwrite("machine", &CraneParameters::machine)
       .def_readwrite("a0", &CraneParameters::a0)
@@ -54,13 +55,14 @@ void bind_crane_parameters(py::module_& m) {
       .def_readwrite("spreader_mass", &CraneParameters::spreader_mass)
       .def_readwrite("spreader_inertia", &CraneParameters::spreader_inertia)
       .def_readwrite("sway_damping", &CraneParameters::sway_damping)
+      .def_readwrite("gear_losses", &CraneParameters::gear_losses)
       .def_readwrite("stiction", &CraneParameters::stiction)
       .def_readwrite("lower", &CraneParameters::lower)
       .def_readwrite("upper", &CraneParameters::upper)
       .def_property(
           "drives", [](CraneParameters& p) { return std::vector<DriveParameters>(p.drives.begin(), p.drives.end()); },
           [](CraneParameters& p, const std::array<DriveParameters, joint_count>& drives) { p.drives = drives; });
-  py::class_<CranePose>(m, "CranePose")
+  py::class_<CranePose>(m, "CranePose", "Gantry s and the middle of the spreader's underside x, y, z, m; its yaw, rad.")
       .def(py::init<double, double, double, double, double>(), py::arg("s"), py::arg("x"), py::arg("y"), py::arg("z"),
            py::arg("yaw"))
       .def_readwrite("s", &CranePose::s)
@@ -144,7 +146,8 @@ void bind_motion(py::module_& m) {
 #define FIELD(T, name) .def_readwrite(#name, &T::name)
 
 void bind_config(py::module_& m) {
-  py::class_<LandingParameters>(m, "LandingParameters")
+  py::class_<LandingParameters>(m, "LandingParameters", "The payload near contact (level L2) and the landing: N, N/m, N s/m, m, rad, s (plant-and-bus.md 1.3, 1.5).")
+      .def(py::init<>())
       FIELD(LandingParameters, fall_stiffness) FIELD(LandingParameters, fall_damping)
       FIELD(LandingParameters, fall_spread_x) FIELD(LandingParameters, fall_spread_y)
       FIELD(LandingParameters, yaw_stiffness) FIELD(LandingParameters, yaw_damping)
@@ -159,7 +162,8 @@ void bind_config(py::module_& m) {
       .value("steered", AgvDrive::steered)
       .value("differential", AgvDrive::differential)
       .finalize();
-  py::class_<AgvParameters>(m, "AgvParameters")
+  py::class_<AgvParameters>(m, "AgvParameters", "A container transporter: kg, m, kg m2, N/rad, rad, s, m/s2 (plant-and-bus.md 1.4, 1.5).")
+      .def(py::init<>())
       FIELD(AgvParameters, mass) FIELD(AgvParameters, length) FIELD(AgvParameters, width) FIELD(AgvParameters, front)
       FIELD(AgvParameters, rear) FIELD(AgvParameters, yaw_inertia) FIELD(AgvParameters, deck_height)
       FIELD(AgvParameters, cornering) FIELD(AgvParameters, adhesion) FIELD(AgvParameters, rolling)
@@ -168,21 +172,22 @@ void bind_config(py::module_& m) {
       FIELD(AgvParameters, braking) FIELD(AgvParameters, emergency) FIELD(AgvParameters, blend_speed)
       FIELD(AgvParameters, speed_gain) FIELD(AgvParameters, speed_integral) FIELD(AgvParameters, drive) FIELD(AgvParameters, track)
       FIELD(AgvParameters, wheel_slip) FIELD(AgvParameters, protective_field) FIELD(AgvParameters, protective_margin);
-  py::class_<SensorParameters>(m, "SensorParameters")
+  py::class_<SensorParameters>(m, "SensorParameters", "Sway sensor (rad) and range sensors (Hz, probability); seed of their noise (plant-and-bus.md 1.4, 1.5).")
       .def(py::init<>())
       FIELD(SensorParameters, sway_range) FIELD(SensorParameters, sway_noise) FIELD(SensorParameters, seed)
       FIELD(SensorParameters, range_rate) FIELD(SensorParameters, range_dropout);
-  py::class_<WindParameters>(m, "WindParameters")
+  py::class_<WindParameters>(m, "WindParameters", "Mean and gusts in m/s, whither in rad, drag area in m2, seed.")
       .def(py::init<>())
       FIELD(WindParameters, mean) FIELD(WindParameters, gust) FIELD(WindParameters, direction)
       FIELD(WindParameters, area) FIELD(WindParameters, seed);
-  py::class_<ShipMotion>(m, "ShipMotion")
+  py::class_<ShipMotion>(m, "ShipMotion", "A moored ship: scale of its motion, m that it rises per kg that leaves it, seed (plant-and-bus.md 1.5).")
+      .def(py::init<>())
       FIELD(ShipMotion, scale) FIELD(ShipMotion, draught) FIELD(ShipMotion, seed);
   m.def("wind_speed", &wind_speed, py::arg("wind"), py::arg("seconds"));
-  py::class_<Box>(m, "Box")
+  py::class_<Box>(m, "Box", "A box in the world, m.")
       .def(py::init<double, double, double, double, double, double>())
       FIELD(Box, x_min) FIELD(Box, x_max) FIELD(Box, y_min) FIELD(Box, y_max) FIELD(Box, z_min) FIELD(Box, z_max);
-  py::class_<Waypoint>(m, "Waypoint")
+  py::class_<Waypoint>(m, "Waypoint", "Where a mover is, m, at a time, s.")
       .def(py::init<double, double, double>(), py::arg("time"), py::arg("x"), py::arg("y"))
       FIELD(Waypoint, time) FIELD(Waypoint, x) FIELD(Waypoint, y);
   py::class_<Mover>(m, "Mover", "An upright cylinder that follows its waypoints; with one of them it stands.")
@@ -198,18 +203,20 @@ void bind_config(py::module_& m) {
            py::arg("mass"))
       FIELD(ContainerPlace, x) FIELD(ContainerPlace, y) FIELD(ContainerPlace, z) FIELD(ContainerPlace, yaw)
       FIELD(ContainerPlace, mass);
-  py::class_<LaneSegment>(m, "LaneSegment")
+  py::class_<LaneSegment>(m, "LaneSegment", "A line or arc of lane driven forward: from x, y (m) and heading (rad), length m, curvature 1/m (left positive), speed m/s.")
       .def(py::init<double, double, double, double, double, double>(), py::arg("x"), py::arg("y"), py::arg("heading"),
            py::arg("length"), py::arg("curvature"), py::arg("speed"))
       FIELD(LaneSegment, x) FIELD(LaneSegment, y) FIELD(LaneSegment, heading) FIELD(LaneSegment, length)
       FIELD(LaneSegment, curvature) FIELD(LaneSegment, speed);
-  py::class_<Pose>(m, "Pose").def(py::init<double, double, double>(), py::arg("x"), py::arg("y"), py::arg("heading"))
+  py::class_<Pose>(m, "Pose", "m and rad.").def(py::init<double, double, double>(), py::arg("x"), py::arg("y"), py::arg("heading"))
       FIELD(Pose, x) FIELD(Pose, y) FIELD(Pose, heading);
-  py::class_<Layout>(m, "Layout")
+  py::class_<Layout>(m, "Layout", "What stands where on the dock, m and rad (docs/plant.md, A layout of one's own).")
+      .def(py::init<>())
       FIELD(Layout, deck) FIELD(Layout, rows) FIELD(Layout, scan_x0) FIELD(Layout, scan_dx) FIELD(Layout, containers)
       FIELD(Layout, ship) FIELD(Layout, no_go) FIELD(Layout, movers) FIELD(Layout, spot) FIELD(Layout, warehouse) FIELD(Layout, warehouse_radius)
       FIELD(Layout, warehouse_take) FIELD(Layout, slot_spacing) FIELD(Layout, legs);
-  py::class_<DockConfig>(m, "DockConfig")
+  py::class_<DockConfig>(m, "DockConfig", "A dock's configuration; default_dock() is the one to begin with.")
+      .def(py::init<>())
       FIELD(DockConfig, crane) FIELD(DockConfig, landing) FIELD(DockConfig, agv) FIELD(DockConfig, sensors) FIELD(DockConfig, wind) FIELD(DockConfig, ship)
       FIELD(DockConfig, layout) FIELD(DockConfig, agv_count) FIELD(DockConfig, home) FIELD(DockConfig, tolerance)
       FIELD(DockConfig, signal_decimation) FIELD(DockConfig, method) FIELD(DockConfig, rigid) FIELD(DockConfig, collisions) FIELD(DockConfig, rated_load) FIELD(DockConfig, drive_timeout);
@@ -267,6 +274,23 @@ void bind_alone(py::module_& m) {
         const CraneSensitivity s = c.sensitivity(torque, seconds);
         return std::tuple{s.q_by_mass, s.qd_by_mass, s.q_by_length, s.qd_by_length};
       }, py::arg("torques"), py::arg("seconds"));
+}
+
+void bind_agv_alone(py::module_& m) {
+  py::class_<AgvState>(m, "AgvState", "Everything that a vehicle's future depends on; opaque.");
+  py::class_<AgvAlone>(m, "AgvAlone", "An AGV without a dock.")
+      .def(py::init<const AgvParameters&, const Pose&, double>(), py::arg("parameters"), py::arg("start"), py::arg("tolerance") = 1e-8)
+      .def(
+          "step", [](AgvAlone& a, double speed, double front, double rear, double turn, double dt) { a.step({speed, front, rear, turn}, dt); },
+          py::arg("speed"), py::arg("front"), py::arg("rear"), py::arg("turn"), py::arg("dt"))
+      .def("set_load", &AgvAlone::set_load, py::arg("mass"), py::arg("inertia"))
+      .def("reset", &AgvAlone::reset, py::arg("pose"))
+      .def_property_readonly("y", [](const AgvAlone& a) { return a.state().y; })
+      .def_property_readonly("standing", [](const AgvAlone& a) { return a.state().standing; })
+      .def_property_readonly("time", &AgvAlone::time)
+      .def("snapshot", [](const AgvAlone& a) { return std::pair{a.state(), a.time()}; })
+      .def("restore", &AgvAlone::restore, py::arg("state"), py::arg("time"))
+      .def("energy", &AgvAlone::energy);
 }
 
 Time ps(std::int64_t t) { return Time{t}; }
@@ -461,6 +485,7 @@ void bind_plant(py::module_& core) {
   bind_motion(m);
   bind_config(m);
   bind_alone(m);
+  bind_agv_alone(m);
   bind_records(m);
   bind_dock(m);
   bind_contact(m);

@@ -1,0 +1,31 @@
+#pragma once
+// An AGV without a dock: set-points are given and held, no FIFO, nothing to run into.
+#include "plant/agv.hpp"
+
+namespace plant {
+
+class AgvAlone {
+ public:
+  // Throws std::invalid_argument for a vehicle that cannot be, a pose that is no number, a tolerance not within 1e-13 .. 1e-3.
+  AgvAlone(const AgvParameters&, const Pose& start, double tolerance);
+
+  // Goes on for so many seconds (0 to 60; the drive's loop looks every 10 ms) with this set-point held. Throws std::invalid_argument.
+  void step(const AgvSetPoint&, double seconds);
+  // What it carries, kg and kg m2 about the vertical; its momentum is kept. Throws std::invalid_argument.
+  void set_load(double mass, double inertia);
+  void reset(const Pose&);
+  void restore(const AgvState&, double time);
+
+  const AgvState& state() const { return state_; }
+  double time() const { return time_; }  // s
+  double energy() const;                 // J, kinetic
+
+ private:
+  AgvParameters p_;
+  AgvMotion motion_;
+  AgvState state_;
+  double time_ = 0.0;
+  double since_tick_ = 0.0;  // s, of the drive's loop
+};
+
+}  // namespace plant
