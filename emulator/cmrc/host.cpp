@@ -203,6 +203,7 @@ void Host::acquire() {
 }
 
 void Host::semaphore_read(Word taken) {
+  if (holder_) take_from_holder(taken == 0);
   if (taken == 0) {
     ledger_.list_held(now_);
     if (!pointer_in_doubt_ || linked_.empty()) {

@@ -124,6 +124,7 @@ class Host : public machine::HostProgram, private Desk {
   void semaphore_read(Word taken);
   void held_read(Word microseconds);
   void holder_read(Word owner);
+  void take_from_holder(bool taken);
   void try_again();
   void claimed_before(Word pointer);
   void relink();
@@ -172,6 +173,7 @@ class Host : public machine::HostProgram, private Desk {
   Word fence_ = 0xFFFFFFFF;
   std::array<std::int64_t, 32> renewed_{};  // refresh at which a slot was last reset by the host
   std::optional<unsigned> suspect_;         // owner of the block whose flag is being read again
+  std::optional<unsigned> holder_;          // of the list, fenced off, from which it is being taken
   Liveness liveness_;
   std::map<std::pair<Word, Robot>, std::int64_t> drops_;  // of a kind and robot, in a row
   std::map<JobKind, std::int64_t> longest_;  // longest runs in refreshes, at least as configured

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cmrc/host.hpp"
 
@@ -32,7 +33,7 @@ void Host::owner_read(Word owner) {
 
 void Host::verdict_read(Word flag) {
   if (flag == words_.flag_done) {  // late, but in time
-    if (suspect_) fence_ |= Word{1} << *suspect_, port_->write(words_.fence_mask, fence_);
+    if (suspect_) renew(*suspect_);  // it may have begun its next claim, and words of that were refused
     step_ = Step::result;
     port_->read(words_.block(flags_.front()) + words_.result, 2, 0);
     return;
@@ -158,18 +159,23 @@ void Host::held_read(Word microseconds) {
   port_->read(words_.semaphore_owner + words_.semaphore_list - words_.semaphore, 1, 0);
 }
 
-// The holder is fenced off and reset before the list is freed: it must not go on with its claim when it wakes.
+// The holder is fenced off; then the host gets the list, unless it has just been released to another, and resets whom it has fenced off: that
+// one must not go on with its claim when it wakes.
 void Host::holder_read(Word owner) {
-  const bool known = owner >= 1 && owner <= renewed_.size();
-  if (known) fence_off(owner - 1);
-  port_->write(words_.semaphore_list, Word{0});
-  if (known) renew(owner - 1);
+  if (owner < 1 || owner > renewed_.size()) return try_again();  // released meanwhile
+  holder_ = owner - 1;
+  fence_off(*holder_);
+  acquire();
+}
+
+void Host::take_from_holder(bool taken) {
+  const unsigned slot = *std::exchange(holder_, std::nullopt);
+  renew(slot);
+  if (!taken) return;
   ++counts_.semaphores_freed;
   pointer_in_doubt_ = true;
-  note(EventKind::semaphore, {0, 2, owner, 0, 0});
-  listener_.failure({now_, known ? std::optional<unsigned>(owner - 1) : std::nullopt, "semaphore",
-                     fmt::format("the list was held for {} us and was freed by the host", held_for_)});
-  try_again();
+  note(EventKind::semaphore, {0, 2, slot + 1, 0, 0});
+  listener_.failure({now_, slot, "semaphore", fmt::format("the list was held for {} us and was freed by the host", held_for_)});
 }
 
 }  // namespace cmrc

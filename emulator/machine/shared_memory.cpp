@@ -49,11 +49,13 @@ pci::Answer SharedRegisters::answer(pci::Address offset, unsigned, bool write, c
   return answers(base + offset, write, is_host(access.agent)) ? pci::Answer::accept : pci::Answer::abort;
 }
 
+// The host also gets what a DSP holds that is fenced off, in one step: were it freed first, a DSP that polls could come in between.
 Word SharedRegisters::acquire(unsigned number, const pci::Access& access) {
   const unsigned owner = owner_of(access.agent);
   Semaphore& semaphore = semaphores_[number];
   const bool fenced = !is_host(access.agent) && fence_.closed(access.agent - 1);
-  if (semaphore.owner != 0 || fenced) {
+  const bool orphaned = is_host(access.agent) && semaphore.owner != 0 && semaphore.owner != owner && fence_.closed(semaphore.owner - 1U);
+  if ((semaphore.owner != 0 && !orphaned) || fenced) {
     client_.semaphore_event(number, SemaphoreEvent::refused, owner, access.clock);
     return 1;
   }

@@ -87,6 +87,15 @@ def test_an_ideal_run_computes_what_the_real_one_does() -> None:
         assert ideal.report["tracking"][joint]["rms"] == pytest.approx(error["rms"], rel=0.05, abs=2e-6)
 
 
+def test_an_ideal_run_is_at_the_limit_of_instant_execution() -> None:
+    # If time still counted, DSPs that take two thirds of it per cycle would control differently.
+    slow, fast = (cmrc.run(dsps=2, duration_s=0.5, ideal=True, dsp_clock=clock).report for clock in ("C40-40", "C40-60"))
+    assert slow["tasks"]["pid"]["response_ps"]["worst"] > 1.3 * fast["tasks"]["pid"]["response_ps"]["worst"]
+    for joint, error in slow["tracking"].items():
+        assert fast["tracking"][joint]["rms"] == pytest.approx(error["rms"], rel=1e-6), joint
+    assert fast["control_cost"]["cost_m2s"] == pytest.approx(slow["control_cost"]["cost_m2s"], rel=1e-6)
+
+
 def test_nothing_of_the_machine_fails_in_an_ideal_run_and_drives_do() -> None:
     events = [{"at_s": 0.01, "action": "fail", "dsp": 0}, {"at_s": 0.01, "action": "fail_drive", "joint": "hoist"}]
     result = cmrc.run(dsps=1, duration_s=0.02, ideal=True, events=events)

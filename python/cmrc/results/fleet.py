@@ -26,7 +26,7 @@ class Parameters:
     agvs: tuple[int, ...] = (1, 2, 3)
     agv_speed_m_s: float = 3.0
     dsps: int = 1
-    duration_s: float = 700.0
+    duration_s: float = 550.0
     seeds: tuple[int, ...] = (1, 2)
     wind_gust_m_s: float = 2.0
     """What differs between the seeds, besides the sway sensor's noise."""
