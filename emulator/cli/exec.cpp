@@ -116,8 +116,9 @@ class Run {
         return {"limit", fmt::format("--max-cycles reached at {:08X}h", chip_.pc()), until_ ? run_failed : success};
       case c40::StopInfo::Reason::external_access:
         return {"external_access",
-                fmt::format("{} at {:08X}h from PC {:08X}h: that is a bus window, and exec has no bus behind it",
-                            stop.access.write ? "write" : "read", stop.access.address, chip_.pc()),
+                fmt::format("{}{} at {:08X}h from PC {:08X}h: that is a bus window, and exec has no bus behind it",
+                            stop.access.channel < 0 ? "" : fmt::format("DMA channel {}: ", stop.access.channel), stop.access.write ? "write" : "read",
+                            stop.access.address, chip_.pc()),
                 run_failed};
       case c40::StopInfo::Reason::fault:
         return {"fault",

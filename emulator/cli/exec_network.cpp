@@ -130,16 +130,16 @@ std::vector<c40::Word> words_of(const Network& network, const Dump& dump) {
   return words;
 }
 
-bool failed(const Network& network, const machine::NetworkStop& stop) {
-  if (stop.reason == machine::NetworkStop::Reason::deadlock) return true;
-  for (std::size_t n = 0; n < network.chip_count(); ++n)
-    if (network.status(n) == ChipStatus::fault || network.status(n) == ChipStatus::external_access) return true;
-  return false;
+std::size_t faults(const Network& network) {
+  std::size_t count = 0;
+  for (std::size_t n = 0; n < network.chip_count(); ++n) count += network.status(n) == ChipStatus::fault || network.status(n) == ChipStatus::external_access;
+  return count;
 }
 
-std::string sentence(const machine::NetworkStop& stop) {
+std::string sentence(const Network& network, const machine::NetworkStop& stop) {
+  const std::size_t failed = faults(network);
   switch (stop.reason) {
-    case machine::NetworkStop::Reason::ended: return "every chip has ended";
+    case machine::NetworkStop::Reason::ended: return failed == 0 ? "every chip has ended" : fmt::format("every chip has ended, {} of them in a fault", failed);
     case machine::NetworkStop::Reason::deadlock: return "nothing can happen any more, and chips wait";
     case machine::NetworkStop::Reason::limit: return "--max-cycles reached";
   }
@@ -149,7 +149,7 @@ std::string sentence(const machine::NetworkStop& stop) {
 double microseconds(machine::Time time) { return static_cast<double>(time.count()) * 1e-6; }
 
 void print_text(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps, const Watched& watched, bool peripherals) {
-  fmt::print("stop: {}: {} ({:.3f} us)\n", name(stop.reason), sentence(stop), microseconds(stop.time));
+  fmt::print("stop: {}: {} ({:.3f} us)\n", name(stop.reason), sentence(network, stop), microseconds(stop.time));
   for (std::size_t n = 0; n < network.chip_count(); ++n) {
     const c40::Chip& chip = network.chip(n);
     const std::string& called = network.chip_name(n);
@@ -198,7 +198,7 @@ Json chip_json(const Network& network, std::size_t n) {
 }
 
 void print_json(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps, const Watched& watched, bool peripherals) {
-  Json root = {{"stop", {{"reason", name(stop.reason)}, {"message", sentence(stop)}, {"time_ps", stop.time.count()}}}};
+  Json root = {{"stop", {{"reason", name(stop.reason)}, {"message", sentence(network, stop)}, {"time_ps", stop.time.count()}}}};
   root["chips"] = Json::array();
   for (std::size_t n = 0; n < network.chip_count(); ++n) {
     Json chip = chip_json(network, n);
@@ -252,7 +252,7 @@ int exec_network(const ExecOptions& options) {
   }
   (options.json ? print_json : print_text)(network, stop, dumps, watched, options.peripherals);
   if (stop.reason == machine::NetworkStop::Reason::limit && options.until) return run_failed;
-  return failed(network, stop) ? run_failed : success;
+  return stop.reason == machine::NetworkStop::Reason::deadlock || faults(network) != 0 ? run_failed : success;
 }
 
 }  // namespace cli

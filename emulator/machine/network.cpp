@@ -125,7 +125,7 @@ void Network::load(Node& node) {
   const toolchain::Image& image = *node.description.program;
   node.chip.reset();
   const c40::Board& board = node.description.board.board;
-  const bool from_ports = node.description.boot && (!node.description.board.has_pins || reset_source(board) == ResetSource::ports);
+  const bool from_ports = node.description.boot && reset_source(board) == ResetSource::ports;
   if (node.description.boot && !from_ports && reset_source(board) == ResetSource::memory) return load_stream(node, image, board);
   for (const toolchain::Image::Section& section : image.sections) {
     if (!section.loaded || from_ports) continue;

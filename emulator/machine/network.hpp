@@ -250,6 +250,8 @@ class Network {
   NetworkStop finish(NetworkStop::Reason reason, Time limit);
   Memory* memory_of(const Node& node, c40::Address address) const;
   std::string where(const Node& node) const;
+  bool boots(const Node& node) const;
+  std::string memories_of(const Node& node) const;
 
   NetworkDescription description_;
   std::vector<std::unique_ptr<Node>> nodes_;

@@ -22,7 +22,13 @@ struct Network::Node : c40::PeripheralSink {
       : number(number_),
         description(std::move(given)),
         clock(clock_),
-        chip(description.boot && !description.board.has_pins ? with_boot_from_port(description.board.board) : description.board.board) {}
+        chip(board_of(description)) {}
+
+  /// One that says nothing of its pins is made to boot from the ports.
+  static const c40::Board& board_of(NetworkChip& chip) {
+    if (chip.boot && !chip.board.has_pins) chip.board.board = with_boot_from_port(std::move(chip.board.board));
+    return chip.board.board;
+  }
 
   std::size_t number;
   NetworkChip description;

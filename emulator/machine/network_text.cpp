@@ -75,9 +75,26 @@ std::optional<std::size_t> Network::waits_for(std::size_t n) const {
   return {};
 }
 
+/// Whether the chip is in the loader of the boot ROM.
+bool Network::boots(const Node& node) const { return node.description.boot && node.chip.pc() < c40::rom_words && reset_source(node.description.board.board) == ResetSource::ports; }
+
 std::string Network::where(const Node& node) const {
+  if (boots(node)) {
+    std::string taken = "no word of its stream yet";
+    for (int port = 0; port < c40::port_count; ++port)
+      if (const auto words = node.chip.port(port).traffic.read; words != 0) taken = fmt::format("{} words of its stream from port {}", words, port);
+    return fmt::format("PC {:08X}h (the boot loader, which has taken {})", node.chip.pc(), taken);
+  }
   const std::string source = source_of(*node.description.program, node.chip.pc());
   return fmt::format("PC {:08X}h{}", node.chip.pc(), source.empty() ? "" : " (" + source + ")");
+}
+
+/// Where a boot stream could have put something.
+std::string Network::memories_of(const Node& node) const {
+  std::vector<std::string> ram{fmt::format("{:08X}h", c40::on_chip_ram)};
+  for (const c40::Region& region : node.description.board.board.regions)
+    if (region.kind == c40::Region::Kind::ram) ram.push_back(fmt::format("{:08X}h", region.base));
+  return fmt::format("board {} has RAM from {} on", node.description.board.board.name, fmt::join(ram, ", "));
 }
 
 std::string Network::describe_wait(const Node& node) const {
@@ -123,7 +140,7 @@ std::string Network::describe_loop(const Node& node) const {
   if (!unlinked.empty()) polled.push_back(fmt::format("port{} {}, to which nothing is linked", unlinked.size() == 1 ? "" : "s", fmt::join(unlinked, ", ")));
   const Address pc = node.patience.loop->pc;
   const std::string source = source_of(*node.description.program, pc);
-  const std::string_view rom = node.description.boot && pc < c40::rom_words ? " (boot ROM)" : "";
+  const std::string_view rom = boots(node) ? " (the boot loader)" : "";
   const std::string does = polled.empty() ? "does the same over and over" : fmt::format("polls {}", fmt::join(polled, "; "));
   return fmt::format("{}; nothing has changed since cycle {}, at PC {:08X}h{}{}", does, node.patience.since, pc, rom, source.empty() ? "" : " (" + source + ")");
 }
@@ -148,10 +165,14 @@ std::string Network::describe(std::size_t n) const {
     case ChipStatus::halt: return fmt::format("branches to itself at {}", where(node));
     case ChipStatus::idle: return fmt::format("is in IDLE before {}, and no interrupt is to come", where(node));
     case ChipStatus::until: return fmt::format("reached {}", where(node));
-    case ChipStatus::fault: return fmt::format("{}, at {}, cycle {}", node.stop.fault ? node.stop.fault->message : "stopped", where(node), node.chip.cycle());
-    case ChipStatus::external_access:
-      return fmt::format("{} {:08X}h at {}: that is a window, and no memory of the network is behind it", node.stop.access.write ? "writes" : "reads",
+    case ChipStatus::fault:
+      return fmt::format("{}, at {}, cycle {}{}", node.stop.fault ? node.stop.fault->message : "stopped", where(node), node.chip.cycle(),
+                         boots(node) ? "; " + memories_of(node) : "");
+    case ChipStatus::external_access: {
+      const std::string who = node.stop.access.channel < 0 ? "" : fmt::format("DMA channel {} ", node.stop.access.channel);
+      return fmt::format("{}{} {:08X}h at {}: that is a window, and no memory of the network is behind it", who, node.stop.access.write ? "writes" : "reads",
                          node.stop.access.address, where(node));
+    }
     case ChipStatus::held: return fmt::format("is held at {}", where(node));
     case ChipStatus::pulled_out: return "has been pulled out";
   }

@@ -457,7 +457,7 @@ def test_chips_that_wait_for_a_boot_stream_that_nobody_sends() -> None:
         assert network.run().reason == "deadlock"
         assert [chip.status for chip in network.chips] == ["halt", "looping", "looping"] and network.chips[2].waits_for == 1
         assert "polls port 3 from chip 1 port 0; ports 0, 1, 2, 4, 5, to which nothing is linked; " in network.chips[2].message
-        assert "(boot ROM)" in network.chips[2].message
+        assert "(the boot loader)" in network.chips[2].message
         results.append(state(network))
     assert all(result == results[0] for result in results)
 
