@@ -21,7 +21,7 @@ using c40::Word;
 namespace {
 constexpr Cycles no_cycle = std::numeric_limits<Cycles>::max();
 
-/// A timer of its own could interrupt it: a DMA channel that ends, or a port, is not among what it asks.
+/// A timer of its own could interrupt it.
 bool awaits_timer(const Chip& chip) {
   constexpr Word timer_bits = 0x80000001u;  // of IIE
   return (chip.register_value(isa::Register::IIE) & timer_bits) != 0 && chip.next_event() != no_cycle;
@@ -297,8 +297,10 @@ Time Network::next_on_links(const Node& node) const {
 }
 
 Time Network::own_event(const Node& node) const {
-  const bool has = node.status == ChipStatus::sleeping && node.chip.next_event() != no_cycle;
-  return has ? node.clock.at(node.chip.next_event()) : never;
+  if (node.status != ChipStatus::sleeping || node.chip.next_event() == no_cycle) return never;
+  const auto waits = node.chip.dma_waits();
+  const bool matters = awaits_timer(node.chip) || std::any_of(waits.begin(), waits.end(), [](const c40::DmaWait& wait) { return wait.event && !wait.port; });
+  return matters ? node.clock.at(node.chip.next_event()) : never;
 }
 
 Time Network::next_of(const Node& node) const {
@@ -337,8 +339,9 @@ NetworkStop Network::run_until(Time limit) {
       run_freely(*node, until);
     }
     for (auto& node : nodes_) watch(*node);
-    if (quiet()) return finish(waits_for_ever() ? NetworkStop::Reason::deadlock : NetworkStop::Reason::ended, limit);
     const Time next = next_of_all();
+    const bool loops = std::any_of(nodes_.begin(), nodes_.end(), [](const auto& node) { return node->patience.loop.has_value(); });
+    if ((next == never || loops) && quiet()) return finish(waits_for_ever() ? NetworkStop::Reason::deadlock : NetworkStop::Reason::ended, limit);
     if (next >= limit) return finish(NetworkStop::Reason::limit, limit);
     if (advance_watchers(next, limit)) continue;
     now_ = next;

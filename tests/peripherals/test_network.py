@@ -415,6 +415,18 @@ def test_a_dma_channel_that_nobody_will_ever_serve_is_a_deadlock(ends: str) -> N
     assert network.chips[1].memory[DATA : DATA + len(WORDS)] == WORDS and balanced(network)
 
 
+def test_a_stop_watch_is_nothing_to_wait_for() -> None:
+    """A timer that runs and that nobody asks does not hide that the DMA waits for ever."""
+    network = Network([program(IDLES)] * 2, links=["0.0:1.3"])
+    stream_by_dma(network.chips[0]._core, network.chips[1]._core)
+    receiver_chip = network.chips[1]
+    receiver_chip.memory[0x1000D3] = len(WORDS) + 1
+    receiver_chip.memory[0x100028] = 0xFFFFFFFF
+    receiver_chip.memory[0x100020] = 0x2C0
+    stop = network.run()
+    assert stop.reason == "deadlock" and stop.time_ps < 20_000_000 and "DMA channel 3 waits for a word" in receiver_chip.message
+
+
 def test_the_dma_goes_on_while_its_processor_waits_for_a_port() -> None:
     waits = base(3, "ar2") + "        ldi *+ar2(1),r1\n" + STOP
     late = base(0, "ar2") + "        ldi 1000,ar3\nl:      db ar3,l\n        ldi 7,r0\n        sti r0,*+ar2(2)\n" + IDLES
