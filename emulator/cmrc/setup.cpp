@@ -151,7 +151,9 @@ std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event) {
   for (const Row& row : rows) {
     if (row.name != event.action) continue;
     const std::int64_t amount = row.unit > 0 ? std::llround(event.amount * row.unit) : row.amount;
-    return machine::ScriptedEvent{Time{std::llround(event.at_s * 1e12)}, row.action, event.number, amount};
+    const bool joint = row.action == Action::drive || row.action == Action::encoder;
+    const unsigned number = joint && event.number == trolley_joint ? luff_joint : event.number;
+    return machine::ScriptedEvent{Time{std::llround(event.at_s * 1e12)}, row.action, number, amount};
   }
   return std::nullopt;
 }

@@ -16,7 +16,7 @@ constexpr double longest_ms = 1e6;
 
 std::vector<std::string> names_of(std::string_view target) {
   if (target == "bus") return {"A", "B", "C", "D"};
-  if (target == "joint") return {"travel", "slew", "luff", "hoist", "rotate"};
+  if (target == "joint") return {"travel", "slew", "luff", "hoist", "rotate", "trolley"};
   if (target == "axis") return {"alpha", "beta"};
   return {};
 }
@@ -120,6 +120,15 @@ class Slots {
   std::array<bool, 16> plugged_{};
 };
 
+void check_joint(const Config& config, const TimedEvent& event) {
+  if (action_of(event).target != "joint") return;
+  const bool gantry = config.dock.crane == CraneMachine::gantry;
+  const bool has = gantry ? event.number != slew_joint && event.number != luff_joint : event.number != trolley_joint;
+  if (has) return;
+  refuse(event.origin, "events.joint", fmt::format("a {} has no {}", gantry ? "gantry" : "slewing crane", names_of("joint")[event.number]),
+         gantry ? "\"travel\", \"trolley\", \"hoist\", \"rotate\" is expected (dock.crane)" : "\"travel\", \"slew\", \"luff\", \"hoist\", \"rotate\" is expected (dock.crane)");
+}
+
 }  // namespace
 
 std::span<const TimedAction> timed_actions() {
@@ -193,6 +202,7 @@ void check_events(const Config& config) {
   Config changed = config;
   for (const TimedEvent* event : order) {
     slots.follow(*event);
+    check_joint(config, *event);
     if (action_of(*event).target == "bus" && event->number >= buses.size())
       refuse(event->origin, "events.bus", fmt::format("there is no bus {}", names_of("bus")[event->number]),
              quoted_list(buses) + " is expected (bus.topology)");

@@ -11,11 +11,14 @@ namespace cmrc {
 
 struct Config;
 
+/// A gantry's trolley among the joints' names; in the plant it has the number of luff.
+inline constexpr unsigned trolley_joint = 5, luff_joint = 2, slew_joint = 1;
+
 /// One event, checked: its fields belong to its action and are in range.
 struct TimedEvent {
   std::string action;
   double at_s = 0;
-  unsigned number = 0;   ///< of the DSP, bus (0 A, 1 B), joint or sway axis
+  unsigned number = 0;   ///< of the DSP, bus (0 A, 1 B), joint (trolley_joint besides the plant's) or sway axis
   double amount = 0;     ///< lasts_ms, or factor
   std::string key;       ///< of "set"
   Value value;

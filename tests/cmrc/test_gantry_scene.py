@@ -66,6 +66,24 @@ def test_a_rigid_gantry_does_not_sway(tmp_path: Path) -> None:
     assert signals["payload_y_m"] == pytest.approx(signals["trolley_m"], abs=1e-9)
 
 
+def test_a_failed_trolley_drive_brakes_it_and_a_gantry_has_no_luff() -> None:
+    def made(joint: str, crane: str = "gantry") -> cmrc.Simulation:
+        settings = {"dock.crane": crane, "duration_s": 3}
+        return cmrc.Simulation(settings=settings, events=[{"at_s": 2, "action": "fail_drive", "joint": joint}])
+
+    simulation = made("trolley")
+    assert 'joint = "trolley"' in simulation.config.to_toml()
+    simulation.run()
+    signals = simulation.result().signals
+    last = signals["time_s"] > 2.9
+    assert np.abs(signals["trolley_rate_m_per_s"][~last]).max() > 0.1
+    assert np.abs(signals["trolley_rate_m_per_s"][last]).max() < 1e-6 and np.abs(signals["l_rate_m_per_s"][last]).max() > 1e-4
+    with pytest.raises(cmrc.ConfigError, match=r'a gantry has no luff; "travel", "trolley", "hoist", "rotate" is expected'):
+        made("luff")
+    with pytest.raises(cmrc.ConfigError, match="a slewing crane has no trolley"):
+        made("trolley", "slewing")
+
+
 @pytest.mark.parametrize(
     ("layout", "what"),
     [
@@ -77,6 +95,14 @@ def test_a_rigid_gantry_does_not_sway(tmp_path: Path) -> None:
 def test_what_it_cannot_reach_is_an_error(tmp_path: Path, layout: str, what: str) -> None:
     with pytest.raises(cmrc.ConfigError, match=rf"dock\.layout: .*{what}"):
         simulate(0.1, tmp_path, layout)
+
+
+@pytest.mark.campaign
+def test_the_last_container_and_home(tmp_path: Path) -> None:
+    result = simulate(240.0, tmp_path, "[[containers]]\nx_m = 5.0\ny_m = 17.8\n").result()
+    check(result.report)
+    assert result.report["containers_delivered"] == 1 and result.report["tasks"]["home.crane"]["on_time"] == 1
+    assert [result.signals[f"payload_{axis}_m"][-1] for axis in "xyz"] == pytest.approx([0.0, -8.0, 14.0], abs=0.05)
 
 
 @pytest.mark.campaign

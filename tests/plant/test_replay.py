@@ -45,16 +45,34 @@ def test_the_page_fetches_nothing(recording):
     assert "/*RECORDING*/null" not in page
 
 
-def test_the_page_draws_in_a_browser(recording, tmp_path):
+def drawn_page(recording, tmp_path, time: float) -> str:
     browser = next((path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None)
     if browser is None:
         pytest.skip("no Chromium here")
     html = tmp_path / "run.html"
     html.write_text(replay.page(recording), encoding="utf-8")
-    dom = subprocess.run(
-        [browser, "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom", f"{html.as_uri()}#t=0.25"],
+    return subprocess.run(
+        [browser, "--headless", "--no-sandbox", "--disable-gpu", "--dump-dom", f"{html.as_uri()}#t={time}"],
         capture_output=True, text=True, timeout=120, check=True,
     ).stdout  # fmt: skip
+
+
+def test_a_gantry_is_drawn_as_one(tmp_path):
+    recording = replay.record(cmrc.Simulation(duration_s=0.3, settings={"dock.crane": "gantry"}))
+    assert recording["layout"]["ship"][2] == 6.0 and recording["layout"]["crane"]["reach"] == [-33.0, 38.5]
+    dom = drawn_page(recording, tmp_path, 0.1)
+    assert "travel 0.00 m  trolley -8.00 m" in dom and "slew" not in dom.split("<script>")[0]
+    drawn = re.search(r'data-ready="(\d+)"', dom)
+    assert drawn and int(drawn[1]) > 300
+    pytest.importorskip("matplotlib")
+    from cmrc import plot
+
+    joints = plot.overview(recording).axes[2]
+    assert [text.get_text().split(",")[0] for text in joints.get_legend().get_texts()] == ["gantry", "trolley", "rope", "rotator"]
+
+
+def test_the_page_draws_in_a_browser(recording, tmp_path):
+    dom = drawn_page(recording, tmp_path, 0.25)
     drawn = re.search(r'data-ready="(\d+)"', dom)
     assert drawn and int(drawn[1]) > 100  # faces: the script ran to its end
     assert "0.25 s of 0.5 s" in dom and "kN" in dom
