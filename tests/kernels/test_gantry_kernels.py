@@ -67,12 +67,14 @@ def trajectory(leg: ref.Leg, t: float) -> ref.Point:
     return ref.Point(*at, [p[2][0], p[2][1]])
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(6))
 def test_a_leg_is_as_slow_as_its_slowest_axis(dsp: Dsp, seed: int) -> None:
     r = random.Random(seed)
-    home, vias = pose(r), [pose(r) for _ in range([1, 2, 3, 8, 1][seed])]
+    home, vias = pose(r), [pose(r) for _ in range([1, 2, 3, 8, 1, 1][seed])]
     if seed == 4:
         vias[0][0] = home[0]  # no travel at all: one pass
+    if seed == 5:
+        vias[0] = [single(home[0] + 2.0), *home[1:]]  # so short that the acceleration counts
     stretch = 1.5 if seed == 1 else 1.0
     dsp.put("CR_STRETCH", stretch)
     dsp.put("CR_HOME", *home)
