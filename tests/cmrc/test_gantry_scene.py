@@ -43,8 +43,7 @@ def test_travel_and_trolley_go_for_a_container_of_the_next_bay(tmp_path: Path) -
 
 def test_it_takes_a_container(tmp_path: Path) -> None:
     simulation = simulate(15.5, tmp_path, "[home]\nx_m = 0.1\ny_m = 9.8\nz_m = 7.2\n[[containers]]\nx_m = 0.0\ny_m = 10.0\n")
-    report = simulation.result().report
-    check(report)
+    check(simulation.result().report, 5e-3)  # a short leg and a container's guides shake the trolley most
     events = [event[1] for event in simulation._core.dock_events()]
     assert events.index("landed") < events.index("locked") < events.index("lifted")
     assert "hard_landing" not in events and "missed" not in events
