@@ -379,5 +379,7 @@ class Scene:
 
 default_dock = _core.plant.default_dock
 """``default_dock(agv_count)``: the configuration of docs/plant.md, every value of which may be changed."""
+gantry_dock = _core.plant.gantry_dock
+"""``gantry_dock(agv_count)``: the same with a ship-to-shore gantry."""
 DockConfig = _core.plant.DockConfig
 """A dock's configuration."""

@@ -88,9 +88,21 @@ def test_the_gantry_from_python():
 
 
 def test_the_gantry_in_the_dock():
-    config = plant.default_dock()
-    config.crane = plant.gantry_crane()
-    dock = plant.Dock(config)
-    dock.enable_drives(0b10111, 0)
-    dock.advance_to(10**12)
-    assert dock.signal.payload[1] == pytest.approx(16, abs=2) and dock.signal.q[1] == HALF
+    scene = public.Scene(public.gantry_dock())
+    start = scene.signal
+    assert start.payload == pytest.approx([0, -8, 14]) and start.tip == pytest.approx([0, -8, 34])
+    hold = -10e3 * G * 0.00955 / 0.88  # the empty spreader
+    for _ in range(1000):
+        scene.step([0, 1e6, 200.0, hold, 0], 1e-3)  # however hard what does not slew is pushed
+    assert scene.signal.q[1] == HALF and scene.signal.payload[0] == pytest.approx(0.0, abs=1e-9)
+    assert scene.signal.payload[1] > start.payload[1] and scene.signal.payload[2] == pytest.approx(14, abs=0.1)
+
+
+def test_a_gantrys_psi_stays_when_the_load_is_pushed_sideways():
+    """Its psi is built in: no brake that could slip, whatever pulls at the end of the boom."""
+    config = public.gantry_dock()
+    config.wind.mean, config.wind.direction, config.wind.area = 60.0, 0.0, 5000.0  # 1.1e7 N on the load, along the quay
+    scene = public.Scene(config)
+    for _ in range(50):
+        scene.step([0, 0, 0, 0, 0], 1e-3)
+    assert scene.signal.q[1] == HALF and abs(scene.signal.beta) > 0.05
