@@ -173,3 +173,36 @@ def test_a_program_without_the_shared_names_is_refused() -> None:
 
     with pytest.raises(ValueError, match="WINDOW_A, .*_start, dsp_slot, idle_policy, pause_count"):
         machine.Machine(toolchain.assemble("        nop\n"))
+
+
+DMA = """
+        ldhi    0010h, ar5              ; channel 0
+        or      00A0h, ar5
+        sti     {source}, *+ar5(1)
+        ldi     1, r0
+        sti     r0, *+ar5(2)
+        sti     r0, *+ar5(5)
+        ldi     64, r0
+        sti     r0, *+ar5(3)
+        sti     {destination}, *+ar5(4)
+        ldhi    00C0h, r0               ; START 11, stop at the end
+        or      4, r0
+        sti     r0, *ar5
+"""
+
+
+def test_the_dma_reads_in_bursts_through_the_line() -> None:
+    m = machine.Machine(assemble(DMA.format(source="ar0", destination="ar3")), config(dsps=1), record=True)
+    for i in range(64):
+        m.poke(i, 3 * i + 1)
+    m.run_until(100 * US)
+    assert [m.chip_word(0, ON_CHIP + i) for i in range(64)] == [3 * i + 1 for i in range(64)]
+    assert transactions(m, 0) == [(8 * i, 8, 0) for i in range(8)]
+    assert m.statistics(0).prefetch_hits == 56 and m.faults == []
+
+
+def test_the_dmas_writes_combine_into_bursts() -> None:
+    m = run(DMA.format(source="ar3", destination="ar0"))
+    bursts = transactions(m, 0)
+    assert [m.peek(i) for i in range(64)] == [m.chip_word(0, ON_CHIP + i) for i in range(64)]
+    assert sum(words for _, words, _ in bursts) == 64 and len(bursts) < 50 and all(write for _, _, write in bursts)
