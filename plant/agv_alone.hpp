@@ -14,18 +14,21 @@ class AgvAlone {
   // What it carries, kg and kg m2 about the vertical; its momentum is kept. Throws std::invalid_argument.
   void set_load(double mass, double inertia);
   void reset(const Pose&);
-  void restore(const AgvState&, double time);
 
-  const AgvState& state() const { return state_; }
-  double time() const { return time_; }  // s
+  // Everything that its future depends on.
+  struct State {
+    AgvState vehicle;
+    double time = 0.0;        // s
+    double since_tick = 0.0;  // s, of the drive's loop
+  };
+  const State& state() const { return state_; }
+  void restore(const State& state) { state_ = state; }
   double energy() const;                 // J, kinetic
 
  private:
   AgvParameters p_;
   AgvMotion motion_;
-  AgvState state_;
-  double time_ = 0.0;
-  double since_tick_ = 0.0;  // s, of the drive's loop
+  State state_;
 };
 
 }  // namespace plant

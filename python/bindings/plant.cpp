@@ -277,7 +277,7 @@ void bind_alone(py::module_& m) {
 }
 
 void bind_agv_alone(py::module_& m) {
-  py::class_<AgvState>(m, "AgvState", "Everything that a vehicle's future depends on; opaque.");
+  py::class_<AgvAlone::State>(m, "AgvAloneState", "Everything that a vehicle's future depends on; opaque.");
   py::class_<AgvAlone>(m, "AgvAlone", "An AGV without a dock.")
       .def(py::init<const AgvParameters&, const Pose&, double>(), py::arg("parameters"), py::arg("start"), py::arg("tolerance") = 1e-8)
       .def(
@@ -285,11 +285,11 @@ void bind_agv_alone(py::module_& m) {
           py::arg("speed"), py::arg("front"), py::arg("rear"), py::arg("turn"), py::arg("dt"))
       .def("set_load", &AgvAlone::set_load, py::arg("mass"), py::arg("inertia"))
       .def("reset", &AgvAlone::reset, py::arg("pose"))
-      .def_property_readonly("y", [](const AgvAlone& a) { return a.state().y; })
-      .def_property_readonly("standing", [](const AgvAlone& a) { return a.state().standing; })
-      .def_property_readonly("time", &AgvAlone::time)
-      .def("snapshot", [](const AgvAlone& a) { return std::pair{a.state(), a.time()}; })
-      .def("restore", &AgvAlone::restore, py::arg("state"), py::arg("time"))
+      .def_property_readonly("y", [](const AgvAlone& a) { return a.state().vehicle.y; })
+      .def_property_readonly("standing", [](const AgvAlone& a) { return a.state().vehicle.standing; })
+      .def_property_readonly("time", [](const AgvAlone& a) { return a.state().time; })
+      .def("snapshot", [](const AgvAlone& a) { return a.state(); })
+      .def("restore", &AgvAlone::restore, py::arg("state"))
       .def("energy", &AgvAlone::energy);
 }
 
@@ -317,11 +317,11 @@ void bind_records(py::module_& m) {
       .def_readonly("z", &ContainerStatus::z)
       .def_readonly("yaw", &ContainerStatus::yaw)
       .def_readonly("mass", &ContainerStatus::mass);
-  py::class_<Handover>(m, "Handover")
+  py::class_<Handover>(m, "Handover", "Where a container's change of hands stands (plant-and-bus.md 1.5).")
       .def_property_readonly("phase", [](const Handover& h) { return std::string(name(h.phase)); })
       .def_readonly("releasing", &Handover::releasing)
       .def_readonly("attempts", &Handover::attempts);
-  py::class_<Momentum>(m, "Momentum")
+  py::class_<Momentum>(m, "Momentum", "Of the payload (3), kg m/s, its spin, kg m2/s; of everything along the quay and about the slewing axis.")
       .def_readonly("payload", &Momentum::payload)
       .def_readonly("spin", &Momentum::spin)
       .def_readonly("travel", &Momentum::travel)
@@ -425,7 +425,7 @@ void bind_dock(py::module_& m) {
 
 // ODE's contact alone, for tests: a box-shaped body on a solid.
 void bind_linkage(py::module_& m) {
-  py::class_<LinkageParameters>(m, "LinkageParameters")
+  py::class_<LinkageParameters>(m, "LinkageParameters", "Bars in m, masses in kg (plant/linkage.hpp).")
       .def(py::init<>())
       FIELD(LinkageParameters, jib) FIELD(LinkageParameters, jib_mass) FIELD(LinkageParameters, fly)
       FIELD(LinkageParameters, fly_mass) FIELD(LinkageParameters, back) FIELD(LinkageParameters, tie)

@@ -1,6 +1,7 @@
 """The dock without any DSP: a crane by itself, and the whole scene (docs/plant.md). SI units, angles in radians.
 
-``Crane`` is driven by motor torques, ``Scene`` by what a controller writes to its devices; ``CraneEnv`` is a crane in the manner of gymnasium.
+``Crane`` is driven by motor torques, ``Agv`` by speed and steering, ``Scene`` by what a controller writes to its devices; ``CraneEnv`` is a crane in the manner of
+gymnasium. What a dock is made of (layouts, movers, ship, wind, sensors, landing) are the classes at the end.
 """
 
 from __future__ import annotations
@@ -345,7 +346,7 @@ class Scene:
 
     def ranges(self, index: int) -> Array:
         """The range sensor's 180 rays in m, from the right to the left."""
-        return np.array([self._dock.agv_range(index, ray, self._time) for ray in range(180)]) * 1e-3
+        return np.array(self._dock.agv_scan(index, self._time)) * 1e-3
 
     @property
     def signal(self) -> Any:
@@ -356,6 +357,17 @@ class Scene:
     def containers(self) -> list[Any]:
         """Every container: where it is and who has it."""
         return list(self._dock.containers)
+
+    @property
+    def handover(self) -> Handover:
+        """Where a container's change of hands stands."""
+        handover: Handover = self._dock.handover
+        return handover
+
+    @property
+    def switches(self) -> list[Switch]:
+        """The books of every change between levels, attach and detach so far."""
+        return list(self._dock.switches)
 
     @property
     def events(self) -> list[Any]:
@@ -377,9 +389,130 @@ class Scene:
         self._time = int(self._dock.time)
 
 
+@dataclass(frozen=True)
+class AgvStatus:
+    """An AGV at an instant: pose (m, rad), speeds along and across itself (m/s), yaw rate (rad/s), steering angles (rad), drive force (N)."""
+
+    time_s: float
+    x: float
+    y: float
+    heading: float
+    speed: float
+    side: float
+    yaw_rate: float
+    front: float
+    rear: float
+    force: float
+    standing: bool
+
+
+class Agv:
+    """An AGV by itself: single track with both axles steered, or ``drive="differential"`` (plant-and-bus.md 1.5), with its drive's speed loop.
+
+    ``config`` holds parameters under the names of ``AgvParameters`` (``mass``, ``adhesion``, ...), and besides ``start`` (x, y in m, heading in rad), ``load_mass`` kg,
+    ``load_inertia`` kg m2, ``tolerance``. Raises ValueError for an unknown name or a vehicle that cannot be. With differential drive front and rear
+    of the state are the speeds of the left and the right wheel, m/s.
+    """
+
+    def __init__(self, config: Mapping[str, Any] | None = None, **keywords: Any) -> None:
+        given = {**(config or {}), **keywords}
+        start = Pose(*given.pop("start", (0.0, 0.0, 0.0)))
+        load = (given.pop("load_mass", 0.0), given.pop("load_inertia", 0.0))
+        tolerance = given.pop("tolerance", 1e-8)
+        parameters = AgvParameters()
+        drive = given.pop("drive", "steered")
+        if drive not in ("steered", "differential"):
+            raise ValueError(f'drive must be "steered" or "differential", not {drive!r}')
+        parameters.drive = getattr(AgvDrive, drive)
+        for name, value in given.items():
+            if name.startswith("_") or not hasattr(parameters, name):
+                known = sorted([n for n in dir(parameters) if not n.startswith("_")] + ["start", "load_mass", "load_inertia", "tolerance"])
+                raise ValueError(f"an AGV has no parameter {name!r}; it has {', '.join(known)}")
+            setattr(parameters, name, value)
+        self.parameters = parameters
+        """The vehicle's parameters, as checked at the start."""
+        self._core = _core.plant.AgvAlone(parameters, start, tolerance)
+        self.set_load(*load)
+
+    @property
+    def state(self) -> AgvStatus:
+        """The present state (a copy)."""
+        x, y, heading, speed, side, yaw_rate, front, rear, force = self._core.y
+        return AgvStatus(self._core.time, x, y, heading, speed, side, yaw_rate, front, rear, force, self._core.standing)
+
+    def step(self, speed: float, front: float, rear: float, dt: float, turn: float = 0.0) -> None:
+        """Goes on by ``dt`` seconds, 0 to 60, with this set-point held: m/s, steering angles in rad; ``turn`` in rad/s for differential drive.
+
+        The drive's ramp and loop (100 Hz), the steering's rate and lag stand between. Raises ValueError for another ``dt`` and for what is no finite number.
+        """
+        self._core.step(speed, front, rear, turn, dt)
+
+    def set_load(self, mass: float, inertia: float = 0.0) -> None:
+        """What it carries, kg and kg m2; its momentum is kept. Raises ValueError below zero."""
+        self._core.set_load(mass, inertia)
+
+    def reset(self, x: float, y: float, heading: float) -> None:
+        """At rest there, at time zero; what it carries stays."""
+        self._core.reset(Pose(x, y, heading))
+
+    def snapshot(self) -> object:
+        """The whole state; ``restore`` it and go on, bit for bit."""
+        return self._core.snapshot()
+
+    def restore(self, snapshot: Any) -> None:
+        """Back to a snapshot of an AGV of the same config."""
+        self._core.restore(snapshot)
+
+    def energy(self) -> float:
+        """Kinetic energy, J."""
+        return float(self._core.energy())
+
+
+# ---- the dock's parts, as they stand in C++ (plant/config.hpp gives each value's unit and source)
+
 default_dock = _core.plant.default_dock
 """``default_dock(agv_count)``: the configuration of docs/plant.md, every value of which may be changed."""
 gantry_dock = _core.plant.gantry_dock
-"""``gantry_dock(agv_count)``: the same with a ship-to-shore gantry."""
+"""``gantry_dock(agv_count)``: the same dock with a ship-to-shore gantry for a crane."""
+gantry_crane = _core.plant.gantry_crane
+"""Parameters of a ship-to-shore gantry (plant-and-bus.md 1.4)."""
+apply_layout = _core.plant.apply_layout
+"""``apply_layout(config, text, name)``: a layout in TOML into a DockConfig. Raises LayoutError with line and column."""
+load_layout = _core.plant.load_layout
+"""``load_layout(config, path)``: the same from a file. Raises LayoutError, OSError."""
+LayoutError = _core.plant.LayoutError
+"""A layout file that is wrong: where, and what would be right. A ValueError."""
+inverse_kinematics = _core.plant.inverse_kinematics
+"""``inverse_kinematics(crane_parameters, crane_pose)``: the coordinates (7) at which the load hangs plumb there. Raises ValueError out of reach."""
+mover_place = _core.plant.mover_place
+"""``mover_place(mover, seconds)``: x, y in m and their rates in m/s."""
+wind_speed = _core.plant.wind_speed
+"""``wind_speed(wind_parameters, seconds)``: m/s, the mean and the seeded gusts."""
+Dock = _core.plant.Dock
+"""The dock with the devices that a controller sees: integer codes, times in picoseconds. ``Scene`` is the same in SI units."""
 DockConfig = _core.plant.DockConfig
 """A dock's configuration."""
+CraneParameters = _core.plant.CraneParameters
+DriveParameters = _core.plant.DriveParameters
+CranePose = _core.plant.CranePose
+LandingParameters = _core.plant.LandingParameters
+AgvParameters = _core.plant.AgvParameters
+AgvDrive = _core.plant.AgvDrive
+SensorParameters = _core.plant.SensorParameters
+WindParameters = _core.plant.WindParameters
+ShipMotion = _core.plant.ShipMotion
+Layout = _core.plant.Layout
+Box = _core.plant.Box
+Mover = _core.plant.Mover
+Waypoint = _core.plant.Waypoint
+ContainerPlace = _core.plant.ContainerPlace
+LaneSegment = _core.plant.LaneSegment
+Pose = _core.plant.Pose
+Handover = _core.plant.Handover
+"""Phase of a container's change of hands, whether it is released, attempts (``Scene.handover``)."""
+Switch = _core.plant.Switch
+"""Energy (J) and momentum (kg m/s, kg m2/s) before and after a change between levels, an attach or a detach (``Scene.switches``)."""
+Momentum = _core.plant.Momentum
+Linkage = _core.plant.Linkage
+"""The level-luffing double-link jib as a differential-algebraic system (IDA): place, advance, angles, nose, energy, holding_torque."""
+LinkageParameters = _core.plant.LinkageParameters

@@ -42,8 +42,17 @@ def of_dock(seconds):
     dock.advance_to(end)
     return allocations() - before
 
-of_crane(10), of_dock(1)
-print(of_crane(10), of_crane(2000), of_dock(1), of_dock(3))
+linkage = plant.Linkage(plant.LinkageParameters())
+linkage.place(1.0)
+
+def of_linkage(steps):
+    before = allocations()
+    for _ in range(steps):
+        linkage.advance(4e6, 0.01)
+    return allocations() - before
+
+of_crane(10), of_dock(1), of_linkage(3)
+print(of_crane(10), of_crane(2000), of_dock(1), of_dock(3), of_linkage(100))
 """
 
 
@@ -57,6 +66,7 @@ def test_stepping_does_not_allocate(tmp_path):
     subprocess.run([compiler, "-shared", "-fPIC", "-O1", str(source), "-o", str(library)], check=True)
     environment = {**os.environ, "LD_PRELOAD": str(library), "PYTHONPATH": str(BUILD / "python")}
     run = subprocess.run([sys.executable, "-c", PROGRAM, str(library)], env=environment, capture_output=True, text=True, check=True)
-    few, many, short, long = (int(word) for word in run.stdout.split())
+    few, many, short, long, linkage = (int(word) for word in run.stdout.split())
     assert many == few <= 50  # those of the call from Python
     assert long - short <= 20  # the dock's events are kept
+    assert linkage <= 20  # of 100 calls

@@ -71,6 +71,28 @@ def test_a_spreader_lands_on_a_moving_container_and_rides_along():
     assert abs(relative[1] - relative[0]) < 0.02 and np.isfinite(dock.signal.payload).all()
 
 
+def test_a_touch_is_as_fast_as_it_is_against_the_container_that_moves():
+    """The deck heaves at up to 0.2 m/s against a spreader that comes down at a few centimetres per second."""
+    dock = plant.Dock(moving(scale=3.0, z=7.9))
+    crane = Crane(dock)
+    crane.hold(0.3)
+    before = []
+
+    def touched():
+        if not [event for event in dock.events if event.kind == "touch"]:
+            before.append((dock.time, dock.signal.payload[2], dock.containers[1].z))
+            return False
+        return True
+
+    crane.move(crane.pose(12.7, 24.0, 6.0), 20.0, touched)
+    (touch,) = [event for event in dock.events if event.kind == "touch"][:1]
+    (t0, z0, top0), (t1, z1, top1) = before[-6], before[-1]
+    seconds = (t1 - t0) * 1e-12
+    closing, own = ((z0 - top0) - (z1 - top1)) / seconds, (z0 - z1) / seconds
+    assert touch.values[0] == pytest.approx(closing, abs=0.03)
+    assert abs(own - closing) > 0.06  # against the quay it would be another speed
+
+
 def test_a_wrong_scale_is_refused():
     with pytest.raises(ValueError, match="scale of motion"):
         plant.Dock(moving(scale=-1.0))
