@@ -40,14 +40,14 @@ def plan(recording: Recording, axes: Axes) -> None:
     axes.plot(signals["payload_x_m"], signals["payload_y_m"], "tab:blue", lw=1, label="load")
     for i in range(layout["agv"]["count"]):
         x, y = signals[f"agv{i}_x_m"], signals[f"agv{i}_y_m"]
-        (path,) = axes.plot(x, y, lw=1.2, label=f"AGV {i}")
+        (path,) = axes.plot(x, y, f"C{1 + i % 9}", lw=1.2, label=f"AGV {i}")
         outline(x[-1], y[-1], signals[f"agv{i}_heading_rad"][-1], layout["agv"]["length"], layout["agv"]["width"], fill=False, ec=path.get_color())
     for i, (radius, _) in enumerate(layout["movers"]):
         x, y = signals[f"mover{i}_x_m"], signals[f"mover{i}_y_m"]
         axes.plot(x, y, "tab:red", lw=0.8, ls=":", label="obstacles" if i == 0 else None)
         axes.add_patch(Circle((x[-1], y[-1]), radius, fc="tab:red", ec="k", alpha=0.6))
     axes.set(aspect="equal", xlabel="x, m", ylabel="y, m", title="plan")
-    axes.legend(fontsize=7)
+    axes.legend(fontsize=7, ncols=5, loc="upper center", bbox_to_anchor=(0.5, -0.18), frameon=False)
 
 
 def side(recording: Recording, axes: Axes) -> None:
@@ -70,8 +70,8 @@ def joints(recording: Recording, axes: Axes) -> None:
         if name not in signals or (name == "psi_rad" and "trolley_m" in signals):
             continue  # the other machine's, or a gantry's slewing, which does not move
         values = np.array(signals[name])
-        span = float(np.ptp(values))
-        axes.plot(signals["time_s"], (values - values.min()) / (span or 1.0), lw=1, label=f"{label}: {values.min():.2f} to {values.max():.2f}")
+        span = max(float(np.ptp(values)), 0.02)  # a joint that is held is a flat line
+        axes.plot(signals["time_s"], (values - values.min()) / span, lw=1, label=f"{label}: {values.min():.2f} to {values.max():.2f}")
     axes.set(xlabel="time, s", ylabel="share of range", title="joints")
     axes.legend(fontsize=7)
 
