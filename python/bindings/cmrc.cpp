@@ -12,6 +12,7 @@
 #include "cmrc/importance.hpp"
 #include "cmrc/ledger.hpp"
 #include "cmrc/list.hpp"
+#include "cmrc/setup.hpp"
 #include "cmrc/simulation.hpp"
 #include "cmrc/ti_float.hpp"
 #include "machine/machine.hpp"
@@ -78,6 +79,7 @@ void bind_config(py::module_& m) {
                         py::arg("N_a_slowed") = n.agv_slowed);
       }, "Equations (5) and (6), in refreshes.");
 
+  m.def("dock_of", &cmrc::dock_of, py::arg("config"), "The dock of a run: a plant.DockConfig.");
   m.def("config", [](const py::object& toml, const std::string& name, const py::object& file, const py::object& preset,
                      const py::dict& settings, const std::vector<py::dict>& events) {
     cmrc::ConfigBuilder builder;

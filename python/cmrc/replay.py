@@ -25,7 +25,7 @@ FORMAT = 2
 
 def record(simulation: Simulation, step_s: float = 0.1) -> Recording:
     """Runs a fresh simulation to its end and keeps what a replay needs. ``simulation.result()`` holds the rest as ever."""
-    settings = simulation.config.to_dict()
+    settings, dock = simulation.config.to_dict(), _core.cmrc.dock_of(simulation.config)
     duration = float(settings["run.duration_s"])
     slices = max(1, min(360, math.ceil(duration / 0.05)))
     edges = [duration * i / slices for i in range(slices + 1)]
@@ -39,7 +39,7 @@ def record(simulation: Simulation, step_s: float = 0.1) -> Recording:
     signals = simulation.result().signals
     every = max(1, round(step_s / max(1e-9, float(signals["time_s"][1] - signals["time_s"][0])))) if signals.rows > 1 else 1
     kept = {name: np.round(np.asarray(column[::every], dtype=float), 5).tolist() for name, column in signals.items()}
-    for i, mover in enumerate(_dock(settings).layout.movers):
+    for i, mover in enumerate(dock.layout.movers):
         places = [_core.plant.mover_place(mover, t) for t in kept["time_s"]]
         kept |= {f"mover{i}_{axis}_m": [round(p[k], 5) for p in places] for k, axis in enumerate("xy")}
     return {
@@ -49,7 +49,7 @@ def record(simulation: Simulation, step_s: float = 0.1) -> Recording:
         "signals": kept,
         "events": [list(event) for event in simulation._core.dock_events()],
         "deadlines": {"edges_s": edges[: len(counts) + 1], "kinds": _per_slice(counts)},
-        "layout": _layout(settings),
+        "layout": _layout(dock),
     }
 
 
@@ -114,16 +114,7 @@ def _per_slice(counts: list[dict[str, tuple[int, int]]]) -> dict[str, list[tuple
     return {kind: row for kind, row in rows.items() if any(on_time or missed for on_time, missed in row)}
 
 
-def _dock(settings: Mapping[str, Any]) -> Any:
-    dock = _core.plant.gantry_dock if settings["dock.crane"] == "gantry" else _core.plant.default_dock
-    config = dock(int(settings["dock.agvs"]))
-    if settings["dock.layout"]:
-        _core.plant.load_layout(config, settings["dock.layout"])
-    return config
-
-
-def _layout(settings: Mapping[str, Any]) -> dict[str, Any]:
-    config = _dock(settings)
+def _layout(config: Any) -> dict[str, Any]:
     layout, crane, agv = config.layout, config.crane, config.agv
 
     def box(b: Any) -> list[float]:
@@ -131,7 +122,7 @@ def _layout(settings: Mapping[str, Any]) -> dict[str, Any]:
 
     return {
         "size": [12.192, 2.438, 2.591],
-        "containers": [[c.x, c.y, c.z, c.yaw] for c in layout.containers[: int(settings["dock.containers"])]],
+        "containers": [[c.x, c.y, c.z, c.yaw] for c in layout.containers],
         "ship": box(layout.ship),
         "boxes": [box(b) for b in layout.no_go],
         "movers": [[m.radius, m.height] for m in layout.movers],

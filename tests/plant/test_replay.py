@@ -58,7 +58,8 @@ def drawn_page(recording, tmp_path, time: float) -> str:
 
 
 def test_a_gantry_is_drawn_as_one(tmp_path):
-    recording = replay.record(cmrc.Simulation(duration_s=0.3, settings={"dock.crane": "gantry"}))
+    recording = replay.record(cmrc.Simulation(duration_s=0.3, settings={"dock.crane": "gantry", "dock.containers": 10}))
+    assert len(recording["layout"]["containers"]) == 10
     assert recording["layout"]["ship"][2] == 6.0 and recording["layout"]["crane"]["reach"] == [-33.0, 38.5]
     dom = drawn_page(recording, tmp_path, 0.1)
     assert "travel 0.00 m  trolley -8.00 m" in dom and "slew" not in dom.split("<script>")[0]
