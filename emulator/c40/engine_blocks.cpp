@@ -123,7 +123,7 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
   Costs costs{};
   bool reads_repeat = false, closed = false, chained = true;
   Step step;
-  PipelineId before = 0;
+  PipelineId before = 0, after = k.pipeline;  // of the last instruction in the block: the one that ends it may have been executed
   while (!closed) {
     const std::size_t n = block->size;
     if (n != 0 && state_.cycle >= limit) return;
@@ -172,6 +172,7 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
     if (cached) block->words.push_back(step.word);
     at += step.timing->total;
     add_timing(costs, *step.timing);
+    after = current_pipeline();
     Op terminal;
     terminal.pc = op.pc + 1;
     if (bound.flow == Flow::branch || bound.flow == Flow::directed) {
@@ -186,7 +187,7 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
     }
     if (terminal.handler != nullptr) {
       block->ops.push_back(terminal);
-      close_straight(*block, at, costs, pipeline_, chained);
+      close_straight(*block, at, costs, after, chained);
     }
   }
   if (!closed) {
@@ -194,7 +195,7 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
     terminal.handler = &execute::end_of_block;
     terminal.pc = k.pc + static_cast<Address>(block->size);
     block->ops.push_back(terminal);
-    close_straight(*block, at, costs, pipeline_, chained);
+    close_straight(*block, at, costs, after, chained);
   }
   block->start.push_back(at);
   block->causes.push_back(costs);

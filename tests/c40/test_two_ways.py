@@ -248,3 +248,17 @@ def test_repeated_nop_is_advanced_in_closed_form() -> None:
     processor.run(10**10, until=image.symbols["stop"])
     assert processor.cycle == 4 + 10**9
     assert processor.get("RC") == 0xFFFFFFFF
+
+
+def test_the_boot_loader_looking_for_a_word_takes_as_long_however_its_run_is_cut() -> None:
+    """Blocks that end before a read of a peripheral register: what follows meets the pipeline as it was before that read."""
+    whole, pieces, exact = (c40.Processor.bootable() for _ in range(3))
+    exact.set_exact(True)
+    for processor in (whole, pieces, exact):
+        processor.boot()
+    rng = random.Random(4)
+    while pieces.cycle < 3000:
+        pieces.run(min(rng.choice([1, 2, 3, 5, 8, 40]), 3000 - pieces.cycle))
+    whole.run(3000)
+    exact.run(3000)
+    assert state(whole) == state(pieces) == state(exact)
