@@ -1,4 +1,4 @@
-# Writes the bytes of IMAGE, of MAP and of BOOT as C++ arrays into OUTPUT.
+# Writes the bytes of IMAGE, MAP, BOOT and BOOT_MAP as C++ arrays into OUTPUT.
 function(array name file)
   file(READ ${file} hex HEX)
   string(LENGTH "${hex}" digits)
@@ -16,11 +16,13 @@ namespace {
 array(image ${IMAGE})
 array(source_map ${MAP})
 array(boot_rom ${BOOT})
+array(boot_rom_source_map ${BOOT_MAP})
 file(APPEND ${OUTPUT} "}  // namespace
 
 std::span<const std::byte> built_in_image() { return std::as_bytes(std::span(image)); }
 std::span<const std::byte> built_in_source_map() { return std::as_bytes(std::span(source_map)); }
 std::span<const std::byte> built_in_boot_rom() { return std::as_bytes(std::span(boot_rom)); }
+std::span<const std::byte> built_in_boot_rom_source_map() { return std::as_bytes(std::span(boot_rom_source_map)); }
 
 }  // namespace c40_programs
 ")

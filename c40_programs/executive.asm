@@ -27,6 +27,8 @@ _start:
         addi    dsp_slot - vectors, ar2
         ldi     *ar2, r0
         sti     r0, @EXEC_SLOT
+        addi    1, r0
+        sti     r0, *+ar3(2)                            ; AR3 <- loader: the port's CPCR. The answer to whoever sent the program
         ldi     *+ar2(1), r0
         sti     r0, @EXEC_POLICY
         ldi     *+ar2(2), r0

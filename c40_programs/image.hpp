@@ -10,5 +10,6 @@ std::span<const std::byte> built_in_image();
 std::span<const std::byte> built_in_source_map();
 /// The boot loader of the on-chip ROM (boot_rom.asm), as a COFF file; it stands at address 0.
 std::span<const std::byte> built_in_boot_rom();
+std::span<const std::byte> built_in_boot_rom_source_map();
 
 }  // namespace c40_programs

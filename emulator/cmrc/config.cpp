@@ -178,6 +178,9 @@ class Invariants {
     const auto& m = config_.machine;
     require(m.slots == 0 || m.slots >= m.dsps, {"machine.slots", "machine.dsps"}, fmt::format("{} DSPs in {} slots", m.dsps, m.slots),
             "machine.slots >= machine.dsps is required, or 0");
+    require(config_.run.duration_s * 1e3 > config_.host.start_ms, {"run.duration_s", "host.start_ms"},
+            fmt::format("a run of {:g} ms ends before the first refresh, at {:g} ms", config_.run.duration_s * 1e3, config_.host.start_ms),
+            "a longer run or an earlier start is expected");
     require(config_.bus.latency_timer_clocks % 8 == 0, {"bus.latency_timer_clocks"},
             fmt::format("{} is not a multiple of 8", config_.bus.latency_timer_clocks), "PCI's latency timer counts in units of 8 clocks");
     require(!config_.bus.prefetch || config_.bus.latency_timer_clocks >= 32, {"bus.latency_timer_clocks", "bus.prefetch"},

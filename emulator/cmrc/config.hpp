@@ -22,6 +22,8 @@ namespace cmrc {
 
 enum class Equation7 { restored, as_printed };
 enum class IdlePolicy { doorbell, pause, spin };
+/// In the order of machine::Boot.
+enum class BootPolicy { preloaded, link };
 enum class DspClock { c40_40, c40_50, c40_60 };
 enum class Learning { off, proportional, unit };
 enum class CraneModel { sway, rigid };
@@ -56,6 +58,7 @@ struct Config {
     std::int64_t slots = 0;  ///< for boards that come later; 0: as many as DSPs
     DspClock dsp_clock = DspClock::c40_50;
     double cycle_time_factor = 1;
+    BootPolicy boot = BootPolicy::link;
     IdlePolicy idle_policy = IdlePolicy::doorbell;
     std::int64_t pause_nops = 125;  ///< 5 us at C40-50
     bool guard = true;
@@ -100,6 +103,7 @@ struct Config {
     std::int64_t retries_max = 2;
     double silence_ms = 50;
     double semaphore_limit_us = 500;
+    double boot_limit_ms = 10;
     double servo_run_us = 250;
     double planning_run_us = 250;
     double long_run_us = 15000;
@@ -108,6 +112,8 @@ struct Config {
     double refresh_overhead_ns = 1500;
     double per_block_ns = 60;
     double semaphore_retry_ns = 200;
+    double start_ms = 20;
+    double boot_pause_ns = 2000;
   } host;
   /// Which build of a task's program the DSPs run.
   struct Kernels {

@@ -57,7 +57,7 @@ report::DspReport dsp_report(const Evidence& e, unsigned slot) {
   const c40::Chip& chip = e.machine.chip(slot);
   report::DspReport report;
   report.slot = slot;
-  report.state = !e.machine.plugged(slot) ? "unplugged" : e.machine.standing(slot) ? "halted" : chip.idle() ? "idle" : "running";
+  report.state = !e.machine.plugged(slot) ? "unplugged" : e.machine.standing(slot) ? "halted" : !e.machine.booted(slot) ? "waiting for its program" : chip.idle() ? "idle" : "running";
   if (e.machine.standing(slot)) {
     for (const machine::ChipFault& fault : e.machine.faults()) {
       if (fault.slot == slot) report.state = "halted: " + fault.message;
@@ -71,7 +71,12 @@ report::DspReport dsp_report(const Evidence& e, unsigned slot) {
   report.tasks = e.ledger.occupied(slot, e.machine.time());
   report.faults = e.observer.faults(slot);
   report.resets = e.observer.resets(slot);
-  report.dropped_writes = e.machine.statistics(slot).dropped_writes;
+  const machine::SlotStatistics& counted = e.machine.statistics(slot);
+  report.dropped_writes = counted.dropped_writes;
+  report.boots = e.observer.boots(slot);
+  report.link_words_in = counted.words_to_dsp;
+  report.link_words_out = counted.words_from_dsp;
+  report.link_words_lost = counted.words_lost;
   return report;
 }
 
@@ -150,6 +155,7 @@ report::RunReport make_report(const Evidence& e) {
     std::visit([&](const auto& value) { setting.value = value; }, key.read(e.config));
     report.configuration.push_back(std::move(setting));
   }
+  if (e.config.machine.boot == BootPolicy::link) report.boot_words = e.machine.boot_stream(0).size();
   for (unsigned slot = 0; slot < e.machine.slots(); ++slot) report.dsps.push_back(dsp_report(e, slot));
   Ledger::Told told = e.ledger.tell(now, e.job_causes);
   report.tasks = std::move(told.tasks);
@@ -175,7 +181,7 @@ report::RunReport make_report(const Evidence& e) {
     if (at < now) report.timed_events.push_back({at, describe(event)});
   }
   std::ranges::stable_sort(report.timed_events, {}, &report::TimedEventReport::time);
-  for (std::string& fault : e.machine.audit_buses()) report.audit.violations.push_back(std::move(fault));
+  for (std::string& fault : e.machine.audit()) report.audit.violations.push_back(std::move(fault));
   report.braked = e.dock.braked();
   report.failures = e.observer.failures();
   for (const std::string& violation : report.audit.violations) report.failures.push_back({now, std::nullopt, "audit", violation});

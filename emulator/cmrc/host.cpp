@@ -18,11 +18,12 @@ machine::Clock clock_of(double hertz) {
 }
 
 Time nanoseconds(double ns) { return Time{std::llround(ns * 1000)}; }
+Time milliseconds(double ms) { return Time{std::llround(ms * 1e9)}; }
 
 }  // namespace
 
 Host::Host(const Config& config, const Words& words, const CraneJob& crane, const FleetJob& fleet, Ledger& ledger,
-           HostListener& listener)
+           HostListener& listener, std::function<std::vector<Word>(unsigned)> boot_stream)
     : config_(config), words_(words), parameters_(importance_parameters(config)), intervals_(intervals(config)),
       clock_(clock_of(config.rates.refresh_frequency_hz)), ledger_(ledger), listener_(listener), list_(words.block_count),
       processes_(config.processes, config.tasks, crane, fleet, words_),
@@ -31,7 +32,7 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
               JobKind::torque_compensation, intervals_.servo},
       pid_{{.x = task::pid, .y = robot_class::crane, .kind = words.kind_pid, .area = words.cr_base},
            JobKind::pid, intervals_.servo},
-      wake_at_(clock_.at(1)) {
+      boots_(words_, std::move(boot_stream), milliseconds(config.watchdog.boot_limit_ms), nanoseconds(config.host.boot_pause_ns)) {
   const auto& w = config_.watchdog;
   const auto refreshes = [&](double us) {
     return static_cast<std::int64_t>(std::ceil(us * 1e-6 * config_.rates.refresh_frequency_hz));
@@ -44,10 +45,24 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
                        JobKind::home_agv, JobKind::error}) {
     longest_[kind] = refreshes(w.long_run_us);
   }
-  for (unsigned slot = 0; slot < static_cast<unsigned>(config_.machine.dsps); ++slot) liveness_.sign(slot, 0);
   for (std::size_t i = 0; i < config_.tasks.size(); ++i) {
     longest_[static_cast<JobKind>(static_cast<std::size_t>(JobKind::user) + i)] = refreshes(w.long_run_us);
   }
+  for (unsigned slot = 0; config_.machine.boot == BootPolicy::link && slot < static_cast<unsigned>(config_.machine.dsps); ++slot)
+    boots_.expect(slot, Time{0});
+  rest();
+}
+
+// The DSPs that were there at power-on have booted or been given up.
+void Host::start() {
+  constexpr Time grid = std::chrono::milliseconds{1};
+  const Time ready = (now_ + grid - Time{1}) / grid * grid;
+  const std::int64_t first = std::max<std::int64_t>(1, clock_.tick_at_or_after(std::max(ready, milliseconds(config_.host.start_ms))));
+  tick_ = first - 1;
+  refresh_at_ = clock_.at(first);
+  for (Servo* servo : {&torque_, &pid_})
+    while (servo->next < first) servo->next += intervals_.servo;
+  for (unsigned slot = 0; slot < static_cast<unsigned>(config_.machine.dsps); ++slot) liveness_.sign(slot, tick_);
 }
 
 // ---- the steps ---------------------------------------------------------------------------------------------------------
@@ -57,7 +72,11 @@ void Host::wake(Time now, machine::HostPort& port) {
   port_ = &port;
   wake_at_ = machine::never;
   switch (step_) {
-    case Step::resting: begin_refresh(); break;
+    case Step::resting:
+      if (now_ >= refresh_at_) begin_refresh();
+      else if (boots_.step(now_, *port_)) step_ = Step::booting;
+      else rest();
+      break;
     case Step::thinking: think(); break;
     case Step::retry: acquire(); break;
     default: break;  // an answer of the bus is due first
@@ -69,6 +88,9 @@ void Host::read_done(std::uint32_t, std::span<const machine::Word> words, Time n
   now_ = now;
   port_ = &port;
   switch (step_) {
+    case Step::booting:
+      if (!boots_.answer(words[0], now_, *port_)) rest();
+      break;
     case Step::pointer: pointer_read(words[0]); break;
     case Step::flags: flag_read(words[0]); break;
     case Step::result:
@@ -96,6 +118,19 @@ void Host::read_done(std::uint32_t, std::span<const machine::Word> words, Time n
     default: throw std::logic_error("Host: an answer that nobody asked for");
   }
   port_ = nullptr;
+}
+
+void Host::boot_requested(Time now) {
+  boots_.requested();
+  if (step_ == Step::resting) wake_at_ = std::min(wake_at_, now);
+}
+
+void Host::rest() {
+  step_ = Step::resting;
+  for (const Boots::Ended& ended : boots_.take_ended())
+    if (!ended.failure.empty()) listener_.failure({now_, ended.slot, "boot", ended.failure});
+  if (refresh_at_ == machine::never && boots_.done()) start();
+  wake_at_ = std::max(now_, std::min(refresh_at_, boots_.next()));
 }
 
 void Host::begin_refresh() {
@@ -175,7 +210,7 @@ void Host::begin_thinking() {
 }
 
 void Host::think() {
-  if (tick_ == elapsed_) {  // the first refresh
+  if (counts_.refreshes == 1) {
     processes_.start(*this);
   }
   for (const Done& done : done_) take_out(done);
@@ -282,8 +317,8 @@ void Host::ring(Word idle) {
 void Host::end_refresh() {
   durations_.add((now_ - clock_.at(tick_)).count());
   lengths_.add(static_cast<std::int64_t>(list_.size()));
-  step_ = Step::resting;
-  wake_at_ = std::max(now_, clock_.at(tick_ + 1));
+  refresh_at_ = clock_.at(tick_ + 1);
+  rest();
 }
 
 // ---- blocks ------------------------------------------------------------------------------------------------------------

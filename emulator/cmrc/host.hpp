@@ -11,6 +11,8 @@
 //   relink     read the work pointer again: a block may have been claimed since; write t, J, links, the work pointer; release
 //   doorbell   read the mask of idle DSPs, ring one per eligible block, lowest slot first
 //
+// Between refreshes it boots the DSPs that ask for it (boots.hpp); at power-on all of them before the first refresh.
+//
 // A refresh that is late leaves out the ticks it has missed: they are counted, and t advances by all of them.
 #include <array>
 #include <cstdint>
@@ -18,6 +20,7 @@
 #include <map>
 #include <vector>
 
+#include "cmrc/boots.hpp"
 #include "cmrc/config.hpp"
 #include "cmrc/cycles.hpp"
 #include "cmrc/importance.hpp"
@@ -43,14 +46,16 @@ class HostListener {
 
 class Host : public machine::HostProgram, private Desk {
  public:
+  /// \param boot_stream what a slot's DSP is to be sent; asked while the machine runs
   Host(const Config& config, const Words& words, const CraneJob& crane, const FleetJob& fleet, Ledger& ledger,
-       HostListener& listener);
+       HostListener& listener, std::function<std::vector<Word>(unsigned slot)> boot_stream);
 
   /// A checked event "set", for the first refresh at or after `at`.
   void change(Time at, const TimedEvent& event) { changes_.emplace(at, event); }
 
   Time next_wake() const override { return wake_at_; }
   void wake(Time now, machine::HostPort& port) override;
+  void boot_requested(Time now) override;
   void read_done(std::uint32_t tag, std::span<const machine::Word> words, Time now, machine::HostPort& port) override;
 
   /// Counts; the times of the semaphore are the observer's to add.
@@ -62,7 +67,7 @@ class Host : public machine::HostProgram, private Desk {
 
  private:
   enum class Step : std::uint8_t {
-    resting, pointer, flags, result, owner, verdict, signs, thinking, semaphore, retry, held, holder, locked_flags, relink, doorbell
+    resting, booting, pointer, flags, result, owner, verdict, signs, thinking, semaphore, retry, held, holder, locked_flags, relink, doorbell
   };
 
   /// A periodic task of the crane: torque compensation or PID.
@@ -96,6 +101,8 @@ class Host : public machine::HostProgram, private Desk {
   void agv_waits(unsigned agv, bool waits) override { cycles_.agv_waits(agv, waits, now_); }
   void agv_sent(unsigned agv, std::int64_t interval) override { cycles_.sent(agv, interval); }
 
+  void rest();
+  void start();
   void begin_refresh();
   void apply_changes();
   void pointer_read(Word pointer);
@@ -155,6 +162,7 @@ class Host : public machine::HostProgram, private Desk {
 
   Step step_ = Step::resting;
   Time wake_at_;
+  Time refresh_at_ = machine::never;  // the next one
   Time now_{};
   machine::HostPort* port_ = nullptr;  // during a call only
   std::int64_t tick_ = 0;
@@ -176,6 +184,7 @@ class Host : public machine::HostProgram, private Desk {
   std::optional<unsigned> suspect_;         // owner of the block whose flag is being read again
   std::optional<unsigned> holder_;          // of the list, fenced off, from which it is being taken
   Liveness liveness_;
+  Boots boots_;
   std::map<std::pair<Word, Robot>, std::int64_t> drops_;  // of a kind and robot, in a row
   std::map<JobKind, std::int64_t> longest_;  // longest runs in refreshes, at least as configured
 

@@ -7,7 +7,7 @@ namespace cmrc {
 namespace {
 
 bool is_the_machines(const TimedEvent& event) {
-  static constexpr std::array<std::string_view, 8> actions = {"fail", "hang", "unplug", "plug", "reset", "slow", "pause_host", "stall_bus"};
+  static constexpr std::array<std::string_view, 11> actions = {"fail", "hang", "freeze", "unplug", "plug", "reset", "slow", "break_link", "repair_link", "pause_host", "stall_bus"};
   return std::ranges::find(actions, event.action) != actions.end();
 }
 
@@ -16,6 +16,7 @@ bool is_the_machines(const TimedEvent& event) {
 Config as_run(const Config& given) {
   if (!given.run.ideal) return given;
   Config config = given;
+  config.machine.boot = BootPolicy::preloaded;
   config.machine.idle_policy = IdlePolicy::doorbell;
   config.machine.cycle_time_factor = 1;
   config.host.refresh_overhead_ns = config.host.per_block_ns = config.host.semaphore_retry_ns = 0;

@@ -6,9 +6,7 @@ namespace cmrc {
 namespace {
 
 toolchain::Word& word_at(toolchain::Image& image, toolchain::Address address) {
-  for (auto& section : image.sections) {
-    if (address >= section.address && address - section.address < section.words.size()) return section.words[address - section.address];
-  }
+  if (toolchain::Word* word = image.word_at(address)) return *word;
   throw ConfigError(fmt::format("machine.programs: {:08X}h lies in no loaded section; the tables of dsp.asm are expected there", address));
 }
 

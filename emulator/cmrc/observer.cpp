@@ -21,7 +21,7 @@ Component component_of(machine::BusId bus) { return static_cast<Component>(repor
 }  // namespace
 
 RunObserver::RunObserver(const Words& words, Ledger& ledger, report::EventLog& log)
-    : words_(words), ledger_(ledger), log_(log), snapshots_(32), blocks_(words.block_count), faults_(32), resets_(32) {}
+    : words_(words), ledger_(ledger), log_(log), snapshots_(32), blocks_(words.block_count), faults_(32), resets_(32), boots_(32) {}
 
 void RunObserver::attach(plant::Dock& dock) {
   dock.on_latch([this](plant::Time time, std::span<const int> codes) {
@@ -208,8 +208,13 @@ void RunObserver::fault(const machine::ChipFault& fault) {
 }
 
 void RunObserver::slot(unsigned slot, machine::SlotChange change, Time now) {
-  if (change == machine::SlotChange::reset) ++resets_.at(slot);
-  if (change == machine::SlotChange::booted) ledger_.timeline().slot(slot, SlotState::awake, now);
+  std::vector<report::BootReport>& boots = boots_.at(slot);
+  if (change == machine::SlotChange::reset) ++resets_.at(slot), boots.push_back({now, {}});
+  if (change == machine::SlotChange::booted) {
+    ledger_.timeline().slot(slot, SlotState::awake, now);
+    if (boots.empty()) boots.emplace_back();  // power-on
+    boots.back().booted = now;
+  }
   if (change == machine::SlotChange::unplugged || change == machine::SlotChange::reset) {
     ledger_.slot_failed(slot, now);
     snapshots_[slot].clear();
@@ -217,6 +222,10 @@ void RunObserver::slot(unsigned slot, machine::SlotChange change, Time now) {
   }
   const bool booted = change == machine::SlotChange::booted || change == machine::SlotChange::plugged;
   log_.add({now, report::dsp(slot), EventKind::reset, {booted ? 1U : 0U, static_cast<std::uint32_t>(change), 0, 0, 0}});
+}
+
+void RunObserver::link_lost(unsigned slot, bool to_dsp, machine::Word word, int bytes, Time now) {
+  log_.add({now, report::dsp(slot), EventKind::link_lost, {word, to_dsp ? 1U : 0U, static_cast<std::uint32_t>(bytes), 0, 0}});
 }
 
 void RunObserver::scripted(const machine::ScriptedEvent& event, Time now) {

@@ -53,6 +53,7 @@ class RunObserver : public machine::Observer, public HostListener {
   void semaphore(unsigned number, machine::SemaphoreEvent event, unsigned owner, Time now) override;
   void fault(const machine::ChipFault& fault) override;
   void slot(unsigned slot, machine::SlotChange change, Time now) override;
+  void link_lost(unsigned slot, bool to_dsp, machine::Word word, int bytes, Time now) override;
   void scripted(const machine::ScriptedEvent& event, Time now) override;
 
   // HostListener
@@ -67,6 +68,7 @@ class RunObserver : public machine::Observer, public HostListener {
   double drive_effort() const { return effort_; }
   std::uint64_t faults(unsigned slot) const { return slot < faults_.size() ? faults_[slot] : 0; }
   std::uint64_t resets(unsigned slot) const { return slot < resets_.size() ? resets_[slot] : 0; }
+  const std::vector<report::BootReport>& boots(unsigned slot) const { return boots_.at(slot); }
 
  private:
   struct Snapshot {
@@ -98,6 +100,7 @@ class RunObserver : public machine::Observer, public HostListener {
   std::vector<report::FailureReport> failures_;
   std::map<std::pair<unsigned, machine::Word>, Refused> refused_;  // by slot and kind
   std::vector<std::uint64_t> faults_, resets_;
+  std::vector<std::vector<report::BootReport>> boots_;  // by slot
   report::Distribution hold_;
   Time held_since_{};
   std::array<TrackingSum, 5> tracking_{};

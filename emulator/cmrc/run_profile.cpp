@@ -38,10 +38,11 @@ struct Executive {
     starts = {image.entry, find("exec_next"), claim, idle};
     starts.erase(0);
   }
-  /// The executive's own, claim, idle: by the routine that an address lies in.
-  std::array<ProfileCounts, 3> split(const ProfileCounts& counts, const std::set<c40::Address>& all_starts) const {
-    std::array<ProfileCounts, 3> parts;
+  /// The executive's own, claim, idle: by the routine that an address lies in; and the boot ROM's.
+  std::array<ProfileCounts, 4> split(const ProfileCounts& counts, const std::set<c40::Address>& all_starts) const {
+    std::array<ProfileCounts, 4> parts;
     const auto part = [&](c40::Address address) -> ProfileCounts& {
+      if (address < c40::rom_words) return parts[3];
       const auto after = all_starts.upper_bound(address);
       const c40::Address start = after == all_starts.begin() ? 0 : *std::prev(after);
       return parts[start == 0 ? 0 : start == claim ? 1 : start == idle ? 2 : 0];
@@ -129,7 +130,7 @@ void RunProfile::reset(unsigned number) {
   slots_[number]->ended.clear();
 }
 
-report::Profile RunProfile::report(const std::vector<report::TaskReport>& tasks, const toolchain::Image& image) const {
+report::Profile RunProfile::report(const std::vector<report::TaskReport>& tasks, const toolchain::Image& image, const toolchain::Image& rom) const {
   const Executive executive(image);
   std::set<c40::Address> starts = executive.starts;
   const auto learn = [&starts](const ProfileCounts& counts) {
@@ -145,7 +146,7 @@ report::Profile RunProfile::report(const std::vector<report::TaskReport>& tasks,
   for (unsigned slot = 0; slot < machine_.slots(); ++slot) accumulate(rest, machine_.chip(slot).causes());
   accumulate(rest, executive_.total().causes, -1);
   const auto add_group = [&](std::string name, std::uint64_t jobs, const ProfileCounts& counts, const Causes& outside) {
-    report::ProfileGroup group = machine::profile_group(counts, outside, starts, image, false);
+    report::ProfileGroup group = machine::profile_group(counts, outside, starts, name == "boot" ? rom : image, false);
     group.name = std::move(name);
     group.jobs = jobs;
     if (group.total.cycles != 0 || jobs != 0) machine::add_group(profile, std::move(group));
@@ -166,6 +167,8 @@ report::Profile RunProfile::report(const std::vector<report::TaskReport>& tasks,
   accumulate(rest, of_unfinished, -1);
   add_group("not finished", unfinished.jobs, unfinished.sum.counts, of_unfinished);
   const auto parts = executive.split(executive_, starts);
+  for (const auto& [label, address] : rom.symbols) starts.insert(address);
+  add_group("boot", 0, parts[3], {});
   add_group("executive", 0, parts[0], rest);
   add_group("claim", 0, parts[1], {});
   add_group("idle", 0, parts[2], idle);

@@ -39,7 +39,7 @@ class RunProfile {
   /// Groups in the order of `tasks` (those with finished jobs), then "not finished" (jobs that were running at the end, lost or given
   /// up), "executive", "claim", "idle" and "halted". Their sum is the sum of the DSPs' cycles, cause by cause.
   /// \param tasks the run's; \throws std::logic_error if a kind's cycles are not those that its report has
-  report::Profile report(const std::vector<report::TaskReport>& tasks, const toolchain::Image& image) const;
+  report::Profile report(const std::vector<report::TaskReport>& tasks, const toolchain::Image& image, const toolchain::Image& rom) const;
 
  private:
   /// A job's cycles, and those of them that belong to no instruction.

@@ -147,6 +147,7 @@ std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event) {
       {"fail_drive", Action::drive, 0, 1},    {"repair_drive", Action::drive, 0, 0},
       {"stick_encoder", Action::encoder, 0, 1}, {"repair_encoder", Action::encoder, 0, 0},
       {"stick_sway", Action::sway, 0, 1},     {"repair_sway", Action::sway, 0, 0},
+      {"break_link", Action::link, 0, 1},     {"repair_link", Action::link, 0, 0},
   };
   for (const Row& row : rows) {
     if (row.name != event.action) continue;
@@ -212,6 +213,7 @@ machine::Config machine_of(const Config& config) {
   machine.pci_hz_numerator = std::llround(config.bus.clock_hz * 3);
   machine.pci_hz_denominator = 3;
   if (config.run.ideal) machine.chip_hz *= ideal_speed, machine.pci_hz_numerator *= ideal_speed;
+  machine.boot = static_cast<machine::Boot>(config.machine.boot);
   machine.idle_policy = static_cast<machine::Word>(config.machine.idle_policy);
   machine.pause_count = static_cast<machine::Word>(config.machine.pause_nops);
   set_buses(config, machine);

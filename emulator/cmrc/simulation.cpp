@@ -118,7 +118,8 @@ class Simulation::Parts {
   explicit Parts(const Config& given)
       : config(as_run(given)), image(dsp_image(config)), words([this](std::string_view name) { return image.symbol(name); }),
         dock_config(dock_of(config)), dock(dock_config), machine_config(machine_of(config)), ledger(ledger_of(config, machine_config)),
-        observer(words, ledger, log), host(config, words, crane_of(config, dock_config), fleet_of(config, dock_config), ledger, observer),
+        observer(words, ledger, log), host(config, words, crane_of(config, dock_config), fleet_of(config, dock_config), ledger, observer,
+             [this](unsigned slot) { return machine.boot_stream(slot); }),
         machine(machine_config, image, &dock, &host), end(duration_of(config.run.duration_s)) {
     observer.weigh_errors(dock_config.crane);
     for (const AreaWord& word : initial_words(config, dock_config, words, dock)) machine.poke(word.offset, word.value);
@@ -128,7 +129,7 @@ class Simulation::Parts {
     observer.attach(dock);
     machine.set_observer(&observer);
     for (unsigned slot = 0; slot < machine.slots(); ++slot) {
-      ledger.timeline().slot(slot, machine.plugged(slot) ? SlotState::awake : SlotState::off, Time{0});
+      ledger.timeline().slot(slot, machine.booted(slot) ? SlotState::awake : SlotState::off, Time{0});
     }
     for (const TimedEvent& event : config.events) {
       if (event.action == "set") host.change(duration_of(event.at_s), event);
@@ -139,7 +140,7 @@ class Simulation::Parts {
     machine.run_until(time);
     if (machine.time() > settling) log.settle(machine.time() - settling);
     bool alive = false;
-    for (unsigned slot = 0; slot < machine.slots(); ++slot) alive = alive || (machine.plugged(slot) && !machine.standing(slot));
+    for (unsigned slot = 0; slot < machine.slots(); ++slot) alive = alive || (machine.booted(slot) && !machine.standing(slot));
     if (alive) last_alive = machine.time();
     if (machine.time() - last_alive >= patience) stop = report::StopReason::no_dsp_left;
     if (dock.faulted()) stop = report::StopReason::plant_fault;
@@ -208,7 +209,9 @@ report::Profile Simulation::profile_report() const {
   if (!parts_->profile) throw std::logic_error("Simulation::profile_report: nothing was counted; Simulation::profile comes before the run");
   toolchain::Image image = parts_->image;
   if (parts_->config.machine.programs.empty()) toolchain::add_source_map(image, built_in_text(c40_programs::built_in_source_map()));
-  return parts_->profile->report(report().tasks, image);
+  toolchain::Image rom = toolchain::read_coff(c40_programs::built_in_boot_rom());
+  toolchain::add_source_map(rom, built_in_text(c40_programs::built_in_boot_rom_source_map()));
+  return parts_->profile->report(report().tasks, image, rom);
 }
 
 bool Simulation::ended() const {

@@ -105,6 +105,7 @@ class Slots {
       refuse(event.origin, "events.dsp", fmt::format("there is no slot {}", event.number),
              fmt::format("the slots are 0 to {}; machine.slots makes more", slots - 1));
     }
+    if (event.action == "break_link" || event.action == "repair_link") return;  // of the slot, with or without a board
     bool& plugged = plugged_.at(event.number);
     const bool wanted = event.action != "plug";
     if (plugged != wanted) {
@@ -137,9 +138,11 @@ std::span<const TimedAction> timed_actions() {
       {"hang", "dsp", "", "its program loops for ever with interrupts masked, until it is reset"},
       {"freeze", "dsp", "", "the chip stands still until it is reset"},
       {"unplug", "dsp", "", "the board is pulled out: transactions break off, posted words are lost"},
-      {"plug", "dsp", "", "a board is put in, is booted and starts working"},
-      {"reset", "dsp", "", "reset and booted again"},
+      {"plug", "dsp", "", "a board is put in, is reset, booted by the host and starts working"},
+      {"reset", "dsp", "", "reset, and booted again by the host"},
       {"slow", "dsp", "factor", "its clock runs at this factor of its frequency; 1 is full speed again"},
+      {"break_link", "dsp", "", "the wires between it and the link adapter break: it cannot be booted any more, and a word on its way is lost"},
+      {"repair_link", "dsp", "", "the wires are whole again"},
       {"pause_host", "", "lasts_ms", "the host's processor does nothing for so long"},
       {"stall_bus", "bus", "lasts_ms", "the bus's arbiter grants nothing for so long"},
       {"fail_drive", "joint", "", "the drive has no torque and its brake closes"},

@@ -29,6 +29,8 @@ Words::Words(const std::function<Word(std::string_view)>& symbol) {
       {"SEMAPHORE", &Words::semaphore}, {"SEMAPHORE_OWNER", &Words::semaphore_owner}, {"SEMAPHORE_HELD", &Words::semaphore_held},
       {"SEMAPHORE_LIST", &Words::semaphore_list}, {"DOORBELL_RING", &Words::doorbell_ring},
       {"DOORBELL_IDLE", &Words::doorbell_idle}, {"DOORBELL_BUSY", &Words::doorbell_busy}, {"FENCE_MASK", &Words::fence_mask}, {"RESET_DSP", &Words::reset_dsp},
+      {"LINK_ADAPTER", &Words::link_adapter}, {"LINK_WORDS", &Words::link_words}, {"LINK_STATUS", &Words::link_status},
+      {"LINK_DATA", &Words::link_data}, {"LINK_REQUEST", &Words::link_request},
       {"CR_BASE", &Words::cr_base}, {"CR_POINT_PERIOD", &Words::cr_point_period},
       {"CR_SERVO_PERIOD", &Words::cr_servo_period}, {"CR_POINT_TICKS", &Words::cr_point_ticks},
       {"CR_SERVO_TICKS", &Words::cr_servo_ticks}, {"CR_LEG", &Words::cr_leg}, {"CR_ROUTE_COUNT", &Words::cr_route_count}, {"CR_SPREADER", &Words::cr_spreader},

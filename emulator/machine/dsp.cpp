@@ -33,14 +33,21 @@ Dsp::Dsp(unsigned slot, bool plugged, Surroundings& surroundings)
   for (unsigned port = 0; port < config.topology.dsps.size(); ++port)
     sides_.emplace_back(*this, config.topology.dsps[port], master_of(config, slot),
                         port == around_.window_a.front().port ? config.bridge_a : config.bridge_b);
-  chip_.hold(true);
-  if (plugged) boot();
+  around_.adapter.attach(chip_, clock_, plugged);
+  if (!plugged) {
+    chip_.hold(true);
+  } else if (config.boot == Boot::preloaded) {
+    load();
+  } else {
+    hold_in_reset(Time{0});
+  }
   set_next();
 }
 
-void Dsp::set_next() { next_ = std::min({own_next_, edge_, reset_}); }
+void Dsp::set_next() { next_ = std::min({own_next_, edge_, reset_, around_.adapter.link(slot_).next_event()}); }
 
 void Dsp::process(Time now, Time horizon) {
+  link_happens(now);
   if (reset_ <= now) {
     reset_ = never;
     reset(now);
@@ -50,12 +57,10 @@ void Dsp::process(Time now, Time horizon) {
     switch (state_) {
       case State::running: run(horizon); break;
       case State::access: begin_access(horizon); break;
+      case State::port: begin_port_access(now, horizon); break;
       case State::resuming: complete(horizon); break;
       case State::faulting: report_fault(now); break;
-      case State::booting:
-        settle(now);
-        boot();
-        break;
+      case State::booting: leave_reset(now); break;
       case State::out:
       case State::blocked:
       case State::idle:
@@ -70,12 +75,20 @@ void Dsp::run_ahead(Time horizon) {
   set_next();
 }
 
+// Whose ports can interrupt it, or move its DMA, follows its link step by step.
+c40::Cycles Dsp::limit(Time horizon) const {
+  const c40::Cycles far = clock_.tick_at_or_after(horizon);
+  if (!chip_.watches_ports()) return far;
+  const c40::Link& link = around_.adapter.link(slot_);
+  return std::min(far, clock_.tick_at_or_after(std::min(link.next_event(), clock_.at(chip_.settled()) + link.lookahead())));
+}
+
 // Leaves the chip at `horizon`, idle, before an access that has to wait for its turn, or in a fault.
 void Dsp::run(Time horizon) {
   state_ = State::running;
   const Time end = std::min({horizon, edge_, reset_});
-  const c40::Cycles limit = clock_.tick_at_or_after(end);
   while (true) {
+    const c40::Cycles limit = this->limit(end);
     const bool waiting = edge_waiting_ || hang_waiting_;
     if (!waiting) {
       if (chip_.dormant()) {
@@ -94,8 +107,12 @@ void Dsp::run(Time horizon) {
         if (!take(stop.access, end)) return;
         break;
       case c40::StopInfo::Reason::port_access:
+        port_access_ = stop.port;
+        state_ = State::port;
+        own_next_ = clock_.at(stop.port.cycle);
+        return;
+      case c40::StopInfo::Reason::horizon: break;
       case c40::StopInfo::Reason::port_wait:
-      case c40::StopInfo::Reason::horizon:
         return fault(stop.port.cycle, chip_.pc(), stop.port.address,
                      fmt::format("{} waits for ever: nothing is attached to the port", describe(stop.port)));
       case c40::StopInfo::Reason::fault:
@@ -173,6 +190,42 @@ void Dsp::begin_access(Time horizon) {
   if (access_.write) return post(way, access_);
   statistics_.bus_reads += 1;
   bridge(way).read(offset_of(access_.address) + way.shift, around_.bus_clock.tick_at_or_after(clock_.at(access_.cycle)));
+}
+
+// At its own turn: the link and the adapter have done all that comes before.
+void Dsp::begin_port_access(Time now, Time horizon) {
+  around_.adapter.link(slot_).advance_to(now);
+  if (!port_access_.ready(chip_.port(port_access_.port))) {
+    own_next_ = never;
+    return;
+  }
+  chip_.complete_port(std::max(port_access_.cycle, clock_.tick_at_or_after(now)));
+  run(horizon);
+}
+
+// May let go on what waited for it.
+void Dsp::link_happens(Time now) {
+  c40::Link& link = around_.adapter.link(slot_);
+  if (link.next_event() > now) return;
+  link.advance_to(now);
+  if (state_ == State::port && own_next_ == never && port_access_.ready(chip_.port(port_access_.port))) own_next_ = now;
+  if (state_ == State::idle && chip_.watches_ports()) {
+    settle(now);
+    if (chip_.dormant()) return;
+    state_ = State::running;
+    own_next_ = clock_.at(chip_.cycle());
+  }
+}
+
+void Dsp::link_event(const c40::LinkEvent& event) {
+  const bool to_dsp = event.side == 0;
+  if (event.kind == c40::LinkEvent::Kind::word) {
+    ++(to_dsp ? statistics_.words_to_dsp : statistics_.words_from_dsp);
+    if (!to_dsp && !std::exchange(answered_, true)) has_booted(event.time);
+  } else if (event.kind == c40::LinkEvent::Kind::lost) {
+    ++statistics_.words_lost;
+    if (around_.observer != nullptr) around_.observer->link_lost(slot_, to_dsp, event.word, event.bytes, event.time);
+  }
 }
 
 void Dsp::answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) {
@@ -271,6 +324,7 @@ void Dsp::deliver_edge(Time now) {
     case State::running:
     case State::idle: break;
     case State::access:
+    case State::port:
     case State::blocked:
     case State::resuming: edge_waiting_ = true; break;
     case State::out:
@@ -308,7 +362,7 @@ void Dsp::hang(Time now) {
     go_astray();
     state_ = State::running;
     own_next_ = clock_.at(chip_.cycle());
-  } else if (state_ == State::access || state_ == State::blocked || state_ == State::resuming) {
+  } else if (state_ == State::access || state_ == State::port || state_ == State::blocked || state_ == State::resuming) {
     hang_waiting_ = true;
   }
   set_next();
@@ -348,9 +402,11 @@ void Dsp::pace(Time now, std::int64_t parts_per_million) {
   settle(now);
   Ticks reached = std::max(clock_.tick_at_or_after(now), chip_.cycle());
   if (state_ == State::access) reached = std::max(reached, access_.cycle);
+  if (state_ == State::port) reached = std::max(reached, port_access_.cycle);
   std::int64_t above = around_.config.chip_hz * parts_per_million, below = 1'000'000 * around_.config.chip_hz_denominator;
   const std::int64_t divisor = std::gcd(above, below);
   clock_.change(reached, above / divisor, below / divisor);
+  around_.adapter.link(slot_).set_clock(1, clock_);
   if (state_ == State::resuming) own_next_ = clock_.at(access_.cycle + arbitration_ + transfer_);
   set_next();
 }
@@ -361,7 +417,10 @@ void Dsp::unplug(Time now) {
   for (Side& side : sides_) side.bridge.clear(clock);
   if (around_.guard != nullptr) around_.guard->forget(slot_);
   stand_still(now);
+  if (in_reset()) around_.in_reset -= 1;
   state_ = State::out;
+  around_.adapter.reset(slot_, now);
+  around_.adapter.set_plugged(slot_, false, now);
   edge_ = reset_ = never;
   set_next();
   if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::unplugged, now);
@@ -370,7 +429,8 @@ void Dsp::unplug(Time now) {
 void Dsp::plug(Time now) {
   if (state_ != State::out) return;
   broken_ = false;
-  state_ = State::booting;
+  state_ = State::dead;
+  around_.adapter.set_plugged(slot_, true, now);
   if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::plugged, now);
   reset(now);
 }
@@ -381,22 +441,43 @@ void Dsp::reset(Time now) {
   for (Side& side : sides_) side.bridge.clear(clock);
   if (around_.guard != nullptr) around_.guard->forget(slot_);
   stand_still(now);
-  chip_.reset();
-  chip_.hold(true);
-  state_ = State::booting;
-  std::int64_t words = 0;
-  for (const auto& section : around_.program.sections) words += static_cast<std::int64_t>(section.words.size());
-  own_next_ = std::max(now, clock_.at(chip_.cycle())) + around_.config.reset_time +
-              words * around_.config.boot_time_per_word;
+  hold_in_reset(now);
   edge_ = reset_ = never;
   set_next();
   if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::reset, now);
 }
 
-void Dsp::boot() {
-  const toolchain::Image& program = around_.program;
-  chip_.reset();
-  for (const auto& section : program.sections) {
+// RESET is low for a while; it resets the adapter's end of the link too.
+void Dsp::hold_in_reset(Time now) {
+  chip_.hold(true);
+  around_.in_reset += !in_reset();
+  state_ = State::booting;
+  settle(now);
+  around_.adapter.reset(slot_, now);
+  if (around_.config.boot == Boot::link) chip_.boot();
+  else chip_.reset();
+  answered_ = false;
+  own_next_ = std::max(now, clock_.at(chip_.cycle())) + around_.config.reset_time;
+}
+
+void Dsp::leave_reset(Time now) {
+  settle(now);
+  around_.in_reset -= 1;
+  if (around_.config.boot == Boot::preloaded) return load();
+  chip_.hold(false);
+  state_ = State::running;
+  own_next_ = clock_.at(chip_.cycle());
+  around_.adapter.request(slot_, now);
+}
+
+std::vector<std::pair<c40::Address, Word>> start_words(const Symbols& symbols, const Config& config, unsigned slot) {
+  return {{symbols.dsp_slot, slot}, {symbols.idle_policy, config.idle_policy}, {symbols.pause_count, config.pause_count}};
+}
+
+// As a loader would leave it (c40-hardware.md 9.4).
+void Dsp::load() {
+  constexpr c40::Address first_port = 0x100040, port_spacing = 0x10;
+  for (const auto& section : around_.program.sections) {
     if (section.loaded) {
       chip_.write_block(section.address, section.words);
     } else {
@@ -404,15 +485,19 @@ void Dsp::boot() {
       chip_.write_block(section.address, zeros);
     }
   }
-  chip_.poke(around_.symbols.dsp_slot, slot_);
-  chip_.poke(around_.symbols.idle_policy, around_.config.idle_policy);
-  chip_.poke(around_.symbols.pause_count, around_.config.pause_count);
+  for (const auto& [address, value] : start_words(around_.symbols, around_.config, slot_)) chip_.poke(address, value);
+  chip_.set_register(isa::Register::AR3, first_port + port_spacing * around_.symbols.link_port);
   chip_.set_pc(around_.symbols.start);
   chip_.hold(false);
-  statistics_.boots += 1;
   state_ = State::running;
   own_next_ = clock_.at(chip_.cycle());
-  if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::booted, own_next_);
+  answered_ = true;
+  has_booted(own_next_);
+}
+
+void Dsp::has_booted(Time now) {
+  statistics_.boots += 1;
+  if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::booted, now);
 }
 
 void Dsp::append_state(std::vector<std::uint64_t>& words) const {

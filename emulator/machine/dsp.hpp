@@ -7,11 +7,13 @@
 #include <cstdint>
 #include <deque>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bus_model/bridge.hpp"
 #include "c40/chip.hpp"
 #include "machine/devices.hpp"
+#include "machine/link_adapter.hpp"
 #include "machine/machine.hpp"
 #include "machine/shared_memory.hpp"
 #include "machine/symbols.hpp"
@@ -30,12 +32,17 @@ struct Surroundings {
   std::vector<Way> window_a;  // as every DSP board reaches it
   std::vector<Way> window_b;
   const SharedRegisters& registers;
+  LinkAdapter& adapter;
   const Devices* devices;
   const Fence& fence;
   Guard* guard = nullptr;
   Observer* observer = nullptr;
   std::vector<ChipFault> faults;
+  unsigned in_reset = 0;  ///< boards
 };
+
+/// Words of its program that every DSP finds set.
+std::vector<std::pair<c40::Address, Word>> start_words(const Symbols& symbols, const Config& config, unsigned slot);
 
 class Dsp {
  public:
@@ -57,6 +64,9 @@ class Dsp {
   void freeze(Time now);
   void hang(Time now);
   void unplug(Time now);
+  /// The link's other end did something; and what the link did.
+  void link_changed() { set_next(); }
+  void link_event(const c40::LinkEvent& event);
   /// From now on its clock runs at so many millionths of its nominal frequency.
   void pace(Time now, std::int64_t parts_per_million);
   void plug(Time now);
@@ -68,7 +78,9 @@ class Dsp {
   void settle(Time now);
 
   bool plugged() const { return state_ != State::out; }
+  bool booted() const { return plugged() && answered_; }
   bool standing() const { return state_ == State::dead; }
+  bool in_reset() const { return state_ == State::booting; }
   c40::Chip& chip() { return chip_; }
   const c40::Chip& chip() const { return chip_; }
   const SlotStatistics& statistics() const { return statistics_; }
@@ -79,6 +91,7 @@ class Dsp {
     booting,  // held in reset until own_next_
     running,
     access,    // stopped before access_, which begins at own_next_
+    port,      // stopped before port_access_, which begins at own_next_ or waits for the link
     blocked,   // the bridge has the access
     resuming,  // its answer reaches the chip at own_next_
     idle,
@@ -110,12 +123,18 @@ class Dsp {
   void run(Time horizon);
   bool take(const c40::ExternalAccess& access, Time horizon);
   void begin_access(Time horizon);
+  void begin_port_access(Time now, Time horizon);
+  void link_happens(Time now);
+  c40::Cycles limit(Time horizon) const;
   void post(const Way& way, const c40::ExternalAccess& access);
   void complete(Time horizon);
   void deliver_edge(Time now);
   bool caught_up(Time now);
   void go_astray();
-  void boot();
+  void hold_in_reset(Time now);
+  void leave_reset(Time now);
+  void load();
+  void has_booted(Time now);
   void stand_still(Time now);
   void answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result);
   void resume_at(pci::Clocks ready, pci::Clocks arbitration);
@@ -143,6 +162,7 @@ class Dsp {
   std::vector<Underway> underway_;      // in bridges between buses
   State state_ = State::out;
   bool broken_ = false;        // no reset revives it
+  bool answered_ = true;       // since its reset the program has sent its word over the link
   bool edge_waiting_ = false;  // came in the middle of an access; taken when its instruction has ended
   bool hang_waiting_ = false;  // the same
   Time next_ = never;
@@ -150,6 +170,7 @@ class Dsp {
   Time edge_ = never;
   Time reset_ = never;
   c40::ExternalAccess access_{};
+  c40::PortAccess port_access_{};
   Word answer_ = 0;
   c40::Cycles arbitration_ = 0;
   c40::Cycles transfer_ = 0;

@@ -8,13 +8,14 @@
 namespace machine {
 
 Host::Host(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses, std::vector<Way> ways, Clock bus_clock,
-           const SharedRegisters& registers)
+           const SharedRegisters& registers, const LinkAdapter& adapter)
     : program_{program},
       config_{config},
       buses_{buses},
       ways_{std::move(ways)},
       clock_{bus_clock},
       registers_{registers},
+      adapter_{adapter},
       action_clocks_{config.host_bridge.request_sync + config.shared_memory.devsel +
                      config.shared_memory.write_initial + 1 + config.interrupt_clocks} {
   pci::MasterConfig master = config.host_master;
@@ -46,12 +47,13 @@ void Host::process(Time now) {
   set_next(now);
 }
 
-Time Host::earliest_action() const {
+Time Host::earliest_action(Time woken) const {
   const pci::Clocks event = next_bus_event();
   const Time bus = event == pci::never ? never : clock_.at(event);
   // A program that waits for words wakes with its bus's next event at the earliest; then its write has to cross the
   // bridge and the bus.
-  const Time acts = words_wanted_ != 0 && read_done_ == never ? std::min(next_, bus) : next_;
+  const Time wakes = std::min(next_, woken);
+  const Time acts = words_wanted_ != 0 && read_done_ == never ? std::min(wakes, bus) : wakes;
   Time earliest = acts == never ? never : acts + clock_.at(action_clocks_) - Time{1};
   if (acting_ != registers_.acted()) earliest = std::min(earliest, bus);
   return earliest;
@@ -81,7 +83,7 @@ bool Host::blocked() const {
 void Host::require_answer(Offset offset, std::size_t words, bool write) const {
   for (std::size_t i = 0; i < words; ++i) {
     const auto one = static_cast<Offset>(offset + i);
-    const bool shared = one < SharedSram::size || registers_.answers(one, write, true);
+    const bool shared = one < SharedSram::size || registers_.answers(one, write, true) || adapter_.answers(one, write);
     if (way_of(one) == nullptr || !(shared || one >= host_devices))
       throw std::out_of_range{fmt::format("the host {} offset {:X}h, where nothing answers",
                                           write ? "writes to" : "reads from", one)};

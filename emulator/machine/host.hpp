@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bus_model/bridge.hpp"
+#include "machine/link_adapter.hpp"
 #include "machine/machine.hpp"
 #include "machine/shared_memory.hpp"
 #include "machine/time.hpp"
@@ -15,16 +16,20 @@ class Host final : public HostPort, public pci::Bridge::Client {
  public:
   /// Becomes the first master of its buses. `ways`: of offsets as HostPort counts them.
   Host(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses, std::vector<Way> ways, Clock bus_clock,
-       const SharedRegisters& registers);
+       const SharedRegisters& registers, const LinkAdapter& adapter);
 
   Time next() const { return next_; }
+  void boot_requested(Time now) {
+    program_.boot_requested(now);
+    set_next(now);
+  }
   void process(Time now);
 
   /// The processor stands still until then; what it has posted goes on.
   void pause(Time until);
 
-  /// Nothing that it has posted or will post can act on a DSP before this (a lower bound, never earlier than `now`).
-  Time earliest_action() const;
+  /// Nothing that it has posted or will post can act on a DSP before this (a lower bound, never earlier than `now`). It may be woken at `woken`.
+  Time earliest_action(Time woken) const;
 
   void read(Offset offset, unsigned n_words, std::uint32_t tag) override;
   void write(Offset offset, std::span<const Word> words) override;
@@ -54,6 +59,7 @@ class Host final : public HostPort, public pci::Bridge::Client {
   std::vector<Way> ways_;
   Clock clock_;
   const SharedRegisters& registers_;
+  const LinkAdapter& adapter_;
   std::deque<pci::Bridge> bridges_;  // by bus on which the host stands
   Time next_ = never;
   Time read_done_ = never;

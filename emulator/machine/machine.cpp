@@ -12,10 +12,12 @@
 #include "bus_model/bus.hpp"
 #include "bus_model/bus_bridge.hpp"
 #include "machine/board_file.hpp"
+#include "machine/boot.hpp"
 #include "machine/devices.hpp"
 #include "machine/dsp.hpp"
 #include "machine/guard.hpp"
 #include "machine/host.hpp"
+#include "machine/link_adapter.hpp"
 #include "machine/shared_memory.hpp"
 #include "machine/symbols.hpp"
 #include "plant/dock.hpp"
@@ -38,6 +40,7 @@ Numbered numbered(Action action, unsigned slots, unsigned buses) {
     case Action::unplug:
     case Action::plug:
     case Action::reset:
+    case Action::link:
     case Action::pace: return {"slot", slots};
     case Action::pause_host: return {"host", 1};
     case Action::stall_bus: return {"bus", buses};
@@ -119,7 +122,7 @@ class Shuffle {
 
 }  // namespace
 
-class Machine::Parts final : public DoorbellClient, public pci::BusBridge::Client {
+class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, public pci::BusBridge::Client {
  public:
   Parts(Config given, const toolchain::Image& image, plant::Dock* the_dock, HostProgram* program);
 
@@ -132,6 +135,11 @@ class Machine::Parts final : public DoorbellClient, public pci::BusBridge::Clien
   }
   void reset_slot(unsigned slot, pci::Clocks clock) override {
     dsps.at(slot).schedule_reset(bus_clock.at(clock + config.interrupt_clocks));
+  }
+  void link_changed(unsigned slot) override { dsps.at(slot).link_changed(); }
+  void link_event(unsigned slot, const c40::LinkEvent& event) override { dsps.at(slot).link_event(event); }
+  void boot_requested(Time now) override {
+    if (host) host->boot_requested(now);
   }
   void semaphore_event(unsigned number, SemaphoreEvent event, unsigned owner, pci::Clocks clock) override {
     if (around->observer != nullptr) around->observer->semaphore(number, event, owner, bus_clock.at(clock));
@@ -157,6 +165,7 @@ class Machine::Parts final : public DoorbellClient, public pci::BusBridge::Clien
   SharedSram sram;
   std::optional<Guard> guard;
   SharedRegisters registers;
+  LinkAdapter adapter;
   std::optional<Devices> devices;
   std::deque<Shifted> device_windows;
   std::vector<Region> regions;
@@ -202,8 +211,10 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
       dock{the_dock},
       bus_clock{config.pci_hz_numerator, config.pci_hz_denominator},
       sram{fence},
-      registers{symbols, config.slots, bus_clock, fence, *this} {
+      registers{symbols, config.slots, bus_clock, fence, *this},
+      adapter{symbols, config.slots, bus_clock, Clock{config.chip_hz, config.chip_hz_denominator}, *this} {
   require_dsp_board(config.board, program, symbols);
+  if (config.boot == Boot::link) config.board = with_boot_from_port(config.board);
   for (const std::string& name : config.topology.buses) {
     pci::BusConfig bus = config.bus;
     bus.name = name;
@@ -213,7 +224,7 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
   if (the_program != nullptr) {
     std::vector<Way> host_ways = ways(config.topology.host, Window::a, 0);
     for (const Way& way : ways(config.topology.host, Window::b, host_devices)) host_ways.push_back(way);
-    host.emplace(*the_program, config, buses, std::move(host_ways), bus_clock, registers);
+    host.emplace(*the_program, config, buses, std::move(host_ways), bus_clock, registers, adapter);
   } else {
     for (const unsigned bus : config.topology.host) buses[bus].add_master(config.host_master, nobody);
   }
@@ -226,6 +237,7 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
                               .window_a = ways(config.topology.dsps, Window::a, 0),
                               .window_b = ways(config.topology.dsps, Window::b, 0),
                               .registers = registers,
+                              .adapter = adapter,
                               .devices = devices ? &*devices : nullptr,
                               .fence = fence,
                               .guard = guard ? &*guard : nullptr,
@@ -249,6 +261,7 @@ void Machine::Parts::build_targets() {
   };
   add(config.shared_memory, "shared memory", topology.shared_memory, sram, 0, SharedSram::size);
   pci::TargetConfig board = config.shared_memory;
+  add(board, "link adapter", topology.shared_memory, adapter, LinkAdapter::base, LinkAdapter::size);
   board.max_burst = 1;
   add(board, "shared registers", topology.shared_memory, registers, SharedRegisters::base, SharedRegisters::size);
   if (dock == nullptr) return;
@@ -325,11 +338,16 @@ Machine::Parts::Turn Machine::Parts::earliest(Time limit) const {
   return best;
 }
 
-// Until then nothing that is not yet scheduled at a DSP can act on it: rings and resets come from the host, failures
-// from the script.
+// Until then nothing that is not yet scheduled at a DSP can act on it: rings and resets come from the host, which a DSP that leaves
+// reset may wake, and failures from the script.
 Time Machine::Parts::horizon(Time limit) const {
   const Time planned = std::min(limit, script_time());
-  return host ? std::min(planned, host->earliest_action()) : planned;
+  if (!host) return planned;
+  Time woken = never;
+  if (around->in_reset > 0)
+    for (const Dsp& dsp : dsps)
+      if (dsp.in_reset()) woken = std::min(woken, dsp.next());
+  return std::min(planned, host->earliest_action(woken));
 }
 
 void Machine::Parts::take(Turn turn, Time limit) {
@@ -384,6 +402,7 @@ void Machine::Parts::act(const ScriptedEvent& event, Time now) {
     case Action::plug: fence.mask |= Word{1} << event.number; return dsp().plug(now);
     case Action::reset: registers.clear_idle(event.number); return dsp().reset(now);
     case Action::pace: return dsp().pace(now, event.amount);
+    case Action::link: return adapter.set_broken(event.number, failed, now);
     case Action::pause_host:
       if (host) host->pause(now + Time{event.amount});
       return;
@@ -424,6 +443,7 @@ void Machine::script(const ScriptedEvent& event) {
 
 unsigned Machine::slots() const { return parts_->config.slots; }
 bool Machine::plugged(unsigned slot) const { return parts_->dsps.at(slot).plugged(); }
+bool Machine::booted(unsigned slot) const { return parts_->dsps.at(slot).booted(); }
 bool Machine::standing(unsigned slot) const { return parts_->dsps.at(slot).standing(); }
 c40::Chip& Machine::chip(unsigned slot) { return parts_->dsps.at(slot).chip(); }
 const c40::Chip& Machine::chip(unsigned slot) const { return parts_->dsps.at(slot).chip(); }
@@ -433,8 +453,8 @@ const pci::Bus& Machine::bus(BusId id) const { return parts_->buses.at(static_ca
 pci::BusStatistics Machine::bus_statistics(BusId id) const {
   return bus(id).statistics(std::max(bus(id).now(), parts_->bus_clock.tick_at_or_before(parts_->time)));
 }
-std::vector<std::string> Machine::audit_buses() const {
-  std::vector<std::string> faults;
+std::vector<std::string> Machine::audit() const {
+  std::vector<std::string> faults = parts_->adapter.audit();
   for (const pci::Bus& bus : parts_->buses) {
     const auto clock = std::max(bus.now(), parts_->bus_clock.tick_at_or_before(parts_->time));
     for (std::string& fault : pci::audit(bus, clock)) faults.push_back(std::move(fault));
@@ -447,10 +467,23 @@ Word Machine::peek(Offset offset) const { return parts_->sram.words().at(offset)
 void Machine::poke(Offset offset, Word word) { parts_->sram.words().at(offset) = word; }
 Word Machine::symbol(std::string_view name) const { return parts_->program.symbol(name); }
 
+std::vector<Word> Machine::boot_stream(unsigned slot) const {
+  const Config& config = parts_->config;
+  toolchain::Image program = parts_->program;
+  for (const auto& [address, value] : start_words(parts_->symbols, config, slot)) {
+    Word* word = program.word_at(address);
+    if (word == nullptr) throw std::invalid_argument{fmt::format("the DSP program: dsp_slot, idle_policy and pause_count are words of loaded sections; {:08X}h is none", address)};
+    *word = value;
+  }
+  return machine::boot_stream(program, {.global_interface_control = config.board.global_interface_control,
+                                        .local_interface_control = config.board.local_interface_control});
+}
+
 void Machine::append_state(std::vector<std::uint64_t>& words) const {
   words.push_back(static_cast<std::uint64_t>(parts_->time.count()));
   words.insert(words.end(), parts_->sram.words().begin(), parts_->sram.words().end());
   parts_->registers.append_state(words);
+  parts_->adapter.append_state(words);
   if (parts_->devices) parts_->devices->append_state(words);
   for (const Dsp& dsp : parts_->dsps) dsp.append_state(words);
   for (const pci::BusBridge& bridge : parts_->bridges) bridge.append_state(words);

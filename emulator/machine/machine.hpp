@@ -76,6 +76,8 @@ class HostProgram {
   /// means now.
   virtual Time next_wake() const = 0;
   virtual void wake(Time now, HostPort& port) = 0;
+  /// A DSP has left reset and waits for its boot stream (LINK_REQUEST says which): an interrupt. May only note it.
+  virtual void boot_requested(Time /*now*/) {}
   /// The words are valid during the call only.
   virtual void read_done(std::uint32_t tag, std::span<const Word> words, Time now, HostPort& port) = 0;
 };
@@ -91,7 +93,14 @@ struct ChipFault {
 };
 
 enum class SemaphoreEvent : std::uint8_t { acquired, refused, released };
+/// booted: its program runs, and has said so over the link.
 enum class SlotChange : std::uint8_t { plugged, unplugged, reset, booted };
+
+/// How a DSP that leaves reset comes by its program.
+enum class Boot : std::uint8_t {
+  preloaded,  ///< it lies in its memory, and is started
+  link,       ///< the boot ROM takes it from the link adapter, into which the host's program has to write it
+};
 
 /// What a scripted event does, and to what its number refers.
 enum class Action : std::uint8_t {
@@ -99,8 +108,9 @@ enum class Action : std::uint8_t {
   freeze,       ///< DSP: the chip stands still until it is reset
   hang,         ///< DSP: its program goes astray into a branch to itself with interrupts masked, and runs there until it is reset
   unplug,       ///< DSP: the board is pulled: transactions break off, posted words are lost
-  plug,         ///< DSP: a board is put in, reset and booted
-  reset,        ///< DSP: reset and booted, as by RESET_DSP
+  plug,         ///< DSP: a board is put in, and reset
+  reset,        ///< DSP: reset, as by RESET_DSP
+  link,         ///< DSP: the wires between it and the link adapter break (amount 1) or are mended (0)
   pace,         ///< DSP: its clock runs at `amount` millionths of its nominal frequency
   pause_host,   ///< the host's processor stands still for `amount` picoseconds
   stall_bus,    ///< bus (in the order of the topology): its arbiter grants nothing for `amount` picoseconds
@@ -140,6 +150,8 @@ class Observer {
   virtual void semaphore(unsigned /*number*/, SemaphoreEvent, unsigned /*owner*/, Time /*now*/) {}
   virtual void fault(const ChipFault&) {}
   virtual void slot(unsigned /*slot*/, SlotChange, Time /*now*/) {}
+  /// A word on the link between adapter and DSP is lost; `bytes` of its four had crossed.
+  virtual void link_lost(unsigned /*slot*/, bool /*to_dsp*/, Word, int /*bytes*/, Time /*now*/) {}
   virtual void scripted(const ScriptedEvent&, Time /*now*/) {}
 };
 
@@ -156,8 +168,9 @@ struct Config {
   c40::Board board = c40::Board::default_board();  ///< of every DSP; needs the windows to both buses (BoardError otherwise)
   std::int64_t pci_hz_numerator = 100'000'000;
   std::int64_t pci_hz_denominator = 3;
-  Word idle_policy = 0;    ///< poked into the program's symbol idle_policy: 0 doorbell, 1 pause, 2 spin
-  Word pause_count = 125;  ///< poked into pause_count
+  Boot boot = Boot::preloaded;
+  Word idle_policy = 0;    ///< for the program's symbol idle_policy: 0 doorbell, 1 pause, 2 spin
+  Word pause_count = 125;  ///< for pause_count
   Topology topology{};
   pci::BusConfig bus{};  ///< of every bus; the names are the topology's
   pci::MasterConfig dsp_master{};
@@ -174,7 +187,6 @@ struct Config {
   pci::Clocks host_write_clocks = 2;                ///< the host's processor needs so long to post a word
   std::int64_t prefetch_hit_cycles = 1;             ///< a DSP's read that its bridge's line answers
   Time reset_time = std::chrono::microseconds{10};  ///< RESET held low
-  Time boot_time_per_word{200'000};                 ///< ps: the link adapter's comm port carries 20 Mbyte/s
   std::uint64_t turn_order =
       0;  ///< not 0: a seed for the order in which chips are run ahead; changes nothing that can be observed
   bool guard = false;  ///< shared memory refuses what a DSP's task may not write (machine/guard.hpp)
@@ -189,6 +201,9 @@ struct SlotStatistics {
   std::uint64_t dropped_writes = 0;  ///< fenced
   std::uint64_t interrupts = 0;
   std::uint64_t boots = 0;
+  std::uint64_t words_to_dsp = 0;    ///< over the link, and the other way
+  std::uint64_t words_from_dsp = 0;
+  std::uint64_t words_lost = 0;
   std::int64_t window_b_arbitration = 0;  ///< cycles, of the chip's cause bus_arbitration; the others are window A's
   std::int64_t window_b_transfer = 0;     ///< the same of bus_transfer
 };
@@ -196,7 +211,7 @@ struct SlotStatistics {
 /// See the head of this file.
 class Machine {
  public:
-  /// The program is loaded into every DSP and has to define dsp_slot, idle_policy, pause_count, _start and the
+  /// The program is what the DSPs run; it has to define dsp_slot, idle_policy, pause_count, _start and the
   /// constants of the c40_programs/include files (std::invalid_argument names the missing ones). dock and host may be
   /// null: then bus B answers nothing, and no host is there. All three must outlive the machine, except the image,
   /// which is copied.
@@ -219,14 +234,15 @@ class Machine {
 
   unsigned slots() const;
   bool plugged(unsigned slot) const;
+  bool booted(unsigned slot) const;    ///< a board is there, and its program has run since its last reset
   bool standing(unsigned slot) const;  ///< stands still after a fault, Action::fail or Action::hang
   c40::Chip& chip(unsigned slot);
   const c40::Chip& chip(unsigned slot) const;
   const Clock& chip_clock() const;
   unsigned buses() const;
   const pci::Bus& bus(BusId id) const;
-  /// What the buses' own invariants have to say against this run (pci::audit); empty unless the model has a fault.
-  std::vector<std::string> audit_buses() const;
+  /// What the invariants of buses (pci::audit) and links have to say against this run; empty unless the model has a fault.
+  std::vector<std::string> audit() const;
   pci::BusStatistics bus_statistics(BusId id) const;  ///< of all clocks up to time()
   const std::vector<ChipFault>& faults() const;
   const SlotStatistics& statistics(unsigned slot) const;
@@ -235,9 +251,11 @@ class Machine {
   Word peek(Offset offset) const;
   void poke(Offset offset, Word word);
   Word symbol(std::string_view name) const;  ///< of the program; std::out_of_range names it
+  /// What the boot ROM of this slot's DSP has to be sent (Config::boot): the program with dsp_slot, idle_policy and pause_count set.
+  std::vector<Word> boot_stream(unsigned slot) const;
 
   /// SHA-256 is the report's business: this appends the machine's own final state (shared memory, devices' registers,
-  /// each chip's registers and counters) as words.
+  /// links, each chip's registers and counters) as words.
   void append_state(std::vector<std::uint64_t>& words) const;
 
  private:

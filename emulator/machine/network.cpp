@@ -562,19 +562,7 @@ NetworkStop Network::finish(NetworkStop::Reason reason, Time limit) {
 
 void Network::check_words() const {
   for (std::size_t n = 0; n < links_.size(); ++n)
-    for (int side = 0; side < 2; ++side) {
-      const NetworkLink& ends = description_.links[n];
-      const PortName &from = side == 0 ? ends.a : ends.b, &to = side == 0 ? ends.b : ends.a;
-      const c40::CommPort &mine = nodes_[from.chip]->chip.port(from.port), &theirs = nodes_[to.chip]->chip.port(to.port);
-      const c40::Link::Counters& link = links_[n]->counters(side);
-      const bool balanced = mine.traffic.written == mine.traffic.sent + mine.traffic.discarded_output + mine.output.size() &&
-                            mine.traffic.sent == link.sent && link.sent == link.arrived + links_[n]->under_way(side) + link.lost &&
-                            link.arrived == theirs.traffic.received &&
-                            theirs.traffic.received == theirs.traffic.read + theirs.traffic.discarded_input + theirs.input.size();
-      if (!balanced)
-        throw std::logic_error(fmt::format("link {}: words from {} do not add up: {} written, {} sent, {} arrived, {} lost, {} read", machine::to_text(ends),
-                                           machine::to_text(from), mine.traffic.written, mine.traffic.sent, link.arrived, link.lost, theirs.traffic.read));
-    }
+    if (const auto fault = links_[n]->unbalanced()) throw std::logic_error(fmt::format("link {}: {}", machine::to_text(description_.links[n]), *fault));
 }
 
 Chip& Network::chip(std::size_t n) { return nodes_.at(n)->chip; }

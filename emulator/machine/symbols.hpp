@@ -15,7 +15,7 @@ struct Symbols {
 
   // bus A
   std::uint32_t window_a, semaphore, semaphore_count, semaphore_owner, semaphore_held, doorbell_ring, doorbell_idle,
-      doorbell_busy, fence_mask, reset_dsp;
+      doorbell_busy, fence_mask, reset_dsp, link_adapter, link_words, link_status, link_data, link_request, link_port;
   // bus B
   std::uint32_t window_b, drive_torque, drive_enable, encoder, sway_alpha, sway_beta, spreader_command, spreader_status;
   std::uint32_t scan_rows, scan_row, scan_y, scan_x0, scan_dx, scan_deck, scan_profile, scan_count;

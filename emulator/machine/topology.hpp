@@ -31,9 +31,9 @@ struct Topology {
   std::vector<std::pair<unsigned, unsigned>> bridges;          ///< between buses; no loops
 };
 
-/// Words of window B, and of the part of the address space that shared memory and its registers take.
+/// Words of window B, and of the part of the address space that shared memory, its registers and the link adapter take.
 inline constexpr Offset device_space = 0x1000;
-inline constexpr Offset shared_space = 0x11000;
+inline constexpr Offset shared_space = 0x12000;
 /// Where devices begin in an address space that they share with shared memory, unless told otherwise.
 inline constexpr Offset devices_beside_memory = 0x100000;
 

@@ -46,6 +46,7 @@ constexpr KindRow kind_rows[] = {
     {EventKind::opened, "opened", {{{"container"}}}},
     {EventKind::delivered, "delivered", {{{"container"}}}},
     {EventKind::starved, "starved", {{{"robot"}, {"point"}}}},
+    {EventKind::link_lost, "link_lost", {{{"word"}, {"to_dsp"}, {"bytes"}}}},
     {EventKind::scripted, "scripted", {{{"action"}, {"number"}, {"amount_low"}, {"amount_high"}}}},
     {EventKind::set, "set", {{{"key"}, {"value_low", 'h'}, {"value_high", 'h'}}}},
     {EventKind::issue, "issue", {{{"block", 'h'}, {"flag", 'h'}, {"delay_low"}, {"delay_high"}}}},

@@ -57,6 +57,7 @@ enum class EventKind : std::uint16_t {
   scripted = 25,       ///< host: action (machine::Action), number of what it acts on, amount low and high word
   set = 27,             ///< host: number of the key in the schema, its new value (integer or bits of a double) low and high word
   push = 26,           ///< plant: AGV, speed, front, rear (a set-point enters the AGV's FIFO)
+  link_lost = 29,      ///< dsp: word lost on the link, 1 to the DSP | 0 from it, bytes of it that had crossed
   issue = 28,          ///< dsp: block offset, flag written, ps from the program's write to its arrival (low and high word)
 };
 

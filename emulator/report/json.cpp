@@ -105,6 +105,8 @@ Json miss(const MissReport& of, const std::vector<TaskReport>& kinds) {
 }
 
 Json dsp(const DspReport& of) {
+  Json boots = Json::array();
+  for (const BootReport& boot : of.boots) boots.push_back({{"reset_at_s", seconds(boot.reset)}, {"boot_s", boot.booted ? Json(seconds(*boot.booted - boot.reset)) : Json(nullptr)}});
   return {{"slot", of.slot},
           {"state", of.state},
           {"clock_hz", of.clock_hz},
@@ -115,7 +117,9 @@ Json dsp(const DspReport& of) {
           {"tasks_ps", shares(of.tasks)},
           {"faults", of.faults},
           {"resets", of.resets},
-          {"dropped_writes", of.dropped_writes}};
+          {"dropped_writes", of.dropped_writes},
+          {"boots", boots},
+          {"link_words", {{"in", of.link_words_in}, {"out", of.link_words_out}, {"lost", of.link_words_lost}}}};
 }
 
 Json bus(const BusReport& of) {
@@ -231,6 +235,7 @@ std::string to_json(const RunReport& report) {
                {"failures", Json::array()}};
   for (const TaskReport& of : report.tasks) root["tasks"][of.kind] = task(of);
   for (const MissReport& of : report.missed) root["misses"].push_back(miss(of, report.tasks));
+  root["boot_words"] = report.boot_words;
   for (const DspReport& of : report.dsps) root["dsps"].push_back(dsp(of));
   for (const BusReport& of : report.buses) root["buses"][of.name] = bus(of);
   for (const CycleReport& of : report.cycles) root["cycles"].push_back(cycle(of));

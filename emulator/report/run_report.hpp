@@ -39,6 +39,12 @@ struct TaskReport {
   WhyLate why_late;                       ///< of the missed jobs
 };
 
+/// A DSP's way from reset to its running program.
+struct BootReport {
+  Time reset{};                ///< RESET goes low; 0 at power-on
+  std::optional<Time> booted;  ///< the program has answered over the link; absent: it never did
+};
+
 struct DspReport {
   unsigned slot = 0;
   std::string state;  ///< "running", "idle", "halted: <fault>", "unplugged"
@@ -51,6 +57,8 @@ struct DspReport {
   std::uint64_t faults = 0;
   std::uint64_t resets = 0;          ///< by the watchdog
   std::uint64_t dropped_writes = 0;  ///< while fenced
+  std::vector<BootReport> boots;
+  std::uint64_t link_words_in = 0, link_words_out = 0, link_words_lost = 0;  ///< between the link adapter and the DSP
 };
 
 struct MasterReport {
@@ -165,6 +173,7 @@ struct RunReport {
   std::vector<TaskReport> tasks;  ///< every kind of ruling 29 in its order, also those never released
   std::vector<MissReport> missed;     ///< the first report.misses_max missed jobs, one by one
   std::uint64_t misses_left_out = 0;  ///< missed jobs that are not among them
+  std::uint64_t boot_words = 0;  ///< that each DSP is sent to boot; 0: its program is preloaded
   std::vector<DspReport> dsps;
   std::vector<BusReport> buses;
   std::vector<CycleReport> cycles;

@@ -141,6 +141,29 @@ std::string reasons(const RunReport& report) {
   return text.empty() ? heading("No deadline was missed.") : heading("Why deadlines were missed") + text;
 }
 
+/// At power-on all together; each later one by itself.
+std::string boots(const RunReport& report) {
+  std::string later;
+  std::optional<Time> shortest, longest;
+  if (report.boot_words == 0) return "";
+  for (const DspReport& dsp : report.dsps)
+    for (const BootReport& boot : dsp.boots) {
+      const bool power_on = boot.reset == Time{};
+      if (power_on && boot.booted) {
+        shortest = std::min(shortest.value_or(*boot.booted), *boot.booted);
+        longest = std::max(longest.value_or(*boot.booted), *boot.booted);
+      } else {
+        later += fmt::format("  dsp {} {}: {}\n", dsp.slot, power_on ? "at power-on" : fmt::format("reset at {:.6f} s", static_cast<double>(boot.reset.count()) * 1e-12),
+                             boot.booted ? fmt::format("its program ran {:.3f} ms later", static_cast<double>((*boot.booted - boot.reset).count()) * 1e-9)
+                                         : "its program has not run yet");
+      }
+    }
+  if (!longest) return later;
+  return fmt::format("  booted over their links at power-on: {} words each, programs ran from {:.3f} to {:.3f} ms\n", report.boot_words,
+                     static_cast<double>(shortest->count()) * 1e-9, static_cast<double>(longest->count()) * 1e-9) +
+         later;
+}
+
 /// Columns are DSPs, eight at a time; rows are causes that any DSP knows.
 std::string dsps(const RunReport& report) {
   constexpr std::size_t per_table = 8;
@@ -172,7 +195,7 @@ std::string dsps(const RunReport& report) {
     for (const DspReport& dsp : group)
       if (dsp.state != "running" && dsp.state != "idle") text += fmt::format("  dsp {} is {}\n", dsp.slot, dsp.state);
   }
-  return text.empty() ? "" : heading("DSPs") + text;
+  return text.empty() ? "" : heading("DSPs") + text + boots(report);
 }
 
 /// The masters' waits as histograms, and how often they were stopped.

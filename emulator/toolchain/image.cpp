@@ -14,6 +14,12 @@ Word Image::symbol(std::string_view name) const {
   return found->second;
 }
 
+Word* Image::word_at(Address address) {
+  for (Section& section : sections)
+    if (section.loaded && address - section.address < section.words.size()) return &section.words[address - section.address];
+  return nullptr;
+}
+
 namespace {
 std::optional<std::uint64_t> parse_number(std::string_view text, int base) {
   std::uint64_t value = 0;

@@ -43,6 +43,8 @@ struct Image {
 
   /// The value of a symbol. Throws std::out_of_range with the symbol's name if there is none.
   Word symbol(std::string_view name) const;
+  /// The word at an address of a loaded section, or null.
+  Word* word_at(Address address);
 };
 
 /// An address as a user writes it: a symbol of the image, if one is given, else 300000h, 0x300000 or a decimal number.

@@ -70,6 +70,7 @@ struct Recorder final : Observer {
   void fault(const ChipFault& fault) override {
     add(fault.time, "fault", {fault.slot, fault.pc, fault.address, fault.cycle});
   }
+  void link_lost(unsigned slot, bool to_dsp, Word word, int bytes, Time now) override { add(now, "link_lost", {slot, to_dsp, word, bytes}); }
   void slot(unsigned number, SlotChange change, Time now) override {
     add(now, "slot", {number, static_cast<int>(change)});
   }
@@ -115,7 +116,9 @@ void bind_config(py::module_& m) {
       .value("hang", Action::hang)
       .value("unplug", Action::unplug)
       .value("plug", Action::plug)
-      .value("reset", Action::reset);
+      .value("reset", Action::reset)
+      .value("link", Action::link);
+  py::enum_<Boot>(m, "Boot").value("preloaded", Boot::preloaded).value("link", Boot::link);
   py::class_<Topology>(m, "Topology", "Which agent stands on which bus; buses are numbered as in `buses`.")
       .def(py::init<>())
       .def_readwrite("buses", &Topology::buses)
@@ -132,6 +135,7 @@ void bind_config(py::module_& m) {
       .def_readwrite("chip_hz", &Config::chip_hz)
       .def_readwrite("pci_hz_numerator", &Config::pci_hz_numerator)
       .def_readwrite("pci_hz_denominator", &Config::pci_hz_denominator)
+      .def_readwrite("boot", &Config::boot)
       .def_readwrite("idle_policy", &Config::idle_policy)
       .def_readwrite("pause_count", &Config::pause_count)
       .def_readwrite("interrupt_clocks", &Config::interrupt_clocks)
@@ -163,7 +167,10 @@ void bind_config(py::module_& m) {
       .def_readonly("prefetch_hits", &SlotStatistics::prefetch_hits)
       .def_readonly("dropped_writes", &SlotStatistics::dropped_writes)
       .def_readonly("interrupts", &SlotStatistics::interrupts)
-      .def_readonly("boots", &SlotStatistics::boots);
+      .def_readonly("boots", &SlotStatistics::boots)
+      .def_readonly("words_to_dsp", &SlotStatistics::words_to_dsp)
+      .def_readonly("words_from_dsp", &SlotStatistics::words_from_dsp)
+      .def_readonly("words_lost", &SlotStatistics::words_lost);
 }
 
 void bind_clock(py::module_& m) {
@@ -216,6 +223,9 @@ void bind_machine(py::module_& core) {
           },
           py::arg("slot"), py::arg("address"))
       .def("idle", [](const PyMachine& self, unsigned slot) { return self.machine.chip(slot).idle(); })
+      .def("booted", [](const PyMachine& self, unsigned slot) { return self.machine.booted(slot); })
+      .def("boot_stream", [](const PyMachine& self, unsigned slot) { return self.machine.boot_stream(slot); })
+      .def("audit", [](const PyMachine& self) { return self.machine.audit(); })
       .def("plugged", [](const PyMachine& self, unsigned slot) { return self.machine.plugged(slot); })
       .def("standing", [](const PyMachine& self, unsigned slot) { return self.machine.standing(slot); })
       .def("statistics", [](const PyMachine& self, unsigned slot) { return self.machine.statistics(slot); })

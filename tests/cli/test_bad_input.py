@@ -31,7 +31,7 @@ def files_of(directory: Path) -> set[str]:
         (["--eq7", "guessed"], ["restored", "as_printed"]),
         (["--seed", "x"], ["--seed"]),
         (["--config", "missing.toml"], ["missing.toml"]),
-        (["--programs", "nowhere", "--duration", "0.001"], ["nowhere"]),
+        (["--programs", "nowhere", "--duration", "0.03"], ["nowhere"]),
         (["--trace-window", "3", "--trace", "t"], ["--trace-window", "A:B"]),
         (["--trace-window", "5:2", "--trace", "t"], ["--trace-window", "5:2"]),
         (["--trace-window", "0:1"], ["--trace-window", "--trace"]),

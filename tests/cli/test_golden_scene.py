@@ -54,7 +54,7 @@ def test_golden_files_stay_small() -> None:
 
 
 def test_trace_diff_regenerates_the_text_behind_a_differing_hash(run, tmp_path: Path) -> None:
-    run("--dsps", 1, "--duration", 0.0041, "--quiet", "--trace", "t", "--trace-window", "0.004:0.0041", "--trace-instructions", 0)
+    run("--dsps", 1, "--duration", 0.0241, "--quiet", "--trace", "t", "--trace-window", "0.024:0.0241", "--trace-instructions", 0)
     executed = (tmp_path / "t.dsp0").read_text().splitlines()[1:]
     assert executed
     hashed = condensed(executed, 0, keep=lambda cycle: False)
@@ -63,5 +63,5 @@ def test_trace_diff_regenerates_the_text_behind_a_differing_hash(run, tmp_path: 
     (tmp_path / "b.trace").write_text(re.sub("sha256=.{16}", "sha256=0123456789abcdef", text))
     result = run("trace-diff", "a.trace", "b.trace")
     assert result.returncode == 1
-    assert "cycle 100000, dsp 0, field sha256: " in result.stdout
+    assert "cycle 600000, dsp 0, field sha256: " in result.stdout
     assert result.stdout.split("what this emulator executes there:\n")[1].splitlines() == executed

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-SHORT = 0.06
+SHORT = 0.08
 KINDS = [
     "pid", "torque_compensation", "trajectory_planning.crane", "trajectory_planning.agv", "inverse_kinematics.crane",
     "inverse_kinematics.agv", "obstacle_avoidance", "identify", "grab_path", "home.crane", "home.agv", "error", "recompute",
@@ -92,7 +92,7 @@ def test_the_terminal_report(run) -> None:
     result = run("--duration", SHORT, "--dsps", 2)
     assert (result.returncode, result.stderr) == (0, "")
     text = result.stdout
-    assert text.startswith("2 DSPs, 0.060 s simulated in ")
+    assert text.startswith("2 DSPs, 0.080 s simulated in ")
     for part in ("Deadlines", "Response times", "% of cycles", "Bus A", "Bus B", "Work cycles", "joint psi", "refreshes", "hash "):
         assert part in text
     assert max(map(len, text.splitlines())) <= 100

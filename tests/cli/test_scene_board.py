@@ -66,7 +66,7 @@ def test_wait_states_of_the_program_memory(tmp_path: Path) -> None:
     fast, slow = run(tmp_path, DEFAULT), run(tmp_path, DEFAULT.replace(*PROGRAM_WAITS))
     before, after = (r.report["tasks"]["torque_compensation"] for r in (fast, slow))
     assert before["execution_cycles"]["wait_state"] == 0
-    assert before["on_time"] == after["on_time"] > 40
+    assert before["on_time"] == after["on_time"] >= 30
     executed = after["execution_cycles"]["execute"]
     assert executed == pytest.approx(before["execution_cycles"]["execute"], rel=1e-3)  # later, the plant is read later
     # Two cycles for each miss; what is called again soon (sine and cosine), hits.
@@ -106,7 +106,7 @@ def test_from_the_command_line(emulator: Path, tmp_path: Path) -> None:
     (tmp_path / "b.toml").write_text(DEFAULT)
     (tmp_path / "c.toml").write_text('[machine]\nboard = "b.toml"\n')
     flag, file = (
-        subprocess.run([emulator, "--duration", "0.02", *more], capture_output=True, text=True, cwd=tmp_path, check=True).stdout.split("\nhash")[1]
+        subprocess.run([emulator, "--duration", "0.03", *more], capture_output=True, text=True, cwd=tmp_path, check=True).stdout.split("\nhash")[1]
         for more in (["--board", "b.toml"], ["--config", "c.toml"])
     )
     assert flag == file

@@ -90,6 +90,8 @@ class Replay:
         self.planned_at: dict[int, int] = {}
         self.loaded_since_refresh: list[tuple[int, Block]] = []
         self.known = False
+        self.power_on = False  # a DSP booted before the first refresh
+        self.seen = 0
         self.idle: set[int] = set()
         self.to_ring: tuple[int, int] | None = None  # at least, at most, after the last refresh
         self.rung = 0
@@ -101,6 +103,7 @@ class Replay:
     def follow(self, trace: Iterable[Event]) -> None:
         for time, who, name, n in trace:
             slot = int(who.split()[1]) if who.startswith("dsp") else -1
+            self.power_on = self.power_on or (name == "reset" and n["state"] == 1 and self.seen == 0)
             if name == "idle" and n["state"]:
                 self.idle.add(slot)
             elif name in ("idle", "reset"):
@@ -161,7 +164,9 @@ class Replay:
                 waiting.append((-block.importance, block.inserted, offset))
                 self.kinds.add(block.kind)
         self.order = [offset for _, _, offset in sorted(waiting)]
-        self.known = self.known or (len(self.blocks) == n["blocks"] and len(self.planned_at) > 0) or number == 1
+        first = self.seen == 0 and (number == 1 or self.power_on)
+        self.seen += 1
+        self.known = self.known or (len(self.blocks) == n["blocks"] and len(self.planned_at) > 0) or first
         self.refreshes += self.known
         eligible = sum(self.blocks[offset].importance > 0 for offset in self.order)
         self.to_ring = (min(eligible, len(self.idle)), eligible)

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from cmrc import _core
-from locations import ROOT
+from locations import AT_ONCE, ROOT
 
 cmrc = _core.cmrc
 PAGE = (ROOT / "docs" / "add-a-task.md").read_text()
@@ -38,7 +38,7 @@ def test_the_page_works_as_it_stands(desk: Path) -> None:
 
 
 def report_of(toml: str, **settings: Any) -> dict[str, Any]:
-    simulation = cmrc.Simulation(cmrc.config(toml=toml, settings=settings))
+    simulation = cmrc.Simulation(cmrc.config(toml=toml, settings={**AT_ONCE, **settings}))
     simulation.run()
     report: dict[str, Any] = json.loads(simulation.report_json())
     return report

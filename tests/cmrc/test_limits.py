@@ -6,7 +6,7 @@ import subprocess
 import cmrc
 import pytest
 from cmrc import _core
-from locations import BUILD
+from locations import AT_ONCE, BUILD
 
 EMULATOR = BUILD / "bin" / "emulator"
 
@@ -21,7 +21,7 @@ def test_the_limit_is_where_all_passes_and_anomalies_lie_beyond() -> None:
 
 def test_two_dsps_are_the_least_for_the_base_rates() -> None:
     # plant-and-bus.md 2.4: one more than long jobs that can run at once; identify is the only one here.
-    found = cmrc.limits(dsps=[3, 1, 2], duration_s=0.02)
+    found = cmrc.limits(dsps=[3, 1, 2], duration_s=0.04)
     assert found.limit("dsps") == 2
     first = found.points.row(0)
     assert (first["value"], first["passed"], first["first_miss"]) == (1, False, "torque_compensation")
@@ -29,47 +29,47 @@ def test_two_dsps_are_the_least_for_the_base_rates() -> None:
 
 def test_the_slack_of_the_servo_is_what_its_cycles_leave() -> None:
     """Where instructions take f times as long and the bus does not, PID needs W + B + f I; it has a millisecond."""
-    pid = cmrc.run(duration_s=0.05, dsps=4).report["tasks"]["pid"]
+    pid = cmrc.run(duration_s=0.05, dsps=4, settings=AT_ONCE).report["tasks"]["pid"]
     cycles = pid["execution_cycles"]
     period_us = 1000.0
     instructions = 0.04 * sum(cycles[cause] for cause in ("execute", "branch", "register_conflict", "memory_conflict")) / pid["execution_ps"]["count"]
     rest = pid["response_ps"]["mean"] * 1e-6 - instructions
     predicted = (period_us - rest) / instructions
     assert 5 < predicted < 50
-    found = cmrc.limits(cycles=[round(predicted * share, 2) for share in (0.5, 0.85, 1.15, 1.5)], duration_s=0.05, dsps=None, settings={"machine.dsps": 4})
+    found = cmrc.limits(cycles=[round(predicted * share, 2) for share in (0.5, 0.85, 1.15, 1.5)], duration_s=0.05, dsps=None, settings={"machine.dsps": 4, **AT_ONCE})
     assert list(found.points["passed"]) == [True, True, False, False]
     assert found.limit("cycles") == round(predicted * 0.85, 2)
 
 
 def test_a_point_that_is_not_allowed_is_refused_and_the_others_are_run() -> None:
-    found = cmrc.limits(servo=[1000, 5000], dsps=[2, 2.5, 99], duration_s=0.002)
+    found = cmrc.limits(servo=[1000, 5000], dsps=[2, 2.5, 99], duration_s=0.022)
     servo, dsps = found.report["scans"]["servo"], found.report["scans"]["dsps"]
     assert servo["limit"] == 1000 and "f_s" in servo["points"][1]["refused"]
     assert dsps["limit"] == 2 and [point["refused"] is None for point in dsps["points"]] == [True, False, False]
 
 
 def test_a_scan_gives_the_same_twice() -> None:
-    once, twice = (cmrc.limits(cycles=[1, 8, 16, 32], duration_s=0.02).report for _ in range(2))
+    once, twice = (cmrc.limits(cycles=[1, 8, 16, 32], duration_s=0.02, settings=AT_ONCE).report for _ in range(2))
     assert once == twice
 
 
 @pytest.mark.parametrize(("grids", "message"), [({"cycles": []}, "empty"), ({"dsps": [2, 2]}, "twice")])
 def test_grids_that_are_none(grids: dict[str, list[float]], message: str) -> None:
     with pytest.raises(cmrc.ConfigError, match=message):
-        cmrc.limits(duration_s=0.01, **grids)
+        cmrc.limits(duration_s=0.03, **grids)
 
 
 @pytest.mark.parametrize("grid", ["", "3:1:1", "1:2:0", "1:2:-1", "a", "1,,2", "1:2:3:4", "1:1000000:0.5"])
 def test_grids_that_are_ill_typed(grid: str) -> None:
-    run = subprocess.run([EMULATOR, "limits", "--duration", "0.01", "--cycles", grid], capture_output=True, text=True, check=False)
+    run = subprocess.run([EMULATOR, "limits", "--duration", "0.03", "--cycles", grid], capture_output=True, text=True, check=False)
     assert run.returncode == 2 and "--cycles" in run.stderr and run.stdout == ""
 
 
 def test_the_command_and_python_agree(tmp_path) -> None:  # type: ignore[no-untyped-def]
     file = tmp_path / "limits.json"
-    command = [EMULATOR, "limits", "--dsps-grid", "1:2", "--duration", "0.01", "--json", file]
+    command = [EMULATOR, "limits", "--dsps-grid", "1:2", "--duration", "0.03", "--json", file]
     run = subprocess.run(command, capture_output=True, text=True, check=True)
-    found = cmrc.limits(dsps=[1, 2], duration_s=0.01)
+    found = cmrc.limits(dsps=[1, 2], duration_s=0.03)
     assert json.loads(file.read_text()) == found.report and run.stdout == found.text
 
 
@@ -98,7 +98,7 @@ def test_an_ideal_run_is_at_the_limit_of_instant_execution() -> None:
 
 def test_nothing_of_the_machine_fails_in_an_ideal_run_and_drives_do() -> None:
     events = [{"at_s": 0.01, "action": "fail", "dsp": 0}, {"at_s": 0.01, "action": "fail_drive", "joint": "hoist"}]
-    result = cmrc.run(dsps=1, duration_s=0.02, ideal=True, events=events)
+    result = cmrc.run(dsps=1, duration_s=0.04, ideal=True, events=events)
     [event] = result.report["timed_events"]
     assert "hoist" in event["what"]
     assert result.stop_reason == "completed" and result.report["dsps"][0]["state"] in ("idle", "running")
@@ -115,12 +115,12 @@ def test_a_comparison_is_the_difference_of_two_runs() -> None:
     cost = found["control cost"]
     assert (cost["run"], cost["ideal"]) == (real["control_cost"]["cost_m2s"], ideal["control_cost"]["cost_m2s"])
     with pytest.raises(cmrc.ConfigError, match=r"run\.ideal"):
-        cmrc.compare(duration_s=0.01, ideal=True)
+        cmrc.compare(duration_s=0.03, ideal=True)
 
 
 def test_the_control_cost_is_the_integral_of_its_parts() -> None:
     """The drives' share from the recorded codes, which are held from latch to latch; the error's from PID's mean squares."""
-    result = cmrc.run(dsps=2, duration_s=0.5, settings={"report.signal_decimation": 1, "report.control_cost_rho_m2": 0.25})
+    result = cmrc.run(dsps=2, duration_s=0.5, settings={**AT_ONCE, "report.signal_decimation": 1, "report.control_cost_rho_m2": 0.25})
     cost = result.report["control_cost"]
     codes = [result.signals[f"{joint}_code"] for joint in ("s", "psi", "phi", "l", "kappa")]
     effort = sum(float(((code / 2047) ** 2).sum()) for code in codes) * 125e-6

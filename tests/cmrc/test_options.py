@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cmrc import _core
-from locations import BUILD
+from locations import AT_ONCE_OPTIONS, BUILD
 
 cmrc = _core.cmrc
 EMULATOR = BUILD / "bin" / "emulator"
@@ -32,7 +32,7 @@ def claims_and_ends(path: Path, duration_s: float, *settings: str, preset: str =
     """(second, "claim" or "finish", kind, tick, block)."""
     trace = path / "trace.txt"
     sets = [word for setting in settings for word in ("--set", setting)]
-    subprocess.run([EMULATOR, "--dsps", str(dsps), "--preset", preset, "--duration", str(duration_s), "--quiet", "--trace", trace, *sets], check=True)
+    subprocess.run([EMULATOR, "--dsps", str(dsps), "--preset", preset, "--duration", str(duration_s), "--quiet", "--trace", trace, *AT_ONCE_OPTIONS, *sets], check=True)
     events, ticks = [], {}
     for line in trace.read_text().splitlines():
         found = re.match(r"([0-9.]+) \[dsp \d+\] (claim|finish) block=0x([0-9a-f]+) kind=(\d+)(?:.* tick=(\d+))?", line)

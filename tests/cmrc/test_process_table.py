@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from cmrc import _core
-from locations import BUILD, ROOT
+from locations import AT_ONCE, AT_ONCE_OPTIONS, BUILD, ROOT
 
 cmrc = _core.cmrc
 try:
@@ -61,7 +61,7 @@ def processes_of(toml: str, duration_s: float, tmp_path: Path, *more: str) -> li
     """(second, process, started, robot) as the run's trace tells them."""
     (tmp_path / "own.toml").write_text(toml)
     trace = tmp_path / "trace.txt"
-    subprocess.run([EMULATOR, "--config", tmp_path / "own.toml", "--duration", str(duration_s), "--quiet", "--trace", trace, *more], check=True)
+    subprocess.run([EMULATOR, "--config", tmp_path / "own.toml", "--duration", str(duration_s), "--quiet", "--trace", trace, *AT_ONCE_OPTIONS, *more], check=True)
     found = re.findall(r"^([0-9.]+) \[host\] process number=(\d+) state=(\d) robot=(\d+)$", trace.read_text(), re.MULTILINE)
     return [(float(at), int(number), int(state), int(robot)) for at, number, state, robot in found]
 
@@ -93,7 +93,7 @@ def test_a_step_more_is_taken(tmp_path: Path) -> None:
 
 
 def run_report(toml: str, duration_s: float, **settings: Any) -> str:
-    simulation = cmrc.Simulation(cmrc.config(toml=toml, settings={"duration_s": duration_s, **settings}))
+    simulation = cmrc.Simulation(cmrc.config(toml=toml, settings={**AT_ONCE, "duration_s": duration_s, **settings}))
     simulation.run()
     report = simulation.report_json()
     assert json.loads(report)["audit"]["violations"] == []

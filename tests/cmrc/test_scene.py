@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 from cmrc import _core
+from locations import AT_ONCE
 
 cmrc = _core.cmrc
 Report = dict[str, Any]
@@ -13,7 +14,7 @@ OUTCOMES = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
 
 
 def run(script: list[tuple[float, str, int]] | None = None, preset: str = "base", **settings: Any) -> Report:
-    simulation = cmrc.Simulation(cmrc.config(preset=preset, settings=settings))
+    simulation = cmrc.Simulation(cmrc.config(preset=preset, settings={**AT_ONCE, **settings}))
     for time_s, action, slot in script or []:
         simulation.at({"at_s": time_s, "action": action, "dsp": slot})
     simulation.run()
@@ -58,7 +59,7 @@ def test_a_run_repeats_bit_for_bit_and_in_any_turn_order(base: Report) -> None:
 
 
 def test_a_run_does_not_depend_on_how_it_is_cut(base: Report) -> None:
-    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.5}))
+    simulation = cmrc.Simulation(cmrc.config(settings={**AT_ONCE, "duration_s": 0.5}))
     for time_s in (0.0001234, 0.1, 0.1000001, 0.37):
         simulation.run_until(time_s)
     simulation.run(slice_s=0.013)
@@ -160,7 +161,7 @@ def test_strict_turns_a_miss_into_a_failed_run() -> None:
 
 def _strict_status(strict: bool) -> int:
     # One DSP: identify alone takes longer than a servo period.
-    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.02, "dsps": 1, "strict": strict}))
+    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.04, "dsps": 1, "strict": strict}))
     simulation.run()
     return int(simulation.exit_status)
 

@@ -122,7 +122,7 @@ def test_drives_brake_when_no_torque_code_comes() -> None:
 def test_a_board_plugged_into_an_empty_slot_works() -> None:
     report = run([{"at_s": 0.05, "action": "plug", "dsp": 1}, {"at_s": 0.06, "action": "fail", "dsp": 0}], duration_s=0.2, dsps=1, slots=2)
     assert report["dsps"][1]["claims"] > 200
-    assert report["tasks"]["pid"]["on_time"] > 190
+    assert report["tasks"]["pid"]["on_time"] > 170
     assert [entry["what"] for entry in report["timed_events"]] == ["plug DSP 1", "fail DSP 0"]
 
 

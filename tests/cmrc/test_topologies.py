@@ -38,8 +38,8 @@ def words(result: package.Result, bus: str) -> dict[str, int]:
 def servo_is_sound(result: package.Result) -> None:
     assert result.report["audit"]["violations"] == [] and result.report["failures"] == []
     tasks = result.report["tasks"]
-    assert tasks["pid"]["released"] == tasks["torque_compensation"]["released"] == 150
-    assert tasks["pid"]["on_time"] >= 149
+    assert tasks["pid"]["released"] == tasks["torque_compensation"]["released"] == 131  # 20 ms to 150 ms
+    assert tasks["pid"]["on_time"] >= 130
 
 
 @pytest.mark.parametrize("topology", PRESETS)
@@ -53,7 +53,7 @@ def test_every_preset_carries_the_servo(topology: str) -> None:
     if topology == "host_on_both":
         assert "host" in result.report["buses"]["B"]["masters"]
     moved = sum(words(result, bus)["drives"] for bus in result.report["buses"] if "drives" in words(result, bus))
-    assert moved >= 149 * (5 + 5)  # PID reads five encoders and writes five torques
+    assert moved >= 130 * (5 + 5)  # PID reads five encoders and writes five torques
 
 
 @pytest.mark.parametrize("name", ACROSS)
@@ -85,7 +85,8 @@ def test_boards_come_and_go_over_a_bridge() -> None:
     ]
     result = run(layout=ACROSS["DSPs behind a bridge"], events=events, dsps=3)
     assert result.report["audit"]["violations"] == []
-    assert result.report["tasks"]["pid"]["on_time"] > 140
+    assert result.report["tasks"]["pid"]["on_time"] > 120
+    assert len(result.report["dsps"][0]["boots"]) == 2 and result.report["dsps"][0]["boots"][1]["boot_s"] is not None
 
 
 @pytest.mark.parametrize("arbiter", ["fixed", "two_level", "host_fair"])

@@ -201,12 +201,12 @@ def test_a_section_is_replaced_alone(tmp_path: Path) -> None:
 
 
 def test_earlier_runs_are_used_again(tmp_path: Path) -> None:
-    run = Run({"n": 1}, {"machine.dsps": 1}, 0.001)
+    run = Run({"n": 1}, {"machine.dsps": 1}, 0.021)
     said: list[str] = []
     first = Laboratory(1, tmp_path, said.append).all([run], "a")
     again = Laboratory(1, tmp_path, said.append).all([run], "b")
     assert again == first and not any("b:" in text for text in said)
-    assert Run({"n": 1}, {"machine.dsps": 2}, 0.001).key() != run.key()
+    assert Run({"n": 1}, {"machine.dsps": 2}, 0.021).key() != run.key()
 
 
 @pytest.mark.parametrize(

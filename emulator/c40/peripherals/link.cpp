@@ -213,6 +213,21 @@ void Link::restore(Time time) {
   decide(time);
 }
 
+std::optional<std::string> Link::unbalanced() const {
+  for (const End& from : ends_) {
+    const End& to = ends_[static_cast<std::size_t>(1 - from.side)];
+    const PortTraffic &mine = from.port->traffic, &theirs = to.port->traffic;
+    const Counters& link = from.counters;
+    const bool balanced = mine.written == mine.sent + mine.discarded_output + from.port->output.size() && mine.sent == link.sent &&
+                          link.sent == link.arrived + from.arriving.size() + link.lost && link.arrived == theirs.received &&
+                          theirs.received == theirs.read + theirs.discarded_input + to.port->input.size();
+    if (!balanced)
+      return fmt::format("words from {} do not add up: {} written, {} sent, {} arrived, {} lost, {} read", from.name, mine.written, mine.sent, link.arrived,
+                         link.lost, theirs.read);
+  }
+  return std::nullopt;
+}
+
 void Link::tell(LinkEvent::Kind kind, Time time, int side, Word word, int bytes) {
   if (listener_of_events != nullptr) listener_of_events->happened({kind, time, side, word, bytes});
 }

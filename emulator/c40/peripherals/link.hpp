@@ -107,6 +107,9 @@ class Link {
   const Counters& counters(int side) const { return ends_.at(static_cast<std::size_t>(side)).counters; }
   /// Words of `side` that have left its FIFO and cannot be read yet.
   std::size_t under_way(int side) const { return ends_.at(static_cast<std::size_t>(side)).arriving.size(); }
+  /// Words that neither arrived nor are accounted for, as a sentence; none unless the model has a fault. For each direction: written = sent
+  /// + discarded + in the output FIFO, sent = arrived + under way + lost, and arrived = read + discarded + in the input FIFO.
+  std::optional<std::string> unbalanced() const;
   const std::string& name(int side) const { return ends_.at(static_cast<std::size_t>(side)).name; }
   const LinkParameters& parameters() const { return parameters_; }
 

@@ -41,7 +41,7 @@ class Parameters:
 
 
 QUICK = Parameters(
-    dsps=(1, 2), load_duration_s=0.02, servo_hz=(1000.0, 16000.0), rate_dsps=(1, 2), rate_duration_s=0.03, idle_policies=("doorbell", "spin"), policy_dsps=(2, 4), policy_duration_s=0.02, refresh_hz=(8000.0,), refresh_duration_s=0.02
+    dsps=(1, 2), load_duration_s=0.04, servo_hz=(1000.0, 16000.0), rate_dsps=(1, 2), rate_duration_s=0.05, idle_policies=("doorbell", "spin"), policy_dsps=(2, 4), policy_duration_s=0.04, refresh_hz=(8000.0,), refresh_duration_s=0.04
 )
 
 

@@ -1,0 +1,120 @@
+"""The dock's DSPs boot over their links: at power-on, plugged in while others work, after a reset, and over wires that break."""
+
+import json
+from typing import Any
+
+import pytest
+from cmrc import _core
+
+cmrc = _core.cmrc
+Report = dict[str, Any]
+START = 0.02  # s, host.start_ms
+
+
+def run(events: list[tuple[float, str, int]] | None = None, **settings: Any) -> Report:
+    simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.1, **settings}))
+    for at_s, action, slot in events or []:
+        simulation.at({"at_s": at_s, "action": action, "dsp": slot})
+    simulation.run()
+    report: Report = json.loads(simulation.report_json())
+    assert report["audit"]["violations"] == []
+    for dsp in report["dsps"]:
+        assert sum(dsp["causes"].values()) == dsp["cycles"]
+    return report
+
+
+def failures(report: Report) -> list[tuple[str, int | None]]:
+    return [(failure["kind"], failure["dsp"]) for failure in report["failures"]]
+
+
+def misses(report: Report) -> int:
+    return sum(task["misses"] for task in report["tasks"].values())
+
+
+@pytest.mark.parametrize("dsps", [1, 4, 16])
+def test_at_power_on_every_dsp_takes_each_word_once_and_answers_once(dsps: int) -> None:
+    report = run(dsps=dsps, duration_s=0.03)
+    words = report["boot_words"]
+    assert words > 5000
+    for dsp in report["dsps"]:
+        assert dsp["link_words"] == {"in": words, "out": 1, "lost": 0}
+        (boot,) = dsp["boots"]
+        # A word takes 5 cycles of the link at least, and 20 of the loader would be slow; one host feeds all.
+        assert boot["reset_at_s"] == 0
+        assert words * 5 / 33.4e6 < boot["boot_s"] < words * 20 / 25e6 * max(1, dsps / 4)
+        assert boot["boot_s"] < START
+    assert failures(report) == []
+
+
+def test_the_host_begins_when_it_is_told_or_when_all_have_booted() -> None:
+    def first_tick(**settings: Any) -> int:
+        report = run(**settings)
+        assert misses(report) == 0
+        refreshes: int = report["host"]["refreshes"]
+        return round(0.1 * 8000) - refreshes
+
+    assert first_tick() == 160  # 20 ms
+    assert first_tick(start_ms=50) == 400
+    assert first_tick(start_ms=0) == 4 * 8  # all have booted after 3.3 ms; the next whole ms
+    assert first_tick(start_ms=0, boot="preloaded") == 1
+
+
+def test_a_board_plugged_in_boots_while_the_others_work() -> None:
+    report = run([(0.0501, "plug", 2)], dsps=2, slots=3)
+    boots = report["dsps"][2]["boots"]
+    assert len(boots) == 1 and boots[0]["reset_at_s"] == 0.0501
+    alone = run(dsps=1, duration_s=0.03)["dsps"][0]["boots"][0]["boot_s"]
+    assert alone < boots[0]["boot_s"] < 1.5 * alone  # the host has its refreshes to do as well
+    assert report["dsps"][2]["link_words"]["in"] == report["boot_words"]
+    assert misses(report) == 0 and failures(report) == []
+
+
+def test_a_plugged_in_board_takes_blocks() -> None:
+    report = run([(0.05, "unplug", 0), (0.05, "plug", 1)], dsps=1, slots=2, duration_s=0.15)
+    assert report["dsps"][1]["claims"] > 50 and report["dsps"][1]["boots"][0]["boot_s"] is not None
+
+
+def test_a_dsp_that_is_reset_boots_again() -> None:
+    report = run([(0.05, "reset", 1)])
+    assert [boot["reset_at_s"] for boot in report["dsps"][1]["boots"]] == [0, 0.05]
+    assert report["dsps"][1]["link_words"] == {"in": 2 * report["boot_words"], "out": 2, "lost": 0}
+
+
+def test_with_a_broken_wire_at_power_on_the_others_begin_without_it() -> None:
+    report = run([(0.001, "break_link", 1)], duration_s=0.06)
+    assert failures(report)[0] == ("boot", 1)
+    assert "words of its program" in report["failures"][0]["message"]
+    assert report["dsps"][1]["boots"] == [] and report["dsps"][1]["state"] == "waiting for its program"
+    assert report["dsps"][1]["claims"] == 0 and misses(report) == 0
+    assert report["dsps"][1]["link_words"]["in"] < report["boot_words"]
+
+
+def test_a_mended_wire_lets_the_next_reset_boot() -> None:
+    report = run([(0.001, "break_link", 1), (0.04, "repair_link", 1), (0.05, "reset", 1)])
+    boot = report["dsps"][1]["boots"][-1]
+    assert boot["reset_at_s"] == 0.05 and 0 < boot["boot_s"] < 0.005
+
+
+def test_a_hung_dsp_with_a_broken_wire_does_not_come_back() -> None:
+    report = run([(0.05, "break_link", 1), (0.06, "hang", 1)], duration_s=0.3)
+    assert [failure for failure in failures(report) if failure[1] == 1][-1][0] in ("silent", "boot")
+    assert ("boot", 1) in failures(report)
+    assert report["dsps"][1]["boots"][-1]["boot_s"] is None
+    assert all(dsp["boots"] for dsp in report["dsps"])
+
+
+def test_without_any_wire_no_dsp_is_left() -> None:
+    report = run([(0.0001, "break_link", slot) for slot in range(2)], dsps=2, duration_s=2)
+    assert report["stop_reason"] == "no_dsp_left" and report["simulated_s"] < 1
+    assert sorted(failures(report)[:2]) == [("boot", 0), ("boot", 1)]
+
+
+@pytest.mark.parametrize("cycle", range(0, 40, 3))
+def test_a_wire_cut_anywhere_in_a_word_loses_no_word_unsaid(cycle: int) -> None:
+    report = run([(0.0015 + cycle * 30e-9, "break_link", 0), (0.0016, "repair_link", 0)], dsps=1, duration_s=0.04)
+    link = report["dsps"][0]["link_words"]
+    assert link["lost"] <= 1
+    if link["lost"] == 0:
+        assert link["in"] == report["boot_words"] and report["dsps"][0]["boots"][0]["boot_s"] is not None
+    else:
+        assert ("boot", 0) in failures(report)
