@@ -146,6 +146,6 @@ def script(rng: random.Random, dsps: int) -> tuple[str, dict[str, Any]]:
     """One thing that goes wrong; boards are never pulled or plugged, which has rules of its own."""
     dsp = {"dsp": rng.randrange(dsps)}
     return rng.choice(
-        [("fail", dsp), ("hang", dsp), ("reset", dsp), ("slow", {**dsp, "factor": rng.choice([0.01, 0.1, 0.5])}), ("pause_host", {"lasts_ms": rng.random() * 3}),
+        [("fail", dsp), ("hang", dsp), ("reset", dsp), ("break_link", dsp), ("repair_link", dsp), ("slow", {**dsp, "factor": rng.choice([0.01, 0.1, 0.5])}), ("pause_host", {"lasts_ms": rng.random() * 3}),
          ("stall_bus", {"bus": rng.choice(["A", "B"]), "lasts_ms": rng.random()})]
     )  # fmt: skip

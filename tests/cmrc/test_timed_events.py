@@ -167,8 +167,8 @@ def failures(seed: int, dsps: int, duration_s: float) -> list[dict[str, Any]]:
         dsp = chance.randrange(dsps)
         kinds = ["hang", "freeze", "reset", "slow", "pause_host", "stall_bus"]
         if dsp > 0:
-            kinds += ["fail", "unplug"]
-        action = chance.choice(kinds) if plugged[dsp] else "plug"
+            kinds += ["fail", "unplug", "break_link", "repair_link"]
+        action = chance.choice(kinds) if plugged[dsp] else chance.choice(["plug", "plug", "repair_link"])
         event: dict[str, Any] = {"at_s": at_s, "action": action}
         if action == "stall_bus":
             event |= {"bus": chance.choice("AB"), "lasts_ms": chance.uniform(0.01, 3)}
