@@ -18,6 +18,7 @@
 #include "machine/machine.hpp"
 #include "plant/dock.hpp"
 #include "python/bindings/bindings.hpp"
+#include "python/bindings/chip_inspection.hpp"
 
 namespace {
 
@@ -384,7 +385,18 @@ py::dict signals_of(const plant::Dock& dock) {
   return all;
 }
 
+/// A DSP of a run.
+struct DspOf {
+  cmrc::Simulation& simulation;
+  unsigned slot;
+};
+
 void bind_simulation(py::module_& m) {
+  py::class_<DspOf> dsp(m, "Dsp", "One DSP of a run.");
+  dsp.def_property_readonly("pc", [](const DspOf& d) { return d.simulation.machine().chip(d.slot).pc(); })
+      .def_property_readonly("plugged", [](const DspOf& d) { return d.simulation.machine().plugged(d.slot); })
+      .def_property_readonly("booted", [](const DspOf& d) { return d.simulation.machine().booted(d.slot); });
+  bind_inspection(dsp, [](const DspOf& d) -> c40::Chip& { return d.simulation.machine().chip(d.slot); });
   py::class_<cmrc::Simulation>(m, "Simulation", "One run. Times in seconds.")
       .def(py::init<const cmrc::Config&>(), py::arg("config"))
       .def("run", &run, py::arg("on_progress") = py::none(), py::arg("slice_s") = 0.02,
@@ -395,6 +407,11 @@ void bind_simulation(py::module_& m) {
       }, py::arg("time_s"))
       .def("at", [](cmrc::Simulation& simulation, const py::dict& fields) { simulation.at(to_event(fields)); }, py::arg("fields"),
            "A timed event: at_s, action and its fields (docs/configuration.md, [[events]]).")
+      .def("dsp", [](cmrc::Simulation& simulation, unsigned slot) {
+        if (slot >= simulation.machine().slots())
+          throw py::index_error("there is no slot " + std::to_string(slot) + "; the slots are 0 to " + std::to_string(simulation.machine().slots() - 1));
+        return DspOf{simulation, slot};
+      }, py::arg("slot"), py::keep_alive<0, 1>())
       .def("peek", [](const cmrc::Simulation& simulation, std::uint32_t offset) { return simulation.machine().peek(offset); },
            "A word of shared memory.")
       .def("symbol", [](const cmrc::Simulation& simulation, const std::string& name) { return simulation.machine().symbol(name); })

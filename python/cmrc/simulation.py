@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from cmrc import _core
+from cmrc.c40 import ChipState
 from cmrc.result import Profile, Result
 from cmrc.table import Table
 
@@ -16,6 +17,25 @@ ConfigError = _core.cmrc.ConfigError
 
 Setting = bool | int | float | str
 Progress = Callable[[float, float], bool | None]
+
+
+class Dsp(ChipState):
+    """A DSP of the dock as a debugger sees it: registers, memory, ports, peripherals, counters. What is written by hand changes the run and its hash."""
+
+    @property
+    def pc(self) -> int:
+        """Address of the next instruction."""
+        return int(self._core.pc)
+
+    @property
+    def plugged(self) -> bool:
+        """A board is in the slot."""
+        return bool(self._core.plugged)
+
+    @property
+    def booted(self) -> bool:
+        """Its program has run since its last reset."""
+        return bool(self._core.booted)
 
 
 class Simulation:
@@ -70,6 +90,10 @@ class Simulation:
         """The report and the signals of what has run so far."""
         profile = Profile(json.loads(self._core.profile_json()), self._core.profile_text()) if self._profiled else None
         return Result(json.loads(self._core.report_json()), self._core.report_text(), Table(self._core.signals()), profile)
+
+    def dsp(self, slot: int) -> Dsp:
+        """The DSP in a slot, between two calls of ``run_until``. Raises IndexError where there is no such slot."""
+        return Dsp(self._core.dsp(slot), None)
 
     @property
     def time_s(self) -> float:

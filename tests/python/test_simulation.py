@@ -120,3 +120,19 @@ def test_each_missed_job_has_its_chain() -> None:
         assert sum(miss["parts_ps"].values()) == miss["lateness_ps"]
     assert cmrc.Table.from_rows(result.missed).rows == result.misses
     assert cmrc.run(dsps=1, duration_s=0.03, misses_max=1).report["misses_left_out"] == result.misses - 1
+
+
+def test_a_dsp_can_be_looked_at_on_the_way() -> None:
+    simulation = cmrc.Simulation(dsps=2, slots=3, duration_s=0.1)
+    simulation.run_until(0.001)
+    loading = simulation.dsp(1)
+    assert not loading.booted and loading.pc < 0x1000  # in the boot ROM
+    assert 0 < loading.port(3)["received"] < 10_000 and loading.peripherals["LMICR"] == 0x1DEA4000
+    simulation.run_until(0.05)
+    words = simulation.result().report["boot_words"]
+    assert loading.booted and loading.port(3)["read"] == words and loading.port(3)["sent"] == 1
+    assert loading.registers["DP"] == 0x2F and 0x300000 <= loading.pc < 0x310000
+    assert loading.memory[0x300040] == 1  # dsp_slot
+    assert not simulation.dsp(2).plugged
+    with pytest.raises(IndexError, match="slots are 0 to 2"):
+        simulation.dsp(3)
