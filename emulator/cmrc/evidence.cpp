@@ -179,6 +179,7 @@ report::RunReport make_report(const Evidence& e) {
   for (const TimedEvent& event : e.config.events) {
     const Time at{std::llround(event.at_s * 1e12)};
     if (at < now) report.timed_events.push_back({at, describe(event)});
+    else ++report.timed_events_to_come;
   }
   std::ranges::stable_sort(report.timed_events, {}, &report::TimedEventReport::time);
   for (std::string& fault : e.machine.audit()) report.audit.violations.push_back(std::move(fault));

@@ -184,6 +184,9 @@ void Simulation::at(const TimedEvent& event) {
     refuse(event.origin, "events.at_s", fmt::format("{} s has passed", event.at_s),
            fmt::format("the run is at {:.9g} s", static_cast<double>(p.machine.time().count()) * 1e-12));
   }
+  if (ended() || event.at_s >= p.config.run.duration_s) {
+    refuse(event.origin, "events.at_s", fmt::format("{} s is not within the run", event.at_s), fmt::format("it ends at {} s", p.config.run.duration_s));
+  }
   Config with = p.config;
   with.events.push_back(event);
   check_events(with);

@@ -230,6 +230,7 @@ std::string to_json(const RunReport& report) {
                  {"rho_m2", report.control_cost.rho_m2}}},
                {"host", host_work(report.host)},
                {"timed_events", timed_events(report.timed_events)},
+               {"timed_events_to_come", report.timed_events_to_come},
                {"audit", {{"checks", report.audit.checks}, {"violations", report.audit.violations}}},
                {"braked", report.braked},
                {"failures", Json::array()}};

@@ -185,6 +185,7 @@ struct RunReport {
   ControlCost control_cost;
   HostReport host;
   std::vector<TimedEventReport> timed_events;
+  std::size_t timed_events_to_come = 0;  ///< the run ended before them
   AuditReport audit;
   bool braked = false;  ///< at the end no drive is on
   std::vector<FailureReport> failures;

@@ -290,10 +290,11 @@ std::string host_work(const RunReport& report) {
 }
 
 std::string timed_events(const RunReport& report) {
-  if (report.timed_events.empty()) return "";
+  if (report.timed_events.empty() && report.timed_events_to_come == 0) return "";
   std::string text = heading("As asked for");
   for (const TimedEventReport& event : report.timed_events)
     text += fmt::format("  {:.6f} s  {}\n", static_cast<double>(event.time.count()) * 1e-12, event.what);
+  if (report.timed_events_to_come > 0) text += fmt::format("  {} more would have come after the end\n", report.timed_events_to_come);
   return text;
 }
 

@@ -54,12 +54,12 @@ def test_after_so_many_tries_the_crane_stops_and_says_so() -> None:
     ("action", "what"),
     [("fail_drive", {"joint": "hoist"}), ("fail_drive", {"joint": "luff"}), ("stick_encoder", {"joint": "hoist"}), ("stick_encoder", {"joint": "slew"}), ("stick_sway", {"axis": "alpha"})],
 )
-@pytest.mark.parametrize("at_s", [31.0, 36.0, 41.0])
+@pytest.mark.parametrize("at_s", [31.0, 41.0])
 def test_a_fault_in_the_middle_of_a_retry_ends_in_the_load_landed_or_the_crane_stopped(action: str, what: dict[str, str], at_s: float) -> None:
     # The first landing is missed at 34 s, lifted until 39 s, looked for and lowered until 50 s.
     repair = {"fail_drive": "repair_drive", "stick_encoder": "repair_encoder", "stick_sway": "repair_sway"}[action]
     events = [{"at_s": at_s, "action": action, **what}, {"at_s": at_s + 4, "action": repair, **what}]
-    report, simulation = run(250, events, **ROLLING, landing_retries_max=8)
+    report, simulation = run(110, events, **ROLLING)
     locked = [time_s for time_s, kind, *_ in simulation.dock_events() if kind == "locked"]
     stopped = [failure for failure in report["failures"] if failure["kind"] == "stopped"]
     faulted = [failure for failure in report["failures"] if failure["kind"] == "plant"]

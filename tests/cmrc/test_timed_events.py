@@ -258,6 +258,11 @@ def test_the_past_cannot_be_changed() -> None:
     simulation.run_until(0.05)
     with pytest.raises(cmrc.ConfigError, match=r"0.04 s has passed; the run is at 0.05 s"):
         simulation.at({"at_s": 0.04, "action": "fail", "dsp": 0})
+    with pytest.raises(cmrc.ConfigError, match=r"0.1 s is not within the run; it ends at 0.1 s"):
+        simulation.at({"at_s": 0.1, "action": "fail", "dsp": 0})
+    simulation.run()
+    with pytest.raises(cmrc.ConfigError, match=r"not within the run"):
+        simulation.at({"at_s": 0.2, "action": "fail", "dsp": 0})
 
 
 def test_events_are_part_of_the_configuration_as_toml() -> None:
