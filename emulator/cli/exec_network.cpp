@@ -46,8 +46,8 @@ class Watched {
 
 machine::NetworkDescription described(const ExecOptions& options) {
   if (options.network) {
-    if (!options.programs.empty() || !options.links.empty() || options.topology || !options.boards.empty())
-      throw InputError("--network: the file says programs, boards and links; the command line does not");
+    if (!options.programs.empty() || !options.links.empty() || options.topology || !options.boards.empty() || options.until || options.entry || options.load_at)
+      throw InputError("--network: the file says programs, boards and links, where a chip starts and where it has ended; the command line does not");
     require_file(*options.network);
     return machine::read_network(*options.network, [&](const std::string& path) { return read_program(path, options.include_directories, {}); });
   }

@@ -67,7 +67,10 @@ struct Network::Node : c40::PeripheralSink {
     return status == ChipStatus::waiting && chip.dma_busy();
   }
   bool held() const { return status == ChipStatus::held || status == ChipStatus::pulled_out; }
-  bool dma_waits() const { return chip.dma_active() && !chip.dma_busy() && !held() && status != ChipStatus::fault; }
+  bool dma_waits() const {
+    const bool lives = status == ChipStatus::running || status == ChipStatus::waiting || status == ChipStatus::sleeping;
+    return lives && chip.dma_active() && !chip.dma_busy();
+  }
 };
 
 /// Keeps what happens on one link.

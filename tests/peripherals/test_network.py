@@ -765,6 +765,7 @@ def test_interrupts_and_dma_are_events() -> None:
     (["send.asm", "take.asm", "--dump", "table:3"], "is not CHIP:ADDRESS:COUNT"),
     (["send.asm", "take.asm", "--dump", "2:0x300000:3"], "there is no chip 2"),
     (["--network", "nowhere.toml"], "nowhere.toml: no such file"),
+    (["--network", "nowhere.toml", "--until", "end"], "where a chip starts and where it has ended"),
 ])  # fmt: skip
 def test_bad_commands(run: Any, arguments: list[str], message: str) -> None:
     result = run(*arguments)
