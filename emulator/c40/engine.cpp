@@ -200,7 +200,11 @@ StopInfo Engine::run_until(Cycles limit) {
   for (;;) {
     if (dma_active_)
       if (auto info = run_dma(limit, false)) return *info;
-    if (state_.cycle >= limit) break;
+    if (state_.cycle >= limit) {
+      if (waits && dma_active_)
+        if (auto info = run_dma(limit, true)) return *info;
+      break;
+    }
     const bool dma_waited = dma_active_ && !dma_.busy();
     const Stepped why = advance(limit, false);
     if (dma_waited && dma_.busy()) state_.dma.now = std::max(state_.dma.now, state_.cycle);  // not before what it waited for

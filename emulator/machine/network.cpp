@@ -353,9 +353,11 @@ NetworkStop Network::run_until(Time limit) {
 
 // Nothing outside can do anything to it before it stops by itself, so a loop that it is found in can be left alone.
 void Network::run_freely(Node& node, Time until) {
-  while (node.status == ChipStatus::running && !node.follows_ports() && !node.patience.is_private && node.now() < until) {
+  const auto may_go_on = [&] { return node.status == ChipStatus::running && !node.follows_ports() && !node.patience.is_private; };
+  while (may_go_on()) {
     run_chip(node, std::min(until, node.clock.at(std::max(node.patience.next_look(), node.chip.cycle() + 1))));
     watch(node);
+    if (node.clock.at(node.chip.cycle()) >= until) return;  // its DMA may still be behind
   }
 }
 
@@ -372,7 +374,7 @@ void Network::watch(Node& node) {
   if (p.happenings != happenings_ || !alone) {
     p.looking.reset();
     p.loop.reset();
-    p.since = node.chip.cycle(), p.length = Node::Patience::first, p.happenings = happenings_;
+    p.since = node.first_cycle(happened_), p.length = Node::Patience::first, p.happenings = happenings_;
   } else if (!p.loop && node.chip.cycle() >= p.next_look()) {
     if (!p.looking) {
       p.looking.emplace(node.chip, node.trace);
@@ -426,7 +428,7 @@ void Network::links_happen(Time time) {
       else if (node->status == ChipStatus::waiting && node->dma_waits()) run_chip(*node, time);
     }
     link->advance_to(time);
-    ++happenings_;
+    something_happened();
     for (Node* node : {&a, &b}) {
       note_ready(*node, time);
       if (node->status == ChipStatus::sleeping && could_wake(*node)) node->status = ChipStatus::running;
@@ -461,10 +463,10 @@ void Network::perform_memory(Node& node) {
   const Cycles cycle = node.first_cycle(now_);
   memory.free = node.clock.at(cycle + 1 + memory.description.waits);
   const auto owner = memory.owner;
-  if (access.write && word != access.value) ++happenings_;
+  if (access.write && word != access.value) something_happened();
   if (access.interlocked && access.write) memory.owner.reset();
   else if (access.interlocked && !is_sigi(node.chip.peek(node.chip.pc()))) memory.owner = node.number;
-  if (memory.owner != owner) ++happenings_;
+  if (memory.owner != owner) something_happened();
   if (access.write) {
     word = access.value;
     node.chip.complete_write(cycle - access.cycle, memory.description.waits);
@@ -493,7 +495,7 @@ void Network::actions_happen(Time time) {
     actions_.erase(actions_.begin() + static_cast<std::ptrdiff_t>(i));
     for (auto& node : nodes_)
       if (node->status == ChipStatus::sleeping) bring_to(*node, time);
-    ++happenings_;
+    something_happened();
     perform(action);
     for (auto& node : nodes_) {
       note_ready(*node, time);

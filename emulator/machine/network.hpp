@@ -262,7 +262,9 @@ class Network {
   std::vector<NetworkAction> actions_;  ///< to come, by time
   std::vector<NetworkEvent> events_;
   Time now_{0};
+  void something_happened() { ++happenings_, happened_ = now_; }
   std::uint64_t happenings_ = 0;  ///< on links, in shared memories, to chips: what could end a loop that polls
+  Time happened_{0};              ///< the last of them
   bool records_words_ = false;
 };
 
