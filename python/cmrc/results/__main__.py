@@ -87,7 +87,17 @@ def examine(claim: ModuleType, chosen: Any, laboratory: Laboratory, plots: Path 
         figure.savefig(plots / name, metadata={"Date": None})
         if link:
             text += f"![{claim.TITLE}]({link}/{name})\n\n"
-    return text + str(claim.section(chosen, rows)) + f"\nAgain: `python -m cmrc.results --claim {claim.NUMBER}`.\n"
+    return text + str(claim.section(chosen, rows)) + f"\nAgain: `python -m cmrc.results --claim {claim.NUMBER}{_options(claim, chosen)}`.\n"
+
+
+def _options(claim: ModuleType, chosen: Any) -> str:
+    """What on the command line gives these parameters."""
+    text = ""
+    for one in dataclasses.fields(claim.Parameters):
+        value = getattr(chosen, one.name)
+        if value != getattr(claim.Parameters(), one.name):
+            text += f" --{one.name.replace('_', '-')} " + (",".join(str(v) for v in value) if isinstance(value, tuple) else str(value))
+    return text
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

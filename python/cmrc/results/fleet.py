@@ -105,7 +105,7 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
 def section(p: Parameters, all_rows: Sequence[Row]) -> str:
     columns = {"agvs": "AGVs", "cycles": "cycles", "t_v": "t_v, s", "t_w": "t_w, s", "T_g": "T_g, s", "per_hour": "containers per hour", "misses": "missed deadlines"}
     return (
-        f"AGVs of at most {p.agv_speed_m_s:g} m/s, {p.dsps} DSP, {len(p.seeds)} seeds of {p.duration_s:g} s each (gusts of {p.wind_gust_m_s:g} m/s), f_s 2 kHz, f_p 250 Hz. Means with 95 % intervals"
+        f"AGVs of at most {p.agv_speed_m_s:g} m/s, {p.dsps} DSP, seeds {', '.join(map(str, p.seeds))}, {p.duration_s:g} s each (gusts of {p.wind_gust_m_s:g} m/s), f_s 2 kHz, f_p 250 Hz. Means with 95 % intervals"
         " (bootstrap) over the work cycles after the first round of all AGVs, which stand ready for it:\n\n" + markdown(columns, all_rows)
     )
 
