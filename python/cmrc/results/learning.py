@@ -119,18 +119,18 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
         f"With {p.agvs} AGVs they wait {with_interval(untaught, 1)} s of a cycle without learning and {mean:.1f} [{low:.1f}, {high:.1f}] s in the last {p.last} cycles of each run with it"
         f" (T_g {period:.0f} s; means, 95 % intervals over cycles and seeds); the crane waits {crane:.1f} s for it."
     )
-    limits = [
-        f"t_w comes down to what the rule cannot foresee and not to 0: T_g varies from container to container, over a round of {p.agvs} by {spread:.0f} s (standard deviation)."
-        if mean > 2 * p.dead_band * period
-        else ""
-    ]
+    limits = []
+    if mean > max(2 * p.dead_band * period, spread):
+        limits.append(f"That is more than what T_g varies by (over a round of {p.agvs} containers {spread:.0f} s, standard deviation), which no rule could foresee: the run ends before the learning, or the rule is too slow.")
+    elif mean > 2 * p.dead_band * period:
+        limits.append(f"t_w comes down to what the rule cannot foresee and not to 0: T_g varies from container to container, over a round of {p.agvs} by {spread:.0f} s (standard deviation).")
     before, after = (max((row["planning_per_s"] for row in all_rows if row["rule"] == rule), default=0.0) for rule in ("off", "proportional"))
     limits.append(f"The AGVs' planning takes {before:.0f} blocks a second without learning, {after:.0f} with it on the mean of the whole run.")
     step = at_the_end(p, all_rows, "unit", "t_w_s")
     if step:
         limits.append(f"Changing N̂_a by 1 per cycle, as printed, leaves {np.mean(step):.0f} s: it would take some hundred cycles.")
     partly = mean < 0.75 * float(np.mean(untaught))
-    return Verdict("holds" if good else "holds in part" if partly else "fails", why, " ".join(text for text in limits if text))
+    return Verdict("holds" if good else "holds in part" if partly else "fails", why, " ".join(limits))
 
 
 def section(p: Parameters, all_rows: Sequence[Row]) -> str:
