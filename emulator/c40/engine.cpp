@@ -196,7 +196,7 @@ StopInfo Engine::run_until(Cycles limit) {
     return {};
   }
   const Word watched = watched_ports();
-  const bool waits = processor_waits();
+  const bool waits = processor_waits() && told_;  // who drives the chip knows of the access, and bounds the DMA by it
   for (;;) {
     if (dma_active_)
       if (auto info = run_dma(limit, false)) return *info;
@@ -213,8 +213,10 @@ StopInfo Engine::run_until(Cycles limit) {
         const Cycles begins = why == Stepped::port ? port_access_.cycle : waiting_.cycle;
         if (auto earlier = run_dma(waits ? limit : std::min(limit, begins), true)) return *earlier;
       }
+      told_ = true;
       return stop(why);
     }
+    told_ = false;
     if (attached_ != 0 && (watched_ports() & ~watched) != 0) return stop(Stepped::horizon);
   }
   if (state_.cycle >= next_peripheral_event_) advance_peripherals(state_.cycle);
@@ -228,7 +230,9 @@ StopInfo Engine::step() {
   }
   if (dma_active_)
     if (auto info = run_dma(state_.cycle, false)) return *info;
-  return stop(advance(state_.cycle + 1, true));
+  const Stepped why = advance(state_.cycle + 1, true);
+  told_ = why != Stepped::done;
+  return stop(why);
 }
 
 void Engine::complete(bool write, Word value, Cycles arbitration, Cycles transfer) {

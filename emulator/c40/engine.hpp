@@ -299,6 +299,7 @@ class Engine {
   /// Of the pipeline; state_.pipeline is brought up to date when it is asked for.
   PipelineId pipeline_ = 0;
   bool pipeline_known_ = false;
+  bool told_ = false;  ///< of the access that the processor waits for
   bool too_many_pipelines_ = false;
 };
 

@@ -11,8 +11,7 @@
 /// the port: up to the reset or hold the chip counts as halted, at the end its count stops where the wait began. An access of the DMA
 /// to a shared memory lets its processor's access wait, whatever that is to. That a program polls what nobody will ever change is found only if
 /// no timer of its chip runs, and some ten thousand cycles after the last thing that happened. While a chip's DMA uses a port, the DMA
-/// may see what the link does, and the processor an interrupt, up to an instruction late. Known defect: where channels of DMA priority 3 and their
-/// processor use linked ports in the same cycles, the processor's access can come some cycles later in one turn order than in another.
+/// may see what the link does, and the processor an interrupt, up to an instruction late.
 #include <memory>
 #include <optional>
 #include <span>
