@@ -29,15 +29,15 @@ class Parameters:
     servo_hz: tuple[float, ...] = tuple(1000.0 * k for k in range(1, 13))
     rate_dsps: tuple[int, ...] = (1, 2, 4, 8, 16)
     refreshes_per_servo: int = 4
-    rate_duration_s: float = 0.12
-    warm_up_s: float = 0.02
+    rate_duration_s: float = 0.14
+    warm_up_s: float = 0.04
     """Of the runs that look for the highest rate; what is missed before is not counted (the identify block of 2 ms)."""
     idle_policies: tuple[str, ...] = ("doorbell", "pause", "spin")
     policy_dsps: tuple[int, ...] = (2, 4, 8, 16)
-    policy_duration_s: float = 0.2
+    policy_duration_s: float = 0.22
     refresh_hz: tuple[float, ...] = (8e3, 16e3, 32e3, 64e3, 96e3, 128e3, 160e3, 192e3)
     refresh_dsps: int = 4
-    refresh_duration_s: float = 0.08
+    refresh_duration_s: float = 0.1
 
 
 QUICK = Parameters(

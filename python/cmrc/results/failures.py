@@ -29,14 +29,14 @@ class Parameters:
     refreshes_per_servo: int = 4
     trials: int = 25
     seed: int = 1
-    duration_s: float = 0.1
-    alone_s: float = 0.2
+    duration_s: float = 0.12
+    alone_s: float = 0.22
     """Duration with one DSP, so that the drives' time-out of 0.1 s falls into it."""
-    earliest_s: float = 0.03
-    latest_s: float = 0.06
+    earliest_s: float = 0.05
+    latest_s: float = 0.08
 
 
-QUICK = Parameters(dsps=(1, 2), actions=("fail",), trials=2, duration_s=0.07, alone_s=0.07)
+QUICK = Parameters(dsps=(1, 2), actions=("fail",), trials=2, duration_s=0.09, alone_s=0.09)
 
 
 def settings(p: Parameters, dsps: int) -> dict[str, Setting]:

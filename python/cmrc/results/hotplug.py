@@ -30,7 +30,7 @@ class Parameters:
     refreshes_per_servo: int = 4
     trials: int = 8
     seed: int = 1
-    before_s: float = 0.04
+    before_s: float = 0.06
     """From the start to the plug, give or take a servo period."""
     window_s: float = 0.03
     """In which misses are counted, before the plug and from ``settle_s`` after it."""
