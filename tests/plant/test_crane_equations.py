@@ -212,6 +212,9 @@ def test_pinocchio_agrees_for_cranes_of_other_sizes():
         close(np.asarray(model.mass_matrix(q, mass, 0.0))[:6, :6], CHAIN.T @ (upper + np.triu(upper, 1).T) @ CHAIN, 1e-13)
         both = np.asarray(model.bias(q, qd, mass, 0.0)) + model.gravity(q, mass)
         close(both[:6], CHAIN.T @ pin.rnea(chain, data, x, v, np.zeros(6)), 1e-12)
+        force = rng.uniform(-1e5, 1e5, 6)
+        theirs = np.linalg.solve(CHAIN, pin.aba(chain, data, x, v, np.linalg.solve(CHAIN.T, force)))
+        close(model.acceleration(q, qd, [*force, 0.0], mass, 0.0, 1 << 6)[:6], theirs, 1e-9)
 
 
 def free_swing(rng, crane, mass):
