@@ -37,9 +37,9 @@ class Parameters:
     agvs: int = 2
     dsps: int = 1
     duration_s: float = 1100.0
-    rate: float = 1.0
-    step_max: float = 1.0
-    """scheduling.learning_rate and learning_step_max: as fast as it goes, since a job has few cycles of each AGV."""
+    rate: float = 0.5
+    step_max: float = 0.3
+    """scheduling.learning_rate and learning_step_max: at 1 and 1 a vehicle at the old rate runs into one that has slowed to half."""
     dead_band: float = 0.02
     seeds: tuple[int, ...] = (1, 2)
     wind_gust_m_s: float = 2.0
