@@ -5,16 +5,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "c40/peripherals/comm_port.hpp"
+
 namespace cmrc {
 namespace {
 
-// Levels as CPCR has them (c40-hardware.md 2.1).
-constexpr Word fifo_words = 8, full = 15;
-Word level(Word status, unsigned shift) {
-  const Word code = status >> shift & 15;
-  return code == full ? fifo_words : code;
-}
-constexpr unsigned output_level = 5, input_level = 9;
+/// Words in a FIFO, by its field of the status, in which 15 says that it is full.
+std::size_t level(Word status, const c40::Field& field) { return std::min<std::size_t>(field.of(status), c40::Fifo::depth); }
 
 }  // namespace
 
@@ -72,19 +69,19 @@ void Boots::begin(Word slots, Time now, machine::HostPort& port) {
 
 bool Boots::look(Word status, Time now, machine::HostPort& port) {
   Boot& boot = boots_.front();
-  if (level(status, input_level) > 0) {
+  if (level(status, c40::cpcr::INPUT_LEVEL) > 0) {
     asked_ = Asked::answer;
     port.read(at(words_.link_data), 1, 0);
     return true;
   }
-  const std::size_t room = fifo_words - level(status, output_level);
+  const std::size_t waiting = level(status, c40::cpcr::OUTPUT_LEVEL), room = c40::Fifo::depth - waiting;
   const std::size_t count = std::min(room, boot.stream.size() - boot.sent);
   if (count > 0) {
     port.write(at(words_.link_data), std::span(boot.stream).subspan(boot.sent, count));
     boot.sent += count;
     boot.progress = now;
   } else if (now - boot.progress > limit_) {
-    end(fmt::format("it has taken {} of the {} words of its program", boot.sent - (fifo_words - room), boot.stream.size()));
+    end(fmt::format("it has taken {} of the {} words of its program", boot.sent - waiting, boot.stream.size()));
     return false;
   }
   boot.due = now + pause_;

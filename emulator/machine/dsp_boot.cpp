@@ -1,0 +1,142 @@
+// A DSP board's link to the adapter, and its way from the slot and from reset to its running program.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "c40/peripherals/register_map.hpp"
+#include "machine/dsp.hpp"
+#include "machine/guard.hpp"
+#include "toolchain/image.hpp"
+
+namespace machine {
+
+// ---- the link ----
+
+// At its own turn: the link and the adapter have done all that comes before.
+void Dsp::begin_port_access(Time now, Time horizon) {
+  around_.adapter.link(slot_).advance_to(now);
+  if (!port_access_.ready(chip_.port(port_access_.port))) {
+    own_next_ = never;
+    return;
+  }
+  chip_.complete_port(std::max(port_access_.cycle, clock_.tick_at_or_after(now)));
+  run(horizon);
+}
+
+// May let go on what waited for it.
+void Dsp::link_happens(Time now) {
+  c40::Link& link = around_.adapter.link(slot_);
+  if (link.next_event() > now) return;
+  link.advance_to(now);
+  if (state_ == State::port && own_next_ == never && port_access_.ready(chip_.port(port_access_.port))) own_next_ = now;
+  if (state_ == State::idle && chip_.watches_ports()) {
+    settle(now);
+    if (chip_.dormant()) return;
+    state_ = State::running;
+    own_next_ = clock_.at(chip_.cycle());
+  }
+}
+
+void Dsp::link_event(const c40::LinkEvent& event) {
+  const bool to_dsp = event.side == 0;
+  if (event.kind == c40::LinkEvent::Kind::word) {
+    ++(to_dsp ? statistics_.words_to_dsp : statistics_.words_from_dsp);
+    if (!to_dsp && !std::exchange(answered_, true)) has_booted(event.time);
+  } else if (event.kind == c40::LinkEvent::Kind::lost) {
+    ++statistics_.words_lost;
+    if (around_.observer != nullptr) around_.observer->link_lost(slot_, to_dsp, event.word, event.bytes, event.time);
+  }
+}
+
+// ---- the slot, reset, boot ----
+
+void Dsp::unplug(Time now) {
+  if (state_ == State::out) return;
+  const pci::Clocks clock = around_.bus_clock.tick_at_or_after(now);
+  for (Side& side : sides_) side.bridge.clear(clock);
+  if (around_.guard != nullptr) around_.guard->forget(slot_);
+  stand_still(now);
+  state_ = State::out;
+  around_.adapter.reset(slot_, now);
+  around_.adapter.set_plugged(slot_, false, now);
+  edge_ = reset_ = never;
+  set_next();
+  if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::unplugged, now);
+}
+
+void Dsp::plug(Time now) {
+  if (state_ != State::out) return;
+  broken_ = false;
+  state_ = State::dead;
+  around_.adapter.set_plugged(slot_, true, now);
+  if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::plugged, now);
+  reset(now);
+}
+
+void Dsp::reset(Time now) {
+  if (state_ == State::out || broken_) return;
+  const pci::Clocks clock = around_.bus_clock.tick_at_or_after(now);
+  for (Side& side : sides_) side.bridge.clear(clock);
+  if (around_.guard != nullptr) around_.guard->forget(slot_);
+  stand_still(now);
+  hold_in_reset(now);
+  edge_ = reset_ = never;
+  set_next();
+  if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::reset, now);
+}
+
+// RESET is low for a while; it resets the adapter's end of the link too.
+void Dsp::hold_in_reset(Time now) {
+  chip_.hold(true);
+  around_.in_reset += 1;
+  state_ = State::booting;
+  settle(now);
+  around_.adapter.reset(slot_, now);
+  if (around_.config.boot == Boot::link) chip_.boot();
+  else chip_.reset();
+  answered_ = false;
+  own_next_ = std::max(now, clock_.at(chip_.cycle())) + around_.config.reset_time;
+}
+
+void Dsp::leave_reset(Time now) {
+  settle(now);
+  around_.in_reset -= 1;
+  if (around_.config.boot == Boot::preloaded) return load();
+  chip_.hold(false);
+  state_ = State::running;
+  own_next_ = clock_.at(chip_.cycle());
+  around_.adapter.request(slot_, now);
+}
+
+std::vector<std::pair<c40::Address, Word>> start_words(const Symbols& symbols, const Config& config, unsigned slot) {
+  return {{symbols.dsp_slot, slot}, {symbols.idle_policy, config.idle_policy}, {symbols.pause_count, config.pause_count}};
+}
+
+// As a loader would leave it (c40-hardware.md 9.4).
+void Dsp::load() {
+  for (const auto& section : around_.program.sections) {
+    if (section.loaded) {
+      chip_.write_block(section.address, section.words);
+    } else {
+      const std::vector<Word> zeros(section.size);
+      chip_.write_block(section.address, zeros);
+    }
+  }
+  for (const auto& [address, value] : start_words(around_.symbols, around_.config, slot_)) chip_.poke(address, value);
+  chip_.set_register(isa::Register::AR3, c40::register_named(fmt::format("PORT{}.control", around_.symbols.link_port)).address);
+  chip_.set_pc(around_.symbols.start);
+  chip_.hold(false);
+  state_ = State::running;
+  own_next_ = clock_.at(chip_.cycle());
+  answered_ = true;
+  has_booted(own_next_);
+}
+
+void Dsp::has_booted(Time now) {
+  statistics_.boots += 1;
+  if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::booted, now);
+}
+
+}  // namespace machine
