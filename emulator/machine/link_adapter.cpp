@@ -43,6 +43,7 @@ void LinkAdapter::reset(unsigned slot, Time now) {
   port.link->listener(near).about_to_reset(at);
   port.port.reset(near_port);
   port.link->listener(near).was_reset(port.port, at);
+  port.closed = true;
   requests_ &= ~(Word{1} << slot);
 }
 
@@ -108,10 +109,13 @@ Word LinkAdapter::read(pci::Address offset, const pci::Access& access) {
 
 void LinkAdapter::write(pci::Address offset, Word value, const pci::Access& access) {
   if (base + offset == symbols_.link_request) {
+    for (Port& port : ports_)
+      if ((requests_ & value) >> port.slot & 1) port.closed = false;
     requests_ &= ~value;
     return;
   }
   Port& port = ports_[offset / symbols_.link_words];
+  if (port.closed) return;
   port.link->advance_to(clock_.at(access.clock));
   port.port.write(value);
   changed(port, access);
@@ -127,7 +131,7 @@ std::vector<std::string> LinkAdapter::audit() const {
 void LinkAdapter::append_state(std::vector<std::uint64_t>& words) const {
   words.push_back(requests_);
   for (const Port& port : ports_) {
-    words.push_back(port.port.control());
+    words.push_back(port.port.control() | Word{port.closed} << 31);
     for (const c40::Fifo* fifo : {&port.port.input, &port.port.output}) words.insert(words.end(), fifo->words().begin(), fifo->words().end());
     for (const int side : {near, far}) words.insert(words.end(), {port.link->counters(side).sent, port.link->counters(side).arrived, port.link->counters(side).lost});
   }

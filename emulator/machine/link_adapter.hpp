@@ -68,6 +68,7 @@ class LinkAdapter final : public pci::Target {
     c40::CommPort port;
     std::optional<c40::Link> link;
     bool plugged = true, broken = false;
+    bool closed = false;  // since a reset, until the host clears the bit of LINK_REQUEST: words of an older stream are ignored
   };
   void join(Port& port, Time now);
   void changed(Port& port, const pci::Access& access);

@@ -80,6 +80,13 @@ def test_a_dsp_that_is_reset_boots_again() -> None:
     assert report["dsps"][1]["link_words"] == {"in": 2 * report["boot_words"], "out": 2, "lost": 0}
 
 
+@pytest.mark.parametrize("events", [[(0.001, "reset", 1)], [(0.001, "unplug", 1), (0.0015, "plug", 1)], [(0.05, "reset", 1), (0.051, "reset", 1)]])
+def test_a_reset_in_the_middle_of_a_boot_begins_a_new_one(events: list[tuple[float, str, int]]) -> None:
+    report = run(events)
+    assert failures(report) == [] and misses(report) == 0
+    assert report["dsps"][1]["boots"][-1]["boot_s"] < 0.005
+
+
 def test_with_a_broken_wire_at_power_on_the_others_begin_without_it() -> None:
     report = run([(0.001, "break_link", 1)], duration_s=0.06)
     assert failures(report)[0] == ("boot", 1)

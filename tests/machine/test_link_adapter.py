@@ -24,8 +24,9 @@ again:  addi    1, r1
 
 
 def feed(stream: list[int], slot: int, start: int, every: int, at_once: int = 8) -> list[tuple[int, int, list[int], int]]:
-    """Host steps: some words every so often, then, 20 us later, the answer."""
-    steps = [(start + i // at_once * every, DATA + SLOT * slot, stream[i : i + at_once], 0) for i in range(0, len(stream), at_once)]
+    """Host steps: the request cleared, some words every so often, then, 20 us later, the answer."""
+    steps = [(start - US, REQUEST, [1 << slot], 0)]
+    steps += [(start + i // at_once * every, DATA + SLOT * slot, stream[i : i + at_once], 0) for i in range(0, len(stream), at_once)]
     return [*steps, (steps[-1][0] + 20 * US, DATA + SLOT * slot, [], 1)]
 
 
@@ -99,11 +100,20 @@ def test_a_reset_drops_what_is_on_the_way_and_the_next_stream_boots() -> None:
     stream = stream_of()
     setup = booting()
     setup.script(50 * US, machine.Action.reset, 0)
-    host = [*feed(stream, 0, 15 * US, 8 * US)[:3], (61 * US, REQUEST, [], 1), *feed(stream, 0, 90 * US, 8 * US)]
+    host = [*feed(stream, 0, 15 * US, 8 * US)[:4], (61 * US, REQUEST, [], 1), *feed(stream, 0, 90 * US, 8 * US)]
     m = machine.Machine(PROGRAM, setup, host=host, record=True)
     m.run_until(500 * US)
     assert m.booted(0) and m.statistics(0).boots == 1 and m.audit() == []
     assert m.chip_word(0, ON_CHIP) == 1
+
+
+def test_words_of_an_older_stream_do_not_reach_a_dsp_that_was_reset() -> None:
+    stream = stream_of()
+    setup = booting()
+    setup.script(20 * US, machine.Action.reset, 0)
+    m = machine.Machine(PROGRAM, setup, host=[*feed(stream, 0, 15 * US, 3 * US)[:-1], *feed(stream, 0, 90 * US, 8 * US)], record=True)
+    m.run_until(500 * US)
+    assert m.booted(0) and m.statistics(0).boots == 1 and not m.faults and m.audit() == []
 
 
 def test_only_the_host_may_use_the_adapter() -> None:
