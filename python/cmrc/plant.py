@@ -102,8 +102,8 @@ class Crane:
     ``sway_noise`` in rad, ``wind`` ({mean, gust, direction, area, seed}: m/s, rad, m2), ``drives`` ({joint: {parameter: value}}). Raises ValueError for an unknown name or a crane that cannot be.
     """
 
-    def __init__(self, config: Mapping[str, Any] | None = None, **keywords: Any) -> None:
-        given = {**(config or {}), **keywords}
+    def __init__(self, config: Mapping[str, object] | None = None, **keywords: object) -> None:
+        given: dict[str, Any] = {**(config or {}), **keywords}
         options = {name: given.pop(name, default) for name, default in _OPTIONS.items()}
         machine = given.pop("machine", "slewing")
         if machine not in ("slewing", "gantry"):
@@ -162,17 +162,17 @@ class Crane:
 
     def reset(self, q: Sequence[float] | Array, qd: Sequence[float] | Array = (0.0,) * 7) -> None:
         """Time zero, at these coordinates and speeds, torques zero, faults cleared. Raises ValueError beyond the joints' limits."""
-        self._core.reset(list(q), list(qd))
+        self._core.reset(q, qd)
 
     def set_load(self, mass: float, inertia: float = 0.0) -> None:
         """Hangs another load below the spreader (kg, kg m2). Raises ValueError above ``rated_load``."""
         self._core.set_load(mass, inertia)
 
-    def snapshot(self) -> object:
+    def snapshot(self) -> CraneSnapshot:
         """The whole state; ``restore`` it and go on, bit for bit."""
         return self._core.snapshot()
 
-    def restore(self, snapshot: object) -> None:
+    def restore(self, snapshot: CraneSnapshot) -> None:
         """Back to a snapshot of a crane of the same config."""
         self._core.restore(snapshot)
 
@@ -184,8 +184,7 @@ class Crane:
         """h(q, qd) + g(q): centrifugal, Coriolis and gravity forces, N or N m."""
         model, q = self._core.model, self._core.q
         mass, inertia = self._core.payload
-        sum_of_both: Array = np.array(model.bias(q, self._core.qd, mass, inertia)) + np.array(model.gravity(q, mass))
-        return sum_of_both
+        return np.add(model.bias(q, self._core.qd, mass, inertia), model.gravity(q, mass))
 
     def acceleration(self) -> Array:
         """qdd under the present torques, friction and damping."""
@@ -193,7 +192,7 @@ class Crane:
 
     def energy(self) -> float:
         """Kinetic and potential energy, rotors included, J; zero of height at z = 0."""
-        return float(self._core.energy())
+        return self._core.energy()
 
     def sensors(self) -> Sensors:
         """Encoders and sway as codes."""
@@ -249,16 +248,14 @@ class CraneEnv:
     minus the sway in rad, per step. An episode terminates when the load is within 0.1 m of the target and slower than 0.05 m/s, or a drive faults.
     """
 
-    def __init__(self, target: Sequence[float], dt: float = 0.01, duration: float = 60.0, **config: Any) -> None:
+    def __init__(self, target: Sequence[float], dt: float = 0.01, duration: float = 60.0, **config: object) -> None:
         self.crane = Crane(config)
         self.target: Array = np.array(target, dtype=np.float64)
         self.dt = dt
         self.duration = duration
         self._start = self.crane.snapshot()
 
-    def reset(
-        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
-    ) -> tuple[Array, dict[str, Any]]:
+    def reset(self, *, seed: int | None = None, options: Mapping[str, float] | None = None) -> tuple[Array, dict[str, float]]:
         """Back to the start, the sway angles within ``options["sway"]`` rad of plumb, drawn from ``seed``."""
         self.crane.restore(self._start)
         most = float((options or {}).get("sway", 0.0))
@@ -268,7 +265,7 @@ class CraneEnv:
             self.crane.reset(q)
         return self._observe(), {}
 
-    def step(self, action: Sequence[float] | Array) -> tuple[Array, float, bool, bool, dict[str, Any]]:
+    def step(self, action: Sequence[float] | Array) -> tuple[Array, float, bool, bool, dict[str, float]]:
         """Observation, reward, terminated, truncated, info."""
         self.crane.step(np.asarray(action, dtype=np.float64) * self.crane.maximum_torques, self.dt)
         state = self.crane.state
@@ -297,7 +294,7 @@ class Scene:
     ``config`` is a ``DockConfig`` (``cmrc.plant.default_dock``), by default that of docs/plant.md with ``agvs`` vehicles.
     """
 
-    def __init__(self, config: Any = None, agvs: int = 1) -> None:
+    def __init__(self, config: DockConfig | None = None, agvs: int = 1) -> None:
         self._dock = _core.plant.Dock(_core.plant.default_dock(agvs) if config is None else config)
         self._time = 0
 
@@ -340,7 +337,7 @@ class Scene:
         """Commands the twist locks; they turn while all four corners are seated."""
         self._dock.spreader_command(int(closed), self._time)
 
-    def agv(self, index: int) -> Any:
+    def agv(self, index: int) -> AgvSignal:
         """True pose, speed and steering of an AGV at the last latch."""
         return self._dock.agv(index)
 
@@ -349,43 +346,41 @@ class Scene:
         return np.array(self._dock.agv_scan(index, self._time)) * 1e-3
 
     @property
-    def signal(self) -> Any:
+    def signal(self) -> Signal:
         """The crane at the last latch: joints, sway, tip, payload, tension."""
         return self._dock.signal
 
     @property
-    def containers(self) -> list[Any]:
+    def containers(self) -> list[ContainerStatus]:
         """Every container: where it is and who has it."""
-        return list(self._dock.containers)
+        return self._dock.containers
 
     @property
     def handover(self) -> Handover:
         """Where a container's change of hands stands."""
-        handover: Handover = self._dock.handover
-        return handover
+        return self._dock.handover
 
     @property
     def switches(self) -> list[Switch]:
         """The books of every change between levels, attach and detach so far."""
-        return list(self._dock.switches)
+        return self._dock.switches
 
     @property
-    def events(self) -> list[Any]:
+    def events(self) -> list[DockEvent]:
         """What has happened, in order of time."""
-        return list(self._dock.events)
+        return self._dock.events
 
     def energy(self) -> float:
         """Crane and payload, J."""
-        return float(self._dock.energy)
+        return self._dock.energy
 
-    def snapshot(self) -> object:
+    def snapshot(self) -> DockState:
         """The whole state at the last latch."""
-        return (self._time, self._dock.snapshot())
+        return self._dock.snapshot()
 
-    def restore(self, snapshot: Any) -> None:
+    def restore(self, snapshot: DockState) -> None:
         """Back to a snapshot of a scene of the same config. One taken off the 125-us grid goes back to the latch before it."""
-        _, state = snapshot
-        self._dock.restore(state)
+        self._dock.restore(snapshot)
         self._time = int(self._dock.time)
 
 
@@ -414,8 +409,8 @@ class Agv:
     of the state are the speeds of the left and the right wheel, m/s.
     """
 
-    def __init__(self, config: Mapping[str, Any] | None = None, **keywords: Any) -> None:
-        given = {**(config or {}), **keywords}
+    def __init__(self, config: Mapping[str, object] | None = None, **keywords: object) -> None:
+        given: dict[str, Any] = {**(config or {}), **keywords}
         start = Pose(*given.pop("start", (0.0, 0.0, 0.0)))
         load = (given.pop("load_mass", 0.0), given.pop("load_inertia", 0.0))
         tolerance = given.pop("tolerance", 1e-8)
@@ -455,17 +450,17 @@ class Agv:
         """At rest there, at time zero; what it carries stays."""
         self._core.reset(Pose(x, y, heading))
 
-    def snapshot(self) -> object:
+    def snapshot(self) -> AgvSnapshot:
         """The whole state; ``restore`` it and go on, bit for bit."""
         return self._core.snapshot()
 
-    def restore(self, snapshot: Any) -> None:
+    def restore(self, snapshot: AgvSnapshot) -> None:
         """Back to a snapshot of an AGV of the same config."""
         self._core.restore(snapshot)
 
     def energy(self) -> float:
         """Kinetic energy, J."""
-        return float(self._core.energy())
+        return self._core.energy()
 
 
 # ---- the dock's parts, as they stand in C++ (plant/config.hpp gives each value's unit and source)
@@ -508,6 +503,18 @@ Waypoint = _core.plant.Waypoint
 ContainerPlace = _core.plant.ContainerPlace
 LaneSegment = _core.plant.LaneSegment
 Pose = _core.plant.Pose
+Signal = _core.plant.Signal
+"""The crane at a latch: joints (their names in JOINTS), motor torques N m, codes, sway rad, tip and payload m, tension N (``Scene.signal``)."""
+AgvSignal = _core.plant.AgvSignal
+"""An AGV at a latch: m, rad, m/s (``Scene.agv``)."""
+ContainerStatus = _core.plant.ContainerStatus
+"""A container: state, AGV or -1, centre of its top in m, yaw in rad, mass in kg (``Scene.containers``)."""
+DockEvent = _core.plant.Event
+"""What happened on the dock: time in ps, kind, index, two values (``EventKind`` of plant/dock.hpp says which)."""
+DockState = _core.plant.DockState
+"""A dock's complete state at a latch; opaque (``Scene.snapshot``)."""
+CraneSnapshot = _core.plant.CraneAloneState
+AgvSnapshot = _core.plant.AgvAloneState
 Handover = _core.plant.Handover
 """Phase of a container's change of hands, whether it is released, attempts (``Scene.handover``)."""
 Switch = _core.plant.Switch

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from cmrc import _core
+from cmrc.plant import Box, DockConfig
 from cmrc.simulation import Setting, Simulation
 
 Recording = dict[str, Any]
@@ -114,10 +115,10 @@ def _per_slice(counts: list[dict[str, tuple[int, int]]]) -> dict[str, list[tuple
     return {kind: row for kind, row in rows.items() if any(on_time or missed for on_time, missed in row)}
 
 
-def _layout(config: Any) -> dict[str, Any]:
+def _layout(config: DockConfig) -> dict[str, Any]:
     layout, crane, agv = config.layout, config.crane, config.agv
 
-    def box(b: Any) -> list[float]:
+    def box(b: Box) -> list[float]:
         return [b.x_min, b.x_max, b.y_min, b.y_max, b.z_min, b.z_max]
 
     return {

@@ -1,6 +1,7 @@
 from collections.abc import Callable
 from typing import Any
 
+from cmrc._core.plant import DockConfig
 from numpy import float64
 from numpy.typing import NDArray
 
@@ -11,7 +12,7 @@ class Config:
     def to_dict(self) -> dict[str, bool | int | float | str]: ...
     def intervals(self) -> dict[str, int]: ...
 
-def dock_of(config: Config) -> Any: ...
+def dock_of(config: Config) -> DockConfig: ...
 def config(
     toml: str | None = None,
     name: str = "<toml>",

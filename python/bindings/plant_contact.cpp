@@ -1,0 +1,42 @@
+// ODE alone, for tests: a crane of rigid bodies, and a box-shaped body that falls on the ground.
+#include <pybind11/stl.h>
+
+#include <cmath>
+
+#include "plant/contact.hpp"
+#include "plant/ode_crane.hpp"
+#include "python/bindings/plant.hpp"
+
+using namespace plant;
+
+void bind_plant_contact(py::module_& m) {
+  m.def("swing_in_ode", &swing_in_ode, py::arg("crane"), py::arg("mass"), py::arg("q"), py::arg("qd"), py::arg("force"), py::arg("step"),
+        py::arg("steps"));
+  m.def(
+      "drop_box",
+      [](double mass, std::array<double, 3> size, double gap, double speed, double slope, double step, int steps) {
+        LandingParameters p;
+        ContactEngine engine(p);
+        BodyShape shape{};
+        shape.mass = mass;
+        shape.inertia = {mass * (size[1] * size[1] + size[2] * size[2]) / 12, mass * (size[0] * size[0] + size[2] * size[2]) / 12,
+                         mass * (size[0] * size[0] + size[1] * size[1]) / 12};
+        const double x = 0.5 * size[0] - 0.1;
+        const double y = 0.5 * size[1] - 0.1;
+        shape.corners = {{{x, y, -0.5 * size[2]}, {x, -y, -0.5 * size[2]}, {-x, -y, -0.5 * size[2]}, {-x, y, -0.5 * size[2]}}};
+        BodyState body;
+        body.position = {0.0, 0.0, 0.5 * size[2] + gap};
+        body.velocity = {0.0, 0.0, -speed};
+        const std::array solid{make_solid(Solid::Kind::ground, -1, 0, 0, 0, 100, 100, -5.0, 0.0)};
+        // A slope is a sideways pull and less weight: the floor stays level.
+        const std::array force{mass * gravity * std::sin(slope), 0.0, mass * gravity * (1.0 - std::cos(slope))};
+        std::vector<std::array<double, 4>> rows;
+        for (int i = 0; i < steps; ++i) {
+          const ContactResult r = engine.step(body, shape, force, {0.0, 0.0, 0.0}, solid, step);
+          rows.push_back({body.position[2] - 0.5 * size[2], body.velocity[2], r.normal_force, body.position[0]});
+        }
+        return rows;
+      },
+      py::arg("mass"), py::arg("size"), py::arg("gap"), py::arg("speed"), py::arg("slope"), py::arg("step"), py::arg("steps"),
+      "rows of (height of the underside, vertical speed, normal force, x)");
+}

@@ -1,0 +1,186 @@
+// The dock with its devices, and what it records.
+#include <pybind11/stl.h>
+
+#include "plant/dock.hpp"
+#include "plant/state.hpp"
+#include "python/bindings/plant.hpp"
+
+using namespace plant;
+
+namespace {
+
+Time ps(std::int64_t t) { return Time{t}; }
+
+void bind_records(py::module_& m) {
+  py::class_<Event>(m, "Event")
+      .def_property_readonly("time", [](const Event& e) { return e.time.count(); })
+      .def_property_readonly("kind", [](const Event& e) { return std::string(name(e.kind)); })
+      .def_readonly("index", &Event::index)
+      .def_readonly("values", &Event::values)
+      .def("__repr__", [](const Event& e) {
+        return std::string(py::str("Event({:.6f} s, {}, {}, {})")
+                               .format(static_cast<double>(e.time.count()) * 1e-12, name(e.kind), e.index, e.values));
+      });
+  py::class_<ContainerStatus>(m, "ContainerStatus")
+      .def_property_readonly("state",
+                             [](const ContainerStatus& c) {
+                               static constexpr std::array names{"on_ship", "carried", "on_agv", "on_ground", "delivered"};
+                               return std::string(names.at(static_cast<std::size_t>(c.state)));
+                             })
+      .def_readonly("agv", &ContainerStatus::agv)
+      .def_readonly("x", &ContainerStatus::x)
+      .def_readonly("y", &ContainerStatus::y)
+      .def_readonly("z", &ContainerStatus::z)
+      .def_readonly("yaw", &ContainerStatus::yaw)
+      .def_readonly("mass", &ContainerStatus::mass);
+  py::class_<Handover>(m, "Handover", "Where a container's change of hands stands (plant-and-bus.md 1.5).")
+      .def_property_readonly("phase", [](const Handover& h) { return std::string(name(h.phase)); })
+      .def_readonly("releasing", &Handover::releasing)
+      .def_readonly("attempts", &Handover::attempts);
+  py::class_<Momentum>(m, "Momentum", "Of the payload (3), kg m/s, its spin, kg m2/s; of everything along the quay and about the slewing axis.")
+      .def_readonly("payload", &Momentum::payload)
+      .def_readonly("spin", &Momentum::spin)
+      .def_readonly("travel", &Momentum::travel)
+      .def_readonly("slewing", &Momentum::slewing);
+  py::class_<Switch>(m, "Switch", "Energy and momentum before and after a change of the payload's model or mass.")
+      .def_property_readonly("time", [](const Switch& s) { return s.time.count(); })
+      .def_property_readonly("kind", [](const Switch& s) { return std::string(name(s.kind)); })
+      .def_readonly("container", &Switch::container)
+      .def_readonly("energy_before", &Switch::energy_before)
+      .def_readonly("energy_after", &Switch::energy_after)
+      .def_readonly("before", &Switch::before)
+      .def_readonly("after", &Switch::after);
+  py::class_<AgvSignal>(m, "AgvSignal")
+      .def_readonly("x", &AgvSignal::x)
+      .def_readonly("y", &AgvSignal::y)
+      .def_readonly("heading", &AgvSignal::heading)
+      .def_readonly("speed", &AgvSignal::speed)
+      .def_readonly("yaw_rate", &AgvSignal::yaw_rate)
+      .def_readonly("front", &AgvSignal::front)
+      .def_readonly("rear", &AgvSignal::rear)
+      .def_readonly("speed_command", &AgvSignal::speed_command);
+  py::class_<Signal>(m, "Signal")
+      .def_property_readonly("time", [](const Signal& s) { return s.time.count(); })
+      .def_readonly("q", &Signal::q)
+      .def_readonly("qd", &Signal::qd)
+      .def_readonly("torque", &Signal::torque)
+      .def_readonly("code", &Signal::code)
+      .def_readonly("alpha", &Signal::alpha)
+      .def_readonly("beta", &Signal::beta)
+      .def_readonly("tip", &Signal::tip)
+      .def_readonly("payload", &Signal::payload)
+      .def_readonly("yaw", &Signal::yaw)
+      .def_readonly("tension", &Signal::tension)
+      .def_readonly("contact", &Signal::contact);
+  py::class_<DockState, std::shared_ptr<DockState>>(m, "DockState", "A dock's complete state at a latch; opaque.");
+}
+
+// Every call of a device has the instant of the access as its last argument, here "t", integer picoseconds.
+const py::arg at("t");
+
+void bind_crane_devices(py::class_<Dock>& dock) {
+  dock.def("set_torque_code", [](Dock& d, int joint, int code, std::int64_t t) { d.set_torque_code(joint, code, ps(t)); },
+           py::arg("joint"), py::arg("code"), at, "-2048 to 2047 (clamped); 2047 is 1.5 times the rated torque")
+      .def("enable_drives", [](Dock& d, std::uint32_t mask, std::int64_t t) { d.enable_drives(mask, ps(t)); }, py::arg("mask"), at,
+           "bit j for joint j; a disabled drive has no torque and its brake holds")
+      .def("encoder", [](Dock& d, int joint, std::int64_t t) { return d.encoder(joint, ps(t)); }, py::arg("joint"), at, "24 bits")
+      .def("encoder_total", [](Dock& d, int joint, std::int64_t t) { return d.encoder_total(joint, ps(t)); }, py::arg("joint"), at,
+           "the same count since joint zero, not wrapped")
+      .def("sway", [](Dock& d, int axis, std::int64_t t) { return d.sway(axis, ps(t)); }, py::arg("axis"), at,
+           "0 radial, 1 tangential; 2048 is 10 degrees")
+      .def("spreader_command", [](Dock& d, std::uint32_t command, std::int64_t t) { d.spreader_command(command, ps(t)); },
+           py::arg("command"), at, "1 locks, 0 opens")
+      .def("spreader_status", [](Dock& d, std::int64_t t) { return d.spreader_status(ps(t)); }, at,
+           "bits 3..0 corners, 4 locked, 5 open")
+      .def("fail_drive", [](Dock& d, int joint, bool failed, std::int64_t t) { d.fail_drive(joint, failed, ps(t)); },
+           py::arg("joint"), py::arg("failed"), at, "a failed drive has no torque and its brake holds")
+      .def("fail_encoder", [](Dock& d, int joint, bool failed, std::int64_t t) { d.fail_encoder(joint, failed, ps(t)); },
+           py::arg("joint"), py::arg("failed"), at, "a failed sensor goes on showing what it shows now")
+      .def("fail_sway", [](Dock& d, int axis, bool failed, std::int64_t t) { d.fail_sway(axis, failed, ps(t)); }, py::arg("axis"),
+           py::arg("failed"), at, "a failed sensor goes on showing what it shows now");
+}
+
+void bind_scanner(py::class_<Dock>& dock) {
+  dock.def("scan_rows", &Dock::scan_rows, "how many rows the bay has")
+      .def("select_row", [](Dock& d, std::int32_t row, std::int64_t t) { d.select_row(row, ps(t)); }, py::arg("row"), at)
+      .def("scan_y", [](Dock& d, std::int64_t t) { return d.scan_y(ps(t)); }, at, "of the selected row, mm")
+      .def("scan_x0", &Dock::scan_x0, "mm")
+      .def("scan_dx", &Dock::scan_dx, "mm")
+      .def("scan_deck", &Dock::scan_deck, "mm")
+      .def("profile", [](Dock& d, int i, std::int64_t t) { return d.profile(i, ps(t)); }, py::arg("i"), at,
+           "0..127: mean height of a cell of the selected row, mm in steps of 8");
+}
+
+void bind_agv_units(py::class_<Dock>& dock) {
+  dock.def_property_readonly("agv_count", &Dock::agv_count)
+      .def("agv_x", [](Dock& d, int agv, std::int64_t t) { return d.agv_x(agv, ps(t)); }, py::arg("agv"), at, "mm")
+      .def("agv_y", [](Dock& d, int agv, std::int64_t t) { return d.agv_y(agv, ps(t)); }, py::arg("agv"), at, "mm")
+      .def("agv_heading", [](Dock& d, int agv, std::int64_t t) { return d.agv_heading(agv, ps(t)); }, py::arg("agv"), at, "microradians")
+      .def("agv_speed", [](Dock& d, int agv, std::int64_t t) { return d.agv_speed(agv, ps(t)); }, py::arg("agv"), at, "mm/s")
+      .def("agv_status", [](Dock& d, int agv, std::int64_t t) { return d.agv_status(agv, ps(t)); }, py::arg("agv"), at,
+           "bits 3..0 set-points waiting, 4 standing, 5 loaded, 6 ran dry while driving, 7 bumper")
+      .def("agv_range", [](Dock& d, int agv, int ray, std::int64_t t) { return d.agv_range(agv, ray, ps(t)); }, py::arg("agv"),
+           py::arg("ray"), at, "mm in steps of 8; 30000: nothing within it; 0: no valid echo")
+      .def(
+          "agv_scan",
+          [](Dock& d, int agv, std::int64_t t) {
+            std::vector<std::int32_t> rays(range_rays);
+            for (int ray = 0; ray < range_rays; ++ray) rays[static_cast<std::size_t>(ray)] = d.agv_range(agv, ray, ps(t));
+            return rays;
+          },
+          py::arg("agv"), at, "agv_range of every ray, from the right to the left")
+      .def("range_scan", [](Dock& d, int agv, std::int64_t t) { return d.range_scan(agv, ps(t)); }, py::arg("agv"), at,
+           "number of the scan that agv_range shows")
+      .def_property_readonly("range_mount", &Dock::range_mount, "mm ahead of the vehicle's centre")
+      .def("agv_period", [](Dock& d, int agv, std::uint32_t us, std::int64_t t) { d.agv_period(agv, us, ps(t)); }, py::arg("agv"),
+           py::arg("microseconds"), at, "each set-point is held for so long")
+      .def("agv_push",
+           [](Dock& d, int agv, std::int32_t speed, std::int32_t front, std::int32_t rear, std::int64_t t) {
+             d.agv_push(agv, speed, front, rear, ps(t));
+           },
+           py::arg("agv"), py::arg("speed"), py::arg("front"), py::arg("rear"), at, "a set-point: mm/s, microradians")
+      .def("agv_push_wheels",
+           [](Dock& d, int agv, std::int32_t left, std::int32_t right, std::int64_t t) { d.agv_push_wheels(agv, left, right, ps(t)); },
+           py::arg("agv"), py::arg("left"), py::arg("right"), at, "mm/s, differential drive only")
+      .def("agv_reset_bumper", [](Dock& d, int agv, std::int64_t t) { d.agv_reset_bumper(agv, ps(t)); }, py::arg("agv"), at,
+           "after a collision");
+}
+
+void bind_observers(py::class_<Dock>& dock) {
+  constexpr auto copy = py::return_value_policy::copy;
+  dock.def_property_readonly("events", &Dock::events, copy)
+      .def_property_readonly("containers", &Dock::containers)
+      .def("agv", &Dock::agv, py::arg("agv"), "true pose and speed at the last latch")
+      .def_property_readonly("signal", &Dock::signal)
+      .def_property_readonly("signals", &Dock::signals, copy)
+      .def_property_readonly("agv_signals", &Dock::agv_signals, copy)
+      .def_property_readonly("delivered", &Dock::delivered)
+      .def_property_readonly("handover", &Dock::handover)
+      .def_property_readonly("switches", &Dock::switches, copy)
+      .def_property_readonly("faulted", &Dock::faulted)
+      .def_property_readonly("payload_mass", &Dock::payload_mass)
+      .def_property_readonly("energy", &Dock::energy);
+}
+
+void bind_dock(py::module_& m) {
+  m.attr("latch_period") = latch_period.count();
+  py::class_<Dock> dock(m, "Dock", "The dock in time; t is integer picoseconds, nondecreasing over calls.");
+  dock.def(py::init<const DockConfig&>(), py::arg("config"))
+      .def("advance_to", [](Dock& d, std::int64_t t) { d.advance_to(ps(t)); }, at, py::call_guard<py::gil_scoped_release>())
+      .def_property_readonly("time", [](const Dock& d) { return d.time().count(); })
+      .def_property_readonly("config", &Dock::config)
+      .def("snapshot", [](const Dock& d) { return std::make_shared<DockState>(*d.snapshot()); })
+      .def("restore", &Dock::restore, py::arg("state"))
+      .def("state_hash", &Dock::state_hash);
+  bind_crane_devices(dock);
+  bind_scanner(dock);
+  bind_agv_units(dock);
+  bind_observers(dock);
+}
+
+}  // namespace
+
+void bind_plant_dock(py::module_& m) {
+  bind_records(m);
+  bind_dock(m);
+}
