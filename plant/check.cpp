@@ -70,6 +70,13 @@ struct Thing {
   Solid solid;
 };
 
+// The crane's legs at the start.
+std::vector<Solid> legs_of(const DockConfig& c) {
+  std::vector<Solid> legs;
+  add_legs(c.crane.portal, c.home.s, 0.0, legs);
+  return legs;
+}
+
 // Everything that stands on the dock at the start and must stand apart.
 std::vector<Thing> things(const DockConfig& c) {
   std::vector<Thing> all;
@@ -94,7 +101,27 @@ std::vector<Thing> things(const DockConfig& c) {
     all.push_back({fmt::format("AGV {}", i), make_solid(Solid::Kind::agv, i, at.x, at.y, at.heading, 0.5 * c.agv.length,
                                                         0.5 * c.agv.width, 0.3, c.agv.deck_height)});
   }
+  const std::vector<Solid> legs = legs_of(c);
+  for (std::size_t i = 0; i < legs.size(); ++i) all.push_back({fmt::format("the crane's leg {}", i), legs[i]});
   return all;
+}
+
+// A vehicle that keeps to its lane must not run into the crane where that stands at the start.
+void check_lanes(const DockConfig& c) {
+  constexpr double sampled = 0.5;  // m
+  const std::vector<Solid> legs = legs_of(c);
+  for (const auto& lane : c.layout.legs)
+    for (const LaneSegment& s : lane) {
+      refuse(!(s.length >= 0.0 && s.length <= 1e5), "a lane's length must be 0 to 1e5 m", s.length);
+      for (double way = 0.0; way <= s.length; way += sampled) {
+        const Pose at = along(s, way);
+        const Solid vehicle = make_solid(Solid::Kind::agv, -1, at.x, at.y, at.heading, 0.5 * c.agv.length, 0.5 * c.agv.width, 0.0, c.agv.deck_height);
+        for (const Solid& leg : legs)
+          if (overlaps(vehicle, leg, 0.0))
+            throw std::invalid_argument(fmt::format("plant: an AGV at ({:.2f}, {:.2f}) m of its lane runs into the crane's leg at ({:.2f}, {:.2f}) m; "
+                                                    "move the lane or the crane's portal", at.x, at.y, leg.x, leg.y));
+      }
+    }
 }
 
 void check_apart(const DockConfig& c) {
@@ -174,6 +201,9 @@ void check(const CraneParameters& p) {
   }
   for (std::size_t j = 0; j < joint_count; ++j)
     refuse(!(p.lower[j] < p.upper[j]), "a joint's lower limit must be below its upper one", p.lower[j]);
+  require_not_negative({{"the portal's leg", p.portal.leg}});
+  require_positive({{"the portal's along", p.portal.along}, {"the portal's height", p.portal.height}});
+  refuse(!(p.portal.landside < p.portal.waterside), "the portal's landside rail must be landward of its waterside one", p.portal.landside);
   refuse(!(p.lower[static_cast<std::size_t>(Joint::hoist)] > 0.0), "the rope's shortest length must be positive",
          p.lower[static_cast<std::size_t>(Joint::hoist)]);
 }
@@ -206,6 +236,7 @@ void check(const DockConfig& c) {
   check_containers(c);
   check_reach(c);
   check_apart(c);
+  check_lanes(c);
 }
 
 }  // namespace plant

@@ -46,6 +46,7 @@ std::array<int, joint_count> drive_channels(Machine machine) {
 CraneParameters gantry_crane() {
   CraneParameters p;
   p.machine = Machine::gantry;
+  p.portal = {.along = 9.0, .landside = -18.0, .waterside = 0.0, .leg = 1.2, .height = 36.0};
   p.pivot_height = 34.0;
   p.gantry_mass = 900e3;
   p.jib_mass = 25e3;
@@ -91,6 +92,14 @@ DockConfig gantry_dock(int agv_count) {
   layout.warehouse = {-12.0, -32.0, std::numbers::pi};
   layout.legs = default_loop(layout, agv_count);
   return config;
+}
+
+Pose along(const LaneSegment& s, double way) {
+  const double heading = s.heading + s.curvature * way;
+  const auto [sh, ch] = sin_cos(s.heading);
+  if (s.curvature == 0.0) return {s.x + way * ch, s.y + way * sh, s.heading};
+  const auto [st, ct] = sin_cos(heading);
+  return {s.x + (st - sh) / s.curvature, s.y - (ct - ch) / s.curvature, heading};
 }
 
 Pose start_of_agv(const Layout& layout, int i) {

@@ -40,9 +40,18 @@ struct DriveParameters {
 // coordinate phi is the trolley's place on the boom, m from the crane's rail: the jib is a trolley of jib_mass there, on a boom at pivot_height.
 enum class Machine : std::uint8_t { slewing, gantry };
 
+// The portal on which a crane stands: four upright legs on two rails along the quay, which travel with it. leg 0: none.
+struct Portal {
+  double along = 5.0;                     // m, legs stand so far before s and behind it
+  double landside = -5.0, waterside = 5.0;  // m, y of the rails
+  double leg = 1.0;                       // m, side of a leg's square section
+  double height = 14.0;                   // m
+};
+
 // Slewing and luffing jib crane, plant-and-bus.md 1.2 to 1.4 (docs/plant.md).
 struct CraneParameters {
   Machine machine = Machine::slewing;
+  Portal portal;
   double a0 = 2.5;          // m, luff pivot from the slew axis
   double jib = 32.0;        // m, L
   double pivot_height = 22.0;  // m, h_p
@@ -250,6 +259,9 @@ DockConfig gantry_dock(int agv_count = 1);
 
 // The lanes of that dock for another spot and warehouse (24 m apart across the quay).
 std::array<std::vector<LaneSegment>, 3> default_loop(const Layout&, int agvs);
+
+// The pose so many metres along a piece of lane.
+Pose along(const LaneSegment&, double way);
 
 // Where AGV i stands at the start: the spot, and the slots behind it.
 Pose start_of_agv(const Layout&, int i);

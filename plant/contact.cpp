@@ -18,12 +18,17 @@ constexpr int most_contacts = 8;      // of one pair of shapes
 struct ContactEngine::Implementation {
   LandingParameters p;
   dWorldID world;
-  dBodyID body, carrier;  // carrier: what the solid rides on, where it moves
+  dBodyID body;
+  std::vector<dBodyID> carriers;  // what the solids of a step that move ride on
   dJointGroupID joints;
   std::array<dGeomID, 4> feet{};
   std::array<dGeomID, 2> hulls{};
   dGeomID solid;
-  std::vector<dJointFeedback> feedback;
+  struct Felt {
+    dJointFeedback force;
+    bool by_crane;
+  };
+  std::vector<Felt> felt;  // of each contact
 
   explicit Implementation(const LandingParameters& parameters) : p(parameters) {
     start_ode();
@@ -32,13 +37,11 @@ struct ContactEngine::Implementation {
     dWorldSetAutoDisableFlag(world, 0);
     body = dBodyCreate(world);
     dBodySetGyroscopicMode(body, 1);
-    carrier = dBodyCreate(world);
-    dBodySetKinematic(carrier);
     joints = dJointGroupCreate(0);
     for (auto& foot : feet) foot = on_body(dCreateSphere(nullptr, foot_radius));
     for (auto& hull : hulls) hull = on_body(dCreateBox(nullptr, 1.0, 1.0, 1.0));
     solid = dCreateBox(nullptr, 1.0, 1.0, 1.0);
-    feedback.resize(256);
+    felt.resize(256);
   }
   ~Implementation() {
     for (auto* foot : feet) dGeomDestroy(foot);
@@ -76,11 +79,24 @@ struct ContactEngine::Implementation {
     }
   }
 
+  // What moves as the solid does, for the contacts on it.
+  dBodyID carrier_of(const Solid& moving, std::size_t& used) {
+    if (moving.vx == 0.0 && moving.vy == 0.0 && moving.vz == 0.0) return nullptr;
+    if (used == carriers.size()) {
+      carriers.push_back(dBodyCreate(world));
+      dBodySetKinematic(carriers.back());
+    }
+    const dBodyID carrier = carriers[used++];
+    dBodySetPosition(carrier, moving.x, moving.y, moving.top);
+    dBodySetLinearVel(carrier, moving.vx, moving.vy, moving.vz);
+    return carrier;
+  }
+
   // Contact joints between one shape of the body and the solid. The surface is a spring and damper (plant-and-bus.md 1.7).
-  int touch(dGeomID shape, dBodyID below, double h, int count) {
+  int touch(dGeomID shape, dBodyID below, bool crane, double h, int count) {
     std::array<dContact, most_contacts> contacts{};
     const int n = dCollide(shape, solid, most_contacts, &contacts[0].geom, sizeof(dContact));
-    for (int i = 0; i < n && count < static_cast<int>(feedback.size()); ++i) {
+    for (int i = 0; i < n && count < static_cast<int>(felt.size()); ++i) {
       dContact& c = contacts[static_cast<std::size_t>(i)];
       c.surface.mode = dContactSoftERP | dContactSoftCFM | dContactApprox1;
       c.surface.mu = p.friction;
@@ -88,7 +104,9 @@ struct ContactEngine::Implementation {
       c.surface.soft_cfm = 1.0 / (h * p.corner_stiffness + p.corner_damping);
       const dJointID joint = dJointCreateContact(world, joints, &c);
       dJointAttach(joint, body, below);
-      dJointSetFeedback(joint, &feedback[static_cast<std::size_t>(count)]);
+      Felt& here = felt[static_cast<std::size_t>(count)];
+      here.by_crane = crane;
+      dJointSetFeedback(joint, &here.force);
       ++count;
     }
     return count;
@@ -112,28 +130,28 @@ ContactResult ContactEngine::step(BodyState& state, const BodyShape& shape, cons
   auto& s = *self_;
   s.place(state, shape);
   int count = 0;
+  std::size_t carriers = 0;
   for (const Solid& solid : solids) {
     dGeomBoxSetLengths(s.solid, 2 * solid.half_x, 2 * solid.half_y, solid.top - solid.bottom);
     dGeomSetPosition(s.solid, solid.x, solid.y, 0.5 * (solid.top + solid.bottom));
     const auto [sy, cy] = sin_cos(0.5 * solid.yaw);
     const dQuaternion yaw = {cy, 0, 0, sy};
     dGeomSetQuaternion(s.solid, yaw);
-    const bool rides = solid.vx != 0.0 || solid.vy != 0.0 || solid.vz != 0.0;
-    // One carrier serves all solids of a step: what moves is the ship, whose points differ in speed by its slow turning only.
-    if (rides) {
-      dBodySetPosition(s.carrier, solid.x, solid.y, solid.top);
-      dBodySetLinearVel(s.carrier, solid.vx, solid.vy, solid.vz);
-    }
-    const dBodyID below = rides ? s.carrier : nullptr;
-    for (auto* foot : s.feet) count = s.touch(foot, below, seconds, count);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(shape.hull_count); ++i) count = s.touch(s.hulls[i], below, seconds, count);
+    const dBodyID below = s.carrier_of(solid, carriers);
+    const bool crane = solid.kind == Solid::Kind::crane;
+    for (auto* foot : s.feet) count = s.touch(foot, below, crane, seconds, count);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(shape.hull_count); ++i) count = s.touch(s.hulls[i], below, crane, seconds, count);
   }
   dBodyAddForce(s.body, force[0], force[1], force[2]);
   dBodyAddTorque(s.body, torque[0], torque[1], torque[2]);
   dWorldStep(s.world, seconds);
   ContactResult result;
   result.contacts = count;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) result.normal_force += s.feedback[i].f1[2];
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const dReal* push = s.felt[i].force.f1;
+    result.normal_force += push[2];
+    if (s.felt[i].by_crane) result.by_crane = result.by_crane + Vector3{push[0], push[1], push[2]};
+  }
   dJointGroupEmpty(s.joints);
   state = s.read();
   return result;

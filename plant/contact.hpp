@@ -1,5 +1,5 @@
 #pragma once
-// Rigid-body contact by ODE: one free body, touching upright solids, stepped with dWorldStep. Holds no state between steps.
+// Rigid-body contact by ODE: one free body, touching solids, stepped with dWorldStep. Holds no state between steps.
 #include <array>
 #include <memory>
 #include <span>
@@ -31,6 +31,7 @@ struct BodyShape {
 struct ContactResult {
   int contacts = 0;
   double normal_force = 0.0;  // N, sum of the upward parts
+  std::array<double, 3> by_crane{};  // N, what the crane's own legs push with
 };
 
 class ContactEngine {

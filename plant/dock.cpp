@@ -201,7 +201,7 @@ std::int32_t Dock::profile(int i, Time t) {
   const DockCore& core = self_->core;
   const Layout& layout = core.config.layout;
   const double x = layout.scan_x0 + i * layout.scan_dx;
-  const double z = bay_height(core.config, core.state.containers, core.seconds(), x - 0.5 * layout.scan_dx, x + 0.5 * layout.scan_dx,
+  const double z = bay_height(core.config, core.state.containers, core.state.seconds(), x - 0.5 * layout.scan_dx, x + 0.5 * layout.scan_dx,
                               layout.rows[static_cast<std::size_t>(core.state.row)]);
   return static_cast<std::int32_t>(std::floor(1e3 * z / 8.0)) * 8;
 }
@@ -263,7 +263,7 @@ const std::vector<Event>& Dock::events() const { return self_->core.events; }
 std::vector<ContainerStatus> Dock::containers() const {
   const DockCore& core = self_->core;
   std::vector<ContainerStatus> all;
-  const ShipPlace ship = ship_at(core.config, core.state.containers, core.seconds()).place;
+  const ShipPlace ship = ship_at(core.config, core.state.containers, core.state.seconds()).place;
   for (const ContainerData& data : core.state.containers) {
     const ContainerData c = in_world(data, core.state.agvs, core.config.layout.ship, ship);
     all.push_back({c.state, c.agv, c.x, c.y, c.z + container_height, c.yaw, c.mass});

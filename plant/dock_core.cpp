@@ -199,7 +199,7 @@ void DockCore::check_fault() {
 // Near contact the landing puts the wind on the body itself.
 void DockCore::blow() {
   if (!config.wind.blows() || state.landing.active) return;
-  state.inputs.external = crane.crane().at_payload(state.crane.q, wind_force(config.wind, seconds()));
+  state.inputs.external = crane.crane().at_payload(state.crane.q, wind_force(config.wind, state.seconds()));
 }
 
 template <class Change>
@@ -312,7 +312,7 @@ void DockCore::turn_locks() {
 void DockCore::move_agvs() {
   for (AgvState& agv : state.agvs) agv_motion.advance(agv, agv_latches * seconds_per_latch);
   if (config.collisions) {
-    collect_solids(config, state.containers, state.agvs, -1, seconds(), solids_);
+    collect_solids(config, state, -1, solids_);
     std::erase_if(solids_, [](const Solid& s) { return s.bottom >= 1.5; });  // above every vehicle, or carried by one
     traffic.collide(state.agvs, solids_, [this](std::size_t agv, int other, double speed) {
       report(EventKind::collision, static_cast<int>(agv), speed, other);
@@ -340,7 +340,7 @@ const Geometry::Scan& DockCore::scan(std::size_t agv) {
   fresh_.resize(state.agvs.size());
   Fresh& fresh = fresh_[agv];
   if (fresh.latch != state.latch) {
-    collect_solids(config, state.containers, state.agvs, state.agvs[agv].container, seconds(), solids_);
+    collect_solids(config, state, state.agvs[agv].container, solids_);
     fresh = {state.latch, traffic.scan(state.agvs[agv], agv, solids_)};
   }
   return fresh.codes;
@@ -349,7 +349,7 @@ const Geometry::Scan& DockCore::scan(std::size_t agv) {
 // A range sensor with a rate of its own samples; some rays bring nothing back.
 void DockCore::look(std::size_t agv) {
   if (state.scans.empty()) return;
-  collect_solids(config, state.containers, state.agvs, state.agvs[agv].container, seconds(), solids_);
+  collect_solids(config, state, state.agvs[agv].container, solids_);
   Geometry::Scan codes = traffic.scan(state.agvs[agv], agv, solids_);
   const std::int64_t number = state.latch / range_latches();
   for (std::size_t ray = 0; ray < codes.size(); ++ray)

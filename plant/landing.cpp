@@ -32,8 +32,6 @@ struct Frame {
 
 double box_inertia(double mass, double a, double b) { return mass * (a * a + b * b) / 12.0; }
 
-double seconds_of(const DockState& s) { return static_cast<double>(s.latch) * 125e-6; }
-
 double container_mass(const DockState& s) {
   return s.carried < 0 ? 0.0 : s.containers[static_cast<std::size_t>(s.carried)].mass;
 }
@@ -123,7 +121,7 @@ Solid Landing::footprint(const DockState& s, double x, double y, double z, doubl
 }
 
 double Landing::clearance_of(const DockState& s, const Solid& foot) {
-  collect_solids(config_, s.containers, s.agvs, s.carried, seconds_of(s), solids_);
+  collect_solids(config_, s, s.carried, solids_);
   double least = 1e9;
   for (const Solid& solid : solids_)
     if (foot.top >= solid.bottom && overlaps(foot, solid, p_.near)) least = std::min(least, foot.bottom - solid.top);
@@ -142,7 +140,7 @@ double Landing::clearance(const DockState& s, const Crane& crane) {
 void Landing::find_near(const DockState& s) {
   const Vector3 at = payload_position(s);
   const Solid foot = footprint(s, at[0], at[1], at[2], payload_yaw(s));
-  collect_solids(config_, s.containers, s.agvs, s.carried, seconds_of(s), solids_);
+  collect_solids(config_, s, s.carried, solids_);
   near_.clear();
   for (const Solid& solid : solids_)
     if (foot.bottom - 0.5 < solid.top && overlaps(foot, solid, 0.5)) near_.push_back(solid);
@@ -361,13 +359,14 @@ Landing::Outcome Landing::step(DockState& s, const Crane& crane, double seconds)
   Forces forces;
   add_falls(s, crane, seconds, forces);
   add_guides(s, forces);
-  if (config_.wind.blows()) forces.force = forces.force + wind_force(config_.wind, seconds_of(s));
-  s.inputs.external = forces.crane;
+  if (config_.wind.blows()) forces.force = forces.force + wind_force(config_.wind, s.seconds());
   s.landing.tension = forces.tension;
 
   Outcome outcome;
   const Vector3 velocity = s.landing.body.velocity;
   const ContactResult result = engine_.step(s.landing.body, shape(s), forces.force, forces.torque, near_, seconds);
+  forces.crane[Q_S] -= result.by_crane[0];  // the rails take what pushes a leg across
+  s.inputs.external = forces.crane;
   s.landing.contacts = result.contacts;
   if (result.contacts > 0 && !s.landing.touched) {
     s.landing.touched = outcome.touched = true;
@@ -451,7 +450,7 @@ int Landing::release(DockState& s) {
   } else if (below != nullptr && (below->kind == Solid::Kind::ship ||
                                   (below->kind == Solid::Kind::container &&
                                    s.containers[static_cast<std::size_t>(below->index)].state == ContainerState::on_ship))) {
-    const auto shift = ship_at(config_, s.containers, seconds_of(s)).place.shift(config_.layout.ship, c.x, c.y, c.z);
+    const auto shift = ship_at(config_, s.containers, s.seconds()).place.shift(config_.layout.ship, c.x, c.y, c.z);
     c.x -= shift[0];  // kept as it lies in calm water
     c.y -= shift[1];
     c.z -= shift[2];

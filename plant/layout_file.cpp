@@ -106,6 +106,16 @@ class Reader {
     table(fields, "ship", [this](const toml::table& t) { box(t, "the ship", layout_.ship); });
     table(fields, "spot", [this](const toml::table& t) { spot(t); });
     table(fields, "warehouse", [this](const toml::table& t) { warehouse_of(t); });
+    table(fields, "portal", [this](const toml::table& t) {
+      Portal& p = c_.crane.portal;
+      Fields(t, file_, "the portal")
+          .number_to("along_m", p.along)
+          .number_to("landside_m", p.landside)
+          .number_to("waterside_m", p.waterside)
+          .number_to("leg_m", p.leg)
+          .number_to("height_m", p.height)
+          .done();
+    });
     table(fields, "agv", [this](const toml::table& t) { agv(t); });
     table(fields, "sensors", [this](const toml::table& t) {
       Fields(t, file_, "sensors").number_to("range_rate_hz", c_.sensors.range_rate).number_to("range_dropout", c_.sensors.range_dropout).done();
@@ -248,21 +258,13 @@ class Reader {
           const auto piece = fields.numbers(element, k, 3);
           if (!(piece[0] > 0.0 && piece[2] > 0.0)) ::plant::refuse(element.source(), file_, "a lane's length and speed must be positive");
           lanes[leg].push_back({at.x, at.y, at.heading, piece[0], piece[1], piece[2]});
-          at = end_of(lanes[leg].back());
+          at = along(lanes[leg].back(), piece[0]);
         }
         if ((at.x - to.x) * (at.x - to.x) + (at.y - to.y) * (at.y - to.y) > 0.01)
           ::plant::refuse(node.source(), file_,
                           fmt::format("{} ends at ({:.2f}, {:.2f}) m, not at ({:.2f}, {:.2f})", k, at.x, at.y, to.x, to.y));
       });
     fields.done({"to_warehouse", "to_spot"});
-  }
-
-  static Pose end_of(const LaneSegment& s) {
-    const double turned = s.heading + s.curvature * s.length;
-    const auto [sh, ch] = sin_cos(s.heading);
-    const auto [st, ct] = sin_cos(turned);
-    if (s.curvature == 0.0) return {s.x + s.length * ch, s.y + s.length * sh, s.heading};
-    return {s.x + (st - sh) / s.curvature, s.y - (ct - ch) / s.curvature, turned};
   }
 
   void default_lanes(const toml::table& root) {

@@ -6,6 +6,7 @@
 
 #include "plant/math.hpp"
 #include "plant/sensors.hpp"
+#include "plant/state.hpp"
 
 namespace plant {
 
@@ -72,8 +73,20 @@ ContainerData in_world(const ContainerData& c, const std::vector<AgvState>& agvs
   return world;
 }
 
-void collect_solids(const DockConfig& config, const std::vector<ContainerData>& containers, const std::vector<AgvState>& agvs,
-                    int without, double seconds, std::vector<Solid>& solids) {
+void add_legs(const Portal& portal, double travel, double speed, std::vector<Solid>& solids) {
+  if (portal.leg <= 0.0) return;
+  const double half = 0.5 * portal.leg;
+  for (const double along : {portal.along, -portal.along})
+    for (const double y : {portal.waterside, portal.landside}) {
+      solids.push_back(make_solid(Solid::Kind::crane, -1, travel + along, y, 0.0, half, half, 0.0, portal.height));
+      solids.back().vx = speed;
+    }
+}
+
+void collect_solids(const DockConfig& config, const DockState& state, int without, std::vector<Solid>& solids) {
+  const std::vector<ContainerData>& containers = state.containers;
+  const std::vector<AgvState>& agvs = state.agvs;
+  const double seconds = state.seconds();
   solids.clear();
   const auto add_box = [&solids](Solid::Kind kind, const Box& b) {
     solids.push_back(make_solid(kind, -1, 0.5 * (b.x_min + b.x_max), 0.5 * (b.y_min + b.y_max), 0.0, 0.5 * (b.x_max - b.x_min),
@@ -99,6 +112,7 @@ void collect_solids(const DockConfig& config, const std::vector<ContainerData>& 
     hull.top += shift[2];
   }
   for (const Box& box : config.layout.no_go) add_box(Solid::Kind::fixed, box);
+  add_legs(config.crane.portal, state.crane.q[Q_S], state.crane.qd[Q_S], solids);
   for (std::size_t i = 0; i < config.layout.movers.size(); ++i) {
     const Mover& mover = config.layout.movers[i];
     const MoverPlace at = place_of(mover, seconds);
@@ -115,12 +129,12 @@ void collect_solids(const DockConfig& config, const std::vector<ContainerData>& 
                                 0.5 * p.width, 0.3, p.deck_height));
   }
   for (std::size_t i = 0; i < containers.size(); ++i) {
-    const ContainerState state = containers[i].state;
-    if (static_cast<int>(i) == without || state == ContainerState::carried || state == ContainerState::delivered) continue;
+    const ContainerState where = containers[i].state;
+    if (static_cast<int>(i) == without || where == ContainerState::carried || where == ContainerState::delivered) continue;
     const ContainerData c = in_world(containers[i], agvs, ship, now.place);
     solids.push_back(make_solid(Solid::Kind::container, static_cast<int>(i), c.x, c.y, c.yaw, 0.5 * container_length,
                                 0.5 * container_width, c.z, c.z + container_height));
-    if (state == ContainerState::on_ship) ride(solids.back(), containers[i].x, containers[i].y, containers[i].z);
+    if (where == ContainerState::on_ship) ride(solids.back(), containers[i].x, containers[i].y, containers[i].z);
   }
 }
 

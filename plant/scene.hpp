@@ -21,7 +21,7 @@ struct Solid {
   double half_x, half_y;       // m
   double bottom, top;          // z
   double sin_yaw, cos_yaw;
-  enum class Kind : std::uint8_t { ground, ship, container, agv, fixed, mover } kind;
+  enum class Kind : std::uint8_t { ground, ship, container, agv, fixed, mover, crane } kind;
   int index;                   // container, AGV or mover, else -1
   bool round = false;          // an upright cylinder of radius half_x; what has no use for that takes the box around it
   double vx = 0.0, vy = 0.0, vz = 0.0;  // m/s
@@ -49,9 +49,11 @@ struct MoverPlace {
 };
 MoverPlace place_of(const Mover&, double seconds);
 
-// Everything solid at `seconds` but the container `without`. Clears and fills `solids`.
-void collect_solids(const DockConfig&, const std::vector<ContainerData>&, const std::vector<AgvState>&, int without, double seconds,
-                    std::vector<Solid>& solids);
+// The legs of a crane that stands at `travel` (m) and travels at `speed` (m/s).
+void add_legs(const Portal&, double travel, double speed, std::vector<Solid>& solids);
+
+// Everything solid but the container `without`. Clears and fills `solids`.
+void collect_solids(const DockConfig&, const DockState&, int without, std::vector<Solid>& solids);
 
 bool covers(const Solid&, double x, double y);
 // Whether two turned rectangles overlap when the first is widened by `margin` on every side.

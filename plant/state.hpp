@@ -60,6 +60,8 @@ struct DockState {
   CraneModes modes;              // of the crane's joints
   bool faulted = false;
   int delivered = 0;
+
+  double seconds() const { return static_cast<double>(latch) * 125e-6; }
 };
 
 }  // namespace plant

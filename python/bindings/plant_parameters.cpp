@@ -22,10 +22,16 @@ void bind_drive(py::module_& m) {
 
 void bind_crane(py::module_& m) {
   py::native_enum<Machine>(m, "Machine", "enum.Enum").value("slewing", Machine::slewing).value("gantry", Machine::gantry).finalize();
+  {
+    using P = Portal;
+    py::class_<P>(m, "Portal", "The crane's four legs, which travel with it: before and behind it, the rails' y, side and height of a leg, m; leg 0: none.")
+        .def(py::init<>())
+        FIELD(along) FIELD(landside) FIELD(waterside) FIELD(leg) FIELD(height);
+  }
   using P = CraneParameters;
   py::class_<P>(m, "CraneParameters", "Geometry (m), masses (kg, kg m2), limits and drives of a crane (plant-and-bus.md 1.4, docs/plant.md).")
       .def(py::init<>())
-      FIELD(machine) FIELD(a0) FIELD(jib) FIELD(pivot_height) FIELD(gantry_mass) FIELD(slew_inertia) FIELD(jib_mass)
+      FIELD(machine) FIELD(portal) FIELD(a0) FIELD(jib) FIELD(pivot_height) FIELD(gantry_mass) FIELD(slew_inertia) FIELD(jib_mass)
       FIELD(jib_centre) FIELD(jib_inertia) FIELD(counterweight) FIELD(counterweight_radius) FIELD(spreader_mass)
       FIELD(spreader_inertia) FIELD(sway_damping) FIELD(gear_losses) FIELD(stiction) FIELD(lower) FIELD(upper)
       .def_property(

@@ -489,6 +489,8 @@ DockConfig = _core.plant.DockConfig
 """A dock's configuration."""
 CraneParameters = _core.plant.CraneParameters
 DriveParameters = _core.plant.DriveParameters
+Portal = _core.plant.Portal
+"""Where a crane's legs stand (``CraneParameters.portal``)."""
 CranePose = _core.plant.CranePose
 LandingParameters = _core.plant.LandingParameters
 AgvParameters = _core.plant.AgvParameters

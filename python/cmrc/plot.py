@@ -16,7 +16,7 @@ JOINTS = {"s_m": "gantry, m", "psi_rad": "slew, rad", "phi_rad": "luff, rad", "t
 
 
 def plan(recording: Recording, axes: Axes) -> None:
-    """From above: ship, fixed boxes, containers, lanes, the load's path, the AGVs' paths with their outlines at the end."""
+    """From above: ship, fixed boxes, the crane's legs, containers, lanes, the load's path, the AGVs' paths with their outlines at the end."""
     from matplotlib.patches import Circle, Polygon
 
     layout, signals = recording["layout"], recording["signals"]
@@ -42,6 +42,10 @@ def plan(recording: Recording, axes: Axes) -> None:
         x, y = signals[f"agv{i}_x_m"], signals[f"agv{i}_y_m"]
         (path,) = axes.plot(x, y, f"C{1 + i % 9}", lw=1.2, label=f"AGV {i}")
         outline(x[-1], y[-1], signals[f"agv{i}_heading_rad"][-1], layout["agv"]["length"], layout["agv"]["width"], fill=False, ec=path.get_color())
+    portal = layout["crane"]["portal"]
+    for rail in portal["rails"]:
+        for along in (portal["along"], -portal["along"]):
+            outline(signals["s_m"][-1] + along, rail, 0.0, portal["leg"], portal["leg"], fc="0.3", ec="k")
     for i, (radius, _) in enumerate(layout["movers"]):
         x, y = signals[f"mover{i}_x_m"], signals[f"mover{i}_y_m"]
         axes.plot(x, y, "tab:red", lw=0.8, ls=":", label="obstacles" if i == 0 else None)

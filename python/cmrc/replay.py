@@ -21,7 +21,7 @@ from cmrc.plant import Box, DockConfig
 from cmrc.simulation import Setting, Simulation
 
 Recording = dict[str, Any]
-FORMAT = 2
+FORMAT = 3
 
 
 def record(simulation: Simulation, step_s: float = 0.1) -> Recording:
@@ -131,8 +131,12 @@ def _layout(config: DockConfig) -> dict[str, Any]:
         "crane": {
             "machine": crane.machine.name, "a0": crane.a0, "pivot": crane.pivot_height, "cw": crane.counterweight_radius,
             "reach": [crane.lower[2], crane.upper[2]],
+            "portal": {
+                "along": crane.portal.along, "rails": [crane.portal.waterside, crane.portal.landside],
+                "leg": crane.portal.leg, "height": crane.portal.height,
+            },
         },
         "agv": {"count": config.agv_count, "length": agv.length, "width": agv.width, "deck": agv.deck_height},
         "spot": [layout.spot.x, layout.spot.y],
-        "warehouse": [layout.warehouse.x, layout.warehouse.y],
+        "warehouse": [layout.warehouse.x, layout.warehouse.y, layout.warehouse_radius],
     }

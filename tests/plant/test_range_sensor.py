@@ -30,12 +30,13 @@ def met(px: float, py: float, direction: float, walls: list[tuple[float, float, 
     return best
 
 
-def test_rays_meet_the_other_agvs_and_the_ship() -> None:
+def test_rays_meet_the_other_agvs_the_ship_and_the_cranes_legs() -> None:
     config = _core.plant.default_dock(3)
     dock = _core.plant.Dock(config)
     dock.advance_to(10 * MS)
     agvs = [dock.agv(i) for i in range(3)]
     ship = edges(0, 28, 0, 40, 8)  # and the deck-house, which stands within it
+    ship += [edge for x in (5, -5) for y in (5, -5) for edge in edges(x, y, 0, 0.5, 0.5)]  # the crane's legs
     seen = set()
     for i, agv in enumerate(agvs):
         walls = ship + [e for j, other in enumerate(agvs) if j != i for e in edges(other.x, other.y, other.heading, 7.4, 1.5)]

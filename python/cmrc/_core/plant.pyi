@@ -44,9 +44,18 @@ class DriveParameters:
     @property
     def rated_joint_speed(self) -> float: ...
 
+class Portal:
+    def __init__(self) -> None: ...
+    along: float
+    landside: float
+    waterside: float
+    leg: float
+    height: float
+
 class CraneParameters:
     def __init__(self) -> None: ...
     machine: Machine
+    portal: Portal
     a0: float
     jib: float
     pivot_height: float
