@@ -28,6 +28,17 @@ double blend(double speed, double edge) {
 
 }  // namespace
 
+void change_load(AgvState& s, const AgvParameters& p, double mass, double inertia, const std::array<double, 3>& motion) {
+  const auto share = [&s](AgvCoordinate rate, double old_inertia, double more, double with) {
+    if (more > 0.0 && !s.standing) s.y[rate] = (old_inertia * s.y[rate] + more * with) / (old_inertia + more);
+  };
+  share(A_SPEED, p.mass + s.load_mass, mass - s.load_mass, motion[0]);
+  share(A_SIDE, p.mass + s.load_mass, mass - s.load_mass, motion[1]);
+  share(A_YAW_RATE, p.yaw_inertia + s.load_inertia, inertia - s.load_inertia, motion[2]);
+  s.load_mass = mass;
+  s.load_inertia = inertia;
+}
+
 AgvMotion::AgvMotion(const AgvParameters& parameters, double tolerance)
     : p_(parameters), integrator_({.order = 3, .relative = tolerance}, tolerances(tolerance), &AgvMotion::derivative) {}
 

@@ -39,6 +39,10 @@ struct AgvState {
   Time served_since{-1};             // standing loaded in the warehouse since, or -1
 };
 
+// What it carries becomes another mass (kg) and inertia (kg m2 about the vertical). A load that comes moves by `motion` (m/s along and across the
+// vehicle, rad/s) and shares its momentum with it, unless brakes hold the vehicle; one that goes takes its share of the momentum along.
+void change_load(AgvState&, const AgvParameters&, double mass, double inertia, const std::array<double, 3>& motion);
+
 class AgvMotion {
  public:
   AgvMotion(const AgvParameters&, double tolerance);

@@ -9,8 +9,8 @@
 namespace plant {
 namespace {
 
-constexpr double tick = 0.01;    // s, the drive's loop
-constexpr double piece = 1e-3;   // s
+constexpr Time tick{10'000'000'000};  // the drive's loop
+constexpr Time piece{1'000'000'000};
 constexpr double longest_step = 60.0;  // s
 
 }  // namespace
@@ -35,13 +35,7 @@ void AgvAlone::reset(const Pose& start) {
 void AgvAlone::set_load(double mass, double inertia) {
   refuse(!(std::isfinite(mass) && mass >= 0.0), "a load must not be negative", mass);
   refuse(!(std::isfinite(inertia) && inertia >= 0.0), "the load's inertia must not be negative", inertia);
-  AgvState& v = state_.vehicle;
-  const double m = (p_.mass + v.load_mass) / (p_.mass + mass);
-  v.y[A_SPEED] *= m;
-  v.y[A_SIDE] *= m;
-  v.y[A_YAW_RATE] *= (p_.yaw_inertia + v.load_inertia) / (p_.yaw_inertia + inertia);
-  v.load_mass = mass;
-  v.load_inertia = inertia;
+  change_load(state_.vehicle, p_, mass, inertia, {0.0, 0.0, 0.0});
 }
 
 void AgvAlone::step(const AgvSetPoint& point, double seconds) {
@@ -49,16 +43,14 @@ void AgvAlone::step(const AgvSetPoint& point, double seconds) {
   for (const double x : {point.speed, point.front, point.rear, point.turn}) refuse(!std::isfinite(x), "a set-point must be numbers", x);
   state_.vehicle.current = {point.speed, std::clamp(point.front, -p_.steer_limit, p_.steer_limit),
                     std::clamp(point.rear, -p_.steer_limit, p_.steer_limit), point.turn};
-  double left = seconds;
-  while (left > 1e-12) {
-    if (state_.since_tick < 1e-12) motion_.drive_tick(state_.vehicle, std::numeric_limits<double>::infinity());
-    const double h = std::min({piece, left, tick - state_.since_tick});
-    motion_.advance(state_.vehicle, h);
-    state_.since_tick += h;
-    if (state_.since_tick > tick - 1e-12) state_.since_tick = 0.0;
-    left -= h;
+  const Time end = state_.time + Time{std::llround(seconds * 1e12)};
+  while (state_.time < end) {
+    if (state_.since_tick == Time{0}) motion_.drive_tick(state_.vehicle, std::numeric_limits<double>::infinity());
+    const Time h = std::min({piece, end - state_.time, tick - state_.since_tick});
+    motion_.advance(state_.vehicle, static_cast<double>(h.count()) * 1e-12);
+    state_.since_tick = state_.since_tick + h == tick ? Time{0} : state_.since_tick + h;
+    state_.time += h;
   }
-  state_.time += seconds;
 }
 
 double AgvAlone::energy() const {

@@ -11,15 +11,16 @@ class AgvAlone {
 
   // Goes on for so many seconds (0 to 60; the drive's loop looks every 10 ms) with this set-point held. Throws std::invalid_argument.
   void step(const AgvSetPoint&, double seconds);
-  // What it carries, kg and kg m2 about the vertical; its momentum is kept. Throws std::invalid_argument.
+  // What it carries, kg and kg m2 about the vertical. What is added was at rest, and the momentum is kept; what is taken off has the vehicle's speed, which is kept.
+  // Throws std::invalid_argument.
   void set_load(double mass, double inertia);
   void reset(const Pose&);
 
   // Everything that its future depends on.
   struct State {
     AgvState vehicle;
-    double time = 0.0;        // s
-    double since_tick = 0.0;  // s, of the drive's loop
+    Time time{0};
+    Time since_tick{0};  // of the drive's loop
   };
   const State& state() const { return state_; }
   void restore(const State& state) { state_ = state; }

@@ -61,6 +61,12 @@ double horizontal_distance(const Vector3& a, const Vector3& b) {
 // Velocity of a body's point given in world axes from the centre of mass.
 Vector3 point_velocity(const BodyState& b, const Vector3& arm) { return b.velocity + cross(b.spin, arm); }
 
+Vector3 velocity_on(const AgvState& agv, double x, double y) {
+  const auto [sh, ch] = sin_cos(agv.y[A_HEADING]);
+  const double v = agv.y[A_SPEED], side = agv.y[A_SIDE], r = agv.y[A_YAW_RATE];
+  return {v * ch - side * sh - r * (y - agv.y[A_Y]), v * sh + side * ch + r * (x - agv.y[A_X]), 0.0};
+}
+
 }  // namespace
 
 Landing::Landing(const DockConfig& config) : config_(config), p_(config.landing), engine_(config.landing) {
@@ -397,15 +403,19 @@ int Landing::take(DockState& s) {
   if (std::fabs(turn) > 0.5 * std::numbers::pi) turn = wrap_angle(turn + std::numbers::pi);
   const double top = below->top - at[2];
 
-  // The container rests on what carries it: the momentum of both is shared.
+  // The container moves as what carries it does: the momentum of both is shared.
   BodyState& b = s.landing.body;
   const double ms = config_.crane.spreader_mass;
   const double alone = config_.crane.spreader_inertia;
   auto& container = s.containers[static_cast<std::size_t>(number)];
+  Vector3 carrier{below->vx, below->vy, below->vz};
+  double carrier_spin = 0.0;
   if (container.agv >= 0) {
     AgvState& agv = s.agvs[static_cast<std::size_t>(container.agv)];
+    carrier = velocity_on(agv, below->x, below->y);
+    carrier_spin = agv.y[A_YAW_RATE];
     agv.container = -1;
-    agv.load_mass = agv.load_inertia = 0.0;
+    change_load(agv, config_.agv, 0.0, 0.0, {});
   }
   container.state = ContainerState::carried;
   container.agv = -1;
@@ -413,9 +423,8 @@ int Landing::take(DockState& s) {
   s.grip = {cy * dx + sy * dy, -sy * dx + cy * dy, turn, top};
   const Payload whole = payload(s);
   b.position = at - frame(underside(s, ms));
-  b.velocity = (ms / whole.mass) * b.velocity;
-  if (config_.ship.moves()) b.velocity = b.velocity + (1.0 - ms / whole.mass) * Vector3{below->vx, below->vy, below->vz};
-  b.spin = (alone / whole.inertia) * b.spin;
+  b.velocity = (ms / whole.mass) * b.velocity + (1.0 - ms / whole.mass) * carrier;
+  b.spin = (alone / whole.inertia) * b.spin + (1.0 - alone / whole.inertia) * Vector3{0.0, 0.0, carrier_spin};
   return number;
 }
 
@@ -437,6 +446,7 @@ int Landing::release(DockState& s) {
   const Solid* below = support(c.x, c.y, c.z);
   if (below != nullptr && below->kind == Solid::Kind::agv) {
     AgvState& agv = s.agvs[static_cast<std::size_t>(below->index)];
+    const Vector3 v = point_velocity(s.landing.body, Vector3{c.x, c.y, at[2]} - s.landing.body.position);
     const double dx = c.x - agv.y[A_X];
     const double dy = c.y - agv.y[A_Y];
     c.x = below->cos_yaw * dx + below->sin_yaw * dy;
@@ -445,8 +455,8 @@ int Landing::release(DockState& s) {
     c.state = ContainerState::on_agv;
     c.agv = below->index;
     agv.container = number;
-    agv.load_mass = c.mass;
-    agv.load_inertia = box_inertia(c.mass, container_length, container_width);
+    change_load(agv, config_.agv, c.mass, box_inertia(c.mass, container_length, container_width),
+                {below->cos_yaw * v[0] + below->sin_yaw * v[1], -below->sin_yaw * v[0] + below->cos_yaw * v[1], s.landing.body.spin[2]});
   } else if (below != nullptr && (below->kind == Solid::Kind::ship ||
                                   (below->kind == Solid::Kind::container &&
                                    s.containers[static_cast<std::size_t>(below->index)].state == ContainerState::on_ship))) {

@@ -115,3 +115,39 @@ def test_every_switch_keeps_its_books(taken):
     box = dock.config.layout.containers[0]
     middle = 9.81 * box.mass * box.z  # reckoned to the payload's underside, with the container's mass
     assert attached.energy_after - attached.energy_before > middle
+
+
+def test_a_rolling_vehicle_shares_its_momentum_with_the_container_set_on_it():
+    config = plant.default_dock()
+    config.layout.containers = [plant.ContainerPlace(22.0, 8.0, 1.6, 0.0, 20e3)]  # on the vehicle's deck, but not yet its load
+    config.home = plant.CranePose(0.0, 22.0, 8.0, 4.191 + 0.3, 0.0)
+    config.landing.lock_time = 0.3
+    dock = plant.Dock(config)
+    crane = Crane(dock)
+    crane.hold(0.2)
+    crane.move(crane.pose(22.0, 8.0, 4.191 - 0.08), 3.0)
+    crane.hold(0.5)
+    dock.spreader_command(1, crane.t)
+    crane.hold(0.5)
+    assert dock.containers[0].state == "carried"
+    dock.spreader_command(0, crane.t)
+    dock.agv_period(0, 1_000_000, crane.t)
+    dock.agv_push(0, 300, 0, 0, crane.t)
+    speeds = []
+    while dock.containers[0].state == "carried" and len(speeds) < 500:
+        speeds.append(dock.agv(0).speed)
+        crane.hold(0.001)
+    assert dock.containers[0].state == "on_agv" and speeds[-1] > 0.02
+    set_down = next(entry for entry in dock.switches if entry.kind == "opened")
+    resting = set_down.before.payload[0] / 30e3  # m/s, what little the container moved itself
+    assert dock.agv(0).speed == pytest.approx((25e3 * speeds[-1] + 20e3 * resting) / 45e3, abs=5e-4)
+
+    dock.spreader_command(1, crane.t)  # and taken off again underway: vehicle and container keep their speed, the spreader is dragged along
+    speeds = []
+    while dock.containers[0].state == "on_agv" and len(speeds) < 500:
+        speeds.append(dock.agv(0).speed)
+        crane.hold(0.001)
+    taken = dock.switches[-1]
+    assert taken.kind == "locked" and dock.agv(0).speed == pytest.approx(speeds[-1], abs=2e-3)
+    joined = taken.before.payload[0] + 20e3 * speeds[-1]
+    assert taken.after.payload[0] == pytest.approx(joined, abs=20e3 * 2e-3) and abs(taken.after.payload[0]) > 1000
