@@ -43,23 +43,6 @@ void check(const LandingParameters& p) {
   refuse(!(p.away > p.near), "landing's away must be more than its near", p.away);
 }
 
-void check(const Mover& m, std::size_t index) {
-  const auto bad = [index](const char* what) { throw std::invalid_argument(fmt::format("plant: mover {} {}", index, what)); };
-  if (!(m.radius > 0.0 && m.height > 0.0 && std::isfinite(m.radius + m.height))) bad("needs a positive radius and height");
-  if (m.path.empty()) bad("needs at least one waypoint");
-  for (std::size_t i = 0; i < m.path.size(); ++i) {
-    if (!std::isfinite(m.path[i].time + m.path[i].x + m.path[i].y)) bad("has a waypoint that is no number");
-    if (i > 0 && !(m.path[i].time > m.path[i - 1].time)) bad("needs waypoints of rising times");
-  }
-}
-
-void check(const SensorParameters& p) {
-  require_positive({{"sway_range", p.sway_range}});
-  require_not_negative({{"sway_noise", p.sway_noise}});
-  refuse(!(p.range_rate >= 0.0 && p.range_rate <= 1000.0), "range_rate must be 0 to 1000 Hz", p.range_rate);
-  refuse(!(p.range_dropout >= 0.0 && p.range_dropout <= 1.0), "range_dropout must be 0 to 1", p.range_dropout);
-}
-
 void check(const Box& b, const std::string& name) {
   const bool ordered = b.x_min < b.x_max && b.y_min < b.y_max && b.z_min < b.z_max;
   if (!ordered) throw std::invalid_argument(fmt::format("plant: {} needs min < max along x, y and z", name));
@@ -215,6 +198,23 @@ void check(const WindParameters& p) {
   refuse(!std::isfinite(p.direction), "the wind's direction must be a number", p.direction);
 }
 
+void check(const SensorParameters& p) {
+  require_positive({{"sway_range", p.sway_range}});
+  require_not_negative({{"sway_noise", p.sway_noise}});
+  refuse(!(p.range_rate >= 0.0 && p.range_rate <= 1000.0), "range_rate must be 0 to 1000 Hz", p.range_rate);
+  refuse(!(p.range_dropout >= 0.0 && p.range_dropout <= 1.0), "range_dropout must be 0 to 1", p.range_dropout);
+}
+
+void check(const Mover& m, const std::string& name) {
+  const auto bad = [&name](const char* what) { throw std::invalid_argument(fmt::format("plant: {} {}", name, what)); };
+  if (!(m.radius > 0.0 && m.height > 0.0 && std::isfinite(m.radius + m.height))) bad("needs a positive radius and height");
+  if (m.path.empty()) bad("needs at least one waypoint");
+  for (std::size_t i = 0; i < m.path.size(); ++i) {
+    if (!std::isfinite(m.path[i].time + m.path[i].x + m.path[i].y)) bad("has a waypoint that is no number");
+    if (i > 0 && !(m.path[i].time > m.path[i - 1].time)) bad("needs waypoints of rising times");
+  }
+}
+
 void check(const DockConfig& c) {
   refuse(c.agv_count < 0 || c.agv_count > 16, "agv_count must be 0..16", c.agv_count);
   refuse(!(c.tolerance >= 1e-12 && c.tolerance <= 1e-4), "tolerance must be 1e-12..1e-4", c.tolerance);
@@ -232,7 +232,7 @@ void check(const DockConfig& c) {
   refuse(!(c.ship.scale >= 0.0 && c.ship.scale <= 10.0), "the ship's scale of motion must be 0 to 10", c.ship.scale);
   refuse(!(c.ship.draught >= 0.0 && c.ship.draught <= 1e-4), "the ship's draught must be 0 to 1e-4 m/kg", c.ship.draught);
   check(c.sensors);
-  for (std::size_t i = 0; i < c.layout.movers.size(); ++i) check(c.layout.movers[i], i);
+  for (std::size_t i = 0; i < c.layout.movers.size(); ++i) check(c.layout.movers[i], fmt::format("mover {}", i));
   check_containers(c);
   check_reach(c);
   check_apart(c);

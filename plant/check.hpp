@@ -1,5 +1,7 @@
 #pragma once
 // What no crane or dock can be. Each throws std::invalid_argument that names the value and says what would be right.
+#include <string>
+
 #include "plant/config.hpp"
 
 namespace plant {
@@ -7,6 +9,8 @@ namespace plant {
 void check(const CraneParameters&);
 void check(const AgvParameters&);
 void check(const WindParameters&);
+void check(const SensorParameters&);
+void check(const Mover&, const std::string& name);
 void check(const DockConfig&);
 
 // Throws "plant: `what` (got `value`)" if bad.

@@ -168,6 +168,8 @@ CraneMatrix from_points(const CraneParameters& p, const Angles& a, const CraneVe
   add(payload.mass, payload_point(p, a, q, {}));
   m[Q_S][Q_S] += p.gantry_mass + p.counterweight;
   m[Q_PSI][Q_PSI] += p.slew_inertia + p.counterweight * square(p.counterweight_radius) + payload.inertia;
+  m[Q_S][Q_PSI] += p.counterweight * p.counterweight_radius * a.psi.sin;
+  m[Q_PSI][Q_S] += p.counterweight * p.counterweight_radius * a.psi.sin;
   m[Q_PSI][Q_KAPPA] += payload.inertia;
   m[Q_KAPPA][Q_PSI] += payload.inertia;
   m[Q_KAPPA][Q_KAPPA] += payload.inertia;

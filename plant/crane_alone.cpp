@@ -1,7 +1,10 @@
 #include "plant/crane_alone.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "plant/check.hpp"
 #include "plant/math.hpp"
@@ -32,6 +35,7 @@ void check(const CraneAloneConfig& config) {
 CraneAlone::CraneAlone(const CraneAloneConfig& config)
     : config_((check(config), config)), motion_(config.crane, {config.method, config.order, config.tolerance}) {
   check(config.wind);
+  check(config.sensors);
   reset(inverse_kinematics(config.crane, config.home), {});
   set_load(config.load);
 }
@@ -47,7 +51,9 @@ void CraneAlone::reset(const CraneVector& q, const CraneVector& qd) {
     refuse(!std::isfinite(q[k]) || !std::isfinite(qd[k]), "positions and speeds must be numbers", std::isfinite(q[k]) ? qd[k] : q[k]);
   for (std::size_t j = 0; j < joint_count; ++j) {
     const double at = q[coordinate_of(j)];
-    refuse(at < config_.crane.lower[j] || at > config_.crane.upper[j], "a joint's position must lie within its limits", at);
+    if (at < config_.crane.lower[j] || at > config_.crane.upper[j])
+      throw std::invalid_argument(fmt::format("plant: {} = {} is outside its limits {} to {}", joint_names(config_.crane.machine)[j].name, at,
+                                              config_.crane.lower[j], config_.crane.upper[j]));
   }
   for (const Coordinate sway : {Q_ALPHA, Q_BETA}) {
     refuse(std::fabs(q[sway]) >= widest_sway, "sway angles must be within 40 degrees", q[sway]);

@@ -9,6 +9,22 @@ using namespace plant;
 
 namespace {
 
+// Five numbers of a sequence or an array.
+Joints joints(const py::object& torques) {
+  try {
+    return torques.cast<Joints>();
+  } catch (const py::cast_error&) {
+    throw py::value_error("five torques are needed (gantry, slew, luff, hoist, rotator), not " + std::string(py::repr(torques)));
+  }
+}
+
+void run(CraneAlone& crane, const py::object& torques, double dt, long steps) {
+  if (steps < 0) throw py::value_error("steps must not be negative (got " + std::to_string(steps) + ")");
+  const Joints torque = joints(torques);
+  const py::gil_scoped_release release;
+  for (long i = 0; i < steps; ++i) crane.step(torque, dt);
+}
+
 void bind_crane_alone(py::module_& m) {
   py::class_<CraneAlone::State>(m, "CraneAloneState", "Everything that the crane's future depends on; opaque but for reading.")
       .def_property_readonly("time", [](const CraneAlone::State& s) { return s.time; });
@@ -21,10 +37,8 @@ void bind_crane_alone(py::module_& m) {
            }),
            py::arg("crane"), py::arg("home"), py::arg("mass"), py::arg("inertia"), py::arg("rated_load"), py::arg("rigid"),
            py::arg("tolerance"), py::arg("method"), py::arg("order"), py::arg("bookkeeping"), py::arg("sensors"), py::arg("wind"))
-      .def("step", &CraneAlone::step, py::arg("torques"), py::arg("dt"))
-      .def(
-          "run", [](CraneAlone& c, const Joints& torque, double dt, long steps) { for (long i = 0; i < steps; ++i) c.step(torque, dt); },
-          py::arg("torques"), py::arg("dt"), py::arg("steps"), py::call_guard<py::gil_scoped_release>())
+      .def("step", [](CraneAlone& c, const py::object& torques, double dt) { c.step(joints(torques), dt); }, py::arg("torques"), py::arg("dt"))
+      .def("run", &run, py::arg("torques"), py::arg("dt"), py::arg("steps"))
       .def("set_load", [](CraneAlone& c, double mass, double inertia) { c.set_load({mass, inertia}); }, py::arg("mass"), py::arg("inertia"))
       .def("reset", &CraneAlone::reset, py::arg("q"), py::arg("qd"))
       .def("snapshot", [](const CraneAlone& c) { return c.state(); })
@@ -51,8 +65,8 @@ void bind_crane_alone(py::module_& m) {
       .def("energy", &CraneAlone::energy)
       .def("encoders", &CraneAlone::encoders)
       .def("sway", &CraneAlone::sway)
-      .def("sensitivity", [](const CraneAlone& c, const Joints& torque, double seconds) {
-        const CraneSensitivity s = c.sensitivity(torque, seconds);
+      .def("sensitivity", [](const CraneAlone& c, const py::object& torques, double seconds) {
+        const CraneSensitivity s = c.sensitivity(joints(torques), seconds);
         return std::tuple{s.q_by_mass, s.qd_by_mass, s.q_by_length, s.qd_by_length};
       }, py::arg("torques"), py::arg("seconds"));
 }
@@ -68,7 +82,7 @@ void bind_agv_alone(py::module_& m) {
       .def("reset", &AgvAlone::reset, py::arg("pose"))
       .def_property_readonly("y", [](const AgvAlone& a) { return a.state().vehicle.y; })
       .def_property_readonly("standing", [](const AgvAlone& a) { return a.state().vehicle.standing; })
-      .def_property_readonly("time", [](const AgvAlone& a) { return a.state().time; })
+      .def_property_readonly("time", [](const AgvAlone& a) { return a.state().time.count(); })
       .def("snapshot", [](const AgvAlone& a) { return a.state(); })
       .def("restore", &AgvAlone::restore, py::arg("state"))
       .def("energy", &AgvAlone::energy);

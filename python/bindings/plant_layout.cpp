@@ -2,6 +2,7 @@
 #include <pybind11/native_enum.h>
 #include <pybind11/stl.h>
 
+#include "plant/check.hpp"
 #include "plant/layout_file.hpp"
 #include "plant/scene.hpp"
 #include "python/bindings/plant.hpp"
@@ -58,6 +59,7 @@ void bind_movers(py::module_& m) {
   m.def(
       "mover_place",
       [](const Mover& mover, double seconds) {
+        check(mover, "the mover");
         const MoverPlace p = place_of(mover, seconds);
         return std::array{p.x, p.y, p.vx, p.vy};
       },

@@ -11,9 +11,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from cmrc import _core
+
+try:
+    import gymnasium
+except ImportError:
+    gymnasium = None
 
 Array = NDArray[np.float64]
 
@@ -92,6 +97,64 @@ class Sensitivity:
     qd_by_length: Array
 
 
+def _assign(target: object, what: str, values: object, *others: str) -> None:
+    """Sets attributes by name; ``others`` are names taken elsewhere."""
+    if not isinstance(values, Mapping):
+        raise TypeError(f"the parameters of {what} must be given by name, not {values!r}")
+    known = sorted({name for name in dir(target) if not name.startswith("_")}.union(others))
+    for name, value in values.items():
+        if name not in known:
+            raise ValueError(f"{what} has no parameter {name!r}; it has {', '.join(known)}")
+        try:
+            setattr(target, name, value)
+        except (TypeError, AttributeError):
+            raise ValueError(f"the {name} of {what} cannot be {value!r}") from None
+
+
+def _numbers(what: str, values: object, count: int) -> list[float]:
+    try:
+        array = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        array = np.empty(0)
+    if array.shape != (count,):
+        raise ValueError(f"{what} must be {count} numbers, not {values!r}")
+    return [float(value) for value in array]
+
+
+def _whole(what: str, value: float, scale: float, least: int, most: int) -> int:
+    """A device's integer, of a value in SI units."""
+    if not least <= value * scale <= most:
+        raise ValueError(f"{what} must be {least / scale:g} to {most / scale:g} (got {value})")
+    return round(value * scale)
+
+
+class _PlainBox:
+    """What is needed of gymnasium's Box where that package is missing."""
+
+    def __init__(self, low: float | Array, high: float | Array, shape: tuple[int, ...], dtype: DTypeLike) -> None:
+        self.shape = shape
+        self.dtype = np.dtype(dtype)
+        self.low: Array = np.full(shape, low, dtype)
+        self.high: Array = np.full(shape, high, dtype)
+        self._random = np.random.default_rng(0)
+
+    def seed(self, seed: int | None = None) -> None:
+        self._random = np.random.default_rng(seed)
+
+    def contains(self, x: Array) -> bool:
+        return x.shape == self.shape and bool(np.all(x >= self.low) and np.all(x <= self.high))
+
+    def sample(self) -> Array:
+        """Uniform where bounded, normal where not."""
+        bounded = np.isfinite(self.low) & np.isfinite(self.high)
+        uniform = self._random.uniform(np.where(bounded, self.low, 0.0), np.where(bounded, self.high, 1.0))
+        return np.where(bounded, uniform, self._random.normal(size=self.shape))
+
+
+_Environment: Any = object if gymnasium is None else gymnasium.Env
+_Box: Any = _PlainBox if gymnasium is None else gymnasium.spaces.Box
+
+
 class Crane:
     """The slewing, luffing crane with its drives, at level L1 (``model="sway"``) or L0 (``"rigid"``).
 
@@ -109,40 +172,37 @@ class Crane:
         if machine not in ("slewing", "gantry"):
             raise ValueError(f'machine must be "slewing" or "gantry", not {machine!r}')
         parameters = _core.plant.gantry_crane() if machine == "gantry" else _core.plant.CraneParameters()
-        for name, value in given.items():
-            if name.startswith("_") or not hasattr(parameters, name):
-                known = sorted([*(n for n in dir(parameters) if not n.startswith("_")), *_OPTIONS])
-                raise ValueError(f"a crane has no parameter {name!r}; it has {', '.join(known)}")
-            setattr(parameters, name, value)
+        _assign(parameters, "a crane", given, *_OPTIONS)
         drives = parameters.drives
+        if not isinstance(options["drives"], Mapping):
+            raise TypeError(f"drives must be {{joint: {{parameter: value}}}}, not {options['drives']!r}")
         for joint, values in options["drives"].items():
             if joint not in JOINTS:
                 raise ValueError(f"there is no joint {joint!r}; the joints are {', '.join(JOINTS)}")
-            for name, value in values.items():
-                if name.startswith("_") or not hasattr(drives[0], name):
-                    raise ValueError(f"a drive has no parameter {name!r}")
-                setattr(drives[JOINTS.index(joint)], name, value)
+            _assign(drives[JOINTS.index(joint)], "a drive", values)
         parameters.drives = drives
         if options["model"] not in ("sway", "rigid"):
             raise ValueError(f'model must be "sway" (L1) or "rigid" (L0), not {options["model"]!r}')
         if options["integrator"] not in INTEGRATORS:
             raise ValueError(f'integrator must be one of {", ".join(INTEGRATORS)}, not {options["integrator"]!r}')
         sensors = _core.plant.SensorParameters()
-        sensors.seed = options["seed"]
+        _assign(sensors, "the sensors", {"seed": options["seed"]})
         if options["sway_noise"] is not None:
-            sensors.sway_noise = options["sway_noise"]
+            _assign(sensors, "the sensors", {"sway_noise": options["sway_noise"]})
         wind = _core.plant.WindParameters()
-        wind.seed = options["seed"]
-        for name, value in options["wind"].items():
-            if name.startswith("_") or not hasattr(wind, name):
-                raise ValueError(f"the wind has no parameter {name!r}; it has mean, gust, direction, area, seed")
-            setattr(wind, name, value)
+        wind.seed = sensors.seed
+        _assign(wind, "the wind", options["wind"])
+        load_mass, load_inertia, rated_load, tolerance = _numbers(
+            "load_mass, load_inertia, rated_load and tolerance", [options[name] for name in ("load_mass", "load_inertia", "rated_load", "tolerance")], 4
+        )
+        if not isinstance(options["order"], int):
+            raise TypeError(f"order must be 2 to 6, or 8, not {options['order']!r}")
         self.parameters = parameters
         """The crane's parameters, as checked at the start."""
         self._core = _core.plant.CraneAlone(
-            parameters, _core.plant.CranePose(*options["home"]), options["load_mass"], options["load_inertia"], options["rated_load"],
-            options["model"] == "rigid", options["tolerance"],
-            getattr(_core.plant.Method, options["integrator"]), options["order"], options["bookkeeping"], sensors, wind,
+            parameters, _core.plant.CranePose(*_numbers("home (s, x, y, z, yaw)", options["home"], 5)), load_mass, load_inertia, rated_load,
+            options["model"] == "rigid", tolerance,
+            getattr(_core.plant.Method, options["integrator"]), options["order"], bool(options["bookkeeping"]), sensors, wind,
         )  # fmt: skip
         self.maximum_torques: Array = np.array([drive.maximum_torque for drive in drives])
         """Motor torques at which the drives saturate, N m."""
@@ -162,7 +222,7 @@ class Crane:
 
     def reset(self, q: Sequence[float] | Array, qd: Sequence[float] | Array = (0.0,) * 7) -> None:
         """Time zero, at these coordinates and speeds, torques zero, faults cleared. Raises ValueError beyond the joints' limits."""
-        self._core.reset(q, qd)
+        self._core.reset(_numbers("q", q, 7), _numbers("qd", qd, 7))
 
     def set_load(self, mass: float, inertia: float = 0.0) -> None:
         """Hangs another load below the spreader (kg, kg m2). Raises ValueError above ``rated_load``."""
@@ -208,7 +268,7 @@ class Crane:
 
     def sensitivity(self, torques: Sequence[float], seconds: float) -> Sensitivity:
         """How the state after ``seconds`` with these torques held depends on the payload's mass and the rope's length (CVODES, Adams). The crane stays."""
-        return Sensitivity(*(np.array(part) for part in self._core.sensitivity(list(torques), seconds)))
+        return Sensitivity(*(np.array(part) for part in self._core.sensitivity(torques, seconds)))
 
     @property
     def faulted(self) -> tuple[str, ...]:
@@ -241,33 +301,57 @@ class Crane:
         return tuple(joint for j, joint in enumerate(JOINTS) if self._core.at_limit >> j & 1)
 
 
-class CraneEnv:
-    """A crane in the manner of gymnasium: ``reset`` and ``step`` with its tuples, without needing that package.
+class CraneEnv(_Environment):  # type: ignore[misc]
+    """A crane as an environment of gymnasium (a ``gymnasium.Env`` where that package is installed; it works the same without).
 
     Action: five shares of the maximum torque, -1 to 1. Observation: q, qd and the load's way to ``target`` (17 numbers). Reward: minus that way in m and
-    minus the sway in rad, per step. An episode terminates when the load is within 0.1 m of the target and slower than 0.05 m/s, or a drive faults.
+    minus the sway in rad, times ``dt``. An episode terminates when the load is within 0.1 m of the target and slower than 0.05 m/s, or a drive faults; it is
+    truncated after ``duration`` seconds. The same actions after ``reset`` with the same seed give the same numbers, bit for bit.
     """
 
+    metadata: dict[str, list[str]] = {"render_modes": []}  # noqa: RUF012 (gymnasium's own form)
+    render_mode: str | None = None
+
     def __init__(self, target: Sequence[float], dt: float = 0.01, duration: float = 60.0, **config: object) -> None:
+        if not 0.0 < dt <= 60.0:
+            raise ValueError(f"dt must be above 0, at most 60 s (got {dt})")
+        if not duration > 0.0:
+            raise ValueError(f"duration must be positive (got {duration})")
         self.crane = Crane(config)
-        self.target: Array = np.array(target, dtype=np.float64)
+        self.target: Array = np.array(_numbers("target (x, y, z)", target, 3))
         self.dt = dt
         self.duration = duration
         self._start = self.crane.snapshot()
+        p = self.crane.parameters
+        most = np.full(17, np.inf)
+        least = -most
+        for k, low, high in zip(ACTUATED, p.lower, p.upper, strict=True):
+            least[k], most[k] = low, high
+        self.action_space = _Box(-1.0, 1.0, shape=(5,), dtype=np.float64)
+        """Five shares of ``crane.maximum_torques``: a Box of gymnasium, or one with low, high, shape, dtype, contains and sample."""
+        self.observation_space = _Box(least, most, shape=(17,), dtype=np.float64)
 
     def reset(self, *, seed: int | None = None, options: Mapping[str, float] | None = None) -> tuple[Array, dict[str, float]]:
-        """Back to the start, the sway angles within ``options["sway"]`` rad of plumb, drawn from ``seed``."""
+        """Back to the start, the sway angles within ``options["sway"]`` rad of plumb, drawn from ``seed``; without one the draws go on, at first those of seed 0."""
+        if unknown := sorted(set(options or {}) - {"sway"}):
+            raise ValueError(f'reset has the option "sway", not {unknown}')
+        if seed is not None or getattr(self, "_random", None) is None:
+            self._random = np.random.default_rng(seed or 0)
+        if gymnasium is not None:
+            super().reset(seed=seed)
         self.crane.restore(self._start)
         most = float((options or {}).get("sway", 0.0))
+        if not 0.0 <= most < np.radians(40.0):
+            raise ValueError(f"the sway at the start must be 0 to 40 degrees (got {most} rad)")
         if most > 0.0:
             q = self.crane.state.q
-            q[4:6] = np.random.default_rng(seed).uniform(-most, most, 2)
+            q[4:6] = self._random.uniform(-most, most, 2)
             self.crane.reset(q)
         return self._observe(), {}
 
     def step(self, action: Sequence[float] | Array) -> tuple[Array, float, bool, bool, dict[str, float]]:
-        """Observation, reward, terminated, truncated, info."""
-        self.crane.step(np.asarray(action, dtype=np.float64) * self.crane.maximum_torques, self.dt)
+        """Observation, reward, terminated, truncated, info (``way_m`` to the target, ``speed_m_s``)."""
+        self.crane.step(np.array(_numbers("an action", action, 5)) * self.crane.maximum_torques, self.dt)
         state = self.crane.state
         way = float(np.linalg.norm(self.crane.payload() - self.target))
         model = self.crane._core.model
@@ -278,7 +362,7 @@ class CraneEnv:
             self._observe(),
             reward,
             there or bool(self.crane.faulted),
-            self.crane._core.time >= round(self.duration * 1e12),
+            self.crane._core.time >= self.duration * 1e12,
             {"way_m": way, "speed_m_s": speed},
         )
 
@@ -311,8 +395,7 @@ class Scene:
         if not 0.0 <= dt <= 60.0:
             raise ValueError(f"a step must be 0 to 60 s (got {dt})")
         if torques is not None:
-            if len(torques) != len(JOINTS):
-                raise ValueError(f"five torques are needed ({', '.join(JOINTS)}), not {len(torques)}")
+            torques = _numbers(f"torques ({', '.join(JOINTS)})", torques, 5)
             self._dock.enable_drives(0b11111, self._time)
             for j, (torque, drive) in enumerate(zip(torques, self._dock.config.crane.drives, strict=True)):
                 if not np.isfinite(torque):
@@ -327,11 +410,13 @@ class Scene:
 
     def drive(self, agv: int, speed: float, front: float, rear: float) -> None:
         """A set-point into that AGV's FIFO: m/s, steering angles in rad. ``hold`` says how long each is held."""
-        self._dock.agv_push(agv, round(speed * 1e3), round(front * 1e6), round(rear * 1e6), self._time)
+        most = 2**31 - 1
+        angles = [_whole(f"{name}, rad,", angle, 1e6, -most, most) for name, angle in (("front", front), ("rear", rear))]
+        self._dock.agv_push(agv, _whole("speed, m/s,", speed, 1e3, -most, most), angles[0], angles[1], self._time)
 
     def hold(self, agv: int, seconds: float) -> None:
         """Each set-point of that AGV is held for so long, at least 1 ms."""
-        self._dock.agv_period(agv, round(seconds * 1e6), self._time)
+        self._dock.agv_period(agv, _whole("a set-point's time, s,", seconds, 1e6, 0, 2**32 - 1), self._time)
 
     def lock(self, closed: bool) -> None:
         """Commands the twist locks; they turn while all four corners are seated."""
@@ -411,29 +496,25 @@ class Agv:
 
     def __init__(self, config: Mapping[str, object] | None = None, **keywords: object) -> None:
         given: dict[str, Any] = {**(config or {}), **keywords}
-        start = Pose(*given.pop("start", (0.0, 0.0, 0.0)))
-        load = (given.pop("load_mass", 0.0), given.pop("load_inertia", 0.0))
-        tolerance = given.pop("tolerance", 1e-8)
+        start = Pose(*_numbers("start (x, y, heading)", given.pop("start", (0.0, 0.0, 0.0)), 3))
+        numbers = [given.pop("load_mass", 0.0), given.pop("load_inertia", 0.0), given.pop("tolerance", 1e-8)]
+        load_mass, load_inertia, tolerance = _numbers("load_mass, load_inertia and tolerance", numbers, 3)
         parameters = AgvParameters()
         drive = given.pop("drive", "steered")
         if drive not in ("steered", "differential"):
             raise ValueError(f'drive must be "steered" or "differential", not {drive!r}')
         parameters.drive = getattr(AgvDrive, drive)
-        for name, value in given.items():
-            if name.startswith("_") or not hasattr(parameters, name):
-                known = sorted([n for n in dir(parameters) if not n.startswith("_")] + ["start", "load_mass", "load_inertia", "tolerance"])
-                raise ValueError(f"an AGV has no parameter {name!r}; it has {', '.join(known)}")
-            setattr(parameters, name, value)
+        _assign(parameters, "an AGV", given, "start", "load_mass", "load_inertia", "tolerance")
         self.parameters = parameters
         """The vehicle's parameters, as checked at the start."""
         self._core = _core.plant.AgvAlone(parameters, start, tolerance)
-        self.set_load(*load)
+        self.set_load(load_mass, load_inertia)
 
     @property
     def state(self) -> AgvStatus:
         """The present state (a copy)."""
         x, y, heading, speed, side, yaw_rate, front, rear, force = self._core.y
-        return AgvStatus(self._core.time, x, y, heading, speed, side, yaw_rate, front, rear, force, self._core.standing)
+        return AgvStatus(self._core.time * 1e-12, x, y, heading, speed, side, yaw_rate, front, rear, force, self._core.standing)
 
     def step(self, speed: float, front: float, rear: float, dt: float, turn: float = 0.0) -> None:
         """Goes on by ``dt`` seconds, 0 to 60, with this set-point held: m/s, steering angles in rad; ``turn`` in rad/s for differential drive.
@@ -443,7 +524,10 @@ class Agv:
         self._core.step(speed, front, rear, turn, dt)
 
     def set_load(self, mass: float, inertia: float = 0.0) -> None:
-        """What it carries, kg and kg m2; its momentum is kept. Raises ValueError below zero."""
+        """What it carries, kg and kg m2. What is added was at rest: the momentum is kept, unless brakes hold the vehicle; what is taken off has its speed, which is kept.
+
+        Raises ValueError below zero.
+        """
         self._core.set_load(mass, inertia)
 
     def reset(self, x: float, y: float, heading: float) -> None:

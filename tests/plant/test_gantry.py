@@ -106,3 +106,11 @@ def test_a_gantrys_psi_stays_when_the_load_is_pushed_sideways():
     for _ in range(50):
         scene.step([0, 0, 0, 0, 0], 1e-3)
     assert scene.signal.q[1] == HALF and abs(scene.signal.beta) > 0.05
+
+
+def test_the_held_slewing_has_its_row_of_the_mass_matrix_too():
+    """Column of psi by the masses' x as psi turns: trolley and load across the quay, a counterweight behind."""
+    crane = public.Crane(machine="gantry", counterweight=40e3, counterweight_radius=5.0, home=(0.0, 0.0, 12.0, 14.0, 0.0), load_mass=20e3)
+    q, m = crane.state.q, crane.mass_matrix()
+    p = crane.parameters
+    assert m[0, 1] == m[1, 0] == pytest.approx(40e3 * 5.0 - (p.jib_mass + p.spreader_mass + 20e3) * q[2])

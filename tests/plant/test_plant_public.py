@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -92,6 +93,9 @@ def test_a_load_taken_underway_keeps_the_momentum() -> None:
     agv.restore(kept)
     agv.step(2.0, 0.0, 0.0, 0.737)
     assert agv.state == one
+    moving = agv.state
+    agv.set_load(0.0)  # what is taken off takes its share along
+    assert (agv.state.speed, agv.state.yaw_rate) == (moving.speed, moving.yaw_rate)
 
 
 @pytest.mark.parametrize(
@@ -111,6 +115,88 @@ def test_impossible_steps_of_an_agv(speed: float, dt: float, says: str) -> None:
         agv.step(speed, 0.0, 0.0, dt)
     agv.step(1.0, 0.0, 0.0, 0.0)
     assert agv.state.time_s == 0.0
+
+
+def test_the_time_of_an_agv_is_counted_not_added_up() -> None:
+    agv = plant.Agv()
+    for _ in range(10_000):
+        agv.step(0.0, 0.0, 0.0, 0.001)
+    assert agv.state.time_s == 10.0
+
+
+# ---- bad values through the public names
+
+
+@pytest.mark.parametrize(
+    ("config", "says"),
+    [({"sway_noise": math.nan}, "sway_noise"), ({"sway_noise": -1.0}, "sway_noise"), ({"jib_mass": "heavy"}, "jib_mass"), ({"home": (0, 12, 16)}, "home .* 5 numbers"),
+     ({"load_mass": "full"}, "load_mass"), ({"seed": -1}, "seed"), ({"lower": [0, 1]}, "lower"), ({"drives": {"slew": {"maximum_torque": 1}}}, "maximum_torque")],
+)  # fmt: skip
+def test_a_cranes_values_of_the_wrong_kind_are_named(config: dict[str, object], says: str) -> None:
+    with pytest.raises(ValueError, match=says):
+        plant.Crane(config)
+
+
+def test_arrays_of_the_wrong_shape_are_named() -> None:
+    crane, scene = plant.Crane(), plant.Scene()
+    for torques in ([0.0] * 4, np.zeros((5, 1)), 3.0, None, ["a"] * 5):
+        for call in (lambda t=torques: crane.step(t, 0.1), lambda t=torques: crane.run(t, 0.1, 1), lambda t=torques: crane.sensitivity(t, 1.0)):
+            with pytest.raises(ValueError, match="five torques are needed"):
+                call()
+    with pytest.raises(ValueError, match="q must be 7 numbers"):
+        crane.reset([0.0] * 6)
+    with pytest.raises(ValueError, match="phi = 0 is outside its limits 0.349"):
+        crane.reset([0, 0, 0, 20, 0, 0, 0])
+    with pytest.raises(ValueError, match="steps"):
+        crane.run([0.0] * 5, 0.001, -1)
+    with pytest.raises(ValueError, match="torques .* 5 numbers"):
+        scene.step([0.0] * 4, 0.1)
+    for speed in (math.nan, math.inf, 1e12):
+        with pytest.raises(ValueError, match="speed, m/s"):
+            scene.drive(0, speed, 0.0, 0.0)
+    with pytest.raises(ValueError, match="time"):
+        scene.hold(0, -1.0)
+    with pytest.raises(ValueError, match="waypoint"):
+        plant.mover_place(plant.Mover(0.3, 1.8, []), 1.0)
+
+
+# ---- the environment
+
+
+def rolled_out(environment: plant.CraneEnv, seed: int) -> bytes:
+    rng = np.random.default_rng(1)
+    seen = [environment.reset(seed=seed, options={"sway": 0.2})[0]]
+    for _ in range(20):
+        observation, reward, *_ = environment.step(rng.uniform(-0.3, 0.3, 5))
+        assert environment.observation_space.contains(observation)
+        seen.append(np.append(observation, reward))
+    return np.concatenate(seen).tobytes()
+
+
+def test_an_environment_has_spaces_and_repeats_itself() -> None:
+    environment = plant.CraneEnv(target=(10.0, 12.0, 10.0))
+    assert environment.action_space.shape == (5,) and environment.observation_space.shape == (17,)
+    assert environment.action_space.contains(environment.action_space.sample())
+    first = rolled_out(environment, 3)
+    assert first == rolled_out(environment, 3) == rolled_out(plant.CraneEnv(target=(10.0, 12.0, 10.0)), 3) != rolled_out(environment, 4)
+    drawn = [plant.CraneEnv(target=(10.0, 12.0, 10.0)).reset(options={"sway": 0.1})[0][4] for _ in range(2)]
+    assert drawn[0] == drawn[1] != 0.0
+
+
+def test_an_environment_is_one_of_gymnasiums() -> None:
+    checker = pytest.importorskip("gymnasium.utils.env_checker")
+    checker.check_env(plant.CraneEnv(target=(10.0, 12.0, 10.0)), skip_render_check=True)
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [(lambda: plant.CraneEnv(target=(1, 2)), "target"), (lambda: plant.CraneEnv(target=(1, 2, 3), dt=-1), "dt"), (lambda: plant.CraneEnv(target=(1, 2, 3), duration=math.nan), "duration"),
+     (lambda: plant.CraneEnv(target=(1, 2, 3)).step([0] * 4), "action"), (lambda: plant.CraneEnv(target=(1, 2, 3)).reset(options={"swing": 1.0}), "swing"),
+     (lambda: plant.CraneEnv(target=(1, 2, 3)).reset(options={"sway": 1.0}), "40 degrees")],
+)  # fmt: skip
+def test_an_environment_names_what_is_wrong(call: Callable[[], object], says: str) -> None:
+    with pytest.raises(ValueError, match=says):
+        call()
 
 
 # ---- bad docks through the public names
