@@ -136,6 +136,29 @@ void check_reach(const DockConfig& c) {
   if (c.agv_count > 0) reach("the loading spot", c.layout.spot.x, c.layout.spot.y, c.agv.deck_height);
 }
 
+// Each container stands on something, and the spreader hangs at home with nothing inside it.
+void check_standing(const DockConfig& c) {
+  constexpr double play = 0.02;  // m
+  std::vector<Thing> all = things(c);
+  const Box& ship = c.layout.ship;
+  all.push_back({"the ship", make_solid(Solid::Kind::ship, -1, 0.5 * (ship.x_min + ship.x_max), 0.5 * (ship.y_min + ship.y_max), 0.0,
+                                        0.5 * (ship.x_max - ship.x_min), 0.5 * (ship.y_max - ship.y_min), ship.z_min, ship.z_max)});
+  for (std::size_t i = 0; i < c.layout.containers.size(); ++i) {
+    const ContainerPlace& p = c.layout.containers[i];
+    double under = 0.0;
+    for (const Thing& thing : all)
+      if (covers(thing.solid, p.x, p.y) && (thing.solid.kind == Solid::Kind::ship || thing.solid.top < p.z + 0.5 * container_height)) under = std::max(under, thing.solid.top);
+    if (!(std::fabs(p.z - under) <= play))
+      throw std::invalid_argument(fmt::format("plant: container {} must stand on something: its underside is at {:.3f} m, what is below it ends at {:.3f} m", i,
+                                              p.z, under));
+  }
+  const Solid spreader = make_solid(Solid::Kind::fixed, -1, c.home.x, c.home.y, c.home.yaw, 0.5 * container_length, 0.5 * container_width, c.home.z, c.home.z + 1.0);
+  refuse(c.home.z < 0.0, "the spreader's home must be above the ground", c.home.z);
+  for (const Thing& thing : all)
+    if (std::min(thing.solid.top, spreader.top) - std::max(thing.solid.bottom, spreader.bottom) > play && overlaps(thing.solid, spreader, -play))
+      throw std::invalid_argument(fmt::format("plant: the spreader's home at ({:.2f}, {:.2f}, {:.2f}) m is inside {}", c.home.x, c.home.y, c.home.z, thing.name));
+}
+
 void check_containers(const DockConfig& c) {
   for (std::size_t i = 0; i < c.layout.containers.size(); ++i) {
     const ContainerPlace& p = c.layout.containers[i];
@@ -223,6 +246,10 @@ void check(const DockConfig& c) {
   require_not_negative({{"drive_timeout", c.drive_timeout}, {"warehouse_radius", c.layout.warehouse_radius},
                         {"warehouse_take", c.layout.warehouse_take}});
   refuse(c.layout.rows.empty(), "the bay needs at least one row", 0.0);
+  for (const double row : c.layout.rows) refuse(!std::isfinite(row), "a row's place must be a number", row);
+  for (const double x : {c.layout.deck, c.layout.scan_x0}) refuse(!std::isfinite(x), "deck and scan_x0 must be numbers", x);
+  for (const Pose& at : {c.layout.spot, c.layout.warehouse})
+    for (const double x : {at.x, at.y, at.heading}) refuse(!std::isfinite(x), "spot and warehouse must be poses of numbers", x);
   check(c.crane);
   check(c.landing);
   check(c.agv);
@@ -236,6 +263,7 @@ void check(const DockConfig& c) {
   check_containers(c);
   check_reach(c);
   check_apart(c);
+  check_standing(c);
   check_lanes(c);
 }
 

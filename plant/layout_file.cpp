@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <map>
@@ -120,7 +121,8 @@ class Reader {
     table(fields, "sensors", [this](const toml::table& t) {
       Fields(t, file_, "sensors").number_to("range_rate_hz", c_.sensors.range_rate).number_to("range_dropout", c_.sensors.range_dropout).done();
     });
-    list(fields, "containers", layout_.containers, [this](const toml::table& t) { return container(t); });
+    const toml::node* containers = nullptr;
+    fields.on("containers", [&containers](const toml::node& n, const std::string&) { containers = &n; });
     list(fields, "boxes", layout_.no_go, [this](const toml::table& t) {
       Box b{};
       box(t, "a box", b);
@@ -132,8 +134,11 @@ class Reader {
     const toml::table* lane_table = nullptr;
     table(fields, "lanes", [&lane_table](const toml::table& t) { lane_table = &t; });
     fields.done();
+    if (root.contains("deck_m") && !root.contains("ship")) layout_.ship.z_max = layout_.deck;
+    // Now that deck, spot and warehouse are known.
+    if (containers != nullptr) take_list(*containers, "containers", layout_.containers, [this](const toml::table& t) { return container(t); }, true);
     std::vector<LaneSegment> lanes[2];
-    if (lane_table != nullptr) lanes_of(*lane_table, lanes);  // now that spot and warehouse are known
+    if (lane_table != nullptr) lanes_of(*lane_table, lanes);
     const bool moved = old_spot.heading != layout_.spot.heading || old_spot.x != layout_.spot.x || old_spot.y != layout_.spot.y || old_warehouse.x != layout_.warehouse.x ||
                        old_warehouse.y != layout_.warehouse.y || spacing != layout_.slot_spacing;
     if (!lanes[0].empty() || !lanes[1].empty()) layout_.legs = {lanes[0], lanes[1], lanes[1]};
@@ -149,14 +154,17 @@ class Reader {
   }
 
   template <class T, class Read>
+  void take_list(const toml::node& node, const std::string& key, std::vector<T>& to, Read read, bool replaces) {
+    const toml::array* array = node.as_array();
+    if (array == nullptr || (!array->empty() && !array->is_homogeneous<toml::table>()))
+      ::plant::refuse(node.source(), file_, fmt::format("{} is a list of tables: [[{}]]", key, key));
+    if (replaces) to.clear();
+    for (const toml::node& element : *array) to.push_back(read(*element.as_table()));
+  }
+
+  template <class T, class Read>
   void list(Fields& fields, const std::string& key, std::vector<T>& to, Read read, bool replaces = true) {
-    fields.on(key, [this, &to, read, replaces](const toml::node& node, const std::string& k) {
-      const toml::array* array = node.as_array();
-      if (array == nullptr || (!array->empty() && !array->is_homogeneous<toml::table>()))
-        ::plant::refuse(node.source(), file_, fmt::format("{} is a list of tables: [[{}]]", k, k));
-      if (replaces) to.clear();
-      for (const toml::node& element : *array) to.push_back(read(*element.as_table()));
-    });
+    fields.on(key, [this, &to, read, replaces](const toml::node& node, const std::string& k) { take_list(node, k, to, read, replaces); });
   }
 
   void home(const toml::table& t) {
@@ -198,6 +206,7 @@ class Reader {
         .number_to("yaw_deg", p.yaw, degree)
         .number_to("mass_kg", p.mass)
         .done({"x_m", "y_m"});
+    if (!(tier >= 0.0 && tier == std::floor(tier))) ::plant::refuse(t.source(), file_, fmt::format("a container's tier is 0, 1, 2, ... (got {})", tier));
     p.z += tier * container_height;
     return p;
   }
@@ -294,7 +303,7 @@ void load_layout(DockConfig& config, const std::string& path) {
   std::ifstream in(path);
   std::ostringstream text;
   if (in) text << in.rdbuf();
-  if (!in) throw LayoutError(fmt::format("{}: cannot be read; the name of a TOML file with a layout is expected", path));
+  if (!in || std::filesystem::is_directory(path)) throw LayoutError(fmt::format("{}: cannot be read; the name of a TOML file with a layout is expected", path));
   apply_layout(config, text.str(), path);
 }
 

@@ -266,6 +266,18 @@ def test_a_layout_from_toml():
     plant.Dock(config).advance_to(SECOND)
 
 
+def test_the_deck_of_a_layout_is_where_its_containers_stand():
+    config = plant.default_dock(1)
+    plant.apply_layout(config, "deck_m = 3.0\n[[containers]]\nx_m = 0\ny_m = 24\n")
+    assert config.layout.containers[0].z == config.layout.ship.z_max == 3.0
+    plant.Dock(config).advance_to(SECOND // 100)
+
+
+def test_a_folder_is_no_layout(tmp_path):
+    with pytest.raises(plant.LayoutError, match="cannot be read"):
+        plant.load_layout(plant.default_dock(1), str(tmp_path))
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
@@ -275,6 +287,7 @@ def test_a_layout_from_toml():
         ("[[movers]]\npath = [[0, 1]]", r"layout:2:9: path of a mover needs a list of 3 numbers"),
         ("[agv]\ndrive = 'tracks'", r'layout:2:9: drive of agv needs one of "steered", "differential"'),
         ("[spot]\nheading_deg = 90", "default loop"),
+        ("[[containers]]\nx_m = 0\ny_m = 24\ntier = -1", r"layout:1:1: a container's tier is 0, 1, 2"),
         ("boxes = 3", "list of tables"),
         ("x = [", r"layout:1:\d+: "),
         ("[lanes]\nto_warehouse = [[10, 0, 3]]\nto_spot = [[10, 0, 3]]", "to_spot ends at"),
