@@ -1,4 +1,4 @@
-"""Plots of a recorded run (``cmrc.replay.record``): plan and side view, joint tracking, sway, deadlines. Needs matplotlib."""
+"""Plots of a recorded run (``cmrc.replay.record``): plan and side view, joints and their tracking, sway, deadlines. Needs matplotlib."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ JOINTS = {"s_m": "gantry, m", "psi_rad": "slew, rad", "phi_rad": "luff, rad", "t
 def plan(recording: Recording, axes: Axes) -> None:
     """From above: ship, fixed boxes, the crane's legs, containers, lanes, the load's path, the AGVs' paths with their outlines at the end."""
     from matplotlib.patches import Circle, Polygon
+    from matplotlib.transforms import ScaledTranslation
 
     layout, signals = recording["layout"], recording["signals"]
 
@@ -51,7 +52,8 @@ def plan(recording: Recording, axes: Axes) -> None:
         axes.plot(x, y, "tab:red", lw=0.8, ls=":", label="obstacles" if i == 0 else None)
         axes.add_patch(Circle((x[-1], y[-1]), radius, fc="tab:red", ec="k", alpha=0.6))
     axes.set(aspect="equal", xlabel="x, m", ylabel="y, m", title="plan")
-    axes.legend(fontsize=7, ncols=5, loc="upper center", bbox_to_anchor=(0.5, -0.18), frameon=False)
+    below = axes.transAxes + ScaledTranslation(0.0, -0.45, figure.dpi_scale_trans) if (figure := axes.get_figure()) else axes.transAxes
+    axes.legend(fontsize=7, ncols=5, loc="upper center", bbox_to_anchor=(0.5, 0.0), bbox_transform=below, frameon=False)
 
 
 def side(recording: Recording, axes: Axes) -> None:
@@ -77,6 +79,18 @@ def joints(recording: Recording, axes: Axes) -> None:
         span = max(float(np.ptp(values)), 0.02)  # a joint that is held is a flat line
         axes.plot(signals["time_s"], (values - values.min()) / span, lw=1, label=f"{label}: {values.min():.2f} to {values.max():.2f}")
     axes.set(xlabel="time, s", ylabel="share of range", title="joints")
+    axes.legend(fontsize=7)
+
+
+def tracking(recording: Recording, axes: Axes) -> None:
+    """What PID saw of each joint's error (reference less encoder), root mean square in each interval of the deadlines."""
+    edges = recording["deadlines"]["edges_s"]
+    for name, error in recording["tracking"].items():
+        if any(error["rms"]):  # a gantry does not slew
+            label = next((label for key, label in JOINTS.items() if key.rsplit("_", 1)[0] == name), name)
+            axes.stairs(np.array(error["rms"]) * 1e3, edges, baseline=None, label=label.replace(", ", ", m"))
+    axes.set(xlabel="time, s", ylabel="RMS error, mm or mrad", title="joint tracking")
+    axes.set_yscale("log")
     axes.legend(fontsize=7)
 
 
@@ -108,11 +122,12 @@ def overview(recording: Recording) -> Figure:
     """All of them on one sheet."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(14, 12), layout="constrained")
-    grid = figure.add_gridspec(3, 2, height_ratios=(2, 1, 1))
+    figure = Figure(figsize=(14, 15), layout="constrained")
+    grid = figure.add_gridspec(4, 2, height_ratios=(2, 1, 1, 1))
     plan(recording, figure.add_subplot(grid[0, 0]))
     side(recording, figure.add_subplot(grid[0, 1]))
     joints(recording, figure.add_subplot(grid[1, 0]))
-    sway(recording, figure.add_subplot(grid[1, 1]))
-    deadlines(recording, figure.add_subplot(grid[2, :]))
+    tracking(recording, figure.add_subplot(grid[1, 1]))
+    sway(recording, figure.add_subplot(grid[2, :]))
+    deadlines(recording, figure.add_subplot(grid[3, :]))
     return figure

@@ -21,7 +21,7 @@ from cmrc.plant import Box, DockConfig
 from cmrc.simulation import Setting, Simulation
 
 Recording = dict[str, Any]
-FORMAT = 3
+FORMAT = 4
 
 
 def record(simulation: Simulation, step_s: float = 0.1) -> Recording:
@@ -31,10 +31,13 @@ def record(simulation: Simulation, step_s: float = 0.1) -> Recording:
     slices = max(1, min(360, math.ceil(duration / 0.05)))
     edges = [duration * i / slices for i in range(slices + 1)]
     counts: list[dict[str, tuple[int, int]]] = []
+    errors: list[tuple[int, dict[str, float]]] = []  # PID's runs so far, and each joint's mean square so far
     for edge in edges[1:]:
         simulation.run_until(edge)
-        tasks = simulation.result().report["tasks"]
+        report = simulation.result().report
+        tasks, tracking = report["tasks"], report["tracking"]
         counts.append({kind: (int(task["on_time"]), int(task["misses"])) for kind, task in tasks.items()})
+        errors.append((int(tasks["pid"]["on_time"]) + int(tasks["pid"]["late"]), {joint: float(error["rms"]) ** 2 for joint, error in tracking.items()}))
         if simulation.ended:
             break
     signals = simulation.result().signals
@@ -50,6 +53,7 @@ def record(simulation: Simulation, step_s: float = 0.1) -> Recording:
         "signals": kept,
         "events": [list(event) for event in simulation._core.dock_events()],
         "deadlines": {"edges_s": edges[: len(counts) + 1], "kinds": _per_slice(counts)},
+        "tracking": {joint: {"unit": error["unit"], "rms": _rms_per_slice(errors, joint)} for joint, error in tracking.items()},
         "layout": _layout(dock),
     }
 
@@ -113,6 +117,16 @@ def _per_slice(counts: list[dict[str, tuple[int, int]]]) -> dict[str, list[tuple
             rows[kind].append((now[0] - before[0], now[1] - before[1]))
             before = now
     return {kind: row for kind, row in rows.items() if any(on_time or missed for on_time, missed in row)}
+
+
+def _rms_per_slice(errors: list[tuple[int, dict[str, float]]], joint: str) -> list[float]:
+    """From the mean squares since the start; 0 where PID did not run."""
+    rms, runs, total = [], 0, 0.0
+    for runs_now, mean_squares in errors:
+        total_now = runs_now * mean_squares[joint]
+        rms.append(math.sqrt(max(0.0, total_now - total) / (runs_now - runs)) if runs_now > runs else 0.0)
+        runs, total = runs_now, total_now
+    return rms
 
 
 def _layout(config: DockConfig) -> dict[str, Any]:

@@ -79,14 +79,26 @@ def test_the_page_draws_in_a_browser(recording, tmp_path):
     assert "0.25 s of 0.5 s" in dom and "kN" in dom
 
 
-def test_the_overview_has_its_five_plots(recording, tmp_path):
+def test_tracking_errors_of_all_intervals_are_those_of_the_report(recording):
+    report = cmrc.run(4, 0.5, agvs=2).report["tracking"]
+    runs = [met for met, _ in recording["deadlines"]["kinds"]["pid"]]
+    for joint, error in recording["tracking"].items():
+        assert len(error["rms"]) == len(runs) and error["unit"] == report[joint]["unit"]
+        mean_square = sum(n * rms**2 for n, rms in zip(runs, error["rms"], strict=True)) / sum(runs)
+        assert mean_square**0.5 == pytest.approx(report[joint]["rms"], rel=0.02) and max(error["rms"]) <= report[joint]["peak"]
+
+
+def test_the_overview_has_its_six_plots(recording, tmp_path):
     pytest.importorskip("matplotlib")
     from cmrc import plot
 
     figure = plot.overview(recording)
     figure.savefig(tmp_path / "run.png")
     titles = [axes.get_title() for axes in figure.axes]
-    assert len(titles) == 5 and titles[0] == "plan" and len(figure.axes[0].lines) >= 3
+    assert titles[0] == "plan" and titles[2:] == ["joints", "joint tracking", "sway", "deadlines: green met, red missed"] and len(figure.axes[0].lines) >= 3
+    tracking = figure.axes[3]
+    assert [text.get_text() for text in tracking.get_legend().get_texts()] == ["gantry, mm", "slew, mrad", "luff, mrad", "rope, mm", "rotator, mrad"]
+    assert len(tracking.patches) == 5
     assert (tmp_path / "run.png").stat().st_size > 20000
 
 
