@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <vector>
 
 #include "plant/sundials.hpp"
 
@@ -14,6 +15,7 @@ struct Integrator::Implementation {
   Method method;
   std::size_t size;
   SundialsVector y, absolute;
+  std::vector<double> sizes;
   SundialsCall call;
   SundialsSolvers solvers;
   std::optional<CvodesMemory> cvodes;
@@ -46,6 +48,9 @@ struct Integrator::Implementation {
     if (method == Method::bdf) {
       solvers.make_dense(size, y.vector, context);
       require(CVodeSetLinearSolver(cvodes->memory, solvers.linear, solvers.matrix), call, "CVodeSetLinearSolver");
+      for (std::size_t i = 0; i < size; ++i) sizes.push_back(absolute.data()[i] / settings.relative);
+      call.sizes = sizes.data();
+      require(CVodeSetJacFn(cvodes->memory, jacobian), call, "CVodeSetJacFn");
     } else {
       solvers.nonlinear = SUNNonlinSol_FixedPoint(y.vector, 0, context.context);
       require(CVodeSetNonlinearSolver(cvodes->memory, solvers.nonlinear), call, "CVodeSetNonlinearSolver");

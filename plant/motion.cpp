@@ -8,7 +8,7 @@
 namespace plant {
 namespace {
 
-// A thousandth of the tolerance on positions in m and rad; speeds and torques by their sizes.
+// A tenth of the tolerance on positions and speeds in m and rad; torques by their size.
 std::array<double, CraneMotion::size> tolerances(double relative) {
   std::array<double, CraneMotion::size> absolute{};
   absolute.fill(relative * 0.1);

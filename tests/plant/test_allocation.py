@@ -25,13 +25,14 @@ allocations = ctypes.CDLL(sys.argv[1]).allocations
 allocations.restype = ctypes.c_long
 assert allocations() > 1000  # it counts
 from cmrc.plant import Crane
-crane = Crane(load_mass=1e4)
+cranes = [Crane(load_mass=1e4, **more) for more in ({}, {"integrator": "adams"}, {"integrator": "bdf"}, {"bookkeeping": True}, {"wind": {"mean": 5.0}}, {"gear_losses": True})]
 dock = plant.Dock(plant.default_dock(2))
 dock.enable_drives(31, 0)
 
-def of_crane(steps):
+def of_cranes(steps):
     before = allocations()
-    crane.run([100.0, 1500.0, 1300.0, -1000.0, 2.0], 1e-3, steps)
+    for crane in cranes:
+        crane.run([100.0, 1500.0, 1300.0, -1000.0, 2.0], 1e-3, steps)
     return allocations() - before
 
 def of_dock(seconds):
@@ -51,8 +52,8 @@ def of_linkage(steps):
         linkage.advance(4e6, 0.01)
     return allocations() - before
 
-of_crane(10), of_dock(1), of_linkage(3)
-print(of_crane(10), of_crane(2000), of_dock(1), of_dock(3), of_linkage(100))
+of_cranes(10), of_dock(1), of_linkage(3)
+print(of_cranes(10), of_cranes(1000), of_dock(1), of_dock(3), of_linkage(100))
 """
 
 
