@@ -96,8 +96,8 @@ void check_lanes(const DockConfig& c) {
   for (const auto& lane : c.layout.legs)
     for (const LaneSegment& s : lane) {
       refuse(!(s.length >= 0.0 && s.length <= 1e5), "a lane's length must be 0 to 1e5 m", s.length);
-      for (double way = 0.0; way <= s.length; way += sampled) {
-        const Pose at = along(s, way);
+      for (int i = 0; i * sampled <= s.length; ++i) {
+        const Pose at = along(s, i * sampled);
         const Solid vehicle = make_solid(Solid::Kind::agv, -1, at.x, at.y, at.heading, 0.5 * c.agv.length, 0.5 * c.agv.width, 0.0, c.agv.deck_height);
         for (const Solid& leg : legs)
           if (overlaps(vehicle, leg, 0.0))

@@ -86,7 +86,7 @@ struct ContactEngine::Implementation {
       carriers.push_back(dBodyCreate(world));
       dBodySetKinematic(carriers.back());
     }
-    const dBodyID carrier = carriers[used++];
+    auto* const carrier = carriers[used++];
     dBodySetPosition(carrier, moving.x, moving.y, moving.top);
     dBodySetLinearVel(carrier, moving.vx, moving.vy, moving.vz);
     return carrier;
@@ -102,7 +102,7 @@ struct ContactEngine::Implementation {
       c.surface.mu = p.friction;
       c.surface.soft_erp = h * p.corner_stiffness / (h * p.corner_stiffness + p.corner_damping);
       c.surface.soft_cfm = 1.0 / (h * p.corner_stiffness + p.corner_damping);
-      const dJointID joint = dJointCreateContact(world, joints, &c);
+      auto* const joint = dJointCreateContact(world, joints, &c);
       dJointAttach(joint, body, below);
       Felt& here = felt[static_cast<std::size_t>(count)];
       here.by_crane = crane;
@@ -137,7 +137,7 @@ ContactResult ContactEngine::step(BodyState& state, const BodyShape& shape, cons
     const auto [sy, cy] = sin_cos(0.5 * solid.yaw);
     const dQuaternion yaw = {cy, 0, 0, sy};
     dGeomSetQuaternion(s.solid, yaw);
-    const dBodyID below = s.carrier_of(solid, carriers);
+    auto* const below = s.carrier_of(solid, carriers);
     const bool crane = solid.kind == Solid::Kind::crane;
     for (auto* foot : s.feet) count = s.touch(foot, below, crane, seconds, count);
     for (std::size_t i = 0; i < static_cast<std::size_t>(shape.hull_count); ++i) count = s.touch(s.hulls[i], below, crane, seconds, count);

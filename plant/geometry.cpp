@@ -26,7 +26,7 @@ class Shape {
   Shape& operator=(const Shape&) = delete;
 
   dGeomID place(const Solid& s, double bottom, double top) const {
-    const dGeomID geom = s.round ? cylinder_ : box_;
+    auto* const geom = s.round ? cylinder_ : box_;
     if (s.round) dGeomCylinderSetParams(cylinder_, s.half_x, top - bottom);
     else dGeomBoxSetLengths(box_, 2 * s.half_x, 2 * s.half_y, top - bottom);
     dGeomSetPosition(geom, s.x, s.y, 0.5 * (bottom + top));
@@ -81,7 +81,7 @@ Geometry::Scan Geometry::scan(double x, double y, double heading, std::span<cons
     const double far = farthest + reach(solid);
     if (dx * dx + dy * dy > far * far) continue;
     if (within(solid, x, y)) nearest.fill(0.0);
-    const dGeomID geom = self_->first.place(solid, solid.bottom, solid.top);
+    auto* const geom = self_->first.place(solid, solid.bottom, solid.top);
     for (std::size_t i = 0; i < range_rays; ++i) {
       const auto [s, c] = toward[i];
       if (std::fabs(c * dy - s * dx) > reach(solid) || c * dx + s * dy < -reach(solid)) continue;

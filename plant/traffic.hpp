@@ -3,6 +3,7 @@
 //
 // Inaccuracies: impacts are plastic and without friction between the bodies; movers and containers on the ground do not give way.
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "plant/geometry.hpp"
@@ -12,7 +13,7 @@ namespace plant {
 
 class Traffic {
  public:
-  explicit Traffic(const DockConfig& config) : config_(config) {}
+  explicit Traffic(DockConfig config) : config_(std::move(config)) {}
 
   // Called with an AGV that has just run into something: its number, the other's (-1: no AGV), their closing speed in m/s.
   using Hear = std::function<void(std::size_t agv, int other, double speed)>;
