@@ -79,9 +79,24 @@ struct ContactEngine::Implementation {
     }
   }
 
+  void place(const Solid& below) const {
+    dGeomBoxSetLengths(solid, 2 * below.half_x, 2 * below.half_y, below.top - below.bottom);
+    const Vector3 middle = below.middle();
+    dGeomSetPosition(solid, middle[0], middle[1], middle[2]);
+    if (below.tilted) {
+      const auto [x, y, z] = below.frame().column;
+      const dMatrix3 turn = {x[0], y[0], z[0], 0, x[1], y[1], z[1], 0, x[2], y[2], z[2], 0};
+      dGeomSetRotation(solid, turn);
+      return;
+    }
+    const auto [sy, cy] = sin_cos(0.5 * below.yaw);
+    const dQuaternion yaw = {cy, 0, 0, sy};
+    dGeomSetQuaternion(solid, yaw);
+  }
+
   // What moves as the solid does, for the contacts on it.
   dBodyID carrier_of(const Solid& moving, std::size_t& used) {
-    if (moving.vx == 0.0 && moving.vy == 0.0 && moving.vz == 0.0) return nullptr;
+    if (moving.vx == 0.0 && moving.vy == 0.0 && moving.vz == 0.0 && moving.spin == Vector3{}) return nullptr;
     if (used == carriers.size()) {
       carriers.push_back(dBodyCreate(world));
       dBodySetKinematic(carriers.back());
@@ -89,6 +104,7 @@ struct ContactEngine::Implementation {
     auto* const carrier = carriers[used++];
     dBodySetPosition(carrier, moving.x, moving.y, moving.top);
     dBodySetLinearVel(carrier, moving.vx, moving.vy, moving.vz);
+    dBodySetAngularVel(carrier, moving.spin[0], moving.spin[1], moving.spin[2]);
     return carrier;
   }
 
@@ -132,11 +148,7 @@ ContactResult ContactEngine::step(BodyState& state, const BodyShape& shape, cons
   int count = 0;
   std::size_t carriers = 0;
   for (const Solid& solid : solids) {
-    dGeomBoxSetLengths(s.solid, 2 * solid.half_x, 2 * solid.half_y, solid.top - solid.bottom);
-    dGeomSetPosition(s.solid, solid.x, solid.y, 0.5 * (solid.top + solid.bottom));
-    const auto [sy, cy] = sin_cos(0.5 * solid.yaw);
-    const dQuaternion yaw = {cy, 0, 0, sy};
-    dGeomSetQuaternion(s.solid, yaw);
+    s.place(solid);
     auto* const below = s.carrier_of(solid, carriers);
     const bool crane = solid.kind == Solid::Kind::crane;
     for (auto* foot : s.feet) count = s.touch(foot, below, crane, seconds, count);

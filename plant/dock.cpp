@@ -201,7 +201,7 @@ std::int32_t Dock::profile(int i, Time t) {
   const DockCore& core = self_->core;
   const Layout& layout = core.config.layout;
   const double x = layout.scan_x0 + i * layout.scan_dx;
-  const double z = bay_height(core.config, core.state.containers, core.state.seconds(), x - 0.5 * layout.scan_dx, x + 0.5 * layout.scan_dx,
+  const double z = bay_height(core.config, core.state, x - 0.5 * layout.scan_dx, x + 0.5 * layout.scan_dx,
                               layout.rows[static_cast<std::size_t>(core.state.row)]);
   return static_cast<std::int32_t>(std::floor(1e3 * z / 8.0)) * 8;
 }
@@ -263,10 +263,10 @@ const std::vector<Event>& Dock::events() const { return self_->core.events; }
 std::vector<ContainerStatus> Dock::containers() const {
   const DockCore& core = self_->core;
   std::vector<ContainerStatus> all;
-  const ShipPlace ship = ship_at(core.config, core.state.containers, core.state.seconds()).place;
-  for (const ContainerData& data : core.state.containers) {
-    const ContainerData c = in_world(data, core.state.agvs, core.config.layout.ship, ship);
-    all.push_back({c.state, c.agv, c.x, c.y, c.z + container_height, c.yaw, c.mass});
+  const ShipPose ship = ship_at(core.config, core.state.containers, core.state.seconds());
+  for (const ContainerData& c : core.state.containers) {
+    const Solid solid = solid_of(c, -1, core.state.agvs, ship);
+    all.push_back({c.state, c.agv, solid.x, solid.y, solid.top, solid.yaw, solid.tilt.column[2], c.mass});
   }
   if (core.state.carried >= 0) {
     const Signal s = core.make_signal();
@@ -275,6 +275,7 @@ std::vector<ContainerStatus> Dock::containers() const {
     carried.y = s.payload[1];
     carried.z = s.payload[2] + core.state.grip.top;
     carried.yaw = wrap_angle(s.yaw + core.state.grip.yaw);
+    if (core.state.landing.active) carried.up = Frame(core.state.landing.body.turn).column[2];
   }
   return all;
 }

@@ -60,6 +60,7 @@ struct ContainerStatus {
   ContainerState state;
   int agv;                    // carrier, or -1
   double x, y, z, yaw;        // m, rad: centre of the top
+  std::array<double, 3> up;   // unit vector out of the top: what stands on a rolling ship tilts with it
   double mass;                // kg
 };
 

@@ -25,7 +25,17 @@ class Shape {
   Shape(const Shape&) = delete;
   Shape& operator=(const Shape&) = delete;
 
-  dGeomID place(const Solid& s, double bottom, double top) const {
+  dGeomID place(const Solid& s) const {
+    if (!s.tilted) return upright(s, s.bottom, s.top);
+    dGeomBoxSetLengths(box_, 2 * s.half_x, 2 * s.half_y, s.top - s.bottom);
+    const Vector3 middle = s.middle();
+    dGeomSetPosition(box_, middle[0], middle[1], middle[2]);
+    const auto [x, y, z] = s.frame().column;
+    const dMatrix3 turn = {x[0], y[0], z[0], 0, x[1], y[1], z[1], 0, x[2], y[2], z[2], 0};
+    dGeomSetRotation(box_, turn);
+    return box_;
+  }
+  dGeomID upright(const Solid& s, double bottom, double top) const {
     auto* const geom = s.round ? cylinder_ : box_;
     if (s.round) dGeomCylinderSetParams(cylinder_, s.half_x, top - bottom);
     else dGeomBoxSetLengths(box_, 2 * s.half_x, 2 * s.half_y, top - bottom);
@@ -81,7 +91,7 @@ Geometry::Scan Geometry::scan(double x, double y, double heading, std::span<cons
     const double far = farthest + reach(solid);
     if (dx * dx + dy * dy > far * far) continue;
     if (within(solid, x, y)) nearest.fill(0.0);
-    auto* const geom = self_->first.place(solid, solid.bottom, solid.top);
+    auto* const geom = self_->first.place(solid);
     for (std::size_t i = 0; i < range_rays; ++i) {
       const auto [s, c] = toward[i];
       if (std::fabs(c * dy - s * dx) > reach(solid) || c * dx + s * dy < -reach(solid)) continue;
@@ -104,7 +114,7 @@ std::optional<Touch> Geometry::touch(const Solid& a, const Solid& b) {
   // Both as tall pillars of one height: the way out is then always sideways.
   constexpr double pillar = 50.0;  // m
   std::array<dContactGeom, 8> contacts;
-  const int n = dCollide(self_->first.place(a, -pillar, pillar), self_->second.place(b, -pillar - 1.0, pillar + 1.0),
+  const int n = dCollide(self_->first.upright(a, -pillar, pillar), self_->second.upright(b, -pillar - 1.0, pillar + 1.0),
                          static_cast<int>(contacts.size()), contacts.data(), sizeof(dContactGeom));
   Touch sum{};
   for (int i = 0; i < n; ++i) {

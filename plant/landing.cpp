@@ -17,18 +17,7 @@ constexpr double hull_lift = 0.015;          // m, the body's underside above it
 constexpr double fine_gap = 0.05;            // m, below which the step is 0.25 ms
 constexpr std::array<std::array<double, 2>, 4> corner_sign = {{{1, 1}, {1, -1}, {-1, -1}, {-1, 1}}};
 
-// Rotation by a quaternion, and the body's frame in the world.
-struct Frame {
-  std::array<Vector3, 3> column;
-  explicit Frame(const std::array<double, 4>& q) {
-    const auto [w, x, y, z] = q;
-    column[0] = {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)};
-    column[1] = {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)};
-    column[2] = {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)};
-  }
-  Vector3 operator()(const Vector3& v) const { return v[0] * column[0] + v[1] * column[1] + v[2] * column[2]; }
-  double yaw() const { return atan2(column[0][1], column[0][0]); }
-};
+double yaw_of(const Frame& frame) { return atan2(frame.column[0][1], frame.column[0][0]); }
 
 double box_inertia(double mass, double a, double b) { return mass * (a * a + b * b) / 12.0; }
 
@@ -49,6 +38,10 @@ Vector3 casting(const Solid& solid, double yaw, std::size_t corner, double z) {
   const double flip = turned ? -1.0 : 1.0;
   const double dx = flip * corner_sign[corner][0] * casting_x;
   const double dy = flip * corner_sign[corner][1] * casting_y;
+  if (solid.tilted) {
+    const Vector3 from_middle = solid.frame()({dx, dy, 0.0});
+    return {solid.x + from_middle[0], solid.y + from_middle[1], z};
+  }
   return {solid.x + solid.cos_yaw * dx - solid.sin_yaw * dy, solid.y + solid.sin_yaw * dx + solid.cos_yaw * dy, z};
 }
 
@@ -60,12 +53,6 @@ double horizontal_distance(const Vector3& a, const Vector3& b) {
 
 // Velocity of a body's point given in world axes from the centre of mass.
 Vector3 point_velocity(const BodyState& b, const Vector3& arm) { return b.velocity + cross(b.spin, arm); }
-
-Vector3 velocity_on(const AgvState& agv, double x, double y) {
-  const auto [sh, ch] = sin_cos(agv.y[A_HEADING]);
-  const double v = agv.y[A_SPEED], side = agv.y[A_SIDE], r = agv.y[A_YAW_RATE];
-  return {v * ch - side * sh - r * (y - agv.y[A_Y]), v * sh + side * ch + r * (x - agv.y[A_X]), 0.0};
-}
 
 }  // namespace
 
@@ -117,7 +104,7 @@ std::array<double, 3> Landing::payload_position(const DockState& s) const {
   return s.landing.body.position + Frame(s.landing.body.turn)(underside(s, config_.crane.spreader_mass));
 }
 
-double Landing::payload_yaw(const DockState& s) const { return Frame(s.landing.body.turn).yaw(); }
+double Landing::payload_yaw(const DockState& s) const { return yaw_of(Frame(s.landing.body.turn)); }
 
 // ---- what is near
 
@@ -126,11 +113,22 @@ Solid Landing::footprint(const DockState& s, double x, double y, double z, doubl
   return make_solid(Solid::Kind::fixed, -1, x, y, yaw, 0.5 * container_length, 0.5 * container_width, bottom, z + spreader_height);
 }
 
+// The highest point of the solid's top below a footprint.
+double Landing::highest_under(const Solid& foot, const Solid& solid) {
+  if (!solid.tilted) return solid.top;
+  double most = -1e9;
+  for (const auto& [u, v] : corner_sign) {
+    const double dx = u * foot.half_x, dy = v * foot.half_y;
+    most = std::max(most, solid.top_at(foot.x + foot.cos_yaw * dx - foot.sin_yaw * dy, foot.y + foot.sin_yaw * dx + foot.cos_yaw * dy));
+  }
+  return most;
+}
+
 double Landing::clearance_of(const DockState& s, const Solid& foot) {
   collect_solids(config_, s, s.carried, solids_);
   double least = 1e9;
   for (const Solid& solid : solids_)
-    if (foot.top >= solid.bottom && overlaps(foot, solid, p_.near)) least = std::min(least, foot.bottom - solid.top);
+    if (foot.top >= solid.bottom && overlaps(foot, solid, p_.near)) least = std::min(least, foot.bottom - highest_under(foot, solid));
   return least;
 }
 
@@ -149,14 +147,16 @@ void Landing::find_near(const DockState& s) {
   collect_solids(config_, s, s.carried, solids_);
   near_.clear();
   for (const Solid& solid : solids_)
-    if (foot.bottom - 0.5 < solid.top && overlaps(foot, solid, 0.5)) near_.push_back(solid);
+    if (foot.bottom - 0.5 < solid.top_at(foot.x, foot.y) && overlaps(foot, solid, 0.5)) near_.push_back(solid);
 }
 
 // What would carry a foot at (x, y, z): the highest top that is not clearly above it.
 const Solid* Landing::support(double x, double y, double z) const {
   const Solid* best = nullptr;
-  for (const Solid& solid : near_)
-    if (solid.top <= z + 0.1 && covers(solid, x, y) && (best == nullptr || solid.top > best->top)) best = &solid;
+  for (const Solid& solid : near_) {
+    const double top = solid.top_at(x, y);
+    if (top <= z + 0.1 && covers(solid, x, y) && (best == nullptr || top > best->top_at(x, y))) best = &solid;
+  }
   return best;
 }
 
@@ -172,7 +172,7 @@ std::array<double, 2> Landing::landing_error(const DockState& s) {
   const Vector3 at = s.landing.body.position + frame(Vector3{s.grip.x, s.grip.y, body.corners[0][2]});
   const Solid* below = support(at[0], at[1], at[2]);
   if (below == nullptr || !has_castings(*below)) return {0.0, 0.0};
-  const double turned = wrap_angle(frame.yaw() + s.grip.yaw - below->yaw);
+  const double turned = wrap_angle(yaw_of(frame) + s.grip.yaw - below->yaw);
   const double yaw = std::fabs(turned) > 0.5 * std::numbers::pi ? wrap_angle(turned + std::numbers::pi) : turned;
   return {horizontal_distance(at, {below->x, below->y, 0.0}), yaw};
 }
@@ -305,7 +305,7 @@ void Landing::add_falls(const DockState& s, const Crane& crane, double seconds, 
     sum.crane[Q_L] += pull;
     sum.crane[Q_KAPPA] += pull * dot(up, by_kappa);
   }
-  const double twist = wrap_angle(q[Q_PSI] + q[Q_KAPPA] - frame.yaw());
+  const double twist = wrap_angle(q[Q_PSI] + q[Q_KAPPA] - yaw_of(frame));
   const double moment = p_.yaw_stiffness * twist + p_.yaw_damping * (qd[Q_PSI] + qd[Q_KAPPA] - b.spin[2]);
   sum.torque[2] += moment;
   sum.crane[Q_PSI] -= moment;
@@ -328,14 +328,14 @@ void Landing::add_guides(const DockState& s, Forces& sum) const {
   for (std::size_t i = 0; i < 4; ++i) {
     const Vector3 arm = frame(body.corners[i]);
     const Vector3 foot = b.position + arm;
-    const double height = foot[2] - below->top;
+    const double height = foot[2] - below->top_at(foot[0], foot[1]);
     if (height > p_.guide_height) continue;
-    const Vector3 goal = casting(*below, frame.yaw() + s.grip.yaw, i, foot[2]);
+    const Vector3 goal = casting(*below, yaw_of(frame) + s.grip.yaw, i, foot[2]);
     const double error = horizontal_distance(foot, goal);
     const double excess = error - (narrow + slope * std::max(0.0, height));
     if (excess <= 0.0 || error > p_.guide_window) continue;
     const Vector3 outward = (1.0 / error) * (foot - goal);
-    const double speed = dot(outward, point_velocity(b, arm) - Vector3{below->vx, below->vy, below->vz});
+    const double speed = dot(outward, point_velocity(b, arm) - below->velocity_at(foot));
     const double push = std::max(0.0, p_.guide_stiffness * excess + p_.guide_damping * speed);
     const Vector3 force = -push * outward + Vector3{0.0, 0.0, height > 0.0 ? push * slope : 0.0};
     sum.force = sum.force + force;
@@ -350,9 +350,9 @@ void Landing::read_corners(DockState& s) const {
   for (std::size_t i = 0; i < 4; ++i) {
     const Vector3 foot = s.landing.body.position + frame(body.corners[i]);
     const Solid* below = support(foot[0], foot[1], foot[2]);
-    if (below == nullptr || foot[2] - below->top > p_.seat_gap) continue;
+    if (below == nullptr || foot[2] - below->top_at(foot[0], foot[1]) > p_.seat_gap) continue;
     if (has_castings(*below) &&
-        horizontal_distance(foot, casting(*below, frame.yaw() + s.grip.yaw, i, foot[2])) > p_.seat_error)
+        horizontal_distance(foot, casting(*below, yaw_of(frame) + s.grip.yaw, i, foot[2])) > p_.seat_error)
       continue;
     closed |= 1U << i;
   }
@@ -378,7 +378,7 @@ Landing::Outcome Landing::step(DockState& s, const Crane& crane, double seconds)
     s.landing.touched = outcome.touched = true;
     Vector3 against = velocity;  // what lies below may ride on a ship
     const Vector3 middle = s.landing.body.position + Frame(s.landing.body.turn)(Vector3{0.0, 0.0, shape(s).corners[0][2]});
-    if (const Solid* below = support(middle[0], middle[1], middle[2])) against = against - Vector3{below->vx, below->vy, below->vz};
+    if (const Solid* below = support(middle[0], middle[1], middle[2])) against = against - below->velocity_at(middle);
     outcome.vertical = -against[2];
     outcome.horizontal = std::sqrt(against[0] * against[0] + against[1] * against[1]);
   }
@@ -395,7 +395,7 @@ int Landing::take(DockState& s) {
   const Solid* below = support(at[0], at[1], at[2]);
   if (s.carried >= 0 || below == nullptr || below->kind != Solid::Kind::container) return -1;
   const int number = below->index;
-  const double yaw = frame.yaw();
+  const double yaw = yaw_of(frame);
   const auto [sy, cy] = sin_cos(yaw);
   const double dx = below->x - at[0];
   const double dy = below->y - at[1];
@@ -403,17 +403,14 @@ int Landing::take(DockState& s) {
   if (std::fabs(turn) > 0.5 * std::numbers::pi) turn = wrap_angle(turn + std::numbers::pi);
   const double top = below->top - at[2];
 
-  // The container moves as what carries it does: the momentum of both is shared.
+  // The container moves as what carries it does, a ship or a vehicle: the momentum of both is shared, seen from there.
   BodyState& b = s.landing.body;
+  const Vector3 middle = b.position;
   const double ms = config_.crane.spreader_mass;
   const double alone = config_.crane.spreader_inertia;
   auto& container = s.containers[static_cast<std::size_t>(number)];
-  Vector3 carrier{below->vx, below->vy, below->vz};
-  double carrier_spin = 0.0;
   if (container.agv >= 0) {
     AgvState& agv = s.agvs[static_cast<std::size_t>(container.agv)];
-    carrier = velocity_on(agv, below->x, below->y);
-    carrier_spin = agv.y[A_YAW_RATE];
     agv.container = -1;
     change_load(agv, config_.agv, 0.0, 0.0, {});
   }
@@ -423,8 +420,8 @@ int Landing::take(DockState& s) {
   s.grip = {cy * dx + sy * dy, -sy * dx + cy * dy, turn, top};
   const Payload whole = payload(s);
   b.position = at - frame(underside(s, ms));
-  b.velocity = (ms / whole.mass) * b.velocity + (1.0 - ms / whole.mass) * carrier;
-  b.spin = (alone / whole.inertia) * b.spin + (1.0 - alone / whole.inertia) * Vector3{0.0, 0.0, carrier_spin};
+  b.velocity = below->velocity_at(b.position) + (ms / whole.mass) * (b.velocity - below->velocity_at(middle));
+  b.spin = below->spin + (alone / whole.inertia) * (b.spin - below->spin);
   return number;
 }
 
@@ -433,7 +430,7 @@ int Landing::release(DockState& s) {
   find_near(s);
   const Frame frame(s.landing.body.turn);
   const Vector3 at = payload_position(s);
-  const double yaw = frame.yaw();
+  const double yaw = yaw_of(frame);
   const auto [sy, cy] = sin_cos(yaw);
   const int number = s.carried;
   ContainerData& c = s.containers[static_cast<std::size_t>(number)];
@@ -460,11 +457,13 @@ int Landing::release(DockState& s) {
   } else if (below != nullptr && (below->kind == Solid::Kind::ship ||
                                   (below->kind == Solid::Kind::container &&
                                    s.containers[static_cast<std::size_t>(below->index)].state == ContainerState::on_ship))) {
-    const auto shift = ship_at(config_, s.containers, s.seconds()).place.shift(config_.layout.ship, c.x, c.y, c.z);
-    c.x -= shift[0];  // kept as it lies in calm water
-    c.y -= shift[1];
-    c.z -= shift[2];
     c.state = ContainerState::on_ship;
+    if (const ShipPose ship = ship_at(config_, s.containers, s.seconds()); ship.moves) {  // kept as it stands in calm water
+      const Vector3 calm = ship.calm(at + frame({s.grip.x, s.grip.y, s.grip.top - container_height}));
+      const Vector3 ahead = ship.turn.inverse(frame.column[0]);
+      c.x = calm[0], c.y = calm[1], c.z = calm[2];
+      c.yaw = wrap_angle(atan2(ahead[1], ahead[0]) + s.grip.yaw);
+    }
   }
   // The spreader keeps its own velocity; what the container had, its support takes.
   BodyState& b = s.landing.body;

@@ -53,6 +53,7 @@ class Landing {
   void add_guides(const DockState&, Forces&) const;
   void read_corners(DockState&) const;
   Solid footprint(const DockState&, double x, double y, double z, double yaw) const;
+  static double highest_under(const Solid& foot, const Solid&);
   double clearance_of(const DockState&, const Solid& foot);
   const Solid* support(double x, double y, double z) const;
   void find_near(const DockState&);

@@ -3,9 +3,10 @@
 // sqrt, floor and fabs are exact everywhere and come from <cmath>. Private to this room (the header below is heavy).
 #include <sleef.h>
 
-#include <array>
 #include <cmath>
 #include <numbers>
+
+#include "plant/vector.hpp"
 
 namespace plant {
 
@@ -29,15 +30,5 @@ inline double wrap_angle(double a) {
   const double turn = 2.0 * std::numbers::pi;
   return a - turn * std::floor((a + std::numbers::pi) / turn);
 }
-
-using Vector3 = std::array<double, 3>;
-inline Vector3 operator+(const Vector3& a, const Vector3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-inline Vector3 operator-(const Vector3& a, const Vector3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-inline Vector3 operator*(double k, const Vector3& a) { return {k * a[0], k * a[1], k * a[2]}; }
-inline double dot(const Vector3& a, const Vector3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-inline Vector3 cross(const Vector3& a, const Vector3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
-inline double length(const Vector3& a) { return std::sqrt(dot(a, a)); }
 
 }  // namespace plant

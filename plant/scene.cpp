@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "plant/math.hpp"
-#include "plant/sensors.hpp"
 #include "plant/state.hpp"
 
 namespace plant {
@@ -13,56 +11,54 @@ namespace plant {
 Solid make_solid(Solid::Kind kind, int index, double x, double y, double yaw, double half_x, double half_y, double bottom,
                  double top) {
   const auto [s, c] = sin_cos(yaw);
-  return {x, y, yaw, half_x, half_y, bottom, top, s, c, kind, index};
+  return {.x = x, .y = y, .yaw = yaw, .half_x = half_x, .half_y = half_y, .bottom = bottom, .top = top, .sin_yaw = s, .cos_yaw = c, .kind = kind,
+          .index = index};
 }
 
-std::array<double, 3> ShipPlace::shift(const Box& ship, double x, double y, double z) const {
-  const double dx = x - 0.5 * (ship.x_min + ship.x_max);
-  const double dy = y - 0.5 * (ship.y_min + ship.y_max);
-  return {surge + pitch * z, sway - roll * z, heave + roll * dy - pitch * dx};
+double Solid::top_at(double px, double py) const {
+  if (!tilted) return top;
+  const Vector3& up = tilt.column[2];
+  return top - (up[0] * (px - x) + up[1] * (py - y)) / up[2];
 }
 
-ShipNow ship_at(const DockConfig& config, const std::vector<ContainerData>& containers, double seconds) {
-  const ShipMotion& motion = config.ship;
-  ShipNow now;
-  if (!motion.moves()) return now;
-  struct Row {
-    double ShipPlace::*of;
-    double size, period;  // m or rad, s
-  };
-  constexpr double degree = std::numbers::pi / 180.0;
-  static constexpr std::array<Row, 5> rows = {{{&ShipPlace::surge, 0.2, 80.0},
-                                               {&ShipPlace::sway, 0.1, 60.0},
-                                               {&ShipPlace::heave, 0.1, 10.0},
-                                               {&ShipPlace::roll, 0.5 * degree, 12.0},
-                                               {&ShipPlace::pitch, 0.1 * degree, 8.0}}};
-  static constexpr std::array<std::array<double, 2>, 3> parts = {{{0.6, 1.0}, {0.3, 0.83}, {0.1, 1.31}}};  // of size, of period
-  constexpr int ship_axis = 16;  // keeps the phases apart from other noise
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    for (std::size_t k = 0; k < parts.size(); ++k) {
-      const double size = motion.scale * rows[i].size * parts[k][0];
-      const double rate = 2.0 * std::numbers::pi / (rows[i].period * parts[k][1]);
-      const double phase = 2.0 * std::numbers::pi * noise(motion.seed, ship_axis + static_cast<int>(i), static_cast<std::int64_t>(k));
-      const auto [s, c] = sin_cos(rate * seconds + phase);
-      now.place.*rows[i].of += size * s;
-      now.rate.*rows[i].of += size * rate * c;
-    }
-  double gone = 0.0;
-  for (const ContainerData& c : containers)
-    if (c.state != ContainerState::on_ship) gone += c.mass;
-  now.place.heave += motion.draught * gone;
-  return now;
+Vector3 Solid::velocity_at(const Vector3& at) const { return Vector3{vx, vy, vz} + cross(spin, at - Vector3{x, y, top}); }
+
+Vector3 Solid::middle() const {
+  if (!tilted) return {x, y, 0.5 * (bottom + top)};
+  return Vector3{x, y, top} - 0.5 * (top - bottom) * tilt.column[2];
 }
 
-ContainerData in_world(const ContainerData& c, const std::vector<AgvState>& agvs, const Box& ship, const ShipPlace& place) {
-  if (c.state == ContainerState::on_ship) {
-    const auto shift = place.shift(ship, c.x, c.y, c.z);
-    ContainerData world = c;
-    world.x += shift[0];
-    world.y += shift[1];
-    world.z += shift[2];
-    return world;
-  }
+Frame Solid::frame() const {
+  Frame f;
+  f.column = {tilt({cos_yaw, sin_yaw, 0.0}), tilt({-sin_yaw, cos_yaw, 0.0}), tilt.column[2]};
+  return f;
+}
+
+namespace {
+
+// What stands on a moving ship: given as in calm water.
+void ride(Solid& solid, const ShipPose& ship) {
+  const Vector3 top = ship.at({solid.x, solid.y, solid.top});
+  const Vector3 velocity = ship.velocity_at(top);
+  solid.bottom += top[2] - solid.top;
+  solid.x = top[0], solid.y = top[1], solid.top = top[2];
+  solid.vx = velocity[0], solid.vy = velocity[1], solid.vz = velocity[2];
+  solid.tilted = true;
+  solid.tilt = ship.turn;
+  solid.spin = ship.spin;
+}
+
+// What is, or stands on, a vehicle.
+void ride(Solid& solid, const AgvState& agv) {
+  const auto& y = agv.y;
+  const auto [s, c] = sin_cos(y[A_HEADING]);
+  solid.vx = y[A_SPEED] * c - y[A_SIDE] * s - y[A_YAW_RATE] * (solid.y - y[A_Y]);
+  solid.vy = y[A_SPEED] * s + y[A_SIDE] * c + y[A_YAW_RATE] * (solid.x - y[A_X]);
+  solid.spin = {0.0, 0.0, y[A_YAW_RATE]};
+}
+
+// A container's pose in the world, on the ship that in calm water.
+ContainerData standing(const ContainerData& c, const std::vector<AgvState>& agvs) {
   if (c.state != ContainerState::on_agv) return c;
   const auto& y = agvs[static_cast<std::size_t>(c.agv)].y;
   const auto [s, co] = sin_cos(y[A_HEADING]);
@@ -71,6 +67,17 @@ ContainerData in_world(const ContainerData& c, const std::vector<AgvState>& agvs
   world.y = y[A_Y] + s * c.x + co * c.y;
   world.yaw = wrap_angle(y[A_HEADING] + c.yaw);
   return world;
+}
+
+}  // namespace
+
+Solid solid_of(const ContainerData& container, int index, const std::vector<AgvState>& agvs, const ShipPose& ship) {
+  const ContainerData c = standing(container, agvs);
+  Solid solid = make_solid(Solid::Kind::container, index, c.x, c.y, c.yaw, 0.5 * container_length, 0.5 * container_width, c.z,
+                           c.z + container_height);
+  if (c.state == ContainerState::on_ship && ship.moves) ride(solid, ship);
+  if (c.state == ContainerState::on_agv) ride(solid, agvs[static_cast<std::size_t>(c.agv)]);
+  return solid;
 }
 
 void add_legs(const Portal& portal, double travel, double speed, std::vector<Solid>& solids) {
@@ -94,23 +101,8 @@ void collect_solids(const DockConfig& config, const DockState& state, int withou
   };
   add_box(Solid::Kind::ground, {-500.0, 500.0, -500.0, 500.0, -5.0, 0.0});
   add_box(Solid::Kind::ship, config.layout.ship);
-  const Box& ship = config.layout.ship;
-  const ShipNow now = ship_at(config, containers, seconds);
-  const auto ride = [&ship, &now](Solid& solid, double x, double y, double z) {
-    const auto rate = now.rate.shift(ship, x, y, z);
-    solid.vx = rate[0];
-    solid.vy = rate[1];
-    solid.vz = rate[2];
-  };
-  if (config.ship.moves()) {
-    Solid& hull = solids.back();
-    const double z = ship.z_max;
-    const auto shift = now.place.shift(ship, hull.x, hull.y, z);
-    ride(hull, hull.x, hull.y, z);
-    hull.x += shift[0];
-    hull.y += shift[1];
-    hull.top += shift[2];
-  }
+  const ShipPose ship = ship_at(config, containers, seconds);
+  if (ship.moves) ride(solids.back(), ship);
   for (const Box& box : config.layout.no_go) add_box(Solid::Kind::fixed, box);
   add_legs(config.crane.portal, state.crane.q[Q_S], state.crane.qd[Q_S], solids);
   for (std::size_t i = 0; i < config.layout.movers.size(); ++i) {
@@ -127,14 +119,12 @@ void collect_solids(const DockConfig& config, const DockState& state, int withou
     const auto& p = config.agv;
     solids.push_back(make_solid(Solid::Kind::agv, static_cast<int>(i), y[A_X], y[A_Y], y[A_HEADING], 0.5 * p.length,
                                 0.5 * p.width, 0.3, p.deck_height));
+    ride(solids.back(), agvs[i]);
   }
   for (std::size_t i = 0; i < containers.size(); ++i) {
     const ContainerState where = containers[i].state;
     if (static_cast<int>(i) == without || where == ContainerState::carried || where == ContainerState::delivered) continue;
-    const ContainerData c = in_world(containers[i], agvs, ship, now.place);
-    solids.push_back(make_solid(Solid::Kind::container, static_cast<int>(i), c.x, c.y, c.yaw, 0.5 * container_length,
-                                0.5 * container_width, c.z, c.z + container_height));
-    if (where == ContainerState::on_ship) ride(solids.back(), containers[i].x, containers[i].y, containers[i].z);
+    solids.push_back(solid_of(containers[i], static_cast<int>(i), agvs, ship));
   }
 }
 
@@ -196,7 +186,8 @@ bool overlaps(const Solid& a, const Solid& b, double margin) {
 namespace {
 
 struct Stretch {
-  double from, to, top;
+  double from, to;
+  Solid solid;
 };
 
 // Where a line along x at `y` runs over the solid; from >= to when nowhere.
@@ -214,20 +205,20 @@ Stretch stretch_over(const Solid& solid, double y) {
   };
   clip(solid.cos_yaw, solid.sin_yaw * dy, solid.half_x);
   clip(-solid.sin_yaw, solid.cos_yaw * dy, solid.half_y);
-  return {solid.x + from, solid.x + to, solid.top};
+  return {solid.x + from, solid.x + to, solid};
 }
 
 }  // namespace
 
-double bay_height(const DockConfig& config, const std::vector<ContainerData>& containers, double seconds, double x_from, double x_to, double y) {
-  const ShipPlace place = ship_at(config, containers, seconds).place;
+double bay_height(const DockConfig& config, const DockState& state, double x_from, double x_to, double y) {
+  const ShipPose ship = ship_at(config, state.containers, state.seconds());
+  Solid deck = make_solid(Solid::Kind::ship, -1, 0.0, y, 0.0, 0.0, 0.0, 0.0, config.layout.deck);
+  if (ship.moves) ride(deck, ship);
   std::vector<Stretch> stretches;
   std::vector<double> ends = {x_from, x_to};
-  for (const ContainerData& still : containers) {
-    if (still.state != ContainerState::on_ship) continue;
-    const ContainerData c = in_world(still, {}, config.layout.ship, place);
-    const Stretch s = stretch_over(make_solid(Solid::Kind::container, -1, c.x, c.y, c.yaw, 0.5 * container_length,
-                                              0.5 * container_width, c.z, c.z + container_height), y);
+  for (const ContainerData& container : state.containers) {
+    if (container.state != ContainerState::on_ship) continue;
+    const Stretch s = stretch_over(solid_of(container, -1, state.agvs, ship), y);
     if (s.from >= s.to || s.to <= x_from || s.from >= x_to) continue;
     stretches.push_back(s);
     for (const double end : {s.from, s.to})
@@ -237,9 +228,9 @@ double bay_height(const DockConfig& config, const std::vector<ContainerData>& co
   double sum = 0.0;
   for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
     const double middle = 0.5 * (ends[i] + ends[i + 1]);
-    double top = config.layout.deck + place.shift(config.layout.ship, middle, y, config.layout.deck)[2];
+    double top = deck.top_at(middle, y);
     for (const Stretch& s : stretches)
-      if (middle > s.from && middle < s.to) top = std::max(top, s.top);
+      if (middle > s.from && middle < s.to) top = std::max(top, s.solid.top_at(middle, y));
     sum += top * (ends[i + 1] - ends[i]);
   }
   return sum / (x_to - x_from);

@@ -5,6 +5,7 @@
 
 #include "plant/agv.hpp"
 #include "plant/dock.hpp"
+#include "plant/ship.hpp"
 
 namespace plant {
 
@@ -15,33 +16,30 @@ struct ContainerData {
   double mass = 0.0;
 };
 
-// An upright box turned about the vertical.
+// A box turned about the vertical by yaw; on a rolling ship then tilted about the middle of its top.
 struct Solid {
-  double x, y, yaw;            // centre
+  double x, y, yaw;            // middle of the top, m, rad
   double half_x, half_y;       // m
-  double bottom, top;          // z
+  double bottom, top;          // z; tilted: of the top's middle, and as much below it as the solid is high
   double sin_yaw, cos_yaw;
   enum class Kind : std::uint8_t { ground, ship, container, agv, fixed, mover, crane } kind;
   int index;                   // container, AGV or mover, else -1
   bool round = false;          // an upright cylinder of radius half_x; what has no use for that takes the box around it
-  double vx = 0.0, vy = 0.0, vz = 0.0;  // m/s
+  double vx = 0.0, vy = 0.0, vz = 0.0;  // of the top's middle, m/s
+  bool tilted = false;
+  Frame tilt{};
+  Vector3 spin{};              // rad/s
+
+  double top_at(double px, double py) const;  // height of the top's plane there
+  Vector3 velocity_at(const Vector3&) const;
+  Vector3 middle() const;      // of the whole solid
+  Frame frame() const;         // its own axes: yaw, then tilt
 };
 
 Solid make_solid(Solid::Kind, int index, double x, double y, double yaw, double half_x, double half_y, double bottom, double top);
 
-// How far the ship is from where it lies in calm water, and how fast it moves: at its middle on the quay's level, m and rad.
-struct ShipPlace {
-  double surge = 0.0, sway = 0.0, heave = 0.0, roll = 0.0, pitch = 0.0;
-  // Of a point of the ship that lies at (x, y, z) in calm water.
-  std::array<double, 3> shift(const Box& ship, double x, double y, double z) const;
-};
-struct ShipNow {
-  ShipPlace place, rate;
-};
-ShipNow ship_at(const DockConfig&, const std::vector<ContainerData>&, double seconds);
-
-// A container's pose in the world. On the ship it moves as its place there does, but stays upright.
-ContainerData in_world(const ContainerData&, const std::vector<AgvState>&, const Box& ship, const ShipPlace&);
+// A container as a solid, wherever it is. What nobody sees (carried, delivered) is where it was last.
+Solid solid_of(const ContainerData&, int index, const std::vector<AgvState>&, const ShipPose&);
 
 // Where a mover is, and how fast, at `seconds`.
 struct MoverPlace {
@@ -60,6 +58,6 @@ bool covers(const Solid&, double x, double y);
 bool overlaps(const Solid& a, const Solid& b, double margin);
 
 // Mean height of the topmost surface (container or deck) of the bay between two x along the line y, m.
-double bay_height(const DockConfig&, const std::vector<ContainerData>&, double seconds, double x_from, double x_to, double y);
+double bay_height(const DockConfig&, const DockState&, double x_from, double x_to, double y);
 
 }  // namespace plant

@@ -32,6 +32,7 @@ void bind_records(py::module_& m) {
       .def_readonly("y", &ContainerStatus::y)
       .def_readonly("z", &ContainerStatus::z)
       .def_readonly("yaw", &ContainerStatus::yaw)
+      .def_readonly("up", &ContainerStatus::up)
       .def_readonly("mass", &ContainerStatus::mass);
   py::class_<Handover>(m, "Handover", "Where a container's change of hands stands (plant-and-bus.md 1.5).")
       .def_property_readonly("phase", [](const Handover& h) { return std::string(name(h.phase)); })

@@ -93,6 +93,133 @@ def test_a_touch_is_as_fast_as_it_is_against_the_container_that_moves():
     assert abs(own - closing) > 0.06  # against the quay it would be another speed
 
 
+def rotation(axis, angle):
+    """Rodrigues' formula."""
+    k = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    return np.eye(3) + math.sin(angle) * k + (1 - math.cos(angle)) * k @ k
+
+
+def turn_of(up):
+    """The ship's rotation from what is up on its deck: roll about its own axis, which pitches."""
+    pitch, roll = math.atan2(up[0], up[2]), -math.asin(up[1])
+    return rotation((0, 1, 0), pitch) @ rotation((1, 0, 0), roll)
+
+
+def top_of(container):
+    return np.array([container.x, container.y, container.z])
+
+
+def test_containers_move_and_tilt_as_points_of_one_rigid_body():
+    config = moving(scale=5.0)
+    calm = np.array([(c.x, c.y, c.z + 2.591) for c in config.layout.containers])
+    middle = np.array([0.0, 28.0, 0.0])  # of the ship, on the quay's level
+    dock, most = plant.Dock(config), 0.0
+    for second in range(40):
+        dock.advance_to(second * SECOND)
+        here = dock.containers
+        turn = turn_of(here[0].up)
+        assert all(c.up == here[0].up for c in here) and np.linalg.norm(here[0].up) == pytest.approx(1.0, abs=1e-14)
+        where = np.array([top_of(c) for c in here])
+        shift = where[0] - middle - turn @ (calm[0] - middle)
+        assert np.allclose(where, middle + shift + (calm - middle) @ turn.T, atol=1e-12)
+        assert (np.abs(shift) <= [1.0, 0.5, 0.5]).all()  # 5 times surge, sway, heave: the ship turns about its middle
+        most = max(most, math.degrees(math.acos(here[0].up[2])))
+    assert 1.5 < most < 2.6
+
+
+def test_the_scanner_sees_the_tilted_tops():
+    config = moving(scale=5.0)
+    config.layout.containers = config.layout.containers[:1]
+    dock = plant.Dock(config)
+    dock.advance_to(4 * SECOND)
+    (c,) = dock.containers
+    dock.select_row(0, dock.time)
+    y, seen = 1e-3 * dock.scan_y(dock.time), []
+    for i in range(128):
+        x = 1e-3 * (dock.scan_x0() + i * dock.scan_dx())
+        if abs(x - c.x) < 5.5:
+            height = c.z - (c.up[0] * (x - c.x) + c.up[1] * (y - c.y)) / c.up[2]
+            assert 0.0 <= 1e3 * height - dock.profile(i, dock.time) <= 8.0 + 1e-6
+            seen.append(height)
+    assert len(seen) > 20 and max(seen) - min(seen) > 0.02
+
+
+def landed(scale):
+    """A spreader on container 1, near x = 12.7 m, its rope slack."""
+    config = moving(scale=scale, z=7.5)
+    config.layout.containers = config.layout.containers[:2]
+    config.landing.guide_window = 0.4
+    dock = plant.Dock(config)
+    crane = Crane(dock)
+    crane.hold(0.3)
+    for top, seconds in ((0.5, 3.0), (-0.35, 3.0)):
+        at = dock.containers[1]
+        crane.move(crane.pose(at.x, at.y, at.z + top), seconds)
+    crane.hold(1.0)
+    assert dock.spreader_status(crane.t) & 0xF == 0xF
+    return dock, crane
+
+
+def lock(dock, crane, closed):
+    dock.spreader_command(int(closed), crane.t)
+    for _ in range(1500):
+        crane.hold(0.001)
+        if dock.spreader_status(crane.t) & (0x10 if closed else 0x20):
+            return
+    raise AssertionError([e.kind for e in dock.events])
+
+
+def test_what_is_locked_to_a_container_on_deck_tilts_with_it():
+    dock, crane = landed(2.0)
+    lock(dock, crane, True)
+    ups, decks = [], []
+    for _ in range(24):
+        crane.hold(0.25)
+        carried, other = dock.containers[1], dock.containers[0]
+        assert carried.state == "carried" and other.state == "on_ship"
+        ups.append(carried.up), decks.append(other.up)
+    assert np.ptp(decks, axis=0)[1] > 0.01  # it rolls by more than half a degree meanwhile
+    assert np.abs(np.subtract(ups, decks)).max() < 2e-3  # corners seat within 5 mm over 2.26 m
+
+
+def test_locking_takes_momentum_and_energy_that_the_container_had_on_the_ship():
+    dock, crane = landed(2.0)
+    rows = []
+    dock.spreader_command(1, crane.t)
+    while dock.containers[1].state == "on_ship":
+        c = dock.containers[1]
+        rows.append([dock.time * 1e-12, *(top_of(c) - 0.5 * 2.591 * np.array(c.up)), dock.signal.payload[2]])  # the container's middle; where it will hang
+        crane.hold(0.001)
+    (switch,) = [s for s in dock.switches if s.kind == "locked"]
+    t = np.array(rows[-40:])[:, 0] - switch.time * 1e-12
+    fits = [np.polyfit(t, np.array(rows[-40:])[:, k], 2) for k in (1, 2, 3, 4)]
+    velocity, height = np.array([f[1] for f in fits[:3]]), fits[3][2]
+    mass = dock.config.layout.containers[1].mass
+    assert np.linalg.norm(velocity) > 0.03
+    gained = np.subtract(switch.after.payload, switch.before.payload)
+    assert np.allclose(gained / mass, velocity, atol=1e-4)
+    # Its energy comes with it: the height at which it hangs, and its motion. The spreader gives a little up to follow it.
+    want = mass * 9.81 * height + 0.5 * mass * velocity @ velocity
+    assert switch.energy_after - switch.energy_before == pytest.approx(want, abs=30.0)
+
+
+def test_a_container_set_back_on_deck_stands_where_it_stood():
+    dock, crane = landed(2.0)
+    lock(dock, crane, True)
+    crane.hold(2.0)
+    lock(dock, crane, False)
+    assert dock.containers[1].state == "on_ship"
+    distances = []
+    for _ in range(8):
+        crane.hold(0.25)
+        one, other = dock.containers[1], dock.containers[0]
+        assert one.up == other.up
+        distances.append(turn_of(one.up).T @ (top_of(one) - top_of(other)))
+    calm = [np.array([c.x, c.y, c.z]) for c in dock.config.layout.containers]
+    assert np.ptp(distances, axis=0).max() < 1e-12  # rides along
+    assert np.abs(distances[0] - (calm[1] - calm[0])).max() < 0.02
+
+
 def test_a_wrong_scale_is_refused():
     with pytest.raises(ValueError, match="scale of motion"):
         plant.Dock(moving(scale=-1.0))
