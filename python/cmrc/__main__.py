@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 from cmrc import replay
@@ -22,23 +23,66 @@ def main(arguments: list[str] | None = None) -> int:
     command.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a setting, where RUN is a configuration")
     given = parser.parse_args(arguments)
     run = Path(given.run)
+    page = None if given.html is None else Path(given.html or run.with_suffix(".html"))
+    plots, saved = (Path(path) if path else None for path in (given.plots, given.save))
     try:
+        _check_outputs(page, plots, saved)
         if run.suffix == ".toml":
             recording = replay.record_file(run, dict(_setting(text) for text in given.set))
         else:
             recording = replay.load(run)
-    except (OSError, ConfigError, ValueError) as error:
+        _write(recording, page, plots, saved)
+    except (OSError, ImportError, ConfigError, ValueError) as error:
         print(f"cmrc replay: {error}", file=sys.stderr)
         return 2
-    if given.save:
-        replay.save(recording, given.save)
-    if given.plots:
-        from cmrc import plot
-
-        plot.overview(recording).savefig(given.plots, dpi=110)
-    if given.html is not None:
-        Path(given.html or run.with_suffix(".html")).write_text(replay.page(recording), encoding="utf-8")
     return 0
+
+
+def _check_outputs(page: Path | None, plots: Path | None, saved: Path | None) -> None:
+    """Before a run that takes minutes. Raises ValueError, ImportError."""
+    outputs = [path for path in (page, plots, saved) if path is not None]
+    if not outputs:
+        raise ValueError("nothing to write: --html, --plots or --save is needed")
+    for path in outputs:
+        if not path.absolute().parent.is_dir():
+            raise ValueError(f"{path}: there is no folder {path.absolute().parent}")
+        if path.is_dir():
+            raise ValueError(f"{path}: is a folder; the name of a file is expected")
+    if plots is not None:
+        from matplotlib.backend_bases import FigureCanvasBase
+
+        known = FigureCanvasBase.get_supported_filetypes()
+        if plots.suffix[1:].lower() not in known:
+            raise ValueError(f"{plots}: no kind of picture; its ending may be {', '.join(sorted(known))}")
+
+
+def _write(recording: replay.Recording, page: Path | None, plots: Path | None, saved: Path | None) -> None:
+    """Each file whole or not at all."""
+    try:
+        text = replay.page(recording) if page else ""
+        figure = None
+        if plots:
+            from cmrc import plot
+
+            figure = plot.overview(recording)
+    except (KeyError, IndexError, TypeError, AttributeError) as error:
+        raise ValueError(f"the recording is not whole: {type(error).__name__} {error}") from error
+    if page:
+        _replace(page, lambda path: path.write_text(text, encoding="utf-8"))
+    if saved:
+        _replace(saved, lambda path: replay.save(recording, path))
+    if plots and figure:
+        drawn = figure
+        _replace(plots, lambda path: drawn.savefig(path, dpi=110, format=plots.suffix[1:].lower()))
+
+
+def _replace(path: Path, write: Callable[[Path], object]) -> None:
+    beside = path.with_name(path.name + ".part")
+    try:
+        write(beside)
+        beside.replace(path)
+    finally:
+        beside.unlink(missing_ok=True)
 
 
 def _setting(text: str) -> tuple[str, bool | int | float | str]:

@@ -118,6 +118,19 @@ def test_what_is_no_recording_is_refused(text, tmp_path, capsys):
     assert command.main(["replay", str(tmp_path / "missing.json"), "--html"]) == 2
 
 
+def test_what_cannot_be_written_is_said_before_the_run(recording, tmp_path, capsys):
+    run = tmp_path / "run.json"
+    replay.save(recording, run)
+    for arguments, says in (([], "nothing to write"), (["--html", str(tmp_path / "none" / "x.html")], "no folder"), (["--html", str(tmp_path)], "is a folder"),
+                            (["--plots", str(tmp_path / "x.xyz")], "no kind of picture"), (["--save", str(tmp_path / "none" / "r.json"), "--html", str(tmp_path / "x.html")], "no folder")):  # fmt: skip
+        assert command.main(["replay", str(run), *arguments]) == 2
+        assert says in capsys.readouterr().err
+    run.write_text(json.dumps({key: value for key, value in recording.items() if key != "signals"}), encoding="utf-8")
+    assert command.main(["replay", str(run), "--html", str(tmp_path / "x.html"), "--plots", str(tmp_path / "x.png")]) == 2
+    assert "not whole" in capsys.readouterr().err
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["run.json"]
+
+
 def test_it_runs_as_a_module():
     helped = subprocess.run([sys.executable, "-c", "import sys; sys.argv=['cmrc']; from cmrc.__main__ import main; main()"],
                             check=False, capture_output=True, text=True, env={"PYTHONPATH": ":".join(sys.path)})  # fmt: skip
