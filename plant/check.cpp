@@ -6,11 +6,6 @@
 #include <initializer_list>
 #include <stdexcept>
 #include <string>
-#include <vector>
-
-#include "plant/crane.hpp"
-#include "plant/math.hpp"
-#include "plant/scene.hpp"
 
 namespace plant {
 namespace {
@@ -46,130 +41,6 @@ void check(const LandingParameters& p) {
 void check(const Box& b, const std::string& name) {
   const bool ordered = b.x_min < b.x_max && b.y_min < b.y_max && b.z_min < b.z_max;
   if (!ordered) throw std::invalid_argument(fmt::format("plant: {} needs min < max along x, y and z", name));
-}
-
-struct Thing {
-  std::string name;
-  Solid solid;
-};
-
-// The crane's legs at the start.
-std::vector<Solid> legs_of(const DockConfig& c) {
-  std::vector<Solid> legs;
-  add_legs(c.crane.portal, c.home.s, 0.0, legs);
-  return legs;
-}
-
-// Everything that stands on the dock at the start and must stand apart.
-std::vector<Thing> things(const DockConfig& c) {
-  std::vector<Thing> all;
-  for (std::size_t i = 0; i < c.layout.no_go.size(); ++i) {
-    const Box& b = c.layout.no_go[i];
-    all.push_back({fmt::format("box {}", i),
-                   make_solid(Solid::Kind::fixed, -1, 0.5 * (b.x_min + b.x_max), 0.5 * (b.y_min + b.y_max), 0.0,
-                              0.5 * (b.x_max - b.x_min), 0.5 * (b.y_max - b.y_min), b.z_min, b.z_max)});
-  }
-  for (std::size_t i = 0; i < c.layout.containers.size(); ++i) {
-    const ContainerPlace& p = c.layout.containers[i];
-    all.push_back({fmt::format("container {}", i), make_solid(Solid::Kind::container, -1, p.x, p.y, p.yaw, 0.5 * container_length,
-                                                              0.5 * container_width, p.z, p.z + container_height)});
-  }
-  for (std::size_t i = 0; i < c.layout.movers.size(); ++i) {
-    const Mover& m = c.layout.movers[i];
-    all.push_back({fmt::format("mover {}", i), make_solid(Solid::Kind::mover, -1, m.path.front().x, m.path.front().y, 0.0, m.radius,
-                                                          m.radius, 0.0, m.height)});
-  }
-  for (int i = 0; i < c.agv_count; ++i) {
-    const Pose at = start_of_agv(c.layout, i);
-    all.push_back({fmt::format("AGV {}", i), make_solid(Solid::Kind::agv, i, at.x, at.y, at.heading, 0.5 * c.agv.length,
-                                                        0.5 * c.agv.width, 0.3, c.agv.deck_height)});
-  }
-  const std::vector<Solid> legs = legs_of(c);
-  for (std::size_t i = 0; i < legs.size(); ++i) all.push_back({fmt::format("the crane's leg {}", i), legs[i]});
-  return all;
-}
-
-// A vehicle that keeps to its lane must not run into the crane where that stands at the start.
-void check_lanes(const DockConfig& c) {
-  constexpr double sampled = 0.5;  // m
-  const std::vector<Solid> legs = legs_of(c);
-  for (const auto& lane : c.layout.legs)
-    for (const LaneSegment& s : lane) {
-      refuse(!(s.length >= 0.0 && s.length <= 1e5), "a lane's length must be 0 to 1e5 m", s.length);
-      for (int i = 0; i * sampled <= s.length; ++i) {
-        const Pose at = along(s, i * sampled);
-        const Solid vehicle = make_solid(Solid::Kind::agv, -1, at.x, at.y, at.heading, 0.5 * c.agv.length, 0.5 * c.agv.width, 0.0, c.agv.deck_height);
-        for (const Solid& leg : legs)
-          if (overlaps(vehicle, leg, 0.0))
-            throw std::invalid_argument(fmt::format("plant: an AGV at ({:.2f}, {:.2f}) m of its lane runs into the crane's leg at ({:.2f}, {:.2f}) m; "
-                                                    "move the lane or the crane's portal", at.x, at.y, leg.x, leg.y));
-      }
-    }
-}
-
-void check_apart(const DockConfig& c) {
-  constexpr double play = 1e-3;  // m, by which neighbours may overlap in a layout's rounded numbers
-  const std::vector<Thing> all = things(c);
-  for (std::size_t i = 0; i < all.size(); ++i)
-    for (std::size_t j = i + 1; j < all.size(); ++j) {
-      const Solid& a = all[i].solid;
-      const Solid& b = all[j].solid;
-      if (std::min(a.top, b.top) - std::max(a.bottom, b.bottom) <= play || !overlaps(a, b, -play)) continue;
-      throw std::invalid_argument(fmt::format("plant: {} and {} are inside each other, at ({:.2f}, {:.2f}) and ({:.2f}, {:.2f}) m",
-                                              all[i].name, all[j].name, a.x, a.y, b.x, b.y));
-    }
-}
-
-void check_reach(const DockConfig& c) {
-  const auto reach = [&c](const std::string& what, double x, double y, double z) {
-    try {
-      inverse_kinematics(c.crane, {c.home.s, x, y, z, c.home.yaw});
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument(fmt::format("{}; so the crane cannot reach {}", error.what(), what));
-    }
-  };
-  reach("its home", c.home.x, c.home.y, c.home.z);
-  for (std::size_t i = 0; i < c.layout.containers.size(); ++i) {
-    const ContainerPlace& p = c.layout.containers[i];
-    reach(fmt::format("container {}", i), p.x, p.y, p.z + container_height);
-  }
-  if (c.agv_count > 0) reach("the loading spot", c.layout.spot.x, c.layout.spot.y, c.agv.deck_height);
-}
-
-// Each container stands on something, and the spreader hangs at home with nothing inside it.
-void check_standing(const DockConfig& c) {
-  constexpr double play = 0.02;  // m
-  std::vector<Thing> all = things(c);
-  const Box& ship = c.layout.ship;
-  all.push_back({"the ship", make_solid(Solid::Kind::ship, -1, 0.5 * (ship.x_min + ship.x_max), 0.5 * (ship.y_min + ship.y_max), 0.0,
-                                        0.5 * (ship.x_max - ship.x_min), 0.5 * (ship.y_max - ship.y_min), ship.z_min, ship.z_max)});
-  for (std::size_t i = 0; i < c.layout.containers.size(); ++i) {
-    const ContainerPlace& p = c.layout.containers[i];
-    double under = 0.0;
-    for (const Thing& thing : all)
-      if (covers(thing.solid, p.x, p.y) && (thing.solid.kind == Solid::Kind::ship || thing.solid.top < p.z + 0.5 * container_height)) under = std::max(under, thing.solid.top);
-    if (!(std::fabs(p.z - under) <= play))
-      throw std::invalid_argument(fmt::format("plant: container {} must stand on something: its underside is at {:.3f} m, what is below it ends at {:.3f} m", i,
-                                              p.z, under));
-  }
-  const Solid spreader = make_solid(Solid::Kind::fixed, -1, c.home.x, c.home.y, c.home.yaw, 0.5 * container_length, 0.5 * container_width, c.home.z, c.home.z + 1.0);
-  refuse(c.home.z < 0.0, "the spreader's home must be above the ground", c.home.z);
-  for (const Thing& thing : all)
-    if (std::min(thing.solid.top, spreader.top) - std::max(thing.solid.bottom, spreader.bottom) > play && overlaps(thing.solid, spreader, -play))
-      throw std::invalid_argument(fmt::format("plant: the spreader's home at ({:.2f}, {:.2f}, {:.2f}) m is inside {}", c.home.x, c.home.y, c.home.z, thing.name));
-}
-
-void check_containers(const DockConfig& c) {
-  for (std::size_t i = 0; i < c.layout.containers.size(); ++i) {
-    const ContainerPlace& p = c.layout.containers[i];
-    if (!std::isfinite(p.x + p.y + p.z + p.yaw))
-      throw std::invalid_argument(fmt::format("plant: container {} needs a place of numbers", i));
-    if (!(p.mass > 0.0))
-      throw std::invalid_argument(fmt::format("plant: container {}'s mass must be positive (got {})", i, p.mass));
-    if (p.mass > c.rated_load)
-      throw std::invalid_argument(
-          fmt::format("plant: container {} weighs {} kg, more than the crane's rated_load of {} kg", i, p.mass, c.rated_load));
-  }
 }
 
 }  // namespace
@@ -260,11 +131,7 @@ void check(const DockConfig& c) {
   refuse(!(c.ship.draught >= 0.0 && c.ship.draught <= 1e-4), "the ship's draught must be 0 to 1e-4 m/kg", c.ship.draught);
   check(c.sensors);
   for (std::size_t i = 0; i < c.layout.movers.size(); ++i) check(c.layout.movers[i], fmt::format("mover {}", i));
-  check_containers(c);
-  check_reach(c);
-  check_apart(c);
-  check_standing(c);
-  check_lanes(c);
+  check_scene(c);
 }
 
 }  // namespace plant

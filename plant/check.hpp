@@ -12,6 +12,7 @@ void check(const WindParameters&);
 void check(const SensorParameters&);
 void check(const Mover&, const std::string& name);
 void check(const DockConfig&);
+void check_scene(const DockConfig&);  // of things that are right each for itself; part of check(const DockConfig&)
 
 // Throws "plant: `what` (got `value`)" if bad.
 void refuse(bool bad, const char* what, double value);

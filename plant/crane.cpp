@@ -87,7 +87,7 @@ void add_force(CraneVector& sum, const Point& point, const Vector3& force) {
   for (std::size_t k = 0; k < crane_size; ++k) sum[k] += dot(point.partial[k], force);
 }
 
-// h + g: what the inertia of each mass asks for, with `gravity_scale` times gravity and `motion_scale` times the velocity terms.
+// h + g: what the inertia of each mass asks for, with `motion` times the velocity terms and `weight` times gravity.
 CraneVector bias_and_gravity(const CraneParameters& p, const Angles& a, const CraneVector& q, const CraneVector& qd,
                              const Payload& payload, double motion, double weight) {
   CraneVector sum{};
@@ -111,7 +111,7 @@ double square(double x) { return x * x; }
 void add_rotors(const CraneParameters& p, CraneMatrix& m) {
   for (std::size_t j = 0; j < joint_count; ++j) {
     const auto& drive = p.drives[j];
-    const auto k = static_cast<std::size_t>(joint_coordinate[j]);
+    const auto k = coordinate_of(j);
     m[k][k] += drive.rotor_inertia * square(drive.gear);
   }
 }
@@ -344,7 +344,7 @@ namespace {
 CraneVector within_limits(const CraneParameters& p, const CraneVector& q) {
   const std::array names{"gantry", "slew", is_gantry(p) ? "trolley" : "luff", "hoist", "rotator"};
   for (std::size_t j = 0; j < joint_count; ++j) {
-    const double value = q[static_cast<std::size_t>(joint_coordinate[j])];
+    const double value = q[coordinate_of(j)];
     if (!(value >= p.lower[j] && value <= p.upper[j]))
       throw std::invalid_argument(fmt::format("plant: the pose needs {} = {}, outside its limits {} to {}", names[j], value,
                                               p.lower[j], p.upper[j]));

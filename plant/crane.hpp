@@ -15,7 +15,8 @@ namespace plant {
 
 inline constexpr int crane_size = 7;
 enum Coordinate : std::uint8_t { Q_S, Q_PSI, Q_PHI, Q_L, Q_ALPHA, Q_BETA, Q_KAPPA };
-inline constexpr std::array<int, joint_count> joint_coordinate = {Q_S, Q_PSI, Q_PHI, Q_L, Q_KAPPA};
+inline constexpr std::array<Coordinate, joint_count> joint_coordinate = {Q_S, Q_PSI, Q_PHI, Q_L, Q_KAPPA};
+inline constexpr std::size_t coordinate_of(std::size_t joint) { return joint_coordinate[joint]; }
 
 using CraneVector = std::array<double, crane_size>;
 using CraneMatrix = std::array<CraneVector, crane_size>;

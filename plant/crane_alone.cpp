@@ -17,12 +17,6 @@ namespace {
 constexpr double longest_piece = 1e-3;  // s, between two looks at brakes and end stops
 constexpr std::int64_t sway_sample = 10'000'000'000;  // ps
 
-std::size_t coordinate_of(std::size_t joint) { return static_cast<std::size_t>(joint_coordinate[joint]); }
-
-}  // namespace
-
-namespace {
-
 void check(const CraneAloneConfig& config) {
   plant::check(config.crane);
   refuse(!(config.tolerance >= 1e-13 && config.tolerance <= 1e-3), "tolerance must be 1e-13 to 1e-3", config.tolerance);
@@ -104,7 +98,7 @@ void CraneAlone::piece(double at, double seconds) {
     state_.swung_out = true;
     state_.inputs.command = {};
   }
-  rest_in_stops();
+  rest_in_stops(motion_, state_.crane, state_.inputs, state_.modes);
 }
 
 // A closed brake slips until its joint is almost still, then it holds.
@@ -120,23 +114,6 @@ void CraneAlone::brake_off_drives() {
     motion_.stop(state_.crane, state_.inputs, k);
     state_.inputs.braked[j] = false;
     state_.inputs.locked |= 1U << k;
-  }
-}
-
-void CraneAlone::rest_in_stops() {
-  for (std::size_t j = 0; j < joint_count; ++j) {
-    const std::size_t k = coordinate_of(j);
-    double& q = state_.crane.q[k];
-    const double low = config_.crane.lower[j];
-    const double high = config_.crane.upper[j];
-    if (q > low && q < high) {
-      state_.modes.at_limit &= ~(1U << j);
-      continue;
-    }
-    state_.modes.at_limit |= 1U << j;
-    q = std::clamp(q, low, high);
-    const double speed = state_.crane.qd[k];
-    if ((q <= low && speed < 0.0) || (q >= high && speed > 0.0)) motion_.stop(state_.crane, state_.inputs, k);
   }
 }
 

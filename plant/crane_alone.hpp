@@ -67,7 +67,6 @@ class CraneAlone {
  private:
   void piece(double at, double seconds);
   void brake_off_drives();
-  void rest_in_stops();
 
   CraneAloneConfig config_;
   CraneMotion motion_;

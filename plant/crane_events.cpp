@@ -9,8 +9,6 @@ namespace {
 
 constexpr int most_events = 64;  // of one interval; more is a chatter that the next grid point ends
 
-std::size_t coordinate_of(std::size_t joint) { return static_cast<std::size_t>(joint_coordinate[joint]); }
-
 struct Candidate {
   CraneRoot root;
   CraneHappening::Kind kind;
@@ -156,6 +154,28 @@ class Interval {
 void advance_with_events(CraneMotion& motion, CraneState& state, CraneInputs& inputs, CraneModes& modes, double seconds,
                          std::vector<CraneHappening>& happenings, Work* work) {
   Interval(motion, state, inputs, modes, happenings, work).advance(seconds);
+}
+
+std::uint32_t rest_in_stops(const CraneMotion& motion, CraneState& state, const CraneInputs& inputs, CraneModes& modes) {
+  const CraneParameters& p = motion.crane().parameters();
+  std::uint32_t arrived = 0;
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const std::size_t k = coordinate_of(j);
+    const std::uint32_t bit = 1U << j;
+    const double low = p.lower[j];
+    const double high = p.upper[j];
+    double& q = state.q[k];
+    if (q > low && q < high) {
+      modes.at_limit &= ~bit;
+      continue;
+    }
+    arrived |= bit & ~modes.at_limit;
+    modes.at_limit |= bit;
+    q = std::clamp(q, low, high);
+    const double speed = state.qd[k];
+    if ((q <= low && speed < 0.0) || (q >= high && speed > 0.0)) motion.stop(state, inputs, k);
+  }
+  return arrived;
 }
 
 }  // namespace plant

@@ -30,4 +30,7 @@ struct CraneModes {
 void advance_with_events(CraneMotion&, CraneState&, CraneInputs&, CraneModes&, double seconds, std::vector<CraneHappening>&,
                          Work* work = nullptr);
 
+// At a grid point: what rests in or beyond an end stop is put back on it and moves no further out. Returns the joints (bits) that have come to one since.
+std::uint32_t rest_in_stops(const CraneMotion&, CraneState&, const CraneInputs&, CraneModes&);
+
 }  // namespace plant

@@ -85,12 +85,11 @@ struct Dock::Implementation {
     const CraneState& a = core.state.crane;
     if (t == core.now()) return core.drum(a, j);
     const CraneState& b = core.ahead();
-    const auto k = static_cast<std::size_t>(joint_coordinate[j]);
-    const double h = 125e-6;
+    const auto k = coordinate_of(j);
     const double u = static_cast<double>((t - core.now()).count()) / static_cast<double>(latch_period.count());
     const double w = 1.0 - u;
     return core.drum(a, j) * (w * w * (1.0 + 2.0 * u)) + core.drum(b, j) * (u * u * (3.0 - 2.0 * u)) +
-           h * (a.qd[k] * (u * w * w) - b.qd[k] * (u * u * w));
+           latch_seconds * (a.qd[k] * (u * w * w) - b.qd[k] * (u * u * w));
   }
   static std::size_t check_joint(int joint) {
     require(joint >= 0 && joint < joint_count, "joint must be 0..4");

@@ -20,6 +20,7 @@ namespace plant {
 
 using Time = std::chrono::duration<std::int64_t, std::pico>;
 inline constexpr Time latch_period{125'000'000};  // 8 kHz
+inline constexpr double latch_seconds = 125e-6;
 
 enum class EventKind : std::uint8_t {
   near_contact,    // the payload became a body: values = clearance m, energy jump J

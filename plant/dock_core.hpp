@@ -1,5 +1,5 @@
 #pragma once
-// What happens at each latch. Private to the dock.
+// What happens at each latch: dock_core.cpp in what order, dock_drives.cpp, dock_payload.cpp and dock_agvs.cpp each its part. Private to the dock.
 #include <array>
 #include <functional>
 #include <optional>
@@ -15,6 +15,8 @@ namespace plant {
 
 inline constexpr std::int64_t agv_latches = 8;     // AGVs move on a 1-ms grid
 inline constexpr std::int64_t tick_latches = 80;   // 100 Hz: AGV drives, sway sensor
+
+inline bool bit(std::uint32_t mask, std::size_t i) { return (mask >> i & 1U) != 0; }
 
 class DockCore {
  public:

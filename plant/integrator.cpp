@@ -119,11 +119,4 @@ void Integrator::advance_fixed(void* model, std::span<double> y, double interval
   s.run(model, y, interval);
 }
 
-long Integrator::evaluations() const {
-  long n = 0;
-  if (self_->erk != nullptr) ERKStepGetNumRhsEvals(self_->erk, &n);
-  else CVodeGetNumRhsEvals(self_->cvodes->memory, &n);
-  return n;
-}
-
 }  // namespace plant

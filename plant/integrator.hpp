@@ -36,7 +36,6 @@ class Integrator {
   double advance_to_root(void* model, std::span<double> y, double interval, double& step, std::span<int> found);
   // The same as advance with steps of a fixed size (ERKStep only; tests of the order).
   void advance_fixed(void* model, std::span<double> y, double interval, double step);
-  long evaluations() const;  // of f, since the last call of advance
 
  private:
   struct Implementation;

@@ -29,7 +29,7 @@ CraneVector CraneMotion::applied_force(const CraneVector& q, const CraneVector& 
   const auto& p = crane_.parameters();
   CraneVector force = in.external;
   for (std::size_t j = 0; j < joint_count; ++j) {
-    const auto k = static_cast<std::size_t>(joint_coordinate[j]);
+    const auto k = coordinate_of(j);
     if ((in.locked >> k & 1U) != 0) continue;
     const auto& drive = p.drives[j];
     force[k] += crane_.gear_force(j, torque[j], qd[k]) - crane_.friction(static_cast<int>(j), qd[k], in.sliding[j]);
@@ -136,7 +136,7 @@ void CraneMotion::booked_derivative(void* data, const double* y, double* yd) {
   double* const rate = yd + size;
   std::fill_n(rate, booked_size - size, 0.0);
   for (std::size_t j = 0; j < joint_count; ++j) {
-    const auto k = static_cast<std::size_t>(joint_coordinate[j]);
+    const auto k = coordinate_of(j);
     if ((in.locked >> k & 1U) != 0) continue;
     const auto& drive = self.crane_.parameters().drives[j];
     const double power = drive.gear * state.torque[j] * state.qd[k];
@@ -192,7 +192,7 @@ CraneVector CraneMotion::holding_force(const CraneState& state, const CraneInput
 }
 
 double CraneMotion::sticking_force(const CraneState& state, const CraneInputs& in, std::size_t joint) const {
-  return holding_force(state, in)[static_cast<std::size_t>(joint_coordinate[joint])] - crane_.gear_force(joint, state.torque[joint], 0.0);
+  return holding_force(state, in)[coordinate_of(joint)] - crane_.gear_force(joint, state.torque[joint], 0.0);
 }
 
 void CraneMotion::stop(CraneState& state, const CraneInputs& inputs, std::size_t k) const {

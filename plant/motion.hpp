@@ -76,7 +76,6 @@ class CraneMotion {
   void stop(CraneState&, const CraneInputs&, std::size_t coordinate) const;
   // CVODES' forward sensitivities: derivatives of (q, qd, torque) after `seconds` by the payload's mass and by the rope's length at the start.
   std::array<std::array<double, 2 * crane_size + joint_count>, 2> sensitivity(const CraneState&, const CraneInputs&, double seconds) const;
-  long evaluations() const { return integrator_.evaluations(); }
 
   static constexpr std::size_t size = 2 * crane_size + joint_count;
   static constexpr std::size_t most_roots = 2 * joint_count + 4 + joint_count + 1;

@@ -15,6 +15,16 @@ Solid make_solid(Solid::Kind kind, int index, double x, double y, double yaw, do
           .index = index};
 }
 
+Solid solid_of(Solid::Kind kind, const Box& b) {
+  return make_solid(kind, -1, 0.5 * (b.x_min + b.x_max), 0.5 * (b.y_min + b.y_max), 0.0, 0.5 * (b.x_max - b.x_min), 0.5 * (b.y_max - b.y_min),
+                    b.z_min, b.z_max);
+}
+
+Solid solid_of(const AgvParameters& p, int index, double x, double y, double heading) {
+  constexpr double underside = 0.3;  // m
+  return make_solid(Solid::Kind::agv, index, x, y, heading, 0.5 * p.length, 0.5 * p.width, underside, p.deck_height);
+}
+
 double Solid::top_at(double px, double py) const {
   if (!tilted) return top;
   const Vector3& up = tilt.column[2];
@@ -95,15 +105,11 @@ void collect_solids(const DockConfig& config, const DockState& state, int withou
   const std::vector<AgvState>& agvs = state.agvs;
   const double seconds = state.seconds();
   solids.clear();
-  const auto add_box = [&solids](Solid::Kind kind, const Box& b) {
-    solids.push_back(make_solid(kind, -1, 0.5 * (b.x_min + b.x_max), 0.5 * (b.y_min + b.y_max), 0.0, 0.5 * (b.x_max - b.x_min),
-                                0.5 * (b.y_max - b.y_min), b.z_min, b.z_max));
-  };
-  add_box(Solid::Kind::ground, {-500.0, 500.0, -500.0, 500.0, -5.0, 0.0});
-  add_box(Solid::Kind::ship, config.layout.ship);
+  solids.push_back(solid_of(Solid::Kind::ground, {-500.0, 500.0, -500.0, 500.0, -5.0, 0.0}));
+  solids.push_back(solid_of(Solid::Kind::ship, config.layout.ship));
   const ShipPose ship = ship_at(config, containers, seconds);
   if (ship.moves) ride(solids.back(), ship);
-  for (const Box& box : config.layout.no_go) add_box(Solid::Kind::fixed, box);
+  for (const Box& box : config.layout.no_go) solids.push_back(solid_of(Solid::Kind::fixed, box));
   add_legs(config.crane.portal, state.crane.q[Q_S], state.crane.qd[Q_S], solids);
   for (std::size_t i = 0; i < config.layout.movers.size(); ++i) {
     const Mover& mover = config.layout.movers[i];
@@ -116,9 +122,7 @@ void collect_solids(const DockConfig& config, const DockState& state, int withou
   }
   for (std::size_t i = 0; i < agvs.size(); ++i) {
     const auto& y = agvs[i].y;
-    const auto& p = config.agv;
-    solids.push_back(make_solid(Solid::Kind::agv, static_cast<int>(i), y[A_X], y[A_Y], y[A_HEADING], 0.5 * p.length,
-                                0.5 * p.width, 0.3, p.deck_height));
+    solids.push_back(solid_of(config.agv, static_cast<int>(i), y[A_X], y[A_Y], y[A_HEADING]));
     ride(solids.back(), agvs[i]);
   }
   for (std::size_t i = 0; i < containers.size(); ++i) {

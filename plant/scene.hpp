@@ -47,6 +47,9 @@ struct MoverPlace {
 };
 MoverPlace place_of(const Mover&, double seconds);
 
+Solid solid_of(Solid::Kind, const Box&);
+Solid solid_of(const AgvParameters&, int index, double x, double y, double heading);
+
 // The legs of a crane that stands at `travel` (m) and travels at `speed` (m/s).
 void add_legs(const Portal&, double travel, double speed, std::vector<Solid>& solids);
 

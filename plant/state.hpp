@@ -61,7 +61,7 @@ struct DockState {
   bool faulted = false;
   int delivered = 0;
 
-  double seconds() const { return static_cast<double>(latch) * 125e-6; }
+  double seconds() const { return static_cast<double>(latch) * latch_seconds; }
 };
 
 }  // namespace plant

@@ -52,9 +52,7 @@ void push(const AgvParameters& p, AgvState& s, const Touch& t, double impulse) {
 }  // namespace
 
 Solid Traffic::shape(const AgvState& s, std::size_t agv) const {
-  const AgvParameters& p = config_.agv;
-  return make_solid(Solid::Kind::agv, static_cast<int>(agv), s.y[A_X], s.y[A_Y], s.y[A_HEADING], 0.5 * p.length, 0.5 * p.width, 0.3,
-                    p.deck_height);
+  return solid_of(config_.agv, static_cast<int>(agv), s.y[A_X], s.y[A_Y], s.y[A_HEADING]);
 }
 
 bool Traffic::impact(AgvState& agv, AgvState* other, const Solid& obstacle, const Touch& t, double& speed) const {
