@@ -110,7 +110,7 @@ void check_standing(const DockConfig& c) {
       throw std::invalid_argument(fmt::format("plant: container {} must stand on something: its underside is at {:.3f} m, what is below it ends at {:.3f} m", i,
                                               p.z, under));
   }
-  const Solid spreader = make_solid(Solid::Kind::fixed, -1, c.home.x, c.home.y, c.home.yaw, 0.5 * container_length, 0.5 * container_width, c.home.z, c.home.z + 1.0);
+  const Solid spreader = make_solid(Solid::Kind::fixed, -1, c.home.x, c.home.y, c.home.yaw, 0.5 * container_length, 0.5 * container_width, c.home.z, c.home.z + spreader_height);
   refuse(c.home.z < 0.0, "the spreader's home must be above the ground", c.home.z);
   for (const Thing& thing : all)
     if (std::min(thing.solid.top, spreader.top) - std::max(thing.solid.bottom, spreader.bottom) > play && overlaps(thing.solid, spreader, -play))

@@ -196,6 +196,7 @@ struct Mover {
 };
 
 inline constexpr double container_length = 12.192, container_width = 2.438, container_height = 2.591;  // m, 40 ft
+inline constexpr double spreader_height = 1.0;  // m, as long and wide as the container
 
 struct ContainerPlace {
   double x, y, z;    // m, centre of the underside
