@@ -21,7 +21,7 @@ class World {
   World& operator=(const World&) = delete;
 
   dBodyID body(double mass, const Vector3& inertia, const Vector3& at, const Vector3& velocity, const Vector3& spin) const {
-    const dBodyID b = dBodyCreate(id);
+    auto* const b = dBodyCreate(id);
     dMass m;
     dMassSetParameters(&m, mass, 0, 0, 0, inertia[0], inertia[1], inertia[2], 0, 0, 0);
     dBodySetMass(b, &m);
@@ -32,7 +32,7 @@ class World {
     return b;
   }
 
-  const dWorldID id;
+  dWorldID id;
 };
 
 void turn(dBodyID body, double psi, double down) {
@@ -62,12 +62,12 @@ CraneVector swing_in_ode(const CraneParameters& p, double payload_mass, const Cr
   const Vector3 slewing{0.0, 0.0, qd[Q_PSI]};
   const Vector3 luffing = slewing - qd[Q_PHI] * tangential;  // luffing up turns about -e_t
 
-  const dBodyID gantry = world.body(p.gantry_mass, {thin, thin, thin}, base, travel, {});
+  auto* const gantry = world.body(p.gantry_mass, {thin, thin, thin}, base, travel, {});
   const Vector3 weight = -p.counterweight_radius * radial;
-  const dBodyID platform = world.body(p.counterweight, {p.slew_inertia, p.slew_inertia, p.slew_inertia}, base + weight,
+  auto* const platform = world.body(p.counterweight, {p.slew_inertia, p.slew_inertia, p.slew_inertia}, base + weight,
                                       travel + cross(slewing, weight), slewing);
   turn(platform, q[Q_PSI], 0.0);
-  const dBodyID jib = world.body(p.jib_mass, {thin, p.jib_inertia, p.jib_inertia}, pivot + p.jib_centre * along,
+  auto* const jib = world.body(p.jib_mass, {thin, p.jib_inertia, p.jib_inertia}, pivot + p.jib_centre * along,
                                  travel + cross(slewing, p.a0 * radial) + cross(luffing, p.jib_centre * along), luffing);
   turn(jib, q[Q_PSI], q[Q_PHI]);
   const double inertia = 0.4 * payload_mass * speck * speck;
@@ -76,20 +76,20 @@ CraneVector swing_in_ode(const CraneParameters& p, double payload_mass, const Cr
   const Vector3 rope = at - tip;
   const Vector3 relative = crane.payload_velocity(q, qd) - crane.tip_velocity(q, qd);
   const Vector3 swing = (1.0 / dot(rope, rope)) * cross(rope, relative);
-  const dBodyID load = world.body(payload_mass, {inertia, inertia, inertia}, at, crane.payload_velocity(q, qd), swing);
+  auto* const load = world.body(payload_mass, {inertia, inertia, inertia}, at, crane.payload_velocity(q, qd), swing);
 
-  const dJointID slider = dJointCreateSlider(world.id, nullptr);
+  auto* const slider = dJointCreateSlider(world.id, nullptr);
   dJointAttach(slider, gantry, nullptr);
   dJointSetSliderAxis(slider, 1, 0, 0);
-  const dJointID slew = dJointCreateHinge(world.id, nullptr);
+  auto* const slew = dJointCreateHinge(world.id, nullptr);
   dJointAttach(slew, platform, gantry);
   dJointSetHingeAnchor(slew, base[0], base[1], base[2]);
   dJointSetHingeAxis(slew, 0, 0, 1);
-  const dJointID luff = dJointCreateHinge(world.id, nullptr);
+  auto* const luff = dJointCreateHinge(world.id, nullptr);
   dJointAttach(luff, jib, platform);
   dJointSetHingeAnchor(luff, pivot[0], pivot[1], pivot[2]);
   dJointSetHingeAxis(luff, -tangential[0], -tangential[1], 0);
-  const dJointID hook = dJointCreateBall(world.id, nullptr);
+  auto* const hook = dJointCreateBall(world.id, nullptr);
   dJointAttach(hook, load, jib);
   dJointSetBallAnchor(hook, tip[0], tip[1], tip[2]);
 

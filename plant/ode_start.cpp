@@ -32,7 +32,7 @@ void start_ode() {
     if (dCheckConfiguration("ODE_double_precision") == 0)
       throw std::runtime_error("plant: ODE is built in single precision; the double precision library is needed");
   });
-  thread_local const bool ready = dAllocateODEDataForThread(dAllocateMaskAll) != 0;
+  thread_local const bool ready = dAllocateODEDataForThread(static_cast<unsigned>(dAllocateMaskAll)) != 0;
   if (!ready) throw std::runtime_error("plant: ODE has no data for this thread");
   dRandSetSeed(0);
 }
