@@ -38,6 +38,9 @@ struct Solid {
 
 Solid make_solid(Solid::Kind, int index, double x, double y, double yaw, double half_x, double half_y, double bottom, double top);
 
+Solid solid_of(Solid::Kind, const Box&);
+Solid solid_of(const AgvParameters&, int index, double x, double y, double heading);
+
 // A container as a solid, wherever it is. What nobody sees (carried, delivered) is where it was last.
 Solid solid_of(const ContainerData&, int index, const std::vector<AgvState>&, const ShipPose&);
 
@@ -46,9 +49,6 @@ struct MoverPlace {
   double x, y, vx, vy;
 };
 MoverPlace place_of(const Mover&, double seconds);
-
-Solid solid_of(Solid::Kind, const Box&);
-Solid solid_of(const AgvParameters&, int index, double x, double y, double heading);
 
 // The legs of a crane that stands at `travel` (m) and travels at `speed` (m/s).
 void add_legs(const Portal&, double travel, double speed, std::vector<Solid>& solids);

@@ -203,6 +203,16 @@ def test_locking_takes_momentum_and_energy_that_the_container_had_on_the_ship():
     assert switch.energy_after - switch.energy_before == pytest.approx(want, abs=30.0)
 
 
+def test_a_snapshot_on_a_rolling_container_goes_on_bit_for_bit():
+    dock, crane = landed(2.0)
+    again = plant.Dock(dock.config)
+    again.restore(dock.snapshot())
+    for each in (dock, again):
+        each.enable_drives(0, crane.t)
+        each.advance_to(crane.t + SECOND)
+    assert again.state_hash() == dock.state_hash() and dock.signal.contact
+
+
 def test_a_container_set_back_on_deck_stands_where_it_stood():
     dock, crane = landed(2.0)
     lock(dock, crane, True)
