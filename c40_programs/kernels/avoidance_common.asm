@@ -30,7 +30,7 @@ AV_FREE         .set SCRATCH + 115      ; f m, from the front to what blocks the
 AV_ALONG        .set SCRATCH + 116      ; f result of avoid_project, AV_ACROSS too
 AV_ACROSS       .set SCRATCH + 117
 AV_TARGET       .set SCRATCH + 118      ; f x2 a point of the lane ahead in the vehicle's frame
-AV_CLOSE        .set SCRATCH + 120      ; i 1: something stands close beside the way
+AV_CLOSE        .set SCRATCH + 120      ; f m, from the front to what stands in the way or close beside it
 AV_PATH_COUNT   .set SCRATCH + 121      ; i pieces of the leg in AV_PATH
 AV_TOTAL        .set SCRATCH + 122      ; f m, length of the leg
 AV_PATH         .set SCRATCH + 128      ; pieces of 8 words: x0, y0, cos, sin of heading0, curvature, length, arc length at its start, 1/curvature
@@ -38,15 +38,20 @@ AV_COUNT        .set SCRATCH + 123      ; i AG_PRODUCED: the time, in points
 AV_RATE         .set SCRATCH + 124      ; f 1/s, of the time since the look that is compared with; 0: there is none
 AV_NEAR_FOUND   .set SCRATCH + 125      ; i points in AV_NEAR
 AV_PIECE        .set SCRATCH + 126      ; i result of avoid_project: address of the piece
+AV_WAIT         .set SCRATCH + 127      ; i AG_AVOID_WAIT
+AV_PLACE        .set SCRATCH + 204      ; f m, AG_AVOID_PLACE
 AV_MINIMA       .set SCRATCH + 208      ; per sector: mm to the nearest echo less 1 (FFFFFFFFh: none), its ray
 AV_POINTS       .set SCRATCH + 352      ; per echo AV_POINT_WORDS: range, x, y, along from the vehicle's middle, lateral, sector, swing
 AV_POINT_WORDS  .set 7
 AV_SECTORS_MOST .set 72
 AV_NEAR         .set AV_MINIMA          ; i x16 addresses of points, once the minima have become points: the nearest of each four sectors
-AV_NOW          .set AV_MINIMA              ; when the decision is made, this look: i AV_COUNT + 1, f m along the leg of what blocks, f x2 AV_BINS: lateral place nearest to the lane, left, right
+AV_NOW          .set AV_MINIMA              ; when the decision is made, this look: i AV_COUNT + 1, f x2 m along the leg of what blocks and of what is close, f x2 AV_BINS: lateral place nearest to the lane, left, right
 AV_THEN         .set AV_NOW + AV_LOOK_WORDS  ; an earlier one
 AV_BINS         .set 32                 ; of 1.5 m along the leg, modulo 48 m
-AV_LOOK_WORDS   .set 2 + 2 * AV_BINS
+AV_BLOCK        .set 1
+AV_BESIDE       .set 2
+AV_SIDES        .set 3
+AV_LOOK_WORDS   .set AV_SIDES + 2 * AV_BINS
 AV_BANK         .set 370h               ; four earlier looks are kept behind what a split task keeps: in each of its halves two, AV_BANK_WORDS apart
 AV_BANK_WORDS   .set 48h
 AV_RANGE        .set 0
@@ -87,6 +92,11 @@ avoid_look:
         float   *+ar6(AG_AVOID_HOLD), r0
         mpyf    @K_MILLI, r0
         stf     r0, @AV_HOLD
+        ldi     *+ar6(AG_AVOID_WAIT), r0
+        sti     r0, @AV_WAIT
+        float   *+ar6(AG_AVOID_PLACE), r0
+        mpyf    @K_MILLI, r0
+        stf     r0, @AV_PLACE
         ldi     *+ar6(AG_PRODUCED), r0
         sti     r0, @AV_COUNT
         ldf     @K_AV_NO_LIMIT, r0
@@ -482,7 +492,7 @@ avoid_target_within:
         stf     r0, @AV_TARGET + 1
         rets
 
-; ---- NEAR, NEAR_FOUND: of each four sectors the nearest point, for methods that look at 16. Clobbers R0 .. R5 ----
+; ---- NEAR, NEAR_FOUND: of each four sectors the nearest point within K_AV_STANDS of the lane, for methods that look at 16. Clobbers R0 .. R5 ----
 avoid_nearest:
         ldhi    hi16(AV_POINTS), ar1
         or      lo16(AV_POINTS), ar1
@@ -494,6 +504,9 @@ avoid_nearest:
         ldi     @AV_FOUND, ar2
         br      avoid_nearest_next
 avoid_nearest_point:
+        absf    *+ar1(AV_PLATERAL), r0
+        cmpf    @K_AV_STANDS, r0
+        bge     avoid_nearest_after
         ldi     *+ar1(AV_PSECTOR), r3
         lsh     -2, r3
         ldf     *+ar1(AV_RANGE), r0
@@ -539,9 +552,7 @@ avoid_side:
         ldf     @AV_HOLD, r7                    ; hold: until the rear is past what stands in the lane
         ldf     @K_AV_NO_LIMIT, r8              ; the nearest that can be passed
         ldf     r8, r9                          ; the nearest that cannot
-        ldf     @AV_LEFT, r3
-        subf    @K_AV_HOME_STRAIGHT, r3
-        subf    @K_AV_REAR, r3
+        call    avoid_home
         ldhi    hi16(AV_POINTS), ar1
         or      lo16(AV_POINTS), ar1
         ldi     @AV_FOUND, ar2
@@ -595,6 +606,13 @@ avoid_side_home:
         stf     r6, @AV_SHIFT
         rets
 
+; R3 <- how far ahead the last thing may stand that can be passed beside the lane, so that the vehicle is back in it for the leg's end.
+avoid_home:
+        ldf     @AV_LEFT, r3
+        subf    @K_AV_HOME_STRAIGHT, r3
+        subf    @K_AV_REAR, r3
+        rets
+
 ; R1 <- lateral place of the way R8 ahead: shift + (now - shift) (1 - t)^2 (1 + 2 t), t = R8 / 15 m. Clobbers R0, R2.
 avoid_way:
         ldf     r8, r0
@@ -631,10 +649,11 @@ avoid_ahead:
         subf    @AV_MOUNT, r0
         rets
 
-; FREE, CLOSE: what blocks the way from the present lateral place to SHIFT.
+; FREE, CLOSE: what blocks the way from the present lateral place to SHIFT, and back into the lane before the leg's end, and what stands close beside it.
 avoid_block:
         ldf     @K_AV_NO_LIMIT, r7              ; free distance
-        ldi     0, r5
+        ldf     r7, r5
+        call    avoid_home
         ldhi    hi16(AV_POINTS), ar1
         or      lo16(AV_POINTS), ar1
         ldi     @AV_FOUND, ar2
@@ -645,12 +664,20 @@ avoid_block_point:
         ldf     *+ar1(AV_PLATERAL), r0
         subf    r1, r0
         call    avoid_gap
+        cmpf    r3, r8
+        ble     avoid_block_gap
+        ldf     r0, r4
+        ldf     *+ar1(AV_PLATERAL), r0
+        call    avoid_gap
+        cmpf    r4, r0
+        ldfgt   r4, r0
+avoid_block_gap:
         ldf     r0, r1
         call    avoid_ahead
         cmpf    @K_AV_CLOSE, r1
         bge     avoid_block_after
-        cmpf    @K_AV_CLOSE_AHEAD, r0
-        ldilt   1, r5
+        cmpf    r5, r0
+        ldflt   r0, r5
         cmpf    @K_AV_HALF, r1
         bge     avoid_block_after
         cmpf    r7, r0
@@ -662,7 +689,7 @@ avoid_block_next:
         cmpi    0, ar2
         bge     avoid_block_point
         stf     r7, @AV_FREE
-        sti     r5, @AV_CLOSE
+        stf     r5, @AV_CLOSE
         rets
 
 ; R1 <- what stopping takes from the present speed: v T + v^2 / (2 B).
@@ -684,7 +711,7 @@ avoid_keep:
         ldf     @AV_FREE, r10
         cmpf    r1, r10
         retsge
-        ldi     @AV_CLOSE, r11
+        ldf     @AV_CLOSE, r11
         ldf     @AV_SHIFT_OLD, r0
         stf     r0, @AV_SHIFT
         call    avoid_block
@@ -694,7 +721,7 @@ avoid_keep:
         retsgt
         stf     r6, @AV_SHIFT
         stf     r10, @AV_FREE
-        sti     r11, @AV_CLOSE
+        stf     r11, @AV_CLOSE
         rets
 
 ; ---- what moves: the lateral places of what stands beside the lane are compared with those of some 0.4 s ago (16 to 48 points). What comes nearer
@@ -727,21 +754,36 @@ avoid_motion:
         call    m_reciprocal
         stf     r0, @AV_RATE
 avoid_motion_new:
-        ldf     @AV_FREE, r0
-        cmpf    @K_AV_NO_LIMIT, r0
-        bge     avoid_motion_free
-        addf    @AV_MOUNT, r0
-        addf    @AV_S, r0
-        rnd     r0, r0
-        stf     r0, @AV_NOW + 1
+        ldf     @AV_FREE, r6
+        ldf     @AV_CLOSE, r7
+        ldf     r6, r0
+        ldi     AV_BLOCK, ir0
         call    avoid_closing
-        br      avoid_motion_clear
-avoid_motion_free:
-        stf     r0, @AV_NOW + 1
+        cmpf    @K_AV_MOVES, r1
+        ble     avoid_motion_close
+        call    avoid_meet
+        subf    r0, r6
+        stf     r6, @AV_FREE
+avoid_motion_close:
+        ldf     r7, r0
+        ldi     AV_BESIDE, ir0
+        call    avoid_closing
+        cmpf    @K_AV_COMES, r1
+        ble     avoid_motion_clear
+        ldf     r7, r0                          ; what comes along past the vehicle: let it pass
+        addf    @K_AV_PASSED, r0
+        ldf     r7, r2
+        ldf     r7, r3
+        call    avoid_remember
+        call    avoid_meet
+        subf    r0, r7
+        cmpf    @AV_FREE, r7
+        bge     avoid_motion_clear
+        stf     r7, @AV_FREE
 avoid_motion_clear:
         ldhi    hi16(AV_NOW), ar0
         or      lo16(AV_NOW), ar0
-        addi    2, ar0
+        addi    AV_SIDES, ar0
         ldf     @K_AV_NO_LIMIT, r0
         rpts    2 * AV_BINS - 1
         stf     r0, *ar0++
@@ -765,24 +807,66 @@ avoid_motion_next:
         ldi     AV_LOOK_WORDS - 1, rc
         br      copy_words
 
-; FREE less what blocks the way comes nearer while the vehicle stops, for it comes along.
+; NOW's word IR0 <- the place along the leg of what is R0 ahead of the front; R1 <- the speed at which it comes along, against THEN's, m/s; 0: unknown.
+; Clobbers AR0.
 avoid_closing:
-        ldf     @AV_THEN + 1, r1
+        ldhi    hi16(AV_NOW), ar0
+        or      lo16(AV_NOW), ar0
+        ldf     0.0, r1
+        cmpf    @K_AV_NO_LIMIT, r0
+        bge     avoid_closing_keep
+        addf    @AV_MOUNT, r0
+        addf    @AV_S, r0
+        rnd     r0, r0
+        addi    AV_LOOK_WORDS, ar0              ; AV_THEN
+        ldf     *+ar0(ir0), r1
+        subi    AV_LOOK_WORDS, ar0
         cmpf    @K_AV_NO_LIMIT, r1
-        retsge
-        subf    @AV_NOW + 1, r1
+        ldfge   r0, r1                          ; nothing was there
+        subf    r0, r1
         mpyf    @AV_RATE, r1
-        cmpf    @K_AV_MOVES, r1
-        retsle
         cmpf    @K_AV_MOVES_MOST, r1
-        retsgt                                  ; another thing than before
-        ldf     @AV_SPEED_NOW, r2
-        mpyf    @K_AV_ONE_OVER_B, r2
-        addf    @K_AV_T, r2
-        mpyf    r2, r1
-        ldf     @AV_FREE, r0
-        subf    r1, r0
-        stf     r0, @AV_FREE
+        ldfgt   0.0, r1                         ; another thing than before
+avoid_closing_keep:
+        stf     r0, *+ar0(ir0)
+        rets
+
+; R0 <- how far what comes along at R1 m/s gets while the vehicle stops. Keeps R1.
+avoid_meet:
+        ldf     @AV_SPEED_NOW, r0
+        mpyf    @K_AV_ONE_OVER_B, r0
+        addf    @K_AV_T, r0
+        mpyf    r1, r0
+        rets
+
+; WAIT, PLACE <- what comes at R1 m/s and needs R0 m to be out of the way, R2 ahead along the lane, if it is soon beside the front (R3 ahead), where it is
+; not seen. Something nearer that is remembered already is kept. Keeps R1, R6 .. R11.
+avoid_remember:
+        cmpf    @K_AV_SOON, r3
+        retsge
+        addf    @AV_MOUNT, r2
+        addf    @AV_S, r2
+        rnd     r2, r2
+        ldi     @AV_COUNT, r3
+        cmpi    @AV_WAIT, r3
+        bge     avoid_remember_new
+        cmpf    @AV_PLACE, r2
+        retsgt
+avoid_remember_new:
+        stf     r2, @AV_PLACE
+        ldf     r1, r4
+        ldf     r0, r5
+        ldf     r1, r0
+        call    m_reciprocal
+        mpyf    r0, r5
+        float   *+ar6(AG_PERIOD_US), r0
+        mpyf    @K_MICRO, r0
+        call    m_reciprocal
+        mpyf    r0, r5
+        ldf     r4, r1
+        fix     r5, r0
+        addi    @AV_COUNT, r0
+        sti     r0, @AV_WAIT
         rets
 
 ; The point AR1 into NOW; FREE is shortened if it would come into the way. Keeps AR1, AR2.
@@ -793,12 +877,10 @@ avoid_crossing:
         mpyf    @K_AV_ONE_OVER_BIN, r0
         fix     r0, r3                          ; bin
         ldf     *+ar1(AV_PLATERAL), r9
-        ldf     1.0, r10                        ; side
-        ldi     2, r4                           ; where its bins begin
+        ldi     AV_SIDES, r4                    ; where its bins begin
         cmpf    @AV_LATERAL, r9
         bge     avoid_crossing_left
         negf    r9, r9
-        negf    r10, r10
         addi    AV_BINS, r4
 avoid_crossing_left:
         ldhi    hi16(AV_NOW), ar0
@@ -846,19 +928,27 @@ avoid_crossing_then:
         ldf     *+ar1(AV_PLATERAL), r0
         subf    r1, r0
         call    avoid_gap
-        ldf     r0, r1
-        subf    @K_AV_HALF, r1                  ; how far it is from the way
-        ldf     @AV_SPEED_NOW, r0
-        cmpf    1.0, r0
-        ldflt   1.0, r0
+        subf    @K_AV_HALF, r0                  ; how far it is from the way
+        ldf     r0, r8
+        ldf     @AV_SPEED_NOW, r1
+        cmpf    1.0, r1
+        ldflt   1.0, r1
         mpyf    r0, r1
         ldf     r7, r0
         addf    @K_AV_PASSED, r0
         mpyf    r11, r0                         ; gap / speed there < (ahead + length) / speed here
         cmpf    r0, r1
         retsge
+        ldf     r8, r0                          ; as far, and to the other side of the way
+        addf    @K_AV_WAY, r0
+        ldf     r11, r1
+        ldf     r7, r2
+        ldf     *+ar1(AV_PX), r3
+        subf    @AV_MOUNT, r3
+        cmpf    @K_AV_COMES, r1
+        callgt  avoid_remember
         cmpf    @AV_FREE, r7
-        retsge
+        ldfge   @AV_FREE, r7
         stf     r7, @AV_FREE
         rets
 
@@ -886,6 +976,15 @@ avoid_bank_first:
 avoid_speed:
         ldf     @AV_FREE, r7
         ldf     @AV_SPEED, r6
+        ldi     @AV_WAIT, r0
+        cmpi    @AV_COUNT, r0
+        ble     avoid_speed_free
+        ldf     @AV_PLACE, r0                   ; what is remembered
+        subf    @AV_S, r0
+        subf    @AV_MOUNT, r0
+        cmpf    r7, r0
+        ldflt   r0, r7
+avoid_speed_free:
         cmpf    @K_AV_NO_LIMIT, r7
         bge     avoid_speed_close
         subf    @K_AV_STAND, r7
@@ -904,8 +1003,9 @@ avoid_speed_blocked:
         cmpf    r6, r0
         ldflt   r0, r6
 avoid_speed_close:
-        ldi     @AV_CLOSE, r0
-        bz      avoid_write
+        ldf     @AV_CLOSE, r0
+        cmpf    @K_AV_CLOSE_AHEAD, r0
+        bge     avoid_write
         cmpf    @K_AV_CLOSE_SPEED, r6
         ldfgt   @K_AV_CLOSE_SPEED, r6
 avoid_write:
@@ -917,6 +1017,11 @@ avoid_write:
         cmpf    @K_AV_SHIFT_SPEED, r6
         ldfgt   @K_AV_SHIFT_SPEED, r6
 avoid_write_hold:
+        ldi     @AV_WAIT, r0
+        sti     r0, *+ar6(AG_AVOID_WAIT)
+        ldf     @AV_PLACE, r0
+        call    avoid_millimetres
+        sti     r0, *+ar6(AG_AVOID_PLACE)
         ldf     @AV_HOLD, r0
         call    avoid_millimetres
         sti     r0, *+ar6(AG_AVOID_HOLD)
@@ -950,6 +1055,7 @@ avoid_millimetres:
 ; Nothing can be seen: as without avoidance.
 avoid_nothing:
         ldi     0, r0
+        sti     r0, *+ar6(AG_AVOID_WAIT)
         sti     r0, *+ar6(AG_AVOID_HOLD)
         sti     r0, *+ar6(AG_AVOID_SHIFT)
         sti     r0, *+ar6(AG_AVOID_LIMIT)

@@ -11,7 +11,9 @@ K_AV_BEHIND         .set $ - LIFT
 K_AV_BEYOND         .set $ - LIFT
                     .float 40.0                 ; straight on behind the end of the leg
 K_AV_ACROSS         .set $ - LIFT
-                    .float 8.0                  ; what stands farther beside the lane does not matter
+                    .float 11.0                 ; m: farther beside the lane nothing matters
+K_AV_STANDS         .set $ - LIFT
+                    .float 8.0                  ; nor does, to the methods, what is farther than this: whether it moves, avoid_motion looks
 K_AV_OVERLAP_LOW    .set $ - LIFT
                     .float -0.5                 ; pieces of the lane overlap so much, for feet on their joint
 K_AV_HALF           .set $ - LIFT
@@ -58,6 +60,12 @@ K_AV_MOVES          .set $ - LIFT
                     .float 0.25                 ; m/s: slower things are taken to stand
 K_AV_MOVES_MOST     .set $ - LIFT
                     .float 3.0                  ; m/s
+K_AV_COMES          .set $ - LIFT
+                    .float 0.5                  ; m/s: what comes along the lane beside the way is let pass
+K_AV_SOON           .set $ - LIFT
+                    .float 2.0                  ; m ahead of the front
+K_AV_WAY            .set $ - LIFT
+                    .float 3.8                  ; m, width of the way
 K_AV_PASSED         .set $ - LIFT
                     .float 16.0                 ; m, the vehicle's length and some more
 

@@ -39,6 +39,9 @@ vfh_histogram:
         ldi     @AV_FOUND, ar2
         br      vfh_next
 vfh_point:
+        absf    *+ar1(AV_PLATERAL), r0
+        cmpf    @K_AV_STANDS, r0
+        bge     vfh_after
         ldf     *+ar1(AV_RANGE), r6
         cmpf    @K_VF_ACTIVE, r6
         bge     vfh_after

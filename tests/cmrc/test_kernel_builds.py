@@ -1,10 +1,13 @@
 """The configuration chooses which build of a program the DSPs run."""
 
 import json
+import shutil
+from pathlib import Path
 from typing import Any
 
 import pytest
 from cmrc import _core
+from locations import ROOT
 
 cmrc = _core.cmrc
 
@@ -50,3 +53,42 @@ def test_the_quintic_build_plans_the_crane() -> None:
     task = "trajectory_planning.crane"
     assert quintic["tasks"][task]["on_time"] == quintic["tasks"][task]["released"] > 30
     assert execution_us(quintic, task) > execution_us(blend, task)
+
+
+def test_a_leg_begins_without_what_avoidance_said_on_the_one_before(tmp_path: Path) -> None:
+    """DSPs whose start, 17 ms before the host's, leaves words there; avoidance itself does not run."""
+    shutil.copytree(ROOT / "c40_programs", tmp_path / "programs")
+    executive = tmp_path / "programs" / "executive.asm"
+    start = "        sti     r0, @EXEC_PAUSE\n"
+    words = ["AG_AVOID_LIMIT", "AG_AVOID_SHIFT", "AG_AVOID_HOLD", "AG_AVOID_WAIT"]
+    leave = "        ldhi    hi16(WINDOW_A + AG_BASE), ar4\n        or      lo16(WINDOW_A + AG_BASE), ar4\n        ldi     77, r1\n"
+    leave += "".join(f"        sti     r1, *+ar4({word})\n" for word in words)
+    text = executive.read_text()
+    assert text.count(start) == 1
+    executive.write_text(text.replace(start, start + leave))
+    drive = """
+[[processes]]
+number = 2
+name = "plan the grab"
+robot = "none"
+steps = ["task grab_path"]
+may = [3, 9]
+[[processes]]
+number = 9
+name = "drive at once"
+robot = "agv"
+subprocesses = [1, 2]
+steps = ["leg 1"]
+initial = [2]
+"""
+    settings = {"programs": str(tmp_path / "programs"), "dsps": 1, "machine.guard": False, "kernels.avoidance": "none", "duration_s": 0.03}
+    simulation = cmrc.Simulation(cmrc.config(toml=drive, settings=settings))
+
+    def kept() -> list[int]:
+        return [simulation.peek(simulation.symbol("AG_BASE") + simulation.symbol(word)) for word in words]
+
+    simulation.run_until(0.019)
+    assert kept() == [77] * 4
+    simulation.run_until(0.03)
+    assert simulation.peek(simulation.symbol("AG_BASE") + simulation.symbol("AG_LEG")) != 0
+    assert kept() == [0] * 4

@@ -103,7 +103,7 @@ def outline(x: float, y: float, heading: float, length: float = 14.8, width: flo
 
 def could_prevent(course: Course, contact: float, other: Callable[[float], np.ndarray], vehicle: bool) -> bool:
     """`other`: points of what was hit, at a time. That another vehicle may turn or brake has to be reckoned with."""
-    if abs(course.at(contact - 0.02)[3]) < 0.05:
+    if course.at(contact - 0.02)[3] < 0.05:  # it stood, or rolled back to its set-point
         return False
     times = course.time[course.time <= contact]
     in_time = [t for t in times if t + REACTION + abs(course.at(t)[3]) / BRAKE <= contact]

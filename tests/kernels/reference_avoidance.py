@@ -8,23 +8,26 @@ from dataclasses import dataclass
 import numpy as np
 from reference_agv import Segment, pose_at, wrap
 
-AHEAD, BEHIND, BEYOND, ACROSS = 45.0, -15.0, 40.0, 8.0  # m
+AHEAD, BEHIND, BEYOND, ACROSS, STANDS = 45.0, -15.0, 40.0, 11.0, 8.0  # m
 HALF, CLOSE, CLOSE_AHEAD, CLOSE_SPEED = 1.9, 2.4, 12.0, 2.0
 SHIFT_MOST, HOLD_WITHIN, REAR, HOME, BLEND = 2.5, 25.0, 9.0, 25.0, 15.0
 B, T, STAND, CREEP = 0.9, 0.5, 1.5, 0.125
 SHIFTING, SHIFT_SPEED = 0.5, 2.5
 REACH, FASTEST = 25.0, 6.0
 MOVES, MOVES_MOST, BIN, BINS, PASSED = 0.25, 3.0, 1.5, 32, 16.0
+COMES, SOON, WAY = 0.5, 2.0, 3.8
 NOTHING = 1000.0
 HALF_LENGTH = 7.4
 
 
 @dataclass
 class Look:
-    """What is kept of a look: what blocks the way, m along the leg, and per bin of the leg the lateral place nearest to the lane, to the left and (negated) to the right."""
+    """What is kept of a look: what blocks the way and what is close to it, m along the leg, and per bin of the leg the lateral place nearest to the lane, to the
+    left and (negated) to the right."""
 
     count: int
     block: float
+    close: float
     sides: tuple[list[float], list[float]]
 
 
@@ -48,6 +51,8 @@ class View:
     count: int = 8
     period: float = 0.02
     then: Look | None = None  # the look two slots of 16 points before
+    wait: int = 0
+    place: float = 0.0
 
 
 @dataclass
@@ -113,8 +118,10 @@ class Lane:
         foot = project(view, view.x, view.y)
         self.s, self.lateral = foot[:2] if foot else (view.s, 0.0)
         self.left = sum(g.length for g in view.segments) - self.s
+        self.last = self.left - HOME - REAR  # where the last thing may stand that is passed beside the lane
         self.echoes: list[Echo] = []
         self.look: Look | None = None  # what decide keeps
+        self.wait, self.place = view.wait, view.place
         n = len(view.rays)
         c, s = math.cos(view.heading), math.sin(view.heading)
         for k in range(sectors):
@@ -145,8 +152,8 @@ def side(lane: Lane, shift: float) -> tuple[float, float]:
     view = lane.view
     shift = max(-SHIFT_MOST, min(SHIFT_MOST, shift))
     inside = [e.along for e in lane.echoes if clear(e, 0.0) < HALF]
-    passable = [a for a in inside if a <= lane.left - HOME - REAR and a < HOLD_WITHIN]
-    late = [a for a in inside if a > lane.left - HOME - REAR]
+    passable = [a for a in inside if a <= lane.last and a < HOLD_WITHIN]
+    late = [a for a in inside if a > lane.last]
     hold = max([view.hold, *(lane.s + a + REAR for a in passable)])
     if hold > lane.s:
         if abs(shift) < abs(view.shift) or shift * view.shift < 0:
@@ -161,30 +168,44 @@ def way(lane: Lane, shift: float, along: float) -> float:
     return shift + (lane.lateral - shift) * (1 - t) ** 2 * (1 + 2 * t)
 
 
-def block(lane: Lane, shift: float) -> tuple[float, bool]:
-    free, close = math.inf, False
+def block(lane: Lane, shift: float) -> tuple[float, float]:
+    """Metres before the front to what blocks the way, and to what is close to it."""
+    free, close = math.inf, math.inf
     for e in lane.echoes:
         gap = clear(e, way(lane, shift, e.along))
+        if e.along > lane.last:
+            gap = min(gap, clear(e, 0.0))
         ahead = max(e.along, e.x) - lane.view.mount
         if gap >= CLOSE:
             continue
-        close |= ahead < CLOSE_AHEAD
+        close = min(close, ahead)
         if gap < HALF:
             free = min(free, ahead)
     return free, close
 
 
-def motion(lane: Lane, shift: float, free: float) -> tuple[float, Look]:
-    """The free distance, shortened by what comes into the way or along it; this look."""
+def remember(lane: Lane, x: float, ahead: float, way: float, speed: float) -> None:
+    """What is x m before the front, and has `way` metres to go until it is out of the way, is soon out of sight."""
+    place = lane.s + lane.view.mount + ahead
+    if x < SOON and (lane.wait <= lane.view.count or place <= lane.place):
+        lane.wait, lane.place = lane.view.count + math.floor(way / speed / lane.view.period), place
+
+
+def motion(lane: Lane, shift: float, free: float, close: float) -> tuple[float, Look]:
+    """The free distance, shortened by what comes into the way, along it or past the vehicle; this look."""
     view, then = lane.view, lane.view.then
     rate = 0.0
     if then is not None and 16 <= view.count - then.count < 48:
         rate = 1 / ((view.count - then.count) * view.period)
-    now = Look(view.count, NOTHING, ([NOTHING] * BINS, [NOTHING] * BINS))
-    if free < math.inf:
-        now.block = lane.s + view.mount + free
-        if then is not None and rate and then.block < NOTHING and MOVES < (then.block - now.block) * rate <= MOVES_MOST:
-            free -= (then.block - now.block) * rate * (T + view.speed / B)
+    base = lane.s + view.mount
+    now = Look(view.count, min(base + free, NOTHING), min(base + close, NOTHING), ([NOTHING] * BINS, [NOTHING] * BINS))
+    if then is not None and rate:
+        stopping = T + view.speed / B
+        if NOTHING not in (then.block, now.block) and MOVES < (comes := (then.block - now.block) * rate) <= MOVES_MOST:
+            free -= comes * stopping
+        if NOTHING not in (then.close, now.close) and COMES < (comes := (then.close - now.close) * rate) <= MOVES_MOST:
+            remember(lane, close, close, close + PASSED, comes)
+            free = min(free, close - comes * stopping)
     for e in lane.echoes:
         n, sign, k = math.floor((lane.s + e.along) / BIN), (1 if e.lateral >= lane.lateral else -1), int(e.lateral < lane.lateral)
         place, ahead = sign * e.lateral, max(e.along, e.x) - view.mount
@@ -198,11 +219,15 @@ def motion(lane: Lane, shift: float, free: float) -> tuple[float, Look]:
         gap = clear(e, way(lane, shift, e.along)) - HALF
         if gap / speed < (ahead + PASSED) / max(view.speed, 1.0):
             free = min(free, ahead)
+            if speed > COMES:
+                remember(lane, e.x - view.mount, ahead, gap + WAY, speed)
     return free, now
 
 
-def decide(lane: Lane, shift: float, speed: float) -> tuple[float | None, float, float]:
-    """Limit (None: none), shift, hold."""
+Said = tuple[float | None, float, float, float, int]  # limit (None: none), shift, hold, place, wait
+
+
+def decide(lane: Lane, shift: float, speed: float) -> Said:
     view = lane.view
     shift, hold = side(lane, shift)
     free, close = block(lane, shift)
@@ -210,29 +235,33 @@ def decide(lane: Lane, shift: float, speed: float) -> tuple[float | None, float,
         other, other_close = block(lane, view.shift)
         if other > free + 0.5:
             shift, free, close = view.shift, other, other_close
-    free, lane.look = motion(lane, shift, free)
+    free, lane.look = motion(lane, shift, free, close)
+    if lane.wait > view.count:
+        free = min(free, lane.place - lane.s - view.mount)
     if free < math.inf:
         # v T + v^2 / (2 B) = what is left
         left = max(0.0, free - STAND)
         stoppable = float(max(np.roots([1 / (2 * B), T, -left]).real))
         speed = min(speed, stoppable if stoppable >= CREEP else 0.0)
-    if close:
+    if close < CLOSE_AHEAD:
         speed = min(speed, CLOSE_SPEED)
     if abs(shift - lane.lateral) > SHIFTING:
         speed = min(speed, SHIFT_SPEED)
-    return (None if speed == math.inf else speed), shift, hold
+    return (None if speed == math.inf else speed), shift, hold, lane.place, lane.wait
 
 
 def nearest(lane: Lane) -> list[Echo]:
     """Of each four sectors the nearest."""
     groups: dict[int, Echo] = {}
     for e in lane.echoes:
+        if abs(e.lateral) >= STANDS:
+            continue
         if e.sector // 4 not in groups or e.range < groups[e.sector // 4].range:
             groups[e.sector // 4] = e
     return list(groups.values())
 
 
-def potential(view: View) -> tuple[float | None, float, float]:
+def potential(view: View) -> Said:
     lane = Lane(view, 64)
     total = np.zeros(2)
     for e in nearest(lane):
@@ -248,13 +277,13 @@ def potential(view: View) -> tuple[float | None, float, float]:
     return decide(lane, 30000 * total[1], speed)
 
 
-def vfh(view: View) -> tuple[float | None, float, float]:
+def vfh(view: View) -> Said:
     lane = Lane(view, 72)
     density = 72 / (len(view.rays) * view.step)
     dark = np.zeros(72)
     nearest, beside = REACH, 0.0
     for e in lane.echoes:
-        if e.range >= REACH:
+        if e.range >= REACH or abs(e.lateral) >= STANDS:
             continue
         if e.range < nearest:
             nearest, beside = e.range, e.lateral
@@ -278,7 +307,7 @@ def vfh(view: View) -> tuple[float | None, float, float]:
     return decide(lane, lane.lateral + max(nearest, 4.0) * math.sin(angle), FASTEST * (1 - 0.7 * smooth[goal]))
 
 
-def dynamic_window(view: View) -> tuple[float | None, float, float]:
+def dynamic_window(view: View) -> Said:
     lane = Lane(view, 64)
     near = nearest(lane)
     spots = np.array([[e.x, e.y] for e in near] + [[1000.0, 0.0]] * (16 - len(near)))
