@@ -40,6 +40,7 @@ AV_NEAR_FOUND   .set SCRATCH + 125      ; i points in AV_NEAR
 AV_PIECE        .set SCRATCH + 126      ; i result of avoid_project: address of the piece
 AV_WAIT         .set SCRATCH + 127      ; i AG_AVOID_WAIT
 AV_PLACE        .set SCRATCH + 204      ; f m, AG_AVOID_PLACE
+AV_SEEN         .set SCRATCH + 205      ; f m, from the front to what blocks the way near it, straight on
 AV_MINIMA       .set SCRATCH + 208      ; per sector: mm to the nearest echo less 1 (FFFFFFFFh: none), its ray
 AV_POINTS       .set SCRATCH + 352      ; per echo AV_POINT_WORDS: range, x, y, along from the vehicle's middle, lateral, sector, swing
 AV_POINT_WORDS  .set 7
@@ -583,9 +584,12 @@ avoid_hold_next:
         subi    1, ar2
         cmpi    0, ar2
         bge     avoid_hold_point
+        ldf     @AV_HOLD, r10
         stf     r7, @AV_HOLD
-        cmpf    @AV_S, r7
-        ble     avoid_hold_over
+        cmpf    @K_AV_NO_LIMIT, r8
+        calllt  avoid_feasible
+        cmpf    @AV_S, r10
+        ble     avoid_hold_over                 ; it is not bound by what it passes already
         absf    @AV_SHIFT_OLD, r0
         absf    r6, r1
         cmpf    r0, r1
@@ -604,6 +608,85 @@ avoid_side_home:
         ldflt   0.0, r6
         rnd     r6, r6
         stf     r6, @AV_SHIFT
+        rets
+
+; R6 <- the shift that passes the group of things that begins R8 ahead: R6, or as much more as it needs; to the other side, if this one is shut and that one is
+; not; none if both are. R6 = 0 stays. Clobbers R0 .. R5, R11, AR1, AR2.
+avoid_feasible:
+        cmpf    0.0, r6
+        retseq
+        ldf     @K_AV_SHIFT_MOST, r4            ; farthest to the left
+        negf    r4, r5                          ; and right
+        ldf     @K_AV_NO_LIMIT, r11             ; needed to pass on the right
+        negf    r11, r3                         ; on the left
+        ldhi    hi16(AV_POINTS), ar1
+        or      lo16(AV_POINTS), ar1
+        ldi     @AV_FOUND, ar2
+        br      avoid_feasible_next
+avoid_feasible_point:
+        ldf     *+ar1(AV_PALONG), r0
+        subf    r8, r0
+        cmpf    @K_AV_GROUP, r0
+        bge     avoid_feasible_after
+        ldf     *+ar1(AV_PLATERAL), r0
+        call    avoid_gap
+        ldf     *+ar1(AV_PSWING), r1
+        cmpf    0.0, r1
+        ldfgt   0.0, r1
+        subrf   *+ar1(AV_PLATERAL), r1
+        addf    @K_AV_NEEDS, r1                 ; the vehicle's place when it passes this on its left
+        ldf     *+ar1(AV_PSWING), r2
+        cmpf    0.0, r2
+        ldflt   0.0, r2
+        subrf   *+ar1(AV_PLATERAL), r2
+        subf    @K_AV_NEEDS, r2                 ; on its right
+        cmpf    @K_AV_HALF, r0
+        bge     avoid_feasible_beside
+        cmpf    r3, r1
+        ldfgt   r1, r3
+        cmpf    r11, r2
+        ldflt   r2, r11
+        br      avoid_feasible_after
+avoid_feasible_beside:                          ; it stands beside the lane: between it and the group must be room
+        cmpf    r4, r2
+        ldfgt   r4, r2
+        cmpf    r5, r1
+        ldflt   r5, r1
+        ldf     *+ar1(AV_PLATERAL), r0
+        ldfgt   r2, r4
+        ldflt   r1, r5
+avoid_feasible_after:
+        addi    AV_POINT_WORDS, ar1
+avoid_feasible_next:
+        subi    1, ar2
+        cmpi    0, ar2
+        bge     avoid_feasible_point
+        cmpf    0.0, r6
+        blt     avoid_feasible_right
+        cmpf    r4, r3
+        bgt     avoid_feasible_only_right
+        cmpf    r3, r6
+        ldflt   r3, r6
+        cmpf    r4, r6
+        ldfgt   r4, r6
+        rets
+avoid_feasible_only_right:
+        ldf     r11, r6
+        cmpf    r5, r11
+        ldflt   0.0, r6
+        rets
+avoid_feasible_right:
+        cmpf    r5, r11
+        blt     avoid_feasible_only_left
+        cmpf    r11, r6
+        ldfgt   r11, r6
+        cmpf    r5, r6
+        ldflt   r5, r6
+        rets
+avoid_feasible_only_left:
+        ldf     r3, r6
+        cmpf    r4, r3
+        ldfgt   0.0, r6
         rets
 
 ; R3 <- how far ahead the last thing may stand that can be passed beside the lane, so that the vehicle is back in it for the leg's end.
@@ -649,10 +732,12 @@ avoid_ahead:
         subf    @AV_MOUNT, r0
         rets
 
-; FREE, CLOSE: what blocks the way from the present lateral place to SHIFT, and back into the lane before the leg's end, and what stands close beside it.
+; FREE, CLOSE: what blocks the way from the present lateral place to SHIFT, and back into the lane before the leg's end, and what stands close beside it. SEEN: on the
+; inner side of a bend it goes out of view before it is as near as that along the lane; the vehicle must stand before.
 avoid_block:
         ldf     @K_AV_NO_LIMIT, r7              ; free distance
         ldf     r7, r5
+        ldf     r7, r9
         call    avoid_home
         ldhi    hi16(AV_POINTS), ar1
         or      lo16(AV_POINTS), ar1
@@ -682,6 +767,12 @@ avoid_block_gap:
         bge     avoid_block_after
         cmpf    r7, r0
         ldflt   r0, r7
+        cmpf    @K_AV_NEAR, r0
+        bge     avoid_block_after
+        ldf     *+ar1(AV_PX), r0
+        subf    @AV_MOUNT, r0
+        cmpf    r9, r0
+        ldflt   r0, r9
 avoid_block_after:
         addi    AV_POINT_WORDS, ar1
 avoid_block_next:
@@ -690,6 +781,7 @@ avoid_block_next:
         bge     avoid_block_point
         stf     r7, @AV_FREE
         stf     r5, @AV_CLOSE
+        stf     r9, @AV_SEEN
         rets
 
 ; R1 <- what stopping takes from the present speed: v T + v^2 / (2 B).
@@ -711,7 +803,6 @@ avoid_keep:
         ldf     @AV_FREE, r10
         cmpf    r1, r10
         retsge
-        ldf     @AV_CLOSE, r11
         ldf     @AV_SHIFT_OLD, r0
         stf     r0, @AV_SHIFT
         call    avoid_block
@@ -720,9 +811,7 @@ avoid_keep:
         cmpf    r0, r7
         retsgt
         stf     r6, @AV_SHIFT
-        stf     r10, @AV_FREE
-        stf     r11, @AV_CLOSE
-        rets
+        br      avoid_block
 
 ; ---- what moves: the lateral places of what stands beside the lane are compared with those of some 0.4 s ago (16 to 48 points). What comes nearer
 ; so fast that it would be in the way before the rear has passed blocks it now; what comes along the way shortens it by its way while the vehicle stops. ----
@@ -975,6 +1064,8 @@ avoid_bank_first:
 ; The speed from which braking by B after T ends K_AV_STAND short of it: v = B (sqrt(T^2 + 2 d / B) - T)
 avoid_speed:
         ldf     @AV_FREE, r7
+        cmpf    @AV_SEEN, r7
+        ldfgt   @AV_SEEN, r7
         ldf     @AV_SPEED, r6
         ldi     @AV_WAIT, r0
         cmpi    @AV_COUNT, r0

@@ -32,6 +32,12 @@ K_AV_SHIFT_MOST     .set $ - LIFT
                     .float 2.5
 K_AV_HOLD_WITHIN    .set $ - LIFT
                     .float 25.0
+K_AV_NEEDS          .set $ - LIFT
+                    .float 2.05                 ; m from the lane's middle to what is passed: K_AV_HALF and what the vehicle may be off its way
+K_AV_GROUP          .set $ - LIFT
+                    .float 8.0                  ; m: what stands so far behind the first thing is passed together with it
+K_AV_NEAR           .set $ - LIFT
+                    .float 8.0                  ; m
 K_AV_REAR           .set $ - LIFT
                     .float 9.0                  ; the rear is past a place when the middle is so far past it
 K_AV_HOME_STRAIGHT  .set $ - LIFT

@@ -18,7 +18,7 @@ RANGE = 0x800  # of AGV 0, as AGV_UNIT is 400h
 def machine() -> Dsp:
     dsp = Dsp()
     dsp.agv(0)
-    for name, value in (("AG_UNIT", UNIT), ("AG_STEP_TIME", DT), ("AG_PERIOD_US", 20_000)):
+    for name, value in (("AG_UNIT", UNIT), ("AG_STEP_TIME", DT)):
         dsp.put(name, value)
     return dsp
 
@@ -54,6 +54,7 @@ def drive(dsp: Dsp, kernel: str | None, segments: list[Segment], scene: Scene, l
     set_leg(dsp, 1, segments)
     for name in ("AG_AVOID_LIMIT", "AG_AVOID_SHIFT", "AG_AVOID_HOLD", "AG_AVOID_WAIT", "AG_PRODUCED"):
         dsp.put(name, 0)
+    dsp.put("AG_PERIOD_US", 20_000)
     vehicle = Vehicle(segments[0].x, segments[0].y, segments[0].heading, load)
     out, k, done = Drive(), 0, False
     while vehicle.time < limit and not (done and not vehicle.queue and vehicle.standing):

@@ -16,6 +16,7 @@ SHIFTING, SHIFT_SPEED = 0.5, 2.5
 REACH, FASTEST = 25.0, 6.0
 MOVES, MOVES_MOST, BIN, BINS, PASSED = 0.25, 3.0, 1.5, 32, 16.0
 COMES, SOON, WAY = 0.5, 2.0, 3.8
+NEEDS, GROUP, NEAR = 2.05, 8.0, 8.0
 NOTHING = 1000.0
 HALF_LENGTH = 7.4
 
@@ -147,6 +148,26 @@ class Lane:
         return c * dx + si * dy, c * dy - si * dx
 
 
+def feasible(lane: Lane, shift: float, first: float) -> float:
+    """The shift by which the group of things that begins `first` ahead can be passed; 0 if by none."""
+    sides = {+1: [-math.inf, SHIFT_MOST], -1: [-math.inf, SHIFT_MOST]}  # needed, possible; to the right all signs are turned
+    for e in lane.echoes:
+        if e.along - first >= GROUP:
+            continue
+        for sign, (needed, possible) in sides.items():
+            lateral, out = sign * e.lateral, sign * e.swing
+            if clear(e, 0.0) < HALF:
+                sides[sign][0] = max(needed, lateral + NEEDS + max(0.0, -out))
+            elif lateral > 0:
+                sides[sign][1] = min(possible, lateral - NEEDS - max(0.0, out))
+    sign = 1 if shift > 0 else -1
+    for s in (sign, -sign):
+        needed, possible = sides[s]
+        if needed <= possible:
+            return s * (min(max(abs(shift), needed), possible) if s == sign else needed)
+    return 0.0
+
+
 def side(lane: Lane, shift: float) -> tuple[float, float]:
     """Shift, hold."""
     view = lane.view
@@ -155,7 +176,9 @@ def side(lane: Lane, shift: float) -> tuple[float, float]:
     passable = [a for a in inside if a <= lane.last and a < HOLD_WITHIN]
     late = [a for a in inside if a > lane.last]
     hold = max([view.hold, *(lane.s + a + REAR for a in passable)])
-    if hold > lane.s:
+    if passable and shift:
+        shift = feasible(lane, shift, min(passable))
+    if view.hold > lane.s:
         if abs(shift) < abs(view.shift) or shift * view.shift < 0:
             shift = view.shift
     elif late and min(late) < min(passable, default=NOTHING):
@@ -168,9 +191,9 @@ def way(lane: Lane, shift: float, along: float) -> float:
     return shift + (lane.lateral - shift) * (1 - t) ** 2 * (1 + 2 * t)
 
 
-def block(lane: Lane, shift: float) -> tuple[float, float]:
-    """Metres before the front to what blocks the way, and to what is close to it."""
-    free, close = math.inf, math.inf
+def block(lane: Lane, shift: float) -> tuple[float, float, float]:
+    """Metres before the front to what blocks the way, to what is close to it, and to what blocks near it and must stay in view."""
+    free, close, seen = math.inf, math.inf, math.inf
     for e in lane.echoes:
         gap = clear(e, way(lane, shift, e.along))
         if e.along > lane.last:
@@ -181,7 +204,9 @@ def block(lane: Lane, shift: float) -> tuple[float, float]:
         close = min(close, ahead)
         if gap < HALF:
             free = min(free, ahead)
-    return free, close
+            if ahead < NEAR:
+                seen = min(seen, e.x - lane.view.mount)
+    return free, close, seen
 
 
 def remember(lane: Lane, x: float, ahead: float, way: float, speed: float) -> None:
@@ -230,12 +255,13 @@ Said = tuple[float | None, float, float, float, int]  # limit (None: none), shif
 def decide(lane: Lane, shift: float, speed: float) -> Said:
     view = lane.view
     shift, hold = side(lane, shift)
-    free, close = block(lane, shift)
+    free, close, seen = block(lane, shift)
     if shift != view.shift and free < view.speed * T + view.speed**2 / (2 * B) + STAND:
-        other, other_close = block(lane, view.shift)
-        if other > free + 0.5:
-            shift, free, close = view.shift, other, other_close
+        other = block(lane, view.shift)
+        if other[0] > free + 0.5:
+            shift, (free, close, seen) = view.shift, other
     free, lane.look = motion(lane, shift, free, close)
+    free = min(free, seen)
     if lane.wait > view.count:
         free = min(free, lane.place - lane.s - view.mount)
     if free < math.inf:
