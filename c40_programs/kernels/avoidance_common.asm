@@ -860,10 +860,10 @@ avoid_motion_close:
         cmpf    @K_AV_COMES, r1
         ble     avoid_motion_clear
         ldf     r7, r0                          ; what comes along past the vehicle: let it pass
-        addf    @K_AV_PASSED, r0
+        addf    @K_AV_PASSES, r0
         ldf     r7, r2
-        ldf     r7, r3
-        call    avoid_remember
+        cmpf    @K_AV_SOON, r7
+        calllt  avoid_remember
         call    avoid_meet
         subf    r0, r7
         cmpf    @AV_FREE, r7
@@ -928,11 +928,9 @@ avoid_meet:
         mpyf    r1, r0
         rets
 
-; WAIT, PLACE <- what comes at R1 m/s and needs R0 m to be out of the way, R2 ahead along the lane, if it is soon beside the front (R3 ahead), where it is
-; not seen. Something nearer that is remembered already is kept. Keeps R1, R6 .. R11.
+; WAIT, PLACE <- what comes at R1 m/s and needs R0 m to be out of the way, R2 ahead along the lane and soon beside the front, where it is not seen. Something
+; nearer that is remembered already is kept. Keeps R1, R6 .. R11.
 avoid_remember:
-        cmpf    @K_AV_SOON, r3
-        retsge
         addf    @AV_MOUNT, r2
         addf    @AV_S, r2
         rnd     r2, r2
@@ -991,19 +989,7 @@ avoid_crossing_then:
         ldf     r7, r0                          ; rate
         ldf     r1, r7                          ; ahead of the front
         addi    AV_LOOK_WORDS, ar0              ; AV_THEN
-        ldf     *+ar0(ir0), r2                  ; where it was, or its neighbour that was nearest
-        subi    1, r3
-        ldi     r3, ir0
-        and     AV_BINS - 1, ir0
-        addi    r4, ir0
-        cmpf    *+ar0(ir0), r2
-        ldfgt   *+ar0(ir0), r2
-        addi    2, r3
-        ldi     r3, ir0
-        and     AV_BINS - 1, ir0
-        addi    r4, ir0
-        cmpf    *+ar0(ir0), r2
-        ldfgt   *+ar0(ir0), r2
+        call    avoid_before
         cmpf    @K_AV_NO_LIMIT, r2
         retsge
         subf    r9, r2
@@ -1028,17 +1014,68 @@ avoid_crossing_then:
         mpyf    r11, r0                         ; gap / speed there < (ahead + length) / speed here
         cmpf    r0, r1
         retsge
+        cmpf    @AV_FREE, r7
+        bge     avoid_crossing_soon
+        stf     r7, @AV_FREE
+avoid_crossing_soon:
+        ldf     *+ar1(AV_PX), r0
+        subf    @AV_MOUNT, r0
+        cmpf    @K_AV_SOON, r0
+        retsge
+        call    avoid_older
+        cmpf    @K_AV_CROSSES, r1
+        retsle
         ldf     r8, r0                          ; as far, and to the other side of the way
         addf    @K_AV_WAY, r0
-        ldf     r11, r1
         ldf     r7, r2
-        ldf     *+ar1(AV_PX), r3
-        subf    @AV_MOUNT, r3
-        cmpf    @K_AV_COMES, r1
-        callgt  avoid_remember
-        cmpf    @AV_FREE, r7
-        ldfge   @AV_FREE, r7
-        stf     r7, @AV_FREE
+        br      avoid_remember
+
+; R1 <- the speed at which the place R9 (bin R3, side R4) has come nearer since the look of three slots ago (0.6 to 1.3 s), longer than what the rim of a post that
+; is driven past can feign; 0: unknown. Clobbers R0, R2, R5, R10, AR0, IR0.
+avoid_older:
+        ldi     @AV_COUNT, r0
+        lsh     -4, r0
+        subi    3, r0
+        call    avoid_bank
+        ldf     0.0, r1
+        ldi     @AV_COUNT, r5
+        addi    1, r5
+        ldi     *ar0, r0
+        retseq                                  ; nothing has been kept there
+        subi    r0, r5
+        cmpi    32, r5
+        retslt
+        cmpi    64, r5
+        retsge
+        call    avoid_before
+        cmpf    @K_AV_NO_LIMIT, r2
+        retsge
+        subf    r9, r2
+        ldf     r2, r10
+        float   r5, r0
+        float   *+ar6(AG_PERIOD_US), r1
+        mpyf    @K_MICRO, r1
+        mpyf    r1, r0
+        call    m_reciprocal
+        mpyf3   r0, r10, r1
+        rets
+
+; R2 <- the place nearest to the lane that the look at AR0 has of bin R3 and its neighbours, on the side whose bins begin at R4. Clobbers IR0.
+avoid_before:
+        ldf     @K_AV_NO_LIMIT, r2
+        subi    1, r3
+        call    avoid_before_bin
+        call    avoid_before_bin
+        call    avoid_before_bin
+        subi    2, r3
+        rets
+avoid_before_bin:
+        ldi     r3, ir0
+        and     AV_BINS - 1, ir0
+        addi    r4, ir0
+        cmpf    *+ar0(ir0), r2
+        ldfgt   *+ar0(ir0), r2
+        addi    1, r3
         rets
 
 ; AR0 <- where this AGV's look of slot R0 is kept. Clobbers R0, R1.

@@ -68,6 +68,10 @@ K_AV_MOVES_MOST     .set $ - LIFT
                     .float 3.0                  ; m/s
 K_AV_COMES          .set $ - LIFT
                     .float 0.5                  ; m/s: what comes along the lane beside the way is let pass
+K_AV_CROSSES        .set $ - LIFT
+                    .float 0.6                  ; m/s: what comes so fast into the way is remembered
+K_AV_PASSES         .set $ - LIFT
+                    .float 22.0                 ; m to walk past the vehicle, with half as much for a speed taken too high
 K_AV_SOON           .set $ - LIFT
                     .float 2.0                  ; m ahead of the front
 K_AV_WAY            .set $ - LIFT

@@ -15,7 +15,7 @@ B, T, STAND, CREEP = 0.9, 0.5, 1.5, 0.125
 SHIFTING, SHIFT_SPEED = 0.5, 2.5
 REACH, FASTEST = 25.0, 6.0
 MOVES, MOVES_MOST, BIN, BINS, PASSED = 0.25, 3.0, 1.5, 32, 16.0
-COMES, SOON, WAY = 0.5, 2.0, 3.8
+COMES, CROSSES, PASSES, SOON, WAY = 0.5, 0.6, 22.0, 2.0, 3.8
 NEEDS, GROUP, NEAR = 2.05, 8.0, 8.0
 NOTHING = 1000.0
 HALF_LENGTH = 7.4
@@ -52,6 +52,7 @@ class View:
     count: int = 8
     period: float = 0.02
     then: Look | None = None  # the look two slots of 16 points before
+    older: Look | None = None  # three
     wait: int = 0
     place: float = 0.0
 
@@ -209,10 +210,10 @@ def block(lane: Lane, shift: float) -> tuple[float, float, float]:
     return free, close, seen
 
 
-def remember(lane: Lane, x: float, ahead: float, way: float, speed: float) -> None:
-    """What is x m before the front, and has `way` metres to go until it is out of the way, is soon out of sight."""
+def remember(lane: Lane, ahead: float, way: float, speed: float) -> None:
+    """What has `way` metres to go until it is out of the way is soon out of sight."""
     place = lane.s + lane.view.mount + ahead
-    if x < SOON and (lane.wait <= lane.view.count or place <= lane.place):
+    if lane.wait <= lane.view.count or place <= lane.place:
         lane.wait, lane.place = lane.view.count + math.floor(way / speed / lane.view.period), place
 
 
@@ -229,7 +230,8 @@ def motion(lane: Lane, shift: float, free: float, close: float) -> tuple[float, 
         if NOTHING not in (then.block, now.block) and MOVES < (comes := (then.block - now.block) * rate) <= MOVES_MOST:
             free -= comes * stopping
         if NOTHING not in (then.close, now.close) and COMES < (comes := (then.close - now.close) * rate) <= MOVES_MOST:
-            remember(lane, close, close, close + PASSED, comes)
+            if close < SOON:
+                remember(lane, close, close + PASSES, comes)
             free = min(free, close - comes * stopping)
     for e in lane.echoes:
         n, sign, k = math.floor((lane.s + e.along) / BIN), (1 if e.lateral >= lane.lateral else -1), int(e.lateral < lane.lateral)
@@ -244,8 +246,12 @@ def motion(lane: Lane, shift: float, free: float, close: float) -> tuple[float, 
         gap = clear(e, way(lane, shift, e.along)) - HALF
         if gap / speed < (ahead + PASSED) / max(view.speed, 1.0):
             free = min(free, ahead)
-            if speed > COMES:
-                remember(lane, e.x - view.mount, ahead, gap + WAY, speed)
+            older = view.older
+            if e.x - view.mount < SOON and older is not None and 32 <= view.count - older.count < 64:
+                before = min(older.sides[k][(n + d) % BINS] for d in (-1, 0, 1))
+                speed = (before - place) / ((view.count - older.count) * view.period)
+                if before < NOTHING and speed > CROSSES:
+                    remember(lane, ahead, gap + WAY, speed)
     return free, now
 
 

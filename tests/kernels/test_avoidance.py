@@ -70,6 +70,9 @@ def random_view(r: random.Random) -> View:
         nearest = lane.s + min((e.along for e in lane.echoes), default=10.0)
         block, beside = (r.choice([NOTHING, *(from_ti(to_ti(place)) for place in (s + r.uniform(10, 30), nearest + r.uniform(0, 1.5)))]) for _ in range(2))
         view.then = Look(((view.count >> 4) - 2 << 4) + r.randrange(16), block, beside, (next(kept), next(kept)))
+        earlier = ([p if p == NOTHING else from_ti(to_ti(p + r.choice([0.0, 0.5, 1.0, 1.5]))) for p in places] for places in now.sides)
+        if r.random() < 0.7:
+            view.older = Look(((view.count >> 4) - 3 << 4) + r.randrange(16), NOTHING, NOTHING, (next(earlier), next(earlier)))
     return view
 
 
@@ -83,9 +86,10 @@ def run(dsp: Dsp, kernel: str, view: View) -> tuple[Said, int, int]:
     set_leg(dsp, 1, view.segments)
     dsp.put("AG_PRODUCED", view.count)
     dsp.put("AG_PERIOD_US", round(view.period * 1e6))
-    bank = bank_of(dsp, (view.count >> 4) - 2)
-    for i, word in enumerate([0] * (3 + 2 * BINS) if view.then is None else [view.then.count + 1, *map(to_ti, (view.then.block, view.then.close, *view.then.sides[0], *view.then.sides[1]))]):
-        dsp.chip.poke(bank + i, word)
+    for look, slots in ((view.then, 2), (view.older, 3)):
+        words = [0] * (3 + 2 * BINS) if look is None else [look.count + 1, *map(to_ti, (look.block, look.close, *look.sides[0], *look.sides[1]))]
+        for i, word in enumerate(words):
+            dsp.chip.poke(bank_of(dsp, (view.count >> 4) - slots) + i, word)
     dsp.put("AG_TRAJECTORY", view.s, 8)
     dsp.put("AG_POINT", view.curvature, 8 + 6)
     dsp.put("AG_AVOID_SHIFT", round(view.shift * 1e3))

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from cmrc import _core
-from dock_traffic import Course, Mover, Waypoint, preventable
+from dock_traffic import Course, Mover, Waypoint, on_lane, preventable
 from fleet_loop import Fleet
 from traffic_campaign import by_kernels
 
@@ -52,6 +52,65 @@ def test_a_truck_that_rolls_slowly_through_the_lane_before_the_warehouse(kernel:
     fleet.run(40.0)
     assert not fleet.collisions()
     assert fleet.dock.agv_x(0, fleet.t) / 1e3 < 45 and fleet.dock.agv_y(0, fleet.t) < 0  # round the bend at least
+
+
+def among(kernel: str, *movers: Mover) -> Fleet:
+    config = _core.plant.default_dock(1)
+    config.layout.movers = movers
+    return Fleet(config, kernel)
+
+
+def stands(s: float, lateral: float, radius: float = 0.3) -> Mover:
+    return Mover(radius, 1.8, [Waypoint(0.0, *on_lane(s, lateral, 1))])
+
+
+@pytest.mark.parametrize(("kernel", "s"), [("avoidance_vfh", 30.0), ("avoidance_vfh", 36.0), ("avoidance_potential", 36.0)])
+def test_who_comes_from_the_inner_side_of_a_bend_is_remembered(kernel: str, s: float) -> None:
+    """At 1.2 m/s from 11 m beside the lane: seen for 3 s, then beside the front until the flank is reached, 5 s later."""
+    fleet = among(kernel, Mover(0.4, 1.8, [Waypoint(5.0, *on_lane(s, -11, 1)), Waypoint(5.0 + 22 / 1.2, *on_lane(s, 11, 1))]))
+    fleet.run(25.0)
+    assert not fleet.collisions()
+
+
+def test_who_walks_along_the_lane_past_the_vehicle_is_let_pass() -> None:
+    """Against the traffic through a bend, 3 m beside the middle of a vehicle that makes room: it stands until he is past its rear."""
+    start, stations = -25.0, np.linspace(55.0, 15.0, 9)
+    walker = Mover(0.5, 1.8, [Waypoint(start + (55.0 - s) / 0.7, *on_lane(float(s), -0.6, 1)) for s in stations])
+    fleet, beside = among("avoidance_vfh", walker), []
+    while fleet.t < 40e12:
+        fleet.run(0.1)
+        d, t = fleet.dock, fleet.t
+        x, y = _core.plant.mover_place(walker, t * 1e-12)[:2]
+        heading = d.agv_heading(0, t) / 1e6
+        ahead = np.cos(heading) * (x - d.agv_x(0, t) / 1e3) + np.sin(heading) * (y - d.agv_y(0, t) / 1e3)
+        if -6.0 < ahead < 5.0 and t > 8e12:
+            beside.append(d.agv_speed(0, t) / 1e3)
+    assert len(beside) > 100 and max(beside) < 0.2
+    assert not fleet.collisions() and fleet.dock.agv_speed(0, fleet.t) > 1000  # and then it goes on
+
+
+def test_a_post_that_leaves_no_room_before_the_legs_end_is_waited_for_in_view() -> None:
+    """On the inner side of the last bend, where no shift could be given back in time: the vehicle stands while it still sees the post."""
+    fleet = among("avoidance_vfh", Mover(0.4, 2.0, [Waypoint(0.0, 42.8, -14.3)]))
+    fleet.run(35.0)
+    assert not fleet.collisions() and fleet.dock.agv_speed(0, fleet.t) == 0
+
+
+def test_who_stands_where_the_shift_must_be_given_back_is_not_passed() -> None:
+    """A post asks for a shift to the left; 18 m behind it, so near the leg's end that nothing is passed, somebody stands in the lane until 30 s."""
+    at, off = on_lane(66.0, -0.3, 1), on_lane(66.0, 12.0, 1)
+    fleet = among("avoidance_vfh", stands(48.0, -0.9), Mover(0.3, 1.8, [Waypoint(0.0, *at), Waypoint(30.0, *at), Waypoint(40.0, *off)]))
+    fleet.run(29.0)
+    assert not fleet.collisions() and fleet.dock.agv_speed(0, fleet.t) == 0
+    x = fleet.dock.agv_x(0, fleet.t)
+    fleet.run(20.0)
+    assert not fleet.collisions() and fleet.dock.agv_x(0, fleet.t) < x - 10_000  # on the way to the warehouse, at x = 10 m
+
+
+def test_a_post_outside_in_a_bend_is_passed_on_the_side_that_has_room() -> None:
+    fleet = among("avoidance_vfh", Mover(0.4, 2.0, [Waypoint(0.0, 57.2, -0.9)]))
+    fleet.run(45.0)
+    assert not fleet.collisions() and fleet.dock.agv_x(0, fleet.t) / 1e3 < 35 and fleet.dock.agv_y(0, fleet.t) < 0
 
 
 def test_eight_vehicles_in_traffic_hit_nothing_that_they_could_have_seen() -> None:
