@@ -40,6 +40,7 @@ AV_NEAR_FOUND   .set SCRATCH + 125      ; i points in AV_NEAR
 AV_PIECE        .set SCRATCH + 126      ; i result of avoid_project: address of the piece
 AV_WAIT         .set SCRATCH + 127      ; i AG_AVOID_WAIT
 AV_PLACE        .set SCRATCH + 204      ; f m, AG_AVOID_PLACE
+AV_FLANK        .set SCRATCH + 206      ; f m, AG_AVOID_BESIDE
 AV_SEEN         .set SCRATCH + 205      ; f m, from the front to what blocks the way near it, straight on
 AV_MINIMA       .set SCRATCH + 208      ; per sector: mm to the nearest echo less 1 (FFFFFFFFh: none), its ray
 AV_POINTS       .set SCRATCH + 352      ; per echo AV_POINT_WORDS: range, x, y, along from the vehicle's middle, lateral, sector, swing
@@ -534,11 +535,48 @@ avoid_nearest_next:
 
 ; ---- the decision: AG_AVOID_LIMIT, AG_AVOID_SHIFT, AG_AVOID_HOLD from SHIFT and SPEED; R0, R1 as a kernel returns them ----
 avoid_decide:
+        call    avoid_beside
         call    avoid_side
         call    avoid_block
         call    avoid_keep
         call    avoid_motion
         br      avoid_speed
+
+; FLANK <- how far along the leg something is beside the vehicle, where a shift has no room: to that side for the flank, to the other for the ends, which swing
+; out. What is about to go out of view.
+avoid_beside:
+        float   *+ar6(AG_AVOID_BESIDE), r5
+        mpyf    @K_MILLI, r5
+        ldhi    hi16(AV_POINTS), ar1
+        or      lo16(AV_POINTS), ar1
+        ldi     @AV_FOUND, ar2
+        br      avoid_beside_next
+avoid_beside_point:
+        ldf     *+ar1(AV_PX), r0
+        subf    @AV_MOUNT, r0
+        cmpf    @K_AV_SOON, r0
+        bge     avoid_beside_after
+        ldf     *+ar1(AV_PALONG), r0
+        subf    @AV_MOUNT, r0
+        cmpf    @K_AV_BESIDE, r0                ; not a bend away
+        bge     avoid_beside_after
+        ldf     *+ar1(AV_PLATERAL), r0
+        call    avoid_gap
+        cmpf    @K_AV_BESIDE, r0
+        bge     avoid_beside_after
+        ldf     *+ar1(AV_PALONG), r0
+        addf    @AV_S, r0
+        addf    @K_AV_REAR, r0
+        cmpf    r5, r0
+        ldfgt   r0, r5
+avoid_beside_after:
+        addi    AV_POINT_WORDS, ar1
+avoid_beside_next:
+        subi    1, ar2
+        cmpi    0, ar2
+        bge     avoid_beside_point
+        stf     r5, @AV_FLANK
+        rets
 
 ; SHIFT <- the shift wanted, or the present one while it must be held; HOLD. What stands so near to the leg's end that the vehicle would not be back
 ; in the lane behind it is not passed.
@@ -603,6 +641,20 @@ avoid_hold_over:
         cmpf    r8, r9
         ldflt   0.0, r6
 avoid_side_home:
+        ldf     @AV_FLANK, r0                   ; a shift does not grow while something is beside the vehicle
+        cmpf    @AV_S, r0
+        ble     avoid_side_end
+        ldf     @AV_SHIFT_OLD, r0
+        ldf     r0, r1
+        cmpf    0.0, r0
+        ldflt   0.0, r0
+        cmpf    r0, r6
+        ldfgt   r0, r6
+        cmpf    0.0, r1
+        ldfgt   0.0, r1
+        cmpf    r1, r6
+        ldflt   r1, r6
+avoid_side_end:
         ldf     @AV_LEFT, r0                    ; the end of the leg is in the lane
         cmpf    @K_AV_HOME_STRAIGHT, r0
         ldflt   0.0, r6
@@ -696,9 +748,13 @@ avoid_home:
         subf    @K_AV_REAR, r3
         rets
 
-; R1 <- lateral place of the way R8 ahead: shift + (now - shift) (1 - t)^2 (1 + 2 t), t = R8 / 15 m. Clobbers R0, R2.
+; R1 <- lateral place of the way R8 ahead: shift + (now - shift) (1 - t)^2 (1 + 2 t), t = (R8 - 4 m) / 15 m: the front is there when the middle has gone
+; 7.4 m less. Clobbers R0, R2.
 avoid_way:
         ldf     r8, r0
+        subf    @K_AV_FRONT, r0
+        cmpf    0.0, r0
+        ldflt   0.0, r0
         mpyf    @K_AV_BLEND, r0                 ; t
         cmpf    1.0, r0
         ldfgt   1.0, r0
@@ -1150,6 +1206,9 @@ avoid_write_hold:
         ldf     @AV_PLACE, r0
         call    avoid_millimetres
         sti     r0, *+ar6(AG_AVOID_PLACE)
+        ldf     @AV_FLANK, r0
+        call    avoid_millimetres
+        sti     r0, *+ar6(AG_AVOID_BESIDE)
         ldf     @AV_HOLD, r0
         call    avoid_millimetres
         sti     r0, *+ar6(AG_AVOID_HOLD)

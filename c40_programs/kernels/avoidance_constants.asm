@@ -42,6 +42,8 @@ K_AV_REAR           .set $ - LIFT
                     .float 9.0                  ; the rear is past a place when the middle is so far past it
 K_AV_HOME_STRAIGHT  .set $ - LIFT
                     .float 25.0                 ; before the end of the leg there is no shift
+K_AV_FRONT          .set $ - LIFT
+                    .float 4.0                  ; m
 K_AV_BLEND          .set $ - LIFT
                     .float 0.06666667           ; 1 / 15 m, in which a shift is taken
 K_AV_B              .set $ - LIFT
@@ -72,6 +74,8 @@ K_AV_CROSSES        .set $ - LIFT
                     .float 0.6                  ; m/s: what comes so fast into the way is remembered
 K_AV_PASSES         .set $ - LIFT
                     .float 22.0                 ; m to walk past the vehicle, with half as much for a speed taken too high
+K_AV_BESIDE         .set $ - LIFT
+                    .float 4.5                  ; m: what stands so far beside the lane leaves room for any shift; and as far ahead of the front is not yet beside it
 K_AV_SOON           .set $ - LIFT
                     .float 2.0                  ; m ahead of the front
 K_AV_WAY            .set $ - LIFT

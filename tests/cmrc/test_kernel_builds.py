@@ -60,7 +60,7 @@ def test_a_leg_begins_without_what_avoidance_said_on_the_one_before(tmp_path: Pa
     shutil.copytree(ROOT / "c40_programs", tmp_path / "programs")
     executive = tmp_path / "programs" / "executive.asm"
     start = "        sti     r0, @EXEC_PAUSE\n"
-    words = ["AG_AVOID_LIMIT", "AG_AVOID_SHIFT", "AG_AVOID_HOLD", "AG_AVOID_WAIT"]
+    words = ["AG_AVOID_LIMIT", "AG_AVOID_SHIFT", "AG_AVOID_HOLD", "AG_AVOID_WAIT", "AG_AVOID_PLACE", "AG_AVOID_BESIDE"]
     leave = "        ldhi    hi16(WINDOW_A + AG_BASE), ar4\n        or      lo16(WINDOW_A + AG_BASE), ar4\n        ldi     77, r1\n"
     leave += "".join(f"        sti     r1, *+ar4({word})\n" for word in words)
     text = executive.read_text()
@@ -88,7 +88,7 @@ initial = [2]
         return [simulation.peek(simulation.symbol("AG_BASE") + simulation.symbol(word)) for word in words]
 
     simulation.run_until(0.019)
-    assert kept() == [77] * 4
+    assert kept() == [77] * len(words)
     simulation.run_until(0.03)
     assert simulation.peek(simulation.symbol("AG_BASE") + simulation.symbol("AG_LEG")) != 0
-    assert kept() == [0] * 4
+    assert kept() == [0] * len(words)

@@ -52,7 +52,7 @@ class Drive:
 
 def drive(dsp: Dsp, kernel: str | None, segments: list[Segment], scene: Scene, limit: float = 90.0, load: float = 0.0) -> Drive:
     set_leg(dsp, 1, segments)
-    for name in ("AG_AVOID_LIMIT", "AG_AVOID_SHIFT", "AG_AVOID_HOLD", "AG_AVOID_WAIT", "AG_PRODUCED"):
+    for name in ("AG_AVOID_LIMIT", "AG_AVOID_SHIFT", "AG_AVOID_HOLD", "AG_AVOID_WAIT", "AG_AVOID_BESIDE", "AG_PRODUCED"):
         dsp.put(name, 0)
     dsp.put("AG_PERIOD_US", 20_000)
     vehicle = Vehicle(segments[0].x, segments[0].y, segments[0].heading, load)

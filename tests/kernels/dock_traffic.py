@@ -91,6 +91,10 @@ class Course:
     time: np.ndarray
     rows: np.ndarray
 
+    def __post_init__(self) -> None:
+        self.rows = np.array(self.rows, dtype=float)
+        self.rows[:, 2] = np.unwrap(self.rows[:, 2])  # interpolated between
+
     def at(self, t: float) -> np.ndarray:
         return np.array([np.interp(t, self.time, self.rows[:, k]) for k in range(4)])
 
@@ -143,8 +147,11 @@ def preventable(collisions: Sequence[tuple[float, int, int]], courses: Sequence[
         else:
             x, y, heading, _ = courses[agv].at(time)
             body = outline(x, y, heading)
-            nearest = min(movers, key=lambda m: np.linalg.norm(body - np.array(_core.plant.mover_place(m, time)[:2]), axis=1).min() - m.radius)
-            pairs = [(agv, disc(nearest))]
+            gaps = [float(np.linalg.norm(body - np.array(_core.plant.mover_place(m, time)[:2]), axis=1).min()) - m.radius for m in movers]
+            if min(gaps, default=math.inf) > 3.0:  # part of the dock: it stood there, whatever the vehicle did
+                found += [(time, agv, other)] * bool(courses[agv].at(time - 0.02)[3] >= 0.05)
+                continue
+            pairs = [(agv, disc(movers[int(np.argmin(gaps))]))]
         if any(could_prevent(courses[k], time, points, other >= 0) for k, points in pairs):
             found.append((time, agv, other))
     return found

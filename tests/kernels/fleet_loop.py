@@ -72,7 +72,7 @@ class Fleet:
         for n, g in enumerate(segments):
             for j, value in enumerate((g.x, g.y, g.heading, g.length, g.curvature, g.speed)):
                 put("AG_SEGMENT", float(value), (v.leg - 1) * 64 + n * 8 + j)
-        for name in ("AG_AVOID_LIMIT", "AG_AVOID_SHIFT", "AG_AVOID_HOLD", "AG_AVOID_WAIT", "AG_PRODUCED"):
+        for name in ("AG_AVOID_LIMIT", "AG_AVOID_SHIFT", "AG_AVOID_HOLD", "AG_AVOID_WAIT", "AG_AVOID_BESIDE", "AG_PRODUCED"):
             put(name, 0)
         v.k, v.done = 0, False
 

@@ -16,7 +16,7 @@ SHIFTING, SHIFT_SPEED = 0.5, 2.5
 REACH, FASTEST = 25.0, 6.0
 MOVES, MOVES_MOST, BIN, BINS, PASSED = 0.25, 3.0, 1.5, 32, 16.0
 COMES, CROSSES, PASSES, SOON, WAY = 0.5, 0.6, 22.0, 2.0, 3.8
-NEEDS, GROUP, NEAR = 2.05, 8.0, 8.0
+NEEDS, GROUP, NEAR, BESIDE, FRONT = 2.05, 8.0, 8.0, 4.5, 4.0
 NOTHING = 1000.0
 HALF_LENGTH = 7.4
 
@@ -55,6 +55,7 @@ class View:
     older: Look | None = None  # three
     wait: int = 0
     place: float = 0.0
+    flank: float = 0.0
 
 
 @dataclass
@@ -124,6 +125,7 @@ class Lane:
         self.echoes: list[Echo] = []
         self.look: Look | None = None  # what decide keeps
         self.wait, self.place = view.wait, view.place
+        self.flank = view.flank
         n = len(view.rays)
         c, s = math.cos(view.heading), math.sin(view.heading)
         for k in range(sectors):
@@ -184,11 +186,14 @@ def side(lane: Lane, shift: float) -> tuple[float, float]:
             shift = view.shift
     elif late and min(late) < min(passable, default=NOTHING):
         shift = 0.0
+    lane.flank = max([view.flank, *(lane.s + e.along + REAR for e in lane.echoes if e.x - view.mount < SOON and e.along - view.mount < BESIDE and clear(e, 0.0) < BESIDE)])
+    if lane.flank > lane.s:
+        shift = max(min(shift, max(view.shift, 0.0)), min(view.shift, 0.0))
     return (0.0 if lane.left < HOME else shift), hold
 
 
 def way(lane: Lane, shift: float, along: float) -> float:
-    t = min(along / BLEND, 1.0)
+    t = min(max(along - FRONT, 0.0) / BLEND, 1.0)
     return shift + (lane.lateral - shift) * (1 - t) ** 2 * (1 + 2 * t)
 
 
@@ -255,7 +260,7 @@ def motion(lane: Lane, shift: float, free: float, close: float) -> tuple[float, 
     return free, now
 
 
-Said = tuple[float | None, float, float, float, int]  # limit (None: none), shift, hold, place, wait
+Said = tuple[float | None, float, float, float, float, int]  # limit (None: none), shift, hold, place, flank, wait
 
 
 def decide(lane: Lane, shift: float, speed: float) -> Said:
@@ -279,7 +284,7 @@ def decide(lane: Lane, shift: float, speed: float) -> Said:
         speed = min(speed, CLOSE_SPEED)
     if abs(shift - lane.lateral) > SHIFTING:
         speed = min(speed, SHIFT_SPEED)
-    return (None if speed == math.inf else speed), shift, hold, lane.place, lane.wait
+    return (None if speed == math.inf else speed), shift, hold, lane.place, lane.flank, lane.wait
 
 
 def nearest(lane: Lane) -> list[Echo]:

