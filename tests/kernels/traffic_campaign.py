@@ -1,7 +1,7 @@
 """AGVs among obstacles that stand and move: which of their collisions could have been prevented (dock_traffic.py).
 
     PYTHONPATH=build/python python tests/kernels/traffic_campaign.py --seeds 0:20 --agvs 8            # kernels on one emulated DSP, the AGVs going round
-    PYTHONPATH=build/python python tests/kernels/traffic_campaign.py --seeds 0:5 --agvs 8 --emulator  # the whole emulator: crane, host, buses, DSPs
+    PYTHONPATH=build/python python tests/kernels/traffic_campaign.py --seeds 0:5 --agvs 8 --emulator --seconds 170  # the whole emulator: crane, host, buses, DSPs; AGVs set off as they are loaded, and the traffic with them
 """
 
 from __future__ import annotations
@@ -17,9 +17,10 @@ sys.path[:0] = [str(Path(__file__).resolve().parent), str(Path(__file__).resolve
 
 import numpy as np
 from cmrc import Simulation, _core
-from dock_traffic import Course, preventable, random_movers
+from dock_traffic import Course, Mover, Waypoint, preventable, random_movers
 from fleet_loop import Fleet
 
+LOADED = 75.0  # s: about when the crane has loaded the first AGV
 KERNELS = {"potential_field": "avoidance_potential", "vfh": "avoidance_vfh", "dynamic_window": "avoidance_dwa"}
 
 
@@ -60,7 +61,7 @@ def layout(movers: list[Any]) -> str:
 
 
 def by_emulator(method: str, seed: int, agvs: int, seconds: float, field: bool = False) -> Outcome:
-    movers = random_movers(seed, agvs)
+    movers = [Mover(m.radius, m.height, [Waypoint(w.time + LOADED, w.x, w.y) for w in m.path]) for m in random_movers(seed, agvs)]
     with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
         file.write(layout(movers))
         file.flush()
