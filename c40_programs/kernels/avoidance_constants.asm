@@ -37,13 +37,13 @@ K_AV_NEEDS          .set $ - LIFT
 K_AV_GROUP          .set $ - LIFT
                     .float 8.0                  ; m: what stands so far behind the first thing is passed together with it
 K_AV_NEAR           .set $ - LIFT
-                    .float 8.0                  ; m
+                    .float 8.0                  ; m: what blocks the way so near must stay in view
 K_AV_REAR           .set $ - LIFT
                     .float 9.0                  ; the rear is past a place when the middle is so far past it
 K_AV_HOME_STRAIGHT  .set $ - LIFT
                     .float 25.0                 ; before the end of the leg there is no shift
 K_AV_FRONT          .set $ - LIFT
-                    .float 4.0                  ; m
+                    .float 4.0                  ; m by which the way to a shift begins later than the middle's: the front comes first
 K_AV_BLEND          .set $ - LIFT
                     .float 0.06666667           ; 1 / 15 m, in which a shift is taken
 K_AV_B              .set $ - LIFT

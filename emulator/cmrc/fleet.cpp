@@ -120,8 +120,9 @@ void Fleet::write_leg(unsigned index, Word leg, std::span<const Lane> lanes, Des
   desk.write(area + words_.ag_segment_count + leg, static_cast<Word>(count));
   const std::array<Word, 2> period = {static_cast<Word>(agv.interval), static_cast<Word>(std::lround(period_us))};
   desk.write(area + words_.ag_point_ticks, period);
-  desk.write(area + words_.ag_avoid_limit, std::array<Word, 14>{});  // nothing of what avoidance and the shift were at on the leg before
-  const std::array<Word, 2> start = {leg, 0};                       // AG_LEG, AG_PRODUCED
+  // Nothing of what avoidance and the shift were at on the leg before.
+  desk.write(area + words_.ag_avoid_limit, std::vector<Word>(words_.ag_avoid_beside + 1 - words_.ag_avoid_limit));
+  const std::array<Word, 2> start = {leg, 0};  // AG_LEG, AG_PRODUCED
   desk.write(area + words_.ag_leg, start);
 }
 

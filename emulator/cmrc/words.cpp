@@ -42,6 +42,7 @@ Words::Words(const std::function<Word(std::string_view)>& symbol) {
       {"AG_BASE", &Words::ag_base}, {"AG_WORDS", &Words::ag_words}, {"AG_STEP_TIME", &Words::ag_step_time},
       {"AG_POINT_TICKS", &Words::ag_point_ticks}, {"AG_PERIOD_US", &Words::ag_period_us},
       {"AG_UNIT", &Words::ag_unit}, {"AG_LEG", &Words::ag_leg}, {"AG_PRODUCED", &Words::ag_produced}, {"AG_AVOID_LIMIT", &Words::ag_avoid_limit},
+      {"AG_AVOID_BESIDE", &Words::ag_avoid_beside},
       {"AG_SEGMENT_COUNT", &Words::ag_segment_count}, {"AG_SEGMENT", &Words::ag_segment},
       {"AGV_UNIT", &Words::agv_unit}, {"AGV_UNIT_WORDS", &Words::agv_unit_words},
   };

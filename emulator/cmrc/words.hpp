@@ -26,7 +26,7 @@ struct Words {
       cr_ramp_start, cr_clearance, cr_stretch, cr_agv_deck, cr_box_height, cr_home, cr_spot, cr_encoder_last, cr_encoder_total, cr_box_count,
       cr_box, cr_words;
   Word ag_base, ag_words, ag_step_time, ag_point_ticks, ag_period_us, ag_unit, ag_leg, ag_produced, ag_avoid_limit,
-      ag_segment_count, ag_segment;
+      ag_avoid_beside, ag_segment_count, ag_segment;
   Word agv_unit, agv_unit_words;
 
   Word block(std::size_t index) const { return block_pool + static_cast<Word>(index) * block_words; }

@@ -148,7 +148,7 @@ def preventable(collisions: Sequence[tuple[float, int, int]], courses: Sequence[
             x, y, heading, _ = courses[agv].at(time)
             body = outline(x, y, heading)
             gaps = [float(np.linalg.norm(body - np.array(_core.plant.mover_place(m, time)[:2]), axis=1).min()) - m.radius for m in movers]
-            if min(gaps, default=math.inf) > 3.0:  # part of the dock: it stood there, whatever the vehicle did
+            if min(gaps, default=math.inf) > 1.0:  # part of the dock: it stood there, whatever the vehicle did
                 found += [(time, agv, other)] * bool(courses[agv].at(time - 0.02)[3] >= 0.05)
                 continue
             pairs = [(agv, disc(movers[int(np.argmin(gaps))]))]

@@ -29,7 +29,7 @@ def straight(speed: Callable[[float], float]) -> Course:
         ("who walks on in front of it", lambda t: 3.0, [(0, 0.0, 10.7), (30, 0.0, -19.3)], 10.7, True),
         ("who walks into a vehicle that stands", lambda t: 0.0, [(0, -40.0, 10.7), (30, -40.0, -19.3)], 9.0, False),
         ("who stood beside the lane and steps out", lambda t: 3.0, [(0, 0.0, 4.0), (9.7, 0.0, 4.0), (10.7, 0.0, 0.0)], 10.7, False),
-        ("who comes from behind", lambda t: 1.0, [(0, -60.0, 0.0), (20, 0.0, 0.0)], 7.0, False),
+        ("who comes from behind", lambda t: 1.0, [(0, -60.0, 0.0), (20, 0.0, 0.0)], 7.9, False),
     ],
 )
 def test_who_could_have_prevented_it(what: str, speed: Callable[[float], float], path: list[tuple[float, float, float]], contact: float, guilty: bool) -> None:
