@@ -60,6 +60,7 @@ void declare_limits(CLI::App& app, cli::LimitsOptions& options) {
   app.add_option("--cycles", options.cycles, "Factors on the time of an instruction cycle to try, e.g. 1:3:0.25 or 1,2,4")->type_name("GRID");
   app.add_option("--dsps-grid", options.dsps, "Numbers of DSPs to try, e.g. 1:8")->type_name("GRID");
   app.add_option("--servo", options.servo, "Servo frequencies f_p in Hz to try, e.g. 500:4000:250")->type_name("GRID");
+  app.add_flag("--errors", options.errors, "Run every point to its end, and tell what it cost: realised rates, load error, lag");
   app.add_option("--json", options.json, "Also write the result as JSON (docs/report.md, Limits)")->type_name("FILE");
 }
 

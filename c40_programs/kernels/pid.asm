@@ -11,6 +11,7 @@ PD_STATE        .set SCRATCH + 56       ; the area's words from CR_PID on:
 PD_CONSUMED     .set PD_STATE + 0
 PD_SEGMENT      .set PD_STATE + 1
 PD_STAGE        .set PD_STATE + 2
+PD_SERVOING     .set 2                  ; the stage in which errors are computed
 PD_LAST_TICK    .set PD_STATE + 3       ; refresh of the last run
 PD_OUT_TICK     .set PD_STATE + 4       ; refresh at which something was last out of tolerance
 PD_SHIFT        .set PD_STATE + 5       ; f x2: suspension's shift against sway: radial, tangential, m
@@ -102,7 +103,7 @@ pid_enable:
         ldhi    hi16(WINDOW_B), ar0
         ldi     1Fh, r0
         sti     r0, *+ar0(DRIVE_ENABLE)
-        ldi     2, r0
+        ldi     PD_SERVOING, r0
         sti     r0, @PD_STAGE
 
 pid_servo:

@@ -22,7 +22,7 @@ int limits(const LimitsOptions& options) {
   std::optional<OutputFile> file;
   if (options.json) file.emplace(*options.json);
   const bool line = ::isatty(STDERR_FILENO) == 1;
-  const report::Limits limits = cmrc::find_limits(config, grids, [line](std::size_t done, std::size_t points) {
+  const report::Limits limits = cmrc::find_limits(config, grids, options.errors, [line](std::size_t done, std::size_t points) {
     fmt::print(stderr, "{}{} of {} runs done{}", line ? "\r" : "", done, points, line && done < points ? "" : "\n");
     std::fflush(stderr);
   });

@@ -51,6 +51,7 @@ struct ConfigOptions {
 struct LimitsOptions {
   RunOptions run;
   std::optional<std::string> cycles, dsps, servo;  ///< grids
+  bool errors = false;
   std::optional<std::string> json;
 };
 

@@ -1,6 +1,7 @@
 #include "cmrc/chain.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace cmrc {
 
@@ -8,6 +9,9 @@ void PointChain::begin(std::int64_t first, std::int64_t interval, std::int64_t t
   interval_ = interval;
   cartesian_ = joint_ = consumed_ = base_count_ = first;
   base_ = tick + interval;
+  begun_at_ = tick;
+  told_ = first;
+  begin_told_ = end_told_ = false;
   anchored_ = trajectory_out_ = inverse_out_ = ended_ = false;
   active_ = true;
 }
@@ -44,8 +48,25 @@ bool PointChain::through(std::int64_t tick) const {
   return active_ && ended_ && joint_ == cartesian_ && consumed_by(tick) == joint_;
 }
 
+void PointChain::tell(Desk& desk) {
+  const Robot robot = trajectory_.robot;
+  if (!std::exchange(begin_told_, true)) desk.leg_begun(robot, told_, interval_, begun_at_);
+  const std::int64_t consumed = consumed_by(desk.tick());
+  for (; told_ < consumed; ++told_) desk.milestone(robot, Milestone::Kind::point, told_, drive_buffer_ ? desk.tick() : base_ - interval_);
+  if (!end_told_ && through(desk.tick())) {
+    end_told_ = true;
+    desk.milestone(robot, Milestone::Kind::leg_ended, 0, desk.tick());
+  }
+}
+
+bool PointChain::ended(Desk& desk) {
+  tell(desk);
+  return through(desk.tick());
+}
+
 void PointChain::refresh(Desk& desk) {
   if (!active_) return;
+  tell(desk);
   if (!trajectory_out_ && !ended_ && cartesian_ - consumed_by(desk.tick()) < depth_ && joint_ >= cartesian_ - 1) {
     Task task = trajectory_;
     task.tick = static_cast<std::uint32_t>(desk.tick());

@@ -27,6 +27,8 @@ class PointChain {
   void pushed(std::int64_t tick);
   /// Loads what has room.
   void refresh(Desk& desk);
+  /// All points of the leg have been consumed; tells the desk of them.
+  bool ended(Desk& desk);
   /// A block was given up: its point is asked for again.
   void lost_trajectory() { trajectory_out_ = false; }
   void lost_inverse() { inverse_out_ = false; }
@@ -45,6 +47,7 @@ class PointChain {
  private:
   std::int64_t need(std::int64_t point) const { return base_ + interval_ * (point - base_count_); }
   std::int64_t consumed_by(std::int64_t tick) const;
+  void tell(Desk& desk);
 
   Task trajectory_;
   Task inverse_;
@@ -62,6 +65,9 @@ class PointChain {
   bool inverse_out_ = false;
   bool ended_ = false;
   bool active_ = false;
+  std::int64_t begun_at_ = 0;    // refresh
+  std::int64_t told_ = 0;        // points consumed that the desk was told of
+  bool begin_told_ = true, end_told_ = true;
 };
 
 }  // namespace cmrc

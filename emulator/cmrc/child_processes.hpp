@@ -8,6 +8,27 @@
 
 namespace cmrc {
 
+/// One piece of work in a child process, which ends with this object or with its parent.
+class ChildProcess {
+ public:
+  /// \param deaf Ctrl-C at the terminal does not end it \throws std::runtime_error when there is no process to be had
+  ChildProcess(const std::function<std::string()>& work, bool deaf);
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  /// Where its answer comes from, for poll().
+  int pipe() const { return pipe_; }
+  /// Reads some of the answer: false when it has ended.
+  bool read();
+  /// Waits for the answer. \throws std::runtime_error with what its exception said, or when it has died
+  std::string wait();
+
+ private:
+  int process_ = 0, pipe_ = -1;
+  std::string answer_;
+};
+
 /// Runs work(0) to work(count - 1), at most `at_once` at a time, each in a child process, and returns what they return, in order.
 ///
 /// \param done is told of each result as it comes, in any order

@@ -42,6 +42,9 @@ enum class Arbiter { round_robin, fixed, two_level, host_fair };
 enum class Parking { none, last_owner, host };
 /// Wait states of plant-and-bus.md 3.6.
 enum class Card { sram, s5933, drive_card, host_dram };
+/// What a run's errors are measured against.
+enum class ReferenceKind { ideal, none };
+enum class RunUntil { duration, job_done };
 enum class AvoidanceBuild { none, synthetic, potential_field, vfh, dynamic_window };
 
 /// All parameters of a run. Units are in the names, as in the TOML keys.
@@ -52,6 +55,8 @@ struct Config {
     std::int64_t turn_order = 0;  ///< shuffles which chip the emulator advances first; changes nothing
     bool strict = false;          ///< a missed deadline makes the run fail
     bool ideal = false;           ///< with instant execution
+    RunUntil until = RunUntil::duration;
+    double after_stop_s = 10;     ///< for which the plant goes on, braked, when nothing drives the crane any more
   } run;
   struct Machine {
     std::int64_t dsps = 4;
@@ -176,6 +181,7 @@ struct Config {
     double wind_direction_deg = 0;
   } dock;
   struct Report {
+    ReferenceKind reference = ReferenceKind::ideal;
     std::int64_t signal_decimation = 80;  ///< latches (125 us) per recorded sample
     std::int64_t misses_max = 1000;       ///< missed jobs told one by one
     double control_cost_rho_m2 = 1e-6;    ///< weight of the drives in the control cost

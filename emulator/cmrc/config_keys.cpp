@@ -71,6 +71,13 @@ std::vector<Key> make_keys() {
       integer("run.turn_order", FIELD(run.turn_order), "", 0, no_limit,
               "shuffles which chip the emulator advances first; must change nothing", "ruling 29"),
       boolean("run.strict", FIELD(run.strict), "a missed deadline makes the run fail (exit status 1)", "ruling 24"),
+      choice("run.until", FIELD(run.until), {"duration", "job_done"},
+             "when the run ends: after duration_s, or when processes 7 and 8 of all robots have ended (duration_s is then the latest end)",
+             "docs/report.md"),
+      number("run.after_stop_s", FIELD(run.after_stop_s), "s", 0, 3600,
+             "when the last DSP is gone, the plant has faulted, or all drives of the crane have stood still for so long, the account of deadlines ends; "
+             "the plant goes on, braked, for so long, but not beyond duration_s",
+             "docs/report.md"),
       boolean("run.ideal", FIELD(run.ideal),
               "instant execution: DSPs and buses a thousand times as fast, no host time, nothing of the machine fails (docs/report.md, Ideal)",
               "plant-and-bus.md 5"),
@@ -298,6 +305,9 @@ std::vector<Key> make_keys() {
       number("dock.wind_direction_deg", FIELD(dock.wind_direction_deg), "deg", -360, 360,
              "whither it blows: 0 along the quay, 90 towards the ship", "assumed"),
 
+      choice("report.reference", FIELD(report.reference), {"ideal", "none"},
+             "what errors, lag and demand are measured against: the ideal run, which runs beside in a process of its own; or nothing, then none is told",
+             "docs/report.md"),
       integer("report.misses_max", FIELD(report.misses_max), "jobs", 0, 100000000,
               "missed jobs whose causes the report tells one by one: the first ones; the others are counted", "docs/report.md"),
       number("report.control_cost_rho_m2", FIELD(report.control_cost_rho_m2), "m2", 0, 1e6,

@@ -29,6 +29,7 @@ std::int64_t Crane::ticks(double seconds) const { return static_cast<std::int64_
 // ---- steps -------------------------------------------------------------------------------------------------------------
 
 void Crane::enter(const Step& step, Desk& desk) {
+  retrying_ = false;
   switch (step.kind) {
     case Step::Kind::leg: begin_leg(step.leg, desk); break;
     case Step::Kind::settle: since_ = desk.tick() + interval_; break;  // the last segment is still being followed
@@ -50,16 +51,18 @@ void Crane::enter(const Step& step, Desk& desk) {
 
 bool Crane::done(const Step& step, Desk& desk, const Berth& berth) {
   switch (step.kind) {
-    case Step::Kind::leg: return chain_.through(desk.tick());
+    case Step::Kind::leg: return chain_.ended(desk);
     case Step::Kind::settle: return settled(desk);
     case Step::Kind::lower: return lowered(desk);
     case Step::Kind::lock:
       if (!pid_.locked || !desk.servo_resting()) return false;
       set_payload(job_.full_mass, desk);
+      desk.milestone(0, Milestone::Kind::locked, 0, desk.tick());
       return true;
     case Step::Kind::open:
       if (!pid_.open || !desk.servo_resting()) return false;
       set_payload(job_.empty_mass, desk);
+      desk.milestone(0, Milestone::Kind::opened, 0, desk.tick());
       return true;
     case Step::Kind::raise: return raised(desk);
     case Step::Kind::wait_for_agv: {
@@ -104,6 +107,8 @@ bool Crane::ramp(double delta, Desk& desk) {
   desk.write(words_.cr_base + words_.cr_ramp_start, words);
   ramp_offset_ += delta;
   ramp_end_ = begin + duration;
+  ramp_told_ = false;
+  desk.milestone(0, Milestone::Kind::ramp_begun, 0, begin);
   return true;
 }
 
@@ -134,6 +139,7 @@ bool Crane::lowered(Desk& desk) {
 
 bool Crane::down(Desk& desk) {
   if (ramp_pending_) {
+    if (probes_ > 0) retrying_ = true;
     ramp_pending_ = !ramp(probes_ == 0 ? job_.clearance + job_.slack : probe, desk);
     return false;
   }
@@ -148,6 +154,7 @@ bool Crane::down(Desk& desk) {
 void Crane::landing_missed(Desk& desk) {
   probes_ = 0;
   phase_ = Phase::up;
+  retrying_ = true;
   desk.landing_missed(++missed_ > job_.landing_retries);
 }
 
@@ -184,7 +191,7 @@ bool Crane::raised(Desk& desk) {
 // ---- blocks that have ended --------------------------------------------------------------------------------------------
 
 void Crane::finished(const Task& done, Word result, Word notify, Desk& desk) {
-  if (done.kind == words_.kind_pid) pid_finished(done, result);
+  if (done.kind == words_.kind_pid) pid_finished(done, result, desk);
   else if (done.kind == words_.kind_trajectory_crane) chain_.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0);
   else if (done.kind == words_.kind_inverse_crane) chain_.inverse_done();
   else if (done.kind == words_.kind_identify && phase_ == Phase::identify) asked_ = false, phase_ = (notify & words_.must_process << 2) != 0 ? Phase::plan : Phase::rest;
@@ -197,7 +204,7 @@ void Crane::dropped(const Task& lost) {
   else asked_ = false;
 }
 
-void Crane::pid_finished(const Task& done, Word result) {
+void Crane::pid_finished(const Task& done, Word result, Desk& desk) {
   pid_.tick = done.tick;
   pid_.landed = (result & words_.pid_landed) != 0;
   pid_.locked = (result & words_.pid_locked) != 0;
@@ -205,6 +212,10 @@ void Crane::pid_finished(const Task& done, Word result) {
   pid_.starved = (result & words_.pid_starved) != 0;
   pid_.settled = (result & words_.pid_settled) != 0;
   pid_.ramp_done = (result & words_.pid_ramp_done) != 0;
+  if (!ramp_told_ && ramp_done()) {
+    ramp_told_ = true;
+    desk.milestone(0, Milestone::Kind::ramp_ended, 0, pid_.tick);
+  }
   // The count is 16 bits wide; the host keeps the rest.
   const std::int64_t step = static_cast<std::int64_t>((result - static_cast<Word>(consumed_)) & 0xFFFF);
   if (step == 0 || step > 0x8000) return;

@@ -58,13 +58,15 @@ class Crane {
   bool gave_up() const { return phase_ == Phase::given_up; }
   void refresh(Desk& desk) { chain_.refresh(desk); }
 
+  /// It does again what has failed: nothing of it is a milestone.
+  bool retrying() const { return retrying_; }
   const PidStatus& pid() const { return pid_; }
   /// N^_t: refreshes between points of the present leg.
   std::int64_t interval() const { return interval_; }
   void set_interval(std::int64_t refreshes) { next_interval_ = refreshes; }
 
  private:
-  void pid_finished(const Task& task, Word result);
+  void pid_finished(const Task& task, Word result, Desk& desk);
   void begin_leg(Word leg, Desk& desk);
   bool settled(const Desk& desk) const;
   /// Commands a hoist ramp; false while the servo's words cannot be changed.
@@ -96,6 +98,8 @@ class Crane {
   std::int64_t ramp_end_ = 0;
   int probes_ = 0;                      // how often lowering was prolonged
   bool ramp_pending_ = false;
+  bool ramp_told_ = true;
+  bool retrying_ = false;
   Phase phase_ = Phase::down;
   std::int64_t missed_ = 0;             // landings in a row
   Word leg_ = 0;                        // the last one

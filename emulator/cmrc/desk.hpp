@@ -4,13 +4,11 @@
 #include <optional>
 #include <span>
 
+#include "cmrc/course.hpp"
 #include "cmrc/list.hpp"
 #include "cmrc/words.hpp"
 
 namespace cmrc {
-
-/// The robot of an event or a job: 0 is the crane, n is AGV n - 1.
-using Robot = unsigned;
 
 class Desk {
  public:
@@ -34,6 +32,11 @@ class Desk {
   virtual void agv_waits(unsigned agv, bool waits) = 0;
   /// An AGV sets out for the warehouse with this N^_a.
   virtual void agv_sent(unsigned agv, std::int64_t interval) = 0;
+  /// A robot has begun a process (Course::process_begun), or has come as far as this at refresh `at` (Course::milestone).
+  virtual void robot_begins(Robot robot, unsigned process) = 0;
+  /// A leg has begun at refresh `at`: its points are numbered from `first`, `interval` refreshes apart.
+  virtual void leg_begun(Robot robot, std::int64_t first, std::int64_t interval, std::int64_t at) = 0;
+  virtual void milestone(Robot robot, Milestone::Kind kind, std::int64_t number, std::int64_t at) = 0;
 };
 
 }  // namespace cmrc

@@ -5,6 +5,7 @@
 
 #include "bus_model/bus.hpp"
 #include "c40/chip.hpp"
+#include "cmrc/measures.hpp"
 #include "cmrc/setup.hpp"
 
 namespace cmrc {
@@ -98,6 +99,30 @@ double distance(const plant::LaneSegment& lane, double x, double y) {
   return std::abs(std::hypot(along, radius - left) - radius);
 }
 
+report::OwnMeasure own(std::string name, std::string unit, double squares, double peak, std::uint64_t count) {
+  if (count == 0) return {std::move(name), std::move(unit), std::nullopt, std::nullopt};
+  return {std::move(name), std::move(unit), std::sqrt(squares / static_cast<double>(count)), peak};
+}
+
+/// The load from the instant at which nothing drives the crane any more.
+report::AfterStop after_stop(const Evidence& e, Time from) {
+  report::AfterStop after;
+  after.from = from;
+  after.to = e.dock.time();
+  const plant::Signal* first = nullptr;
+  for (const plant::Signal& row : e.dock.signals()) {
+    if (row.time < from) continue;
+    if (first == nullptr) first = &row;
+    const double sway = std::hypot(row.alpha, row.beta);
+    double moved = 0;
+    for (std::size_t i = 0; i < 3; ++i) moved += (row.payload[i] - first->payload[i]) * (row.payload[i] - first->payload[i]);
+    after.moved_m = std::max(after.moved_m, std::sqrt(moved));
+    after.sway_peak_rad = std::max(after.sway_peak_rad, sway);
+    if (after.to - row.time <= std::chrono::seconds{2}) after.sway_end_rad = std::max(after.sway_end_rad, sway);
+  }
+  return after;
+}
+
 void add_plant(const Evidence& e, report::RunReport& report) {
   const plant::Machine machine = e.layout.crane.machine;
   const auto names = plant::joint_names(machine);
@@ -105,17 +130,17 @@ void add_plant(const Evidence& e, report::RunReport& report) {
   for (std::size_t channel = 0; channel < channels.size(); ++channel) {
     const auto joint = static_cast<std::size_t>(channels[channel]);
     if (machine == plant::Machine::gantry && joint == static_cast<std::size_t>(plant::Joint::slew)) continue;
-    const TrackingSum& sum = e.observer.tracking()[channel];
-    const double rms = sum.count == 0 ? 0 : std::sqrt(sum.squares / static_cast<double>(sum.count));
-    report.tracking.push_back({names[joint].name, names[joint].unit, rms, sum.peak});
+    const PidErrorSum& sum = e.observer.pid_error()[channel];
+    report.pid_error.push_back(own(names[joint].name, names[joint].unit, sum.squares, sum.peak, sum.count));
+    report.drives.push_back({names[joint].name, static_cast<double>(e.observer.saturated_latches()[joint]) * plant::latch_seconds});
   }
   double squares[2] = {0, 0}, peaks[2] = {0, 0};
   for (const plant::Signal& row : e.dock.signals()) {
     const double sway[2] = {row.alpha, row.beta};
     for (int i = 0; i < 2; ++i) squares[i] += sway[i] * sway[i], peaks[i] = std::max(peaks[i], std::abs(sway[i]));
   }
-  const double rows = std::max<double>(1, static_cast<double>(e.dock.signals().size()));
-  report.sway = {{"alpha", "rad", std::sqrt(squares[0] / rows), peaks[0]}, {"beta", "rad", std::sqrt(squares[1] / rows), peaks[1]}};
+  const std::size_t rows = e.dock.signals().size();
+  report.sway = {own("alpha", "rad", squares[0], peaks[0], rows), own("beta", "rad", squares[1], peaks[1], rows)};
   for (int i = 0; i < e.dock.agv_count(); ++i) {
     double sum = 0, peak = 0;
     std::size_t count = 0;
@@ -129,7 +154,7 @@ void add_plant(const Evidence& e, report::RunReport& report) {
         sum += nearest * nearest, peak = std::max(peak, nearest), ++count;
       }
     }
-    report.agvs.push_back({"agv " + std::to_string(i) + " lateral", "m", count == 0 ? 0 : std::sqrt(sum / static_cast<double>(count)), peak});
+    report.agvs.push_back(own("agv " + std::to_string(i) + " lateral", "m", sum, peak, count));
   }
 }
 
@@ -142,11 +167,12 @@ std::string hash_of(const Evidence& e) {
 
 }  // namespace
 
-report::RunReport make_report(const Evidence& e) {
+report::RunReport make_report(Evidence e) {
   report::RunReport report;
   const Time now = e.machine.time();
   report.stop_reason = e.stop.value_or(report::StopReason::completed);
-  report.simulated = now;
+  report.simulated = std::max(now, e.account_end ? e.dock.time() : now);
+  report.account_end = now;
   report.elapsed_s = std::chrono::duration<double>(e.elapsed).count();
   report.hash = hash_of(e);
   report.events = e.log.count();
@@ -157,11 +183,10 @@ report::RunReport make_report(const Evidence& e) {
   }
   if (e.config.machine.boot == BootPolicy::link) report.boot_words = e.machine.boot_stream(0).size();
   for (unsigned slot = 0; slot < e.machine.slots(); ++slot) report.dsps.push_back(dsp_report(e, slot));
-  Ledger::Told told = e.ledger.tell(now, e.job_causes);
-  report.tasks = std::move(told.tasks);
-  report.missed = std::move(told.misses);
-  report.misses_left_out = told.misses_left_out;
-  report.audit = std::move(told.audit);
+  report.tasks = std::move(e.told.tasks);
+  report.missed = std::move(e.told.misses);
+  report.misses_left_out = e.told.misses_left_out;
+  report.audit = std::move(e.told.audit);
   const machine::Config& clocks = e.machine.config();
   const double hertz = static_cast<double>(clocks.pci_hz_numerator) / static_cast<double>(clocks.pci_hz_denominator);
   for (unsigned i = 0; i < e.machine.buses(); ++i) report.buses.push_back(bus_report(e.machine, static_cast<machine::BusId>(i), hertz));
@@ -173,7 +198,15 @@ report::RunReport make_report(const Evidence& e) {
   report.cycles_completed = e.host.cycles().completed();
   report.containers_delivered = static_cast<unsigned>(e.dock.delivered());
   add_plant(e, report);
-  report.control_cost = {e.observer.weighted_error(), e.observer.drive_effort(), e.config.report.control_cost_rho_m2};
+  report.reference = e.config.report.reference == ReferenceKind::ideal ? "ideal" : "none";
+  report.errors = std::move(e.errors);
+  for (const auto& [robot, count] : starved_intervals(e.course, now)) report.starved.push_back({robot == 0 ? "crane" : "agv " + std::to_string(robot - 1), count});
+  if (e.account_end) report.after_stop = after_stop(e, *e.account_end);
+  if (e.host.job_done() && report.containers_delivered > 0 && e.host.first_refresh()) {
+    for (const report::CycleReport& cycle : report.cycles)
+      if (cycle.delivered) report.makespan = std::max(report.makespan.value_or(Time{}), *cycle.delivered - *e.host.first_refresh());
+  }
+  report.control_cost = {report.errors ? std::optional(report.errors->error_m2s) : std::nullopt, e.observer.drive_effort(), e.config.report.control_cost_rho_m2};
   report.host = e.host.report();
   report.host.semaphore_hold = e.observer.semaphore_hold().summary();
   for (const TimedEvent& event : e.config.events) {

@@ -85,7 +85,7 @@ void Fleet::enter(unsigned index, const Step& step, Desk& desk) {
 bool Fleet::done(unsigned index, const Step& step, Desk& desk) {
   Agv& agv = agvs_[index];
   switch (step.kind) {
-    case Step::Kind::leg: return agv.chain.through(desk.tick());
+    case Step::Kind::leg: return agv.chain.ended(desk);
     case Step::Kind::queue: return in_spot(index, desk);
     case Step::Kind::hand_over:
     case Step::Kind::hold: return desk.tick() >= agv.until;
@@ -96,7 +96,7 @@ bool Fleet::done(unsigned index, const Step& step, Desk& desk) {
 bool Fleet::in_spot(unsigned index, Desk& desk) {
   Agv& agv = agvs_[index];
   if (agv.moving) {
-    if (!agv.chain.through(desk.tick())) return false;
+    if (!agv.chain.ended(desk)) return false;
     agv.moving = false;
     desk.agv_waits(index, true);
     return agv.slot == 0;

@@ -211,10 +211,13 @@ void Host::begin_thinking() {
 
 void Host::think() {
   if (counts_.refreshes == 1) {
+    first_refresh_ = clock_.at(tick_);
     processes_.start(*this);
   }
   for (const Done& done : done_) take_out(done);
   for (const Hung& hung : hung_) recompute(hung);
+  servoing_ = processes_.releases(4, 0) && !pid_.stopped;
+  course_->servo(servoing_, clock_.at(tick_));
   refresh_servo(torque_, processes_.releases(3, 0) && !torque_.stopped);
   refresh_servo(pid_, processes_.releases(4, 0) && !pid_.stopped);
   processes_.refresh(*this);
@@ -470,6 +473,16 @@ bool Host::servo_resting() const {
 void Host::process(unsigned number, bool started, Robot robot) {
   cycles_.process(number, started, robot, now_);
   note(EventKind::process, {number, started ? 1U : 0U, robot, 0, 0});
+}
+
+void Host::leg_begun(Robot robot, std::int64_t first, std::int64_t interval, std::int64_t at) {
+  if (robot == 0 && processes_.crane().retrying()) return;
+  course_->leg_begun(robot, first, clock_.at(at + interval) - clock_.at(at), clock_.at(at));
+}
+
+void Host::milestone(Robot robot, Milestone::Kind kind, std::int64_t number, std::int64_t at) {
+  if (robot == 0 && processes_.crane().retrying()) return;
+  course_->milestone(robot, kind, number, clock_.at(at));
 }
 
 void Host::note(EventKind kind, std::array<std::uint32_t, 5> arguments) {

@@ -52,6 +52,12 @@ class Host : public machine::HostProgram, private Desk {
 
   /// A checked event "set", for the first refresh at or after `at`.
   void change(Time at, const TimedEvent& event) { changes_.emplace(at, event); }
+  /// Tells it of processes, milestones and servoing. Before the run.
+  void set_course(Course* course) { course_ = course; }
+  /// Torque compensation and PID are released at every tick.
+  bool servoing() const { return servoing_; }
+  bool job_done() const { return processes_.job_done(); }
+  std::optional<Time> first_refresh() const { return first_refresh_; }
 
   Time next_wake() const override { return wake_at_; }
   void wake(Time now, machine::HostPort& port) override;
@@ -100,6 +106,9 @@ class Host : public machine::HostProgram, private Desk {
   void crane_asks() override { cycles_.crane_asks(now_); }
   void agv_waits(unsigned agv, bool waits) override { cycles_.agv_waits(agv, waits, now_); }
   void agv_sent(unsigned agv, std::int64_t interval) override { cycles_.sent(agv, interval); }
+  void robot_begins(Robot robot, unsigned process) override { course_->process_begun(robot, process); }
+  void leg_begun(Robot robot, std::int64_t first, std::int64_t interval, std::int64_t at) override;
+  void milestone(Robot robot, Milestone::Kind kind, std::int64_t number, std::int64_t at) override;
 
   void rest();
   void start();
@@ -159,6 +168,9 @@ class Host : public machine::HostProgram, private Desk {
   UserTasks user_tasks_;
   Cycles cycles_;
   Servo torque_, pid_;
+  Course* course_ = nullptr;
+  bool servoing_ = false;
+  std::optional<Time> first_refresh_;
 
   Step step_ = Step::resting;
   Time wake_at_;

@@ -135,6 +135,9 @@ void Ledger::skipped(JobKind kind, Time released, Time deadline, std::int64_t ti
   job.tick = tick;
   account_.add(job, deadline);
   ++misses_;
+  JobTimes& jobs = jobs_[{job.kind, 0}];
+  jobs.released.push_back(released);
+  ++jobs.misses;
   MissedJob missed = missed_job(open, report::Outcome::dropped, deadline);
   missed.given_up = found;
   for (const auto& [block, other] : open_) {
@@ -248,7 +251,11 @@ MissedJob Ledger::missed_job(const Open& open, report::Outcome outcome, Time end
 report::Outcome Ledger::book(const Open& open, const report::Job& job, Time now) {
   const report::Outcome outcome = account_.add(job, now);
   if (outcome != report::Outcome::on_time) ++misses_;
+  JobTimes& jobs = jobs_[{open.name.kind, open.name.robot}];
+  jobs.released.push_back(job.released);
+  if (job.progress == report::Progress::finished) jobs.finished.push_back(job.finished);
   if (!report::missed(job, outcome, now)) return outcome;
+  ++jobs.misses;
   MissedJob missed = missed_job(open, outcome, now);
   if (outcome == report::Outcome::dropped) missed.given_up = now;
   why_.missed(missed, timeline_, audit_);
@@ -335,6 +342,7 @@ Ledger::Told Ledger::tell(Time now, const std::function<CauseTimes(unsigned)>& c
   told.misses = all.why_.misses(all.audit_);
   told.misses_left_out = all.why_.left_out();
   told.audit = {all.audit_.checks(), all.audit_.violations()};
+  told.jobs = std::move(all.jobs_);
   return told;
 }
 

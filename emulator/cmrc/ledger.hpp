@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "cmrc/audit.hpp"
+#include "cmrc/course.hpp"
 #include "cmrc/timeline.hpp"
 #include "cmrc/why_late.hpp"
 #include "cmrc/words.hpp"
@@ -19,7 +20,7 @@
 
 namespace cmrc {
 
-using report::Time;
+
 
 /// Kinds of jobs in the order of ruling 29.
 enum class JobKind : std::uint8_t {
@@ -83,6 +84,7 @@ class Ledger {
     std::vector<report::MissReport> misses;
     std::uint64_t misses_left_out = 0;
     report::AuditReport audit;
+    JobsByRobot jobs;
   };
   /// \param causes a slot's cycles by cause so far, for the jobs that are still running
   Told tell(Time now, const std::function<CauseTimes(unsigned)>& causes) const;
@@ -135,6 +137,7 @@ class Ledger {
   std::map<std::size_t, Open> open_;
   std::vector<Slot> slots_;
   std::vector<std::int64_t> released_;  // jobs so far, by kind
+  JobsByRobot jobs_;
   RefreshTimes refresh_;                // the present one
   std::vector<std::pair<std::size_t, RefreshTimes>> offered_;  // blocks whose refresh has not freed the list yet
   std::uint64_t misses_ = 0;

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
+#include "cmrc/bytes.hpp"
 #include "cmrc/child_processes.hpp"
+#include "cmrc/reference_run.hpp"
 #include "cmrc/simulation.hpp"
 
 namespace cmrc {
@@ -13,37 +16,66 @@ namespace {
 
 constexpr const char* dsps_key = "machine.dsps";
 
-/// One point of one scan; its result goes back to the parent as text: a line each.
+/// One point of one scan.
 struct Job {
   std::size_t scan, point;
   Config config;
 };
 
-std::string run(Config config) {
+/// Runs to the first miss; where a reference is given, to the end.
+std::string run(Config config, const std::shared_ptr<const Reference>& reference) {
   config.run.strict = false;
   config.report.misses_max = 1;
-  Simulation simulation(config);
-  simulation.run([](const Progress& progress) { return progress.misses == 0; });
+  config.report.reference = reference ? ReferenceKind::ideal : ReferenceKind::none;
+  Simulation simulation(config, reference);
+  simulation.run([&](const Progress& progress) { return reference || progress.misses == 0; });
   const report::RunReport report = simulation.report();
-  const bool passed = report.stop_reason == report::StopReason::completed && report.misses() == 0;
-  std::string miss = "\n0";
+  report::LimitPoint point;
+  for (const report::Starved& of : report.starved) point.starved += of.intervals;
+  const bool whole = report.stop_reason == report::StopReason::completed || report.stop_reason == report::StopReason::job_done;
+  point.passed = whole && report.misses() == 0 && point.starved == 0;
   if (!report.missed.empty()) {
     const report::MissReport& first = report.missed.front();
-    miss = fmt::format("{}\n{}", first.kind, first.deadline.value_or(first.released).count());
+    point.first_miss = first.kind;
+    point.first_miss_s = static_cast<double>(first.deadline.value_or(first.released).count()) * 1e-12;
   }
-  return fmt::format("{}\n{}\n{}", passed ? 1 : 0, name(report.stop_reason), miss);
+  if (report.errors) {
+    const report::Demand& f_p = report.errors->rate("f_p")->all;
+    const report::Demand& f_t = report.errors->rate("f_t")->all;
+    const double lag = report.errors->lags.empty() ? 0 : report.errors->lags.front().end_s;
+    point.cost = {f_p.realised_hz, f_t.realised_hz, f_p.missed(), f_t.missed(), report.errors->load.rms, lag};
+  }
+  Bytes bytes;
+  bytes.put(point.passed);
+  bytes.put(report.stop_reason);
+  bytes.put(std::vector<char>(point.first_miss.begin(), point.first_miss.end()));
+  bytes.put(point.first_miss_s);
+  bytes.put(point.starved);
+  bytes.put(point.cost);
+  return bytes.text();
 }
 
 void read(const std::string& answer, report::LimitPoint& point) {
-  std::vector<std::string> lines(1);
-  for (const char c : answer) {
-    if (c == '\n') lines.emplace_back();
-    else lines.back() += c;
+  BytesReader bytes(answer);
+  point.passed = bytes.take<bool>();
+  point.stop_reason = name(bytes.take<report::StopReason>());
+  const std::vector<char> miss = bytes.list<char>();
+  point.first_miss.assign(miss.begin(), miss.end());
+  point.first_miss_s = bytes.take<double>();
+  point.starved = bytes.take<std::uint64_t>();
+  point.cost = bytes.take<std::optional<report::LimitPoint::Cost>>();
+}
+
+/// The ideal runs that the jobs are measured against, one for all that may share it; the runs of a scan follow each other.
+std::vector<std::shared_ptr<const Reference>> references_of(const std::vector<Job>& jobs) {
+  std::map<std::string, std::shared_ptr<const Reference>> by_key;
+  std::vector<std::shared_ptr<const Reference>> all;
+  for (const Job& job : jobs) {
+    auto& reference = by_key[reference_key(job.config)];
+    if (!reference) reference = ReferenceRun(job.config).wait();
+    all.push_back(reference);
   }
-  point.passed = lines.at(0) == "1";
-  point.stop_reason = lines.at(1);
-  point.first_miss = lines.at(2);
-  point.first_miss_s = static_cast<double>(std::stoll(lines.at(3))) * 1e-12;
+  return all;
 }
 
 std::vector<double> sorted(std::vector<double> values, const char* grid) {
@@ -79,7 +111,7 @@ LimitGrids LimitGrids::standard(const Config& config) {
   return grids;
 }
 
-report::Limits find_limits(const Config& config, const LimitGrids& grids, const std::function<void(std::size_t, std::size_t)>& progress) {
+report::Limits find_limits(const Config& config, const LimitGrids& grids, bool errors, const std::function<void(std::size_t, std::size_t)>& progress) {
   report::Limits limits;
   limits.duration_s = config.run.duration_s;
   std::vector<Job> jobs;
@@ -97,8 +129,9 @@ report::Limits find_limits(const Config& config, const LimitGrids& grids, const 
   scan("servo", "rates.servo_frequency_hz", "Servo frequency f_p in Hz", true, grids.servo);
   if (limits.scans.empty()) throw ConfigError("limits: every grid is empty; at least one value of cycles, dsps or servo is expected");
 
+  const auto references = errors ? references_of(jobs) : std::vector<std::shared_ptr<const Reference>>(jobs.size());
   std::size_t ended = 0;
-  const auto answers = in_processes(jobs.size(), processors(), [&](std::size_t i) { return run(jobs[i].config); },
+  const auto answers = in_processes(jobs.size(), processors(), [&](std::size_t i) { return run(jobs[i].config, references[i]); },
                                     [&](std::size_t, const std::string&) {
                                       if (progress) progress(++ended, jobs.size());
                                     });

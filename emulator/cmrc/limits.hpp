@@ -21,8 +21,9 @@ struct LimitGrids {
 
 /// Runs every point for the configured duration, or to its first missed deadline, as many at a time as there are processors.
 ///
+/// \param errors every point runs its whole duration, and is measured against the ideal run, which points share that differ in DSPs and their speed
 /// \param progress how many points are done, of how many
 /// \throws ConfigError a grid without a value, or with one twice; std::runtime_error when a run breaks down
-report::Limits find_limits(const Config& config, const LimitGrids& grids, const std::function<void(std::size_t, std::size_t)>& progress = {});
+report::Limits find_limits(const Config& config, const LimitGrids& grids, bool errors, const std::function<void(std::size_t, std::size_t)>& progress = {});
 
 }  // namespace cmrc

@@ -23,31 +23,21 @@ Component component_of(machine::BusId bus) { return static_cast<Component>(repor
 RunObserver::RunObserver(const Words& words, Ledger& ledger, report::EventLog& log)
     : words_(words), ledger_(ledger), log_(log), snapshots_(32), blocks_(words.block_count), faults_(32), resets_(32), boots_(32) {}
 
-void RunObserver::attach(plant::Dock& dock) {
-  dock.on_latch([this](plant::Time time, std::span<const int> codes) {
+void RunObserver::attach(plant::Dock& dock, Course* course) {
+  dock.on_latch([this, &dock, course](plant::Time time, std::span<const int> codes) {
+    if (course != nullptr) course->latch(dock, time);
     report::Event event{time, report::plant, EventKind::latch, {}};
     for (std::size_t i = 0; i < event.arguments.size() && i < codes.size(); ++i) event.arguments[i] = static_cast<std::uint32_t>(codes[i]);
     log_.add(event);
     double squares = 0;
-    for (const int code : codes) squares += static_cast<double>(code) * code / (full_torque * full_torque);
+    for (std::size_t j = 0; j < codes.size(); ++j) {
+      squares += static_cast<double>(codes[j]) * codes[j] / (full_torque * full_torque);
+      if (std::abs(codes[j]) >= static_cast<int>(full_torque)) ++saturated_[j];
+    }
     effort_ += squares * static_cast<double>((time - effort_until_).count()) * 1e-12;
     effort_until_ = time;
   });
   dock.on_event([this](const plant::Event& event) { dock_event(event); });
-}
-
-// A box of twelve metres turns about its middle.
-void RunObserver::weigh_errors(const plant::CraneParameters& crane) {
-  const double box = 0.5 * plant::container_length;
-  const bool gantry = crane.machine == plant::Machine::gantry;  // by channel: the first is spare
-  const std::array<double, 5> levers = gantry ? std::array{0.0, 1.0, 1.0, 1.0, box} : std::array{1.0, crane.a0 + crane.jib, crane.jib, 1.0, box};
-  for (std::size_t j = 0; j < tracking_.size(); ++j) tracking_[j].lever = levers[j];
-}
-
-double RunObserver::weighted_error() const {
-  double sum = 0;
-  for (const TrackingSum& joint : tracking_) sum += joint.integral;
-  return sum;
 }
 
 void RunObserver::dock_event(const plant::Event& event) {
@@ -58,12 +48,14 @@ void RunObserver::dock_event(const plant::Event& event) {
     case plant::EventKind::locked: add(EventKind::locked); break;
     case plant::EventKind::opened: add(EventKind::opened); break;
     case plant::EventKind::delivered: add(EventKind::delivered); break;
+    case plant::EventKind::drive_stopped:
+      if (!servoing_()) break;
+      [[fallthrough]];
     case plant::EventKind::hard_landing:
     case plant::EventKind::refused:
     case plant::EventKind::agv_dry:
     case plant::EventKind::agv_overflow:
     case plant::EventKind::joint_limit:
-    case plant::EventKind::drive_stopped:
     case plant::EventKind::drive_resumed:
     case plant::EventKind::collision:
     case plant::EventKind::fault:
@@ -101,15 +93,14 @@ CauseTimes RunObserver::take_snapshot(unsigned slot, machine::Offset offset, Tim
 
 void RunObserver::dsp_write(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued, Time now) {
   if (window != machine::Window::a) return;
-  if (const Word joint = offset - errors_; errors_ != 0 && joint < tracking_.size()) {
+  // PID writes its words in rising order: the stage comes before the errors.
+  if (errors_ != 0 && offset == stage_) errors_hold_ = value == servoing_stage_;
+  if (const Word joint = offset - errors_; errors_ != 0 && joint < pid_error_.size()) {
+    if (!errors_hold_) return;
     const double error = from_ti_float(value);
-    auto& sum = tracking_[joint];
+    auto& sum = pid_error_[joint];
     sum.squares += error * error;
     sum.peak = std::max(sum.peak, std::abs(error));
-    const double moved = error * sum.lever;
-    if (sum.count > 0) sum.integral += 0.5 * (sum.last * sum.last + moved * moved) * static_cast<double>((issued - sum.at).count()) * 1e-12;
-    sum.last = moved;
-    sum.at = issued;
     ++sum.count;
     return;
   }

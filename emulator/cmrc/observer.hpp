@@ -18,27 +18,24 @@
 namespace cmrc {
 
 /// Mean square and peak of one joint's error as PID computed it.
-struct TrackingSum {
+struct PidErrorSum {
   double squares = 0, peak = 0;
   std::uint64_t count = 0;
-  double lever = 0;     ///< m of the spreader per unit of the joint
-  double integral = 0;  ///< of the squared error times lever squared, trapezoids between samples, m2 s
-  double last = 0;      ///< lever times error, m
-  Time at{};
 };
 
 class RunObserver : public machine::Observer, public HostListener {
  public:
   RunObserver(const Words& words, Ledger& ledger, report::EventLog& log);
-  /// The offset of PID's five errors in the crane's area.
-  void watch_errors(Word offset) { errors_ = offset; }
+  /// The offsets of PID's five errors in the crane's area, and of its stage: the errors are none before that is `servoing`.
+  void watch_errors(Word errors, Word stage, Word servoing) { errors_ = errors, stage_ = stage, servoing_stage_ = servoing; }
   /// Slot's cycles by cause, asked when it issues a write.
   void set_causes(std::function<CauseTimes(unsigned)> causes) { causes_ = std::move(causes); }
   /// Shared memory without time.
   void set_peek(std::function<machine::Word(machine::Offset)> peek) { peek_ = std::move(peek); }
-  void attach(plant::Dock& dock);
-  /// How far an error of each joint moves the spreader, at the jib's full reach.
-  void weigh_errors(const plant::CraneParameters& crane);
+  /// Whether the crane is servoed now: where it is not, drives stop because their work is over.
+  void set_servoing(std::function<bool()> servoing) { servoing_ = std::move(servoing); }
+  /// Hears the dock, and records it in `course` if there is one that wants rows.
+  void attach(plant::Dock& dock, Course* course);
   /// Tells it when jobs begin and end; null: nobody.
   void set_profile(RunProfile* profile) { profile_ = profile; }
 
@@ -62,10 +59,11 @@ class RunObserver : public machine::Observer, public HostListener {
 
   const std::vector<report::FailureReport>& failures() const { return failures_; }
   const report::Distribution& semaphore_hold() const { return hold_; }
-  const std::array<TrackingSum, 5>& tracking() const { return tracking_; }
-  /// The integral of the squared errors, m2 s; of the squared torque codes, s.
-  double weighted_error() const;
+  const std::array<PidErrorSum, 5>& pid_error() const { return pid_error_; }
+  /// The integral of the squared torque codes, s.
   double drive_effort() const { return effort_; }
+  /// Time at full torque by joint, in latches.
+  const std::array<std::int64_t, plant::joint_count>& saturated_latches() const { return saturated_; }
   std::uint64_t faults(unsigned slot) const { return slot < faults_.size() ? faults_[slot] : 0; }
   std::uint64_t resets(unsigned slot) const { return slot < resets_.size() ? resets_[slot] : 0; }
   const std::vector<report::BootReport>& boots(unsigned slot) const { return boots_.at(slot); }
@@ -90,6 +88,7 @@ class RunObserver : public machine::Observer, public HostListener {
   report::EventLog& log_;
   std::function<CauseTimes(unsigned)> causes_;
   std::function<machine::Word(machine::Offset)> peek_;
+  std::function<bool()> servoing_;
   std::vector<std::deque<Snapshot>> snapshots_;  // by slot: flag writes on their way
   std::vector<std::array<Word, 16>> blocks_;     // what DSPs wrote into each block: result and notify
   struct Refused {
@@ -103,8 +102,10 @@ class RunObserver : public machine::Observer, public HostListener {
   std::vector<std::vector<report::BootReport>> boots_;  // by slot
   report::Distribution hold_;
   Time held_since_{};
-  std::array<TrackingSum, 5> tracking_{};
-  Word errors_ = 0;
+  std::array<PidErrorSum, 5> pid_error_{};
+  std::array<std::int64_t, plant::joint_count> saturated_{};
+  Word errors_ = 0, stage_ = 0, servoing_stage_ = 0;
+  bool errors_hold_ = false;  // of the run of PID whose words are being written
   double effort_ = 0;
   Time effort_until_{};
   RunProfile* profile_ = nullptr;

@@ -12,6 +12,8 @@ namespace {
 
 bool has(const std::vector<unsigned>& list, unsigned number) { return std::find(list.begin(), list.end(), number) != list.end(); }
 
+Robot robot_of(const Process& process, std::optional<unsigned> agv) { return process.robot == Robots::agv ? agv.value() + 1 : 0; }
+
 const Step* step_of(const Process& process, std::size_t step) { return step < process.steps.size() ? &process.steps[step] : nullptr; }
 
 }  // namespace
@@ -113,6 +115,7 @@ void Processes::begin(Run& run, const Process& process, std::optional<unsigned> 
   consents_.consume(process.number, one);
   for (const Consent& consent : process.clears) consents_.clear(consent.source, consent.target, one);
   run = {.process = &process, .agv = agv};
+  if (process.robot != Robots::none) desk.robot_begins(robot_of(process, agv), process.number);
   desk.process(process.number, true, agv ? *agv + 1 : 0);
   enter(run, desk);
 }
@@ -135,6 +138,7 @@ void Processes::end(Run& run, Word notify, Desk& desk) {
   const auto agv = run.agv;
   const auto given = [&](Word bit, unsigned number) { return !process.notified_by_task || (notify & bit << number) != 0; };
   if (!run.silent) desk.process(process.number, false, agv ? *agv + 1 : 0);
+  if (process.robot != Robots::none) desk.milestone(robot_of(process, agv), Milestone::Kind::process_ended, 0, desk.tick());
   run = {.retired = process.final};
   for (const unsigned target : process.may) {
     if (given(words_.may_process, target)) consents_.give(process.number, target, agv.value_or(0));
@@ -231,6 +235,10 @@ bool Processes::releases(unsigned number, Robot robot) const {
   const Run& run = run_of_robot(robot);
   if (run.retired) return false;
   return run.process != nullptr && !run.silent ? has(run.process->subprocesses, number) : table_.find_subprocess(number)->between_processes;
+}
+
+bool Processes::job_done() const {
+  return crane_run_.retired && std::all_of(agv_runs_.begin(), agv_runs_.end(), [](const Run& run) { return run.retired; });
 }
 
 void Processes::release_intervals(Robot robot, Desk& desk) {

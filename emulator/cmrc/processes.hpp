@@ -35,6 +35,8 @@ class Processes : private Berth {
 
   /// Sub-process `number` of a robot is to be released now.
   bool releases(unsigned number, Robot robot) const;
+  /// The work of the crane and of every AGV is over (processes 7 and 8 have ended).
+  bool job_done() const;
   Crane& crane() { return crane_; }
   const Crane& crane() const { return crane_; }
   Fleet& fleet() { return fleet_; }

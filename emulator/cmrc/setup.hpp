@@ -46,8 +46,11 @@ struct Evidence {
   std::optional<report::StopReason> stop;
   std::chrono::steady_clock::duration elapsed;
   std::vector<std::string> causes;
-  std::function<CauseTimes(unsigned)> job_causes;  ///< a slot's cycles by cause, as jobs are told
+  Ledger::Told told;
+  const Course& course;
+  std::optional<report::Errors> errors;
+  std::optional<Time> account_end;                 ///< nothing drove the crane any more from then on
 };
-report::RunReport make_report(const Evidence& evidence);
+report::RunReport make_report(Evidence evidence);
 
 }  // namespace cmrc

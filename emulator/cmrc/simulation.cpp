@@ -16,6 +16,7 @@
 #include "cmrc/kernels.hpp"
 #include "cmrc/ledger.hpp"
 #include "cmrc/observer.hpp"
+#include "cmrc/reference_run.hpp"
 #include "cmrc/run_profile.hpp"
 #include "cmrc/setup.hpp"
 #include "cmrc/words.hpp"
@@ -33,6 +34,8 @@ namespace {
 constexpr Time settling = std::chrono::milliseconds{1};
 // DSPs that stand still are reset by the watchdog; when none has come back after so long, none is left.
 constexpr Time patience = std::chrono::milliseconds{500};
+// Whether the run is over is asked at whole multiples of this, however the caller cuts it.
+constexpr Time look_period = std::chrono::milliseconds{10};
 
 std::vector<std::string> cause_names() {
   std::vector<std::string> names;
@@ -115,18 +118,23 @@ toolchain::Image dsp_image(const Config& config) {
 
 class Simulation::Parts {
  public:
-  explicit Parts(const Config& given)
-      : config(as_run(given)), image(dsp_image(config)), words([this](std::string_view name) { return image.symbol(name); }),
+  Parts(const Config& given, std::shared_ptr<Course> recorded, std::shared_ptr<const Reference> ideal)
+      : given_config(given), config(as_run(given)), given_reference(std::move(ideal)), image(dsp_image(config)), words([this](std::string_view name) { return image.symbol(name); }),
         dock_config(dock_of(config)), dock(dock_config), machine_config(machine_of(config)), ledger(ledger_of(config, machine_config)),
         observer(words, ledger, log), host(config, words, crane_of(config, dock_config), fleet_of(config, dock_config), ledger, observer,
              [this](unsigned slot) { return machine.boot_stream(slot); }),
-        machine(machine_config, image, &dock, &host), end(duration_of(config.run.duration_s)) {
-    observer.weigh_errors(dock_config.crane);
+        machine(machine_config, image, &dock, &host), end(duration_of(config.run.duration_s)),
+        course(recorded ? std::move(recorded) : std::make_shared<Course>(measured() ? latches_of(config) : 0, static_cast<int>(config.dock.agvs))) {
+    if (given_reference && given_reference->key != reference_key(given_config))
+      throw ConfigError("reference: it is the ideal run of another configuration; one that differs in DSPs, their speed and failures only is expected");
+    host.set_course(course.get());
+    observer.set_servoing([this] { return host.servoing(); });
     for (const AreaWord& word : initial_words(config, dock_config, words, dock)) machine.poke(word.offset, word.value);
     observer.set_causes([this](unsigned slot) { return job_causes(machine, slot); });
     observer.set_peek([this](machine::Offset offset) { return machine.peek(offset); });
-    observer.watch_errors(words.cr_base + image.symbol("CR_PID") + image.symbol("PD_E") - image.symbol("PD_STATE"));
-    observer.attach(dock);
+    const Word pid_state = words.cr_base + image.symbol("CR_PID") - image.symbol("PD_STATE");
+    observer.watch_errors(pid_state + image.symbol("PD_E"), pid_state + image.symbol("PD_STAGE"), image.symbol("PD_SERVOING"));
+    observer.attach(dock, course->recorded() ? course.get() : nullptr);
     machine.set_observer(&observer);
     for (unsigned slot = 0; slot < machine.slots(); ++slot) {
       ledger.timeline().slot(slot, machine.booted(slot) ? SlotState::awake : SlotState::off, Time{0});
@@ -136,14 +144,90 @@ class Simulation::Parts {
     }
   }
 
+  Ledger::Told told() const {
+    return ledger.tell(machine.time(), [this](unsigned slot) { return job_causes(machine, slot); });
+  }
+
+  /// The errors of the run are told.
+  bool measured() const { return config.report.reference == ReferenceKind::ideal; }
+
   void run_until(Time time) {
-    machine.run_until(time);
-    if (machine.time() > settling) log.settle(machine.time() - settling);
+    while (now() < time && !over()) {
+      if (account_end) {
+        dock.advance_to(std::min(time, after_end));
+      } else {
+        machine.run_until(std::min(time, (now() / look_period + 1) * look_period));
+        if (now() % look_period == Time{}) look();
+      }
+    }
+    if (now() > settling) log.settle(now() - settling);
+  }
+
+  Time now() const { return account_end ? std::max(*account_end, dock.time()) : machine.time(); }
+  bool over() const { return now() >= end || (account_end && now() >= after_end); }
+
+  /// Whether the job is done, or nothing drives the crane any more: then the plant goes on, braked, without the machine.
+  void look() {
     bool alive = false;
     for (unsigned slot = 0; slot < machine.slots(); ++slot) alive = alive || (machine.booted(slot) && !machine.standing(slot));
-    if (alive) last_alive = machine.time();
-    if (machine.time() - last_alive >= patience) stop = report::StopReason::no_dsp_left;
-    if (dock.faulted()) stop = report::StopReason::plant_fault;
+    if (alive) last_alive = now();
+    enabled = enabled || !dock.braked();
+    if (!enabled || !dock.braked() || !host.servoing()) last_driven = now();
+    const Time after = duration_of(config.run.after_stop_s);
+    if (config.run.until == RunUntil::job_done && host.job_done()) return stop_account(report::StopReason::job_done, Time{});
+    if (dock.faulted()) return stop_account(report::StopReason::plant_fault, after);
+    if (now() - last_alive >= patience) return stop_account(report::StopReason::no_dsp_left, after);
+    if (now() - last_driven >= std::max(after, patience)) stop_account(report::StopReason::drives_stopped, Time{});
+  }
+
+  void stop_account(report::StopReason reason, Time after) {
+    stop = reason;
+    account_end = now();
+    after_end = std::min(end, now() + after);
+    if (reason != report::StopReason::job_done) dock.enable_drives(0, now());
+  }
+
+  /// The ideal run, once this run is over.
+  std::shared_ptr<const Reference> reference() {
+    const bool interrupted = stop == report::StopReason::interrupted;
+    if (!measured() || config.run.ideal || (!over() && !interrupted)) return nullptr;
+    if (!ideal_run && !given_reference) ideal_run = std::make_unique<ReferenceRun>(given_config);
+    if (!given_reference) {
+      if (interrupted) ideal_run->stop_at(now());
+      given_reference = ideal_run->wait();
+      ideal_run.reset();
+    }
+    return given_reference;
+  }
+
+  /// Begins the ideal run beside this one.
+  void begin_reference() {
+    if (!measured() || config.run.ideal || given_reference || ideal_run) return;
+    ideal_run = std::make_unique<ReferenceRun>(given_config);
+  }
+
+  /// What was measured against another course of events, or only in part, is measured anew.
+  void forget_reference() {
+    ideal_run.reset();
+    given_reference.reset();
+    errors.reset();
+  }
+
+  std::optional<report::Errors> measure_errors(const JobsByRobot& jobs) {
+    if (errors) return errors;
+    const auto ideal = reference();
+    if (!ideal && !(config.run.ideal && measured())) return std::nullopt;
+    const bool interrupted = stop == report::StopReason::interrupted;
+    const Course& meant = ideal ? ideal->course : *course;
+    const JobsByRobot& demanded = ideal ? ideal->jobs : jobs;
+    Time to = interrupted || config.run.ideal ? now() : end;
+    if (stop == report::StopReason::job_done && meant.size() > 0) to = std::min(end, std::max(now(), static_cast<std::int64_t>(meant.size()) * plant::latch_period));
+    std::vector<std::string> kinds = job_kinds();
+    for (const UserTask& task : config.tasks) kinds.push_back("user." + task.name);
+    report::Errors made = measure({config, dock_config, *course, jobs, std::move(kinds), to}, meant, demanded);
+    made.reference_elapsed_s = ideal ? ideal->elapsed_s : 0;
+    if (over()) errors = made;
+    return made;
   }
 
   void connect_traces() {
@@ -153,7 +237,11 @@ class Simulation::Parts {
     }
   }
 
+  Config given_config;
   Config config;
+  std::shared_ptr<const Reference> given_reference;
+  std::unique_ptr<ReferenceRun> ideal_run;
+  std::optional<report::Errors> errors;
   toolchain::Image image;
   Words words;
   plant::DockConfig dock_config;
@@ -165,24 +253,37 @@ class Simulation::Parts {
   Host host;
   machine::Machine machine;
   Time end;
-  Time last_alive{};
+  std::shared_ptr<Course> course;
+  Time last_alive{}, last_driven{};
+  bool enabled = false;               // the drives have been on
+  std::optional<Time> account_end;    // the plant goes on without the machine from then on
+  Time after_end{};
   std::optional<report::StopReason> stop;
   std::chrono::steady_clock::duration elapsed{};
   std::map<unsigned, c40::TraceSink*> traces;
   std::optional<RunProfile> profile;
 };
 
-Simulation::Simulation(const Config& config) try : parts_(std::make_unique<Parts>(config)) {
+namespace {
+
+std::unique_ptr<Simulation::Parts> parts_of(const Config& config, std::shared_ptr<Course> course, std::shared_ptr<const Reference> reference) try {
+  return std::make_unique<Simulation::Parts>(config, std::move(course), std::move(reference));
 } catch (const machine::BoardError& error) {
   throw ConfigError(fmt::format("machine.board: {}", error.what()));
 }
+
+}  // namespace
+
+Simulation::Simulation(const Config& config) : parts_(parts_of(config, nullptr, nullptr)) {}
+Simulation::Simulation(const Config& config, std::shared_ptr<Course> course) : parts_(parts_of(config, std::move(course), nullptr)) {}
+Simulation::Simulation(const Config& config, std::shared_ptr<const Reference> reference) : parts_(parts_of(config, nullptr, std::move(reference))) {}
 Simulation::~Simulation() = default;
 
 void Simulation::at(const TimedEvent& event) {
   Parts& p = *parts_;
-  if (duration_of(event.at_s) < p.machine.time()) {
+  if (duration_of(event.at_s) < p.now()) {
     refuse(event.origin, "events.at_s", fmt::format("{} s has passed", event.at_s),
-           fmt::format("the run is at {:.9g} s", static_cast<double>(p.machine.time().count()) * 1e-12));
+           fmt::format("the run is at {:.9g} s", static_cast<double>(p.now().count()) * 1e-12));
   }
   if (ended() || event.at_s >= p.config.run.duration_s) {
     refuse(event.origin, "events.at_s", fmt::format("{} s is not within the run", event.at_s), fmt::format("it ends at {} s", p.config.run.duration_s));
@@ -191,6 +292,8 @@ void Simulation::at(const TimedEvent& event) {
   with.events.push_back(event);
   check_events(with);
   p.config.events.push_back(event);
+  p.given_config.events.push_back(event);
+  p.forget_reference();
   if (const auto scripted = scripted_event(event)) p.machine.script(*scripted);
   else p.host.change(duration_of(event.at_s), event);
 }
@@ -217,10 +320,8 @@ report::Profile Simulation::profile_report() const {
   return parts_->profile->report(report().tasks, image, rom);
 }
 
-bool Simulation::ended() const {
-  const auto& stop = parts_->stop;
-  return parts_->machine.time() >= parts_->end || (stop && *stop != report::StopReason::interrupted);
-}
+bool Simulation::ended() const { return parts_->over(); }
+Time Simulation::time() const { return parts_->now(); }
 
 void Simulation::run_until(report::Time time) {
   const auto began = std::chrono::steady_clock::now();
@@ -229,11 +330,15 @@ void Simulation::run_until(report::Time time) {
 }
 
 void Simulation::run(const std::function<bool(const Progress&)>& on_progress, report::Time slice) {
-  parts_->stop.reset();
+  if (parts_->stop == report::StopReason::interrupted) {
+    parts_->stop.reset();
+    parts_->forget_reference();
+  }
+  if (!ended()) parts_->begin_reference();
   while (!ended()) {
-    run_until(parts_->machine.time() + slice);
+    run_until(parts_->now() + slice);
     if (!on_progress) continue;
-    const Progress progress{parts_->machine.time(), parts_->end, static_cast<unsigned>(parts_->dock.delivered()), parts_->ledger.misses()};
+    const Progress progress{parts_->now(), parts_->end, static_cast<unsigned>(parts_->dock.delivered()), parts_->ledger.misses()};
     if (!on_progress(progress) && !ended()) {
       parts_->stop = report::StopReason::interrupted;
       return;
@@ -243,19 +348,27 @@ void Simulation::run(const std::function<bool(const Progress&)>& on_progress, re
 }
 
 report::RunReport Simulation::report() const {
-  const Parts& p = *parts_;
-  return make_report({p.config, p.machine, p.dock, p.dock_config, p.host, p.ledger, p.observer, p.log, p.stop, p.elapsed, cause_names(),
-                      [&p](unsigned slot) { return job_causes(p.machine, slot); }});
+  Parts& p = *parts_;
+  Ledger::Told told = p.told();
+  auto errors = p.measure_errors(told.jobs);
+  return make_report({p.config, p.machine, p.dock, p.dock_config, p.host, p.ledger, p.observer, p.log, p.stop, p.elapsed, cause_names(), std::move(told),
+                      *p.course, std::move(errors), p.account_end});
 }
+
+std::shared_ptr<const Reference> Simulation::reference() const { return parts_->reference(); }
+const Course& Simulation::course() const { return *parts_->course; }
+std::vector<report::TaskReport> Simulation::tasks() const { return parts_->told().tasks; }
+JobsByRobot Simulation::jobs() const { return parts_->told().jobs; }
 
 bool Simulation::strictly_good() const {
   const report::RunReport report = this->report();
-  return report.stop_reason == report::StopReason::completed && report.misses() == 0;
+  const bool whole = report.stop_reason == report::StopReason::completed || report.stop_reason == report::StopReason::job_done;
+  return whole && report.misses() == 0;
 }
 
 int Simulation::exit_status() const {
   const auto& stop = parts_->stop;
-  if (stop && *stop != report::StopReason::interrupted) return 1;
+  if (stop && *stop != report::StopReason::interrupted && *stop != report::StopReason::job_done) return 1;
   if (!report().audit.violations.empty()) return 1;
   return parts_->config.run.strict && !strictly_good() ? 1 : 0;
 }

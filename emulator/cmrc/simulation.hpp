@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cmrc/config.hpp"
+#include "cmrc/measures.hpp"
 #include "report/event_log.hpp"
 #include "report/profile_report.hpp"
 #include "report/run_report.hpp"
@@ -45,6 +46,9 @@ class Simulation {
  public:
   /// \throws ConfigError, toolchain::AssemblyError, std::invalid_argument (an image without the shared words)
   explicit Simulation(const Config& config);
+  /// The same, recorded in `course`; or measured against an ideal run that is there already.
+  Simulation(const Config& config, std::shared_ptr<Course> course);
+  Simulation(const Config& config, std::shared_ptr<const Reference> reference);
   ~Simulation();
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
@@ -67,8 +71,19 @@ class Simulation {
   /// Runs until `time`, or the end of the duration if that is earlier.
   void run_until(report::Time time);
   bool ended() const;
+  /// As far as the run has come.
+  report::Time time() const;
 
+  /// \throws std::runtime_error when the ideal run has died
   report::RunReport report() const;
+  /// The ideal run that this run is measured against; null while the run is not over, and where there is none.
+  std::shared_ptr<const Reference> reference() const;
+  /// Where this run's crane, load and vehicles were.
+  const Course& course() const;
+  /// The accounts of the jobs so far, by kind.
+  std::vector<report::TaskReport> tasks() const;
+  /// The jobs so far, by kind and robot.
+  JobsByRobot jobs() const;
   /// What `--strict` asks: completed, and no deadline missed.
   bool strictly_good() const;
   /// Exit status of ruling 24: 0, or 1.
@@ -80,8 +95,9 @@ class Simulation {
   const machine::Machine& machine() const;
   const plant::Dock& dock() const;
 
- private:
   class Parts;
+
+ private:
   std::unique_ptr<Parts> parts_;
 };
 

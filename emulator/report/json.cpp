@@ -1,7 +1,5 @@
 // RunReport as JSON: docs/report.md is the schema. A change of a key's meaning raises schema_version.
-#include <nlohmann/json.hpp>
-
-#include "report/run_report.hpp"
+#include "report/measures_json.hpp"
 
 namespace report {
 namespace {
@@ -164,12 +162,6 @@ Json cycle(const CycleReport& of) {
           {"delivered_s", optional_seconds(of.delivered)}};
 }
 
-Json errors(const std::vector<ErrorReport>& list) {
-  Json object = Json::object();
-  for (const ErrorReport& of : list) object[of.name] = {{"unit", of.unit}, {"rms", of.rms}, {"peak", of.peak}};
-  return object;
-}
-
 Json failure(const FailureReport& of) {
   return {{"time_s", seconds(of.time)},
           {"dsp", of.dsp ? Json(*of.dsp) : Json(nullptr)},
@@ -201,18 +193,27 @@ Json settings(const std::vector<Setting>& list) {
   return object;
 }
 
+Json by_kind(const std::vector<TaskReport>& tasks) {
+  Json object = Json::object();
+  for (const TaskReport& of : tasks) object[of.kind] = task(of);
+  return object;
+}
+
 }  // namespace
+
+std::string tasks_to_json(const std::vector<TaskReport>& tasks) { return by_kind(tasks).dump(); }
 
 std::string to_json(const RunReport& report) {
   Json root = {{"schema_version", schema_version},
                {"stop_reason", name(report.stop_reason)},
                {"simulated_s", seconds(report.simulated)},
                {"simulated_ps", report.simulated.count()},
+               {"account_end_s", seconds(report.account_end)},
                {"elapsed_s", report.elapsed_s},
                {"hash", report.hash},
                {"events", report.events},
                {"configuration", settings(report.configuration)},
-               {"tasks", Json::object()},
+               {"tasks", by_kind(report.tasks)},
                {"misses", Json::array()},
                {"misses_left_out", report.misses_left_out},
                {"dsps", Json::array()},
@@ -220,22 +221,14 @@ std::string to_json(const RunReport& report) {
                {"cycles", Json::array()},
                {"cycles_completed", report.cycles_completed},
                {"containers_delivered", report.containers_delivered},
-               {"tracking", errors(report.tracking)},
-               {"sway", errors(report.sway)},
-               {"agvs", errors(report.agvs)},
-               {"control_cost",
-                {{"cost_m2s", report.control_cost.cost()},
-                 {"error_m2s", report.control_cost.error_m2s},
-                 {"drive_s", report.control_cost.drive_s},
-                 {"rho_m2", report.control_cost.rho_m2}}},
                {"host", host_work(report.host)},
                {"timed_events", timed_events(report.timed_events)},
                {"timed_events_to_come", report.timed_events_to_come},
                {"audit", {{"checks", report.audit.checks}, {"violations", report.audit.violations}}},
                {"braked", report.braked},
                {"failures", Json::array()}};
-  for (const TaskReport& of : report.tasks) root["tasks"][of.kind] = task(of);
   for (const MissReport& of : report.missed) root["misses"].push_back(miss(of, report.tasks));
+  add_measures(report, root);
   root["boot_words"] = report.boot_words;
   for (const DspReport& of : report.dsps) root["dsps"].push_back(dsp(of));
   for (const BusReport& of : report.buses) root["buses"][of.name] = bus(of);

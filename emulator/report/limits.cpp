@@ -25,7 +25,25 @@ std::string outcome(const LimitPoint& point) {
   if (!point.refused.empty()) return "not run: " + point.refused;
   if (point.passed) return "no miss";
   if (!point.first_miss.empty()) return fmt::format("{} missed at {:.6f} s", point.first_miss, point.first_miss_s);
+  if (point.starved > 0) return fmt::format("starved: {} point interval{} without a new point", point.starved, point.starved == 1 ? "" : "s");
   return point.stop_reason;
+}
+
+std::string cost(const LimitPoint& point) {
+  if (!point.cost) return "";
+  const auto rate = [](const char* name, std::optional<double> hertz, std::optional<double> missed) {
+    return hertz ? fmt::format("; {} {:.4g} Hz, {} % missed", name, *hertz, percent(missed.value_or(0), 1)) : "";
+  };
+  const LimitPoint::Cost& of = *point.cost;
+  return rate("f_p", of.f_p_hz, of.f_p_missed) + rate("f_t", of.f_t_hz, of.f_t_missed) + fmt::format("; load error {:.4g} m RMS, lag {:.3g} s", of.load_rms_m, of.lag_s);
+}
+
+Json cost_json(const LimitPoint& point) {
+  if (!point.cost) return nullptr;
+  const auto optional = [](std::optional<double> value) { return value ? Json(*value) : Json(nullptr); };
+  const LimitPoint::Cost& of = *point.cost;
+  return {{"f_p_realised_hz", optional(of.f_p_hz)}, {"f_p_missed_share", optional(of.f_p_missed)}, {"f_t_realised_hz", optional(of.f_t_hz)},
+          {"f_t_missed_share", optional(of.f_t_missed)}, {"load_rms_m", of.load_rms_m}, {"lag_s", of.lag_s}};
 }
 
 std::string list(const std::vector<double>& values) {
@@ -59,7 +77,7 @@ std::string to_text(const Limits& limits) {
   std::string text = fmt::format("Limits, {:g} s simulated for each point\n", limits.duration_s);
   for (const LimitScan& scan : limits.scans) {
     text += fmt::format("\n{} ({})\n", scan.meaning, scan.key);
-    for (const LimitPoint& point : scan.points) text += fmt::format("  {:>9g}  {}\n", point.value, outcome(point));
+    for (const LimitPoint& point : scan.points) text += fmt::format("  {:>9g}  {}{}\n", point.value, outcome(point), cost(point));
     const auto limit = scan.limit();
     text += limit ? fmt::format("  limit: {:g}; {} passes\n", *limit, scan.more_is_harder ? "every point up to it" : "every point from it on")
                   : std::string("  no limit: the easiest point does not pass\n");
@@ -79,7 +97,9 @@ std::string to_json(const Limits& limits) {
                         {"refused", point.refused.empty() ? Json(nullptr) : Json(point.refused)},
                         {"stop_reason", point.stop_reason.empty() ? Json(nullptr) : Json(point.stop_reason)},
                         {"first_miss", missed ? Json(point.first_miss) : Json(nullptr)},
-                        {"first_miss_s", missed ? Json(point.first_miss_s) : Json(nullptr)}});
+                        {"first_miss_s", missed ? Json(point.first_miss_s) : Json(nullptr)},
+                        {"starved_intervals", point.starved},
+                        {"errors", cost_json(point)}});
     }
     const auto limit = scan.limit();
     root["scans"][scan.name] = {{"key", scan.key},

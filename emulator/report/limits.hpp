@@ -11,10 +11,18 @@ namespace report {
 struct LimitPoint {
   double value = 0;
   std::string refused;         ///< not run: the configuration that it makes breaks this rule
-  bool passed = false;         ///< ran to its end without a missed deadline
+  bool passed = false;         ///< ran to its end without a missed deadline and without a starved interval
   std::string stop_reason;     ///< why it ended, "interrupted" at its first miss
   std::string first_miss;      ///< kind of the first missed job
   double first_miss_s = 0;     ///< its deadline, or its release where it has none
+  std::uint64_t starved = 0;   ///< whole point intervals in which a robot got no new point
+  /// What it cost, where errors are asked for: against the ideal run, over the whole duration.
+  struct Cost {
+    std::optional<double> f_p_hz, f_t_hz;              ///< realised
+    std::optional<double> f_p_missed, f_t_missed;      ///< share of the demand
+    double load_rms_m = 0, lag_s = 0;                  ///< lag of the crane at the end
+  };
+  std::optional<Cost> cost;
 };
 
 /// One quantity that was scanned, the others as configured.

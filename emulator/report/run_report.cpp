@@ -8,6 +8,8 @@ std::string name(StopReason reason) {
     case StopReason::interrupted: return "interrupted";
     case StopReason::no_dsp_left: return "no_dsp_left";
     case StopReason::plant_fault: return "plant_fault";
+    case StopReason::drives_stopped: return "drives_stopped";
+    case StopReason::job_done: return "job_done";
   }
   return "unknown";
 }

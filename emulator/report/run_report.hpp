@@ -9,12 +9,13 @@
 #include <vector>
 
 #include "report/event.hpp"
+#include "report/measures.hpp"
 #include "report/statistics.hpp"
 #include "report/why_late.hpp"
 
 namespace report {
 
-inline constexpr int schema_version = 2;
+inline constexpr int schema_version = 3;
 
 /// The jobs of one task kind (ruling 16). released = on_time + late + unfinished + never_started + lost + dropped,
 /// always.
@@ -106,20 +107,39 @@ struct CycleReport {
   std::optional<Time> delivered;       ///< instant of delivery
 };
 
-/// RMS and peak of a quantity over the time in which it was controlled.
-struct ErrorReport {
+/// RMS and peak of a quantity that the run itself tells; none where it never had a value.
+struct OwnMeasure {
   std::string name;  ///< "s", "psi", "phi", "l", "kappa"; "alpha", "beta"; "agv 0 lateral"
   std::string unit;  ///< "m", "rad"
-  double rms = 0;
-  double peak = 0;
+  std::optional<double> rms, peak;
 };
 
-/// Quadratic control cost: the integral of e^2 + rho u^2.
+/// A drive of the crane: what it was made to do.
+struct DriveReport {
+  std::string name;        ///< of its joint
+  double saturated_s = 0;  ///< time at full torque, |code| = 2047
+};
+
+/// Quadratic control cost: the integral of e^2 + rho u^2, e being the error against the ideal run.
 struct ControlCost {
-  double error_m2s = 0;  ///< integral of the squared joint errors as they move the spreader (docs/report.md), m2 s
-  double drive_s = 0;    ///< integral of the squared torque codes, 1 at full torque, of all drives, s
+  std::optional<double> error_m2s;  ///< Errors::error_m2s; none without a reference
+  double drive_s = 0;               ///< integral of the squared torque codes, 1 at full torque, of all drives, s
   double rho_m2 = 0;
-  double cost() const { return error_m2s + rho_m2 * drive_s; }
+  std::optional<double> cost() const { return error_m2s ? std::optional(*error_m2s + rho_m2 * drive_s) : std::nullopt; }
+};
+
+/// What the plant did when nothing drove the crane any more.
+struct AfterStop {
+  Time from{}, to{};
+  double moved_m = 0;         ///< largest distance of the load from where it was at the beginning
+  double sway_peak_rad = 0;   ///< largest sway
+  double sway_end_rad = 0;    ///< the same in the last two seconds
+};
+
+/// A robot's hunger: whole point intervals inside its legs in which it consumed no new point.
+struct Starved {
+  std::string robot;
+  std::uint64_t intervals = 0;
 };
 
 struct HostReport {
@@ -160,12 +180,13 @@ struct Setting {
 };
 
 /// Why the run ended.
-enum class StopReason : std::uint8_t { completed, interrupted, no_dsp_left, plant_fault };
+enum class StopReason : std::uint8_t { completed, interrupted, no_dsp_left, plant_fault, drives_stopped, job_done };
 std::string name(StopReason reason);
 
 struct RunReport {
   StopReason stop_reason = StopReason::completed;
   Time simulated{};
+  Time account_end{};    ///< until then deadlines are counted
   double elapsed_s = 0;  ///< wall clock; not in the hash
   std::string hash;      ///< 64 hexadecimal digits (ruling 4)
   std::uint64_t events = 0;
@@ -179,9 +200,15 @@ struct RunReport {
   std::vector<CycleReport> cycles;
   unsigned cycles_completed = 0;
   unsigned containers_delivered = 0;
-  std::vector<ErrorReport> tracking;
-  std::vector<ErrorReport> sway;
-  std::vector<ErrorReport> agvs;
+  std::optional<Time> makespan;  ///< first refresh to last delivery; none: the job was not done
+  std::string reference;         ///< "ideal", "none"
+  std::optional<Errors> errors;  ///< none without a reference, and while the run is not over
+  std::vector<Starved> starved;
+  std::vector<OwnMeasure> pid_error;  ///< what PID itself computed
+  std::vector<OwnMeasure> sway;       ///< angle of the rope
+  std::vector<OwnMeasure> agvs;       ///< distance from the lane while driving
+  std::vector<DriveReport> drives;
+  std::optional<AfterStop> after_stop;
   ControlCost control_cost;
   HostReport host;
   std::vector<TimedEventReport> timed_events;
@@ -196,6 +223,8 @@ struct RunReport {
 
 /// The report for a terminal, in at most 100 columns. Ends with a line feed.
 std::string to_text(const RunReport& report);
+/// Its key "tasks" alone.
+std::string tasks_to_json(const std::vector<TaskReport>& tasks);
 /// The report as JSON (docs/report.md), indented by two. Ends with a line feed.
 std::string to_json(const RunReport& report);
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <span>
 
-#include "report/run_report.hpp"
+#include "report/measures_text.hpp"
 #include "report/text_table.hpp"
 
 namespace report {
@@ -21,7 +21,7 @@ std::string seconds(const std::optional<Time>& time) {
 
 std::string title(const RunReport& report) {
   const double simulated = static_cast<double>(report.simulated.count()) / 1e12;
-  const std::string reason = report.stop_reason == StopReason::completed
+  const std::string reason = report.stop_reason == StopReason::completed || report.stop_reason == StopReason::job_done
                                  ? ""
                                  : fmt::format(" The run ended early: {}.", name(report.stop_reason));
   return fmt::format("{} DSP{}, {:.3f} s simulated in {:.2f} s ({:.1f} x real time).{}\n", report.dsps.size(),
@@ -250,8 +250,9 @@ std::string buses(const RunReport& report) {
 }
 
 std::string cycles(const RunReport& report) {
-  std::string text = heading(fmt::format("Work cycles: {} completed, {} container{} delivered", report.cycles_completed,
-                                         report.containers_delivered, report.containers_delivered == 1 ? "" : "s"));
+  const std::string makespan = report.makespan ? fmt::format("; the job took {} s", seconds(report.makespan)) : "";
+  std::string text = heading(fmt::format("Work cycles: {} completed, {} container{} delivered{}", report.cycles_completed,
+                                         report.containers_delivered, report.containers_delivered == 1 ? "" : "s", makespan));
   TextTable table({"s", "AGV", "t_3", "t_4", "t_5", "t_6", "t_v", "t_w", "approach", "T_g", "T_a", "N^_a", "delivered at"});
   for (const CycleReport& cycle : report.cycles)
     table.add({fmt::format("cycle {}", cycle.number), fmt::format("{}", cycle.agv), seconds(cycle.t3),
@@ -259,22 +260,6 @@ std::string cycles(const RunReport& report) {
                seconds(cycle.approach), seconds(cycle.T_g), seconds(cycle.T_a),
                cycle.agv_interval ? fmt::format("{}", *cycle.agv_interval) : "-", seconds(cycle.delivered)});
   return table.empty() ? text : text + table.render();
-}
-
-std::string errors(const RunReport& report) {
-  TextTable table({"error", "unit", "RMS", "peak"});
-  const auto add = [&](const std::vector<ErrorReport>& list, std::string_view what) {
-    for (const ErrorReport& error : list)
-      table.add({std::string(what) + error.name, error.unit, fmt::format("{:.6f}", error.rms),
-                 fmt::format("{:.6f}", error.peak)});
-  };
-  add(report.tracking, "joint ");
-  add(report.sway, "sway ");
-  add(report.agvs, "");
-  if (table.empty()) return "";
-  return heading("Tracking") + table.render() +
-         fmt::format("  control cost: {:.6g} m2 s, of it {:.6g} by the drives (rho {:g} m2)\n", report.control_cost.cost(),
-                     report.control_cost.rho_m2 * report.control_cost.drive_s, report.control_cost.rho_m2);
 }
 
 std::string host_work(const RunReport& report) {
@@ -315,8 +300,8 @@ std::string failures(const RunReport& report) {
 }  // namespace
 
 std::string to_text(const RunReport& report) {
-  return title(report) + outcomes(report) + times(report) + reasons(report) + dsps(report) + buses(report) +
-         cycles(report) + errors(report) + host_work(report) + timed_events(report) + failures(report) +
+  return title(report) + headline(report) + outcomes(report) + times(report) + reasons(report) + dsps(report) + buses(report) +
+         cycles(report) + errors_section(report) + after_stop_section(report) + host_work(report) + timed_events(report) + failures(report) +
          fmt::format("\ntask blocks: {} steps of their lives checked, {} violations{}\n", report.audit.checks, report.audit.violations.size(),
                      report.braked ? "; every crane drive is braked" : "") +
          fmt::format("hash {} over {} events\n", report.hash, report.events);

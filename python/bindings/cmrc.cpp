@@ -337,8 +337,10 @@ void run(cmrc::Simulation& simulation, const py::object& on_progress, double sli
   if (raised) throw py::error_already_set();
 }
 
-/// The plant's time series, one array per signal, units in the names.
-py::dict signals_of(const plant::Dock& dock) {
+/// The plant's time series, one array per signal, units in the names; where the ideal run is there, each joint's and the load's way in it too.
+py::dict signals_of(const cmrc::Simulation& simulation) {
+  const plant::Dock& dock = simulation.dock();
+  const auto reference = simulation.reference();
   const auto& rows = dock.signals();
   py::dict all;
   const auto column = [&](const std::string& name, auto value) {
@@ -355,6 +357,10 @@ py::dict signals_of(const plant::Dock& dock) {
     column(fmt::format("{}_rate_{}_per_s", name, unit), [j](const plant::Signal& s) { return s.qd[j]; });
     column(fmt::format("{}_torque_Nm", name), [j](const plant::Signal& s) { return s.torque[j]; });
     column(fmt::format("{}_code", name), [j](const plant::Signal& s) { return s.code[j]; });
+    column(fmt::format("{}_saturated", name), [j](const plant::Signal& s) { return std::abs(s.code[j]) >= 2047; });
+    if (!reference) continue;
+    column(fmt::format("{}_reference_{}", name, unit), [&, j](const plant::Signal& s) { return reference->course.at(s.time)[j]; });
+    column(fmt::format("{}_error_{}", name, unit), [&, j](const plant::Signal& s) { return s.q[j] - reference->course.at(s.time)[j]; });
   }
   column("sway_alpha_rad", [](const plant::Signal& s) { return s.alpha; });
   column("sway_beta_rad", [](const plant::Signal& s) { return s.beta; });
@@ -362,6 +368,8 @@ py::dict signals_of(const plant::Dock& dock) {
   for (std::size_t i = 0; i < 3; ++i) {
     column(fmt::format("tip_{}_m", axes[i]), [i](const plant::Signal& s) { return s.tip[i]; });
     column(fmt::format("payload_{}_m", axes[i]), [i](const plant::Signal& s) { return s.payload[i]; });
+    if (!reference) continue;
+    column(fmt::format("payload_reference_{}_m", axes[i]), [&, i](const plant::Signal& s) { return reference->course.at(s.time)[plant::joint_count + i]; });
   }
   column("payload_yaw_rad", [](const plant::Signal& s) { return s.yaw; });
   column("tension_N", [](const plant::Signal& s) { return s.tension; });
@@ -397,8 +405,13 @@ void bind_simulation(py::module_& m) {
       .def_property_readonly("plugged", [](const DspOf& d) { return d.simulation.machine().plugged(d.slot); })
       .def_property_readonly("booted", [](const DspOf& d) { return d.simulation.machine().booted(d.slot); });
   bind_inspection(dsp, [](const DspOf& d) -> c40::Chip& { return d.simulation.machine().chip(d.slot); });
+  py::class_<cmrc::Reference, std::shared_ptr<cmrc::Reference>>(m, "Reference", "An ideal run, for the runs that are measured against it.")
+      .def_readonly("elapsed_s", &cmrc::Reference::elapsed_s);
   py::class_<cmrc::Simulation>(m, "Simulation", "One run. Times in seconds.")
       .def(py::init<const cmrc::Config&>(), py::arg("config"))
+      .def(py::init<const cmrc::Config&, std::shared_ptr<const cmrc::Reference>>(), py::arg("config"), py::arg("reference"))
+      .def("reference", &cmrc::Simulation::reference, py::call_guard<py::gil_scoped_release>(),
+           "The ideal run that this run was measured against; None while the run is not over, and where there is none.")
       .def("run", &run, py::arg("on_progress") = py::none(), py::arg("slice_s") = 0.02,
            "Runs to the end; on_progress(simulated_s, duration_s) may return False to stop. Ctrl-C stops cleanly and raises KeyboardInterrupt.")
       .def("run_until", [](cmrc::Simulation& simulation, double seconds) {
@@ -416,16 +429,17 @@ void bind_simulation(py::module_& m) {
            "A word of shared memory.")
       .def("symbol", [](const cmrc::Simulation& simulation, const std::string& name) { return simulation.machine().symbol(name); })
       .def_property_readonly("time_s", [](const cmrc::Simulation& simulation) {
-        return static_cast<double>(simulation.machine().time().count()) * 1e-12;
+        return static_cast<double>(simulation.time().count()) * 1e-12;
       })
       .def_property_readonly("ended", &cmrc::Simulation::ended)
       .def_property_readonly("exit_status", &cmrc::Simulation::exit_status)
       .def("report_json", [](const cmrc::Simulation& simulation) { return report::to_json(simulation.report()); })
+      .def("tasks_json", [](const cmrc::Simulation& simulation) { return report::tasks_to_json(simulation.tasks()); })
       .def("report_text", [](const cmrc::Simulation& simulation) { return report::to_text(simulation.report()); })
       .def("profile", &cmrc::Simulation::profile, "Counts where the DSPs' cycles go; before the run.")
       .def("profile_json", [](const cmrc::Simulation& simulation) { return report::to_json(simulation.profile_report()); })
       .def("profile_text", [](const cmrc::Simulation& simulation) { return report::to_text(simulation.profile_report()); })
-      .def("signals", [](const cmrc::Simulation& simulation) { return signals_of(simulation.dock()); })
+      .def("signals", [](const cmrc::Simulation& simulation) { return signals_of(simulation); })
       .def("dock_events", [](const cmrc::Simulation& simulation) {
         py::list all;
         for (const plant::Event& event : simulation.dock().events()) {

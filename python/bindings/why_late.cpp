@@ -71,7 +71,7 @@ class Scene {
 
 using Grid = std::optional<std::vector<double>>;
 
-std::pair<std::string, std::string> limits(const cmrc::Config& config, const Grid& cycles, const Grid& dsps, const Grid& servo, const py::object& on_progress) {
+std::pair<std::string, std::string> limits(const cmrc::Config& config, const Grid& cycles, const Grid& dsps, const Grid& servo, bool errors, const py::object& on_progress) {
   cmrc::LimitGrids grids{cycles.value_or(std::vector<double>{}), dsps.value_or(std::vector<double>{}), servo.value_or(std::vector<double>{})};
   if (!cycles && !dsps && !servo) grids = cmrc::LimitGrids::standard(config);
   const auto progress = [&](std::size_t done, std::size_t points) {
@@ -80,7 +80,7 @@ std::pair<std::string, std::string> limits(const cmrc::Config& config, const Gri
     if (!on_progress.is_none()) on_progress(done, points);
   };
   const py::gil_scoped_release released;
-  const report::Limits found = cmrc::find_limits(config, grids, progress);
+  const report::Limits found = cmrc::find_limits(config, grids, errors, progress);
   return {to_text(found), to_json(found)};
 }
 
@@ -89,7 +89,7 @@ std::pair<std::string, std::string> limits(const cmrc::Config& config, const Gri
 void bind_why_late(py::module_& core) {
   using namespace py::literals;
   py::module_ m = core.def_submodule("why_late", "Chains of causes, limits, and what a miss costs (docs/report.md).");
-  m.def("limits", &limits, "config"_a, "cycles"_a, "dsps"_a, "servo"_a, "on_progress"_a, "Text and JSON of a scan; all grids None: the standard ones.");
+  m.def("limits", &limits, "config"_a, "cycles"_a, "dsps"_a, "servo"_a, "errors"_a, "on_progress"_a, "Text and JSON of a scan; all grids None: the standard ones.");
   m.def("scan_outcome", [](const std::vector<std::pair<double, bool>>& points, bool more_is_harder) {
     report::LimitScan scan;
     scan.more_is_harder = more_is_harder;

@@ -83,15 +83,16 @@ def joints(recording: Recording, axes: Axes) -> None:
 
 
 def tracking(recording: Recording, axes: Axes) -> None:
-    """What PID saw of each joint's error (reference less encoder), root mean square in each interval of the deadlines."""
+    """Each joint's error against the ideal run, root mean square in each interval of the deadlines."""
     edges = recording["deadlines"]["edges_s"]
     for name, error in recording["tracking"].items():
         if any(error["rms"]):  # a gantry does not slew
             label = next((label for key, label in JOINTS.items() if key.rsplit("_", 1)[0] == name), name)
             axes.stairs(np.array(error["rms"]) * 1e3, edges, baseline=None, label=label.replace(", ", ", m"))
-    axes.set(xlabel="time, s", ylabel="RMS error, mm or mrad", title="joint tracking")
-    axes.set_yscale("log")
-    axes.legend(fontsize=7)
+    axes.set(xlabel="time, s", ylabel="RMS error, mm or mrad", title="joint errors against the ideal run")
+    if axes.patches:
+        axes.set_yscale("log")
+        axes.legend(fontsize=7)
 
 
 def sway(recording: Recording, axes: Axes) -> None:

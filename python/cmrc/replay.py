@@ -10,6 +10,7 @@ import json
 import math
 import os
 from collections.abc import Mapping
+from itertools import pairwise
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ import numpy as np
 from cmrc import _core
 from cmrc.plant import Box, DockConfig
 from cmrc.simulation import Setting, Simulation
+from cmrc.table import Table
 
 Recording = dict[str, Any]
 FORMAT = 4
@@ -31,16 +33,13 @@ def record(simulation: Simulation, step_s: float = 0.1) -> Recording:
     slices = max(1, min(360, math.ceil(duration / 0.05)))
     edges = [duration * i / slices for i in range(slices + 1)]
     counts: list[dict[str, tuple[int, int]]] = []
-    errors: list[tuple[int, dict[str, float]]] = []  # PID's runs so far, and each joint's mean square so far
     for edge in edges[1:]:
         simulation.run_until(edge)
-        report = simulation.result().report
-        tasks, tracking = report["tasks"], report["tracking"]
-        counts.append({kind: (int(task["on_time"]), int(task["misses"])) for kind, task in tasks.items()})
-        errors.append((int(tasks["pid"]["on_time"]) + int(tasks["pid"]["late"]), {joint: float(error["rms"]) ** 2 for joint, error in tracking.items()}))
+        counts.append({kind: (int(task["on_time"]), int(task["misses"])) for kind, task in simulation.tasks().items()})
         if simulation.ended:
             break
-    signals = simulation.result().signals
+    result = simulation.result()
+    signals, report = result.signals, result.report
     every = max(1, round(step_s / max(1e-9, float(signals["time_s"][1] - signals["time_s"][0])))) if signals.rows > 1 else 1
     kept = {name: np.round(np.asarray(column[::every], dtype=float), 5).tolist() for name, column in signals.items()}
     for i, mover in enumerate(dock.layout.movers):
@@ -53,7 +52,7 @@ def record(simulation: Simulation, step_s: float = 0.1) -> Recording:
         "signals": kept,
         "events": [list(event) for event in simulation._core.dock_events()],
         "deadlines": {"edges_s": edges[: len(counts) + 1], "kinds": _per_slice(counts)},
-        "tracking": {joint: {"unit": error["unit"], "rms": _rms_per_slice(errors, joint)} for joint, error in tracking.items()},
+        "tracking": _tracking(signals, edges[: len(counts) + 1], report),
         "layout": _layout(dock),
     }
 
@@ -119,14 +118,15 @@ def _per_slice(counts: list[dict[str, tuple[int, int]]]) -> dict[str, list[tuple
     return {kind: row for kind, row in rows.items() if any(on_time or missed for on_time, missed in row)}
 
 
-def _rms_per_slice(errors: list[tuple[int, dict[str, float]]], joint: str) -> list[float]:
-    """From the mean squares since the start; 0 where PID did not run."""
-    rms, runs, total = [], 0, 0.0
-    for runs_now, mean_squares in errors:
-        total_now = runs_now * mean_squares[joint]
-        rms.append(math.sqrt(max(0.0, total_now - total) / (runs_now - runs)) if runs_now > runs else 0.0)
-        runs, total = runs_now, total_now
-    return rms
+def _tracking(signals: Table, edges: list[float], report: Mapping[str, Any]) -> dict[str, Any]:
+    """Root mean square of each joint's error against the ideal run in each slice; empty where the run has no reference."""
+    time = np.asarray(signals["time_s"])
+    tracking = {}
+    for joint, of in (report["errors"] or {"joints": {}})["joints"].items():
+        error = np.asarray(signals[f"{joint}_error_{of['unit']}"])
+        slices = [error[(time > begin) & (time <= end)] for begin, end in pairwise(edges)]
+        tracking[joint] = {"unit": of["unit"], "rms": [float(np.sqrt(np.mean(part**2))) if part.size else 0.0 for part in slices]}
+    return tracking
 
 
 def _layout(config: DockConfig) -> dict[str, Any]:

@@ -67,7 +67,7 @@ class Result:
 
     @property
     def stop_reason(self) -> str:
-        """``completed``, ``interrupted``, ``no_dsp_left`` or ``plant_fault``."""
+        """``completed``, ``interrupted``, ``job_done``, ``no_dsp_left``, ``drives_stopped`` or ``plant_fault``."""
         return str(self.report["stop_reason"])
 
     @property
@@ -82,6 +82,20 @@ class Result:
         At most ``report.misses_max`` of them; ``report["misses_left_out"]`` counts the others. ``Table.from_rows(result.missed)`` is a table.
         """
         return list(self.report["misses"])
+
+    @property
+    def rates(self) -> dict[str, Any]:
+        """Against f_p, f_t and f_a: demanded, released, missed, realised (docs/report.md, Rates). KeyError without a reference."""
+        if self.report["rates"] is None:
+            raise KeyError("rates: the run has no reference, or is not over")
+        return dict(self.report["rates"])
+
+    @property
+    def errors(self) -> dict[str, Any]:
+        """Load, joints, sway, vehicles and lag against the ideal run (docs/report.md, Errors). KeyError without a reference."""
+        if self.report["errors"] is None:
+            raise KeyError("errors: the run has no reference, or is not over")
+        return dict(self.report["errors"])
 
     @cached_property
     def tasks(self) -> Table:

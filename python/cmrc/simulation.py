@@ -15,6 +15,9 @@ from cmrc.table import Table
 ConfigError = _core.cmrc.ConfigError
 """Raised for an unknown or ill-typed setting, or rates that break an invariant. Says where, and what would be right."""
 
+Reference = _core.cmrc.Reference
+"""An ideal run (docs/report.md, Errors). Opaque."""
+
 Setting = bool | int | float | str
 Progress = Callable[[float, float], bool | None]
 
@@ -44,7 +47,8 @@ class Simulation:
     Every setting of docs/configuration.md may be given: by ``settings`` under its dotted name, or as a keyword under its last part where only one table has
     it (``dsps``, ``duration_s``, ``seed``, ``idle_policy``, ...). ``config`` is a TOML file, ``preset`` one of base, heavy, saturated. Later ones win: defaults,
     preset, file, settings. ``events`` are dictionaries with the fields of ``[[events]]``. With ``profile`` the result says where the DSPs' cycles went; the
-    run is slower and otherwise the same. Raises ConfigError; c40.AssemblyError when ``programs`` names sources that do not assemble.
+    run is slower and otherwise the same. ``reference`` is the ideal run that errors are measured against, of an earlier run (``Simulation.reference``) that
+    differs in the number of DSPs, their speed and failures only; without it, it is run beside. Raises ConfigError; c40.AssemblyError when ``programs`` names sources that do not assemble.
     """
 
     def __init__(
@@ -55,13 +59,14 @@ class Simulation:
         settings: Mapping[str, Setting] | None = None,
         events: Sequence[Mapping[str, Setting]] = (),
         profile: bool = False,
+        reference: Reference | None = None,
         **keywords: Setting,
     ) -> None:
         file = None if config is None else os.fspath(config)
         given = {**(settings or {}), **keywords}
         self.config = _core.cmrc.config(file=file, preset=preset, settings=given, events=[dict(event) for event in events])
         """Every setting of this run; ``config.to_dict()``, ``config.to_toml()``."""
-        self._core = _core.cmrc.Simulation(self.config)
+        self._core = _core.cmrc.Simulation(self.config) if reference is None else _core.cmrc.Simulation(self.config, reference)
         self._profiled = profile
         if profile:
             self._core.profile()
@@ -91,6 +96,15 @@ class Simulation:
         profile = Profile(json.loads(self._core.profile_json()), self._core.profile_text()) if self._profiled else None
         return Result(json.loads(self._core.report_json()), self._core.report_text(), Table(self._core.signals()), profile)
 
+    def tasks(self) -> dict[str, Any]:
+        """The jobs so far, as the report's ``tasks`` has them: cheaper than ``result``."""
+        tasks: dict[str, Any] = json.loads(self._core.tasks_json())
+        return tasks
+
+    def reference(self) -> Reference | None:
+        """The ideal run that this run was measured against; None while the run is not over, and where ``report.reference`` is "none"."""
+        return self._core.reference()
+
     def dsp(self, slot: int) -> Dsp:
         """The DSP in a slot, between two calls of ``run_until``. Raises IndexError where there is no such slot."""
         return Dsp(self._core.dsp(slot), None)
@@ -102,7 +116,7 @@ class Simulation:
 
     @property
     def ended(self) -> bool:
-        """The duration has passed, no DSP is left, or the plant has faulted."""
+        """The run is over: its duration has passed, its job is done, or nothing drives the crane any more (docs/report.md, To the end)."""
         return bool(self._core.ended)
 
 
@@ -115,10 +129,11 @@ def run(
     settings: Mapping[str, Setting] | None = None,
     events: Sequence[Mapping[str, Setting]] = (),
     profile: bool = False,
+    reference: Reference | None = None,
     on_progress: Progress | None = None,
     **keywords: Setting,
 ) -> Result:
     """Simulates the dock on ``dsps`` DSPs (default 4) for ``duration_s`` seconds (default 180). See ``Simulation``."""
     given: dict[str, Any] = {"dsps": dsps, "duration_s": duration_s}
     keywords = {**{name: value for name, value in given.items() if value is not None}, **keywords}
-    return Simulation(config=config, preset=preset, settings=settings, events=events, profile=profile, **keywords).run(on_progress)
+    return Simulation(config=config, preset=preset, settings=settings, events=events, profile=profile, reference=reference, **keywords).run(on_progress)

@@ -72,6 +72,7 @@ def limits(
     cycles: Iterable[float] | None = None,
     dsps: Iterable[float] | None = None,
     servo: Iterable[float] | None = None,
+    errors: bool = False,
     config: str | os.PathLike[str] | None = None,
     preset: str | None = None,
     settings: Mapping[str, Setting] | None = None,
@@ -82,12 +83,13 @@ def limits(
     """Scans for the first missed deadline, each point a run of its own, as many at a time as there are processors.
 
     ``cycles`` are factors on the time of an instruction cycle (the buses keep theirs), ``dsps`` numbers of DSPs, ``servo`` frequencies f_p in Hz. What is None is
-    not scanned; if all three are, each has its standard grid. The other arguments are those of ``run``; ``settings={"machine.dsps": 2}`` is the configuration's own
+    not scanned; if all three are, each has its standard grid. With ``errors`` every point runs to its end and says what it cost against the ideal run
+    (realised f_p and f_t, load error, lag); without, a point stops at its first miss. The other arguments are those of ``run``; ``settings={"machine.dsps": 2}`` is the configuration's own
     number of DSPs. ``on_progress(done, points)`` is told of every run that ends. Raises ConfigError for an empty grid or a value given twice; a point whose
     configuration is not allowed is reported as refused, not raised.
     """
     made = _config(config, preset, settings, events, keywords)
-    text, found = _core.why_late.limits(made, _grid(cycles), _grid(dsps), _grid(servo), on_progress)
+    text, found = _core.why_late.limits(made, _grid(cycles), _grid(dsps), _grid(servo), errors, on_progress)
     return Limits(text, json.loads(found))
 
 

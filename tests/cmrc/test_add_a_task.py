@@ -130,7 +130,7 @@ def sabotage(desk: Path, body: str, **settings: Any) -> dict[str, Any]:
 def others_are_well(report: dict[str, Any]) -> None:
     for kind in KEEPS_TO_ITSELF:
         assert report["tasks"][kind]["misses"] == 0, kind
-    assert max(report["tracking"][joint]["peak"] for joint in report["tracking"]) < 1e-3
+    assert max(report["pid_error"][joint]["peak"] for joint in report["pid_error"]) < 1e-3
 
 
 # Words of others: the whole list, the crane's area with PID's state, AGV 0's; 4000 words from there on.
@@ -166,7 +166,7 @@ sabotage_end:
 """
     report = sabotage(desk, body, **{"machine.guard": False})
     assert not [failure for failure in report["failures"] if failure["kind"] == "guard"]
-    assert max(report["tracking"][joint]["peak"] for joint in report["tracking"]) > 1e-3 or any(
+    assert max(report["pid_error"][joint]["peak"] for joint in report["pid_error"]) > 1e-3 or any(
         report["tasks"][kind]["misses"] for kind in KEEPS_TO_ITSELF)
 
 
@@ -184,7 +184,7 @@ sabotage_end:
     assert sum(dsp["resets"] for dsp in report["dsps"]) >= 3
     assert any(failure["kind"] == "stopped" and "user.sway_watch" in failure["message"] for failure in report["failures"])
     assert report["tasks"]["pid"]["on_time"] > 280
-    assert max(report["tracking"][joint]["peak"] for joint in report["tracking"]) < 1e-3
+    assert max(report["pid_error"][joint]["peak"] for joint in report["pid_error"]) < 1e-3
 
 
 def test_a_task_that_touches_an_address_with_nothing_behind_it_stops_its_dsp(desk: Path) -> None:

@@ -112,7 +112,7 @@ def test_a_hung_dsp_with_a_broken_wire_does_not_come_back() -> None:
 
 def test_without_any_wire_no_dsp_is_left() -> None:
     report = run([(0.0001, "break_link", slot) for slot in range(2)], dsps=2, duration_s=2)
-    assert report["stop_reason"] == "no_dsp_left" and report["simulated_s"] < 1
+    assert report["stop_reason"] == "no_dsp_left" and report["account_end_s"] < 1
     assert sorted(failures(report)[:2]) == [("boot", 0), ("boot", 1)]
 
 

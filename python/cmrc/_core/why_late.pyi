@@ -7,6 +7,7 @@ def limits(
     cycles: Sequence[float] | None,
     dsps: Sequence[float] | None,
     servo: Sequence[float] | None,
+    errors: bool,
     on_progress: Callable[[int, int], object] | None,
 ) -> tuple[str, str]: ...
 def compare(config: Config) -> tuple[str, str]: ...

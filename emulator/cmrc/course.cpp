@@ -1,0 +1,89 @@
+#include "cmrc/course.hpp"
+
+#include <fmt/format.h>
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+
+namespace cmrc {
+
+LatchRows::LatchRows(std::size_t rows, std::size_t width) : room_(rows), width_(width) {
+  if (rows == 0) return;
+  void* memory = ::mmap(nullptr, rows * width * sizeof(double), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (memory == MAP_FAILED) {
+    throw std::runtime_error(fmt::format("report.reference: no memory for the course of {} latches; a shorter run.duration_s or \"none\" is expected", rows));
+  }
+  data_ = static_cast<double*>(memory);
+}
+
+LatchRows::~LatchRows() {
+  if (data_ != nullptr) ::munmap(data_, room_ * width_ * sizeof(double));
+}
+
+Course::Course(std::size_t latches, int agvs) : rows_(latches, CourseRow::width(agvs)), agvs_(agvs) {}
+
+void Course::latch(const plant::Dock& dock, Time time) {
+  if (time <= Time{} || size_ >= rows_.room()) return;
+  const plant::Signal signal = dock.signal();
+  double* out = rows_.row(size_).data();
+  out = std::copy(signal.q.begin(), signal.q.end(), out);
+  out = std::copy(signal.payload.begin(), signal.payload.end(), out);
+  *out++ = signal.alpha;
+  *out++ = signal.beta;
+  for (int agv = 0; agv < agvs_; ++agv) {
+    const plant::AgvSignal at = dock.agv(agv);
+    *out++ = at.x;
+    *out++ = at.y;
+  }
+  ++size_;
+}
+
+std::span<const double> Course::at(Time time) const {
+  const std::int64_t row = time / plant::latch_period - 1;
+  return rows_.row(static_cast<std::size_t>(std::clamp<std::int64_t>(row, 0, static_cast<std::int64_t>(size_) - 1)));
+}
+
+void Course::process_begun(Robot robot, unsigned number) {
+  Place& place = places_[robot];
+  place = {.process = number, .begun = place.begun + 1};
+}
+
+void Course::leg_begun(Robot robot, std::int64_t first, Time interval, Time at) {
+  Place& place = places_[robot];
+  ++place.legs;
+  place.first_point = first;
+  leg_intervals_.push_back(interval);
+  milestone(robot, Milestone::Kind::leg_begun, 0, at);
+}
+
+// A key: process, how many the robot has begun, kind, leg within the process, number within the leg or of its kind within the process.
+void Course::milestone(Robot robot, Milestone::Kind kind, std::int64_t number, Time at) {
+  Place& place = places_[robot];
+  std::uint64_t within = place.counts[static_cast<std::size_t>(kind)]++;
+  if (kind == Milestone::Kind::point) within = static_cast<std::uint64_t>(number - place.first_point);
+  const std::uint64_t key = place.process << 60 | (place.begun & 0xFFFF) << 44 | (place.legs & 0xFF) << 36 | static_cast<std::uint64_t>(kind) << 32 | (within & 0xFFFFFFFF);
+  milestones_.push_back({robot, key, at});
+}
+
+void Course::servo(bool on, Time at) {
+  if (on == (servo_.size() % 2 == 1)) return;
+  servo_.push_back(at);
+}
+
+void Course::put(Bytes& bytes) const {
+  bytes.put(static_cast<std::uint64_t>(size_));
+  bytes.put(milestones_);
+  bytes.put(leg_intervals_);
+  bytes.put(servo_);
+}
+
+void Course::take(BytesReader& bytes) {
+  size_ = bytes.take<std::uint64_t>();
+  milestones_ = bytes.list<Milestone>();
+  leg_intervals_ = bytes.list<Time>();
+  servo_ = bytes.list<Time>();
+}
+
+}  // namespace cmrc

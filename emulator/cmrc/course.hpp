@@ -1,0 +1,116 @@
+#pragma once
+// The course of a run: where crane, load and vehicles were at each latch of the drives, and how far each robot's work had come.
+// Two courses, a run's and its ideal run's, are what errors, lag and demand are measured from (docs/report.md, Errors).
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "cmrc/bytes.hpp"
+#include "machine/time.hpp"
+#include "plant/dock.hpp"
+
+namespace cmrc {
+
+using machine::Time;
+
+/// The robot of an event or a job: 0 is the crane, n is AGV n - 1.
+using Robot = unsigned;
+
+/// Rows of doubles at the latches 1, 2, 3, ... of the drives, in memory that a child process shares with its parent.
+class LatchRows {
+ public:
+  /// Room for `rows` rows; pages are taken from the system as rows are written. \throws std::runtime_error when there is no room
+  LatchRows(std::size_t rows, std::size_t width);
+  ~LatchRows();
+  LatchRows(const LatchRows&) = delete;
+  LatchRows& operator=(const LatchRows&) = delete;
+
+  std::size_t room() const { return room_; }
+  std::size_t width() const { return width_; }
+  std::span<double> row(std::size_t index) { return {data_ + index * width_, width_}; }
+  std::span<const double> row(std::size_t index) const { return {data_ + index * width_, width_}; }
+
+ private:
+  std::size_t room_, width_;
+  double* data_ = nullptr;
+};
+
+/// One row of a course: joints in the order of plant::Joint (rad, m), the load's place in the world (m), sway angles (rad), each AGV's place (m).
+struct CourseRow {
+  std::array<double, plant::joint_count> q;
+  std::array<double, 3> load;
+  std::array<double, 2> sway;
+
+  static constexpr std::size_t fixed_width = plant::joint_count + 5;
+  static std::size_t width(int agvs) { return fixed_width + 2 * static_cast<std::size_t>(agvs); }
+};
+
+/// What a robot has done, in the order in which it did it. A key tells the same deed in another run of the same work.
+struct Milestone {
+  enum class Kind : std::uint8_t { leg_begun, point, leg_ended, ramp_begun, ramp_ended, locked, opened, process_ended };
+  Robot robot = 0;
+  std::uint64_t key = 0;
+  Time at{};
+  Kind kind() const { return static_cast<Kind>(key >> 32 & 0xF); }
+};
+
+/// Jobs of one kind for one robot.
+struct JobTimes {
+  std::uint64_t misses = 0;
+  std::vector<Time> released, finished;
+};
+using JobsByRobot = std::map<std::pair<std::size_t, Robot>, JobTimes>;  ///< by kind and robot
+
+/// Records one course while its run goes on.
+class Course {
+ public:
+  /// \param latches 0: no rows, only milestones
+  Course(std::size_t latches, int agvs);
+
+  void latch(const plant::Dock& dock, Time time);
+  /// A robot begins a process: the following milestones are of it.
+  void process_begun(Robot robot, unsigned number);
+  /// A leg begins: its points are numbered from `first`, one `interval` apart.
+  void leg_begun(Robot robot, std::int64_t first, Time interval, Time at);
+  /// \param number of a point: its number within the run; of anything else 0
+  void milestone(Robot robot, Milestone::Kind kind, std::int64_t number, Time at);
+  /// PID and torque compensation are released from now on, or are not any more.
+  void servo(bool on, Time at);
+
+  bool recorded() const { return rows_.room() > 0; }
+  /// Latches recorded so far: row i is the one at (i + 1) latch periods.
+  std::size_t size() const { return size_; }
+  /// The row of the latch at `time`, as CourseRow has it; before the first and after the last one recorded, that.
+  std::span<const double> at(Time time) const;
+  const std::vector<Milestone>& milestones() const { return milestones_; }
+  /// Nominal time between the points of each leg, in the order of their milestones leg_begun.
+  const std::vector<Time>& leg_intervals() const { return leg_intervals_; }
+  /// Instants at which servoing began and ended, in turn.
+  const std::vector<Time>& servo_times() const { return servo_; }
+
+  /// Everything but the rows, to another process and back.
+  void put(Bytes& bytes) const;
+  void take(BytesReader& bytes);
+
+ private:
+  /// Where a robot stands, as far as its milestones' keys need it.
+  struct Place {
+    std::uint64_t process = 0, begun = 0;       // number of the process, and how many the robot has begun
+    std::uint64_t legs = 0;                     // begun within the process
+    std::int64_t first_point = 0;               // of the leg
+    std::array<std::uint64_t, 8> counts{};      // of each kind within the process
+  };
+
+  LatchRows rows_;
+  std::size_t size_ = 0;
+  int agvs_;
+  std::map<Robot, Place> places_;
+  std::vector<Milestone> milestones_;
+  std::vector<Time> leg_intervals_;
+  std::vector<Time> servo_;
+};
+
+}  // namespace cmrc

@@ -1,0 +1,91 @@
+#include "cmrc/reference_run.hpp"
+
+#include <sys/mman.h>
+
+#include <atomic>
+#include <cmath>
+#include <new>
+#include <stdexcept>
+
+#include "cmrc/bytes.hpp"
+#include "cmrc/child_processes.hpp"
+#include "cmrc/ideal.hpp"
+#include "cmrc/simulation.hpp"
+#include "report/comparison.hpp"
+
+namespace cmrc {
+
+Config reference_of(Config config) {
+  config = as_run(ideal(std::move(config)));
+  config.machine.dsps = 1;
+  config.machine.slots = 0;
+  config.run.turn_order = 0;
+  config.run.strict = false;
+  config.report.misses_max = 0;
+  config.report.signal_decimation = 80000;
+  return config;
+}
+
+std::string reference_key(const Config& config) { return to_toml(reference_of(config)); }
+
+/// What parent and child share besides the rows.
+struct ReferenceRun::Shared {
+  Shared() {
+    void* memory = ::mmap(nullptr, sizeof(std::atomic<std::int64_t>), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) throw std::runtime_error("no memory to be shared with a child process");
+    stop_ps = new (memory) std::atomic<std::int64_t>(INT64_MAX);
+  }
+  ~Shared() { ::munmap(stop_ps, sizeof *stop_ps); }
+  std::atomic<std::int64_t>* stop_ps;
+};
+
+ReferenceRun::ReferenceRun(const Config& config)
+    : reference_(std::make_shared<Reference>(latches_of(config), static_cast<int>(config.dock.agvs))), shared_(std::make_unique<Shared>()) {
+  const Config made = reference_of(config);
+  reference_->key = to_toml(made);
+  child_ = std::make_unique<ChildProcess>(
+      [&] {
+        Simulation simulation(made, std::shared_ptr<Course>(reference_, &reference_->course));
+        simulation.run([this](const Progress& progress) { return progress.simulated.count() < shared_->stop_ps->load(std::memory_order_relaxed); });
+        const report::RunReport report = simulation.report();
+        Bytes bytes;
+        reference_->course.put(bytes);
+        const JobsByRobot jobs = simulation.jobs();
+        bytes.put(jobs.size());
+        for (const auto& [key, of] : jobs) {
+          bytes.put(key.first);
+          bytes.put(key.second);
+          bytes.put(of.released);
+          bytes.put(of.finished);
+        }
+        std::vector<double> values;
+        for (const report::Metric& metric : report::metrics(report)) values.push_back(metric.value.value_or(std::nan("")));
+        bytes.put(values);
+        bytes.put(report.elapsed_s);
+        return bytes.text();
+      },
+      true);
+}
+
+ReferenceRun::~ReferenceRun() = default;
+
+void ReferenceRun::stop_at(Time time) { shared_->stop_ps->store(time.count(), std::memory_order_relaxed); }
+
+std::shared_ptr<const Reference> ReferenceRun::wait() {
+  if (!child_) return reference_;
+  const std::string answer = child_->wait();
+  child_.reset();
+  BytesReader bytes(answer);
+  reference_->course.take(bytes);
+  for (auto count = bytes.take<std::size_t>(); count > 0; --count) {
+    const auto kind = bytes.take<std::size_t>();
+    JobTimes& jobs = reference_->jobs[{kind, bytes.take<Robot>()}];
+    jobs.released = bytes.list<Time>();
+    jobs.finished = bytes.list<Time>();
+  }
+  for (const double value : bytes.list<double>()) reference_->metrics.push_back(std::isnan(value) ? std::nullopt : std::optional(value));
+  reference_->elapsed_s = bytes.take<double>();
+  return reference_;
+}
+
+}  // namespace cmrc

@@ -1,0 +1,38 @@
+#pragma once
+// The ideal run that a run is measured against, in a process beside it.
+#include <memory>
+#include <string>
+
+#include "cmrc/config.hpp"
+#include "cmrc/measures.hpp"
+
+namespace cmrc {
+
+class ChildProcess;
+
+/// The configuration of a run's ideal run: the same for every number of DSPs, so that one may serve them all.
+Config reference_of(Config config);
+/// Text that two configurations share if one ideal run serves both.
+std::string reference_key(const Config& config);
+
+class ReferenceRun {
+ public:
+  /// Starts the ideal run of `config`, to its whole duration. \throws std::runtime_error without memory or process
+  explicit ReferenceRun(const Config& config);
+  ~ReferenceRun();
+  ReferenceRun(const ReferenceRun&) = delete;
+  ReferenceRun& operator=(const ReferenceRun&) = delete;
+
+  /// No more of it is wanted than up to `time`.
+  void stop_at(Time time);
+  /// Waits for its end. \throws std::runtime_error when it has died
+  std::shared_ptr<const Reference> wait();
+
+ private:
+  struct Shared;
+  std::shared_ptr<Reference> reference_;
+  std::unique_ptr<Shared> shared_;
+  std::unique_ptr<ChildProcess> child_;
+};
+
+}  // namespace cmrc
