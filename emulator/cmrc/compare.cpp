@@ -1,5 +1,7 @@
 #include "cmrc/compare.hpp"
 
+#include <stdexcept>
+
 #include "cmrc/simulation.hpp"
 
 namespace cmrc {
@@ -11,8 +13,10 @@ report::Comparison compare_with_ideal(const Config& given) {
   simulation.run();
   report::Comparison comparison;
   comparison.duration_s = config.run.duration_s;
+  const report::RunReport report = simulation.report();
+  if (!report.reference_problem.empty()) throw std::runtime_error("compare: there is no ideal run: " + report.reference_problem);
   const auto ideal = simulation.reference();
-  for (report::Metric& metric : metrics(simulation.report())) {
+  for (report::Metric& metric : metrics(report)) {
     const std::size_t index = comparison.rows.size();
     comparison.rows.push_back({std::move(metric), ideal->metrics.at(index)});
   }

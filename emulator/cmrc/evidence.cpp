@@ -200,6 +200,7 @@ report::RunReport make_report(Evidence e) {
   add_plant(e, report);
   report.reference = e.config.report.reference == ReferenceKind::ideal ? "ideal" : "none";
   report.errors = std::move(e.errors);
+  report.reference_problem = std::move(e.reference_problem);
   for (const auto& [robot, count] : starved_intervals(e.course, now)) report.starved.push_back({robot == 0 ? "crane" : "agv " + std::to_string(robot - 1), count});
   if (e.account_end) report.after_stop = after_stop(e, *e.account_end);
   if (e.host.job_done() && report.containers_delivered > 0 && e.host.first_refresh()) {

@@ -1,19 +1,32 @@
 #include "cmrc/reference_run.hpp"
 
+#include <fmt/format.h>
 #include <sys/mman.h>
 
 #include <atomic>
 #include <cmath>
 #include <new>
 #include <stdexcept>
+#include <utility>
 
 #include "cmrc/bytes.hpp"
 #include "cmrc/child_processes.hpp"
 #include "cmrc/ideal.hpp"
 #include "cmrc/simulation.hpp"
+#include "c40/chip.hpp"
+#include "machine/machine.hpp"
 #include "report/comparison.hpp"
 
 namespace cmrc {
+
+namespace {
+
+// A DSP of an ideal run is idle nearly always. One that runs on for a tenth of a slice has a task that does not end, and would cost
+// a thousand times what it costs in a real run.
+constexpr Time slice = std::chrono::milliseconds{5};
+constexpr std::uint64_t most_instructions = 5'000'000;
+
+}  // namespace
 
 Config reference_of(Config config) {
   config = as_run(ideal(std::move(config)));
@@ -46,7 +59,16 @@ ReferenceRun::ReferenceRun(const Config& config)
   child_ = std::make_unique<ChildProcess>(
       [&] {
         Simulation simulation(made, std::shared_ptr<Course>(reference_, &reference_->course));
-        simulation.run([this](const Progress& progress) { return progress.simulated.count() < shared_->stop_ps->load(std::memory_order_relaxed); });
+        std::uint64_t before = 0;
+        const auto go_on = [&](const Progress& progress) {
+          const std::uint64_t instructions = simulation.machine().chip(0).instructions();
+          if (instructions - std::exchange(before, instructions) > most_instructions) {
+            throw std::runtime_error(fmt::format("a task does not end at {} times the speed either, near {:.3f} s", ideal_speed,
+                                                 static_cast<double>(progress.simulated.count()) * 1e-12));
+          }
+          return progress.simulated.count() < shared_->stop_ps->load(std::memory_order_relaxed);
+        };
+        simulation.run(go_on, slice);
         const report::RunReport report = simulation.report();
         Bytes bytes;
         reference_->course.put(bytes);

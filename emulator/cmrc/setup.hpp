@@ -49,6 +49,7 @@ struct Evidence {
   Ledger::Told told;
   const Course& course;
   std::optional<report::Errors> errors;
+  std::string reference_problem;
   std::optional<Time> account_end;                 ///< nothing drove the crane any more from then on
 };
 report::RunReport make_report(Evidence evidence);

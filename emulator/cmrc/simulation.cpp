@@ -191,12 +191,16 @@ class Simulation::Parts {
   std::shared_ptr<const Reference> reference() {
     const bool interrupted = stop == report::StopReason::interrupted;
     if (!measured() || config.run.ideal || (!over() && !interrupted)) return nullptr;
-    if (!ideal_run && !given_reference) ideal_run = std::make_unique<ReferenceRun>(given_config);
-    if (!given_reference) {
+    if (!ideal_run && !given_reference && reference_problem.empty()) ideal_run = std::make_unique<ReferenceRun>(given_config);
+    if (!given_reference && reference_problem.empty()) {
       if (interrupted) ideal_run->stop_at(now());
-      given_reference = ideal_run->wait();
-      ideal_run.reset();
+      try {
+        given_reference = ideal_run->wait();
+      } catch (const std::runtime_error& error) {
+        reference_problem = error.what();
+      }
     }
+    ideal_run.reset();
     return given_reference;
   }
 
@@ -210,6 +214,7 @@ class Simulation::Parts {
   void forget_reference() {
     ideal_run.reset();
     given_reference.reset();
+    reference_problem.clear();
     errors.reset();
   }
 
@@ -241,6 +246,7 @@ class Simulation::Parts {
   Config config;
   std::shared_ptr<const Reference> given_reference;
   std::unique_ptr<ReferenceRun> ideal_run;
+  std::string reference_problem;  // why there is no ideal run
   std::optional<report::Errors> errors;
   toolchain::Image image;
   Words words;
@@ -352,7 +358,7 @@ report::RunReport Simulation::report() const {
   Ledger::Told told = p.told();
   auto errors = p.measure_errors(told.jobs);
   return make_report({p.config, p.machine, p.dock, p.dock_config, p.host, p.ledger, p.observer, p.log, p.stop, p.elapsed, cause_names(), std::move(told),
-                      *p.course, std::move(errors), p.account_end});
+                      *p.course, std::move(errors), p.reference_problem, p.account_end});
 }
 
 std::shared_ptr<const Reference> Simulation::reference() const { return parts_->reference(); }

@@ -28,6 +28,7 @@ std::string of_doing_nothing(const Errors& errors) {
 }  // namespace
 
 std::string headline(const RunReport& report) {
+  if (!report.reference_problem.empty()) return fmt::format("No ideal run to measure against: {}.\n", report.reference_problem);
   if (!report.errors) {
     return fmt::format("{}\n", report.reference == "none" ? "No reference (report.reference = \"none\"): demand, errors and lag are not measured."
                                                           : "Demand, errors and lag are told when the run is over.");

@@ -202,6 +202,7 @@ struct RunReport {
   unsigned containers_delivered = 0;
   std::optional<Time> makespan;  ///< first refresh to last delivery; none: the job was not done
   std::string reference;         ///< "ideal", "none"
+  std::string reference_problem; ///< why there is no ideal run though one was asked for
   std::optional<Errors> errors;  ///< none without a reference, and while the run is not over
   std::vector<Starved> starved;
   std::vector<OwnMeasure> pid_error;  ///< what PID itself computed

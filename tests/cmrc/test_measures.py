@@ -210,6 +210,37 @@ def test_a_crane_whose_drives_stay_stopped_ends_the_run() -> None:
     assert result.errors["window_s"][1] == 5.0
 
 
+HOME_AT_ONCE = """
+[[processes]]
+number = 7
+name = "crane to initial state"
+robot = "crane"
+subprocesses = [3, 4]
+steps = ["hold 0.05"]
+initial = [1, 4]
+final = true
+
+[[processes]]
+number = 8
+name = "AGV to initial state"
+robot = "agv"
+steps = ["hold 0.03"]
+initial = [1, 4, 5]
+replaces = [6]
+final = true
+"""
+
+
+def test_a_run_until_the_job_is_done_ends_when_processes_7_and_8_have_ended(tmp_path: Path) -> None:
+    file = tmp_path / "home.toml"
+    file.write_text(HOME_AT_ONCE, encoding="utf-8")
+    report = cmrc.run(config=file, dsps=2, duration_s=2.0, agvs=2, settings={"run.until": "job_done"}).report
+    assert report["stop_reason"] == "job_done" and 0.05 < report["simulated_s"] < 0.15
+    assert report["failures"] == [] and report["makespan_s"] is None  # nothing was delivered
+    assert report["errors"]["window_s"][1] < 0.2
+
+
+@pytest.mark.campaign
 def test_a_job_that_is_done_ends_the_run_without_failures(tmp_path: Path) -> None:
     """One container a few metres away, on the gantry: processes 1 to 8."""
     layout = tmp_path / "layout.toml"
