@@ -6,7 +6,7 @@ PYTHON := $(VENV)/bin/python
 .PHONY: demo test build setup clean golden lint vectors arithmetic oracles bench results
 
 demo: build
-	build/bin/emulator --dsps 4
+	PYTHONPATH=build/python $(PYTHON) -m cmrc demo --out build/demo
 
 test: build
 	$(PYTHON) -m pytest -q tests

@@ -1,4 +1,4 @@
-"""``python -m cmrc replay RUN --html PAGE``."""
+"""``python -m cmrc replay RUN --html PAGE`` and ``python -m cmrc demo``."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 
-from cmrc import replay
+from cmrc import demo, replay
 from cmrc.simulation import ConfigError
 
 
@@ -21,7 +21,11 @@ def main(arguments: list[str] | None = None) -> int:
     command.add_argument("--plots", metavar="PNG", help="write the plots of cmrc.plot")
     command.add_argument("--save", metavar="JSON", help="write the recording, for a later replay without the run")
     command.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a setting, where RUN is a configuration")
+    scenes = commands.add_parser("demo", help="what the emulator tells, in five scenes, and a page of them")
+    scenes.add_argument("--out", metavar="FOLDER", default="demo", help="where the page is written (default: demo)")
     given = parser.parse_args(arguments)
+    if given.command == "demo":
+        return _demo(Path(given.out))
     run = Path(given.run)
     page = None if given.html is None else Path(given.html or run.with_suffix(".html"))
     plots, saved = (Path(path) if path else None for path in (given.plots, given.save))
@@ -34,6 +38,15 @@ def main(arguments: list[str] | None = None) -> int:
         _write(recording, page, plots, saved)
     except (OSError, ImportError, ConfigError, ValueError) as error:
         print(f"cmrc replay: {error}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def _demo(folder: Path) -> int:
+    try:
+        demo.main(folder)
+    except OSError as error:
+        print(f"cmrc demo: {error}", file=sys.stderr)
         return 2
     return 0
 

@@ -1,0 +1,228 @@
+"""``python -m cmrc demo``: what the emulator tells, in five scenes of a few simulated seconds each, and a page of them with a replay."""
+
+from __future__ import annotations
+
+import html
+import multiprocessing
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from cmrc import replay
+from cmrc.result import Result
+from cmrc.simulation import Setting, Simulation
+
+Settings = Mapping[str, Setting]
+QUIET: dict[str, Setting] = {"report.misses_max": 0, "report.signal_decimation": 80000}
+"""Nothing is told that the scenes do not show."""
+
+TOGETHER: dict[str, Setting] = {
+    "dock.agvs": 4,
+    "load.driving": True,
+    "kernels.avoidance": "dynamic_window",
+    "scheduling.agv_phase": "together",
+}
+"""Four vehicles that drive and look for obstacles, all at the same instants."""
+
+
+@dataclass
+class Scene:
+    """One scene: a sentence, a table, and what follows from it."""
+
+    title: str
+    sentence: str
+    header: Sequence[str]
+    rows: list[list[str]] = field(default_factory=list)
+    conclusion: str = ""
+
+    def text(self) -> str:
+        """For a terminal."""
+        table = [list(self.header), *self.rows]
+        widths = [max(len(row[i]) for row in table) for i in range(len(self.header))]
+        lines = ["  " + "  ".join(cell.ljust(w) if i == 0 else cell.rjust(w) for i, (cell, w) in enumerate(zip(row, widths, strict=True))) for row in table]
+        return "\n".join([self.title, self.sentence, *lines, self.conclusion, ""])
+
+    def page(self) -> str:
+        """As HTML."""
+        row = "<tr>{}</tr>"
+        head = row.format("".join(f"<th>{html.escape(cell)}</th>" for cell in self.header))
+        body = "".join(row.format("".join(f"<td>{html.escape(cell)}</td>" for cell in cells)) for cells in self.rows)
+        return (
+            f"<h2>{html.escape(self.title)}</h2><p>{html.escape(self.sentence)}</p>"
+            f"<table>{head}{body}</table><p><b>{html.escape(self.conclusion)}</b></p>"
+        )
+
+
+# ---- runs --------------------------------------------------------------------------------------------------------------
+
+_reference: Any = None  # the ideal run that all runs of a scene share: children find it in the memory they inherit
+
+
+def _one(job: tuple[dict[str, Setting], float]) -> dict[str, Any]:
+    settings, duration_s = job
+    return Simulation(settings={**settings, **QUIET, "duration_s": duration_s}, reference=_reference).run().report
+
+
+def _side_by_side(settings: Settings, changes: Sequence[Settings], duration_s: float) -> list[dict[str, Any]]:
+    """The reports of runs that differ by ``changes``, two at a time, against the ideal run of the first."""
+    global _reference
+    jobs = [({**settings, **change}, duration_s) for change in changes]
+    _reference = None
+    first = Simulation(settings={**jobs[0][0], **QUIET, "duration_s": duration_s})
+    reports = [first.run().report]
+    _reference = first.reference()
+    with multiprocessing.get_context("fork").Pool(2) as pool:
+        reports += pool.map(_one, jobs[1:], chunksize=1)
+    return reports
+
+
+def _percent(share: float | None) -> str:
+    return "-" if share is None else f"{100 * share:.2f} %"
+
+
+def _hertz(value: float | None) -> str:
+    return "-" if value is None else f"{value:.0f} Hz"
+
+
+def _length(metres: float) -> str:
+    return f"{metres * 1e3:.2f} mm" if metres < 1 else f"{metres:.2f} m"
+
+
+COST = ("f_p missed", "f_p realised", "worst second", "f_t missed", "f_t realised", "load error", "lag")
+
+
+def _cost(report: Mapping[str, Any]) -> list[str]:
+    f_p, f_t, errors = report["rates"]["f_p"], report["rates"]["f_t"], report["errors"]
+    return [
+        _percent(f_p["missed_share"]), _hertz(f_p["realised_hz"]), _hertz(f_p["realised_worst_hz"]), _percent(f_t["missed_share"]),
+        _hertz(f_t["realised_hz"]), _length(errors["load_m"]["rms"]), f"{errors['lag']['crane']['end_s']:.3f} s",
+    ]  # fmt: skip
+
+
+def _dsp_at_work(simulation: Simulation, time_s: float) -> int:
+    """The DSP that runs a block at that instant; the lowest slot of several."""
+    simulation.run_until(time_s)
+    states = [str(dsp["state"]) for dsp in simulation.result().report["dsps"]]
+    return states.index("running")
+
+
+# ---- scenes ------------------------------------------------------------------------------------------------------------
+
+
+def one_long_block() -> Scene:
+    """1 and 2 DSPs at base: what one block of 2 ms does to the servo."""
+    reports = _side_by_side({}, [{"machine.dsps": n} for n in (1, 2)], 1.0)
+    scene = Scene(
+        "1. One long block and one DSP",
+        "The default load: the crane is servoed at f_p = 1 kHz, and one identify block of 2 ms comes first. A DSP runs a block to its end.",
+        ("DSPs", "servo missed", "identify takes", *COST),
+    )
+    for n, report in zip((1, 2), reports, strict=True):
+        servo = sum(int(report["tasks"][kind]["misses"]) for kind in ("pid", "torque_compensation"))
+        identify = report["tasks"]["identify"]["response_ps"]["worst"] * 1e-9
+        scene.rows.append([str(n), str(servo), f"{identify:.2f} ms", *_cost(report)])
+    missed = [row[1] for row in scene.rows]
+    scene.conclusion = f"With one DSP {missed[0]} blocks of the servo wait too long behind identify; a second DSP leaves {missed[1]}."
+    return scene
+
+
+def vehicles_together() -> Scene:
+    """1 to 6 DSPs under four vehicles that look for obstacles at the same instants."""
+    counts = range(1, 7)
+    reports = _side_by_side(TOGETHER, [{"machine.dsps": n} for n in counts], 2.0)
+    scene = Scene(
+        "2. Four vehicles drive, all looking at once",
+        "Each vehicle looks for obstacles every 20 ms (dynamic window, a long block), all four at the same refresh.",
+        ("DSPs", "avoidance missed", *COST),
+    )
+    for n, report in zip(counts, reports, strict=True):
+        scene.rows.append([str(n), _percent(report["errors"]["demand"]["obstacle_avoidance"]["missed_share"]), *_cost(report)])
+    enough = next((row[0] for row in scene.rows if {row[1], row[2], row[5]} == {"0.00 %"}), None)
+    scene.conclusion = f"{enough} DSPs are needed for no miss." if enough else "Not even 6 DSPs do without a miss."
+    return scene
+
+
+def vehicles_apart() -> Scene:
+    """The same load with what the scheduler can do about it."""
+    remedies: dict[str, Settings] = {
+        "together": {},
+        "staggered": {"scheduling.agv_phase": "staggered"},
+        "together, at most 1 long block at a time": {"scheduling.long_blocks_max": 1},
+        "together, in slices of 10000 cycles": {"scheduling.slice_cycles": 10000},
+    }
+    scene = Scene(
+        "3. The same load, scheduled better",
+        "The vehicles' instants are staggered over the 20 ms; or long blocks are capped; or cut into slices of 0.4 ms.",
+        ("2 DSPs", "avoidance missed", *COST),
+    )
+    for (name, remedy), report in zip(remedies.items(), _side_by_side({**TOGETHER, "machine.dsps": 2}, list(remedies.values()), 2.0), strict=True):
+        scene.rows.append([name, _percent(report["errors"]["demand"]["obstacle_avoidance"]["missed_share"]), *_cost(report)])
+    good = [row[0] for row in scene.rows[1:] if {row[1], row[2], row[5]} == {"0.00 %"}]
+    scene.conclusion = f"No miss with 2 DSPs: {'; '.join(good)}." if good else "With 2 DSPs no remedy is enough."
+    return scene
+
+
+def killed() -> Scene:
+    """A DSP dies in the middle of PID, and in the middle of identify."""
+    scene = Scene(
+        "4. A DSP is killed",
+        "One of two DSPs dies while it runs a block: of the servo, or identify. The host's watchdog gives the block to the other one.",
+        ("killed in", "noticed after", "blocks run again", *COST),
+    )
+    for name, time_s in (("the servo", 0.50007), ("identify", 0.021)):
+        simulation = Simulation(dsps=2, duration_s=1.0, settings=QUIET)
+        slot = _dsp_at_work(simulation, time_s)
+        simulation.at(time_s + 1e-6, "fail", dsp=slot)
+        report = simulation.run().report
+        noticed = [failure["time_s"] for failure in report["failures"] if failure["kind"] == "watchdog"]
+        after = f"{(noticed[0] - time_s) * 1e3:.2f} ms" if noticed else "-"
+        scene.rows.append([name, after, str(report["host"]["recomputed"]), *_cost(report)])
+    scene.conclusion = "Nothing is lost: every block is run to its end by the DSP that is left."
+    return scene
+
+
+def plugged_in(recorded: Path) -> Scene:
+    """A second DSP is plugged in beside one that cannot keep up. ``recorded`` gets the replay of it."""
+    scene = Scene(
+        "5. A DSP is plugged in",
+        "One DSP whose cycles take 12 times as long misses most of the servo. After 2 s a second one of the kind is put into the empty slot, and boots by itself.",
+        ("", "blocks taken by the new DSP", *COST),
+    )
+    slow: dict[str, Setting] = {"machine.dsps": 1, "machine.slots": 2, "machine.cycle_time_factor": 12, "duration_s": 6.0, "report.misses_max": 0}
+    alone = Simulation(settings=slow)
+    without = alone.run()
+    helped = Simulation(settings=slow, events=[{"at_s": 2.0, "action": "plug", "dsp": 1}], reference=alone.reference())
+    recording = replay.record(helped)
+    result: Result = helped.result()
+    recorded.write_text(replay.page(recording), encoding="utf-8")
+    for name, report in (("one DSP", without.report), ("a second from 2 s on", result.report)):
+        dsps = report["dsps"]
+        scene.rows.append([name, str(dsps[1]["claims"]) if len(dsps) > 1 else "-", *_cost(report)])
+    scene.conclusion = "The new DSP takes its share of the blocks without a word from the operator."
+    return scene
+
+
+PAGE = """<!doctype html><html lang="en"><meta charset="utf-8"><title>CMRC emulator: five scenes</title>
+<style>body{{font:15px/1.5 sans-serif;max-width:64rem;margin:2rem auto;padding:0 1rem}}table{{border-collapse:collapse;margin:.5rem 0}}
+th,td{{border:1px solid #ccc;padding:.2rem .6rem;text-align:right}}th:first-child,td:first-child{{text-align:left}}th{{background:#f0f0f0}}</style>
+<h1>CMRC emulator: five scenes</h1>
+<p>Every number was measured just now, in runs of real C40 code on emulated DSPs. <i>missed</i>: share of the jobs that a machine without delay would
+have released in time. <i>load error</i>: RMS distance of the crane's load from where it would then be. <i>lag</i>: how far the crane's work was behind at the end.</p>
+{scenes}
+<p><a href="{replay}">Replay of scene 5 in 3-D</a> (works offline). What all numbers mean: docs/report.md.</p></html>
+"""
+
+
+def main(folder: Path, tell: Callable[[str], None] = print) -> Path:
+    """Runs the scenes, tells each, and writes the page. Returns its path. Raises OSError where the folder cannot be written."""
+    folder.mkdir(parents=True, exist_ok=True)
+    recorded = folder / "replay.html"
+    scenes = []
+    for make in (one_long_block, vehicles_together, vehicles_apart, killed, lambda: plugged_in(recorded)):
+        scenes.append(make())
+        tell(scenes[-1].text())
+    page = folder / "demo.html"
+    page.write_text(PAGE.format(scenes="\n".join(scene.page() for scene in scenes), replay=recorded.name), encoding="utf-8")
+    tell(f"Open {page}")
+    return page
