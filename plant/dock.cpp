@@ -285,6 +285,7 @@ AgvSignal Dock::agv(int i) const {
 }
 
 Signal Dock::signal() const { return self_->core.make_signal(); }
+Place Dock::place() const { return self_->core.make_place(); }
 const std::vector<Signal>& Dock::signals() const { return self_->core.signals; }
 const std::vector<std::vector<AgvSignal>>& Dock::agv_signals() const { return self_->core.agv_signals; }
 int Dock::delivered() const { return self_->core.state.delivered; }

@@ -112,6 +112,13 @@ struct Signal {
   bool contact;
 };
 
+// Where crane and load are: what of a Signal costs little.
+struct Place {
+  std::array<double, joint_count> q;
+  double alpha, beta;                               // rad
+  std::array<double, 3> payload;                    // m
+};
+
 inline constexpr int range_rays = 180;
 inline constexpr std::int32_t range_first = -1'562'070, range_step = 17'453;  // microradians from the heading, left positive: -89.5 degrees, 1 degree
 inline constexpr std::int32_t range_most = 30'000, range_least = 50, range_quantum = 8;  // mm
@@ -178,6 +185,7 @@ class Dock {
   std::vector<ContainerStatus> containers() const;
   AgvSignal agv(int index) const;                   // at the last latch
   Signal signal() const;                            // at the last latch
+  Place place() const;                              // at the last latch
   const std::vector<Signal>& signals() const;       // recorded each config.signal_decimation latches
   const std::vector<std::vector<AgvSignal>>& agv_signals() const;  // same rows, per AGV
   int delivered() const;                            // containers

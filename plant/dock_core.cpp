@@ -118,27 +118,32 @@ double DockCore::drum(const CraneState& c, std::size_t joint) const {
   return joint == static_cast<std::size_t>(Joint::hoist) ? q - state.stretch : q;
 }
 
+Place DockCore::make_place() const {
+  const CraneState& c = state.crane;
+  const auto angles = sway();
+  Place place{{}, angles[0], angles[1], state.landing.active ? landing.payload_position(state) : crane.crane().payload_position(c.q)};
+  for (std::size_t j = 0; j < joint_count; ++j) place.q[j] = drum(c, j);
+  return place;
+}
+
 Signal DockCore::make_signal() const {
   Signal row{};
   const CraneState& c = state.crane;
+  const Place place = make_place();
   row.time = now();
-  for (std::size_t j = 0; j < joint_count; ++j) {
-    row.q[j] = drum(c, j);
-    row.qd[j] = c.qd[coordinate_of(j)];
-  }
+  row.q = place.q;
+  for (std::size_t j = 0; j < joint_count; ++j) row.qd[j] = c.qd[coordinate_of(j)];
   row.torque = c.torque;
   row.code = state.code;
-  const auto angles = sway();
-  row.alpha = angles[0];
-  row.beta = angles[1];
+  row.alpha = place.alpha;
+  row.beta = place.beta;
   row.tip = crane.crane().tip(c.q);
+  row.payload = place.payload;
   if (state.landing.active) {
-    row.payload = landing.payload_position(state);
     row.yaw = landing.payload_yaw(state);
     row.tension = state.landing.tension;
     row.contact = state.landing.contacts > 0;
   } else {
-    row.payload = crane.crane().payload_position(c.q);
     row.yaw = c.q[Q_PSI] + c.q[Q_KAPPA];
     row.tension = crane.crane().tension(c.q, c.qd, crane.acceleration(c, state.inputs), state.inputs.payload.mass);
   }

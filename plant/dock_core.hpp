@@ -32,6 +32,7 @@ class DockCore {
   void forget_scans() { fresh_.clear(); }
   std::int64_t range_latches() const;  // from a scan to the next
   Time now() const { return state.latch * latch_period; }
+  Place make_place() const;
   Signal make_signal() const;
   AgvSignal make_agv_signal(std::size_t index) const;
   double energy() const;

@@ -22,16 +22,16 @@ LatchRows::~LatchRows() {
   if (data_ != nullptr) ::munmap(data_, room_ * width_ * sizeof(double));
 }
 
-Course::Course(std::size_t latches, int agvs) : rows_(latches, CourseRow::width(agvs)), agvs_(agvs) {}
+Course::Course(std::size_t latches, int agvs) : rows_(latches, agv_column + 2 * static_cast<std::size_t>(agvs)), agvs_(agvs) {}
 
 void Course::latch(const plant::Dock& dock, Time time) {
   if (time <= Time{} || size_ >= rows_.room()) return;
-  const plant::Signal signal = dock.signal();
+  const plant::Place place = dock.place();
   double* out = rows_.row(size_).data();
-  out = std::copy(signal.q.begin(), signal.q.end(), out);
-  out = std::copy(signal.payload.begin(), signal.payload.end(), out);
-  *out++ = signal.alpha;
-  *out++ = signal.beta;
+  out = std::copy(place.q.begin(), place.q.end(), out);
+  out = std::copy(place.payload.begin(), place.payload.end(), out);
+  *out++ = place.alpha;
+  *out++ = place.beta;
   for (int agv = 0; agv < agvs_; ++agv) {
     const plant::AgvSignal at = dock.agv(agv);
     *out++ = at.x;

@@ -38,15 +38,9 @@ class LatchRows {
   double* data_ = nullptr;
 };
 
-/// One row of a course: joints in the order of plant::Joint (rad, m), the load's place in the world (m), sway angles (rad), each AGV's place (m).
-struct CourseRow {
-  std::array<double, plant::joint_count> q;
-  std::array<double, 3> load;
-  std::array<double, 2> sway;
-
-  static constexpr std::size_t fixed_width = plant::joint_count + 5;
-  static std::size_t width(int agvs) { return fixed_width + 2 * static_cast<std::size_t>(agvs); }
-};
+/// Columns of a course's rows: joints in the order of plant::Joint (rad, m), the load's place in the world (3, m), sway angles (2, rad), then
+/// each AGV's place (2, m).
+inline constexpr std::size_t load_column = plant::joint_count, sway_column = load_column + 3, agv_column = sway_column + 2;
 
 /// What a robot has done, in the order in which it did it. A key tells the same deed in another run of the same work.
 struct Milestone {
@@ -83,7 +77,7 @@ class Course {
   bool recorded() const { return rows_.room() > 0; }
   /// Latches recorded so far: row i is the one at (i + 1) latch periods.
   std::size_t size() const { return size_; }
-  /// The row of the latch at `time`, as CourseRow has it; before the first and after the last one recorded, that.
+  /// The row of the latch at `time`, before the first and after the last one recorded, that.
   std::span<const double> at(Time time) const;
   const std::vector<Milestone>& milestones() const { return milestones_; }
   /// Nominal time between the points of each leg, in the order of their milestones leg_begun.

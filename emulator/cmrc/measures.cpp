@@ -33,8 +33,6 @@ class Sampled {
 
 using Row = std::span<const double>;
 
-constexpr std::size_t load_column = plant::joint_count, sway_column = load_column + 3, agv_column = sway_column + 2;
-
 double distance(Row a, Row b, std::size_t column, std::size_t count) {
   double sum = 0;
   for (std::size_t i = column; i < column + count; ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
