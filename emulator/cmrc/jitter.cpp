@@ -25,7 +25,8 @@ std::uint64_t bits_of_name(std::uint64_t seed, std::string_view name, std::uint6
 
 class Draw {
  public:
-  explicit Draw(const Config& config) : on_(config.run.phase_jitter && !config.run.ideal), seed_(static_cast<std::uint64_t>(config.run.seed)) {}
+  explicit Draw(const Config& config)
+      : on_(config.run.phase_jitter && !config.run.ideal), seed_(static_cast<std::uint64_t>(config.run.seed)) {}
 
   Oscillator operator()(std::string name, std::int64_t hertz, std::int64_t per = 1) const {
     Oscillator one{std::move(name), hertz, per, {}};
@@ -33,10 +34,12 @@ class Draw {
     one.skew.ppm = static_cast<std::int64_t>(bits_of_name(seed_, one.name, 0) % (2 * most_ppm + 1)) - most_ppm;
     try {
       const machine::Time period = machine::Skew{one.skew.ppm, machine::Time{0}}.clock(hertz, per).at(1);
-      one.skew.phase = machine::Time{static_cast<std::int64_t>(bits_of_name(seed_, one.name, 1) % static_cast<std::uint64_t>(period.count()))};
+      const std::uint64_t bits = bits_of_name(seed_, one.name, 1);
+      one.skew.phase = machine::Time{static_cast<std::int64_t>(bits % static_cast<std::uint64_t>(period.count()))};
     } catch (const std::invalid_argument&) {
-      throw ConfigError(fmt::format("run.phase_jitter: {} at {}/{} Hz and {} ppm is no clock that can be kept exactly; run.phase_jitter = false, or a frequency in whole hertz, "
-                                    "is expected", one.name, hertz, per, one.skew.ppm));
+      throw ConfigError(fmt::format("run.phase_jitter: {} at {}/{} Hz and {} ppm is no clock that can be kept exactly; "
+                                    "run.phase_jitter = false, or a frequency in whole hertz, is expected",
+                                    one.name, hertz, per, one.skew.ppm));
     }
     return one;
   }
@@ -67,12 +70,17 @@ Oscillators oscillators_of(const Config& config) {
   // Millihertz are fine enough for any rate that is typed in, and keep the timer's clock rational (ruling 1).
   Oscillators all{.host = draw("host timer", std::llround(config.rates.refresh_frequency_hz * 1000), 1000),
                   .buses = {}, .dsps = {}, .sway = draw("sway sensor", 100), .range = {}, .units = {}};
-  for (const std::string& bus : machine.topology.buses) all.buses.push_back(draw("PCI " + bus, machine.pci_hz_numerator, machine.pci_hz_denominator));
+  for (const std::string& bus : machine.topology.buses) {
+    all.buses.push_back(draw("PCI " + bus, machine.pci_hz_numerator, machine.pci_hz_denominator));
+  }
   for (unsigned slot = 0; slot < machine.slots; ++slot) {
     all.dsps.push_back(draw(fmt::format("DSP {}", slot), machine.chip_hz, machine.chip_hz_denominator));
   }
   for (std::int64_t agv = 0; agv < config.dock.agvs; ++agv) {
-    if (sensors.range_rate > 0) all.range.push_back(draw(fmt::format("range sensor {}", agv), latches_per_second, plant::range_latches(sensors)));
+    if (sensors.range_rate > 0) {
+      const std::int64_t latches = plant::range_latches(sensors);
+      all.range.push_back(draw(fmt::format("range sensor {}", agv), latches_per_second, latches));
+    }
     all.units.push_back(draw(fmt::format("AGV unit {}", agv), 100));
   }
   return all;

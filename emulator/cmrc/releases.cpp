@@ -21,7 +21,8 @@ Release::Due Release::due(std::int64_t tick, std::int64_t period, bool staggered
   const std::int64_t before = std::exchange(seen_, tick);
   if (row_->by_interval()) {
     const std::int64_t last = congruent_before(tick, phase(period, staggered), period);
-    for (std::int64_t nominal = congruent_before(before, phase(period, staggered), period) + period; nominal <= last; nominal += period) {
+    const std::int64_t first = congruent_before(before, phase(period, staggered), period) + period;
+    for (std::int64_t nominal = first; nominal <= last; nominal += period) {
       if (nominal < last || (out_ && deadline_ <= nominal)) due.dropped.push_back(nominal);
       else if (!out_) due.load = true;
     }

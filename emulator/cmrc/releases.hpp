@@ -1,6 +1,6 @@
 #pragma once
-// When a sub-process of one robot is released: at refreshes of its interval, and when an object enters the field of its AGV's range sensor.
-// docs/processes.md, Releases.
+// When a sub-process of one robot is released: at refreshes of its interval, and when an object enters the field of its
+// AGV's range sensor. docs/processes.md, Releases.
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -22,8 +22,8 @@ struct Watch {
 /// What one AGV's range sensor has shown, reading by reading.
 class RangeField {
  public:
-  /// A reading: mm to the nearest echo in the vehicle's way. True when an object has entered: something is in the field, and the reading before showed
-  /// nothing there, or its nearest echo more than `jump_mm` farther.
+  /// A reading: mm to the nearest echo in the vehicle's way. True when an object has entered: something is in the field,
+  /// and the reading before showed nothing there, or its nearest echo more than `jump_mm` farther.
   bool entered(Word millimetres, const Watch& watch);
   /// Nobody looks any more: the next reading has none before it.
   void forget() { last_.reset(); }
@@ -39,7 +39,8 @@ class RangeField {
 class Release {
  public:
   /// \param number of the robot among those of its kind; \param count of them: what staggers their refreshes
-  Release(const Subprocess& row, unsigned robot, unsigned number, unsigned count) : row_(&row), robot_(robot), number_(number), count_(count) {}
+  Release(const Subprocess& row, unsigned robot, unsigned number, unsigned count)
+      : row_(&row), robot_(robot), number_(number), count_(count) {}
 
   const Subprocess& row() const { return *row_; }
   unsigned robot() const { return robot_; }
@@ -51,8 +52,8 @@ class Release {
     std::vector<std::int64_t> dropped;  ///< nominal refreshes that have passed without a block
     bool load = false;                  ///< one is to be loaded now
   };
-  /// At a refresh in which the sub-process runs. Those since the refresh before that the host was too late for, or that found the block before still out
-  /// after its deadline, are dropped.
+  /// At a refresh in which the sub-process runs. Nominal refreshes since the refresh before that the host was too late
+  /// for, or that found the block before still out after its deadline, are dropped.
   Due due(std::int64_t tick, std::int64_t period, bool staggered);
   /// ... in which it does not run.
   void rests(std::int64_t tick) { seen_ = tick, object_ = false; }
