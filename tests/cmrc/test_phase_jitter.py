@@ -17,7 +17,7 @@ MS = 1_000_000_000
 
 
 def config(seed: int = 1, jitter: bool = True, **settings: Any) -> Any:
-    return cmrc.config(settings={"seed": seed, "phase_jitter": jitter, "dsps": 3, **settings})
+    return cmrc.config(settings={"seed": seed, "phase_jitter": jitter, "dsps": 3, "report.reference": "none", **settings})
 
 
 def clocks(seed: int = 1, jitter: bool = True, **settings: Any) -> dict[str, dict[str, Any]]:
@@ -96,7 +96,7 @@ def test_without_jitter_the_seed_changes_nothing_while_nothing_else_is_random(tm
 
     def events(seed: int, jitter: bool) -> str:
         trace = tmp_path / "trace"
-        options = ["--dsps", "3", "--seed", str(seed), "--duration", "0.0209", "--set", f"run.phase_jitter={str(jitter).lower()}"]
+        options = ["--dsps", "3", "--seed", str(seed), "--duration", "0.0209", "--set", "report.reference=none", "--set", f"run.phase_jitter={str(jitter).lower()}"]
         subprocess.run([BUILD / "bin" / "emulator", "--quiet", "--trace", trace, *options], check=True)
         return trace.read_text()
 
@@ -110,7 +110,7 @@ def test_turn_orders_change_nothing_with_jitter_on() -> None:
         preset = settings.pop("preset", "base")
         hashes = set()
         for order in (0, 1, 2, 3):
-            simulation = cmrc.Simulation(cmrc.config(preset=preset, settings={"phase_jitter": True, "dsps": 3, "duration_s": 0.05, "turn_order": order, **settings}))
+            simulation = cmrc.Simulation(cmrc.config(preset=preset, settings={"phase_jitter": True, "dsps": 3, "duration_s": 0.05, "report.reference": "none", "turn_order": order, **settings}))
             simulation.run()
             hashes.add(json.loads(simulation.report_json())["hash"])
         assert len(hashes) == 1, settings
@@ -134,7 +134,7 @@ def test_chips_and_buses_count_by_their_own_clocks() -> None:
 def test_releases_stand_on_the_hosts_own_timer() -> None:
     for seed in (1, 4):
         timer = clocks(seed)["host timer"]
-        simulation = cmrc.Simulation(cmrc.config(preset="saturated", settings={"seed": seed, "phase_jitter": True, "dsps": 1, "duration_s": 0.1}))
+        simulation = cmrc.Simulation(cmrc.config(preset="saturated", settings={"seed": seed, "phase_jitter": True, "dsps": 1, "duration_s": 0.1, "report.reference": "none"}))
         simulation.run()
         missed = [miss for miss in json.loads(simulation.report_json())["misses"] if miss["kind"] == "pid"]
         assert len(missed) > 10
