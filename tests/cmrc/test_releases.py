@@ -258,8 +258,8 @@ def test_after_the_round_the_job_goes_on_as_ever() -> None:
     report = json.loads(simulation.report_json())
     assert report["failures"] == []
     assert report["containers_delivered"] == 1 and report["cycles_completed"] == 0
-    first, second = report["cycles"][:2]
-    assert (first["agv"], second["agv"]) == (0, 1)
+    first = report["cycles"][0]
+    assert first["agv"] == 0
     # Without a round: 69.92, 9.81 and 44.90 s (README). The crane waited meanwhile, and that is t_v and no vehicle's t_w.
     assert (first["t_3_s"], first["t_4_s"], first["t_5_s"]) == pytest.approx((69.92, 9.81, 44.90), abs=0.1)
     assert first["t_v_s"] > 60 and first["t_w_s"] is None
