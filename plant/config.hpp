@@ -151,10 +151,19 @@ struct AgvParameters {
   double speed_integral = 0.5;        // 1/s, its integral
 };
 
+// A sampling clock that departs from its nominal frequency and phase. What it samples, it samples at the first point of its grid at or after a tick: at the
+// first latch, of AGVs at their first step of 1 ms.
+struct SampleClock {
+  std::int64_t ppm = 0;       // its frequency is (1 + ppm / 10^6) times the nominal one
+  std::int64_t phase_ps = 0;  // of its first tick
+};
+
 struct SensorParameters {
   double sway_range = std::numbers::pi / 18;  // rad at code 2048 (10 degrees)
   double sway_noise = 0.02 * std::numbers::pi / 180;  // rad, standard deviation
   double range_rate = 0.0;     // Hz, of the AGVs' range sensors; 0: each of the AGVs' steps, 1 kHz
+  SampleClock sway_clock;      // nominal 100 Hz
+  std::vector<SampleClock> range_clocks;  // by AGV, with a rate only; missing ones keep the nominal clock
   double range_dropout = 0.0;  // probability that a ray brings no valid echo; with a rate only
   std::uint64_t seed = 1;
 };
@@ -244,6 +253,7 @@ struct DockConfig {
   bool collisions = true;    // AGVs stop at what they run into; else they go through it
   bool rigid = false;        // level L0: the free payload does not sway; else L1
   int agv_count = 1;
+  std::vector<SampleClock> unit_clocks;  // by AGV: its drive unit's, nominal 100 Hz; missing ones keep it
   CranePose home = {0.0, 12.0, 16.0, 14.0, 0.0};
   double rated_load = 40e3;    // kg below the spreader; heavier containers are refused
   double drive_timeout = 0.1;  // s, a drive that gets no torque code for so long brakes; 0: never

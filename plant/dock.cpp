@@ -223,7 +223,13 @@ std::int32_t Dock::range_mount() const { return rounded(500.0 * config().agv.len
 
 std::uint32_t Dock::range_scan(int i, Time t) {
   self_->agv_at(i, t);
-  return static_cast<std::uint32_t>(self_->core.state.latch / self_->core.range_latches());
+  return self_->core.scan_number(static_cast<std::size_t>(i));
+}
+
+std::int32_t Dock::range_way(int i, Time t) {
+  const AgvState& agv = self_->agv_at(i, t);
+  const double free = self_->core.traffic.free_way(agv, self_->core.scan(static_cast<std::size_t>(i)));
+  return free >= 1e-3 * range_most ? range_most : static_cast<std::int32_t>(std::floor(1e3 * free));
 }
 
 std::int32_t Dock::agv_range(int i, int ray, Time t) {
@@ -233,7 +239,11 @@ std::int32_t Dock::agv_range(int i, int ray, Time t) {
 }
 
 void Dock::agv_period(int i, std::uint32_t microseconds, Time t) {
-  self_->agv_at(i, t).period = Time{static_cast<std::int64_t>(std::max(microseconds, 1000U)) * 1'000'000};
+  __extension__ using Wide = __int128;
+  constexpr Wide million = 1'000'000;
+  AgvState& agv = self_->agv_at(i, t);  // the unit counts in its own clock
+  const Wide period = Wide{std::max(microseconds, 1000U)} * million * million / (million + self_->core.unit_clock(static_cast<std::size_t>(i)).ppm);
+  agv.period = Time{static_cast<std::int64_t>(period)};
 }
 
 void Dock::agv_push(int i, std::int32_t speed, std::int32_t front, std::int32_t rear, Time t) {

@@ -21,6 +21,7 @@ namespace plant {
 using Time = std::chrono::duration<std::int64_t, std::pico>;
 inline constexpr Time latch_period{125'000'000};  // 8 kHz
 inline constexpr double latch_seconds = 125e-6;
+inline constexpr std::int64_t agv_latches = 8;  // AGVs move on a 1-ms grid
 
 enum class EventKind : std::uint8_t {
   near_contact,    // the payload became a body: values = clearance m, energy jump J
@@ -171,6 +172,8 @@ class Dock {
   // Range sensor in front of the vehicle, looking ahead in a horizontal plane: ray 0 .. range_rays - 1, from the right to the left.
   std::int32_t agv_range(int agv, int ray, Time);   // mm in steps of 8; range_most: nothing within it; 0: no valid echo
   std::uint32_t range_scan(int agv, Time);          // number of the scan that agv_range shows
+  // mm from the vehicle's front to the nearest echo of that scan in its way, as the protective field reckons it; range_most: none.
+  std::int32_t range_way(int agv, Time);
   std::int32_t range_mount() const;                 // mm ahead of the vehicle's centre
   void agv_period(int agv, std::uint32_t microseconds, Time);
   // Speed mm/s, steering microradians; the machine keeps the first two registers and calls this at the write of the third.

@@ -19,9 +19,12 @@ void DockCore::move_agvs() {
   }
   for (std::size_t i = 0; i < state.agvs.size(); ++i) {
     AgvState& agv = state.agvs[i];
-    if (state.latch % range_latches() == 0) look(i);
+    const auto ticks = [&](const SampleClock& clock, std::int64_t period) {
+      return ticks_until(clock, state.latch, period) > ticks_until(clock, state.latch - agv_latches, period);
+    };
+    if (ticks(range_clock(i), range_latches(config.sensors))) look(i);
     if (AgvMotion::take_set_point(agv, now())) report(EventKind::agv_dry, static_cast<int>(i));
-    if (state.latch % tick_latches == 0) {
+    if (ticks(unit_clock(i), tick_latches)) {
       const double allowed = config.agv.protective_field ? traffic.allowed_speed(agv, scan(i)) : std::numeric_limits<double>::infinity();
       agv_motion.drive_tick(agv, allowed);
       serve_warehouse(i);
@@ -29,9 +32,9 @@ void DockCore::move_agvs() {
   }
 }
 
-std::int64_t DockCore::range_latches() const {
-  if (config.sensors.range_rate <= 0.0) return agv_latches;
-  return std::max<std::int64_t>(1, std::llround(1.0 / (config.sensors.range_rate * agv_latches * latch_seconds))) * agv_latches;
+// The scan is of the last step.
+std::uint32_t DockCore::scan_number(std::size_t agv) const {
+  return static_cast<std::uint32_t>(ticks_until(range_clock(agv), state.latch - state.latch % agv_latches, range_latches(config.sensors)));
 }
 
 const Geometry::Scan& DockCore::scan(std::size_t agv) {
@@ -50,7 +53,7 @@ void DockCore::look(std::size_t agv) {
   if (state.scans.empty()) return;
   collect_solids(config, state, state.agvs[agv].container, solids_);
   Geometry::Scan codes = traffic.scan(state.agvs[agv], agv, solids_);
-  const std::int64_t number = state.latch / range_latches();
+  const std::int64_t number = ticks_until(range_clock(agv), state.latch, range_latches(config.sensors));
   for (std::size_t ray = 0; ray < codes.size(); ++ray)
     if (drops(config.sensors, agv, number * range_rays + static_cast<std::int64_t>(ray))) codes[ray] = 0;
   state.scans[agv] = codes;

@@ -50,7 +50,8 @@ void DockCore::step() {
   meet_happenings();
   ++state.latch;
   if (state.latch % agv_latches == 0) move_agvs();
-  if (state.latch % tick_latches == 0) sample_sway();
+  const SampleClock& sway_clock = config.sensors.sway_clock;
+  if (ticks_until(sway_clock, state.latch, tick_latches) > ticks_until(sway_clock, state.latch - 1, tick_latches)) sample_sway();
   begin_latch();
 }
 
@@ -105,7 +106,7 @@ std::array<double, 2> DockCore::sway() const {
 
 void DockCore::sample_sway() {
   const auto angles = sway();
-  const std::int64_t sample = state.latch / tick_latches;
+  const std::int64_t sample = ticks_until(config.sensors.sway_clock, state.latch, tick_latches);
   for (std::size_t axis = 0; axis < 2; ++axis) {
     if (bit(state.stuck_sways, axis)) continue;
     state.sway_shown[axis] = state.sway_sampled[axis];

@@ -13,7 +13,6 @@
 
 namespace plant {
 
-inline constexpr std::int64_t agv_latches = 8;     // AGVs move on a 1-ms grid
 inline constexpr std::int64_t tick_latches = 80;   // 100 Hz: AGV drives, sway sensor
 
 inline bool bit(std::uint32_t mask, std::size_t i) { return (mask >> i & 1U) != 0; }
@@ -30,7 +29,8 @@ class DockCore {
   // What the range sensor of an AGV shows now.
   const Geometry::Scan& scan(std::size_t agv);
   void forget_scans() { fresh_.clear(); }
-  std::int64_t range_latches() const;  // from a scan to the next
+  std::uint32_t scan_number(std::size_t agv) const;
+  SampleClock unit_clock(std::size_t agv) const { return agv < config.unit_clocks.size() ? config.unit_clocks[agv] : SampleClock{}; }
   Time now() const { return state.latch * latch_period; }
   Place make_place() const;
   Signal make_signal() const;
@@ -69,6 +69,7 @@ class DockCore {
   auto booked(EventKind, int container, Change);   // a change of the payload, with what it does to energy and momentum
   void move_agvs();
   void look(std::size_t agv);
+  SampleClock range_clock(std::size_t agv) const { return agv < config.sensors.range_clocks.size() ? config.sensors.range_clocks[agv] : SampleClock{}; }
   void serve_warehouse(std::size_t agv);
   void sample_sway();
   std::array<double, 2> sway() const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plant/dock.hpp"
 #include "plant/math.hpp"
 
 namespace plant {
@@ -34,6 +35,20 @@ double noise(std::uint64_t seed, int axis, std::int64_t sample) {
 bool drops(const SensorParameters& p, std::size_t agv, std::int64_t ray) {
   if (p.range_dropout <= 0.0) return false;
   return unit(mix(mix(p.seed ^ 0x52414E4745ULL) ^ mix(static_cast<std::uint64_t>(ray) * 16 + agv))) < p.range_dropout;
+}
+
+std::int64_t ticks_until(const SampleClock& clock, std::int64_t latch, std::int64_t period) {
+  __extension__ using Wide = __int128;
+  constexpr Wide million = 1'000'000;
+  const Wide since = (Wide{latch} * latch_period.count() - clock.phase_ps) * (million + clock.ppm);
+  const Wide length = Wide{period} * latch_period.count() * million;
+  const Wide ticks = since / length;
+  return static_cast<std::int64_t>(ticks * length > since ? ticks - 1 : ticks);
+}
+
+std::int64_t range_latches(const SensorParameters& p) {
+  if (p.range_rate <= 0.0) return agv_latches;
+  return std::max<std::int64_t>(1, std::llround(1.0 / (p.range_rate * agv_latches * latch_seconds))) * agv_latches;
 }
 
 std::int32_t sway_code(double angle, const SensorParameters& p, int axis, std::int64_t sample) {

@@ -100,7 +100,7 @@ Geometry::Scan Traffic::scan(const AgvState& agv, std::size_t number, const std:
   return geometry_.scan(agv.y[A_X] + ahead * c, agv.y[A_Y] + ahead * s, agv.y[A_HEADING], others_);
 }
 
-double Traffic::allowed_speed(const AgvState& agv, const Geometry::Scan& scan) const {
+double Traffic::free_way(const AgvState& agv, const Geometry::Scan& scan) const {
   const AgvParameters& p = config_.agv;
   constexpr double beside = 0.3;  // m, that must stay free on either side
   const double front = 0.5 * p.length;
@@ -125,6 +125,12 @@ double Traffic::allowed_speed(const AgvState& agv, const Geometry::Scan& scan) c
     if (aside > half + std::fabs(sc) * front) continue;
     free = std::min(free, std::max(0.0, along - front));
   }
+  return free;
+}
+
+double Traffic::allowed_speed(const AgvState& agv, const Geometry::Scan& scan) const {
+  const AgvParameters& p = config_.agv;
+  const double free = free_way(agv, scan);
   if (free == std::numeric_limits<double>::infinity()) return free;
   // v T + v^2 / 2b = free - margin, T what passes until the brakes bite.
   const double lag = p.drive_lag + 0.1;

@@ -21,6 +21,8 @@ class Traffic {
   void collide(std::vector<AgvState>&, const std::vector<Solid>&, const Hear&);
 
   Geometry::Scan scan(const AgvState&, std::size_t agv, const std::vector<Solid>&);
+  // m from the vehicle's front to the nearest echo in its way: where it goes as it steers now, 0.3 m wider on either side; infinity: none.
+  double free_way(const AgvState&, const Geometry::Scan&) const;
   // The speed at which the vehicle can still stop before what a scan shows in its way, m/s; infinity: nothing is.
   double allowed_speed(const AgvState&, const Geometry::Scan&) const;
 

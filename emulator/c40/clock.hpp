@@ -20,10 +20,10 @@ inline constexpr Time never = Time::max();
 class Clock {
  public:
   /// Throws std::invalid_argument unless 0 < num/den <= 10^12 and the reduced fraction 10^12 * den / num fits (it does
-  /// for every frequency given in whole hertz, or in whole hertz over a den up to 10^6).
+  /// for every frequency given in whole hertz, or in whole hertz over a den up to 9 000 000).
   explicit constexpr Clock(std::int64_t num, std::int64_t den = 1, Time phase = Time{0}) : phase_{phase.count()} {
-    if (num <= 0 || den <= 0 || den > 1'000'000)
-      throw std::invalid_argument{"Clock: a frequency is a positive fraction with a denominator up to 1000000"};
+    if (num <= 0 || den <= 0 || den > 9'000'000)
+      throw std::invalid_argument{"Clock: a frequency is a positive fraction with a denominator up to 9000000"};
     const std::int64_t above = picoseconds_per_second * den;
     const std::int64_t divisor = std::gcd(above, num);
     period_ = above / divisor;
@@ -67,6 +67,20 @@ class Clock {
   std::int64_t per_ = 1;
 };
 
+/// How a real oscillator departs from its nominal frequency and phase.
+struct Skew {
+  std::int64_t ppm = 0;  ///< its frequency is (1 + ppm / 10^6) times the nominal one
+  Time phase{0};         ///< instant of its tick 0
+
+  /// num/den hertz, so skewed. Throws std::invalid_argument where Clock does.
+  constexpr Clock clock(std::int64_t num, std::int64_t den = 1) const {
+    constexpr std::int64_t million = 1'000'000;
+    if (ppm == 0) return Clock{num, den, phase};
+    const std::int64_t a = std::gcd(num, million), b = std::gcd(million + ppm, den);
+    return Clock{num / a * ((million + ppm) / b), den / b * (million / a), phase};
+  }
+};
+
 /// A clock whose frequency may change while its ticks go on being counted.
 class PacedClock {
  public:
@@ -77,8 +91,10 @@ class PacedClock {
   /// Whole ticks in a span of time, at the present frequency.
   constexpr Ticks ticks_in(Time span) const { return clock_.tick_at_or_before(clock_.at(0) + span); }
   /// From tick `first` on, num/den hertz. Earlier ticks may not be asked for any more.
-  constexpr void change(Ticks first, std::int64_t num, std::int64_t den) {
-    clock_ = Clock{num, den, at(first)};
+  constexpr void change(Ticks first, std::int64_t num, std::int64_t den) { change(first, Skew{}, num, den); }
+  /// The same of an oscillator that departs from its nominal frequency by skew.ppm.
+  constexpr void change(Ticks first, const Skew& skew, std::int64_t num, std::int64_t den) {
+    clock_ = Skew{skew.ppm, at(first)}.clock(num, den);
     first_ = first;
   }
 

@@ -39,6 +39,8 @@ class PointChain {
   bool active() const { return active_; }
   /// All points of the leg have passed inverse kinematics, and all were consumed.
   bool through(std::int64_t tick) const;
+  /// A leg has begun, and is not through.
+  bool under_way(std::int64_t tick) const { return active_ && !through(tick); }
   std::int64_t next_point() const { return cartesian_; }
   std::int64_t interval() const { return interval_; }
   /// When the buffer would run dry; the robot is moving.

@@ -186,7 +186,10 @@ class Invariants {
     require(!config_.bus.prefetch || config_.bus.latency_timer_clocks >= 32, {"bus.latency_timer_clocks", "bus.prefetch"},
             fmt::format("a line of 8 words does not fit into {} clocks", config_.bus.latency_timer_clocks),
             "at least 32 is expected, or bus.prefetch = false");
-    topology_of(config_, [this](const auto& keys, const std::string& what, const std::string& right) { contradiction(keys, what, right); });
+    const machine::Topology topology =
+        topology_of(config_, [this](const auto& keys, const std::string& what, const std::string& right) { contradiction(keys, what, right); });
+    loads();
+    for (const Subprocess& row : config_.processes.subprocesses) events(row, topology);
   }
 
  private:
@@ -201,6 +204,31 @@ class Invariants {
       if (auto at = origins_.find(key); at != origins_.end()) refuse(at->second, key, what, right);
     }
     refuse({}, involved.front(), what, right);
+  }
+
+  void loads() const {
+    require(!config_.load.driving || !config_.load.parked, {"load.driving", "load.parked"}, "AGVs cannot drive and stand",
+            "load.driving or load.parked is expected, not both");
+    const auto queues = [](const Process& process) {
+      return std::ranges::any_of(process.steps, [](const Step& step) { return step.kind == Step::Kind::queue; });
+    };
+    require(!config_.load.driving || std::ranges::any_of(config_.processes.processes, queues), {"load.driving"},
+            "no process has the step \"queue\", in which an AGV could come back", "such a process is expected, or load.driving = false");
+  }
+
+  /// A sub-process that is released by event needs sensors that the host can read, often enough.
+  void events(const Subprocess& row, const machine::Topology& topology) const {
+    if (!row.by_event()) return;
+    const unsigned sensors = topology.devices[static_cast<std::size_t>(machine::DeviceGroup::sensors)];
+    const bool reached = std::ranges::any_of(topology.host, [&](unsigned bus) { return machine::hops(topology, bus, sensors) >= 0; });
+    if (!reached) {
+      refuse(row.origin, "subprocesses.release",
+             fmt::format("sub-process {} is released by event, but the host cannot reach the range sensors on bus {}", row.number, topology.buses[sensors]),
+             "release = \"interval\", or bus.topology \"host_on_both\", \"sensors_with_host\" or \"single\", or a way by [topology], is expected");
+    }
+    const double apart = static_cast<double>(config_.scheduling.event_read_refreshes) / config_.rates.refresh_frequency_hz;
+    require(apart <= 0.05, {"scheduling.event_read_refreshes", "rates.refresh_frequency_hz"},
+            fmt::format("a range sensor is read every {:g} ms", apart * 1e3), "at most 50 ms are expected: objects that enter are told from those that come closer");
   }
 
   void rates() const {
@@ -362,6 +390,7 @@ void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::v
 }
 
 Config ConfigBuilder::build() const {
+  const auto is_driving = [](const Setting& setting) { return keys()[setting.key].name == "load.driving"; };
   Config config;
   std::map<std::string, Origin, std::less<>> origins;
   const auto apply = [&](const std::vector<Setting>& settings) {
@@ -379,8 +408,11 @@ Config ConfigBuilder::build() const {
       apply(settings);
     }
   }
+  const bool preset_drives = config.load.driving;
   apply(file_settings_);
   apply(flag_settings_);
+  const bool own = std::ranges::any_of(file_settings_, is_driving) || std::ranges::any_of(flag_settings_, is_driving);
+  if (preset_drives && config.load.parked && !own) config.load.driving = false;
   config.events = events_;
   config.tasks = tasks_;
   config.processes = processes_;

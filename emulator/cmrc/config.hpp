@@ -45,6 +45,8 @@ enum class Card { sram, s5933, drive_card, host_dram };
 /// What a run's errors are measured against.
 enum class ReferenceKind { ideal, none };
 enum class RunUntil { duration, job_done };
+/// When the AGVs' releases by interval come, to each other.
+enum class AgvPhase { staggered, together };
 enum class AvoidanceBuild { none, synthetic, potential_field, vfh, dynamic_window };
 
 /// All parameters of a run. Units are in the names, as in the TOML keys.
@@ -57,6 +59,7 @@ struct Config {
     bool ideal = false;           ///< with instant execution
     RunUntil until = RunUntil::duration;
     double after_stop_s = 10;     ///< for which the plant goes on, braked, when nothing drives the crane any more
+    bool phase_jitter = false;    ///< each oscillator has a phase and a frequency of its own
   } run;
   struct Machine {
     std::int64_t dsps = 4;
@@ -100,6 +103,9 @@ struct Config {
     double learning_rate = 0.5;
     double learning_dead_band = 0.02;
     double learning_step_max = 0.1;
+    AgvPhase agv_phase = AgvPhase::staggered;
+    double event_field_m = 15;             ///< ahead of an AGV's range sensor
+    std::int64_t event_read_refreshes = 8;  ///< from a reading of that sensor by the host to the next
   } scheduling;
   struct Watchdog {
     double factor = 3;
@@ -129,6 +135,8 @@ struct Config {
   } kernels;
   struct Load {
     std::int64_t avoidance_cycles = 0;  ///< of the synthetic avoidance block; 0: that one is not loaded
+    bool driving = false;  ///< all AGVs begin with an empty round
+    bool parked = false;   ///< none does, and avoidance runs for those that stand, too
   } load;
   struct Bus {
     double clock_hz = 100e6 / 3;

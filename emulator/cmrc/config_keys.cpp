@@ -82,6 +82,10 @@ std::vector<Key> make_keys() {
               "instant execution: DSPs and buses a thousand times as fast, no host time, nothing of the machine fails (docs/report.md, Ideal)",
               "plant-and-bus.md 5"),
 
+      boolean("run.phase_jitter", FIELD(run.phase_jitter),
+              "host's timer, PCI buses, DSPs, sway and range sensors and AGV units each have a clock of their own: a phase and whole ppm up to 100, drawn by run.seed (docs/architecture.md)",
+              "ruling 40"),
+
       integer("machine.dsps", FIELD(machine.dsps), "", 1, 16, "number of DSPs, in slots 0 upwards", "paper 1"),
       integer("machine.slots", FIELD(machine.slots), "", 0, 16,
               "number of slots for DSP boards, so that boards can be plugged in later; 0: as many as DSPs", "paper 1"),
@@ -162,6 +166,13 @@ std::vector<Key> make_keys() {
       live(number("scheduling.learning_step_max", FIELD(scheduling.learning_step_max), "", 0, 1,
              "largest change of N^_a per cycle, as a share of it", "plant-and-bus.md 4.7")),
 
+      live(choice("scheduling.agv_phase", FIELD(scheduling.agv_phase), {"staggered", "together"},
+             "refreshes at which the sub-processes of AGV i of n that are released by interval come: floor(i N^_a / n) modulo N^_a, or 0 for all, the worst case (docs/processes.md)", "ruling 39")),
+      live(number("scheduling.event_field_m", FIELD(scheduling.event_field_m), "m", 0.1, 30,
+             "length of the field ahead of an AGV's range sensor, of sub-processes that are released when an object enters it (docs/processes.md)", "assumed")),
+      live(integer("scheduling.event_read_refreshes", FIELD(scheduling.event_read_refreshes), "refreshes", 1, 65535,
+              "refreshes between two readings of that sensor by the host", "assumed")),
+
       live(number("watchdog.factor", FIELD(watchdog.factor), "", 1, 1000,
              "the limit of a kind is this times its longest measured run", "ruling 15")),
       live(integer("watchdog.minimum_refreshes", FIELD(watchdog.minimum_refreshes), "refreshes", 2, 65535,
@@ -208,6 +219,9 @@ std::vector<Key> make_keys() {
 
       integer("load.avoidance_cycles", FIELD(load.avoidance_cycles), "cycles", 0, 100000000,
               "length of the avoidance block where kernels.avoidance is \"synthetic\"; 0: none is loaded", "ruling 14"),
+      boolean("load.driving", FIELD(load.driving), "every AGV begins with an empty round past the warehouse, back to its place in the queue (docs/processes.md)", "ruling 39"),
+      boolean("load.parked", FIELD(load.parked),
+              "AGVs stand where they are, against a preset's load.driving, and avoidance is released for those that stand, too", "ruling 39"),
 
       number("bus.clock_hz", FIELD(bus.clock_hz), "Hz", 1e6, 133e6, "PCI clock of all buses", "plant-and-bus.md 3.1"),
       integer("bus.latency_timer_clocks", FIELD(bus.latency_timer_clocks), "clocks", 8, 248,
@@ -341,7 +355,7 @@ std::string_view name(Key::Type type) {
 std::span<const Preset> presets() {
   static constexpr Preset all[] = {
       {"base", "f_s 8 kHz, f_p 1 kHz, f_t 125 Hz, f_a 50 Hz, one AGV: the defaults", ""},
-      {"heavy", "f_s 16 kHz, f_p 2 kHz, 4 AGVs, obstacle avoidance by the dynamic window for each AGV and point",
+      {"heavy", "f_s 16 kHz, f_p 2 kHz, 4 AGVs that drive from the start, obstacle avoidance by the dynamic window for each AGV and point",
        R"(
 [rates]
 refresh_frequency_hz = 16000
@@ -353,12 +367,15 @@ a = 0x20
 agv_interval_max_refreshes = 640
 [kernels]
 avoidance = "dynamic_window"
+[load]
+driving = true
 [dock]
 agvs = 4
 )"},
-      {"saturated", "base rates, 4 AGVs, and a synthetic avoidance block of 330 000 cycles (13.2 ms) per AGV and point", R"(
+      {"saturated", "base rates, 4 AGVs that drive from the start, and a synthetic avoidance block of 330 000 cycles (13.2 ms) per AGV and point", R"(
 [load]
 avoidance_cycles = 330000
+driving = true
 [dock]
 agvs = 4
 )"},

@@ -61,6 +61,7 @@ class Crane {
   /// It does again what has failed: nothing of it is a milestone.
   bool retrying() const { return retrying_; }
   const PidStatus& pid() const { return pid_; }
+  bool on_leg(std::int64_t tick) const { return chain_.under_way(tick); }
   /// N^_t: refreshes between points of the present leg.
   std::int64_t interval() const { return interval_; }
   void set_interval(std::int64_t refreshes) { next_interval_ = refreshes; }

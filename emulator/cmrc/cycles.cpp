@@ -54,8 +54,10 @@ void Cycles::process(unsigned number, bool started, unsigned robot, Time now) {
       } else {
         Agv& agv = agvs_[robot - 1];
         if (!agv.waits_since) agv.waits_since = now;
-        if (auto* cycle = of_agv(robot - 1)) cycle->t6 = lasted() - agv.waited;
-        ++completed_;
+        if (auto* cycle = of_agv(robot - 1)) {  // else it comes back from an empty round
+          cycle->t6 = lasted() - agv.waited;
+          ++completed_;
+        }
       }
       break;
     default: break;

@@ -17,6 +17,8 @@ class Desk {
   virtual std::int64_t tick() const = 0;
   /// Puts a block in the list. \param deadline refresh number, none: never late
   virtual void load(const Task& task, std::optional<std::int64_t> deadline) = 0;
+  /// A block was due at refresh `due`, but could not be loaded: the one before it was still out. It is dropped, and counts as missed.
+  virtual void drop(const Task& task, std::int64_t due, std::int64_t deadline) = 0;
   /// Writes words of a job area; they are there before a block loaded in the same refresh can be claimed.
   virtual void write(Word offset, std::span<const Word> words) = 0;
   void write(Word offset, Word word) { write(offset, std::span<const Word>(&word, 1)); }

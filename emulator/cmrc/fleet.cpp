@@ -12,7 +12,6 @@ namespace cmrc {
 namespace {
 
 constexpr double taken_margin = 0.5;  // s, the AGV stands a little later than its planner thinks
-constexpr std::size_t most_segments = 8;
 constexpr Word segment_words = 8, leg_words = 64;
 
 /// The lanes without their last `length` metres.
@@ -29,6 +28,21 @@ std::vector<Lane> shortened(std::vector<Lane> lanes, double length) {
 }
 
 }  // namespace
+
+std::vector<Lane> round_from(const FleetJob& job, unsigned slot) {
+  std::vector<Lane> lanes = job.to_warehouse;
+  const double behind = slot * job.slot_spacing;
+  if (behind > 0) {
+    lanes.insert(lanes.begin(), {job.spot_x - behind * std::cos(job.spot_heading), job.spot_y - behind * std::sin(job.spot_heading),
+                                 job.spot_heading, behind, 0, job.move_up_speed});
+  }
+  for (const Lane& lane : shortened(job.to_spot, behind)) lanes.push_back(lane);
+  double slowest = lanes.back().speed;
+  for (const auto* leg : {&job.to_warehouse, &job.to_spot})
+    for (const Lane& lane : *leg) slowest = std::min(slowest, lane.speed);
+  for (Lane& lane : lanes) lane.speed = slowest;
+  return lanes;
+}
 
 Fleet::Fleet(const FleetJob& job, const Words& words) : job_(job), words_(words) {
   for (unsigned i = 0; i < job.agvs; ++i) {
@@ -48,6 +62,11 @@ void Fleet::start(Desk& desk) {
     desk.write(area + words_.ag_step_time, ti_float(1 / job_.point_frequency));
     desk.write(area + words_.ag_unit, words_.agv_unit + i * words_.agv_unit_words);
   }
+}
+
+void Fleet::send_round(unsigned index, Desk& desk) {
+  begin_leg(index, 2, round_from(job_, agvs_[index].slot), desk);
+  agvs_[index].moving = true;
 }
 
 // ---- steps -------------------------------------------------------------------------------------------------------------

@@ -30,9 +30,16 @@ struct FleetJob {
   double refresh_frequency = 8000;
   std::int64_t interval = 160;      ///< N^_a at the start
   std::int64_t buffer_points = 2;
+  bool driving = false;             ///< all begin with an empty round
+  bool parked = false;              ///< avoidance is loaded for vehicles that stand, too
   bool avoidance = false;           ///< obstacle avoidance is loaded at all
   std::int64_t avoidance_cycles = 0;  ///< what a synthetic one is told
 };
+
+/// Pieces of lane that one leg may have.
+inline constexpr std::size_t most_segments = 8;
+/// The empty round of the vehicle that stands in `slot`, as one leg.
+std::vector<Lane> round_from(const FleetJob& job, unsigned slot);
 
 class Fleet {
  public:
@@ -40,6 +47,8 @@ class Fleet {
 
   /// The AGVs stand in slots 0, 1, ...
   void start(Desk& desk);
+  /// Sends one off from its slot, past the warehouse and back: at the speed of the slowest lane, so that vehicles keep their distances.
+  void send_round(unsigned agv, Desk& desk);
   /// Begins a step; "task" only prepares what its block reads.
   void enter(unsigned agv, const Step& step, Desk& desk);
   /// Goes on with the step that was entered last: true when it is done.
@@ -53,6 +62,7 @@ class Fleet {
   /// It is in a slot of the queue, or on its way there.
   bool queued(unsigned agv) const { return !agvs_.at(agv).away; }
   unsigned slot(unsigned agv) const { return agvs_.at(agv).slot; }
+  bool on_leg(unsigned agv, std::int64_t tick) const { return agvs_.at(agv).chain.under_way(tick); }
   bool moving_up(unsigned agv) const { return agvs_.at(agv).moving; }
   unsigned size() const { return static_cast<unsigned>(agvs_.size()); }
   const FleetJob& job() const { return job_; }

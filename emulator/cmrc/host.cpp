@@ -7,15 +7,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include "cmrc/jitter.hpp"
+
 namespace cmrc {
 namespace {
 
 using report::EventKind;
 
-machine::Clock clock_of(double hertz) {
-  // Millihertz are fine enough for any rate that is typed in, and keep the clock rational (ruling 1).
-  return machine::Clock(std::llround(hertz * 1000), 1000);
-}
+machine::Clock clock_of(const Oscillator& one) { return one.skew.clock(one.hertz, one.per); }
 
 Time nanoseconds(double ns) { return Time{std::llround(ns * 1000)}; }
 Time milliseconds(double ms) { return Time{std::llround(ms * 1e9)}; }
@@ -25,7 +24,7 @@ Time milliseconds(double ms) { return Time{std::llround(ms * 1e9)}; }
 Host::Host(const Config& config, const Words& words, const CraneJob& crane, const FleetJob& fleet, Ledger& ledger,
            HostListener& listener, std::function<std::vector<Word>(unsigned)> boot_stream)
     : config_(config), words_(words), parameters_(importance_parameters(config)), intervals_(intervals(config)),
-      clock_(clock_of(config.rates.refresh_frequency_hz)), ledger_(ledger), listener_(listener), list_(words.block_count),
+      clock_(clock_of(oscillators_of(config).host)), ledger_(ledger), listener_(listener), list_(words.block_count),
       processes_(config.processes, config.tasks, crane, fleet, words_),
       user_tasks_(config_.tasks, words_, config_.rates.refresh_frequency_hz),
       torque_{{.x = task::torque, .y = robot_class::crane, .kind = words.kind_torque, .area = words.cr_base},
@@ -48,6 +47,7 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
   for (std::size_t i = 0; i < config_.tasks.size(); ++i) {
     longest_[static_cast<JobKind>(static_cast<std::size_t>(JobKind::user) + i)] = refreshes(w.long_run_us);
   }
+  set_releases();
   for (unsigned slot = 0; config_.machine.boot == BootPolicy::link && slot < static_cast<unsigned>(config_.machine.dsps); ++slot)
     boots_.expect(slot, Time{0});
   rest();
@@ -101,6 +101,7 @@ void Host::read_done(std::uint32_t, std::span<const machine::Word> words, Time n
     case Step::owner: owner_read(words[0]); break;
     case Step::verdict: verdict_read(words[0]); break;
     case Step::signs: sign_read(words[0]); break;
+    case Step::field: field_read(words[0]); break;
     case Step::semaphore: semaphore_read(words[0]); break;
     case Step::held: held_read(words[0]); break;
     case Step::holder: holder_read(words[0]); break;
@@ -144,8 +145,14 @@ void Host::begin_refresh() {
   grown_ = config_.scheduling.time_after_delay == TimeAfterDelay::one ? 1 : elapsed_;
   done_.clear();
   hung_.clear();
+  fields_ = processes_.sensors_to_read(tick_);
   step_ = Step::pointer;
   port_->read(words_.list_work_pointer, 1, 0);
+}
+
+void Host::set_releases() {
+  const Config::Scheduling& s = config_.scheduling;
+  processes_.set_releases({.every = s.event_read_refreshes, .field_mm = std::llround(s.event_field_m * 1000)}, s.agv_phase == AgvPhase::staggered);
 }
 
 void Host::apply_changes() {
@@ -159,6 +166,7 @@ void Host::apply_changes() {
     parameters_ = importance_parameters(config_);
     const std::int64_t interval = intervals(config_).agv_slowed;
     processes_.crane().set_interval(intervals(config_).crane_slowed);
+    set_releases();
     Fleet& fleet = processes_.fleet();
     for (unsigned agv = 0; interval != before && agv < fleet.size(); ++agv) fleet.set_interval(agv, interval);
   }
@@ -201,6 +209,18 @@ void Host::flag_read(Word flag) {
     flags_.pop_front();
     next_flag();
   }
+}
+
+void Host::next_field() {
+  if (fields_.empty()) return begin_thinking();
+  step_ = Step::field;
+  port_->read(machine::host_devices + words_.agv_range + fields_.front() * words_.agv_range_words + words_.range_way, 1, 0);
+}
+
+void Host::field_read(Word millimetres) {
+  processes_.seen(fields_.front(), millimetres);
+  fields_.pop_front();
+  next_field();
 }
 
 void Host::begin_thinking() {
@@ -339,6 +359,14 @@ void Host::load(const Task& asked, std::optional<std::int64_t> deadline) {
   task.deadline = deadline;
   load_block(task, job_kind(task.kind, words_), clock_.at(tick_),
              deadline ? std::optional(clock_.at(*deadline)) : std::nullopt, std::nullopt);
+}
+
+void Host::drop(const Task& task, std::int64_t due, std::int64_t deadline) {
+  const auto order = list_.order();
+  const auto before = std::ranges::find_if(order, [&](std::size_t index) { return list_[index].task.kind == task.kind && list_[index].task.robot == task.robot; });
+  note(EventKind::miss, {task.kind, static_cast<std::uint32_t>(due), static_cast<std::uint32_t>(report::Outcome::dropped),
+                         before == order.end() ? 0 : words_.block(*before), 0});
+  ledger_.skipped(job_kind(task.kind, words_), clock_.at(due), clock_.at(deadline), std::nullopt, now_, task.robot);
 }
 
 void Host::write(Word offset, std::span<const Word> words) { port_->write(offset, words); }

@@ -5,6 +5,7 @@
 //   pointer    read the work pointer: what stood before it has been claimed since the last refresh
 //   flags      read the flag of every block that is taken; of those that are done the result and notify words. Of those that the
 //              watchdog finds too old read the owner, fence it off, and read the flag again: now it cannot change any more
+//   field      read what the AGVs' range sensors see in their way, where a sub-process is released by it (docs/processes.md)
 //   thinking   the host's own work, for a modelled time; then finished blocks are out, successors in, t, J and order are computed;
 //              new blocks and changed words of the job areas are written, not yet linked
 //   semaphore  acquire the list
@@ -73,7 +74,7 @@ class Host : public machine::HostProgram, private Desk {
 
  private:
   enum class Step : std::uint8_t {
-    resting, booting, pointer, flags, result, owner, verdict, signs, thinking, semaphore, retry, held, holder, locked_flags, relink, doorbell
+    resting, booting, pointer, flags, result, owner, verdict, signs, field, thinking, semaphore, retry, held, holder, locked_flags, relink, doorbell
   };
 
   /// A periodic task of the crane: torque compensation or PID.
@@ -98,6 +99,7 @@ class Host : public machine::HostProgram, private Desk {
   // Desk
   std::int64_t tick() const override { return tick_; }
   void load(const Task& task, std::optional<std::int64_t> deadline) override;
+  void drop(const Task& task, std::int64_t due, std::int64_t deadline) override;
   using Desk::write;
   void write(Word offset, std::span<const Word> words) override;
   bool servo_resting() const override;
@@ -114,6 +116,7 @@ class Host : public machine::HostProgram, private Desk {
   void start();
   void begin_refresh();
   void apply_changes();
+  void set_releases();
   void pointer_read(Word pointer);
   void next_flag();
   void flag_read(Word flag);
@@ -121,6 +124,8 @@ class Host : public machine::HostProgram, private Desk {
   void verdict_read(Word flag);
   void after_flags();
   std::int64_t silence_limit() const;  // refreshes; 0: none
+  void next_field();
+  void field_read(Word millimetres);
   void begin_thinking();
   void sign_read(Word owner);
   void judge_silence();
@@ -182,6 +187,7 @@ class Host : public machine::HostProgram, private Desk {
   std::int64_t grown_ = 0;             // by which t grows at this one
   std::vector<std::size_t> linked_;    // waiting blocks as shared memory links them
   std::deque<std::size_t> flags_;      // blocks whose flags are still to be read
+  std::deque<unsigned> fields_;        // AGVs whose sensors are still to be read at this refresh
   std::deque<std::size_t> signs_;      // blocks that were out at this refresh, whose owners are alive
   std::vector<Done> done_;
   std::vector<Hung> hung_;

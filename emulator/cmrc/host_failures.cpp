@@ -68,7 +68,7 @@ std::int64_t Host::silence_limit() const {
 
 void Host::after_flags() {
   const std::int64_t limit = silence_limit();
-  if (limit == 0 || config_.machine.idle_policy != IdlePolicy::doorbell || !liveness_.doubtful(tick_, limit)) return begin_thinking();
+  if (limit == 0 || config_.machine.idle_policy != IdlePolicy::doorbell || !liveness_.doubtful(tick_, limit)) return next_field();
   if (signs_.empty()) return judge_silence();
   step_ = Step::signs;
   port_->read(words_.block(signs_.front()) + words_.owner, 1, 0);
@@ -89,7 +89,7 @@ void Host::judge_silence() {
                               : fmt::format("no sign of life for {} ms after its reset: it is taken for dead", config_.watchdog.silence_ms)});
     if (silent) renew(slot);
   }
-  begin_thinking();
+  next_field();
 }
 
 // ---- blocks that are given up ------------------------------------------------------------------------------------------

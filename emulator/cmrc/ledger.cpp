@@ -121,10 +121,11 @@ void Ledger::release(std::size_t block, JobKind kind, Time released, std::option
   open_[block] = std::move(open);
 }
 
-void Ledger::skipped(JobKind kind, Time released, Time deadline, std::int64_t tick, Time found) {
+void Ledger::skipped(JobKind kind, Time released, Time deadline, std::optional<std::int64_t> tick, Time found, std::uint32_t robot) {
+  const auto index = static_cast<std::size_t>(kind);
   Open open;
   open.kind = kind;
-  open.name = {static_cast<std::size_t>(kind), 0, tick};
+  open.name = {index, robot, tick ? *tick : released_.at(index)++};
   open.released = released;
   open.deadline = deadline;
   report::Job job;
@@ -135,13 +136,13 @@ void Ledger::skipped(JobKind kind, Time released, Time deadline, std::int64_t ti
   job.tick = tick;
   account_.add(job, deadline);
   ++misses_;
-  JobTimes& jobs = jobs_[{job.kind, 0}];
+  JobTimes& jobs = jobs_[{job.kind, robot}];
   jobs.released.push_back(released);
   ++jobs.misses;
   MissedJob missed = missed_job(open, report::Outcome::dropped, deadline);
   missed.given_up = found;
   for (const auto& [block, other] : open_) {
-    if (other.kind == kind) missed.previous = other.name.number;
+    if (other.kind == kind && other.name.robot == robot) missed.previous = other.name.number;
   }
   why_.missed(missed, timeline_, audit_);
 }

@@ -54,7 +54,8 @@ class Ledger {
   void release(std::size_t block, JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick,
                std::uint32_t robot = 0);
   /// A nominal tick for which no block could be released, as the host found at `found`.
-  void skipped(JobKind kind, Time released, Time deadline, std::int64_t tick, Time found);
+  /// \param tick number of the nominal tick; none: of a kind without ticks, counted on with its jobs
+  void skipped(JobKind kind, Time released, Time deadline, std::optional<std::int64_t> tick, Time found, std::uint32_t robot = 0);
 
   // The host's refresh: it begins, wants the list, has it, has offered these blocks with J > 0, and the list is free again.
   void refresh_began(Time at);

@@ -25,7 +25,7 @@ constexpr std::array<StepName, 11> step_names = {{{"task", Step::Kind::task, "a 
                                                   {"hold", Step::Kind::hold, "seconds"}}};
 
 constexpr std::array<std::string_view, 3> robot_names = {"none", "crane", "agv"};
-constexpr std::array<std::string_view, 3> release_names = {"point", "tick", "interval"};
+constexpr std::array<std::string_view, 5> release_names = {"point", "tick", "interval", "event", "interval_and_event"};
 
 template <typename Number>
 std::optional<Number> number_of(std::string_view text) {
@@ -225,6 +225,7 @@ void read_subprocesses(const toml::node& rows, const std::string& name, ProcessT
     row.release = static_cast<Subprocess::Release>(fields.choice("release", release_names, std::nullopt));
     row.must = fields.numbers("must");
     row.between_processes = fields.flag("between_processes");
+    row.on_legs = fields.flag("on_legs");
     row.origin = fields.where();
     const unsigned number = row.number;
     lay(table.subprocesses, std::move(row));
@@ -255,6 +256,7 @@ std::string to_toml(const ProcessTable& table) {
     text += fmt::format("release = \"{}\"\n", release_names.at(static_cast<std::size_t>(row.release)));
     text += numbers_text("must", row.must);
     flag("between_processes", row.between_processes);
+    flag("on_legs", row.on_legs);
   }
   for (const Process& row : table.processes) {
     named("processes", row.number, row.name);

@@ -58,12 +58,20 @@ class Checker {
     if (const Subprocess* own = built_in_processes().find_subprocess(row.number); own != nullptr && row.number <= 4) {
       // The host's own: their release is not a matter of configuration beyond this.
       if (row.crane != own->crane || row.agv != own->agv || row.release != own->release || row.must != own->must ||
-          (row.release == Subprocess::Release::point && row.between_processes)) {
+          (row.release == Subprocess::Release::point && row.between_processes) || row.on_legs) {
         refuse_row("number", "only the name, and of 3 and 4 between_processes, can be changed", "sub-processes of one's own have numbers from 6 on");
       }
       return;
     }
-    if (row.release != Subprocess::Release::interval) refuse_row("release", "is bound to sub-processes 1 to 4", "\"interval\" is expected");
+    if (!row.by_interval() && !row.by_event()) {
+      refuse_row("release", "is bound to sub-processes 1 to 4", "\"interval\", \"event\" or \"interval_and_event\" is expected");
+    }
+    if (row.by_event() && !row.crane.empty()) {
+      refuse_row("release", "the crane has no range sensor, so no object enters its field", "release = \"interval\", or `agv` alone, is expected");
+    }
+    if (row.on_legs && row.between_processes) {
+      refuse_row("on_legs", "between processes no leg is under way", "on_legs or between_processes is expected, not both");
+    }
     if (row.crane.empty() && row.agv.empty()) refuse_row("crane", "no task of any robot", "`crane` or `agv` names one");
     if (!row.must.empty()) refuse_row("must", "only sub-process 1 loads others", "no `must` is expected");
     if (!row.crane.empty() && !users(row.crane)) refuse_row("crane", fmt::format("\"{}\" is no task for it", row.crane), "\"user.NAME\" of a row of [[tasks]] is expected");

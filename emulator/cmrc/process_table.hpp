@@ -48,14 +48,19 @@ struct Process {
 };
 
 struct Subprocess {
-  enum class Release : std::uint8_t { point, tick, interval };
+  enum class Release : std::uint8_t { point, tick, interval, event, interval_and_event };
   unsigned number = 0;
   std::string name;
   std::string crane, agv;          ///< what is loaded for each: a task's key in the report, or nothing
   Release release{};
   std::vector<unsigned> must;
   bool between_processes = false;  ///< released while its robot is in no process, too
+  bool on_legs = false;            ///< released only while a leg of its robot is under way
   Origin origin;
+
+  bool by_interval() const { return release == Release::interval || release == Release::interval_and_event; }
+  /// When an object enters the field of an AGV's range sensor.
+  bool by_event() const { return release == Release::event || release == Release::interval_and_event; }
 };
 
 struct ProcessTable {

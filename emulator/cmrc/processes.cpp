@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "cmrc/importance.hpp"
 
@@ -14,21 +15,31 @@ bool has(const std::vector<unsigned>& list, unsigned number) { return std::find(
 
 Robot robot_of(const Process& process, std::optional<unsigned> agv) { return process.robot == Robots::agv ? agv.value() + 1 : 0; }
 
+constexpr std::string_view avoidance = "obstacle_avoidance";
+
+/// Avoidance of parked vehicles, too: between processes, in slots and at the hand-over.
+ProcessTable with_parked_load(ProcessTable table) {
+  for (Subprocess& row : table.subprocesses) {
+    if (row.agv == avoidance) row.between_processes = true, row.on_legs = false;
+  }
+  return table;
+}
+
 const Step* step_of(const Process& process, std::size_t step) { return step < process.steps.size() ? &process.steps[step] : nullptr; }
 
 }  // namespace
 
 Processes::Processes(const ProcessTable& table, std::span<const UserTask> tasks, const CraneJob& crane, const FleetJob& fleet, const Words& words)
-    : table_(table), tasks_(tasks.begin(), tasks.end()), words_(words), consents_(table_, fleet.agvs), crane_(crane, words), fleet_(fleet, words),
-      agv_runs_(fleet.agvs), demands_(16, std::vector<unsigned>(std::max(fleet.agvs, 1U))) {
+    : table_(fleet.parked ? with_parked_load(table) : table), tasks_(tasks.begin(), tasks.end()), words_(words), consents_(table_, fleet.agvs), crane_(crane, words), fleet_(fleet, words),
+      agv_runs_(fleet.agvs), demands_(16, std::vector<unsigned>(std::max(fleet.agvs, 1U))), fields_(fleet.agvs) {
   for (const Process& process : table_.processes) {
     if (process.robot == Robots::none) free_runs_.emplace_back();
   }
   for (const Subprocess& row : table_.subprocesses) {
-    if (row.release != Subprocess::Release::interval) continue;
-    if (!row.crane.empty()) intervals_.push_back({&row, 0});
+    if (!row.by_interval() && !row.by_event()) continue;
+    if (!row.crane.empty()) releases_.emplace_back(row, 0, 0, 1);
     for (unsigned agv = 0; agv < fleet.agvs && !row.agv.empty(); ++agv) {
-      if (row.agv != "obstacle_avoidance" || fleet.avoidance) intervals_.push_back({&row, agv + 1});
+      if (row.agv != avoidance || fleet.avoidance) releases_.emplace_back(row, agv + 1, agv, fleet.agvs);
     }
   }
 }
@@ -44,15 +55,17 @@ void Processes::start(Desk& desk) {
     if (process.loaded) demand(process.number, std::nullopt, desk);
     const auto queue = std::find_if(process.steps.begin(), process.steps.end(), [](const Step& step) { return step.kind == Step::Kind::queue; });
     if (queue == process.steps.end()) continue;
-    for (unsigned agv = 1; agv < fleet_.size(); ++agv) {
-      if (agv_runs_[agv].process == nullptr) {
-        agv_runs_[agv] = {.process = &process, .step = static_cast<std::size_t>(queue - process.steps.begin()), .agv = agv, .silent = true};
-      }
+    for (unsigned agv = 0; agv < fleet_.size(); ++agv) {
+      const bool waits = agv > 0 && !fleet_.job().driving;  // the one in the spot is ready
+      if (agv_runs_[agv].process != nullptr || !(waits || fleet_.job().driving)) continue;
+      agv_runs_[agv] = {.process = &process, .step = static_cast<std::size_t>(queue - process.steps.begin()), .agv = agv, .silent = waits};
+      if (waits) continue;
+      desk.robot_begins(agv + 1, process.number);
+      desk.process(process.number, true, agv + 1);
+      fleet_.send_round(agv, desk);
     }
   }
-  for (Interval& interval : intervals_) {
-    interval.at = desk.tick() + (interval.robot == 0 ? crane_.interval() : fleet_.interval(interval.robot - 1));  // all at once: the worst case (2.4)
-  }
+  for (Release& release : releases_) release.rests(desk.tick());
 }
 
 // ---- what may start ----------------------------------------------------------------------------------------------------
@@ -187,11 +200,11 @@ void Processes::refresh(Desk& desk) {
   load_task(crane_run_, desk);
   move_crane(desk);
   crane_.refresh(desk);
-  release_intervals(0, desk);
+  release(0, desk);
   for (unsigned agv = 0; agv < fleet_.size(); ++agv) {
     move_agv(agv, desk);
     fleet_.refresh(agv, desk);
-    release_intervals(agv + 1, desk);
+    release(agv + 1, desk);
   }
 }
 
@@ -234,32 +247,68 @@ void Processes::move_agv(unsigned agv, Desk& desk) {
 bool Processes::releases(unsigned number, Robot robot) const {
   const Run& run = run_of_robot(robot);
   if (run.retired) return false;
-  return run.process != nullptr && !run.silent ? has(run.process->subprocesses, number) : table_.find_subprocess(number)->between_processes;
+  return run.process != nullptr ? has(run.process->subprocesses, number) : table_.find_subprocess(number)->between_processes;
 }
 
 bool Processes::job_done() const {
   return crane_run_.retired && std::all_of(agv_runs_.begin(), agv_runs_.end(), [](const Run& run) { return run.retired; });
 }
 
-void Processes::release_intervals(Robot robot, Desk& desk) {
-  for (Interval& interval : intervals_) {
-    if (interval.robot != robot || interval.stopped || interval.out || desk.tick() < interval.at || !releases(interval.row->number, robot)) continue;
-    const std::int64_t period = robot == 0 ? crane_.interval() : fleet_.interval(robot - 1);
-    interval.at += period * ((desk.tick() - interval.at) / period + 1);
-    interval.out = true;
-    const std::string& name = robot == 0 ? interval.row->crane : interval.row->agv;
-    Task task;
-    if (name == "obstacle_avoidance") {
-      task = {.x = task::avoidance, .kind = words_.kind_avoidance, .area = words_.agv_area(robot - 1),
-              .argument = static_cast<std::uint32_t>(fleet_.job().avoidance_cycles)};
-    } else {
-      task = user_block(name, robot);
+bool Processes::runs(const Release& release, std::int64_t tick) const {
+  const Robot robot = release.robot();
+  if (release.stopped() || !releases(release.row().number, robot)) return false;
+  return !release.row().on_legs || (robot == 0 ? crane_.on_leg(tick) : fleet_.on_leg(robot - 1, tick));
+}
+
+Task Processes::block_of(const Release& release, const Desk& desk) const {
+  const Robot robot = release.robot();
+  const std::string& name = robot == 0 ? release.row().crane : release.row().agv;
+  Task task;
+  if (name == avoidance) {
+    task = {.x = task::avoidance, .kind = words_.kind_avoidance, .area = words_.agv_area(robot - 1),
+            .argument = static_cast<std::uint32_t>(fleet_.job().avoidance_cycles)};
+  } else {
+    task = user_block(name, robot);
+  }
+  task.y = robot == 0 ? robot_class::crane : robot_class::agv;
+  task.robot = robot;
+  task.tick = static_cast<std::uint32_t>(desk.tick());
+  task.subprocess = release.row().number;
+  return task;
+}
+
+void Processes::release(Robot robot, Desk& desk) {
+  for (Release& release : releases_) {
+    if (release.robot() != robot) continue;
+    if (!runs(release, desk.tick())) {
+      release.rests(desk.tick());
+      continue;
     }
-    task.y = robot == 0 ? robot_class::crane : robot_class::agv;
-    task.robot = robot;
-    task.tick = static_cast<std::uint32_t>(desk.tick());
-    task.subprocess = interval.row->number;
-    desk.load(task, desk.tick() + period);
+    const std::int64_t period = robot == 0 ? crane_.interval() : fleet_.interval(robot - 1);
+    const Release::Due due = release.due(desk.tick(), period, staggered_);
+    for (const std::int64_t nominal : due.dropped) desk.drop(block_of(release, desk), nominal, nominal + period);
+    if (!due.load) continue;
+    release.loaded(desk.tick() + period);
+    desk.load(block_of(release, desk), desk.tick() + period);
+  }
+}
+
+std::deque<unsigned> Processes::sensors_to_read(std::int64_t tick) {
+  std::deque<unsigned> agvs;
+  const std::int64_t before = std::exchange(read_until_, tick);
+  for (unsigned agv = 0; agv < fleet_.size(); ++agv) {
+    const bool watched = std::ranges::any_of(releases_, [&](const Release& release) { return release.robot() == agv + 1 && release.row().by_event() && runs(release, tick); });
+    const std::int64_t phase = agv * watch_.every / fleet_.size();
+    if (!watched) fields_[agv].forget();
+    else if (congruent_before(tick, phase, watch_.every) > before) agvs.push_back(agv);
+  }
+  return agvs;
+}
+
+void Processes::seen(unsigned agv, Word millimetres) {
+  if (!fields_.at(agv).entered(millimetres, watch_)) return;
+  for (Release& release : releases_) {
+    if (release.robot() == agv + 1) release.object_entered();
   }
 }
 
@@ -272,12 +321,14 @@ Processes::Run& Processes::run_of(const Task& task) {
   return *std::find_if(free_runs_.begin(), free_runs_.end(), [&](const Run& run) { return run.process == &process; });
 }
 
+Release* Processes::release_of(const Task& task) {
+  return &*std::ranges::find_if(releases_, [&](const Release& release) { return release.row().number == task.subprocess && release.robot() == task.robot; });
+}
+
 void Processes::finished(const Task& task, Word result, Word notify, Desk& desk) {
   if (task.process != 0) return advance(run_of(task), notify, desk);
   if (task.subprocess == 0) return task.robot == 0 ? crane_.finished(task, result, notify, desk) : fleet_.finished(task, result, notify, desk);
-  for (Interval& interval : intervals_) {
-    if (interval.row->number == task.subprocess && interval.robot == task.robot) interval.out = false;
-  }
+  release_of(task)->ended();
 }
 
 void Processes::dropped(const Task& task) {
@@ -286,17 +337,13 @@ void Processes::dropped(const Task& task) {
   } else if (task.subprocess == 0) {
     task.robot == 0 ? crane_.dropped(task) : fleet_.dropped(task);
   } else {
-    for (Interval& interval : intervals_) {
-      if (interval.row->number == task.subprocess && interval.robot == task.robot) interval.out = false;
-    }
+    release_of(task)->ended();
   }
 }
 
 std::string Processes::abandoned(const Task& task) {
   if (task.subprocess != 0) {
-    for (Interval& interval : intervals_) {
-      if (interval.row->number == task.subprocess && interval.robot == task.robot) interval.stopped = true;
-    }
+    release_of(task)->stop();
     return fmt::format("sub-process {} ({})", task.subprocess, table_.find_subprocess(task.subprocess)->name);
   }
   Run& run = task.process != 0 ? run_of(task) : task.robot == 0 ? crane_run_ : agv_runs_.at(task.robot - 1);

@@ -5,6 +5,7 @@
 // are in one at a time. When several of a robot's may start, the one with the lowest number does, unless another says that it replaces it. A
 // crane's process to which an AGV's consents takes the AGV that stands in the loading spot.
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,6 +16,7 @@
 #include "cmrc/desk.hpp"
 #include "cmrc/fleet.hpp"
 #include "cmrc/process_table.hpp"
+#include "cmrc/releases.hpp"
 #include "cmrc/user_task.hpp"
 
 namespace cmrc {
@@ -37,6 +39,12 @@ class Processes : private Berth {
   bool releases(unsigned number, Robot robot) const;
   /// The work of the crane and of every AGV is over (processes 7 and 8 have ended).
   bool job_done() const;
+  /// AGVs whose range sensors the host reads at this refresh.
+  std::deque<unsigned> sensors_to_read(std::int64_t tick);
+  /// ... and what it has read: mm to the nearest echo in the vehicle's way.
+  void seen(unsigned agv, Word millimetres);
+  /// \param staggered AGVs' interval releases fall on refreshes apart, else on the same
+  void set_releases(const Watch& watch, bool staggered) { watch_ = watch, staggered_ = staggered; }
   Crane& crane() { return crane_; }
   const Crane& crane() const { return crane_; }
   Fleet& fleet() { return fleet_; }
@@ -53,15 +61,6 @@ class Processes : private Berth {
     bool stopped = false;         // given up
     bool retired = false;         // its robot's work is over
   };
-  /// A sub-process that is released once per interval.
-  struct Interval {
-    const Subprocess* row;
-    Robot robot;
-    std::int64_t at = 0;
-    bool out = false;
-    bool stopped = false;
-  };
-
   std::optional<unsigned> agv_in_spot() const override;
   bool may_start(const Process& process, unsigned agv) const;
   const Process* next_of(Robots robot, unsigned agv) const;
@@ -77,7 +76,10 @@ class Processes : private Berth {
   Task user_block(const std::string& name, Robot robot) const;
   void move_crane(Desk& desk);
   void move_agv(unsigned agv, Desk& desk);
-  void release_intervals(Robot robot, Desk& desk);
+  void release(Robot robot, Desk& desk);
+  bool runs(const Release& release, std::int64_t tick) const;
+  Task block_of(const Release& release, const Desk& desk) const;
+  Release* release_of(const Task& task);
   Run& run_of(const Task& task);
   const Run& run_of_robot(Robot robot) const { return robot == 0 ? crane_run_ : agv_runs_.at(robot - 1); }
   unsigned demands(const Process& process, unsigned agv) const { return demands_.at(process.number).at(process.robot == Robots::agv ? agv : 0); }
@@ -92,7 +94,11 @@ class Processes : private Berth {
   Run crane_run_;
   std::vector<Run> agv_runs_;
   std::vector<std::vector<unsigned>> demands_;  // [process][agv]: one-place, as consents are
-  std::vector<Interval> intervals_;
+  std::vector<Release> releases_;               // of sub-processes that are released by interval or event
+  std::vector<RangeField> fields_;                   // of each AGV's range sensor
+  Watch watch_;
+  bool staggered_ = true;
+  std::int64_t read_until_ = 0;                 // refresh up to which the sensors' readings are accounted for
 };
 
 }  // namespace cmrc

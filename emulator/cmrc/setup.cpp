@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "cmrc/ideal.hpp"
+#include "cmrc/jitter.hpp"
 #include "cmrc/ti_float.hpp"
 #include "cmrc/topology.hpp"
 #include "machine/board_file.hpp"
@@ -56,7 +57,7 @@ void stack_more(plant::Layout& layout) {
 
 }  // namespace
 
-plant::DockConfig dock_of(const Config& config) {
+plant::DockConfig nominal_dock_of(const Config& config) {
   const int agvs = static_cast<int>(config.dock.agvs);
   plant::DockConfig dock = config.dock.crane == CraneMachine::gantry ? plant::gantry_dock(agvs) : plant::default_dock(agvs);
   dock.agv.protective_field = config.dock.protective_field;
@@ -83,6 +84,16 @@ plant::DockConfig dock_of(const Config& config) {
   dock.wind.seed = dock.sensors.seed;
   dock.drive_timeout = config.dock.drive_timeout_ms * 1e-3;
   dock.signal_decimation = static_cast<int>(config.report.signal_decimation);
+  return dock;
+}
+
+plant::DockConfig dock_of(const Config& config) {
+  plant::DockConfig dock = nominal_dock_of(config);
+  const Oscillators clocks = oscillators_of(config);
+  const auto sampled = [](const Oscillator& one) { return plant::SampleClock{one.skew.ppm, one.skew.phase.count()}; };
+  dock.sensors.sway_clock = sampled(clocks.sway);
+  for (const Oscillator& one : clocks.range) dock.sensors.range_clocks.push_back(sampled(one));
+  for (const Oscillator& one : clocks.units) dock.unit_clocks.push_back(sampled(one));
   return dock;
 }
 
@@ -125,6 +136,14 @@ FleetJob fleet_of(const Config& config, const plant::DockConfig& dock) {
   job.interval = n.agv_slowed;
   job.buffer_points = config.scheduling.agv_buffer_points != 0 ? config.scheduling.agv_buffer_points : config.scheduling.buffer_points;
   job.avoidance_cycles = config.load.avoidance_cycles;
+  job.driving = config.load.driving;
+  job.parked = config.load.parked;
+  for (unsigned slot = 0; job.driving && slot < job.agvs; ++slot) {
+    if (const std::size_t pieces = round_from(job, slot).size(); pieces > most_segments) {
+      throw ConfigError(fmt::format("load.driving: the round from slot {} past the warehouse and back has {} pieces of lane; at most {} are expected, or load.driving = false",
+                                    slot, pieces, most_segments));
+    }
+  }
   const AvoidanceBuild build = config.kernels.avoidance;
   job.avoidance = build != AvoidanceBuild::none && (build != AvoidanceBuild::synthetic || job.avoidance_cycles > 0);
   return job;
@@ -197,7 +216,7 @@ void set_buses(const Config& config, machine::Config& machine) {
 
 }  // namespace
 
-machine::Config machine_of(const Config& config) {
+machine::Config nominal_machine_of(const Config& config) {
   machine::Config machine;
   machine.dsps = static_cast<unsigned>(config.machine.dsps);
   machine.slots = static_cast<unsigned>(std::max(config.machine.dsps, config.machine.slots));
@@ -222,6 +241,14 @@ machine::Config machine_of(const Config& config) {
   for (const TimedEvent& event : config.events) {
     if (const auto scripted = scripted_event(event)) machine.script.push_back(*scripted);
   }
+  return machine;
+}
+
+machine::Config machine_of(const Config& config) {
+  machine::Config machine = nominal_machine_of(config);
+  const Oscillators clocks = oscillators_of(config);
+  for (const Oscillator& one : clocks.dsps) machine.chip_skews.push_back(one.skew);
+  for (const Oscillator& one : clocks.buses) machine.bus_skews.push_back(one.skew);
   return machine;
 }
 

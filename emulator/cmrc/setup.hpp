@@ -18,11 +18,14 @@
 
 namespace cmrc {
 
+/// With clocks that differ, where run.phase_jitter says so (jitter.hpp).
 plant::DockConfig dock_of(const Config& config);
+plant::DockConfig nominal_dock_of(const Config& config);
 CraneJob crane_of(const Config& config, const plant::DockConfig& dock);
 FleetJob fleet_of(const Config& config, const plant::DockConfig& dock);
 /// \throws machine::BoardError
 machine::Config machine_of(const Config& config);
+machine::Config nominal_machine_of(const Config& config);
 /// What the machine has to do at the event; none for a change of parameters, which is the host's.
 std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event);
 

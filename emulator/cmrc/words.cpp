@@ -45,6 +45,7 @@ Words::Words(const std::function<Word(std::string_view)>& symbol) {
       {"AG_AVOID_BESIDE", &Words::ag_avoid_beside},
       {"AG_SEGMENT_COUNT", &Words::ag_segment_count}, {"AG_SEGMENT", &Words::ag_segment},
       {"AGV_UNIT", &Words::agv_unit}, {"AGV_UNIT_WORDS", &Words::agv_unit_words},
+      {"AGV_RANGE", &Words::agv_range}, {"AGV_RANGE_WORDS", &Words::agv_range_words}, {"RANGE_WAY", &Words::range_way},
   };
   for (const auto& [name, member] : table) this->*member = symbol(name);
 }

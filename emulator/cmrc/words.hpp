@@ -27,7 +27,7 @@ struct Words {
       cr_box, cr_words;
   Word ag_base, ag_words, ag_step_time, ag_point_ticks, ag_period_us, ag_unit, ag_leg, ag_produced, ag_avoid_limit,
       ag_avoid_beside, ag_segment_count, ag_segment;
-  Word agv_unit, agv_unit_words;
+  Word agv_unit, agv_unit_words, agv_range, agv_range_words, range_way;
 
   Word block(std::size_t index) const { return block_pool + static_cast<Word>(index) * block_words; }
   Word agv_area(unsigned agv) const { return ag_base + agv * ag_words; }

@@ -17,8 +17,8 @@ constexpr Word word(std::int32_t value) { return static_cast<Word>(value); }
 
 }  // namespace
 
-Devices::Devices(const Symbols& symbols, plant::Dock& dock, Clock bus_clock, const Fence& fence)
-    : dock_{dock}, clock_{bus_clock}, fence_{fence}, channels_{plant::drive_channels(dock.config().crane.machine)} {
+Devices::Devices(const Symbols& symbols, plant::Dock& dock, const std::array<Clock, device_groups>& clocks, const Fence& fence)
+    : dock_{dock}, clocks_{clocks}, fence_{fence}, channels_{plant::drive_channels(dock.config().crane.machine)} {
   const Symbols& s = symbols;
   for (unsigned channel = 0; channel < channels_.size(); ++channel) {
     define(s.drive_torque + channel, Kind::drive_torque, static_cast<unsigned>(channels_[channel]));
@@ -55,6 +55,7 @@ Devices::Devices(const Symbols& symbols, plant::Dock& dock, Clock bus_clock, con
     define(range + s.range_step, Kind::range_step, agv);
     define(range + s.range_mount, Kind::range_mount, agv);
     define(range + s.range_scan, Kind::range_scan, agv);
+    define(range + s.range_way, Kind::range_way, agv);
     for (unsigned ray = 0; ray < s.range_rays; ++ray) define(range + s.range_ray + ray, Kind::range_ray, agv, ray);
   }
 }
@@ -75,8 +76,8 @@ pci::Answer Devices::answer(pci::Address offset, unsigned words, bool write, con
 }
 
 Word Devices::read(pci::Address offset, const pci::Access& access) {
-  const Time t = clock_.at(access.clock);
   const Register& r = registers_[offset];
+  const Time t = clocks_[static_cast<std::size_t>(r.group())].at(access.clock);
   const int index = r.index;
   switch (r.kind) {
     case Kind::encoder: return dock_.encoder(index, t);
@@ -98,6 +99,7 @@ Word Devices::read(pci::Address offset, const pci::Access& access) {
     case Kind::range_step: return word(plant::range_step);
     case Kind::range_mount: return word(dock_.range_mount());
     case Kind::range_scan: return dock_.range_scan(index, t);
+    case Kind::range_way: return word(dock_.range_way(index, t));
     case Kind::range_ray: return word(dock_.agv_range(index, r.ray, t));
     default: throw std::logic_error{"Devices::read of a register that answer() refuses"};
   }
@@ -105,8 +107,8 @@ Word Devices::read(pci::Address offset, const pci::Access& access) {
 
 void Devices::write(pci::Address offset, Word value, const pci::Access& access) {
   if (!is_host(access.agent) && fence_.closed(access.agent - 1)) return;
-  const Time t = clock_.at(access.clock);
   const Register& r = registers_[offset];
+  const Time t = clocks_[static_cast<std::size_t>(r.group())].at(access.clock);
   const int index = r.index;
   const auto number = static_cast<std::int32_t>(value);
   switch (r.kind) {

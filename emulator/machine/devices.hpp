@@ -19,7 +19,7 @@ namespace machine {
 
 class Devices final : public pci::Target {
  public:
-  Devices(const Symbols& symbols, plant::Dock& dock, Clock bus_clock, const Fence& fence);
+  Devices(const Symbols& symbols, plant::Dock& dock, const std::array<Clock, device_groups>& clocks, const Fence& fence);
 
   /// Offsets 0 to size() - 1; not every one has a register.
   Offset size() const { return static_cast<Offset>(registers_.size()); }
@@ -69,6 +69,7 @@ class Devices final : public pci::Target {
     range_step,
     range_mount,
     range_scan,
+    range_way,
     range_ray,  // read
   };
   struct Register {
@@ -89,7 +90,7 @@ class Devices final : public pci::Target {
   std::uint32_t joints_enabled(Word channels) const;
 
   plant::Dock& dock_;
-  Clock clock_;
+  std::array<Clock, device_groups> clocks_;  // of the bus on which each group stands
   const Fence& fence_;
   std::array<int, 5> channels_;  // the joint behind each of the drives' and encoders' channels
   std::vector<Register> registers_;

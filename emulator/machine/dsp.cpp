@@ -25,7 +25,7 @@ pci::MasterConfig master_of(const Config& config, unsigned slot) {
 Dsp::Dsp(unsigned slot, bool plugged, Surroundings& surroundings)
     : slot_{slot},
       around_{surroundings},
-      clock_{around_.chip_clock},
+      clock_{around_.chip_clocks[slot]},
       chip_{around_.config.board},
       sides_{} {
   const Config& config = around_.config;
@@ -155,7 +155,7 @@ bool Dsp::take(const c40::ExternalAccess& access, Time horizon) {
       return true;
     }
   } else if (pci::Bridge::Hit hit{}; bridge(way).look_up(offset_of(access.address) + way.shift, hit)) {
-    const c40::Cycles there = clock_.tick_at_or_after(around_.bus_clock.at(hit.ready));
+    const c40::Cycles there = clock_.tick_at_or_after(clock_of(way).at(hit.ready));
     statistics_.prefetch_hits += 1;
     chip_.complete_read(hit.value, 0, std::max(there - access.cycle, around_.config.prefetch_hit_cycles));
     return true;
@@ -173,7 +173,7 @@ void Dsp::post(const Way& way, const c40::ExternalAccess& access) {
     around_.observer->dsp_issue(slot_, window_of(access.address), offset_of(access.address), access.value, issued);
   bridge(way).write({.address = offset_of(access.address) + way.shift,
                      .value = access.value,
-                     .clock = around_.bus_clock.tick_at_or_after(issued),
+                     .clock = clock_of(way).tick_at_or_after(issued),
                      .stamp = issued.count()});
 }
 
@@ -188,27 +188,28 @@ void Dsp::begin_access(Time horizon) {
   own_next_ = never;
   if (access_.write) return post(way, access_);
   statistics_.bus_reads += 1;
-  bridge(way).read(offset_of(access_.address) + way.shift, around_.bus_clock.tick_at_or_after(clock_.at(access_.cycle)));
+  bridge(way).read(offset_of(access_.address) + way.shift, clock_of(way).tick_at_or_after(clock_.at(access_.cycle)));
 }
 
 void Dsp::answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) {
   if (state_ != State::blocked) return;
   if (result != pci::Result::done) {
-    const c40::Cycles cycle = std::max(access_.cycle, clock_.tick_at_or_after(around_.bus_clock.at(ready)));
+    const c40::Cycles cycle = std::max(access_.cycle, clock_.tick_at_or_after(around_.bus_clocks[side.bus].at(ready)));
     return fault(cycle, chip_.pc(), access_.address,
                  fmt::format("a read that nothing on bus {} answers (PCI {} abort)", static_cast<char>('A' + side.bus),
                              result == pci::Result::master_abort ? "master" : "target"));
   }
   answer_ = value;
-  resume_at(ready, arbitration);
+  resume_at(side, ready, arbitration);
 }
 
 // The chip waited from the access to bus clock `ready`, `arbitration` clocks of it without the bus.
-void Dsp::resume_at(pci::Clocks ready, pci::Clocks arbitration) {
+void Dsp::resume_at(const Side& side, pci::Clocks ready, pci::Clocks arbitration) {
   if (state_ != State::blocked) return;
-  const c40::Cycles resumes = std::max(access_.cycle, clock_.tick_at_or_after(around_.bus_clock.at(ready)));
+  const Clock& bus = around_.bus_clocks[side.bus];
+  const c40::Cycles resumes = std::max(access_.cycle, clock_.tick_at_or_after(bus.at(ready)));
   const c40::Cycles waited = resumes - access_.cycle;
-  arbitration_ = std::min(waited, clock_.ticks_in(around_.bus_clock.at(arbitration)));
+  arbitration_ = std::min(waited, clock_.ticks_in(bus.at(arbitration) - bus.at(0)));
   transfer_ = waited - arbitration_;
   state_ = State::resuming;
   own_next_ = clock_.at(resumes);
@@ -236,7 +237,7 @@ void Dsp::landed(const Side& side, const pci::Posted& posted, pci::Clocks clock)
     for (const Way& way : window == Window::a ? around_.window_a : around_.window_b) {
       const Offset offset = posted.address - way.shift;
       if (&sides_[way.port] != &side || offset - way.first >= way.end - way.first) continue;
-      if (way.direct) return arrived(window, offset, posted, clock);
+      if (way.direct) return arrived(window, offset, posted, around_.bus_clocks[side.bus].at(clock));
       underway_.push_back({way.bus, window, offset, posted});
       return;
     }
@@ -249,15 +250,14 @@ void Dsp::delivered(unsigned bus, pci::Address address, pci::Clocks clock, pci::
   if (first == underway_.end()) return;
   const Underway word = *first;
   underway_.erase(first);
-  if (result == pci::Result::done) arrived(word.window, word.offset, word.posted, clock);
+  if (result == pci::Result::done) arrived(word.window, word.offset, word.posted, around_.bus_clocks[bus].at(clock));
 }
 
-void Dsp::arrived(Window window, Offset offset, const pci::Posted& posted, pci::Clocks clock) {
+void Dsp::arrived(Window window, Offset offset, const pci::Posted& posted, Time now) {
   const auto refused = window == Window::a && around_.guard != nullptr ? around_.guard->take_refusal(slot_, offset, posted.value) : std::nullopt;
   const bool dropped = refused || around_.fence.closed(slot_);
   statistics_.dropped_writes += dropped;
   if (around_.observer == nullptr) return;
-  const Time now = around_.bus_clock.at(clock);
   if (refused) around_.observer->dsp_write_refused(slot_, offset, posted.value, *refused, now);
   if (dropped)
     around_.observer->dsp_write_dropped(slot_, window, offset, posted.value, Time{posted.stamp}, now);
@@ -367,9 +367,10 @@ void Dsp::pace(Time now, std::int64_t parts_per_million) {
   Ticks reached = std::max(clock_.tick_at_or_after(now), chip_.cycle());
   if (state_ == State::access) reached = std::max(reached, access_.cycle);
   if (state_ == State::port) reached = std::max(reached, port_access_.cycle);
+  const std::int64_t ppm = slot_ < around_.config.chip_skews.size() ? around_.config.chip_skews[slot_].ppm : 0;
   std::int64_t above = around_.config.chip_hz * parts_per_million, below = 1'000'000 * around_.config.chip_hz_denominator;
   const std::int64_t divisor = std::gcd(above, below);
-  clock_.change(reached, above / divisor, below / divisor);
+  clock_.change(reached, Skew{ppm, Time{0}}, above / divisor, below / divisor);
   around_.adapter.link(slot_).set_clock(1, clock_);
   if (state_ == State::resuming) own_next_ = clock_.at(access_.cycle + arbitration_ + transfer_);
   set_next();

@@ -26,8 +26,9 @@ struct Surroundings {
   const Config& config;
   const Symbols& symbols;
   const toolchain::Image& program;
-  Clock chip_clock;
-  Clock bus_clock;
+  Clock chip_clock;                ///< nominal
+  std::vector<Clock> chip_clocks;  ///< by slot
+  std::vector<Clock> bus_clocks;   ///< by bus
   std::deque<pci::Bus>& buses;
   std::vector<Way> window_a;  // as every DSP board reaches it
   std::vector<Way> window_b;
@@ -104,7 +105,7 @@ class Dsp {
     void answered(Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) override {
       dsp.answered(*this, value, ready, arbitration, result);
     }
-    void taken(pci::Clocks ready, pci::Clocks arbitration) override { dsp.resume_at(ready, arbitration); }
+    void taken(pci::Clocks ready, pci::Clocks arbitration) override { dsp.resume_at(*this, ready, arbitration); }
     void landed(const pci::Posted& posted, pci::Clocks clock, pci::Result) override {
       dsp.landed(*this, posted, clock);
     }
@@ -137,9 +138,9 @@ class Dsp {
   void has_booted(Time now);
   void stand_still(Time now);
   void answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result);
-  void resume_at(pci::Clocks ready, pci::Clocks arbitration);
+  void resume_at(const Side& side, pci::Clocks ready, pci::Clocks arbitration);
   void landed(const Side& side, const pci::Posted& posted, pci::Clocks clock);
-  void arrived(Window window, Offset offset, const pci::Posted& posted, pci::Clocks clock);
+  void arrived(Window window, Offset offset, const pci::Posted& posted, Time now);
   void fault(c40::Cycles cycle, std::uint32_t pc, std::uint32_t address, std::string what);
   void report_fault(Time now);
   void set_next();
@@ -152,6 +153,7 @@ class Dsp {
   Window window_of(std::uint32_t address) const { return on_a(address) ? Window::a : Window::b; }
   const Way& way_of(std::uint32_t address) const;
   pci::Bridge& bridge(const Way& way) { return sides_[way.port].bridge; }
+  const Clock& clock_of(const Way& way) const { return around_.bus_clocks[sides_[way.port].bus]; }
   char bus_name(const Way& way) const { return static_cast<char>('A' + sides_[way.port].bus); }
 
   unsigned slot_;

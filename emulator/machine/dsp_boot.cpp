@@ -54,8 +54,7 @@ void Dsp::link_event(const c40::LinkEvent& event) {
 
 void Dsp::unplug(Time now) {
   if (state_ == State::out) return;
-  const pci::Clocks clock = around_.bus_clock.tick_at_or_after(now);
-  for (Side& side : sides_) side.bridge.clear(clock);
+  for (Side& side : sides_) side.bridge.clear(around_.bus_clocks[side.bus].tick_at_or_after(now));
   if (around_.guard != nullptr) around_.guard->forget(slot_);
   stand_still(now);
   state_ = State::out;
@@ -77,8 +76,7 @@ void Dsp::plug(Time now) {
 
 void Dsp::reset(Time now) {
   if (state_ == State::out || broken_) return;
-  const pci::Clocks clock = around_.bus_clock.tick_at_or_after(now);
-  for (Side& side : sides_) side.bridge.clear(clock);
+  for (Side& side : sides_) side.bridge.clear(around_.bus_clocks[side.bus].tick_at_or_after(now));
   if (around_.guard != nullptr) around_.guard->forget(slot_);
   stand_still(now);
   hold_in_reset(now);

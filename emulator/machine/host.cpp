@@ -7,13 +7,14 @@
 
 namespace machine {
 
-Host::Host(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses, std::vector<Way> ways, Clock bus_clock,
+Host::Host(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses, std::vector<Way> ways, std::vector<Clock> bus_clocks,
            const SharedRegisters& registers, const LinkAdapter& adapter)
     : program_{program},
       config_{config},
       buses_{buses},
       ways_{std::move(ways)},
-      clock_{bus_clock},
+      clocks_{std::move(bus_clocks)},
+      clock_{clocks_[config.topology.host.front()]},
       registers_{registers},
       adapter_{adapter},
       action_clocks_{config.host_bridge.request_sync + config.shared_memory.devsel +
@@ -48,24 +49,27 @@ void Host::process(Time now) {
 }
 
 Time Host::earliest_action(Time woken) const {
-  const pci::Clocks event = next_bus_event();
-  const Time bus = event == pci::never ? never : clock_.at(event);
+  const Time bus = next_bus_event();
   // A program that waits for words wakes with its bus's next event at the earliest; then its write has to cross the
   // bridge and the bus.
   const Time wakes = std::min(next_, woken);
   const Time acts = words_wanted_ != 0 && read_done_ == never ? std::min(wakes, bus) : wakes;
-  Time earliest = acts == never ? never : acts + clock_.at(action_clocks_) - Time{1};
+  Time earliest = acts == never ? never : acts + (clock_.at(action_clocks_) - clock_.at(0)) - Time{1};
   if (acting_ != registers_.acted()) earliest = std::min(earliest, bus);
   return earliest;
 }
 
 // The earliest event of a bus that a word of the host's is on, or may come to.
-pci::Clocks Host::next_bus_event() const {
-  pci::Clocks next = pci::never;
+Time Host::next_bus_event() const {
+  Time next = never;
+  const auto offer = [&](std::size_t bus) {
+    const pci::Clocks event = buses_[bus].next_event();
+    if (event != pci::never) next = std::min(next, clocks_[bus].at(event));
+  };
   if (config_.topology.bridges.empty()) {
-    for (const unsigned bus : config_.topology.host) next = std::min(next, buses_[bus].next_event());
+    for (const unsigned bus : config_.topology.host) offer(bus);
   } else {
-    for (const pci::Bus& bus : buses_) next = std::min(next, bus.next_event());
+    for (std::size_t bus = 0; bus < buses_.size(); ++bus) offer(bus);
   }
   return next;
 }
@@ -118,8 +122,9 @@ void Host::feed() {
   while (first_waiting_ < waiting_.size() && !blocked()) {
     pci::Posted posted = waiting_[first_waiting_++];
     cpu_ += config_.host_write_clocks;
-    posted.clock = cpu_;
     const Way& way = *way_of(posted.address);
+    posted.clock = clock_of(way).tick_at_or_after(clock_.at(cpu_));
+    written_ = static_cast<unsigned>(&way - ways_.data());
     posted.address += way.shift;
     bridges_[way.port].write(posted);
   }
@@ -131,23 +136,24 @@ void Host::feed() {
 }
 
 void Host::taken(pci::Clocks ready, pci::Clocks) {
-  cpu_ = std::max(cpu_, ready);
+  cpu_ = std::max(cpu_, own_clock(ways_[written_], ready));
   feed();
 }
 
 void Host::ask() {
   const Way& way = *way_of(read_offset_);
-  bridges_[way.port].read(read_offset_ + way.shift, cpu_);
+  bridges_[way.port].read(read_offset_ + way.shift, clock_of(way).tick_at_or_after(clock_.at(cpu_)));
 }
 
 void Host::answered(Word value, pci::Clocks ready, pci::Clocks, pci::Result) {
-  cpu_ = std::max(cpu_, ready);
+  const Way& way = *way_of(read_offset_);
+  cpu_ = std::max(cpu_, own_clock(way, ready));
   words_read_.push_back(value);
   read_offset_ += 1;
   if (words_read_.size() < words_wanted_) {
     ask();
   } else {
-    read_done_ = clock_.at(ready);
+    read_done_ = clock_of(way).at(ready);
     next_ = std::max(paused_until_, std::min(next_, read_done_));
   }
 }

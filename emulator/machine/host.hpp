@@ -15,7 +15,7 @@ namespace machine {
 class Host final : public HostPort, public pci::Bridge::Client {
  public:
   /// Becomes the first master of its buses. `ways`: of offsets as HostPort counts them.
-  Host(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses, std::vector<Way> ways, Clock bus_clock,
+  Host(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses, std::vector<Way> ways, std::vector<Clock> bus_clocks,
        const SharedRegisters& registers, const LinkAdapter& adapter);
 
   Time next() const { return next_; }
@@ -48,7 +48,9 @@ class Host final : public HostPort, public pci::Bridge::Client {
   void require_answer(Offset offset, std::size_t words, bool write) const;
   const Way* way_of(Offset offset) const;
   bool blocked() const;
-  pci::Clocks next_bus_event() const;
+  Time next_bus_event() const;
+  const Clock& clock_of(const Way& way) const { return clocks_[config_.topology.host[way.port]]; }
+  pci::Clocks own_clock(const Way& way, pci::Clocks clock) const { return clock_.tick_at_or_after(clock_of(way).at(clock)); }
   void ask();
   void feed();
   void set_next(Time now);
@@ -57,13 +59,15 @@ class Host final : public HostPort, public pci::Bridge::Client {
   const Config& config_;
   std::deque<pci::Bus>& buses_;
   std::vector<Way> ways_;
-  Clock clock_;
+  std::vector<Clock> clocks_;  // by bus
+  Clock clock_;                // of the first bus on which the host stands: the host counts in it
   const SharedRegisters& registers_;
   const LinkAdapter& adapter_;
   std::deque<pci::Bridge> bridges_;  // by bus on which the host stands
   Time next_ = never;
   Time read_done_ = never;
   Time paused_until_{0};
+  unsigned written_ = 0;              // the way of the last write, by its number
   pci::Clocks cpu_ = 0;               // the processor issues its next access at this clock or later
   std::vector<pci::Posted> waiting_;  // writes that found the FIFO full
   std::size_t first_waiting_ = 0;

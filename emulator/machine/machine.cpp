@@ -76,6 +76,25 @@ Config checked(Config config) {
   return config;
 }
 
+Skew skew_of(const std::vector<Skew>& skews, std::size_t number) { return number < skews.size() ? skews[number] : Skew{}; }
+
+std::vector<Clock> clocks_of_chips(const Config& config) {
+  std::vector<Clock> all;
+  for (unsigned slot = 0; slot < config.slots; ++slot) all.push_back(skew_of(config.chip_skews, slot).clock(config.chip_hz, config.chip_hz_denominator));
+  return all;
+}
+
+// A bridge between buses clocks its far side from its near one.
+std::vector<Clock> clocks_of_buses(const Config& config) {
+  std::vector<Clock> all;
+  for (unsigned bus = 0; bus < config.topology.buses.size(); ++bus) {
+    unsigned first = 0;
+    while (hops(config.topology, first, bus) < 0) ++first;
+    all.push_back(skew_of(config.bus_skews, first).clock(config.pci_hz_numerator, config.pci_hz_denominator));
+  }
+  return all;
+}
+
 // Master 0 of the host's buses when there is no host.
 struct Nobody final : pci::Initiator {
   void completed(const pci::Transaction&, std::span<const Word>) override {}
@@ -131,10 +150,10 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   void observe(Observer* observer);
 
   void ring(unsigned slot, pci::Clocks clock) override {
-    dsps.at(slot).schedule_edge(bus_clock.at(clock + config.interrupt_clocks));
+    dsps.at(slot).schedule_edge(memory_clock().at(clock + config.interrupt_clocks));
   }
   void reset_slot(unsigned slot, pci::Clocks clock) override {
-    dsps.at(slot).schedule_reset(bus_clock.at(clock + config.interrupt_clocks));
+    dsps.at(slot).schedule_reset(memory_clock().at(clock + config.interrupt_clocks));
   }
   void link_changed(unsigned slot) override { dsps.at(slot).link_changed(); }
   void link_event(unsigned slot, const c40::LinkEvent& event) override { dsps.at(slot).link_event(event); }
@@ -142,13 +161,13 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
     if (host) host->boot_requested(now);
   }
   void semaphore_event(unsigned number, SemaphoreEvent event, unsigned owner, pci::Clocks clock) override {
-    if (around->observer != nullptr) around->observer->semaphore(number, event, owner, bus_clock.at(clock));
+    if (around->observer != nullptr) around->observer->semaphore(number, event, owner, memory_clock().at(clock));
   }
 
   struct Watch final : pci::Monitor {
     Watch(Parts& owner, BusId which) : parts{owner}, bus{which} {}
     void ended(const pci::Transaction& transaction) override {
-      parts.around->observer->transaction(bus, transaction, parts.bus_clock.at(transaction.ended));
+      parts.around->observer->transaction(bus, transaction, parts.bus_clocks[static_cast<std::size_t>(bus)].at(transaction.ended));
     }
     Parts& parts;
     BusId bus;
@@ -159,7 +178,7 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   toolchain::Image program;
   Symbols symbols;
   plant::Dock* dock;
-  Clock bus_clock;
+  std::vector<Clock> bus_clocks;  // by bus
   std::deque<pci::Bus> buses;
   Fence fence;
   SharedSram sram;
@@ -196,8 +215,10 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   void take(Turn turn, Time limit);
   Time horizon(Time limit) const;
   void run_some_ahead(Time limit);
-  Time bus_time(const pci::Bus& bus) const {
-    return bus.next_event() == pci::never ? never : bus_clock.at(bus.next_event());
+  const Clock& memory_clock() const { return bus_clocks[config.topology.shared_memory]; }
+  Time bus_time(std::size_t bus) const {
+    const pci::Clocks event = buses[bus].next_event();
+    return event == pci::never ? never : bus_clocks[bus].at(event);
   }
   Time script_time() const { return next_scripted < config.script.size() ? config.script[next_scripted].time : never; }
 
@@ -209,10 +230,10 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
       program{image},
       symbols{program},
       dock{the_dock},
-      bus_clock{config.pci_hz_numerator, config.pci_hz_denominator},
+      bus_clocks{clocks_of_buses(config)},
       sram{fence},
-      registers{symbols, config.slots, bus_clock, fence, *this},
-      adapter{symbols, config.slots, bus_clock, Clock{config.chip_hz, config.chip_hz_denominator}, *this} {
+      registers{symbols, config.slots, memory_clock(), fence, *this},
+      adapter{symbols, config.slots, memory_clock(), Clock{config.chip_hz, config.chip_hz_denominator}, *this} {
   require_dsp_board(config.board, program, symbols);
   if (config.boot == Boot::link) config.board = with_boot_from_port(config.board);
   for (const std::string& name : config.topology.buses) {
@@ -224,7 +245,7 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
   if (the_program != nullptr) {
     std::vector<Way> host_ways = ways(config.topology.host, Window::a, 0);
     for (const Way& way : ways(config.topology.host, Window::b, host_devices)) host_ways.push_back(way);
-    host.emplace(*the_program, config, buses, std::move(host_ways), bus_clock, registers, adapter);
+    host.emplace(*the_program, config, buses, std::move(host_ways), bus_clocks, registers, adapter);
   } else {
     for (const unsigned bus : config.topology.host) buses[bus].add_master(config.host_master, nobody);
   }
@@ -232,7 +253,8 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
                               .symbols = symbols,
                               .program = program,
                               .chip_clock = Clock{config.chip_hz, config.chip_hz_denominator},
-                              .bus_clock = bus_clock,
+                              .chip_clocks = clocks_of_chips(config),
+                              .bus_clocks = bus_clocks,
                               .buses = buses,
                               .window_a = ways(config.topology.dsps, Window::a, 0),
                               .window_b = ways(config.topology.dsps, Window::b, 0),
@@ -265,7 +287,8 @@ void Machine::Parts::build_targets() {
   board.max_burst = 1;
   add(board, "shared registers", topology.shared_memory, registers, SharedRegisters::base, SharedRegisters::size);
   if (dock == nullptr) return;
-  devices.emplace(symbols, *dock, bus_clock, fence);
+  const auto clock = [&](DeviceGroup group) { return bus_clocks[topology.devices[static_cast<std::size_t>(group)]]; };
+  devices.emplace(symbols, *dock, std::array{clock(DeviceGroup::drives), clock(DeviceGroup::sensors), clock(DeviceGroup::comm_port)}, fence);
   static constexpr const char* names[device_groups] = {"drives", "sensors", "comm port"};
   for (const Devices::Stretch& part : devices->stretches()) {
     const auto group = static_cast<std::size_t>(part.group);
@@ -331,7 +354,7 @@ Machine::Parts::Turn Machine::Parts::earliest(Time limit) const {
   };
   if (host) offer(host->next(), 0);
   unsigned who = 1;
-  for (const pci::Bus& bus : buses) offer(bus_time(bus), who++);
+  for (std::size_t bus = 0; bus < buses.size(); ++bus) offer(bus_time(bus), who++);
   offer(script_time(), who++);
   for (const Dsp& dsp : dsps) offer(dsp.next(), who++);
   if (dock != nullptr) offer(dock->next_event(), who);
@@ -380,6 +403,7 @@ void Machine::Parts::run_until(Time limit) {
     if (shuffle_.active()) {
       run_some_ahead(limit);
       turn = earliest(limit);
+      if (turn.time >= limit) break;  // what was left of this span has been run ahead
     }
     time = turn.time;
     take(turn, limit);
@@ -390,7 +414,7 @@ void Machine::Parts::run_until(Time limit) {
 
 void Machine::Parts::act(const ScriptedEvent& event, Time now) {
   const auto dsp = [&]() -> Dsp& { return dsps.at(event.number); };
-  const auto clocks = [&](Time at) { return bus_clock.tick_at_or_after(at); };
+  const auto clocks = [&](Time at) { return bus_clocks[event.number].tick_at_or_after(at); };
   const bool failed = event.amount != 0;
   const auto index = static_cast<int>(event.number);
   if (around->observer != nullptr) around->observer->scripted(event, now);
@@ -451,12 +475,13 @@ const Clock& Machine::chip_clock() const { return parts_->around->chip_clock; }
 unsigned Machine::buses() const { return static_cast<unsigned>(parts_->buses.size()); }
 const pci::Bus& Machine::bus(BusId id) const { return parts_->buses.at(static_cast<std::size_t>(id)); }
 pci::BusStatistics Machine::bus_statistics(BusId id) const {
-  return bus(id).statistics(std::max(bus(id).now(), parts_->bus_clock.tick_at_or_before(parts_->time)));
+  return bus(id).statistics(std::max(bus(id).now(), parts_->bus_clocks[static_cast<std::size_t>(id)].tick_at_or_before(parts_->time)));
 }
 std::vector<std::string> Machine::audit() const {
   std::vector<std::string> faults = parts_->adapter.audit();
-  for (const pci::Bus& bus : parts_->buses) {
-    const auto clock = std::max(bus.now(), parts_->bus_clock.tick_at_or_before(parts_->time));
+  for (std::size_t i = 0; i < parts_->buses.size(); ++i) {
+    const pci::Bus& bus = parts_->buses[i];
+    const auto clock = std::max(bus.now(), parts_->bus_clocks[i].tick_at_or_before(parts_->time));
     for (std::string& fault : pci::audit(bus, clock)) faults.push_back(std::move(fault));
   }
   return faults;

@@ -168,6 +168,8 @@ struct Config {
   c40::Board board = c40::Board::default_board();  ///< of every DSP; needs the windows to both buses (BoardError otherwise)
   std::int64_t pci_hz_numerator = 100'000'000;
   std::int64_t pci_hz_denominator = 3;
+  std::vector<Skew> chip_skews;  ///< by slot; missing ones are none
+  std::vector<Skew> bus_skews;   ///< by bus; buses that bridges join run on one clock, that of the first of them
   Boot boot = Boot::preloaded;
   Word idle_policy = 0;    ///< for the program's symbol idle_policy: 0 doorbell, 1 pause, 2 spin
   Word pause_count = 125;  ///< for pause_count
@@ -238,7 +240,7 @@ class Machine {
   bool standing(unsigned slot) const;  ///< stands still after a fault, Action::fail or Action::hang
   c40::Chip& chip(unsigned slot);
   const c40::Chip& chip(unsigned slot) const;
-  const Clock& chip_clock() const;
+  const Clock& chip_clock() const;  ///< nominal
   unsigned buses() const;
   const pci::Bus& bus(BusId id) const;
   /// What the invariants of buses (pci::audit) and links have to say against this run; empty unless the model has a fault.

@@ -62,6 +62,7 @@ constexpr std::pair<std::string_view, std::uint32_t Symbols::*> names[] = {
     {"RANGE_STEP", &Symbols::range_step},
     {"RANGE_MOUNT", &Symbols::range_mount},
     {"RANGE_SCAN", &Symbols::range_scan},
+    {"RANGE_WAY", &Symbols::range_way},
     {"RANGE_RAY", &Symbols::range_ray},
     {"RANGE_RAYS", &Symbols::range_rays},
     {"_start", &Symbols::start},

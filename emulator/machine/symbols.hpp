@@ -21,7 +21,7 @@ struct Symbols {
   std::uint32_t scan_rows, scan_row, scan_y, scan_x0, scan_dx, scan_deck, scan_profile, scan_count;
   std::uint32_t agv_unit, agv_unit_words, agv_x, agv_y, agv_heading, agv_speed, agv_status, agv_period,
       agv_speed_command, agv_front_command, agv_rear_command;
-  std::uint32_t agv_range, agv_range_words, range_count, range_first, range_step, range_mount, range_scan, range_ray, range_rays;
+  std::uint32_t agv_range, agv_range_words, range_count, range_first, range_step, range_mount, range_scan, range_way, range_ray, range_rays;
   // addresses in the DSP's own memory
   std::uint32_t start, dsp_slot, idle_policy, pause_count;
 };

@@ -7,6 +7,7 @@ namespace machine {
 using c40::Clock;
 using c40::never;
 using c40::PacedClock;
+using c40::Skew;
 using c40::Ticks;
 using c40::Time;
 

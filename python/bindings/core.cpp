@@ -11,6 +11,7 @@ PYBIND11_MODULE(_core, core) {
   bind_machine(core);
   bind_network(core);
   bind_cmrc(core);
+  bind_releases(core);
   bind_why_late(core);
   bind_trace(core);
 }

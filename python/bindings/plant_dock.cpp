@@ -130,6 +130,8 @@ void bind_agv_units(py::class_<Dock>& dock) {
             return rays;
           },
           py::arg("agv"), at, "agv_range of every ray, from the right to the left")
+      .def("range_way", [](Dock& d, int agv, std::int64_t t) { return d.range_way(agv, ps(t)); }, py::arg("agv"), at,
+           "mm from the vehicle's front to the nearest echo in its way; 30000: none.")
       .def("range_scan", [](Dock& d, int agv, std::int64_t t) { return d.range_scan(agv, ps(t)); }, py::arg("agv"), at,
            "number of the scan that agv_range shows")
       .def_property_readonly("range_mount", &Dock::range_mount, "mm ahead of the vehicle's centre")

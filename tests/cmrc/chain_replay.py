@@ -109,7 +109,11 @@ class Trace:
             elif name == "remove":
                 self.taken_away(in_list.pop(n["block"]), time)  # without an end it was given up
             elif name == "miss" and n["class"] == DROPPED:
-                self.dropped[n["kind"], n["tick"] // servo] = time
+                kind = n["kind"]
+                number = n["tick"] // servo if kind in SERVO else numbers.get(kind, 0)  # others count on with their blocks
+                if kind not in SERVO:
+                    numbers[kind] = number + 1
+                self.dropped[kind, number] = time
             elif name == "idle":
                 self.slots[slot].set(time, ("asleep" if n["state"] else "awake", None))
             elif name == "interrupt":

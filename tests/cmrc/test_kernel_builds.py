@@ -34,8 +34,8 @@ def test_newton_euler_takes_the_place_of_the_closed_form() -> None:
 
 @pytest.mark.parametrize(("build", "least_us", "most_us"), [("potential_field", 150, 800), ("vfh", 300, 1500), ("dynamic_window", 8000, 10000)])
 def test_avoidance_runs_once_per_agv_and_point(build: str, least_us: float, most_us: float) -> None:
-    """Two AGVs, the second 3.2 m behind the first: 20 ms per point; each block reads 180 rays over bus B."""
-    report = run(duration_s=0.5, agvs=2, **{"kernels.avoidance": build})
+    """Two AGVs that drive, the second 3.2 m behind the first: 20 ms per point; each block reads 180 rays over bus B."""
+    report = run(duration_s=0.5, agvs=2, **{"kernels.avoidance": build, "load.driving": True})
     task = report["tasks"]["obstacle_avoidance"]
     assert 2 * 23 <= task["released"] <= 2 * 25
     assert least_us < execution_us(report, "obstacle_avoidance") < most_us

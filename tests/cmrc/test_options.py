@@ -74,14 +74,18 @@ def most_at_once(events: list[tuple[float, str, int, int, int]]) -> int:
 
 
 def test_a_cap_on_long_blocks_keeps_a_dsp_for_the_servo(tmp_path: Path) -> None:
-    # Four AGVs, a block of 13.2 ms each every 20 ms. The servo guarantee of 4.5: one DSP more than long blocks at a time.
-    assert most_at_once(claims_and_ends(tmp_path, 0.1, preset="saturated")) == 4
-    assert most_at_once(claims_and_ends(tmp_path, 0.1, "long_blocks_max=3", preset="saturated")) == 3
-    capped = run(preset="saturated", duration_s=0.3, dsps=4, long_blocks_max=3)["tasks"]
-    free = run(preset="saturated", duration_s=0.3, dsps=4)["tasks"]
+    # Four AGVs, a block of 13.2 ms each every 20 ms, all released together. The servo guarantee of 4.5: one DSP more than long blocks at a time.
+    assert most_at_once(claims_and_ends(tmp_path, 0.1, "agv_phase=together", preset="saturated")) == 4
+    assert most_at_once(claims_and_ends(tmp_path, 0.1, "agv_phase=together", "long_blocks_max=3", preset="saturated")) == 3
+    capped = run(preset="saturated", duration_s=0.3, dsps=4, agv_phase="together", long_blocks_max=3)["tasks"]
+    free = run(preset="saturated", duration_s=0.3, dsps=4, agv_phase="together")["tasks"]
+    staggered = run(preset="saturated", duration_s=0.3, dsps=4)["tasks"]
     # Identify runs at the start and is as long: it is under the cap, too.
     assert capped["pid"]["misses"] == capped["torque_compensation"]["misses"] == 0
     assert free["pid"]["misses"] > 100
+    # The price: the block that had to wait for another's end needs 26.4 ms, and has 20 ms. Staggered, each begins 5 ms after the one before.
+    assert capped["obstacle_avoidance"]["misses"] > 0
+    assert sum(task["misses"] for task in staggered.values()) == 0
 
 
 def test_slowed_robots_plan_less_often() -> None:
@@ -152,7 +156,7 @@ def test_split_tasks_let_the_servo_through() -> None:
     assert split["pid"]["misses"] == split["torque_compensation"]["misses"] == 0
     assert (split["identify"]["released"], split["identify"]["on_time"]) == (2, 2)
     # Four AGVs and four DSPs: every block of 13.2 ms takes a DSP; in pieces of 0.4 ms the servo comes in between.
-    saturated = run(preset="saturated", duration_s=0.2, dsps=4, slice_cycles=10_000)["tasks"]
-    assert saturated["pid"]["misses"] == 0
+    saturated = run(preset="saturated", duration_s=0.2, dsps=4, agv_phase="together", slice_cycles=10_000)["tasks"]
+    assert sum(task["misses"] for task in saturated.values()) == 0
     # 330 000 cycles in 33 blocks: the first period's four are done.
     assert saturated["obstacle_avoidance"]["on_time"] >= 4 * 33

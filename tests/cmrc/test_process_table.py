@@ -110,11 +110,15 @@ def test_a_process_of_ones_own_runs_when_it_is_consented_to(tmp_path: Path) -> N
     assert order.count((9, 1)) == 1
 
 
-def test_without_its_own_sub_process_5_no_avoidance_is_loaded() -> None:
+def test_sub_process_5_is_released_where_its_row_and_the_processes_say() -> None:
+    """A vehicle that stands is in no process that lists 5; one that drives is in process 6. load.parked says otherwise of row 5, whatever it has."""
     quiet = '[[subprocesses]]\nnumber = 5\nname = "obstacle avoidance"\nagv = "obstacle_avoidance"\nrelease = "interval"\n'
-    settings = {"load.avoidance_cycles": 1000}
-    assert json.loads(run_report(quiet, 0.1, **settings))["tasks"]["obstacle_avoidance"]["released"] == 0
-    assert json.loads(run_report("", 0.1, **settings))["tasks"]["obstacle_avoidance"]["released"] == 4  # every 20 ms from the start
+    parked = quiet + "between_processes = true\n"
+    for rows, more, expected in [
+        (quiet, {}, 0), ("", {}, 0), (parked, {}, 4), ("", {"load.driving": True}, 4), (quiet, {"load.driving": True}, 4), ("", {"load.parked": True}, 4),
+    ]:  # fmt: skip
+        report = json.loads(run_report(rows, 0.1, **{"load.avoidance_cycles": 1000, **more}))
+        assert report["tasks"]["obstacle_avoidance"]["released"] == expected, (rows, more)  # at refreshes 160, 320, 480, 640
 
 
 def test_a_processs_steps_decide_when_the_servo_runs() -> None:

@@ -47,7 +47,7 @@ def failures(*rows: tuple[float, str, dict[str, Any]]) -> str:
     return text
 
 
-CROWDED = "--dsps 1 --duration 0.3 --set dock.agvs=8 --set load.avoidance_cycles=30000"
+CROWDED = "--dsps 1 --duration 0.3 --set dock.agvs=8 --set load.avoidance_cycles=35000 --set scheduling.agv_phase=together"
 DYING = failures((0.04003, "fail", {"dsp": 0}), (0.06003, "hang", {"dsp": 1}), (0.09004, "unplug", {"dsp": 2}), (0.12, "plug", {"dsp": 2}))
 ROUGH = failures(
     (0.0203, "pause_host", {"lasts_ms": 1.7}), (0.03, "stall_bus", {"bus": "A", "lasts_ms": 0.9}), (0.0402, "hang", {"dsp": 0}), (0.05, "slow", {"dsp": 1, "factor": 0.05}),
@@ -101,7 +101,7 @@ def test_the_replay_notices_a_broken_rule(tmp_path: Path) -> None:
         ("--dsps 1 --duration 0.3", "", 1, 2),
         ("--dsps 1 --duration 0.3 --preset saturated", "", 1, 20),
         ("--dsps 2 --duration 0.3 --preset saturated", "", 2, 20),
-        ("--dsps 4 --duration 0.5 --preset saturated", "", 4, 20),
+        ("--dsps 4 --duration 0.5 --preset saturated --set scheduling.agv_phase=together", "", 4, 20),
         ("--dsps 2 --duration 0.3 --preset saturated --idle-policy spin", "", 2, 20),
         ("--dsps 2 --duration 0.3 --preset saturated --idle-policy pause", "", 2, 20),
         ("--dsps 4 --duration 0.2", DYING, 4, 1),

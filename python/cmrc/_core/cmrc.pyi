@@ -1,4 +1,4 @@
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from cmrc._core.plant import DockConfig
@@ -13,6 +13,11 @@ class Config:
     def intervals(self) -> dict[str, int]: ...
 
 def dock_of(config: Config) -> DockConfig: ...
+def oscillators(config: Config) -> list[dict[str, Any]]: ...
+def release_steps(
+    release: str, number: int, count: int, staggered: bool, steps: Sequence[tuple[int, int, bool, bool, bool]]
+) -> list[tuple[bool, list[int]]]: ...
+def objects_entered(readings: Sequence[int], field_mm: int) -> list[bool]: ...
 def config(
     toml: str | None = None,
     name: str = "<toml>",
