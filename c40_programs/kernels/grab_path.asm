@@ -1,7 +1,7 @@
 ; Process 2: the grab path, and the planner that homing shares (docs/kernels_job.md).
 ;
 ; Route 1 leads from where the crane was last sent to CR_CLEARANCE above the target, route 2 from there, with the container, to CR_CLEARANCE
-; above an AGV's deck in the loading spot (its measured pose replaces this end when the trajectory gets there), route 3 home.
+; above the deck of the highest AGV in the loading spot, whether one stands there or not (process 4 aligns the load), route 3 home.
 ; A box that must not be entered is grown by half the load's plan and a margin, and upwards by the hanging load; nothing passes below it.
 ;
 ; 1. The end over the bay gets a column: a point straight above it, raised in steps while the way from the column to the other end is blocked.
@@ -109,7 +109,7 @@ grab_path_present_at:
         call    copy_words
         rets
 
-; ---- GP_END: above the deck of an AGV in the loading spot ----
+; ---- GP_END: above the loading spot, where the hanging container clears the deck of the highest AGV ----
 grab_path_spot:
         ldi     ar6, ar0
         addi    CR_SPOT, ar0
@@ -118,6 +118,9 @@ grab_path_spot:
         ldf     *+ar0(1), r0
         stf     r0, @GP_END + 1
         ldf     *+ar0(2), r0
+        ldf     @GP_START + 3, r1
+        call    trajectory_crane_half_turn
+        rnd     r0
         stf     r0, @GP_END + 3
         ldf     *+ar6(CR_AGV_DECK), r0
         addf    *+ar6(CR_BOX_HEIGHT), r0

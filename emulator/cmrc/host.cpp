@@ -471,7 +471,7 @@ bool Host::servo_resting() const {
 // ---- what is told ------------------------------------------------------------------------------------------------------
 
 void Host::process(unsigned number, bool started, Robot robot) {
-  cycles_.process(number, started, robot, now_);
+  cycles_.process(config_.processes.find(number)->account, started, robot, now_);
   note(EventKind::process, {number, started ? 1U : 0U, robot, 0, 0});
 }
 

@@ -103,7 +103,6 @@ class Host : public machine::HostProgram, private Desk {
   bool servo_resting() const override;
   void process(unsigned number, bool started, Robot robot) override;
   void landing_missed(bool last) override;
-  void crane_asks() override { cycles_.crane_asks(now_); }
   void agv_waits(unsigned agv, bool waits) override { cycles_.agv_waits(agv, waits, now_); }
   void agv_sent(unsigned agv, std::int64_t interval) override { cycles_.sent(agv, interval); }
   void robot_begins(Robot robot, unsigned process) override { course_->process_begun(robot, process); }

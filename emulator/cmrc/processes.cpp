@@ -124,7 +124,7 @@ void Processes::enter(Run& run, Desk& desk) {
   const Step& step = run.process->steps[run.step];
   run.wants_task = step.kind == Step::Kind::task;
   if (run.process->robot == Robots::agv) fleet_.enter(*run.agv, step, desk);
-  else if (!run.wants_task) crane_.enter(step, desk);
+  else if (!run.wants_task) crane_.enter(step, run.agv, desk);
 }
 
 void Processes::advance(Run& run, Word notify, Desk& desk) {
@@ -193,6 +193,7 @@ void Processes::refresh(Desk& desk) {
     fleet_.refresh(agv, desk);
     release_intervals(agv + 1, desk);
   }
+  start_crane(desk);  // an AGV may just have consented
 }
 
 void Processes::move_crane(Desk& desk) {
@@ -200,12 +201,15 @@ void Processes::move_crane(Desk& desk) {
   if (run.stopped || run.retired) return;
   if (run.process != nullptr) {
     const Step& step = run.process->steps[run.step];
-    if (step.kind != Step::Kind::task && crane_.done(step, desk, *this)) advance(run, 0, desk);
+    if (step.kind != Step::Kind::task && crane_.done(step, desk)) advance(run, 0, desk);
     else if (crane_.gave_up()) run.stopped = true;
   }
-  if (run.process != nullptr || run.retired) return;
-  const Process* next = next_of(Robots::crane, 0);
-  if (next != nullptr) begin(run, *next, takes_agv(*next) ? agv_in_spot() : std::nullopt, desk);
+  start_crane(desk);
+}
+
+void Processes::start_crane(Desk& desk) {
+  if (crane_run_.process != nullptr || crane_run_.stopped || crane_run_.retired) return;
+  if (const Process* next = next_of(Robots::crane, 0)) begin(crane_run_, *next, takes_agv(*next) ? agv_in_spot() : std::nullopt, desk);
 }
 
 void Processes::move_agv(unsigned agv, Desk& desk) {

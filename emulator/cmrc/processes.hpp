@@ -19,7 +19,7 @@
 
 namespace cmrc {
 
-class Processes : private Berth {
+class Processes {
  public:
   Processes(const ProcessTable& table, std::span<const UserTask> tasks, const CraneJob& crane, const FleetJob& fleet, const Words& words);
 
@@ -62,7 +62,7 @@ class Processes : private Berth {
     bool stopped = false;
   };
 
-  std::optional<unsigned> agv_in_spot() const override;
+  std::optional<unsigned> agv_in_spot() const;
   bool may_start(const Process& process, unsigned agv) const;
   const Process* next_of(Robots robot, unsigned agv) const;
   bool takes_agv(const Process& process) const;
@@ -76,6 +76,7 @@ class Processes : private Berth {
   Task task_of(const Run& run, const Desk& desk) const;
   Task user_block(const std::string& name, Robot robot) const;
   void move_crane(Desk& desk);
+  void start_crane(Desk& desk);
   void move_agv(unsigned agv, Desk& desk);
   void release_intervals(Robot robot, Desk& desk);
   Run& run_of(const Task& task);

@@ -33,7 +33,7 @@ Words::Words(const std::function<Word(std::string_view)>& symbol) {
       {"LINK_DATA", &Words::link_data}, {"LINK_REQUEST", &Words::link_request},
       {"CR_BASE", &Words::cr_base}, {"CR_POINT_PERIOD", &Words::cr_point_period},
       {"CR_SERVO_PERIOD", &Words::cr_servo_period}, {"CR_POINT_TICKS", &Words::cr_point_ticks},
-      {"CR_SERVO_TICKS", &Words::cr_servo_ticks}, {"CR_LEG", &Words::cr_leg}, {"CR_ROUTE_COUNT", &Words::cr_route_count}, {"CR_SPREADER", &Words::cr_spreader},
+      {"CR_SERVO_TICKS", &Words::cr_servo_ticks}, {"CR_LEG", &Words::cr_leg}, {"LEG_ALIGN", &Words::leg_align}, {"CR_SPREADER", &Words::cr_spreader},
       {"CR_PAYLOAD", &Words::cr_payload}, {"CR_AGV", &Words::cr_agv}, {"CR_RAMP_START", &Words::cr_ramp_start},
       {"CR_CLEARANCE", &Words::cr_clearance}, {"CR_STRETCH", &Words::cr_stretch}, {"CR_AGV_DECK", &Words::cr_agv_deck},
       {"CR_BOX_HEIGHT", &Words::cr_box_height}, {"CR_HOME", &Words::cr_home}, {"CR_SPOT", &Words::cr_spot},
