@@ -315,6 +315,7 @@ grab_path_emit_at:
 ; ---- R0 = 1 when the straight way from point R6 to point R7 enters a box by more than GP_TOUCH, else 0; R6, R7 kept ----
 ; A box is the set where five functions are positive, each linear along the way: the share t0..t1 of the way where all are.
 grab_path_blocked:
+        call    alive
         ldhi    hi16(SCRATCH), ar3
         or      lo16(GP_POINT), ar3
         ldi     ar3, ar4
@@ -467,6 +468,7 @@ grab_path_push:
 
 ; ---- the way from *ar3 to *ar4 is moved out of every box in turn, by moving *ar3 ----
 grab_path_step:
+        call    alive
         ldhi    hi16(SCRATCH), ar1
         or      lo16(GP_BOXES), ar1
         ldi     @GP_BOX_COUNT, ar2
@@ -529,6 +531,7 @@ grab_path_nearest_face:
 
 ; ---- for every box the face through which the straight way leaves it most cheaply, -1 when it does not enter ----
 grab_path_choose:
+        call    alive
         ldhi    hi16(SCRATCH), ar3
         or      lo16(GP_POINT), ar3
         ldi     ar3, ar4
@@ -576,6 +579,7 @@ grab_path_choose_next:
 
 ; ---- p_1 .. p_5 evenly from p_0 to p_6, raised onto every box that is to be passed over ----
 grab_path_lay:
+        call    alive
         ldhi    hi16(SCRATCH), ar3
         or      lo16(GP_POINT), ar3
         ldi     ar3, ar4
@@ -664,6 +668,7 @@ grab_path_shorten_stuck:
 
 ; ---- the list anew: straight up from p_0, above whatever the plan of the way crosses, down to the end ----
 grab_path_over:
+        call    alive
         ldhi    hi16(SCRATCH), ar3
         or      lo16(GP_POINT), ar3
         ldi     ar3, ar4

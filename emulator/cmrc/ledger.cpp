@@ -4,26 +4,18 @@
 #include <cstdlib>
 #include <functional>
 #include <numeric>
-#include <stdexcept>
 
 namespace cmrc {
 namespace {
 
-const std::vector<std::string>& kind_names() {
-  static const std::vector<std::string> names = {
-      "pid", "torque_compensation", "trajectory_planning.crane", "trajectory_planning.agv", "inverse_kinematics.crane",
-      "inverse_kinematics.agv", "obstacle_avoidance", "identify", "grab_path", "home.crane", "home.agv", "error", "recompute"};
-  return names;
-}
-
 std::vector<std::string> with(const std::vector<std::string>& user_tasks) {
-  std::vector<std::string> all = kind_names();
+  std::vector<std::string> all = job_kinds();
   for (const std::string& name : user_tasks) all.push_back("user." + name);
   return all;
 }
 
 std::vector<Time> periods(Time servo, std::size_t user_tasks) {
-  std::vector<Time> all(kind_names().size() + user_tasks, Time::zero());
+  std::vector<Time> all(kind_rows().size() + user_tasks, Time::zero());
   all[static_cast<std::size_t>(JobKind::pid)] = all[static_cast<std::size_t>(JobKind::torque_compensation)] = servo;
   return all;
 }
@@ -70,27 +62,6 @@ std::vector<std::int64_t> with_clock(const CauseTimes& cycles, std::int64_t whol
 }
 
 }  // namespace
-
-std::vector<std::string> job_kinds() { return kind_names(); }
-
-JobKind job_kind(Word kind, const Words& words) {
-  if (kind == words.kind_pid) return JobKind::pid;
-  if (kind == words.kind_torque) return JobKind::torque_compensation;
-  if (kind == words.kind_trajectory_crane) return JobKind::trajectory_crane;
-  if (kind == words.kind_trajectory_agv) return JobKind::trajectory_agv;
-  if (kind == words.kind_inverse_crane) return JobKind::inverse_crane;
-  if (kind == words.kind_inverse_agv) return JobKind::inverse_agv;
-  if (kind == words.kind_avoidance) return JobKind::obstacle_avoidance;
-  if (kind == words.kind_identify) return JobKind::identify;
-  if (kind == words.kind_grab_path) return JobKind::grab_path;
-  if (kind == words.kind_home_crane) return JobKind::home_crane;
-  if (kind == words.kind_home_agv) return JobKind::home_agv;
-  if (kind == words.kind_error) return JobKind::error;
-  if (kind >= words.kind_user && kind < words.kind_count) {
-    return static_cast<JobKind>(static_cast<Word>(JobKind::user) + kind - words.kind_user);
-  }
-  throw std::invalid_argument("a task block of a kind that has no account");
-}
 
 Ledger::Ledger(LedgerConfig config)
     : names_(with(config.user_tasks)), cause_names_(config.causes), booked_(config.booked.empty() ? config.causes : config.booked),

@@ -12,6 +12,7 @@
 
 #include "cmrc/audit.hpp"
 #include "cmrc/course.hpp"
+#include "cmrc/kinds.hpp"
 #include "cmrc/timeline.hpp"
 #include "cmrc/why_late.hpp"
 #include "cmrc/words.hpp"
@@ -21,17 +22,6 @@
 namespace cmrc {
 
 
-
-/// Kinds of jobs in the order of ruling 29.
-enum class JobKind : std::uint8_t {
-  pid, torque_compensation, trajectory_crane, trajectory_agv, inverse_crane, inverse_agv, obstacle_avoidance, identify,
-  grab_path, home_crane, home_agv, error, recompute,
-  user  ///< the first of the user's own tasks
-};
-/// Keys of ruling 29, in the order of JobKind.
-std::vector<std::string> job_kinds();
-/// The job kind of a program (KIND_*).
-JobKind job_kind(Word kind, const Words& words);
 
 using CauseTimes = std::vector<std::int64_t>;  ///< cycles of one chip by cause
 

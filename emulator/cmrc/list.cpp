@@ -33,8 +33,10 @@ void TaskList::remove(std::size_t index) {
 }
 
 void TaskList::take(std::size_t index) {
-  blocks_[index].flag = Flag::taken;
-  blocks_[index].t = 0;
+  Block& block = blocks_[index];
+  block.flag = Flag::taken;
+  block.t = 0;
+  block.seen = block.running = block.beat_seen = -1;
 }
 
 void TaskList::put_back(std::size_t index, std::uint32_t x) {

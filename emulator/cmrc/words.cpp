@@ -11,7 +11,7 @@ Words::Words(const std::function<Word(std::string_view)>& symbol) {
       {"TB_X", &Words::x}, {"TB_Y", &Words::y}, {"TB_T", &Words::t}, {"TB_FLAG", &Words::flag},
       {"TB_J", &Words::importance}, {"TB_LINK", &Words::link}, {"TB_KIND", &Words::kind}, {"TB_AREA", &Words::area},
       {"TB_TICK", &Words::tick}, {"TB_ARGUMENT", &Words::argument}, {"TB_OWNER", &Words::owner},
-      {"TB_GENERATION", &Words::generation}, {"TB_RESULT", &Words::result}, {"TB_NOTIFY", &Words::notify}, {"TB_SLICE", &Words::slice}, {"SLICE_CYCLES", &Words::slice_cycles},
+      {"TB_GENERATION", &Words::generation}, {"TB_RESULT", &Words::result}, {"TB_NOTIFY", &Words::notify}, {"TB_SLICE", &Words::slice}, {"TB_ALIVE", &Words::alive}, {"SLICE_CYCLES", &Words::slice_cycles},
       {"MUST_CONTINUE", &Words::must_continue},
       {"FLAG_WAITING", &Words::flag_waiting}, {"FLAG_TAKEN", &Words::flag_taken}, {"FLAG_DONE", &Words::flag_done},
       {"KIND_ERROR", &Words::kind_error}, {"KIND_TRAJECTORY_CRANE", &Words::kind_trajectory_crane},

@@ -13,7 +13,7 @@ struct Words {
   explicit Words(const std::function<Word(std::string_view)>& symbol);
 
   Word list_work_pointer, list_refresh, block_pool, block_count, block_words;
-  Word x, y, t, flag, importance, link, kind, area, tick, argument, owner, generation, result, notify, slice, slice_cycles;
+  Word x, y, t, flag, importance, link, kind, area, tick, argument, owner, generation, result, notify, slice, alive, slice_cycles;
   Word flag_waiting, flag_taken, flag_done;
   Word kind_error, kind_trajectory_crane, kind_trajectory_agv, kind_inverse_crane, kind_inverse_agv, kind_torque, kind_pid,
       kind_identify, kind_grab_path, kind_home_crane, kind_home_agv, kind_avoidance, kind_count, kind_user;
