@@ -281,10 +281,12 @@ trajectory_crane_write:
         ldi     @TASK + TB_ARGUMENT, r1
         subi    @TJ_K0, r1
         addi    1, r1
+        ldi     r1, r2
         ldi     0, r0
-        cmpi    @TJ_COUNT, r1
-        ldige   RESULT_END_OF_LEG, r0
         ldi     MUST_TRAJECTORY + MUST_INVERSE, r1
+        cmpi    @TJ_COUNT, r2
+        ldige   RESULT_END_OF_LEG, r0
+        ldige   MUST_INVERSE, r1
         rets
 
 ; CHAIN <- P_0 and the n via points of the leg; of an alignment P_0 and P_n, which the leg's bank keeps.

@@ -188,7 +188,7 @@ bool Crane::raised(Desk& desk) {
 
 void Crane::finished(const Task& done, Word result, Word notify, Desk& desk) {
   if (done.kind == words_.kind_pid) pid_finished(done, result, desk);
-  else if (done.kind == words_.kind_trajectory_crane) chain_.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0);
+  else if (done.kind == words_.kind_trajectory_crane) chain_.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0, (notify & words_.must_trajectory) != 0);
   else if (done.kind == words_.kind_inverse_crane) chain_.inverse_done();
   else if (done.kind == words_.kind_identify && phase_ == Phase::identify) asked_ = false, phase_ = (notify & words_.must_process << 2) != 0 ? Phase::plan : Phase::rest;
   else if (done.kind == words_.kind_grab_path && phase_ == Phase::plan) begin_leg(1, desk), phase_ = Phase::align;

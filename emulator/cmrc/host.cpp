@@ -29,9 +29,9 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
       processes_(config.processes, config.tasks, crane, fleet, words_),
       user_tasks_(config_.tasks, words_, config_.rates.refresh_frequency_hz),
       torque_{{.x = task::torque, .y = robot_class::crane, .kind = words.kind_torque, .area = words.cr_base},
-              JobKind::torque_compensation, intervals_.servo},
+              JobKind::torque_compensation, config.processes.subprocess_of("torque_compensation").number, intervals_.servo},
       pid_{{.x = task::pid, .y = robot_class::crane, .kind = words.kind_pid, .area = words.cr_base},
-           JobKind::pid, intervals_.servo},
+           JobKind::pid, config.processes.subprocess_of("pid").number, intervals_.servo},
       boots_(words_, std::move(boot_stream), milliseconds(config.watchdog.boot_limit_ms), nanoseconds(config.host.boot_pause_ns)) {
   const auto& w = config_.watchdog;
   const auto refreshes = [&](double us) {
@@ -218,10 +218,10 @@ void Host::think() {
   }
   for (const Done& done : done_) take_out(done);
   for (const Hung& hung : hung_) recompute(hung);
-  servoing_ = processes_.releases(4, 0) && !pid_.stopped;
+  const auto released = [this](const Servo& servo) { return processes_.releases(servo.subprocess, servo.task.robot) && !servo.stopped; };
+  servoing_ = released(pid_);
   course_->servo(servoing_, clock_.at(tick_));
-  refresh_servo(torque_, processes_.releases(3, 0) && !torque_.stopped);
-  refresh_servo(pid_, processes_.releases(4, 0) && !pid_.stopped);
+  for (Servo* servo : {&torque_, &pid_}) refresh_servo(*servo, released(*servo));
   processes_.refresh(*this);
   user_tasks_.refresh(*this);
   if (const auto cycle = cycles_.take_closed()) {

@@ -81,6 +81,7 @@ class Host : public machine::HostProgram, private Desk {
   struct Servo {
     Task task;
     JobKind job;
+    unsigned subprocess;      // the row by which it is released
     std::int64_t next;        // nominal tick to be released next
     bool out = false;         // a block of it is in the list
     std::size_t block = 0;

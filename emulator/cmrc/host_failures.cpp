@@ -125,8 +125,9 @@ void Host::judge_silence() {
 void Host::stop_work(const Task& task, std::int64_t drops) {
   std::string what;
   if (task.kind == words_.kind_torque || task.kind == words_.kind_pid) {
-    (task.kind == words_.kind_pid ? pid_ : torque_).stopped = true;
-    what = fmt::format("sub-process {}; the drives brake", task.kind == words_.kind_pid ? 4 : 3);
+    Servo& servo = task.kind == words_.kind_pid ? pid_ : torque_;
+    servo.stopped = true;
+    what = fmt::format("sub-process {}; the drives brake", servo.subprocess);
   } else if (user_tasks_.owns(task)) {
     user_tasks_.stop(task);
     what = "the task";

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <set>
+#include <stdexcept>
 
 #include "cmrc/process_rows.hpp"
 
@@ -59,9 +60,13 @@ class Checker {
     };
     if (const Subprocess* own = built_in_processes().find_subprocess(row.number); own != nullptr && row.number <= 4) {
       // The host's own: their release is not a matter of configuration beyond this.
-      if (row.crane != own->crane || row.agv != own->agv || row.release != own->release || row.must != own->must ||
+      const bool demands = row.must == own->must || row.number == 1;  // of sub-process 1 they are the row's matter
+      if (row.crane != own->crane || row.agv != own->agv || row.release != own->release || !demands ||
           (row.release == Subprocess::Release::point && row.between_processes)) {
-        refuse_row("number", "only the name, and of 3 and 4 between_processes, can be changed", "sub-processes of one's own have numbers from 6 on");
+        refuse_row("number", "only the name, of 1 `must`, and of 3 and 4 between_processes, can be changed", "sub-processes of one's own have numbers from 6 on");
+      }
+      for (const unsigned number : row.must) {
+        if (!has(own->must, number)) refuse_row("must", fmt::format("its task cannot demand {}", number), "1 and 2 are expected");
       }
       return;
     }
@@ -103,6 +108,11 @@ class Checker {
                 fmt::format("\"{}\" needs sub-processes {} and {}", text, a, b), "they belong into the list");
       };
       needs(points, 1, 2);
+      const Subprocess& planning = *table_.find_subprocess(1);
+      for (const unsigned number : {1U, 2U}) {
+        if (!points.contains(step.kind) || has(planning.must, number)) continue;
+        refuse(planning.origin, "subprocesses.must", fmt::format("without {} \"{}\" of process {} would never end", number, text, process.number), "must = [1, 2] is expected");
+      }
       if (process.robot == Robots::crane) needs(servo, 3, 4);
       require(step.kind != Kind::align || has_agv(process), process, "steps", "\"align\" without an AGV",
               "a process to which an AGV's consents is expected: it has the one in the loading spot");
@@ -207,6 +217,12 @@ const Process* ProcessTable::find(unsigned number) const {
 const Subprocess* ProcessTable::find_subprocess(unsigned number) const {
   const auto found = std::find_if(subprocesses.begin(), subprocesses.end(), [number](const Subprocess& row) { return row.number == number; });
   return found == subprocesses.end() ? nullptr : &*found;
+}
+
+const Subprocess& ProcessTable::subprocess_of(std::string_view task) const {
+  const auto found = std::find_if(subprocesses.begin(), subprocesses.end(), [task](const Subprocess& row) { return row.crane == task || row.agv == task; });
+  if (found == subprocesses.end()) throw std::logic_error(fmt::format("ProcessTable: no sub-process has the task {}", task));
+  return *found;
 }
 
 std::vector<unsigned> ProcessTable::sources(unsigned target) const {

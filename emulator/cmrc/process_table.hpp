@@ -67,6 +67,8 @@ struct ProcessTable {
 
   const Process* find(unsigned number) const;
   const Subprocess* find_subprocess(unsigned number) const;
+  /// The one whose task this is, of the crane or of an AGV.
+  const Subprocess& subprocess_of(std::string_view task) const;
   /// All that have to consent to `target`.
   std::vector<unsigned> sources(unsigned target) const;
 };

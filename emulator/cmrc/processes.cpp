@@ -24,6 +24,9 @@ Processes::Processes(const ProcessTable& table, std::span<const UserTask> tasks,
   for (const Process& process : table_.processes) {
     if (process.robot == Robots::none) free_runs_.emplace_back();
   }
+  for (const unsigned number : {1U, 2U}) {
+    if (!has(table_.find_subprocess(1)->must, number)) undemandable_ |= words_.must_subprocess << number;
+  }
   for (const Subprocess& row : table_.subprocesses) {
     if (row.release != Subprocess::Release::interval) continue;
     if (!row.crane.empty()) intervals_.push_back({&row, 0});
@@ -278,7 +281,10 @@ Processes::Run& Processes::run_of(const Task& task) {
 
 void Processes::finished(const Task& task, Word result, Word notify, Desk& desk) {
   if (task.process != 0) return advance(run_of(task), notify, desk);
-  if (task.subprocess == 0) return task.robot == 0 ? crane_.finished(task, result, notify, desk) : fleet_.finished(task, result, notify, desk);
+  if (task.subprocess == 0) {
+    const Word demands = notify & ~undemandable_;
+    return task.robot == 0 ? crane_.finished(task, result, demands, desk) : fleet_.finished(task, result, demands, desk);
+  }
   for (Interval& interval : intervals_) {
     if (interval.row->number == task.subprocess && interval.robot == task.robot) interval.out = false;
   }

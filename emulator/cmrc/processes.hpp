@@ -86,6 +86,7 @@ class Processes {
   const ProcessTable table_;
   const std::vector<UserTask> tasks_;
   const Words& words_;
+  Word undemandable_ = 0;                   // bits of TB_NOTIFY for what the row of sub-process 1 does not list
   Consents consents_;
   Crane crane_;
   Fleet fleet_;

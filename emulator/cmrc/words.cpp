@@ -22,7 +22,7 @@ Words::Words(const std::function<Word(std::string_view)>& symbol) {
       {"KIND_HOME_AGV", &Words::kind_home_agv}, {"KIND_AVOIDANCE", &Words::kind_avoidance},
       {"KIND_COUNT", &Words::kind_count}, {"KIND_USER", &Words::kind_user}, {"US_BASE", &Words::us_base},
       {"US_WORDS", &Words::us_words}, {"MUST_PROCESS", &Words::must_process}, {"MAY_PROCESS", &Words::may_process},
-      {"MUST_TRAJECTORY", &Words::must_trajectory}, {"MUST_INVERSE", &Words::must_inverse},
+      {"MUST_SUBPROCESS", &Words::must_subprocess}, {"MUST_TRAJECTORY", &Words::must_trajectory}, {"MUST_INVERSE", &Words::must_inverse},
       {"RESULT_END_OF_LEG", &Words::end_of_leg}, {"PID_LANDED", &Words::pid_landed},
       {"PID_LOCKED", &Words::pid_locked}, {"PID_OPEN", &Words::pid_open}, {"PID_STARVED", &Words::pid_starved},
       {"PID_SETTLED", &Words::pid_settled}, {"PID_RAMP_DONE", &Words::pid_ramp_done},

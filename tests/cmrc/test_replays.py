@@ -82,7 +82,7 @@ def test_the_list_and_every_claim_follow_equation_7(tmp_path: Path, options: str
 
 def test_the_replay_notices_a_broken_rule(tmp_path: Path) -> None:
     events, _ = run(tmp_path, *CROWDED.split(), *AT_ONCE_OPTIONS, toml=DRIVING)
-    rules = [Rule(), Rule(gamma=1), Rule(a=1), Rule(b=1), Rule(alpha=120), Rule(beta=100), Rule(agv=60), Rule(p=0x1000, q=0x100)]
+    rules = [Rule(), Rule(gamma=1), Rule(a=0x200), Rule(b=0x2100), Rule(alpha=120), Rule(beta=100), Rule(agv=60), Rule(p=0x1000, q=0x100)]
     faults = []
     for rule in rules:
         replay = Replay(rule)

@@ -77,6 +77,19 @@ def test_trajectory_follows_the_route_of_a_leg(dsp: Dsp, seed: int) -> None:
     assert got[4:] == pytest.approx([0] * 10, abs=1e-6)
 
 
+def test_planning_demands_itself_until_the_last_point_of_a_leg(dsp: Dsp) -> None:
+    r = random.Random(13)
+    home, target = pose(r), pose(r)
+    dsp.put("CR_HOME", *home)
+    dsp.put("CR_LEG", 1)
+    put_route(dsp, 1, [target])
+    last = ref.Leg(home, [target]).points(single(PERIOD)) - 1
+    more, s = (0, dsp.symbols["MUST_TRAJECTORY"] | dsp.symbols["MUST_INVERSE"]), dsp.symbols
+    assert [dsp.run("trajectory_crane", k)[:2] for k in (0, 500, last - 2)] == [more] * 3
+    told = [dsp.run("trajectory_crane", k)[:2] for k in (last - 1, last, last + 1)]
+    assert (s["RESULT_END_OF_LEG"], s["MUST_INVERSE"]) in told
+
+
 def test_an_alignment_starts_where_the_leg_before_ended_and_aims_at_the_agv(dsp: Dsp) -> None:
     r = random.Random(11)
     home, target, via = pose(r), pose(r), pose(r)
