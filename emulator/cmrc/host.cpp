@@ -404,7 +404,9 @@ void Host::take_out(const Done& done) {
   longest_[job] = std::max(longest_[job], block.seen < 0 ? 1 : block.running - block.seen + 2);
   note(EventKind::remove, {words_.block(done.block), task.kind, block.generation, 0, 0});
   drops_.erase({task.kind, task.robot});
+  const std::uint32_t own_x = block.own_x;
   list_.remove(done.block);
+  if ((done.notify & words_.must_continue) != 0) return load_next_part(done.block, task, own_x);
   const report::Outcome outcome = ledger_.removed(done.block);
   if (outcome != report::Outcome::on_time) {
     note(EventKind::miss, {task.kind, task.tick, static_cast<std::uint32_t>(outcome), words_.block(done.block), 0});
@@ -415,16 +417,22 @@ void Host::take_out(const Done& done) {
   for (Servo* servo : {&torque_, &pid_}) {
     if (servo->out && servo->block == done.block) servo->out = false, servo->last_t = t;
   }
-  if ((done.notify & words_.must_continue) != 0) {
-    Task next = task;
-    ++next.slice;
-    next.t = 0;
-    load(next, task.deadline);
-  } else if (user_tasks_.owns(task)) {
+  if (user_tasks_.owns(task)) {
     user_tasks_.ended(task);
   } else {
     processes_.finished(task, done.result, done.notify, *this);
   }
+}
+
+// The same job goes on in a block of its own.
+void Host::load_next_part(std::size_t done, const Task& task, std::uint32_t own_x) {
+  Task next = task;
+  next.x = own_x;
+  ++next.slice;
+  next.t = 0;
+  const std::size_t index = list_.load(next);
+  ledger_.continued(done, index, now_);
+  note(EventKind::load, {words_.block(index), next.kind, next.area, next.tick, list_[index].generation});
 }
 
 // ---- the servo ---------------------------------------------------------------------------------------------------------

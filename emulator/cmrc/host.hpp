@@ -132,6 +132,7 @@ class Host : public machine::HostProgram, private Desk {
   void judge_silence();
   void think();
   void take_out(const Done& done);
+  void load_next_part(std::size_t done, const Task& task, std::uint32_t own_x);
   void recompute(const Hung& hung);
   void give_up(std::size_t block);
   void stop_work(const Task& task, std::int64_t drops);

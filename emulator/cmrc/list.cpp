@@ -15,6 +15,7 @@ std::size_t TaskList::load(const Task& task) {
   *free = Block{};
   free->written_slice = written_slice;
   free->task = task;
+  free->own_x = task.x;
   free->t = task.t;
   free->generation = generation;
   free->inserted = ++insertions_;

@@ -33,6 +33,7 @@ struct Block {
   Flag flag = Flag::waiting;
   std::uint32_t importance = 0;
   std::uint32_t generation = 0;
+  std::uint32_t own_x = 0;         ///< task.x before it was put back
   std::uint64_t inserted = 0;      ///< order of loading, decides between equal J
   std::uint32_t recomputations = 0;
   std::int64_t seen = -1;          ///< refresh at which its flag was first read as taken, and last; -1: never
