@@ -24,6 +24,7 @@ pause_count:    .word 400               ; IDLE_PAUSE: NOPs between two looks at 
         .include "lib/trigonometry.asm"
         .include "lib/blend.asm"
         .include "lib/copy.asm"
+        .include "lib/alive.asm"
         .include "kernels/trajectory_crane.asm"
         .include "kernels/trajectory_crane_shaper.asm"
         .include "kernels/inverse_crane.asm"

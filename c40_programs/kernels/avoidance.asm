@@ -2,22 +2,27 @@
 ; length. It computes, and its result is thrown away: the repulsion k (1/d - 1/d0)/d^2 of a sample of distances.
 ;
 ; Cycles from the kernel's first instruction to the end of its return: 16 per turn of the loop and AVOIDANCE_OVERHEAD, so that any argument
-; from 40 on is met within 8 cycles.
+; from 40 on is met within 8 cycles. After each AVOIDANCE_TURNS turns comes a heartbeat, which takes the time of AVOIDANCE_BEAT.
 
-AVOIDANCE_OVERHEAD  .set 24
+AVOIDANCE_OVERHEAD  .set 32
+AVOIDANCE_TURNS     .set 125
+AVOIDANCE_BEAT      .set 3
 
 kernel_avoidance:
-        ldi     @TASK + TB_ARGUMENT, r0
-        subi    AVOIDANCE_OVERHEAD - 8, r0
-        lsh     -4, r0                          ; turns of 16 cycles
-        ldi     r0, rc
-        subi    1, rc
-        cmpi    1, r0
+        ldi     @TASK + TB_ARGUMENT, ar2
+        subi    AVOIDANCE_OVERHEAD - 8, ar2
+        lsh     -4, ar2                         ; turns of 16 cycles
+        cmpi    1, ar2
         blt     avoidance_done
         ldf     0.25, r4                        ; 1/d0
         ldf     2.0, r5                         ; d
         ldf     0.0, r6                         ; sum
         ldf     4.0, r7
+avoidance_some:
+        ldi     ar2, r0
+        cmpi    AVOIDANCE_TURNS + AVOIDANCE_BEAT, r0
+        ldigt   AVOIDANCE_TURNS, r0
+        subi3   1, r0, rc
         rptb    avoidance_turn
         rcpf    r5, r0                          ; 1/d: the seed and two steps of Newton
         mpyf3   r5, r0, r1
@@ -36,6 +41,14 @@ kernel_avoidance:
         cmpf    r7, r5
 avoidance_turn:
         ldfgt   r3, r5
+        subi    AVOIDANCE_TURNS + AVOIDANCE_BEAT, ar2
+        cmpi    0, ar2
+        ble     avoidance_done
+        call    alive
+        .rept   13
+        nop
+        .endr
+        br      avoidance_some
 avoidance_done:
         ldi     0, r0
         ldi     0, r1

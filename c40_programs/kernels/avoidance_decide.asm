@@ -10,6 +10,7 @@ avoid_decide:
 ; FLANK <- how far along the leg something is beside the vehicle, where a shift has no room: to that side for the flank, to the other for the ends, which swing
 ; out. What is about to go out of view.
 avoid_beside:
+        call    alive
         float   *+ar6(AG_AVOID_BESIDE), r5
         mpyf    @K_MILLI, r5
         ldhi    hi16(AV_POINTS), ar1
@@ -46,6 +47,7 @@ avoid_beside_next:
 ; SHIFT <- the shift wanted, or the present one while it must be held; HOLD. What stands so near to the leg's end that the vehicle would not be back
 ; in the lane behind it is not passed.
 avoid_side:
+        call    alive
         ldf     @AV_SHIFT, r6
         ldf     @K_AV_SHIFT_MOST, r1
         cmpf    r1, r6
@@ -256,6 +258,7 @@ avoid_ahead:
 ; FREE, CLOSE: what blocks the way from the present lateral place to SHIFT, and back into the lane before the leg's end, and what stands close beside it. SEEN: on the
 ; inner side of a bend it goes out of view before it is as near as that along the lane; the vehicle must stand before.
 avoid_block:
+        call    alive
         ldf     @K_AV_NO_LIMIT, r7              ; free distance
         ldf     r7, r5
         ldf     r7, r9

@@ -143,6 +143,7 @@ dwa_window_bend:
 
 ; LANE[j]: where the front is after LOOK metres of curvature j, against the lane's point there.
 dwa_lanes:
+        call    alive
         ldf     @AV_MOUNT, r8
         addf    @K_DW_LOOK, r8
         call    avoid_target
@@ -198,6 +199,7 @@ dwa_curvature:
 
 ; CLEAR, FREE of the arc of V, K. The middle of the vehicle goes on by v step along the heading in the middle of the step; its front is MOUNT ahead.
 dwa_arc:
+        call    alive
         call    dwa_curvature
         ldf     @DW_V, r11
         mpyf    @K_DW_STEP, r11                 ; way of a step

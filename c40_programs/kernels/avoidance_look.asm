@@ -160,6 +160,7 @@ avoid_blind:
 
 ; ---- MINIMA: the nearest valid echo of each sector; ray boundaries are k * rays / sectors, floored ----
 avoid_minima:
+        call    alive
         float   @AV_SECTORS, r0
         call    m_reciprocal
         float   @AV_RAYS, r1
@@ -363,6 +364,12 @@ avoid_points:
         ldhi    hi16(AV_POINTS), ar5
         or      lo16(AV_POINTS), ar5
         ldi     0, ar1                          ; sector
+avoid_points_some:
+        call    alive
+        ldi     ar1, ir1
+        addi    8, ir1
+        cmpi    @AV_SECTORS, ir1
+        ldigt   @AV_SECTORS, ir1
 avoid_point:
         ldi     *ar3, r0
         cmpi    -1, r0
@@ -409,8 +416,10 @@ avoid_point:
 avoid_point_next:
         addi    2, ar3
         addi    1, ar1
-        cmpi    @AV_SECTORS, ar1
+        cmpi    ir1, ar1
         blt     avoid_point
+        cmpi    @AV_SECTORS, ar1
+        blt     avoid_points_some
         rets
 
 ; R0 <- swing at the point just projected: half the vehicle's length squared / 2 times the curvature, to the outer side; before and behind a bend so much

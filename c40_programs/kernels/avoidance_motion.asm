@@ -1,6 +1,7 @@
 ; ---- what moves: the lateral places of what stands beside the lane are compared with those of some 0.4 s ago (16 to 48 points). What comes nearer
 ; so fast that it would be in the way before the rear has passed blocks it now; what comes along the way shortens it by its way while the vehicle stops. ----
 avoid_motion:
+        call    alive
         ldi     @AV_COUNT, r0
         lsh     -4, r0
         subi    2, r0

@@ -22,6 +22,7 @@ kernel_avoidance_vfh:
         br      avoid_decide
 
 vfh_histogram:
+        call    alive
         float   @AV_RAYS, r0
         mpyf    @AV_STEP, r0
         call    m_reciprocal
@@ -100,6 +101,7 @@ vfh_next:
 
 ; SMOOTH[k] <- (H[k-2] + 2 H[k-1] + 3 H[k] + 2 H[k+1] + H[k+2]) / 9, the ends repeated.
 vfh_smooth:
+        call    alive
         ldhi    hi16(VF_HISTOGRAM), ar0
         or      lo16(VF_HISTOGRAM), ar0
         ldhi    hi16(VF_SMOOTH), ar1
@@ -152,6 +154,7 @@ vfh_goal:
 
 ; SHIFT, SPEED from the free sector nearest to the goal.
 vfh_valley:
+        call    alive
         ldi     @VF_GOAL, ar0
         ldhi    hi16(VF_SMOOTH), ar1
         or      lo16(VF_SMOOTH), ar1

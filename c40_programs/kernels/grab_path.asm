@@ -1,7 +1,7 @@
 ; Process 2: the grab path, and the planner that homing shares (docs/kernels_job.md).
 ;
 ; Route 1 leads from where the crane was last sent to CR_CLEARANCE above the target, route 2 from there, with the container, to CR_CLEARANCE
-; above an AGV's deck in the loading spot (its measured pose replaces this end when the trajectory gets there), route 3 home.
+; above the deck of the highest AGV in the loading spot, whether one stands there or not (process 4 aligns the load), route 3 home.
 ; A box that must not be entered is grown by half the load's plan and a margin, and upwards by the hanging load; nothing passes below it.
 ;
 ; 1. The end over the bay gets a column: a point straight above it, raised in steps while the way from the column to the other end is blocked.
@@ -109,7 +109,7 @@ grab_path_present_at:
         call    copy_words
         rets
 
-; ---- GP_END: above the deck of an AGV in the loading spot ----
+; ---- GP_END: above the loading spot, where the hanging container clears the deck of the highest AGV ----
 grab_path_spot:
         ldi     ar6, ar0
         addi    CR_SPOT, ar0
@@ -118,6 +118,9 @@ grab_path_spot:
         ldf     *+ar0(1), r0
         stf     r0, @GP_END + 1
         ldf     *+ar0(2), r0
+        ldf     @GP_START + 3, r1
+        call    trajectory_crane_half_turn
+        rnd     r0
         stf     r0, @GP_END + 3
         ldf     *+ar6(CR_AGV_DECK), r0
         addf    *+ar6(CR_BOX_HEIGHT), r0
@@ -312,6 +315,7 @@ grab_path_emit_at:
 ; ---- R0 = 1 when the straight way from point R6 to point R7 enters a box by more than GP_TOUCH, else 0; R6, R7 kept ----
 ; A box is the set where five functions are positive, each linear along the way: the share t0..t1 of the way where all are.
 grab_path_blocked:
+        call    alive
         ldhi    hi16(SCRATCH), ar3
         or      lo16(GP_POINT), ar3
         ldi     ar3, ar4
@@ -464,6 +468,7 @@ grab_path_push:
 
 ; ---- the way from *ar3 to *ar4 is moved out of every box in turn, by moving *ar3 ----
 grab_path_step:
+        call    alive
         ldhi    hi16(SCRATCH), ar1
         or      lo16(GP_BOXES), ar1
         ldi     @GP_BOX_COUNT, ar2
@@ -526,6 +531,7 @@ grab_path_nearest_face:
 
 ; ---- for every box the face through which the straight way leaves it most cheaply, -1 when it does not enter ----
 grab_path_choose:
+        call    alive
         ldhi    hi16(SCRATCH), ar3
         or      lo16(GP_POINT), ar3
         ldi     ar3, ar4
@@ -573,6 +579,7 @@ grab_path_choose_next:
 
 ; ---- p_1 .. p_5 evenly from p_0 to p_6, raised onto every box that is to be passed over ----
 grab_path_lay:
+        call    alive
         ldhi    hi16(SCRATCH), ar3
         or      lo16(GP_POINT), ar3
         ldi     ar3, ar4
@@ -661,6 +668,7 @@ grab_path_shorten_stuck:
 
 ; ---- the list anew: straight up from p_0, above whatever the plan of the way crosses, down to the end ----
 grab_path_over:
+        call    alive
         ldhi    hi16(SCRATCH), ar3
         or      lo16(GP_POINT), ar3
         ldi     ar3, ar4

@@ -36,6 +36,7 @@ ID_LEFT             .set SCRATCH + 539          ; i, of the container in hand
 ID_RIGHT            .set SCRATCH + 540          ; j
 ID_HEIGHT           .set SCRATCH + 542          ; h, 128 samples between two zeros
 ID_TIERS            .set 4
+ID_SHIFTS_BEAT      .set 16
 ID_NARROWEST        .set 4                      ; samples that a container must have
 
 identify_begin  .macro
@@ -63,6 +64,7 @@ kernel_identify:
         identify_begin
         ble     identify_done
 identify_row:
+        call    alive
         call    identify_scan
         ldi     @ID_WIDTH, r0
         cmpi    ID_NARROWEST, r0
@@ -177,7 +179,8 @@ identify_scan:
         ldi     @ID_LAST, r9
         ldi     0, r10
         ldf     1.0, r2                         ; what is higher is no deck
-        ldi     SCAN_COUNT - 1, rc
+identify_scan_half:
+        ldi     SCAN_COUNT / 2 - 1, rc
         rptb    identify_scanned
         float   *ar0++(1), r0
         mpyf    @K_MILLI, r0
@@ -196,6 +199,9 @@ identify_scan:
         ldigt   r1, r9
 identify_scanned:
         addi    1, r10
+        call    alive
+        cmpi    SCAN_COUNT, r10
+        blt     identify_scan_half
         ldf     0.0, r0                         ; the zeros at both ends of h
         stf     r0, *ar1
         stf     r0, *-ar1(SCAN_COUNT + 1)
@@ -247,6 +253,7 @@ identify_fitted:
 
 ; ---- c_m for every shift: one multiply and one add per cycle ----
 identify_correlate:
+        call    alive
         ldhi    hi16(SCRATCH), ar2
         or      lo16(ID_FIT), ar2
         ldhi    hi16(SCRATCH), ar3
@@ -260,6 +267,11 @@ identify_correlate:
         ldi     ar1, r7
         ldf     0.0, r3
         stf     r3, *ar4++(1)
+identify_shifts:
+        ldi     r7, ir0                         ; a heartbeat after so many
+        subi    ID_SHIFTS_BEAT, ir0
+        cmpi    -1, ir0
+        ldilt   -1, ir0
 identify_shift:
         ldi     ar2, ar0
         ldi     ar3, ar1
@@ -272,7 +284,11 @@ identify_shift:
         stf     r2, *ar4++(1)
         addi    1, ar2
         subi    1, r7
-        bge     identify_shift
+        cmpi    ir0, r7
+        bgt     identify_shift
+        call    alive
+        cmpi    0, r7
+        bge     identify_shifts
         stf     r3, *ar4
         rets
 
@@ -300,6 +316,7 @@ identify_no_peak:
 ; ---- the container at shift R8: edges, middle, height ----
 ; From the middle cell outwards as far as cells fit; the zeros at both ends of g stop the walk.
 identify_place:
+        call    alive
         ldi     @ID_WIDTH, r0
         lsh     -1, r0
         addi    r8, r0                          ; a cell in the middle

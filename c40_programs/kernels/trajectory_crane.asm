@@ -14,7 +14,7 @@ TJ_BANK_WORDS   .set 21
 TJ_K0           .set SCRATCH + 0        ; first point of the leg
 TJ_COUNT        .set SCRATCH + 1        ; its number of points
 TJ_SEGMENTS     .set SCRATCH + 2        ; n
-TJ_ROUTE        .set SCRATCH + 3        ; offset of its via points in the area
+TJ_ROUTE        .set SCRATCH + 3        ; offset of its via points in the area; 0: an alignment, which has none
 TJ_BEGIN        .set SCRATCH + 4        ; P_0
 TJ_END          .set SCRATCH + 8        ; P_n
 TJ_DURATION     .set SCRATCH + 12       ; T_i, 8 words
@@ -66,7 +66,11 @@ trajectory_crane_begin:
         or      lo16(TJ_BEGIN), ar1
         ldi     3, rc
         call    copy_words
+        ldf     *+ar6(CR_POINT_PERIOD), r0
+        stf     r0, @TJ_PERIOD
         ldi     *+ar6(CR_LEG), r8
+        cmpi    LEG_ALIGN, r8
+        beq     trajectory_crane_align
         ldi     ar6, ar0
         addi    r8, ar0
         ldi     *+ar0(CR_ROUTE_COUNT), r0
@@ -78,13 +82,7 @@ trajectory_crane_begin:
         lsh     5, r0
         addi    CR_ROUTE, r0
         sti     r0, @TJ_ROUTE
-        ldf     *+ar6(CR_POINT_PERIOD), r0
-        stf     r0, @TJ_PERIOD
         call    trajectory_crane_chain
-        cmpi    2, r8
-        bne     trajectory_crane_aimed
-        call    trajectory_crane_aim
-trajectory_crane_aimed:
         ldi     @TJ_SEGMENTS, ar0               ; P_n
         lsh     2, ar0
         ldhi    hi16(TJ_CHAIN), ar1
@@ -94,6 +92,11 @@ trajectory_crane_aimed:
         or      lo16(TJ_END), ar1
         ldi     3, rc
         call    copy_words
+        br      trajectory_crane_laid
+trajectory_crane_align:
+        call    trajectory_crane_aim
+        call    trajectory_crane_chain
+trajectory_crane_laid:
 
         ldhi    hi16(TJ_CHAIN), ar3
         or      lo16(TJ_CHAIN), ar3
@@ -278,13 +281,15 @@ trajectory_crane_write:
         ldi     @TASK + TB_ARGUMENT, r1
         subi    @TJ_K0, r1
         addi    1, r1
+        ldi     r1, r2
         ldi     0, r0
-        cmpi    @TJ_COUNT, r1
-        ldige   RESULT_END_OF_LEG, r0
         ldi     MUST_TRAJECTORY + MUST_INVERSE, r1
+        cmpi    @TJ_COUNT, r2
+        ldige   RESULT_END_OF_LEG, r0
+        ldige   MUST_INVERSE, r1
         rets
 
-; CHAIN <- P_0 and the n via points of the leg.
+; CHAIN <- P_0 and the n via points of the leg; of an alignment P_0 and P_n, which the leg's bank keeps.
 trajectory_crane_chain:
         ldhi    hi16(TJ_BEGIN), ar0
         or      lo16(TJ_BEGIN), ar0
@@ -298,43 +303,48 @@ trajectory_crane_chain:
         cmpi    0, rc
         retslt
         ldi     @TJ_ROUTE, ar0
+        cmpi    0, ar0
+        beq     trajectory_crane_chain_end
         addi    ar6, ar0
         br      copy_words
+trajectory_crane_chain_end:
+        ldhi    hi16(TJ_END), ar0
+        or      lo16(TJ_END), ar0
+        br      copy_words
 
-; The end of leg 2 is where the AGV stands, measured: x, y, its heading to within a half turn, deck + box + clearance.
-; It replaces the last via point of the route, also in shared memory.
+; An alignment is one segment without a route: END <- where the AGV stands, measured: x, y, its heading to within a half turn, deck + box +
+; clearance.
 trajectory_crane_aim:
-        ldi     @TJ_SEGMENTS, r0
-        cmpi    0, r0
-        bne     trajectory_crane_has_via
         ldi     1, r0
         sti     r0, @TJ_SEGMENTS
-        sti     r0, *+ar6(CR_ROUTE_COUNT + 2)
-trajectory_crane_has_via:
+        ldi     0, r0
+        sti     r0, @TJ_ROUTE
         ldhi    hi16(WINDOW_B), ar0
         addi    *+ar6(CR_AGV), ar0
-        ldi     @TJ_SEGMENTS, ar1
-        lsh     2, ar1
-        ldhi    hi16(TJ_CHAIN), ar2
-        or      lo16(TJ_CHAIN), ar2
-        addi    ar2, ar1
         ldi     *+ar0(AGV_X), r0
         float   r0, r0
         mpyf    @K_MILLI, r0
-        stf     r0, *ar1
+        stf     r0, @TJ_END
         ldi     *+ar0(AGV_Y), r0
         float   r0, r0
         mpyf    @K_MILLI, r0
-        stf     r0, *+ar1(1)
+        stf     r0, @TJ_END + 1
         ldf     *+ar6(CR_AGV_DECK), r0
         addf    *+ar6(CR_BOX_HEIGHT), r0
         addf    *+ar6(CR_CLEARANCE), r0
-        stf     r0, *+ar1(2)
+        stf     r0, @TJ_END + 2
         ldi     *+ar0(AGV_HEADING), r0
         float   r0, r0
         mpyf    @K_MICRO, r0
-        ldf     r0, r1                          ; heading - pi floor((heading - yaw_0) / pi + 1/2)
-        subf    @TJ_BEGIN + 3, r1
+        ldf     @TJ_BEGIN + 3, r1
+        call    trajectory_crane_half_turn
+        stf     r0, @TJ_END + 3
+        rets
+
+; R0 <- the heading R0 or its opposite, whichever is nearer to the yaw R1: a box fits either way. Changes R1.
+trajectory_crane_half_turn:
+        negf    r1, r1                          ; heading - pi floor((heading - yaw) / pi + 1/2)
+        addf    r0, r1
         mpyf    @K_TWO_OVER_PI, r1
         mpyf    0.5, r1
         addf    0.5, r1
@@ -342,15 +352,7 @@ trajectory_crane_has_via:
         float   r1, r1
         mpyf    @K_PI, r1
         subf    r1, r0
-        stf     r0, *+ar1(3)
-        ldi     ar1, ar0
-        ldi     @TJ_SEGMENTS, ar1
-        subi    1, ar1
-        lsh     2, ar1
-        addi    @TJ_ROUTE, ar1
-        addi    ar6, ar1
-        ldi     3, rc
-        br      copy_words
+        rets
 
 ; R0 <- T of the segment from *AR3 to *+AR3(4): the longest that any limit of docs/kernels.md asks for.
 trajectory_crane_duration:

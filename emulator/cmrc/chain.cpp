@@ -13,12 +13,14 @@ void PointChain::begin(std::int64_t first, std::int64_t interval, std::int64_t t
   told_ = first;
   begin_told_ = end_told_ = false;
   anchored_ = trajectory_out_ = inverse_out_ = ended_ = false;
-  active_ = true;
+  active_ = again_ = true;
 }
 
-void PointChain::trajectory_done(bool end_of_leg, bool has_point) {
+void PointChain::trajectory_done(bool end_of_leg, bool inverse, bool again) {
   trajectory_out_ = false;
-  if (has_point) ++cartesian_;
+  planned_at_ = loaded_at_;
+  if (inverse) ++cartesian_;
+  again_ = again;
   if (end_of_leg) ended_ = true;
 }
 
@@ -67,7 +69,7 @@ bool PointChain::ended(Desk& desk) {
 void PointChain::refresh(Desk& desk) {
   if (!active_) return;
   tell(desk);
-  if (!trajectory_out_ && !ended_ && cartesian_ - consumed_by(desk.tick()) < depth_ && joint_ >= cartesian_ - 1) {
+  if (!trajectory_out_ && again_ && cartesian_ - consumed_by(desk.tick()) < depth_ && joint_ >= cartesian_ - 1) {
     Task task = trajectory_;
     task.tick = static_cast<std::uint32_t>(desk.tick());
     task.argument = static_cast<std::uint32_t>(cartesian_);
@@ -79,7 +81,7 @@ void PointChain::refresh(Desk& desk) {
     Task task = inverse_;
     task.tick = static_cast<std::uint32_t>(desk.tick());
     task.argument = static_cast<std::uint32_t>(joint_);
-    task.t = desk.tick() - loaded_at_;
+    task.t = desk.tick() - planned_at_;
     desk.load(task, need(joint_));
     inverse_out_ = true;
   }

@@ -3,7 +3,8 @@
 // buffer has room (plant-and-bus.md 4.4 item 4).
 //
 // Trajectory planning of point k is loaded when that of k - 1 is done, inverse kinematics of k - 2 is done (the ring of Cartesian points holds
-// two) and fewer than `depth` points are ahead of the robot. Inverse kinematics of k is loaded when trajectory planning of k is done.
+// two) and fewer than `depth` points are ahead of the robot. Inverse kinematics of k is loaded when trajectory planning of k is done, and inherits
+// its t: the refreshes since that was loaded, also where trajectory planning of k + 1 is loaded in the same refresh.
 // The deadline of both is the instant at which the buffer runs dry without point k; at rest, before the first point of a leg has been consumed,
 // points are due one interval after the other from the leg's beginning.
 #include <cstdint>
@@ -19,7 +20,8 @@ class PointChain {
 
   /// A leg begins: its first point has number `first`, and points are `interval` refreshes apart.
   void begin(std::int64_t first, std::int64_t interval, std::int64_t tick);
-  void trajectory_done(bool end_of_leg, bool has_point);
+  /// What its block has told: the point was the leg's last one; it demands inverse kinematics of the point it has made; it demands to be loaded again.
+  void trajectory_done(bool end_of_leg, bool inverse, bool again);
   void inverse_done() { ++joint_; inverse_out_ = false; }
   /// The robot has consumed `count` points since the start of the run, the last one at refresh `start` (crane: PID's word).
   void consumed(std::int64_t count, std::int64_t start);
@@ -60,11 +62,13 @@ class PointChain {
   std::int64_t consumed_ = 0;
   std::int64_t base_ = 0;        // refresh at which point base_count_ is needed
   std::int64_t base_count_ = 0;
-  std::int64_t loaded_at_ = 0;   // refresh at which the last trajectory block was loaded: the inverse one inherits its t
+  std::int64_t loaded_at_ = 0;   // refresh at which the last trajectory block was loaded
+  std::int64_t planned_at_ = 0;  // the same of the last one that is done: the inverse block of its point inherits its t
   bool anchored_ = false;        // the robot has begun to consume this leg
   bool drive_buffer_ = false;
   bool trajectory_out_ = false;
   bool inverse_out_ = false;
+  bool again_ = false;           // the leg has begun, or trajectory planning has demanded itself
   bool ended_ = false;
   bool active_ = false;
   std::int64_t begun_at_ = 0;    // refresh

@@ -186,6 +186,7 @@ class Invariants {
     require(!config_.bus.prefetch || config_.bus.latency_timer_clocks >= 32, {"bus.latency_timer_clocks", "bus.prefetch"},
             fmt::format("a line of 8 words does not fit into {} clocks", config_.bus.latency_timer_clocks),
             "at least 32 is expected, or bus.prefetch = false");
+    heartbeats();
     const machine::Topology topology =
         topology_of(config_, [this](const auto& keys, const std::string& what, const std::string& right) { contradiction(keys, what, right); });
     loads();
@@ -229,6 +230,16 @@ class Invariants {
     const double apart = static_cast<double>(config_.scheduling.event_read_refreshes) / config_.rates.refresh_frequency_hz;
     require(apart <= 0.05, {"scheduling.event_read_refreshes", "rates.refresh_frequency_hz"},
             fmt::format("a range sensor is read every {:g} ms", apart * 1e3), "at most 50 ms are expected: objects that enter are told from those that come closer");
+  }
+
+  void heartbeats() const {
+    const double limit_ms = static_cast<double>(config_.watchdog.minimum_refreshes) / config_.rates.refresh_frequency_hz * 1e3;
+    for (const UserTask& task : config_.tasks) {
+      if (task.heartbeat_ms <= limit_ms) continue;
+      refuse(task.origin, "tasks.heartbeat_ms", fmt::format("{:g} ms of \"{}\" are longer than the watchdog's limit, {} refreshes: {:g} ms", task.heartbeat_ms, task.name,
+                                                            config_.watchdog.minimum_refreshes, limit_ms),
+             "a shorter heartbeat, none (0), or more watchdog.minimum_refreshes is expected");
+    }
   }
 
   void rates() const {

@@ -174,7 +174,7 @@ std::vector<Key> make_keys() {
               "refreshes between two readings of that sensor by the host", "assumed")),
 
       live(number("watchdog.factor", FIELD(watchdog.factor), "", 1, 1000,
-             "the limit of a kind is this times its longest measured run", "ruling 15")),
+             "the limit of a kind is this times its longest measured run, or, where it has a heartbeat, times the longest gap between two beats", "rulings 15, 37")),
       live(integer("watchdog.minimum_refreshes", FIELD(watchdog.minimum_refreshes), "refreshes", 2, 65535,
               "no limit is below this", "ruling 15")),
       live(integer("watchdog.recomputations_max", FIELD(watchdog.recomputations_max), "", 0, 100,
@@ -192,7 +192,7 @@ std::vector<Key> make_keys() {
       number("watchdog.planning_run_us", FIELD(watchdog.planning_run_us), "us", 1, 1e6,
              "the same for trajectory planning and inverse kinematics", "measured, docs/controller.md"),
       number("watchdog.long_run_us", FIELD(watchdog.long_run_us), "us", 1, 1e7,
-             "the same for all other kinds", "plant-and-bus.md 2.2"),
+             "the same for all other kinds; of those with a heartbeat it only says that they are long (long_blocks_max)", "plant-and-bus.md 2.2"),
 
       live(number("host.refresh_overhead_ns", FIELD(host.refresh_overhead_ns), "ns", 0, 1e6,
              "the host's own work per refresh: timer interrupt, bookkeeping", "assumed, Pentium II")),

@@ -28,10 +28,14 @@ std::int64_t Crane::ticks(double seconds) const { return static_cast<std::int64_
 
 // ---- steps -------------------------------------------------------------------------------------------------------------
 
-void Crane::enter(const Step& step, Desk& desk) {
+void Crane::enter(const Step& step, std::optional<unsigned> agv, Desk& desk) {
   retrying_ = false;
   switch (step.kind) {
     case Step::Kind::leg: begin_leg(step.leg, desk); break;
+    case Step::Kind::align:
+      desk.write(words_.cr_base + words_.cr_agv, words_.agv_unit + agv.value() * words_.agv_unit_words);
+      begin_leg(words_.leg_align, desk);
+      break;
     case Step::Kind::settle: since_ = desk.tick() + interval_; break;  // the last segment is still being followed
     case Step::Kind::lower:
       ramp_pending_ = true;
@@ -43,15 +47,15 @@ void Crane::enter(const Step& step, Desk& desk) {
     case Step::Kind::raise:
       ramp_pending_ = !ramp(-ramp_offset_, desk);
       break;
-    case Step::Kind::wait_for_agv: desk.crane_asks(); break;
     case Step::Kind::hold: since_ = desk.tick() + ticks(step.seconds); break;
     default: throw std::logic_error("Crane: a step of another robot");
   }
 }
 
-bool Crane::done(const Step& step, Desk& desk, const Berth& berth) {
+bool Crane::done(const Step& step, Desk& desk) {
   switch (step.kind) {
-    case Step::Kind::leg: return chain_.ended(desk);
+    case Step::Kind::leg:
+    case Step::Kind::align: return chain_.ended(desk);
     case Step::Kind::settle: return settled(desk);
     case Step::Kind::lower: return lowered(desk);
     case Step::Kind::lock:
@@ -65,13 +69,6 @@ bool Crane::done(const Step& step, Desk& desk, const Berth& berth) {
       desk.milestone(0, Milestone::Kind::opened, 0, desk.tick());
       return true;
     case Step::Kind::raise: return raised(desk);
-    case Step::Kind::wait_for_agv: {
-      // Leg 2 aims at the AGV's measured pose, so it cannot begin before one stands there.
-      const auto agv = berth.agv_in_spot();
-      if (!agv) return false;
-      desk.write(words_.cr_base + words_.cr_agv, words_.agv_unit + *agv * words_.agv_unit_words);
-      return true;
-    }
     case Step::Kind::hold: return desk.tick() >= since_;
     default: throw std::logic_error("Crane: a step of another robot");
   }
@@ -167,9 +164,8 @@ void Crane::aim_again(Desk& desk) {
     phase_ = Phase::given_up;
   } else if (leg_ == 1 && !pid_.locked) {
     phase_ = Phase::identify;
-  } else if (leg_ == 2 && pid_.locked) {
-    desk.write(words_.cr_base + words_.cr_route_count + 2, Word{1});  // straight there
-    begin_leg(2, desk);
+  } else if (leg_ == words_.leg_align && pid_.locked) {
+    begin_leg(words_.leg_align, desk);
     phase_ = Phase::align;
   } else {
     phase_ = Phase::rest;
@@ -192,7 +188,7 @@ bool Crane::raised(Desk& desk) {
 
 void Crane::finished(const Task& done, Word result, Word notify, Desk& desk) {
   if (done.kind == words_.kind_pid) pid_finished(done, result, desk);
-  else if (done.kind == words_.kind_trajectory_crane) chain_.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0);
+  else if (done.kind == words_.kind_trajectory_crane) chain_.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0, (notify & words_.must_trajectory) != 0);
   else if (done.kind == words_.kind_inverse_crane) chain_.inverse_done();
   else if (done.kind == words_.kind_identify && phase_ == Phase::identify) asked_ = false, phase_ = (notify & words_.must_process << 2) != 0 ? Phase::plan : Phase::rest;
   else if (done.kind == words_.kind_grab_path && phase_ == Phase::plan) begin_leg(1, desk), phase_ = Phase::align;

@@ -33,21 +33,14 @@ struct PidStatus {
   bool landed = false, locked = false, open = false, starved = false, settled = false, ramp_done = false;
 };
 
-/// Who stands in the loading spot.
-class Berth {
- public:
-  virtual ~Berth() = default;
-  virtual std::optional<unsigned> agv_in_spot() const = 0;
-};
-
 class Crane {
  public:
   Crane(const CraneJob& job, const Words& words);
 
-  /// Begins a step; all kinds but Step::Kind::task.
-  void enter(const Step& step, Desk& desk);
+  /// Begins a step; all kinds but Step::Kind::task. \param agv whom the process loads, for "align"
+  void enter(const Step& step, std::optional<unsigned> agv, Desk& desk);
   /// Goes on with the step that was entered last: true when it is done.
-  bool done(const Step& step, Desk& desk, const Berth& berth);
+  bool done(const Step& step, Desk& desk);
   /// A block of PID or of sub-processes 1 and 2 has ended.
   void finished(const Task& task, Word result, Word notify, Desk& desk);
   /// It was dropped after too many recomputations: what it was for is asked for again.

@@ -10,7 +10,7 @@ using report::Time;
 
 report::CycleReport* Cycles::of_agv(unsigned agv) {
   const Agv& known = agvs_[agv];
-  return known.loaded ? &cycles_[known.cycle] : nullptr;
+  return known.cycle ? &cycles_[*known.cycle] : nullptr;
 }
 
 void Cycles::agv_waits(unsigned agv, bool waits, Time now) {
@@ -23,32 +23,29 @@ void Cycles::sent(unsigned agv, std::int64_t interval) {
   if (auto* cycle = of_agv(agv)) cycle->agv_interval = interval;
 }
 
-void Cycles::process(unsigned number, bool started, unsigned robot, Time now) {
-  if (started) started_[{number, robot}] = now;
-  const auto lasted = [&] { return now - started_[{number, robot}]; };
-  switch (number) {
-    case 3:
+void Cycles::process(Account account, bool started, unsigned robot, Time now) {
+  if (started) started_[{account, robot}] = now;
+  const auto lasted = [&] { return now - started_[{account, robot}]; };
+  switch (account) {
+    case Account::none: break;
+    case Account::t_3:
       if (started) {
         cycles_.emplace_back();
         cycles_.back().number = static_cast<unsigned>(cycles_.size());
-        asked_.reset();
+        grabbed_.reset();
       } else {
         cycles_.back().t3 = lasted();
         grabbed_ = now;
       }
       break;
-    case 4:
-      if (started) {
-        loading_begins(robot - 1, now);
-      } else if (auto* cycle = of_agv(robot - 1)) {
-        cycle->t4 = lasted();
-        cycle->T_g = *cycle->t3 + *cycle->t4 + *cycle->t_v;
-      }
+    case Account::t_4:
+      if (started) loading_begins(robot - 1, now);
+      else loading_ends(robot - 1, lasted());
       break;
-    case 5:
+    case Account::t_5:
       if (auto* cycle = of_agv(robot - 1); cycle != nullptr && !started) cycle->t5 = lasted();
       break;
-    case 6:
+    case Account::t_6:
       if (started) {
         agvs_[robot - 1].waited = {};
       } else {
@@ -60,29 +57,34 @@ void Cycles::process(unsigned number, bool started, unsigned robot, Time now) {
         }
       }
       break;
-    default: break;
   }
 }
 
 void Cycles::loading_begins(unsigned number, Time now) {
   Agv& agv = agvs_[number];
+  agv.before = std::exchange(agv.cycle, std::nullopt);
+  const auto since = std::exchange(agv.waits_since, std::nullopt);  // none: it was there at the start
+  if (!grabbed_) return;  // nothing is accounted as t_3
   report::CycleReport& cycle = cycles_.back();
-  const Time ready = asked_.value_or(grabbed_);
-  const Time free = std::exchange(agv.waits_since, std::nullopt).value_or(Time{});  // those that wait at the start: always
-  const Time met = std::max(ready, free);
-  // Within process 3 the crane waits at "wait_for_agv", after it for whoever else has to consent to process 4.
-  const Time within = asked_ ? met - ready : Time{};
-  cycle.t_v = within + (now - grabbed_);
-  *cycle.t3 -= within;
-  if (auto* before = of_agv(number); before != nullptr && before->t6) {
-    before->t_w = agv.waited + (met - free);
-    before->approach = now - met;
-    before->T_a = *before->t5 + *before->t6 + *before->t4 + *before->t_w + *before->approach;
-    closed_ = AgvCycle{number, *before->t5 + *before->t6, *before->t_w, *cycle.t_v, *before->T_g};
-  }
-  agv.cycle = cycles_.size() - 1;
-  agv.loaded = true;
+  cycle.t_v = now - *grabbed_;
   cycle.agv = number;
+  agv.cycle = cycles_.size() - 1;
+  if (!agv.before || !since) return;
+  report::CycleReport& before = cycles_[*agv.before];
+  before.t_w = agv.waited + (now - *since);
+  if (before.t5 && before.t6 && before.T_g) closed_ = AgvCycle{number, *before.t5 + *before.t6, *before.t_w, *cycle.t_v, *before.T_g};
+}
+
+void Cycles::loading_ends(unsigned number, Time lasted) {
+  if (auto* cycle = of_agv(number)) {
+    cycle->t4 = lasted;
+    cycle->T_g = *cycle->t3 + *cycle->t4 + *cycle->t_v;
+  }
+  const auto before = std::exchange(agvs_[number].before, std::nullopt);
+  if (!before || !cycles_[*before].t_w) return;
+  report::CycleReport& closed = cycles_[*before];
+  closed.t_wait = *closed.t_w + lasted;
+  if (closed.t5 && closed.t6) closed.T_a = *closed.t5 + *closed.t6 + *closed.t_wait;
 }
 
 std::optional<AgvCycle> Cycles::take_closed() { return std::exchange(closed_, std::nullopt); }

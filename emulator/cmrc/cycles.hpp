@@ -1,11 +1,11 @@
 #pragma once
-// Times of the processes, cycle by cycle (equations 2 to 4), and learning of N^_a from them (plant-and-bus.md 4.7).
+// Times of the processes, cycle by cycle (equations 2 to 4), and learning of N^_a from them (plant-and-bus.md 4.7). Which process counts as t_3,
+// t_4, t_5 or t_6 its row says (`account`).
 //
-// The crane is ready for an AGV when it asks for one (step "wait_for_agv"), else when its process 3 has ended. From then on it waits (t_v) if none
-// stands in the loading spot, and an AGV that had come before has waited (t_w), in the spot and in the slots behind it. What follows to the
-// start of process 4 is the crane's way to the AGV, which has to stand there (it is aimed at, ruling 9): t_3's for the crane, neither t_w nor
-// t_v. So at most one of t_w and t_v is above 0, and
-//     T_g = t_3 + t_4 + t_v,    T_a = t_5 + t_6 + t_4 + t_w + approach
+// The crane waits for an AGV (t_v) from the end of t_3, above the loading spot, to the start of t_4. An AGV waits from leaving the lane, at its
+// first stop in a slot or the spot, to the end of the t_4 that loads it again; moving up is t_6. So t_wait = t_w + that t_4, and
+//     T_g = t_3 + t_4 + t_v,    T_a = t_5 + t_6 + t_wait
+// are the whole way from one beginning of t_3, and from one end of t_4, to the next.
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -25,13 +25,11 @@ struct AgvCycle {
   report::Time T_g{};
 };
 
-/// Notes when processes start and end. Cycle n is container n's way, from the start of the n-th process 3.
+/// Notes when processes start and end. Cycle n is container n's way, from the n-th start of t_3.
 class Cycles {
  public:
-  /// robot: 0 crane, n AGV n - 1; of process 4 the AGV that is loaded.
-  void process(unsigned number, bool started, unsigned robot, report::Time now);
-  /// The crane holds a container and is ready for an AGV.
-  void crane_asks(report::Time now) { asked_ = now; }
+  /// robot: 0 crane, n AGV n - 1; of t_4 the AGV that is loaded.
+  void process(Account account, bool started, unsigned robot, report::Time now);
   /// A landing of the present cycle has been missed.
   void landing_missed() { if (!cycles_.empty()) ++cycles_.back().landings_missed; }
   /// An AGV has come to its slot of the queue or to the loading spot, or drives on from its slot.
@@ -39,27 +37,27 @@ class Cycles {
   /// N^_a of the way that an AGV begins.
   void sent(unsigned agv, std::int64_t interval);
   const std::vector<report::CycleReport>& cycles() const { return cycles_; }
-  /// Cycles of which process 6 has ended.
+  /// Cycles of which t_6 has ended.
   unsigned completed() const { return completed_; }
   /// The cycle that has just closed (its AGV is being loaded again); each is given once.
   std::optional<AgvCycle> take_closed();
 
  private:
   struct Agv {
-    std::size_t cycle = 0;                     // its present one
-    bool loaded = false;                       // it has one
+    std::optional<std::size_t> cycle;          // its present one
+    std::optional<std::size_t> before;         // the one whose wait its present t_4 ends
     std::optional<report::Time> waits_since;   // in a slot or the spot
-    report::Time waited{};                     // in slots that it has left, within the present process 6
+    report::Time waited{};                     // in slots that it has left, within the present t_6
   };
 
   report::CycleReport* of_agv(unsigned agv);
   void loading_begins(unsigned agv, report::Time now);
+  void loading_ends(unsigned agv, report::Time lasted);
 
   std::vector<report::CycleReport> cycles_;
   std::map<unsigned, Agv> agvs_;
-  std::map<std::pair<unsigned, unsigned>, report::Time> started_;  // (process, robot)
-  std::optional<report::Time> asked_;                              // in the present cycle of the crane
-  report::Time grabbed_{};                                         // end of its process 3
+  std::map<std::pair<Account, unsigned>, report::Time> started_;  // (account, robot)
+  std::optional<report::Time> grabbed_;                           // end of the present cycle's t_3
   std::optional<AgvCycle> closed_;
   unsigned completed_ = 0;
 };

@@ -26,8 +26,6 @@ class Desk {
   virtual bool servo_resting() const = 0;
   /// A process has started or ended. Of process 4 the robot is the AGV that is loaded.
   virtual void process(unsigned number, bool started, Robot robot) = 0;
-  /// The crane holds a container and is ready for an AGV.
-  virtual void crane_asks() = 0;
   /// The corner switches have not all closed: the load is lifted, and lowered again unless this was the last try.
   virtual void landing_missed(bool last) = 0;
   /// An AGV has come to its slot of the queue or to the loading spot, or drives on from its slot.

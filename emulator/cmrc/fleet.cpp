@@ -187,7 +187,7 @@ void Fleet::move_up(unsigned index, Desk& desk) {
 void Fleet::finished(const Task& done, Word result, Word notify, Desk& desk) {
   PointChain& chain = agvs_.at(done.robot - 1).chain;
   if (done.kind == words_.kind_trajectory_agv) {
-    chain.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0);
+    chain.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0, (notify & words_.must_trajectory) != 0);
   } else if (done.kind == words_.kind_inverse_agv) {
     chain.inverse_done();
     chain.pushed(desk.tick());

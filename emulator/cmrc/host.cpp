@@ -28,24 +28,21 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
       processes_(config.processes, config.tasks, crane, fleet, words_),
       user_tasks_(config_.tasks, words_, config_.rates.refresh_frequency_hz),
       torque_{{.x = task::torque, .y = robot_class::crane, .kind = words.kind_torque, .area = words.cr_base},
-              JobKind::torque_compensation, intervals_.servo},
+              JobKind::torque_compensation, config.processes.subprocess_of("torque_compensation").number, intervals_.servo},
       pid_{{.x = task::pid, .y = robot_class::crane, .kind = words.kind_pid, .area = words.cr_base},
-           JobKind::pid, intervals_.servo},
+           JobKind::pid, config.processes.subprocess_of("pid").number, intervals_.servo},
       boots_(words_, std::move(boot_stream), milliseconds(config.watchdog.boot_limit_ms), nanoseconds(config.host.boot_pause_ns)) {
   const auto& w = config_.watchdog;
   const auto refreshes = [&](double us) {
     return static_cast<std::int64_t>(std::ceil(us * 1e-6 * config_.rates.refresh_frequency_hz));
   };
-  for (JobKind kind : {JobKind::pid, JobKind::torque_compensation}) longest_[kind] = refreshes(w.servo_run_us);
-  for (JobKind kind : {JobKind::trajectory_crane, JobKind::trajectory_agv, JobKind::inverse_crane, JobKind::inverse_agv}) {
-    longest_[kind] = refreshes(w.planning_run_us);
-  }
-  for (JobKind kind : {JobKind::obstacle_avoidance, JobKind::identify, JobKind::grab_path, JobKind::home_crane,
-                       JobKind::home_agv, JobKind::error}) {
-    longest_[kind] = refreshes(w.long_run_us);
-  }
+  const auto kind = [&](std::size_t number, double run_us, double heartbeat_us) {
+    longest_[static_cast<JobKind>(number)] = refreshes(run_us);
+    if (heartbeat_us > 0) gaps_[static_cast<JobKind>(number)] = refreshes(heartbeat_us);
+  };
+  for (std::size_t i = 0; i < kind_rows().size(); ++i) kind(i, w.*kind_rows()[i].run_us, kind_rows()[i].heartbeat_us);
   for (std::size_t i = 0; i < config_.tasks.size(); ++i) {
-    longest_[static_cast<JobKind>(static_cast<std::size_t>(JobKind::user) + i)] = refreshes(w.long_run_us);
+    kind(static_cast<std::size_t>(JobKind::user) + i, w.long_run_us, config_.tasks[i].heartbeat_ms * 1e3);
   }
   set_releases();
   for (unsigned slot = 0; config_.machine.boot == BootPolicy::link && slot < static_cast<unsigned>(config_.machine.dsps); ++slot)
@@ -62,7 +59,7 @@ void Host::start() {
   refresh_at_ = clock_.at(first);
   for (Servo* servo : {&torque_, &pid_})
     while (servo->next < first) servo->next += intervals_.servo;
-  for (unsigned slot = 0; slot < static_cast<unsigned>(config_.machine.dsps); ++slot) liveness_.sign(slot, tick_);
+  for (unsigned slot = 0; slot < static_cast<unsigned>(config_.machine.dsps); ++slot) liveness_.sign(slot, looks());
 }
 
 // ---- the steps ---------------------------------------------------------------------------------------------------------
@@ -93,6 +90,7 @@ void Host::read_done(std::uint32_t, std::span<const machine::Word> words, Time n
       break;
     case Step::pointer: pointer_read(words[0]); break;
     case Step::flags: flag_read(words[0]); break;
+    case Step::alive: alive_read(words[0]); break;
     case Step::result:
       done_.push_back({flags_.front(), words[0], words[1]});
       flags_.pop_front();
@@ -202,13 +200,17 @@ void Host::flag_read(Word flag) {
   if (flag == words_.flag_done) {
     step_ = Step::result;
     port_->read(words_.block(index) + words_.result, 2, 0);
-  } else if (list_[index].t + grown_ > watchdog_limit(job_of(index))) {
-    step_ = Step::owner;
-    port_->read(words_.block(index) + words_.owner, 1, 0);
-  } else {
-    flags_.pop_front();
-    next_flag();
+    return;
   }
+  Block& block = list_[index];
+  if (block.seen < 0) block.seen = tick_;
+  if (gaps_.contains(job_of(index))) {
+    step_ = Step::alive;
+    port_->read(words_.block(index) + words_.alive, 1, 0);
+    return;
+  }
+  block.running = tick_;
+  judge();
 }
 
 void Host::next_field() {
@@ -236,10 +238,10 @@ void Host::think() {
   }
   for (const Done& done : done_) take_out(done);
   for (const Hung& hung : hung_) recompute(hung);
-  servoing_ = processes_.releases(4, 0) && !pid_.stopped;
+  const auto released = [this](const Servo& servo) { return processes_.releases(servo.subprocess, servo.task.robot) && !servo.stopped; };
+  servoing_ = released(pid_);
   course_->servo(servoing_, clock_.at(tick_));
-  refresh_servo(torque_, processes_.releases(3, 0) && !torque_.stopped);
-  refresh_servo(pid_, processes_.releases(4, 0) && !pid_.stopped);
+  for (Servo* servo : {&torque_, &pid_}) refresh_servo(*servo, released(*servo));
   processes_.refresh(*this);
   user_tasks_.refresh(*this);
   if (const auto cycle = cycles_.take_closed()) {
@@ -319,14 +321,14 @@ void Host::relink() {
                             static_cast<std::uint32_t>(linked_.size()), first, static_cast<std::uint32_t>(elapsed_ - 1)});
   if (config_.machine.idle_policy != IdlePolicy::doorbell) return end_refresh();
   // With nothing to be done nobody is rung; who is idle is still looked at before his silence could be taken for a failure.
-  const bool ask = silence_limit() > 0 && liveness_.doubtful(tick_, silence_limit() / 2);
+  const bool ask = silence_limit() > 0 && liveness_.doubtful(looks(), silence_limit() / 2);
   if (eligible_ == 0 && !ask) return end_refresh();
   step_ = Step::doorbell;
   port_->read(words_.doorbell_idle, 1, 0);
 }
 
 void Host::ring(Word idle) {
-  liveness_.signs(idle, tick_);
+  liveness_.signs(idle, looks());
   for (Word slot = 0; slot < 32 && eligible_ > 0; ++slot) {
     if ((idle >> slot & 1) == 0) continue;
     port_->write(words_.doorbell_ring, slot);
@@ -426,10 +428,13 @@ void Host::take_out(const Done& done) {
   const Task task = block.task;
   const JobKind job = job_kind(task.kind, words_);
   const std::int64_t t = block.t + grown_;
-  longest_[job] = std::max(longest_[job], t);
+  // What is certain: a pause of the host between two looks may have come after the end.
+  longest_[job] = std::max(longest_[job], block.seen < 0 ? 1 : block.running - block.seen + 2);
   note(EventKind::remove, {words_.block(done.block), task.kind, block.generation, 0, 0});
   drops_.erase({task.kind, task.robot});
+  const std::uint32_t own_x = block.own_x;
   list_.remove(done.block);
+  if ((done.notify & words_.must_continue) != 0) return load_next_part(done.block, task, own_x);
   const report::Outcome outcome = ledger_.removed(done.block);
   if (outcome != report::Outcome::on_time) {
     note(EventKind::miss, {task.kind, task.tick, static_cast<std::uint32_t>(outcome), words_.block(done.block), 0});
@@ -440,16 +445,22 @@ void Host::take_out(const Done& done) {
   for (Servo* servo : {&torque_, &pid_}) {
     if (servo->out && servo->block == done.block) servo->out = false, servo->last_t = t;
   }
-  if ((done.notify & words_.must_continue) != 0) {
-    Task next = task;
-    ++next.slice;
-    next.t = 0;
-    load(next, task.deadline);
-  } else if (user_tasks_.owns(task)) {
+  if (user_tasks_.owns(task)) {
     user_tasks_.ended(task);
   } else {
     processes_.finished(task, done.result, done.notify, *this);
   }
+}
+
+// The same job goes on in a block of its own.
+void Host::load_next_part(std::size_t done, const Task& task, std::uint32_t own_x) {
+  Task next = task;
+  next.x = own_x;
+  ++next.slice;
+  next.t = 0;
+  const std::size_t index = list_.load(next);
+  ledger_.continued(done, index, now_);
+  note(EventKind::load, {words_.block(index), next.kind, next.area, next.tick, list_[index].generation});
 }
 
 // ---- the servo ---------------------------------------------------------------------------------------------------------
@@ -499,7 +510,7 @@ bool Host::servo_resting() const {
 // ---- what is told ------------------------------------------------------------------------------------------------------
 
 void Host::process(unsigned number, bool started, Robot robot) {
-  cycles_.process(number, started, robot, now_);
+  cycles_.process(config_.processes.find(number)->account, started, robot, now_);
   note(EventKind::process, {number, started ? 1U : 0U, robot, 0, 0});
 }
 

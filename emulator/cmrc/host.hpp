@@ -3,8 +3,9 @@
 //
 // One refresh, as steps between answers of the bus:
 //   pointer    read the work pointer: what stood before it has been claimed since the last refresh
-//   flags      read the flag of every block that is taken; of those that are done the result and notify words. Of those that the
-//              watchdog finds too old read the owner, fence it off, and read the flag again: now it cannot change any more
+//   flags      read the flag of every block that is taken; of those that are done the result and notify words, of those that are not and have
+//              a heartbeat that word. Of those that the watchdog finds too old read the owner, fence it off, and read the flag again: now it
+//              cannot change any more
 //   field      read what the AGVs' range sensors see in their way, where a sub-process is released by it (docs/processes.md)
 //   thinking   the host's own work, for a modelled time; then finished blocks are out, successors in, t, J and order are computed;
 //              new blocks and changed words of the job areas are written, not yet linked
@@ -74,13 +75,14 @@ class Host : public machine::HostProgram, private Desk {
 
  private:
   enum class Step : std::uint8_t {
-    resting, booting, pointer, flags, result, owner, verdict, signs, field, thinking, semaphore, retry, held, holder, locked_flags, relink, doorbell
+    resting, booting, pointer, flags, alive, result, owner, verdict, signs, field, thinking, semaphore, retry, held, holder, locked_flags, relink, doorbell
   };
 
   /// A periodic task of the crane: torque compensation or PID.
   struct Servo {
     Task task;
     JobKind job;
+    unsigned subprocess;      // the row by which it is released
     std::int64_t next;        // nominal tick to be released next
     bool out = false;         // a block of it is in the list
     std::size_t block = 0;
@@ -94,6 +96,7 @@ class Host : public machine::HostProgram, private Desk {
   struct Hung {
     std::size_t block;
     std::optional<unsigned> slot;  // its owner, fenced off; none when the claim broke off before it was written
+    std::int64_t age;              // refreshes
   };
 
   // Desk
@@ -105,7 +108,6 @@ class Host : public machine::HostProgram, private Desk {
   bool servo_resting() const override;
   void process(unsigned number, bool started, Robot robot) override;
   void landing_missed(bool last) override;
-  void crane_asks() override { cycles_.crane_asks(now_); }
   void agv_waits(unsigned agv, bool waits) override { cycles_.agv_waits(agv, waits, now_); }
   void agv_sent(unsigned agv, std::int64_t interval) override { cycles_.sent(agv, interval); }
   void robot_begins(Robot robot, unsigned process) override { course_->process_begun(robot, process); }
@@ -120,17 +122,22 @@ class Host : public machine::HostProgram, private Desk {
   void pointer_read(Word pointer);
   void next_flag();
   void flag_read(Word flag);
+  void alive_read(Word beat);
+  void judge();
   void owner_read(Word owner);
   void verdict_read(Word flag);
   void after_flags();
   std::int64_t silence_limit() const;  // refreshes; 0: none
   void next_field();
   void field_read(Word millimetres);
+  /// Refreshes made: while the host is away nobody can show it a sign of life.
+  std::int64_t looks() const { return static_cast<std::int64_t>(counts_.refreshes); }
   void begin_thinking();
   void sign_read(Word owner);
   void judge_silence();
   void think();
   void take_out(const Done& done);
+  void load_next_part(std::size_t done, const Task& task, std::uint32_t own_x);
   void recompute(const Hung& hung);
   void give_up(std::size_t block);
   void stop_work(const Task& task, std::int64_t drops);
@@ -153,6 +160,7 @@ class Host : public machine::HostProgram, private Desk {
   void ring(Word idle);
   void end_refresh();
   std::int64_t watchdog_limit(JobKind job) const;
+  std::int64_t age(const Block& block) const;
   std::uint32_t importance_of(const Block& block) const;
   bool is_long(const Block& block) const;
   void hold_back_long_blocks();
@@ -205,6 +213,7 @@ class Host : public machine::HostProgram, private Desk {
   Boots boots_;
   std::map<std::pair<Word, Robot>, std::int64_t> drops_;  // of a kind and robot, in a row
   std::map<JobKind, std::int64_t> longest_;  // longest runs in refreshes, at least as configured
+  std::map<JobKind, std::int64_t> gaps_;     // longest between two beats in refreshes, at least as configured; of kinds that have a heartbeat
 
   report::HostReport counts_;
   report::Distribution durations_, lengths_;

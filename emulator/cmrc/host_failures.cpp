@@ -12,8 +12,36 @@ namespace cmrc {
 using report::EventKind;
 
 std::int64_t Host::watchdog_limit(JobKind job) const {
-  const auto longest = static_cast<double>(longest_.at(job));
+  const auto gap = gaps_.find(job);
+  const auto longest = static_cast<double>(gap != gaps_.end() ? gap->second : longest_.at(job));
   return std::max(config_.watchdog.minimum_refreshes, static_cast<std::int64_t>(std::ceil(config_.watchdog.factor * longest)));
+}
+
+// Refreshes since the last sign of a block that is taken: since its heartbeat was first read as it is, or since it was first seen taken. So one that was
+// claimed while the host was away has age 0, whatever its t.
+std::int64_t Host::age(const Block& block) const { return tick_ - (block.beat_seen < 0 ? block.seen : block.beat_seen); }
+
+void Host::alive_read(Word beat) {
+  Block& block = list_[flags_.front()];
+  if (block.beat_seen < 0 || beat != block.beat) {
+    // Only what is certain counts as a gap: a late look says nothing of the time before it.
+    if (std::int64_t& longest = gaps_.at(job_of(flags_.front())); block.beat_seen >= 0) longest = std::max(longest, block.running - block.beat_seen + 1);
+    block.beat = beat;
+    block.beat_seen = tick_;
+  }
+  block.running = tick_;
+  judge();
+}
+
+void Host::judge() {
+  const std::size_t index = flags_.front();
+  if (age(list_[index]) >= watchdog_limit(job_of(index))) {
+    step_ = Step::owner;
+    port_->read(words_.block(index) + words_.owner, 1, 0);
+  } else {
+    flags_.pop_front();
+    next_flag();
+  }
 }
 
 // A read follows all writes before it: the flag that comes back is the last word of a DSP that is fenced off. One that was reset since
@@ -23,8 +51,7 @@ void Host::owner_read(Word owner) {
   suspect_.reset();
   if (owner >= 1 && owner <= renewed_.size()) {
     const unsigned slot = owner - 1;
-    const std::int64_t taken_at = tick_ - (list_[index].t + grown_);
-    if (renewed_[slot] < taken_at || renewed_[slot] == 0) suspect_ = slot;
+    if (renewed_[slot] < list_[index].seen - 1 || renewed_[slot] == 0) suspect_ = slot;
   }
   if (suspect_) fence_off(*suspect_);
   step_ = Step::verdict;
@@ -38,7 +65,7 @@ void Host::verdict_read(Word flag) {
     port_->read(words_.block(flags_.front()) + words_.result, 2, 0);
     return;
   }
-  hung_.push_back({flags_.front(), suspect_});
+  hung_.push_back({flags_.front(), suspect_, age(list_[flags_.front()])});
   flags_.pop_front();
   next_flag();
 }
@@ -46,8 +73,9 @@ void Host::verdict_read(Word flag) {
 void Host::recompute(const Hung& hung) {
   const Block& block = list_[hung.block];
   listener_.failure({now_, hung.slot, "watchdog",
-                     fmt::format("block {:#x} of kind {} was taken {} refreshes ago and is not done", words_.block(hung.block),
-                                 ledger_.name(job_of(hung.block)), block.t + grown_)});
+                     fmt::format("block {:#x} of kind {} {} and is not done", words_.block(hung.block), ledger_.name(job_of(hung.block)),
+                                 block.beat_seen < 0 ? fmt::format("was taken {} refreshes ago", hung.age)
+                                                     : fmt::format("has had no heartbeat for {} refreshes", hung.age))});
   if (static_cast<std::int64_t>(block.recomputations) < config_.watchdog.recomputations_max) {
     ++list_[hung.block].recomputations;
     list_.put_back(hung.block, task::recompute);
@@ -68,21 +96,21 @@ std::int64_t Host::silence_limit() const {
 
 void Host::after_flags() {
   const std::int64_t limit = silence_limit();
-  if (limit == 0 || config_.machine.idle_policy != IdlePolicy::doorbell || !liveness_.doubtful(tick_, limit)) return next_field();
+  if (limit == 0 || config_.machine.idle_policy != IdlePolicy::doorbell || !liveness_.doubtful(looks(), limit)) return next_field();
   if (signs_.empty()) return judge_silence();
   step_ = Step::signs;
   port_->read(words_.block(signs_.front()) + words_.owner, 1, 0);
 }
 
 void Host::sign_read(Word owner) {
-  if (owner >= 1 && owner <= renewed_.size()) liveness_.sign(owner - 1, tick_);
+  if (owner >= 1 && owner <= renewed_.size()) liveness_.sign(owner - 1, looks());
   signs_.pop_front();
   if (signs_.empty()) judge_silence();
   else port_->read(words_.block(signs_.front()) + words_.owner, 1, 0);
 }
 
 void Host::judge_silence() {
-  for (const auto& [slot, verdict] : liveness_.judge(tick_, silence_limit())) {
+  for (const auto& [slot, verdict] : liveness_.judge(looks(), silence_limit())) {
     const bool silent = verdict == Liveness::Verdict::silent;
     listener_.failure({now_, slot, "silent",
                        silent ? fmt::format("no sign of life for {} ms: it is reset", config_.watchdog.silence_ms)
@@ -97,8 +125,9 @@ void Host::judge_silence() {
 void Host::stop_work(const Task& task, std::int64_t drops) {
   std::string what;
   if (task.kind == words_.kind_torque || task.kind == words_.kind_pid) {
-    (task.kind == words_.kind_pid ? pid_ : torque_).stopped = true;
-    what = fmt::format("sub-process {}; the drives brake", task.kind == words_.kind_pid ? 4 : 3);
+    Servo& servo = task.kind == words_.kind_pid ? pid_ : torque_;
+    servo.stopped = true;
+    what = fmt::format("sub-process {}; the drives brake", servo.subprocess);
   } else if (user_tasks_.owns(task)) {
     user_tasks_.stop(task);
     what = "the task";
@@ -148,7 +177,7 @@ void Host::renew(unsigned slot) {
   fence_ |= Word{1} << slot;
   port_->write(words_.fence_mask, fence_);
   renewed_[slot] = tick_;
-  liveness_.renewed(slot, tick_);
+  liveness_.renewed(slot, looks());
 }
 
 // ---- the list's semaphore ----

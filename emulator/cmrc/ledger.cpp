@@ -4,26 +4,18 @@
 #include <cstdlib>
 #include <functional>
 #include <numeric>
-#include <stdexcept>
 
 namespace cmrc {
 namespace {
 
-const std::vector<std::string>& kind_names() {
-  static const std::vector<std::string> names = {
-      "pid", "torque_compensation", "trajectory_planning.crane", "trajectory_planning.agv", "inverse_kinematics.crane",
-      "inverse_kinematics.agv", "obstacle_avoidance", "identify", "grab_path", "home.crane", "home.agv", "error", "recompute"};
-  return names;
-}
-
 std::vector<std::string> with(const std::vector<std::string>& user_tasks) {
-  std::vector<std::string> all = kind_names();
+  std::vector<std::string> all = job_kinds();
   for (const std::string& name : user_tasks) all.push_back("user." + name);
   return all;
 }
 
 std::vector<Time> periods(Time servo, std::size_t user_tasks) {
-  std::vector<Time> all(kind_names().size() + user_tasks, Time::zero());
+  std::vector<Time> all(kind_rows().size() + user_tasks, Time::zero());
   all[static_cast<std::size_t>(JobKind::pid)] = all[static_cast<std::size_t>(JobKind::torque_compensation)] = servo;
   return all;
 }
@@ -39,6 +31,13 @@ CauseTimes minus(const CauseTimes& later, const CauseTimes& earlier) {
   CauseTimes difference(later.size());
   std::ranges::transform(later, earlier, difference.begin(), std::minus{});
   return difference;
+}
+
+/// Sum by cause; an empty one is nothing.
+std::vector<std::int64_t> plus(std::vector<std::int64_t> one, const std::vector<std::int64_t>& other) {
+  if (one.empty()) return other;
+  for (std::size_t i = 0; i < one.size() && i < other.size(); ++i) one[i] += other[i];
+  return one;
 }
 
 __extension__ using Wide = __int128;
@@ -70,27 +69,6 @@ std::vector<std::int64_t> with_clock(const CauseTimes& cycles, std::int64_t whol
 }
 
 }  // namespace
-
-std::vector<std::string> job_kinds() { return kind_names(); }
-
-JobKind job_kind(Word kind, const Words& words) {
-  if (kind == words.kind_pid) return JobKind::pid;
-  if (kind == words.kind_torque) return JobKind::torque_compensation;
-  if (kind == words.kind_trajectory_crane) return JobKind::trajectory_crane;
-  if (kind == words.kind_trajectory_agv) return JobKind::trajectory_agv;
-  if (kind == words.kind_inverse_crane) return JobKind::inverse_crane;
-  if (kind == words.kind_inverse_agv) return JobKind::inverse_agv;
-  if (kind == words.kind_avoidance) return JobKind::obstacle_avoidance;
-  if (kind == words.kind_identify) return JobKind::identify;
-  if (kind == words.kind_grab_path) return JobKind::grab_path;
-  if (kind == words.kind_home_crane) return JobKind::home_crane;
-  if (kind == words.kind_home_agv) return JobKind::home_agv;
-  if (kind == words.kind_error) return JobKind::error;
-  if (kind >= words.kind_user && kind < words.kind_count) {
-    return static_cast<JobKind>(static_cast<Word>(JobKind::user) + kind - words.kind_user);
-  }
-  throw std::invalid_argument("a task block of a kind that has no account");
-}
 
 Ledger::Ledger(LedgerConfig config)
     : names_(with(config.user_tasks)), cause_names_(config.causes), booked_(config.booked.empty() ? config.causes : config.booked),
@@ -155,6 +133,7 @@ void Ledger::claimed(std::size_t block, unsigned number, Time at, const CauseTim
   ++slot(number).claims;
   open.slot = number;
   open.tries.back().run = report::Run{number, at, at, report::Run::End::running};
+  if (open.parts.count == 0) open.first_claim = at;
   open.failed = false;
   open.at_claim = causes;
   timeline_.took(number, open.name, at);
@@ -171,19 +150,57 @@ void Ledger::leave(Open& open, Time at, report::Run::End end) {
   timeline_.left(run.slot, at);
 }
 
-bool Ledger::finished(std::size_t block, unsigned number, Time at, const CauseTimes& causes) {
+bool Ledger::finished(std::size_t block, unsigned number, Time at, const CauseTimes& causes, bool part) {
   audit_.finished(block, number, at);
   const auto found = open_.find(block);
   if (found == open_.end() || found->second.slot != number || found->second.finished) return false;
   Open& open = found->second;
   open.failed = false;
   open.tries.back().run->end = report::Run::End::running;  // whatever was said of its DSP: here is its word
-  leave(open, at, report::Run::End::done);
-  open.finished = at;
+  leave(open, at, part ? report::Run::End::part : report::Run::End::done);
   open.spent = minus(causes, open.at_claim);
   const std::int64_t whole = (at - open.claimed()).count();
-  if (!open.spent.empty()) why_.ran(open.name.kind, whole, with_clock(open.spent, whole, chip_clock_));
+  if (part) {
+    part_done(open, at, whole);
+    return true;
+  }
+  open.finished = at;
+  const bool known = !open.spent.empty() && (open.parts.count == 0 || !open.parts.cycles.empty());
+  if (known) why_.ran(open.name.kind, open.parts.time.count() + whole, plus(open.parts.chain, chain_of(open.spent, whole, true)));
   return true;
+}
+
+// From here the job waits for the block of its next part: for the host to see the end of this one, and then in the list.
+void Ledger::part_done(Open& open, Time at, std::int64_t whole) {
+  const bool known = !open.spent.empty() && (open.parts.count == 0 || !open.parts.cycles.empty());
+  open.parts.cycles = known ? plus(open.parts.cycles, open.spent) : CauseTimes{};
+  open.parts.chain = plus(open.parts.chain, chain_of(open.spent, whole, true));
+  open.parts.time += Time{whole};
+  ++open.parts.count;
+  open.slot.reset();
+  open.at_claim.clear();
+  open.spent.clear();
+  open.tries.emplace_back();
+  open.tries.back().waits_from = at;
+}
+
+void Ledger::continued(std::size_t block, std::size_t next, Time at) {
+  audit_.removed(block, at);
+  audit_.loaded(next, at);
+  auto moved = open_.extract(block);
+  if (moved.empty()) return;
+  Try& attempt = moved.mapped().tries.back();
+  attempt.first_refresh = std::max(attempt.waits_from, refresh_.began);
+  moved.key() = next;
+  open_.insert(std::move(moved));
+}
+
+// Its picoseconds by a chain's causes, summing to the whole.
+std::vector<std::int64_t> Ledger::chain_of(const CauseTimes& spent, std::int64_t whole, bool ended) const {
+  std::vector<std::int64_t> chain = ended ? with_clock(spent, whole, chip_clock_) : in_picoseconds(spent, whole);
+  chain.resize(cause_names_.size() + 2, 0);
+  chain.back() += whole - std::accumulate(chain.begin(), chain.end(), std::int64_t{0});
+  return chain;
 }
 
 void Ledger::put_back(std::size_t block, Time at) {
@@ -213,17 +230,21 @@ report::Job Ledger::job_of(const Open& open) const {
   job.kind = open.name.kind;
   job.released = open.released;
   job.deadline = open.deadline;
-  job.claimed = open.claimed();
+  job.claimed = open.first_claim;
   job.tick = open.tick;
   if (open.finished) {
     job.progress = report::Progress::finished;
     job.finished = *open.finished;
-    job.cycles = booked(open.spent);
-    job.causes = booked(in_picoseconds(open.spent, (*open.finished - job.claimed).count()));
+    const Time ran = open.parts.time + (*open.finished - open.claimed());
+    const bool known = !open.spent.empty() && (open.parts.count == 0 || !open.parts.cycles.empty());
+    const CauseTimes cycles = known ? plus(open.parts.cycles, open.spent) : CauseTimes{};
+    job.between = *open.finished - job.claimed - ran;
+    job.cycles = booked(cycles);
+    job.causes = booked(in_picoseconds(cycles, ran.count()));
   } else if (open.slot) {
     job.progress = open.failed ? report::Progress::lost : report::Progress::running;
   } else {
-    job.progress = report::Progress::waiting;
+    job.progress = open.parts.count == 0 ? report::Progress::waiting : report::Progress::running;
   }
   return job;
 }
@@ -236,14 +257,12 @@ MissedJob Ledger::missed_job(const Open& open, report::Outcome outcome, Time end
   missed.deadline = open.deadline;
   missed.end = end;
   missed.tries = open.tries;
+  if (open.parts.count > 0) missed.execution = open.parts.chain;
   if (!open.tries.empty() && open.tries.back().run) {
     report::Run& run = *missed.tries.back().run;
     if (run.end == report::Run::End::running) run.ended = end;
     if (run.end == report::Run::End::running || run.end == report::Run::End::done) {
-      const std::int64_t whole = (run.ended - run.claimed).count();
-      missed.execution = run.end == report::Run::End::done ? with_clock(open.spent, whole, chip_clock_) : in_picoseconds(open.spent, whole);
-      missed.execution.resize(cause_names_.size() + 2, 0);
-      missed.execution.back() += whole - std::accumulate(missed.execution.begin(), missed.execution.end(), std::int64_t{0});
+      missed.execution = plus(missed.execution, chain_of(open.spent, (run.ended - run.claimed).count(), run.end == report::Run::End::done));
     }
   }
   return missed;

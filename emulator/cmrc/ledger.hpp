@@ -1,7 +1,8 @@
 #pragma once
 // Every job from its release to its end: who ran it, when, and what its DSP's cycles went into (rulings 16 to 18).
 //
-// A job is one release of a task. A block in the list stands for one job at a time; a recomputed block goes on being the same job.
+// A job is one release of a task. A block in the list stands for one job at a time; a recomputed block goes on being the same job, and so do the
+// blocks of a task in parts, one after the other.
 // Claims and ends are seen at the DSPs' own writes to the block's flag; the host only says what is released and what is given up.
 #include <cstdint>
 #include <functional>
@@ -12,6 +13,7 @@
 
 #include "cmrc/audit.hpp"
 #include "cmrc/course.hpp"
+#include "cmrc/kinds.hpp"
 #include "cmrc/timeline.hpp"
 #include "cmrc/why_late.hpp"
 #include "cmrc/words.hpp"
@@ -21,17 +23,6 @@
 namespace cmrc {
 
 
-
-/// Kinds of jobs in the order of ruling 29.
-enum class JobKind : std::uint8_t {
-  pid, torque_compensation, trajectory_crane, trajectory_agv, inverse_crane, inverse_agv, obstacle_avoidance, identify,
-  grab_path, home_crane, home_agv, error, recompute,
-  user  ///< the first of the user's own tasks
-};
-/// Keys of ruling 29, in the order of JobKind.
-std::vector<std::string> job_kinds();
-/// The job kind of a program (KIND_*).
-JobKind job_kind(Word kind, const Words& words);
 
 using CauseTimes = std::vector<std::int64_t>;  ///< cycles of one chip by cause
 
@@ -68,8 +59,10 @@ class Ledger {
 
   /// A DSP has marked the block 0Fh / FFh. Times are those at which the program issued the write.
   void claimed(std::size_t block, unsigned slot, Time at, const CauseTimes& causes);
-  /// \returns whether it was this DSP's to finish.
-  bool finished(std::size_t block, unsigned slot, Time at, const CauseTimes& causes);
+  /// \param part the task is not done: a block that continues it will follow \returns whether it was this DSP's to finish.
+  bool finished(std::size_t block, unsigned slot, Time at, const CauseTimes& causes, bool part = false);
+  /// The host has seen that a part is done and put up the block of the next one: the same job goes on.
+  void continued(std::size_t block, std::size_t next, Time at);
   /// The block's DSP was given up; the block waits again.
   void put_back(std::size_t block, Time at);
   /// The block was given up for good (ruling 24).
@@ -99,6 +92,12 @@ class Ledger {
   const Audit& audit() const { return audit_; }
 
  private:
+  struct Parts {
+    unsigned count = 0;
+    Time time{};                      // that they ran
+    CauseTimes cycles;                // by cause; empty when not known of each
+    std::vector<std::int64_t> chain;  // ps, by a chain's causes
+  };
   struct Open {
     JobKind kind{};
     report::JobName name;
@@ -111,6 +110,8 @@ class Ledger {
     CauseTimes at_claim;
     CauseTimes spent;               // cycles of the run by cause, when it has ended
     std::vector<Try> tries;
+    Time first_claim{};             // of its whole run: of its first part, if it is in parts
+    Parts parts;                    // that are done
     Time claimed() const { return tries.back().run ? tries.back().run->claimed : Time{}; }
   };
   struct Slot {
@@ -120,6 +121,8 @@ class Ledger {
 
   std::vector<std::int64_t> booked(const std::vector<std::int64_t>& amounts) const;
   report::Job job_of(const Open& open) const;
+  std::vector<std::int64_t> chain_of(const CauseTimes& spent, std::int64_t whole, bool ended) const;
+  void part_done(Open& open, Time at, std::int64_t whole);
   MissedJob missed_job(const Open& open, report::Outcome outcome, Time end) const;
   report::Outcome book(const Open& open, const report::Job& job, Time now);
   void leave(Open& open, Time at, report::Run::End end);

@@ -15,6 +15,7 @@ std::size_t TaskList::load(const Task& task) {
   *free = Block{};
   free->written_slice = written_slice;
   free->task = task;
+  free->own_x = task.x;
   free->t = task.t;
   free->generation = generation;
   free->inserted = ++insertions_;
@@ -33,8 +34,10 @@ void TaskList::remove(std::size_t index) {
 }
 
 void TaskList::take(std::size_t index) {
-  blocks_[index].flag = Flag::taken;
-  blocks_[index].t = 0;
+  Block& block = blocks_[index];
+  block.flag = Flag::taken;
+  block.t = 0;
+  block.seen = block.running = block.beat_seen = -1;
 }
 
 void TaskList::put_back(std::size_t index, std::uint32_t x) {

@@ -33,8 +33,13 @@ struct Block {
   Flag flag = Flag::waiting;
   std::uint32_t importance = 0;
   std::uint32_t generation = 0;
+  std::uint32_t own_x = 0;         ///< task.x before it was put back
   std::uint64_t inserted = 0;      ///< order of loading, decides between equal J
   std::uint32_t recomputations = 0;
+  std::int64_t seen = -1;          ///< refresh at which its flag was first read as taken, and last; -1: never
+  std::int64_t running = -1;
+  std::uint32_t beat = 0;          ///< TB_ALIVE as read last, and the refresh at which it was first read so; -1: never
+  std::int64_t beat_seen = -1;
   bool in_use = false;
   bool fresh = false;              ///< its words are not in shared memory yet
   std::uint32_t written_slice = 0;
@@ -54,7 +59,7 @@ class TaskList {
   /// Puts a block in, waiting. \returns its place in the pool. \throws ListFull
   std::size_t load(const Task& task);
   void remove(std::size_t index);
-  /// Marks a waiting block as taken: t = 0.
+  /// Marks a waiting block as taken: t = 0, and nothing has been seen of it yet.
   void take(std::size_t index);
   /// Puts a taken block back behind the work pointer as a recompute block (x = 2).
   void put_back(std::size_t index, std::uint32_t x);

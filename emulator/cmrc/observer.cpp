@@ -125,7 +125,8 @@ void RunObserver::claim(unsigned slot, std::size_t block, Time issued, Time now)
 
 void RunObserver::finish(unsigned slot, std::size_t block, Time issued, Time now) {
   const machine::Offset flag = words_.block(block) + words_.flag;
-  const bool ended = ledger_.finished(block, slot, issued, take_snapshot(slot, flag, issued));
+  const bool part = (blocks_[block][words_.notify] & words_.must_continue) != 0;
+  const bool ended = ledger_.finished(block, slot, issued, take_snapshot(slot, flag, issued), part);
   if (profile_ != nullptr) profile_->landed(slot, flag, issued, ended ? ledger_.kind_of(block) : std::nullopt);
   log_.add({now, report::dsp(slot), EventKind::finish,
             {words_.block(block), peek_(words_.block(block) + words_.kind), blocks_[block][words_.result],

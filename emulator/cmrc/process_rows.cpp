@@ -20,11 +20,12 @@ struct StepName {
 constexpr std::array<StepName, 11> step_names = {{{"task", Step::Kind::task, "a task's name"}, {"leg", Step::Kind::leg, "1, 2 or 3"},
                                                   {"settle", Step::Kind::settle, ""}, {"lower", Step::Kind::lower, ""},
                                                   {"lock", Step::Kind::lock, ""}, {"open", Step::Kind::open, ""},
-                                                  {"raise", Step::Kind::raise, ""}, {"wait_for_agv", Step::Kind::wait_for_agv, ""},
+                                                  {"raise", Step::Kind::raise, ""}, {"align", Step::Kind::align, ""},
                                                   {"queue", Step::Kind::queue, ""}, {"hand_over", Step::Kind::hand_over, ""},
                                                   {"hold", Step::Kind::hold, "seconds"}}};
 
 constexpr std::array<std::string_view, 3> robot_names = {"none", "crane", "agv"};
+constexpr std::array<std::string_view, 5> account_names = {"none", "t_3", "t_4", "t_5", "t_6"};
 constexpr std::array<std::string_view, 5> release_names = {"point", "tick", "interval", "event", "interval_and_event"};
 
 template <typename Number>
@@ -198,6 +199,7 @@ void read_processes(const toml::node& rows, const std::string& name, ProcessTabl
     process.number = fields.number("number");
     process.name = fields.text("name", std::nullopt, "a name for the report is expected");
     process.robot = static_cast<Robots>(fields.choice("robot", robot_names, std::nullopt));
+    process.account = static_cast<Account>(fields.choice("account", account_names, "none"));
     process.subprocesses = fields.numbers("subprocesses");
     process.steps = fields.steps("steps");
     process.notified_by_task = fields.choice("notify", notifiers, "host") == 1;
@@ -264,6 +266,7 @@ std::string to_toml(const ProcessTable& table) {
     for (const Step& step : row.steps) steps.push_back(show(Value{to_text(step)}));
     for (const Consent& consent : row.clears) clears.push_back(fmt::format("\"{}->{}\"", consent.source, consent.target));
     text += fmt::format("robot = \"{}\"\n", robot_names.at(static_cast<std::size_t>(row.robot)));
+    if (row.account != Account::none) text += fmt::format("account = \"{}\"\n", account_names.at(static_cast<std::size_t>(row.account)));
     text += numbers_text("subprocesses", row.subprocesses);
     text += fmt::format("steps = [{}]\n", fmt::join(steps, ", "));
     if (row.notified_by_task) text += "notify = \"task\"\n";

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <set>
+#include <stdexcept>
 
 #include "cmrc/process_rows.hpp"
 
@@ -26,6 +28,7 @@ class Checker {
       steps(process);
       tokens(process);
     }
+    accounts();
     all_start();
     for (const UserTask& own : tasks_) released(own);
   }
@@ -57,9 +60,13 @@ class Checker {
     };
     if (const Subprocess* own = built_in_processes().find_subprocess(row.number); own != nullptr && row.number <= 4) {
       // The host's own: their release is not a matter of configuration beyond this.
-      if (row.crane != own->crane || row.agv != own->agv || row.release != own->release || row.must != own->must ||
+      const bool demands = row.must == own->must || row.number == 1;  // of sub-process 1 they are the row's matter
+      if (row.crane != own->crane || row.agv != own->agv || row.release != own->release || !demands ||
           (row.release == Subprocess::Release::point && row.between_processes) || row.on_legs) {
-        refuse_row("number", "only the name, and of 3 and 4 between_processes, can be changed", "sub-processes of one's own have numbers from 6 on");
+        refuse_row("number", "only the name, of 1 `must`, and of 3 and 4 between_processes, can be changed", "sub-processes of one's own have numbers from 6 on");
+      }
+      for (const unsigned number : row.must) {
+        if (!has(own->must, number)) refuse_row("must", fmt::format("its task cannot demand {}", number), "1 and 2 are expected");
       }
       return;
     }
@@ -94,12 +101,11 @@ class Checker {
 
   void steps(const Process& process) const {
     using Kind = Step::Kind;
-    static const std::set<Kind> of_crane = {Kind::task, Kind::leg, Kind::settle, Kind::lower, Kind::lock, Kind::open, Kind::raise, Kind::wait_for_agv, Kind::hold};
+    static const std::set<Kind> of_crane = {Kind::task, Kind::leg, Kind::settle, Kind::lower, Kind::lock, Kind::open, Kind::raise, Kind::align, Kind::hold};
     static const std::set<Kind> of_agv = {Kind::task, Kind::leg, Kind::queue, Kind::hand_over, Kind::hold};
-    static const std::set<Kind> servo = {Kind::leg, Kind::settle, Kind::lower, Kind::lock, Kind::open, Kind::raise};
-    static const std::set<Kind> points = {Kind::leg, Kind::queue};
+    static const std::set<Kind> servo = {Kind::leg, Kind::align, Kind::settle, Kind::lower, Kind::lock, Kind::open, Kind::raise};
+    static const std::set<Kind> points = {Kind::leg, Kind::align, Kind::queue};
     require(!process.steps.empty(), process, "steps", "no step", "at least one is expected");
-    bool waited = false;
     for (const Step& step : process.steps) {
       const std::string text = to_text(step);
       const bool fits = process.robot == Robots::none ? step.kind == Kind::task
@@ -110,10 +116,14 @@ class Checker {
                 fmt::format("\"{}\" needs sub-processes {} and {}", text, a, b), "they belong into the list");
       };
       needs(points, 1, 2);
+      const Subprocess& planning = *table_.find_subprocess(1);
+      for (const unsigned number : {1U, 2U}) {
+        if (!points.contains(step.kind) || has(planning.must, number)) continue;
+        refuse(planning.origin, "subprocesses.must", fmt::format("without {} \"{}\" of process {} would never end", number, text, process.number), "must = [1, 2] is expected");
+      }
       if (process.robot == Robots::crane) needs(servo, 3, 4);
-      waited = waited || step.kind == Kind::wait_for_agv;
-      require(process.robot != Robots::crane || step.kind != Kind::leg || step.leg != 2 || waited, process, "steps",
-              "\"leg 2\" aims at an AGV", "\"wait_for_agv\" is expected before it");
+      require(step.kind != Kind::align || has_agv(process), process, "steps", "\"align\" without an AGV",
+              "a process to which an AGV's consents is expected: it has the one in the loading spot");
       require(process.robot != Robots::agv || step.kind != Kind::leg || step.leg != 2, process, "steps", "leg 2 of an AGV is its way to the queue",
               "\"queue\" is expected in its place");
       if (step.kind == Kind::task) task(process, step.task);
@@ -149,6 +159,22 @@ class Checker {
               "an AGV's process is demanded by one that has an AGV: an AGV's own, or one of the crane to which an AGV's consents");
     }
     require(!process.loaded || process.robot == Robots::none, process, "loaded", "a robot's process begins by consent or demand", "robot = \"none\", or initial consents");
+  }
+
+  // t_3 and t_4 are the crane's, t_5 and t_6 an AGV's, and each is the time of one process.
+  void accounts() const {
+    std::map<Account, unsigned> by;
+    for (const Process& process : table_.processes) {
+      if (process.account == Account::none) continue;
+      const auto number = static_cast<unsigned>(process.account) + 2;
+      const bool of_crane = process.account == Account::t_3 || process.account == Account::t_4;
+      require(process.robot == (of_crane ? Robots::crane : Robots::agv), process, "account", fmt::format("t_{} is not of its robot", number),
+              of_crane ? "a process of the crane is expected" : "a process of an AGV is expected");
+      require(process.account != Account::t_4 || has_agv(process), process, "account", "t_4 without an AGV that is loaded",
+              "a process of the crane to which an AGV's consents is expected");
+      const auto [first, alone] = by.emplace(process.account, process.number);
+      require(alone, process, "account", fmt::format("t_{} is the time of process {} already", number, first->second), "each of t_3 to t_6 in one row");
+    }
   }
 
   bool has_agv(const Process& process) const {
@@ -199,6 +225,12 @@ const Process* ProcessTable::find(unsigned number) const {
 const Subprocess* ProcessTable::find_subprocess(unsigned number) const {
   const auto found = std::find_if(subprocesses.begin(), subprocesses.end(), [number](const Subprocess& row) { return row.number == number; });
   return found == subprocesses.end() ? nullptr : &*found;
+}
+
+const Subprocess& ProcessTable::subprocess_of(std::string_view task) const {
+  const auto found = std::find_if(subprocesses.begin(), subprocesses.end(), [task](const Subprocess& row) { return row.crane == task || row.agv == task; });
+  if (found == subprocesses.end()) throw std::logic_error(fmt::format("ProcessTable: no sub-process has the task {}", task));
+  return *found;
 }
 
 std::vector<unsigned> ProcessTable::sources(unsigned target) const {

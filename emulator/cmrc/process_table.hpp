@@ -14,9 +14,11 @@
 namespace cmrc {
 
 enum class Robots : std::uint8_t { none, crane, agv };
+/// What a process's time counts as in the account of cycles.
+enum class Account : std::uint8_t { none, t_3, t_4, t_5, t_6 };
 
 struct Step {
-  enum class Kind : std::uint8_t { task, leg, settle, lower, lock, open, raise, wait_for_agv, queue, hand_over, hold };
+  enum class Kind : std::uint8_t { task, leg, settle, lower, lock, open, raise, align, queue, hand_over, hold };
   Kind kind{};
   std::string task;     ///< of "task": its key in the report
   unsigned leg = 0;     ///< of "leg"
@@ -34,6 +36,7 @@ struct Process {
   unsigned number = 0;
   std::string name;
   Robots robot = Robots::none;
+  Account account = Account::none;
   std::vector<unsigned> subprocesses;
   std::vector<Step> steps;
   bool notified_by_task = false;   ///< TB_NOTIFY of its last task picks from `must` and `may`; else all are given
@@ -69,6 +72,8 @@ struct ProcessTable {
 
   const Process* find(unsigned number) const;
   const Subprocess* find_subprocess(unsigned number) const;
+  /// The one whose task this is, of the crane or of an AGV.
+  const Subprocess& subprocess_of(std::string_view task) const;
   /// All that have to consent to `target`.
   std::vector<unsigned> sources(unsigned target) const;
 };

@@ -35,6 +35,9 @@ Processes::Processes(const ProcessTable& table, std::span<const UserTask> tasks,
   for (const Process& process : table_.processes) {
     if (process.robot == Robots::none) free_runs_.emplace_back();
   }
+  for (const unsigned number : {1U, 2U}) {
+    if (!has(table_.find_subprocess(1)->must, number)) undemandable_ |= words_.must_subprocess << number;
+  }
   for (const Subprocess& row : table_.subprocesses) {
     if (!row.by_interval() && !row.by_event()) continue;
     if (!row.crane.empty()) releases_.emplace_back(row, 0, 0, 1);
@@ -137,7 +140,7 @@ void Processes::enter(Run& run, Desk& desk) {
   const Step& step = run.process->steps[run.step];
   run.wants_task = step.kind == Step::Kind::task;
   if (run.process->robot == Robots::agv) fleet_.enter(*run.agv, step, desk);
-  else if (!run.wants_task) crane_.enter(step, desk);
+  else if (!run.wants_task) crane_.enter(step, run.agv, desk);
 }
 
 void Processes::advance(Run& run, Word notify, Desk& desk) {
@@ -206,6 +209,7 @@ void Processes::refresh(Desk& desk) {
     fleet_.refresh(agv, desk);
     release(agv + 1, desk);
   }
+  start_crane(desk);  // an AGV may just have consented
 }
 
 void Processes::move_crane(Desk& desk) {
@@ -213,12 +217,15 @@ void Processes::move_crane(Desk& desk) {
   if (run.stopped || run.retired) return;
   if (run.process != nullptr) {
     const Step& step = run.process->steps[run.step];
-    if (step.kind != Step::Kind::task && crane_.done(step, desk, *this)) advance(run, 0, desk);
+    if (step.kind != Step::Kind::task && crane_.done(step, desk)) advance(run, 0, desk);
     else if (crane_.gave_up()) run.stopped = true;
   }
-  if (run.process != nullptr || run.retired) return;
-  const Process* next = next_of(Robots::crane, 0);
-  if (next != nullptr) begin(run, *next, takes_agv(*next) ? agv_in_spot() : std::nullopt, desk);
+  start_crane(desk);
+}
+
+void Processes::start_crane(Desk& desk) {
+  if (crane_run_.process != nullptr || crane_run_.stopped || crane_run_.retired) return;
+  if (const Process* next = next_of(Robots::crane, 0)) begin(crane_run_, *next, takes_agv(*next) ? agv_in_spot() : std::nullopt, desk);
 }
 
 void Processes::move_agv(unsigned agv, Desk& desk) {
@@ -327,7 +334,10 @@ Release* Processes::release_of(const Task& task) {
 
 void Processes::finished(const Task& task, Word result, Word notify, Desk& desk) {
   if (task.process != 0) return advance(run_of(task), notify, desk);
-  if (task.subprocess == 0) return task.robot == 0 ? crane_.finished(task, result, notify, desk) : fleet_.finished(task, result, notify, desk);
+  if (task.subprocess == 0) {
+    const Word demands = notify & ~undemandable_;
+    return task.robot == 0 ? crane_.finished(task, result, demands, desk) : fleet_.finished(task, result, demands, desk);
+  }
   release_of(task)->ended();
 }
 

@@ -21,7 +21,7 @@
 
 namespace cmrc {
 
-class Processes : private Berth {
+class Processes {
  public:
   Processes(const ProcessTable& table, std::span<const UserTask> tasks, const CraneJob& crane, const FleetJob& fleet, const Words& words);
 
@@ -61,7 +61,7 @@ class Processes : private Berth {
     bool stopped = false;         // given up
     bool retired = false;         // its robot's work is over
   };
-  std::optional<unsigned> agv_in_spot() const override;
+  std::optional<unsigned> agv_in_spot() const;
   bool may_start(const Process& process, unsigned agv) const;
   const Process* next_of(Robots robot, unsigned agv) const;
   bool takes_agv(const Process& process) const;
@@ -75,6 +75,7 @@ class Processes : private Berth {
   Task task_of(const Run& run, const Desk& desk) const;
   Task user_block(const std::string& name, Robot robot) const;
   void move_crane(Desk& desk);
+  void start_crane(Desk& desk);
   void move_agv(unsigned agv, Desk& desk);
   void release(Robot robot, Desk& desk);
   bool runs(const Release& release, std::int64_t tick) const;
@@ -87,6 +88,7 @@ class Processes : private Berth {
   const ProcessTable table_;
   const std::vector<UserTask> tasks_;
   const Words& words_;
+  Word undemandable_ = 0;                   // bits of TB_NOTIFY for what the row of sub-process 1 does not list
   Consents consents_;
   Crane crane_;
   Fleet fleet_;

@@ -70,7 +70,7 @@ class Fields {
 
 UserTask user_task(const std::map<std::string, Field>& given, const Origin& where) {
   static constexpr std::string_view known[] = {"name", "program", "kind", "importance", "importance_waiting", "due_refreshes", "period_ms",
-                                               "deadline_ms", "argument"};
+                                               "deadline_ms", "heartbeat_ms", "argument"};
   Fields fields(given, where);
   UserTask task;
   task.origin = where;
@@ -86,6 +86,7 @@ UserTask user_task(const std::map<std::string, Field>& given, const Origin& wher
   task.period_ms = fields.number("period_ms", 0, 0, 1e6);
   if (task.period_ms != 0 && task.period_ms < 0.01) refuse(given.at("period_ms").origin, "tasks.period_ms", fmt::format("{} is out of range", task.period_ms), "a number from 0.01 to 1e6, or 0, is expected");
   task.deadline_ms = fields.number("deadline_ms", 0, 0, 1e6);
+  task.heartbeat_ms = fields.number("heartbeat_ms", 0, 0, 1e6);
   task.argument = fields.integer("argument", 0, -2147483648LL, 4294967295LL);
   for (std::size_t i = 0; i < most_parameters; ++i) {
     const Field* field = fields.find(fmt::format("parameter_{}", i));
@@ -113,9 +114,9 @@ void check_user_tasks(std::span<const UserTask> tasks) {
 
 std::string to_toml(const UserTask& task) {
   std::string text = fmt::format(
-      "name = {}\nprogram = {}\nkind = {}\nimportance = {:#x}\nimportance_waiting = {:#x}\ndue_refreshes = {}\nperiod_ms = {}\ndeadline_ms = {}\nargument = {}\n",
+      "name = {}\nprogram = {}\nkind = {}\nimportance = {:#x}\nimportance_waiting = {:#x}\ndue_refreshes = {}\nperiod_ms = {}\ndeadline_ms = {}\nheartbeat_ms = {}\nargument = {}\n",
       show(Value{task.name}), show(Value{task.program}), task.x, task.importance, task.importance_waiting, task.due_refreshes, show(Value{task.period_ms}),
-      show(Value{task.deadline_ms}), task.argument);
+      show(Value{task.deadline_ms}), show(Value{task.heartbeat_ms}), task.argument);
   for (std::size_t i = 0; i < task.parameters.size(); ++i) text += fmt::format("parameter_{} = {}\n", i, show(task.parameters[i]));
   return text;
 }

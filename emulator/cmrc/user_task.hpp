@@ -22,6 +22,7 @@ struct UserTask {
   std::int64_t due_refreshes = 0;
   double period_ms = 0;
   double deadline_ms = 0;       ///< after its release; 0: none
+  double heartbeat_ms = 0;      ///< at most between two beats of its program (lib/alive.asm); 0: it has none
   std::int64_t argument = 0;    ///< TB_ARGUMENT
   std::vector<Value> parameters;  ///< words of its area from the start: floats as TI singles
   Origin origin;

@@ -35,15 +35,17 @@ std::int64_t sum(const report::WaitTimes& times) { return std::accumulate(times.
 
 std::int64_t sum(const std::vector<std::int64_t>& times) { return std::accumulate(times.begin(), times.end(), std::int64_t{0}); }
 
-/// It ended well, or has not ended.
-bool counts(const report::Run& run) { return run.end == report::Run::End::done || run.end == report::Run::End::running; }
+/// It has not come to nothing: it ended well, the job's whole run or a part of it, or has not ended.
+bool counts(const report::Run& run) {
+  return run.end == report::Run::End::done || run.end == report::Run::End::part || run.end == report::Run::End::running;
+}
 
 /// The first instant at which now + the shortest remaining time is past the deadline (ruling 18). While the job waits, or its run has come
-/// to nothing, the shortest remaining time is the usual run; once it is claimed, what the usual run would have left.
+/// to nothing, the shortest remaining time is the usual run; once it is claimed, what the usual run would have left. Parts that are done are off it.
 std::optional<Time> unavoidable_from(const MissedJob& job, Time usual) {
   if (!job.deadline) return std::nullopt;
   const Time tick{1};
-  const Time last_start = *job.deadline - usual;
+  Time last_start = *job.deadline - usual;
   std::optional<Time> found;
   const auto waiting = [&](Time from, Time to) {
     const Time first = std::max(from, last_start + tick);
@@ -55,9 +57,11 @@ std::optional<Time> unavoidable_from(const MissedJob& job, Time usual) {
     waiting(attempt.waits_from, ran ? attempt.run->claimed : Time::max());
     if (!ran) break;
     const bool comes_to_nothing = !counts(*attempt.run);
-    const Time until = comes_to_nothing ? attempt.run->ended : Time::max();
+    const bool part = attempt.run->end == report::Run::End::part;
+    const Time until = comes_to_nothing || part ? attempt.run->ended : Time::max();
     const Time first = attempt.run->claimed > last_start ? attempt.run->claimed : *job.deadline + tick;
     if (!found && first < until) found = first;
+    if (part) last_start = std::min(last_start + (attempt.run->ended - attempt.run->claimed), *job.deadline);
     if (comes_to_nothing) waiting(attempt.run->ended, &attempt == &job.tries.back() ? Time::max() : (&attempt + 1)->waits_from);
   }
   if (job.given_up && (!found || *job.given_up < *found)) found = std::max(*job.given_up, job.released);

@@ -18,7 +18,7 @@ struct RefreshTimes {
   Time began{}, wanted{}, held{}, free{};
 };
 
-/// One wait in the list and the run that followed it, if any: a recomputed job has several.
+/// One wait in the list and the run that followed it, if any: a recomputed job has several, and one in parts.
 struct Try {
   Time waits_from{};
   std::optional<Time> first_refresh;   ///< the first one that began while it waited
@@ -34,7 +34,7 @@ struct MissedJob {
   std::optional<Time> deadline;
   Time end{};
   std::vector<Try> tries;
-  std::vector<std::int64_t> execution;  ///< ps of its last run by cause; empty when it has none that counts
+  std::vector<std::int64_t> execution;  ///< ps of its last run, of all parts, by cause; empty when it has none that counts
   std::optional<Time> given_up;         ///< no run could follow from then on
   std::optional<std::int64_t> previous;
 };

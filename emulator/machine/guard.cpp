@@ -21,6 +21,7 @@ Guard::Guard(const toolchain::Image& program, const std::vector<Word>& shared) :
   tb_area_ = symbol("TB_AREA");
   tb_result_ = symbol("TB_RESULT");
   tb_notify_ = symbol("TB_NOTIFY");
+  tb_alive_ = symbol("TB_ALIVE");
   block_words_ = symbol("BLOCK_WORDS");
   flag_taken_ = symbol("FLAG_TAKEN");
   flag_done_ = symbol("FLAG_DONE");
@@ -56,7 +57,7 @@ bool Guard::admits(unsigned slot, Offset offset, Word value, bool holds_list) {
       bound.reset();
       return true;
     }
-    return (own && (word == tb_result_ || word == tb_notify_)) || refuse(slot, offset, value);
+    return (own && (word == tb_result_ || word == tb_notify_ || word == tb_alive_)) || refuse(slot, offset, value);
   }
   if (kind(slot) == kind_error_ && log_.holds(offset)) return true;
   return in_area(shared_[*bound + tb_area_], offset) || refuse(slot, offset, value);

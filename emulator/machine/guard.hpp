@@ -2,8 +2,8 @@
 // The guard of the shared-memory board: a DSP may write only what the task that it has claimed may.
 //
 // It watches the claims as they go by. Whoever holds the list's semaphore may write the pool of blocks and the work pointer; the write of 0Fh
-// into a block's flag binds the DSP to that block, until it writes FFh there or is reset. Bound, it may write result, notify and flag of its
-// block, the area that TB_AREA names, what a split task of that robot keeps, and (error task) the log.
+// into a block's flag binds the DSP to that block, until it writes FFh there or is reset. Bound, it may write result, notify, heartbeat and
+// flag of its block, the area that TB_AREA names, what a split task of that robot keeps, and (error task) the log.
 //
 // Inaccuracies: reads are free, and so are writes to devices (a write posted on bus B may arrive when its task has ended on bus A). A task that
 // takes the list's semaphore for itself can spoil the list until the host frees it.
@@ -49,7 +49,7 @@ class Guard {
   const std::vector<Word>& shared_;
   Region pool_, log_, kept_;
   std::array<Region, 3> areas_;  // of the crane, of each AGV, of each user's task: words of one
-  Offset work_pointer_, tb_flag_, tb_kind_, tb_area_, tb_result_, tb_notify_, block_words_, kept_words_;
+  Offset work_pointer_, tb_flag_, tb_kind_, tb_area_, tb_result_, tb_notify_, tb_alive_, block_words_, kept_words_;
   Word flag_taken_, flag_done_, kind_error_, list_semaphore_;
   std::array<std::optional<Offset>, most_slots> bound_{};  // offset of the block
   std::deque<Refusal> refusals_;

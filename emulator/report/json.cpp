@@ -154,7 +154,7 @@ Json cycle(const CycleReport& of) {
           {"t_6_s", optional_seconds(of.t6)},
           {"t_w_s", optional_seconds(of.t_w)},
           {"t_v_s", optional_seconds(of.t_v)},
-          {"approach_s", optional_seconds(of.approach)},
+          {"t_wait_s", optional_seconds(of.t_wait)},
           {"T_g_s", optional_seconds(of.T_g)},
           {"T_a_s", optional_seconds(of.T_a)},
           {"agv_interval_refreshes", of.agv_interval ? Json(*of.agv_interval) : Json()},

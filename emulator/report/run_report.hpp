@@ -97,11 +97,11 @@ struct CycleReport {
   unsigned number = 0;  ///< from 1
   unsigned agv = 0;
   std::optional<Time> t3, t4, t5, t6;  ///< duration of the process
-  std::optional<Time> t_w;             ///< AGV waited in the queue, until the crane was ready for it
-  std::optional<Time> approach;        ///< then the crane came to it, and it had to stand there
-  std::optional<Time> t_v;             ///< crane waited for an AGV
+  std::optional<Time> t_v;             ///< crane stood above the spot, without an AGV
+  std::optional<Time> t_w;             ///< AGV waited, from leaving the lane to the start of the t4 that loads it again
+  std::optional<Time> t_wait;          ///< t_w + that t4
   std::optional<Time> T_g;             ///< t3 + t4 + t_v
-  std::optional<Time> T_a;             ///< t5 + t6 + t4 + t_w + approach
+  std::optional<Time> T_a;             ///< t5 + t6 + t_wait
   std::optional<std::int64_t> agv_interval;  ///< N^_a of its way to the warehouse, refreshes
   unsigned landings_missed = 0;        ///< of its container: lifted, aligned and lowered again
   std::optional<Time> delivered;       ///< instant of delivery

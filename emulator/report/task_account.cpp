@@ -84,7 +84,7 @@ Outcome TaskAccount::add(const Job& job, Time now) {
   }
   if (job.progress == Progress::finished) {
     kind.response.add((job.finished - job.released).count());
-    kind.execution.add((job.finished - job.claimed).count());
+    kind.execution.add((job.finished - job.claimed - job.between).count());
     for (std::size_t i = 0; i < job.causes.size(); ++i) kind.causes[i] += job.causes[i];
     for (std::size_t i = 0; i < job.cycles.size(); ++i) kind.cycles[i] += job.cycles[i];
     if (outcome == Outcome::late) kind.lateness.add((job.finished - *job.deadline).count());

@@ -21,7 +21,8 @@ std::string name(Outcome outcome);
 /// How far a job came. The account derives its outcome from this and the deadline.
 enum class Progress : std::uint8_t { finished, running, waiting, lost, dropped };
 
-/// A job: one release of a task. A recomputed block is one job, booked once, with its last claim.
+/// A job: one release of a task. A recomputed block is one job, booked once, with its last claim. So are the parts of a split task, with the claim of
+/// the first.
 struct Job {
   std::size_t kind = 0;  ///< index into the account's kinds
   Progress progress = Progress::finished;
@@ -29,8 +30,9 @@ struct Job {
   std::optional<Time> deadline;  ///< none: on time when finished
   Time claimed{};                ///< when finished, running or lost
   Time finished{};               ///< when finished
+  Time between{};                ///< from claimed to finished, when it did not run: between its parts
   /// Picoseconds by chip cause while it ran, in the order of the account's causes; empty when not known. Should sum to
-  /// finished - claimed.
+  /// finished - claimed - between.
   std::vector<std::int64_t> causes;
   std::vector<std::int64_t> cycles;  ///< of the chip, by cause, as its counters have them; empty when not known
   std::optional<std::int64_t>

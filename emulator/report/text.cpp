@@ -253,13 +253,15 @@ std::string cycles(const RunReport& report) {
   const std::string makespan = report.makespan ? fmt::format("; the job took {} s", seconds(report.makespan)) : "";
   std::string text = heading(fmt::format("Work cycles: {} completed, {} container{} delivered{}", report.cycles_completed,
                                          report.containers_delivered, report.containers_delivered == 1 ? "" : "s", makespan));
-  TextTable table({"s", "AGV", "t_3", "t_4", "t_5", "t_6", "t_v", "t_w", "approach", "T_g", "T_a", "N^_a", "delivered at"});
+  TextTable table({"s", "AGV", "t_3", "t_4", "t_5", "t_6", "t_v", "t_w", "t_wait", "T_g", "T_a", "N^_a", "delivered at"});
   for (const CycleReport& cycle : report.cycles)
     table.add({fmt::format("cycle {}", cycle.number), fmt::format("{}", cycle.agv), seconds(cycle.t3),
                seconds(cycle.t4), seconds(cycle.t5), seconds(cycle.t6), seconds(cycle.t_v), seconds(cycle.t_w),
-               seconds(cycle.approach), seconds(cycle.T_g), seconds(cycle.T_a),
+               seconds(cycle.t_wait), seconds(cycle.T_g), seconds(cycle.T_a),
                cycle.agv_interval ? fmt::format("{}", *cycle.agv_interval) : "-", seconds(cycle.delivered)});
-  return table.empty() ? text : text + table.render();
+  if (table.empty()) return text;
+  const bool open = std::ranges::any_of(report.cycles, [](const CycleReport& cycle) { return cycle.t6 && !cycle.T_a; });
+  return text + table.render() + (open ? "  t_w, t_wait and T_a: when the AGV has been loaded again\n" : "");
 }
 
 std::string host_work(const RunReport& report) {

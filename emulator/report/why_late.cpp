@@ -12,6 +12,7 @@ std::string name(Wait wait) {
 std::string name(Run::End end) {
   switch (end) {
     case Run::End::done: return "done";
+    case Run::End::part: return "part";
     case Run::End::failed: return "failed";
     case Run::End::taken_away: return "taken_away";
     case Run::End::running: return "running";

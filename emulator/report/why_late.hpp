@@ -61,7 +61,7 @@ struct Run {
   unsigned slot = 0;
   Time claimed{};
   Time ended{};
-  enum class End : std::uint8_t { done, failed, taken_away, running } end = End::running;
+  enum class End : std::uint8_t { done, part, failed, taken_away, running } end = End::running;
 };
 std::string name(Run::End end);
 

@@ -234,7 +234,7 @@ py::object to_seconds(const std::optional<report::Time>& time) {
 py::dict to_dict(const report::CycleReport& c) {
   return py::dict(py::arg("number") = c.number, py::arg("agv") = c.agv, py::arg("t3") = to_seconds(c.t3), py::arg("t4") = to_seconds(c.t4),
                   py::arg("t5") = to_seconds(c.t5), py::arg("t6") = to_seconds(c.t6), py::arg("t_v") = to_seconds(c.t_v),
-                  py::arg("t_w") = to_seconds(c.t_w), py::arg("approach") = to_seconds(c.approach), py::arg("T_g") = to_seconds(c.T_g), py::arg("T_a") = to_seconds(c.T_a));
+                  py::arg("t_w") = to_seconds(c.t_w), py::arg("t_wait") = to_seconds(c.t_wait), py::arg("T_g") = to_seconds(c.T_g), py::arg("T_a") = to_seconds(c.T_a));
 }
 
 /// The ledger with times in seconds and one cause, for tests of the classes of ruling 16.
@@ -284,8 +284,9 @@ void bind_parts(py::module_& m) {
       .def("consume", &cmrc::Consents::consume, py::arg("target"), py::arg("agv") = 0);
   py::class_<cmrc::Cycles>(m, "Cycles", "Times of the processes; seconds.")
       .def(py::init<>())
-      .def("process", [](cmrc::Cycles& c, unsigned number, bool started, unsigned robot, double now) { c.process(number, started, robot, seconds(now)); })
-      .def("crane_asks", [](cmrc::Cycles& c, double now) { c.crane_asks(seconds(now)); })
+      .def("process", [](cmrc::Cycles& c, unsigned number, bool started, unsigned robot, double now) {
+        c.process(cmrc::built_in_processes().find(number)->account, started, robot, seconds(now));
+      })
       .def("agv_waits", [](cmrc::Cycles& c, unsigned agv, bool waits, double now) { c.agv_waits(agv, waits, seconds(now)); })
       .def_property_readonly("completed", &cmrc::Cycles::completed)
       .def("cycles", [](const cmrc::Cycles& c) {

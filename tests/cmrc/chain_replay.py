@@ -17,6 +17,7 @@ NAMES = {
     6: "pid", 7: "identify", 8: "grab_path", 9: "home.crane", 10: "home.agv", 11: "obstacle_avoidance",
 }  # fmt: skip
 HOST, DROPPED = 0xFF, 5
+MUST_CONTINUE = 1  # of TB_NOTIFY: a part is done, and the job is not
 FAIL, HANG, UNPLUG = 0, 1, 2  # machine::Action
 BEFORE = ("host_late", "not_due", "host_refresh", "host_lock")
 CLAIM = ("claim", "claim_bus_a", "claim_bus_b")
@@ -52,6 +53,11 @@ class Job:
     claims: list[tuple[int, int]] = field(default_factory=list)
     failed: list[int | None] = field(default_factory=list)
     end: int | None = None
+    parts: dict[int, int] = field(default_factory=dict)  # claims that ran a part: when it was done
+    parted: bool = False  # a part is done, and the host has not put up the next one
+
+    def ran(self) -> int:
+        return sum(done - self.claims[i][1] for i, done in self.parts.items())
 
 
 class Trace:
@@ -68,11 +74,17 @@ class Trace:
         in_list: dict[int, Job] = {}
         numbers: dict[int, int] = {}
         eligible: list[Job] = []
+        continues: dict[int, bool] = {}  # by block: its last run was a part
+        goes_on: Job | None = None
         for time, component, name, n in events:
             self.last = time
             slot = int(component.split()[1]) if component.startswith("dsp") else -1
             if name == "load":
                 kind = n["kind"]
+                if goes_on:  # the host loads it where it takes out the part that is done
+                    goes_on.parted = False
+                    in_list[n["block"]], goes_on = goes_on, None
+                    continue
                 number = n["tick"] // servo if kind in SERVO else numbers.get(kind, 0)
                 numbers[kind] = numbers.get(kind, 0) + 1
                 job = Job(kind, number, n["tick"])
@@ -81,7 +93,7 @@ class Trace:
                 for job in in_list.values():
                     if not job.waits_from:
                         job.waits_from.append(self.tick(job.due if job.kind in SERVO else n["number"]))
-                    waits = len(job.claims) < len(job.waits_from)
+                    waits = len(job.claims) < len(job.waits_from) and not job.parted
                     if waits and len(job.offered) < len(job.waits_from) and (job.kind not in SERVO or n["number"] >= job.due or len(job.waits_from) > 1):
                         eligible.append(job)
             elif name == "semaphore" and n["number"] == 0:
@@ -90,6 +102,8 @@ class Trace:
                     for job in eligible:
                         job.offered.append(time)
                     eligible.clear()
+            elif name == "finish":
+                continues[n["block"]] = bool(n["notify"] & MUST_CONTINUE)
             elif name == "issue":
                 issued = time - (n["delay_low"] + (n["delay_high"] << 32))
                 job = in_list[n["block"]]
@@ -98,16 +112,22 @@ class Trace:
                     job.failed.append(None)
                     self.slots[slot].set(issued, ("busy", (job, issued)))
                 else:
-                    job.end = issued
+                    length = job.ran() + issued - job.claims[-1][1]
+                    if continues[n["block"]]:
+                        job.parts[len(job.claims) - 1], job.parted = issued, True
+                        job.waits_from.append(issued)
+                    else:
+                        job.end = issued
+                        self.shortest[job.kind] = min(self.shortest.get(job.kind, length), length)
                     if self.slots[slot].values[-1][0] == "busy":
                         self.slots[slot].set(issued, ("awake", None))
-                    length = issued - job.claims[-1][1]
-                    self.shortest[job.kind] = min(self.shortest.get(job.kind, length), length)
             elif name == "requeue":
                 self.taken_away(in_list[n["block"]], time)
                 in_list[n["block"]].waits_from.append(time)
             elif name == "remove":
-                self.taken_away(in_list.pop(n["block"]), time)  # without an end it was given up
+                gone = in_list.pop(n["block"])
+                self.taken_away(gone, time)  # without an end it was given up
+                goes_on = gone if gone.parted else None
             elif name == "miss" and n["class"] == DROPPED:
                 kind = n["kind"]
                 number = n["tick"] // servo if kind in SERVO else numbers.get(kind, 0)  # others count on with their blocks
@@ -197,7 +217,7 @@ def check(trace: Trace, report: dict[str, Any]) -> int:
             for what, time in trace.waits(offered, claimed, claimer).items():
                 expected[what] = expected.get(what, 0) + time
             after = job.waits_from[i + 1] if i + 1 < len(job.waits_from) else end
-            if claimer is not None and (i + 1 < len(job.waits_from) or job.failed[i] is not None or miss["outcome"] == "dropped"):
+            if claimer is not None and i not in job.parts and (i + 1 < len(job.waits_from) or job.failed[i] is not None or miss["outcome"] == "dropped"):
                 stop = after if job.failed[i] is None else min(after, max(claimed, job.failed[i] or 0))
                 expected["lost_run"] = expected.get("lost_run", 0) + stop - claimed
                 expected["watchdog"] = expected.get("watchdog", 0) + after - stop
@@ -208,7 +228,9 @@ def check(trace: Trace, report: dict[str, Any]) -> int:
         ran = bool(job.claims) and len(job.claims) == len(job.waits_from) and job.failed[-1] is None and miss["outcome"] != "dropped"
         if ran:
             assert all(name.startswith("execution.") for name in parts), where
-            assert sum(parts.values()) == end - job.claims[-1][1] - usual, where
+            assert sum(parts.values()) == job.ran() + end - job.claims[-1][1] - usual, where
+        elif job.parts:
+            assert sum(parts.values()) == job.ran() - usual, where
         else:
             assert parts == ({"not_run": -usual} if usual else {}), where
         if miss["outcome"] == "late":
@@ -231,11 +253,14 @@ def check_unavoidable(miss: dict[str, Any], job: Job, usual: int) -> None:
     """By the definition: the first instant at which now + the shortest remaining time is past the deadline."""
 
     def remaining(now: int) -> int:
+        left = usual
         for i, (_, claimed) in enumerate(job.claims):
             ends = min([time for time in (job.failed[i], job.waits_from[i + 1] if i + 1 < len(job.waits_from) else None) if time is not None], default=None)
             if claimed <= now and (ends is None or now < ends):
-                return max(0, claimed + usual - now)
-        return usual
+                return max(0, claimed + left - now)
+            if i in job.parts and job.parts[i] <= now:
+                left = max(0, left - (job.parts[i] - claimed))
+        return left
 
     said, deadline = miss["unavoidable_ps"], miss["deadline_ps"]
     given_up = miss["outcome"] == "dropped"
@@ -243,6 +268,7 @@ def check_unavoidable(miss: dict[str, Any], job: Job, usual: int) -> None:
     for start, (_, claimed), failed in zip(job.waits_from, job.claims, job.failed, strict=False):
         instants |= {start, claimed, *(() if failed is None else (failed,))}
     instants |= set(job.waits_from)
+    instants |= {deadline - remaining(done) + 1 for done in job.parts.values()}
     instants |= {instant + step for instant in set(instants) for step in (-1, 1)}
     past = [at for at in sorted(instants) if at >= miss["release_ps"] and at + remaining(at) > deadline]
     if given_up:

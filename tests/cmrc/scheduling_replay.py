@@ -69,6 +69,7 @@ class Block:
     recomputed: bool = False
     new: bool = True
     importance: int = -1
+    loaded: int = 0  # number of the refresh that loaded it
 
 
 @dataclass
@@ -87,7 +88,7 @@ class Replay:
         self.blocks: dict[int, Block] = {}
         self.order: list[int] = []
         self.inserted = 0
-        self.planned_at: dict[int, int] = {}
+        self.planned_at: dict[int, int] = {}  # by area: the refresh that loaded the last trajectory block that is done
         self.loaded_since_refresh: list[tuple[int, Block]] = []
         self.known = False
         self.power_on = False  # a DSP booted before the first refresh
@@ -116,7 +117,9 @@ class Replay:
                 self.blocks[n["block"]] = Block(n["kind"], n["area"], n["tick"], 0, self.inserted)
                 self.loaded_since_refresh.append((n["block"], self.blocks[n["block"]]))
             elif name == "remove":
-                self.blocks.pop(n["block"], None)
+                gone = self.blocks.pop(n["block"], None)
+                if gone and gone.kind in TRAJECTORY:
+                    self.planned_at[gone.area] = gone.loaded
             elif name == "requeue" and n["block"] in self.blocks:
                 self.inserted += 1
                 block = self.blocks[n["block"]]
@@ -149,10 +152,10 @@ class Replay:
         self.check_doorbells(time)
         number, elapsed = n["number"], n["skipped"] + 1
         for _, block in self.loaded_since_refresh:  # t at the load, to which this refresh adds what has elapsed
+            block.loaded = number
             if block.kind in SERVO:
                 block.t = number - (block.tick - self.rule.servo) - elapsed
-            if block.kind in TRAJECTORY:
-                self.planned_at[block.area] = number
+            # docs/controller.md, Sub-processes: inverse kinematics of a point is loaded when its trajectory planning is done, and inherits that one's t.
             if block.kind in INVERSE:
                 block.t = number - self.planned_at.get(block.area, number)
         self.loaded_since_refresh.clear()
@@ -166,7 +169,7 @@ class Replay:
         self.order = [offset for _, _, offset in sorted(waiting)]
         first = self.seen == 0 and (number == 1 or self.power_on)
         self.seen += 1
-        self.known = self.known or (len(self.blocks) == n["blocks"] and len(self.planned_at) > 0) or first
+        self.known = self.known or (len(self.blocks) == n["blocks"] and all(block.area in self.planned_at for block in self.blocks.values() if block.kind in INVERSE)) or first
         self.refreshes += self.known
         eligible = sum(self.blocks[offset].importance > 0 for offset in self.order)
         self.to_ring = (min(eligible, len(self.idle)), eligible)

@@ -57,6 +57,39 @@ def test_a_task_that_never_returns_is_contained(desk: Path) -> None:
     assert any("user.sway_watch" in failure["what"] + failure.get("detail", "") for failure in map(flat, report["failures"]))
 
 
+BEATS = """kernel_sway_watch:
+        ldi     60, ar2                         ; 60 turns of 0.1 ms
+beat_on:
+        ldi     2500 - 40, rc
+        rpts    rc
+        nop
+        call    alive
+        {more}
+        subi    1, ar2
+        cmpi    0, ar2
+        bgt     beat_on
+        ldi     0, r0
+        ldi     0, r1
+        rets
+"""
+
+
+def test_a_long_task_with_a_heartbeat_is_left_alone_and_found_when_it_hangs(desk: Path) -> None:
+    toml = blocks("toml")[0].replace("period_ms = 10", "period_ms = 100\nheartbeat_ms = 0.2")
+    program = desk / "my_programs" / "kernels" / "user.asm"
+    program.write_text(BEATS.format(more=""))
+    # Without the heartbeat 6 ms are twice what the watchdog allows here, 3 x 1 ms.
+    report = report_of(toml, duration_s=0.15, **{"watchdog.long_run_us": 1000})
+    assert report["tasks"]["user.sway_watch"]["on_time"] == 1 and report["host"]["recomputed"] == 0
+    without = report_of(toml.replace("heartbeat_ms = 0.2", ""), duration_s=0.15, **{"watchdog.long_run_us": 1000})
+    assert without["host"]["recomputed"] > 0
+    # It hangs at its 30th turn, 3 ms after its claim at 100 ms.
+    program.write_text(BEATS.format(more="cmpi    30, ar2\n        beq     $"))
+    report = report_of(toml, duration_s=0.15)
+    first = next(failure for failure in report["failures"] if failure["kind"] == "watchdog")
+    assert "user.sway_watch has had no heartbeat" in first["message"] and 0.103 < first["time_s"] < 0.106
+
+
 def flat(failure: dict[str, Any]) -> dict[str, str]:
     return {"what": " ".join(str(v) for v in failure.values()), "detail": ""}
 
@@ -136,7 +169,7 @@ def others_are_well(report: dict[str, Any]) -> None:
 
 # Words of others: the whole list, the crane's area with PID's state, AGV 0's; 4000 words from there on.
 # In the list it may write two words, result and notify of its own block.
-@pytest.mark.parametrize(("first", "words", "own"), [("LIST_WORK_POINTER", 0x440, 2), ("CR_BASE", 0x200, 0), ("AG_BASE", 0x100, 0), ("US_BASE + US_WORDS", 4000, 0)])
+@pytest.mark.parametrize(("first", "words", "own"), [("LIST_WORK_POINTER", 0x440, 3), ("CR_BASE", 0x200, 0), ("AG_BASE", 0x100, 0), ("US_BASE + US_WORDS", 4000, 0)])
 def test_writes_outside_the_area_are_refused_and_reported(desk: Path, first: str, words: int, own: int) -> None:
     body = f"""        ldhi    hi16(WINDOW_A + {first}), ar0
         or      lo16(WINDOW_A + {first}), ar0

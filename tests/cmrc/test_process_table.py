@@ -30,7 +30,7 @@ PAPER = {
     1: ([], [2], [7, 8]),
     2: ([], [], [3]),
     3: ([1, 2, 3, 4], [1], [4]),
-    4: ([3, 4], [5], [7, 3]),
+    4: ([1, 2, 3, 4], [5], [7, 3]),  # 1 and 2 besides the paper's: ruling 38
     5: ([1, 2, 5], [6], [8]),
     6: ([1, 2, 5], [], [4]),
     7: (None, [], []),
@@ -85,7 +85,7 @@ def test_the_order_of_the_start_is_1_2_3(tmp_path: Path) -> None:
 
 def test_a_step_more_is_taken(tmp_path: Path) -> None:
     # Process 3 begins with a pause of 20 ms: its first point is planned that much later.
-    steps = '["hold 0.02", "leg 1", "settle", "lower", "lock", "raise", "wait_for_agv", "leg 2", "settle"]'
+    steps = '["hold 0.02", "leg 1", "settle", "lower", "lock", "raise", "leg 2", "settle"]'
     grab = row(3, "crane", f'subprocesses = [1, 2, 3, 4]\nsteps = {steps}\nmust = [1]\nmay = [4]\ninitial = [4]\nclears = ["4->7", "4->8"]')
     plain, held = (json.loads(run_report(toml, 0.1)) for toml in ("", grab))
     points = [report["tasks"]["trajectory_planning.crane"]["released"] for report in (plain, held)]
@@ -146,7 +146,16 @@ def test_a_processs_steps_decide_when_the_servo_runs() -> None:
     (row(16, "none", 'steps = ["leg 1"]'), "own.toml:3:10", "an integer from 1 to 15 is expected"),
     (row(9, "none", 'stepps = ["leg 1"]'), "own.toml:6:10", "processes.stepps: no such field"),
     (row(3, "crane", 'subprocesses = [1, 2]\nsteps = ["leg 1"]\nmay = [4]\ninitial = [4]'), "own.toml:2:1", '"leg 1" needs sub-processes 3 and 4'),
-    (row(3, "crane", 'subprocesses = [1, 2, 3, 4]\nsteps = ["leg 2"]\nmay = [4]\ninitial = [4]'), "own.toml:2:1", '"wait_for_agv" is expected before it'),
+    (row(3, "crane", 'subprocesses = [1, 2, 3, 4]\nsteps = ["align"]\nmay = [4]\ninitial = [4]'), "own.toml:2:1", '"align" without an AGV'),
+    (row(4, "crane", 'subprocesses = [3, 4]\nsteps = ["align"]\nmay = [3, 7, 8]\nmust = [5]'), "own.toml:2:1", '"align" needs sub-processes 1 and 2'),
+    (row(7, "crane", 'account = "t_3"\nsubprocesses = [1, 2, 3, 4]\nsteps = ["leg 3"]\nfinal = true'), "own.toml:2:1", "t_3 is the time of process 3 already"),
+    (row(5, "agv", 'account = "t_4"\nsubprocesses = [1, 2]\nsteps = ["leg 1"]\nmust = [6]\nmay = [8]'), "own.toml:2:1", "t_4 is not of its robot"),
+    (row(4, "crane", 'account = "t_5"\nsteps = ["hold 1"]\nmay = [3, 7, 8]\nmust = [5]'), "own.toml:2:1", "t_5 is not of its robot; a process of an AGV"),
+    (row(5, "agv", 'account = "t_7"\nsteps = ["hold 1"]'), "own.toml:6:11", '"none", "t_3", "t_4", "t_5" or "t_6" is expected'),
+    ('[[subprocesses]]\nnumber = 1\nname = "x"\ncrane = "trajectory_planning.crane"\nagv = "trajectory_planning.agv"\nrelease = "point"\nmust = [2]\n', "own.toml:1:1",
+     'without 1 "leg 1" of process 3 would never end'),
+    ('[[subprocesses]]\nnumber = 1\nname = "x"\ncrane = "trajectory_planning.crane"\nagv = "trajectory_planning.agv"\nrelease = "point"\nmust = [1, 2, 3]\n', "own.toml:1:1",
+     "its task cannot demand 3"),
     (row(9, "none", 'steps = ["task identify"]\nloaded = true') * 2, "own.toml:9:1", "processes.number: 9 is there twice"),
     ('[[subprocesses]]\nnumber = 1\nname = "x"\ncrane = "pid"\nrelease = "point"\n', "own.toml:1:1", "sub-process 1: only the name"),
     ('[[subprocesses]]\nnumber = 6\nname = "x"\nagv = "user.y"\nrelease = "interval"\n', "own.toml:1:1", '"user.y" is no task for it'),

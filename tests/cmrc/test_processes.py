@@ -48,50 +48,58 @@ def test_cycle_times_of_one_crane_and_one_agv() -> None:
     cycles = cmrc.Cycles()
     for at, number, started, robot in [
         (0, 3, True, 0), (70, 3, False, 0), (75, 4, True, 1), (85, 4, False, 1), (85, 3, True, 0), (85, 5, True, 1),
-        (120, 5, False, 1), (120, 6, True, 1), (150, 6, False, 1), (160, 3, False, 0), (160, 4, True, 1),
+        (120, 5, False, 1), (120, 6, True, 1), (150, 6, False, 1), (160, 3, False, 0), (160, 4, True, 1), (172, 4, False, 1),
     ]:  # fmt: skip
         cycles.process(number, started, robot, at)
     first = cycles.cycles()[0]
-    expected = {"t3": 70, "t_v": 5, "t4": 10, "T_g": 85, "t5": 35, "t6": 30, "t_w": 10, "T_a": 85}
+    expected = {"t3": 70, "t_v": 5, "t4": 10, "T_g": 85, "t5": 35, "t6": 30, "t_w": 10, "t_wait": 22, "T_a": 172 - 85}
     assert {name: first[name] for name in expected} == pytest.approx(expected)
     assert cycles.completed == 1
     assert cycles.cycles()[1]["t_v"] == 0
 
 
-def test_waiting_above_the_ship_for_an_agv_is_t_v_not_t_3() -> None:
-    # The crane asks at 40, the AGV comes at 52; what is left of process 3 is the way to it.
+def test_an_agv_waits_in_its_slot_and_in_the_spot_until_it_has_been_loaded() -> None:
+    # AGV 0: loaded 80..90, out 90..120, back from 120, in a slot 140..145, in the spot from 150, loaded again 185..197. AGV 1 stands in the way.
     cycles = cmrc.Cycles()
-    cycles.process(3, True, 0, 0)
-    cycles.crane_asks(40)
-    cycles.agv_waits(0, True, 52)
-    cycles.process(3, False, 0, 80)
-    cycles.process(4, True, 1, 80)
-    assert (cycles.cycles()[0]["t3"], cycles.cycles()[0]["t_v"]) == (68, 12)
-
-
-def test_an_agv_waits_in_its_slot_and_in_the_spot_until_the_crane_is_ready() -> None:
-    # AGV 0: loaded 80..90, out 90..120, back from 120, in a slot 140..145, in the spot from 150. The crane is ready at 170 and over it at 185.
-    cycles = cmrc.Cycles()
-    cycles.process(3, True, 0, 0)
-    cycles.crane_asks(40)
-    cycles.process(3, False, 0, 80)
-    cycles.process(4, True, 1, 80)
-    cycles.process(4, False, 1, 90)
-    cycles.process(3, True, 0, 90)
-    cycles.process(5, True, 1, 90)
-    cycles.process(5, False, 1, 120)
-    cycles.process(6, True, 1, 120)
+    for at, number, started, robot in [
+        (0, 3, True, 0), (80, 3, False, 0), (80, 4, True, 1), (90, 4, False, 1), (90, 3, True, 0), (90, 5, True, 1), (120, 5, False, 1), (120, 6, True, 1),
+    ]:  # fmt: skip
+        cycles.process(number, started, robot, at)
     cycles.agv_waits(0, True, 140)
     cycles.agv_waits(0, False, 145)
     cycles.agv_waits(0, True, 150)
     cycles.process(6, False, 1, 150)
-    cycles.crane_asks(170)
+    assert cycles.cycles()[0]["t6"] == 30 - 5  # moving up belongs to it, standing in the slot does not
     cycles.process(3, False, 0, 185)
     cycles.process(4, True, 1, 185)
+    assert (cycles.cycles()[0]["t_w"], cycles.cycles()[0]["T_a"]) == (5 + 35, None)
+    cycles.process(4, False, 1, 197)
     first, second = cycles.cycles()
-    expected = {"t3": 80, "t_v": 0, "t4": 10, "T_g": 90, "t5": 30, "t6": 25, "t_w": 5 + 20, "approach": 15, "T_a": 185 - 80}
+    # Equations (2) to (4): the whole way from 90, when it had been loaded, to 197.
+    expected = {"t3": 80, "t_v": 0, "t4": 10, "T_g": 90, "t5": 30, "t6": 25, "t_w": 40, "t_wait": 52, "T_a": 197 - 90}
     assert {name: first[name] for name in expected} == pytest.approx(expected)
-    assert (second["t3"], second["t_v"]) == (95, 0)
+    assert (second["t3"], second["t_v"], second["t4"], second["T_g"]) == (95, 0, 12, 107)
+
+
+def test_the_crane_stands_above_the_spot_while_one_that_waited_in_a_slot_moves_up() -> None:
+    # With two AGVs both may wait: AGV 1 in its slot from 30 to 60, then the crane from 65 until AGV 1 has come at 70.
+    cycles = cmrc.Cycles()
+    cycles.process(3, True, 0, 0)
+    cycles.process(3, False, 0, 10)
+    cycles.process(4, True, 2, 10)
+    cycles.process(4, False, 2, 20)
+    cycles.process(3, True, 0, 20)
+    cycles.process(5, True, 2, 20)
+    cycles.process(5, False, 2, 22)
+    cycles.process(6, True, 2, 22)
+    cycles.agv_waits(1, True, 30)
+    cycles.agv_waits(1, False, 60)
+    cycles.process(3, False, 0, 65)
+    cycles.agv_waits(1, True, 70)
+    cycles.process(6, False, 2, 70)
+    cycles.process(4, True, 2, 70)
+    first, second = cycles.cycles()
+    assert (first["t_w"], first["t6"], second["t_v"]) == (30, 8 + 10, 5)
 
 
 @pytest.mark.parametrize(

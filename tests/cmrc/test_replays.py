@@ -68,6 +68,7 @@ ROUGH = failures(
         ("--dsps 4 --duration 0.2", DYING, Rule(), {5, 6}),
         ("--dsps 2 --duration 0.2 --idle-policy pause", ROUGH, Rule(), {5, 6}),
         ("--dsps 3 --duration 0.2 --set scheduling.gamma_refreshes=2 --set scheduling.alpha_refreshes=30", "", Rule(gamma=2, alpha=30), {5, 6}),
+        ("--dsps 2 --duration 0.2 --preset saturated --set scheduling.slice_cycles=10000", ROUGH, Rule(), {5, 6, 11}),
         ("--dsps 2 --duration 0.2 --set rates.servo_frequency_hz=2000 --set scheduling.p=20480", "", Rule(servo=4, p=20480), {5, 6}),
     ],
 )
@@ -82,7 +83,7 @@ def test_the_list_and_every_claim_follow_equation_7(tmp_path: Path, options: str
 
 def test_the_replay_notices_a_broken_rule(tmp_path: Path) -> None:
     events, _ = run(tmp_path, *CROWDED.split(), *AT_ONCE_OPTIONS, toml=DRIVING)
-    rules = [Rule(), Rule(gamma=1), Rule(a=1), Rule(b=1), Rule(alpha=120), Rule(beta=100), Rule(agv=60), Rule(p=0x1000, q=0x100)]
+    rules = [Rule(), Rule(gamma=1), Rule(a=0x200), Rule(b=0x2100), Rule(alpha=120), Rule(beta=100), Rule(agv=60), Rule(p=0x1000, q=0x100)]
     faults = []
     for rule in rules:
         replay = Replay(rule)
@@ -109,6 +110,9 @@ def test_the_replay_notices_a_broken_rule(tmp_path: Path) -> None:
         ("--dsps 2 --duration 0.2", ROUGH, 2, 3),
         ("--dsps 1 --duration 1.0", failures((0.05, "fail", {"dsp": 0})), 1, 1),
         ("--dsps 3 --duration 0.2 --set machine.cycle_time_factor=14", "", 3, 50),
+        ("--dsps 1 --duration 0.3 --preset saturated --set scheduling.slice_cycles=10000", "", 1, 20),
+        ("--dsps 2 --duration 0.2 --preset saturated --set scheduling.slice_cycles=20000", ROUGH, 2, 10),
+        ("--dsps 3 --duration 0.2 --preset saturated --set scheduling.slice_cycles=5000", DYING, 3, 1),
     ],
 )
 def test_chains_add_up_and_are_those_of_the_trace(tmp_path: Path, options: str, toml: str, dsps: int, least: int) -> None:
@@ -135,6 +139,7 @@ def test_random_failure_scripts(tmp_path: Path, seed: int) -> None:
     rows: list[tuple[float, str, dict[str, Any]]] = [(0.1 + 0.2 * k / 8 + rng.random() * 0.01, *script(rng, dsps)) for k in range(rng.randint(1, 8))]
     options = ["--dsps", str(dsps), "--duration", "0.4", "--idle-policy", rng.choice(["doorbell", "pause", "spin"])]
     options += rng.choice([[], ["--preset", "saturated"], ["--set", "dock.agvs=4"]])
+    options += rng.choice([[], [], ["--set", "scheduling.slice_cycles=10000"]])
     events, report = run(tmp_path, *options, toml=DRIVING + failures(*rows))
     replay = Replay(Rule(), doorbells="doorbell" in options)
     replay.follow(events)

@@ -61,6 +61,7 @@ class Dsp:
         first, last = self.symbols["constants"], self.symbols["constants_end"]
         self.chip.load_words(self.symbols["CONSTANTS"], self.chip.read(first, last - first))
         self.area = WINDOW_A + self.symbols["CR_BASE"]
+        self.chip.poke(self.symbols["EXEC_BLOCK"], WINDOW_A + self.symbols["BLOCK_POOL"])
 
     # ---- words of the area and of the devices
     def put(self, name: str, *values: float, offset: int = 0) -> None:

@@ -51,6 +51,7 @@ class Dsp:
         first, last = self.symbols["constants"], self.symbols["constants_end"]
         self.chip.load_words(self.symbols["CONSTANTS"], self.chip.read(first, last - first))
         self.area = WINDOW_A + self.symbols["CR_BASE"]
+        self.chip.poke(self.symbols["EXEC_BLOCK"], WINDOW_A + self.symbols["BLOCK_POOL"])
 
     def agv(self, index: int) -> None:
         self.area = WINDOW_A + self.symbols["AG_BASE"] + index * self.symbols["AG_WORDS"]

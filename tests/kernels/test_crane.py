@@ -77,13 +77,25 @@ def test_trajectory_follows_the_route_of_a_leg(dsp: Dsp, seed: int) -> None:
     assert got[4:] == pytest.approx([0] * 10, abs=1e-6)
 
 
-def test_second_leg_starts_where_the_first_ended_and_aims_at_the_agv(dsp: Dsp) -> None:
-    r = random.Random(11)
-    home, target, via = pose(r), pose(r), pose(r)
+def test_planning_demands_itself_until_the_last_point_of_a_leg(dsp: Dsp) -> None:
+    r = random.Random(13)
+    home, target = pose(r), pose(r)
     dsp.put("CR_HOME", *home)
     dsp.put("CR_LEG", 1)
     put_route(dsp, 1, [target])
-    put_route(dsp, 2, [via, [0.0] * 4])
+    last = ref.Leg(home, [target]).points(single(PERIOD)) - 1
+    more, s = (0, dsp.symbols["MUST_TRAJECTORY"] | dsp.symbols["MUST_INVERSE"]), dsp.symbols
+    assert [dsp.run("trajectory_crane", k)[:2] for k in (0, 500, last - 2)] == [more] * 3
+    told = [dsp.run("trajectory_crane", k)[:2] for k in (last - 1, last, last + 1)]
+    assert (s["RESULT_END_OF_LEG"], s["MUST_INVERSE"]) in told
+
+
+def test_an_alignment_starts_where_the_leg_before_ended_and_aims_at_the_agv(dsp: Dsp) -> None:
+    r = random.Random(11)
+    home, target, via = pose(r), pose(r), pose(r)
+    dsp.put("CR_HOME", *home)
+    dsp.put("CR_LEG", 2)
+    put_route(dsp, 2, [target])
     dsp.put("CR_AGV", dsp.symbols["AGV_UNIT"] + 2 * dsp.symbols["AGV_UNIT_WORDS"])
     dsp.put("CR_AGV_DECK", 1.6)
     dsp.put("CR_BOX_HEIGHT", 2.591)
@@ -94,17 +106,20 @@ def test_second_leg_starts_where_the_first_ended_and_aims_at_the_agv(dsp: Dsp) -
     while not dsp.run("trajectory_crane", k)[0]:
         k += 97 if k + 97 < count - 2 else 1
     assert abs(k - (count - 1)) <= 1
-    dsp.put("CR_LEG", 2)
+    dsp.put("CR_LEG", dsp.symbols["LEG_ALIGN"])
+    put_route(dsp, 1, [via])  # the next routes may be planned meanwhile
+    put_route(dsp, 2, [via, via])
     unit = 2 * dsp.symbols["AGV_UNIT_WORDS"] + dsp.symbols["AGV_UNIT"]
     dsp.device("AGV_X", 22013, offset=unit)
     dsp.device("AGV_Y", 7988, offset=unit)
     dsp.device("AGV_HEADING", 3141593 - 20000, offset=unit)  # facing -x: the box fits either way round
     end = [22.013, 7.988, 1.6 + 2.591 + 1.5, (3141593 - 20000) * 1e-6 - math.pi * round((3.121593 - target[3]) / math.pi)]
-    leg = ref.Leg(target, [via, end])
-    for n in (0, 1, 500, 1000, 2000, leg.points(period) - 1):
+    leg = ref.Leg(target, [end])
+    for n in (0, 1, 500, 1000, leg.points(period) - 1):
         _result, _, _ = dsp.run("trajectory_crane", k + 1 + n)
+        dsp.device("AGV_X", 0, offset=unit)  # it is measured when the leg begins
         assert_point(dsp, k + 1 + n, ref.trajectory(leg, (n + 1) * period))
-    assert dsp.floats("CR_ROUTE", 4, offset=32 + 4) == pytest.approx(end, abs=4e-6)
+    assert dsp.floats("CR_ROUTE", 4, offset=32) == pytest.approx(via, abs=4e-6)  # the next way there is untouched
 
 
 def test_trajectory_run_again_gives_the_same_words(dsp: Dsp) -> None:

@@ -139,7 +139,7 @@ def section(p: Parameters, all_rows: Sequence[Row]) -> str:
     }  # fmt: skip
     return (
         f"{p.dsps} DSP, {p.agvs} AGVs, 24 containers, {p.duration_s:g} s, f_s 2 kHz, f_p 250 Hz, N̂_a from 40 to at most 160, learning rate {p.rate:g}, largest step {p.step_max:g}, gusts of"
-        f" {p.wind_gust_m_s:g} m/s by the seed. t_w is what an AGV waits until the crane is ready for it; the crane's way to it, for which it has to stand there, is not in it"
+        f" {p.wind_gust_m_s:g} m/s by the seed. t_w is what an AGV waits from leaving the lane until it begins to be loaded"
         f" ([report.md](report.md), `cycles`). Of each work cycle that has closed (of seed {p.seeds[0]}):\n\n"
         + markdown(columns, [row for row in all_rows if row["seed"] == p.seeds[0]])
     )

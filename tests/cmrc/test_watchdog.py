@@ -1,0 +1,84 @@
+"""The watchdog: long blocks by their heartbeat (measures.md 4), and no healthy DSP for what the host has not looked at (ruling 37)."""
+
+import json
+import re
+from typing import Any
+
+import pytest
+from cmrc import _core
+
+cmrc = _core.cmrc
+LONG = {"load.avoidance_cycles": 50_000}
+
+
+def run(events: list[dict[str, Any]], **settings: Any) -> dict[str, Any]:
+    simulation = cmrc.Simulation(cmrc.config(settings=settings, events=events))
+    simulation.run()
+    report: dict[str, Any] = json.loads(simulation.report_json())
+    assert report["audit"]["violations"] == []
+    return report
+
+
+def noticed(report: dict[str, Any]) -> list[tuple[float, int, str]]:
+    return [(failure["time_s"], failure["dsp"], failure["message"]) for failure in report["failures"] if failure["kind"] == "watchdog"]
+
+
+@pytest.mark.parametrize("action", ["hang", "freeze", "fail"])
+@pytest.mark.parametrize("at_ms", [20.3, 21.1, 21.95])
+def test_a_failure_in_identify_is_noticed_within_3_ms(action: str, at_ms: float) -> None:
+    # The first refresh, at 20 ms, hands out torque compensation, PID and, to DSP 2, identify, which takes 2.3 ms.
+    report = run([{"at_s": at_ms * 1e-3, "action": action, "dsp": 2}], duration_s=0.03, dsps=4)
+    [(when, _, message)] = noticed(report)
+    assert "of kind identify" in message
+    assert at_ms < when * 1e3 < at_ms + 3
+    assert re.search(r"has had no heartbeat for \d+ refreshes", message)
+    assert report["host"]["recomputed"] == 1 and report["tasks"]["identify"]["on_time"] == 1
+
+
+def test_a_failure_in_avoidance_is_noticed_within_3_ms() -> None:
+    # Two blocks of 8 ms every 20 ms, from 40 ms on: at 42 ms both run.
+    report = run([{"at_s": 0.042, "action": "hang", "dsp": dsp} for dsp in (0, 1, 2, 3)], duration_s=0.06, dsps=4, agvs=2, **{"load.avoidance_cycles": 200_000})
+    found = [when for when, _, message in noticed(report) if "obstacle_avoidance" in message]
+    assert len(found) == 2 and all(0.042 < when < 0.045 for when in found)
+
+
+@pytest.mark.parametrize("pause_ms", [3, 20, 60])
+def test_a_pause_of_the_host_has_no_healthy_dsp_reset(pause_ms: float) -> None:
+    # Blocks claimed, and DSPs idle, while the host was away: it has not looked, so it knows nothing against them.
+    report = run([{"at_s": 0.1, "action": "pause_host", "lasts_ms": pause_ms}], duration_s=0.22, dsps=4, agvs=8, **LONG)
+    assert report["host"]["skipped_refreshes"] >= pause_ms * 8 - 2
+    assert report["failures"] == [] and [dsp["resets"] for dsp in report["dsps"]] == [0] * 4
+    assert report["host"]["recomputed"] == 0
+
+
+def test_one_that_dies_in_the_pause_is_found_after_it() -> None:
+    events = [{"at_s": 0.1, "action": "pause_host", "lasts_ms": 60}, *({"at_s": 0.102, "action": "hang", "dsp": dsp} for dsp in (1, 2))]
+    report = run(events, duration_s=0.3, dsps=4, agvs=8, **LONG)
+    reset = {failure["dsp"] for failure in report["failures"] if failure["kind"] in ("watchdog", "silent")}
+    assert reset == {1, 2} and [dsp["resets"] for dsp in report["dsps"]] == [0, 1, 1, 0]
+
+
+def test_a_host_kept_off_the_list_has_no_healthy_dsp_reset() -> None:
+    # Eight DSPs that poll without a pause, and a host that tries again only every 20 us or more: a refresh takes up to some ms.
+    settings = {**LONG, "idle_policy": "spin", "host.semaphore_retry_ns": 20_000, "watchdog.semaphore_limit_us": 1e6}
+    report = run([], duration_s=0.08, dsps=8, agvs=8, **settings)
+    assert report["host"]["skipped_refreshes"] > 100 and report["host"]["refresh_duration_ps"]["worst"] > 2e9
+    assert report["failures"] == [] and [dsp["resets"] for dsp in report["dsps"]] == [0] * 8
+
+
+@pytest.mark.parametrize("factor", [2, 10])
+def test_a_slow_dsp_that_beats_is_not_taken_for_broken(factor: float) -> None:
+    report = run([], duration_s=0.08, dsps=2, cycle_time_factor=factor)
+    assert noticed(report) == [] and report["tasks"]["identify"]["on_time"] == 1
+
+
+TASK = '[[tasks]]\nname = "look"\nprogram = "kernel_none"\nkind = 9\nimportance = 0x100\nperiod_ms = 10\nheartbeat_ms = {}\n'
+
+
+def test_a_heartbeat_longer_than_the_watchdogs_limit_is_refused() -> None:
+    with pytest.raises(cmrc.ConfigError, match=r'own\.toml:1:1: tasks\.heartbeat_ms: 2\.5 ms of "look" are longer than the watchdog\'s limit, 16 refreshes: 2 ms'):
+        cmrc.config(toml=TASK.format(2.5), name="own.toml")
+    with pytest.raises(cmrc.ConfigError, match="heartbeat_ms"):
+        cmrc.config(toml=TASK.format(-1), name="own.toml")
+    assert "heartbeat_ms = 2" in cmrc.config(toml=TASK.format(2)).to_toml()
+    cmrc.config(toml=TASK.format(2.5), settings={"minimum_refreshes": 20})
