@@ -152,15 +152,27 @@ std::vector<Interval> servoing(const Course& course, Time end) {
   return all;
 }
 
-/// Fewest finishes in any window of one second within the interval, per second; a shorter interval is one window.
-double worst_rate(const std::vector<Time>& finished, const Interval& in) {
+/// Time in which something is demanded, without the gaps between: how much of it has passed at `time`.
+Time demanded_until(const std::vector<Interval>& when, Time time) {
+  Time sum{};
+  for (const Interval& interval : when)
+    if (time > interval.from) sum += std::min(time, interval.to) - interval.from;
+  return sum;
+}
+
+/// Fewest finishes in any window of one second of the time in which they are demanded, per second; a shorter time is one window.
+/// \param finished in demanded time, sorted
+double worst_rate(const std::vector<Time>& finished, Time whole) {
   constexpr Time window = std::chrono::seconds{1};
   const auto count = [&](Time from, Time to) {  // in ]from, to]
     return static_cast<double>(std::ranges::upper_bound(finished, to) - std::ranges::upper_bound(finished, from));
   };
-  if (in.to - in.from <= window) return count(in.from, in.to) / seconds(in.to - in.from);
-  double worst = std::min(count(in.from, in.from + window), count(in.to - window, in.to));
-  for (auto end = std::ranges::upper_bound(finished, in.from); end != finished.end() && *end + window <= in.to; ++end) worst = std::min(worst, count(*end, *end + window));
+  if (whole <= window) return count(Time{-1}, whole) / seconds(whole);
+  double worst = std::min(count(Time{-1}, window), count(whole - window, whole));
+  for (const Time from : finished) {
+    if (from + window > whole) break;
+    worst = std::min(worst, count(from, from + window));
+  }
   return worst;
 }
 
@@ -225,17 +237,15 @@ class DemandOf {
     std::vector<Interval> when;
     if (is(JobKind::pid) || is(JobKind::torque_compensation)) when = servoing(ideal_, run_.to);
     else if (is(JobKind::trajectory_crane) || is(JobKind::inverse_crane) || is(JobKind::trajectory_agv) || is(JobKind::inverse_agv)) when = legs(ideal_, robot, run_.to);
-    std::vector<Time> finished = jobs.finished;
+    for (Interval& interval : when) interval.to = std::max(interval.from, std::min(interval.to, run_.to));
+    const Time whole = demanded_until(when, run_.to);
+    if (whole == Time{}) return 0;
+    std::vector<Time> finished;
+    for (const Time time : jobs.finished) finished.push_back(demanded_until(when, time));
     std::ranges::sort(finished);
-    double time = 0;
-    for (Interval interval : when) {
-      interval.to = std::min(interval.to, run_.to);
-      if (interval.to <= interval.from) continue;
-      time += seconds(interval.to - interval.from);
-      const double worst = worst_rate(finished, interval);
-      all.worst_hz = all.worst_hz ? std::min(*all.worst_hz, worst) : worst;
-    }
-    return time;
+    const double worst = worst_rate(finished, whole);
+    all.worst_hz = all.worst_hz ? std::min(*all.worst_hz, worst) : worst;
+    return seconds(whole);
   }
 
   const Measured& run_;

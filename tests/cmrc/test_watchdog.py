@@ -8,7 +8,9 @@ import pytest
 from cmrc import _core
 
 cmrc = _core.cmrc
-LONG = {"load.avoidance_cycles": 50_000}
+# Vehicles that stand and look all at once: the load is there from the first interval on.
+PARKED = {"load.parked": True, "scheduling.agv_phase": "together"}
+LONG = {**PARKED, "load.avoidance_cycles": 50_000}
 
 
 def run(events: list[dict[str, Any]], **settings: Any) -> dict[str, Any]:
@@ -37,7 +39,7 @@ def test_a_failure_in_identify_is_noticed_within_3_ms(action: str, at_ms: float)
 
 def test_a_failure_in_avoidance_is_noticed_within_3_ms() -> None:
     # Two blocks of 8 ms every 20 ms, from 40 ms on: at 42 ms both run.
-    report = run([{"at_s": 0.042, "action": "hang", "dsp": dsp} for dsp in (0, 1, 2, 3)], duration_s=0.06, dsps=4, agvs=2, **{"load.avoidance_cycles": 200_000})
+    report = run([{"at_s": 0.042, "action": "hang", "dsp": dsp} for dsp in (0, 1, 2, 3)], duration_s=0.06, dsps=4, agvs=2, **PARKED, **{"load.avoidance_cycles": 200_000})
     found = [when for when, _, message in noticed(report) if "obstacle_avoidance" in message]
     assert len(found) == 2 and all(0.042 < when < 0.045 for when in found)
 
