@@ -77,48 +77,6 @@ exec_unknown:
         ldi     0, r1
         br      exec_done
 
-; An error block (x = 1): a block was given up, its kind is the argument. Into the log; the entry first, then the count, so that running this again
-; writes the same. What the lost block moved stops by itself: a drive without set-points brakes.
-kernel_error:
-        ldhi    hi16(WINDOW_A + ER_BASE), ar0
-        or      lo16(WINDOW_A + ER_BASE), ar0
-        ldi     @TASK + TB_GENERATION, r3
-        ldi     @TASK + TB_TICK, r4
-        ldi     *ar0, r2                        ; errors so far
-        cmpi    0, r2
-        beq     error_new
-        subi    1, r2
-        call    error_entry
-        addi    1, r2
-        ldi     *+ar1(ER_TICK), r0
-        cmpi    r4, r0
-        bne     error_new
-        ldi     *+ar1(ER_GENERATION), r0
-        cmpi    r3, r0
-        beq     error_done                      ; the last entry is this very block: run again
-error_new:
-        call    error_entry
-        sti     r4, *+ar1(ER_TICK)
-        ldi     @TASK + TB_ARGUMENT, r0
-        sti     r0, *+ar1(ER_KIND)
-        ldi     @TASK + TB_AREA, r0
-        sti     r0, *+ar1(ER_AREA)
-        sti     r3, *+ar1(ER_GENERATION)
-        addi    1, r2
-        sti     r2, *ar0
-error_done:
-        ldi     r2, r0
-        ldi     0, r1
-        rets
-; AR1 <- entry R2 of the log at AR0.
-error_entry:
-        ldi     r2, ar1
-        and     ER_ENTRIES - 1, ar1
-        lsh     2, ar1
-        addi    ar0, ar1
-        addi    ER_LOG, ar1
-        rets
-
 ; A row of the user's own for which nothing was configured.
 kernel_none:
         ldi     -1, r0

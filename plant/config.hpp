@@ -160,6 +160,7 @@ struct SampleClock {
 
 struct SensorParameters {
   double sway_range = std::numbers::pi / 18;  // rad at code 2048 (10 degrees)
+  bool second_sway = true;  // there is a second sway sensor beside the first
   double sway_noise = 0.02 * std::numbers::pi / 180;  // rad, standard deviation
   double range_rate = 0.0;     // Hz, of the AGVs' range sensors; 0: each of the AGVs' steps, 1 kHz
   SampleClock sway_clock;      // nominal 100 Hz

@@ -164,6 +164,65 @@ std::int32_t Dock::sway(int axis, Time t) {
   return self_->core.state.sway_shown[static_cast<std::size_t>(axis)];
 }
 
+// ---- instruments
+
+std::uint32_t Dock::drive_status(int joint, Time t) {
+  self_->advance(t);
+  return self_->core.drive_status(Implementation::check_joint(joint));
+}
+
+std::int32_t Dock::drive_speed(int joint, Time t) {
+  self_->advance(t);
+  return self_->core.drive_speed(Implementation::check_joint(joint));
+}
+
+std::int32_t Dock::load_cell(Time t) {
+  self_->advance(t);
+  return self_->core.state.instruments.load_shown;
+}
+
+std::int32_t Dock::second_sway(int axis, Time t) {
+  require(axis == 0 || axis == 1, "sway axis must be 0 or 1");
+  require(config().sensors.second_sway, "this dock has one sway sensor");
+  self_->advance(t);
+  return self_->core.state.instruments.sway_shown[static_cast<std::size_t>(axis)];
+}
+
+std::int32_t Dock::wind_mean(Time t) {
+  self_->advance(t);
+  return self_->core.wind_mean(static_cast<double>(t.count()) * 1e-12);
+}
+
+void Dock::fail_drive_status(int joint, bool failed, Time t) {
+  const std::uint32_t shown = drive_status(joint, t);
+  const auto j = static_cast<std::size_t>(joint);
+  self_->core.state.instruments.held_status[j] = failed ? shown : 0U;
+  set_bit(self_->core.state.instruments.stuck_status, j, failed);
+}
+
+void Dock::fail_drive_speed(int joint, bool failed, Time t) {
+  const std::int32_t shown = drive_speed(joint, t);
+  const auto j = static_cast<std::size_t>(joint);
+  self_->core.state.instruments.held_speed[j] = failed ? shown : 0;
+  set_bit(self_->core.state.instruments.stuck_speeds, j, failed);
+}
+
+void Dock::fail_load_cell(bool failed, Time t) {
+  self_->advance(t);
+  self_->core.state.instruments.stuck_load = failed;
+}
+
+void Dock::fail_second_sway(int axis, bool failed, Time t) {
+  second_sway(axis, t);
+  set_bit(self_->core.state.instruments.stuck_sways, static_cast<std::size_t>(axis), failed);
+}
+
+void Dock::fail_anemometer(bool failed, Time t) {
+  const std::int32_t shown = wind_mean(t);
+  self_->core.state.instruments.held_wind = failed ? shown : 0;
+  self_->core.state.instruments.stuck_wind = failed;
+}
+
 void Dock::spreader_command(std::uint32_t command, Time t) {
   self_->advance(t);
   self_->core.state.spreader_command = command & 1U;

@@ -124,6 +124,9 @@ inline constexpr int range_rays = 180;
 inline constexpr std::int32_t range_first = -1'562'070, range_step = 17'453;  // microradians from the heading, left positive: -89.5 degrees, 1 degree
 inline constexpr std::int32_t range_most = 30'000, range_least = 50, range_quantum = 8;  // mm
 
+// Bits of a drive's status.
+inline constexpr std::uint32_t drive_ready = 1, drive_fault = 2, drive_late = 4, drive_brake = 8;
+
 struct DockState;  // everything that the dock's future depends on; plant/state.hpp
 
 class Dock {
@@ -149,6 +152,17 @@ class Dock {
   void fail_sway(int axis, bool failed, Time);
   std::int64_t encoder_total(int joint, Time);      // the same count since joint zero, not wrapped (for start-up)
   std::int32_t sway(int axis, Time);                // 0 alpha (radial), 1 beta (tangential); 2048 = 10 degrees
+  // Ready; fault (failed, or the dock's own fault); no torque code for drive_timeout; brake closed: drive_ready ... drive_brake.
+  std::uint32_t drive_status(int joint, Time);
+  std::int32_t drive_speed(int joint, Time);        // the drive's own estimate of its motor's speed: 10000 = rated
+  std::int32_t load_cell(Time);                     // kg on the rope, in steps of 10; sampled with the sway
+  std::int32_t second_sway(int axis, Time);         // as sway(), with a noise of its own
+  std::int32_t wind_mean(Time);                     // mm/s along the wind's direction, mean of the last 3 s
+  void fail_drive_status(int joint, bool failed, Time);
+  void fail_drive_speed(int joint, bool failed, Time);
+  void fail_load_cell(bool failed, Time);
+  void fail_second_sway(int axis, bool failed, Time);
+  void fail_anemometer(bool failed, Time);
   void spreader_command(std::uint32_t, Time);       // 1 lock, 0 open
   std::uint32_t spreader_status(Time);              // bits 3..0 corners, 4 locked, 5 open
 

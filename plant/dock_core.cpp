@@ -29,6 +29,8 @@ DockCore::DockCore(const DockConfig& c)
   if (config.rigid) state.inputs.locked |= sway_coordinates;
   sample_sway();
   state.sway_shown = state.sway_sampled;
+  state.instruments.sway_shown = state.instruments.sway_sampled;
+  state.instruments.load_shown = state.instruments.load_sampled;
   begin_latch();
 }
 
@@ -112,6 +114,7 @@ void DockCore::sample_sway() {
     state.sway_shown[axis] = state.sway_sampled[axis];
     state.sway_sampled[axis] = sway_code(angles[axis], config.sensors, static_cast<int>(axis), sample);
   }
+  sample_instruments();
 }
 
 double DockCore::drum(const CraneState& c, std::size_t joint) const {
@@ -142,13 +145,18 @@ Signal DockCore::make_signal() const {
   row.payload = place.payload;
   if (state.landing.active) {
     row.yaw = landing.payload_yaw(state);
-    row.tension = state.landing.tension;
     row.contact = state.landing.contacts > 0;
   } else {
     row.yaw = c.q[Q_PSI] + c.q[Q_KAPPA];
-    row.tension = crane.crane().tension(c.q, c.qd, crane.acceleration(c, state.inputs), state.inputs.payload.mass);
   }
+  row.tension = tension();
   return row;
+}
+
+double DockCore::tension() const {
+  if (state.landing.active) return state.landing.tension;
+  const CraneState& c = state.crane;
+  return crane.crane().tension(c.q, c.qd, crane.acceleration(c, state.inputs), state.inputs.payload.mass);
 }
 
 AgvSignal DockCore::make_agv_signal(std::size_t index) const {

@@ -39,6 +39,10 @@ class DockCore {
   Momentum momentum() const;
   bool accepted() const { return !config.landing.strict || state.handover.accepted; }  // the landing's corners count
   double drum(const CraneState&, std::size_t joint) const;  // joint position as its encoder sees it
+  // Instruments (dock_instruments.cpp), as they show at the last latch.
+  std::uint32_t drive_status(std::size_t joint) const;
+  std::int32_t drive_speed(std::size_t joint) const;
+  std::int32_t wind_mean(double seconds) const;
 
   DockConfig config;
   CraneMotion crane;
@@ -72,7 +76,9 @@ class DockCore {
   SampleClock range_clock(std::size_t agv) const { return agv < config.sensors.range_clocks.size() ? config.sensors.range_clocks[agv] : SampleClock{}; }
   void serve_warehouse(std::size_t agv);
   void sample_sway();
+  void sample_instruments();
   std::array<double, 2> sway() const;
+  double tension() const;            // N, sum of the falls
   void report(EventKind kind, int index = -1, double first = 0.0, double second = 0.0) {
     report(now(), kind, index, first, second);
   }

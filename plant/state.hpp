@@ -33,6 +33,18 @@ struct LandingState {
   bool landed = false;           // all four closed, until all four open
 };
 
+// Instruments beside encoders and the first sway sensor (plant/dock_instruments.cpp). `stuck_...`: a failed one goes on showing `held_...`.
+struct InstrumentState {
+  std::array<std::int32_t, 2> sway_shown{}, sway_sampled{};  // the second sway sensor, as the first
+  std::int32_t load_shown = 0, load_sampled = 0;             // load cell, kg
+  std::uint32_t stuck_status = 0, stuck_speeds = 0;          // by joint
+  std::uint32_t stuck_sways = 0;                             // by axis, of the second sensor
+  bool stuck_load = false, stuck_wind = false;
+  std::array<std::uint32_t, joint_count> held_status{};
+  std::array<std::int32_t, joint_count> held_speed{};
+  std::int32_t held_wind = 0;
+};
+
 struct DockState {
   std::int64_t latch = 0;        // number of the last latch; its time is latch * 125 us
   CraneState crane;
@@ -53,6 +65,7 @@ struct DockState {
   LandingState landing;
   HandoverState handover;
   std::array<std::int32_t, 2> sway_shown{}, sway_sampled{};  // codes: readable now, and 10 ms later
+  InstrumentState instruments;
   std::vector<ContainerData> containers;
   std::vector<AgvState> agvs;
   std::vector<std::array<std::int32_t, range_rays>> scans;  // per AGV, where the range sensors have a rate of their own

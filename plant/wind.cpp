@@ -25,6 +25,18 @@ double wind_speed(const WindParameters& p, double seconds) {
   return p.mean + p.gust * std::sqrt(2.0 / static_cast<double>(frequencies.size())) * sum;
 }
 
+double mean_wind_speed(const WindParameters& p, double from, double to) {
+  double sum = 0.0;
+  if (p.gust > 0.0) {
+    for (std::size_t i = 0; i < frequencies.size(); ++i) {
+      const double phase = 2.0 * std::numbers::pi * noise(p.seed, wind_axis, static_cast<std::int64_t>(i));
+      const double rate = 2.0 * std::numbers::pi * frequencies[i];
+      sum += (sin(rate * to + phase) - sin(rate * from + phase)) / (rate * (to - from));
+    }
+  }
+  return p.mean + p.gust * std::sqrt(2.0 / static_cast<double>(frequencies.size())) * sum;
+}
+
 std::array<double, 3> wind_force(const WindParameters& p, double seconds) {
   const double v = wind_speed(p, seconds);
   const double size = 0.5 * air * p.area * v * std::fabs(v);

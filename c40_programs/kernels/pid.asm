@@ -14,13 +14,18 @@ PD_STAGE        .set PD_STATE + 2
 PD_SERVOING     .set 2                  ; the stage in which errors are computed
 PD_LAST_TICK    .set PD_STATE + 3       ; refresh of the last run
 PD_OUT_TICK     .set PD_STATE + 4       ; refresh at which something was last out of tolerance
+PD_WATCH        .set PD_STATE + 7       ; i bits 4..0: joints beyond their following error, bits 12..8: whose encoders do not follow (pid_watch.asm)
 PD_SHIFT        .set PD_STATE + 5       ; f x2: suspension's shift against sway: radial, tangential, m
 PD_LAST         .set PD_STATE + 8       ; CR_ENCODER_LAST
 PD_SWAY         .set PD_STATE + 13      ; f x2: filtered sway off its reference, rad
 PD_TOTAL        .set PD_STATE + 16      ; CR_ENCODER_TOTAL
+PD_SEEN         .set PD_STATE + 21      ; i the last sample of the sway sensor in use: alpha, beta << 12, its number << 24
+PD_SAMPLED      .set PD_STATE + 22      ; i refresh at which that was looked at
+PD_SAME         .set PD_STATE + 23      ; i samples for which it has not changed: alpha, beta << 16
 PD_I            .set PD_STATE + 24      ; f x5
 PD_D            .set PD_STATE + 29      ; f x5
 PD_E            .set PD_STATE + 34      ; f x5: the last error
+PD_REJOIN       .set PD_STATE + 39      ; i not 0: CR_REJOIN holds
 PD_OFFSET       .set PD_STATE + 40      ; i x5: total - 24-bit count
 PD_STATE_WORDS  .set 45
 PD_Y_OLD        .set PD_STATE + 45      ; f x5: the last measurement (second build only)
@@ -44,6 +49,10 @@ PD_PHASE        .set SCRATCH + 166
 PD_PRODUCED     .set SCRATCH + 167
 PD_BUILD        .set SCRATCH + 168      ; 0: kernel_pid, 1: kernel_pid_document
 PD_WORDS        .set SCRATCH + 169      ; words of the state, less 1
+PD_DRIVES       .set SCRATCH + 170      ; DRIVE_STATUS
+PD_STILL        .set SCRATCH + 171      ; bit 4 - j: encoder j shows the same count as at the last run
+PD_ERRORS       .set SCRATCH + 173      ; TB_NOTIFY
+PD_BACK         .set SCRATCH + 176      ; CR_REJOIN
 
 ; The law as plant-and-bus.md 2.1 prints it: the derivative acts on the measurement alone, D <- T_d / (T_d + N h) (D - K N (y - y_old)), and the set-point
 ; runs straight from joint point to joint point (first-order hold).
@@ -63,12 +72,23 @@ pid_build:
         or      lo16(PD_COUNTS), ar1
         ldi     4, rc
         call    copy_words
-        addi    SWAY_ALPHA - ENCODER - 5, ar0
-        ldi     1, rc
-        call    copy_words
-        ldi     *+ar0(SPREADER_STATUS - SWAY_BETA - 1), r0
+        ldi     *+ar0(SPREADER_STATUS - ENCODER - 5), r0
         sti     r0, @PD_STATUS
+        ldi     *+ar0(DRIVE_STATUS - ENCODER - 5), r0
+        sti     r0, @PD_DRIVES
+        ldi     0, r0
+        sti     r0, @PD_ERRORS
         call    servo_head
+        ldi     @SV_SWAY_SENSOR, r0
+        mpyi    SWAY2_ALPHA - SWAY_ALPHA, r0
+        ldhi    hi16(WINDOW_B), ar0
+        addi    SWAY_ALPHA, ar0
+        addi    r0, ar0
+        ldi     *ar0, r0
+        sti     r0, @PD_ANGLES
+        ldi     *+ar0(1), r0
+        sti     r0, @PD_ANGLES + 1
+        call    servo_path
         ldi     ar6, ar2
         addi    CR_PRODUCED, ar2
         ldi     *ar2, r0
@@ -123,7 +143,9 @@ pid_servo:
         addf    @PD_RAMP_L, r0
         rnd     r0, r0
         stf     r0, @PD_R + 3
+        call    pid_left_alone
         call    pid_joints
+        call    pid_watch
 
         ldhi    hi16(WINDOW_B), ar1     ; five codes, then the spreader
         ldhi    hi16(PD_CODE), ar0
@@ -164,7 +186,7 @@ pid_finish:
         ldi     @PD_CONSUMED, r0
         and     0FFFFh, r0
         or      @PD_RESULT, r0
-        ldi     0, r1
+        ldi     @PD_ERRORS, r1
         rets
 
 ; Joint point -1: the measured pose, at rest; the sway's reference 0 and its factors -1/(L sin phi), 1/(a0 + L cos phi).
@@ -210,8 +232,9 @@ pid_take_rates:
 pid_first:
         ldi     0, r0
         sti     r0, @PD_CONSUMED
-        ldi     @TASK + TB_TICK, r0
+        ldi     @SV_PATH_TICK, r0
         sti     r0, @PD_SEGMENT
+        ldi     @TASK + TB_TICK, r0
         sti     r0, @PD_LAST_TICK
         sti     r0, @PD_OUT_TICK
         ldf     0.0, r0
@@ -234,8 +257,9 @@ pid_first_offset:
         nop     *ar0++
         rets
 
-; TOTAL, Y from the counts: total += (count + offset - total), the low 24 bits taken as signed.
+; TOTAL, Y from the counts: total += (count + offset - total), the low 24 bits taken as signed. STILL.
 pid_encoders:
+        ldi     0, r4
         ldhi    hi16(PD_TOTAL), ar0
         or      lo16(PD_TOTAL), ar0
         ldhi    hi16(PD_Y), ar1
@@ -249,6 +273,8 @@ pid_encoders:
         subi    *ar0, r0
         lsh     8, r0
         ash     -8, r0
+        cmpi    1, r0                           ; a borrow where it is 0
+        rolc    r4
         addi    *ar0, r0
         sti     r0, *ar0++
         float   r0, r0
@@ -256,6 +282,7 @@ pid_encoders:
         rnd     r0, r0
 pid_encoder:
         stf     r0, *ar1++
+        sti     r4, @PD_STILL
         rets
 
 ; RESULT <- the spreader's bits, PID_RAMP_DONE
@@ -281,7 +308,7 @@ pid_not_locked:
 pid_not_open:
         ldi     @SV_RAMP_TICKS, r2
         beq     pid_no_ramp
-        ldi     @TASK + TB_TICK, r1
+        ldi     @SV_PATH_TICK, r1
         subi    @SV_RAMP_START, r1
         cmpi    r2, r1
         blt     pid_no_ramp
@@ -295,7 +322,7 @@ pid_no_ramp:
 pid_advance:
         ldi     0, r10
         ldi     @PD_CONSUMED, r0
-        ldi     @TASK + TB_TICK, r1
+        ldi     @SV_PATH_TICK, r1
         cmpi    0, r0
         bne     pid_advance_due
         cmpi    @PD_PRODUCED, r0
@@ -450,6 +477,16 @@ pid_sway:
         addf    *ar0, r0
 pid_sway_between:
         stf     r0, *ar0++
+        ldi     @SV_STOPPED, r0
+        beq     pid_sway_at_rate
+        ldf     @SV_PATH_RATE, r0               ; the reference sway goes with the acceleration: with the square of the path's rate
+        mpyf    r0, r0
+        ldf     @PD_SWAY_FROM, r1
+        mpyf    r0, r1
+        stf     r1, @PD_SWAY_FROM
+        mpyf    @PD_SWAY_FROM + 1, r0
+        stf     r0, @PD_SWAY_FROM + 1
+pid_sway_at_rate:
         ldf     @PD_H, r0
         addf    @K_PD_SWAY_FILTER, r0
         call    m_reciprocal

@@ -32,3 +32,20 @@ K_PD_SETTLE         .set $ - LIFT               ; s within all tolerances
                     .float 1.5
 K_PD_REST           .set $ - LIFT               ; joint speed that counts as rest, rad/s or m/s
                     .float 1.0e-4
+; Errors. The words from K_PD_FOLLOW to K_PD_SAME are the configuration's (errors.*), which puts its own here; these are its defaults at f_s = 8 kHz.
+K_PD_FOLLOW         .set $ - LIFT               ; m or rad, by channel
+                    .float 0.1, 0.005, 0.005, 0.1, 0.02
+K_PD_FOLLOW_TICKS   .set $ - LIFT               ; refreshes: 50 ms
+                    .word 400
+K_PD_ENCODER_TICKS  .set $ - LIFT               ; 20 ms
+                    .word 160
+K_PD_TURNS          .set $ - LIFT               ; DRIVE_SPEED: 2 % of rated speed
+                    .word 200
+K_PD_SAMPLE         .set $ - LIFT               ; a sample of the sway sensor, 10 ms
+                    .word 80
+K_PD_SAME           .set $ - LIFT               ; so many equal ones
+                    .word 64
+K_PD_BACK           .set $ - LIFT               ; rad/s: how fast a joint comes back to its path
+                    .float 0.7
+K_PD_BACK_ENDS      .set $ - LIFT               ; m or rad: it is there
+                    .float 1.0e-5

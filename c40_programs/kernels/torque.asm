@@ -58,6 +58,7 @@ torque_set_point:
         or      lo16(SV_TO), ar1
         ldi     14, rc
         call    copy_words
+        call    servo_path
         ldi     @TQ_SEGMENT, r0
         call    servo_phase
 
@@ -80,6 +81,26 @@ torque_between:
         stf     r1, @TQ_QD + 3
         addf    @TQ_QDD + 3, r2
         stf     r2, @TQ_QDD + 3
+        ldi     @SV_STOPPED, r0
+        retseq
+        ldf     @SV_PATH_RATE, r2               ; the path's clock has another rate p: qd p, qdd p^2 + qd p'
+        ldf     @SV_PATH_CHANGE, r3
+        mpyf    @SV_RATE, r3
+        ldhi    hi16(TQ_QD), ar0
+        or      lo16(TQ_QD), ar0
+        ldi     4, rc
+        rptb    torque_rated
+        ldf     *ar0, r0
+        mpyf3   r0, r3, r1
+        mpyf    r2, r0
+        stf     r0, *ar0
+        ldf     *+ar0(TQ_QDD - TQ_QD), r0
+        mpyf    r2, r0
+        mpyf    r2, r0
+        addf    r1, r0
+        stf     r0, *+ar0(TQ_QDD - TQ_QD)
+torque_rated:
+        nop     *ar0++
         rets
 
 ; TAU <- the joint forces.

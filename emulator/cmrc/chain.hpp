@@ -36,7 +36,9 @@ class PointChain {
   void lost_inverse() { inverse_out_ = false; }
 
   /// No more points: the work is given up.
-  void abandon() { active_ = false; }
+  void abandon() { abandoned_ = active_, active_ = false; }
+  /// ... or again.
+  void resume() { active_ = active_ || abandoned_, abandoned_ = false; }
 
   bool active() const { return active_; }
   /// All points of the leg have passed inverse kinematics, and all were consumed.
@@ -74,6 +76,7 @@ class PointChain {
   std::int64_t begun_at_ = 0;    // refresh
   std::int64_t told_ = 0;        // points consumed that the desk was told of
   bool begin_told_ = true, end_told_ = true;
+  bool abandoned_ = false;
 };
 
 }  // namespace cmrc

@@ -175,6 +175,7 @@ class Invariants {
     rates();
     importance();
     leads();
+    errors();
     const auto& m = config_.machine;
     require(m.slots == 0 || m.slots >= m.dsps, {"machine.slots", "machine.dsps"}, fmt::format("{} DSPs in {} slots", m.dsps, m.slots),
             "machine.slots >= machine.dsps is required, or 0");
@@ -256,6 +257,21 @@ class Invariants {
             {"rates.agv_point_frequency_hz", "rates.refresh_frequency_hz"},
             fmt::format("f_a = {} Hz is above f_s / 2 = {} Hz", r.agv_point_frequency_hz, r.refresh_frequency_hz / 2),
             "f_a <= f_s / 2 is required");
+  }
+
+  void errors() const {
+    const auto& e = config_.errors;
+    for (auto [key, limit] : {std::pair{"errors.following_travel_m", e.following_travel_m}, std::pair{"errors.following_slew_mrad", e.following_slew_mrad},
+                              std::pair{"errors.following_luff_mrad", e.following_luff_mrad}, std::pair{"errors.following_trolley_m", e.following_trolley_m},
+                              std::pair{"errors.following_hoist_m", e.following_hoist_m}, std::pair{"errors.following_rotator_mrad", e.following_rotator_mrad},
+                              std::pair{"errors.encoder_speed_percent", e.encoder_speed_percent}}) {
+      require(limit > 0, {key}, "a limit of 0 makes an error of every tick", "a limit above 0 is required");
+    }
+    const double servo_ms = static_cast<double>(n_.servo) / config_.rates.refresh_frequency_hz * 1e3;
+    for (auto [key, ms] : {std::pair{"errors.following_ms", e.following_ms}, std::pair{"errors.encoder_ms", e.encoder_ms}, std::pair{"errors.stop_s", e.stop_s * 1e3}, std::pair{"errors.go_on_s", e.go_on_s * 1e3}}) {
+      require(ms >= servo_ms, {key, "rates.servo_frequency_hz", "rates.refresh_frequency_hz"},
+              fmt::format("{:g} ms is shorter than a servo period, {:g} ms", ms, servo_ms), "PID sees an error once per servo period: at least one is required");
+    }
   }
 
   void importance() const {
@@ -430,6 +446,10 @@ Config ConfigBuilder::build() const {
   check_user_tasks(config.tasks);
   check(config.processes, config.tasks);
   Invariants(config, origins).check();
+  if (config.errors.clear) {
+    const auto at = origins.find("errors.clear");
+    refuse(at == origins.end() ? Origin{} : at->second, "errors.clear", "no error stands before the run", "an event \"set\" of this key is expected");
+  }
   check_events(config);
   return config;
 }

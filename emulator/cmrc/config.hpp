@@ -180,6 +180,7 @@ struct Config {
     plant::Method integrator = plant::Method::erk;
     bool stiction = false;
     bool strict_landing = false;
+    std::int64_t sway_sensors = 2;
     double capture_window_m = 0.15;
     std::string layout;
     bool protective_field = false;
@@ -188,6 +189,23 @@ struct Config {
     double wind_gust_m_s = 0;
     double wind_direction_deg = 0;
   } dock;
+  /// Errors of the crane: docs/controller.md, Errors.
+  struct Errors {
+    double following_travel_m = 0.1;
+    double following_slew_mrad = 5;
+    double following_luff_mrad = 5;
+    double following_trolley_m = 0.1;  ///< of a gantry
+    double following_hoist_m = 0.1;
+    double following_rotator_mrad = 20;
+    double following_ms = 50;
+    double encoder_speed_percent = 2;
+    double encoder_ms = 20;
+    std::int64_t sway_samples = 64;
+    double stop_s = 1;
+    double go_on_s = 12;
+    std::int64_t timeout_retries_max = 3;
+    bool clear = false;  ///< set by the operator; the host takes it back
+  } errors;
   struct Report {
     ReferenceKind reference = ReferenceKind::ideal;
     std::int64_t signal_decimation = 80;  ///< latches (125 us) per recorded sample

@@ -98,24 +98,24 @@ bool Crane::ramp(double delta, Desk& desk) {
   if (!desk.servo_resting()) return false;
   // Quintic blend: peak speed 1.875 delta / T.
   const std::int64_t duration = ticks(1.875 * std::abs(delta) / job_.ramp_speed) + 1;
-  const std::int64_t begin = desk.tick() + 2 * job_.servo_interval;
+  const std::int64_t begin = desk.path(desk.tick()) + 2 * job_.servo_interval;
   const std::array<Word, 4> words = {static_cast<Word>(begin), static_cast<Word>(duration), ti_float(ramp_offset_),
                                      ti_float(delta)};
   desk.write(words_.cr_base + words_.cr_ramp_start, words);
   ramp_offset_ += delta;
   ramp_end_ = begin + duration;
   ramp_told_ = false;
-  desk.milestone(0, Milestone::Kind::ramp_begun, 0, begin);
+  desk.milestone(0, Milestone::Kind::ramp_begun, 0, desk.tick() + 2 * job_.servo_interval);
   return true;
 }
 
-bool Crane::ramp_done() const { return !ramp_pending_ && pid_.tick >= ramp_end_ && pid_.ramp_done; }
+bool Crane::ramp_done(const Desk& desk) const { return !ramp_pending_ && desk.path(pid_.tick) >= ramp_end_ && pid_.ramp_done; }
 
 bool Crane::lowered(Desk& desk) {
   switch (phase_) {
     case Phase::down: return down(desk);
     case Phase::up:
-      if (raised(desk)) aim_again(desk);
+      if (raised(desk) && again_) aim_again(desk);
       break;
     case Phase::identify: load(words_.kind_identify, task::identify, desk); break;
     case Phase::plan: load(words_.kind_grab_path, task::grab_path, desk); break;
@@ -140,9 +140,9 @@ bool Crane::down(Desk& desk) {
     ramp_pending_ = !ramp(probes_ == 0 ? job_.clearance + job_.slack : probe, desk);
     return false;
   }
-  if (!ramp_done()) return false;
+  if (!ramp_done(desk)) return false;
   if (pid_.landed) return true;
-  if (pid_.tick <= ramp_end_ + ticks(probe_after)) return false;
+  if (desk.path(pid_.tick) <= ramp_end_ + ticks(probe_after)) return false;
   ramp_pending_ = true;
   if (++probes_ > most_probes) landing_missed(desk);
   return false;
@@ -150,7 +150,9 @@ bool Crane::down(Desk& desk) {
 
 void Crane::landing_missed(Desk& desk) {
   probes_ = 0;
-  phase_ = Phase::up;
+  phase_ = setting_down_ ? Phase::given_up : Phase::up;
+  if (setting_down_) return;
+  again_.reset();
   retrying_ = true;
   desk.landing_missed(++missed_ > job_.landing_retries);
 }
@@ -160,7 +162,7 @@ void Crane::landing_missed(Desk& desk) {
 void Crane::aim_again(Desk& desk) {
   asked_ = false;
   since_ = desk.tick() + interval_;
-  if (missed_ > job_.landing_retries) {
+  if (!*again_) {
     phase_ = Phase::given_up;
   } else if (leg_ == 1 && !pid_.locked) {
     phase_ = Phase::identify;
@@ -172,6 +174,13 @@ void Crane::aim_again(Desk& desk) {
   }
 }
 
+void Crane::landing_again() {
+  missed_ = 0;
+  again_ = true;
+  ramp_pending_ = true;
+  phase_ = Phase::up;
+}
+
 void Crane::load(Word kind, Word x, Desk& desk) {
   if (asked_) return;
   asked_ = true;
@@ -179,7 +188,7 @@ void Crane::load(Word kind, Word x, Desk& desk) {
 }
 
 bool Crane::raised(Desk& desk) {
-  if (!ramp_pending_) return ramp_done();
+  if (!ramp_pending_) return ramp_done(desk);
   ramp_pending_ = !ramp(-ramp_offset_, desk);
   return false;
 }
@@ -208,7 +217,7 @@ void Crane::pid_finished(const Task& done, Word result, Desk& desk) {
   pid_.starved = (result & words_.pid_starved) != 0;
   pid_.settled = (result & words_.pid_settled) != 0;
   pid_.ramp_done = (result & words_.pid_ramp_done) != 0;
-  if (!ramp_told_ && ramp_done()) {
+  if (!ramp_told_ && ramp_done(desk)) {
     ramp_told_ = true;
     desk.milestone(0, Milestone::Kind::ramp_ended, 0, pid_.tick);
   }

@@ -47,6 +47,16 @@ class Crane {
   void dropped(const Task& task);
   /// ... and will not be asked for any more.
   void abandon() { chain_.abandon(); }
+  /// ... or again.
+  void resume() { chain_.resume(); }
+  /// In the step `lower`: it is on its way down, or stands.
+  bool lowering() const { return phase_ == Phase::down && !ramp_pending_; }
+  /// It does not lift the load when that has not landed: an error has it set down.
+  void set_down(bool asked) { setting_down_ = asked; }
+  /// What the error block has decided on a landing that was missed.
+  void landing_decided(bool again) { again_ = again; }
+  /// From the beginning, after the operator has cleared the error.
+  void landing_again();
   /// The load has not landed after all retries: it hangs where it was lowered from.
   bool gave_up() const { return phase_ == Phase::given_up; }
   void refresh(Desk& desk) { chain_.refresh(desk); }
@@ -65,7 +75,7 @@ class Crane {
   bool settled(const Desk& desk) const;
   /// Commands a hoist ramp; false while the servo's words cannot be changed.
   bool ramp(double delta, Desk& desk);
-  bool ramp_done() const;
+  bool ramp_done(const Desk& desk) const;
   /// How far a landing is: the ramp down, prolonged while nothing is met; then, when the corner switches have not closed, the ramp up, a new
   /// look at what it is to land on, the way over it, rest, and down again (plant-and-bus.md 1.5).
   enum class Phase : std::uint8_t { down, up, identify, plan, align, rest, given_up };
@@ -89,13 +99,15 @@ class Crane {
   std::int64_t segment_start_ = 0;
   std::int64_t since_ = 0;              // refresh from which the load may settle, or until which a step holds
   double ramp_offset_ = 0;              // m added to l when the last ramp is over
-  std::int64_t ramp_end_ = 0;
+  std::int64_t ramp_end_ = 0;           // by the path's clock
   int probes_ = 0;                      // how often lowering was prolonged
   bool ramp_pending_ = false;
   bool ramp_told_ = true;
   bool retrying_ = false;
   Phase phase_ = Phase::down;
   std::int64_t missed_ = 0;             // landings in a row
+  std::optional<bool> again_;           // decided on the last missed landing
+  bool setting_down_ = false;
   Word leg_ = 0;                        // the last one
   bool asked_ = false;                  // the block of this phase is out
 };

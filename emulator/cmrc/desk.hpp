@@ -24,6 +24,10 @@ class Desk {
   void write(Word offset, Word word) { write(offset, std::span<const Word>(&word, 1)); }
   /// Neither torque compensation nor PID is running: several words that they read may change together.
   virtual bool servo_resting() const = 0;
+  /// What the path's clock shows at a refresh: hoist ramps go by it.
+  virtual std::int64_t path(std::int64_t refresh) const = 0;
+  /// An error was noticed (phase 0), decided (1), what was decided has been done (2), it was cleared (3).
+  virtual void error(Word number, Word what, Robot robot, Word phase, Word response) = 0;
   /// A process has started or ended. Of process 4 the robot is the AGV that is loaded.
   virtual void process(unsigned number, bool started, Robot robot) = 0;
   /// The corner switches have not all closed: the load is lifted, and lowered again unless this was the last try.

@@ -5,6 +5,7 @@
 
 #include "bus_model/bus.hpp"
 #include "c40/chip.hpp"
+#include "cmrc/error_log.hpp"
 #include "cmrc/measures.hpp"
 #include "cmrc/setup.hpp"
 
@@ -217,6 +218,7 @@ report::RunReport make_report(Evidence e) {
   }
   std::ranges::stable_sort(report.timed_events, {}, &report::TimedEventReport::time);
   for (std::string& fault : e.machine.audit()) report.audit.violations.push_back(std::move(fault));
+  report.errors_handled = handled_errors(e.host.errors().entries(), e.config, e.dock, now, e.kind_name);
   report.braked = e.dock.braked();
   report.failures = e.observer.failures();
   for (const std::string& violation : report.audit.violations) report.failures.push_back({now, std::nullopt, "audit", violation});

@@ -57,6 +57,7 @@ class Fleet {
   void finished(const Task& task, Word result, Word notify, Desk& desk);
   void dropped(const Task& task);
   void abandon(unsigned agv) { agvs_.at(agv).chain.abandon(); }
+  void resume(unsigned agv) { agvs_.at(agv).chain.resume(); }
   void refresh(unsigned agv, Desk& desk) { agvs_.at(agv).chain.refresh(desk); }
 
   /// It is in a slot of the queue, or on its way there.

@@ -27,6 +27,7 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
       clock_(clock_of(oscillators_of(config).host)), ledger_(ledger), listener_(listener), list_(words.block_count),
       processes_(config.processes, config.tasks, crane, fleet, words_),
       user_tasks_(config_.tasks, words_, config_.rates.refresh_frequency_hz),
+      errors_(config, words_, *this),
       torque_{{.x = task::torque, .y = robot_class::crane, .kind = words.kind_torque, .area = words.cr_base},
               JobKind::torque_compensation, config.processes.subprocess_of("torque_compensation").number, intervals_.servo},
       pid_{{.x = task::pid, .y = robot_class::crane, .kind = words.kind_pid, .area = words.cr_base},
@@ -161,6 +162,7 @@ void Host::apply_changes() {
     const auto [key, bits] = bits_of(event.key, event.value);
     note(EventKind::set, {key, static_cast<std::uint32_t>(bits), static_cast<std::uint32_t>(bits >> 32), 0, 0});
     changes_.erase(changes_.begin());
+    if (std::exchange(config_.errors.clear, false)) errors_.clear(now_, *this);
     parameters_ = importance_parameters(config_);
     const std::int64_t interval = intervals(config_).agv_slowed;
     processes_.crane().set_interval(intervals(config_).crane_slowed);
@@ -241,6 +243,8 @@ void Host::think() {
   const auto released = [this](const Servo& servo) { return processes_.releases(servo.subprocess, servo.task.robot) && !servo.stopped; };
   servoing_ = released(pid_);
   course_->servo(servoing_, clock_.at(tick_));
+  if (drives_wait_too_long()) errors_.pid_silent(now_, *this);
+  errors_.refresh(now_, *this);
   for (Servo* servo : {&torque_, &pid_}) refresh_servo(*servo, released(*servo));
   processes_.refresh(*this);
   user_tasks_.refresh(*this);
@@ -439,6 +443,9 @@ void Host::take_out(const Done& done) {
   if (outcome != report::Outcome::on_time) {
     note(EventKind::miss, {task.kind, task.tick, static_cast<std::uint32_t>(outcome), words_.block(done.block), 0});
   }
+  if (task.kind == words_.kind_error) return errors_.decided(task, done.result, now_, *this);
+  if (task.kind == words_.kind_pid) pid_ended_ = now_, ++pid_runs_;
+  if (task.kind == words_.kind_pid && done.notify != 0) errors_.pid_says(done.notify, task.tick, now_, *this);
   if (task.kind == words_.kind_pid && (done.result & words_.pid_starved) != 0) {
     note(EventKind::starved, {0, done.result & 0xFFFF, 0, 0, 0});
   }
@@ -468,7 +475,7 @@ void Host::load_next_part(std::size_t done, const Task& task, std::uint32_t own_
 void Host::refresh_servo(Servo& servo, bool on) {
   if (!on) {
     while (servo.next <= tick_) servo.next += intervals_.servo;
-  } else if (servo.out) {
+  } else if (servo.out || servo.waits) {
     while (servo.next <= tick_) drop_tick(servo);
   } else {
     while (servo.next + intervals_.servo <= tick_) drop_tick(servo);

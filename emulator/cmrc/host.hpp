@@ -25,6 +25,7 @@
 #include "cmrc/boots.hpp"
 #include "cmrc/config.hpp"
 #include "cmrc/cycles.hpp"
+#include "cmrc/errors.hpp"
 #include "cmrc/importance.hpp"
 #include "cmrc/ledger.hpp"
 #include "cmrc/liveness.hpp"
@@ -46,7 +47,7 @@ class HostListener {
   virtual void failure(const report::FailureReport& failure) = 0;
 };
 
-class Host : public machine::HostProgram, private Desk {
+class Host : public machine::HostProgram, private Desk, private ErrorHands {
  public:
   /// \param boot_stream what a slot's DSP is to be sent; asked while the machine runs
   Host(const Config& config, const Words& words, const CraneJob& crane, const FleetJob& fleet, Ledger& ledger,
@@ -69,6 +70,7 @@ class Host : public machine::HostProgram, private Desk {
   /// Counts; the times of the semaphore are the observer's to add.
   report::HostReport report() const;
   const Cycles& cycles() const { return cycles_; }
+  const Errors& errors() const { return errors_; }
   const TaskList& list() const { return list_; }
   std::int64_t refresh() const { return tick_; }
   const machine::Clock& refresh_clock() const { return clock_; }
@@ -88,6 +90,7 @@ class Host : public machine::HostProgram, private Desk {
     std::size_t block = 0;
     std::int64_t last_t = 0;  // t of the last block when it was found done
     bool stopped = false;     // given up
+    bool waits = false;       // its block was given up, and an error block is to decide what follows
   };
   struct Done {
     std::size_t block;
@@ -108,11 +111,25 @@ class Host : public machine::HostProgram, private Desk {
   bool servo_resting() const override;
   void process(unsigned number, bool started, Robot robot) override;
   void landing_missed(bool last) override;
+  std::int64_t path(std::int64_t refresh) const override { return static_cast<std::int64_t>(errors_.path().at(refresh)); }
+  void error(Word number, Word what, Robot robot, Word phase, Word response) override;
   void agv_waits(unsigned agv, bool waits) override { cycles_.agv_waits(agv, waits, now_); }
   void agv_sent(unsigned agv, std::int64_t interval) override { cycles_.sent(agv, interval); }
   void robot_begins(Robot robot, unsigned process) override { course_->process_begun(robot, process); }
   void leg_begun(Robot robot, std::int64_t first, std::int64_t interval, std::int64_t at) override;
   void milestone(Robot robot, Milestone::Kind kind, std::int64_t number, std::int64_t at) override;
+
+  // ErrorHands: host_errors.cpp
+  void hold_crane(bool held) override { processes_.hold_crane(held); }
+  void set_crane_down(bool asked) override { processes_.set_crane_down(asked); }
+  bool crane_is_down() const override { return processes_.crane_is_down(); }
+  bool crane_lowers() const override { return processes_.crane_lowers(); }
+  void landing_decided(bool again) override;
+  void landing_again() override { processes_.landing_again(); }
+  void ask_again(const Task& lost) override;
+  void stop_work(const Task& lost) override;
+  void resume_work(const Task& lost) override;
+  void stop_servo(bool stopped) override { torque_.stopped = pid_.stopped = stopped, torque_.waits = pid_.waits = false; }
 
   void rest();
   void start();
@@ -140,7 +157,6 @@ class Host : public machine::HostProgram, private Desk {
   void load_next_part(std::size_t done, const Task& task, std::uint32_t own_x);
   void recompute(const Hung& hung);
   void give_up(std::size_t block);
-  void stop_work(const Task& task, std::int64_t drops);
   void fence_off(unsigned slot);
   void renew(unsigned slot);
   /// \param on servoing is on; ticks at which it is not are nobody's
@@ -159,6 +175,7 @@ class Host : public machine::HostProgram, private Desk {
   void relink();
   void ring(Word idle);
   void end_refresh();
+  bool drives_wait_too_long() const;
   std::int64_t watchdog_limit(JobKind job) const;
   std::int64_t age(const Block& block) const;
   std::uint32_t importance_of(const Block& block) const;
@@ -179,6 +196,7 @@ class Host : public machine::HostProgram, private Desk {
   TaskList list_;
   Processes processes_;
   UserTasks user_tasks_;
+  Errors errors_;
   Cycles cycles_;
   Servo torque_, pid_;
   Course* course_ = nullptr;
@@ -211,6 +229,8 @@ class Host : public machine::HostProgram, private Desk {
   std::optional<unsigned> holder_;          // of the list, fenced off, from which it is being taken
   Liveness liveness_;
   Boots boots_;
+  Time pid_ended_{};              // a block of PID was last found done
+  std::uint64_t pid_runs_ = 0;
   std::map<std::pair<Word, Robot>, std::int64_t> drops_;  // of a kind and robot, in a row
   std::map<JobKind, std::int64_t> longest_;  // longest runs in refreshes, at least as configured
   std::map<JobKind, std::int64_t> gaps_;     // longest between two beats in refreshes, at least as configured; of kinds that have a heartbeat

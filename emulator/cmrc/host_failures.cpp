@@ -122,30 +122,6 @@ void Host::judge_silence() {
 
 // ---- blocks that are given up ------------------------------------------------------------------------------------------
 
-void Host::stop_work(const Task& task, std::int64_t drops) {
-  std::string what;
-  if (task.kind == words_.kind_torque || task.kind == words_.kind_pid) {
-    Servo& servo = task.kind == words_.kind_pid ? pid_ : torque_;
-    servo.stopped = true;
-    what = fmt::format("sub-process {}; the drives brake", servo.subprocess);
-  } else if (user_tasks_.owns(task)) {
-    user_tasks_.stop(task);
-    what = "the task";
-  } else {
-    what = processes_.abandoned(task);
-  }
-  listener_.failure({now_, std::nullopt, "stopped",
-                     fmt::format("a block of kind {} was given up {} times in a row; stopped: {}", ledger_.name(job_kind(task.kind, words_)), drops, what)});
-}
-
-void Host::landing_missed(bool last) {
-  cycles_.landing_missed();
-  listener_.failure({now_, std::nullopt, last ? "stopped" : "landing",
-                     last ? fmt::format("the load has not landed on all four corners in {} tries; stopped: the crane, above where it should land",
-                                        config_.dock.landing_retries_max + 1)
-                          : std::string("the load has not landed on all four corners: it is lifted, aligned and lowered again")});
-}
-
 void Host::give_up(std::size_t index) {
   const Task task = list_[index].task;
   listener_.failure({now_, std::nullopt, "dropped block",
@@ -155,15 +131,11 @@ void Host::give_up(std::size_t index) {
   list_.remove(index);
   ledger_.dropped(index, now_);
   for (Servo* servo : {&torque_, &pid_}) {
-    if (servo->out && servo->block == index) servo->out = false;
+    if (servo->out && servo->block == index) servo->out = false, servo->waits = true;
   }
-  if (task.kind == words_.kind_error) return;
+  if (task.kind == words_.kind_error) return errors_.undecided(task, now_);
   const std::int64_t drops = ++drops_[{task.kind, task.robot}];
-  if (drops > config_.watchdog.retries_max) stop_work(task, drops);
-  else if (user_tasks_.owns(task)) user_tasks_.ended(task);
-  else processes_.dropped(task);
-  load({.x = task::error, .y = robot_class::none, .kind = words_.kind_error, .robot = task.robot, .area = task.area,
-        .tick = static_cast<std::uint32_t>(tick_), .argument = task.kind}, std::nullopt);
+  errors_.given_up(task, drops <= config_.watchdog.retries_max, now_, *this);
 }
 
 void Host::fence_off(unsigned slot) {

@@ -2,6 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cmath>
+
+#include "cmrc/ti_float.hpp"
+
 namespace cmrc {
 namespace {
 
@@ -19,6 +24,28 @@ void place_constants(toolchain::Image& image, std::string_view label) {
     at += 2;
     for (toolchain::Word i = 0; i < count; ++i) word_at(image, place + i) = word_at(image, at++);
   }
+}
+
+/// PID's limits (errors.*) into its constants; docs/controller.md, Errors.
+void place_limits(toolchain::Image& image, const Config& config) {
+  const Config::Errors& e = config.errors;
+  const bool gantry = config.dock.crane == CraneMachine::gantry;
+  constexpr double milli = 1e-3, none = 1e6;
+  const std::array<double, 5> follow = {gantry ? none : e.following_travel_m, gantry ? e.following_travel_m : e.following_slew_mrad * milli,
+                                        gantry ? e.following_trolley_m : e.following_luff_mrad * milli, e.following_hoist_m, e.following_rotator_mrad * milli};
+  // The law as printed lags by T_d times the speed while its integral has not caught up: that much at the trajectory's top speed is no error.
+  static constexpr std::array<double, 5> lag = {0, 0.4 * 0.12, 0.4 * 0.05, 0.25 * 0.8, 0.4 * 0.1}, lag_of_gantry = {0, 2.0 / 3.0 * 0.65, 0.4 * 2.3, 0.25 * 0.8, 0.4 * 0.1};
+  const bool printed = config.kernels.pid == PidBuild::measurement_derivative;
+  const auto limit = [&](std::size_t channel) { return follow[channel] + (printed ? (gantry ? lag_of_gantry : lag)[channel] : 0); };
+  const auto refreshes = [&](double ms) { return static_cast<toolchain::Word>(std::llround(ms * milli * config.rates.refresh_frequency_hz)); };
+  const auto constant = [&](const char* name) -> toolchain::Address { return image.symbol(name) + image.symbol("LIFT"); };
+  const toolchain::Word sample = std::max<toolchain::Word>(1, refreshes(10));
+  for (std::size_t channel = 0; channel < follow.size(); ++channel) word_at(image, constant("K_PD_FOLLOW") + static_cast<toolchain::Word>(channel)) = ti_float(limit(channel));
+  word_at(image, constant("K_PD_FOLLOW_TICKS")) = refreshes(e.following_ms);
+  word_at(image, constant("K_PD_ENCODER_TICKS")) = refreshes(e.encoder_ms);
+  word_at(image, constant("K_PD_TURNS")) = static_cast<toolchain::Word>(std::llround(e.encoder_speed_percent * 100));
+  word_at(image, constant("K_PD_SAMPLE")) = sample;
+  word_at(image, constant("K_PD_SAME")) = static_cast<toolchain::Word>(e.sway_samples);
 }
 
 }  // namespace
@@ -52,6 +79,7 @@ void place_kernels(toolchain::Image& image, const Config& config) {
     choose("KIND_PID", document ? "kernel_pid_gantry_document" : "kernel_pid_gantry", key);
     place_constants(image, "gantry_constants");
   }
+  place_limits(image, config);
   switch (config.kernels.avoidance) {
     case AvoidanceBuild::none:
     case AvoidanceBuild::synthetic: break;

@@ -24,6 +24,7 @@ struct Task {
   std::uint32_t slice = 0;     ///< blocks of this task that have gone before
   std::optional<std::int64_t> deadline = std::nullopt;  ///< refresh number. For the host only, as are:
   std::uint32_t process = 0;     ///< number of the process whose step it is; 0: none
+  std::uint32_t error = 0;       ///< number of the error that an error block is to decide
   std::uint32_t subprocess = 0;  ///< number of the sub-process that is released once per interval
 };
 

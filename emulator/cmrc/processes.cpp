@@ -214,10 +214,13 @@ void Processes::refresh(Desk& desk) {
 
 void Processes::move_crane(Desk& desk) {
   Run& run = crane_run_;
-  if (run.stopped || run.retired) return;
+  if (run.stopped || run.retired || crane_held_) return;
   if (run.process != nullptr) {
     const Step& step = run.process->steps[run.step];
-    if (step.kind != Step::Kind::task && crane_.done(step, desk)) advance(run, 0, desk);
+    const bool done = step.kind != Step::Kind::task && crane_.done(step, desk);
+    if (crane_sets_down_ && (done || step.kind != Step::Kind::lower)) crane_down_ = true;
+    if (crane_down_) return;
+    if (done) advance(run, 0, desk);
     else if (crane_.gave_up()) run.stopped = true;
   }
   start_crane(desk);
@@ -360,6 +363,37 @@ std::string Processes::abandoned(const Task& task) {
   run.stopped = true;
   if (task.process == 0) task.robot == 0 ? crane_.abandon() : fleet_.abandon(task.robot - 1);
   return run.process == nullptr ? std::string("what moves the robot") : fmt::format("process {} ({})", run.process->number, run.process->name);
+}
+
+// ---- errors --------------------------------------------------------------------------------------------------------------
+
+void Processes::resume(const Task& task) {
+  if (task.subprocess != 0) {
+    release_of(task)->resume();
+    release_of(task)->ended();
+    return;
+  }
+  Run& run = task.process != 0 ? run_of(task) : task.robot == 0 ? crane_run_ : agv_runs_.at(task.robot - 1);
+  run.stopped = false;
+  if (task.process == 0) task.robot == 0 ? crane_.resume() : fleet_.resume(task.robot - 1);
+  dropped(task);  // what it was for is asked for again
+}
+
+bool Processes::crane_lowers() const {
+  const Run& run = crane_run_;
+  return run.process != nullptr && !run.stopped && run.process->steps[run.step].kind == Step::Kind::lower && crane_.lowering();
+}
+
+void Processes::set_crane_down(bool asked) {
+  crane_.set_down(asked);
+  crane_sets_down_ = asked;
+  if (!asked) crane_down_ = false;
+  if (!asked && crane_.gave_up()) landing_again();
+}
+
+void Processes::landing_again() {
+  crane_.landing_again();
+  crane_run_.stopped = false;
 }
 
 }  // namespace cmrc

@@ -32,6 +32,16 @@ class Processes {
   void dropped(const Task& task);
   /// ... and is not asked for any more: what it was for stops where it is. \returns what stops, for the report
   std::string abandoned(const Task& task);
+  /// ... or again, after the operator has cleared the error.
+  void resume(const Task& task);
+  /// An error has the crane's steps stand still, or go on.
+  void hold_crane(bool held) { crane_held_ = held; }
+  /// An error has the load set down: the step `lower` ends, and nothing follows. Off: what follows does.
+  void set_crane_down(bool asked);
+  bool crane_is_down() const { return crane_down_; }
+  bool crane_lowers() const;
+  /// A landing that was given up is tried again.
+  void landing_again();
   /// Moves on as far as the last reports allow.
   void refresh(Desk& desk);
 
@@ -94,6 +104,8 @@ class Processes {
   Fleet fleet_;
   std::vector<Run> free_runs_;              // processes of no robot, in the table's order
   Run crane_run_;
+  bool crane_held_ = false;                 // by an error, as are:
+  bool crane_sets_down_ = false, crane_down_ = false;
   std::vector<Run> agv_runs_;
   std::vector<std::vector<unsigned>> demands_;  // [process][agv]: one-place, as consents are
   std::vector<Release> releases_;               // of sub-processes that are released by interval or event

@@ -62,6 +62,7 @@ class Release {
   void loaded(std::int64_t deadline) { out_ = true, deadline_ = deadline; }
   void ended() { out_ = false; }
   void stop() { stopped_ = true; }
+  void resume() { stopped_ = false; }
   bool stopped() const { return stopped_; }
 
  private:

@@ -69,6 +69,7 @@ plant::DockConfig nominal_dock_of(const Config& config) {
   for (auto& leg : dock.layout.legs) {
     for (auto& lane : leg) lane.speed = std::min(lane.speed, config.dock.agv_speed_m_s);
   }
+  dock.sensors.second_sway = config.dock.sway_sensors == 2;
   dock.sensors.seed = static_cast<std::uint64_t>(config.run.seed);
   dock.rigid = config.dock.crane_model == CraneModel::rigid;
   dock.method = config.dock.integrator;
@@ -166,13 +167,17 @@ std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event) {
       {"fail_drive", Action::drive, 0, 1},    {"repair_drive", Action::drive, 0, 0},
       {"stick_encoder", Action::encoder, 0, 1}, {"repair_encoder", Action::encoder, 0, 0},
       {"stick_sway", Action::sway, 0, 1},     {"repair_sway", Action::sway, 0, 0},
+      {"stick_second_sway", Action::second_sway, 0, 1}, {"repair_second_sway", Action::second_sway, 0, 0},
+      {"stick_drive_status", Action::drive_status, 0, 1}, {"repair_drive_status", Action::drive_status, 0, 0},
+      {"stick_drive_speed", Action::drive_speed, 0, 1}, {"repair_drive_speed", Action::drive_speed, 0, 0},
+      {"stick_load_cell", Action::load_cell, 0, 1}, {"repair_load_cell", Action::load_cell, 0, 0},
+      {"stick_anemometer", Action::anemometer, 0, 1}, {"repair_anemometer", Action::anemometer, 0, 0},
       {"break_link", Action::link, 0, 1},     {"repair_link", Action::link, 0, 0},
   };
   for (const Row& row : rows) {
     if (row.name != event.action) continue;
     const std::int64_t amount = row.unit > 0 ? std::llround(event.amount * row.unit) : row.amount;
-    const bool joint = row.action == Action::drive || row.action == Action::encoder;
-    const unsigned number = joint && event.number == trolley_joint ? luff_joint : event.number;
+    const unsigned number = target_of(event) == "joint" && event.number == trolley_joint ? luff_joint : event.number;
     return machine::ScriptedEvent{Time{std::llround(event.at_s * 1e12)}, row.action, number, amount};
   }
   return std::nullopt;

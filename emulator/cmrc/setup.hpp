@@ -54,6 +54,7 @@ struct Evidence {
   std::optional<report::Errors> errors;
   std::string reference_problem;
   std::optional<Time> account_end;                 ///< nothing drove the crane any more from then on
+  std::function<std::string(Word)> kind_name;      ///< of a KIND_*
 };
 report::RunReport make_report(Evidence evidence);
 

@@ -358,7 +358,8 @@ report::RunReport Simulation::report() const {
   Ledger::Told told = p.told();
   auto errors = p.measure_errors(told.jobs);
   return make_report({p.config, p.machine, p.dock, p.dock_config, p.host, p.ledger, p.observer, p.log, p.stop, p.elapsed, cause_names(), std::move(told),
-                      *p.course, std::move(errors), p.reference_problem, p.account_end});
+                      *p.course, std::move(errors), p.reference_problem, p.account_end,
+                      [&p](Word kind) { return p.ledger.name(job_kind(kind, p.words)); }});
 }
 
 std::shared_ptr<const Reference> Simulation::reference() const { return parts_->reference(); }
@@ -369,13 +370,13 @@ JobsByRobot Simulation::jobs() const { return parts_->told().jobs; }
 bool Simulation::strictly_good() const {
   const report::RunReport report = this->report();
   const bool whole = report.stop_reason == report::StopReason::completed || report.stop_reason == report::StopReason::job_done;
-  return whole && report.misses() == 0;
+  return whole && report.misses() == 0 && report.errors_handled.empty();
 }
 
 int Simulation::exit_status() const {
   const auto& stop = parts_->stop;
   if (stop && *stop != report::StopReason::interrupted && *stop != report::StopReason::job_done) return 1;
-  if (!report().audit.violations.empty()) return 1;
+  if (!report().audit.violations.empty() || parts_->host.errors().standing()) return 1;
   return parts_->config.run.strict && !strictly_good() ? 1 : 0;
 }
 

@@ -84,9 +84,9 @@ class Simulation {
   std::vector<report::TaskReport> tasks() const;
   /// The jobs so far, by kind and robot.
   JobsByRobot jobs() const;
-  /// What `--strict` asks: completed, and no deadline missed.
+  /// What `--strict` asks: completed, no deadline missed, no error that had to be handled.
   bool strictly_good() const;
-  /// Exit status of ruling 24: 0, or 1.
+  /// Exit status of rulings 24 and 36: 0, or 1.
   int exit_status() const;
 
   const Config& config() const;

@@ -130,7 +130,14 @@ void check_joint(const Config& config, const TimedEvent& event) {
          gantry ? "\"travel\", \"trolley\", \"hoist\", \"rotate\" is expected (dock.crane)" : "\"travel\", \"slew\", \"luff\", \"hoist\", \"rotate\" is expected (dock.crane)");
 }
 
+void check_sensor(const Config& config, const TimedEvent& event) {
+  if (!event.action.ends_with("_second_sway") || config.dock.sway_sensors == 2) return;
+  refuse(event.origin, "events.action", fmt::format("{}, but the crane has one sway sensor", event.action), "dock.sway_sensors = 2 is expected");
+}
+
 }  // namespace
+
+std::string_view target_of(const TimedEvent& event) { return action_of(event).target; }
 
 std::span<const TimedAction> timed_actions() {
   static constexpr TimedAction all[] = {
@@ -151,6 +158,16 @@ std::span<const TimedAction> timed_actions() {
       {"repair_encoder", "joint", "", "the encoder works again"},
       {"stick_sway", "axis", "", "the sway sensor goes on showing the angle of this instant"},
       {"repair_sway", "axis", "", "the sway sensor works again"},
+      {"stick_second_sway", "axis", "", "the second sway sensor goes on showing the angle of this instant"},
+      {"repair_second_sway", "axis", "", "the second sway sensor works again"},
+      {"stick_drive_status", "joint", "", "what the drive says of itself stays what it is at this instant"},
+      {"repair_drive_status", "joint", "", "the drive says of itself what is true again"},
+      {"stick_drive_speed", "joint", "", "the drive's estimate of its speed stays what it is at this instant"},
+      {"repair_drive_speed", "joint", "", "the drive's estimate of its speed works again"},
+      {"stick_load_cell", "", "", "the load cell goes on showing the load of this instant"},
+      {"repair_load_cell", "", "", "the load cell works again"},
+      {"stick_anemometer", "", "", "the anemometer goes on showing the wind of this instant"},
+      {"repair_anemometer", "", "", "the anemometer works again"},
       {"set", "", "", "the operator sets `key` to `value`; the keys marked \"live\" may change while a run is on"},
   };
   return all;
@@ -206,6 +223,7 @@ void check_events(const Config& config) {
   for (const TimedEvent* event : order) {
     slots.follow(*event);
     check_joint(config, *event);
+    check_sensor(config, *event);
     if (action_of(*event).target == "bus" && event->number >= buses.size())
       refuse(event->origin, "events.bus", fmt::format("there is no bus {}", names_of("bus")[event->number]),
              quoted_list(buses) + " is expected (bus.topology)");

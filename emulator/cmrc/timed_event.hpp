@@ -34,6 +34,9 @@ struct TimedAction {
 };
 std::span<const TimedAction> timed_actions();
 
+/// The target of its action: "dsp", "bus", "joint", "axis" or "".
+std::string_view target_of(const TimedEvent& event);
+
 struct Field {
   Value value;
   Origin origin;

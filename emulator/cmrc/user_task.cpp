@@ -134,7 +134,7 @@ UserTasks::UserTasks(std::span<const UserTask> tasks, const Words& words, double
 void UserTasks::refresh(Desk& desk) {
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     Row& row = rows_[i];
-    if (row.period == 0 || desk.tick() < row.next) continue;
+    if (row.period == 0 || row.stopped || desk.tick() < row.next) continue;
     row.next += row.period * ((desk.tick() - row.next) / row.period + 1);
     if (row.out) continue;
     row.out = true;

@@ -47,7 +47,9 @@ class UserTasks {
   /// A block of a user's task is out of the list, done or given up.
   void ended(const Task& task) { rows_.at(task.kind - words_.kind_user).out = false; }
   /// It is released no more.
-  void stop(const Task& task) { rows_.at(task.kind - words_.kind_user).period = 0; }
+  void stop(const Task& task) { rows_.at(task.kind - words_.kind_user).stopped = true; }
+  /// ... or again.
+  void resume(const Task& task) { rows_.at(task.kind - words_.kind_user).stopped = rows_.at(task.kind - words_.kind_user).out = false; }
   /// The block is one of a user's program.
   bool is_one(const Task& task) const { return task.kind >= words_.kind_user; }
   /// ... and was released here, not by a process or sub-process of the table.
@@ -60,6 +62,7 @@ class UserTasks {
     std::int64_t period, deadline;  // refreshes
     std::int64_t next;
     bool out = false;
+    bool stopped = false;  // given up
   };
   const Words& words_;
   std::vector<Row> rows_;

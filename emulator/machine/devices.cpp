@@ -23,10 +23,19 @@ Devices::Devices(const Symbols& symbols, plant::Dock& dock, const std::array<Clo
   for (unsigned channel = 0; channel < channels_.size(); ++channel) {
     define(s.drive_torque + channel, Kind::drive_torque, static_cast<unsigned>(channels_[channel]));
     define(s.encoder + channel, Kind::encoder, static_cast<unsigned>(channels_[channel]));
+    define(s.drive_speed + channel, Kind::drive_speed, static_cast<unsigned>(channels_[channel]));
   }
+  define(s.drive_status, Kind::drive_status);
+  status_bits_ = {{{plant::drive_ready, s.drive_ready}, {plant::drive_fault, s.drive_fault}, {plant::drive_late, s.drive_late}, {plant::drive_brake, s.drive_brake}}};
   define(s.drive_enable, Kind::drive_enable);
   define(s.sway_alpha, Kind::sway, 0);
   define(s.sway_beta, Kind::sway, 1);
+  if (dock.config().sensors.second_sway) {
+    define(s.sway2_alpha, Kind::second_sway, 0);
+    define(s.sway2_beta, Kind::second_sway, 1);
+  }
+  define(s.load_cell, Kind::load_cell);
+  define(s.wind_mean, Kind::wind_mean);
   define(s.spreader_command, Kind::spreader_command);
   define(s.spreader_status, Kind::spreader_status);
   define(s.scan_rows, Kind::scan_rows);
@@ -82,6 +91,11 @@ Word Devices::read(pci::Address offset, const pci::Access& access) {
   switch (r.kind) {
     case Kind::encoder: return dock_.encoder(index, t);
     case Kind::sway: return word(dock_.sway(index, t));
+    case Kind::second_sway: return word(dock_.second_sway(index, t));
+    case Kind::load_cell: return word(dock_.load_cell(t));
+    case Kind::wind_mean: return word(dock_.wind_mean(t));
+    case Kind::drive_status: return drive_status(t);
+    case Kind::drive_speed: return word(dock_.drive_speed(index, t));
     case Kind::spreader_status: return dock_.spreader_status(t);
     case Kind::scan_rows: return word(dock_.scan_rows());
     case Kind::scan_y: return word(dock_.scan_y(t));
@@ -125,6 +139,16 @@ void Devices::write(pci::Address offset, Word value, const pci::Access& access) 
   }
 }
 
+Word Devices::drive_status(Time t) const {
+  Word all = 0;
+  for (std::size_t channel = 0; channel < channels_.size(); ++channel) {
+    const std::uint32_t status = dock_.drive_status(channels_[channel], t);
+    for (const auto& [bit, place] : status_bits_)
+      if ((status & bit) != 0) all |= Word{1} << (place + channel);
+  }
+  return all;
+}
+
 std::uint32_t Devices::joints_enabled(Word channels) const {
   std::uint32_t joints = 0;
   for (std::size_t channel = 0; channel < channels_.size(); ++channel) joints |= (channels >> channel & 1U) << channels_[channel];
@@ -136,6 +160,8 @@ DeviceGroup Devices::Register::group() const {
     case Kind::drive_torque:
     case Kind::drive_enable:
     case Kind::encoder:
+    case Kind::drive_status:
+    case Kind::drive_speed:
     case Kind::spreader_command:
     case Kind::spreader_status: return DeviceGroup::drives;
     case Kind::agv_period:

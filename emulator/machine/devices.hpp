@@ -52,6 +52,11 @@ class Devices final : public pci::Target {
     agv_rear_command,  // written
     encoder,
     sway,
+    second_sway,
+    load_cell,
+    wind_mean,
+    drive_status,
+    drive_speed,
     spreader_status,
     scan_rows,
     scan_y,
@@ -88,11 +93,17 @@ class Devices final : public pci::Target {
   void define(Offset offset, Kind kind, unsigned index = 0, unsigned ray = 0);
 
   std::uint32_t joints_enabled(Word channels) const;
+  Word drive_status(Time t) const;
 
   plant::Dock& dock_;
   std::array<Clock, device_groups> clocks_;  // of the bus on which each group stands
   const Fence& fence_;
   std::array<int, 5> channels_;  // the joint behind each of the drives' and encoders' channels
+  struct StatusBit {
+    std::uint32_t plant;  // as the dock says it
+    Word place;           // of channel 0, in the register
+  };
+  std::array<StatusBit, 4> status_bits_{};
   std::vector<Register> registers_;
   std::vector<AgvCommand> commands_;
 };

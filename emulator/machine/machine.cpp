@@ -45,8 +45,13 @@ Numbered numbered(Action action, unsigned slots, unsigned buses) {
     case Action::pause_host: return {"host", 1};
     case Action::stall_bus: return {"bus", buses};
     case Action::drive:
+    case Action::drive_status:
+    case Action::drive_speed:
     case Action::encoder: return {"joint", 5};
+    case Action::second_sway:
     case Action::sway: return {"axis", 2};
+    case Action::load_cell: return {"load cell", 1};
+    case Action::anemometer: return {"anemometer", 1};
   }
   return {"event", 0};
 }
@@ -412,6 +417,21 @@ void Machine::Parts::run_until(Time limit) {
   for (Dsp& dsp : dsps) dsp.settle(time);
 }
 
+// What befalls drives and sensors.
+static void befall(plant::Dock& dock, Action action, int index, bool failed, Time now) {
+  switch (action) {
+    case Action::drive: return dock.fail_drive(index, failed, now);
+    case Action::encoder: return dock.fail_encoder(index, failed, now);
+    case Action::sway: return dock.fail_sway(index, failed, now);
+    case Action::second_sway: return dock.fail_second_sway(index, failed, now);
+    case Action::drive_status: return dock.fail_drive_status(index, failed, now);
+    case Action::drive_speed: return dock.fail_drive_speed(index, failed, now);
+    case Action::load_cell: return dock.fail_load_cell(failed, now);
+    case Action::anemometer: return dock.fail_anemometer(failed, now);
+    default: return;
+  }
+}
+
 void Machine::Parts::act(const ScriptedEvent& event, Time now) {
   const auto dsp = [&]() -> Dsp& { return dsps.at(event.number); };
   const auto clocks = [&](Time at) { return bus_clocks[event.number].tick_at_or_after(at); };
@@ -431,16 +451,9 @@ void Machine::Parts::act(const ScriptedEvent& event, Time now) {
       if (host) host->pause(now + Time{event.amount});
       return;
     case Action::stall_bus: return buses[event.number].stall(clocks(now), clocks(now + Time{event.amount}));
-    case Action::drive:
-      if (dock != nullptr) dock->fail_drive(index, failed, now);
-      return;
-    case Action::encoder:
-      if (dock != nullptr) dock->fail_encoder(index, failed, now);
-      return;
-    case Action::sway:
-      if (dock != nullptr) dock->fail_sway(index, failed, now);
-      return;
+    default: break;
   }
+  if (dock != nullptr) befall(*dock, event.action, index, failed, now);
 }
 
 Machine::Machine(Config config, const toolchain::Image& program, plant::Dock* dock, HostProgram* host)

@@ -117,6 +117,11 @@ enum class Action : std::uint8_t {
   drive,        ///< joint: its drive fails (amount 1) or works again (0)
   encoder,      ///< joint: its encoder sticks (1) or works again (0)
   sway,         ///< axis (0 alpha, 1 beta): its sway sensor sticks (1) or works again (0)
+  second_sway,  ///< axis: the second sway sensor, the same
+  drive_status, ///< joint: what its drive says of itself sticks (1) or is true again (0)
+  drive_speed,  ///< joint: its drive's estimate of the speed sticks (1) or works again (0)
+  load_cell,    ///< it sticks (1) or works again (0)
+  anemometer,   ///< it sticks (1) or works again (0)
 };
 
 struct ScriptedEvent {

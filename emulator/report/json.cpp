@@ -1,4 +1,5 @@
 // RunReport as JSON: docs/report.md is the schema. A change of a key's meaning raises schema_version.
+#include "report/errors_json.hpp"
 #include "report/measures_json.hpp"
 
 namespace report {
@@ -234,6 +235,7 @@ std::string to_json(const RunReport& report) {
   for (const BusReport& of : report.buses) root["buses"][of.name] = bus(of);
   for (const CycleReport& of : report.cycles) root["cycles"].push_back(cycle(of));
   for (const FailureReport& of : report.failures) root["failures"].push_back(failure(of));
+  root["errors_handled"] = errors_json(report.errors_handled);
   // Messages may quote a user's file: bytes that are no UTF-8 are replaced, never thrown at.
   return root.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "report/event.hpp"
+#include "report/handled_error.hpp"
 #include "report/measures.hpp"
 #include "report/statistics.hpp"
 #include "report/why_late.hpp"
@@ -217,6 +218,7 @@ struct RunReport {
   AuditReport audit;
   bool braked = false;  ///< at the end no drive is on
   std::vector<FailureReport> failures;
+  std::vector<HandledError> errors_handled;  ///< in the order in which they were noticed
 
   /// Missed deadlines of all kinds.
   std::uint64_t misses() const;

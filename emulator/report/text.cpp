@@ -303,7 +303,7 @@ std::string failures(const RunReport& report) {
 
 std::string to_text(const RunReport& report) {
   return title(report) + headline(report) + outcomes(report) + times(report) + reasons(report) + dsps(report) + buses(report) +
-         cycles(report) + errors_section(report) + after_stop_section(report) + host_work(report) + timed_events(report) + failures(report) +
+         cycles(report) + errors_section(report) + after_stop_section(report) + host_work(report) + timed_events(report) + errors_text(report.errors_handled) + failures(report) +
          fmt::format("\ntask blocks: {} steps of their lives checked, {} violations{}\n", report.audit.checks, report.audit.violations.size(),
                      report.braked ? "; every crane drive is braked" : "") +
          fmt::format("hash {} over {} events\n", report.hash, report.events);

@@ -101,6 +101,27 @@ void bind_crane_devices(py::class_<Dock>& dock) {
            py::arg("failed"), at, "a failed sensor goes on showing what it shows now");
 }
 
+void bind_instruments(py::class_<Dock>& dock) {
+  dock.def("drive_status", [](Dock& d, int joint, std::int64_t t) { return d.drive_status(joint, ps(t)); }, py::arg("joint"), at,
+           "bits: 0 ready, 1 fault, 2 timed out, 3 brake closed")
+      .def("drive_speed", [](Dock& d, int joint, std::int64_t t) { return d.drive_speed(joint, ps(t)); }, py::arg("joint"), at,
+           "the drive's own estimate of its motor's speed; 10000 is rated")
+      .def("load_cell", [](Dock& d, std::int64_t t) { return d.load_cell(ps(t)); }, at, "kg on the rope, in steps of 10")
+      .def("second_sway", [](Dock& d, int axis, std::int64_t t) { return d.second_sway(axis, ps(t)); }, py::arg("axis"), at,
+           "as sway, of the second sensor")
+      .def("wind_mean", [](Dock& d, std::int64_t t) { return d.wind_mean(ps(t)); }, at, "anemometer, mm/s: mean of the last 3 s")
+      .def("fail_drive_status", [](Dock& d, int joint, bool failed, std::int64_t t) { d.fail_drive_status(joint, failed, ps(t)); },
+           py::arg("joint"), py::arg("failed"), at, "a failed one goes on showing what it shows now")
+      .def("fail_drive_speed", [](Dock& d, int joint, bool failed, std::int64_t t) { d.fail_drive_speed(joint, failed, ps(t)); },
+           py::arg("joint"), py::arg("failed"), at, "a failed one goes on showing what it shows now")
+      .def("fail_load_cell", [](Dock& d, bool failed, std::int64_t t) { d.fail_load_cell(failed, ps(t)); }, py::arg("failed"), at,
+           "a failed one goes on showing what it shows now")
+      .def("fail_second_sway", [](Dock& d, int axis, bool failed, std::int64_t t) { d.fail_second_sway(axis, failed, ps(t)); },
+           py::arg("axis"), py::arg("failed"), at, "a failed one goes on showing what it shows now")
+      .def("fail_anemometer", [](Dock& d, bool failed, std::int64_t t) { d.fail_anemometer(failed, ps(t)); }, py::arg("failed"), at,
+           "a failed one goes on showing what it shows now");
+}
+
 void bind_scanner(py::class_<Dock>& dock) {
   dock.def("scan_rows", &Dock::scan_rows, "how many rows the bay has")
       .def("select_row", [](Dock& d, std::int32_t row, std::int64_t t) { d.select_row(row, ps(t)); }, py::arg("row"), at)
@@ -176,6 +197,7 @@ void bind_dock(py::module_& m) {
       .def("restore", &Dock::restore, py::arg("state"))
       .def("state_hash", &Dock::state_hash);
   bind_crane_devices(dock);
+  bind_instruments(dock);
   bind_scanner(dock);
   bind_agv_units(dock);
   bind_observers(dock);

@@ -69,7 +69,7 @@ void bind_sensors(py::module_& m) {
   using P = SensorParameters;
   py::class_<P>(m, "SensorParameters", "Sway sensor (rad) and range sensors (Hz, probability); seed of their noise (plant-and-bus.md 1.4, 1.5).")
       .def(py::init<>())
-      FIELD(sway_range) FIELD(sway_noise) FIELD(range_rate) FIELD(range_dropout) FIELD(seed);
+      FIELD(sway_range) FIELD(sway_noise) FIELD(second_sway) FIELD(range_rate) FIELD(range_dropout) FIELD(seed);
 }
 
 void bind_weather(py::module_& m) {

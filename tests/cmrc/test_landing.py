@@ -47,6 +47,8 @@ def test_after_so_many_tries_the_crane_stops_and_says_so() -> None:
     signals = simulation.signals()
     assert abs(signals["l_rate_m_per_s"][signals["time_s"] > 44]).max() < 1e-3  # it hangs still
     assert report["tasks"]["pid"]["misses"] <= 3  # and is held there
+    assert [(error["origin"], error["response"], error["stands"]) for error in report["errors_handled"]] == [("landing", "retry", False), ("landing", "hold", True)]
+    assert simulation.exit_status == 1
 
 
 @pytest.mark.campaign

@@ -33,7 +33,8 @@ def test_the_slack_of_the_servo_is_what_its_cycles_leave() -> None:
     cycles = pid["execution_cycles"]
     period_us = 1000.0
     instructions = 0.04 * sum(cycles[cause] for cause in ("execute", "branch", "register_conflict", "memory_conflict")) / pid["execution_ps"]["count"]
-    rest = pid["response_ps"]["mean"] * 1e-6 - instructions
+    instructions += (pid["execution_ps"]["worst"] - pid["execution_ps"]["mean"]) * 1e-6  # its longest tick decides: some look for more errors than others
+    rest = pid["response_ps"]["worst"] * 1e-6 - instructions
     predicted = (period_us - rest) / instructions
     assert 5 < predicted < 50
     found = cmrc.limits(cycles=[round(predicted * share, 2) for share in (0.5, 0.85, 1.15, 1.5)], duration_s=0.05, dsps=None, settings={"machine.dsps": 4, **AT_ONCE})

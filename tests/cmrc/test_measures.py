@@ -72,7 +72,7 @@ def test_errors_are_those_of_the_ideal_run_of_the_same_scene() -> None:
 
 
 def test_path_errors_take_the_lag_out() -> None:
-    result = starved(15, 3.0)
+    result = starved(18, 3.0)
     joints = result.errors["joints"]
     assert joints["psi"]["rms"] > 10 * joints["psi"]["path"]["rms"] > 0
     assert result.errors["lag"]["crane"]["end_s"] > 0.5

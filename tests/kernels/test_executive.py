@@ -54,7 +54,7 @@ def test_blocks_are_claimed_in_list_order_until_one_is_not_to_be_run() -> None:
     b.set_shared(s["LIST_WORK_POINTER"], first)
     b.run_cycles(20_000)
     assert b.chip.idle
-    assert [b.field(first, n) for n in ("TB_FLAG", "TB_T", "TB_OWNER", "TB_RESULT", "TB_NOTIFY")] == [0xFF, 0, 4, 1, 0]  # one error so far
+    assert [b.field(first, n) for n in ("TB_FLAG", "TB_T", "TB_OWNER", "TB_RESULT", "TB_NOTIFY")] == [0xFF, 0, 4, 0x20001, 0]  # one error so far, of no origin: hold
     assert [b.field(second, n) for n in ("TB_FLAG", "TB_RESULT")] == [0xFF, 0xFFFFFFFF]
     assert [b.field(third, n) for n in ("TB_FLAG", "TB_T", "TB_OWNER")] == [0, 9, 0x5A5A]  # J = 0: left alone
     assert b.field(first, "TB_GENERATION") == 4

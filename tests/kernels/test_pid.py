@@ -42,8 +42,7 @@ class Servo:
             self.dsp.device("ENCODER", c & 0xFFFFFF, offset=j)
 
     def run(self) -> int:
-        result, notify, _ = self.dsp.run("pid", tick=self.tick)
-        assert notify == 0
+        result, self.errors, _ = self.dsp.run("pid", tick=self.tick)
         self.tick += SERVO_TICKS
         return result
 

@@ -1,0 +1,233 @@
+#include "cmrc/errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cmrc/importance.hpp"
+
+namespace cmrc {
+namespace {
+
+constexpr Word five = 0x1F;
+constexpr Word noticed = 0, decided_now = 1, done_now = 2, cleared_now = 3;  // of the trace's event
+
+}  // namespace
+
+Errors::Errors(const Config& config, const Words& words, ErrorHands& hands)
+    : config_(config.errors), words_(words), hands_(hands), refresh_frequency_(config.rates.refresh_frequency_hz),
+      servo_interval_(intervals(config).servo), second_sensor_(config.dock.sway_sensors == 2) {}
+
+std::int64_t Errors::ticks(double seconds) const { return std::llround(seconds * refresh_frequency_); }
+
+bool Errors::standing() const {
+  return std::any_of(entries_.begin(), entries_.end(), [](const ErrorEntry& entry) { return entry.stands && !entry.cleared; });
+}
+
+void Errors::tell(const ErrorEntry& entry, Word phase, Desk& desk) const {
+  desk.error(static_cast<Word>(number_of(entry) + 1), static_cast<Word>(entry.origin) | entry.of << words_.error_of, entry.robot, phase,
+             static_cast<Word>(entry.response));
+}
+
+// ---- what is noticed ---------------------------------------------------------------------------------------------------
+
+void Errors::notice(ErrorEntry entry, Time now, Desk& desk) {
+  entry.noticed = now;
+  entry.stands = true;  // until it is decided otherwise
+  known_.at(static_cast<std::size_t>(entry.origin)) |= entry.of;
+  Word what = static_cast<Word>(entry.origin) | entry.of << words_.error_of;
+  if (entry.tries) what |= words_.error_tries;
+  if (entry.robot == 0 && hands_.crane_lowers()) what |= words_.error_lowering;
+  if (second_sensor_ && sensor_ == 0) what |= words_.error_second;
+  entries_.push_back(entry);
+  tell(entries_.back(), noticed, desk);
+  desk.load({.x = task::error, .y = robot_class::none, .kind = words_.kind_error, .robot = entry.robot,
+             .area = entry.origin == ErrorOrigin::block ? entry.lost.area : words_.cr_base, .tick = static_cast<std::uint32_t>(desk.tick()),
+             .argument = what, .error = static_cast<std::uint32_t>(entries_.size())},
+            std::nullopt);
+}
+
+void Errors::pid_says(Word errors, std::uint32_t tick, Time now, Desk& desk) {
+  struct Row {
+    ErrorOrigin origin;
+    Word place;
+    Word mask;
+  };
+  const Row rows[] = {{ErrorOrigin::fault, words_.pide_fault, five},
+                      {ErrorOrigin::late, words_.pide_late, five},
+                      {ErrorOrigin::encoder, words_.pide_encoder, five},
+                      {ErrorOrigin::following, words_.pide_following, five},
+                      {ErrorOrigin::sway, words_.pide_sway, 3}};
+  for (const Row& row : rows) {
+    const Word seen = errors >> row.place & row.mask;
+    const Word fresh = seen & ~known_.at(static_cast<std::size_t>(row.origin));
+    if (fresh == 0) continue;
+    if (row.origin == ErrorOrigin::sway && tick <= sway_after_) continue;
+    if (row.origin == ErrorOrigin::late && tick <= late_after_) continue;
+    ErrorEntry entry{.origin = row.origin, .of = fresh};
+    entry.sensor = sensor_;
+    entry.tries = row.origin == ErrorOrigin::late && timeouts_ < config_.timeout_retries_max;
+    notice(std::move(entry), now, desk);
+  }
+}
+
+void Errors::pid_silent(Time now, Desk& desk) {
+  if (known_.at(static_cast<std::size_t>(ErrorOrigin::late)) != 0 || path_.target() == 0 || wanted_) return;
+  notice({.origin = ErrorOrigin::late, .of = five, .tries = timeouts_ < config_.timeout_retries_max}, now, desk);
+}
+
+void Errors::landing_missed(bool tries, Time now, Desk& desk) { notice({.origin = ErrorOrigin::landing, .tries = tries}, now, desk); }
+
+void Errors::given_up(const Task& lost, bool tries, Time now, Desk& desk) {
+  notice({.origin = ErrorOrigin::block, .of = lost.kind, .robot = lost.robot, .lost = lost, .tries = tries}, now, desk);
+  known_.at(static_cast<std::size_t>(ErrorOrigin::block)) = 0;  // each is one of its own
+}
+
+// ---- what is decided ---------------------------------------------------------------------------------------------------
+
+void Errors::decided(const Task& block, Word result, Time now, Desk& desk) {
+  ErrorEntry& entry = entries_.at(block.error - 1);
+  entry.decided = now;
+  entry.response = static_cast<Response>(result >> words_.respond_place & 0xF);
+  tell(entry, decided_now, desk);
+  carry_out(entry, now, desk);
+}
+
+// No DSP has decided: the drives' time-out brakes.
+void Errors::undecided(const Task& block, Time) {
+  const ErrorEntry& entry = entries_.at(block.error - 1);
+  if (entry.origin == ErrorOrigin::block) return hands_.stop_work(entry.lost);
+  if (entry.origin == ErrorOrigin::landing) return hands_.landing_decided(false);
+  hands_.stop_servo(true);
+  hands_.hold_crane(true);
+  servo_stopped_ = true;
+  go_to_rate(0, 0);
+}
+
+void Errors::go_to_rate(double rate, double seconds) { wanted_ = Wanted{rate, seconds}; }
+
+void Errors::carry_out(ErrorEntry& entry, Time now, Desk& desk) {
+  const bool of_drives = entry.origin == ErrorOrigin::fault || entry.origin == ErrorOrigin::encoder;
+  if (of_drives) drives_ &= ~entry.of, drives_changed_ = true;
+  switch (entry.response) {
+    case Response::stop:
+      if (entry.origin == ErrorOrigin::block) {
+        hands_.stop_work(entry.lost);
+        if (entry.lost.kind == words_.kind_torque || entry.lost.kind == words_.kind_pid) {
+          servo_stopped_ = true;
+          hands_.hold_crane(true);
+          go_to_rate(0, 0);
+        }
+        return finish(entry, now, desk);
+      }
+      hands_.hold_crane(true);
+      if (path_.target() != 0 || (wanted_ && wanted_->rate != 0)) go_to_rate(0, config_.stop_s);
+      go_on_at_.reset();
+      break;
+    case Response::hold:
+      if (entry.origin == ErrorOrigin::landing) {
+        hands_.landing_decided(false);
+        return finish(entry, now, desk);
+      }
+      hands_.hold_crane(true);
+      if (entry.origin == ErrorOrigin::late) drives_ = 0, drives_changed_ = true;
+      go_to_rate(0, 0);
+      go_on_at_.reset();
+      break;
+    case Response::set_down: hands_.set_crane_down(true); break;
+    case Response::retry:
+      known_.at(static_cast<std::size_t>(entry.origin)) &= ~entry.of;
+      if (entry.origin != ErrorOrigin::late) {
+        if (entry.origin == ErrorOrigin::landing) hands_.landing_decided(true);
+        else hands_.ask_again(entry.lost);
+        entry.stands = false;
+        return finish(entry, now, desk);
+      }
+      // The drives have come back with PID's codes; the crane stands, and its set-point waits until the joints are back on their path.
+      ++timeouts_;
+      late_after_ = desk.tick();
+      hands_.hold_crane(true);
+      if (path_.target() != 0) go_to_rate(0, 0);
+      go_on_at_ = desk.tick() + ticks(std::max(config_.stop_s, 1.0));
+      break;
+    case Response::second_sensor:
+      entry.stands = false;
+      known_.at(static_cast<std::size_t>(ErrorOrigin::sway)) = 0;
+      sensor_ = 1;
+      sway_after_ = desk.tick() + servo_interval_;
+      desk.write(words_.cr_base + words_.cr_sway_sensor, sensor_);
+      return finish(entry, now, desk);
+    case Response::none: undecided({.error = static_cast<std::uint32_t>(number_of(entry) + 1)}, now); break;
+  }
+}
+
+void Errors::finish(ErrorEntry& entry, Time now, Desk& desk) {
+  entry.done = now;
+  tell(entry, done_now, desk);
+}
+
+// ---- going on ----------------------------------------------------------------------------------------------------------
+
+void Errors::refresh(Time now, Desk& desk) {
+  if (go_on_at_ && desk.tick() >= *go_on_at_) {
+    go_on_at_.reset();
+    hands_.hold_crane(false);
+    go_to_rate(1, config_.go_on_s);
+  }
+  if ((wanted_ || drives_changed_) && desk.servo_resting()) {
+    if (wanted_) path_.change(desk.tick(), wanted_->rate, ticks(wanted_->seconds));
+    else path_.change(desk.tick(), path_.target(), std::max<std::int64_t>(0, path_.reached() - desk.tick()));
+    wanted_.reset();
+    drives_changed_ = false;
+    desk.write(words_.cr_base + words_.cr_path, path_.words(drives_));
+    desk.write(words_.cr_base + words_.cr_stopped, Word{1});
+  }
+  for (ErrorEntry& entry : entries_) {
+    if (entry.done || entry.cleared || !entry.decided) continue;
+    const bool stood = wanted_is_written() && path_.target() == 0 && desk.tick() >= path_.reached();
+    if ((entry.response == Response::stop || entry.response == Response::hold) && stood) finish(entry, now, desk);
+    if (entry.response == Response::retry && !go_on_at_ && wanted_is_written()) {
+      entry.stands = false;
+      finish(entry, now, desk);
+    }
+    if (entry.response == Response::set_down && hands_.crane_is_down()) finish(entry, now, desk);
+  }
+}
+
+void Errors::clear(Time now, Desk& desk) {
+  bool crane = false;
+  for (ErrorEntry& entry : entries_) {
+    if (entry.cleared) continue;
+    if (entry.response == Response::second_sensor) {
+      sensor_ = 0;
+      sway_after_ = desk.tick() + servo_interval_;
+      desk.write(words_.cr_base + words_.cr_sway_sensor, sensor_);
+    } else if (!entry.stands || (!entry.decided && !servo_stopped_)) {
+      continue;
+    } else if (entry.origin == ErrorOrigin::block) {
+      hands_.resume_work(entry.lost);
+    } else if (entry.origin == ErrorOrigin::landing) {
+      hands_.landing_again();
+    } else {
+      crane = true;
+    }
+    entry.cleared = now;
+    known_.at(static_cast<std::size_t>(entry.origin)) &= entry.origin == ErrorOrigin::block ? 0U : ~entry.of;
+    tell(entry, cleared_now, desk);
+  }
+  timeouts_ = 0;
+  if (servo_stopped_) {
+    hands_.stop_servo(false);
+    servo_stopped_ = false;
+    late_after_ = desk.tick() + 2 * servo_interval_;  // the drives have timed out meanwhile, and come back with the first codes
+    crane = true;
+  }
+  if (!crane) return;
+  hands_.set_crane_down(false);
+  hands_.hold_crane(false);
+  drives_ = five;
+  drives_changed_ = true;
+  go_on_at_.reset();
+  go_to_rate(1, config_.go_on_s);
+}
+
+}  // namespace cmrc

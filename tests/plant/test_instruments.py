@@ -1,0 +1,116 @@
+"""Drive status and speed, load cell, second sway sensor, anemometer: what they show, what they show when they have failed, and that they are state."""
+
+import math
+
+import pytest
+from cmrc._core import plant
+
+MS = 1_000_000_000
+READY, FAULT, LATE, BRAKE = 1, 2, 4, 8
+
+
+def moving(duration_ms: int = 400, **wind: float) -> plant.Dock:
+    config = plant.default_dock(1)
+    for name, value in wind.items():
+        setattr(config.wind, name, value)
+    dock = plant.Dock(config)
+    dock.enable_drives(0x1F, 0)
+    for t in range(0, duration_ms, 20):
+        for joint in range(5):
+            dock.set_torque_code(joint, 500, t * MS)
+    dock.advance_to(duration_ms * MS)
+    return dock
+
+
+def test_a_drive_says_ready_fault_time_out_and_brake() -> None:
+    dock = plant.Dock(plant.default_dock(1))
+    assert dock.drive_status(2, 0) == READY | BRAKE
+    dock.enable_drives(0x1F, 1 * MS)
+    for joint in range(5):
+        dock.set_torque_code(joint, 0, 1 * MS)
+    assert dock.drive_status(2, 2 * MS) == READY
+    dock.fail_drive(2, True, 3 * MS)
+    assert (dock.drive_status(2, 4 * MS), dock.drive_status(1, 4 * MS)) == (FAULT | BRAKE, READY)
+    dock.fail_drive(2, False, 5 * MS)
+    assert dock.drive_status(2, 6 * MS) == READY
+    assert dock.drive_status(0, 100 * MS) == READY
+    assert dock.drive_status(0, 103 * MS) == LATE | BRAKE  # no code for 100 ms
+    dock.set_torque_code(0, 0, 104 * MS)
+    assert (dock.drive_status(0, 105 * MS), dock.drive_status(1, 105 * MS)) == (READY, LATE | BRAKE)
+
+
+def test_the_drives_estimate_is_its_motors_speed() -> None:
+    dock = moving()
+    signal = dock.signal
+    for joint, drive in enumerate(dock.config.crane.drives):
+        rated = drive.rated_speed / drive.gear
+        assert dock.drive_speed(joint, 400 * MS) == pytest.approx(signal.qd[joint] / rated * 10000, abs=0.6)
+    assert abs(dock.drive_speed(1, 400 * MS)) > 20
+
+
+def test_the_load_cell_shows_what_hangs_on_the_rope() -> None:
+    dock = plant.Dock(plant.default_dock(1))
+    assert dock.load_cell(0) == 10_000  # spreader at rest
+    dock = moving()
+    assert dock.load_cell(400 * MS) % 10 == 0
+    assert dock.load_cell(400 * MS) == pytest.approx(dock.signal.tension / 9.81, rel=0.05)
+
+
+def test_the_second_sway_sensor_sees_the_same_through_a_noise_of_its_own() -> None:
+    dock = moving(50)
+    pairs = []
+    for t in range(60, 3000, 10):
+        for joint in range(5):
+            dock.set_torque_code(joint, 0, t * MS)
+        pairs.append((dock.sway(0, t * MS), dock.second_sway(0, t * MS)))
+    differences = [a - b for a, b in pairs]
+    mean = sum(differences) / len(differences)
+    spread = math.sqrt(sum((d - mean) ** 2 for d in differences) / len(differences))
+    noise = 0.02 / 10 * 2048
+    assert abs(mean) < 3 * noise * math.sqrt(2 / len(pairs))
+    assert spread == pytest.approx(noise * math.sqrt(2), rel=0.15)  # independent of each other
+
+
+def test_the_anemometer_shows_the_mean_of_three_seconds() -> None:
+    dock = plant.Dock(plant.default_dock(1))
+    assert dock.wind_mean(0) == 0
+    config = plant.default_dock(1)
+    config.wind.mean, config.wind.gust = 8.0, 3.0
+    dock = plant.Dock(config)
+    speeds = [plant.wind_speed(config.wind, 7.0 + 3.0 * (i + 0.5) / 3000) for i in range(3000)]
+    assert dock.wind_mean(10_000 * MS) == pytest.approx(1000 * sum(speeds) / len(speeds), abs=1)
+
+
+FAILURES = {
+    "drive_status": (lambda d, t: d.drive_status(2, t), lambda d, on, t: d.fail_drive_status(2, on, t)),
+    "drive_speed": (lambda d, t: d.drive_speed(1, t), lambda d, on, t: d.fail_drive_speed(1, on, t)),
+    "load_cell": (lambda d, t: d.load_cell(t), lambda d, on, t: d.fail_load_cell(on, t)),
+    "second_sway": (lambda d, t: d.second_sway(0, t), lambda d, on, t: d.fail_second_sway(0, on, t)),
+    "anemometer": (lambda d, t: d.wind_mean(t), lambda d, on, t: d.fail_anemometer(on, t)),
+}
+
+
+@pytest.mark.parametrize("name", FAILURES)
+def test_a_failed_instrument_shows_the_same_until_it_is_repaired_and_a_snapshot_knows(name: str) -> None:
+    read, fail = FAILURES[name]
+    dock = moving(mean=8.0, gust=3.0)
+    before = dock.state_hash()
+    fail(dock, True, 400 * MS)
+    assert dock.state_hash() != before
+    held = read(dock, 400 * MS)
+    if name == "drive_status":
+        dock.fail_drive(2, True, 401 * MS)
+    kept = dock.snapshot()
+    shown = {read(dock, t * MS) for t in range(401, 900, 20)}
+    assert shown == {held}
+    dock.restore(kept)
+    assert read(dock, 800 * MS) == held
+    fail(dock, False, 900 * MS)
+    assert len({read(dock, t * MS) for t in range(911, 1400, 20)} | {held}) > 1
+
+
+def test_a_dock_with_one_sway_sensor_has_no_second() -> None:
+    config = plant.default_dock(1)
+    config.sensors.second_sway = False
+    with pytest.raises(ValueError, match="one sway sensor"):
+        plant.Dock(config).second_sway(0, 0)
