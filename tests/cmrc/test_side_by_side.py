@@ -8,7 +8,8 @@ import pytest
 from cmrc import _core
 
 cmrc = _core.cmrc
-LOW_RATES: dict[str, Any] = {"dsps": 2, "refresh_frequency_hz": 2000, "servo_frequency_hz": 250, "alpha_refreshes": 6, "beta_refreshes": 3}
+LOW_RATES: dict[str, Any] = {"dsps": 2, "refresh_frequency_hz": 2000, "servo_frequency_hz": 250, "alpha_refreshes": 6, "beta_refreshes": 3,
+                             "report.reference": "none"}
 SPOT = (22.0, 8.0)
 DECK, BOX, CLEARANCE = 1.6, 2.591, 0.5
 
