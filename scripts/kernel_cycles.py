@@ -18,7 +18,7 @@ ESTIMATES: dict[str, int | None] = {
     "trajectory_crane": 6_000, "trajectory_crane_shaper": 6_000, "inverse_crane": 600, "torque": 700, "torque_newton_euler": 2_300, "pid": 650,
     "trajectory_gantry": 6_000, "inverse_gantry": 600, "torque_gantry": 700, "pid_gantry": 650, "identify": 120_000,
     "grab_path": 220_000, "home_crane": None, "trajectory_agv": 3_000, "inverse_agv": 700, "home_agv": None, "avoidance": None,
-    "avoidance_potential": 1_200, "avoidance_vfh": 9_000, "avoidance_dwa": 150_000,
+    "avoidance_potential": 1_200, "avoidance_vfh": 9_000, "avoidance_dwa": 150_000, "error": None,
 }  # fmt: skip
 
 

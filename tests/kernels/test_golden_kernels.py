@@ -146,6 +146,7 @@ CASES: list[tuple[str, Callable[[], Dsp], int, int]] = [
     ("avoidance_potential", agv_facing_a_person, 0, 0),
     ("avoidance_vfh", agv_facing_a_person, 0, 0),
     ("avoidance_dwa", agv_facing_a_person, 0, 0),
+    ("error", Dsp, 0x20042, TICK),  # the luff's drive is at fault while the load is lowered
 ]
 
 
