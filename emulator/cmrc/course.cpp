@@ -45,6 +45,12 @@ std::span<const double> Course::at(Time time) const {
   return rows_.row(static_cast<std::size_t>(std::clamp<std::int64_t>(row, 0, static_cast<std::int64_t>(size_) - 1)));
 }
 
+double Course::at(Time time, std::size_t column) const {
+  const double before = at(time)[column], after = at(time + plant::latch_period)[column];
+  const double share = static_cast<double>((time % plant::latch_period).count()) / static_cast<double>(plant::latch_period.count());
+  return before + share * (after - before);
+}
+
 void Course::process_begun(Robot robot, unsigned number) {
   Place& place = places_[robot];
   place = {.process = number, .begun = place.begun + 1};

@@ -79,6 +79,8 @@ class Course {
   std::size_t size() const { return size_; }
   /// The row of the latch at `time`, before the first and after the last one recorded, that.
   std::span<const double> at(Time time) const;
+  /// A column at any instant, linear between latches.
+  double at(Time time, std::size_t column) const;
   const std::vector<Milestone>& milestones() const { return milestones_; }
   /// Nominal time between the points of each leg, in the order of their milestones leg_begun.
   const std::vector<Time>& leg_intervals() const { return leg_intervals_; }

@@ -62,7 +62,7 @@ std::vector<Milestone> milestones_of(const Course& course, Robot robot, Time fro
 /// Where a run's robot stood on the ideal run's way, and when the ideal run stood there.
 class Progress {
  public:
-  Progress(const Course& run, const Course& ideal, Robot robot, Time from, Time to) : to_(to) {
+  Progress(const Course& run, const Course& ideal, Robot robot, Time from, Time to) : to_(to), itself_(&run == &ideal) {
     way_.push_back({from, 0});
     std::map<std::uint64_t, double> places;
     for (const Milestone& milestone : milestones_of(ideal, robot, from, to)) {
@@ -81,6 +81,7 @@ class Progress {
 
   /// The instant at which the ideal run had come as far as the run at `time`. Calls come in nondecreasing time.
   Time ideal_time(Time time) {
+    if (itself_) return time;
     while (next_ < knots_.size() && knots_[next_].at <= time) ++next_;
     const Knot& last = knots_[next_ - 1];
     // Nothing is left to do: what the run was late by at the end, it stays late by.
@@ -114,6 +115,7 @@ class Progress {
 
  private:
   Time to_;
+  bool itself_;  // the ideal run beside itself: no rounding
   std::vector<Knot> way_;    // the ideal run's
   std::vector<Knot> knots_;  // the run's
   std::size_t next_ = 1;
@@ -303,13 +305,14 @@ report::Errors measure(const Measured& run, const Course& ideal, const JobsByRob
   const double step = seconds(plant::latch_period);
   const bool both = run.course.size() > 0 && ideal.size() > 0;
   for (Time time = from; both && time < run.to; time += plant::latch_period) {
-    const Row own = run.course.at(time), meant = ideal.at(time), there = ideal.at(progress.ideal_time(time));
+    const Row own = run.course.at(time), meant = ideal.at(time);
+    const Time there = progress.ideal_time(time);
     load.add(distance(own, meant, load_column, 3));
     nothing.add(distance(meant, ideal.at(from), load_column, 3));
     for (std::size_t j = 0; j < error.size(); ++j) {
       const double off = own[j] - meant[j];
       error[j].add(off);
-      path[j].add(own[j] - there[j]);
+      path[j].add(own[j] - (there == time ? meant[j] : ideal.at(there, j)));
       weighed += weights[j] * weights[j] * off * off * step;
     }
     alpha.add(own[sway_column] - meant[sway_column]);

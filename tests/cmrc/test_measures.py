@@ -137,6 +137,13 @@ def test_a_starved_run_is_better_than_the_ideal_in_nothing() -> None:
         assert found[name]["difference"] < 0, name
 
 
+def test_the_ideal_run_has_no_error_against_itself() -> None:
+    result = cmrc.run(dsps=1, duration_s=1.0, ideal=True)
+    assert result.errors["load_m"] == {"rms": 0, "peak": 0, "end": 0} and result.errors["lag"]["crane"] == {"end_s": 0, "peak_s": 0}
+    assert all(joint["path"]["peak"] == 0 for joint in result.errors["joints"].values())
+    assert all(kind["not_demanded"] == kind["extra"] == 0 for kind in result.errors["demand"].values())
+
+
 def test_without_a_reference_nothing_is_called_an_error() -> None:
     result = cmrc.run(dsps=2, duration_s=0.1, settings={"report.reference": "none"})
     assert (result.report["errors"], result.report["rates"], result.report["control_cost"]["cost_m2s"]) == (None, None, None)
