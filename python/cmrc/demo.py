@@ -155,7 +155,7 @@ def vehicles_apart() -> Scene:
     }
     scene = Scene(
         "3. The same load, scheduled better",
-        "The vehicles' instants are staggered over the 20 ms; or long blocks are capped; or cut into slices of 0.4 ms.",
+        "The vehicles' instants are staggered over the 20 ms; or at most 2 long blocks run at a time; or long blocks are cut into slices of 0.4 ms.",
         ("3 DSPs", "avoidance missed", *COST),
     )
     for (name, remedy), report in zip(remedies.items(), _side_by_side({**TOGETHER, "machine.dsps": 3}, list(remedies.values()), 2.0, shared=False), strict=True):
@@ -172,6 +172,7 @@ def killed() -> Scene:
         "One of two DSPs dies while it runs a block: of the servo, or identify. The host's watchdog gives the block to the other one.",
         ("killed in", "noticed after", "blocks run again", *COST),
     )
+    lost = 0
     for name, time_s in (("the servo", 0.50007), ("identify", 0.021)):
         simulation = Simulation(dsps=2, duration_s=1.0, settings=QUIET)
         slot = _dsp_at_work(simulation, time_s)
@@ -180,7 +181,8 @@ def killed() -> Scene:
         noticed = [failure["time_s"] for failure in report["failures"] if failure["kind"] == "watchdog"]
         after = f"{(noticed[0] - time_s) * 1e3:.2f} ms" if noticed else "-"
         scene.rows.append([name, after, str(report["host"]["recomputed"]), *_cost(report)])
-    scene.conclusion = "Nothing is lost: every block is run to its end by the DSP that is left."
+        lost += sum(int(task["lost"]) for task in report["tasks"].values())
+    scene.conclusion = f"{lost} blocks are lost." if lost else "No block is lost: the DSP that is left runs every block to its end."
     return scene
 
 
@@ -201,13 +203,14 @@ def plugged_in(recorded: Path) -> Scene:
     for name, report in (("one DSP", without.report), ("a second from 2 s on", result.report)):
         dsps = report["dsps"]
         scene.rows.append([name, str(dsps[1]["claims"]) if len(dsps) > 1 else "-", *_cost(report)])
-    scene.conclusion = "The new DSP takes its share of the blocks without a word from the operator."
+    taken = scene.rows[-1][1]
+    scene.conclusion = f"The new DSP takes {taken} blocks without a word from the operator."
     return scene
 
 
 PAGE = """<!doctype html><html lang="en"><meta charset="utf-8"><title>CMRC emulator: five scenes</title>
 <style>body{{font:15px/1.5 sans-serif;max-width:64rem;margin:2rem auto;padding:0 1rem}}table{{border-collapse:collapse;margin:.5rem 0}}
-th,td{{border:1px solid #ccc;padding:.2rem .6rem;text-align:right}}th:first-child,td:first-child{{text-align:left}}th{{background:#f0f0f0}}</style>
+th,td{{border:1px solid #ccc;padding:.2rem .6rem;text-align:right;white-space:nowrap}}th:first-child,td:first-child{{text-align:left}}th{{background:#f0f0f0}}</style>
 <h1>CMRC emulator: five scenes</h1>
 <p>Every number was measured just now, in runs of real C40 code on emulated DSPs. <i>missed</i>: share of the jobs that a machine without delay would
 have released in time. <i>load error</i>: RMS distance of the crane's load from where it would then be. <i>lag</i>: how far the crane's work was behind at the end.</p>
