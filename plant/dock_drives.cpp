@@ -40,7 +40,8 @@ void DockCore::watch_updates() {
     const bool silent = bit(state.shadow_enable, j) && state.latch - state.updated[j] > timeout;
     if (silent == bit(state.stopped, j)) continue;
     state.stopped ^= 1U << j;
-    report(silent ? EventKind::drive_stopped : EventKind::drive_resumed, static_cast<int>(j));
+    if (silent) report(EventKind::drive_stopped, static_cast<int>(j));
+    else if (bit(state.shadow_enable, j)) report(EventKind::drive_resumed, static_cast<int>(j));  // else it was switched off
   }
 }
 

@@ -24,9 +24,11 @@ std::string title(const RunReport& report) {
   const std::string reason = report.stop_reason == StopReason::completed || report.stop_reason == StopReason::job_done
                                  ? ""
                                  : fmt::format(" The run ended early: {}.", name(report.stop_reason));
-  return fmt::format("{} DSP{}, {:.3f} s simulated in {:.2f} s ({:.1f} x real time).{}\n", report.dsps.size(),
+  const bool stands = std::ranges::any_of(report.errors_handled, &HandledError::stands);
+  const std::string waits = stands ? " A robot stands with an error that nobody has cleared (Errors, below)." : "";
+  return fmt::format("{} DSP{}, {:.3f} s simulated in {:.2f} s ({:.1f} x real time).{}{}\n", report.dsps.size(),
                      report.dsps.size() == 1 ? "" : "s", simulated, report.elapsed_s,
-                     report.elapsed_s > 0 ? simulated / report.elapsed_s : 0.0, reason);
+                     report.elapsed_s > 0 ? simulated / report.elapsed_s : 0.0, reason, waits);
 }
 
 std::string outcomes(const RunReport& report) {

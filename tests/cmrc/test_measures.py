@@ -209,6 +209,7 @@ def test_when_the_last_dsp_is_gone_the_plant_goes_on_braked() -> None:
     assert result.errors["window_s"][1] == 16.0  # whatever the run's end
     assert result.errors["load_m"]["end"] > 1.0
     assert "After the stop, braked" in result.text
+    assert not any("drive_resumed" in failure["message"] for failure in report["failures"])
 
 
 def test_a_crane_whose_drives_stay_stopped_ends_the_run() -> None:
