@@ -181,7 +181,7 @@ class Simulation::Parts {
   }
 
   void stop_account(report::StopReason reason, Time after) {
-    stop = reason;
+    stop = stopped_by = reason;
     account_end = now();
     after_end = std::min(end, now() + after);
     if (reason != report::StopReason::job_done) dock.enable_drives(0, now());
@@ -265,6 +265,7 @@ class Simulation::Parts {
   std::optional<Time> account_end;    // the plant goes on without the machine from then on
   Time after_end{};
   std::optional<report::StopReason> stop;
+  std::optional<report::StopReason> stopped_by;  // what ended the account; an interruption comes and goes
   std::chrono::steady_clock::duration elapsed{};
   std::map<unsigned, c40::TraceSink*> traces;
   std::optional<RunProfile> profile;
@@ -337,7 +338,7 @@ void Simulation::run_until(report::Time time) {
 
 void Simulation::run(const std::function<bool(const Progress&)>& on_progress, report::Time slice) {
   if (parts_->stop == report::StopReason::interrupted) {
-    parts_->stop.reset();
+    parts_->stop = parts_->stopped_by;
     parts_->forget_reference();
   }
   if (!ended()) parts_->begin_reference();

@@ -212,6 +212,15 @@ def test_when_the_last_dsp_is_gone_the_plant_goes_on_braked() -> None:
     assert not any("drive_resumed" in failure["message"] for failure in report["failures"])
 
 
+def test_a_run_interrupted_after_its_account_has_ended_goes_on_with_the_same_reason() -> None:
+    whole = cmrc.run(dsps=1, duration_s=1.5, events=[{"at_s": 0.1, "action": "unplug", "dsp": 0}])
+    cut = cmrc.Simulation(dsps=1, duration_s=1.5, events=[{"at_s": 0.1, "action": "unplug", "dsp": 0}])
+    part = cut.run(lambda now, _: now < 1.0)
+    assert (part.stop_reason, part.report["account_end_s"]) == ("interrupted", whole.report["account_end_s"])
+    rest = cut.run()
+    assert rest.stop_reason == whole.stop_reason == "no_dsp_left" and rest.hash == whole.hash and rest.errors == whole.errors
+
+
 def test_a_crane_whose_drives_stay_stopped_ends_the_run() -> None:
     result = cmrc.run(dsps=1, preset="saturated", duration_s=5.0, settings={"run.after_stop_s": 1.0})
     assert result.stop_reason == "drives_stopped"
