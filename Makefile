@@ -22,7 +22,7 @@ setup:
 golden: build
 	$(PYTHON) -m pytest -q tests --update-golden -m golden
 
-# docs/results.md: the paper's six claims, each put to its experiment, on all cores (about twenty minutes of one core's time).
+# docs/results.md: the paper's six claims and what missed deadlines cost, each put to its experiment, on all cores (about a quarter of an hour of one core's time).
 results: build
 	PYTHONPATH=build/python $(PYTHON) -m cmrc.results --page docs/results.md
 

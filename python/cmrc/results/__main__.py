@@ -11,30 +11,59 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from cmrc.results import dsps, failures, fleet, hotplug, importance, learning, page
+from cmrc.results import cost, dsps, failures, fleet, hotplug, importance, learning, page
 from cmrc.results.runs import Laboratory
 from cmrc.simulation import ConfigError
 
-CLAIMS: tuple[ModuleType, ...] = (dsps, failures, hotplug, importance, learning, fleet)
+CLAIMS: tuple[ModuleType, ...] = (dsps, failures, hotplug, importance, learning, fleet, cost)
 
 
 def parser() -> argparse.ArgumentParser:
     """The command line; every parameter of every claim is an option."""
-    result = argparse.ArgumentParser(prog="cmrc.results", description="The paper's six claims, each put to its experiment.")
-    result.add_argument("--claim", type=int, action="append", choices=[c.NUMBER for c in CLAIMS], help="only this one; may be given again")
-    result.add_argument("--page", type=Path, help="put the sections into this page, and the plots beside it in a folder of its name; otherwise they are printed")
+    result = argparse.ArgumentParser(
+        prog="cmrc.results",
+        description="The paper's six claims and what missed deadlines cost, each put to its experiment.",
+    )
+    result.add_argument(
+        "--claim",
+        type=int,
+        action="append",
+        choices=[c.NUMBER for c in CLAIMS],
+        help="only this one; may be given again",
+    )
+    result.add_argument(
+        "--page",
+        type=Path,
+        help="put the sections into this page, and the plots beside it in a folder of its name; otherwise they are printed",
+    )
     result.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="runs at a time (default: one per core)")
-    result.add_argument("--cache", type=Path, help="keep the runs' reports in this folder, and use those that are there")
-    result.add_argument("--quick", action="store_true", help="shrunken experiments, which show nothing but that they run")
+    result.add_argument(
+        "--cache", type=Path, help="keep the runs' reports in this folder, and use those that are there"
+    )
+    result.add_argument(
+        "--quick", action="store_true", help="shrunken experiments, which show nothing but that they run"
+    )
     result.add_argument("--plots", type=Path, help="folder for the plots, where no page is written")
     for name, claims in _fields().items():
         default = getattr(claims[0].Parameters(), name)
         kind = type(default[0]) if isinstance(default, tuple) else type(default)
         shape = f"{kind.__name__.upper()},..." if isinstance(default, tuple) else kind.__name__.upper()
         result.add_argument(
-            f"--{name.replace('_', '-')}", metavar=shape, help=f"of claim {', '.join(str(c.NUMBER) for c in claims)}; default {_shown(claims[0], name)}"
+            f"--{name.replace('_', '-')}", metavar=shape, help="; ".join(_explained(claims, name)).replace("%", "%%")
         )
     return result
+
+
+def _explained(claims: Sequence[ModuleType], name: str) -> list[str]:
+    """What the parameter is: claims that mean and default the same by it are told together."""
+    told: dict[tuple[str, str], list[int]] = {}
+    for claim in claims:
+        one = next(f for f in dataclasses.fields(claim.Parameters) if f.name == name)
+        told.setdefault((one.metadata["help"], _shown(claim, name)), []).append(claim.NUMBER)
+    return [
+        f"claim {', '.join(map(str, numbers))}: {meaning} (default {default})"
+        for (meaning, default), numbers in told.items()
+    ]
 
 
 def _fields() -> dict[str, list[ModuleType]]:
@@ -63,9 +92,13 @@ def parameters(claim: ModuleType, given: argparse.Namespace) -> Any:
         try:
             values = tuple(kind(word) for word in text.split(",") if word)
         except ValueError:
-            raise ValueError(f"--{one.name.replace('_', '-')}: {text!r} is no {kind.__name__} or list of them") from None
+            raise ValueError(
+                f"--{one.name.replace('_', '-')}: {text!r} is no {kind.__name__} or list of them"
+            ) from None
         if not values or (len(values) > 1 and not isinstance(default, tuple)):
-            raise ValueError(f"--{one.name.replace('_', '-')}: {text!r}; claim {claim.NUMBER} expects {'one value or several' if isinstance(default, tuple) else 'one value'}")
+            raise ValueError(
+                f"--{one.name.replace('_', '-')}: {text!r}; claim {claim.NUMBER} expects {'one value or several' if isinstance(default, tuple) else 'one value'}"
+            )
         changes[one.name] = values if isinstance(default, tuple) else values[0]
     return dataclasses.replace(chosen, **changes)
 
@@ -87,7 +120,8 @@ def examine(claim: ModuleType, chosen: Any, laboratory: Laboratory, plots: Path 
         figure.savefig(plots / name, metadata={"Date": None})
         if link:
             text += f"![{claim.TITLE}]({link}/{name})\n\n"
-    return text + str(claim.section(chosen, rows)) + f"\nAgain: `python -m cmrc.results --claim {claim.NUMBER}{_options(claim, chosen)}`.\n"
+    again = f"\nAgain: `python -m cmrc.results --claim {claim.NUMBER}{_options(claim, chosen)}`.\n"
+    return page.wrapped(text + str(claim.section(chosen, rows))) + again
 
 
 def _options(claim: ModuleType, chosen: Any) -> str:
@@ -96,7 +130,9 @@ def _options(claim: ModuleType, chosen: Any) -> str:
     for one in dataclasses.fields(claim.Parameters):
         value = getattr(chosen, one.name)
         if value != getattr(claim.Parameters(), one.name):
-            text += f" --{one.name.replace('_', '-')} " + (",".join(str(v) for v in value) if isinstance(value, tuple) else str(value))
+            text += f" --{one.name.replace('_', '-')} " + (
+                ",".join(str(v) for v in value) if isinstance(value, tuple) else str(value)
+            )
     return text
 
 
@@ -105,9 +141,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = parser().parse_args(arguments)
     chosen = [claim for claim in CLAIMS if given.claim is None or claim.NUMBER in given.claim]
     try:
-        unused = [name for name, owners in _fields().items() if getattr(given, name) is not None and not set(owners) & set(chosen)]
+        unused = [
+            name
+            for name, owners in _fields().items()
+            if getattr(given, name) is not None and not set(owners) & set(chosen)
+        ]
         if unused:
-            raise ValueError(f"--{unused[0].replace('_', '-')}: claim {', '.join(str(c.NUMBER) for c in chosen)} has no such parameter")
+            raise ValueError(
+                f"--{unused[0].replace('_', '-')}: claim {', '.join(str(c.NUMBER) for c in chosen)} has no such parameter"
+            )
         if given.jobs < 1:
             raise ValueError("--jobs: at least 1 is expected")
         plans = [(claim, parameters(claim, given)) for claim in chosen]

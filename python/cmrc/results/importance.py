@@ -6,7 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from cmrc.results.judgement import PLANNING, SERVO, Row, Verdict, counted, markdown, percent
+from cmrc.results.ends import behind_identify
+from cmrc.results.judgement import PLANNING, SERVO, Row, Verdict, counted, markdown, missed_share, parameter
 from cmrc.results.runs import Reports, Run
 from cmrc.simulation import Setting
 
@@ -15,35 +16,26 @@ if TYPE_CHECKING:
 
 NUMBER, NAME = 4, "importance"
 TITLE = "The importance rule keeps 3 and 4 at f_p while 1 and 2 fill the gaps; a keeps the AGV's planning from starving"
-CRANE, AGV = PLANNING[:2], PLANNING[2:]
+AGV = PLANNING[2:]
 Q = 0x3C00
-# The AGVs drive from the start, so that a short run has all planning in it.
-AGVS_AT_ONCE = """
-[[processes]]
-number = 9
-name = "send the AGVs off"
-robot = "none"
-steps = ["task identify"]
-may = [5]
-loaded = true
-"""
 
 
 @dataclass(frozen=True)
 class Parameters:
     """What a user may change."""
 
-    equations: tuple[str, ...] = ("restored", "as_printed")
-    servo_hz: float = 4000.0
-    point_hz: float = 1000.0
-    ratios: tuple[int, ...] = (2, 4, 8, 16)
-    """f_s / f_p."""
-    a: tuple[int, ...] = (1, 5, 15)
-    crowded_hz: tuple[float, ...] = (4000.0, 5000.0, 5500.0, 6000.0)
-    """f_p = f_t of the test of starving: the crane wants ever more of the one DSP."""
-    agvs: int = 4
-    dsps: int = 1
-    duration_s: float = 0.9
+    equations: tuple[str, ...] = parameter(("restored", "as_printed"), "values of scheduling.equation")
+    servo_hz: float = parameter(4000.0, "f_p of the test of the gaps, Hz")
+    point_hz: float = parameter(1000.0, "f_t of that test, Hz")
+    ratios: tuple[int, ...] = parameter((2, 4, 8, 16), "f_s / f_p of that test")
+    a: tuple[int, ...] = parameter((1, 5, 15), "values of scheduling.a, the ageing of the AGVs' blocks")
+    crowded_hz: tuple[float, ...] = parameter(
+        (4000.0, 5000.0, 5500.0, 6000.0),
+        "f_p = f_t of the test of starving, Hz: the crane wants ever more of the one DSP",
+    )
+    agvs: int = parameter(4, "AGVs, which drive from the start")
+    dsps: int = parameter(1, "DSPs")
+    duration_s: float = parameter(0.5, "length of a run, s")
 
 
 QUICK = Parameters(ratios=(4,), a=(1, 15), crowded_hz=(5000.0,), duration_s=0.1)
@@ -55,6 +47,7 @@ def settings(p: Parameters, servo_hz: float, point_hz: float, ratio: int) -> dic
     return {
         "machine.dsps": p.dsps,
         "dock.agvs": p.agvs,
+        "load.driving": True,
         "servo_frequency_hz": float(servo_hz),
         "refresh_frequency_hz": float(servo_hz * ratio),
         "rates.crane_point_frequency_hz": float(point_hz),
@@ -71,7 +64,7 @@ def runs(p: Parameters) -> list[Run]:
             {"part": "gaps", "equation": equation, "ratio": ratio},
             {**settings(p, p.servo_hz, p.point_hz, ratio), "scheduling.equation": equation},
             p.duration_s,
-            toml=AGVS_AT_ONCE,
+            group=f"gaps {equation} {ratio}",
         )
         for equation in p.equations
         for ratio in p.ratios
@@ -81,7 +74,7 @@ def runs(p: Parameters) -> list[Run]:
             {"part": "starving", "servo_hz": servo_hz, "a": a},
             {**settings(p, servo_hz, servo_hz, 4), "scheduling.q": Q, "scheduling.a": a},
             p.duration_s,
-            toml=AGVS_AT_ONCE,
+            group=f"starving {servo_hz} {a}",
         )
         for servo_hz in p.crowded_hz
         for a in p.a
@@ -95,20 +88,21 @@ def rows(p: Parameters, done: Sequence[tuple[Run, Reports]]) -> list[Row]:
         report = reports[-1]
         tasks = report["tasks"]
 
-        def missed(kinds: Sequence[str], report: dict[str, object] = report) -> float:
-            return percent(counted(report, kinds), counted(report, kinds, "released"))
-
         table.append(
             {
                 **run.label,
-                "servo": missed(SERVO),
-                "crane": missed(CRANE),
-                "agv": missed(AGV),
+                "servo": missed_share(report, "f_p") or 0.0,
+                "servo_misses": counted(report, SERVO),
+                "identify": behind_identify(report),
+                "crane": missed_share(report, "f_t") or 0.0,
+                "agv": missed_share(report, "f_a") or 0.0,
                 "jitter_us": max(tasks[kind]["start_jitter_ps"]["rms"] for kind in SERVO) / 1e6,
                 "agv_wait_ms": max(tasks[kind]["waiting_ps"]["worst"] for kind in AGV) / 1e9,
                 "agv_mean_ms": tasks["trajectory_planning.agv"]["waiting_ps"]["mean"] / 1e9,
                 "agv_done": counted(report, AGV, "on_time"),
-                "idle": 100 * sum(d["causes"]["idle"] for d in report["dsps"]) / max(1, sum(d["cycles"] for d in report["dsps"])),
+                "idle": 100
+                * sum(d["causes"]["idle"] for d in report["dsps"])
+                / max(1, sum(d["cycles"] for d in report["dsps"])),
             }
         )
     return table
@@ -122,26 +116,34 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
     best = min(gaps, key=lambda row: float(row["servo"]))
     first = best["servo"] < 1.0 and best["crane"] < 1.0 and best["agv"] < 1.0
     why = (
-        f"With f_s = {best['ratio']} f_p the servo misses {best['servo']:.2g} %, planning {max(best['crane'], best['agv']):.2g} %, while the DSP is {100 - best['idle']:.0f} % busy"
-        f" (what the servo does miss falls on the 2-ms identify block, which nothing can interrupt)."
+        f"With f_s = {best['ratio']} f_p the servo misses {best['servo']:.2g} %, planning "
+        f"{max(best['crane'], best['agv']):.2g} %, while the DSP is {100 - best['idle']:.0f} % busy"
+        f" ({best['identify']} of the {best['servo_misses']} samples that it misses wait for the identify block, which "
+        "nothing can interrupt)."
         if first
         else f"At best (f_s = {best['ratio']} f_p) the servo misses {best['servo']:.2g} %, the crane's planning {best['crane']:.2g} %, the AGVs' {best['agv']:.2g} %."
     )
-    by_load = {f: sorted((row for row in starving if row["servo_hz"] == f), key=lambda row: int(row["a"])) for f in p.crowded_hz}
+    by_load = {
+        f: sorted((row for row in starving if row["servo_hz"] == f), key=lambda row: int(row["a"]))
+        for f in p.crowded_hz
+    }
     crowded = [own for own in by_load.values() if len(own) > 1 and own[0]["agv"] > 1.0]
     if not crowded:
         second = False
         heaviest = max(starving, key=lambda row: float(row["crane"]))
         about_a = (
-            f" The AGVs' planning misses at most {max(row['agv'] for row in starving):.2g} % whatever a, even where the crane's planning misses {heaviest['crane']:.0f} %:"
-            f" no load tried needs a > {min(row['a'] for row in starving)}. The crane's planning cannot crowd it out, because the next point is loaded only when the last one is done,"
+            f" The AGVs' planning misses at most {max(row['agv'] for row in starving):.2g} % whatever a, even where "
+            f"the crane's planning misses {heaviest['crane']:.0f} %:"
+            f" no load tried needs a > {min(row['a'] for row in starving)}. The crane's planning cannot crowd it out, "
+            "because the next point is loaded only when the last one is done,"
             f" and a block of the AGVs that has become due ranks above the crane's that has not."
         )
     else:
         saved = [own for own in crowded if own[-1]["agv"] < 0.5 * own[0]["agv"]]
         second = len(saved) == len(crowded)
         about_a = " ".join(
-            f" At f_p = f_t = {own[0]['servo_hz'] / 1000:g} kHz the AGVs' planning misses {own[0]['agv']:.0f} % with a = {own[0]['a']} and {own[-1]['agv']:.0f} % with a = {own[-1]['a']}"
+            f" At f_p = f_t = {own[0]['servo_hz'] / 1000:g} kHz the AGVs' planning misses {own[0]['agv']:.0f} % with a "
+            f"= {own[0]['a']} and {own[-1]['agv']:.0f} % with a = {own[-1]['a']}"
             f" (the servo {own[-1]['servo']:.0f} %, the crane's planning {own[-1]['crane']:.0f} %)."
             for own in crowded
         )
@@ -157,13 +159,37 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
 
 
 def section(p: Parameters, all_rows: Sequence[Row]) -> str:
-    columns = {"equation": "equation (7)", "ratio": "f_s / f_p", "servo": "servo missed, %", "crane": "crane's planning, %", "agv": "AGVs' planning, %", "jitter_us": "start jitter of the servo, RMS µs", "idle": "DSP idle, %"}
+    columns = {
+        "equation": "equation (7)",
+        "ratio": "f_s / f_p",
+        "servo": "servo missed, %",
+        "servo_misses": "jobs",
+        "identify": "behind identify",
+        "crane": "crane's planning, %",
+        "agv": "AGVs' planning, %",
+        "jitter_us": "start jitter of the servo, RMS µs",
+        "idle": "DSP idle, %",
+    }
     text = (
-        f"{p.dsps} DSP, f_p {p.servo_hz:g} Hz, f_t {p.point_hz:g} Hz, {p.agvs} AGVs that drive from the start (an additional process 9 sends them off), {p.duration_s:g} s.\n\n"
-        + markdown(columns, [row for row in all_rows if row["part"] == "gaps"])
+        f"{p.dsps} DSP, f_p {p.servo_hz:g} Hz, f_t {p.point_hz:g} Hz, {p.agvs} AGVs that drive from the start, "
+        f"{p.duration_s:g} s from power-on; nothing is left out, identify is in it. Missed: of what the ideal run "
+        "demands.\n\n" + markdown(columns, [row for row in all_rows if row["part"] == "gaps"])
     )
-    columns = {"servo_hz": "f_p = f_t, Hz", "a": "a", "servo": "servo missed, %", "crane": "crane's planning, %", "agv": "AGVs' planning, %", "agv_mean_ms": "AGVs' planning waits, ms", "agv_wait_ms": "at worst, ms", "idle": "DSP idle, %"}
-    return text + "\nThe crane's planning at f_p, so that it wants the rest of the DSP; p − q = 400h:\n\n" + markdown(columns, [row for row in all_rows if row["part"] == "starving"])
+    columns = {
+        "servo_hz": "f_p = f_t, Hz",
+        "a": "a",
+        "servo": "servo missed, %",
+        "crane": "crane's planning, %",
+        "agv": "AGVs' planning, %",
+        "agv_mean_ms": "AGVs' planning waits, ms",
+        "agv_wait_ms": "at worst, ms",
+        "idle": "DSP idle, %",
+    }
+    return (
+        text
+        + "\nThe crane's planning at f_p, so that it wants the rest of the DSP; p − q = 400h:\n\n"
+        + markdown(columns, [row for row in all_rows if row["part"] == "starving"])
+    )
 
 
 def draw(p: Parameters, all_rows: Sequence[Row], figure: Figure) -> None:
@@ -171,7 +197,9 @@ def draw(p: Parameters, all_rows: Sequence[Row], figure: Figure) -> None:
     for equation in p.equations:
         own = [row for row in all_rows if row["part"] == "gaps" and row["equation"] == equation]
         left.plot([row["ratio"] for row in own], [row["servo"] for row in own], "o-", label=f"servo, {equation}")
-        left.plot([row["ratio"] for row in own], [row["crane"] for row in own], "s--", label=f"crane's planning, {equation}")
+        left.plot(
+            [row["ratio"] for row in own], [row["crane"] for row in own], "s--", label=f"crane's planning, {equation}"
+        )
     left.set(xlabel="f_s / f_p", ylabel="missed, %", ylim=(0, None))
     left.legend(fontsize=7)
     for a in p.a:

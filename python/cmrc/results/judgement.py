@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 Row = dict[str, Any]
 SERVO = ("pid", "torque_compensation")
-PLANNING = ("trajectory_planning.crane", "inverse_kinematics.crane", "trajectory_planning.agv", "inverse_kinematics.agv")
+PLANNING = (
+    "trajectory_planning.crane",
+    "inverse_kinematics.crane",
+    "trajectory_planning.agv",
+    "inverse_kinematics.agv",
+)
 
 
 @dataclass(frozen=True)
@@ -53,9 +58,38 @@ def mean_interval(values: Sequence[float], seed: int = 1, draws: int = 2000) -> 
 
 
 def with_interval(values: Sequence[float], digits: int = 2) -> str:
-    """``12.3 [11.0, 13.6]``; a dash of nothing."""
+    """``12.3 [11.0, 13.6]``; the number alone where the interval has no width in these digits; a dash of nothing."""
     mean, low, high = mean_interval(values)
-    return "–" if math.isnan(mean) else f"{mean:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
+    if math.isnan(mean):
+        return "–"
+    if f"{low:.{digits}f}" == f"{high:.{digits}f}":
+        return f"{mean:.{digits}f}"
+    return f"{mean:.{digits}f} [{low:.{digits}f}, {high:.{digits}f}]"
+
+
+def parameter(default: Any, meaning: str) -> Any:
+    """A field of a claim's ``Parameters``: its default, and what ``--help`` says of it."""
+    return field(default=default, metadata={"help": meaning})
+
+
+def missed_share(report: Mapping[str, Any], rate: str) -> float | None:
+    """Missed against f_p, f_t or f_a in % of what the ideal run demands (docs/report.md, Rates); None without demand.
+
+    The ideal run has no phase jitter. With ``run.phase_jitter`` the host's timer begins up to a period later: of each kind one job
+    fewer in the run is no miss.
+    """
+    found = report["rates"][rate]
+    if found["missed_share"] is None:
+        return None
+    edge = len(found["kinds"]) if report["configuration"]["run.phase_jitter"] else 0
+    missed = int(found["misses"]) + max(0, int(found["not_demanded"]) - edge)
+    return percent(missed, int(found["demanded"]) + int(found["extra"]))
+
+
+def demand_missed(report: Mapping[str, Any], kind: str) -> float | None:
+    """The same of one kind of task."""
+    share = report["errors"]["demand"].get(kind, {}).get("missed_share")
+    return None if share is None else 100.0 * float(share)
 
 
 def markdown(columns: Mapping[str, str], rows: Sequence[Row]) -> str:

@@ -3,31 +3,61 @@
 from __future__ import annotations
 
 import re
+import textwrap
 from pathlib import Path
 
-INTRODUCTION = """# The six claims
+INTRODUCTION = """# The claims
 
-The paper (section 7 of its digest) gives no measured figures. Here each of its claims is put to an experiment on the emulator; `make results` regenerates this page: every number, table, plot and verdict.
-One claim, or with other parameters:
+The paper (section 7 of its digest) makes six claims and gives no measured figures. Here each claim is put to an experiment on the emulator. A seventh section is not the paper's: what missed deadlines cost.
+
+`make results` regenerates this page: every number, table, plot and verdict. `pytest -m campaign tests/python/test_results.py` compares it with what the commands give now. One claim, or with other parameters:
 
     python -m cmrc.results --claim 3 --dsps 1,2,4 --trials 20     # prints the section
-    python -m cmrc.results --help                                 # all parameters
+    python -m cmrc.results --help                                 # all parameters, each explained
 
-A verdict is *holds*, *holds in part*, *fails*, or *not tested* where the parameters leave nothing to decide. What is not said is as [configuration.md](configuration.md) has it by default.
+How to read it:
+
+- A verdict is *holds*, *holds in part*, *fails*, or *not tested* where the parameters leave nothing to decide.
+- No warm-up is left out. A run is counted from power-on; where a section counts in a window only (claim 3), it says which.
+- *Missed*: late, lost, dropped, or never asked for although the ideal run does ([report.md](report.md), Rates). *Realised*: finished jobs per second.
+- A run is reproducible bit for bit. A seed alone changes the noise of the sway sensor, and so hardly anything here. An interval [low, high] is printed only over something that was varied: the phases of all clocks (`run.phase_jitter`), layouts, instants of events, or work cycles. Each section says which.
+- What is not said is as [configuration.md](configuration.md) has it by default.
 """
 
 
-def _marks(number: int) -> tuple[str, str]:
+def marks(number: int) -> tuple[str, str]:
+    """What stands before and after a claim's section."""
     return f"<!-- claim {number} -->", f"<!-- end of claim {number} -->"
+
+
+def wrapped(text: str, width: int = 120) -> str:
+    """The same page with its paragraphs broken at ``width`` columns; headings, tables, pictures and code stay as they are."""
+    lines = []
+    for line in text.splitlines():
+        fixed = len(line) <= width or line.startswith(("#", "|", "!", "    "))
+        lines += (
+            [line]
+            if fixed
+            else textwrap.wrap(
+                line,
+                width,
+                subsequent_indent="  " if line.startswith("- ") else "",
+                break_long_words=False,
+                break_on_hyphens=False,
+            )
+        )
+    return "\n".join(lines) + "\n"
 
 
 def replaced(page: str, number: int, section: str) -> str:
     """The page with the section of this claim put in, in order of the numbers."""
-    first, last = _marks(number)
+    first, last = marks(number)
     body = f"{first}\n{section.rstrip()}\n{last}\n"
-    sections = {int(m[1]): m[0] + "\n" for m in re.finditer(r"<!-- claim (\d+) -->.*?<!-- end of claim \1 -->", page, re.DOTALL)}
+    sections = {
+        int(m[1]): m[0] + "\n" for m in re.finditer(r"<!-- claim (\d+) -->.*?<!-- end of claim \1 -->", page, re.DOTALL)
+    }
     sections[number] = body
-    return INTRODUCTION + "\n" + "\n".join(sections[n] for n in sorted(sections))
+    return wrapped(INTRODUCTION) + "\n" + "\n".join(sections[n] for n in sorted(sections))
 
 
 def write(path: Path, number: int, section: str) -> None:

@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cmrc.simulation import Setting, Simulation
+from cmrc.simulation import Reference, Setting, Simulation
 
 Report = dict[str, Any]
 Reports = Sequence[Report]
@@ -31,40 +31,53 @@ class FirstClaim:
 
 @dataclass(frozen=True)
 class Run:
-    """One run: ``label`` says which row it makes, the rest is the configuration."""
+    """One run: ``label`` says which row it makes, the rest is the configuration.
+
+    Runs of one ``group`` (not empty) are measured against one ideal run, which they share: they may differ in DSPs, the speed of
+    their cycles and events of the machine only. A run without a group has no ideal run, so its report has no errors and no rates.
+    """
 
     label: Mapping[str, Setting]
     settings: Mapping[str, Setting]
     duration_s: float
     preset: str | None = None
     events: Sequence[Mapping[str, Setting]] = ()
-    toml: str = ""
+    layout: str = ""
+    """A layout file's text (dock.layout)."""
     stops_s: Sequence[float] = ()
     """Instants at which a report is made besides the end's."""
     first_claim: FirstClaim | None = None
+    group: str = ""
 
     def key(self) -> str:
         """Names the run: the same configuration on the same emulator has the same key."""
         from cmrc import _core
 
         built = Path(_core.__file__).stat()
-        return hashlib.sha256(json.dumps([asdict(self), built.st_size, built.st_mtime_ns], sort_keys=True).encode()).hexdigest()[:24]
+        return hashlib.sha256(
+            json.dumps([asdict(self), built.st_size, built.st_mtime_ns], sort_keys=True).encode()
+        ).hexdigest()[:24]
 
     def cost(self) -> float:
         """Grows with the time that the run will take."""
         return self.duration_s * float(self.settings.get("servo_frequency_hz", 1000.0))
 
 
-def execute(run: Run) -> list[Report]:
-    """The reports at the stops and at the end; that of the end has ``first_claim_s`` where asked for."""
-    with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
-        file.write(run.toml)
-        file.flush()
+def execute(run: Run, reference: Reference | None) -> tuple[list[Report], Reference | None]:
+    """The reports at the stops and at the end, that of the end with ``first_claim_s`` where asked for; and the run's ideal run, if it has one."""
+    with tempfile.NamedTemporaryFile("w", suffix=".toml", encoding="utf-8") as layout:
+        layout.write(run.layout)
+        layout.flush()
         simulation = Simulation(
-            config=file.name if run.toml else None,
             preset=run.preset,
-            settings={**run.settings, "duration_s": run.duration_s},
+            settings={
+                **run.settings,
+                **({"dock.layout": layout.name} if run.layout else {}),
+                "duration_s": run.duration_s,
+                "report.reference": "ideal" if run.group else "none",
+            },
             events=run.events,
+            reference=reference,
         )
     reports: list[Report] = []
     claimed: float | None = None
@@ -77,7 +90,7 @@ def execute(run: Run) -> list[Report]:
             claimed = _first_claim(simulation, watch)
     report = simulation.run().report
     report["first_claim_s"] = claimed
-    return [*reports, report]
+    return [*reports, report], simulation.reference()
 
 
 def _first_claim(simulation: Simulation, watch: FirstClaim) -> float | None:
@@ -106,22 +119,28 @@ class Laboratory:
         for index, run in enumerate(runs):
             if (known := self._known(run)) is not None:
                 results[index] = known
-        due = sorted((i for i in range(len(runs)) if i not in results), key=lambda i: -runs[i].cost())
-        started = time.monotonic()
-        for done, (index, reports) in enumerate(self._execute([(i, runs[i]) for i in due]), 1):
-            results[index] = reports
-            self._keep(runs[index], reports)
-            self.progress(f"\r{what}: {done} of {len(due)} runs, {time.monotonic() - started:.0f} s ")
-        if due:
+        due: dict[str, list[tuple[int, Run]]] = {}
+        for index, run in enumerate(runs):
+            if index not in results:
+                due.setdefault(run.group or f"alone {index}", []).append((index, run))
+        batches = sorted(due.values(), key=lambda batch: -sum(run.cost() for _, run in batch))
+        count, started = sum(map(len, batches)), time.monotonic()
+        for batch in self._execute(batches):
+            for index, reports in batch:
+                results[index] = reports
+                self._keep(runs[index], reports)
+            done = count - sum(1 for i in range(len(runs)) if i not in results)
+            self.progress(f"\r{what}: {done} of {count} runs, {time.monotonic() - started:.0f} s ")
+        if batches:
             self.progress("\n")
         return [results[i] for i in range(len(runs))]
 
-    def _execute(self, due: Sequence[tuple[int, Run]]) -> Iterable[tuple[int, list[Report]]]:
-        if self.jobs == 1 or len(due) < 2:
-            yield from map(_numbered, due)
+    def _execute(self, batches: Sequence[Sequence[tuple[int, Run]]]) -> Iterable[list[tuple[int, list[Report]]]]:
+        if self.jobs == 1 or len(batches) < 2:
+            yield from map(_batch, batches)
             return
-        with multiprocessing.Pool(min(self.jobs, len(due))) as pool:
-            yield from pool.imap_unordered(_numbered, due)
+        with multiprocessing.Pool(min(self.jobs, len(batches))) as pool:
+            yield from pool.imap_unordered(_batch, batches)
 
     def _known(self, run: Run) -> list[Report] | None:
         file = None if self.cache is None else self.cache / f"{run.key()}.json"
@@ -136,6 +155,12 @@ class Laboratory:
             (self.cache / f"{run.key()}.json").write_text(json.dumps(reports), encoding="utf-8")
 
 
-def _numbered(numbered: tuple[int, Run]) -> tuple[int, list[Report]]:
-    index, run = numbered
-    return index, execute(run)
+def _batch(batch: Sequence[tuple[int, Run]]) -> list[tuple[int, list[Report]]]:
+    """Runs of one group, one after the other, so that they share their ideal run."""
+    reference: Reference | None = None
+    done = []
+    for index, run in batch:
+        reports, its = execute(run, reference)
+        reference = reference or its
+        done.append((index, reports))
+    return done
