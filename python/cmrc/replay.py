@@ -10,8 +10,8 @@ import json
 import math
 import os
 from collections.abc import Mapping
-from itertools import pairwise
 from importlib import resources
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 

@@ -113,7 +113,6 @@ def test_what_is_still_broken_stops_the_crane_again() -> None:
     assert first["cleared_s"] is not None and not first["stands"]
     assert (second["origin"], second["of"], second["response"], second["stands"]) == ("drive fault", ["luff"], "stop", True)
     assert 6 < second["noticed_s"] < 6 + 3 * SERVO and simulation.exit_status == 1
-    time, place = load(simulation)
     assert rates(simulation, 7.9)["l"] < 1e-3
 
 
@@ -229,7 +228,7 @@ def test_a_load_that_is_being_lowered_is_set_down(event: dict[str, Any], setting
 
 @pytest.mark.campaign
 def test_a_landing_is_tried_again_until_it_is_given_up_and_again_when_that_is_cleared() -> None:
-    report, simulation = run(60, clear(46), strict_landing=True, ramp_speed_m_s=1.0, landing_retries_max=1)
+    report, _simulation = run(60, clear(46), strict_landing=True, ramp_speed_m_s=1.0, landing_retries_max=1)
     responses = [(error["origin"], error["response"], error["cleared_s"] is not None) for error in report["errors_handled"]]
     assert responses[:3] == [("landing", "retry", False), ("landing", "hold", True), ("landing", "retry", False)]
 

@@ -1,5 +1,6 @@
 """Ruling 39: when sub-process 5 runs, at which refreshes it is released, by interval and by what an AGV's range sensor sees."""
 
+import itertools
 import json
 import re
 import subprocess
@@ -248,7 +249,7 @@ def test_vehicles_drive_their_round_at_their_distances_and_deliver_nothing() -> 
     signals = simulation.signals()
     places = [signals[f"agv{i}_x_m"][-1] for i in range(4)]
     assert all(signals[f"agv{i}_speed_m_per_s"][-1] > 1.5 for i in range(4)) and places[0] > 22 + 2.5
-    assert [a - b for a, b in zip(places, places[1:], strict=False)] == pytest.approx([18, 18, 18], abs=0.1)
+    assert [a - b for a, b in itertools.pairwise(places)] == pytest.approx([18, 18, 18], abs=0.1)
 
 
 @pytest.mark.campaign
