@@ -108,6 +108,6 @@ def test_the_last_container_and_home(tmp_path: Path) -> None:
 @pytest.mark.parametrize("agvs", [1, 3])
 def test_whole_cycles(tmp_path: Path, agvs: int) -> None:
     """Processes 1 to 6 with a delivery; with more AGVs and time the whole ship, the neighbouring bays too."""
-    report = simulate(180.0 if agvs == 1 else 840.0, tmp_path, **{"dock.agvs": agvs}).result().report
+    report = simulate(180.0 if agvs == 1 else 900.0, tmp_path, **{"dock.agvs": agvs}).result().report
     check(report, 5e-3)
     assert report["containers_delivered"] == (1 if agvs == 1 else 8)
