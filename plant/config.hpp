@@ -239,6 +239,7 @@ struct Layout {
   std::vector<double> rows = {24.0, 26.6};  // m, y of the bay's rows
   double scan_x0 = -25.6, scan_dx = 0.4;    // m, bay scanner
   std::vector<ContainerPlace> containers;   // on the ship
+  double container_mass = 24e3;             // kg, of those in a layout file that do not say theirs
   Box ship = {-40.0, 40.0, 20.0, 36.0, -5.0, 3.909};
   std::vector<Box> no_go;                   // boxes for the grab path (containers are not among them)
   std::vector<Mover> movers;                // for the AGVs, posts among them

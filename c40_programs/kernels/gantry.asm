@@ -144,7 +144,7 @@ kernel_torque_gantry:
         beq     torque_nothing
         ldhi    hi16(gantry_masses), ar0
         or      lo16(gantry_masses), ar0
-        ldf     @TQ_LOAD, r2                    ; m_p
+        ldf     @SV_LOAD, r2                    ; m_p
         ldf     0.0, r0
         stf     r0, @TQ_TAU
         ldf     *ar0, r0

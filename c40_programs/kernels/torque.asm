@@ -4,8 +4,7 @@
 ;   H = I_j + m_j c_j^2 + m_p L^2        C = H cos phi + a0 A
 ;   M_psi = J_s + I_j cos^2 phi + m_cw r_cw^2 + m_j (a0 + c_j cos phi)^2 + m_p R^2
 
-TQ_LOAD         .set SCRATCH + 94       ; CR_LOAD, CR_LOAD_TICK, CR_CONSUMED, CR_SEGMENT_START, CR_PID_STAGE
-TQ_LOAD_TICK    .set SCRATCH + 95
+TQ_LOAD_TICK    .set SCRATCH + 95       ; CR_LOAD_TICK, CR_CONSUMED, CR_SEGMENT_START, CR_PID_STAGE
 TQ_CONSUMED     .set SCRATCH + 96
 TQ_SEGMENT      .set SCRATCH + 97
 TQ_STAGE        .set SCRATCH + 98
@@ -29,14 +28,14 @@ kernel_torque:
         call    torque_closed_form
         br      torque_motors
 
-; Q, QD, QDD <- the set-point of TB_TICK, LOAD <- kg on the rope; nothing but STAGE when that is 0.
+; Q, QD, QDD <- the set-point of TB_TICK, SV_LOAD <- kg on the rope; nothing but STAGE when that is 0.
 torque_set_point:
         call    servo_head
         ldi     ar6, ar0
-        addi    CR_LOAD, ar0
-        ldhi    hi16(TQ_LOAD), ar1
-        or      lo16(TQ_LOAD), ar1
-        ldi     4, rc
+        addi    CR_LOAD_TICK, ar0
+        ldhi    hi16(TQ_LOAD_TICK), ar1
+        or      lo16(TQ_LOAD_TICK), ar1
+        ldi     3, rc
         call    copy_words
         ldi     @TQ_STAGE, r0
         retseq
@@ -106,7 +105,7 @@ torque_rated:
         nop     *ar0++
         rets
 
-; LOAD <- kg on the rope: what the load cell shows, through a low-pass filter of K_TQ_LOAD_FILTER; LOAD_TICK. The same tick again changes nothing.
+; SV_LOAD <- kg on the rope: what the load cell shows, through a low-pass filter of K_TQ_LOAD_FILTER; LOAD_TICK. The same tick again changes nothing.
 torque_load:
         ldhi    hi16(WINDOW_B), ar0
         float   *+ar0(LOAD_CELL), r4
@@ -122,21 +121,21 @@ torque_load:
         addf    r3, r0
         call    m_reciprocal
         mpyf    r3, r0                          ; h / (T + h)
-        subf    @TQ_LOAD, r4
+        subf    @SV_LOAD, r4
         mpyf    r4, r0
-        addf    @TQ_LOAD, r0
+        addf    @SV_LOAD, r0
         rnd     r0, r0
-        stf     r0, @TQ_LOAD
+        stf     r0, @SV_LOAD
+        stf     r0, *+ar6(CR_LOAD)
         ldi     ar6, ar1
-        addi    CR_LOAD, ar1
-        stf     r0, *ar1
+        addi    CR_LOAD_TICK, ar1
         ldi     @TQ_LOAD_TICK, r1
-        sti     r1, *+ar1(1)
+        sti     r1, *ar1
         rets
 
 ; R0 <- I_k, kg m2: the spreader's, and what the load adds.
 torque_yaw_inertia:
-        ldf     @TQ_LOAD, r0
+        ldf     @SV_LOAD, r0
         subf    @K_TQ_SPREADER, r0
         cmpf    0.0, r0
         ldflt   0.0, r0
@@ -155,7 +154,7 @@ torque_closed_form:
         call    m_sincos
         ldf     r0, r10                 ; R10 = sin phi
         ldf     r1, r9                  ; R9 = cos phi
-        ldf     @TQ_LOAD, r11           ; R11 = m_p
+        ldf     @SV_LOAD, r11           ; R11 = m_p
 
         ldf     @K_JIB, r0
         mpyf    r11, r0

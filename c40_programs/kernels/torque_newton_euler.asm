@@ -77,7 +77,7 @@ newton_euler_prepare:
         or      lo16(NE_PLAN), ar1
         ldi     NE_LINKS * NE_ROW - 1, rc
         call    copy_words
-        ldf     @TQ_LOAD, r0
+        ldf     @SV_LOAD, r0
         stf     r0, @NE_PLAN + 4 * NE_ROW + NE_MASS
         call    torque_yaw_inertia
         rnd     r0, r0

@@ -155,8 +155,8 @@ class Rows {
     row("stribeck_speed", "", 1e-6, 1, "v_s as a share of the rated speed", assumed, at(&DriveParameters::stribeck_speed));
     row("brake", "", 0, 100, "holding brake as a share of the rated joint force", assumed, at(&DriveParameters::brake));
     row("peak", "", 1, 10, "u_max, the torque at code 2047, as a share of the rated torque", "ruling 9", at(&DriveParameters::peak));
-    row("overspeed", "", 1, 10, "it trips above this share of its rated speed ...", notes, at(&DriveParameters::overspeed));
-    row("overspeed_time_s", "s", 1e-4, 1e4, "... when that lasts so long", notes, at(&DriveParameters::overspeed_time));
+    row("overspeed", "", 1, 10, "it trips when it is faster than this share of its rated speed", notes, at(&DriveParameters::overspeed));
+    row("overspeed_time_s", "s", 1e-4, 1e4, "for which that has to last", notes, at(&DriveParameters::overspeed_time));
     row("saturation_time_s", "s", 1e-4, 1e6, "code 2047 without a break for so long trips it", notes, at(&DriveParameters::saturation_time));
     row("thermal_time_s", "s", 1e-3, 1e7, "time constant of its thermal model", notes, at(&DriveParameters::thermal_time));
     row("thermal_trip", "", 1, 10, "heat that trips it; 1 is what the rated torque comes to, and the warning", notes, at(&DriveParameters::thermal_trip));

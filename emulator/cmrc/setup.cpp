@@ -62,11 +62,11 @@ plant::DockConfig nominal_dock_of(const Config& config) {
   plant::DockConfig dock = config.dock.crane == CraneMachine::gantry ? plant::gantry_dock(agvs) : plant::default_dock(agvs);
   place_plant_parameters(dock, config.plant);
   dock.agv.protective_field = config.dock.protective_field;
+  dock.layout.container_mass = config.dock.container_mass_kg;
+  for (auto& container : dock.layout.containers) container.mass = config.dock.container_mass_kg;
   if (config.dock.layout.empty()) stack_more(dock.layout);
   else read_layout(dock, config.dock.layout);
   dock.layout.containers.resize(std::min<std::size_t>(dock.layout.containers.size(), static_cast<std::size_t>(config.dock.containers)));
-  // The controller knows one mass of a container (plant_constants.hpp).
-  for (auto& container : dock.layout.containers) container.mass = config.dock.container_mass_kg;
   for (auto& leg : dock.layout.legs) {
     for (auto& lane : leg) lane.speed = std::min(lane.speed, config.dock.agv_speed_m_s);
   }

@@ -220,6 +220,7 @@ class Layout:
     scan_x0: float
     scan_dx: float
     containers: list[ContainerPlace]
+    container_mass: float
     ship: Box
     no_go: list[Box]
     movers: list[Mover]
