@@ -12,7 +12,13 @@ constexpr std::uint32_t slew_bit = 1U << static_cast<unsigned>(Joint::slew);
 }  // namespace
 
 void DockCore::take_codes() {
-  state.code = state.shadow;
+  if (state.underway.empty()) {
+    state.code = state.shadow;
+  } else {
+    auto& place = state.underway[static_cast<std::size_t>(state.latch) % state.underway.size()];
+    state.code = place;
+    place = state.shadow;
+  }
   watch_updates();
   std::uint32_t enable = state.faulted ? 0U : state.shadow_enable & ~state.stopped & ~state.failed_drives;
   if (config.crane.machine == Machine::gantry) enable &= ~slew_bit;  // it does not slew

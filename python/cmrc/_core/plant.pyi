@@ -237,6 +237,7 @@ class DockConfig:
     agv_count: int
     home: CranePose
     rated_load: float
+    drive_delay: int
     drive_timeout: float
     method: Method
     tolerance: float
