@@ -32,6 +32,8 @@ pause_count:    .word 400               ; IDLE_PAUSE: NOPs between two looks at 
         .include "kernels/torque.asm"
         .include "kernels/torque_newton_euler.asm"
         .include "kernels/pid.asm"
+        .include "kernels/pid_set_point.asm"
+        .include "kernels/pid_law.asm"
         .include "kernels/pid_watch.asm"
         .include "kernels/error.asm"
         .include "kernels/agv_all.asm"  ; trajectory_agv, inverse_agv, identify, grab_path, home, avoidance

@@ -264,6 +264,7 @@ struct DockConfig {
   int agv_count = 1;
   std::vector<SampleClock> unit_clocks;  // by AGV: its drive unit's, nominal 100 Hz; missing ones keep it
   CranePose home = {0.0, 12.0, 16.0, 14.0, 0.0};
+  int drive_delay = 0;         // latches by which a drive takes its code later, for experiments
   double drive_timeout = 0.1;  // s, a drive that gets no torque code for so long brakes; 0: never
   Method method = Method::erk;
   double tolerance = 1e-8;   // relative, of the integrators

@@ -19,6 +19,7 @@ DockCore::DockCore(const DockConfig& c)
     agv.y[A_HEADING] = at.heading;
     state.agvs.push_back(agv);
   }
+  state.underway.resize(static_cast<std::size_t>(config.drive_delay));
   agv_signals.resize(state.agvs.size());
   if (config.sensors.range_rate > 0.0) {
     state.scans.resize(state.agvs.size());

@@ -13,7 +13,13 @@ constexpr std::uint32_t slew_bit = 1U << static_cast<unsigned>(Joint::slew);
 
 void DockCore::take_codes() {
   protect_drives();
-  state.code = state.shadow;
+  if (state.underway.empty()) {
+    state.code = state.shadow;
+  } else {
+    auto& place = state.underway[static_cast<std::size_t>(state.latch) % state.underway.size()];
+    state.code = place;
+    place = state.shadow;
+  }
   watch_updates();
   std::uint32_t enable = state.faulted ? 0U : state.shadow_enable & ~state.stopped & ~state.failed_drives & ~state.protection.tripped;
   if (config.crane.machine == Machine::gantry) enable &= ~slew_bit;  // it does not slew

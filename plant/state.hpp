@@ -65,6 +65,7 @@ struct DockState {
   CraneInputs inputs;            // held since that latch
   double stretch = 0.0;          // m: rope below the tip less what the drum has paid out
   std::array<int, joint_count> shadow{}, code{};  // torque codes: written, and taken at the latch
+  std::vector<std::array<int, joint_count>> underway;  // codes on their way to the drives, by latch modulo drive_delay
   std::uint32_t shadow_enable = 0, enabled = 0;
   std::array<std::int64_t, joint_count> updated{};  // number of the last latch before the code was written
   std::uint32_t stopped = 0;     // drives that have got no code for drive_timeout

@@ -1,25 +1,10 @@
-; Per joint (s, psi, phi, l, kappa). The gains place a double pole at w on an inertia M: K = M w^2 / (n eta) in motor N m per joint
-; unit, T_d = 2 / w, T_i = 6 / w, T_t = sqrt(T_d T_i); N = 20 (docs/kernels.md).
-; K, K N, T_d, K / T_i, 1 / T_t; u_max and codes per N m, the plant's (plant_constants.asm); tolerance of PID_SETTLED
+; Per joint (s, psi, phi, l, kappa): u_max, N m, and codes per N m, which are the plant's (plant_constants.asm); tolerance of PID_SETTLED.
 K_PD_JOINTS         .set $ - LIFT
-                    .float 3.5e5 * 9.0 / (314.0 * 0.88), 20.0 * 3.5e5 * 9.0 / (314.0 * 0.88), 2.0 / 3.0, 3.5e5 * 9.0 / (314.0 * 0.88) * 3.0 / 6.0
-                    .float 3.0 / 3.4641016151377544, 0.0, 0.0, 0.02
-                    .float 2.0e7 * 25.0 / (1250.0 * 0.88), 20.0 * 2.0e7 * 25.0 / (1250.0 * 0.88), 2.0 / 5.0, 2.0e7 * 25.0 / (1250.0 * 0.88) * 5.0 / 6.0
-                    .float 5.0 / 3.4641016151377544, 0.0, 0.0, 1.5e-3
-                    .float 2.1e8 * 25.0 / (3140.0 * 0.85), 20.0 * 2.1e8 * 25.0 / (3140.0 * 0.85), 2.0 / 5.0, 2.1e8 * 25.0 / (3140.0 * 0.85) * 5.0 / 6.0
-                    .float 5.0 / 3.4641016151377544, 0.0, 0.0, 1.5e-3
-                    .float 2.83e5 * 64.0 * 0.00955 / 0.88, 20.0 * 2.83e5 * 64.0 * 0.00955 / 0.88, 2.0 / 8.0, 2.83e5 * 64.0 * 0.00955 / 0.88 * 8.0 / 6.0
-                    .float 8.0 / 3.4641016151377544, 0.0, 0.0, 0.03
-                    .float 3.5e5 * 25.0 / (1500.0 * 0.88), 20.0 * 3.5e5 * 25.0 / (1500.0 * 0.88), 2.0 / 5.0, 3.5e5 * 25.0 / (1500.0 * 0.88) * 5.0 / 6.0
-                    .float 5.0 / 3.4641016151377544, 0.0, 0.0, 5.0e-3
-K_PD_SWAY_GAIN      .set $ - LIFT               ; m/s of suspension per rad of sway
-                    .float 9.0
-K_PD_SWAY_LEAK      .set $ - LIFT               ; 1/s
-                    .float 0.125
-K_PD_SWAY_FILTER    .set $ - LIFT               ; s
-                    .float 0.15
-K_PD_SWAY_LIMIT     .set $ - LIFT               ; rad
-                    .float 0.03
+                    .float 0.0, 0.0, 0.02
+                    .float 0.0, 0.0, 1.5e-3
+                    .float 0.0, 0.0, 1.5e-3
+                    .float 0.0, 0.0, 0.03
+                    .float 0.0, 0.0, 5.0e-3
 K_PD_SWAY_TOLERANCE .set $ - LIFT               ; rad
                     .float 1.6e-3
 K_PD_SETTLE         .set $ - LIFT               ; s within all tolerances
@@ -43,3 +28,13 @@ K_PD_BACK           .set $ - LIFT               ; rad/s: how fast a joint comes 
                     .float 0.7
 K_PD_BACK_ENDS      .set $ - LIFT               ; m or rad: it is there
                     .float 1.0e-5
+; What this chip has read of CR_CONTROL_BLOCK, and what it has computed of that (pid_law.asm). The generation of nothing is -1.
+K_PC_GENERATION     .set $ - LIFT
+                    .word -1
+K_PC_JOINTS         .set KEPT
+K_PC_SWAY_GAIN      .set K_PC_JOINTS + PC_SWAY + 0
+K_PC_SWAY_LEAK      .set K_PC_JOINTS + PC_SWAY + 1
+K_PC_SWAY_FILTER    .set K_PC_JOINTS + PC_SWAY + 2
+K_PC_SWAY_LIMIT     .set K_PC_JOINTS + PC_SWAY + 3
+K_PC_FILTER         .set K_PC_JOINTS + CR_CONTROL_WORDS + 0     ; f x5: T_d / (T_d + N h) for h = PERIOD
+K_PC_PERIOD         .set K_PC_JOINTS + CR_CONTROL_WORDS + 5

@@ -74,7 +74,7 @@ pid_alone_joint:
         subf    *ar2, r0
         rnd     r0, r0
         ldf     0.0, r1
-        stf     r1, *-ar2(PD_R - PD_I)
+        stf     r1, *-ar2(PD_R - PD_PI)
         stf     r1, *-ar2(PD_R - PD_D)
         stf     r1, *-ar2(PD_R - PD_E)
         br      pid_alone_add

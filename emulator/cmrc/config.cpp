@@ -12,6 +12,7 @@
 #include <sstream>
 #include <toml++/toml.h>
 
+#include "cmrc/control.hpp"
 #include "cmrc/process_rows.hpp"
 #include "cmrc/topology.hpp"
 
@@ -176,6 +177,7 @@ class Invariants {
     importance();
     leads();
     errors();
+    control();
     const auto& m = config_.machine;
     require(m.slots == 0 || m.slots >= m.dsps, {"machine.slots", "machine.dsps"}, fmt::format("{} DSPs in {} slots", m.dsps, m.slots),
             "machine.slots >= machine.dsps is required, or 0");
@@ -286,6 +288,14 @@ class Invariants {
       require(ms >= servo_ms, {key, "rates.servo_frequency_hz", "rates.refresh_frequency_hz"},
               fmt::format("{:g} ms is shorter than a servo period, {:g} ms", ms, servo_ms), "PID sees an error once per servo period: at least one is required");
     }
+  }
+
+  void control() const {
+    const auto fault = control_fault(config_, static_cast<double>(n_.servo) / config_.rates.refresh_frequency_hz);
+    if (fault) contradiction({fault->key, "rates.servo_frequency_hz"}, fault->what, fault->right);
+    const double latches = config_.dock.drive_delay_us / 125;
+    require(latches == std::floor(latches), {"dock.drive_delay_us"}, fmt::format("{:g} us are no whole number of latches", config_.dock.drive_delay_us),
+            "a multiple of 125 us is expected: drives take their codes at 8 kHz");
   }
 
   void importance() const {

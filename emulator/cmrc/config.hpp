@@ -104,6 +104,9 @@ struct Config {
     double learning_rate = 0.5;
     double learning_dead_band = 0.02;
     double learning_step_max = 0.1;
+    double servo_loss_share = 0;          ///< of servo ticks that are left out, for experiments
+    std::int64_t servo_loss_run = 1;      ///< so many in a row
+    std::int64_t servo_served_every = 1;  ///< only every so manieth tick is served
     AgvPhase agv_phase = AgvPhase::staggered;
     double event_field_m = 15;             ///< ahead of an AGV's range sensor
     std::int64_t event_read_refreshes = 8;  ///< from a reading of that sensor by the host to the next
@@ -176,6 +179,7 @@ struct Config {
     double ramp_slack_m = 0.1;
     double ramp_speed_m_s = 0.25;
     double drive_timeout_ms = 100;
+    double drive_delay_us = 0;  ///< a drive takes its code so much later, for experiments
     double settle_limit_s = 20;
     std::int64_t landing_retries_max = 3;
     plant::Method integrator = plant::Method::erk;
@@ -191,6 +195,27 @@ struct Config {
     double wind_gust_m_s = 0;
     double wind_direction_deg = 0;
   } dock;
+  /// The servo's loops: docs/control.md.
+  struct Control {
+    struct Joint {
+      double bandwidth_rad_s = 40;    ///< omega: K = M omega^2
+      double damping = 1;             ///< T_d = 2 damping / omega
+      double integral_time_s = 0;     ///< T_i; 0: 6 / omega
+      double derivative_filter = 20;  ///< N
+      double feed_forward = 1;        ///< share of torque compensation
+      double speed_limit = 1;         ///< m/s or rad/s, of planned motion
+    };
+    Joint travel{.bandwidth_rad_s = 5, .speed_limit = 0.65};
+    Joint slew{.speed_limit = 0.12};
+    Joint luff{.speed_limit = 0.05};
+    Joint trolley{.speed_limit = 2.3};
+    Joint hoist{.speed_limit = 1};
+    Joint rotator{.speed_limit = 0.1};
+    double sway_gain_m_s_rad = 9;
+    double sway_leak_1_s = 0.125;
+    double sway_filter_s = 0.15;
+    double sway_limit_mrad = 30;
+  } control;
   /// Errors of the crane: docs/controller.md, Errors.
   struct Errors {
     double following_travel_m = 0.1;

@@ -28,6 +28,7 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
       processes_(config.processes, config.tasks, crane, fleet, words_),
       user_tasks_(config_.tasks, words_, config_.rates.refresh_frequency_hz),
       errors_(config, words_, *this),
+      control_(config, words_),
       torque_{{.x = task::torque, .y = robot_class::crane, .kind = words.kind_torque, .area = words.cr_base},
               JobKind::torque_compensation, config.processes.subprocess_of("torque_compensation").number, intervals_.servo},
       pid_{{.x = task::pid, .y = robot_class::crane, .kind = words.kind_pid, .area = words.cr_base},
@@ -167,6 +168,7 @@ void Host::apply_changes() {
     const std::int64_t interval = intervals(config_).agv_slowed;
     processes_.crane().set_interval(intervals(config_).crane_slowed);
     set_releases();
+    control_.change(config_);
     Fleet& fleet = processes_.fleet();
     for (unsigned agv = 0; interval != before && agv < fleet.size(); ++agv) fleet.set_interval(agv, interval);
   }
@@ -245,6 +247,7 @@ void Host::think() {
   course_->servo(servoing_, clock_.at(tick_));
   if (drives_wait_too_long()) errors_.pid_silent(now_, *this);
   errors_.refresh(now_, *this);
+  control_.refresh(*this);
   for (Servo* servo : {&torque_, &pid_}) refresh_servo(*servo, released(*servo));
   processes_.refresh(*this);
   user_tasks_.refresh(*this);
@@ -444,8 +447,8 @@ void Host::take_out(const Done& done) {
     note(EventKind::miss, {task.kind, task.tick, static_cast<std::uint32_t>(outcome), words_.block(done.block), 0});
   }
   if (task.kind == words_.kind_error) return errors_.decided(task, done.result, now_, *this);
-  if (task.kind == words_.kind_pid) pid_ended_ = now_, ++pid_runs_;
-  if (task.kind == words_.kind_pid && done.notify != 0) errors_.pid_says(done.notify, task.tick, now_, *this);
+  if (task.kind == words_.kind_pid) pid_ended_ = now_, ++pid_runs_, control_.pid_ended(done.notify >> words_.pide_rests);
+  if (task.kind == words_.kind_pid && (done.notify & ~(~Word{0} << words_.pide_rests)) != 0) errors_.pid_says(done.notify, task.tick, now_, *this);
   if (task.kind == words_.kind_pid && (done.result & words_.pid_starved) != 0) {
     note(EventKind::starved, {0, done.result & 0xFFFF, 0, 0, 0});
   }
@@ -478,8 +481,8 @@ void Host::refresh_servo(Servo& servo, bool on) {
   } else if (servo.out || servo.waits) {
     while (servo.next <= tick_) drop_tick(servo);
   } else {
-    while (servo.next + intervals_.servo <= tick_) drop_tick(servo);
-    load_servo(servo);
+    while (servo.next + intervals_.servo <= tick_ || (servo.next <= tick_ && left_out(servo.next))) drop_tick(servo);
+    if (!left_out(servo.next)) load_servo(servo);
   }
 }
 
@@ -497,6 +500,15 @@ void Host::load_servo(Servo& servo) {
   servo.block = load_block(task, servo.job, clock_.at(due - gamma), clock_.at(due + intervals_.servo), due / intervals_.servo);
   servo.out = true;
   servo.next = due + intervals_.servo;
+}
+
+// A draw for each row of so many ticks, by the seed and the row's number alone: the same ticks with any number of DSPs.
+bool Host::left_out(std::int64_t tick) const {
+  const Config::Scheduling& s = config_.scheduling;
+  const std::int64_t number = tick / intervals_.servo;
+  if (number % s.servo_served_every != 0) return true;
+  if (s.servo_loss_share <= 0) return false;
+  return unit_draw(static_cast<std::uint64_t>(config_.run.seed), "servo_loss", static_cast<std::uint64_t>(number / s.servo_loss_run)) < s.servo_loss_share;
 }
 
 void Host::drop_tick(Servo& servo) {

@@ -24,6 +24,7 @@
 
 #include "cmrc/boots.hpp"
 #include "cmrc/config.hpp"
+#include "cmrc/control.hpp"
 #include "cmrc/cycles.hpp"
 #include "cmrc/errors.hpp"
 #include "cmrc/importance.hpp"
@@ -163,6 +164,8 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
   void refresh_servo(Servo& servo, bool on);
   void load_servo(Servo& servo);
   void drop_tick(Servo& servo);
+  /// An experiment leaves this nominal tick out (scheduling.servo_loss_share, servo_served_every).
+  bool left_out(std::int64_t tick) const;
   std::size_t load_block(const Task& task, JobKind job, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick);
   void write_new_blocks();
   void acquire();
@@ -197,6 +200,7 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
   Processes processes_;
   UserTasks user_tasks_;
   Errors errors_;
+  ControlBlock control_;
   Cycles cycles_;
   Servo torque_, pid_;
   Course* course_ = nullptr;

@@ -8,7 +8,8 @@ namespace {
 
 bool is_the_machines(const TimedEvent& event) {
   static constexpr std::array<std::string_view, 11> actions = {"fail", "hang", "freeze", "unplug", "plug", "reset", "slow", "break_link", "repair_link", "pause_host", "stall_bus"};
-  return std::ranges::find(actions, event.action) != actions.end();
+  const bool lost = event.action == "set" && event.key.starts_with("scheduling.servo_") && event.key != "scheduling.servo_reload";
+  return lost || std::ranges::find(actions, event.action) != actions.end();
 }
 
 }  // namespace
@@ -21,6 +22,9 @@ Config as_run(const Config& given) {
   config.machine.cycle_time_factor = 1;
   config.run.phase_jitter = false;
   config.host.refresh_overhead_ns = config.host.per_block_ns = config.host.semaphore_retry_ns = 0;
+  config.dock.drive_delay_us = 0;
+  config.scheduling.servo_loss_share = 0;
+  config.scheduling.servo_served_every = 1;
   std::erase_if(config.events, is_the_machines);
   return config;
 }

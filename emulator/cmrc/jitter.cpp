@@ -86,4 +86,6 @@ Oscillators oscillators_of(const Config& config) {
   return all;
 }
 
+double unit_draw(std::uint64_t seed, std::string_view name, std::uint64_t count) { return static_cast<double>(bits_of_name(seed, name, count) >> 11) * 0x1p-53; }
+
 }  // namespace cmrc

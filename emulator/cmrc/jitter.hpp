@@ -39,4 +39,7 @@ struct Oscillators {
 /// \throws ConfigError where a frequency that is drawn cannot be represented (machine::Clock)
 Oscillators oscillators_of(const Config& config);
 
+/// A number from 0 up to 1 by seed, name and count alone.
+double unit_draw(std::uint64_t seed, std::string_view name, std::uint64_t count);
+
 }  // namespace cmrc

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "cmrc/control.hpp"
 #include "cmrc/plant_constants.hpp"
 #include "cmrc/setup.hpp"
 #include "cmrc/ti_float.hpp"
@@ -36,9 +37,11 @@ void place_limits(toolchain::Image& image, const Config& config) {
   const std::array<double, 5> follow = {gantry ? none : e.following_travel_m, gantry ? e.following_travel_m : e.following_slew_mrad * milli,
                                         gantry ? e.following_trolley_m : e.following_luff_mrad * milli, e.following_hoist_m, e.following_rotator_mrad * milli};
   // The law as printed lags by T_d times the speed while its integral has not caught up: that much at the trajectory's top speed is no error.
-  static constexpr std::array<double, 5> lag = {0, 0.4 * 0.12, 0.4 * 0.05, 0.25 * 0.8, 0.4 * 0.1}, lag_of_gantry = {0, 2.0 / 3.0 * 0.65, 0.4 * 2.3, 0.25 * 0.8, 0.4 * 0.1};
+  const ControlLaw law = control_law(config.control, crane_parameters(config));
+  const Config::Control& c = config.control;
+  const std::array<double, 5> speed = {0, gantry ? c.travel.speed_limit : c.slew.speed_limit, gantry ? c.trolley.speed_limit : c.luff.speed_limit, c.hoist.speed_limit, c.rotator.speed_limit};
   const bool printed = config.kernels.pid == PidBuild::measurement_derivative;
-  const auto limit = [&](std::size_t channel) { return follow[channel] + (printed ? (gantry ? lag_of_gantry : lag)[channel] : 0); };
+  const auto limit = [&](std::size_t channel) { return follow[channel] + (printed ? law.rows.at(channel).derivative_s * speed.at(channel) : 0); };
   const auto refreshes = [&](double ms) { return static_cast<toolchain::Word>(std::llround(ms * milli * config.rates.refresh_frequency_hz)); };
   const auto constant = [&](const char* name) -> toolchain::Address { return image.symbol(name) + image.symbol("LIFT"); };
   const toolchain::Word sample = std::max<toolchain::Word>(1, refreshes(10));

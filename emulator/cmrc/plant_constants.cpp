@@ -109,7 +109,7 @@ void place_drives(Placer& to, const CraneParameters& p, const plant::SensorParam
       to.constant("K_TQ_DRIVES", {d.rotor_inertia * d.gear * d.gear, d.coulomb * force, 1.0 / (d.smooth_speed * speed), d.viscous * force / speed, 1.0 / (d.gear * d.efficiency)},
                   5 * channel);
       to.constant("K_PD_UNIT", {2.0 * std::numbers::pi / plant::counts_per_revolution / d.gear}, channel);
-      to.constant("K_PD_JOINTS", {most, 2047.0 / most}, 8 * channel + 5);
+      to.constant("K_PD_JOINTS", {most, 2047.0 / most}, 3 * channel);
     } else {
       to.constant("K_TQ_DRIVES", {0.0, 0.0, 0.0, 0.0, 0.0}, 5 * channel);
       to.constant("K_PD_UNIT", {0.0}, channel);

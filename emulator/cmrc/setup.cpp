@@ -8,6 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "cmrc/control.hpp"
 #include "cmrc/ideal.hpp"
 #include "cmrc/jitter.hpp"
 #include "cmrc/ti_float.hpp"
@@ -86,6 +87,7 @@ plant::DockConfig nominal_dock_of(const Config& config) {
   dock.wind.direction = config.dock.wind_direction_deg * std::numbers::pi / 180.0;
   dock.wind.seed = dock.sensors.seed;
   dock.drive_timeout = config.dock.drive_timeout_ms * 1e-3;
+  dock.drive_delay = static_cast<int>(std::lround(config.dock.drive_delay_us / 125));
   dock.signal_decimation = static_cast<int>(config.report.signal_decimation);
   return dock;
 }
@@ -272,6 +274,7 @@ std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfi
   put_float(w.cr_servo_period, static_cast<double>(n.servo) / f_s);
   put(w.cr_point_ticks, static_cast<Word>(n.crane_point));
   put(w.cr_servo_ticks, static_cast<Word>(n.servo));
+  ControlBlock(config, w).initial(put);
   put_float(w.cr_load, layout.crane.spreader_mass);
   put(w.cr_agv, w.agv_unit);
   put_float(w.cr_clearance, config.dock.clearance_m);

@@ -24,7 +24,8 @@ struct Words {
   Word link_adapter, link_words, link_status, link_data, link_request;
   Word pide_fault, pide_late, pide_encoder, pide_following, pide_sway, pide_trip;
   Word error_of, error_tries, error_lowering, error_second, respond_place;
-  Word cr_stopped, cr_sway_sensor, cr_path;
+  Word pide_rests;
+  Word cr_stopped, cr_sway_sensor, cr_path, cr_control, cr_control_block, pc_sway;
   Word cr_base, cr_point_period, cr_servo_period, cr_point_ticks, cr_servo_ticks, cr_leg, leg_align, cr_spreader, cr_load, cr_agv,
       cr_ramp_start, cr_clearance, cr_stretch, cr_agv_deck, cr_box_height, cr_home, cr_spot, cr_encoder_last, cr_encoder_total, cr_box_count,
       cr_box, cr_words;

@@ -8,6 +8,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+import reference
 from cmrc import _core
 from locations import ROOT
 
@@ -66,6 +67,12 @@ class Dsp:
         self.chip.load_words(self.symbols["CONSTANTS"], self.chip.read(first, last - first))
         self.area = WINDOW_A + self.symbols["CR_BASE"]
         self.chip.poke(self.symbols["EXEC_BLOCK"], WINDOW_A + self.symbols["BLOCK_POOL"])
+        self.control(reference.control_block(), generation=1)
+
+    def control(self, block: list[float], generation: int) -> None:
+        """What the host writes for PID's law."""
+        self.put("CR_CONTROL_BLOCK", *block)
+        self.put("CR_CONTROL", generation)
 
     # ---- words of the area and of the devices
     def put(self, name: str, *values: float, offset: int = 0) -> None:

@@ -214,14 +214,46 @@ def torque(q: list[float], qd: list[float], qdd: list[float], payload: float) ->
     return out
 
 
-# ---- PID
-BANDWIDTH = (3.0, 5.0, 5.0, 8.0, 5.0)  # rad/s, double pole of the rigid joint
-INERTIA = (3.5e5, 2.0e7, 2.1e8, 2.83e5, 3.5e5)  # kg or kg m2 that the gains assume
-K_P = tuple(m * w * w / (n * e) for m, w, n, e in zip(INERTIA, BANDWIDTH, GEAR, EFFICIENCY, strict=True))
+# ---- PID (docs/control.md)
+BANDWIDTH = (5.0, 40.0, 40.0, 40.0, 40.0)  # rad/s, double pole of the rigid joint
 T_D = tuple(2 / w for w in BANDWIDTH)
 T_I = tuple(6 / w for w in BANDWIDTH)
 T_T = tuple(math.sqrt(a * b) for a, b in zip(T_D, T_I, strict=True))
 N_D = 20.0
+
+
+def inertia(phi: float, mass: float) -> list[float]:
+    """What each drive has to move above the load's swing, at the joint, kg or kg m2: the load below a rope counts where it moves with it."""
+    rotor = [j * n * n for j, n in zip(ROTOR, GEAR, strict=True)]
+    c = math.cos(phi)
+    return [
+        rotor[0] + M_GANTRY + M_JIB + M_CW,
+        rotor[1] + J_SLEW + M_CW * R_CW**2 + I_JIB * c * c + M_JIB * (A0 + C_JIB * c) ** 2,
+        rotor[2] + I_JIB + M_JIB * C_JIB**2 + mass * (JIB * c) ** 2,
+        rotor[3] + mass,
+        rotor[4] + I_SPREADER + I_PER_KG * (mass - M_SPREADER),
+    ]
+
+
+def stiffness(phi: float, mass: float) -> list[float]:
+    """K of each joint, motor N m per m or rad."""
+    return [m * w * w / (n * e) for m, w, n, e in zip(inertia(phi, mass), BANDWIDTH, GEAR, EFFICIENCY, strict=True)]
+
+
+def control_block() -> list[float]:
+    """The words of CR_CONTROL_BLOCK: the terms of K by cos phi and mass, found from `stiffness` itself, then the rest."""
+    def at(cos: float, mass: float) -> list[float]:
+        return stiffness(math.acos(cos), mass)
+
+    words: list[float] = []
+    for j in range(5):
+        free, loaded = ([at(c, m)[j] for c in (0.0, 1.0, -1.0)] for m in (0.0, 1000.0))
+        per_kg = [(b - a) / 1000.0 for a, b in zip(free, loaded, strict=True)]
+        words += [free[0], per_kg[0], (free[1] - free[2]) / 2, (free[1] + free[2]) / 2 - free[0], per_kg[1] - per_kg[0]]
+        words += [N_D, T_D[j], 1 / T_I[j], 1 / T_T[j], 1.0, 1.0]
+    return [*words, SWAY_GAIN, SWAY_LEAK, SWAY_FILTER, SWAY_LIMIT]
+
+
 CODE = tuple(2047 / u for u in U_MAX)
 JOINT_TOLERANCE = (0.02, 1.5e-3, 1.5e-3, 0.03, 5e-3)
 SWAY_GAIN, SWAY_LEAK, SWAY_FILTER, SWAY_LIMIT = 9.0, 0.125, 0.15, 0.03  # m/s per rad, 1/s, s, rad
@@ -231,7 +263,7 @@ REST = 1e-4  # joint speed below which the reference counts as at rest
 
 @dataclass
 class PidState:
-    integral: list[float] = field(default_factory=lambda: [0.0] * 5)
+    integral: list[float] = field(default_factory=lambda: [0.0] * 5)  # with K times the last error
     derivative: list[float] = field(default_factory=lambda: [0.0] * 5)
     error: list[float] = field(default_factory=lambda: [0.0] * 5)
     shift: list[float] = field(default_factory=lambda: [0.0, 0.0])  # sway damping: radial, tangential, m
@@ -254,16 +286,19 @@ def sway_update(state: PidState, measured: list[float], reference: list[float], 
         state.shift[i] += h * (SWAY_GAIN * state.sway[i] - SWAY_LEAK * state.shift[i])
 
 
-def pid(state: PidState, reference: list[float], measured: list[float], feed: list[float], h: float) -> list[float]:
-    """Motor torques (clamped) of one tick; h = seconds since the last."""
+def pid(
+    state: PidState, reference: list[float], measured: list[float], feed: list[float], h: float, k_p: list[float]
+) -> list[float]:
+    """Motor torques (clamped) of one tick; h = seconds since the last, k_p = K of each joint now."""
     out = []
     for j in range(5):
         e = reference[j] - measured[j]
         c = T_D[j] / (T_D[j] + N_D * h)
-        state.derivative[j] = c * (state.derivative[j] + K_P[j] * N_D * (e - state.error[j]))
-        v = K_P[j] * e + state.integral[j] + state.derivative[j] + feed[j]
+        state.derivative[j] = c * (state.derivative[j] + k_p[j] * N_D * (e - state.error[j]))
+        p = state.integral[j] + k_p[j] * (e - state.error[j])
+        v = p + state.derivative[j] + feed[j]
         u = min(max(v, -U_MAX[j]), U_MAX[j])
-        state.integral[j] += K_P[j] * h / T_I[j] * e + h / T_T[j] * (u - v)
+        state.integral[j] = p + k_p[j] * h / T_I[j] * e + h / T_T[j] * (u - v)
         state.error[j] = e
         out.append(u)
     return out

@@ -11,6 +11,7 @@ from harness import Dsp, from_ti, to_ti
 
 LANDED, LOCKED, OPEN, STARVED, SETTLED, RAMP_DONE = (0x10000 << i for i in range(6))
 POINT_TICKS, SERVO_TICKS, REFRESH = 64, 8, 8000
+MASS = 24000.0
 PERIOD, H = POINT_TICKS / REFRESH, SERVO_TICKS / REFRESH
 
 
@@ -31,6 +32,7 @@ class Servo:
         self.dsp.put("CR_SERVO_PERIOD", H)
         self.dsp.put("CR_POINT_TICKS", POINT_TICKS)
         self.dsp.put("CR_SERVO_TICKS", SERVO_TICKS)
+        self.dsp.put("CR_LOAD", MASS)
         self.total = counts(pose)
         self.dsp.put("CR_ENCODER_TOTAL", *self.total)
         self.dsp.put("CR_ENCODER_LAST", *(c & 0xFFFFFF for c in self.total))
@@ -42,7 +44,8 @@ class Servo:
             self.dsp.device("ENCODER", c & 0xFFFFFF, offset=j)
 
     def run(self) -> int:
-        result, self.errors, _ = self.dsp.run("pid", tick=self.tick)
+        result, notify, _ = self.dsp.run("pid", tick=self.tick)
+        self.errors, self.rests = notify & 0x7FFFFF, notify >> 23
         self.tick += SERVO_TICKS
         return result
 
@@ -122,7 +125,9 @@ def test_one_tick_is_the_reference(seeds: range = range(12)) -> None:
         ref.sway_update(state, [c * math.radians(10) / 2048 for c in codes], sway[:2], H)
         reference[2] += sway[2] * state.shift[0]
         reference[1] += sway[3] * state.shift[1]
-        want = ref.pid(state, reference, [m / c for m, c in zip(moved, ref.COUNTS, strict=True)], feed, H)
+        measured = [m / c for m, c in zip(moved, ref.COUNTS, strict=True)]
+        k_p = ref.stiffness(measured[2], MASS)
+        want = ref.pid(state, reference, measured, feed, H, k_p)
 
         servo.run()
         # The set-point is rounded to single twice, the measurement once, the unit of a count to 2^-25: four halves of the last
@@ -130,10 +135,10 @@ def test_one_tick_is_the_reference(seeds: range = range(12)) -> None:
         # the rounding to codes.
         for j in range(5):
             e = 4 * (2**-20 if j == 3 else 2**-25)
-            codes_of_error = ref.K_P[j] * (1 + ref.N_D) * e * ref.CODE[j]
+            codes_of_error = k_p[j] * (1 + ref.N_D) * e * ref.CODE[j]
             assert servo.codes()[j] == pytest.approx(want[j] * ref.CODE[j], abs=1 + codes_of_error), (seed, j)
             assert dsp.floats("CR_CONSUMED", 5, offset=34)[j] == pytest.approx(state.error[j], abs=e)
-            k_i = ref.K_P[j] * H / ref.T_I[j] + H / ref.T_T[j] * ref.K_P[j] * (1 + ref.N_D)
+            k_i = k_p[j] * (1 + H / ref.T_I[j] + H / ref.T_T[j] * (1 + ref.N_D))
             assert dsp.floats("CR_CONSUMED", 5, offset=24)[j] == pytest.approx(state.integral[j], abs=1e-5 + k_i * e, rel=1e-6)
         assert dsp.floats("CR_CONSUMED", 2, offset=5) == pytest.approx(state.shift, abs=1e-7)
         assert dsp.floats("CR_CONSUMED", 2, offset=13) == pytest.approx(state.sway, abs=1e-8)
@@ -148,7 +153,7 @@ def test_torque_codes_are_clamped_and_the_integrator_does_not_run_away() -> None
         assert all(-2047 <= c <= 2047 for c in servo.codes())
     integral = servo.dsp.floats("CR_CONSUMED", 5, offset=24)
     for j in range(5):  # back calculation: without it the error would have gone on integrating
-        assert abs(integral[j]) < 1.5 * ref.U_MAX[j] + ref.K_P[j] * 20000 / ref.COUNTS[j]
+        assert abs(integral[j]) < 1.5 * ref.U_MAX[j] + 2 * ref.stiffness(POSE[2], MASS)[j] * 20000 / ref.COUNTS[j]
 
 
 def test_encoder_wraps_are_followed_both_ways() -> None:

@@ -6,14 +6,15 @@ import random
 
 import pytest
 import reference as ref
-from test_pid import POINT_TICKS, POSE, SERVO_TICKS, H, Servo, single
+from test_pid import MASS, POINT_TICKS, POSE, SERVO_TICKS, H, Servo, single
 
 
 class Printed(Servo):
     """The same inputs, the other build."""
 
     def run(self) -> int:
-        result, self.errors, _ = self.dsp.run("pid_document", tick=self.tick)
+        result, notify, _ = self.dsp.run("pid_document", tick=self.tick)
+        self.errors, self.rests = notify & 0x7FFFFF, notify >> 23
         self.tick += SERVO_TICKS
         return result
 
@@ -31,7 +32,7 @@ def test_ticks_are_the_printed_law() -> None:
         dsp.put("CR_CONSUMED", 8)
         start = servo.tick
         dsp.put("CR_SEGMENT_START", start)
-        for offset in (24, 29):  # I and D from nothing
+        for offset in (24, 29, 34):  # from nothing
             dsp.put("CR_CONSUMED", *[0.0] * 5, offset=offset)
         for offset in (5, 13):
             dsp.put("CR_CONSUMED", 0.0, 0.0, offset=offset)
@@ -40,25 +41,29 @@ def test_ticks_are_the_printed_law() -> None:
         old = [c / u for c, u in zip(servo.total, ref.COUNTS, strict=True)]
         derivative, integral = [0.0] * 5, [0.0] * 5
         counts = list(servo.total)
+        last = [0.0] * 5
         for tick in range(4):
             counts = [c + r.randrange(-100, 100) for c in counts]
             servo.encoders(counts)
             y = [c / u for c, u in zip(counts, ref.COUNTS, strict=True)]
             phase = tick * SERVO_TICKS / POINT_TICKS
             want = []
+            k_p = ref.stiffness(y[2], MASS)
             for j in range(5):
                 e = a[j] + phase * (b[j] - a[j]) - y[j]
                 c = ref.T_D[j] / (ref.T_D[j] + ref.N_D * H)
-                derivative[j] = c * (derivative[j] - ref.K_P[j] * ref.N_D * (y[j] - old[j]))
-                v = ref.K_P[j] * e + integral[j] + derivative[j] + feed[j]
+                derivative[j] = c * (derivative[j] - k_p[j] * ref.N_D * (y[j] - old[j]))
+                integral[j] += k_p[j] * (e - last[j])  # with K e in it
+                v = integral[j] + derivative[j] + feed[j]
+                last[j] = e
                 u = min(max(v, -ref.U_MAX[j]), ref.U_MAX[j])
-                integral[j] += ref.K_P[j] * H / ref.T_I[j] * e + H / ref.T_T[j] * (u - v)  # back calculation: what saturates is taken off
+                integral[j] += k_p[j] * H / ref.T_I[j] * e + H / ref.T_T[j] * (u - v)  # back calculation: what saturates is taken off
                 want.append(u)
             servo.run()
             for j in range(5):
                 # As in test_pid: the measurement's and the set-point's roundings through K (1 + N), once per tick gone, and one code.
                 place = 4 * (2**-20 if j == 3 else 2**-25)
-                bound = 1 + (1 + tick) * ref.K_P[j] * (1 + ref.N_D) * place * ref.CODE[j]
+                bound = 1 + (1 + tick) * k_p[j] * (1 + ref.N_D) * place * ref.CODE[j]
                 assert servo.codes()[j] == pytest.approx(want[j] * ref.CODE[j], abs=bound), (seed, tick, j)
             old = y
 
@@ -74,10 +79,10 @@ def test_a_step_of_the_set_point_does_not_kick() -> None:
         for _ in range(3):
             servo.run()
         before = servo.codes()[1]
-        servo.put_point(0, [POSE[0], POSE[1] + 1e-3, *POSE[2:]], [0.0] * 5, [0.0, 0.0, -0.04, 0.05])
+        servo.put_point(0, [POSE[0], POSE[1] + 1e-5, *POSE[2:]], [0.0] * 5, [0.0, 0.0, -0.04, 0.05])
         servo.run()
         kicks.append(servo.codes()[1] - before)
     # The fourth tick stands at 3/8 of the way from the pose to point 0.
-    proportional = ref.K_P[1] * 1e-3 * 3 / 8 * ref.CODE[1]
+    proportional = ref.stiffness(POSE[2], MASS)[1] * 1e-5 * 3 / 8 * ref.CODE[1]
     assert kicks[0] == pytest.approx(proportional, abs=3)
     assert kicks[1] > 4 * proportional

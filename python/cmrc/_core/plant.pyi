@@ -244,6 +244,7 @@ class DockConfig:
     rigid: bool
     agv_count: int
     home: CranePose
+    drive_delay: int
     drive_timeout: float
     method: Method
     tolerance: float

@@ -1,0 +1,228 @@
+; PID's set-point (docs/kernels.md): the point of the path, the cubic between two joint points, the shift against sway.
+
+; Consume the next joint point when the segment has been run through. R10 <- 1 if one was due and there was none.
+pid_advance:
+        ldi     0, r10
+        ldi     @PD_CONSUMED, r0
+        ldi     @SV_PATH_TICK, r1
+        cmpi    0, r0
+        bne     pid_advance_due
+        cmpi    @PD_PRODUCED, r0
+        retseq
+        sti     r1, @PD_SEGMENT                 ; the first point
+        addi    1, r0
+        sti     r0, @PD_CONSUMED
+        rets
+pid_advance_due:
+        ldi     @SV_POINT_TICKS, r2
+        ldi     r1, r3
+        subi    @PD_SEGMENT, r3                 ; refreshes since it began
+        cmpi    r2, r3
+        retslt
+        cmpi    @PD_PRODUCED, r0
+        bge     pid_advance_dry
+        addi    1, r0
+        sti     r0, @PD_CONSUMED
+        ldi     r2, r0
+        addi    @SV_SERVO_TICKS, r0
+        cmpi    r0, r3
+        ldige   r3, r2                          ; it had starved: the segment begins now
+        addi    @PD_SEGMENT, r2
+        sti     r2, @PD_SEGMENT
+        rets
+pid_advance_dry:
+        ldi     1, r10
+        rets
+
+; R <- the set-point: cubic with the points' positions and rates. MOVING, PID_STARVED. SWAY_FROM, SWAY_TO, PHASE.
+pid_reference:
+        ldi     @PD_CONSUMED, r0
+        call    servo_slots
+        ldi     r0, r8
+        ldi     r1, r9
+        ldi     r8, ar0
+        lsh     4, ar0
+        addi    ar6, ar0
+        addi    CR_RING, ar0
+        ldhi    hi16(SV_FROM), ar1
+        or      lo16(SV_FROM), ar1
+        ldi     9, rc
+        call    copy_words
+        ldi     r9, ar0
+        lsh     4, ar0
+        addi    ar6, ar0
+        addi    CR_RING, ar0
+        ldhi    hi16(SV_TO), ar1
+        or      lo16(SV_TO), ar1
+        ldi     9, rc
+        call    copy_words
+        ldi     r8, ar0
+        lsh     2, ar0
+        addi    ar6, ar0
+        addi    CR_SWAY, ar0
+        ldhi    hi16(PD_SWAY_FROM), ar1
+        or      lo16(PD_SWAY_FROM), ar1
+        ldi     3, rc
+        call    copy_words
+        ldi     r9, ar0
+        lsh     2, ar0
+        addi    ar6, ar0
+        addi    CR_SWAY, ar0
+        ldi     3, rc
+        call    copy_words                      ; AR1 has come to PD_SWAY_TO
+        ldi     @PD_SEGMENT, r0
+        call    servo_phase                     ; f
+        stf     r0, @PD_PHASE
+        ldf     1.0, r1
+        subf    r0, r1                          ; 1 - f
+        mpyf3   r1, r1, r2                      ; (1 - f)^2
+        mpyf3   r0, r0, r3                      ; f^2
+        ldf     r0, r4
+        mpyf    2.0, r4
+        ldf     3.0, r5
+        subf    r4, r5
+        mpyf    r3, r5                          ; R5: weight of the latter's position
+        addf    1.0, r4
+        mpyf    r2, r4                          ; R4: of the former's
+        ldf     @SV_POINT_PERIOD, r6
+        mpyf    r0, r2
+        mpyf    r6, r2                          ; R2: of the former's rate
+        mpyf    r1, r3
+        mpyf    r6, r3
+        negf    r3, r3                          ; R3: of the latter's
+        ldi     @PD_BUILD, r7
+        bz      pid_reference_weights
+        ldf     r1, r4
+        ldf     r0, r5
+        ldf     0.0, r2
+        ldf     0.0, r3
+pid_reference_weights:
+        ldhi    hi16(SV_FROM), ar0
+        or      lo16(SV_FROM), ar0
+        ldhi    hi16(PD_R), ar1
+        or      lo16(PD_R), ar1
+        ldf     0.0, r6                         ; fastest of the latter, of both
+        ldf     0.0, r7
+        ldi     4, rc
+        rptb    pid_reference_joint
+        ldf     *ar0, r0
+        mpyf    r4, r0
+        ldf     *+ar0(SV_TO - SV_FROM), r1
+        mpyf    r5, r1
+        addf    r1, r0
+        ldf     *+ar0(5), r1
+        mpyf    r2, r1
+        addf    r1, r0
+        ldf     *+ar0(SV_TO - SV_FROM + 5), r1
+        mpyf    r3, r1
+        addf    r1, r0
+        rnd     r0, r0
+        stf     r0, *ar1++
+        absf    *+ar0(SV_TO - SV_FROM + 5), r0
+        cmpf    r6, r0
+        ldfgt   r0, r6
+        absf    *+ar0(5), r0
+        cmpf    r7, r0
+        ldfgt   r0, r7
+pid_reference_joint:
+        nop     *ar0++
+        ldi     0, r0
+        cmpf    @K_PD_REST, r6
+        ble     pid_reference_rest
+        ldi     1, r0
+        cmpi    0, r10
+        beq     pid_reference_rest
+        ldhi    hi16(PID_STARVED), r1           ; dry in full motion
+        or      @PD_RESULT, r1
+        sti     r1, @PD_RESULT
+pid_reference_rest:
+        cmpf    @K_PD_REST, r7
+        ldigt   1, r0
+        ldi     @PD_RAMP, r1
+        cmpi    1, r1
+        ldieq   1, r0
+        sti     r0, @PD_MOVING
+        rets
+
+; Sway: OUT <- out of tolerance; R + 1, R + 2 shifted.
+pid_sway:
+        ldi     0, r0
+        sti     r0, @PD_OUT
+        ldhi    hi16(PD_SWAY_FROM), ar0         ; FROM <- interpolated
+        or      lo16(PD_SWAY_FROM), ar0
+        ldf     @PD_PHASE, r2
+        ldi     3, rc
+        rptb    pid_sway_between
+        ldf     *+ar0(4), r0
+        subf    *ar0, r0
+        mpyf    r2, r0
+        addf    *ar0, r0
+pid_sway_between:
+        stf     r0, *ar0++
+        ldi     @SV_STOPPED, r0
+        beq     pid_sway_at_rate
+        ldf     @SV_PATH_RATE, r0               ; the reference sway goes with the acceleration: with the square of the path's rate
+        mpyf    r0, r0
+        ldf     @PD_SWAY_FROM, r1
+        mpyf    r0, r1
+        stf     r1, @PD_SWAY_FROM
+        mpyf    @PD_SWAY_FROM + 1, r0
+        stf     r0, @PD_SWAY_FROM + 1
+pid_sway_at_rate:
+        ldf     @PD_H, r0
+        addf    @K_PC_SWAY_FILTER, r0
+        call    m_reciprocal
+        mpyf    @PD_H, r0
+        ldf     r0, r7                          ; h / (T + h)
+        ldhi    hi16(PD_ANGLES), ar0
+        or      lo16(PD_ANGLES), ar0
+        ldhi    hi16(PD_SWAY_FROM), ar1
+        or      lo16(PD_SWAY_FROM), ar1
+        ldhi    hi16(PD_SHIFT), ar2
+        or      lo16(PD_SHIFT), ar2
+        ldi     1, rc
+        rptb    pid_sway_axis
+        ldi     *ar0++, r0
+        lsh     20, r0                          ; signed 12 bits
+        ash     -20, r0
+        float   r0, r0
+        mpyf    @K_PD_SWAY_UNIT, r0
+        subf    *ar1++, r0
+        ldf     @K_PC_SWAY_LIMIT, r1
+        cmpf    r1, r0
+        ldfgt   r1, r0
+        negf    r1, r1
+        cmpf    r1, r0
+        ldflt   r1, r0
+        ldf     *+ar2(PD_SWAY - PD_SHIFT), r1
+        subf    r1, r0
+        mpyf    r7, r0
+        addf    r1, r0
+        rnd     r0, r0
+        stf     r0, *+ar2(PD_SWAY - PD_SHIFT)
+        absf    r0, r1
+        ldi     @PD_OUT, r3
+        cmpf    @K_PD_SWAY_TOLERANCE, r1
+        ldigt   PD_OUT_SWAY, r3
+        sti     r3, @PD_OUT
+        mpyf    @K_PC_SWAY_GAIN, r0
+        ldf     *ar2, r1
+        mpyf    @K_PC_SWAY_LEAK, r1
+        subf    r1, r0
+        mpyf    @PD_H, r0
+        addf    *ar2, r0
+        rnd     r0, r0
+pid_sway_axis:
+        stf     r0, *ar2++
+        ldf     @PD_SHIFT, r0
+        mpyf    @PD_SWAY_FROM + 2, r0
+        addf    @PD_R + 2, r0
+        rnd     r0, r0
+        stf     r0, @PD_R + 2
+        ldf     @PD_SHIFT + 1, r0
+        mpyf    @PD_SWAY_FROM + 3, r0
+        addf    @PD_R + 1, r0
+        rnd     r0, r0
+        stf     r0, @PD_R + 1
+        rets
+
