@@ -1,7 +1,6 @@
 """Crane, drives and vehicles as keys: every parameter of the plant is one, kernels know the plant's own, and what cannot work is refused."""
 
 import math
-import random
 from typing import Any
 
 import numpy as np
@@ -127,8 +126,7 @@ def test_no_parameter_leaves_an_offset_at_rest(machine: str) -> None:
     for name in (name for name in MINE if name.split(".")[0] in tables):
         try:
             offsets[name] = drift(machine, **{name: larger(name)})
-        except ValueError as refused:  # too heavy a spreader, say: then a tenth less
-            assert "cannot" in str(refused) or "needs" in str(refused) or "outside" in str(refused), refused
+        except cmrc.ConfigError:  # too heavy a spreader, a gear too slow for the trajectory: then a tenth less
             offsets[name] = drift(machine, **{name: KEYS[name]["default"] * 0.9})
     beyond = {name: moved.round(1).tolist() for name, moved in offsets.items() if (moved > 1.5 * usual + 4).any()}
     assert beyond == {}, usual

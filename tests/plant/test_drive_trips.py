@@ -89,7 +89,7 @@ def test_heat_follows_the_square_of_the_torque_warns_at_one_and_trips_at_its_lim
     (trip,) = trips(it)
 
     def heat(t: float) -> float:
-        n = int(round(t / LATCH)) // 2 * 2
+        n = round(t / LATCH) // 2 * 2
         weight = np.ones(n + 1)
         weight[1:-1:2], weight[2:-1:2] = 4, 2
         return float(np.sum(weight * load[: n + 1] * np.exp(-(times[n] - times[: n + 1]) / lag)) * LATCH / 3 / lag)
