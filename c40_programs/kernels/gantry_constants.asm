@@ -3,8 +3,8 @@ gantry_masses:                                  ; kg: all that travels but the l
                     .float 925000.0, 25000.0
 gantry_limits:                                  ; m: travel, trolley, hoist
                     .float -200.0, 200.0, -33.0, 38.5, 3.0, 49.0
-gantry_travel:                                  ; T >= c h, T^2 >= c h along the quay: 0.65 m/s, 0.1 m/s2; the same for quintics
-                    .float 2.4609375 / 0.65, 9.372 / 0.1, 1.875 / 0.65, 5.7735 / 0.1
+gantry_travel:                                  ; T >= c h / v, T^2 >= c h along the quay: 0.1 m/s2; the same for quintics
+                    .float 2.4609375, 9.372 / 0.1, 1.875, 5.7735 / 0.1
 
 ; What the constants of the slewing crane's programs become: place on chip, number of words, words; a place of 0 ends the list.
 gantry_constants:
@@ -12,8 +12,6 @@ gantry_constants:
                     .float 34.0
                     .word K_JIB_SQUARED, 1      ; no jib: the rope's length is h_p - z
                     .float 0.0
-                    .word K_TJ_SLEW, 3          ; no look-ahead: the segments' durations keep every axis within its speed
-                    .float 0.0, 0.0, 0.0
                     .word K_TQ_DRIVES, 25       ; as in torque_constants.asm
                     .float 0.0, 0.0, 0.0, 0.0, 0.0
                     .float 1.2 * 209.0 * 209.0, 0.03 * 209.0 * 1146.0, 209.0 / 1.57, 0.015 * 1146.0 * 209.0 * 209.0 / 157.0, 1.0 / (209.0 * 0.88)

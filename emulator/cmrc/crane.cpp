@@ -22,7 +22,7 @@ Crane::Crane(const CraneJob& job, const Words& words)
       chain_({.x = task::trajectory, .y = robot_class::crane, .kind = words.kind_trajectory_crane, .area = words.cr_base},
              {.x = task::inverse, .y = robot_class::crane, .kind = words.kind_inverse_crane, .area = words.cr_base},
              job.buffer_points),
-      interval_(job.point_interval), next_interval_(job.slowed_interval) {}
+      interval_(job.point_interval), next_interval_(job.slowed_interval), speeds_(job.speeds), next_speeds_(job.speeds) {}
 
 std::int64_t Crane::ticks(double seconds) const { return static_cast<std::int64_t>(std::ceil(seconds * job_.refresh_frequency)); }
 
@@ -81,6 +81,10 @@ void Crane::begin_leg(Word leg, Desk& desk) {
     desk.write(words_.cr_base + words_.cr_point_period, ti_float(n / job_.refresh_frequency));
     desk.write(words_.cr_base + words_.cr_point_ticks, static_cast<Word>(interval_));
     desk.write(words_.cr_base + words_.cr_stretch, ti_float(n / static_cast<double>(job_.point_interval)));
+  }
+  if (next_speeds_ != speeds_) {
+    speeds_ = next_speeds_;
+    desk.write(words_.cr_base + words_.cr_speed, speeds_);
   }
   leg_ = leg;
   desk.write(words_.cr_base + words_.cr_leg, leg);

@@ -169,6 +169,7 @@ void Host::apply_changes() {
     processes_.crane().set_interval(intervals(config_).crane_slowed);
     set_releases();
     control_.change(config_);
+    processes_.crane().set_speeds(speed_words(config_.control, static_cast<plant::Machine>(config_.dock.crane)));
     Fleet& fleet = processes_.fleet();
     for (unsigned agv = 0; interval != before && agv < fleet.size(); ++agv) fleet.set_interval(agv, interval);
   }

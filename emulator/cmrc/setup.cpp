@@ -110,6 +110,7 @@ CraneJob crane_of(const Config& config, const plant::DockConfig& dock) {
   job.landing_retries = config.dock.landing_retries_max;
   job.empty_mass = dock.crane.spreader_mass;
   job.full_mass = dock.crane.spreader_mass + config.dock.container_mass_kg;
+  job.speeds = speed_words(config.control, dock.crane.machine);
   job.refresh_frequency = config.rates.refresh_frequency_hz;
   job.servo_interval = n.servo;
   job.point_interval = n.crane_point;
@@ -270,6 +271,7 @@ std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfi
   put(w.cr_point_ticks, static_cast<Word>(n.crane_point));
   put(w.cr_servo_ticks, static_cast<Word>(n.servo));
   ControlBlock(config, w).initial(put);
+  for (Word i = 0; const Word word : speed_words(config.control, layout.crane.machine)) put(w.cr_speed + i++, word);
   put_float(w.cr_payload, layout.crane.spreader_mass);
   put(w.cr_agv, w.agv_unit);
   put_float(w.cr_clearance, config.dock.clearance_m);

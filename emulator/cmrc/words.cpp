@@ -30,7 +30,7 @@ Words::Words(const std::function<Word(std::string_view)>& symbol) {
       {"PIDE_FOLLOWING", &Words::pide_following}, {"PIDE_SWAY", &Words::pide_sway}, {"PIDE_RESTS", &Words::pide_rests}, {"ERROR_OF", &Words::error_of},
       {"ERROR_TRIES", &Words::error_tries}, {"ERROR_LOWERING", &Words::error_lowering}, {"ERROR_SECOND", &Words::error_second},
       {"RESPOND_PLACE", &Words::respond_place}, {"CR_STOPPED", &Words::cr_stopped}, {"CR_SWAY_SENSOR", &Words::cr_sway_sensor},
-      {"CR_PATH", &Words::cr_path}, {"CR_CONTROL", &Words::cr_control}, {"CR_CONTROL_BLOCK", &Words::cr_control_block}, {"PC_SWAY", &Words::pc_sway},
+      {"CR_PATH", &Words::cr_path}, {"CR_CONTROL", &Words::cr_control}, {"CR_CONTROL_BLOCK", &Words::cr_control_block}, {"PC_SWAY", &Words::pc_sway}, {"CR_SPEED", &Words::cr_speed},
       {"SEMAPHORE", &Words::semaphore}, {"SEMAPHORE_OWNER", &Words::semaphore_owner}, {"SEMAPHORE_HELD", &Words::semaphore_held},
       {"SEMAPHORE_LIST", &Words::semaphore_list}, {"DOORBELL_RING", &Words::doorbell_ring},
       {"DOORBELL_IDLE", &Words::doorbell_idle}, {"DOORBELL_BUSY", &Words::doorbell_busy}, {"FENCE_MASK", &Words::fence_mask}, {"RESET_DSP", &Words::reset_dsp},

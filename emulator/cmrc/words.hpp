@@ -25,7 +25,7 @@ struct Words {
   Word pide_fault, pide_late, pide_encoder, pide_following, pide_sway;
   Word error_of, error_tries, error_lowering, error_second, respond_place;
   Word pide_rests;
-  Word cr_stopped, cr_sway_sensor, cr_path, cr_control, cr_control_block, pc_sway;
+  Word cr_stopped, cr_sway_sensor, cr_path, cr_control, cr_control_block, pc_sway, cr_speed;
   Word cr_base, cr_point_period, cr_servo_period, cr_point_ticks, cr_servo_ticks, cr_leg, leg_align, cr_spreader, cr_payload, cr_agv,
       cr_ramp_start, cr_clearance, cr_stretch, cr_agv_deck, cr_box_height, cr_home, cr_spot, cr_encoder_last, cr_encoder_total, cr_box_count,
       cr_box, cr_words;
