@@ -199,21 +199,22 @@ bool ControlBlock::pending() const { return now_.rows != wanted_.rows || now_.sw
 void ControlBlock::refresh(Desk& desk) {
   if (!pending() || !seen_ || !desk.servo_resting()) return;
   std::vector<Word> block;
-  bool changed = false;
+  Word changed = 0;
   for (std::size_t channel = 0; channel < control_channels; ++channel) {
     const double before = now_.rows.at(channel).share;
     if ((rests_ >> channel & 1U) != 0 && now_.rows.at(channel) != wanted_.rows.at(channel)) {
       now_.rows.at(channel) = wanted_.rows.at(channel);
-      changed = true;
+      changed |= Word{1} << channel;
     }
     for (const Word word : row_words(channel, before)) block.push_back(word);
   }
   // What the load's sway moves: slew and luff, or travel and trolley.
-  if ((rests_ & 6U) == 6U && now_.sway != wanted_.sway) now_.sway = wanted_.sway, changed = true;
-  if (!changed) return;
+  if ((rests_ & 6U) == 6U && now_.sway != wanted_.sway) now_.sway = wanted_.sway, changed |= 0x20;
+  if (changed == 0) return;
   for (const double value : now_.sway) block.push_back(ti_float(value));
   desk.write(words_.cr_base + words_.cr_control_block, block);
   desk.write(words_.cr_base + words_.cr_control, ++generation_);
+  desk.control(generation_, changed);
   seen_ = false;
 }
 

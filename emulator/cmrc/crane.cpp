@@ -229,8 +229,9 @@ void Crane::pid_finished(const Task& done, Word result, Desk& desk) {
   const std::int64_t step = static_cast<std::int64_t>((result - static_cast<Word>(consumed_)) & 0xFFFF);
   if (step == 0 || step > 0x8000) return;
   consumed_ += step;
-  const std::int64_t due = segment_start_ + interval_ * step;
-  segment_start_ = pid_.tick - due < job_.servo_interval && pid_.tick >= due ? due : pid_.tick;
+  // Where the path has a clock of its own (path_clock.hpp), its segments are not N_t refreshes long.
+  const bool now = (result & words_.pid_began) != 0 || desk.path(pid_.tick) != pid_.tick;
+  segment_start_ = now ? pid_.tick : segment_start_ + interval_ * step;
   chain_.consumed(consumed_, segment_start_);
 }
 

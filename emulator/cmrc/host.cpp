@@ -534,6 +534,8 @@ void Host::process(unsigned number, bool started, Robot robot) {
   note(EventKind::process, {number, started ? 1U : 0U, robot, 0, 0});
 }
 
+void Host::control(Word generation, Word changed) { note(EventKind::control, {generation, changed, 0, 0, 0}); }
+
 void Host::leg_begun(Robot robot, std::int64_t first, std::int64_t interval, std::int64_t at) {
   if (robot == 0 && processes_.crane().retrying()) return;
   course_->leg_begun(robot, first, clock_.at(at + interval) - clock_.at(at), clock_.at(at));

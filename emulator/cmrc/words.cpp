@@ -25,7 +25,7 @@ Words::Words(const std::function<Word(std::string_view)>& symbol) {
       {"MUST_SUBPROCESS", &Words::must_subprocess}, {"MUST_TRAJECTORY", &Words::must_trajectory}, {"MUST_INVERSE", &Words::must_inverse},
       {"RESULT_END_OF_LEG", &Words::end_of_leg}, {"PID_LANDED", &Words::pid_landed},
       {"PID_LOCKED", &Words::pid_locked}, {"PID_OPEN", &Words::pid_open}, {"PID_STARVED", &Words::pid_starved},
-      {"PID_SETTLED", &Words::pid_settled}, {"PID_RAMP_DONE", &Words::pid_ramp_done},
+      {"PID_SETTLED", &Words::pid_settled}, {"PID_RAMP_DONE", &Words::pid_ramp_done}, {"PID_BEGAN", &Words::pid_began},
       {"PIDE_FAULT", &Words::pide_fault}, {"PIDE_LATE", &Words::pide_late}, {"PIDE_ENCODER", &Words::pide_encoder},
       {"PIDE_FOLLOWING", &Words::pide_following}, {"PIDE_SWAY", &Words::pide_sway}, {"PIDE_RESTS", &Words::pide_rests}, {"ERROR_OF", &Words::error_of},
       {"ERROR_TRIES", &Words::error_tries}, {"ERROR_LOWERING", &Words::error_lowering}, {"ERROR_SECOND", &Words::error_second},
