@@ -81,17 +81,7 @@ K_2520              .set $ - LIFT
 K_15120             .set $ - LIFT
                     .float 15120
 
-; ---- what a crane is (plant-and-bus.md 1.4): read by several kernels
-K_A0                .set $ - LIFT               ; m, luff pivot from the slew axis
-                    .float 2.5
-K_JIB               .set $ - LIFT               ; m, L
-                    .float 32
-K_PIVOT             .set $ - LIFT               ; m, h_p
-                    .float 22
-K_JIB_SQUARED       .set $ - LIFT
-                    .float 1024
-K_ONE_OVER_JIB      .set $ - LIFT
-                    .float 0.03125
+; ---- read by several kernels
 K_GRAVITY           .set $ - LIFT
                     .float 9.81
 K_ONE_OVER_G        .set $ - LIFT
@@ -101,8 +91,8 @@ K_MILLI             .set $ - LIFT
 K_MICRO             .set $ - LIFT
                     .float 1.0e-6
 
+        .include "kernels/plant_constants.asm"
         .include "kernels/trajectory_crane_constants.asm"
-        .include "kernels/inverse_crane_constants.asm"
         .include "kernels/torque_constants.asm"
         .include "kernels/torque_newton_euler_constants.asm"
         .include "kernels/pid_constants.asm"

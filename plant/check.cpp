@@ -27,17 +27,6 @@ void require_not_negative(std::initializer_list<Named> values) {
       throw std::invalid_argument(fmt::format("plant: {} must not be negative (got {})", name, value));
 }
 
-void check(const LandingParameters& p) {
-  require_positive({{"fall_stiffness", p.fall_stiffness}, {"corner_stiffness", p.corner_stiffness}, {"landing's near", p.near},
-                    {"guide_window", p.guide_window}, {"guide_height", p.guide_height}, {"seat_error", p.seat_error},
-                    {"seat_gap", p.seat_gap}});
-  require_not_negative({{"fall_damping", p.fall_damping}, {"fall_spread_x", p.fall_spread_x}, {"fall_spread_y", p.fall_spread_y},
-                        {"yaw_stiffness", p.yaw_stiffness}, {"yaw_damping", p.yaw_damping}, {"corner_damping", p.corner_damping},
-                        {"friction", p.friction}, {"guide_stiffness", p.guide_stiffness}, {"guide_damping", p.guide_damping},
-                        {"touch_speed", p.touch_speed}, {"touch_sway", p.touch_sway}, {"lock_time", p.lock_time}});
-  refuse(!(p.away > p.near), "landing's away must be more than its near", p.away);
-}
-
 void check(const Box& b, const std::string& name) {
   const bool ordered = b.x_min < b.x_max && b.y_min < b.y_max && b.z_min < b.z_max;
   if (!ordered) throw std::invalid_argument(fmt::format("plant: {} needs min < max along x, y and z", name));
@@ -62,19 +51,34 @@ void check(const AgvParameters& p) {
   refuse(!(p.steer_limit > 0.0 && p.steer_limit < 1.5), "an AGV's steer_limit must be above 0 and below 1.5 rad", p.steer_limit);
 }
 
+void check(const LandingParameters& p) {
+  require_positive({{"fall_stiffness", p.fall_stiffness}, {"corner_stiffness", p.corner_stiffness}, {"landing's near", p.near},
+                    {"guide_window", p.guide_window}, {"guide_height", p.guide_height}, {"seat_error", p.seat_error},
+                    {"seat_gap", p.seat_gap}});
+  require_not_negative({{"fall_damping", p.fall_damping}, {"fall_spread_x", p.fall_spread_x}, {"fall_spread_y", p.fall_spread_y},
+                        {"yaw_stiffness", p.yaw_stiffness}, {"yaw_damping", p.yaw_damping}, {"corner_damping", p.corner_damping},
+                        {"friction", p.friction}, {"guide_stiffness", p.guide_stiffness}, {"guide_damping", p.guide_damping},
+                        {"touch_speed", p.touch_speed}, {"touch_sway", p.touch_sway}, {"lock_time", p.lock_time}});
+  refuse(!(p.away > p.near), "landing's away must be more than its near", p.away);
+}
+
 void check(const CraneParameters& p) {
   require_positive({{"jib", p.jib}, {"pivot_height", p.pivot_height}, {"gantry_mass", p.gantry_mass}, {"slew_inertia", p.slew_inertia},
                     {"jib_mass", p.jib_mass}, {"jib_inertia", p.jib_inertia}, {"spreader_mass", p.spreader_mass},
                     {"spreader_inertia", p.spreader_inertia}});
   require_not_negative({{"a0", p.a0}, {"jib_centre", p.jib_centre}, {"counterweight", p.counterweight},
-                        {"counterweight_radius", p.counterweight_radius}, {"sway_damping", p.sway_damping}});
+                        {"counterweight_radius", p.counterweight_radius}, {"sway_damping", p.sway_damping}, {"rated_load", p.rated_load}});
   for (const DriveParameters& d : p.drives) {
     require_positive({{"a drive's rated_torque", d.rated_torque}, {"a drive's rated_speed", d.rated_speed}, {"a drive's gear", d.gear},
                       {"a drive's torque_lag", d.torque_lag}, {"a drive's smooth_speed", d.smooth_speed},
-                      {"a drive's stribeck_speed", d.stribeck_speed}});
+                      {"a drive's stribeck_speed", d.stribeck_speed}, {"a drive's overspeed_time", d.overspeed_time},
+                      {"a drive's saturation_time", d.saturation_time}, {"a drive's thermal_time", d.thermal_time}});
     require_not_negative({{"a drive's rotor_inertia", d.rotor_inertia}, {"a drive's coulomb", d.coulomb},
                           {"a drive's stribeck", d.stribeck}, {"a drive's viscous", d.viscous}, {"a drive's brake", d.brake}});
     refuse(!(d.efficiency > 0.0 && d.efficiency <= 1.0), "a drive's efficiency must be above 0 and at most 1", d.efficiency);
+    refuse(!(d.peak >= 1.0 && d.peak <= 10.0), "a drive's peak must be 1 to 10 times its rated torque", d.peak);
+    refuse(!(d.overspeed > 1.0 && d.overspeed <= 10.0), "a drive's overspeed must be above 1, at most 10 times its rated speed", d.overspeed);
+    refuse(!(d.thermal_trip > 1.0 && d.thermal_trip <= 10.0), "a drive's thermal_trip must be above 1, at most 10: the warning is at 1", d.thermal_trip);
   }
   for (std::size_t j = 0; j < joint_count; ++j)
     refuse(!(p.lower[j] < p.upper[j]), "a joint's lower limit must be below its upper one", p.lower[j]);
@@ -113,7 +117,7 @@ void check(const DockConfig& c) {
   refuse(c.agv_count < 0 || c.agv_count > 16, "agv_count must be 0..16", c.agv_count);
   refuse(!(c.tolerance >= 1e-12 && c.tolerance <= 1e-4), "tolerance must be 1e-12..1e-4", c.tolerance);
   refuse(c.signal_decimation < 0, "signal_decimation must be 0 (off) or a number of latches", c.signal_decimation);
-  require_positive({{"scan_dx", c.layout.scan_dx}, {"slot_spacing", c.layout.slot_spacing}, {"rated_load", c.rated_load}});
+  require_positive({{"scan_dx", c.layout.scan_dx}, {"slot_spacing", c.layout.slot_spacing}});
   require_not_negative({{"drive_delay", c.drive_delay}, {"drive_timeout", c.drive_timeout}, {"warehouse_radius", c.layout.warehouse_radius},
                         {"warehouse_take", c.layout.warehouse_take}});
   refuse(c.layout.rows.empty(), "the bay needs at least one row", 0.0);

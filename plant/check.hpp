@@ -8,6 +8,7 @@ namespace plant {
 
 void check(const CraneParameters&);
 void check(const AgvParameters&);
+void check(const LandingParameters&);
 void check(const WindParameters&);
 void check(const SensorParameters&);
 void check(const Mover&, const std::string& name);

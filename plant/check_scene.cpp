@@ -8,6 +8,7 @@
 
 #include "plant/check.hpp"
 #include "plant/crane.hpp"
+#include "plant/holding.hpp"
 #include "plant/scene.hpp"
 
 namespace plant {
@@ -124,15 +125,19 @@ void check_containers(const DockConfig& c) {
       throw std::invalid_argument(fmt::format("plant: container {} needs a place of numbers", i));
     if (!(p.mass > 0.0))
       throw std::invalid_argument(fmt::format("plant: container {}'s mass must be positive (got {})", i, p.mass));
-    if (p.mass > c.rated_load)
-      throw std::invalid_argument(
-          fmt::format("plant: container {} weighs {} kg, more than the crane's rated_load of {} kg", i, p.mass, c.rated_load));
+    if (const std::string why = cannot_hold(c.crane, p.mass); !why.empty())
+      throw std::invalid_argument(fmt::format("plant: container {} is too heavy for the crane: {}", i, why));
+    if (p.mass > c.crane.rated_load)
+      throw std::invalid_argument(fmt::format("plant: container {} weighs {} kg, more than the crane's rated_load of {} kg (the hoist would hold it with {:.0f} N m)", i,
+                                              p.mass, c.crane.rated_load, hoist_holding_torque(c.crane, p.mass)));
   }
 }
 
 }  // namespace
 
 void check_scene(const DockConfig& c) {
+  if (const std::string why = cannot_hold(c.crane, c.crane.rated_load); !why.empty())
+    throw std::invalid_argument(fmt::format("plant: the crane cannot carry its rated_load: {}", why));
   check_containers(c);
   check_reach(c);
   check_apart(c);

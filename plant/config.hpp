@@ -30,8 +30,14 @@ struct DriveParameters {
   double smooth_speed = 0.01;  // v_0 of the tanh, as a share of the rated joint speed
   double stribeck_speed = 0.02;  // v_s, share of the rated joint speed
   double brake = 2.0;          // holding brake, as a share of the rated joint force
+  double peak = 1.5;           // u_max, the torque at code 2047, as a share of the rated torque
+  double overspeed = 1.15;         // the drive trips above this share of its rated speed,
+  double overspeed_time = 0.010;   // s, when that lasts so long
+  double saturation_time = 0.5;    // s for which |code| = 2047 without a break trips it
+  double thermal_time = 1800.0;    // s, time constant of the thermal model: heat follows (torque / rated torque)^2
+  double thermal_trip = 1.2;       // heat that trips it, as a share of what the rated torque comes to; the warning is at 1
 
-  double maximum_torque() const { return 1.5 * rated_torque; }  // N m at code 2047
+  double maximum_torque() const { return peak * rated_torque; }  // N m at code 2047
   double rated_force() const { return gear * rated_torque; }    // N or N m at the joint
   double rated_joint_speed() const { return rated_speed / gear; }
 };
@@ -64,6 +70,7 @@ struct CraneParameters {
   double counterweight_radius = 7.0;  // m, r_cw
   double spreader_mass = 10e3;  // kg with headblock
   double spreader_inertia = 1.25e5;  // kg m2 about the vertical
+  double rated_load = 40e3;     // kg below the spreader; heavier containers are refused
   double sway_damping = 0.007;  // share of critical, of both sway angles
   bool gear_losses = false;  // gears lose where the load drives, too: the motor's torque is divided by the efficiency there; else multiplied always
   bool stiction = false;    // dry friction is exact: joints stick below F_s and break away; else it is smoothed by the tanh
@@ -73,7 +80,7 @@ struct CraneParameters {
       {.rated_torque = 382.0, .gear = 314.0, .rotor_inertia = 0.4},                           // 4 x 15 kW
       {.rated_torque = 1911.0, .gear = 1250.0, .rotor_inertia = 4.8},                         // 4 x 75 kW
       {.rated_torque = 7643.0, .gear = 3140.0, .rotor_inertia = 20.0, .efficiency = 0.85},    // 4 x 300 kW
-      {.rated_torque = 3185.0, .gear = 1.0 / 0.00955, .rotor_inertia = 16.0},                 // 2 x 250 kW
+      {.rated_torque = 5732.0, .gear = 1.0 / 0.00955, .rotor_inertia = 24.0},                 // 2 x 450 kW
       {.rated_torque = 70.0, .gear = 1500.0, .rotor_inertia = 0.06},                          // 2 x 5.5 kW
   }};
 };
@@ -232,6 +239,7 @@ struct Layout {
   std::vector<double> rows = {24.0, 26.6};  // m, y of the bay's rows
   double scan_x0 = -25.6, scan_dx = 0.4;    // m, bay scanner
   std::vector<ContainerPlace> containers;   // on the ship
+  double container_mass = 24e3;             // kg, of those in a layout file that do not say theirs
   Box ship = {-40.0, 40.0, 20.0, 36.0, -5.0, 3.909};
   std::vector<Box> no_go;                   // boxes for the grab path (containers are not among them)
   std::vector<Mover> movers;                // for the AGVs, posts among them
@@ -256,7 +264,6 @@ struct DockConfig {
   int agv_count = 1;
   std::vector<SampleClock> unit_clocks;  // by AGV: its drive unit's, nominal 100 Hz; missing ones keep it
   CranePose home = {0.0, 12.0, 16.0, 14.0, 0.0};
-  double rated_load = 40e3;    // kg below the spreader; heavier containers are refused
   int drive_delay = 0;         // latches by which a drive takes its code later, for experiments
   double drive_timeout = 0.1;  // s, a drive that gets no torque code for so long brakes; 0: never
   Method method = Method::erk;

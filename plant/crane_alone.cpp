@@ -21,7 +21,6 @@ void check(const CraneAloneConfig& config) {
   plant::check(config.crane);
   refuse(!(config.tolerance >= 1e-13 && config.tolerance <= 1e-3), "tolerance must be 1e-13 to 1e-3", config.tolerance);
   refuse(!((config.order >= 2 && config.order <= 6) || config.order == 8), "order must be 2 to 6, or 8", config.order);
-  refuse(!(std::isfinite(config.rated_load) && config.rated_load >= 0.0), "rated_load must not be negative", config.rated_load);
 }
 
 }  // namespace
@@ -35,7 +34,7 @@ CraneAlone::CraneAlone(const CraneAloneConfig& config)
 }
 
 void CraneAlone::set_load(const Payload& load) {
-  refuse(!(load.mass >= 0.0 && load.mass <= config_.rated_load), "the load must be 0 kg up to rated_load", load.mass);
+  refuse(!(load.mass >= 0.0 && load.mass <= config_.crane.rated_load), "the load must be 0 kg up to rated_load", load.mass);
   refuse(!(std::isfinite(load.inertia) && load.inertia >= 0.0), "the load's inertia must not be negative", load.inertia);
   state_.inputs.payload = {config_.crane.spreader_mass + load.mass, config_.crane.spreader_inertia + load.inertia};
 }

@@ -12,7 +12,6 @@ struct CraneAloneConfig {
   CraneParameters crane;
   CranePose home = {0.0, 12.0, 16.0, 14.0, 0.0};
   Payload load = {0.0, 0.0};  // besides the spreader: kg, kg m2
-  double rated_load = 40e3;   // kg, a heavier load is refused
   bool rigid = false;         // level L0
   double tolerance = 1e-8;
   Method method = Method::erk;

@@ -44,6 +44,8 @@ const char* name(EventKind kind) {
     case EventKind::joint_limit: return "joint_limit";
     case EventKind::drive_stopped: return "drive_stopped";
     case EventKind::drive_resumed: return "drive_resumed";
+    case EventKind::drive_tripped: return "drive_tripped";
+    case EventKind::drive_warm: return "drive_warm";
     case EventKind::joint_stuck: return "joint_stuck";
     case EventKind::joint_slipped: return "joint_slipped";
     case EventKind::collision: return "collision";
@@ -174,6 +176,16 @@ std::uint32_t Dock::drive_status(int joint, Time t) {
 std::int32_t Dock::drive_speed(int joint, Time t) {
   self_->advance(t);
   return self_->core.drive_speed(Implementation::check_joint(joint));
+}
+
+std::uint32_t Dock::drive_trip(int joint, Time t) {
+  self_->advance(t);
+  return self_->core.drive_trip(Implementation::check_joint(joint));
+}
+
+std::int32_t Dock::drive_heat(int joint, Time t) {
+  self_->advance(t);
+  return self_->core.drive_heat(Implementation::check_joint(joint));
 }
 
 std::int32_t Dock::load_cell(Time t) {

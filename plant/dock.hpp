@@ -41,6 +41,8 @@ enum class EventKind : std::uint8_t {
   joint_limit,     // joint index ran into its end stop
   drive_stopped,   // drive index: no torque code came for drive_timeout; its brake closes until one comes
   drive_resumed,   // drive index takes codes again
+  drive_tripped,   // drive index: values = why (0 too fast, 1 too long at its largest code, 2 too hot), heat of its thermal model
+  drive_warm,      // drive index: values = heat, above what the rated torque comes to (1)
   fault,           // the sway passed 40 degrees: values = alpha, beta rad; the drives are off from here on
   joint_stuck,     // joint index came to rest and sticks (stiction)
   joint_slipped,   // joint index broke away
@@ -126,6 +128,8 @@ inline constexpr std::int32_t range_most = 30'000, range_least = 50, range_quant
 
 // Bits of a drive's status.
 inline constexpr std::uint32_t drive_ready = 1, drive_fault = 2, drive_late = 4, drive_brake = 8;
+// Bits of what a drive says of its own protection.
+inline constexpr std::uint32_t trip_overspeed = 1, trip_saturation = 2, trip_heat = 4, trip_warning = 8;
 
 struct DockState;  // everything that the dock's future depends on; plant/state.hpp
 
@@ -142,7 +146,7 @@ class Dock {
   const DockConfig& config() const;
 
   // ---- crane drives and sensors (units: c40_programs/include/devices.inc)
-  void set_torque_code(int joint, int code, Time);  // -2048..2047 (clamped), 2047 = 1.5 x rated
+  void set_torque_code(int joint, int code, Time);  // -2048..2047 (clamped), 2047 = the drive's maximum_torque()
   void enable_drives(std::uint32_t mask, Time);     // bit j; a disabled drive has no torque and its brake holds
   std::uint32_t encoder(int joint, Time);           // 24 bits
   // A failed drive has no torque and its brake holds, whatever is written.
@@ -152,9 +156,12 @@ class Dock {
   void fail_sway(int axis, bool failed, Time);
   std::int64_t encoder_total(int joint, Time);      // the same count since joint zero, not wrapped (for start-up)
   std::int32_t sway(int axis, Time);                // 0 alpha (radial), 1 beta (tangential); 2048 = 10 degrees
-  // Ready; fault (failed, or the dock's own fault); no torque code for drive_timeout; brake closed: drive_ready ... drive_brake.
+  // Ready; fault (failed, tripped, or the dock's own fault); no torque code for drive_timeout; brake closed: drive_ready ... drive_brake.
   std::uint32_t drive_status(int joint, Time);
   std::int32_t drive_speed(int joint, Time);        // the drive's own estimate of its motor's speed: 10000 = rated
+  // Why it tripped last, until it is switched on again: trip_overspeed, trip_saturation, trip_heat; trip_warning: warmer than the rated torque makes it.
+  std::uint32_t drive_trip(int joint, Time);
+  std::int32_t drive_heat(int joint, Time);         // its thermal model: 10000 is what the rated torque comes to
   std::int32_t load_cell(Time);                     // kg on the rope, in steps of 10; sampled with the sway
   std::int32_t second_sway(int axis, Time);         // as sway(), with a noise of its own
   std::int32_t wind_mean(Time);                     // mm/s along the wind's direction, mean of the last 3 s

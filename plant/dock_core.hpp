@@ -42,6 +42,8 @@ class DockCore {
   // Instruments (dock_instruments.cpp), as they show at the last latch.
   std::uint32_t drive_status(std::size_t joint) const;
   std::int32_t drive_speed(std::size_t joint) const;
+  std::uint32_t drive_trip(std::size_t joint) const;  // dock_trips.cpp
+  std::int32_t drive_heat(std::size_t joint) const;
   std::int32_t wind_mean(double seconds) const;
 
   DockConfig config;
@@ -61,6 +63,8 @@ class DockCore {
   void begin_latch();                // everything that happens at the present latch
   void take_codes();
   void watch_updates();
+  void protect_drives();             // dock_trips.cpp
+  void trip(std::size_t joint, Trip);
   void apply_brakes();
   void check_limits();
   void check_fault();

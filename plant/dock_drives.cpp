@@ -12,6 +12,7 @@ constexpr std::uint32_t slew_bit = 1U << static_cast<unsigned>(Joint::slew);
 }  // namespace
 
 void DockCore::take_codes() {
+  protect_drives();
   if (state.underway.empty()) {
     state.code = state.shadow;
   } else {
@@ -20,7 +21,7 @@ void DockCore::take_codes() {
     place = state.shadow;
   }
   watch_updates();
-  std::uint32_t enable = state.faulted ? 0U : state.shadow_enable & ~state.stopped & ~state.failed_drives;
+  std::uint32_t enable = state.faulted ? 0U : state.shadow_enable & ~state.stopped & ~state.failed_drives & ~state.protection.tripped;
   if (config.crane.machine == Machine::gantry) enable &= ~slew_bit;  // it does not slew
   for (std::size_t j = 0; j < joint_count; ++j) {
     const bool on = bit(enable, j);

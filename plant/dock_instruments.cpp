@@ -21,7 +21,7 @@ std::int32_t in_steps(double value, double step) { return static_cast<std::int32
 std::uint32_t DockCore::drive_status(std::size_t joint) const {
   const InstrumentState& seen = state.instruments;
   if (bit(seen.stuck_status, joint)) return seen.held_status[joint];
-  const bool fault = state.faulted || bit(state.failed_drives, joint);
+  const bool fault = state.faulted || bit(state.failed_drives, joint) || bit(state.protection.tripped, joint);
   const bool late = bit(state.stopped, joint);
   return (fault || late ? 0U : drive_ready) | (fault ? drive_fault : 0U) | (late ? drive_late : 0U) | (bit(state.enabled, joint) ? 0U : drive_brake);
 }

@@ -197,7 +197,7 @@ class Reader {
   }
 
   ContainerPlace container(const toml::table& t) {
-    ContainerPlace p{0.0, layout_.rows.front(), layout_.deck, 0.0, 24e3};
+    ContainerPlace p{0.0, layout_.rows.front(), layout_.deck, 0.0, layout_.container_mass};
     double tier = 0.0;
     Fields(t, file_, "a container")
         .number_to("x_m", p.x)

@@ -45,6 +45,20 @@ struct InstrumentState {
   std::int32_t held_wind = 0;
 };
 
+// Why a drive has tripped.
+enum class Trip : std::uint8_t { overspeed, saturation, heat };
+inline constexpr std::size_t trip_count = 3;
+
+// The drives' own protection (plant/dock_trips.cpp).
+struct ProtectionState {
+  std::array<std::int64_t, joint_count> fast{}, saturated{};  // latches for which the drive has been too fast, at its largest code
+  std::array<double, joint_count> heat{};                      // of the thermal model: 1 is what the rated torque comes to
+  std::array<std::uint32_t, trip_count> causes{};              // by joint, of the last trip; until the drive is switched on again
+  std::uint32_t tripped = 0;                                   // until it is switched off, and has cooled to 1
+  std::uint32_t warm = 0;                                      // heat above 1
+  std::uint32_t asked = 0;                                     // shadow_enable at the last latch
+};
+
 struct DockState {
   std::int64_t latch = 0;        // number of the last latch; its time is latch * 125 us
   CraneState crane;
@@ -56,6 +70,7 @@ struct DockState {
   std::array<std::int64_t, joint_count> updated{};  // number of the last latch before the code was written
   std::uint32_t stopped = 0;     // drives that have got no code for drive_timeout
   std::uint32_t failed_drives = 0;
+  ProtectionState protection;
   std::uint32_t stuck_encoders = 0, stuck_sways = 0;
   std::array<std::int64_t, joint_count> stuck_count{};  // what a stuck encoder shows
   std::uint32_t spreader_command = 0;

@@ -44,6 +44,7 @@ class Hash {
     (*this)(s.sway_shown, s.sway_sampled, s.load_shown, s.load_sampled, s.stuck_status, s.stuck_speeds, s.stuck_sways, s.stuck_load, s.stuck_wind,
             s.held_status, s.held_speed, s.held_wind);
   }
+  void add(const ProtectionState& s) { (*this)(s.fast, s.saturated, s.heat, s.causes, s.tripped, s.warm, s.asked); }
   void add(const BodyState& s) { (*this)(s.position, s.turn, s.velocity, s.spin); }
   void add(const Grip& s) { (*this)(s.x, s.y, s.yaw, s.top); }
   void add(const LandingState& s) {
@@ -68,7 +69,7 @@ class Hash {
 std::array<std::uint64_t, 2> hash(const DockState& s) {
   Hash h;
   h(s.latch, s.crane, s.inputs, s.stretch, s.shadow, s.code, s.shadow_enable, s.enabled, s.updated, s.stopped,
-    s.failed_drives, s.stuck_encoders, s.stuck_sways, s.stuck_count, s.spreader_command, s.lock, s.lock_done,
+    s.failed_drives, s.stuck_encoders, s.stuck_sways, s.stuck_count, s.protection, s.spreader_command, s.lock, s.lock_done,
     s.carried, s.grip, s.landing, s.sway_shown, s.sway_sampled, s.instruments, s.containers, s.agvs, s.row, s.modes.at_limit, s.faulted, s.delivered);
   // What only some docks have counts only where it is, so that a dock without it keeps its hash.
   if (s.modes.stuck != 0 || s.inputs.sliding != decltype(s.inputs.sliding){}) h(s.modes.stuck, s.inputs.sliding);

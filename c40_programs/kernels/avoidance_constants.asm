@@ -16,10 +16,6 @@ K_AV_STANDS         .set $ - LIFT
                     .float 8.0                  ; nor does, to the methods, what is farther than this: whether it moves, avoid_motion looks
 K_AV_OVERLAP_LOW    .set $ - LIFT
                     .float -0.5                 ; pieces of the lane overlap so much, for feet on their joint
-K_AV_HALF           .set $ - LIFT
-                    .float 1.9                  ; half the vehicle's width and 0.4
-K_AV_CLOSE          .set $ - LIFT
-                    .float 2.4                  ; nearer than this beside the way is passed slowly
 K_AV_CLOSE_AHEAD    .set $ - LIFT
                     .float 12.0
 K_AV_CLOSE_SPEED    .set $ - LIFT
@@ -32,36 +28,22 @@ K_AV_SHIFT_MOST     .set $ - LIFT
                     .float 2.5
 K_AV_HOLD_WITHIN    .set $ - LIFT
                     .float 25.0
-K_AV_NEEDS          .set $ - LIFT
-                    .float 2.05                 ; m from the lane's middle to what is passed: K_AV_HALF and what the vehicle may be off its way
 K_AV_GROUP          .set $ - LIFT
                     .float 8.0                  ; m: what stands so far behind the first thing is passed together with it
 K_AV_NEAR           .set $ - LIFT
                     .float 8.0                  ; m: what blocks the way so near must stay in view
-K_AV_REAR           .set $ - LIFT
-                    .float 9.0                  ; the rear is past a place when the middle is so far past it
 K_AV_HOME_STRAIGHT  .set $ - LIFT
                     .float 25.0                 ; before the end of the leg there is no shift
 K_AV_FRONT          .set $ - LIFT
                     .float 4.0                  ; m by which the way to a shift begins later than the middle's: the front comes first
 K_AV_BLEND          .set $ - LIFT
                     .float 0.06666667           ; 1 / 15 m, in which a shift is taken
-K_AV_B              .set $ - LIFT
-                    .float 0.9                  ; m/s^2
-K_AV_TWICE_OVER_B   .set $ - LIFT
-                    .float 2.2222222            ; 2 / B
 K_AV_T              .set $ - LIFT
                     .float 0.5
 K_AV_T_SQUARED      .set $ - LIFT
                     .float 0.25
 K_AV_STAND          .set $ - LIFT
                     .float 1.5                  ; distance at which to stand
-K_AV_HALF_LENGTH    .set $ - LIFT
-                    .float 7.4                  ; m, of the vehicle
-K_AV_SWING          .set $ - LIFT
-                    .float -27.38               ; m^2, less half its square: times a curvature, how far the ends swing out
-K_AV_ONE_OVER_B     .set $ - LIFT
-                    .float 1.1111111
 K_AV_ONE_OVER_BIN   .set $ - LIFT
                     .float 0.6666667            ; 1 / 1.5 m
 K_AV_MOVES          .set $ - LIFT
@@ -78,10 +60,6 @@ K_AV_BESIDE         .set $ - LIFT
                     .float 4.5                  ; m: what stands so far beside the lane leaves room for any shift; and as far ahead of the front is not yet beside it
 K_AV_SOON           .set $ - LIFT
                     .float 2.0                  ; m ahead of the front
-K_AV_WAY            .set $ - LIFT
-                    .float 3.8                  ; m, width of the way
-K_AV_PASSED         .set $ - LIFT
-                    .float 16.0                 ; m, the vehicle's length and some more
 
 ; potential field
 K_PF_REACH          .set $ - LIFT
@@ -136,8 +114,6 @@ K_DW_BEND           .set $ - LIFT
                     .float 0.01                 ; 1/m between samples of curvature
 K_DW_STEP           .set $ - LIFT
                     .float 0.4                  ; s between the steps of an arc
-K_DW_RADIUS2        .set $ - LIFT
-                    .float 3.61                 ; K_AV_HALF squared
 K_DW_FAR            .set $ - LIFT
                     .float 1000.0               ; m, where discs stand that are not needed
 K_DW_LOOK           .set $ - LIFT
@@ -156,7 +132,5 @@ K_DW_EASY2          .set $ - LIFT
                     .float 6.25                 ; m^2, beyond this nothing is near
 K_DW_FAR2           .set $ - LIFT
                     .float 1.0e9
-K_DW_HALF_OVER_B    .set $ - LIFT
-                    .float 0.5555556            ; 1 / (2 B)
 K_DW_STEP_LEAST     .set $ - LIFT
                     .float 1.6                  ; m

@@ -145,7 +145,7 @@ kernel_torque_gantry:
         beq     torque_nothing
         ldhi    hi16(gantry_masses), ar0
         or      lo16(gantry_masses), ar0
-        ldf     @SV_PAYLOAD, r2                 ; m_p
+        ldf     @SV_LOAD, r2                    ; m_p
         ldf     0.0, r0
         stf     r0, @TQ_TAU
         ldf     *ar0, r0
@@ -160,9 +160,7 @@ kernel_torque_gantry:
         subf    @K_GRAVITY, r0
         mpyf    r2, r0
         stf     r0, @TQ_TAU + 3
-        ldf     @K_TQ_YAW_PER_KG, r0
-        mpyf    r2, r0
-        addf    @K_TQ_YAW_BASE, r0
+        call    torque_yaw_inertia
         mpyf    @TQ_QDD + 4, r0
         stf     r0, @TQ_TAU + 4
         br      torque_motors

@@ -6,10 +6,6 @@ K_GP_TOUCH          .set $ - LIFT
                     .float 0.05                 ; penetration of the margin that a straight way may have
 K_GP_RISE           .set $ - LIFT
                     .float 0.5                  ; step by which the column over an end is raised
-K_GP_HALF_LENGTH    .set $ - LIFT
-                    .float 6.096                ; of a 40-ft spreader and container
-K_GP_HALF_WIDTH     .set $ - LIFT
-                    .float 1.219
 K_GP_SIXTH          .set $ - LIFT
                     .float 1.6666666666667e-1
 K_GP_HUGE           .set $ - LIFT

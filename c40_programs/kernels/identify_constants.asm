@@ -1,7 +1,5 @@
 ; Constants of identify.asm (m).
 
-K_ID_LENGTH         .set $ - LIFT
-                    .float 12.192               ; of a 40-ft container
 K_ID_TOLERANCE      .set $ - LIFT
                     .float 16.0                 ; 1 / (0.25 m)^2
 K_ID_ENOUGH         .set $ - LIFT
@@ -10,5 +8,3 @@ K_ID_QUANTUM        .set $ - LIFT
                     .float 0.004                ; m: the scanner floors to 8 mm
 K_ID_FAR            .set $ - LIFT
                     .float 1.0e9
-K_ID_HALF_WIDTH     .set $ - LIFT
-                    .float 1.219                ; m, half a container's width

@@ -1,17 +1,10 @@
-; Per joint (s, psi, phi, l, kappa).
-K_PD_UNIT           .set $ - LIFT               ; joint unit per encoder count
-                    .float 6.283185307179586 / 16384.0 / 314.0, 6.283185307179586 / 16384.0 / 1250.0
-                    .float 6.283185307179586 / 16384.0 / 3140.0, 6.283185307179586 / 16384.0 * 0.00955
-                    .float 6.283185307179586 / 16384.0 / 1500.0
-; u_max, N m; codes per N m; tolerance of PID_SETTLED
+; Per joint (s, psi, phi, l, kappa): u_max, N m, and codes per N m, which are the plant's (plant_constants.asm); tolerance of PID_SETTLED.
 K_PD_JOINTS         .set $ - LIFT
-                    .float 573.0, 2047.0 / 573.0, 0.02
-                    .float 2866.5, 2047.0 / 2866.5, 1.5e-3
-                    .float 11464.5, 2047.0 / 11464.5, 1.5e-3
-                    .float 4777.5, 2047.0 / 4777.5, 0.03
-                    .float 105.0, 2047.0 / 105.0, 5.0e-3
-K_PD_SWAY_UNIT      .set $ - LIFT               ; rad per code of the sway sensor: 10 degrees / 2048
-                    .float 8.522115561603943e-05
+                    .float 0.0, 0.0, 0.02
+                    .float 0.0, 0.0, 1.5e-3
+                    .float 0.0, 0.0, 1.5e-3
+                    .float 0.0, 0.0, 0.03
+                    .float 0.0, 0.0, 5.0e-3
 K_PD_SWAY_TOLERANCE .set $ - LIFT               ; rad
                     .float 1.6e-3
 K_PD_SETTLE         .set $ - LIFT               ; s within all tolerances

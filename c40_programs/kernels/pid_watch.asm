@@ -23,9 +23,26 @@ pid_left_alone:
         xor     1Fh, r2
         or      r2, r9
 pid_alone_drives:
+        ldi     0, r3                           ; why those have tripped
+        cmpi    0, r1
+        beq     pid_alone_no_trip
+        ldhi    hi16(WINDOW_B), ar0
+        ldi     *+ar0(DRIVE_TRIP), r2
+        ldhi    hi16(1 << PIDE_TRIP), r5
+        ldi     2, rc
+        rptb    pid_alone_trip
+        ldi     0, r4
+        tstb    r1, r2
+        ldinz   r5, r4
+        or      r4, r3
+        lsh     1, r5
+pid_alone_trip:
+        lsh     -8, r2
+pid_alone_no_trip:
         lsh     PIDE_LATE, r0
         lsh     PIDE_FAULT, r1
         or      r1, r0
+        or      r3, r0
         sti     r0, @PD_ERRORS
         ldi     r9, r0
         or      @PD_REJOIN, r0

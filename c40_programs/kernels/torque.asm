@@ -4,9 +4,10 @@
 ;   H = I_j + m_j c_j^2 + m_p L^2        C = H cos phi + a0 A
 ;   M_psi = J_s + I_j cos^2 phi + m_cw r_cw^2 + m_j (a0 + c_j cos phi)^2 + m_p R^2
 
-TQ_CONSUMED     .set SCRATCH + 50       ; CR_CONSUMED, CR_SEGMENT_START, CR_PID_STAGE
-TQ_SEGMENT      .set SCRATCH + 51
-TQ_STAGE        .set SCRATCH + 52
+TQ_LOAD_TICK    .set SCRATCH + 95       ; CR_LOAD_TICK, CR_CONSUMED, CR_SEGMENT_START, CR_PID_STAGE
+TQ_CONSUMED     .set SCRATCH + 96
+TQ_SEGMENT      .set SCRATCH + 97
+TQ_STAGE        .set SCRATCH + 98
 TQ_Q            .set SCRATCH + 64       ; set-point: q, qd, qdd, f x5 each
 TQ_QD           .set SCRATCH + 69
 TQ_QDD          .set SCRATCH + 74
@@ -27,14 +28,14 @@ kernel_torque:
         call    torque_closed_form
         br      torque_motors
 
-; Q, QD, QDD <- the set-point of TB_TICK, SV_PAYLOAD; nothing but STAGE when that is 0.
+; Q, QD, QDD <- the set-point of TB_TICK, SV_LOAD <- kg on the rope; nothing but STAGE when that is 0.
 torque_set_point:
         call    servo_head
         ldi     ar6, ar0
-        addi    CR_CONSUMED, ar0
-        ldhi    hi16(TQ_CONSUMED), ar1
-        or      lo16(TQ_CONSUMED), ar1
-        ldi     2, rc
+        addi    CR_LOAD_TICK, ar0
+        ldhi    hi16(TQ_LOAD_TICK), ar1
+        or      lo16(TQ_LOAD_TICK), ar1
+        ldi     3, rc
         call    copy_words
         ldi     @TQ_STAGE, r0
         retseq
@@ -81,6 +82,7 @@ torque_between:
         stf     r1, @TQ_QD + 3
         addf    @TQ_QDD + 3, r2
         stf     r2, @TQ_QDD + 3
+        call    torque_load
         ldi     @SV_STOPPED, r0
         retseq
         ldf     @SV_PATH_RATE, r2               ; the path's clock has another rate p: qd p, qdd p^2 + qd p'
@@ -103,6 +105,44 @@ torque_rated:
         nop     *ar0++
         rets
 
+; SV_LOAD <- kg on the rope: what the load cell shows, through a low-pass filter of K_TQ_LOAD_FILTER; LOAD_TICK. The same tick again changes nothing.
+torque_load:
+        ldhi    hi16(WINDOW_B), ar0
+        float   *+ar0(LOAD_CELL), r4
+        ldi     @TASK + TB_TICK, r1
+        ldi     r1, r3
+        subi    @TQ_LOAD_TICK, r3
+        cmpi    0, r3
+        ldilt   0, r3
+        float   r3, r3                          ; refreshes since the last reading
+        sti     r1, @TQ_LOAD_TICK
+        ldf     @K_TQ_LOAD_FILTER, r0
+        mpyf    @SV_RATE, r0
+        addf    r3, r0
+        call    m_reciprocal
+        mpyf    r3, r0                          ; h / (T + h)
+        subf    @SV_LOAD, r4
+        mpyf    r4, r0
+        addf    @SV_LOAD, r0
+        rnd     r0, r0
+        stf     r0, @SV_LOAD
+        stf     r0, *+ar6(CR_LOAD)
+        ldi     ar6, ar1
+        addi    CR_LOAD_TICK, ar1
+        ldi     @TQ_LOAD_TICK, r1
+        sti     r1, *ar1
+        rets
+
+; R0 <- I_k, kg m2: the spreader's, and what the load adds.
+torque_yaw_inertia:
+        ldf     @SV_LOAD, r0
+        subf    @K_TQ_SPREADER, r0
+        cmpf    0.0, r0
+        ldflt   0.0, r0
+        mpyf    @K_TQ_YAW_PER_KG, r0
+        addf    @K_TQ_YAW_BASE, r0
+        rets
+
 ; TAU <- the joint forces.
 torque_closed_form:
 ; Configuration
@@ -114,7 +154,7 @@ torque_closed_form:
         call    m_sincos
         ldf     r0, r10                 ; R10 = sin phi
         ldf     r1, r9                  ; R9 = cos phi
-        ldf     @SV_PAYLOAD, r11        ; R11 = m_p
+        ldf     @SV_LOAD, r11           ; R11 = m_p
 
         ldf     @K_JIB, r0
         mpyf    r11, r0
@@ -153,9 +193,7 @@ torque_closed_form:
         stf     r4, @TQ_M_PSI
 
 ; tau_kappa = I_k (psidd + kappadd)
-        ldf     @K_TQ_YAW_PER_KG, r0
-        mpyf    r11, r0
-        addf    @K_TQ_YAW_BASE, r0
+        call    torque_yaw_inertia
         ldf     @TQ_QDD + 1, r1
         addf    @TQ_QDD + 4, r1
         mpyf    r1, r0

@@ -77,10 +77,9 @@ newton_euler_prepare:
         or      lo16(NE_PLAN), ar1
         ldi     NE_LINKS * NE_ROW - 1, rc
         call    copy_words
-        ldf     @SV_PAYLOAD, r0
+        ldf     @SV_LOAD, r0
         stf     r0, @NE_PLAN + 4 * NE_ROW + NE_MASS
-        mpyf    @K_TQ_YAW_PER_KG, r0
-        addf    @K_TQ_YAW_BASE, r0
+        call    torque_yaw_inertia
         rnd     r0, r0
         stf     r0, @NE_PLAN + 5 * NE_ROW + NE_INERTIA + 2
         ldf     0.0, r0

@@ -1,11 +1,5 @@
 ; Constants of trajectory_agv.asm (m, s, rad).
 
-K_TA_ACCELERATE     .set $ - LIFT
-                    .float 0.45                 ; m/s^2; the drive does 0.5, the rest is for its loop to catch up
-K_TA_BRAKE          .set $ - LIFT
-                    .float 0.8                  ; m/s^2; the drive brakes with 1.0
-K_TA_BRAKE_TWICE    .set $ - LIFT
-                    .float 1.6
 K_TA_ARRIVED        .set $ - LIFT
                     .float 0.001                ; m of arc left that count as the end of the leg
 K_TA_HUGE           .set $ - LIFT

@@ -20,8 +20,8 @@ void ProgressLine::show(report::Time simulated, std::uint64_t misses) {
   if (now - last_ < std::chrono::milliseconds(200)) return;
   last_ = now;
   const double elapsed = std::chrono::duration<double>(now - start_).count();
-  const double done = static_cast<double>(simulated.count()) * 1e-12;
-  const double whole = static_cast<double>(duration_.count()) * 1e-12;
+  const double done = report::seconds(simulated);
+  const double whole = report::seconds(duration_);
   const std::string left = done > 0 ? fmt::format("{:.0f} s left", (whole - done) * elapsed / done) : "";
   const std::string line =
       fmt::format("{:.1f} of {:.1f} s  {:.2f} x real time  {}  {} missed", done, whole, done / elapsed, left, misses);

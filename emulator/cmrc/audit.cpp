@@ -17,7 +17,7 @@ Audit::Block& Audit::at(std::size_t block) {
 
 void Audit::violated(report::Time time, const std::string& what) {
   if (violations_.size() >= most_kept) return;
-  violations_.push_back(fmt::format("{:.9f} s, {}", static_cast<double>(time.count()) * 1e-12, what));
+  violations_.push_back(fmt::format("{:.9f} s, {}", report::seconds(time), what));
 }
 
 void Audit::violated(std::size_t block, report::Time time, const std::string& what) {

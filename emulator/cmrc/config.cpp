@@ -193,6 +193,7 @@ class Invariants {
     const machine::Topology topology =
         topology_of(config_, [this](const auto& keys, const std::string& what, const std::string& right) { contradiction(keys, what, right); });
     loads();
+    plant();
     for (const Subprocess& row : config_.processes.subprocesses) events(row, topology);
   }
 
@@ -208,6 +209,19 @@ class Invariants {
       if (auto at = origins_.find(key); at != origins_.end()) refuse(at->second, key, what, right);
     }
     refuse({}, involved.front(), what, right);
+  }
+
+  void plant() const {
+    const auto machine = static_cast<plant::Machine>(config_.dock.crane);
+    const auto fault = plant_fault(machine, config_.plant, config_.dock.container_mass_kg);
+    if (!fault) return;
+    std::vector<std::string_view> involved;
+    if (fault->of_load) involved.emplace_back("dock.container_mass_kg");
+    for (const PlantParameter& row : plant_parameters())
+      if (!row.machine || *row.machine == machine) involved.push_back(row.name);
+    involved.emplace_back("dock.crane");
+    if (!fault->of_load) involved.emplace_back("dock.container_mass_kg");
+    contradiction(involved, fault->what, fault->right);
   }
 
   void loads() const {
@@ -508,7 +522,7 @@ std::string to_toml(const Config& config) {
   std::string text;
   std::string_view table;
   for (const Key& key : keys()) {
-    const std::string_view in = std::string_view(key.name).substr(0, key.name.find('.'));
+    const std::string_view in = std::string_view(key.name).substr(0, key.name.rfind('.'));
     if (in != table) {
       text += fmt::format("{}[{}]\n", table.empty() ? "" : "\n", in);
       table = in;

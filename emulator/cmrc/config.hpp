@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "cmrc/plant_parameters.hpp"
 #include "cmrc/process_table.hpp"
 #include "cmrc/timed_event.hpp"
 #include "cmrc/user_task.hpp"
@@ -183,6 +184,7 @@ struct Config {
     std::int64_t landing_retries_max = 3;
     plant::Method integrator = plant::Method::erk;
     bool stiction = false;
+    bool gear_losses = false;
     bool strict_landing = false;
     std::int64_t sway_sensors = 2;
     double capture_window_m = 0.15;
@@ -237,6 +239,7 @@ struct Config {
     std::int64_t misses_max = 1000;       ///< missed jobs told one by one
     double control_cost_rho_m2 = 1e-6;    ///< weight of the drives in the control cost
   } report;
+  std::vector<double> plant = plant_defaults();  ///< of crane, drives, vehicles and landing: in the order and units of plant_parameters()
   std::vector<TimedEvent> events;  ///< in the order in which they were given
   std::vector<UserTask> tasks;     ///< the user's own, in the order of KIND_USER + n
   ProcessTable processes = built_in_processes();  ///< with the rows given laid over those built in

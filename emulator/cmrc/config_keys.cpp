@@ -289,8 +289,8 @@ std::vector<Key> make_keys() {
              "plant-and-bus.md 1.1"),
       choice("dock.crane_model", FIELD(dock.crane_model), {"sway", "rigid"},
              "the load swings on its rope (L1), or hangs plumb below the jib's tip or the trolley (L0)", "plant-and-bus.md 1.3"),
-      number("dock.container_mass_kg", FIELD(dock.container_mass_kg), "kg", 1000, 40000, "gross mass of a container",
-             "plant-and-bus.md 1.4"),
+      number("dock.container_mass_kg", FIELD(dock.container_mass_kg), "kg", 1000, 1e6,
+             "gross mass of a container, at most the crane's rated load and what its drives can hold", "plant-and-bus.md 1.4"),
       number("dock.agv_speed_m_s", FIELD(dock.agv_speed_m_s), "m/s", 0.5, 6, "upper bound of an AGV's speed on its lanes",
              "plant-and-bus.md 1.4"),
       number("dock.clearance_m", FIELD(dock.clearance_m), "m", 0.1, 5,
@@ -311,6 +311,8 @@ std::vector<Key> make_keys() {
              "what integrates the crane: ARKODE's explicit Runge-Kutta, CVODES' Adams or BDF", "plant-and-bus.md 1.6"),
       boolean("dock.stiction", FIELD(dock.stiction), "the crane's joints stick and break away; else dry friction is smoothed",
               "plant-and-bus.md 1.3"),
+      boolean("dock.gear_losses", FIELD(dock.gear_losses), "gears lose where the load drives them, too; else the motor's torque always counts times the efficiency",
+              "docs/plant.md"),
       boolean("dock.strict_landing", FIELD(dock.strict_landing),
               "a touch that is too hard or too crooked closes no corner switch: it has to be tried again", "plant-and-bus.md 1.5"),
       integer("dock.sway_sensors", FIELD(dock.sway_sensors), "", 1, 2,
@@ -448,7 +450,14 @@ std::vector<Key> make_keys() {
 }  // namespace
 
 std::span<const Key> keys() {
-  static const std::vector<Key> all = make_keys();
+  static const std::vector<Key> all = [] {
+    std::vector<Key> keys = make_keys();
+    for (std::size_t i = 0; i < plant_parameters().size(); ++i) {
+      const PlantParameter& row = plant_parameters()[i];
+      keys.push_back(number(row.name, [i](Config& c) -> double& { return c.plant[i]; }, row.unit, row.minimum, row.maximum, row.meaning, row.source));
+    }
+    return keys;
+  }();
   return all;
 }
 

@@ -20,7 +20,7 @@ std::array<double, 5> inertia(std::size_t channel, const plant::CraneParameters&
   const bool gantry = p.machine == plant::Machine::gantry;
   const plant::DriveParameters& drive = p.drives.at(static_cast<std::size_t>(plant::drive_channels(p.machine).at(channel)));
   const double rotor = drive.rotor_inertia * drive.gear * drive.gear;
-  constexpr double yaw_per_kg = 3.85e5 / 30480;  // of the load, m2: plant-and-bus.md 1.4
+  constexpr double yaw_per_kg = (plant::container_length * plant::container_length + plant::container_width * plant::container_width) / 12.0;  // of a container, m2
   switch (channel) {
     case 0: return gantry ? std::array<double, 5>{} : std::array<double, 5>{rotor + p.gantry_mass + p.jib_mass + p.counterweight};
     case 1:
@@ -59,7 +59,10 @@ Matrix squared(const Matrix& a) {
 }  // namespace
 
 plant::CraneParameters crane_parameters(const Config& config) {
-  return config.dock.crane == CraneMachine::gantry ? plant::gantry_crane() : plant::CraneParameters{};
+  plant::DockConfig dock;
+  if (config.dock.crane == CraneMachine::gantry) dock.crane = plant::gantry_crane();
+  place_plant_parameters(dock, config.plant);
+  return dock.crane;
 }
 
 std::vector<ControlJoint> control_joints(const Config::Control& control, const plant::CraneParameters& crane) {

@@ -59,13 +59,11 @@ bool Crane::done(const Step& step, Desk& desk) {
     case Step::Kind::settle: return settled(desk);
     case Step::Kind::lower: return lowered(desk);
     case Step::Kind::lock:
-      if (!pid_.locked || !desk.servo_resting()) return false;
-      set_payload(job_.full_mass, desk);
+      if (!pid_.locked) return false;
       desk.milestone(0, Milestone::Kind::locked, 0, desk.tick());
       return true;
     case Step::Kind::open:
-      if (!pid_.open || !desk.servo_resting()) return false;
-      set_payload(job_.empty_mass, desk);
+      if (!pid_.open) return false;
       desk.milestone(0, Milestone::Kind::opened, 0, desk.tick());
       return true;
     case Step::Kind::raise: return raised(desk);
@@ -90,8 +88,6 @@ void Crane::begin_leg(Word leg, Desk& desk) {
   desk.write(words_.cr_base + words_.cr_leg, leg);
   chain_.begin(chain_.next_point(), interval_, desk.tick());
 }
-
-void Crane::set_payload(double mass, Desk& desk) { desk.write(words_.cr_base + words_.cr_payload, ti_float(mass)); }
 
 bool Crane::settled(const Desk& desk) const {
   if (pid_.tick <= since_) return false;

@@ -18,8 +18,6 @@ struct CraneJob {
   double slack = 0.1;           ///< m, by which lowering goes further
   double ramp_speed = 0.15;     ///< m/s, peak
   double settle_limit = 20;     ///< s, waiting for the load to come to rest
-  double empty_mass = 10e3;     ///< kg on the rope
-  double full_mass = 40480;
   double refresh_frequency = 8000;
   std::int64_t servo_interval = 8;
   std::int64_t point_interval = 64;    ///< N_t
@@ -90,7 +88,6 @@ class Crane {
   void aim_again(Desk& desk);
   void load(Word kind, Word x, Desk& desk);
   bool raised(Desk& desk);
-  void set_payload(double mass, Desk& desk);
   std::int64_t ticks(double seconds) const;
 
   CraneJob job_;

@@ -64,6 +64,9 @@ std::string_view name(ErrorOrigin origin) {
     case ErrorOrigin::sway: return "sway sensor";
     case ErrorOrigin::landing: return "landing";
     case ErrorOrigin::block: return "block given up";
+    case ErrorOrigin::overspeed: return "drive overspeed";
+    case ErrorOrigin::saturation: return "drive saturated";
+    case ErrorOrigin::heat: return "drive overheated";
   }
   return "";
 }
@@ -91,6 +94,13 @@ std::vector<std::string_view> causes(const ErrorEntry& entry) {
   }
 }
 
+/// The dock's event is the trip of one of the error's joints.
+bool trips(const ErrorEntry& entry, bool gantry, const plant::Event& event) {
+  const auto channels = plant::drive_channels(gantry ? plant::Machine::gantry : plant::Machine::slewing);
+  const auto channel = static_cast<unsigned>(std::ranges::find(channels, event.index) - channels.begin());
+  return (entry.of >> channel & 1) != 0 && static_cast<int>(event.values[0]) == static_cast<int>(entry.origin) - static_cast<int>(ErrorOrigin::overspeed);
+}
+
 void find_beginning(const ErrorEntry& entry, const Config& config, const plant::Dock& dock, report::HandledError& told) {
   const bool gantry = config.dock.crane == CraneMachine::gantry;
   const auto concerns = [&](unsigned number) {
@@ -106,9 +116,11 @@ void find_beginning(const ErrorEntry& entry, const Config& config, const plant::
   for (const TimedEvent& event : config.events) {
     if (std::ranges::find(names, event.action) != names.end() && concerns(event.number)) meet(Time{std::llround(event.at_s * 1e12)}, describe(event));
   }
-  if (entry.origin != ErrorOrigin::late) return;
+  const bool tripped = entry.origin >= ErrorOrigin::overspeed;
+  if (entry.origin != ErrorOrigin::late && !tripped) return;
   for (const plant::Event& event : dock.events()) {
-    if (event.kind == plant::EventKind::drive_stopped) meet(event.time, plant::name(event.kind));
+    if (event.kind == (tripped ? plant::EventKind::drive_tripped : plant::EventKind::drive_stopped) && (!tripped || trips(entry, gantry, event)))
+      meet(event.time, plant::name(event.kind));
   }
 }
 

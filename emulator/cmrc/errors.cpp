@@ -33,7 +33,7 @@ void Errors::tell(const ErrorEntry& entry, Word phase, Desk& desk) const {
 void Errors::notice(ErrorEntry entry, Time now, Desk& desk) {
   entry.noticed = now;
   entry.stands = true;  // until it is decided otherwise
-  known_.at(static_cast<std::size_t>(entry.origin)) |= entry.of;
+  known(entry.origin) |= entry.of;
   Word what = static_cast<Word>(entry.origin) | entry.of << words_.error_of;
   if (entry.tries) what |= words_.error_tries;
   if (entry.robot == 0 && hands_.crane_lowers()) what |= words_.error_lowering;
@@ -44,6 +44,16 @@ void Errors::notice(ErrorEntry entry, Time now, Desk& desk) {
              .area = entry.origin == ErrorOrigin::block ? entry.lost.area : words_.cr_base, .tick = static_cast<std::uint32_t>(desk.tick()),
              .argument = what, .error = static_cast<std::uint32_t>(entries_.size())},
             std::nullopt);
+}
+
+// Drives that fail together for several reasons have a fault: none of them is told as the one.
+ErrorOrigin Errors::trip_of(Word errors) const {
+  switch (errors >> words_.pide_trip & 7) {
+    case 1: return ErrorOrigin::overspeed;
+    case 2: return ErrorOrigin::saturation;
+    case 4: return ErrorOrigin::heat;
+    default: return ErrorOrigin::fault;
+  }
 }
 
 void Errors::pid_says(Word errors, std::uint32_t tick, Time now, Desk& desk) {
@@ -59,11 +69,11 @@ void Errors::pid_says(Word errors, std::uint32_t tick, Time now, Desk& desk) {
                       {ErrorOrigin::sway, words_.pide_sway, 3}};
   for (const Row& row : rows) {
     const Word seen = errors >> row.place & row.mask;
-    const Word fresh = seen & ~known_.at(static_cast<std::size_t>(row.origin));
+    const Word fresh = seen & ~known(row.origin);
     if (fresh == 0) continue;
     if (row.origin == ErrorOrigin::sway && tick <= sway_after_) continue;
     if (row.origin == ErrorOrigin::late && tick <= late_after_) continue;
-    ErrorEntry entry{.origin = row.origin, .of = fresh};
+    ErrorEntry entry{.origin = row.origin == ErrorOrigin::fault ? trip_of(errors) : row.origin, .of = fresh};
     entry.sensor = sensor_;
     entry.tries = row.origin == ErrorOrigin::late && timeouts_ < config_.timeout_retries_max;
     notice(std::move(entry), now, desk);
@@ -71,7 +81,7 @@ void Errors::pid_says(Word errors, std::uint32_t tick, Time now, Desk& desk) {
 }
 
 void Errors::pid_silent(Time now, Desk& desk) {
-  if (known_.at(static_cast<std::size_t>(ErrorOrigin::late)) != 0 || path_.target() == 0 || wanted_) return;
+  if (known(ErrorOrigin::late) != 0 || path_.target() == 0 || wanted_) return;
   notice({.origin = ErrorOrigin::late, .of = five, .tries = timeouts_ < config_.timeout_retries_max}, now, desk);
 }
 
@@ -79,7 +89,7 @@ void Errors::landing_missed(bool tries, Time now, Desk& desk) { notice({.origin 
 
 void Errors::given_up(const Task& lost, bool tries, Time now, Desk& desk) {
   notice({.origin = ErrorOrigin::block, .of = lost.kind, .robot = lost.robot, .lost = lost, .tries = tries}, now, desk);
-  known_.at(static_cast<std::size_t>(ErrorOrigin::block)) = 0;  // each is one of its own
+  known(ErrorOrigin::block) = 0;  // each is one of its own
 }
 
 // ---- what is decided ---------------------------------------------------------------------------------------------------
@@ -106,7 +116,7 @@ void Errors::undecided(const Task& block, Time) {
 void Errors::go_to_rate(double rate, double seconds) { wanted_ = Wanted{rate, seconds}; }
 
 void Errors::carry_out(ErrorEntry& entry, Time now, Desk& desk) {
-  const bool of_drives = entry.origin == ErrorOrigin::fault || entry.origin == ErrorOrigin::encoder;
+  const bool of_drives = is_fault(entry.origin) || entry.origin == ErrorOrigin::encoder;
   if (of_drives) drives_ &= ~entry.of, drives_changed_ = true;
   switch (entry.response) {
     case Response::stop:
@@ -135,7 +145,7 @@ void Errors::carry_out(ErrorEntry& entry, Time now, Desk& desk) {
       break;
     case Response::set_down: hands_.set_crane_down(true); break;
     case Response::retry:
-      known_.at(static_cast<std::size_t>(entry.origin)) &= ~entry.of;
+      known(entry.origin) &= ~entry.of;
       if (entry.origin != ErrorOrigin::late) {
         if (entry.origin == ErrorOrigin::landing) hands_.landing_decided(true);
         else hands_.ask_again(entry.lost);
@@ -151,7 +161,7 @@ void Errors::carry_out(ErrorEntry& entry, Time now, Desk& desk) {
       break;
     case Response::second_sensor:
       entry.stands = false;
-      known_.at(static_cast<std::size_t>(ErrorOrigin::sway)) = 0;
+      known(ErrorOrigin::sway) = 0;
       sensor_ = 1;
       sway_after_ = desk.tick() + servo_interval_;
       desk.write(words_.cr_base + words_.cr_sway_sensor, sensor_);
@@ -211,7 +221,7 @@ void Errors::clear(Time now, Desk& desk) {
       crane = true;
     }
     entry.cleared = now;
-    known_.at(static_cast<std::size_t>(entry.origin)) &= entry.origin == ErrorOrigin::block ? 0U : ~entry.of;
+    known(entry.origin) &= entry.origin == ErrorOrigin::block ? 0U : ~entry.of;
     tell(entry, cleared_now, desk);
   }
   timeouts_ = 0;

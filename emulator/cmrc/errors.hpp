@@ -16,7 +16,9 @@ namespace cmrc {
 using report::Time;
 
 /// ERROR_* and RESPOND_* of task_block.inc, which are checked against these.
-enum class ErrorOrigin : std::uint8_t { following = 1, fault, late, encoder, sway, landing, block };
+enum class ErrorOrigin : std::uint8_t { following = 1, fault, late, encoder, sway, landing, block, overspeed, saturation, heat };
+/// A drive is out of order: it has failed, or tripped.
+constexpr bool is_fault(ErrorOrigin origin) { return origin == ErrorOrigin::fault || origin >= ErrorOrigin::overspeed; }
 enum class Response : std::uint8_t { none, stop, hold, set_down, retry, second_sensor };
 
 /// One error, from the instant at which it was noticed on.
@@ -103,7 +105,10 @@ class Errors {
   std::optional<Wanted> wanted_;
   Word drives_ = 0x1F;             // that are to be on
   bool drives_changed_ = false;
-  std::array<Word, 8> known_{};    // by origin: joints or axes of errors that are not over
+  std::array<Word, 11> known_{};   // by origin: joints or axes of errors that are not over; of trips as of faults
+  Word& known(ErrorOrigin origin) { return known_.at(static_cast<std::size_t>(is_fault(origin) ? ErrorOrigin::fault : origin)); }
+  /// The origin of faults of which PID says why they tripped.
+  ErrorOrigin trip_of(Word errors) const;
   Word sensor_ = 0;                // the sway sensor in use
   std::int64_t sway_after_ = 0;    // PID's word on the sway counts from this tick on: it used the present sensor
   std::int64_t late_after_ = 0;    // the same for time-outs

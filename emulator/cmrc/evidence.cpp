@@ -6,6 +6,7 @@
 #include "bus_model/bus.hpp"
 #include "c40/chip.hpp"
 #include "cmrc/error_log.hpp"
+#include "cmrc/demand.hpp"
 #include "cmrc/measures.hpp"
 #include "cmrc/setup.hpp"
 

@@ -20,7 +20,6 @@ Config as_run(const Config& given) {
   config.machine.boot = BootPolicy::preloaded;
   config.machine.idle_policy = IdlePolicy::doorbell;
   config.machine.cycle_time_factor = 1;
-  config.run.phase_jitter = false;
   config.host.refresh_overhead_ns = config.host.per_block_ns = config.host.semaphore_retry_ns = 0;
   config.dock.drive_delay_us = 0;
   config.scheduling.servo_loss_share = 0;

@@ -26,10 +26,12 @@ std::uint64_t bits_of_name(std::uint64_t seed, std::string_view name, std::uint6
 class Draw {
  public:
   explicit Draw(const Config& config)
-      : on_(config.run.phase_jitter && !config.run.ideal), seed_(static_cast<std::uint64_t>(config.run.seed)) {}
+      : on_(config.run.phase_jitter), seed_(static_cast<std::uint64_t>(config.run.seed)) {}
+
+  static Oscillator nominal(std::string name, std::int64_t hertz, std::int64_t per) { return {std::move(name), hertz, per, {}}; }
 
   Oscillator operator()(std::string name, std::int64_t hertz, std::int64_t per = 1) const {
-    Oscillator one{std::move(name), hertz, per, {}};
+    Oscillator one = nominal(std::move(name), hertz, per);
     if (!on_) return one;
     one.skew.ppm = static_cast<std::int64_t>(bits_of_name(seed_, one.name, 0) % (2 * most_ppm + 1)) - most_ppm;
     try {
@@ -70,11 +72,15 @@ Oscillators oscillators_of(const Config& config) {
   // Millihertz are fine enough for any rate that is typed in, and keep the timer's clock rational (ruling 1).
   Oscillators all{.host = draw("host timer", std::llround(config.rates.refresh_frequency_hz * 1000), 1000),
                   .buses = {}, .dsps = {}, .sway = draw("sway sensor", 100), .range = {}, .units = {}};
+  // In the ideal run the machine has no clocks that differ; what is released and what is sampled keeps the clocks of the run.
+  const auto of_machine = [&](std::string name, std::int64_t hertz, std::int64_t per) {
+    return config.run.ideal ? Draw::nominal(std::move(name), hertz, per) : draw(std::move(name), hertz, per);
+  };
   for (const std::string& bus : machine.topology.buses) {
-    all.buses.push_back(draw("PCI " + bus, machine.pci_hz_numerator, machine.pci_hz_denominator));
+    all.buses.push_back(of_machine("PCI " + bus, machine.pci_hz_numerator, machine.pci_hz_denominator));
   }
   for (unsigned slot = 0; slot < machine.slots; ++slot) {
-    all.dsps.push_back(draw(fmt::format("DSP {}", slot), machine.chip_hz, machine.chip_hz_denominator));
+    all.dsps.push_back(of_machine(fmt::format("DSP {}", slot), machine.chip_hz, machine.chip_hz_denominator));
   }
   for (std::int64_t agv = 0; agv < config.dock.agvs; ++agv) {
     if (sensors.range_rate > 0) {

@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "cmrc/control.hpp"
+#include "cmrc/plant_constants.hpp"
+#include "cmrc/setup.hpp"
 #include "cmrc/ti_float.hpp"
 
 namespace cmrc {
@@ -82,6 +84,7 @@ void place_kernels(toolchain::Image& image, const Config& config) {
     choose("KIND_PID", document ? "kernel_pid_gantry_document" : "kernel_pid_gantry", key);
     place_constants(image, "gantry_constants");
   }
+  place_plant_constants(image, nominal_dock_of(config), config.dock.container_mass_kg);
   place_limits(image, config);
   switch (config.kernels.avoidance) {
     case AvoidanceBuild::none:

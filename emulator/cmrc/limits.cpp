@@ -37,7 +37,7 @@ std::string run(Config config, const std::shared_ptr<const Reference>& reference
   if (!report.missed.empty()) {
     const report::MissReport& first = report.missed.front();
     point.first_miss = first.kind;
-    point.first_miss_s = static_cast<double>(first.deadline.value_or(first.released).count()) * 1e-12;
+    point.first_miss_s = report::seconds(first.deadline.value_or(first.released));
   }
   if (report.errors) {
     const report::Demand& f_p = report.errors->rate("f_p")->all;

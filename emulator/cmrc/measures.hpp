@@ -40,7 +40,4 @@ struct Measured {
 /// than the window stay at their last row.
 report::Errors measure(const Measured& run, const Course& ideal, const JobsByRobot& demanded);
 
-/// Whole point intervals inside legs in which a robot consumed no new point: a gap of g intervals counts floor(g) - 1. By robot.
-std::map<Robot, std::uint64_t> starved_intervals(const Course& course, Time end);
-
 }  // namespace cmrc

@@ -64,6 +64,8 @@ void RunObserver::dock_event(const plant::Event& event) {
     case plant::EventKind::agv_overflow:
     case plant::EventKind::joint_limit:
     case plant::EventKind::drive_resumed:
+    case plant::EventKind::drive_tripped:
+    case plant::EventKind::drive_warm:
     case plant::EventKind::collision:
     case plant::EventKind::fault:
       failures_.push_back({event.time, std::nullopt, "plant", std::string(plant::name(event.kind)) + " (" + std::to_string(event.index) + ")"});

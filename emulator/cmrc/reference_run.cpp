@@ -64,7 +64,7 @@ ReferenceRun::ReferenceRun(const Config& config)
           const std::uint64_t instructions = simulation.machine().chip(0).instructions();
           if (instructions - std::exchange(before, instructions) > most_instructions) {
             throw std::runtime_error(fmt::format("a task does not end at {} times the speed either, near {:.3f} s", ideal_speed,
-                                                 static_cast<double>(progress.simulated.count()) * 1e-12));
+                                                 report::seconds(progress.simulated)));
           }
           return progress.simulated.count() < shared_->stop_ps->load(std::memory_order_relaxed);
         };

@@ -61,12 +61,13 @@ void stack_more(plant::Layout& layout) {
 plant::DockConfig nominal_dock_of(const Config& config) {
   const int agvs = static_cast<int>(config.dock.agvs);
   plant::DockConfig dock = config.dock.crane == CraneMachine::gantry ? plant::gantry_dock(agvs) : plant::default_dock(agvs);
+  place_plant_parameters(dock, config.plant);
   dock.agv.protective_field = config.dock.protective_field;
+  dock.layout.container_mass = config.dock.container_mass_kg;
+  for (auto& container : dock.layout.containers) container.mass = config.dock.container_mass_kg;
   if (config.dock.layout.empty()) stack_more(dock.layout);
   else read_layout(dock, config.dock.layout);
   dock.layout.containers.resize(std::min<std::size_t>(dock.layout.containers.size(), static_cast<std::size_t>(config.dock.containers)));
-  // The controller knows one mass of a container (see crane_of).
-  for (auto& container : dock.layout.containers) container.mass = config.dock.container_mass_kg;
   for (auto& leg : dock.layout.legs) {
     for (auto& lane : leg) lane.speed = std::min(lane.speed, config.dock.agv_speed_m_s);
   }
@@ -75,6 +76,7 @@ plant::DockConfig nominal_dock_of(const Config& config) {
   dock.rigid = config.dock.crane_model == CraneModel::rigid;
   dock.method = config.dock.integrator;
   dock.crane.stiction = config.dock.stiction;
+  dock.crane.gear_losses = config.dock.gear_losses;
   dock.landing.strict = config.dock.strict_landing;
   dock.landing.guides = config.dock.capture_window_m > 0.0;
   if (dock.landing.guides) dock.landing.guide_window = config.dock.capture_window_m;
@@ -97,6 +99,11 @@ plant::DockConfig dock_of(const Config& config) {
   dock.sensors.sway_clock = sampled(clocks.sway);
   for (const Oscillator& one : clocks.range) dock.sensors.range_clocks.push_back(sampled(one));
   for (const Oscillator& one : clocks.units) dock.unit_clocks.push_back(sampled(one));
+  try {
+    plant::check(dock);
+  } catch (const std::invalid_argument& error) {
+    throw ConfigError(fmt::format("dock.crane: {}", error.what()));
+  }
   return dock;
 }
 
@@ -108,8 +115,6 @@ CraneJob crane_of(const Config& config, const plant::DockConfig& dock) {
   job.ramp_speed = config.dock.ramp_speed_m_s;
   job.settle_limit = config.dock.settle_limit_s;
   job.landing_retries = config.dock.landing_retries_max;
-  job.empty_mass = dock.crane.spreader_mass;
-  job.full_mass = dock.crane.spreader_mass + config.dock.container_mass_kg;
   job.speeds = speed_words(config.control, dock.crane.machine);
   job.refresh_frequency = config.rates.refresh_frequency_hz;
   job.servo_interval = n.servo;
@@ -272,7 +277,7 @@ std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfi
   put(w.cr_servo_ticks, static_cast<Word>(n.servo));
   ControlBlock(config, w).initial(put);
   for (Word i = 0; const Word word : speed_words(config.control, layout.crane.machine)) put(w.cr_speed + i++, word);
-  put_float(w.cr_payload, layout.crane.spreader_mass);
+  put_float(w.cr_load, layout.crane.spreader_mass);
   put(w.cr_agv, w.agv_unit);
   put_float(w.cr_clearance, config.dock.clearance_m);
   put_float(w.cr_agv_deck, layout.agv.deck_height);

@@ -290,7 +290,7 @@ void Simulation::at(const TimedEvent& event) {
   Parts& p = *parts_;
   if (duration_of(event.at_s) < p.now()) {
     refuse(event.origin, "events.at_s", fmt::format("{} s has passed", event.at_s),
-           fmt::format("the run is at {:.9g} s", static_cast<double>(p.now().count()) * 1e-12));
+           fmt::format("the run is at {:.9g} s", report::seconds(p.now())));
   }
   if (ended() || event.at_s >= p.config.run.duration_s) {
     refuse(event.origin, "events.at_s", fmt::format("{} s is not within the run", event.at_s), fmt::format("it ends at {} s", p.config.run.duration_s));

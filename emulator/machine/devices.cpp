@@ -24,9 +24,12 @@ Devices::Devices(const Symbols& symbols, plant::Dock& dock, const std::array<Clo
     define(s.drive_torque + channel, Kind::drive_torque, static_cast<unsigned>(channels_[channel]));
     define(s.encoder + channel, Kind::encoder, static_cast<unsigned>(channels_[channel]));
     define(s.drive_speed + channel, Kind::drive_speed, static_cast<unsigned>(channels_[channel]));
+    define(s.drive_heat + channel, Kind::drive_heat, static_cast<unsigned>(channels_[channel]));
   }
   define(s.drive_status, Kind::drive_status);
   status_bits_ = {{{plant::drive_ready, s.drive_ready}, {plant::drive_fault, s.drive_fault}, {plant::drive_late, s.drive_late}, {plant::drive_brake, s.drive_brake}}};
+  define(s.drive_trip, Kind::drive_trip);
+  trip_bits_ = {{{plant::trip_overspeed, s.trip_overspeed}, {plant::trip_saturation, s.trip_saturation}, {plant::trip_heat, s.trip_heat}, {plant::trip_warning, s.trip_warning}}};
   define(s.drive_enable, Kind::drive_enable);
   define(s.sway_alpha, Kind::sway, 0);
   define(s.sway_beta, Kind::sway, 1);
@@ -95,6 +98,8 @@ Word Devices::read(pci::Address offset, const pci::Access& access) {
     case Kind::load_cell: return word(dock_.load_cell(t));
     case Kind::wind_mean: return word(dock_.wind_mean(t));
     case Kind::drive_status: return drive_status(t);
+    case Kind::drive_trip: return drive_trip(t);
+    case Kind::drive_heat: return word(dock_.drive_heat(index, t));
     case Kind::drive_speed: return word(dock_.drive_speed(index, t));
     case Kind::spreader_status: return dock_.spreader_status(t);
     case Kind::scan_rows: return word(dock_.scan_rows());
@@ -139,15 +144,18 @@ void Devices::write(pci::Address offset, Word value, const pci::Access& access) 
   }
 }
 
-Word Devices::drive_status(Time t) const {
+Word Devices::collected(const std::array<StatusBit, 4>& places, std::uint32_t (plant::Dock::*say)(int, Time), Time t) const {
   Word all = 0;
   for (std::size_t channel = 0; channel < channels_.size(); ++channel) {
-    const std::uint32_t status = dock_.drive_status(channels_[channel], t);
-    for (const auto& [bit, place] : status_bits_)
-      if ((status & bit) != 0) all |= Word{1} << (place + channel);
+    const std::uint32_t said = (dock_.*say)(channels_[channel], t);
+    for (const auto& [bit, place] : places)
+      if ((said & bit) != 0) all |= Word{1} << (place + channel);
   }
   return all;
 }
+
+Word Devices::drive_status(Time t) const { return collected(status_bits_, &plant::Dock::drive_status, t); }
+Word Devices::drive_trip(Time t) const { return collected(trip_bits_, &plant::Dock::drive_trip, t); }
 
 std::uint32_t Devices::joints_enabled(Word channels) const {
   std::uint32_t joints = 0;
@@ -162,6 +170,8 @@ DeviceGroup Devices::Register::group() const {
     case Kind::encoder:
     case Kind::drive_status:
     case Kind::drive_speed:
+    case Kind::drive_trip:
+    case Kind::drive_heat:
     case Kind::spreader_command:
     case Kind::spreader_status: return DeviceGroup::drives;
     case Kind::agv_period:

@@ -57,6 +57,8 @@ class Devices final : public pci::Target {
     wind_mean,
     drive_status,
     drive_speed,
+    drive_trip,
+    drive_heat,
     spreader_status,
     scan_rows,
     scan_y,
@@ -94,6 +96,7 @@ class Devices final : public pci::Target {
 
   std::uint32_t joints_enabled(Word channels) const;
   Word drive_status(Time t) const;
+  Word drive_trip(Time t) const;
 
   plant::Dock& dock_;
   std::array<Clock, device_groups> clocks_;  // of the bus on which each group stands
@@ -103,7 +106,8 @@ class Devices final : public pci::Target {
     std::uint32_t plant;  // as the dock says it
     Word place;           // of channel 0, in the register
   };
-  std::array<StatusBit, 4> status_bits_{};
+  std::array<StatusBit, 4> status_bits_{}, trip_bits_{};
+  Word collected(const std::array<StatusBit, 4>& places, std::uint32_t (plant::Dock::*say)(int, Time), Time t) const;
   std::vector<Register> registers_;
   std::vector<AgvCommand> commands_;
 };

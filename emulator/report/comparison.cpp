@@ -17,7 +17,7 @@ std::optional<double> mean_of(const std::vector<CycleReport>& cycles, std::optio
   double sum = 0;
   int count = 0;
   for (const CycleReport& cycle : cycles)
-    if (cycle.*time) sum += static_cast<double>((cycle.*time)->count()) * 1e-12, ++count;
+    if (cycle.*time) sum += seconds(*(cycle.*time)), ++count;
   return count == 0 ? std::nullopt : std::optional(sum / count);
 }
 
@@ -75,7 +75,7 @@ std::vector<Metric> metrics(const RunReport& report) {
   add("control cost", "m2 s", report.control_cost.cost());
   add("control cost, error", "m2 s", report.control_cost.error_m2s);
   add("containers delivered", "", static_cast<double>(report.containers_delivered));
-  add("makespan", "s", report.makespan ? std::optional(static_cast<double>(report.makespan->count()) * 1e-12) : std::nullopt);
+  add("makespan", "s", report.makespan ? std::optional(seconds(*report.makespan)) : std::nullopt);
   add("t_3, mean", "s", mean_of(report.cycles, &CycleReport::t3));
   add("cycle time T_g, mean", "s", mean_of(report.cycles, &CycleReport::T_g));
   add("delivered at, mean", "s", mean_of(report.cycles, &CycleReport::delivered));

@@ -7,7 +7,7 @@
 namespace report {
 namespace {
 
-std::string at(const Time& time) { return fmt::format("{:.4f} s", static_cast<double>(time.count()) * 1e-12); }
+std::string at(const Time& time) { return fmt::format("{:.4f} s", seconds(time)); }
 
 std::string told(const HandledError& error) {
   std::string text = fmt::format("  {}: {}{} {}\n", error.robot, error.origin, error.of.empty() ? "" : ",", fmt::join(error.of, ", "));

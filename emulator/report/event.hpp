@@ -12,6 +12,8 @@ namespace report {
 /// Virtual time since the start of the run, in whole picoseconds.
 using Time = std::chrono::duration<std::int64_t, std::pico>;
 
+constexpr double seconds(Time time) { return static_cast<double>(time.count()) / 1e12; }
+
 /// Who did it. Also the order of events that fall on the same picosecond (rulings 2, 3).
 using Component = std::uint16_t;
 inline constexpr Component host = 0;

@@ -7,7 +7,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double seconds(Time time) { return static_cast<double>(time.count()) / 1e12; }
 
 Json optional_seconds(const std::optional<Time>& time) { return time ? Json(seconds(*time)) : Json(nullptr); }
 

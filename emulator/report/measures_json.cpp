@@ -5,7 +5,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double seconds(Time time) { return static_cast<double>(time.count()) / 1e12; }
 
 template <class Value>
 Json optional(const std::optional<Value>& value) {

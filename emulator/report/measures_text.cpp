@@ -7,8 +7,6 @@
 namespace report {
 namespace {
 
-double seconds(Time time) { return static_cast<double>(time.count()) * 1e-12; }
-
 std::string number(const std::optional<double>& value, const char* format = "{:.4g}") { return value ? fmt::format(fmt::runtime(format), *value) : "-"; }
 
 std::string share(const std::optional<double>& part) { return part ? percent(*part, 1.0) + " %" : "-"; }

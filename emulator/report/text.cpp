@@ -15,9 +15,7 @@ std::string heading(std::string_view title) { return fmt::format("\n{}\n", title
 
 std::string count(std::uint64_t value) { return value == 0 ? "-" : fmt::format("{}", value); }
 
-std::string seconds(const std::optional<Time>& time) {
-  return time ? fmt::format("{:.2f}", static_cast<double>(time->count()) * 1e-12) : "-";
-}
+std::string in_seconds(const std::optional<Time>& time) { return time ? fmt::format("{:.2f}", seconds(*time)) : "-"; }
 
 std::string title(const RunReport& report) {
   const double simulated = static_cast<double>(report.simulated.count()) / 1e12;
@@ -155,7 +153,7 @@ std::string boots(const RunReport& report) {
         shortest = std::min(shortest.value_or(*boot.booted), *boot.booted);
         longest = std::max(longest.value_or(*boot.booted), *boot.booted);
       } else {
-        later += fmt::format("  dsp {} {}: {}\n", dsp.slot, power_on ? "at power-on" : fmt::format("reset at {:.6f} s", static_cast<double>(boot.reset.count()) * 1e-12),
+        later += fmt::format("  dsp {} {}: {}\n", dsp.slot, power_on ? "at power-on" : fmt::format("reset at {:.6f} s", seconds(boot.reset)),
                              boot.booted ? fmt::format("its program ran {:.3f} ms later", static_cast<double>((*boot.booted - boot.reset).count()) * 1e-9)
                                          : "its program has not run yet");
       }
@@ -252,15 +250,15 @@ std::string buses(const RunReport& report) {
 }
 
 std::string cycles(const RunReport& report) {
-  const std::string makespan = report.makespan ? fmt::format("; the job took {} s", seconds(report.makespan)) : "";
+  const std::string makespan = report.makespan ? fmt::format("; the job took {} s", in_seconds(report.makespan)) : "";
   std::string text = heading(fmt::format("Work cycles: {} completed, {} container{} delivered{}", report.cycles_completed,
                                          report.containers_delivered, report.containers_delivered == 1 ? "" : "s", makespan));
   TextTable table({"s", "AGV", "t_3", "t_4", "t_5", "t_6", "t_v", "t_w", "t_wait", "T_g", "T_a", "N^_a", "delivered at"});
   for (const CycleReport& cycle : report.cycles)
-    table.add({fmt::format("cycle {}", cycle.number), fmt::format("{}", cycle.agv), seconds(cycle.t3),
-               seconds(cycle.t4), seconds(cycle.t5), seconds(cycle.t6), seconds(cycle.t_v), seconds(cycle.t_w),
-               seconds(cycle.t_wait), seconds(cycle.T_g), seconds(cycle.T_a),
-               cycle.agv_interval ? fmt::format("{}", *cycle.agv_interval) : "-", seconds(cycle.delivered)});
+    table.add({fmt::format("cycle {}", cycle.number), fmt::format("{}", cycle.agv), in_seconds(cycle.t3),
+               in_seconds(cycle.t4), in_seconds(cycle.t5), in_seconds(cycle.t6), in_seconds(cycle.t_v), in_seconds(cycle.t_w),
+               in_seconds(cycle.t_wait), in_seconds(cycle.T_g), in_seconds(cycle.T_a),
+               cycle.agv_interval ? fmt::format("{}", *cycle.agv_interval) : "-", in_seconds(cycle.delivered)});
   if (table.empty()) return text;
   const bool open = std::ranges::any_of(report.cycles, [](const CycleReport& cycle) { return cycle.t6 && !cycle.T_a; });
   return text + table.render() + (open ? "  t_w, t_wait and T_a: when the AGV has been loaded again\n" : "");
@@ -282,7 +280,7 @@ std::string timed_events(const RunReport& report) {
   if (report.timed_events.empty() && report.timed_events_to_come == 0) return "";
   std::string text = heading("As asked for");
   for (const TimedEventReport& event : report.timed_events)
-    text += fmt::format("  {:.6f} s  {}\n", static_cast<double>(event.time.count()) * 1e-12, event.what);
+    text += fmt::format("  {:.6f} s  {}\n", seconds(event.time), event.what);
   if (report.timed_events_to_come > 0) text += fmt::format("  {} more would have come after the end\n", report.timed_events_to_come);
   return text;
 }
@@ -293,7 +291,7 @@ std::string failures(const RunReport& report) {
   std::string text = heading(fmt::format("Failures: {}", report.failures.size()));
   for (std::size_t i = 0; i < std::min(shown, report.failures.size()); ++i) {
     const FailureReport& failure = report.failures[i];
-    text += fmt::format("  {:.6f} s  {}{}: {}\n", static_cast<double>(failure.time.count()) * 1e-12,
+    text += fmt::format("  {:.6f} s  {}{}: {}\n", seconds(failure.time),
                         failure.dsp ? fmt::format("dsp {}, ", *failure.dsp) : "", failure.kind, failure.message);
   }
   if (report.failures.size() > shown)

@@ -19,6 +19,7 @@
 #include "plant/dock.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/chip_inspection.hpp"
+#include "toolchain/image.hpp"
 
 namespace {
 
@@ -80,6 +81,7 @@ void bind_config(py::module_& m) {
                         py::arg("N_a_slowed") = n.agv_slowed);
       }, "Equations (5) and (6), in refreshes.");
 
+  m.def("dsp_image", &cmrc::dsp_image, py::arg("config"), "The DSPs' program as a run loads it, with what it knows of the plant in place: a toolchain.Image.");
   m.def("dock_of", &cmrc::dock_of, py::arg("config"), "The dock of a run: a plant.DockConfig.");
   m.def("config", [](const py::object& toml, const std::string& name, const py::object& file, const py::object& preset,
                      const py::dict& settings, const std::vector<py::dict>& events) {

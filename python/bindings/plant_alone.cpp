@@ -29,11 +29,12 @@ void bind_crane_alone(py::module_& m) {
   py::class_<CraneAlone::State>(m, "CraneAloneState", "Everything that the crane's future depends on; opaque but for reading.")
       .def_property_readonly("time", [](const CraneAlone::State& s) { return s.time; });
   py::class_<CraneAlone>(m, "CraneAlone", "A crane by itself, driven by motor torques.")
-      .def(py::init([](const CraneParameters& crane, const CranePose& home, double mass, double inertia, double rated_load, bool rigid,
+      .def(py::init([](CraneParameters crane, const CranePose& home, double mass, double inertia, double rated_load, bool rigid,
                        double tolerance, Method method, int order, bool bookkeeping, const SensorParameters& sensors,
                        const WindParameters& wind) {
+             crane.rated_load = rated_load;
              return std::make_unique<CraneAlone>(CraneAloneConfig{
-                 crane, home, {mass, inertia}, rated_load, rigid, tolerance, method, order, bookkeeping, sensors, wind});
+                 crane, home, {mass, inertia}, rigid, tolerance, method, order, bookkeeping, sensors, wind});
            }),
            py::arg("crane"), py::arg("home"), py::arg("mass"), py::arg("inertia"), py::arg("rated_load"), py::arg("rigid"),
            py::arg("tolerance"), py::arg("method"), py::arg("order"), py::arg("bookkeeping"), py::arg("sensors"), py::arg("wind"))

@@ -106,6 +106,10 @@ void bind_instruments(py::class_<Dock>& dock) {
            "bits: 0 ready, 1 fault, 2 timed out, 3 brake closed")
       .def("drive_speed", [](Dock& d, int joint, std::int64_t t) { return d.drive_speed(joint, ps(t)); }, py::arg("joint"), at,
            "the drive's own estimate of its motor's speed; 10000 is rated")
+      .def("drive_trip", [](Dock& d, int joint, std::int64_t t) { return d.drive_trip(joint, ps(t)); }, py::arg("joint"), at,
+           "why it tripped last, until it is switched on again: bits 0 too fast, 1 too long at its largest code, 2 too hot; bit 3 warning of its heat")
+      .def("drive_heat", [](Dock& d, int joint, std::int64_t t) { return d.drive_heat(joint, ps(t)); }, py::arg("joint"), at,
+           "its thermal model; 10000 is what the rated torque comes to")
       .def("load_cell", [](Dock& d, std::int64_t t) { return d.load_cell(ps(t)); }, at, "kg on the rope, in steps of 10")
       .def("second_sway", [](Dock& d, int axis, std::int64_t t) { return d.second_sway(axis, ps(t)); }, py::arg("axis"), at,
            "as sway, of the second sensor")

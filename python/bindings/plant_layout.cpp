@@ -71,7 +71,7 @@ void bind_docks(py::module_& m) {
     using P = Layout;
     py::class_<P>(m, "Layout", "What stands where on the dock, m and rad (docs/plant.md, A layout of one's own).")
         .def(py::init<>())
-        FIELD(deck) FIELD(rows) FIELD(scan_x0) FIELD(scan_dx) FIELD(containers) FIELD(ship) FIELD(no_go) FIELD(movers) FIELD(spot)
+        FIELD(deck) FIELD(rows) FIELD(scan_x0) FIELD(scan_dx) FIELD(containers) FIELD(container_mass) FIELD(ship) FIELD(no_go) FIELD(movers) FIELD(spot)
         FIELD(warehouse) FIELD(warehouse_radius) FIELD(warehouse_take) FIELD(slot_spacing) FIELD(legs);
   }
   py::native_enum<Method>(m, "Method", "enum.Enum").value("erk", Method::erk).value("adams", Method::adams).value("bdf", Method::bdf).finalize();
@@ -79,7 +79,7 @@ void bind_docks(py::module_& m) {
   py::class_<P>(m, "DockConfig", "A dock's configuration; default_dock() is the one to begin with.")
       .def(py::init<>())
       FIELD(crane) FIELD(landing) FIELD(agv) FIELD(sensors) FIELD(wind) FIELD(ship) FIELD(layout) FIELD(collisions) FIELD(rigid)
-      FIELD(agv_count) FIELD(home) FIELD(rated_load) FIELD(drive_delay) FIELD(drive_timeout) FIELD(method) FIELD(tolerance) FIELD(signal_decimation);
+      FIELD(agv_count) FIELD(home) FIELD(drive_delay) FIELD(drive_timeout) FIELD(method) FIELD(tolerance) FIELD(signal_decimation);
   m.def("default_dock", &default_dock, py::arg("agv_count") = 1, "the dock of docs/plant.md");
   m.def("gantry_dock", &gantry_dock, py::arg("agv_count") = 1, "the dock with a ship-to-shore gantry");
   py::register_exception<LayoutError>(m, "LayoutError", PyExc_ValueError);

@@ -14,7 +14,8 @@ void bind_drive(py::module_& m) {
   using P = DriveParameters;
   py::class_<P>(m, "DriveParameters", "One joint's drive; torques on the motor side, N m.")
       FIELD(rated_torque) FIELD(rated_speed) FIELD(gear) FIELD(rotor_inertia) FIELD(efficiency) FIELD(torque_lag) FIELD(coulomb)
-      FIELD(stribeck) FIELD(viscous) FIELD(smooth_speed) FIELD(stribeck_speed) FIELD(brake)
+      FIELD(stribeck) FIELD(viscous) FIELD(smooth_speed) FIELD(stribeck_speed) FIELD(brake) FIELD(peak) FIELD(overspeed) FIELD(overspeed_time)
+      FIELD(saturation_time) FIELD(thermal_time) FIELD(thermal_trip)
       .def_property_readonly("maximum_torque", &P::maximum_torque)
       .def_property_readonly("rated_force", &P::rated_force)
       .def_property_readonly("rated_joint_speed", &P::rated_joint_speed);
@@ -33,7 +34,7 @@ void bind_crane(py::module_& m) {
       .def(py::init<>())
       FIELD(machine) FIELD(portal) FIELD(a0) FIELD(jib) FIELD(pivot_height) FIELD(gantry_mass) FIELD(slew_inertia) FIELD(jib_mass)
       FIELD(jib_centre) FIELD(jib_inertia) FIELD(counterweight) FIELD(counterweight_radius) FIELD(spreader_mass)
-      FIELD(spreader_inertia) FIELD(sway_damping) FIELD(gear_losses) FIELD(stiction) FIELD(lower) FIELD(upper)
+      FIELD(spreader_inertia) FIELD(rated_load) FIELD(sway_damping) FIELD(gear_losses) FIELD(stiction) FIELD(lower) FIELD(upper)
       .def_property(
           "drives", [](const P& p) { return std::vector<DriveParameters>(p.drives.begin(), p.drives.end()); },
           [](P& p, const std::array<DriveParameters, joint_count>& drives) { p.drives = drives; });

@@ -133,8 +133,12 @@ def test_documentation_lists_exactly_the_schema() -> None:
     rows = {}
     for line in page.splitlines():
         cells = [cell.strip() for cell in line.strip("|").split("|")]
-        if len(cells) == 5 and re.fullmatch(r"`[a-z_0-9.]+`", cells[0]):
-            rows[cells[0].strip("`")] = cells
+        if len(cells) == 5 and (key := re.fullmatch(r"`([a-z_0-9.]+)(?:\{([a-z,]+)\}([a-z_0-9.]+))?`", cells[0])):
+            before, tables, after = key.groups()
+            names = [f"{before}{table}{after}" for table in tables.split(",")] if tables else [before]
+            defaults = cells[1].split(", ") if "," in cells[1] and tables else cells[1:2] * len(names)
+            for name, default in zip(names, defaults, strict=True):
+                rows[name] = [cells[0], default, *cells[2:]]
     assert set(rows) == set(KEYS)
     for name, (_, default, unit, meaning, source) in rows.items():
         key = KEYS[name]

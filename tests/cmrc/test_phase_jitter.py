@@ -203,12 +203,25 @@ def test_the_drives_latch_stays_on_its_grid() -> None:
     assert all(abs(t / 125e-6 - round(t / 125e-6)) < 1e-6 for t in instants)
 
 
-# ---- where it does not apply
+# ---- the ideal run; where it does not apply
 
 
-def test_the_ideal_run_ignores_it() -> None:
-    assert clocks(ideal=True) == clocks(jitter=False, ideal=True)
-    assert run(ideal=True)["hash"] == run(jitter=False, ideal=True)["hash"]
+def test_the_ideal_run_keeps_the_clocks_of_what_is_released_and_sampled() -> None:
+    """Chips and buses have none to differ: their time costs nothing."""
+    drawn, ideal = clocks(5, agvs=2), clocks(5, agvs=2, ideal=True)
+    for name, one in ideal.items():
+        if name.startswith(("DSP", "PCI")):
+            assert one["ppm"] == one["phase_ps"] == 0, name
+        else:
+            assert one == drawn[name], name
+
+
+def test_a_perfect_run_misses_nothing_against_its_ideal_run_whatever_the_phases() -> None:
+    for seed in range(6):
+        simulation = cmrc.Simulation(cmrc.config(preset="base", settings={"seed": seed, "phase_jitter": True, "dsps": 4, "duration_s": 0.3}))
+        simulation.run()
+        for name, rate in json.loads(simulation.report_json())["rates"].items():
+            assert rate["missed_share"] in (0, None), (seed, name, rate)
 
 
 def test_a_clock_that_cannot_be_kept_exactly_is_refused() -> None:

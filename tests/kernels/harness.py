@@ -17,9 +17,11 @@ RETURN = 0x3FF000  # nothing is here: where the called code returns to
 
 
 @functools.cache
-def image() -> Any:
+def image(**settings: str | float) -> Any:
+    """The DSPs' program as a run with these settings loads it; names have ``__`` for the dot."""
     programs = Path(os.environ.get("CMRC_PROGRAMS", ROOT / "c40_programs"))
-    return _core.toolchain.assemble_file(programs / "dsp.asm", entry="_start")
+    given = {name.replace("__", "."): value for name, value in settings.items()}
+    return _core.cmrc.dsp_image(_core.cmrc.config(settings={"machine.programs": str(programs), **given}))
 
 
 def to_ti(x: float) -> int:
@@ -40,12 +42,13 @@ def from_ti(word: int) -> float:
 
 
 def gantry_constants(chip: Any, symbols: dict[str, int]) -> None:
-    """Puts the list in the image over the constants on chip, as the configuration does (dock.crane = "gantry")."""
-    at = symbols["gantry_constants"]
-    while place := chip.peek(at):
-        count = chip.peek(at + 1)
-        chip.load_words(place, chip.read(at + 2, count))
-        at += 2 + count
+    """Puts the gantry's constants in the place of the slewing crane's (dock.crane = "gantry")."""
+    gantry = _core.c40.Processor("flat")
+    gantry.load_image(image(dock__crane="gantry"))
+    first, last = symbols["constants"], symbols["constants_end"]
+    chip.load_words(symbols["CONSTANTS"], gantry.read(first, last - first))
+    tables = symbols["gantry_masses"]
+    chip.load_words(tables, gantry.read(tables, symbols["gantry_travel"] - tables))
 
 
 def signed(word: int) -> int:
@@ -55,10 +58,11 @@ def signed(word: int) -> int:
 class Dsp:
     """The DSP after `_start` has copied the constants; `area` is the address of the robot's area."""
 
-    def __init__(self) -> None:
-        self.symbols: dict[str, int] = image().symbols
+    def __init__(self, **settings: str | float) -> None:
+        program = image(**settings)
+        self.symbols: dict[str, int] = program.symbols
         self.chip = _core.c40.Processor("flat")
-        self.chip.load_image(image())
+        self.chip.load_image(program)
         first, last = self.symbols["constants"], self.symbols["constants_end"]
         self.chip.load_words(self.symbols["CONSTANTS"], self.chip.read(first, last - first))
         self.area = WINDOW_A + self.symbols["CR_BASE"]
@@ -87,6 +91,11 @@ class Dsp:
 
     def word(self, name: str, offset: int = 0) -> int:
         return signed(self.chip.peek(self.area + self.symbols[name] + offset))
+
+    def hang(self, mass: int) -> None:
+        """kg on the rope: the load cell shows it, and has done so for long."""
+        self.device("LOAD_CELL", mass)
+        self.put("CR_LOAD", float(mass))
 
     def device(self, name: str, value: int, offset: int = 0) -> None:
         self.chip.poke(WINDOW_B + self.symbols[name] + offset, value & 0xFFFFFFFF)

@@ -15,7 +15,7 @@ RETURN = 0x3FF000  # a word where nothing is: the kernel comes back here
 
 def image() -> _core.toolchain.Image:
     programs = Path(os.environ.get("CMRC_PROGRAMS", ROOT / "c40_programs"))
-    return _core.toolchain.assemble_file(programs / "dsp.asm", entry="_start")
+    return _core.cmrc.dsp_image(_core.cmrc.config(settings={"machine.programs": str(programs)}))
 
 
 def to_ti(x: float) -> int:

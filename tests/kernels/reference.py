@@ -10,18 +10,21 @@ import itertools
 import math
 from dataclasses import dataclass, field
 
+from cmrc import _core
+
 JOINTS = ("s", "psi", "phi", "l", "kappa")
 
-# ---- crane, plant-and-bus.md 1.2 to 1.4 and the plant's defaults
-A0, JIB, PIVOT, GRAVITY = 2.5, 32.0, 22.0, 9.81
-M_GANTRY, J_SLEW, M_JIB, C_JIB, I_JIB = 180e3, 4.0e6, 22e3, 14.0, 1.88e6
-M_CW, R_CW = 60e3, 7.0
-M_SPREADER, I_SPREADER = 10e3, 1.25e5
-I_PER_KG = 3.85e5 / 30480.0  # yaw inertia of a load, m2: (5.1e5 - 1.25e5) / 30 480 kg
-GEAR = (314.0, 1250.0, 3140.0, 1 / 0.00955, 1500.0)
-ROTOR = (0.4, 4.8, 20.0, 16.0, 0.06)
-EFFICIENCY = (0.88, 0.88, 0.85, 0.88, 0.88)
-RATED_TORQUE = (382.0, 1911.0, 7643.0, 3185.0, 70.0)
+# ---- crane, plant-and-bus.md 1.2 to 1.4: the symbols of docs/plant.md, their values from the plant's own list
+P = _core.plant.CraneParameters()
+A0, JIB, PIVOT, GRAVITY = P.a0, P.jib, P.pivot_height, 9.81
+M_GANTRY, J_SLEW, M_JIB, C_JIB, I_JIB = P.gantry_mass, P.slew_inertia, P.jib_mass, P.jib_centre, P.jib_inertia
+M_CW, R_CW = P.counterweight, P.counterweight_radius
+M_SPREADER, I_SPREADER = P.spreader_mass, P.spreader_inertia
+I_PER_KG = (12.192**2 + 2.438**2) / 12  # yaw inertia of a container, m2
+GEAR = tuple(d.gear for d in P.drives)
+ROTOR = tuple(d.rotor_inertia for d in P.drives)
+EFFICIENCY = tuple(d.efficiency for d in P.drives)
+RATED_TORQUE = tuple(d.rated_torque for d in P.drives)
 RATED_SPEED = 157.0
 COULOMB, VISCOUS, SMOOTH = 0.03, 0.015, 0.01
 U_MAX = tuple(1.5 * t for t in RATED_TORQUE)
@@ -184,7 +187,7 @@ def joint_torques(q: list[float], qd: list[float], qdd: list[float], payload: fl
     h = I_JIB + M_JIB * C_JIB**2 + payload * JIB**2
     m_psi = J_SLEW + I_JIB * cf * cf + M_CW * R_CW**2 + M_JIB * (A0 + C_JIB * cf) ** 2 + payload * radius**2
     coupling = h * cf + A0 * a
-    i_k = I_SPREADER + I_PER_KG * (payload - M_SPREADER)
+    i_k = I_SPREADER + I_PER_KG * max(0.0, payload - M_SPREADER)
     kappa = i_k * (psidd + kappadd)
     return [
         (M_GANTRY + M_JIB + M_CW + payload) * sdd

@@ -27,7 +27,7 @@ ALONG_GAIN = 1.2  # 1/s
 AT_SPOT = 0.01  # m from the end of the leg where the vehicle is told to stand
 SLOWEST, FASTEST = -0.2, 6.5  # m/s
 STIFFNESS = 4.0e5  # N/rad and axle
-MASS_EMPTY, MASS_LOADED = 25.0e3, 55.0e3  # kg
+MASS_EMPTY, MASS_LOADED = 25.0e3, 49.0e3  # kg: with a container of 24 t
 
 
 @dataclass(frozen=True)

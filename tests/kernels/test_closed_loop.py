@@ -39,7 +39,7 @@ class Crane:
         dsp.put("CR_SERVO_PERIOD", SERVO_TICKS / REFRESH)
         dsp.put("CR_POINT_TICKS", POINT_TICKS)
         dsp.put("CR_SERVO_TICKS", SERVO_TICKS)
-        dsp.put("CR_PAYLOAD", payload)
+        dsp.hang(round(payload))
         dsp.put("CR_HOME", *home)
         dsp.put("CR_RAMP_BASE", 0.0, 0.0)
         total = self.counts()

@@ -7,7 +7,8 @@ import pytest
 from harness import WINDOW_A, Dsp
 from locations import ROOT
 
-ORIGINS = {"following error": 1, "drive fault": 2, "drive time-out": 3, "encoder": 4, "sway sensor": 5, "landing": 6, "block given up": 7}
+ORIGINS = {"following error": 1, "drive fault": 2, "drive time-out": 3, "encoder": 4, "sway sensor": 5, "landing": 6, "block given up": 7,
+           "drive overspeed": 8, "drive saturated": 9, "drive overheated": 10}  # fmt: skip
 RESPONSES = {"stop": 1, "hold": 2, "set down": 3, "retry": 4, "second sensor": 5}
 SITUATIONS = {"tries left": 0x10000, "lowering": 0x20000, "second sensor free": 0x80000}
 HOIST = 8 << 4
@@ -41,7 +42,7 @@ def test_it_decides_as_the_page_says() -> None:
                 assert (result >> 16, notify) == (RESPONSES[want], 0), (origin, facts, hoist)
 
 
-@pytest.mark.parametrize("argument", [0, 8, 15])
+@pytest.mark.parametrize("argument", [0, 11, 15])
 def test_an_origin_that_it_does_not_know_is_held(argument: int) -> None:
     assert Dsp().run("error", argument=argument)[0] >> 16 == RESPONSES["hold"]
 

@@ -24,7 +24,7 @@ def crane() -> Dsp:
     dsp = Dsp()
     scalars = {
         "CR_POINT_PERIOD": 0.008, "CR_SERVO_PERIOD": 0.001, "CR_POINT_TICKS": 64, "CR_SERVO_TICKS": 8, "CR_LEG": 1,
-        "CR_CLEARANCE": 0.6, "CR_AGV_DECK": 1.6, "CR_BOX_HEIGHT": 2.591, "CR_PAYLOAD": 10_000.0, "CR_BOX_COUNT": 1,
+        "CR_CLEARANCE": 0.6, "CR_AGV_DECK": 1.6, "CR_BOX_HEIGHT": 2.591, "CR_LOAD": 10_000.0, "CR_BOX_COUNT": 1,
     }  # fmt: skip
     for name, value in scalars.items():
         dsp.put(name, value)
@@ -44,6 +44,7 @@ def crane() -> Dsp:
         dsp.put("CR_ENCODER_TOTAL", total, j)
         dsp.put("CR_ENCODER_LAST", total, j)
         dsp.device(dsp.symbols["ENCODER"] + j, total + 3 * j)
+    dsp.device(dsp.symbols["LOAD_CELL"], 10_000)
     return dsp
 
 

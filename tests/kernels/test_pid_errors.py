@@ -224,7 +224,7 @@ def test_torque_compensation_knows_the_path_clock() -> None:
     dsp.put("CR_SERVO_PERIOD", H)
     dsp.put("CR_POINT_TICKS", POINT_TICKS)
     dsp.put("CR_SERVO_TICKS", SERVO_TICKS)
-    dsp.put("CR_PAYLOAD", 20000.0)
+    dsp.hang(20_000)
     dsp.put("CR_PID_STAGE", 2)
     begin, acceleration = 8000, [0.02, 0.03, -0.02, 0.1, 0.04]
     speed = [0.3, 0.1, -0.05, 0.5, 0.1]

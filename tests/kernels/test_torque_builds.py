@@ -97,7 +97,7 @@ def states(seed: int, count: int) -> list[tuple[np.ndarray, np.ndarray, np.ndarr
     for _ in range(count):
         q = singles(r, 40.0, 3.0, 0.5, 18.0, 3.0) + np.array([0, 0, 0.875, 25.0, 0])
         q = np.array([from_ti(to_ti(float(x))) for x in q])
-        payload = from_ti(to_ti(r.uniform(10e3, 40.5e3)))
+        payload = float(round(r.uniform(10e3, 50e3)))
         out.append((q, singles(r, 0.5, 0.12, 0.05, 1.0, 0.1), singles(r, 0.1, 0.02, 0.01, 0.3, 0.03), payload))
     return out
 
@@ -106,7 +106,7 @@ def run(dsp: Dsp, kernel: str, state: tuple[np.ndarray, np.ndarray, np.ndarray, 
     *motion, payload = state
     for slot in (0, 1):  # the set-point rests on one joint point
         dsp.put("CR_RING", *(float(x) for part in motion for x in part), offset=slot * 16)
-    dsp.put("CR_PAYLOAD", payload)
+    dsp.hang(int(payload))
     result, notify, cycles = dsp.run(kernel, tick=8)
     assert (result, notify) == (0, 0)
     return dsp.floats("CR_FEED_FORWARD", 5), cycles

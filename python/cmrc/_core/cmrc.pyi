@@ -2,6 +2,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from cmrc._core.plant import DockConfig
+from cmrc._core.toolchain import Image
 from numpy import float64
 from numpy.typing import NDArray
 
@@ -13,6 +14,7 @@ class Config:
     def intervals(self) -> dict[str, int]: ...
 
 def dock_of(config: Config) -> DockConfig: ...
+def dsp_image(config: Config) -> Image: ...
 def oscillators(config: Config) -> list[dict[str, Any]]: ...
 def release_steps(
     release: str, number: int, count: int, staggered: bool, steps: Sequence[tuple[int, int, bool, bool, bool]]

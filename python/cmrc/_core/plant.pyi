@@ -37,6 +37,12 @@ class DriveParameters:
     smooth_speed: float
     stribeck_speed: float
     brake: float
+    peak: float
+    overspeed: float
+    overspeed_time: float
+    saturation_time: float
+    thermal_time: float
+    thermal_trip: float
     @property
     def maximum_torque(self) -> float: ...
     @property
@@ -68,6 +74,7 @@ class CraneParameters:
     counterweight_radius: float
     spreader_mass: float
     spreader_inertia: float
+    rated_load: float
     sway_damping: float
     gear_losses: bool
     stiction: bool
@@ -213,6 +220,7 @@ class Layout:
     scan_x0: float
     scan_dx: float
     containers: list[ContainerPlace]
+    container_mass: float
     ship: Box
     no_go: list[Box]
     movers: list[Mover]
@@ -236,7 +244,6 @@ class DockConfig:
     rigid: bool
     agv_count: int
     home: CranePose
-    rated_load: float
     drive_delay: int
     drive_timeout: float
     method: Method
@@ -401,6 +408,8 @@ class Dock:
     def fail_sway(self, axis: int, failed: bool, t: int) -> None: ...
     def drive_status(self, joint: int, t: int) -> int: ...
     def drive_speed(self, joint: int, t: int) -> int: ...
+    def drive_trip(self, joint: int, t: int) -> int: ...
+    def drive_heat(self, joint: int, t: int) -> int: ...
     def load_cell(self, t: int) -> int: ...
     def second_sway(self, axis: int, t: int) -> int: ...
     def wind_mean(self, t: int) -> int: ...

@@ -266,10 +266,7 @@ def section(p: Parameters, all_rows: Sequence[Row]) -> str:
         f"**Load.** Preset {p.preset}: the AGVs drive. {p.load_duration_s:g} s from power-on; nothing is left out, "
         "identify is in it. Shares are of what the ideal run demands ([report.md](report.md), Rates). Each row has"
         f" {len(p.seeds)} run{'s' if len(p.seeds) > 1 else ''}; the seed draws phases and ppm of all clocks "
-        "(`run.phase_jitter`) and the sensors' noise. The host's timer then begins up to a period later than the ideal "
-        "run's; "
-        "one job of a kind fewer is no miss. Means, with 95 % intervals (bootstrap) where the runs "
-        "differ.\n\n"
+        "(`run.phase_jitter`) and the sensors' noise. Means, with 95 % intervals (bootstrap) where the runs differ.\n\n"
     )
     text += markdown(columns, table)
     text += (

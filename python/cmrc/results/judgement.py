@@ -73,17 +73,9 @@ def parameter(default: Any, meaning: str) -> Any:
 
 
 def missed_share(report: Mapping[str, Any], rate: str) -> float | None:
-    """Missed against f_p, f_t or f_a in % of what the ideal run demands (docs/report.md, Rates); None without demand.
-
-    The ideal run has no phase jitter. With ``run.phase_jitter`` the host's timer begins up to a period later: of each kind one job
-    fewer in the run is no miss.
-    """
-    found = report["rates"][rate]
-    if found["missed_share"] is None:
-        return None
-    edge = len(found["kinds"]) if report["configuration"]["run.phase_jitter"] else 0
-    missed = int(found["misses"]) + max(0, int(found["not_demanded"]) - edge)
-    return percent(missed, int(found["demanded"]) + int(found["extra"]))
+    """Missed against f_p, f_t or f_a in % of what the ideal run demands (docs/report.md, Rates); None without demand."""
+    share = report["rates"][rate]["missed_share"]
+    return None if share is None else 100.0 * float(share)
 
 
 def demand_missed(report: Mapping[str, Any], kind: str) -> float | None:

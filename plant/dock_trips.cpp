@@ -1,0 +1,62 @@
+// The drives' own protection: what makes a drive trip, and what ends that.
+#include <algorithm>
+#include <cmath>
+
+#include "plant/dock_core.hpp"
+
+namespace plant {
+namespace {
+
+constexpr int largest_code = 2047;
+
+std::int64_t latches(double seconds) { return std::llround(seconds / latch_seconds); }
+
+}  // namespace
+
+// Over the interval that has ended: its codes were held, and its heat is that of the torque at its end. A trip stands until the drive is
+// switched off; that of the thermal model also until the motor has cooled to what it withstands for ever.
+void DockCore::protect_drives() {
+  ProtectionState& p = state.protection;
+  const std::uint32_t switched_on = state.shadow_enable & ~p.asked;
+  p.asked = state.shadow_enable;
+  for (std::uint32_t& cause : p.causes) cause &= ~switched_on;
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const DriveParameters& drive = config.crane.drives[j];
+    const bool on = bit(state.enabled, j);
+    const double load = state.crane.torque[j] / drive.rated_torque;
+    p.heat[j] += latch_seconds / drive.thermal_time * (load * load - p.heat[j]);
+    const bool fast = on && std::fabs(state.crane.qd[coordinate_of(j)]) > drive.overspeed * drive.rated_joint_speed();
+    p.fast[j] = fast ? p.fast[j] + 1 : 0;
+    p.saturated[j] = on && std::abs(state.code[j]) >= largest_code ? p.saturated[j] + 1 : 0;
+    if ((p.heat[j] > 1.0) != bit(p.warm, j)) {
+      p.warm ^= 1U << j;
+      if (bit(p.warm, j)) report(EventKind::drive_warm, static_cast<int>(j), p.heat[j]);
+    }
+    if (p.fast[j] > 0 && p.fast[j] >= latches(drive.overspeed_time)) trip(j, Trip::overspeed);
+    if (p.saturated[j] > 0 && p.saturated[j] >= latches(drive.saturation_time)) trip(j, Trip::saturation);
+    if (on && p.heat[j] > drive.thermal_trip) trip(j, Trip::heat);
+    if (bit(p.tripped, j) && !bit(state.shadow_enable, j) && p.heat[j] <= 1.0) p.tripped &= ~(1U << j);
+  }
+}
+
+void DockCore::trip(std::size_t joint, Trip cause) {
+  ProtectionState& p = state.protection;
+  p.fast[joint] = p.saturated[joint] = 0;
+  p.tripped |= 1U << joint;
+  p.causes[static_cast<std::size_t>(cause)] |= 1U << joint;
+  report(EventKind::drive_tripped, static_cast<int>(joint), static_cast<double>(cause), p.heat[joint]);
+}
+
+std::uint32_t DockCore::drive_trip(std::size_t joint) const {
+  const ProtectionState& p = state.protection;
+  std::uint32_t said = bit(p.warm, joint) ? trip_warning : 0U;
+  for (std::size_t cause = 0; cause < trip_count; ++cause)
+    if (bit(p.causes[cause], joint)) said |= 1U << cause;
+  return said;
+}
+
+std::int32_t DockCore::drive_heat(std::size_t joint) const {
+  return static_cast<std::int32_t>(std::floor(std::min(state.protection.heat[joint], 10.0) * 10'000.0 + 0.5));
+}
+
+}  // namespace plant

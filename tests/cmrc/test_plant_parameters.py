@@ -1,0 +1,136 @@
+"""Crane, drives and vehicles as keys: every parameter of the plant is one, kernels know the plant's own, and what cannot work is refused."""
+
+import math
+import random
+from typing import Any
+
+import numpy as np
+import pytest
+from cmrc import _core
+
+cmrc, plant = _core.cmrc, _core.plant
+KEYS = {key["name"]: key for key in cmrc.config_keys()}
+TABLES = ("slewing", "gantry", "agv", "landing")
+MINE = [name for name in KEYS if name.split(".")[0] in TABLES]
+LOW_RATES: dict[str, Any] = {
+    "dsps": 1, "boot": "preloaded", "refresh_frequency_hz": 2000, "servo_frequency_hz": 250, "alpha_refreshes": 6, "beta_refreshes": 3,
+    "report.reference": "none", "report.signal_decimation": 8,
+}  # fmt: skip
+
+
+def numbers(of: Any, path: str = "") -> dict[str, float]:
+    """Every number among the attributes of a parameters' class, lists and classes inside it too."""
+    found: dict[str, float] = {}
+    for name in dir(of):
+        if name.startswith("_") or callable(value := getattr(of, name)):
+            continue
+        here = f"{path}.{name}"
+        if isinstance(value, bool) or isinstance(type(of).__dict__.get(name), property) and type(of).__dict__[name].fset is None:
+            continue
+        if isinstance(value, int | float):
+            found[here] = float(value)
+        elif isinstance(value, list | tuple):
+            for i, element in enumerate(value):
+                if isinstance(element, float):
+                    found[f"{here}[{i}]"] = element
+                else:
+                    found |= numbers(element, f"{here}[{i}]")
+        elif type(value).__name__ == "Portal":
+            found |= numbers(value, here)
+    return found
+
+
+def dock_of(**settings: Any) -> Any:
+    return cmrc.dock_of(cmrc.config(settings=settings))
+
+
+def parts(dock: Any) -> dict[str, float]:
+    return {**numbers(dock.crane, "crane"), **numbers(dock.agv, "agv"), **numbers(dock.landing, "landing")}
+
+
+def larger(name: str) -> float:
+    """A tenth more, where that is allowed; a limit of 0 moves by one."""
+    key = KEYS[name]
+    value = key["default"] * 1.1 if key["default"] else key["default"] + 1.0
+    return float(value if value <= key["maximum"] else key["default"] * 0.9)
+
+
+def machine_of(name: str) -> str:
+    return name.split(".")[0] if name.split(".")[0] in ("slewing", "gantry") else "slewing"
+
+
+# What has no key of its own name. Of either machine: the other one's geometry.
+ELSEWHERE = {"landing.guide_window": "dock.capture_window_m"}
+NOT_OF_A_GANTRY = {
+    "crane.a0", "crane.jib", "crane.slew_inertia", "crane.jib_centre", "crane.jib_inertia", "crane.counterweight", "crane.counterweight_radius",
+    "crane.lower[1]", "crane.upper[1]",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("machine", ["slewing", "gantry"])
+def test_every_parameter_of_the_plant_is_one_key(machine: str) -> None:
+    keys = [name for name in MINE if name.split(".")[0] in (machine, "agv", "landing")]
+    config = cmrc.config(settings={"dock.crane": machine})
+    before = parts(cmrc.dock_of(config))
+    reached: dict[str, str] = {}
+    for name in keys:
+        # A tenth of a parameter may make a dock that is refused as a whole; the smallest step shows which one it is.
+        value = KEYS[name]["default"] * (1 - 1e-9) + (1e-9 if KEYS[name]["default"] == 0 else 0)
+        if value < KEYS[name]["minimum"]:
+            value = KEYS[name]["default"] * (1 + 1e-9)
+        after = parts(dock_of(**{"dock.crane": machine, name: value}))
+        [changed] = [path for path in before if before[path] != after[path]]
+        assert changed not in reached, (name, reached[changed])
+        reached[changed] = name
+    missing = set(before) - set(reached) - set(ELSEWHERE)
+    if machine == "gantry":
+        missing -= NOT_OF_A_GANTRY | {path for path in before if path.startswith("crane.drives[1]")}
+    assert missing == set()
+
+
+def test_a_machine_does_not_mind_the_other_ones_parameters() -> None:
+    assert parts(dock_of(**{"gantry.trolley_mass_kg": 3e4})) == parts(dock_of())
+    assert parts(dock_of(**{"dock.crane": "gantry", "slewing.jib_m": 40.0})) == parts(dock_of(**{"dock.crane": "gantry"}))
+
+
+def test_degrees_are_degrees_and_an_untouched_default_keeps_its_bits() -> None:
+    crane = dock_of(**{"slewing.luff.lower_deg": 25.0}).crane
+    assert crane.lower[2] == pytest.approx(math.radians(25)) and crane.upper[2] == plant.CraneParameters().upper[2]
+    assert parts(dock_of()) == {**parts(plant.default_dock(1))}
+    config = cmrc.config(settings={"slewing.luff.lower_deg": 25.0, "agv.mass_kg": 26e3})
+    again = cmrc.config(toml=config.to_toml())
+    assert parts(cmrc.dock_of(again)) == parts(cmrc.dock_of(config)) and again.to_dict() == config.to_dict()
+
+
+# ---- at rest
+
+
+def drift(machine: str, **settings: Any) -> np.ndarray:
+    """How far each joint leaves its place within 0.3 s of the drives' being on, before the first leg has moved the crane: in counts of its encoder."""
+    config = cmrc.config(settings={**LOW_RATES, "dock.crane": machine, "duration_s": 0.4, **settings})
+    simulation = cmrc.Simulation(config)
+    simulation.run()
+    signals = simulation.signals()
+    crane = cmrc.dock_of(config).crane
+    joints = ("s", "psi", "phi", "l", "kappa") if machine == "slewing" else ("s", "psi", "trolley", "l", "kappa")
+    columns = [next(n for n in signals if n in (f"{joint}_m", f"{joint}_rad")) for joint in joints]
+    moved = np.array([np.ptp(signals[column]) for column in columns])
+    return np.asarray(moved * [16384 / (2 * math.pi) * drive.gear for drive in crane.drives])
+
+
+@pytest.mark.parametrize("machine", ["slewing", "gantry"])
+def test_no_parameter_leaves_an_offset_at_rest(machine: str) -> None:
+    """A tenth more of each: what the kernels do not know of it would move a joint as soon as the brakes open, or with the first set-point."""
+    usual = drift(machine)
+    tables = (machine,) if machine == "gantry" else ("slewing", "agv", "landing")
+    offsets = {}
+    for name in (name for name in MINE if name.split(".")[0] in tables):
+        try:
+            offsets[name] = drift(machine, **{name: larger(name)})
+        except ValueError as refused:  # too heavy a spreader, say: then a tenth less
+            assert "cannot" in str(refused) or "needs" in str(refused) or "outside" in str(refused), refused
+            offsets[name] = drift(machine, **{name: KEYS[name]["default"] * 0.9})
+    beyond = {name: moved.round(1).tolist() for name, moved in offsets.items() if (moved > 1.5 * usual + 4).any()}
+    assert beyond == {}, usual
+
+
