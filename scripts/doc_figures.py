@@ -19,7 +19,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 for folder in ("tests/peripherals", "tests/machine", "tests/kernels", "tests"):
     sys.path.insert(0, str(ROOT / folder))
-from locations import BUILD  # noqa: E402
+from locations import BUILD
 
 sys.path.insert(0, str(BUILD / "python"))
 
