@@ -351,22 +351,6 @@ def test_runs_of_a_group_share_an_ideal_run() -> None:
     assert alone["rates"] is None and alone["hash"] == one["hash"]
 
 
-def test_a_tick_fewer_by_phase_jitter_is_no_miss() -> None:
-    def share(jitter: bool, not_demanded: int, misses: int = 0) -> float | None:
-        f_p = {
-            "kinds": ["pid", "torque_compensation"],
-            "misses": misses,
-            "not_demanded": not_demanded,
-            "demanded": 1000,
-            "extra": 0,
-            "missed_share": 0.5,
-        }
-        return judgement.missed_share({"rates": {"f_p": f_p}, "configuration": {"run.phase_jitter": jitter}}, "f_p")
-
-    assert share(True, 2) == 0.0 and share(True, 12) == 1.0 and share(True, 0, 5) == 0.5
-    assert share(False, 2) == 0.2
-
-
 def test_an_interval_of_what_does_not_vary_is_not_printed() -> None:
     assert judgement.with_interval([5.0, 5.0, 5.0]) == "5.00"
     assert judgement.with_interval([49.21, 49.24], 1) == "49.2"
