@@ -34,7 +34,8 @@ trajectory_gantry_segment:
         ldf     *+ar3(4), r0
         subf    *ar3, r0
         absf    r0, r0                          ; h along the quay
-        mpyf3   *ar1, r0, r4                    ; T by speed
+        mpyf3   *ar1, r0, r4
+        mpyf    @TJ_SPEED + 3, r4               ; T by speed
         mpyf    *+ar1(1), r0
         call    m_sqrt                          ; by acceleration
         cmpf    r4, r0

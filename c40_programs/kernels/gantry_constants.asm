@@ -3,13 +3,11 @@ gantry_masses:                                  ; kg: all that travels but the l
                     .space 2
 gantry_limits:                                  ; m: travel, trolley, hoist
                     .space 6
-gantry_travel:                                  ; T >= c h, T^2 >= c h along the quay: 0.65 m/s, 0.1 m/s2; the same for quintics
-                    .float 2.4609375 / 0.65, 9.372 / 0.1, 1.875 / 0.65, 5.7735 / 0.1
+gantry_travel:                                  ; T >= c h / v, T^2 >= c h along the quay: 0.1 m/s2; the same for quintics
+                    .float 2.4609375, 9.372 / 0.1, 1.875, 5.7735 / 0.1
 
 ; What the constants of the slewing crane's programs become: place on chip, number of words, words; a place of 0 ends the list.
 gantry_constants:
-                    .word K_TJ_SLEW, 3          ; no look-ahead: the segments' durations keep every axis within its speed
-                    .float 0.0, 0.0, 0.0
                     .word K_NE_TABLE, 6 * NE_ROW        ; as in torque_newton_euler_constants.asm: travel, trolley, two empty links, load, yaw
                     .word 1, 2, 0, 1, 1
                     .float 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0

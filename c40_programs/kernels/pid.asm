@@ -15,7 +15,8 @@ PD_WATCH        .set PD_STATE + 7       ; i bits 4..0: joints beyond their follo
 PD_SHIFT        .set PD_STATE + 5       ; f x2: suspension's shift against sway: radial, tangential, m
 PD_LAST         .set PD_STATE + 8       ; CR_ENCODER_LAST
 PD_SWAY         .set PD_STATE + 13      ; f x2: filtered sway off its reference, rad
-PD_LAW          .set PD_STATE + 15      ; i generation of the parameters (CR_CONTROL) with which the last tick was computed
+PD_LAW          .set PD_STATE + 15      ; i twice the generation of the parameters (CR_CONTROL) with which the last tick was computed, plus:
+PD_DRY          .set 1                  ; no point was there whose time had come
 PD_TOTAL        .set PD_STATE + 16      ; CR_ENCODER_TOTAL
 PD_SEEN         .set PD_STATE + 21      ; i the last sample of the sway sensor in use: alpha, beta << 12, its number << 24
 PD_SAMPLED      .set PD_STATE + 22      ; i refresh at which that was looked at

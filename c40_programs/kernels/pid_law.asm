@@ -14,8 +14,13 @@ pid_control:
         cmpi    @K_PC_GENERATION, r0
         callne  pid_control_read
         ldi     @SV_CONTROL, r0
-        cmpi    @PD_LAW, r0
+        lsh     1, r0
+        ldi     @PD_LAW, r1
+        andn3   PD_DRY, r1, r2
+        cmpi    r0, r2
         retseq
+        and     PD_DRY, r1
+        or      r1, r0
         sti     r0, @PD_LAW
         ldhi    hi16(PD_FEED), ar0
         or      lo16(PD_FEED), ar0

@@ -1,37 +1,51 @@
 ; PID's set-point (docs/kernels.md): the point of the path, the cubic between two joint points, the shift against sway.
 
-; Consume the next joint point when the segment has been run through. R10 <- 1 if one was due and there was none.
+; Consume the joint points whose time has come: that of a segment is N_t after the one before it, however late this tick is. Only where
+; the buffer was dry at the last tick, and for the very first point, the segment begins now. R10 <- 1 if one was due and there was none.
 pid_advance:
         ldi     0, r10
         ldi     @PD_CONSUMED, r0
         ldi     @SV_PATH_TICK, r1
+        ldi     @SV_POINT_TICKS, r2
         cmpi    0, r0
-        bne     pid_advance_due
+        bne     pid_advance_more
         cmpi    @PD_PRODUCED, r0
         retseq
-        sti     r1, @PD_SEGMENT                 ; the first point
-        addi    1, r0
-        sti     r0, @PD_CONSUMED
-        rets
-pid_advance_due:
-        ldi     @SV_POINT_TICKS, r2
+        br      pid_advance_now
+pid_advance_more:
         ldi     r1, r3
         subi    @PD_SEGMENT, r3                 ; refreshes since it began
         cmpi    r2, r3
-        retslt
+        blt     pid_advance_done
         cmpi    @PD_PRODUCED, r0
         bge     pid_advance_dry
+        ldi     @PD_LAW, r3
+        tstb    PD_DRY, r3
+        bne     pid_advance_now
         addi    1, r0
         sti     r0, @PD_CONSUMED
-        ldi     r2, r0
-        addi    @SV_SERVO_TICKS, r0
-        cmpi    r0, r3
-        ldige   r3, r2                          ; it had starved: the segment begins now
-        addi    @PD_SEGMENT, r2
-        sti     r2, @PD_SEGMENT
+        ldi     @PD_SEGMENT, r3
+        addi    r2, r3
+        sti     r3, @PD_SEGMENT
+        br      pid_advance_more
+pid_advance_now:
+        addi    1, r0
+        sti     r0, @PD_CONSUMED
+        sti     r1, @PD_SEGMENT
+        ldi     @PD_RESULT, r3
+        ldhi    hi16(PID_BEGAN), r4
+        or      r4, r3
+        sti     r3, @PD_RESULT
+pid_advance_done:
+        ldi     @PD_LAW, r3
+        andn    PD_DRY, r3
+        sti     r3, @PD_LAW
         rets
 pid_advance_dry:
         ldi     1, r10
+        ldi     @PD_LAW, r3
+        or      PD_DRY, r3
+        sti     r3, @PD_LAW
         rets
 
 ; R <- the set-point: cubic with the points' positions and rates. MOVING, PID_STARVED. SWAY_FROM, SWAY_TO, PHASE.

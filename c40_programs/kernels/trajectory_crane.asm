@@ -25,6 +25,7 @@ TJ_START        .set SCRATCH + 112      ; t_i, 8 words
 TJ_TOTAL        .set SCRATCH + 120
 TJ_SELECTOR     .set SCRATCH + 121
 TJ_SHAPED       .set SCRATCH + 122      ; 0: this build; 1: trajectory_crane_shaper.asm
+TJ_SPEED        .set SCRATCH + 126      ; CR_SPEED, 7 words
 TJ_MAX_SEGMENTS .set 8
 
 kernel_trajectory_crane:
@@ -97,7 +98,12 @@ trajectory_crane_align:
         call    trajectory_crane_aim
         call    trajectory_crane_chain
 trajectory_crane_laid:
-
+        ldi     ar6, ar0
+        addi    CR_SPEED, ar0
+        ldhi    hi16(TJ_SPEED), ar1
+        or      lo16(TJ_SPEED), ar1
+        ldi     SPEED_WORDS - 1, rc
+        call    copy_words
         ldhi    hi16(TJ_CHAIN), ar3
         or      lo16(TJ_CHAIN), ar3
         ldhi    hi16(TJ_DURATION), ar4
@@ -371,7 +377,8 @@ trajectory_crane_limits:
         addf    r1, r0
         call    m_sqrt                          ; h
         ldf     r0, r8
-        mpyf    *ar1, r8                   ; longest T
+        mpyf    *ar1, r8
+        mpyf    @TJ_SPEED, r8                   ; longest T
         ldf     r0, r9
         mpyf    *+ar1(1), r9                   ; longest T^2
         mpyf    *+ar1(2), r0
@@ -383,6 +390,7 @@ trajectory_crane_limits:
         absf    r0, r0
         ldf     r0, r1
         mpyf    *+ar1(3), r1
+        mpyf    @TJ_SPEED + 1, r1
         cmpf    r8, r1
         ldfgt   r1, r8
         mpyf    *+ar1(4), r0
@@ -393,6 +401,7 @@ trajectory_crane_limits:
         absf    r0, r0
         ldf     r0, r1
         mpyf    *+ar1(5), r1
+        mpyf    @TJ_SPEED + 2, r1
         cmpf    r8, r1
         ldfgt   r1, r8
         mpyf    *+ar1(6), r0

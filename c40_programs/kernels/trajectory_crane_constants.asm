@@ -1,26 +1,20 @@
-; Limits of the crane's motion, as factors of the segment's length: T >= c h, T^2 >= c h, T^4 >= c h (docs/kernels.md).
-K_TJ_XY1            .set $ - LIFT               ; S'max / 2.3 m/s
-                    .float 2.4609375 / 2.3
+; Limits of the crane's motion, as factors of the segment's length: T >= c h / v, T^2 >= c h, T^4 >= c h (docs/kernels.md); v: CR_SPEED.
+K_TJ_XY1            .set $ - LIFT               ; S'max
+                    .float 2.4609375
 K_TJ_XY2            .set $ - LIFT               ; S''max / 0.4 m/s2
                     .float 9.372 / 0.4
 K_TJ_XY4            .set $ - LIFT               ; S''''max / 0.0813 m/s4 (0.3 m/s2 at the tip, by l/g = 3.7 s2)
                     .float 623.0 / 0.0813
-K_TJ_Z1             .set $ - LIFT               ; 0.8 m/s
-                    .float 2.4609375 / 0.8
+K_TJ_Z1             .set $ - LIFT               ; S'max
+                    .float 2.4609375
 K_TJ_Z2             .set $ - LIFT               ; 0.12 m/s2
                     .float 9.372 / 0.12
-K_TJ_YAW1           .set $ - LIFT               ; 0.1 rad/s
-                    .float 2.4609375 / 0.1
+K_TJ_YAW1           .set $ - LIFT               ; S'max
+                    .float 2.4609375
 K_TJ_YAW2           .set $ - LIFT               ; 0.03 rad/s2
                     .float 9.372 / 0.03
 ; The same for quintics: peaks 1.875 and 5.774; no fourth derivative is asked for.
 K_TJ_SHAPED         .set $ - LIFT
-                    .float 1.875 / 2.3, 5.7735 / 0.4, 0.0, 1.875 / 0.8, 5.7735 / 0.12, 1.875 / 0.1, 5.7735 / 0.03
-K_TJ_SLEW           .set $ - LIFT               ; look-ahead: 1 / joint speed limits
-                    .float 1.0 / 0.12
-K_TJ_LUFF           .set $ - LIFT
-                    .float 1.0 / 0.05
-K_TJ_HOIST          .set $ - LIFT
-                    .float 1.0
+                    .float 1.875, 5.7735 / 0.4, 0.0, 1.875, 5.7735 / 0.12, 1.875, 5.7735 / 0.03
 K_TJ_SEVENTEENTH    .set $ - LIFT
                     .float 1.0 / 17.0

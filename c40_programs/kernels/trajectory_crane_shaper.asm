@@ -205,7 +205,7 @@ shaper_speeds:
         mpyf    r8, r0
         mpyf    r8, r0
         absf    r0, r0
-        mpyf    @K_TJ_SLEW, r0
+        mpyf    @TJ_SPEED + 4, r0
         ldf     @TJ_SUM, r1
         mpyf    @TJ_SUM + 4, r1
         ldf     @TJ_SUM + 1, r2
@@ -214,13 +214,13 @@ shaper_speeds:
         mpyf    r8, r1
         mpyf    r10, r1                         ; -phid
         absf    r1, r2
-        mpyf    @K_TJ_LUFF, r2
+        mpyf    @TJ_SPEED + 5, r2
         cmpf    r2, r0
         ldflt   r2, r0
         mpyf    r9, r1
         addf    @TJ_SUM + 6, r1                 ; -ld
         absf    r1, r1
-        mpyf    @K_TJ_HOIST, r1
+        mpyf    @TJ_SPEED + 6, r1
         cmpf    r1, r0
         ldflt   r1, r0
         cmpf    @TJ_WORST, r0

@@ -499,6 +499,14 @@ driving = true
 [dock]
 agvs = 4
 )"},
+      {"tight", "base rates, and loops of 80 rad/s (slew, luff, hoist, rotator, trolley): a delay of 3.5 ms is all that they bear", R"(
+[control]
+slew_bandwidth_rad_s = 80
+luff_bandwidth_rad_s = 80
+trolley_bandwidth_rad_s = 80
+hoist_bandwidth_rad_s = 80
+rotator_bandwidth_rad_s = 80
+)"},
   };
   return all;
 }

@@ -99,6 +99,16 @@ ControlLaw control_law(const Config::Control& control, const plant::CraneParamet
   return law;
 }
 
+std::array<Word, 7> speed_words(const Config::Control& c, plant::Machine machine) {
+  const auto within = [](double v) { return ti_float(1 / v); };
+  // The hoist pays out for luffing beside the load's own way.
+  const Word vertical = within(0.8 * c.hoist.speed_limit), yaw = within(c.rotator.speed_limit), none = ti_float(0);
+  if (machine == plant::Machine::gantry) return {within(c.trolley.speed_limit), vertical, yaw, within(c.travel.speed_limit), none, none, none};
+  // 2.3 m/s is 0.12 rad/s of slewing at 19 m; in plan the load is slower by as much as the tighter of its two joints.
+  const double plan = 2.3 * std::min(c.slew.speed_limit / 0.12, c.luff.speed_limit / 0.05);
+  return {within(plan), vertical, yaw, none, within(c.slew.speed_limit), within(c.luff.speed_limit), within(c.hoist.speed_limit)};
+}
+
 // State: place, speed and acceleration of the joint by its motor, then what PID keeps: P, D, the last error. Inertia 1, set-point 0.
 double loop_radius(const Joint& settings, double h, double lag) {
   const double k = settings.bandwidth_rad_s * settings.bandwidth_rad_s, t_d = derivative_time(settings), t_i = integral_time(settings);
@@ -192,21 +202,22 @@ bool ControlBlock::pending() const { return now_.rows != wanted_.rows || now_.sw
 void ControlBlock::refresh(Desk& desk) {
   if (!pending() || !seen_ || !desk.servo_resting()) return;
   std::vector<Word> block;
-  bool changed = false;
+  Word changed = 0;
   for (std::size_t channel = 0; channel < control_channels; ++channel) {
     const double before = now_.rows.at(channel).share;
     if ((rests_ >> channel & 1U) != 0 && now_.rows.at(channel) != wanted_.rows.at(channel)) {
       now_.rows.at(channel) = wanted_.rows.at(channel);
-      changed = true;
+      changed |= Word{1} << channel;
     }
     for (const Word word : row_words(channel, before)) block.push_back(word);
   }
   // What the load's sway moves: slew and luff, or travel and trolley.
-  if ((rests_ & 6U) == 6U && now_.sway != wanted_.sway) now_.sway = wanted_.sway, changed = true;
-  if (!changed) return;
+  if ((rests_ & 6U) == 6U && now_.sway != wanted_.sway) now_.sway = wanted_.sway, changed |= 0x20;
+  if (changed == 0) return;
   for (const double value : now_.sway) block.push_back(ti_float(value));
   desk.write(words_.cr_base + words_.cr_control_block, block);
   desk.write(words_.cr_base + words_.cr_control, ++generation_);
+  desk.control(generation_, changed);
   seen_ = false;
 }
 

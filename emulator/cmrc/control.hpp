@@ -31,6 +31,9 @@ struct ControlLaw {
 };
 ControlLaw control_law(const Config::Control& control, const plant::CraneParameters& crane);
 
+/// The words of CR_SPEED: the limits of a leg's motion, as 1 / v.
+std::array<Word, 7> speed_words(const Config::Control& control, plant::Machine machine);
+
 /// The crane of a configuration, as its drives and masses are known before the dock is built.
 plant::CraneParameters crane_parameters(const Config& config);
 

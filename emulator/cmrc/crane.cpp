@@ -22,7 +22,7 @@ Crane::Crane(const CraneJob& job, const Words& words)
       chain_({.x = task::trajectory, .y = robot_class::crane, .kind = words.kind_trajectory_crane, .area = words.cr_base},
              {.x = task::inverse, .y = robot_class::crane, .kind = words.kind_inverse_crane, .area = words.cr_base},
              job.buffer_points),
-      interval_(job.point_interval), next_interval_(job.slowed_interval) {}
+      interval_(job.point_interval), next_interval_(job.slowed_interval), speeds_(job.speeds), next_speeds_(job.speeds) {}
 
 std::int64_t Crane::ticks(double seconds) const { return static_cast<std::int64_t>(std::ceil(seconds * job_.refresh_frequency)); }
 
@@ -79,6 +79,10 @@ void Crane::begin_leg(Word leg, Desk& desk) {
     desk.write(words_.cr_base + words_.cr_point_period, ti_float(n / job_.refresh_frequency));
     desk.write(words_.cr_base + words_.cr_point_ticks, static_cast<Word>(interval_));
     desk.write(words_.cr_base + words_.cr_stretch, ti_float(n / static_cast<double>(job_.point_interval)));
+  }
+  if (next_speeds_ != speeds_) {
+    speeds_ = next_speeds_;
+    desk.write(words_.cr_base + words_.cr_speed, speeds_);
   }
   leg_ = leg;
   desk.write(words_.cr_base + words_.cr_leg, leg);
@@ -221,8 +225,9 @@ void Crane::pid_finished(const Task& done, Word result, Desk& desk) {
   const std::int64_t step = static_cast<std::int64_t>((result - static_cast<Word>(consumed_)) & 0xFFFF);
   if (step == 0 || step > 0x8000) return;
   consumed_ += step;
-  const std::int64_t due = segment_start_ + interval_ * step;
-  segment_start_ = pid_.tick - due < job_.servo_interval && pid_.tick >= due ? due : pid_.tick;
+  // Where the path has a clock of its own (path_clock.hpp), its segments are not N_t refreshes long.
+  const bool now = (result & words_.pid_began) != 0 || desk.path(pid_.tick) != pid_.tick;
+  segment_start_ = now ? pid_.tick : segment_start_ + interval_ * step;
   chain_.consumed(consumed_, segment_start_);
 }
 

@@ -2,6 +2,7 @@
 // The crane as the steps of its processes see it: legs, ramps of the hoist, twist locks; and its sub-processes 1 and 2.
 //
 // Lowering and raising are hoist ramps that PID adds to its set-point (plant-and-bus.md 4.4 item 17).
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -22,6 +23,7 @@ struct CraneJob {
   std::int64_t point_interval = 64;    ///< N_t
   std::int64_t slowed_interval = 64;   ///< N^_t at the start
   std::int64_t buffer_points = 2;
+  std::array<std::uint32_t, 7> speeds{};  ///< the words of CR_SPEED (control.hpp)
   std::int64_t landing_retries = 3;    ///< a load that has not landed is lifted, aligned and lowered again at most so many times
 };
 
@@ -66,6 +68,8 @@ class Crane {
   /// N^_t: refreshes between points of the present leg.
   std::int64_t interval() const { return interval_; }
   void set_interval(std::int64_t refreshes) { next_interval_ = refreshes; }
+  /// The words of CR_SPEED from the next leg on.
+  void set_speeds(const std::array<Word, 7>& words) { next_speeds_ = words; }
 
  private:
   void pid_finished(const Task& task, Word result, Desk& desk);
@@ -92,6 +96,7 @@ class Crane {
   PidStatus pid_;
   std::int64_t interval_;
   std::int64_t next_interval_;          // from the next leg on
+  std::array<Word, 7> speeds_, next_speeds_;
   std::int64_t consumed_ = 0;           // points, all of the run
   std::int64_t segment_start_ = 0;
   std::int64_t since_ = 0;              // refresh from which the load may settle, or until which a step holds

@@ -28,6 +28,8 @@ class Desk {
   virtual std::int64_t path(std::int64_t refresh) const = 0;
   /// An error was noticed (phase 0), decided (1), what was decided has been done (2), it was cleared (3).
   virtual void error(Word number, Word what, Robot robot, Word phase, Word response) = 0;
+  /// The servo's parameters have a new generation: the channels whose rows are new, bit 5: the words against sway.
+  virtual void control(Word generation, Word changed) = 0;
   /// A process has started or ended. Of process 4 the robot is the AGV that is loaded.
   virtual void process(unsigned number, bool started, Robot robot) = 0;
   /// The corner switches have not all closed: the load is lifted, and lowered again unless this was the last try.

@@ -114,6 +114,7 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
   void landing_missed(bool last) override;
   std::int64_t path(std::int64_t refresh) const override { return static_cast<std::int64_t>(errors_.path().at(refresh)); }
   void error(Word number, Word what, Robot robot, Word phase, Word response) override;
+  void control(Word generation, Word changed) override;
   void agv_waits(unsigned agv, bool waits) override { cycles_.agv_waits(agv, waits, now_); }
   void agv_sent(unsigned agv, std::int64_t interval) override { cycles_.sent(agv, interval); }
   void robot_begins(Robot robot, unsigned process) override { course_->process_begun(robot, process); }

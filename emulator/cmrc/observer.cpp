@@ -31,6 +31,13 @@ void RunObserver::attach(plant::Dock& dock, Course* course) {
     report::Event event{time, report::plant, EventKind::latch, {}};
     for (std::size_t i = 0; i < event.arguments.size() && i < codes.size(); ++i) event.arguments[i] = static_cast<std::uint32_t>(codes[i]);
     log_.add(event);
+    if (const auto found = instability_.latch(time / plant::latch_period, codes); found && servoing_()) {
+      const Time since = found->since * plant::latch_period;
+      const char* joint = plant::joint_names(dock.config().crane.machine).at(found->joint).name;
+      failures_.push_back({time, std::nullopt, "unstable",
+                           fmt::format("the loop of joint {} is unstable: since {:.3f} s its drive's torque swings between both ends of its range, at {:.1f} Hz", joint,
+                                       static_cast<double>(since.count()) * 1e-12, found->frequency_hz)});
+    }
     double squares = 0;
     for (std::size_t j = 0; j < codes.size(); ++j) {
       squares += static_cast<double>(codes[j]) * codes[j] / (full_torque * full_torque);

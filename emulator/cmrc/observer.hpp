@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cmrc/host.hpp"
+#include "cmrc/instability.hpp"
 #include "cmrc/ledger.hpp"
 #include "cmrc/run_profile.hpp"
 #include "cmrc/words.hpp"
@@ -106,6 +107,7 @@ class RunObserver : public machine::Observer, public HostListener {
   std::array<std::int64_t, plant::joint_count> saturated_{};
   Word errors_ = 0, stage_ = 0, servoing_stage_ = 0;
   bool errors_hold_ = false;  // of the run of PID whose words are being written
+  Instability instability_;
   double effort_ = 0;
   Time effort_until_{};
   RunProfile* profile_ = nullptr;

@@ -115,6 +115,7 @@ CraneJob crane_of(const Config& config, const plant::DockConfig& dock) {
   job.ramp_speed = config.dock.ramp_speed_m_s;
   job.settle_limit = config.dock.settle_limit_s;
   job.landing_retries = config.dock.landing_retries_max;
+  job.speeds = speed_words(config.control, dock.crane.machine);
   job.refresh_frequency = config.rates.refresh_frequency_hz;
   job.servo_interval = n.servo;
   job.point_interval = n.crane_point;
@@ -275,6 +276,7 @@ std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfi
   put(w.cr_point_ticks, static_cast<Word>(n.crane_point));
   put(w.cr_servo_ticks, static_cast<Word>(n.servo));
   ControlBlock(config, w).initial(put);
+  for (Word i = 0; const Word word : speed_words(config.control, layout.crane.machine)) put(w.cr_speed + i++, word);
   put_float(w.cr_load, layout.crane.spreader_mass);
   put(w.cr_agv, w.agv_unit);
   put_float(w.cr_clearance, config.dock.clearance_m);

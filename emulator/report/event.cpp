@@ -50,6 +50,7 @@ constexpr KindRow kind_rows[] = {
     {EventKind::scripted, "scripted", {{{"action"}, {"number"}, {"amount_low"}, {"amount_high"}}}},
     {EventKind::set, "set", {{{"key"}, {"value_low", 'h'}, {"value_high", 'h'}}}},
     {EventKind::error, "error", {{{"number"}, {"what", 'h'}, {"robot"}, {"phase"}, {"response"}}}},
+    {EventKind::control, "control", {{{"generation"}, {"changed", 'h'}}}},
     {EventKind::issue, "issue", {{{"block", 'h'}, {"flag", 'h'}, {"delay_low"}, {"delay_high"}}}},
     {EventKind::push, "push", {{{"agv"}, {"speed", 's'}, {"front", 's'}, {"rear", 's'}}}},
 };

@@ -61,6 +61,7 @@ enum class EventKind : std::uint16_t {
   push = 26,           ///< plant: AGV, speed, front, rear (a set-point enters the AGV's FIFO)
   link_lost = 29,      ///< dsp: word lost on the link, 1 to the DSP | 0 from it, bytes of it that had crossed
   error = 30,           ///< host: number, origin and what it is of (ERROR_*), robot, 0 noticed | 1 decided | 2 done | 3 cleared, response (RESPOND_*)
+  control = 31,         ///< host: generation of the servo's parameters, what is new in it (bit j: channel j, bit 5: against sway)
   issue = 28,          ///< dsp: block offset, flag written, ps from the program's write to its arrival (low and high word)
 };
 

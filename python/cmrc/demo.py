@@ -79,8 +79,13 @@ def _side_by_side(settings: Settings, changes: Sequence[Settings], duration_s: f
     return reports
 
 
+NONE = "0 %"
+
+
 def _percent(share: float | None) -> str:
-    return "-" if share is None else f"{100 * share:.2f} %"
+    if share is None:
+        return "-"
+    return NONE if share == 0 else "< 0.01 %" if share < 5e-5 else f"{100 * share:.2f} %"
 
 
 def _hertz(value: float | None) -> str:
@@ -140,7 +145,7 @@ def vehicles_together() -> Scene:
     )
     for n, report in zip(counts, reports, strict=True):
         scene.rows.append([str(n), _percent(report["errors"]["demand"]["obstacle_avoidance"]["missed_share"]), *_cost(report)])
-    enough = next((row[0] for row in scene.rows if {row[1], row[2], row[5]} == {"0.00 %"}), None)
+    enough = next((row[0] for row in scene.rows if {row[1], row[2], row[5]} == {NONE}), None)
     scene.conclusion = f"{enough} DSPs are needed for no miss." if enough else "Not even 6 DSPs do without a miss."
     return scene
 
@@ -160,7 +165,7 @@ def vehicles_apart() -> Scene:
     )
     for (name, remedy), report in zip(remedies.items(), _side_by_side({**TOGETHER, "machine.dsps": 3}, list(remedies.values()), 2.0, shared=False), strict=True):
         scene.rows.append([name, _percent(report["errors"]["demand"]["obstacle_avoidance"]["missed_share"]), *_cost(report)])
-    good = [row[0] for row in scene.rows[1:] if {row[1], row[2], row[5]} == {"0.00 %"}]
+    good = [row[0] for row in scene.rows[1:] if {row[1], row[2], row[5]} == {NONE}]
     scene.conclusion = f"No miss with 3 DSPs: {'; '.join(good)}." if good else "With 3 DSPs no remedy is enough."
     return scene
 

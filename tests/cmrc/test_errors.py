@@ -1,14 +1,13 @@
 """Errors in the scene: each origin with each response that the table of docs/controller.md has for it, what the report says, and the exit status (ruling 36)."""
 
 import json
-import shutil
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from audited_run import programs_with
 from cmrc import _core
-from locations import ROOT
 
 cmrc = _core.cmrc
 Report = dict[str, Any]
@@ -231,15 +230,6 @@ def test_a_landing_is_tried_again_until_it_is_given_up_and_again_when_that_is_cl
     report, _simulation = run(60, clear(46), strict_landing=True, ramp_speed_m_s=1.0, landing_retries_max=1)
     responses = [(error["origin"], error["response"], error["cleared_s"] is not None) for error in report["errors_handled"]]
     assert responses[:3] == [("landing", "retry", False), ("landing", "hold", True), ("landing", "retry", False)]
-
-
-def programs_with(directory: Path, kernel: str, entry: str) -> str:
-    shutil.copytree(ROOT / "c40_programs", directory / "programs")
-    source = directory / "programs" / "kernels" / kernel
-    text = source.read_text()
-    assert text.count(f"\n{entry}:\n") == 1
-    source.write_text(text.replace(f"\n{entry}:\n", f"\n{entry}:\n        br      {entry}\n"))
-    return str(directory / "programs")
 
 
 def test_work_of_a_block_that_was_given_up_is_retried_then_stopped(tmp_path: Path) -> None:

@@ -1,23 +1,14 @@
 """A DSP that hangs in real code, one that dies idle, a block that kills every DSP it meets: found, bounded, survived."""
 
 import json
-import shutil
 from pathlib import Path
 from typing import Any
 
 import pytest
+from audited_run import programs_with, run
 from cmrc import _core
-from locations import ROOT
 
 cmrc = _core.cmrc
-
-
-def run(events: list[dict[str, Any]], **settings: Any) -> dict[str, Any]:
-    simulation = cmrc.Simulation(cmrc.config(settings=settings, events=events))
-    simulation.run()
-    report: dict[str, Any] = json.loads(simulation.report_json())
-    assert report["audit"]["violations"] == []
-    return report
 
 
 def failures(report: dict[str, Any], kind: str) -> list[dict[str, Any]]:
@@ -68,15 +59,6 @@ def test_no_healthy_dsp_is_silent_however_busy() -> None:
         report = json.loads(simulation.report_json())
         assert failures(report, "silent") == []
         assert all(dsp["resets"] == 0 for dsp in report["dsps"])
-
-
-def programs_with(directory: Path, kernel: str, entry: str) -> str:
-    shutil.copytree(ROOT / "c40_programs", directory / "programs")
-    source = directory / "programs" / "kernels" / kernel
-    text = source.read_text()
-    assert text.count(f"\n{entry}:\n") == 1
-    source.write_text(text.replace(f"\n{entry}:\n", f"\n{entry}:\n        br      {entry}\n"))
-    return str(directory / "programs")
 
 
 def test_work_that_kills_every_dsp_is_asked_for_so_often_and_no_more(tmp_path: Path) -> None:

@@ -1,24 +1,16 @@
 """The watchdog: long blocks by their heartbeat (measures.md 4), and no healthy DSP for what the host has not looked at (ruling 37)."""
 
-import json
 import re
 from typing import Any
 
 import pytest
+from audited_run import run
 from cmrc import _core
 
 cmrc = _core.cmrc
 # Vehicles that stand and look all at once: the load is there from the first interval on.
 PARKED = {"load.parked": True, "scheduling.agv_phase": "together"}
 LONG = {**PARKED, "load.avoidance_cycles": 50_000}
-
-
-def run(events: list[dict[str, Any]], **settings: Any) -> dict[str, Any]:
-    simulation = cmrc.Simulation(cmrc.config(settings=settings, events=events))
-    simulation.run()
-    report: dict[str, Any] = json.loads(simulation.report_json())
-    assert report["audit"]["violations"] == []
-    return report
 
 
 def noticed(report: dict[str, Any]) -> list[tuple[float, int, str]]:

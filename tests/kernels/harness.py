@@ -68,11 +68,16 @@ class Dsp:
         self.area = WINDOW_A + self.symbols["CR_BASE"]
         self.chip.poke(self.symbols["EXEC_BLOCK"], WINDOW_A + self.symbols["BLOCK_POOL"])
         self.control(reference.control_block(), generation=1)
+        self.speeds(reference.SPEED_WORDS)
 
     def control(self, block: list[float], generation: int) -> None:
         """What the host writes for PID's law."""
         self.put("CR_CONTROL_BLOCK", *block)
         self.put("CR_CONTROL", generation)
+
+    def speeds(self, words: list[float]) -> None:
+        """What the host writes of the speed limits."""
+        self.put("CR_SPEED", *words)
 
     # ---- words of the area and of the devices
     def put(self, name: str, *values: float, offset: int = 0) -> None:

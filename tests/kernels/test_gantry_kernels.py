@@ -38,6 +38,7 @@ class Gantry(Dsp):
             for name, value in REFERENCE.items():
                 patch.setattr(ref, name, value)
             self.control(ref.control_block(), generation=1)
+        self.speeds([1 / ref.V_XY, 1 / ref.V_Z, 1 / ref.V_YAW, 1 / TRAVEL_SPEED, 0.0, 0.0, 0.0])
 
 
 @pytest.fixture

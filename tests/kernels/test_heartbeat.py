@@ -11,6 +11,9 @@ from test_grab_path import prepare, random_scene
 MOST = 18_750
 """Cycles, 0.75 ms at C40-50: what measures.md 4 allows between two beats. The windows are free here; the waits of the bus come on top."""
 
+CALL = 4
+"""Cycles of a CALL (c40-isa.md)."""
+
 
 def beats(dsp: Dsp, kernel: str, argument: int = 0) -> list[int]:
     """Cycles from the kernel's begin to its beats and its end."""
@@ -93,7 +96,8 @@ def test_a_beat_keeps_registers_and_status() -> None:
         for name, value in (("DP", s["PAGE"]), ("SP", s["STACK"]), ("ST", status)):
             chip.set(name, value)
         chip.poke(s["STACK"], RETURN)
-        chip.pc = s["alive"]
+        chip.pc, begin = s["alive"], chip.cycle
         assert chip.run(1_000, RETURN)["reason"] == "breakpoint"
+        assert CALL + chip.cycle - begin == 17
         assert chip.get("ST") == status
         assert [chip.get(name) for name in (*names, *(f"R{n}" for n in range(12)))] == before

@@ -25,7 +25,7 @@ def test_dma_chain(emulator: Path, golden: Callable[[str, str], None], tmp_path:
     start, ends = int(events[0][0]), [int(event[0]) for event in events if event[1] == "dma_end"]
     assert events[0][1] == "dma_start" and len(ends) == 16
     # One cycle from the write to the first access; a list is 7 reads and 7 register writes, a row 16 reads and 16 writes (3.5, 3.7).
-    assert ends == [start + 1 + (k + 1) * (14 + 32) for k in range(16)]
+    assert ends == [start + 1 + (k + 1) * (14 + 2 * 16) for k in range(16)] and ends[-1] - start == 737
     assert events[-1][1:3] == ["interrupt", "37"] and int(events[-1][0]) == ends[-1]  # 25h; the processor was in IDLE
     golden("peripherals-dma_chain.events", (tmp_path / "events").read_text())
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from cmrc.results import __main__ as command
-from cmrc.results import cost, dsps, ends, failures, fleet, hotplug, importance, judgement, learning, page
+from cmrc.results import cost, dsps, ends, failures, fleet, hotplug, importance, judgement, learning, margins, page
 from cmrc.results.runs import Laboratory, Run
 from locations import ROOT
 
@@ -298,13 +298,13 @@ def test_the_delay_margin_is_where_the_loop_becomes_unstable() -> None:
     """The same loop as a differential equation with a delay, integrated: just below the margin it dies away, just above it grows."""
 
     def swings(bandwidth: float, delay: float) -> float:
-        dt, lag, b = 2e-4, cost.DRIVE_LAG_S, bandwidth
+        dt, lag, b = 2e-4, margins.DRIVE_LAG_S, bandwidth
         back, past = round(delay / dt), [1.0] * (round(delay / dt) + 1)
         y, v, u, integral, low = 1.0, 0.0, 0.0, 0.0, 1.0
         largest = []
         for _ in range(round(60 / b / dt)):
             measured = past[-1 - back]
-            rate = (measured - low) * cost.DERIVATIVE_N * b / 2  # derivative through a lag of T_d / N
+            rate = (measured - low) * margins.DERIVATIVE_N * b / 2  # derivative through a lag of T_d / N
             low += dt * rate
             integral += dt * measured
             u += dt / lag * (-(b**2) * (measured + b / 6 * integral + 2 / b * rate) - u)
@@ -315,8 +315,8 @@ def test_the_delay_margin_is_where_the_loop_becomes_unstable() -> None:
         half = len(largest) // 2
         return max(largest[half:]) / max(largest[:half])
 
-    for bandwidth in cost.BANDWIDTHS.values():
-        margin = cost.delay_margin_s(bandwidth)
+    for bandwidth in margins.BANDWIDTHS.values():
+        margin = margins.delay_margin_s(bandwidth)
         assert swings(bandwidth, 0.93 * margin) < 0.9 and swings(bandwidth, 1.07 * margin) > 1.3
 
 
@@ -329,8 +329,8 @@ def test_the_margins_are_of_the_kernels_gains() -> None:
         if line.strip().startswith(".float") and line.count(",") == 3 and "20.0 *" in line
     ]
     travel, slew, luff, hoist, rotator = derivative
-    assert {slew, luff, rotator} == {cost.BANDWIDTHS["slew, luff, rotator"]}
-    assert (travel, hoist) == (cost.BANDWIDTHS["travel"], cost.BANDWIDTHS["hoist"])
+    assert {slew, luff, rotator} == {margins.BANDWIDTHS["slew, luff, rotator"]}
+    assert (travel, hoist) == (margins.BANDWIDTHS["travel"], margins.BANDWIDTHS["hoist"])
 
 
 def test_a_pause_of_the_host_loses_as_many_samples_as_it_says() -> None:
@@ -349,22 +349,6 @@ def test_runs_of_a_group_share_an_ideal_run() -> None:
     assert one["rates"]["f_p"]["demanded"] == two["rates"]["f_p"]["demanded"]
     [[alone]] = Laboratory(1, progress=lambda text: None).all([Run({}, {"machine.dsps": 1}, 0.03)], "alone")
     assert alone["rates"] is None and alone["hash"] == one["hash"]
-
-
-def test_a_tick_fewer_by_phase_jitter_is_no_miss() -> None:
-    def share(jitter: bool, not_demanded: int, misses: int = 0) -> float | None:
-        f_p = {
-            "kinds": ["pid", "torque_compensation"],
-            "misses": misses,
-            "not_demanded": not_demanded,
-            "demanded": 1000,
-            "extra": 0,
-            "missed_share": 0.5,
-        }
-        return judgement.missed_share({"rates": {"f_p": f_p}, "configuration": {"run.phase_jitter": jitter}}, "f_p")
-
-    assert share(True, 2) == 0.0 and share(True, 12) == 1.0 and share(True, 0, 5) == 0.5
-    assert share(False, 2) == 0.2
 
 
 def test_an_interval_of_what_does_not_vary_is_not_printed() -> None:

@@ -34,7 +34,8 @@ def parser() -> argparse.ArgumentParser:
     result.add_argument(
         "--page",
         type=Path,
-        help="put the sections into this page, and the plots beside it in a folder of its name; otherwise they are printed",
+        help="put the sections into this page, and the plots beside it in a folder of its name; "
+        "otherwise they are printed",
     )
     result.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="runs at a time (default: one per core)")
     result.add_argument(
@@ -97,7 +98,8 @@ def parameters(claim: ModuleType, given: argparse.Namespace) -> Any:
             ) from None
         if not values or (len(values) > 1 and not isinstance(default, tuple)):
             raise ValueError(
-                f"--{one.name.replace('_', '-')}: {text!r}; claim {claim.NUMBER} expects {'one value or several' if isinstance(default, tuple) else 'one value'}"
+                f"--{one.name.replace('_', '-')}: {text!r}; claim {claim.NUMBER} expects "
+                f"{'one value or several' if isinstance(default, tuple) else 'one value'}"
             )
         changes[one.name] = values if isinstance(default, tuple) else values[0]
     return dataclasses.replace(chosen, **changes)
@@ -148,7 +150,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         ]
         if unused:
             raise ValueError(
-                f"--{unused[0].replace('_', '-')}: claim {', '.join(str(c.NUMBER) for c in chosen)} has no such parameter"
+                f"--{unused[0].replace('_', '-')}: claim {', '.join(str(c.NUMBER) for c in chosen)} has no such "
+                f"parameter"
             )
         if given.jobs < 1:
             raise ValueError("--jobs: at least 1 is expected")

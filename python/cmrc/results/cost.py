@@ -8,11 +8,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from cmrc.results.dsps import RELEASES
 from cmrc.results.judgement import Row, Verdict, markdown, missed_share, parameter
 from cmrc.results.learning import SLOW
+from cmrc.results.margins import margins_ms
 from cmrc.results.runs import Report, Reports, Run
 from cmrc.simulation import Setting
 
@@ -21,9 +20,6 @@ if TYPE_CHECKING:
 
 NUMBER, NAME = 7, "cost"
 TITLE = "Missed deadlines cost the robot accuracy and time"
-# PID's gains (docs/kernels.md): a pole at w rad/s on each joint, T_d = 2 / w, T_i = 6 / w, N = 20; the drives' lag of docs/plant.md.
-BANDWIDTHS = {"travel": 3.0, "slew, luff, rotator": 5.0, "hoist": 8.0}
-DERIVATIVE_N, DRIVE_LAG_S = 20.0, 3e-3
 CAPTURE_MM = 150.0  # what the guides catch of a load that is beside its place (dock.capture_window_m)
 HALF, SINGLE, UNTIMED = "gaps of half the time", "single samples between gaps", "the same, no time-out of drives"
 SETTINGS: dict[str, Setting] = {"report.misses_max": 1000000}
@@ -74,27 +70,9 @@ QUICK = Parameters(
 )
 
 
-def delay_margin_s(bandwidth: float, lag_s: float = DRIVE_LAG_S) -> float:
-    """By how much the loop of one joint may be late before it is unstable: phase margin / crossover frequency of
-    L(s) = w²/s² (1 + w/(6 s) + (2 s/w)/(1 + s/(10 w))) / (1 + lag s), an inertia under PID without friction."""
-
-    def loop(w: float) -> complex:
-        s, b = 1j * w, bandwidth
-        return (b / s) ** 2 * (1 + b / (6 * s) + (2 * s / b) / (1 + 2 * s / (DERIVATIVE_N * b))) / (1 + lag_s * s)
-
-    low, high = bandwidth / 10, bandwidth * 100
-    for _ in range(100):
-        middle = math.sqrt(low * high)
-        low, high = (middle, high) if abs(loop(middle)) > 1 else (low, middle)
-    return (math.pi + float(np.angle(loop(low)))) / low
-
-
-def margins_ms() -> dict[str, float]:
-    return {joint: 1e3 * delay_margin_s(w) for joint, w in BANDWIDTHS.items()}
-
-
 def pauses(gap: int, served: int, duration_s: float, period_s: float = 1e-3) -> list[dict[str, Setting]]:
-    """The host pauses again and again, from the third tick of the servo on: each time ``gap`` samples are lost and ``served`` are not. A pause begins between
+    """The host pauses again and again, from the third tick of the servo on: each time ``gap`` samples are lost and
+    ``served`` are not. A pause begins between
     two ticks and ends so late that the sample before its end cannot be in time."""
     first, every = 0.02 + 2.4 * period_s, (gap + served) * period_s
     return [
@@ -178,7 +156,8 @@ def runs(p: Parameters) -> list[Run]:
 
 
 def longest_gap(report: Report) -> int:
-    """Most samples of PID in a row that never came (a late one came): dropped ticks, and what was lost or never started."""
+    """Most samples of PID in a row that never came (a late one came): dropped ticks, and what was lost or never
+    started."""
     lost = sorted(m["number"] for m in report["misses"] if m["kind"] == "pid" and m["outcome"] != "late")
     longest = length = 0
     for number, before in zip(lost, [None, *lost], strict=False):
@@ -284,8 +263,10 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
 
 def section(p: Parameters, all_rows: Sequence[Row]) -> str:
     columns = {
-        "family": "how", "name": "", "f_p": "f_p missed, %", "f_t": "f_t missed, %", "gap_ms": "longest gap, ms", "load_mm": "load error RMS, mm", "peak_mm": "peak, mm",
-        "path_mm": "joints off their path, mm", "lag_s": "lag at the end, s", "sway_mrad": "sway error peak, mrad", "errors": "errors handled", "stop": "run ended",
+        "family": "how", "name": "", "f_p": "f_p missed, %", "f_t": "f_t missed, %", "gap_ms": "longest gap, ms",
+        "load_mm": "load error RMS, mm", "peak_mm": "peak, mm",
+        "path_mm": "joints off their path, mm", "lag_s": "lag at the end, s", "sway_mrad": "sway error peak, mrad",
+        "errors": "errors handled", "stop": "run ended",
     }  # fmt: skip
     text = (
         f"{p.duration_s:g} s of the crane's first leg, from power-on; nothing is left out. Everything is measured "

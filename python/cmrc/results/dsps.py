@@ -78,8 +78,10 @@ class Parameters:
 
 
 QUICK = Parameters(
-    dsps=(1, 2), releases=("together",), seeds=(1,), load_duration_s=0.04, servo_hz=(1000.0, 16000.0), rate_dsps=(1, 2), rate_duration_s=0.05,
-    idle_policies=("doorbell", "spin"), policy_dsps=(2, 4), policy_duration_s=0.04, refresh_hz=(8000.0,), refresh_duration_s=0.04,
+    dsps=(1, 2), releases=("together",), seeds=(1,), load_duration_s=0.04, servo_hz=(1000.0, 16000.0),
+    rate_dsps=(1, 2), rate_duration_s=0.05,
+    idle_policies=("doorbell", "spin"), policy_dsps=(2, 4), policy_duration_s=0.04, refresh_hz=(8000.0,),
+    refresh_duration_s=0.04,
 )  # fmt: skip
 
 
@@ -198,7 +200,10 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
     fewest, most = (of(all_rows, "load", release=first, dsps=n) for n in (min(p.dsps), max(p.dsps)))
     if not total(fewest):
         return Verdict("not tested", "Nothing is missed with the fewest DSPs.", "")
-    why = f"Preset {p.preset}, blocks of the AGVs released {first}: with {min(p.dsps)} DSP {mean(fewest, 'f_p'):.0f} % of f_p and {mean(fewest, 'f_t'):.0f} % of f_t are missed"
+    why = (
+        f"Preset {p.preset}, blocks of the AGVs released {first}: with {min(p.dsps)} DSP "
+        f"{mean(fewest, 'f_p'):.0f} % of f_p and {mean(fewest, 'f_t'):.0f} % of f_t are missed"
+    )
     if found[first] is None:
         word = "holds in part" if total(most) < 0.1 * total(fewest) else "fails"
         why += f"; with {max(p.dsps)} still {mean(most, 'f_p'):.2g} % and {mean(most, 'f_t'):.2g} %."
@@ -259,7 +264,8 @@ def section(p: Parameters, all_rows: Sequence[Row]) -> str:
                 }
             )
     columns = {
-        "release": "long blocks", "dsps": "DSPs", "f_p": "f_p missed, %", "f_t": "f_t missed, %", "f_a": "f_a missed, %", "avoidance": "avoidance missed, %", "f_p_hz": "f_p realised, Hz",
+        "release": "long blocks", "dsps": "DSPs", "f_p": "f_p missed, %", "f_t": "f_t missed, %",
+        "f_a": "f_a missed, %", "avoidance": "avoidance missed, %", "f_p_hz": "f_p realised, Hz",
         "f_t_hz": "f_t realised, Hz", "streak": "missed samples in a row", "bus_a": "bus A, %",
     }  # fmt: skip
     text = (

@@ -10,7 +10,8 @@ from cmrc.results.runs import Report
 
 
 def behind_identify(report: Report) -> int:
-    """Missed jobs of the servo that waited for the identify block, or for one that did (their chains of causes say so)."""
+    """Missed jobs of the servo that waited for the identify block, or for one that did (their chains of causes say
+    so)."""
     missed = {(m["kind"], m["number"]): m for m in report["misses"] if m["kind"] in SERVO}
 
     def waited(miss: Mapping[str, Any] | None) -> bool:
@@ -28,7 +29,8 @@ def of(all_rows: Sequence[Row], part: str, **label: object) -> list[Row]:
 
 
 def highest_rate(all_rows: Sequence[Row], dsps: int, but_identify: bool = False) -> float | None:
-    """The largest f_p of the grid up to which every point passes without a miss; ``but_identify``: leaving out what waited for identify."""
+    """The largest f_p of the grid up to which every point passes without a miss; ``but_identify``: leaving out what
+    waited for identify."""
     best = None
     for row in sorted(of(all_rows, "rate", dsps=dsps), key=lambda row: float(row["servo_hz"])):
         if row["misses"] - (row["behind_identify"] if but_identify else 0):
@@ -47,10 +49,16 @@ def cause(row: Row) -> str:
     if row["bus_a"] > 80:
         return f"bus A ({row['bus_a']:.0f} % in use)"
     if row["skipped"] > 5 or row["host"] > 90:
-        return f"the host's refresh of the list ({row['refresh_us']:.1f} µs, {row['host']:.0f} % of a refresh interval; {row['skipped']:.0f} % of the refreshes are left out)"
+        return (
+            f"the host's refresh of the list ({row['refresh_us']:.1f} µs, {row['host']:.0f} % of a refresh "
+            f"interval; {row['skipped']:.0f} % of the refreshes are left out)"
+        )
     period = 1e6 / row["servo_hz"]
     if row["pid_run_us"] > 0.7 * period:
-        return f"the PID block itself, which no other DSP can share ({row['pid_run_us']:.0f} µs of a period of {period:.0f} µs)"
+        return (
+            f"the PID block itself, which no other DSP can share ({row['pid_run_us']:.0f} µs of a period of "
+            f"{period:.0f} µs)"
+        )
     return f"DSPs: bus A is {row['bus_a']:.0f} % in use, the refresh takes {row['host']:.0f} % of its interval"
 
 
@@ -63,7 +71,10 @@ def rate_limits(dsps: Sequence[int], all_rows: Sequence[Row]) -> str:
     text = ""
     for n in (n for n, f in best.items() if f is None):
         but = highest_rate(all_rows, n, but_identify=True)
-        text += f"At base load {n} DSP{'s' if n > 1 else ''} miss{'es' if n == 1 else ''} some jobs at every f_p of the grid"
+        text += (
+            f"At base load {n} DSP{'s' if n > 1 else ''} miss{'es' if n == 1 else ''} some jobs at every f_p of "
+            f"the grid"
+        )
         text += f": up to {but / 1000:g} kHz those that wait for identify, and no other. " if but else ". "
     if not known:
         return text.strip()
@@ -97,8 +108,14 @@ def shared_limits(all_rows: Sequence[Row]) -> str:
     late = [row for row in of(all_rows, "refresh") if row["skipped"] > 1]
     if late:
         first = min(late, key=lambda row: float(row["refresh_hz"]))
-        text += f" The list is the limit from f_s = {first['refresh_hz'] / 1000:g} kHz on: {first['skipped']:.0f} % of the refreshes find the one before still under way."
+        text += (
+            f" The list is the limit from f_s = {first['refresh_hz'] / 1000:g} kHz on: {first['skipped']:.0f} % "
+            f"of the refreshes find the one before still under way."
+        )
     elif of(all_rows, "refresh"):
         most = max(of(all_rows, "refresh"), key=lambda row: float(row["refresh_hz"]))
-        text += f" The list is no limit up to f_s = {most['refresh_hz'] / 1000:g} kHz, where a refresh takes {most['host']:.0f} % of its interval."
+        text += (
+            f" The list is no limit up to f_s = {most['refresh_hz'] / 1000:g} kHz, where a refresh takes "
+            f"{most['host']:.0f} % of its interval."
+        )
     return text.strip()

@@ -22,7 +22,8 @@ TITLE = "A DSP can be pulled out or fail in mid-task and nothing is lost"
 PHASES = ("sleeps", "asks for the list", "holds the list", "fetches its block", "reports", "runs")
 # TB_KIND of task_block.inc; KIND_USER and above are none of the dock's.
 KINDS = (
-    "error", "trajectory_planning.crane", "trajectory_planning.agv", "inverse_kinematics.crane", "inverse_kinematics.agv", "torque_compensation", "pid", "identify",
+    "error", "trajectory_planning.crane", "trajectory_planning.agv", "inverse_kinematics.crane",
+    "inverse_kinematics.agv", "torque_compensation", "pid", "identify",
     "grab_path", "home.crane", "home.agv", "obstacle_avoidance",
 )  # fmt: skip
 
@@ -64,7 +65,8 @@ def settings(p: Parameters, dsps: int) -> dict[str, Setting]:
 
 @functools.cache
 def looked(p: Parameters, dsps: int) -> tuple[tuple[float, int, str, str], ...]:
-    """At random instants of a run in which nothing fails, what each DSP does: (instant, slot, phase, kind of its block or "")."""
+    """At random instants of a run in which nothing fails, what each DSP does: (instant, slot, phase, kind of its block
+    or "")."""
     draw = random.Random(p.seed)
     simulation = Simulation(
         settings={**settings(p, dsps), "report.reference": "none", "duration_s": p.latest_s + 0.001}
@@ -130,7 +132,8 @@ def runs(p: Parameters) -> list[Run]:
 
 
 def rows(p: Parameters, done: Sequence[tuple[Run, Reports]]) -> list[Row]:
-    """One row per trial. ``detected_ms``: from the event to the watchdog's first action; ``samples``: most samples of the servo in a row without a result
+    """One row per trial. ``detected_ms``: from the event to the watchdog's first action; ``samples``: most samples of
+    the servo in a row without a result
     in time."""
     table = []
     for run, reports in done:
@@ -187,20 +190,32 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
     if servo:
         why += f" The host noticed a lost servo block after {with_interval(servo, 1)} ms"
         why += f", any other after {with_interval(long, 1)} ms, at worst {max(long):.1f} ms." if long else "."
-    why += f" At most {worst['samples']} samples of the servo in a row came late or never (with {worst['dsps']} DSPs, of which the one that failed was at this: {worst['phase']}{', ' + worst['kind'] if worst['kind'] else ''})."
+    why += (
+        f" At most {worst['samples']} samples of the servo in a row came late or never (with {worst['dsps']} "
+        f"DSPs, of which the one that failed was at this: "
+        f"{worst['phase']}{', ' + worst['kind'] if worst['kind'] else ''})."
+    )
     last = [row for row in all_rows if row["dsps"] == 1]
     limit = ""
     if last:
         dead = [row for row in last if row["stopped"]]
-        limit = f"It ends with the last DSP: of {len(last)} failures of the only one, {len(dead)} ended the work, and {sum(row['braked'] for row in dead)} of these left the crane braked."
+        limit = (
+            f"It ends with the last DSP: of {len(last)} failures of the only one, {len(dead)} ended the work, and "
+            f"{sum(row['braked'] for row in dead)} of these left the crane braked."
+        )
         if len(dead) < len(last):
-            limit += f" One that only hangs is reset and goes on; that costs up to {max(row['samples'] for row in last if not row['stopped'])} samples in a row: a DSP that holds no block is missed only by its silence."
+            limit += (
+                f" One that only hangs is reset and goes on; that costs up to "
+                f"{max(row['samples'] for row in last if not row['stopped'])} samples in a row: a DSP that holds "
+                f"no block is missed only by its silence."
+            )
     return Verdict("fails" if broken else "holds", why, limit)
 
 
 def section(p: Parameters, all_rows: Sequence[Row]) -> str:
     told = {
-        "trials": "trials", "recomputed": "block put back", "whole": "nothing lost, work goes on", "interval": "share, % (95 %)", "detected": "noticed after, ms",
+        "trials": "trials", "recomputed": "block put back", "whole": "nothing lost, work goes on",
+        "interval": "share, % (95 %)", "detected": "noticed after, ms",
         "samples": "servo samples missed in a row", "worst": "worst",
     }  # fmt: skip
     survivable = [row for row in all_rows if row["dsps"] > 1]

@@ -68,7 +68,8 @@ def runs(p: Parameters) -> list[Run]:
 
 
 def rows(p: Parameters, done: Sequence[tuple[Run, Reports]]) -> list[Row]:
-    """One row per trial: shares of the released jobs that were missed before and after, and when the new DSP took its first block."""
+    """One row per trial: shares of the released jobs that were missed before and after, and when the new DSP took its
+    first block."""
     table = []
     for run, reports in done:
         begin, plug, settled, end = reports

@@ -1,4 +1,5 @@
-"""Claim 4: the importance rule keeps 3 and 4 at f_p while 1 and 2 fill the gaps; a keeps the AGV's planning from starving."""
+"""Claim 4: the importance rule keeps 3 and 4 at f_p while 1 and 2 fill the gaps; a keeps the AGV's planning from
+starving."""
 
 from __future__ import annotations
 
@@ -121,7 +122,8 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
         f" ({best['identify']} of the {best['servo_misses']} samples that it misses wait for the identify block, which "
         "nothing can interrupt)."
         if first
-        else f"At best (f_s = {best['ratio']} f_p) the servo misses {best['servo']:.2g} %, the crane's planning {best['crane']:.2g} %, the AGVs' {best['agv']:.2g} %."
+        else f"At best (f_s = {best['ratio']} f_p) the servo misses {best['servo']:.2g} %, the crane's planning "
+        f"{best['crane']:.2g} %, the AGVs' {best['agv']:.2g} %."
     )
     by_load = {
         f: sorted((row for row in starving if row["servo_hz"] == f), key=lambda row: int(row["a"]))
@@ -150,7 +152,10 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
     coarse = [row for row in gaps if row["servo"] >= 1.0 or max(row["crane"], row["agv"]) >= 1.0]
     limit = about_a.strip()
     if first and not coarse and len(gaps) > 1:
-        limit += f" f_s from {min(row['ratio'] for row in gaps)} to {max(row['ratio'] for row in gaps)} f_p makes no difference to the misses."
+        limit += (
+            f" f_s from {min(row['ratio'] for row in gaps)} to {max(row['ratio'] for row in gaps)} f_p makes no "
+            f"difference to the misses."
+        )
     if first and coarse:
         limit += f" With f_s = {', '.join(str(row['ratio']) for row in coarse)} f_p it misses more than 1 %."
     if first and second:

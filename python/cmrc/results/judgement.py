@@ -73,7 +73,8 @@ def parameter(default: Any, meaning: str) -> Any:
 
 
 def missed_share(report: Mapping[str, Any], rate: str) -> float | None:
-    """Missed against f_p, f_t or f_a in % of what the ideal run demands (docs/report.md, Rates); None without demand."""
+    """Missed against f_p, f_t or f_a in % of what the ideal run demands (docs/report.md, Rates); None without
+    demand."""
     share = report["rates"][rate]["missed_share"]
     return None if share is None else 100.0 * float(share)
 

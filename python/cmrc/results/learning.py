@@ -17,8 +17,10 @@ if TYPE_CHECKING:
 
 NUMBER, NAME = 5, "learning"
 TITLE = "Learning N̂_a drives t_w to 0: the AGV slows until it no longer waits"
-# Slow rates, at which a second of a run costs a fifth of the time that it costs at base rates, and which the loops do not feel: PID's delay
-# margins are far above its period of 8 ms (claim 7). One planning interval of an AGV at full speed is 40 ms, 40 refreshes.
+# Slow rates, at which a second of a run costs a fifth of the time that it costs at base rates, and which the loops
+# do not feel: PID's delay
+# margins are far above its period of 8 ms (claim 7). One planning interval of an AGV at full speed is 40 ms, 40
+# refreshes.
 SLOW: dict[str, Setting] = {
     "refresh_frequency_hz": 1000.0,
     "servo_frequency_hz": 125.0,
@@ -31,8 +33,12 @@ SLOW: dict[str, Setting] = {
 
 
 def longer_lane(east_m: float) -> str:
-    """The default layout with the turn east of the loading spot so much farther east: the way to the warehouse is twice as much longer."""
-    return f"[lanes]\nto_warehouse = [[{20 + east_m}, 0, 5], [37.699, -0.08333333, 3], [{32 + east_m}, 0, 5]]\nto_spot = [[18.0, 0, 5], [37.699, -0.08333333, 3], [30.0, 0, 5]]\n"
+    """The default layout with the turn east of the loading spot so much farther east: the way to the warehouse is
+    twice as much longer."""
+    return (
+        f"[lanes]\nto_warehouse = [[{20 + east_m}, 0, 5], [37.699, -0.08333333, 3], [{32 + east_m}, 0, "
+        f"5]]\nto_spot = [[18.0, 0, 5], [37.699, -0.08333333, 3], [30.0, 0, 5]]\n"
+    )
 
 
 @dataclass(frozen=True)
@@ -123,7 +129,8 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
             "learn.",
             "",
         )
-    # What the rule cannot do better: within its dead band and within half a step of rounding it changes nothing; and it knows the last cycle only.
+    # What the rule cannot do better: within its dead band and within half a step of rounding it changes
+    # nothing; and it knows the last cycle only.
     step_s = float(
         np.mean(at_the_end(p, all_rows, "proportional", "driving_s"))
         / np.mean(at_the_end(p, all_rows, "proportional", "interval"))
@@ -178,7 +185,8 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
 
 def section(p: Parameters, all_rows: Sequence[Row]) -> str:
     columns = {
-        "rule": "learning", "lane_m": "lane longer, m", "cycle": "cycle", "interval": "N̂_a", "driving_s": "t_5 + t_6, s", "t_w_s": "t_w, s", "t_v_s": "t_v, s", "T_g_s": "T_g, s",
+        "rule": "learning", "lane_m": "lane longer, m", "cycle": "cycle", "interval": "N̂_a",
+        "driving_s": "t_5 + t_6, s", "t_w_s": "t_w, s", "t_v_s": "t_v, s", "T_g_s": "T_g, s",
     }  # fmt: skip
     return (
         f"{p.dsps} DSP, {p.agvs} AGV{'s' if p.agvs > 1 else ''}, 24 containers, {p.duration_s:g} s (without "

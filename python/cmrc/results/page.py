@@ -8,9 +8,11 @@ from pathlib import Path
 
 INTRODUCTION = """# The claims
 
-The paper (section 7 of its digest) makes six claims and gives no measured figures. Here each claim is put to an experiment on the emulator. A seventh section is not the paper's: what missed deadlines cost.
+The paper (section 7 of its digest) makes six claims and gives no measured figures. Here each claim is put to an
+experiment on the emulator. A seventh section is not the paper's: what missed deadlines cost.
 
-`make results` regenerates this page: every number, table, plot and verdict. `pytest -m campaign tests/python/test_results.py` compares it with what the commands give now. One claim, or with other parameters:
+`make results` regenerates this page: every number, table, plot and verdict. `pytest -m campaign
+tests/python/test_results.py` compares it with what the commands give now. One claim, or with other parameters:
 
     python -m cmrc.results --claim 3 --dsps 1,2,4 --trials 20     # prints the section
     python -m cmrc.results --help                                 # all parameters, each explained
@@ -18,9 +20,13 @@ The paper (section 7 of its digest) makes six claims and gives no measured figur
 How to read it:
 
 - A verdict is *holds*, *holds in part*, *fails*, or *not tested* where the parameters leave nothing to decide.
-- No warm-up is left out. A run is counted from power-on; where a section counts in a window only (claim 3), it says which.
-- *Missed*: late, lost, dropped, or never asked for although the ideal run does ([report.md](report.md), Rates). *Realised*: finished jobs per second.
-- A run is reproducible bit for bit. A seed alone changes the noise of the sway sensor, and so hardly anything here. An interval [low, high] is printed only over something that was varied: the phases of all clocks (`run.phase_jitter`), layouts, instants of events, or work cycles. Each section says which.
+- No warm-up is left out. A run is counted from power-on; where a section counts in a window only (claim 3), it says
+  which.
+- *Missed*: late, lost, dropped, or never asked for although the ideal run does ([report.md](report.md), Rates).
+  *Realised*: finished jobs per second.
+- A run is reproducible bit for bit. A seed alone changes the noise of the sway sensor, and so hardly anything here. An
+  interval [low, high] is printed only over something that was varied: the phases of all clocks (`run.phase_jitter`),
+  layouts, instants of events, or work cycles. Each section says which.
 - What is not said is as [configuration.md](configuration.md) has it by default.
 """
 
@@ -31,7 +37,8 @@ def marks(number: int) -> tuple[str, str]:
 
 
 def wrapped(text: str, width: int = 120) -> str:
-    """The same page with its paragraphs broken at ``width`` columns; headings, tables, pictures and code stay as they are."""
+    """The same page with its paragraphs broken at ``width`` columns; headings, tables, pictures and code stay as they
+    are."""
     lines = []
     for line in text.splitlines():
         fixed = len(line) <= width or line.startswith(("#", "|", "!", "    "))

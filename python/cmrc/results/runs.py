@@ -21,7 +21,8 @@ Reports = Sequence[Report]
 
 @dataclass(frozen=True)
 class FirstClaim:
-    """Looks every ``step_s`` from ``from_s`` on whether the DSP has taken a block since; ``limit_s`` later it gives up."""
+    """Looks every ``step_s`` from ``from_s`` on whether the DSP has taken a block since; ``limit_s`` later it gives
+    up."""
 
     dsp: int
     from_s: float
@@ -33,8 +34,10 @@ class FirstClaim:
 class Run:
     """One run: ``label`` says which row it makes, the rest is the configuration.
 
-    Runs of one ``group`` (not empty) are measured against one ideal run, which they share: they may differ in DSPs, the speed of
-    their cycles and events of the machine only. A run without a group has no ideal run, so its report has no errors and no rates.
+    Runs of one ``group`` (not empty) are measured against one ideal run, which they share: they may differ in DSPs,
+    the speed of
+    their cycles and events of the machine only. A run without a group has no ideal run, so its report has no errors
+    and no rates.
     """
 
     label: Mapping[str, Setting]
@@ -64,7 +67,8 @@ class Run:
 
 
 def execute(run: Run, reference: Reference | None) -> tuple[list[Report], Reference | None]:
-    """The reports at the stops and at the end, that of the end with ``first_claim_s`` where asked for; and the run's ideal run, if it has one."""
+    """The reports at the stops and at the end, that of the end with ``first_claim_s`` where asked for; and the run's
+    ideal run, if it has one."""
     with tempfile.NamedTemporaryFile("w", suffix=".toml", encoding="utf-8") as layout:
         layout.write(run.layout)
         layout.flush()

@@ -1,0 +1,15 @@
+"""The Python of README.md runs, and gives the figures that its comments say."""
+
+import re
+
+import pytest
+from locations import ROOT
+
+
+def test_the_python_of_the_readme(capsys: pytest.CaptureFixture[str]) -> None:
+    [program] = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    [fewest] = re.findall(r"# the fewest DSPs without a miss: (\S+)", program)
+    [r1] = re.findall(r"# (\d+\.\d), and the cycles it took", program)
+    exec(program, {})  # noqa: S102
+    *_, dsps, last = capsys.readouterr().out.splitlines()
+    assert dsps == fewest and last.split()[0] == r1 and int(last.split()[1]) >= 2
