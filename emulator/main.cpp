@@ -47,6 +47,7 @@ void declare_run(CLI::App& app, cli::RunOptions& options) {
   app.add_option("--trace-instructions", options.trace_instructions,
                  "Also write the instructions of these DSPs, into FILE.dspN")
       ->type_name("N");
+  app.add_flag("--trace-labels", options.trace_labels, "In instruction traces labels instead of addresses, and no words");
   app.add_option("--profile", options.profile,
                  "Where the DSPs' cycles went, per task kind, routine and source line; into FILE (.json: as JSON), or after the report")
       ->type_name("[FILE]")
@@ -147,6 +148,7 @@ void declare_exec(CLI::App& app, cli::ExecOptions& options) {
       ->type_name("PORT|ADDRESS|reset");
   app.add_flag("--peripherals", options.peripherals, "Print the peripheral registers that differ from reset, and what the FIFOs hold");
   app.add_option("--trace", options.trace, "Write the instruction trace (docs/trace.md)")->type_name("FILE");
+  app.add_flag("--trace-labels", options.trace_labels, "In it labels instead of addresses, and no words");
   app.add_option("--events", options.events, "Write what the peripherals did (docs/peripherals.md)")->type_name("FILE");
   app.add_flag("--profile", options.profile, "Cycles by cause, per routine and per source line");
   app.add_option("--pipeline", options.pipeline, "Draw the pipeline in these cycles")->type_name("FIRST:LAST");

@@ -40,6 +40,7 @@ struct RunOptions {
   std::optional<std::string> profile;        ///< file, or empty: on the terminal
   std::optional<std::string> trace_window;   ///< A:B in seconds
   std::vector<unsigned> trace_instructions;  ///< slots whose instructions are traced too
+  bool trace_labels = false;                 ///< instruction traces name labels, not addresses
 };
 
 /// The configuration of a run, printed instead of run.
@@ -112,6 +113,7 @@ struct ExecOptions {
   std::vector<std::string> actions;  ///< AT_US,ACTION,TARGET
   std::uint64_t turn_order = 0;
   std::optional<std::string> trace;
+  bool trace_labels = false;  ///< in it labels, not addresses
   std::optional<std::string> events;
   bool check = false;
   bool profile = false;

@@ -36,6 +36,8 @@ def files_of(directory: Path) -> set[str]:
         (["--trace-window", "5:2", "--trace", "t"], ["--trace-window", "5:2"]),
         (["--trace-window", "0:1"], ["--trace-window", "--trace"]),
         (["--trace-instructions", "9", "--trace", "t"], ["--trace-instructions", "9"]),
+        (["--trace-labels", "--trace", "t"], ["--trace-labels", "--trace-instructions"]),
+        (["exec", "x.asm", "--trace-labels"], ["--trace-labels", "--trace FILE"]),
         (["--set", "gamma"], ["--set", "KEY=VALUE"]),
         (["--set", "scheduling.gama_refreshes=1"], ["gamma_refreshes"]),
         (["--set", "scheduling.gamma_refreshes=often"], ["gamma_refreshes", "integer"]),

@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
+from traces import without_operands
 
 SQUARES = """
 ; the first eight squares into a table, by repeated addition
@@ -131,3 +132,23 @@ def test_trace_shows_every_instruction_and_changes_nothing(run, squares, tmp_pat
         spent = re.findall(r" (?:branch|register_conflict|memory_conflict|wait_state)=(\d+)", rest)
         cycle += 1 + sum(map(int, spent))
     assert cycle == json.loads(plain)["cycles"]
+
+
+def test_a_labelled_trace_does_not_show_where_the_program_lies(run, squares, tmp_path: Path) -> None:
+    traces = []
+    for place in ("300000h", "301234h"):
+        assert run("asm", squares, "-o", "p.out", "--section", f".text={place}").returncode == 0
+        result = run("exec", "p.out", "--board", "flat", "--trace", "t", "--trace-labels")
+        assert result.returncode == 0, result.stderr
+        traces.append((tmp_path / "t").read_text())
+    # A COFF file has no source: the operands are disassembled, and a direct address shows its place.
+    assert [without_operands(line) for line in traces[0].splitlines()] == [without_operands(line) for line in traces[1].splitlines()]
+    assert traces[0].startswith("# cmrc labelled instruction trace 1\n0 [dsp 0] start -  ")
+    # The plain trace's cycles and causes, in the same order.
+    assert run("exec", "p.out", "--board", "flat", "--trace", "plain").returncode == 0
+    plain = (tmp_path / "plain").read_text().splitlines()[1:]
+    labelled = traces[0].splitlines()[1:]
+    causes = re.compile(r"^(\d+) | (branch|register_conflict|memory_conflict|wait_state)=(\d+)")
+    assert [causes.findall(line) for line in labelled] == [causes.findall(line) for line in plain]
+    assert run("trace-diff", "t", "t").returncode == 0
+    assert "traces of two kinds" in run("trace-diff", "t", "plain").stderr
