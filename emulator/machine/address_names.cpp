@@ -83,7 +83,7 @@ std::optional<std::string> AddressNames::name(Address address) const {
   auto found = regions_.upper_bound(address);
   if (found == regions_.begin()) return std::nullopt;
   const auto& [base, region] = *--found;
-  if (address - base >= region.words) return std::nullopt;
+  if (address - base > region.words) return std::nullopt;  // a pointer may stand just behind
   const auto label = region.labels.upper_bound(address);
   const bool labelled = label != region.labels.begin() && !std::prev(label)->second.empty();
   const Address from = labelled ? std::prev(label)->first : base;
