@@ -96,7 +96,7 @@ std::string ChipListeners::checks_text() const {
   const std::vector<c40::Diagnostic>& all = parts_->check->diagnostics();
   std::string out = fmt::format("checks: {}\n", all.empty() ? "no rule was broken" : fmt::format("{} found", all.size()));
   for (const c40::Diagnostic& found : all)
-    out += fmt::format("  {:08X}  {}\n    {} (c40-isa.md {}): {}; cycle {}{}\n", found.pc, found.instruction, name(found.rule), found.section, found.message,
+    out += fmt::format("  {:08X}  {}\n    {} ({} {}): {}; cycle {}{}\n", found.pc, found.instruction, name(found.rule), c40::document(found.rule), found.section, found.message,
                        found.cycle, found.count > 1 ? fmt::format(", {} times", found.count) : "");
   return out;
 }

@@ -69,6 +69,7 @@ struct AssembleOptions {
   std::vector<std::string> sections;  ///< NAME=ADDRESS
   std::optional<std::string> entry;
   std::optional<std::string> listing;
+  std::optional<std::string> dialect;  ///< ti or gnu
   bool object = false;
   int version = 2;  ///< Of the COFF file.
 };
@@ -91,6 +92,7 @@ struct DisassembleOptions {
   std::string program;
   std::vector<std::string> include_directories;
   std::optional<std::string> load_at;
+  std::optional<std::string> dialect;
   bool source = false;  ///< Text that assembles to the same words.
 };
 
@@ -98,10 +100,12 @@ struct ExecOptions {
   std::vector<std::string> programs;
   std::vector<std::string> include_directories;
   std::optional<std::string> until;
-  std::int64_t max_cycles = 100'000'000;
+  std::int64_t max_cycles = 100'000'000;  ///< a run that needs more has failed
+  std::optional<std::int64_t> cycles;     ///< a run of so many is what is asked for
   std::vector<std::string> dumps;  ///< ADDRESS:COUNT
   bool json = false;
   std::vector<std::string> boards;  ///< none: default
+  std::optional<std::string> dialect;  ///< of programs that are source
   std::optional<std::string> load_at;
   std::optional<std::string> entry;
   std::optional<std::string> boot;  ///< a port 0 to 5, an address, or "reset"

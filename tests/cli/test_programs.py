@@ -88,10 +88,20 @@ def test_hex_is_loaded_and_started_where_told(run, tmp_path: Path) -> None:
 
 def test_limit_of_cycles(run, tmp_path: Path) -> None:
     (tmp_path / "loop.asm").write_text("start: nop\n       b start\nnever: nop\n")
-    plain = run("exec", "loop.asm", "--max-cycles", 1000, "--json")
-    assert (plain.returncode, json.loads(plain.stdout)["stop"]["reason"]) == (0, "limit")
-    assert 1000 <= json.loads(plain.stdout)["cycles"] < 1010
-    assert run("exec", "loop.asm", "--max-cycles", 1000, "--until", "never").returncode == 1
+    for option, status, message in (("--max-cycles", 1, "--max-cycles 1000 reached"), ("--cycles", 0, "the 1000 cycles of --cycles")):
+        for program in (["loop.asm"], ["loop.asm", "loop.asm", "--link", "0.0:1.3"]):  # one chip, and a network
+            plain = run("exec", *program, option, 1000, "--json")
+            report = json.loads(plain.stdout)
+            assert (plain.returncode, report["stop"]["reason"]) == (status, "limit")
+            assert (message if len(program) == 1 else option) in report["stop"]["message"]
+            for chip in report.get("chips", [report]):
+                assert 1000 <= chip["cycles"] < 1010
+            assert run("exec", *program, option, 1000, "--until", "never").returncode == status
+    # A program that ends before has ended, whatever the limit.
+    (tmp_path / "end.asm").write_text("start: nop\nhalt: b halt\n")
+    assert "stop: halt" in run("exec", "end.asm", "--cycles", 1000).stdout
+    (tmp_path / "bad.asm").write_text("start: .word 0FFFFFFFFh\n")
+    assert run("exec", "bad.asm", "--cycles", 1000).returncode == 1
 
 
 def test_idle_without_an_interrupt_to_come_ends_the_run(run, tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ ORIGIN = 0x300000
 
 
 def assemble_words(lines: list[str], origin: int = ORIGIN) -> list[int]:
-    image = toolchain.assemble("".join(f"\t{line}\n" for line in lines), sections={".text": origin})
+    image = toolchain.assemble("".join(f"\t{line}\n" for line in lines), sections={".text": origin}, dialect="gnu")
     assert [section.name for section in image.sections] == [".text"]
     return list(image.sections[0].words)
 

@@ -40,7 +40,7 @@ def from_gnu(name: str) -> toolchain.Object:
 
 
 def from_us(name: str) -> toolchain.Object:
-    return toolchain.assemble_object((HERE / f"{name}.s").read_text(), name=name)
+    return toolchain.assemble_object((HERE / f"{name}.s").read_text(), name=name, dialect="gnu")
 
 
 @pytest.mark.parametrize("first", [from_gnu, from_us])
