@@ -11,6 +11,31 @@
 
 namespace c40 {
 
+std::string_view name(StopInfo::Reason reason) {
+  switch (reason) {
+    case StopInfo::Reason::limit: return "limit";
+    case StopInfo::Reason::external_access: return "external_access";
+    case StopInfo::Reason::breakpoint: return "breakpoint";
+    case StopInfo::Reason::fault: return "fault";
+    case StopInfo::Reason::port_access: return "port_access";
+    case StopInfo::Reason::port_wait: return "port_wait";
+    case StopInfo::Reason::horizon: return "horizon";
+    case StopInfo::Reason::software_interrupt: return "software_interrupt";
+  }
+  return {};
+}
+
+std::string_view name(Fault::Kind kind) {
+  switch (kind) {
+    case Fault::Kind::reserved_instruction: return "reserved_instruction";
+    case Fault::Kind::reserved_address: return "reserved_address";
+    case Fault::Kind::not_modelled: return "not_modelled";
+    case Fault::Kind::illegal_sequence: return "illegal_sequence";
+    case Fault::Kind::software_interrupt: return "software_interrupt";
+  }
+  return {};
+}
+
 Chip::Chip(Board board) : engine_(std::make_unique<Engine>(std::move(board))) {}
 Chip::~Chip() = default;
 Chip::Chip(Chip&&) noexcept = default;

@@ -126,6 +126,7 @@ StopInfo Engine::stop(Stepped why) {
       info.port = port_access_;
       break;
     case Stepped::horizon: info.reason = StopInfo::Reason::horizon; break;
+    case Stepped::software_interrupt: info.reason = StopInfo::Reason::software_interrupt; break;
     case Stepped::fault:
       info.reason = StopInfo::Reason::fault;
       info.fault = fault_;

@@ -111,7 +111,7 @@ class Engine {
   std::set<Address> breakpoints;
 
  private:
-  enum class Stepped : std::uint8_t { done, external, fault, breakpoint, port, horizon };
+  enum class Stepped : std::uint8_t { done, external, fault, breakpoint, port, horizon, software_interrupt };
 
   /// What the pipeline model makes of an instruction in a state of the pipeline: it depends on nothing else.
   struct Transition {

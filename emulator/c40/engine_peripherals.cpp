@@ -277,7 +277,7 @@ void Engine::boot() {
                                         board_.pins.reset_location, vector, board_.name,
                                         vector == 0 && board_.rom.empty() ? " and no boot ROM" : ""));
   }
-  if (board_.is_flat) return;
+  if (!board_.has_peripherals) return;
   poke(global_interface, interface_after_reset);
   poke(local_interface, interface_after_reset);
 }

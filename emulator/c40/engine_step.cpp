@@ -249,7 +249,7 @@ Engine::Stepped Engine::execute(Step& step) {
     }
     if (outcome.exit == Exit::trap_out) {
       core.pc = pc;
-      return Stepped::breakpoint;
+      return Stepped::software_interrupt;
     }
     step.taken = outcome.exit == Exit::taken;
     return Stepped::done;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "isa/decode.hpp"
+#include "machine/chip_stop.hpp"
 #include "machine/network_parts.hpp"
 #include "machine/program_end.hpp"
 
@@ -198,26 +199,27 @@ void Network::run_chip(Node& node, Time until) {
 }
 
 void Network::stopped(Node& node, const StopInfo& stop) {
-  switch (stop.reason) {
-    case StopInfo::Reason::breakpoint: return at_breakpoint(node);
-    case StopInfo::Reason::fault:
+  switch (meaning(stop.reason)) {
+    case StopMeaning::breakpoint: return at_breakpoint(node);
+    case StopMeaning::fault:
       node.status = ChipStatus::fault;
       node.stop = stop;
+      node.stop.fault = fault_of(node.chip, stop);
       return;
-    case StopInfo::Reason::external_access:
+    case StopMeaning::window_access:
       node.status = memory_of(node, stop.access.address) != nullptr ? ChipStatus::waiting : ChipStatus::external_access;
       node.stop = stop;
       return;
-    case StopInfo::Reason::port_access:
-    case StopInfo::Reason::port_wait:
+    case StopMeaning::port_access:
+    case StopMeaning::port_wait:
       if (node.waits_for_port()) return;  // still the same
       node.status = ChipStatus::waiting;
       node.stop = stop;
       node.was_ready = false;
       note_ready(node, Time{0});
       return;
-    case StopInfo::Reason::limit:
-    case StopInfo::Reason::horizon: break;
+    case StopMeaning::limit:
+    case StopMeaning::asks_anew: break;
   }
   if (!node.chip.idle() || node.chip.dma_busy() || node.status != ChipStatus::running) return;
   if (node.chip.watches_ports() || node.chip.dma_active()) node.status = ChipStatus::sleeping;
@@ -251,8 +253,13 @@ void Network::bring_to(Node& node, Time time) {
     node.chip.hold(held);
     return;
   }
-  while (node.chip.cycle() < cycle)
-    if (node.chip.run_until(cycle).reason == StopInfo::Reason::breakpoint) node.chip.step();
+  while (node.chip.cycle() < cycle) {
+    const StopInfo stop = node.chip.run_until(cycle);
+    if (meaning(stop.reason) == StopMeaning::breakpoint) node.chip.step();
+    if (meaning(stop.reason) != StopMeaning::fault) continue;
+    stopped(node, stop);
+    return bring_to(node, time);
+  }
 }
 
 bool Network::ready(const Node& node) const {
