@@ -373,6 +373,7 @@ def disagreement(program: Program, bench: Bench) -> str | None:
     reference = made(program, board, image)
     note(reference)
     expected = drive(reference, program, lambda chip, cycle: chip.step(), note)  # type: ignore[no-any-return]
+    note(reference)
 
     def parted(way: str, chip: Any, outcome: Outcome) -> str | None:
         stop, last, events = outcome
@@ -416,7 +417,7 @@ def in_network(program: Program, board: str, image: Any, instants: dict[int, tup
     rng = random.Random(program.seed)
     neighbour = package.assemble("        .text\nstart:  bu start\n")
     for slices in (False, True):
-        network = Network([image, neighbour], links=["0.0:1.3"], boards=board, clocks_mhz=list(program.clocks))
+        network = Network([image, neighbour], links=["0.3:1.0"], boards=board, clocks_mhz=list(program.clocks))
         chip = network.chips[0]._core
         prepare(chip, program, image.symbols)
         end = CYCLES * 2 / program.clocks[0]

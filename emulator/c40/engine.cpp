@@ -146,13 +146,9 @@ bool Engine::may_interrupt() const {
 Engine::Stepped Engine::advance(Cycles limit, bool single) {
   Core& core = state_.core;
   core.attention = false;
-  if (state_.cycle >= next_peripheral_event_) {
-    const bool waited = dma_waits();
-    advance_peripherals(state_.cycle);
-    make_dma_current(waited);
-  }
+  reach_present();
+  dma_waited_ = dma_waits();
   limit = std::min(limit, next_peripheral_event_);
-  if (cache_control_pending()) [[unlikely]] settle_cache_control();
   if (core.code_writes != 0) process_code_writes();
   if (std::exchange(interface_changed_, false)) {
     flush_blocks();
@@ -177,7 +173,8 @@ Engine::Stepped Engine::advance(Cycles limit, bool single) {
   const bool waiting_interrupt = !may_interrupt() && pending_vector() != 0;
   dma_busy_ = dma_active_ && dma_.busy();
   dma_beside_ = dma_busy_ || dma_disturbed();
-  if (!dma_busy_) dma_side_->knows_accesses = false;
+  if (dma_busy_) dma_side_->know_accesses();
+  else dma_side_->knows_accesses = false;
   const bool one = single || trace != nullptr || answered || waiting_interrupt || dma_beside_ || cache_control_pending();
   if (!one && !exact_only && missed_ == nullptr) {
     if (Block* block = std::exchange(resume_, nullptr); block != nullptr) {
@@ -216,9 +213,8 @@ StopInfo Engine::run_until(Cycles limit) {
         if (auto info = run_dma(limit, true)) return *info;
       break;
     }
-    const bool waited = dma_waits();
     const Stepped why = advance(limit, false);
-    make_dma_current(waited);
+    make_dma_current(dma_waited_);
     if (why != Stepped::done) {
       if (dma_active_ && (why == Stepped::port || why == Stepped::external)) {
         const Cycles begins = why == Stepped::port ? port_access_.cycle : waiting_.cycle;
@@ -230,7 +226,7 @@ StopInfo Engine::run_until(Cycles limit) {
     told_ = false;
     if (attached_ != 0 && (watched_ports() & ~watched) != 0) return stop(Stepped::horizon);
   }
-  if (state_.cycle >= next_peripheral_event_) advance_peripherals(state_.cycle);
+  reach_present();
   return {};
 }
 
@@ -242,13 +238,31 @@ StopInfo Engine::step() {
   run_limit_ = state_.cycle;
   if (dma_active_ || dma_stop_)
     if (auto info = run_dma(run_limit_, false)) return *info;
-  const bool waited = dma_waits();
+  if (dma_active_ && waits_in_idle()) {
+    const Cycles before = state_.cycle;
+    if (auto info = run_dma(before + 1, false)) return *info;
+    if (state_.cycle != before) {
+      reach_present();
+      return {};
+    }
+  }
   const Stepped why = advance(state_.cycle + 1, true);
-  make_dma_current(waited);
+  make_dma_current(dma_waited_);
   told_ = why != Stepped::done;
   if (why == Stepped::done && (dma_active_ || dma_stop_))
     if (auto info = run_dma(waits_in_idle() ? state_.cycle : run_limit_, false)) return *info;
+  if (why == Stepped::done) reach_present();
   return stop(why);
+}
+
+// What has happened by the present cycle: timers' events, and what the cache is told.
+void Engine::reach_present() {
+  if (state_.cycle >= next_peripheral_event_) {
+    const bool waited = dma_waits();
+    advance_peripherals(state_.cycle);
+    make_dma_current(waited);
+  }
+  if (cache_control_pending()) [[unlikely]] settle_cache_control();
 }
 
 bool Engine::dma_waits() const { return dma_active_ && !dma_.busy(); }

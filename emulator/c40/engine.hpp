@@ -211,6 +211,7 @@ class Engine {
   bool write_register(Address address, Word value, Cycles at);
   void advance_peripherals(Cycles at);
   void make_dma_current(bool waited);
+  void reach_present();
   bool dma_waits() const;
   void expect_peripherals();
   void reset_ports();
@@ -234,7 +235,7 @@ class Engine {
   // engine_dma.cpp: the DMA coprocessor beside the processor
   struct DmaSide;
   void watch_dma();
-  Cycles known_until(Cycles limit) const;
+  Cycles known_until(Cycles limit, bool idles) const;
   std::optional<StopInfo> run_dma(Cycles limit, bool processor_waits);
   std::array<std::optional<Access>, 2> next_fetches();
   std::optional<StepTiming> without_dma(const Step& step, bool annulled);
@@ -246,6 +247,7 @@ class Engine {
   Dma dma_;
   bool dma_active_ = false;  ///< a channel is started
   bool dma_beside_ = false;  ///< and goes on during this instruction, or what it took still counts
+  bool dma_waited_ = false;  ///< before this instruction: started, and nothing to do
   bool dma_busy_ = false;    ///< and goes on during this instruction
   Cycles run_limit_ = 0;     ///< of the present call
   std::optional<StopInfo> dma_stop_;  ///< to be reported after the instruction

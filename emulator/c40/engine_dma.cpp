@@ -230,15 +230,20 @@ void Engine::DmaSide::begin_following(bool beside_processor) {
   disturbed = false;
   std::erase_if(accesses, [&](const ProcessorAccess& access) { return access.end < engine.state_.dma.now; });
   if (!beside) return;
+  know_accesses();
   pipeline = engine.pipelines_[engine.current_pipeline()];
-  if (!knows_accesses) {
-    accesses.clear();
-    for (const Resource bus : {Resource::local, Resource::global, Resource::peripheral})
-      if (const auto end = pipeline.busy_until(bus)) accesses.push_back({{bus, 0, false, false}, long_ago, engine.state_.cycle + *end});
-    knows_accesses = true;
-  }
   next_fetches = engine.next_fetches();
   expect_fetches();
+}
+
+// Until the DMA goes on, nobody takes note of accesses: of those under way, only their end is known.
+void Engine::DmaSide::know_accesses() {
+  if (knows_accesses) return;
+  accesses.clear();
+  const Pipeline& now = engine.pipelines_[engine.current_pipeline()];
+  for (const Resource bus : {Resource::local, Resource::global, Resource::peripheral})
+    if (const auto end = now.busy_until(bus)) accesses.push_back({{bus, 0, false, false}, long_ago, engine.state_.cycle + *end});
+  knows_accesses = true;
 }
 
 void Engine::DmaSide::end_following() {
@@ -331,10 +336,10 @@ void Engine::watch_dma() { dma_active_ = dma_.active() || state_.dma.waits_for_a
 
 bool Engine::waits_in_idle() const { return state_.core.idle && may_interrupt() && pending_vector() == 0; }
 
-// How far the DMA may go while the processor runs: everything that the processor does before is known. What the links do is known up to
-// `limit` only.
-Cycles Engine::known_until(Cycles limit) const {
-  const Cycles until = state_.cycle - read_lead;
+// How far the DMA may go while the processor runs or idles: everything that the processor does before is known. What the links do is known
+// up to `limit` only.
+Cycles Engine::known_until(Cycles limit, bool idles) const {
+  const Cycles until = idles ? std::max(limit, state_.cycle) : state_.cycle - read_lead;
   return attached_ != 0 && (dma_.ports_used() & attached_) != 0 ? std::min(limit, until) : until;
 }
 
@@ -345,7 +350,7 @@ std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
   while (dma_active_) {
     if (dma_request_) return dma_stop(*dma_request_);
     const bool idles = !processor_waits && waits_in_idle();
-    const Cycles until = processor_waits || idles ? limit : known_until(limit);
+    const Cycles until = processor_waits ? limit : known_until(limit, idles);
     const Cycles event = next_peripheral_event_, to = std::min(until, event);
     if (state_.dma.now >= until && !dma_.ends_at(until) && event > until) break;
     side.begin_following(!processor_waits && !idles);

@@ -43,6 +43,7 @@ struct Engine::DmaSide final : DmaSurroundings {
   void displace_data(Unit unit, Span span);
   Word touch_port(const PortAccess& access, Cycles at);
 
+  void know_accesses();
   void begin_following(bool beside_processor);
   void end_following();
   void expect_fetches();

@@ -62,6 +62,10 @@ def run_alone(way: str, name: str, cycles: int, board: str = "default", **more: 
     return chip, image
 
 
+def low(chip: Any, name: str) -> int:
+    return int(chip.get(name)) & 0xFFFFFFFF
+
+
 def cycles_of(chip: Any, kind: str) -> list[int]:
     return [cycle for what, cycle, *_ in chip.events if what == kind]
 
@@ -74,7 +78,7 @@ def test_a_timer_wakes_a_processor_that_sleeps_beside_a_dma_block(way: str) -> N
     chip, image = run_alone(way, "idle_dma2.asm", 1660)
     assert cycles_of(chip, "interrupt") == list(range(228, 1629, 200))
     assert cycles_of(chip, "timer")[:8] == cycles_of(chip, "interrupt")
-    assert chip.pc == image.symbols["done"] and chip.get("R10") == 8
+    assert chip.pc == image.symbols["done"] and low(chip, "R10") == 8
 
 
 def test_the_same_in_a_network_and_from_the_package() -> None:
@@ -141,8 +145,8 @@ def test_a_dma_word_costs_a_fetch_one_slot_or_none(way: str, name: str, stalls: 
 
 @pytest.mark.parametrize("way", ALONE)
 def test_a_read_of_a_timer_does_not_depend_on_an_unrelated_stall(way: str) -> None:
-    values = [run_alone(way, name, 60)[0].get("R1") for name in ("clampA.asm", "clampB.asm")]
-    assert values[0] == values[1] == 2  # the counter ticks every second cycle, and E is four cycles after the start
+    values = [run_alone(way, name, 60)[0] for name in ("clampA.asm", "clampB.asm")]
+    assert [low(chip, "R1") for chip in values] == [2, 2]  # the counter ticks every second cycle, and E is four cycles after the start
 
 
 @pytest.mark.parametrize("way", ["whole", "cut", "stepped", "exact"])
@@ -170,7 +174,7 @@ def test_a_branch_at_the_end_of_a_repeated_block_is_a_fault_before_it_changes_an
     chip, image = run_alone(way, "rb.asm", 100)
     stop = chip.run(10)
     assert chip.halted and stop["reason"] == "limit"
-    assert chip.pc == image.symbols["last"] and (chip.get("R1"), chip.get("RC")) == (1, 10)
+    assert chip.pc == image.symbols["last"] and (low(chip, "R1"), chip.get("RC")) == (1, 10)
     alone, image = loaded("rb.asm")
     stop = alone.run(100)
     assert (stop["reason"], stop["kind"], stop["pc"]) == ("fault", "illegal_sequence", image.symbols["last"])
