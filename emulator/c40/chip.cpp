@@ -75,7 +75,7 @@ void Chip::set_register(isa::Register r, std::uint64_t value) {
   Core& core = engine_->touch().core;
   const std::uint8_t code = isa::code(r);
   const auto word = static_cast<Word>(value);
-  if (code == reg::ST) return engine_->write_status(word);
+  if (code == reg::ST) return engine_->set_status(word);
   core.r[code] = word;
   if (isa::is_extended(r)) core.e[code] = float40::from_bits(value).e;
   if (code == reg::IIF) engine_->after_interrupt_register_write();
@@ -165,6 +165,10 @@ bool Chip::timer_pin(int timer) const {
 }
 Word Chip::peripheral(std::string_view name) const { return engine_->peek(register_named(name).address); }
 
+Cycles Chip::next_timer_event(int timer) const {
+  check_timer(timer);
+  return engine_->state().timers[static_cast<std::size_t>(timer)].next_event();
+}
 Cycles Chip::next_event() const { return engine_->next_peripheral_event(); }
 bool Chip::locked(bool global_bus) const { return engine_->state().locked[global_bus]; }
 bool Chip::dormant() const { return idle() && !dma_active() && next_event() == std::numeric_limits<Cycles>::max(); }

@@ -169,6 +169,8 @@ class Chip {
   void raise_nmi();
   /// The next cycle in which a peripheral does something by itself that the processor could see; the greatest number if none will.
   Cycles next_event() const;
+  /// The same of one timer: its next interrupt.
+  Cycles next_timer_event(int timer) const;
   /// Whether LOCK (LLOCK, the local bus's) is low: an LDII or LDFI has taken it, and no STII or STFI given it back.
   bool locked(bool global_bus) const;
   /// In IDLE with no interrupt to take.

@@ -41,6 +41,13 @@ void PipelineDiagram::instruction(const TraceRecord& record) {
   fill(execute + port, execute + waited, 'b');
   fill(execute + waited, execute + waited + 1, 'E');
   if (!visible) return;
+  // What the DMA holds up shows as stages that last longer; which of their cycles are its, the causes do not say: the last ones are drawn so.
+  Cycles held = cause(Cause::dma_conflict);
+  for (Cycles c = execute - 1; held > 0 && c > record.cycle + at.fetch; --c) {
+    if (c == read || c == decode) continue;  // an instruction is in each stage for a cycle of its own
+    if (c >= first_ && c <= last_) put(cells, c, 'd');
+    --held;
+  }
   std::string stalls;
   for (std::size_t i = 1; i < cause_count; ++i)
     if (record.causes[i] != 0) stalls += fmt::format("  {} {}", name(static_cast<Cause>(i)), record.causes[i]);
@@ -80,7 +87,7 @@ std::vector<std::string> PipelineDiagram::ruler() const {
 }
 
 std::string PipelineDiagram::text() const {
-  std::string out = fmt::format("pipeline, cycles {} to {} (F fetch, D decode, R read, E execute, - holds, p port, b shared bus, I interrupt)\n", first_, last_);
+  std::string out = fmt::format("pipeline, cycles {} to {} (F fetch, D decode, R read, E execute, - holds, p port, b shared bus, d DMA, I interrupt)\n", first_, last_);
   for (const std::string& line : ruler()) out += line + "\n";
   for (const Row& row : rows_) out += fmt::format("{}  {}\n", row.cells, row.label);
   return out;

@@ -19,7 +19,7 @@ class PipelineDiagram final : public TraceSink {
   void instruction(const TraceRecord& record) override;
   void interrupt(Word vector, Cycles cycle) override;
 
-  /// F fetch, D decode, R read, E execute; `-` holds the stage before, `p` and `b` wait for a port and for a shared bus.
+  /// F fetch, D decode, R read, E execute; `-` holds the stage before, `p`, `b` and `d` wait for a port, for a shared bus and for the DMA.
   std::string text() const;
 
  private:

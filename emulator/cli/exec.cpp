@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "c40/chip.hpp"
+#include "machine/asleep.hpp"
 #include "machine/boot.hpp"
 #include "cli/chip_listeners.hpp"
 #include "cli/options.hpp"
@@ -84,20 +85,22 @@ class Run {
     const Address pc = chip_.pc();
     if (until_ && pc == *until_) return Outcome{"until", fmt::format("reached {:08X}h", pc)};
     if (machine::program_end(chip_.peek(pc), pc) == machine::ProgramEnd::halt && !chip_.dma_busy()) {
-      if (chip_.dma_active() && !awaits_event()) return dma_wait();
-      return Outcome{"halt", fmt::format("branch to itself at {:08X}h", pc)};
+      const bool interrupts = (chip_.register_value(Register::ST) & c40::st::GIE) != 0;
+      const bool sleeps = interrupts && machine::awaits_dma(chip_);
+      if (!sleeps) return Outcome{"halt", fmt::format("branch to itself at {:08X}h{}", pc, machine::armed_dma(chip_))};
+      if (machine::next_dma_tick(chip_) == std::numeric_limits<c40::Cycles>::max() && !awaits_event()) return dma_wait();
     }
     const c40::StopInfo stop = chip_.step();
     if (auto outcome = ended(stop)) return outcome;
     return asleep();
   }
 
-  bool awaits_event() const { return chip_.next_event() != std::numeric_limits<c40::Cycles>::max(); }
+  bool awaits_event() const { return machine::next_timer_interrupt(chip_) != std::numeric_limits<c40::Cycles>::max(); }
 
   std::optional<Outcome> asleep() const {
-    if (!chip_.idle() || chip_.dma_busy() || awaits_event()) return std::nullopt;
-    if (chip_.dma_active()) return dma_wait();
-    return Outcome{"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come", chip_.pc() - 1)};
+    if (!machine::sleeps_for_ever(chip_)) return std::nullopt;
+    if (machine::awaits_dma(chip_)) return dma_wait();
+    return Outcome{"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come{}", chip_.pc() - 1, machine::armed_dma(chip_))};
   }
 
   Outcome dma_wait() const {

@@ -226,6 +226,9 @@ class Network {
   Time next_of_all() const;
   bool quiet() const;
   bool waits_for_ever() const;
+  bool has_ended(const Node& node) const;
+  bool sleeps_for_interrupt(const Node& node) const;
+  bool awaits_dma_for_ever(const Node& node) const;
   void run_freely(Node& node, Time until);
   void watch(Node& node);
   bool is_shared(const Node& node, c40::Address address) const;

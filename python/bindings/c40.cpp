@@ -145,20 +145,6 @@ class Processor : public c40::PeripheralSink {
   py::list events;
 };
 
-/// Of all words of RAM that are not 0, whatever areas they lie in.
-std::uint64_t digest(const c40::Memory& memory) {
-  std::uint64_t sum = 0;
-  for (const auto& area : memory.areas()) {
-    if (area->data == nullptr) continue;
-    for (Word i = 0; i < area->words; ++i)
-      if (const Word word = area->data[i]; word != 0) {
-        std::uint64_t h = (std::uint64_t{area->base + i} << 32 | word) * 0x9E3779B97F4A7C15u;
-        sum += (h ^ h >> 29) * 0xBF58476D1CE4E5B9u;
-      }
-  }
-  return sum;
-}
-
 /// A link of two processors; its events as dicts.
 class Link : public c40::LinkListener {
  public:
@@ -252,7 +238,6 @@ void bind_processor(py::module_& m) {
       .def_property_readonly("watches_ports", [](const Processor& p) { return p.chip.watches_ports(); })
       .def("add_breakpoint", [](Processor& p, c40::Address a) { p.chip.add_breakpoint(a); })
       .def("remove_breakpoint", [](Processor& p, c40::Address a) { p.chip.remove_breakpoint(a); })
-      .def("digest", [](const Processor& p) { return digest(p.chip.memory()); }, "A hash of all RAM.")
       .def("locked", [](const Processor& p, bool global) { return p.chip.locked(global); }, py::arg("global_bus"),
            "Whether LOCK of the global, LLOCK of the local bus is low.")
       .def("set_exact", [](Processor& p, bool exact) { p.chip.set_exact(exact); }, "One instruction at a time, no blocks.")

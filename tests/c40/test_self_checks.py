@@ -51,6 +51,13 @@ def test_a_broken_rule_is_named_with_its_place(name: str, text: str, rule: str, 
     assert found[0].instruction == c40.disassemble(word, CODE + where)
 
 
+def test_the_rule_behind_a_chip_that_stops_at_the_end_of_a_block_is_named() -> None:
+    """Ruling 42: a branch that becomes a block's last instruction by what is written to RE, not by RPTB."""
+    found = checked(" ldi 2,rc\n ldhi 2fh,rs\n or 0fc06h,rs\n ldhi 2fh,re\n or 0fc07h,re\n or 100h,st\n nop\nend: b stop\nstop: b stop")
+    assert [(d.rule, d.pc) for d in found] == [("repeat_block", CODE + 7)]
+    assert "may not end with program control" in found[0].message
+
+
 RESERVED = [
     ("opcode", 0x3E000000, "12", "no instruction has this operation"),
     ("indirect mode 26", 0x0840D000, "3.9", "modes 26 to 31 are reserved"),

@@ -139,6 +139,19 @@ def test_a_wait_for_a_port_stands_in_the_row_of_the_read(run, tmp_path) -> None:
     assert "p port" in text
 
 
+def test_what_the_dma_holds_up_is_drawn_so(run) -> None:
+    """In the row of the instruction that waits, as many cycles as it has been charged with."""
+    faults = Path(__file__).parents[1] / "peripherals" / "data" / "faults"
+    arguments = ("exec", faults / "fetch_dma_first.asm", "--board", faults / "timing-board.toml", "--until", "done", "--pipeline", "0:199")
+    text = run(*arguments).stdout
+    rows = [row for row in text[text.index("pipeline, cycles") :].splitlines() if re.match("  00", row[200:])]
+    charged = {row: int(match[1]) for row in rows if (match := re.search(r"dma_conflict (\d+)", row))}
+    assert charged
+    inside = {row: count for row, count in charged.items() if row[:200].lstrip()[0] == "F" and row[:200].rstrip()[-1] == "E"}
+    assert inside and all(row[:200].count("d") == count for row, count in inside.items())
+    assert all("d" not in row[:200] for row in rows if row not in charged)
+
+
 @pytest.mark.parametrize("window", ["5", "9:3", "a:b", "0:100000", "-1:4"])
 def test_bad_window(run, program, window) -> None:
     result = run("exec", program, f"--pipeline={window}")
