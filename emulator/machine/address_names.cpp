@@ -23,15 +23,18 @@ constexpr std::array records{
     Records{"SV", "SV_BASE", "SV_WORDS", 17, ""},
 };
 
-/// RAM on chip after the constants: its names in onchip.inc. What a kernel calls its scratch words differs from kernel to
-/// kernel, so those are SCRATCH and an offset.
-constexpr std::array<std::string_view, 8> on_chip{"TASK", "EXEC_BLOCK", "EXEC_SLOT", "EXEC_POLICY", "EXEC_PAUSE", "MATH", "STACK", "SCRATCH"};
+/// RAM on chip after the constants: its names in onchip.inc. What a kernel calls its scratch words differs from kernel
+/// to kernel, so those are SCRATCH and an offset.
+constexpr std::array<std::string_view, 8> on_chip{"TASK",       "EXEC_BLOCK", "EXEC_SLOT", "EXEC_POLICY",
+                                                  "EXEC_PAUSE", "MATH",       "STACK",     "SCRATCH"};
 
 /// What stands alone in a window; the symbols are offsets on its bus.
-constexpr std::array<std::string_view, 13> alone_on_a{"LIST_WORK_POINTER", "LIST_REFRESH", "SLICE_CYCLES", "ER_BASE", "SEMAPHORE", "SEMAPHORE_OWNER", "SEMAPHORE_HELD",
-                                                      "DOORBELL_RING", "DOORBELL_IDLE", "DOORBELL_BUSY", "FENCE_MASK", "RESET_DSP", "LINK_ADAPTER"};
-constexpr std::array<std::string_view, 14> alone_on_b{"DRIVE_TORQUE", "DRIVE_ENABLE", "ENCODER", "SWAY_ALPHA", "SWAY_BETA", "LOAD_CELL", "SPREADER_COMMAND",
-                                                      "SPREADER_STATUS", "DRIVE_STATUS", "DRIVE_SPEED", "SCAN_ROWS", "SCAN_PROFILE", "AGV_UNIT", "AGV_RANGE"};
+constexpr std::array<std::string_view, 13> alone_on_a{
+    "LIST_WORK_POINTER", "LIST_REFRESH",  "SLICE_CYCLES",  "ER_BASE",       "SEMAPHORE",  "SEMAPHORE_OWNER", "SEMAPHORE_HELD",
+    "DOORBELL_RING",     "DOORBELL_IDLE", "DOORBELL_BUSY", "FENCE_MASK",    "RESET_DSP",  "LINK_ADAPTER"};
+constexpr std::array<std::string_view, 14> alone_on_b{
+    "DRIVE_TORQUE",    "DRIVE_ENABLE", "ENCODER",     "SWAY_ALPHA", "SWAY_BETA",    "LOAD_CELL", "SPREADER_COMMAND",
+    "SPREADER_STATUS", "DRIVE_STATUS", "DRIVE_SPEED", "SCAN_ROWS",  "SCAN_PROFILE", "AGV_UNIT",  "AGV_RANGE"};
 
 /// Words of a window that are named. Few, so that a number which is no address seldom looks like one.
 constexpr Address window_a_words = 0x20000, window_b_words = 0x2000;
@@ -67,7 +70,8 @@ AddressNames AddressNames::of_dock(const toolchain::Image& image) {
       const std::string number = table.count > 1 ? fmt::format("{}{}", table.name, i) : std::string(table.name);
       const Address at = window + image.symbol(table.base) + i * words;
       if (!table.prefix.empty())
-        for (auto symbol = image.symbols.lower_bound(table.prefix); symbol != image.symbols.end() && symbol->first.starts_with(table.prefix); ++symbol)
+        for (auto symbol = image.symbols.lower_bound(table.prefix);
+             symbol != image.symbols.end() && symbol->first.starts_with(table.prefix); ++symbol)
           if (symbol->second < words && symbol->first != table.base && symbol->first != table.words)
             a.labels.emplace(at + symbol->second, table.count > 1 ? number + "." + symbol->first : symbol->first);
       a.labels.emplace(at, number);

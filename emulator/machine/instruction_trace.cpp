@@ -46,8 +46,11 @@ std::string line_of(const c40::TraceRecord& record, unsigned slot, const Labels*
   }
   const std::size_t bare = line.size();
   const Labels* data_labels = labels != nullptr && gives_floats(record.word) ? nullptr : labels;
-  for (const c40::RegisterChange& change : record.registers)
-    fmt::format_to(out, " {}={}", upper(isa::name(change.reg)), value_text(change.value, isa::is_extended(change.reg), isa::is_extended(change.reg) ? data_labels : labels));
+  for (const c40::RegisterChange& change : record.registers) {
+    const bool extended = isa::is_extended(change.reg);
+    fmt::format_to(out, " {}={}", upper(isa::name(change.reg)),
+                   value_text(change.value, extended, extended ? data_labels : labels));
+  }
   for (const c40::MemoryEvent& event : record.memory)
     if (event.write)
       fmt::format_to(out, " @{}={}", labels ? labels->names.text(event.address) : fmt::format("{:08X}", event.address),
@@ -63,9 +66,12 @@ std::string line_of(const c40::TraceRecord& record, unsigned slot, const Labels*
 
 std::string to_text(const c40::TraceRecord& record, unsigned slot) { return line_of(record, slot, nullptr); }
 
-std::string to_text(const c40::TraceRecord& record, unsigned slot, const Labels& labels) { return line_of(record, slot, &labels); }
+std::string to_text(const c40::TraceRecord& record, unsigned slot, const Labels& labels) {
+  return line_of(record, slot, &labels);
+}
 
-InstructionText::InstructionText(unsigned slot, Line line, c40::Cycles from, c40::Cycles to, std::optional<Labels> labels)
+InstructionText::InstructionText(unsigned slot, Line line, c40::Cycles from, c40::Cycles to,
+                                 std::optional<Labels> labels)
     : slot_(slot), line_(std::move(line)), from_(from), to_(to), labels_(std::move(labels)) {}
 
 void InstructionText::instruction(const c40::TraceRecord& record) {

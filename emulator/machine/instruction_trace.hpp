@@ -1,6 +1,8 @@
 #pragma once
 // A chip's instructions as the lines of docs/trace.md.
 #include <functional>
+#include <limits>
+#include <optional>
 #include <string>
 
 #include "c40/chip.hpp"
@@ -17,8 +19,12 @@ std::string to_text(const c40::TraceRecord& record, unsigned slot);
 struct Labels {
   AddressNames names;
   SourceText source;
-  static Labels of_program(const toolchain::Image& image) { return {AddressNames(image), SourceText(image, SourceText::Label::dropped)}; }
-  static Labels of_dock(const toolchain::Image& image) { return {AddressNames::of_dock(image), SourceText(image, SourceText::Label::dropped)}; }
+  static Labels of_program(const toolchain::Image& image) {
+    return {AddressNames(image), SourceText(image, SourceText::Label::dropped)};
+  }
+  static Labels of_dock(const toolchain::Image& image) {
+    return {AddressNames::of_dock(image), SourceText(image, SourceText::Label::dropped)};
+  }
 };
 
 /// "12 [dsp 0] start+0x4 -  bnz start  ; branch=3": labels for addresses, also where registers and words hold them, and no

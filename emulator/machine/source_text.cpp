@@ -38,7 +38,8 @@ SourceText::SourceText(const toolchain::Image& image, Label label) {
   }
 }
 
-std::string SourceText::operator()(isa::Address address, isa::Word word, const std::function<std::string(isa::Address)>& symbols) const {
+std::string SourceText::operator()(isa::Address address, isa::Word word,
+                                   const std::function<std::string(isa::Address)>& symbols) const {
   const auto line = lines_.find(address);
   return line == lines_.end() || line->second.empty() ? isa::disassemble(word, address, symbols) : line->second;
 }

@@ -16,7 +16,8 @@ class SourceText {
 
   /// Without comment, blanks put right, both lines of a parallel instruction in one. Where no line is known, disassembled;
   /// `symbols` then gives branch targets their names.
-  std::string operator()(isa::Address address, isa::Word word, const std::function<std::string(isa::Address)>& symbols = {}) const;
+  std::string operator()(isa::Address address, isa::Word word,
+                         const std::function<std::string(isa::Address)>& symbols = {}) const;
 
  private:
   std::map<isa::Address, std::string> lines_;
