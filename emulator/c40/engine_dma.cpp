@@ -282,6 +282,7 @@ void Engine::DmaSide::forget() {
   written.fill(long_ago);
   last_taken = long_ago;
   undisturbed.reset();
+  gained = 0;
 }
 
 // The fetches of the next two instructions from memory: of the second, where it stands if nothing branches.

@@ -305,12 +305,21 @@ void Engine::settle_answers() {
   }
 }
 
-// What the DMA costs an instruction is what it takes beyond what it would have taken without.
+// What the DMA costs an instruction is what it takes beyond what it would have taken without. What it takes less, because it had been held
+// up before, is set against the next cost: in all, the DMA is charged with no more than it did.
 void Engine::account(const StepTiming& t, const std::optional<StepTiming>& without_dma) {
-  if (!without_dma || without_dma->total > t.total) return account(t);
+  if (!without_dma) return account(t);
   const int held = t.total - without_dma->total;
+  int& gained = dma_side_->gained;
+  if (held <= 0) {
+    gained -= held;
+    return account(t);
+  }
+  const int paid = std::min(gained, held);
+  gained -= paid;
   account(*without_dma);
-  add(state_.causes, Cause::dma_conflict, held);
+  add(state_.causes, Cause::memory_conflict, paid);
+  add(state_.causes, Cause::dma_conflict, held - paid);
   state_.cycle += held;
 }
 

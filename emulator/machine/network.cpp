@@ -190,9 +190,12 @@ void Network::schedule(const NetworkAction& action) {
 void Network::run_chip(Node& node, Time until) {
   const Cycles limit = node.first_cycle(until);
   while (node.chip.settled() < limit) {
-    const StopInfo stop = node.chip.run_until(limit);
+    // When the DMA is done, a processor that sleeps may have ended: in that cycle, however the run is cut.
+    const bool looks = node.status == ChipStatus::running && node.chip.idle() && node.chip.dma_busy() && node.chip.cycle() + 1 < limit;
+    const StopInfo stop = node.chip.run_until(looks ? node.chip.cycle() + 1 : limit);
     stopped(node, stop);
-    if (stop.reason != StopInfo::Reason::breakpoint || node.status != ChipStatus::running) return;
+    if (node.status != ChipStatus::running) return;
+    if (stop.reason != StopInfo::Reason::breakpoint && !(looks && stop.reason == StopInfo::Reason::limit)) return;
   }
 }
 
@@ -590,7 +593,8 @@ NetworkStop Network::finish(NetworkStop::Reason reason, Time limit) {
   }
   now_ = std::max(now_, end);
   for (auto& node : nodes_)
-    if (node->status == ChipStatus::sleeping || node->held() || (node->patience.loop && node->status == ChipStatus::running)) bring_to(*node, end);
+    if (node->status == ChipStatus::waiting && node->chip.dma_active() && !node->chip.dma_busy()) run_chip(*node, end);  // its timers
+    else if (node->status == ChipStatus::sleeping || node->held() || (node->patience.loop && node->status == ChipStatus::running)) bring_to(*node, end);
   check_words();
   return {reason, end};
 }
