@@ -7,6 +7,9 @@
 
 #include "cli/options.hpp"
 #include "cmrc/config.hpp"
+#include "io/file_roles.hpp"
+#include "io/output_file.hpp"
+#include "io/standard_streams.hpp"
 #include "machine/board_file.hpp"
 #include "machine/network.hpp"
 #include "toolchain/coff.hpp"
@@ -196,6 +199,10 @@ int guarded(const Action& action) {
     return action();
   } catch (const cli::InputError& error) {
     return fail(error.what(), cli::bad_input);
+  } catch (const io::CannotOpen& error) {
+    return fail(error.what(), cli::bad_input);
+  } catch (const io::SameFile& error) {
+    return fail(error.what(), cli::bad_input);
   } catch (const machine::NetworkError& error) {
     return fail(error.what(), cli::bad_input);
   } catch (const machine::BoardError& error) {
@@ -215,9 +222,18 @@ int guarded(const Action& action) {
   }
 }
 
+/// What was printed and is lost makes the command fail.
+int printed(int status) {
+  const std::string lost = io::flush_output();
+  if (lost.empty()) return status;
+  fmt::print(stderr, "emulator: standard output: writing failed: {}\n", lost);
+  return status == cli::success ? cli::run_failed : status;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  io::take_closed_streams();
   CLI::App app{
       "Emulator of TMS320C40 multiprocessors that reproduces the CMRC robot controller. Without a command it simulates "
       "the dock and reports "
@@ -257,9 +273,9 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help
+    if (error.get_exit_code() == 0) return printed(app.exit(error));  // --help
     fmt::print(stderr, "emulator: {} (emulator --help lists what there is)\n", error.what());
     return cli::bad_input;
   }
-  return guarded(action);
+  return printed(guarded(action));
 }

@@ -2,8 +2,9 @@
 #include <fmt/format.h>
 
 #include "cli/options.hpp"
-#include "cli/output_file.hpp"
 #include "cli/program.hpp"
+#include "io/file_roles.hpp"
+#include "io/output_file.hpp"
 #include "toolchain/assembler.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/disassembly.hpp"
@@ -36,14 +37,21 @@ toolchain::Options toolchain_options(const AssembleOptions& options) {
   return out;
 }
 
+/// \param read sources with what they include, or objects
+void check_files(const std::vector<std::string>& read, const std::string& output, const std::string& role, const std::optional<std::string>& text_path) {
+  io::FileRoles files;
+  for (const std::string& path : read) files.reads("an input", path);
+  files.writes("-o", output).writes(role, text_path.value_or(""));
+}
+
 /// Both files, or none.
 void write(toolchain::Object object, int version, const std::string& path, const std::optional<std::string>& text_path,
            const std::string& text) {
   object.version = version;
-  OutputFile output(path);
-  std::optional<OutputFile> text_output;
+  io::OutputFile output(path);
+  std::optional<io::OutputFile> text_output;
   if (text_path) text_output.emplace(*text_path);
-  toolchain::write_coff(object, output.working_path());
+  toolchain::write_coff(object, output.stream());
   if (text_output) text_output->stream() << text;
   output.commit();
   if (text_output) text_output->commit();
@@ -57,15 +65,18 @@ void print_warnings(const toolchain::Image& image) {
 
 int assemble(const AssembleOptions& options) {
   require_file(options.source);
+  check_files({options.source}, options.output, "--listing", options.listing);
   const toolchain::Options how = toolchain_options(options);
   if (options.object) {
     const auto assembled = toolchain::assemble_object_file(options.source, how);
+    check_files(assembled.listed.files_read, options.output, "--listing", options.listing);
     print_warnings(assembled.listed);
     write(assembled.object, options.version, options.output, options.listing,
           options.listing ? toolchain::listing(assembled.listed) : std::string());
     return success;
   }
   const toolchain::Image image = toolchain::assemble_file(options.source, how);
+  check_files(image.files_read, options.output, "--listing", options.listing);
   print_warnings(image);
   write(toolchain::executable_of(image), options.version, options.output, options.listing,
         options.listing ? toolchain::listing(image) : std::string());
@@ -79,6 +90,9 @@ int link(const LinkOptions& options) {
     files.emplace_back(input);
   }
   if (options.memory_map) require_file(*options.memory_map);
+  std::vector<std::string> read = options.inputs;
+  read.push_back(options.memory_map.value_or(""));
+  check_files(read, options.output, "--map-output", options.map_output);
   toolchain::MemoryMap map =
       options.memory_map ? toolchain::read_memory_map(*options.memory_map) : toolchain::MemoryMap::standard();
   if (options.entry) map.entry = *options.entry;

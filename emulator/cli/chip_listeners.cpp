@@ -10,7 +10,7 @@
 #include "c40/pipeline_diagram.hpp"
 #include "c40/profile.hpp"
 #include "c40/self_check.hpp"
-#include "cli/output_file.hpp"
+#include "io/output_file.hpp"
 #include "machine/instruction_trace.hpp"
 #include "machine/profile.hpp"
 #include "report/trace_text.hpp"
@@ -49,7 +49,7 @@ struct ChipListeners::Parts {
   const c40::Chip& chip;
   const Image& image;
   Address entry;
-  std::optional<OutputFile> file;
+  std::optional<io::OutputFile> file;
   std::optional<machine::InstructionText> trace;
   std::optional<c40::SelfCheck> check;
   c40::ProfileCounts counts;

@@ -7,11 +7,11 @@
 #include <nlohmann/json.hpp>
 
 #include "c40/chip.hpp"
+#include "io/output_file.hpp"
 #include "machine/asleep.hpp"
 #include "machine/boot.hpp"
 #include "cli/chip_listeners.hpp"
 #include "cli/options.hpp"
-#include "cli/output_file.hpp"
 #include "cli/program.hpp"
 #include "machine/board_file.hpp"
 #include "machine/chip_stop.hpp"
@@ -247,7 +247,7 @@ class EventText : public c40::PeripheralSink {
   void commit() { file_.commit(); }
 
  private:
-  OutputFile file_;
+  io::OutputFile file_;
 };
 
 /// From reset on, as the board's pins say.
@@ -317,6 +317,9 @@ int exec(const ExecOptions& options) {
   const machine::BoardDescription chosen = machine::read_board(options.boards.empty() ? "default" : options.boards.front());
   const Image image = read_program(options.programs.front(), options.include_directories, options.load_at, options.dialect);
   for (const std::string& warning : image.warnings) fmt::print(stderr, "{}\n", warning);
+  io::FileRoles files = files_read(options);
+  for (const std::string& source : image.files_read) files.reads("a source", source);
+  files.writes("--trace", options.trace.value_or("")).writes("--events", options.events.value_or(""));
   std::optional<Address> until;
   if (options.until) until = parse_address(*options.until, &image, "--until");
   std::vector<std::pair<Address, Address>> ranges;

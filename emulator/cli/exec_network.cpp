@@ -8,8 +8,8 @@
 
 #include "cli/chip_listeners.hpp"
 #include "cli/options.hpp"
-#include "cli/output_file.hpp"
 #include "cli/program.hpp"
+#include "io/output_file.hpp"
 #include "machine/network_file.hpp"
 
 namespace cli {
@@ -24,14 +24,17 @@ struct Dump {
   c40::Address address = 0, count = 0;
 };
 
-/// What is asked of each chip. Files of chip 2: FILE.chip2.
+/// Of chip 2: FILE.chip2.
+std::optional<std::string> trace_file(const ExecOptions& options, std::size_t chip) {
+  return options.trace ? std::optional(fmt::format("{}.chip{}", *options.trace, chip)) : std::nullopt;
+}
+
+/// What is asked of each chip.
 class Watched {
  public:
   Watched(Network& network, const ExecOptions& options) {
     for (std::size_t n = 0; n < network.chip_count(); ++n) {
-      std::optional<std::string> trace;
-      if (options.trace) trace = fmt::format("{}.chip{}", *options.trace, n);
-      const auto& added = all_.emplace_back(std::make_unique<ChipListeners>(network.chip(n), network.program(n), options, static_cast<unsigned>(n), trace));
+      const auto& added = all_.emplace_back(std::make_unique<ChipListeners>(network.chip(n), network.program(n), options, static_cast<unsigned>(n), trace_file(options, n)));
       network.set_trace(n, added->sink());
     }
   }
@@ -235,8 +238,13 @@ int exec_network(const ExecOptions& options) {
   std::vector<Dump> dumps;
   for (const std::string& text : options.dumps) words_of(network, dumps.emplace_back(parse_dump(text, network)));  // refuses bad ranges before the run
   for (const std::string& text : options.actions) network.schedule(parse_action(text, network));
+  io::FileRoles files = files_read(options);
+  for (std::size_t n = 0; n < network.chip_count(); ++n)
+    for (const std::string& source : network.program(n).files_read) files.reads("a source", source);
+  for (std::size_t n = 0; n < network.chip_count(); ++n) files.writes("--trace", trace_file(options, n).value_or(""));
+  files.writes("--link-trace", options.link_trace.value_or("")).writes("--events", options.events.value_or(""));
   Watched watched(network, options);
-  std::optional<OutputFile> link_trace, events;
+  std::optional<io::OutputFile> link_trace, events;
   if (options.link_trace) link_trace.emplace(*options.link_trace);
   if (options.events) events.emplace(*options.events);
   network.record_words(link_trace || events);

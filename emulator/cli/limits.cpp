@@ -6,9 +6,9 @@
 
 #include "cli/grid.hpp"
 #include "cli/options.hpp"
-#include "cli/output_file.hpp"
 #include "cli/settings.hpp"
 #include "cmrc/compare.hpp"
+#include "io/output_file.hpp"
 
 namespace cli {
 
@@ -19,7 +19,8 @@ int limits(const LimitsOptions& options) {
   if (options.dsps) grids.dsps = parse_grid(*options.dsps, "--dsps-grid");
   if (options.servo) grids.servo = parse_grid(*options.servo, "--servo");
   if (!options.cycles && !options.dsps && !options.servo) grids = cmrc::LimitGrids::standard(config);
-  std::optional<OutputFile> file;
+  files_read(options.run, config).writes("--json", options.json.value_or(""));
+  std::optional<io::OutputFile> file;
   if (options.json) file.emplace(*options.json);
   const bool line = ::isatty(STDERR_FILENO) == 1;
   const report::Limits limits = cmrc::find_limits(config, grids, options.errors, [line](std::size_t done, std::size_t points) {
@@ -36,7 +37,8 @@ int limits(const LimitsOptions& options) {
 
 int compare(const CompareOptions& options) {
   const cmrc::Config config = build_config(options.run);
-  std::optional<OutputFile> file;
+  files_read(options.run, config).writes("--json", options.json.value_or(""));
+  std::optional<io::OutputFile> file;
   if (options.json) file.emplace(*options.json);
   const report::Comparison comparison = cmrc::compare_with_ideal(config);
   fmt::print("{}", to_text(comparison));

@@ -44,6 +44,15 @@ bool is_source(const std::string& suffix) { return suffix == ".asm" || suffix ==
 
 }  // namespace
 
+io::FileRoles files_read(const ExecOptions& options) {
+  io::FileRoles files;
+  for (const std::string& program : options.programs) files.reads("PROGRAM", program);
+  for (const std::string& board : options.boards)
+    if (board != "default" && board != "flat") files.reads("--board", board);
+  files.reads("--network", options.network.value_or(""));
+  return files;
+}
+
 void require_file(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path));

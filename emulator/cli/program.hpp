@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "cli/options.hpp"
+#include "io/file_roles.hpp"
 #include "toolchain/image.hpp"
 
 namespace cli {
@@ -21,6 +23,9 @@ bool is_source_name(const std::string& path);
 
 /// \throws InputError if there is no file that can be read.
 void require_file(const std::string& path);
+
+/// The files that exec reads: programs, boards, network; without what the programs include.
+io::FileRoles files_read(const ExecOptions& options);
 
 /// Whether read_program() would take the file for a COFF file.
 bool is_coff_name(const std::string& path);

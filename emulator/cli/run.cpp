@@ -10,10 +10,10 @@
 
 #include "c40/chip.hpp"
 #include "cli/options.hpp"
-#include "cli/output_file.hpp"
 #include "cli/progress_line.hpp"
 #include "cli/settings.hpp"
 #include "cmrc/simulation.hpp"
+#include "io/output_file.hpp"
 #include "machine/instruction_trace.hpp"
 #include "machine/machine.hpp"
 #include "report/trace_text.hpp"
@@ -31,7 +31,9 @@ void on_interrupt(int) {
   std::signal(SIGINT, SIG_DFL);
 }
 
-/// Files for the instructions of some DSPs, named FILE.dspN.
+std::string instruction_file(const RunOptions& options, unsigned slot) { return fmt::format("{}.dsp{}", *options.trace, slot); }
+
+/// Files for the instructions of some DSPs.
 class InstructionFiles {
  public:
   InstructionFiles(const RunOptions& options, report::Window window, cmrc::Simulation& simulation) {
@@ -40,7 +42,7 @@ class InstructionFiles {
     const c40::Cycles to =
         window.to == Time::max() ? std::numeric_limits<c40::Cycles>::max() : clock.tick_at_or_after(window.to);
     for (const unsigned slot : options.trace_instructions) {
-      auto file = std::make_unique<OutputFile>(fmt::format("{}.dsp{}", *options.trace, slot));
+      auto file = std::make_unique<io::OutputFile>(instruction_file(options, slot));
       std::ostream& out = file->stream();
       out << (options.trace_labels ? report::labelled_trace_header : report::instruction_trace_header) << '\n';
       sinks_.push_back(std::make_unique<machine::InstructionText>(
@@ -55,7 +57,7 @@ class InstructionFiles {
   }
 
  private:
-  std::vector<std::unique_ptr<OutputFile>> files_;
+  std::vector<std::unique_ptr<io::OutputFile>> files_;
   std::vector<std::unique_ptr<machine::InstructionText>> sinks_;
 };
 
@@ -78,13 +80,16 @@ void check(const RunOptions& options, const cmrc::Config& config) {
 int run(const RunOptions& options) {
   const cmrc::Config config = build_config(options);
   check(options, config);
+  io::FileRoles files = files_read(options, config);
+  files.writes("--report", options.report.value_or("")).writes("--profile", options.profile.value_or("")).writes("--trace", options.trace.value_or(""));
+  for (const unsigned slot : options.trace_instructions) files.writes("--trace-instructions", instruction_file(options, slot));
   const report::Window window = options.trace_window ? parse_window(*options.trace_window) : report::Window{};
 
-  std::optional<OutputFile> report_file;
+  std::optional<io::OutputFile> report_file;
   if (options.report) report_file.emplace(*options.report);
-  std::optional<OutputFile> profile_file;
+  std::optional<io::OutputFile> profile_file;
   if (options.profile && !options.profile->empty()) profile_file.emplace(*options.profile);
-  std::optional<OutputFile> trace_file;
+  std::optional<io::OutputFile> trace_file;
   std::optional<report::EventTextTrace> trace;
   if (options.trace) {
     trace_file.emplace(*options.trace);

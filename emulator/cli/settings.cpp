@@ -70,6 +70,14 @@ cmrc::Config build_config(const RunOptions& options) {
   return builder.build();
 }
 
+io::FileRoles files_read(const RunOptions& options, const cmrc::Config& config) {
+  io::FileRoles files;
+  files.reads("--config", options.config.value_or(""));
+  if (config.machine.board != "default") files.reads("machine.board", config.machine.board);
+  files.reads("dock.layout", config.dock.layout);
+  return files;
+}
+
 report::Window parse_window(const std::string& text) {
   const std::size_t colon = text.find(':');
   if (colon == std::string::npos) throw InputError(fmt::format("--trace-window: \"{}\" is not A:B, in seconds", text));

@@ -4,12 +4,16 @@
 
 #include "cli/options.hpp"
 #include "cmrc/config.hpp"
+#include "io/file_roles.hpp"
 #include "report/trace_text.hpp"
 
 namespace cli {
 
 /// Defaults, preset, file, then flags. \throws cmrc::ConfigError naming the flag, InputError.
 cmrc::Config build_config(const RunOptions& options);
+
+/// The files that the configuration comes from, so that no output replaces one of them.
+io::FileRoles files_read(const RunOptions& options, const cmrc::Config& config);
 
 /// "A:B" in seconds; either may be left out. \throws InputError.
 report::Window parse_window(const std::string& text);

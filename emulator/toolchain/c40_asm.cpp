@@ -6,10 +6,10 @@
 
 #include <charconv>
 #include <cstdio>
-#include <fstream>
 #include <optional>
 #include <string>
 
+#include "io/output_file.hpp"
 #include "toolchain/assembler.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/source_map.hpp"
@@ -73,6 +73,12 @@ Arguments parse(int count, char** values) {
   return out;
 }
 
+void write(const std::filesystem::path& path, const std::string& text) {
+  io::OutputFile file(path.string());
+  file.stream() << text;
+  file.commit();
+}
+
 }  // namespace
 
 int main(int count, char** values) {
@@ -81,14 +87,8 @@ int main(int count, char** values) {
     const toolchain::Image image = toolchain::assemble_file(arguments.input, arguments.options);
     for (const std::string& warning : image.warnings) fmt::print(stderr, "{}\n", warning);
     toolchain::write_coff(image, arguments.output);
-    if (!arguments.listing.empty()) {
-      std::ofstream stream(arguments.listing);
-      stream << toolchain::listing(image);
-    }
-    if (!arguments.source_map.empty()) {
-      std::ofstream stream(arguments.source_map);
-      stream << toolchain::source_map(image, arguments.input.parent_path());
-    }
+    if (!arguments.listing.empty()) write(arguments.listing, toolchain::listing(image));
+    if (!arguments.source_map.empty()) write(arguments.source_map, toolchain::source_map(image, arguments.input.parent_path()));
     return 0;
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());

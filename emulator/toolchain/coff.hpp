@@ -34,10 +34,10 @@ std::vector<std::byte> coff_bytes(const Object& object);
 /// The bytes of a version-2 executable with all symbols. Reading them back gives the same sections, symbols and entry.
 std::vector<std::byte> coff_bytes(const Image& image);
 
-/// Write the file whole or not at all: to a temporary beside it that is renamed. Throw std::runtime_error.
+void write_coff(const Object& object, std::ostream& out);
+/// Write the file whole or not at all. Throw io::CannotOpen, std::runtime_error.
 void write_coff(const Object& object, const std::filesystem::path& path);
 void write_coff(const Image& image, const std::filesystem::path& path);
-void write_whole(std::span<const std::byte> bytes, const std::filesystem::path& path);
 
 /// The bytes of a file. Throws CoffError.
 std::vector<std::byte> read_bytes(const std::filesystem::path& path);

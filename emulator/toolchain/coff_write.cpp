@@ -2,8 +2,9 @@
 
 #include <array>
 #include <bit>
-#include <fstream>
+#include <ostream>
 
+#include "io/output_file.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/coff_format.hpp"
 
@@ -222,28 +223,17 @@ Object executable_of(const Image& image) {
 std::vector<std::byte> coff_bytes(const Object& object) { return CoffWriter(object).write(); }
 std::vector<std::byte> coff_bytes(const Image& image) { return coff_bytes(executable_of(image)); }
 
-void write_whole(std::span<const std::byte> bytes, const std::filesystem::path& path) {
-  const std::filesystem::path temporary = path.string() + ".tmp";
-  {
-    std::ofstream stream(temporary, std::ios::binary);
-    stream.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    stream.close();
-    if (!stream) {
-      std::error_code ignored;
-      std::filesystem::remove(temporary, ignored);
-      throw std::runtime_error(fmt::format("cannot write '{}'", path.string()));
-    }
-  }
-  std::error_code error;
-  std::filesystem::rename(temporary, path, error);
-  if (error) {
-    std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
-    throw std::runtime_error(fmt::format("cannot write '{}': {}", path.string(), error.message()));
-  }
+void write_coff(const Object& object, std::ostream& out) {
+  const std::vector<std::byte> bytes = coff_bytes(object);
+  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
 }
 
-void write_coff(const Object& object, const std::filesystem::path& path) { write_whole(coff_bytes(object), path); }
-void write_coff(const Image& image, const std::filesystem::path& path) { write_whole(coff_bytes(image), path); }
+void write_coff(const Object& object, const std::filesystem::path& path) {
+  io::OutputFile file(path.string());
+  write_coff(object, file.stream());
+  file.commit();
+}
+
+void write_coff(const Image& image, const std::filesystem::path& path) { write_coff(executable_of(image), path); }
 
 }  // namespace toolchain

@@ -287,6 +287,7 @@ Image Program::finish(std::vector<Diagnostic>& diagnostics) {
   Image image;
   image.warnings = warnings_;
   image.dialects = dialects_;
+  image.files_read = files_read_;
   place(diagnostics);
   for (const Section& section : sections_) encode_section(section, image, diagnostics, nullptr);
   export_symbols(image, diagnostics);

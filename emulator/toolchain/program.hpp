@@ -88,6 +88,8 @@ class Program final : public SymbolSource {
   /// The words of this section are not to be spread over two pages of 64 K words if they fit into one.
   void block(int section) { sections_[index(section)].blocked = true; }
 
+  void note_file_read(std::string path) { files_read_.push_back(std::move(path)); }
+
   /// Settles addresses and encodes everything; errors go to `diagnostics`.
   Image finish(std::vector<Diagnostic>& diagnostics);
 
@@ -157,6 +159,7 @@ class Program final : public SymbolSource {
   bool parallel_target_ = false;
   Address field_bits_ = 0;  ///< Taken of the last word by fields; 0: the last word is none of theirs.
   std::vector<std::string> warnings_, dialects_;
+  std::vector<std::string> files_read_;
   bool placed_ = false;
   bool relocatable_ = false;                    ///< finish_object() is at work.
   mutable std::vector<std::string> externals_;  ///< Those met while it is.

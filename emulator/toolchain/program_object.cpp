@@ -20,6 +20,7 @@ Object Program::finish_object(Image& listed, std::vector<Diagnostic>& diagnostic
   relocatable_ = true;
   listed.warnings = warnings_;
   listed.dialects = dialects_;
+  listed.files_read = files_read_;
   Object object;
   std::vector<int> numbers(sections_.size(), -1);  // In the object.
   std::vector<WordRelocations> relocations(sections_.size());

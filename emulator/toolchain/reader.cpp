@@ -67,6 +67,7 @@ void Reader::read_file(const std::filesystem::path& path) {
   text << stream.rdbuf();
   if (!stream) throw LineError{0, fmt::format("cannot read '{}'", path.string())};
   open_files_.push_back(canonical);
+  program_.note_file_read(path.string());
   read_text(text.str(), path.string(), path.parent_path());
   open_files_.pop_back();
 }

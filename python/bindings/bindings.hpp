@@ -4,6 +4,7 @@
 
 namespace py = pybind11;
 
+void bind_io(py::module_& core);
 void bind_trace(py::module_& core);
 void bind_report(py::module_& core);
 void bind_isa(py::module_& core);

@@ -2,6 +2,7 @@
 
 PYBIND11_MODULE(_core, core) {
   core.doc() = "The emulator's C++ core. Use the package cmrc; this module is its private part.";
+  bind_io(core);
   bind_report(core);
   bind_isa(core);
   bind_toolchain(core);

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
 from pathlib import Path
 
-from cmrc import demo, replay
+from cmrc import demo, files, replay
 from cmrc.simulation import ConfigError
 
 
@@ -30,7 +29,7 @@ def main(arguments: list[str] | None = None) -> int:
     page = None if given.html is None else Path(given.html or run.with_suffix(".html"))
     plots, saved = (Path(path) if path else None for path in (given.plots, given.save))
     try:
-        _check_outputs(page, plots, saved)
+        _check_outputs(run, page, plots, saved)
         if run.suffix == ".toml":
             recording = replay.record_file(run, dict(_setting(text) for text in given.set))
         else:
@@ -51,7 +50,7 @@ def _demo(folder: Path) -> int:
     return 0
 
 
-def _check_outputs(page: Path | None, plots: Path | None, saved: Path | None) -> None:
+def _check_outputs(run: Path, page: Path | None, plots: Path | None, saved: Path | None) -> None:
     """Before a run that takes minutes. Raises ValueError, ImportError."""
     outputs = [path for path in (page, plots, saved) if path is not None]
     if not outputs:
@@ -61,6 +60,11 @@ def _check_outputs(page: Path | None, plots: Path | None, saved: Path | None) ->
             raise ValueError(f"{path}: there is no folder {path.absolute().parent}")
         if path.is_dir():
             raise ValueError(f"{path}: is a folder; the name of a file is expected")
+    roles = files.FileRoles()
+    roles.reads("RUN", run)
+    for role, path in (("--html", page), ("--plots", plots), ("--save", saved)):
+        if path is not None:
+            roles.writes(role, path)
     if plots is not None:
         from matplotlib.backend_bases import FigureCanvasBase
 
@@ -81,21 +85,12 @@ def _write(recording: replay.Recording, page: Path | None, plots: Path | None, s
     except (KeyError, IndexError, TypeError, AttributeError) as error:
         raise ValueError(f"the recording is not whole: {type(error).__name__} {error}") from error
     if page:
-        _replace(page, lambda path: path.write_text(text, encoding="utf-8"))
+        files.write(page, text)
     if saved:
-        _replace(saved, lambda path: replay.save(recording, path))
+        replay.save(recording, saved)
     if plots and figure:
-        drawn = figure
-        _replace(plots, lambda path: drawn.savefig(path, dpi=110, format=plots.suffix[1:].lower()))
-
-
-def _replace(path: Path, write: Callable[[Path], object]) -> None:
-    beside = path.with_name(path.name + ".part")
-    try:
-        write(beside)
-        beside.replace(path)
-    finally:
-        beside.unlink(missing_ok=True)
+        with files.writing(plots) as out:
+            figure.savefig(out, dpi=110, format=plots.suffix[1:].lower())
 
 
 def _setting(text: str) -> tuple[str, bool | int | float | str]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cmrc import replay
+from cmrc import files, replay
 from cmrc.result import Result
 from cmrc.simulation import Setting, Simulation
 
@@ -204,7 +204,7 @@ def plugged_in(recorded: Path) -> Scene:
     helped = Simulation(settings=slow, events=[{"at_s": 2.0, "action": "plug", "dsp": 1}], reference=alone.reference())
     recording = replay.record(helped)
     result: Result = helped.result()
-    recorded.write_text(replay.page(recording), encoding="utf-8")
+    files.write(recorded, replay.page(recording))
     for name, report in (("one DSP", without.report), ("a second from 2 s on", result.report)):
         dsps = report["dsps"]
         scene.rows.append([name, str(dsps[1]["claims"]) if len(dsps) > 1 else "-", *_cost(report)])
@@ -233,6 +233,6 @@ def main(folder: Path, tell: Callable[[str], None] = print) -> Path:
         scenes.append(make())
         tell(scenes[-1].text())
     page = folder / "demo.html"
-    page.write_text(PAGE.format(scenes="\n".join(scene.page() for scene in scenes), replay=recorded.name), encoding="utf-8")
+    files.write(page, PAGE.format(scenes="\n".join(scene.page() for scene in scenes), replay=recorded.name))
     tell(f"Open {page}")
     return page

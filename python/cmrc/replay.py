@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from cmrc import _core
+from cmrc import _core, files
 from cmrc.plant import Box, DockConfig
 from cmrc.simulation import Setting, Simulation
 from cmrc.table import Table
@@ -63,8 +63,8 @@ def record_file(config: str | os.PathLike[str], settings: Mapping[str, Setting] 
 
 
 def save(recording: Recording, path: str | os.PathLike[str]) -> None:
-    """Writes a recording as JSON."""
-    Path(path).write_text(json.dumps(recording), encoding="utf-8")
+    """Writes a recording as JSON, whole or not at all. Raises OSError."""
+    files.write(path, json.dumps(recording))
 
 
 def load(path: str | os.PathLike[str]) -> Recording:

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from cmrc import files
 from cmrc.results import cost, dsps, failures, fleet, hotplug, importance, learning, page
 from cmrc.results.runs import Laboratory
 from cmrc.simulation import ConfigError
@@ -119,7 +120,8 @@ def examine(claim: ModuleType, chosen: Any, laboratory: Laboratory, plots: Path 
         claim.draw(chosen, rows, figure)
         plots.mkdir(parents=True, exist_ok=True)
         name = f"claim-{claim.NUMBER}-{claim.NAME}.svg"
-        figure.savefig(plots / name, metadata={"Date": None})
+        with files.writing(plots / name) as out:
+            figure.savefig(out, format="svg", metadata={"Date": None})
         if link:
             text += f"![{claim.TITLE}]({link}/{name})\n\n"
     again = f"\nAgain: `python -m cmrc.results --claim {claim.NUMBER}{_options(claim, chosen)}`.\n"

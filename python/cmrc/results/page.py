@@ -6,6 +6,8 @@ import re
 import textwrap
 from pathlib import Path
 
+from cmrc import files
+
 INTRODUCTION = """# The claims
 
 The paper (section 7 of its digest) makes six claims and gives no measured figures. Here each claim is put to an
@@ -70,4 +72,4 @@ def replaced(page: str, number: int, section: str) -> str:
 def write(path: Path, number: int, section: str) -> None:
     """Puts a section into the page at ``path``, which need not exist."""
     page = path.read_text(encoding="utf-8") if path.exists() else ""
-    path.write_text(replaced(page, number, section), encoding="utf-8")
+    files.write(path, replaced(page, number, section))

@@ -13,6 +13,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from cmrc import files
 from cmrc.simulation import Reference, Setting, Simulation
 
 Report = dict[str, Any]
@@ -156,7 +157,7 @@ class Laboratory:
     def _keep(self, run: Run, reports: list[Report]) -> None:
         if self.cache is not None:
             self.cache.mkdir(parents=True, exist_ok=True)
-            (self.cache / f"{run.key()}.json").write_text(json.dumps(reports), encoding="utf-8")
+            files.write(self.cache / f"{run.key()}.json", json.dumps(reports))
 
 
 def _batch(batch: Sequence[tuple[int, Run]]) -> list[tuple[int, list[Report]]]:

@@ -1,0 +1,174 @@
+#include "io/output_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <streambuf>
+#include <system_error>
+#include <utility>
+
+namespace io {
+namespace fs = std::filesystem;
+namespace {
+
+std::string beside_name(const fs::path& target, int attempt) { return fmt::format("{}.{}-{}.part", target.string(), ::getpid(), attempt); }
+
+fs::path folder_of(const fs::path& target) { return target.has_parent_path() ? target.parent_path() : fs::path("."); }
+
+/// The file that a chain of links leads to, whether it exists or not. The chain has an end: stat has followed it.
+fs::path behind_links(fs::path path) {
+  std::error_code error;
+  while (fs::is_symlink(fs::symlink_status(path, error))) {
+    const fs::path next = fs::read_symlink(path, error);
+    if (error) break;
+    path = next.is_absolute() ? next : path.parent_path() / next;
+  }
+  return path;
+}
+
+constexpr ::mode_t everybody = 0666;  // less the umask
+
+}  // namespace
+
+/// A descriptor as a stream's buffer. After a failure errno is kept for the message.
+class OutputFile::Buffer : public std::streambuf {
+ public:
+  explicit Buffer(int descriptor) : descriptor_(descriptor) { setp(bytes_.data(), bytes_.data() + bytes_.size()); }
+  ~Buffer() override { close(); }
+
+  int descriptor() const { return descriptor_; }
+  int error() const { return error_; }
+
+  /// What is buffered goes to the file.
+  bool flush() {
+    const char* from = pbase();
+    while (from < pptr()) {
+      const ::ssize_t count = ::write(descriptor_, from, static_cast<std::size_t>(pptr() - from));
+      if (count < 0 && errno == EINTR) continue;
+      if (count < 0) {
+        error_ = errno;
+        break;
+      }
+      from += count;
+    }
+    setp(bytes_.data(), bytes_.data() + bytes_.size());
+    return error_ == 0;
+  }
+
+  /// The file's bytes are on the disk, where the file system can say so.
+  bool to_disk() {
+    if (::fsync(descriptor_) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP) return true;
+    error_ = errno;
+    return false;
+  }
+
+  bool close() {
+    const int descriptor = std::exchange(descriptor_, -1);
+    if (descriptor < 0 || ::close(descriptor) == 0) return true;
+    error_ = errno;
+    return false;
+  }
+
+ protected:
+  int_type overflow(int_type c) override {
+    if (!flush()) return traits_type::eof();
+    if (!traits_type::eq_int_type(c, traits_type::eof())) {
+      *pptr() = traits_type::to_char_type(c);
+      pbump(1);
+    }
+    return traits_type::not_eof(c);
+  }
+  int sync() override { return flush() ? 0 : -1; }
+
+ private:
+  int descriptor_;
+  int error_ = 0;
+  std::array<char, 1 << 16> bytes_;
+};
+
+OutputFile::OutputFile(const std::string& path) : given_(path), target_(path), stream_(nullptr) {
+  const auto fail = [&path](std::string_view why) { throw CannotOpen(fmt::format("{}: cannot be written: {}", path, why)); };
+  if (path.empty()) throw CannotOpen("an output file's name is empty");
+  struct ::stat found {};
+  const bool there = ::stat(path.c_str(), &found) == 0;
+  if (!there && errno != ENOENT) fail(std::strerror(errno));
+  if (there && S_ISDIR(found.st_mode)) throw CannotOpen(fmt::format("{}: is a directory; a file's name is expected", path));
+  direct_ = there && !S_ISREG(found.st_mode);
+  if (direct_) {
+    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
+    if (descriptor < 0) fail(std::strerror(errno));
+    buffer_ = std::make_unique<Buffer>(descriptor);
+  } else {
+    target_ = behind_links(target_);
+    if (there && ::access(target_.c_str(), W_OK) != 0) fail(std::strerror(errno));
+    open_beside();
+    if (!buffer_) fail(std::strerror(errno));
+    if (there) {
+      // The owner is kept where that is allowed; the mode always.
+      [[maybe_unused]] const int ignored = ::fchown(buffer_->descriptor(), found.st_uid, found.st_gid);
+      ::fchmod(buffer_->descriptor(), found.st_mode & 07777);
+    }
+  }
+  stream_.rdbuf(buffer_.get());
+}
+
+void OutputFile::open_beside() {
+  // A file without a name gets one by way of /proc, which a bare chroot may lack.
+  int descriptor = -1;
+  if (::access("/proc/self/fd", X_OK) == 0) descriptor = ::open(folder_of(target_).c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, everybody);
+  for (int attempt = 0; descriptor < 0; ++attempt) {
+    beside_ = beside_name(target_, attempt);
+    descriptor = ::open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, everybody);
+    if (descriptor < 0 && errno != EEXIST) {
+      beside_.clear();
+      return;
+    }
+  }
+  buffer_ = std::make_unique<Buffer>(descriptor);
+}
+
+OutputFile::~OutputFile() {
+  if (beside_.empty()) return;
+  std::error_code ignored;
+  fs::remove(beside_, ignored);
+}
+
+// linkat replaces nothing, so the file gets a name of its own first.
+void OutputFile::give_name() {
+  const std::string self = fmt::format("/proc/self/fd/{}", buffer_->descriptor());
+  for (int attempt = 0;; ++attempt) {
+    const std::string name = beside_name(target_, attempt);
+    if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
+      beside_ = name;
+      return;
+    }
+    if (errno != EEXIST) throw std::runtime_error(fmt::format("{}: writing failed: {}", given_.string(), std::strerror(errno)));
+  }
+}
+
+void OutputFile::commit() {
+  const auto fail = [this](int error) { throw std::runtime_error(fmt::format("{}: writing failed: {}", given_.string(), std::strerror(error))); };
+  stream_.flush();
+  if (!buffer_->flush() || stream_.fail()) fail(buffer_->error());
+  if (direct_) {
+    if (!buffer_->close()) fail(buffer_->error());
+    return;
+  }
+  if (!buffer_->to_disk()) fail(buffer_->error());
+  if (beside_.empty()) give_name();
+  if (!buffer_->close()) fail(buffer_->error());
+  if (::rename(beside_.c_str(), target_.c_str()) != 0) fail(errno);
+  beside_.clear();
+  // The new name is on the disk as well; a file system that cannot say so is trusted.
+  if (const int folder = ::open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0) {
+    ::fsync(folder);
+    ::close(folder);
+  }
+}
+
+}  // namespace io

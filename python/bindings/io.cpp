@@ -1,0 +1,31 @@
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include "io/file_roles.hpp"
+#include "io/output_file.hpp"
+#include "python/bindings/bindings.hpp"
+
+void bind_io(py::module_& core) {
+  auto m = core.def_submodule("io", "Files that appear whole or not at all.");
+  py::register_exception<io::CannotOpen>(m, "CannotOpen", PyExc_OSError);
+  py::register_exception<io::SameFile>(m, "SameFile", PyExc_ValueError);
+  m.def(
+      "write",
+      [](const std::filesystem::path& path, const py::bytes& content) {
+        io::OutputFile file(path.string());
+        const auto text = static_cast<std::string_view>(content);
+        file.stream().write(text.data(), static_cast<std::streamsize>(text.size()));
+        try {
+          file.commit();
+        } catch (const std::runtime_error& error) {
+          py::set_error(PyExc_OSError, error.what());
+          throw py::error_already_set();
+        }
+      },
+      py::arg("path"), py::arg("content"), "Writes the file whole or not at all. Raises OSError.");
+  py::class_<io::FileRoles>(m, "FileRoles", "Which files are read and which are written: no output may be an input or another output.")
+      .def(py::init<>())
+      .def("reads", [](io::FileRoles& roles, std::string role, const std::filesystem::path& path) { roles.reads(std::move(role), path.string()); }, py::arg("role"), py::arg("path"))
+      .def("writes", [](io::FileRoles& roles, std::string role, const std::filesystem::path& path) { roles.writes(std::move(role), path.string()); }, py::arg("role"), py::arg("path"),
+           "Raises SameFile, a ValueError.");
+}

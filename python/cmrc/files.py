@@ -1,0 +1,28 @@
+"""Output files: each appears whole or not at all, and none takes the place of an input."""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import BinaryIO
+
+from cmrc import _core
+
+FileRoles = _core.io.FileRoles
+SameFile = _core.io.SameFile
+
+
+def write(path: str | os.PathLike[str], content: str | bytes) -> None:
+    """Writes a file; text in UTF-8. Until it is whole the file that was there stays. A device, a pipe or a terminal is written
+    into. Raises OSError."""
+    _core.io.write(path, content.encode() if isinstance(content, str) else content)
+
+
+@contextmanager
+def writing(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """The same for what writes into an open file. An exception inside leaves the file that was there."""
+    content = io.BytesIO()
+    yield content
+    write(path, content.getvalue())

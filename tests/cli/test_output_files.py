@@ -1,0 +1,161 @@
+"""Outputs appear whole or not at all, take the place of nothing that is read, and are not lost without a word."""
+
+import os
+import stat
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+from locations import BUILD
+
+EMULATOR = BUILD / "bin" / "emulator"
+PROGRAM = "        .text\n_start: ldi 1,r0\n        idle\n"
+SHORT = ["--duration", "0.021", "--set", "report.reference=none"]
+RUN = [*SHORT, "--quiet"]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "s.asm").write_text(PROGRAM)
+    (tmp_path / "part.inc").write_text("two     .set 2\n")
+    (tmp_path / "with.asm").write_text('        .include "part.inc"\n' + PROGRAM)
+    (tmp_path / "c.toml").write_text("[machine]\ndsps = 2\n")
+    (tmp_path / "net.toml").write_text('[[chip]]\nprogram = "s.asm"\n[[chip]]\nprogram = "s.asm"\n')
+    subprocess.run([EMULATOR, "asm", "-c", "s.asm", "-o", "s.obj"], cwd=tmp_path, check=True)
+    (tmp_path / "link").symlink_to("s.asm")
+    os.link(tmp_path / "s.asm", tmp_path / "second_name.asm")
+    return tmp_path
+
+
+def emulator(folder: Path, *arguments: str, **more: object) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run([EMULATOR, *arguments], cwd=folder, capture_output=True, text=True, **more)  # type: ignore[call-overload,no-any-return]
+
+
+# ---- where an output goes
+
+
+@pytest.mark.parametrize("command", [["asm", "s.asm", "-o"], ["link", "s.obj", "-o"], ["asm", "s.asm", "-o", "x.out", "--listing"], [*RUN, "--report"], ["exec", "s.asm", "--trace"]])
+@pytest.mark.parametrize("by_link", [False, True])
+def test_a_pipe_is_written_into_and_stays_a_pipe(folder: Path, command: list[str], by_link: bool) -> None:
+    os.mkfifo(folder / "pipe")
+    (folder / "to_pipe").symlink_to("pipe")
+    name = "to_pipe" if by_link else "pipe"
+    read: list[bytes] = []
+    reader = threading.Thread(target=lambda: read.append((folder / "pipe").read_bytes()))
+    reader.start()
+    assert emulator(folder, *command, name, timeout=60).returncode == 0
+    reader.join()
+    assert read[0] and stat.S_ISFIFO((folder / "pipe").stat().st_mode) and (folder / "to_pipe").is_symlink()
+
+
+@pytest.mark.parametrize("command", [["asm", "s.asm", "-o"], ["link", "s.obj", "-o"], ["exec", "s.asm", "--trace"], [*RUN, "--report"]])
+def test_a_device_stays_a_device_and_a_full_one_is_told(folder: Path, command: list[str]) -> None:
+    (folder / "null").symlink_to("/dev/null")
+    assert emulator(folder, *command, "null").returncode == 0
+    assert stat.S_ISCHR(Path("/dev/null").stat().st_mode) and (folder / "null").is_symlink()
+    full = emulator(folder, *command, "/dev/full")
+    assert full.returncode == 1 and "/dev/full: writing failed: No space left on device" in full.stderr
+    assert stat.S_ISCHR(Path("/dev/full").stat().st_mode)
+
+
+def test_a_link_to_a_file_stays_a_link_and_the_files_mode_stays(folder: Path) -> None:
+    (folder / "kept.out").write_text("old")
+    (folder / "kept.out").chmod(0o640)
+    (folder / "to_kept").symlink_to("kept.out")
+    assert emulator(folder, "asm", "s.asm", "-o", "to_kept").returncode == 0
+    assert (folder / "to_kept").is_symlink() and (folder / "kept.out").read_bytes()[:2] == b"\xc2\x00"
+    assert stat.S_IMODE((folder / "kept.out").stat().st_mode) == 0o640
+    (folder / "nowhere").symlink_to("new.out")
+    assert emulator(folder, "asm", "s.asm", "-o", "nowhere").returncode == 0
+    assert (folder / "nowhere").is_symlink() and (folder / "new.out").is_file()
+
+
+def test_the_umask_is_kept_for_a_new_file(folder: Path) -> None:
+    assert emulator(folder, "asm", "s.asm", "-o", "new.out", preexec_fn=lambda: os.umask(0o027)).returncode == 0
+    assert stat.S_IMODE((folder / "new.out").stat().st_mode) == 0o640
+
+
+def test_nothing_stands_beside_the_output_while_it_is_written_nor_after_a_kill(folder: Path) -> None:
+    process = subprocess.Popen([EMULATOR, "--duration", "100", "--quiet", "--set", "report.reference=none", "--trace", "t", "--report", "r"], cwd=folder)
+    before = sorted(path.name for path in folder.iterdir())
+    try:
+        process.wait(timeout=0.5)
+    except subprocess.TimeoutExpired:
+        process.kill()
+    assert process.wait() == -9
+    after = sorted(path.name for path in folder.iterdir())
+    assert [name for name in after if name not in before and not name.endswith(".part")] == []
+    if os.path.exists("/proc/self/fd"):
+        assert after == before  # the file has no name until it is whole
+
+
+# ---- outputs over inputs, and over each other
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["asm", "s.asm", "-o", "s.asm"],
+        ["asm", "s.asm", "-o", "./s.asm"],
+        ["asm", "s.asm", "-o", "link"],
+        ["asm", "s.asm", "-o", "second_name.asm"],
+        ["asm", "s.asm", "-o", "o.out", "--listing", "s.asm"],
+        ["asm", "s.asm", "-o", "o.out", "--listing", "o.out"],
+        ["asm", "with.asm", "-o", "part.inc"],
+        ["link", "s.obj", "-o", "s.obj"],
+        ["link", "s.obj", "-o", "o.out", "--map-output", "o.out"],
+        ["exec", "s.asm", "--trace", "s.asm"],
+        ["exec", "with.asm", "--events", "part.inc"],
+        ["exec", "s.asm", "--trace", "x", "--events", "x"],
+        ["exec", "s.asm", "--trace", "x", "--events", "./x"],
+        ["exec", "--network", "net.toml", "--events", "net.toml"],
+        ["exec", "--network", "net.toml", "--link-trace", "s.asm"],
+        [*RUN, "--config", "c.toml", "--report", "c.toml"],
+        [*RUN, "--trace", "x", "--report", "x"],
+        [*RUN, "--trace", "x", "--profile", "x"],
+        [*RUN, "--trace", "x", "--trace-instructions", "0", "--report", "x.dsp0"],
+        ["limits", "--config", "c.toml", "--json", "c.toml"],
+        ["compare", "--config", "c.toml", "--json", "c.toml"],
+    ],
+    ids=" ".join,
+)
+def test_an_output_that_is_an_input_or_another_output_is_refused(folder: Path, command: list[str]) -> None:
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    result = emulator(folder, *command, timeout=60)
+    assert result.returncode == 2 and "is the same file as" in result.stderr and "another name is expected" in result.stderr, result.stderr
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+
+
+def test_devices_may_be_named_twice(folder: Path) -> None:
+    assert emulator(folder, *RUN, "--trace", "/dev/null", "--report", "/dev/null").returncode == 0
+    assert emulator(folder, "exec", "s.asm", "--trace", "/dev/null", "--events", "/dev/null").returncode == 0
+
+
+def test_the_recording_of_a_replay_is_not_replaced_by_its_page(folder: Path) -> None:
+    (folder / "r.json").write_text("{}")
+    command = [sys.executable, "-m", "cmrc", "replay", "r.json", "--html", "r.json"]
+    result = subprocess.run(command, cwd=folder, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
+    assert result.returncode == 2 and "is the same file as RUN" in result.stderr and (folder / "r.json").read_text() == "{}"
+
+
+# ---- standard output
+
+
+PRINTING = [["exec", "s.asm"], ["exec", "s.asm", "--json"], ["exec", "--network", "net.toml"], ["disasm", "s.obj"], ["config"], ["--help"], ["classify", "--range", "0:10"], SHORT]
+
+
+@pytest.mark.parametrize("command", PRINTING, ids=" ".join)
+def test_a_full_or_closed_standard_output_is_told(folder: Path, command: list[str]) -> None:
+    with open("/dev/full", "w") as full:
+        result = subprocess.run([EMULATOR, *command], cwd=folder, stdout=full, stderr=subprocess.PIPE, text=True)
+    assert result.returncode == 1 and "No space left on device" in result.stderr
+    closed = subprocess.run([EMULATOR, *command], cwd=folder, stderr=subprocess.PIPE, text=True, preexec_fn=lambda: os.close(1))
+    assert closed.returncode == 1 and "Bad file descriptor" in closed.stderr
+
+
+def test_an_output_file_never_gets_what_is_printed(folder: Path) -> None:
+    """With standard output closed, the first file that is opened would have its number."""
+    subprocess.run([EMULATOR, "exec", "s.asm", "--trace", "t"], cwd=folder, stderr=subprocess.DEVNULL, preexec_fn=lambda: os.close(1))
+    assert "stop:" not in (folder / "t").read_text()
