@@ -158,6 +158,7 @@ class Rows {
     row("overspeed", "", 1, 10, "it trips when it is faster than this share of its rated speed", notes, at(&DriveParameters::overspeed));
     row("overspeed_time_s", "s", 1e-4, 1e4, "for which that has to last", notes, at(&DriveParameters::overspeed_time));
     row("saturation_time_s", "s", 1e-4, 1e6, "code 2047 without a break for so long trips it", notes, at(&DriveParameters::saturation_time));
+    row("saturation_swings", "", 1, 1e6, "so do so many swings of the code from one end to the other, each within that time of the one before", "docs/plant.md", at(&DriveParameters::saturation_swings));
     row("thermal_time_s", "s", 1e-3, 1e7, "time constant of its thermal model", notes, at(&DriveParameters::thermal_time));
     row("thermal_trip", "", 1, 10, "heat that trips it; 1 is what the rated torque comes to, and the warning", notes, at(&DriveParameters::thermal_trip));
   }
