@@ -13,8 +13,9 @@ std::int64_t latches(double seconds) { return std::llround(seconds / latch_secon
 
 }  // namespace
 
-// Over the interval that has ended: its codes were held, and its heat is that of the torque at its end. A trip stands until the drive is
-// switched off; that of the thermal model also until the motor has cooled to what it withstands for ever.
+// Over the interval that has ended: its codes were held, and its heat is that of the torque at its end. A trip stands
+// until the drive is switched off; that of the thermal model also until the motor has cooled to what it withstands for
+// ever.
 void DockCore::protect_drives() {
   ProtectionState& p = state.protection;
   const std::uint32_t switched_on = state.shadow_enable & ~p.asked;
