@@ -47,6 +47,7 @@ void declare_run(CLI::App& app, cli::RunOptions& options) {
   app.add_option("--trace-instructions", options.trace_instructions,
                  "Also write the instructions of these DSPs, into FILE.dspN")
       ->type_name("N");
+  app.add_flag("--trace-labels", options.trace_labels, "In instruction traces labels instead of addresses, and no words");
   app.add_option("--profile", options.profile,
                  "Where the DSPs' cycles went, per task kind, routine and source line; into FILE (.json: as JSON), or after the report")
       ->type_name("[FILE]")
@@ -77,6 +78,11 @@ void declare_config(CLI::App& app, cli::ConfigOptions& options) {
                "Only the processes and sub-processes built in, with comments (docs/processes.md)");
 }
 
+void declare_dialect(CLI::App& app, std::optional<std::string>& dialect) {
+  app.add_option("--dialect", dialect, "Whose assembler a source was written for, if it does not say so: ti (default) or gnu (docs/assembler.md, Dialects)")
+      ->check(CLI::IsMember({"ti", "gnu"}));
+}
+
 void declare_assemble(CLI::App& app, cli::AssembleOptions& options) {
   app.add_option("FILE", options.source, "Source in TI's syntax (docs/assembler.md)")->required();
   app.add_option("-o,--output", options.output, "COFF file to write")->required()->type_name("OUT");
@@ -91,6 +97,7 @@ void declare_assemble(CLI::App& app, cli::AssembleOptions& options) {
       ->allow_extra_args(false);
   app.add_option("--entry", options.entry, "The symbol at which the program starts")->type_name("SYMBOL");
   app.add_option("--listing", options.listing, "Also write a listing")->type_name("FILE");
+  declare_dialect(app, options.dialect);
   app.add_flag("-c,--object", options.object, "Write a relocatable object, for emulator link");
   app.add_option("--coff-version", options.version, "0, 1 or 2 (default)")->check(CLI::Range(0, 2));
 }
@@ -116,6 +123,7 @@ void declare_disassemble(CLI::App& app, cli::DisassembleOptions& options) {
       ->type_name("DIR")
       ->allow_extra_args(false);
   app.add_option("--load-at", options.load_at, "Where a .hex file stands")->type_name("ADDRESS");
+  declare_dialect(app, options.dialect);
   app.add_flag("--source", options.source, "Without addresses and words: text that assembles to the same words");
 }
 
@@ -124,13 +132,15 @@ void declare_exec(CLI::App& app, cli::ExecOptions& options) {
   app.add_option("-I,--include", options.include_directories, "Look here for included files")
       ->type_name("DIR")
       ->allow_extra_args(false);
+  declare_dialect(app, options.dialect);
   app.add_option("--until", options.until, "Stop before the instruction there")->type_name("SYMBOL|ADDRESS");
-  app.add_option("--max-cycles", options.max_cycles, "Stop after so many cycles (default 100000000)")
-      ->check(CLI::PositiveNumber);
+  CLI::Option* most = app.add_option("--max-cycles", options.max_cycles, "Give up after so many cycles, with exit status 1 (default 100000000)")
+                          ->check(CLI::PositiveNumber);
+  app.add_option("--cycles", options.cycles, "Run so many cycles: reaching them is no failure")->check(CLI::PositiveNumber)->excludes(most);
   app.add_option("--dump", options.dumps, "Print so many words from there")->type_name("[CHIP:]ADDRESS:COUNT")->allow_extra_args(false);
   app.add_flag("--json", options.json, "Print the result as JSON");
   app.add_option("--board", options.boards,
-                 "default: the CMRC board's memory map; flat: zero-wait RAM everywhere; or a board file (docs/cli.md); of a network one for all or one for each chip")
+                 "default: the CMRC board's memory map; flat: zero-wait RAM everywhere, and the chip's own registers; or a board file (docs/cli.md); of a network one for all or one for each chip")
       ->type_name("default|flat|FILE.toml")
       ->allow_extra_args(false);
   app.add_option("--link", options.links, "Join two communication ports")->type_name("CHIP.PORT:CHIP.PORT")->allow_extra_args(false);
@@ -147,6 +157,7 @@ void declare_exec(CLI::App& app, cli::ExecOptions& options) {
       ->type_name("PORT|ADDRESS|reset");
   app.add_flag("--peripherals", options.peripherals, "Print the peripheral registers that differ from reset, and what the FIFOs hold");
   app.add_option("--trace", options.trace, "Write the instruction trace (docs/trace.md)")->type_name("FILE");
+  app.add_flag("--trace-labels", options.trace_labels, "In it labels instead of addresses, and no words");
   app.add_option("--events", options.events, "Write what the peripherals did (docs/peripherals.md)")->type_name("FILE");
   app.add_flag("--profile", options.profile, "Cycles by cause, per routine and per source line");
   app.add_option("--pipeline", options.pipeline, "Draw the pipeline in these cycles")->type_name("FIRST:LAST");

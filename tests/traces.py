@@ -1,6 +1,7 @@
-"""Golden traces in little room: full text where it matters, hashes of the text elsewhere (docs/trace.md)."""
+"""Golden traces in little room: text where it matters, hashes elsewhere (docs/trace.md, Golden traces)."""
 
 import hashlib
+import re
 from collections.abc import Callable, Iterable
 from itertools import groupby
 
@@ -11,14 +12,21 @@ def cycle_of(line: str) -> int:
     return int(line.split(" ", 1)[0])
 
 
-def condensed(lines: Iterable[str], slot: int, keep: Callable[[int], bool]) -> list[str]:
-    """Instruction lines whose cycle is kept, and before each stretch of cycles the hash of all of its lines."""
+def without_operands(line: str) -> str:
+    """A line of a labelled trace as it is hashed: the instruction's mnemonics alone, so that no displacement, no immediate value and no
+    spelling of an operand enters; what the operands did stands in the registers and words that changed."""
+    start, dash, rest = line.partition(" -  ")
+    instruction, semicolon, changes = rest.partition("  ;")
+    mnemonics = [half.split()[0] for half in re.split(r"\|\|", instruction) if half.strip()]
+    return start + dash + "||".join(mnemonics) + semicolon + changes
+
+
+def condensed(lines: Iterable[str], slot: int, keep: Callable[[int], bool], cycles_per_hash: int = CYCLES_PER_HASH) -> list[str]:
+    """Labelled instruction lines whose cycle is kept, and before each stretch of cycles the hash of all of its lines."""
     out = []
-    for stretch, group in groupby(lines, key=lambda line: cycle_of(line) // CYCLES_PER_HASH):
+    for stretch, group in groupby(lines, key=lambda line: cycle_of(line) // cycles_per_hash):
         text = list(group)
-        digest = hashlib.sha256("".join(line + "\n" for line in text).encode()).hexdigest()[:16]
-        out.append(
-            f"{stretch * CYCLES_PER_HASH} [dsp {slot}] -------- --------  instructions  ; count={len(text)} sha256={digest}"
-        )
+        digest = hashlib.sha256("".join(without_operands(line) + "\n" for line in text).encode()).hexdigest()[:16]
+        out.append(f"{stretch * cycles_per_hash} [dsp {slot}] - -  instructions  ; count={len(text)} sha256={digest}")
         out += [line for line in text if keep(cycle_of(line))]
     return out

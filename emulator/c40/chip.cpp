@@ -11,6 +11,31 @@
 
 namespace c40 {
 
+std::string_view name(StopInfo::Reason reason) {
+  switch (reason) {
+    case StopInfo::Reason::limit: return "limit";
+    case StopInfo::Reason::external_access: return "external_access";
+    case StopInfo::Reason::breakpoint: return "breakpoint";
+    case StopInfo::Reason::fault: return "fault";
+    case StopInfo::Reason::port_access: return "port_access";
+    case StopInfo::Reason::port_wait: return "port_wait";
+    case StopInfo::Reason::horizon: return "horizon";
+    case StopInfo::Reason::software_interrupt: return "software_interrupt";
+  }
+  return {};
+}
+
+std::string_view name(Fault::Kind kind) {
+  switch (kind) {
+    case Fault::Kind::reserved_instruction: return "reserved_instruction";
+    case Fault::Kind::reserved_address: return "reserved_address";
+    case Fault::Kind::not_modelled: return "not_modelled";
+    case Fault::Kind::illegal_sequence: return "illegal_sequence";
+    case Fault::Kind::software_interrupt: return "software_interrupt";
+  }
+  return {};
+}
+
 Chip::Chip(Board board) : engine_(std::make_unique<Engine>(std::move(board))) {}
 Chip::~Chip() = default;
 Chip::Chip(Chip&&) noexcept = default;
@@ -50,7 +75,7 @@ void Chip::set_register(isa::Register r, std::uint64_t value) {
   Core& core = engine_->touch().core;
   const std::uint8_t code = isa::code(r);
   const auto word = static_cast<Word>(value);
-  if (code == reg::ST) return engine_->write_status(word);
+  if (code == reg::ST) return engine_->set_status(word);
   core.r[code] = word;
   if (isa::is_extended(r)) core.e[code] = float40::from_bits(value).e;
   if (code == reg::IIF) engine_->after_interrupt_register_write();
@@ -140,6 +165,10 @@ bool Chip::timer_pin(int timer) const {
 }
 Word Chip::peripheral(std::string_view name) const { return engine_->peek(register_named(name).address); }
 
+Cycles Chip::next_timer_event(int timer) const {
+  check_timer(timer);
+  return engine_->state().timers[static_cast<std::size_t>(timer)].next_event();
+}
 Cycles Chip::next_event() const { return engine_->next_peripheral_event(); }
 bool Chip::locked(bool global_bus) const { return engine_->state().locked[global_bus]; }
 bool Chip::dormant() const { return idle() && !dma_active() && next_event() == std::numeric_limits<Cycles>::max(); }

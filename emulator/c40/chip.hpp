@@ -30,7 +30,13 @@ struct ExternalAccess {
 
 /// Why a chip cannot go on. It is halted until reset.
 struct Fault {
-  enum class Kind : std::uint8_t { reserved_instruction, reserved_address, not_modelled, illegal_sequence };
+  enum class Kind : std::uint8_t {
+    reserved_instruction,
+    reserved_address,
+    not_modelled,
+    illegal_sequence,
+    software_interrupt  ///< SWI where no debugger is (machine/chip_stop.hpp); a chip itself stops there, and has no fault
+  };
   Kind kind = Kind::not_modelled;
   std::string message;
   Address pc = 0;
@@ -47,12 +53,16 @@ struct StopInfo {
     fault,
     port_access,  ///< stopped before an access to a port that a link is attached to: complete_port
     port_wait,    ///< an access to a port with nothing attached waits for a FIFO: without help, for ever
-    horizon       ///< the program began to watch a linked port (watches_ports): run on with a limit that regards its link
+    horizon,      ///< the program began to watch a linked port (watches_ports): run on with a limit that regards its link
+    software_interrupt  ///< stopped before SWI, which is a debugger's: nothing of it was done, and it stops there again
   } reason = Reason::limit;
   ExternalAccess access{};
   PortAccess port{};
   std::optional<Fault> fault;
 };
+
+std::string_view name(StopInfo::Reason reason);
+std::string_view name(Fault::Kind kind);
 
 struct RegisterChange {
   isa::Register reg;
@@ -159,6 +169,8 @@ class Chip {
   void raise_nmi();
   /// The next cycle in which a peripheral does something by itself that the processor could see; the greatest number if none will.
   Cycles next_event() const;
+  /// The same of one timer: its next interrupt.
+  Cycles next_timer_event(int timer) const;
   /// Whether LOCK (LLOCK, the local bus's) is low: an LDII or LDFI has taken it, and no STII or STFI given it back.
   bool locked(bool global_bus) const;
   /// In IDLE with no interrupt to take.

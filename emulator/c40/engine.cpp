@@ -35,6 +35,7 @@ void Engine::reset() {
   state_.dma.now = state_.cycle;
   dma_side_->forget();
   dma_request_.reset();
+  dma_stop_.reset();
   watch_dma();
   expect_peripherals();
   state_.core.e.fill(float40::zero_exponent);
@@ -51,6 +52,7 @@ void Engine::reset() {
 }
 
 State& Engine::touch() {
+  dma_side_->undisturbed.reset();
   resume_ = nullptr;
   missed_ = nullptr;
   last_exit_ = nullptr;
@@ -126,6 +128,7 @@ StopInfo Engine::stop(Stepped why) {
       info.port = port_access_;
       break;
     case Stepped::horizon: info.reason = StopInfo::Reason::horizon; break;
+    case Stepped::software_interrupt: info.reason = StopInfo::Reason::software_interrupt; break;
     case Stepped::fault:
       info.reason = StopInfo::Reason::fault;
       info.fault = fault_;
@@ -144,7 +147,8 @@ bool Engine::may_interrupt() const {
 Engine::Stepped Engine::advance(Cycles limit, bool single) {
   Core& core = state_.core;
   core.attention = false;
-  if (state_.cycle >= next_peripheral_event_) advance_peripherals(state_.cycle);
+  reach_present();
+  dma_waited_ = dma_waits();
   limit = std::min(limit, next_peripheral_event_);
   if (core.code_writes != 0) process_code_writes();
   if (std::exchange(interface_changed_, false)) {
@@ -168,7 +172,11 @@ Engine::Stepped Engine::advance(Cycles limit, bool single) {
   if (too_many_pipelines_) forget_pipelines();
   const bool answered = state_.answers[0].given || state_.answers[1].given;
   const bool waiting_interrupt = !may_interrupt() && pending_vector() != 0;
-  const bool one = single || trace != nullptr || answered || waiting_interrupt || (dma_active_ && dma_.busy());
+  dma_busy_ = dma_active_ && dma_.busy();
+  dma_beside_ = dma_busy_ || dma_disturbed();
+  if (dma_busy_) dma_side_->know_accesses();
+  else dma_side_->knows_accesses = false;
+  const bool one = single || trace != nullptr || answered || waiting_interrupt || dma_beside_ || cache_control_pending();
   if (!one && !exact_only && missed_ == nullptr) {
     if (Block* block = std::exchange(resume_, nullptr); block != nullptr) {
       run_blocks(block, resume_at_, limit);
@@ -195,19 +203,19 @@ StopInfo Engine::run_until(Cycles limit) {
     pass(Cause::halted, limit);
     return {};
   }
+  run_limit_ = limit;
   const Word watched = watched_ports();
   const bool waits = processor_waits() && told_;  // who drives the chip knows of the access, and bounds the DMA by it
   for (;;) {
-    if (dma_active_)
+    if (dma_active_ || dma_stop_)
       if (auto info = run_dma(limit, false)) return *info;
     if (state_.cycle >= limit) {
       if (waits && dma_active_)
         if (auto info = run_dma(limit, true)) return *info;
       break;
     }
-    const bool dma_waited = dma_active_ && !dma_.busy();
     const Stepped why = advance(limit, false);
-    if (dma_waited && dma_.busy()) state_.dma.now = std::max(state_.dma.now, state_.cycle);  // not before what it waited for
+    make_dma_current(dma_waited_);
     if (why != Stepped::done) {
       if (dma_active_ && (why == Stepped::port || why == Stepped::external)) {
         const Cycles begins = why == Stepped::port ? port_access_.cycle : waiting_.cycle;
@@ -219,7 +227,7 @@ StopInfo Engine::run_until(Cycles limit) {
     told_ = false;
     if (attached_ != 0 && (watched_ports() & ~watched) != 0) return stop(Stepped::horizon);
   }
-  if (state_.cycle >= next_peripheral_event_) advance_peripherals(state_.cycle);
+  reach_present();
   return {};
 }
 
@@ -228,11 +236,41 @@ StopInfo Engine::step() {
     pass(Cause::halted, state_.cycle + 1);
     return {};
   }
-  if (dma_active_)
-    if (auto info = run_dma(state_.cycle, false)) return *info;
+  run_limit_ = state_.cycle;
+  if (dma_active_ || dma_stop_)
+    if (auto info = run_dma(run_limit_, false)) return *info;
+  if (dma_active_ && waits_in_idle()) {
+    const Cycles before = state_.cycle;
+    if (auto info = run_dma(before + 1, false)) return *info;
+    if (state_.cycle != before) {
+      reach_present();
+      return {};
+    }
+  }
   const Stepped why = advance(state_.cycle + 1, true);
+  make_dma_current(dma_waited_);
   told_ = why != Stepped::done;
+  if (why == Stepped::done && (dma_active_ || dma_stop_))
+    if (auto info = run_dma(waits_in_idle() ? state_.cycle : run_limit_, false)) return *info;
+  if (why == Stepped::done) reach_present();
   return stop(why);
+}
+
+// What has happened by the present cycle: timers' events, and what the cache is told.
+void Engine::reach_present() {
+  if (state_.cycle >= next_peripheral_event_) {
+    const bool waited = dma_waits();
+    advance_peripherals(state_.cycle);
+    make_dma_current(waited);
+  }
+  if (cache_control_pending()) [[unlikely]] settle_cache_control();
+}
+
+bool Engine::dma_waits() const { return dma_active_ && !dma_.busy(); }
+
+// A DMA that waited goes on no earlier than what it waited for.
+void Engine::make_dma_current(bool waited) {
+  if (waited && dma_.busy()) state_.dma.now = std::max(state_.dma.now, state_.cycle);
 }
 
 void Engine::complete(bool write, Word value, Cycles arbitration, Cycles transfer) {

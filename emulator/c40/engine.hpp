@@ -89,7 +89,9 @@ class Engine {
   Word peek(Address address) const;
   void poke(Address address, Word value);
   void flush_blocks();
+  /// By the program: CE, CF and CC act on later fetches only.
   void write_status(Word value);
+  void set_status(Word value);
   void after_interrupt_register_write();
   void complete_port(Cycles at);
   /// The access that the chip stopped at will not be asked for any more.
@@ -111,7 +113,7 @@ class Engine {
   std::set<Address> breakpoints;
 
  private:
-  enum class Stepped : std::uint8_t { done, external, fault, breakpoint, port, horizon };
+  enum class Stepped : std::uint8_t { done, external, fault, breakpoint, port, horizon, software_interrupt };
 
   /// What the pipeline model makes of an instruction in a state of the pipeline: it depends on nothing else.
   struct Transition {
@@ -176,6 +178,7 @@ class Engine {
   bool quick_step();
   Stepped traced_step(Step& step);
   Stepped untraced_step(Step& step, bool fresh);
+  Demand demand_through(const Step& step, bool annulled) const;
   const Transition& annulled_transition(const Step& step);
   const Transition& executed_transition(const Step& step);
   void settle_answers();
@@ -192,6 +195,11 @@ class Engine {
   const Transition& transition(const Demand& demand, std::uint64_t bits, isa::Word word);
   void annulled(const Step& step);
   void account(const StepTiming& timing);
+  void account(const StepTiming& timing, const std::optional<StepTiming>& without_dma);
+  bool illegal_in_repeat(Address pc, const Bound& bound) const;
+  void settle_cache_control();
+  void note_cache_control(Cycles executed);
+  bool cache_control_pending() const { return state_.cache_changes != 0 || ((state_.core.modes ^ state_.cache_control) & (st::CE | st::CF)) != 0; }
   void finish_step(const Step& step);
   void settle_accesses(const Step& step, Address pc);
   void advance_pc(Address pc);
@@ -202,6 +210,9 @@ class Engine {
   bool read_register(Address address, Cycles at, Word& value) const;
   bool write_register(Address address, Word value, Cycles at);
   void advance_peripherals(Cycles at);
+  void make_dma_current(bool waited);
+  void reach_present();
+  bool dma_waits() const;
   void expect_peripherals();
   void reset_ports();
   bool latch_for_dma(Word flag);
@@ -224,13 +235,22 @@ class Engine {
   // engine_dma.cpp: the DMA coprocessor beside the processor
   struct DmaSide;
   void watch_dma();
+  Cycles known_until(Cycles limit, bool idles) const;
   std::optional<StopInfo> run_dma(Cycles limit, bool processor_waits);
+  std::array<std::optional<Access>, 2> next_fetches();
+  std::optional<StepTiming> without_dma(const Step& step, bool annulled);
+  bool dma_disturbed() const;
   StopInfo dma_stop(const DmaRequest& request);
   void complete_dma(bool write, Word value, Cycles waited);
   void note_accesses(const Step& step, bool annulled, Cycles before);
   std::unique_ptr<DmaSide> dma_side_;
   Dma dma_;
   bool dma_active_ = false;  ///< a channel is started
+  bool dma_beside_ = false;  ///< and goes on during this instruction, or what it took still counts
+  bool dma_waited_ = false;  ///< before this instruction: started, and nothing to do
+  bool dma_busy_ = false;    ///< and goes on during this instruction
+  Cycles run_limit_ = 0;     ///< of the present call
+  std::optional<StopInfo> dma_stop_;  ///< to be reported after the instruction
   std::optional<DmaRequest> dma_request_;  ///< reported and not answered
 
   // engine_blocks.cpp: recording and running blocks

@@ -64,7 +64,7 @@ BlockKey Engine::key() {
   key.mode = ((core.modes & st::SETCOND) != 0 ? mode_set_condition : 0u) | (repeat ? mode_repeat : 0u) |
              static_cast<std::uint32_t>(core.repeat_single) << 2;
   if (caching()) {
-    key.mode |= mode_cached | ((core.modes & st::CF) != 0 ? mode_frozen : 0u);
+    key.mode |= mode_cached | ((state_.cache_control & st::CF) != 0 ? mode_frozen : 0u);
     key.hits = state_.cache.hits_from(core.pc);
   }
   return key;
@@ -109,6 +109,9 @@ void Engine::fetch_through_cache(const Block& block, std::size_t from, std::size
 }
 
 bool Engine::recordable(const Bound& bound) const {
+  using enum isa::Operation;
+  // Their slots are fetched before CF changes.
+  if (caching() && bound.flow == Flow::delayed && (bound.row->operation == lat || bound.row->operation == reti)) return false;
   if (bound.flow == Flow::stop || bound.flow == Flow::annulling) return false;
   if (bound.reads_status || bound.writes_status || bound.writes_interrupts) return false;
   return !(bound.writes_repeat && bound.flow == Flow::straight && (state_.core.modes & st::RM) != 0);

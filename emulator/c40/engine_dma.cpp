@@ -1,11 +1,14 @@
 // Where the DMA coprocessor and the processor meet: memory ports, buses, ports, windows.
 //
-// The processor is ahead: after each of its instructions the DMA follows, up to the last cycle in which everything that the
-// processor does is known. What a conflict costs the processor is added after the instruction, as it holds everything.
+// The processor is ahead by the read stage of its next instruction: after each of its instructions the DMA follows up to there. In these
+// cycles all data accesses are known, and the next two fetches can be told from the pipeline. Whatever the DMA takes is marked
+// in the pipeline model, so that later fetches and accesses fit around it: a fetch that has slack costs nothing. A data access
+// that the DMA displaces moves with everything after it.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "c40/engine.hpp"
 #include "c40/engine_dma.hpp"
@@ -93,20 +96,22 @@ std::optional<DmaSurroundings::Span> Engine::DmaSide::acquire(const DmaPlace& pl
   if (unit == Unit::none) return Span{from, from + 1 + place.access.waits};
   const bool bus = is_bus(unit);
   const Cycles cycles = bus && place.access.write ? timing::external_write_cycles + place.access.waits : 1 + place.access.waits;
-  const int ports = bus || unit == Unit::peripheral ? 1 : timing::block_ports;
   for (Cycles at = from; at < limit;) {
     const Cycles end = at + cycles + (bus && !place.access.write && written_until(unit) == at ? timing::read_after_write_cycles : 0);
-    if (const Cycles busy = under_way(unit, at); busy > at && bus) {
-      at = busy;
+    const Use use = use_by_processor(unit, at);
+    if (use.busy_until > at) {
+      lost_to_one_under_way(at, use.busy_until);
+      at = use.busy_until;
       continue;
     }
-    const int used = used_by_processor(unit, at, end);
-    if (used < ports) return take(unit, place, {at, end});
-    if (!wins(priority, at)) {
+    if (!beside && begins_within(unit, {at, end})) {  // a processor that stands still has posted a write
       ++at;
       continue;
     }
-    stall_processor(at, end - at);
+    if ((use.data || use.fetch) && !wins(priority, at)) {
+      ++at;
+      continue;
+    }
     return take(unit, place, {at, end});
   }
   return std::nullopt;
@@ -115,31 +120,76 @@ std::optional<DmaSurroundings::Span> Engine::DmaSide::acquire(const DmaPlace& pl
 DmaSurroundings::Span Engine::DmaSide::take(Unit unit, const DmaPlace& place, Span span) {
   const auto n = static_cast<std::size_t>(unit);
   taken_until[n] = span.end;
+  last_taken = std::max(last_taken, span.end);
   if (place.access.write) written[n] = span.end;
+  if (!beside) return span;
+  displace_data(unit, span);
+  const Cycles now = engine.state_.cycle;
+  pipeline.take(place.access.resource, static_cast<int>(span.begin - now), static_cast<int>(span.end - now));
+  disturbed = true;
+  expect_fetches();
   return span;
 }
 
-// Of an access of the processor that began before `at`: when the unit is free.
-Cycles Engine::DmaSide::under_way(Unit unit, Cycles at) const {
-  Cycles end = at;
+// Data accesses that the span leaves no room for wait until its end, and with them all that come later.
+void Engine::DmaSide::displace_data(Unit unit, Span span) {
+  const bool bus = is_bus(unit);
+  const auto meets = [&](const ProcessorAccess& access) { return unit_of(access.access) == unit && access.begin >= span.begin && access.begin < span.end; };
+  Cycles first = span.end;
+  int used = 1;
   for (const ProcessorAccess& access : accesses)
-    if (access.unit == unit && access.begin < at) end = std::max(end, access.end);
-  return end;
+    if (meets(access)) first = std::min(first, access.begin), ++used;
+  if (first == span.end || (!bus && unit != Unit::peripheral && used <= timing::block_ports)) return;
+  const Cycles wait = span.end - first;
+  const auto relative = [this](Cycles at) { return static_cast<int>(at - engine.state_.cycle); };
+  for (const ProcessorAccess& access : accesses)
+    if (access.begin >= first) pipeline.give_back(access.access.resource, relative(access.begin), relative(access.end));
+  engine.state_.causes[static_cast<std::size_t>(Cause::dma_conflict)] += wait;
+  engine.state_.cycle += wait;
+  pipeline.hold(static_cast<int>(wait));
+  for (ProcessorAccess& access : accesses) {
+    if (access.begin < first) continue;
+    access.begin += wait, access.end += wait;
+    pipeline.make_again(access.access, relative(access.begin), relative(access.end));
+  }
+  disturbed = true;
+}
+
+Engine::DmaSide::Use Engine::DmaSide::use_by_processor(Unit unit, Cycles at) const {
+  const bool bus = is_bus(unit);
+  Use use{.busy_until = at};
+  int data = 0, fetched = 0;
+  Cycles write_end = long_ago;
+  for (const ProcessorAccess& access : accesses)
+    if (access.access.write && unit_of(access.access) == unit) write_end = std::max(write_end, access.end);
+  // A read straight after a write has the bus for the cycle of the turn as well.
+  const auto begins = [&](Cycles begin) { return begin == at || (bus && at == write_end && begin == at + timing::read_after_write_cycles); };
+  const auto meet = [&](int& count, Cycles begin, Cycles end) {
+    if (bus && begin < at && end > at) use.busy_until = std::max(use.busy_until, end);
+    count += begins(begin);
+  };
+  for (const ProcessorAccess& access : accesses)
+    if (unit_of(access.access) == unit) meet(data, access.begin, access.end);
+  if (beside)
+    for (const Fetch& fetch : fetches)
+      if (fetch.unit == unit) meet(fetched, fetch.begin, fetch.end);
+  const int room = bus || unit == Unit::peripheral ? 0 : timing::block_ports - 1;
+  use.data = data > room;
+  use.fetch = fetched != 0 && data + fetched > room;
+  return use;
+}
+
+bool Engine::DmaSide::begins_within(Unit unit, Span span) const {
+  return std::any_of(accesses.begin(), accesses.end(), [&](const ProcessorAccess& access) {
+    return unit_of(access.access) == unit && access.begin >= span.begin && access.begin < span.end;
+  });
 }
 
 Cycles Engine::DmaSide::written_until(Unit unit) const {
   Cycles end = written[static_cast<std::size_t>(unit)];
   for (const ProcessorAccess& access : accesses)
-    if (access.unit == unit && access.write) end = std::max(end, access.end);
+    if (unit_of(access.access) == unit && access.access.write) end = std::max(end, access.end);
   return end;
-}
-
-// Accesses that begin in the span; one of them may be the fetch that is to be expected there.
-int Engine::DmaSide::used_by_processor(Unit unit, Cycles begin, Cycles end) const {
-  int used = 0;
-  for (const ProcessorAccess& access : accesses) used += access.unit == unit && access.begin >= begin && access.begin < end;
-  const bool fetches = fetch_unit == unit && !engine.state_.core.idle && end > engine.state_.cycle + engine.pipelines_[engine.current_pipeline()].earliest_fetch();
-  return used + fetches;
 }
 
 // Priority 01: the processor wins the first conflict, then they take turns as long as conflicts follow each other (3.4).
@@ -153,11 +203,11 @@ bool Engine::DmaSide::wins(Word priority, Cycles at) {
   return turn;
 }
 
-void Engine::DmaSide::stall_processor(Cycles at, Cycles cycles) {
-  for (ProcessorAccess& access : accesses)
-    if (access.begin >= at) access.begin += cycles, access.end += cycles;
-  engine.state_.causes[static_cast<std::size_t>(Cause::memory_conflict)] += cycles;
-  engine.state_.cycle += cycles;
+// The conflict lasts as long as the access that the processor makes.
+void Engine::DmaSide::lost_to_one_under_way(Cycles at, Cycles until) {
+  DmaState& dma = engine.state_.dma;
+  if (dma.conflict < at - 1) dma.lost = true;
+  if (dma.lost) dma.conflict = until - 1;
 }
 
 // The link's next events are others after this: whoever drives it has to look.
@@ -174,48 +224,146 @@ Word Engine::DmaSide::touch_port(const PortAccess& access, Cycles at) {
 
 // ---- the engine's side ----
 
-// What the instruction that was begun in cycle `before` used; it waits for a bus that the DMA is using.
+// What the DMA may take while it follows; `beside_processor`: the processor goes on as well.
+void Engine::DmaSide::begin_following(bool beside_processor) {
+  beside = beside_processor;
+  disturbed = false;
+  std::erase_if(accesses, [&](const ProcessorAccess& access) { return access.end < engine.state_.dma.now; });
+  if (!beside) return;
+  know_accesses();
+  pipeline = engine.pipelines_[engine.current_pipeline()];
+  next_fetches = engine.next_fetches();
+  expect_fetches();
+}
+
+// Until the DMA goes on, nobody takes note of accesses: of those under way, only their end is known.
+void Engine::DmaSide::know_accesses() {
+  if (knows_accesses) return;
+  accesses.clear();
+  const Pipeline& now = engine.pipelines_[engine.current_pipeline()];
+  for (const Resource bus : {Resource::local, Resource::global, Resource::peripheral})
+    if (const auto end = now.busy_until(bus)) accesses.push_back({{bus, 0, false, false}, long_ago, engine.state_.cycle + *end});
+  knows_accesses = true;
+}
+
+void Engine::DmaSide::end_following() {
+  if (!beside || !disturbed) return;
+  if (!undisturbed) undisturbed = engine.current_pipeline();
+  engine.pipeline_ = engine.intern(pipeline);
+}
+
+void Engine::DmaSide::expect_fetches() {
+  const auto expected = pipeline.expected_fetches(next_fetches);
+  for (std::size_t i = 0; i < 2; ++i) {
+    fetches[i] = {};
+    if (next_fetches[i]) fetches[i] = {unit_of(*next_fetches[i]), engine.state_.cycle + expected[i].from, engine.state_.cycle + expected[i].to};
+  }
+}
+
+// After cycles in which the processor stood still: what the DMA has begun goes on.
+void Engine::DmaSide::mark_under_way() {
+  const PipelineId before = engine.current_pipeline();
+  pipeline = engine.pipelines_[before];
+  const Cycles now = engine.state_.cycle;
+  for (const auto& [unit, resource] : {std::pair{Unit::local, Resource::local}, std::pair{Unit::global, Resource::global}, std::pair{Unit::peripheral, Resource::peripheral}}) {
+    const Cycles until = taken_until[static_cast<std::size_t>(unit)];
+    if (until > now - Pipeline::depth) pipeline.take(resource, -Pipeline::depth, static_cast<int>(std::min<Cycles>(until - now, Pipeline::furthest)));
+  }
+  const PipelineId after = engine.intern(pipeline);
+  if (after == before) return;
+  if (!undisturbed) undisturbed = before;
+  engine.pipeline_ = after;
+}
+
+void Engine::DmaSide::forget() {
+  accesses.clear();
+  knows_accesses = false;
+  taken_until.fill(long_ago);
+  written.fill(long_ago);
+  last_taken = long_ago;
+  undisturbed.reset();
+  gained = 0;
+}
+
+// The fetches of the next two instructions from memory: of the second, where it stands if nothing branches.
+std::array<std::optional<Access>, 2> Engine::next_fetches() {
+  const Core& core = state_.core;
+  std::array<std::optional<Access>, 2> out{};
+  Address pc = core.pc;
+  std::uint8_t single = core.repeat_single;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Memory::Area* area = memory_.find(pc);
+    const bool cached = area != nullptr && external(area->resource) && (state_.cache_control & st::CE) != 0 && state_.cache.find(pc) != nullptr;
+    if (area != nullptr && area->data != nullptr && !cached && single != 2) {
+      Memory::OpenPages pages = state_.open_pages;
+      out[i] = memory_.meet(*area, pc, false, pages).access;
+    }
+    const bool more = (core.modes & st::RM) != 0 && pc == core.r[reg::RE] && static_cast<std::int32_t>(core.r[reg::RC]) > 0;
+    if (single == 1 && more) single = 2;
+    pc = core.delay_slots == 1 ? core.delay_target : more ? core.r[reg::RS] : pc + 1;
+  }
+  return out;
+}
+
+// What the instruction that was begun in cycle `before` used.
 void Engine::note_accesses(const Step& step, bool annulled, Cycles before) {
   DmaSide& side = *dma_side_;
   const Cycles waited = state_.cycle - before - step.timing->total;
-  std::erase_if(side.accesses, [&](const ProcessorAccess& access) { return access.end <= state_.dma.now; });
-  side.fetch_unit = step.fetched ? unit_of(step.fetch) : Unit::none;
-  Cycles stall = 0;
-  const auto wait_for = [&](Unit unit, Cycles begin) {
-    if (is_bus(unit)) stall = std::max(stall, side.taken_until[static_cast<std::size_t>(unit)] - begin);
-  };
-  wait_for(side.fetch_unit, before + step.timing->stages.fetch);
   const Demand& demand = step.site->demand;
   for (std::size_t i = 0; i < (annulled ? 0u : demand.count); ++i) {
     const Access& access = demand.data[i];
     const Unit unit = unit_of(access);
+    if (unit == Unit::none) continue;
     const Cycles start = before + step.timing->start[i];
-    wait_for(unit, start);
     const Cycles length = !is_bus(unit) ? 1 : (access.write ? timing::external_write_cycles : 1) + access.waits + waited;
-    side.accesses.push_back({unit, access.write, start + stall, start + stall + length});
+    side.accesses.push_back({access, start, start + length});
   }
-  state_.causes[static_cast<std::size_t>(Cause::memory_conflict)] += stall;
-  state_.cycle += stall;
 }
+
+// What the instruction that is through would have taken if the DMA had been still, where that can differ.
+std::optional<StepTiming> Engine::without_dma(const Step& step, bool annulled) {
+  DmaSide& side = *dma_side_;
+  if (side.undisturbed && state_.cycle > side.last_taken + Pipeline::furthest) side.undisturbed.reset();
+  if (!side.undisturbed) return std::nullopt;
+  Pipeline pipeline = pipelines_[*side.undisturbed];
+  const StepTiming timing = pipeline.advance(demand_through(step, annulled));
+  side.undisturbed = intern(pipeline);
+  return timing;
+}
+
+bool Engine::dma_disturbed() const { return dma_side_->undisturbed.has_value(); }
 
 void Engine::watch_dma() { dma_active_ = dma_.active() || state_.dma.waits_for_answer; }
 
 bool Engine::waits_in_idle() const { return state_.core.idle && may_interrupt() && pending_vector() == 0; }
 
-// Lets the DMA follow the processor, or go on without it while it waits or idles.
+// How far the DMA may go while the processor runs or idles: everything that the processor does before is known. What the links do is known
+// up to `limit` only.
+Cycles Engine::known_until(Cycles limit, bool idles) const {
+  const Cycles until = idles ? std::max(limit, state_.cycle) : state_.cycle - read_lead;
+  return attached_ != 0 && (dma_.ports_used() & attached_) != 0 ? std::min(limit, until) : until;
+}
+
+// Lets the DMA follow the processor, or go on without it while it waits or idles; and the timers, each event in its turn.
 std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
-  for (;;) {
+  DmaSide& side = *dma_side_;
+  if (auto earlier = std::exchange(dma_stop_, std::nullopt)) return earlier;
+  while (dma_active_) {
     if (dma_request_) return dma_stop(*dma_request_);
     const bool idles = !processor_waits && waits_in_idle();
-    const Cycles until = processor_waits || idles ? limit : std::min(limit, state_.cycle - read_lead);
-    if (state_.dma.now >= until && !dma_.ends_at(until)) return std::nullopt;
-    dma_side_->touched_link = false;
-    const auto request = dma_.advance_to(until);
+    const Cycles until = processor_waits ? limit : known_until(limit, idles);
+    const Cycles event = next_peripheral_event_, to = std::min(until, event);
+    if (state_.dma.now >= until && !dma_.ends_at(until) && event > until) break;
+    side.begin_following(!processor_waits && !idles);
+    const auto request = dma_.advance_to(to);
+    side.end_following();
     watch_dma();
-    if (idles) pass(Cause::idle, std::min(limit, state_.dma.now));
+    if (idles) pass(Cause::idle, std::min(to, state_.dma.now));
     if (request) return dma_stop(*request);
-    if (dma_side_->touched_link) return stop(Stepped::horizon);
+    if (std::exchange(side.touched_link, false)) return stop(Stepped::horizon);
+    if (event <= to && state_.dma.now >= event) advance_peripherals(event);
   }
+  return std::nullopt;
 }
 
 StopInfo Engine::dma_stop(const DmaRequest& request) {

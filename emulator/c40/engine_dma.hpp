@@ -11,10 +11,9 @@ enum class Unit : std::uint8_t { ram0, ram1, rom, local, global, peripheral, non
 inline constexpr std::size_t unit_count = 7;
 Unit unit_of(const Access& access);
 
-/// An access of the processor that the DMA has not passed yet.
+/// A data access of the processor that the DMA has not passed yet.
 struct ProcessorAccess {
-  Unit unit = Unit::none;
-  bool write = false;
+  Access access;
   Cycles begin = 0, end = 0;
 };
 
@@ -30,27 +29,48 @@ struct Engine::DmaSide final : DmaSurroundings {
   std::optional<Span> acquire(const DmaPlace& place, Cycles from, Cycles limit, Word priority) override;
   void block_ended(int channel, bool auxiliary, bool interrupt, Cycles at) override;
 
+  /// What the processor does with a unit in a cycle.
+  struct Use {
+    bool data = false, fetch = false;  ///< an access that begins there would find no room beside the DMA's
+    Cycles busy_until = 0;             ///< of an access that began before; or the cycle itself
+  };
+  Use use_by_processor(Unit unit, Cycles at) const;
   Span take(Unit unit, const DmaPlace& place, Span span);
-  Cycles under_way(Unit unit, Cycles at) const;
   Cycles written_until(Unit unit) const;
-  int used_by_processor(Unit unit, Cycles begin, Cycles end) const;
   bool wins(Word priority, Cycles at);
-  void stall_processor(Cycles at, Cycles cycles);
+  void lost_to_one_under_way(Cycles at, Cycles until);
+  bool begins_within(Unit unit, Span span) const;
+  void displace_data(Unit unit, Span span);
   Word touch_port(const PortAccess& access, Cycles at);
 
-  void forget() {
-    accesses.clear();
-    fetch_unit = Unit::none;
-    taken_until.fill(long_ago);
-    written.fill(long_ago);
-  }
+  void know_accesses();
+  void begin_following(bool beside_processor);
+  void end_following();
+  void expect_fetches();
+  void mark_under_way();
+  void forget();
 
   Engine& engine;
   std::vector<ProcessorAccess> accesses;
-  Unit fetch_unit = Unit::none;  ///< of the processor's last fetch: the next is expected there too
+  bool knows_accesses = false;  ///< of the instructions that are through; else only when they leave the buses
   static constexpr Cycles long_ago = -1000;
   std::array<Cycles, unit_count> taken_until{}, written{};  ///< by the DMA: until when
+  Cycles last_taken = long_ago;
   bool touched_link = false;
+
+  // While the DMA follows the processor.
+  bool beside = false;  ///< the processor goes on: it fetches, and what the DMA takes is not there for its next instructions
+  bool disturbed = false;
+  Pipeline pipeline;  ///< with what the DMA has taken
+  struct Fetch {
+    Unit unit = Unit::none;
+    Cycles begin = 0, end = 0;
+  };
+  std::array<std::optional<Access>, 2> next_fetches{};  ///< of the next two instructions, as far as they are fetched from memory
+  std::array<Fetch, 2> fetches{};
+  /// The pipeline as it would stand if the DMA had taken nothing: what the DMA costs an instruction is the difference.
+  std::optional<PipelineId> undisturbed;
+  int gained = 0;  ///< cycles that instructions took less because of what the DMA had cost others before
 };
 
 }  // namespace c40

@@ -6,6 +6,7 @@
 
 #include "c40/choices.hpp"
 #include "c40/engine.hpp"
+#include "c40/engine_dma.hpp"
 
 namespace c40 {
 namespace {
@@ -73,11 +74,12 @@ void Engine::timer_event(std::size_t timer, Cycles at) {
 }
 
 void Engine::advance_peripherals(Cycles at) {
-  for (std::size_t n = 0; n < timer_count; ++n) {
-    const Cycles event = state_.timers[n].next_event();
-    if (state_.timers[n].advance_to(at)) timer_event(n, event);
+  while (next_peripheral_event_ <= at) {
+    const Cycles event = next_peripheral_event_;
+    for (std::size_t n = 0; n < timer_count; ++n)
+      if (state_.timers[n].advance_to(event)) timer_event(n, event);
+    expect_peripherals();
   }
-  expect_peripherals();
 }
 
 void Engine::expect_peripherals() {
@@ -142,6 +144,7 @@ void Engine::complete_port(Cycles at) {
     throw std::logic_error(fmt::format("communication port {}: the {} FIFO is {}", port_access_.port, port_access_.write ? "output" : "input",
                                        port_access_.write ? "full" : "empty"));
   if (at < port_access_.cycle) throw std::logic_error("an access cannot take place before it begins");
+  advance_peripherals(at);
   const Word value = port_access_.perform(side);
   state_.answers[port_slot_] = {true, port_access_.write, port_access_.address, value, 0, 0, at - port_access_.cycle + held_};
   state_.stalled_on_port = false;
@@ -197,7 +200,15 @@ bool Engine::take_interrupt(Word vector) {
   add(state_.causes, Cause::interrupt, timing::interrupt_entry_cost);
   add(state_.causes, Cause::wait_state, waits);
   state_.cycle += timing::interrupt_entry_cost + waits;
+  auto undisturbed = dma_side_->undisturbed;
   touch().pipeline.flush(timing::interrupt_entry_cost + waits);
+  if (undisturbed) {
+    Pipeline alone = pipelines_[*undisturbed];
+    alone.flush(timing::interrupt_entry_cost + waits);
+    dma_side_->undisturbed = intern(alone);
+  }
+  if (dma_active_) dma_side_->mark_under_way();
+  note_cache_control(before);
   if (trace != nullptr) trace->interrupt(vector, before);
   tell(PeripheralEvent::Kind::interrupt, before, static_cast<int>(vector), peek(top));
   return true;
@@ -277,7 +288,7 @@ void Engine::boot() {
                                         board_.pins.reset_location, vector, board_.name,
                                         vector == 0 && board_.rom.empty() ? " and no boot ROM" : ""));
   }
-  if (board_.is_flat) return;
+  if (!board_.has_peripherals) return;
   poke(global_interface, interface_after_reset);
   poke(local_interface, interface_after_reset);
 }

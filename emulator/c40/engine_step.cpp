@@ -2,10 +2,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
+#include <stdexcept>
 #include <utility>
 
 #include "c40/addressing.hpp"
 #include "c40/engine.hpp"
+#include "c40/engine_dma.hpp"
 #include "c40/handler_tables.hpp"
 #include "c40/peripherals/register_map.hpp"
 
@@ -70,7 +73,7 @@ bool Engine::find_code(Address pc) {
 }
 
 // Of the code that code_ describes.
-bool Engine::caching() const { return code_.cacheable && (state_.core.modes & st::CE) != 0 && state_.core.repeat_single != 2; }
+bool Engine::caching() const { return code_.cacheable && (state_.cache_control & st::CE) != 0 && state_.core.repeat_single != 2; }
 
 // Whether blocks may hold the instruction at PC: what it is and what its fetch costs is known before.
 bool Engine::by_blocks() {
@@ -116,12 +119,12 @@ bool Engine::fetch(Step& step) {
   step.fetched = core.repeat_single != 2;
   step.word = code_.words[pc - code_.met.base];
   step.fetch = code_.met.access;
-  if (code_.cacheable && (core.modes & st::CE) != 0) {
+  if (code_.cacheable && (state_.cache_control & st::CE) != 0) {
     const Word* const cached = state_.cache.find(pc);
     if (cached != nullptr) step.word = *cached, step.fetch = {};
     step.from_cache = cached != nullptr && step.fetched;
     step.missed = cached == nullptr && step.fetched;
-    step.frozen = (core.modes & st::CF) != 0;  // before the instruction itself changes it: RETI, TRAP
+    step.frozen = (state_.cache_control & st::CF) != 0;
   }
   if (!step.fetched) step.fetch = {};
   if (code_.met.paged && step.fetched && !step.from_cache) {
@@ -161,7 +164,10 @@ Cycles Engine::access_cycle(const Step& step, std::size_t access) {
   Demand demand = demand_of(step);
   demand.count = static_cast<std::uint8_t>(access + 1);
   const int start = transition(demand, packed(demand), step.word).timing.start[access];
-  Cycles cycle = state_.cycle + std::max(start, 0);
+  const Access& data = demand.data[access];
+  // Registers on the chip answer a read at the end of the read stage: as they stand in the execute stage, in which they are written (fidelity.md).
+  const int later = data.resource == Resource::peripheral && !data.write ? 1 : 0;
+  Cycles cycle = state_.cycle + std::max(start + later, 0);
   for (const Answer& answer : state_.answers)
     if (answer.given) cycle += answer.waited();
   return cycle;
@@ -249,7 +255,7 @@ Engine::Stepped Engine::execute(Step& step) {
     }
     if (outcome.exit == Exit::trap_out) {
       core.pc = pc;
-      return Stepped::breakpoint;
+      return Stepped::software_interrupt;
     }
     step.taken = outcome.exit == Exit::taken;
     return Stepped::done;
@@ -299,6 +305,24 @@ void Engine::settle_answers() {
   }
 }
 
+// What the DMA costs an instruction is what it takes beyond what it would have taken without. What it takes less, because it had been held
+// up before, is set against the next cost: in all, the DMA is charged with no more than it did.
+void Engine::account(const StepTiming& t, const std::optional<StepTiming>& without_dma) {
+  if (!without_dma) return account(t);
+  const int held = t.total - without_dma->total;
+  int& gained = dma_side_->gained;
+  if (held <= 0) {
+    gained -= held;
+    return account(t);
+  }
+  const int paid = std::min(gained, held);
+  gained -= paid;
+  account(*without_dma);
+  add(state_.causes, Cause::memory_conflict, paid);
+  add(state_.causes, Cause::dma_conflict, held - paid);
+  state_.cycle += held;
+}
+
 // What the accesses of an instruction leave behind: the cache, the pages, LOCK.
 void Engine::settle_accesses(const Step& step, Address pc) {
   if (step.from_cache && !step.frozen) state_.cache.touch(pc);
@@ -322,12 +346,45 @@ void Engine::write_status(Word value) {
   const Word count = core.r[reg::RC];
   if (count == 0 || count == 0xFFFFFFFFu) value &= ~st::RM;
   if ((value & st::RM) == 0) core.repeat_single = 0;
-  if ((value & st::CC) != 0) {
+  state_.cache_clear |= (value & st::CC) != 0;
+  core.set_status(value);
+}
+
+// From outside: at once.
+void Engine::set_status(Word value) {
+  write_status(value);
+  note_cache_control(std::numeric_limits<Cycles>::min());
+  settle_cache_control();
+}
+
+// The instruction that executed in cycle `executed` may have changed CE or CF, or written CC.
+void Engine::note_cache_control(Cycles executed) {
+  constexpr Word bits = st::CE | st::CF;
+  const Word control = state_.core.modes & bits;
+  const Word last = state_.cache_changes != 0 ? state_.cache_change[state_.cache_changes - 1].control : state_.cache_control;
+  if (control == last && !state_.cache_clear) return;
+  // No more than three instructions can have executed before a fetch.
+  if (state_.cache_changes == state_.cache_change.size()) throw std::logic_error("more changes of the cache's control than instructions in the pipeline");
+  state_.cache_change[state_.cache_changes++] = {executed, control, std::exchange(state_.cache_clear, false)};
+  state_.core.attention = true;
+}
+
+// The next instruction is fetched with what had been executed before: CE, CF and CC act no earlier than that.
+void Engine::settle_cache_control() {
+  const Cycles fetched = state_.cycle + pipelines_[current_pipeline()].earliest_fetch();
+  if (state_.cache_changes == 0) note_cache_control(std::numeric_limits<Cycles>::min());  // in a block, long ago
+  std::size_t done = 0;
+  for (; done < state_.cache_changes && state_.cache_change[done].executed < fetched; ++done) {
+    const State::CacheChange& change = state_.cache_change[done];
+    state_.cache_control = change.control;
+    if (!change.clear) continue;
     state_.cache.clear();
     ++cache_version_;
     stale_code_ = false;
   }
-  core.set_status(value);
+  for (std::size_t i = done; i < state_.cache_changes; ++i) state_.cache_change[i - done] = state_.cache_change[i];
+  state_.cache_changes -= done;
+  for (std::size_t i = state_.cache_changes; i < state_.cache_change.size(); ++i) state_.cache_change[i] = {};
 }
 
 void Engine::finish_step(const Step& step) {
@@ -376,7 +433,11 @@ Engine::Stepped Engine::traced_step(Step& step) {
   const Cycles cycle = state_.cycle;
   events_.clear();
   const Stepped why = untraced_step(step, true);
-  if (why == Stepped::done) emit_trace(step, before, cycle, causes);
+  if (why != Stepped::done) return why;
+  const StepTiming timing = *step.timing;
+  step.timing = &timing;
+  if (dma_busy_) dma_stop_ = run_dma(run_limit_, false);  // so that what it holds up stands in the record
+  emit_trace(step, before, cycle, causes);
   return why;
 }
 
@@ -399,6 +460,9 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
     return fail(Fault::Kind::illegal_sequence,
                 fmt::format("{} may not stand {}", bound.row->mnemonic,
                             core.delay_slots != 0 ? "in the three slots of a delayed branch" : "under RPTS"));
+  if ((core.modes & st::RM) != 0 && illegal_in_repeat(pc, bound))
+    return fail(Fault::Kind::illegal_sequence,
+                fmt::format("{} may not stand {} words before the end of a repeated block (RE = {:08X}h)", bound.row->mnemonic, core.r[reg::RE] - pc, core.r[reg::RE]));
   if (fresh || site.stale || !site.keeps_windows) forget_windows(site);
   const bool over_with_read = core.delay_slots == 3 && bound.row->write_stage == isa::WriteStage::read;
   const bool annul = core.annul && core.delay_slots != 0 && core.delay_slots < 4 && !over_with_read;
@@ -410,30 +474,51 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
     settle_accesses(step, pc);
     finish_step(step);
   }
+  std::optional<StepTiming> without;
+  if (dma_beside_) [[unlikely]] without = without_dma(step, annul);
   const Transition& next = annul ? annulled_transition(step) : executed_transition(step);
   step.timing = &next.timing;
   pipeline_ = next.after;
   const Cycles before = state_.cycle;
-  account(next.timing);
-  if (state_.answers[0].given || state_.answers[1].given) [[unlikely]] settle_answers();
-  if (dma_active_) [[unlikely]] note_accesses(step, annul, before);
+  account(next.timing, without);
+  if (state_.answers[0].given || state_.answers[1].given) [[unlikely]] {
+    settle_answers();
+    if (dma_active_) dma_side_->mark_under_way();
+  }
+  if (dma_busy_) [[unlikely]] note_accesses(step, annul, before);
+  if (bound.flow != Flow::straight || bound.writes_status) note_cache_control(state_.cycle - 1 - step.timing->branch);
   advance_pc(pc);
   return Stepped::done;
 }
 
+// The last instruction of a repeated block may not control the program, nor may a delayed branch stand in the three before (8.3).
+bool Engine::illegal_in_repeat(Address pc, const Bound& bound) const {
+  const Address left = state_.core.r[reg::RE] - pc;
+  return bound.flow != Flow::straight && (left == 0 || (left <= 3 && bound.row->delay != isa::Delay::none));
+}
+
 // An annulled slot is fetched, and has no footprint.
-const Engine::Transition& Engine::annulled_transition(const Step& step) {
+Demand Engine::demand_through(const Step& step, bool annulled) const {
+  const Bound& bound = step.site->bound;
+  if (!annulled) {
+    Demand demand = demand_of(step);
+    demand.flush_cost = step.taken ? bound.taken_cost : bound.not_taken_cost;
+    return demand;
+  }
   Demand demand;
   demand.fetch = step.fetch;
   demand.fetch_missed = step.missed;
+  return demand;
+}
+
+const Engine::Transition& Engine::annulled_transition(const Step& step) {
+  const Demand demand = demand_through(step, true);
   return transition(demand, packed(demand), 0);
 }
 
 const Engine::Transition& Engine::executed_transition(const Step& step) {
-  Site& site = *step.site;
-  Demand demand = demand_of(step);
-  demand.flush_cost = step.taken ? site.bound.taken_cost : site.bound.not_taken_cost;
-  return site.transition = transition(demand, packed(demand), step.word);
+  const Demand demand = demand_through(step, false);
+  return step.site->transition = transition(demand, packed(demand), step.word);
 }
 
 // The common case of untraced_step at a fraction of its price: an instruction that is known, out of slots, meets the windows it met
@@ -444,7 +529,7 @@ bool Engine::quick_step() {
   if (!code_.contains(pc) || core.delay_slots != 0 || code_.met.paged) return false;
   Word word = code_.words[pc - code_.met.base];
   std::uint64_t bits = code_.fetch_bits;
-  const bool from_cache = code_.cacheable && (core.modes & st::CE) != 0;
+  const bool from_cache = code_.cacheable && (state_.cache_control & st::CE) != 0;
   if (from_cache) [[unlikely]] {
     const Word* const cached = state_.cache.find(pc);
     if (cached == nullptr) return false;
@@ -455,7 +540,7 @@ bool Engine::quick_step() {
   if (!fetched) bits = packed_fetch({}, false, false);
   Site& site = site_of(pc);
   if (!site.quick || site.stale || site.bound.word != word || site.set_condition != ((core.modes & st::SETCOND) != 0)) return false;
-  if (core.repeat_single != 0 && site.bound.flow != Flow::straight) return false;
+  if ((core.modes & st::RM) != 0 && site.bound.flow != Flow::straight) return false;  // perhaps where it may not stand
   core.pc = pc + 1;
   site.ops[0].pc = pc;
   const Exit exit = site.ops[0].handler(core, site.ops.data()).exit;
@@ -474,7 +559,7 @@ bool Engine::quick_step() {
   }
   pipeline_ = site.transition.after;
   account(site.transition.timing);
-  if (from_cache && fetched && (core.modes & st::CF) == 0) state_.cache.touch(pc);
+  if (from_cache && fetched && (state_.cache_control & st::CF) == 0) state_.cache.touch(pc);
   if (core.delay_slots != 0 || (core.modes & st::RM) != 0) advance_pc(pc);
   return true;
 }

@@ -86,6 +86,13 @@ Board Board::flat() {
   return board;
 }
 
+Board Board::plain_ram() {
+  Board board = flat();
+  board.name = "plain RAM";
+  board.has_peripherals = false;
+  return board;
+}
+
 void Memory::Free::operator()(Word* words) const { std::free(words); }
 
 Memory::Memory(const Board& board) : flat_(board.is_flat) {
@@ -94,7 +101,7 @@ Memory::Memory(const Board& board) : flat_(board.is_flat) {
   add(on_chip(1));
   if (board.rom.size() > rom_words) throw std::invalid_argument(fmt::format("the boot ROM has {} words, not {}", rom_words, board.rom.size()));
   if (!board.rom.empty()) std::ranges::copy(board.rom, add(boot_rom())->data);
-  if (!flat_) {
+  if (board.has_peripherals) {
     Area registers;
     registers.name = "peripheral registers";
     registers.base = peripheral_base;
@@ -158,12 +165,17 @@ const Memory::Area* Memory::add(Area area) {
   return areas_.insert(place, std::make_unique<Area>(std::move(area)))->get();
 }
 
-// Pages of a flat board leave room for the on-chip RAM.
+// Pages of a flat board leave room for what is there: on-chip RAM, peripheral registers.
 const Memory::Area* Memory::make_flat_page(Address address) {
   Area area;
   area.base = address & ~(flat_page_words - 1);
-  area.words = flat_page_words;
-  if (address >= area.base && area.base == (on_chip_ram & ~(flat_page_words - 1))) area.words = on_chip_ram - area.base;
+  Address end = area.base + (flat_page_words - 1);  // the last word of it
+  for (const auto& other : areas_) {
+    const Address last = other->base + (other->words - 1);
+    if (last < address) area.base = std::max(area.base, last + 1);
+    if (other->base > address) end = std::min(end, other->base - 1);
+  }
+  area.words = end - area.base + 1;
   area.name = fmt::format("flat RAM {:08X}h", area.base);
   return add(area);
 }

@@ -34,7 +34,8 @@ struct Region {
 struct Board {
   std::string name;
   std::vector<Region> regions;
-  bool is_flat = false;  ///< Plain zero-wait RAM at every address, without bus conflicts and without peripheral registers.
+  bool is_flat = false;  ///< Plain zero-wait RAM without bus conflicts at every address that is none of a region or of the chip's own.
+  bool has_peripherals = true;  ///< Their registers are at 100000h; else that is memory, or nothing.
   /// GMICR and LMICR as the board's boot header leaves them. The default: RDY alone on both strobes, no software wait states, pages
   /// of 1 K words on STRB0, which is the lower half.
   Word global_interface_control = 0x1DEA4000u;
@@ -49,7 +50,10 @@ struct Board {
   /// 300000h local SRAM 1 M words 0 wait, 40000000h local SRAM 1 M words 1 wait, 70000000h window to bus B, 80000000h
   /// global SRAM 1 M words 0 wait, C0000000h window to bus A.
   static Board default_board();
+  /// RAM everywhere but for the chip's own RAM and peripheral registers (ruling 34).
   static Board flat();
+  /// RAM everywhere, what single-step vectors run on: the chip has no peripherals there.
+  static Board plain_ram();
 };
 
 inline constexpr Address on_chip_ram = 0x002FF800u;

@@ -23,10 +23,10 @@ void PipelineDiagram::instruction(const TraceRecord& record) {
   if (next_ != nullptr) next_->instruction(record);
   const StepTiming::Stages& at = record.stages;
   const auto cause = [&](Cause c) { return record.causes[static_cast<std::size_t>(c)]; };
-  const Cycles bus = cause(Cause::bus_arbitration) + cause(Cause::bus_transfer);
+  const Cycles bus = cause(Cause::bus_arbitration) + cause(Cause::bus_transfer), port = cause(Cause::comm_port), waited = bus + port;
   const Cycles fetched = record.cycle + at.fetch + at.fetch_cycles, decode = record.cycle + at.decode, read = record.cycle + at.read,
                execute = record.cycle + at.execute;
-  if (record.cycle + at.fetch > last_ || execute + bus < first_) return;
+  if (record.cycle + at.fetch > last_ || execute + waited < first_) return;
   std::string cells(static_cast<std::size_t>(last_ - first_ + 1), ' ');
   bool visible = false;
   const auto fill = [&](Cycles from, Cycles to, char letter) {
@@ -37,9 +37,17 @@ void PipelineDiagram::instruction(const TraceRecord& record) {
   fill(decode, decode + 1, 'D');
   fill(decode + 1, read, '-');
   fill(read, execute, 'R');
-  fill(execute, execute + bus, 'b');
-  fill(execute + bus, execute + bus + 1, 'E');
+  fill(execute, execute + port, 'p');
+  fill(execute + port, execute + waited, 'b');
+  fill(execute + waited, execute + waited + 1, 'E');
   if (!visible) return;
+  // What the DMA holds up shows as stages that last longer; which of their cycles are its, the causes do not say: the last ones are drawn so.
+  Cycles held = cause(Cause::dma_conflict);
+  for (Cycles c = execute - 1; held > 0 && c > record.cycle + at.fetch; --c) {
+    if (c == read || c == decode) continue;  // an instruction is in each stage for a cycle of its own
+    if (c >= first_ && c <= last_) put(cells, c, 'd');
+    --held;
+  }
   std::string stalls;
   for (std::size_t i = 1; i < cause_count; ++i)
     if (record.causes[i] != 0) stalls += fmt::format("  {} {}", name(static_cast<Cause>(i)), record.causes[i]);
@@ -53,18 +61,34 @@ void PipelineDiagram::interrupt(Word vector, Cycles cycle) {
   if (put(cells, cycle, 'I')) rows_.push_back({cells, fmt::format("interrupt {:02X}h", vector)});
 }
 
-std::string PipelineDiagram::text() const {
+/// Every tenth cycle has its number, and the first if there is room. Numbers that are too long to stand beside one another
+/// take turns in several lines.
+std::vector<std::string> PipelineDiagram::ruler() const {
   const auto width = static_cast<std::size_t>(last_ - first_ + 1);
-  std::string tens(width, ' '), units(width, ' ');
-  for (std::size_t i = 0; i < width; ++i) {
-    const Cycles cycle = first_ + static_cast<Cycles>(i);
-    units[i] = static_cast<char>('0' + cycle % 10);
-    if (cycle % 10 != 0 && i != 0) continue;
-    const std::string number = fmt::format("{}", cycle);
-    if (i + number.size() <= width && (i == 0 || tens[i - 1] == ' ')) tens.replace(i, number.size(), number);
-  }
-  std::string out = fmt::format("pipeline, cycles {} to {} (F fetch, D decode, R read, E execute, - holds, b shared bus, I interrupt)\n", first_, last_);
-  out += fmt::format("{}\n{}\n", tens, units);
+  std::vector<std::string> lines;
+  const auto put_number = [&](std::size_t at, const std::string& text) {
+    for (std::string& line : lines) {
+      if (!line.empty() && line.size() >= at) continue;
+      line.resize(at, ' ');
+      line += text;
+      return;
+    }
+    lines.push_back(std::string(at, ' ') + text);
+  };
+  const Cycles tenth = (first_ + 9) / 10 * 10;
+  const std::string number = fmt::format("{}", first_);
+  const bool has_room = tenth == first_ || tenth > last_ || static_cast<Cycles>(number.size()) < tenth - first_;
+  lines.emplace_back(has_room ? number : std::string());
+  for (Cycles cycle = tenth == first_ ? tenth + 10 : tenth; cycle <= last_; cycle += 10)
+    put_number(static_cast<std::size_t>(cycle - first_), fmt::format("{}", cycle));
+  std::string& units = lines.emplace_back();
+  for (std::size_t i = 0; i < width; ++i) units += static_cast<char>('0' + (first_ + static_cast<Cycles>(i)) % 10);
+  return lines;
+}
+
+std::string PipelineDiagram::text() const {
+  std::string out = fmt::format("pipeline, cycles {} to {} (F fetch, D decode, R read, E execute, - holds, p port, b shared bus, d DMA, I interrupt)\n", first_, last_);
+  for (const std::string& line : ruler()) out += line + "\n";
   for (const Row& row : rows_) out += fmt::format("{}  {}\n", row.cells, row.label);
   return out;
 }

@@ -19,7 +19,7 @@ class PipelineDiagram final : public TraceSink {
   void instruction(const TraceRecord& record) override;
   void interrupt(Word vector, Cycles cycle) override;
 
-  /// F fetch, D decode, R read, E execute; `-` holds the stage before, `b` waits for a shared bus.
+  /// F fetch, D decode, R read, E execute; `-` holds the stage before, `p`, `b` and `d` wait for a port, for a shared bus and for the DMA.
   std::string text() const;
 
  private:
@@ -27,6 +27,7 @@ class PipelineDiagram final : public TraceSink {
     std::string cells, label;
   };
   bool put(std::string& cells, Cycles cycle, char letter) const;
+  std::vector<std::string> ruler() const;
 
   Cycles first_, last_;
   std::function<std::string(Address, Word)> text_;

@@ -24,7 +24,7 @@ isa::RegisterSet written(const Instruction& instruction) {
 }
 
 std::string_view section(Rule rule) {
-  static constexpr std::string_view sections[] = {"8.2", "8.3", "8.5", "8.4", "8.1", "3.9", "12"};
+  static constexpr std::string_view sections[] = {"8.2", "8.3", "8.5", "8.4", "8.1", "7.4", "3.9", "12"};
   return sections[static_cast<std::size_t>(rule)];
 }
 
@@ -51,9 +51,11 @@ bool repeats(const Instruction& instruction) {
 }  // namespace
 
 std::string_view name(Rule rule) {
-  static constexpr std::string_view names[] = {"delay_slot", "repeat_block", "repeat_nesting", "repeat_single", "self_modifying", "circular", "reserved"};
+  static constexpr std::string_view names[] = {"delay_slot", "repeat_block", "repeat_nesting", "repeat_single", "self_modifying", "interlocked", "circular", "reserved"};
   return names[static_cast<std::size_t>(rule)];
 }
+
+std::string_view document(Rule rule) { return rule == Rule::interlocked ? "c40-hardware.md" : "c40-isa.md"; }
 
 SelfCheck::SelfCheck(const Chip& chip, TraceSink* next) : chip_(chip), next_(next) { look(); }
 
@@ -84,7 +86,7 @@ void SelfCheck::run_ended() {
   try {
     const isa::Decoded decoded = isa::decode(chip_.peek(pc));
     const auto* reserved = std::get_if<isa::Reserved>(&decoded);
-    if (reserved == nullptr) return;
+    if (reserved == nullptr) return check_repeat_end(std::get<Instruction>(decoded));
     report(Rule::reserved, pc, chip_.cycle(), reserved->word, std::string(isa::describe(reserved->reason)));
     diagnostics_.back().section = section(reserved->reason);
   } catch (const std::out_of_range&) {
@@ -99,6 +101,7 @@ void SelfCheck::instruction(const TraceRecord& record) {
     if (repeats(*instruction)) check_block(record, *instruction);
     check_nesting(record, *instruction);
     check_stores(record);
+    check_interlocked(record, *instruction);
     for (const isa::Operand* operand : {&instruction->src1, &instruction->src2, &instruction->dst, &instruction->src3, &instruction->src4, &instruction->dst2})
       check_circular(record, *operand);
   }
@@ -107,6 +110,7 @@ void SelfCheck::instruction(const TraceRecord& record) {
 }
 
 void SelfCheck::interrupt(Word vector, Cycles cycle) {
+  interlocked_store_.reset();
   look();
   if (next_ != nullptr) next_->interrupt(vector, cycle);
 }
@@ -163,6 +167,26 @@ void SelfCheck::check_nesting(const TraceRecord& record, const Instruction& inst
       report(Rule::repeat_nesting, record.pc, record.cycle, record.word,
              fmt::format("the block {:08X}h to {:08X}h ends here, but a repeat inside it has taken RS, RE, RC and RM", broken.start, broken.end));
   }
+}
+
+// The chip has stopped before a branch that may not stand at the end of a repeated block (8.3).
+void SelfCheck::check_repeat_end(const Instruction& instruction) {
+  const Address pc = chip_.pc(), end = static_cast<Address>(chip_.register_value(Register::RE));
+  if ((chip_.register_value(Register::ST) & st::RM) == 0 || known_.contains({Rule::repeat_block, pc})) return;
+  const bool delayed = instruction.row->delay != isa::Delay::none;
+  if (!isa::is_program_control(instruction) || end - pc > (delayed ? slots : 0)) return;
+  report(Rule::repeat_block, pc, chip_.cycle(), instruction.word,
+         end == pc ? "a repeated block may not end with program control" : fmt::format("a delayed branch may not stand {} words before the end of a repeated block", end - pc));
+}
+
+void SelfCheck::check_interlocked(const TraceRecord& record, const Instruction& instruction) {
+  const Operation operation = instruction.row->operation;
+  const bool loads = operation == Operation::ldii || operation == Operation::ldfi || operation == Operation::sigi;
+  if (loads && interlocked_store_)
+    report(Rule::interlocked, record.pc, record.cycle, record.word,
+           fmt::format("an interlocked load may not stand straight behind the interlocked store at {:08X}h", *interlocked_store_));
+  interlocked_store_.reset();
+  if (operation == Operation::stii || operation == Operation::stfi) interlocked_store_ = record.pc;
 }
 
 void SelfCheck::check_stores(const TraceRecord& record) {

@@ -31,6 +31,17 @@ struct State {
   std::array<Answer, 2> answers{};  ///< By access of the instruction at PC.
   Word global_interface_control = 0, local_interface_control = 0;
   Cache cache;
+  Word cache_control = 0;  ///< CE and CF, as the fetch stage sees them
+  /// What instructions have done to CE, CF and CC, each until the first fetch after its execute stage; `cache_changes` of them.
+  struct CacheChange {
+    Cycles executed = 0;
+    Word control = 0;
+    bool clear = false;
+    friend bool operator==(const CacheChange&, const CacheChange&) = default;
+  };
+  std::array<CacheChange, 4> cache_change{};
+  std::size_t cache_changes = 0;
+  bool cache_clear = false;  ///< the instruction under way has written CC
   Memory::OpenPages open_pages;
   std::array<bool, 2> locked{};  ///< LLOCK, LOCK are low: the local, the global bus is kept by an interlocked access.
   std::array<CommPort, port_count> ports{};
@@ -72,6 +83,9 @@ void visit_state(S& s, Visit&& visit) {
   visit(std::string_view{"global_interface_control"}, s.global_interface_control);
   visit(std::string_view{"local_interface_control"}, s.local_interface_control);
   visit(std::string_view{"cache"}, s.cache);
+  visit(std::string_view{"cache_control"}, s.cache_control);
+  visit(std::string_view{"cache_change"}, s.cache_change);
+  visit(std::string_view{"cache_changes"}, s.cache_changes);
   visit(std::string_view{"open_pages"}, s.open_pages);
   visit(std::string_view{"locked"}, s.locked);
   visit(std::string_view{"ports"}, s.ports);

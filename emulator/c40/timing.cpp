@@ -112,11 +112,11 @@ StepTiming Pipeline::advance(const Demand& demand) {
   int e = e_read;
   std::array<int, block_count> block_writes{};
   std::array<int, bus_count> bus_free{}, write_end{};
-  struct Interval {
+  struct Taken {
     std::size_t bus;
     int from, to;
   };
-  std::array<Interval, bus_count + 2> taken{};
+  std::array<Taken, bus_count + 2> taken{};
   std::size_t taken_count = 0;
   for (std::size_t b = 0; b < bus_count; ++b) {
     bus_free[b] = bus_reads[b] ? next_on_bus[b] : buses_[b].free;
@@ -232,6 +232,76 @@ void Pipeline::flush(int cycles) {
 }
 
 void Pipeline::drain() { *this = Pipeline{}; }
+
+void Pipeline::mark(Resource resource, int from, int to, int change) {
+  const int first = std::max(from, std::max(int{fetch_ready_}, -window));
+  for (int cycle = first; cycle < to; ++cycle) {
+    if (in_block(resource)) {
+      const int bit = 2 * (cycle + window);
+      if (bit >= 64) return;
+      auto& ports = ports_[block_of(resource)];
+      const auto sum = static_cast<std::uint64_t>(std::clamp(static_cast<int>(ports >> bit & 3u) + change, 0, 3));
+      ports = (ports & ~(std::uint64_t{3} << bit)) | sum << bit;
+    } else if (on_bus(resource)) {
+      if (cycle + window >= 64) return;
+      auto& busy = buses_[bus_of(resource)].busy;
+      const std::uint64_t bit = std::uint64_t{1} << (cycle + window);
+      busy = change > 0 ? busy | bit : busy & ~bit;
+    }
+  }
+}
+
+void Pipeline::take(Resource resource, int from, int to) {
+  mark(resource, from, to, 1);
+  if (!on_bus(resource)) return;
+  Bus& bus = buses_[bus_of(resource)];
+  bus.free = clamp8(std::max(int{bus.free}, to), -1);
+}
+
+void Pipeline::give_back(Resource resource, int from, int to) { mark(resource, from, to, -1); }
+
+void Pipeline::make_again(const Access& access, int from, int to) {
+  mark(access.resource, from, to, 1);
+  if (!on_bus(access.resource)) return;
+  const std::size_t b = bus_of(access.resource);
+  Bus& bus = buses_[b];
+  bus.free = clamp8(std::max(int{bus.free}, to), -1);
+  std::int8_t& end = access.write ? bus.write_end : bus.read_end;
+  end = clamp8(std::max(int{end}, to), -2);
+  if (access.write) mark(access.resource, to, to + read_after_write(b), 1);
+}
+
+void Pipeline::hold(int cycles) {
+  settle(cycles, fetch_ready_, read_entered_);
+  for (auto& bus : buses_) {
+    bus.free = clamp8(bus.free - cycles, -1);
+    bus.write_end = clamp8(bus.write_end - cycles, -2);
+    bus.read_end = clamp8(bus.read_end - cycles, -2);
+    bus.read_strobe1 &= bus.read_end != -2;
+  }
+}
+
+std::array<Pipeline::Interval, 2> Pipeline::expected_fetches(const std::array<std::optional<Access>, 2>& fetches) const {
+  std::array<Interval, 2> expected{};
+  int earliest = fetch_ready_, entered = read_entered_;
+  for (std::size_t i = 0; i < 2; ++i) {
+    int length = 1;
+    if (fetches[i]) {
+      earliest = place_fetch(*fetches[i], earliest);
+      length = 1 + fetches[i]->waits;
+      expected[i] = {earliest, earliest + length};
+    }
+    const int decoded = std::max(earliest + length, entered);
+    earliest = std::max(earliest + 1, decoded);
+    entered = std::max(decoded + 1, -1);
+  }
+  return expected;
+}
+
+std::optional<int> Pipeline::busy_until(Resource resource) const {
+  if (!on_bus(resource) || buses_[bus_of(resource)].free <= -1) return std::nullopt;
+  return buses_[bus_of(resource)].free;
+}
 
 std::uint64_t Pipeline::hash() const {
   std::uint64_t h = 0x9E3779B97F4A7C15u;

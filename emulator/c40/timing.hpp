@@ -11,6 +11,7 @@
 /// fetch and a data read costs nothing.
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "c40/timing_parameters.hpp"
 #include "c40/types.hpp"
@@ -70,12 +71,30 @@ struct StepTiming {
 /// What the past still means for the next instructions, relative to T and normalised, so that equal futures compare equal.
 class Pipeline {
  public:
+  /// Cycles before T that can matter still, and cycles from T on that an access can be known to take.
+  static constexpr int depth = 24, furthest = 64 - depth;
   /// Lets one instruction through.
   StepTiming advance(const Demand& demand);
   /// Empties the pipeline at T (reset, interrupt entry); bus writes under way go on.
   void flush(int cycles);
   /// Lets `cycles` pass with nothing issued (idle): everything under way completes.
   void drain();
+  /// Somebody else, the DMA, has a resource in the cycles [from, to), relative to T: what comes later fits around it.
+  void take(Resource resource, int from, int to);
+  /// An access of an instruction that is already through is not made in [from, to), relative to T, after all.
+  void give_back(Resource resource, int from, int to);
+  /// T moves on by `cycles`, because an access of an instruction that is already through has to wait; what is over stays where it is.
+  void hold(int cycles);
+  /// An access of an instruction that is already through takes place in [from, to), relative to T, after such a wait.
+  void make_again(const Access& access, int from, int to);
+  /// The cycles [from, to), relative to T, in which the next instruction and the one after it are fetched, as far as what is through
+  /// decides it; from == to: it is not fetched from there.
+  struct Interval {
+    int from = 0, to = 0;
+  };
+  std::array<Interval, 2> expected_fetches(const std::array<std::optional<Access>, 2>& fetches) const;
+  /// When the data accesses of all instructions that are through are over, relative to T; nothing if that was long ago.
+  std::optional<int> busy_until(Resource resource) const;
 
   friend bool operator==(const Pipeline&, const Pipeline&) = default;
   std::uint64_t hash() const;
@@ -91,10 +110,11 @@ class Pipeline {
     bool read_strobe1 = false;  ///< of the read that ended then
     friend bool operator==(const Bus&, const Bus&) = default;
   };
-  static constexpr int window = 24;
+  static constexpr int window = depth;
   static constexpr std::size_t block_count = 3, bus_count = 3;  ///< RAM 0, RAM 1, ROM; local, global, peripheral
 
   int port_use(std::size_t block, int cycle) const;
+  void mark(Resource resource, int from, int to, int change);
   int place_fetch(const Access& fetch, int from) const;
   int decode_at(const Footprint& footprint, int from) const;
   void settle(int shift, int fetch_ready, int read_entered);

@@ -20,7 +20,8 @@ enum class Cause : std::uint8_t {
   execute,            ///< an instruction advanced
   branch,             ///< the pipeline refills after a standard branch, call, return, trap or repeat set-up
   register_conflict,  ///< address generation waited for a register
-  memory_conflict,    ///< on-chip port or bus taken by another access of this chip
+  memory_conflict,    ///< on-chip port or bus taken by another access of the processor
+  dma_conflict,       ///< on-chip port or bus taken by the DMA coprocessor
   cache_miss,         ///< reserved for the instruction cache
   wait_state,         ///< wait states of a region
   bus_arbitration,    ///< waited for a shared bus (reported by the machine)
@@ -30,13 +31,13 @@ enum class Cause : std::uint8_t {
   idle,               ///< IDLE
   halted              ///< held in reset, or stopped by a fault
 };
-inline constexpr std::size_t cause_count = 12;
+inline constexpr std::size_t cause_count = 13;
 using Causes = std::array<Cycles, cause_count>;
 
 constexpr std::string_view name(Cause cause) {
   constexpr std::array<std::string_view, cause_count> names{
-      "execute",    "branch",          "register_conflict", "memory_conflict", "cache_miss", "wait_state",
-      "bus_arbitration", "bus_transfer", "comm_port",       "interrupt",       "idle",       "halted"};
+      "execute",    "branch",          "register_conflict", "memory_conflict", "dma_conflict", "cache_miss", "wait_state",
+      "bus_arbitration", "bus_transfer", "comm_port",       "interrupt",       "idle",         "halted"};
   return names[static_cast<std::size_t>(cause)];
 }
 

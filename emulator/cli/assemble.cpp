@@ -32,6 +32,7 @@ toolchain::Options toolchain_options(const AssembleOptions& options) {
     out.sections[name] = address;
   }
   out.entry = options.entry.value_or("");
+  if (options.dialect) out.dialect = toolchain::dialect_named(*options.dialect);
   return out;
 }
 
@@ -95,7 +96,7 @@ int disassemble(const DisassembleOptions& options) {
         "{}", object.executable ? toolchain::disassembly(toolchain::image_of(object)) : toolchain::disassembly(object));
     return success;
   }
-  const toolchain::Image image = read_program(options.program, options.include_directories, options.load_at);
+  const toolchain::Image image = read_program(options.program, options.include_directories, options.load_at, options.dialect);
   fmt::print("{}", options.source ? toolchain::source_of(image) : toolchain::disassembly(image));
   return success;
 }

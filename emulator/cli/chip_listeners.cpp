@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <charconv>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "c40/peripherals/register_map.hpp"
@@ -12,7 +11,6 @@
 #include "c40/profile.hpp"
 #include "c40/self_check.hpp"
 #include "cli/output_file.hpp"
-#include "isa/disassemble.hpp"
 #include "machine/instruction_trace.hpp"
 #include "machine/profile.hpp"
 #include "report/trace_text.hpp"
@@ -24,31 +22,6 @@ using toolchain::Address;
 using toolchain::Image;
 using toolchain::Word;
 using Json = nlohmann::ordered_json;
-
-/// An instruction as its source line has it, without the comment; where none is known, disassembled.
-class InstructionTexts {
- public:
-  explicit InstructionTexts(const Image& image) {
-    for (const toolchain::LineRecord& line : image.lines) lines_[line.address] = line.second.empty() ? tidy(line.text) : tidy(line.text) + " " + tidy(line.second);
-  }
-  std::string operator()(Address address, Word word) const {
-    const auto line = lines_.find(address);
-    return line == lines_.end() || line->second.empty() ? isa::disassemble(word, address) : line->second;
-  }
-
- private:
-  static std::string tidy(std::string_view text) {
-    std::string out;
-    for (const char c : text.substr(0, text.find(';'))) {
-      const bool blank = c == ' ' || c == '\t';
-      if (!blank) out += c;
-      else if (!out.empty() && out.back() != ' ') out += ' ';
-    }
-    if (out.ends_with(' ')) out.pop_back();
-    return out;
-  }
-  std::map<Address, std::string> lines_;
-};
 
 /// FIRST:LAST, in cycles.
 c40::PipelineDiagram parse_window(const std::string& text, const Image& image, c40::TraceSink* next) {
@@ -62,7 +35,7 @@ c40::PipelineDiagram parse_window(const std::string& text, const Image& image, c
   if (colon == std::string::npos || !number(view.substr(0, colon), first) || !number(view.substr(colon + 1), last))
     throw InputError(fmt::format("--pipeline: \"{}\" is not FIRST:LAST, two numbers of cycles", text));
   try {
-    return {first, last, InstructionTexts(image), next};
+    return {first, last, [text = machine::SourceText(image, machine::SourceText::Label::kept)](Address address, Word word) { return text(address, word); }, next};
   } catch (const std::invalid_argument& error) {
     throw InputError(fmt::format("--pipeline: {}", error.what()));
   }
@@ -99,8 +72,10 @@ ChipListeners::ChipListeners(const c40::Chip& chip, const Image& image, const Ex
   Parts& p = *parts_;
   if (trace) {
     p.file.emplace(*trace);
-    p.file->stream() << report::instruction_trace_header << '\n';
-    p.first = &p.trace.emplace(number, [&p](const std::string& line) { p.file->stream() << line << '\n'; });
+    p.file->stream() << (options.trace_labels ? report::labelled_trace_header : report::instruction_trace_header) << '\n';
+    p.first = &p.trace.emplace(number, [&p](const std::string& line) { p.file->stream() << line << '\n'; }, c40::Cycles{0},
+                               std::numeric_limits<c40::Cycles>::max(),
+                               options.trace_labels ? std::optional(machine::Labels::of_program(image)) : std::nullopt);
   }
   if (options.check) p.first = &p.check.emplace(chip, p.first);
   if (options.profile) p.first = &p.profile.emplace(p.counts, p.first);
@@ -121,7 +96,7 @@ std::string ChipListeners::checks_text() const {
   const std::vector<c40::Diagnostic>& all = parts_->check->diagnostics();
   std::string out = fmt::format("checks: {}\n", all.empty() ? "no rule was broken" : fmt::format("{} found", all.size()));
   for (const c40::Diagnostic& found : all)
-    out += fmt::format("  {:08X}  {}\n    {} (c40-isa.md {}): {}; cycle {}{}\n", found.pc, found.instruction, name(found.rule), found.section, found.message,
+    out += fmt::format("  {:08X}  {}\n    {} ({} {}): {}; cycle {}{}\n", found.pc, found.instruction, name(found.rule), c40::document(found.rule), found.section, found.message,
                        found.cycle, found.count > 1 ? fmt::format(", {} times", found.count) : "");
   return out;
 }

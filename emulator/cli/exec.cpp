@@ -7,12 +7,14 @@
 #include <nlohmann/json.hpp>
 
 #include "c40/chip.hpp"
+#include "machine/asleep.hpp"
 #include "machine/boot.hpp"
 #include "cli/chip_listeners.hpp"
 #include "cli/options.hpp"
 #include "cli/output_file.hpp"
 #include "cli/program.hpp"
 #include "machine/board_file.hpp"
+#include "machine/chip_stop.hpp"
 #include "machine/program_end.hpp"
 
 namespace cli {
@@ -41,7 +43,7 @@ void load(c40::Chip& chip, const Image& image, const std::string& board) {
       chip.write_block(section.address, section.words);
     } catch (const std::out_of_range&) {
       throw InputError(fmt::format(
-          "section {} ({} words at {:08X}h) does not lie in RAM of board {}; --board flat has RAM everywhere",
+          "section {} ({} words at {:08X}h) does not lie in RAM of board {}; --board flat has RAM there",
           section.name, section.size, section.address, board));
     }
   }
@@ -50,7 +52,8 @@ void load(c40::Chip& chip, const Image& image, const std::string& board) {
 /// Stops at a branch to itself and at an IDLE that nothing can end; the words that may be one are breakpoints.
 class Run {
  public:
-  Run(c40::Chip& chip, const Image& image, std::optional<Address> until) : chip_(chip), until_(until) {
+  /// \param asked the limit is what was asked for
+  Run(c40::Chip& chip, const Image& image, std::optional<Address> until, bool asked) : chip_(chip), until_(until), asked_(asked) {
     if (until_) chip_.add_breakpoint(*until_);
     for (const Address end : machine::program_ends(image)) chip_.add_breakpoint(end);
   }
@@ -59,16 +62,12 @@ class Run {
     for (;;) {
       const c40::Cycles look = chip_.idle() ? 8 : 1000;  // whether the DMA, which an idle processor may wait for, still goes on
       const c40::StopInfo stop = chip_.run_until(chip_.dma_active() ? std::min(limit, chip_.cycle() + look) : limit);
-      if (stop.reason == c40::StopInfo::Reason::limit && chip_.cycle() < limit) {
-        if (auto outcome = asleep()) return *outcome;
-        continue;
-      }
       if (stop.reason == c40::StopInfo::Reason::port_wait && feeder && feeder->serve(stop.port)) continue;
-      if (stop.reason == c40::StopInfo::Reason::breakpoint) {
-        if (auto outcome = at_breakpoint()) return *outcome;
-        continue;
-      }
-      return describe(stop);
+      auto outcome = ended(stop);
+      if (!outcome && machine::meaning(stop.reason) == machine::StopMeaning::breakpoint) outcome = at_breakpoint();
+      else if (!outcome && chip_.cycle() >= limit) outcome = at_limit(limit);
+      else if (!outcome) outcome = asleep();
+      if (outcome) return *outcome;
     }
   }
 
@@ -86,22 +85,22 @@ class Run {
     const Address pc = chip_.pc();
     if (until_ && pc == *until_) return Outcome{"until", fmt::format("reached {:08X}h", pc)};
     if (machine::program_end(chip_.peek(pc), pc) == machine::ProgramEnd::halt && !chip_.dma_busy()) {
-      if (chip_.dma_active() && !awaits_event()) return dma_wait();
-      return Outcome{"halt", fmt::format("branch to itself at {:08X}h", pc)};
+      const bool interrupts = (chip_.register_value(Register::ST) & c40::st::GIE) != 0;
+      const bool sleeps = interrupts && machine::awaits_dma(chip_);
+      if (!sleeps) return Outcome{"halt", fmt::format("branch to itself at {:08X}h{}", pc, machine::armed_dma(chip_))};
+      if (machine::next_dma_tick(chip_) == std::numeric_limits<c40::Cycles>::max() && !awaits_event()) return dma_wait();
     }
     const c40::StopInfo stop = chip_.step();
-    if (stop.reason == c40::StopInfo::Reason::fault || stop.reason == c40::StopInfo::Reason::external_access ||
-        stop.reason == c40::StopInfo::Reason::port_wait)
-      return describe(stop);
+    if (auto outcome = ended(stop)) return outcome;
     return asleep();
   }
 
-  bool awaits_event() const { return chip_.next_event() != std::numeric_limits<c40::Cycles>::max(); }
+  bool awaits_event() const { return machine::next_timer_interrupt(chip_) != std::numeric_limits<c40::Cycles>::max(); }
 
   std::optional<Outcome> asleep() const {
-    if (!chip_.idle() || chip_.dma_busy() || awaits_event()) return std::nullopt;
-    if (chip_.dma_active()) return dma_wait();
-    return Outcome{"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come", chip_.pc() - 1)};
+    if (!machine::sleeps_for_ever(chip_)) return std::nullopt;
+    if (machine::awaits_dma(chip_)) return dma_wait();
+    return Outcome{"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come{}", chip_.pc() - 1, machine::armed_dma(chip_))};
   }
 
   Outcome dma_wait() const {
@@ -110,35 +109,38 @@ class Run {
     return {"dma_wait", fmt::format("{}; the processor sleeps at PC {:08X}h", fmt::join(waits, "; "), chip_.pc()), run_failed};
   }
 
-  Outcome describe(const c40::StopInfo& stop) const {
-    switch (stop.reason) {
-      case c40::StopInfo::Reason::limit:
-        return {"limit", fmt::format("--max-cycles reached at {:08X}h", chip_.pc()), until_ ? run_failed : success};
-      case c40::StopInfo::Reason::external_access:
-        return {"external_access",
-                fmt::format("{}{} at {:08X}h from PC {:08X}h: that is a bus window, and exec has no bus behind it",
-                            stop.access.channel < 0 ? "" : fmt::format("DMA channel {}: ", stop.access.channel), stop.access.write ? "write" : "read",
-                            stop.access.address, chip_.pc()),
-                run_failed};
-      case c40::StopInfo::Reason::fault:
-        return {"fault",
-                fmt::format("{} (PC {:08X}h, cycle {}){}", stop.fault ? stop.fault->message : "the chip stopped",
-                            chip_.pc(), chip_.cycle(), booting()),
-                run_failed};
-      case c40::StopInfo::Reason::port_access:
-      case c40::StopInfo::Reason::port_wait:
-        return {"port_wait",
-                fmt::format("{} from PC {:08X}h waits for ever since cycle {}: nothing is attached to the port{}", c40::describe(stop.port),
-                            chip_.pc(), stop.port.cycle, booting()),
-                run_failed};
-      case c40::StopInfo::Reason::horizon:
-      case c40::StopInfo::Reason::breakpoint: break;
+  Outcome at_limit(c40::Cycles limit) const {
+    if (asked_) return {"limit", fmt::format("the {} cycles of --cycles have passed, at {:08X}h", limit, chip_.pc())};
+    return {"limit", fmt::format("--max-cycles {} reached at {:08X}h", limit, chip_.pc()), run_failed};
+  }
+
+  /// Nothing if the chip may go on.
+  std::optional<Outcome> ended(const c40::StopInfo& stop) const {
+    switch (machine::meaning(stop.reason)) {
+      case machine::StopMeaning::limit:
+      case machine::StopMeaning::asks_anew:
+      case machine::StopMeaning::breakpoint: return std::nullopt;
+      case machine::StopMeaning::window_access:
+        return Outcome{"external_access",
+                       fmt::format("{}{} at {:08X}h from PC {:08X}h: that is a bus window, and exec has no bus behind it",
+                                   stop.access.channel < 0 ? "" : fmt::format("DMA channel {}: ", stop.access.channel), stop.access.write ? "write" : "read",
+                                   stop.access.address, chip_.pc()),
+                       run_failed};
+      case machine::StopMeaning::fault:
+        return Outcome{"fault", fmt::format("{} (PC {:08X}h, cycle {}){}", machine::fault_of(chip_, stop).message, chip_.pc(), chip_.cycle(), booting()), run_failed};
+      case machine::StopMeaning::port_access:
+      case machine::StopMeaning::port_wait:
+        return Outcome{"port_wait",
+                       fmt::format("{} from PC {:08X}h waits for ever since cycle {}: nothing is attached to the port{}", c40::describe(stop.port),
+                                   chip_.pc(), stop.port.cycle, booting()),
+                       run_failed};
     }
-    throw std::logic_error("exec: a stop without a reason");
+    throw std::logic_error("exec: a stop without a meaning");
   }
 
   c40::Chip& chip_;
   std::optional<Address> until_;
+  bool asked_;
 };
 
 double microseconds(const c40::Chip& chip, double clock_mhz) { return static_cast<double>(chip.cycle()) * 2.0 / clock_mhz; }
@@ -307,12 +309,13 @@ void place(c40::Chip& chip, const Image& image, const Boot& boot) {
 }  // namespace
 
 int exec(const ExecOptions& options) {
+  if (options.trace_labels && !options.trace) throw InputError("--trace-labels: needs --trace FILE");
   if (options.programs.size() > 1 || options.network || options.topology || !options.links.empty()) return exec_network(options);
   if (options.programs.empty()) throw InputError("exec: PROGRAM is missing; a program is expected, or --network FILE.toml");
   if (options.boards.size() > 1) throw InputError("--board: one chip has one board");
   if (options.link_trace) throw InputError("--link-trace: there is no link");
   const machine::BoardDescription chosen = machine::read_board(options.boards.empty() ? "default" : options.boards.front());
-  const Image image = read_program(options.programs.front(), options.include_directories, options.load_at);
+  const Image image = read_program(options.programs.front(), options.include_directories, options.load_at, options.dialect);
   for (const std::string& warning : image.warnings) fmt::print(stderr, "{}\n", warning);
   std::optional<Address> until;
   if (options.until) until = parse_address(*options.until, &image, "--until");
@@ -339,9 +342,9 @@ int exec(const ExecOptions& options) {
   chip.set_trace(listeners.sink());
   std::optional<EventText> events;
   if (options.events) chip.set_peripheral_sink(&events.emplace(*options.events));
-  Run run(chip, image, until);
+  Run run(chip, image, until, options.cycles.has_value());
   if (boot && boot->port) run.feeder.emplace(chip, *boot->port, stream_for(image, *boot));
-  const Outcome outcome = run.run(options.max_cycles);
+  const Outcome outcome = run.run(options.cycles.value_or(options.max_cycles));
   if (events) events->commit();
   listeners.run_ended();
 

@@ -49,7 +49,7 @@ machine::NetworkDescription described(const ExecOptions& options) {
     if (!options.programs.empty() || !options.links.empty() || options.topology || !options.boards.empty() || options.until || options.entry || options.load_at)
       throw InputError("--network: the file says programs, boards and links, where a chip starts and where it has ended; the command line does not");
     require_file(*options.network);
-    return machine::read_network(*options.network, [&](const std::string& path) { return read_program(path, options.include_directories, {}); });
+    return machine::read_network(*options.network, [&](const std::string& path) { return read_program(path, options.include_directories, {}, is_source_name(path) ? options.dialect : std::nullopt); });
   }
   machine::NetworkDescription network;
   std::size_t chips = options.programs.size();
@@ -69,7 +69,8 @@ machine::NetworkDescription described(const ExecOptions& options) {
   std::vector<std::shared_ptr<const toolchain::Image>> images;
   for (const std::string& program : options.programs)
     images.push_back(std::make_shared<toolchain::Image>(
-        read_program(program, options.include_directories, program.ends_with(".hex") ? options.load_at : std::nullopt)));
+        read_program(program, options.include_directories, program.ends_with(".hex") ? options.load_at : std::nullopt,
+                     is_source_name(program) ? options.dialect : std::nullopt)));
   std::vector<std::string> names;
   for (std::size_t n = 0; n < chips; ++n) {
     machine::NetworkChip chip;
@@ -136,20 +137,20 @@ std::size_t faults(const Network& network) {
   return count;
 }
 
-std::string sentence(const Network& network, const machine::NetworkStop& stop) {
+std::string sentence(const Network& network, const machine::NetworkStop& stop, bool asked) {
   const std::size_t failed = faults(network);
   switch (stop.reason) {
     case machine::NetworkStop::Reason::ended: return failed == 0 ? "every chip has ended" : fmt::format("every chip has ended, {} of them in a fault", failed);
     case machine::NetworkStop::Reason::deadlock: return "nothing can happen any more, and chips wait";
-    case machine::NetworkStop::Reason::limit: return "--max-cycles reached";
+    case machine::NetworkStop::Reason::limit: return asked ? "the cycles of --cycles have passed" : "--max-cycles reached";
   }
   return {};
 }
 
 double microseconds(machine::Time time) { return static_cast<double>(time.count()) * 1e-6; }
 
-void print_text(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps, const Watched& watched, bool peripherals) {
-  fmt::print("stop: {}: {} ({:.3f} us)\n", name(stop.reason), sentence(network, stop), microseconds(stop.time));
+void print_text(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps, const Watched& watched, bool peripherals, bool asked) {
+  fmt::print("stop: {}: {} ({:.3f} us)\n", name(stop.reason), sentence(network, stop, asked), microseconds(stop.time));
   for (std::size_t n = 0; n < network.chip_count(); ++n) {
     const c40::Chip& chip = network.chip(n);
     const std::string& called = network.chip_name(n);
@@ -197,8 +198,8 @@ Json chip_json(const Network& network, std::size_t n) {
   return out;
 }
 
-void print_json(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps, const Watched& watched, bool peripherals) {
-  Json root = {{"stop", {{"reason", name(stop.reason)}, {"message", sentence(network, stop)}, {"time_ps", stop.time.count()}}}};
+void print_json(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps, const Watched& watched, bool peripherals, bool asked) {
+  Json root = {{"stop", {{"reason", name(stop.reason)}, {"message", sentence(network, stop, asked)}, {"time_ps", stop.time.count()}}}};
   root["chips"] = Json::array();
   for (std::size_t n = 0; n < network.chip_count(); ++n) {
     Json chip = chip_json(network, n);
@@ -240,7 +241,7 @@ int exec_network(const ExecOptions& options) {
   if (options.events) events.emplace(*options.events);
   network.record_words(link_trace || events);
   network.record_peripherals(events.has_value());
-  const machine::NetworkStop stop = network.run_until(network.clock(0).at(options.max_cycles));
+  const machine::NetworkStop stop = network.run_until(network.clock(0).at(options.cycles.value_or(options.max_cycles)));
   watched.run_ended();
   if (link_trace) {
     for (const machine::NetworkEvent& event : network.events()) link_trace->stream() << network.text(event) << '\n';
@@ -250,8 +251,8 @@ int exec_network(const ExecOptions& options) {
     for (const std::string& line : network.event_trace()) events->stream() << line << '\n';
     events->commit();
   }
-  (options.json ? print_json : print_text)(network, stop, dumps, watched, options.peripherals);
-  if (stop.reason == machine::NetworkStop::Reason::limit && options.until) return run_failed;
+  (options.json ? print_json : print_text)(network, stop, dumps, watched, options.peripherals, options.cycles.has_value());
+  if (stop.reason == machine::NetworkStop::Reason::limit && !options.cycles) return run_failed;
   return stop.reason == machine::NetworkStop::Reason::deadlock || faults(network) != 0 ? run_failed : success;
 }
 

@@ -40,6 +40,7 @@ struct RunOptions {
   std::optional<std::string> profile;        ///< file, or empty: on the terminal
   std::optional<std::string> trace_window;   ///< A:B in seconds
   std::vector<unsigned> trace_instructions;  ///< slots whose instructions are traced too
+  bool trace_labels = false;                 ///< instruction traces name labels, not addresses
 };
 
 /// The configuration of a run, printed instead of run.
@@ -68,6 +69,7 @@ struct AssembleOptions {
   std::vector<std::string> sections;  ///< NAME=ADDRESS
   std::optional<std::string> entry;
   std::optional<std::string> listing;
+  std::optional<std::string> dialect;  ///< ti or gnu
   bool object = false;
   int version = 2;  ///< Of the COFF file.
 };
@@ -90,6 +92,7 @@ struct DisassembleOptions {
   std::string program;
   std::vector<std::string> include_directories;
   std::optional<std::string> load_at;
+  std::optional<std::string> dialect;
   bool source = false;  ///< Text that assembles to the same words.
 };
 
@@ -97,10 +100,12 @@ struct ExecOptions {
   std::vector<std::string> programs;
   std::vector<std::string> include_directories;
   std::optional<std::string> until;
-  std::int64_t max_cycles = 100'000'000;
+  std::int64_t max_cycles = 100'000'000;  ///< a run that needs more has failed
+  std::optional<std::int64_t> cycles;     ///< a run of so many is what is asked for
   std::vector<std::string> dumps;  ///< ADDRESS:COUNT
   bool json = false;
   std::vector<std::string> boards;  ///< none: default
+  std::optional<std::string> dialect;  ///< of programs that are source
   std::optional<std::string> load_at;
   std::optional<std::string> entry;
   std::optional<std::string> boot;  ///< a port 0 to 5, an address, or "reset"
@@ -112,6 +117,7 @@ struct ExecOptions {
   std::vector<std::string> actions;  ///< AT_US,ACTION,TARGET
   std::uint64_t turn_order = 0;
   std::optional<std::string> trace;
+  bool trace_labels = false;  ///< in it labels, not addresses
   std::optional<std::string> events;
   bool check = false;
   bool profile = false;

@@ -58,20 +58,24 @@ bool is_coff_name(const std::string& path) {
 }
 
 Image read_program(const std::string& path, const std::vector<std::string>& include_directories,
-                   const std::optional<std::string>& load_at) {
+                   const std::optional<std::string>& load_at, const std::optional<std::string>& dialect) {
   require_file(path);
   const std::string suffix = std::filesystem::path(path).extension().string();
+  if (dialect && !is_source(suffix)) throw InputError(fmt::format("--dialect: {} is no source; only .asm and .s are read in a dialect", path));
   if (suffix == ".hex") return read_hex(path, load_at ? parse_address(*load_at, nullptr, "--load-at") : 0);
   if (load_at) throw InputError("--load-at: only a .hex file needs it; other programs say where they stand");
   if (is_source(suffix)) {
     toolchain::Options options;
     for (const std::string& directory : include_directories) options.include_dirs.emplace_back(directory);
+    if (dialect) options.dialect = toolchain::dialect_named(*dialect);
     return toolchain::assemble_file(path, options);
   }
   toolchain::Object object = toolchain::read_object(path);
   if (object.executable) return toolchain::image_of(object);
   return toolchain::link({std::move(object)}, {}, toolchain::MemoryMap::standard()).image;
 }
+
+bool is_source_name(const std::string& path) { return is_source(std::filesystem::path(path).extension().string()); }
 
 Address parse_address(std::string_view text, const Image* image, std::string_view what) {
   if (const auto address = toolchain::find_address(text, image)) return *address;

@@ -10,11 +10,14 @@
 
 namespace cli {
 
-/// Reads a program by its suffix: .asm or .s is assembled, .hex is one word per line in hexadecimal and stands at
+/// Reads a program by its suffix: .asm or .s is assembled (in `dialect`), .hex is one word per line in hexadecimal and stands at
 /// `load_at` (default 0), anything else is a COFF file; an object is linked as `emulator link` does without a map.
 /// \throws InputError, toolchain::AssemblyError, toolchain::CoffError, toolchain::LinkError.
 toolchain::Image read_program(const std::string& path, const std::vector<std::string>& include_directories,
-                              const std::optional<std::string>& load_at);
+                              const std::optional<std::string>& load_at, const std::optional<std::string>& dialect = {});
+
+/// Whether read_program() would assemble the file.
+bool is_source_name(const std::string& path);
 
 /// \throws InputError if there is no file that can be read.
 void require_file(const std::string& path);

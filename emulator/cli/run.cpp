@@ -42,9 +42,10 @@ class InstructionFiles {
     for (const unsigned slot : options.trace_instructions) {
       auto file = std::make_unique<OutputFile>(fmt::format("{}.dsp{}", *options.trace, slot));
       std::ostream& out = file->stream();
-      out << report::instruction_trace_header << '\n';
+      out << (options.trace_labels ? report::labelled_trace_header : report::instruction_trace_header) << '\n';
       sinks_.push_back(std::make_unique<machine::InstructionText>(
-          slot, [&out](const std::string& line) { out << line << '\n'; }, from, to));
+          slot, [&out](const std::string& line) { out << line << '\n'; }, from, to,
+          options.trace_labels ? std::optional(machine::Labels::of_dock(simulation.image())) : std::nullopt));
       simulation.trace(slot, *sinks_.back());
       files_.push_back(std::move(file));
     }
@@ -64,6 +65,8 @@ void check(const RunOptions& options, const cmrc::Config& config) {
   if (options.trace_window && !options.trace) throw InputError("--trace-window: needs --trace FILE");
   if (!options.trace_instructions.empty() && !options.trace)
     throw InputError("--trace-instructions: needs --trace FILE");
+  if (options.trace_labels && options.trace_instructions.empty())
+    throw InputError("--trace-labels: needs --trace-instructions N, the DSP whose instructions it is about");
   for (const unsigned slot : options.trace_instructions)
     if (slot >= config.machine.dsps)
       throw InputError(

@@ -56,7 +56,8 @@ void regenerate(const report::TraceLine& line, unsigned dsps) {
   builder.set("machine.dsps", std::int64_t{dsps}, {.name = "trace"});
   cmrc::Simulation simulation(builder.build());
   machine::InstructionText text(
-      *slot, [](const std::string& instruction) { fmt::print("{}\n", instruction); }, from, from + cycles_per_hash);
+      *slot, [](const std::string& instruction) { fmt::print("{}\n", instruction); }, from, from + cycles_per_hash,
+      machine::Labels::of_dock(simulation.image()));
   simulation.trace(*slot, text);
   fmt::print("what this emulator executes there:\n");
   simulation.run_until(simulation.machine().chip_clock().at(from + cycles_per_hash));

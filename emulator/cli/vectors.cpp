@@ -33,7 +33,7 @@ class Bus : public c40::TraceSink {
 /// A chip on a board of plain RAM, whose memory is all zero between vectors.
 class Bench {
  public:
-  explicit Bench(bool every_access) : chip_(c40::Board::flat()), every_access_(every_access) { chip_.set_trace(&bus_); }
+  explicit Bench(bool every_access) : chip_(c40::Board::plain_ram()), every_access_(every_access) { chip_.set_trace(&bus_); }
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
 
@@ -55,7 +55,7 @@ class Bench {
 
  private:
   void start_afresh() {
-    chip_ = c40::Chip(c40::Board::flat());
+    chip_ = c40::Chip(c40::Board::plain_ram());
     chip_.set_trace(&bus_);
   }
 
@@ -99,9 +99,9 @@ class Bench {
   void run(const Vector& vector) {
     for (unsigned step = 0; step < vector.steps; ++step) {
       const c40::StopInfo stop = chip_.step();
-      // SWI stops as a breakpoint; the state then says the rest.
-      if (stop.reason == c40::StopInfo::Reason::limit || stop.reason == c40::StopInfo::Reason::breakpoint) continue;
-      found_.push_back(fmt::format("stopped in step {}: {}", step + 1, stop.fault ? stop.fault->message : "external access"));
+      // Before SWI nothing has happened; the state then says the rest.
+      if (stop.reason == c40::StopInfo::Reason::limit || stop.reason == c40::StopInfo::Reason::software_interrupt) continue;
+      found_.push_back(fmt::format("stopped in step {}: {}", step + 1, stop.fault ? stop.fault->message : name(stop.reason)));
       return;
     }
   }

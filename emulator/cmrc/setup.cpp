@@ -65,8 +65,8 @@ plant::DockConfig nominal_dock_of(const Config& config) {
   dock.agv.protective_field = config.dock.protective_field;
   dock.layout.container_mass = config.dock.container_mass_kg;
   for (auto& container : dock.layout.containers) container.mass = config.dock.container_mass_kg;
-  if (config.dock.layout.empty()) stack_more(dock.layout);
-  else read_layout(dock, config.dock.layout);
+  stack_more(dock.layout);  // a layout that lists containers replaces these
+  if (!config.dock.layout.empty()) read_layout(dock, config.dock.layout);
   dock.layout.containers.resize(std::min<std::size_t>(dock.layout.containers.size(), static_cast<std::size_t>(config.dock.containers)));
   for (auto& leg : dock.layout.legs) {
     for (auto& lane : leg) lane.speed = std::min(lane.speed, config.dock.agv_speed_m_s);

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "machine/chip_stop.hpp"
 #include "machine/guard.hpp"
 
 namespace machine {
@@ -101,23 +102,25 @@ void Dsp::run(Time horizon) {
       }
     }
     const c40::StopInfo stop = waiting ? chip_.step() : chip_.run_until(limit);
-    switch (stop.reason) {
-      case c40::StopInfo::Reason::external_access:
+    switch (meaning(stop.reason)) {
+      case StopMeaning::window_access:
         if (!take(stop.access, end)) return;
         break;
-      case c40::StopInfo::Reason::port_access:
+      case StopMeaning::port_access:
         port_access_ = stop.port;
         state_ = State::port;
         own_next_ = clock_.at(stop.port.cycle);
         return;
-      case c40::StopInfo::Reason::horizon: break;
-      case c40::StopInfo::Reason::port_wait:
+      case StopMeaning::asks_anew: break;
+      case StopMeaning::port_wait:
         return fault(stop.port.cycle, chip_.pc(), stop.port.address,
                      fmt::format("{} waits for ever: nothing is attached to the port", describe(stop.port)));
-      case c40::StopInfo::Reason::fault:
-        return fault(stop.fault->cycle, stop.fault->pc, stop.fault->address, stop.fault->message);
-      case c40::StopInfo::Reason::limit:
-      case c40::StopInfo::Reason::breakpoint:
+      case StopMeaning::fault: {
+        const c40::Fault why = fault_of(chip_, stop);
+        return fault(why.cycle, why.pc, why.address, why.message);
+      }
+      case StopMeaning::limit:
+      case StopMeaning::breakpoint:
         if (std::exchange(edge_waiting_, false)) chip_.raise_iiof(0);
         if (std::exchange(hang_waiting_, false)) go_astray();
         break;

@@ -1,9 +1,13 @@
 #pragma once
-// A chip's instructions as the lines of docs/trace.md, and as hashes of those lines per stretch of cycles.
+// A chip's instructions as the lines of docs/trace.md.
 #include <functional>
+#include <limits>
+#include <optional>
 #include <string>
 
 #include "c40/chip.hpp"
+#include "machine/address_names.hpp"
+#include "machine/source_text.hpp"
 #include "machine/time.hpp"
 
 namespace machine {
@@ -11,12 +15,29 @@ namespace machine {
 /// "12 [dsp 0] 00300004 6A06FFFB  bnz 00300000h  ; branch=3", without the line's end.
 std::string to_text(const c40::TraceRecord& record, unsigned slot);
 
+/// What a program calls things, for lines that stay the same when it moves in memory.
+struct Labels {
+  AddressNames names;
+  SourceText source;
+  static Labels of_program(const toolchain::Image& image) {
+    return {AddressNames(image), SourceText(image, SourceText::Label::dropped)};
+  }
+  static Labels of_dock(const toolchain::Image& image) {
+    return {AddressNames::of_dock(image), SourceText(image, SourceText::Label::dropped)};
+  }
+};
+
+/// "12 [dsp 0] start+0x4 -  bnz start  ; branch=3": labels for addresses, also where registers and words hold them, and no
+/// word of the instruction.
+std::string to_text(const c40::TraceRecord& record, unsigned slot, const Labels& labels);
+
 /// Writes each instruction that begins in [from, to) cycles.
 class InstructionText final : public c40::TraceSink {
  public:
   using Line = std::function<void(const std::string& line)>;
+  /// With labels if there are any.
   InstructionText(unsigned slot, Line line, c40::Cycles from = 0,
-                  c40::Cycles to = std::numeric_limits<c40::Cycles>::max());
+                  c40::Cycles to = std::numeric_limits<c40::Cycles>::max(), std::optional<Labels> labels = {});
   void instruction(const c40::TraceRecord& record) override;
   void interrupt(c40::Word vector, c40::Cycles cycle) override;
 
@@ -24,6 +45,7 @@ class InstructionText final : public c40::TraceSink {
   unsigned slot_;
   Line line_;
   c40::Cycles from_, to_;
+  std::optional<Labels> labels_;
 };
 
 }  // namespace machine

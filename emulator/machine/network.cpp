@@ -7,6 +7,8 @@
 #include <span>
 
 #include "isa/decode.hpp"
+#include "machine/asleep.hpp"
+#include "machine/chip_stop.hpp"
 #include "machine/network_parts.hpp"
 #include "machine/program_end.hpp"
 
@@ -22,10 +24,7 @@ namespace {
 constexpr Cycles no_cycle = std::numeric_limits<Cycles>::max();
 
 /// A timer of its own could interrupt it.
-bool awaits_timer(const Chip& chip) {
-  constexpr Word timer_bits = 0x80000001u;  // of IIE
-  return (chip.register_value(isa::Register::IIE) & timer_bits) != 0 && chip.next_event() != no_cycle;
-}
+bool awaits_timer(const Chip& chip) { return next_timer_interrupt(chip) != no_cycle; }
 
 bool is_sigi(Word word) {
   const isa::Decoded decoded = isa::decode(word);
@@ -191,33 +190,37 @@ void Network::schedule(const NetworkAction& action) {
 void Network::run_chip(Node& node, Time until) {
   const Cycles limit = node.first_cycle(until);
   while (node.chip.settled() < limit) {
-    const StopInfo stop = node.chip.run_until(limit);
+    // When the DMA is done, a processor that sleeps may have ended: in that cycle, however the run is cut.
+    const bool looks = node.status == ChipStatus::running && node.chip.idle() && node.chip.dma_busy() && node.chip.cycle() + 1 < limit;
+    const StopInfo stop = node.chip.run_until(looks ? node.chip.cycle() + 1 : limit);
     stopped(node, stop);
-    if (stop.reason != StopInfo::Reason::breakpoint || node.status != ChipStatus::running) return;
+    if (node.status != ChipStatus::running) return;
+    if (stop.reason != StopInfo::Reason::breakpoint && !(looks && stop.reason == StopInfo::Reason::limit)) return;
   }
 }
 
 void Network::stopped(Node& node, const StopInfo& stop) {
-  switch (stop.reason) {
-    case StopInfo::Reason::breakpoint: return at_breakpoint(node);
-    case StopInfo::Reason::fault:
+  switch (meaning(stop.reason)) {
+    case StopMeaning::breakpoint: return at_breakpoint(node);
+    case StopMeaning::fault:
       node.status = ChipStatus::fault;
       node.stop = stop;
+      node.stop.fault = fault_of(node.chip, stop);
       return;
-    case StopInfo::Reason::external_access:
+    case StopMeaning::window_access:
       node.status = memory_of(node, stop.access.address) != nullptr ? ChipStatus::waiting : ChipStatus::external_access;
       node.stop = stop;
       return;
-    case StopInfo::Reason::port_access:
-    case StopInfo::Reason::port_wait:
+    case StopMeaning::port_access:
+    case StopMeaning::port_wait:
       if (node.waits_for_port()) return;  // still the same
       node.status = ChipStatus::waiting;
       node.stop = stop;
       node.was_ready = false;
       note_ready(node, Time{0});
       return;
-    case StopInfo::Reason::limit:
-    case StopInfo::Reason::horizon: break;
+    case StopMeaning::limit:
+    case StopMeaning::asks_anew: break;
   }
   if (!node.chip.idle() || node.chip.dma_busy() || node.status != ChipStatus::running) return;
   if (node.chip.watches_ports() || node.chip.dma_active()) node.status = ChipStatus::sleeping;
@@ -251,8 +254,13 @@ void Network::bring_to(Node& node, Time time) {
     node.chip.hold(held);
     return;
   }
-  while (node.chip.cycle() < cycle)
-    if (node.chip.run_until(cycle).reason == StopInfo::Reason::breakpoint) node.chip.step();
+  while (node.chip.cycle() < cycle) {
+    const StopInfo stop = node.chip.run_until(cycle);
+    if (meaning(stop.reason) == StopMeaning::breakpoint) node.chip.step();
+    if (meaning(stop.reason) != StopMeaning::fault) continue;
+    stopped(node, stop);
+    return bring_to(node, time);
+  }
 }
 
 bool Network::ready(const Node& node) const {
@@ -297,15 +305,16 @@ Time Network::next_on_links(const Node& node) const {
 }
 
 Time Network::own_event(const Node& node) const {
-  if (node.status != ChipStatus::sleeping || node.chip.next_event() == no_cycle) return never;
-  const auto waits = node.chip.dma_waits();
-  const bool matters = awaits_timer(node.chip) || std::any_of(waits.begin(), waits.end(), [](const c40::DmaWait& wait) { return wait.event && !wait.port; });
-  return matters ? node.clock.at(node.chip.next_event()) : never;
+  const bool sleeps = node.status == ChipStatus::sleeping;
+  if (!sleeps && node.status != ChipStatus::waiting) return never;
+  Cycles event = node.chip.dma_active() ? next_dma_tick(node.chip) : no_cycle;
+  if (sleeps) event = std::min(event, next_timer_interrupt(node.chip));
+  return event == no_cycle ? never : node.clock.at(event);
 }
 
 Time Network::next_of(const Node& node) const {
   Time next = never;
-  if (node.status == ChipStatus::waiting) next = access_time(node);
+  if (node.status == ChipStatus::waiting) next = std::min(access_time(node), own_event(node));
   else if (node.status == ChipStatus::sleeping) next = own_event(node);
   return node.follows_ports() ? std::min(next, node.now()) : next;
 }
@@ -317,15 +326,43 @@ Time Network::next_of_all() const {
   return next;
 }
 
-/// Nothing can happen any more, but for loops that go on as they do.
+/// Nothing can happen any more, but for loops that go on as they do, tokens that go to and fro, and timers that nobody listens to. Or every
+/// processor has ended, and only a DMA is armed.
 bool Network::quiet() const {
-  if (!actions_.empty() || std::any_of(links_.begin(), links_.end(), [](const auto& link) { return link->next_event() != never; })) return false;
-  return std::all_of(nodes_.begin(), nodes_.end(), [&](const auto& node) { return node->patience.loop || (node->status != ChipStatus::running && next_of(*node) == never); });
+  if (!actions_.empty()) return false;
+  if (std::any_of(links_.begin(), links_.end(), [](const auto& link) { return link->next_event() != never && !link->only_exchanges_token(); })) return false;
+  const auto still = [&](const auto& node) { return node->patience.loop || (node->status != ChipStatus::running && next_of(*node) == never); };
+  return std::all_of(nodes_.begin(), nodes_.end(), still) || std::all_of(nodes_.begin(), nodes_.end(), [&](const auto& node) { return has_ended(*node); });
+}
+
+/// Its processor; a DMA that could do nothing for it may still be armed.
+bool Network::has_ended(const Node& node) const {
+  switch (node.status) {
+    case ChipStatus::halt:
+    case ChipStatus::idle:
+    case ChipStatus::until:
+    case ChipStatus::fault:
+    case ChipStatus::external_access:
+    case ChipStatus::pulled_out: return true;
+    case ChipStatus::sleeping: return node.dma_waits() && !sleeps_for_interrupt(node);
+    default: return false;
+  }
+}
+
+/// By a port, a timer or the DMA.
+bool Network::sleeps_for_interrupt(const Node& node) const {
+  constexpr Word ports = 0x01FFFFFEu;  // of IIE
+  const bool interrupts = node.chip.idle() || (node.chip.register_value(isa::Register::ST) & c40::st::GIE) != 0;
+  return interrupts && (awaits_dma(node.chip) || awaits_timer(node.chip) || (node.chip.register_value(isa::Register::IIE) & ports) != 0);
+}
+
+bool Network::awaits_dma_for_ever(const Node& node) const {
+  return node.status == ChipStatus::sleeping && node.dma_waits() && sleeps_for_interrupt(node) && awaits_dma(node.chip);
 }
 
 bool Network::waits_for_ever() const {
   return std::any_of(nodes_.begin(), nodes_.end(), [&](const auto& node) {
-    return (node->patience.loop ? polls(*node) : node->status == ChipStatus::waiting) || node->dma_waits();
+    return (node->patience.loop ? polls(*node) : node->status == ChipStatus::waiting) || awaits_dma_for_ever(*node);
   });
 }
 
@@ -340,8 +377,7 @@ NetworkStop Network::run_until(Time limit) {
     }
     for (auto& node : nodes_) watch(*node);
     const Time next = next_of_all();
-    const bool loops = std::any_of(nodes_.begin(), nodes_.end(), [](const auto& node) { return node->patience.loop.has_value(); });
-    if ((next == never || loops) && quiet()) return finish(waits_for_ever() ? NetworkStop::Reason::deadlock : NetworkStop::Reason::ended, limit);
+    if (quiet()) return finish(waits_for_ever() ? NetworkStop::Reason::deadlock : NetworkStop::Reason::ended, limit);
     if (next >= limit) return finish(NetworkStop::Reason::limit, limit);
     if (advance_watchers(next, limit)) continue;
     now_ = next;
@@ -395,8 +431,8 @@ bool Network::advance_watchers(Time first, Time limit) {
   for (Node* node : turns_) {
     Time until = std::min(limit, action);
     if (own_event(*node) == first) {
-      node->status = ChipStatus::running;
-      until = std::min(until, node->clock.at(node->chip.next_event() + 1));
+      if (node->status == ChipStatus::sleeping) node->status = ChipStatus::running;
+      until = std::min(until, node->clock.at(node->first_cycle(first) + 1));
     } else if (!node->follows_ports()) {
       continue;
     }
@@ -557,7 +593,8 @@ NetworkStop Network::finish(NetworkStop::Reason reason, Time limit) {
   }
   now_ = std::max(now_, end);
   for (auto& node : nodes_)
-    if (node->status == ChipStatus::sleeping || node->held() || (node->patience.loop && node->status == ChipStatus::running)) bring_to(*node, end);
+    if (node->status == ChipStatus::waiting && node->chip.dma_active() && !node->chip.dma_busy()) run_chip(*node, end);  // its timers
+    else if (node->status == ChipStatus::sleeping || node->held() || (node->patience.loop && node->status == ChipStatus::running)) bring_to(*node, end);
   check_words();
   return {reason, end};
 }
@@ -575,7 +612,9 @@ const Clock& Network::clock(std::size_t n) const { return nodes_.at(n)->clock; }
 ChipStatus Network::status(std::size_t n) const {
   const Node& node = *nodes_.at(n);
   if (node.patience.loop) return ChipStatus::looping;
-  return node.status == ChipStatus::sleeping && node.dma_waits() ? ChipStatus::waiting : node.status;
+  if (node.status != ChipStatus::sleeping || !node.dma_waits()) return node.status;
+  if (awaits_dma_for_ever(node)) return ChipStatus::waiting;
+  return has_ended(node) ? node.chip.idle() ? ChipStatus::idle : ChipStatus::halt : ChipStatus::sleeping;
 }
 void Network::record_peripherals(bool on) {
   for (auto& node : nodes_) node->chip.set_peripheral_sink(on ? node.get() : nullptr);

@@ -147,8 +147,8 @@ std::string_view name(ChipStatus status);
 
 struct NetworkStop {
   enum class Reason : std::uint8_t {
-    ended,     ///< every chip has ended or sleeps, and nothing can wake one
-    deadlock,  ///< nothing can happen any more, and a chip waits: its processor, its DMA, or a loop that polls
+    ended,     ///< every processor has ended or sleeps, and nothing can wake one; a DMA may be armed
+    deadlock,  ///< nothing but tokens to and fro can happen any more, and a processor waits, polls, or sleeps for a DMA that waits
     limit,
   } reason = Reason::limit;
   Time time{};
@@ -226,6 +226,9 @@ class Network {
   Time next_of_all() const;
   bool quiet() const;
   bool waits_for_ever() const;
+  bool has_ended(const Node& node) const;
+  bool sleeps_for_interrupt(const Node& node) const;
+  bool awaits_dma_for_ever(const Node& node) const;
   void run_freely(Node& node, Time until);
   void watch(Node& node);
   bool is_shared(const Node& node, c40::Address address) const;

@@ -8,7 +8,7 @@ ProgramEnd program_end(toolchain::Word word, toolchain::Address pc) {
   const isa::Decoded decoded = isa::decode(word);
   const auto* instruction = std::get_if<isa::Instruction>(&decoded);
   if (instruction == nullptr) return ProgramEnd::none;
-  if (instruction->row->mnemonic == "idle") return ProgramEnd::idle;
+  if (instruction->row->mnemonic == "idle" || instruction->row->mnemonic == "idle2") return ProgramEnd::idle;
   const isa::Operand& target = instruction->src1;
   const bool to_itself = (instruction->row->mnemonic == "b?" || instruction->row->mnemonic == "br") &&
                          instruction->condition == isa::Condition::U && target.is(isa::Operand::Kind::target) &&

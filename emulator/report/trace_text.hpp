@@ -21,6 +21,7 @@ struct Window {
 
 inline constexpr std::string_view event_trace_header = "# cmrc event trace 1";
 inline constexpr std::string_view instruction_trace_header = "# cmrc instruction trace 1";
+inline constexpr std::string_view labelled_trace_header = "# cmrc labelled instruction trace 1";
 
 /// Writes the events of a window, one line each.
 class EventTextTrace final : public EventSink {

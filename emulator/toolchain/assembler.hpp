@@ -2,11 +2,13 @@
 // The assembler: TI's C3x/C4x syntax (docs/assembler.md), driven by the instruction table.
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "toolchain/diagnostics.hpp"
+#include "toolchain/dialect.hpp"
 #include "toolchain/object.hpp"
 
 namespace toolchain {
@@ -20,6 +22,9 @@ struct Options {
   /// The symbol at which the program starts. If empty: _start, _c_int00, c_int00, start, START or the first word of
   /// .text.
   std::string entry;
+  /// How to read what TI's assembler and GNU as read differently, in files that do not say it by `.dialect`. None: as TI's
+  /// does, but a file with GCC's mark as GNU as does.
+  std::optional<Dialect> dialect;
 };
 
 /// Throws AssemblyError with every error of the source; a file that cannot be read is one of them.

@@ -1,5 +1,5 @@
-// c40_asm FILE -o OUT [-I DIR]... [-D NAME=VALUE]... [--section NAME=ADDRESS]... [--entry SYMBOL] [--listing FILE]
-//         [--source-map FILE]
+// c40_asm FILE -o OUT [-I DIR]... [-D NAME=VALUE]... [--section NAME=ADDRESS]... [--entry SYMBOL] [--dialect ti|gnu]
+//         [--listing FILE] [--source-map FILE]
 //
 // Assembles one source file to a COFF executable. Exit status 2 and no output file if anything is wrong.
 #include <fmt/format.h>
@@ -22,8 +22,8 @@ struct Arguments {
 };
 
 constexpr std::string_view usage =
-    "usage: c40_asm FILE -o OUT [-I DIR]... [-D NAME=VALUE]... [--section NAME=ADDRESS]... [--entry SYMBOL] [--listing "
-    "FILE] [--source-map FILE]";
+    "usage: c40_asm FILE -o OUT [-I DIR]... [-D NAME=VALUE]... [--section NAME=ADDRESS]... [--entry SYMBOL] [--dialect "
+    "ti|gnu] [--listing FILE] [--source-map FILE]";
 
 std::pair<std::string, toolchain::Word> parse_assignment(const std::string& text) {
   const auto equals = text.find('=');
@@ -56,7 +56,11 @@ Arguments parse(int count, char** values) {
       out.options.sections[name] = address;
     } else if (argument == "--entry")
       out.options.entry = next();
-    else if (argument == "--listing")
+    else if (argument == "--dialect") {
+      const std::string text = next();
+      out.options.dialect = toolchain::dialect_named(text);
+      if (!out.options.dialect) throw std::invalid_argument(fmt::format("--dialect: '{}' is none; ti and gnu are\n{}", text, usage));
+    } else if (argument == "--listing")
       out.listing = next();
     else if (argument == "--source-map")
       out.source_map = next();

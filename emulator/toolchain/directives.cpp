@@ -60,6 +60,7 @@ const std::map<std::string, Reader::Directive, std::less<>>& Reader::directives(
       {".ref", &Reader::directive_global},
       {".def", &Reader::directive_def},
       {".version", &Reader::directive_version},
+      {".dialect", &Reader::directive_dialect},
       {".end", &Reader::directive_end},
       // Macros and repeats
       {".macro", &Reader::start_macro},
@@ -227,6 +228,19 @@ void Reader::directive_version(Statement& s) {
   if (version < 30 || version > 33)
     throw LineError{offset, fmt::format("no processor has the number {}; 40 and 44 are known here", version)};
   program_.warn(s.line, offset, "a program for the C3x; it is encoded for the C4x");
+}
+
+/// `.dialect gnu`: of this file, and of those that it includes and that do not say it themselves.
+void Reader::directive_dialect(Statement& s) {
+  s.parser.skip_blanks();
+  const std::size_t offset = s.parser.offset();
+  const std::string text = s.parser.name_or_quoted("ti or gnu");
+  s.parser.expect_end();
+  const auto dialect = dialect_named(lower(text));
+  if (!dialect) throw LineError{offset, fmt::format("no dialect is called '{}'; ti and gnu are", text)};
+  if (reading_.said) throw LineError{s.operation_offset, "the file has said its dialect already"};
+  if (reading_.has_code) throw LineError{s.operation_offset, "'.dialect' belongs before the file's first instruction"};
+  reading_ = {*dialect, fmt::format(".dialect in line {}", s.line->number), true, false};
 }
 
 void Reader::directive_warning(Statement& s) {

@@ -312,17 +312,24 @@ class Attempt : public OperandEncoder {
   Word word_;
 };
 
-/// LDP x[,DP] is LDIU page,DP: it has no row of its own (c40-isa.md 3.8).
+/// LDP has no row of its own. TI's assembler makes LDPK of the address's page of it, or, for an address register, LDIU; GNU
+/// as LDIU to DP, and takes a number for the page itself.
 Word encode_ldp(const HalfSyntax& half, const EncodeContext& context) {
+  constexpr Word ldpk_word = 0x1F700000, ldiu_immediate = 0x50600000;
   const std::size_t count = half.operands.size();
-  const bool names_dp = count == 2 && half.operands[1].kind == Kind::reg && half.operands[1].reg == isa::Register::DP;
-  if (count != 1 && !names_dp)
-    throw LineError{half.offset, "'ldp' takes an address or a page, and DP or nothing after it"};
-  constexpr Word ldiu_immediate_dp = 0x50700000;
+  const bool names_register = count == 2 && half.operands[1].kind == Kind::reg;
+  const isa::Register reg = names_register ? half.operands[1].reg : isa::Register::DP;
+  const bool to_address_register = reg >= isa::Register::AR0 && reg <= isa::Register::AR7;
+  const bool is_ti = context.dialect == Dialect::ti;
+  if (count == 0 || count > 2 || (count == 2 && !names_register) || (reg != isa::Register::DP && !(to_address_register && is_ti)))
+    throw LineError{half.offset, is_ti ? "'ldp' takes an address, and DP, AR0 to AR7 or nothing after it"
+                                       : "'ldp' takes an address or a page, and DP or nothing after it (AR0 to AR7 with --dialect ti)"};
+  const Word ldiu = ldiu_immediate | isa::code(reg) << 16;
   const Candidate ldpk = candidates("ldpk").front();
   try {
     const OperandEncoder encoder(ldpk, half, nullptr, context);
-    const Word word = ldiu_immediate_dp | encoder.page(half.operands[0]);
+    const OperandSyntax& place = half.operands[0];
+    const Word word = is_ti ? (to_address_register ? ldiu : ldpk_word) | encoder.page_of_address(place) : ldiu | encoder.page(place);
     encoder.note_relocations();
     return word;
   } catch (const Mismatch& mismatch) {

@@ -5,6 +5,7 @@
 
 #include "isa/types.hpp"
 #include "toolchain/diagnostics.hpp"
+#include "toolchain/dialect.hpp"
 #include "toolchain/object.hpp"
 #include "toolchain/parser.hpp"
 
@@ -23,6 +24,7 @@ struct EncodeContext {
   /// Of a relocatable object: addresses count from their sections' starts, and what they need is added here.
   std::vector<FieldRelocation>* relocations = nullptr;
   int section = Value::absolute;  ///< That the word lies in.
+  Dialect dialect = Dialect::ti;
 };
 
 /// Whether any instruction has this name (lower case).

@@ -46,6 +46,7 @@ std::optional<Address> find_address(std::string_view text, const Image* image) {
 
 std::string listing(const Image& image) {
   std::string out;
+  for (const std::string& dialect : image.dialects) out += fmt::format("dialect {}\n", dialect);
   for (const Image::Section& section : image.sections) {
     out += fmt::format("section {} at {:08x}h, {} words{}\n", section.name, section.address, section.size,
                        section.loaded ? "" : ", not loaded");

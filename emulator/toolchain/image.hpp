@@ -39,6 +39,9 @@ struct Image {
   Address entry = 0;
   std::vector<std::string> files;
   std::vector<LineRecord> lines;      ///< By rising address within each section; empty if the origin has none.
+  /// How the source was read, and why, for the listing's head: "ti: the default". First the program, then included files
+  /// that say it themselves.
+  std::vector<std::string> dialects;
   std::vector<std::string> warnings;  ///< Formatted like the errors of AssemblyError.
 
   /// The value of a symbol. Throws std::out_of_range with the symbol's name if there is none.

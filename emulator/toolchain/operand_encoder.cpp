@@ -186,4 +186,17 @@ Word OperandEncoder::page(const OperandSyntax& o) const {
   return in_range(o, number, fits_unsigned(number, 16), "a page is 0 to 65535; @x takes the page of the address x");
 }
 
+Word OperandEncoder::page_of_address(const OperandSyntax& o) const {
+  if (o.kind != Kind::direct) need_kind(o, Kind::expression, "an address");
+  const Value v = value(o);
+  if (v.half != Value::Half::none) miss(Mismatch::contents, o.offset, "a whole address is needed here; 'ldpk' takes half of one");
+  const std::int64_t number = address(o, v, RelocationType::partms16);
+  in_range(o, number, fits_unsigned(number, 32), "an address is 0 to 0FFFFFFFFh");
+  const Word page = static_cast<Word>(number) >> 16;
+  if (o.kind == Kind::expression && v.is_absolute() && number > 0 && number <= 0xFFFF)
+    context_.on_warning({o.offset, fmt::format("'ldp' takes an address: {0:X}h is in page 0. It was page {0:X}h before: 'ldpk {0}' is, or --dialect gnu", number),
+                         half_});
+  return page;
+}
+
 }  // namespace toolchain

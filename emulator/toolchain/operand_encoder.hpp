@@ -30,6 +30,8 @@ class OperandEncoder {
 
   /// A page number, or the page of an address: @x always is an address, a label too, a number is the page itself.
   isa::Word page(const OperandSyntax& operand) const;
+  /// The page of an address, which may be a number, too. Warns of one that could be meant for a page.
+  isa::Word page_of_address(const OperandSyntax& operand) const;
 
   /// Hands what the linker has to settle to the context, once the row is known to fit.
   void note_relocations() const;

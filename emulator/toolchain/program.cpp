@@ -286,6 +286,7 @@ Address Program::entry_point(const Image& image, std::vector<Diagnostic>& diagno
 Image Program::finish(std::vector<Diagnostic>& diagnostics) {
   Image image;
   image.warnings = warnings_;
+  image.dialects = dialects_;
   place(diagnostics);
   for (const Section& section : sections_) encode_section(section, image, diagnostics, nullptr);
   export_symbols(image, diagnostics);

@@ -19,6 +19,7 @@ struct InstructionItem {
   HalfSyntax first;
   std::optional<HalfSyntax> second;
   SourceLinePtr second_line;
+  Dialect dialect = Dialect::ti;
 };
 struct WordItem {
   std::vector<Expression> values;
@@ -74,6 +75,8 @@ class Program final : public SymbolSource {
   /// The word in which add_field() with so many bits would put its value.
   Value field_place(Address bits) const;
   void add_field(const SourceLinePtr& line, std::size_t offset, Expression value, Address bits);
+  /// For the listing's head.
+  void note_dialect(std::string text, bool first = false) { dialects_.insert(first ? dialects_.begin() : dialects_.end(), std::move(text)); }
   void warn(const SourceLinePtr& line, std::size_t offset, const std::string& message);
   void align(const SourceLinePtr& line, std::size_t offset, Address words);
   /// Makes `half` the second half of the instruction just added.
@@ -153,7 +156,7 @@ class Program final : public SymbolSource {
   int current_ = 0;
   bool parallel_target_ = false;
   Address field_bits_ = 0;  ///< Taken of the last word by fields; 0: the last word is none of theirs.
-  std::vector<std::string> warnings_;
+  std::vector<std::string> warnings_, dialects_;
   bool placed_ = false;
   bool relocatable_ = false;                    ///< finish_object() is at work.
   mutable std::vector<std::string> externals_;  ///< Those met while it is.

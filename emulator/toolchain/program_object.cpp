@@ -19,6 +19,7 @@ bool Program::goes_into_object(std::size_t section) const {
 Object Program::finish_object(Image& listed, std::vector<Diagnostic>& diagnostics) {
   relocatable_ = true;
   listed.warnings = warnings_;
+  listed.dialects = dialects_;
   Object object;
   std::vector<int> numbers(sections_.size(), -1);  // In the object.
   std::vector<WordRelocations> relocations(sections_.size());

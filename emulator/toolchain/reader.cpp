@@ -33,7 +33,10 @@ bool closes_collection(std::string_view operation) {
 }  // namespace
 
 Reader::Reader(Program& program, const Options& options, std::vector<Diagnostic>& diagnostics)
-    : program_(program), options_(options), diagnostics_(diagnostics) {}
+    : program_(program), options_(options), diagnostics_(diagnostics) {
+  if (options.dialect) reading_ = {*options.dialect, "asked for"};
+  else reading_.why = "the default";
+}
 
 ParseContext Reader::context() const {
   return {program_.here(), fmt::format("?{}", local_scope_), fmt::format("?{}", block_), &registers_};
@@ -73,6 +76,9 @@ void Reader::read_text(std::string_view text, const std::string& name, const std
   const auto outer_directory = std::exchange(directory_, directory);
   const int outer_scope = local_scope_;
   Substitutes* const outer_parameters = std::exchange(parameters_, nullptr);
+  const Reading outer_reading = reading_;
+  reading_.said = reading_.has_code = false;
+  const bool is_included = open_texts_++ > 0;
   const std::size_t outer_conditionals = conditionals_.size();
   new_block();
   int number = 0;
@@ -89,6 +95,10 @@ void Reader::read_text(std::string_view text, const std::string& name, const std
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
   }
   end_of_source(outer_conditionals);
+  --open_texts_;
+  if (!is_included) program_.note_dialect(fmt::format("{}: {}", toolchain::name(reading_.dialect), reading_.why), true);
+  else if (reading_.why != outer_reading.why) program_.note_dialect(fmt::format("{} in {}: {}", toolchain::name(reading_.dialect), name, reading_.why));
+  reading_ = outer_reading;
   ended_ = false;
   new_block();
   parameters_ = outer_parameters;
@@ -267,7 +277,19 @@ void Reader::read_line(const SourceLinePtr& raw_line) {
   }
 }
 
-void Reader::define_label(const Statement& s) { program_.define(s.label, program_.here(), s.line, s.label_offset); }
+void Reader::define_label(const Statement& s) {
+  program_.define(s.label, program_.here(), s.line, s.label_offset);
+  if (s.label == "gcc2_compiled.") gcc_mark(s);
+}
+
+/// What GCC writes at the top of a file says how it is meant, unless somebody has said it.
+void Reader::gcc_mark(const Statement& s) {
+  if (options_.dialect || reading_.said || reading_.dialect == Dialect::gnu) return;
+  if (reading_.has_code)
+    return program_.warn(s.line, s.label_offset, "GCC's mark stands behind instructions, which were read in the dialect ti; .dialect gnu at the top, or --dialect gnu, is for the whole");
+  reading_.dialect = Dialect::gnu;
+  reading_.why = fmt::format("GCC's mark gcc2_compiled. in line {}", s.line->number);
+}
 
 void Reader::read_active_line(Statement& s) {
   if (s.bars) {
@@ -300,7 +322,8 @@ void Reader::read_active_line(Statement& s) {
 void Reader::instruction(Statement& s) {
   Parser& p = s.parser;
   p.seek(s.operation_offset);
-  InstructionItem item{.first = p.half(), .second = {}, .second_line = nullptr};
+  reading_.has_code = true;
+  InstructionItem item{.first = p.half(), .second = {}, .second_line = nullptr, .dialect = reading_.dialect};
   if (p.accept("||")) {
     item.second = p.half();
     item.second_line = s.line;

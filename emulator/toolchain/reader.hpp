@@ -66,6 +66,13 @@ class Reader {
     bool is_union = false;
     SourceLinePtr opening;
   };
+  /// How a file is read.
+  struct Reading {
+    Dialect dialect = Dialect::ti;
+    std::string why;
+    bool said = false;      ///< by .dialect
+    bool has_code = false;  ///< an instruction has been read: too late to change it
+  };
   using Directive = void (Reader::*)(Statement&);
 
   // reader.cpp
@@ -133,6 +140,8 @@ class Reader {
   void directive_space_end(Statement&);
   void directive_label(Statement&);
   void directive_version(Statement&);
+  void directive_dialect(Statement&);
+  void gcc_mark(const Statement&);
   void directive_warning(Statement&);
   void directive_align(Statement&);
   void directive_set(Statement&);
@@ -170,6 +179,8 @@ class Reader {
   bool ended_ = false;     ///< By .end.
   bool given_up_ = false;  ///< Too many lines or errors.
   std::int64_t lines_read_ = 0;
+  Reading reading_;
+  int open_texts_ = 0;
 };
 
 }  // namespace toolchain

@@ -26,32 +26,9 @@ std::uint64_t bits(Float40 x) { return c40::float40::bits(x); }
 Float40 from_bits(std::uint64_t bits) { return c40::float40::from_bits(bits); }
 std::pair<std::uint64_t, Word> pair(const c40::FloatResult& r) { return {bits(r.value), r.flags}; }
 
-std::string reason_name(c40::StopInfo::Reason reason) {
-  switch (reason) {
-    case c40::StopInfo::Reason::limit: return "limit";
-    case c40::StopInfo::Reason::external_access: return "external_access";
-    case c40::StopInfo::Reason::breakpoint: return "breakpoint";
-    case c40::StopInfo::Reason::fault: return "fault";
-    case c40::StopInfo::Reason::port_access: return "port_access";
-    case c40::StopInfo::Reason::port_wait: return "port_wait";
-    case c40::StopInfo::Reason::horizon: return "horizon";
-  }
-  return "";
-}
-
-std::string kind_name(c40::Fault::Kind kind) {
-  switch (kind) {
-    case c40::Fault::Kind::reserved_instruction: return "reserved_instruction";
-    case c40::Fault::Kind::reserved_address: return "reserved_address";
-    case c40::Fault::Kind::not_modelled: return "not_modelled";
-    case c40::Fault::Kind::illegal_sequence: return "illegal_sequence";
-  }
-  return "";
-}
-
 py::dict describe(const c40::Chip& chip, const c40::StopInfo& stop) {
   py::dict out;
-  out["reason"] = reason_name(stop.reason);
+  out["reason"] = std::string(name(stop.reason));
   out["pc"] = chip.pc();
   out["cycle"] = chip.cycle();
   if (stop.reason == c40::StopInfo::Reason::external_access) {
@@ -72,7 +49,7 @@ py::dict describe(const c40::Chip& chip, const c40::StopInfo& stop) {
     out["ready"] = stop.port.ready(chip.port(stop.port.port));
   }
   if (stop.fault) {
-    out["kind"] = kind_name(stop.fault->kind);
+    out["kind"] = std::string(name(stop.fault->kind));
     out["message"] = stop.fault->message;
     out["word"] = stop.fault->word;
     out["address"] = stop.fault->address;
@@ -168,20 +145,6 @@ class Processor : public c40::PeripheralSink {
   py::list events;
 };
 
-/// Of all words of RAM that are not 0, whatever areas they lie in.
-std::uint64_t digest(const c40::Memory& memory) {
-  std::uint64_t sum = 0;
-  for (const auto& area : memory.areas()) {
-    if (area->data == nullptr) continue;
-    for (Word i = 0; i < area->words; ++i)
-      if (const Word word = area->data[i]; word != 0) {
-        std::uint64_t h = (std::uint64_t{area->base + i} << 32 | word) * 0x9E3779B97F4A7C15u;
-        sum += (h ^ h >> 29) * 0xBF58476D1CE4E5B9u;
-      }
-  }
-  return sum;
-}
-
 /// A link of two processors; its events as dicts.
 class Link : public c40::LinkListener {
  public:
@@ -275,7 +238,6 @@ void bind_processor(py::module_& m) {
       .def_property_readonly("watches_ports", [](const Processor& p) { return p.chip.watches_ports(); })
       .def("add_breakpoint", [](Processor& p, c40::Address a) { p.chip.add_breakpoint(a); })
       .def("remove_breakpoint", [](Processor& p, c40::Address a) { p.chip.remove_breakpoint(a); })
-      .def("digest", [](const Processor& p) { return digest(p.chip.memory()); }, "A hash of all RAM.")
       .def("locked", [](const Processor& p, bool global) { return p.chip.locked(global); }, py::arg("global_bus"),
            "Whether LOCK of the global, LLOCK of the local bus is low.")
       .def("set_exact", [](Processor& p, bool exact) { p.chip.set_exact(exact); }, "One instruction at a time, no blocks.")

@@ -12,6 +12,7 @@
 
 #include "bus_model/bus.hpp"
 #include "c40/chip.hpp"
+#include "machine/chip_stop.hpp"
 #include "plant/dock.hpp"
 #include "python/bindings/bindings.hpp"
 #include "toolchain/image.hpp"
@@ -186,6 +187,16 @@ void bind_clock(py::module_& m) {
            [](const Clock& clock, std::int64_t time) { return clock.tick_at_or_after(Time{time}); });
 }
 
+/// Every reason that has a name: which are all, or chip.cpp would not compile.
+void bind_stops(py::module_& m) {
+  py::dict meanings;
+  for (int i = 0; !c40::name(static_cast<c40::StopInfo::Reason>(i)).empty(); ++i) {
+    const auto reason = static_cast<c40::StopInfo::Reason>(i);
+    meanings[py::str(std::string(c40::name(reason)))] = std::string(name(meaning(reason)));
+  }
+  m.attr("stop_meanings") = meanings;
+}
+
 }  // namespace
 
 void bind_machine(py::module_& core) {
@@ -193,6 +204,7 @@ void bind_machine(py::module_& core) {
       "machine", "DSPs, buses, shared memory and devices in one virtual time. Times are integer picoseconds.");
   bind_clock(m);
   bind_config(m);
+  bind_stops(m);
   py::class_<PyMachine>(m, "Machine")
       .def(py::init<const toolchain::Image&, const Config&, plant::Dock*,
                     const std::vector<std::tuple<std::int64_t, Offset, std::vector<Word>, unsigned>>&, bool>(),

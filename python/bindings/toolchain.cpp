@@ -42,8 +42,13 @@ void raise_assembly_error(const py::handle& type, const toolchain::AssemblyError
 
 toolchain::Options make_options(std::vector<std::filesystem::path> include_dirs,
                                 std::map<std::string, toolchain::Word> symbols,
-                                const std::map<std::string, toolchain::Address>& sections, std::string entry) {
+                                const std::map<std::string, toolchain::Address>& sections, std::string entry,
+                                const std::optional<std::string>& dialect) {
   toolchain::Options options;
+  if (dialect) {
+    options.dialect = toolchain::dialect_named(*dialect);
+    if (!options.dialect) throw py::value_error("dialect: \"" + *dialect + "\" is none; \"ti\" and \"gnu\" are");
+  }
   options.include_dirs = std::move(include_dirs);
   options.symbols = std::move(symbols);
   for (const auto& [name, address] : sections) options.sections[name] = address;
@@ -75,6 +80,7 @@ void bind_image(py::module_& m) {
                                for (const std::string& warning : image.warnings) out.append(as_str(warning));
                                return out;
                              })
+      .def_readonly("dialects", &Image::dialects, "How the source was read, and why: `ti: the default`.")
       .def("listing", [](const Image& image) { return as_str(toolchain::listing(image)); });
 }
 
@@ -131,37 +137,37 @@ void bind_toolchain(py::module_& core) {
       "assemble",
       [](const std::string& text, const std::string& name, std::vector<std::filesystem::path> include_dirs,
          std::map<std::string, toolchain::Word> symbols, const std::map<std::string, toolchain::Address>& sections,
-         std::string entry) {
-        const auto options = make_options(std::move(include_dirs), std::move(symbols), sections, std::move(entry));
+         std::string entry, const std::optional<std::string>& dialect) {
+        const auto options = make_options(std::move(include_dirs), std::move(symbols), sections, std::move(entry), dialect);
         py::gil_scoped_release release;
         return toolchain::assemble_text(text, name, options);
       },
       py::arg("text"), py::arg("name") = "<text>", py::arg("include_dirs") = std::vector<std::filesystem::path>(),
       py::arg("symbols") = std::map<std::string, toolchain::Word>(),
-      py::arg("sections") = std::map<std::string, toolchain::Address>(), py::arg("entry") = "",
+      py::arg("sections") = std::map<std::string, toolchain::Address>(), py::arg("entry") = "", py::arg("dialect") = py::none(),
       "Assembles a text (docs/assembler.md). Raises AssemblyError with all errors; its `diagnostics` is a list of "
       "dicts.");
   m.def(
       "assemble_file",
       [](const std::filesystem::path& path, std::vector<std::filesystem::path> include_dirs,
          std::map<std::string, toolchain::Word> symbols, const std::map<std::string, toolchain::Address>& sections,
-         std::string entry) {
-        const auto options = make_options(std::move(include_dirs), std::move(symbols), sections, std::move(entry));
+         std::string entry, const std::optional<std::string>& dialect) {
+        const auto options = make_options(std::move(include_dirs), std::move(symbols), sections, std::move(entry), dialect);
         py::gil_scoped_release release;
         return toolchain::assemble_file(path, options);
       },
       py::arg("path"), py::arg("include_dirs") = std::vector<std::filesystem::path>(),
       py::arg("symbols") = std::map<std::string, toolchain::Word>(),
-      py::arg("sections") = std::map<std::string, toolchain::Address>(), py::arg("entry") = "",
+      py::arg("sections") = std::map<std::string, toolchain::Address>(), py::arg("entry") = "", py::arg("dialect") = py::none(),
       "Assembles a file. Raises AssemblyError with all errors.");
   m.def(
       "assemble_object",
-      [](const std::string& text, const std::string& name, std::vector<std::filesystem::path> include_dirs) {
-        const auto options = make_options(std::move(include_dirs), {}, {}, {});
+      [](const std::string& text, const std::string& name, std::vector<std::filesystem::path> include_dirs, const std::optional<std::string>& dialect) {
+        const auto options = make_options(std::move(include_dirs), {}, {}, {}, dialect);
         return toolchain::assemble_object_text(text, name, options).object;
       },
       py::arg("text"), py::arg("name") = "<text>", py::arg("include_dirs") = std::vector<std::filesystem::path>(),
-      "Assembles a text to a relocatable object. Raises AssemblyError.");
+      py::arg("dialect") = py::none(), "Assembles a text to a relocatable object. Raises AssemblyError.");
   m.def(
       "link",
       [](std::vector<toolchain::Object> objects, std::vector<toolchain::Object> library, const std::string& map) {

@@ -2,11 +2,12 @@
 
 #include "machine/instruction_trace.hpp"
 #include "python/bindings/bindings.hpp"
+#include "report/trace_text.hpp"
 
 namespace {
 
 /// The record of cmrc._core.c40.Processor.trace() back as the struct that the text is made of.
-std::string trace_line(const py::dict& record, unsigned slot) {
+std::string trace_line(const py::dict& record, unsigned slot, const machine::Labels* labels) {
   c40::TraceRecord out;
   out.cycle = record["cycle"].cast<c40::Cycles>();
   out.pc = record["pc"].cast<c40::Address>();
@@ -27,15 +28,21 @@ std::string trace_line(const py::dict& record, unsigned slot) {
   }
   out.registers = registers;
   out.memory = memory;
-  return machine::to_text(out, slot);
+  return labels ? machine::to_text(out, slot, *labels) : machine::to_text(out, slot);
 }
 
 }  // namespace
 
 void bind_trace(py::module_& core) {
   py::module_ room = core.def_submodule("trace", "Text traces (docs/trace.md).");
-  room.attr("event_header") = "# cmrc event trace 1";
-  room.attr("instruction_header") = "# cmrc instruction trace 1";
-  room.def("line", &trace_line, py::arg("record"), py::arg("slot") = 0,
+  room.attr("event_header") = std::string(report::event_trace_header);
+  room.attr("instruction_header") = std::string(report::instruction_trace_header);
+  room.attr("labelled_header") = std::string(report::labelled_trace_header);
+  py::class_<machine::Labels>(room, "Labels", "What a program calls things, for traces that stay the same when it moves.")
+      .def(py::init(&machine::Labels::of_program), py::arg("image"))
+      .def_static("of_dock", &machine::Labels::of_dock, py::arg("image"), "Of the image of the dock's DSPs: also RAM on chip and the windows.")
+      .def("name", [](const machine::Labels& labels, c40::Address address) { return labels.names.text(address); }, py::arg("address"),
+           "Label and offset; eight hexadecimal digits where nothing has a name.");
+  room.def("line", &trace_line, py::arg("record"), py::arg("slot") = 0, py::arg("labels") = nullptr,
            "The line of an instruction, from a record of c40.Processor.trace().");
 }

@@ -45,13 +45,14 @@ def assemble(
     symbols: Mapping[str, int] | None = None,
     sections: Mapping[str, int] | None = None,
     entry: str = "",
+    dialect: str | None = None,
 ) -> Program:
     """Assembles a text in TI's syntax (docs/assembler.md).
 
     ``symbols`` are predefined constants, ``sections`` places sections at addresses (``.text`` stands at 300000h unless said), ``entry`` names the symbol to
-    start at. Raises AssemblyError.
+    start at, ``dialect`` (``ti``, ``gnu``) how files are read that do not say it. Raises AssemblyError; ValueError for another dialect.
     """
-    return _core.toolchain.assemble(text, name, list(include_dirs), dict(symbols or {}), dict(sections or {}), entry)
+    return _core.toolchain.assemble(text, name, list(include_dirs), dict(symbols or {}), dict(sections or {}), entry, dialect)
 
 
 def assemble_file(
@@ -61,9 +62,10 @@ def assemble_file(
     symbols: Mapping[str, int] | None = None,
     sections: Mapping[str, int] | None = None,
     entry: str = "",
+    dialect: str | None = None,
 ) -> Program:
     """Assembles a file; see ``assemble``. Included files are looked for beside it first. Raises AssemblyError."""
-    return _core.toolchain.assemble_file(path, list(include_dirs), dict(symbols or {}), dict(sections or {}), entry)
+    return _core.toolchain.assemble_file(path, list(include_dirs), dict(symbols or {}), dict(sections or {}), entry, dialect)
 
 
 def read_coff(path: Path) -> Program:
@@ -91,7 +93,8 @@ def disassemble(words: int | Sequence[int], pc: int = 0) -> str | list[str]:
 class Stop:
     """Why a run ended.
 
-    ``reason`` is ``until``, ``limit`` (of cycles), ``breakpoint``, ``external_access`` (a bus window: answer with ``complete_read`` or ``complete_write`` and run on) or ``fault``.
+    ``reason`` is ``until``, ``limit`` (of cycles), ``breakpoint``, ``external_access`` (a bus window: answer with ``complete_read`` or ``complete_write`` and run on),
+    ``software_interrupt`` (before SWI; to go on behind it, set ``pc``) or ``fault``.
     """
 
     reason: str
@@ -280,7 +283,7 @@ class ChipState:
 
 
 class Processor(ChipState):
-    """One TMS320C40 with memory around it: board ``default`` (the CMRC board's map), ``flat`` (zero-wait RAM everywhere), or a TOML file's path.
+    """One TMS320C40 with memory around it: board ``default`` (the CMRC board's map), ``flat`` (zero-wait RAM everywhere, and the chip's own registers), or a TOML file's path.
 
     With ``checks`` it watches for rules of the manual that a program breaks; ``diagnostics`` has them. It is slower then, and nothing else changes.
     """

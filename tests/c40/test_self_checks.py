@@ -33,6 +33,8 @@ BROKEN = [
     ("RPTS inside a block", " ldi 1,rc\n rptb outer\n rpts 3\n nop\n nop\nouter: nop\nstop: b stop", "repeat_nesting", 5, "a repeat inside it has taken"),
     ("RPTS of a branch", " rpts 3\n b stop\nstop: b stop", "repeat_single", 1, "may not repeat program control"),
     ("a store two words ahead", " ldi 0,r0\n ldhi 2fh,ar1\n or 0fc05h,ar1\n sti r0,*ar1\n nop\nnear: nop\n nop\nstop: b stop", "self_modifying", 3, "2 words ahead"),
+    ("STII straight before LDII", " ldi 1,r0\n stii r0,*ar0\n ldii *ar0,r1\n stii r0,*ar0\nstop: b stop", "interlocked", 2, "straight behind the interlocked store"),
+    ("STFI straight before SIGI", " stfi r0,*ar0\n sigi *ar0,r1\nstop: b stop", "interlocked", 1, "straight behind the interlocked store"),
     ("a circular step without BK", " ldi *ar0++(1)%,r0\nstop: b stop", "circular", 0, "BK is 0"),
     ("a circular step longer than the buffer", " ldi 4,bk\n ldi *ar0++(5)%,r0\nstop: b stop", "circular", 1, "a step of 5 in a circular buffer of BK = 4"),
     ("a pointer behind its buffer", " ldi 3,bk\n addi 3,ar0\n nop\n nop\n ldi *ar0++(1)%,r0\nstop: b stop", "circular", 4, "ar0 points 3 words into a circular buffer of BK = 3"),
@@ -44,9 +46,16 @@ def test_a_broken_rule_is_named_with_its_place(name: str, text: str, rule: str, 
     found = [d for d in checked(text) if d.rule == rule]
     assert [d.pc for d in found] == [CODE + where]
     assert message in found[0].message
-    assert found[0].section.startswith(("8.", "3.9"))
+    assert found[0].section.startswith("7.4" if rule == "interlocked" else ("8.", "3.9"))
     word = c40.assemble(text, sections={".text": CODE}).sections[0].words[where]
     assert found[0].instruction == c40.disassemble(word, CODE + where)
+
+
+def test_the_rule_behind_a_chip_that_stops_at_the_end_of_a_block_is_named() -> None:
+    """Ruling 42: a branch that becomes a block's last instruction by what is written to RE, not by RPTB."""
+    found = checked(" ldi 2,rc\n ldhi 2fh,rs\n or 0fc06h,rs\n ldhi 2fh,re\n or 0fc07h,re\n or 100h,st\n nop\nend: b stop\nstop: b stop")
+    assert [(d.rule, d.pc) for d in found] == [("repeat_block", CODE + 7)]
+    assert "may not end with program control" in found[0].message
 
 
 RESERVED = [

@@ -36,6 +36,8 @@ def files_of(directory: Path) -> set[str]:
         (["--trace-window", "5:2", "--trace", "t"], ["--trace-window", "5:2"]),
         (["--trace-window", "0:1"], ["--trace-window", "--trace"]),
         (["--trace-instructions", "9", "--trace", "t"], ["--trace-instructions", "9"]),
+        (["--trace-labels", "--trace", "t"], ["--trace-labels", "--trace-instructions"]),
+        (["exec", "x.asm", "--trace-labels"], ["--trace-labels", "--trace FILE"]),
         (["--set", "gamma"], ["--set", "KEY=VALUE"]),
         (["--set", "scheduling.gama_refreshes=1"], ["gamma_refreshes"]),
         (["--set", "scheduling.gamma_refreshes=often"], ["gamma_refreshes", "integer"]),
@@ -109,7 +111,7 @@ def test_a_coff_file_cut_short(run, tmp_path: Path) -> None:
     whole = (tmp_path / "p.out").read_bytes()
     for size in range(1, len(whole), 7):
         (tmp_path / "cut.out").write_bytes(whole[:size])
-        result = run("exec", "cut.out", "--max-cycles", 10)
+        result = run("exec", "cut.out", "--cycles", 10)
         assert result.returncode in (0, 2), size  # what is cut may be nothing but symbols
         assert result.returncode == 0 or "cut.out" in result.stderr
 
@@ -135,6 +137,10 @@ def test_hex_words_are_checked(run, tmp_path: Path) -> None:
         (["--dump", "0F0000000h:4"], ["F0000000"]),
         (["--dump", "1FFFFFFFFh:4"], ["--dump"]),
         (["--max-cycles", "0"], ["--max-cycles"]),
+        (["--cycles", "0"], ["--cycles"]),
+        (["--cycles", "-5"], ["--cycles"]),
+        (["--cycles", "many"], ["--cycles"]),
+        (["--cycles", "5", "--max-cycles", "5"], ["--cycles", "--max-cycles"]),
         (["--load-at", "1000h"], ["--load-at", ".hex"]),
         (["--trace", "no/such/trace"], ["no/such/trace"]),
     ],

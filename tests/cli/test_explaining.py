@@ -1,6 +1,7 @@
 """exec --profile, --pipeline and board files: every cycle of a program that was counted by hand finds its place."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -105,6 +106,50 @@ def test_pipeline_is_drawn_as_the_manual_draws_it(run, program) -> None:
     assert cells["0030000A"] == "      F-DRE"
     assert cells["0030000B"] == "        FDRE"
     assert any("branch 3" in line and "call" in line for line in rows)
+
+
+@pytest.mark.parametrize("window", ["0:30", "7:40", "9:45", "95:140", "988:1031", "99995:100040", "123456:123460"])
+def test_the_ruler_has_every_tenth_cycle(run, tmp_path, window) -> None:
+    (tmp_path / "loop.asm").write_text("start: nop\n b start\n")
+    text = run("exec", "loop.asm", "--cycles", 100100, "--pipeline", window).stdout
+    lines = text[text.index("pipeline, cycles") :].splitlines()
+    first, last = map(int, window.split(":"))
+    tens, units = lines[1:3]
+    assert units == "".join(str(cycle % 10) for cycle in range(first, last + 1))
+    for cycle in range(first, last + 1):
+        if cycle % 10 == 0:
+            at = cycle - first
+            assert tens[at:].split(" ")[0] == str(cycle) and (at == 0 or tens[at - 1] == " ")
+    assert set(tens.split()) <= {str(cycle) for cycle in range(first, last + 1) if cycle % 10 == 0 or cycle == first}
+
+
+def test_a_wait_for_a_port_stands_in_the_row_of_the_read(run, tmp_path) -> None:
+    (tmp_path / "send.asm").write_text("start: ldhi 0010h,ar0\n rpts 30\n nop\n sti r0,*+ar0(42h)\nhalt: b halt\n")
+    (tmp_path / "take.asm").write_text("start: ldhi 0010h,ar0\n ldi *+ar0(71h),r5\n addi 1,r5\nhalt: b halt\n")
+    arguments = ("exec", "send.asm", "take.asm", "--link", "0.0:1.3", "--pipeline", "0:150")
+    waited = json.loads(run(*arguments, "--json").stdout)["chips"][1]["causes"]["comm_port"]
+    assert waited > 30
+    text = run(*arguments).stdout
+    rows = text[text.index("chip 1:") :].splitlines()
+    drawn = {row: row[:151].count("p") for row in rows if re.match("  00300", row[151:])}
+    assert [count for row, count in drawn.items() if "ldi *+ar0(71h),r5" in row] == [waited]
+    assert sum(drawn.values()) == waited, "in no other row"
+    read = next(row for row in rows if "ldi *+ar0(71h)" in row)
+    assert re.search(r"Rp+E ", read) and f"comm_port {waited}" in read
+    assert "p port" in text
+
+
+def test_what_the_dma_holds_up_is_drawn_so(run) -> None:
+    """In the row of the instruction that waits, as many cycles as it has been charged with."""
+    faults = Path(__file__).parents[1] / "peripherals" / "data" / "faults"
+    arguments = ("exec", faults / "fetch_dma_first.asm", "--board", faults / "timing-board.toml", "--until", "done", "--pipeline", "0:199")
+    text = run(*arguments).stdout
+    rows = [row for row in text[text.index("pipeline, cycles") :].splitlines() if re.match("  00", row[200:])]
+    charged = {row: int(match[1]) for row in rows if (match := re.search(r"dma_conflict (\d+)", row))}
+    assert charged
+    inside = {row: count for row, count in charged.items() if row[:200].lstrip()[0] == "F" and row[:200].rstrip()[-1] == "E"}
+    assert inside and all(row[:200].count("d") == count for row, count in inside.items())
+    assert all("d" not in row[:200] for row in rows if row not in charged)
 
 
 @pytest.mark.parametrize("window", ["5", "9:3", "a:b", "0:100000", "-1:4"])

@@ -5,6 +5,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from cmrc import _core
+from locations import ROOT
 from traces import condensed
 
 HZ = 25_000_000
@@ -21,11 +23,19 @@ def claim_of(kind: int, events: list[str], after: float) -> float:
     return next(time for time in claims if time > after)
 
 
+def labelled(event: str, labels: _core.trace.Labels, windows: dict[str, int]) -> str:
+    """Bus addresses and job areas as what areas.inc and task_block.inc call them."""
+    event = re.sub(r"(\[bus A\] .* address=|\] (?:load|claim) .*area=)0x([0-9a-f]+)", lambda m: m[1] + labels.name(windows["A"] + int(m[2], 16)), event)
+    return re.sub(r"(\[bus B\] .* address=)0x([0-9a-f]+)", lambda m: m[1] + labels.name(windows["B"] + int(m[2], 16)), event)
+
+
 @pytest.mark.golden
 @pytest.mark.parametrize("dsps", [1, 2, 4])
 def test_scene(run, golden: Callable[[str, str], None], tmp_path: Path, dsps: int) -> None:
     def trace(window: str, *slots: int) -> list[str]:
         extra = [argument for slot in slots for argument in ("--trace-instructions", slot)]
+        if slots:  # assembled here, so that the lines have the source's text
+            extra += ["--trace-labels", "--programs", ROOT / "c40_programs"]
         result = run("--dsps", dsps, "--duration", 0.05, "--quiet", "--trace", "t", "--trace-window", window, *extra)
         assert result.returncode == 0, result.stderr
         return (tmp_path / "t").read_text().splitlines()[1:]
@@ -40,7 +50,10 @@ def test_scene(run, golden: Callable[[str, str], None], tmp_path: Path, dsps: in
     def keep(cycle: int) -> bool:
         return any(window <= cycle / HZ < window + WINDOW_S for window in windows)
 
-    lines = ["# cmrc scene trace 1", f"# emulator --dsps {dsps}", *events]
+    image = _core.toolchain.assemble_file(ROOT / "c40_programs" / "dsp.asm", entry="_start")
+    labels = _core.trace.Labels.of_dock(image)
+    buses = {bus: image.symbols[f"WINDOW_{bus}"] for bus in "AB"}
+    lines = ["# cmrc scene trace 2", f"# emulator --dsps {dsps}", *(labelled(event, labels, buses) for event in events)]
     for slot in range(dsps):
         instructions = (tmp_path / f"t.dsp{slot}").read_text().splitlines()[1:]
         lines += condensed(instructions, slot, keep)
@@ -54,11 +67,11 @@ def test_golden_files_stay_small() -> None:
 
 
 def test_trace_diff_regenerates_the_text_behind_a_differing_hash(run, tmp_path: Path) -> None:
-    run("--dsps", 1, "--duration", 0.0241, "--quiet", "--trace", "t", "--trace-window", "0.024:0.0241", "--trace-instructions", 0)
+    run("--dsps", 1, "--duration", 0.0241, "--quiet", "--trace", "t", "--trace-window", "0.024:0.0241", "--trace-instructions", 0, "--trace-labels")
     executed = (tmp_path / "t.dsp0").read_text().splitlines()[1:]
     assert executed
     hashed = condensed(executed, 0, keep=lambda cycle: False)
-    text = "\n".join(["# cmrc scene trace 1", "# emulator --dsps 1", *hashed]) + "\n"
+    text = "\n".join(["# cmrc scene trace 2", "# emulator --dsps 1", *hashed]) + "\n"
     (tmp_path / "a.trace").write_text(text)
     (tmp_path / "b.trace").write_text(re.sub("sha256=.{16}", "sha256=0123456789abcdef", text))
     result = run("trace-diff", "a.trace", "b.trace")

@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
+from traces import without_operands
 
 SQUARES = """
 ; the first eight squares into a table, by repeated addition
@@ -87,10 +88,20 @@ def test_hex_is_loaded_and_started_where_told(run, tmp_path: Path) -> None:
 
 def test_limit_of_cycles(run, tmp_path: Path) -> None:
     (tmp_path / "loop.asm").write_text("start: nop\n       b start\nnever: nop\n")
-    plain = run("exec", "loop.asm", "--max-cycles", 1000, "--json")
-    assert (plain.returncode, json.loads(plain.stdout)["stop"]["reason"]) == (0, "limit")
-    assert 1000 <= json.loads(plain.stdout)["cycles"] < 1010
-    assert run("exec", "loop.asm", "--max-cycles", 1000, "--until", "never").returncode == 1
+    for option, status, message in (("--max-cycles", 1, "--max-cycles 1000 reached"), ("--cycles", 0, "the 1000 cycles of --cycles")):
+        for program in (["loop.asm"], ["loop.asm", "loop.asm", "--link", "0.0:1.3"]):  # one chip, and a network
+            plain = run("exec", *program, option, 1000, "--json")
+            report = json.loads(plain.stdout)
+            assert (plain.returncode, report["stop"]["reason"]) == (status, "limit")
+            assert (message if len(program) == 1 else option) in report["stop"]["message"]
+            for chip in report.get("chips", [report]):
+                assert 1000 <= chip["cycles"] < 1010
+            assert run("exec", *program, option, 1000, "--until", "never").returncode == status
+    # A program that ends before has ended, whatever the limit.
+    (tmp_path / "end.asm").write_text("start: nop\nhalt: b halt\n")
+    assert "stop: halt" in run("exec", "end.asm", "--cycles", 1000).stdout
+    (tmp_path / "bad.asm").write_text("start: .word 0FFFFFFFFh\n")
+    assert run("exec", "bad.asm", "--cycles", 1000).returncode == 1
 
 
 def test_idle_without_an_interrupt_to_come_ends_the_run(run, tmp_path: Path) -> None:
@@ -131,3 +142,23 @@ def test_trace_shows_every_instruction_and_changes_nothing(run, squares, tmp_pat
         spent = re.findall(r" (?:branch|register_conflict|memory_conflict|wait_state)=(\d+)", rest)
         cycle += 1 + sum(map(int, spent))
     assert cycle == json.loads(plain)["cycles"]
+
+
+def test_a_labelled_trace_does_not_show_where_the_program_lies(run, squares, tmp_path: Path) -> None:
+    traces = []
+    for place in ("300000h", "301234h"):
+        assert run("asm", squares, "-o", "p.out", "--section", f".text={place}").returncode == 0
+        result = run("exec", "p.out", "--board", "flat", "--trace", "t", "--trace-labels")
+        assert result.returncode == 0, result.stderr
+        traces.append((tmp_path / "t").read_text())
+    # A COFF file has no source: the operands are disassembled, and a direct address shows its place.
+    assert [without_operands(line) for line in traces[0].splitlines()] == [without_operands(line) for line in traces[1].splitlines()]
+    assert traces[0].startswith("# cmrc labelled instruction trace 1\n0 [dsp 0] start -  ")
+    # The plain trace's cycles and causes, in the same order.
+    assert run("exec", "p.out", "--board", "flat", "--trace", "plain").returncode == 0
+    plain = (tmp_path / "plain").read_text().splitlines()[1:]
+    labelled = traces[0].splitlines()[1:]
+    causes = re.compile(r"^(\d+) | (branch|register_conflict|memory_conflict|wait_state)=(\d+)")
+    assert [causes.findall(line) for line in labelled] == [causes.findall(line) for line in plain]
+    assert run("trace-diff", "t", "t").returncode == 0
+    assert "traces of two kinds" in run("trace-diff", "t", "plain").stderr

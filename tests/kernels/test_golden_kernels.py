@@ -14,7 +14,8 @@ from lanes import loop
 from range_scene import Disc, Scene
 from traces import condensed
 
-FULL_TEXT_CYCLES = 1500
+FULL_TEXT_CYCLES = 150
+CYCLES_PER_HASH = 1000
 TICK = 1000
 UNIT = 0x400
 
@@ -151,9 +152,7 @@ CASES: list[tuple[str, Callable[[], Dsp], int, int]] = [
 ]
 
 
-@pytest.mark.golden
-@pytest.mark.parametrize(("kernel", "prepare", "argument", "tick"), CASES)
-def test_kernel(golden: Callable[[str, str], None], kernel: str, prepare: Callable[[], Dsp], argument: int, tick: int) -> None:
+def kernel_trace(kernel: str, prepare: Callable[[], Dsp], argument: int, tick: int) -> str:
     *_, cycles = prepare().run(kernel, argument, tick)
     dsp = prepare()
     start = dsp.start(kernel, argument, tick)
@@ -161,6 +160,13 @@ def test_kernel(golden: Callable[[str, str], None], kernel: str, prepare: Callab
     assert dsp.chip.cycle - start == cycles
     for record in records:
         record["cycle"] -= start
-    lines = [_core.trace.line(record) for record in records]
-    text = condensed(lines, 0, keep=lambda cycle: cycle < FULL_TEXT_CYCLES)
-    golden(f"kernel-{kernel}.trace", "\n".join([_core.trace.instruction_header, f"# kernel_{kernel}: {cycles} cycles", *text]) + "\n")
+    labels = _core.trace.Labels.of_dock(dsp.image)
+    lines = [_core.trace.line(record, labels=labels) for record in records]
+    text = condensed(lines, 0, lambda cycle: cycle < FULL_TEXT_CYCLES, CYCLES_PER_HASH)
+    return "\n".join([_core.trace.labelled_header, f"# kernel_{kernel}: {cycles} cycles", *text]) + "\n"
+
+
+@pytest.mark.golden
+@pytest.mark.parametrize(("kernel", "prepare", "argument", "tick"), CASES)
+def test_kernel(golden: Callable[[str, str], None], kernel: str, prepare: Callable[[], Dsp], argument: int, tick: int) -> None:
+    golden(f"kernel-{kernel}.trace", kernel_trace(kernel, prepare, argument, tick))

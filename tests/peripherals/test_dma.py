@@ -393,14 +393,18 @@ def test_both_ways_of_execution_agree_with_the_dma_beside() -> None:
 
 
 @pytest.mark.parametrize("ends", ["end:    bu end\n", "wait:   idle\n        bu wait\n"])
-@pytest.mark.parametrize(("count", "reason"), [(8, None), (20, "dma_wait")])
-def test_a_program_ends_when_its_dma_has(emulator: Path, tmp_path: Path, ends: str, count: int, reason: str | None) -> None:
+@pytest.mark.parametrize(("count", "interrupts"), [(8, False), (20, False), (20, True)])
+def test_a_program_ends_beside_a_dma_that_is_done_or_armed_unless_it_waits_for_its_interrupt(
+    emulator: Path, tmp_path: Path, ends: str, count: int, interrupts: bool
+) -> None:
     """Channel 0 into an output FIFO to which nothing is linked: it holds eight words."""
-    registers = {1: BLOCK0, 2: 1, 3: count, 4: 0x100042, 5: 0, 0: RUN | STOP_AT_END}
+    registers = {1: BLOCK0, 2: 1, 3: count, 4: 0x100042, 5: 0, 0: RUN | STOP_AT_END | TCC}
     writes = "".join(f"        ldhi 0{v >> 16:x}h,r0\n        or 0{v & 0xFFFF:x}h,r0\n        sti r0,*+ar0({n})\n" for n, v in registers.items())
-    (tmp_path / "dma.asm").write_text("        .text\nstart:  ldhi 10h,ar0\n        or 0a0h,ar0\n" + writes + ends)
+    listens = "        ldhi 200h,iie\n        or 2000h,st\n" if interrupts else ""
+    (tmp_path / "dma.asm").write_text("        .text\nstart:  ldhi 10h,ar0\n        or 0a0h,ar0\n" + writes + listens + ends)
     result = subprocess.run([emulator, "exec", "dma.asm", "--json"], capture_output=True, text=True, check=False, cwd=tmp_path, timeout=60)
     stop = json.loads(result.stdout)["stop"]
-    assert stop["reason"] == (reason or ("idle" if "idle" in ends else "halt")) and result.returncode == (reason is not None)
-    if reason is not None:
-        assert stop["message"].startswith("DMA channel 0 waits for room in output FIFO 0 (write to 00100042h) for ever since cycle ")
+    assert stop["reason"] == ("dma_wait" if interrupts else "idle" if "idle" in ends else "halt") and result.returncode == interrupts
+    armed = "DMA channel 0 waits for room in output FIFO 0 (write to 00100042h)"
+    assert (armed in stop["message"]) == (count == 20)
+    assert stop["message"].startswith(armed + " for ever since cycle ") == interrupts

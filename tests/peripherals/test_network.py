@@ -404,14 +404,20 @@ def polls(port: int) -> str:
 
 
 @pytest.mark.parametrize("ends", [IDLES, STOP])
-def test_a_dma_channel_that_nobody_will_ever_serve_is_a_deadlock(ends: str) -> None:
+@pytest.mark.parametrize("interrupts", [True, False])
+def test_a_dma_that_nobody_will_ever_serve_is_a_deadlock_where_a_processor_sleeps_for_it(ends: str, interrupts: bool) -> None:
+    """Otherwise all processors have ended, and so has the network."""
     network = Network([program(ends)] * 2, links=["0.0:1.3"])
     stream_by_dma(network.chips[0]._core, network.chips[1]._core)
-    network.chips[1]._core.poke(0x1000D3, len(WORDS) + 1)  # one more than comes
+    core = network.chips[1]._core
+    core.poke(0x1000D3, len(WORDS) + 1)  # one more than comes
+    core.set("ST", 0x2000)
+    core.set("IIE", interrupts << 28)
     stop = network.run()
-    assert stop.reason == "deadlock" and stop.time_ps < 20_000_000
-    assert network.chips[1].status == "waiting" and network.chips[1].waits_for == 0
-    assert network.chips[1].message.startswith("DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h) from chip 0 port 0 since cycle ")
+    assert stop.reason == ("deadlock" if interrupts else "ended") and stop.time_ps < 20_000_000
+    assert network.chips[1].status == ("waiting" if interrupts else "idle" if ends == IDLES else "halt") and network.chips[1].waits_for == 0
+    armed = "DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h) from chip 0 port 0 since cycle "
+    assert armed in network.chips[1].message and network.chips[1].message.startswith(armed) == interrupts
     assert network.chips[1].memory[DATA : DATA + len(WORDS)] == WORDS and balanced(network)
 
 
@@ -423,6 +429,7 @@ def test_a_stop_watch_is_nothing_to_wait_for() -> None:
     receiver_chip.memory[0x1000D3] = len(WORDS) + 1
     receiver_chip.memory[0x100028] = 0xFFFFFFFF
     receiver_chip.memory[0x100020] = 0x2C0
+    receiver_chip.registers["IIE"] = 1 << 28
     stop = network.run()
     assert stop.reason == "deadlock" and stop.time_ps < 20_000_000 and "DMA channel 3 waits for a word" in receiver_chip.message
 

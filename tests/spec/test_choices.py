@@ -103,7 +103,7 @@ def test_an_annulled_slot_keeps_what_its_early_stages_did(
 
 def test_swi_stops_before_itself() -> None:
     processor = run("        swi\n", 0)
-    assert processor.step()["reason"] == "breakpoint"
+    assert processor.step()["reason"] == "software_interrupt"
     assert (processor.pc, processor.instructions) == (0x1000, 0)
 
 

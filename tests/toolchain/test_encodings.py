@@ -13,7 +13,7 @@ ORIGIN = 0x300000
 
 
 def assemble_words(lines: list[str], origin: int = ORIGIN) -> list[int]:
-    image = toolchain.assemble("".join(f"\t{line}\n" for line in lines), sections={".text": origin})
+    image = toolchain.assemble("".join(f"\t{line}\n" for line in lines), sections={".text": origin}, dialect="gnu")
     assert [section.name for section in image.sections] == [".text"]
     return list(image.sections[0].words)
 
@@ -25,13 +25,13 @@ def test_the_596_lines_of_the_gnu_tools_assemble_to_their_words() -> None:
         if not line.startswith("#")
     ]
     source = "L0:\n" + "".join(f"\t{text}\n" for _, _, text in lines)
-    words = toolchain.assemble(source, sections={".text": 0}).sections[0].words
+    words = toolchain.assemble(source, sections={".text": 0}, dialect="gnu").sections[0].words
     assert [f"{word:08x}" for word in words] == [word for _, word, _ in lines]
 
 
 @pytest.mark.parametrize("name", ["fir", "branch", "controller"])
 def test_gnu_sources_assemble_to_the_gnu_assemblers_words(name: str) -> None:
-    image = toolchain.assemble_file(HERE / "bench" / f"{name}.s", sections={".text": 0x1000})
+    image = toolchain.assemble_file(HERE / "bench" / f"{name}.s", sections={".text": 0x1000}, dialect="gnu")
     expected = [int(word, 16) for word in (HERE / "bench" / f"{name}.hex").read_text().split()]
     assert list(image.sections[0].words) == expected
     assert image.entry == 0x1000

@@ -47,7 +47,7 @@ def test_both_assemblers_make_the_same_words_of_the_corpus(tmp_path: Path) -> No
             words.append(word)
             lines.append(f"\t{text}\n")
     source = "\t.text\nL0:\n" + "".join(lines)
-    ours = list(toolchain.assemble(source, sections={".text": 0}).sections[0].words)
+    ours = list(toolchain.assemble(source, sections={".text": 0}, dialect="gnu").sections[0].words)
     assert ours == words and len(words) > 110_000
     zero = re.compile(r"\*(\+\+|--|-)?(ar\d)(\+\+|--)?\(0\)%?")
     counts = {"zero": 0, "float": 0}
@@ -75,7 +75,7 @@ def test_both_assemblers_make_the_same_words_of_optional_forms(tmp_path: Path) -
         "subf r3,*+ar0,r5", "lsh -2,r1,r2", "ash3 r1,*ar0,r2", "xor *ar0,*ar1,r2", "ldf 2.7,r0", "ldf -27,r1", "mpyf 0.3333,r2", "ldf 7.8125e-3,r0",
     ]  # fmt: skip
     source = "".join(f"\t{line}\n" for line in lines)
-    assert list(toolchain.assemble(source).sections[0].words) == gnu_words(source, tmp_path)
+    assert list(toolchain.assemble(source, dialect="gnu").sections[0].words) == gnu_words(source, tmp_path)
 
 
 def test_both_assemblers_make_the_same_data(tmp_path: Path) -> None:
@@ -97,7 +97,7 @@ a:\t.word 1,-1,0FFFFFFFFh,'A'
 \t.align
 \tldi r0,r0
 """
-    ours, theirs = list(toolchain.assemble(source, sections={".text": 0}).sections[0].words), gnu_words(source, tmp_path)
+    ours, theirs = list(toolchain.assemble(source, sections={".text": 0}, dialect="gnu").sections[0].words), gnu_words(source, tmp_path)
     assert ours == theirs[: len(ours)] and set(theirs[len(ours) :]) <= {0, 0x0C800000}
 
 
@@ -117,7 +117,7 @@ def test_gnus_own_test_sources_give_the_same_words(tmp_path: Path) -> None:
         for _ in range(3):
             try:
                 defines = "".join(f"{symbol} .set {value}\n" for symbol, value in symbols.items())
-                ours = toolchain.assemble_object(defines + "\n".join(lines))
+                ours = toolchain.assemble_object(defines + "\n".join(lines), dialect="gnu")
                 break
             except toolchain.AssemblyError as error:
                 for diagnostic in error.diagnostics:
@@ -140,7 +140,7 @@ def test_gnu_ld_links_our_objects_and_we_link_gnus(tmp_path: Path) -> None:
     emulator = BUILD / "bin" / "emulator"
     for name in "ab":
         subprocess.run([GNU / "tic4x-as", "-m40", here / f"{name}.s", "-o", tmp_path / f"{name}.gnu.o"], check=True)
-        subprocess.run([emulator, "asm", here / f"{name}.s", "-c", "-o", tmp_path / f"{name}.our.o"], check=True, capture_output=True)
+        subprocess.run([emulator, "asm", here / f"{name}.s", "--dialect", "gnu", "-c", "-o", tmp_path / f"{name}.our.o"], check=True, capture_output=True)
     (tmp_path / "l.ld").write_text(
         'OUTPUT_FORMAT("coff2-tic4x")\nENTRY(_start)\nSECTIONS { .text 0x300000 : { *(.text) } .data 0x300100 : { *(.data) }'
         " more 0x300200 : { *(more) } .bss 0x300300 : { *(.bss) } }\n"

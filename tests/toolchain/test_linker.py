@@ -40,7 +40,7 @@ def from_gnu(name: str) -> toolchain.Object:
 
 
 def from_us(name: str) -> toolchain.Object:
-    return toolchain.assemble_object((HERE / f"{name}.s").read_text(), name=name)
+    return toolchain.assemble_object((HERE / f"{name}.s").read_text(), name=name, dialect="gnu")
 
 
 @pytest.mark.parametrize("first", [from_gnu, from_us])
@@ -90,7 +90,7 @@ all = { origin = 0, length = 0x100000000 }
 ".data" = { address = 0x8000FFF0 }
 """)  # fmt: skip
     text = [isa.disassemble(word) for word in contents(image)[".text"][1]]
-    assert text == ["ldhi 32769,ar0", "or 32757,ar0", "ldiu -32767,dp", "ldhi 32768,ar1", "or 65525,ar1"]
+    assert text == ["ldhi 32769,ar0", "or 32757,ar0", "ldpk 32769", "ldhi 32768,ar1", "or 65525,ar1"]
     assert contents(image)[".data"][1][5] == 0x8000FFF5
 
 

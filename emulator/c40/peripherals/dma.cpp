@@ -172,26 +172,35 @@ bool Dma::active() const {
 
 bool Dma::busy() const { return s_.waits_for_answer || (s_.current >= 0 && ready(half_of(s_.current))) || pick().has_value(); }
 
+namespace {
+/// Of a code of DIE beyond 1 (fidelity.md).
+std::optional<int> timer_of_event(int channel, Word code) {
+  if (channel < 2) return code == 3 ? std::optional{0} : std::nullopt;
+  return code >= 6 ? std::optional{static_cast<int>(code) - 6} : std::nullopt;
+}
+}  // namespace
+
 std::vector<DmaWait> Dma::waits() const {
   std::vector<DmaWait> waits;
   for (int index = 0; index < 2 * dma_channel_count; ++index) {
     const Half h = half_of(index);
     if (!runs(h) || ready(h)) continue;
-    DmaWait wait{h.channel, h.half == 1, state(h).has_data && !state(h).listing, address(h), {}, {}, state(h).since};
+    DmaWait wait{.channel = h.channel, .auxiliary = h.half == 1, .write = state(h).has_data && !state(h).listing, .address = address(h), .event = {}, .port = {},
+                 .timer = {}, .interrupts = fields[static_cast<std::size_t>(h.half)].tcc.in(word_of(h)) || mode(h) == mode_autoinit, .since = state(h).since};
     if (synchronised(h) && !event_ready(h.channel, wait.write)) wait.event = event_code(h.channel, wait.write);
     if (wait.event == 1u) wait.port = h.channel;
     else if (!wait.event) wait.port = port_access(wait.address, wait.write, 0, 0).port;
+    else wait.timer = timer_of_event(h.channel, *wait.event);
     waits.push_back(wait);
   }
   return waits;
 }
 
 namespace {
-/// Of a code of DIE beyond 1 (fidelity.md).
 std::string event_name(int channel, bool write, Word code) {
   if (code == 0) return "an event, and DIE selects none";
-  if (channel < 2) return code == 2 ? fmt::format("IIOF{}", 2 * channel + write) : "timer 0";
-  return code < 6 ? fmt::format("IIOF{}", code - 2) : fmt::format("timer {}", code - 6);
+  if (const auto timer = timer_of_event(channel, code)) return fmt::format("timer {}", *timer);
+  return fmt::format("IIOF{}", channel < 2 ? static_cast<unsigned>(2 * channel + write) : code - 2);
 }
 }  // namespace
 

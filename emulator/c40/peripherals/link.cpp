@@ -95,6 +95,11 @@ Time Link::next_change() const {
 
 Time Link::next_event() const { return next_change(); }
 
+bool Link::only_exchanges_token() const {
+  const auto quiet = [](const End& end) { return end.views.empty() && end.arriving.empty(); };
+  return action_ != Action::word && quiet(ends_[0]) && quiet(ends_[1]) && !can_send(ends_[0], ends_[1]) && !can_send(ends_[1], ends_[0]);
+}
+
 void Link::advance_to(Time time) {
   for (Time next = next_change(); next <= time; next = next_change()) happen(next);
   now_ = std::max(now_, time);

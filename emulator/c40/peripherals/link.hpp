@@ -85,6 +85,8 @@ class Link {
 
   /// The next instant at which something changes by itself; `never` if only an access can change anything.
   Time next_event() const;
+  /// All that can happen by itself are exchanges of the token: neither side can send a word, whoever has it.
+  bool only_exchanges_token() const;
   /// Lets everything up to and including `time` happen. Time never goes back.
   void advance_to(Time time);
   /// An access of one end cannot change what the other end sees earlier than this after it.

@@ -1,0 +1,51 @@
+#include "machine/asleep.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace machine {
+namespace {
+
+constexpr c40::Cycles no_cycle = std::numeric_limits<c40::Cycles>::max();
+constexpr unsigned first_dma_bit = 25;                     // of IIE
+constexpr std::array<unsigned, c40::timer_count> timer_bits{0, 31};
+
+bool enables(const c40::Chip& chip, unsigned bit) { return (chip.register_value(isa::Register::IIE) >> bit & 1u) != 0; }
+
+}  // namespace
+
+c40::Cycles next_timer_interrupt(const c40::Chip& chip) {
+  c40::Cycles next = no_cycle;
+  for (int n = 0; n < c40::timer_count; ++n)
+    if (enables(chip, timer_bits[static_cast<std::size_t>(n)])) next = std::min(next, chip.next_timer_event(n));
+  return next;
+}
+
+c40::Cycles next_dma_tick(const c40::Chip& chip) {
+  c40::Cycles next = no_cycle;
+  for (const c40::DmaWait& wait : chip.dma_waits())
+    if (wait.timer) next = std::min(next, chip.next_timer_event(*wait.timer));
+  return next;
+}
+
+bool awaits_dma(const c40::Chip& chip) {
+  const auto waits = chip.dma_waits();
+  return std::any_of(waits.begin(), waits.end(), [&](const c40::DmaWait& wait) {
+    return wait.interrupts && enables(chip, first_dma_bit + static_cast<unsigned>(wait.channel));
+  });
+}
+
+bool sleeps_for_ever(const c40::Chip& chip) {
+  if (!chip.idle() || chip.dma_busy() || next_timer_interrupt(chip) != no_cycle) return false;
+  return !awaits_dma(chip) || next_dma_tick(chip) == no_cycle;
+}
+
+std::string armed_dma(const c40::Chip& chip) {
+  std::string out;
+  for (const c40::DmaWait& wait : chip.dma_waits()) out += fmt::format("; {} since cycle {}", c40::describe(wait), wait.since);
+  return out;
+}
+
+}  // namespace machine

@@ -1,0 +1,26 @@
+#pragma once
+// An instruction as its source line has it.
+#include <functional>
+#include <map>
+#include <string>
+
+#include "toolchain/image.hpp"
+
+namespace machine {
+
+class SourceText {
+ public:
+  enum class Label : bool { kept, dropped };
+  SourceText() = default;
+  explicit SourceText(const toolchain::Image& image, Label label);
+
+  /// Without comment, blanks put right, both lines of a parallel instruction in one. Where no line is known, disassembled;
+  /// `symbols` then gives branch targets their names.
+  std::string operator()(isa::Address address, isa::Word word,
+                         const std::function<std::string(isa::Address)>& symbols = {}) const;
+
+ private:
+  std::map<isa::Address, std::string> lines_;
+};
+
+}  // namespace machine

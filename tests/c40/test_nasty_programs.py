@@ -1,0 +1,52 @@
+"""Random nasty programs (nasty_programs.py) run the same however they are looked at."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from nasty_programs import Bench, Program, disagreement, generate, ring, ring_disagreement, shrink
+
+
+def check(seeds: range, directory: Path) -> None:
+    bench = Bench(directory)
+    for seed in seeds:
+        program = generate(seed)
+        found = disagreement(program, bench)
+        if found is None:
+            continue
+
+        def fails(candidate: Program) -> bool:
+            return disagreement(candidate, bench) is not None
+
+        least = shrink(program, fails)
+        pytest.fail(f"{found}\nthe least program that still fails, {disagreement(least, bench)}:\n{least}\n{least.text}")
+
+
+@pytest.mark.parametrize("first", range(0, 300, 25))
+def test_nasty_programs_run_alike_however_they_are_looked_at(first: int, tmp_path: Path) -> None:
+    check(range(first, first + 25), tmp_path)
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("first", range(0, 100_000, 1000))
+def test_nasty_programs_by_the_hundred_thousand(first: int, tmp_path: Path) -> None:
+    check(range(first, first + 1000), tmp_path)
+
+
+def check_rings(seeds: range, directory: Path) -> None:
+    bench = Bench(directory)
+    for seed in seeds:
+        found = ring_disagreement(ring(seed), bench)
+        assert found is None, found
+
+
+@pytest.mark.parametrize("first", range(0, 60, 20))
+def test_rings_of_nasty_programs_run_alike_however_they_are_cut(first: int, tmp_path: Path) -> None:
+    check_rings(range(first, first + 20), tmp_path)
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("first", range(0, 10_000, 500))
+def test_rings_of_nasty_programs_by_the_ten_thousand(first: int, tmp_path: Path) -> None:
+    check_rings(range(first, first + 500), tmp_path)

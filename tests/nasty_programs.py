@@ -1,0 +1,530 @@
+"""Random programs of what is nasty in the chip's time, written from the manual's rules: code that changes itself, the cache's control, wait states written in
+flight, DMA of all priorities, timers from four cycles up, IDLE, repeats under interrupts, annulled slots, traps, stack and vectors off chip, pins.
+
+A program is a list of fragments and a setting, so that one that fails can be shrunk: `shrink`. `disagreement` runs one in every way and says where the ways
+part. Nothing here knows how the chip is emulated: the only oracle is that a run does not depend on how it is looked at.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from cmrc import c40 as package
+from cmrc._core import c40, toolchain
+from cmrc.network import Network
+
+CYCLES = 900
+"""Of a run; a program that ends before goes round its last branch, or sleeps."""
+
+CHIP, LOCAL, SLOW, GLOBAL = 0x2FF800, 0x300C00, 0x40000000, 0x80000000
+DATA = {"chip": CHIP, "local": LOCAL, "slow": SLOW + 0x100, "global": GLOBAL + 0x600}
+CODE = {"chip": 0x2FFC00, "local": 0x300000}
+STACK = {"chip": 0x2FFA80, "local": 0x300F00, "global": GLOBAL + 0x700}
+VECTORS = {"chip": 0x2FFA00, "local": 0x300A00, "global": GLOBAL + 0x200}
+TRAPS = {"chip": 0x2FF800, "local": 0x300800, "global": GLOBAL}
+
+BOARD = """
+name = "nasty"
+clock_mhz = 40
+gmicr = 0x{gmicr:08X}
+lmicr = 0x{lmicr:08X}
+[[region]]
+name = "local"
+base = 0x300000
+words = 0x1000
+bus = "local"
+waits = {local}
+page_waits = {page}
+[[region]]
+name = "slow"
+base = 0x40000000
+words = 0x200
+bus = "local"
+waits = {slow}
+[[region]]
+name = "global"
+base = 0x80000000
+words = 0x800
+bus = "global"
+waits = {fast}
+"""
+
+
+def interface(rng: random.Random) -> int:
+    """GMICR, LMICR: software wait states 0 to 3 on both strobes, ready from pin, counter, either or both."""
+    sww, waits = (rng.choice([0, 1, 2, 3]) for _ in range(2)), (rng.randrange(4) for _ in range(2))
+    s0, s1 = sww
+    w0, w1 = waits
+    return 0x1DEA4000 | s0 << 4 | s1 << 6 | w0 << 8 | w1 << 11 | rng.choice([0, 1 << 29])
+
+
+def constant(value: int, register: str = "r9") -> str:
+    return f"        ldhi 0{value >> 16 & 0xFFFF:x}h,{register}\n        or 0{value & 0xFFFF:x}h,{register}\n"
+
+
+# Straight instructions that may stand anywhere, in slots and under RPTS too. AR4 and AR5 walk round sixteen words each.
+PLAIN = [
+    "nop", "addi 1,r0", "addi3 r0,r1,r2", "mpyi3 r2,r1,r3", "ldi *ar4++(1)%,r0", "ldi *ar5,r1", "sti r1,*ar5++(1)%", "sti r0,*ar4", "sti r2,*+ar4(1)",
+    "xor r3,r2", "cmpi r0,r1", "ldigt r0,r2", "lsh -3,r2", "ldf *ar4,r4", "addf3 r4,r6,r5", "stf r5,*+ar5(1)", "ldi r2,r8", "addc r8,r1", "nop *ar4++(1)%",
+    "addi3 *ar4,*ar5,r1", "ldi *ar4,r1\n     || ldi *ar5,r3", "sti r1,*ar4\n     || sti r2,*ar5", "addi3 *ar4,r1,r2\n     || sti r3,*ar5",
+]  # fmt: skip
+
+
+def plain(rng: random.Random, count: int) -> str:
+    return "".join(f"        {rng.choice(PLAIN)}\n" for _ in range(count))
+
+
+def single(rng: random.Random) -> str:
+    """One word, for slots and RPTS."""
+    return f"        {rng.choice([text for text in PLAIN if '||' not in text])}\n"
+
+
+def slots(rng: random.Random) -> str:
+    return "".join(single(rng) for _ in range(3))
+
+
+def repeat_block(rng: random.Random, n: int) -> str:
+    passes = rng.choice([0, 1, 2, 5, 11])
+    if rng.random() < 0.5:
+        return f"        ldi {passes},rc\n        rptb e{n}\n{plain(rng, rng.randrange(4))}e{n}:{single(rng)}"
+    return f"        ldi {passes},rc\n        rptbd e{n}\n{slots(rng)}{plain(rng, rng.randrange(1, 4))}e{n}:{single(rng)}"
+
+
+def repeat_around_branch(rng: random.Random, n: int) -> str:
+    """A branch inside the block, far enough from its end."""
+    return f"        ldi {rng.randrange(1, 6)},rc\n        rptb e{n}\n        cmpi r0,r1\n        bgt m{n}\n{plain(rng, 2)}m{n}:    nop\n{slots(rng)}e{n}:{single(rng)}"
+
+
+def modify(rng: random.Random, n: int) -> str:
+    """A store into code: into the routine far away, or so many words ahead; the word stored is an instruction."""
+    word = f"        ldi @words+{rng.randrange(4)},r10\n"
+    if rng.random() < 0.5:
+        return word + f"        sti r10,@patch+{rng.randrange(3)}\n" + rng.choice(["        call patch\n", plain(rng, 3) + "        call patch\n"])
+    return word + f"        sti r10,@m{n}\n" + "        nop\n" * rng.randrange(7) + f"m{n}:    addi 7,r7\n"
+
+
+def timer(rng: random.Random, n: int) -> str:
+    which = rng.choice([0, 0, 1])
+    base = 0x20 + 0x10 * which
+    start = rng.choice([0x2C0, 0x2C0, 0x3C0, 0x280, 0x380, 0])
+    return (
+        f"        ldi {rng.choice([2, 3, 5, 11, 20, 37, 50, 90])},r9\n        sti r9,*+ar6({base + 8})\n        ldi {start},r9\n        sti r9,*+ar6({base})\n"
+        + rng.choice(["", "        ldi 1,iie\n", "        ldhi 8000h,r9\n        or 1,r9\n        ldi r9,iie\n"])
+    )
+
+
+def look(rng: random.Random, n: int) -> str:
+    """A read of a peripheral register, with and without a stall before it."""
+    where = rng.choice([0x20, 0x24, 0x28, 0x34, 0xA0, 0xA1, 0xA3, 0xA4, 0xB3, 0xC0, 0x40, 0])
+    return rng.choice(["", "        addi 0,ar6\n", "        ldi *ar5,r1\n"]) + f"        ldi *+ar6({where}),r7\n        xor r7,r3\n"
+
+
+def control_dma(rng: random.Random, n: int) -> str:
+    channel = rng.choice([0, 0, 1, 2, 5])
+    control = rng.choice([3, 3, 3, 1, 2, 0]) << 22 | rng.choice([0, 1, 3]) | rng.choice([1, 1, 1, 2]) << 2 | rng.choice([0, 1 << 18]) | rng.choice([0, 0, 0, 1 << 6, 1 << 7])
+    count = f"        ldi {rng.choice([1, 2, 5, 13, 40])},r9\n        sti r9,*+ar6({0xA3 + 16 * channel})\n"
+    return count + constant(control) + f"        sti r9,*+ar6({0xA0 + 16 * channel})\n"
+
+
+def subroutine(rng: random.Random, n: int) -> str:
+    return rng.choice(
+        ["        call sub\n", "        cmpi r1,r2\n        callgt sub\n", f"        laj sub2\n{slots(rng)}", "        trapu 3\n", "        cmpi r1,r0\n        trapge 3\n",
+         f"        latu 4\n{slots(rng)}"]
+    )  # fmt: skip
+
+
+def branch(rng: random.Random, n: int) -> str:
+    condition = rng.choice(["eq", "ne", "gt", "le", "u"])
+    kind = rng.choice(["b{c} e{n}\n", "b{c}d e{n}\n{s}", "b{c}at e{n}\n{s}", "b{c}af e{n}\n{s}"])
+    annulled = rng.choice([slots(rng), "        lda ar4,ar2\n        ldpk 2fh\n        nop\n", "        ldi *ar4++(1)%,r0\n        nop *ar5++(1)%\n        ldi 5,r1\n"])
+    return "        cmpi r0,r2\n        " + kind.format(c=condition, n=n, s=annulled) + plain(rng, 2) + f"e{n}:    nop\n        ldp @words\n"
+
+
+def loop(rng: random.Random, n: int) -> str:
+    if rng.random() < 0.5:
+        return f"        ldi {rng.randrange(1, 6)},ar2\nl{n}:    nop\n{plain(rng, 2)}        dbu ar2,l{n}\n"
+    return f"        ldi {rng.randrange(1, 6)},ar2\nl{n}:    nop\n{plain(rng, 1)}        dbud ar2,l{n}\n{slots(rng)}"
+
+
+def cache(rng: random.Random, n: int) -> str:
+    return f"        {rng.choice(['or 0800h,st', 'or 1800h,st', 'or 0400h,st', 'andn 0400h,st', 'andn 0800h,st', 'or 1000h,st', 'or 0C00h,st'])}\n" + rng.choice(["", single(rng)])
+
+
+def interrupts(rng: random.Random, n: int) -> str:
+    return rng.choice(
+        ["        or 2000h,st\n", "        andn 2000h,st\n", "        ldi 1,iie\n", "        ldhi 0fe00h,iie\n", "        ldi 0,iie\n", "        ldi 9,iif\n", "        ldi 99h,iif\n",
+         "        ldi 0,iif\n", "        ldi 3,die\n", "        ldi 0,die\n", "        ldi 1234h,die\n"]
+    )  # fmt: skip
+
+
+def waits(rng: random.Random, n: int) -> str:
+    return constant(interface(rng)) + f"        sti r9,*+ar6({rng.choice([0, 4])})\n" + rng.choice(["", plain(rng, 2)])
+
+
+KINDS: list[tuple[int, Callable[[random.Random, int], str]]] = [
+    (6, lambda rng, n: plain(rng, rng.randrange(1, 7))),
+    (4, repeat_block),
+    (1, repeat_around_branch),
+    (2, lambda rng, n: f"        rpts {rng.choice([0, 1, 2, 9, 30])}\n{single(rng)}"),
+    (4, modify),
+    (4, timer),
+    (3, look),
+    (5, control_dma),
+    (3, subroutine),
+    (4, branch),
+    (2, loop),
+    (3, cache),
+    (4, interrupts),
+    (2, waits),
+    (1, lambda rng, n: f"        {rng.choice(['idle', 'idle', 'idle2'])}\n"),
+    (2, lambda rng, n: "        push r1\n        pop r2\n" if rng.random() < 0.5 else "        push r3\n        pushf r5\n        popf r6\n        pop r1\n"),
+    (1, lambda rng, n: f"        sti r1,*+ar6({0x42 + 0x10 * rng.randrange(3)})\n"),
+]
+
+TAIL = """
+        dbu ar3,again
+end:    bu end
+sub:    addi 1,r7
+        retsge
+        subi 3,r7
+        rets
+sub2:   addi 2,r7
+        bu r11
+patch:  addi 1,r7
+        addi 2,r7
+        addi 3,r7
+        rets
+words:  addi 10,r7
+        subi 1,r7
+        xor r7,r3
+        nop
+isr:    push st
+        addi 1,ar0
+        ldi *ar4,ar7
+        pop st
+        reti
+trap3:  addi 5,r7
+        reti
+trap4:  push ar0
+        pop ar0
+        bu r11
+nmi:    addi 1,ar1
+        reti
+"""
+
+
+@dataclass(frozen=True)
+class Program:
+    seed: int
+    fragments: tuple[str, ...]
+    places: dict[str, str]
+    waits: dict[str, int]
+    registers: dict[str, int]
+    channels: dict[int, dict[int, tuple[str, int]]] = field(default_factory=dict)
+    pins: tuple[tuple[int, int], ...] = ()
+    """(cycle, IIOF pin; 4 is NMI)"""
+    clocks: tuple[float, float] = (40, 40)
+    rounds: int = 1
+
+    @property
+    def text(self) -> str:
+        return "        .text\nstart:  ldp @words\nagain:  ldhi 10h,ar6\n" + "".join(self.fragments) + TAIL
+
+
+def generate(seed: int) -> Program:
+    rng = random.Random(seed)
+    weights = [weight for weight, _ in KINDS]
+    picked = rng.choices([kind for _, kind in KINDS], weights, k=rng.randrange(4, 22))
+    channels: dict[int, dict[int, tuple[str, int]]] = {}
+    for n in (0, 1, 2, 5):
+        into_code = rng.random() < 0.15
+        source = ("words", 0) if into_code else ("", DATA[rng.choice(list(DATA))] + rng.randrange(16))
+        destination = ("patch", 0) if into_code else ("", DATA[rng.choice(list(DATA))] + 0x20 + rng.randrange(16))
+        steps = rng.choice([0, 1]) if not into_code else 0
+        channels[n] = {1: source, 2: ("", steps), 4: destination, 5: ("", rng.choice([0, 1]) if not into_code else 0), 3: ("", rng.choice([1, 3, 8, 30]))}
+    return Program(
+        seed=seed,
+        fragments=tuple(kind(rng, n) for n, kind in enumerate(picked)),
+        places={"code": rng.choice(list(CODE)), "stack": rng.choice(list(STACK)), "vectors": rng.choice(list(VECTORS)), "traps": rng.choice(list(TRAPS)),
+                "ar4": rng.choice(list(DATA)), "ar5": rng.choice(list(DATA))},
+        waits={"local": rng.choice([0, 0, 1, 3]), "slow": rng.choice([1, 2, 5, 15]), "fast": rng.choice([0, 0, 2]), "page": rng.choice([0, 0, 0, 2]),
+               "gmicr": interface(rng), "lmicr": interface(rng)},
+        registers={"ST": rng.choice([0, 0x800, 0x2000, 0x2800, 0x2800]), "IIE": rng.choice([0, 1, 0x80000001, 0xFE000001]), "IIF": rng.choice([0, 0x9999, 0x9]),
+                   "DIE": rng.choice([0, 3, 0x1234])},
+        channels=channels,
+        pins=tuple(sorted((rng.randrange(10, CYCLES), rng.choice([0, 1, 4])) for _ in range(rng.choice([0, 0, 2, 6])))),
+        clocks=(rng.choice([40, 50, 33.333]), rng.choice([40, 50, 60])),
+        rounds=rng.choice([0, 1, 3]),
+    )  # fmt: skip
+
+
+# ---- running one
+
+
+class Bench:
+    """Boards as files in a directory."""
+
+    def __init__(self, directory: Path) -> None:
+        self.directory = directory
+        self._boards: dict[str, str] = {}
+
+    def board(self, program: Program) -> str:
+        text = BOARD.format(**program.waits)
+        if text not in self._boards:
+            path = self.directory / f"board{len(self._boards)}.toml"
+            path.write_text(text)
+            self._boards[text] = str(path)
+        return self._boards[text]
+
+
+def assembled(program: Program) -> Any:
+    return toolchain.assemble(program.text, f"nasty{program.seed}.asm", sections={".text": CODE[program.places["code"]]})
+
+
+def prepare(chip: Any, program: Program, symbols: dict[str, int]) -> None:
+    places = program.places
+    vectors, traps = VECTORS[places["vectors"]], TRAPS[places["traps"]]
+    for n in (2, 3, 4, 5, 6, *range(0x25, 0x2C)):
+        chip.poke(vectors + n, symbols["isr"])
+    chip.poke(vectors + 1, symbols["nmi"])
+    chip.poke(traps + 3, symbols["trap3"])
+    chip.poke(traps + 4, symbols["trap4"])
+    values = program.registers | {"AR3": program.rounds, "AR4": DATA[places["ar4"]] & ~15, "AR5": DATA[places["ar5"]] + 0x30 & ~15, "BK": 16, "SP": STACK[places["stack"]],
+                                  "IVTP": vectors, "TVTP": traps, "R0": 5, "R1": 3, "R2": 9, "R3": 0, "R7": 0, "AR6": 0x100000}  # fmt: skip
+    for name, value in values.items():
+        chip.set(name, value)
+    for n, registers in program.channels.items():
+        for register, (symbol, offset) in registers.items():
+            chip.poke(0x1000A0 + 16 * n + register, (symbols[symbol] if symbol else 0) + offset)
+
+
+def made(program: Program, board: str, image: Any, checks: bool = False) -> Any:
+    chip = c40.Processor(board, checks)
+    chip.load_image(image)
+    prepare(chip, program, image.symbols)
+    chip.record_events()
+    return chip
+
+
+def state(chip: Any) -> tuple[bytes, int]:
+    return chip.snapshot(), chip.digest()
+
+
+Outcome = tuple[dict[str, Any], tuple[bytes, int], list[Any]]
+
+
+class Pins:
+    """Raised in the first cycle at or after theirs between two instructions."""
+
+    def __init__(self, program: Program) -> None:
+        self._left = list(program.pins)
+
+    def next(self) -> int:
+        return self._left[0][0] if self._left else CYCLES
+
+    def raise_due(self, chip: Any) -> None:
+        while self._left and self._left[0][0] <= chip.cycle:
+            pin = self._left.pop(0)[1]
+            if pin == 4:
+                chip.raise_nmi()
+            else:
+                chip.raise_iiof(pin)
+
+
+def drive(chip: Any, program: Program, advance: Callable[[Any, int], dict[str, Any]], seen: Callable[[Any], None] | None = None) -> Outcome:
+    """`advance(chip, cycle)` goes on, to that cycle at the furthest but for the instruction that crosses it."""
+    pins = Pins(program)
+    stop: dict[str, Any] = {}
+    while chip.cycle < CYCLES:
+        pins.raise_due(chip)
+        stop = advance(chip, min(pins.next(), CYCLES))
+        if stop["reason"] != "limit":
+            break
+        if seen is not None:
+            seen(chip)
+    return stop, state(chip), list(chip.events)
+
+
+def difference(program: Program, way: str, chip: Any, other: Any) -> str:
+    """Of two chips that should be alike: what is not."""
+    lines = [f"seed {program.seed}, {way}, cycles {chip.cycle} and {other.cycle}"]
+    for name in package.REGISTERS:
+        if chip.get(name) != other.get(name):
+            lines.append(f"  {name}: {chip.get(name):X} {other.get(name):X}")
+    lines.append(f"  pc: {chip.pc:08X} {other.pc:08X}")
+    for what, first, second in (("cause", chip.causes, other.causes), ("peripheral", chip.peripherals(), other.peripherals())):
+        lines += [f"  {what} {name}: {first[name]:X} {second[name]:X}" for name in first if first[name] != second[name]]
+    return "\n".join(lines)
+
+
+def disagreement(program: Program, bench: Bench) -> str | None:
+    """Runs it by single steps, uncut by blocks, uncut exactly, cut at random cycles both ways, with the self-checks, and as a member of a network."""
+    board, image = bench.board(program), assembled(program)
+    rng = random.Random(program.seed)
+    instants: dict[int, tuple[bytes, int]] = {}
+
+    def note(chip: Any) -> None:
+        instants[chip.cycle] = state(chip)
+
+    reference = made(program, board, image)
+    note(reference)
+    expected = drive(reference, program, lambda chip, cycle: chip.step(), note)  # type: ignore[no-any-return]
+    note(reference)
+
+    def parted(way: str, chip: Any, outcome: Outcome) -> str | None:
+        stop, last, events = outcome
+        if expected[0] != stop:
+            return f"seed {program.seed}, {way}: stops {expected[0]} {stop}\n" + difference(program, way, reference, chip)
+        if expected[1] != last:
+            return difference(program, way, reference, chip)
+        if expected[2] != events:
+            at = next(i for i, pair in enumerate(zip([*expected[2], None], [*events, None], strict=False)) if pair[0] != pair[1])
+            return f"seed {program.seed}, {way}: event {at} of {len(expected[2])}: {expected[2][at : at + 3]} {events[at : at + 3]}"
+        return None
+
+    def whole(chip: Any, cycle: int) -> dict[str, Any]:
+        return chip.run(max(cycle - chip.cycle, 1))  # type: ignore[no-any-return]
+
+    def cut(chip: Any, cycle: int) -> dict[str, Any]:
+        return chip.run(min(rng.choice([1, 1, 2, 3, 7, 20, 64, 150]), max(cycle - chip.cycle, 1)))  # type: ignore[no-any-return]
+
+    for way, advance, exact, checks in (("whole", whole, False, False), ("exact", whole, True, False), ("cut", cut, False, False), ("cut exact", cut, True, False),
+                                        ("checked", whole, False, True), ("checked and cut", cut, False, True)):  # fmt: skip
+        chip = made(program, board, image, checks)
+        chip.set_exact(exact)
+        wrong: list[str] = []
+
+        def compare(chip: Any, way: str = way, wrong: list[str] = wrong) -> None:
+            if not wrong and chip.cycle in instants and instants[chip.cycle] != state(chip):
+                again = made(program, board, image)
+                drive(again, replace(program, pins=tuple(p for p in program.pins if p[0] < chip.cycle)), lambda c, _: c.step() if c.cycle < chip.cycle else {"reason": "there"})
+                wrong.append(difference(program, f"{way}, in between", again, chip))
+            if not wrong and chip.cycle not in instants:
+                wrong.append(f"seed {program.seed}, {way}: no instruction ended in cycle {chip.cycle} by single steps")
+
+        found = parted(way, chip, drive(chip, program, advance, compare))
+        if wrong or found:
+            return wrong[0] if wrong else found
+    return None if program.pins else in_network(program, board, image, instants)
+
+
+def in_network(program: Program, board: str, image: Any, instants: dict[int, tuple[bytes, int]]) -> str | None:
+    """Beside a neighbour that does nothing to it, whole and in slices: at every instant as alone."""
+    rng = random.Random(program.seed)
+    neighbour = package.assemble("        .text\nstart:  bu start\n")
+    for slices in (False, True):
+        network = Network([image, neighbour], links=["0.3:1.0"], boards=board, clocks_mhz=list(program.clocks))
+        chip = network.chips[0]._core
+        prepare(chip, program, image.symbols)
+        end = CYCLES * 2 / program.clocks[0]
+        now = 0.0
+        while now < end:
+            now = min(end, now + rng.uniform(0.05, 8)) if slices else end
+            stop = network.run(until_us=now)
+            settled = network.chips[0].status not in ("waiting", "external_access")
+            if settled and chip.cycle in instants and instants[chip.cycle] != (chip.snapshot(), chip.digest()):
+                again = made(program, board, image)
+                drive(again, program, lambda c, _: c.step() if c.cycle < chip.cycle else {"reason": "there"})
+                return difference(program, f"network, {'slices' if slices else 'whole'}", again, chip)
+            if settled and chip.cycle not in instants and chip.cycle < CYCLES:
+                return f"seed {program.seed}: in the network, an instruction ended in cycle {chip.cycle}"
+            if stop.reason != "limit":
+                break
+    return None
+
+
+# ---- networks of them
+
+
+def exchange(rng: random.Random) -> str:
+    """Words to the next chip, from port 0, or from the one before, through port 3; by the processor, or by DMA when a FIFO is ready."""
+    kind = rng.randrange(4)
+    if kind == 0:
+        return "        sti r1,*+ar6(42h)\n" * rng.randrange(1, 4)
+    if kind == 1:
+        return "        ldi *+ar6(71h),r7\n        xor r7,r3\n" * rng.randrange(1, 3)
+    channel, die, sync = (0, 4, 1 << 7) if kind == 2 else (3, 1 << 14, 1 << 6)
+    control = 3 << 22 | rng.choice([0, 1, 3]) | 1 << 2 | sync | rng.choice([0, 1 << 18])
+    count = f"        ldi {rng.randrange(1, 9)},r9\n        sti r9,*+ar6({0xA3 + 16 * channel})\n"
+    return count + constant(control) + f"        sti r9,*+ar6({0xA0 + 16 * channel})\n" + constant(die) + "        or r9,die\n"
+
+
+def ring(seed: int) -> list[Program]:
+    """Programs for a ring of two to four chips, port 0 of each to port 3 of the next."""
+    rng = random.Random(seed)
+    out = []
+    for n in range(rng.randrange(2, 5)):
+        program = generate(seed * 8 + n)
+        fragments = [fragment for fragment in program.fragments if "*+ar6(66)" not in fragment]
+        for _ in range(rng.randrange(1, 6)):
+            fragments.insert(rng.randrange(len(fragments) + 1), exchange(rng))
+        channels = {c: r for c, r in program.channels.items() if c != 0} | {
+            0: {1: ("", DATA["chip"]), 2: ("", 1), 4: ("", 0x100042), 5: ("", 0), 3: ("", 4)},
+            3: {1: ("", 0x100071), 2: ("", 0), 4: ("", DATA["local"] + 0x20), 5: ("", 1), 3: ("", 4)},
+        }
+        out.append(replace(program, fragments=tuple(fragments), channels=channels, pins=()))
+    return out
+
+
+def ring_disagreement(programs: list[Program], bench: Bench) -> str | None:
+    """Whole, in slices, and with the chips advanced in another order: the same words, events and states."""
+    seed = programs[0].seed
+    images = [assembled(program) for program in programs]
+    clocks = [program.clocks[0] for program in programs]
+    end = CYCLES * 2 / 33
+    found: list[Any] = []
+    for way in ("whole", "slices", "another order", "slices in another order"):
+        rng = random.Random(seed)
+        links = [f"{n}.0:{(n + 1) % len(images)}.3" for n in range(len(images))]
+        network = Network(images, links=links, boards=[bench.board(program) for program in programs], clocks_mhz=clocks, turn_order=seed + 1 if "order" in way else 0,
+                          record_words=True, record_peripherals=True)  # fmt: skip
+        for program, chip, image in zip(programs, network.chips, images, strict=True):
+            prepare(chip._core, program, image.symbols)
+        now, reason = 0.0, "limit"
+        while now < end and reason == "limit":
+            now = min(end, now + rng.uniform(0.05, 8)) if "slices" in way else end
+            reason = network.run(until_us=now).reason
+        # How a chip stands that has come to its last branch is seen when it goes on.
+        stands = [("", "") if chip.status in ("running", "halt") else (chip.status, chip.message) for chip in network.chips]
+        chips = [(*stand, chip._core.cycle, chip._core.snapshot(), chip._core.digest()) for stand, chip in zip(stands, network.chips, strict=True)]
+        found.append((reason, network.event_trace, chips))
+        if found[-1] == found[0]:
+            continue
+        if found[-1][1] != found[0][1]:
+            pair = next(pair for pair in zip([*found[0][1], None], [*found[-1][1], None], strict=False) if pair[0] != pair[1])
+            return f"ring {seed}, {way}: {pair}"
+        return f"ring {seed}, {way}: {[(a[:3], b[:3]) for a, b in zip(found[0][2], chips, strict=True) if a != b]}, {found[0][0]} {reason}"
+    return None
+
+
+# ---- the least that still fails
+
+
+def shrink(program: Program, fails: Callable[[Program], bool]) -> Program:
+    """Takes away fragments, pins, channels and rounds as long as it still fails."""
+    changed = True
+    while changed:
+        changed = False
+        smaller = [replace(program, fragments=program.fragments[:i] + program.fragments[i + size :]) for size in (8, 4, 2, 1) for i in range(0, len(program.fragments), size)]
+        smaller += [replace(program, pins=program.pins[:i] + program.pins[i + 1 :]) for i in range(len(program.pins))]
+        smaller += [replace(program, rounds=0)] if program.rounds else []
+        smaller += [replace(program, registers=program.registers | {name: 0}) for name, value in program.registers.items() if value]
+        smaller += [replace(program, waits=program.waits | {name: 0}) for name, value in program.waits.items() if value and name in ("local", "fast", "page")]
+        for i, fragment in enumerate(program.fragments):
+            lines = fragment.splitlines(keepends=True)
+            for j in range(len(lines)):
+                cut = "".join(lines[:j] + lines[j + 1 :])
+                smaller.append(replace(program, fragments=(*program.fragments[:i], cut, *program.fragments[i + 1 :])))
+        for candidate in smaller:
+            try:
+                failing = fails(candidate)
+            except ValueError:
+                continue  # a label went, and is missed
+            if failing:
+                program, changed = candidate, True
+                break
+    return program

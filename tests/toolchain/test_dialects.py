@@ -1,0 +1,181 @@
+"""Ruling 33: `ldp` as TI's assembler and as GNU as read it, and what decides which it is. Words from the ruling's table, which TI-built objects and GNU as confirm."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+from cmrc import _core, c40
+from cmrc._core import toolchain
+from locations import BUILD
+
+
+def words(source: str, dialect: str | None = None) -> list[int]:
+    return list(toolchain.assemble(source, sections={".text": 0x301000, ".data": 0x80123456}, dialect=dialect).sections[0].words)
+
+
+LDP = [
+    # operands, in ti, in gnu (None: refused)
+    ("0002FFC00h", 0x1F70002F, None),
+    ("30h", 0x1F700000, 0x50700030),
+    ("@30h", 0x1F700000, 0x50700000),
+    ("0", 0x1F700000, 0x50700000),
+    ("small", 0x1F700000, 0x50700030),
+    ("large", 0x1F70002F, None),
+    ("small,dp", 0x1F700000, 0x50700030),
+    ("table", 0x1F708012, 0x50708012),
+    ("@table", 0x1F708012, 0x50708012),
+    ("table,DP", 0x1F708012, 0x50708012),
+    ("@table + 10000h,DP", 0x1F708013, 0x50708013),
+    ("0FFFFFFFFh", 0x1F70FFFF, None),
+    ("table,ar3", 0x506B8012, None),
+    ("@table,ar7", 0x506F8012, None),
+    ("0002FFC00h,ar0", 0x5068002F, None),
+]
+
+
+@pytest.mark.parametrize(("operands", "ti", "gnu"), LDP)
+def test_ldp(operands: str, ti: int, gnu: int | None) -> None:
+    source = f"small .set 30h\nlarge .set 2FFC00h\n ldp {operands}\n .data\ntable: .word 0\n"
+    assert words(source)[0] == words(source, "ti")[0] == ti
+    if gnu is None:
+        with pytest.raises(toolchain.AssemblyError):
+            words(source, "gnu")
+    else:
+        assert words(source, "gnu")[0] == gnu
+
+
+def test_ldpk_is_the_same_in_both() -> None:
+    source = " ldpk 30h\n ldpk @30h\n ldpk table\n .data\ntable: .word 0\n"
+    assert words(source, "ti") == words(source, "gnu") == [0x1F700030, 0x1F700000, 0x1F708012]
+
+
+def test_a_number_that_was_a_page_is_warned_of() -> None:
+    image = toolchain.assemble(" ldp 30h\n ldp 0\n ldp @30h\n ldp 2FFC00h\n ldp $\n")
+    assert len(image.warnings) == 1
+    assert "<text>:1:" in image.warnings[0]
+    for part in ("30h is in page 0", "page 30h before", "ldpk", "--dialect gnu"):
+        assert part in image.warnings[0]
+    assert toolchain.assemble(" ldp 30h\n", dialect="gnu").warnings == []
+
+
+@pytest.mark.parametrize(
+    ("line", "dialect", "message"),
+    [
+        ("ldp", "ti", "takes an address, and DP, AR0 to AR7"),
+        ("ldp x,r0", "ti", "takes an address, and DP, AR0 to AR7"),
+        ("ldp x,ar0,dp", "ti", "takes an address, and DP, AR0 to AR7"),
+        ("ldp r0", "ti", "an address is needed here"),
+        ("ldp 1.5", "ti", "an integer is needed here"),
+        ("ldp -1", "ti", "an address is 0 to 0FFFFFFFFh"),
+        ("ldp 100000000h", "ti", "an address is 0 to 0FFFFFFFFh"),
+        ("ldp nowhere", "ti", "nowhere"),
+        ("ldp x,ar0", "gnu", "--dialect ti"),
+        ("ldp 2FFC00h", "gnu", "a page is 0 to 65535"),
+    ],
+)
+def test_what_ldp_refuses(line: str, dialect: str, message: str) -> None:
+    with pytest.raises(toolchain.AssemblyError, match=message.replace("(", r"\(")):
+        words(f"x: {line}\n", dialect)
+
+
+def test_objects_have_the_same_words_when_linked() -> None:
+    source = "\tldp @table\n\tldp table\n\tldp far,ar2\n\tldp far\n\t.global far\n\t.data\ntable:\t.word 0\n"
+    other = '\t.global far\n\t.sect "more"\nfar:\t.word 0\n'
+    image, _ = toolchain.link([toolchain.assemble_object(source), toolchain.assemble_object(other)])
+    table, far = (next(s.address for s in image.sections if s.name == name) >> 16 for name in (".data", "more"))
+    text = next(s for s in image.sections if s.name == ".text")
+    assert list(text.words) == [0x1F700000 | table, 0x1F700000 | table, 0x506A0000 | far, 0x1F700000 | far]
+
+
+DECIDED = [
+    # the file's head, the option, the dialect that decides, and what the listing says of it
+    ("", None, "ti", "the default"),
+    ("", "gnu", "gnu", "asked for"),
+    (" .dialect gnu\n", None, "gnu", ".dialect in line 1"),
+    (" .dialect ti\n", "gnu", "ti", ".dialect in line 1"),
+    (' .dialect "GNU"\n', "ti", "gnu", ".dialect in line 1"),
+    ("; by GCC\ngcc2_compiled.:\n", None, "gnu", "GCC's mark gcc2_compiled. in line 2"),
+    ("gcc2_compiled.:\n", "ti", "ti", "asked for"),
+    ("gcc2_compiled.:\n .dialect ti\n", None, "ti", ".dialect in line 2"),
+    (" .dialect ti\ngcc2_compiled.:\n", None, "ti", ".dialect in line 1"),
+]
+
+
+@pytest.mark.parametrize(("head", "option", "dialect", "why"), DECIDED)
+def test_what_decides(head: str, option: str | None, dialect: str, why: str) -> None:
+    image = toolchain.assemble(head + " ldp 30h\n", dialect=option)
+    assert image.sections[0].words[0] == {"ti": 0x1F700000, "gnu": 0x50700030}[dialect]
+    assert image.dialects == [f"{dialect}: {why}"]
+    assert image.listing().splitlines()[0] == f"dialect {dialect}: {why}"
+
+
+def test_a_dialect_holds_for_a_file_and_what_it_includes(tmp_path: Path) -> None:
+    (tmp_path / "own.inc").write_text(" .dialect ti\n ldp 30h\n")
+    (tmp_path / "none.inc").write_text(" ldp 30h\n")
+    main = tmp_path / "main.asm"
+    main.write_text(' .include "own.inc"\n ldp 30h\n .include "none.inc"\n')
+    image = toolchain.assemble_file(main, dialect="gnu")
+    assert list(image.sections[0].words) == [0x1F700000, 0x50700030, 0x50700030]
+    assert image.dialects == ["gnu: asked for", f"ti in {tmp_path / 'own.inc'}: .dialect in line 1"]
+
+
+@pytest.mark.parametrize(
+    ("source", "message"),
+    [
+        (" .dialect foo\n", "no dialect is called 'foo'; ti and gnu are"),
+        (" .dialect\n", "ti or gnu"),
+        (" .dialect ti,gnu\n", "<text>:1:"),
+        (" .dialect ti\n .dialect gnu\n", "said its dialect already"),
+        (" nop\n .dialect gnu\n", "before the file's first instruction"),
+    ],
+)
+def test_directives_that_are_refused(source: str, message: str) -> None:
+    with pytest.raises(toolchain.AssemblyError) as refused:
+        toolchain.assemble(source)
+    assert message in str(refused.value)
+
+
+def test_gccs_mark_behind_instructions_is_warned_of() -> None:
+    image = toolchain.assemble(" ldp 30h\ngcc2_compiled.:\n ldp 30h\n")
+    assert list(image.sections[0].words) == [0x1F700000, 0x1F700000]
+    assert any("GCC's mark" in warning for warning in image.warnings)
+
+
+def test_python_and_the_commands_take_it(tmp_path: Path) -> None:
+    assert c40.assemble(" ldp 30h\n", dialect="gnu").sections[0].words[0] == 0x50700030
+    with pytest.raises(ValueError, match='"GNU" is none; "ti" and "gnu" are'):
+        c40.assemble(" nop\n", dialect="GNU")
+    source = tmp_path / "p.asm"
+    source.write_text("start: ldp 30h\nhalt: b halt\n")
+    (tmp_path / "p.hex").write_text("6A00FFFF\n")
+
+    def run(tool: str, *arguments: object) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([BUILD / "bin" / tool, *map(str, arguments)], capture_output=True, text=True, cwd=tmp_path, check=False)
+
+    for tool, first in (("emulator", ["asm"]), ("c40_asm", [])):
+        made = run(tool, *first, source, "-o", "p.out", "--dialect", "gnu")
+        assert (made.returncode, made.stderr) == (0, "")
+        assert toolchain.read_coff(tmp_path / "p.out").sections[0].words[0] == 0x50700030
+        refused = run(tool, *first, source, "-o", "q.out", "--dialect", "as")
+        assert refused.returncode == 2 and "--dialect" in refused.stderr and not (tmp_path / "q.out").exists()
+    assert "ldiu 48,dp" in run("emulator", "disasm", source, "--dialect", "gnu").stdout
+    assert "ldpk" in run("emulator", "disasm", source).stdout
+    assert "DP  00000030" in run("emulator", "exec", source, "--dialect", "gnu").stdout
+    assert "DP  00000000" in run("emulator", "exec", source).stdout
+    for program in ("p.hex", "p.out"):
+        refused = run("emulator", "exec", program, "--dialect", "gnu")
+        assert refused.returncode == 2 and f"--dialect: {program} is no source" in refused.stderr
+
+
+def test_two_cycles_less_before_a_direct_access() -> None:
+    """LDPK writes DP in decode; LDIU in execute, for which the address of the access waits (c40-isa.md 8.1)."""
+
+    def cycles(dialect: str) -> int:
+        processor = _core.c40.Processor("flat")
+        image = toolchain.assemble("start: ldp there\n ldi @there,r0\nhalt: b halt\nthere: .word 5\n", dialect=dialect)
+        processor.load_image(image)
+        processor.run(100, image.symbols["halt"])
+        assert processor.get("R0") & 0xFFFFFFFF == 5
+        return int(processor.cycle)
+
+    assert (cycles("ti"), cycles("gnu")) == (2, 4)
