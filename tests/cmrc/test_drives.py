@@ -32,7 +32,7 @@ def test_that_is_the_load_cells_doing() -> None:
     with_it, _ = lift(8.0)
     without, report = lift(8.0, at(24, "stick_load_cell"))
     static = 24e3 * 9.81 / (283e3 * 8.0**2)
-    assert 0.5 * static < without < static and without > 4 * with_it
+    assert 0.5 * static < without < 1.5 * static and without > 4 * with_it
     assert report["errors_handled"] == []
 
 
@@ -40,8 +40,8 @@ def test_that_is_the_load_cells_doing() -> None:
 
 
 @pytest.mark.parametrize(("origin", "settings"), [
-    ("drive saturated", {"slewing.slew.rated_torque_n_m": 60.0}),  # the leg asks for 440 N m: 90 is all it has
-    ("drive overheated", {"slewing.slew.rated_torque_n_m": 320.0, "slewing.slew.thermal_time_s": 0.5}),  # 1.4 of it for some seconds
+    ("drive saturated", {"slewing.slew.rated_torque_n_m": 60.0}),  # the leg asks for 340 N m: 90 is all it has
+    ("drive overheated", {"slewing.slew.rated_torque_n_m": 160.0, "slewing.slew.thermal_time_s": 0.2}),  # up to 1.4 of it for a second
 ])  # fmt: skip
 def test_a_trip_is_an_error_with_its_origin(origin: str, settings: dict[str, Any]) -> None:
     report, simulation = run(12, **settings)
@@ -70,13 +70,14 @@ def test_drives_of_the_usual_scene_do_not_trip() -> None:
 
 
 def test_an_unstable_hoist_is_ended_by_a_trip() -> None:
-    """Six milliseconds of delay are beyond the margin of 80 rad/s (3.5 ms, control-notes.md 1)."""
+    """Six milliseconds of delay are beyond the margin of 80 rad/s (3.5 ms, control-notes.md 1): the codes swing from end to end."""
     fixed = {"dsps": 1, "boot": "preloaded", "report.reference": "none", "duration_s": 4.0}
     settings = {**fixed, "control.hoist_bandwidth_rad_s": 80.0, "dock.drive_delay_us": 6000.0, "errors.following_hoist_m": 10.0}
     simulation = cmrc.Simulation(cmrc.config(settings=settings))
     simulation.run()
     error = only(json.loads(simulation.report_json()))
-    assert error["origin"] in ("drive saturated", "drive overspeed") and error["of"] == ["hoist"]
+    assert (error["origin"], error["of"]) == ("drive saturated", ["hoist"])
+    assert error["happened_s"] < 2.0
     assert simulation.exit_status == 1
 
 
@@ -98,7 +99,7 @@ def test_an_unstable_hoist_is_ended_by_a_trip() -> None:
     ({"slewing.jib_m": float("nan")}, r"^slewing\.jib_m: nan is out of range"),
     ({"agv.mass_kg": float("inf")}, r"^agv\.mass_kg: inf is out of range"),
     ({"slewing.hoist.peak": 0.9}, r"^slewing\.hoist\.peak: 0\.9 is out of range"),
-    ({"slewing.trolley.gear_rad_m": 60.0}, r"^slewing\.trolley\.gear_rad_m: no such key; the nearest known key is gantry\.trolley\.gear_rad_m"),
+    ({"slewing.trolley.gear_rad_m": 60.0}, r"^slewing\.trolley\.gear_rad_m: no such key; the nearest known key is slewing\.travel\.gear_rad_m"),
 ])  # fmt: skip
 def test_what_cannot_work_is_refused_before_the_run(settings: dict[str, Any], says: str) -> None:
     with pytest.raises(cmrc.ConfigError, match=says):

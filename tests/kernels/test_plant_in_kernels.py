@@ -19,7 +19,7 @@ KEYS = {key["name"]: key for key in cmrc.config_keys()}
 # What no kernel computes with: what the plant does by itself, what is checked before the run, what a drive does to protect itself.
 NOT_THEIRS = {
     "rated_load_kg", "sway_damping", "portal_along_m", "portal_landside_m", "portal_waterside_m", "portal_leg_m", "portal_height_m",
-    "torque_lag_s", "stribeck", "stribeck_speed", "brake", "overspeed", "overspeed_time_s", "saturation_time_s", "thermal_time_s", "thermal_trip",
+    "torque_lag_s", "stribeck", "stribeck_speed", "brake", "overspeed", "overspeed_time_s", "saturation_time_s", "saturation_swings", "thermal_time_s", "thermal_trip",
 }  # fmt: skip
 # End stops that inverse kinematics does not go by: those of the rope on the slewing crane, of travel, slewing and rotator.
 FREE = {"slewing.travel", "slewing.slew", "slewing.hoist", "slewing.rotate", "gantry.rotate"}
