@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from cmrc import _core
 
-SECONDS = 6.0
+SECONDS = 8.0
 EXPERIMENT = {"report.misses_max": 0, "report.reference": "none"}
 
 
@@ -63,8 +63,8 @@ def test_a_hoist_with_70_percent_misses_is_three_times_as_far_off_as_with_30() -
 @pytest.mark.parametrize(("settings", "share", "run"), [({"scheduling__servo_served_every": 4}, 0.75, 3), ({"scheduling__servo_loss_share": 0.5}, 0.5, 0), ({"scheduling__servo_loss_share": 0.5, "scheduling__servo_loss_run": 7}, 0.5, 7)])
 def test_left_out_ticks_are_dropped_ones(settings: dict[str, Any], share: float, run: int) -> None:
     given = {**{k.replace("__", "."): v for k, v in settings.items()}, "report.reference": "none"}
-    results = [cmrc.run(dsps=dsps, duration_s=2.0, settings=given) for dsps in (1, 3)]
-    lost = [[m["number"] for m in result.report["misses"] if m["kind"] == "pid"] for result in results]
+    results = [cmrc.run(dsps=dsps, duration_s=2.0, settings=given) for dsps in (2, 3)]
+    lost = [sorted(m["number"] for m in result.report["misses"] if m["kind"] == "pid") for result in results]
     assert lost[0] == lost[1]  # the same ticks whatever the machine
     task = results[0].report["tasks"]["pid"]
     assert task["dropped"] == task["misses"] and task["dropped"] / task["released"] == pytest.approx(share, abs=0.05)

@@ -16,6 +16,8 @@ from cmrc.loops import measured
 from cmrc.loops.model import (
     FREQUENCIES,
     JOINTS,
+    PRESETS,
+    TRAVEL_RAD_S,
     Loop,
     assumed_inertias,
     margins,
@@ -23,9 +25,6 @@ from cmrc.loops.model import (
     poses,
 )
 
-PRESETS = {"base": 40.0, "tight": 80.0}
-"""rad/s: bandwidth of slew, luff, hoist, rotator and trolley."""
-TRAVEL = 5.0
 BLOCKS = ("margins", "poses", "found")
 
 
@@ -35,7 +34,7 @@ def margins_table() -> str:
         "| bandwidth, rad/s | crossover, Hz | phase margin | delay margin, ms | Ms |",
         "|---|---|---|---|---|",
     ]
-    for bandwidth in (TRAVEL, 25.0, 40.0, 60.0, 80.0, 100.0):
+    for bandwidth in (TRAVEL_RAD_S, 25.0, 40.0, 60.0, 80.0, 100.0):
         m = margins(Loop(bandwidth))
         lines.append(f"| {bandwidth:g} | {m.crossover_hz:.1f} | {m.phase_deg:.0f}° | {m.delay_ms:.2f} | {m.peak:.2f} |")
     return "\n".join(lines)
@@ -55,7 +54,7 @@ def poses_table() -> str:
         unit = "kg" if joint in ("travel", "hoist") else "kg m²"
         cells = [f"{min(moved):.3g} … {max(moved):.3g} {unit}", f"{min(ratios):.3f} … {max(ratios):.3f}"]
         for bandwidth in PRESETS.values():
-            loop = Loop(TRAVEL if joint == "travel" else bandwidth)
+            loop = Loop(TRAVEL_RAD_S if joint == "travel" else bandwidth)
             delays = [margins(loop, ratio).delay_ms for ratio in (min(ratios), max(ratios))]
             cells.append(f"{min(delays):.2f} … {max(delays):.2f}")
         lines.append(f"| {joint} | " + " | ".join(cells) + " |")

@@ -95,6 +95,9 @@ class Pose:
     mass_kg: float
 
 
+PRESETS = {"base": 40.0, "tight": 80.0}
+"""rad/s: bandwidth of slew, luff, hoist, rotator and trolley in each preset."""
+TRAVEL_RAD_S = 5.0
 JOINTS = ("travel", "slew", "luff", "hoist", "rotator")
 PLACE = (0, 1, 2, 3, 6)
 """of the joints among the plant's seven coordinates"""
