@@ -72,7 +72,7 @@ void check(const CraneParameters& p) {
     require_positive({{"a drive's rated_torque", d.rated_torque}, {"a drive's rated_speed", d.rated_speed}, {"a drive's gear", d.gear},
                       {"a drive's torque_lag", d.torque_lag}, {"a drive's smooth_speed", d.smooth_speed},
                       {"a drive's stribeck_speed", d.stribeck_speed}, {"a drive's overspeed_time", d.overspeed_time},
-                      {"a drive's saturation_time", d.saturation_time}, {"a drive's thermal_time", d.thermal_time}});
+                      {"a drive's saturation_time", d.saturation_time}, {"a drive's saturation_swings", d.saturation_swings}, {"a drive's thermal_time", d.thermal_time}});
     require_not_negative({{"a drive's rotor_inertia", d.rotor_inertia}, {"a drive's coulomb", d.coulomb},
                           {"a drive's stribeck", d.stribeck}, {"a drive's viscous", d.viscous}, {"a drive's brake", d.brake}});
     refuse(!(d.efficiency > 0.0 && d.efficiency <= 1.0), "a drive's efficiency must be above 0 and at most 1", d.efficiency);

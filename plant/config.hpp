@@ -33,7 +33,8 @@ struct DriveParameters {
   double peak = 1.5;           // u_max, the torque at code 2047, as a share of the rated torque
   double overspeed = 1.15;         // the drive trips above this share of its rated speed,
   double overspeed_time = 0.010;   // s, when that lasts so long
-  double saturation_time = 0.5;    // s for which |code| = 2047 without a break trips it
+  double saturation_time = 0.5;    // s for which |code| = 2047 without a break trips it;
+  double saturation_swings = 10;   // so do so many swings of the code from one end to the other, each within that time of the one before
   double thermal_time = 1800.0;    // s, time constant of the thermal model: heat follows (torque / rated torque)^2
   double thermal_trip = 1.2;       // heat that trips it, as a share of what the rated torque comes to; the warning is at 1
 

@@ -64,6 +64,7 @@ class DockCore {
   void take_codes();
   void watch_updates();
   void protect_drives();             // dock_trips.cpp
+  bool count_swings(std::size_t joint, bool on);
   void trip(std::size_t joint, Trip);
   void apply_brakes();
   void check_limits();

@@ -52,6 +52,9 @@ inline constexpr std::size_t trip_count = 3;
 // The drives' own protection (plant/dock_trips.cpp).
 struct ProtectionState {
   std::array<std::int64_t, joint_count> fast{}, saturated{};  // latches for which the drive has been too fast, at its largest code
+  std::array<int, joint_count> end{};                          // of the code's range, at which it was last: 1, -1, or 0
+  std::array<std::int64_t, joint_count> since_swing{};         // latches since it last came from the other end
+  std::array<int, joint_count> swings{};                       // how often it has, each within saturation_time of the one before
   std::array<double, joint_count> heat{};                      // of the thermal model: 1 is what the rated torque comes to
   std::array<std::uint32_t, trip_count> causes{};              // by joint, of the last trip; until the drive is switched on again
   std::uint32_t tripped = 0;                                   // until it is switched off, and has cooled to 1

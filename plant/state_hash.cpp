@@ -44,7 +44,7 @@ class Hash {
     (*this)(s.sway_shown, s.sway_sampled, s.load_shown, s.load_sampled, s.stuck_status, s.stuck_speeds, s.stuck_sways, s.stuck_load, s.stuck_wind,
             s.held_status, s.held_speed, s.held_wind);
   }
-  void add(const ProtectionState& s) { (*this)(s.fast, s.saturated, s.heat, s.causes, s.tripped, s.warm, s.asked); }
+  void add(const ProtectionState& s) { (*this)(s.fast, s.saturated, s.end, s.since_swing, s.swings, s.heat, s.causes, s.tripped, s.warm, s.asked); }
   void add(const BodyState& s) { (*this)(s.position, s.turn, s.velocity, s.spin); }
   void add(const Grip& s) { (*this)(s.x, s.y, s.yaw, s.top); }
   void add(const LandingState& s) {

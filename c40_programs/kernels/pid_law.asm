@@ -82,7 +82,9 @@ pid_joints:
         call    m_sincos
         ldf     r1, r9                          ; cos phi; of a gantry no parameter goes by it
         ldf     @PD_H, r10
-        ldf     @SV_LOAD, r11
+        ldf     @SV_LOAD, r11                   ; m: at least the spreader's, also where the rope is slack
+        cmpf    @K_TQ_SPREADER, r11
+        ldflt   @K_TQ_SPREADER, r11
         ldi     0, r6
         ldi     1, r7
         ldhi    hi16(K_PC_FILTER), ar0

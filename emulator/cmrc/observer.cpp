@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 
 #include "bus_model/bus.hpp"
 #include "cmrc/ti_float.hpp"
@@ -55,6 +57,11 @@ void RunObserver::dock_event(const plant::Event& event) {
     case plant::EventKind::locked: add(EventKind::locked); break;
     case plant::EventKind::opened: add(EventKind::opened); break;
     case plant::EventKind::delivered: add(EventKind::delivered); break;
+    case plant::EventKind::drive_tripped: {
+      static constexpr std::array<std::string_view, 3> why = {"too fast", "too long at its largest code", "too hot"};
+      failures_.push_back({event.time, std::nullopt, "plant", "drive_tripped (" + std::to_string(event.index) + "): " + std::string(why.at(static_cast<std::size_t>(event.values[0])))});
+      break;
+    }
     case plant::EventKind::drive_stopped:
       if (!servoing_()) break;
       [[fallthrough]];
@@ -64,7 +71,6 @@ void RunObserver::dock_event(const plant::Event& event) {
     case plant::EventKind::agv_overflow:
     case plant::EventKind::joint_limit:
     case plant::EventKind::drive_resumed:
-    case plant::EventKind::drive_tripped:
     case plant::EventKind::drive_warm:
     case plant::EventKind::collision:
     case plant::EventKind::fault:

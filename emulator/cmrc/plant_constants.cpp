@@ -25,7 +25,9 @@ class Placer {
   explicit Placer(toolchain::Image& image) : image_(image), lift_(image.symbol("LIFT")) {}
 
   /// Words of a constant that _start copies to on-chip RAM; `label` is its place there.
-  void constant(std::string_view label, std::initializer_list<double> values, toolchain::Word offset = 0) { put(image_.symbol(label) + lift_ + offset, label, values); }
+  void constant(std::string_view label, std::initializer_list<double> values, toolchain::Word offset = 0) {
+    put(image_.symbol(label) + lift_ + offset, label, values);
+  }
   /// Words of a table that stays in the image.
   void table(std::string_view label, std::initializer_list<double> values) { put(image_.symbol(label), label, values); }
   toolchain::Word symbol(std::string_view label) const { return image_.symbol(label); }
@@ -34,7 +36,10 @@ class Placer {
   void put(toolchain::Address at, std::string_view label, std::initializer_list<double> values) {
     for (const double value : values) {
       toolchain::Word* word = image_.word_at(at++);
-      if (word == nullptr) throw ConfigError(fmt::format("machine.programs: {} lies in no loaded section; a constant of plant_constants.asm is expected there", label));
+      if (word == nullptr)
+        throw ConfigError(fmt::format(
+            "machine.programs: {} lies in no loaded section; a constant of plant_constants.asm is expected there",
+            label));
       *word = ti_float(value);
     }
   }
@@ -52,8 +57,8 @@ void place_geometry(Placer& to, const CraneParameters& p) {
   to.constant("K_ONE_OVER_JIB", {1.0 / p.jib});
   if (gantry) {
     to.table("gantry_masses", {p.gantry_mass + p.jib_mass, p.jib_mass});
-    to.table("gantry_limits", {p.lower[of(Joint::gantry)], p.upper[of(Joint::gantry)], p.lower[of(Joint::luff)], p.upper[of(Joint::luff)],
-                               p.lower[of(Joint::hoist)], p.upper[of(Joint::hoist)]});
+    to.table("gantry_limits", {p.lower[of(Joint::gantry)], p.upper[of(Joint::gantry)], p.lower[of(Joint::luff)],
+                               p.upper[of(Joint::luff)], p.lower[of(Joint::hoist)], p.upper[of(Joint::hoist)]});
   } else {
     to.constant("K_IK_COS_LOW", {std::cos(p.upper[of(Joint::luff)])});
     to.constant("K_IK_COS_HIGH", {std::cos(p.lower[of(Joint::luff)])});
@@ -72,7 +77,9 @@ void place_masses(Placer& to, const CraneParameters& p) {
   to.constant("K_TQ_GANTRY", {p.gantry_mass + p.jib_mass + p.counterweight});
   to.constant("K_TQ_SPREADER", {p.spreader_mass});
   to.constant("K_TQ_YAW_BASE", {p.spreader_inertia});
-  to.constant("K_TQ_YAW_PER_KG", {(plant::container_length * plant::container_length + plant::container_width * plant::container_width) / 12.0});
+  to.constant(
+      "K_TQ_YAW_PER_KG",
+      {(plant::container_length * plant::container_length + plant::container_width * plant::container_width) / 12.0});
 }
 
 /// The rows of Newton-Euler's table: NE_P, NE_S, NE_MASS and NE_INERTIA of each link.
@@ -106,7 +113,9 @@ void place_drives(Placer& to, const CraneParameters& p, const plant::SensorParam
     const bool spare = p.machine == plant::Machine::gantry && joint == static_cast<int>(Joint::slew);
     const double force = d.rated_force(), speed = d.rated_joint_speed(), most = d.maximum_torque();
     if (!spare) {
-      to.constant("K_TQ_DRIVES", {d.rotor_inertia * d.gear * d.gear, d.coulomb * force, 1.0 / (d.smooth_speed * speed), d.viscous * force / speed, 1.0 / (d.gear * d.efficiency)},
+      to.constant("K_TQ_DRIVES",
+                  {d.rotor_inertia * d.gear * d.gear, d.coulomb * force, 1.0 / (d.smooth_speed * speed),
+                   d.viscous * force / speed, 1.0 / (d.gear * d.efficiency)},
                   5 * channel);
       to.constant("K_PD_UNIT", {2.0 * std::numbers::pi / plant::counts_per_revolution / d.gear}, channel);
       to.constant("K_PD_JOINTS", {most, 2047.0 / most}, 3 * channel);

@@ -1,6 +1,7 @@
 #pragma once
-// The plant's parameters as keys of the configuration: [slewing] and [gantry], their drives, [agv] and [landing] (docs/configuration.md).
-// Each value is written once, in plant/config.hpp; DSPs' programs get theirs from the same dock (plant_constants.hpp).
+// The plant's parameters as keys of the configuration: [slewing] and [gantry], their drives, [agv] and [landing]
+// (docs/configuration.md). Each value is written once, in plant/config.hpp; DSPs' programs get theirs from the same
+// dock (plant_constants.hpp).
 #include <functional>
 #include <optional>
 #include <span>
@@ -13,7 +14,7 @@ namespace cmrc {
 
 /// One parameter: one key.
 struct PlantParameter {
-  std::string name;         ///< dotted
+  std::string name;  ///< dotted
   std::string unit;
   double scale;             ///< of the key's unit, in the plant's
   double minimum, maximum;  ///< in the key's unit

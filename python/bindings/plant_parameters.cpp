@@ -15,7 +15,7 @@ void bind_drive(py::module_& m) {
   py::class_<P>(m, "DriveParameters", "One joint's drive; torques on the motor side, N m.")
       FIELD(rated_torque) FIELD(rated_speed) FIELD(gear) FIELD(rotor_inertia) FIELD(efficiency) FIELD(torque_lag) FIELD(coulomb)
       FIELD(stribeck) FIELD(viscous) FIELD(smooth_speed) FIELD(stribeck_speed) FIELD(brake) FIELD(peak) FIELD(overspeed) FIELD(overspeed_time)
-      FIELD(saturation_time) FIELD(thermal_time) FIELD(thermal_trip)
+      FIELD(saturation_time) FIELD(saturation_swings) FIELD(thermal_time) FIELD(thermal_trip)
       .def_property_readonly("maximum_torque", &P::maximum_torque)
       .def_property_readonly("rated_force", &P::rated_force)
       .def_property_readonly("rated_joint_speed", &P::rated_joint_speed);

@@ -13,12 +13,18 @@ from locations import BUILD
 
 EMULATOR = BUILD / "bin" / "emulator"
 EVERY_LATCH = {"report.signal_decimation": 1}
+# The hoist and the gains of 22 November 2026, with which measures.md 3 was measured. That hoist holds no 24 t; within 5 s none is lifted.
+NOVEMBER = {
+    "slewing.hoist.rated_torque_n_m": 3185.0, "slewing.hoist.rotor_inertia_kg_m2": 16.0, "slewing.rated_load_kg": 19_500, "dock.container_mass_kg": 19_000,
+    "control.travel_bandwidth_rad_s": 3.0, "control.slew_bandwidth_rad_s": 5.0, "control.luff_bandwidth_rad_s": 5.0, "control.hoist_bandwidth_rad_s": 8.0,
+    "control.rotator_bandwidth_rad_s": 5.0,
+}  # fmt: skip
 SIX = ("on_time", "late", "unfinished", "never_started", "lost", "dropped")
 F_T = 125.0
 
 
 def starved(factor: float, duration_s: float = 5.0, **more: Any) -> cmrc.Result:
-    return cmrc.run(dsps=1, duration_s=duration_s, settings={"machine.cycle_time_factor": factor, "report.misses_max": 0}, **more)
+    return cmrc.run(dsps=1, duration_s=duration_s, settings={**NOVEMBER, "machine.cycle_time_factor": factor, "report.misses_max": 0}, **more)
 
 
 def loads(signals: Any) -> np.ndarray:
@@ -27,7 +33,7 @@ def loads(signals: Any) -> np.ndarray:
 
 def test_a_slower_machine_never_looks_better() -> None:
     """The property of measures.md 3: the same scene on ever slower instruction cycles."""
-    first = cmrc.Simulation(dsps=1, duration_s=5.0, settings={"report.misses_max": 0})
+    first = cmrc.Simulation(dsps=1, duration_s=5.0, settings={**NOVEMBER, "report.misses_max": 0})
     runs = [first.run()]
     reference = first.reference()
     runs += [starved(factor, reference=reference) for factor in (10, 12, 15, 18, 22, 30, 60)]

@@ -1,7 +1,6 @@
 """Crane, drives and vehicles as keys: every parameter of the plant is one, kernels know the plant's own, and what cannot work is refused."""
 
 import math
-import random
 from typing import Any
 
 import numpy as np
@@ -14,8 +13,10 @@ TABLES = ("slewing", "gantry", "agv", "landing")
 MINE = [name for name in KEYS if name.split(".")[0] in TABLES]
 LOW_RATES: dict[str, Any] = {
     "dsps": 1, "boot": "preloaded", "refresh_frequency_hz": 2000, "servo_frequency_hz": 250, "alpha_refreshes": 6, "beta_refreshes": 3,
-    "report.reference": "none", "report.signal_decimation": 8,
+    "report.reference": "none", "report.signal_decimation": 4,
 }  # fmt: skip
+# Soft loops that do not answer the sway sensor's noise: they give way to what feed-forward does not know.
+SOFT = {"control.sway_gain_m_s_rad": 0.0, **{f"control.{joint}_bandwidth_rad_s": 5.0 for joint in ("travel", "slew", "luff", "trolley", "hoist", "rotator")}}
 
 
 def numbers(of: Any, path: str = "") -> dict[str, float]:
@@ -75,10 +76,11 @@ def test_every_parameter_of_the_plant_is_one_key(machine: str) -> None:
     reached: dict[str, str] = {}
     for name in keys:
         # A tenth of a parameter may make a dock that is refused as a whole; the smallest step shows which one it is.
-        value = KEYS[name]["default"] * (1 - 1e-9) + (1e-9 if KEYS[name]["default"] == 0 else 0)
-        if value < KEYS[name]["minimum"]:
-            value = KEYS[name]["default"] * (1 + 1e-9)
-        after = parts(dock_of(**{"dock.crane": machine, name: value}))
+        default = KEYS[name]["default"]
+        try:
+            after = parts(dock_of(**{"dock.crane": machine, name: default * (1 + 1e-9) or 1e-9}))
+        except cmrc.ConfigError:
+            after = parts(dock_of(**{"dock.crane": machine, name: default * (1 - 1e-9)}))
         [changed] = [path for path in before if before[path] != after[path]]
         assert changed not in reached, (name, reached[changed])
         reached[changed] = name
@@ -106,8 +108,8 @@ def test_degrees_are_degrees_and_an_untouched_default_keeps_its_bits() -> None:
 
 
 def drift(machine: str, **settings: Any) -> np.ndarray:
-    """How far each joint leaves its place within 0.3 s of the drives' being on, before the first leg has moved the crane: in counts of its encoder."""
-    config = cmrc.config(settings={**LOW_RATES, "dock.crane": machine, "duration_s": 0.4, **settings})
+    """How far each joint leaves its place within 0.13 s of the drives' being on, before the first leg has moved the crane: in counts of its encoder."""
+    config = cmrc.config(settings={**LOW_RATES, "dock.crane": machine, "duration_s": 0.17, **SOFT, **settings})
     simulation = cmrc.Simulation(config)
     simulation.run()
     signals = simulation.signals()
@@ -127,10 +129,15 @@ def test_no_parameter_leaves_an_offset_at_rest(machine: str) -> None:
     for name in (name for name in MINE if name.split(".")[0] in tables):
         try:
             offsets[name] = drift(machine, **{name: larger(name)})
-        except ValueError as refused:  # too heavy a spreader, say: then a tenth less
-            assert "cannot" in str(refused) or "needs" in str(refused) or "outside" in str(refused), refused
+        except cmrc.ConfigError:  # too heavy a spreader, a gear too slow for the trajectory: then a tenth less
             offsets[name] = drift(machine, **{name: KEYS[name]["default"] * 0.9})
     beyond = {name: moved.round(1).tolist() for name, moved in offsets.items() if (moved > 1.5 * usual + 4).any()}
     assert beyond == {}, usual
 
 
+
+
+@pytest.mark.parametrize(("key", "joint"), [("control.hoist_feed_forward", 3), ("control.luff_feed_forward", 2)])
+def test_such_an_offset_would_be_seen(key: str, joint: int) -> None:
+    """A tenth less of the torque that holds load and jib is what a tenth more mass would be that no kernel knows of."""
+    assert drift("slewing", **{key: 0.9})[joint] > 1.5 * drift("slewing")[joint] + 4

@@ -77,6 +77,27 @@ def test_a_break_begins_the_half_second_anew() -> None:
     assert trips(it) == [(pytest.approx(0.901 + LATCH, abs=1e-9), TRAVEL, 1)]
 
 
+def swinging(period_ms: int, swings: int) -> plant.Dock:
+    """The code goes from one end to the other so many times, each after half a period, and is 0 from then on."""
+    it = dock(TRAVEL)
+    for i in range(swings + 1):
+        it.set_torque_code(TRAVEL, 2047 if i % 2 == 0 else -2047, i * period_ms // 2 * MS)
+        it.set_torque_code(TRAVEL, 100, (i * period_ms // 2 + 3) * MS)
+    it.advance_to(((swings + 1) * period_ms // 2 + 10) * MS)
+    return it
+
+
+@pytest.mark.parametrize("period_ms", [20, 80, 900])
+def test_ten_swings_from_end_to_end_trip_however_short_each_stay(period_ms: int) -> None:
+    assert trips(swinging(period_ms, 9)) == []
+    [(at, joint, cause)] = trips(swinging(period_ms, 12))
+    assert (joint, cause) == (TRAVEL, 1) and at == pytest.approx(10 * period_ms / 2e3 + 2 * LATCH, abs=1e-9)
+
+
+def test_swings_more_than_half_a_second_apart_do_not() -> None:
+    assert trips(swinging(1020, 14)) == []
+
+
 def test_heat_follows_the_square_of_the_torque_warns_at_one_and_trips_at_its_limit() -> None:
     lag, limit = 0.2, 1.2
     it = dock(TRAVEL, thermal_time=lag, saturation_time=100.0)
@@ -89,7 +110,7 @@ def test_heat_follows_the_square_of_the_torque_warns_at_one_and_trips_at_its_lim
     (trip,) = trips(it)
 
     def heat(t: float) -> float:
-        n = int(round(t / LATCH)) // 2 * 2
+        n = round(t / LATCH) // 2 * 2
         weight = np.ones(n + 1)
         weight[1:-1:2], weight[2:-1:2] = 4, 2
         return float(np.sum(weight * load[: n + 1] * np.exp(-(times[n] - times[: n + 1]) / lag)) * LATCH / 3 / lag)

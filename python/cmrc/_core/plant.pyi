@@ -41,6 +41,7 @@ class DriveParameters:
     overspeed: float
     overspeed_time: float
     saturation_time: float
+    saturation_swings: float
     thermal_time: float
     thermal_trip: float
     @property
