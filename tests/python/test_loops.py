@@ -9,7 +9,7 @@ from collections import deque
 import pytest
 from cmrc import _core
 from cmrc.loops import model
-from cmrc.loops.__main__ import BLOCKS, marks, margins_table, poses_table
+from cmrc.loops.__main__ import BLOCKS, margins_table, marks, poses_table
 from locations import ROOT
 
 
@@ -49,10 +49,19 @@ def test_the_delay_margin_is_where_the_loop_becomes_unstable(bandwidth: float) -
 
 def test_margins_are_those_of_the_notes() -> None:
     """control-notes.md 1: crossover, Hz; phase margin, degrees; delay margin, ms; Ms."""
-    for bandwidth, crossover, phase, delay, peak in ((40, 12.9, 46, 9.9, 1.62), (60, 18.8, 38, 5.6, 1.93), (80, 24.2, 30, 3.5, 2.34), (100, 29.3, 24, 2.25, 2.90)):
+    for bandwidth, crossover, phase, delay, peak in (
+        (40, 12.9, 46, 9.9, 1.62),
+        (60, 18.8, 38, 5.6, 1.93),
+        (80, 24.2, 30, 3.5, 2.34),
+        (100, 29.3, 24, 2.25, 2.90),
+    ):
         m = model.margins(model.Loop(bandwidth))
         assert m.crossover_hz == pytest.approx(crossover, rel=0.01)
-        assert m.phase_deg == pytest.approx(phase, abs=2) and m.delay_ms == pytest.approx(delay, rel=0.05) and m.peak == pytest.approx(peak, rel=0.05)
+        assert (
+            m.phase_deg == pytest.approx(phase, abs=2)
+            and m.delay_ms == pytest.approx(delay, rel=0.05)
+            and m.peak == pytest.approx(peak, rel=0.05)
+        )
 
 
 def test_tight_has_what_it_is_for_at_every_pose_and_load() -> None:
@@ -60,7 +69,9 @@ def test_tight_has_what_it_is_for_at_every_pose_and_load() -> None:
     nominal = model.margins(model.Loop(model.PRESETS["tight"])).delay_ms
     assert 3 <= nominal <= 4
     for pose in model.poses((10e3, 26e3, 41e3, 50e3)):
-        for assumed, moved in zip(model.assumed_inertias(pose, crane)[1:], model.moved_inertias(pose, crane)[1:], strict=True):
+        for assumed, moved in zip(
+            model.assumed_inertias(pose, crane)[1:], model.moved_inertias(pose, crane)[1:], strict=True
+        ):
             assert model.margins(model.Loop(model.PRESETS["tight"]), assumed / moved).delay_ms > 1.5
 
 
@@ -71,7 +82,11 @@ def test_the_travel_crosses_over_at_2_hz_at_most() -> None:
 
 @pytest.mark.parametrize("preset", list(model.PRESETS))
 def test_the_presets_are_the_configurations(preset: str) -> None:
-    rows = {key: value for key, value in _core.cmrc.config(preset=preset).to_dict().items() if key.endswith("_bandwidth_rad_s")}
+    rows = {
+        key: value
+        for key, value in _core.cmrc.config(preset=preset).to_dict().items()
+        if key.endswith("_bandwidth_rad_s")
+    }
     assert rows.pop("control.travel_bandwidth_rad_s") == model.TRAVEL_RAD_S
     assert len(rows) == 5 and set(rows.values()) == {model.PRESETS[preset]}
 
@@ -87,7 +102,11 @@ def test_the_margins_found_lie_beside_the_predicted_ones() -> None:
     """The page's own table; the campaign makes it anew."""
     page = (ROOT / "docs" / "control.md").read_text(encoding="utf-8")
     first, last = marks("found")
-    rows = [line.split("|")[1:-1] for line in page[page.index(first) : page.index(last)].splitlines() if line.startswith("| `")]
+    rows = [
+        line.split("|")[1:-1]
+        for line in page[page.index(first) : page.index(last)].splitlines()
+        if line.startswith("| `")
+    ]
     assert len(rows) == 8
     for _, _, predicted, stable, unstable in rows:
         assert float(stable) < float(unstable) and 0.9 * float(predicted) <= float(unstable) <= 1.5 * float(predicted)
@@ -105,5 +124,7 @@ def test_a_page_without_marks_is_refused(tmp_path: object) -> None:
     wrong = f"{tmp_path}/page.md"
     with open(wrong, "w", encoding="utf-8") as page:
         page.write("# Nothing\n")
-    done = subprocess.run([sys.executable, "-m", "cmrc.loops", "--page", wrong], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-m", "cmrc.loops", "--page", wrong], capture_output=True, text=True, check=False
+    )
     assert done.returncode == 2 and "has no line" in done.stderr

@@ -110,7 +110,13 @@ def by_delay(rows: list[tuple[str, str, float, float, float]]) -> Figure:
     bandwidths = np.linspace(15, 110, 60)
     for ratio, style in ((1.0, "-"), (0.9, ":"), (1.1, "--")):
         delays = [margins(Loop(float(b)), ratio).delay_ms for b in bandwidths]
-        axis.semilogy(bandwidths, delays, f"k{style}", linewidth=1, label=f"predicted, gain {ratio:g} of what the inertia asks for")
+        axis.semilogy(
+            bandwidths,
+            delays,
+            f"k{style}",
+            linewidth=1,
+            label=f"predicted, gain {ratio:g} of what the inertia asks for",
+        )
     marks = dict(zip(measured.TESTED, "os^v", strict=True))
     for preset, joint, _, stable, unstable in rows:
         label = joint if preset == "base" else None
@@ -135,8 +141,12 @@ def replaced(page: str, block: str, table: str) -> str:
 
 def main() -> int:
     """Prints the tables, or puts them into the page and the plots beside it."""
-    parser = argparse.ArgumentParser(prog="cmrc.loops", description="Margins of the crane's servo loops, predicted and found.")
-    parser.add_argument("--page", type=Path, help="put the tables into this page, and the plots into a folder of its name")
+    parser = argparse.ArgumentParser(
+        prog="cmrc.loops", description="Margins of the crane's servo loops, predicted and found."
+    )
+    parser.add_argument(
+        "--page", type=Path, help="put the tables into this page, and the plots into a folder of its name"
+    )
     arguments = parser.parse_args()
     page = arguments.page
     if page is not None and not page.is_file():
@@ -145,7 +155,10 @@ def main() -> int:
     text = "" if page is None else page.read_text()
     missing = [mark for block in BLOCKS for mark in marks(block) if page is not None and mark not in text]
     if missing:
-        print(f"cmrc.loops: {page} has no line {missing[0]}; a page with the marks of docs/control.md is expected", file=sys.stderr)
+        print(
+            f"cmrc.loops: {page} has no line {missing[0]}; a page with the marks of docs/control.md is expected",
+            file=sys.stderr,
+        )
         return 2
     rows = found()
     tables = dict(zip(BLOCKS, (margins_table(), poses_table(), found_table(rows)), strict=True))

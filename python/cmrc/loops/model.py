@@ -50,7 +50,9 @@ class Loop:
         z = np.exp(s * h)
         law = 1 + h / t_i / (z - 1) + a * self.derivative_filter * (z - 1) / (z - a)
         hold = (1 - np.exp(-s * h)) / (s * h)
-        result: ComplexArray = inertia_ratio * b**2 * law * hold * np.exp(-s * delay_s) / (1 + self.torque_lag_s * s) / s**2
+        result: ComplexArray = (
+            inertia_ratio * b**2 * law * hold * np.exp(-s * delay_s) / (1 + self.torque_lag_s * s) / s**2
+        )
         return result
 
 

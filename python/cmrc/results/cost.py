@@ -120,7 +120,11 @@ def runs(p: Parameters) -> list[Run]:
     table += [run(UNTIMED, f"{n} ms", untimed, "untimed", events=pauses(n, n, p.duration_s)) for n in p.untimed_gaps_ms]
     table += [
         Run(
-            {"family": f"{SCATTERED if length == 1 else RUNS.format(length)}, {preset}", "name": f"{100 * share:g} %", "preset": preset},
+            {
+                "family": f"{SCATTERED if length == 1 else RUNS.format(length)}, {preset}",
+                "name": f"{100 * share:g} %",
+                "preset": preset,
+            },
             {**base, "scheduling.servo_loss_share": share, "scheduling.servo_loss_run": length},
             p.duration_s,
             preset=preset,
@@ -277,7 +281,9 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
             + (f" (unstable: {row['unstable']})" if row["unstable"] != "–" else "")
             for row in of(tight, family)
         ]
-        why.append(f"With `tight` ({margins_ms('tight')['other joints']:.1f} ms of delay margin), {family}: the joints are off their path by {', '.join(told)}.")
+        why.append(
+            f"With `tight` ({margins_ms('tight')['other joints']:.1f} ms of delay margin), {family}: the joints are off their path by {', '.join(told)}."
+        )
     limit = []
     bursts = [row for row in moving if row["gap_ms"] > 40 and 1 < (row["f_p"] or 0) < 60]
     if short and bursts:
