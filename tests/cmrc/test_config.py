@@ -75,7 +75,7 @@ def test_an_integer_serves_as_a_number() -> None:
         ("[run]\nduration_s = nan\n", "dock.toml:2:14: run.duration_s:", "a number from"),
         ("[run]\nduration_s = [1]\n", "dock.toml:2:14: run.duration_s:", "is expected"),
         ("[machine]\ndsps = \n", "dock.toml:2:", "TOML"),
-        ('preset = "bass"\n', "dock.toml:1:10: preset:", '"base", "heavy" or "saturated"'),
+        ('preset = "bass"\n', "dock.toml:1:10: preset:", '"base", "heavy", "saturated" or "tight"'),
     ],
 )
 def test_bad_input_is_named_with_its_place_and_remedy(toml: str, place: str, says: str) -> None:

@@ -40,16 +40,21 @@ def test_tight_loops_bear(settings: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize(
-    "settings",
-    [{"dock__drive_delay_us": 4000.0}, {"scheduling__servo_served_every": 5}, {"scheduling__servo_loss_share": 0.8}],
+    ("settings", "joint"),
+    [
+        ({"dock__drive_delay_us": 4000.0}, "l"),
+        ({"scheduling__servo_served_every": 5}, "kappa"),
+        ({"scheduling__servo_loss_share": 0.8}, "l"),
+    ],
     ids=["four periods of delay", "every fifth sample", "80 % missed"],
 )
-def test_tight_loops_do_not_bear(settings: dict[str, Any]) -> None:
+def test_tight_loops_do_not_bear(settings: dict[str, Any], joint: str) -> None:
     result = tight(**settings)
-    assert "l" in unstable(result)
-    # What the report says is what the drive did: its codes were at both ends of their range.
-    codes = result.signals["l_code"]
+    assert joint in unstable(result)
+    # What the report says is what the drive did: its codes were at both ends of their range. Its own protection ends that.
+    codes = result.signals[f"{joint}_code"]
     assert codes.max() >= 1638 and codes.min() <= -1638
+    assert any(f["kind"] == "plant" and "trip" in f["message"] for f in result.report["failures"])
 
 
 def test_the_default_loops_bear_what_tight_ones_do_not() -> None:
