@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from cmrc import _core
 
-SECONDS = 6.0
+SECONDS = 8.0
 EXPERIMENT = {"report.misses_max": 0, "report.reference": "none"}
 
 
@@ -27,7 +27,12 @@ def unstable(result: cmrc.Result) -> set[str]:
 
 @pytest.mark.parametrize(
     "settings",
-    [{}, {"dock__drive_delay_us": 2000.0}, {"scheduling__servo_served_every": 2}, {"scheduling__servo_loss_share": 0.3}],
+    [
+        {},
+        {"dock__drive_delay_us": 2000.0},
+        {"scheduling__servo_served_every": 2},
+        {"scheduling__servo_loss_share": 0.3},
+    ],
     ids=["in time", "two periods of delay", "every second sample", "30 % missed"],
 )
 def test_tight_loops_bear(settings: dict[str, Any]) -> None:
@@ -35,16 +40,21 @@ def test_tight_loops_bear(settings: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize(
-    "settings",
-    [{"dock__drive_delay_us": 4000.0}, {"scheduling__servo_served_every": 5}, {"scheduling__servo_loss_share": 0.8}],
+    ("settings", "joint"),
+    [
+        ({"dock__drive_delay_us": 4000.0}, "l"),
+        ({"scheduling__servo_served_every": 5}, "kappa"),
+        ({"scheduling__servo_loss_share": 0.8}, "l"),
+    ],
     ids=["four periods of delay", "every fifth sample", "80 % missed"],
 )
-def test_tight_loops_do_not_bear(settings: dict[str, Any]) -> None:
+def test_tight_loops_do_not_bear(settings: dict[str, Any], joint: str) -> None:
     result = tight(**settings)
-    assert "l" in unstable(result)
-    # What the report says is what the drive did: its codes were at both ends of their range.
-    codes = result.signals["l_code"]
+    assert joint in unstable(result)
+    # What the report says is what the drive did: its codes were at both ends of their range. Its own protection ends that.
+    codes = result.signals[f"{joint}_code"]
     assert codes.max() >= 1638 and codes.min() <= -1638
+    assert any(f["kind"] == "plant" and "trip" in f["message"] for f in result.report["failures"])
 
 
 def test_the_default_loops_bear_what_tight_ones_do_not() -> None:
@@ -55,16 +65,28 @@ def test_the_default_loops_bear_what_tight_ones_do_not() -> None:
 def test_a_hoist_with_70_percent_misses_is_three_times_as_far_off_as_with_30() -> None:
     off = []
     for share in (0.3, 0.7):
-        result = cmrc.run(dsps=2, preset="tight", duration_s=SECONDS, settings={"report.misses_max": 0, "scheduling.servo_loss_share": share})
+        result = cmrc.run(
+            dsps=2,
+            preset="tight",
+            duration_s=SECONDS,
+            settings={"report.misses_max": 0, "scheduling.servo_loss_share": share},
+        )
         off.append(result.errors["joints"]["l"]["path"]["rms"])
     assert off[1] >= 3 * off[0] > 0
 
 
-@pytest.mark.parametrize(("settings", "share", "run"), [({"scheduling__servo_served_every": 4}, 0.75, 3), ({"scheduling__servo_loss_share": 0.5}, 0.5, 0), ({"scheduling__servo_loss_share": 0.5, "scheduling__servo_loss_run": 7}, 0.5, 7)])
+@pytest.mark.parametrize(
+    ("settings", "share", "run"),
+    [
+        ({"scheduling__servo_served_every": 4}, 0.75, 3),
+        ({"scheduling__servo_loss_share": 0.5}, 0.5, 0),
+        ({"scheduling__servo_loss_share": 0.5, "scheduling__servo_loss_run": 7}, 0.5, 7),
+    ],
+)
 def test_left_out_ticks_are_dropped_ones(settings: dict[str, Any], share: float, run: int) -> None:
     given = {**{k.replace("__", "."): v for k, v in settings.items()}, "report.reference": "none"}
-    results = [cmrc.run(dsps=dsps, duration_s=2.0, settings=given) for dsps in (1, 3)]
-    lost = [[m["number"] for m in result.report["misses"] if m["kind"] == "pid"] for result in results]
+    results = [cmrc.run(dsps=dsps, duration_s=2.0, settings=given) for dsps in (2, 3)]
+    lost = [sorted(m["number"] for m in result.report["misses"] if m["kind"] == "pid") for result in results]
     assert lost[0] == lost[1]  # the same ticks whatever the machine
     task = results[0].report["tasks"]["pid"]
     assert task["dropped"] == task["misses"] and task["dropped"] / task["released"] == pytest.approx(share, abs=0.05)
@@ -101,14 +123,20 @@ LOW_RATES: dict[str, Any] = {
 
 def test_a_change_waits_for_rest_and_moves_nothing() -> None:
     """During the first leg (0.05 to 18 s) slew and hoist are told to be slower, and to trust the feed-forward less. It comes when they rest."""
-    events = [change(3.0, "control.slew_bandwidth_rad_s", 20.0), change(3.0, "control.hoist_bandwidth_rad_s", 30.0), change(3.5, "control.hoist_feed_forward", 0.6)]
+    events = [
+        change(3.0, "control.slew_bandwidth_rad_s", 20.0),
+        change(3.0, "control.hoist_bandwidth_rad_s", 30.0),
+        change(3.5, "control.hoist_feed_forward", 0.6),
+    ]
     simulation = _core.cmrc.Simulation(_core.cmrc.config(settings={**LOW_RATES, "duration_s": 24.0}, events=events))
     symbol = simulation.symbol
     area = symbol("CR_BASE")
 
     def words() -> tuple[int, list[int]]:
         block = area + symbol("CR_CONTROL_BLOCK")
-        return simulation.peek(area + symbol("CR_CONTROL")), [simulation.peek(block + k) for k in range(symbol("CR_CONTROL_WORDS"))]
+        return simulation.peek(area + symbol("CR_CONTROL")), [
+            simulation.peek(block + k) for k in range(symbol("CR_CONTROL_WORDS"))
+        ]
 
     simulation.run_until(2.9)
     before = words()
@@ -126,7 +154,9 @@ def test_a_change_waits_for_rest_and_moves_nothing() -> None:
     simulation.run_until(24.0)
     after = words()[1]
     for joint, factor in ((1, (20 / 40) ** 2), (3, (30 / 40) ** 2)):
-        old, new = (float(_core.c40.float40.value(_core.c40.float40.from_single(w[joint * row]))) for w in (before[1], after))
+        old, new = (
+            float(_core.c40.float40.value(_core.c40.float40.from_single(w[joint * row]))) for w in (before[1], after)
+        )
         assert new == pytest.approx(factor * old, rel=1e-6)
     # No drive jumps: from 15 s until the ramp begins no code of a tick differs from the one before by more than it does without the change.
     signals = simulation.signals()
@@ -145,7 +175,10 @@ def test_unknown_or_wild_values_are_refused_before_a_run() -> None:
         ({"control.hoist_bandwidth_rad_s": math.nan}, "control.hoist_bandwidth_rad_s: nan"),
         ({"control.hoist_bandwidth_rad_s": 1e9}, "from 0.5 to 200"),
         ({"control.travel_bandwidth_rad_s": 20.0}, "from 0.5 to 6"),
-        ({"control.slew_bandwidth_rad_s": 80.0, "rates.servo_frequency_hz": 125.0}, r"control.slew_bandwidth_rad_s: the slew's loop is unstable without any delay"),
+        (
+            {"control.slew_bandwidth_rad_s": 80.0, "rates.servo_frequency_hz": 125.0},
+            r"control.slew_bandwidth_rad_s: the slew's loop is unstable without any delay",
+        ),
         ({"control.luff_integral_time_s": 0.01}, r"the luff's loop is unstable without any delay"),
         ({"control.hoist_speed_limit_m_s": 3.0}, r"control.hoist_speed_limit_m_s: 3 is above the drive's rated speed"),
         ({"control.hoist_speed_limit_m_s": 0.2}, "dock.ramp_speed_m_s"),
@@ -162,7 +195,9 @@ def test_unknown_or_wild_values_are_refused_before_a_run() -> None:
 
 def test_the_bandwidth_that_a_message_names_would_do() -> None:
     with pytest.raises(_core.cmrc.ConfigError, match=r"below [0-9.]+ rad/s") as refused:
-        cmrc.Simulation(dsps=1, duration_s=1.0, settings={"rates.servo_frequency_hz": 125.0, "control.hoist_bandwidth_rad_s": 150.0})
+        cmrc.Simulation(
+            dsps=1, duration_s=1.0, settings={"rates.servo_frequency_hz": 125.0, "control.hoist_bandwidth_rad_s": 150.0}
+        )
     told = float(str(refused.value).split("below ")[1].split(" ")[0])
     others = {f"control.{joint}_bandwidth_rad_s": 10.0 for joint in ("slew", "luff", "rotator")}
     for factor, right in ((0.99, True), (1.01, False)):

@@ -16,7 +16,7 @@ FILTER, SHARE, SHARE_BEFORE = 5, 9, 10
 def resting(load: float = MASS, pose: list[float] = POSE) -> Servo:
     """On, at the pose, with a feed-forward of 100 N m on each joint; what the start has left of derivative and error is gone."""
     servo = Servo(pose)
-    servo.dsp.put("CR_PAYLOAD", load)
+    servo.dsp.put("CR_LOAD", load)
     servo.start()
     for offset in (24, 29, 34):
         servo.dsp.put("CR_CONSUMED", *[0.0] * 5, offset=offset)

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from cmrc.results import __main__ as command
-from cmrc.results import cost, dsps, ends, failures, fleet, hotplug, importance, judgement, learning, margins, page
+from cmrc.results import cost, dsps, ends, failures, fleet, hotplug, importance, judgement, learning, page
 from cmrc.results.runs import Laboratory, Run
 from locations import ROOT
 
@@ -292,45 +292,6 @@ def lost(family: str, share: float, gap: float, path: float, f_t: float = 0.0, l
 )
 def test_cost(rows: Rows, word: str) -> None:
     assert cost.verdict(cost.Parameters(), rows).word == word
-
-
-def test_the_delay_margin_is_where_the_loop_becomes_unstable() -> None:
-    """The same loop as a differential equation with a delay, integrated: just below the margin it dies away, just above it grows."""
-
-    def swings(bandwidth: float, delay: float) -> float:
-        dt, lag, b = 2e-4, margins.DRIVE_LAG_S, bandwidth
-        back, past = round(delay / dt), [1.0] * (round(delay / dt) + 1)
-        y, v, u, integral, low = 1.0, 0.0, 0.0, 0.0, 1.0
-        largest = []
-        for _ in range(round(60 / b / dt)):
-            measured = past[-1 - back]
-            rate = (measured - low) * margins.DERIVATIVE_N * b / 2  # derivative through a lag of T_d / N
-            low += dt * rate
-            integral += dt * measured
-            u += dt / lag * (-(b**2) * (measured + b / 6 * integral + 2 / b * rate) - u)
-            v += dt * u
-            y += dt * v
-            past.append(y)
-            largest.append(abs(y))
-        half = len(largest) // 2
-        return max(largest[half:]) / max(largest[:half])
-
-    for bandwidth in margins.BANDWIDTHS.values():
-        margin = margins.delay_margin_s(bandwidth)
-        assert swings(bandwidth, 0.93 * margin) < 0.9 and swings(bandwidth, 1.07 * margin) > 1.3
-
-
-def test_the_margins_are_of_the_kernels_gains() -> None:
-    constants = (ROOT / "c40_programs" / "kernels" / "pid_constants.asm").read_text(encoding="utf-8")
-    table = constants[constants.index("K_PD_JOINTS") : constants.index("K_PD_SWAY_UNIT")]
-    derivative = [
-        float(line.split(",")[2].split("/")[1])
-        for line in table.splitlines()
-        if line.strip().startswith(".float") and line.count(",") == 3 and "20.0 *" in line
-    ]
-    travel, slew, luff, hoist, rotator = derivative
-    assert {slew, luff, rotator} == {margins.BANDWIDTHS["slew, luff, rotator"]}
-    assert (travel, hoist) == (margins.BANDWIDTHS["travel"], margins.BANDWIDTHS["hoist"])
 
 
 def test_a_pause_of_the_host_loses_as_many_samples_as_it_says() -> None:

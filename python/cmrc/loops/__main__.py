@@ -16,6 +16,8 @@ from cmrc.loops import measured
 from cmrc.loops.model import (
     FREQUENCIES,
     JOINTS,
+    PRESETS,
+    TRAVEL_RAD_S,
     Loop,
     assumed_inertias,
     margins,
@@ -23,9 +25,6 @@ from cmrc.loops.model import (
     poses,
 )
 
-PRESETS = {"base": 40.0, "tight": 80.0}
-"""rad/s: bandwidth of slew, luff, hoist, rotator and trolley."""
-TRAVEL = 5.0
 BLOCKS = ("margins", "poses", "found")
 
 
@@ -35,7 +34,7 @@ def margins_table() -> str:
         "| bandwidth, rad/s | crossover, Hz | phase margin | delay margin, ms | Ms |",
         "|---|---|---|---|---|",
     ]
-    for bandwidth in (TRAVEL, 25.0, 40.0, 60.0, 80.0, 100.0):
+    for bandwidth in (TRAVEL_RAD_S, 25.0, 40.0, 60.0, 80.0, 100.0):
         m = margins(Loop(bandwidth))
         lines.append(f"| {bandwidth:g} | {m.crossover_hz:.1f} | {m.phase_deg:.0f}° | {m.delay_ms:.2f} | {m.peak:.2f} |")
     return "\n".join(lines)
@@ -55,7 +54,7 @@ def poses_table() -> str:
         unit = "kg" if joint in ("travel", "hoist") else "kg m²"
         cells = [f"{min(moved):.3g} … {max(moved):.3g} {unit}", f"{min(ratios):.3f} … {max(ratios):.3f}"]
         for bandwidth in PRESETS.values():
-            loop = Loop(TRAVEL if joint == "travel" else bandwidth)
+            loop = Loop(TRAVEL_RAD_S if joint == "travel" else bandwidth)
             delays = [margins(loop, ratio).delay_ms for ratio in (min(ratios), max(ratios))]
             cells.append(f"{min(delays):.2f} … {max(delays):.2f}")
         lines.append(f"| {joint} | " + " | ".join(cells) + " |")
@@ -111,7 +110,13 @@ def by_delay(rows: list[tuple[str, str, float, float, float]]) -> Figure:
     bandwidths = np.linspace(15, 110, 60)
     for ratio, style in ((1.0, "-"), (0.9, ":"), (1.1, "--")):
         delays = [margins(Loop(float(b)), ratio).delay_ms for b in bandwidths]
-        axis.semilogy(bandwidths, delays, f"k{style}", linewidth=1, label=f"predicted, gain {ratio:g} of what the inertia asks for")
+        axis.semilogy(
+            bandwidths,
+            delays,
+            f"k{style}",
+            linewidth=1,
+            label=f"predicted, gain {ratio:g} of what the inertia asks for",
+        )
     marks = dict(zip(measured.TESTED, "os^v", strict=True))
     for preset, joint, _, stable, unstable in rows:
         label = joint if preset == "base" else None
@@ -136,8 +141,12 @@ def replaced(page: str, block: str, table: str) -> str:
 
 def main() -> int:
     """Prints the tables, or puts them into the page and the plots beside it."""
-    parser = argparse.ArgumentParser(prog="cmrc.loops", description="Margins of the crane's servo loops, predicted and found.")
-    parser.add_argument("--page", type=Path, help="put the tables into this page, and the plots into a folder of its name")
+    parser = argparse.ArgumentParser(
+        prog="cmrc.loops", description="Margins of the crane's servo loops, predicted and found."
+    )
+    parser.add_argument(
+        "--page", type=Path, help="put the tables into this page, and the plots into a folder of its name"
+    )
     arguments = parser.parse_args()
     page = arguments.page
     if page is not None and not page.is_file():
@@ -146,7 +155,10 @@ def main() -> int:
     text = "" if page is None else page.read_text()
     missing = [mark for block in BLOCKS for mark in marks(block) if page is not None and mark not in text]
     if missing:
-        print(f"cmrc.loops: {page} has no line {missing[0]}; a page with the marks of docs/control.md is expected", file=sys.stderr)
+        print(
+            f"cmrc.loops: {page} has no line {missing[0]}; a page with the marks of docs/control.md is expected",
+            file=sys.stderr,
+        )
         return 2
     rows = found()
     tables = dict(zip(BLOCKS, (margins_table(), poses_table(), found_table(rows)), strict=True))

@@ -50,7 +50,9 @@ class Loop:
         z = np.exp(s * h)
         law = 1 + h / t_i / (z - 1) + a * self.derivative_filter * (z - 1) / (z - a)
         hold = (1 - np.exp(-s * h)) / (s * h)
-        result: ComplexArray = inertia_ratio * b**2 * law * hold * np.exp(-s * delay_s) / (1 + self.torque_lag_s * s) / s**2
+        result: ComplexArray = (
+            inertia_ratio * b**2 * law * hold * np.exp(-s * delay_s) / (1 + self.torque_lag_s * s) / s**2
+        )
         return result
 
 
@@ -95,6 +97,9 @@ class Pose:
     mass_kg: float
 
 
+PRESETS = {"base": 40.0, "tight": 80.0}
+"""rad/s: bandwidth of slew, luff, hoist, rotator and trolley in each preset."""
+TRAVEL_RAD_S = 5.0
 JOINTS = ("travel", "slew", "luff", "hoist", "rotator")
 PLACE = (0, 1, 2, 3, 6)
 """of the joints among the plant's seven coordinates"""
