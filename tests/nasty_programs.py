@@ -428,7 +428,8 @@ def in_network(program: Program, board: str, image: Any, instants: dict[int, tup
             settled = network.chips[0].status not in ("waiting", "external_access")
             if settled and chip.cycle in instants and instants[chip.cycle] != (chip.snapshot(), chip.digest()):
                 again = made(program, board, image)
-                drive(again, program, lambda c, _: c.step() if c.cycle < chip.cycle else {"reason": "there"})
+                there = chip.cycle
+                drive(again, program, lambda c, _, there=there: c.step() if c.cycle < there else {"reason": "there"})  # type: ignore[misc]
                 return difference(program, f"network, {'slices' if slices else 'whole'}", again, chip)
             if settled and chip.cycle not in instants and chip.cycle < CYCLES:
                 return f"seed {program.seed}: in the network, an instruction ended in cycle {chip.cycle}"

@@ -191,7 +191,7 @@ def test_what_may_stand_how_near_to_the_end(branch: str, distance: int, passes: 
     operand = {"rpts": " 2", "retsne": "", "idle": "", "trapne": " 5", "call": " out", "callne": " out"}.get(branch, " out")
     body = [f"        {branch}{operand}" if n == distance else "        addi 1,r2" for n in range(distance, -1, -1)]
     body[-1] = "last:" + body[-1]
-    text = "        .text\n        ldi {0},rc\n        ldi 1,r0\n        rptb last\n".format(passes) + "\n".join(body) + "\nout:    nop\n        nop\ndone:   bu done\n"
+    text = f"        .text\n        ldi {passes},rc\n        ldi 1,r0\n        rptb last\n" + "\n".join(body) + "\nout:    nop\n        nop\ndone:   bu done\n"
     illegal = distance == 0 or (branch in DELAYED and distance <= 3)
     outcomes = []
     for way in ("whole", "stepped", "exact", "checked"):
