@@ -9,7 +9,6 @@
 #include "plant/check.hpp"
 #include "plant/math.hpp"
 #include "plant/sensors.hpp"
-#include "plant/wind.hpp"
 
 namespace plant {
 namespace {
@@ -19,6 +18,8 @@ constexpr std::int64_t sway_sample = 10'000'000'000;  // ps
 
 void check(const CraneAloneConfig& config) {
   plant::check(config.crane);
+  plant::check(config.wind);
+  plant::check(config.sensors);
   refuse(!(config.tolerance >= 1e-13 && config.tolerance <= 1e-3), "tolerance must be 1e-13 to 1e-3", config.tolerance);
   refuse(!((config.order >= 2 && config.order <= 6) || config.order == 8), "order must be 2 to 6, or 8", config.order);
 }
@@ -26,9 +27,7 @@ void check(const CraneAloneConfig& config) {
 }  // namespace
 
 CraneAlone::CraneAlone(const CraneAloneConfig& config)
-    : config_((check(config), config)), motion_(config.crane, {config.method, config.order, config.tolerance}) {
-  check(config.wind);
-  check(config.sensors);
+    : config_((check(config), config)), motion_(config.crane, {config.method, config.order, config.tolerance}), wind_(config.wind) {
   reset(inverse_kinematics(config.crane, config.home), {});
   set_load(config.load);
 }
@@ -87,7 +86,11 @@ void CraneAlone::step(const Joints& torque, double seconds) {
 }
 
 void CraneAlone::piece(double at, double seconds) {
-  if (config_.wind.blows()) state_.inputs.external = crane().at_payload(state_.crane.q, wind_force(config_.wind, at));
+  if (config_.wind.blows()) {
+    const CraneState& c = state_.crane;
+    const bool container = state_.inputs.payload.mass > config_.crane.spreader_mass;
+    state_.inputs.external = crane().at_payload(c.q, wind_.force(at, crane().payload_velocity(c.q, c.qd), c.q[Q_PSI] + c.q[Q_KAPPA], container));
+  }
   if (state_.faulted != 0 || state_.swung_out) brake_off_drives();
   happenings_.clear();
   advance_with_events(motion_, state_.crane, state_.inputs, state_.modes, seconds, happenings_, config_.bookkeeping ? &state_.work : nullptr);
@@ -130,7 +133,7 @@ std::array<std::uint32_t, joint_count> CraneAlone::encoders() const {
 
 std::array<std::int32_t, 2> CraneAlone::sway() const {
   const std::int64_t sample = state_.time / sway_sample;
-  return {sway_code(state_.crane.q[Q_ALPHA], config_.sensors, 0, sample), sway_code(state_.crane.q[Q_BETA], config_.sensors, 1, sample)};
+  return {sway_code(state_.crane.q[Q_ALPHA], config_.sensors, Stream::sway_radial, sample), sway_code(state_.crane.q[Q_BETA], config_.sensors, Stream::sway_tangential, sample)};
 }
 
 CraneSensitivity CraneAlone::sensitivity(const Joints& torque, double seconds) const {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "plant/crane_events.hpp"
+#include "plant/wind.hpp"
 
 namespace plant {
 
@@ -69,6 +70,7 @@ class CraneAlone {
 
   CraneAloneConfig config_;
   CraneMotion motion_;
+  Wind wind_;
   State state_;
   std::vector<Event> events_;
   std::vector<CraneHappening> happenings_;  // scratch
