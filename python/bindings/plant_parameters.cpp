@@ -16,6 +16,7 @@ namespace {
 void bind_drive(py::module_& m) {
   using P = DriveParameters;
   py::class_<P>(m, "DriveParameters", "One joint's drive; torques on the motor side, N m.")
+      .def(py::init<>())
       FIELD(rated_torque) FIELD(rated_speed) FIELD(gear) FIELD(rotor_inertia) FIELD(efficiency) FIELD(torque_lag) FIELD(coulomb)
       FIELD(stribeck) FIELD(viscous) FIELD(smooth_speed) FIELD(stribeck_speed) FIELD(brake) FIELD(peak) FIELD(overspeed) FIELD(overspeed_time)
       FIELD(saturation_time) FIELD(thermal_time) FIELD(thermal_trip)
