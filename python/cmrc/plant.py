@@ -680,7 +680,11 @@ _MADE_OF: dict[type, tuple[str, ...]] = {
     Waypoint: ("time", "x", "y"),
     Mover: ("radius", "height", "path", "repeats"),
 }
-for _class in (CraneParameters, DriveParameters, Portal, LandingParameters, AgvParameters, SensorParameters, WindParameters, ShipMotion, Layout, DockConfig, LinkageParameters):
+_MADE_EMPTY: tuple[type, ...] = (
+    CraneParameters, DriveParameters, Portal, LandingParameters, AgvParameters, SensorParameters, WindParameters, ShipMotion, Layout, DockConfig,
+    LinkageParameters,
+)  # fmt: skip
+for _class in _MADE_EMPTY:
     copyreg.pickle(_class, _reduce)
 for _class in _MADE_OF:
     copyreg.pickle(_class, _reduce_made)
