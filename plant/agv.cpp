@@ -42,7 +42,7 @@ void change_load(AgvState& s, const AgvParameters& p, double mass, double inerti
 AgvMotion::AgvMotion(const AgvParameters& parameters, double tolerance)
     : p_(parameters), integrator_({.order = 3, .relative = tolerance}, tolerances(tolerance), &AgvMotion::derivative) {}
 
-void AgvMotion::derivative(void* data, const double* y, double* yd) {
+void AgvMotion::derivative(void* data, double, const double* y, double* yd) {
   const auto& self = *static_cast<const AgvMotion*>(data);
   const AgvParameters& p = self.p_;
   const AgvState& s = *self.state_;

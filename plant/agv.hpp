@@ -55,7 +55,7 @@ class AgvMotion {
   static bool push(AgvState&, const AgvSetPoint&);  // false: full, dropped
 
  private:
-  static void derivative(void* self, const double* y, double* yd);
+  static void derivative(void* self, double t, const double* y, double* yd);
   void differential(const double* y, double* yd) const;
   double mass(const AgvState& s) const { return p_.mass + s.load_mass; }
 

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "plant/wind.hpp"
+
 namespace plant {
 namespace {
 
@@ -90,9 +92,15 @@ void check(const CraneParameters& p) {
 }
 
 void check(const WindParameters& p) {
-  require_not_negative({{"the wind's gust", p.gust}, {"the wind's area", p.area}});
+  require_not_negative({{"the wind's gust", p.gust},
+                        {"the wind's side_area", p.side_area},
+                        {"the wind's end_area", p.end_area},
+                        {"the wind's spreader_area", p.spreader_area}});
   refuse(!(std::fabs(p.mean) <= 100.0), "the wind's mean must be within 100 m/s", p.mean);
   refuse(p.gust > 100.0, "the wind's gust must be within 100 m/s", p.gust);
+  if (p.gust > 0.0 && std::fabs(p.mean) < least_gusty_mean)
+    throw std::invalid_argument(fmt::format("plant: the wind's gusts (gust = {} m/s) are carried by its mean, which must be {} m/s or more (got {})",
+                                            p.gust, least_gusty_mean, p.mean));
   refuse(!std::isfinite(p.direction), "the wind's direction must be a number", p.direction);
 }
 

@@ -180,9 +180,10 @@ struct SensorParameters {
 // Wind on the load; off as it stands.
 struct WindParameters {
   double mean = 0.0;       // m/s
-  double gust = 0.0;       // m/s, root mean square of the gusts
+  double gust = 0.0;       // m/s, sigma: standard deviation of the speed (plant/wind.hpp); 0.13 times the mean is usual
   double direction = 0.0;  // rad, whither it blows: 0 along the quay, pi/2 towards the ship
-  double area = 38.0;      // m2, drag coefficient times the face: 1.2 times the long side of a container
+  // Drag coefficient times face, m2 (control-notes.md 3): a container across the wind and along it, and the spreader alone.
+  double side_area = 38.0, end_area = 7.6, spreader_area = 8.0;
   std::uint64_t seed = 1;
 
   bool blows() const { return mean != 0.0 || gust != 0.0; }

@@ -84,8 +84,8 @@ struct ContactEngine::Implementation {
     const Vector3 middle = below.middle();
     dGeomSetPosition(solid, middle[0], middle[1], middle[2]);
     if (below.tilted) {
-      const auto [x, y, z] = below.frame().column;
-      const dMatrix3 turn = {x[0], y[0], z[0], 0, x[1], y[1], z[1], 0, x[2], y[2], z[2], 0};
+      const Matrix3 r = below.frame().axes;
+      const dMatrix3 turn = {r(0, 0), r(0, 1), r(0, 2), 0, r(1, 0), r(1, 1), r(1, 2), 0, r(2, 0), r(2, 1), r(2, 2), 0};
       dGeomSetRotation(solid, turn);
       return;
     }

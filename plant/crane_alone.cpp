@@ -9,27 +9,27 @@
 #include "plant/check.hpp"
 #include "plant/math.hpp"
 #include "plant/sensors.hpp"
-#include "plant/wind.hpp"
 
 namespace plant {
 namespace {
 
-constexpr double longest_piece = 1e-3;  // s, between two looks at brakes and end stops
+// Between two looks at brakes and end stops, and in wind, s; and where none of them acts.
+constexpr double short_piece = 1e-3, long_piece = 1e-2;
 constexpr std::int64_t sway_sample = 10'000'000'000;  // ps
 
 void check(const CraneAloneConfig& config) {
   plant::check(config.crane);
+  plant::check(config.wind);
+  plant::check(config.sensors);
   refuse(!(config.tolerance >= 1e-13 && config.tolerance <= 1e-3), "tolerance must be 1e-13 to 1e-3", config.tolerance);
-  refuse(!((config.order >= 2 && config.order <= 6) || config.order == 8), "order must be 2 to 6, or 8", config.order);
+  refuse(config.order < lowest_order || config.order > highest_order, "order must be 3, 4 or 5", config.order);
 }
 
 }  // namespace
 
 CraneAlone::CraneAlone(const CraneAloneConfig& config)
-    : config_((check(config), config)), motion_(config.crane, {config.method, config.order, config.tolerance}) {
-  check(config.wind);
-  check(config.sensors);
-  reset(inverse_kinematics(config.crane, config.home), {});
+    : config_((check(config), config)), motion_(config.crane, {config.method, config.order, config.tolerance}), wind_(config.wind) {
+  reset(inverse_kinematics(config.crane, config.home), {}, {});
   set_load(config.load);
 }
 
@@ -39,10 +39,12 @@ void CraneAlone::set_load(const Payload& load) {
   state_.inputs.payload = {config_.crane.spreader_mass + load.mass, config_.crane.spreader_inertia + load.inertia};
 }
 
-void CraneAlone::reset(const CraneVector& q, const CraneVector& qd) {
+void CraneAlone::reset(const CraneVector& q, const CraneVector& qd, const Joints& torque) {
   for (std::size_t k = 0; k < crane_size; ++k)
     refuse(!std::isfinite(q[k]) || !std::isfinite(qd[k]), "positions and speeds must be numbers", std::isfinite(q[k]) ? qd[k] : q[k]);
   for (std::size_t j = 0; j < joint_count; ++j) {
+    const double most = config_.crane.drives[j].maximum_torque();
+    refuse(!(std::fabs(torque[j]) <= most), fmt::format("the torque of {} at the start must be within {} N m", joint_names(config_.crane.machine)[j].name, most).c_str(), torque[j]);
     const double at = q[coordinate_of(j)];
     if (at < config_.crane.lower[j] || at > config_.crane.upper[j])
       throw std::invalid_argument(fmt::format("plant: {} = {} is outside its limits {} to {}", joint_names(config_.crane.machine)[j].name, at,
@@ -63,6 +65,7 @@ void CraneAlone::reset(const CraneVector& q, const CraneVector& qd) {
   state_.modes.watch_rope = true;
   state_.crane.q = q;
   state_.crane.qd = qd;
+  state_.crane.torque = state_.inputs.command = torque;
   events_.clear();
 }
 
@@ -79,15 +82,24 @@ void CraneAlone::step(const Joints& torque, double seconds) {
     const bool on = (state_.faulted >> j & 1U) == 0 && !state_.swung_out;
     state_.inputs.command[j] = on ? std::clamp(torque[j], -most, most) : 0.0;
   }
-  const auto pieces = static_cast<std::int64_t>(std::ceil(seconds / longest_piece - 1e-9));
-  const double each = seconds / static_cast<double>(pieces);
   const double start = static_cast<double>(state_.time) * 1e-12;
-  for (std::int64_t i = 0; i < pieces; ++i) piece(start + static_cast<double>(i) * each, each);
+  const auto coarse = static_cast<std::int64_t>(std::ceil(seconds / long_piece - 1e-9));
+  const double most = seconds / static_cast<double>(coarse);
+  for (std::int64_t i = 0; i < coarse; ++i) {
+    const bool quiet = !config_.wind.blows() && state_.faulted == 0 && !state_.swung_out && state_.modes.at_limit == 0;
+    const auto pieces = quiet ? 1 : static_cast<std::int64_t>(std::ceil(most / short_piece - 1e-9));
+    const double each = most / static_cast<double>(pieces);
+    for (std::int64_t k = 0; k < pieces; ++k) piece(start + static_cast<double>(i) * most + static_cast<double>(k) * each, each);
+  }
   state_.time += std::llround(seconds * 1e12);
 }
 
 void CraneAlone::piece(double at, double seconds) {
-  if (config_.wind.blows()) state_.inputs.external = crane().at_payload(state_.crane.q, wind_force(config_.wind, at));
+  if (config_.wind.blows()) {
+    const CraneState& c = state_.crane;
+    const bool container = state_.inputs.payload.mass > config_.crane.spreader_mass;
+    state_.inputs.external = crane().at_payload(c.q, wind_.force(at, crane().payload_velocity(c.q, c.qd), c.q[Q_PSI] + c.q[Q_KAPPA], container));
+  }
   if (state_.faulted != 0 || state_.swung_out) brake_off_drives();
   happenings_.clear();
   advance_with_events(motion_, state_.crane, state_.inputs, state_.modes, seconds, happenings_, config_.bookkeeping ? &state_.work : nullptr);
@@ -130,7 +142,7 @@ std::array<std::uint32_t, joint_count> CraneAlone::encoders() const {
 
 std::array<std::int32_t, 2> CraneAlone::sway() const {
   const std::int64_t sample = state_.time / sway_sample;
-  return {sway_code(state_.crane.q[Q_ALPHA], config_.sensors, 0, sample), sway_code(state_.crane.q[Q_BETA], config_.sensors, 1, sample)};
+  return {sway_code(state_.crane.q[Q_ALPHA], config_.sensors, Stream::sway_radial, sample), sway_code(state_.crane.q[Q_BETA], config_.sensors, Stream::sway_tangential, sample)};
 }
 
 CraneSensitivity CraneAlone::sensitivity(const Joints& torque, double seconds) const {

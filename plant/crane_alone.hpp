@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "plant/crane_events.hpp"
+#include "plant/wind.hpp"
 
 namespace plant {
 
@@ -13,9 +14,9 @@ struct CraneAloneConfig {
   CranePose home = {0.0, 12.0, 16.0, 14.0, 0.0};
   Payload load = {0.0, 0.0};  // besides the spreader: kg, kg m2
   bool rigid = false;         // level L0
-  double tolerance = 1e-8;
+  double tolerance = 1e-6;    // with order 4 a hundredth of an encoder count (docs/plant.md, From Python)
   Method method = Method::erk;
-  int order = 3;              // of ERKStep, 2 to 6 or 8
+  int order = 4;              // of ERKStep, 3 to 5
   bool bookkeeping = false;   // State::work is kept: more states to integrate, so other bits
   SensorParameters sensors;
   WindParameters wind;
@@ -49,7 +50,7 @@ class CraneAlone {
   // no finite number faults its drive, whose brake closes until reset.
   void step(const Joints& torque, double seconds);
   void set_load(const Payload& load);  // besides the spreader; positions and speeds stay
-  void reset(const CraneVector& q, const CraneVector& qd);
+  void reset(const CraneVector& q, const CraneVector& qd, const Joints& torque);  // the motors', within what they can give
 
   const State& state() const { return state_; }
   void restore(const State& state);
@@ -61,6 +62,8 @@ class CraneAlone {
   std::array<std::uint32_t, joint_count> encoders() const;  // 24-bit counters
   std::array<std::int32_t, 2> sway() const;                 // codes, 2048 = 10 degrees; of this instant
   // By CVODES, over `seconds` from the present state with the torques held; the state stays.
+  // Of state(), which may be that of another crane of this config.
+  CraneMotion::Slope linearize(const State& state) const { return motion_.linearize(state.crane, state.inputs); }
   CraneSensitivity sensitivity(const Joints& torque, double seconds) const;
 
  private:
@@ -69,6 +72,7 @@ class CraneAlone {
 
   CraneAloneConfig config_;
   CraneMotion motion_;
+  Wind wind_;
   State state_;
   std::vector<Event> events_;
   std::vector<CraneHappening> happenings_;  // scratch

@@ -346,7 +346,7 @@ std::vector<ContainerStatus> Dock::containers() const {
   const ShipPose ship = ship_at(core.config, core.state.containers, core.state.seconds());
   for (const ContainerData& c : core.state.containers) {
     const Solid solid = solid_of(c, -1, core.state.agvs, ship);
-    all.push_back({c.state, c.agv, solid.x, solid.y, solid.top, solid.yaw, solid.tilt.column[2], c.mass});
+    all.push_back({c.state, c.agv, solid.x, solid.y, solid.top, solid.yaw, solid.tilt.axis(2), c.mass});
   }
   if (core.state.carried >= 0) {
     const Signal s = core.make_signal();
@@ -355,7 +355,7 @@ std::vector<ContainerStatus> Dock::containers() const {
     carried.y = s.payload[1];
     carried.z = s.payload[2] + core.state.grip.top;
     carried.yaw = wrap_angle(s.yaw + core.state.grip.yaw);
-    if (core.state.landing.active) carried.up = Frame(core.state.landing.body.turn).column[2];
+    if (core.state.landing.active) carried.up = Frame(core.state.landing.body.turn).axis(2);
   }
   return all;
 }

@@ -7,7 +7,7 @@
 
 namespace plant {
 DockCore::DockCore(const DockConfig& c)
-    : config(c), crane(c.crane, {c.method, 3, c.tolerance}), agv_motion(c.agv, c.tolerance * 10.0), traffic(c), landing(c) {
+    : config(c), crane(c.crane, {c.method, 3, c.tolerance}), agv_motion(c.agv, c.tolerance * 10.0), traffic(c), landing(c), wind(c.wind) {
   state.crane.q = inverse_kinematics(config.crane, config.home);
   for (const ContainerPlace& place : config.layout.containers)
     state.containers.push_back({ContainerState::on_ship, -1, place.x, place.y, place.z, place.yaw, place.mass});
@@ -113,9 +113,9 @@ void DockCore::sample_sway() {
   for (std::size_t axis = 0; axis < 2; ++axis) {
     if (bit(state.stuck_sways, axis)) continue;
     state.sway_shown[axis] = state.sway_sampled[axis];
-    state.sway_sampled[axis] = sway_code(angles[axis], config.sensors, static_cast<int>(axis), sample);
+    state.sway_sampled[axis] = sway_code(angles[axis], config.sensors, axis == 0 ? Stream::sway_radial : Stream::sway_tangential, sample);
   }
-  sample_instruments();
+  sample_instruments(sample);
 }
 
 double DockCore::drum(const CraneState& c, std::size_t joint) const {

@@ -10,6 +10,7 @@
 #include "plant/landing.hpp"
 #include "plant/state.hpp"
 #include "plant/traffic.hpp"
+#include "plant/wind.hpp"
 
 namespace plant {
 
@@ -51,6 +52,7 @@ class DockCore {
   AgvMotion agv_motion;
   Traffic traffic;
   Landing landing;
+  mutable Wind wind;  // what it remembers changes no value
   DockState state;
   std::vector<Event> events;
   std::vector<Switch> switches;
@@ -72,6 +74,7 @@ class DockCore {
   void watch_free_payload();
   void move_payload();
   void blow();
+  Vector3 wind_force() const;        // N on the load, as it is now
   void turn_locks();
   void watch_handover(bool turned);
   template <class Change>
@@ -81,7 +84,7 @@ class DockCore {
   SampleClock range_clock(std::size_t agv) const { return agv < config.sensors.range_clocks.size() ? config.sensors.range_clocks[agv] : SampleClock{}; }
   void serve_warehouse(std::size_t agv);
   void sample_sway();
-  void sample_instruments();
+  void sample_instruments(std::int64_t sample);  // with the first sway sensor's
   std::array<double, 2> sway() const;
   double tension() const;            // N, sum of the falls
   void report(EventKind kind, int index = -1, double first = 0.0, double second = 0.0) {

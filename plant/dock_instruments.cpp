@@ -4,7 +4,6 @@
 
 #include "plant/dock_core.hpp"
 #include "plant/sensors.hpp"
-#include "plant/wind.hpp"
 
 namespace plant {
 namespace {
@@ -12,7 +11,6 @@ namespace {
 constexpr double load_step = 10.0;           // kg
 constexpr double speed_units = 10'000.0;     // of the drive's estimate: rated speed
 constexpr double wind_window = 3.0;          // s, of the anemometer's mean
-constexpr std::uint64_t second = 0x5345434F4E44ULL;  // sets the second sway sensor's noise apart from the first one's
 
 std::int32_t in_steps(double value, double step) { return static_cast<std::int32_t>(std::floor(value / step) * step); }
 
@@ -35,19 +33,17 @@ std::int32_t DockCore::drive_speed(std::size_t joint) const {
 
 std::int32_t DockCore::wind_mean(double seconds) const {
   if (state.instruments.stuck_wind) return state.instruments.held_wind;
-  return static_cast<std::int32_t>(std::floor(1e3 * mean_wind_speed(config.wind, seconds - wind_window, seconds) + 0.5));
+  return static_cast<std::int32_t>(std::floor(1e3 * wind.mean(seconds - wind_window, seconds) + 0.5));
 }
 
 // With the sway sensor's clock: what is sampled now can be read a sample later.
-void DockCore::sample_instruments() {
+void DockCore::sample_instruments(std::int64_t sample) {
   InstrumentState& seen = state.instruments;
   const auto angles = sway();
-  SensorParameters other = config.sensors;
-  other.seed ^= second;
   for (std::size_t axis = 0; axis < 2; ++axis) {
     if (bit(seen.stuck_sways, axis)) continue;
     seen.sway_shown[axis] = seen.sway_sampled[axis];
-    seen.sway_sampled[axis] = sway_code(angles[axis], other, static_cast<int>(axis), state.latch / tick_latches);
+    seen.sway_sampled[axis] = sway_code(angles[axis], config.sensors, axis == 0 ? Stream::second_sway_radial : Stream::second_sway_tangential, sample);
   }
   if (seen.stuck_load) return;
   seen.load_shown = seen.load_sampled;

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "plant/dock_core.hpp"
-#include "plant/wind.hpp"
 
 namespace plant {
 namespace {
@@ -11,10 +10,19 @@ constexpr std::int64_t clearance_latches = 8;  // how often the payload looks fo
 
 }  // namespace
 
-// Near contact the landing puts the wind on the body itself.
+Vector3 DockCore::wind_force() const {
+  if (!config.wind.blows()) return {};
+  const CraneState& c = state.crane;
+  const bool body = state.landing.active;
+  const Vector3 velocity = body ? state.landing.body.velocity : crane.crane().payload_velocity(c.q, c.qd);
+  const double yaw = body ? landing.payload_yaw(state) : c.q[Q_PSI] + c.q[Q_KAPPA];
+  return wind.force(state.seconds(), velocity, yaw + state.grip.yaw, state.carried >= 0);
+}
+
+// Near contact the wind is on the body that the landing moves.
 void DockCore::blow() {
   if (!config.wind.blows() || state.landing.active) return;
-  state.inputs.external = crane.crane().at_payload(state.crane.q, wind_force(config.wind, state.seconds()));
+  state.inputs.external = crane.crane().at_payload(state.crane.q, wind_force());
 }
 
 template <class Change>
@@ -51,7 +59,7 @@ void DockCore::move_payload() {
     }
   }
   const int latches = landing.latches_per_step(state, crane.crane());
-  const Landing::Outcome outcome = landing.step(state, crane.crane(), latches * latch_seconds);
+  const Landing::Outcome outcome = landing.step(state, crane.crane(), wind_force(), latches * latch_seconds);
   near.next = state.latch + latches;
   near.clear = outcome.clear;
   if (outcome.touched) {
@@ -60,7 +68,7 @@ void DockCore::move_payload() {
     if (hard) report(EventKind::hard_landing, -1, outcome.vertical, outcome.horizontal);
     if (config.landing.strict) state.handover.accepted = !hard && std::fabs(landing.landing_error(state)[1]) <= config.landing.yaw_error;
   }
-  if (near.corners == 0xF && accepted() && !near.landed) {
+  if (near.corners == 0xF && near.touched && accepted() && !near.landed) {
     near.landed = true;
     report(EventKind::landed);
   } else if (near.corners == 0 && near.landed && near.contacts == 0) {

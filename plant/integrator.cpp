@@ -32,6 +32,8 @@ struct Integrator::Implementation {
   Implementation& operator=(const Implementation&) = delete;
 
   void make_erk(const Settings& settings, int root_count) {
+    if (settings.order < lowest_order || settings.order > highest_order)
+      throw std::invalid_argument(fmt::format("plant: the order of Runge-Kutta must be {} to {} (got {})", lowest_order, highest_order, settings.order));
     erk = ERKStepCreate(evaluate, 0.0, y.vector, context.context);
     if (erk == nullptr) throw std::runtime_error("plant: ERKStepCreate failed");
     require(ERKStepSetErrHandlerFn(erk, keep_message, &call), call, "ERKStepSetErrHandlerFn");

@@ -10,16 +10,21 @@ namespace plant {
 // costs more where inputs change often (plant-and-bus.md 1.6); BDF is for stiff settings.
 enum class Method : std::uint8_t { erk, adams, bdf };
 
-// yd = f(y); autonomous, so that an interval always runs from 0 and no time is accumulated in floating point.
-using RightHandSide = void (*)(void* model, const double* y, double* yd);
+// yd = f(t, y); t is the time since the call's beginning, so that no time is accumulated in floating point.
+using RightHandSide = void (*)(void* model, double t, const double* y, double* yd);
 // values = what changes its sign at an event.
-using RootFunction = void (*)(void* model, const double* y, double* values);
+using RootFunction = void (*)(void* model, double t, const double* y, double* values);
+
+// Orders of ERKStep. SUNDIALS 6.4 has tables of order 2, 6 and 8 too, but takes every table whose last stage is at the step's end for one
+// that has the next step's first derivative ("first same as last"). Of these it is not true: further steps of one call begin with a wrong
+// derivative, or with none. So Integrator's constructor refuses them.
+inline constexpr int lowest_order = 3, highest_order = 5;
 
 class Integrator {
  public:
   struct Settings {
     Method method = Method::erk;
-    int order = 4;             // of ERKStep, 2 to 6 or 8; the multistep methods choose their own
+    int order = 4;             // of ERKStep, see lowest_order; the multistep methods choose their own
     double relative = 1e-8;
   };
   // absolute: one tolerance per state. roots: events of advance_to_root, none if null. Throws std::runtime_error if SUNDIALS refuses.

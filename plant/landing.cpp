@@ -207,7 +207,7 @@ double Landing::energy(const DockState& s, const Crane& crane) const {
   const Frame frame(b.turn);
   double turning = 0.0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double rate = dot(frame.column[k], b.spin);
+    const double rate = dot(frame.axis(static_cast<int>(k)), b.spin);
     turning += 0.5 * body.inertia[k] * rate * rate;
   }
   const double rest = s.crane.q[Q_L] - s.landing.slack;

@@ -25,9 +25,9 @@ class Landing {
     double vertical = 0.0, horizontal = 0.0;    // m/s just before it
     bool clear = false;                         // it could be handed back
   };
-  // One exchange at the present latch: forces of falls, rotator and guides from both sides as they are now; moves the body on by
+  // One exchange at the present latch: forces of falls, rotator, guides and wind (N, world) from both sides as they are now; moves the body on by
   // `seconds` and leaves in state.inputs what the crane feels meanwhile. Also reads the corner switches, as they are now.
-  Outcome step(DockState&, const Crane&, double seconds);
+  Outcome step(DockState&, const Crane&, const Vector3& wind, double seconds);
   // 0.25 ms in or near contact, else 0.5 ms, on the 0.5-ms grid.
   int latches_per_step(const DockState&, const Crane&);
 

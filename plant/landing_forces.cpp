@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "plant/landing_parts.hpp"
-#include "plant/wind.hpp"
 
 namespace plant {
 namespace {
@@ -111,13 +110,13 @@ void Landing::read_corners(DockState& s) const {
   s.landing.corners = closed;
 }
 
-Landing::Outcome Landing::step(DockState& s, const Crane& crane, double seconds) {
+Landing::Outcome Landing::step(DockState& s, const Crane& crane, const Vector3& wind, double seconds) {
   find_near(s);
   read_corners(s);
   Forces forces;
   add_falls(s, crane, seconds, forces);
   add_guides(s, forces);
-  if (config_.wind.blows()) forces.force = forces.force + wind_force(config_.wind, s.seconds());
+  forces.force = forces.force + wind;
   s.landing.tension = forces.tension;
 
   Outcome outcome;

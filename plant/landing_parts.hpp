@@ -11,7 +11,7 @@ inline constexpr double spreader_centre = 0.75;     // m, its centre of mass abo
 inline constexpr double casting_x = 5.9925, casting_y = 1.1295;  // m, corner castings of a 40-ft container from its middle
 inline constexpr std::array<std::array<double, 2>, 4> corner_sign = {{{1, 1}, {1, -1}, {-1, -1}, {-1, 1}}};
 
-inline double yaw_of(const Frame& frame) { return atan2(frame.column[0][1], frame.column[0][0]); }
+inline double yaw_of(const Frame& frame) { return atan2(frame.axes(1, 0), frame.axes(0, 0)); }
 
 inline double box_inertia(double mass, double a, double b) { return mass * (a * a + b * b) / 12.0; }
 

@@ -6,8 +6,11 @@
 #include <cmath>
 
 #include "plant/config.hpp"
+#include "plant/frame.hpp"
 #include "plant/math.hpp"
 #include "plant/sundials.hpp"
+
+#include <Eigen/LU>
 
 namespace plant {
 namespace {
@@ -16,9 +19,12 @@ constexpr double pull = 10.0;           // 1/s, Baumgarte's
 constexpr std::size_t size = 8;         // 3 angles, 3 rates, 2 multipliers
 constexpr std::size_t bodies = 4;       // jib, fly jib, tie bar, load
 
-using Three = std::array<double, 3>;
-using Matrix3 = std::array<Three, 3>;
-using Two = std::array<double, 2>;
+using Three = Eigen::Vector3d;
+using Two = Eigen::Vector2d;
+using LoopBy = Eigen::Matrix<double, 2, 3>;
+
+Three three(const std::array<double, 3>& v) { return Three(v[0], v[1], v[2]); }
+std::array<double, 3> plain(const Three& v) { return {v[0], v[1], v[2]}; }
 
 }  // namespace
 
@@ -27,98 +33,74 @@ struct Linkage::Model {
   double torque = 0.0;
   double scale = 1.0;  // N per unit of a multiplier, so that all unknowns are of one size
   std::array<double, bodies> mass{};
-  std::array<Three, bodies> arm{};  // a body's centre is a sum of these times e(angle), and for the tie bar its pivot
-  Three inertia{};
+  std::array<Three, bodies> arm;  // a body's centre is a sum of these times e(angle), and for the tie bar its pivot
+  Three inertia;
 
   explicit Model(const LinkageParameters& parameters) : p(parameters) {
     mass = {p.jib_mass, p.fly_mass, p.tie_mass, p.load};
-    arm = {{{0.5 * p.jib, 0, 0}, {p.jib, 0.5 * (p.fly - p.back), 0}, {0, 0, 0.5 * p.tie}, {p.jib, p.fly, 0}}};
+    arm = {Three(0.5 * p.jib, 0, 0), Three(p.jib, 0.5 * (p.fly - p.back), 0), Three(0, 0, 0.5 * p.tie), Three(p.jib, p.fly, 0)};
     const double fly = p.fly + p.back;
-    inertia = {p.jib_mass * p.jib * p.jib / 12, p.fly_mass * fly * fly / 12, p.tie_mass * p.tie * p.tie / 12};
+    inertia = Three(p.jib_mass * p.jib * p.jib / 12, p.fly_mass * fly * fly / 12, p.tie_mass * p.tie * p.tie / 12);
     scale = gravity * (p.jib_mass + p.fly_mass + p.tie_mass + p.load);
   }
 
-  Three loop_arm() const { return {p.jib, -p.back, -p.tie}; }
-
+  // The bars of the loop as vectors, columns; and d loop / d angle.
+  void bars(const Three& t, LoopBy& along, LoopBy& by) const {
+    const Three length(p.jib, -p.back, -p.tie);
+    for (int k = 0; k < 3; ++k) {
+      const auto [s, c] = sin_cos(t[k]);
+      along.col(k) = length[k] * Two(c, s);
+      by.col(k) = length[k] * Two(-s, c);
+    }
+  }
   Two loop(const Three& t) const {
-    Two sum{-p.base_x, -p.base_z};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto [s, c] = sin_cos(t[k]);
-      sum[0] += loop_arm()[k] * c;
-      sum[1] += loop_arm()[k] * s;
-    }
-    return sum;
-  }
-  // d loop / d angle, columns.
-  std::array<Two, 3> loop_by(const Three& t) const {
-    std::array<Two, 3> by{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto [s, c] = sin_cos(t[k]);
-      by[k] = {-loop_arm()[k] * s, loop_arm()[k] * c};
-    }
-    return by;
-  }
-  // What its second derivative has besides loop_by times the angles' second derivatives.
-  Two loop_bias(const Three& t, const Three& w) const {
-    Two sum{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto [s, c] = sin_cos(t[k]);
-      sum[0] -= loop_arm()[k] * c * w[k] * w[k];
-      sum[1] -= loop_arm()[k] * s * w[k] * w[k];
-    }
-    return sum;
+    LoopBy along, by;
+    bars(t, along, by);
+    return along.rowwise().sum() - Two(p.base_x, p.base_z);
   }
 
   Matrix3 mass_matrix(const Three& t) const {
-    Matrix3 m{};
-    for (std::size_t j = 0; j < 3; ++j) {
-      for (std::size_t k = 0; k < 3; ++k)
-        for (std::size_t b = 0; b < bodies; ++b) m[j][k] += mass[b] * arm[b][j] * arm[b][k] * cos(t[j] - t[k]);
-      m[j][j] += inertia[j];
-    }
+    Matrix3 turned, m = inertia.asDiagonal();
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) turned(j, k) = cos(t[j] - t[k]);
+    for (std::size_t b = 0; b < bodies; ++b) m += mass[b] * (arm[b] * arm[b].transpose()).cwiseProduct(turned);
     return m;
   }
   // h + g less the torque.
   Three rest(const Three& t, const Three& w) const {
-    Three sum{-torque, 0.0, 0.0};
-    for (std::size_t b = 0; b < bodies; ++b)
-      for (std::size_t j = 0; j < 3; ++j) {
-        for (std::size_t k = 0; k < 3; ++k) sum[j] += mass[b] * arm[b][j] * arm[b][k] * sin(t[j] - t[k]) * w[k] * w[k];
-        sum[j] += mass[b] * gravity * arm[b][j] * cos(t[j]);
-      }
+    Matrix3 turned;
+    for (int j = 0; j < 3; ++j)
+      for (int k = 0; k < 3; ++k) turned(j, k) = sin(t[j] - t[k]);
+    const Three square = w.cwiseProduct(w), level(cos(t[0]), cos(t[1]), cos(t[2]));
+    Three sum(-torque, 0.0, 0.0);
+    for (std::size_t b = 0; b < bodies; ++b) {
+      sum += mass[b] * (arm[b] * arm[b].transpose()).cwiseProduct(turned) * square;
+      sum += mass[b] * gravity * arm[b].cwiseProduct(level);
+    }
     return sum;
   }
 
   // Rates of the two other bars per rate of the jib.
   Three ratio(const Three& t) const {
-    const auto by = loop_by(t);
-    const double det = by[1][0] * by[2][1] - by[2][0] * by[1][1];
-    return {1.0, (-by[0][0] * by[2][1] + by[2][0] * by[0][1]) / det, (-by[1][0] * by[0][1] + by[0][0] * by[1][1]) / det};
+    LoopBy along, by;
+    bars(t, along, by);
+    const Two others = by.rightCols<2>().inverse() * -by.col(0);
+    return Three(1.0, others[0], others[1]);
   }
 
   // Accelerations and multipliers that fulfil both sets of equations.
   void accelerate(const Three& t, const Three& w, Three& wd, Two& lambda) const {
+    LoopBy along, by;
+    bars(t, along, by);
+    const Eigen::Matrix2d inverse = by.rightCols<2>().inverse();
+    const Two others = inverse * -by.col(0), bias = inverse * (along * w.cwiseProduct(w));
+    const Three r(1.0, others[0], others[1]), free(0.0, bias[0], bias[1]);
     // Along the loop's freedom: r^T (M wd + rest) = 0 with wd = r wd1 + bias part.
-    const Three r = ratio(t);
-    const auto by = loop_by(t);
-    const Two gamma = loop_bias(t, w);
-    const double det = by[1][0] * by[2][1] - by[2][0] * by[1][1];
-    const Three free{0.0, (-gamma[0] * by[2][1] + by[2][0] * gamma[1]) / det, (-by[1][0] * gamma[1] + gamma[0] * by[1][1]) / det};
     const Matrix3 m = mass_matrix(t);
     const Three h = rest(t, w);
-    double top = 0.0, bottom = 0.0;
-    for (std::size_t j = 0; j < 3; ++j) {
-      top -= r[j] * h[j];
-      for (std::size_t k = 0; k < 3; ++k) {
-        top -= r[j] * m[j][k] * free[k];
-        bottom += r[j] * m[j][k] * r[k];
-      }
-    }
-    for (std::size_t j = 0; j < 3; ++j) wd[j] = r[j] * top / bottom + free[j];
-    Three left = h;  // = loop_by^T lambda; rows 1 and 2 give it
-    for (std::size_t j = 0; j < 3; ++j)
-      for (std::size_t k = 0; k < 3; ++k) left[j] += m[j][k] * wd[k];
-    lambda = {(left[1] * by[2][1] - left[2] * by[1][1]) / det, (left[2] * by[1][0] - left[1] * by[2][0]) / det};
+    wd = r * (-r.dot(h + m * free) / r.dot(m * r)) + free;
+    const Three left = h + m * wd;  // = loop_by^T lambda; rows 1 and 2 give it
+    lambda = inverse.transpose() * left.tail<2>();
   }
 
   static int residual(realtype, N_Vector y, N_Vector yd, N_Vector r, void* data) {
@@ -126,22 +108,15 @@ struct Linkage::Model {
     const double* const v = NV_DATA_S(y);
     const double* const vd = NV_DATA_S(yd);
     double* const out = NV_DATA_S(r);
-    const Three t{v[0], v[1], v[2]}, w{v[3], v[4], v[5]};
-    const Matrix3 m = self.mass_matrix(t);
-    const Three h = self.rest(t, w);
-    const auto by = self.loop_by(t);
-    const Two gamma = self.loop_bias(t, w), gap = self.loop(t);
-    for (std::size_t j = 0; j < 3; ++j) {
-      out[j] = vd[j] - w[j];
-      double sum = h[j] / self.scale - by[j][0] * v[6] - by[j][1] * v[7];
-      for (std::size_t k = 0; k < 3; ++k) sum += m[j][k] * vd[3 + k] / self.scale;
-      out[3 + j] = sum;
-    }
-    for (std::size_t i = 0; i < 2; ++i) {
-      double sum = gamma[i] + pull * pull * gap[i];
-      for (std::size_t k = 0; k < 3; ++k) sum += by[k][i] * (vd[3 + k] + 2.0 * pull * w[k]);
-      out[6 + i] = sum;
-    }
+    const Three t(v[0], v[1], v[2]), w(v[3], v[4], v[5]), wd(vd[3], vd[4], vd[5]);
+    const Two multiplier(v[6], v[7]);
+    LoopBy along, by;
+    self.bars(t, along, by);
+    const Two gap = along.rowwise().sum() - Two(self.p.base_x, self.p.base_z);
+    Eigen::Map<Eigen::Matrix<double, size, 1>> all(out);
+    all.head<3>() = Three(vd[0], vd[1], vd[2]) - w;
+    all.segment<3>(3) = (self.mass_matrix(t) * wd + self.rest(t, w)) / self.scale - by.transpose() * multiplier;
+    all.tail<2>() = by * (wd + 2.0 * pull * w) + pull * pull * gap - along * w.cwiseProduct(w);
     return 0;
   }
 
@@ -229,13 +204,15 @@ void Linkage::place(double jib_angle, double jib_rate) {
   const double inside = atan2(std::sqrt(1.0 - cosine * cosine), cosine);
   const double fly = toward - inside;  // the back end lies above the jib, the nose hangs forward
   const auto [sf, cf] = sin_cos(fly);
-  const Three angles{jib_angle, fly, atan2(z - p.back * sf, x - p.back * cf)};
-  angle_ = angles;
-  const Three r = model_->ratio(angles);
-  for (std::size_t k = 0; k < 3; ++k) rate_[k] = r[k] * jib_rate;
+  const Three angles(jib_angle, fly, atan2(z - p.back * sf, x - p.back * cf));
+  const Three rates = model_->ratio(angles) * jib_rate;
+  angle_ = plain(angles);
+  rate_ = plain(rates);
   model_->torque = 0.0;
-  Three wd{};
-  model_->accelerate(angle_, rate_, wd, force_);
+  Three wd;
+  Two lambda;
+  model_->accelerate(angles, rates, wd, lambda);
+  force_ = {lambda[0], lambda[1]};
 }
 
 void Linkage::advance(double torque, double seconds) {
@@ -246,16 +223,16 @@ void Linkage::advance(double torque, double seconds) {
   m.torque = torque;
   double* const y = solver_->y.data();
   double* const yd = solver_->yd.data();
-  Three wd{};
-  Two lambda{};
-  m.accelerate(angle_, rate_, wd, lambda);
+  Three wd;
+  Two lambda;
+  m.accelerate(three(angle_), three(rate_), wd, lambda);
   for (std::size_t k = 0; k < 3; ++k) {
     y[k] = angle_[k];
     y[3 + k] = yd[k] = rate_[k];
-    yd[3 + k] = wd[k];
+    yd[3 + k] = wd[static_cast<int>(k)];
   }
   for (std::size_t i = 0; i < 2; ++i) {
-    y[6 + i] = lambda[i] / m.scale;
+    y[6 + i] = lambda[static_cast<int>(i)] / m.scale;
     yd[6 + i] = 0.0;
   }
   solver_->run(seconds);
@@ -271,27 +248,19 @@ std::array<double, 2> Linkage::nose() const {
   return {p.jib * cos(angle_[0]) + p.fly * cos(angle_[1]), p.jib * sin(angle_[0]) + p.fly * sin(angle_[1])};
 }
 
-double Linkage::open() const {
-  const Two gap = model_->loop(angle_);
-  return std::sqrt(gap[0] * gap[0] + gap[1] * gap[1]);
-}
+double Linkage::open() const { return model_->loop(three(angle_)).norm(); }
 
 double Linkage::energy() const {
-  const Matrix3 m = model_->mass_matrix(angle_);
-  double sum = model_->p.tie_mass * gravity * model_->p.base_z;
-  for (std::size_t j = 0; j < 3; ++j) {
-    for (std::size_t k = 0; k < 3; ++k) sum += 0.5 * rate_[j] * m[j][k] * rate_[k];
-    for (std::size_t b = 0; b < bodies; ++b) sum += model_->mass[b] * gravity * model_->arm[b][j] * sin(angle_[j]);
-  }
+  const Three t = three(angle_), w = three(rate_), height(sin(t[0]), sin(t[1]), sin(t[2]));
+  double sum = model_->p.tie_mass * gravity * model_->p.base_z + 0.5 * w.dot(model_->mass_matrix(t) * w);
+  for (std::size_t b = 0; b < bodies; ++b) sum += model_->mass[b] * gravity * model_->arm[b].dot(height);
   return sum;
 }
 
 double Linkage::holding_torque() const {
   Model at = *model_;
   at.torque = 0.0;
-  const Three g = at.rest(angle_, {});
-  const Three r = at.ratio(angle_);
-  return r[0] * g[0] + r[1] * g[1] + r[2] * g[2];
+  return at.ratio(three(angle_)).dot(at.rest(three(angle_), Three::Zero()));
 }
 
 std::array<double, 2> Linkage::joint_force() const { return force_; }

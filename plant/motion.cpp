@@ -8,11 +8,10 @@
 namespace plant {
 namespace {
 
-// A tenth of the tolerance on positions and speeds in m and rad; torques by their size.
+// A tenth of the tolerance on positions and speeds in m and rad.
 std::array<double, CraneMotion::size> tolerances(double relative) {
   std::array<double, CraneMotion::size> absolute{};
   absolute.fill(relative * 0.1);
-  for (std::size_t j = 0; j < joint_count; ++j) absolute[2 * crane_size + j] = relative * 1e4;
   return absolute;
 }
 
@@ -44,59 +43,77 @@ CraneVector CraneMotion::applied_force(const CraneVector& q, const CraneVector& 
   return force;
 }
 
-void CraneMotion::derivative(void* data, const double* y, double* yd) {
+void CraneMotion::begin(const CraneState& state, const CraneInputs& inputs) {
+  inputs_ = &inputs;
+  torque_ = state.torque;
+}
+
+// The first-order lag under a held command.
+Joints CraneMotion::torque_at(double t) const {
+  Joints torque;
+  double lag = 0.0, left = 1.0;
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const double goal = inputs_->command[j];
+    torque[j] = goal;
+    if (torque_[j] == goal) continue;
+    if (const double own = crane_.parameters().drives[j].torque_lag; own != lag) {
+      lag = own;
+      left = exp(-t / lag);
+    }
+    torque[j] += (torque_[j] - goal) * left;
+  }
+  return torque;
+}
+
+void CraneMotion::derivative(void* data, double t, const double* y, double* yd) {
   const auto& self = *static_cast<const CraneMotion*>(data);
   const CraneInputs& in = *self.inputs_;
   CraneVector q;
   CraneVector qd;
-  Joints torque;
   std::copy_n(y, crane_size, q.begin());
   std::copy_n(y + crane_size, crane_size, qd.begin());
-  std::copy_n(y + 2 * crane_size, joint_count, torque.begin());
-  const CraneVector force = self.applied_force(q, qd, torque, in);
+  const CraneVector force = self.applied_force(q, qd, self.torque_at(t), in);
   const CraneVector qdd = self.crane_.acceleration(q, qd, force, in.payload, in.locked);
   for (std::size_t k = 0; k < crane_size; ++k) {
     const bool held = (in.locked >> k & 1U) != 0;
     yd[k] = held ? 0.0 : qd[k];
     yd[crane_size + k] = qdd[k];
   }
-  const auto& drives = self.crane_.parameters().drives;
-  for (std::size_t j = 0; j < joint_count; ++j)
-    yd[2 * crane_size + j] = (in.command[j] - torque[j]) / drives[j].torque_lag;
 }
 
 CraneMotion::Packed CraneMotion::pack(const CraneState& state) {
   Packed y;
   std::copy(state.q.begin(), state.q.end(), y.begin());
   std::copy(state.qd.begin(), state.qd.end(), y.begin() + crane_size);
-  std::copy(state.torque.begin(), state.torque.end(), y.begin() + 2 * crane_size);
   return y;
 }
 
 void CraneMotion::unpack(std::span<const double> y, CraneState& state) {
   std::copy_n(y.begin(), crane_size, state.q.begin());
   std::copy_n(y.begin() + crane_size, crane_size, state.qd.begin());
-  std::copy_n(y.begin() + 2 * crane_size, joint_count, state.torque.begin());
 }
 
 void CraneMotion::advance(CraneState& state, const CraneInputs& inputs, double seconds) {
-  inputs_ = &inputs;
+  begin(state, inputs);
   Packed y = pack(state);
   integrator_.advance(this, y, seconds, state.step);
   unpack(y, state);
+  state.torque = torque_at(seconds);
 }
 
 void CraneMotion::advance_fixed(CraneState& state, const CraneInputs& inputs, double seconds, double step) {
-  inputs_ = &inputs;
+  begin(state, inputs);
   Packed y = pack(state);
   integrator_.advance_fixed(this, y, seconds, step);
   unpack(y, state);
+  state.torque = torque_at(seconds);
 }
 
-void CraneMotion::root_values(void* data, const double* y, double* values) {
+void CraneMotion::root_values(void* data, double t, const double* y, double* values) {
   const auto& self = *static_cast<const CraneMotion*>(data);
   CraneState state;
   unpack({y, size}, state);
+  state.torque = self.torque_at(t);
   std::fill_n(values, most_roots, 1.0);
   for (std::size_t i = 0; i < self.roots_.size(); ++i) values[i] = self.value(self.roots_[i], state, *self.inputs_);
 }
@@ -116,23 +133,25 @@ double CraneMotion::advance_to(CraneState& state, const CraneInputs& inputs, dou
   if (!finder_)
     finder_ = std::make_unique<Integrator>(settings_, absolute_, &CraneMotion::derivative, &CraneMotion::root_values,
                                            static_cast<int>(most_roots));
-  inputs_ = &inputs;
+  begin(state, inputs);
   roots_ = roots;
   Packed y = pack(state);
   std::array<int, most_roots> found{};
   const double reached = finder_->advance_to_root(this, y, seconds, state.step, found);
   unpack(y, state);
+  state.torque = torque_at(reached);
   const auto first = std::find_if(found.begin(), found.end(), [](int direction) { return direction != 0; });
   which = first == found.end() ? -1 : static_cast<int>(first - found.begin());
   return reached;
 }
 
-void CraneMotion::booked_derivative(void* data, const double* y, double* yd) {
-  derivative(data, y, yd);
+void CraneMotion::booked_derivative(void* data, double t, const double* y, double* yd) {
+  derivative(data, t, y, yd);
   const auto& self = *static_cast<const CraneMotion*>(data);
   const CraneInputs& in = *self.inputs_;
   CraneState state;
   unpack({y, size}, state);
+  state.torque = self.torque_at(t);
   double* const rate = yd + size;
   std::fill_n(rate, booked_size - size, 0.0);
   for (std::size_t j = 0; j < joint_count; ++j) {
@@ -163,11 +182,12 @@ Work CraneMotion::advance_booked(CraneState& state, const CraneInputs& inputs, d
     std::fill(absolute.begin() + size, absolute.end(), settings_.relative * 1e4);
     booker_ = std::make_unique<Integrator>(settings_, absolute, &CraneMotion::booked_derivative);
   }
-  inputs_ = &inputs;
+  begin(state, inputs);
   const Packed start = pack(state);
   std::copy(start.begin(), start.end(), y.begin());
   booker_->advance(this, y, seconds, state.step);
   unpack({y.data(), size}, state);
+  state.torque = torque_at(seconds);
   return {y[size], y[size + 1], y[size + 2], y[size + 3], y[size + 4], 0.0};
 }
 
@@ -207,6 +227,33 @@ void CraneMotion::stop(CraneState& state, const CraneInputs& inputs, std::size_t
   qd[k] = 0.0;
 }
 
+CraneMotion::Slope CraneMotion::linearize(const CraneState& state, const CraneInputs& in) const {
+  Slope slope{};
+  const auto held = [&in](std::size_t k) { return (in.locked >> k & 1U) != 0; };
+  const auto& p = crane_.parameters();
+  const auto by = [&](std::size_t column, double step, auto&& variable) {
+    for (const auto& [places, weight] : {std::pair{1.0, 8.0}, {-1.0, -8.0}, {2.0, -1.0}, {-2.0, 1.0}}) {
+      CraneState moved = state;
+      variable(moved) += places * step;
+      const CraneVector qdd = acceleration(moved, in);
+      for (std::size_t k = 0; k < crane_size; ++k) slope[crane_size + k][column] += weight * qdd[k] / (12.0 * step);
+    }
+  };
+  for (std::size_t k = 0; k < crane_size; ++k) {
+    if (held(k)) continue;
+    slope[k][crane_size + k] = 1.0;
+    by(k, 1e-3, [k](CraneState& s) -> double& { return s.q[k]; });
+    // Fine against the speeds over which dry friction is smoothed.
+    double fine = 1e-3;
+    for (std::size_t j = 0; j < joint_count; ++j)
+      if (coordinate_of(j) == k) fine = std::min(fine, 0.01 * p.drives[j].smooth_speed * p.drives[j].rated_joint_speed());
+    by(crane_size + k, fine, [k](CraneState& s) -> double& { return s.qd[k]; });
+  }
+  for (std::size_t j = 0; j < joint_count; ++j)
+    by(2 * crane_size + j, 1e-3 * p.drives[j].rated_torque, [j](CraneState& s) -> double& { return s.torque[j]; });
+  return slope;
+}
+
 std::array<CraneMotion::Packed, 2> CraneMotion::sensitivity(const CraneState& state, const CraneInputs& inputs, double seconds) const {
   // CVODES varies the payload's mass in place while it differences the right-hand side.
   struct Varied {
@@ -214,11 +261,11 @@ std::array<CraneMotion::Packed, 2> CraneMotion::sensitivity(const CraneState& st
     CraneInputs inputs;
     double mass;
   } varied{{crane_.parameters(), settings_}, inputs, inputs.payload.mass};
-  const auto f = [](void* model, const double* y, double* yd) {
+  varied.motion.begin(state, varied.inputs);
+  const auto f = [](void* model, double t, const double* y, double* yd) {
     auto& self = *static_cast<Varied*>(model);
     self.inputs.payload.mass = self.mass;
-    self.motion.inputs_ = &self.inputs;
-    derivative(&self.motion, y, yd);
+    derivative(&self.motion, t, y, yd);
   };
   Packed y = pack(state);
   std::array<Packed, 2> by{};

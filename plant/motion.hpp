@@ -74,20 +74,26 @@ class CraneMotion {
   void advance_fixed(CraneState&, const CraneInputs&, double seconds, double step);
   // Brings one coordinate to rest by an impulse there; the others feel it through the crane's inertia.
   void stop(CraneState&, const CraneInputs&, std::size_t coordinate) const;
-  // CVODES' forward sensitivities: derivatives of (q, qd, torque) after `seconds` by the payload's mass and by the rope's length at the start.
-  std::array<std::array<double, 2 * crane_size + joint_count>, 2> sensitivity(const CraneState&, const CraneInputs&, double seconds) const;
+  // CVODES' forward sensitivities: derivatives of (q, qd) after `seconds` by the payload's mass and by the rope's length at the start.
+  std::array<std::array<double, 2 * crane_size>, 2> sensitivity(const CraneState&, const CraneInputs&, double seconds) const;
 
-  static constexpr std::size_t size = 2 * crane_size + joint_count;
+  // d (qd, qdd) / d (q, qd, torque), by central differences of fourth order; rows and columns of locked coordinates are 0.
+  using Slope = std::array<std::array<double, 2 * crane_size + joint_count>, 2 * crane_size>;
+  Slope linearize(const CraneState&, const CraneInputs&) const;
+
+  static constexpr std::size_t size = 2 * crane_size;  // what is integrated: q and qd; the torques' lag is solved exactly
   static constexpr std::size_t most_roots = 2 * joint_count + 4 + joint_count + 1;
 
  private:
   static constexpr std::size_t booked_size = size + 5;
   using Packed = std::array<double, size>;
-  static void derivative(void* self, const double* y, double* yd);
-  static void booked_derivative(void* self, const double* y, double* yd);
-  static void root_values(void* self, const double* y, double* values);
+  static void derivative(void* self, double t, const double* y, double* yd);
+  static void booked_derivative(void* self, double t, const double* y, double* yd);
+  static void root_values(void* self, double t, const double* y, double* values);
   static Packed pack(const CraneState&);
   static void unpack(std::span<const double>, CraneState&);
+  void begin(const CraneState&, const CraneInputs&);
+  Joints torque_at(double t) const;  // N m, so long after the call's beginning
   CraneVector applied_force(const CraneVector& q, const CraneVector& qd, const Joints& torque, const CraneInputs&) const;
 
   Crane crane_;
@@ -96,6 +102,7 @@ class CraneMotion {
   Integrator integrator_;
   std::unique_ptr<Integrator> finder_, booker_;  // made when first needed
   const CraneInputs* inputs_ = nullptr;
+  Joints torque_{};  // at the call's beginning
   std::span<const CraneRoot> roots_;
 };
 

@@ -27,7 +27,7 @@ Solid solid_of(const AgvParameters& p, int index, double x, double y, double hea
 
 double Solid::top_at(double px, double py) const {
   if (!tilted) return top;
-  const Vector3& up = tilt.column[2];
+  const Vector3 up = tilt.axis(2);
   return top - (up[0] * (px - x) + up[1] * (py - y)) / up[2];
 }
 
@@ -35,12 +35,13 @@ Vector3 Solid::velocity_at(const Vector3& at) const { return Vector3{vx, vy, vz}
 
 Vector3 Solid::middle() const {
   if (!tilted) return {x, y, 0.5 * (bottom + top)};
-  return Vector3{x, y, top} - 0.5 * (top - bottom) * tilt.column[2];
+  return Vector3{x, y, top} - 0.5 * (top - bottom) * tilt.axis(2);
 }
 
 Frame Solid::frame() const {
   Frame f;
-  f.column = {tilt({cos_yaw, sin_yaw, 0.0}), tilt({-sin_yaw, cos_yaw, 0.0}), tilt.column[2]};
+  f.axes << cos_yaw, -sin_yaw, 0.0, sin_yaw, cos_yaw, 0.0, 0.0, 0.0, 1.0;
+  f.axes = tilt.axes * f.axes;
   return f;
 }
 

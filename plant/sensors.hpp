@@ -4,20 +4,19 @@
 #include <cstdint>
 
 #include "plant/config.hpp"
+#include "plant/noise.hpp"
 
 namespace plant {
 
 inline constexpr double counts_per_revolution = 16384.0;
 
 std::int64_t encoder_counts(double joint_position, const DriveParameters&);
-std::int32_t sway_code(double angle, const SensorParameters&, int axis, std::int64_t sample);
+std::int32_t sway_code(double angle, const SensorParameters&, Stream noise, std::int64_t sample);
 // Whether a ray of AGV `agv` brings no echo; depends on the seed and the ray's running number alone.
 bool drops(const SensorParameters&, std::size_t agv, std::int64_t ray);
 // Ticks of a sampling clock up to a latch: it ticks each `period` latches, the first time at its phase.
 std::int64_t ticks_until(const SampleClock&, std::int64_t latch, std::int64_t period);
 // Latches from a scan of the range sensors to the next.
 std::int64_t range_latches(const SensorParameters&);
-// Standard normal deviate of (seed, axis, sample).
-double noise(std::uint64_t seed, int axis, std::int64_t sample);
 
 }  // namespace plant

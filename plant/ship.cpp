@@ -4,18 +4,18 @@
 
 #include "plant/math.hpp"
 #include "plant/scene.hpp"
-#include "plant/sensors.hpp"
+#include "plant/noise.hpp"
 
 namespace plant {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180.0;
-constexpr int ship_axis = 16;  // keeps the phases apart from other noise
 
 struct Wave {
   double size, period;  // m or rad, s
 };
 constexpr std::array<Wave, 5> waves = {{{0.2, 80.0}, {0.1, 60.0}, {0.1, 10.0}, {0.5 * degree, 12.0}, {0.1 * degree, 8.0}}};  // surge, sway, heave, roll, pitch
+constexpr std::array<Stream, 5> streams = {Stream::ship_surge, Stream::ship_sway, Stream::ship_heave, Stream::ship_roll, Stream::ship_pitch};
 constexpr std::array<Wave, 3> parts = {{{0.6, 1.0}, {0.3, 0.83}, {0.1, 1.31}}};  // shares of each wave's size and period
 
 struct Value {
@@ -27,7 +27,7 @@ Value sum_of(const ShipMotion& motion, std::size_t i, double seconds) {
   for (std::size_t k = 0; k < parts.size(); ++k) {
     const double size = motion.scale * waves[i].size * parts[k].size;
     const double rate = 2.0 * std::numbers::pi / (waves[i].period * parts[k].period);
-    const double phase = 2.0 * std::numbers::pi * noise(motion.seed, ship_axis + static_cast<int>(i), static_cast<std::int64_t>(k));
+    const double phase = 2.0 * std::numbers::pi * uniform(motion.seed, streams[i], static_cast<std::int64_t>(k));
     const auto [s, c] = sin_cos(rate * seconds + phase);
     sum.now += size * s;
     sum.rate += size * rate * c;
@@ -58,7 +58,7 @@ ShipPose ship_at(const DockConfig& config, const std::vector<ContainerData>& con
   pose.velocity = {surge.rate, sway.rate, heave.rate};
   const auto [sr, cr] = sin_cos(roll.now);
   const auto [sp, cp] = sin_cos(pitch.now);
-  pose.turn.column = {{{cp, 0.0, -sp}, {sp * sr, cr, cp * sr}, {sp * cr, -sr, cp * cr}}};
+  pose.turn.axes << cp, sp * sr, sp * cr, 0.0, cr, -sr, -sp, cp * sr, cp * cr;
   pose.spin = Vector3{roll.rate * cp, pitch.rate, -roll.rate * sp};  // roll turns about the ship's own axis, which pitches
   return pose;
 }

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "plant/config.hpp"
-#include "plant/vector.hpp"
+#include "plant/frame.hpp"
 
 namespace plant {
 

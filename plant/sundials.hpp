@@ -27,15 +27,15 @@ struct SundialsCall {
   const double* sizes = nullptr;  // of the states, for the increments of `jacobian`
 };
 
-inline int evaluate(realtype, N_Vector y, N_Vector yd, void* data) {
+inline int evaluate(realtype t, N_Vector y, N_Vector yd, void* data) {
   auto& call = *static_cast<SundialsCall*>(data);
   if (call.link != nullptr) *call.link = *call.linked;
-  call.f(call.model, NV_DATA_S(y), NV_DATA_S(yd));
+  call.f(call.model, t, NV_DATA_S(y), NV_DATA_S(yd));
   return 0;
 }
 
 // By forward differences, as CVODES' own but in place: that one makes and frees a vector each time.
-inline int jacobian(realtype, N_Vector y, N_Vector yd, SUNMatrix matrix, void* data, N_Vector, N_Vector, N_Vector) {
+inline int jacobian(realtype t, N_Vector y, N_Vector yd, SUNMatrix matrix, void* data, N_Vector, N_Vector, N_Vector) {
   const auto& call = *static_cast<SundialsCall*>(data);
   double* const state = NV_DATA_S(y);
   const double* const rate = NV_DATA_S(yd);
@@ -45,16 +45,16 @@ inline int jacobian(realtype, N_Vector y, N_Vector yd, SUNMatrix matrix, void* d
     state[j] += 1e-8 * std::max(std::fabs(kept), call.sizes[j]);
     const double increment = state[j] - kept;
     double* const column = SM_COLUMN_D(matrix, j);
-    call.f(call.model, state, column);
+    call.f(call.model, t, state, column);
     state[j] = kept;
     for (sunindextype i = 0; i < size; ++i) column[i] = (column[i] - rate[i]) / increment;
   }
   return 0;
 }
 
-inline int evaluate_roots(realtype, N_Vector y, realtype* values, void* data) {
+inline int evaluate_roots(realtype t, N_Vector y, realtype* values, void* data) {
   auto& call = *static_cast<SundialsCall*>(data);
-  call.roots(call.model, NV_DATA_S(y), values);
+  call.roots(call.model, t, NV_DATA_S(y), values);
   return 0;
 }
 

@@ -77,7 +77,7 @@ int Landing::release(DockState& s) {
     c.state = ContainerState::on_ship;
     if (const ShipPose ship = ship_at(config_, s.containers, s.seconds()); ship.moves) {  // kept as it stands in calm water
       const Vector3 calm = ship.calm(at + frame({s.grip.x, s.grip.y, s.grip.top - container_height}));
-      const Vector3 ahead = ship.turn.inverse(frame.column[0]);
+      const Vector3 ahead = ship.turn.inverse(frame.axis(0));
       c.x = calm[0], c.y = calm[1], c.z = calm[2];
       c.yaw = wrap_angle(atan2(ahead[1], ahead[0]) + s.grip.yaw);
     }

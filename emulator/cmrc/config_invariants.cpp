@@ -12,6 +12,7 @@
 
 #include "cmrc/control.hpp"
 #include "cmrc/topology.hpp"
+#include "plant/wind.hpp"
 
 namespace cmrc {
 namespace {
@@ -82,6 +83,9 @@ class Invariants {
   }
 
   void loads() const {
+    require(config_.dock.wind_gust_m_s == 0 || std::fabs(config_.dock.wind_mean_m_s) >= plant::least_gusty_mean,
+            {"dock.wind_gust_m_s", "dock.wind_mean_m_s"}, "gusts are carried by the mean wind",
+            fmt::format("without gusts any mean is right; with them a mean of {:g} m/s or more is expected", plant::least_gusty_mean));
     require(!config_.load.driving || !config_.load.parked, {"load.driving", "load.parked"}, "AGVs cannot drive and stand",
             "load.driving or load.parked is expected, not both");
     const auto queues = [](const Process& process) {

@@ -327,7 +327,8 @@ std::vector<Key> make_keys() {
              "the moored ship surges, sways, heaves, rolls and pitches, by run.seed: 1 is 0.2 m, 0.1 m, 0.1 m, 0.5 and 0.1 degrees",
              "plant-and-bus.md 1.5"),
       number("dock.wind_mean_m_s", FIELD(dock.wind_mean_m_s), "m/s", -50, 50, "mean wind on the load", "plant-and-bus.md 1.3"),
-      number("dock.wind_gust_m_s", FIELD(dock.wind_gust_m_s), "m/s", 0, 50, "gusts, root mean square, by run.seed", "assumed"),
+      number("dock.wind_gust_m_s", FIELD(dock.wind_gust_m_s), "m/s", 0, 50,
+             "standard deviation of the gusts, by run.seed; with a mean of 1 or more", "control-notes.md 3"),
       number("dock.wind_direction_deg", FIELD(dock.wind_direction_deg), "deg", -360, 360,
              "whither it blows: 0 along the quay, 90 towards the ship", "assumed"),
 

@@ -1,8 +1,11 @@
 // Crane, vehicles, landing, sensors, wind and ship: their parameters (plant/config.hpp gives each value's unit and source).
 #include <pybind11/native_enum.h>
+#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include "plant/check.hpp"
 #include "plant/config.hpp"
+#include "plant/noise.hpp"
 #include "plant/wind.hpp"
 #include "python/bindings/plant.hpp"
 
@@ -13,6 +16,7 @@ namespace {
 void bind_drive(py::module_& m) {
   using P = DriveParameters;
   py::class_<P>(m, "DriveParameters", "One joint's drive; torques on the motor side, N m.")
+      .def(py::init<>())
       FIELD(rated_torque) FIELD(rated_speed) FIELD(gear) FIELD(rotor_inertia) FIELD(efficiency) FIELD(torque_lag) FIELD(coulomb)
       FIELD(stribeck) FIELD(viscous) FIELD(smooth_speed) FIELD(stribeck_speed) FIELD(brake) FIELD(peak) FIELD(overspeed) FIELD(overspeed_time)
       FIELD(saturation_time) FIELD(saturation_swings) FIELD(thermal_time) FIELD(thermal_trip)
@@ -78,9 +82,31 @@ void bind_weather(py::module_& m) {
     using P = WindParameters;
     py::class_<P>(m, "WindParameters", "Mean and gusts in m/s, whither in rad, drag area in m2, seed.")
         .def(py::init<>())
-        FIELD(mean) FIELD(gust) FIELD(direction) FIELD(area) FIELD(seed);
+        FIELD(mean) FIELD(gust) FIELD(direction) FIELD(side_area) FIELD(end_area) FIELD(spreader_area) FIELD(seed);
   }
-  m.def("wind_speed", &wind_speed, py::arg("wind"), py::arg("seconds"), "m/s, the mean and the seeded gusts");
+  m.def(
+      "wind_speed",
+      [](const WindParameters& p, const py::object& seconds) -> py::object {
+        check(p);
+        return py::vectorize([wind = Wind(p)](double t) mutable { return wind.speed(t); })(py::array_t<double>(seconds));
+      },
+      py::arg("wind"), py::arg("seconds"), "m/s, the mean and the seeded gusts, at an instant or an array of them (s)");
+  py::native_enum<Stream>(m, "Stream", "enum.Enum")
+      .value("sway_radial", Stream::sway_radial)
+      .value("sway_tangential", Stream::sway_tangential)
+      .value("second_sway_radial", Stream::second_sway_radial)
+      .value("second_sway_tangential", Stream::second_sway_tangential)
+      .value("range_dropout", Stream::range_dropout)
+      .value("wind_frequency", Stream::wind_frequency)
+      .value("wind_phase", Stream::wind_phase)
+      .value("ship_surge", Stream::ship_surge)
+      .value("ship_sway", Stream::ship_sway)
+      .value("ship_heave", Stream::ship_heave)
+      .value("ship_roll", Stream::ship_roll)
+      .value("ship_pitch", Stream::ship_pitch)
+      .finalize();
+  m.def("normal", &normal, py::arg("seed"), py::arg("stream"), py::arg("sample"), "standard normal deviate of a stream of noise");
+  m.def("uniform", &uniform, py::arg("seed"), py::arg("stream"), py::arg("sample"), "number between 0 and 1 of a stream of noise");
   using P = ShipMotion;
   py::class_<P>(m, "ShipMotion", "A moored ship: scale of its motion, m that it rises per kg that leaves it, seed (plant-and-bus.md 1.5).")
       .def(py::init<>())

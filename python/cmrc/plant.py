@@ -6,6 +6,7 @@ gymnasium. What a dock is made of (layouts, movers, ship, wind, sensors, landing
 
 from __future__ import annotations
 
+import copyreg
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -37,9 +38,9 @@ _OPTIONS: dict[str, Any] = {
     "load_inertia": 0.0,
     "rated_load": 40e3,
     "model": "sway",
-    "tolerance": 1e-8,
+    "tolerance": 1e-6,
     "integrator": "erk",
-    "order": 3,
+    "order": 4,
     "bookkeeping": False,
     "seed": 1,
     "sway_noise": None,
@@ -95,6 +96,22 @@ class Sensitivity:
     qd_by_mass: Array
     q_by_length: Array
     qd_by_length: Array
+
+
+@dataclass(frozen=True)
+class Linearization:
+    """dx/dt = A x + B u, y = C x + D u (``Crane.linearize``): x coordinates, speeds and motor torques, u commanded torques, y what encoders and sway sensors see."""
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    states: tuple[str, ...]
+    state_units: tuple[str, ...]
+    inputs: tuple[str, ...]
+    input_units: tuple[str, ...]
+    outputs: tuple[str, ...]
+    output_units: tuple[str, ...]
 
 
 def _assign(target: object, what: str, values: object, *others: str) -> None:
@@ -160,9 +177,9 @@ class Crane:
 
     ``machine="gantry"`` is the ship-to-shore gantry: psi stays at pi/2, phi is its trolley's place in m, the second torque does nothing.
     ``config`` holds parameters under the names of docs/plant.md (``jib``, ``spreader_mass``, ...), and besides: ``home`` (s, x, y, z, yaw of the spreader),
-    ``load_mass`` and ``load_inertia`` of what hangs below the spreader, ``rated_load``, ``model``, ``tolerance``, ``integrator`` ("erk", "adams", "bdf"), ``order`` of "erk" (2 to 6, 8),
+    ``load_mass`` and ``load_inertia`` of what hangs below the spreader, ``rated_load``, ``model``, ``tolerance``, ``integrator`` ("erk", "adams", "bdf"), ``order`` of "erk" (3 to 5),
     ``bookkeeping`` (keeps ``work``), ``seed``,
-    ``sway_noise`` in rad, ``wind`` ({mean, gust, direction, area, seed}: m/s, rad, m2), ``drives`` ({joint: {parameter: value}}). Raises ValueError for an unknown name or a crane that cannot be.
+    ``sway_noise`` in rad, ``wind`` ({mean, gust, direction, side_area, end_area, spreader_area, seed}: m/s, rad, m2), ``drives`` ({joint: {parameter: value}}). Raises ValueError for an unknown name or a crane that cannot be.
     """
 
     def __init__(self, config: Mapping[str, object] | None = None, **keywords: object) -> None:
@@ -196,7 +213,7 @@ class Crane:
             "load_mass, load_inertia, rated_load and tolerance", [options[name] for name in ("load_mass", "load_inertia", "rated_load", "tolerance")], 4
         )
         if not isinstance(options["order"], int):
-            raise TypeError(f"order must be 2 to 6, or 8, not {options['order']!r}")
+            raise TypeError(f"order must be 3, 4 or 5, not {options['order']!r}")
         self.parameters = parameters
         """The crane's parameters, as checked at the start."""
         self._core = _core.plant.CraneAlone(
@@ -220,9 +237,9 @@ class Crane:
         c = self._core
         return CraneState(c.time * 1e-12, np.array(c.q), np.array(c.qd), np.array(c.torque))
 
-    def reset(self, q: Sequence[float] | Array, qd: Sequence[float] | Array = (0.0,) * 7) -> None:
-        """Time zero, at these coordinates and speeds, torques zero, faults cleared. Raises ValueError beyond the joints' limits."""
-        self._core.reset(_numbers("q", q, 7), _numbers("qd", qd, 7))
+    def reset(self, q: Sequence[float] | Array, qd: Sequence[float] | Array = (0.0,) * 7, torques: Sequence[float] | Array = (0.0,) * 5) -> None:
+        """Time zero, at these coordinates, speeds and motor torques (N m), faults cleared. Raises ValueError beyond the joints' limits or a drive's largest torque."""
+        self._core.reset(_numbers("q", q, 7), _numbers("qd", qd, 7), _numbers("torques", torques, 5))
 
     def set_load(self, mass: float, inertia: float = 0.0) -> None:
         """Hangs another load below the spreader (kg, kg m2). Raises ValueError above ``rated_load``."""
@@ -269,6 +286,31 @@ class Crane:
     def sensitivity(self, torques: Sequence[float], seconds: float) -> Sensitivity:
         """How the state after ``seconds`` with these torques held depends on the payload's mass and the rope's length (CVODES, Adams). The crane stays."""
         return Sensitivity(*(np.array(part) for part in self._core.sensitivity(torques, seconds)))
+
+    def linearize(self, state: CraneSnapshot | None = None) -> Linearization:
+        """The crane about a snapshot (by default the present state), which need not be one of rest: the deviations from its motion obey dx/dt = A x + B u, y = C x + D u.
+
+        Dry friction is taken as it is smoothed; what brakes or friction hold has rows and columns of zeros. Differences of fourth order: 1e-6 or better of A's entries.
+        """
+        snapshot = self.snapshot() if state is None else state
+        lags = np.array([drive.torque_lag for drive in self.parameters.drives])
+        a = np.zeros((19, 19))
+        a[:14] = self._core.linearize(snapshot)
+        a[14:, 14:] = -np.diag(1.0 / lags)
+        b = np.zeros((19, 5))
+        b[14:] = np.diag(1.0 / lags)
+        c = np.zeros((7, 19))
+        outputs = (*ACTUATED, 4, 5)
+        c[range(7), outputs] = 1.0
+        metre = (0, 2, 3) if self.parameters.machine == _core.plant.Machine.gantry else (0, 3)
+        units = ["m" if k in metre else "rad" for k in range(7)]
+        return Linearization(
+            a, b, c, np.zeros((7, 5)),
+            (*COORDINATES, *(f"d{name}" for name in COORDINATES), *(f"torque_{joint}" for joint in JOINTS)),
+            (*units, *(f"{unit}/s" for unit in units), *("N m",) * 5),
+            tuple(f"command_{joint}" for joint in JOINTS), ("N m",) * 5,
+            tuple(COORDINATES[k] for k in outputs), tuple(units[k] for k in outputs),
+        )  # fmt: skip
 
     @property
     def faulted(self) -> tuple[str, ...]:
@@ -566,7 +608,7 @@ inverse_kinematics = _core.plant.inverse_kinematics
 mover_place = _core.plant.mover_place
 """``mover_place(mover, seconds)``: x, y in m and their rates in m/s."""
 wind_speed = _core.plant.wind_speed
-"""``wind_speed(wind_parameters, seconds)``: m/s, the mean and the seeded gusts."""
+"""``wind_speed(wind_parameters, seconds)``: m/s, the mean and the seeded gusts, at an instant or an array of them."""
 Dock = _core.plant.Dock
 """The dock with the devices that a controller sees: integer codes, times in picoseconds. ``Scene`` is the same in SI units."""
 DockConfig = _core.plant.DockConfig
@@ -609,3 +651,40 @@ Momentum = _core.plant.Momentum
 Linkage = _core.plant.Linkage
 """The level-luffing double-link jib as a differential-algebraic system (IDA): place, advance, angles, nose, energy, holding_torque."""
 LinkageParameters = _core.plant.LinkageParameters
+
+
+def _parameters(cls: type, values: dict[str, object]) -> object:
+    made = cls()
+    for name, value in values.items():
+        setattr(made, name, value)
+    return made
+
+
+def _reduce(value: object) -> tuple[Any, ...]:
+    """For ``copy`` and ``pickle``: a class of parameters that is made empty, and what of it can be set."""
+    names = [name for name, member in vars(type(value)).items() if isinstance(member, property) and member.fset is not None]
+    return _parameters, (type(value), {name: getattr(value, name) for name in names})
+
+
+def _reduce_made(value: object) -> tuple[Any, ...]:
+    """The same of one that is made of its values."""
+    return type(value), tuple(getattr(value, name) for name in _MADE_OF[type(value)])
+
+
+_MADE_OF: dict[type, tuple[str, ...]] = {
+    Pose: ("x", "y", "heading"),
+    CranePose: ("s", "x", "y", "z", "yaw"),
+    Box: ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max"),
+    ContainerPlace: ("x", "y", "z", "yaw", "mass"),
+    LaneSegment: ("x", "y", "heading", "length", "curvature", "speed"),
+    Waypoint: ("time", "x", "y"),
+    Mover: ("radius", "height", "path", "repeats"),
+}
+_MADE_EMPTY: tuple[type, ...] = (
+    CraneParameters, DriveParameters, Portal, LandingParameters, AgvParameters, SensorParameters, WindParameters, ShipMotion, Layout, DockConfig,
+    LinkageParameters,
+)  # fmt: skip
+for _class in _MADE_EMPTY:
+    copyreg.pickle(_class, _reduce)
+for _class in _MADE_OF:
+    copyreg.pickle(_class, _reduce_made)

@@ -75,6 +75,7 @@ def test_an_integer_serves_as_a_number() -> None:
         ("[run]\nduration_s = nan\n", "dock.toml:2:14: run.duration_s:", "a number from"),
         ("[run]\nduration_s = [1]\n", "dock.toml:2:14: run.duration_s:", "is expected"),
         ("[machine]\ndsps = \n", "dock.toml:2:", "TOML"),
+        ("[dock]\nwind_gust_m_s = 1.5\n", "dock.toml:2:1: dock.wind_gust_m_s:", "a mean of 1 m/s or more"),
         ('preset = "bass"\n', "dock.toml:1:10: preset:", '"base", "heavy", "saturated" or "tight"'),
     ],
 )

@@ -2,6 +2,7 @@
 
 import math
 
+import numpy as np
 import pytest
 from cmrc._core import plant
 
@@ -77,8 +78,8 @@ def test_the_anemometer_shows_the_mean_of_three_seconds() -> None:
     config = plant.default_dock(1)
     config.wind.mean, config.wind.gust = 8.0, 3.0
     dock = plant.Dock(config)
-    speeds = [plant.wind_speed(config.wind, 7.0 + 3.0 * (i + 0.5) / 3000) for i in range(3000)]
-    assert dock.wind_mean(10_000 * MS) == pytest.approx(1000 * sum(speeds) / len(speeds), abs=1)
+    speeds = plant.wind_speed(config.wind, 7.0 + 3.0 * (np.arange(3000) + 0.5) / 3000)
+    assert dock.wind_mean(10_000 * MS) == pytest.approx(1000 * speeds.mean(), abs=1)
 
 
 FAILURES = {

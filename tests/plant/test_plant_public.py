@@ -29,7 +29,7 @@ def test_a_scene_of_parts() -> None:
     config = plant.default_dock(2)
     config.layout.movers = [plant.Mover(0.4, 1.8, [plant.Waypoint(0, 40, 9), plant.Waypoint(5, 45, 9), plant.Waypoint(9, 45, 9), plant.Waypoint(12, 50, 9)])]
     config.agv.drive = plant.AgvDrive.differential
-    config.ship.scale, config.wind.gust, config.sensors.range_rate = 0.5, 3.0, 20.0
+    config.ship.scale, config.wind.mean, config.wind.gust, config.sensors.range_rate = 0.5, 8.0, 1.0, 20.0
     scene = plant.Scene(config)
     scene.step(None, 6.0)
     # Between waypoints at one place a mover stands, and the ray straight ahead shows it there.

@@ -144,9 +144,9 @@ def test_the_scanner_sees_the_tilted_tops():
     assert len(seen) > 20 and max(seen) - min(seen) > 0.02
 
 
-def landed(scale):
-    """A spreader on container 1, near x = 12.7 m, its rope slack."""
-    config = moving(scale=scale, z=7.5)
+def landed(scale, seed=3):
+    """A spreader on container 1, near x = 12.7 m, its rope slack. Nobody steers it after the ship, so the seed is one of those where it lands."""
+    config = moving(scale=scale, seed=seed, z=7.5)
     config.layout.containers = config.layout.containers[:2]
     config.landing.guide_window = 0.4
     dock = plant.Dock(config)

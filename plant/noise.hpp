@@ -1,0 +1,24 @@
+#pragma once
+// Random numbers that are functions of a seed, a stream and a number: who draws what, and when, changes nothing. Every purpose and every axis
+// has a stream of its own. The stream's number and the sample's stand in separate bits of one key, so that no two of them share one.
+#include <cstdint>
+
+namespace plant {
+
+enum class Stream : std::uint8_t {
+  sway_radial, sway_tangential,                // sensor noise, by sample
+  second_sway_radial, second_sway_tangential,
+  range_dropout,                               // by AGV and ray
+  wind_frequency, wind_phase,                  // by line of the spectrum
+  ship_surge, ship_sway, ship_heave, ship_roll, ship_pitch,  // phases, by part
+};
+
+inline constexpr int stream_count = static_cast<int>(Stream::ship_pitch) + 1;
+inline constexpr std::int64_t sample_limit = std::int64_t{1} << 48;  // samples are 0 up to here
+
+// Uniform between 0 and 1, both excluded.
+double uniform(std::uint64_t seed, Stream, std::int64_t sample);
+// Standard normal.
+double normal(std::uint64_t seed, Stream, std::int64_t sample);
+
+}  // namespace plant
