@@ -143,7 +143,7 @@ const CommPort& Chip::port(int port) const {
 }
 void Chip::complete_port(Cycles at) { engine_->complete_port(at); }
 bool Chip::dma_active() const { return engine_->dma_active(); }
-bool Chip::dma_busy() const { return engine_->dma_active() && engine_->dma().busy(); }
+bool Chip::dma_busy() const { return engine_->dma_active() && (engine_->dma().busy() || engine_->dma().ends()); }
 std::vector<DmaWait> Chip::dma_waits() const { return engine_->dma().waits(); }
 Cycles Chip::settled() const {
   const State& state = engine_->state();

@@ -45,9 +45,10 @@ void PipelineDiagram::instruction(const TraceRecord& record) {
   Cycles held = cause(Cause::dma_conflict);
   for (Cycles c = execute - 1; held > 0 && c > record.cycle + at.fetch; --c) {
     if (c == read || c == decode) continue;  // an instruction is in each stage for a cycle of its own
-    if (c >= first_ && c <= last_) put(cells, c, 'd');
+    put(cells, c, 'd');
     --held;
   }
+  for (Cycles c = record.cycle + at.fetch - 1; held > 0; --c, --held) put(cells, c, 'd');  // its fetch waited
   std::string stalls;
   for (std::size_t i = 1; i < cause_count; ++i)
     if (record.causes[i] != 0) stalls += fmt::format("  {} {}", name(static_cast<Cause>(i)), record.causes[i]);

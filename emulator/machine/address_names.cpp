@@ -5,6 +5,7 @@
 #include <array>
 #include <iterator>
 #include <string_view>
+#include <utility>
 
 namespace machine {
 namespace {
@@ -55,9 +56,12 @@ AddressNames::AddressNames(const toolchain::Image& image) {
 
 AddressNames AddressNames::of_dock(const toolchain::Image& image) {
   AddressNames out(image);
-  Region& constants = out.add("CONSTANTS", image.symbol("CONSTANTS"), image.symbol("CONSTANTS_MAX"));
-  for (const auto& [name, value] : image.symbols)
-    if (value - image.symbol("CONSTANTS") < constants.words) constants.labels.emplace(value, name);
+  for (const auto& [region, words] : {std::pair{"CONSTANTS", "CONSTANTS_MAX"}, std::pair{"KEPT", "KEPT_WORDS"}}) {
+    const Address base = image.symbol(region);
+    Region& named = out.add(region, base, image.symbol(words));
+    for (const auto& [name, value] : image.symbols)
+      if (value - base < named.words) named.labels.emplace(value, name);
+  }
   const Address task = image.symbol("TASK");
   Region& ram = out.add("TASK", task, image.symbol("SCRATCH") + image.symbol("SCRATCH_WORDS") - task);
   for (const std::string_view name : on_chip) ram.labels.emplace(image.symbol(name), name);

@@ -140,10 +140,13 @@ def test_a_lying_status_leaves_the_following_error_which_is_cleared() -> None:
     broken = [at(2.9, "stick_drive_status", joint="slew"), at(LEG, "fail_drive", joint="slew")]
     repaired = [at(5, "repair_drive", joint="slew"), at(5, "repair_drive_status", joint="slew"), clear(6)]
     report, simulation = run(9, *broken, *repaired, **{"errors.go_on_s": 2.0})
-    error = only(report)
+    error, trip = report["errors_handled"]
     assert (error["origin"], error["of"], error["response"], error["because"]) == ("following error", ["slew"], "stop", "fail_drive slew")
     assert LEG + 0.05 < error["noticed_s"] < LEG + 0.5
     assert rates(simulation, error["done_s"] + 0.3)["l"] < 1e-3
+    # Repaired, the drive pushes back with its full torque to where the path has stopped, until it trips after half a second.
+    assert (trip["origin"], trip["of"], trip["cleared_s"]) == ("drive saturated", ["slew"], error["cleared_s"])
+    assert 5.5 < trip["noticed_s"] < 6
     assert error["cleared_s"] is not None and simulation.exit_status == 0 and rates(simulation, 8.9)["l"] > 0.05
 
 

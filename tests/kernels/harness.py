@@ -17,11 +17,14 @@ RETURN = 0x3FF000  # nothing is here: where the called code returns to
 
 
 @functools.cache
+def image_of(programs: Path, settings: tuple[tuple[str, str | float], ...]) -> Any:
+    return _core.cmrc.dsp_image(_core.cmrc.config(settings={"machine.programs": str(programs), **dict(settings)}))
+
+
 def image(**settings: str | float) -> Any:
     """The DSPs' program as a run with these settings loads it; names have ``__`` for the dot."""
     programs = Path(os.environ.get("CMRC_PROGRAMS", ROOT / "c40_programs"))
-    given = {name.replace("__", "."): value for name, value in settings.items()}
-    return _core.cmrc.dsp_image(_core.cmrc.config(settings={"machine.programs": str(programs), **given}))
+    return image_of(programs, tuple((name.replace("__", "."), value) for name, value in sorted(settings.items())))
 
 
 def to_ti(x: float) -> int:

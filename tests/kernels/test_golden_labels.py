@@ -25,14 +25,14 @@ def substitute(path: Path, old: str, new: str) -> None:
 
 def at_the_end(areas: str) -> str:
     """A word after the last one of the crane's area."""
-    last = 0x1F0 + 8  # CR_PATH and its eight words
-    assert "PATH_DRIVES         .set 7 " in areas and "CR_WORDS            .set 200h" in areas
+    last = 0x240 + 8  # CR_SPEED, its words, and one more, for a pointer may stand behind them
+    assert "CR_SPEED            .set 240h" in areas and "SPEED_WORDS         .set 7 " in areas and "CR_WORDS            .set 280h" in areas
     return areas + f"CR_ADDED            .set 0{last:X}h\n"
 
 
 def in_the_middle(areas: str) -> str:
-    """A word before the no-go boxes: every later word of the area moves up."""
-    place, lines = 0x1A0, []
+    """A word before CR_SPEED, which moves up. PID's words before it stand in its trace as offsets, too."""
+    place, lines = 0x240, []
     for line in areas.splitlines():
         offset = re.match(r"(CR_\w+)(\s+\.set )([0-9A-F]+)h", line)
         moves = offset and offset[1] not in ("CR_BASE", "CR_WORDS") and int(offset[3], 16) >= place
@@ -55,7 +55,7 @@ def test_a_word_added_for_one_kernel_changes_no_other_golden_trace(
     areas.write_text(added(areas.read_text()))
     # The kernel uses the word, and a constant of its own that moves all later ones.
     entry = f"kernel_{USER}:\n"
-    substitute(programs / "kernels" / f"{USER}.asm", entry, entry + "        ldi     CR_ADDED, ir0\n        ldi     *+ar6(ir0), r0\n        ldf     @K_ADDED, r0\n")
+    substitute(programs / "kernels" / f"{USER}.asm", entry, entry + "        ldi     CR_ADDED, ir0\n        ldi     *+ar6(ir0), ir0\n        ldi     @K_ADDED, ir0\n")
     constants = programs / "constants.asm"
     first = next(line for line in constants.read_text().splitlines() if line.strip().startswith('.include "kernels/'))
     substitute(constants, first + "\n", f"K_ADDED .set $ - LIFT\n        .float 1.5\n{first}\n")

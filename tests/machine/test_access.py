@@ -151,7 +151,7 @@ def test_bus_b_reaches_the_dock() -> None:
 @pytest.mark.parametrize(
     "body, address, word",
     [
-        ("        ldi *+ar2(30h), r0", 0x70000030, "bus B"),
+        ("        ldi *+ar2(3Fh), r0", 0x7000003F, "bus B"),
         ("        ldhi 0C100h, ar5\n        ldi *ar5, r0", 0xC1000000, "bus A"),
         ("        sti r0, *+ar2(ENCODER)", 0x70000010, "bus B"),
         ("        ldi DOORBELL_RING - SEMAPHORE, ir0\n        sti r0, *+ar1(ir0)", 0xC0010100, "bus A"),

@@ -59,7 +59,7 @@ def test_a_vehicle_beside_its_lane_runs_into_the_leg():
 def test_a_crane_that_travels_pushes_the_vehicle_that_stands_in_its_way():
     dock = dock_beside_the_crane(-14.0, 5.0)  # its front 1.1 m from the leg
     start = dock.agv(0).x
-    travel(dock, -1200, 8.0)
+    travel(dock, -350, 7.0)  # slow enough for the drive not to trip
     hit = next(e for e in dock.events if e.kind == "collision")
     speed = abs(dock.signal.qd[0])
     assert 0.05 < hit.values[0] <= speed + 0.05

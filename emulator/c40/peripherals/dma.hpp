@@ -117,8 +117,10 @@ class Dma {
   void answer(Word value, Cycles at);
   /// A half could go on now: neither stopped nor waiting for an event or a FIFO.
   bool busy() const;
+  /// Its last access has been made, and the end of the block, with the interrupt, is still to come.
+  bool ends() const { return s_.ended >= 0; }
   /// Something is left to do in cycle `limit` itself.
-  bool ends_at(Cycles limit) const { return s_.ended >= 0 && s_.now <= limit; }
+  bool ends_at(Cycles limit) const { return ends() && s_.now <= limit; }
   /// Of the halves that are started and could not go on now.
   std::vector<DmaWait> waits() const;
   /// A channel is started, though perhaps waiting.
