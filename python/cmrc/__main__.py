@@ -62,9 +62,9 @@ def _check_outputs(run: Path, page: Path | None, plots: Path | None, saved: Path
             raise ValueError(f"{path}: is a folder; the name of a file is expected")
     roles = files.FileRoles()
     roles.reads("RUN", run)
-    for role, path in (("--html", page), ("--plots", plots), ("--save", saved)):
-        if path is not None:
-            roles.writes(role, path)
+    for role, output in (("--html", page), ("--plots", plots), ("--save", saved)):
+        if output is not None:
+            roles.writes(role, output)
     if plots is not None:
         from matplotlib.backend_bases import FigureCanvasBase
 

@@ -30,7 +30,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def emulator(folder: Path, *arguments: str, **more: object) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run([EMULATOR, *arguments], cwd=folder, capture_output=True, text=True, **more)  # type: ignore[call-overload,no-any-return]
+    return subprocess.run([EMULATOR, *arguments], check=False, cwd=folder, capture_output=True, text=True, **more)  # type: ignore[call-overload,no-any-return]
 
 
 # ---- where an output goes
@@ -136,7 +136,7 @@ def test_devices_may_be_named_twice(folder: Path) -> None:
 def test_the_recording_of_a_replay_is_not_replaced_by_its_page(folder: Path) -> None:
     (folder / "r.json").write_text("{}")
     command = [sys.executable, "-m", "cmrc", "replay", "r.json", "--html", "r.json"]
-    result = subprocess.run(command, cwd=folder, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
+    result = subprocess.run(command, check=False, cwd=folder, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
     assert result.returncode == 2 and "is the same file as RUN" in result.stderr and (folder / "r.json").read_text() == "{}"
 
 
@@ -149,13 +149,13 @@ PRINTING = [["exec", "s.asm"], ["exec", "s.asm", "--json"], ["exec", "--network"
 @pytest.mark.parametrize("command", PRINTING, ids=" ".join)
 def test_a_full_or_closed_standard_output_is_told(folder: Path, command: list[str]) -> None:
     with open("/dev/full", "w") as full:
-        result = subprocess.run([EMULATOR, *command], cwd=folder, stdout=full, stderr=subprocess.PIPE, text=True)
+        result = subprocess.run([EMULATOR, *command], check=False, cwd=folder, stdout=full, stderr=subprocess.PIPE, text=True)
     assert result.returncode == 1 and "No space left on device" in result.stderr
-    closed = subprocess.run([EMULATOR, *command], cwd=folder, stderr=subprocess.PIPE, text=True, preexec_fn=lambda: os.close(1))
+    closed = subprocess.run([EMULATOR, *command], check=False, cwd=folder, stderr=subprocess.PIPE, text=True, preexec_fn=lambda: os.close(1))
     assert closed.returncode == 1 and "Bad file descriptor" in closed.stderr
 
 
 def test_an_output_file_never_gets_what_is_printed(folder: Path) -> None:
     """With standard output closed, the first file that is opened would have its number."""
-    subprocess.run([EMULATOR, "exec", "s.asm", "--trace", "t"], cwd=folder, stderr=subprocess.DEVNULL, preexec_fn=lambda: os.close(1))
+    subprocess.run([EMULATOR, "exec", "s.asm", "--trace", "t"], check=False, cwd=folder, stderr=subprocess.DEVNULL, preexec_fn=lambda: os.close(1))
     assert "stop:" not in (folder / "t").read_text()
