@@ -49,7 +49,7 @@ def test_a_slower_machine_never_looks_better() -> None:
     # Regression figures of this controller. measures.md 3 has 0.0006, 0.0081, 0.034, 0.205, measured independently with a PID that did not look for errors
     # yet: its ticks took 75 us where they take 83 now, and torque compensation reads the load cell besides. Near the loss of the servo some per
     # cent of a task's time change what it comes to: at 15 there is hardly any left for planning.
-    assert rms[:4] == pytest.approx([0.0006, 0.0096, 0.0597, 0.3234], rel=0.05)
+    assert rms[:4] == pytest.approx([0.0006, 0.0096, 0.0685, 0.3234], rel=0.05)
 
 
 def test_errors_are_those_of_the_ideal_run_of_the_same_scene() -> None:

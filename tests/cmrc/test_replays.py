@@ -47,7 +47,7 @@ def failures(*rows: tuple[float, str, dict[str, Any]]) -> str:
     return text
 
 
-CROWDED = "--dsps 1 --duration 0.3 --set dock.agvs=8 --set load.avoidance_cycles=35000 --set scheduling.agv_phase=together"
+CROWDED = "--dsps 1 --duration 0.3 --set dock.agvs=8 --set load.avoidance_cycles=30000 --set scheduling.agv_phase=together"
 DYING = failures((0.04003, "fail", {"dsp": 0}), (0.06003, "hang", {"dsp": 1}), (0.09004, "unplug", {"dsp": 2}), (0.12, "plug", {"dsp": 2}))
 ROUGH = failures(
     (0.0203, "pause_host", {"lasts_ms": 1.7}), (0.03, "stall_bus", {"bus": "A", "lasts_ms": 0.9}), (0.0402, "hang", {"dsp": 0}), (0.05, "slow", {"dsp": 1, "factor": 0.05}),
@@ -83,7 +83,7 @@ def test_the_list_and_every_claim_follow_equation_7(tmp_path: Path, options: str
 
 def test_the_replay_notices_a_broken_rule(tmp_path: Path) -> None:
     events, _ = run(tmp_path, *CROWDED.split(), *AT_ONCE_OPTIONS, toml=DRIVING)
-    rules = [Rule(), Rule(gamma=1), Rule(a=0x200), Rule(b=0x2100), Rule(alpha=120), Rule(beta=100), Rule(agv=60), Rule(p=0x1000, q=0x100)]
+    rules = [Rule(), Rule(gamma=1), Rule(a=0x200), Rule(b=0x2100), Rule(alpha=120), Rule(beta=300), Rule(agv=60), Rule(p=0x1000, q=0x100)]
     faults = []
     for rule in rules:
         replay = Replay(rule)

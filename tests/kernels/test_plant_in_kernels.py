@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cmrc import _core
-from harness import Dsp, image
+from harness import Dsp, image_of
 from test_crane import put_ring, single
 from test_torque_builds import BOUND, CLOSED_FORM, NEWTON_EULER
 
@@ -60,7 +60,7 @@ def test_each_parameter_that_a_kernel_needs_changes_its_constants_and_no_other_d
     for name in parameters(machine):
         differs = constants(**{"dock__crane": machine, name.replace(".", "__"): changed(name)}) != usual
         assert differs == known(name), name
-    image.cache_clear()
+    image_of.cache_clear()
 
 
 def vehicles() -> list[str]:
@@ -119,7 +119,7 @@ def test_torque_compensation_is_the_plants_inverse_dynamics_whatever_its_paramet
             for channel, j, want in zip(channels, joints, wanted(model, p, joints, load, q, qd, qdd), strict=True):
                 most = max(p.drives[j].peak, 1.5) * p.drives[j].rated_torque
                 assert got[channel] == pytest.approx(want, abs=1.2 * BOUND[build] * 2**-23 * most), (name, j)
-    image.cache_clear()
+    image_of.cache_clear()
 
 
 @pytest.mark.parametrize("name", ["slewing.a0_m", "slewing.jib_m", "slewing.pivot_height_m", "slewing.luff.lower_deg", "slewing.luff.upper_deg"])

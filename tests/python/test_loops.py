@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from collections import deque
@@ -10,7 +11,7 @@ import pytest
 from cmrc import _core
 from cmrc.loops import model
 from cmrc.loops.__main__ import BLOCKS, margins_table, marks, poses_table
-from locations import ROOT
+from locations import BUILD, ROOT
 
 
 def swings(bandwidth: float, delay_s: float) -> float:
@@ -125,6 +126,7 @@ def test_a_page_without_marks_is_refused(tmp_path: object) -> None:
     with open(wrong, "w", encoding="utf-8") as page:
         page.write("# Nothing\n")
     done = subprocess.run(
-        [sys.executable, "-m", "cmrc.loops", "--page", wrong], capture_output=True, text=True, check=False
+        [sys.executable, "-m", "cmrc.loops", "--page", wrong], capture_output=True, text=True, check=False,
+        env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
     )
     assert done.returncode == 2 and "has no line" in done.stderr
