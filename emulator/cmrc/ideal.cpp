@@ -23,6 +23,7 @@ Config as_run(const Config& given) {
   config.host.refresh_overhead_ns = config.host.per_block_ns = config.host.semaphore_retry_ns = 0;
   config.dock.drive_delay_us = 0;
   config.scheduling.servo_loss_share = 0;
+  config.scheduling.servo_loss_run = 1;
   config.scheduling.servo_served_every = 1;
   std::erase_if(config.events, is_the_machines);
   return config;
