@@ -7,15 +7,16 @@ namespace pci {
 
 Clocks Histogram::upper_edge(std::size_t bin) {
   if (bin < exact) return static_cast<Clocks>(bin);
-  const std::size_t octave = 6 + (bin - exact) / 8;
-  const std::size_t eighth = (bin - exact) % 8;
-  return (static_cast<Clocks>(9 + eighth) << (octave - 3)) - 1;
+  constexpr std::size_t parts = std::size_t{1} << bits;
+  const std::size_t octave = bits + 1 + (bin - exact) / parts;
+  const std::size_t part = (bin - exact) % parts;
+  return (static_cast<Clocks>(parts + part + 1) << (octave - bits)) - 1;
 }
 
 Clocks Histogram::percentile(double fraction) const {
   const auto wanted = static_cast<std::uint64_t>(std::ceil(fraction * static_cast<double>(count_)));
   std::uint64_t seen = 0;
-  for (std::size_t bin = 0; bin < bins; ++bin) {
+  for (std::size_t bin = 0; bin < counts_.size(); ++bin) {
     seen += counts_[bin];
     if (seen >= wanted && seen > 0) return std::min(upper_edge(bin), max_);
   }
@@ -24,7 +25,7 @@ Clocks Histogram::percentile(double fraction) const {
 
 std::array<std::uint64_t, 32> Histogram::octaves() const {
   std::array<std::uint64_t, 32> result{};
-  for (std::size_t bin = 0; bin < bins; ++bin) {
+  for (std::size_t bin = 0; bin < counts_.size(); ++bin) {
     const auto value = static_cast<std::uint64_t>(upper_edge(bin));
     const std::size_t octave = value == 0 ? 0 : static_cast<std::size_t>(std::bit_width(value)) - 1;
     result[std::min<std::size_t>(octave, 31)] += counts_[bin];

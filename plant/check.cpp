@@ -125,6 +125,7 @@ void check(const DockConfig& c) {
   refuse(c.agv_count < 0 || c.agv_count > 16, "agv_count must be 0..16", c.agv_count);
   refuse(!(c.tolerance >= 1e-12 && c.tolerance <= 1e-4), "tolerance must be 1e-12..1e-4", c.tolerance);
   refuse(c.signal_decimation < 0, "signal_decimation must be 0 (off) or a number of latches", c.signal_decimation);
+  refuse(c.signal_rows_max < 2, "signal_rows_max must be at least 2 rows", c.signal_rows_max);
   require_positive({{"scan_dx", c.layout.scan_dx}, {"slot_spacing", c.layout.slot_spacing}});
   require_not_negative({{"drive_delay", c.drive_delay}, {"drive_timeout", c.drive_timeout}, {"warehouse_radius", c.layout.warehouse_radius},
                         {"warehouse_take", c.layout.warehouse_take}});

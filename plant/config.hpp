@@ -271,6 +271,7 @@ struct DockConfig {
   Method method = Method::erk;
   double tolerance = 1e-8;   // relative, of the integrators
   int signal_decimation = 0;  // record signals each so many latches; 0: never
+  int signal_rows_max = 65'536;  // when there are so many rows, each second one goes, and twice as many latches lie between two from then on
 };
 
 // The dock of docs/plant.md: eight containers in two rows and two tiers, a one-way loop of lane, n AGVs queueing at the spot.

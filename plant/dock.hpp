@@ -210,7 +210,7 @@ class Dock {
   AgvSignal agv(int index) const;                   // at the last latch
   Signal signal() const;                            // at the last latch
   Place place() const;                              // at the last latch
-  const std::vector<Signal>& signals() const;       // recorded each config.signal_decimation latches
+  const std::vector<Signal>& signals() const;       // recorded each config.signal_decimation latches, long runs' less often
   const std::vector<std::vector<AgvSignal>>& agv_signals() const;  // same rows, per AGV
   int delivered() const;                            // containers
   Handover handover() const;

@@ -6,6 +6,15 @@
 #include "plant/sensors.hpp"
 
 namespace plant {
+namespace {
+
+template <class Row>
+void keep_each_second(std::vector<Row>& rows) {
+  for (std::size_t i = 0; 2 * i < rows.size(); ++i) rows[i] = rows[2 * i];
+  rows.resize((rows.size() + 1) / 2);
+}
+
+}  // namespace
 DockCore::DockCore(const DockConfig& c)
     : config(c), crane(c.crane, {c.method, 3, c.tolerance}), agv_motion(c.agv, c.tolerance * 10.0), traffic(c), landing(c), wind(c.wind) {
   state.crane.q = inverse_kinematics(config.crane, config.home);
@@ -84,11 +93,20 @@ void DockCore::begin_latch() {
   move_payload();
   if (state.landing.active || state.handover.phase != HandoverPhase::free) watch_handover(false);
   blow();
-  if (config.signal_decimation > 0 && state.latch % config.signal_decimation == 0) {
-    signals.push_back(make_signal());
-    for (std::size_t i = 0; i < agv_signals.size(); ++i) agv_signals[i].push_back(make_agv_signal(i));
-  }
+  record_signals();
   if (on_latch) on_latch(now(), state.code);
+}
+
+void DockCore::record_signals() {
+  if (config.signal_decimation == 0 || state.latch % (config.signal_decimation * signals_thinned_) != 0) return;
+  if (signals.size() >= static_cast<std::size_t>(config.signal_rows_max)) {
+    signals_thinned_ *= 2;
+    keep_each_second(signals);
+    for (auto& rows : agv_signals) keep_each_second(rows);
+    if (state.latch % (config.signal_decimation * signals_thinned_) != 0) return;
+  }
+  signals.push_back(make_signal());
+  for (std::size_t i = 0; i < agv_signals.size(); ++i) agv_signals[i].push_back(make_agv_signal(i));
 }
 
 void DockCore::report(Time time, EventKind kind, int index, double first, double second) {

@@ -63,6 +63,7 @@ class DockCore {
 
  private:
   void begin_latch();                // everything that happens at the present latch
+  void record_signals();
   void take_codes();
   void watch_updates();
   void protect_drives();             // dock_trips.cpp
@@ -106,6 +107,7 @@ class DockCore {
   };
   std::vector<Fresh> fresh_;
   std::vector<Solid> solids_;
+  std::int64_t signals_thinned_ = 1;  // so many times config.signal_decimation lie between two rows
 };
 
 }  // namespace plant

@@ -236,6 +236,9 @@ struct Config {
   struct Report {
     ReferenceKind reference = ReferenceKind::ideal;
     std::int64_t signal_decimation = 80;  ///< latches (125 us) per recorded sample
+    std::int64_t signal_rows_max = 65536;  ///< then each second row goes
+    std::int64_t error_rows_max = 524288;  ///< latches kept of a run, and of its ideal run
+    std::int64_t samples_max = 65536;     ///< of a summary, up to which its percentiles are exact
     std::int64_t misses_max = 1000;       ///< missed jobs told one by one
     double control_cost_rho_m2 = 1e-6;    ///< weight of the drives in the control cost
   } report;

@@ -438,11 +438,17 @@ std::vector<Key> make_keys() {
              "docs/report.md"),
       integer("report.misses_max", FIELD(report.misses_max), "jobs", 0, 100000000,
               "missed jobs whose causes the report tells one by one: the first ones; the others are counted", "docs/report.md"),
+      integer("report.error_rows_max", FIELD(report.error_rows_max), "rows", 16, 100000000,
+              "errors are sampled at each latch of the drives; when so many are recorded, each second one goes, and the time between two doubles", "docs/report.md"),
+      integer("report.samples_max", FIELD(report.samples_max), "samples", 0, 100000000,
+              "up to so many samples of a summary its percentiles are exact; beyond, within 0.1 %", "docs/report.md"),
       number("report.control_cost_rho_m2", FIELD(report.control_cost_rho_m2), "m2", 0, 1e6,
              "rho of the control cost: how much a drive at full torque counts beside the squared error of the spreader",
              "plant-and-bus.md 5"),
       integer("report.signal_decimation", FIELD(report.signal_decimation), "latches", 1, 80000,
-              "latches of 125 us per recorded sample of the plant's signals", "ruling 5"),
+              "latches of 125 us per recorded row of the plant's signals", "ruling 5"),
+      integer("report.signal_rows_max", FIELD(report.signal_rows_max), "rows", 16, 100000000,
+              "when so many rows are recorded, each second one goes, and the time between two doubles", "docs/report.md"),
   };
 }
 

@@ -9,7 +9,7 @@
 
 namespace cmrc {
 
-LatchRows::LatchRows(std::size_t rows, std::size_t width) : room_(rows), width_(width) {
+Rows::Rows(std::size_t rows, std::size_t width) : room_(rows), width_(width) {
   if (rows == 0) return;
   void* memory = ::mmap(nullptr, rows * width * sizeof(double), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (memory == MAP_FAILED) {
@@ -18,14 +18,16 @@ LatchRows::LatchRows(std::size_t rows, std::size_t width) : room_(rows), width_(
   data_ = static_cast<double*>(memory);
 }
 
-LatchRows::~LatchRows() {
+Rows::~Rows() {
   if (data_ != nullptr) ::munmap(data_, room_ * width_ * sizeof(double));
 }
 
-Course::Course(std::size_t latches, int agvs) : rows_(latches, agv_column + 2 * static_cast<std::size_t>(agvs)), agvs_(agvs) {}
+Course::Course(std::size_t rows, int agvs) : rows_(rows, agv_column + 2 * static_cast<std::size_t>(agvs)), agvs_(agvs) {}
 
 void Course::latch(const plant::Dock& dock, Time time) {
-  if (time <= Time{} || size_ >= rows_.room()) return;
+  if (rows_.room() == 0 || time <= Time{}) return;
+  if (size_ == rows_.room()) thin_rows();
+  if (time % step() != Time{}) return;
   const plant::Place place = dock.place();
   double* out = rows_.row(size_).data();
   out = std::copy(place.q.begin(), place.q.end(), out);
@@ -40,14 +42,21 @@ void Course::latch(const plant::Dock& dock, Time time) {
   ++size_;
 }
 
+// Of rows 1, 2, 3, ... each second one stays.
+void Course::thin_rows() {
+  every_ *= 2;
+  size_ /= 2;
+  for (std::size_t i = 0; i < size_; ++i) std::ranges::copy(rows_.row(2 * i + 1), rows_.row(i).begin());
+}
+
 std::span<const double> Course::at(Time time) const {
-  const std::int64_t row = time / plant::latch_period - 1;
+  const std::int64_t row = time / step() - 1;
   return rows_.row(static_cast<std::size_t>(std::clamp<std::int64_t>(row, 0, static_cast<std::int64_t>(size_) - 1)));
 }
 
 double Course::at(Time time, std::size_t column) const {
-  const double before = at(time)[column], after = at(time + plant::latch_period)[column];
-  const double share = static_cast<double>((time % plant::latch_period).count()) / static_cast<double>(plant::latch_period.count());
+  const double before = at(time)[column], after = at(time + step())[column];
+  const double share = static_cast<double>((time % step()).count()) / static_cast<double>(step().count());
   return before + share * (after - before);
 }
 
@@ -70,7 +79,32 @@ void Course::milestone(Robot robot, Milestone::Kind kind, std::int64_t number, T
   std::uint64_t within = place.counts[static_cast<std::size_t>(kind)]++;
   if (kind == Milestone::Kind::point) within = static_cast<std::uint64_t>(number - place.first_point);
   const std::uint64_t key = place.process << 60 | (place.begun & 0xFFFF) << 44 | (place.legs & 0xFF) << 36 | static_cast<std::uint64_t>(kind) << 32 | (within & 0xFFFFFFFF);
+  Leg& leg = legs_[robot];
+  switch (kind) {
+    case Milestone::Kind::leg_begun: leg = {at, leg_intervals_.back(), true, leg.starved}; break;
+    case Milestone::Kind::point: leg.starved = leg.starved_at(at), leg.last = std::max(leg.last, at); break;
+    case Milestone::Kind::leg_ended: leg.open = false; break;
+    default: break;
+  }
+  if (kind == Milestone::Kind::point && within % points_every_ != 0) return;
   milestones_.push_back({robot, key, at});
+  if (milestones_.size() > milestones_max) thin_milestones();
+}
+
+void Course::thin_milestones() {
+  points_every_ *= 2;
+  std::erase_if(milestones_, [this](const Milestone& one) { return one.kind() == Milestone::Kind::point && (one.key & 0xFFFFFFFF) % points_every_ != 0; });
+}
+
+std::uint64_t Course::Leg::starved_at(Time time) const {
+  if (!open || time <= last) return starved;
+  return starved + static_cast<std::uint64_t>(std::max<std::int64_t>(0, (time - last) / interval - 1));
+}
+
+std::map<Robot, std::uint64_t> Course::starved_intervals(Time end) const {
+  std::map<Robot, std::uint64_t> starved;
+  for (const auto& [robot, leg] : legs_) starved[robot] = leg.starved_at(end);
+  return starved;
 }
 
 void Course::servo(bool on, Time at) {
@@ -80,6 +114,7 @@ void Course::servo(bool on, Time at) {
 
 void Course::put(Bytes& bytes) const {
   bytes.put(static_cast<std::uint64_t>(size_));
+  bytes.put(every_);
   bytes.put(milestones_);
   bytes.put(leg_intervals_);
   bytes.put(servo_);
@@ -87,6 +122,7 @@ void Course::put(Bytes& bytes) const {
 
 void Course::take(BytesReader& bytes) {
   size_ = bytes.take<std::uint64_t>();
+  every_ = bytes.take<std::int64_t>();
   milestones_ = bytes.list<Milestone>();
   leg_intervals_ = bytes.list<Time>();
   servo_ = bytes.list<Time>();

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cmrc/bytes.hpp"
+#include "cmrc/instants.hpp"
 #include "machine/time.hpp"
 #include "plant/dock.hpp"
 
@@ -19,17 +20,16 @@ using machine::Time;
 /// The robot of an event or a job: 0 is the crane, n is AGV n - 1.
 using Robot = unsigned;
 
-/// Rows of doubles at the latches 1, 2, 3, ... of the drives, in memory that a child process shares with its parent.
-class LatchRows {
+/// Rows of doubles, in memory that a child process shares with its parent.
+class Rows {
  public:
   /// Room for `rows` rows; pages are taken from the system as rows are written. \throws std::runtime_error when there is no room
-  LatchRows(std::size_t rows, std::size_t width);
-  ~LatchRows();
-  LatchRows(const LatchRows&) = delete;
-  LatchRows& operator=(const LatchRows&) = delete;
+  Rows(std::size_t rows, std::size_t width);
+  ~Rows();
+  Rows(const Rows&) = delete;
+  Rows& operator=(const Rows&) = delete;
 
   std::size_t room() const { return room_; }
-  std::size_t width() const { return width_; }
   std::span<double> row(std::size_t index) { return {data_ + index * width_, width_}; }
   std::span<const double> row(std::size_t index) const { return {data_ + index * width_, width_}; }
 
@@ -54,15 +54,18 @@ struct Milestone {
 /// Jobs of one kind for one robot.
 struct JobTimes {
   std::uint64_t misses = 0;
-  std::vector<Time> released, finished;
+  Instants released, finished;
 };
 using JobsByRobot = std::map<std::pair<std::size_t, Robot>, JobTimes>;  ///< by kind and robot
 
-/// Records one course while its run goes on.
+/// Records one course while its run goes on. Its memory is bounded: where a run is long, only each second, fourth, ... latch has a row, and
+/// only each second, fourth, ... point of a leg is a milestone.
 class Course {
  public:
-  /// \param latches 0: no rows, only milestones
-  Course(std::size_t latches, int agvs);
+  static constexpr std::size_t milestones_max = 1 << 18;
+
+  /// \param rows at most. 0: no rows, only milestones
+  Course(std::size_t rows, int agvs);
 
   void latch(const plant::Dock& dock, Time time);
   /// A robot begins a process: the following milestones are of it.
@@ -75,17 +78,22 @@ class Course {
   void servo(bool on, Time at);
 
   bool recorded() const { return rows_.room() > 0; }
-  /// Latches recorded so far: row i is the one at (i + 1) latch periods.
   std::size_t size() const { return size_; }
-  /// The row of the latch at `time`, before the first and after the last one recorded, that.
+  /// From a row to the next: row i is the latch at (i + 1) steps.
+  Time step() const { return every_ * plant::latch_period; }
+  /// The instant of the last row.
+  Time end() const { return static_cast<std::int64_t>(size_) * step(); }
+  /// The row at `time` or the last one before it; before the first one, that.
   std::span<const double> at(Time time) const;
-  /// A column at any instant, linear between latches.
+  /// A column at any instant, linear between rows.
   double at(Time time, std::size_t column) const;
   const std::vector<Milestone>& milestones() const { return milestones_; }
   /// Nominal time between the points of each leg, in the order of their milestones leg_begun.
   const std::vector<Time>& leg_intervals() const { return leg_intervals_; }
   /// Instants at which servoing began and ended, in turn.
   const std::vector<Time>& servo_times() const { return servo_; }
+  /// Whole point intervals inside legs in which a robot consumed no new point, until `end`: a gap of g intervals counts floor(g) - 1. By robot.
+  std::map<Robot, std::uint64_t> starved_intervals(Time end) const;
 
   /// Everything but the rows, to another process and back.
   void put(Bytes& bytes) const;
@@ -99,9 +107,22 @@ class Course {
     std::int64_t first_point = 0;               // of the leg
     std::array<std::uint64_t, 8> counts{};      // of each kind within the process
   };
+  /// The leg of a robot, as far as its starving needs it.
+  struct Leg {
+    Time last{}, interval{1};                   // when it consumed a point, or the leg began
+    bool open = false;
+    std::uint64_t starved = 0;                  // intervals, in all legs so far
+    std::uint64_t starved_at(Time time) const;
+  };
 
-  LatchRows rows_;
+  void thin_rows();
+  void thin_milestones();
+
+  Rows rows_;
   std::size_t size_ = 0;
+  std::int64_t every_ = 1;        // latch of which has a row
+  std::uint64_t points_every_ = 1;  // point of a leg is a milestone
+  std::map<Robot, Leg> legs_;
   int agvs_;
   std::map<Robot, Place> places_;
   std::vector<Milestone> milestones_;

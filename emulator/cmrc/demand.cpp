@@ -53,17 +53,18 @@ Time demanded_until(const std::vector<Interval>& when, Time time) {
 }
 
 /// Fewest finishes in any window of one second of the time in which they are demanded, per second; a shorter time is one window.
-/// \param finished in demanded time, sorted
-double worst_rate(const std::vector<Time>& finished, Time whole) {
+/// \param finished in demanded time, in order
+double worst_rate(const std::vector<Instants::Some>& finished, Time whole) {
   constexpr Time window = std::chrono::seconds{1};
-  const auto count = [&](Time from, Time to) {  // in ]from, to]
-    return static_cast<double>(std::ranges::upper_bound(finished, to) - std::ranges::upper_bound(finished, from));
-  };
+  std::vector<std::uint64_t> before{0};  // finishes before each
+  for (const Instants::Some& some : finished) before.push_back(before.back() + some.count);
+  const auto after = [&](Time time) { return static_cast<std::size_t>(std::ranges::upper_bound(finished, time, {}, &Instants::Some::time) - finished.begin()); };
+  const auto count = [&](Time from, Time to) { return static_cast<double>(before[after(to)] - before[after(from)]); };  // in ]from, to]
   if (whole <= window) return count(Time{-1}, whole) / seconds(whole);
   double worst = std::min(count(Time{-1}, window), count(whole - window, whole));
-  for (const Time from : finished) {
-    if (from + window > whole) break;
-    worst = std::min(worst, count(from, from + window));
+  for (const Instants::Some& some : finished) {
+    if (some.time + window > whole) break;
+    worst = std::min(worst, count(some.time, some.time + window));
   }
   return worst;
 }
@@ -83,10 +84,6 @@ std::vector<RateKinds> rates_of(const Config& config) {
           {"f_a", JobKind::trajectory_agv, JobKind::inverse_agv, f_s / static_cast<double>(n.agv_slowed)}};
 }
 
-std::uint64_t until(const std::vector<Time>& times, Time end) {
-  return static_cast<std::uint64_t>(std::ranges::count_if(times, [end](Time time) { return time <= end; }));
-}
-
 class DemandOf {
  public:
   DemandOf(const Measured& run, const Course& ideal, const JobsByRobot& demanded) : run_(run), ideal_(ideal), demanded_(demanded) {}
@@ -103,16 +100,16 @@ class DemandOf {
     for (const Robot robot : robots) {
       const auto asked = demanded_.find({kind, robot});
       const auto own = run_.jobs.find({kind, robot});
-      const std::uint64_t demanded = asked == demanded_.end() ? 0 : until(asked->second.released, run_.to);
+      const std::uint64_t demanded = asked == demanded_.end() ? 0 : asked->second.released.until(run_.to);
       static const JobTimes none;
       const JobTimes& jobs = own == run_.jobs.end() ? none : own->second;
       all.demanded += demanded;
-      const std::uint64_t released = jobs.released.size();
+      const std::uint64_t released = jobs.released.count();
       all.released += released;
       all.misses += jobs.misses;
       all.not_demanded += demanded - std::min(demanded, released);
       all.extra += released - std::min(demanded, released);
-      all.finished += jobs.finished.size();
+      all.finished += jobs.finished.count();
       time += add_rate(kind, robot, jobs, all);
     }
     if (time > 0) {
@@ -132,9 +129,8 @@ class DemandOf {
     for (Interval& interval : when) interval.to = std::max(interval.from, std::min(interval.to, run_.to));
     const Time whole = demanded_until(when, run_.to);
     if (whole == Time{}) return 0;
-    std::vector<Time> finished;
-    for (const Time time : jobs.finished) finished.push_back(demanded_until(when, time));
-    std::ranges::sort(finished);
+    std::vector<Instants::Some> finished = jobs.finished.in_order();
+    for (Instants::Some& some : finished) some.time = demanded_until(when, some.time);
     const double worst = worst_rate(finished, whole);
     all.worst_hz = all.worst_hz ? std::min(*all.worst_hz, worst) : worst;
     return seconds(whole);
@@ -163,32 +159,6 @@ void add_demand(const Measured& run, const Course& ideal, const JobsByRobot& dem
     const auto first = demand.kind(static_cast<std::size_t>(row.first)), second = demand.kind(static_cast<std::size_t>(row.second));
     errors.rates.push_back({row.name, {first.kind, second.kind}, row.nominal_hz, sum(first, second)});
   }
-}
-
-std::map<Robot, std::uint64_t> starved_intervals(const Course& course, Time end) {
-  struct Leg {
-    Time since{}, interval{1};
-    bool open = false;
-  };
-  std::map<Robot, Leg> legs;
-  std::map<Robot, std::uint64_t> starved;
-  std::size_t leg_number = 0;
-  const auto gap = [&](Robot robot, Leg& leg, Time until) {
-    if (leg.open && until > leg.since) starved[robot] += static_cast<std::uint64_t>(std::max<std::int64_t>(0, (until - leg.since) / leg.interval - 1));
-    leg.since = std::max(leg.since, until);
-  };
-  for (const Milestone& milestone : course.milestones()) {
-    Leg& leg = legs[milestone.robot];
-    switch (milestone.kind()) {
-      case Milestone::Kind::leg_begun: leg = {milestone.at, course.leg_intervals().at(leg_number++), true}; break;
-      case Milestone::Kind::point: gap(milestone.robot, leg, milestone.at); break;
-      case Milestone::Kind::leg_ended: leg.open = false; break;
-      default: break;
-    }
-  }
-  for (auto& [robot, leg] : legs) gap(robot, leg, end);
-  for (const auto& [robot, leg] : legs) starved.try_emplace(robot, 0);
-  return starved;
 }
 
 }  // namespace cmrc

@@ -6,7 +6,6 @@
 #include "bus_model/bus.hpp"
 #include "c40/chip.hpp"
 #include "cmrc/error_log.hpp"
-#include "cmrc/demand.hpp"
 #include "cmrc/measures.hpp"
 #include "cmrc/setup.hpp"
 
@@ -20,8 +19,9 @@ report::Summary summary_of(const pci::Histogram& histogram) {
   summary.p50 = histogram.percentile(0.5);
   summary.p99 = histogram.percentile(0.99);
   summary.p99_9 = histogram.percentile(0.999);
-  summary.best = histogram.percentile(0);
+  summary.best = histogram.min();
   summary.worst = histogram.max();
+  summary.exact_percentiles = histogram.max() < static_cast<pci::Clocks>(pci::Histogram::exact);
   const auto octaves = histogram.octaves();
   for (std::size_t i = 0; i < octaves.size(); ++i) summary.histogram[i + 1] = octaves[i];
   summary.histogram[0] = histogram.zeros();  // the lowest octave holds 0 and 1
@@ -203,7 +203,7 @@ report::RunReport make_report(Evidence e) {
   report.reference = e.config.report.reference == ReferenceKind::ideal ? "ideal" : "none";
   report.errors = std::move(e.errors);
   report.reference_problem = std::move(e.reference_problem);
-  for (const auto& [robot, count] : starved_intervals(e.course, now)) report.starved.push_back({robot == 0 ? "crane" : "agv " + std::to_string(robot - 1), count});
+  for (const auto& [robot, count] : e.course.starved_intervals(now)) report.starved.push_back({robot == 0 ? "crane" : "agv " + std::to_string(robot - 1), count});
   if (e.account_end) report.after_stop = after_stop(e, *e.account_end);
   if (e.host.job_done() && report.containers_delivered > 0 && e.host.first_refresh()) {
     for (const report::CycleReport& cycle : report.cycles)

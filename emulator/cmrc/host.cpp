@@ -31,7 +31,8 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
               JobKind::torque_compensation, config.processes.subprocess_of("torque_compensation").number, intervals_.servo},
       pid_{{.x = task::pid, .y = robot_class::crane, .kind = words.kind_pid, .area = words.cr_base},
            JobKind::pid, config.processes.subprocess_of("pid").number, intervals_.servo},
-      boots_(words_, std::move(boot_stream), milliseconds(config.watchdog.boot_limit_ms), nanoseconds(config.host.boot_pause_ns)) {
+      boots_(words_, std::move(boot_stream), milliseconds(config.watchdog.boot_limit_ms), nanoseconds(config.host.boot_pause_ns)),
+      durations_(static_cast<std::size_t>(config.report.samples_max)), lengths_(static_cast<std::size_t>(config.report.samples_max)) {
   const auto& w = config_.watchdog;
   const auto refreshes = [&](double us) {
     return static_cast<std::int64_t>(std::ceil(us * 1e-6 * config_.rates.refresh_frequency_hz));

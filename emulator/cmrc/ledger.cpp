@@ -72,7 +72,7 @@ std::vector<std::int64_t> with_clock(const CauseTimes& cycles, std::int64_t whol
 
 Ledger::Ledger(LedgerConfig config)
     : names_(with(config.user_tasks)), cause_names_(config.causes), booked_(config.booked.empty() ? config.causes : config.booked),
-      booked_as_(config.booked_as), chip_clock_(config.chip_clock), account_(names_, booked_, periods(config.servo_period, config.user_tasks.size())),
+      booked_as_(config.booked_as), chip_clock_(config.chip_clock), account_(names_, booked_, periods(config.servo_period, config.user_tasks.size()), config.samples_max),
       why_(names_, chain_causes(config.causes), config.misses_kept), released_(names_.size(), 0) {}
 
 Ledger::Slot& Ledger::slot(unsigned number) {
@@ -115,7 +115,7 @@ void Ledger::skipped(JobKind kind, Time released, Time deadline, std::optional<s
   account_.add(job, deadline);
   ++misses_;
   JobTimes& jobs = jobs_[{job.kind, robot}];
-  jobs.released.push_back(released);
+  jobs.released.add(released);
   ++jobs.misses;
   MissedJob missed = missed_job(open, report::Outcome::dropped, deadline);
   missed.given_up = found;
@@ -272,8 +272,8 @@ report::Outcome Ledger::book(const Open& open, const report::Job& job, Time now)
   const report::Outcome outcome = account_.add(job, now);
   if (outcome != report::Outcome::on_time) ++misses_;
   JobTimes& jobs = jobs_[{open.name.kind, open.name.robot}];
-  jobs.released.push_back(job.released);
-  if (job.progress == report::Progress::finished) jobs.finished.push_back(job.finished);
+  jobs.released.add(job.released);
+  if (job.progress == report::Progress::finished) jobs.finished.add(job.finished);
   if (!report::missed(job, outcome, now)) return outcome;
   ++jobs.misses;
   MissedJob missed = missed_job(open, outcome, now);

@@ -22,8 +22,6 @@
 
 namespace cmrc {
 
-
-
 using CauseTimes = std::vector<std::int64_t>;  ///< cycles of one chip by cause
 
 /// What the ledger has to know of the run.
@@ -35,6 +33,7 @@ struct LedgerConfig {
   std::vector<std::string> user_tasks;  ///< their names, kinds from JobKind::user on
   machine::Clock chip_clock{25'000'000};
   std::size_t misses_kept = 1000;       ///< chains of causes told one by one
+  std::size_t samples_max = report::Distribution::usual_samples_max;
 };
 
 class Ledger {

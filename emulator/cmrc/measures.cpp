@@ -46,7 +46,10 @@ std::array<double, plant::joint_count> levers(const plant::CraneParameters& cran
   return {1.0, crane.a0 + crane.jib, crane.jib, 1.0, box};
 }
 
-std::size_t latches_of(const Config& config) { return static_cast<std::size_t>(std::llround(config.run.duration_s / plant::latch_seconds)) + 1; }
+std::size_t rows_of(const Config& config) {
+  const auto latches = static_cast<std::size_t>(std::llround(config.run.duration_s / plant::latch_seconds)) + 1;
+  return std::min(latches, static_cast<std::size_t>(config.report.error_rows_max));
+}
 
 report::Errors measure(const Measured& run, const Course& ideal, const JobsByRobot& demanded) {
   report::Errors errors;
@@ -66,9 +69,10 @@ report::Errors measure(const Measured& run, const Course& ideal, const JobsByRob
   }
   std::size_t arrival = 0;
   double weighed = 0;
-  const double step = seconds(plant::latch_period);
+  // Where both courses have a row.
+  const Time step = std::max(run.course.step(), ideal.step());
   const bool both = run.course.size() > 0 && ideal.size() > 0;
-  for (Time time = from; both && time < run.to; time += plant::latch_period) {
+  for (Time time = (from + step - Time{1}) / step * step; both && time < run.to; time += step) {
     const Row own = run.course.at(time), meant = ideal.at(time);
     const Time there = progress.ideal_time(time);
     load.add(distance(own, meant, load_column, 3));
@@ -77,7 +81,7 @@ report::Errors measure(const Measured& run, const Course& ideal, const JobsByRob
       const double off = own[j] - meant[j];
       error[j].add(off);
       path[j].add(own[j] - (there == time ? meant[j] : ideal.at(there, j)));
-      weighed += weights[j] * weights[j] * off * off * step;
+      weighed += weights[j] * weights[j] * off * off * seconds(step);
     }
     alpha.add(own[sway_column] - meant[sway_column]);
     beta.add(own[sway_column + 1] - meant[sway_column + 1]);

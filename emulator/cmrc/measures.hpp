@@ -15,7 +15,7 @@ std::array<double, plant::joint_count> levers(const plant::CraneParameters& cran
 
 /// What an ideal run leaves for the runs that are measured against it.
 struct Reference {
-  Reference(std::size_t latches, int agvs) : course(latches, agvs) {}
+  Reference(std::size_t rows, int agvs) : course(rows, agvs) {}
   std::string key;  ///< reference_key of the runs that it serves
   Course course;
   JobsByRobot jobs;
@@ -23,8 +23,8 @@ struct Reference {
   double elapsed_s = 0;
 };
 
-/// Latches of the drives in the configured duration.
-std::size_t latches_of(const Config& config);
+/// Rows of a course of the configured duration.
+std::size_t rows_of(const Config& config);
 
 /// A run, as far as it is measured.
 struct Measured {

@@ -22,8 +22,8 @@ Component component_of(machine::BusId bus) { return static_cast<Component>(repor
 
 }  // namespace
 
-RunObserver::RunObserver(const Words& words, Ledger& ledger, report::EventLog& log)
-    : words_(words), ledger_(ledger), log_(log), snapshots_(32), blocks_(words.block_count), faults_(32), resets_(32), boots_(32) {}
+RunObserver::RunObserver(const Words& words, Ledger& ledger, report::EventLog& log, std::size_t samples_max)
+    : words_(words), ledger_(ledger), log_(log), snapshots_(32), blocks_(words.block_count), faults_(32), resets_(32), boots_(32), hold_(samples_max) {}
 
 void RunObserver::attach(plant::Dock& dock, Course* course) {
   dock.on_latch([this, &dock, course](plant::Time time, std::span<const int> codes) {

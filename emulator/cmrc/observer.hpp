@@ -26,7 +26,8 @@ struct PidErrorSum {
 
 class RunObserver : public machine::Observer, public HostListener {
  public:
-  RunObserver(const Words& words, Ledger& ledger, report::EventLog& log);
+  /// \param samples_max of a summary, up to which its percentiles are exact
+  RunObserver(const Words& words, Ledger& ledger, report::EventLog& log, std::size_t samples_max);
   /// The offsets of PID's five errors in the crane's area, and of its stage: the errors are none before that is `servoing`.
   void watch_errors(Word errors, Word stage, Word servoing) { errors_ = errors, stage_ = stage, servoing_stage_ = servoing; }
   /// Slot's cycles by cause, asked when it issues a write.

@@ -53,7 +53,7 @@ struct ReferenceRun::Shared {
 };
 
 ReferenceRun::ReferenceRun(const Config& config)
-    : reference_(std::make_shared<Reference>(latches_of(config), static_cast<int>(config.dock.agvs))), shared_(std::make_unique<Shared>()) {
+    : reference_(std::make_shared<Reference>(rows_of(config), static_cast<int>(config.dock.agvs))), shared_(std::make_unique<Shared>()) {
   const Config made = reference_of(config);
   reference_->key = to_toml(made);
   child_ = std::make_unique<ChildProcess>(
@@ -77,8 +77,8 @@ ReferenceRun::ReferenceRun(const Config& config)
         for (const auto& [key, of] : jobs) {
           bytes.put(key.first);
           bytes.put(key.second);
-          bytes.put(of.released);
-          bytes.put(of.finished);
+          of.released.put(bytes);
+          of.finished.put(bytes);
         }
         std::vector<double> values;
         for (const report::Metric& metric : report::metrics(report)) values.push_back(metric.value.value_or(std::nan("")));
@@ -102,8 +102,8 @@ std::shared_ptr<const Reference> ReferenceRun::wait() {
   for (auto count = bytes.take<std::size_t>(); count > 0; --count) {
     const auto kind = bytes.take<std::size_t>();
     JobTimes& jobs = reference_->jobs[{kind, bytes.take<Robot>()}];
-    jobs.released = bytes.list<Time>();
-    jobs.finished = bytes.list<Time>();
+    jobs.released.take(bytes);
+    jobs.finished.take(bytes);
   }
   for (const double value : bytes.list<double>()) reference_->metrics.push_back(std::isnan(value) ? std::nullopt : std::optional(value));
   reference_->elapsed_s = bytes.take<double>();

@@ -89,6 +89,7 @@ plant::DockConfig nominal_dock_of(const Config& config) {
   dock.drive_timeout = config.dock.drive_timeout_ms * 1e-3;
   dock.drive_delay = static_cast<int>(std::lround(config.dock.drive_delay_us / 125));
   dock.signal_decimation = static_cast<int>(config.report.signal_decimation);
+  dock.signal_rows_max = static_cast<int>(config.report.signal_rows_max);
   return dock;
 }
 

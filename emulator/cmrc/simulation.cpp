@@ -93,6 +93,7 @@ LedgerConfig ledger_of(const Config& config, const machine::Config& machine) {
   ledger.user_tasks = user_names(config);
   ledger.chip_clock = machine::Clock(machine.chip_hz, machine.chip_hz_denominator);
   ledger.misses_kept = static_cast<std::size_t>(config.report.misses_max);
+  ledger.samples_max = static_cast<std::size_t>(config.report.samples_max);
   return ledger;
 }
 
@@ -121,10 +122,10 @@ class Simulation::Parts {
   Parts(const Config& given, std::shared_ptr<Course> recorded, std::shared_ptr<const Reference> ideal)
       : given_config(given), config(as_run(given)), given_reference(std::move(ideal)), image(dsp_image(config)), words([this](std::string_view name) { return image.symbol(name); }),
         dock_config(dock_of(config)), dock(dock_config), machine_config(machine_of(config)), ledger(ledger_of(config, machine_config)),
-        observer(words, ledger, log), host(config, words, crane_of(config, dock_config), fleet_of(config, dock_config), ledger, observer,
+        observer(words, ledger, log, static_cast<std::size_t>(config.report.samples_max)), host(config, words, crane_of(config, dock_config), fleet_of(config, dock_config), ledger, observer,
              [this](unsigned slot) { return machine.boot_stream(slot); }),
         machine(machine_config, image, &dock, &host), end(duration_of(config.run.duration_s)),
-        course(recorded ? std::move(recorded) : std::make_shared<Course>(measured() ? latches_of(config) : 0, static_cast<int>(config.dock.agvs))) {
+        course(recorded ? std::move(recorded) : std::make_shared<Course>(measured() ? rows_of(config) : 0, static_cast<int>(config.dock.agvs))) {
     if (given_reference && given_reference->key != reference_key(given_config))
       throw ConfigError("reference: it is the ideal run of another configuration; one that differs in DSPs, their speed and failures only is expected");
     host.set_course(course.get());
@@ -226,7 +227,7 @@ class Simulation::Parts {
     const Course& meant = ideal ? ideal->course : *course;
     const JobsByRobot& demanded = ideal ? ideal->jobs : jobs;
     Time to = interrupted || config.run.ideal ? now() : end;
-    if (stop == report::StopReason::job_done && meant.size() > 0) to = std::min(end, std::max(now(), static_cast<std::int64_t>(meant.size()) * plant::latch_period));
+    if (stop == report::StopReason::job_done && meant.size() > 0) to = std::min(end, std::max(now(), meant.end()));
     std::vector<std::string> kinds = job_kinds();
     for (const UserTask& task : config.tasks) kinds.push_back("user." + task.name);
     report::Errors made = measure({config, dock_config, *course, jobs, std::move(kinds), to}, meant, demanded);

@@ -26,7 +26,7 @@ Json histogram(const Log2Histogram& bins) {
 
 Json summary(const Summary& of) {
   return {{"count", of.count}, {"best", of.best},   {"mean", of.mean},   {"p50", of.p50},
-          {"p99", of.p99},     {"p99_9", of.p99_9}, {"worst", of.worst}, {"log2_histogram", histogram(of.histogram)}};
+          {"p99", of.p99},     {"p99_9", of.p99_9}, {"worst", of.worst}, {"percentiles", of.exact_percentiles ? "exact" : "within 0.1 %"}, {"log2_histogram", histogram(of.histogram)}};
 }
 
 Json why_late(const WhyLate& of) {

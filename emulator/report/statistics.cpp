@@ -2,36 +2,96 @@
 
 #include <algorithm>
 #include <bit>
-#include <numeric>
+#include <cmath>
+#include <cstdlib>
+#include <iterator>
 
 namespace report {
 namespace {
 
-/// Nearest rank: the smallest sample with at least per_mille / 1000 of all samples at or below it.
-std::int64_t percentile(const std::vector<std::int64_t>& sorted, std::uint64_t per_mille) {
-  const std::uint64_t rank = (sorted.size() * per_mille + 999) / 1000;
-  return sorted[std::max<std::uint64_t>(rank, 1) - 1];
+constexpr int bin_bits = 10;  // of a value that tell its bin
+
+/// The place in a sorted row, from 1 on, of the smallest sample with at least per_mille / 1000 of all samples at or below it.
+std::uint64_t rank(std::uint64_t count, std::uint64_t per_mille) { return std::max<std::uint64_t>((count * per_mille + 999) / 1000, 1); }
+
+std::uint64_t magnitude(std::int64_t value) { return value < 0 ? 0 - static_cast<std::uint64_t>(value) : static_cast<std::uint64_t>(value); }
+
+/// Bits below those that tell a value's bin.
+int bits_below(std::int64_t value) { return std::max(0, static_cast<int>(std::bit_width(magnitude(value))) - 1 - bin_bits); }
+
+/// The value of the same bin that is nearest to zero.
+std::int64_t bin_of(std::int64_t value) {
+  const auto kept = static_cast<std::int64_t>(magnitude(value) >> bits_below(value) << bits_below(value));
+  return value < 0 ? -kept : kept;
 }
 
 }  // namespace
 
+void Distribution::add(std::int64_t sample) {
+  counted_.best = counted_.count == 0 ? sample : std::min(counted_.best, sample);
+  counted_.worst = counted_.count == 0 ? sample : std::max(counted_.worst, sample);
+  ++counted_.count;
+  ++counted_.histogram[sample <= 0 ? 0 : static_cast<std::size_t>(std::bit_width(static_cast<std::uint64_t>(sample)))];
+  sum_ += sample;
+  if (counted_.count <= samples_max_) {
+    samples_.push_back(sample);
+    return;
+  }
+  for (const std::int64_t before : samples_) ++bins_[bin_of(before)];
+  samples_ = {};
+  ++bins_[bin_of(sample)];
+}
+
+// The middle of the bin in which the sample of that rank lies.
+std::int64_t Distribution::percentile_of_bins(std::uint64_t per_mille) const {
+  std::uint64_t left = rank(counted_.count, per_mille);
+  for (const auto& [bin, count] : bins_) {
+    if (count < left) {
+      left -= count;
+      continue;
+    }
+    const std::int64_t half = (std::int64_t{1} << bits_below(bin)) / 2;
+    return std::clamp(bin < 0 ? bin - half : bin + half, counted_.best, counted_.worst);
+  }
+  return counted_.worst;
+}
+
 Summary Distribution::summary() const {
-  Summary result;
-  result.count = samples_.size();
-  if (samples_.empty()) return result;
+  Summary result = counted_;
+  if (result.count == 0) return result;
+  result.mean = static_cast<double>(sum_) / static_cast<double>(result.count);
+  result.exact_percentiles = bins_.empty();
   std::vector<std::int64_t> sorted = samples_;
   std::ranges::sort(sorted);
-  // Integer sums first: the mean then does not depend on the order of the samples.
-  const auto sum = std::accumulate(sorted.begin(), sorted.end(), std::int64_t{0});
-  result.best = sorted.front();
-  result.worst = sorted.back();
-  result.mean = static_cast<double>(sum) / static_cast<double>(sorted.size());
-  result.p50 = percentile(sorted, 500);
-  result.p99 = percentile(sorted, 990);
-  result.p99_9 = percentile(sorted, 999);
-  for (const std::int64_t sample : sorted)
-    ++result.histogram[sample <= 0 ? 0 : static_cast<std::size_t>(std::bit_width(static_cast<std::uint64_t>(sample)))];
+  const auto percentile = [&](std::uint64_t per_mille) {
+    return bins_.empty() ? sorted[rank(sorted.size(), per_mille) - 1] : percentile_of_bins(per_mille);
+  };
+  result.p50 = percentile(500);
+  result.p99 = percentile(990);
+  result.p99_9 = percentile(999);
   return result;
+}
+
+void Starts::deviates(std::int64_t deviation) {
+  smallest_ = count_ == 0 ? deviation : std::min(smallest_, deviation);
+  largest_ = count_ == 0 ? deviation : std::max(largest_, deviation);
+  squares_ += WideInteger{deviation} * deviation;
+  ++count_;
+}
+
+void Starts::add(std::int64_t tick, std::int64_t time) {
+  if (period_ == 0) return;
+  const auto [here, added] = newest_.emplace(tick, time);
+  if (!added) return;
+  if (here != newest_.begin() && std::prev(here)->first == tick - 1) deviates(time - std::prev(here)->second - period_);
+  if (const auto next = std::next(here); next != newest_.end() && next->first == tick + 1) deviates(next->second - time - period_);
+  if (newest_.size() > remembered) newest_.erase(newest_.begin());
+}
+
+Jitter Starts::jitter() const {
+  if (count_ == 0) return {};
+  return {count_, largest_ - smallest_, std::max(std::abs(smallest_), std::abs(largest_)),
+          std::sqrt(static_cast<double>(squares_) / static_cast<double>(count_))};
 }
 
 }  // namespace report

@@ -1,7 +1,9 @@
 #pragma once
-// Exact statistics of integer samples (picoseconds, bus clocks): nothing is binned before a percentile is taken.
+// Statistics of integer samples (picoseconds, bus clocks) in bounded memory.
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -26,17 +28,31 @@ struct Summary {
   std::int64_t p99_9 = 0;
   std::int64_t worst = 0;
   Log2Histogram histogram{};
+  bool exact_percentiles = true;  ///< otherwise within 0.1 % of a sample of that rank
 };
 
-/// Collects samples.
+__extension__ using WideInteger = __int128;
+
+/// Collects samples. Count, best, worst, mean and histogram are exact. Percentiles are exact too, up to `samples_max` samples; from then on samples
+/// are counted in bins, each no wider than 1/1024 of its values.
 class Distribution {
  public:
-  void add(std::int64_t sample) { samples_.push_back(sample); }
-  std::uint64_t count() const { return samples_.size(); }
+  static constexpr std::size_t usual_samples_max = 65'536;
+
+  explicit Distribution(std::size_t samples_max = usual_samples_max) : samples_max_(samples_max) {}
+
+  void add(std::int64_t sample);
+  std::uint64_t count() const { return counted_.count; }
   Summary summary() const;
 
  private:
-  std::vector<std::int64_t> samples_;
+  std::int64_t percentile_of_bins(std::uint64_t per_mille) const;
+
+  std::size_t samples_max_;
+  Summary counted_;                             // all but the mean and the percentiles
+  WideInteger sum_ = 0;                         // the mean does not depend on the order of the samples
+  std::vector<std::int64_t> samples_;           // as long as there are few
+  std::map<std::int64_t, std::uint64_t> bins_;  // later: how many, by the bin's value nearest to zero
 };
 
 /// Deviation of the starts of a periodic task from the period: start[i+1] - start[i] - period, over neighbouring ticks
@@ -46,6 +62,28 @@ struct Jitter {
   std::int64_t peak_to_peak = 0;  ///< largest minus smallest deviation
   std::int64_t worst = 0;         ///< largest absolute deviation
   double rms = 0;
+};
+
+/// Collects the starts of a periodic task.
+class Starts {
+ public:
+  /// \param period ps; 0: the task is not periodic, and has no jitter
+  explicit Starts(std::int64_t period) : period_(period) {}
+
+  /// The start of the tick of that number, ps. Each tick has one; they may come out of order by less than `remembered` ticks.
+  void add(std::int64_t tick, std::int64_t time);
+  Jitter jitter() const;
+
+  static constexpr std::size_t remembered = 64;
+
+ private:
+  void deviates(std::int64_t deviation);
+
+  std::int64_t period_;
+  std::map<std::int64_t, std::int64_t> newest_;  // times by tick
+  std::uint64_t count_ = 0;
+  std::int64_t smallest_ = 0, largest_ = 0;
+  WideInteger squares_ = 0;
 };
 
 }  // namespace report

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <stdexcept>
 
 namespace report {
@@ -21,14 +19,15 @@ std::string name(Outcome outcome) {
   return "unknown";
 }
 
-TaskAccount::TaskAccount(std::vector<std::string> kinds, std::vector<std::string> causes, std::vector<Time> periods)
-    : names_(std::move(kinds)), causes_(std::move(causes)), periods_(std::move(periods)) {
-  if (periods_.size() != names_.size()) throw std::invalid_argument("TaskAccount: one period per kind");
-  kinds_.resize(names_.size());
-  for (std::size_t i = 0; i < kinds_.size(); ++i) {
-    kinds_[i].counts.kind = names_[i];
-    kinds_[i].causes.assign(causes_.size(), 0);
-    kinds_[i].cycles.assign(causes_.size(), 0);
+TaskAccount::TaskAccount(std::vector<std::string> kinds, std::vector<std::string> causes, const std::vector<Time>& periods, std::size_t samples_max)
+    : causes_(std::move(causes)) {
+  if (periods.size() != kinds.size()) throw std::invalid_argument("TaskAccount: one period per kind");
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    const Distribution none(samples_max);
+    const std::vector<std::int64_t> zero(causes_.size(), 0);
+    TaskReport counts;
+    counts.kind = std::move(kinds[i]);
+    kinds_.push_back({std::move(counts), none, none, none, none, Starts(periods[i].count()), zero, zero});
   }
 }
 
@@ -80,7 +79,7 @@ Outcome TaskAccount::add(const Job& job, Time now) {
   const bool claimed = job.progress != Progress::waiting && job.progress != Progress::dropped;
   if (claimed) {
     kind.waiting.add((job.claimed - job.released).count());
-    if (job.tick) kind.starts.push_back({*job.tick, job.claimed});
+    if (job.tick) kind.starts.add(*job.tick, job.claimed.count());
   }
   if (job.progress == Progress::finished) {
     kind.response.add((job.finished - job.released).count());
@@ -99,40 +98,15 @@ Outcome TaskAccount::add(const Job& job, Time now) {
   return outcome;
 }
 
-Jitter TaskAccount::jitter(std::size_t index) const {
-  Jitter result;
-  const Time period = periods_[index];
-  if (period == Time::zero()) return result;
-  std::vector<Start> starts = kinds_[index].starts;
-  std::ranges::sort(starts, {}, &Start::tick);
-  std::int64_t smallest = std::numeric_limits<std::int64_t>::max();
-  std::int64_t largest = std::numeric_limits<std::int64_t>::min();
-  double squares = 0;
-  for (std::size_t i = 1; i < starts.size(); ++i) {
-    if (starts[i].tick != starts[i - 1].tick + 1) continue;
-    const std::int64_t deviation = (starts[i].time - starts[i - 1].time - period).count();
-    smallest = std::min(smallest, deviation);
-    largest = std::max(largest, deviation);
-    squares += static_cast<double>(deviation) * static_cast<double>(deviation);
-    ++result.count;
-  }
-  if (result.count == 0) return result;
-  result.peak_to_peak = largest - smallest;
-  result.worst = std::max(std::abs(smallest), std::abs(largest));
-  result.rms = std::sqrt(squares / static_cast<double>(result.count));
-  return result;
-}
-
 std::vector<TaskReport> TaskAccount::report() const {
   std::vector<TaskReport> reports;
-  for (std::size_t i = 0; i < kinds_.size(); ++i) {
-    const Kind& kind = kinds_[i];
+  for (const Kind& kind : kinds_) {
     TaskReport report = kind.counts;
     report.response = kind.response.summary();
     report.waiting = kind.waiting.summary();
     report.execution = kind.execution.summary();
     report.lateness = kind.lateness.summary();
-    report.start_jitter = jitter(i);
+    report.start_jitter = kind.starts.jitter();
     for (std::size_t cause = 0; cause < causes_.size(); ++cause) {
       report.execution_causes.push_back({causes_[cause], kind.causes[cause]});
       report.execution_cycles.push_back({causes_[cause], kind.cycles[cause]});

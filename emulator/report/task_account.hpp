@@ -48,7 +48,9 @@ class TaskAccount {
   /// \param kinds   keys of ruling 29 in report order
   /// \param causes  names of the chips' causes
   /// \param periods nominal period of kind i, or zero when it is not periodic
-  TaskAccount(std::vector<std::string> kinds, std::vector<std::string> causes, std::vector<Time> periods);
+  /// \param samples_max up to so many samples of a summary its percentiles are exact
+  TaskAccount(std::vector<std::string> kinds, std::vector<std::string> causes, const std::vector<Time>& periods,
+              std::size_t samples_max = Distribution::usual_samples_max);
 
   /// Books a job. `now` is its end, or the end of the run for jobs that are not finished. \returns its outcome.
   Outcome add(const Job& job, Time now);
@@ -56,22 +58,15 @@ class TaskAccount {
   std::vector<TaskReport> report() const;
 
  private:
-  struct Start {
-    std::int64_t tick;
-    Time time;
-  };
   struct Kind {
     TaskReport counts;
     Distribution response, waiting, execution, lateness;
+    Starts starts;
     std::vector<std::int64_t> causes, cycles;
-    std::vector<Start> starts;
     std::uint64_t streak = 0;
   };
 
-  Jitter jitter(std::size_t kind) const;
-
-  std::vector<std::string> names_, causes_;
-  std::vector<Time> periods_;
+  std::vector<std::string> causes_;
   std::vector<Kind> kinds_;
 };
 

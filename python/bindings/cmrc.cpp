@@ -284,6 +284,17 @@ void bind_parts(py::module_& m) {
       .def("given", &cmrc::Consents::given, py::arg("source"), py::arg("target"), py::arg("agv") = 0)
       .def("all", &cmrc::Consents::all, py::arg("target"), py::arg("agv") = 0)
       .def("consume", &cmrc::Consents::consume, py::arg("target"), py::arg("agv") = 0);
+  py::class_<cmrc::Instants>(m, "Instants", "When something happened, again and again, in bounded memory; picoseconds.")
+      .def(py::init<std::size_t, std::size_t>(), py::arg("kept_max"), py::arg("bins_max"))
+      .def("add", [](cmrc::Instants& instants, std::int64_t ps) { instants.add(cmrc::Time{ps}); }, py::arg("ps"))
+      .def("until", [](const cmrc::Instants& instants, std::int64_t ps) { return instants.until(cmrc::Time{ps}); }, py::arg("ps"))
+      .def_property_readonly("count", &cmrc::Instants::count)
+      .def_property_readonly("bin_ps", [](const cmrc::Instants& instants) { return instants.bin().count(); })
+      .def("in_order", [](const cmrc::Instants& instants) {
+        std::vector<std::pair<std::int64_t, std::uint64_t>> all;
+        for (const auto& some : instants.in_order()) all.emplace_back(some.time.count(), some.count);
+        return all;
+      });
   py::class_<cmrc::Cycles>(m, "Cycles", "Times of the processes; seconds.")
       .def(py::init<>())
       .def("process", [](cmrc::Cycles& c, unsigned number, bool started, unsigned robot, double now) {

@@ -79,7 +79,7 @@ void bind_docks(py::module_& m) {
   py::class_<P>(m, "DockConfig", "A dock's configuration; default_dock() is the one to begin with.")
       .def(py::init<>())
       FIELD(crane) FIELD(landing) FIELD(agv) FIELD(sensors) FIELD(wind) FIELD(ship) FIELD(layout) FIELD(collisions) FIELD(rigid)
-      FIELD(agv_count) FIELD(home) FIELD(drive_delay) FIELD(drive_timeout) FIELD(method) FIELD(tolerance) FIELD(signal_decimation);
+      FIELD(agv_count) FIELD(home) FIELD(drive_delay) FIELD(drive_timeout) FIELD(method) FIELD(tolerance) FIELD(signal_decimation) FIELD(signal_rows_max);
   m.def("default_dock", &default_dock, py::arg("agv_count") = 1, "the dock of docs/plant.md");
   m.def("gantry_dock", &gantry_dock, py::arg("agv_count") = 1, "the dock with a ship-to-shore gantry");
   py::register_exception<LayoutError>(m, "LayoutError", PyExc_ValueError);

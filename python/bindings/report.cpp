@@ -99,7 +99,7 @@ void bind_report(py::module_& core) {
       "events"_a, py::call_guard<py::gil_scoped_release>(),
       "Hashes that many events, slightly out of order (a benchmark).");
 
-  py::class_<report::Summary>(room, "Summary", "Exact statistics of integer samples.")
+  py::class_<report::Summary>(room, "Summary", "Statistics of integer samples.")
       .def_readonly("count", &report::Summary::count)
       .def_readonly("best", &report::Summary::best)
       .def_readonly("mean", &report::Summary::mean)
@@ -107,15 +107,16 @@ void bind_report(py::module_& core) {
       .def_readonly("p99", &report::Summary::p99)
       .def_readonly("p99_9", &report::Summary::p99_9)
       .def_readonly("worst", &report::Summary::worst)
+      .def_readonly("exact_percentiles", &report::Summary::exact_percentiles)
       .def_readonly("log2_histogram", &report::Summary::histogram);
   room.def(
       "summary",
-      [](const std::vector<std::int64_t>& samples) {
-        report::Distribution distribution;
+      [](const std::vector<std::int64_t>& samples, std::size_t samples_max) {
+        report::Distribution distribution(samples_max);
         for (const std::int64_t sample : samples) distribution.add(sample);
         return distribution.summary();
       },
-      "samples"_a);
+      "samples"_a, "samples_max"_a = report::Distribution::usual_samples_max);
 
   py::class_<report::TaskAccount>(room, "TaskAccount", "Books jobs under one outcome each.")
       .def(py::init([](std::vector<std::string> kinds, std::vector<std::string> causes,

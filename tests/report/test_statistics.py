@@ -101,3 +101,36 @@ def test_text_counts_the_misses_and_fits_100_columns() -> None:
     text = run.to_text()
     assert "pid: 3 of 3 missed (100.0 %), at most 3 in a row" in text
     assert max(map(len, text.splitlines())) <= 100
+
+
+@given(st.lists(st.integers(-(10**9), 10**13), min_size=2, max_size=400), st.integers(0, 50))
+def test_percentiles_of_many_samples_are_within_a_thousandth(samples: list[int], samples_max: int) -> None:
+    summary, exact = report.summary(samples, samples_max), report.summary(samples)
+    assert exact.exact_percentiles
+    assert summary.exact_percentiles == (len(samples) <= samples_max)
+    for name in ("count", "best", "worst", "mean", "log2_histogram"):
+        assert getattr(summary, name) == getattr(exact, name)
+    for name in ("p50", "p99", "p99_9"):
+        assert abs(getattr(summary, name) - getattr(exact, name)) <= 1e-3 * abs(getattr(exact, name))
+    assert summary.best <= summary.p50 <= summary.p99 <= summary.p99_9 <= summary.worst
+
+
+def test_the_sample_after_the_last_exact_one() -> None:
+    samples = [10**9 + 10**6 * i for i in range(100)]
+    assert report.summary(samples, 100).exact_percentiles
+    assert not report.summary(samples, 99).exact_percentiles
+
+
+def test_jitter_of_a_long_row_with_late_bookings() -> None:
+    """The same as from all starts sorted, where none is booked more than a few ticks late."""
+    rng = random.Random(3)
+    starts = {tick: tick * PERIOD + rng.randrange(-500, 500) for tick in range(5000) if rng.random() > 0.1}
+    order = sorted(starts, key=lambda tick: tick + rng.uniform(0, 20))
+    book = account()
+    for tick in order:
+        book.add(0, "finished", released=0, claimed=starts[tick], finished=starts[tick], now=10**13, tick=tick)
+    deviations = [starts[tick + 1] - starts[tick] - PERIOD for tick in starts if tick + 1 in starts]
+    jitter = tasks(book)["pid"]["start_jitter_ps"]
+    assert jitter["count"] == len(deviations)
+    assert jitter["peak_to_peak"] == max(deviations) - min(deviations)
+    assert jitter["rms"] == pytest.approx((sum(d * d for d in deviations) / len(deviations)) ** 0.5, rel=1e-12)

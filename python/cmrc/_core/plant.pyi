@@ -267,6 +267,7 @@ class DockConfig:
     method: Method
     tolerance: float
     signal_decimation: int
+    signal_rows_max: int
 
 class LinkageParameters:
     def __init__(self) -> None: ...
