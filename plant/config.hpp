@@ -82,7 +82,7 @@ struct CraneParameters {
       {.rated_torque = 1911.0, .gear = 1250.0, .rotor_inertia = 4.8},                         // 4 x 75 kW
       {.rated_torque = 7643.0, .gear = 3140.0, .rotor_inertia = 20.0, .efficiency = 0.85},    // 4 x 300 kW
       {.rated_torque = 5732.0, .gear = 1.0 / 0.00955, .rotor_inertia = 24.0},                 // 2 x 450 kW
-      {.rated_torque = 70.0, .gear = 1500.0, .rotor_inertia = 0.06},                          // 2 x 5.5 kW
+      {.rated_torque = 70.0, .gear = 1250.0, .rotor_inertia = 0.06},                          // 2 x 5.5 kW; as fast as the slewing
   }};
 };
 

@@ -379,6 +379,7 @@ trajectory_crane_limits:
         ldf     r0, r8
         mpyf    *ar1, r8
         mpyf    @TJ_SPEED, r8                   ; longest T
+        ldf     r8, r10
         ldf     r0, r9
         mpyf    *+ar1(1), r9                   ; longest T^2
         mpyf    *+ar1(2), r0
@@ -402,6 +403,7 @@ trajectory_crane_limits:
         ldf     r0, r1
         mpyf    *+ar1(5), r1
         mpyf    @TJ_SPEED + 2, r1
+        addf    r10, r1                         ; the rotator turns the box, and turns against the slewing
         cmpf    r8, r1
         ldfgt   r1, r8
         mpyf    *+ar1(6), r0

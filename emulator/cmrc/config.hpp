@@ -210,7 +210,7 @@ struct Config {
     Joint luff{.speed_limit = 0.05};
     Joint trolley{.speed_limit = 2.3};
     Joint hoist{.speed_limit = 1};
-    Joint rotator{.speed_limit = 0.1};
+    Joint rotator{.speed_limit = 0.12};
     double sway_gain_m_s_rad = 9;
     double sway_leak_1_s = 0.125;
     double sway_filter_s = 0.15;

@@ -104,8 +104,9 @@ std::array<Word, 7> speed_words(const Config::Control& c, plant::Machine machine
   // The hoist pays out for luffing beside the load's own way.
   const Word vertical = within(0.8 * c.hoist.speed_limit), yaw = within(c.rotator.speed_limit), none = ti_float(0);
   if (machine == plant::Machine::gantry) return {within(c.trolley.speed_limit), vertical, yaw, within(c.travel.speed_limit), none, none, none};
-  // 2.3 m/s is 0.12 rad/s of slewing at 19 m; in plan the load is slower by as much as the tighter of its two joints.
-  const double plan = 2.3 * std::min(c.slew.speed_limit / 0.12, c.luff.speed_limit / 0.05);
+  // 2.3 m/s is 0.12 rad/s of slewing at 19 m, and so much of the rotator, which keeps the box's heading meanwhile; in plan the load is slower by as
+  // much as the tightest of its joints.
+  const double plan = 2.3 * std::min({c.slew.speed_limit / 0.12, c.luff.speed_limit / 0.05, c.rotator.speed_limit / 0.12});
   return {within(plan), vertical, yaw, none, within(c.slew.speed_limit), within(c.luff.speed_limit), within(c.hoist.speed_limit)};
 }
 

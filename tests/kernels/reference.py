@@ -33,7 +33,7 @@ COUNTS = tuple(16384 / (2 * math.pi) * n for n in GEAR)  # encoder counts per jo
 # ---- trajectory limits
 V_XY, A_XY, SNAP_XY = 2.3, 0.4, 0.0813  # m/s, m/s2, m/s4
 V_Z, A_Z = 0.8, 0.12
-V_YAW, A_YAW = 0.1, 0.03
+V_YAW, A_YAW = 0.12, 0.03
 V_SLEW, V_LUFF, V_HOIST = 0.12, 0.05, 1.0  # of the look-ahead
 SPEED_WORDS = [1 / V_XY, 1 / V_Z, 1 / V_YAW, 0.0, 1 / V_SLEW, 1 / V_LUFF, 1 / V_HOIST]  # CR_SPEED
 PEAK1, PEAK2, PEAK4 = 315 / 128, 9.372, 623.0  # peaks of S', S'', S'''' of the blend
@@ -58,12 +58,11 @@ def segment_time(a: list[float], b: list[float]) -> float:
     h = math.hypot(b[0] - a[0], b[1] - a[1])
     z, yaw = abs(b[2] - a[2]), abs(b[3] - a[3])
     return max(
-        PEAK1 * h / V_XY,
         math.sqrt(PEAK2 * h / A_XY),
         math.sqrt(math.sqrt(PEAK4 * h / SNAP_XY)),
         PEAK1 * z / V_Z,
         math.sqrt(PEAK2 * z / A_Z),
-        PEAK1 * yaw / V_YAW,
+        PEAK1 * (h / V_XY + yaw / V_YAW),  # the rotator turns by the yaw and against the slewing
         math.sqrt(PEAK2 * yaw / A_YAW),
     )
 

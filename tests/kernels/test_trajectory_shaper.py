@@ -27,7 +27,8 @@ class ShapedLeg:
             h, z, yaw = math.hypot(b[0] - a[0], b[1] - a[1]), abs(b[2] - a[2]), abs(b[3] - a[3])
             slowest = ((h, ref.V_XY, ref.A_XY), (z, ref.V_Z, ref.A_Z), (yaw, ref.V_YAW, ref.A_YAW))
             peak = 10 / math.sqrt(3)  # of the quintic's second derivative
-            self.durations.append(max(max(1.875 * d / v, math.sqrt(peak * d / a)) for d, v, a in slowest))
+            rotator = 1.875 * (h / ref.V_XY + yaw / ref.V_YAW)
+            self.durations.append(max(rotator, *(max(1.875 * d / v, math.sqrt(peak * d / a)) for d, v, a in slowest)))
         worst = max([1.0, *(self.over(self.length() * k / 17) for k in range(1, 17))])
         self.durations = [t * worst for t in self.durations]
         self.period = 2 * math.pi * math.sqrt((rope(chain[0]) + rope(chain[-1])) / 2 / ref.GRAVITY)
