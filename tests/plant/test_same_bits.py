@@ -1,4 +1,4 @@
-"""The same bits on every x86-64: nothing that varies by CPU is linked, and scenes agree without the CPU's newer instructions (architecture.md)."""
+"""The same bits on every x86-64: nothing that varies by CPU is linked; scenes agree without its newer instructions."""
 
 import ctypes
 import math
@@ -20,9 +20,9 @@ HERE = Path(__file__).parent
 
 # IEEE 754 or C gives these one right result, so every variant returns it; fma's is one rounding of the exact sum.
 EXACT = {
-    "ceil", "copysign", "fabs", "fdim", "fegetround", "fesetround", "floor", "fma", "fmax", "fmin", "fmod", "frexp", "ilogb", "ldexp",
-    "llrint", "llround", "logb", "lrint", "lround", "modf", "nearbyint", "nextafter", "remainder", "remquo", "rint", "round", "roundeven",
-    "scalbln", "scalbn", "sqrt", "trunc",
+    "ceil", "copysign", "fabs", "fdim", "fegetround", "fesetround", "floor", "fma", "fmax", "fmin", "fmod",
+    "frexp", "ilogb", "ldexp", "llrint", "llround", "logb", "lrint", "lround", "modf", "nearbyint", "nextafter",
+    "remainder", "remquo", "rint", "round", "roundeven", "scalbln", "scalbn", "sqrt", "trunc",
 }  # fmt: skip
 # What no run reaches: toml++ takes it where it writes TOML, for the width of a line.
 UNREACHED = {("libtomlplusplus.so.3", "log10")}
