@@ -1,6 +1,6 @@
 #pragma once
 // Elementary functions that give the same bits on every x86-64: SLEEF's deterministic scalar ones. The C library picks variants by CPU.
-// sqrt, floor and fabs are exact everywhere and come from <cmath>. Private to this room (the header below is heavy).
+// sqrt, floor and fabs are exact everywhere and come from <cmath>. To be included by sources only: the header below is heavy.
 #include <sleef.h>
 
 #include <cmath>
@@ -25,6 +25,7 @@ inline double atan2(double y, double x) { return Sleef_cinz_atan2d1_u10purec(y, 
 inline double tanh(double x) { return x > 20.0 ? 1.0 : x < -20.0 ? -1.0 : Sleef_cinz_tanhd1_u10purec(x); }
 inline double exp(double x) { return Sleef_cinz_expd1_u10purec(x); }
 inline double log(double x) { return Sleef_cinz_logd1_u10purec(x); }
+inline double hypot(double x, double y) { return Sleef_cinz_hypotd1_u05purec(x, y); }
 
 inline double wrap_angle(double a) {
   const double turn = 2.0 * std::numbers::pi;

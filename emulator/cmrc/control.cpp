@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "cmrc/ti_float.hpp"
+#include "plant/math.hpp"
 
 namespace cmrc {
 namespace {
@@ -113,7 +114,7 @@ std::array<Word, 7> speed_words(const Config::Control& c, plant::Machine machine
 // State: place, speed and acceleration of the joint by its motor, then what PID keeps: P, D, the last error. Inertia 1, set-point 0.
 double loop_radius(const Joint& settings, double h, double lag) {
   const double k = settings.bandwidth_rad_s * settings.bandwidth_rad_s, t_d = derivative_time(settings), t_i = integral_time(settings);
-  const double n = settings.derivative_filter, filter = t_d / (t_d + n * h), decay = lag > 0 ? std::exp(-h / lag) : 0;
+  const double n = settings.derivative_filter, filter = t_d / (t_d + n * h), decay = lag > 0 ? plant::exp(-h / lag) : 0;
   Matrix a{};
   for (std::size_t column = 0; column < 6; ++column) {
     std::array<double, 6> x{};
@@ -133,11 +134,11 @@ double loop_radius(const Joint& settings, double h, double lag) {
     if (!(largest > 0) || !std::isfinite(largest)) break;
     for (auto& row : a)
       for (double& value : row) value /= largest;
-    exponent += std::log(largest) / power;
+    exponent += plant::log(largest) / power;
     a = squared(a);
     power *= 2;
   }
-  return std::exp(exponent);
+  return plant::exp(exponent);
 }
 
 std::optional<ControlFault> control_fault(const Config& config, double period_s) {

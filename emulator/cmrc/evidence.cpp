@@ -8,6 +8,7 @@
 #include "cmrc/error_log.hpp"
 #include "cmrc/measures.hpp"
 #include "cmrc/setup.hpp"
+#include "plant/math.hpp"
 
 namespace cmrc {
 namespace {
@@ -86,19 +87,19 @@ report::DspReport dsp_report(const Evidence& e, unsigned slot) {
 /// Distance of a point from a lane; large where the point lies before or behind it.
 double distance(const plant::LaneSegment& lane, double x, double y) {
   const double dx = x - lane.x, dy = y - lane.y;
-  const double c = std::cos(lane.heading), s = std::sin(lane.heading);
+  const double c = plant::cos(lane.heading), s = plant::sin(lane.heading);
   const double along = dx * c + dy * s, across = dy * c - dx * s;
   if (lane.curvature == 0) {
     const double beyond = along < 0 ? -along : std::max(0.0, along - lane.length);
-    return std::hypot(across, beyond);
+    return plant::hypot(across, beyond);
   }
   // Mirrored so that the arc turns left: its centre lies at (0, radius).
   const double radius = 1 / std::abs(lane.curvature);
   const double left = lane.curvature > 0 ? across : -across;
-  double angle = std::atan2(along, radius - left);
+  double angle = plant::atan2(along, radius - left);
   if (angle < -1e-6) angle += 2 * std::numbers::pi;
   if (angle * radius > lane.length + 1e-6) return 1e9;
-  return std::abs(std::hypot(along, radius - left) - radius);
+  return std::abs(plant::hypot(along, radius - left) - radius);
 }
 
 report::OwnMeasure own(std::string name, std::string unit, double squares, double peak, std::uint64_t count) {
@@ -115,7 +116,7 @@ report::AfterStop after_stop(const Evidence& e, Time from) {
   for (const plant::Signal& row : e.dock.signals()) {
     if (row.time < from) continue;
     if (first == nullptr) first = &row;
-    const double sway = std::hypot(row.alpha, row.beta);
+    const double sway = plant::hypot(row.alpha, row.beta);
     double moved = 0;
     for (std::size_t i = 0; i < 3; ++i) moved += (row.payload[i] - first->payload[i]) * (row.payload[i] - first->payload[i]);
     after.moved_m = std::max(after.moved_m, std::sqrt(moved));

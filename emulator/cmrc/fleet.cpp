@@ -7,6 +7,7 @@
 
 #include "cmrc/importance.hpp"
 #include "cmrc/ti_float.hpp"
+#include "plant/math.hpp"
 
 namespace cmrc {
 namespace {
@@ -33,7 +34,7 @@ std::vector<Lane> round_from(const FleetJob& job, unsigned slot) {
   std::vector<Lane> lanes = job.to_warehouse;
   const double behind = slot * job.slot_spacing;
   if (behind > 0) {
-    lanes.insert(lanes.begin(), {job.spot_x - behind * std::cos(job.spot_heading), job.spot_y - behind * std::sin(job.spot_heading),
+    lanes.insert(lanes.begin(), {job.spot_x - behind * plant::cos(job.spot_heading), job.spot_y - behind * plant::sin(job.spot_heading),
                                  job.spot_heading, behind, 0, job.move_up_speed});
   }
   for (const Lane& lane : shortened(job.to_spot, behind)) lanes.push_back(lane);
@@ -174,7 +175,7 @@ void Fleet::take_slot(unsigned index) {
 void Fleet::move_up(unsigned index, Desk& desk) {
   Agv& agv = agvs_[index];
   const double behind = agv.slot * job_.slot_spacing;
-  const Lane lane{job_.spot_x - behind * std::cos(job_.spot_heading), job_.spot_y - behind * std::sin(job_.spot_heading),
+  const Lane lane{job_.spot_x - behind * plant::cos(job_.spot_heading), job_.spot_y - behind * plant::sin(job_.spot_heading),
                   job_.spot_heading, job_.slot_spacing, 0, job_.move_up_speed};
   --agv.slot;
   desk.agv_waits(index, false);

@@ -9,6 +9,7 @@
 
 #include "cmrc/ti_float.hpp"
 #include "cmrc/value.hpp"
+#include "plant/math.hpp"
 #include "plant/sensors.hpp"
 
 namespace cmrc {
@@ -60,8 +61,8 @@ void place_geometry(Placer& to, const CraneParameters& p) {
     to.table("gantry_limits", {p.lower[of(Joint::gantry)], p.upper[of(Joint::gantry)], p.lower[of(Joint::luff)],
                                p.upper[of(Joint::luff)], p.lower[of(Joint::hoist)], p.upper[of(Joint::hoist)]});
   } else {
-    to.constant("K_IK_COS_LOW", {std::cos(p.upper[of(Joint::luff)])});
-    to.constant("K_IK_COS_HIGH", {std::cos(p.lower[of(Joint::luff)])});
+    to.constant("K_IK_COS_LOW", {plant::cos(p.upper[of(Joint::luff)])});
+    to.constant("K_IK_COS_HIGH", {plant::cos(p.lower[of(Joint::luff)])});
   }
 }
 

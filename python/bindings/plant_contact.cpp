@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "plant/contact.hpp"
+#include "plant/math.hpp"
 #include "plant/ode_crane.hpp"
 #include "python/bindings/plant.hpp"
 
@@ -29,7 +30,7 @@ void bind_plant_contact(py::module_& m) {
         body.velocity = {0.0, 0.0, -speed};
         const std::array solid{make_solid(Solid::Kind::ground, -1, 0, 0, 0, 100, 100, -5.0, 0.0)};
         // A slope is a sideways pull and less weight: the floor stays level.
-        const std::array force{mass * gravity * std::sin(slope), 0.0, mass * gravity * (1.0 - std::cos(slope))};
+        const std::array force{mass * gravity * plant::sin(slope), 0.0, mass * gravity * (1.0 - plant::cos(slope))};
         std::vector<std::array<double, 4>> rows;
         for (int i = 0; i < steps; ++i) {
           const ContactResult r = engine.step(body, shape, force, {0.0, 0.0, 0.0}, solid, step);

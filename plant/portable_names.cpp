@@ -1,0 +1,23 @@
+// What SUNDIALS and ODE use in place of the C library's names (portable_names.txt), with the C library's meaning.
+#include <cstdio>
+
+#include "plant/math.hpp"
+
+extern "C" {
+
+double cmrc_libm_acos(double x) { return Sleef_cinz_acosd1_u10purec(x); }
+float cmrc_libm_acosf(float x) { return Sleef_cinz_acosf1_u10purec(x); }
+double cmrc_libm_asin(double x) { return Sleef_cinz_asind1_u10purec(x); }
+float cmrc_libm_asinf(float x) { return Sleef_cinz_asinf1_u10purec(x); }
+double cmrc_libm_atan2(double y, double x) { return plant::atan2(y, x); }
+double cmrc_libm_pow(double x, double y) { return Sleef_cinz_powd1_u10purec(x, y); }
+void cmrc_libm_sincos(double x, double* sin, double* cos) {
+  const plant::SinCos both = plant::sin_cos(x);
+  *sin = both.sin;
+  *cos = both.cos;
+}
+
+// ODE's archive refers to these two as if they lay in the same file, which in a shared module they do not.
+[[gnu::visibility("hidden")]] std::FILE* cmrc_libc_stderr = stderr;
+[[gnu::visibility("hidden")]] std::FILE* cmrc_libc_stdout = stdout;
+}
