@@ -9,6 +9,7 @@
 #include "cmrc/config.hpp"
 #include "io/file_roles.hpp"
 #include "io/output_file.hpp"
+#include "io/signals.hpp"
 #include "io/standard_streams.hpp"
 #include "machine/board_file.hpp"
 #include "machine/network.hpp"
@@ -234,6 +235,7 @@ int printed(int status) {
 
 int main(int argc, char** argv) {
   io::take_closed_streams();
+  io::take_signals();
   CLI::App app{
       "Emulator of TMS320C40 multiprocessors that reproduces the CMRC robot controller. Without a command it simulates "
       "the dock and reports "

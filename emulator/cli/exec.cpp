@@ -8,6 +8,7 @@
 
 #include "c40/chip.hpp"
 #include "io/output_file.hpp"
+#include "io/signals.hpp"
 #include "machine/asleep.hpp"
 #include "machine/boot.hpp"
 #include "cli/chip_listeners.hpp"
@@ -31,7 +32,7 @@ struct Dump {
 };
 
 struct Outcome {
-  std::string reason;  ///< "until", "halt", "idle", "limit", "external_access", "port_wait", "dma_wait", "fault"
+  std::string reason;  ///< "until", "halt", "idle", "limit", "external_access", "port_wait", "dma_wait", "fault", "interrupted"
   std::string message;
   int status = success;
 };
@@ -61,7 +62,8 @@ class Run {
   Outcome run(c40::Cycles limit) {
     for (;;) {
       const c40::Cycles look = chip_.idle() ? 8 : 1000;  // whether the DMA, which an idle processor may wait for, still goes on
-      const c40::StopInfo stop = chip_.run_until(chip_.dma_active() ? std::min(limit, chip_.cycle() + look) : limit);
+      if (io::stop_asked()) return {"interrupted", fmt::format("by a signal, at {:08X}h", chip_.pc())};
+      const c40::StopInfo stop = chip_.run_until(std::min(limit, chip_.cycle() + (chip_.dma_active() ? look : slice)));
       if (stop.reason == c40::StopInfo::Reason::port_wait && feeder && feeder->serve(stop.port)) continue;
       auto outcome = ended(stop);
       if (!outcome && machine::meaning(stop.reason) == machine::StopMeaning::breakpoint) outcome = at_breakpoint();
@@ -74,6 +76,8 @@ class Run {
   std::optional<machine::BootFeeder> feeder;
 
  private:
+  static constexpr c40::Cycles slice = 50'000;  // after which is asked whether to stop: a moment, also where each instruction is written
+
   /// Whether the loader of the boot ROM is what stopped, and where its stream stands.
   std::string booting() const {
     if (!feeder || chip_.pc() >= c40::rom_words) return "";
@@ -347,6 +351,7 @@ int exec(const ExecOptions& options) {
   if (options.events) chip.set_peripheral_sink(&events.emplace(*options.events));
   Run run(chip, image, until, options.cycles.has_value());
   if (boot && boot->port) run.feeder.emplace(chip, *boot->port, stream_for(image, *boot));
+  const io::StopBySignal signals;
   const Outcome outcome = run.run(options.cycles.value_or(options.max_cycles));
   if (events) events->commit();
   listeners.run_ended();
@@ -354,7 +359,7 @@ int exec(const ExecOptions& options) {
   std::vector<Dump> dumps;
   for (const auto& [address, count] : ranges) dumps.push_back(read_dump(chip, address, count));
   (options.json ? print_json : print_text)(chip, outcome, dumps, listeners, chosen.clock_mhz, options.peripherals);
-  return outcome.status;
+  return outcome.reason == "interrupted" ? signals.status(run_failed) : outcome.status;
 }
 
 }  // namespace cli

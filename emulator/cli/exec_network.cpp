@@ -10,6 +10,7 @@
 #include "cli/options.hpp"
 #include "cli/program.hpp"
 #include "io/output_file.hpp"
+#include "io/signals.hpp"
 #include "machine/network_file.hpp"
 
 namespace cli {
@@ -146,6 +147,7 @@ std::string sentence(const Network& network, const machine::NetworkStop& stop, b
     case machine::NetworkStop::Reason::ended: return failed == 0 ? "every chip has ended" : fmt::format("every chip has ended, {} of them in a fault", failed);
     case machine::NetworkStop::Reason::deadlock: return "nothing can happen any more, and chips wait";
     case machine::NetworkStop::Reason::limit: return asked ? "the cycles of --cycles have passed" : "--max-cycles reached";
+    case machine::NetworkStop::Reason::interrupted: return "by a signal";
   }
   return {};
 }
@@ -228,6 +230,16 @@ void print_json(const Network& network, const machine::NetworkStop& stop, const 
   fmt::print("{}\n", root.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
+/// The instant that --cycles or --max-cycles of chip 0 means.
+machine::Time end_of(const Network& network, const ExecOptions& options) {
+  constexpr double most_seconds = 9e6;  // of 64 bits of picoseconds
+  const std::int64_t cycles = options.cycles.value_or(options.max_cycles);
+  const auto most = static_cast<std::int64_t>(most_seconds * static_cast<double>(network.clock(0).hertz()));
+  if (cycles > most)
+    throw InputError(fmt::format("{}: {} cycles are more than a network's time holds; up to {} of chip 0 are possible", options.cycles ? "--cycles" : "--max-cycles", cycles, most));
+  return network.clock(0).at(cycles);
+}
+
 }  // namespace
 
 int exec_network(const ExecOptions& options) {
@@ -249,7 +261,8 @@ int exec_network(const ExecOptions& options) {
   if (options.events) events.emplace(*options.events);
   network.record_words(link_trace || events);
   network.record_peripherals(events.has_value());
-  const machine::NetworkStop stop = network.run_until(network.clock(0).at(options.cycles.value_or(options.max_cycles)));
+  const io::StopBySignal signals;
+  const machine::NetworkStop stop = network.run_until(end_of(network, options));
   watched.run_ended();
   if (link_trace) {
     for (const machine::NetworkEvent& event : network.events()) link_trace->stream() << network.text(event) << '\n';
@@ -260,6 +273,7 @@ int exec_network(const ExecOptions& options) {
     events->commit();
   }
   (options.json ? print_json : print_text)(network, stop, dumps, watched, options.peripherals, options.cycles.has_value());
+  if (stop.reason == machine::NetworkStop::Reason::interrupted) return signals.status(run_failed);
   if (stop.reason == machine::NetworkStop::Reason::limit && !options.cycles) return run_failed;
   return stop.reason == machine::NetworkStop::Reason::deadlock || faults(network) != 0 ? run_failed : success;
 }

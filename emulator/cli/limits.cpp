@@ -9,6 +9,7 @@
 #include "cli/settings.hpp"
 #include "cmrc/compare.hpp"
 #include "io/output_file.hpp"
+#include "io/signals.hpp"
 
 namespace cli {
 
@@ -22,6 +23,7 @@ int limits(const LimitsOptions& options) {
   files_read(options.run, config).writes("--json", options.json.value_or(""));
   std::optional<io::OutputFile> file;
   if (options.json) file.emplace(*options.json);
+  const io::StopBySignal signals;
   const bool line = ::isatty(STDERR_FILENO) == 1;
   const report::Limits limits = cmrc::find_limits(config, grids, options.errors, [line](std::size_t done, std::size_t points) {
     fmt::print(stderr, "{}{} of {} runs done{}", line ? "\r" : "", done, points, line && done < points ? "" : "\n");
@@ -32,7 +34,7 @@ int limits(const LimitsOptions& options) {
     file->stream() << to_json(limits);
     file->commit();
   }
-  return success;
+  return limits.interrupted ? signals.status(success) : success;
 }
 
 int compare(const CompareOptions& options) {
@@ -40,13 +42,14 @@ int compare(const CompareOptions& options) {
   files_read(options.run, config).writes("--json", options.json.value_or(""));
   std::optional<io::OutputFile> file;
   if (options.json) file.emplace(*options.json);
+  const io::StopBySignal signals;
   const report::Comparison comparison = cmrc::compare_with_ideal(config);
   fmt::print("{}", to_text(comparison));
   if (file) {
     file->stream() << to_json(comparison);
     file->commit();
   }
-  return success;
+  return comparison.interrupted ? signals.status(success) : success;
 }
 
 }  // namespace cli

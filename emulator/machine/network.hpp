@@ -150,6 +150,7 @@ struct NetworkStop {
     ended,     ///< every processor has ended or sleeps, and nothing can wake one; a DMA may be armed
     deadlock,  ///< nothing but tokens to and fro can happen any more, and a processor waits, polls, or sleeps for a DMA that waits
     limit,
+    interrupted,  ///< io::stop_asked(); run_until goes on
   } reason = Reason::limit;
   Time time{};
 };
@@ -163,7 +164,7 @@ class Network {
   Network(const Network&) = delete;
   Network& operator=(const Network&) = delete;
 
-  /// Lets everything before `limit` happen. \throws std::logic_error if words do not add up.
+  /// Lets everything before `limit` happen, unless io::stop_asked(). \throws std::logic_error if words do not add up.
   NetworkStop run_until(Time limit);
   Time now() const { return now_; }
 
@@ -209,6 +210,7 @@ class Network {
   struct Memory;
   struct LinkTap;
 
+  NetworkStop run_slice(Time limit);
   void join_links();
   void add_memories();
   void start(Node& node);

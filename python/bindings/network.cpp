@@ -12,6 +12,7 @@
 
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/chip_inspection.hpp"
+#include "python/bindings/ctrl_c.hpp"
 
 namespace {
 
@@ -115,7 +116,7 @@ void bind_network(py::module_& core) {
         return out;
       })
       .def("run_until", [](machine::Network& network, std::int64_t limit) {
-        const machine::NetworkStop stop = network.run_until(Time{limit});
+        const machine::NetworkStop stop = interruptible([&] { return network.run_until(Time{limit}); });
         return std::pair{std::string(machine::name(stop.reason)), stop.time.count()};
       }, py::arg("limit"))
       .def_property_readonly("now", [](const machine::Network& network) { return network.now().count(); })
