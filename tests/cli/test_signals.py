@@ -4,10 +4,14 @@ A signal is sent when the program has shown that it works: by what comes through
 No test waits for a time; timeouts only end what hangs.
 """
 
+import array
+import fcntl
 import json
 import os
+import shutil
 import signal
 import subprocess
+import termios
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -233,3 +237,100 @@ def test_a_signal_ends_the_work_and_what_it_has_is_written(folder: Path, job: Jo
     assert not [name for name in running.new_files() if name.endswith(".part")]
     for child in children:
         assert not Path(f"/proc/{child}").exists()
+
+
+def test_ctrl_c_at_a_terminal_comes_to_the_children_too(folder: Path) -> None:
+    running = Running(folder, JOBS["limits"], start_new_session=True)
+    os.killpg(running.process.pid, signal.SIGINT)
+    assert running.end() == 130, running.stderr()
+    limits_check(running)
+
+
+def test_a_signal_while_the_ideal_run_is_waited_for(folder: Path) -> None:
+    """The run itself ends early, since no DSP is left; its ideal run would take hours more."""
+    (folder / "dead.toml").write_text("".join(f'[[events]]\nat_s = 0.05\naction = "fail"\ndsp = {slot}\n' for slot in range(2)))
+    arguments = [*LONG, "--dsps", "2", "--config", "dead.toml", "--set", "run.after_stop_s=0.1", "--report", "r.json"]
+    running = Running(folder, Job(arguments, Running.has_child))
+    stat = Path(f"/proc/{running.process.pid}/stat")
+    running.until(lambda: stat.read_text().rsplit(")", 1)[1].split()[0] == "S")
+    assert running.signal(signal.SIGTERM) == 143
+    report = running.json("r.json")
+    assert report["stop_reason"] == "interrupted" and report["errors"] is not None
+
+
+def pending(process: "subprocess.Popen[bytes]") -> bool:
+    status = Path(f"/proc/{process.pid}/status").read_text()
+    return any(int(line.split()[1], 16) != 0 for line in status.splitlines() if line.startswith(("SigPnd", "ShdPnd")))
+
+
+SHIM = """
+#define _GNU_SOURCE
+#include <errno.h>
+#include <fcntl.h>
+#include <stdarg.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+static int opened(const char* path, int flags, mode_t mode) {
+  if ((flags & O_TMPFILE) == O_TMPFILE) { errno = EOPNOTSUPP; return -1; }
+  return syscall(SYS_openat, AT_FDCWD, path, flags, mode);
+}
+#define OPEN(name) int name(const char* path, int flags, ...) { va_list a; va_start(a, flags); mode_t m = va_arg(a, mode_t); va_end(a); return opened(path, flags, m); }
+OPEN(open)
+OPEN(open64)
+"""
+
+
+@pytest.fixture(scope="module")
+def without_nameless_files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
+    """The environment of a program whose file system has no files without a name, as NFS has none."""
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("no C compiler for a file system without nameless files")
+    folder = tmp_path_factory.mktemp("shim")
+    (folder / "shim.c").write_text(SHIM)
+    subprocess.run([compiler, "-shared", "-fPIC", "-o", folder / "shim.so", folder / "shim.c"], check=True)
+    return {**os.environ, "LD_PRELOAD": str(folder / "shim.so")}
+
+
+@pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
+def test_a_second_signal_ends_at_once_and_leaves_no_file(folder: Path, without_nameless_files: dict[str, str], number: signal.Signals) -> None:
+    """The program stands in a write to a pipe that nobody reads, so the first signal cannot end it."""
+    os.mkfifo(folder / "t")
+    with os.fdopen(os.open(folder / "t", os.O_RDWR), "rb", buffering=0) as pipe:
+        job = Job([*LONG, "--set", "report.reference=none", "--report", "r.json", "--trace", "t", "--quiet"], lambda r: None)
+        running = Running(folder, job, env=without_nameless_files)
+        full = fcntl.fcntl(pipe, fcntl.F_GETPIPE_SZ)  # type: ignore[attr-defined]
+        waiting = array.array("i", [0])
+
+        def stands() -> bool:
+            fcntl.ioctl(pipe, termios.FIONREAD, waiting)
+            return waiting[0] == full
+
+        running.until(stands)
+        assert [name for name in running.new_files() if name.endswith(".part")]
+        running.process.send_signal(number)
+        running.until(lambda: not pending(running.process))
+        assert running.process.poll() is None
+        assert running.signal(number) == SIGNALS[number]
+        assert running.new_files() == set()
+
+
+def test_a_first_signal_outside_the_work_leaves_no_file(folder: Path, without_nameless_files: dict[str, str]) -> None:
+    """The output is open, and the program waits for somebody to open the pipe for the other."""
+    os.mkfifo(folder / "t")
+    running = Running(folder, Job([*LONG, "--report", "r.json", "--trace", "t"], lambda r: None), env=without_nameless_files)
+    running.until(lambda: any(name.endswith(".part") for name in running.new_files()))
+    assert running.signal(signal.SIGTERM) == 143
+    assert running.new_files() == set()
+
+
+@pytest.mark.parametrize("number", SIGNALS, ids=lambda number: number.name)
+def test_a_signal_that_is_ignored_at_the_start_stays_ignored(folder: Path, number: signal.Signals) -> None:
+    other = next(each for each in SIGNALS if each != number)
+    running = Running(folder, JOBS["exec"], preexec_fn=lambda: signal.signal(number, signal.SIG_IGN))
+    running.process.send_signal(number)
+    running.until(lambda: not pending(running.process))
+    so_far = len(running.came["t"])
+    running.until(lambda: len(running.came["t"]) > so_far + (1 << 20))  # it goes on
+    assert running.signal(other) == SIGNALS[other]
+    exec_check(running)
