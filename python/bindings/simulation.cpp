@@ -26,7 +26,7 @@ constexpr double most_seconds = 9e6;  // of 64 bits of picoseconds
 report::Time to_time(const char* argument, double seconds) {
   if (!(seconds >= 0 && seconds <= most_seconds))
     throw py::value_error(fmt::format("{}: {} s is no instant of a run; 0 to {:g} s are", argument, seconds, most_seconds));
-  return report::Time{static_cast<std::int64_t>(seconds * 1e12)};
+  return report::Time{std::llround(seconds * 1e12)};
 }
 
 /// A run as Python holds it: calls from two threads at once are refused, and so is what changes it from inside a callback.
