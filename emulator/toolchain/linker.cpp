@@ -37,6 +37,8 @@ class Linker {
     pull_from_library();
     add_common();
     collect_sections();
+    if (std::ranges::all_of(placement_.sections(), [](const OutputSection& section) { return section.size == 0; }))
+      throw LinkError({fmt::format("{}: no section holds a word; a program has at least one", objects_.front().name)});
     placement_.place(map_, errors_);
     define_symbols();
     check_undefined();
