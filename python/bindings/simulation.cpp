@@ -53,7 +53,12 @@ class Run {
     const auto between = [&](const cmrc::Progress& progress) {
       const py::gil_scoped_acquire gil;
       const py::object go_on = on_progress(report::seconds(progress.simulated), report::seconds(progress.duration));
-      return go_on.is_none() || go_on.cast<bool>();
+      if (go_on.is_none()) return true;
+      try {
+        return go_on.cast<bool>();
+      } catch (const py::cast_error&) {
+        throw py::type_error(fmt::format("on_progress: it returned {}; True, False or None is expected", std::string(py::repr(go_on)).substr(0, 60)));
+      }
     };
     interruptible_without_gil([&] {
       if (on_progress.is_none()) run_.run({}, slice);
@@ -143,18 +148,18 @@ py::dict signals_of(const plant::Dock& dock, const std::shared_ptr<const cmrc::R
 
 /// A DSP of a run.
 struct DspOf {
-  Run& run;
+  std::shared_ptr<Run> run;
   unsigned slot;
 };
 
 /// Its chip, for reading and for changing.
 struct ChipOfDsp {
-  const c40::Chip& operator()(const DspOf& d) const { return d.run.read("dsp").machine().chip(d.slot); }
-  c40::Chip& operator()(DspOf& d) const { return d.run.change("dsp").machine().chip(d.slot); }
+  const c40::Chip& operator()(const DspOf& d) const { return d.run->read("dsp").machine().chip(d.slot); }
+  c40::Chip& operator()(DspOf& d) const { return d.run->change("dsp").machine().chip(d.slot); }
 };
 
 void bind_dsp(py::module_& m) {
-  const auto machine = [](const DspOf& d) -> const machine::Machine& { return d.run.read("dsp").machine(); };
+  const auto machine = [](const DspOf& d) -> const machine::Machine& { return d.run->read("dsp").machine(); };
   py::class_<DspOf> dsp(m, "Dsp", "One DSP of a run.");
   dsp.def_property_readonly("pc", [machine](const DspOf& d) { return machine(d).chip(d.slot).pc(); })
       .def_property_readonly("plugged", [machine](const DspOf& d) { return machine(d).plugged(d.slot); })
@@ -162,8 +167,8 @@ void bind_dsp(py::module_& m) {
   bind_inspection(dsp, ChipOfDsp());
 }
 
-DspOf dsp_of(Run& run, unsigned slot) {
-  const unsigned slots = run.read("dsp").machine().slots();
+DspOf dsp_of(const std::shared_ptr<Run>& run, unsigned slot) {
+  const unsigned slots = run->read("dsp").machine().slots();
   if (slot >= slots) throw py::index_error(fmt::format("there is no slot {}; the slots are 0 to {}", slot, slots - 1));
   return {run, slot};
 }
@@ -175,7 +180,7 @@ void bind_simulation(py::module_& m) {
   bind_dsp(m);
   py::class_<cmrc::Reference, std::shared_ptr<cmrc::Reference>>(m, "Reference", "An ideal run, for the runs that are measured against it.")
       .def_readonly("elapsed_s", &cmrc::Reference::elapsed_s);
-  py::class_<Run>(m, "Simulation", "One run, used by one thread at a time. Times in seconds.")
+  py::class_<Run, std::shared_ptr<Run>>(m, "Simulation", "One run, used by one thread at a time. Times in seconds.")
       .def(py::init<const cmrc::Config&>(), py::arg("config"))
       .def(py::init<const cmrc::Config&, std::shared_ptr<const cmrc::Reference>>(), py::arg("config"), py::arg("reference"))
       .def("reference", [](Run& r) { return r.waiting("reference", [](const Simulation& s) { return s.reference(); }); },
@@ -185,7 +190,8 @@ void bind_simulation(py::module_& m) {
       .def("run_until", &Run::run_until, py::arg("time_s"))
       .def("at", [](Run& r, const py::dict& fields) { r.change("at").at(event_of(fields)); }, py::arg("fields"),
            "A timed event: at_s, action and its fields (docs/configuration.md, [[events]]).")
-      .def("dsp", &dsp_of, py::arg("slot"), py::keep_alive<0, 1>())
+      // A Dsp owns its run; pybind11 3.1's keep_alive<0, 1> crashes when an argument has a wrong type.
+      .def("dsp", &dsp_of, py::arg("slot"))
       .def("peek", [](const Run& r, std::uint32_t offset) { return r.read("peek").machine().peek(offset); }, "A word of shared memory.")
       .def("symbol", [](const Run& r, const std::string& name) { return r.read("symbol").machine().symbol(name); })
       .def_property_readonly("time_s", [](const Run& r) { return report::seconds(r.read("time_s").time()); })
