@@ -184,6 +184,7 @@ class Network {
   std::size_t link_count() const { return links_.size(); }
   const c40::Link& link(std::size_t n) const { return *links_[n]; }
   const NetworkLink& ends(std::size_t n) const { return description_.links[n]; }
+  std::size_t memory_count() const { return description_.memories.size(); }
   std::span<c40::Word> memory(std::size_t n);
   /// Who hears each instruction of a chip; null: nobody. Changes nothing. Use this, not Chip::set_trace: the network listens too.
   void set_trace(std::size_t n, c40::TraceSink* sink);

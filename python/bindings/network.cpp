@@ -125,6 +125,7 @@ void bind_network(py::module_& core) {
       }, py::arg("kind"), py::arg("time"), py::arg("target"))
       .def("record_words", &machine::Network::record_words, py::arg("on"))
       .def_property_readonly("chip_count", &machine::Network::chip_count)
+      .def_property_readonly("memory_count", &machine::Network::memory_count)
       .def_property_readonly("link_count", &machine::Network::link_count)
       .def("chip", [](const std::shared_ptr<machine::Network>& network, std::size_t n) { return ChipOf{network, n}; })
       .def("link", &link_of)

@@ -167,10 +167,10 @@ void bind_dsp(py::module_& m) {
   bind_inspection(dsp, ChipOfDsp());
 }
 
-DspOf dsp_of(const std::shared_ptr<Run>& run, unsigned slot) {
-  const unsigned slots = run->read("dsp").machine().slots();
-  if (slot >= slots) throw py::index_error(fmt::format("there is no slot {}; the slots are 0 to {}", slot, slots - 1));
-  return {run, slot};
+DspOf dsp_of(const std::shared_ptr<Run>& run, std::int64_t slot) {
+  const std::int64_t slots = run->read("dsp").machine().slots();
+  if (slot < 0 || slot >= slots) throw py::index_error(fmt::format("there is no slot {}; the slots are 0 to {}", slot, slots - 1));
+  return {run, static_cast<unsigned>(slot)};
 }
 
 }  // namespace

@@ -42,13 +42,13 @@ def test_another_thread_is_refused_at_once_and_the_run_goes_on(name: str) -> Non
     """The run stands in its callback until the other thread has been answered."""
     simulation = cmrc.Simulation(**SHORT)
     dsp = simulation.dsp(0)  # held before: reading it is refused too
-    refused: list[BaseException] = []
+    refused: list[Exception] = []
 
     def other() -> None:
         for call in (ALL[name], lambda s: dsp.pc):
             try:
                 call(simulation)
-            except BaseException as error:
+            except Exception as error:
                 refused.append(error)
 
     def progress(simulated_s: float, duration_s: float) -> None:
