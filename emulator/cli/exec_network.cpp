@@ -10,6 +10,7 @@
 #include "cli/options.hpp"
 #include "cli/program.hpp"
 #include "io/output_file.hpp"
+#include "io/print.hpp"
 #include "io/signals.hpp"
 #include "machine/network_file.hpp"
 
@@ -155,34 +156,34 @@ std::string sentence(const Network& network, const machine::NetworkStop& stop, b
 double microseconds(machine::Time time) { return static_cast<double>(time.count()) * 1e-6; }
 
 void print_text(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps, const Watched& watched, bool peripherals, bool asked) {
-  fmt::print("stop: {}: {} ({:.3f} us)\n", name(stop.reason), sentence(network, stop, asked), microseconds(stop.time));
+  io::print("stop: {}: {} ({:.3f} us)\n", name(stop.reason), sentence(network, stop, asked), microseconds(stop.time));
   for (std::size_t n = 0; n < network.chip_count(); ++n) {
     const c40::Chip& chip = network.chip(n);
     const std::string& called = network.chip_name(n);
-    fmt::print("chip {}{}: {}: {}\n", n, called == std::to_string(n) ? "" : " (" + called + ")", name(network.status(n)), network.describe(n));
-    fmt::print("  {} instructions, {} cycles:", chip.instructions(), chip.cycle());
+    io::print("chip {}{}: {}: {}\n", n, called == std::to_string(n) ? "" : " (" + called + ")", name(network.status(n)), network.describe(n));
+    io::print("  {} instructions, {} cycles:", chip.instructions(), chip.cycle());
     for (std::size_t cause = 0; cause < c40::cause_count; ++cause)
-      if (chip.causes()[cause] != 0) fmt::print(" {} {}", name(static_cast<c40::Cause>(cause)), chip.causes()[cause]);
-    fmt::print("\n{}{}{}", watched[n].checks_text(), watched[n].text(), peripherals ? peripherals_text(chip) : "");
+      if (chip.causes()[cause] != 0) io::print(" {} {}", name(static_cast<c40::Cause>(cause)), chip.causes()[cause]);
+    io::print("\n{}{}{}", watched[n].checks_text(), watched[n].text(), peripherals ? peripherals_text(chip) : "");
   }
   for (std::size_t n = 0; n < network.link_count(); ++n) {
     const machine::NetworkLink& ends = network.ends(n);
     const c40::Link& link = network.link(n);
-    fmt::print("link {}{}{}:", to_text(ends), link.is_cut() ? " (cut)" : "", link.is_dead() ? " (token lost)" : "");
+    io::print("link {}{}{}:", to_text(ends), link.is_cut() ? " (cut)" : "", link.is_dead() ? " (token lost)" : "");
     for (int side = 0; side < 2; ++side) {
       const auto& counters = link.counters(side);
-      fmt::print("{} {} words", side == 0 ? " forth" : ", back", counters.sent);
-      if (counters.lost != 0) fmt::print(" ({} lost)", counters.lost);
+      io::print("{} {} words", side == 0 ? " forth" : ", back", counters.sent);
+      if (counters.lost != 0) io::print(" ({} lost)", counters.lost);
     }
-    fmt::print("\n");
+    io::print("\n");
   }
   for (const machine::NetworkEvent& event : network.events())
-    if (event.kind != machine::NetworkEvent::Kind::word && event.kind != machine::NetworkEvent::Kind::token) fmt::print("event {}\n", network.text(event));
+    if (event.kind != machine::NetworkEvent::Kind::word && event.kind != machine::NetworkEvent::Kind::token) io::print("event {}\n", network.text(event));
   for (const Dump& dump : dumps) {
     const std::vector<c40::Word> words = words_of(network, dump);
     for (std::size_t i = 0; i < words.size(); ++i) {
-      if (i % 8 == 0) fmt::print("{}chip {} {:08X}:", i == 0 ? "" : "\n", dump.chip, dump.address + i);
-      fmt::print(" {:08X}{}", words[i], i + 1 == words.size() ? "\n" : "");
+      if (i % 8 == 0) io::print("{}chip {} {:08X}:", i == 0 ? "" : "\n", dump.chip, dump.address + i);
+      io::print(" {:08X}{}", words[i], i + 1 == words.size() ? "\n" : "");
     }
   }
 }
@@ -227,7 +228,7 @@ void print_json(const Network& network, const machine::NetworkStop& stop, const 
   for (const machine::NetworkEvent& event : network.events()) root["events"].push_back(network.text(event));
   root["dumps"] = Json::array();
   for (const Dump& dump : dumps) root["dumps"].push_back({{"chip", dump.chip}, {"address", dump.address}, {"words", words_of(network, dump)}});
-  fmt::print("{}\n", root.dump(2, ' ', false, Json::error_handler_t::replace));
+  io::print("{}\n", root.dump(2, ' ', true, Json::error_handler_t::replace));
 }
 
 /// The instant that --cycles or --max-cycles of chip 0 means.

@@ -9,6 +9,7 @@
 #include "cli/settings.hpp"
 #include "cmrc/compare.hpp"
 #include "io/output_file.hpp"
+#include "io/print.hpp"
 #include "io/signals.hpp"
 
 namespace cli {
@@ -29,7 +30,7 @@ int limits(const LimitsOptions& options) {
     fmt::print(stderr, "{}{} of {} runs done{}", line ? "\r" : "", done, points, line && done < points ? "" : "\n");
     std::fflush(stderr);
   });
-  fmt::print("{}", to_text(limits));
+  io::print("{}", to_text(limits));
   if (file) {
     file->stream() << to_json(limits);
     file->commit();
@@ -44,7 +45,7 @@ int compare(const CompareOptions& options) {
   if (options.json) file.emplace(*options.json);
   const io::StopBySignal signals;
   const report::Comparison comparison = cmrc::compare_with_ideal(config);
-  fmt::print("{}", to_text(comparison));
+  io::print("{}", to_text(comparison));
   if (file) {
     file->stream() << to_json(comparison);
     file->commit();

@@ -13,6 +13,7 @@
 #include "cli/settings.hpp"
 #include "cmrc/simulation.hpp"
 #include "io/output_file.hpp"
+#include "io/print.hpp"
 #include "io/signals.hpp"
 #include "machine/instruction_trace.hpp"
 #include "machine/machine.hpp"
@@ -108,11 +109,11 @@ int run(const RunOptions& options) {
   }
   if (trace_file) trace_file->commit();
   instructions.commit();
-  if (!options.quiet) fmt::print("{}", to_text(report));
+  if (!options.quiet) io::print("{}", to_text(report));
   if (options.profile) {
     const report::Profile profile = simulation.profile_report();
     if (!profile_file) {
-      fmt::print("{}", to_text(profile));
+      io::print("{}", to_text(profile));
     } else {
       profile_file->stream() << (options.profile->ends_with(".json") ? to_json(profile) : to_text(profile));
       profile_file->commit();

@@ -10,6 +10,7 @@
 #include "cli/options.hpp"
 #include "cli/text_lines.hpp"
 #include "cli/vector_line.hpp"
+#include "io/print.hpp"
 #include "io/signals.hpp"
 
 namespace cli {
@@ -220,9 +221,9 @@ void run_file(const std::string& path, Bench& bench, Totals& totals, std::size_t
 void print_text(const Totals& totals) {
   for (const Failure& failure : totals.failures)
     for (const std::string& difference : failure.differences)
-      fmt::print("{}:{}: {}: {}\n", failure.file, failure.line, failure.id, difference);
-  if (totals.failed > totals.failures.size()) fmt::print("... and {} more\n", totals.failed - totals.failures.size());
-  fmt::print("{} passed, {} failed{}\n", totals.passed, totals.failed, totals.interrupted ? "; interrupted" : "");
+      io::print("{}:{}: {}: {}\n", failure.file, failure.line, failure.id, difference);
+  if (totals.failed > totals.failures.size()) io::print("... and {} more\n", totals.failed - totals.failures.size());
+  io::print("{} passed, {} failed{}\n", totals.passed, totals.failed, totals.interrupted ? "; interrupted" : "");
 }
 
 void print_json(const Totals& totals) {
@@ -231,7 +232,7 @@ void print_json(const Totals& totals) {
   for (const Failure& failure : totals.failures)
     root["failures"].push_back(
         {{"file", failure.file}, {"line", failure.line}, {"id", failure.id}, {"differences", failure.differences}});
-  fmt::print("{}\n", root.dump(2, ' ', false, Json::error_handler_t::replace));
+  io::print("{}\n", root.dump(2, ' ', true, Json::error_handler_t::replace));
 }
 
 }  // namespace

@@ -257,7 +257,7 @@ def _addresses(where: slice) -> range:
 
 
 def _word(value: object) -> int:
-    return arguments.whole("a word", value, "a whole number of 32 bits", -(1 << 31), (1 << 32) - 1) & 0xFFFF_FFFF
+    return arguments.whole("a word", value, "a 32-bit word", -(1 << 31), (1 << 32) - 1) & 0xFFFF_FFFF
 
 
 class ChipState:

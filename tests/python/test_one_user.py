@@ -48,7 +48,7 @@ def test_another_thread_is_refused_at_once_and_the_run_goes_on(name: str) -> Non
         for call in (ALL[name], lambda s: dsp.pc):
             try:
                 call(simulation)
-            except Exception as error:
+            except (RuntimeError, cmrc.ConfigError) as error:
                 refused.append(error)
 
     def progress(simulated_s: float, duration_s: float) -> None:
