@@ -9,6 +9,8 @@
 #include "cmrc/config.hpp"
 #include "io/file_roles.hpp"
 #include "io/output_file.hpp"
+#include "io/print.hpp"
+#include "io/signals.hpp"
 #include "io/standard_streams.hpp"
 #include "machine/board_file.hpp"
 #include "machine/network.hpp"
@@ -192,7 +194,7 @@ CLI::App* add_command(CLI::App& app, const char* name, const char* purpose, void
 /// Performs the action; one message on standard error when it fails.
 int guarded(const Action& action) {
   const auto fail = [](const char* message, int status) {
-    fmt::print(stderr, "emulator: {}\n", message);
+    io::print(stderr, "emulator: {}\n", message);
     return status;
   };
   try {
@@ -226,7 +228,7 @@ int guarded(const Action& action) {
 int printed(int status) {
   const std::string lost = io::flush_output();
   if (lost.empty()) return status;
-  fmt::print(stderr, "emulator: standard output: writing failed: {}\n", lost);
+  io::print(stderr, "emulator: standard output: writing failed: {}\n", lost);
   return status == cli::success ? cli::run_failed : status;
 }
 
@@ -234,6 +236,7 @@ int printed(int status) {
 
 int main(int argc, char** argv) {
   io::take_closed_streams();
+  io::take_signals();
   CLI::App app{
       "Emulator of TMS320C40 multiprocessors that reproduces the CMRC robot controller. Without a command it simulates "
       "the dock and reports "
@@ -274,7 +277,7 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return printed(app.exit(error));  // --help
-    fmt::print(stderr, "emulator: {} (emulator --help lists what there is)\n", error.what());
+    io::print(stderr, "emulator: {} (emulator --help lists what there is)\n", error.what());
     return cli::bad_input;
   }
   return printed(guarded(action));

@@ -10,8 +10,8 @@
 #include <map>
 #include <numbers>
 #include <sstream>
-#include <toml++/toml.h>
 
+#include "io/toml.hpp"
 #include "plant/math.hpp"
 
 namespace plant {
@@ -102,7 +102,10 @@ class Reader {
     const double spacing = layout_.slot_spacing;
     Fields fields(root, file_, "the layout");
     fields.number_to("deck_m", layout_.deck).number_to("slot_spacing_m", layout_.slot_spacing);
-    fields.on("rows_m", [&](const toml::node& n, const std::string& k) { layout_.rows = fields.numbers(n, k, 0); });
+    fields.on("rows_m", [&](const toml::node& n, const std::string& k) {
+      layout_.rows = fields.numbers(n, k, 0);
+      if (layout_.rows.empty()) ::plant::refuse(n.source(), file_, "rows_m of the layout is an empty list; the bay needs at least one row");
+    });
     table(fields, "home", [this](const toml::table& t) { home(t); });
     table(fields, "ship", [this](const toml::table& t) { box(t, "the ship", layout_.ship); });
     table(fields, "spot", [this](const toml::table& t) { spot(t); });
@@ -292,7 +295,7 @@ class Reader {
 
 void apply_layout(DockConfig& config, std::string_view text, const std::string& name) {
   try {
-    const toml::table root = toml::parse(text, name);
+    const toml::table root = io::parse_toml(text, name);
     Reader(config, name).read(root);
   } catch (const toml::parse_error& error) {
     refuse(error.source(), name, std::string(error.description()));

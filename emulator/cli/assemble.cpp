@@ -5,6 +5,7 @@
 #include "cli/program.hpp"
 #include "io/file_roles.hpp"
 #include "io/output_file.hpp"
+#include "io/print.hpp"
 #include "toolchain/assembler.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/disassembly.hpp"
@@ -58,7 +59,7 @@ void write(toolchain::Object object, int version, const std::string& path, const
 }
 
 void print_warnings(const toolchain::Image& image) {
-  for (const std::string& warning : image.warnings) fmt::print(stderr, "{}\n", warning);
+  for (const std::string& warning : image.warnings) io::print(stderr, "{}\n", warning);
 }
 
 }  // namespace
@@ -106,12 +107,12 @@ int disassemble(const DisassembleOptions& options) {
   require_file(options.program);
   if (is_coff_name(options.program) && !options.source) {
     const toolchain::Object object = toolchain::read_object(options.program);
-    fmt::print(
+    io::print(
         "{}", object.executable ? toolchain::disassembly(toolchain::image_of(object)) : toolchain::disassembly(object));
     return success;
   }
   const toolchain::Image image = read_program(options.program, options.include_directories, options.load_at, options.dialect);
-  fmt::print("{}", options.source ? toolchain::source_of(image) : toolchain::disassembly(image));
+  io::print("{}", options.source ? toolchain::source_of(image) : toolchain::disassembly(image));
   return success;
 }
 

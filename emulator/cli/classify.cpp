@@ -8,6 +8,7 @@
 
 #include "cli/options.hpp"
 #include "cli/program.hpp"
+#include "io/print.hpp"
 #include "isa/classify.hpp"
 
 namespace cli {
@@ -56,16 +57,16 @@ int classify(const ClassifyOptions& options) {
   if (options.rows)
     for (std::size_t i = 0; i < total.rows.size(); ++i) {
       const isa::Row& row = isa::rows()[i];
-      fmt::print("{:>12}  {}  {}{}{}\n", total.rows[i], row.picture, row.mnemonic, row.parallel() ? " || " : "",
+      io::print("{:>12}  {}  {}{}{}\n", total.rows[i], row.picture, row.mnemonic, row.parallel() ? " || " : "",
                  row.mnemonic2);
     }
-  fmt::print("{:>12}  words\n{:>12}  instructions of {} encodings\n{:>12}  reserved\n", total.words,
+  io::print("{:>12}  words\n{:>12}  instructions of {} encodings\n{:>12}  reserved\n", total.words,
              total.instructions(),
              std::count_if(total.rows.begin(), total.rows.end(), [](std::uint64_t n) { return n != 0; }),
              total.reserved_words());
   for (std::size_t i = 0; i < total.reserved.size(); ++i)
-    fmt::print("{:>12}    {}\n", total.reserved[i], isa::describe(static_cast<isa::Reserved::Reason>(i)));
-  fmt::print("{:>12}  suit more than one encoding\n", total.ambiguous);
+    io::print("{:>12}    {}\n", total.reserved[i], isa::describe(static_cast<isa::Reserved::Reason>(i)));
+  io::print("{:>12}  suit more than one encoding\n", total.ambiguous);
   return total.ambiguous == 0 && total.instructions() + total.reserved_words() == total.words ? success : run_failed;
 }
 

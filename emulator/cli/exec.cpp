@@ -8,6 +8,8 @@
 
 #include "c40/chip.hpp"
 #include "io/output_file.hpp"
+#include "io/print.hpp"
+#include "io/signals.hpp"
 #include "machine/asleep.hpp"
 #include "machine/boot.hpp"
 #include "cli/chip_listeners.hpp"
@@ -31,7 +33,7 @@ struct Dump {
 };
 
 struct Outcome {
-  std::string reason;  ///< "until", "halt", "idle", "limit", "external_access", "port_wait", "dma_wait", "fault"
+  std::string reason;  ///< "until", "halt", "idle", "limit", "external_access", "port_wait", "dma_wait", "fault", "interrupted"
   std::string message;
   int status = success;
 };
@@ -61,7 +63,8 @@ class Run {
   Outcome run(c40::Cycles limit) {
     for (;;) {
       const c40::Cycles look = chip_.idle() ? 8 : 1000;  // whether the DMA, which an idle processor may wait for, still goes on
-      const c40::StopInfo stop = chip_.run_until(chip_.dma_active() ? std::min(limit, chip_.cycle() + look) : limit);
+      if (io::stop_asked()) return {"interrupted", fmt::format("by a signal, at {:08X}h", chip_.pc())};
+      const c40::StopInfo stop = chip_.run_until(std::min(limit, chip_.cycle() + (chip_.dma_active() ? look : slice)));
       if (stop.reason == c40::StopInfo::Reason::port_wait && feeder && feeder->serve(stop.port)) continue;
       auto outcome = ended(stop);
       if (!outcome && machine::meaning(stop.reason) == machine::StopMeaning::breakpoint) outcome = at_breakpoint();
@@ -74,6 +77,8 @@ class Run {
   std::optional<machine::BootFeeder> feeder;
 
  private:
+  static constexpr c40::Cycles slice = 50'000;  // after which is asked whether to stop: a moment, also where each instruction is written
+
   /// Whether the loader of the boot ROM is what stopped, and where its stream stands.
   std::string booting() const {
     if (!feeder || chip_.pc() >= c40::rom_words) return "";
@@ -186,30 +191,30 @@ constexpr std::array<Register, isa::register_count> all_registers() {
 }
 
 void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps, const ChipListeners& listeners, const std::optional<double>& clock_mhz, bool peripherals) {
-  fmt::print("stop: {}: {}\n", outcome.reason, outcome.message);
-  fmt::print("PC {:08X}  {} instructions, {} cycles\n", chip.pc(), chip.instructions(), chip.cycle());
+  io::print("stop: {}: {}\n", outcome.reason, outcome.message);
+  io::print("PC {:08X}  {} instructions, {} cycles\n", chip.pc(), chip.instructions(), chip.cycle());
   for (std::size_t cause = 0; cause < c40::cause_count; ++cause)
     if (chip.causes()[cause] != 0)
-      fmt::print("  {:<18}{:>14}\n", name(static_cast<c40::Cause>(cause)), chip.causes()[cause]);
-  if (clock_mhz) fmt::print("  {:.3f} us at {} MHz\n", microseconds(chip, *clock_mhz), *clock_mhz);
-  fmt::print("{}", listeners.checks_text());
+      io::print("  {:<18}{:>14}\n", name(static_cast<c40::Cause>(cause)), chip.causes()[cause]);
+  if (clock_mhz) io::print("  {:.3f} us at {} MHz\n", microseconds(chip, *clock_mhz), *clock_mhz);
+  io::print("{}", listeners.checks_text());
   int column = 0;
   for (const Register reg : all_registers()) {
     if (isa::is_extended(reg)) {
-      fmt::print("{:<4}{:010X}  {:.9g}\n", register_name(reg), chip.register_value(reg),
+      io::print("{:<4}{:010X}  {:.9g}\n", register_name(reg), chip.register_value(reg),
                  to_double(chip.float_register(reg)));
       continue;
     }
-    fmt::print("{:<4}{:08X}{}", register_name(reg), chip.register_value(reg), ++column % 5 == 0 ? "\n" : "   ");
+    io::print("{:<4}{:08X}{}", register_name(reg), chip.register_value(reg), ++column % 5 == 0 ? "\n" : "   ");
   }
-  fmt::print("IVTP {:08X}  TVTP {:08X}\n", chip.expansion(isa::Expansion::IVTP), chip.expansion(isa::Expansion::TVTP));
+  io::print("IVTP {:08X}  TVTP {:08X}\n", chip.expansion(isa::Expansion::IVTP), chip.expansion(isa::Expansion::TVTP));
   for (const Dump& dump : dumps)
     for (std::size_t i = 0; i < dump.words.size(); ++i) {
-      if (i % 8 == 0) fmt::print("{}{:08X}:", i == 0 ? "" : "\n", dump.address + i);
-      fmt::print(" {:08X}{}", dump.words[i], i + 1 == dump.words.size() ? "\n" : "");
+      if (i % 8 == 0) io::print("{}{:08X}:", i == 0 ? "" : "\n", dump.address + i);
+      io::print(" {:08X}{}", dump.words[i], i + 1 == dump.words.size() ? "\n" : "");
     }
-  fmt::print("{}", listeners.text());
-  if (peripherals) fmt::print("{}", peripherals_text(chip));
+  io::print("{}", listeners.text());
+  if (peripherals) io::print("{}", peripherals_text(chip));
 }
 
 void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps, const ChipListeners& listeners, const std::optional<double>& clock_mhz, bool peripherals) {
@@ -233,7 +238,7 @@ void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector
     add_peripherals(chip, root);
     add_ports(chip, root);
   }
-  fmt::print("{}\n", root.dump(2, ' ', false, Json::error_handler_t::replace));
+  io::print("{}\n", root.dump(2, ' ', true, Json::error_handler_t::replace));
 }
 
 }  // namespace
@@ -316,7 +321,7 @@ int exec(const ExecOptions& options) {
   if (options.link_trace) throw InputError("--link-trace: there is no link");
   const machine::BoardDescription chosen = machine::read_board(options.boards.empty() ? "default" : options.boards.front());
   const Image image = read_program(options.programs.front(), options.include_directories, options.load_at, options.dialect);
-  for (const std::string& warning : image.warnings) fmt::print(stderr, "{}\n", warning);
+  for (const std::string& warning : image.warnings) io::print(stderr, "{}\n", warning);
   io::FileRoles files = files_read(options);
   for (const std::string& source : image.files_read) files.reads("a source", source);
   files.writes("--trace", options.trace.value_or("")).writes("--events", options.events.value_or(""));
@@ -347,6 +352,7 @@ int exec(const ExecOptions& options) {
   if (options.events) chip.set_peripheral_sink(&events.emplace(*options.events));
   Run run(chip, image, until, options.cycles.has_value());
   if (boot && boot->port) run.feeder.emplace(chip, *boot->port, stream_for(image, *boot));
+  const io::StopBySignal signals;
   const Outcome outcome = run.run(options.cycles.value_or(options.max_cycles));
   if (events) events->commit();
   listeners.run_ended();
@@ -354,7 +360,7 @@ int exec(const ExecOptions& options) {
   std::vector<Dump> dumps;
   for (const auto& [address, count] : ranges) dumps.push_back(read_dump(chip, address, count));
   (options.json ? print_json : print_text)(chip, outcome, dumps, listeners, chosen.clock_mhz, options.peripherals);
-  return outcome.status;
+  return outcome.reason == "interrupted" ? signals.status(run_failed) : outcome.status;
 }
 
 }  // namespace cli

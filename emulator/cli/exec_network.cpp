@@ -10,6 +10,8 @@
 #include "cli/options.hpp"
 #include "cli/program.hpp"
 #include "io/output_file.hpp"
+#include "io/print.hpp"
+#include "io/signals.hpp"
 #include "machine/network_file.hpp"
 
 namespace cli {
@@ -146,6 +148,7 @@ std::string sentence(const Network& network, const machine::NetworkStop& stop, b
     case machine::NetworkStop::Reason::ended: return failed == 0 ? "every chip has ended" : fmt::format("every chip has ended, {} of them in a fault", failed);
     case machine::NetworkStop::Reason::deadlock: return "nothing can happen any more, and chips wait";
     case machine::NetworkStop::Reason::limit: return asked ? "the cycles of --cycles have passed" : "--max-cycles reached";
+    case machine::NetworkStop::Reason::interrupted: return "by a signal";
   }
   return {};
 }
@@ -153,34 +156,34 @@ std::string sentence(const Network& network, const machine::NetworkStop& stop, b
 double microseconds(machine::Time time) { return static_cast<double>(time.count()) * 1e-6; }
 
 void print_text(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps, const Watched& watched, bool peripherals, bool asked) {
-  fmt::print("stop: {}: {} ({:.3f} us)\n", name(stop.reason), sentence(network, stop, asked), microseconds(stop.time));
+  io::print("stop: {}: {} ({:.3f} us)\n", name(stop.reason), sentence(network, stop, asked), microseconds(stop.time));
   for (std::size_t n = 0; n < network.chip_count(); ++n) {
     const c40::Chip& chip = network.chip(n);
     const std::string& called = network.chip_name(n);
-    fmt::print("chip {}{}: {}: {}\n", n, called == std::to_string(n) ? "" : " (" + called + ")", name(network.status(n)), network.describe(n));
-    fmt::print("  {} instructions, {} cycles:", chip.instructions(), chip.cycle());
+    io::print("chip {}{}: {}: {}\n", n, called == std::to_string(n) ? "" : " (" + called + ")", name(network.status(n)), network.describe(n));
+    io::print("  {} instructions, {} cycles:", chip.instructions(), chip.cycle());
     for (std::size_t cause = 0; cause < c40::cause_count; ++cause)
-      if (chip.causes()[cause] != 0) fmt::print(" {} {}", name(static_cast<c40::Cause>(cause)), chip.causes()[cause]);
-    fmt::print("\n{}{}{}", watched[n].checks_text(), watched[n].text(), peripherals ? peripherals_text(chip) : "");
+      if (chip.causes()[cause] != 0) io::print(" {} {}", name(static_cast<c40::Cause>(cause)), chip.causes()[cause]);
+    io::print("\n{}{}{}", watched[n].checks_text(), watched[n].text(), peripherals ? peripherals_text(chip) : "");
   }
   for (std::size_t n = 0; n < network.link_count(); ++n) {
     const machine::NetworkLink& ends = network.ends(n);
     const c40::Link& link = network.link(n);
-    fmt::print("link {}{}{}:", to_text(ends), link.is_cut() ? " (cut)" : "", link.is_dead() ? " (token lost)" : "");
+    io::print("link {}{}{}:", to_text(ends), link.is_cut() ? " (cut)" : "", link.is_dead() ? " (token lost)" : "");
     for (int side = 0; side < 2; ++side) {
       const auto& counters = link.counters(side);
-      fmt::print("{} {} words", side == 0 ? " forth" : ", back", counters.sent);
-      if (counters.lost != 0) fmt::print(" ({} lost)", counters.lost);
+      io::print("{} {} words", side == 0 ? " forth" : ", back", counters.sent);
+      if (counters.lost != 0) io::print(" ({} lost)", counters.lost);
     }
-    fmt::print("\n");
+    io::print("\n");
   }
   for (const machine::NetworkEvent& event : network.events())
-    if (event.kind != machine::NetworkEvent::Kind::word && event.kind != machine::NetworkEvent::Kind::token) fmt::print("event {}\n", network.text(event));
+    if (event.kind != machine::NetworkEvent::Kind::word && event.kind != machine::NetworkEvent::Kind::token) io::print("event {}\n", network.text(event));
   for (const Dump& dump : dumps) {
     const std::vector<c40::Word> words = words_of(network, dump);
     for (std::size_t i = 0; i < words.size(); ++i) {
-      if (i % 8 == 0) fmt::print("{}chip {} {:08X}:", i == 0 ? "" : "\n", dump.chip, dump.address + i);
-      fmt::print(" {:08X}{}", words[i], i + 1 == words.size() ? "\n" : "");
+      if (i % 8 == 0) io::print("{}chip {} {:08X}:", i == 0 ? "" : "\n", dump.chip, dump.address + i);
+      io::print(" {:08X}{}", words[i], i + 1 == words.size() ? "\n" : "");
     }
   }
 }
@@ -225,7 +228,17 @@ void print_json(const Network& network, const machine::NetworkStop& stop, const 
   for (const machine::NetworkEvent& event : network.events()) root["events"].push_back(network.text(event));
   root["dumps"] = Json::array();
   for (const Dump& dump : dumps) root["dumps"].push_back({{"chip", dump.chip}, {"address", dump.address}, {"words", words_of(network, dump)}});
-  fmt::print("{}\n", root.dump(2, ' ', false, Json::error_handler_t::replace));
+  io::print("{}\n", root.dump(2, ' ', true, Json::error_handler_t::replace));
+}
+
+/// The instant that --cycles or --max-cycles of chip 0 means.
+machine::Time end_of(const Network& network, const ExecOptions& options) {
+  constexpr double most_seconds = 9e6;  // of 64 bits of picoseconds
+  const std::int64_t cycles = options.cycles.value_or(options.max_cycles);
+  const auto most = static_cast<std::int64_t>(most_seconds * static_cast<double>(network.clock(0).hertz()));
+  if (cycles > most)
+    throw InputError(fmt::format("{}: {} cycles are more than a network's time holds; up to {} of chip 0 are possible", options.cycles ? "--cycles" : "--max-cycles", cycles, most));
+  return network.clock(0).at(cycles);
 }
 
 }  // namespace
@@ -249,7 +262,8 @@ int exec_network(const ExecOptions& options) {
   if (options.events) events.emplace(*options.events);
   network.record_words(link_trace || events);
   network.record_peripherals(events.has_value());
-  const machine::NetworkStop stop = network.run_until(network.clock(0).at(options.cycles.value_or(options.max_cycles)));
+  const io::StopBySignal signals;
+  const machine::NetworkStop stop = network.run_until(end_of(network, options));
   watched.run_ended();
   if (link_trace) {
     for (const machine::NetworkEvent& event : network.events()) link_trace->stream() << network.text(event) << '\n';
@@ -260,6 +274,7 @@ int exec_network(const ExecOptions& options) {
     events->commit();
   }
   (options.json ? print_json : print_text)(network, stop, dumps, watched, options.peripherals, options.cycles.has_value());
+  if (stop.reason == machine::NetworkStop::Reason::interrupted) return signals.status(run_failed);
   if (stop.reason == machine::NetworkStop::Reason::limit && !options.cycles) return run_failed;
   return stop.reason == machine::NetworkStop::Reason::deadlock || faults(network) != 0 ? run_failed : success;
 }

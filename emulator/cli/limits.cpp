@@ -9,6 +9,8 @@
 #include "cli/settings.hpp"
 #include "cmrc/compare.hpp"
 #include "io/output_file.hpp"
+#include "io/print.hpp"
+#include "io/signals.hpp"
 
 namespace cli {
 
@@ -22,17 +24,18 @@ int limits(const LimitsOptions& options) {
   files_read(options.run, config).writes("--json", options.json.value_or(""));
   std::optional<io::OutputFile> file;
   if (options.json) file.emplace(*options.json);
+  const io::StopBySignal signals;
   const bool line = ::isatty(STDERR_FILENO) == 1;
   const report::Limits limits = cmrc::find_limits(config, grids, options.errors, [line](std::size_t done, std::size_t points) {
     fmt::print(stderr, "{}{} of {} runs done{}", line ? "\r" : "", done, points, line && done < points ? "" : "\n");
     std::fflush(stderr);
   });
-  fmt::print("{}", to_text(limits));
+  io::print("{}", to_text(limits));
   if (file) {
     file->stream() << to_json(limits);
     file->commit();
   }
-  return success;
+  return limits.interrupted ? signals.status(success) : success;
 }
 
 int compare(const CompareOptions& options) {
@@ -40,13 +43,14 @@ int compare(const CompareOptions& options) {
   files_read(options.run, config).writes("--json", options.json.value_or(""));
   std::optional<io::OutputFile> file;
   if (options.json) file.emplace(*options.json);
+  const io::StopBySignal signals;
   const report::Comparison comparison = cmrc::compare_with_ideal(config);
-  fmt::print("{}", to_text(comparison));
+  io::print("{}", to_text(comparison));
   if (file) {
     file->stream() << to_json(comparison);
     file->commit();
   }
-  return success;
+  return comparison.interrupted ? signals.status(success) : success;
 }
 
 }  // namespace cli

@@ -4,12 +4,13 @@
 #include "cli/options.hpp"
 #include "cli/settings.hpp"
 #include "cmrc/config.hpp"
+#include "io/print.hpp"
 
 namespace cli {
 
 int print_config(const ConfigOptions& options) {
-  if (options.processes) fmt::print("{}", cmrc::built_in_processes_text());
-  else fmt::print("{}", to_toml(build_config(options.run)));
+  if (options.processes) io::print("{}", cmrc::built_in_processes_text());
+  else io::print("{}", to_toml(build_config(options.run)));
   return success;
 }
 

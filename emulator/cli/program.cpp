@@ -77,7 +77,9 @@ Image read_program(const std::string& path, const std::vector<std::string>& incl
     toolchain::Options options;
     for (const std::string& directory : include_directories) options.include_dirs.emplace_back(directory);
     if (dialect) options.dialect = toolchain::dialect_named(*dialect);
-    return toolchain::assemble_file(path, options);
+    Image image = toolchain::assemble_file(path, options);
+    if (image.sections.empty()) throw InputError(fmt::format("{}: holds no word; at least one is expected in a program", path));
+    return image;
   }
   toolchain::Object object = toolchain::read_object(path);
   if (object.executable) return toolchain::image_of(object);

@@ -5,7 +5,6 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <memory>
 
 #include "c40/chip.hpp"
@@ -14,6 +13,8 @@
 #include "cli/settings.hpp"
 #include "cmrc/simulation.hpp"
 #include "io/output_file.hpp"
+#include "io/print.hpp"
+#include "io/signals.hpp"
 #include "machine/instruction_trace.hpp"
 #include "machine/machine.hpp"
 #include "report/trace_text.hpp"
@@ -22,14 +23,6 @@ namespace cli {
 namespace {
 
 using report::Time;
-
-volatile std::sig_atomic_t interrupted = 0;
-
-/// The first Ctrl-C ends the run, the second the program.
-void on_interrupt(int) {
-  interrupted = 1;
-  std::signal(SIGINT, SIG_DFL);
-}
 
 std::string instruction_file(const RunOptions& options, unsigned slot) { return fmt::format("{}.dsp{}", *options.trace, slot); }
 
@@ -101,34 +94,32 @@ int run(const RunOptions& options) {
   if (options.profile) simulation.profile();
   InstructionFiles instructions(options, window, simulation);
 
-  std::signal(SIGINT, on_interrupt);
+  const io::StopBySignal signals;
   {
     ProgressLine line(Time(std::llround(config.run.duration_s * 1e12)), !options.quiet);
     simulation.run([&line](const cmrc::Progress& progress) {
       line.show(progress.simulated, progress.misses);
-      return interrupted == 0;
+      return true;
     });
   }
-  std::signal(SIGINT, SIG_DFL);
-
-  const report::RunReport report = simulation.report();
+  const report::RunReport report = simulation.report_so_far();
   if (report_file) {
     report_file->stream() << to_json(report);
     report_file->commit();
   }
   if (trace_file) trace_file->commit();
   instructions.commit();
-  if (!options.quiet) fmt::print("{}", to_text(report));
+  if (!options.quiet) io::print("{}", to_text(report));
   if (options.profile) {
     const report::Profile profile = simulation.profile_report();
     if (!profile_file) {
-      fmt::print("{}", to_text(profile));
+      io::print("{}", to_text(profile));
     } else {
       profile_file->stream() << (options.profile->ends_with(".json") ? to_json(profile) : to_text(profile));
       profile_file->commit();
     }
   }
-  return simulation.exit_status();
+  return simulation.interrupted() ? signals.status(success) : simulation.exit_status();
 }
 
 }  // namespace cli

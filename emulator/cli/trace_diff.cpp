@@ -6,6 +6,7 @@
 
 #include "cli/options.hpp"
 #include "cmrc/simulation.hpp"
+#include "io/print.hpp"
 #include "machine/instruction_trace.hpp"
 #include "machine/machine.hpp"
 #include "report/trace_text.hpp"
@@ -56,10 +57,10 @@ void regenerate(const report::TraceLine& line, unsigned dsps) {
   builder.set("machine.dsps", std::int64_t{dsps}, {.name = "trace"});
   cmrc::Simulation simulation(builder.build());
   machine::InstructionText text(
-      *slot, [](const std::string& instruction) { fmt::print("{}\n", instruction); }, from, from + cycles_per_hash,
+      *slot, [](const std::string& instruction) { io::print("{}\n", instruction); }, from, from + cycles_per_hash,
       machine::Labels::of_dock(simulation.image()));
   simulation.trace(*slot, text);
-  fmt::print("what this emulator executes there:\n");
+  io::print("what this emulator executes there:\n");
   simulation.run_until(simulation.machine().chip_clock().at(from + cycles_per_hash));
 }
 
@@ -75,10 +76,10 @@ int trace_diff(const TraceDiffOptions& options) {
     throw InputError(fmt::format("{} and {}: {}", options.left, options.right, error.what()));
   }
   if (!difference) {
-    fmt::print("no difference\n");
+    io::print("no difference\n");
     return success;
   }
-  fmt::print("first difference: {}", difference->message());
+  io::print("first difference: {}", difference->message());
   const report::TraceLine& line = difference->right ? *difference->right : *difference->left;
   if (is_hash(line))
     if (const auto dsps = dsps_of_scene(options.right)) regenerate(line, *dsps);

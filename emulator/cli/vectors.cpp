@@ -10,6 +10,8 @@
 #include "cli/options.hpp"
 #include "cli/text_lines.hpp"
 #include "cli/vector_line.hpp"
+#include "io/print.hpp"
+#include "io/signals.hpp"
 
 namespace cli {
 namespace {
@@ -191,12 +193,14 @@ struct Failure {
 struct Totals {
   std::uint64_t passed = 0, failed = 0;
   std::vector<Failure> failures;  ///< the first
+  bool interrupted = false;       ///< not all have been run
 };
 
 void run_file(const std::string& path, Bench& bench, Totals& totals, std::size_t shown) {
   TextLines lines(path);
   std::string line;
-  while (lines.next(line)) {
+  while (!totals.interrupted && lines.next(line)) {
+    totals.interrupted = io::stop_asked();
     const std::size_t first = line.find_first_not_of(" \t");
     if (first == std::string::npos || line[first] == '#') continue;
     try {
@@ -217,18 +221,18 @@ void run_file(const std::string& path, Bench& bench, Totals& totals, std::size_t
 void print_text(const Totals& totals) {
   for (const Failure& failure : totals.failures)
     for (const std::string& difference : failure.differences)
-      fmt::print("{}:{}: {}: {}\n", failure.file, failure.line, failure.id, difference);
-  if (totals.failed > totals.failures.size()) fmt::print("... and {} more\n", totals.failed - totals.failures.size());
-  fmt::print("{} passed, {} failed\n", totals.passed, totals.failed);
+      io::print("{}:{}: {}: {}\n", failure.file, failure.line, failure.id, difference);
+  if (totals.failed > totals.failures.size()) io::print("... and {} more\n", totals.failed - totals.failures.size());
+  io::print("{} passed, {} failed{}\n", totals.passed, totals.failed, totals.interrupted ? "; interrupted" : "");
 }
 
 void print_json(const Totals& totals) {
   using Json = nlohmann::ordered_json;
-  Json root = {{"passed", totals.passed}, {"failed", totals.failed}, {"failures", Json::array()}};
+  Json root = {{"passed", totals.passed}, {"failed", totals.failed}, {"stop_reason", totals.interrupted ? "interrupted" : "completed"}, {"failures", Json::array()}};
   for (const Failure& failure : totals.failures)
     root["failures"].push_back(
         {{"file", failure.file}, {"line", failure.line}, {"id", failure.id}, {"differences", failure.differences}});
-  fmt::print("{}\n", root.dump(2, ' ', false, Json::error_handler_t::replace));
+  io::print("{}\n", root.dump(2, ' ', true, Json::error_handler_t::replace));
 }
 
 }  // namespace
@@ -236,9 +240,11 @@ void print_json(const Totals& totals) {
 int vectors(const VectorOptions& options) {
   Bench bench(options.every_access);
   Totals totals;
+  const io::StopBySignal signals;
   for (const std::string& file : options.files) run_file(file, bench, totals, static_cast<std::size_t>(options.show));
-  if (totals.passed + totals.failed == 0) throw InputError(fmt::format("{}: holds no vector", options.files.front()));
+  if (totals.passed + totals.failed == 0 && !totals.interrupted) throw InputError(fmt::format("{}: holds no vector", options.files.front()));
   (options.json ? print_json : print_text)(totals);
+  if (totals.interrupted) return signals.status(run_failed);
   return totals.failed == 0 ? success : run_failed;
 }
 

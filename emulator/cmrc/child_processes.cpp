@@ -13,14 +13,18 @@
 #include <exception>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 #include <utility>
+
+#include "io/signals.hpp"
 
 namespace cmrc {
 namespace {
 
 constexpr char good = '+', bad = '-';
+constexpr int look_ms = 100;  // so often is asked whether to go on waiting
 
 [[noreturn]] void child(int pipe, const std::function<std::string()>& work) {
   std::string answer;
@@ -39,18 +43,23 @@ constexpr char good = '+', bad = '-';
 
 }  // namespace
 
-ChildProcess::ChildProcess(const std::function<std::string()>& work, bool deaf) {
+ChildProcess::ChildProcess(const std::function<std::string()>& work) {
   int ends[2];
   if (::pipe(ends) != 0) throw std::runtime_error(fmt::format("no pipe to a child process: {}", std::strerror(errno)));
   const pid_t parent = ::getpid();
+  // Signals are its parent's business, who ends it; none may come before it ignores them.
+  std::optional<io::SignalsHeld> held(std::in_place);
   process_ = ::fork();
   if (process_ == 0) {
     ::close(ends[0]);
-    ::signal(SIGINT, deaf ? SIG_IGN : SIG_DFL);
+    io::ignore_signals();
+    io::forget_asker();
+    held.reset();
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (::getppid() != parent) ::_exit(1);  // it died before it could be watched
     child(ends[1], work);
   }
+  held.reset();
   ::close(ends[1]);
   pipe_ = ends[0];
   if (process_ < 0) {
@@ -74,9 +83,15 @@ bool ChildProcess::read() {
   return length > 0 || (length < 0 && errno == EINTR);
 }
 
+bool ChildProcess::speaks(int milliseconds) const {
+  pollfd pipe{pipe_, POLLIN, 0};
+  return ::poll(&pipe, 1, milliseconds) > 0;
+}
+
 std::string ChildProcess::wait() {
-  while (read()) {
-  }
+  do {
+    while (!speaks(look_ms)) io::stop_if_asked();
+  } while (read());
   int status = 0;
   ::waitpid(std::exchange(process_, 0), &status, 0);
   if (answer_.empty()) {
@@ -87,14 +102,15 @@ std::string ChildProcess::wait() {
   return answer_.substr(1);
 }
 
-std::vector<std::string> in_processes(std::size_t count, unsigned at_once, const std::function<std::string(std::size_t)>& work,
-                                      const std::function<void(std::size_t, const std::string&)>& done) {
-  std::vector<std::string> answers(count);
+std::vector<std::optional<std::string>> in_processes(std::size_t count, unsigned at_once, const std::function<std::string(std::size_t)>& work,
+                                                     const std::function<void(std::size_t, const std::string&)>& done) {
+  std::vector<std::optional<std::string>> answers(count);
   std::map<std::size_t, std::unique_ptr<ChildProcess>> children;  // by the number of their work
   for (std::size_t next = 0; next < count || !children.empty();) {
+    if (io::stop_asked()) break;  // and the children end with their objects
     if (next < count && children.size() < std::max(1U, at_once)) {
       const std::size_t index = next++;
-      children[index] = std::make_unique<ChildProcess>([&work, index] { return work(index); }, false);
+      children[index] = std::make_unique<ChildProcess>([&work, index] { return work(index); });
       continue;
     }
     std::vector<pollfd> pipes;
@@ -103,12 +119,14 @@ std::vector<std::string> in_processes(std::size_t count, unsigned at_once, const
       pipes.push_back({process->pipe(), POLLIN, 0});
       numbers.push_back(index);
     }
-    if (::poll(pipes.data(), pipes.size(), -1) < 0 && errno != EINTR) throw std::runtime_error("no word from child processes");
+    const int speaking = ::poll(pipes.data(), pipes.size(), look_ms);
+    if (speaking < 0 && errno != EINTR) throw std::runtime_error("no word from child processes");
+    if (speaking <= 0) continue;
     for (std::size_t i = 0; i < pipes.size(); ++i) {
       if (pipes[i].revents == 0 || children.at(numbers[i])->read()) continue;
       answers[numbers[i]] = children.at(numbers[i])->wait();
       children.erase(numbers[i]);
-      if (done) done(numbers[i], answers[numbers[i]]);
+      if (done) done(numbers[i], *answers[numbers[i]]);
     }
   }
   return answers;

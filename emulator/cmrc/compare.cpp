@@ -12,8 +12,9 @@ report::Comparison compare_with_ideal(const Config& given) {
   Simulation simulation(config);
   simulation.run();
   report::Comparison comparison;
-  comparison.duration_s = config.run.duration_s;
-  const report::RunReport report = simulation.report();
+  comparison.duration_s = report::seconds(simulation.time());
+  const report::RunReport report = simulation.report_so_far();
+  comparison.interrupted = simulation.interrupted();
   if (!report.reference_problem.empty()) throw std::runtime_error("compare: there is no ideal run: " + report.reference_problem);
   const auto ideal = simulation.reference();
   for (report::Metric& metric : metrics(report)) {

@@ -10,10 +10,10 @@
 #include <map>
 #include <numeric>
 #include <sstream>
-#include <toml++/toml.h>
 
 #include "cmrc/config_invariants.hpp"
 #include "cmrc/process_rows.hpp"
+#include "io/toml.hpp"
 
 namespace cmrc {
 namespace {
@@ -255,7 +255,7 @@ void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::v
     }
   };
   try {
-    walk(walk, toml::parse(toml, name), "");
+    walk(walk, io::parse_toml(toml, name), "");
   } catch (const toml::parse_error& error) {
     const Origin origin = origin_of(error.source(), name);
     throw ConfigError(fmt::format("{}: {}; valid TOML 1.0 is expected", origin.text(), error.description()));

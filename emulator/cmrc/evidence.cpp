@@ -173,7 +173,7 @@ std::string hash_of(const Evidence& e) {
 report::RunReport make_report(Evidence e) {
   report::RunReport report;
   const Time now = e.machine.time();
-  report.stop_reason = e.stop.value_or(report::StopReason::completed);
+  report.stop_reason = e.stop;
   report.simulated = std::max(now, e.account_end ? e.dock.time() : now);
   report.account_end = now;
   report.elapsed_s = std::chrono::duration<double>(e.elapsed).count();

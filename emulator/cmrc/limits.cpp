@@ -10,6 +10,7 @@
 #include "cmrc/child_processes.hpp"
 #include "cmrc/reference_run.hpp"
 #include "cmrc/simulation.hpp"
+#include "io/stop.hpp"
 
 namespace cmrc {
 namespace {
@@ -57,6 +58,7 @@ std::string run(Config config, const std::shared_ptr<const Reference>& reference
 
 void read(const std::string& answer, report::LimitPoint& point) {
   BytesReader bytes(answer);
+  point.ran = true;
   point.passed = bytes.take<bool>();
   point.stop_reason = name(bytes.take<report::StopReason>());
   const std::vector<char> miss = bytes.list<char>();
@@ -129,13 +131,22 @@ report::Limits find_limits(const Config& config, const LimitGrids& grids, bool e
   scan("servo", "rates.servo_frequency_hz", "Servo frequency f_p in Hz", true, grids.servo);
   if (limits.scans.empty()) throw ConfigError("limits: every grid is empty; at least one value of cycles, dsps or servo is expected");
 
-  const auto references = errors ? references_of(jobs) : std::vector<std::shared_ptr<const Reference>>(jobs.size());
+  std::vector<std::shared_ptr<const Reference>> references(jobs.size());
+  try {
+    if (errors) references = references_of(jobs);
+  } catch (const io::Stopped&) {
+    limits.interrupted = true;
+    return limits;
+  }
   std::size_t ended = 0;
   const auto answers = in_processes(jobs.size(), processors(), [&](std::size_t i) { return run(jobs[i].config, references[i]); },
                                     [&](std::size_t, const std::string&) {
                                       if (progress) progress(++ended, jobs.size());
                                     });
-  for (std::size_t i = 0; i < jobs.size(); ++i) read(answers[i], limits.scans[jobs[i].scan].points[jobs[i].point]);
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    if (answers[i]) read(*answers[i], limits.scans[jobs[i].scan].points[jobs[i].point]);
+    else limits.interrupted = true;
+  }
   return limits;
 }
 

@@ -23,10 +23,10 @@ class ReferenceRun {
   ReferenceRun(const ReferenceRun&) = delete;
   ReferenceRun& operator=(const ReferenceRun&) = delete;
 
-  /// No more of it is wanted than up to `time`.
-  void stop_at(Time time);
-  /// Waits for its end. \throws std::runtime_error when it has died
+  /// Waits for its end. \throws std::runtime_error when it has died; io::Stopped, and may be called again
   std::shared_ptr<const Reference> wait();
+  /// No more of it is wanted than up to `time`, nor more than comes within a moment.
+  std::shared_ptr<const Reference> cut_short(Time time);
 
  private:
   struct Shared;

@@ -46,7 +46,7 @@ struct Evidence {
   const Ledger& ledger;
   const RunObserver& observer;
   const report::EventLog& log;
-  std::optional<report::StopReason> stop;
+  report::StopReason stop;
   std::chrono::steady_clock::duration elapsed;
   std::vector<std::string> causes;
   Ledger::Told told;

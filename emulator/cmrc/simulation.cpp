@@ -20,6 +20,7 @@
 #include "cmrc/run_profile.hpp"
 #include "cmrc/setup.hpp"
 #include "cmrc/words.hpp"
+#include "io/stop.hpp"
 #include "machine/board_file.hpp"
 #include "machine/machine.hpp"
 #include "plant/dock.hpp"
@@ -152,6 +153,13 @@ class Simulation::Parts {
   /// The errors of the run are told.
   bool measured() const { return config.report.reference == ReferenceKind::ideal; }
 
+  /// An interrupted run goes on.
+  void resume() {
+    if (stop != report::StopReason::interrupted) return;
+    stop = stopped_by;
+    forget_reference();
+  }
+
   void run_until(Time time) {
     while (now() < time && !over()) {
       if (account_end) {
@@ -194,9 +202,10 @@ class Simulation::Parts {
     if (!measured() || config.run.ideal || (!over() && !interrupted)) return nullptr;
     if (!ideal_run && !given_reference && reference_problem.empty()) ideal_run = std::make_unique<ReferenceRun>(given_config);
     if (!given_reference && reference_problem.empty()) {
-      if (interrupted) ideal_run->stop_at(now());
       try {
-        given_reference = ideal_run->wait();
+        given_reference = interrupted ? ideal_run->cut_short(now()) : ideal_run->wait();
+      } catch (const io::Stopped&) {
+        throw;
       } catch (const std::runtime_error& error) {
         reference_problem = error.what();
       }
@@ -227,12 +236,13 @@ class Simulation::Parts {
     const Course& meant = ideal ? ideal->course : *course;
     const JobsByRobot& demanded = ideal ? ideal->jobs : jobs;
     Time to = interrupted || config.run.ideal ? now() : end;
+    if (interrupted) to = std::min(to, meant.end());
     if (stop == report::StopReason::job_done && meant.size() > 0) to = std::min(end, std::max(now(), meant.end()));
     std::vector<std::string> kinds = job_kinds();
     for (const UserTask& task : config.tasks) kinds.push_back("user." + task.name);
     report::Errors made = measure({config, dock_config, *course, jobs, std::move(kinds), to}, meant, demanded);
     made.reference_elapsed_s = ideal ? ideal->elapsed_s : 0;
-    if (over()) errors = made;
+    if (over() && !interrupted) errors = made;
     return made;
   }
 
@@ -333,21 +343,19 @@ Time Simulation::time() const { return parts_->now(); }
 
 void Simulation::run_until(report::Time time) {
   const auto began = std::chrono::steady_clock::now();
+  parts_->resume();
   parts_->run_until(std::min(time, parts_->end));
   parts_->elapsed += std::chrono::steady_clock::now() - began;
 }
 
 void Simulation::run(const std::function<bool(const Progress&)>& on_progress, report::Time slice) {
-  if (parts_->stop == report::StopReason::interrupted) {
-    parts_->stop = parts_->stopped_by;
-    parts_->forget_reference();
-  }
+  parts_->resume();
   if (!ended()) parts_->begin_reference();
   while (!ended()) {
     run_until(parts_->now() + slice);
-    if (!on_progress) continue;
-    const Progress progress{parts_->now(), parts_->end, static_cast<unsigned>(parts_->dock.delivered()), parts_->ledger.misses()};
-    if (!on_progress(progress) && !ended()) {
+    bool go_on = !io::stop_asked();
+    if (go_on && on_progress) go_on = on_progress({parts_->now(), parts_->end, static_cast<unsigned>(parts_->dock.delivered()), parts_->ledger.misses()});
+    if (!go_on && !ended()) {
       parts_->stop = report::StopReason::interrupted;
       return;
     }
@@ -359,10 +367,21 @@ report::RunReport Simulation::report() const {
   Parts& p = *parts_;
   Ledger::Told told = p.told();
   auto errors = p.measure_errors(told.jobs);
-  return make_report({p.config, p.machine, p.dock, p.dock_config, p.host, p.ledger, p.observer, p.log, p.stop, p.elapsed, cause_names(), std::move(told),
+  return make_report({p.config, p.machine, p.dock, p.dock_config, p.host, p.ledger, p.observer, p.log, p.stop ? *p.stop : p.over() ? report::StopReason::completed : report::StopReason::under_way, p.elapsed, cause_names(), std::move(told),
                       *p.course, std::move(errors), p.reference_problem, p.account_end,
                       [&p](Word kind) { return p.ledger.name(job_kind(kind, p.words)); }});
 }
+
+report::RunReport Simulation::report_so_far() {
+  try {
+    return report();
+  } catch (const io::Stopped&) {
+    parts_->stop = report::StopReason::interrupted;
+    return report();
+  }
+}
+
+bool Simulation::interrupted() const { return parts_->stop == report::StopReason::interrupted; }
 
 std::shared_ptr<const Reference> Simulation::reference() const { return parts_->reference(); }
 const Course& Simulation::course() const { return *parts_->course; }

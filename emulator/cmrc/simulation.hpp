@@ -66,7 +66,7 @@ class Simulation {
   void at(const TimedEvent& event);
 
   /// Runs to the end of the configured duration. `on_progress` is called about every `slice` of simulated time; false stops the run
-  /// cleanly (stop reason: interrupted). May be called again: it goes on where it stopped.
+  /// cleanly (stop reason: interrupted), and so does io::stop_asked(). May be called again: it goes on where it stopped.
   void run(const std::function<bool(const Progress&)>& on_progress = {}, report::Time slice = std::chrono::milliseconds{20});
   /// Runs until `time`, or the end of the duration if that is earlier.
   void run_until(report::Time time);
@@ -74,8 +74,11 @@ class Simulation {
   /// As far as the run has come.
   report::Time time() const;
 
-  /// \throws std::runtime_error when the ideal run has died
+  /// \throws std::runtime_error when the ideal run has died; io::Stopped while it waits for the ideal run: it may be called again
   report::RunReport report() const;
+  /// The same of what has run when io::stop_asked(): the ideal run counts as far as it has come, the stop reason is interrupted.
+  report::RunReport report_so_far();
+  bool interrupted() const;
   /// The ideal run that this run is measured against; null while the run is not over, and where there is none.
   std::shared_ptr<const Reference> reference() const;
   /// Where this run's crane, load and vehicles were.

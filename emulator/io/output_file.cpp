@@ -122,33 +122,40 @@ void OutputFile::open_beside() {
   int descriptor = -1;
   if (::access("/proc/self/fd", X_OK) == 0) descriptor = ::open(folder_of(target_).c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, everybody);
   for (int attempt = 0; descriptor < 0; ++attempt) {
-    beside_ = beside_name(target_, attempt);
-    descriptor = ::open(beside_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, everybody);
-    if (descriptor < 0 && errno != EEXIST) {
-      beside_.clear();
-      return;
-    }
+    const SignalsHeld held;
+    const std::string name = beside_name(target_, attempt);
+    descriptor = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, everybody);
+    if (descriptor >= 0) beside_.emplace(name);
+    else if (errno != EEXIST) return;
   }
   buffer_ = std::make_unique<Buffer>(descriptor);
 }
 
 OutputFile::~OutputFile() {
-  if (beside_.empty()) return;
-  std::error_code ignored;
-  fs::remove(beside_, ignored);
+  if (!beside_) return;
+  const SignalsHeld held;
+  ::unlink(beside_->path.c_str());
+  beside_.reset();
 }
 
 // linkat replaces nothing, so the file gets a name of its own first.
 void OutputFile::give_name() {
   const std::string self = fmt::format("/proc/self/fd/{}", buffer_->descriptor());
   for (int attempt = 0;; ++attempt) {
+    const SignalsHeld held;
     const std::string name = beside_name(target_, attempt);
     if (::linkat(AT_FDCWD, self.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0) {
-      beside_ = name;
+      beside_.emplace(name);
       return;
     }
     if (errno != EEXIST) throw std::runtime_error(fmt::format("{}: writing failed: {}", given_.string(), std::strerror(errno)));
   }
+}
+
+void OutputFile::replace_target() {
+  const SignalsHeld held;
+  if (::rename(beside_->path.c_str(), target_.c_str()) != 0) throw std::runtime_error(fmt::format("{}: writing failed: {}", given_.string(), std::strerror(errno)));
+  beside_.reset();
 }
 
 void OutputFile::commit() {
@@ -160,10 +167,9 @@ void OutputFile::commit() {
     return;
   }
   if (!buffer_->to_disk()) fail(buffer_->error());
-  if (beside_.empty()) give_name();
+  if (!beside_) give_name();
   if (!buffer_->close()) fail(buffer_->error());
-  if (::rename(beside_.c_str(), target_.c_str()) != 0) fail(errno);
-  beside_.clear();
+  replace_target();
   // The new name is on the disk as well; a file system that cannot say so is trusted.
   if (const int folder = ::open(folder_of(target_).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC); folder >= 0) {
     ::fsync(folder);

@@ -2,9 +2,12 @@
 // A file that appears whole or not at all.
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <ostream>
 #include <stdexcept>
 #include <string>
+
+#include "io/signals.hpp"
 
 namespace io {
 
@@ -36,10 +39,11 @@ class OutputFile {
 
   void open_beside();
   void give_name();
+  void replace_target();
 
   std::filesystem::path given_;    // as the caller named it
   std::filesystem::path target_;   // the file behind links
-  std::filesystem::path beside_;   // its stand-in; empty while that has no name
+  std::optional<TemporaryName> beside_;  // its stand-in; none while that has no name
   bool direct_ = false;
   std::unique_ptr<Buffer> buffer_;
   std::ostream stream_;

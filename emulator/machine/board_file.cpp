@@ -1,7 +1,6 @@
 #include "machine/board_file.hpp"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <initializer_list>
 #include <sstream>
 
+#include "io/toml.hpp"
 #include "machine/boot.hpp"
 #include "machine/shared_memory.hpp"
 #include "toolchain/image.hpp"
@@ -183,7 +183,7 @@ BoardDescription read_board(const std::string& name) {
   std::ostringstream text;
   text << in.rdbuf();
   try {
-    return BoardReader(name).read(toml::parse(text.str(), name));
+    return BoardReader(name).read(io::parse_toml(text.str(), name));
   } catch (const toml::parse_error& error) {
     throw BoardError(fmt::format("{}:{}: {}", name, error.source().begin.line, error.description()));
   }

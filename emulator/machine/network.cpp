@@ -6,6 +6,7 @@
 #include <random>
 #include <span>
 
+#include "io/stop.hpp"
 #include "isa/decode.hpp"
 #include "machine/asleep.hpp"
 #include "machine/chip_stop.hpp"
@@ -367,6 +368,16 @@ bool Network::waits_for_ever() const {
 }
 
 NetworkStop Network::run_until(Time limit) {
+  // After so long is asked whether to stop: a moment also for 64 chips of which each instruction is written.
+  constexpr Time slice = std::chrono::microseconds{200};
+  for (;;) {
+    const NetworkStop stop = run_slice(std::min(limit, now_ + slice));
+    if (stop.reason != NetworkStop::Reason::limit || now_ >= limit) return stop;
+    if (io::stop_asked()) return {NetworkStop::Reason::interrupted, now_};
+  }
+}
+
+NetworkStop Network::run_slice(Time limit) {
   while (true) {
     for (Node* node : turns_) {
       if (node->status != ChipStatus::running || node->follows_ports()) continue;

@@ -150,6 +150,7 @@ struct NetworkStop {
     ended,     ///< every processor has ended or sleeps, and nothing can wake one; a DMA may be armed
     deadlock,  ///< nothing but tokens to and fro can happen any more, and a processor waits, polls, or sleeps for a DMA that waits
     limit,
+    interrupted,  ///< io::stop_asked(); run_until goes on
   } reason = Reason::limit;
   Time time{};
 };
@@ -163,7 +164,7 @@ class Network {
   Network(const Network&) = delete;
   Network& operator=(const Network&) = delete;
 
-  /// Lets everything before `limit` happen. \throws std::logic_error if words do not add up.
+  /// Lets everything before `limit` happen, unless io::stop_asked(). \throws std::logic_error if words do not add up.
   NetworkStop run_until(Time limit);
   Time now() const { return now_; }
 
@@ -183,6 +184,7 @@ class Network {
   std::size_t link_count() const { return links_.size(); }
   const c40::Link& link(std::size_t n) const { return *links_[n]; }
   const NetworkLink& ends(std::size_t n) const { return description_.links[n]; }
+  std::size_t memory_count() const { return description_.memories.size(); }
   std::span<c40::Word> memory(std::size_t n);
   /// Who hears each instruction of a chip; null: nobody. Changes nothing. Use this, not Chip::set_trace: the network listens too.
   void set_trace(std::size_t n, c40::TraceSink* sink);
@@ -209,6 +211,7 @@ class Network {
   struct Memory;
   struct LinkTap;
 
+  NetworkStop run_slice(Time limit);
   void join_links();
   void add_memories();
   void start(Node& node);

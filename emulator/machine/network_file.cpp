@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,8 @@
 #include <fstream>
 #include <map>
 #include <sstream>
+
+#include "io/toml.hpp"
 
 namespace machine {
 namespace {
@@ -201,7 +202,7 @@ NetworkDescription read_network(const std::string& path, const ProgramReader& re
   std::ostringstream text;
   text << in.rdbuf();
   try {
-    return NetworkReader(path, read_program).read(toml::parse(text.str(), path));
+    return NetworkReader(path, read_program).read(io::parse_toml(text.str(), path));
   } catch (const toml::parse_error& error) {
     throw NetworkError(fmt::format("{}:{}: {}", path, error.source().begin.line, error.description()));
   }

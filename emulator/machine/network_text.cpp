@@ -44,7 +44,7 @@ std::string_view name(ChipStatus status) {
   return names[static_cast<std::size_t>(status)];
 }
 std::string_view name(NetworkStop::Reason reason) {
-  constexpr std::array<std::string_view, 3> names{"ended", "deadlock", "limit"};
+  constexpr std::array<std::string_view, 4> names{"ended", "deadlock", "limit", "interrupted"};
   return names[static_cast<std::size_t>(reason)];
 }
 

@@ -97,7 +97,8 @@ std::optional<double> Comparison::Row::difference() const {
 }
 
 std::string to_text(const Comparison& comparison) {
-  std::string text = fmt::format("The run beside the same run with instant execution, {:g} s simulated\n\n", comparison.duration_s);
+  std::string text = fmt::format("The run beside the same run with instant execution, {:g} s simulated{}\n\n", comparison.duration_s,
+                                 comparison.interrupted ? "; interrupted" : "");
   TextTable table({"", "unit", "run", "ideal", "difference", "%"});
   for (const Comparison::Row& row : comparison.rows) {
     if (!row.run.value && !row.ideal) continue;
@@ -110,7 +111,7 @@ std::string to_text(const Comparison& comparison) {
 }
 
 std::string to_json(const Comparison& comparison) {
-  Json root = {{"duration_s", comparison.duration_s}, {"metrics", Json::object()}};
+  Json root = {{"duration_s", comparison.duration_s}, {"stop_reason", comparison.interrupted ? "interrupted" : "completed"}, {"metrics", Json::object()}};
   for (const Comparison::Row& row : comparison.rows)
     root["metrics"][row.run.name] = {{"unit", row.run.unit},
                                      {"measures", row.run.effort ? "effort" : "quality"},

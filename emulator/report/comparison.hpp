@@ -21,7 +21,8 @@ struct Metric {
 std::vector<Metric> metrics(const RunReport& report);
 
 struct Comparison {
-  double duration_s = 0;
+  double duration_s = 0;     ///< that was simulated
+  bool interrupted = false;  ///< before its end
   struct Row {
     Metric run;
     std::optional<double> ideal;

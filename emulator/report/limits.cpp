@@ -21,8 +21,14 @@ std::vector<const LimitPoint*> by_ease(const LimitScan& scan) {
   return points;
 }
 
+bool easiest_ran(const LimitScan& scan) {
+  const auto points = by_ease(scan);
+  return points.empty() || points.front()->ran;
+}
+
 std::string outcome(const LimitPoint& point) {
   if (!point.refused.empty()) return "not run: " + point.refused;
+  if (!point.ran) return "not run: interrupted";
   if (point.passed) return "no miss";
   if (!point.first_miss.empty()) return fmt::format("{} missed at {:.6f} s", point.first_miss, point.first_miss_s);
   if (point.starved > 0) return fmt::format("starved: {} point interval{} without a new point", point.starved, point.starved == 1 ? "" : "s");
@@ -57,7 +63,7 @@ std::string list(const std::vector<double>& values) {
 std::optional<double> LimitScan::limit() const {
   std::optional<double> found;
   for (const LimitPoint* point : by_ease(*this)) {
-    if (!point->passed) break;
+    if (!point->ran || !point->passed) break;
     found = point->value;
   }
   return found;
@@ -67,6 +73,7 @@ std::vector<double> LimitScan::beyond() const {
   std::vector<double> values;
   bool failed = false;
   for (const LimitPoint* point : by_ease(*this)) {
+    if (!point->ran) continue;
     if (!point->passed) failed = true;
     else if (failed) values.push_back(point->value);
   }
@@ -74,25 +81,27 @@ std::vector<double> LimitScan::beyond() const {
 }
 
 std::string to_text(const Limits& limits) {
-  std::string text = fmt::format("Limits, {:g} s simulated for each point\n", limits.duration_s);
+  std::string text = fmt::format("Limits, {:g} s simulated for each point{}\n", limits.duration_s, limits.interrupted ? "; interrupted" : "");
   for (const LimitScan& scan : limits.scans) {
     text += fmt::format("\n{} ({})\n", scan.meaning, scan.key);
     for (const LimitPoint& point : scan.points) text += fmt::format("  {:>9g}  {}{}\n", point.value, outcome(point), cost(point));
     const auto limit = scan.limit();
     text += limit ? fmt::format("  limit: {:g}; {} passes\n", *limit, scan.more_is_harder ? "every point up to it" : "every point from it on")
-                  : std::string("  no limit: the easiest point does not pass\n");
+                  : easiest_ran(scan) ? std::string("  no limit: the easiest point does not pass\n")
+                                    : std::string("  no limit known: the easiest point has not been run\n");
     if (const auto beyond = scan.beyond(); !beyond.empty()) text += fmt::format("  anomalies, passing beyond a miss: {}\n", list(beyond));
   }
   return text;
 }
 
 std::string to_json(const Limits& limits) {
-  Json root = {{"duration_s", limits.duration_s}, {"scans", Json::object()}};
+  Json root = {{"duration_s", limits.duration_s}, {"stop_reason", limits.interrupted ? "interrupted" : "completed"}, {"scans", Json::object()}};
   for (const LimitScan& scan : limits.scans) {
     Json points = Json::array();
     for (const LimitPoint& point : scan.points) {
       const bool missed = !point.first_miss.empty();
       points.push_back({{"value", point.value},
+                        {"ran", point.ran},
                         {"passed", point.passed},
                         {"refused", point.refused.empty() ? Json(nullptr) : Json(point.refused)},
                         {"stop_reason", point.stop_reason.empty() ? Json(nullptr) : Json(point.stop_reason)},

@@ -11,6 +11,7 @@ namespace report {
 struct LimitPoint {
   double value = 0;
   std::string refused;         ///< not run: the configuration that it makes breaks this rule
+  bool ran = false;            ///< to its end or first miss; not if refused, nor what was left when the scan was interrupted
   bool passed = false;         ///< ran to its end without a missed deadline and without a starved interval
   std::string stop_reason;     ///< why it ended, "interrupted" at its first miss
   std::string first_miss;      ///< kind of the first missed job
@@ -40,7 +41,8 @@ struct LimitScan {
 };
 
 struct Limits {
-  double duration_s = 0;  ///< of each run
+  double duration_s = 0;     ///< of each run
+  bool interrupted = false;  ///< points are missing
   std::vector<LimitScan> scans;
 };
 

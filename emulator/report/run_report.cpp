@@ -4,6 +4,7 @@ namespace report {
 
 std::string name(StopReason reason) {
   switch (reason) {
+    case StopReason::under_way: return "under_way";
     case StopReason::completed: return "completed";
     case StopReason::interrupted: return "interrupted";
     case StopReason::no_dsp_left: return "no_dsp_left";

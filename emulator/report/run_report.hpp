@@ -181,7 +181,7 @@ struct Setting {
 };
 
 /// Why the run ended.
-enum class StopReason : std::uint8_t { completed, interrupted, no_dsp_left, plant_fault, drives_stopped, job_done };
+enum class StopReason : std::uint8_t { under_way, completed, interrupted, no_dsp_left, plant_fault, drives_stopped, job_done };
 std::string name(StopReason reason);
 
 struct RunReport {

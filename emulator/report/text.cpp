@@ -21,6 +21,8 @@ std::string title(const RunReport& report) {
   const double simulated = static_cast<double>(report.simulated.count()) / 1e12;
   const std::string reason = report.stop_reason == StopReason::completed || report.stop_reason == StopReason::job_done
                                  ? ""
+                             : report.stop_reason == StopReason::under_way
+                                 ? " The run is not over."
                                  : fmt::format(" The run ended early: {}.", name(report.stop_reason));
   const bool stands = std::ranges::any_of(report.errors_handled, &HandledError::stands);
   const std::string waits = stands ? " A robot stands with an error that nobody has cleared (Errors, below)." : "";

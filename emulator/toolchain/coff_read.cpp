@@ -147,7 +147,8 @@ class CoffReader {
   void add_symbol(std::uint32_t index, std::size_t at, std::int16_t section, std::uint8_t storage,
                   std::uint8_t auxiliary) {
     ObjectSymbol symbol;
-    symbol.name = u32(at, "a symbol's name") != 0 ? text(at, 8, "a symbol's name") : long_name(at);
+    const bool is_long = u32(at, "a symbol's name") == 0 && u32(at + 4, "a symbol's name") != 0;  // all zero is the empty name
+    symbol.name = is_long ? long_name(at) : text(at, 8, "a symbol's name");
     symbol.value = u32(at + 8, "a symbol's value");
     symbol.section = section == undefined_section  ? ObjectSymbol::undefined
                      : section == absolute_section ? ObjectSymbol::absolute

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <ostream>
@@ -62,6 +63,8 @@ class CoffWriter {
     const auto refuse = [](std::size_t most, std::string_view what, std::size_t given) {
       if (given > most) throw std::runtime_error(fmt::format("a COFF file holds {} {}, not {}", most, what, given));
     };
+    if (object_.executable && std::ranges::all_of(object_.sections, [](const ObjectSection& section) { return section.size == 0; }))
+      throw CoffError("the program holds no word; at least one is expected in a file that can be run");
     refuse(most_sections, "sections", object_.sections.size());
     for (const auto& section : object_.sections)
       if (!v2_) refuse(65535, "relocations of a section", section.relocations.size());

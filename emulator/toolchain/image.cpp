@@ -6,6 +6,8 @@
 #include <charconv>
 #include <stdexcept>
 
+#include "io/print.hpp"
+
 namespace toolchain {
 
 Word Image::symbol(std::string_view name) const {
@@ -63,7 +65,7 @@ std::string listing(const Image& image) {
   }
   out += "symbols\n";
   for (const auto& [name, value] : image.symbols) out += fmt::format("{:08x} {}\n", value, name);
-  return out;
+  return io::printable(out);  // a listing is looked at in a terminal
 }
 
 }  // namespace toolchain

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "io/print.hpp"
 #include "toolchain/archive.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/placement.hpp"
@@ -37,6 +38,8 @@ class Linker {
     pull_from_library();
     add_common();
     collect_sections();
+    if (std::ranges::all_of(placement_.sections(), [](const OutputSection& section) { return section.size == 0; }))
+      throw LinkError({fmt::format("{}: no section holds a word; a program has at least one", objects_.front().name)});
     placement_.place(map_, errors_);
     define_symbols();
     check_undefined();
@@ -285,7 +288,7 @@ class Linker {
     for (const auto& [name, value] : image.symbols) by_address.emplace_back(value, name);
     std::sort(by_address.begin(), by_address.end());
     for (const auto& [value, name] : by_address) out += fmt::format("{:08X}h  {}\n", value, name);
-    return out;
+    return io::printable(out);
   }
 
   static constexpr std::size_t most_errors = 1000;

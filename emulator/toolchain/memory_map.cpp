@@ -1,13 +1,14 @@
 #include "toolchain/memory_map.hpp"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <fstream>
 #include <initializer_list>
 #include <sstream>
 #include <utility>
+
+#include "io/toml.hpp"
 
 namespace toolchain {
 namespace {
@@ -150,7 +151,7 @@ MemoryMap MemoryMap::standard() {
 
 MemoryMap parse_memory_map(std::string_view toml, const std::string& name) {
   try {
-    return MapReader(name).read(toml::parse(toml, name));
+    return MapReader(name).read(io::parse_toml(toml, name));
   } catch (const toml::parse_error& error) {
     throw MemoryMapError(
         fmt::format("{}:{}:{}: {}", name, error.source().begin.line, error.source().begin.column, error.description()));

@@ -8,12 +8,14 @@
 #include <sstream>
 #include <utility>
 
+#include "io/stop.hpp"
 #include "toolchain/encoder.hpp"
 
 namespace toolchain {
 namespace {
 
 constexpr std::size_t deepest_include = 64;
+constexpr std::size_t lines_between_looks = 4096;  // whether the assembly is to be stopped
 constexpr std::size_t most_errors = 1000;
 constexpr std::size_t longest_line = 1 << 16;
 constexpr std::int64_t most_lines = 1'000'000;  // Reached by macros that call themselves, not by programs.
@@ -266,6 +268,7 @@ void Reader::read_line(const SourceLinePtr& raw_line) {
     given_up_ = true;
     return;
   }
+  if (lines_read_ % lines_between_looks == 0) io::stop_if_asked();
   if (collect(raw_line)) return;
   SourceLinePtr line = raw_line;
   try {

@@ -13,6 +13,7 @@
 #include "c40/self_check.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/chip_inspection.hpp"
+#include "python/bindings/ctrl_c.hpp"
 #include "toolchain/assembler.hpp"
 #include "machine/board_file.hpp"
 
@@ -104,18 +105,34 @@ class Processor : public c40::PeripheralSink {
   py::dict run(Cycles max_cycles, std::optional<c40::Address> until) {
     if (self_check) self_check->look();
     if (until) chip.add_breakpoint(*until);
-    const c40::StopInfo stop = chip.run_until(chip.cycle() + max_cycles);
-    if (until) chip.remove_breakpoint(*until);
-    if (self_check) self_check->run_ended();
-    return describe(chip, stop);
+    const auto after = [&] {
+      if (until) chip.remove_breakpoint(*until);
+      if (self_check) self_check->run_ended();
+    };
+    try {
+      const c40::StopInfo stop = run_for(max_cycles);
+      after();
+      return describe(chip, stop);
+    } catch (const py::error_already_set&) {
+      after();
+      throw;
+    }
   }
   py::list trace(Cycles max_cycles) {
     Recorder recorder;
     if (self_check) self_check->look(), self_check->hand_on_to(&recorder);
     else chip.set_trace(&recorder);
-    chip.run_until(chip.cycle() + max_cycles);
-    if (self_check) self_check->run_ended(), self_check->hand_on_to(nullptr);
-    else chip.set_trace(nullptr);
+    const auto after = [&] {
+      if (self_check) self_check->run_ended(), self_check->hand_on_to(nullptr);
+      else chip.set_trace(nullptr);
+    };
+    try {
+      run_for(max_cycles);
+    } catch (const py::error_already_set&) {
+      after();
+      throw;
+    }
+    after();
     return recorder.records;
   }
 
@@ -143,6 +160,19 @@ class Processor : public c40::PeripheralSink {
   c40::Chip chip;
   std::optional<c40::SelfCheck> self_check;
   py::list events;
+
+ private:
+  /// In slices, so that Ctrl-C is heard.
+  c40::StopInfo run_for(Cycles cycles) {
+    constexpr Cycles slice = 50'000;
+    return interruptible([&] {
+      const Cycles limit = chip.cycle() + cycles;
+      c40::StopInfo stop;
+      do stop = chip.run_until(std::min(limit, chip.cycle() + slice));
+      while (stop.reason == c40::StopInfo::Reason::limit && chip.cycle() < limit && !io::stop_asked());
+      return stop;
+    });
+  }
 };
 
 /// A link of two processors; its events as dicts.

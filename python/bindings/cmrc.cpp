@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -18,7 +17,7 @@
 #include "machine/machine.hpp"
 #include "plant/dock.hpp"
 #include "python/bindings/bindings.hpp"
-#include "python/bindings/chip_inspection.hpp"
+#include "python/bindings/cmrc.hpp"
 #include "toolchain/image.hpp"
 
 namespace {
@@ -56,7 +55,9 @@ void add_settings(cmrc::ConfigBuilder& builder, const py::dict& settings, const 
   }
 }
 
-cmrc::TimedEvent to_event(const py::dict& fields) {
+}  // namespace
+
+cmrc::TimedEvent event_of(const py::dict& fields) {
   std::map<std::string, cmrc::Field> all;
   for (const auto& [name, value] : fields) {
     const std::string key = py::str(name);
@@ -64,6 +65,8 @@ cmrc::TimedEvent to_event(const py::dict& fields) {
   }
   return cmrc::timed_event(all, {});
 }
+
+namespace {
 
 void bind_config(py::module_& m) {
   py::register_exception<cmrc::ConfigError>(m, "ConfigError", PyExc_ValueError);
@@ -90,7 +93,7 @@ void bind_config(py::module_& m) {
     if (!toml.is_none()) builder.text(toml.cast<std::string>(), name);
     if (!preset.is_none()) builder.preset(preset.cast<std::string>(), {});
     add_settings(builder, settings, "");
-    for (const py::dict& event : events) builder.event(to_event(event));
+    for (const py::dict& event : events) builder.event(event_of(event));
     return builder.build();
   }, py::arg("toml") = py::none(), py::arg("name") = "<toml>", py::arg("file") = py::none(),
      py::arg("preset") = py::none(), py::arg("settings") = py::dict(), py::arg("events") = std::vector<py::dict>{},
@@ -328,140 +331,6 @@ void bind_parts(py::module_& m) {
       .def("slot_failed", &TestLedger::slot_failed)
       .def("violations", &TestLedger::violations)
       .def("report", &TestLedger::report);
-}
-
-/// Runs without the GIL; between slices signals are looked at, so that Ctrl-C ends the run cleanly and then raises.
-void run(cmrc::Simulation& simulation, const py::object& on_progress, double slice_s) {
-  bool raised = false;
-  const auto between = [&](const cmrc::Progress& progress) {
-    const py::gil_scoped_acquire gil;
-    if (PyErr_CheckSignals() != 0) {
-      raised = true;
-      return false;
-    }
-    if (on_progress.is_none()) return true;
-    const py::object go_on = on_progress(static_cast<double>(progress.simulated.count()) * 1e-12,
-                                         static_cast<double>(progress.duration.count()) * 1e-12);
-    return go_on.is_none() || go_on.cast<bool>();
-  };
-  {
-    const py::gil_scoped_release released;
-    simulation.run(between, report::Time{static_cast<std::int64_t>(slice_s * 1e12)});
-  }
-  if (raised) throw py::error_already_set();
-}
-
-/// The plant's time series, one array per signal, units in the names; where the ideal run is there, each joint's and the load's way in it too.
-py::dict signals_of(const cmrc::Simulation& simulation) {
-  const plant::Dock& dock = simulation.dock();
-  const auto reference = simulation.reference();
-  const auto& rows = dock.signals();
-  py::dict all;
-  const auto column = [&](const std::string& name, auto value) {
-    py::array_t<double> array(static_cast<py::ssize_t>(rows.size()));
-    double* out = array.mutable_data();
-    for (std::size_t i = 0; i < rows.size(); ++i) out[i] = static_cast<double>(value(rows[i]));
-    all[py::str(name)] = array;
-  };
-  column("time_s", [](const plant::Signal& s) { return static_cast<double>(s.time.count()) * 1e-12; });
-  const auto joints = plant::joint_names(dock.config().crane.machine);
-  for (std::size_t j = 0; j < joints.size(); ++j) {
-    const auto [name, unit] = joints[j];
-    column(fmt::format("{}_{}", name, unit), [j](const plant::Signal& s) { return s.q[j]; });
-    column(fmt::format("{}_rate_{}_per_s", name, unit), [j](const plant::Signal& s) { return s.qd[j]; });
-    column(fmt::format("{}_torque_Nm", name), [j](const plant::Signal& s) { return s.torque[j]; });
-    column(fmt::format("{}_code", name), [j](const plant::Signal& s) { return s.code[j]; });
-    column(fmt::format("{}_saturated", name), [j](const plant::Signal& s) { return std::abs(s.code[j]) >= 2047; });
-    if (!reference) continue;
-    column(fmt::format("{}_reference_{}", name, unit), [&, j](const plant::Signal& s) { return reference->course.at(s.time)[j]; });
-    column(fmt::format("{}_error_{}", name, unit), [&, j](const plant::Signal& s) { return s.q[j] - reference->course.at(s.time)[j]; });
-  }
-  column("sway_alpha_rad", [](const plant::Signal& s) { return s.alpha; });
-  column("sway_beta_rad", [](const plant::Signal& s) { return s.beta; });
-  static constexpr const char* axes[] = {"x", "y", "z"};
-  for (std::size_t i = 0; i < 3; ++i) {
-    column(fmt::format("tip_{}_m", axes[i]), [i](const plant::Signal& s) { return s.tip[i]; });
-    column(fmt::format("payload_{}_m", axes[i]), [i](const plant::Signal& s) { return s.payload[i]; });
-    if (!reference) continue;
-    column(fmt::format("payload_reference_{}_m", axes[i]), [&, i](const plant::Signal& s) { return reference->course.at(s.time)[plant::joint_count + i]; });
-  }
-  column("payload_yaw_rad", [](const plant::Signal& s) { return s.yaw; });
-  column("tension_N", [](const plant::Signal& s) { return s.tension; });
-  column("contact", [](const plant::Signal& s) { return s.contact; });
-  const auto& fleet = dock.agv_signals();
-  for (std::size_t agv = 0; agv < fleet.size(); ++agv) {
-    const auto agv_column = [&](const char* name, auto value) {
-      py::array_t<double> array(static_cast<py::ssize_t>(fleet[agv].size()));
-      double* out = array.mutable_data();
-      for (std::size_t i = 0; i < fleet[agv].size(); ++i) out[i] = value(fleet[agv][i]);
-      all[py::str(fmt::format("agv{}_{}", agv, name))] = array;
-    };
-    agv_column("x_m", [](const plant::AgvSignal& s) { return s.x; });
-    agv_column("y_m", [](const plant::AgvSignal& s) { return s.y; });
-    agv_column("heading_rad", [](const plant::AgvSignal& s) { return s.heading; });
-    agv_column("speed_m_per_s", [](const plant::AgvSignal& s) { return s.speed; });
-    agv_column("speed_command_m_per_s", [](const plant::AgvSignal& s) { return s.speed_command; });
-    agv_column("front_rad", [](const plant::AgvSignal& s) { return s.front; });
-    agv_column("rear_rad", [](const plant::AgvSignal& s) { return s.rear; });
-  }
-  return all;
-}
-
-/// A DSP of a run.
-struct DspOf {
-  cmrc::Simulation& simulation;
-  unsigned slot;
-};
-
-void bind_simulation(py::module_& m) {
-  py::class_<DspOf> dsp(m, "Dsp", "One DSP of a run.");
-  dsp.def_property_readonly("pc", [](const DspOf& d) { return d.simulation.machine().chip(d.slot).pc(); })
-      .def_property_readonly("plugged", [](const DspOf& d) { return d.simulation.machine().plugged(d.slot); })
-      .def_property_readonly("booted", [](const DspOf& d) { return d.simulation.machine().booted(d.slot); });
-  bind_inspection(dsp, [](const DspOf& d) -> c40::Chip& { return d.simulation.machine().chip(d.slot); });
-  py::class_<cmrc::Reference, std::shared_ptr<cmrc::Reference>>(m, "Reference", "An ideal run, for the runs that are measured against it.")
-      .def_readonly("elapsed_s", &cmrc::Reference::elapsed_s);
-  py::class_<cmrc::Simulation>(m, "Simulation", "One run. Times in seconds.")
-      .def(py::init<const cmrc::Config&>(), py::arg("config"))
-      .def(py::init<const cmrc::Config&, std::shared_ptr<const cmrc::Reference>>(), py::arg("config"), py::arg("reference"))
-      .def("reference", &cmrc::Simulation::reference, py::call_guard<py::gil_scoped_release>(),
-           "The ideal run that this run was measured against; None while the run is not over, and where there is none.")
-      .def("run", &run, py::arg("on_progress") = py::none(), py::arg("slice_s") = 0.02,
-           "Runs to the end; on_progress(simulated_s, duration_s) may return False to stop. Ctrl-C stops cleanly and raises KeyboardInterrupt.")
-      .def("run_until", [](cmrc::Simulation& simulation, double seconds) {
-        const py::gil_scoped_release released;
-        simulation.run_until(report::Time{static_cast<std::int64_t>(seconds * 1e12)});
-      }, py::arg("time_s"))
-      .def("at", [](cmrc::Simulation& simulation, const py::dict& fields) { simulation.at(to_event(fields)); }, py::arg("fields"),
-           "A timed event: at_s, action and its fields (docs/configuration.md, [[events]]).")
-      .def("dsp", [](cmrc::Simulation& simulation, unsigned slot) {
-        if (slot >= simulation.machine().slots())
-          throw py::index_error("there is no slot " + std::to_string(slot) + "; the slots are 0 to " + std::to_string(simulation.machine().slots() - 1));
-        return DspOf{simulation, slot};
-      }, py::arg("slot"), py::keep_alive<0, 1>())
-      .def("peek", [](const cmrc::Simulation& simulation, std::uint32_t offset) { return simulation.machine().peek(offset); },
-           "A word of shared memory.")
-      .def("symbol", [](const cmrc::Simulation& simulation, const std::string& name) { return simulation.machine().symbol(name); })
-      .def_property_readonly("time_s", [](const cmrc::Simulation& simulation) {
-        return static_cast<double>(simulation.time().count()) * 1e-12;
-      })
-      .def_property_readonly("ended", &cmrc::Simulation::ended)
-      .def_property_readonly("exit_status", &cmrc::Simulation::exit_status)
-      .def("report_json", [](const cmrc::Simulation& simulation) { return report::to_json(simulation.report()); })
-      .def("tasks_json", [](const cmrc::Simulation& simulation) { return report::tasks_to_json(simulation.tasks()); })
-      .def("report_text", [](const cmrc::Simulation& simulation) { return report::to_text(simulation.report()); })
-      .def("profile", &cmrc::Simulation::profile, "Counts where the DSPs' cycles go; before the run.")
-      .def("profile_json", [](const cmrc::Simulation& simulation) { return report::to_json(simulation.profile_report()); })
-      .def("profile_text", [](const cmrc::Simulation& simulation) { return report::to_text(simulation.profile_report()); })
-      .def("signals", [](const cmrc::Simulation& simulation) { return signals_of(simulation); })
-      .def("dock_events", [](const cmrc::Simulation& simulation) {
-        py::list all;
-        for (const plant::Event& event : simulation.dock().events()) {
-          all.append(py::make_tuple(static_cast<double>(event.time.count()) * 1e-12, plant::name(event.kind), event.index,
-                                    event.values[0], event.values[1]));
-        }
-        return all;
-      });
 }
 
 }  // namespace

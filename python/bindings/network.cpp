@@ -12,6 +12,7 @@
 
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/chip_inspection.hpp"
+#include "python/bindings/ctrl_c.hpp"
 
 namespace {
 
@@ -20,7 +21,7 @@ using machine::NetworkDescription;
 using machine::Time;
 
 struct ChipOf {
-  machine::Network& network;
+  std::shared_ptr<machine::Network> network;
   std::size_t number;
 };
 
@@ -92,15 +93,15 @@ void bind_network(py::module_& core) {
   }, "How many chips a topology has.");
 
   py::class_<ChipOf> chip(m, "Chip", "One chip of a network.");
-  chip.def_property_readonly("pc", [](const ChipOf& c) { return c.network.chip(c.number).pc(); })
-      .def_property_readonly("name", [](const ChipOf& c) { return c.network.chip_name(c.number); })
-      .def_property_readonly("status", [](const ChipOf& c) { return std::string(machine::name(c.network.status(c.number))); })
-      .def_property_readonly("message", [](const ChipOf& c) { return c.network.describe(c.number); })
-      .def_property_readonly("waits_for", [](const ChipOf& c) { return c.network.waits_for(c.number); })
-      .def_property_readonly("hertz", [](const ChipOf& c) { return c.network.clock(c.number).hertz(); });
-  bind_inspection(chip, [](const ChipOf& c) -> c40::Chip& { return c.network.chip(c.number); });
+  chip.def_property_readonly("pc", [](const ChipOf& c) { return c.network->chip(c.number).pc(); })
+      .def_property_readonly("name", [](const ChipOf& c) { return c.network->chip_name(c.number); })
+      .def_property_readonly("status", [](const ChipOf& c) { return std::string(machine::name(c.network->status(c.number))); })
+      .def_property_readonly("message", [](const ChipOf& c) { return c.network->describe(c.number); })
+      .def_property_readonly("waits_for", [](const ChipOf& c) { return c.network->waits_for(c.number); })
+      .def_property_readonly("hertz", [](const ChipOf& c) { return c.network->clock(c.number).hertz(); });
+  bind_inspection(chip, [](const ChipOf& c) -> c40::Chip& { return c.network->chip(c.number); });
 
-  py::class_<machine::Network>(m, "Network")
+  py::class_<machine::Network, std::shared_ptr<machine::Network>>(m, "Network")
       .def(py::init(&make), py::arg("chips"), py::arg("links"), py::arg("topology"), py::arg("memories"), py::arg("turn_order"))
       .def(py::init(&from_file), py::arg("path"), py::arg("program"), py::arg("turn_order"), "From a file; `program` reads one by its path.")
       .def("program", [](const machine::Network& network, std::size_t n) { return network.program(n); })
@@ -115,7 +116,7 @@ void bind_network(py::module_& core) {
         return out;
       })
       .def("run_until", [](machine::Network& network, std::int64_t limit) {
-        const machine::NetworkStop stop = network.run_until(Time{limit});
+        const machine::NetworkStop stop = interruptible([&] { return network.run_until(Time{limit}); });
         return std::pair{std::string(machine::name(stop.reason)), stop.time.count()};
       }, py::arg("limit"))
       .def_property_readonly("now", [](const machine::Network& network) { return network.now().count(); })
@@ -124,8 +125,9 @@ void bind_network(py::module_& core) {
       }, py::arg("kind"), py::arg("time"), py::arg("target"))
       .def("record_words", &machine::Network::record_words, py::arg("on"))
       .def_property_readonly("chip_count", &machine::Network::chip_count)
+      .def_property_readonly("memory_count", &machine::Network::memory_count)
       .def_property_readonly("link_count", &machine::Network::link_count)
-      .def("chip", [](machine::Network& network, std::size_t n) { return ChipOf{network, n}; }, py::keep_alive<0, 1>())
+      .def("chip", [](const std::shared_ptr<machine::Network>& network, std::size_t n) { return ChipOf{network, n}; })
       .def("link", &link_of)
       .def("memory_words", [](machine::Network& network, std::size_t n) {
         const auto words = network.memory(n);

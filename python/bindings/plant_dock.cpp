@@ -3,6 +3,7 @@
 
 #include "plant/dock.hpp"
 #include "plant/state.hpp"
+#include "python/bindings/ctrl_c.hpp"
 #include "python/bindings/plant.hpp"
 
 using namespace plant;
@@ -194,7 +195,13 @@ void bind_dock(py::module_& m) {
   m.attr("latch_period") = latch_period.count();
   py::class_<Dock> dock(m, "Dock", "The dock in time; t is integer picoseconds, nondecreasing over calls.");
   dock.def(py::init<const DockConfig&>(), py::arg("config"))
-      .def("advance_to", [](Dock& d, std::int64_t t) { d.advance_to(ps(t)); }, at, py::call_guard<py::gil_scoped_release>())
+      .def("advance_to", [](Dock& d, std::int64_t t) {
+        constexpr std::int64_t slice = 100'000'000'000;  // 0.1 s; then Ctrl-C is heard
+        interruptible_without_gil([&] {
+          while (d.time().count() + slice < t && !io::stop_asked()) d.advance_to(ps(d.time().count() + slice));
+          if (!io::stop_asked()) d.advance_to(ps(t));
+        });
+      }, at)
       .def_property_readonly("time", [](const Dock& d) { return d.time().count(); })
       .def_property_readonly("config", &Dock::config)
       .def("snapshot", [](const Dock& d) { return std::make_shared<DockState>(*d.snapshot()); })

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "python/bindings/bindings.hpp"
+#include "python/bindings/ctrl_c.hpp"
 #include "toolchain/assembler.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/float_format.hpp"
@@ -139,8 +139,7 @@ void bind_toolchain(py::module_& core) {
          std::map<std::string, toolchain::Word> symbols, const std::map<std::string, toolchain::Address>& sections,
          std::string entry, const std::optional<std::string>& dialect) {
         const auto options = make_options(std::move(include_dirs), std::move(symbols), sections, std::move(entry), dialect);
-        py::gil_scoped_release release;
-        return toolchain::assemble_text(text, name, options);
+        return interruptible_without_gil([&] { return toolchain::assemble_text(text, name, options); });
       },
       py::arg("text"), py::arg("name") = "<text>", py::arg("include_dirs") = std::vector<std::filesystem::path>(),
       py::arg("symbols") = std::map<std::string, toolchain::Word>(),
@@ -153,8 +152,7 @@ void bind_toolchain(py::module_& core) {
          std::map<std::string, toolchain::Word> symbols, const std::map<std::string, toolchain::Address>& sections,
          std::string entry, const std::optional<std::string>& dialect) {
         const auto options = make_options(std::move(include_dirs), std::move(symbols), sections, std::move(entry), dialect);
-        py::gil_scoped_release release;
-        return toolchain::assemble_file(path, options);
+        return interruptible_without_gil([&] { return toolchain::assemble_file(path, options); });
       },
       py::arg("path"), py::arg("include_dirs") = std::vector<std::filesystem::path>(),
       py::arg("symbols") = std::map<std::string, toolchain::Word>(),
@@ -164,7 +162,7 @@ void bind_toolchain(py::module_& core) {
       "assemble_object",
       [](const std::string& text, const std::string& name, std::vector<std::filesystem::path> include_dirs, const std::optional<std::string>& dialect) {
         const auto options = make_options(std::move(include_dirs), {}, {}, {}, dialect);
-        return toolchain::assemble_object_text(text, name, options).object;
+        return interruptible_without_gil([&] { return toolchain::assemble_object_text(text, name, options).object; });
       },
       py::arg("text"), py::arg("name") = "<text>", py::arg("include_dirs") = std::vector<std::filesystem::path>(),
       py::arg("dialect") = py::none(), "Assembles a text to a relocatable object. Raises AssemblyError.");

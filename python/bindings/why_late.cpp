@@ -7,7 +7,7 @@
 #include "cmrc/compare.hpp"
 #include "cmrc/ledger.hpp"
 #include "cmrc/limits.hpp"
-#include "python/bindings/bindings.hpp"
+#include "python/bindings/ctrl_c.hpp"
 #include "report/run_report.hpp"
 
 namespace {
@@ -76,11 +76,9 @@ std::pair<std::string, std::string> limits(const cmrc::Config& config, const Gri
   if (!cycles && !dsps && !servo) grids = cmrc::LimitGrids::standard(config);
   const auto progress = [&](std::size_t done, std::size_t points) {
     const py::gil_scoped_acquire gil;
-    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
     if (!on_progress.is_none()) on_progress(done, points);
   };
-  const py::gil_scoped_release released;
-  const report::Limits found = cmrc::find_limits(config, grids, errors, progress);
+  const report::Limits found = interruptible_without_gil([&] { return cmrc::find_limits(config, grids, errors, progress); });
   return {to_text(found), to_json(found)};
 }
 
@@ -90,19 +88,19 @@ void bind_why_late(py::module_& core) {
   using namespace py::literals;
   py::module_ m = core.def_submodule("why_late", "Chains of causes, limits, and what a miss costs (docs/report.md).");
   m.def("limits", &limits, "config"_a, "cycles"_a, "dsps"_a, "servo"_a, "errors"_a, "on_progress"_a, "Text and JSON of a scan; all grids None: the standard ones.");
-  m.def("scan_outcome", [](const std::vector<std::pair<double, bool>>& points, bool more_is_harder) {
+  m.def("scan_outcome", [](const std::vector<std::pair<double, std::optional<bool>>>& points, bool more_is_harder) {
     report::LimitScan scan;
     scan.more_is_harder = more_is_harder;
     for (const auto& [value, passed] : points) {
       report::LimitPoint& point = scan.points.emplace_back();
       point.value = value;
-      point.passed = passed;
+      point.ran = passed.has_value();
+      point.passed = passed.value_or(false);
     }
     return std::pair(scan.limit(), scan.beyond());
-  }, "points"_a, "more_is_harder"_a, "Limit of a scan, and what passes beyond a miss.");
+  }, "points"_a, "more_is_harder"_a, "Limit of a scan, and what passes beyond a miss. A point that passed None has not been run.");
   m.def("compare", [](const cmrc::Config& config) {
-    const py::gil_scoped_release released;
-    const report::Comparison comparison = cmrc::compare_with_ideal(config);
+    const report::Comparison comparison = interruptible_without_gil([&] { return cmrc::compare_with_ideal(config); });
     return std::pair(to_text(comparison), to_json(comparison));
   }, "config"_a, "Text and JSON of a run beside its ideal.");
   py::class_<Scene>(m, "Scene", "A ledger whose events are told by hand; picoseconds.")

@@ -36,7 +36,7 @@ def main(arguments: list[str] | None = None) -> int:
             recording = replay.load(run)
         _write(recording, page, plots, saved)
     except (OSError, ImportError, ConfigError, ValueError) as error:
-        print(f"cmrc replay: {error}", file=sys.stderr)
+        print(f"cmrc replay: {files.printable(str(error))}", file=sys.stderr)
         return 2
     return 0
 
@@ -45,7 +45,7 @@ def _demo(folder: Path) -> int:
     try:
         demo.main(folder)
     except OSError as error:
-        print(f"cmrc demo: {error}", file=sys.stderr)
+        print(f"cmrc demo: {files.printable(str(error))}", file=sys.stderr)
         return 2
     return 0
 

@@ -8,12 +8,13 @@ processor.registers["R0"], processor.floats["R1"], processor.memory[0x300000]
 
 from __future__ import annotations
 
+import numbers
 import os
 from collections.abc import Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
 from typing import Any, overload
 
-from cmrc import _core
+from cmrc import _core, arguments
 from cmrc.floats import extended_to_float, float_to_extended, float_to_single, single_to_float
 
 AssemblyError = _core.toolchain.AssemblyError
@@ -32,9 +33,25 @@ REGISTERS = (
 )
 """Names of all registers. R0 to R11 are 40 bits wide, all others 32."""
 
+A_WORD = "a 32-bit word (0 to FFFFFFFFh)"
+
 INTERRUPT_PINS = ("IIOF0", "IIOF1", "IIOF2", "IIOF3")
 INTERRUPT_FLAGS = {"TINT0": 24, **{f"DMAINT{channel}": 25 + channel for channel in range(6)}, "TINT1": 31}
 """Bits of IIF that internal sources set (TMS320C4x User's Guide, IIF register)."""
+
+
+def _options(
+    include_dirs: object, symbols: object, sections: object, entry: object, dialect: object
+) -> tuple[list[Path], dict[str, int], dict[str, int], str, str | None]:
+    """What ``assemble`` takes besides the source."""
+    folders: list[Path] = [arguments.path(f"include_dirs[{n}]", folder, "a folder") for n, folder in enumerate(arguments.items("include_dirs", include_dirs, "a list of folders"))]
+
+    def words(name: str, given: object, right: str) -> dict[str, int]:
+        found = arguments.mapping(name, given, f"a dictionary of names and {right}s")
+        return {key: arguments.whole(f"{name}[{key!r}]", value, f"a {right} (0 to FFFFFFFFh)") for key, value in found.items()}
+
+    way = None if dialect is None else arguments.text("dialect", dialect, '"ti" or "gnu"')
+    return folders, words("symbols", symbols, "number"), words("sections", sections, "32-bit address"), arguments.text("entry", entry, "the name of a symbol"), way
 
 
 def assemble(
@@ -52,7 +69,8 @@ def assemble(
     ``symbols`` are predefined constants, ``sections`` places sections at addresses (``.text`` stands at 300000h unless said), ``entry`` names the symbol to
     start at, ``dialect`` (``ti``, ``gnu``) how files are read that do not say it. Raises AssemblyError; ValueError for another dialect.
     """
-    return _core.toolchain.assemble(text, name, list(include_dirs), dict(symbols or {}), dict(sections or {}), entry, dialect)
+    source = arguments.text("text", text, "the source as a text (assemble_file takes a path)")
+    return _core.toolchain.assemble(source, arguments.text("name", name), *_options(include_dirs, symbols, sections, entry, dialect))
 
 
 def assemble_file(
@@ -65,17 +83,17 @@ def assemble_file(
     dialect: str | None = None,
 ) -> Program:
     """Assembles a file; see ``assemble``. Included files are looked for beside it first. Raises AssemblyError."""
-    return _core.toolchain.assemble_file(path, list(include_dirs), dict(symbols or {}), dict(sections or {}), entry, dialect)
+    return _core.toolchain.assemble_file(arguments.path("path", path), *_options(include_dirs, symbols, sections, entry, dialect))
 
 
 def read_coff(path: Path) -> Program:
     """Reads a COFF executable of version 0, 1 or 2. Raises CoffError."""
-    return _core.toolchain.read_coff(path)
+    return _core.toolchain.read_coff(arguments.path("path", path))
 
 
 def write_coff(program: Program, path: Path) -> None:
     """Writes a COFF version-2 executable with all symbols, whole or not at all."""
-    _core.toolchain.write_coff(program, path)
+    _core.toolchain.write_coff(arguments.instance("program", program, Program, "a program, as assemble gives it,"), arguments.path("path", path))
 
 
 @overload
@@ -84,9 +102,11 @@ def disassemble(words: int, pc: int = 0) -> str: ...
 def disassemble(words: Sequence[int], pc: int = 0) -> list[str]: ...
 def disassemble(words: int | Sequence[int], pc: int = 0) -> str | list[str]:
     """The instruction of a word, or of each word from address ``pc`` on. Reserved words give ``.word``."""
-    if isinstance(words, int):
-        return str(_core.isa.disassemble(words, pc))
-    return [str(_core.isa.disassemble(word, pc + i)) for i, word in enumerate(words)]
+    at = arguments.whole("pc", pc, "an address (0 to FFFFFFFFh)")
+    if isinstance(words, numbers.Integral):
+        return str(_core.isa.disassemble(arguments.whole("words", words, A_WORD), at))
+    all_words = arguments.items("words", words, "a word or a list of words")
+    return [str(_core.isa.disassemble(arguments.whole(f"words[{i}]", word, A_WORD), at + i & 0xFFFF_FFFF)) for i, word in enumerate(all_words)]
 
 
 @dataclass(frozen=True)
@@ -125,13 +145,11 @@ class _Registers(MutableMapping[str, int]):
         self._core = core
 
     def __getitem__(self, name: str) -> int:
-        return int(self._core.get(name))
+        return int(self._core.get(_register(name)))
 
     def __setitem__(self, name: str, value: int) -> None:
-        width = 40 if name.upper() in REGISTERS[:12] else 32
-        if not 0 <= value < 1 << width:
-            raise ValueError(f"{name} has {width} bits; {value:#x} does not fit")
-        self._core.set(name, value)
+        width = 40 if _register(name).upper() in REGISTERS[:12] else 32
+        self._core.set(name, arguments.whole(name, value, f"a whole number of {width} bits", 0, (1 << width) - 1))
 
     def __delitem__(self, name: str) -> None:
         raise TypeError("a register cannot be removed")
@@ -150,7 +168,7 @@ class _Floats(MutableMapping[str, float]):
         self._core = core
 
     def _check(self, name: str) -> str:
-        if name.upper() not in REGISTERS[:12]:
+        if _register(name).upper() not in REGISTERS[:12]:
             raise KeyError(f"{name} holds no float; R0 to R11 do")
         return name
 
@@ -158,7 +176,7 @@ class _Floats(MutableMapping[str, float]):
         return extended_to_float(int(self._core.get(self._check(name))))
 
     def __setitem__(self, name: str, value: float) -> None:
-        self._core.set(self._check(name), float_to_extended(value))
+        self._core.set(self._check(name), float_to_extended(arguments.number(name, value)))
 
     def __delitem__(self, name: str) -> None:
         raise TypeError("a register cannot be removed")
@@ -186,43 +204,60 @@ class _Memory:
     def __getitem__(self, where: int | slice) -> int | list[int]:
         if isinstance(where, slice):
             return [int(self._core.peek(address)) for address in _addresses(where)]
-        return int(self._core.peek(where))
+        return int(self._core.peek(_place(where)))
 
     @overload
     def __setitem__(self, where: int, value: int) -> None: ...
     @overload
     def __setitem__(self, where: slice, value: Sequence[int]) -> None: ...
     def __setitem__(self, where: int | slice, value: int | Sequence[int]) -> None:
-        if isinstance(where, int) and isinstance(value, int):
-            self._core.poke(where, _word(value))
+        if not isinstance(where, slice):
+            self._core.poke(_place(where), _word(value))
             return
-        if not isinstance(where, slice) or isinstance(value, int):
-            raise TypeError("a word goes to an address, a list of words to a slice")
-        start = where.start or 0
-        if where.step not in (None, 1) or (where.stop is not None and where.stop - start != len(value)):
+        words = [_word(word) for word in arguments.items("memory", value, "a list of words for a slice")]
+        start = 0 if where.start is None else _place(where.start)
+        if where.step not in (None, 1) or (where.stop is not None and _end(where.stop) - start != len(words)):
             raise ValueError("the slice and the list of words differ in length")
-        for offset, word in enumerate(value):
-            self._core.poke(start + offset, _word(word))
+        for offset, word in enumerate(words):
+            self._core.poke(_place(start + offset), word)
 
     def read_floats(self, address: int, count: int) -> list[float]:
         """Words in the 32-bit single format, as floats. Exact."""
-        return [single_to_float(word) for word in self[address : address + count]]
+        start, number = _place(address), arguments.whole("count", count, "a number of words")
+        return [single_to_float(word) for word in self[start : start + number]]
 
     def write_floats(self, address: int, values: Sequence[float]) -> None:
         """Floats as words of the 32-bit single format, each rounded to the nearest."""
-        self[address : address + len(values)] = [float_to_single(value) for value in values]
+        words = [float_to_single(arguments.number(f"values[{n}]", value)) for n, value in enumerate(arguments.items("values", values, "a list of numbers"))]
+        start = _place(address)
+        self[start : start + len(words)] = words
+
+
+def _register(name: object) -> str:
+    return arguments.text("registers", name, 'the name of a register ("R0")')
+
+
+def _place(where: object) -> int:
+    """An address. Raises IndexError for one that is none."""
+    try:
+        return arguments.whole("memory", where, "an address (0 to FFFFFFFFh; address(\"label\") gives a label's) or a slice of addresses")
+    except ValueError as error:
+        raise IndexError(str(error)) from None
+
+
+def _end(where: object) -> int:
+    return arguments.whole("memory", where, "the end of a slice of addresses", 0, 1 << 32)
 
 
 def _addresses(where: slice) -> range:
     if where.stop is None:
         raise ValueError("a slice of memory needs an end")
-    return range(where.start or 0, where.stop, where.step or 1)
+    step = 1 if where.step is None else arguments.whole("memory", where.step, "a step greater than 0", 1)
+    return range(0 if where.start is None else _place(where.start), _end(where.stop), step)
 
 
-def _word(value: int) -> int:
-    if not -(1 << 31) <= value < 1 << 32:
-        raise ValueError(f"{value:#x} is no 32-bit word")
-    return value & 0xFFFF_FFFF
+def _word(value: object) -> int:
+    return arguments.whole("a word", value, "a 32-bit word", -(1 << 31), (1 << 32) - 1) & 0xFFFF_FFFF
 
 
 class ChipState:
@@ -238,23 +273,23 @@ class ChipState:
 
     def address(self, where: int | str) -> int:
         """An address, or that of a symbol of the program. Raises KeyError for an unknown symbol."""
-        if isinstance(where, int):
-            return where
+        if not isinstance(where, str):
+            return arguments.whole("address", where, "an address (0 to FFFFFFFFh) or a label")
         if self.program is None or where not in self.program.symbols:
             raise KeyError(f"the program has no symbol {where}")
         return int(self.program.symbols[where])
 
     def port(self, number: int) -> dict[str, Any]:
         """A communication port: ``input`` and ``output`` (FIFO contents, oldest first), ``token``, halts, ``control`` (CPCR), and words counted since the start."""
-        return dict(self._core.port(number))
+        return dict(self._core.port(arguments.whole("number", number, "a port, 0 to 5,", 0, 5)))
 
     def peripheral(self, name: str) -> int:
         """A peripheral register by the name that the manual gives it (docs/peripherals.md). Raises IndexError for an unknown one, naming the nearest."""
-        return int(self._core.peripheral(name))
+        return int(self._core.peripheral(arguments.text("name", name, "the name of a peripheral register")))
 
     def fields(self, name: str) -> dict[str, int]:
         """The fields of a peripheral register, as the manual calls them. Raises IndexError for an unknown register."""
-        return dict(self._core.fields(name))
+        return dict(self._core.fields(arguments.text("name", name, "the name of a peripheral register")))
 
     @property
     def peripherals(self) -> dict[str, int]:
@@ -289,19 +324,21 @@ class Processor(ChipState):
     """
 
     def __init__(self, program: Program | Path | None = None, *, board: str | Path = "default", checks: bool = False) -> None:
-        super().__init__(_core.c40.Processor(str(board), checks), None)
+        place = arguments.path("board", board, '"default", "flat" or the path of a board file')
+        super().__init__(_core.c40.Processor(place, arguments.flag("checks", checks)), None)
         if program is not None:
             self.load(program)
 
     def load(self, program: Program | Path) -> None:
         """Loads a program, or a COFF file, and sets PC to its entry. Raises CoffError; IndexError where no RAM is."""
-        self.program = read_coff(program) if isinstance(program, (str, os.PathLike)) else program
+        given = read_coff(program) if isinstance(program, (str, os.PathLike)) else program
+        self.program = arguments.instance("program", given, Program, "a program, as assemble gives it, or the path of a COFF file")
         self._core.load_image(self.program)
 
     def run(self, max_cycles: int = 100_000_000, *, until: int | str | None = None) -> Stop:
         """Runs whole instructions for ``max_cycles`` cycles, or until PC is at ``until`` (an address or a symbol)."""
         target = None if until is None else self.address(until)
-        stop = _stop(self._core.run(max_cycles, target))
+        stop = _stop(self._core.run(_cycles(max_cycles), target))
         if stop.reason == "breakpoint" and stop.pc == target:
             return Stop("until", stop.pc, stop.cycle)
         return stop
@@ -312,22 +349,23 @@ class Processor(ChipState):
 
     def trace(self, max_cycles: int, *, slot: int = 0) -> list[str]:
         """Runs like ``run`` and returns a line per instruction (docs/trace.md), without the header."""
-        return [_core.trace.line(record, slot) for record in self._core.trace(max_cycles) if "pc" in record]
+        arguments.whole("slot", slot, "a number", 0, 2**31 - 1)
+        return [_core.trace.line(record, slot) for record in self._core.trace(_cycles(max_cycles)) if "pc" in record]
 
     def complete_read(self, value: int, *, arbitration: int = 0, transfer: int = 0) -> None:
         """Answers the read that stopped a run: the word, and the cycles waited for the bus and its transfer."""
-        self._core.complete_read(_word(value), arbitration, transfer)
+        self._core.complete_read(_word(value), _cycles(arbitration, "arbitration"), _cycles(transfer, "transfer"))
 
     def complete_write(self, *, arbitration: int = 0, transfer: int = 0) -> None:
         """Lets the write that stopped a run go through."""
-        self._core.complete_write(arbitration, transfer)
+        self._core.complete_write(_cycles(arbitration, "arbitration"), _cycles(transfer, "transfer"))
 
     def raise_interrupt(self, source: str) -> None:
         """Requests an interrupt as its source would: an edge on ``IIOF0`` to ``IIOF3`` or ``NMI``, the flag of ``TINT0``, ``TINT1`` or ``DMAINT0`` to ``DMAINT5`` in IIF.
 
         It is taken when ST, IIE and IIF allow it. An IIOF pin that IIF does not make an interrupt pin ignores the edge. Raises ValueError for another source.
         """
-        name = source.upper()
+        name = arguments.text("source", source, "the name of an interrupt").upper()
         if name == "NMI":
             self._core.raise_nmi()
         elif name in INTERRUPT_PINS:
@@ -359,6 +397,10 @@ class Processor(ChipState):
     def idle(self) -> bool:
         """In IDLE, with no interrupt to take."""
         return bool(self._core.idle)
+
+
+def _cycles(value: object, name: str = "max_cycles") -> int:
+    return arguments.whole(name, value, "a number of cycles", 0, 2**62)
 
 
 def _stop(core: Mapping[str, Any]) -> Stop:

@@ -14,6 +14,11 @@ FileRoles = _core.io.FileRoles
 SameFile = _core.io.SameFile
 
 
+def printable(text: str) -> str:
+    """What a terminal shows and does not obey: control characters become ``\\xNN``."""
+    return _core.io.printable(text.encode("utf-8", "surrogateescape"))
+
+
 def write(path: str | os.PathLike[str], content: str | bytes) -> None:
     """Writes a file; text in UTF-8. Until it is whole the file that was there stays. A device, a pipe or a terminal is written
     into. Raises OSError."""

@@ -7,16 +7,21 @@ ring.chips[0].memory[ring.chips[0].address("token")], ring.links[0].forth.sent
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from cmrc import _core
+from cmrc import _core, arguments
 from cmrc.c40 import ChipState, Path, Program, assemble_file, read_coff
 
 NetworkError = _core.network.NetworkError
 """Raised for a network that cannot be: a ValueError that names chip, port or link, and what would be right."""
+
+
+MOST_CYCLES = 10**13
+"""Of a run: a network's time is counted in 64 bits of picoseconds."""
 
 
 @dataclass(frozen=True)
@@ -150,43 +155,50 @@ class Network:
         record_words: bool = False,
         record_peripherals: bool = False,
     ) -> None:
-        given = [programs] if isinstance(programs, (str, os.PathLike, Program)) else list(programs)
+        given = [programs] if isinstance(programs, (str, os.PathLike, Program)) else arguments.items("programs", programs, "a program or a list of programs")
         images = [_program(program) for program in given]
         count = len(images)
         if topology is not None and count == 1:
-            count = _chips_of(topology)
+            count = _chips_of(arguments.text("topology", topology, 'a topology ("ring:4")'))
         images = images * count if len(images) == 1 else images
         if len(images) != count:
             raise NetworkError(f"{len(images)} programs for {count} chips")
-        board = _each(boards, count, "boards")
-        clock = _each(clocks_mhz, count, "clocks_mhz")
-        name = list(names) or [""] * count
+        board = [arguments.path("boards", each, '"default", "flat" or the path of a board file') for each in _each(boards, count, "boards")]
+        clock = [None if each is None else arguments.number("clocks_mhz", each, "a number of MHz") for each in _each(clocks_mhz, count, "clocks_mhz")]
+        name = [arguments.text("names", each, "the name of a chip") for each in arguments.items("names", names, "a list of names")] or [""] * count
         if len(name) != count:
             raise NetworkError(f"{len(name)} names for {count} chips")
         chips = [
             {"program": image, "board": board[n], "clock_mhz": clock[n], "name": name[n], "until": _address(image, until), "boot": n in boots}
             for n, image in enumerate(images)
         ]
-        wires = [(link, {}) if isinstance(link, str) else (link[0], dict(link[1])) for link in links]
-        shared = [{"name": m.name, "words": m.words, "waits": m.waits, "places": list(m.places.items())} for m in memories]
-        self._take(_core.network.Network(chips, wires, topology, shared, turn_order), record_words, record_peripherals)
+        wires = [_wire(f"links[{n}]", link) for n, link in enumerate(arguments.items("links", links, "a list of links"))]
+        shared = [_shared(f"memories[{n}]", memory) for n, memory in enumerate(arguments.items("memories", memories, "a list of SharedMemory"))]
+        order = arguments.whole("turn_order", turn_order, "a seed", 0, 2**64 - 1)
+        self._take(_core.network.Network(chips, wires, topology, shared, order), record_words, record_peripherals)
 
     @classmethod
     def from_file(cls, path: Path, *, turn_order: int = 0, record_words: bool = False, record_peripherals: bool = False) -> Network:
         """A network as a TOML file describes it (docs/networks.md, Files), the same that ``emulator exec --network`` takes. Raises NetworkError, naming file and line."""
         network = cls.__new__(cls)
-        network._take(_core.network.Network(os.fspath(path), _program, turn_order), record_words, record_peripherals)
+        file, order = arguments.path("path", path, "the path of a network file"), arguments.whole("turn_order", turn_order, "a seed", 0, 2**64 - 1)
+        network._take(_core.network.Network(file, _program, order), record_words, record_peripherals)
         return network
 
     def _take(self, core: Any, record_words: bool, record_peripherals: bool) -> None:
         self._core = core
-        core.record_words(record_words)
-        core.record_peripherals(record_peripherals)
+        core.record_words(arguments.flag("record_words", record_words))
+        core.record_peripherals(arguments.flag("record_peripherals", record_peripherals))
         self.chips = [Chip(core.chip(n), core.program(n), n) for n in range(core.chip_count)]
 
     def run(self, *, until_us: float | None = None, max_cycles: int = 100_000_000) -> NetworkStop:
         """Lets everything happen before an instant (from the start of the network, in microseconds), or before ``max_cycles`` of chip 0."""
-        limit = max_cycles * 10**12 // round(self._core.chip(0).hertz) if until_us is None else round(until_us * 1e6)
+        if until_us is None:
+            limit = arguments.whole("max_cycles", max_cycles, f"a number of cycles, 0 to {MOST_CYCLES},", 0, MOST_CYCLES) * 10**12 // round(self._core.chip(0).hertz)
+        else:
+            limit = _instant("until_us", until_us)
+            if limit < self.now_ps:
+                raise ValueError(f"until_us: {until_us} us has passed, the network is at {self.now_ps / 1e6} us; a later instant is expected")
         reason, time = self._core.run_until(limit)
         return NetworkStop(reason, time)
 
@@ -221,11 +233,18 @@ class Network:
 
     def memory(self, number: int) -> list[int]:
         """The words of a shared memory."""
-        return list(self._core.memory_words(number))
+        return list(self._core.memory_words(self._memory(number)))
 
     def write_memory(self, number: int, at: int, words: Sequence[int]) -> None:
         """Writes words of a shared memory from word ``at`` on. Raises IndexError."""
-        self._core.set_memory_words(number, at, list(words))
+        content = [arguments.whole(f"words[{n}]", word, "a 32-bit word") for n, word in enumerate(arguments.items("words", words, "a list of words"))]
+        self._core.set_memory_words(self._memory(number), arguments.whole("at", at, "the number of a word"), content)
+
+    def _memory(self, number: object) -> int:
+        found = arguments.whole("number", number, "the number of a shared memory", -(2**31), 2**31 - 1)
+        if not 0 <= found < self._core.memory_count:
+            raise IndexError(f"number: there is no shared memory {found}; the network has {self._core.memory_count}")
+        return found
 
     def cut(self, link: int, at_us: float) -> None:
         """Cuts a link: a word on it is lost, nothing passes until ``restore``. Raises NetworkError for a time that is past."""
@@ -252,21 +271,55 @@ class Network:
         self._schedule("pull_out", chip, at_us)
 
     def _schedule(self, kind: str, target: int, at_us: float) -> None:
-        self._core.schedule(kind, round(at_us * 1e6), target)
+        what = "link" if kind in ("cut", "restore") else "chip"
+        self._core.schedule(kind, _instant("at_us", at_us), arguments.whole(what, target, f"the number of a {what}"))
 
 
 def _program(given: Program | Path) -> Program:
     if isinstance(given, Program):
         return given
+    arguments.path("programs", given, "a program, as cmrc.c40.assemble gives it, or the path of a source or COFF file")
     return assemble_file(given) if str(given).endswith((".asm", ".s", ".S")) else read_coff(given)
 
 
 def _address(program: Program, where: int | str | None) -> int | None:
-    if where is None or isinstance(where, int):
+    if where is None:
         return where
+    if not isinstance(where, str):
+        return arguments.whole("until", where, "an address (0 to FFFFFFFFh) or a label")
     if where not in program.symbols:
         raise KeyError(f"the program has no symbol {where}")
     return int(program.symbols[where])
+
+
+def _instant(name: str, microseconds: float) -> int:
+    """In ps; 64 bits hold that much."""
+    found = round(arguments.number(name, microseconds, "an instant in us, 0 to 9e12,", 0.0) * 1e6) if microseconds != math.inf else 2**63
+    if found > 9 * 10**18:
+        raise ValueError(f"{name}: {microseconds} us is out of range; an instant in us, 0 to 9e12, is expected")
+    return found
+
+
+def _wire(name: str, link: object) -> tuple[str, dict[str, Any]]:
+    right = 'a link as "0.3:1.0", or ("0.3:1.0", {"word_cycles": 5}),'
+    if isinstance(link, str):
+        return link, {}
+    if not isinstance(link, (tuple, list)) or len(link) != 2 or not isinstance(link[0], str):
+        arguments.refuse(name, link, right)
+    cycles = arguments.mapping(name, link[1], right)
+    return link[0], {key: arguments.whole(f"{name}, {key}", value, "a number of cycles", 0, 2**31 - 1) for key, value in cycles.items()}
+
+
+def _shared(name: str, memory: object) -> dict[str, Any]:
+    m = arguments.instance(name, memory, SharedMemory, "a cmrc.network.SharedMemory")
+    if not isinstance(m.places, Mapping):
+        arguments.refuse(f"{name}.places", m.places, "a dictionary of chips and addresses")
+    return {
+        "name": arguments.text(f"{name}.name", m.name),
+        "words": arguments.whole(f"{name}.words", m.words, "a number of words"),
+        "waits": arguments.whole(f"{name}.waits", m.waits, "a number of cycles", 0, 2**31 - 1),
+        "places": [(arguments.whole(f"{name}.places", chip, "the number of a chip"), arguments.whole(f"{name}.places", at, "an address")) for chip, at in m.places.items()],
+    }
 
 
 def _chips_of(topology: str) -> int:

@@ -448,7 +448,10 @@ class Scene:
         else:
             self._dock.enable_drives(0, self._time)
         self._time += round(dt * 1e12)
-        self._dock.advance_to(self._time)
+        try:
+            self._dock.advance_to(self._time)
+        finally:
+            self._time = self._dock.time  # less after Ctrl-C
 
     def drive(self, agv: int, speed: float, front: float, rear: float) -> None:
         """A set-point into that AGV's FIFO: m/s, steering angles in rad. ``hold`` says how long each is held."""

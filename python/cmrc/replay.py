@@ -82,7 +82,8 @@ def page(recording: Recording) -> str:
     """The page: 3-D view, time slider, deadline timeline. Nothing in it is fetched from anywhere."""
     template = resources.files("cmrc").joinpath("replay.html").read_text(encoding="utf-8")
     data = {**recording, "containers": containers(recording)}
-    return template.replace("/*RECORDING*/null", json.dumps(data).replace("</", "<\\/"))
+    # Inside a script element "<" alone may end it, or, with "!--", keep it from ending; in JSON it stands in texts only.
+    return template.replace("/*RECORDING*/null", json.dumps(data).replace("<", "\\u003c"))
 
 
 def containers(recording: Recording) -> list[list[list[Any]]]:

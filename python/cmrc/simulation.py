@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from cmrc import _core
+from cmrc import _core, arguments
 from cmrc.c40 import ChipState
 from cmrc.result import Profile, Result
 from cmrc.table import Table
@@ -20,6 +20,21 @@ Reference = _core.cmrc.Reference
 
 Setting = bool | int | float | str
 Progress = Callable[[float, float], bool | None]
+
+
+def configured(
+    config: str | os.PathLike[str] | None,
+    preset: str | None,
+    settings: Mapping[str, Setting] | None,
+    events: Sequence[Mapping[str, Setting]],
+    keywords: Mapping[str, Setting],
+) -> _core.cmrc.Config:
+    """A configuration from the arguments that all runs have. Raises ConfigError; TypeError that names the argument."""
+    file = None if config is None else arguments.path("config", config, "the path of a TOML file")
+    name = None if preset is None else arguments.text("preset", preset, "the name of a preset")
+    given = arguments.mapping("settings", settings, "a dictionary of keys and values, {\"machine.dsps\": 2},")
+    rows = [arguments.mapping(f"events[{n}]", event, "a dictionary with the fields of [[events]]") for n, event in enumerate(arguments.items("events", events, "a list of dictionaries"))]
+    return _core.cmrc.config(file=file, preset=name, settings={**given, **keywords}, events=rows)
 
 
 class Dsp(ChipState):
@@ -62,11 +77,13 @@ class Simulation:
         reference: Reference | None = None,
         **keywords: Setting,
     ) -> None:
-        file = None if config is None else os.fspath(config)
-        given = {**(settings or {}), **keywords}
-        self.config = _core.cmrc.config(file=file, preset=preset, settings=given, events=[dict(event) for event in events])
+        self.config = configured(config, preset, settings, events, keywords)
         """Every setting of this run; ``config.to_dict()``, ``config.to_toml()``."""
-        self._core = _core.cmrc.Simulation(self.config) if reference is None else _core.cmrc.Simulation(self.config, reference)
+        arguments.flag("profile", profile)
+        if reference is None:
+            self._core = _core.cmrc.Simulation(self.config)
+        else:
+            self._core = _core.cmrc.Simulation(self.config, arguments.instance("reference", reference, Reference, "what Simulation.reference() gives, or None,"))
         self._profiled = profile
         if profile:
             self._core.profile()
@@ -88,11 +105,11 @@ class Simulation:
         return self.result()
 
     def run_until(self, time_s: float) -> None:
-        """Runs until that instant of virtual time, or the end of the duration."""
-        self._core.run_until(time_s)
+        """Runs until that instant of virtual time, or the end of the duration. Raises ValueError for an instant that has passed."""
+        self._core.run_until(arguments.number("time_s", time_s, "an instant of the run in s, at least 0,", 0.0))
 
     def result(self) -> Result:
-        """The report and the signals of what has run so far."""
+        """The report and the signals of what has run so far; ``under_way`` where the run is not over."""
         profile = Profile(json.loads(self._core.profile_json()), self._core.profile_text()) if self._profiled else None
         return Result(json.loads(self._core.report_json()), self._core.report_text(), Table(self._core.signals()), profile)
 
@@ -107,7 +124,7 @@ class Simulation:
 
     def dsp(self, slot: int) -> Dsp:
         """The DSP in a slot, between two calls of ``run_until``. Raises IndexError where there is no such slot."""
-        return Dsp(self._core.dsp(slot), None)
+        return Dsp(self._core.dsp(arguments.whole("slot", slot, "the number of a slot", -(2**63), 2**63 - 1)), None)
 
     @property
     def time_s(self) -> float:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
-from cmrc import _core
-from cmrc.simulation import Setting
+from cmrc import _core, arguments
+from cmrc.simulation import Setting, configured
 from cmrc.table import Table
 
 
@@ -56,15 +57,10 @@ class Comparison:
         return f"<cmrc.Comparison: {len(self.report['metrics'])} metrics over {self.report['duration_s']} s>"
 
 
-def _config(
-    config: str | os.PathLike[str] | None, preset: str | None, settings: Mapping[str, Setting] | None, events: Sequence[Mapping[str, Setting]], keywords: Mapping[str, Setting]
-) -> _core.cmrc.Config:
-    file = None if config is None else os.fspath(config)
-    return _core.cmrc.config(file=file, preset=preset, settings={**(settings or {}), **keywords}, events=[dict(event) for event in events])
-
-
-def _grid(values: Iterable[float] | None) -> list[float] | None:
-    return None if values is None else [float(value) for value in values]
+def _grid(name: str, values: Iterable[float] | None) -> list[float] | None:
+    if values is None:
+        return None
+    return [arguments.number(f"{name}[{n}]", value, least=-math.inf) for n, value in enumerate(arguments.items(name, values, "a list of numbers"))]
 
 
 def limits(
@@ -88,8 +84,10 @@ def limits(
     number of DSPs. ``on_progress(done, points)`` is told of every run that ends. Raises ConfigError for an empty grid or a value given twice; a point whose
     configuration is not allowed is reported as refused, not raised.
     """
-    made = _config(config, preset, settings, events, keywords)
-    text, found = _core.why_late.limits(made, _grid(cycles), _grid(dsps), _grid(servo), errors, on_progress)
+    made = configured(config, preset, settings, events, keywords)
+    arguments.function("on_progress", on_progress, "a function of (done, points) or None")
+    grids = _grid("cycles", cycles), _grid("dsps", dsps), _grid("servo", servo)
+    text, found = _core.why_late.limits(made, *grids, arguments.flag("errors", errors), on_progress)
     return Limits(text, json.loads(found))
 
 
@@ -102,5 +100,5 @@ def compare(
     **keywords: Setting,
 ) -> Comparison:
     """The run beside the same run with instant execution (``run.ideal``), both at the same time. Arguments as of ``run``."""
-    text, found = _core.why_late.compare(_config(config, preset, settings, events, keywords))
+    text, found = _core.why_late.compare(configured(config, preset, settings, events, keywords))
     return Comparison(text, json.loads(found))

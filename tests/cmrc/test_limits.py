@@ -17,6 +17,9 @@ def test_the_limit_is_where_all_passes_and_anomalies_lie_beyond() -> None:
     assert outcome([(1, True), (2, False), (3, True), (4, True)], False) == (3, [1])
     assert outcome([(1, False), (2, True)], True) == (None, [2])
     assert outcome([], True) == (None, [])
+    # Interrupted: what has not been run says nothing, and the limit is not looked for beyond it.
+    assert outcome([(1, True), (2, None), (3, True), (4, False), (5, True)], True) == (1, [5])
+    assert outcome([(1, None), (2, True)], True) == (None, [])
 
 
 def test_two_dsps_are_the_least_for_the_base_rates() -> None:

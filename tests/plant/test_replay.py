@@ -141,3 +141,14 @@ def test_it_runs_as_a_module():
     helped = subprocess.run([sys.executable, "-c", "import sys; sys.argv=['cmrc']; from cmrc.__main__ import main; main()"],
                             check=False, capture_output=True, text=True, env={"PYTHONPATH": ":".join(sys.path)})  # fmt: skip
     assert helped.returncode == 2 and "replay" in helped.stderr
+
+
+@pytest.mark.parametrize("name", ["<!--<script>", "</script>", "<!-- <script> -->", "]]>", "a < b"])
+def test_a_name_cannot_end_the_script_of_the_page(recording: replay.Recording, name: str) -> None:
+    """HTML: in a script element "<!--" with "<script" keeps "</script" from ending it, so no "<" of the data may stand in it."""
+    page = replay.page({**recording, "title": name, "layout": {**recording["layout"], name: [name]}})
+    before, after = replay.page({**recording, "title": "", "layout": recording["layout"]}), page
+    assert after.count("<") == before.count("<")
+    start = after.index("const R = ") + len("const R = ")
+    data, _ = json.JSONDecoder().raw_decode(after[start:])
+    assert data["title"] == name and data["layout"][name] == [name]

@@ -28,6 +28,7 @@ class Network:
     now: int
     chip_count: int
     link_count: int
+    memory_count: int
     @overload
     def __init__(self, path: str, program: Callable[[str], Image], turn_order: int) -> None: ...
     @overload

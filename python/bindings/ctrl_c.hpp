@@ -1,0 +1,58 @@
+#pragma once
+// Ctrl-C in long calls: KeyboardInterrupt, or whatever else the program's handler raises, and nothing else.
+#include <optional>
+#include <type_traits>
+
+#include "io/stop.hpp"
+#include "python/bindings/bindings.hpp"
+
+/// While it lives, Python's signals are looked at whenever this thread's work asks io::stop_asked(). Python does so in its main thread only.
+class CtrlC {
+ public:
+  CtrlC()
+      : asker_([this] {
+          if (raised_) return true;
+          const py::gil_scoped_acquire gil;
+          if (PyErr_CheckSignals() != 0) raised_.emplace();
+          return raised_.has_value();
+        }) {}
+  /// With the GIL. \throws what the handler has raised
+  void raise() {
+    if (!raised_) return;
+    py::error_already_set error = std::move(*raised_);
+    raised_.reset();
+    throw error;
+  }
+
+ private:
+  std::optional<py::error_already_set> raised_;
+  io::StopAsker asker_;
+};
+
+/// Does `work`, with the GIL as it is; afterwards raises what Ctrl-C has raised meanwhile.
+template <class Work>
+auto interruptible(Work work) {
+  CtrlC ctrl_c;
+  try {
+    if constexpr (std::is_void_v<decltype(work())>) {
+      work();
+      ctrl_c.raise();
+    } else {
+      auto result = work();
+      ctrl_c.raise();
+      return result;
+    }
+  } catch (const io::Stopped&) {
+    ctrl_c.raise();
+    throw;
+  }
+}
+
+/// The same without the GIL.
+template <class Work>
+auto interruptible_without_gil(Work work) {
+  return interruptible([&] {
+    const py::gil_scoped_release released;
+    return work();
+  });
+}

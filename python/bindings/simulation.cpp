@@ -1,0 +1,217 @@
+// cmrc._core.cmrc.Simulation: one run, used by one thread at a time.
+#include <fmt/format.h>
+#include <pybind11/numpy.h>
+#include <pybind11/stl.h>
+
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "cmrc/config.hpp"
+#include "cmrc/measures.hpp"
+#include "cmrc/simulation.hpp"
+#include "machine/machine.hpp"
+#include "plant/dock.hpp"
+#include "python/bindings/chip_inspection.hpp"
+#include "python/bindings/cmrc.hpp"
+#include "python/bindings/ctrl_c.hpp"
+#include "python/bindings/one_user.hpp"
+#include "toolchain/image.hpp"
+
+namespace {
+
+constexpr double most_seconds = 9e6;  // of 64 bits of picoseconds
+
+/// \param argument for the message
+report::Time to_time(const char* argument, double seconds) {
+  if (!(seconds >= 0 && seconds <= most_seconds))
+    throw py::value_error(fmt::format("{}: {} s is no instant of a run; 0 to {:g} s are", argument, seconds, most_seconds));
+  return report::Time{std::llround(seconds * 1e12)};
+}
+
+/// A run as Python holds it: calls from two threads at once are refused, and so is what changes it from inside a callback.
+class Run {
+ public:
+  template <class... Arguments>
+  explicit Run(Arguments&&... arguments) : run_(std::forward<Arguments>(arguments)...) {}
+
+  cmrc::Simulation& change(const char* call) {
+    user_.changes(call);
+    return run_;
+  }
+  const cmrc::Simulation& read(const char* call) const {
+    user_.reads(call);
+    return run_;
+  }
+
+  void run(const py::object& on_progress, double slice_s) {
+    const report::Time slice = to_time("slice_s", slice_s);
+    if (slice == report::Time{}) throw py::value_error("slice_s: 0 s; a time greater than 0 is expected");
+    if (!on_progress.is_none() && PyCallable_Check(on_progress.ptr()) == 0)
+      throw py::type_error("on_progress: " + std::string(py::str(py::type::of(on_progress))) + " cannot be called; a function of (simulated_s, duration_s) or None is expected");
+    const OneUser::Long use(user_, "run", false);
+    const auto between = [&](const cmrc::Progress& progress) {
+      const py::gil_scoped_acquire gil;
+      const py::object go_on = on_progress(report::seconds(progress.simulated), report::seconds(progress.duration));
+      if (go_on.is_none()) return true;
+      try {
+        return go_on.cast<bool>();
+      } catch (const py::cast_error&) {
+        throw py::type_error(fmt::format("on_progress: it returned {}; True, False or None is expected", std::string(py::repr(go_on)).substr(0, 60)));
+      }
+    };
+    interruptible_without_gil([&] {
+      if (on_progress.is_none()) run_.run({}, slice);
+      else run_.run(between, slice);
+    });
+  }
+
+  /// In slices: Ctrl-C ends it between two of them, and it may be called again.
+  void run_until(double time_s) {
+    const report::Time time = to_time("time_s", time_s);
+    user_.changes("run_until");
+    if (time < run_.time())
+      throw py::value_error(fmt::format("time_s: {:g} s has passed, the run is at {:.9g} s; a later instant is expected", time_s, report::seconds(run_.time())));
+    const OneUser::Long use(user_, "run_until", false);
+    constexpr report::Time slice = std::chrono::milliseconds{20};
+    interruptible_without_gil([&] {
+      do run_.run_until(std::min(time, run_.time() + slice));
+      while (run_.time() < time && !run_.ended() && !io::stop_asked());
+    });
+  }
+
+  /// What may have to wait for the ideal run, which other threads and Ctrl-C need not.
+  template <class Work>
+  auto waiting(const char* call, Work work) {
+    const OneUser::Long use(user_, call, true);
+    return interruptible_without_gil([&] { return work(static_cast<const cmrc::Simulation&>(run_)); });
+  }
+
+ private:
+  cmrc::Simulation run_;
+  OneUser user_{"Simulation"};
+};
+
+/// The plant's time series, one array per signal, units in the names; where the ideal run is there (or null), each joint's and the load's way in it too.
+py::dict signals_of(const plant::Dock& dock, const std::shared_ptr<const cmrc::Reference>& reference) {
+  const auto& rows = dock.signals();
+  py::dict all;
+  const auto column = [&](const std::string& name, auto value) {
+    py::array_t<double> array(static_cast<py::ssize_t>(rows.size()));
+    double* out = array.mutable_data();
+    for (std::size_t i = 0; i < rows.size(); ++i) out[i] = static_cast<double>(value(rows[i]));
+    all[py::str(name)] = array;
+  };
+  column("time_s", [](const plant::Signal& s) { return static_cast<double>(s.time.count()) * 1e-12; });
+  const auto joints = plant::joint_names(dock.config().crane.machine);
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const auto [name, unit] = joints[j];
+    column(fmt::format("{}_{}", name, unit), [j](const plant::Signal& s) { return s.q[j]; });
+    column(fmt::format("{}_rate_{}_per_s", name, unit), [j](const plant::Signal& s) { return s.qd[j]; });
+    column(fmt::format("{}_torque_Nm", name), [j](const plant::Signal& s) { return s.torque[j]; });
+    column(fmt::format("{}_code", name), [j](const plant::Signal& s) { return s.code[j]; });
+    column(fmt::format("{}_saturated", name), [j](const plant::Signal& s) { return std::abs(s.code[j]) >= 2047; });
+    if (!reference) continue;
+    column(fmt::format("{}_reference_{}", name, unit), [&, j](const plant::Signal& s) { return reference->course.at(s.time)[j]; });
+    column(fmt::format("{}_error_{}", name, unit), [&, j](const plant::Signal& s) { return s.q[j] - reference->course.at(s.time)[j]; });
+  }
+  column("sway_alpha_rad", [](const plant::Signal& s) { return s.alpha; });
+  column("sway_beta_rad", [](const plant::Signal& s) { return s.beta; });
+  static constexpr const char* axes[] = {"x", "y", "z"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    column(fmt::format("tip_{}_m", axes[i]), [i](const plant::Signal& s) { return s.tip[i]; });
+    column(fmt::format("payload_{}_m", axes[i]), [i](const plant::Signal& s) { return s.payload[i]; });
+    if (!reference) continue;
+    column(fmt::format("payload_reference_{}_m", axes[i]), [&, i](const plant::Signal& s) { return reference->course.at(s.time)[plant::joint_count + i]; });
+  }
+  column("payload_yaw_rad", [](const plant::Signal& s) { return s.yaw; });
+  column("tension_N", [](const plant::Signal& s) { return s.tension; });
+  column("contact", [](const plant::Signal& s) { return s.contact; });
+  const auto& fleet = dock.agv_signals();
+  for (std::size_t agv = 0; agv < fleet.size(); ++agv) {
+    const auto agv_column = [&](const char* name, auto value) {
+      py::array_t<double> array(static_cast<py::ssize_t>(fleet[agv].size()));
+      double* out = array.mutable_data();
+      for (std::size_t i = 0; i < fleet[agv].size(); ++i) out[i] = value(fleet[agv][i]);
+      all[py::str(fmt::format("agv{}_{}", agv, name))] = array;
+    };
+    agv_column("x_m", [](const plant::AgvSignal& s) { return s.x; });
+    agv_column("y_m", [](const plant::AgvSignal& s) { return s.y; });
+    agv_column("heading_rad", [](const plant::AgvSignal& s) { return s.heading; });
+    agv_column("speed_m_per_s", [](const plant::AgvSignal& s) { return s.speed; });
+    agv_column("speed_command_m_per_s", [](const plant::AgvSignal& s) { return s.speed_command; });
+    agv_column("front_rad", [](const plant::AgvSignal& s) { return s.front; });
+    agv_column("rear_rad", [](const plant::AgvSignal& s) { return s.rear; });
+  }
+  return all;
+}
+
+/// A DSP of a run.
+struct DspOf {
+  std::shared_ptr<Run> run;
+  unsigned slot;
+};
+
+/// Its chip, for reading and for changing.
+struct ChipOfDsp {
+  const c40::Chip& operator()(const DspOf& d) const { return d.run->read("dsp").machine().chip(d.slot); }
+  c40::Chip& operator()(DspOf& d) const { return d.run->change("dsp").machine().chip(d.slot); }
+};
+
+void bind_dsp(py::module_& m) {
+  const auto machine = [](const DspOf& d) -> const machine::Machine& { return d.run->read("dsp").machine(); };
+  py::class_<DspOf> dsp(m, "Dsp", "One DSP of a run.");
+  dsp.def_property_readonly("pc", [machine](const DspOf& d) { return machine(d).chip(d.slot).pc(); })
+      .def_property_readonly("plugged", [machine](const DspOf& d) { return machine(d).plugged(d.slot); })
+      .def_property_readonly("booted", [machine](const DspOf& d) { return machine(d).booted(d.slot); });
+  bind_inspection(dsp, ChipOfDsp());
+}
+
+DspOf dsp_of(const std::shared_ptr<Run>& run, std::int64_t slot) {
+  const std::int64_t slots = run->read("dsp").machine().slots();
+  if (slot < 0 || slot >= slots) throw py::index_error(fmt::format("there is no slot {}; the slots are 0 to {}", slot, slots - 1));
+  return {run, static_cast<unsigned>(slot)};
+}
+
+}  // namespace
+
+void bind_simulation(py::module_& m) {
+  using cmrc::Simulation;
+  bind_dsp(m);
+  py::class_<cmrc::Reference, std::shared_ptr<cmrc::Reference>>(m, "Reference", "An ideal run, for the runs that are measured against it.")
+      .def_readonly("elapsed_s", &cmrc::Reference::elapsed_s);
+  py::class_<Run, std::shared_ptr<Run>>(m, "Simulation", "One run, used by one thread at a time. Times in seconds.")
+      .def(py::init<const cmrc::Config&>(), py::arg("config"))
+      .def(py::init<const cmrc::Config&, std::shared_ptr<const cmrc::Reference>>(), py::arg("config"), py::arg("reference"))
+      .def("reference", [](Run& r) { return r.waiting("reference", [](const Simulation& s) { return s.reference(); }); },
+           "The ideal run that this run was measured against; None while the run is not over, and where there is none.")
+      .def("run", &Run::run, py::arg("on_progress") = py::none(), py::arg("slice_s") = 0.02,
+           "Runs to the end; on_progress(simulated_s, duration_s) may return False to stop. Ctrl-C stops cleanly and raises KeyboardInterrupt.")
+      .def("run_until", &Run::run_until, py::arg("time_s"))
+      .def("at", [](Run& r, const py::dict& fields) { r.change("at").at(event_of(fields)); }, py::arg("fields"),
+           "A timed event: at_s, action and its fields (docs/configuration.md, [[events]]).")
+      // A Dsp owns its run; pybind11 3.1's keep_alive<0, 1> crashes when an argument has a wrong type.
+      .def("dsp", &dsp_of, py::arg("slot"))
+      .def("peek", [](const Run& r, std::uint32_t offset) { return r.read("peek").machine().peek(offset); }, "A word of shared memory.")
+      .def("symbol", [](const Run& r, const std::string& name) { return r.read("symbol").machine().symbol(name); })
+      .def_property_readonly("time_s", [](const Run& r) { return report::seconds(r.read("time_s").time()); })
+      .def_property_readonly("ended", [](const Run& r) { return r.read("ended").ended(); })
+      .def_property_readonly("exit_status", [](Run& r) { return r.waiting("exit_status", [](const Simulation& s) { return s.exit_status(); }); })
+      .def("report_json", [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_json(s.report()); }); })
+      .def("report_text", [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_text(s.report()); }); })
+      .def("tasks_json", [](const Run& r) { return report::tasks_to_json(r.read("tasks").tasks()); })
+      .def("profile", [](Run& r) { r.change("profile").profile(); }, "Counts where the DSPs' cycles go; before the run.")
+      .def("profile_json", [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_json(s.profile_report()); }); })
+      .def("profile_text", [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_text(s.profile_report()); }); })
+      .def("signals", [](Run& r) {
+        const auto reference = r.waiting("result", [](const Simulation& s) { return s.reference(); });
+        return signals_of(r.read("result").dock(), reference);
+      })
+      .def("dock_events", [](const Run& r) {
+        py::list all;
+        for (const plant::Event& event : r.read("dock_events").dock().events()) {
+          all.append(py::make_tuple(report::seconds(event.time), plant::name(event.kind), event.index, event.values[0], event.values[1]));
+        }
+        return all;
+      });
+}

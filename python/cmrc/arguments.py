@@ -1,0 +1,88 @@
+"""Arguments of a wrong kind: one message that names the argument, what came, and what would be right.
+
+Each function returns the argument as the kind that it is about. Raises TypeError for a wrong kind, ValueError for a wrong value.
+"""
+
+from __future__ import annotations
+
+import math
+import numbers
+import operator
+import os
+from collections.abc import Iterable, Mapping
+from typing import Any, NoReturn, TypeVar
+
+Kind = TypeVar("Kind")
+
+
+def refuse(name: str, value: object, right: str) -> NoReturn:
+    shown = repr(value)
+    raise TypeError(f"{name}: {shown if len(shown) <= 60 else shown[:57] + '...'} ({type(value).__name__}) cannot be used; {right} is expected")
+
+
+def mapping(name: str, value: object, right: str) -> dict[str, Any]:
+    """A dictionary with names as keys; None is an empty one."""
+    if value is None:
+        return {}
+    if not isinstance(value, Mapping):
+        refuse(name, value, right)
+    for key in value:
+        if not isinstance(key, str):
+            refuse(f"{name}, key", key, "a name")
+    return dict(value)
+
+
+def items(name: str, value: object, right: str) -> list[Any]:
+    """A list, tuple, array or generator; no text, no dictionary."""
+    if isinstance(value, (str, bytes, Mapping)) or not isinstance(value, Iterable):
+        refuse(name, value, right)
+    return list(value)
+
+
+def text(name: str, value: object, right: str = "a text") -> str:
+    if not isinstance(value, str):
+        refuse(name, value, right)
+    return value
+
+
+def path(name: str, value: object, right: str = "the path of a file") -> str:
+    if not isinstance(value, (str, os.PathLike)):
+        refuse(name, value, right)
+    found = os.fspath(value)
+    return found if isinstance(found, str) else os.fsdecode(found)
+
+
+def number(name: str, value: object, right: str = "a number", least: float = -math.inf) -> float:
+    if not isinstance(value, numbers.Real):
+        refuse(name, value, right)
+    if not float(value) >= least:  # nan is neither
+        raise ValueError(f"{name}: {value} is no {'number' if math.isnan(value) else 'possible value'}; {right} is expected")
+    return float(value)
+
+
+def whole(name: str, value: object, right: str, least: int = 0, most: int = 2**32 - 1) -> int:
+    try:
+        found = operator.index(value)  # type: ignore[arg-type]  # what has no __index__ is what is looked for
+    except TypeError:
+        refuse(name, value, right)
+    if not least <= found <= most:
+        raise ValueError(f"{name}: {found} is out of range; {right} is expected")
+    return found
+
+
+def flag(name: str, value: object) -> bool:
+    if value is not True and value is not False:
+        refuse(name, value, "True or False")
+    return value
+
+
+def function(name: str, value: object, right: str) -> None:
+    """None or something that can be called."""
+    if value is not None and not callable(value):
+        refuse(name, value, right)
+
+
+def instance(name: str, value: object, kind: type[Kind], right: str) -> Kind:
+    if not isinstance(value, kind):
+        refuse(name, value, right)
+    return value

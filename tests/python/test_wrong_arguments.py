@@ -1,0 +1,211 @@
+"""Entry point x wrong value: the message names the argument, what came, and what would be right; nothing of the binding's own words."""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import cmrc
+import pytest
+from cmrc import c40, network
+
+LOOP = c40.assemble("_start: addi 1,r0\n        b _start\n")
+LONGEST = 200
+
+
+def simulation(**more: Any) -> Any:
+    return cmrc.Simulation(duration_s=0.05, settings={"report.reference": "none"}, **more)
+
+
+def processor() -> Any:
+    return c40.Processor(LOOP)
+
+
+def chips(**more: Any) -> Any:
+    return network.Network([LOOP, LOOP], links=["0.0:1.3"], **more)
+
+
+def ran() -> Any:
+    made = simulation()
+    made.run_until(0.03)
+    return made
+
+
+W = TypeError
+V = ValueError
+NO_INSTANT = "time_s: "
+# Typed as Any: what is wrong on purpose.
+RUNS: dict[str, Callable[..., Any]] = {"Simulation": cmrc.Simulation, "run": cmrc.run, "limits": cmrc.limits, "compare": cmrc.compare}
+SHARED: list[tuple[dict[str, Any], type[Exception], str]] = [
+    ({"settings": [1]}, W, "settings: [1] (list)"),
+    ({"settings": "dsps=1"}, W, "settings: 'dsps=1' (str)"),
+    ({"settings": {1: 2}}, W, "settings, key: 1 (int)"),
+    ({"settings": {"machine.dsps": [1]}}, V, "machine.dsps: <class 'list'>"),
+    ({"settings": {"machine.dsps": None}}, V, "machine.dsps: <class 'NoneType'>"),
+    ({"settings": {"machine": {"dsps": object}}}, V, "machine.dsps: <class 'type'>"),
+    ({"seed": None}, V, "seed: <class 'NoneType'>"),
+    ({"duration_s": math.nan}, V, "run.duration_s: nan"),
+    ({"duration_s": "long"}, V, 'run.duration_s: "long"'),
+    ({"events": {"at_s": 1}}, W, "events: {'at_s': 1} (dict)"),
+    ({"events": "fail"}, W, "events: 'fail' (str)"),
+    ({"events": 3}, W, "events: 3 (int)"),
+    ({"events": [{}, 1]}, W, "events[1]: 1 (int)"),
+    ({"events": [{"at_s": [1], "action": "fail"}]}, V, "at_s: <class 'list'>"),
+    ({"preset": 3}, W, "preset: 3 (int)"),
+    ({"config": 3}, W, "config: 3 (int)"),
+    ({"config": b"x"}, W, "config: b'x' (bytes)"),
+]
+CALLS: dict[str, tuple[Callable[[], Any], type[Exception], str]] = {
+    **{
+        f"{name}({', '.join(f'{key}={value!r}' for key, value in wrong.items())})": (lambda make=make, wrong=wrong: make(**wrong), error, start)
+        for name, make in RUNS.items()
+        for wrong, error, start in SHARED
+    },
+    "Simulation reference": (lambda: cmrc.Simulation(reference=3), W, "reference: 3 (int)"),
+    "Simulation profile": (lambda: cmrc.Simulation(profile="no"), W, "profile: 'no' (str)"),
+    "run dsps": (lambda: cmrc.run(dsps="two"), V, 'machine.dsps: "two"'),
+    "Simulation.run on_progress": (lambda: simulation().run(3), W, "on_progress: <class 'int'>"),
+    "on_progress returns a text": (lambda: simulation().run(lambda at, of: "x"), W, "on_progress: it returned 'x'"),
+    "on_progress returns a list": (lambda: simulation().run(lambda at, of: []), W, "on_progress: it returned []"),
+    "run_until nan": (lambda: simulation().run_until(math.nan), V, NO_INSTANT + "nan"),
+    "run_until inf": (lambda: simulation().run_until(math.inf), V, NO_INSTANT + "inf"),
+    "run_until -1": (lambda: simulation().run_until(-1), V, NO_INSTANT + "-1"),
+    "run_until text": (lambda: simulation().run_until("1"), W, NO_INSTANT + "'1' (str)"),
+    "run_until None": (lambda: simulation().run_until(None), W, NO_INSTANT + "None"),
+    "run_until back": (lambda: ran().run_until(0.02), V, NO_INSTANT + "0.02 s has passed, the run is at 0.03 s"),
+    "at text": (lambda: simulation().at("x", "fail", dsp=0), V, 'events.at_s: "x"'),
+    "at nan": (lambda: simulation().at(math.nan, "fail", dsp=0), V, "events.at_s: nan"),
+    "at back": (lambda: ran().at(0.02, "fail", dsp=0), V, "events.at_s: 0.02 s has passed"),
+    "at action": (lambda: simulation().at(0.01, 3, dsp=0), V, "events.action: 3"),
+    "at list": (lambda: simulation().at(0.01, "fail", dsp=[0]), V, "dsp: <class 'list'>"),
+    "dsp text": (lambda: simulation().dsp("0"), W, "slot: '0' (str)"),
+    "dsp float": (lambda: simulation().dsp(1.0), W, "slot: 1.0 (float)"),
+    "dsp -1": (lambda: simulation().dsp(-1), IndexError, "there is no slot -1; the slots are 0 to 3"),
+    "dsp 99": (lambda: simulation().dsp(99), IndexError, "there is no slot 99; the slots are 0 to 3"),
+    "limits dsps": (lambda: cmrc.limits(dsps=3), W, "dsps: 3 (int)"),
+    "limits dsps text": (lambda: cmrc.limits(dsps="12"), W, "dsps: '12' (str)"),
+    "limits dsps None": (lambda: cmrc.limits(dsps=[1, None]), W, "dsps[1]: None"),
+    "limits cycles nan": (lambda: cmrc.limits(cycles=[math.nan]), V, "cycles[0]: nan"),
+    "limits errors": (lambda: cmrc.limits(dsps=[1], errors="yes"), W, "errors: 'yes' (str)"),
+    "limits on_progress": (lambda: cmrc.limits(dsps=[1], on_progress=3), W, "on_progress: 3 (int)"),
+    "assemble None": (lambda: c40.assemble(None), W, "text: None"),
+    "assemble bytes": (lambda: c40.assemble(b"x"), W, "text: b'x' (bytes)"),
+    "assemble name": (lambda: c40.assemble("", name=3), W, "name: 3 (int)"),
+    "assemble include_dirs": (lambda: c40.assemble("", include_dirs="abc"), W, "include_dirs: 'abc' (str)"),
+    "assemble a folder": (lambda: c40.assemble("", include_dirs=[3]), W, "include_dirs[0]: 3 (int)"),
+    "assemble symbols": (lambda: c40.assemble("", symbols=[1]), W, "symbols: [1] (list)"),
+    "assemble a symbol": (lambda: c40.assemble("", symbols={"a": "b"}), W, "symbols['a']: 'b' (str)"),
+    "assemble a symbol's range": (lambda: c40.assemble("", symbols={"a": -1}), V, "symbols['a']: -1"),
+    "assemble a symbol's name": (lambda: c40.assemble("", symbols={1: 1}), W, "symbols, key: 1 (int)"),
+    "assemble sections": (lambda: c40.assemble("", sections={".text": 2**40}), V, "sections['.text']: 1099511627776"),
+    "assemble entry": (lambda: c40.assemble("", entry=3), W, "entry: 3 (int)"),
+    "assemble dialect": (lambda: c40.assemble("", dialect=3), W, "dialect: 3 (int)"),
+    "assemble another dialect": (lambda: c40.assemble("", dialect="x"), V, "dialect: "),
+    "assemble_file": (lambda: c40.assemble_file(None), W, "path: None"),
+    "read_coff": (lambda: c40.read_coff(3), W, "path: 3 (int)"),
+    "write_coff program": (lambda: c40.write_coff(3, Path("x")), W, "program: 3 (int)"),
+    "write_coff path": (lambda: c40.write_coff(LOOP, 3), W, "path: 3 (int)"),
+    "disassemble text": (lambda: c40.disassemble("x"), W, "words: 'x' (str)"),
+    "disassemble None": (lambda: c40.disassemble(None), W, "words: None"),
+    "disassemble -1": (lambda: c40.disassemble(-1), V, "words: -1"),
+    "disassemble a list": (lambda: c40.disassemble([0, "x"]), W, "words[1]: 'x' (str)"),
+    "disassemble pc": (lambda: c40.disassemble(0, "x"), W, "pc: 'x' (str)"),
+    "Processor": (lambda: c40.Processor(3), W, "program: 3 (int)"),
+    "Processor board": (lambda: c40.Processor(board=3), W, "board: 3 (int)"),
+    "Processor checks": (lambda: c40.Processor(checks=3), W, "checks: 3 (int)"),
+    "load": (lambda: processor().load(None), W, "program: None"),
+    "memory text": (lambda: processor().memory["uart"], W, "memory: 'uart' (str)"),
+    "memory None": (lambda: processor().memory[None], W, "memory: None"),
+    "memory float": (lambda: processor().memory[1.5], W, "memory: 1.5 (float)"),
+    "memory -1": (lambda: processor().memory[-1], IndexError, "memory: -1"),
+    "memory beyond": (lambda: processor().memory[2**32], IndexError, "memory: 4294967296"),
+    "memory slice": (lambda: processor().memory["a":"b"], W, "memory: 'a' (str)"),
+    "memory = text": (lambda: processor().memory.__setitem__(0x300000, "x"), W, "a word: 'x' (str)"),
+    "memory = float": (lambda: processor().memory.__setitem__(0x300000, 1.5), W, "a word: 1.5 (float)"),
+    "memory = too much": (lambda: processor().memory.__setitem__(0x300000, 2**32), V, "a word: 4294967296"),
+    "memory slice = word": (lambda: processor().memory.__setitem__(slice(0x300000, 0x300001), 1), W, "memory: 1 (int)"),
+    "memory slice = texts": (lambda: processor().memory.__setitem__(slice(0x300000, 0x300002), ["x", "y"]), W, "a word: 'x' (str)"),
+    "memory word = list": (lambda: processor().memory.__setitem__(0x300000, [1]), W, "a word: [1] (list)"),
+    "read_floats": (lambda: processor().memory.read_floats("x", 1), W, "memory: 'x' (str)"),
+    "write_floats": (lambda: processor().memory.write_floats(0x300000, ["x"]), W, "values[0]: 'x' (str)"),
+    "registers": (lambda: processor().registers[3], W, "registers: 3 (int)"),
+    "registers = text": (lambda: processor().registers.__setitem__("R0", "x"), W, "R0: 'x' (str)"),
+    "registers = float": (lambda: processor().registers.__setitem__("AR0", 1.5), W, "AR0: 1.5 (float)"),
+    "registers = too much": (lambda: processor().registers.__setitem__("AR0", 2**32), V, "AR0: 4294967296"),
+    "floats": (lambda: processor().floats[3], W, "registers: 3 (int)"),
+    "floats = text": (lambda: processor().floats.__setitem__("R0", "x"), W, "R0: 'x' (str)"),
+    "Processor.run text": (lambda: processor().run("x"), W, "max_cycles: 'x' (str)"),
+    "Processor.run float": (lambda: processor().run(1.5), W, "max_cycles: 1.5 (float)"),
+    "Processor.run -1": (lambda: processor().run(-1), V, "max_cycles: -1"),
+    "Processor.run huge": (lambda: processor().run(2**70), V, "max_cycles: "),
+    "Processor.run until": (lambda: processor().run(10, until=1.5), W, "address: 1.5 (float)"),
+    "Processor.run until -1": (lambda: processor().run(10, until=-1), V, "address: -1"),
+    "Processor.pc": (lambda: setattr(processor(), "pc", None), W, "address: None"),
+    "Processor.trace": (lambda: processor().trace("x"), W, "max_cycles: 'x' (str)"),
+    "raise_interrupt": (lambda: processor().raise_interrupt(3), W, "source: 3 (int)"),
+    "port": (lambda: processor().port("x"), W, "number: 'x' (str)"),
+    "port 9": (lambda: processor().port(9), V, "number: 9"),
+    "peripheral": (lambda: processor().peripheral(3), W, "name: 3 (int)"),
+    "fields": (lambda: processor().fields(None), W, "name: None"),
+    "complete_read": (lambda: processor().complete_read("x"), W, "a word: 'x' (str)"),
+    "complete_read waits": (lambda: processor().complete_read(1, transfer=-1), V, "transfer: -1"),
+    "Network": (lambda: network.Network(3), W, "programs: 3 (int)"),
+    "Network program": (lambda: network.Network([3]), W, "programs: 3 (int)"),
+    "Network links": (lambda: network.Network([LOOP], links=3), W, "links: 3 (int)"),
+    "Network link": (lambda: network.Network([LOOP, LOOP], links=[3]), W, "links[0]: 3 (int)"),
+    "Network link cycles": (lambda: network.Network([LOOP, LOOP], links=[("0.0:1.3", {"word_cycles": "x"})]), W, "links[0], word_cycles: 'x' (str)"),
+    "Network topology": (lambda: network.Network(LOOP, topology=3), W, "topology: 3 (int)"),
+    "Network clocks": (lambda: chips(clocks_mhz="x"), W, "clocks_mhz: 'x' (str)"),
+    "Network boards": (lambda: chips(boards=3), W, "boards: 3 (int)"),
+    "Network names": (lambda: chips(names=[1, 2]), W, "names: 1 (int)"),
+    "Network memories": (lambda: chips(memories=[3]), W, "memories[0]: 3 (int)"),
+    "Network turn_order": (lambda: chips(turn_order="x"), W, "turn_order: 'x' (str)"),
+    "Network until": (lambda: chips(until=1.5), W, "until: 1.5 (float)"),
+    "Network.from_file": (lambda: network.Network.from_file(3), W, "path: 3 (int)"),
+    "Network.run text": (lambda: chips().run(until_us="x"), W, "until_us: 'x' (str)"),
+    "Network.run nan": (lambda: chips().run(until_us=math.nan), V, "until_us: nan"),
+    "Network.run inf": (lambda: chips().run(until_us=math.inf), V, "until_us: inf"),
+    "Network.run -1": (lambda: chips().run(until_us=-1), V, "until_us: -1"),
+    "Network.run cycles": (lambda: chips().run(max_cycles="x"), W, "max_cycles: 'x' (str)"),
+    "Network.run huge": (lambda: chips().run(max_cycles=10**30), V, "max_cycles: 1"),
+    "Network.cut": (lambda: chips().cut("x", 1), W, "link: 'x' (str)"),
+    "Network.cut nan": (lambda: chips().cut(0, math.nan), V, "at_us: nan"),
+    "Network.hold": (lambda: chips().hold(-1, 1), V, "chip: -1"),
+    "Network.memory": (lambda: chips().memory(3), IndexError, "number: there is no shared memory 3"),
+    "Network.write_memory": (lambda: chips().write_memory(3, 0, [1]), IndexError, "number: there is no shared memory 3"),
+}
+
+
+@pytest.mark.parametrize("name", CALLS)
+def test_a_wrong_argument_is_refused_in_our_words(name: str) -> None:
+    call, error, start = CALLS[name]
+    with pytest.raises(error) as found:
+        call()
+    message = str(found.value)
+    assert message.startswith(start), message
+    assert message.endswith((" is expected", " are", " is expected (s)")) or "; the " in message, message
+    assert len(message) < LONGEST
+    for word in ("cmrc._core", "incompatible", "C++", "typing."):
+        assert word not in message
+
+
+def test_a_run_that_is_not_over_says_so() -> None:
+    made = simulation()
+    before = made.result()
+    assert (before.stop_reason, before.report["simulated_s"]) == ("under_way", 0.0)
+    assert "The run is not over." in before.text
+    made.run_until(0.03)
+    assert made.result().stop_reason == "under_way"
+    made.run_until(0.03)  # no way back, but to stay is allowed
+    made.run_until(1.0)
+    assert made.result().stop_reason == "completed" and "not over" not in made.result().text
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    numpy = pytest.importorskip("numpy")
+    made = processor()
+    made.memory[numpy.int64(0x300010)] = numpy.uint32(7)
+    assert made.memory[numpy.uint32(0x300010)] == 7 and made.run(numpy.int32(4)).reason == "limit"
+    run = simulation()
+    run.run_until(numpy.float64(0.02))
+    assert run.time_s == 0.02 and run.dsp(numpy.int8(0)).plugged
