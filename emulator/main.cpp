@@ -148,6 +148,7 @@ void declare_exec(CLI::App& app, cli::ExecOptions& options) {
                  "default: the CMRC board's memory map; flat: zero-wait RAM everywhere, and the chip's own registers; or a board file (docs/cli.md); of a network one for all or one for each chip")
       ->type_name("default|flat|FILE.toml")
       ->allow_extra_args(false);
+  app.add_option("--memory-max", options.memory_max, "Of the RAM of --board flat a program may use so many MiB (default 256)")->check(CLI::Range(1, 16384))->type_name("MIB");
   app.add_option("--link", options.links, "Join two communication ports")->type_name("CHIP.PORT:CHIP.PORT")->allow_extra_args(false);
   app.add_option("--topology", options.topology, "Chips and their links: ring, line, grid, torus or hypercube")->type_name("ring:4|grid:4x4|...");
   app.add_option("--network", options.network, "Chips, links, memories and events from a file (docs/networks.md)")->type_name("FILE.toml");

@@ -204,6 +204,7 @@ class Engine {
   void settle_accesses(const Step& step, Address pc);
   void advance_pc(Address pc);
   Stepped fail(Fault::Kind kind, std::string message, Address address = 0);
+  Stepped nothing_at(std::string_view access, Address address);
   void emit_trace(const Step& step, const Core& before, Cycles cycle, const Causes& causes);
 
   // engine_peripherals.cpp: registers on the chip, ports, timers, interrupts

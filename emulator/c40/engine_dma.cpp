@@ -369,11 +369,9 @@ std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
 StopInfo Engine::dma_stop(const DmaRequest& request) {
   if (request.nothing_there) {
     const Memory::Area* area = memory_.find(request.address);
-    const bool reserved = area == nullptr;
-    fail(reserved ? Fault::Kind::reserved_address : Fault::Kind::not_modelled,
-         fmt::format("DMA channel {}: {} {:08X}h, which is {}", request.channel, request.write ? "write to" : "read of", request.address,
-                     reserved ? fmt::format("reserved on board {}", board_.name) : describe_register(request.address)),
-         request.address);
+    const std::string access = fmt::format("DMA channel {}: {}", request.channel, request.write ? "write to" : "read of");
+    if (area == nullptr) nothing_at(access, request.address);
+    else fail(Fault::Kind::not_modelled, fmt::format("{} {:08X}h, which is {}", access, request.address, describe_register(request.address)), request.address);
     return stop(Stepped::fault);
   }
   dma_request_ = request;

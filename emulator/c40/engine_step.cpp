@@ -52,11 +52,20 @@ Engine::Stepped Engine::fail(Fault::Kind kind, std::string message, Address addr
   return Stepped::fault;
 }
 
+// A flat board has RAM everywhere, but not without end.
+Engine::Stepped Engine::nothing_at(std::string_view access, Address address) {
+  if (board_.is_flat)
+    return fail(Fault::Kind::not_modelled,
+                fmt::format("{} {:08X}h: the program uses more than the {} MiB of RAM that board {} may take", access, address,
+                            board_.flat_words_max * sizeof(Word) >> 20, board_.name), address);
+  return fail(Fault::Kind::reserved_address, fmt::format("{} {:08X}h, which is reserved on board {}", access, address, board_.name), address);
+}
+
 bool Engine::find_code(Address pc) {
   const Memory::Area* area = memory_.find(pc);
   code_ = {};
   if (area == nullptr) {
-    fail(Fault::Kind::reserved_address, fmt::format("instruction fetch from the reserved address {:08X}h", pc), pc);
+    nothing_at("instruction fetch from", pc);
     return false;
   }
   if (area->data == nullptr) {
@@ -183,9 +192,7 @@ Engine::Stepped Engine::resolve(Step& step) {
   const Memory::Area* area = site.area[k];
   if (area == nullptr || !area->contains(address) || site.demand.data[k].write != write) {
     area = site.area[k] = memory_.find(address);
-    if (area == nullptr)
-      return fail(Fault::Kind::reserved_address,
-                  fmt::format("{} {:08X}h, which is reserved on board {}", write ? "write to" : "read of", address, board_.name), address);
+    if (area == nullptr) return nothing_at(write ? "write to" : "read of", address);
     if (write && area->kind == Region::Kind::rom)
       return fail(Fault::Kind::reserved_address, fmt::format("write to {:08X}h, which is in the {}", address, area->name), address);
     if (!step.paged) pages_ = state_.open_pages;

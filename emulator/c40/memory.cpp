@@ -95,7 +95,7 @@ Board Board::plain_ram() {
 
 void Memory::Free::operator()(Word* words) const { std::free(words); }
 
-Memory::Memory(const Board& board) : flat_(board.is_flat) {
+Memory::Memory(const Board& board) : flat_(board.is_flat), flat_words_max_(board.flat_words_max) {
   for (const Region& region : board.regions) add(area_of(region));
   add(on_chip(0));
   add(on_chip(1));
@@ -176,6 +176,8 @@ const Memory::Area* Memory::make_flat_page(Address address) {
     if (other->base > address) end = std::min(end, other->base - 1);
   }
   area.words = end - area.base + 1;
+  if (flat_words_ + area.words > flat_words_max_) return nullptr;
+  flat_words_ += area.words;
   area.name = fmt::format("flat RAM {:08X}h", area.base);
   return add(area);
 }

@@ -35,6 +35,8 @@ struct Board {
   std::string name;
   std::vector<Region> regions;
   bool is_flat = false;  ///< Plain zero-wait RAM without bus conflicts at every address that is none of a region or of the chip's own.
+  /// Of such RAM a program may use so much, in pages of 64 K words. 256 MiB: it is the host's memory.
+  std::uint64_t flat_words_max = std::uint64_t{1} << 26;
   bool has_peripherals = true;  ///< Their registers are at 100000h; else that is memory, or nothing.
   /// GMICR and LMICR as the board's boot header leaves them. The default: RDY alone on both strobes, no software wait states, pages
   /// of 1 K words on STRB0, which is the lower half.
@@ -101,7 +103,8 @@ class Memory {
   /// `pages` matter to, and are changed by, accesses to a strobe where some region counts them.
   Met meet(const Area& area, Address address, bool write, OpenPages& pages) const;
 
-  /// The area of an address, or null for a reserved one. On a flat board a page is made when it is first asked for.
+  /// The area of an address, or null for a reserved one. On a flat board a page is made when it is first asked for; null where that would be
+  /// more than the board's flat_words_max.
   const Area* find(Address address);
   const Area* find(Address address) const;
   const std::vector<std::unique_ptr<Area>>& areas() const { return areas_; }
@@ -114,6 +117,7 @@ class Memory {
   const Area* make_flat_page(Address address);
 
   bool flat_;
+  std::uint64_t flat_words_max_, flat_words_ = 0;
   std::array<InterfaceControl, 2> control_{};  // local, global
   std::array<std::array<bool, 2>, 2> paged_{};  // by bus and strobe: some region has page_waits
   std::vector<std::unique_ptr<Area>> areas_;  // by base

@@ -319,7 +319,7 @@ int exec(const ExecOptions& options) {
   if (options.programs.empty()) throw InputError("exec: PROGRAM is missing; a program is expected, or --network FILE.toml");
   if (options.boards.size() > 1) throw InputError("--board: one chip has one board");
   if (options.link_trace) throw InputError("--link-trace: there is no link");
-  const machine::BoardDescription chosen = machine::read_board(options.boards.empty() ? "default" : options.boards.front());
+  const machine::BoardDescription chosen = board_named(options, options.boards.empty() ? "default" : options.boards.front());
   const Image image = read_program(options.programs.front(), options.include_directories, options.load_at, options.dialect);
   for (const std::string& warning : image.warnings) io::print(stderr, "{}\n", warning);
   io::FileRoles files = files_read(options);

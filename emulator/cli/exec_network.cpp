@@ -51,7 +51,7 @@ class Watched {
 
 machine::NetworkDescription described(const ExecOptions& options) {
   if (options.network) {
-    if (!options.programs.empty() || !options.links.empty() || options.topology || !options.boards.empty() || options.until || options.entry || options.load_at)
+    if (!options.programs.empty() || !options.links.empty() || options.topology || !options.boards.empty() || options.until || options.entry || options.load_at || options.memory_max)
       throw InputError("--network: the file says programs, boards and links, where a chip starts and where it has ended; the command line does not");
     require_file(*options.network);
     return machine::read_network(*options.network, [&](const std::string& path) { return read_program(path, options.include_directories, {}, is_source_name(path) ? options.dialect : std::nullopt); });
@@ -69,8 +69,9 @@ machine::NetworkDescription described(const ExecOptions& options) {
   }
   if (options.boards.size() > 1 && options.boards.size() != chips)
     throw InputError(fmt::format("--board: one for all chips or {} are expected, not {}", chips, options.boards.size()));
+  if (options.memory_max && options.boards.empty()) throw InputError("--memory-max: --board flat is expected; other boards have as much RAM as they say");
   std::vector<machine::BoardDescription> boards;
-  for (const std::string& board : options.boards) boards.push_back(machine::read_board(board));
+  for (const std::string& board : options.boards) boards.push_back(board_named(options, board));
   std::vector<std::shared_ptr<const toolchain::Image>> images;
   for (const std::string& program : options.programs)
     images.push_back(std::make_shared<toolchain::Image>(

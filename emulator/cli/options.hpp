@@ -105,6 +105,7 @@ struct ExecOptions {
   std::vector<std::string> dumps;  ///< ADDRESS:COUNT
   bool json = false;
   std::vector<std::string> boards;  ///< none: default
+  std::optional<std::uint64_t> memory_max;  ///< MiB of RAM for each chip on board flat
   std::optional<std::string> dialect;  ///< of programs that are source
   std::optional<std::string> load_at;
   std::optional<std::string> entry;

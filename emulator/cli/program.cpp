@@ -100,4 +100,13 @@ std::string symbol_at(const Image& image, Address address) {
   return {};
 }
 
+machine::BoardDescription board_named(const ExecOptions& options, const std::string& name) {
+  machine::BoardDescription description = machine::read_board(name);
+  if (!options.memory_max) return description;
+  if (!description.board.is_flat) throw InputError(fmt::format("--memory-max: board {} has as much RAM as it says; --board flat is expected", name));
+  constexpr std::uint64_t words_per_mib = (std::uint64_t{1} << 20) / sizeof(c40::Word);
+  description.board.flat_words_max = *options.memory_max * words_per_mib;
+  return description;
+}
+
 }  // namespace cli

@@ -8,6 +8,7 @@
 
 #include "cli/options.hpp"
 #include "io/file_roles.hpp"
+#include "machine/board_file.hpp"
 #include "toolchain/image.hpp"
 
 namespace cli {
@@ -24,6 +25,8 @@ bool is_source_name(const std::string& path);
 /// \throws InputError if there is no file that can be read.
 void require_file(const std::string& path);
 
+/// The board of that name for a run of exec, with its --memory-max. \throws InputError where the option says nothing of it
+machine::BoardDescription board_named(const ExecOptions& options, const std::string& name);
 /// The files that exec reads: programs, boards, network; without what the programs include.
 io::FileRoles files_read(const ExecOptions& options);
 

@@ -72,3 +72,24 @@ def test_for_vectors_it_is_all_ram(run, tmp_path: Path) -> None:
     )
     result = run("vectors", "v.txt")
     assert (result.returncode, result.stdout.splitlines()[-1]) == (0, "2 passed, 0 failed")
+
+
+@pytest.mark.parametrize(("options", "mib"), [(["--memory-max", "1"], 1), ([], 256)])
+def test_a_flat_board_is_not_endless(run, tmp_path: Path, options: list[str], mib: int) -> None:
+    """A program that writes one word in each 64 K words gets so many MiB of the host, and then an error that says so."""
+    (tmp_path / "p.asm").write_text("start: ldhi 1,ar0\n ldhi 1,ir0\nloop: sti r0,*ar0++(ir0)\n addi 1,r0\n b loop\n")
+    result = run("exec", "p.asm", "--board", "flat", "--json", *options)
+    report = json.loads(result.stdout)
+    assert result.returncode == 1
+    assert report["stop"]["reason"] == "fault"
+    assert f"more than the {mib} MiB" in report["stop"]["message"]
+    pages = mib * 4  # of 256 KiB
+    assert pages - 2 <= report["registers"]["R0"] & 0xFFFFFFFF <= pages
+
+
+def test_memory_max_is_of_the_flat_board(run, tmp_path: Path) -> None:
+    (tmp_path / "p.asm").write_text("start: nop\nhalt: b halt\n")
+    for boards in ([], ["--board", "default"]):
+        result = run("exec", "p.asm", "--memory-max", 1, *boards)
+        assert result.returncode == 2
+        assert "--memory-max: board default" in result.stderr
