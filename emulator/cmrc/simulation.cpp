@@ -37,6 +37,9 @@ constexpr Time settling = std::chrono::milliseconds{1};
 constexpr Time patience = std::chrono::milliseconds{500};
 // Whether the run is over is asked at whole multiples of this, however the caller cuts it.
 constexpr Time look_period = std::chrono::milliseconds{10};
+// Whether to stop is asked so often: a moment also for 16 DSPs of which each instruction is written.
+constexpr Time ask_period = std::chrono::milliseconds{1};
+static_assert(look_period % ask_period == Time{});
 
 std::vector<std::string> cause_names() {
   std::vector<std::string> names;
@@ -161,11 +164,11 @@ class Simulation::Parts {
   }
 
   void run_until(Time time) {
-    while (now() < time && !over()) {
+    while (now() < time && !over() && !io::stop_asked()) {
       if (account_end) {
         dock.advance_to(std::min(time, after_end));
       } else {
-        machine.run_until(std::min(time, (now() / look_period + 1) * look_period));
+        machine.run_until(std::min(time, (now() / ask_period + 1) * ask_period));
         if (now() % look_period == Time{}) look();
       }
     }

@@ -68,7 +68,7 @@ class Simulation {
   /// Runs to the end of the configured duration. `on_progress` is called about every `slice` of simulated time; false stops the run
   /// cleanly (stop reason: interrupted), and so does io::stop_asked(). May be called again: it goes on where it stopped.
   void run(const std::function<bool(const Progress&)>& on_progress = {}, report::Time slice = std::chrono::milliseconds{20});
-  /// Runs until `time`, or the end of the duration if that is earlier.
+  /// Runs until `time`, or the end of the duration if that is earlier; less far when io::stop_asked().
   void run_until(report::Time time);
   bool ended() const;
   /// As far as the run has come.

@@ -1,5 +1,6 @@
 #pragma once
 // Ctrl-C in long calls: KeyboardInterrupt, or whatever else the program's handler raises, and nothing else.
+#include <chrono>
 #include <optional>
 #include <type_traits>
 
@@ -11,7 +12,9 @@ class CtrlC {
  public:
   CtrlC()
       : asker_([this] {
-          if (raised_) return true;
+          const auto now = Clock::now();
+          if (raised_ || now - looked_ < often_enough) return raised_.has_value();
+          looked_ = now;
           const py::gil_scoped_acquire gil;
           if (PyErr_CheckSignals() != 0) raised_.emplace();
           return raised_.has_value();
@@ -25,6 +28,11 @@ class CtrlC {
   }
 
  private:
+  using Clock = std::chrono::steady_clock;
+  // To look takes the GIL, for which others may have to be waited.
+  static constexpr std::chrono::milliseconds often_enough{50};
+
+  Clock::time_point looked_ = Clock::now();
   std::optional<py::error_already_set> raised_;
   io::StopAsker asker_;
 };

@@ -4,6 +4,7 @@
 #include <pybind11/stl.h>
 
 #include <cmath>
+#include <exception>
 #include <memory>
 #include <string>
 
@@ -29,6 +30,16 @@ report::Time to_time(const char* argument, double seconds) {
   return report::Time{std::llround(seconds * 1e12)};
 }
 
+/// What on_progress returned.
+bool goes_on(const py::object& returned) {
+  if (returned.is_none()) return true;
+  try {
+    return returned.cast<bool>();
+  } catch (const py::cast_error&) {
+    throw py::type_error(fmt::format("on_progress: it returned {}; True, False or None is expected", std::string(py::repr(returned)).substr(0, 60)));
+  }
+}
+
 /// A run as Python holds it: calls from two threads at once are refused, and so is what changes it from inside a callback.
 class Run {
  public:
@@ -50,20 +61,22 @@ class Run {
     if (!on_progress.is_none() && PyCallable_Check(on_progress.ptr()) == 0)
       throw py::type_error("on_progress: " + std::string(py::str(py::type::of(on_progress))) + " cannot be called; a function of (simulated_s, duration_s) or None is expected");
     const OneUser::Long use(user_, "run", false);
+    // What it raises, be it Ctrl-C that Python has heard in it, interrupts the run.
+    std::exception_ptr raised;
     const auto between = [&](const cmrc::Progress& progress) {
       const py::gil_scoped_acquire gil;
-      const py::object go_on = on_progress(report::seconds(progress.simulated), report::seconds(progress.duration));
-      if (go_on.is_none()) return true;
       try {
-        return go_on.cast<bool>();
-      } catch (const py::cast_error&) {
-        throw py::type_error(fmt::format("on_progress: it returned {}; True, False or None is expected", std::string(py::repr(go_on)).substr(0, 60)));
+        return goes_on(on_progress(report::seconds(progress.simulated), report::seconds(progress.duration)));
+      } catch (const std::exception&) {
+        raised = std::current_exception();
+        return false;
       }
     };
     interruptible_without_gil([&] {
       if (on_progress.is_none()) run_.run({}, slice);
       else run_.run(between, slice);
     });
+    if (raised) std::rethrow_exception(raised);
   }
 
   /// In slices: Ctrl-C ends it between two of them, and it may be called again.

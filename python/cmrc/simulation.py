@@ -63,7 +63,8 @@ class Simulation:
     it (``dsps``, ``duration_s``, ``seed``, ``idle_policy``, ...). ``config`` is a TOML file, ``preset`` one of base, heavy, saturated. Later ones win: defaults,
     preset, file, settings. ``events`` are dictionaries with the fields of ``[[events]]``. With ``profile`` the result says where the DSPs' cycles went; the
     run is slower and otherwise the same. ``reference`` is the ideal run that errors are measured against, of an earlier run (``Simulation.reference``) that
-    differs in the number of DSPs, their speed and failures only; without it, it is run beside. Raises ConfigError; c40.AssemblyError when ``programs`` names sources that do not assemble.
+    differs in the number of DSPs, their speed and failures only; without it, it is run beside. One thread at a time may use it, and from inside a callback it may be read
+    (``result``, ``tasks``, ``dsp``), neither changed nor run: all else is a RuntimeError at once. Raises ConfigError; c40.AssemblyError when ``programs`` names sources that do not assemble.
     """
 
     def __init__(

@@ -122,7 +122,7 @@ def test_after_an_exception_in_a_callback_the_run_can_go_on() -> None:
 
     with pytest.raises(KeyError, match="mine"):
         simulation.run(progress)
-    assert simulation.result().stop_reason == "under_way"
+    assert simulation.result().stop_reason == "interrupted"
     assert simulation.run().hash == plain_hash()
 
 
