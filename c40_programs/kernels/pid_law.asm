@@ -78,17 +78,7 @@ pid_filter:
 ; CODE, and PI, D, E of the state; OUT.
 pid_joints:
         call    pid_filters
-        ldf     @PD_Y + 2, r0                   ; cos phi to 8e-6 up to 80 degrees: enough for a gain. Of a gantry none goes by it
-        mpyf    r0, r0
-        ldf     @K_COS8, r9
-        mpyf    r0, r9
-        addf    @K_COS6, r9
-        mpyf    r0, r9
-        addf    @K_COS4, r9
-        mpyf    r0, r9
-        subf    0.5, r9
-        mpyf    r0, r9
-        addf    1.0, r9
+        ldf     @PD_COSINE, r9                  ; of a gantry none of K's terms goes by it
         ldf     @PD_H, r10
         ldf     @SV_LOAD, r11                   ; m: at least the spreader's, also where the rope is slack
         cmpf    @K_TQ_SPREADER, r11

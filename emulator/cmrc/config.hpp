@@ -212,7 +212,7 @@ struct Config {
     Joint hoist{.speed_limit = 1};
     Joint rotator{.speed_limit = 0.12};
     double sway_gain_m_s_rad = 9;
-    double sway_leak_1_s = 0.125;
+    double wind_observer_rad_s = 0.5;
     double sway_filter_s = 0.15;
     double sway_limit_mrad = 30;
   } control;

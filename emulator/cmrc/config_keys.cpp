@@ -406,7 +406,8 @@ std::vector<Key> make_keys() {
                   "the same of the rotator", "plant-and-bus.md 1.4")),
       live(number("control.sway_gain_m_s_rad", FIELD(control.sway_gain_m_s_rad), "m/s per rad", 0, 30,
                   "against sway the suspension moves so fast towards the side to which the load hangs", "docs/kernels.md")),
-      live(number("control.sway_leak_1_s", FIELD(control.sway_leak_1_s), "1/s", 0.01, 10, "... and comes back at this rate", "docs/kernels.md")),
+      live(number("control.wind_observer_rad_s", FIELD(control.wind_observer_rad_s), "rad/s", 0.05, 2,
+                  "bandwidth of the observer that tells wind from sway; the suspension goes upwind by what it tells", "docs/kernels.md")),
       live(number("control.sway_filter_s", FIELD(control.sway_filter_s), "s", 0, 10, "low-pass of the measured sway", "docs/kernels.md")),
       live(number("control.sway_limit_mrad", FIELD(control.sway_limit_mrad), "mrad", 0, 170, "more sway than this counts as this", "docs/kernels.md")),
 

@@ -96,7 +96,7 @@ ControlLaw control_law(const Config::Control& control, const plant::CraneParamet
     row.integral_s = integral_time(joint);
     row.share = joint.feed_forward;
   }
-  law.sway = {control.sway_gain_m_s_rad, control.sway_leak_1_s, control.sway_filter_s, control.sway_limit_mrad * 1e-3};
+  law.sway = {control.sway_gain_m_s_rad, control.wind_observer_rad_s, control.sway_filter_s, control.sway_limit_mrad * 1e-3};
   return law;
 }
 
