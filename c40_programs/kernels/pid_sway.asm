@@ -186,7 +186,12 @@ pid_sway_known:
         rnd     r0, r0
         stf     r0, @PD_R + 2
         ldf     @PD_SHIFT + 1, r0
-        mpyf    @PD_SWAY_FROM + 3, r0
+        mpyf    @PD_SWAY_FROM + 3, r0           ; by which the crane slews: the rotator turns the load back
+        ldf     r0, r1
+        mpyf    @K_PD_TURN, r1
+        subrf   @PD_R + 4, r1
+        rnd     r1, r1
+        stf     r1, @PD_R + 4
         addf    @PD_R + 1, r0
         rnd     r0, r0
         stf     r0, @PD_R + 1

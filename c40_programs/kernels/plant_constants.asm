@@ -48,6 +48,8 @@ K_PD_UNIT           .set $ - LIFT               ; per channel: joint unit per en
                     .space 5
 K_PD_LIFT           .set $ - LIFT               ; m: times cos phi, by which the jib's tip rises per rad of luff; of a gantry 0
                     .space 1
+K_PD_TURN           .set $ - LIFT               ; 1 where what moves the load tangentially turns it, too; of a gantry 0
+                    .space 1
 K_PD_SWAY_UNIT      .set $ - LIFT               ; rad per code of the sway sensor
                     .space 1
 ; ---- container

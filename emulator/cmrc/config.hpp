@@ -193,6 +193,7 @@ struct Config {
     double ship_motion = 0;
     double wind_mean_m_s = 0;
     double wind_gust_m_s = 0;
+    double wind_limit_m_s = 20;
     double wind_direction_deg = 0;
   } dock;
   /// The servo's loops: docs/control.md.

@@ -329,6 +329,8 @@ std::vector<Key> make_keys() {
       number("dock.wind_mean_m_s", FIELD(dock.wind_mean_m_s), "m/s", -50, 50, "mean wind on the load", "plant-and-bus.md 1.3"),
       number("dock.wind_gust_m_s", FIELD(dock.wind_gust_m_s), "m/s", 0, 50,
              "standard deviation of the gusts, by run.seed; with a mean of 1 or more", "control-notes.md 3"),
+      number("dock.wind_limit_m_s", FIELD(dock.wind_limit_m_s), "m/s", 1, 100,
+             "no lift begins while the anemometer's mean of 3 s is above this", "control-notes.md 3"),
       number("dock.wind_direction_deg", FIELD(dock.wind_direction_deg), "deg", -360, 360,
              "whither it blows: 0 along the quay, 90 towards the ship", "assumed"),
 
