@@ -17,6 +17,7 @@ constexpr int most_probes = 5;
 // In wind the load is let down in two ramps. Between them it hangs where the guides (0.3 m high) already catch it, until it is over its place.
 constexpr double hover = 0.2;          // m above the surface
 constexpr double steady_for = 0.25;    // s
+constexpr double touching_slower = 0.8;  // the second one meets the surface where it is fastest
 
 }  // namespace
 
@@ -49,6 +50,7 @@ void Crane::enter(const Step& step, std::optional<unsigned> agv, Desk& desk) {
     case Step::Kind::lock: desk.write(words_.cr_base + words_.cr_spreader, Word{1}); break;
     case Step::Kind::open: desk.write(words_.cr_base + words_.cr_spreader, Word{0}); break;
     case Step::Kind::raise:
+      low_ = false;
       ramp_pending_ = !ramp(-ramp_offset_, desk);
       break;
     case Step::Kind::hold: since_ = desk.tick() + ticks(step.seconds); break;
@@ -101,7 +103,8 @@ bool Crane::settled(const Desk& desk) const {
 bool Crane::ramp(double delta, Desk& desk) {
   if (!desk.servo_resting()) return false;
   // Quintic blend: peak speed 1.875 delta / T.
-  const std::int64_t duration = ticks(1.875 * std::abs(delta) / job_.ramp_speed) + 1;
+  const double peak = job_.ramp_speed * (low_ ? touching_slower : 1.0);
+  const std::int64_t duration = ticks(1.875 * std::abs(delta) / peak) + 1;
   const std::int64_t begin = desk.path(desk.tick()) + 2 * job_.servo_interval;
   const std::array<Word, 4> words = {static_cast<Word>(begin), static_cast<Word>(duration), ti_float(ramp_offset_),
                                      ti_float(delta)};
