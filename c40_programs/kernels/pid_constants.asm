@@ -23,8 +23,6 @@ K_PD_PLACE          .set $ - LIFT               ; m and m/s: a load is over its 
                     .float 0.1
 K_PD_PLACE_SPEED    .set $ - LIFT
                     .float 0.15
-K_PD_LOWERED        .set $ - LIFT               ; m by which the ramp has lowered a load that may be near the ground
-                    .float 0.05
 K_PD_SETTLE         .set $ - LIFT               ; s within all tolerances
                     .float 1.5
 K_PD_REST           .set $ - LIFT               ; joint speed that counts as rest, rad/s or m/s

@@ -83,11 +83,6 @@ pid_joints:
         ldf     @SV_LOAD, r11                   ; m: at least the spreader's, also where the rope is slack
         cmpf    @K_TQ_SPREADER, r11
         ldflt   @K_TQ_SPREADER, r11
-        ldf     r11, r1                         ; the rotator's m: near the ground it turns the load by the falls' skew alone, so that it
-        ldf     @PD_RAMP_L, r0                  ; feels the load's inertia no more; a gain that reckons with it is several times too high
-        cmpf    @K_PD_LOWERED, r0
-        ldfgt   @K_TQ_SPREADER, r1
-        stf     r1, @PD_TURNED
         ldi     0, r6
         ldi     1, r7
         ldhi    hi16(K_PC_FILTER), ar0
@@ -163,8 +158,6 @@ pid_joint_change:
         addi    1, ar2
         addi    PC_ROW, ar3
         addi    3, ar5
-        cmpi    1, ar4
-        ldfeq   @PD_TURNED, r11
         dbu     ar4, pid_joint
         or      @PD_OUT, r6
         sti     r6, @PD_OUT

@@ -21,7 +21,6 @@ std::array<double, 5> inertia(std::size_t channel, const plant::CraneParameters&
   const bool gantry = p.machine == plant::Machine::gantry;
   const plant::DriveParameters& drive = p.drives.at(static_cast<std::size_t>(plant::drive_channels(p.machine).at(channel)));
   const double rotor = drive.rotor_inertia * drive.gear * drive.gear;
-  constexpr double yaw_per_kg = (plant::container_length * plant::container_length + plant::container_width * plant::container_width) / 12.0;  // of a container, m2
   switch (channel) {
     case 0: return gantry ? std::array<double, 5>{} : std::array<double, 5>{rotor + p.gantry_mass + p.jib_mass + p.counterweight};
     case 1:
@@ -32,7 +31,8 @@ std::array<double, 5> inertia(std::size_t channel, const plant::CraneParameters&
       if (gantry) return {rotor + p.jib_mass};
       return {rotor + p.jib_inertia + p.jib_mass * p.jib_centre * p.jib_centre, 0, 0, 0, p.jib * p.jib};
     case 3: return {rotor, 1};
-    default: return {rotor + p.spreader_inertia - yaw_per_kg * p.spreader_mass, yaw_per_kg};
+    // Near anything the load hangs on falls that are slack in skew: what the gain reckoned with of it would be several times too much there.
+    default: return {rotor + p.spreader_inertia};
   }
 }
 

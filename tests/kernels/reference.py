@@ -232,7 +232,7 @@ def inertia(phi: float, mass: float) -> list[float]:
         rotor[1] + J_SLEW + M_CW * R_CW**2 + I_JIB * c * c + M_JIB * (A0 + C_JIB * c) ** 2,
         rotor[2] + I_JIB + M_JIB * C_JIB**2 + mass * (JIB * c) ** 2,
         rotor[3] + mass,
-        rotor[4] + I_SPREADER + I_PER_KG * (mass - M_SPREADER),
+        rotor[4] + I_SPREADER,  # the load does not count: near anything it hangs on falls that are slack in skew
     ]
 
 
