@@ -58,7 +58,6 @@ PD_ERRORS       .set SCRATCH + 173      ; TB_NOTIFY
 PD_BACK         .set SCRATCH + 176      ; CR_REJOIN
 PD_SHIFT        .set SCRATCH + 186      ; f x2: the suspension's shift against sway and wind: radial, tangential, m
 PD_STANDS       .set SCRATCH + 188      ; i not 0: the rope does not tell where the load would hang
-PD_HOLDS        .set SCRATCH + 189      ; i 1 the load is not over its place, 2 the wind displaces it
 
 ; The law as plant-and-bus.md 2.1 prints it: the derivative acts on the measurement alone, and the set-point runs straight from
 ; joint point to joint point (first-order hold).

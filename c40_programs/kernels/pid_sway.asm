@@ -8,9 +8,6 @@
 ; While the load stands on something, or a drive is off, the rope tells nothing: y and v fade, and w stays as it was.
 
 pid_sway:
-        ldi     0, r0
-        sti     r0, @PD_OUT
-        sti     r0, @PD_HOLDS
         ldhi    hi16(PD_SWAY_FROM), ar0         ; FROM <- interpolated
         or      lo16(PD_SWAY_FROM), ar0
         ldf     @PD_PHASE, r2
@@ -44,32 +41,26 @@ pid_sway_between:
         mpyf    @PD_SWAY_FROM + 1, r0
         stf     r0, @PD_SWAY_FROM + 1
 pid_sway_at_rate:
-        ldf     @PD_H, r0
-        addf    @K_PC_SWAY_FILTER, r0
-        call    m_reciprocal
-        mpyf    @PD_H, r0
-        ldf     r0, r7                          ; R7 = h / (T + h)
-        ldf     @PD_H, r8                       ; R8 = h, of the observer: after a gap it goes on in a bounded step
-        cmpf    @K_PD_LONGEST, r8
-        ldfgt   @K_PD_LONGEST, r8
-        ldf     @K_PC_SWAY_WIND, r2
-        mpyf3   r2, r8, r9
-        mpyf    3.0, r9                         ; R9 = 3 o h
-        mpyf3   r2, r9, r10                     ; R10 = 3 o^2 h
-        mpyf3   r2, r10, r11
-        mpyf    @K_PD_THIRD, r11                   ; R11 = o^3 h
+        call    pid_filters
+        ldf     @K_PC_SMOOTH, r7                ; R7 = h / (T + h)
+        ldf     @K_PC_STEP, r8                  ; R8 = h
+        ldf     @K_PC_OBSERVE, r9               ; R9 = 3 o h
+        ldf     @K_PC_OBSERVE + 1, r10          ; R10 = 3 o^2 h
+        ldf     @K_PC_OBSERVE + 2, r11          ; R11 = o^3 h
+        ldf     @K_PC_BRAKE, r4                 ; R4 = gain / g
         ldf     @PD_Y + 3, r5
         mpyf    @K_ONE_OVER_G, r5               ; R5 = l / g
-        ldf     @K_PC_SWAY_GAIN, r4
-        mpyf    @K_ONE_OVER_G, r4               ; R4 = gain / g
         ldhi    hi16(PD_ANGLES), ar0
         or      lo16(PD_ANGLES), ar0
         ldhi    hi16(PD_SWAY_FROM), ar1
         or      lo16(PD_SWAY_FROM), ar1
         ldhi    hi16(PD_SWAY), ar2
         or      lo16(PD_SWAY), ar2
-        ldi     1, ar4
-pid_sway_axis:
+        ldi     0, ar3                          ; the signs of these: AR3 some swing is out of tolerance, AR5 the load is not over its
+        ldi     0, ar5                          ; place, AR4 the wind displaces it
+        ldi     0, ar4
+        ldi     1, rc
+        rptb    pid_sway_axis_end
         ldf     *+ar2(PD_WIND - PD_SWAY), r2    ; R2 = w
         mpyf3   r2, r5, r3
         ldf     *+ar2(PD_SPEED - PD_SWAY), r1   ; R1 = v
@@ -101,18 +92,15 @@ pid_sway_axis:
         absf    r6, r6                          ; the swing; in gusts some of it is none to wait for
         absf    r2, r2
         mpyf    @K_PD_GUSTS, r2
-        addf    @K_PD_SWAY_TOLERANCE, r2
-        ldi     @PD_OUT, ar5
-        cmpf    r2, r6
-        ldigt   PD_OUT_SWAY, ar5
-        sti     ar5, @PD_OUT
+        subrf   r2, r6
+        addf    @K_PD_SWAY_TOLERANCE, r6
+        or      r6, ar3
 
+        mpyf    @K_GRAVITY, r0
+        ldi     @PD_STANDS, r2
+        bned    pid_sway_stands
         ldf     *+ar2(PD_WIND - PD_SWAY), r2
         ldf     *-ar2(PD_SWAY - PD_BESIDE), r6  ; R6 = y
-        ldi     @PD_STANDS, ar5
-        cmpi    0, ar5
-        bne     pid_sway_stands
-        mpyf    @K_GRAVITY, r0
         subf    r0, r2                          ; w - g theta
         mpyf    r5, r0
         addf    r0, r3
@@ -134,12 +122,6 @@ pid_sway_axis:
         negf    r0, r0
         cmpf    r0, r2
         ldflt   r0, r2
-        br      pid_sway_known
-pid_sway_stands:                                ; y and v fade within a second
-        mpyf3   r8, r6, r0
-        subf    r0, r6
-        mpyf3   r8, r1, r0
-        subf    r0, r1
 pid_sway_known:
         rnd     r6, r6
         stf     r6, *-ar2(PD_SWAY - PD_BESIDE)
@@ -153,28 +135,42 @@ pid_sway_known:
         negf    r3, r3
         rnd     r3, r3
         stf     r3, *+ar2(PD_SHIFT - PD_SWAY)
-
-        absf    r6, r6                          ; HOLDS <- 1 the load is not over its place, 2 the wind displaces it
+        absf    r6, r6
+        subrf   @K_PD_PLACE, r6
+        or      r6, ar5
         absf    r1, r1
+        subrf   @K_PD_PLACE_SPEED, r1
+        or      r1, ar5
         absf    r2, r2
-        ldi     @PD_HOLDS, r0
-        or3     1, r0, r3
-        cmpf    @K_PD_PLACE, r6
-        ldigt   r3, r0
-        cmpf    @K_PD_PLACE_SPEED, r1
-        ldigt   r3, r0
-        or3     2, r0, r3
-        cmpf    @K_PD_WINDY, r2
-        ldigt   r3, r0
-        sti     r0, @PD_HOLDS
-        addi    1, ar2
-        dbu     ar4, pid_sway_axis
+        subrf   @K_PD_WINDY, r2
+        or      r2, ar4
+pid_sway_axis_end:
+        nop     *ar2++
 
+        lsh3    -31, ar3, r0
+        mpyi    PD_OUT_SWAY, r0
+        sti     r0, @PD_OUT
+        lsh3    -31, ar5, r0
         xor     1, r0
-        lsh     23, r0                          ; PID_STEADY, PID_WINDY
+        lsh     23, r0                          ; PID_STEADY
         or      @PD_RESULT, r0
+        lsh3    -31, ar4, r1
+        lsh     24, r1                          ; PID_WINDY
+        or      r1, r0
         sti     r0, @PD_RESULT
-        call    pid_cosine
+
+        ldf     @PD_Y + 2, r0                   ; R9, COSINE <- cos phi of the measured luff angle, to 8e-6 up to 80 degrees: enough
+        mpyf    r0, r0                          ; for a gain. A gantry has no use for it
+        ldf     @K_COS8, r9
+        mpyf    r0, r9
+        addf    @K_COS6, r9
+        mpyf    r0, r9
+        addf    @K_COS4, r9
+        mpyf    r0, r9
+        subf    0.5, r9
+        mpyf    r0, r9
+        addf    1.0, r9
+        stf     r9, @PD_COSINE
         ldf     @PD_SHIFT, r0
         mpyf    @PD_SWAY_FROM + 2, r0           ; by which the luff moves. What that lifts the jib's tip the hoist pays out
         mpyf3   r0, r9, r1
@@ -197,18 +193,10 @@ pid_sway_known:
         stf     r0, @PD_R + 1
         rets
 
-; R9, COSINE <- cos phi of the measured luff angle, to 8e-6 up to 80 degrees: enough for a gain. A gantry has no use for it.
-pid_cosine:
-        ldf     @PD_Y + 2, r0
-        mpyf    r0, r0
-        ldf     @K_COS8, r9
-        mpyf    r0, r9
-        addf    @K_COS6, r9
-        mpyf    r0, r9
-        addf    @K_COS4, r9
-        mpyf    r0, r9
-        subf    0.5, r9
-        mpyf    r0, r9
-        addf    1.0, r9
-        stf     r9, @PD_COSINE
-        rets
+pid_sway_stands:                                ; y and v fade within a second
+        ldf     *+ar2(PD_WIND - PD_SWAY), r2
+        mpyf3   r8, r6, r0
+        subf    r0, r6
+        mpyf3   r8, r1, r0
+        subf    r0, r1
+        br      pid_sway_known
