@@ -1,5 +1,6 @@
 ; Sub-process 4: one tick of the five joints' servo (plant-and-bus.md 2.1; docs/kernels.md for the design).
-; pid_set_point.asm: where the joints should be; pid_sway.asm: how far from that against sway and wind; pid_law.asm: the torques that take them there; pid_watch.asm: what is wrong.
+; pid_set_point.asm: where the joints should be; pid_sway.asm: how far from that against sway and wind;
+; pid_law.asm: the torques that take them there; pid_watch.asm: what is wrong.
 ;
 ; Stages: 0 take the pose at the start from the encoders as joint point -1; 1 wait until torque compensation has spoken;
 ; 2 enable the drives and servo.

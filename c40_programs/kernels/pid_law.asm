@@ -52,7 +52,8 @@ pid_control_read:
         stf     r0, @K_PC_PERIOD
         rets
 
-; FILTER <- T_d / (T_d + N h) of each joint, and what goes by h against sway. It is kept for as long as h stays the same: always, where no tick is missed.
+; FILTER <- T_d / (T_d + N h) of each joint, and what goes by h against sway. It is kept for as long as h stays the same:
+; always, where no tick is missed.
 pid_filters:
         ldf     @PD_H, r10
         cmpf    @K_PC_PERIOD, r10

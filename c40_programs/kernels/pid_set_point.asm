@@ -150,7 +150,7 @@ pid_reference_joint:
         or      @PD_RESULT, r1
         sti     r1, @PD_RESULT
 pid_reference_rest:
-        ldf     @PD_PHASE, r1                   ; the segment is over: only where it ends counts. A short leg's last two points are far apart
+        ldf     @PD_PHASE, r1                   ; over: only where the segment ends counts
         cmpf    1.0, r1
         ldfge   r6, r7
         cmpf    @K_PD_REST, r7

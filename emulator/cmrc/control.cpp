@@ -31,7 +31,7 @@ std::array<double, 5> inertia(std::size_t channel, const plant::CraneParameters&
       if (gantry) return {rotor + p.jib_mass};
       return {rotor + p.jib_inertia + p.jib_mass * p.jib_centre * p.jib_centre, 0, 0, 0, p.jib * p.jib};
     case 3: return {rotor, 1};
-    // Near anything the load hangs on falls that are slack in skew: what the gain reckoned with of it would be several times too much there.
+    // Not the load: near anything it hangs on falls that are soft in skew, and a gain with it is several times too high.
     default: return {rotor + p.spreader_inertia};
   }
 }

@@ -14,7 +14,8 @@ namespace {
 constexpr double probe = 0.1;        // m, by which lowering is prolonged when nothing was met
 constexpr double probe_after = 1.0;  // s after a ramp's end
 constexpr int most_probes = 5;
-// In wind the load is let down in two ramps. Between them it hangs where the guides (0.3 m high) already catch it, until it is over its place.
+// In wind the load is let down in two ramps. Between them it hangs where the guides (0.3 m high) already catch it,
+// until it is over its place.
 constexpr double hover = 0.2;          // m above the surface
 constexpr double steady_for = 0.25;    // s
 constexpr double touching_slower = 0.8;  // the second one meets the surface where it is fastest

@@ -38,6 +38,9 @@ RATES: dict[str, Any] = {
 }
 
 
+LAST_COLUMNS = ("later or never", "within three tries", "3-s mean above 20 m/s", "waited, s per container")
+
+
 @dataclass(frozen=True)
 class Run:
     """What became of one container."""
@@ -52,7 +55,9 @@ class Run:
     waited_s: float
 
 
-def land(mean_m_s: float, mass_kg: float, direction_deg: float, seed: int, limit_s: float = 300.0, **settings: Any) -> Run:
+def land(
+    mean_m_s: float, mass_kg: float, direction_deg: float, seed: int, limit_s: float = 300.0, **settings: Any
+) -> Run:
     """One container from the ship to the vehicle, in at most ``limit_s`` of simulated time. Wind in m/s, whither it blows in degrees.
 
     Raises ConfigError for settings that cannot be.
@@ -104,9 +109,8 @@ def campaign(runs: dict[float, int] | None = None) -> list[Run]:
 def table(runs: list[Run]) -> str:
     """One row per mean wind."""
     lines = [
-        "| mean wind, m/s | containers | landings | 1st try | 2nd | 3rd | later or never | within three tries |"
-        " 3-s mean above 20 m/s | waited, s per container |",
-        "|---|---|---|---|---|---|---|---|---|---|",
+        f"| mean wind, m/s | containers | landings | 1st try | 2nd | 3rd | {' | '.join(LAST_COLUMNS)} |",
+        "|---" * (6 + len(LAST_COLUMNS)) + "|",
     ]
     for mean in sorted({run.mean_m_s for run in runs}):
         those = [run for run in runs if run.mean_m_s == mean]
@@ -117,14 +121,17 @@ def table(runs: list[Run]) -> str:
         share = f"{100 * sum(by_try) / landings:.1f} %" if landings else "-"
         above = sum(run.above_share for run in those) / len(those)
         waited = sum(run.waited_s for run in those) / len(those)
-        cells = [f"{mean:g}", len(those), landings, *by_try, landings - sum(by_try), share, f"{100 * above:.1f} %", f"{waited:.0f}"]
+        cells: list[object] = [f"{mean:g}", len(those), landings, *by_try, landings - sum(by_try), share]
+        cells += [f"{100 * above:.1f} %", f"{waited:.0f}"]
         lines.append("| " + " | ".join(str(cell) for cell in cells) + " |")
     return "\n".join(lines)
 
 
 def main(arguments: list[str] | None = None) -> int:
     """The command. Returns the exit status."""
-    parser = argparse.ArgumentParser(prog="python -m cmrc.landings", description="The table of docs/wind.md: half an hour or more.")
+    parser = argparse.ArgumentParser(
+        prog="python -m cmrc.landings", description="The table of docs/wind.md: half an hour or more."
+    )
     parser.add_argument("--page", type=Path, help="put the table into this page, between its marks")
     given = parser.parse_args(arguments)
     first, last = BLOCK

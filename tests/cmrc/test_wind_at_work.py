@@ -67,7 +67,10 @@ def test_no_lift_begins_in_too_much_wind_and_work_goes_on_when_it_falls(tmp_path
     share = float(np.mean(mean[end > 0.0] > 20.0))
     assert told["limit_m_s"] == 20.0 and told["above_share"] == pytest.approx(share, abs=0.02)
     assert told["waits"] >= 1 and falls - 1.0 < told["waited_s"] <= told["above_s"]
-    assert f"Wind above 20 m/s for {told['above_s']:.1f} s, {100 * told['above_share']:.1f} % of the time" in simulation.report_text()
+    assert (
+        f"Wind above 20 m/s for {told['above_s']:.1f} s, {100 * told['above_share']:.1f} % of the time"
+        in simulation.report_text()
+    )
 
 
 def test_the_limit_is_a_setting(tmp_path: Path) -> None:
@@ -92,7 +95,9 @@ def test_the_servo_holds_in_28_metres_per_second() -> None:
     # The load hangs where it should all the same: a mean of 28 m/s displaces it by 1.2 m.
     signals = simulation.signals()
     late = signals["time_s"] > 10.0
-    assert abs(signals["payload_x_m"][late].mean() - 12.0) < 0.2 and abs(signals["payload_y_m"][late].mean() - 16.0) < 0.2
+    assert (
+        abs(signals["payload_x_m"][late].mean() - 12.0) < 0.2 and abs(signals["payload_y_m"][late].mean() - 16.0) < 0.2
+    )
 
 
 @pytest.mark.parametrize("machine", ["slewing", "gantry"])
@@ -122,7 +127,9 @@ def test_the_page_has_what_the_crane_is_to_do() -> None:
     assert sum(int(row[2]) for row in rows) > 150
     for row in rows:
         wind, landed, within = float(row[0]), int(row[2]), float(row[7].removesuffix(" %"))
-        assert sum(int(cell) for cell in row[3:7]) == landed and within == pytest.approx(100 * sum(map(int, row[3:6])) / landed, abs=0.05)
+        assert sum(int(cell) for cell in row[3:7]) == landed and within == pytest.approx(
+            100 * sum(map(int, row[3:6])) / landed, abs=0.05
+        )
         assert within >= (98.0 if wind <= 12 else 90.0 if wind <= 15 else 0.0)
     assert all(float(a[8].removesuffix(" %")) <= float(b[8].removesuffix(" %")) for a, b in pairwise(rows))
 

@@ -293,7 +293,8 @@ def test_one_tick_is_the_reference_with_a_gantrys_drives(gains: None) -> None:
         phase = r.randrange(0, 8)
         dsp.put("CR_SEGMENT_START", servo.tick - 8 * phase)
         state = ref.PidState(*([0.0, *(single(r.uniform(-s, s)) for _ in range(4))] for s in (50.0, 50.0, 0.01)), *([single(r.uniform(-s, s)) for _ in range(2)] for s in (0.2, 0.01, 0.3, 0.3)))
-        for offset, values in ((24, state.integral), (29, state.derivative), (34, state.error), (5, state.beside), (13, state.sway), (45, state.speed), (47, state.wind)):
+        loops = ((24, state.integral), (29, state.derivative), (34, state.error))
+        for offset, values in (*loops, (5, state.beside), (13, state.sway), (45, state.speed), (47, state.wind)):
             dsp.put("CR_CONSUMED", *values, offset=offset)
         feed = [0.0, *(single(r.uniform(-0.9, 0.9) * u) for u in U_MAX[1:])]
         dsp.put("CR_FEED_FORWARD", *feed)

@@ -103,7 +103,8 @@ def test_one_tick_is_the_reference(seeds: range = range(12)) -> None:
             *([single(r.uniform(-s, s)) for _ in range(n)] for s, n in ((50.0, 5), (50.0, 5), (0.01, 5), (0.2, 2), (0.01, 2), (0.3, 2), (0.3, 2)))
         )
         base = dsp.symbols["CR_PID"]
-        for offset, values in ((24, state.integral), (29, state.derivative), (34, state.error), (5, state.beside), (13, state.sway), (45, state.speed), (47, state.wind)):
+        loops = ((24, state.integral), (29, state.derivative), (34, state.error))
+        for offset, values in (*loops, (5, state.beside), (13, state.sway), (45, state.speed), (47, state.wind)):
             dsp.put("CR_CONSUMED", *values, offset=offset)
         assert dsp.symbols["CR_CONSUMED"] == base
         feed = [single(r.uniform(-0.9, 0.9) * u) for u in ref.U_MAX]
@@ -244,7 +245,8 @@ def test_it_says_whether_the_load_is_over_its_place_and_displaced_by_wind() -> N
     servo = Servo(POSE)
     servo.start()
     for beside, speed, wind, bits in (
-        (0.09, 0.14, 0.029, STEADY), (-0.11, 0.0, 0.0, 0), (0.0, -0.16, 0.0, 0), (0.0, 0.0, -0.031, STEADY | WINDY), (0.11, 0.0, 0.04, WINDY),
+        (0.09, 0.14, 0.029, STEADY), (-0.11, 0.0, 0.0, 0), (0.0, -0.16, 0.0, 0),
+        (0.0, 0.0, -0.031, STEADY | WINDY), (0.11, 0.0, 0.04, WINDY),
     ):  # fmt: skip
         for axis in range(2):
             code = round((wind / ref.GRAVITY) / (math.radians(10) / 2048))
