@@ -33,6 +33,7 @@ pause_count:    .word 400               ; IDLE_PAUSE: NOPs between two looks at 
         .include "kernels/torque_newton_euler.asm"
         .include "kernels/pid.asm"
         .include "kernels/pid_set_point.asm"
+        .include "kernels/pid_sway.asm"
         .include "kernels/pid_law.asm"
         .include "kernels/pid_watch.asm"
         .include "kernels/error.asm"

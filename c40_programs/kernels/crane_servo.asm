@@ -21,7 +21,7 @@ SV_PATH_TICK    .set SCRATCH + 49       ; i what the path's clock shows at TB_TI
 SV_PATH_PART    .set SCRATCH + 53       ; f and the rest
 SV_PATH_RATE    .set SCRATCH + 54       ; f its rate, and the rate's change per refresh: where SV_STOPPED is not 0, as
 SV_PATH_CHANGE  .set SCRATCH + 55
-SV_DRIVES       .set SCRATCH + 101      ; i PATH_DRIVES
+SV_DRIVES       .set SCRATCH + 110      ; i PATH_DRIVES
 
 ; HEAD <- the area's first words.
 servo_head:

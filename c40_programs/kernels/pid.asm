@@ -1,5 +1,6 @@
 ; Sub-process 4: one tick of the five joints' servo (plant-and-bus.md 2.1; docs/kernels.md for the design).
-; pid_set_point.asm: where the joints should be; pid_law.asm: the torques that take them there; pid_watch.asm: what is wrong.
+; pid_set_point.asm: where the joints should be; pid_sway.asm: how far from that against sway and wind;
+; pid_law.asm: the torques that take them there; pid_watch.asm: what is wrong.
 ;
 ; Stages: 0 take the pose at the start from the encoders as joint point -1; 1 wait until torque compensation has spoken;
 ; 2 enable the drives and servo.
@@ -12,9 +13,9 @@ PD_SERVOING     .set 2                  ; the stage in which errors are computed
 PD_LAST_TICK    .set PD_STATE + 3       ; refresh of the last run
 PD_OUT_TICK     .set PD_STATE + 4       ; refresh at which something was last out of tolerance
 PD_WATCH        .set PD_STATE + 7       ; i bits 4..0: joints beyond their following error, bits 12..8: whose encoders do not follow (pid_watch.asm)
-PD_SHIFT        .set PD_STATE + 5       ; f x2: suspension's shift against sway: radial, tangential, m
+PD_BESIDE       .set PD_STATE + 5       ; f x2: where the load is beside its path: radial, tangential, m (pid_sway.asm)
 PD_LAST         .set PD_STATE + 8       ; CR_ENCODER_LAST
-PD_SWAY         .set PD_STATE + 13      ; f x2: filtered sway off its reference, rad
+PD_SWAY         .set PD_STATE + 13      ; f x2: filtered angle of the rope off its reference, rad
 PD_LAW          .set PD_STATE + 15      ; i twice the generation of the parameters (CR_CONTROL) with which the last tick was computed, plus:
 PD_DRY          .set 1                  ; no point was there whose time had come
 PD_TOTAL        .set PD_STATE + 16      ; CR_ENCODER_TOTAL
@@ -26,9 +27,12 @@ PD_D            .set PD_STATE + 29      ; f x5
 PD_E            .set PD_STATE + 34      ; f x5: the last error
 PD_REJOIN       .set PD_STATE + 39      ; i not 0: CR_REJOIN holds
 PD_OFFSET       .set PD_STATE + 40      ; i x5: total - 24-bit count
-PD_STATE_WORDS  .set 45
-PD_Y_OLD        .set PD_STATE + 45      ; f x5: the last measurement (second build only)
+PD_SPEED        .set PD_STATE + 45      ; f x2: the load's speed beside its path, m/s
+PD_WIND         .set PD_STATE + 47      ; f x2: acceleration that the wind gives it, m/s2
+PD_STATE_WORDS  .set 49
+PD_Y_OLD        .set PD_STATE + 49      ; f x5: the last measurement (second build only)
 
+PD_COSINE       .set SCRATCH + 111      ; f cos phi
 PD_COUNTS       .set SCRATCH + 112      ; encoders, alpha, beta, spreader status
 PD_ANGLES       .set SCRATCH + 117
 PD_STATUS       .set SCRATCH + 119
@@ -53,6 +57,8 @@ PD_DRIVES       .set SCRATCH + 170      ; DRIVE_STATUS
 PD_STILL        .set SCRATCH + 171      ; bit 4 - j: encoder j shows the same count as at the last run
 PD_ERRORS       .set SCRATCH + 173      ; TB_NOTIFY
 PD_BACK         .set SCRATCH + 176      ; CR_REJOIN
+PD_SHIFT        .set SCRATCH + 186      ; f x2: the suspension's shift against sway and wind: radial, tangential, m
+PD_STANDS       .set SCRATCH + 188      ; i not 0: the rope does not tell where the load would hang
 
 ; The law as plant-and-bus.md 2.1 prints it: the derivative acts on the measurement alone, and the set-point runs straight from
 ; joint point to joint point (first-order hold).
@@ -247,10 +253,14 @@ pid_first:
         sti     r0, @PD_LAST_TICK
         sti     r0, @PD_OUT_TICK
         ldf     0.0, r0
-        stf     r0, @PD_SHIFT
-        stf     r0, @PD_SHIFT + 1
+        stf     r0, @PD_BESIDE
+        stf     r0, @PD_BESIDE + 1
         stf     r0, @PD_SWAY
         stf     r0, @PD_SWAY + 1
+        stf     r0, @PD_SPEED
+        stf     r0, @PD_SPEED + 1
+        stf     r0, @PD_WIND
+        stf     r0, @PD_WIND + 1
         ldhi    hi16(PD_PI), ar0
         or      lo16(PD_PI), ar0
         rpts    14

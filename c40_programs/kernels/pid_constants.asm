@@ -7,6 +7,22 @@ K_PD_JOINTS         .set $ - LIFT
                     .float 0.0, 0.0, 5.0e-3
 K_PD_SWAY_TOLERANCE .set $ - LIFT               ; rad
                     .float 1.6e-3
+K_PD_GUSTS          .set $ - LIFT               ; ... and so much more per rad at which the wind has the rope hang
+                    .float 0.25
+K_PD_SLACK          .set $ - LIFT               ; the rope is slack below this share of the spreader's weight
+                    .float 0.8
+K_PD_LONGEST        .set $ - LIFT               ; s, longest step of the observer of the wind
+                    .float 0.02
+K_PD_THIRD          .set $ - LIFT
+                    .float 0.3333333333
+K_PD_WIND_MOST      .set $ - LIFT               ; m/s2, most that counts as wind: the rope hangs 0.08 rad off
+                    .float 0.785
+K_PD_WINDY          .set $ - LIFT               ; m/s2: with 36 m of rope the wind displaces the load by 0.1 m
+                    .float 0.03
+K_PD_PLACE          .set $ - LIFT               ; m and m/s: a load is over its place within these; the guides catch 0.15 m
+                    .float 0.1
+K_PD_PLACE_SPEED    .set $ - LIFT
+                    .float 0.15
 K_PD_SETTLE         .set $ - LIFT               ; s within all tolerances
                     .float 1.5
 K_PD_REST           .set $ - LIFT               ; joint speed that counts as rest, rad/s or m/s
@@ -33,8 +49,12 @@ K_PC_GENERATION     .set $ - LIFT
                     .word -1
 K_PC_JOINTS         .set KEPT
 K_PC_SWAY_GAIN      .set K_PC_JOINTS + PC_SWAY + 0
-K_PC_SWAY_LEAK      .set K_PC_JOINTS + PC_SWAY + 1
+K_PC_SWAY_WIND      .set K_PC_JOINTS + PC_SWAY + 1
 K_PC_SWAY_FILTER    .set K_PC_JOINTS + PC_SWAY + 2
 K_PC_SWAY_LIMIT     .set K_PC_JOINTS + PC_SWAY + 3
 K_PC_FILTER         .set K_PC_JOINTS + CR_CONTROL_WORDS + 0     ; f x5: T_d / (T_d + N h) for h = PERIOD
-K_PC_PERIOD         .set K_PC_JOINTS + CR_CONTROL_WORDS + 5
+K_PC_SMOOTH         .set K_PC_JOINTS + CR_CONTROL_WORDS + 5     ; f h / (T + h) of the measured sway
+K_PC_STEP           .set K_PC_JOINTS + CR_CONTROL_WORDS + 6     ; f h of the observer of the wind: after a gap it goes on in a bounded step
+K_PC_OBSERVE        .set K_PC_JOINTS + CR_CONTROL_WORDS + 7     ; f x3: 3 o h, 3 o^2 h, o^3 h
+K_PC_BRAKE          .set K_PC_JOINTS + CR_CONTROL_WORDS + 10    ; f gain / g
+K_PC_PERIOD         .set K_PC_JOINTS + CR_CONTROL_WORDS + 11

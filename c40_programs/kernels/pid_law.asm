@@ -52,7 +52,8 @@ pid_control_read:
         stf     r0, @K_PC_PERIOD
         rets
 
-; FILTER <- T_d / (T_d + N h) of each joint. It is kept for as long as h stays the same: always, where no tick is missed.
+; FILTER <- T_d / (T_d + N h) of each joint, and what goes by h against sway. It is kept for as long as h stays the same:
+; always, where no tick is missed.
 pid_filters:
         ldf     @PD_H, r10
         cmpf    @K_PC_PERIOD, r10
@@ -73,22 +74,37 @@ pid_filter:
         stf     r0, *ar1++
         addi    PC_ROW, ar0
         dbu     ar2, pid_filter
+        ldf     @K_PC_SWAY_FILTER, r0           ; and those of pid_sway.asm
+        addf    r10, r0
+        call    m_reciprocal
+        mpyf    r10, r0
+        rnd     r0, r0
+        stf     r0, @K_PC_SMOOTH
+        ldf     @K_PD_LONGEST, r0
+        cmpf    r10, r0
+        ldfgt   r10, r0
+        stf     r0, @K_PC_STEP
+        ldf     @K_PC_SWAY_WIND, r1
+        mpyf    r1, r0
+        mpyf    3.0, r0
+        rnd     r0, r2
+        stf     r2, @K_PC_OBSERVE
+        mpyf    r1, r0
+        rnd     r0, r2
+        stf     r2, @K_PC_OBSERVE + 1
+        mpyf    r1, r0
+        mpyf    @K_PD_THIRD, r0
+        rnd     r0, r0
+        stf     r0, @K_PC_OBSERVE + 2
+        ldf     @K_PC_SWAY_GAIN, r0
+        mpyf    @K_ONE_OVER_G, r0
+        rnd     r0, r0
+        stf     r0, @K_PC_BRAKE
         rets
 
 ; CODE, and PI, D, E of the state; OUT.
 pid_joints:
-        call    pid_filters
-        ldf     @PD_Y + 2, r0                   ; cos phi to 8e-6 up to 80 degrees: enough for a gain. Of a gantry none goes by it
-        mpyf    r0, r0
-        ldf     @K_COS8, r9
-        mpyf    r0, r9
-        addf    @K_COS6, r9
-        mpyf    r0, r9
-        addf    @K_COS4, r9
-        mpyf    r0, r9
-        subf    0.5, r9
-        mpyf    r0, r9
-        addf    1.0, r9
+        ldf     @PD_COSINE, r9                  ; of a gantry none of K's terms goes by it
         ldf     @PD_H, r10
         ldf     @SV_LOAD, r11                   ; m: at least the spreader's, also where the rope is slack
         cmpf    @K_TQ_SPREADER, r11

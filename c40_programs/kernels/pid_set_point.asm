@@ -1,4 +1,4 @@
-; PID's set-point (docs/kernels.md): the point of the path, the cubic between two joint points, the shift against sway.
+; PID's set-point (docs/kernels.md): the point of the path, the cubic between two joint points.
 
 ; Consume the joint points whose time has come: that of a segment is N_t after the one before it, however late this tick is. Only where
 ; the buffer was dry at the last tick, and for the very first point, the segment begins now. R10 <- 1 if one was due and there was none.
@@ -150,6 +150,9 @@ pid_reference_joint:
         or      @PD_RESULT, r1
         sti     r1, @PD_RESULT
 pid_reference_rest:
+        ldf     @PD_PHASE, r1                   ; over: only where the segment ends counts
+        cmpf    1.0, r1
+        ldfge   r6, r7
         cmpf    @K_PD_REST, r7
         ldigt   1, r0
         ldi     @PD_RAMP, r1
@@ -157,86 +160,3 @@ pid_reference_rest:
         ldieq   1, r0
         sti     r0, @PD_MOVING
         rets
-
-; Sway: OUT <- out of tolerance; R + 1, R + 2 shifted.
-pid_sway:
-        ldi     0, r0
-        sti     r0, @PD_OUT
-        ldhi    hi16(PD_SWAY_FROM), ar0         ; FROM <- interpolated
-        or      lo16(PD_SWAY_FROM), ar0
-        ldf     @PD_PHASE, r2
-        ldi     3, rc
-        rptb    pid_sway_between
-        ldf     *+ar0(4), r0
-        subf    *ar0, r0
-        mpyf    r2, r0
-        addf    *ar0, r0
-pid_sway_between:
-        stf     r0, *ar0++
-        ldi     @SV_STOPPED, r0
-        beq     pid_sway_at_rate
-        ldf     @SV_PATH_RATE, r0               ; the reference sway goes with the acceleration: with the square of the path's rate
-        mpyf    r0, r0
-        ldf     @PD_SWAY_FROM, r1
-        mpyf    r0, r1
-        stf     r1, @PD_SWAY_FROM
-        mpyf    @PD_SWAY_FROM + 1, r0
-        stf     r0, @PD_SWAY_FROM + 1
-pid_sway_at_rate:
-        ldf     @PD_H, r0
-        addf    @K_PC_SWAY_FILTER, r0
-        call    m_reciprocal
-        mpyf    @PD_H, r0
-        ldf     r0, r7                          ; h / (T + h)
-        ldhi    hi16(PD_ANGLES), ar0
-        or      lo16(PD_ANGLES), ar0
-        ldhi    hi16(PD_SWAY_FROM), ar1
-        or      lo16(PD_SWAY_FROM), ar1
-        ldhi    hi16(PD_SHIFT), ar2
-        or      lo16(PD_SHIFT), ar2
-        ldi     1, rc
-        rptb    pid_sway_axis
-        ldi     *ar0++, r0
-        lsh     20, r0                          ; signed 12 bits
-        ash     -20, r0
-        float   r0, r0
-        mpyf    @K_PD_SWAY_UNIT, r0
-        subf    *ar1++, r0
-        ldf     @K_PC_SWAY_LIMIT, r1
-        cmpf    r1, r0
-        ldfgt   r1, r0
-        negf    r1, r1
-        cmpf    r1, r0
-        ldflt   r1, r0
-        ldf     *+ar2(PD_SWAY - PD_SHIFT), r1
-        subf    r1, r0
-        mpyf    r7, r0
-        addf    r1, r0
-        rnd     r0, r0
-        stf     r0, *+ar2(PD_SWAY - PD_SHIFT)
-        absf    r0, r1
-        ldi     @PD_OUT, r3
-        cmpf    @K_PD_SWAY_TOLERANCE, r1
-        ldigt   PD_OUT_SWAY, r3
-        sti     r3, @PD_OUT
-        mpyf    @K_PC_SWAY_GAIN, r0
-        ldf     *ar2, r1
-        mpyf    @K_PC_SWAY_LEAK, r1
-        subf    r1, r0
-        mpyf    @PD_H, r0
-        addf    *ar2, r0
-        rnd     r0, r0
-pid_sway_axis:
-        stf     r0, *ar2++
-        ldf     @PD_SHIFT, r0
-        mpyf    @PD_SWAY_FROM + 2, r0
-        addf    @PD_R + 2, r0
-        rnd     r0, r0
-        stf     r0, @PD_R + 2
-        ldf     @PD_SHIFT + 1, r0
-        mpyf    @PD_SWAY_FROM + 3, r0
-        addf    @PD_R + 1, r0
-        rnd     r0, r0
-        stf     r0, @PD_R + 1
-        rets
-

@@ -46,6 +46,10 @@ K_TQ_DRIVES         .set $ - LIFT               ; per channel: rotor J_m n^2, Co
                     .space 25
 K_PD_UNIT           .set $ - LIFT               ; per channel: joint unit per encoder count
                     .space 5
+K_PD_LIFT           .set $ - LIFT               ; m: times cos phi, by which the jib's tip rises per rad of luff; of a gantry 0
+                    .space 1
+K_PD_TURN           .set $ - LIFT               ; 1 where what moves the load tangentially turns it, too; of a gantry 0
+                    .space 1
 K_PD_SWAY_UNIT      .set $ - LIFT               ; rad per code of the sway sensor
                     .space 1
 ; ---- container

@@ -8,6 +8,7 @@ TQ_LOAD_TICK    .set SCRATCH + 95       ; CR_LOAD_TICK, CR_CONSUMED, CR_SEGMENT_
 TQ_CONSUMED     .set SCRATCH + 96
 TQ_SEGMENT      .set SCRATCH + 97
 TQ_STAGE        .set SCRATCH + 98
+TQ_WIND         .set SCRATCH + 99       ; i TB_RESULT: TORQUE_WIND where the anemometer shows too much
 TQ_Q            .set SCRATCH + 64       ; set-point: q, qd, qdd, f x5 each
 TQ_QD           .set SCRATCH + 69
 TQ_QDD          .set SCRATCH + 74
@@ -106,8 +107,14 @@ torque_rated:
         rets
 
 ; SV_LOAD <- kg on the rope: what the load cell shows, through a low-pass filter of K_TQ_LOAD_FILTER; LOAD_TICK. The same tick again changes nothing.
+; WIND <- whether the anemometer shows too much.
 torque_load:
         ldhi    hi16(WINDOW_B), ar0
+        absi    *+ar0(WIND_MEAN), r0
+        ldi     0, r1
+        cmpi    @K_TQ_WIND_LIMIT, r0
+        ldigt   TORQUE_WIND, r1
+        sti     r1, @TQ_WIND
         float   *+ar0(LOAD_CELL), r4
         ldi     @TASK + TB_TICK, r1
         ldi     r1, r3
@@ -307,6 +314,8 @@ torque_drive:
         br      torque_write
 
 torque_nothing:
+        ldi     0, r0
+        sti     r0, @TQ_WIND
         ldf     0.0, r0
         ldhi    hi16(TQ_TAU), ar1
         or      lo16(TQ_TAU), ar1
@@ -319,6 +328,6 @@ torque_write:
         addi    CR_FEED_FORWARD, ar1
         ldi     4, rc
         call    copy_words
-        ldi     0, r0
+        ldi     @TQ_WIND, r0
         ldi     0, r1
         rets

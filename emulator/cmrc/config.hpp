@@ -193,6 +193,7 @@ struct Config {
     double ship_motion = 0;
     double wind_mean_m_s = 0;
     double wind_gust_m_s = 0;
+    double wind_limit_m_s = 20;
     double wind_direction_deg = 0;
   } dock;
   /// The servo's loops: docs/control.md.
@@ -212,7 +213,7 @@ struct Config {
     Joint hoist{.speed_limit = 1};
     Joint rotator{.speed_limit = 0.12};
     double sway_gain_m_s_rad = 9;
-    double sway_leak_1_s = 0.125;
+    double wind_observer_rad_s = 0.5;
     double sway_filter_s = 0.15;
     double sway_limit_mrad = 30;
   } control;

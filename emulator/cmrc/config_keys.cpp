@@ -329,6 +329,8 @@ std::vector<Key> make_keys() {
       number("dock.wind_mean_m_s", FIELD(dock.wind_mean_m_s), "m/s", -50, 50, "mean wind on the load", "plant-and-bus.md 1.3"),
       number("dock.wind_gust_m_s", FIELD(dock.wind_gust_m_s), "m/s", 0, 50,
              "standard deviation of the gusts, by run.seed; with a mean of 1 or more", "control-notes.md 3"),
+      number("dock.wind_limit_m_s", FIELD(dock.wind_limit_m_s), "m/s", 1, 100,
+             "no lift begins while the anemometer's mean of 3 s is above this", "control-notes.md 3"),
       number("dock.wind_direction_deg", FIELD(dock.wind_direction_deg), "deg", -360, 360,
              "whither it blows: 0 along the quay, 90 towards the ship", "assumed"),
 
@@ -406,7 +408,8 @@ std::vector<Key> make_keys() {
                   "the same of the rotator", "plant-and-bus.md 1.4")),
       live(number("control.sway_gain_m_s_rad", FIELD(control.sway_gain_m_s_rad), "m/s per rad", 0, 30,
                   "against sway the suspension moves so fast towards the side to which the load hangs", "docs/kernels.md")),
-      live(number("control.sway_leak_1_s", FIELD(control.sway_leak_1_s), "1/s", 0.01, 10, "... and comes back at this rate", "docs/kernels.md")),
+      live(number("control.wind_observer_rad_s", FIELD(control.wind_observer_rad_s), "rad/s", 0.05, 2,
+                  "bandwidth of the observer that tells wind from sway; the suspension goes upwind by what it tells", "docs/kernels.md")),
       live(number("control.sway_filter_s", FIELD(control.sway_filter_s), "s", 0, 10, "low-pass of the measured sway", "docs/kernels.md")),
       live(number("control.sway_limit_mrad", FIELD(control.sway_limit_mrad), "mrad", 0, 170, "more sway than this counts as this", "docs/kernels.md")),
 

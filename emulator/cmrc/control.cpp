@@ -21,7 +21,6 @@ std::array<double, 5> inertia(std::size_t channel, const plant::CraneParameters&
   const bool gantry = p.machine == plant::Machine::gantry;
   const plant::DriveParameters& drive = p.drives.at(static_cast<std::size_t>(plant::drive_channels(p.machine).at(channel)));
   const double rotor = drive.rotor_inertia * drive.gear * drive.gear;
-  constexpr double yaw_per_kg = (plant::container_length * plant::container_length + plant::container_width * plant::container_width) / 12.0;  // of a container, m2
   switch (channel) {
     case 0: return gantry ? std::array<double, 5>{} : std::array<double, 5>{rotor + p.gantry_mass + p.jib_mass + p.counterweight};
     case 1:
@@ -32,7 +31,8 @@ std::array<double, 5> inertia(std::size_t channel, const plant::CraneParameters&
       if (gantry) return {rotor + p.jib_mass};
       return {rotor + p.jib_inertia + p.jib_mass * p.jib_centre * p.jib_centre, 0, 0, 0, p.jib * p.jib};
     case 3: return {rotor, 1};
-    default: return {rotor + p.spreader_inertia - yaw_per_kg * p.spreader_mass, yaw_per_kg};
+    // Not the load: near anything it hangs on falls that are soft in skew, and a gain with it is several times too high.
+    default: return {rotor + p.spreader_inertia};
   }
 }
 
@@ -96,7 +96,7 @@ ControlLaw control_law(const Config::Control& control, const plant::CraneParamet
     row.integral_s = integral_time(joint);
     row.share = joint.feed_forward;
   }
-  law.sway = {control.sway_gain_m_s_rad, control.sway_leak_1_s, control.sway_filter_s, control.sway_limit_mrad * 1e-3};
+  law.sway = {control.sway_gain_m_s_rad, control.wind_observer_rad_s, control.sway_filter_s, control.sway_limit_mrad * 1e-3};
   return law;
 }
 

@@ -27,7 +27,7 @@ struct ControlLaw {
     bool operator==(const Row&) const = default;
   };
   std::array<Row, control_channels> rows;
-  std::array<double, control_sway> sway{};  ///< m/s per rad, 1/s, s, rad
+  std::array<double, control_sway> sway{};  ///< m/s per rad, rad/s, s, rad
 };
 ControlLaw control_law(const Config::Control& control, const plant::CraneParameters& crane);
 

@@ -14,6 +14,11 @@ namespace {
 constexpr double probe = 0.1;        // m, by which lowering is prolonged when nothing was met
 constexpr double probe_after = 1.0;  // s after a ramp's end
 constexpr int most_probes = 5;
+// In wind the load is let down in two ramps. Between them it hangs where the guides (0.3 m high) already catch it,
+// until it is over its place.
+constexpr double hover = 0.2;          // m above the surface
+constexpr double steady_for = 0.25;    // s
+constexpr double touching_slower = 0.8;  // the second one meets the surface where it is fastest
 
 }  // namespace
 
@@ -41,10 +46,12 @@ void Crane::enter(const Step& step, std::optional<unsigned> agv, Desk& desk) {
       ramp_pending_ = true;
       phase_ = Phase::down;
       missed_ = probes_ = 0;
+      hovering_ = low_ = false;
       break;
     case Step::Kind::lock: desk.write(words_.cr_base + words_.cr_spreader, Word{1}); break;
     case Step::Kind::open: desk.write(words_.cr_base + words_.cr_spreader, Word{0}); break;
     case Step::Kind::raise:
+      low_ = false;
       ramp_pending_ = !ramp(-ramp_offset_, desk);
       break;
     case Step::Kind::hold: since_ = desk.tick() + ticks(step.seconds); break;
@@ -97,15 +104,17 @@ bool Crane::settled(const Desk& desk) const {
 bool Crane::ramp(double delta, Desk& desk) {
   if (!desk.servo_resting()) return false;
   // Quintic blend: peak speed 1.875 delta / T.
-  const std::int64_t duration = ticks(1.875 * std::abs(delta) / job_.ramp_speed) + 1;
+  const double peak = job_.ramp_speed * (low_ ? touching_slower : 1.0);
+  const std::int64_t duration = ticks(1.875 * std::abs(delta) / peak) + 1;
   const std::int64_t begin = desk.path(desk.tick()) + 2 * job_.servo_interval;
   const std::array<Word, 4> words = {static_cast<Word>(begin), static_cast<Word>(duration), ti_float(ramp_offset_),
                                      ti_float(delta)};
   desk.write(words_.cr_base + words_.cr_ramp_start, words);
   ramp_offset_ += delta;
   ramp_end_ = begin + duration;
-  ramp_told_ = false;
-  desk.milestone(0, Milestone::Kind::ramp_begun, 0, desk.tick() + 2 * job_.servo_interval);
+  // A ramp in two parts is one to whoever compares runs.
+  ramp_told_ = hovering_;
+  if (!low_) desk.milestone(0, Milestone::Kind::ramp_begun, 0, desk.tick() + 2 * job_.servo_interval);
   return true;
 }
 
@@ -127,6 +136,7 @@ bool Crane::lowered(Desk& desk) {
     case Phase::rest:
       if (!settled(desk)) break;
       ramp_pending_ = true;
+      hovering_ = low_ = false;
       phase_ = Phase::down;
       break;
     case Phase::given_up: break;
@@ -136,11 +146,20 @@ bool Crane::lowered(Desk& desk) {
 
 bool Crane::down(Desk& desk) {
   if (ramp_pending_) {
+    if (held() && !setting_down_) return false;
     if (probes_ > 0) retrying_ = true;
-    ramp_pending_ = !ramp(probes_ == 0 ? job_.clearance + job_.slack : probe, desk);
+    hovering_ = probes_ == 0 && !low_ && pid_.windy && job_.clearance > hover && !setting_down_;
+    const double low = low_ ? hover : job_.clearance;
+    ramp_pending_ = !ramp(probes_ > 0 ? probe : hovering_ ? job_.clearance - hover : low + job_.slack, desk);
     return false;
   }
   if (!ramp_done(desk)) return false;
+  if (hovering_) {
+    if (!hovered(desk)) return false;
+    hovering_ = false;
+    low_ = ramp_pending_ = true;
+    return false;
+  }
   if (pid_.landed) return true;
   if (desk.path(pid_.tick) <= ramp_end_ + ticks(probe_after)) return false;
   ramp_pending_ = true;
@@ -148,8 +167,16 @@ bool Crane::down(Desk& desk) {
   return false;
 }
 
+// The rest of the way takes a second and a half: so long a load that is over its place and hardly moves stays there.
+bool Crane::hovered(const Desk& desk) {
+  const std::int64_t reached = desk.path(pid_.tick) - ramp_end_;
+  if (!pid_.steady || reached < ticks(steady_for)) unsteady_ = desk.path(pid_.tick);
+  return setting_down_ || desk.path(pid_.tick) - unsteady_ >= ticks(steady_for) || reached > ticks(job_.settle_limit);
+}
+
 void Crane::landing_missed(Desk& desk) {
   probes_ = 0;
+  low_ = false;
   phase_ = setting_down_ ? Phase::given_up : Phase::up;
   if (setting_down_) return;
   again_.reset();
@@ -197,6 +224,7 @@ bool Crane::raised(Desk& desk) {
 
 void Crane::finished(const Task& done, Word result, Word notify, Desk& desk) {
   if (done.kind == words_.kind_pid) pid_finished(done, result, desk);
+  else if (done.kind == words_.kind_torque) too_windy_ = (result & words_.torque_wind) != 0;
   else if (done.kind == words_.kind_trajectory_crane) chain_.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0, (notify & words_.must_trajectory) != 0);
   else if (done.kind == words_.kind_inverse_crane) chain_.inverse_done();
   else if (done.kind == words_.kind_identify && phase_ == Phase::identify) asked_ = false, phase_ = (notify & words_.must_process << 2) != 0 ? Phase::plan : Phase::rest;
@@ -217,6 +245,8 @@ void Crane::pid_finished(const Task& done, Word result, Desk& desk) {
   pid_.starved = (result & words_.pid_starved) != 0;
   pid_.settled = (result & words_.pid_settled) != 0;
   pid_.ramp_done = (result & words_.pid_ramp_done) != 0;
+  pid_.windy = (result & words_.pid_windy) != 0;
+  pid_.steady = (result & words_.pid_steady) != 0;
   if (!ramp_told_ && ramp_done(desk)) {
     ramp_told_ = true;
     desk.milestone(0, Milestone::Kind::ramp_ended, 0, pid_.tick);

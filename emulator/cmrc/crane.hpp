@@ -17,7 +17,7 @@ struct CraneJob {
   double clearance = 0.6;       ///< m, between a route's end and the surface it aims at
   double slack = 0.1;           ///< m, by which lowering goes further
   double ramp_speed = 0.15;     ///< m/s, peak
-  double settle_limit = 20;     ///< s, waiting for the load to come to rest
+  double settle_limit = 20;     ///< s, waiting for the load to come to rest, or over its place in wind
   double refresh_frequency = 8000;
   std::int64_t servo_interval = 8;
   std::int64_t point_interval = 64;    ///< N_t
@@ -31,6 +31,7 @@ struct CraneJob {
 struct PidStatus {
   std::int64_t tick = 0;
   bool landed = false, locked = false, open = false, starved = false, settled = false, ramp_done = false;
+  bool windy = false, steady = false;  ///< wind displaces the load; it is over its place all the same
 };
 
 class Crane {
@@ -49,6 +50,10 @@ class Crane {
   void abandon() { chain_.abandon(); }
   /// ... or again.
   void resume() { chain_.resume(); }
+  /// Torque compensation has said so: the anemometer's mean is above its limit. No lift begins then.
+  bool too_windy() const { return too_windy_; }
+  /// It would go down for a container, and waits for less wind.
+  bool waits_for_wind() const { return phase_ == Phase::down && ramp_pending_ && held(); }
   /// In the step `lower`: it is on its way down, or stands.
   bool lowering() const { return phase_ == Phase::down && !ramp_pending_; }
   /// It does not lift the load when that has not landed: an error has it set down.
@@ -84,6 +89,8 @@ class Crane {
   /// Goes on with a landing: true when the load stands and the ramp is over.
   bool lowered(Desk& desk);
   bool down(Desk& desk);
+  bool hovered(const Desk& desk);
+  bool held() const { return too_windy_ && !pid_.locked && probes_ == 0 && !low_; }
   void landing_missed(Desk& desk);
   void aim_again(Desk& desk);
   void load(Word kind, Word x, Desk& desk);
@@ -103,6 +110,9 @@ class Crane {
   double ramp_offset_ = 0;              // m added to l when the last ramp is over
   std::int64_t ramp_end_ = 0;           // by the path's clock
   int probes_ = 0;                      // how often lowering was prolonged
+  bool hovering_ = false, low_ = false; // in wind: it is let down between the guides, and waits there for a good moment; it has
+  std::int64_t unsteady_ = 0;           // refresh at which it last was not over its place there
+  bool too_windy_ = false;
   bool ramp_pending_ = false;
   bool ramp_told_ = true;
   bool retrying_ = false;

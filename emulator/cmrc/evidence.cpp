@@ -212,6 +212,7 @@ report::RunReport make_report(Evidence e) {
   }
   report.control_cost = {report.errors ? std::optional(report.errors->error_m2s) : std::nullopt, e.observer.drive_effort(), e.config.report.control_cost_rho_m2};
   report.host = e.host.report();
+  report.wind = e.host.wind();
   report.host.semaphore_hold = e.observer.semaphore_hold().summary();
   for (const TimedEvent& event : e.config.events) {
     const Time at{std::llround(event.at_s * 1e12)};

@@ -250,6 +250,7 @@ void Host::think() {
   control_.refresh(*this);
   for (Servo* servo : {&torque_, &pid_}) refresh_servo(*servo, released(*servo));
   processes_.refresh(*this);
+  watch_wind();
   user_tasks_.refresh(*this);
   if (const auto cycle = cycles_.take_closed()) {
     Fleet& fleet = processes_.fleet();
@@ -374,6 +375,20 @@ void Host::milestone(Robot robot, Milestone::Kind kind, std::int64_t number, std
 
 void Host::note(EventKind kind, std::array<std::uint32_t, 5> arguments) {
   listener_.event({now_, report::host, kind, arguments});
+}
+
+void Host::watch_wind() {
+  wind_.watched += elapsed_;
+  if (processes_.crane().too_windy()) wind_.above += elapsed_;
+  const bool waits = processes_.waits_for_wind();
+  if (waits) wind_.waited += elapsed_;
+  if (waits && !wind_.waits_now) ++wind_.waits;
+  wind_.waits_now = waits;
+}
+
+report::WindReport Host::wind() const {
+  const auto time = [this](std::int64_t refreshes) { return clock_.at(refreshes) - clock_.at(0); };
+  return {config_.dock.wind_limit_m_s, time(wind_.watched), time(wind_.above), time(wind_.waited), wind_.waits};
 }
 
 report::HostReport Host::report() const {

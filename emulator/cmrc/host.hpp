@@ -70,6 +70,7 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
 
   /// Counts; the times of the semaphore are the observer's to add.
   report::HostReport report() const;
+  report::WindReport wind() const;
   const Cycles& cycles() const { return cycles_; }
   const Errors& errors() const { return errors_; }
   const TaskList& list() const { return list_; }
@@ -241,6 +242,12 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
   std::map<JobKind, std::int64_t> gaps_;     // longest between two beats in refreshes, at least as configured; of kinds that have a heartbeat
 
   report::HostReport counts_;
+  struct {
+    std::int64_t watched = 0, above = 0, waited = 0;  // refreshes
+    std::uint64_t waits = 0;
+    bool waits_now = false;
+  } wind_;
+  void watch_wind();
   report::Distribution durations_, lengths_;
 };
 

@@ -29,7 +29,7 @@ void place_constants(toolchain::Image& image, std::string_view label) {
   }
 }
 
-/// PID's limits (errors.*) into its constants; docs/controller.md, Errors.
+/// Limits of PID (errors.*) and of torque compensation (the wind's) into their constants; docs/controller.md, Errors and Wind.
 void place_limits(toolchain::Image& image, const Config& config) {
   const Config::Errors& e = config.errors;
   const bool gantry = config.dock.crane == CraneMachine::gantry;
@@ -50,6 +50,7 @@ void place_limits(toolchain::Image& image, const Config& config) {
   word_at(image, constant("K_PD_ENCODER_TICKS")) = refreshes(e.encoder_ms);
   word_at(image, constant("K_PD_TURNS")) = static_cast<toolchain::Word>(std::llround(e.encoder_speed_percent * 100));
   word_at(image, constant("K_PD_SAMPLE")) = sample;
+  word_at(image, constant("K_TQ_WIND_LIMIT")) = static_cast<toolchain::Word>(std::llround(config.dock.wind_limit_m_s * 1e3));
   word_at(image, constant("K_PD_SAME")) = static_cast<toolchain::Word>(e.sway_samples);
 }
 

@@ -56,6 +56,8 @@ void place_geometry(Placer& to, const CraneParameters& p) {
   to.constant("K_PIVOT", {p.pivot_height});
   to.constant("K_JIB_SQUARED", {gantry ? 0.0 : p.jib * p.jib});
   to.constant("K_ONE_OVER_JIB", {1.0 / p.jib});
+  to.constant("K_PD_LIFT", {gantry ? 0.0 : p.jib});
+  to.constant("K_PD_TURN", {gantry ? 0.0 : 1.0});
   if (gantry) {
     to.table("gantry_masses", {p.gantry_mass + p.jib_mass, p.jib_mass});
     to.table("gantry_limits", {p.lower[of(Joint::gantry)], p.upper[of(Joint::gantry)], p.lower[of(Joint::luff)],

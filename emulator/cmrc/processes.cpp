@@ -15,6 +15,11 @@ bool has(const std::vector<unsigned>& list, unsigned number) { return std::find(
 
 Robot robot_of(const Process& process, std::optional<unsigned> agv) { return process.robot == Robots::agv ? agv.value() + 1 : 0; }
 
+/// It takes a container up: in too much wind it does not begin.
+bool lifts(const Process& process) {
+  return std::ranges::any_of(process.steps, [](const Step& step) { return step.kind == Step::Kind::lock; });
+}
+
 constexpr std::string_view avoidance = "obstacle_avoidance";
 
 /// Avoidance of parked vehicles, too: between processes, in slots and at the hand-over.
@@ -227,8 +232,18 @@ void Processes::move_crane(Desk& desk) {
 }
 
 void Processes::start_crane(Desk& desk) {
+  start_waits_ = false;
   if (crane_run_.process != nullptr || crane_run_.stopped || crane_run_.retired) return;
-  if (const Process* next = next_of(Robots::crane, 0)) begin(crane_run_, *next, takes_agv(*next) ? agv_in_spot() : std::nullopt, desk);
+  const Process* next = next_of(Robots::crane, 0);
+  start_waits_ = next != nullptr && crane_.too_windy() && lifts(*next);
+  if (next != nullptr && !start_waits_) begin(crane_run_, *next, takes_agv(*next) ? agv_in_spot() : std::nullopt, desk);
+}
+
+bool Processes::waits_for_wind() const {
+  const Process* process = crane_run_.process;
+  if (crane_run_.stopped || crane_held_) return false;
+  if (process == nullptr) return start_waits_;
+  return process->steps[crane_run_.step].kind == Step::Kind::lower && crane_.waits_for_wind();
 }
 
 void Processes::move_agv(unsigned agv, Desk& desk) {

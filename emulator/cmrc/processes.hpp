@@ -55,6 +55,8 @@ class Processes {
   void seen(unsigned agv, Word millimetres);
   /// \param staggered AGVs' interval releases fall on refreshes apart, else on the same
   void set_releases(const Watch& watch, bool staggered) { watch_ = watch, staggered_ = staggered; }
+  /// The crane would begin a lift, and waits for less wind.
+  bool waits_for_wind() const;
   Crane& crane() { return crane_; }
   const Crane& crane() const { return crane_; }
   Fleet& fleet() { return fleet_; }
@@ -104,6 +106,7 @@ class Processes {
   Fleet fleet_;
   std::vector<Run> free_runs_;              // processes of no robot, in the table's order
   Run crane_run_;
+  bool start_waits_ = false;                // for less wind: the crane is between two processes
   bool crane_held_ = false;                 // by an error, as are:
   bool crane_sets_down_ = false, crane_down_ = false;
   std::vector<Run> agv_runs_;

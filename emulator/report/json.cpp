@@ -186,6 +186,15 @@ Json host_work(const HostReport& of) {
           {"semaphores_freed", of.semaphores_freed}};
 }
 
+Json wind(const WindReport& of) {
+  const double watched = seconds(of.watched);
+  return {{"limit_m_s", of.limit_m_s},
+          {"above_s", seconds(of.above)},
+          {"above_share", watched > 0 ? seconds(of.above) / watched : 0.0},
+          {"waited_s", seconds(of.waited)},
+          {"waits", of.waits}};
+}
+
 Json settings(const std::vector<Setting>& list) {
   Json object = Json::object();
   for (const Setting& setting : list)
@@ -222,6 +231,7 @@ std::string to_json(const RunReport& report) {
                {"cycles_completed", report.cycles_completed},
                {"containers_delivered", report.containers_delivered},
                {"host", host_work(report.host)},
+               {"wind", wind(report.wind)},
                {"timed_events", timed_events(report.timed_events)},
                {"timed_events_to_come", report.timed_events_to_come},
                {"audit", {{"checks", report.audit.checks}, {"violations", report.audit.violations}}},

@@ -154,6 +154,15 @@ struct HostReport {
   std::uint64_t semaphores_freed = 0;
 };
 
+/// What the wind kept the crane from, by what the anemometer said (docs/report.md, Wind).
+struct WindReport {
+  double limit_m_s = 0;      ///< no lift begins above it
+  Time watched{};            ///< from the first refresh on
+  Time above{};              ///< of this the 3-s mean was above the limit
+  Time waited{};             ///< of this a lift waited for less wind
+  std::uint64_t waits = 0;   ///< so many times
+};
+
 /// What was made to happen, as the configuration or the operator asked.
 struct TimedEventReport {
   Time time{};
@@ -213,6 +222,7 @@ struct RunReport {
   std::optional<AfterStop> after_stop;
   ControlCost control_cost;
   HostReport host;
+  WindReport wind;
   std::vector<TimedEventReport> timed_events;
   std::size_t timed_events_to_come = 0;  ///< the run ended before them
   AuditReport audit;

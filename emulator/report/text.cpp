@@ -278,6 +278,14 @@ std::string host_work(const RunReport& report) {
                      host.list_length.worst);
 }
 
+std::string wind(const RunReport& report) {
+  const WindReport& wind = report.wind;
+  if (wind.above == Time{}) return "";
+  const double share = seconds(wind.above) / seconds(wind.watched);
+  return heading(fmt::format("Wind above {:g} m/s for {:.1f} s, {:.1f} % of the time", wind.limit_m_s, seconds(wind.above), share * 100)) +
+         fmt::format("  lifts waited for less wind: {:.1f} s, {} time{}\n", seconds(wind.waited), wind.waits, wind.waits == 1 ? "" : "s");
+}
+
 std::string timed_events(const RunReport& report) {
   if (report.timed_events.empty() && report.timed_events_to_come == 0) return "";
   std::string text = heading("As asked for");
@@ -305,7 +313,7 @@ std::string failures(const RunReport& report) {
 
 std::string to_text(const RunReport& report) {
   return title(report) + headline(report) + outcomes(report) + times(report) + reasons(report) + dsps(report) + buses(report) +
-         cycles(report) + errors_section(report) + after_stop_section(report) + host_work(report) + timed_events(report) + errors_text(report.errors_handled) + failures(report) +
+         cycles(report) + errors_section(report) + after_stop_section(report) + host_work(report) + wind(report) + timed_events(report) + errors_text(report.errors_handled) + failures(report) +
          fmt::format("\ntask blocks: {} steps of their lives checked, {} violations{}\n", report.audit.checks, report.audit.violations.size(),
                      report.braked ? "; every crane drive is braked" : "") +
          fmt::format("hash {} over {} events\n", report.hash, report.events);

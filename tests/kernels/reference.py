@@ -232,7 +232,7 @@ def inertia(phi: float, mass: float) -> list[float]:
         rotor[1] + J_SLEW + M_CW * R_CW**2 + I_JIB * c * c + M_JIB * (A0 + C_JIB * c) ** 2,
         rotor[2] + I_JIB + M_JIB * C_JIB**2 + mass * (JIB * c) ** 2,
         rotor[3] + mass,
-        rotor[4] + I_SPREADER + I_PER_KG * (mass - M_SPREADER),
+        rotor[4] + I_SPREADER,  # the load does not count: near anything it hangs on falls that are slack in skew
     ]
 
 
@@ -252,12 +252,13 @@ def control_block() -> list[float]:
         per_kg = [(b - a) / 1000.0 for a, b in zip(free, loaded, strict=True)]
         words += [free[0], per_kg[0], (free[1] - free[2]) / 2, (free[1] + free[2]) / 2 - free[0], per_kg[1] - per_kg[0]]
         words += [N_D, T_D[j], 1 / T_I[j], 1 / T_T[j], 1.0, 1.0]
-    return [*words, SWAY_GAIN, SWAY_LEAK, SWAY_FILTER, SWAY_LIMIT]
+    return [*words, SWAY_GAIN, WIND_OBSERVER, SWAY_FILTER, SWAY_LIMIT]
 
 
 CODE = tuple(2047 / u for u in U_MAX)
 JOINT_TOLERANCE = (0.02, 1.5e-3, 1.5e-3, 0.03, 5e-3)
-SWAY_GAIN, SWAY_LEAK, SWAY_FILTER, SWAY_LIMIT = 9.0, 0.125, 0.15, 0.03  # m/s per rad, 1/s, s, rad
+SWAY_GAIN, WIND_OBSERVER, SWAY_FILTER, SWAY_LIMIT = 9.0, 0.5, 0.15, 0.03  # m/s per rad, rad/s, s, rad
+WIND_MOST, OBSERVER_STEP = 0.785, 0.02  # m/s2; s
 SWAY_TOLERANCE, SETTLE_TIME = 1.6e-3, 1.5
 REST = 1e-4  # joint speed below which the reference counts as at rest
 
@@ -267,8 +268,14 @@ class PidState:
     integral: list[float] = field(default_factory=lambda: [0.0] * 5)  # with K times the last error
     derivative: list[float] = field(default_factory=lambda: [0.0] * 5)
     error: list[float] = field(default_factory=lambda: [0.0] * 5)
-    shift: list[float] = field(default_factory=lambda: [0.0, 0.0])  # sway damping: radial, tangential, m
-    sway: list[float] = field(default_factory=lambda: [0.0, 0.0])  # filtered sway error, rad
+    beside: list[float] = field(default_factory=lambda: [0.0, 0.0])  # the load off its path: radial, tangential, m
+    sway: list[float] = field(default_factory=lambda: [0.0, 0.0])  # filtered angle of the rope off its reference, rad
+    speed: list[float] = field(default_factory=lambda: [0.0, 0.0])  # of the load off its path, m/s
+    wind: list[float] = field(default_factory=lambda: [0.0, 0.0])  # acceleration that the wind gives it, m/s2
+
+    def shift(self, length: float) -> list[float]:
+        """Where the suspension goes: against the load's speed, and upwind by what the wind displaces."""
+        return [-(SWAY_GAIN * v + length * w) / GRAVITY for v, w in zip(self.speed, self.wind, strict=True)]
 
 
 def hermite(a: float, ad: float, b: float, bd: float, f: float, period: float) -> float:
@@ -280,11 +287,25 @@ def hermite(a: float, ad: float, b: float, bd: float, f: float, period: float) -
     )
 
 
-def sway_update(state: PidState, measured: list[float], reference: list[float], h: float) -> None:
+def sway_update(
+    state: PidState, measured: list[float], reference: list[float], h: float, length: float, *, stands: bool = False
+) -> list[float]:
+    """A step of h s of the observer; returns the suspension's shift. `stands`: the load does not hang freely."""
+    step = min(h, OBSERVER_STEP)
+    before = state.shift(length)
     for i in range(2):
-        e = min(max(measured[i] - reference[i], -SWAY_LIMIT), SWAY_LIMIT)
-        state.sway[i] += h / (SWAY_FILTER + h) * (e - state.sway[i])
-        state.shift[i] += h * (SWAY_GAIN * state.sway[i] - SWAY_LEAK * state.shift[i])
+        hangs = state.wind[i] / GRAVITY
+        swing = min(max(measured[i] - reference[i] - hangs, -SWAY_LIMIT), SWAY_LIMIT)
+        state.sway[i] += h / (SWAY_FILTER + h) * (hangs + swing - state.sway[i])
+        y, v, w = state.beside[i], state.speed[i], state.wind[i]
+        if stands:
+            state.beside[i], state.speed[i] = y - step * y, v - step * v
+            continue
+        e = before[i] + length * state.sway[i] - y
+        state.beside[i] = y + step * (v + 3 * WIND_OBSERVER * e)
+        state.speed[i] = v + step * (w - GRAVITY * state.sway[i] + 3 * WIND_OBSERVER**2 * e)
+        state.wind[i] = min(max(w + step * WIND_OBSERVER**3 * e, -WIND_MOST), WIND_MOST)
+    return state.shift(length)
 
 
 def pid(

@@ -292,8 +292,9 @@ def test_one_tick_is_the_reference_with_a_gantrys_drives(gains: None) -> None:
         dsp.put("CR_CONSUMED", 8)
         phase = r.randrange(0, 8)
         dsp.put("CR_SEGMENT_START", servo.tick - 8 * phase)
-        state = ref.PidState(*([0.0, *(single(r.uniform(-s, s)) for _ in range(4))] for s in (50.0, 50.0, 0.01)), *([single(r.uniform(-s, s)) for _ in range(2)] for s in (0.2, 0.01)))
-        for offset, values in ((24, state.integral), (29, state.derivative), (34, state.error), (5, state.shift), (13, state.sway)):
+        state = ref.PidState(*([0.0, *(single(r.uniform(-s, s)) for _ in range(4))] for s in (50.0, 50.0, 0.01)), *([single(r.uniform(-s, s)) for _ in range(2)] for s in (0.2, 0.01, 0.3, 0.3)))
+        loops = ((24, state.integral), (29, state.derivative), (34, state.error))
+        for offset, values in (*loops, (5, state.beside), (13, state.sway), (45, state.speed), (47, state.wind)):
             dsp.put("CR_CONSUMED", *values, offset=offset)
         feed = [0.0, *(single(r.uniform(-0.9, 0.9) * u) for u in U_MAX[1:])]
         dsp.put("CR_FEED_FORWARD", *feed)
@@ -304,10 +305,10 @@ def test_one_tick_is_the_reference_with_a_gantrys_drives(gains: None) -> None:
             dsp.device("SWAY_ALPHA", c, offset=i)
         reference = [ref.hermite(*v, phase / 8, test_pid.PERIOD) for v in zip(a, ad, b, bd, strict=True)]
         sway = [x + phase / 8 * (y - x) for x, y in zip(sway_a, sway_b, strict=True)]
-        ref.sway_update(state, [c * math.radians(10) / 2048 for c in codes], sway[:2], test_pid.H)
-        reference[1] -= state.shift[1]  # travel, along -e_t
-        reference[2] += state.shift[0]
         measured = [0.0, *(m / c for m, c in zip(moved[1:], COUNTS[1:], strict=True))]
+        shift = ref.sway_update(state, [c * math.radians(10) / 2048 for c in codes], sway[:2], test_pid.H, measured[3])
+        reference[1] -= shift[1]  # travel, along -e_t; the load keeps its height and its yaw by itself
+        reference[2] += shift[0]
         k_p = ref.stiffness(0.0, test_pid.MASS)
         want = ref.pid(state, reference, measured, feed, test_pid.H, k_p)
         servo.run()

@@ -9,7 +9,7 @@ import pytest
 import reference as ref
 from harness import Dsp, from_ti, to_ti
 
-LANDED, LOCKED, OPEN, STARVED, SETTLED, RAMP_DONE, BEGAN = (0x10000 << i for i in range(7))
+LANDED, LOCKED, OPEN, STARVED, SETTLED, RAMP_DONE, BEGAN, STEADY, WINDY = (0x10000 << i for i in range(9))
 POINT_TICKS, SERVO_TICKS, REFRESH = 64, 8, 8000
 MASS = 24000.0
 PERIOD, H = POINT_TICKS / REFRESH, SERVO_TICKS / REFRESH
@@ -100,10 +100,11 @@ def test_one_tick_is_the_reference(seeds: range = range(12)) -> None:
         phase = r.randrange(0, 8)
         dsp.put("CR_SEGMENT_START", servo.tick - 8 * phase)
         state = ref.PidState(
-            *([single(r.uniform(-s, s)) for _ in range(n)] for s, n in ((50.0, 5), (50.0, 5), (0.01, 5), (0.2, 2), (0.01, 2)))
+            *([single(r.uniform(-s, s)) for _ in range(n)] for s, n in ((50.0, 5), (50.0, 5), (0.01, 5), (0.2, 2), (0.01, 2), (0.3, 2), (0.3, 2)))
         )
         base = dsp.symbols["CR_PID"]
-        for offset, values in ((24, state.integral), (29, state.derivative), (34, state.error), (5, state.shift), (13, state.sway)):
+        loops = ((24, state.integral), (29, state.derivative), (34, state.error))
+        for offset, values in (*loops, (5, state.beside), (13, state.sway), (45, state.speed), (47, state.wind)):
             dsp.put("CR_CONSUMED", *values, offset=offset)
         assert dsp.symbols["CR_CONSUMED"] == base
         feed = [single(r.uniform(-0.9, 0.9) * u) for u in ref.U_MAX]
@@ -122,11 +123,18 @@ def test_one_tick_is_the_reference(seeds: range = range(12)) -> None:
             dsp.put("CR_RAMP_DELTA", 1.5)
             reference[3] += -0.5 + 1.5 * ref.quintic(0.25)[0]
         sway = [x + phase / 8 * (y - x) for x, y in zip(sway_a, sway_b, strict=True)]
-        ref.sway_update(state, [c * math.radians(10) / 2048 for c in codes], sway[:2], H)
-        reference[2] += sway[2] * state.shift[0]
-        reference[1] += sway[3] * state.shift[1]
+        stands = seed % 4 == 3
+        dsp.device("SPREADER_STATUS", 0x04 if stands and seed % 8 == 3 else 0)
+        if stands and seed % 8 == 7:
+            dsp.put("CR_LOAD", 0.75 * ref.M_SPREADER)
         measured = [m / c for m, c in zip(moved, ref.COUNTS, strict=True)]
-        k_p = ref.stiffness(measured[2], MASS)
+        shift = ref.sway_update(state, [c * math.radians(10) / 2048 for c in codes], sway[:2], H, measured[3], stands=stands)
+        # The load stays at its height and in its direction, whatever luff and slew do.
+        reference[3] += ref.JIB * math.cos(measured[2]) * sway[2] * shift[0]
+        reference[2] += sway[2] * shift[0]
+        reference[1] += sway[3] * shift[1]
+        reference[4] -= sway[3] * shift[1]
+        k_p = ref.stiffness(measured[2], ref.M_SPREADER if stands and seed % 8 == 7 else MASS)
         want = ref.pid(state, reference, measured, feed, H, k_p)
 
         servo.run()
@@ -140,7 +148,9 @@ def test_one_tick_is_the_reference(seeds: range = range(12)) -> None:
             assert dsp.floats("CR_CONSUMED", 5, offset=34)[j] == pytest.approx(state.error[j], abs=e)
             k_i = k_p[j] * (1 + H / ref.T_I[j] + H / ref.T_T[j] * (1 + ref.N_D))
             assert dsp.floats("CR_CONSUMED", 5, offset=24)[j] == pytest.approx(state.integral[j], abs=1e-5 + k_i * e, rel=1e-6)
-        assert dsp.floats("CR_CONSUMED", 2, offset=5) == pytest.approx(state.shift, abs=1e-7)
+        assert dsp.floats("CR_CONSUMED", 2, offset=5) == pytest.approx(state.beside, abs=1e-7)
+        assert dsp.floats("CR_CONSUMED", 2, offset=45) == pytest.approx(state.speed, abs=1e-7)
+        assert dsp.floats("CR_CONSUMED", 2, offset=47) == pytest.approx(state.wind, abs=1e-7)
         assert dsp.floats("CR_CONSUMED", 2, offset=13) == pytest.approx(state.sway, abs=1e-8)
 
 
@@ -183,7 +193,7 @@ def test_points_are_consumed_each_segment_and_starving_is_said() -> None:
     assert [bool(x & STARVED) for x in results] == [False] * 7 + [True] * 2  # at speed with no next point
     servo.put_point(3, POSE, [0.0] * 5, [0.0] * 4)
     late = servo.tick
-    assert servo.run() == 4 | BEGAN
+    assert servo.run() == 4 | BEGAN | STEADY
     assert servo.dsp.word("CR_SEGMENT_START") == late
 
 
@@ -194,9 +204,9 @@ def test_the_same_tick_again_consumes_nothing_more() -> None:
         servo.put_point(k, POSE, [0.0] * 5, [0.0] * 4)
     for _ in range(8):
         servo.run()
-    assert servo.run() == 2
+    assert servo.run() == 2 | STEADY
     servo.tick -= SERVO_TICKS
-    assert servo.run() == 2
+    assert servo.run() == 2 | STEADY
 
 
 def test_settled_needs_rest_tolerance_and_time() -> None:
@@ -215,6 +225,53 @@ def test_settled_needs_rest_tolerance_and_time() -> None:
     ramp = [servo.run() for _ in range(102)]
     assert not ramp[5] & SETTLED
     assert [bool(x & RAMP_DONE) for x in ramp] == [False] * 100 + [True] * 2
+
+
+def test_a_leg_that_is_over_rests_however_fast_its_last_segment_was() -> None:
+    """A short alignment's last two points are far apart in speed; the load rests at the second all the same."""
+    servo = Servo(POSE)
+    servo.start()
+    speed = [0.0, 0.0, 2e-3, 0.0, 0.0]
+    for k, rate in enumerate(([0.0] * 5, speed, [0.0] * 5)):
+        servo.put_point(k, POSE, rate, [0.0] * 4)
+    begin = servo.tick
+    while servo.tick < begin + 3 * POINT_TICKS:  # three points are consumed, the last at once; two segments later it is over
+        assert not servo.run() & SETTLED
+    settled = next(n for n in range(4000) if servo.run() & SETTLED)
+    assert settled * H == pytest.approx(ref.SETTLE_TIME, abs=0.01)
+
+
+def test_it_says_whether_the_load_is_over_its_place_and_displaced_by_wind() -> None:
+    servo = Servo(POSE)
+    servo.start()
+    for beside, speed, wind, bits in (
+        (0.09, 0.14, 0.029, STEADY), (-0.11, 0.0, 0.0, 0), (0.0, -0.16, 0.0, 0),
+        (0.0, 0.0, -0.031, STEADY | WINDY), (0.11, 0.0, 0.04, WINDY),
+    ):  # fmt: skip
+        for axis in range(2):
+            code = round((wind / ref.GRAVITY) / (math.radians(10) / 2048))
+            servo.dsp.device("SWAY_ALPHA", code if axis == 0 else 0, offset=axis)
+        servo.dsp.device("SPREADER_STATUS", 1)  # it stands: the observer keeps what it is given
+        for offset, value in ((5, beside), (45, speed), (47, wind)):
+            servo.dsp.put("CR_CONSUMED", value, 0.0, offset=offset)
+        assert servo.run() & (STEADY | WINDY) == bits, (beside, speed, wind)
+
+
+def test_a_steady_wind_is_observed_and_the_suspension_goes_upwind() -> None:
+    """A pendulum of its own, pushed by a constant wind, hangs from where PID shifts the suspension: it comes back to its place."""
+    servo = Servo(POSE)
+    servo.start()
+    length, wind, y, v, step = POSE[3], 0.2, 0.0, 0.0, 10 * H  # ten times fewer ticks, and the test as much shorter
+    for _ in range(3000):
+        shift = from_ti(servo.dsp.chip.peek(servo.dsp.symbols["PD_SHIFT"]))
+        angle = (y - shift) / length
+        servo.dsp.device("SWAY_ALPHA", round(angle / (math.radians(10) / 2048)))
+        v += step * (wind - ref.GRAVITY * angle)
+        y += step * v
+        servo.run()
+        servo.tick += 9 * SERVO_TICKS
+    assert y == pytest.approx(0.0, abs=0.02) and v == pytest.approx(0.0, abs=0.01)
+    assert shift == pytest.approx(-length * wind / ref.GRAVITY, abs=0.03)  # upwind, by force over weight times the rope
 
 
 def test_spreader_bits_and_command() -> None:

@@ -112,14 +112,13 @@ def assumed_inertias(pose: Pose, crane: _core.plant.CraneParameters) -> list[flo
     c = math.cos(pose.luff_rad)
     rotors = [d.rotor_inertia * d.gear**2 for d in crane.drives]
     jib = crane.jib_inertia + crane.jib_mass * crane.jib_centre**2
-    yaw = crane.spreader_inertia + YAW_PER_KG * (pose.mass_kg - crane.spreader_mass)
     slewing = crane.slew_inertia + crane.counterweight * crane.counterweight_radius**2 + crane.jib_inertia * c**2
     return [
         rotors[0] + crane.gantry_mass + crane.jib_mass + crane.counterweight,
         rotors[1] + slewing + crane.jib_mass * (crane.a0 + crane.jib_centre * c) ** 2,
         rotors[2] + jib + pose.mass_kg * (crane.jib * c) ** 2,
         rotors[3] + pose.mass_kg,
-        rotors[4] + yaw,
+        rotors[4] + crane.spreader_inertia,
     ]
 
 
