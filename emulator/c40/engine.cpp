@@ -119,6 +119,7 @@ void Engine::pass(Cause cause, Cycles until) {
 }
 
 StopInfo Engine::stop(Stepped why) {
+  if (cache_control_pending()) [[unlikely]] settle_cache_control();  // the DMA may have gone on while the processor idled
   StopInfo info;
   switch (why) {
     case Stepped::done: break;

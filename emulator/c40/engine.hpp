@@ -104,7 +104,7 @@ class Engine {
   bool processor_waits() const { return state_.stalled_on_port || waiting_access_ < 2; }
   Cycles next_peripheral_event() const { return next_peripheral_event_; }
   Word pending_vector() const;
-  Cycles idle_since() const { return idle_since_; }
+  Cycles idle_since() const { return idle_until_ == state_.cycle ? idle_since_ : state_.cycle; }
   bool timer_drives_dma(std::size_t timer) const;
   void set_timer_pin(int timer, bool level);
   void attach(int n, PortListener* link);

@@ -201,7 +201,7 @@ void Network::run_chip(Node& node, Time until) {
     const Cycles known = std::min(ends, std::max(chip.cycle(), action));
     const bool over = !waits && chip.cycle() >= action;  // the processor does no more before the action
     const Cycles limit = std::min(ends + (!waits && !idles && chip.watches_ports() ? 1 : 0), action);
-    if (chip.settled() >= known && (waits || chip.cycle() >= limit)) return;
+    if (chip.settled() >= known && (waits || chip.cycle() >= limit)) return note_idle(node);
     const Cycles before = chip.cycle(), settled = chip.settled();
     const StopInfo stop = over ? node.chip.run_until(0, known) : run_on(node, limit, known);
     if (over) stopped(node, stop);
@@ -250,6 +250,10 @@ void Network::stopped(Node& node, const StopInfo& stop) {
     case StopMeaning::limit:
     case StopMeaning::asks_anew: break;
   }
+  note_idle(node);
+}
+
+void Network::note_idle(Node& node) {
   if (!node.chip.idle() || node.chip.dma_busy() || node.status != ChipStatus::running) return;
   if (node.chip.watches_ports() || node.chip.dma_active()) node.status = ChipStatus::sleeping;
   else if (!awaits_timer(node.chip)) node.status = ChipStatus::idle;
@@ -285,9 +289,9 @@ void Network::bring_to(Node& node, Time time, bool fully) {
   for (;;) {
     const Cycles limit = cycle + (fully && !node.chip.idle() ? 1 : 0), event = own_event_cycle(node);
     pass_to(node, std::min(limit, event), std::min(cycle, event));
-    if (node.status != ChipStatus::sleeping || event > limit) return;
-    if (wakes(node)) node.status = ChipStatus::running;
-    if (event == limit) return;
+    if (node.status != ChipStatus::sleeping) return;
+    if (wakes(node)) node.status = ChipStatus::running;  // perhaps by what happened in the loop's last round
+    if (event >= limit) return;
     if (node.status == ChipStatus::running) return run_chip(node, time);
     if (own_event_cycle(node) == event) return pass_to(node, limit, cycle);
   }

@@ -219,6 +219,7 @@ class Network {
   void stopped(Node& node, const c40::StopInfo& stop);
   c40::StopInfo run_on(Node& node, c40::Cycles limit, c40::Cycles known);
   bool at_breakpoint(Node& node);
+  void note_idle(Node& node);
   Time access_time(const Node& node) const;
   c40::Cycles own_event_cycle(const Node& node) const;
   Time own_event(const Node& node) const;
