@@ -95,7 +95,7 @@ void Chip::set_expansion(isa::Expansion r, Word value) {
   (r == isa::Expansion::IVTP ? core.ivtp : core.tvtp) = value & choices::vector_table_mask;
 }
 
-StopInfo Chip::run_until(Cycles limit) { return engine_->run_until(limit); }
+StopInfo Chip::run_until(Cycles limit, Cycles known) { return engine_->run_until(limit, known); }
 StopInfo Chip::step() { return engine_->step(); }
 void Chip::complete_read(Word value, Cycles arbitration, Cycles transfer) {
   engine_->complete(false, value, arbitration, transfer);
@@ -173,6 +173,13 @@ Cycles Chip::next_event() const { return engine_->next_peripheral_event(); }
 bool Chip::locked(bool global_bus) const { return engine_->state().locked[global_bus]; }
 bool Chip::dormant() const { return idle() && !dma_active() && next_event() == std::numeric_limits<Cycles>::max(); }
 bool Chip::idle() const { return engine_->waits_in_idle(); }
+bool Chip::interrupt_pending() const { return engine_->pending_vector() != 0; }
+Cycles Chip::idle_since() const { return engine_->idle_since(); }
+Cycles Chip::dma_done() const { return engine_->dma().last_done(); }
+bool Chip::timer_drives_dma(int timer) const {
+  check_timer(timer);
+  return engine_->timer_drives_dma(static_cast<std::size_t>(timer));
+}
 void Chip::hold(bool held) { engine_->touch().held = held; }
 bool Chip::halted() const { return engine_->state().held || engine_->state().faulted; }
 

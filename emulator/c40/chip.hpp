@@ -122,7 +122,11 @@ class Chip {
   void set_expansion(isa::Expansion r, Word value);
 
   /// Runs whole instructions while cycle() < limit. Results do not depend on how a run is cut into calls.
-  StopInfo run_until(Cycles limit);
+  StopInfo run_until(Cycles limit) { return run_until(limit, limit); }
+  /// \param known what its links do is known up to here: a DMA that uses a linked port, and a processor in IDLE, go no further. A
+  /// processor that runs may: an interrupt by a port counts from the next instruction on. Beyond `limit`: the processor does no
+  /// more, and the DMA goes on to there.
+  StopInfo run_until(Cycles limit, Cycles known);
   /// One instruction (or interrupt entry). In IDLE, one idle cycle.
   StopInfo step();
   /// The answer to a read: its value and what the chip waited for it beyond the region's own wait states.
@@ -175,6 +179,13 @@ class Chip {
   bool locked(bool global_bus) const;
   /// In IDLE with no interrupt to take.
   bool idle() const;
+  /// An interrupt is requested and enabled: the next instruction that may be interrupted is.
+  bool interrupt_pending() const;
+  /// Since when the processor idles, and when the DMA's last access was done: they do not depend on how a run is cut.
+  Cycles idle_since() const;
+  Cycles dma_done() const;
+  /// The timer's next event goes to a DMA channel, and raises no interrupt (DIE, 3.8).
+  bool timer_drives_dma(int timer) const;
   /// Idle, and no peripheral of its own will change that: only something from outside can.
   bool dormant() const;
   void hold(bool held);

@@ -108,6 +108,10 @@ void Engine::forget_pipelines() {
 
 void Engine::pass(Cause cause, Cycles until) {
   if (until <= state_.cycle) return;
+  if (cause == Cause::idle) {
+    if (idle_until_ != state_.cycle) idle_since_ = state_.cycle;
+    idle_until_ = until;
+  }
   add(state_.causes, cause, until - state_.cycle);
   state_.cycle = until;
   pipeline_ = drained;
@@ -115,6 +119,7 @@ void Engine::pass(Cause cause, Cycles until) {
 }
 
 StopInfo Engine::stop(Stepped why) {
+  if (cache_control_pending()) [[unlikely]] settle_cache_control();  // the DMA may have gone on while the processor idled
   StopInfo info;
   switch (why) {
     case Stepped::done: break;
@@ -198,28 +203,29 @@ Engine::Stepped Engine::advance(Cycles limit, bool single) {
   return one || !breakpoints.empty() || resume_ != nullptr ? Stepped::done : run_exactly(limit);
 }
 
-StopInfo Engine::run_until(Cycles limit) {
+StopInfo Engine::run_until(Cycles limit, Cycles known) {
   if (state_.held || state_.faulted) {
-    pass(Cause::halted, limit);
+    pass(Cause::halted, known);
     return {};
   }
-  run_limit_ = limit;
+  run_limit_ = known;
   const Word watched = watched_ports();
   const bool waits = processor_waits() && told_;  // who drives the chip knows of the access, and bounds the DMA by it
   for (;;) {
     if (dma_active_ || dma_stop_)
-      if (auto info = run_dma(limit, false)) return *info;
-    if (state_.cycle >= limit) {
-      if (waits && dma_active_)
-        if (auto info = run_dma(limit, true)) return *info;
+      if (auto info = run_dma(known, false)) return *info;
+    const Cycles end = waits_in_idle() ? std::min(known, limit) : limit;
+    if (state_.cycle >= end) {
+      if ((waits || known > limit) && dma_active_)
+        if (auto info = run_dma(known, true)) return *info;
       break;
     }
-    const Stepped why = advance(limit, false);
+    const Stepped why = advance(end, false);
     make_dma_current(dma_waited_);
     if (why != Stepped::done) {
       if (dma_active_ && (why == Stepped::port || why == Stepped::external)) {
         const Cycles begins = why == Stepped::port ? port_access_.cycle : waiting_.cycle;
-        if (auto earlier = run_dma(waits ? limit : std::min(limit, begins), true)) return *earlier;
+        if (auto earlier = run_dma(waits ? known : std::min(known, begins), true)) return *earlier;
       }
       told_ = true;
       return stop(why);
@@ -227,7 +233,8 @@ StopInfo Engine::run_until(Cycles limit) {
     told_ = false;
     if (attached_ != 0 && (watched_ports() & ~watched) != 0) return stop(Stepped::horizon);
   }
-  reach_present();
+  // Events of timers come in their turn, as the DMA does: where it is behind, they wait for it.
+  if (!dma_active_ || !uses_linked_port() || state_.dma.now >= state_.cycle - 1) reach_present();
   return {};
 }
 

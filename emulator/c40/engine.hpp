@@ -72,7 +72,7 @@ class Engine {
   void reset();
   void boot();
   bool iiof_pin(int pin) const;
-  StopInfo run_until(Cycles limit);
+  StopInfo run_until(Cycles limit, Cycles known);
   StopInfo step();
   void complete(bool write, Word value, Cycles arbitration, Cycles transfer);
   void raise_flag(Word flag);
@@ -103,6 +103,9 @@ class Engine {
   /// For an access that was reported.
   bool processor_waits() const { return state_.stalled_on_port || waiting_access_ < 2; }
   Cycles next_peripheral_event() const { return next_peripheral_event_; }
+  Word pending_vector() const;
+  Cycles idle_since() const { return idle_until_ == state_.cycle ? idle_since_ : state_.cycle; }
+  bool timer_drives_dma(std::size_t timer) const;
   void set_timer_pin(int timer, bool level);
   void attach(int n, PortListener* link);
   PortListener* listener(int n) const { return listeners_[static_cast<std::size_t>(n)]; }
@@ -217,12 +220,12 @@ class Engine {
   void expect_peripherals();
   void reset_ports();
   bool latch_for_dma(Word flag);
+  bool uses_linked_port() const;
   void timer_event(std::size_t timer, Cycles at);
   void tell_word(const PortAccess& access, Word read, Cycles at, int channel);
   void tell(PeripheralEvent::Kind kind, Cycles cycle, int number, Word value = 0, int channel = -1);
   Stepped access_port(const Step& step, std::size_t k, Word& cell);
   Word pending_port_vector(Word enabled) const;
-  Word pending_vector() const;
   bool take_interrupt(Word vector);
 
   // engine.cpp: running
@@ -250,7 +253,8 @@ class Engine {
   bool dma_beside_ = false;  ///< and goes on during this instruction, or what it took still counts
   bool dma_waited_ = false;  ///< before this instruction: started, and nothing to do
   bool dma_busy_ = false;    ///< and goes on during this instruction
-  Cycles run_limit_ = 0;     ///< of the present call
+  Cycles run_limit_ = 0;     ///< of the present call: what the links do is known up to there
+  Cycles idle_since_ = 0, idle_until_ = -1;  ///< of the last cycles in IDLE
   std::optional<StopInfo> dma_stop_;  ///< to be reported after the instruction
   std::optional<DmaRequest> dma_request_;  ///< reported and not answered
 

@@ -75,8 +75,8 @@ Block* Engine::find_or_record(Cycles limit, Stepped& why) {
   const BlockKey k = key();
   const auto found = by_key_.find(k);
   Block* const block = found != by_key_.end() ? found->second : nullptr;
-  // The exit that led here leads here every time.
-  if (Block::Exit* from = std::exchange(last_exit_, nullptr); from != nullptr && block != nullptr && from->chained) from->next = block;
+  // The exit that led here leads here every time; but at a breakpoint, each run of blocks ends.
+  if (Block::Exit* from = std::exchange(last_exit_, nullptr); from != nullptr && block != nullptr && from->chained && !breakpoints.contains(k.pc)) from->next = block;
   if (block != nullptr) return block;
   if (blocks_.size() >= most_blocks) flush_blocks();
   record(k, limit, why);
@@ -287,7 +287,7 @@ Block::Exit& Engine::end_repeat(Block& block, std::uint32_t passes) {
 // How often a block that follows itself may run in one go.
 std::uint32_t Engine::passes_within(const Block& block, Cycles limit) const {
   const Core& core = state_.core;
-  if (!block.self_loop || core.r[reg::RS] != block.key.pc) return 1;
+  if (!block.self_loop || core.r[reg::RS] != block.key.pc || breakpoints.contains(block.key.pc)) return 1;
   const auto count = static_cast<std::int32_t>(core.r[reg::RC]);
   if (count <= 0) return 1;
   const Cycles affordable = (limit - state_.cycle) / block.exits[1].cycles;

@@ -341,8 +341,10 @@ bool Engine::waits_in_idle() const { return state_.core.idle && may_interrupt() 
 // up to `limit` only.
 Cycles Engine::known_until(Cycles limit, bool idles) const {
   const Cycles until = idles ? std::max(limit, state_.cycle) : state_.cycle - read_lead;
-  return attached_ != 0 && (dma_.ports_used() & attached_) != 0 ? std::min(limit, until) : until;
+  return uses_linked_port() ? std::min(limit, until) : until;
 }
+
+bool Engine::uses_linked_port() const { return attached_ != 0 && (dma_.ports_used() & attached_) != 0; }
 
 // Lets the DMA follow the processor, or go on without it while it waits or idles; and the timers, each event in its turn.
 std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {

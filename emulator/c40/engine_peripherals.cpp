@@ -16,6 +16,18 @@ constexpr Word nmi_flag = 1u << 16, timer0_flag = 1u << 24, timer1_flag = 1u << 
 constexpr std::array timer_flags{timer0_flag, timer1_flag};
 constexpr Word port_sources = 0x01FFFFFEu;  // of IIE
 
+// What DIE selects for a started channel goes to the DMA instead of IIF (3.8). Codes of channels 0 and 1: 2 an IIOF pin of
+// their own, 3 timer 0; of the others: 2 to 5 IIOF0 to 3, 6 and 7 the timers.
+auto selects(Word flag) {
+  return [flag](int channel, bool write, Word code) -> bool {
+    const unsigned own_pin = static_cast<unsigned>(2 * channel + write);
+    for (unsigned pin = 0; pin < 4; ++pin)
+      if (flag == 4u << 4 * pin) return channel < 2 ? code == 2 && pin == own_pin : code == 2 + pin;
+    if (flag == timer0_flag) return code == (channel < 2 ? 3u : 6u);
+    return flag == timer1_flag && channel >= 2 && code == 7;
+  };
+}
+
 }  // namespace
 
 // ---- registers on the chip ----
@@ -234,19 +246,9 @@ Word Engine::watched_ports() const {
   return watched & attached_;
 }
 
-// What DIE selects for a started channel goes to the DMA instead of IIF (3.8). Codes of channels 0 and 1: 2 an IIOF pin of
-// their own, 3 timer 0; of the others: 2 to 5 IIOF0 to 3, 6 and 7 the timers.
-bool Engine::latch_for_dma(Word flag) {
-  if (!dma_active_) return false;
-  return dma_.latch([flag](int channel, bool write, Word code) -> bool {
-    const unsigned own_pin = static_cast<unsigned>(2 * channel + write);
-    for (unsigned pin = 0; pin < 4; ++pin)
-      if (flag == 4u << 4 * pin) return channel < 2 ? code == 2 && pin == own_pin : code == 2 + pin;
-    if (flag == timer0_flag) return code == (channel < 2 ? 3u : 6u);
-    return flag == timer1_flag && channel >= 2 && code == 7;
-  });
-}
+bool Engine::latch_for_dma(Word flag) { return dma_active_ && dma_.latch(selects(flag)); }
 
+bool Engine::timer_drives_dma(std::size_t timer) const { return dma_active_ && dma_.latches(selects(timer_flags[timer])); }
 void Engine::raise_flag(Word flag) {
   Word& iif = state_.core.r[reg::IIF];
   for (unsigned pin = 0; pin < 4; ++pin)

@@ -19,7 +19,7 @@ bool enables(const c40::Chip& chip, unsigned bit) { return (chip.register_value(
 c40::Cycles next_timer_interrupt(const c40::Chip& chip) {
   c40::Cycles next = no_cycle;
   for (int n = 0; n < c40::timer_count; ++n)
-    if (enables(chip, timer_bits[static_cast<std::size_t>(n)])) next = std::min(next, chip.next_timer_event(n));
+    if (enables(chip, timer_bits[static_cast<std::size_t>(n)]) && !chip.timer_drives_dma(n)) next = std::min(next, chip.next_timer_event(n));
   return next;
 }
 

@@ -5,6 +5,7 @@
 #include <map>
 #include <random>
 #include <span>
+#include <tuple>
 
 #include "io/stop.hpp"
 #include "isa/decode.hpp"
@@ -26,6 +27,9 @@ constexpr Cycles no_cycle = std::numeric_limits<Cycles>::max();
 
 /// A timer of its own could interrupt it.
 bool awaits_timer(const Chip& chip) { return next_timer_interrupt(chip) != no_cycle; }
+
+/// IDLE sets GIE.
+bool can_interrupt(const Chip& chip) { return chip.idle() || (chip.register_value(isa::Register::ST) & c40::st::GIE) != 0; }
 
 bool is_sigi(Word word) {
   const isa::Decoded decoded = isa::decode(word);
@@ -187,22 +191,46 @@ void Network::schedule(const NetworkAction& action) {
 
 // ---- one chip ----
 
-/// A chip that waits goes on with its DMA.
+/// A chip that waits goes on with its DMA. What links do is known up to `until`. A processor that follows its ports has begun its
+/// last instruction by then: what a link does at that instant is an interrupt for the next one. So the order of events is the
+/// same wherever a run is cut, and the DMA, which follows the processor's read stage, has done all that lies before.
 void Network::run_chip(Node& node, Time until) {
-  const Cycles limit = node.first_cycle(until);
-  while (node.chip.settled() < limit) {
-    // When the DMA is done, a processor that sleeps may have ended: in that cycle, however the run is cut.
-    const bool looks = node.status == ChipStatus::running && node.chip.idle() && node.chip.dma_busy() && node.chip.cycle() + 1 < limit;
-    const StopInfo stop = node.chip.run_until(looks ? node.chip.cycle() + 1 : limit);
-    stopped(node, stop);
-    if (node.status != ChipStatus::running) return;
-    if (stop.reason != StopInfo::Reason::breakpoint && !(looks && stop.reason == StopInfo::Reason::limit)) return;
+  const Chip& chip = node.chip;
+  const Cycles ends = node.first_cycle(until), action = next_action_on(node);
+  for (;;) {
+    const bool waits = node.status == ChipStatus::waiting, idles = chip.idle();
+    const Cycles known = std::min(ends, std::max(chip.cycle(), action));
+    const bool over = !waits && chip.cycle() >= action;  // the processor does no more before the action
+    const Cycles limit = std::min(ends + (!waits && !idles && chip.watches_ports() ? 1 : 0), action);
+    if (chip.settled() >= known && (waits || chip.cycle() >= limit)) return note_idle(node);
+    const Cycles before = chip.cycle(), settled = chip.settled();
+    const StopInfo stop = over ? node.chip.run_until(0, known) : run_on(node, limit, known);
+    if (over) stopped(node, stop);
+    if (node.status != ChipStatus::running || meaning(stop.reason) == StopMeaning::asks_anew) return;
+    if (chip.cycle() == before && chip.settled() == settled && meaning(stop.reason) == StopMeaning::limit) return;
   }
+}
+
+/// One call of the chip, and what comes of it.
+StopInfo Network::run_on(Node& node, Cycles limit, Cycles known) {
+  Chip& chip = node.chip;
+  // A processor that idles may have ended when its DMA is done, or a timer's event was not for it: in that cycle.
+  const bool looks = node.status == ChipStatus::running && chip.idle();
+  if (looks && chip.dma_busy()) limit = std::min(limit, chip.cycle() + 1);
+  else if (looks && awaits_timer(chip)) limit = std::min(limit, std::max(chip.cycle() + 1, next_timer_interrupt(chip)));
+  const StopInfo stop = chip.run_until(limit, std::min(known, limit));
+  if (meaning(stop.reason) != StopMeaning::breakpoint || at_breakpoint(node)) {
+    stopped(node, stop);
+    return stop;
+  }
+  const StopInfo after = chip.run_until(chip.cycle() + 1, std::min(known, chip.cycle() + 1));  // the instruction that it stopped at
+  stopped(node, after);
+  return after;
 }
 
 void Network::stopped(Node& node, const StopInfo& stop) {
   switch (meaning(stop.reason)) {
-    case StopMeaning::breakpoint: return at_breakpoint(node);
+    case StopMeaning::breakpoint: return;
     case StopMeaning::fault:
       node.status = ChipStatus::fault;
       node.stop = stop;
@@ -223,30 +251,34 @@ void Network::stopped(Node& node, const StopInfo& stop) {
     case StopMeaning::limit:
     case StopMeaning::asks_anew: break;
   }
+  note_idle(node);
+}
+
+void Network::note_idle(Node& node) {
   if (!node.chip.idle() || node.chip.dma_busy() || node.status != ChipStatus::running) return;
   if (node.chip.watches_ports() || node.chip.dma_active()) node.status = ChipStatus::sleeping;
   else if (!awaits_timer(node.chip)) node.status = ChipStatus::idle;
 }
 
-void Network::at_breakpoint(Node& node) {
-  const Address pc = node.chip.pc();
-  if (node.description.until == pc) {
+/// Whether it stays there.
+bool Network::at_breakpoint(Node& node) {
+  const Chip& chip = node.chip;
+  if (node.description.until == chip.pc()) {
     node.status = ChipStatus::until;
-    return;
+    return true;
   }
-  if (program_end(node.chip.peek(pc), pc) == ProgramEnd::halt && !node.chip.dma_busy()) {
-    const bool interrupts = (node.chip.register_value(isa::Register::ST) & c40::st::GIE) != 0;
-    if (node.chip.dma_active() || (interrupts && node.chip.watches_ports())) node.status = ChipStatus::sleeping;
-    else if (!interrupts || !awaits_timer(node.chip)) node.status = ChipStatus::halt;
-    if (node.status != ChipStatus::running) return;
-  }
-  stopped(node, node.chip.step());
+  if (program_end(chip.peek(chip.pc()), chip.pc()) != ProgramEnd::halt || chip.dma_busy()) return false;
+  if (chip.dma_active() || (chip.watches_ports() && can_interrupt(chip))) node.status = ChipStatus::sleeping;
+  else if (!can_interrupt(chip) || !awaits_timer(chip)) node.status = ChipStatus::halt;
+  node.asleep_since = chip.cycle();
+  return node.status != ChipStatus::running;
 }
 
-/// Lets a chip that does not run reach an instant.
-void Network::bring_to(Node& node, Time time) {
+/// Lets a chip that does not run reach an instant; `fully`: a processor that branches to itself has begun its last branch by then, as
+/// one that runs has begun its last instruction (run_chip).
+void Network::bring_to(Node& node, Time time, bool fully) {
   const Cycles cycle = node.first_cycle(time);
-  if (node.chip.cycle() >= cycle) return;
+  if (node.status != ChipStatus::sleeping && !fully && node.chip.cycle() >= cycle) return;
   if (node.status == ChipStatus::running) return run_chip(node, time);
   if (node.status != ChipStatus::sleeping) {
     const bool held = node.held();
@@ -255,14 +287,31 @@ void Network::bring_to(Node& node, Time time) {
     node.chip.hold(held);
     return;
   }
-  while (node.chip.cycle() < cycle) {
-    const StopInfo stop = node.chip.run_until(cycle);
-    if (meaning(stop.reason) == StopMeaning::breakpoint) node.chip.step();
-    if (meaning(stop.reason) != StopMeaning::fault) continue;
-    stopped(node, stop);
-    return bring_to(node, time);
+  for (;;) {
+    const Cycles limit = cycle + (fully && !node.chip.idle() ? 1 : 0), event = own_event_cycle(node);
+    pass_to(node, std::min(limit, event), std::min(cycle, event));
+    if (node.status != ChipStatus::sleeping) return;
+    if (wakes(node)) node.status = ChipStatus::running;  // perhaps by what happened in the loop's last round
+    if (event >= limit) return;
+    if (node.status == ChipStatus::running) return run_chip(node, time);
+    if (own_event_cycle(node) == event) return pass_to(node, limit, cycle);
   }
 }
+
+/// Lets a chip that sleeps go on sleeping.
+void Network::pass_to(Node& node, Cycles limit, Cycles known) {
+  do {
+    const Cycles before = node.chip.cycle(), settled = node.chip.settled();
+    const StopInfo stop = node.chip.run_until(limit, known);
+    const StopMeaning why = meaning(stop.reason);
+    if (why == StopMeaning::breakpoint) node.chip.run_until(node.chip.cycle() + 1, std::min(known, node.chip.cycle() + 1));
+    else if (why == StopMeaning::fault || why == StopMeaning::window_access) stopped(node, stop);
+    else if (why == StopMeaning::limit && node.chip.cycle() == before && node.chip.settled() == settled) return;
+  } while (node.status == ChipStatus::sleeping && (node.chip.cycle() < limit || node.chip.settled() < known));
+}
+
+/// Of a chip that sleeps: it has something to do.
+bool Network::wakes(const Node& node) const { return node.chip.dma_busy() || node.chip.interrupt_pending(); }
 
 bool Network::ready(const Node& node) const {
   if (node.waits_for_port())
@@ -293,6 +342,14 @@ Time Network::effective(const NetworkAction& action) const {
   return node.clock.at(std::max(node.chip.cycle(), node.first_cycle(action.time)));
 }
 
+/// To the chip itself: the cycle from which on it does nothing before it.
+Cycles Network::next_action_on(const Node& node) const {
+  Cycles next = no_cycle;
+  for (const NetworkAction& a : actions_)
+    if (a.target == node.number && a.kind >= NetworkAction::Kind::reset) next = std::min(next, node.first_cycle(a.time));
+  return next;
+}
+
 Time Network::next_action() const {
   Time next = never;
   for (const NetworkAction& action : actions_) next = std::min(next, effective(action));
@@ -305,12 +362,31 @@ Time Network::next_on_links(const Node& node) const {
   return next;
 }
 
-Time Network::own_event(const Node& node) const {
+/// What a timer does to a chip that sleeps or waits; an event that nobody listens to is none.
+Cycles Network::own_event_cycle(const Node& node) const {
   const bool sleeps = node.status == ChipStatus::sleeping;
-  if (!sleeps && node.status != ChipStatus::waiting) return never;
-  Cycles event = node.chip.dma_active() ? next_dma_tick(node.chip) : no_cycle;
-  if (sleeps) event = std::min(event, next_timer_interrupt(node.chip));
+  if (!sleeps && node.status != ChipStatus::waiting) return no_cycle;
+  const Cycles event = node.chip.dma_active() ? next_dma_tick(node.chip) : no_cycle;
+  return sleeps && can_interrupt(node.chip) ? std::min(event, next_timer_interrupt(node.chip)) : event;
+}
+
+Time Network::own_event(const Node& node) const {
+  const Cycles event = own_event_cycle(node);
   return event == no_cycle ? never : node.clock.at(event);
+}
+
+/// When it came to rest, by what it did itself: not how far it has been brought since.
+Time Network::at_rest_since(const Node& node) const {
+  switch (node.status) {
+    case ChipStatus::held:
+    case ChipStatus::pulled_out: return Time{0};
+    case ChipStatus::waiting:
+      return node.clock.at(std::max(node.waits_for_port() ? node.stop.port.cycle : node.stop.access.cycle, node.chip.dma_done()));
+    case ChipStatus::sleeping:
+      return node.clock.at(std::max(node.chip.idle() ? node.chip.idle_since() : node.asleep_since, node.chip.dma_done()));
+    case ChipStatus::running: return node.now();  // a loop that polls
+    default: return node.clock.at(node.chip.cycle());
+  }
 }
 
 Time Network::next_of(const Node& node) const {
@@ -353,8 +429,7 @@ bool Network::has_ended(const Node& node) const {
 /// By a port, a timer or the DMA.
 bool Network::sleeps_for_interrupt(const Node& node) const {
   constexpr Word ports = 0x01FFFFFEu;  // of IIE
-  const bool interrupts = node.chip.idle() || (node.chip.register_value(isa::Register::ST) & c40::st::GIE) != 0;
-  return interrupts && (awaits_dma(node.chip) || awaits_timer(node.chip) || (node.chip.register_value(isa::Register::IIE) & ports) != 0);
+  return can_interrupt(node.chip) && (awaits_dma(node.chip) || awaits_timer(node.chip) || (node.chip.register_value(isa::Register::IIE) & ports) != 0);
 }
 
 bool Network::awaits_dma_for_ever(const Node& node) const {
@@ -381,10 +456,8 @@ NetworkStop Network::run_slice(Time limit) {
   while (true) {
     for (Node* node : turns_) {
       if (node->status != ChipStatus::running || node->follows_ports()) continue;
-      Time until = limit;
-      for (const NetworkAction& a : actions_)
-        if (a.target == node->number && a.kind >= NetworkAction::Kind::reset) until = std::min(until, a.time);
-      run_freely(*node, until);
+      const Cycles action = next_action_on(*node);
+      run_freely(*node, action == no_cycle ? limit : std::min(limit, node->clock.at(action)));
     }
     for (auto& node : nodes_) watch(*node);
     const Time next = next_of_all();
@@ -442,7 +515,11 @@ bool Network::advance_watchers(Time first, Time limit) {
   for (Node* node : turns_) {
     Time until = std::min(limit, action);
     if (own_event(*node) == first) {
-      if (node->status == ChipStatus::sleeping) node->status = ChipStatus::running;
+      if (node->status == ChipStatus::sleeping) {
+        bring_to(*node, first, false);
+        moved = true;
+        continue;
+      }
       until = std::min(until, node->clock.at(node->first_cycle(first) + 1));
     } else if (!node->follows_ports()) {
       continue;
@@ -451,16 +528,11 @@ bool Network::advance_watchers(Time first, Time limit) {
     Time lookahead = never;
     for (const std::size_t link : node->links) lookahead = std::min(lookahead, links_[link]->lookahead());
     if (first < never - lookahead) until = std::min(until, first + lookahead);
-    for (const NetworkAction& a : actions_)
-      if (a.target == node->number && a.kind >= NetworkAction::Kind::reset) until = std::min(until, a.time);
     until = std::min(until, access_time(*node));
-    const Time before = node->now();
-    const ChipStatus status = node->status;
+    const auto stands = [&] { return std::tuple{node->chip.settled(), node->chip.cycle(), node->status}; };
+    const auto before = stands();
     run_chip(*node, until);
-    // The DMA cannot be settled before the instruction that comes next is known, and that stands behind what is to happen.
-    const bool stuck = node->now() == before && before == first && node->chip.settled() < node->chip.cycle() && node->status == ChipStatus::running;
-    if (stuck) run_chip(*node, node->clock.at(node->chip.cycle() + 1));
-    moved |= node->now() != before || node->status != status || stuck;
+    moved |= stands() != before;
   }
   return moved;
 }
@@ -471,20 +543,19 @@ void Network::links_happen(Time time) {
     const NetworkLink& ends = description_.links[static_cast<std::size_t>(&link - links_.data())];
     Node &a = *nodes_[ends.a.chip], &b = *nodes_[ends.b.chip];
     for (Node* node : {&a, &b}) {
-      if (node->status == ChipStatus::sleeping) bring_to(*node, time);
+      if (node->status == ChipStatus::sleeping) bring_to(*node, time, true);
       else if (node->status == ChipStatus::waiting && node->dma_waits()) run_chip(*node, time);
     }
+    const bool passes_token = link->only_exchanges_token();
     link->advance_to(time);
     something_happened();
+    if (!passes_token) changed_ = time;
     for (Node* node : {&a, &b}) {
       note_ready(*node, time);
-      if (node->status == ChipStatus::sleeping && could_wake(*node)) node->status = ChipStatus::running;
+      if (node->status == ChipStatus::sleeping && wakes(*node)) node->status = ChipStatus::running;
     }
   }
 }
-
-/// A chip that sleeps in a branch to itself is asked by running it.
-bool Network::could_wake(const Node& node) const { return !node.chip.idle() || node.chip.dma_busy(); }
 
 void Network::accesses_happen(Time time) {
   for (auto& node : nodes_) {
@@ -541,12 +612,13 @@ void Network::actions_happen(Time time) {
     const NetworkAction action = actions_[i];
     actions_.erase(actions_.begin() + static_cast<std::ptrdiff_t>(i));
     for (auto& node : nodes_)
-      if (node->status == ChipStatus::sleeping) bring_to(*node, time);
+      if (node->status == ChipStatus::sleeping) bring_to(*node, time, true);
     something_happened();
+    changed_ = time;
     perform(action);
     for (auto& node : nodes_) {
       note_ready(*node, time);
-      if (node->status == ChipStatus::sleeping && could_wake(*node)) node->status = ChipStatus::running;
+      if (node->status == ChipStatus::sleeping && wakes(*node)) node->status = ChipStatus::running;
     }
   }
 }
@@ -558,7 +630,7 @@ void Network::perform(const NetworkAction& action) {
   Node& node = *nodes_[action.target];
   if (node.status == ChipStatus::pulled_out)
     throw NetworkError(fmt::format("{} at {} ps: chip {} has been pulled out", name(action.kind), action.time.count(), node.number));
-  bring_to(node, now_);
+  bring_to(node, now_, false);
   node.patience = {};
   node.chip.set_trace(node.trace);
   const auto kind = action.kind == reset ? NetworkEvent::Kind::reset : action.kind == hold ? NetworkEvent::Kind::hold
@@ -599,13 +671,15 @@ void Network::reset_chip(Node& node) {
 NetworkStop Network::finish(NetworkStop::Reason reason, Time limit) {
   Time end = limit;
   if (reason != NetworkStop::Reason::limit) {
-    end = now_;
-    for (const auto& node : nodes_) end = std::max(end, node->now());
+    end = changed_;
+    for (const auto& node : nodes_) end = std::max(end, at_rest_since(*node));
+    for (auto& link : links_)
+      while (link->next_event() <= end) link->advance_to(link->next_event());  // tokens
   }
-  now_ = std::max(now_, end);
+  now_ = reason == NetworkStop::Reason::limit ? std::max(now_, end) : end;
   for (auto& node : nodes_)
     if (node->status == ChipStatus::waiting && node->chip.dma_active() && !node->chip.dma_busy()) run_chip(*node, end);  // its timers
-    else if (node->status == ChipStatus::sleeping || node->held() || (node->patience.loop && node->status == ChipStatus::running)) bring_to(*node, end);
+    else if (node->status == ChipStatus::sleeping || node->held() || (node->patience.loop && node->status == ChipStatus::running)) bring_to(*node, end, false);
   check_words();
   return {reason, end};
 }

@@ -220,11 +220,16 @@ class Network {
   void ready_to_start(Node& node);
   void run_chip(Node& node, Time until);
   void stopped(Node& node, const c40::StopInfo& stop);
-  void at_breakpoint(Node& node);
+  c40::StopInfo run_on(Node& node, c40::Cycles limit, c40::Cycles known);
+  bool at_breakpoint(Node& node);
+  void note_idle(Node& node);
   Time access_time(const Node& node) const;
+  c40::Cycles own_event_cycle(const Node& node) const;
   Time own_event(const Node& node) const;
+  Time at_rest_since(const Node& node) const;
   Time effective(const NetworkAction& action) const;
   Time next_action() const;
+  c40::Cycles next_action_on(const Node& node) const;
   Time next_of(const Node& node) const;
   Time next_of_all() const;
   bool quiet() const;
@@ -250,9 +255,10 @@ class Network {
   void perform_memory(Node& node);
   void note_ready(Node& node, Time time);
   bool ready(const Node& node) const;
-  void bring_to(Node& node, Time time);
+  void bring_to(Node& node, Time time, bool fully);
+  void pass_to(Node& node, c40::Cycles limit, c40::Cycles known);
   void reset_chip(Node& node);
-  bool could_wake(const Node& node) const;
+  bool wakes(const Node& node) const;
   std::string describe_wait(const Node& node) const;
   NetworkStop finish(NetworkStop::Reason reason, Time limit);
   Memory* memory_of(const Node& node, c40::Address address) const;
@@ -272,6 +278,7 @@ class Network {
   void something_happened() { ++happenings_, happened_ = now_; }
   std::uint64_t happenings_ = 0;  ///< on links, in shared memories, to chips: what could end a loop that polls
   Time happened_{0};              ///< the last of them
+  Time changed_{0};               ///< the last thing on a link that was no mere exchange of the token, or action
   bool records_words_ = false;
 };
 

@@ -38,6 +38,7 @@ struct Network::Node : c40::PeripheralSink {
   c40::StopInfo stop;              ///< of a chip that waits, or why it ended
   bool was_ready = false;     ///< what it waits for, when last looked at
   Time ready_since{0};
+  c40::Cycles asleep_since = 0;  ///< of one that sleeps in a branch to itself
   std::vector<std::size_t> links;
 
   /// Whether it polls for ever: looked at when nothing has happened for a while, and then ever more rarely.

@@ -231,6 +231,13 @@ Word Dma::ports_used() const {
   return used;
 }
 
+Cycles Dma::last_done() const {
+  Cycles last = 0;
+  for (const DmaChannel& channel : s_.channels)
+    for (const DmaHalf& half : channel.halves) last = std::max(last, half.since);
+  return last;
+}
+
 std::optional<DmaRequest> Dma::advance_to(Cycles limit) {
   stop_requested = false;
   std::optional<DmaRequest> request;

@@ -139,6 +139,16 @@ class Dma {
         }
     return any;
   }
+  /// Whether an event would be latched.
+  template <class Selects>
+  bool latches(Selects selects) const {
+    for (int c = 0; c < dma_channel_count; ++c)
+      for (bool write : {false, true})
+        if (started(c) && selects(c, write, event_code(c, write))) return true;
+    return false;
+  }
+  /// When the last access of all was done, or a half was started.
+  Cycles last_done() const;
   /// Stops the pending advance after a linked port was touched: set by the surroundings.
   bool stop_requested = false;
 
