@@ -4,10 +4,10 @@ import json
 import os
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 import pytest
+import tomllib
 from cmrc import _core, files
 from locations import BUILD
 
@@ -54,7 +54,7 @@ def folder(tmp_path: Path) -> Path:
     (tmp_path / "latin.asm").write_bytes(b"_start: bogus r0 ; caf\xe9\n")
     (tmp_path / "warning.asm").write_text(f"_start: ldi 010,r0 ; {EVIL}\n        idle\n")
     (tmp_path / "message.asm").write_text(f'        .emsg "{EVIL}"\n')
-    (tmp_path / "c.toml").write_text(f'[machine]\n"x\\u001b[2J" = 1\n')
+    (tmp_path / "c.toml").write_text('[machine]\n"x\\u001b[2J" = 1\n')
     (tmp_path / "board.toml").write_text('name = "\\u001b[2J"\n"x\\u001b[2J" = 1\n')
     (tmp_path / "v.txt").write_text(f"id={EVIL.replace(' ', '')} op=0C800000 -> PC=00000000\n")
     (tmp_path / "t").write_text(f"{EVIL}\n")
