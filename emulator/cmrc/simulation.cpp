@@ -376,6 +376,7 @@ report::RunReport Simulation::report() const {
 }
 
 report::RunReport Simulation::report_so_far() {
+  parts_->log.flush();
   try {
     return report();
   } catch (const io::Stopped&) {

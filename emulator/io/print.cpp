@@ -1,10 +1,13 @@
 #include "io/print.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdint>
 
 namespace io {
 namespace {
+
+int lost = 0;
 
 unsigned char byte(char c) { return static_cast<unsigned char>(c); }
 
@@ -50,7 +53,10 @@ std::string printable(std::string_view text) {
 
 void say(std::FILE* to, std::string_view text) {
   const std::string shown = printable(text);
-  std::fwrite(shown.data(), 1, shown.size(), to);
+  errno = 0;
+  if (std::fwrite(shown.data(), 1, shown.size(), to) != shown.size() && to == stdout && lost == 0) lost = errno == 0 ? EIO : errno;
 }
+
+int lost_in_saying() { return lost; }
 
 }  // namespace io

@@ -15,6 +15,8 @@ std::string printable(std::string_view text);
 
 /// Writes printable text. What is lost is told by flush_output().
 void say(std::FILE* to, std::string_view text);
+/// errno of the first text that did not go to standard output; 0
+int lost_in_saying();
 
 template <typename... Arguments>
 void print(std::FILE* to, fmt::format_string<Arguments...> format, Arguments&&... arguments) {

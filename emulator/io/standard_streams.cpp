@@ -7,6 +7,8 @@
 #include <cstring>
 #include <iostream>
 
+#include "io/print.hpp"
+
 namespace io {
 
 void take_closed_streams() {
@@ -22,6 +24,7 @@ std::string flush_output() {
   std::cout.flush();
   const bool failed = std::ferror(stdout) != 0 || !std::cout;
   if (std::fflush(stdout) == 0 && !failed) return {};
+  if (lost_in_saying() != 0) return std::strerror(lost_in_saying());
   return std::strerror(errno == 0 ? EIO : errno);
 }
 

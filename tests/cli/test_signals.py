@@ -162,7 +162,7 @@ def trace_check(running: Running) -> None:
     lines = running.came["t"].decode().splitlines()
     assert lines[0] == "# cmrc event trace 1" and running.came["t"].endswith(b"\n")
     report = running.json("r.json")
-    assert report["stop_reason"] == "interrupted" and float(lines[-1].split()[0]) == pytest.approx(report["simulated_s"], abs=2e-3)
+    assert report["stop_reason"] == "interrupted" and float(lines[-1].split()[0]) == pytest.approx(report["simulated_s"], abs=2.5e-4)  # the drives latch each 125 us
 
 
 def exec_check(running: Running) -> None:
