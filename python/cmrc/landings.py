@@ -21,7 +21,7 @@ GUST = 0.13
 """Standard deviation of the gusts over their mean (control-notes.md 3)."""
 ACROSS_DEG = 90.0
 MASSES_KG = (10_000, 24_000, 40_000)
-WINDS: dict[float, int] = {12.0: 4, 15.0: 4}
+WINDS: dict[float, int] = {0.0: 2, 8.0: 2, 12.0: 11, 15.0: 11, 20.0: 3, 22.0: 2}
 """Runs of the page by mean wind, m/s."""
 ALL_WINDS: dict[float, int] = {0.0: 3, 8.0: 3, 12.0: 30, 15.0: 30, 20.0: 9, 22.0: 6}
 """The same of the long campaign."""
