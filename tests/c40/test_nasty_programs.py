@@ -20,7 +20,9 @@ def check(seeds: range, directory: Path) -> None:
             return disagreement(candidate, bench) is not None
 
         least = shrink(program, fails)
-        pytest.fail(f"{found}\nthe least program that still fails, {disagreement(least, bench)}:\n{least}\n{least.text}")
+        pytest.fail(
+            f"{found}\nthe least program that still fails, {disagreement(least, bench)}:\n{least}\n{least.text}"
+        )
 
 
 @pytest.mark.parametrize("first", range(0, 300, 25))
