@@ -10,6 +10,7 @@
 #include "io/output_file.hpp"
 #include "io/print.hpp"
 #include "io/signals.hpp"
+#include "machine/address_names.hpp"
 #include "machine/asleep.hpp"
 #include "machine/boot.hpp"
 #include "cli/chip_listeners.hpp"
@@ -247,12 +248,15 @@ namespace {
 
 class EventText : public c40::PeripheralSink {
  public:
-  explicit EventText(const std::string& path) : file_(path) {}
-  void happened(const c40::PeripheralEvent& event) override { file_.stream() << event.cycle << ' ' << c40::to_text(event) << '\n'; }
+  EventText(const std::string& path, const Image& image) : file_(path), names_(image) {}
+  void happened(const c40::PeripheralEvent& event) override {
+    file_.stream() << event.cycle << ' ' << c40::to_text(event, [this](Address at) { return names_.text(at); }) << '\n';
+  }
   void commit() { file_.commit(); }
 
  private:
   io::OutputFile file_;
+  machine::AddressNames names_;
 };
 
 /// From reset on, as the board's pins say.
@@ -349,7 +353,7 @@ int exec(const ExecOptions& options) {
   ChipListeners listeners(chip, image, options, 0, options.trace);
   chip.set_trace(listeners.sink());
   std::optional<EventText> events;
-  if (options.events) chip.set_peripheral_sink(&events.emplace(*options.events));
+  if (options.events) chip.set_peripheral_sink(&events.emplace(*options.events, image));
   Run run(chip, image, until, options.cycles.has_value());
   if (boot && boot->port) run.feeder.emplace(chip, *boot->port, stream_for(image, *boot));
   const io::StopBySignal signals;

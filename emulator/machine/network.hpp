@@ -10,8 +10,8 @@
 /// Inaccuracies: a wait that a reset, a hold or the end of the run cuts short is not among the chip's cycles by cause as a wait for
 /// the port: up to the reset or hold the chip counts as halted, at the end its count stops where the wait began. An access of the DMA
 /// to a shared memory lets its processor's access wait, whatever that is to. That a program polls what nobody will ever change is found only if
-/// no timer of its chip runs, and some ten thousand cycles after the last thing that happened. While a chip's DMA uses a port, the DMA
-/// may see what the link does, and the processor an interrupt, up to an instruction late.
+/// no timer of its chip runs, and some ten thousand cycles after the last thing that happened. Of
+/// chips whose DMA uses a port, one random ring in a thousand still ends otherwise when its run is cut (docs/verification.md).
 #include <memory>
 #include <optional>
 #include <span>
@@ -199,7 +199,7 @@ class Network {
   void record_peripherals(bool on);
   std::vector<ChipEvent> peripheral_events() const;
   /// "123400000 chip 0: port_write 3 = 0000002A (DMA 1)"
-  static std::string text(const ChipEvent& event);
+  std::string text(const ChipEvent& event) const;
   /// A line for each event of the links and of the chips, by time.
   std::vector<std::string> event_trace() const;
 

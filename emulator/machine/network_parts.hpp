@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "machine/address_names.hpp"
 #include "machine/boot.hpp"
 #include "machine/loop_watch.hpp"
 #include "machine/network.hpp"
@@ -54,6 +55,9 @@ struct Network::Node : c40::PeripheralSink {
     c40::Cycles next_look() const { return since + length + (looking ? length / 10 : 0); }
   } patience;
   c40::TraceSink* trace = nullptr;
+  mutable std::optional<AddressNames> named;
+  /// Of its program's addresses, made when first asked for.
+  const AddressNames& names() const { return named ? *named : named.emplace(*description.program); }
   std::vector<c40::PeripheralEvent> peripheral_events;
   void happened(const c40::PeripheralEvent& event) override { peripheral_events.push_back(event); }
 

@@ -202,7 +202,10 @@ std::vector<ChipEvent> Network::peripheral_events() const {
   return all;
 }
 
-std::string Network::text(const ChipEvent& event) { return fmt::format("{} chip {}: {}", event.time.count(), event.chip, to_text(event.event)); }
+std::string Network::text(const ChipEvent& event) const {
+  const AddressNames& names = nodes_.at(event.chip)->names();
+  return fmt::format("{} chip {}: {}", event.time.count(), event.chip, to_text(event.event, [&names](Address at) { return names.text(at); }));
+}
 
 std::vector<std::string> Network::event_trace() const {
   std::vector<std::string> lines;

@@ -219,3 +219,16 @@ def test_a_window_access_begins_when_its_address_is_ready() -> None:
         processor.step()
         assert processor.cycle == 3 + 10 + processor.causes["register_conflict"]
     assert begins == {"addi 1,r5": max(-1, 0), "addi 1,ar0": -1 + 2}
+
+
+@pytest.mark.parametrize(("before", "begins"), [("        nop\n", 0), ("        addi 0,ar0\n", 1)], ids=["nothing holds it up", "its address register does"])
+def test_a_read_through_a_bus_window_begins_in_its_read_stage_where_that_is_held_up(before: str, begins: int) -> None:
+    """c40-hardware.md 7.1, 7.3: ADDI to AR0 holds up the read stage by two cycles, so that R is in the second cycle that LDI adds. Else R
+    was before the first one, and the read begins there (docs/fidelity.md)."""
+    text = f"        .text\nstart:  ldhi {WINDOW_A >> 16:#x},ar0\n        nop\n        nop\n        nop\n{before}read:   ldi *ar0,r1\nend:    bu end\n"
+    image = toolchain.assemble(text.replace("0xc000", "0c000h"), "window.asm", sections={".text": 0x2FFC00})
+    processor = c40.Processor("default")
+    processor.load_image(image)
+    stop = processor.run(100)
+    assert (stop["reason"], stop["pc"]) == ("external_access", image.symbols["read"])
+    assert stop["access_cycle"] - stop["cycle"] == begins

@@ -20,7 +20,9 @@ def check(seeds: range, directory: Path) -> None:
             return disagreement(candidate, bench) is not None
 
         least = shrink(program, fails)
-        pytest.fail(f"{found}\nthe least program that still fails, {disagreement(least, bench)}:\n{least}\n{least.text}")
+        pytest.fail(
+            f"{found}\nthe least program that still fails, {disagreement(least, bench)}:\n{least}\n{least.text}"
+        )
 
 
 @pytest.mark.parametrize("first", range(0, 300, 25))
@@ -44,6 +46,18 @@ def check_rings(seeds: range, directory: Path) -> None:
 @pytest.mark.parametrize("first", range(0, 60, 20))
 def test_rings_of_nasty_programs_run_alike_however_they_are_cut(first: int, tmp_path: Path) -> None:
     check_rings(range(first, first + 20), tmp_path)
+
+
+@pytest.mark.parametrize("seed", [93, 122, 184, 193, 258, 262, 145, 412, 436, 515, 713, 1172, 2243, 2627])
+def test_rings_that_once_depended_on_how_they_were_cut(seed: int, tmp_path: Path) -> None:
+    """Breakpoints in loops of blocks; what a link and a DMA do in one cycle; when a processor that idles or branches to itself came to rest."""
+    check_rings(range(seed, seed + 1), tmp_path)
+
+
+@pytest.mark.parametrize("seed", [57946, 58028])
+def test_programs_that_once_depended_on_how_they_were_cut(seed: int, tmp_path: Path) -> None:
+    """Control of the cache while the processor idles beside a DMA; a network's end."""
+    check(range(seed, seed + 1), tmp_path)
 
 
 @pytest.mark.campaign

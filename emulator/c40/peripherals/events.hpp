@@ -1,5 +1,6 @@
 #pragma once
 /// What the peripherals of a chip did, as it happens; links tell their own events (link.hpp).
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -29,7 +30,8 @@ constexpr std::string_view name(PeripheralEvent::Kind kind) {
 }
 
 /// "port_write 3 = 0000002A (DMA 1)"
-std::string to_text(const PeripheralEvent& event);
+/// \param place names the address at which the processor was interrupted; without it, the address is eight digits
+std::string to_text(const PeripheralEvent& event, const std::function<std::string(Address)>& place = {});
 
 class PeripheralSink {
  public:
