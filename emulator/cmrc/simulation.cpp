@@ -239,7 +239,7 @@ class Simulation::Parts {
     const Course& meant = ideal ? ideal->course : *course;
     const JobsByRobot& demanded = ideal ? ideal->jobs : jobs;
     Time to = interrupted || config.run.ideal ? now() : end;
-    if (interrupted) to = std::min(to, meant.end());
+    if (interrupted) to = std::min(to, meant.end() + meant.step());  // the last row holds until the next would come
     if (stop == report::StopReason::job_done && meant.size() > 0) to = std::min(end, std::max(now(), meant.end()));
     std::vector<std::string> kinds = job_kinds();
     for (const UserTask& task : config.tasks) kinds.push_back("user." + task.name);

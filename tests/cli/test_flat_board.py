@@ -83,8 +83,8 @@ def test_a_flat_board_is_not_endless(run, tmp_path: Path, options: list[str], mi
     assert result.returncode == 1
     assert report["stop"]["reason"] == "fault"
     assert f"more than the {mib} MiB" in report["stop"]["message"]
-    pages = mib * 4  # of 256 KiB
-    assert pages - 2 <= report["registers"]["R0"] & 0xFFFFFFFF <= pages
+    pages = mib * 4  # of 256 KiB; those beside the chip's own memory are shorter
+    assert abs(low(report, "R0") - pages) <= 2
 
 
 def test_memory_max_is_of_the_flat_board(run, tmp_path: Path) -> None:

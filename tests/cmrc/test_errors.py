@@ -31,6 +31,10 @@ def clear(at_s: float) -> dict[str, Any]:
     return at(at_s, "set", key="errors.clear", value=True)
 
 
+# m/s of the hoist where the path has stopped: what damping the swing pays out. On the path it is 0.1 and more.
+STILL = 5e-3
+
+
 def run(duration_s: float, *events: dict[str, Any], **settings: Any) -> tuple[Report, Any]:
     simulation = cmrc.Simulation(cmrc.config(settings={**LOW_RATES, "duration_s": duration_s, **settings}, events=list(events)))
     simulation.run()
@@ -143,7 +147,7 @@ def test_a_lying_status_leaves_the_following_error_which_is_cleared() -> None:
     error, trip = report["errors_handled"]
     assert (error["origin"], error["of"], error["response"], error["because"]) == ("following error", ["slew"], "stop", "fail_drive slew")
     assert LEG + 0.05 < error["noticed_s"] < LEG + 0.5
-    assert rates(simulation, error["done_s"] + 0.3)["l"] < 1e-3
+    assert rates(simulation, error["done_s"] + 0.3)["l"] < STILL
     # Repaired, the drive pushes back with its full torque to where the path has stopped, until it trips after half a second.
     assert (trip["origin"], trip["of"], trip["cleared_s"]) == ("drive saturated", ["slew"], error["cleared_s"])
     assert 5.5 < trip["noticed_s"] < 6
@@ -203,7 +207,7 @@ def test_without_another_sensor_the_crane_stops(sensors: int) -> None:
     report, simulation = run(8, at(LEG, "stick_sway", axis="alpha"), *second, **{"dock.sway_sensors": sensors})
     assert [error["response"] for error in report["errors_handled"]] == ["second sensor", "stop"][2 - sensors:]
     assert report["errors_handled"][-1]["stands"] and simulation.exit_status == 1
-    assert rates(simulation, 7.9)["l"] < 1e-3
+    assert rates(simulation, 7.9)["l"] < STILL
 
 
 # ---- while the load is lowered

@@ -40,12 +40,12 @@ def test_a_missed_landing_is_tried_again() -> None:
 
 def test_after_so_many_tries_the_crane_stops_and_says_so() -> None:
     # At 1 m/s every touch is too hard for the strict rule.
-    report, simulation = run(45, strict_landing=True, ramp_speed_m_s=1.0, landing_retries_max=1)
+    report, simulation = run(50, strict_landing=True, ramp_speed_m_s=1.0, landing_retries_max=1)
     assert [kind for kind, _ in of_landing(report)] == ["landing", "stopped"]
     [message] = [failure["message"] for failure in report["failures"] if failure["kind"] == "stopped"]
     assert message.startswith("the load has not landed on all four corners in 2 tries; stopped: the crane")
     signals = simulation.signals()
-    assert abs(signals["l_rate_m_per_s"][signals["time_s"] > 44]).max() < 1e-3  # it hangs still
+    assert abs(signals["l_rate_m_per_s"][signals["time_s"] > 49]).max() < 0.01  # it hangs still but for what damping its swing takes
     assert report["tasks"]["pid"]["misses"] <= 3  # and is held there
     assert [(error["origin"], error["response"], error["stands"]) for error in report["errors_handled"]] == [("landing", "retry", False), ("landing", "hold", True)]
     assert simulation.exit_status == 1

@@ -9,6 +9,7 @@ LATCH = 125e-6
 READY, FAULT, BRAKE = 1, 2, 8
 OVERSPEED, SATURATION, HEAT, WARNING = 1, 2, 4, 8
 TRAVEL, SLEW, ROTATOR = 0, 1, 4
+GEAR = plant.CraneParameters().drives[ROTATOR].gear
 
 
 def dock(joint: int, **parameters: float) -> plant.Dock:
@@ -36,7 +37,7 @@ def test_a_drive_that_is_too_fast_for_ten_milliseconds_trips() -> None:
     it.set_torque_code(ROTATOR, 1500, 0)
     it.advance_to(1500 * MS)
     times = np.array([s.time * 1e-12 for s in it.signals])
-    fast = np.abs([s.qd[ROTATOR] for s in it.signals]) > 1.15 * 20.0 / 1500.0
+    fast = np.abs([s.qd[ROTATOR] for s in it.signals]) > 1.15 * 20.0 / GEAR
     first = int(np.argmax(fast))
     assert fast[first] and not fast[:first].any()
     # 80 latches of 125 us make the 10 ms; the first of them is the one that ends with too fast a motor.
@@ -49,10 +50,10 @@ def test_a_drive_that_is_too_fast_for_ten_milliseconds_trips() -> None:
 def test_a_drive_just_below_that_speed_does_not_trip() -> None:
     it = dock(ROTATOR, rated_speed=20.0)
     for t in range(0, 3000, 1):
-        fast = abs(it.signal.qd[ROTATOR]) > 1.1 * 20.0 / 1500.0
+        fast = abs(it.signal.qd[ROTATOR]) > 1.1 * 20.0 / GEAR
         it.set_torque_code(ROTATOR, 0 if fast else 600, t * MS)
         it.advance_to((t + 1) * MS)
-    assert max(abs(s.qd[ROTATOR]) for s in it.signals) > 1.08 * 20.0 / 1500.0
+    assert max(abs(s.qd[ROTATOR]) for s in it.signals) > 1.08 * 20.0 / GEAR
     assert trips(it) == []
 
 

@@ -13,8 +13,11 @@ import pytest
 from locations import BUILD
 
 PATIENCE = 120
+# A shell ignores SIGINT in what it starts in the background, and a test run hands that on.
 HEAD = """
+import signal
 import sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
 import cmrc
 LONG = {"duration_s": 80000, "settings": {"report.signal_decimation": 80000}}
 ALONE = {"duration_s": 80000, "settings": {"report.signal_decimation": 80000, "report.reference": "none"}}

@@ -277,12 +277,12 @@ def verdict(p: Parameters, all_rows: Sequence[Row]) -> Verdict:
     tight = [row for row in losing if row.get("preset") == "tight"]
     for family in dict.fromkeys(row["family"] for row in tight):
         told = [
-            f"{row['f_p']:.0f} % missed {row['path_mm']:.2g} mm"
+            f"{row['f_p']:.0f} % missed {row['path_mm']:.3g} mm"
             + (f" (unstable: {row['unstable']})" if row["unstable"] != "–" else "")
             for row in of(tight, family)
         ]
         why.append(
-            f"With `tight` ({margins_ms('tight')['other joints']:.1f} ms of delay margin), {family}: the joints are off their path by {', '.join(told)}."
+            f"With preset `tight` ({margins_ms('tight')['other joints']:.1f} ms of delay margin) and {family.removesuffix(', tight')} the joints are so far off their path: {', '.join(told)}."
         )
     limit = []
     bursts = [row for row in moving if row["gap_ms"] > 40 and 1 < (row["f_p"] or 0) < 60]
