@@ -9,7 +9,7 @@ demo: build
 	PYTHONPATH=build/python $(PYTHON) -m cmrc demo --out build/demo
 
 test: build
-	$(PYTHON) -m pytest -q tests
+	$(PYTHON) -m pytest -q -n auto --dist loadfile tests
 
 build: setup
 	@cmake --preset release -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) > build-configure.log 2>&1 || (cat build-configure.log; exit 1)

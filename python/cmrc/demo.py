@@ -195,7 +195,7 @@ def plugged_in(recorded: Path) -> Scene:
     """A second DSP is plugged in beside one that cannot keep up. ``recorded`` gets the replay of it."""
     scene = Scene(
         "5. A DSP is plugged in",
-        "One DSP whose cycles take 10 times as long misses half of the servo. After 2 s a second one of the kind is put into the empty slot, and boots by itself.",
+        "One DSP whose cycles take 10 times as long misses much of the servo. After 2 s a second one of the kind is put into the empty slot, and boots by itself.",
         ("", "blocks taken by the new DSP", *COST),
     )
     slow: dict[str, Setting] = {"machine.dsps": 1, "machine.slots": 2, "machine.cycle_time_factor": 10, "duration_s": 6.0, "report.misses_max": 0}

@@ -115,7 +115,7 @@ def test_the_margins_found_lie_beside_the_predicted_ones() -> None:
 
 @pytest.mark.campaign
 def test_the_page_is_what_the_command_gives() -> None:
-    done = subprocess.run([sys.executable, "-m", "cmrc.loops"], capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-m", "cmrc.loops"], capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
     page = (ROOT / "docs" / "control.md").read_text(encoding="utf-8")
     for table in done.stdout.strip().split("\n\n"):
         assert table in page
