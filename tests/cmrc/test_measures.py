@@ -47,7 +47,7 @@ def test_a_slower_machine_never_looks_better() -> None:
         assert 0.95 <= run.errors["load_of_doing_nothing"] <= 1.05
         assert run.rates["f_t"]["finished"] == 0 and run.rates["f_t"]["missed_share"] == 1
     # Regression figures of this controller. measures.md 3 has 0.0006, 0.0081, 0.034, 0.205, measured independently with a PID that did not look for errors
-    # yet: its ticks took 75 us where they take 88 now, for it observes the wind, and torque compensation reads the load cell besides. Near the loss of the servo some per
+    # yet: its ticks took 75 us where they take 93 now, for it observes the wind, and torque compensation reads the load cell besides. Near the loss of the servo some per
     # cent of a task's time change what it comes to: at 15 there is hardly any left for planning.
     assert rms[:4] == pytest.approx([0.0006, 0.0102, 0.1245, 0.3234], rel=0.05)
 
