@@ -127,7 +127,7 @@ void check(const DockConfig& c) {
   refuse(c.signal_decimation < 0, "signal_decimation must be 0 (off) or a number of latches", c.signal_decimation);
   refuse(c.signal_rows_max < 2, "signal_rows_max must be at least 2 rows", c.signal_rows_max);
   require_positive({{"scan_dx", c.layout.scan_dx}, {"slot_spacing", c.layout.slot_spacing}});
-  require_not_negative({{"drive_delay", c.drive_delay}, {"drive_timeout", c.drive_timeout}, {"warehouse_radius", c.layout.warehouse_radius},
+  require_not_negative({{"drive_delay", static_cast<double>(c.drive_delay)}, {"drive_timeout", c.drive_timeout}, {"warehouse_radius", c.layout.warehouse_radius},
                         {"warehouse_take", c.layout.warehouse_take}});
   refuse(c.layout.rows.empty(), "the bay needs at least one row", 0.0);
   for (const double row : c.layout.rows) refuse(!std::isfinite(row), "a row's place must be a number", row);
