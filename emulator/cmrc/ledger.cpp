@@ -326,6 +326,7 @@ void Ledger::slot_failed(unsigned number, Time at) {
 // ---- the host's refresh ----------------------------------------------------------------------------------------------------
 
 void Ledger::refresh_began(Time at) {
+  if (open_.empty()) timeline_.forget(at);  // nobody will ask; a crane that has done its work may stand for hours
   refresh_ = {at, at, at, at};
   for (auto& [block, open] : open_) {
     Try& attempt = open.tries.back();
