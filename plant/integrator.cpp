@@ -10,6 +10,27 @@
 
 namespace plant {
 
+namespace {
+
+// Parameters may ask for a motion that is a billion times faster than a crane's. Explicit methods then take steps of
+// nanoseconds, and a simulated second would take hours: that is an error of the parameters, and is told as one.
+long steps_max(double interval) {
+  constexpr double shortest_mean_step = 125e-9;
+  return 1000 + static_cast<long>(interval / shortest_mean_step);
+}
+
+void require_ending(int flag, const SundialsCall& call, const char* what, double interval, long steps) {
+  static_assert(ARK_TOO_MUCH_WORK == CV_TOO_MUCH_WORK);
+  if (flag == ARK_TOO_MUCH_WORK)
+    throw std::runtime_error(
+        fmt::format("plant: the crane's equations need more than {} steps for {} s: a torque, mass, friction or time constant is far from "
+                    "any crane's; values nearer to the defaults are expected ([slewing], [gantry] of docs/configuration.md)",
+                    steps, interval));
+  require(flag, call, what);
+}
+
+}  // namespace
+
 struct Integrator::Implementation {
   SundialsContext context;
   Method method;
@@ -40,7 +61,6 @@ struct Integrator::Implementation {
     require(ERKStepSetUserData(erk, &call), call, "ERKStepSetUserData");
     require(ERKStepSetOrder(erk, settings.order), call, "ERKStepSetOrder");
     require(ERKStepSVtolerances(erk, settings.relative, absolute.vector), call, "ERKStepSVtolerances");
-    require(ERKStepSetMaxNumSteps(erk, 10'000'000), call, "ERKStepSetMaxNumSteps");
     if (root_count > 0) require(ERKStepRootInit(erk, root_count, evaluate_roots), call, "ERKStepRootInit");
   }
 
@@ -61,18 +81,20 @@ struct Integrator::Implementation {
   }
 
   // Returns the seconds gone.
-  double run(void* model, std::span<double> state, double interval) {
+  double run(void* model, std::span<double> state, double interval, long most_steps) {
     call.model = model;
     std::copy(state.begin(), state.end(), y.data());
     double reached = 0.0;
     if (erk != nullptr) {
       require(ERKStepReset(erk, 0.0, y.vector), call, "ERKStepReset");
       require(ERKStepSetStopTime(erk, interval), call, "ERKStepSetStopTime");
-      require(ERKStepEvolve(erk, interval, y.vector, &reached, ARK_NORMAL), call, "ERKStepEvolve");
+      require(ERKStepSetMaxNumSteps(erk, most_steps), call, "ERKStepSetMaxNumSteps");
+      require_ending(ERKStepEvolve(erk, interval, y.vector, &reached, ARK_NORMAL), call, "ERKStepEvolve", interval, most_steps);
     } else {
       require(CVodeReInit(cvodes->memory, 0.0, y.vector), call, "CVodeReInit");
       require(CVodeSetStopTime(cvodes->memory, interval), call, "CVodeSetStopTime");
-      require(CVode(cvodes->memory, interval, y.vector, &reached, CV_NORMAL), call, "CVode");
+      require(CVodeSetMaxNumSteps(cvodes->memory, most_steps), call, "CVodeSetMaxNumSteps");
+      require_ending(CVode(cvodes->memory, interval, y.vector, &reached, CV_NORMAL), call, "CVode", interval, most_steps);
     }
     std::copy_n(y.data(), size, state.begin());
     return reached;
@@ -80,7 +102,7 @@ struct Integrator::Implementation {
 
   double run_adaptive(void* model, std::span<double> state, double interval, double& step) {
     if (erk != nullptr) require(ERKStepSetInitStep(erk, std::min(step, interval)), call, "ERKStepSetInitStep");
-    const double reached = run(model, state, interval);
+    const double reached = run(model, state, interval, steps_max(interval));
     if (erk != nullptr) {
       double next = interval;
       require(ERKStepGetCurrentStep(erk, &next), call, "ERKStepGetCurrentStep");
@@ -118,7 +140,7 @@ void Integrator::advance_fixed(void* model, std::span<double> y, double interval
   auto& s = *self_;
   if (s.erk == nullptr) throw std::runtime_error("plant: steps of a fixed size need ERKStep");
   require(ERKStepSetFixedStep(s.erk, step), s.call, "ERKStepSetFixedStep");
-  s.run(model, y, interval);
+  s.run(model, y, interval, 1 + static_cast<long>(interval / step) + 1000);
 }
 
 }  // namespace plant

@@ -44,14 +44,15 @@ void Host::judge() {
   }
 }
 
-// A read follows all writes before it: the flag that comes back is the last word of a DSP that is fenced off. One that was reset since
-// it took the block works on something else, and is left alone.
+// A read follows all writes before it: the flag that comes back is the last word of a DSP that is fenced off. One that was reset after
+// its block had been seen taken works on something else, and is left alone. A block first seen taken at the refresh after the reset may have
+// been claimed before it or after it: there the reset is repeated, for a DSP left alone would go on with a block that is somebody else's.
 void Host::owner_read(Word owner) {
   const std::size_t index = flags_.front();
   suspect_.reset();
   if (owner >= 1 && owner <= renewed_.size()) {
     const unsigned slot = owner - 1;
-    if (renewed_[slot] < list_[index].seen - 1 || renewed_[slot] == 0) suspect_ = slot;
+    if (renewed_[slot] < list_[index].seen || renewed_[slot] == 0) suspect_ = slot;
   }
   if (suspect_) fence_off(*suspect_);
   step_ = Step::verdict;

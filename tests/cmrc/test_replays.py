@@ -1,7 +1,6 @@
 """Whole runs beside what their event traces alone say: the scheduling rule, and why jobs were late."""
 
 import json
-import random
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -129,28 +128,3 @@ def test_chains_add_up_and_are_those_of_the_trace(tmp_path: Path, options: str, 
         assert sum(why["parts_ps"].values()) == why["lateness_ps"]
         for part, total in why["parts_ps"].items():
             assert total == sum(miss["parts_ps"].get(part, 0) for miss in chained), (kind, part)
-
-
-@pytest.mark.campaign
-@pytest.mark.parametrize("seed", range(100))
-def test_random_failure_scripts(tmp_path: Path, seed: int) -> None:
-    rng = random.Random(seed)
-    dsps = rng.choice([1, 2, 4, 8])
-    rows: list[tuple[float, str, dict[str, Any]]] = [(0.1 + 0.2 * k / 8 + rng.random() * 0.01, *script(rng, dsps)) for k in range(rng.randint(1, 8))]
-    options = ["--dsps", str(dsps), "--duration", "0.4", "--idle-policy", rng.choice(["doorbell", "pause", "spin"])]
-    options += rng.choice([[], ["--preset", "saturated"], ["--set", "dock.agvs=4"]])
-    options += rng.choice([[], [], ["--set", "scheduling.slice_cycles=10000"]])
-    events, report = run(tmp_path, *options, toml=DRIVING + failures(*rows))
-    replay = Replay(Rule(), doorbells="doorbell" in options)
-    replay.follow(events)
-    assert replay.faults == []
-    chain_replay.check(chain_replay.Trace(events, dsps, servo=8, refresh_hz=8000), report)
-
-
-def script(rng: random.Random, dsps: int) -> tuple[str, dict[str, Any]]:
-    """One thing that goes wrong; boards are never pulled or plugged, which has rules of its own."""
-    dsp = {"dsp": rng.randrange(dsps)}
-    return rng.choice(
-        [("fail", dsp), ("hang", dsp), ("reset", dsp), ("break_link", dsp), ("repair_link", dsp), ("slow", {**dsp, "factor": rng.choice([0.01, 0.1, 0.5])}), ("pause_host", {"lasts_ms": rng.random() * 3}),
-         ("stall_bus", {"bus": rng.choice(["A", "B"]), "lasts_ms": rng.random()})]
-    )  # fmt: skip

@@ -1,11 +1,15 @@
 """The watchdog: long blocks by their heartbeat (measures.md 4), and no healthy DSP for what the host has not looked at (ruling 37)."""
 
+import json
 import re
+import shutil
+from pathlib import Path
 from typing import Any
 
 import pytest
 from audited_run import run
 from cmrc import _core
+from locations import ROOT
 
 cmrc = _core.cmrc
 # Vehicles that stand and look all at once: the load is there from the first interval on.
@@ -27,6 +31,21 @@ def test_a_failure_in_identify_is_noticed_within_3_ms(action: str, at_ms: float)
     assert at_ms < when * 1e3 < at_ms + 3
     assert re.search(r"has had no heartbeat for \d+ refreshes", message)
     assert report["host"]["recomputed"] == 1 and report["tasks"]["identify"]["on_time"] == 1
+
+
+def test_a_dsp_that_hangs_in_the_same_block_again_is_reset_again(tmp_path: Path) -> None:
+    """The block was claimed again within the refresh of the reset, and the host took the DSP for one that worked on something else."""
+    programs = tmp_path / "programs"
+    shutil.copytree(ROOT / "c40_programs", programs)
+    (programs / "kernels" / "user.asm").write_text("kernel_hangs:\n        br      kernel_hangs\n")
+    row = '[[tasks]]\nname = "hangs"\nprogram = "kernel_hangs"\nkind = 9\nimportance = 65530\nperiod_ms = 5\nheartbeat_ms = 1\n'
+    settings = {"machine.dsps": 1, "machine.boot": "preloaded", "machine.programs": str(programs), "duration_s": 0.04}
+    simulation = cmrc.Simulation(cmrc.config(toml=row, settings={**settings, "report.reference": "none"}))
+    simulation.run()
+    report = json.loads(simulation.report_json())
+    assert report["audit"]["violations"] == []
+    assert [dsp for _, dsp, _ in noticed(report)[:3]] == [0, 0, 0]
+    assert report["dsps"][0]["resets"] >= 3
 
 
 def test_a_failure_in_avoidance_is_noticed_within_3_ms() -> None:
