@@ -3,7 +3,7 @@ SHELL := /bin/bash
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 
-.PHONY: demo test build setup clean golden lint vectors arithmetic oracles bench results
+.PHONY: demo test build setup clean golden lint vectors arithmetic oracles bench results coverage mutants
 
 demo: build
 	PYTHONPATH=build/python $(PYTHON) -m cmrc demo --out build/demo
@@ -46,6 +46,17 @@ arithmetic: build
 # GNU as, ld and objdump for the C4x, from Debian's sources, into build-oracles/ (docs/oracles.md).
 oracles:
 	@scripts/oracles
+
+# Which lines and branches the suite reaches, by room: an instrumented build in build-coverage/, resumable (docs/trust.md).
+coverage: setup
+	@cmake --preset coverage -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) > /dev/null
+	cmake --build --preset coverage
+	$(PYTHON) scripts/coverage
+
+# Small changes to the C++: does the suite notice? Needs `make coverage`; resumable (docs/trust.md).
+MUTANTS := 200
+mutants: build
+	$(PYTHON) scripts/mutants --count $(MUTANTS)
 
 lint:
 	$(PYTHON) -m pip install -q ruff mypy

@@ -1,0 +1,62 @@
+"""The tools behind docs/trust.md: what counts as a mutant, and what a line's coverage is made of."""
+
+from __future__ import annotations
+
+import importlib.machinery
+import importlib.util
+import itertools
+import sys
+from types import ModuleType
+from typing import Any
+
+import pytest
+from locations import ROOT
+
+
+def script(name: str) -> ModuleType:
+    loader = importlib.machinery.SourceFileLoader(name, str(ROOT / "scripts" / name))
+    spec = importlib.util.spec_from_loader(name, loader)
+    assert spec is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module  # dataclasses look their module up
+    loader.exec_module(module)
+    return module
+
+
+mutants, coverage = script("mutants"), script("coverage")
+
+
+@pytest.mark.parametrize(("line", "expected"), [
+    ("  if (a < limit) return;", {"  if (a <= limit) return;", "  if (a >= limit) return;"}),
+    ("  if (!ready && late) stop();", {"  if (ready && late) stop();", "  if (!ready || late) stop();"}),
+    ("  beat = next(beat);", {"  ;"}),
+    ("  const int n = 8;", {"  const int n = 9;", "  const int n = 7;"}),
+    ("  return x * 0.5;", {"  return x / 0.5;", "  return x * 0.505;", "  return x * -0.5;"}),
+    ('  throw Error("a < b, 3 of 4");  // 5 > 4', set()),
+    ("  std::vector<int>& all = kept(0x10);", {"  std::vector<int>& all = kept(17);", "  std::vector<int>& all = kept(15);"}),
+    ("#define WIDTH 3", set()),
+    ("  static_assert(3 < 4);", set()),
+    ("  create(path, 0666);", {"  ;"}),
+])  # fmt: skip
+def test_a_line_is_changed_where_it_is_code(line: str, expected: set[str]) -> None:
+    assert set(mutants.changes(line)) == expected
+
+
+def test_mutants_are_those_of_the_seed_and_of_every_room() -> None:
+    one, other = (list(itertools.islice(mutants.drawn(7), 300)) for _ in range(2))
+    assert one == other
+    assert one != list(itertools.islice(mutants.drawn(8), 300))
+    rooms = {next(room for room in mutants.ROOMS if file.startswith(room)) for file, *_ in one}
+    assert rooms == set(mutants.ROOMS)
+
+
+def line(number: int, count: int, *branches: tuple[int, bool]) -> dict[str, Any]:
+    return {"line_number": number, "count": count, "branches": [{"count": times, "throw": throw} for times, throw in branches]}
+
+
+def test_a_line_of_a_template_counts_when_any_instance_is_reached() -> None:
+    record: dict[str, Any] = {"lines": {}, "branches": {}}
+    coverage.add(record, [line(3, 0, (0, False), (2, False)), line(3, 4, (1, False), (0, False)), line(5, 0), line(6, 2, (0, True))])
+    assert record == {"lines": {"3": 4, "5": 0, "6": 2}, "branches": {"3": [1, 2]}}
+    table = coverage.table({"emulator/isa/decode.cpp": record})
+    assert "| `emulator/isa/` | 1 | 3 | 66.7 % | 2 | 100.0 % |" in table
