@@ -5,12 +5,11 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <numbers>
-#include <sstream>
 
+#include "io/input_file.hpp"
 #include "io/toml.hpp"
 #include "plant/math.hpp"
 
@@ -303,11 +302,7 @@ void apply_layout(DockConfig& config, std::string_view text, const std::string& 
 }
 
 void load_layout(DockConfig& config, const std::string& path) {
-  std::ifstream in(path);
-  std::ostringstream text;
-  if (in) text << in.rdbuf();
-  if (!in || std::filesystem::is_directory(path)) throw LayoutError(fmt::format("{}: cannot be read; the name of a TOML file with a layout is expected", path));
-  apply_layout(config, text.str(), path);
+  apply_layout(config, io::read_file<LayoutError>(path, "the name of a TOML file with a layout"), path);
 }
 
 }  // namespace plant

@@ -4,8 +4,10 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "cli/options.hpp"
+#include "io/input_file.hpp"
 #include "toolchain/assembler.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/linker.hpp"
@@ -18,7 +20,7 @@ using toolchain::Image;
 using toolchain::Word;
 
 Image read_hex(const std::string& path, Address load_at) {
-  std::ifstream in(path);
+  std::istringstream in(io::read_file<InputError>(path, "a file with a word per line"));
   std::vector<Word> words;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {

@@ -10,6 +10,7 @@
 #include <fstream>
 
 #include "cli/options.hpp"
+#include "io/input_file.hpp"
 
 namespace cli {
 namespace {
@@ -107,6 +108,8 @@ bool TextLines::next(std::string& line) {
     const auto from = buffer_.begin() + static_cast<std::ptrdiff_t>(at_), to = buffer_.begin() + static_cast<std::ptrdiff_t>(end_);
     const auto newline = std::find(from, to, '\n');
     line.append(from, newline);
+    if (line.size() > io::largest_input)
+      throw InputError(fmt::format("{}:{}: a line longer than {} MiB; a text file is expected", path_, number_ + 1, io::largest_input >> 20));
     at_ = static_cast<std::size_t>(newline - buffer_.begin());
     if (newline == to) continue;
     ++at_;

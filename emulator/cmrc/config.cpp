@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -13,6 +12,7 @@
 
 #include "cmrc/config_invariants.hpp"
 #include "cmrc/process_rows.hpp"
+#include "io/input_file.hpp"
 #include "io/toml.hpp"
 
 namespace cmrc {
@@ -190,12 +190,7 @@ ConfigBuilder& ConfigBuilder::preset(std::string_view name, const Origin& origin
 }
 
 ConfigBuilder& ConfigBuilder::file(const std::string& path) {
-  std::ifstream in(path);
-  if (!in) throw ConfigError(fmt::format("{}: cannot be read; the name of a TOML file is expected", path));
-  std::stringstream content;
-  content << in.rdbuf();
-  if (in.bad()) throw ConfigError(fmt::format("{}: cannot be read; the name of a TOML file is expected", path));
-  return text(content.str(), path);
+  return text(io::read_file<ConfigError>(path, "the name of a TOML file"), path);
 }
 
 ConfigBuilder& ConfigBuilder::text(std::string_view toml, const std::string& name) {

@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <initializer_list>
-#include <sstream>
 
+#include "io/input_file.hpp"
 #include "io/toml.hpp"
 #include "machine/boot.hpp"
 #include "machine/shared_memory.hpp"
@@ -178,12 +177,9 @@ BoardDescription read_board(const std::string& name) {
   if (name == "default") return {c40::Board::default_board(), {}};
   if (name == "flat") return {c40::Board::flat(), {}};
   if (!name.ends_with(".toml")) throw BoardError(fmt::format("there is no board \"{}\"; default, flat and files that end in .toml are", name));
-  std::ifstream in(name, std::ios::binary);
-  if (!in) throw BoardError(fmt::format("{}: cannot be read; a board file is expected (docs/cli.md)", name));
-  std::ostringstream text;
-  text << in.rdbuf();
+  const std::string text = io::read_file<BoardError>(name, "a board file (docs/cli.md)");
   try {
-    return BoardReader(name).read(io::parse_toml(text.str(), name));
+    return BoardReader(name).read(io::parse_toml(text, name));
   } catch (const toml::parse_error& error) {
     throw BoardError(fmt::format("{}:{}: {}", name, error.source().begin.line, error.description()));
   }

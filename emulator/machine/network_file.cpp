@@ -6,10 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <map>
-#include <sstream>
 
+#include "io/input_file.hpp"
 #include "io/toml.hpp"
 
 namespace machine {
@@ -197,12 +196,9 @@ class NetworkReader {
 }  // namespace
 
 NetworkDescription read_network(const std::string& path, const ProgramReader& read_program) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in || std::filesystem::is_directory(path)) throw NetworkError(fmt::format("{}: cannot be read; a network file is expected (docs/networks.md)", path));
-  std::ostringstream text;
-  text << in.rdbuf();
+  const std::string text = io::read_file<NetworkError>(path, "a network file (docs/networks.md)");
   try {
-    return NetworkReader(path, read_program).read(io::parse_toml(text.str(), path));
+    return NetworkReader(path, read_program).read(io::parse_toml(text, path));
   } catch (const toml::parse_error& error) {
     throw NetworkError(fmt::format("{}:{}: {}", path, error.source().begin.line, error.description()));
   }

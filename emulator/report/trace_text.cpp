@@ -6,6 +6,7 @@
 #include <istream>
 #include <ostream>
 #include <stdexcept>
+#include <vector>
 
 namespace report {
 namespace {
@@ -47,7 +48,7 @@ class Reader {
 
   std::optional<TraceLine> next() {
     std::string text;
-    while (std::getline(in_, text)) {
+    while (line(text)) {
       ++number_;
       if (!text.empty() && text.back() == '\r') text.pop_back();
       if (number_ == 1) {
@@ -63,7 +64,16 @@ class Reader {
   const std::string& header() const { return header_; }
 
  private:
+  // Of a bounded length: what is no text may have no end of a line.
+  bool line(std::string& text) {
+    in_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+    if (in_.fail() && in_.gcount() > 0) reject(number_ + 1, fmt::format("a line longer than {} characters", buffer_.size() - 1));
+    text = buffer_.data();
+    return !in_.fail();
+  }
+
   std::istream& in_;
+  std::vector<char> buffer_ = std::vector<char>(1u << 16);
   std::string header_;
   std::size_t number_ = 0;
 };

@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <map>
 
+#include "io/input_file.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/coff_format.hpp"
 
@@ -235,11 +235,7 @@ Image linked(const Object& object) {
 }  // namespace
 
 std::vector<std::byte> read_bytes(const std::filesystem::path& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) throw CoffError(fmt::format("{}: a directory", path.string()));
-  std::ifstream stream(path, std::ios::binary);
-  const std::vector<char> bytes((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
-  if (!stream) throw CoffError(fmt::format("{}: cannot be read", path.string()));
+  const std::string bytes = io::read_file<CoffError>(path, "a COFF file");
   const auto view = std::as_bytes(std::span(bytes));
   return {view.begin(), view.end()};
 }

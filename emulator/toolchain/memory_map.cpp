@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <initializer_list>
-#include <sstream>
 #include <utility>
 
+#include "io/input_file.hpp"
 #include "io/toml.hpp"
 
 namespace toolchain {
@@ -159,11 +158,7 @@ MemoryMap parse_memory_map(std::string_view toml, const std::string& name) {
 }
 
 MemoryMap read_memory_map(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::stringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw MemoryMapError(fmt::format("{}: cannot be read", path.string()));
-  return parse_memory_map(text.str(), path.string());
+  return parse_memory_map(io::read_file<MemoryMapError>(path, "a memory map"), path.string());
 }
 
 }  // namespace toolchain

@@ -4,10 +4,9 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
-#include <sstream>
 #include <utility>
 
+#include "io/input_file.hpp"
 #include "io/stop.hpp"
 #include "toolchain/encoder.hpp"
 
@@ -63,14 +62,11 @@ void Reader::read_file(const std::filesystem::path& path) {
     throw LineError{0, fmt::format("the file '{}' includes itself", path.string())};
   if (open_files_.size() >= deepest_include)
     throw LineError{0, fmt::format("includes are nested deeper than {}", deepest_include)};
-  if (std::filesystem::is_directory(path, error)) throw LineError{0, fmt::format("'{}' is a directory", path.string())};
-  std::ifstream stream(path, std::ios::binary);
-  std::stringstream text;
-  text << stream.rdbuf();
-  if (!stream) throw LineError{0, fmt::format("cannot read '{}'", path.string())};
+  const io::Input input = io::read_input(path);
+  if (!input.problem.empty()) throw LineError{0, fmt::format("'{}' {}", path.string(), input.problem)};
   open_files_.push_back(canonical);
   program_.note_file_read(path.string());
-  read_text(text.str(), path.string(), path.parent_path());
+  read_text(input.text, path.string(), path.parent_path());
   open_files_.pop_back();
 }
 

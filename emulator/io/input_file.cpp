@@ -1,0 +1,28 @@
+#include "io/input_file.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <system_error>
+
+namespace io {
+
+Input read_input(const std::filesystem::path& path) {
+  std::error_code error;
+  if (std::filesystem::is_directory(path, error)) return {{}, "is a directory"};
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return {{}, "cannot be read"};
+  constexpr std::size_t at_once = std::size_t{1} << 16;
+  std::string text;
+  std::size_t size = 0;
+  while (in && size <= largest_input) {
+    text.resize(std::max(text.size(), size + at_once));
+    in.read(text.data() + size, at_once);
+    size += static_cast<std::size_t>(in.gcount());
+  }
+  if (in.bad()) return {{}, "cannot be read"};
+  if (size > largest_input) return {{}, fmt::format("is larger than {} MiB", largest_input >> 20)};
+  text.resize(size);
+  return {std::move(text), {}};
+}
+
+}  // namespace io

@@ -1,0 +1,31 @@
+#pragma once
+// Files that are read whole: sources, objects, configurations. Where lines are enough: cli/text_lines.hpp.
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace io {
+
+/// Bytes of the largest file that is read whole. A device such as /dev/zero has no end; without a limit it would take all memory.
+inline constexpr std::size_t largest_input = std::size_t{64} << 20;
+
+struct Input {
+  std::string text;
+  std::string problem;  ///< empty, or what follows "FILE: " in a message: "cannot be read"
+};
+
+Input read_input(const std::filesystem::path& path);
+
+/// Everything in a file. \param expected what the file should be, for the message
+/// \throws Error "FILE: what is wrong; EXPECTED is expected"
+template <typename Error>
+std::string read_file(const std::filesystem::path& path, std::string_view expected) {
+  Input input = read_input(path);
+  if (!input.problem.empty()) throw Error(fmt::format("{}: {}; {} is expected", path.string(), input.problem, expected));
+  return std::move(input.text);
+}
+
+}  // namespace io

@@ -1,0 +1,44 @@
+"""A file without an end is refused by its size, by whatever reads it."""
+
+from __future__ import annotations
+
+import resource
+import subprocess
+from pathlib import Path
+
+import pytest
+
+LIMIT = 1 << 30  # bytes of memory; 64 MiB is the largest file that is read whole
+
+
+def bounded() -> None:
+    resource.setrlimit(resource.RLIMIT_AS, (LIMIT, LIMIT))
+
+
+@pytest.mark.parametrize("command", [
+    ["--config", "/dev/zero"],
+    ["--set", "dock.layout=/dev/zero"],
+    ["--board", "endless.toml"],
+    ["asm", "/dev/zero", "-o", "out"],
+    ["asm", "includes.asm", "-o", "out"],
+    ["link", "/dev/zero", "-o", "out"],
+    ["link", "whole.o", "--map", "/dev/zero", "-o", "out"],
+    ["disasm", "/dev/zero"],
+    ["exec", "/dev/zero"],
+    ["exec", "endless.asm"],
+    ["exec", "--load-at", "0x300000", "endless.hex"],
+    ["exec", "--board", "endless.toml", "includes.asm"],
+    ["exec", "--network", "/dev/zero"],
+    ["vectors", "/dev/zero"],
+    ["trace-diff", "/dev/zero", "/dev/zero"],
+], ids=lambda command: " ".join(command))  # fmt: skip
+def test_a_file_without_an_end_is_refused(command: list[str], emulator: Path, tmp_path: Path) -> None:
+    for name in ("endless.toml", "endless.asm", "endless.hex"):
+        (tmp_path / name).symlink_to("/dev/zero")
+    (tmp_path / "includes.asm").write_text('        .include "endless.asm"\n')
+    (tmp_path / "whole.asm").write_text("        nop\n")
+    subprocess.run([emulator, "asm", "-c", "whole.asm", "-o", "whole.o"], cwd=tmp_path, check=True)
+    ended = subprocess.run([emulator, *command], cwd=tmp_path, capture_output=True, text=True, preexec_fn=bounded, check=False)
+    assert ended.returncode == 2, ended.stderr
+    assert any(words in ended.stderr for words in ("is larger than 64 MiB", "a line longer than")), ended.stderr
+    assert not (tmp_path / "out").exists()
