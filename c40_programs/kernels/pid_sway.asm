@@ -6,6 +6,8 @@
 ; The first equation measures y; the others are an observer with three poles at o. x brakes the load's swing, and holds the suspension
 ; so far upwind that the load hangs where it should.
 ; While the load stands on something, or a drive is off, the rope tells nothing: y and v fade, and w stays as it was.
+; While the path moves and no wind is known, e would be what the path's model leaves out. Then w stays, too, y is what is
+; measured, and v, the integral of the angle, leaks:   v' = w - g theta - o / 4 v
 
 pid_sway:
         ldhi    hi16(PD_SWAY_FROM), ar0         ; FROM <- interpolated
@@ -41,6 +43,16 @@ pid_sway_between:
         mpyf    @PD_SWAY_FROM + 1, r0
         stf     r0, @PD_SWAY_FROM + 1
 pid_sway_at_rate:
+        absf    @PD_WIND, r0                    ; the sign of STANDS: the path moves, and no wind is known
+        absf    @PD_WIND + 1, r1
+        cmpf    r1, r0
+        ldflt   r1, r0
+        ldi     @PD_MOVING, r1
+        cmpf    @K_PD_WINDY, r0
+        ldige   0, r1
+        lsh     31, r1
+        or      @PD_STANDS, r1
+        sti     r1, @PD_STANDS
         call    pid_filters
         ldf     @K_PC_SMOOTH, r7                ; R7 = h / (T + h)
         ldf     @K_PC_STEP, r8                  ; R8 = h
@@ -193,10 +205,25 @@ pid_sway_axis_end:
         stf     r0, @PD_R + 1
         rets
 
-pid_sway_stands:                                ; y and v fade within a second
+pid_sway_stands:
+        ldi     @PD_STANDS, r6
+        lsh     1, r6
+        bz      pid_sway_moves
+        ldf     *-ar2(PD_SWAY - PD_BESIDE), r6  ; y and v fade within a second
         ldf     *+ar2(PD_WIND - PD_SWAY), r2
         mpyf3   r8, r6, r0
         subf    r0, r6
         mpyf3   r8, r1, r0
         subf    r0, r1
+        br      pid_sway_known
+
+pid_sway_moves:                                 ; R2 = w - g theta
+        mpyf    r5, r0
+        addf3   r0, r3, r6
+        mpyf    r8, r2
+        mpyf3   r9, r1, r0
+        mpyf    @K_PD_LEAK, r0
+        subf    r0, r2
+        addf    r2, r1
+        ldf     *+ar2(PD_WIND - PD_SWAY), r2
         br      pid_sway_known
