@@ -17,6 +17,7 @@ constexpr int most_probes = 5;
 // What has met something and stands on no corner switch is jammed between guides or cones, held by friction: its weight
 // is taken off by and by, so that they can push it, and put on again.
 constexpr double ease = 0.05;        // m
+constexpr double ease_slower = 0.5;  // so that the load does not bounce on the rope, which it does with some 0.6 s
 constexpr double ease_after = 0.15;  // s after a ramp's end: by then the load cell tells
 constexpr double most_eased = 0.3;   // m
 constexpr double hangs = 0.9;        // of what the rope carried before
@@ -111,7 +112,7 @@ bool Crane::settled(const Desk& desk) const {
 bool Crane::ramp(double delta, Desk& desk) {
   if (!desk.servo_resting()) return false;
   // Quintic blend: peak speed 1.875 delta / T.
-  const double peak = job_.ramp_speed * (low_ ? touching_slower : 1.0);
+  const double peak = job_.ramp_speed * (eased_ > 0 ? ease_slower : low_ ? touching_slower : 1.0);
   const std::int64_t duration = ticks(1.875 * std::abs(delta) / peak) + 1;
   const std::int64_t begin = desk.path(desk.tick()) + 2 * job_.servo_interval;
   const std::array<Word, 4> words = {static_cast<Word>(begin), static_cast<Word>(duration), ti_float(ramp_offset_),
@@ -161,6 +162,7 @@ bool Crane::down(Desk& desk) {
     ramp_pending_ = !ramp(probes_ > 0 ? probe : hovering_ ? job_.clearance - hover : low + job_.slack, desk);
     return false;
   }
+  if (pid_.landed || load_ >= hangs * hung_) freed_ = true;
   if (!ramp_done(desk)) return false;
   if (hovering_) {
     if (!hovered(desk)) return false;
@@ -179,8 +181,9 @@ bool Crane::down(Desk& desk) {
     landing_missed(desk);
   } else if (load_ < hangs * hung_) {
     retrying_ = true;
-    if (ramp(-ease, desk)) eased_ = ease;
-    else --probes_;
+    freed_ = false;
+    eased_ = ease;
+    if (!ramp(-ease, desk)) eased_ = 0, --probes_;
   } else {
     ramp_pending_ = true;
   }
@@ -190,7 +193,7 @@ bool Crane::down(Desk& desk) {
 // Up by and by until the switches have closed or the rope carries the load; then down again by as much.
 void Crane::ease_or_lower(Desk& desk) {
   if (desk.path(pid_.tick) <= ramp_end_ + ticks(ease_after)) return;
-  if (pid_.landed || load_ >= hangs * hung_ || eased_ >= most_eased) {
+  if (freed_ || eased_ >= most_eased) {
     if (ramp(eased_, desk)) eased_ = 0;
   } else if (ramp(-ease, desk)) {
     eased_ += ease;

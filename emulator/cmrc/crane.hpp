@@ -116,6 +116,7 @@ class Crane {
   std::int64_t unsteady_ = 0;           // refresh at which it last was not over its place there
   double load_ = 0, hung_ = 0;          // kg on the rope, and when it was about to be let down
   double eased_ = 0;                    // m, by which it has been lifted again where it stood jammed
+  bool freed_ = false;                  // since then the corner switches have closed, or the rope has carried the load
   bool too_windy_ = false;
   bool ramp_pending_ = false;
   bool ramp_told_ = true;
