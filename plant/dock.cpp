@@ -388,8 +388,10 @@ void Dock::on_event(std::function<void(const Event&)> f) { self_->core.on_event 
 std::shared_ptr<const DockState> Dock::snapshot() const { return std::make_shared<const DockState>(self_->core.state); }
 
 void Dock::restore(const DockState& state) {
-  if (state.agvs.size() != self_->core.state.agvs.size() || state.containers.size() != self_->core.state.containers.size())
-    throw std::invalid_argument("plant: the snapshot is of a dock with other AGVs or containers");
+  const DockState& now = self_->core.state;
+  if (state.agvs.size() != now.agvs.size() || state.containers.size() != now.containers.size() || state.scans.size() != now.scans.size() ||
+      state.underway.size() != now.underway.size())
+    throw std::invalid_argument("plant: the snapshot is of a dock with other AGVs or containers, range sensors or delay of the drives");
   self_->core.state = state;
   self_->core.forget_ahead();
   self_->core.forget_scans();

@@ -57,8 +57,7 @@ PD_DRIVES       .set SCRATCH + 170      ; DRIVE_STATUS
 PD_STILL        .set SCRATCH + 171      ; bit 4 - j: encoder j shows the same count as at the last run
 PD_ERRORS       .set SCRATCH + 173      ; TB_NOTIFY
 PD_BACK         .set SCRATCH + 176      ; CR_REJOIN
-PD_SHIFT        .set SCRATCH + 186      ; f x2: the suspension's shift against sway and wind: radial, tangential, m
-PD_STANDS       .set SCRATCH + 188      ; i not 0: the rope does not tell where the load would hang
+PD_SHIFT        .set SCRATCH + 186      ; f x2: the suspension's shift against sway and wind, the other way: radial, tangential, m
 
 ; The law as plant-and-bus.md 2.1 prints it: the derivative acts on the measurement alone, and the set-point runs straight from
 ; joint point to joint point (first-order hold).
@@ -88,11 +87,10 @@ pid_build:
         ldi     @SV_SWAY_SENSOR, r0
         mpyi    SWAY2_ALPHA - SWAY_ALPHA, r0
         ldhi    hi16(WINDOW_B), ar0
-        addi    SWAY_ALPHA, ar0
         addi    r0, ar0
-        ldi     *ar0, r0
+        ldi     *+ar0(SWAY_ALPHA), r0
         sti     r0, @PD_ANGLES
-        ldi     *+ar0(1), r0
+        ldi     *+ar0(SWAY_ALPHA + 1), r0
         sti     r0, @PD_ANGLES + 1
         call    servo_path
         ldi     ar6, ar2
@@ -308,8 +306,7 @@ pid_encoder:
 pid_status:
         ldi     0, r0
         ldi     @PD_STATUS, r1
-        ldi     r1, r2
-        and     SPREADER_CORNERS, r2
+        and3    SPREADER_CORNERS, r1, r2
         cmpi    SPREADER_CORNERS, r2
         bne     pid_not_landed
         ldhi    hi16(PID_LANDED), r2

@@ -15,6 +15,10 @@ K_PD_LONGEST        .set $ - LIFT               ; s, longest step of the observe
                     .float 0.02
 K_PD_THIRD          .set $ - LIFT
                     .float 0.3333333333
+K_PD_LEAK           .set $ - LIFT               ; o / 4 of K_PC_OBSERVE's 3 o
+                    .float 0.0833333333
+K_PD_SHOWS          .set $ - LIFT               ; 1/s: so much wind may be behind a speed beside the path
+                    .float 0.125
 K_PD_WIND_MOST      .set $ - LIFT               ; m/s2, most that counts as wind: the rope hangs 0.08 rad off
                     .float 0.785
 K_PD_WINDY          .set $ - LIFT               ; m/s2: with 36 m of rope the wind displaces the load by 0.1 m

@@ -54,32 +54,28 @@ pid_reference:
         call    servo_slots
         ldi     r0, r8
         ldi     r1, r9
-        ldi     r8, ar0
-        lsh     4, ar0
+        lsh3    4, r8, ar0
         addi    ar6, ar0
         addi    CR_RING, ar0
         ldhi    hi16(SV_FROM), ar1
         or      lo16(SV_FROM), ar1
         ldi     9, rc
         call    copy_words
-        ldi     r9, ar0
-        lsh     4, ar0
+        lsh3    4, r9, ar0
         addi    ar6, ar0
         addi    CR_RING, ar0
         ldhi    hi16(SV_TO), ar1
         or      lo16(SV_TO), ar1
         ldi     9, rc
         call    copy_words
-        ldi     r8, ar0
-        lsh     2, ar0
+        lsh3    2, r8, ar0
         addi    ar6, ar0
         addi    CR_SWAY, ar0
         ldhi    hi16(PD_SWAY_FROM), ar1
         or      lo16(PD_SWAY_FROM), ar1
         ldi     3, rc
         call    copy_words
-        ldi     r9, ar0
-        lsh     2, ar0
+        lsh3    2, r9, ar0
         addi    ar6, ar0
         addi    CR_SWAY, ar0
         ldi     3, rc

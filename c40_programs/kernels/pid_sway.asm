@@ -6,33 +6,35 @@
 ; The first equation measures y; the others are an observer with three poles at o. x brakes the load's swing, and holds the suspension
 ; so far upwind that the load hangs where it should.
 ; While the load stands on something, or a drive is off, the rope tells nothing: y and v fade, and w stays as it was.
+; While the path moves and no wind is known, e would be what the path's model leaves out. Then w stays, too, y is what is
+; measured, and v, the integral of the angle, leaks:   v' = w - g theta - o / 4 v
 
 pid_sway:
+        call    pid_filters
         ldhi    hi16(PD_SWAY_FROM), ar0         ; FROM <- interpolated
         or      lo16(PD_SWAY_FROM), ar0
+        ldi     ar0, ar1
+        addi    4, ar1
         ldf     @PD_PHASE, r2
         ldi     3, rc
         rptb    pid_sway_between
-        ldf     *+ar0(4), r0
-        subf    *ar0, r0
+        subf3   *ar0, *ar1++, r0
         mpyf    r2, r0
         addf    *ar0, r0
 pid_sway_between:
         stf     r0, *ar0++
-        ldi     @PD_STATUS, r0                  ; a corner rests on something,
-        and     SPREADER_CORNERS, r0
+        ldi     @PD_STATUS, ir0                 ; IR0: a corner rests on something,
+        and     SPREADER_CORNERS, ir0
         ldf     @SV_LOAD, r1                    ; or the rope is slack
         ldf     @K_TQ_SPREADER, r2
         mpyf    @K_PD_SLACK, r2
         cmpf    r2, r1
-        ldilt   1, r0
-        sti     r0, @PD_STANDS
+        ldilt   1, ir0
         ldi     @SV_STOPPED, r0
         beq     pid_sway_at_rate
         ldi     @SV_DRIVES, r0
         xor     1Fh, r0
-        or      @PD_STANDS, r0
-        sti     r0, @PD_STANDS
+        or      r0, ir0
         ldf     @SV_PATH_RATE, r0               ; the reference sway goes with the acceleration: with the square of the path's rate
         mpyf    r0, r0
         ldf     @PD_SWAY_FROM, r1
@@ -41,7 +43,19 @@ pid_sway_between:
         mpyf    @PD_SWAY_FROM + 1, r0
         stf     r0, @PD_SWAY_FROM + 1
 pid_sway_at_rate:
-        call    pid_filters
+        absf    @PD_WIND, r0                    ; its sign: the path moves, and no wind is known; what is not yet known drives v
+        absf    @PD_WIND + 1, r1
+        addf    r1, r0
+        absf    @PD_SPEED, r1
+        absf    @PD_SPEED + 1, r2
+        addf    r2, r1
+        mpyf    @K_PD_SHOWS, r1
+        addf    r1, r0
+        subf    @K_PD_WINDY, r0
+        ldi     @PD_MOVING, r1
+        lsh     31, r1
+        and     r0, r1
+        or      r1, ir0
         ldf     @K_PC_SMOOTH, r7                ; R7 = h / (T + h)
         ldf     @K_PC_STEP, r8                  ; R8 = h
         ldf     @K_PC_OBSERVE, r9               ; R9 = 3 o h
@@ -50,10 +64,8 @@ pid_sway_at_rate:
         ldf     @K_PC_BRAKE, r4                 ; R4 = gain / g
         ldf     @PD_Y + 3, r5
         mpyf    @K_ONE_OVER_G, r5               ; R5 = l / g
-        ldhi    hi16(PD_ANGLES), ar0
-        or      lo16(PD_ANGLES), ar0
-        ldhi    hi16(PD_SWAY_FROM), ar1
-        or      lo16(PD_SWAY_FROM), ar1
+        subi    PD_SWAY_TO - PD_ANGLES, ar0     ; AR0, of PD_ANGLES, and AR1, of PD_SWAY_FROM, have come to the ends of FROM and TO
+        subi    8, ar1
         ldhi    hi16(PD_SWAY), ar2
         or      lo16(PD_SWAY), ar2
         ldi     0, ar3                          ; the signs of these: AR3 some swing is out of tolerance, AR5 the load is not over its
@@ -65,8 +77,7 @@ pid_sway_at_rate:
         mpyf3   r2, r5, r3
         ldf     *+ar2(PD_SPEED - PD_SWAY), r1   ; R1 = v
         mpyf3   r1, r4, r0
-        addf    r0, r3
-        negf    r3, r3                          ; R3 = x
+        addf    r0, r3                          ; R3 = -x
         mpyf    @K_ONE_OVER_G, r2               ; where the rope hangs in this wind
         ldi     *ar0++, r0
         lsh     20, r0                          ; signed 12 bits
@@ -82,10 +93,9 @@ pid_sway_at_rate:
         cmpf    r6, r0
         ldflt   r6, r0
         addf    r2, r0
-        ldf     *ar2, r6
-        subf    r6, r0
+        subf    *ar2, r0
         mpyf    r7, r0
-        addf    r6, r0
+        addf    *ar2, r0
         rnd     r0, r0
         stf     r0, *ar2                        ; R0 = theta
         subf3   r2, r0, r6
@@ -97,14 +107,14 @@ pid_sway_at_rate:
         or      r6, ar3
 
         mpyf    @K_GRAVITY, r0
-        ldi     @PD_STANDS, r2
+        ldi     ir0, r2
         bned    pid_sway_stands
         ldf     *+ar2(PD_WIND - PD_SWAY), r2
         ldf     *-ar2(PD_SWAY - PD_BESIDE), r6  ; R6 = y
         subf    r0, r2                          ; w - g theta
         mpyf    r5, r0
-        addf    r0, r3
-        subf    r6, r3                          ; R3 = e
+        subf    r3, r0
+        subf3   r6, r0, r3                      ; R3 = e
         mpyf3   r8, r1, r0
         addf    r0, r6
         mpyf3   r9, r3, r0
@@ -132,7 +142,6 @@ pid_sway_known:
         mpyf3   r2, r5, r3
         mpyf3   r1, r4, r0
         addf    r0, r3
-        negf    r3, r3
         rnd     r3, r3
         stf     r3, *+ar2(PD_SHIFT - PD_SWAY)
         absf    r6, r6
@@ -171,7 +180,7 @@ pid_sway_axis_end:
         mpyf    r0, r9
         addf    1.0, r9
         stf     r9, @PD_COSINE
-        ldf     @PD_SHIFT, r0
+        negf    @PD_SHIFT, r0
         mpyf    @PD_SWAY_FROM + 2, r0           ; by which the luff moves. What that lifts the jib's tip the hoist pays out
         mpyf3   r0, r9, r1
         mpyf    @K_PD_LIFT, r1
@@ -181,7 +190,7 @@ pid_sway_axis_end:
         addf    @PD_R + 2, r0
         rnd     r0, r0
         stf     r0, @PD_R + 2
-        ldf     @PD_SHIFT + 1, r0
+        negf    @PD_SHIFT + 1, r0
         mpyf    @PD_SWAY_FROM + 3, r0           ; by which the crane slews: the rotator turns the load back
         ldf     r0, r1
         mpyf    @K_PD_TURN, r1
@@ -193,10 +202,25 @@ pid_sway_axis_end:
         stf     r0, @PD_R + 1
         rets
 
-pid_sway_stands:                                ; y and v fade within a second
+pid_sway_stands:                                ; R0 = g theta, R2 = w - g theta, R3 = -x
+        lsh3    1, ir0, r6
+        bzd     pid_sway_moves
+        mpyf    r5, r0
+        subf3   r3, r0, r6
+        mpyf    r8, r2
+        ldf     *-ar2(PD_SWAY - PD_BESIDE), r6  ; y and v fade within a second
         ldf     *+ar2(PD_WIND - PD_SWAY), r2
         mpyf3   r8, r6, r0
         subf    r0, r6
+        brd     pid_sway_known
         mpyf3   r8, r1, r0
         subf    r0, r1
-        br      pid_sway_known
+        nop
+
+pid_sway_moves:                                 ; y is as measured
+        mpyf3   r9, r1, r0
+        mpyf    @K_PD_LEAK, r0
+        brd     pid_sway_known
+        subf    r0, r2
+        addf    r2, r1
+        ldf     *+ar2(PD_WIND - PD_SWAY), r2

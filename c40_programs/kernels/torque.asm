@@ -328,6 +328,8 @@ torque_write:
         addi    CR_FEED_FORWARD, ar1
         ldi     4, rc
         call    copy_words
-        ldi     @TQ_WIND, r0
+        fix     @SV_LOAD, r0
+        lsh     TORQUE_LOAD, r0
+        or      @TQ_WIND, r0
         ldi     0, r1
         rets

@@ -14,6 +14,13 @@ namespace {
 constexpr double probe = 0.1;        // m, by which lowering is prolonged when nothing was met
 constexpr double probe_after = 1.0;  // s after a ramp's end
 constexpr int most_probes = 5;
+// What has met something and stands on no corner switch is jammed between guides or cones, held by friction: its weight
+// is taken off by and by, so that they can push it, and put on again.
+constexpr double ease = 0.05;        // m
+constexpr double ease_slower = 0.5;  // so that the load does not bounce on the rope, which it does with some 0.6 s
+constexpr double ease_after = 0.15;  // s after a ramp's end: by then the load cell tells
+constexpr double most_eased = 0.3;   // m
+constexpr double hangs = 0.9;        // of what the rope carried before
 // In wind the load is let down in two ramps. Between them it hangs where the guides (0.3 m high) already catch it,
 // until it is over its place.
 constexpr double hover = 0.2;          // m above the surface
@@ -46,6 +53,7 @@ void Crane::enter(const Step& step, std::optional<unsigned> agv, Desk& desk) {
       ramp_pending_ = true;
       phase_ = Phase::down;
       missed_ = probes_ = 0;
+      eased_ = 0;
       hovering_ = low_ = false;
       break;
     case Step::Kind::lock: desk.write(words_.cr_base + words_.cr_spreader, Word{1}); break;
@@ -104,7 +112,7 @@ bool Crane::settled(const Desk& desk) const {
 bool Crane::ramp(double delta, Desk& desk) {
   if (!desk.servo_resting()) return false;
   // Quintic blend: peak speed 1.875 delta / T.
-  const double peak = job_.ramp_speed * (low_ ? touching_slower : 1.0);
+  const double peak = job_.ramp_speed * (eased_ > 0 ? ease_slower : low_ ? touching_slower : 1.0);
   const std::int64_t duration = ticks(1.875 * std::abs(delta) / peak) + 1;
   const std::int64_t begin = desk.path(desk.tick()) + 2 * job_.servo_interval;
   const std::array<Word, 4> words = {static_cast<Word>(begin), static_cast<Word>(duration), ti_float(ramp_offset_),
@@ -148,11 +156,13 @@ bool Crane::down(Desk& desk) {
   if (ramp_pending_) {
     if (held() && !setting_down_) return false;
     if (probes_ > 0) retrying_ = true;
+    if (probes_ == 0 && !low_) hung_ = load_;
     hovering_ = probes_ == 0 && !low_ && pid_.windy && job_.clearance > hover && !setting_down_;
     const double low = low_ ? hover : job_.clearance;
     ramp_pending_ = !ramp(probes_ > 0 ? probe : hovering_ ? job_.clearance - hover : low + job_.slack, desk);
     return false;
   }
+  if (pid_.landed || load_ >= hangs * hung_) freed_ = true;
   if (!ramp_done(desk)) return false;
   if (hovering_) {
     if (!hovered(desk)) return false;
@@ -160,11 +170,34 @@ bool Crane::down(Desk& desk) {
     low_ = ramp_pending_ = true;
     return false;
   }
+  if (eased_ > 0) {
+    ease_or_lower(desk);
+    return false;
+  }
   if (pid_.landed) return true;
   if (desk.path(pid_.tick) <= ramp_end_ + ticks(probe_after)) return false;
-  ramp_pending_ = true;
-  if (++probes_ > most_probes) landing_missed(desk);
+  if (++probes_ > most_probes) {
+    ramp_pending_ = true;
+    landing_missed(desk);
+  } else if (load_ < hangs * hung_) {
+    retrying_ = true;
+    freed_ = false;
+    eased_ = ease;
+    if (!ramp(-ease, desk)) eased_ = 0, --probes_;
+  } else {
+    ramp_pending_ = true;
+  }
   return false;
+}
+
+// Up by and by until the switches have closed or the rope carries the load; then down again by as much.
+void Crane::ease_or_lower(Desk& desk) {
+  if (desk.path(pid_.tick) <= ramp_end_ + ticks(ease_after)) return;
+  if (freed_ || eased_ >= most_eased) {
+    if (ramp(eased_, desk)) eased_ = 0;
+  } else if (ramp(-ease, desk)) {
+    eased_ += ease;
+  }
 }
 
 // The rest of the way takes a second and a half: so long a load that is over its place and hardly moves stays there.
@@ -176,6 +209,7 @@ bool Crane::hovered(const Desk& desk) {
 
 void Crane::landing_missed(Desk& desk) {
   probes_ = 0;
+  eased_ = 0;
   low_ = false;
   phase_ = setting_down_ ? Phase::given_up : Phase::up;
   if (setting_down_) return;
@@ -224,11 +258,16 @@ bool Crane::raised(Desk& desk) {
 
 void Crane::finished(const Task& done, Word result, Word notify, Desk& desk) {
   if (done.kind == words_.kind_pid) pid_finished(done, result, desk);
-  else if (done.kind == words_.kind_torque) too_windy_ = (result & words_.torque_wind) != 0;
+  else if (done.kind == words_.kind_torque) torque_finished(result);
   else if (done.kind == words_.kind_trajectory_crane) chain_.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0, (notify & words_.must_trajectory) != 0);
   else if (done.kind == words_.kind_inverse_crane) chain_.inverse_done();
   else if (done.kind == words_.kind_identify && phase_ == Phase::identify) asked_ = false, phase_ = (notify & words_.must_process << 2) != 0 ? Phase::plan : Phase::rest;
   else if (done.kind == words_.kind_grab_path && phase_ == Phase::plan) begin_leg(1, desk), phase_ = Phase::align;
+}
+
+void Crane::torque_finished(Word result) {
+  too_windy_ = (result & words_.torque_wind) != 0;
+  load_ = static_cast<double>(static_cast<std::int32_t>(result) >> words_.torque_load);
 }
 
 void Crane::dropped(const Task& lost) {

@@ -78,6 +78,7 @@ class Crane {
 
  private:
   void pid_finished(const Task& task, Word result, Desk& desk);
+  void torque_finished(Word result);
   void begin_leg(Word leg, Desk& desk);
   bool settled(const Desk& desk) const;
   /// Commands a hoist ramp; false while the servo's words cannot be changed.
@@ -90,6 +91,7 @@ class Crane {
   bool lowered(Desk& desk);
   bool down(Desk& desk);
   bool hovered(const Desk& desk);
+  void ease_or_lower(Desk& desk);
   bool held() const { return too_windy_ && !pid_.locked && probes_ == 0 && !low_; }
   void landing_missed(Desk& desk);
   void aim_again(Desk& desk);
@@ -112,6 +114,9 @@ class Crane {
   int probes_ = 0;                      // how often lowering was prolonged
   bool hovering_ = false, low_ = false; // in wind: it is let down between the guides, and waits there for a good moment; it has
   std::int64_t unsteady_ = 0;           // refresh at which it last was not over its place there
+  double load_ = 0, hung_ = 0;          // kg on the rope, and when it was about to be let down
+  double eased_ = 0;                    // m, by which it has been lifted again where it stood jammed
+  bool freed_ = false;                  // since then the corner switches have closed, or the rope has carried the load
   bool too_windy_ = false;
   bool ramp_pending_ = false;
   bool ramp_told_ = true;

@@ -212,7 +212,8 @@ report::RunReport make_report(Evidence e) {
   }
   report.control_cost = {report.errors ? std::optional(report.errors->error_m2s) : std::nullopt, e.observer.drive_effort(), e.config.report.control_cost_rho_m2};
   report.host = e.host.report();
-  report.wind = e.host.wind();
+  report.wind = {.limit_m_s = e.config.dock.wind_limit_m_s, .watched = e.observer.wind().watched(), .above = e.observer.wind().above()};
+  e.host.add_wind(report.wind);
   report.host.semaphore_hold = e.observer.semaphore_hold().summary();
   for (const TimedEvent& event : e.config.events) {
     const Time at{std::llround(event.at_s * 1e12)};

@@ -378,17 +378,15 @@ void Host::note(EventKind kind, std::array<std::uint32_t, 5> arguments) {
 }
 
 void Host::watch_wind() {
-  wind_.watched += elapsed_;
-  if (processes_.crane().too_windy()) wind_.above += elapsed_;
   const bool waits = processes_.waits_for_wind();
   if (waits) wind_.waited += elapsed_;
   if (waits && !wind_.waits_now) ++wind_.waits;
   wind_.waits_now = waits;
 }
 
-report::WindReport Host::wind() const {
-  const auto time = [this](std::int64_t refreshes) { return clock_.at(refreshes) - clock_.at(0); };
-  return {config_.dock.wind_limit_m_s, time(wind_.watched), time(wind_.above), time(wind_.waited), wind_.waits};
+void Host::add_wind(report::WindReport& wind) const {
+  wind.waited = clock_.at(wind_.waited) - clock_.at(0);
+  wind.waits = wind_.waits;
 }
 
 report::HostReport Host::report() const {

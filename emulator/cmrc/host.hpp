@@ -70,7 +70,8 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
 
   /// Counts; the times of the semaphore are the observer's to add.
   report::HostReport report() const;
-  report::WindReport wind() const;
+  /// What waited for less wind.
+  void add_wind(report::WindReport& wind) const;
   const Cycles& cycles() const { return cycles_; }
   const Errors& errors() const { return errors_; }
   const TaskList& list() const { return list_; }
@@ -243,7 +244,7 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
 
   report::HostReport counts_;
   struct {
-    std::int64_t watched = 0, above = 0, waited = 0;  // refreshes
+    std::int64_t waited = 0;  // refreshes
     std::uint64_t waits = 0;
     bool waits_now = false;
   } wind_;

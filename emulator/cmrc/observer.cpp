@@ -25,7 +25,8 @@ Component component_of(machine::BusId bus) { return static_cast<Component>(repor
 RunObserver::RunObserver(const Words& words, Ledger& ledger, report::EventLog& log, std::size_t samples_max)
     : words_(words), ledger_(ledger), log_(log), snapshots_(32), blocks_(words.block_count), faults_(32), resets_(32), boots_(32), hold_(samples_max) {}
 
-void RunObserver::attach(plant::Dock& dock, Course* course) {
+void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
+  wind_.emplace(dock.config().wind, wind_limit);
   dock.on_latch([this, &dock, course](plant::Time time, std::span<const int> codes) {
     if (course != nullptr) course->latch(dock, time);
     report::Event event{time, report::plant, EventKind::latch, {}};
@@ -45,6 +46,7 @@ void RunObserver::attach(plant::Dock& dock, Course* course) {
     }
     effort_ += squares * static_cast<double>((time - effort_until_).count()) * 1e-12;
     effort_until_ = time;
+    wind_->at(time);
   });
   dock.on_event([this](const plant::Event& event) { dock_event(event); });
 }

@@ -11,6 +11,7 @@
 #include "cmrc/instability.hpp"
 #include "cmrc/ledger.hpp"
 #include "cmrc/run_profile.hpp"
+#include "cmrc/wind_watch.hpp"
 #include "cmrc/words.hpp"
 #include "machine/machine.hpp"
 #include "plant/dock.hpp"
@@ -36,8 +37,8 @@ class RunObserver : public machine::Observer, public HostListener {
   void set_peek(std::function<machine::Word(machine::Offset)> peek) { peek_ = std::move(peek); }
   /// Whether the crane is servoed now: where it is not, drives stop because their work is over.
   void set_servoing(std::function<bool()> servoing) { servoing_ = std::move(servoing); }
-  /// Hears the dock, and records it in `course` if there is one that wants rows.
-  void attach(plant::Dock& dock, Course* course);
+  /// Hears the dock, and records it in `course` if there is one that wants rows. `wind_limit`: m/s, see wind().
+  void attach(plant::Dock& dock, Course* course, double wind_limit);
   /// Tells it when jobs begin and end; null: nobody.
   void set_profile(RunProfile* profile) { profile_ = profile; }
 
@@ -64,6 +65,8 @@ class RunObserver : public machine::Observer, public HostListener {
   const std::array<PidErrorSum, 5>& pid_error() const { return pid_error_; }
   /// The integral of the squared torque codes, s.
   double drive_effort() const { return effort_; }
+  /// How long the wind has been above its limit.
+  const WindWatch& wind() const { return wind_.value(); }
   /// Time at full torque by joint, in latches.
   const std::array<std::int64_t, plant::joint_count>& saturated_latches() const { return saturated_; }
   std::uint64_t faults(unsigned slot) const { return slot < faults_.size() ? faults_[slot] : 0; }
@@ -111,6 +114,7 @@ class RunObserver : public machine::Observer, public HostListener {
   Instability instability_;
   double effort_ = 0;
   Time effort_until_{};
+  std::optional<WindWatch> wind_;
   RunProfile* profile_ = nullptr;
 };
 

@@ -139,7 +139,7 @@ class Simulation::Parts {
     observer.set_peek([this](machine::Offset offset) { return machine.peek(offset); });
     const Word pid_state = words.cr_base + image.symbol("CR_PID") - image.symbol("PD_STATE");
     observer.watch_errors(pid_state + image.symbol("PD_E"), pid_state + image.symbol("PD_STAGE"), image.symbol("PD_SERVOING"));
-    observer.attach(dock, course->recorded() ? course.get() : nullptr);
+    observer.attach(dock, course->recorded() ? course.get() : nullptr, config.dock.wind_limit_m_s);
     machine.set_observer(&observer);
     for (unsigned slot = 0; slot < machine.slots(); ++slot) {
       ledger.timeline().slot(slot, machine.booted(slot) ? SlotState::awake : SlotState::off, Time{0});

@@ -26,7 +26,7 @@ Words::Words(const std::function<Word(std::string_view)>& symbol) {
       {"RESULT_END_OF_LEG", &Words::end_of_leg}, {"PID_LANDED", &Words::pid_landed},
       {"PID_LOCKED", &Words::pid_locked}, {"PID_OPEN", &Words::pid_open}, {"PID_STARVED", &Words::pid_starved},
       {"PID_SETTLED", &Words::pid_settled}, {"PID_RAMP_DONE", &Words::pid_ramp_done}, {"PID_BEGAN", &Words::pid_began},
-      {"PID_STEADY", &Words::pid_steady}, {"PID_WINDY", &Words::pid_windy}, {"TORQUE_WIND", &Words::torque_wind},
+      {"PID_STEADY", &Words::pid_steady}, {"PID_WINDY", &Words::pid_windy}, {"TORQUE_WIND", &Words::torque_wind}, {"TORQUE_LOAD", &Words::torque_load},
       {"PIDE_FAULT", &Words::pide_fault}, {"PIDE_LATE", &Words::pide_late}, {"PIDE_ENCODER", &Words::pide_encoder},
       {"PIDE_FOLLOWING", &Words::pide_following}, {"PIDE_SWAY", &Words::pide_sway}, {"PIDE_RESTS", &Words::pide_rests}, {"PIDE_TRIP", &Words::pide_trip},
       {"ERROR_OF", &Words::error_of},

@@ -19,7 +19,7 @@ struct Words {
       kind_identify, kind_grab_path, kind_home_crane, kind_home_agv, kind_avoidance, kind_count, kind_user;
   Word us_base, us_words;
   Word must_process, may_process, must_subprocess, must_trajectory, must_inverse, must_continue, end_of_leg;
-  Word pid_landed, pid_locked, pid_open, pid_starved, pid_settled, pid_ramp_done, pid_began, pid_steady, pid_windy, torque_wind;
+  Word pid_landed, pid_locked, pid_open, pid_starved, pid_settled, pid_ramp_done, pid_began, pid_steady, pid_windy, torque_wind, torque_load;
   Word semaphore, semaphore_owner, semaphore_held, semaphore_list, doorbell_ring, doorbell_idle, doorbell_busy, fence_mask, reset_dsp;
   Word link_adapter, link_words, link_status, link_data, link_request;
   Word pide_fault, pide_late, pide_encoder, pide_following, pide_sway, pide_trip;

@@ -154,12 +154,12 @@ struct HostReport {
   std::uint64_t semaphores_freed = 0;
 };
 
-/// What the wind kept the crane from, by what the anemometer said (docs/report.md, Wind).
+/// How windy it was, and what the wind kept the crane from (docs/report.md, Wind).
 struct WindReport {
   double limit_m_s = 0;      ///< no lift begins above it
-  Time watched{};            ///< from the first refresh on
+  Time watched{};            ///< of the run
   Time above{};              ///< of this the 3-s mean was above the limit
-  Time waited{};             ///< of this a lift waited for less wind
+  Time waited{};             ///< a lift waited for less wind
   std::uint64_t waits = 0;   ///< so many times
 };
 

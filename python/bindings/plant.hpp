@@ -7,6 +7,7 @@ void bind_plant_layout(py::module_& plant);
 void bind_plant_motion(py::module_& plant);
 void bind_plant_alone(py::module_& plant);
 void bind_plant_dock(py::module_& plant);
+void bind_plant_state(py::module_& plant);
 void bind_plant_linkage(py::module_& plant);
 void bind_plant_contact(py::module_& plant);
 

@@ -74,7 +74,6 @@ void bind_records(py::module_& m) {
       .def_readonly("yaw", &Signal::yaw)
       .def_readonly("tension", &Signal::tension)
       .def_readonly("contact", &Signal::contact);
-  py::class_<DockState, std::shared_ptr<DockState>>(m, "DockState", "A dock's complete state at a latch; opaque.");
 }
 
 // Every call of a device has the instant of the access as its last argument, here "t", integer picoseconds.
@@ -218,5 +217,6 @@ void bind_dock(py::module_& m) {
 
 void bind_plant_dock(py::module_& m) {
   bind_records(m);
+  bind_plant_state(m);
   bind_dock(m);
 }

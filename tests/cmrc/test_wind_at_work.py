@@ -48,16 +48,40 @@ def test_in_a_breeze_the_spreader_lands_at_the_first_try(tmp_path: Path) -> None
     assert abs(signals["payload_y_m"][near] - 24.0) < 0.15
 
 
+def means_of_three_seconds(duration_s: float) -> tuple[Any, Any]:
+    """The mean of 3 s of the wind of SEED, made from the wind itself, m/s, and when each ends, s."""
+    parameters = plant.WindParameters()
+    parameters.mean, parameters.gust, parameters.seed = 19.0, 2.47, SEED
+    times = np.arange(-3.0, duration_s, 0.05) + 0.025
+    mean = np.convolve(plant.wind_speed(parameters, times), np.ones(60) / 60, "valid")
+    return mean, times[59:] + 0.025
+
+
+@pytest.mark.parametrize("event", [{"action": "fail", "dsp": 0}, {"action": "stick_anemometer"}])
+def test_the_share_of_time_is_true_where_the_controller_cannot_look(event: dict[str, Any]) -> None:
+    """From 2 s on, in too much wind, torque compensation does not run, or sees the wind of that instant for ever."""
+    settings = {**landings.RATES, "run.duration_s": 12.0, "run.seed": SEED}
+    settings |= {"dock.wind_mean_m_s": 19.0, "dock.wind_gust_m_s": 2.47}
+    simulation = _core.cmrc.Simulation(_core.cmrc.config(settings=settings, events=[{"at_s": 2.0, **event}]))
+    simulation.run()
+    report = json.loads(simulation.report_json())
+    if event["action"] == "fail":
+        assert report["tasks"]["torque_compensation"]["on_time"] <= 2.0 * landings.RATES["rates.servo_frequency_hz"]
+    mean, end = means_of_three_seconds(12.0)
+    share = float(np.mean(mean[end > 0.0] > 20.0))
+    assert 0.2 < share < 0.9 and report["wind"]["above_share"] == pytest.approx(share, abs=0.01)
+
+
+def test_a_load_that_stands_jammed_is_eased_into_the_cones() -> None:
+    """A set-down that stood beside its place, held by friction, at all of four tries while no weight was taken off it again."""
+    run = landings.land(15.0, 10_000, 90.0, seed=7)
+    assert len(run.tries) == 2 and max(run.tries) <= 2 and run.missed == 0
+
+
 def test_no_lift_begins_in_too_much_wind_and_work_goes_on_when_it_falls(tmp_path: Path) -> None:
     wind: dict[str, Any] = {"dock__wind_mean_m_s": 19.0, "dock__wind_gust_m_s": 2.47, "run__seed": SEED}
     simulation = simulate(24.0, tmp_path, OVER_IT, **wind)
-    # The mean of 3 s, made here from the wind itself.
-    parameters = plant.WindParameters()
-    parameters.mean, parameters.gust, parameters.seed = 19.0, 2.47, SEED
-    times = np.arange(-3.0, 24.0, 0.05) + 0.025
-    speeds = plant.wind_speed(parameters, times)
-    mean = np.convolve(speeds, np.ones(60) / 60, "valid")
-    end = times[59:] + 0.025
+    mean, end = means_of_three_seconds(24.0)
     falls = float(end[(end > 0.1) & (mean < 20.0)][0])
     assert falls > 8.0
     signals = simulation.signals()
@@ -120,7 +144,7 @@ def rows_of_the_page() -> list[list[str]]:
 
 
 def test_the_page_has_what_the_crane_is_to_do() -> None:
-    """To 12 m/s at least 98 % of the landings within three tries."""
+    """To 12 m/s at least 98 % of the landings within three tries, to 15 m/s at least 90 %."""
     rows = rows_of_the_page()
     assert [float(row[0]) for row in rows] == sorted(landings.WINDS)
     assert [int(row[1]) for row in rows] == [landings.WINDS[float(row[0])] for row in rows]
@@ -129,14 +153,9 @@ def test_the_page_has_what_the_crane_is_to_do() -> None:
         assert sum(int(cell) for cell in row[3:7]) == landed and within == pytest.approx(
             100 * sum(map(int, row[3:6])) / landed, abs=0.05
         )
-        assert within >= 98.0 or wind > 12
+        assert within >= (98.0 if wind <= 12 else 90.0 if wind <= 15 else 0.0)
+        assert landed >= 60 or wind not in (12, 15)
     assert all(float(a[8].removesuffix(" %")) <= float(b[8].removesuffix(" %")) for a, b in pairwise(rows))
-
-
-@pytest.mark.xfail(strict=True, reason="86 % so far: set-downs on the vehicle miss (docs/wind.md)")
-def test_to_15_metres_per_second_nine_of_ten_land_within_three_tries() -> None:
-    [share] = [row[7] for row in rows_of_the_page() if float(row[0]) == 15.0]
-    assert float(share.removesuffix(" %")) >= 90.0
 
 
 @pytest.mark.campaign
@@ -150,3 +169,19 @@ def test_a_page_without_marks_is_refused(tmp_path: Path, capsys: pytest.CaptureF
     page.write_text("# Nothing\n", encoding="utf-8")
     assert landings.main(["--page", str(page)]) == 2 and "has no lines" in capsys.readouterr().err
     assert landings.main(["--page", str(tmp_path / "none.md")]) == 2 and "none.md" in capsys.readouterr().err
+
+
+def test_wind_on_a_rigid_crane_is_for_its_drives(tmp_path: Path) -> None:
+    """dock.crane_model = "rigid": the load hangs plumb, and its drag pushes on the jib's tip. Wind along x, the load at (0, 24): all on the slew."""
+    of = {"dock__crane_model": "rigid", "dock__wind_mean_m_s": 15.0, "dock__wind_limit_m_s": 10.0}
+    signals = {}
+    for direction in (0.0, 180.0):  # that it waits is what the limit is for
+        simulation = simulate(5.0, tmp_path, OVER_IT, **of, dock__wind_direction_deg=direction)
+        assert json.loads(simulation.report_json())["failures"] == []
+        signals[direction] = {name: values[-1000:] for name, values in simulation.signals().items()}
+    for name, most in (("sway_alpha_rad", 0.0), ("sway_beta_rad", 0.0), ("payload_x_m", 0.01)):
+        assert all(np.abs(of[name]).max() <= most for of in signals.values()), name
+    along, against = (float(np.mean(of["psi_torque_Nm"])) for of in signals.values())
+    reach = float(np.mean(signals[0.0]["payload_y_m"]))
+    force = 0.5 * 1.225 * 8.0 * 15.0**2  # N, control-notes.md 3
+    assert (along - against) / 2 == pytest.approx(force * reach / (1250 * 0.88), rel=0.05)

@@ -258,7 +258,7 @@ def control_block() -> list[float]:
 CODE = tuple(2047 / u for u in U_MAX)
 JOINT_TOLERANCE = (0.02, 1.5e-3, 1.5e-3, 0.03, 5e-3)
 SWAY_GAIN, WIND_OBSERVER, SWAY_FILTER, SWAY_LIMIT = 9.0, 0.5, 0.15, 0.03  # m/s per rad, rad/s, s, rad
-WIND_MOST, OBSERVER_STEP = 0.785, 0.02  # m/s2; s
+WIND_MOST, OBSERVER_STEP, WINDY = 0.785, 0.02, 0.03  # m/s2; s; m/s2
 SWAY_TOLERANCE, SETTLE_TIME = 1.6e-3, 1.5
 REST = 1e-4  # joint speed below which the reference counts as at rest
 
@@ -288,10 +288,12 @@ def hermite(a: float, ad: float, b: float, bd: float, f: float, period: float) -
 
 
 def sway_update(
-    state: PidState, measured: list[float], reference: list[float], h: float, length: float, *, stands: bool = False
-) -> list[float]:
-    """A step of h s of the observer; returns the suspension's shift. `stands`: the load does not hang freely."""
+    state: PidState, measured: list[float], reference: list[float], h: float, length: float, *, stands: bool = False,
+    moves: bool = False,
+) -> list[float]:  # fmt: skip
+    """A step of h s of the observer; returns the suspension's shift. `stands`: the load does not hang freely; `moves`: the path does."""
     step = min(h, OBSERVER_STEP)
+    calm = sum(map(abs, state.wind)) + sum(map(abs, state.speed)) / 8 < WINDY
     before = state.shift(length)
     for i in range(2):
         hangs = state.wind[i] / GRAVITY
@@ -300,6 +302,10 @@ def sway_update(
         y, v, w = state.beside[i], state.speed[i], state.wind[i]
         if stands:
             state.beside[i], state.speed[i] = y - step * y, v - step * v
+            continue
+        if moves and calm:
+            state.beside[i] = before[i] + length * state.sway[i]
+            state.speed[i] = v + step * (w - GRAVITY * state.sway[i] - WIND_OBSERVER / 4 * v)
             continue
         e = before[i] + length * state.sway[i] - y
         state.beside[i] = y + step * (v + 3 * WIND_OBSERVER * e)

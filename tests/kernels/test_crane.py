@@ -258,7 +258,7 @@ def test_torque_compensation_is_the_inverse_dynamics_of_the_set_point(dsp: Dsp, 
             q[3] += 0.25 + delta * s
             qd[3] += delta * s1 / seconds
             qdd[3] += delta * s2 / seconds**2
-        assert dsp.run("torque", tick=tick)[:2] == (0, 0)
+        assert dsp.run("torque", tick=tick)[:2] == (payload << 8, 0)  # kg on the rope; no wind
         got, want = dsp.floats("CR_FEED_FORWARD", 5), ref.torque(q, qd, qdd, payload)
         # The set-point's words are cut at 2^-23; the terms of each joint add up to less than its u_max, so each 24-bit word
         # or constant contributes 2^-24 u_max; some ten of them. tanh turns 2^-23 of a speed near 0 into 2^-23 F_c. Near the

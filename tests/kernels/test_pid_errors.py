@@ -200,8 +200,8 @@ def test_the_set_point_stops_and_goes_on_along_the_path(start: float, end: float
         if n % 100 == 0:
             phase = (path(tick, begin, REFRESH, start, end) - begin) / 16000
             want = [ref.hermite(*v, phase, 2.0) for v in zip(a, ad, b, bd, strict=True)]
-            want[2] += -0.04 * from_ti(dsp.chip.peek(shift))
-            want[1] += 0.05 * from_ti(dsp.chip.peek(shift + 1))
+            want[2] -= -0.04 * from_ti(dsp.chip.peek(shift))
+            want[1] -= 0.05 * from_ti(dsp.chip.peek(shift + 1))
             got = [from_ti(w) for w in dsp.chip.read(dsp.symbols["PD_R"], 5)]
             assert got == pytest.approx(want, abs=1e-5), n
     assert dsp.device_word("DRIVE_ENABLE") == 0x1F

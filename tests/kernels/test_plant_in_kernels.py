@@ -114,7 +114,7 @@ def test_torque_compensation_is_the_plants_inverse_dynamics_whatever_its_paramet
             for slot in (0, 1):
                 put_ring(dsp, slot, *row)
             dsp.hang(load)
-            assert dsp.run(kernel, tick=8)[:2] == (0, 0)
+            assert dsp.run(kernel, tick=8)[:2] == (load << 8, 0)
             got = dsp.floats("CR_FEED_FORWARD", 5)
             for channel, j, want in zip(channels, joints, wanted(model, p, joints, load, q, qd, qdd), strict=True):
                 most = max(p.drives[j].peak, 1.5) * p.drives[j].rated_torque

@@ -108,7 +108,7 @@ def run(dsp: Dsp, kernel: str, state: tuple[np.ndarray, np.ndarray, np.ndarray, 
         dsp.put("CR_RING", *(float(x) for part in motion for x in part), offset=slot * 16)
     dsp.hang(int(payload))
     result, notify, cycles = dsp.run(kernel, tick=8)
-    assert (result, notify) == (0, 0)
+    assert (result, notify) == (int(payload) << 8, 0)
     return dsp.floats("CR_FEED_FORWARD", 5), cycles
 
 

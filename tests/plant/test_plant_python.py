@@ -1,7 +1,9 @@
 """cmrc.plant: the crane and the scene from Python, without any DSP."""
 
+import copy
 import itertools
 import math
+import pickle
 import time
 
 import numpy as np
@@ -207,6 +209,32 @@ def test_scene_drives_an_agv_and_its_crane():
     scene.restore(kept)
     scene.step([0, math.nan, 0, 0, 0], 1.0)
     assert scene.signal.q == once
+
+
+@pytest.mark.parametrize("again", [copy.copy, copy.deepcopy, lambda value: pickle.loads(pickle.dumps(value))])
+def test_a_scenes_snapshot_is_copied_and_pickled(again):
+    config = plant.default_dock(2)
+    config.sensors.range_rate, config.drive_delay = 20.0, 3  # with what only some docks have
+    scene, other = plant.Scene(config), plant.Scene(config)
+    for it in (scene, other):
+        it.drive(1, 1.0, 0.0, 0.0)
+        it.step([0, 1500, 3000, 0, 0], 0.3)
+    kept = again(scene.snapshot())
+    scene.step([0, 900, 3000, 0, 0], 0.2)
+    other.step(None, 1.0)
+    other.restore(kept)
+    other.step([0, 900, 3000, 0, 0], 0.2)
+    assert other._dock.state_hash() == scene._dock.state_hash()
+    with pytest.raises(ValueError, match="range sensors"):
+        plant.Scene(plant.default_dock(2)).restore(kept)
+
+
+@pytest.mark.parametrize("cut", [lambda text: text[:-1], lambda text: text + b"x", lambda text: text[:400] + b"\xff" * (len(text) - 400)])
+def test_bytes_that_are_no_snapshot_are_refused(cut):
+    state = plant.Scene().snapshot()
+    other = type(state).__new__(type(state))
+    with pytest.raises(ValueError, match="no snapshot of this version"):
+        other.__setstate__(cut(state.__getstate__()))
 
 
 def test_a_dock_with_a_negative_mass_is_refused():
