@@ -213,6 +213,7 @@ class Engine {
   // engine_peripherals.cpp: registers on the chip, ports, timers, interrupts
   bool read_register(Address address, Cycles at, Word& value) const;
   bool write_register(Address address, Word value, Cycles at);
+  void end_dma_block(Cycles at);
   void advance_peripherals(Cycles at);
   void make_dma_current(bool waited);
   void reach_present();
