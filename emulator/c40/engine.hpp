@@ -199,6 +199,7 @@ class Engine {
   void annulled(const Step& step);
   void account(const StepTiming& timing);
   void account(const StepTiming& timing, const std::optional<StepTiming>& without_dma);
+  void charge_dma(Cycles held);
   bool illegal_in_repeat(Address pc, const Bound& bound) const;
   void settle_cache_control();
   void note_cache_control(Cycles executed);

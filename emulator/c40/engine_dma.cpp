@@ -146,8 +146,7 @@ void Engine::DmaSide::displace_data(Unit unit, Span span) {
   const auto relative = [this](Cycles at) { return static_cast<int>(at - engine.state_.cycle); };
   for (const ProcessorAccess& access : accesses)
     if (access.begin >= first) pipeline.give_back(access.access.resource, relative(access.begin), relative(access.end));
-  engine.state_.causes[static_cast<std::size_t>(Cause::dma_conflict)] += wait;
-  engine.state_.cycle += wait;
+  engine.charge_dma(wait);
   pipeline.hold(static_cast<int>(wait));
   for (ProcessorAccess& access : accesses) {
     if (access.begin < first) continue;

@@ -71,7 +71,7 @@ struct Engine::DmaSide final : DmaSurroundings {
   std::array<Fetch, 2> fetches{};
   /// The pipeline as it would stand if the DMA had taken nothing: what the DMA costs an instruction is the difference.
   std::optional<PipelineId> undisturbed;
-  int gained = 0;  ///< cycles that instructions took less because of what the DMA had cost others before
+  Cycles gained = 0;  ///< cycles that instructions took less because of what the DMA had cost others before
 };
 
 }  // namespace c40
