@@ -1,6 +1,6 @@
 """A DMA that leaves its processor no bus, and one that faults while its processor waits: when a call, and a network, come back.
 
-Counts are from c40-hardware.md 3.4 (a channel of the first priority always wins), 3.5 (cycles of an access) and 3.9 (a counter of 0 is 2^32 words).
+Counts are from c40-hardware.md 3.4 (priority 11 always wins) and 3.5 (cycles of an access; a counter of 0 is 2^32 words).
 """
 
 from __future__ import annotations
