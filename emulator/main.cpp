@@ -173,6 +173,7 @@ void declare_exec(CLI::App& app, cli::ExecOptions& options) {
 void declare_trace_diff(CLI::App& app, cli::TraceDiffOptions& options) {
   app.add_option("A", options.left, "A trace")->required();
   app.add_option("B", options.right, "Another trace of the same kind")->required();
+  app.add_option("--programs", options.programs, "What stands behind a hash comes from the DSP programs in this directory")->type_name("DIR");
 }
 
 void declare_vectors(CLI::App& app, cli::VectorOptions& options) {

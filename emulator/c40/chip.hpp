@@ -127,7 +127,8 @@ class Chip {
   /// processor that runs may: an interrupt by a port counts from the next instruction on. Beyond `limit`: the processor does no
   /// more, and the DMA goes on to there.
   StopInfo run_until(Cycles limit, Cycles known);
-  /// One instruction (or interrupt entry). In IDLE, one idle cycle.
+  /// One instruction (or interrupt entry). In IDLE, one idle cycle. Some ten thousand cycles if a DMA of the first priority does not let the
+  /// processor to its bus.
   StopInfo step();
   /// The answer to a read: its value and what the chip waited for it beyond the region's own wait states.
   void complete_read(Word value, Cycles arbitration, Cycles transfer);

@@ -213,7 +213,10 @@ StopInfo Engine::run_until(Cycles limit, Cycles known) {
   const bool waits = processor_waits() && told_;  // who drives the chip knows of the access, and bounds the DMA by it
   for (;;) {
     if (dma_active_ || dma_stop_)
-      if (auto info = run_dma(known, false)) return *info;
+      if (auto info = run_dma(known, false)) {
+        if (info->reason != StopInfo::Reason::limit || state_.cycle >= limit) return *info;
+        continue;
+      }
     const Cycles end = waits_in_idle() ? std::min(known, limit) : limit;
     if (state_.cycle >= end) {
       if ((waits || known > limit) && dma_active_)
@@ -266,7 +269,7 @@ StopInfo Engine::step() {
 // What has happened by the present cycle: timers' events, and what the cache is told.
 void Engine::reach_present() {
   if (state_.cycle >= next_peripheral_event_) {
-    const bool waited = dma_waits();
+    const bool waited = dma_waits() && !dma_.ends();
     advance_peripherals(state_.cycle);
     make_dma_current(waited);
   }

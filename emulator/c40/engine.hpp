@@ -199,6 +199,7 @@ class Engine {
   void annulled(const Step& step);
   void account(const StepTiming& timing);
   void account(const StepTiming& timing, const std::optional<StepTiming>& without_dma);
+  void charge_dma(Cycles held);
   bool illegal_in_repeat(Address pc, const Bound& bound) const;
   void settle_cache_control();
   void note_cache_control(Cycles executed);
@@ -213,6 +214,7 @@ class Engine {
   // engine_peripherals.cpp: registers on the chip, ports, timers, interrupts
   bool read_register(Address address, Cycles at, Word& value) const;
   bool write_register(Address address, Word value, Cycles at);
+  void end_dma_block(Cycles at);
   void advance_peripherals(Cycles at);
   void make_dma_current(bool waited);
   void reach_present();

@@ -22,6 +22,8 @@ constexpr Cycles read_lead = 1;
 constexpr Word priority_rotating = 1, priority_dma = 3;
 constexpr Word first_dma_flag = 1u << 25;
 constexpr Word code_level = 1;
+/// A DMA of the first priority can keep the processor from its bus for 2^32 words: after so long, who runs the chip is asked.
+constexpr Cycles starved_cycles = 10'000;
 
 constexpr bool is_bus(Unit unit) { return unit == Unit::local || unit == Unit::global; }
 
@@ -97,7 +99,7 @@ std::optional<DmaSurroundings::Span> Engine::DmaSide::acquire(const DmaPlace& pl
   const bool bus = is_bus(unit);
   const Cycles cycles = bus && place.access.write ? timing::external_write_cycles + place.access.waits : 1 + place.access.waits;
   for (Cycles at = from; at < limit;) {
-    const Cycles end = at + cycles + (bus && !place.access.write && written_until(unit) == at ? timing::read_after_write_cycles : 0);
+    const Cycles end = at + cycles + (bus && !place.access.write && follows_write(unit, at) ? timing::read_after_write_cycles : 0);
     const Use use = use_by_processor(unit, at);
     if (use.busy_until > at) {
       lost_to_one_under_way(at, use.busy_until);
@@ -144,8 +146,7 @@ void Engine::DmaSide::displace_data(Unit unit, Span span) {
   const auto relative = [this](Cycles at) { return static_cast<int>(at - engine.state_.cycle); };
   for (const ProcessorAccess& access : accesses)
     if (access.begin >= first) pipeline.give_back(access.access.resource, relative(access.begin), relative(access.end));
-  engine.state_.causes[static_cast<std::size_t>(Cause::dma_conflict)] += wait;
-  engine.state_.cycle += wait;
+  engine.charge_dma(wait);
   pipeline.hold(static_cast<int>(wait));
   for (ProcessorAccess& access : accesses) {
     if (access.begin < first) continue;
@@ -159,11 +160,9 @@ Engine::DmaSide::Use Engine::DmaSide::use_by_processor(Unit unit, Cycles at) con
   const bool bus = is_bus(unit);
   Use use{.busy_until = at};
   int data = 0, fetched = 0;
-  Cycles write_end = long_ago;
-  for (const ProcessorAccess& access : accesses)
-    if (access.access.write && unit_of(access.access) == unit) write_end = std::max(write_end, access.end);
+  const bool turns = bus && processor_wrote_until(unit, at);
   // A read straight after a write has the bus for the cycle of the turn as well.
-  const auto begins = [&](Cycles begin) { return begin == at || (bus && at == write_end && begin == at + timing::read_after_write_cycles); };
+  const auto begins = [&](Cycles begin) { return begin == at || (turns && begin == at + timing::read_after_write_cycles); };
   const auto meet = [&](int& count, Cycles begin, Cycles end) {
     if (bus && begin < at && end > at) use.busy_until = std::max(use.busy_until, end);
     count += begins(begin);
@@ -185,11 +184,15 @@ bool Engine::DmaSide::begins_within(Unit unit, Span span) const {
   });
 }
 
-Cycles Engine::DmaSide::written_until(Unit unit) const {
-  Cycles end = written[static_cast<std::size_t>(unit)];
-  for (const ProcessorAccess& access : accesses)
-    if (unit_of(access.access) == unit && access.access.write) end = std::max(end, access.end);
-  return end;
+// Straight after a write, whoever made it.
+bool Engine::DmaSide::follows_write(Unit unit, Cycles at) const {
+  return written[static_cast<std::size_t>(unit)] == at || processor_wrote_until(unit, at);
+}
+
+bool Engine::DmaSide::processor_wrote_until(Unit unit, Cycles at) const {
+  return std::any_of(accesses.begin(), accesses.end(), [&](const ProcessorAccess& access) {
+    return unit_of(access.access) == unit && access.access.write && access.end == at;
+  });
 }
 
 // Priority 01: the processor wins the first conflict, then they take turns as long as conflicts follow each other (3.4).
@@ -346,11 +349,16 @@ Cycles Engine::known_until(Cycles limit, bool idles) const {
 
 bool Engine::uses_linked_port() const { return attached_ != 0 && (dma_.ports_used() & attached_) != 0; }
 
-// Lets the DMA follow the processor, or go on without it while it waits or idles; and the timers, each event in its turn.
+// Lets the DMA follow the processor, or go on without it while it waits or idles; and the timers, each event in its turn. A stop for the
+// reason `limit`: the processor has not got its bus for so long, and the DMA has still not come to where it follows.
 std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
   DmaSide& side = *dma_side_;
   if (auto earlier = std::exchange(dma_stop_, std::nullopt)) return earlier;
+  const Cycles began = state_.cycle;
+  const auto moves = [&] { return dma_.busy() || dma_.ends(); };
+  const bool moved = processor_waits && dma_active_ && moves();
   while (dma_active_) {
+    if (!waits_in_idle() && state_.cycle > began + starved_cycles) return StopInfo{};
     if (dma_request_) return dma_stop(*dma_request_);
     const bool idles = !processor_waits && waits_in_idle();
     const Cycles until = processor_waits ? limit : known_until(limit, idles);
@@ -363,6 +371,7 @@ std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
     if (idles) pass(Cause::idle, std::min(to, state_.dma.now));
     if (request) return dma_stop(*request);
     if (std::exchange(side.touched_link, false)) return stop(Stepped::horizon);
+    if (moved && !moves() && event > dma_.last_done()) break;  // at rest: how far the timers go beyond is for who knows whether anything else is to come
     if (event <= to && state_.dma.now >= event) advance_peripherals(event);
   }
   return std::nullopt;
@@ -374,6 +383,7 @@ StopInfo Engine::dma_stop(const DmaRequest& request) {
     const std::string access = fmt::format("DMA channel {}: {}", request.channel, request.write ? "write to" : "read of");
     if (area == nullptr) nothing_at(access, request.address);
     else fail(Fault::Kind::not_modelled, fmt::format("{} {:08X}h, which is {}", access, request.address, describe_register(request.address)), request.address);
+    fault_->cycle = request.cycle;  // the processor may be ahead, or wait since long ago
     return stop(Stepped::fault);
   }
   dma_request_ = request;

@@ -36,7 +36,8 @@ struct Engine::DmaSide final : DmaSurroundings {
   };
   Use use_by_processor(Unit unit, Cycles at) const;
   Span take(Unit unit, const DmaPlace& place, Span span);
-  Cycles written_until(Unit unit) const;
+  bool follows_write(Unit unit, Cycles at) const;
+  bool processor_wrote_until(Unit unit, Cycles at) const;
   bool wins(Word priority, Cycles at);
   void lost_to_one_under_way(Cycles at, Cycles until);
   bool begins_within(Unit unit, Span span) const;
@@ -70,7 +71,7 @@ struct Engine::DmaSide final : DmaSurroundings {
   std::array<Fetch, 2> fetches{};
   /// The pipeline as it would stand if the DMA had taken nothing: what the DMA costs an instruction is the difference.
   std::optional<PipelineId> undisturbed;
-  int gained = 0;  ///< cycles that instructions took less because of what the DMA had cost others before
+  Cycles gained = 0;  ///< cycles that instructions took less because of what the DMA had cost others before
 };
 
 }  // namespace c40

@@ -85,9 +85,17 @@ void Engine::timer_event(std::size_t timer, Cycles at) {
   tell(PeripheralEvent::Kind::timer, at, static_cast<int>(timer));
 }
 
+// In one cycle, a block of the DMA ends before the timers' events and the processor's access to a port.
+void Engine::end_dma_block(Cycles at) {
+  if (!dma_.ends_at(at)) return;
+  dma_.end();
+  watch_dma();
+}
+
 void Engine::advance_peripherals(Cycles at) {
   while (next_peripheral_event_ <= at) {
     const Cycles event = next_peripheral_event_;
+    end_dma_block(event);
     for (std::size_t n = 0; n < timer_count; ++n)
       if (state_.timers[n].advance_to(event)) timer_event(n, event);
     expect_peripherals();
@@ -156,6 +164,7 @@ void Engine::complete_port(Cycles at) {
     throw std::logic_error(fmt::format("communication port {}: the {} FIFO is {}", port_access_.port, port_access_.write ? "output" : "input",
                                        port_access_.write ? "full" : "empty"));
   if (at < port_access_.cycle) throw std::logic_error("an access cannot take place before it begins");
+  end_dma_block(at);
   advance_peripherals(at);
   const Word value = port_access_.perform(side);
   state_.answers[port_slot_] = {true, port_access_.write, port_access_.address, value, 0, 0, at - port_access_.cycle + held_};

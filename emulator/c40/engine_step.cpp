@@ -317,14 +317,18 @@ void Engine::settle_answers() {
 void Engine::account(const StepTiming& t, const std::optional<StepTiming>& without_dma) {
   if (!without_dma) return account(t);
   const int held = t.total - without_dma->total;
-  int& gained = dma_side_->gained;
   if (held <= 0) {
-    gained -= held;
+    dma_side_->gained -= held;
     return account(t);
   }
-  const int paid = std::min(gained, held);
-  gained -= paid;
   account(*without_dma);
+  charge_dma(held);
+}
+
+void Engine::charge_dma(Cycles held) {
+  Cycles& gained = dma_side_->gained;
+  const Cycles paid = std::min(gained, held);
+  gained -= paid;
   add(state_.causes, Cause::memory_conflict, paid);
   add(state_.causes, Cause::dma_conflict, held - paid);
   state_.cycle += held;

@@ -132,8 +132,10 @@ class Run {
                                    stop.access.channel < 0 ? "" : fmt::format("DMA channel {}: ", stop.access.channel), stop.access.write ? "write" : "read",
                                    stop.access.address, chip_.pc()),
                        run_failed};
-      case machine::StopMeaning::fault:
-        return Outcome{"fault", fmt::format("{} (PC {:08X}h, cycle {}){}", machine::fault_of(chip_, stop).message, chip_.pc(), chip_.cycle(), booting()), run_failed};
+      case machine::StopMeaning::fault: {
+        const c40::Fault why = machine::fault_of(chip_, stop);
+        return Outcome{"fault", fmt::format("{} (PC {:08X}h, cycle {}){}", why.message, chip_.pc(), why.cycle, booting()), run_failed};
+      }
       case machine::StopMeaning::port_access:
       case machine::StopMeaning::port_wait:
         return Outcome{"port_wait",

@@ -128,6 +128,7 @@ struct ExecOptions {
 struct TraceDiffOptions {
   std::string left;
   std::string right;
+  std::optional<std::string> programs;
 };
 
 struct VectorOptions {

@@ -9,6 +9,7 @@
 #include "io/print.hpp"
 #include "machine/instruction_trace.hpp"
 #include "machine/machine.hpp"
+#include "report/event_log.hpp"
 #include "report/trace_text.hpp"
 
 namespace cli {
@@ -16,6 +17,7 @@ namespace {
 
 /// Cycles behind one hash of a golden trace: 0.1 ms of a C40-50.
 constexpr c40::Cycles cycles_per_hash = 2500;
+constexpr std::size_t digits_of_hash = 16;
 
 std::ifstream open(const std::string& path) {
   std::ifstream in(path);
@@ -40,28 +42,47 @@ std::optional<unsigned> dsps_of_scene(const std::string& path) {
   return std::nullopt;
 }
 
-/// The line stands for the hash of a stretch of instructions.
-bool is_hash(const report::TraceLine& line) {
-  for (const auto& [name, value] : line.fields)
-    if (name == "sha256") return true;
-  return false;
+/// Of a line that stands for the hash of a stretch of instructions.
+std::optional<std::string> hash_of(const std::optional<report::TraceLine>& line) {
+  if (line)
+    for (const auto& [name, value] : line->fields)
+      if (name == "sha256") return value;
+  return std::nullopt;
 }
 
-/// What this emulator executes in the stretch, in full.
-void regenerate(const report::TraceLine& line, unsigned dsps) {
+/// What is executed in the stretch, in full, if it is what one of the traces has there. Else what the reader can do.
+void regenerate(const report::TraceDifference& difference, const TraceDiffOptions& options) {
+  const report::TraceLine& line = difference.right ? *difference.right : *difference.left;
+  const auto left = hash_of(difference.left), right = hash_of(difference.right);
+  if (!left && !right) return;
+  const auto dsps = dsps_of_scene(options.right);
+  if (!dsps) {
+    io::print("what stands behind a hash can be printed of a scene's trace only: it has a comment `# emulator --dsps N`\n");
+    return;
+  }
   const auto slot = number_after(line.who, "dsp ");
   c40::Cycles from = 0;
   std::from_chars(line.when.data(), line.when.data() + line.when.size(), from);
-  if (!slot || *slot >= dsps) return;
+  if (!slot || *slot >= *dsps) throw InputError(fmt::format("{}: line {}: {} in a scene of {} DSPs", options.right, line.number, line.who, *dsps));
   cmrc::ConfigBuilder builder;
-  builder.set("machine.dsps", std::int64_t{dsps}, {.name = "trace"});
+  builder.set("machine.dsps", std::int64_t{*dsps}, {.name = "trace"});
+  if (options.programs) builder.set("machine.programs", *options.programs, {.name = "--programs"});
   cmrc::Simulation simulation(builder.build());
+  std::string executed, hashed;
   machine::InstructionText text(
-      *slot, [](const std::string& instruction) { io::print("{}\n", instruction); }, from, from + cycles_per_hash,
-      machine::Labels::of_dock(simulation.image()));
+      *slot,
+      [&](const std::string& instruction) {
+        executed += instruction + '\n';
+        hashed += report::without_operands(instruction) + '\n';
+      },
+      from, from + cycles_per_hash, machine::Labels::of_dock(simulation.image()));
   simulation.trace(*slot, text);
-  io::print("what this emulator executes there:\n");
   simulation.run_until(simulation.machine().chip_clock().at(from + cycles_per_hash));
+  const std::string hash = report::sha256(hashed).substr(0, digits_of_hash);
+  if (hash != left && hash != right)
+    return io::print(stderr, "error: this emulator executes something else there (sha256 {}) than either trace has: they were made from other programs "
+                             "(--programs DIR takes those of a directory), with other options than --dsps {}, or by another version\n", hash, *dsps);
+  io::print("what this emulator executes there, as {} has it:\n{}", hash == left ? options.left : options.right, executed);
 }
 
 }  // namespace
@@ -80,9 +101,7 @@ int trace_diff(const TraceDiffOptions& options) {
     return success;
   }
   io::print("first difference: {}", difference->message());
-  const report::TraceLine& line = difference->right ? *difference->right : *difference->left;
-  if (is_hash(line))
-    if (const auto dsps = dsps_of_scene(options.right)) regenerate(line, *dsps);
+  regenerate(*difference, options);
   return run_failed;
 }
 

@@ -279,22 +279,21 @@ bool Network::at_breakpoint(Node& node) {
 void Network::bring_to(Node& node, Time time, bool fully) {
   const Cycles cycle = node.first_cycle(time);
   if (node.status != ChipStatus::sleeping && !fully && node.chip.cycle() >= cycle) return;
-  if (node.status == ChipStatus::running) return run_chip(node, time);
-  if (node.status != ChipStatus::sleeping) {
+  if (node.status == ChipStatus::running) run_chip(node, time);
+  else if (node.status != ChipStatus::sleeping) {
     const bool held = node.held();
     node.chip.hold(true);
     node.chip.run_until(cycle);
     node.chip.hold(held);
-    return;
   }
-  for (;;) {
+  while (node.status == ChipStatus::sleeping) {
     const Cycles limit = cycle + (fully && !node.chip.idle() ? 1 : 0), event = own_event_cycle(node);
     pass_to(node, std::min(limit, event), std::min(cycle, event));
     if (node.status != ChipStatus::sleeping) return;
     if (wakes(node)) node.status = ChipStatus::running;  // perhaps by what happened in the loop's last round
     if (event >= limit) return;
-    if (node.status == ChipStatus::running) return run_chip(node, time);
-    if (own_event_cycle(node) == event) return pass_to(node, limit, cycle);
+    if (node.status == ChipStatus::running) run_chip(node, time);  // perhaps to sleep again
+    else if (own_event_cycle(node) == event) return pass_to(node, limit, cycle);
   }
 }
 
@@ -302,10 +301,10 @@ void Network::bring_to(Node& node, Time time, bool fully) {
 void Network::pass_to(Node& node, Cycles limit, Cycles known) {
   do {
     const Cycles before = node.chip.cycle(), settled = node.chip.settled();
-    const StopInfo stop = node.chip.run_until(limit, known);
+    StopInfo stop = node.chip.run_until(limit, known);
+    if (meaning(stop.reason) == StopMeaning::breakpoint) stop = node.chip.run_until(node.chip.cycle() + 1, std::min(known, node.chip.cycle() + 1));
     const StopMeaning why = meaning(stop.reason);
-    if (why == StopMeaning::breakpoint) node.chip.run_until(node.chip.cycle() + 1, std::min(known, node.chip.cycle() + 1));
-    else if (why == StopMeaning::fault || why == StopMeaning::window_access) stopped(node, stop);
+    if (why == StopMeaning::fault || why == StopMeaning::window_access) stopped(node, stop);
     else if (why == StopMeaning::limit && node.chip.cycle() == before && node.chip.settled() == settled) return;
   } while (node.status == ChipStatus::sleeping && (node.chip.cycle() < limit || node.chip.settled() < known));
 }
@@ -385,6 +384,8 @@ Time Network::at_rest_since(const Node& node) const {
     case ChipStatus::sleeping:
       return node.clock.at(std::max(node.chip.idle() ? node.chip.idle_since() : node.asleep_since, node.chip.dma_done()));
     case ChipStatus::running: return node.now();  // a loop that polls
+    case ChipStatus::fault: return node.clock.at(std::max(node.chip.cycle(), node.stop.fault->cycle));  // perhaps of its DMA, while it waited
+    case ChipStatus::external_access: return node.clock.at(std::max(node.chip.cycle(), node.stop.access.cycle));
     default: return node.clock.at(node.chip.cycle());
   }
 }
@@ -678,7 +679,9 @@ NetworkStop Network::finish(NetworkStop::Reason reason, Time limit) {
   }
   now_ = reason == NetworkStop::Reason::limit ? std::max(now_, end) : end;
   for (auto& node : nodes_)
-    if (node->status == ChipStatus::waiting && node->chip.dma_active() && !node->chip.dma_busy()) run_chip(*node, end);  // its timers
+    if (reason == NetworkStop::Reason::limit && node->follows_ports() && !node->patience.loop)
+      run_chip(*node, end);  // its last instruction, if it follows its ports only now
+    else if (node->status == ChipStatus::waiting && node->chip.dma_active() && !node->chip.dma_busy()) run_chip(*node, end);  // its timers
     else if (node->status == ChipStatus::sleeping || node->held() || (node->patience.loop && node->status == ChipStatus::running)) bring_to(*node, end, false);
   check_words();
   return {reason, end};

@@ -10,8 +10,7 @@
 /// Inaccuracies: a wait that a reset, a hold or the end of the run cuts short is not among the chip's cycles by cause as a wait for
 /// the port: up to the reset or hold the chip counts as halted, at the end its count stops where the wait began. An access of the DMA
 /// to a shared memory lets its processor's access wait, whatever that is to. That a program polls what nobody will ever change is found only if
-/// no timer of its chip runs, and some ten thousand cycles after the last thing that happened. Of
-/// chips whose DMA uses a port, one random ring in a thousand still ends otherwise when its run is cut (docs/verification.md).
+/// no timer of its chip runs, and some ten thousand cycles after the last thing that happened.
 #include <memory>
 #include <optional>
 #include <span>

@@ -167,7 +167,7 @@ std::string Network::describe(std::size_t n) const {
     case ChipStatus::idle: return fmt::format("is in IDLE before {}, and no interrupt is to come", where(node));
     case ChipStatus::until: return fmt::format("reached {}", where(node));
     case ChipStatus::fault:
-      return fmt::format("{}, at {}, cycle {}{}", node.stop.fault ? node.stop.fault->message : "stopped", where(node), node.chip.cycle(),
+      return fmt::format("{}, at {}, cycle {}{}", node.stop.fault->message, where(node), node.stop.fault->cycle,
                          boots(node) ? "; " + memories_of(node) : "");
     case ChipStatus::external_access: {
       const std::string who = node.stop.access.channel < 0 ? "" : fmt::format("DMA channel {} ", node.stop.access.channel);

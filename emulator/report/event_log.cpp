@@ -50,6 +50,13 @@ struct EventLog::Digest {
   }
 };
 
+std::string sha256(std::string_view text) {
+  const Context context = new_context();
+  check(EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr), "EVP_DigestInit_ex");
+  check(EVP_DigestUpdate(context.get(), text.data(), text.size()), "EVP_DigestUpdate");
+  return finished(context.get());
+}
+
 EventLog::EventLog() : digest_(std::make_unique<Digest>()) { pending_.reserve(2 * batch); }
 EventLog::~EventLog() = default;
 EventLog::EventLog(EventLog&&) noexcept = default;

@@ -3,11 +3,15 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "report/event.hpp"
 
 namespace report {
+
+/// 64 hexadecimal digits.
+std::string sha256(std::string_view text);
 
 /// Receives events in their final order. Must not change the run.
 class EventSink {

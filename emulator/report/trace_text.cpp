@@ -6,6 +6,7 @@
 #include <istream>
 #include <ostream>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace report {
@@ -155,6 +156,27 @@ std::string TraceDifference::message() const {
   if (left) text += fmt::format("< {}\n", left->text);
   if (right) text += fmt::format("> {}\n", right->text);
   return text;
+}
+
+std::string without_operands(std::string_view line) {
+  constexpr std::string_view before = " -  ", after = "  ;", parallel = "||";
+  const std::size_t begins = line.find(before);
+  if (begins == std::string_view::npos) return std::string(line);
+  std::string out(line.substr(0, begins + before.size()));
+  std::string_view instruction = line.substr(begins + before.size());
+  const std::size_t ends = std::min(instruction.find(after), instruction.size());
+  const std::string_view changes = instruction.substr(ends);
+  instruction = instruction.substr(0, ends);
+  for (bool first = true; !instruction.empty();) {
+    const std::size_t bar = std::min(instruction.find(parallel), instruction.size());
+    std::string_view half = instruction.substr(0, bar);
+    instruction.remove_prefix(std::min(bar + parallel.size(), instruction.size()));
+    const std::string_view mnemonic = take_word(half);
+    if (mnemonic.empty()) continue;
+    if (!std::exchange(first, false)) out += parallel;
+    out += mnemonic;
+  }
+  return out.append(changes);
 }
 
 std::optional<TraceDifference> compare_traces(std::istream& left, std::istream& right) {

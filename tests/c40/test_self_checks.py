@@ -58,6 +58,15 @@ def test_the_rule_behind_a_chip_that_stops_at_the_end_of_a_block_is_named() -> N
     assert "may not end with program control" in found[0].message
 
 
+@pytest.mark.parametrize("before", [1, 2, 3])
+def test_the_rule_behind_a_chip_that_stops_at_a_delayed_branch_near_the_end_of_a_block_is_named(before: int) -> None:
+    found = checked(
+        f" ldi 2,rc\n ldhi 2fh,rs\n or 0fc06h,rs\n ldhi 2fh,re\n or 0fc{7 + before:02x}h,re\n or 100h,st\n nop\n beqd stop\n nop\n nop\n nop\nstop: b stop", R0=1
+    )
+    assert [(d.rule, d.pc) for d in found] == [("repeat_block", CODE + 7)]
+    assert f"may not stand {before} word" in found[0].message
+
+
 RESERVED = [
     ("opcode", 0x3E000000, "12", "no instruction has this operation"),
     ("indirect mode 26", 0x0840D000, "3.9", "modes 26 to 31 are reserved"),

@@ -66,6 +66,9 @@ def test_golden_files_stay_small() -> None:
     assert 0 < sum(path.stat().st_size for path in directory.glob("*.trace")) < 5_000_000
 
 
+WRONG = "0123456789abcdef"
+
+
 def test_trace_diff_regenerates_the_text_behind_a_differing_hash(run, tmp_path: Path) -> None:
     run("--dsps", 1, "--duration", 0.0241, "--quiet", "--trace", "t", "--trace-window", "0.024:0.0241", "--trace-instructions", 0, "--trace-labels")
     executed = (tmp_path / "t.dsp0").read_text().splitlines()[1:]
@@ -73,8 +76,34 @@ def test_trace_diff_regenerates_the_text_behind_a_differing_hash(run, tmp_path: 
     hashed = condensed(executed, 0, keep=lambda cycle: False)
     text = "\n".join(["# cmrc scene trace 2", "# emulator --dsps 1", *hashed]) + "\n"
     (tmp_path / "a.trace").write_text(text)
-    (tmp_path / "b.trace").write_text(re.sub("sha256=.{16}", "sha256=0123456789abcdef", text))
+    (tmp_path / "b.trace").write_text(re.sub("sha256=.{16}", f"sha256={WRONG}", text))
+    for first, second in (("a.trace", "b.trace"), ("b.trace", "a.trace")):
+        result = run("trace-diff", first, second)
+        assert result.returncode == 1 and result.stderr == ""
+        assert "cycle 600000, dsp 0, field sha256: " in result.stdout
+        assert result.stdout.split("what this emulator executes there, as a.trace has it:\n")[1].splitlines() == executed
+
+
+def test_trace_diff_shows_no_instructions_that_neither_trace_has(run, tmp_path: Path) -> None:
+    """Golden scenes are of programs assembled from the tree: their lines have the source's text. The image built in has not."""
+    golden = (ROOT / "tests" / "golden" / "scene-1.trace").read_text()
+    (tmp_path / "a.trace").write_text(golden)
+    (tmp_path / "b.trace").write_text(re.sub("sha256=.{16}", f"sha256={WRONG}", golden, count=1))
+    other = run("trace-diff", "a.trace", "b.trace")
+    assert other.returncode == 1 and "what this emulator executes" not in other.stdout
+    assert "error: this emulator executes something else there" in other.stderr and "--programs DIR" in other.stderr
+    same = run("trace-diff", "a.trace", "b.trace", "--programs", ROOT / "c40_programs")
+    assert same.returncode == 1 and same.stderr == ""
+    line = next(line for line in golden.splitlines() if "sha256=" in line)
+    executed = same.stdout.split("as a.trace has it:\n")[1].splitlines()
+    assert condensed(executed, 0, keep=lambda cycle: False) == [line]
+    missing = run("trace-diff", "a.trace", "b.trace", "--programs", tmp_path)
+    assert missing.returncode == 2 and "dsp.asm" in missing.stderr
+
+
+def test_trace_diff_says_where_it_cannot_print_what_is_behind_a_hash(run, tmp_path: Path) -> None:
+    golden = (ROOT / "tests" / "golden" / "kernel-pid.trace").read_text()
+    (tmp_path / "a.trace").write_text(golden)
+    (tmp_path / "b.trace").write_text(re.sub("sha256=.{16}", f"sha256={WRONG}", golden, count=1))
     result = run("trace-diff", "a.trace", "b.trace")
-    assert result.returncode == 1
-    assert "cycle 600000, dsp 0, field sha256: " in result.stdout
-    assert result.stdout.split("what this emulator executes there:\n")[1].splitlines() == executed
+    assert result.returncode == 1 and "of a scene's trace only" in result.stdout

@@ -26,18 +26,29 @@ def substitute(path: Path, old: str, new: str) -> None:
 def at_the_end(areas: str) -> str:
     """A word after the last one of the crane's area."""
     last = 0x240 + 8  # CR_SPEED, its words, and one more, for a pointer may stand behind them
-    assert "CR_SPEED            .set 240h" in areas and "SPEED_WORDS         .set 7 " in areas and "CR_WORDS            .set 280h" in areas
+    assert (
+        "CR_SPEED            .set 240h" in areas
+        and "SPEED_WORDS         .set 7 " in areas
+        and "CR_WORDS            .set 280h" in areas
+    )
     return areas + f"CR_ADDED            .set 0{last:X}h\n"
 
 
-def in_the_middle(areas: str) -> str:
-    """A word before CR_SPEED, which moves up. PID's words before it stand in its trace as offsets, too."""
-    place, lines = 0x240, []
-    for line in areas.splitlines():
-        offset = re.match(r"(CR_\w+)(\s+\.set )([0-9A-F]+)h", line)
-        moves = offset and offset[1] not in ("CR_BASE", "CR_WORDS") and int(offset[3], 16) >= place
-        lines.append(f"{offset[1]} .set 0{int(offset[3], 16) + 1:X}h" if offset and moves else line)
-    return "\n".join([*lines, f"CR_ADDED .set 0{place:X}h"]) + "\n"
+def before(word: str) -> Callable[[str], str]:
+    """A word before this one of the crane's, which moves up with all that come later. What kernels copy up to the new word would show: a pointer then stands
+    on it. Words that they copy beginning behind it, as PID the joint points of CR_RING, do not."""
+
+    def added(areas: str) -> str:
+        found = re.search(rf"^{word}\s+\.set 0?([0-9A-F]+)h", areas, re.MULTILINE)
+        assert found is not None
+        place, lines = int(found[1], 16), []
+        for line in areas.splitlines():
+            offset = re.match(r"(CR_\w+)(\s+\.set )([0-9A-F]+)h", line)
+            moves = offset and offset[1] not in ("CR_BASE", "CR_WORDS") and int(offset[3], 16) >= place
+            lines.append(f"{offset[1]} .set 0{int(offset[3], 16) + 1:X}h" if offset and moves else line)
+        return "\n".join([*lines, f"CR_ADDED .set 0{place:X}h"]) + "\n"
+
+    return added
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +56,11 @@ def traces() -> dict[str, str]:
     return {kernel: kernel_trace(kernel, *rest) for kernel, *rest in CASES}
 
 
-@pytest.mark.parametrize("added", [at_the_end, in_the_middle])
+@pytest.mark.parametrize(
+    "added",
+    [at_the_end, before("CR_SPEED"), before("CR_RING"), before("CR_TRAJECTORY")],
+    ids=["at the end", "CR_SPEED", "CR_RING", "CR_TRAJECTORY"],
+)
 def test_a_word_added_for_one_kernel_changes_no_other_golden_trace(
     added: Callable[[str], str], traces: dict[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -55,7 +70,11 @@ def test_a_word_added_for_one_kernel_changes_no_other_golden_trace(
     areas.write_text(added(areas.read_text()))
     # The kernel uses the word, and a constant of its own that moves all later ones.
     entry = f"kernel_{USER}:\n"
-    substitute(programs / "kernels" / f"{USER}.asm", entry, entry + "        ldi     CR_ADDED, ir0\n        ldi     *+ar6(ir0), ir0\n        ldi     @K_ADDED, ir0\n")
+    substitute(
+        programs / "kernels" / f"{USER}.asm",
+        entry,
+        entry + "        ldi     CR_ADDED, ir0\n        ldi     *+ar6(ir0), ir0\n        ldi     @K_ADDED, ir0\n",
+    )
     constants = programs / "constants.asm"
     first = next(line for line in constants.read_text().splitlines() if line.strip().startswith('.include "kernels/'))
     substitute(constants, first + "\n", f"K_ADDED .set $ - LIFT\n        .float 1.5\n{first}\n")
@@ -77,11 +96,21 @@ def test_a_golden_hash_sees_data_cycles_causes_and_mnemonics() -> None:
     same = [line.replace("*+ar0(3), r0", "*+ar0(4), r0")]
     other = [
         line.replace(old, new)
-        for old, new in (("12 ", "13 "), ("+0x4", "+0x5"), ("ldi", "ldf"), ("R0=0000000003", "R0=0000000004"), ("SCRATCH", "SCRATCH+0x1"), ("=3", "=2"))
+        for old, new in (
+            ("12 ", "13 "),
+            ("+0x4", "+0x5"),
+            ("ldi", "ldf"),
+            ("R0=0000000003", "R0=0000000004"),
+            ("SCRATCH", "SCRATCH+0x1"),
+            ("=3", "=2"),
+        )
     ]
     assert [digest(text) == digest(line) for text in same] == [True]
     assert all(digest(text) != digest(line) for text in other)
-    assert without_operands("1 [dsp 0] a -  mpyf3 *ar0, r1, r0 || addf3 r2, r3, r2  ; R0=1") == "1 [dsp 0] a -  mpyf3||addf3  ; R0=1"
+    assert (
+        without_operands("1 [dsp 0] a -  mpyf3 *ar0, r1, r0 || addf3 r2, r3, r2  ; R0=1")
+        == "1 [dsp 0] a -  mpyf3||addf3  ; R0=1"
+    )
     assert without_operands("1 [dsp 0] a -  rets") == "1 [dsp 0] a -  rets"
 
 

@@ -242,10 +242,12 @@ std::optional<DmaRequest> Dma::advance_to(Cycles limit) {
   stop_requested = false;
   std::optional<DmaRequest> request;
   for (;;) {
-    if (ends_at(limit)) end_block(half_of(std::exchange(s_.ended, std::int8_t{-1})), s_.now);
+    if (ends_at(limit)) end();
     if (s_.now >= limit || s_.waits_for_answer || stop_requested || !step(limit, request)) return request;
   }
 }
+
+void Dma::end() { end_block(half_of(std::exchange(s_.ended, std::int8_t{-1})), s_.now); }
 
 // One access. False: nothing more can happen before the limit.
 bool Dma::step(Cycles limit, std::optional<DmaRequest>& request) {

@@ -121,6 +121,8 @@ class Dma {
   bool ends() const { return s_.ended >= 0; }
   /// Something is left to do in cycle `limit` itself.
   bool ends_at(Cycles limit) const { return ends() && s_.now <= limit; }
+  /// The block that ends does.
+  void end();
   /// Of the halves that are started and could not go on now.
   std::vector<DmaWait> waits() const;
   /// A channel is started, though perhaps waiting.
