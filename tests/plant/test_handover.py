@@ -1,5 +1,6 @@
 """A container's change of hands: the phases, the edges of the tolerances, retries, and what each switch does to energy and momentum."""
 
+import numpy as np
 import pytest
 from cmrc._core import plant
 from controller import Crane, quiet_dock
@@ -151,3 +152,43 @@ def test_a_rolling_vehicle_shares_its_momentum_with_the_container_set_on_it():
     assert taken.kind == "locked" and dock.agv(0).speed == pytest.approx(speeds[-1], abs=2e-3)
     joined = taken.before.payload[0] + 20e3 * speeds[-1]
     assert taken.after.payload[0] == pytest.approx(joined, abs=20e3 * 2e-3) and abs(taken.after.payload[0]) > 1000
+
+
+def turning_vehicle(front):
+    """A container on a vehicle that turns under it: front wheels one way, rear wheels the other, the locks closing."""
+    config = plant.default_dock()
+    config.layout.containers = [plant.ContainerPlace(22.0, 8.0, 1.6, 0.0, 20e3)]
+    config.home = plant.CranePose(0.0, 22.0, 8.0, 4.191 + 0.3, 0.0)
+    config.landing.lock_time = 0.4
+    dock = plant.Dock(config)
+    crane = Crane(dock)
+    crane.hold(0.2)
+    crane.move(crane.pose(22.0, 8.0, 4.191 - 0.08), 3.0)
+    crane.hold(0.5)
+    for command in (1, 0):  # taken and set down again: now it is the vehicle's load
+        dock.spreader_command(command, crane.t)
+        crane.hold(0.7)
+    assert dock.containers[0].state == "on_agv"
+    dock.agv_period(0, 1_000_000, crane.t)
+    dock.agv_push(0, 600, front, -front, crane.t)
+    dock.spreader_command(1, crane.t)
+    return dock, crane
+
+
+@pytest.mark.parametrize("front", [500_000, -500_000])
+def test_a_container_taken_off_a_turning_vehicle_brings_its_spin(front):
+    """Its moment of inertia, m (L^2 + B^2) / 12, times the vehicle's yaw rate is what the spreader gains in spin."""
+    dock, crane = turning_vehicle(front)
+    rows = []
+    while dock.containers[0].state == "on_agv" and len(rows) < 800:
+        rows.append([dock.time * 1e-12, dock.agv(0).heading, dock.agv(0).speed])
+        crane.hold(0.001)
+    taken = dock.switches[-1]
+    assert taken.kind == "locked"
+    t, heading, speed = np.array(rows[-20:]).T
+    rate = np.polyfit(t - taken.time * 1e-12, heading, 3)[2]
+    inertia = 20e3 * (12.192**2 + 2.438**2) / 12
+    gained = taken.after.spin - taken.before.spin
+    assert gained == pytest.approx(inertia * rate, rel=0.01) and gained * front > 0
+    assert abs(gained) > abs(taken.before.spin) > 0  # the spreader had a spin of its own, and keeps it
+    assert taken.after.payload[0] - taken.before.payload[0] == pytest.approx(20e3 * speed[-1], rel=1e-4)

@@ -208,6 +208,65 @@ def test_sections_that_cannot_be_placed(source: str, placement: str, message: st
     assert len(errors) == 1 and message in errors[0]
 
 
+MEMORY = "[memory]\nm = {{ origin = 0x1000, length = {length} }}\n[sections]\n{sections}\n"
+
+
+def test_a_section_may_fill_its_memory_to_the_last_word_and_no_further() -> None:
+    for placement in ('".text" = "m"', '".text" = { memory = "m", address = 0x1000 }', ""):
+        full = link("\t.space 20h\n", map=MEMORY.format(length=0x20, sections=placement))
+        assert [(s.address, s.size) for s in full.sections] == [(0x1000, 0x20)]
+        [error] = link_errors("\t.space 21h\n", map=MEMORY.format(length=0x20, sections=placement))
+        assert "33 words" in error and "32 words at 00001000h" in error
+
+
+def test_the_second_section_of_a_memory_may_fill_what_is_left() -> None:
+    both = MEMORY.format(length=0x20, sections='".text" = "m"\n".data" = "m"')
+    full = link("\t.space 18h\n\t.data\n\t.space 8\n", map=both)
+    assert [(s.name, s.address, s.size) for s in full.sections] == [(".text", 0x1000, 0x18), (".data", 0x1018, 8)]
+    [error] = link_errors("\t.space 18h\n\t.data\n\t.space 9\n", map=both)
+    assert error == "section '.data' of 9 words does not fit in the memory 'm' (32 words at 00001000h, 8 left)"
+
+
+def test_sections_at_given_places_may_touch_and_not_share_a_word() -> None:
+    def places(data: int) -> str:
+        return MEMORY.format(length=0x100, sections=f'".text" = {{ address = 0x1010 }}\n".data" = {{ address = {data:#x} }}')
+
+    source = "\t.space 10h\n\t.data\n\t.space 4\n"
+    for data in (0x1020, 0x100C):
+        assert len(link(source, map=places(data)).sections) == 2
+    for data in (0x101F, 0x100D, 0x1010, 0x1014):
+        assert link_errors(source, map=places(data)) == [
+            f"the sections .text (16 words at 00001010h) and .data (4 words at {data:08X}h) overlap"]  # fmt: skip
+
+
+def test_a_free_section_goes_into_the_gap_only_where_it_fits() -> None:
+    """Behind .text at 1000h there are 8 words before `fixed`."""
+    def at(words: int) -> int:
+        image = link(f'\t.space 10h\n\t.data\n\t.space {words}\n\t.sect "fixed"\n\t.space 4\n', map=MEMORY.format(
+            length=0x100, sections='"fixed" = { address = 0x1018 }\n".text" = "m"\n".data" = "m"'))  # fmt: skip
+        return int(contents(image)[".data"][0])
+
+    assert (at(8), at(9)) == (0x1010, 0x101C)
+
+
+def test_an_aligned_section_stays_where_its_alignment_is_met() -> None:
+    for words, start in ((16, 0x1010), (17, 0x1020), (15, 0x1010)):
+        image = link(f"\t.space {words}\n\t.data\n\t.word 1\n", map=MEMORY.format(length=0x100, sections='".data" = { memory = "m", align = 16 }\n".text" = { address = 0x1000 }'))
+        assert contents(image)[".data"][0] == start
+
+
+def test_a_blocked_section_of_a_whole_page_and_one_that_just_fits_before_its_end() -> None:
+    """A blocked section crosses no border of 64 K words, unless it is longer than a page."""
+    def at(space: int, words: int) -> int:
+        image = link(f'\t.space {space}\nx .usect "pagewise",{words},1\n\t.def x\n', map="[memory]\nm = { origin = 0x300000, length = 0x100000 }\n")
+        return int(image.symbols["x"])
+
+    assert at(0x10000 - 1000, 1000) == 0x30FC18  # up to the page's last word
+    assert at(0x10000 - 999, 1000) == 0x310000
+    assert at(8, 0x10000) == 0x310000
+    assert at(8, 0x10001) == 0x300008
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
