@@ -51,7 +51,7 @@ PS = 1e-12
 
 
 def test_a_deadline_is_missed_one_picosecond_after_it() -> None:
-    """A job that is open at the end of the run is missed if its deadline has passed; at the deadline itself it has not."""
+    """A job that is open at the end is missed if its deadline has passed; at the deadline itself it has not."""
     for claimed, outcome in ((False, "never_started"), (True, "unfinished")):
         for late, misses in ((-PS, 0), (0.0, 0), (PS, 1)):
             jobs = ledger()

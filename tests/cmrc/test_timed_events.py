@@ -155,7 +155,9 @@ def test_a_change_is_an_event_of_the_trace_and_of_the_hash() -> None:
 # ---- at one instant: in the order of the file
 
 
-@pytest.mark.parametrize(("factors", "cycles"), [((0.5, 0.25), 312_500), ((0.25, 0.5), 625_000), ((0.5, 1, 0.25), 312_500)])
+@pytest.mark.parametrize(
+    ("factors", "cycles"), [((0.5, 0.25), 312_500), ((0.25, 0.5), 625_000), ((0.5, 1, 0.25), 312_500)]
+)
 def test_the_last_of_several_at_one_instant_holds(factors: tuple[float, ...], cycles: int) -> None:
     events = [{"at_s": 0.05, "action": "slow", "dsp": 0, "factor": factor} for factor in factors]
     settings = {"duration_s": 0.1, "dsps": 1, "boot": "preloaded"}
@@ -181,12 +183,13 @@ def test_a_board_is_pulled_and_put_in_at_one_instant_in_that_order_only() -> Non
 def test_the_operators_last_word_at_one_instant_counts() -> None:
     def importances(words: tuple[str, str]) -> set[int]:
         events = [{"at_s": 0.03, "action": "set", "key": "scheduling.equation", "value": word} for word in words]
-        simulation = cmrc.Simulation(cmrc.config(settings={"duration_s": 0.06, "dsps": 1, "boot": "preloaded"}, events=events))
-        blocks = [simulation.symbol("BLOCK_POOL") + k * simulation.symbol("BLOCK_WORDS") for k in range(simulation.symbol("BLOCK_COUNT"))]
+        settings = {"duration_s": 0.06, "dsps": 1, "boot": "preloaded"}
+        simulation = cmrc.Simulation(cmrc.config(settings=settings, events=events))
+        first, words_each, count = (simulation.symbol(f"BLOCK_{name}") for name in ("POOL", "WORDS", "COUNT"))
         seen = set()
         for k in range(400):
             simulation.run_until(0.04 + k * 20e-6)
-            for block in blocks:
+            for block in range(first, first + count * words_each, words_each):
                 if simulation.peek(block + simulation.symbol("TB_KIND")) == simulation.symbol("KIND_PID"):
                     seen.add(simulation.peek(block + simulation.symbol("TB_J")))
         return seen

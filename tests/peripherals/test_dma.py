@@ -162,16 +162,19 @@ def test_the_channel_served_last_comes_last_over_gaps_too(channels: tuple[int, .
     assert served(chip, 80) == sorted(channels) * 4
 
 
-@pytest.mark.parametrize(("first", "then"), [(2, [2, 5, 0, 2, 5, 0, 2]), (0, [0, 2, 5, 0, 2, 5, 0]), (5, [5, 0, 2, 5, 0, 2, 5])])
+@pytest.mark.parametrize(
+    ("first", "then"), [(2, [2, 5, 0, 2, 5, 0, 2]), (0, [0, 2, 5, 0, 2, 5, 0]), (5, [5, 0, 2, 5, 0, 2, 5])]
+)
 def test_who_comes_in_behind_the_channel_at_work(first: int, then: list[int]) -> None:
-    """Channel `first` is in its first word when the two others start: the next higher one of them follows, round by 5 to 0."""
+    """Channel `first` is in its first word when the two others start: the next higher one follows, from 5 on to 0."""
     chip, _ = idle_chip()
     chip.run(20)
-    channel(chip, first, RUN | STOP_AT_END, source=BLOCK0, counter=3, destination=BLOCK1 + 8 * first, destination_index=1)
+    settings = {"source": BLOCK0, "destination_index": 1}
+    channel(chip, first, RUN | STOP_AT_END, counter=3, destination=BLOCK1 + 8 * first, **settings)
     chip.run(2)
     assert chip.peripheral(f"DMA{first}.counter") == 2
     for n in {0, 2, 5} - {first}:
-        channel(chip, n, RUN | STOP_AT_END, source=BLOCK0, counter=2, destination=BLOCK1 + 8 * n, destination_index=1)
+        channel(chip, n, RUN | STOP_AT_END, counter=2, destination=BLOCK1 + 8 * n, **settings)
     assert [first, *served(chip, 60)] == then
 
 

@@ -121,7 +121,7 @@ PULSE, CLOCK, TSTAT = 0x2C0, 0x3C0, 1 << 11
 
 
 def test_a_period_of_0_stays_high_in_pulse_mode_and_toggles_each_cycle_in_clock_mode() -> None:
-    """With counter 0: one event for ever, or an output of period 2/f(H1), so a rising edge each 2 cycles (c40-hardware.md 4)."""
+    """With counter 0: one event, or an output of period 2/f(H1): a rising edge each 2 cycles (c40-hardware.md 4)."""
     pulse = free_timer(PULSE, 0)
     assert len(flags(pulse, 40)) == 1
     assert {pulse.peripheral("TIMER0.control") & TSTAT for _ in range(5) if pulse.run(1)} == {TSTAT}

@@ -46,7 +46,9 @@ def test_codes_are_clamped_to_twelve_bits():
     assert list(dock.signal.code[:2]) == [2047, -2048]
 
 
-@pytest.mark.parametrize(("asked", "taken"), [(2046, 2046), (2047, 2047), (2048, 2047), (-2047, -2047), (-2048, -2048), (-2049, -2048)])
+@pytest.mark.parametrize(
+    ("asked", "taken"), [(2046, 2046), (2047, 2047), (2048, 2047), (-2047, -2047), (-2048, -2048), (-2049, -2048)]
+)
 def test_the_last_codes_of_twelve_bits(asked, taken):
     dock = plant.Dock(quiet_dock())
     dock.set_torque_code(3, asked, 0)

@@ -29,6 +29,8 @@ def land(dx=0.0, dy=0.0, yaw=0.0, seconds=3.0, **landing):
         ({"dy": 0.024}, False, True), ({"dy": 0.026}, False, False), ({"dx": -0.024}, False, True), ({"dx": 0.026}, False, False),
         ({"yaw": 0.0038}, False, True), ({"yaw": 0.0044}, False, False), ({"dy": 0.14}, True, True), ({"dy": 0.16}, True, False),
         ({"dx": 0.16}, True, False), ({"yaw": 0.02}, True, True), ({"yaw": 0.026}, True, False),
+        ({"dy": 0.1485}, True, True), ({"dy": 0.1515}, True, False), ({"dx": -0.1485}, True, True),
+        ({"dx": -0.1515}, True, False),
     ],
 )  # fmt: skip
 def test_the_edges_of_the_tolerances(offset, guides, lands):

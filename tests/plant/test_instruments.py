@@ -87,7 +87,7 @@ def test_the_anemometer_shows_the_mean_of_three_seconds() -> None:
 
 @pytest.mark.parametrize(("direction", "ends"), [(0.0, (2047, -2048)), (math.pi, (-2048, 2047))])
 def test_sway_sensors_stop_at_the_ends_of_12_bits(direction: float, ends: tuple[int, int]) -> None:
-    """A wind takes the load out of a narrow range: the code stays at the end, and does not come in again at the other."""
+    """A wind takes the load out of a narrow range: the code stays at the end, and does not wrap to the other."""
     config = plant.default_dock(1)
     config.wind.mean, config.wind.direction = 30.0, direction
     config.sensors.sway_range, config.sensors.sway_noise = 0.004, 0.0
@@ -139,14 +139,18 @@ def test_the_drives_estimate_ends_at_three_times_rated_speed(sign: int) -> None:
     assert (max if sign > 0 else min)(code for _, code in shown) == sign * 30000
 
 
-@pytest.mark.parametrize(("mean", "shown"), [(-8.0, -8000), (-8.0004, -8000), (-8.0006, -8001), (100.0, 100_000), (-100.0, -100_000)])
+@pytest.mark.parametrize(
+    ("mean", "shown"), [(-8.0, -8000), (-8.0004, -8000), (-8.0006, -8001), (100.0, 100_000), (-100.0, -100_000)]
+)
 def test_the_anemometer_at_the_ends_and_against_its_direction(mean: float, shown: int) -> None:
     config = plant.default_dock(1)
     config.wind.mean = mean
     assert plant.Dock(config).wind_mean(0) == shown
 
 
-@pytest.mark.parametrize(("spreader", "shown"), [(9_999.0, 9_990), (10_000.0, 10_000), (10_009.0, 10_000), (10_010.0, 10_010)])
+@pytest.mark.parametrize(
+    ("spreader", "shown"), [(9_999.0, 9_990), (10_000.0, 10_000), (10_009.0, 10_000), (10_010.0, 10_010)]
+)
 def test_the_load_cell_counts_whole_steps_of_10_kg(spreader: float, shown: int) -> None:
     config = plant.default_dock(1)
     config.crane.spreader_mass = spreader

@@ -39,11 +39,11 @@ def test_summary_is_exact(samples: list[int]) -> None:
 
 @pytest.mark.parametrize("samples_max", [10_000, 50])
 @pytest.mark.parametrize(("count", "p50", "p99", "p99_9"), [
-    (50, 25, 50, 50), (51, 26, 51, 51), (100, 50, 99, 100), (101, 51, 100, 101), (999, 500, 990, 999), (1000, 500, 990, 999),
-    (1001, 501, 991, 1000), (2000, 1000, 1980, 1998), (2001, 1001, 1981, 1999),
+    (50, 25, 50, 50), (51, 26, 51, 51), (100, 50, 99, 100), (101, 51, 100, 101), (999, 500, 990, 999),
+    (1000, 500, 990, 999), (1001, 501, 991, 1000), (2000, 1000, 1980, 1998), (2001, 1001, 1981, 1999),
 ])  # fmt: skip
 def test_nearest_ranks_of_long_rows(samples_max: int, count: int, p50: int, p99: int, p99_9: int) -> None:
-    """The numbers 1 to n, so that a value is its own rank: P % of n, rounded up, by hand. Bins of 1/1024 hold one number each here."""
+    """The numbers 1 to n: a value is its own rank, P % of n, rounded up. Bins of 1/1024 hold one number each here."""
     samples = list(range(1, count + 1))
     random.Random(count).shuffle(samples)
     summary = report.summary(samples, samples_max)

@@ -229,7 +229,8 @@ def test_the_second_section_of_a_memory_may_fill_what_is_left() -> None:
 
 def test_sections_at_given_places_may_touch_and_not_share_a_word() -> None:
     def places(data: int) -> str:
-        return MEMORY.format(length=0x100, sections=f'".text" = {{ address = 0x1010 }}\n".data" = {{ address = {data:#x} }}')
+        both = f'".text" = {{ address = 0x1010 }}\n".data" = {{ address = {data:#x} }}'
+        return MEMORY.format(length=0x100, sections=both)
 
     source = "\t.space 10h\n\t.data\n\t.space 4\n"
     for data in (0x1020, 0x100C):
@@ -250,15 +251,18 @@ def test_a_free_section_goes_into_the_gap_only_where_it_fits() -> None:
 
 
 def test_an_aligned_section_stays_where_its_alignment_is_met() -> None:
+    both = '".data" = { memory = "m", align = 16 }\n".text" = { address = 0x1000 }'
     for words, start in ((16, 0x1010), (17, 0x1020), (15, 0x1010)):
-        image = link(f"\t.space {words}\n\t.data\n\t.word 1\n", map=MEMORY.format(length=0x100, sections='".data" = { memory = "m", align = 16 }\n".text" = { address = 0x1000 }'))
+        source = f"\t.space {words}\n\t.data\n\t.word 1\n"
+        image = link(source, map=MEMORY.format(length=0x100, sections=both))
         assert contents(image)[".data"][0] == start
 
 
 def test_a_blocked_section_of_a_whole_page_and_one_that_just_fits_before_its_end() -> None:
     """A blocked section crosses no border of 64 K words, unless it is longer than a page."""
     def at(space: int, words: int) -> int:
-        image = link(f'\t.space {space}\nx .usect "pagewise",{words},1\n\t.def x\n', map="[memory]\nm = { origin = 0x300000, length = 0x100000 }\n")
+        source = f'\t.space {space}\nx .usect "pagewise",{words},1\n\t.def x\n'
+        image = link(source, map="[memory]\nm = { origin = 0x300000, length = 0x100000 }\n")
         return int(image.symbols["x"])
 
     assert at(0x10000 - 1000, 1000) == 0x30FC18  # up to the page's last word
