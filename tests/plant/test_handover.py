@@ -194,3 +194,26 @@ def test_a_container_taken_off_a_turning_vehicle_brings_its_spin(front):
     assert gained == pytest.approx(inertia * rate, rel=0.01) and gained * front > 0
     assert abs(gained) > abs(taken.before.spin) > 0  # the spreader had a spin of its own, and keeps it
     assert taken.after.payload[0] - taken.before.payload[0] == pytest.approx(20e3 * speed[-1], rel=1e-4)
+
+
+@pytest.mark.parametrize(("radius", "takes"), [(1.001, True), (0.999, False)])
+def test_the_warehouse_takes_what_stands_within_its_radius_for_its_time(radius, takes):
+    """A vehicle that is loaded 1 m beside its middle: what it takes is gone 0.25 s later, at a step of 1 ms."""
+    config = plant.default_dock()
+    config.layout.containers = [plant.ContainerPlace(22.0, 8.0, 1.6, 0.0, 20e3)]
+    config.layout.warehouse = plant.Pose(22.0, 9.0, 0.0)
+    config.layout.warehouse_radius, config.layout.warehouse_take = radius, 0.25
+    config.home = plant.CranePose(0.0, 22.0, 8.0, 4.191 + 0.3, 0.0)
+    config.landing.lock_time = 0.1
+    dock = plant.Dock(config)
+    crane = Crane(dock)
+    crane.hold(0.2)
+    crane.move(crane.pose(22.0, 8.0, 4.191 - 0.08), 3.0)
+    crane.hold(0.5)
+    for command, seconds in ((1, 0.2), (0, 1.0)):
+        dock.spreader_command(command, crane.t)
+        crane.hold(seconds)
+    times = {event.kind: event.time for event in dock.events if event.kind in ("agv_arrived", "delivered")}
+    assert set(times) == ({"agv_arrived", "delivered"} if takes else set())
+    assert not takes or times["delivered"] - times["agv_arrived"] == 250_000_000_000
+    assert dock.containers[0].state == ("delivered" if takes else "on_agv")

@@ -40,6 +40,17 @@ def test_a_drive_says_ready_fault_time_out_and_brake() -> None:
     assert (dock.drive_status(0, 105 * MS), dock.drive_status(1, 105 * MS)) == (READY, LATE | BRAKE)
 
 
+def test_a_drive_times_out_when_its_last_code_is_older_than_100_ms() -> None:
+    """At its latches of 125 us: the last one at which the code is 100 ms old is good, the next one is late."""
+    dock = plant.Dock(plant.default_dock(1))
+    dock.enable_drives(1, 1 * MS)
+    dock.set_torque_code(0, 0, 1 * MS)
+    latch = 125_000_000
+    assert dock.drive_status(0, 101 * MS) == READY
+    assert dock.drive_status(0, 101 * MS + latch - 1) == READY
+    assert dock.drive_status(0, 101 * MS + latch) == LATE | BRAKE
+
+
 def test_the_drives_estimate_is_its_motors_speed() -> None:
     dock = moving()
     signal = dock.signal

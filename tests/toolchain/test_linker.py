@@ -208,6 +208,38 @@ def test_sections_that_cannot_be_placed(source: str, placement: str, message: st
     assert len(errors) == 1 and message in errors[0]
 
 
+@pytest.mark.parametrize(
+    ("instruction", "target", "reaches"),
+    [
+        ("bz far", 0x1000002 + 0x7FFF, True), ("bz far", 0x1000002 + 0x8000, False),  # 16 bits from the next word on
+        ("bz far", 0x1000002 - 0x8000, True), ("bz far", 0x1000002 - 0x8001, False),
+        ("br far", 0x1000002 + 0x7FFFFF, True), ("br far", 0x1000002 + 0x800000, False),  # 24 bits
+        ("br far", 0x1000002 - 0x800000, True), ("br far", 0x1000002 - 0x800001, False),
+        ("ldi far,r0", 0xFFFF, True), ("ldi far,r0", 0x10000, False), ("ldi far,r0", 0xFFFF8000, True),
+        ("ldi far,r0", 0xFFFF7FFF, False),
+    ],
+)  # fmt: skip
+def test_the_last_places_within_reach(instruction: str, target: int, reaches: bool) -> None:
+    source = f"\t.ref far\n\tnop\n\t{instruction}\n"
+    where = f"""
+[memory]
+all = {{ origin = 0, length = 0x100000000 }}
+[sections]
+".text" = {{ address = 0x1000000 }}
+[symbols]
+far = {target:#x}
+"""
+    if not reaches:
+        [error] = link_errors(source, map=where)
+        assert "does not fit in the" in error
+        return
+    word = contents(link(source, map=where))[".text"][1][1]
+    if instruction.startswith("ldi"):
+        assert word & 0xFFFF == target & 0xFFFF
+    else:
+        assert isa.disassemble(word, 0x1000001).split()[1] == hex(target)
+
+
 MEMORY = "[memory]\nm = {{ origin = 0x1000, length = {length} }}\n[sections]\n{sections}\n"
 
 
