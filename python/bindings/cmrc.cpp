@@ -319,6 +319,19 @@ void bind_parts(py::module_& m) {
   }, py::arg("config"), py::arg("rule"), py::arg("present"), py::arg("lowest"), py::arg("agvs"), py::arg("driving"), py::arg("t_w"), py::arg("t_v"), py::arg("T_g"),
      "N^_a after a cycle (plant-and-bus.md 4.7).");
   m.def("ti_float", &cmrc::ti_float, "A number in the C40's single format.");
+  py::class_<cmrc::Liveness>(m, "Liveness", "Which DSPs give a sign of life; refreshes.")
+      .def(py::init<>())
+      .def("sign", &cmrc::Liveness::sign, py::arg("slot"), py::arg("refresh"))
+      .def("signs", &cmrc::Liveness::signs, py::arg("mask"), py::arg("refresh"))
+      .def("renewed", &cmrc::Liveness::renewed, py::arg("slot"), py::arg("refresh"))
+      .def("doubtful", &cmrc::Liveness::doubtful, py::arg("refresh"), py::arg("limit"))
+      .def("judge", [](cmrc::Liveness& liveness, std::int64_t refresh, std::int64_t limit) {
+        std::vector<std::pair<unsigned, std::string>> all;
+        for (const auto& [slot, verdict] : liveness.judge(refresh, limit)) {
+          all.emplace_back(slot, verdict == cmrc::Liveness::Verdict::silent ? "silent" : "dead");
+        }
+        return all;
+      }, py::arg("refresh"), py::arg("limit"));
   py::class_<TestLedger>(m, "Ledger", "The account of jobs; seconds.")
       .def(py::init<>())
       .def("release", &TestLedger::release, py::arg("block"), py::arg("kind"), py::arg("released"), py::arg("deadline") = py::none())

@@ -1,10 +1,13 @@
 """Outputs appear whole or not at all, take the place of nothing that is read, and are not lost without a word."""
 
 import os
+import resource
+import signal
 import stat
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -89,6 +92,50 @@ def test_nothing_stands_beside_the_output_while_it_is_written_nor_after_a_kill(f
     assert [name for name in after if name not in before and not name.endswith(".part")] == []
     if os.path.exists("/proc/self/fd"):
         assert after == before  # the file has no name until it is whole
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def ignore_full_files() -> None:
+    """A write beyond 100 bytes fails, instead of ending the process."""
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
+
+
+COMMANDS = [["asm", "s.asm", "-o"], ["link", "s.obj", "-o"], ["exec", "s.asm", "--trace"], [*RUN, "--report"]]
+
+
+@pytest.mark.parametrize("there", [False, True])
+@pytest.mark.parametrize("command", COMMANDS)
+def test_after_a_failed_write_nothing_is_left_and_the_old_file_stays(
+    folder: Path, command: list[str], there: bool
+) -> None:
+    if there:
+        (folder / "out").write_text("old")
+    before = names(folder)
+    done = emulator(folder, *command, "out", preexec_fn=ignore_full_files)
+    assert done.returncode == 1 and "out: writing failed: File too large" in done.stderr
+    assert names(folder) == before
+    assert not there or (folder / "out").read_text() == "old"
+
+
+def test_after_an_error_of_the_last_step_nothing_is_left(folder: Path) -> None:
+    """While the program runs, a folder takes the output's name: the whole file cannot take its place."""
+    (folder / "endless.asm").write_text("        .text\n_start: addi 1,r0\n        b _start\n")
+    command = [EMULATOR, "exec", "endless.asm", "--max-cycles", "1000000000000", "--events", "t"]
+    process = subprocess.Popen(command, cwd=folder, stderr=subprocess.PIPE, text=True)
+    before = names(folder)
+    for _ in range(500):
+        if any(str(folder) in os.readlink(link) for link in Path(f"/proc/{process.pid}/fd").iterdir()):
+            break
+        time.sleep(0.01)
+    (folder / "t").mkdir()
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode != 0 and "t: writing failed: Is a directory" in said
+    assert [name for name in names(folder) if name not in before] == ["t"] and names(folder / "t") == []
 
 
 # ---- outputs over inputs, and over each other

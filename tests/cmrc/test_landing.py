@@ -51,6 +51,17 @@ def test_after_so_many_tries_the_crane_stops_and_says_so() -> None:
     assert simulation.exit_status == 1
 
 
+def test_without_a_try_more_the_first_missed_landing_stops_the_crane() -> None:
+    settings = {"strict_landing": True, "ramp_speed_m_s": 1.0, "landing_retries_max": 0, "boot": "preloaded"}
+    report, simulation = run(29, **settings, **{"report.reference": "none"})
+    assert [kind for kind, _ in of_landing(report)] == ["stopped"]
+    [message] = [failure["message"] for failure in report["failures"] if failure["kind"] == "stopped"]
+    assert message.startswith("the load has not landed on all four corners in 1 ")
+    [error] = report["errors_handled"]
+    assert (error["origin"], error["response"], error["stands"]) == ("landing", "hold", True)
+    assert simulation.exit_status == 1
+
+
 @pytest.mark.campaign
 @pytest.mark.parametrize(
     ("action", "what"),

@@ -47,6 +47,38 @@ def test_a_job_released_after_the_end_does_not_exist_yet() -> None:
     assert jobs.report(5.0)["pid"]["released"] == 0
 
 
+PS = 1e-12
+
+
+def test_a_deadline_is_missed_one_picosecond_after_it() -> None:
+    """A job that is open at the end is missed if its deadline has passed; at the deadline itself it has not."""
+    for claimed, outcome in ((False, "never_started"), (True, "unfinished")):
+        for late, misses in ((-PS, 0), (0.0, 0), (PS, 1)):
+            jobs = ledger()
+            jobs.release(0, "pid", 1.0, 2.0)
+            if claimed:
+                jobs.claimed(0, 0, 1.5, [0, 0])
+            row = jobs.report(2.0 + late)["pid"]
+            assert (row["released"], row[outcome], row["misses"]) == (1, 1, misses), (outcome, late)
+
+
+def test_a_job_that_ends_at_its_deadline_or_one_picosecond_beside_it() -> None:
+    for late, outcome in ((-PS, "on_time"), (0.0, "on_time"), (PS, "late")):
+        jobs = ledger()
+        jobs.release(0, "pid", 1.0, 2.0)
+        jobs.claimed(0, 0, 1.5, [0, 0])
+        jobs.finished(0, 0, 2.0 + late, [1, 1])
+        row = jobs.report(3.0)["pid"]
+        assert row[outcome] == 1 and row["misses"] == (late > 0)
+
+
+def test_a_job_released_at_the_very_end_exists_and_one_picosecond_later_it_does_not() -> None:
+    for at, released in ((5.0 - PS, 1), (5.0, 1), (5.0 + PS, 0)):
+        jobs = ledger()
+        jobs.release(0, "pid", at, 6.0)
+        assert jobs.report(5.0)["pid"]["released"] == released
+
+
 def test_a_recomputed_job_counts_once_with_its_last_claim() -> None:
     jobs = ledger()
     jobs.release(0, "pid", 1.0, 5.0)

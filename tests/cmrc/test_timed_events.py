@@ -152,6 +152,51 @@ def test_a_change_is_an_event_of_the_trace_and_of_the_hash() -> None:
     assert run(change, duration_s=0.1)["hash"] == run(change, duration_s=0.1, turn_order=77)["hash"]
 
 
+# ---- at one instant: in the order of the file
+
+
+@pytest.mark.parametrize(
+    ("factors", "cycles"), [((0.5, 0.25), 312_500), ((0.25, 0.5), 625_000), ((0.5, 1, 0.25), 312_500)]
+)
+def test_the_last_of_several_at_one_instant_holds(factors: tuple[float, ...], cycles: int) -> None:
+    events = [{"at_s": 0.05, "action": "slow", "dsp": 0, "factor": factor} for factor in factors]
+    settings = {"duration_s": 0.1, "dsps": 1, "boot": "preloaded"}
+    report = run(events, **settings)
+    assert report["dsps"][0]["cycles"] == 1_250_000 + cycles
+    assert [entry["what"] for entry in report["timed_events"]] == [f"slow DSP 0 to {factor}" for factor in factors]
+    # What is added during the run comes after what the file has for that instant.
+    simulation = cmrc.Simulation(cmrc.config(settings=settings, events=events[:1]))
+    simulation.run_until(0.02)
+    for event in events[1:]:
+        simulation.at(event)
+    simulation.run()
+    assert json.loads(simulation.report_json())["dsps"][0]["cycles"] == 1_250_000 + cycles
+
+
+def test_a_board_is_pulled_and_put_in_at_one_instant_in_that_order_only() -> None:
+    pull, put = ({"at_s": 0.05, "action": action, "dsp": 0} for action in ("unplug", "plug"))
+    report = run([pull, put], duration_s=0.06, dsps=1)
+    assert [boot["reset_at_s"] for boot in report["dsps"][0]["boots"]] == [0, 0.05]
+    assert "slot 0 holds a board; unplug it first" in refused([put, pull], dsps=1)
+
+
+def test_the_operators_last_word_at_one_instant_counts() -> None:
+    def importances(words: tuple[str, str]) -> set[int]:
+        events = [{"at_s": 0.03, "action": "set", "key": "scheduling.equation", "value": word} for word in words]
+        settings = {"duration_s": 0.06, "dsps": 1, "boot": "preloaded"}
+        simulation = cmrc.Simulation(cmrc.config(settings=settings, events=events))
+        first, words_each, count = (simulation.symbol(f"BLOCK_{name}") for name in ("POOL", "WORDS", "COUNT"))
+        seen = set()
+        for k in range(400):
+            simulation.run_until(0.04 + k * 20e-6)
+            for block in range(first, first + count * words_each, words_each):
+                if simulation.peek(block + simulation.symbol("TB_KIND")) == simulation.symbol("KIND_PID"):
+                    seen.add(simulation.peek(block + simulation.symbol("TB_J")))
+        return seen
+
+    assert 0xFFEC in importances(("restored", "as_printed")) and 0xFFEC not in importances(("as_printed", "restored"))
+
+
 # ---- whatever fails, nothing is lost or done twice
 
 

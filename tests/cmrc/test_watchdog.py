@@ -45,7 +45,18 @@ def test_a_dsp_that_hangs_in_the_same_block_again_is_reset_again(tmp_path: Path)
     report = json.loads(simulation.report_json())
     assert report["audit"]["violations"] == []
     assert [dsp for _, dsp, _ in noticed(report)[:3]] == [0, 0, 0]
+    # Its heartbeat is 1 ms, 8 refreshes; the factor is 3.
+    assert all("has had no heartbeat for 24 refreshes" in message for _, _, message in noticed(report)[:3])
     assert report["dsps"][0]["resets"] >= 3
+
+
+@pytest.mark.parametrize("limit", [20, 30])
+def test_a_block_is_taken_away_at_the_refresh_of_its_limit(limit: int) -> None:
+    """The limit is watchdog.minimum_refreshes, where that is more than the factor times the longest gap."""
+    events = [{"at_s": 0.0211, "action": "hang", "dsp": 2}]
+    report = run(events, duration_s=0.03, dsps=4, minimum_refreshes=limit)
+    [(_, _, message)] = noticed(report)
+    assert f"has had no heartbeat for {limit} refreshes" in message
 
 
 def test_a_failure_in_avoidance_is_noticed_within_3_ms() -> None:

@@ -149,3 +149,23 @@ def test_every_row_is_reached_and_rows_claim_only_words_they_match() -> None:
 def test_the_sweep_counts_what_decode_says() -> None:
     words = [0x08000000 + 0x10001 * n & 0xFFFFFFFF for n in range(2000)]
     assert isa.count_instructions(0x08000000, 2000, 0x10001) == sum(isa.decode(word) is not None for word in words)
+
+
+@pytest.mark.parametrize(
+    ("word", "reads", "writes", "stack"),
+    [
+        (0x74000005, 1, 1, True),  # trapu 5: reads its vector, pushes the PC
+        (0x74800005, 1, 0, False),  # latu 5: reads its vector; the PC goes to R11
+        (0x6200000F, 0, 1, True),  # call
+        (0x6300000D, 0, 0, False),  # laj
+        (0x78800000, 1, 0, True),  # retsu
+        (0x78000000, 1, 0, True),  # retiu
+        (0x0F200000, 0, 1, True),  # push r0
+        (0x0E200000, 1, 0, True),  # pop r0
+        (0x0CC02301, 0, 0, False),  # nop *ar3++(1): forms the address only
+    ],
+)
+def test_hazards_count_the_accesses_that_no_operand_names(word: int, reads: int, writes: int, stack: bool) -> None:
+    h = isa.decode(word)["hazards"]
+    assert (h["memory_reads"], h["memory_writes"]) == (reads, writes)
+    assert ("sp" in h["address_reads"]) == ("sp" in h["address_updates"]) == stack

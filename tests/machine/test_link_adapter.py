@@ -107,6 +107,29 @@ def test_a_reset_drops_what_is_on_the_way_and_the_next_stream_boots() -> None:
     assert m.chip_word(0, ON_CHIP) == 1
 
 
+def test_a_request_does_not_stand_over_a_reset() -> None:
+    """Slot 0 asks, is reset unanswered, and asks again as it leaves reset, 10 us later; slot 1 is left alone."""
+    setup = booting(2)
+    setup.script(20 * US, machine.Action.reset, 0)
+    asked = [(at * US, REQUEST, [], 1) for at in (15, 21, 29, 32)]
+    m = machine.Machine(PROGRAM, setup, host=asked, record=True)
+    m.run_until(40 * US)
+    assert [words for _, _, words in m.reads] == [[0b11], [0b10], [0b10], [0b11]]
+
+
+def test_an_answer_to_a_request_of_before_the_reset_answers_nothing() -> None:
+    stream = stream_of()
+    setup = booting()
+    setup.script(20 * US, machine.Action.reset, 0)
+    # The host has seen the request of 10 us, and takes it away within the reset; the words that follow are for nobody.
+    late = [(22 * US, REQUEST, [1], 0), (24 * US, DATA, stream[:8], 0), (36 * US, REQUEST, [], 1)]
+    host = [*late, *feed(stream, 0, 40 * US, 8 * US)]
+    m = machine.Machine(PROGRAM, setup, host=host, record=True)
+    m.run_until(500 * US)
+    assert m.reads[0][2] == [1] and m.booted(0)
+    assert m.statistics(0).words_to_dsp == len(stream) and m.audit() == []
+
+
 def test_words_of_an_older_stream_do_not_reach_a_dsp_that_was_reset() -> None:
     stream = stream_of()
     setup = booting()

@@ -141,6 +141,43 @@ def test_channels_take_turns_or_go_by_number() -> None:
         assert order == ([0, 0, 0, 2, 2, 2, 4, 4, 4] if fixed else [0, 2, 4] * 3)
 
 
+def served(chip: Any, cycles: int) -> list[int]:
+    """The channels in the order in which their words were read."""
+    order: list[int] = []
+    for _ in range(cycles):
+        before = [chip.peripheral(f"DMA{n}.counter") for n in range(6)]
+        chip.run(1)
+        after = [chip.peripheral(f"DMA{n}.counter") for n in range(6)]
+        order += [n for n in range(6) if before[n] > after[n]]
+    return order
+
+
+@pytest.mark.parametrize("channels", [(0, 2, 5), (1, 4), (5, 0), (3,), (0, 1, 2, 3, 4, 5)])
+def test_the_channel_served_last_comes_last_over_gaps_too(channels: tuple[int, ...]) -> None:
+    """Rotating: cyclic in the order 0, 1, ... 5, whoever is left out (c40-hardware.md 3.4)."""
+    chip, _ = idle_chip()
+    chip.run(20)
+    for n in channels:
+        channel(chip, n, RUN | STOP_AT_END, source=BLOCK0, counter=4, destination=BLOCK1 + 8 * n, destination_index=1)
+    assert served(chip, 80) == sorted(channels) * 4
+
+
+@pytest.mark.parametrize(
+    ("first", "then"), [(2, [2, 5, 0, 2, 5, 0, 2]), (0, [0, 2, 5, 0, 2, 5, 0]), (5, [5, 0, 2, 5, 0, 2, 5])]
+)
+def test_who_comes_in_behind_the_channel_at_work(first: int, then: list[int]) -> None:
+    """Channel `first` is in its first word when the two others start: the next higher one follows, from 5 on to 0."""
+    chip, _ = idle_chip()
+    chip.run(20)
+    settings = {"source": BLOCK0, "destination_index": 1}
+    channel(chip, first, RUN | STOP_AT_END, counter=3, destination=BLOCK1 + 8 * first, **settings)
+    chip.run(2)
+    assert chip.peripheral(f"DMA{first}.counter") == 2
+    for n in {0, 2, 5} - {first}:
+        channel(chip, n, RUN | STOP_AT_END, counter=2, destination=BLOCK1 + 8 * n, **settings)
+    assert [first, *served(chip, 60)] == then
+
+
 def test_autoinitialisation_chain_in_memory() -> None:
     chip, _ = idle_chip()
     chip.load_words(BLOCK0, list(range(1, 31)))

@@ -89,6 +89,71 @@ def test_a_counter_beyond_the_period_goes_on_through_the_top() -> None:
     assert [at - first for at in taken] in ([52, 72, 92, 112, 132, 152, 172, 192], [51, 71, 91, 111, 131, 151, 171, 191])
 
 
+def free_timer(control: int, period: int, counter: int | None = None) -> Any:
+    """A chip whose timer 0 starts in this cycle; nobody takes its interrupts."""
+    chip, image = program(0, 0, 0)
+    chip.run(100, until=image.symbols["start"])
+    chip.set("IIE", 0)
+    chip.set("ST", 0)
+    chip.run(30)
+    chip.set("IIF", 0)
+    chip.poke(PERIOD, period)
+    if counter is None:
+        chip.poke(CONTROL, control)
+    else:
+        chip.poke(COUNTER, counter)
+        chip.poke(CONTROL, control & ~0x40)  # without GO: it goes on from there
+    return chip
+
+
+def flags(chip: Any, cycles: int) -> list[int]:
+    """After how many cycles TINT0 came, each time."""
+    seen = []
+    for cycle in range(1, cycles + 1):
+        chip.run(1)
+        if chip.get("IIF") & 1 << 24:
+            chip.set("IIF", 0)
+            seen.append(cycle)
+    return seen
+
+
+PULSE, CLOCK, TSTAT = 0x2C0, 0x3C0, 1 << 11
+
+
+def test_a_period_of_0_stays_high_in_pulse_mode_and_toggles_each_cycle_in_clock_mode() -> None:
+    """With counter 0: one event, or an output of period 2/f(H1): a rising edge each 2 cycles (c40-hardware.md 4)."""
+    pulse = free_timer(PULSE, 0)
+    assert len(flags(pulse, 40)) == 1
+    assert {pulse.peripheral("TIMER0.control") & TSTAT for _ in range(5) if pulse.run(1)} == {TSTAT}
+    clock = free_timer(CLOCK, 0)
+    taken = flags(clock, 40)
+    assert {b - a for a, b in itertools.pairwise(taken)} == {2} and len(taken) == 20
+    levels = [clock.peripheral("TIMER0.control") & TSTAT for _ in range(6) if clock.run(1)]
+    assert levels in ([0, TSTAT] * 3, [TSTAT, 0] * 3)
+
+
+@pytest.mark.parametrize(("control", "period", "every"), [(PULSE, 1, 2), (CLOCK, 1, 4), (PULSE, 2, 4), (CLOCK, 2, 8)])
+def test_the_shortest_periods(control: int, period: int, every: int) -> None:
+    assert flags(free_timer(control, period), 64) == list(range(2 * period, 65, every))
+
+
+def test_the_longest_period_ends_where_the_counter_is_all_ones() -> None:
+    chip = free_timer(PULSE, 0xFFFFFFFF, counter=0xFFFFFFFC)
+    assert flags(chip, 5) == [] and chip.peripheral("TIMER0.counter") == 0xFFFFFFFE
+    assert flags(chip, 1) == [1] and chip.peripheral("TIMER0.counter") == 0  # three ticks of two cycles
+    assert flags(chip, 200) == [] and chip.peripheral("TIMER0.counter") == 100
+
+
+@pytest.mark.parametrize(("counter", "first"), [(99, 2), (100, 2), (98, 4)])
+def test_a_counter_at_its_period_overflows_with_the_next_tick(counter: int, first: int) -> None:
+    assert flags(free_timer(PULSE, 100, counter), 210) == [first, first + 200]
+
+
+def test_a_counter_one_beyond_its_period_goes_on() -> None:
+    chip = free_timer(PULSE, 100, 101)
+    assert flags(chip, 400) == [] and chip.peripheral("TIMER0.counter") == 301
+
+
 def test_the_flag_stays_while_the_interrupt_is_off() -> None:
     chip, image = program(0, 0x2C0, 100)
     chip.run(100, until=image.symbols["start"])

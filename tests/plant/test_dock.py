@@ -46,6 +46,35 @@ def test_codes_are_clamped_to_twelve_bits():
     assert list(dock.signal.code[:2]) == [2047, -2048]
 
 
+@pytest.mark.parametrize(
+    ("asked", "taken"), [(2046, 2046), (2047, 2047), (2048, 2047), (-2047, -2047), (-2048, -2048), (-2049, -2048)]
+)
+def test_the_last_codes_of_twelve_bits(asked, taken):
+    dock = plant.Dock(quiet_dock())
+    dock.set_torque_code(3, asked, 0)
+    dock.advance_to(LATCH)
+    assert dock.signal.code[3] == taken
+
+
+def test_an_encoder_counts_through_both_ends_of_its_24_bits():
+    """16384 counts to a turn of the motor: 1024 turns fill the counter; below 0 it shows 2^24 - 1."""
+    config = quiet_dock()
+    drives = config.crane.drives
+    slew, jib = drives[1], 1.0  # rad
+    signs = set()
+    for turns in (1023.999, 1024.001, -0.001, 0.001, -1024.001):
+        slew.gear = abs(turns) * 2 * math.pi / jib
+        config.crane.drives = [drives[0], slew, *drives[2:]]
+        yaw = math.copysign(jib, turns)
+        config.home = plant.CranePose(0.0, 22.0 * math.cos(yaw), 22.0 * math.sin(yaw), 12.0, 0.0)
+        dock = plant.Dock(config)
+        total = math.floor(turns * 16384)
+        assert dock.encoder_total(1, 0) == pytest.approx(total, abs=1)
+        assert dock.encoder(1, 0) == pytest.approx(total % 2**24, abs=1) and 0 <= dock.encoder(1, 0) < 2**24
+        signs.add(dock.encoder(1, 0) > 2**23)
+    assert signs == {True, False}
+
+
 def test_motor_torque_follows_its_code_with_the_drives_lag():
     dock = plant.Dock(quiet_dock())
     dock.enable_drives(1, 0)

@@ -184,6 +184,34 @@ def test_what_the_hoist_cannot_hold_is_refused_with_the_torque_it_would_take(loa
         plant.Dock(config)
 
 
+@pytest.mark.parametrize(("mass", "carried"), [(40e3, True), (40_000.001, False)])
+def test_a_container_of_the_rated_load_is_carried_and_a_gram_more_is_refused(mass: float, carried: bool) -> None:
+    config = plant.default_dock(1)
+    first, *others = config.layout.containers
+    config.layout.containers = [plant.ContainerPlace(first.x, first.y, first.z, first.yaw, mass), *others]
+    if carried:
+        plant.Dock(config)
+    else:
+        with pytest.raises(ValueError, match=r"0 weighs 40000\.001 kg, more than the crane's rated_load of 40000 kg"):
+            plant.Dock(config)
+
+
+@pytest.mark.parametrize(("rated", "holds"), [(5323.5, True), (5322.5, False)])
+def test_the_hoists_rated_torque_may_just_hold_the_rated_load(rated: float, holds: bool) -> None:
+    """(10 t + 40 t) g / (104.712 x 0.88) = 5323.05 N m (control-notes.md 2: 5323 N m)."""
+    config = plant.default_dock(1)
+    crane = config.crane
+    drives = crane.drives
+    drives[3].rated_torque, drives[3].brake = rated, 2.0
+    crane.drives = drives
+    config.crane = crane
+    if holds:
+        plant.Dock(config)
+    else:
+        with pytest.raises(ValueError, match="the hoist needs 5323 N m, more than its rated torque"):
+            plant.Dock(config)
+
+
 def test_what_the_luff_drive_or_a_brake_cannot_hold_is_refused() -> None:
     config = plant.default_dock(1)
     crane = config.crane

@@ -1,5 +1,6 @@
 """A container's change of hands: the phases, the edges of the tolerances, retries, and what each switch does to energy and momentum."""
 
+import numpy as np
 import pytest
 from cmrc._core import plant
 from controller import Crane, quiet_dock
@@ -28,6 +29,8 @@ def land(dx=0.0, dy=0.0, yaw=0.0, seconds=3.0, **landing):
         ({"dy": 0.024}, False, True), ({"dy": 0.026}, False, False), ({"dx": -0.024}, False, True), ({"dx": 0.026}, False, False),
         ({"yaw": 0.0038}, False, True), ({"yaw": 0.0044}, False, False), ({"dy": 0.14}, True, True), ({"dy": 0.16}, True, False),
         ({"dx": 0.16}, True, False), ({"yaw": 0.02}, True, True), ({"yaw": 0.026}, True, False),
+        ({"dy": 0.1485}, True, True), ({"dy": 0.1515}, True, False), ({"dx": -0.1485}, True, True),
+        ({"dx": -0.1515}, True, False),
     ],
 )  # fmt: skip
 def test_the_edges_of_the_tolerances(offset, guides, lands):
@@ -151,3 +154,66 @@ def test_a_rolling_vehicle_shares_its_momentum_with_the_container_set_on_it():
     assert taken.kind == "locked" and dock.agv(0).speed == pytest.approx(speeds[-1], abs=2e-3)
     joined = taken.before.payload[0] + 20e3 * speeds[-1]
     assert taken.after.payload[0] == pytest.approx(joined, abs=20e3 * 2e-3) and abs(taken.after.payload[0]) > 1000
+
+
+def turning_vehicle(front):
+    """A container on a vehicle that turns under it: front wheels one way, rear wheels the other, the locks closing."""
+    config = plant.default_dock()
+    config.layout.containers = [plant.ContainerPlace(22.0, 8.0, 1.6, 0.0, 20e3)]
+    config.home = plant.CranePose(0.0, 22.0, 8.0, 4.191 + 0.3, 0.0)
+    config.landing.lock_time = 0.4
+    dock = plant.Dock(config)
+    crane = Crane(dock)
+    crane.hold(0.2)
+    crane.move(crane.pose(22.0, 8.0, 4.191 - 0.08), 3.0)
+    crane.hold(0.5)
+    for command in (1, 0):  # taken and set down again: now it is the vehicle's load
+        dock.spreader_command(command, crane.t)
+        crane.hold(0.7)
+    assert dock.containers[0].state == "on_agv"
+    dock.agv_period(0, 1_000_000, crane.t)
+    dock.agv_push(0, 600, front, -front, crane.t)
+    dock.spreader_command(1, crane.t)
+    return dock, crane
+
+
+@pytest.mark.parametrize("front", [500_000, -500_000])
+def test_a_container_taken_off_a_turning_vehicle_brings_its_spin(front):
+    """Its moment of inertia, m (L^2 + B^2) / 12, times the vehicle's yaw rate is what the spreader gains in spin."""
+    dock, crane = turning_vehicle(front)
+    rows = []
+    while dock.containers[0].state == "on_agv" and len(rows) < 800:
+        rows.append([dock.time * 1e-12, dock.agv(0).heading, dock.agv(0).speed])
+        crane.hold(0.001)
+    taken = dock.switches[-1]
+    assert taken.kind == "locked"
+    t, heading, speed = np.array(rows[-20:]).T
+    rate = np.polyfit(t - taken.time * 1e-12, heading, 3)[2]
+    inertia = 20e3 * (12.192**2 + 2.438**2) / 12
+    gained = taken.after.spin - taken.before.spin
+    assert gained == pytest.approx(inertia * rate, rel=0.01) and gained * front > 0
+    assert abs(gained) > abs(taken.before.spin) > 0  # the spreader had a spin of its own, and keeps it
+    assert taken.after.payload[0] - taken.before.payload[0] == pytest.approx(20e3 * speed[-1], rel=1e-4)
+
+
+@pytest.mark.parametrize(("radius", "takes"), [(1.001, True), (0.999, False)])
+def test_the_warehouse_takes_what_stands_within_its_radius_for_its_time(radius, takes):
+    """A vehicle that is loaded 1 m beside its middle: what it takes is gone 0.25 s later, at a step of 1 ms."""
+    config = plant.default_dock()
+    config.layout.containers = [plant.ContainerPlace(22.0, 8.0, 1.6, 0.0, 20e3)]
+    config.layout.warehouse = plant.Pose(22.0, 9.0, 0.0)
+    config.layout.warehouse_radius, config.layout.warehouse_take = radius, 0.25
+    config.home = plant.CranePose(0.0, 22.0, 8.0, 4.191 + 0.3, 0.0)
+    config.landing.lock_time = 0.1
+    dock = plant.Dock(config)
+    crane = Crane(dock)
+    crane.hold(0.2)
+    crane.move(crane.pose(22.0, 8.0, 4.191 - 0.08), 3.0)
+    crane.hold(0.5)
+    for command, seconds in ((1, 0.2), (0, 1.0)):
+        dock.spreader_command(command, crane.t)
+        crane.hold(seconds)
+    times = {event.kind: event.time for event in dock.events if event.kind in ("agv_arrived", "delivered")}
+    assert set(times) == ({"agv_arrived", "delivered"} if takes else set())
+    assert not takes or times["delivered"] - times["agv_arrived"] == 250_000_000_000
+    assert dock.containers[0].state == ("delivered" if takes else "on_agv")

@@ -40,6 +40,17 @@ def test_a_drive_says_ready_fault_time_out_and_brake() -> None:
     assert (dock.drive_status(0, 105 * MS), dock.drive_status(1, 105 * MS)) == (READY, LATE | BRAKE)
 
 
+def test_a_drive_times_out_when_its_last_code_is_older_than_100_ms() -> None:
+    """At its latches of 125 us: the last one at which the code is 100 ms old is good, the next one is late."""
+    dock = plant.Dock(plant.default_dock(1))
+    dock.enable_drives(1, 1 * MS)
+    dock.set_torque_code(0, 0, 1 * MS)
+    latch = 125_000_000
+    assert dock.drive_status(0, 101 * MS) == READY
+    assert dock.drive_status(0, 101 * MS + latch - 1) == READY
+    assert dock.drive_status(0, 101 * MS + latch) == LATE | BRAKE
+
+
 def test_the_drives_estimate_is_its_motors_speed() -> None:
     dock = moving()
     signal = dock.signal
@@ -80,6 +91,81 @@ def test_the_anemometer_shows_the_mean_of_three_seconds() -> None:
     dock = plant.Dock(config)
     speeds = plant.wind_speed(config.wind, 7.0 + 3.0 * (np.arange(3000) + 0.5) / 3000)
     assert dock.wind_mean(10_000 * MS) == pytest.approx(1000 * speeds.mean(), abs=1)
+
+
+# ---- each register at both ends of its range (c40_programs/include/devices.inc)
+
+
+@pytest.mark.parametrize(("direction", "ends"), [(0.0, (2047, -2048)), (math.pi, (-2048, 2047))])
+def test_sway_sensors_stop_at_the_ends_of_12_bits(direction: float, ends: tuple[int, int]) -> None:
+    """A wind takes the load out of a narrow range: the code stays at the end, and does not wrap to the other."""
+    config = plant.default_dock(1)
+    config.wind.mean, config.wind.direction = 30.0, direction
+    config.sensors.sway_range, config.sensors.sway_noise = 0.004, 0.0
+    dock = plant.Dock(config)
+    seen = [(dock.sway(axis, t * MS), dock.second_sway(axis, t * MS)) for t in range(0, 8000, 50) for axis in (0, 1)]
+    for axis, end in enumerate(ends):
+        codes = [code for pair in seen[axis::2] for code in pair]
+        assert (max(codes) if end > 0 else min(codes)) == end
+        assert codes.count(end) > 20 and all(abs(code - end) < 2100 for code in codes)
+
+
+def test_a_code_of_sway_is_2048_to_the_range() -> None:
+    """10 degrees are 2048, so half of the range is 1024; it is rounded down: just below 0 the code is -1."""
+    config = plant.default_dock(1)
+    config.wind.mean, config.sensors.sway_noise = 20.0, 0.0
+    for sway_range in (math.pi / 18, 0.02):
+        config.sensors.sway_range = sway_range
+        dock = plant.Dock(config)
+        checked = 0
+        for t in range(1000, 2400, 100):
+            # Sampled every 10 ms, shown a sample later.
+            dock.advance_to((t - 10) * MS)
+            angles = dock.signal.alpha, dock.signal.beta
+            for axis, angle in enumerate(angles):
+                if abs(angle / sway_range) < 0.99:
+                    assert dock.sway(axis, t * MS) == math.floor(angle / sway_range * 2048)
+                    checked += 1
+            dock.advance_to(t * MS)
+        assert checked >= 14
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_the_drives_estimate_ends_at_three_times_rated_speed(sign: int) -> None:
+    config = plant.default_dock(1)
+    drives = config.crane.drives
+    drives[0].rated_speed, drives[0].overspeed = 0.02 * drives[0].rated_speed, 10.0
+    config.crane.drives = drives
+    dock = plant.Dock(config)
+    dock.enable_drives(1, 0)
+    shown = []
+    for t in range(0, 1500, 5):
+        dock.set_torque_code(0, sign * 1500, t * MS)
+        dock.advance_to(t * MS)
+        share = dock.signal.qd[0] / (drives[0].rated_speed / drives[0].gear)
+        shown.append((share, dock.drive_speed(0, t * MS)))
+    assert max(abs(share) for share, _ in shown) > 3.2
+    for share, code in shown:
+        assert code == pytest.approx(max(-3.0, min(3.0, share)) * 10000, abs=0.51)
+    assert (max if sign > 0 else min)(code for _, code in shown) == sign * 30000
+
+
+@pytest.mark.parametrize(
+    ("mean", "shown"), [(-8.0, -8000), (-8.0004, -8000), (-8.0006, -8001), (100.0, 100_000), (-100.0, -100_000)]
+)
+def test_the_anemometer_at_the_ends_and_against_its_direction(mean: float, shown: int) -> None:
+    config = plant.default_dock(1)
+    config.wind.mean = mean
+    assert plant.Dock(config).wind_mean(0) == shown
+
+
+@pytest.mark.parametrize(
+    ("spreader", "shown"), [(9_999.0, 9_990), (10_000.0, 10_000), (10_009.0, 10_000), (10_010.0, 10_010)]
+)
+def test_the_load_cell_counts_whole_steps_of_10_kg(spreader: float, shown: int) -> None:
+    config = plant.default_dock(1)
+    config.crane.spreader_mass = spreader
+    assert plant.Dock(config).load_cell(0) == shown
 
 
 FAILURES = {

@@ -101,3 +101,43 @@ def test_the_dock_feels_it_and_goes_on_from_a_snapshot():
 def test_an_impossible_wind_is_refused(wind):
     with pytest.raises(ValueError, match="wind"):
         plant.Crane(wind=wind)
+
+
+@pytest.mark.parametrize("load", [0.0, 20e3])
+def test_a_negative_mean_is_the_same_wind_from_the_other_side(load):
+    """The force is odd in the speed: -15 m/s along 0.7 rad is 15 m/s along 0.7 - pi."""
+    hangs = []
+    for mean, direction in ((-15.0, 0.7), (15.0, 0.7 - math.pi), (15.0, 0.7)):
+        wind = {"mean": mean, "direction": direction}
+        crane = plant.Crane(load_mass=load, sway_damping=0.5, home=(0.0, 12.0, 16.0, 14.0, 0.3), wind=wind)
+        crane.step(BRAKES, 30.0)
+        hangs.append((crane.payload() - crane.tip())[:2])
+    assert hangs[0] == pytest.approx(hangs[1], abs=1e-6)
+    along = np.array([math.cos(0.7), math.sin(0.7)])
+    assert hangs[0] @ along < -0.05 and hangs[2] @ along > 0.05
+
+
+def test_gusts_of_a_negative_mean_are_those_of_the_positive_one():
+    """Kaimal's f = n L / U takes the speed's size: the same gusts about either mean."""
+    times = np.arange(0.0, 60.0, 0.05)
+    forth, back = (core.wind_speed(parameters(mean, 2.0, 1), times) for mean in (8.0, -8.0))
+    assert back + 8.0 == pytest.approx(forth - 8.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(("mean", "carried"), [(-1.0, True), (-0.999, False), (1.0, True), (0.999, False)])
+def test_gusts_need_a_mean_of_1_m_per_s_in_either_direction(mean, carried):
+    wind = {"mean": mean, "gust": 0.1}
+    if carried:
+        plant.Crane(wind=wind)
+    else:
+        with pytest.raises(ValueError, match="must be 1 m/s or more"):
+            plant.Crane(wind=wind)
+
+
+@pytest.mark.parametrize(("mean", "possible"), [(-100.0, True), (100.0, True), (-100.001, False), (100.001, False)])
+def test_a_mean_is_within_100_m_per_s(mean, possible):
+    if possible:
+        plant.Crane(wind={"mean": mean})
+    else:
+        with pytest.raises(ValueError, match="within 100 m/s"):
+            plant.Crane(wind={"mean": mean})

@@ -37,6 +37,20 @@ def test_summary_is_exact(samples: list[int]) -> None:
         assert sum(sample < value for sample in samples) < share * len(samples)
 
 
+@pytest.mark.parametrize("samples_max", [10_000, 50])
+@pytest.mark.parametrize(("count", "p50", "p99", "p99_9"), [
+    (50, 25, 50, 50), (51, 26, 51, 51), (100, 50, 99, 100), (101, 51, 100, 101), (999, 500, 990, 999),
+    (1000, 500, 990, 999), (1001, 501, 991, 1000), (2000, 1000, 1980, 1998), (2001, 1001, 1981, 1999),
+])  # fmt: skip
+def test_nearest_ranks_of_long_rows(samples_max: int, count: int, p50: int, p99: int, p99_9: int) -> None:
+    """The numbers 1 to n: a value is its own rank, P % of n, rounded up. Bins of 1/1024 hold one number each here."""
+    samples = list(range(1, count + 1))
+    random.Random(count).shuffle(samples)
+    summary = report.summary(samples, samples_max)
+    assert (summary.p50, summary.p99, summary.p99_9) == (p50, p99, p99_9)
+    assert summary.exact_percentiles == (count <= samples_max)
+
+
 def test_histogram_bins_are_powers_of_two() -> None:
     histogram = report.summary([0, 1, 2, 3, 4, 7, 8, 1023, 1024]).log2_histogram
     assert histogram[:5] == [1, 1, 2, 2, 1]

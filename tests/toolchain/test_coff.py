@@ -1,6 +1,7 @@
 """COFF: files of the GNU linker, our own round trip, older versions built by hand, and damage of every kind."""
 
 import random
+import re
 import struct
 import subprocess
 from pathlib import Path
@@ -74,11 +75,13 @@ def test_equal_programs_give_equal_files_and_the_header_is_that_of_version_2(tmp
     assert (magic, sections, optional, flags, target) == (0xC2, 4, 28, 0x0117, 0x93)
 
 
-def old_executable(version: int) -> bytes:
+COPIES = (2, 0x2000, 77, 78, 1, 0x2010, 79, 0)  # What the loader sets: records up to a count of 0.
+
+
+def old_executable(version: int, copies: tuple[int, ...] = COPIES) -> bytes:
     """A version-0 or version-1 file by the tables of the format: one loaded section, one COPY section, two symbols."""
     header = 20 if version == 0 else 22
     contents = header + 28 + 2 * 40
-    copies = (2, 0x2000, 77, 78, 1, 0x2010, 79, 0)  # What the loader sets: records up to a count of 0.
     strings = b"a_long_symbol_name\0"
     symbols = struct.pack("<8sIhHBB", b"start", 0x1001, 1, 0, 2, 1) + bytes(18)  # with an auxiliary entry
     symbols += struct.pack("<IIIhHBB", 0, 4, 0x77, -1, 0, 2, 0) + struct.pack("<8sIhHBB", b"extern", 0, 0, 0, 2, 0)
@@ -103,6 +106,41 @@ def test_older_versions_are_read(version: int) -> None:
         (".cinit.1", 0x2010, [79], True),
     ]
     assert image.entry == 0x1001 and image.symbols == {"start": 0x1001, "a_long_symbol_name": 0x77}
+
+
+@pytest.mark.parametrize(("second", "overlap"), [
+    (0x2002, None), (0x1FFF, None), (0x1002, None), (0x0FFF, None),
+    (0x2001, ".cinit.0 (2 words at 00002000h) and .cinit.1 (1 words at 00002001h)"),
+    (0x2000, ".cinit.0 (2 words at 00002000h) and .cinit.1 (1 words at 00002000h)"),
+    (0x1001, ".text (2 words at 00001000h) and .cinit.1 (1 words at 00001001h)"),
+])  # fmt: skip
+def test_initial_values_may_touch_other_words_and_not_overlap_them(second: int, overlap: str | None) -> None:
+    data = old_executable(1, (2, 0x2000, 77, 78, 1, second, 79, 0))
+    if overlap is None:
+        assert {s.address for s in toolchain.read_coff_bytes(data).sections} == {0x1000, 0x2000, second}
+    else:
+        with pytest.raises(toolchain.CoffError, match=re.escape(f"the sections {overlap} overlap")):
+            toolchain.read_coff_bytes(data)
+
+
+@pytest.mark.parametrize(
+    ("place", "overlaps"), [(0x300007, True), (0x300008, False), (0x2FFFFC, False), (0x2FFFFD, True)]
+)
+def test_overlapping_sections_of_a_file_are_refused_where_it_is_used(
+    place: int, overlaps: bool, tmp_path: Path, emulator: Path
+) -> None:
+    """.text of 8 words at 300000h; .data of 4 words is moved in the file: its header names the place twice."""
+    source = "\t.space 7\n\tidle\n\t.data\n\t.word 1,2,3,4\n"
+    toolchain.write_coff(toolchain.assemble(source, sections={".data": 0x380000}), tmp_path / "p.out")
+    before, after = struct.pack("<II", 0x380000, 0x380000), struct.pack("<II", place, place)
+    data = (tmp_path / "p.out").read_bytes()
+    assert data.count(before) == 1
+    (tmp_path / "p.out").write_bytes(data.replace(before, after))
+    for command in ("disasm", "exec"):
+        arguments = [emulator, command, "p.out", *(["--max-cycles", "10"] if command == "exec" else [])]
+        done = subprocess.run(arguments, cwd=tmp_path, capture_output=True, text=True, check=False)
+        told = ("p.out", "(8 words at 00300000h)", f"(4 words at {place:08X}h)", "overlap")
+        assert (done.returncode == 2) == overlaps and all((word in done.stderr) == overlaps for word in told)
 
 
 def test_what_is_no_executable_of_this_family_is_refused(tmp_path: Path) -> None:

@@ -209,6 +209,101 @@ def test_sections_that_cannot_be_placed(source: str, placement: str, message: st
 
 
 @pytest.mark.parametrize(
+    ("instruction", "target", "reaches"),
+    [
+        ("bz far", 0x1000002 + 0x7FFF, True), ("bz far", 0x1000002 + 0x8000, False),  # 16 bits from the next word on
+        ("bz far", 0x1000002 - 0x8000, True), ("bz far", 0x1000002 - 0x8001, False),
+        ("br far", 0x1000002 + 0x7FFFFF, True), ("br far", 0x1000002 + 0x800000, False),  # 24 bits
+        ("br far", 0x1000002 - 0x800000, True), ("br far", 0x1000002 - 0x800001, False),
+        ("ldi far,r0", 0xFFFF, True), ("ldi far,r0", 0x10000, False), ("ldi far,r0", 0xFFFF8000, True),
+        ("ldi far,r0", 0xFFFF7FFF, False),
+    ],
+)  # fmt: skip
+def test_the_last_places_within_reach(instruction: str, target: int, reaches: bool) -> None:
+    source = f"\t.ref far\n\tnop\n\t{instruction}\n"
+    where = f"""
+[memory]
+all = {{ origin = 0, length = 0x100000000 }}
+[sections]
+".text" = {{ address = 0x1000000 }}
+[symbols]
+far = {target:#x}
+"""
+    if not reaches:
+        [error] = link_errors(source, map=where)
+        assert "does not fit in the" in error
+        return
+    word = contents(link(source, map=where))[".text"][1][1]
+    if instruction.startswith("ldi"):
+        assert word & 0xFFFF == target & 0xFFFF
+    else:
+        assert isa.disassemble(word, 0x1000001).split()[1] == hex(target)
+
+
+MEMORY = "[memory]\nm = {{ origin = 0x1000, length = {length} }}\n[sections]\n{sections}\n"
+
+
+def test_a_section_may_fill_its_memory_to_the_last_word_and_no_further() -> None:
+    for placement in ('".text" = "m"', '".text" = { memory = "m", address = 0x1000 }', ""):
+        full = link("\t.space 20h\n", map=MEMORY.format(length=0x20, sections=placement))
+        assert [(s.address, s.size) for s in full.sections] == [(0x1000, 0x20)]
+        [error] = link_errors("\t.space 21h\n", map=MEMORY.format(length=0x20, sections=placement))
+        assert "33 words" in error and "32 words at 00001000h" in error
+
+
+def test_the_second_section_of_a_memory_may_fill_what_is_left() -> None:
+    both = MEMORY.format(length=0x20, sections='".text" = "m"\n".data" = "m"')
+    full = link("\t.space 18h\n\t.data\n\t.space 8\n", map=both)
+    assert [(s.name, s.address, s.size) for s in full.sections] == [(".text", 0x1000, 0x18), (".data", 0x1018, 8)]
+    [error] = link_errors("\t.space 18h\n\t.data\n\t.space 9\n", map=both)
+    assert error == "section '.data' of 9 words does not fit in the memory 'm' (32 words at 00001000h, 8 left)"
+
+
+def test_sections_at_given_places_may_touch_and_not_share_a_word() -> None:
+    def places(data: int) -> str:
+        both = f'".text" = {{ address = 0x1010 }}\n".data" = {{ address = {data:#x} }}'
+        return MEMORY.format(length=0x100, sections=both)
+
+    source = "\t.space 10h\n\t.data\n\t.space 4\n"
+    for data in (0x1020, 0x100C):
+        assert len(link(source, map=places(data)).sections) == 2
+    for data in (0x101F, 0x100D, 0x1010, 0x1014):
+        assert link_errors(source, map=places(data)) == [
+            f"the sections .text (16 words at 00001010h) and .data (4 words at {data:08X}h) overlap"]  # fmt: skip
+
+
+def test_a_free_section_goes_into_the_gap_only_where_it_fits() -> None:
+    """Behind .text at 1000h there are 8 words before `fixed`."""
+    def at(words: int) -> int:
+        image = link(f'\t.space 10h\n\t.data\n\t.space {words}\n\t.sect "fixed"\n\t.space 4\n', map=MEMORY.format(
+            length=0x100, sections='"fixed" = { address = 0x1018 }\n".text" = "m"\n".data" = "m"'))  # fmt: skip
+        return int(contents(image)[".data"][0])
+
+    assert (at(8), at(9)) == (0x1010, 0x101C)
+
+
+def test_an_aligned_section_stays_where_its_alignment_is_met() -> None:
+    both = '".data" = { memory = "m", align = 16 }\n".text" = { address = 0x1000 }'
+    for words, start in ((16, 0x1010), (17, 0x1020), (15, 0x1010)):
+        source = f"\t.space {words}\n\t.data\n\t.word 1\n"
+        image = link(source, map=MEMORY.format(length=0x100, sections=both))
+        assert contents(image)[".data"][0] == start
+
+
+def test_a_blocked_section_of_a_whole_page_and_one_that_just_fits_before_its_end() -> None:
+    """A blocked section crosses no border of 64 K words, unless it is longer than a page."""
+    def at(space: int, words: int) -> int:
+        source = f'\t.space {space}\nx .usect "pagewise",{words},1\n\t.def x\n'
+        image = link(source, map="[memory]\nm = { origin = 0x300000, length = 0x100000 }\n")
+        return int(image.symbols["x"])
+
+    assert at(0x10000 - 1000, 1000) == 0x30FC18  # up to the page's last word
+    assert at(0x10000 - 999, 1000) == 0x310000
+    assert at(8, 0x10000) == 0x310000
+    assert at(8, 0x10001) == 0x300008
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("memory = 3", "<map>:1:10: 'memory' is a table"),
