@@ -53,8 +53,12 @@ class Mutator {
         bytes.insert(bytes.begin() + static_cast<std::ptrdiff_t>(below(bytes.size() + 1)), copy.begin(), copy.end());
         break;
       }
-      case 3: if (!bytes.empty()) *here ^= static_cast<std::uint8_t>(1u << below(8)); break;
-      case 4: if (!bytes.empty()) *here = static_cast<std::uint8_t>(random_()); break;
+      case 3:
+        if (!bytes.empty()) *here ^= static_cast<std::uint8_t>(1u << below(8));
+        break;
+      case 4:
+        if (!bytes.empty()) *here = static_cast<std::uint8_t>(random_());
+        break;
       default: std::fill(here, to, static_cast<std::uint8_t>(below(2) == 0 ? 0 : 0xFF));
     }
   }
@@ -71,13 +75,18 @@ int run(int argc, char** argv) {
     const std::string_view argument = argv[n];
     const bool option = argument.starts_with("--");
     if (option && n + 1 == argc) throw std::runtime_error(std::string(argument) + ": a value is missing");
-    if (argument == "--mutations") mutations = std::stoull(argv[++n]);
-    else if (argument == "--seed") seed = std::stoull(argv[++n]);
-    else if (argument == "--keep") keep = argv[++n];
-    else if (option) throw std::runtime_error(std::string(argument) + ": known are --mutations, --seed and --keep");
+    if (argument == "--mutations")
+      mutations = std::stoull(argv[++n]);
+    else if (argument == "--seed")
+      seed = std::stoull(argv[++n]);
+    else if (argument == "--keep")
+      keep = argv[++n];
+    else if (option)
+      throw std::runtime_error(std::string(argument) + ": known are --mutations, --seed and --keep");
     else if (std::filesystem::is_directory(argument))
       for (const auto& entry : std::filesystem::directory_iterator(argument)) files.push_back(entry.path());
-    else files.emplace_back(argument);
+    else
+      files.emplace_back(argument);
   }
   if (files.empty()) throw std::runtime_error("a file or directory of inputs is expected");
   std::sort(files.begin(), files.end());

@@ -32,8 +32,10 @@ inline void expect(bool kept, const std::string& how) {
 template <class Documented, class... Others, class Work>
 bool done(Work&& work) {
   try {
-    if constexpr (sizeof...(Others) == 0) work();
-    else return done<Others...>(std::forward<Work>(work));
+    if constexpr (sizeof...(Others) == 0)
+      work();
+    else
+      return done<Others...>(std::forward<Work>(work));
     return true;
   } catch (const Documented& error) {
     expect(!std::string_view(error.what()).empty(), std::string("an error without a message: ") + typeid(error).name());

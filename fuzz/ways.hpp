@@ -40,24 +40,30 @@ End run(Start start, c40::Cycles limit, Advance&& advance) {
 }
 
 inline void expect_alike(const char* way, const End& first, const End& second) {
-  const auto told = [&](const std::string& what) { broken(std::string(way) + " ends otherwise than by blocks: " + what); };
+  const auto told = [&](const std::string& what) {
+    broken(std::string(way) + " ends otherwise than by blocks: " + what);
+  };
   if (first.stop.reason != second.stop.reason)
     told(std::string(name(first.stop.reason)) + " and " + std::string(name(second.stop.reason)));
   if (first.stop.fault.has_value() != second.stop.fault.has_value()) told("one has a fault");
-  if (first.stop.fault && (first.stop.fault->kind != second.stop.fault->kind || first.stop.fault->message != second.stop.fault->message))
+  if (first.stop.fault &&
+      (first.stop.fault->kind != second.stop.fault->kind || first.stop.fault->message != second.stop.fault->message))
     told(first.stop.fault->message + " and " + second.stop.fault->message);
   if (first.seen.size() != second.seen.size()) told("what is in cache or FIFOs");
   for (std::size_t n = 0; n < first.seen.size(); ++n)
     if (first.seen[n] != second.seen[n])
-      told("number " + std::to_string(n) + " of its snapshot: " + std::to_string(first.seen[n]) + " and " + std::to_string(second.seen[n]));
+      told("number " + std::to_string(n) + " of its snapshot: " + std::to_string(first.seen[n]) + " and " +
+           std::to_string(second.seen[n]));
   if (first.memory != second.memory) told("memory");
 }
 
 /// \param make always gives the same start \param cuts cycles of the pieces, by turns
-inline void expect_same_ends(const std::function<Start()>& make, c40::Cycles limit, const std::vector<c40::Cycles>& cuts) {
+inline void expect_same_ends(const std::function<Start()>& make, c40::Cycles limit,
+                             const std::vector<c40::Cycles>& cuts) {
   const End blocks = run(make(), limit, [&](c40::Chip& chip) { return chip.run_until(limit); });
   const auto in_pieces = [&](c40::Chip& chip) {
-    const auto piece = cuts.empty() ? c40::Cycles{1} : cuts[static_cast<std::size_t>(chip.instructions()) % cuts.size()];
+    const auto piece =
+        cuts.empty() ? c40::Cycles{1} : cuts[static_cast<std::size_t>(chip.instructions()) % cuts.size()];
     return chip.run_until(std::min(limit, chip.cycle() + piece));
   };
   const auto exact = [&] {

@@ -20,17 +20,22 @@ std::uint64_t digest(const Memory& memory) {
 std::vector<std::uint64_t> snapshot(const Chip& chip) {
   std::vector<std::uint64_t> out;
   const State& state = chip.state();
-  for (std::uint8_t code = 0; code < isa::register_count; ++code) out.push_back(chip.register_value(static_cast<isa::Register>(code)));
-  out.insert(out.end(), {state.core.ivtp, state.core.tvtp, chip.pc(), static_cast<std::uint64_t>(chip.cycle()), chip.instructions(), state.core.idle,
-                         state.core.delay_slots, state.core.repeat_single, state.locked[0], state.locked[1]});
+  for (std::uint8_t code = 0; code < isa::register_count; ++code)
+    out.push_back(chip.register_value(static_cast<isa::Register>(code)));
+  out.insert(out.end(), {state.core.ivtp, state.core.tvtp, chip.pc(), static_cast<std::uint64_t>(chip.cycle()),
+                         chip.instructions(), state.core.idle, state.core.delay_slots, state.core.repeat_single,
+                         state.locked[0], state.locked[1]});
   for (const Cycles cycles : chip.causes()) out.push_back(static_cast<std::uint64_t>(cycles));
   for (const RegisterInfo& info : register_map()) {
-    const bool fifo = is_port_register(info.address) && port_access(info.address, false, 0, 0).reg != PortRegister::control;
+    const bool fifo =
+        is_port_register(info.address) && port_access(info.address, false, 0, 0).reg != PortRegister::control;
     if (!fifo) out.push_back(chip.peek(info.address));
   }
   for (const CommPort& port : state.ports)
-    for (const Fifo* fifo : {&port.input, &port.output}) out.insert(out.end(), fifo->words().begin(), fifo->words().end());
-  state.cache.each_word([&](Address address) { out.push_back(std::uint64_t{address} << 32 | *state.cache.find(address)); });
+    for (const Fifo* fifo : {&port.input, &port.output})
+      out.insert(out.end(), fifo->words().begin(), fifo->words().end());
+  state.cache.each_word(
+      [&](Address address) { out.push_back(std::uint64_t{address} << 32 | *state.cache.find(address)); });
   return out;
 }
 

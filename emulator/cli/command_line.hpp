@@ -8,8 +8,9 @@
 namespace cli {
 
 /// One command with its options.
-using Request = std::variant<RunOptions, ConfigOptions, LimitsOptions, CompareOptions, AssembleOptions, DisassembleOptions, LinkOptions,
-                             ClassifyOptions, ExecOptions, TraceDiffOptions, VectorOptions>;
+using Request =
+    std::variant<RunOptions, ConfigOptions, LimitsOptions, CompareOptions, AssembleOptions, DisassembleOptions,
+                 LinkOptions, ClassifyOptions, ExecOptions, TraceDiffOptions, VectorOptions>;
 /// What --help prints.
 struct Help {
   std::string text;

@@ -1,6 +1,6 @@
 // Assembler source. What assembles is written as COFF, and what is read back is the same program.
-#include "fuzz/target.hpp"
 #include "toolchain/assembler.hpp"
+#include "fuzz/target.hpp"
 #include "toolchain/coff.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -12,7 +12,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if ((choice & 1) != 0) options.dialect = toolchain::Dialect::gnu;
   if ((choice & 2) != 0) {
     toolchain::AssembledObject assembled;
-    if (!fuzz::done<toolchain::AssemblyError>([&] { assembled = toolchain::assemble_object_text(input.text(), "input", options); }))
+    if (!fuzz::done<toolchain::AssemblyError>(
+            [&] { assembled = toolchain::assemble_object_text(input.text(), "input", options); }))
       return 0;
     toolchain::listing(assembled.listed);
     std::vector<std::byte> written;
@@ -21,7 +22,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     return 0;
   }
   toolchain::Image image;
-  if (!fuzz::done<toolchain::AssemblyError>([&] { image = toolchain::assemble_text(input.text(), "input", options); })) return 0;
+  if (!fuzz::done<toolchain::AssemblyError>([&] { image = toolchain::assemble_text(input.text(), "input", options); }))
+    return 0;
   toolchain::listing(image);
   std::vector<std::byte> written;
   if (!fuzz::done<std::runtime_error>([&] { written = toolchain::coff_bytes(image); })) return 0;

@@ -1,7 +1,7 @@
 // Any words, as text that assembles to the same words.
+#include "toolchain/disassembly.hpp"
 #include "fuzz/target.hpp"
 #include "toolchain/assembler.hpp"
-#include "toolchain/disassembly.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t most = 2048;
@@ -18,6 +18,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   toolchain::Options options;
   options.dialect = toolchain::Dialect::ti;
   const toolchain::Image again = toolchain::assemble_text(toolchain::source_of(image), "disassembled", options);
-  fuzz::expect(again.sections.size() == 1 && again.sections[0].words == text.words, "the source has other words than the program");
+  fuzz::expect(again.sections.size() == 1 && again.sections[0].words == text.words,
+               "the source has other words than the program");
   return 0;
 }

@@ -14,7 +14,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string& path = file.write(input.text());
   fuzz::done<cli::InputError>([&] {
     const toolchain::Image image = cli::read_program(path, {}, place.empty() ? std::nullopt : std::optional(place));
-    fuzz::expect(image.sections.size() == 1 && image.sections[0].words.size() == image.sections[0].size, "words are missing");
+    fuzz::expect(image.sections.size() == 1 && image.sections[0].words.size() == image.sections[0].size,
+                 "words are missing");
   });
   return 0;
 }

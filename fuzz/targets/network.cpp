@@ -9,7 +9,8 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::uint64_t few_words = 1u << 16;
   if (size > most) return 0;
   static const fuzz::InputFile file("network.toml");
-  static const toolchain::Image program = toolchain::assemble_text("start: ldi 1,r0\n addi r0,r0\nend: bu end\n", "program");
+  static const toolchain::Image program =
+      toolchain::assemble_text("start: ldi 1,r0\n addi r0,r0\nend: bu end\n", "program");
   fuzz::Input input(data, size);
   const std::string& path = file.write(input.text());
   machine::NetworkDescription network;

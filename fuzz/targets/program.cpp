@@ -8,7 +8,8 @@ namespace {
 using c40::Address;
 using c40::Word;
 
-constexpr Address code = 0x300000, global = 0x80000000, chip_ram = c40::on_chip_ram, window_a = 0xC0000000, window_b = 0x70000000;
+constexpr Address code = 0x300000, global = 0x80000000, chip_ram = c40::on_chip_ram, window_a = 0xC0000000,
+                  window_b = 0x70000000;
 constexpr Word local_words = 0x400, global_words = 0x200;
 constexpr c40::Cycles limit = 600;
 
@@ -27,7 +28,8 @@ c40::Board board_of(std::uint8_t choice) {
 
 /// Where a pointer may point: mostly at what is there.
 Address place(std::uint8_t choice) {
-  static constexpr std::array<Address, 8> places{code, code + 0x200, chip_ram, chip_ram + 0x400, global, 0x100000, window_a, window_b};
+  static constexpr std::array<Address, 8> places{code,   code + 0x200, chip_ram, chip_ram + 0x400,
+                                                 global, 0x100000,     window_a, window_b};
   return places[choice & 7] + (choice >> 3) * 4u;
 }
 
@@ -36,8 +38,10 @@ bool answer_window(c40::Chip& chip, const c40::StopInfo& stop) {
   if (stop.reason != c40::StopInfo::Reason::external_access) return false;
   const Word at = stop.access.address;
   const c40::Cycles arbitration = at & 3, transfer = 4 + (at >> 2 & 1);
-  if (stop.access.write) chip.complete_write(arbitration, transfer);
-  else chip.complete_read(at * 0x9E3779B1u >> (at & 8), arbitration, transfer);
+  if (stop.access.write)
+    chip.complete_write(arbitration, transfer);
+  else
+    chip.complete_read(at * 0x9E3779B1u >> (at & 8), arbitration, transfer);
   return true;
 }
 

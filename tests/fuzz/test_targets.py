@@ -1,5 +1,6 @@
-"""Every fuzz target (docs/fuzzing.md) over its seeds, and over mutations of them that are the same in every run. A target ends with a
-message when a promise is broken; those that libFuzzer found broken once are among the seeds."""
+"""Every fuzz target (docs/fuzzing.md) over its seeds, and over mutations of them that are the same in every run.
+
+A target ends with a message when a promise is broken; inputs that once broke one are among the seeds."""
 
 import subprocess
 from pathlib import Path
@@ -14,11 +15,12 @@ TARGETS = sorted(path.stem for path in (ROOT / "fuzz" / "targets").glob("*.cpp")
 @pytest.mark.parametrize("target", TARGETS)
 def test_no_seed_and_no_mutation_breaks_a_promise(target: str, tmp_path: Path) -> None:
     last = tmp_path / "last-input"
-    command = [BUILD / "fuzzers" / target, "--mutations", str(MUTATIONS), "--keep", last, ROOT / "fuzz" / "corpus" / target]
+    seeds = ROOT / "fuzz" / "corpus" / target
+    command = [BUILD / "fuzzers" / target, "--mutations", str(MUTATIONS), "--keep", last, seeds]
     done = subprocess.run(command, capture_output=True, errors="replace", text=True, check=False, timeout=300)
-    assert done.returncode == 0, f"{done.stderr[-2000:]}\nthe input is {last}: {last.read_bytes()[:200]!r}"
-    seeds = len(list((ROOT / "fuzz" / "corpus" / target).iterdir()))
-    assert f"{seeds} files and {MUTATIONS} mutations" in done.stderr
+    told = f"{done.stderr[-2000:]}\nthe input is {last}: {last.read_bytes()[:200]!r}"
+    assert done.returncode == 0, told
+    assert f"{len(list(seeds.iterdir()))} files and {MUTATIONS} mutations" in done.stderr
 
 
 def test_a_missing_input_is_an_error(tmp_path: Path) -> None:
