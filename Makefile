@@ -3,7 +3,7 @@ SHELL := /bin/bash
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 
-.PHONY: demo test build setup clean golden lint vectors arithmetic oracles bench results coverage mutants
+.PHONY: demo test build setup clean golden lint vectors arithmetic oracles bench results coverage mutants fuzz trust
 
 demo: build
 	PYTHONPATH=build/python $(PYTHON) -m cmrc demo --out build/demo
@@ -42,6 +42,19 @@ arithmetic: build
 	build/bin/arithmetic_campaign --cases 100000000 --jobs 2
 	PYTHONPATH=tests $(PYTHON) -m spec.campaign --cases 1000000 --jobs 2
 	build/bin/word_sweep
+
+# Every fuzz target for T seconds (docs/fuzzing.md): `make fuzz T=60`. Needs clang, which is installed.
+T := 60
+fuzz:
+	@scripts/setup fuzz
+	@cmake --preset fuzz -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) > build-configure.log 2>&1 || (cat build-configure.log; exit 1)
+	@rm -f build-configure.log
+	cmake --build --preset fuzz
+	scripts/fuzz $(T)
+
+# The suite under the address and undefined-behaviour sanitizers, threads under the thread sanitizer (docs/fuzzing.md).
+trust: setup
+	scripts/trust
 
 # GNU as, ld and objdump for the C4x, from Debian's sources, into build-oracles/ (docs/oracles.md).
 oracles:

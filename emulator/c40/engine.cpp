@@ -259,6 +259,10 @@ StopInfo Engine::step() {
   }
   const Stepped why = advance(state_.cycle + 1, true);
   make_dma_current(dma_waited_);
+  if (dma_active_ && (why == Stepped::port || why == Stepped::external)) {
+    const Cycles begins = why == Stepped::port ? port_access_.cycle : waiting_.cycle;
+    if (auto earlier = run_dma(begins, true)) return *earlier;
+  }
   told_ = why != Stepped::done;
   if (why == Stepped::done && (dma_active_ || dma_stop_))
     if (auto info = run_dma(waits_in_idle() ? state_.cycle : run_limit_, false)) return *info;

@@ -29,17 +29,25 @@ std::optional<std::size_t> number(std::string_view text) {
   return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
 }
 
+/// It goes into messages; a damaged library may hold anything.
+std::string shown(std::string_view name) {
+  std::string out(name);
+  for (char& c : out)
+    if (c < ' ' || c > '~') c = '?';
+  return out;
+}
+
 /// "name/", "name", or "/17": a place in the table of long names.
 std::string member_name(std::string_view field, std::string_view long_names) {
   if (field.size() > 1 && field[0] == '/') {
     const auto at = number(field.substr(1));
     if (at && *at < long_names.size()) {
       const auto name = long_names.substr(*at);
-      return std::string(name.substr(0, name.find_first_of("/\n")));
+      return shown(name.substr(0, name.find_first_of("/\n")));
     }
   }
   if (field.ends_with('/')) field.remove_suffix(1);
-  return std::string(field);
+  return shown(field);
 }
 
 }  // namespace

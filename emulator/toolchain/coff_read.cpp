@@ -102,7 +102,8 @@ class CoffReader {
     const std::uint32_t where = u32(at + 20, "a section's place");
     const std::uint32_t flags =
         object_.version == 2 ? u32(at + 40, "a section's flags") : u16(at + 36, "a section's flags");
-    section.loaded = where != 0 && (flags & (dsect | noload | copy | bss)) == 0;
+    // An empty section has no contents to point at: its flags alone say what it is.
+    section.loaded = (where != 0 || section.size == 0) && (flags & (dsect | noload | copy | bss)) == 0;
     section.table_of_copies = where != 0 && (flags & copy) != 0 && section.name == ".cinit";
     section.alignment = Address{1} << (flags >> alignment_shift & 15);
     section.blocked = (flags & block) != 0;

@@ -35,6 +35,7 @@ class Bytes {
 
 /// What kind a section is in the optional header.
 std::uint32_t kind(const ObjectSection& section) {
+  if (section.table_of_copies) return copy;
   if (!section.loaded) return bss;
   return section.name == ".text" ? text : data;
 }

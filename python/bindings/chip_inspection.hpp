@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "c40/chip.hpp"
+#include "c40/snapshot.hpp"
 #include "c40/peripherals/register_map.hpp"
 #include "python/bindings/bindings.hpp"
 
@@ -38,38 +39,6 @@ inline py::dict port_of(const c40::CommPort& port) {
                   py::arg("discarded_output") = t.discarded_output);
 }
 
-/// Of all words of RAM that are not 0, whatever areas they lie in.
-inline std::uint64_t digest(const c40::Memory& memory) {
-  std::uint64_t sum = 0;
-  for (const auto& area : memory.areas()) {
-    if (area->data == nullptr) continue;
-    for (c40::Word i = 0; i < area->words; ++i)
-      if (const c40::Word word = area->data[i]; word != 0) {
-        std::uint64_t h = (std::uint64_t{area->base + i} << 32 | word) * 0x9E3779B97F4A7C15u;
-        sum += (h ^ h >> 29) * 0xBF58476D1CE4E5B9u;
-      }
-  }
-  return sum;
-}
-
-/// What a program or a debugger can see of a chip, but its RAM, as 64-bit numbers: for comparisons.
-inline std::vector<std::uint64_t> snapshot(const c40::Chip& chip) {
-  std::vector<std::uint64_t> out;
-  const c40::State& state = chip.state();
-  for (std::uint8_t code = 0; code < isa::register_count; ++code) out.push_back(chip.register_value(static_cast<isa::Register>(code)));
-  out.insert(out.end(), {state.core.ivtp, state.core.tvtp, chip.pc(), static_cast<std::uint64_t>(chip.cycle()), chip.instructions(), state.core.idle,
-                         state.core.delay_slots, state.core.repeat_single, state.locked[0], state.locked[1]});
-  for (const c40::Cycles cycles : chip.causes()) out.push_back(static_cast<std::uint64_t>(cycles));
-  for (const c40::RegisterInfo& info : c40::register_map()) {
-    const bool fifo = c40::is_port_register(info.address) && c40::port_access(info.address, false, 0, 0).reg != c40::PortRegister::control;
-    if (!fifo) out.push_back(chip.peek(info.address));
-  }
-  for (const c40::CommPort& port : state.ports)
-    for (const c40::Fifo* fifo : {&port.input, &port.output}) out.insert(out.end(), fifo->words().begin(), fifo->words().end());
-  state.cache.each_word([&](c40::Address address) { out.push_back(std::uint64_t{address} << 32 | *state.cache.find(address)); });
-  return out;
-}
-
 /// \param chip gives the chip of an object of the class, const or not
 template <class Class, class Chip>
 void bind_inspection(py::class_<Class>& bound, Chip chip) {
@@ -93,10 +62,10 @@ void bind_inspection(py::class_<Class>& bound, Chip chip) {
         return out;
       }, "Every register but those of FIFOs, by name.")
       .def("snapshot", [chip](const Class& p) {
-        const std::vector<std::uint64_t> words = snapshot(chip(p));
+        const std::vector<std::uint64_t> words = c40::snapshot(chip(p));
         return py::bytes(reinterpret_cast<const char*>(words.data()), words.size() * sizeof(std::uint64_t));
       }, "Registers, cycles by cause, peripherals, FIFOs and cache, as 64-bit numbers.")
-      .def("digest", [chip](const Class& p) { return digest(chip(p).memory()); }, "A hash of all RAM.")
+      .def("digest", [chip](const Class& p) { return c40::digest(chip(p).memory()); }, "A hash of all RAM.")
       .def("peek", [chip](const Class& p, c40::Address a) { return chip(p).peek(a); })
       .def("poke", [chip](Class& p, c40::Address a, c40::Word v) { chip(p).poke(a, v); })
       .def("read", [chip](const Class& p, c40::Address a, std::size_t count) {

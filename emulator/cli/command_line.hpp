@@ -1,0 +1,22 @@
+#pragma once
+// The arguments of the command `emulator`: what can be asked for (docs/cli.md).
+#include <string>
+#include <variant>
+
+#include "cli/options.hpp"
+
+namespace cli {
+
+/// One command with its options.
+using Request =
+    std::variant<RunOptions, ConfigOptions, LimitsOptions, CompareOptions, AssembleOptions, DisassembleOptions,
+                 LinkOptions, ClassifyOptions, ExecOptions, TraceDiffOptions, VectorOptions>;
+/// What --help prints.
+struct Help {
+  std::string text;
+};
+
+/// Reads the arguments; opens no file. \throws InputError
+std::variant<Request, Help> parse_command_line(int argc, const char* const* argv);
+
+}  // namespace cli

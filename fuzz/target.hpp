@@ -1,0 +1,107 @@
+#pragma once
+// What the targets share (docs/fuzzing.md): an input taken apart, a file for readers that want a name, and how a broken
+// promise is told. A target is one function, which libFuzzer or fuzz/standalone.cpp calls with one input after another.
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <span>
+#include <string>
+#include <string_view>
+#include <typeinfo>
+#include <utility>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
+
+namespace fuzz {
+
+/// A promise of the program is broken: ends the process, which is a finding.
+[[noreturn]] inline void broken(const std::string& how) {
+  std::fprintf(stderr, "broken promise: %s\n", how.c_str());
+  std::abort();
+}
+inline void expect(bool kept, const std::string& how) {
+  if (!kept) broken(how);
+}
+
+/// Does the work. False when it throws one of the errors that are documented for it; another error is a finding, and so
+/// is one that says nothing.
+template <class Documented, class... Others, class Work>
+bool done(Work&& work) {
+  try {
+    if constexpr (sizeof...(Others) == 0)
+      work();
+    else
+      return done<Others...>(std::forward<Work>(work));
+    return true;
+  } catch (const Documented& error) {
+    expect(!std::string_view(error.what()).empty(), std::string("an error without a message: ") + typeid(error).name());
+    return false;
+  }
+}
+
+/// Takes an input apart from the front. Behind its end everything is 0 or empty.
+class Input {
+ public:
+  Input(const std::uint8_t* data, std::size_t size) : data_(data, size) {}
+
+  std::uint8_t byte() {
+    if (data_.empty()) return 0;
+    const std::uint8_t first = data_.front();
+    data_ = data_.subspan(1);
+    return first;
+  }
+  /// Four bytes, the low one first.
+  std::uint32_t word() {
+    std::uint32_t value = 0;
+    for (unsigned shift = 0; shift < 32; shift += 8) value |= std::uint32_t{byte()} << shift;
+    return value;
+  }
+  bool empty() const { return data_.empty(); }
+
+  std::string_view text() const { return {reinterpret_cast<const char*>(data_.data()), data_.size()}; }
+  std::span<const std::byte> bytes() const { return std::as_bytes(data_); }
+  /// The text before the next line of four dashes, and on behind that line; all of it where there is none.
+  std::string_view part() {
+    constexpr std::string_view line = "\n----\n";
+    const std::string_view all = text();
+    const std::size_t end = all.find(line);
+    data_ = end == std::string_view::npos ? data_.subspan(data_.size()) : data_.subspan(end + line.size());
+    return all.substr(0, end);
+  }
+
+ private:
+  std::span<const std::uint8_t> data_;
+};
+
+/// The file of one name that this process gives its inputs to, in a directory of its own.
+class InputFile {
+ public:
+  /// \param name with the suffix that the reader goes by
+  explicit InputFile(const std::string& name) {
+    std::string made = (std::filesystem::temp_directory_path() / "cmrc-fuzz-XXXXXX").string();
+    expect(::mkdtemp(made.data()) != nullptr, "no directory can be made for the input");
+    directory_ = made;
+    path_ = (directory_ / name).string();
+  }
+  ~InputFile() {
+    std::error_code ignored;
+    std::filesystem::remove_all(directory_, ignored);
+  }
+  InputFile(const InputFile&) = delete;
+  InputFile& operator=(const InputFile&) = delete;
+
+  const std::string& write(std::string_view contents) const {
+    std::ofstream(path_, std::ios::binary).write(contents.data(), static_cast<std::streamsize>(contents.size()));
+    return path_;
+  }
+
+ private:
+  std::filesystem::path directory_;
+  std::string path_;
+};
+
+}  // namespace fuzz

@@ -1,0 +1,80 @@
+#pragma once
+// One start, several ways to run it: by blocks, instruction by instruction, cut into pieces. All end alike.
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "c40/chip.hpp"
+#include "c40/snapshot.hpp"
+#include "fuzz/target.hpp"
+
+namespace fuzz {
+
+/// What a way comes to.
+struct End {
+  c40::StopInfo stop;
+  std::vector<std::uint64_t> seen;
+  std::uint64_t memory = 0;
+};
+
+/// Answers the access that the chip stopped at: true, run on.
+using Answer = std::function<bool(c40::Chip& chip, const c40::StopInfo& stop)>;
+/// A chip at its start, and who answers it.
+struct Start {
+  std::unique_ptr<c40::Chip> chip;
+  Answer answer;
+};
+
+/// \param advance goes on, to the limit at the furthest but for the instruction that crosses it
+template <class Advance>
+End run(Start start, c40::Cycles limit, Advance&& advance) {
+  c40::Chip& chip = *start.chip;
+  c40::StopInfo stop;
+  while (chip.cycle() < limit) {
+    stop = advance(chip);
+    if (stop.reason == c40::StopInfo::Reason::limit) continue;
+    if (!start.answer(chip, stop)) break;
+  }
+  return {stop, c40::snapshot(chip), c40::digest(chip.memory())};
+}
+
+inline void expect_alike(const char* way, const End& first, const End& second) {
+  const auto told = [&](const std::string& what) {
+    broken(std::string(way) + " ends otherwise than by blocks: " + what);
+  };
+  if (first.stop.reason != second.stop.reason)
+    told(std::string(name(first.stop.reason)) + " and " + std::string(name(second.stop.reason)));
+  if (first.stop.fault.has_value() != second.stop.fault.has_value()) told("one has a fault");
+  if (first.stop.fault &&
+      (first.stop.fault->kind != second.stop.fault->kind || first.stop.fault->message != second.stop.fault->message))
+    told(first.stop.fault->message + " and " + second.stop.fault->message);
+  if (first.seen.size() != second.seen.size()) told("what is in cache or FIFOs");
+  for (std::size_t n = 0; n < first.seen.size(); ++n)
+    if (first.seen[n] != second.seen[n])
+      told("number " + std::to_string(n) + " of its snapshot: " + std::to_string(first.seen[n]) + " and " +
+           std::to_string(second.seen[n]));
+  if (first.memory != second.memory) told("memory");
+}
+
+/// \param make always gives the same start \param cuts cycles of the pieces, by turns
+inline void expect_same_ends(const std::function<Start()>& make, c40::Cycles limit,
+                             const std::vector<c40::Cycles>& cuts) {
+  const End blocks = run(make(), limit, [&](c40::Chip& chip) { return chip.run_until(limit); });
+  const auto in_pieces = [&](c40::Chip& chip) {
+    const auto piece =
+        cuts.empty() ? c40::Cycles{1} : cuts[static_cast<std::size_t>(chip.instructions()) % cuts.size()];
+    return chip.run_until(std::min(limit, chip.cycle() + piece));
+  };
+  const auto exact = [&] {
+    Start start = make();
+    start.chip->set_exact(true);
+    return start;
+  };
+  expect_alike("the exact engine", blocks, run(exact(), limit, [&](c40::Chip& chip) { return chip.run_until(limit); }));
+  expect_alike("by single steps", blocks, run(make(), limit, [](c40::Chip& chip) { return chip.step(); }));
+  expect_alike("cut into pieces", blocks, run(make(), limit, in_pieces));
+  expect_alike("the exact engine cut into pieces", blocks, run(exact(), limit, in_pieces));
+}
+
+}  // namespace fuzz
