@@ -21,7 +21,7 @@ GUST = 0.13
 """Standard deviation of the gusts over their mean (control-notes.md 3)."""
 ACROSS_DEG = 90.0
 MASSES_KG = (10_000, 24_000, 40_000)
-WINDS: dict[float, int] = {0.0: 2, 8.0: 2, 12.0: 30, 15.0: 30, 20.0: 4, 22.0: 3}
+WINDS: dict[float, int] = {0.0: 2, 8.0: 2, 12.0: 24, 15.0: 30, 20.0: 3, 22.0: 2}
 """Runs by mean wind, m/s."""
 # Half the default rates: the loops are the same, and a run takes half as long.
 RATES: dict[str, Any] = {
