@@ -1,5 +1,7 @@
 """Every job is booked under exactly one outcome (ruling 16)."""
 
+import json
+
 import hypothesis.strategies as st
 import pytest
 from cmrc import _core
@@ -70,6 +72,17 @@ def test_a_job_that_ends_at_its_deadline_or_one_picosecond_beside_it() -> None:
         jobs.finished(0, 0, 2.0 + late, [1, 1])
         row = jobs.report(3.0)["pid"]
         assert row[outcome] == 1 and row["misses"] == (late > 0)
+
+
+@pytest.mark.parametrize(("late", "misses"), [(-PS, 2), (0.0, 2), (PS, 3)])
+def test_a_run_that_ends_at_a_deadline_or_one_picosecond_beside_it(late: float, misses: int) -> None:
+    """The only DSP dies at 28.8 ms. The job of 29 ms never starts; its deadline is the tick of 30 ms."""
+    settings = {"dsps": 1, "boot": "preloaded", "duration_s": 0.03 + late, "report.reference": "none"}
+    events = [{"at_s": 0.0288, "action": "fail", "dsp": 0}]
+    simulation = _core.cmrc.Simulation(_core.cmrc.config(settings=settings, events=events))
+    simulation.run()
+    row = json.loads(simulation.report_json())["tasks"]["pid"]
+    assert (row["released"], row["never_started"], row["misses"]) == (10, 1, misses)
 
 
 def test_a_job_released_at_the_very_end_exists_and_one_picosecond_later_it_does_not() -> None:
