@@ -53,7 +53,7 @@ def test_after_so_many_tries_the_crane_stops_and_says_so() -> None:
 
 def test_without_a_try_more_the_first_missed_landing_stops_the_crane() -> None:
     settings = {"strict_landing": True, "ramp_speed_m_s": 1.0, "landing_retries_max": 0, "boot": "preloaded"}
-    report, simulation = run(29, **settings, **{"report.reference": "none"})
+    report, simulation = run(34, **settings, **{"report.reference": "none"})
     assert [kind for kind, _ in of_landing(report)] == ["stopped"]
     [message] = [failure["message"] for failure in report["failures"] if failure["kind"] == "stopped"]
     assert message.startswith("the load has not landed on all four corners in 1 ")
