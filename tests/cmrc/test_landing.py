@@ -30,10 +30,11 @@ def test_a_missed_landing_is_tried_again() -> None:
     assert kind == "landing" and report["cycles"][0]["landings_missed"] == 1
     # The bay was looked at again, and the way planned again.
     assert report["tasks"]["identify"]["released"] == report["tasks"]["grab_path"]["released"] == 2
-    locked = [time_s for time_s, kind, *_ in simulation.dock_events() if kind == "locked"]
-    assert locked and locked[0] > missed_at + 5
+    # It comes down again, on a deck that goes on rolling; whether it meets the corners then is chance.
+    touched = [time_s for time_s, kind, *_ in simulation.dock_events() if kind == "touch" and time_s > missed_at]
+    assert touched and touched[0] > missed_at + 5
     signals = simulation.signals()
-    lifted = (signals["time_s"] > missed_at) & (signals["time_s"] < locked[0])
+    lifted = (signals["time_s"] > missed_at) & (signals["time_s"] < touched[0])
     low = signals["time_s"].searchsorted(missed_at)
     assert signals["payload_z_m"][lifted].max() > signals["payload_z_m"][low] + 0.4  # the clearance of half a metre
 
@@ -67,9 +68,9 @@ def test_without_a_try_more_the_first_missed_landing_stops_the_crane() -> None:
     ("action", "what"),
     [("fail_drive", {"joint": "hoist"}), ("fail_drive", {"joint": "luff"}), ("stick_encoder", {"joint": "hoist"}), ("stick_encoder", {"joint": "slew"}), ("stick_sway", {"axis": "alpha"})],
 )
-@pytest.mark.parametrize("at_s", [31.0, 41.0])
+@pytest.mark.parametrize("at_s", [46.0, 56.0])
 def test_a_fault_in_the_middle_of_a_retry_ends_in_the_load_landed_or_the_crane_stopped(action: str, what: dict[str, str], at_s: float) -> None:
-    # The first landing is missed at 34 s, lifted until 39 s, looked for and lowered until 50 s.
+    # The first landing is missed at 49 s, lifted until 54 s, looked for and lowered until 65 s.
     repair = {"fail_drive": "repair_drive", "stick_encoder": "repair_encoder", "stick_sway": "repair_sway"}[action]
     events = [{"at_s": at_s, "action": action, **what}, {"at_s": at_s + 4, "action": repair, **what}]
     report, simulation = run(110, events, **ROLLING)
