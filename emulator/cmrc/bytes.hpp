@@ -1,7 +1,6 @@
 #pragma once
 // Values as bytes, from a child process to its parent: read in the order in which they were put.
 #include <cstdint>
-#include <cstring>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -48,7 +47,7 @@ class BytesReader {
  private:
   void copy(void* to, std::size_t size) {
     if (size > text_.size()) throw std::logic_error("BytesReader: fewer bytes than were put");
-    std::memcpy(to, text_.data(), size);
+    text_.copy(static_cast<char*>(to), size);  // not std::memcpy: an empty list has no place to copy to
     text_.remove_prefix(size);
   }
 
