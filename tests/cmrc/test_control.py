@@ -44,7 +44,7 @@ def test_tight_loops_bear(settings: dict[str, Any]) -> None:
     [
         ({"dock__drive_delay_us": 4000.0}, "l"),
         ({"scheduling__servo_served_every": 5}, "kappa"),
-        ({"scheduling__servo_loss_share": 0.8}, "psi"),
+        ({"scheduling__servo_loss_share": 0.8}, "phi"),
     ],
     ids=["four periods of delay", "every fifth sample", "80 % missed"],
 )

@@ -204,10 +204,11 @@ def test_a_stuck_sway_sensor_is_replaced_and_the_run_is_a_success() -> None:
 @pytest.mark.parametrize("sensors", [1, 2])
 def test_without_another_sensor_the_crane_stops(sensors: int) -> None:
     second = [at(4.5, "stick_second_sway", axis="alpha")] if sensors == 2 else []
-    report, simulation = run(8, at(LEG, "stick_sway", axis="alpha"), *second, **{"dock.sway_sensors": sensors})
+    report, simulation = run(20, at(LEG, "stick_sway", axis="alpha"), *second, **{"dock.sway_sensors": sensors})
     assert [error["response"] for error in report["errors_handled"]] == ["second sensor", "stop"][2 - sensors:]
     assert report["errors_handled"][-1]["stands"] and simulation.exit_status == 1
-    assert rates(simulation, 7.9)["l"] < STILL
+    # The path stops within a second. What the observer of the wind took the stuck angle for fades with some 5 s.
+    assert rates(simulation, 19.9)["l"] < STILL
 
 
 # ---- while the load is lowered

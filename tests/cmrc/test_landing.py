@@ -25,16 +25,15 @@ def of_landing(report: dict[str, Any]) -> list[tuple[str, float]]:
 
 
 def test_a_missed_landing_is_tried_again() -> None:
-    report, simulation = run(65, **ROLLING)
+    report, simulation = run(65, **{**ROLLING, "ship_motion": 0.35, "seed": 18})  # misses once, and lands then
     [(kind, missed_at)] = of_landing(report)
     assert kind == "landing" and report["cycles"][0]["landings_missed"] == 1
     # The bay was looked at again, and the way planned again.
     assert report["tasks"]["identify"]["released"] == report["tasks"]["grab_path"]["released"] == 2
-    # It comes down again, on a deck that goes on rolling; whether it meets the corners then is chance.
-    touched = [time_s for time_s, kind, *_ in simulation.dock_events() if kind == "touch" and time_s > missed_at]
-    assert touched and touched[0] > missed_at + 5
+    locked = [time_s for time_s, kind, *_ in simulation.dock_events() if kind == "locked"]
+    assert locked and locked[0] > missed_at + 5
     signals = simulation.signals()
-    lifted = (signals["time_s"] > missed_at) & (signals["time_s"] < touched[0])
+    lifted = (signals["time_s"] > missed_at) & (signals["time_s"] < locked[0])
     low = signals["time_s"].searchsorted(missed_at)
     assert signals["payload_z_m"][lifted].max() > signals["payload_z_m"][low] + 0.4  # the clearance of half a metre
 

@@ -274,7 +274,7 @@ def test_the_deck_of_a_layout_is_where_its_containers_stand():
 
 
 def test_a_folder_is_no_layout(tmp_path):
-    with pytest.raises(plant.LayoutError, match="cannot be read"):
+    with pytest.raises(plant.LayoutError, match="is a directory"):
         plant.load_layout(plant.default_dock(1), str(tmp_path))
 
 
