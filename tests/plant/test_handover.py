@@ -120,16 +120,22 @@ def test_every_switch_keeps_its_books(taken):
     assert attached.energy_after - attached.energy_before > middle
 
 
-def test_a_rolling_vehicle_shares_its_momentum_with_the_container_set_on_it():
+def spreader_on_a_container(lock_time):
+    """The container is on the vehicle's deck, but not yet the vehicle's load; the spreader rests on it with its locks open."""
     config = plant.default_dock()
-    config.layout.containers = [plant.ContainerPlace(22.0, 8.0, 1.6, 0.0, 20e3)]  # on the vehicle's deck, but not yet its load
+    config.layout.containers = [plant.ContainerPlace(22.0, 8.0, 1.6, 0.0, 20e3)]
     config.home = plant.CranePose(0.0, 22.0, 8.0, 4.191 + 0.3, 0.0)
-    config.landing.lock_time = 0.3
+    config.landing.lock_time = lock_time
     dock = plant.Dock(config)
     crane = Crane(dock)
     crane.hold(0.2)
     crane.move(crane.pose(22.0, 8.0, 4.191 - 0.08), 3.0)
     crane.hold(0.5)
+    return dock, crane
+
+
+def test_a_rolling_vehicle_shares_its_momentum_with_the_container_set_on_it():
+    dock, crane = spreader_on_a_container(lock_time=0.3)
     dock.spreader_command(1, crane.t)
     crane.hold(0.5)
     assert dock.containers[0].state == "carried"
@@ -158,15 +164,7 @@ def test_a_rolling_vehicle_shares_its_momentum_with_the_container_set_on_it():
 
 def turning_vehicle(front):
     """A container on a vehicle that turns under it: front wheels one way, rear wheels the other, the locks closing."""
-    config = plant.default_dock()
-    config.layout.containers = [plant.ContainerPlace(22.0, 8.0, 1.6, 0.0, 20e3)]
-    config.home = plant.CranePose(0.0, 22.0, 8.0, 4.191 + 0.3, 0.0)
-    config.landing.lock_time = 0.4
-    dock = plant.Dock(config)
-    crane = Crane(dock)
-    crane.hold(0.2)
-    crane.move(crane.pose(22.0, 8.0, 4.191 - 0.08), 3.0)
-    crane.hold(0.5)
+    dock, crane = spreader_on_a_container(lock_time=0.4)
     for command in (1, 0):  # taken and set down again: now it is the vehicle's load
         dock.spreader_command(command, crane.t)
         crane.hold(0.7)
