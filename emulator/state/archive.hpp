@@ -1,0 +1,100 @@
+#pragma once
+/// State as bytes, and back. Before each listed field stands a hash of its name, so that a state of another list is refused
+/// by the name of the first field that differs.
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "state/visitor.hpp"
+
+namespace state {
+
+class Saver : public Visitor {
+ public:
+  bool loads() const override { return false; }
+  const std::string& text() const { return text_; }
+  std::string take() { return std::move(text_); }
+
+ protected:
+  void bytes(void* data, std::size_t size) override;
+  std::size_t count(std::size_t present, std::size_t least) override;
+  void listed(std::string_view name) override;
+  void leave() override {}
+
+ private:
+  std::string text_;
+};
+
+class Loader : public Visitor {
+ public:
+  explicit Loader(std::string_view text) : rest_(text) {}
+  bool loads() const override { return true; }
+  /// \throws StateError when something is left
+  void end() const;
+
+ protected:
+  void bytes(void* data, std::size_t size) override;
+  std::size_t count(std::size_t present, std::size_t least) override;
+  void listed(std::string_view name) override;
+  void leave() override { path_.pop_back(); }
+
+ private:
+  [[noreturn]] void refuse_here(const std::string& what) const;
+  std::string_view rest_;
+  std::vector<std::string_view> path_;
+};
+
+/// A value in a saved state: "buses.0.ports.1.wanted", and where its bytes stand there.
+struct Leaf {
+  std::string path;
+  std::size_t offset = 0, size = 0;
+};
+
+/// Saves, and notes where everything stands.
+class Lister final : public Saver {
+ public:
+  const std::vector<Leaf>& leaves() const { return leaves_; }
+
+ protected:
+  bool wants_parts() const override { return true; }
+  void bytes(void* data, std::size_t size) override;
+  std::size_t count(std::size_t present, std::size_t least) override;
+  void listed(std::string_view name) override;
+  void part(std::size_t index) override;
+  void leave() override;
+
+ private:
+  void add(std::string_view name);
+  std::string path_;
+  std::vector<std::size_t> ends_;
+  std::vector<Leaf> leaves_;
+};
+
+template <class T>
+std::string save(const T& object) {
+  Saver saver;
+  const_cast<T&>(object).list_state(saver);  // NOLINT: a saver only reads
+  return saver.take();
+}
+
+/// \throws StateError; the object is then in no usable state
+template <class T>
+void load(T& object, std::string_view text) {
+  Loader loader(text);
+  object.list_state(loader);
+  loader.end();
+}
+
+/// The first value in which two states differ, as "path: 1F00 beside 2000" (bytes, hexadecimal); none: they are alike.
+std::optional<std::string> first_difference(const Lister& a, const Lister& b);
+
+template <class T>
+std::optional<std::string> difference(const T& a, const T& b) {
+  Lister of_a, of_b;
+  const_cast<T&>(a).list_state(of_a);  // NOLINT: a lister only reads
+  const_cast<T&>(b).list_state(of_b);  // NOLINT
+  return first_difference(of_a, of_b);
+}
+
+}  // namespace state
