@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bus_model/config.hpp"
+#include "state/visitor.hpp"
 
 namespace pci {
 
@@ -28,6 +29,13 @@ class Arbiter {
   unsigned parked() const;
   /// The last owner keeps GNT# before this clock, whoever asks (the multi-transaction timer).
   Clocks kept_until() const { return tenure_ + config_.multi_transaction_timer; }
+
+  void list_state(state::Visitor& list) {
+    list("last owner", last_owner_);
+    list("last place", last_place_);
+    list("last of second level", last_of_second_);
+    list("tenure", tenure_);
+  }
 
  private:
   bool on_first_level(unsigned master) const;

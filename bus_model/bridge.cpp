@@ -131,4 +131,23 @@ void Bridge::clear(Clocks now) {
   line_words_ = 0;
 }
 
+void Bridge::list_state(state::Visitor& list) {
+  list("fifo", fifo_);
+  list("head", head_);
+  list("count", count_);
+  list("in flight", in_flight_);
+  list("busy", busy_);
+  list("answered", answered_);
+  list("blocked", blocked_);
+  list("read address", read_address_);
+  list("blocked since", blocked_since_);
+  list("blocked without bus", blocked_without_bus_);
+  list("waiting", waiting_);
+  list("line address", line_address_);
+  list("line words", line_words_);
+  list("line first", line_first_);
+  list("line step", line_step_);
+  list("line", line_);
+}
+
 }  // namespace pci

@@ -69,6 +69,7 @@ class Bridge final : public Initiator {
   unsigned posted() const { return count_; }
   /// Leaves the bus at clock `now` and forgets everything: reset, or pulled out.
   void clear(Clocks now);
+  void list_state(state::Visitor& list);
 
   unsigned framed(const Attempt& attempt, bool first, Clocks now, std::span<Word> room) override;
   void arriving(const Attempt& attempt, std::span<const Word> words) override;

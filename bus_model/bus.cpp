@@ -50,6 +50,18 @@ struct Bus::Port {
   bool speculative = false;
   bool attempted = false;
   MasterStatistics statistics;
+
+  void list_state(state::Visitor& list) {
+    list("data", data);
+    list("transaction", transaction);
+    list("wanted", wanted);
+    list("done", done);
+    list("agent", agent);
+    list("active", active);
+    list("speculative", speculative);
+    list("attempted", attempted);
+    list("statistics", statistics);
+  }
 };
 
 struct Bus::Window {
@@ -65,6 +77,16 @@ struct Bus::Window {
   Clocks fetch_ready = 0;
   Clocks drained = 0;  // the posted-write queue is empty from here on
   TargetStatistics statistics;
+
+  void list_state(state::Visitor& list) {
+    list("fetching", fetching);
+    list("fetch master", fetch_master);
+    list("fetch address", fetch_address);
+    list("fetch words", fetch_words);
+    list("fetch ready", fetch_ready);
+    list("drained", drained);
+    list("statistics", statistics);
+  }
 };
 
 Bus::Bus(BusConfig config) : config_{std::move(config)}, arbiter_{config_} {
@@ -478,6 +500,28 @@ unsigned Bus::withdraw(unsigned master, Clocks now) {
       plan_idle();
   }
   return transaction.words;
+}
+
+void Bus::list_state(state::Visitor& list) {
+  list("arbiter", arbiter_);
+  for (Port& port : ports_) list(port.config.name, port);
+  list("requests", requests_);
+  for (Window& window : windows_) list(window.config.name, window);
+  list("attempt", attempt_);
+  list("running", running_);
+  list("ahead", ahead_);
+  list("after write", after_write_);
+  list("chosen", chosen_);
+  list("chosen at", chosen_at_);
+  list("natural words", natural_words_);
+  list("ends itself", ends_itself_);
+  list("was stalled", was_stalled_);
+  list("now", now_);
+  list("free", free_);
+  list("stalled", stalled_);
+  list("next", next_);
+  list("started", started_);
+  list("statistics", statistics_);
 }
 
 std::uint64_t Bus::words_moved() const { return static_cast<std::uint64_t>(statistics_.data); }

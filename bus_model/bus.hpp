@@ -173,6 +173,7 @@ class Bus {
   BusStatistics statistics(Clocks clock) const;
   const MasterStatistics& master_statistics(unsigned master) const;
   const TargetStatistics& target_statistics(unsigned target) const;
+  void list_state(state::Visitor& list);
 
  private:
   struct Port;

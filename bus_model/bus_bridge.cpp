@@ -47,6 +47,13 @@ class BusBridge::Way {
       words.insert(words.end(), read.words.begin(), read.words.end());
     }
   }
+  void list_state(state::Visitor& list) {
+    list("fifo", fifo_);
+    list("in flight", in_flight_);
+    list("pushed", pushed_);
+    list("landed", landed_);
+    list("reads", reads_);
+  }
 
  private:
   struct Forwarded {
@@ -244,6 +251,11 @@ void BusBridge::claim(Bus& near, const std::string& name, Address base, std::uin
 }
 
 std::size_t BusBridge::posted() const { return there_->posted() + back_->posted(); }
+
+void BusBridge::list_state(state::Visitor& list) {
+  list("there", *there_);
+  list("back", *back_);
+}
 
 void BusBridge::append_state(std::vector<std::uint64_t>& words) const {
   there_->append_state(words);

@@ -38,6 +38,7 @@ class BusBridge {
   /// Posted words under way, both directions.
   std::size_t posted() const;
   void append_state(std::vector<std::uint64_t>& words) const;
+  void list_state(state::Visitor& list);
 
  private:
   class Way;

@@ -33,4 +33,12 @@ std::array<std::uint64_t, 32> Histogram::octaves() const {
   return result;
 }
 
+void Histogram::list_state(state::Visitor& list) {
+  list("counts", counts_);
+  list("count", count_);
+  list("sum", sum_);
+  list("max", max_);
+  list("min", min_);
+}
+
 }  // namespace pci

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bus_model/config.hpp"
+#include "state/visitor.hpp"
 
 namespace pci {
 
@@ -35,6 +36,7 @@ class Histogram {
   Clocks percentile(double fraction) const;
   /// Entries in [2^k, 2^(k+1)); element 0 holds 0 and 1.
   std::array<std::uint64_t, 32> octaves() const;
+  void list_state(state::Visitor& list);
 
  private:
   static constexpr std::size_t bits = 10;  // below the highest one, that tell a value's bin
