@@ -87,6 +87,11 @@ void EventLog::settle(Time time) {
   if (pending_.size() >= drain_at_) drain(settled_);
 }
 
+void EventLog::deliver(Time time) {
+  settled_ = std::max(settled_, time);
+  drain(settled_);
+}
+
 void EventLog::flush() { drain(Time::max()); }
 
 void EventLog::absorb(std::span<const std::byte> bytes) {

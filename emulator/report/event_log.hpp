@@ -42,6 +42,8 @@ class EventLog {
   void settle(Time time);
   /// Hashes bytes of the final machine state after all events (calls `flush`).
   void absorb(std::span<const std::byte> bytes);
+  /// The same, and sinks hear at once what is settled.
+  void deliver(Time time);
   /// Settles everything that was added.
   void flush();
   /// SHA-256 of all that was settled so far, as 64 hexadecimal digits. May be asked at any time.
