@@ -11,6 +11,7 @@
 #include "plant/math.hpp"
 #include "plant/sensors.hpp"
 #include "plant/state_hash.hpp"
+#include "state/visitor.hpp"
 
 namespace plant {
 namespace {
@@ -396,6 +397,14 @@ void Dock::restore(const DockState& state) {
   self_->core.forget_ahead();
   self_->core.forget_scans();
   self_->called = self_->core.now();
+}
+
+void Dock::list_state(state::Visitor& list) {
+  DockState state = self_->core.state;
+  list("state", state);
+  if (list.loads()) restore(state);
+  list("called", self_->called);
+  self_->core.list_records(list);
 }
 
 std::array<std::uint64_t, 2> Dock::state_hash() const { return hash(self_->core.state); }

@@ -16,6 +16,10 @@
 
 #include "plant/config.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace plant {
 
 using Time = std::chrono::duration<std::int64_t, std::pico>;
@@ -225,6 +229,8 @@ class Dock {
   // ---- state: complete; restoring and going on equals never having stopped, bit for bit. Taken at the last latch.
   std::shared_ptr<const DockState> snapshot() const;
   void restore(const DockState&);                   // of a dock with the same config
+  // The same with what has been recorded so far: events, switches, signals. Loads into a dock with the same config.
+  void list_state(state::Visitor& list);
   std::array<std::uint64_t, 2> state_hash() const;
 
  private:

@@ -4,6 +4,7 @@
 
 #include "plant/math.hpp"
 #include "plant/sensors.hpp"
+#include "state/visitor.hpp"
 
 namespace plant {
 namespace {
@@ -107,6 +108,14 @@ void DockCore::record_signals() {
   }
   signals.push_back(make_signal());
   for (std::size_t i = 0; i < agv_signals.size(); ++i) agv_signals[i].push_back(make_agv_signal(i));
+}
+
+void DockCore::list_records(state::Visitor& list) {
+  list("events", events);
+  list("switches", switches);
+  list("signals", signals);
+  list("agv_signals", agv_signals);
+  list("signals_thinned", signals_thinned_);
 }
 
 void DockCore::report(Time time, EventKind kind, int index, double first, double second) {

@@ -32,6 +32,7 @@ class DockCore {
   void forget_scans() { fresh_.clear(); }
   std::uint32_t scan_number(std::size_t agv) const;
   SampleClock unit_clock(std::size_t agv) const { return agv < config.unit_clocks.size() ? config.unit_clocks[agv] : SampleClock{}; }
+  void list_records(state::Visitor& list);  // what has been recorded: nothing that the dock does depends on it
   Time now() const { return state.latch * latch_period; }
   Place make_place() const;
   Signal make_signal() const;

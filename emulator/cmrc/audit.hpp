@@ -10,6 +10,10 @@
 
 #include "report/event.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 class Audit {
@@ -31,6 +35,7 @@ class Audit {
   std::uint64_t checks() const { return checks_; }
   /// What broke the rule, at most the first hundred.
   const std::vector<std::string>& violations() const { return violations_; }
+  void list_state(state::Visitor& list);
 
  private:
   enum class State : std::uint8_t { absent, waiting, taken, done };

@@ -13,6 +13,10 @@
 #include "cmrc/words.hpp"
 #include "machine/machine.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 using machine::Time;
@@ -42,6 +46,7 @@ class Boots {
   };
   /// Since this was last asked.
   std::vector<Ended> take_ended();
+  void list_state(state::Visitor& list);
 
  private:
   enum class Asked : std::uint8_t { request, status, answer };

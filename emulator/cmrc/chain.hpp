@@ -11,6 +11,10 @@
 
 #include "cmrc/desk.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 class PointChain {
@@ -47,6 +51,8 @@ class PointChain {
   bool under_way(std::int64_t tick) const { return active_ && !through(tick); }
   std::int64_t next_point() const { return cartesian_; }
   std::int64_t interval() const { return interval_; }
+  /// Not the tasks nor the depth: they never change.
+  void list_state(state::Visitor& list);
   /// When the buffer would run dry; the robot is moving.
   bool dry(std::int64_t tick) const { return active_ && anchored_ && !through(tick) && need(joint_) < tick; }
 

@@ -8,6 +8,10 @@
 
 #include "cmrc/process_table.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 class Consents {
@@ -21,6 +25,7 @@ class Consents {
   bool all(unsigned target, unsigned agv = 0) const;
   /// Takes the consents of all sources away: the process starts.
   void consume(unsigned target, unsigned agv = 0);
+  void list_state(state::Visitor& list);
 
  private:
   static constexpr unsigned numbers = 16;

@@ -12,6 +12,10 @@
 #include "cmrc/words.hpp"
 #include "plant/config.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 inline constexpr std::size_t control_channels = 5;
@@ -69,6 +73,7 @@ class ControlBlock {
   /// Writes what may be written now.
   void refresh(Desk& desk);
   bool pending() const;
+  void list_state(state::Visitor& list);
 
  private:
   std::vector<Word> row_words(std::size_t channel, double share_before) const;

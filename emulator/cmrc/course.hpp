@@ -32,6 +32,8 @@ class Rows {
   std::size_t room() const { return room_; }
   std::span<double> row(std::size_t index) { return {data_ + index * width_, width_}; }
   std::span<const double> row(std::size_t index) const { return {data_ + index * width_, width_}; }
+  /// The first `rows` rows, one after the other.
+  std::span<double> first(std::size_t rows) { return {data_, rows * width_}; }
 
  private:
   std::size_t room_, width_;
@@ -95,6 +97,8 @@ class Course {
   /// Whole point intervals inside legs in which a robot consumed no new point, until `end`: a gap of g intervals counts floor(g) - 1. By robot.
   std::map<Robot, std::uint64_t> starved_intervals(Time end) const;
 
+  /// Rows, too, as far as they are recorded.
+  void list_state(state::Visitor& list);
   /// Everything but the rows, to another process and back.
   void put(Bytes& bytes) const;
   void take(BytesReader& bytes);

@@ -75,6 +75,7 @@ class Crane {
   void set_interval(std::int64_t refreshes) { next_interval_ = refreshes; }
   /// The words of CR_SPEED from the next leg on.
   void set_speeds(const std::array<Word, 7>& words) { next_speeds_ = words; }
+  void list_state(state::Visitor& list);
 
  private:
   void pid_finished(const Task& task, Word result, Desk& desk);

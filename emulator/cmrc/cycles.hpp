@@ -14,6 +14,10 @@
 #include "cmrc/config.hpp"
 #include "report/run_report.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 /// What an AGV knows when it is loaded again: how long it drove, and who waited for whom.
@@ -41,6 +45,7 @@ class Cycles {
   unsigned completed() const { return completed_; }
   /// The cycle that has just closed (its AGV is being loaded again); each is given once.
   std::optional<AgvCycle> take_closed();
+  void list_state(state::Visitor& list);
 
  private:
   struct Agv {

@@ -77,6 +77,7 @@ class Errors {
   const std::vector<ErrorEntry>& entries() const { return entries_; }
   /// Some robot stands because of an error that nobody has cleared.
   bool standing() const;
+  void list_state(state::Visitor& list);
 
  private:
   void notice(ErrorEntry entry, Time now, Desk& desk);

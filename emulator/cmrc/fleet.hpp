@@ -70,6 +70,7 @@ class Fleet {
   /// N^_a of an AGV, adapted by learning from its next leg on.
   std::int64_t interval(unsigned agv) const { return agvs_.at(agv).interval; }
   void set_interval(unsigned agv, std::int64_t interval) { agvs_.at(agv).next_interval = interval; }
+  void list_state(state::Visitor& list);
 
  private:
   struct Agv {

@@ -77,6 +77,7 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
   const TaskList& list() const { return list_; }
   std::int64_t refresh() const { return tick_; }
   const machine::Clock& refresh_clock() const { return clock_; }
+  void list_state(state::Visitor& list);
 
  private:
   enum class Step : std::uint8_t {
@@ -94,6 +95,7 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
     std::int64_t last_t = 0;  // t of the last block when it was found done
     bool stopped = false;     // given up
     bool waits = false;       // its block was given up, and an error block is to decide what follows
+    void list_state(state::Visitor& list);
   };
   struct Done {
     std::size_t block;

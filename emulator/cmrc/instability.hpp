@@ -8,6 +8,10 @@
 
 #include "plant/dock.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 class Instability {
@@ -39,6 +43,8 @@ class Instability {
     }
     return found;
   }
+
+  void list_state(state::Visitor& list);
 
  private:
   static constexpr int far = 1638;                // four fifths of the range: no motion that is planned asks for that both ways

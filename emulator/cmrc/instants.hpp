@@ -7,6 +7,10 @@
 #include "cmrc/bytes.hpp"
 #include "machine/time.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 using machine::Time;
@@ -32,6 +36,8 @@ class Instants {
   };
   /// In the order of time.
   std::vector<Some> in_order() const;
+
+  void list_state(state::Visitor& list);
 
   void put(Bytes& bytes) const;
   void take(BytesReader& bytes);

@@ -89,6 +89,7 @@ class Ledger {
   std::optional<JobKind> kind_of(std::size_t block) const;
   const std::string& name(JobKind kind) const { return names_.at(static_cast<std::size_t>(kind)); }
   const Audit& audit() const { return audit_; }
+  void list_state(state::Visitor& list);
 
  private:
   struct Parts {

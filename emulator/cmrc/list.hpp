@@ -7,6 +7,10 @@
 #include <stdexcept>
 #include <vector>
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 enum class Flag : std::uint8_t { waiting, taken, done };
@@ -78,6 +82,7 @@ class TaskList {
   const Block& operator[](std::size_t index) const { return blocks_[index]; }
   std::size_t size() const { return size_; }
   std::size_t capacity() const { return blocks_.size(); }
+  void list_state(state::Visitor& list);
 
  private:
   bool before(std::size_t a, std::size_t b) const;

@@ -11,6 +11,10 @@
 #include <optional>
 #include <vector>
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 class Liveness {
@@ -29,6 +33,7 @@ class Liveness {
     Verdict verdict;
   };
   std::vector<Finding> judge(std::int64_t refresh, std::int64_t limit);
+  void list_state(state::Visitor& list);
 
  private:
   enum class State : std::uint8_t { unknown, alive, reset };

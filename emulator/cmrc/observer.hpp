@@ -72,6 +72,7 @@ class RunObserver : public machine::Observer, public HostListener {
   std::uint64_t faults(unsigned slot) const { return slot < faults_.size() ? faults_[slot] : 0; }
   std::uint64_t resets(unsigned slot) const { return slot < resets_.size() ? resets_[slot] : 0; }
   const std::vector<report::BootReport>& boots(unsigned slot) const { return boots_.at(slot); }
+  void list_state(state::Visitor& list);
 
  private:
   struct Snapshot {

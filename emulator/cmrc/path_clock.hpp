@@ -7,6 +7,10 @@
 
 #include "cmrc/ti_float.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 class PathClock {
@@ -28,6 +32,7 @@ class PathClock {
     base_ = shown, from_ = rate_now, to_ = to, begin_ = refresh, ticks_ = ticks, used_ = true;
     change_ = ticks > 0 ? (to_ - from_) / static_cast<double>(ticks_) : 0;
   }
+  void list_state(state::Visitor& list);
   double target() const { return used_ ? to_ : 1; }
   /// The refresh at which its rate has come to the target.
   std::int64_t reached() const { return begin_ + ticks_; }

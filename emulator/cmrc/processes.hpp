@@ -61,6 +61,7 @@ class Processes {
   const Crane& crane() const { return crane_; }
   Fleet& fleet() { return fleet_; }
   const Fleet& fleet() const { return fleet_; }
+  void list_state(state::Visitor& list);
 
  private:
   /// A process that runs, or where one could.
@@ -73,6 +74,7 @@ class Processes {
     bool stopped = false;         // given up
     bool retired = false;         // its robot's work is over
   };
+  struct RunState;
   std::optional<unsigned> agv_in_spot() const;
   bool may_start(const Process& process, unsigned agv) const;
   const Process* next_of(Robots robot, unsigned agv) const;

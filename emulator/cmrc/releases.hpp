@@ -8,6 +8,10 @@
 #include "cmrc/process_table.hpp"
 #include "cmrc/words.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 /// The last refresh up to `tick` that is congruent to `phase` modulo `period`.
@@ -27,6 +31,7 @@ class RangeField {
   bool entered(Word millimetres, const Watch& watch);
   /// Nobody looks any more: the next reading has none before it.
   void forget() { last_.reset(); }
+  void list_state(state::Visitor& list);
 
   /// More than vehicle and object can come closer between two readings 50 ms apart.
   static constexpr std::int64_t jump_mm = 600;
@@ -64,6 +69,7 @@ class Release {
   void stop() { stopped_ = true; }
   void resume() { stopped_ = false; }
   bool stopped() const { return stopped_; }
+  void list_state(state::Visitor& list);
 
  private:
   const Subprocess* row_;

@@ -12,6 +12,10 @@
 #include "machine/machine.hpp"
 #include "report/why_late.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 using report::Time;
@@ -44,6 +48,7 @@ class Timeline {
 
   /// What a block waited for that could be claimed from `from` on and that slot `claimer` claimed at `to` (32: nobody did).
   Waiting explain(Time from, Time to, unsigned claimer) const;
+  void list_state(state::Visitor& list);
 
  private:
   struct State {

@@ -11,6 +11,10 @@
 #include "cmrc/timed_event.hpp"
 #include "cmrc/value.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 struct UserTask {
@@ -55,6 +59,7 @@ class UserTasks {
   /// ... and was released here, not by a process or sub-process of the table.
   bool owns(const Task& task) const { return is_one(task) && task.process == 0 && task.subprocess == 0; }
   const UserTask& row(const Task& task) const { return rows_.at(task.kind - words_.kind_user).task; }
+  void list_state(state::Visitor& list);
 
  private:
   struct Row {
@@ -63,6 +68,7 @@ class UserTasks {
     std::int64_t next;
     bool out = false;
     bool stopped = false;  // given up
+    void list_state(state::Visitor& list);
   };
   const Words& words_;
   std::vector<Row> rows_;

@@ -11,6 +11,10 @@
 #include "report/task_account.hpp"
 #include "report/why_late.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 /// The host's way through one refresh, to the instant at which the list was free again.
@@ -55,6 +59,7 @@ class WhyLate {
   std::uint64_t left_out() const { return left_out_; }
   /// The same summed.
   report::WhyLate summary(std::size_t kind, Audit& audit) const;
+  void list_state(state::Visitor& list);
 
  private:
   struct Chain {

@@ -6,6 +6,10 @@
 #include "plant/dock.hpp"
 #include "plant/wind.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 class WindWatch {
@@ -23,6 +27,7 @@ class WindWatch {
   /// Until now, to within a period.
   plant::Time watched() const { return samples_ * period; }
   plant::Time above() const { return samples_above_ * period; }
+  void list_state(state::Visitor& list);
 
  private:
   static constexpr plant::Time period{10'000'000'000};  // 10 ms

@@ -1,11 +1,17 @@
 #include "report/event_log.hpp"
 
+// The plain functions: a hash under way is saved and loaded as the numbers that it is, which EVP does not show.
+#define OPENSSL_SUPPRESS_DEPRECATED
 #include <fmt/format.h>
-#include <openssl/evp.h>
+#include <openssl/sha.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cstring>
 #include <stdexcept>
+
+#include "state/visitor.hpp"
 
 namespace report {
 namespace {
@@ -18,22 +24,36 @@ void check(int ok, const char* what) {
   if (ok != 1) throw std::runtime_error(fmt::format("libcrypto: {} failed", what));
 }
 
-using Context = std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)>;
+struct Sha256 {
+  SHA256_CTX context{};
 
-Context new_context() {
-  Context context(EVP_MD_CTX_new(), &EVP_MD_CTX_free);
-  if (!context) throw std::bad_alloc();
-  return context;
-}
-
-std::string finished(EVP_MD_CTX* context) {
-  unsigned char digest[EVP_MAX_MD_SIZE];
-  unsigned size = 0;
-  check(EVP_DigestFinal_ex(context, digest, &size), "EVP_DigestFinal_ex");
-  std::string text;
-  for (unsigned i = 0; i < size; ++i) text += fmt::format("{:02x}", digest[i]);
-  return text;
-}
+  Sha256() { check(SHA256_Init(&context), "SHA256_Init"); }
+  void update(const void* data, std::size_t size) { check(SHA256_Update(&context, data, size), "SHA256_Update"); }
+  std::string text() const {
+    SHA256_CTX copy = context;
+    std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
+    check(SHA256_Final(digest.data(), &copy), "SHA256_Final");
+    std::string text;
+    for (const unsigned byte : digest) text += fmt::format("{:02x}", byte);
+    return text;
+  }
+  void list_state(state::Visitor& list) {
+    std::array<SHA_LONG, 8> words = std::to_array(context.h);
+    std::array<SHA_LONG, 2> bits{context.Nl, context.Nh};
+    std::string begun(reinterpret_cast<const char*>(context.data), context.num);  // NOLINT: bytes of the block under way
+    list("words", words);
+    list("bits", bits);
+    list("begun", begun);
+    if (!list.loads()) return;
+    if (begun.size() >= SHA256_CBLOCK) throw state::StateError(fmt::format("the hash under way has {} bytes of a block; 0 to 63 are possible", begun.size()));
+    *this = Sha256();
+    std::ranges::copy(words, context.h);
+    context.Nl = bits[0];
+    context.Nh = bits[1];
+    context.num = static_cast<unsigned>(begun.size());
+    std::memcpy(context.data, begun.data(), begun.size());
+  }
+};
 
 bool comes_before(const Event& left, const Event& right) {
   return left.time != right.time ? left.time < right.time : left.component < right.component;
@@ -41,20 +61,12 @@ bool comes_before(const Event& left, const Event& right) {
 
 }  // namespace
 
-struct EventLog::Digest {
-  Context context = new_context();
-
-  Digest() { check(EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr), "EVP_DigestInit_ex"); }
-  void update(const void* data, std::size_t size) {
-    check(EVP_DigestUpdate(context.get(), data, size), "EVP_DigestUpdate");
-  }
-};
+struct EventLog::Digest : Sha256 {};
 
 std::string sha256(std::string_view text) {
-  const Context context = new_context();
-  check(EVP_DigestInit_ex(context.get(), EVP_sha256(), nullptr), "EVP_DigestInit_ex");
-  check(EVP_DigestUpdate(context.get(), text.data(), text.size()), "EVP_DigestUpdate");
-  return finished(context.get());
+  Sha256 digest;
+  digest.update(text.data(), text.size());
+  return digest.text();
 }
 
 EventLog::EventLog() : digest_(std::make_unique<Digest>()) { pending_.reserve(2 * batch); }
@@ -75,6 +87,11 @@ void EventLog::settle(Time time) {
   if (pending_.size() >= drain_at_) drain(settled_);
 }
 
+void EventLog::deliver(Time time) {
+  settled_ = std::max(settled_, time);
+  drain(settled_);
+}
+
 void EventLog::flush() { drain(Time::max()); }
 
 void EventLog::absorb(std::span<const std::byte> bytes) {
@@ -87,20 +104,15 @@ void EventLog::listen(EventSink& sink) {
   sinks_.push_back(&sink);
 }
 
-std::string EventLog::hash() const {
-  Context copy = new_context();
-  check(EVP_MD_CTX_copy_ex(copy.get(), digest_->context.get()), "EVP_MD_CTX_copy_ex");
-  return finished(copy.get());
-}
+std::string EventLog::hash() const { return digest_->text(); }
 
 std::string EventLog::hash_with(std::span<const std::byte> bytes) const {
   std::vector<Event> rest = pending_;
   std::ranges::stable_sort(rest, comes_before);
-  Context copy = new_context();
-  check(EVP_MD_CTX_copy_ex(copy.get(), digest_->context.get()), "EVP_MD_CTX_copy_ex");
-  check(EVP_DigestUpdate(copy.get(), rest.data(), rest.size() * sizeof(Event)), "EVP_DigestUpdate");
-  check(EVP_DigestUpdate(copy.get(), bytes.data(), bytes.size()), "EVP_DigestUpdate");
-  return finished(copy.get());
+  Digest copy = *digest_;
+  copy.update(rest.data(), rest.size() * sizeof(Event));
+  copy.update(bytes.data(), bytes.size());
+  return copy.text();
 }
 
 void EventLog::drain(Time until) {
@@ -115,6 +127,18 @@ void EventLog::drain(Time until) {
   pending_.erase(pending_.begin(), end);
   drain_at_ =
       pending_.size() + batch;  // each event is looked at a bounded number of times, however far chips run ahead
+}
+
+void EventLog::list_state(state::Visitor& list) {
+  if (!list.loads()) {
+    drain(settled_);
+    std::ranges::stable_sort(pending_, comes_before);
+  }
+  list("digest", static_cast<Sha256&>(*digest_));
+  list("pending", pending_);
+  list("settled", settled_);
+  list("count", count_);
+  if (list.loads()) drain_at_ = pending_.size() + batch;
 }
 
 }  // namespace report

@@ -8,6 +8,10 @@
 
 #include "report/event.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace report {
 
 /// 64 hexadecimal digits.
@@ -38,6 +42,8 @@ class EventLog {
   void settle(Time time);
   /// Hashes bytes of the final machine state after all events (calls `flush`).
   void absorb(std::span<const std::byte> bytes);
+  /// The same, and sinks hear at once what is settled.
+  void deliver(Time time);
   /// Settles everything that was added.
   void flush();
   /// SHA-256 of all that was settled so far, as 64 hexadecimal digits. May be asked at any time.
@@ -48,6 +54,9 @@ class EventLog {
   std::uint64_t count() const { return count_; }
   /// `sink` hears every event settled from now on; it must outlive the log. Changes nothing in the hash.
   void listen(EventSink& sink);
+  /// Settles first what may be settled, so that the state does not depend on when that was done last: sinks have then
+  /// heard every event before the last `settle`, and those of a log that is loaded hear the rest.
+  void list_state(state::Visitor& list);
 
  private:
   void drain(Time until);

@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <iterator>
 
+#include "state/visitor.hpp"
+
 namespace report {
 namespace {
 
@@ -70,6 +72,21 @@ Summary Distribution::summary() const {
   result.p99 = percentile(990);
   result.p99_9 = percentile(999);
   return result;
+}
+
+void Distribution::list_state(state::Visitor& list) {
+  list("counted", counted_);
+  list("sum", sum_);
+  list("samples", samples_);
+  list("bins", bins_);
+}
+
+void Starts::list_state(state::Visitor& list) {
+  list("newest", newest_);
+  list("count", count_);
+  list("smallest", smallest_);
+  list("largest", largest_);
+  list("squares", squares_);
 }
 
 void Starts::deviates(std::int64_t deviation) {

@@ -7,6 +7,10 @@
 #include <string>
 #include <vector>
 
+namespace state {
+class Visitor;
+}
+
 namespace report {
 
 /// An amount with its name, in a fixed order: cycles or picoseconds by cause.
@@ -44,6 +48,7 @@ class Distribution {
   void add(std::int64_t sample);
   std::uint64_t count() const { return counted_.count; }
   Summary summary() const;
+  void list_state(state::Visitor& list);
 
  private:
   std::int64_t percentile_of_bins(std::uint64_t per_mille) const;
@@ -73,6 +78,7 @@ class Starts {
   /// The start of the tick of that number, ps. Each tick has one; they may come out of order by less than `remembered` ticks.
   void add(std::int64_t tick, std::int64_t time);
   Jitter jitter() const;
+  void list_state(state::Visitor& list);
 
   static constexpr std::size_t remembered = 64;
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "state/visitor.hpp"
+
 namespace report {
 
 std::string name(Outcome outcome) {
@@ -115,5 +117,7 @@ std::vector<TaskReport> TaskAccount::report() const {
   }
   return reports;
 }
+
+void TaskAccount::list_state(state::Visitor& list) { list("kinds", kinds_); }
 
 }  // namespace report

@@ -56,6 +56,7 @@ class TaskAccount {
   Outcome add(const Job& job, Time now);
   /// Statistics of every kind.
   std::vector<TaskReport> report() const;
+  void list_state(state::Visitor& list);
 
  private:
   struct Kind {

@@ -15,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -44,6 +45,11 @@ inline constexpr bool is_array = false;
 template <class T, std::size_t n>
 inline constexpr bool is_array<std::array<T, n>> = true;
 
+template <class T>
+inline constexpr bool is_duration = false;
+template <class Rep, class Period>
+inline constexpr bool is_duration<std::chrono::duration<Rep, Period>> = true;
+
 /// Its bytes are its value: no padding, no pointer, nothing that is owned.
 template <class T>
 constexpr bool plain();
@@ -60,6 +66,7 @@ constexpr bool plain() {
   else if constexpr (std::is_same_v<T, long double> || std::is_pointer_v<T> || Lists<T>) return false;
   else if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>) return true;
   else if constexpr (is_array<T>) return plain<typename T::value_type>();
+  else if constexpr (is_duration<T>) return plain<typename T::rep>();  // the ticks alone
   else if constexpr (std::is_aggregate_v<T> && std::is_trivially_copyable_v<T> && !std::is_empty_v<T>)
     return std::has_unique_object_representations_v<T> && all_plain<decltype(members(std::declval<T&>()))>;
   else return false;
@@ -155,6 +162,11 @@ class Visitor {
       if (loads()) v[i] = bit;
     }
   }
+  /// Values that stand elsewhere; whoever lists them knows how many.
+  template <class T>
+  void other(std::span<T>& v) {
+    elements(v.data(), v.size());
+  }
   template <class T>
   void other(std::deque<T>& v) {
     const std::size_t n = count(v.size(), 1);
@@ -168,10 +180,15 @@ class Visitor {
     else if (v.size() != n) refuse("a list of " + std::to_string(n) + " parts, where there are " + std::to_string(v.size()));
   }
 
+  /// Whether there is one, which is said as a number of elements.
+  bool one(bool there) {
+    const std::size_t n = count(there ? 1 : 0, 1);
+    if (n > 1) refuse("more than one, where there is one or none");
+    return n == 1;
+  }
   template <class T>
   void other(std::optional<T>& v) {
-    bool there = v.has_value();
-    bytes(&there, sizeof there);
+    const bool there = one(v.has_value());
     if (loads() && there != v.has_value()) {
       if (!there) v.reset();
       else if constexpr (std::is_default_constructible_v<T>) v.emplace();
@@ -181,8 +198,7 @@ class Visitor {
   }
   template <class T>
   void other(std::unique_ptr<T>& v) {
-    bool there = v != nullptr;
-    bytes(&there, sizeof there);
+    const bool there = one(v != nullptr);
     if (loads() && there != (v != nullptr)) {
       if (!there) v.reset();
       else if constexpr (std::is_default_constructible_v<T>) v = std::make_unique<T>();

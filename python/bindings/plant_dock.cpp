@@ -5,6 +5,7 @@
 #include "plant/state.hpp"
 #include "python/bindings/ctrl_c.hpp"
 #include "python/bindings/plant.hpp"
+#include "python/bindings/state.hpp"
 
 using namespace plant;
 
@@ -206,6 +207,7 @@ void bind_dock(py::module_& m) {
       .def("snapshot", [](const Dock& d) { return std::make_shared<DockState>(*d.snapshot()); })
       .def("restore", &Dock::restore, py::arg("state"))
       .def("state_hash", &Dock::state_hash);
+  bind_state<Dock>(dock);
   bind_crane_devices(dock);
   bind_instruments(dock);
   bind_scanner(dock);

@@ -1,6 +1,7 @@
 #include <pybind11/stl.h>
 
 #include "python/bindings/bindings.hpp"
+#include "python/bindings/state.hpp"
 #include "report/event_log.hpp"
 #include "report/run_report.hpp"
 #include "report/task_account.hpp"
@@ -67,8 +68,9 @@ void bind_report(py::module_& core) {
       .def(py::init<>())
       .def_readonly("lines", &Recorder::lines);
 
-  py::class_<report::EventLog>(room, "EventLog", "Orders and hashes events.")
-      .def(py::init<>())
+  py::class_<report::EventLog> event_log(room, "EventLog", "Orders and hashes events.");
+  bind_state<report::EventLog>(event_log);
+  event_log.def(py::init<>())
       .def(
           "add",
           [](report::EventLog& log, std::int64_t time, unsigned component, unsigned kind,
@@ -118,12 +120,14 @@ void bind_report(py::module_& core) {
       },
       "samples"_a, "samples_max"_a = report::Distribution::usual_samples_max);
 
-  py::class_<report::TaskAccount>(room, "TaskAccount", "Books jobs under one outcome each.")
+  py::class_<report::TaskAccount> account(room, "TaskAccount", "Books jobs under one outcome each.");
+  bind_state<report::TaskAccount>(account);
+  account
       .def(py::init([](std::vector<std::string> kinds, std::vector<std::string> causes,
-                       const std::vector<std::int64_t>& periods) {
-             return report::TaskAccount(std::move(kinds), std::move(causes), periods_of(periods));
+                       const std::vector<std::int64_t>& periods, std::size_t samples_max) {
+             return report::TaskAccount(std::move(kinds), std::move(causes), periods_of(periods), samples_max);
            }),
-           "kinds"_a, "causes"_a, "periods_ps"_a)
+           "kinds"_a, "causes"_a, "periods_ps"_a, "samples_max"_a = report::Distribution::usual_samples_max)
       .def("add", &add_job, "kind"_a, "progress"_a, py::kw_only(), "released"_a, "deadline"_a = py::none(),
            "claimed"_a = 0, "finished"_a = 0, "now"_a = 0, "tick"_a = py::none(),
            "causes"_a = std::vector<std::int64_t>{});

@@ -1,0 +1,44 @@
+#pragma once
+// State as bytes for Python. A state has no version of its own: it is for builds of the same layout alone.
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <string>
+#include <string_view>
+
+#include "state/archive.hpp"
+
+template <class T>
+pybind11::bytes state_bytes(const T& object) {
+  return state::save(object);
+}
+
+// ValueError, if this is no state of it; the object is then in no usable state.
+template <class T>
+void load_state(T& object, const pybind11::bytes& bytes) {
+  const std::string_view text = bytes;
+  try {
+    state::load(object, text);
+  } catch (const state::StateError& error) {
+    throw pybind11::value_error("these " + std::to_string(text.size()) + " bytes are no snapshot of this version: " + error.what());
+  }
+}
+
+// A list of (path, offset, size): where each value stands in state_bytes.
+template <class T>
+pybind11::list state_leaves(const T& object) {
+  state::Lister lister;
+  const_cast<T&>(object).list_state(lister);  // NOLINT: a lister only reads
+  pybind11::list all;
+  for (const state::Leaf& leaf : lister.leaves()) all.append(pybind11::make_tuple(leaf.path, leaf.offset, leaf.size));
+  return all;
+}
+
+// `class_` gets _state, _load_state, _state_leaves, and _state_difference(other): the first value that differs, or None.
+template <class T, class Class>
+void bind_state(Class& class_) {
+  class_.def("_state", &state_bytes<T>)
+      .def("_load_state", &load_state<T>, pybind11::arg("state"))
+      .def("_state_leaves", &state_leaves<T>)
+      .def("_state_difference", &state::difference<T>, pybind11::arg("other"));
+}
