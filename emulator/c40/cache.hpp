@@ -9,6 +9,7 @@
 #include <span>
 
 #include "c40/types.hpp"
+#include "state/visitor.hpp"
 
 namespace c40 {
 
@@ -65,6 +66,12 @@ class Cache {
   }
 
   friend bool operator==(const Cache&, const Cache&) = default;
+  void list_state(state::Visitor& list) {
+    list("words", words_);
+    list("present", present_);
+    list("start", start_);
+    list("order", order_);
+  }
 
  private:
   static constexpr Address nowhere = ~Address{0};  // no segment begins there: a start address has 27 bits

@@ -210,5 +210,6 @@ const State& Chip::state() const {
   return engine_->state();
 }
 const Memory& Chip::memory() const { return engine_->memory(); }
+void Chip::list_state(state::Visitor& list) { engine_->list_state(list); }
 
 }  // namespace c40

@@ -208,6 +208,8 @@ class Chip {
 
   const State& state() const;
   const Memory& memory() const;
+  /// All that its future depends on, memory included; not who listens, nor breakpoints. Between runs.
+  void list_state(state::Visitor& list);
 
  private:
   std::unique_ptr<Engine> engine_;

@@ -8,6 +8,8 @@
 #include <ratio>
 #include <stdexcept>
 
+#include "state/visitor.hpp"
+
 namespace c40 {
 
 using Time = std::chrono::duration<std::int64_t, std::pico>;
@@ -53,6 +55,12 @@ class Clock {
 
   constexpr double hertz() const { return 1e12 * static_cast<double>(per_) / static_cast<double>(period_); }
 
+  void list_state(state::Visitor& list) {
+    list("phase", phase_);
+    list("period", period_);
+    list("per", per_);
+  }
+
  private:
   __extension__ using Wide = __int128;
   static constexpr std::int64_t picoseconds_per_second = 1'000'000'000'000;
@@ -96,6 +104,10 @@ class PacedClock {
   constexpr void change(Ticks first, const Skew& skew, std::int64_t num, std::int64_t den) {
     clock_ = Skew{skew.ppm, at(first)}.clock(num, den);
     first_ = first;
+  }
+  void list_state(state::Visitor& list) {
+    list("clock", clock_);
+    list("first", first_);
   }
 
  private:

@@ -80,6 +80,7 @@ class Engine {
   bool waits_in_idle() const;
   bool dma_active() const { return dma_active_; }
   void settle_counts();
+  void list_state(state::Visitor& list);
   /// The state may be changed from outside after this.
   State& touch();
   /// All but causes, instructions and pipeline are up to date at any time; those after settle_counts().

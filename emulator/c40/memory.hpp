@@ -75,6 +75,7 @@ class Memory {
     Resource resource = Resource::ideal;
     int read_waits = 0, write_waits = 0, page_waits = 0;
     Word* data = nullptr;  ///< null unless RAM or ROM
+    bool made = false;     ///< a page of a flat board, made when it was first asked for
 
     bool contains(Address address) const { return address - base < words; }
     Word* code_map() const { return data + words; }
@@ -109,12 +110,16 @@ class Memory {
   const Area* find(Address address) const;
   const std::vector<std::unique_ptr<Area>>& areas() const { return areas_; }
 
+  /// The contents. At load no word may be marked as code.
+  void list_state(state::Visitor& list);
+
  private:
   struct Free {
     void operator()(Word* words) const;
   };
   const Area* add(Area area);
   const Area* make_flat_page(Address address);
+  void forget_flat_pages();
 
   bool flat_;
   std::uint64_t flat_words_max_, flat_words_ = 0;

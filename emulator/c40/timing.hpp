@@ -15,6 +15,7 @@
 
 #include "c40/timing_parameters.hpp"
 #include "c40/types.hpp"
+#include "state/visitor.hpp"
 
 namespace c40 {
 
@@ -100,6 +101,13 @@ class Pipeline {
   std::uint64_t hash() const;
   /// Of the next instruction, relative to T.
   int earliest_fetch() const { return fetch_ready_; }
+  void list_state(state::Visitor& list) {
+    list("fetch ready", fetch_ready_);
+    list("read entered", read_entered_);
+    list("ready", ready_);
+    list("ports", ports_);
+    list("buses", buses_);
+  }
 
  private:
   struct Bus {

@@ -43,6 +43,10 @@ void declare_run(CLI::App& app, RunOptions& options) {
                  "Where the DSPs' cycles went, per task kind, routine and source line; into FILE (.json: as JSON), or after the report")
       ->type_name("[FILE]")
       ->expected(0, 1);
+  app.add_option("--snapshot-at", options.snapshots, "Write the run as it is after S simulated s, to be resumed; may be given several times")
+      ->type_name("S:FILE")
+      ->allow_extra_args(false);
+  app.add_option("--resume", options.resume, "Go on from a snapshot; the configuration is the snapshot's (docs/snapshots.md)")->type_name("FILE");
   app.add_flag("--strict", options.strict, "Exit with status 1 when a deadline was missed");
   app.add_flag("--quiet", options.quiet, "No progress line and no report on the terminal");
 }

@@ -41,6 +41,8 @@ struct RunOptions {
   std::optional<std::string> trace_window;   ///< A:B in seconds
   std::vector<unsigned> trace_instructions;  ///< slots whose instructions are traced too
   bool trace_labels = false;                 ///< instruction traces name labels, not addresses
+  std::vector<std::string> snapshots;        ///< S:FILE
+  std::optional<std::string> resume;
 };
 
 /// The configuration of a run, printed instead of run.

@@ -11,6 +11,7 @@
 #include "cli/options.hpp"
 #include "cli/progress_line.hpp"
 #include "cli/settings.hpp"
+#include "cli/snapshots.hpp"
 #include "cmrc/simulation.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
@@ -66,14 +67,40 @@ void check(const RunOptions& options, const cmrc::Config& config) {
     if (slot >= config.machine.dsps)
       throw InputError(
           fmt::format("--trace-instructions: there is no DSP {}; 0 to {} are", slot, config.machine.dsps - 1));
+  if (options.profile && (options.resume || !options.snapshots.empty()))
+    throw InputError("--profile: a run with a profile has no snapshots; --resume and --snapshot-at go without it");
+}
+
+void resume(cmrc::Simulation& simulation, const cmrc::Snapshot& snapshot, const std::string& file, const std::vector<SnapshotRequest>& requests) {
+  if (!requests.empty() && requests.front().at < snapshot.time())
+    throw InputError(fmt::format("--snapshot-at: {} s has passed; {} goes on from {} s", report::seconds(requests.front().at), file, report::seconds(snapshot.time())));
+  try {
+    simulation.restore(snapshot);
+  } catch (const cmrc::SnapshotError& error) {
+    throw InputError(fmt::format("{}: {}", file, error.what()));
+  }
+}
+
+/// How many of them it has come to.
+std::size_t run_to_snapshots(cmrc::Simulation& simulation, const std::vector<SnapshotRequest>& requests, const std::function<bool(const cmrc::Progress&)>& show) {
+  for (std::size_t n = 0; n < requests.size(); ++n) {
+    simulation.run(show, cmrc::Simulation::usual_slice, requests[n].at);
+    if (simulation.time() != requests[n].at) return n;
+    write_snapshot(requests[n].file, simulation.snapshot());
+  }
+  return requests.size();
 }
 
 }  // namespace
 
 int run(const RunOptions& options) {
-  const cmrc::Config config = build_config(options);
+  const std::optional<cmrc::Snapshot> resumed = options.resume ? std::optional(read_snapshot(*options.resume)) : std::nullopt;
+  const cmrc::Config config = configuration(options, resumed);
   check(options, config);
+  const std::vector<SnapshotRequest> snapshots = snapshot_requests(options, config);
   io::FileRoles files = files_read(options, config);
+  files.reads("--resume", options.resume.value_or(""));
+  for (const SnapshotRequest& snapshot : snapshots) files.writes("--snapshot-at", snapshot.file);
   files.writes("--report", options.report.value_or("")).writes("--profile", options.profile.value_or("")).writes("--trace", options.trace.value_or(""));
   for (const unsigned slot : options.trace_instructions) files.writes("--trace-instructions", instruction_file(options, slot));
   const report::Window window = options.trace_window ? parse_window(*options.trace_window) : report::Window{};
@@ -93,14 +120,18 @@ int run(const RunOptions& options) {
   if (trace) simulation.listen(*trace);
   if (options.profile) simulation.profile();
   InstructionFiles instructions(options, window, simulation);
+  if (resumed) resume(simulation, *resumed, *options.resume, snapshots);
 
   const io::StopBySignal signals;
+  std::size_t written = 0;
   {
     ProgressLine line(Time(std::llround(config.run.duration_s * 1e12)), !options.quiet);
-    simulation.run([&line](const cmrc::Progress& progress) {
+    const auto show = [&line](const cmrc::Progress& progress) {
       line.show(progress.simulated, progress.misses);
       return true;
-    });
+    };
+    written = run_to_snapshots(simulation, snapshots, show);
+    simulation.run(show);
   }
   const report::RunReport report = simulation.report_so_far();
   if (report_file) {
@@ -119,7 +150,11 @@ int run(const RunOptions& options) {
       profile_file->commit();
     }
   }
-  return simulation.interrupted() ? signals.status(success) : simulation.exit_status();
+  if (simulation.interrupted()) return signals.status(success);
+  for (const SnapshotRequest& missed : std::span(snapshots).subspan(written))
+    io::print(stderr, "--snapshot-at: {} is not written; the run was over at {} s, before {} s\n", missed.file, report::seconds(simulation.time()),
+                    report::seconds(missed.at));
+  return written < snapshots.size() ? run_failed : simulation.exit_status();
 }
 
 }  // namespace cli

@@ -41,13 +41,13 @@ void add_setting(cmrc::ConfigBuilder& builder, const std::string& text) {
   builder.set(text.substr(0, equals), parse_value(text.substr(equals + 1)), {.name = "--set"});
 }
 
+}  // namespace
+
 std::optional<report::Time> parse_seconds(std::string_view text) {
   const auto seconds = parse<double>(text);
   if (!seconds || !(*seconds >= 0) || *seconds > 1e6) return std::nullopt;
   return report::Time(std::llround(*seconds * 1e12));
 }
-
-}  // namespace
 
 cmrc::Config build_config(const RunOptions& options) {
   cmrc::ConfigBuilder builder;

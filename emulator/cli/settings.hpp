@@ -1,6 +1,8 @@
 #pragma once
 // Flags as settings of the configuration.
+#include <optional>
 #include <string>
+#include <string_view>
 
 #include "cli/options.hpp"
 #include "cmrc/config.hpp"
@@ -14,6 +16,9 @@ cmrc::Config build_config(const RunOptions& options);
 
 /// The files that the configuration comes from, so that no output replaces one of them.
 io::FileRoles files_read(const RunOptions& options, const cmrc::Config& config);
+
+/// A number of seconds, at least 0; nothing for anything else.
+std::optional<report::Time> parse_seconds(std::string_view text);
 
 /// "A:B" in seconds; either may be left out. \throws InputError.
 report::Window parse_window(const std::string& text);

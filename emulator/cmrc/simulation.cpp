@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <sstream>
 
 #include "bus_model/bus.hpp"
 #include "c40/chip.hpp"
@@ -20,10 +21,12 @@
 #include "cmrc/run_profile.hpp"
 #include "cmrc/setup.hpp"
 #include "cmrc/words.hpp"
+#include "io/input_file.hpp"
 #include "io/stop.hpp"
 #include "machine/board_file.hpp"
 #include "machine/machine.hpp"
 #include "plant/dock.hpp"
+#include "state/archive.hpp"
 #include "toolchain/assembler.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/source_map.hpp"
@@ -121,6 +124,37 @@ toolchain::Image dsp_image(const Config& config) {
   return image;
 }
 
+namespace {
+
+/// What two runs must have in common for the one to go on from the other's snapshot.
+std::string key_of(Config config) {
+  config.run.turn_order = 0;
+  return to_toml(config);
+}
+
+/// Of the DSPs' program, and of the files that a configuration names.
+std::string digest_of_files(const Config& config, const toolchain::Image& image) {
+  std::string all;
+  for (const auto& section : image.sections) {
+    all += fmt::format("{} {:X} {:X} ", section.name, section.address, section.words.size());
+    all.append(reinterpret_cast<const char*>(section.words.data()), section.words.size() * sizeof(Word));  // NOLINT: bytes of words
+  }
+  if (!config.dock.layout.empty()) all += io::read_input(config.dock.layout).text;
+  if (config.machine.board != "default") all += io::read_input(config.machine.board).text;
+  return report::sha256(all);
+}
+
+/// The first line that is in one of them only.
+std::string first_other_line(std::string_view one, std::string_view other) {
+  std::istringstream a{std::string(one)}, b{std::string(other)};
+  std::string table, line, beside;
+  while (std::getline(a, line) && std::getline(b, beside) && line == beside)
+    if (line.starts_with('[')) table = line + " ";
+  return fmt::format("{}{}, here {}", table, line, beside);
+}
+
+}  // namespace
+
 class Simulation::Parts {
  public:
   Parts(const Config& given, std::shared_ptr<Course> recorded, std::shared_ptr<const Reference> ideal)
@@ -147,6 +181,26 @@ class Simulation::Parts {
     for (const TimedEvent& event : config.events) {
       if (event.action == "set") host.change(duration_of(event.at_s), event);
     }
+  }
+
+  /// What lasts of a run; the ideal run and what was measured against it is made anew.
+  void list_state(state::Visitor& list) {
+    list("events", config.events);
+    list("given events", given_config.events);
+    list("machine", machine);
+    list("dock", dock);
+    list("host", host);
+    list("ledger", ledger);
+    list("observer", observer);
+    list("log", log);
+    list("course", *course);
+    list("last alive", last_alive);
+    list("last driven", last_driven);
+    list("enabled", enabled);
+    list("account end", account_end);
+    list("after end", after_end);
+    list("stop", stop);
+    list("stopped by", stopped_by);
   }
 
   Ledger::Told told() const {
@@ -249,6 +303,13 @@ class Simulation::Parts {
     return made;
   }
 
+  std::string files() const { return digest_of_files(given_config, image); }
+
+  /// The run has one, and no other run.
+  void require_no_profile(const char* call) const {
+    if (profile) throw std::logic_error(fmt::format("Simulation::{}: a run with a profile has no snapshots, what it has counted would be lost; make the run without", call));
+  }
+
   void connect_traces() {
     for (const auto& [slot, sink] : traces) {
       if (profile) profile->trace(slot, sink);
@@ -257,6 +318,8 @@ class Simulation::Parts {
   }
 
   Config given_config;
+  Config original_config = given_config;  // before Simulation::at has added to it
+  std::string snapshot_key = key_of(given_config);
   Config config;
   std::shared_ptr<const Reference> given_reference;
   std::unique_ptr<ReferenceRun> ideal_run;
@@ -351,11 +414,11 @@ void Simulation::run_until(report::Time time) {
   parts_->elapsed += std::chrono::steady_clock::now() - began;
 }
 
-void Simulation::run(const std::function<bool(const Progress&)>& on_progress, report::Time slice) {
+void Simulation::run(const std::function<bool(const Progress&)>& on_progress, report::Time slice, report::Time until) {
   parts_->resume();
   if (!ended()) parts_->begin_reference();
-  while (!ended()) {
-    run_until(parts_->now() + slice);
+  while (!ended() && parts_->now() < until) {
+    run_until(std::min(parts_->now() + slice, until));
     bool go_on = !io::stop_asked();
     if (go_on && on_progress) go_on = on_progress({parts_->now(), parts_->end, static_cast<unsigned>(parts_->dock.delivered()), parts_->ledger.misses()});
     if (!go_on && !ended()) {
@@ -363,7 +426,44 @@ void Simulation::run(const std::function<bool(const Progress&)>& on_progress, re
       return;
     }
   }
-  parts_->log.flush();
+  if (ended()) parts_->log.flush();
+}
+
+Snapshot Simulation::snapshot() {
+  Parts& p = *parts_;
+  p.require_no_profile("snapshot");
+  if (p.now() > settling) p.log.deliver(p.now() - settling);
+  return {p.now(), p.snapshot_key, p.files(), state::save(p)};
+}
+
+void Simulation::restore(const Snapshot& snapshot) {
+  Parts& p = *parts_;
+  p.require_no_profile("restore");
+  if (snapshot.configuration() != p.snapshot_key)
+    throw SnapshotError(fmt::format("the snapshot is of another configuration: {}", first_other_line(snapshot.configuration(), p.snapshot_key)));
+  if (snapshot.files() != p.files())
+    throw SnapshotError("the snapshot is of another program, layout or board: the files that the configuration names have changed since");
+  const std::string before = state::save(p);
+  try {
+    state::load(p, snapshot.state());
+  } catch (const state::StateError& error) {
+    state::load(p, before);
+    throw SnapshotError(fmt::format("the snapshot is of another version of the emulator: {}", error.what()));
+  }
+  p.ideal_run.reset();
+  p.reference_problem.clear();
+  p.errors.reset();
+}
+
+std::optional<std::string> Simulation::difference(const Simulation& other) const { return state::difference(*parts_, *other.parts_); }
+
+std::unique_ptr<Simulation> Simulation::fork() {
+  const Snapshot now = snapshot();
+  const Parts& p = *parts_;
+  const bool same_ideal = p.given_reference && p.given_reference->key == reference_key(p.original_config);
+  auto other = std::make_unique<Simulation>(p.original_config, same_ideal ? p.given_reference : nullptr);
+  other->restore(now);
+  return other;
 }
 
 report::RunReport Simulation::report() const {

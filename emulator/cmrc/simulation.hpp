@@ -8,6 +8,7 @@
 
 #include "cmrc/config.hpp"
 #include "cmrc/measures.hpp"
+#include "cmrc/snapshot.hpp"
 #include "report/event_log.hpp"
 #include "report/profile_report.hpp"
 #include "report/run_report.hpp"
@@ -65,9 +66,12 @@ class Simulation {
   /// A further event, not before the present time. \throws ConfigError, also when it contradicts those that are still to come
   void at(const TimedEvent& event);
 
+  static constexpr report::Time usual_slice = std::chrono::milliseconds{20};
   /// Runs to the end of the configured duration. `on_progress` is called about every `slice` of simulated time; false stops the run
-  /// cleanly (stop reason: interrupted), and so does io::stop_asked(). May be called again: it goes on where it stopped.
-  void run(const std::function<bool(const Progress&)>& on_progress = {}, report::Time slice = std::chrono::milliseconds{20});
+  /// cleanly (stop reason: interrupted), and so does io::stop_asked(). May be called again: it goes on where it stopped. With `until` it
+  /// stops there, and the run is not over.
+  void run(const std::function<bool(const Progress&)>& on_progress = {}, report::Time slice = usual_slice,
+           report::Time until = report::Time::max());
   /// Runs until `time`, or the end of the duration if that is earlier; less far when io::stop_asked().
   void run_until(report::Time time);
   bool ended() const;
@@ -90,6 +94,17 @@ class Simulation {
   JobsByRobot jobs() const;
   /// What `--strict` asks: completed, no deadline missed, no error that had to be handled.
   bool strictly_good() const;
+  /// The run as it is now. What listeners have not heard by then (the events of the last millisecond) they hear before.
+  /// \throws std::logic_error with profile(): what was counted would be lost
+  Snapshot snapshot();
+  /// The run is as it was at the snapshot. Listeners and traces stay; they hear what comes after it.
+  /// \throws SnapshotError when it is another configuration's or another version's; then nothing has changed
+  void restore(const Snapshot& snapshot);
+  /// The first value of the state in which it differs from another run, "machine.dsps.0.chip.pc: ..."; none: they are alike.
+  std::optional<std::string> difference(const Simulation& other) const;
+  /// Another run with the same past.
+  std::unique_ptr<Simulation> fork();
+
   /// Exit status of rulings 24 and 36: 0, or 1.
   int exit_status() const;
 

@@ -34,6 +34,7 @@ class Devices final : public pci::Target {
   };
   std::vector<Stretch> stretches() const;
   void append_state(std::vector<std::uint64_t>& words) const;
+  void list_state(state::Visitor& list) { list("commands", commands_); }
 
   pci::Answer answer(pci::Address offset, unsigned words, bool write, const pci::Access& access) override;
   Word read(pci::Address offset, const pci::Access& access) override;

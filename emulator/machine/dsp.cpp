@@ -379,6 +379,29 @@ void Dsp::pace(Time now, std::int64_t parts_per_million) {
   set_next();
 }
 
+void Dsp::list_state(state::Visitor& list) {
+  list("clock", clock_);
+  list("chip", chip_);
+  list("sides", sides_);
+  list("underway", underway_);
+  list("state", state_);
+  list("broken", broken_);
+  list("answered", answered_);
+  list("edge waiting", edge_waiting_);
+  list("hang waiting", hang_waiting_);
+  list("next", next_);
+  list("own next", own_next_);
+  list("edge", edge_);
+  list("reset", reset_);
+  list("access", access_);
+  list("port access", port_access_);
+  list("answer", answer_);
+  list("arbitration", arbitration_);
+  list("transfer", transfer_);
+  list("fault", fault_);
+  list("statistics", statistics_);
+}
+
 void Dsp::append_state(std::vector<std::uint64_t>& words) const {
   for (unsigned code = 0; code < 32; ++code) words.push_back(chip_.register_value(static_cast<isa::Register>(code)));
   words.push_back(chip_.pc());

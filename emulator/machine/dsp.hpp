@@ -75,6 +75,7 @@ class Dsp {
   /// A word that it posted has come through the last bridge between buses to its target.
   void delivered(unsigned bus, pci::Address address, pci::Clocks clock, pci::Result result);
   void append_state(std::vector<std::uint64_t>& words) const;
+  void list_state(state::Visitor& list);
   /// Counts idle and halted cycles up to `now`.
   void settle(Time now);
 
@@ -109,6 +110,7 @@ class Dsp {
     void landed(const pci::Posted& posted, pci::Clocks clock, pci::Result) override {
       dsp.landed(*this, posted, clock);
     }
+    void list_state(state::Visitor& list) { bridge.list_state(list); }
     Dsp& dsp;
     unsigned bus;
     pci::Bridge bridge;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "machine/machine.hpp"
+#include "state/visitor.hpp"
 
 namespace machine {
 
@@ -28,6 +29,10 @@ class Guard {
   std::optional<Word> take_refusal(unsigned slot, Offset offset, Word value);
   /// The DSP was reset or pulled.
   void forget(unsigned slot) { bound_.at(slot).reset(); }
+  void list_state(state::Visitor& list) {
+    list("bound", bound_);
+    list("refusals", refusals_);
+  }
   Word list_semaphore() const { return list_semaphore_; }
 
   static constexpr Word no_task = 0xFFFFFFFF;

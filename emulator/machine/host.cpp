@@ -48,6 +48,22 @@ void Host::process(Time now) {
   set_next(now);
 }
 
+void Host::list_state(state::Visitor& list) {
+  list("bridges", bridges_);
+  list("next", next_);
+  list("read done", read_done_);
+  list("paused until", paused_until_);
+  list("written", written_);
+  list("cpu", cpu_);
+  list("waiting", waiting_);
+  list("first waiting", first_waiting_);
+  list("acting", acting_);
+  list("tag", tag_);
+  list("read offset", read_offset_);
+  list("words wanted", words_wanted_);
+  list("words read", words_read_);
+}
+
 Time Host::earliest_action(Time woken) const {
   const Time bus = next_bus_event();
   // A program that waits for words wakes with its bus's next event at the earliest; then its write has to cross the

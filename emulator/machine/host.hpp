@@ -28,6 +28,8 @@ class Host final : public HostPort, public pci::Bridge::Client {
   /// The processor stands still until then; what it has posted goes on.
   void pause(Time until);
 
+  void list_state(state::Visitor& list);
+
   /// Nothing that it has posted or will post can act on a DSP before this (a lower bound, never earlier than `now`). It may be woken at `woken`.
   Time earliest_action(Time woken) const;
 

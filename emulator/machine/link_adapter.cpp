@@ -128,6 +128,11 @@ std::vector<std::string> LinkAdapter::audit() const {
   return faults;
 }
 
+void LinkAdapter::list_state(state::Visitor& list) {
+  list("ports", ports_);
+  list("requests", requests_);
+}
+
 void LinkAdapter::append_state(std::vector<std::uint64_t>& words) const {
   words.push_back(requests_);
   for (const Port& port : ports_) {

@@ -53,6 +53,7 @@ class LinkAdapter final : public pci::Target {
   /// For every link: what was written = read + in FIFOs + under way + lost + discarded. Empty unless the model has a fault.
   std::vector<std::string> audit() const;
   void append_state(std::vector<std::uint64_t>& words) const;
+  void list_state(state::Visitor& list);
 
   pci::Answer answer(pci::Address offset, unsigned words, bool write, const pci::Access& access) override;
   unsigned most(pci::Address offset, unsigned words, bool write, const pci::Access& access) override;
@@ -68,6 +69,13 @@ class LinkAdapter final : public pci::Target {
     c40::CommPort port;
     std::optional<c40::Link> link;
     bool plugged = true, broken = false;
+    void list_state(state::Visitor& list) {
+      list("port", port);
+      list("link", *link);
+      list("plugged", plugged);
+      list("broken", broken);
+      list("closed", closed);
+    }
     bool closed = false;  // since a reset, until the host clears the bit of LINK_REQUEST: words of an older stream are ignored
   };
   void join(Port& port, Time now);

@@ -517,6 +517,25 @@ std::vector<Word> Machine::boot_stream(unsigned slot) const {
                                         .local_interface_control = config.board.local_interface_control});
 }
 
+void Machine::list_state(state::Visitor& list) {
+  Parts& p = *parts_;
+  list("time", p.time);
+  list("script", p.config.script);
+  list("next scripted", p.next_scripted);
+  list("fence", p.fence.mask);
+  list("shared memory", p.sram.words());
+  list("registers", p.registers);
+  list("link adapter", p.adapter);
+  if (p.guard) list("guard", *p.guard);
+  if (p.devices) list("devices", *p.devices);
+  if (p.host) list("host", *p.host);
+  list("faults", p.around->faults);
+  list("in reset", p.around->in_reset);
+  list("buses", p.buses);
+  list("bridges", p.bridges);
+  list("dsps", p.dsps);
+}
+
 void Machine::append_state(std::vector<std::uint64_t>& words) const {
   words.push_back(static_cast<std::uint64_t>(parts_->time.count()));
   words.insert(words.end(), parts_->sram.words().begin(), parts_->sram.words().end());

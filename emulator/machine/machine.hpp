@@ -36,6 +36,9 @@ struct Transaction;
 namespace plant {
 class Dock;
 }
+namespace state {
+class Visitor;
+}
 namespace toolchain {
 struct Image;
 }
@@ -264,6 +267,8 @@ class Machine {
   /// SHA-256 is the report's business: this appends the machine's own final state (shared memory, devices' registers,
   /// links, each chip's registers and counters) as words.
   void append_state(std::vector<std::uint64_t>& words) const;
+  /// All that the machine's future depends on, but the dock and the host's program; between calls of run_until.
+  void list_state(state::Visitor& list);
 
  private:
   class Parts;

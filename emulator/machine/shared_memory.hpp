@@ -8,6 +8,7 @@
 #include "bus_model/bus.hpp"
 #include "machine/machine.hpp"
 #include "machine/symbols.hpp"
+#include "state/visitor.hpp"
 
 namespace machine {
 
@@ -68,6 +69,11 @@ class SharedRegisters final : public pci::Target {
   /// 0 nobody, DSP slot + 1, or host_owner.
   unsigned holder(unsigned number) const { return semaphores_.at(number).owner; }
   void append_state(std::vector<std::uint64_t>& words) const;
+  void list_state(state::Visitor& list) {
+    list("semaphores", semaphores_);
+    list("idle", idle_);
+    list("acted", acted_);
+  }
 
   pci::Answer answer(pci::Address offset, unsigned words, bool write, const pci::Access& access) override;
   Word read(pci::Address offset, const pci::Access& access) override;

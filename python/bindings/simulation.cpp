@@ -44,7 +44,8 @@ bool goes_on(const py::object& returned) {
 class Run {
  public:
   template <class... Arguments>
-  explicit Run(Arguments&&... arguments) : run_(std::forward<Arguments>(arguments)...) {}
+  explicit Run(Arguments&&... arguments) : simulation_(std::make_unique<cmrc::Simulation>(std::forward<Arguments>(arguments)...)) {}
+  explicit Run(std::unique_ptr<cmrc::Simulation> simulation) : simulation_(std::move(simulation)) {}
 
   cmrc::Simulation& change(const char* call) {
     user_.changes(call);
@@ -53,6 +54,13 @@ class Run {
   const cmrc::Simulation& read(const char* call) const {
     user_.reads(call);
     return run_;
+  }
+  /// What changes it, or would catch it between two states, and takes a moment.
+  template <class Work>
+  auto moment(const char* call, Work work) {
+    const OneUser::Long use(user_, call, false);
+    const py::gil_scoped_release released;
+    return work(run_);
   }
 
   void run(const py::object& on_progress, double slice_s) {
@@ -101,7 +109,8 @@ class Run {
   }
 
  private:
-  cmrc::Simulation run_;
+  std::unique_ptr<cmrc::Simulation> simulation_;
+  cmrc::Simulation& run_ = *simulation_;
   OneUser user_{"Simulation"};
 };
 
@@ -193,6 +202,15 @@ void bind_simulation(py::module_& m) {
   bind_dsp(m);
   py::class_<cmrc::Reference, std::shared_ptr<cmrc::Reference>>(m, "Reference", "An ideal run, for the runs that are measured against it.")
       .def_readonly("elapsed_s", &cmrc::Reference::elapsed_s);
+  py::register_exception<cmrc::SnapshotError>(m, "SnapshotError", PyExc_ValueError);
+  py::class_<cmrc::Snapshot>(m, "Snapshot", "A run at an instant; opaque.")
+      .def_property_readonly("time_s", [](const cmrc::Snapshot& s) { return report::seconds(s.time()); })
+      .def_property_readonly("configuration", &cmrc::Snapshot::configuration)
+      .def_property_readonly("state", [](const cmrc::Snapshot& s) { return py::bytes(s.state()); })
+      .def("to_bytes", [](const cmrc::Snapshot& s) { return py::bytes(s.to_bytes()); })
+      .def_static("from_bytes", [](const py::bytes& bytes) { return cmrc::Snapshot::from_bytes(std::string_view(bytes)); }, py::arg("bytes"))
+      .def(py::pickle([](const cmrc::Snapshot& s) { return py::bytes(s.to_bytes()); },
+                      [](const py::bytes& bytes) { return cmrc::Snapshot::from_bytes(std::string_view(bytes)); }));
   py::class_<Run, std::shared_ptr<Run>>(m, "Simulation", "One run, used by one thread at a time. Times in seconds.")
       .def(py::init<const cmrc::Config&>(), py::arg("config"))
       .def(py::init<const cmrc::Config&, std::shared_ptr<const cmrc::Reference>>(), py::arg("config"), py::arg("reference"))
@@ -201,6 +219,12 @@ void bind_simulation(py::module_& m) {
       .def("run", &Run::run, py::arg("on_progress") = py::none(), py::arg("slice_s") = 0.02,
            "Runs to the end; on_progress(simulated_s, duration_s) may return False to stop. Ctrl-C stops cleanly and raises KeyboardInterrupt.")
       .def("run_until", &Run::run_until, py::arg("time_s"))
+      .def("snapshot", [](Run& r) { return r.moment("snapshot", [](Simulation& s) { return s.snapshot(); }); })
+      .def("restore", [](Run& r, const cmrc::Snapshot& snapshot) { r.moment("restore", [&](Simulation& s) { s.restore(snapshot); }); }, py::arg("snapshot"))
+      .def("fork", [](Run& r) { return std::make_shared<Run>(r.moment("fork", [](Simulation& s) { return s.fork(); })); })
+      .def("difference", [](Run& r, const Run& other) {
+        return r.moment("difference", [&](Simulation& s) { return s.difference(other.read("difference")); });
+      }, py::arg("other"), "The first value in which the states of two runs differ, as text; None: they are alike.")
       .def("at", [](Run& r, const py::dict& fields) { r.change("at").at(event_of(fields)); }, py::arg("fields"),
            "A timed event: at_s, action and its fields (docs/configuration.md, [[events]]).")
       // A Dsp owns its run; pybind11 3.1's keep_alive<0, 1> crashes when an argument has a wrong type.

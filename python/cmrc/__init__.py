@@ -7,8 +7,9 @@ dock without DSPs. ``cmrc.limits`` and ``cmrc.compare`` run a configuration seve
 
 from cmrc import c40, network, plant
 from cmrc.result import Profile, Result
-from cmrc.simulation import ConfigError, Simulation, run
+from cmrc.simulation import ConfigError, Simulation, Snapshot, SnapshotError, read_snapshot, run, write_snapshot
 from cmrc.studies import Comparison, Limits, compare, limits
 from cmrc.table import Table
 
-__all__ = ["Comparison", "ConfigError", "Limits", "Profile", "Result", "Simulation", "Table", "c40", "compare", "limits", "network", "plant", "run"]
+__all__ = ["Comparison", "ConfigError", "Limits", "Profile", "Result", "Simulation", "Snapshot", "SnapshotError", "Table", "c40",
+           "compare", "limits", "network", "plant", "read_snapshot", "run", "write_snapshot"]

@@ -7,7 +7,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from cmrc import _core, arguments
+from cmrc import _core, arguments, files
 from cmrc.c40 import ChipState
 from cmrc.result import Profile, Result
 from cmrc.table import Table
@@ -17,6 +17,12 @@ ConfigError = _core.cmrc.ConfigError
 
 Reference = _core.cmrc.Reference
 """An ideal run (docs/report.md, Errors). Opaque."""
+
+Snapshot = _core.cmrc.Snapshot
+"""A run at an instant. Opaque; it can be pickled, and written by ``write_snapshot``."""
+
+SnapshotError = _core.cmrc.SnapshotError
+"""Raised for a snapshot that is damaged, or of another version, configuration or program. Says which."""
 
 Setting = bool | int | float | str
 Progress = Callable[[float, float], bool | None]
@@ -35,6 +41,22 @@ def configured(
     given = arguments.mapping("settings", settings, "a dictionary of keys and values, {\"machine.dsps\": 2},")
     rows = [arguments.mapping(f"events[{n}]", event, "a dictionary with the fields of [[events]]") for n, event in enumerate(arguments.items("events", events, "a list of dictionaries"))]
     return _core.cmrc.config(file=file, preset=name, settings={**given, **keywords}, events=rows)
+
+
+def write_snapshot(path: str | os.PathLike[str], snapshot: Snapshot) -> None:
+    """Writes a snapshot as ``emulator --resume`` reads it. Raises OSError."""
+    files.write(path, arguments.instance("snapshot", snapshot, Snapshot, "what Simulation.snapshot() gives").to_bytes())
+
+
+def read_snapshot(path: str | os.PathLike[str]) -> Snapshot:
+    """A snapshot from its file. Raises SnapshotError naming the file; OSError."""
+    name = arguments.path("path", path, "the path of a snapshot")
+    with open(name, "rb") as file:
+        content = file.read()
+    try:
+        return Snapshot.from_bytes(content)
+    except SnapshotError as error:
+        raise SnapshotError(f"{name}: {error}") from None
 
 
 class Dsp(ChipState):
@@ -108,6 +130,40 @@ class Simulation:
     def run_until(self, time_s: float) -> None:
         """Runs until that instant of virtual time, or the end of the duration. Raises ValueError for an instant that has passed."""
         self._core.run_until(arguments.number("time_s", time_s, "an instant of the run in s, at least 0,", 0.0))
+
+    def snapshot(self) -> Snapshot:
+        """The run as it is between two calls of ``run_until``: everything before ``time_s`` has happened (docs/snapshots.md).
+
+        Raises RuntimeError from inside a callback, and with ``profile``.
+        """
+        return self._core.snapshot()
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """The run is as it was at ``snapshot``, of this run or of another with the same configuration.
+
+        Raises SnapshotError for one of another configuration, program or version; then nothing has changed.
+        """
+        self._core.restore(arguments.instance("snapshot", snapshot, Snapshot, "what Simulation.snapshot() gives"))
+
+    def fork(self) -> Simulation:
+        """Another run with the same past. What is done to the one (``at``, ``dsp``) the other does not see."""
+        return self._around(self._core.fork(), self.config)
+
+    @classmethod
+    def resume(cls, snapshot: Snapshot | str | os.PathLike[str]) -> Simulation:
+        """A run that goes on from a snapshot or its file, with the snapshot's configuration. Raises SnapshotError, OSError."""
+        if not isinstance(snapshot, Snapshot):
+            snapshot = read_snapshot(snapshot)
+        config = _core.cmrc.config(toml=snapshot.configuration, name="snapshot")
+        resumed = cls._around(_core.cmrc.Simulation(config), config)
+        resumed.restore(snapshot)
+        return resumed
+
+    @classmethod
+    def _around(cls, core: _core.cmrc.Simulation, config: _core.cmrc.Config) -> Simulation:
+        made = cls.__new__(cls)
+        made._core, made.config, made._profiled = core, config, False
+        return made
 
     def result(self) -> Result:
         """The report and the signals of what has run so far; ``under_way`` where the run is not over."""

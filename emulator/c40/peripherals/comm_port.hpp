@@ -9,6 +9,7 @@
 #include <span>
 
 #include "c40/peripherals/fields.hpp"
+#include "state/visitor.hpp"
 
 namespace c40 {
 
@@ -42,6 +43,10 @@ class Fifo {
   Word level() const { return full() ? 15 : count_; }
 
   friend bool operator==(const Fifo&, const Fifo&) = default;
+  void list_state(state::Visitor& list) {
+    list("words", words_);
+    list("count", count_);
+  }
 
  private:
   std::array<Word, depth> words_{};  ///< those behind the last are 0

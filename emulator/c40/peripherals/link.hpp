@@ -117,16 +117,8 @@ class Link {
 
   LinkListener* listener_of_events = nullptr;
 
-  /// Calls visit(name, field) for every field of the link's own state; the ports' are in the chips'.
-  template <class Visit>
-  void visit_state(Visit&& visit) {
-    visit("now", now_), visit("cut", cut_), visit("action", action_), visit("action_side", action_side_);
-    visit("begins", begins_), visit("ends", ends_at_);
-    for (End& end : ends_) {
-      visit("views", end.views), visit("seen", end.seen), visit("requested", end.requested), visit("has_sent", end.has_sent);
-      visit("arriving", end.arriving), visit("counters", end.counters);
-    }
-  }
+  /// The link's own; the ports' is in the chips'.
+  void list_state(state::Visitor& list);
 
  private:
   /// What the link has seen of a side's port so far.
@@ -159,6 +151,7 @@ class Link {
     void about_to_reset(Cycles at) override;
     void was_reset(const CommPort& side, Cycles at) override;
     bool wants() const;
+    void list_state(state::Visitor& list);
   };
   enum class Action : std::uint8_t { none, word, token };
 

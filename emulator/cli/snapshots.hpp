@@ -1,0 +1,30 @@
+#pragma once
+// --snapshot-at and --resume: a run written to a file on the way, and gone on with from one (docs/snapshots.md).
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/options.hpp"
+#include "cmrc/config.hpp"
+#include "cmrc/snapshot.hpp"
+#include "io/file_roles.hpp"
+
+namespace cli {
+
+struct SnapshotRequest {
+  report::Time at{};
+  std::string file;
+};
+
+/// What --snapshot-at asks for, by time. \throws InputError, also for an instant that is not within the run
+std::vector<SnapshotRequest> snapshot_requests(const RunOptions& options, const cmrc::Config& config);
+
+/// \throws InputError naming the file
+cmrc::Snapshot read_snapshot(const std::string& file);
+void write_snapshot(const std::string& file, const cmrc::Snapshot& snapshot);
+
+/// The configuration of a run: the flags'; of one that is resumed, the snapshot's, unless flags say another (which is refused
+/// when the run is restored).
+cmrc::Config configuration(const RunOptions& options, const std::optional<cmrc::Snapshot>& resumed);
+
+}  // namespace cli

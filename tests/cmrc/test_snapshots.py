@@ -1,0 +1,254 @@
+"""Snapshots of runs: going on from one is the same as never having stopped (docs/snapshots.md)."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import random
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import cmrc
+import pytest
+from cmrc import _core
+from locations import AT_ONCE, BUILD
+
+EMULATOR = BUILD / "bin" / "emulator"
+core = _core.cmrc
+SCENES: dict[str, dict[str, Any]] = {
+    "booting": {"dsps": 2, "duration_s": 0.06, "report.reference": "none"},
+    "at_once": {"dsps": 4, "duration_s": 0.06, "report.reference": "none", **AT_ONCE},
+    "heavy": {"dsps": 2, "preset": "heavy", "duration_s": 0.06, "report.reference": "none", "agvs": 2, **AT_ONCE},
+    "gantry": {"dsps": 3, "crane": "gantry", "duration_s": 0.05, "report.reference": "none", **AT_ONCE},
+    "one_bus": {"dsps": 3, "topology": "single", "duration_s": 0.05, "report.reference": "none", **AT_ONCE},
+}
+EVENTS: dict[str, list[dict[str, Any]]] = {
+    "at_once": [{"at_s": 0.021, "action": "fail", "dsp": 1}, {"at_s": 0.03, "action": "slow", "dsp": 0, "factor": 0.7}],
+    "heavy": [{"at_s": 0.02, "action": "hang", "dsp": 0}, {"at_s": 0.035, "action": "stall_bus", "bus": "A", "lasts_ms": 0.3}],
+    "gantry": [{"at_s": 0.0213, "action": "unplug", "dsp": 2}, {"at_s": 0.0307, "action": "plug", "dsp": 2},
+               {"at_s": 0.025, "action": "set", "key": "scheduling.p", "value": 0x5000}],
+}  # fmt: skip
+
+
+def configuration(scene: str, **more: Any) -> Any:
+    settings = {**SCENES[scene], **more}
+    preset = settings.pop("preset", None)
+    return core.config(preset=preset, settings=settings, events=EVENTS.get(scene, []))
+
+
+def without_elapsed(report: str) -> Any:
+    found = json.loads(report)
+    found.pop("elapsed_s")
+    return found
+
+
+def to_the_end(simulation: Any) -> Any:
+    simulation.run()
+    return without_elapsed(simulation.report_json()), simulation.dock_events()
+
+
+def instants(scene: str, count: int) -> list[float]:
+    rng = random.Random(scene)
+    picoseconds = int(SCENES[scene]["duration_s"] * 1e12)
+    return [rng.randrange(picoseconds) * 1e-12 for _ in range(count)]
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_a_run_goes_on_from_any_instant_as_if_never_stopped(scene: str) -> None:
+    whole = to_the_end(core.Simulation(configuration(scene)))
+    for instant in instants(scene, 12):
+        first = core.Simulation(configuration(scene))
+        first.run_until(instant)
+        snapshot = core.Snapshot.from_bytes(first.snapshot().to_bytes())
+        resumed = core.Simulation(configuration(scene))
+        resumed.restore(snapshot)
+        assert resumed.difference(first) is None, instant
+        assert to_the_end(resumed) == whole, instant
+        assert to_the_end(first) == whole, instant  # to be looked at changed nothing
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_the_state_at_an_instant_does_not_depend_on_how_the_run_came_there(scene: str) -> None:
+    rng = random.Random(scene)
+    for instant in instants(scene, 6):
+        straight = core.Simulation(configuration(scene))
+        straight.run_until(instant)
+        cut = core.Simulation(configuration(scene, turn_order=rng.randrange(1, 1 << 30)))
+        for earlier in sorted(rng.uniform(0, instant) for _ in range(30)):
+            cut.run_until(earlier)
+        cut.run_until(instant)
+        assert cut.difference(straight) is None, instant
+        assert cut.snapshot().state == straight.snapshot().state
+
+
+def test_going_back_and_on_again_and_again() -> None:
+    simulation = core.Simulation(configuration("heavy"))
+    simulation.run_until(0.01)
+    snapshots = [simulation.snapshot()]
+    for step in range(1, 5):
+        simulation.run_until(0.01 + step * 0.0093)
+        snapshots.append(simulation.snapshot())
+    whole = to_the_end(simulation)
+    rng = random.Random(1)
+    for _ in range(6):
+        index = rng.randrange(len(snapshots))
+        simulation.restore(snapshots[index])
+        for later in snapshots[index + 1 :]:
+            simulation.run_until(later.time_s)
+            assert simulation.snapshot().state == later.state
+    simulation.restore(snapshots[0])
+    assert to_the_end(simulation) == whole
+
+
+def test_two_futures_of_one_past() -> None:
+    run = cmrc.Simulation(dsps=2, duration_s=0.05, settings={**AT_ONCE, "report.reference": "none"})
+    run.run_until(0.03)
+    other = run.fork()
+    other.at(0.03, "fail", dsp=1)
+    with_two, with_one = run.run(), other.run()
+    failed = cmrc.run(dsps=2, duration_s=0.05, settings={**AT_ONCE, "report.reference": "none"}, events=[{"at_s": 0.03, "action": "fail", "dsp": 1}])
+    assert with_one.hash == failed.hash != with_two.hash
+
+
+def test_a_fork_has_the_ideal_run_beside_it() -> None:
+    run = cmrc.Simulation(dsps=2, duration_s=0.05, settings=AT_ONCE)
+    run.run_until(0.02)
+    other = run.fork()
+    assert run.run().errors == other.run().errors
+
+
+RESUME = """
+import sys, json, cmrc
+run = cmrc.Simulation.resume(sys.argv[1])
+result = run.run()
+print(json.dumps([result.hash, result.report["errors"]]))
+"""
+
+
+def test_another_process_goes_on(tmp_path: Path) -> None:
+    """By the command, by Python, and each from the other's file; the ideal run is made anew."""
+    options = ["--quiet", "--dsps", "2", "--duration", "0.06"]
+    for name, value in AT_ONCE.items():
+        options += ["--set", f"{name}={value}"]
+    reports = []
+    for number, arguments in enumerate([
+        [*options, "--snapshot-at", "0.0312345:later.snap", "--snapshot-at", "0.02:snap"],
+        ["--quiet", "--resume", "snap"],
+        ["--quiet", "--resume", "later.snap"],
+    ]):  # fmt: skip
+        finished = subprocess.run([EMULATOR, *arguments, "--report", f"{number}.json"], cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert finished.returncode in (0, 1) and finished.stderr == "", finished.stderr
+        report = json.loads((tmp_path / f"{number}.json").read_text())
+        report.pop("elapsed_s")
+        report["errors"].pop("reference_elapsed_s", None)
+        reports.append(report)
+    assert reports[0] == reports[1] == reports[2]
+    python = subprocess.run([sys.executable, "-c", RESUME, "snap"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    digest, errors = json.loads(python.stdout)
+    errors.pop("reference_elapsed_s", None)
+    assert (digest, errors) == (reports[0]["hash"], reports[0]["errors"])
+    cmrc.write_snapshot(tmp_path / "python.snap", cmrc.read_snapshot(tmp_path / "snap"))
+    assert (tmp_path / "python.snap").read_bytes() == (tmp_path / "snap").read_bytes()
+
+
+def test_the_two_parts_of_a_trace_are_the_whole(tmp_path: Path) -> None:
+    options = ["--quiet", "--dsps", "2", "--duration", "0.03", "--set", "report.reference=none", "--trace-instructions", "1"]
+    for name, value in AT_ONCE.items():
+        options += ["--set", f"{name}={value}"]
+    subprocess.run([EMULATOR, *options, "--snapshot-at", "0.0171:snap", "--trace", "whole"], cwd=tmp_path, check=False)
+    subprocess.run([EMULATOR, "--quiet", "--resume", "snap", "--trace", "rest", "--trace-instructions", "1"], cwd=tmp_path, check=False)
+
+    def parts(name: str) -> tuple[list[str], list[str]]:
+        lines = (tmp_path / name).read_text().splitlines()
+        return [line for line in lines if not line[0].isdigit()], [line for line in lines if line[0].isdigit()]
+
+    header, events = parts("whole")
+    header_of_rest, rest = parts("rest")
+    assert header == header_of_rest
+    early = [line for line in events if int(line.split()[0]) < 16_100_000_000]
+    assert early and rest and [*early, *rest] == events
+    _, instructions = parts("whole.dsp1")
+    _, later = parts("rest.dsp1")
+    assert later and instructions[-len(later) :] == later and len(later) < len(instructions)
+
+
+def test_a_snapshot_is_refused_by_name_and_nothing_has_changed(tmp_path: Path) -> None:
+    simulation = core.Simulation(configuration("at_once"))
+    simulation.run_until(0.01)
+    snapshot = simulation.snapshot()
+    other = core.Simulation(configuration("at_once", dsps=3))
+    other.run_until(0.005)
+    state = other.snapshot().state
+    with pytest.raises(cmrc.SnapshotError, match=r"another configuration: \[machine\] dsps = 4, here dsps = 3"):
+        other.restore(snapshot)
+    assert other.snapshot().state == state and other.time_s == 0.005
+    whole = snapshot.to_bytes()
+    assert pickle.loads(pickle.dumps(snapshot)).to_bytes() == whole
+    rng = random.Random(1)
+    for _ in range(40):
+        damaged = bytearray(whole)
+        damaged[rng.randrange(len(whole))] ^= 1 << rng.randrange(8)
+        with pytest.raises(cmrc.SnapshotError):
+            core.Snapshot.from_bytes(bytes(damaged))
+        with pytest.raises(cmrc.SnapshotError):
+            core.Snapshot.from_bytes(whole[: rng.randrange(len(whole))])
+    (tmp_path / "bad").write_bytes(whole[:-1])
+    with pytest.raises(cmrc.SnapshotError, match=r"bad: the snapshot is damaged or cut short"):
+        cmrc.read_snapshot(tmp_path / "bad")
+    with pytest.raises(TypeError, match="snapshot: "):
+        cmrc.Simulation(duration_s=0.02).restore("snap")  # type: ignore[arg-type]
+
+
+def test_a_snapshot_from_inside_a_callback_and_of_a_profile_is_refused() -> None:
+    simulation = cmrc.Simulation(dsps=1, duration_s=0.03, settings={**AT_ONCE, "report.reference": "none"})
+    refused: list[str] = []
+
+    def on_progress(_now: float, _end: float) -> None:
+        for call in (simulation.snapshot, simulation.fork):
+            try:
+                call()
+            except RuntimeError as error:
+                refused.append(str(error))
+
+    simulation.run(on_progress)
+    assert len(refused) >= 2 and "from inside a callback" in refused[0]
+    profiled = cmrc.Simulation(dsps=1, duration_s=0.03, profile=True, settings={**AT_ONCE, "report.reference": "none"})
+    with pytest.raises(RuntimeError, match="a run with a profile has no snapshots"):
+        profiled.snapshot()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--snapshot-at", "x:f"], 'is not S:FILE'),
+        (["--snapshot-at", "0.01:"], 'is not S:FILE'),
+        (["--snapshot-at", "1:f", "--duration", "0.5"], "1 s is after the end of the run; it ends at 0.5 s"),
+        (["--resume", "there_is_none"], "there_is_none: cannot be read"),
+        (["--resume", "text"], "text: this is no snapshot"),
+        (["--resume", "snap", "--dsps", "2"], "another configuration: [machine] dsps = 1, here dsps = 2"),
+        (["--resume", "snap", "--report", "snap"], "--report and --resume"),
+        (["--resume", "snap", "--snapshot-at", "0.001:f"], "0.001 s has passed"),
+        (["--resume", "snap", "--profile"], "a run with a profile has no snapshots"),
+        (["--snapshot-at", "0.01:f", "--report", "f"], "--report and --snapshot-at"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_said_before_anything_runs(tmp_path: Path, arguments: list[str], words: str) -> None:
+    (tmp_path / "text").write_text("hello")
+    simulation = core.Simulation(core.config(settings={"dsps": 1, "duration_s": 0.02, "report.reference": "none"}))
+    simulation.run_until(0.01)
+    (tmp_path / "snap").write_bytes(simulation.snapshot().to_bytes())
+    before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
+    finished = subprocess.run([EMULATOR, *arguments], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert finished.returncode == 2 and words in finished.stderr, finished.stderr
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before
+
+
+def test_a_run_that_is_over_before_says_so(tmp_path: Path) -> None:
+    toml = tmp_path / "dies.toml"
+    toml.write_text('[machine]\ndsps = 1\nboot = "preloaded"\n[run]\nduration_s = 3.0\nafter_stop_s = 0.1\n[report]\nreference = "none"\n'
+                    '[[events]]\nat_s = 0.05\naction = "fail"\ndsp = 0\n')  # fmt: skip
+    finished = subprocess.run([EMULATOR, "--quiet", "--config", toml, "--snapshot-at", "0.01:early", "--snapshot-at", "2.5:late"], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert finished.returncode == 1 and "late is not written; the run was over at" in finished.stderr
+    assert (tmp_path / "early").exists() and not (tmp_path / "late").exists()
