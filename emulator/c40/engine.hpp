@@ -87,6 +87,7 @@ class Engine {
   const State& state() const { return state_; }
   Memory& memory() { return memory_; }
   const Memory& memory() const { return memory_; }
+  const Board& board() const { return board_; }
   Word peek(Address address) const;
   void poke(Address address, Word value);
   void flush_blocks();

@@ -443,11 +443,9 @@ void Simulation::restore(const Snapshot& snapshot) {
     throw SnapshotError(fmt::format("the snapshot is of another configuration: {}", first_other_line(snapshot.configuration(), p.snapshot_key)));
   if (snapshot.files() != p.files())
     throw SnapshotError("the snapshot is of another program, layout or board: the files that the configuration names have changed since");
-  const std::string before = state::save(p);
   try {
-    state::load(p, snapshot.state());
+    state::load_or_leave(p, snapshot.state());
   } catch (const state::StateError& error) {
-    state::load(p, before);
     throw SnapshotError(fmt::format("the snapshot is of another version of the emulator: {}", error.what()));
   }
   p.ideal_run.reset();

@@ -86,6 +86,18 @@ void load(T& object, std::string_view text) {
   loader.end();
 }
 
+/// The same; where it throws, the object is as it was before.
+template <class T>
+void load_or_leave(T& object, std::string_view text) {
+  const std::string before = save(object);
+  try {
+    load(object, text);
+  } catch (const StateError&) {
+    load(object, before);
+    throw;
+  }
+}
+
 /// The first value in which two states differ, as "path: 1F00 beside 2000" (bytes, hexadecimal); none: they are alike.
 std::optional<std::string> first_difference(const Lister& a, const Lister& b);
 

@@ -7,8 +7,10 @@
 #include <vector>
 
 #include "c40/chip.hpp"
+#include "c40/chip_file.hpp"
 #include "c40/peripherals/link.hpp"
 #include "machine/boot.hpp"
+#include "state/archive.hpp"
 #include "c40/peripherals/register_map.hpp"
 #include "c40/self_check.hpp"
 #include "python/bindings/bindings.hpp"
@@ -235,6 +237,11 @@ void bind_processor(py::module_& m) {
            "Runs whole instructions for max_cycles, or until the PC is at `until`; says why it stopped.")
       .def("trace", &Processor::trace, py::arg("max_cycles"), "Runs and returns one dict per instruction.")
       .def("step", &Processor::step)
+      .def("save", [](const Processor& p) { return py::bytes(c40::sealed(p.chip)); }, "Its state as a file holds it (docs/snapshots.md).")
+      .def("load", [](Processor& p, const py::bytes& file) { c40::restore(p.chip, std::string_view(file)); }, py::arg("file"),
+           "Its state is as it was when `file` was made. Raises StateError, and nothing has changed.")
+      .def("difference", [](const Processor& p, const Processor& other) { return state::difference(p.chip, other.chip); }, py::arg("other"),
+           "The first value in which two states differ, as text; None: they are alike.")
       .def("reset", [](Processor& p) { p.chip.reset(); })
       .def("hold", [](Processor& p, bool held) { p.chip.hold(held); })
       .def("raise_iiof", [](Processor& p, int pin) { p.chip.raise_iiof(pin); })
@@ -311,6 +318,7 @@ void bind_float40(py::module_& m) {
 
 void bind_c40(py::module_& core) {
   auto m = core.def_submodule("c40", "One TMS320C40.");
+  py::register_exception<state::StateError>(m, "StateError", PyExc_ValueError);
   bind_processor(m);
   bind_link(m);
   m.def("boot_stream", [](const toolchain::Image& image, Word ivtp, Word tvtp, c40::Address acknowledge, bool memory) {
