@@ -453,6 +453,8 @@ void Simulation::restore(const Snapshot& snapshot) {
   p.errors.reset();
 }
 
+void Simulation::list_state(state::Visitor& list) { parts_->list_state(list); }
+
 std::optional<std::string> Simulation::difference(const Simulation& other) const { return state::difference(*parts_, *other.parts_); }
 
 std::unique_ptr<Simulation> Simulation::fork() {

@@ -26,6 +26,10 @@ namespace toolchain {
 struct Image;
 }
 
+namespace state {
+class Visitor;
+}
+
 namespace cmrc {
 
 /// The DSP image of a configuration: the one built in, or assembled from `machine.programs`/dsp.asm.
@@ -102,6 +106,8 @@ class Simulation {
   void restore(const Snapshot& snapshot);
   /// The first value of the state in which it differs from another run, "machine.dsps.0.chip.pc: ..."; none: they are alike.
   std::optional<std::string> difference(const Simulation& other) const;
+  /// What lasts of it, for tests that look at each value. After loading what was measured is measured anew.
+  void list_state(state::Visitor& list);
   /// Another run with the same past.
   std::unique_ptr<Simulation> fork();
 

@@ -17,6 +17,7 @@
 #include "python/bindings/cmrc.hpp"
 #include "python/bindings/ctrl_c.hpp"
 #include "python/bindings/one_user.hpp"
+#include "python/bindings/state.hpp"
 #include "toolchain/image.hpp"
 
 namespace {
@@ -221,6 +222,10 @@ void bind_simulation(py::module_& m) {
       .def("run_until", &Run::run_until, py::arg("time_s"))
       .def("snapshot", [](Run& r) { return r.moment("snapshot", [](Simulation& s) { return s.snapshot(); }); })
       .def("restore", [](Run& r, const cmrc::Snapshot& snapshot) { r.moment("restore", [&](Simulation& s) { s.restore(snapshot); }); }, py::arg("snapshot"))
+      .def("_state", [](Run& r) { return state_bytes(r.change("_state")); })
+      .def("_load_state", [](Run& r, const py::bytes& bytes) { load_state(r.change("_load_state"), bytes); }, py::arg("state"))
+      .def("_state_leaves", [](Run& r) { return state_leaves(r.change("_state_leaves")); })
+      .def("_state_difference", [](Run& r, const Run& other) { return r.change("_state_difference").difference(other.read("_state_difference")); }, py::arg("other"))
       .def("fork", [](Run& r) { return std::make_shared<Run>(r.moment("fork", [](Simulation& s) { return s.fork(); })); })
       .def("difference", [](Run& r, const Run& other) {
         return r.moment("difference", [&](Simulation& s) { return s.difference(other.read("difference")); });
