@@ -377,7 +377,7 @@ class Processor(ChipState):
 
     def snapshot(self) -> bytes:
         """The processor with its memory as it is now, between two runs: what a file may hold (docs/snapshots.md)."""
-        return self._core.save()
+        return bytes(self._core.save())
 
     def restore(self, snapshot: bytes) -> None:
         """The processor is as it was at ``snapshot``, of this one or of another on the same board; breakpoints stay.

@@ -14,7 +14,7 @@ from typing import Any
 import cmrc
 import pytest
 from cmrc import _core
-from locations import AT_ONCE, BUILD
+from locations import AT_ONCE, BUILD, ROOT
 
 EMULATOR = BUILD / "bin" / "emulator"
 core = _core.cmrc
@@ -253,3 +253,10 @@ def test_a_run_that_is_over_before_says_so(tmp_path: Path) -> None:
     finished = subprocess.run([EMULATOR, "--quiet", "--config", toml, "--snapshot-at", "0.01:early", "--snapshot-at", "2.5:late"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert finished.returncode == 1 and "late is not written; the run was over at" in finished.stderr
     assert (tmp_path / "early").exists() and not (tmp_path / "late").exists()
+
+
+def test_the_example_asks_what_would_have_happened() -> None:
+    ran = subprocess.run([sys.executable, ROOT / "examples" / "what_if.py"], capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
+    fails, does_not = ran.stdout.splitlines()
+    misses = [int(line.split(" deadlines")[0].split()[-1]) for line in (fails, does_not)]
+    assert fails.startswith("DSP 1 fails at 1 s") and misses[0] > misses[1]
