@@ -1,0 +1,83 @@
+"""Runs in which the controller has much to do, handed on from simulation to simulation at many instants (docs/snapshots.md)."""
+
+from __future__ import annotations
+
+import random
+from typing import Any
+
+import dock_checks
+import pytest
+from cmrc import _core
+from locations import AT_ONCE
+
+cmrc = _core.cmrc
+REFRESH_HZ = 8000
+ERRORS = [
+    {"at_s": 0.4, "action": "set", "key": "control.hoist_bandwidth_rad_s", "value": 30.0},
+    {"at_s": 0.6, "action": "stick_sway", "axis": "beta"},
+    {"at_s": 0.9, "action": "stick_encoder", "joint": "slew"},
+    {"at_s": 1.0, "action": "set", "key": "scheduling.agv_interval_refreshes", "value": 200},
+    {"at_s": 1.9, "action": "repair_encoder", "joint": "slew"},
+    {"at_s": 2.1, "action": "set", "key": "errors.clear", "value": True},
+    {"at_s": 2.6, "action": "fail_drive", "joint": "hoist"},
+]  # fmt: skip
+
+
+def told(simulation: Any) -> dict[str, Any]:
+    report = dock_checks.without_the_clock(dock_checks.finite(simulation.report_json()))
+    signals = {name: column.tobytes() for name, column in simulation.signals().items()}
+    return {**report, "dock": simulation.dock_events(), "signals": signals}
+
+
+def instants(draw: random.Random, count: int, duration_s: float) -> list[float]:
+    """Half of them while the host is at work in a refresh: it is for a few microseconds of each 125."""
+    at = [draw.uniform(0, duration_s) for _ in range(count)]
+    return sorted(t if n % 2 else int(t * REFRESH_HZ) / REFRESH_HZ + draw.uniform(0, 12e-6) for n, t in enumerate(at))
+
+
+def handed_on(config: Any, cuts: list[float]) -> Any:
+    simulation = cmrc.Simulation(config)
+    for cut in cuts:
+        simulation.run_until(cut)
+        snapshot = simulation.snapshot()
+        simulation = cmrc.Simulation(config)
+        simulation.restore(snapshot)
+        assert simulation.snapshot().state == snapshot.state, cut
+    simulation.run()
+    return simulation
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_errors_are_handled_as_in_one_run(seed: int) -> None:
+    config = cmrc.config(settings={"dsps": 2, "duration_s": 3.0, "report.reference": "none", "agvs": 2, **AT_ONCE}, events=ERRORS)
+    whole = cmrc.Simulation(config)
+    whole.run()
+    expected = told(whole)
+    assert len(expected["errors_handled"]) >= 3 and any(error["cleared_s"] is not None for error in expected["errors_handled"])
+    parts = handed_on(config, instants(random.Random(seed), 60, 3.0))
+    assert dock_checks.differences(expected, told(parts)) == []
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_busy_host_is_handed_on_in_the_middle_of_its_refreshes(seed: int) -> None:
+    """With boards that die and hang, so that blocks are put back and given up; with the semaphore, the doorbells and the boot under way."""
+    events = [{"at_s": 0.03 + 0.011 * n, "action": action, "dsp": n % 3} for n, action in enumerate(["hang", "fail", "reset", "hang", "reset", "hang"])]
+    config = cmrc.config(preset="heavy", settings={"dsps": 3, "duration_s": 0.12, "report.reference": "none", "agvs": 3}, events=events)
+    whole = cmrc.Simulation(config)
+    whole.run()
+    assert dock_checks.differences(told(whole), told(handed_on(config, instants(random.Random(seed), 150, 0.12)))) == []
+
+
+@pytest.mark.campaign
+def test_a_container_is_delivered_as_in_one_run() -> None:
+    """130 s, against its ideal run: landings, locks, cycles and what is learned from them."""
+    config = cmrc.config(settings={"dsps": 4, "duration_s": 130.0, "scheduling.learning": "proportional", "wind_mean_m_s": 5.0})
+    whole = cmrc.Simulation(config)
+    whole.run()
+    expected = told(whole)
+    assert expected["cycles_completed"] >= 1
+    cuts = [*instants(random.Random(1), 20, 60.0), *(60 + t for t in instants(random.Random(2), 40, 68.0))]
+    found = told(handed_on(config, cuts))
+    for report in (expected, found):
+        report["errors"].pop("reference_elapsed_s", None)
+    assert dock_checks.differences(expected, found) == []
