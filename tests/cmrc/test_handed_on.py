@@ -12,13 +12,15 @@ from locations import AT_ONCE
 
 cmrc = _core.cmrc
 REFRESH_HZ = 8000
-ERRORS = [
+ERRORS: list[dict[str, Any]] = [
     {"at_s": 0.4, "action": "set", "key": "control.hoist_bandwidth_rad_s", "value": 30.0},
     {"at_s": 0.6, "action": "stick_sway", "axis": "beta"},
     {"at_s": 0.9, "action": "stick_encoder", "joint": "slew"},
     {"at_s": 1.0, "action": "set", "key": "scheduling.agv_interval_refreshes", "value": 200},
     {"at_s": 1.9, "action": "repair_encoder", "joint": "slew"},
     {"at_s": 2.1, "action": "set", "key": "errors.clear", "value": True},
+    {"at_s": 2.3, "action": "set", "key": "control.luff_damping", "value": 1.2},
+    {"at_s": 2.35, "action": "set", "key": "scheduling.alpha_refreshes", "value": 20},
     {"at_s": 2.6, "action": "fail_drive", "joint": "hoist"},
 ]  # fmt: skip
 
@@ -54,7 +56,9 @@ def test_errors_are_handled_as_in_one_run(seed: int) -> None:
     whole.run()
     expected = told(whole)
     assert len(expected["errors_handled"]) >= 3 and any(error["cleared_s"] is not None for error in expected["errors_handled"])
-    parts = handed_on(config, instants(random.Random(seed), 60, 3.0))
+    draw = random.Random(seed)
+    after = [event["at_s"] + draw.choice([2e-4, 3e-3, 0.1]) * draw.random() for event in ERRORS for _ in range(3)]  # while it takes effect
+    parts = handed_on(config, sorted([*instants(draw, 60, 3.0), *after]))
     assert dock_checks.differences(expected, told(parts)) == []
 
 
