@@ -13,6 +13,9 @@ from locations import AT_ONCE
 cmrc = _core.cmrc
 REFRESH_HZ = 8000
 ERRORS: list[dict[str, Any]] = [
+    # Whichever joints rest take them at once, and again.
+    *({"at_s": at_s, "action": "set", "key": f"control.{joint}_damping", "value": damping}
+      for at_s, damping in ((0.2, 1.2), (0.5, 1.1)) for joint in ("travel", "slew", "luff", "hoist", "rotator")),
     {"at_s": 0.4, "action": "set", "key": "control.hoist_bandwidth_rad_s", "value": 30.0},
     {"at_s": 0.6, "action": "stick_sway", "axis": "beta"},
     {"at_s": 0.9, "action": "stick_encoder", "joint": "slew"},
