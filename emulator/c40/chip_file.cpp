@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::string_view kind = "processor";
 
-/// What two boards must have in common for a chip to go on upon the one as on the other.
+}  // namespace
+
 std::string key_of(const Board& board) {
   std::string key = fmt::format("flat {} peripherals {} GMICR {:08X}h LMICR {:08X}h ROM {} pins {} {:X}\n", board.is_flat, board.has_peripherals,
                                 board.global_interface_control, board.local_interface_control, board.rom.size(), board.pins.reset_location, board.pins.iiof);
@@ -19,8 +20,6 @@ std::string key_of(const Board& board) {
     key += fmt::format("{:08X}h {:X}h {} {} {} {} {}\n", r.base, r.words, static_cast<int>(r.kind), static_cast<int>(r.bus), r.read_waits, r.write_waits, r.page_waits);
   return key;
 }
-
-}  // namespace
 
 std::string sealed(const Chip& chip) { return state::sealed(kind, {chip.board().name, key_of(chip.board()), state::save(chip)}); }
 

@@ -7,6 +7,9 @@
 
 namespace c40 {
 
+/// What two boards must have in common for a chip to go on upon the one as on the other.
+std::string key_of(const Board& board);
+
 /// The state, with the board that it is of, sealed (state/file.hpp).
 std::string sealed(const Chip& chip);
 

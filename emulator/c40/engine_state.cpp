@@ -15,11 +15,9 @@ void Engine::DmaSide::list_state(state::Visitor& list) {
   list("written", written);
   list("last taken", last_taken);
   list("gained", gained);
-  bool differs = undisturbed.has_value();
-  Pipeline alone = differs ? engine.pipelines_[*undisturbed] : Pipeline{};
-  list("differs", differs);
+  std::optional<Pipeline> alone = undisturbed ? std::optional(engine.pipelines_[*undisturbed]) : std::nullopt;
   list("undisturbed", alone);
-  if (list.loads()) undisturbed = differs ? std::optional(engine.intern(alone)) : std::nullopt;
+  if (list.loads()) undisturbed = alone ? std::optional(engine.intern(*alone)) : std::nullopt;
 }
 
 // Not listed: blocks, sites, transitions and pipelines by number, which are recorded again; what is set anew at each call of the

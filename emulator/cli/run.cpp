@@ -95,7 +95,8 @@ std::size_t run_to_snapshots(cmrc::Simulation& simulation, const std::vector<Sna
 
 int run(const RunOptions& options) {
   const std::optional<cmrc::Snapshot> resumed = options.resume ? std::optional(read_snapshot(*options.resume)) : std::nullopt;
-  const cmrc::Config config = configuration(options, resumed);
+  // Flags may repeat what the snapshot says; what they change is refused when the run is restored.
+  const cmrc::Config config = resumed ? build_config(options, resumed->configuration(), *options.resume) : build_config(options);
   check(options, config);
   const std::vector<SnapshotRequest> snapshots = snapshot_requests(options, config);
   io::FileRoles files = files_read(options, config);

@@ -49,8 +49,9 @@ std::optional<report::Time> parse_seconds(std::string_view text) {
   return report::Time(std::llround(*seconds * 1e12));
 }
 
-cmrc::Config build_config(const RunOptions& options) {
+cmrc::Config build_config(const RunOptions& options, std::string_view base, const std::string& base_name) {
   cmrc::ConfigBuilder builder;
+  if (!base.empty()) builder.text(base, base_name);
   if (options.config) builder.file(*options.config);
   if (options.preset) builder.preset(*options.preset, {.name = "--preset"});
   for (const std::string& setting : options.settings) add_setting(builder, setting);

@@ -12,7 +12,8 @@
 namespace cli {
 
 /// Defaults, preset, file, then flags. \throws cmrc::ConfigError naming the flag, InputError.
-cmrc::Config build_config(const RunOptions& options);
+/// \param base TOML before all of them, and its name
+cmrc::Config build_config(const RunOptions& options, std::string_view base = {}, const std::string& base_name = {});
 
 /// The files that the configuration comes from, so that no output replaces one of them.
 io::FileRoles files_read(const RunOptions& options, const cmrc::Config& config);

@@ -21,11 +21,6 @@ SnapshotRequest parsed(const std::string& text, double duration_s) {
   return {*at, text.substr(colon + 1)};
 }
 
-bool any_setting(const RunOptions& o) {
-  return o.dsps || o.config || o.preset || o.duration_s || o.seed || o.turn_order || o.programs || o.board || o.idle_policy || o.topology ||
-         o.equation7 || o.strict || !o.settings.empty();
-}
-
 }  // namespace
 
 std::vector<SnapshotRequest> snapshot_requests(const RunOptions& options, const cmrc::Config& config) {
@@ -48,11 +43,6 @@ void write_snapshot(const std::string& file, const cmrc::Snapshot& snapshot) {
   io::OutputFile out(file);
   out.stream() << snapshot.to_bytes();
   out.commit();
-}
-
-cmrc::Config configuration(const RunOptions& options, const std::optional<cmrc::Snapshot>& resumed) {
-  if (!resumed || any_setting(options)) return build_config(options);
-  return cmrc::ConfigBuilder().text(resumed->configuration(), *options.resume).build();
 }
 
 }  // namespace cli

@@ -23,8 +23,4 @@ std::vector<SnapshotRequest> snapshot_requests(const RunOptions& options, const 
 cmrc::Snapshot read_snapshot(const std::string& file);
 void write_snapshot(const std::string& file, const cmrc::Snapshot& snapshot);
 
-/// The configuration of a run: the flags'; of one that is resumed, the snapshot's, unless flags say another (which is refused
-/// when the run is restored).
-cmrc::Config configuration(const RunOptions& options, const std::optional<cmrc::Snapshot>& resumed);
-
 }  // namespace cli

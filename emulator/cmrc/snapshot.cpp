@@ -21,13 +21,11 @@ std::string Snapshot::to_bytes() const {
   return state::sealed(kind, {time, configuration_, files_, *state_});
 }
 
-Snapshot Snapshot::from_bytes(std::string_view bytes) try {
+Snapshot Snapshot::from_bytes(std::string_view bytes) {
   std::vector<std::string> parts = state::opened(bytes, kind, 4);
   report::Time::rep time = 0;
   std::from_chars(parts[0].data(), parts[0].data() + parts[0].size(), time);
   return {report::Time(time), std::move(parts[1]), std::move(parts[2]), std::move(parts[3])};
-} catch (const state::StateError& error) {
-  throw SnapshotError(error.what());
 }
 
 }  // namespace cmrc

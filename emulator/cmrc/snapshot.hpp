@@ -1,19 +1,16 @@
 #pragma once
 // A run at an instant: from it the same run goes on, in this process or another, and ends with the same report and hash.
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
 #include "report/event.hpp"
+#include "state/visitor.hpp"
 
 namespace cmrc {
 
 /// A snapshot that cannot be used: cut short, damaged, of another version or another configuration. The message says which.
-class SnapshotError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+using SnapshotError = state::StateError;
 
 class Snapshot {
  public:

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "c40/chip.hpp"
+#include "state/visitor.hpp"
 
 namespace machine {
 
@@ -25,6 +26,7 @@ class LoopWatch final : public c40::TraceSink {
   };
   /// The loop that the last instructions have gone round at least twice.
   std::optional<Loop> loop() const;
+  void list_state(state::Visitor& list);
 
  private:
   struct Round {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
+#include <zlib.h>
 
 #include <array>
 #include <cstring>
@@ -28,6 +29,26 @@ void put(std::string& to, std::string_view text) {
   to += text;
 }
 
+std::string packed(std::string_view text) {
+  constexpr int quick = 1;  // a state packs to a third; more work finds little more
+  uLongf size = compressBound(text.size());
+  std::string bytes(size, '\0');
+  if (compress2(reinterpret_cast<Bytef*>(bytes.data()), &size, reinterpret_cast<const Bytef*>(text.data()), text.size(), quick) != Z_OK)  // NOLINT
+    throw std::runtime_error("no memory to pack a snapshot");
+  bytes.resize(size);
+  return bytes;
+}
+
+std::string unpacked(std::string_view bytes, std::uint64_t length) {
+  constexpr std::uint64_t most = 1032;  // zlib packs no better
+  if (length / most > bytes.size()) throw StateError("the snapshot is damaged: a part is longer than its bytes can hold");
+  std::string text(length, '\0');
+  uLongf size = length;
+  if (uncompress(reinterpret_cast<Bytef*>(text.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()) != Z_OK || size != length)  // NOLINT
+    throw StateError("the snapshot is damaged: a part cannot be unpacked");
+  return text;
+}
+
 [[noreturn]] void cut_short() { throw StateError("the file is cut short; a whole snapshot is expected"); }
 
 std::string_view take(std::string_view& from, std::uint64_t size) {
@@ -48,7 +69,10 @@ std::string sealed(std::string_view kind, const std::vector<std::string_view>& p
   std::string body;
   put(body, kind);
   put(body, CMRC_VERSION);
-  for (const std::string_view part : parts) put(body, part);
+  for (const std::string_view part : parts) {
+    put_number(body, part.size());
+    put(body, packed(part));
+  }
   std::string file(magic);
   put_number(file, format);
   return file + sha256(body) + body;
@@ -66,7 +90,10 @@ std::vector<std::string> opened(std::string_view file, std::string_view kind, st
   if (const std::string_view its = take(file, take_number(file)); its != CMRC_VERSION)
     throw StateError(fmt::format("the snapshot is of version {} of the emulator; this is version {}", its, CMRC_VERSION));
   std::vector<std::string> all;
-  while (!file.empty()) all.emplace_back(take(file, take_number(file)));
+  while (!file.empty()) {
+    const std::uint64_t length = take_number(file);
+    all.push_back(unpacked(take(file, take_number(file)), length));
+  }
   if (all.size() != parts) throw StateError(fmt::format("the snapshot has {} parts; {} are expected", all.size(), parts));
   return all;
 }

@@ -2,7 +2,7 @@
 /// A saved state as a file: what it is of, the version, a checksum, and parts of text.
 ///
 ///     magic "C40STATE", format 1 (8 bytes), SHA-256 of all that follows (64 digits), then length (8 bytes) and text of: what it is
-///     of, the version of the emulator, and each part.
+///     of, the version of the emulator, and each part: its length (8 bytes), and the part as zlib packs it.
 #include <string>
 #include <string_view>
 #include <vector>

@@ -10,12 +10,12 @@
 #include "c40/chip_file.hpp"
 #include "c40/peripherals/link.hpp"
 #include "machine/boot.hpp"
-#include "state/archive.hpp"
 #include "c40/peripherals/register_map.hpp"
 #include "c40/self_check.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/ctrl_c.hpp"
+#include "python/bindings/state.hpp"
 #include "toolchain/assembler.hpp"
 #include "machine/board_file.hpp"
 
@@ -144,6 +144,8 @@ class Processor : public c40::PeripheralSink {
     if (self_check) self_check->run_ended();
     return describe(chip, stop);
   }
+  void list_state(state::Visitor& list) { chip.list_state(list); }
+
   py::list diagnostics() const {
     py::list all;
     if (!self_check) return all;
@@ -239,9 +241,7 @@ void bind_processor(py::module_& m) {
       .def("step", &Processor::step)
       .def("save", [](const Processor& p) { return py::bytes(c40::sealed(p.chip)); }, "Its state as a file holds it (docs/snapshots.md).")
       .def("load", [](Processor& p, const py::bytes& file) { c40::restore(p.chip, std::string_view(file)); }, py::arg("file"),
-           "Its state is as it was when `file` was made. Raises StateError, and nothing has changed.")
-      .def("difference", [](const Processor& p, const Processor& other) { return state::difference(p.chip, other.chip); }, py::arg("other"),
-           "The first value in which two states differ, as text; None: they are alike.")
+           "Its state is as it was when `file` was made. Raises SnapshotError, and nothing has changed.")
       .def("reset", [](Processor& p) { p.chip.reset(); })
       .def("hold", [](Processor& p, bool held) { p.chip.hold(held); })
       .def("raise_iiof", [](Processor& p, int pin) { p.chip.raise_iiof(pin); })
@@ -280,6 +280,7 @@ void bind_processor(py::module_& m) {
       .def("set_exact", [](Processor& p, bool exact) { p.chip.set_exact(exact); }, "One instruction at a time, no blocks.")
       .def_property("pc", [](const Processor& p) { return p.chip.pc(); }, [](Processor& p, c40::Address pc) { p.chip.set_pc(pc); });
   bind_inspection(processor, [](auto& p) -> auto& { return p.chip; });
+  bind_state<Processor>(processor);
 }
 
 void bind_float40(py::module_& m) {
@@ -318,7 +319,7 @@ void bind_float40(py::module_& m) {
 
 void bind_c40(py::module_& core) {
   auto m = core.def_submodule("c40", "One TMS320C40.");
-  py::register_exception<state::StateError>(m, "StateError", PyExc_ValueError);
+  py::register_exception<state::StateError>(m, "SnapshotError", PyExc_ValueError);
   bind_processor(m);
   bind_link(m);
   m.def("boot_stream", [](const toolchain::Image& image, Word ivtp, Word tvtp, c40::Address acknowledge, bool memory) {

@@ -203,7 +203,6 @@ void bind_simulation(py::module_& m) {
   bind_dsp(m);
   py::class_<cmrc::Reference, std::shared_ptr<cmrc::Reference>>(m, "Reference", "An ideal run, for the runs that are measured against it.")
       .def_readonly("elapsed_s", &cmrc::Reference::elapsed_s);
-  py::register_exception<cmrc::SnapshotError>(m, "SnapshotError", PyExc_ValueError);
   py::class_<cmrc::Snapshot>(m, "Snapshot", "A run at an instant; opaque.")
       .def_property_readonly("time_s", [](const cmrc::Snapshot& s) { return report::seconds(s.time()); })
       .def_property_readonly("configuration", &cmrc::Snapshot::configuration)

@@ -375,6 +375,17 @@ class Processor(ChipState):
         else:
             raise ValueError(f"{source} is no interrupt that can be raised; {', '.join(('NMI', *INTERRUPT_PINS, *INTERRUPT_FLAGS))} are")
 
+    def snapshot(self) -> bytes:
+        """The processor with its memory as it is now, between two runs: what a file may hold (docs/snapshots.md)."""
+        return self._core.save()
+
+    def restore(self, snapshot: bytes) -> None:
+        """The processor is as it was at ``snapshot``, of this one or of another on the same board; breakpoints stay.
+
+        Raises SnapshotError for one that is damaged, or of another board or version; then nothing has changed.
+        """
+        self._core.load(arguments.instance("snapshot", snapshot, bytes, "what Processor.snapshot() gives"))
+
     def reset(self) -> None:
         """Registers to 0, a fault forgotten; memory and counters are kept."""
         self._core.reset()

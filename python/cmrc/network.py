@@ -11,7 +11,7 @@ import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, overload
 
 from cmrc import _core, arguments
 from cmrc.c40 import ChipState, Path, Program, assemble_file, read_coff
@@ -191,6 +191,10 @@ class Network:
         core.record_peripherals(arguments.flag("record_peripherals", record_peripherals))
         self.chips = [Chip(core.chip(n), core.program(n), n) for n in range(core.chip_count)]
 
+    def snapshot(self) -> bytes:
+        """The network as it is now, between two runs: what a file may hold (docs/snapshots.md)."""
+        return bytes(self._core.save())
+
     def run(self, *, until_us: float | None = None, max_cycles: int = 100_000_000) -> NetworkStop:
         """Lets everything happen before an instant (from the start of the network, in microseconds), or before ``max_cycles`` of chip 0."""
         if until_us is None:
@@ -250,9 +254,20 @@ class Network:
         """Cuts a link: a word on it is lost, nothing passes until ``restore``. Raises NetworkError for a time that is past."""
         self._schedule("cut", link, at_us)
 
-    def restore(self, link: int, at_us: float) -> None:
-        """Joins a link again."""
-        self._schedule("restore", link, at_us)
+    @overload
+    def restore(self, link: int, at_us: float) -> None: ...
+    @overload
+    def restore(self, link: bytes) -> None: ...
+    def restore(self, link: int | bytes, at_us: float | None = None) -> None:
+        """With a number and an instant: joins that link again. With what ``snapshot`` gave: the network is as it was then.
+
+        The snapshot may be of another network of the same chips, programs, links and memories. Raises SnapshotError for one that is
+        damaged, or of another network or version; then nothing has changed.
+        """
+        if at_us is not None:
+            self._schedule("restore", arguments.instance("link", link, int, "the number of a link"), at_us)
+        else:
+            self._core.load(arguments.instance("link", link, bytes, "what Network.snapshot() gives, or the number of a link and at_us"))
 
     def reset(self, chip: int, at_us: float) -> None:
         """Resets a chip: it starts at its entry, memory stays, what its ports held is discarded."""

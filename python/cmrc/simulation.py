@@ -21,7 +21,7 @@ Reference = _core.cmrc.Reference
 Snapshot = _core.cmrc.Snapshot
 """A run at an instant. Opaque; it can be pickled, and written by ``write_snapshot``."""
 
-SnapshotError = _core.cmrc.SnapshotError
+SnapshotError = _core.c40.SnapshotError
 """Raised for a snapshot that is damaged, or of another version, configuration or program. Says which."""
 
 Setting = bool | int | float | str

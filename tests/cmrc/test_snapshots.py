@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import pickle
 import random
 import subprocess
@@ -142,12 +143,11 @@ def test_another_process_goes_on(tmp_path: Path) -> None:
         assert finished.returncode in (0, 1) and finished.stderr == "", finished.stderr
         report = json.loads((tmp_path / f"{number}.json").read_text())
         report.pop("elapsed_s")
-        report["errors"].pop("reference_elapsed_s", None)
+        report.pop("reference_elapsed_s")
         reports.append(report)
     assert reports[0] == reports[1] == reports[2]
-    python = subprocess.run([sys.executable, "-c", RESUME, "snap"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    python = subprocess.run([sys.executable, "-c", RESUME, "snap"], cwd=tmp_path, capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
     digest, errors = json.loads(python.stdout)
-    errors.pop("reference_elapsed_s", None)
     assert (digest, errors) == (reports[0]["hash"], reports[0]["errors"])
     cmrc.write_snapshot(tmp_path / "python.snap", cmrc.read_snapshot(tmp_path / "snap"))
     assert (tmp_path / "python.snap").read_bytes() == (tmp_path / "snap").read_bytes()
@@ -167,7 +167,7 @@ def test_the_two_parts_of_a_trace_are_the_whole(tmp_path: Path) -> None:
     header, events = parts("whole")
     header_of_rest, rest = parts("rest")
     assert header == header_of_rest
-    early = [line for line in events if int(line.split()[0]) < 16_100_000_000]
+    early = [line for line in events if float(line.split()[0]) < 0.0161]
     assert early and rest and [*early, *rest] == events
     _, instructions = parts("whole.dsp1")
     _, later = parts("rest.dsp1")
@@ -198,7 +198,7 @@ def test_a_snapshot_is_refused_by_name_and_nothing_has_changed(tmp_path: Path) -
     with pytest.raises(cmrc.SnapshotError, match=r"bad: the snapshot is damaged or cut short"):
         cmrc.read_snapshot(tmp_path / "bad")
     with pytest.raises(TypeError, match="snapshot: "):
-        cmrc.Simulation(duration_s=0.02).restore("snap")  # type: ignore[arg-type]
+        cmrc.Simulation(duration_s=0.03).restore("snap")  # type: ignore[arg-type]
 
 
 def test_a_snapshot_from_inside_a_callback_and_of_a_profile_is_refused() -> None:
@@ -228,15 +228,15 @@ def test_a_snapshot_from_inside_a_callback_and_of_a_profile_is_refused() -> None
         (["--resume", "there_is_none"], "there_is_none: cannot be read"),
         (["--resume", "text"], "text: this is no snapshot"),
         (["--resume", "snap", "--dsps", "2"], "another configuration: [machine] dsps = 1, here dsps = 2"),
-        (["--resume", "snap", "--report", "snap"], "--report and --resume"),
+        (["--resume", "snap", "--report", "snap"], "--report: snap is the same file as --resume"),
         (["--resume", "snap", "--snapshot-at", "0.001:f"], "0.001 s has passed"),
         (["--resume", "snap", "--profile"], "a run with a profile has no snapshots"),
-        (["--snapshot-at", "0.01:f", "--report", "f"], "--report and --snapshot-at"),
+        (["--snapshot-at", "0.01:f", "--report", "f"], "--report: f is the same file as --snapshot-at"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_said_before_anything_runs(tmp_path: Path, arguments: list[str], words: str) -> None:
     (tmp_path / "text").write_text("hello")
-    simulation = core.Simulation(core.config(settings={"dsps": 1, "duration_s": 0.02, "report.reference": "none"}))
+    simulation = core.Simulation(core.config(settings={"dsps": 1, "duration_s": 0.03, "report.reference": "none"}))
     simulation.run_until(0.01)
     (tmp_path / "snap").write_bytes(simulation.snapshot().to_bytes())
     before = {path.name: path.read_bytes() for path in tmp_path.iterdir()}
