@@ -65,6 +65,20 @@ def test_errors_are_handled_as_in_one_run(seed: int) -> None:
     assert dock_checks.differences(expected, told(parts)) == []
 
 
+def test_changes_of_the_loops_wait_for_rest_in_whatever_simulation() -> None:
+    """The first leg lasts from 0.05 to 18 s: what is asked for on the way comes at its end, and what is asked for then builds on it."""
+    settings = {"dsps": 1, "boot": "preloaded", "refresh_frequency_hz": 2000, "servo_frequency_hz": 250, "alpha_refreshes": 6, "beta_refreshes": 3,
+                "report.reference": "none", "report.signal_decimation": 32, "duration_s": 25.0}  # fmt: skip
+    events = [{"at_s": at_s, "action": "set", "key": f"control.{key}", "value": value} for at_s, key, value in
+              [(3.0, "slew_bandwidth_rad_s", 20.0), (3.5, "hoist_bandwidth_rad_s", 30.0), (21.5, "slew_damping", 1.2), (23.0, "hoist_damping", 1.1)]]  # fmt: skip
+    config = cmrc.config(settings=settings, events=events)
+    whole = cmrc.Simulation(config)
+    whole.run()
+    draw = random.Random(1)
+    cuts = sorted([2.0, 4.0, 12.0, 22.0, 24.0, *(draw.uniform(15.0, 25.0) for _ in range(12)), *(at + 3e-3 * draw.random() for at in (21.5, 23.0) for _ in range(4))])
+    assert dock_checks.differences(told(whole), told(handed_on(config, cuts))) == []
+
+
 @pytest.mark.parametrize("seed", range(2))
 def test_a_busy_host_is_handed_on_in_the_middle_of_its_refreshes(seed: int) -> None:
     """With boards that die and hang, so that blocks are put back and given up; with the semaphore, the doorbells and the boot under way."""
