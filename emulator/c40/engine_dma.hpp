@@ -50,6 +50,7 @@ struct Engine::DmaSide final : DmaSurroundings {
   void expect_fetches();
   void mark_under_way();
   void forget();
+  void list_state(state::Visitor& list);
 
   Engine& engine;
   std::vector<ProcessorAccess> accesses;

@@ -115,6 +115,10 @@ Memory::Memory(const Board& board) : flat_(board.is_flat), flat_words_max_(board
 
 void Memory::configure(Word global, Word local) {
   control_ = {InterfaceControl::decode(local), InterfaceControl::decode(global)};
+  note_paged();
+}
+
+void Memory::note_paged() {
   for (std::size_t b = 0; b < 2; ++b)
     for (std::size_t s = 0; s < 2; ++s) {
       const std::uint64_t start = range_begin(b), split = start + control_[b].strobe0_words;
@@ -179,6 +183,7 @@ const Memory::Area* Memory::make_flat_page(Address address) {
   if (flat_words_ + area.words > flat_words_max_) return nullptr;
   flat_words_ += area.words;
   area.name = fmt::format("flat RAM {:08X}h", area.base);
+  area.made = true;
   return add(area);
 }
 

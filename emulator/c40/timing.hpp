@@ -16,6 +16,10 @@
 #include "c40/timing_parameters.hpp"
 #include "c40/types.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace c40 {
 
 /// What an access occupies. `ideal` never conflicts (board `flat`, hits of the instruction cache).
@@ -98,6 +102,7 @@ class Pipeline {
 
   friend bool operator==(const Pipeline&, const Pipeline&) = default;
   std::uint64_t hash() const;
+  void list_state(state::Visitor& list);
   /// Of the next instruction, relative to T.
   int earliest_fetch() const { return fetch_ready_; }
 

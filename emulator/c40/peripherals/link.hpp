@@ -29,6 +29,10 @@
 #include "c40/clock.hpp"
 #include "c40/peripherals/comm_port.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace c40 {
 
 /// In H1 cycles (2.6); fidelity.md says which are known.
@@ -117,16 +121,8 @@ class Link {
 
   LinkListener* listener_of_events = nullptr;
 
-  /// Calls visit(name, field) for every field of the link's own state; the ports' are in the chips'.
-  template <class Visit>
-  void visit_state(Visit&& visit) {
-    visit("now", now_), visit("cut", cut_), visit("action", action_), visit("action_side", action_side_);
-    visit("begins", begins_), visit("ends", ends_at_);
-    for (End& end : ends_) {
-      visit("views", end.views), visit("seen", end.seen), visit("requested", end.requested), visit("has_sent", end.has_sent);
-      visit("arriving", end.arriving), visit("counters", end.counters);
-    }
-  }
+  /// What is on its way, and what it has seen of the ports, which are in the chips. Listeners and clocks stay.
+  void list_state(state::Visitor& list);
 
  private:
   /// What the link has seen of a side's port so far.
@@ -159,6 +155,7 @@ class Link {
     void about_to_reset(Cycles at) override;
     void was_reset(const CommPort& side, Cycles at) override;
     bool wants() const;
+    void list_state(state::Visitor& list);
   };
   enum class Action : std::uint8_t { none, word, token };
 
