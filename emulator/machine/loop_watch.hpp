@@ -10,6 +10,10 @@
 
 #include "c40/chip.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace machine {
 
 class LoopWatch final : public c40::TraceSink {
@@ -25,6 +29,7 @@ class LoopWatch final : public c40::TraceSink {
   };
   /// The loop that the last instructions have gone round at least twice.
   std::optional<Loop> loop() const;
+  void list_state(state::Visitor& list);
 
  private:
   struct Round {

@@ -14,8 +14,9 @@ from collections.abc import Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
 from typing import Any, overload
 
-from cmrc import _core, arguments
+from cmrc import _core, arguments, snapshots
 from cmrc.floats import extended_to_float, float_to_extended, float_to_single, single_to_float
+from cmrc.snapshots import Snapshot, SnapshotError
 
 AssemblyError = _core.toolchain.AssemblyError
 """Raised with all errors of a source at once; ``diagnostics`` is a list of dicts (file, line, column, message, text)."""
@@ -375,6 +376,17 @@ class Processor(ChipState):
         else:
             raise ValueError(f"{source} is no interrupt that can be raised; {', '.join(('NMI', *INTERRUPT_PINS, *INTERRUPT_FLAGS))} are")
 
+    def snapshot(self) -> Snapshot:
+        """Its whole state: registers, memory, pipeline, cache, peripherals, and the access that it waits for. Raises SnapshotError with ``checks`` on."""
+        return Snapshot(self._core.save(self.program))
+
+    def restore(self, snapshot: Snapshot) -> None:
+        """Back to a snapshot of a processor with the same board and program: from there it goes on bit for bit as that one did.
+
+        Raises SnapshotError for any other, before anything is changed.
+        """
+        self._core.load(snapshots.sealed(snapshot), self.program)
+
     def reset(self) -> None:
         """Registers to 0, a fault forgotten; memory and counters are kept."""
         self._core.reset()
@@ -416,6 +428,8 @@ __all__ = [
     "Diagnostic",
     "Processor",
     "Program",
+    "Snapshot",
+    "SnapshotError",
     "Stop",
     "assemble",
     "assemble_file",

@@ -1,0 +1,120 @@
+#include "state/file.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <algorithm>
+#include <cstring>
+
+#include "state/archive.hpp"
+
+namespace state {
+namespace {
+
+constexpr std::string_view magic = "CMRC state\n";
+
+struct Envelope {
+  std::string kind;
+  std::vector<std::pair<std::string, std::uint64_t>> key;
+  std::string text;
+};
+
+/// Each step is reversible, so one changed word always changes the sum.
+std::uint64_t checksum(std::string_view bytes) {
+  std::uint64_t sum = bytes.size();
+  while (!bytes.empty()) {
+    const std::size_t size = std::min<std::size_t>(bytes.size(), sizeof(std::uint64_t));
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes.data(), size);
+    bytes.remove_prefix(size);
+    sum = (sum ^ word) * 0x9E3779B97F4A7C15u;
+    sum ^= sum >> 32;
+  }
+  return sum;
+}
+
+template <class T>
+void append(std::string& out, T number) {
+  out.append(reinterpret_cast<const char*>(&number), sizeof number);  // NOLINT: bytes of a number
+}
+void append_text(std::string& out, std::string_view text) {
+  append(out, std::uint64_t{text.size()});
+  out += text;
+}
+
+/// What a damaged envelope may hold has been ruled out by its checksum; a wrong one ends here all the same.
+class Reader {
+ public:
+  explicit Reader(std::string_view bytes) : rest_(bytes) {}
+  std::uint64_t number() {
+    std::uint64_t out = 0;
+    std::memcpy(&out, take(sizeof out).data(), sizeof out);
+    return out;
+  }
+  std::string text() { return std::string(take(number())); }
+  bool at_end() const { return rest_.empty(); }
+
+ private:
+  std::string_view take(std::uint64_t size) {
+    if (size > rest_.size()) throw StateError("the snapshot is damaged: it ends too early");
+    const std::string_view out = rest_.substr(0, size);
+    rest_.remove_prefix(size);
+    return out;
+  }
+  std::string_view rest_;
+};
+
+Envelope read(std::string_view sealed) {
+  constexpr std::size_t head = magic.size() + 3 * sizeof(std::uint64_t);  // version, size, checksum
+  if (sealed.size() < magic.size() || !sealed.starts_with(magic))
+    throw StateError(fmt::format("{} bytes that are no snapshot; one begins with \"CMRC state\"", sealed.size()));
+  if (sealed.size() < head) throw StateError("the snapshot was cut short");
+  Reader start(sealed.substr(magic.size(), head - magic.size()));
+  const std::uint64_t its_version = start.number(), size = start.number(), sum = start.number();
+  if (its_version != version) throw StateError(fmt::format("a snapshot of version {}; this emulator reads version {}", its_version, version));
+  const std::string_view body = sealed.substr(head);
+  if (body.size() != size) throw StateError(fmt::format("the snapshot was cut short or added to: {} bytes of {}", body.size(), size));
+  if (checksum(body) != sum) throw StateError("the snapshot is damaged: its checksum is another one");
+  Reader reader(body);
+  Envelope out;
+  out.kind = reader.text();
+  for (std::uint64_t n = reader.number(); n != 0; --n) {
+    std::string what = reader.text();
+    out.key.emplace_back(std::move(what), reader.number());
+  }
+  out.text = reader.text();
+  if (!reader.at_end()) throw StateError("the snapshot is damaged: something stands behind it");
+  return out;
+}
+
+}  // namespace
+
+std::string seal(std::string_view kind, const Key& key, std::string_view text) {
+  std::string body;
+  append_text(body, kind);
+  append(body, std::uint64_t{key.size()});
+  for (const auto& [what, value] : key) append_text(body, what), append(body, checksum(value));
+  append_text(body, text);
+  std::string out(magic);
+  append(out, std::uint64_t{version});
+  append(out, std::uint64_t{body.size()});
+  append(out, checksum(body));
+  return out += body;
+}
+
+std::string kind_of(std::string_view sealed) { return read(sealed).kind; }
+
+std::string opened(std::string_view sealed, std::string_view kind, const Key& key) {
+  Envelope envelope = read(sealed);
+  if (envelope.kind != kind) throw StateError(fmt::format("a snapshot of a {}; one of a {} is expected", envelope.kind, kind));
+  for (std::size_t n = 0; n < std::max(key.size(), envelope.key.size()); ++n) {
+    if (n >= key.size() || n >= envelope.key.size() || key[n].first != envelope.key[n].first)
+      throw StateError(fmt::format("a snapshot of another {}: {} {}", kind, n < envelope.key.size() ? envelope.key[n].first : key[n].first,
+                                   n < envelope.key.size() ? "is not here" : "is not in it"));
+    if (checksum(key[n].second) != envelope.key[n].second)
+      throw StateError(fmt::format("a snapshot of another {}: the {} is not the same", kind, key[n].first));
+  }
+  return std::move(envelope.text);
+}
+
+}  // namespace state
