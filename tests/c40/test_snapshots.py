@@ -62,7 +62,17 @@ def flipped(saved, offset, size, path):
 
 
 # Counts of elements, and what says which of several things there is, are no numbers that could be any other.
-FIXED = (".count", "waiting_access", "port_slot", "dma_request", "dma_stop", "undisturbed", "reported_breakpoint", "memory.pages", "memory.flat_pages")
+FIXED = (
+    ".count",
+    "waiting_access",
+    "port_slot",
+    "dma_request",
+    "dma_stop",
+    "undisturbed",
+    "reported_breakpoint",
+    "memory.pages",
+    "memory.flat_pages",
+)
 # Of accesses that are not waited for, nothing is kept.
 LEFT_OVER = ("access.", "port_access.", "held")
 

@@ -3,9 +3,8 @@
 import random
 
 import pytest
-from nasty_programs import CYCLES, Bench, assembled, prepare, ring
-
 from cmrc.network import Network
+from nasty_programs import CYCLES, Bench, assembled, prepare, ring
 
 
 def network_of(programs, bench, turn_order=0):
@@ -19,7 +18,11 @@ def network_of(programs, bench, turn_order=0):
 
 
 def seen(network):
-    return network.event_trace, [(c.status, c.message, c._core.cycle, c._core.snapshot(), c._core.digest()) for c in network.chips], network.links
+    return (
+        network.event_trace,
+        [(c.status, c.message, c._core.cycle, c._core.snapshot(), c._core.digest()) for c in network.chips],
+        network.links,
+    )
 
 
 @pytest.mark.parametrize("seed", range(40))

@@ -6,7 +6,6 @@ import subprocess
 import sys
 
 import pytest
-
 from cmrc import c40
 from cmrc.network import Network
 
@@ -58,13 +57,13 @@ print(processor.registers["R0"], processor.cycles, processor.causes)
 """
     told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
     processor.run(1000)
-    assert told.strip() == f'{processor.registers["R0"]} {processor.cycles} {processor.causes}'
+    assert told.strip() == f"{processor.registers['R0']} {processor.cycles} {processor.causes}"
 
 
 def test_every_flipped_bit_and_every_cut_is_refused():
     sealed = counting().snapshot().to_bytes()
     rng = random.Random(1)
-    for at in [*range(0, 120), *rng.sample(range(len(sealed)), 300)]:
+    for at in [*range(120), *rng.sample(range(len(sealed)), 300)]:
         damaged = bytearray(sealed)
         damaged[at] ^= 1 << rng.randrange(8)
         with pytest.raises(c40.SnapshotError, match=r"no snapshot|version|cut short|damaged"):
