@@ -327,6 +327,7 @@ class Processor(ChipState):
     def __init__(self, program: Program | Path | None = None, *, board: str | Path = "default", checks: bool = False) -> None:
         place = arguments.path("board", board, '"default", "flat" or the path of a board file')
         super().__init__(_core.c40.Processor(place, arguments.flag("checks", checks)), None)
+        self._board = place
         if program is not None:
             self.load(program)
 
@@ -386,6 +387,12 @@ class Processor(ChipState):
         Raises SnapshotError for any other, before anything is changed.
         """
         self._core.load(snapshots.sealed(snapshot), self.program)
+
+    def fork(self) -> Processor:
+        """A second processor with the same past: what one does from here on, the other does not see."""
+        other = Processor(self.program, board=self._board)
+        other.restore(self.snapshot())
+        return other
 
     def reset(self) -> None:
         """Registers to 0, a fault forgotten; memory and counters are kept."""

@@ -37,6 +37,18 @@ def test_a_processor_goes_back():
     assert (processor.registers["R0"], processor.cycles, processor.instructions, processor.causes) == there
 
 
+def test_two_futures_of_one_past():
+    processor = counting()
+    other = processor.fork()
+    before = processor.registers["R0"]
+    other.registers["R0"] = before + 1_000_000
+    other.run(100)
+    assert processor.registers["R0"] == before
+    processor.run(100)
+    assert processor.cycles == other.cycles
+    assert before < processor.registers["R0"] == other.registers["R0"] - 1_000_000
+
+
 def test_a_snapshot_is_bytes_and_can_be_pickled():
     snapshot = counting().snapshot()
     assert c40.Snapshot.from_bytes(snapshot.to_bytes()) == snapshot == pickle.loads(pickle.dumps(snapshot))
