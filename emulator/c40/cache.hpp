@@ -11,6 +11,10 @@
 #include "c40/types.hpp"
 #include "state/visitor.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace c40 {
 
 class Cache {
@@ -65,6 +69,7 @@ class Cache {
       for (Word rest = present_[s]; rest != 0; rest &= rest - 1) visit(start_[s] << 5 | static_cast<Address>(std::countr_zero(rest)));
   }
 
+  void list_state(state::Visitor& list);
   friend bool operator==(const Cache&, const Cache&) = default;
   void list_state(state::Visitor& list) {
     list("words", words_);

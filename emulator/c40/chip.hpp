@@ -16,6 +16,10 @@
 #include "c40/peripherals/events.hpp"
 #include "c40/state.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace c40 {
 
 /// An access to an external window that the chip stopped before.
@@ -205,6 +209,10 @@ class Chip {
   void set_peripheral_sink(PeripheralSink* sink);
   /// One instruction at a time, no blocks: the oracle of the fast path.
   void set_exact(bool exact);
+
+  /// All that lasts and that anything later depends on, memory included. Not breakpoints, listeners, links, sinks and which engine runs:
+  /// they stay as they are. Only between runs, and for a chip of the same board.
+  void list_state(state::Visitor& list);
 
   const State& state() const;
   const Memory& memory() const;

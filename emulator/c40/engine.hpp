@@ -91,6 +91,7 @@ class Engine {
   Word peek(Address address) const;
   void poke(Address address, Word value);
   void flush_blocks();
+  void list_state(state::Visitor& list);
   /// By the program: CE, CF and CC act on later fetches only.
   void write_status(Word value);
   void set_status(Word value);

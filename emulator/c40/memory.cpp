@@ -116,6 +116,10 @@ Memory::Memory(const Board& board) : flat_(board.is_flat), flat_words_max_(board
 
 void Memory::configure(Word global, Word local) {
   control_ = {InterfaceControl::decode(local), InterfaceControl::decode(global)};
+  note_paged();
+}
+
+void Memory::note_paged() {
   for (std::size_t b = 0; b < 2; ++b)
     for (std::size_t s = 0; s < 2; ++s) {
       const std::uint64_t start = range_begin(b), split = start + control_[b].strobe0_words;
@@ -181,6 +185,7 @@ const Memory::Area* Memory::make_flat_page(Address address) {
   flat_words_ += area.words;
   area.made = true;
   area.name = fmt::format("flat RAM {:08X}h", area.base);
+  area.made = true;
   return add(area);
 }
 

@@ -14,6 +14,10 @@
 #include "c40/timing.hpp"
 #include "c40/types.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace c40 {
 
 /// A part of the address space as a board declares it. On-chip RAM and the peripheral registers are the chip's own.
@@ -75,7 +79,7 @@ class Memory {
     Resource resource = Resource::ideal;
     int read_waits = 0, write_waits = 0, page_waits = 0;
     Word* data = nullptr;  ///< null unless RAM or ROM
-    bool made = false;     ///< a page of a flat board, made when it was first asked for
+    bool made = false;     ///< a page of a flat board
 
     bool contains(Address address) const { return address - base < words; }
     Word* code_map() const { return data + words; }
@@ -109,6 +113,9 @@ class Memory {
   const Area* find(Address address);
   const Area* find(Address address) const;
   const std::vector<std::unique_ptr<Area>>& areas() const { return areas_; }
+  /// Contents page by page, those that are all 0 left out; of a flat board, which pages there are. No block may stand in them while they are set:
+  /// areas go and come.
+  void list_state(state::Visitor& list);
 
   /// The contents. At load no word may be marked as code.
   void list_state(state::Visitor& list);
@@ -119,7 +126,8 @@ class Memory {
   };
   const Area* add(Area area);
   const Area* make_flat_page(Address address);
-  void forget_flat_pages();
+  void set_flat_pages(const std::vector<Address>& bases);
+  void note_paged();
 
   bool flat_;
   std::uint64_t flat_words_max_, flat_words_ = 0;

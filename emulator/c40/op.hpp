@@ -12,6 +12,10 @@
 #include "c40/types.hpp"
 #include "isa/types.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace c40 {
 
 struct Op;
@@ -89,6 +93,7 @@ struct Core {
   std::uint8_t code_writes = 0;
   std::array<Address, 2> code_written{};
 
+  void list_state(state::Visitor& list);
   Word status() const {
     return modes | sticky | range | (carry & st::C) | (zero == 0 ? st::Z : 0u) | (negative >> 31) * st::N;
   }

@@ -1,8 +1,6 @@
 #pragma once
-/// The whole state of a chip, in one place: what a snapshot holds and what a comparison compares. Memory contents are apart
-/// (Memory); everything else a chip has is derived from these.
-#include <string_view>
-
+/// What programs and peripherals of a chip can be told apart by, in one place. Memory contents are apart (Memory); what the engine has besides,
+/// between two calls, it lists itself (chip_state.cpp).
 #include "c40/cache.hpp"
 #include "c40/memory.hpp"
 #include "c40/op.hpp"
@@ -51,50 +49,8 @@ struct State {
   std::uint8_t iiof_levels = 0;  ///< Bit n: IIOFn is held active.
   bool held = false;             ///< In reset.
   bool faulted = false;
-};
 
-/// Calls visit(name, field) for every field of the state; the only list of them.
-template <class S, class Visit>
-void visit_state(S& s, Visit&& visit) {
-  auto& c = s.core;
-  visit(std::string_view{"registers"}, c.r);
-  visit(std::string_view{"exponents"}, c.e);
-  visit(std::string_view{"negative"}, c.negative);
-  visit(std::string_view{"zero"}, c.zero);
-  visit(std::string_view{"carry"}, c.carry);
-  visit(std::string_view{"range"}, c.range);
-  visit(std::string_view{"sticky"}, c.sticky);
-  visit(std::string_view{"modes"}, c.modes);
-  visit(std::string_view{"pc"}, c.pc);
-  visit(std::string_view{"delay_target"}, c.delay_target);
-  visit(std::string_view{"delay_slots"}, c.delay_slots);
-  visit(std::string_view{"delay_taken"}, c.delay_taken);
-  visit(std::string_view{"delay_repeat"}, c.delay_repeat);
-  visit(std::string_view{"annul"}, c.annul);
-  visit(std::string_view{"idle"}, c.idle);
-  visit(std::string_view{"repeat_single"}, c.repeat_single);
-  visit(std::string_view{"ivtp"}, c.ivtp);
-  visit(std::string_view{"tvtp"}, c.tvtp);
-  visit(std::string_view{"pipeline"}, s.pipeline);
-  visit(std::string_view{"cycle"}, s.cycle);
-  visit(std::string_view{"instructions"}, s.instructions);
-  visit(std::string_view{"causes"}, s.causes);
-  visit(std::string_view{"answers"}, s.answers);
-  visit(std::string_view{"global_interface_control"}, s.global_interface_control);
-  visit(std::string_view{"local_interface_control"}, s.local_interface_control);
-  visit(std::string_view{"cache"}, s.cache);
-  visit(std::string_view{"cache_control"}, s.cache_control);
-  visit(std::string_view{"cache_change"}, s.cache_change);
-  visit(std::string_view{"cache_changes"}, s.cache_changes);
-  visit(std::string_view{"open_pages"}, s.open_pages);
-  visit(std::string_view{"locked"}, s.locked);
-  visit(std::string_view{"ports"}, s.ports);
-  visit(std::string_view{"timers"}, s.timers);
-  visit(std::string_view{"dma"}, s.dma);
-  visit(std::string_view{"stalled_on_port"}, s.stalled_on_port);
-  visit(std::string_view{"iiof_levels"}, s.iiof_levels);
-  visit(std::string_view{"held"}, s.held);
-  visit(std::string_view{"faulted"}, s.faulted);
-}
+  void list_state(state::Visitor& list);
+};
 
 }  // namespace c40

@@ -17,6 +17,10 @@
 #include "c40/types.hpp"
 #include "state/visitor.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace c40 {
 
 /// What an access occupies. `ideal` never conflicts (board `flat`, hits of the instruction cache).
@@ -99,6 +103,7 @@ class Pipeline {
 
   friend bool operator==(const Pipeline&, const Pipeline&) = default;
   std::uint64_t hash() const;
+  void list_state(state::Visitor& list);
   /// Of the next instruction, relative to T.
   int earliest_fetch() const { return fetch_ready_; }
   void list_state(state::Visitor& list) {

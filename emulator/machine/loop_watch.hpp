@@ -11,6 +11,10 @@
 #include "c40/chip.hpp"
 #include "state/visitor.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace machine {
 
 class LoopWatch final : public c40::TraceSink {

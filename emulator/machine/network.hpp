@@ -22,7 +22,12 @@
 #include "c40/peripherals/link.hpp"
 #include "machine/board_file.hpp"
 #include "machine/time.hpp"
+#include "state/file.hpp"
 #include "toolchain/image.hpp"
+
+namespace state {
+class Visitor;
+}
 
 namespace machine {
 
@@ -128,6 +133,10 @@ struct ChipEvent {
   c40::PeripheralEvent event;
 };
 
+/// What must be the same for a chip's state to fit: as text.
+std::string configuration_of(const c40::Board& board);
+std::string configuration_of(const toolchain::Image& image);
+
 /// How a chip stands.
 enum class ChipStatus : std::uint8_t {
   running,
@@ -166,6 +175,10 @@ class Network {
   /// Lets everything before `limit` happen, unless io::stop_asked(). \throws std::logic_error if words do not add up.
   NetworkStop run_until(Time limit);
   Time now() const { return now_; }
+  /// Everything that lasts: chips, links, memories, actions to come, and the events so far. Only between runs.
+  void list_state(state::Visitor& list);
+  /// What must be the same in a network that such a state is loaded into.
+  state::Key configuration() const;
 
   std::size_t chip_count() const { return nodes_.size(); }
   /// Of a chip that `waits`, cycle() is where the access begins to wait.

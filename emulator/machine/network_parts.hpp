@@ -16,6 +16,7 @@ struct Network::Memory {
   std::vector<c40::Word> words;
   Time free{0};                      ///< of the access under way
   std::optional<std::size_t> owner;  ///< of the lock
+
   void list_state(state::Visitor& list);
 };
 
@@ -63,6 +64,7 @@ struct Network::Node : c40::PeripheralSink {
   void happened(const c40::PeripheralEvent& event) override { peripheral_events.push_back(event); }
   void list_state(state::Visitor& list);
 
+  void list_state(state::Visitor& list);
   bool waits_for_port() const { return status == ChipStatus::waiting && stop.reason != c40::StopInfo::Reason::external_access; }
   bool waits_for_memory() const { return status == ChipStatus::waiting && stop.reason == c40::StopInfo::Reason::external_access; }
   c40::Cycles first_cycle(Time time) const { return clock.tick_at_or_after(time); }

@@ -1,88 +1,106 @@
-// What of a network lasts, and its file.
+// What a network is saved and loaded by, and what must be the same for that.
 #include <fmt/format.h>
 
-#include "c40/chip_file.hpp"
 #include "machine/network_parts.hpp"
-#include "state/archive.hpp"
-#include "state/file.hpp"
+#include "state/visitor.hpp"
 
 namespace machine {
+namespace {
 
-void LoopWatch::list_state(state::Visitor& list) { list("rounds", rounds_); }
+std::string text_of(const c40::Board& board) {
+  std::string out = fmt::format("{} {} {} {:X} {:X} {} {:X};", board.is_flat, board.flat_words_max, board.has_peripherals, board.global_interface_control,
+                                board.local_interface_control, board.pins.reset_location, board.pins.iiof);
+  for (const c40::Region& r : board.regions)
+    out += fmt::format("{:X} {} {} {} {} {} {};", r.base, r.words, r.read_waits, r.write_waits, static_cast<int>(r.kind), static_cast<int>(r.bus), r.page_waits);
+  for (const c40::Word word : board.rom) out += fmt::format("{:X} ", word);
+  return out;
+}
 
-void Network::Node::list_state(state::Visitor& list) {
-  list("chip", chip);
-  list("status", status);
-  list("stop", stop);
-  list("was ready", was_ready);
-  list("ready since", ready_since);
-  list("asleep since", asleep_since);
-  list("since", patience.since);
-  list("length", patience.length);
-  list("happenings", patience.happenings);
-  bool looking = patience.looking.has_value();
-  list("looking", looking);
-  if (list.loads()) {
-    patience.looking.reset();
-    if (looking) patience.looking.emplace(chip, trace);
+std::string text_of(const toolchain::Image& image) {
+  std::string out = fmt::format("{:X};", image.entry);
+  for (const auto& section : image.sections) {
+    if (!section.loaded) continue;
+    out += fmt::format("{:X}:", section.address);
+    for (const c40::Word word : section.words) out += fmt::format("{:X} ", word);
   }
-  if (looking) list("looking at", *patience.looking);
-  list("loop", patience.loop);
-  list("is private", patience.is_private);
-  list("peripheral events", peripheral_events);
-  if (list.loads()) chip.set_trace(looking ? static_cast<c40::TraceSink*>(&*patience.looking) : trace);
+  return out;
+}
+
+}  // namespace
+
+std::string configuration_of(const c40::Board& board) { return text_of(board); }
+std::string configuration_of(const toolchain::Image& image) { return text_of(image); }
+
+state::Key Network::configuration() const {
+  state::Key key;
+  std::string links, memories;
+  key.emplace_back("number of chips", fmt::format("{}", nodes_.size()));
+  for (const auto& node : nodes_) {
+    const NetworkChip& d = node->description;
+    const auto what = [&](std::string_view part) { return fmt::format("{} of chip {}", part, node->number); };
+    key.emplace_back(what("program"), fmt::format("{};{};{};{}", text_of(*d.program), d.entry.value_or(0), d.until.has_value(), d.until.value_or(0)));
+    key.emplace_back(what("board"), fmt::format("{}{}", text_of(d.board.board), d.boot));
+    key.emplace_back(what("clock"), fmt::format("{}", node->clock.hertz()));
+  }
+  for (const NetworkLink& link : description_.links) {
+    const c40::LinkParameters& p = link.parameters;
+    links += fmt::format("{} {} {} {} {};", machine::to_text(link), p.word_cycles, p.token_cycles, p.enter_cycles, p.exit_cycles);
+  }
+  for (const auto& memory : memories_) {
+    memories += fmt::format("{} {}", memory->description.words, memory->description.waits);
+    for (const auto& [chip, base] : memory->description.places) memories += fmt::format(" {} {:X}", chip, base);
+    memories += ';';
+  }
+  key.emplace_back("set of links", links);
+  key.emplace_back("set of memories", memories);
+  return key;
 }
 
 void Network::Memory::list_state(state::Visitor& list) {
+  const std::size_t size = words.size();
   list("words", words);
+  if (words.size() != size) throw state::StateError(fmt::format("memory {}: {} words, where there are {}", description.name, words.size(), size));
   list("free", free);
   list("owner", owner);
 }
 
-// The order in which chips are advanced changes nothing, and is not listed.
+void LoopWatch::list_state(state::Visitor& list) { list("rounds", rounds_); }
+
+// Patience is state: what it finds ends a run, and when it looks depends on when something last happened.
+void Network::Node::list_state(state::Visitor& list) {
+  list("chip", chip);
+  list("status", status);
+  list("stop", stop);
+  list("was_ready", was_ready);
+  list("ready_since", ready_since);
+  list("asleep_since", asleep_since);
+  list("patience_since", patience.since);
+  list("patience_length", patience.length);
+  list("patience_happenings", patience.happenings);
+  bool looks = patience.looking.has_value();
+  list("looks", looks);
+  if (list.loads()) {
+    patience.looking.reset();
+    if (looks) patience.looking.emplace(chip, trace);
+    chip.set_trace(looks ? &*patience.looking : trace);
+  }
+  if (looks) list("looking", *patience.looking);
+  list("loop", patience.loop);
+  list("is_private", patience.is_private);
+  list("peripheral_events", peripheral_events);
+}
+
+// Not: who listens, what is recorded from now on, the order of turns.
 void Network::list_state(state::Visitor& list) {
+  list("now", now_);
   list("nodes", nodes_);
   list("links", links_);
   list("memories", memories_);
   list("actions", actions_);
   list("events", events_);
-  list("now", now_);
   list("happenings", happenings_);
   list("happened", happened_);
   list("changed", changed_);
-}
-
-namespace {
-
-constexpr std::string_view kind = "network";
-
-}  // namespace
-
-// What two networks must have in common for the one to go on as the other.
-std::string Network::snapshot_key() const {
-  std::string key = fmt::format("shape {} {}\n", description_.shape[0], description_.shape[1]);
-  for (const auto& node : nodes_) {
-    const NetworkChip& chip = node->description;
-    key += fmt::format("chip {}: clock {} boot {} entry {:X} until {:X}\n{}", node->number, chip.clock_mhz.value_or(0), chip.boot, chip.entry.value_or(0),
-                       chip.until.value_or(0), c40::key_of(node->chip.board()));
-    for (const auto& section : chip.program->sections) key += fmt::format("{} {:X} {}\n", section.name, section.address, fmt::join(section.words, " "));
-  }
-  for (const NetworkLink& link : description_.links)
-    key += fmt::format("link {} {} {} {} {}\n", machine::to_text(link), link.parameters.word_cycles, link.parameters.token_cycles, link.parameters.enter_cycles, link.parameters.exit_cycles);
-  for (const SharedMemory& memory : description_.memories) {
-    key += fmt::format("memory {} {} {}:", memory.name, memory.words, memory.waits);
-    for (const auto& [chip, base] : memory.places) key += fmt::format(" {}@{:X}", chip, base);
-    key += '\n';
-  }
-  return key;
-}
-
-std::string Network::sealed() const { return state::sealed(kind, {snapshot_key(), state::save(*this)}); }
-
-void Network::restore(std::string_view file) {
-  const std::vector<std::string> parts = state::opened(file, kind, 2);
-  if (parts[0] != snapshot_key()) throw state::StateError("the snapshot is of another network: chips, programs, boards, links or memories differ");
-  state::load_or_leave(*this, parts[1]);
 }
 
 }  // namespace machine

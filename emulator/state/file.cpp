@@ -1,101 +1,120 @@
 #include "state/file.hpp"
 
 #include <fmt/format.h>
-#include <openssl/evp.h>
-#include <zlib.h>
 
-#include <array>
+#include <cstdint>
+#include <algorithm>
 #include <cstring>
 
-namespace state {
+#include "state/archive.hpp"
 
+namespace state {
 namespace {
 
-constexpr std::string_view magic = "C40STATE";
-constexpr std::uint64_t format = 1;
+constexpr std::string_view magic = "CMRC state\n";
 
-std::string sha256(std::string_view text) {
-  std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
-  unsigned size = 0;
-  if (EVP_Digest(text.data(), text.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1) throw std::runtime_error("SHA-256 is not to be had from libcrypto");
-  std::string digits;
-  for (unsigned i = 0; i < size; ++i) digits += fmt::format("{:02x}", digest[i]);
-  return digits;
+struct Envelope {
+  std::string kind;
+  std::vector<std::pair<std::string, std::uint64_t>> key;
+  std::string text;
+};
+
+/// Each step is reversible, so one changed word always changes the sum.
+std::uint64_t checksum(std::string_view bytes) {
+  std::uint64_t sum = bytes.size();
+  while (!bytes.empty()) {
+    const std::size_t size = std::min<std::size_t>(bytes.size(), sizeof(std::uint64_t));
+    std::uint64_t word = 0;
+    std::memcpy(&word, bytes.data(), size);
+    bytes.remove_prefix(size);
+    sum = (sum ^ word) * 0x9E3779B97F4A7C15u;
+    sum ^= sum >> 32;
+  }
+  return sum;
 }
 
-void put_number(std::string& to, std::uint64_t number) { to.append(reinterpret_cast<const char*>(&number), sizeof number); }  // NOLINT: its bytes
-void put(std::string& to, std::string_view text) {
-  put_number(to, text.size());
-  to += text;
+template <class T>
+void append(std::string& out, T number) {
+  out.append(reinterpret_cast<const char*>(&number), sizeof number);  // NOLINT: bytes of a number
+}
+void append_text(std::string& out, std::string_view text) {
+  append(out, std::uint64_t{text.size()});
+  out += text;
 }
 
-std::string packed(std::string_view text) {
-  constexpr int quick = 1;  // a state packs to a third; more work finds little more
-  uLongf size = compressBound(text.size());
-  std::string bytes(size, '\0');
-  if (compress2(reinterpret_cast<Bytef*>(bytes.data()), &size, reinterpret_cast<const Bytef*>(text.data()), text.size(), quick) != Z_OK)  // NOLINT
-    throw std::runtime_error("no memory to pack a snapshot");
-  bytes.resize(size);
-  return bytes;
-}
+/// What a damaged envelope may hold has been ruled out by its checksum; a wrong one ends here all the same.
+class Reader {
+ public:
+  explicit Reader(std::string_view bytes) : rest_(bytes) {}
+  std::uint64_t number() {
+    std::uint64_t out = 0;
+    std::memcpy(&out, take(sizeof out).data(), sizeof out);
+    return out;
+  }
+  std::string text() { return std::string(take(number())); }
+  bool at_end() const { return rest_.empty(); }
 
-std::string unpacked(std::string_view bytes, std::uint64_t length) {
-  constexpr std::uint64_t most = 1032;  // zlib packs no better
-  if (length / most > bytes.size()) throw StateError("the snapshot is damaged: a part is longer than its bytes can hold");
-  std::string text(length, '\0');
-  uLongf size = length;
-  if (uncompress(reinterpret_cast<Bytef*>(text.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()) != Z_OK || size != length)  // NOLINT
-    throw StateError("the snapshot is damaged: a part cannot be unpacked");
-  return text;
-}
+ private:
+  std::string_view take(std::uint64_t size) {
+    if (size > rest_.size()) throw StateError("the snapshot is damaged: it ends too early");
+    const std::string_view out = rest_.substr(0, size);
+    rest_.remove_prefix(size);
+    return out;
+  }
+  std::string_view rest_;
+};
 
-[[noreturn]] void cut_short() { throw StateError("the file is cut short; a whole snapshot is expected"); }
-
-std::string_view take(std::string_view& from, std::uint64_t size) {
-  if (size > from.size()) cut_short();
-  const std::string_view taken = from.substr(0, size);
-  from.remove_prefix(size);
-  return taken;
-}
-std::uint64_t take_number(std::string_view& from) {
-  std::uint64_t number = 0;
-  std::memcpy(&number, take(from, sizeof number).data(), sizeof number);
-  return number;
+Envelope read(std::string_view sealed) {
+  constexpr std::size_t head = magic.size() + 3 * sizeof(std::uint64_t);  // version, size, checksum
+  if (sealed.size() < magic.size() || !sealed.starts_with(magic))
+    throw StateError(fmt::format("{} bytes that are no snapshot; one begins with \"CMRC state\"", sealed.size()));
+  if (sealed.size() < head) throw StateError("the snapshot was cut short");
+  Reader start(sealed.substr(magic.size(), head - magic.size()));
+  const std::uint64_t its_version = start.number(), size = start.number(), sum = start.number();
+  if (its_version != version) throw StateError(fmt::format("a snapshot of version {}; this emulator reads version {}", its_version, version));
+  const std::string_view body = sealed.substr(head);
+  if (body.size() != size) throw StateError(fmt::format("the snapshot was cut short or added to: {} bytes of {}", body.size(), size));
+  if (checksum(body) != sum) throw StateError("the snapshot is damaged: its checksum is another one");
+  Reader reader(body);
+  Envelope out;
+  out.kind = reader.text();
+  for (std::uint64_t n = reader.number(); n != 0; --n) {
+    std::string what = reader.text();
+    out.key.emplace_back(std::move(what), reader.number());
+  }
+  out.text = reader.text();
+  if (!reader.at_end()) throw StateError("the snapshot is damaged: something stands behind it");
+  return out;
 }
 
 }  // namespace
 
-std::string sealed(std::string_view kind, const std::vector<std::string_view>& parts) {
+std::string seal(std::string_view kind, const Key& key, std::string_view text) {
   std::string body;
-  put(body, kind);
-  put(body, CMRC_VERSION);
-  for (const std::string_view part : parts) {
-    put_number(body, part.size());
-    put(body, packed(part));
-  }
-  std::string file(magic);
-  put_number(file, format);
-  return file + sha256(body) + body;
+  append_text(body, kind);
+  append(body, std::uint64_t{key.size()});
+  for (const auto& [what, value] : key) append_text(body, what), append(body, checksum(value));
+  append_text(body, text);
+  std::string out(magic);
+  append(out, std::uint64_t{version});
+  append(out, std::uint64_t{body.size()});
+  append(out, checksum(body));
+  return out += body;
 }
 
-std::vector<std::string> opened(std::string_view file, std::string_view kind, std::size_t parts) {
-  if (!file.starts_with(magic)) throw StateError("this is no snapshot: it does not begin with " + std::string(magic));
-  file.remove_prefix(magic.size());
-  if (const std::uint64_t its = take_number(file); its != format)
-    throw StateError(fmt::format("the snapshot has format {}; this emulator reads format {}", its, format));
-  const std::string_view digest = take(file, 64);
-  if (sha256(file) != digest) throw StateError("the snapshot is damaged or cut short: its checksum is another");
-  if (const std::string_view its = take(file, take_number(file)); its != kind)
-    throw StateError(fmt::format("the snapshot is of a {}; one of a {} is expected", its, kind));
-  if (const std::string_view its = take(file, take_number(file)); its != CMRC_VERSION)
-    throw StateError(fmt::format("the snapshot is of version {} of the emulator; this is version {}", its, CMRC_VERSION));
-  std::vector<std::string> all;
-  while (!file.empty()) {
-    const std::uint64_t length = take_number(file);
-    all.push_back(unpacked(take(file, take_number(file)), length));
+std::string kind_of(std::string_view sealed) { return read(sealed).kind; }
+
+std::string opened(std::string_view sealed, std::string_view kind, const Key& key) {
+  Envelope envelope = read(sealed);
+  if (envelope.kind != kind) throw StateError(fmt::format("a snapshot of a {}; one of a {} is expected", envelope.kind, kind));
+  for (std::size_t n = 0; n < std::max(key.size(), envelope.key.size()); ++n) {
+    if (n >= key.size() || n >= envelope.key.size() || key[n].first != envelope.key[n].first)
+      throw StateError(fmt::format("a snapshot of another {}: {} {}", kind, n < envelope.key.size() ? envelope.key[n].first : key[n].first,
+                                   n < envelope.key.size() ? "is not here" : "is not in it"));
+    if (checksum(key[n].second) != envelope.key[n].second)
+      throw StateError(fmt::format("a snapshot of another {}: the {} is not the same", kind, key[n].first));
   }
-  if (all.size() != parts) throw StateError(fmt::format("the snapshot has {} parts; {} are expected", all.size(), parts));
-  return all;
+  return std::move(envelope.text);
 }
 
 }  // namespace state

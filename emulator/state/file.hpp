@@ -1,20 +1,24 @@
 #pragma once
-/// A saved state as a file: what it is of, the version, a checksum, and parts of text.
-///
-///     magic "C40STATE", format 1 (8 bytes), SHA-256 of all that follows (64 digits), then length (8 bytes) and text of: what it is
-///     of, the version of the emulator, and each part: its length (8 bytes), and the part as zlib packs it.
+/// A state between runs of the emulator: with what it is a state of, and a checksum. What does not fit is refused by name before
+/// anything is loaded.
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
-
-#include "state/visitor.hpp"
 
 namespace state {
 
-/// \param kind what it is of: "run", "processor", "network"
-std::string sealed(std::string_view kind, const std::vector<std::string_view>& parts);
+/// Of the envelope and of the lists together: to be raised when a list comes to mean something else under the same names.
+inline constexpr unsigned version = 1;
 
-/// The parts of a file. \throws StateError for what is no such file, is cut short or damaged, or is of another kind or version
-std::vector<std::string> opened(std::string_view file, std::string_view kind, std::size_t parts);
+/// What must be the same where the state is loaded: {"board", ...}, {"program of chip 0", ...}. The values may be long: fingerprints of them are kept.
+using Key = std::vector<std::pair<std::string, std::string>>;
+
+/// \param kind "processor"
+std::string seal(std::string_view kind, const Key& key, std::string_view text);
+/// The kind of a sealed state. \throws StateError for what is none, is another version's, was cut short or changed
+std::string kind_of(std::string_view sealed);
+/// The text that was sealed. \throws StateError as kind_of, and for another kind or key
+std::string opened(std::string_view sealed, std::string_view kind, const Key& key);
 
 }  // namespace state

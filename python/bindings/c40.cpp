@@ -18,6 +18,9 @@
 #include "python/bindings/state.hpp"
 #include "toolchain/assembler.hpp"
 #include "machine/board_file.hpp"
+#include "machine/network.hpp"
+#include "state/archive.hpp"
+#include "state/file.hpp"
 
 namespace {
 
@@ -92,7 +95,7 @@ class Recorder : public c40::TraceSink {
 class Processor : public c40::PeripheralSink {
  public:
   Processor(const std::string& board, bool checks) : Processor(machine::read_board(board).board, checks) {}
-  Processor(c40::Board board, bool checks) : chip(std::move(board)) {
+  Processor(c40::Board board_, bool checks) : board(machine::configuration_of(board_)), chip(std::move(board_)) {
     if (!checks) return;
     self_check.emplace(chip);
     chip.set_trace(&*self_check);
@@ -161,6 +164,13 @@ class Processor : public c40::PeripheralSink {
     events.append(py::make_tuple(std::string(name(e.kind)), e.cycle, e.number, e.value, e.channel));
   }
 
+  /// \throws StateError with checks on: what they have seen is not saved
+  state::Key configuration(const toolchain::Image* program) const {
+    if (self_check) throw state::StateError("a processor with checks has no snapshots; one without checks has");
+    return {{"board", board}, {"program", program == nullptr ? "" : machine::configuration_of(*program)}};
+  }
+
+  std::string board;  ///< what has to be the same for a state to fit
   c40::Chip chip;
   std::optional<c40::SelfCheck> self_check;
   py::list events;
@@ -235,6 +245,12 @@ void bind_processor(py::module_& m) {
       .def("diagnostics", &Processor::diagnostics, "Rules that the program broke, with checks on.")
       .def("load_words", &Processor::load_words, py::arg("address"), py::arg("words"))
       .def("load_image", &Processor::load_image, "Loads the sections of an image and sets the PC to its entry.")
+      .def("save", [](const Processor& p, const toolchain::Image* program) {
+        return py::bytes(state::seal("processor", p.configuration(program), state::save(p.chip)));
+      }, py::arg("program"))
+      .def("load", [](Processor& p, const std::string& sealed, const toolchain::Image* program) {
+        state::load(p.chip, state::opened(sealed, "processor", p.configuration(program)));
+      }, py::arg("sealed"), py::arg("program"), "Refuses by name what is no snapshot of such a processor, before anything is changed.")
       .def("run", &Processor::run, py::arg("max_cycles"), py::arg("until") = py::none(),
            "Runs whole instructions for max_cycles, or until the PC is at `until`; says why it stopped.")
       .def("trace", &Processor::trace, py::arg("max_cycles"), "Runs and returns one dict per instruction.")
@@ -339,4 +355,6 @@ void bind_c40(py::module_& core) {
     return all;
   }, "Every memory-mapped register: name, address, value after reset, fields (lowest bit, width).");
   bind_float40(m);
+  py::register_exception<state::StateError>(core, "SnapshotError", PyExc_ValueError);
+  core.def("kind_of_snapshot", [](const std::string& sealed) { return state::kind_of(sealed); });
 }

@@ -9,6 +9,7 @@
 #include "c40/snapshot.hpp"
 #include "c40/peripherals/register_map.hpp"
 #include "python/bindings/bindings.hpp"
+#include "state/archive.hpp"
 
 inline isa::Register register_of(const std::string& name) {
   if (const auto r = isa::register_named(name)) return *r;
@@ -65,6 +66,16 @@ void bind_inspection(py::class_<Class>& bound, Chip chip) {
         const std::vector<std::uint64_t> words = c40::snapshot(chip(p));
         return py::bytes(reinterpret_cast<const char*>(words.data()), words.size() * sizeof(std::uint64_t));
       }, "Registers, cycles by cause, peripherals, FIFOs and cache, as 64-bit numbers.")
+      .def("save_state", [chip](const Class& p) { return py::bytes(state::save(chip(p))); }, "All its state, for a chip of the same board.")
+      .def("load_state", [chip](Class& p, const std::string& saved) { state::load(chip(p), saved); },
+           "After a ValueError, the chip is in no usable state.")
+      .def("state_leaves", [chip](const Class& p) {
+        state::Lister list;
+        const_cast<c40::Chip&>(static_cast<const c40::Chip&>(chip(p))).list_state(list);  // NOLINT: a lister only reads
+        std::vector<std::tuple<std::string, std::size_t, std::size_t>> out;
+        for (const state::Leaf& leaf : list.leaves()) out.emplace_back(leaf.path, leaf.offset, leaf.size);
+        return out;
+      }, "Path, offset and size of each value of save_state().")
       .def("digest", [chip](const Class& p) { return c40::digest(chip(p).memory()); }, "A hash of all RAM.")
       .def("peek", [chip](const Class& p, c40::Address a) { return chip(p).peek(a); })
       .def("poke", [chip](Class& p, c40::Address a, c40::Word v) { chip(p).poke(a, v); })

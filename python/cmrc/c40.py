@@ -14,8 +14,9 @@ from collections.abc import Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
 from typing import Any, overload
 
-from cmrc import _core, arguments
+from cmrc import _core, arguments, snapshots
 from cmrc.floats import extended_to_float, float_to_extended, float_to_single, single_to_float
+from cmrc.snapshots import Snapshot, SnapshotError
 
 AssemblyError = _core.toolchain.AssemblyError
 """Raised with all errors of a source at once; ``diagnostics`` is a list of dicts (file, line, column, message, text)."""
@@ -326,6 +327,7 @@ class Processor(ChipState):
     def __init__(self, program: Program | Path | None = None, *, board: str | Path = "default", checks: bool = False) -> None:
         place = arguments.path("board", board, '"default", "flat" or the path of a board file')
         super().__init__(_core.c40.Processor(place, arguments.flag("checks", checks)), None)
+        self._board = place
         if program is not None:
             self.load(program)
 
@@ -375,16 +377,22 @@ class Processor(ChipState):
         else:
             raise ValueError(f"{source} is no interrupt that can be raised; {', '.join(('NMI', *INTERRUPT_PINS, *INTERRUPT_FLAGS))} are")
 
-    def snapshot(self) -> bytes:
-        """The processor with its memory as it is now, between two runs: what a file may hold (docs/snapshots.md)."""
-        return bytes(self._core.save())
+    def snapshot(self) -> Snapshot:
+        """Its whole state: registers, memory, pipeline, cache, peripherals, and the access that it waits for. Raises SnapshotError with ``checks`` on."""
+        return Snapshot(self._core.save(self.program))
 
-    def restore(self, snapshot: bytes) -> None:
-        """The processor is as it was at ``snapshot``, of this one or of another on the same board; breakpoints stay.
+    def restore(self, snapshot: Snapshot) -> None:
+        """Back to a snapshot of a processor with the same board and program: from there it goes on bit for bit as that one did.
 
-        Raises SnapshotError for one that is damaged, or of another board or version; then nothing has changed.
+        Raises SnapshotError for any other, before anything is changed.
         """
-        self._core.load(arguments.instance("snapshot", snapshot, bytes, "what Processor.snapshot() gives"))
+        self._core.load(snapshots.sealed(snapshot), self.program)
+
+    def fork(self) -> Processor:
+        """A second processor with the same past: what one does from here on, the other does not see."""
+        other = Processor(self.program, board=self._board)
+        other.restore(self.snapshot())
+        return other
 
     def reset(self) -> None:
         """Registers to 0, a fault forgotten; memory and counters are kept."""
@@ -427,6 +435,8 @@ __all__ = [
     "Diagnostic",
     "Processor",
     "Program",
+    "Snapshot",
+    "SnapshotError",
     "Stop",
     "assemble",
     "assemble_file",

@@ -13,8 +13,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, overload
 
-from cmrc import _core, arguments
+from cmrc import _core, arguments, snapshots
 from cmrc.c40 import ChipState, Path, Program, assemble_file, read_coff
+from cmrc.snapshots import Snapshot, SnapshotError
 
 NetworkError = _core.network.NetworkError
 """Raised for a network that cannot be: a ValueError that names chip, port or link, and what would be right."""
@@ -257,17 +258,21 @@ class Network:
     @overload
     def restore(self, link: int, at_us: float) -> None: ...
     @overload
-    def restore(self, link: bytes) -> None: ...
-    def restore(self, link: int | bytes, at_us: float | None = None) -> None:
-        """With a number and an instant: joins that link again. With what ``snapshot`` gave: the network is as it was then.
+    def restore(self, link: Snapshot) -> None: ...
+    def restore(self, link: int | Snapshot, at_us: float | None = None) -> None:
+        """Joins a link again at an instant; or, given a snapshot, back to it.
 
-        The snapshot may be of another network of the same chips, programs, links and memories. Raises SnapshotError for one that is
-        damaged, or of another network or version; then nothing has changed.
+        Of a network with the same chips, programs, boards, clocks, links and memories; from there it goes on bit for bit as that one did, whatever the
+        order of turns. Raises SnapshotError for any other, before anything is changed.
         """
         if at_us is not None:
-            self._schedule("restore", arguments.instance("link", link, int, "the number of a link"), at_us)
+            self._schedule("restore", link, at_us)
         else:
-            self._core.load(arguments.instance("link", link, bytes, "what Network.snapshot() gives, or the number of a link and at_us"))
+            self._core.load(snapshots.sealed(link))
+
+    def snapshot(self) -> Snapshot:
+        """The whole state: chips, what is on the links, shared memories, actions to come, and the events so far."""
+        return Snapshot(self._core.save())
 
     def reset(self, chip: int, at_us: float) -> None:
         """Resets a chip: it starts at its entry, memory stays, what its ports held is discarded."""
@@ -285,7 +290,7 @@ class Network:
         """Holds a chip for good and cuts its links."""
         self._schedule("pull_out", chip, at_us)
 
-    def _schedule(self, kind: str, target: int, at_us: float) -> None:
+    def _schedule(self, kind: str, target: object, at_us: float) -> None:
         what = "link" if kind in ("cut", "restore") else "chip"
         self._core.schedule(kind, _instant("at_us", at_us), arguments.whole(what, target, f"the number of a {what}"))
 
@@ -348,4 +353,4 @@ def _each(given: Any, count: int, what: str) -> list[Any]:
     return values
 
 
-__all__ = ["Chip", "Event", "Link", "Network", "NetworkError", "NetworkStop", "PeripheralEvent", "SharedMemory", "Traffic"]
+__all__ = ["Chip", "Event", "Link", "Network", "NetworkError", "NetworkStop", "PeripheralEvent", "SharedMemory", "Snapshot", "SnapshotError", "Traffic"]

@@ -11,6 +11,10 @@
 #include "c40/peripherals/fields.hpp"
 #include "state/visitor.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace c40 {
 
 inline constexpr int port_count = 6;
@@ -42,6 +46,7 @@ class Fifo {
   /// As CPCR reports it.
   Word level() const { return full() ? 15 : count_; }
 
+  void list_state(state::Visitor& list);
   friend bool operator==(const Fifo&, const Fifo&) = default;
   void list_state(state::Visitor& list) {
     list("words", words_);

@@ -29,6 +29,10 @@
 #include "c40/clock.hpp"
 #include "c40/peripherals/comm_port.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace c40 {
 
 /// In H1 cycles (2.6); fidelity.md says which are known.
@@ -117,7 +121,7 @@ class Link {
 
   LinkListener* listener_of_events = nullptr;
 
-  /// The link's own; the ports' is in the chips'.
+  /// What is on its way, and what it has seen of the ports, which are in the chips. Listeners and clocks stay.
   void list_state(state::Visitor& list);
 
  private:

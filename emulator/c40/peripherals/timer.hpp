@@ -10,6 +10,10 @@
 #include "state/visitor.hpp"
 #include "c40/timing_parameters.hpp"
 
+namespace state {
+class Visitor;
+}
+
 namespace c40 {
 
 inline constexpr int timer_count = 2;
@@ -53,6 +57,7 @@ class Timer {
   /// Goes on to a cycle; true if TSTAT went from 0 to 1 on the way.
   bool advance_to(Cycles at);
 
+  void list_state(state::Visitor& list);
   friend bool operator==(const Timer&, const Timer&) = default;
   void list_state(state::Visitor& list) {
     list("control", control_);

@@ -8,3 +8,7 @@ from cmrc._core import plant as plant
 from cmrc._core import toolchain as toolchain
 from cmrc._core import trace as trace
 from cmrc._core import why_late as why_late
+
+class SnapshotError(ValueError): ...
+
+def kind_of_snapshot(sealed: bytes, /) -> str: ...

@@ -1,0 +1,240 @@
+// What a chip and its parts are saved, loaded and compared by. What is made anew here after loading: blocks, sites, ids of pipelines, marks of
+// code, the next event of the timers, whether the DMA is active, whether the cache holds words that memory no longer does.
+#include <algorithm>
+#include <utility>
+
+#include "c40/engine.hpp"
+#include "c40/engine_dma.hpp"
+#include "c40/peripherals/link.hpp"
+#include "state/visitor.hpp"
+
+namespace c40 {
+namespace {
+
+constexpr Word saved_page_words = 1024;
+
+bool all_zero(std::span<const Word> words) {
+  return std::ranges::all_of(words, [](Word word) { return word == 0; });
+}
+
+/// Calls visit(address, words) for each page of an area.
+template <class Visit>
+void each_page(const Memory::Area& area, Visit&& visit) {
+  if (area.data == nullptr) return;
+  for (Word at = 0; at < area.words;) {
+    const Word words = std::min(saved_page_words, area.words - at);
+    visit(area.base + at, std::span(area.data + at, words));
+    at += words;
+  }
+}
+
+}  // namespace
+
+// Not: what handlers tell the engine, which each instruction sets before it is read.
+void Core::list_state(state::Visitor& list) {
+  list("registers", r);
+  list("exponents", e);
+  list("negative", negative);
+  list("zero", zero);
+  list("carry", carry);
+  list("range", range);
+  list("sticky", sticky);
+  list("modes", modes);
+  list("pc", pc);
+  list("delay_target", delay_target);
+  list("delay_slots", delay_slots);
+  list("delay_taken", delay_taken);
+  list("delay_repeat", delay_repeat);
+  list("annul", annul);
+  list("idle", idle);
+  list("repeat_single", repeat_single);
+  list("ivtp", ivtp);
+  list("tvtp", tvtp);
+  if (list.loads()) attention = false, code_writes = 0;
+}
+
+void Pipeline::list_state(state::Visitor& list) {
+  list("fetch_ready", fetch_ready_);
+  list("read_entered", read_entered_);
+  list("ready", ready_);
+  list("ports", ports_);
+  list("buses", buses_);
+}
+
+void Cache::list_state(state::Visitor& list) {
+  list("words", words_);
+  list("present", present_);
+  list("start", start_);
+  list("order", order_);
+}
+
+void Fifo::list_state(state::Visitor& list) {
+  list("words", words_);
+  list("count", count_);
+}
+
+void Timer::list_state(state::Visitor& list) {
+  list("control", control_);
+  list("counter", counter_);
+  list("period", period_);
+  list("at", at_);
+  list("toggle", toggle_);
+  list("pulse", pulse_);
+  list("outside", outside_);
+}
+
+void State::list_state(state::Visitor& list) {
+  list("core", core);
+  list("pipeline", pipeline);
+  list("cycle", cycle);
+  list("instructions", instructions);
+  list("causes", causes);
+  list("answers", answers);
+  list("global_interface_control", global_interface_control);
+  list("local_interface_control", local_interface_control);
+  list("cache", cache);
+  list("cache_control", cache_control);
+  list("cache_change", cache_change);
+  list("cache_changes", cache_changes);
+  list("cache_clear", cache_clear);
+  list("open_pages", open_pages);
+  list("locked", locked);
+  list("ports", ports);
+  list("timers", timers);
+  list("dma", dma);
+  list("stalled_on_port", stalled_on_port);
+  list("iiof_levels", iiof_levels);
+  list("held", held);
+  list("faulted", faulted);
+}
+
+// The interface control registers as accesses find them: a write to the registers counts from the next instruction on.
+void Memory::list_state(state::Visitor& list) {
+  list("control", control_);
+  if (list.loads()) note_paged();
+
+  std::vector<Address> made, pages;
+  std::vector<Word> words;
+  if (!list.loads()) {
+    for (const auto& area : areas_) {
+      if (area->made) made.push_back(area->base);
+      each_page(*area, [&](Address address, std::span<Word> page) {
+        if (all_zero(page)) return;
+        pages.push_back(address);
+        words.insert(words.end(), page.begin(), page.end());
+      });
+    }
+  }
+  if (flat_) list("flat_pages", made);
+  list("pages", pages);
+  list("words", words);
+  if (!list.loads()) return;
+
+  if (flat_) set_flat_pages(made);
+  auto next = pages.cbegin();
+  auto from = words.cbegin();
+  for (const auto& area : areas_)
+    each_page(*area, [&](Address address, std::span<Word> page) {
+      if (next != pages.cend() && *next == address) {
+        if (words.cend() - from < static_cast<std::ptrdiff_t>(page.size())) throw state::StateError("memory.words: fewer than its pages have");
+        std::copy_n(from, page.size(), page.begin());
+        from += static_cast<std::ptrdiff_t>(page.size());
+        ++next;
+      } else if (!all_zero(page)) {
+        std::ranges::fill(page, 0);
+      }
+    });
+  if (next != pages.cend()) throw state::StateError("memory.pages: not the pages of this board, by rising address");
+  if (from != words.cend()) throw state::StateError("memory.words: more than its pages have");
+}
+
+void Memory::set_flat_pages(const std::vector<Address>& bases) {
+  std::erase_if(contents_, [&](const auto& words) { return std::ranges::any_of(areas_, [&](const auto& a) { return a->made && a->data == words.get(); }); });
+  std::erase_if(areas_, [](const auto& area) { return area->made; });
+  flat_words_ = 0;
+  for (const Address base : bases)
+    if (std::as_const(*this).find(base) != nullptr || make_flat_page(base) == nullptr)
+      throw state::StateError("memory.flat_pages: not the pages of this board");
+}
+
+// Not what stands here for the time of one call only: beside, disturbed, pipeline, next_fetches, fetches.
+void Engine::DmaSide::list_state(state::Visitor& list) {
+  // Those that are over mean nothing any more; when they are taken out depends on how a run is cut.
+  std::erase_if(accesses, [&](const ProcessorAccess& access) { return access.end < engine.state_.dma.now; });
+  list("accesses", accesses);
+  list("knows_accesses", knows_accesses);
+  list("taken_until", taken_until);
+  list("written", written);
+  list("last_taken", last_taken);
+  list("touched_link", touched_link);
+  std::optional<Pipeline> alone;
+  if (!list.loads() && undisturbed) alone = engine.pipelines_[*undisturbed];
+  list("undisturbed", alone);
+  if (list.loads()) undisturbed = alone ? std::optional(engine.intern(*alone)) : std::nullopt;
+  list("gained", gained);
+}
+
+// Not: the fault, which a stop has told; `run_limit_` and what `advance` sets before it is read.
+void Engine::list_state(state::Visitor& list) {
+  settle_counts();
+  if (list.loads()) forget_pipelines();  // with the blocks, whose marks are taken off the memory as it was
+  list("state", state_);
+  list("memory", memory_);
+  list("interface_changed", interface_changed_);
+
+  list("waiting_access", waiting_access_);
+  list("port_slot", port_slot_);
+  // Left over from an access that has been answered, they mean nothing.
+  ExternalAccess access = waiting_access_ < 2 ? waiting_ : ExternalAccess{};
+  PortAccess port = port_slot_ < 2 ? port_access_ : PortAccess{};
+  Cycles held = waiting_access_ < 2 || port_slot_ < 2 ? held_ : 0;
+  list("access", access);
+  list("port_access", port);
+  list("held", held);
+  if (list.loads()) waiting_ = access, port_access_ = port, held_ = held;
+  list("told", told_);
+  list("reported_breakpoint", reported_breakpoint_);
+  Cycles idle_since = this->idle_since();
+  list("idle_since", idle_since);
+  if (list.loads()) idle_since_ = idle_since, idle_until_ = state_.cycle;
+
+  list("dma_side", *dma_side_);
+  list("dma_request", dma_request_);
+  list("dma_stop", dma_stop_);
+  if (!list.loads()) return;
+
+  watch_dma();
+  expect_peripherals();
+  code_ = {};
+  for (Site& site : sites_) site.known = site.quick = false;
+  ++cache_version_;
+  stale_code_ = false;
+  state_.cache.each_word([&](Address address) {
+    const Memory::Area* area = std::as_const(memory_).find(address);
+    stale_code_ |= area != nullptr && area->data != nullptr && area->data[address - area->base] != *state_.cache.find(address);
+  });
+  flush_blocks();  // marks what the cache holds
+}
+
+void Chip::list_state(state::Visitor& list) { engine_->list_state(list); }
+
+void Link::End::list_state(state::Visitor& list) {
+  list("views", views);
+  list("seen", seen);
+  list("requested", requested);
+  list("has_sent", has_sent);
+  list("arriving", arriving);
+  list("counters", counters);
+}
+
+void Link::list_state(state::Visitor& list) {
+  list("now", now_);
+  list("cut", cut_);
+  list("action", action_);
+  list("action_side", action_side_);
+  list("begins", begins_);
+  list("ends_at", ends_at_);
+  list("ends", ends_);
+}
+
+}  // namespace c40

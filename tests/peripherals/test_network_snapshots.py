@@ -1,0 +1,106 @@
+"""A network's state, saved and loaded: rings of nasty programs go on from random instants in another network."""
+
+import random
+
+import pytest
+from cmrc.c40 import assemble
+from cmrc.network import Network, SharedMemory
+from nasty_programs import CYCLES, Bench, assembled, prepare, ring
+
+
+def network_of(programs, bench, turn_order=0):
+    images = [assembled(program) for program in programs]
+    links = [f"{n}.0:{(n + 1) % len(images)}.3" for n in range(len(images))]
+    network = Network(images, links=links, boards=[bench.board(program) for program in programs], clocks_mhz=[program.clocks[0] for program in programs],
+                      turn_order=turn_order, record_words=True, record_peripherals=True)  # fmt: skip
+    for program, chip, image in zip(programs, network.chips, images, strict=True):
+        prepare(chip._core, program, image.symbols)
+    return network
+
+
+def seen(network):
+    return (
+        network.event_trace,
+        [(c.status, c.message, c._core.cycle, c._core.snapshot(), c._core.digest()) for c in network.chips],
+        network.links,
+    )
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_ring_of_nasty_programs_goes_on_in_another_network(seed, tmp_path):
+    programs, bench = ring(seed), Bench(tmp_path)
+    rng = random.Random(seed)
+    network, other = network_of(programs, bench), network_of(programs, bench, turn_order=seed + 1)
+    other.run(until_us=rng.uniform(0, 20))
+    now, end, reason = 0.0, CYCLES * 2 / 33, "limit"
+    while now < end and reason == "limit":
+        now = min(end, now + rng.choice([0.05, 0.3, 2, 10]) * rng.uniform(0.2, 1))
+        reason = network.run(until_us=now).reason
+        snapshot = network.snapshot()
+        other.restore(snapshot)
+        assert other.snapshot() == snapshot
+        assert seen(other) == seen(network), (seed, now)
+        if reason == "limit":
+            now = min(end, now + rng.choice([0.05, 1, 5]))
+            stops = network.run(until_us=now), other.run(until_us=now)
+            assert stops[0] == stops[1]
+            assert seen(other) == seen(network), (seed, now)
+            reason = stops[0].reason
+
+
+# Each takes a lock in a shared memory several times, and waits for a word that the other writes there; at last the second polls one that nobody writes.
+LOCKS = """        .text
+start:  ldhi 7000h,ar0
+        ldhi 30h,ar1
+        ldi 6,r5
+again:  ldii *ar0,r4
+        ldi 40,r6
+stay:   subi 1,r6
+        bnz stay
+        addi 1,r4
+        stii r4,*ar0
+        subi 1,r5
+        bnz again
+        cmpi 0,r0
+        bz tell
+poll:   ldi *+ar0(1),r4
+        bz poll
+        ldi *+ar0(2),r4
+never:  ldi *+ar0(3),r4
+        bz never
+tell:   ldhi 1,r6
+        lsh -1,r6
+later:  subi 1,r6
+        bnz later
+        sti r0,*+ar0(2)
+        ldi 7,r4
+        sti r4,*+ar0(1)
+end:    b end
+"""
+
+
+def locking(turn_order=0):
+    memory = SharedMemory("shared", words=16, places={0: 0x70000000, 1: 0x70000000}, waits=9)
+    network = Network(assemble(LOCKS), topology="ring:2", memories=[memory], clocks_mhz=[40, 50], turn_order=turn_order)
+    network.hold(1, 20)
+    network.release(1, 60)
+    return network
+
+
+def test_locks_polls_and_actions_go_on_in_another_network():
+    rng = random.Random(5)
+    whole = locking()
+    end = whole.run(until_us=100_000)
+    assert end.reason == "deadlock"
+    instants = [rng.uniform(0, 70) for _ in range(25)] + [rng.uniform(70, end.time_ps / 1e6 * 0.999) for _ in range(25)]
+    for at in instants:
+        network, other = locking(), locking(turn_order=3)
+        other.run(until_us=rng.uniform(0, 100))
+        network.run(until_us=at)
+        snapshot = network.snapshot()
+        other.restore(snapshot)
+        assert other.snapshot() == snapshot
+        assert [chip.message for chip in other.chips] == [chip.message for chip in network.chips], at
+        assert other.run(until_us=100_000) == network.run(until_us=100_000), at
+        assert seen(other) == seen(network), at
+        assert other.memory(0) == network.memory(0) == whole.memory(0), at

@@ -1,0 +1,139 @@
+"""Snapshots as bytes, and what is refused: by name, and before anything is changed."""
+
+import pickle
+import random
+import subprocess
+import sys
+
+import pytest
+from cmrc import c40
+from cmrc.network import Network
+
+COUNT = """        .text
+start:  ldi 0,r0
+        ldp @cell
+again:  addi 1,r0
+        sti r0,@cell
+        br again
+cell:   .word 0
+"""
+
+
+def counting(cycles=500):
+    processor = c40.Processor(c40.assemble(COUNT))
+    processor.run(cycles)
+    return processor
+
+
+def test_a_processor_goes_back():
+    processor = counting()
+    snapshot, before = processor.snapshot(), processor.registers["R0"]
+    processor.run(300)
+    there = processor.registers["R0"], processor.cycles, processor.instructions, processor.causes
+    assert there[0] > before
+    processor.restore(snapshot)
+    assert processor.registers["R0"] == before and processor.snapshot() == snapshot
+    processor.run(300)
+    assert (processor.registers["R0"], processor.cycles, processor.instructions, processor.causes) == there
+
+
+def test_two_futures_of_one_past():
+    processor = counting()
+    other = processor.fork()
+    before = processor.registers["R0"]
+    other.registers["R0"] = before + 1_000_000
+    other.run(100)
+    assert processor.registers["R0"] == before
+    processor.run(100)
+    assert processor.cycles == other.cycles
+    assert before < processor.registers["R0"] == other.registers["R0"] - 1_000_000
+
+
+def test_a_snapshot_is_bytes_and_can_be_pickled():
+    snapshot = counting().snapshot()
+    assert c40.Snapshot.from_bytes(snapshot.to_bytes()) == snapshot == pickle.loads(pickle.dumps(snapshot))
+    assert snapshot.kind == "processor"
+    assert len(snapshot.to_bytes()) < 20_000  # three megawords of memory, of which hardly any page is used
+
+
+def test_another_process_goes_on_from_a_file(tmp_path):
+    processor = counting()
+    (tmp_path / "state").write_bytes(processor.snapshot().to_bytes())
+    (tmp_path / "count.asm").write_text(COUNT)
+    script = f"""
+from cmrc import c40
+processor = c40.Processor(c40.assemble_file({str(tmp_path / "count.asm")!r}))
+processor.restore(c40.Snapshot.from_bytes(open({str(tmp_path / "state")!r}, "rb").read()))
+processor.run(1000)
+print(processor.registers["R0"], processor.cycles, processor.causes)
+"""
+    told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+    processor.run(1000)
+    assert told.strip() == f"{processor.registers['R0']} {processor.cycles} {processor.causes}"
+
+
+def test_every_flipped_bit_and_every_cut_is_refused():
+    sealed = counting().snapshot().to_bytes()
+    rng = random.Random(1)
+    for at in [*range(120), *rng.sample(range(len(sealed)), 300)]:
+        damaged = bytearray(sealed)
+        damaged[at] ^= 1 << rng.randrange(8)
+        with pytest.raises(c40.SnapshotError, match=r"no snapshot|version|cut short|damaged"):
+            c40.Snapshot.from_bytes(bytes(damaged))
+    for length in [0, 1, 10, 11, 20, 35, 36, *rng.sample(range(len(sealed)), 100)]:
+        with pytest.raises(c40.SnapshotError, match=r"no snapshot|cut short"):
+            c40.Snapshot.from_bytes(sealed[:length])
+    with pytest.raises(c40.SnapshotError, match="cut short or added to"):
+        c40.Snapshot.from_bytes(sealed + b"\0")
+
+
+def test_another_version_is_refused_by_its_number():
+    sealed = bytearray(counting().snapshot().to_bytes())
+    sealed[len(b"CMRC state\n")] += 1
+    with pytest.raises(c40.SnapshotError, match="a snapshot of version 2; this emulator reads version 1"):
+        c40.Snapshot.from_bytes(bytes(sealed))
+
+
+@pytest.mark.parametrize(
+    ("processor", "message"),
+    [
+        (lambda: c40.Processor(c40.assemble(COUNT), board="flat"), "the board is not the same"),
+        (lambda: c40.Processor(c40.assemble(COUNT.replace("addi 1", "addi 2"))), "the program is not the same"),
+        (lambda: c40.Processor(), "the program is not the same"),
+        (lambda: c40.Processor(c40.assemble(COUNT), checks=True), "with checks"),
+    ],
+)
+def test_another_processor_refuses_and_is_as_before(processor, message):
+    other = processor()
+    other.run(10) if other.program else None
+    before = other.cycles, other.registers["R0"], other.pc
+    with pytest.raises(c40.SnapshotError, match=message):
+        other.restore(counting().snapshot())
+    assert (other.cycles, other.registers["R0"], other.pc) == before
+
+
+def test_a_network_and_a_processor_refuse_each_others():
+    network = Network(c40.assemble(COUNT), topology="ring:2")
+    with pytest.raises(c40.SnapshotError, match="a snapshot of a network; one of a processor is expected"):
+        counting().restore(network.snapshot())
+    with pytest.raises(c40.SnapshotError, match="a snapshot of a processor; one of a network is expected"):
+        network.restore(counting().snapshot())
+    with pytest.raises(TypeError, match="snapshot"):
+        network.restore("x")
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"topology": "ring:3"}, "number of chips"),
+        ({"clocks_mhz": 50}, "the clock of chip 0 is not the same"),
+        ({"boards": "flat"}, "the board of chip 0 is not the same"),
+        ({"topology": "line:2"}, "the set of links is not the same"),
+        ({"until": "again"}, "the program of chip 0 is not the same"),
+    ],
+)
+def test_another_network_refuses(changed, message):
+    program = c40.assemble(COUNT)
+    snapshot = Network(program, topology="ring:2").snapshot()
+    with pytest.raises(c40.SnapshotError, match=message):
+        Network(program, **({"topology": "ring:2"} | changed)).restore(snapshot)
