@@ -2,7 +2,7 @@
 
 import cmrc
 
-run = cmrc.Simulation(dsps=2, duration_s=2.0)
+run = cmrc.Simulation(preset="saturated", dsps=3, duration_s=2.0)
 run.run_until(1.0)
 without = run.fork()
 run.at(1.0, "fail", dsp=1)

@@ -9,7 +9,6 @@
 #include <span>
 
 #include "c40/types.hpp"
-#include "state/visitor.hpp"
 
 namespace state {
 class Visitor;
@@ -71,12 +70,6 @@ class Cache {
 
   void list_state(state::Visitor& list);
   friend bool operator==(const Cache&, const Cache&) = default;
-  void list_state(state::Visitor& list) {
-    list("words", words_);
-    list("present", present_);
-    list("start", start_);
-    list("order", order_);
-  }
 
  private:
   static constexpr Address nowhere = ~Address{0};  // no segment begins there: a start address has 27 bits

@@ -210,7 +210,5 @@ const State& Chip::state() const {
   return engine_->state();
 }
 const Memory& Chip::memory() const { return engine_->memory(); }
-const Board& Chip::board() const { return engine_->board(); }
-void Chip::list_state(state::Visitor& list) { engine_->list_state(list); }
 
 }  // namespace c40

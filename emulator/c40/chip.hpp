@@ -216,9 +216,6 @@ class Chip {
 
   const State& state() const;
   const Memory& memory() const;
-  const Board& board() const;
-  /// All that its future depends on, memory included; not who listens, nor breakpoints. Between runs.
-  void list_state(state::Visitor& list);
 
  private:
   std::unique_ptr<Engine> engine_;

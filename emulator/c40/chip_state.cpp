@@ -219,6 +219,7 @@ void Engine::list_state(state::Visitor& list) {
 void Chip::list_state(state::Visitor& list) { engine_->list_state(list); }
 
 void Link::End::list_state(state::Visitor& list) {
+  list("clock", clock);
   list("views", views);
   list("seen", seen);
   list("requested", requested);

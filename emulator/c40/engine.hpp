@@ -80,14 +80,12 @@ class Engine {
   bool waits_in_idle() const;
   bool dma_active() const { return dma_active_; }
   void settle_counts();
-  void list_state(state::Visitor& list);
   /// The state may be changed from outside after this.
   State& touch();
   /// All but causes, instructions and pipeline are up to date at any time; those after settle_counts().
   const State& state() const { return state_; }
   Memory& memory() { return memory_; }
   const Memory& memory() const { return memory_; }
-  const Board& board() const { return board_; }
   Word peek(Address address) const;
   void poke(Address address, Word value);
   void flush_blocks();

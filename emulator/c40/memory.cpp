@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <cstring>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -183,7 +182,6 @@ const Memory::Area* Memory::make_flat_page(Address address) {
   area.words = end - area.base + 1;
   if (flat_words_ + area.words > flat_words_max_) return nullptr;
   flat_words_ += area.words;
-  area.made = true;
   area.name = fmt::format("flat RAM {:08X}h", area.base);
   area.made = true;
   return add(area);
@@ -199,60 +197,6 @@ const Memory::Area* Memory::find(Address address) const {
 const Memory::Area* Memory::find(Address address) {
   const Area* area = std::as_const(*this).find(address);
   return area == nullptr && flat_ ? make_flat_page(address) : area;
-}
-
-void Memory::forget_flat_pages() {
-  std::erase_if(contents_, [&](const auto& words) {
-    return std::ranges::any_of(areas_, [&](const auto& area) { return area->made && area->data == words.get(); });
-  });
-  std::erase_if(areas_, [](const auto& area) { return area->made; });
-  flat_words_ = 0;
-}
-
-namespace {
-
-/// A part of an area that is not all zero. RAM begins as zeros, and most of it stays so.
-struct Stretch {
-  Address base = 0;
-  std::vector<Word> words;
-};
-constexpr Word stretch_words = 1024;
-
-bool all_zero(const Word* words, Word count) { return words[0] == 0 && std::memcmp(words, words + 1, (count - 1) * sizeof(Word)) == 0; }
-
-template <class Act>
-void each_stretch(const Memory::Area& area, Act act) {
-  for (Word first = 0; first < area.words; first += stretch_words) {
-    const Word count = std::min(stretch_words, area.words - first);
-    if (!all_zero(area.data + first, count)) act(area.base + first, area.data + first, count);
-  }
-}
-
-}  // namespace
-
-void Memory::list_state(state::Visitor& list) {
-  std::vector<Address> made;
-  std::vector<Stretch> contents;
-  if (!list.loads())
-    for (const auto& area : areas_) {
-      if (area->made) made.push_back(area->base);
-      if (area->data != nullptr)
-        each_stretch(*area, [&](Address base, const Word* words, Word count) { contents.push_back({base, {words, words + count}}); });
-    }
-  list("pages made", made);
-  list("contents", contents);
-  if (!list.loads()) return;
-  forget_flat_pages();
-  for (const auto& area : areas_)
-    if (area->data != nullptr) each_stretch(*area, [](Address, Word* words, Word count) { std::fill_n(words, count, 0); });
-  for (const Address base : made)
-    if (find(base) == nullptr) throw state::StateError(fmt::format("memory: there is no page at {:08X}h", base));
-  for (const Stretch& stretch : contents) {
-    const Area* area = std::as_const(*this).find(stretch.base);
-    if (area == nullptr || area->data == nullptr || stretch.words.size() > area->base + area->words - stretch.base)
-      throw state::StateError(fmt::format("memory: {} words at {:08X}h, where the board has none", stretch.words.size(), stretch.base));
-    std::ranges::copy(stretch.words, area->data + (stretch.base - area->base));
-  }
 }
 
 }  // namespace c40

@@ -117,9 +117,6 @@ class Memory {
   /// areas go and come.
   void list_state(state::Visitor& list);
 
-  /// The contents. At load no word may be marked as code.
-  void list_state(state::Visitor& list);
-
  private:
   struct Free {
     void operator()(Word* words) const;

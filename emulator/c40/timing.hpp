@@ -15,7 +15,6 @@
 
 #include "c40/timing_parameters.hpp"
 #include "c40/types.hpp"
-#include "state/visitor.hpp"
 
 namespace state {
 class Visitor;
@@ -106,13 +105,6 @@ class Pipeline {
   void list_state(state::Visitor& list);
   /// Of the next instruction, relative to T.
   int earliest_fetch() const { return fetch_ready_; }
-  void list_state(state::Visitor& list) {
-    list("fetch ready", fetch_ready_);
-    list("read entered", read_entered_);
-    list("ready", ready_);
-    list("ports", ports_);
-    list("buses", buses_);
-  }
 
  private:
   struct Bus {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "c40/chip.hpp"
-#include "state/visitor.hpp"
 
 namespace state {
 class Visitor;

@@ -218,19 +218,11 @@ class Network {
   /// For every direction of every link: written = read + in FIFOs + under way + lost + discarded. \throws std::logic_error
   void check_words() const;
 
-  /// All that its future depends on, and the events that it has kept. Between calls of run_until.
-  void list_state(state::Visitor& list);
-  /// The state as a file, and back: it goes on as the network did that the file is of. Listeners stay.
-  std::string sealed() const;
-  /// \throws state::StateError for a damaged file, or one of another network or version; then nothing has changed
-  void restore(std::string_view file);
-
  private:
   struct Node;
   struct Memory;
   struct LinkTap;
 
-  std::string snapshot_key() const;
   NetworkStop run_slice(Time limit);
   void join_links();
   void add_memories();

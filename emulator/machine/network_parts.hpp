@@ -62,7 +62,6 @@ struct Network::Node : c40::PeripheralSink {
   const AddressNames& names() const { return named ? *named : named.emplace(*description.program); }
   std::vector<c40::PeripheralEvent> peripheral_events;
   void happened(const c40::PeripheralEvent& event) override { peripheral_events.push_back(event); }
-  void list_state(state::Visitor& list);
 
   void list_state(state::Visitor& list);
   bool waits_for_port() const { return status == ChipStatus::waiting && stop.reason != c40::StopInfo::Reason::external_access; }

@@ -1,9 +1,10 @@
 #include "state/file.hpp"
 
 #include <fmt/format.h>
+#include <zlib.h>
 
-#include <cstdint>
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 
 #include "state/archive.hpp"
@@ -40,6 +41,27 @@ void append(std::string& out, T number) {
 void append_text(std::string& out, std::string_view text) {
   append(out, std::uint64_t{text.size()});
   out += text;
+}
+
+std::string packed(std::string_view text) {
+  constexpr int quick = 1;  // a state packs to a third; more work finds little more
+  uLongf size = compressBound(text.size());
+  std::string bytes(size, '\0');
+  if (compress2(reinterpret_cast<Bytef*>(bytes.data()), &size, reinterpret_cast<const Bytef*>(text.data()), text.size(), quick) != Z_OK)  // NOLINT: bytes
+    throw std::bad_alloc();
+  bytes.resize(size);
+  return bytes;
+}
+
+std::string unpacked(std::string_view bytes, std::uint64_t length) {
+  constexpr std::uint64_t most = 1032;  // zlib packs no better
+  std::string text;
+  uLongf size = length;
+  if (length / most <= bytes.size()) text.resize(length);
+  if (text.size() != length ||
+      uncompress(reinterpret_cast<Bytef*>(text.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()) != Z_OK || size != length)  // NOLINT
+    throw StateError("the snapshot is damaged: its state cannot be unpacked");
+  return text;
 }
 
 /// What a damaged envelope may hold has been ruled out by its checksum; a wrong one ends here all the same.
@@ -82,7 +104,8 @@ Envelope read(std::string_view sealed) {
     std::string what = reader.text();
     out.key.emplace_back(std::move(what), reader.number());
   }
-  out.text = reader.text();
+  const std::uint64_t length = reader.number();
+  out.text = unpacked(reader.text(), length);
   if (!reader.at_end()) throw StateError("the snapshot is damaged: something stands behind it");
   return out;
 }
@@ -94,7 +117,8 @@ std::string seal(std::string_view kind, const Key& key, std::string_view text) {
   append_text(body, kind);
   append(body, std::uint64_t{key.size()});
   for (const auto& [what, value] : key) append_text(body, what), append(body, checksum(value));
-  append_text(body, text);
+  append(body, std::uint64_t{text.size()});
+  append_text(body, packed(text));
   std::string out(magic);
   append(out, std::uint64_t{version});
   append(out, std::uint64_t{body.size()});

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "c40/chip.hpp"
-#include "c40/chip_file.hpp"
 #include "c40/peripherals/link.hpp"
 #include "machine/boot.hpp"
 #include "c40/peripherals/register_map.hpp"
@@ -15,7 +14,6 @@
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/ctrl_c.hpp"
-#include "python/bindings/state.hpp"
 #include "toolchain/assembler.hpp"
 #include "machine/board_file.hpp"
 #include "machine/network.hpp"
@@ -147,8 +145,6 @@ class Processor : public c40::PeripheralSink {
     if (self_check) self_check->run_ended();
     return describe(chip, stop);
   }
-  void list_state(state::Visitor& list) { chip.list_state(list); }
-
   py::list diagnostics() const {
     py::list all;
     if (!self_check) return all;
@@ -249,15 +245,12 @@ void bind_processor(py::module_& m) {
         return py::bytes(state::seal("processor", p.configuration(program), state::save(p.chip)));
       }, py::arg("program"))
       .def("load", [](Processor& p, const std::string& sealed, const toolchain::Image* program) {
-        state::load(p.chip, state::opened(sealed, "processor", p.configuration(program)));
+        state::load_or_leave(p.chip, state::opened(sealed, "processor", p.configuration(program)));
       }, py::arg("sealed"), py::arg("program"), "Refuses by name what is no snapshot of such a processor, before anything is changed.")
       .def("run", &Processor::run, py::arg("max_cycles"), py::arg("until") = py::none(),
            "Runs whole instructions for max_cycles, or until the PC is at `until`; says why it stopped.")
       .def("trace", &Processor::trace, py::arg("max_cycles"), "Runs and returns one dict per instruction.")
       .def("step", &Processor::step)
-      .def("save", [](const Processor& p) { return py::bytes(c40::sealed(p.chip)); }, "Its state as a file holds it (docs/snapshots.md).")
-      .def("load", [](Processor& p, const py::bytes& file) { c40::restore(p.chip, std::string_view(file)); }, py::arg("file"),
-           "Its state is as it was when `file` was made. Raises SnapshotError, and nothing has changed.")
       .def("reset", [](Processor& p) { p.chip.reset(); })
       .def("hold", [](Processor& p, bool held) { p.chip.hold(held); })
       .def("raise_iiof", [](Processor& p, int pin) { p.chip.raise_iiof(pin); })
@@ -296,7 +289,6 @@ void bind_processor(py::module_& m) {
       .def("set_exact", [](Processor& p, bool exact) { p.chip.set_exact(exact); }, "One instruction at a time, no blocks.")
       .def_property("pc", [](const Processor& p) { return p.chip.pc(); }, [](Processor& p, c40::Address pc) { p.chip.set_pc(pc); });
   bind_inspection(processor, [](auto& p) -> auto& { return p.chip; });
-  bind_state<Processor>(processor);
 }
 
 void bind_float40(py::module_& m) {
@@ -335,7 +327,6 @@ void bind_float40(py::module_& m) {
 
 void bind_c40(py::module_& core) {
   auto m = core.def_submodule("c40", "One TMS320C40.");
-  py::register_exception<state::StateError>(m, "SnapshotError", PyExc_ValueError);
   bind_processor(m);
   bind_link(m);
   m.def("boot_stream", [](const toolchain::Image& image, Word ivtp, Word tvtp, c40::Address acknowledge, bool memory) {

@@ -103,15 +103,13 @@ void bind_network(py::module_& core) {
       .def_property_readonly("hertz", [](const ChipOf& c) { return c.network->clock(c.number).hertz(); });
   bind_inspection(chip, [](const ChipOf& c) -> c40::Chip& { return c.network->chip(c.number); });
 
-  py::class_<machine::Network, std::shared_ptr<machine::Network>> network_class(m, "Network");
-  bind_state<machine::Network>(network_class);
-  network_class
+  py::class_<machine::Network, std::shared_ptr<machine::Network>>(m, "Network")
       .def(py::init(&make), py::arg("chips"), py::arg("links"), py::arg("topology"), py::arg("memories"), py::arg("turn_order"))
       .def(py::init(&from_file), py::arg("path"), py::arg("program"), py::arg("turn_order"), "From a file; `program` reads one by its path.")
       .def("program", [](const machine::Network& network, std::size_t n) { return network.program(n); })
       .def("save", [](const machine::Network& network) { return py::bytes(state::seal("network", network.configuration(), state::save(network))); })
       .def("load", [](machine::Network& network, const std::string& sealed) {
-        state::load(network, state::opened(sealed, "network", network.configuration()));
+        state::load_or_leave(network, state::opened(sealed, "network", network.configuration()));
       }, "Refuses by name what is no snapshot of such a network, before anything is changed.")
       .def("record_peripherals", &machine::Network::record_peripherals, py::arg("on"))
       .def("event_trace", &machine::Network::event_trace)
@@ -127,9 +125,6 @@ void bind_network(py::module_& core) {
         const machine::NetworkStop stop = interruptible([&] { return network.run_until(Time{limit}); });
         return std::pair{std::string(machine::name(stop.reason)), stop.time.count()};
       }, py::arg("limit"))
-      .def("save", [](const machine::Network& network) { return py::bytes(network.sealed()); }, "Its state as a file holds it (docs/snapshots.md).")
-      .def("load", [](machine::Network& network, const py::bytes& file) { network.restore(std::string_view(file)); }, py::arg("file"),
-           "Its state is as it was when `file` was made. Raises SnapshotError, and nothing has changed.")
       .def_property_readonly("now", [](const machine::Network& network) { return network.now().count(); })
       .def("schedule", [](machine::Network& network, const std::string& kind, std::int64_t time, std::size_t target) {
         network.schedule({machine::action_named(kind), Time{time}, target});

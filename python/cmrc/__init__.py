@@ -7,7 +7,8 @@ dock without DSPs. ``cmrc.limits`` and ``cmrc.compare`` run a configuration seve
 
 from cmrc import c40, network, plant
 from cmrc.result import Profile, Result
-from cmrc.simulation import ConfigError, Simulation, Snapshot, SnapshotError, read_snapshot, run, write_snapshot
+from cmrc.simulation import ConfigError, Simulation, Snapshot, read_snapshot, run, write_snapshot
+from cmrc.snapshots import SnapshotError
 from cmrc.studies import Comparison, Limits, compare, limits
 from cmrc.table import Table
 

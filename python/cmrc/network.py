@@ -192,10 +192,6 @@ class Network:
         core.record_peripherals(arguments.flag("record_peripherals", record_peripherals))
         self.chips = [Chip(core.chip(n), core.program(n), n) for n in range(core.chip_count)]
 
-    def snapshot(self) -> bytes:
-        """The network as it is now, between two runs: what a file may hold (docs/snapshots.md)."""
-        return bytes(self._core.save())
-
     def run(self, *, until_us: float | None = None, max_cycles: int = 100_000_000) -> NetworkStop:
         """Lets everything happen before an instant (from the start of the network, in microseconds), or before ``max_cycles`` of chip 0."""
         if until_us is None:

@@ -10,6 +10,7 @@ from typing import Any
 from cmrc import _core, arguments, files
 from cmrc.c40 import ChipState
 from cmrc.result import Profile, Result
+from cmrc.snapshots import SnapshotError
 from cmrc.table import Table
 
 ConfigError = _core.cmrc.ConfigError
@@ -20,9 +21,6 @@ Reference = _core.cmrc.Reference
 
 Snapshot = _core.cmrc.Snapshot
 """A run at an instant. Opaque; it can be pickled, and written by ``write_snapshot``."""
-
-SnapshotError = _core.c40.SnapshotError
-"""Raised for a snapshot that is damaged, or of another version, configuration or program. Says which."""
 
 Setting = bool | int | float | str
 Progress = Callable[[float, float], bool | None]

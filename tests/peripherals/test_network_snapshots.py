@@ -104,3 +104,19 @@ def test_locks_polls_and_actions_go_on_in_another_network():
         assert other.run(until_us=100_000) == network.run(until_us=100_000), at
         assert seen(other) == seen(network), at
         assert other.memory(0) == network.memory(0) == whole.memory(0), at
+
+
+def test_a_network_that_deadlocks_after_a_snapshot_does_so_at_the_same_instant():
+    """The look for loops that poll is in the state: when it began, and what it has seen."""
+    program = assemble("        .text\nstart:  ldhi 10h,ar6\npoll:   ldi *+ar6(70h),r0\n        and 1E00h,r0\n        bz poll\nend:    bu end\n", sections={".text": 0x2FF800})
+    whole = Network([program, program], links=["0.3:1.0"])
+    stop = whole.run()
+    assert stop.reason == "deadlock"
+    for share in (0.01, 0.3, 0.55, 0.93, 0.97, 0.999):
+        part = Network([program, program], links=["0.3:1.0"])
+        part.run(until_us=stop.time_ps * share / 1e6)
+        resumed = Network([program, program], links=["0.3:1.0"], turn_order=5)
+        resumed.restore(part.snapshot())
+        assert resumed.run() == stop
+        assert [chip.status for chip in resumed.chips] == [chip.status for chip in whole.chips]
+        assert resumed.chips[0].cycles == whole.chips[0].cycles

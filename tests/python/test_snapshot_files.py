@@ -1,5 +1,6 @@
 """Snapshots as bytes, and what is refused: by name, and before anything is changed."""
 
+import os
 import pickle
 import random
 import subprocess
@@ -8,6 +9,7 @@ import sys
 import pytest
 from cmrc import c40
 from cmrc.network import Network
+from locations import BUILD
 
 COUNT = """        .text
 start:  ldi 0,r0
@@ -67,7 +69,8 @@ processor.restore(c40.Snapshot.from_bytes(open({str(tmp_path / "state")!r}, "rb"
 processor.run(1000)
 print(processor.registers["R0"], processor.cycles, processor.causes)
 """
-    told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout
+    environment = {**os.environ, "PYTHONPATH": str(BUILD / "python")}
+    told = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment).stdout
     processor.run(1000)
     assert told.strip() == f"{processor.registers['R0']} {processor.cycles} {processor.causes}"
 

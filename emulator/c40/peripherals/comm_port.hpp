@@ -9,7 +9,6 @@
 #include <span>
 
 #include "c40/peripherals/fields.hpp"
-#include "state/visitor.hpp"
 
 namespace state {
 class Visitor;
@@ -48,10 +47,6 @@ class Fifo {
 
   void list_state(state::Visitor& list);
   friend bool operator==(const Fifo&, const Fifo&) = default;
-  void list_state(state::Visitor& list) {
-    list("words", words_);
-    list("count", count_);
-  }
 
  private:
   std::array<Word, depth> words_{};  ///< those behind the last are 0

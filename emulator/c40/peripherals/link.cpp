@@ -237,24 +237,4 @@ void Link::tell(LinkEvent::Kind kind, Time time, int side, Word word, int bytes)
   if (listener_of_events != nullptr) listener_of_events->happened({kind, time, side, word, bytes});
 }
 
-void Link::End::list_state(state::Visitor& list) {
-  list("clock", clock);
-  list("views", views);
-  list("seen", seen);
-  list("requested", requested);
-  list("has sent", has_sent);
-  list("arriving", arriving);
-  list("counters", counters);
-}
-
-void Link::list_state(state::Visitor& list) {
-  list("ends", ends_);
-  list("now", now_);
-  list("cut", cut_);
-  list("action", action_);
-  list("action side", action_side_);
-  list("begins", begins_);
-  list("ends at", ends_at_);
-}
-
 }  // namespace c40

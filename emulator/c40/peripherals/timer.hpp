@@ -7,7 +7,6 @@
 #include <cstddef>
 
 #include "c40/peripherals/fields.hpp"
-#include "state/visitor.hpp"
 #include "c40/timing_parameters.hpp"
 
 namespace state {
@@ -59,15 +58,6 @@ class Timer {
 
   void list_state(state::Visitor& list);
   friend bool operator==(const Timer&, const Timer&) = default;
-  void list_state(state::Visitor& list) {
-    list("control", control_);
-    list("counter", counter_);
-    list("period", period_);
-    list("at", at_);
-    list("toggle", toggle_);
-    list("pulse", pulse_);
-    list("outside", outside_);
-  }
 
  private:
   bool running() const { return timer_control::HLD.in(control_); }
