@@ -69,11 +69,17 @@ def test_without_a_try_more_the_first_missed_landing_stops_the_crane() -> None:
 )
 @pytest.mark.parametrize("at_s", [46.0, 56.0])
 def test_a_fault_in_the_middle_of_a_retry_ends_in_the_load_landed_or_the_crane_stopped(action: str, what: dict[str, str], at_s: float) -> None:
-    # The first landing is missed at 49 s, lifted until 54 s, looked for and lowered until 65 s.
+    # At 46 s the jammed load is eased; the first landing is missed at 49 s, and the next is tried from 56 s on.
     repair = {"fail_drive": "repair_drive", "stick_encoder": "repair_encoder", "stick_sway": "repair_sway"}[action]
     events = [{"at_s": at_s, "action": action, **what}, {"at_s": at_s + 4, "action": repair, **what}]
-    report, simulation = run(110, events, **ROLLING)
+    report, simulation = run(240, events, **ROLLING)
     locked = [time_s for time_s, kind, *_ in simulation.dock_events() if kind == "locked"]
-    stopped = [failure for failure in report["failures"] if failure["kind"] == "stopped"]
     faulted = [failure for failure in report["failures"] if failure["kind"] == "plant"]
-    assert locked or stopped or faulted
+    stopped = [error for error in report["errors_handled"] if error["response"] in ("stop", "hold", "set down") and error["stands"]]
+    assert locked or faulted or stopped
+    if stopped:  # until an operator clears it: and it stands still, whatever was repaired
+        signals = simulation.signals()
+        last_second = signals["time_s"] > 239
+        for joint in ("psi", "phi", "l", "kappa"):
+            [rate] = [name for name in signals if name.startswith(f"{joint}_rate_")]
+            assert abs(signals[rate][last_second]).max() < 0.01  # rad/s, m/s: the ship rolls beneath a load that rests on it
