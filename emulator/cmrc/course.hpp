@@ -81,6 +81,8 @@ class Course {
 
   bool recorded() const { return rows_.room() > 0; }
   std::size_t size() const { return size_; }
+  /// Of its rows.
+  std::size_t bytes() const { return size_ * (agv_column + 2 * static_cast<std::size_t>(agvs_)) * sizeof(double); }
   /// From a row to the next: row i is the latch at (i + 1) steps.
   Time step() const { return every_ * plant::latch_period; }
   /// The instant of the last row.

@@ -433,7 +433,8 @@ Snapshot Simulation::snapshot() {
   Parts& p = *parts_;
   p.require_no_profile("snapshot");
   if (p.now() > settling) p.log.deliver(p.now() - settling);
-  return {p.now(), p.snapshot_key, p.files(), state::save(p)};
+  constexpr std::size_t all_else = 8 << 20;  // most of a long run's state is its course
+  return {p.now(), p.snapshot_key, p.files(), state::save(p, p.course->bytes() + all_else)};
 }
 
 void Simulation::restore(const Snapshot& snapshot) {

@@ -15,6 +15,8 @@ class Saver : public Visitor {
   bool loads() const override { return false; }
   const std::string& text() const { return text_; }
   std::string take() { return std::move(text_); }
+  /// So many bytes are expected: a state of tens of megabytes is not moved as it grows.
+  void expect(std::size_t bytes) { text_.reserve(bytes); }
 
  protected:
   void bytes(void* data, std::size_t size) override;
@@ -71,9 +73,11 @@ class Lister final : public Saver {
   std::vector<Leaf> leaves_;
 };
 
+/// \param expected bytes, if that is known
 template <class T>
-std::string save(const T& object) {
+std::string save(const T& object, std::size_t expected = 0) {
   Saver saver;
+  saver.expect(expected);
   const_cast<T&>(object).list_state(saver);  // NOLINT: a saver only reads
   return saver.take();
 }
