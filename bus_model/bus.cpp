@@ -179,6 +179,7 @@ void Bus::submit(unsigned master, Command command, Address address, unsigned wor
     cut_by_timer();
   else
     plan_idle();
+  tell_plan();
 }
 
 Clocks Bus::earliest_request(unsigned except) const {
@@ -449,6 +450,7 @@ void Bus::stall(Clocks now, Clocks until) {
   stalled_ = std::max(stalled_, until);
   was_stalled_ = true;
   if (!running_) plan_idle();
+  tell_plan();
 }
 
 void Bus::step() {
@@ -499,6 +501,7 @@ unsigned Bus::withdraw(unsigned master, Clocks now) {
     else
       plan_idle();
   }
+  tell_plan();
   return transaction.words;
 }
 

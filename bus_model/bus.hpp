@@ -118,6 +118,13 @@ class Monitor {
   virtual void ended(const Transaction&) {}
 };
 
+/// Hears that a bus's next_event() may have become another one.
+class PlanListener {
+ public:
+  virtual ~PlanListener() = default;
+  virtual void replanned() = 0;
+};
+
 class Bus {
  public:
   static constexpr unsigned most_words = 256;  ///< of one transaction
@@ -160,6 +167,8 @@ class Bus {
   Clocks now() const { return now_; }
 
   void set_monitor(Monitor* monitor) { monitor_ = monitor; }
+  /// Not told of its own steps.
+  void set_plan_listener(PlanListener* listener) { plan_listener_ = listener; }
   const BusConfig& config() const { return config_; }
   unsigned masters() const;
   unsigned targets() const;
@@ -212,7 +221,12 @@ class Bus {
   Clocks next_ = never;
   std::uint64_t started_ = 0;
   BusStatistics statistics_;
+  void tell_plan() {
+    if (plan_listener_ != nullptr) plan_listener_->replanned();
+  }
+
   Monitor* monitor_ = nullptr;
+  PlanListener* plan_listener_ = nullptr;
 };
 
 }  // namespace pci

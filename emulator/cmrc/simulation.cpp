@@ -187,8 +187,8 @@ class Simulation::Parts {
   void list_state(state::Visitor& list) {
     list("events", config.events);
     list("given events", given_config.events);
+    list("dock", dock);  // before the machine, which looks when the dock's next event is
     list("machine", machine);
-    list("dock", dock);
     list("host", host);
     list("ledger", ledger);
     list("observer", observer);

@@ -44,9 +44,12 @@ Dsp::Dsp(unsigned slot, bool plugged, Surroundings& surroundings)
   set_next();
 }
 
-void Dsp::set_next() { next_ = std::min({own_next_, edge_, reset_, around_.adapter.link(slot_).next_event()}); }
+void Dsp::set_next() {
+  next_ = std::min({own_next_, edge_, reset_, around_.adapter.link(slot_).next_event()});
+  changed();
+}
 
-void Dsp::process(Time now, Time horizon) {
+void Dsp::act(Time now) {
   link_happens(now);
   if (reset_ <= now) {
     reset_ = never;
@@ -55,10 +58,10 @@ void Dsp::process(Time now, Time horizon) {
   if (edge_ <= now) deliver_edge(now);
   if (own_next_ <= now) {
     switch (state_) {
-      case State::running: run(horizon); break;
-      case State::access: begin_access(horizon); break;
-      case State::port: begin_port_access(now, horizon); break;
-      case State::resuming: complete(horizon); break;
+      case State::running: run(horizon()); break;
+      case State::access: begin_access(horizon()); break;
+      case State::port: begin_port_access(now, horizon()); break;
+      case State::resuming: complete(horizon()); break;
       case State::faulting: report_fault(now); break;
       case State::booting: leave_reset(now); break;
       case State::out:
@@ -70,8 +73,8 @@ void Dsp::process(Time now, Time horizon) {
   set_next();
 }
 
-void Dsp::run_ahead(Time horizon) {
-  run(horizon);
+void Dsp::run_ahead(Time until) {
+  run(until);
   set_next();
 }
 

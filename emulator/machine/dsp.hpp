@@ -6,6 +6,7 @@
 // else, up to the horizon given.
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "machine/devices.hpp"
 #include "machine/link_adapter.hpp"
 #include "machine/machine.hpp"
+#include "machine/scheduler.hpp"
 #include "machine/shared_memory.hpp"
 #include "machine/symbols.hpp"
 #include "machine/time.hpp"
@@ -40,24 +42,22 @@ struct Surroundings {
   Observer* observer = nullptr;
   std::vector<ChipFault> faults;
   unsigned in_reset = 0;  ///< boards
+  /// Nothing that is not yet scheduled at a board can act on it before this.
+  std::function<Time()> earliest_action;
 };
 
 /// Words of its program that every DSP finds set.
 std::vector<std::pair<c40::Address, Word>> start_words(const Symbols& symbols, const Config& config, unsigned slot);
 
-class Dsp {
+class Dsp final : public Scheduler::Processor {
  public:
   Dsp(unsigned slot, bool plugged, Surroundings& surroundings);
-  Dsp(const Dsp&) = delete;
-  Dsp& operator=(const Dsp&) = delete;
 
-  /// When process() has to be called, unless something reaches it before.
-  Time next() const { return next_; }
-  /// Its time has come. Nothing but what has been scheduled here can reach it before `horizon` (later than `now`).
-  void process(Time now, Time horizon);
-  /// It is executing, and may be run ahead.
-  bool running() const { return state_ == State::running; }
-  void run_ahead(Time horizon);
+  Time next() const override { return next_; }
+  void act(Time now) override;
+  bool runs() const override { return state_ == State::running; }
+  void run_ahead(Time until) override;
+  Time horizon() const override { return around_.earliest_action(); }
 
   void schedule_edge(Time time);
   void schedule_reset(Time time);

@@ -30,14 +30,16 @@ Host::Host(HostProgram& program, const Config& config, std::deque<pci::Bus>& bus
 
 void Host::set_next(Time now) {
   next_ = std::max(paused_until_, std::min(read_done_, std::max(now, program_.next_wake())));
+  changed();
 }
 
 void Host::pause(Time until) {
   paused_until_ = std::max(paused_until_, until);
   next_ = std::max(next_, paused_until_);
+  changed();
 }
 
-void Host::process(Time now) {
+void Host::act(Time now) {
   cpu_ = std::max(cpu_, clock_.tick_at_or_after(now));
   if (read_done_ <= now) {
     read_done_ = never;
@@ -171,6 +173,7 @@ void Host::answered(Word value, pci::Clocks ready, pci::Clocks, pci::Result) {
   } else {
     read_done_ = clock_of(way).at(ready);
     next_ = std::max(paused_until_, std::min(next_, read_done_));
+    changed();
   }
 }
 

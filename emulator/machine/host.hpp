@@ -7,23 +7,24 @@
 #include "bus_model/bridge.hpp"
 #include "machine/link_adapter.hpp"
 #include "machine/machine.hpp"
+#include "machine/scheduler.hpp"
 #include "machine/shared_memory.hpp"
 #include "machine/time.hpp"
 
 namespace machine {
 
-class Host final : public HostPort, public pci::Bridge::Client {
+class Host final : public Scheduler::Actor, public HostPort, public pci::Bridge::Client {
  public:
   /// Becomes the first master of its buses. `ways`: of offsets as HostPort counts them.
   Host(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses, std::vector<Way> ways, std::vector<Clock> bus_clocks,
        const SharedRegisters& registers, const LinkAdapter& adapter);
 
-  Time next() const { return next_; }
+  Time next() const override { return next_; }
   void boot_requested(Time now) {
     program_.boot_requested(now);
     set_next(now);
   }
-  void process(Time now);
+  void act(Time now) override;
 
   /// The processor stands still until then; what it has posted goes on.
   void pause(Time until);

@@ -18,6 +18,7 @@
 #include "machine/guard.hpp"
 #include "machine/host.hpp"
 #include "machine/link_adapter.hpp"
+#include "machine/scheduler.hpp"
 #include "machine/shared_memory.hpp"
 #include "machine/symbols.hpp"
 #include "plant/dock.hpp"
@@ -130,23 +131,46 @@ struct Region {
   Offset words;
 };
 
-// xorshift64*: only for the order in which chips are run ahead.
-class Shuffle {
- public:
-  explicit Shuffle(std::uint64_t seed) : state_{seed} {}
-  bool active() const { return state_ != 0; }
-  std::uint64_t below(std::uint64_t bound) {
-    state_ ^= state_ >> 12, state_ ^= state_ << 25, state_ ^= state_ >> 27;
-    return (state_ * 0x2545F4914F6CDD1Du >> 11) % bound;
-  }
-
- private:
-  std::uint64_t state_;
-};
-
 }  // namespace
 
 class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, public pci::BusBridge::Client {
+  // Buses and plant are passive: these let them take part.
+  struct BusTurn final : Scheduler::Actor, pci::PlanListener {
+    BusTurn(pci::Bus& its_bus, const Clock& its_clock) : bus{its_bus}, clock{its_clock} { bus.set_plan_listener(this); }
+    Time next() const override {
+      const pci::Clocks event = bus.next_event();
+      return event == pci::never ? never : clock.at(event);
+    }
+    void act(Time) override { bus.step(); }
+    void replanned() override { changed(); }
+    pci::Bus& bus;
+    const Clock& clock;
+  };
+  struct PlantTurn final : Scheduler::Actor {
+    explicit PlantTurn(plant::Dock* the_dock) : dock{the_dock} {}
+    Time next() const override { return dock == nullptr ? never : dock->next_event(); }
+    void act(Time now) override { dock->advance_to(now); }
+    plant::Dock* dock;
+  };
+  // What is scripted, by time.
+  struct Script final : Scheduler::Actor {
+    explicit Script(Parts& owner) : parts{owner} {}
+    Time next() const override { return done < events().size() ? events()[done].time : never; }
+    void act(Time now) override {
+      const ScriptedEvent event = events()[done++];
+      parts.act(event, now);
+    }
+    void add(const ScriptedEvent& event) {
+      const auto earlier = [](const ScriptedEvent& a, const ScriptedEvent& b) { return a.time < b.time; };
+      const auto from = events().begin() + static_cast<std::ptrdiff_t>(done);
+      events().insert(std::upper_bound(from, events().end(), event, earlier), event);
+      changed();
+    }
+    std::vector<ScriptedEvent>& events() const { return parts.config.script; }
+    Parts& parts;
+    std::size_t done = 0;
+  };
+
  public:
   Parts(Config given, const toolchain::Image& image, plant::Dock* the_dock, HostProgram* program);
 
@@ -197,7 +221,10 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   std::optional<Surroundings> around;
   std::deque<Dsp> dsps;
   std::deque<pci::BusBridge> bridges;
-  std::size_t next_scripted = 0;
+  std::deque<BusTurn> bus_turns;
+  Script script{*this};
+  PlantTurn plant_turn;
+  Scheduler scheduler;
   Time time{0};
   std::deque<Watch> watches;
 
@@ -208,26 +235,8 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   void delivered(const pci::Bus& far, unsigned agent, pci::Address address, Word value, pci::Clocks clock,
                  pci::Result result) override;
 
-  // What can happen next, in the order of ties: host, buses, script, DSPs, plant.
-  unsigned script_turn() const { return 1 + static_cast<unsigned>(buses.size()); }
-  unsigned first_dsp() const { return 2 + static_cast<unsigned>(buses.size()); }
-  struct Turn {
-    Time time;
-    unsigned who;
-  };
-
-  Turn earliest(Time limit) const;
-  void take(Turn turn, Time limit);
-  Time horizon(Time limit) const;
-  void run_some_ahead(Time limit);
+  Time earliest_action() const;
   const Clock& memory_clock() const { return bus_clocks[config.topology.shared_memory]; }
-  Time bus_time(std::size_t bus) const {
-    const pci::Clocks event = buses[bus].next_event();
-    return event == pci::never ? never : bus_clocks[bus].at(event);
-  }
-  Time script_time() const { return next_scripted < config.script.size() ? config.script[next_scripted].time : never; }
-
-  Shuffle shuffle_{config.turn_order};
 };
 
 Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* the_dock, HostProgram* the_program)
@@ -238,7 +247,9 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
       bus_clocks{clocks_of_buses(config)},
       sram{fence},
       registers{symbols, config.slots, memory_clock(), fence, *this},
-      adapter{symbols, config.slots, memory_clock(), Clock{config.chip_hz, config.chip_hz_denominator}, *this} {
+      adapter{symbols, config.slots, memory_clock(), Clock{config.chip_hz, config.chip_hz_denominator}, *this},
+      plant_turn{the_dock},
+      scheduler{config.turn_order} {
   require_dsp_board(config.board, program, symbols);
   if (config.boot == Boot::link) config.board = with_boot_from_port(config.board);
   for (const std::string& name : config.topology.buses) {
@@ -269,9 +280,27 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
                               .fence = fence,
                               .guard = guard ? &*guard : nullptr,
                               .observer = nullptr,
-                              .faults = {}});
+                              .faults = {},
+                              .earliest_action = [this] { return earliest_action(); }});
   for (unsigned slot = 0; slot < config.slots; ++slot) dsps.emplace_back(slot, slot < config.dsps, *around);
   build_bridges();
+  if (host) scheduler.add(*host);
+  for (std::size_t bus = 0; bus < buses.size(); ++bus) scheduler.add(bus_turns.emplace_back(buses[bus], bus_clocks[bus]));
+  scheduler.add(script);
+  for (Dsp& dsp : dsps) scheduler.add(dsp);
+  scheduler.add(plant_turn);
+}
+
+// Until then nothing that is not yet scheduled at a DSP can act on it: rings and resets come from the host, which a DSP that
+// leaves reset may wake, and failures from the script.
+Time Machine::Parts::earliest_action() const {
+  const Time planned = std::min(scheduler.limit(), script.next());
+  if (!host) return planned;
+  Time woken = never;
+  if (around->in_reset > 0)
+    for (const Dsp& dsp : dsps)
+      if (dsp.in_reset()) woken = std::min(woken, dsp.next());
+  return std::min(planned, host->earliest_action(woken));
 }
 
 void Machine::Parts::build_targets() {
@@ -352,67 +381,8 @@ void Machine::Parts::observe(Observer* observer) {
   }
 }
 
-Machine::Parts::Turn Machine::Parts::earliest(Time limit) const {
-  Turn best{limit, ~0u};
-  const auto offer = [&](Time when, unsigned who) {
-    if (when < best.time) best = {when, who};
-  };
-  if (host) offer(host->next(), 0);
-  unsigned who = 1;
-  for (std::size_t bus = 0; bus < buses.size(); ++bus) offer(bus_time(bus), who++);
-  offer(script_time(), who++);
-  for (const Dsp& dsp : dsps) offer(dsp.next(), who++);
-  if (dock != nullptr) offer(dock->next_event(), who);
-  return best;
-}
-
-// Until then nothing that is not yet scheduled at a DSP can act on it: rings and resets come from the host, which a DSP that leaves
-// reset may wake, and failures from the script.
-Time Machine::Parts::horizon(Time limit) const {
-  const Time planned = std::min(limit, script_time());
-  if (!host) return planned;
-  Time woken = never;
-  if (around->in_reset > 0)
-    for (const Dsp& dsp : dsps)
-      if (dsp.in_reset()) woken = std::min(woken, dsp.next());
-  return std::min(planned, host->earliest_action(woken));
-}
-
-void Machine::Parts::take(Turn turn, Time limit) {
-  if (turn.who == 0) return host->process(turn.time);
-  if (turn.who <= buses.size()) return buses[turn.who - 1].step();
-  if (turn.who == script_turn()) {
-    const ScriptedEvent event = config.script[next_scripted++];
-    return act(event, turn.time);
-  }
-  if (turn.who < first_dsp() + dsps.size())
-    dsps[turn.who - first_dsp()].process(turn.time, horizon(limit));
-  else
-    dock->advance_to(turn.time);
-}
-
-// Lets some chips do in advance what is theirs alone, in any order and to any point. It must not matter (rulings.md 3),
-// and tests see to it.
-void Machine::Parts::run_some_ahead(Time limit) {
-  const Time far = horizon(limit);
-  for (std::size_t i = 0; i < dsps.size(); ++i) {
-    Dsp& dsp = dsps[shuffle_.below(dsps.size())];
-    if (!dsp.running() || dsp.next() >= far) continue;
-    const auto span = static_cast<std::uint64_t>((far - dsp.next()).count());
-    dsp.run_ahead(dsp.next() + Time{1 + static_cast<std::int64_t>(shuffle_.below(span))});
-  }
-}
-
 void Machine::Parts::run_until(Time limit) {
-  for (Turn turn = earliest(limit); turn.time < limit; turn = earliest(limit)) {
-    if (shuffle_.active()) {
-      run_some_ahead(limit);
-      turn = earliest(limit);
-      if (turn.time >= limit) break;  // what was left of this span has been run ahead
-    }
-    time = turn.time;
-    take(turn, limit);
-  }
+  scheduler.run_until(limit);
   time = std::max(time, limit);
   for (Dsp& dsp : dsps) dsp.settle(time);
 }
@@ -471,11 +441,7 @@ void Machine::act(const ScriptedEvent& event) {
 
 void Machine::script(const ScriptedEvent& event) {
   require_sense(event, parts_->time, parts_->config);
-  auto& script = parts_->config.script;
-  const auto from = script.begin() + static_cast<std::ptrdiff_t>(parts_->next_scripted);
-  script.insert(std::upper_bound(from, script.end(), event,
-                                 [](const ScriptedEvent& a, const ScriptedEvent& b) { return a.time < b.time; }),
-                event);
+  parts_->script.add(event);
 }
 
 unsigned Machine::slots() const { return parts_->config.slots; }
@@ -521,7 +487,7 @@ void Machine::list_state(state::Visitor& list) {
   Parts& p = *parts_;
   list("time", p.time);
   list("script", p.config.script);
-  list("next scripted", p.next_scripted);
+  list("scripted", p.script.done);
   list("fence", p.fence.mask);
   list("shared memory", p.sram.words());
   list("registers", p.registers);
@@ -534,6 +500,7 @@ void Machine::list_state(state::Visitor& list) {
   list("buses", p.buses);
   list("bridges", p.bridges);
   list("dsps", p.dsps);
+  if (list.loads()) p.scheduler.all_changed();
 }
 
 void Machine::append_state(std::vector<std::uint64_t>& words) const {

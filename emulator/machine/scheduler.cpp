@@ -1,0 +1,54 @@
+#include "machine/scheduler.hpp"
+
+#include <algorithm>
+#include <cassert>
+
+namespace machine {
+
+void Scheduler::add(Actor& actor) {
+  actor.scheduler_ = this;
+  actor.place_ = calendar_.add();
+  actors_.push_back(&actor);
+  actor.changed();
+}
+
+void Scheduler::add(Processor& processor) {
+  add(static_cast<Actor&>(processor));
+  processors_.push_back(&processor);
+}
+
+void Scheduler::all_changed() {
+  for (Actor* actor : actors_) actor->changed();
+}
+
+// Lets some processors do in advance what is theirs alone, in any order and to any point.
+void Scheduler::run_some_ahead() {
+  for (std::size_t i = 0; i < processors_.size(); ++i) {
+    Processor& processor = *processors_[shuffle_.below(processors_.size())];
+    if (!processor.runs()) continue;
+    const Time next = processor.next(), far = std::min(limit_, processor.horizon());
+    if (next >= far) continue;
+    const auto span = static_cast<std::uint64_t>((far - next).count());
+    processor.run_ahead(next + Time{1 + static_cast<std::int64_t>(shuffle_.below(span))});
+    processor.changed();
+  }
+}
+
+bool Scheduler::step(Time limit) {
+  limit_ = limit;
+  if (shuffle_.active()) run_some_ahead();
+  const Calendar::Turn turn = calendar_.earliest();
+  if (turn.time >= limit) return false;
+  Actor& actor = *actors_[turn.who];
+  assert(actor.next() >= turn.time && "an actor that has come to an earlier event has not said so");
+  now_ = turn.time;
+  actor.act(now_);
+  actor.changed();
+  return true;
+}
+
+void Scheduler::run_until(Time limit) {
+  while (step(limit)) {}
+}
+
+}  // namespace machine
