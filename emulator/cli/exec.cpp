@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "c40/chip.hpp"
 #include "io/output_file.hpp"
@@ -17,7 +18,7 @@
 #include "cli/options.hpp"
 #include "cli/program.hpp"
 #include "machine/board_file.hpp"
-#include "machine/chip_stop.hpp"
+#include "machine/chip_runner.hpp"
 #include "machine/program_end.hpp"
 
 namespace cli {
@@ -53,7 +54,7 @@ void load(c40::Chip& chip, const Image& image, const std::string& board) {
 }
 
 /// Stops at a branch to itself and at an IDLE that nothing can end; the words that may be one are breakpoints.
-class Run {
+class Run final : private machine::ChipRunner {
  public:
   /// \param asked the limit is what was asked for
   Run(c40::Chip& chip, const Image& image, std::optional<Address> until, bool asked) : chip_(chip), until_(until), asked_(asked) {
@@ -62,23 +63,71 @@ class Run {
   }
 
   Outcome run(c40::Cycles limit) {
-    for (;;) {
-      const c40::Cycles look = chip_.idle() ? 8 : 1000;  // whether the DMA, which an idle processor may wait for, still goes on
-      if (io::stop_asked()) return {"interrupted", fmt::format("by a signal, at {:08X}h", chip_.pc())};
-      const c40::StopInfo stop = chip_.run_until(std::min(limit, chip_.cycle() + (chip_.dma_active() ? look : slice)));
-      if (stop.reason == c40::StopInfo::Reason::port_wait && feeder && feeder->serve(stop.port)) continue;
-      auto outcome = ended(stop);
-      if (!outcome && machine::meaning(stop.reason) == machine::StopMeaning::breakpoint) outcome = at_breakpoint();
-      else if (!outcome && chip_.cycle() >= limit) outcome = at_limit(limit);
-      else if (!outcome) outcome = asleep();
-      if (outcome) return *outcome;
-    }
+    limit_ = limit;
+    run_chip(chip_);
+    return outcome_;
   }
 
   std::optional<machine::BootFeeder> feeder;
 
  private:
   static constexpr c40::Cycles slice = 50'000;  // after which is asked whether to stop: a moment, also where each instruction is written
+
+  std::optional<Span> span() override {
+    if (std::exchange(passes_, false)) return Span{.one_instruction = true};
+    if (io::stop_asked()) {
+      ends({"interrupted", fmt::format("by a signal, at {:08X}h", chip_.pc())});
+      return {};
+    }
+    const c40::Cycles look = chip_.idle() ? 8 : 1000;  // whether the DMA, which an idle processor may wait for, still goes on
+    const c40::Cycles end = std::min(limit_, chip_.cycle() + (chip_.dma_active() ? look : slice));
+    return Span{.limit = end, .known = end};
+  }
+
+  bool at_limit() override {
+    if (chip_.cycle() >= limit_)
+      return asked_ ? ends({"limit", fmt::format("the {} cycles of --cycles have passed, at {:08X}h", limit_, chip_.pc())})
+                    : ends({"limit", fmt::format("--max-cycles {} reached at {:08X}h", limit_, chip_.pc()), run_failed});
+    if (!machine::sleeps_for_ever(chip_)) return true;
+    if (machine::awaits_dma(chip_)) return dma_wait();
+    return ends({"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come{}", chip_.pc() - 1, machine::armed_dma(chip_))});
+  }
+
+  bool asks_anew() override { return at_limit(); }
+
+  bool at_breakpoint() override {
+    const Address pc = chip_.pc();
+    if (until_ && pc == *until_) return ends({"until", fmt::format("reached {:08X}h", pc)});
+    if (machine::program_end(chip_.peek(pc), pc) == machine::ProgramEnd::halt && !chip_.dma_busy()) {
+      const bool interrupts = (chip_.register_value(Register::ST) & c40::st::GIE) != 0;
+      const bool sleeps = interrupts && machine::awaits_dma(chip_);
+      if (!sleeps) return ends({"halt", fmt::format("branch to itself at {:08X}h{}", pc, machine::armed_dma(chip_))});
+      if (machine::next_dma_tick(chip_) == std::numeric_limits<c40::Cycles>::max() && !awaits_event()) return dma_wait();
+    }
+    return passes_ = true;
+  }
+
+  bool window_access(const c40::ExternalAccess& access) override {
+    return ends({"external_access",
+                 fmt::format("{}{} at {:08X}h from PC {:08X}h: that is a bus window, and exec has no bus behind it",
+                             access.channel < 0 ? "" : fmt::format("DMA channel {}: ", access.channel), access.write ? "write" : "read",
+                             access.address, chip_.pc()),
+                 run_failed});
+  }
+
+  bool port_access(const c40::PortAccess& access) override { return port_wait(access); }
+
+  bool port_wait(const c40::PortAccess& access) override {
+    if (feeder && feeder->serve(access)) return true;
+    return ends({"port_wait",
+                 fmt::format("{} from PC {:08X}h waits for ever since cycle {}: nothing is attached to the port{}", c40::describe(access),
+                             chip_.pc(), access.cycle, booting()),
+                 run_failed});
+  }
+
+  bool faulted(const c40::Fault& why) override {
+    return ends({"fault", fmt::format("{} (PC {:08X}h, cycle {}){}", why.message, chip_.pc(), why.cycle, booting()), run_failed});
+  }
 
   /// Whether the loader of the boot ROM is what stopped, and where its stream stands.
   std::string booting() const {
@@ -87,68 +136,25 @@ class Run {
                        feeder->port());
   }
 
-  std::optional<Outcome> at_breakpoint() {
-    const Address pc = chip_.pc();
-    if (until_ && pc == *until_) return Outcome{"until", fmt::format("reached {:08X}h", pc)};
-    if (machine::program_end(chip_.peek(pc), pc) == machine::ProgramEnd::halt && !chip_.dma_busy()) {
-      const bool interrupts = (chip_.register_value(Register::ST) & c40::st::GIE) != 0;
-      const bool sleeps = interrupts && machine::awaits_dma(chip_);
-      if (!sleeps) return Outcome{"halt", fmt::format("branch to itself at {:08X}h{}", pc, machine::armed_dma(chip_))};
-      if (machine::next_dma_tick(chip_) == std::numeric_limits<c40::Cycles>::max() && !awaits_event()) return dma_wait();
-    }
-    const c40::StopInfo stop = chip_.step();
-    if (auto outcome = ended(stop)) return outcome;
-    return asleep();
-  }
-
   bool awaits_event() const { return machine::next_timer_interrupt(chip_) != std::numeric_limits<c40::Cycles>::max(); }
 
-  std::optional<Outcome> asleep() const {
-    if (!machine::sleeps_for_ever(chip_)) return std::nullopt;
-    if (machine::awaits_dma(chip_)) return dma_wait();
-    return Outcome{"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come{}", chip_.pc() - 1, machine::armed_dma(chip_))};
-  }
-
-  Outcome dma_wait() const {
+  bool dma_wait() {
     std::vector<std::string> waits;
     for (const c40::DmaWait& wait : chip_.dma_waits()) waits.push_back(fmt::format("{} for ever since cycle {}", c40::describe(wait), wait.since));
-    return {"dma_wait", fmt::format("{}; the processor sleeps at PC {:08X}h", fmt::join(waits, "; "), chip_.pc()), run_failed};
+    return ends({"dma_wait", fmt::format("{}; the processor sleeps at PC {:08X}h", fmt::join(waits, "; "), chip_.pc()), run_failed});
   }
 
-  Outcome at_limit(c40::Cycles limit) const {
-    if (asked_) return {"limit", fmt::format("the {} cycles of --cycles have passed, at {:08X}h", limit, chip_.pc())};
-    return {"limit", fmt::format("--max-cycles {} reached at {:08X}h", limit, chip_.pc()), run_failed};
-  }
-
-  /// Nothing if the chip may go on.
-  std::optional<Outcome> ended(const c40::StopInfo& stop) const {
-    switch (machine::meaning(stop.reason)) {
-      case machine::StopMeaning::limit:
-      case machine::StopMeaning::asks_anew:
-      case machine::StopMeaning::breakpoint: return std::nullopt;
-      case machine::StopMeaning::window_access:
-        return Outcome{"external_access",
-                       fmt::format("{}{} at {:08X}h from PC {:08X}h: that is a bus window, and exec has no bus behind it",
-                                   stop.access.channel < 0 ? "" : fmt::format("DMA channel {}: ", stop.access.channel), stop.access.write ? "write" : "read",
-                                   stop.access.address, chip_.pc()),
-                       run_failed};
-      case machine::StopMeaning::fault: {
-        const c40::Fault why = machine::fault_of(chip_, stop);
-        return Outcome{"fault", fmt::format("{} (PC {:08X}h, cycle {}){}", why.message, chip_.pc(), why.cycle, booting()), run_failed};
-      }
-      case machine::StopMeaning::port_access:
-      case machine::StopMeaning::port_wait:
-        return Outcome{"port_wait",
-                       fmt::format("{} from PC {:08X}h waits for ever since cycle {}: nothing is attached to the port{}", c40::describe(stop.port),
-                                   chip_.pc(), stop.port.cycle, booting()),
-                       run_failed};
-    }
-    throw std::logic_error("exec: a stop without a meaning");
+  bool ends(Outcome outcome) {
+    outcome_ = std::move(outcome);
+    return false;
   }
 
   c40::Chip& chip_;
   std::optional<Address> until_;
   bool asked_;
+  bool passes_ = false;  ///< the instruction at the breakpoint is next
+  c40::Cycles limit_ = 0;
+  Outcome outcome_;
 };
 
 double microseconds(const c40::Chip& chip, double clock_mhz) { return static_cast<double>(chip.cycle()) * 2.0 / clock_mhz; }

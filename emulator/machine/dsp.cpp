@@ -6,7 +6,6 @@
 #include <numeric>
 #include <utility>
 
-#include "machine/chip_stop.hpp"
 #include "machine/guard.hpp"
 
 namespace machine {
@@ -86,49 +85,48 @@ c40::Cycles Dsp::limit(Time horizon) const {
   return std::min(far, clock_.tick_at_or_after(std::min(link.next_event(), clock_.at(chip_.settled()) + link.lookahead())));
 }
 
-// Leaves the chip at `horizon`, idle, before an access that has to wait for its turn, or in a fault.
-void Dsp::run(Time horizon) {
+// Leaves the chip at `until`, idle, before an access that has to wait for its turn, or in a fault.
+void Dsp::run(Time until) {
   state_ = State::running;
-  const Time end = std::min({horizon, edge_, reset_});
-  while (true) {
-    const c40::Cycles limit = this->limit(end);
-    const bool waiting = edge_waiting_ || hang_waiting_;
-    if (!waiting) {
-      if (chip_.dormant()) {
-        state_ = State::idle;
-        own_next_ = never;
-        return;
-      }
-      if (chip_.cycle() >= limit) {
-        own_next_ = clock_.at(chip_.cycle());
-        return;
-      }
-    }
-    const c40::StopInfo stop = waiting ? chip_.step() : chip_.run_until(limit);
-    switch (meaning(stop.reason)) {
-      case StopMeaning::window_access:
-        if (!take(stop.access, end)) return;
-        break;
-      case StopMeaning::port_access:
-        port_access_ = stop.port;
-        state_ = State::port;
-        own_next_ = clock_.at(stop.port.cycle);
-        return;
-      case StopMeaning::asks_anew: break;
-      case StopMeaning::port_wait:
-        return fault(stop.port.cycle, chip_.pc(), stop.port.address,
-                     fmt::format("{} waits for ever: nothing is attached to the port", describe(stop.port)));
-      case StopMeaning::fault: {
-        const c40::Fault why = fault_of(chip_, stop);
-        return fault(why.cycle, why.pc, why.address, why.message);
-      }
-      case StopMeaning::limit:
-      case StopMeaning::breakpoint:
-        if (std::exchange(edge_waiting_, false)) chip_.raise_iiof(0);
-        if (std::exchange(hang_waiting_, false)) go_astray();
-        break;
-    }
+  run_end_ = std::min({until, edge_, reset_});
+  run_chip(chip_);
+}
+
+std::optional<ChipRunner::Span> Dsp::span() {
+  if (edge_waiting_ || hang_waiting_) return Span{.one_instruction = true};
+  if (chip_.dormant()) {
+    state_ = State::idle;
+    own_next_ = never;
+    return {};
   }
+  const c40::Cycles limit = this->limit(run_end_);
+  if (chip_.cycle() < limit) return Span{.limit = limit, .known = limit};
+  own_next_ = clock_.at(chip_.cycle());
+  return {};
+}
+
+// Between two instructions: now comes what found it in the middle of one.
+bool Dsp::at_limit() {
+  if (std::exchange(edge_waiting_, false)) chip_.raise_iiof(0);
+  if (std::exchange(hang_waiting_, false)) go_astray();
+  return true;
+}
+
+bool Dsp::port_access(const c40::PortAccess& access) {
+  port_access_ = access;
+  state_ = State::port;
+  own_next_ = clock_.at(access.cycle);
+  return false;
+}
+
+bool Dsp::port_wait(const c40::PortAccess& access) {
+  fault(access.cycle, chip_.pc(), access.address, fmt::format("{} waits for ever: nothing is attached to the port", describe(access)));
+  return false;
+}
+
+bool Dsp::faulted(const c40::Fault& why) {
+  fault(why.cycle, why.pc, why.address, why.message);
+  return false;
 }
 
 // The part of its window that holds the address; behind the last part nothing answers.
@@ -146,7 +144,7 @@ bool Dsp::writable(Window window, Offset offset) const {
 }
 
 // Whether the access could be completed without waiting for its turn.
-bool Dsp::take(const c40::ExternalAccess& access, Time horizon) {
+bool Dsp::take(const c40::ExternalAccess& access) {
   const Way& way = way_of(access.address);
   const Time begins = clock_.at(access.cycle);
   if (access.write) {
@@ -155,7 +153,7 @@ bool Dsp::take(const c40::ExternalAccess& access, Time horizon) {
             fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)", bus_name(way)));
       return false;
     }
-    if (begins < horizon && bridge(way).has_room()) {
+    if (begins < run_end_ && bridge(way).has_room()) {
       post(way, access);
       chip_.complete_write(0, 0);
       return true;

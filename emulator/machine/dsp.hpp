@@ -13,6 +13,7 @@
 
 #include "bus_model/bridge.hpp"
 #include "c40/chip.hpp"
+#include "machine/chip_runner.hpp"
 #include "machine/devices.hpp"
 #include "machine/link_adapter.hpp"
 #include "machine/machine.hpp"
@@ -49,7 +50,7 @@ struct Surroundings {
 /// Words of its program that every DSP finds set.
 std::vector<std::pair<c40::Address, Word>> start_words(const Symbols& symbols, const Config& config, unsigned slot);
 
-class Dsp final : public Scheduler::Processor {
+class Dsp final : public Scheduler::Processor, private ChipRunner {
  public:
   Dsp(unsigned slot, bool plugged, Surroundings& surroundings);
 
@@ -123,8 +124,16 @@ class Dsp final : public Scheduler::Processor {
     pci::Posted posted;
   };
 
-  void run(Time horizon);
-  bool take(const c40::ExternalAccess& access, Time horizon);
+  void run(Time until);
+  bool take(const c40::ExternalAccess& access);
+  std::optional<Span> span() override;
+  bool at_limit() override;
+  bool asks_anew() override { return true; }
+  bool at_breakpoint() override { return at_limit(); }
+  bool window_access(const c40::ExternalAccess& access) override { return take(access); }
+  bool port_access(const c40::PortAccess& access) override;
+  bool port_wait(const c40::PortAccess& access) override;
+  bool faulted(const c40::Fault& why) override;
   void begin_access(Time horizon);
   void begin_port_access(Time now, Time horizon);
   void link_happens(Time now);
@@ -171,6 +180,7 @@ class Dsp final : public Scheduler::Processor {
   bool hang_waiting_ = false;  // the same
   Time next_ = never;
   Time own_next_ = never;
+  Time run_end_{0};            // of the run under way
   Time edge_ = never;
   Time reset_ = never;
   c40::ExternalAccess access_{};
