@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <random>
 #include <span>
-#include <tuple>
 
 #include "io/stop.hpp"
 #include "isa/decode.hpp"
-#include "machine/asleep.hpp"
-#include "machine/chip_stop.hpp"
 #include "machine/network_parts.hpp"
 #include "machine/program_end.hpp"
 
@@ -19,17 +15,10 @@ namespace machine {
 using c40::Address;
 using c40::Chip;
 using c40::Cycles;
-using c40::StopInfo;
 using c40::Word;
 
 namespace {
 constexpr Cycles no_cycle = std::numeric_limits<Cycles>::max();
-
-/// A timer of its own could interrupt it.
-bool awaits_timer(const Chip& chip) { return next_timer_interrupt(chip) != no_cycle; }
-
-/// IDLE sets GIE.
-bool can_interrupt(const Chip& chip) { return chip.idle() || (chip.register_value(isa::Register::ST) & c40::st::GIE) != 0; }
 
 bool is_sigi(Word word) {
   const isa::Decoded decoded = isa::decode(word);
@@ -40,7 +29,7 @@ bool is_sigi(Word word) {
 
 // ---- building ----
 
-Network::Network(NetworkDescription description, std::uint64_t turn_order) : description_(std::move(description)) {
+Network::Network(NetworkDescription description, std::uint64_t turn_order) : description_(std::move(description)), scheduler_(turn_order) {
   NetworkDescription& d = description_;
   if (d.chips.empty() || d.chips.size() > most_chips)
     throw NetworkError(fmt::format("a network of {} chips; 1 to {} are possible", d.chips.size(), most_chips));
@@ -49,23 +38,24 @@ Network::Network(NetworkDescription description, std::uint64_t turn_order) : des
     if (chip.name.empty()) chip.name = fmt::format("{}", n);
     const double mhz = chip.clock_mhz ? *chip.clock_mhz : chip.board.clock_mhz.value_or(default_clock_mhz);
     if (!(mhz >= 0.001 && mhz <= 1000)) throw NetworkError(fmt::format("chip {}: a clock of {} MHz; 0.001 to 1000 are possible", n, mhz));
-    nodes_.push_back(std::make_unique<Node>(n, chip, Clock{instruction_cycles_per_second(mhz)}));
+    nodes_.push_back(std::make_unique<Node>(*this, n, chip, Clock{instruction_cycles_per_second(mhz)}));
   }
   join_links();
   add_memories();
-  for (auto& node : nodes_) {
-    load(*node);
-    turns_.push_back(node.get());
-  }
-  if (turn_order != 0) {
-    std::mt19937_64 random{turn_order};
-    for (std::size_t i = turns_.size(); i > 1; --i) std::swap(turns_[i - 1], turns_[random() % i]);
-  }
+  for (auto& node : nodes_) load(*node);
+  take_part();
   const auto given = std::move(d.actions);
   for (const NetworkAction& action : given) schedule(action);
 }
 
 Network::~Network() = default;
+
+/// In the order of ties: links, what is scripted, chips.
+void Network::take_part() {
+  for (std::size_t n = 0; n < links_.size(); ++n) scheduler_.add(*link_turns_.emplace_back(std::make_unique<LinkTurn>(*this, n)));
+  scheduler_.add(*(action_turn_ = std::make_unique<ActionTurn>(*this)));
+  for (auto& node : nodes_) scheduler_.add(*node);
+}
 
 void Network::join_links() {
   std::map<PortName, std::string> taken;
@@ -187,150 +177,7 @@ void Network::schedule(const NetworkAction& action) {
     throw NetworkError(fmt::format("{}: there is no {} {}; the network has {}", name(action.kind), link ? "link" : "chip", action.target, count));
   if (action.time < now_) throw NetworkError(fmt::format("{} at {} ps: the network has been run to {} ps already", name(action.kind), action.time.count(), now_.count()));
   actions_.insert(std::upper_bound(actions_.begin(), actions_.end(), action, [](const auto& a, const auto& b) { return a.time < b.time; }), action);
-}
-
-// ---- one chip ----
-
-/// A chip that waits goes on with its DMA. What links do is known up to `until`. A processor that follows its ports has begun its
-/// last instruction by then: what a link does at that instant is an interrupt for the next one. So the order of events is the
-/// same wherever a run is cut, and the DMA, which follows the processor's read stage, has done all that lies before.
-void Network::run_chip(Node& node, Time until) {
-  const Chip& chip = node.chip;
-  const Cycles ends = node.first_cycle(until), action = next_action_on(node);
-  for (;;) {
-    const bool waits = node.status == ChipStatus::waiting, idles = chip.idle();
-    const Cycles known = std::min(ends, std::max(chip.cycle(), action));
-    const bool over = !waits && chip.cycle() >= action;  // the processor does no more before the action
-    const Cycles limit = std::min(ends + (!waits && !idles && chip.watches_ports() ? 1 : 0), action);
-    if (chip.settled() >= known && (waits || chip.cycle() >= limit)) return note_idle(node);
-    const Cycles before = chip.cycle(), settled = chip.settled();
-    const StopInfo stop = over ? node.chip.run_until(0, known) : run_on(node, limit, known);
-    if (over) stopped(node, stop);
-    if (node.status != ChipStatus::running || meaning(stop.reason) == StopMeaning::asks_anew) return;
-    if (chip.cycle() == before && chip.settled() == settled && meaning(stop.reason) == StopMeaning::limit) return;
-  }
-}
-
-/// One call of the chip, and what comes of it.
-StopInfo Network::run_on(Node& node, Cycles limit, Cycles known) {
-  Chip& chip = node.chip;
-  // A processor that idles may have ended when its DMA is done, or a timer's event was not for it: in that cycle.
-  const bool looks = node.status == ChipStatus::running && chip.idle();
-  if (looks && chip.dma_busy()) limit = std::min(limit, chip.cycle() + 1);
-  else if (looks && awaits_timer(chip)) limit = std::min(limit, std::max(chip.cycle() + 1, next_timer_interrupt(chip)));
-  const StopInfo stop = chip.run_until(limit, std::min(known, limit));
-  if (meaning(stop.reason) != StopMeaning::breakpoint || at_breakpoint(node)) {
-    stopped(node, stop);
-    return stop;
-  }
-  const StopInfo after = chip.run_until(chip.cycle() + 1, std::min(known, chip.cycle() + 1));  // the instruction that it stopped at
-  stopped(node, after);
-  return after;
-}
-
-void Network::stopped(Node& node, const StopInfo& stop) {
-  switch (meaning(stop.reason)) {
-    case StopMeaning::breakpoint: return;
-    case StopMeaning::fault:
-      node.status = ChipStatus::fault;
-      node.stop = stop;
-      node.stop.fault = fault_of(node.chip, stop);
-      return;
-    case StopMeaning::window_access:
-      node.status = memory_of(node, stop.access.address) != nullptr ? ChipStatus::waiting : ChipStatus::external_access;
-      node.stop = stop;
-      return;
-    case StopMeaning::port_access:
-    case StopMeaning::port_wait:
-      if (node.waits_for_port()) return;  // still the same
-      node.status = ChipStatus::waiting;
-      node.stop = stop;
-      node.was_ready = false;
-      note_ready(node, Time{0});
-      return;
-    case StopMeaning::limit:
-    case StopMeaning::asks_anew: break;
-  }
-  note_idle(node);
-}
-
-void Network::note_idle(Node& node) {
-  if (!node.chip.idle() || node.chip.dma_busy() || node.status != ChipStatus::running) return;
-  if (node.chip.watches_ports() || node.chip.dma_active()) node.status = ChipStatus::sleeping;
-  else if (!awaits_timer(node.chip)) node.status = ChipStatus::idle;
-}
-
-/// Whether it stays there.
-bool Network::at_breakpoint(Node& node) {
-  const Chip& chip = node.chip;
-  if (node.description.until == chip.pc()) {
-    node.status = ChipStatus::until;
-    return true;
-  }
-  if (program_end(chip.peek(chip.pc()), chip.pc()) != ProgramEnd::halt || chip.dma_busy()) return false;
-  if (chip.dma_active() || (chip.watches_ports() && can_interrupt(chip))) node.status = ChipStatus::sleeping;
-  else if (!can_interrupt(chip) || !awaits_timer(chip)) node.status = ChipStatus::halt;
-  node.asleep_since = chip.cycle();
-  return node.status != ChipStatus::running;
-}
-
-/// Lets a chip that does not run reach an instant; `fully`: a processor that branches to itself has begun its last branch by then, as
-/// one that runs has begun its last instruction (run_chip).
-void Network::bring_to(Node& node, Time time, bool fully) {
-  const Cycles cycle = node.first_cycle(time);
-  if (node.status != ChipStatus::sleeping && !fully && node.chip.cycle() >= cycle) return;
-  if (node.status == ChipStatus::running) run_chip(node, time);
-  else if (node.status != ChipStatus::sleeping) {
-    const bool held = node.held();
-    node.chip.hold(true);
-    node.chip.run_until(cycle);
-    node.chip.hold(held);
-  }
-  while (node.status == ChipStatus::sleeping) {
-    const Cycles limit = cycle + (fully && !node.chip.idle() ? 1 : 0), event = own_event_cycle(node);
-    pass_to(node, std::min(limit, event), std::min(cycle, event));
-    if (node.status != ChipStatus::sleeping) return;
-    if (wakes(node)) node.status = ChipStatus::running;  // perhaps by what happened in the loop's last round
-    if (event >= limit) return;
-    if (node.status == ChipStatus::running) run_chip(node, time);  // perhaps to sleep again
-    else if (own_event_cycle(node) == event) return pass_to(node, limit, cycle);
-  }
-}
-
-/// Lets a chip that sleeps go on sleeping.
-void Network::pass_to(Node& node, Cycles limit, Cycles known) {
-  do {
-    const Cycles before = node.chip.cycle(), settled = node.chip.settled();
-    StopInfo stop = node.chip.run_until(limit, known);
-    if (meaning(stop.reason) == StopMeaning::breakpoint) stop = node.chip.run_until(node.chip.cycle() + 1, std::min(known, node.chip.cycle() + 1));
-    const StopMeaning why = meaning(stop.reason);
-    if (why == StopMeaning::fault || why == StopMeaning::window_access) stopped(node, stop);
-    else if (why == StopMeaning::limit && node.chip.cycle() == before && node.chip.settled() == settled) return;
-  } while (node.status == ChipStatus::sleeping && (node.chip.cycle() < limit || node.chip.settled() < known));
-}
-
-/// Of a chip that sleeps: it has something to do.
-bool Network::wakes(const Node& node) const { return node.chip.dma_busy() || node.chip.interrupt_pending(); }
-
-bool Network::ready(const Node& node) const {
-  if (node.waits_for_port())
-    return node.stop.reason == StopInfo::Reason::port_access && node.stop.port.ready(node.chip.port(node.stop.port.port));
-  const Memory& memory = *memory_of(node, node.stop.access.address);
-  return !memory.owner || *memory.owner == node.number;
-}
-
-void Network::note_ready(Node& node, Time time) {
-  if (!node.waits_for_port()) return;
-  const bool now = ready(node);
-  if (now && !node.was_ready) node.ready_since = time;
-  node.was_ready = now;
-}
-
-/// When the access that it waits for takes place, as far as can be said.
-Time Network::access_time(const Node& node) const {
-  if (node.status != ChipStatus::waiting || !ready(node)) return never;
-  if (node.waits_for_port()) return node.clock.at(std::max({node.stop.port.cycle, node.first_cycle(node.ready_since), node.first_cycle(now_)}));
-  return node.clock.at(std::max({node.stop.access.cycle, node.first_cycle(memory_of(node, node.stop.access.address)->free), node.first_cycle(now_)}));
+  action_turn_->changed();
 }
 
 // ---- what happens next ----
@@ -355,91 +202,24 @@ Time Network::next_action() const {
   return next;
 }
 
-Time Network::next_on_links(const Node& node) const {
-  Time next = never;
-  for (const std::size_t link : node.links) next = std::min(next, links_[link]->next_event());
-  return next;
-}
-
-/// What a timer does to a chip that sleeps or waits; an event that nobody listens to is none.
-Cycles Network::own_event_cycle(const Node& node) const {
-  const bool sleeps = node.status == ChipStatus::sleeping;
-  if (!sleeps && node.status != ChipStatus::waiting) return no_cycle;
-  const Cycles event = node.chip.dma_active() ? next_dma_tick(node.chip) : no_cycle;
-  return sleeps && can_interrupt(node.chip) ? std::min(event, next_timer_interrupt(node.chip)) : event;
-}
-
-Time Network::own_event(const Node& node) const {
-  const Cycles event = own_event_cycle(node);
-  return event == no_cycle ? never : node.clock.at(event);
-}
-
-/// When it came to rest, by what it did itself: not how far it has been brought since.
-Time Network::at_rest_since(const Node& node) const {
-  switch (node.status) {
-    case ChipStatus::held:
-    case ChipStatus::pulled_out: return Time{0};
-    case ChipStatus::waiting:
-      return node.clock.at(std::max(node.waits_for_port() ? node.stop.port.cycle : node.stop.access.cycle, node.chip.dma_done()));
-    case ChipStatus::sleeping:
-      return node.clock.at(std::max(node.chip.idle() ? node.chip.idle_since() : node.asleep_since, node.chip.dma_done()));
-    case ChipStatus::running: return node.now();  // a loop that polls
-    case ChipStatus::fault: return node.clock.at(std::max(node.chip.cycle(), node.stop.fault->cycle));  // perhaps of its DMA, while it waited
-    case ChipStatus::external_access: return node.clock.at(std::max(node.chip.cycle(), node.stop.access.cycle));
-    default: return node.clock.at(node.chip.cycle());
-  }
-}
-
-Time Network::next_of(const Node& node) const {
-  Time next = never;
-  if (node.status == ChipStatus::waiting) next = std::min(access_time(node), own_event(node));
-  else if (node.status == ChipStatus::sleeping) next = own_event(node);
-  return node.follows_ports() ? std::min(next, node.now()) : next;
-}
-
-Time Network::next_of_all() const {
-  Time next = next_action();
-  for (const auto& link : links_) next = std::min(next, link->next_event());
-  for (const auto& node : nodes_) next = std::min(next, next_of(*node));
-  return next;
-}
-
 /// Nothing can happen any more, but for loops that go on as they do, tokens that go to and fro, and timers that nobody listens to. Or every
 /// processor has ended, and only a DMA is armed.
-bool Network::quiet() const {
+bool Network::quiet() {
+  if (!nodes_[moving_]->is_still() && !nodes_[moving_]->has_ended()) return false;
   if (!actions_.empty()) return false;
   if (std::any_of(links_.begin(), links_.end(), [](const auto& link) { return link->next_event() != never && !link->only_exchanges_token(); })) return false;
-  const auto still = [&](const auto& node) { return node->patience.loop || (node->status != ChipStatus::running && next_of(*node) == never); };
-  return std::all_of(nodes_.begin(), nodes_.end(), still) || std::all_of(nodes_.begin(), nodes_.end(), [&](const auto& node) { return has_ended(*node); });
-}
-
-/// Its processor; a DMA that could do nothing for it may still be armed.
-bool Network::has_ended(const Node& node) const {
-  switch (node.status) {
-    case ChipStatus::halt:
-    case ChipStatus::idle:
-    case ChipStatus::until:
-    case ChipStatus::fault:
-    case ChipStatus::external_access:
-    case ChipStatus::pulled_out: return true;
-    case ChipStatus::sleeping: return node.dma_waits() && !sleeps_for_interrupt(node);
-    default: return false;
-  }
-}
-
-/// By a port, a timer or the DMA.
-bool Network::sleeps_for_interrupt(const Node& node) const {
-  constexpr Word ports = 0x01FFFFFEu;  // of IIE
-  return can_interrupt(node.chip) && (awaits_dma(node.chip) || awaits_timer(node.chip) || (node.chip.register_value(isa::Register::IIE) & ports) != 0);
-}
-
-bool Network::awaits_dma_for_ever(const Node& node) const {
-  return node.status == ChipStatus::sleeping && node.dma_waits() && sleeps_for_interrupt(node) && awaits_dma(node.chip);
+  for (auto& node : nodes_) node->look_for_loop();
+  const auto moves = std::find_if(nodes_.begin(), nodes_.end(), [](const auto& node) { return !node->is_still(); });
+  if (moves == nodes_.end()) return true;
+  const auto works = std::find_if(nodes_.begin(), nodes_.end(), [](const auto& node) { return !node->has_ended(); });
+  if (works == nodes_.end()) return true;
+  moving_ = static_cast<std::size_t>((*moves)->has_ended() ? works - nodes_.begin() : moves - nodes_.begin());
+  return false;
 }
 
 bool Network::waits_for_ever() const {
   return std::any_of(nodes_.begin(), nodes_.end(), [&](const auto& node) {
-    return (node->patience.loop ? polls(*node) : node->status == ChipStatus::waiting) || awaits_dma_for_ever(*node);
+    return (node->patience.loop ? polls(*node) : node->status == ChipStatus::waiting) || node->awaits_dma_for_ever();
   });
 }
 
@@ -454,116 +234,44 @@ NetworkStop Network::run_until(Time limit) {
 }
 
 NetworkStop Network::run_slice(Time limit) {
-  while (true) {
-    for (Node* node : turns_) {
-      if (node->status != ChipStatus::running || node->follows_ports()) continue;
-      const Cycles action = next_action_on(*node);
-      run_freely(*node, action == no_cycle ? limit : std::min(limit, node->clock.at(action)));
-    }
-    for (auto& node : nodes_) watch(*node);
-    const Time next = next_of_all();
-    if (quiet()) return finish(waits_for_ever() ? NetworkStop::Reason::deadlock : NetworkStop::Reason::ended, limit);
-    if (next >= limit) return finish(NetworkStop::Reason::limit, limit);
-    if (advance_watchers(next, limit)) continue;
-    now_ = next;
-    links_happen(next);
-    actions_happen(next);
-    accesses_happen(next);
-  }
-}
-
-// Nothing outside can do anything to it before it stops by itself, so a loop that it is found in can be left alone.
-void Network::run_freely(Node& node, Time until) {
-  const auto may_go_on = [&] { return node.status == ChipStatus::running && !node.follows_ports() && !node.patience.is_private; };
-  while (may_go_on()) {
-    run_chip(node, std::min(until, node.clock.at(std::max(node.patience.next_look(), node.chip.cycle() + 1))));
-    watch(node);
-    if (node.clock.at(node.chip.cycle()) >= until) return;  // its DMA may still be behind
-  }
-}
-
-/// Others can change what is read there.
-bool Network::is_shared(const Node& node, Address address) const {
-  return memory_of(node, address) != nullptr || (c40::is_port_register(address) && neighbour(node, c40::port_access(address, false, 0, 0).port).has_value());
-}
-
-/// Looks from time to time whether the chip goes round a loop.
-void Network::watch(Node& node) {
-  Node::Patience& p = node.patience;
-  if (p.is_private) return;
-  const bool alone = node.status == ChipStatus::running || (node.status == ChipStatus::waiting && ready(node));
-  if (p.happenings != happenings_ || !alone) {
-    p.looking.reset();
-    p.loop.reset();
-    p.since = node.first_cycle(happened_), p.length = Node::Patience::first, p.happenings = happenings_;
-  } else if (!p.loop && node.chip.cycle() >= p.next_look()) {
-    if (!p.looking) {
-      p.looking.emplace(node.chip, node.trace);
-    } else {
-      if (!node.chip.dma_busy() && node.chip.next_event() == no_cycle) p.loop = p.looking->loop();
-      p.is_private = p.loop && !node.follows_ports() && std::none_of(p.loop->reads.begin(), p.loop->reads.end(), [&](Address a) { return is_shared(node, a); });
-      p.looking.reset();
-      p.length *= Node::Patience::growth;
-    }
-  }
-  node.chip.set_trace(p.looking ? &*p.looking : node.trace);
-}
-
-// Those that ports can interrupt, up to the first instant at which something could. Whether one moved.
-bool Network::advance_watchers(Time first, Time limit) {
-  const Time action = next_action();
-  bool moved = false;
-  for (Node* node : turns_) {
-    Time until = std::min(limit, action);
-    if (own_event(*node) == first) {
-      if (node->status == ChipStatus::sleeping) {
-        bring_to(*node, first, false);
-        moved = true;
-        continue;
-      }
-      until = std::min(until, node->clock.at(node->first_cycle(first) + 1));
-    } else if (!node->follows_ports()) {
+  scheduler_.all_changed();
+  for (;;) {
+    const bool over = quiet();
+    const Time end = over ? at_rest_since() : never;
+    if (end >= limit) {
+      if (!scheduler_.step(limit)) return finish(NetworkStop::Reason::limit, limit);
       continue;
     }
-    until = std::min(until, next_on_links(*node));
-    Time lookahead = never;
-    for (const std::size_t link : node->links) lookahead = std::min(lookahead, links_[link]->lookahead());
-    if (first < never - lookahead) until = std::min(until, first + lookahead);
-    until = std::min(until, access_time(*node));
-    const auto stands = [&] { return std::tuple{node->chip.settled(), node->chip.cycle(), node->status}; };
-    const auto before = stands();
-    run_chip(*node, until);
-    moved |= stands() != before;
-  }
-  return moved;
-}
-
-void Network::links_happen(Time time) {
-  for (auto& link : links_) {
-    if (link->next_event() > time) continue;
-    const NetworkLink& ends = description_.links[static_cast<std::size_t>(&link - links_.data())];
-    Node &a = *nodes_[ends.a.chip], &b = *nodes_[ends.b.chip];
-    for (Node* node : {&a, &b}) {
-      if (node->status == ChipStatus::sleeping) bring_to(*node, time, true);
-      else if (node->status == ChipStatus::waiting && node->dma_waits()) run_chip(*node, time);
-    }
-    const bool passes_token = link->only_exchanges_token();
-    link->advance_to(time);
-    something_happened();
-    if (!passes_token) changed_ = time;
-    for (Node* node : {&a, &b}) {
-      note_ready(*node, time);
-      if (node->status == ChipStatus::sleeping && wakes(*node)) node->status = ChipStatus::running;
-    }
+    const auto reason = waits_for_ever() ? NetworkStop::Reason::deadlock : NetworkStop::Reason::ended;
+    ends_at_ = end;
+    while (scheduler_.earliest() < end) scheduler_.step(limit);
+    ends_at_ = never;
+    return finish(reason, end);
   }
 }
 
-void Network::accesses_happen(Time time) {
-  for (auto& node : nodes_) {
-    if (access_time(*node) != time) continue;
-    if (node->waits_for_port()) perform_port(*node);
-    else perform_memory(*node);
+/// Of a network that is quiet. A loop is found by a chip that may be ahead of others, or behind: this is when all have come to.
+Time Network::at_rest_since() const {
+  Time since = changed_;
+  Time ahead{0};
+  for (const auto& node : nodes_) {
+    since = std::max(since, node->at_rest_since());
+    if (node->patience.loop && node->follows_ports()) ahead = std::max(ahead, node->lookahead());
   }
+  return since + ahead;
+}
+
+void Network::link_happens(std::size_t number, Time time) {
+  now_ = time;
+  c40::Link& link = *links_[number];
+  const NetworkLink& ends = description_.links[number];
+  const std::array nodes{nodes_[ends.a.chip].get(), nodes_[ends.b.chip].get()};
+  for (Node* node : nodes) node->come_to(time);
+  const bool passes_token = link.only_exchanges_token();
+  link.advance_to(time);
+  something_happened();
+  if (!passes_token) changed_ = time;
+  for (Node* node : nodes) node->note_ready(time), node->wake_up(), node->tell_changes();
 }
 
 void Network::perform_port(Node& node) {
@@ -593,6 +301,7 @@ void Network::perform_memory(Node& node) {
     node.chip.complete_read(word, cycle - access.cycle, memory.description.waits);
   }
   node.status = ChipStatus::running;
+  for (const auto& [chip, base] : memory.description.places) nodes_[chip]->changed();
 }
 
 Network::Memory* Network::memory_of(const Node& node, Address address) const {
@@ -605,6 +314,9 @@ Network::Memory* Network::memory_of(const Node& node, Address address) const {
 // ---- actions ----
 
 void Network::actions_happen(Time time) {
+  now_ = time;
+  for (auto& node : nodes_)
+    if (node->follows_ports()) node->run_to(time);  // an action on one that has begun an instruction waits for its end
   for (std::size_t i = 0; i < actions_.size();) {
     if (effective(actions_[i]) > time) {
       ++i;
@@ -613,15 +325,13 @@ void Network::actions_happen(Time time) {
     const NetworkAction action = actions_[i];
     actions_.erase(actions_.begin() + static_cast<std::ptrdiff_t>(i));
     for (auto& node : nodes_)
-      if (node->status == ChipStatus::sleeping) bring_to(*node, time, true);
+      if (node->status == ChipStatus::sleeping) node->bring_to(time, true);
     something_happened();
     changed_ = time;
     perform(action);
-    for (auto& node : nodes_) {
-      note_ready(*node, time);
-      if (node->status == ChipStatus::sleeping && wakes(*node)) node->status = ChipStatus::running;
-    }
+    for (auto& node : nodes_) node->note_ready(time), node->wake_up();
   }
+  scheduler_.all_changed();
 }
 
 void Network::perform(const NetworkAction& action) {
@@ -631,7 +341,7 @@ void Network::perform(const NetworkAction& action) {
   Node& node = *nodes_[action.target];
   if (node.status == ChipStatus::pulled_out)
     throw NetworkError(fmt::format("{} at {} ps: chip {} has been pulled out", name(action.kind), action.time.count(), node.number));
-  bring_to(node, now_, false);
+  node.bring_to(now_, false);
   node.patience = {};
   node.chip.set_trace(node.trace);
   const auto kind = action.kind == reset ? NetworkEvent::Kind::reset : action.kind == hold ? NetworkEvent::Kind::hold
@@ -669,20 +379,16 @@ void Network::reset_chip(Node& node) {
 
 // ---- the end, and what can be asked ----
 
-NetworkStop Network::finish(NetworkStop::Reason reason, Time limit) {
-  Time end = limit;
-  if (reason != NetworkStop::Reason::limit) {
-    end = changed_;
-    for (const auto& node : nodes_) end = std::max(end, at_rest_since(*node));
+NetworkStop Network::finish(NetworkStop::Reason reason, Time end) {
+  if (reason != NetworkStop::Reason::limit)
     for (auto& link : links_)
       while (link->next_event() <= end) link->advance_to(link->next_event());  // tokens
-  }
   now_ = reason == NetworkStop::Reason::limit ? std::max(now_, end) : end;
   for (auto& node : nodes_)
     if (reason == NetworkStop::Reason::limit && node->follows_ports() && !node->patience.loop)
-      run_chip(*node, end);  // its last instruction, if it follows its ports only now
-    else if (node->status == ChipStatus::waiting && node->chip.dma_active() && !node->chip.dma_busy()) run_chip(*node, end);  // its timers
-    else if (node->status == ChipStatus::sleeping || node->held() || (node->patience.loop && node->status == ChipStatus::running)) bring_to(*node, end, false);
+      node->run_to(end);  // its last instruction, if it follows its ports only now
+    else if (node->status == ChipStatus::waiting && node->chip.dma_active() && !node->chip.dma_busy()) node->run_to(end);  // its timers
+    else if (node->status == ChipStatus::sleeping || node->held() || (node->patience.loop && node->status == ChipStatus::running)) node->bring_to(end, false);
   check_words();
   return {reason, end};
 }
@@ -701,8 +407,8 @@ ChipStatus Network::status(std::size_t n) const {
   const Node& node = *nodes_.at(n);
   if (node.patience.loop) return ChipStatus::looping;
   if (node.status != ChipStatus::sleeping || !node.dma_waits()) return node.status;
-  if (awaits_dma_for_ever(node)) return ChipStatus::waiting;
-  return has_ended(node) ? node.chip.idle() ? ChipStatus::idle : ChipStatus::halt : ChipStatus::sleeping;
+  if (node.awaits_dma_for_ever()) return ChipStatus::waiting;
+  return node.has_ended() ? node.chip.idle() ? ChipStatus::idle : ChipStatus::halt : ChipStatus::sleeping;
 }
 void Network::record_peripherals(bool on) {
   for (auto& node : nodes_) node->chip.set_peripheral_sink(on ? node.get() : nullptr);

@@ -21,6 +21,7 @@
 #include "c40/chip.hpp"
 #include "c40/peripherals/link.hpp"
 #include "machine/board_file.hpp"
+#include "machine/scheduler.hpp"
 #include "machine/time.hpp"
 #include "state/file.hpp"
 #include "toolchain/image.hpp"
@@ -222,57 +223,36 @@ class Network {
   struct Node;
   struct Memory;
   struct LinkTap;
+  struct LinkTurn;
+  struct ActionTurn;
 
   NetworkStop run_slice(Time limit);
   void join_links();
   void add_memories();
+  void take_part();
   void start(Node& node);
   void load(Node& node);
   void load_stream(Node& node, const toolchain::Image& image, const c40::Board& board);
   void ready_to_start(Node& node);
-  void run_chip(Node& node, Time until);
-  void stopped(Node& node, const c40::StopInfo& stop);
-  c40::StopInfo run_on(Node& node, c40::Cycles limit, c40::Cycles known);
-  bool at_breakpoint(Node& node);
-  void note_idle(Node& node);
-  Time access_time(const Node& node) const;
-  c40::Cycles own_event_cycle(const Node& node) const;
-  Time own_event(const Node& node) const;
-  Time at_rest_since(const Node& node) const;
   Time effective(const NetworkAction& action) const;
   Time next_action() const;
   c40::Cycles next_action_on(const Node& node) const;
-  Time next_of(const Node& node) const;
-  Time next_of_all() const;
-  bool quiet() const;
+  bool quiet();
   bool waits_for_ever() const;
-  bool has_ended(const Node& node) const;
-  bool sleeps_for_interrupt(const Node& node) const;
-  bool awaits_dma_for_ever(const Node& node) const;
-  void run_freely(Node& node, Time until);
-  void watch(Node& node);
-  bool is_shared(const Node& node, c40::Address address) const;
   bool polls(const Node& node) const;
   std::string describe_loop(const Node& node) const;
   std::string describe_dma(const Node& node) const;
   std::string whom(const Node& node, int port, bool write) const;
   std::optional<std::size_t> neighbour(const Node& node, int port) const;
-  Time next_on_links(const Node& node) const;
-  bool advance_watchers(Time first, Time limit);
-  void links_happen(Time time);
-  void accesses_happen(Time time);
+  void link_happens(std::size_t number, Time time);
   void actions_happen(Time time);
   void perform(const NetworkAction& action);
   void perform_port(Node& node);
   void perform_memory(Node& node);
-  void note_ready(Node& node, Time time);
-  bool ready(const Node& node) const;
-  void bring_to(Node& node, Time time, bool fully);
-  void pass_to(Node& node, c40::Cycles limit, c40::Cycles known);
   void reset_chip(Node& node);
-  bool wakes(const Node& node) const;
   std::string describe_wait(const Node& node) const;
-  NetworkStop finish(NetworkStop::Reason reason, Time limit);
+  Time at_rest_since() const;
+  NetworkStop finish(NetworkStop::Reason reason, Time end);
   Memory* memory_of(const Node& node, c40::Address address) const;
   std::string where(const Node& node) const;
   bool boots(const Node& node) const;
@@ -280,17 +260,21 @@ class Network {
 
   NetworkDescription description_;
   std::vector<std::unique_ptr<Node>> nodes_;
-  std::vector<Node*> turns_;  ///< in the order in which they are advanced
   std::vector<std::unique_ptr<c40::Link>> links_;
   std::vector<std::unique_ptr<LinkTap>> taps_;
+  std::vector<std::unique_ptr<LinkTurn>> link_turns_;
+  std::unique_ptr<ActionTurn> action_turn_;
   std::vector<std::unique_ptr<Memory>> memories_;
   std::vector<NetworkAction> actions_;  ///< to come, by time
   std::vector<NetworkEvent> events_;
+  Scheduler scheduler_;
   Time now_{0};
   void something_happened() { ++happenings_, happened_ = now_; }
   std::uint64_t happenings_ = 0;  ///< on links, in shared memories, to chips: what could end a loop that polls
   Time happened_{0};              ///< the last of them
   Time changed_{0};               ///< the last thing on a link that was no mere exchange of the token, or action
+  std::size_t moving_ = 0;        ///< a chip that was not at rest when last looked at
+  Time ends_at_ = never;          ///< of a network that is quiet: when all have come to rest
   bool records_words_ = false;
 };
 

@@ -6,8 +6,10 @@
 
 #include "machine/address_names.hpp"
 #include "machine/boot.hpp"
+#include "machine/chip_runner.hpp"
 #include "machine/loop_watch.hpp"
 #include "machine/network.hpp"
+#include "machine/scheduler.hpp"
 
 namespace machine {
 
@@ -20,9 +22,11 @@ struct Network::Memory {
   void list_state(state::Visitor& list);
 };
 
-struct Network::Node : c40::PeripheralSink {
-  Node(std::size_t number_, NetworkChip given, Clock clock_)
-      : number(number_),
+/// A chip in the network, and how it goes through time.
+struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, private ChipRunner {
+  Node(Network& network_, std::size_t number_, NetworkChip given, Clock clock_)
+      : network(network_),
+        number(number_),
         description(std::move(given)),
         clock(clock_),
         chip(board_of(description)) {}
@@ -33,6 +37,7 @@ struct Network::Node : c40::PeripheralSink {
     return chip.board.board;
   }
 
+  Network& network;
   std::size_t number;
   NetworkChip description;
   Clock clock;
@@ -53,6 +58,7 @@ struct Network::Node : c40::PeripheralSink {
     std::uint64_t happenings = 0;  ///< as they stood then
     std::optional<LoopWatch> looking;
     std::optional<LoopWatch::Loop> loop;  ///< found; it holds until something happens
+    Time found{0};                        ///< when
     bool is_private = false;              ///< it reads nothing that anybody else could change
     c40::Cycles next_look() const { return since + length + (looking ? length / 10 : 0); }
   } patience;
@@ -79,6 +85,84 @@ struct Network::Node : c40::PeripheralSink {
     const bool lives = status == ChipStatus::running || status == ChipStatus::waiting || status == ChipStatus::sleeping;
     return lives && chip.dma_active() && !chip.dma_busy();
   }
+
+  // Its turns.
+  Time next() const override;
+  void act(Time now) override;
+  bool runs() const override { return status == ChipStatus::running && !patience.is_private; }
+  void run_ahead(Time until) override;
+  Time horizon() const override;
+
+  /// Its next event and those of its links may have become others.
+  void tell_changes();
+
+  // How it goes on.
+  void run_to(Time until);
+  void come_to(Time time);
+  void bring_to(Time time, bool fully);
+  void look_for_loop();
+  void note_ready(Time time);
+  void wake_up();
+
+  // How it stands.
+  bool ready() const;
+  bool wakes() const;
+  Time access_time() const;
+  c40::Cycles own_event_cycle() const;
+  Time own_event() const;
+  Time at_rest_since() const;
+  Time lookahead() const;
+  bool has_ended() const;
+  bool awaits_dma_for_ever() const;
+  /// Nothing will happen here, but for a loop that goes on as it does.
+  bool is_still() const { return patience.loop || (status != ChipStatus::running && next() == never); }
+
+ private:
+  void run_freely(Time until);
+  void pass_to(c40::Cycles limit, c40::Cycles known);
+  void note_idle();
+  bool sleeps_for_interrupt() const;
+  bool is_shared(c40::Address address) const;
+  Time horizon_of_follower() const;
+  Time links_reach_it() const;
+  Time next_look() const { return clock.at(std::max(patience.next_look(), chip.cycle() + 1)); }
+
+  std::optional<Span> span() override;
+  std::optional<Span> span_of_runner();
+  bool at_limit() override;
+  bool asks_anew() override;
+  bool at_breakpoint() override;
+  bool window_access(const c40::ExternalAccess& access) override;
+  bool port_access(const c40::PortAccess& access) override { return waits(c40::StopInfo::Reason::port_access, access); }
+  bool port_wait(const c40::PortAccess& access) override { return waits(c40::StopInfo::Reason::port_wait, access); }
+  bool faulted(const c40::Fault& why) override;
+  bool waits(c40::StopInfo::Reason why, const c40::PortAccess& access);
+  bool has_moved() const { return chip.cycle() != cycle_before_ || chip.settled() != settled_before_; }
+  bool passes_on() const { return status == ChipStatus::sleeping && (chip.cycle() < span_.limit || chip.settled() < span_.known); }
+
+  // Of the call of run_to or pass_to under way.
+  bool passing_ = false;            ///< it sleeps, and goes on sleeping
+  bool over_breakpoint_ = false;    ///< the instruction at the breakpoint is next
+  c40::Cycles ends_ = 0, action_ = 0;
+  Span span_;
+  c40::Cycles cycle_before_ = -1, settled_before_ = -1;
+};
+
+/// Lets a link take part.
+struct Network::LinkTurn final : Scheduler::Actor {
+  LinkTurn(Network& network_, std::size_t number_) : network(network_), number(number_) {}
+  Time next() const override { return network.links_[number]->next_event(); }
+  void act(Time now) override { network.link_happens(number, now); }
+  Network& network;
+  std::size_t number;
+};
+
+/// Lets what is scripted take part.
+struct Network::ActionTurn final : Scheduler::Actor {
+  explicit ActionTurn(Network& network_) : network(network_) {}
+  Time next() const override { return network.next_action(); }
+  void act(Time now) override { network.actions_happen(now); }
+  Network& network;
 };
 
 /// Keeps what happens on one link.

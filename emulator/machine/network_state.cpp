@@ -86,6 +86,7 @@ void Network::Node::list_state(state::Visitor& list) {
   }
   if (looks) list("looking", *patience.looking);
   list("loop", patience.loop);
+  list("found", patience.found);
   list("is_private", patience.is_private);
   list("peripheral_events", peripheral_events);
 }

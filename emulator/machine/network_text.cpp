@@ -160,8 +160,8 @@ std::string Network::describe(std::size_t n) const {
     case ChipStatus::running: return fmt::format("runs at {}", where(node));
     case ChipStatus::waiting: return fmt::format("{}, at {}{}", describe_wait(node), where(node), node.dma_waits() ? "; " + describe_dma(node) : "");
     case ChipStatus::sleeping:
-      if (awaits_dma_for_ever(node)) return fmt::format("{}; the processor sleeps at {}", describe_dma(node), where(node));
-      if (has_ended(node)) return fmt::format("{} {}; {}", node.chip.idle() ? "is in IDLE before" : "branches to itself at", where(node), describe_dma(node));
+      if (node.awaits_dma_for_ever()) return fmt::format("{}; the processor sleeps at {}", describe_dma(node), where(node));
+      if (node.has_ended()) return fmt::format("{} {}; {}", node.chip.idle() ? "is in IDLE before" : "branches to itself at", where(node), describe_dma(node));
       return fmt::format("sleeps at {} until a port interrupts it", where(node));
     case ChipStatus::halt: return fmt::format("branches to itself at {}", where(node));
     case ChipStatus::idle: return fmt::format("is in IDLE before {}, and no interrupt is to come", where(node));

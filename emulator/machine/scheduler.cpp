@@ -36,7 +36,6 @@ void Scheduler::run_some_ahead() {
 
 bool Scheduler::step(Time limit) {
   limit_ = limit;
-  if (shuffle_.active()) run_some_ahead();
   const Calendar::Turn turn = calendar_.earliest();
   if (turn.time >= limit) return false;
   Actor& actor = *actors_[turn.who];
@@ -44,6 +43,7 @@ bool Scheduler::step(Time limit) {
   now_ = turn.time;
   actor.act(now_);
   actor.changed();
+  if (shuffle_.active()) run_some_ahead();
   return true;
 }
 

@@ -1,0 +1,363 @@
+// One chip of a network: how it goes through time, and how it stands.
+#include <algorithm>
+#include <cassert>
+#include <limits>
+#include <utility>
+
+#include "machine/asleep.hpp"
+#include "machine/network_parts.hpp"
+#include "machine/program_end.hpp"
+
+namespace machine {
+
+using c40::Address;
+using c40::Chip;
+using c40::Cycles;
+using c40::StopInfo;
+using c40::Word;
+
+namespace {
+constexpr Cycles no_cycle = std::numeric_limits<Cycles>::max();
+
+/// A timer of its own could interrupt it.
+bool awaits_timer(const Chip& chip) { return next_timer_interrupt(chip) != no_cycle; }
+
+/// IDLE sets GIE.
+bool can_interrupt(const Chip& chip) { return chip.idle() || (chip.register_value(isa::Register::ST) & c40::st::GIE) != 0; }
+}  // namespace
+
+// ---- its turns ----
+
+Time Network::Node::next() const {
+  switch (status) {
+    case ChipStatus::running:
+      if (patience.is_private) return never;
+      return follows_ports() ? now() : clock.at(chip.cycle());
+    case ChipStatus::waiting: {
+      const Time next = std::min(access_time(), own_event());
+      return follows_ports() ? std::min(next, now()) : next;
+    }
+    case ChipStatus::sleeping: return own_event();
+    default: return never;
+  }
+}
+
+/// A chip that follows its ports runs no further than anything could reach it. Whether a chip goes round a loop is looked at in
+/// a certain cycle, wherever the chip has stopped before.
+Time Network::Node::horizon() const {
+  // One that polls goes on to where others could see it, wherever it has stopped before.
+  const Time limit = patience.loop ? network.scheduler_.limit() : std::min(network.scheduler_.limit(), network.ends_at_);
+  const Cycles action = network.next_action_on(*this);
+  if (!follows_ports()) return action == no_cycle ? limit : std::min(limit, clock.at(action));
+  return horizon_of_follower();
+}
+
+Time Network::Node::horizon_of_follower() const {
+  const Time outside = std::min({network.scheduler_.limit(), network.next_action(), links_reach_it()});
+  if (status != ChipStatus::running) return std::min(outside, access_time());
+  // run_to lets it begin an instruction in the last cycle: in the one before that in which it is looked at
+  const Cycles look = std::max(patience.next_look(), chip.cycle() + 1);
+  return std::min(outside, clock.at(chip.idle() ? look : look - 1));
+}
+
+/// By what is on its links, or by what any chip may do from now on.
+Time Network::Node::links_reach_it() const {
+  const Time first = network.scheduler_.earliest(), ahead = lookahead();
+  Time reach = first < never - ahead ? first + ahead : never;
+  for (const std::size_t link : links) reach = std::min(reach, network.links_[link]->next_event());
+  return reach;
+}
+
+/// What others do reaches it so much later at the earliest.
+Time Network::Node::lookahead() const {
+  Time ahead = never;
+  for (const std::size_t link : links) ahead = std::min(ahead, network.links_[link]->lookahead());
+  return ahead;
+}
+
+void Network::Node::act(Time now) {
+  network.now_ = now;
+  if (status == ChipStatus::running && !follows_ports()) {
+    run_freely(horizon());
+  } else if (status == ChipStatus::sleeping) {
+    bring_to(now, false);
+  } else {
+    const auto stands = std::tuple{chip.settled(), chip.cycle(), status};
+    if (own_event() == now) run_to(std::min({horizon_of_follower(), clock.at(first_cycle(now) + 1)}));
+    else if (follows_ports()) run_to(horizon_of_follower());
+    if (stands == std::tuple{chip.settled(), chip.cycle(), status}) {
+      if (access_time() == now) waits_for_port() ? network.perform_port(*this) : network.perform_memory(*this);
+      else assert(next() > now && "a turn that changes nothing");
+    }
+  }
+  look_for_loop();
+  tell_changes();
+}
+
+void Network::Node::run_ahead(Time until) {
+  follows_ports() ? run_to(until) : run_freely(until);
+  look_for_loop();
+  tell_changes();
+}
+
+void Network::Node::tell_changes() {
+  changed();
+  for (const std::size_t link : links) network.link_turns_[link]->changed();
+  if (!network.actions_.empty()) network.action_turn_->changed();
+}
+
+// Nothing outside can do anything to it before it stops by itself, so a loop that it is found in can be left alone.
+void Network::Node::run_freely(Time until) {
+  const auto may_go_on = [&] { return status == ChipStatus::running && !follows_ports() && !patience.is_private; };
+  while (may_go_on()) {
+    run_to(std::min(until, next_look()));
+    look_for_loop();
+    if (clock.at(chip.cycle()) >= until) return;  // its DMA may still be behind
+  }
+}
+
+// ---- how it goes on ----
+
+/// A chip that waits goes on with its DMA. What links do is known up to `until`. A processor that follows its ports has begun its
+/// last instruction by then: what a link does at that instant is an interrupt for the next one. So the order of events is the
+/// same wherever a run is cut, and the DMA, which follows the processor's read stage, has done all that lies before.
+void Network::Node::run_to(Time until) {
+  passing_ = false;
+  ends_ = first_cycle(until);
+  action_ = network.next_action_on(*this);
+  run_chip(chip);
+}
+
+/// Before something outside changes what it follows, at `time`.
+void Network::Node::come_to(Time time) {
+  if (status == ChipStatus::sleeping) bring_to(time, true);
+  else if (follows_ports() || (status == ChipStatus::waiting && dma_waits())) run_to(time);
+}
+
+std::optional<ChipRunner::Span> Network::Node::span() {
+  if (std::exchange(over_breakpoint_, false)) return Span{.limit = chip.cycle() + 1, .known = std::min(span_.known, chip.cycle() + 1)};
+  cycle_before_ = chip.cycle(), settled_before_ = chip.settled();
+  return passing_ ? span_ : span_of_runner();
+}
+
+std::optional<ChipRunner::Span> Network::Node::span_of_runner() {
+  const bool waits = status == ChipStatus::waiting, idles = chip.idle();
+  const Cycles known = std::min(ends_, std::max(chip.cycle(), action_));
+  // Only there it is known whether it still follows its ports.
+  const bool begins_last = chip.cycle() >= ends_ && !waits && !idles && chip.watches_ports();
+  Cycles limit = std::min(ends_ + (begins_last ? 1 : 0), action_);
+  if (chip.settled() >= known && (waits || chip.cycle() >= limit)) {
+    note_idle();
+    return {};
+  }
+  if (!waits && chip.cycle() >= action_) return span_ = Span{.limit = 0, .known = known};  // the processor does no more before the action
+  // A processor that idles may have ended when its DMA is done, or a timer's event was not for it: in that cycle.
+  const bool looks = status == ChipStatus::running && idles;
+  if (looks && chip.dma_busy()) limit = std::min(limit, chip.cycle() + 1);
+  else if (looks && awaits_timer(chip)) limit = std::min(limit, std::max(chip.cycle() + 1, next_timer_interrupt(chip)));
+  return span_ = Span{.limit = limit, .known = std::min(known, limit)};
+}
+
+bool Network::Node::at_limit() {
+  if (passing_) return has_moved() && passes_on();
+  note_idle();
+  return status == ChipStatus::running && has_moved();
+}
+
+bool Network::Node::asks_anew() {
+  if (passing_) return passes_on();
+  note_idle();
+  return false;
+}
+
+/// Whether it goes on.
+bool Network::Node::at_breakpoint() {
+  over_breakpoint_ = true;
+  if (passing_) return true;
+  if (description.until == chip.pc()) {
+    status = ChipStatus::until;
+  } else if (program_end(chip.peek(chip.pc()), chip.pc()) == ProgramEnd::halt && !chip.dma_busy()) {
+    if (chip.dma_active() || (chip.watches_ports() && can_interrupt(chip))) status = ChipStatus::sleeping;
+    else if (!can_interrupt(chip) || !awaits_timer(chip)) status = ChipStatus::halt;
+    asleep_since = chip.cycle();
+  }
+  return over_breakpoint_ = status == ChipStatus::running;
+}
+
+bool Network::Node::window_access(const c40::ExternalAccess& access) {
+  status = network.memory_of(*this, access.address) != nullptr ? ChipStatus::waiting : ChipStatus::external_access;
+  stop = {};
+  stop.reason = StopInfo::Reason::external_access;
+  stop.access = access;
+  return false;
+}
+
+bool Network::Node::waits(StopInfo::Reason why, const c40::PortAccess& access) {
+  if (passing_) return passes_on();
+  if (waits_for_port()) return false;  // still the same
+  status = ChipStatus::waiting;
+  stop = {};
+  stop.reason = why;
+  stop.port = access;
+  was_ready = false;
+  note_ready(Time{0});
+  return false;
+}
+
+bool Network::Node::faulted(const c40::Fault& why) {
+  status = ChipStatus::fault;
+  stop = {};
+  stop.reason = StopInfo::Reason::fault;
+  stop.fault = why;
+  return false;
+}
+
+void Network::Node::note_idle() {
+  if (!chip.idle() || chip.dma_busy() || status != ChipStatus::running) return;
+  if (chip.watches_ports() || chip.dma_active()) status = ChipStatus::sleeping;
+  else if (!awaits_timer(chip)) status = ChipStatus::idle;
+}
+
+/// Lets a chip that does not run reach an instant; `fully`: a processor that branches to itself has begun its last branch by then, as
+/// one that runs has begun its last instruction (run_to).
+void Network::Node::bring_to(Time time, bool fully) {
+  const Cycles cycle = first_cycle(time);
+  if (status != ChipStatus::sleeping && !fully && chip.cycle() >= cycle) return;
+  if (status == ChipStatus::running) run_to(time);
+  else if (status != ChipStatus::sleeping) {
+    const bool was_held = held();
+    chip.hold(true);
+    chip.run_until(cycle);
+    chip.hold(was_held);
+  }
+  while (status == ChipStatus::sleeping) {
+    const Cycles limit = cycle + (fully && !chip.idle() ? 1 : 0), event = own_event_cycle();
+    pass_to(std::min(limit, event), std::min(cycle, event));
+    if (status != ChipStatus::sleeping) return;
+    wake_up();  // perhaps by what happened in the loop's last round
+    if (event >= limit) return;
+    if (status == ChipStatus::running) run_to(time);  // perhaps to sleep again
+    else if (own_event_cycle() == event) return pass_to(limit, cycle);
+  }
+}
+
+/// Lets a chip that sleeps go on sleeping.
+void Network::Node::pass_to(Cycles limit, Cycles known) {
+  passing_ = true;
+  span_ = {.limit = limit, .known = known};
+  run_chip(chip);
+}
+
+void Network::Node::wake_up() {
+  if (status == ChipStatus::sleeping && wakes()) status = ChipStatus::running;
+}
+
+// ---- how it stands ----
+
+/// Of a chip that sleeps: it has something to do.
+bool Network::Node::wakes() const { return chip.dma_busy() || chip.interrupt_pending(); }
+
+bool Network::Node::ready() const {
+  if (waits_for_port()) return stop.reason == StopInfo::Reason::port_access && stop.port.ready(chip.port(stop.port.port));
+  const Memory& memory = *network.memory_of(*this, stop.access.address);
+  return !memory.owner || *memory.owner == number;
+}
+
+void Network::Node::note_ready(Time time) {
+  if (!waits_for_port()) return;
+  const bool now = ready();
+  if (now && !was_ready) ready_since = time;
+  was_ready = now;
+}
+
+/// When the access that it waits for takes place, as far as can be said.
+Time Network::Node::access_time() const {
+  if (status != ChipStatus::waiting || !ready()) return never;
+  const Cycles now = first_cycle(network.now_);
+  if (waits_for_port()) return clock.at(std::max({stop.port.cycle, first_cycle(ready_since), now}));
+  return clock.at(std::max({stop.access.cycle, first_cycle(network.memory_of(*this, stop.access.address)->free), now}));
+}
+
+/// What a timer does to a chip that sleeps or waits; an event that nobody listens to is none.
+Cycles Network::Node::own_event_cycle() const {
+  const bool sleeps = status == ChipStatus::sleeping;
+  if (!sleeps && status != ChipStatus::waiting) return no_cycle;
+  const Cycles event = chip.dma_active() ? next_dma_tick(chip) : no_cycle;
+  return sleeps && can_interrupt(chip) ? std::min(event, next_timer_interrupt(chip)) : event;
+}
+
+Time Network::Node::own_event() const {
+  const Cycles event = own_event_cycle();
+  return event == no_cycle ? never : clock.at(event);
+}
+
+/// When it came to rest, by what it did itself: not how far it has been brought since.
+Time Network::Node::at_rest_since() const {
+  if (patience.loop) return patience.found;
+  switch (status) {
+    case ChipStatus::held:
+    case ChipStatus::pulled_out: return Time{0};
+    case ChipStatus::waiting: return clock.at(std::max(waits_for_port() ? stop.port.cycle : stop.access.cycle, chip.dma_done()));
+    case ChipStatus::sleeping: return clock.at(std::max(chip.idle() ? chip.idle_since() : asleep_since, chip.dma_done()));
+    case ChipStatus::fault: return clock.at(std::max(chip.cycle(), stop.fault->cycle));  // perhaps of its DMA, while it waited
+    case ChipStatus::external_access: return clock.at(std::max(chip.cycle(), stop.access.cycle));
+    default: return clock.at(chip.cycle());
+  }
+}
+
+/// Its processor; a DMA that could do nothing for it may still be armed.
+bool Network::Node::has_ended() const {
+  switch (status) {
+    case ChipStatus::halt:
+    case ChipStatus::idle:
+    case ChipStatus::until:
+    case ChipStatus::fault:
+    case ChipStatus::external_access:
+    case ChipStatus::pulled_out: return true;
+    case ChipStatus::sleeping: return dma_waits() && !sleeps_for_interrupt();
+    default: return false;
+  }
+}
+
+/// By a port, a timer or the DMA.
+bool Network::Node::sleeps_for_interrupt() const {
+  constexpr Word ports = 0x01FFFFFEu;  // of IIE
+  return can_interrupt(chip) && (awaits_dma(chip) || awaits_timer(chip) || (chip.register_value(isa::Register::IIE) & ports) != 0);
+}
+
+bool Network::Node::awaits_dma_for_ever() const {
+  return status == ChipStatus::sleeping && dma_waits() && sleeps_for_interrupt() && awaits_dma(chip);
+}
+
+// ---- loops that poll ----
+
+/// Others can change what is read there.
+bool Network::Node::is_shared(Address address) const {
+  if (network.memory_of(*this, address) != nullptr) return true;
+  return c40::is_port_register(address) && network.neighbour(*this, c40::port_access(address, false, 0, 0).port).has_value();
+}
+
+/// Looks from time to time whether the chip goes round a loop.
+void Network::Node::look_for_loop() {
+  Patience& p = patience;
+  if (p.is_private) return;
+  const bool alone = status == ChipStatus::running || (status == ChipStatus::waiting && ready());
+  if (p.happenings != network.happenings_ || !alone) {
+    p.looking.reset();
+    p.loop.reset();
+    p.since = first_cycle(network.happened_), p.length = Patience::first, p.happenings = network.happenings_;
+  } else if (!p.loop && chip.cycle() >= p.next_look()) {
+    if (!p.looking) {
+      p.looking.emplace(chip, trace);
+    } else {
+      if (!chip.dma_busy() && chip.next_event() == no_cycle) p.loop = p.looking->loop();
+      p.found = clock.at(chip.cycle());
+      p.is_private = p.loop && !follows_ports() && std::none_of(p.loop->reads.begin(), p.loop->reads.end(), [&](Address a) { return is_shared(a); });
+      p.looking.reset();
+      p.length *= Patience::growth;
+    }
+  }
+  chip.set_trace(p.looking ? &*p.looking : trace);
+}
+
+}  // namespace machine
