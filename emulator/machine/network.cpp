@@ -256,7 +256,7 @@ Time Network::at_rest_since() const {
   Time ahead{0};
   for (const auto& node : nodes_) {
     since = std::max(since, node->at_rest_since());
-    if (node->patience.loop && node->follows_ports()) ahead = std::max(ahead, node->lookahead());
+    if (node->patience.loop && node->chip.watches_ports()) ahead = std::max(ahead, node->lookahead());
   }
   return since + ahead;
 }

@@ -77,26 +77,30 @@ Time Network::Node::lookahead() const {
 
 void Network::Node::act(Time now) {
   network.now_ = now;
-  if (status == ChipStatus::running && !follows_ports()) {
-    run_freely(horizon());
-  } else if (status == ChipStatus::sleeping) {
-    bring_to(now, false);
-  } else {
-    const auto stands = std::tuple{chip.settled(), chip.cycle(), status};
-    if (own_event() == now) run_to(std::min({horizon_of_follower(), clock.at(first_cycle(now) + 1)}));
-    else if (follows_ports()) run_to(horizon_of_follower());
-    if (stands == std::tuple{chip.settled(), chip.cycle(), status}) {
-      if (access_time() == now) waits_for_port() ? network.perform_port(*this) : network.perform_memory(*this);
-      else assert(next() > now && "a turn that changes nothing");
-    }
-  }
+  if (status == ChipStatus::sleeping) bring_to(now, false);
+  else if (status == ChipStatus::waiting || follows_ports()) go_on_with_ports(now);
   look_for_loop();
+  if (status == ChipStatus::running && !follows_ports()) run_freely(horizon());
   tell_changes();
 }
 
+/// It waits, or follows its ports: as far as they are known, or its access.
+void Network::Node::go_on_with_ports(Time now) {
+  const auto stands = std::tuple{chip.settled(), chip.cycle(), status};
+  if (own_event() == now) run_to(std::min(horizon_of_follower(), clock.at(first_cycle(now) + 1)));
+  else if (follows_ports()) run_to(horizon_of_follower());
+  if (stands != std::tuple{chip.settled(), chip.cycle(), status}) return;
+  if (access_time() == now) waits_for_port() ? network.perform_port(*this) : network.perform_memory(*this);
+  else assert(next() > now && "a turn that changes nothing");
+}
+
 void Network::Node::run_ahead(Time until) {
-  follows_ports() ? run_to(until) : run_freely(until);
-  look_for_loop();
+  if (follows_ports()) {
+    run_to(until);
+    look_for_loop();
+  } else {
+    run_freely(until);
+  }
   tell_changes();
 }
 

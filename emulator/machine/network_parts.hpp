@@ -118,6 +118,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, private 
   bool is_still() const { return patience.loop || (status != ChipStatus::running && next() == never); }
 
  private:
+  void go_on_with_ports(Time now);
   void run_freely(Time until);
   void pass_to(c40::Cycles limit, c40::Cycles known);
   void note_idle();
