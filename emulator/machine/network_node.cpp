@@ -53,7 +53,7 @@ Time Network::Node::horizon() const {
 }
 
 Time Network::Node::horizon_of_follower() const {
-  const Time outside = std::min({network.scheduler_.limit(), network.next_action(), links_reach_it()});
+  const Time outside = std::min({network.scheduler_.limit(), network.ends_at_, network.next_action(), links_reach_it()});
   if (status != ChipStatus::running) return std::min(outside, access_time());
   // run_to lets it begin an instruction in the last cycle: in the one before that in which it is looked at
   const Cycles look = std::max(patience.next_look(), chip.cycle() + 1);
