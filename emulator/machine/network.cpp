@@ -236,18 +236,22 @@ NetworkStop Network::run_until(Time limit) {
 NetworkStop Network::run_slice(Time limit) {
   scheduler_.all_changed();
   for (;;) {
-    const bool over = quiet();
-    const Time end = over ? at_rest_since() : never;
-    if (end >= limit) {
-      if (!scheduler_.step(limit)) return finish(NetworkStop::Reason::limit, limit);
-      continue;
-    }
-    const auto reason = waits_for_ever() ? NetworkStop::Reason::deadlock : NetworkStop::Reason::ended;
-    ends_at_ = end;
-    while (scheduler_.earliest() < end) scheduler_.step(limit);
-    ends_at_ = never;
-    return finish(reason, end);
+    if (const auto stop = stop_if_quiet(limit)) return *stop;
+    scheduler_.run_some_ahead(limit);
+    if (const auto stop = stop_if_quiet(limit)) return *stop;
+    if (!scheduler_.step(limit)) return finish(NetworkStop::Reason::limit, limit);
   }
+}
+
+std::optional<NetworkStop> Network::stop_if_quiet(Time limit) {
+  if (!quiet()) return {};
+  const Time end = at_rest_since();
+  if (end >= limit) return {};
+  const auto reason = waits_for_ever() ? NetworkStop::Reason::deadlock : NetworkStop::Reason::ended;
+  ends_at_ = end;
+  while (scheduler_.earliest() < end) scheduler_.step(limit);
+  ends_at_ = never;
+  return finish(reason, end);
 }
 
 /// Of a network that is quiet. A loop is found by a chip that may be ahead of others, or behind: this is when all have come to.

@@ -227,6 +227,7 @@ class Network {
   struct ActionTurn;
 
   NetworkStop run_slice(Time limit);
+  std::optional<NetworkStop> stop_if_quiet(Time limit);
   void join_links();
   void add_memories();
   void take_part();

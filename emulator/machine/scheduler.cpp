@@ -21,8 +21,10 @@ void Scheduler::all_changed() {
   for (Actor* actor : actors_) actor->changed();
 }
 
-// Lets some processors do in advance what is theirs alone, in any order and to any point.
-void Scheduler::run_some_ahead() {
+// In any order and to any point.
+void Scheduler::run_some_ahead(Time limit) {
+  if (!shuffle_.active()) return;
+  limit_ = limit;
   for (std::size_t i = 0; i < processors_.size(); ++i) {
     Processor& processor = *processors_[shuffle_.below(processors_.size())];
     if (!processor.runs()) continue;
@@ -43,12 +45,12 @@ bool Scheduler::step(Time limit) {
   now_ = turn.time;
   actor.act(now_);
   actor.changed();
-  if (shuffle_.active()) run_some_ahead();
   return true;
 }
 
 void Scheduler::run_until(Time limit) {
-  while (step(limit)) {}
+  do run_some_ahead(limit);
+  while (step(limit));
 }
 
 }  // namespace machine

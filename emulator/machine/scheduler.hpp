@@ -63,6 +63,8 @@ class Scheduler {
 
   /// Lets the next event before `limit` happen; false: there is none.
   bool step(Time limit);
+  /// Lets some processors do in advance what is theirs alone, as far as the seed says; nothing without one.
+  void run_some_ahead(Time limit);
   /// Lets all events before `limit` happen.
   void run_until(Time limit);
   /// Where the run under way ends.
@@ -85,7 +87,6 @@ class Scheduler {
    private:
     std::uint64_t state_;
   };
-  void run_some_ahead();
 
   Calendar calendar_;
   std::vector<Actor*> actors_;
