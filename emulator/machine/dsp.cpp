@@ -32,7 +32,8 @@ Dsp::Dsp(unsigned slot, bool plugged, Surroundings& surroundings)
   for (unsigned port = 0; port < config.topology.dsps.size(); ++port)
     sides_.emplace_back(*this, config.topology.dsps[port], master_of(config, slot),
                         port == around_.window_a.front().port ? config.bridge_a : config.bridge_b);
-  around_.adapter.attach(chip_, clock_, plugged);
+  around_.adapter.join(chip_, clock_, plugged);
+  attach(around_.adapter.dsp_port(), around_.adapter.link(slot_), 1, adapter_wire_);
   if (!plugged) {
     chip_.hold(true);
   } else if (config.boot == Boot::preloaded) {
@@ -44,12 +45,23 @@ Dsp::Dsp(unsigned slot, bool plugged, Surroundings& surroundings)
 }
 
 void Dsp::set_next() {
-  next_ = std::min({own_next_, edge_, reset_, around_.adapter.link(slot_).next_event()});
+  next_ = std::min({own_next_, edge_, reset_});
+  if (dma_goes_on()) next_ = std::min(next_, clock_.at(chip_.settled()));
   changed();
 }
 
+// While the processor stands before an access or in one, a DMA that moves words over a link to another slot goes on.
+bool Dsp::dma_goes_on() const {
+  const bool waits = state_ == State::access || state_ == State::port || state_ == State::blocked || state_ == State::resuming;
+  return waits && wires_.size() > 1 && !dma_waits_ && chip_.dma_busy() && chip_.watches_ports();
+}
+
+void Dsp::attach(int port, c40::Link& link, int side, Scheduler::Actor& wire) {
+  wires_.push_back({port, link, side, wire});
+  chip_.attach(port, &link.listener(side));
+}
+
 void Dsp::act(Time now) {
-  link_happens(now);
   if (reset_ <= now) {
     reset_ = never;
     reset(now);
@@ -68,26 +80,41 @@ void Dsp::act(Time now) {
       case State::idle:
       case State::dead: own_next_ = never; break;
     }
+  } else if (dma_goes_on()) {
+    run_dma(horizon());
   }
+  tell_links();
   set_next();
 }
 
 void Dsp::run_ahead(Time until) {
   run(until);
+  tell_links();
   set_next();
+}
+
+// What it did at its ports may have given links something to do.
+void Dsp::tell_links() {
+  for (const Wire& wire : wires_) wire.actor.changed();
 }
 
 // Whose ports can interrupt it, or move its DMA, follows its link step by step.
 c40::Cycles Dsp::limit(Time horizon) const {
   const c40::Cycles far = clock_.tick_at_or_after(horizon);
   if (!chip_.watches_ports()) return far;
-  const c40::Link& link = around_.adapter.link(slot_);
-  return std::min(far, clock_.tick_at_or_after(std::min(link.next_event(), clock_.at(chip_.settled()) + link.lookahead())));
+  Time reach = never;
+  for (const Wire& wire : wires_) {
+    // The adapter's end acts with the host, which the horizon knows; another DSP's at any time from now on.
+    const Time from = &wire == &wires_.front() ? clock_.at(chip_.settled()) : around_.scheduler.earliest();
+    reach = std::min({reach, wire.actor.next(), from + wire.link.lookahead()});
+  }
+  return std::min(far, clock_.tick_at_or_after(reach));
 }
 
 // Leaves the chip at `until`, idle, before an access that has to wait for its turn, or in a fault.
 void Dsp::run(Time until) {
   state_ = State::running;
+  dma_waits_ = false;
   run_end_ = std::min({until, edge_, reset_});
   run_chip(chip_);
 }
@@ -375,7 +402,7 @@ void Dsp::pace(Time now, std::int64_t parts_per_million) {
   std::int64_t above = around_.config.chip_hz * parts_per_million, below = 1'000'000 * around_.config.chip_hz_denominator;
   const std::int64_t divisor = std::gcd(above, below);
   clock_.change(reached, Skew{ppm, Time{0}}, above / divisor, below / divisor);
-  around_.adapter.link(slot_).set_clock(1, clock_);
+  for (const Wire& wire : wires_) wire.link.set_clock(wire.side, clock_);
   if (state_ == State::resuming) own_next_ = clock_.at(access_.cycle + arbitration_ + transfer_);
   set_next();
 }
@@ -399,6 +426,7 @@ void Dsp::list_state(state::Visitor& list) {
   list("answer", answer_);
   list("arbitration", arbitration_);
   list("transfer", transfer_);
+  list("dma waits", dma_waits_);
   list("fault", fault_);
   list("statistics", statistics_);
 }

@@ -45,6 +45,9 @@ struct Surroundings {
   unsigned in_reset = 0;  ///< boards
   /// Nothing that is not yet scheduled at a board can act on it before this.
   std::function<Time()> earliest_action;
+  /// The programs of slots run, or run no more: links between slots are joined or cut.
+  std::function<void(unsigned slot, Time now)> slot_changed;
+  const Scheduler& scheduler;
 };
 
 /// Words of its program that every DSP finds set.
@@ -66,8 +69,10 @@ class Dsp final : public Scheduler::Processor, private ChipRunner {
   void freeze(Time now);
   void hang(Time now);
   void unplug(Time now);
-  /// The link's other end did something; and what the link did.
-  void link_changed() { set_next(); }
+  /// A link at one of its ports, and who acts for the link.
+  void attach(int port, c40::Link& link, int side, Scheduler::Actor& wire);
+  /// A link at one of its ports has come to `now`.
+  void link_moved(Time now);
   void link_event(const c40::LinkEvent& event);
   /// From now on its clock runs at so many millionths of its nominal frequency.
   void pace(Time now, std::int64_t parts_per_million);
@@ -87,6 +92,8 @@ class Dsp final : public Scheduler::Processor, private ChipRunner {
   c40::Chip& chip() { return chip_; }
   const c40::Chip& chip() const { return chip_; }
   const SlotStatistics& statistics() const { return statistics_; }
+  const PacedClock& clock() const { return clock_; }
+  Scheduler::Actor& adapter_wire() { return adapter_wire_; }
 
  private:
   enum class State : std::uint8_t {
@@ -117,6 +124,24 @@ class Dsp final : public Scheduler::Processor, private ChipRunner {
     pci::Bridge bridge;
   };
 
+  /// The link to the adapter, as an actor.
+  struct AdapterWire final : Scheduler::Actor {
+    explicit AdapterWire(Dsp& owner) : dsp{owner} {}
+    Time next() const override { return dsp.around_.adapter.link(dsp.slot_).next_event(); }
+    void act(Time now) override {
+      dsp.around_.adapter.link(dsp.slot_).advance_to(now);
+      dsp.link_moved(now);
+    }
+    Dsp& dsp;
+  };
+
+  struct Wire {
+    int port;
+    c40::Link& link;
+    int side;
+    Scheduler::Actor& actor;
+  };
+
   struct Underway {
     unsigned bus;
     Window window;
@@ -136,7 +161,9 @@ class Dsp final : public Scheduler::Processor, private ChipRunner {
   bool faulted(const c40::Fault& why) override;
   void begin_access(Time horizon);
   void begin_port_access(Time now, Time horizon);
-  void link_happens(Time now);
+  void tell_links();
+  bool dma_goes_on() const;
+  void run_dma(Time horizon);
   c40::Cycles limit(Time horizon) const;
   void post(const Way& way, const c40::ExternalAccess& access);
   void complete(Time horizon);
@@ -173,11 +200,14 @@ class Dsp final : public Scheduler::Processor, private ChipRunner {
   c40::Chip chip_;
   std::deque<Side> sides_;              // by bus on which the board stands
   std::vector<Underway> underway_;      // in bridges between buses
+  AdapterWire adapter_wire_{*this};
+  std::vector<Wire> wires_;             // the link adapter's first
   State state_ = State::out;
   bool broken_ = false;        // no reset revives it
   bool answered_ = true;       // since its reset the program has sent its word over the link
   bool edge_waiting_ = false;  // came in the middle of an access; taken when its instruction has ended
   bool hang_waiting_ = false;  // the same
+  bool dma_waits_ = false;     // for the processor: for a window, or for what the processor waits for
   Time next_ = never;
   Time own_next_ = never;
   Time run_end_{0};            // of the run under way

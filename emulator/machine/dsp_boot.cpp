@@ -14,9 +14,10 @@ namespace machine {
 
 // ---- the link ----
 
-// At its own turn: the link and the adapter have done all that comes before.
+// At its own turn: links, and the adapter, have done all that comes before.
 void Dsp::begin_port_access(Time now, Time horizon) {
-  around_.adapter.link(slot_).advance_to(now);
+  for (const Wire& wire : wires_)
+    if (wire.port == port_access_.port) wire.link.advance_to(now);
   if (!port_access_.ready(chip_.port(port_access_.port))) {
     own_next_ = never;
     return;
@@ -26,17 +27,23 @@ void Dsp::begin_port_access(Time now, Time horizon) {
 }
 
 // May let go on what waited for it.
-void Dsp::link_happens(Time now) {
-  c40::Link& link = around_.adapter.link(slot_);
-  if (link.next_event() > now) return;
-  link.advance_to(now);
+void Dsp::link_moved(Time now) {
   if (state_ == State::port && own_next_ == never && port_access_.ready(chip_.port(port_access_.port))) own_next_ = now;
   if (state_ == State::idle && chip_.watches_ports()) {
     settle(now);
-    if (chip_.dormant()) return;
-    state_ = State::running;
-    own_next_ = clock_.at(chip_.cycle());
+    if (!chip_.dormant()) {
+      state_ = State::running;
+      own_next_ = clock_.at(chip_.cycle());
+    }
   }
+  set_next();
+}
+
+// The DMA of a processor that waits, as far as is known what its ports do.
+void Dsp::run_dma(Time horizon) {
+  const c40::Cycles known = limit(horizon), before = chip_.settled();
+  if (known > before) chip_.run_until(0, known);
+  dma_waits_ = chip_.settled() == before;
 }
 
 void Dsp::link_event(const c40::LinkEvent& event) {
@@ -61,6 +68,7 @@ void Dsp::unplug(Time now) {
   around_.adapter.reset(slot_, now);
   around_.adapter.set_plugged(slot_, false, now);
   edge_ = reset_ = never;
+  around_.slot_changed(slot_, now);
   set_next();
   if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::unplugged, now);
 }
@@ -95,6 +103,7 @@ void Dsp::hold_in_reset(Time now) {
   if (around_.config.boot == Boot::link) chip_.boot();
   else chip_.reset();
   answered_ = false;
+  around_.slot_changed(slot_, now);
   own_next_ = std::max(now, clock_.at(chip_.cycle())) + around_.config.reset_time;
 }
 
@@ -134,6 +143,7 @@ void Dsp::load() {
 
 void Dsp::has_booted(Time now) {
   statistics_.boots += 1;
+  around_.slot_changed(slot_, now);
   if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::booted, now);
 }
 

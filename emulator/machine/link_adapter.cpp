@@ -26,12 +26,11 @@ LinkAdapter::LinkAdapter(const Symbols& symbols, unsigned slots, Clock bus_clock
     throw std::invalid_argument{"the DSP program: registers of the link adapter lie at offsets 11000h to 11FFFh of bus A, LINK_REQUEST behind the slots'"};
 }
 
-void LinkAdapter::attach(c40::Chip& chip, const PacedClock& clock, bool plugged) {
+void LinkAdapter::join(c40::Chip& chip, const PacedClock& clock, bool plugged) {
   Port& port = ports_.emplace_back(static_cast<unsigned>(ports_.size()), client_);
   port.port.reset(near_port);
   port.link.emplace(c40::Link::Side{fmt::format("link adapter port {}", port.slot), near_port, &port.port, PacedClock{port_clock_}},
                     c40::Link::Side{fmt::format("DSP {} port {}", port.slot, dsp_port()), dsp_port(), &chip.port(dsp_port()), clock});
-  chip.attach(dsp_port(), &port.link->listener(far));
   port.plugged = plugged;
   if (!plugged) port.link->cut(Time{0});
   port.link->listener_of_events = &port;

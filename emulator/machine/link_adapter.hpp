@@ -36,8 +36,8 @@ class LinkAdapter final : public pci::Target {
   /// Throws std::invalid_argument where the program's registers do not lie in the adapter.
   LinkAdapter(const Symbols& symbols, unsigned slots, Clock bus_clock, Clock port_clock, Client& client);
 
-  /// The board of slot 0, then 1, ...: its chip must outlive the adapter.
-  void attach(c40::Chip& chip, const PacedClock& clock, bool plugged);
+  /// The board of slot 0, then 1, ...: its chip must outlive the adapter. The link's side 1 is to be attached to it.
+  void join(c40::Chip& chip, const PacedClock& clock, bool plugged);
   c40::Link& link(unsigned slot) { return *ports_.at(slot).link; }
   const c40::Link& link(unsigned slot) const { return *ports_.at(slot).link; }
   /// The end of the link at the DSP.

@@ -19,6 +19,7 @@
 #include "machine/host.hpp"
 #include "machine/link_adapter.hpp"
 #include "machine/scheduler.hpp"
+#include "machine/slot_links.hpp"
 #include "machine/shared_memory.hpp"
 #include "machine/symbols.hpp"
 #include "plant/dock.hpp"
@@ -73,6 +74,7 @@ Config checked(Config config) {
         fmt::format("machine: {} DSPs in {} slots; there are at most {} slots and no more DSPs than slots", config.dsps,
                     config.slots, most_slots)};
   check(config.topology);
+  check(config.links, config.slots);
   if (config.interrupt_clocks < 1 || config.interrupt_clocks > 3)
     throw std::invalid_argument{"machine: interrupt_clocks is 1 to 3"};
   if (config.prefetch_hit_cycles < 0) throw std::invalid_argument{"machine: prefetch_hit_cycles is at least 0"};
@@ -184,7 +186,7 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   void reset_slot(unsigned slot, pci::Clocks clock) override {
     dsps.at(slot).schedule_reset(memory_clock().at(clock + config.interrupt_clocks));
   }
-  void link_changed(unsigned slot) override { dsps.at(slot).link_changed(); }
+  void link_changed(unsigned slot) override { dsps.at(slot).adapter_wire().changed(); }
   void link_event(unsigned slot, const c40::LinkEvent& event) override { dsps.at(slot).link_event(event); }
   void boot_requested(Time now) override {
     if (host) host->boot_requested(now);
@@ -221,6 +223,7 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   std::optional<Surroundings> around;
   std::deque<Dsp> dsps;
   std::deque<pci::BusBridge> bridges;
+  std::deque<SlotWire> wires;  // between slots
   std::deque<BusTurn> bus_turns;
   Script script{*this};
   PlantTurn plant_turn;
@@ -236,6 +239,7 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
                  pci::Result result) override;
 
   Time earliest_action() const;
+  void slot_changed(unsigned slot, Time now);
   const Clock& memory_clock() const { return bus_clocks[config.topology.shared_memory]; }
 };
 
@@ -281,12 +285,17 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
                               .guard = guard ? &*guard : nullptr,
                               .observer = nullptr,
                               .faults = {},
-                              .earliest_action = [this] { return earliest_action(); }});
+                              .earliest_action = [this] { return earliest_action(); },
+                              .slot_changed = [this](unsigned slot, Time now) { slot_changed(slot, now); },
+                              .scheduler = scheduler});
   for (unsigned slot = 0; slot < config.slots; ++slot) dsps.emplace_back(slot, slot < config.dsps, *around);
   build_bridges();
+  for (const SlotLink& link : config.links) wires.emplace_back(link, dsps[link.a.slot], dsps[link.b.slot]);
   if (host) scheduler.add(*host);
   for (std::size_t bus = 0; bus < buses.size(); ++bus) scheduler.add(bus_turns.emplace_back(buses[bus], bus_clocks[bus]));
   scheduler.add(script);
+  for (Dsp& dsp : dsps) scheduler.add(dsp.adapter_wire());
+  for (SlotWire& wire : wires) scheduler.add(wire);
   for (Dsp& dsp : dsps) scheduler.add(dsp);
   scheduler.add(plant_turn);
 }
@@ -301,6 +310,11 @@ Time Machine::Parts::earliest_action() const {
     for (const Dsp& dsp : dsps)
       if (dsp.in_reset()) woken = std::min(woken, dsp.next());
   return std::min(planned, host->earliest_action(woken));
+}
+
+void Machine::Parts::slot_changed(unsigned slot, Time now) {
+  for (SlotWire& wire : wires)
+    if (wire.ends().a.slot == slot || wire.ends().b.slot == slot) wire.slots_changed(now);
 }
 
 void Machine::Parts::build_targets() {
@@ -458,6 +472,8 @@ pci::BusStatistics Machine::bus_statistics(BusId id) const {
 }
 std::vector<std::string> Machine::audit() const {
   std::vector<std::string> faults = parts_->adapter.audit();
+  for (const SlotWire& wire : parts_->wires)
+    if (auto fault = wire.link().unbalanced()) faults.push_back(std::move(*fault));
   for (std::size_t i = 0; i < parts_->buses.size(); ++i) {
     const pci::Bus& bus = parts_->buses[i];
     const auto clock = std::max(bus.now(), parts_->bus_clocks[i].tick_at_or_before(parts_->time));
@@ -465,6 +481,8 @@ std::vector<std::string> Machine::audit() const {
   }
   return faults;
 }
+std::size_t Machine::links() const { return parts_->wires.size(); }
+const SlotWire& Machine::link(std::size_t n) const { return parts_->wires.at(n); }
 const std::vector<ChipFault>& Machine::faults() const { return parts_->around->faults; }
 const SlotStatistics& Machine::statistics(unsigned slot) const { return parts_->dsps.at(slot).statistics(); }
 Word Machine::peek(Offset offset) const { return parts_->sram.words().at(offset); }
@@ -499,6 +517,7 @@ void Machine::list_state(state::Visitor& list) {
   list("in reset", p.around->in_reset);
   list("buses", p.buses);
   list("bridges", p.bridges);
+  list("wires", p.wires);
   list("dsps", p.dsps);
   if (list.loads()) p.scheduler.all_changed();
 }
@@ -511,6 +530,7 @@ void Machine::append_state(std::vector<std::uint64_t>& words) const {
   if (parts_->devices) parts_->devices->append_state(words);
   for (const Dsp& dsp : parts_->dsps) dsp.append_state(words);
   for (const pci::BusBridge& bridge : parts_->bridges) bridge.append_state(words);
+  for (const SlotWire& wire : parts_->wires) wire.append_state(words);
 }
 
 }  // namespace machine

@@ -22,6 +22,7 @@
 
 #include "bus_model/config.hpp"
 #include "c40/memory.hpp"
+#include "machine/slot_links.hpp"
 #include "machine/time.hpp"
 #include "machine/topology.hpp"
 
@@ -182,6 +183,7 @@ struct Config {
   Word idle_policy = 0;    ///< for the program's symbol idle_policy: 0 doorbell, 1 pause, 2 spin
   Word pause_count = 125;  ///< for pause_count
   Topology topology{};
+  std::vector<SlotLink> links;  ///< between slots
   pci::BusConfig bus{};  ///< of every bus; the names are the topology's
   pci::MasterConfig dsp_master{};
   unsigned first_level_dsps = 0;  ///< with Arbitration::two_level, slots below this share the first level with the host
@@ -254,6 +256,9 @@ class Machine {
   /// What the invariants of buses (pci::audit) and links have to say against this run; empty unless the model has a fault.
   std::vector<std::string> audit() const;
   pci::BusStatistics bus_statistics(BusId id) const;  ///< of all clocks up to time()
+  /// Between slots, in the order of Config::links.
+  std::size_t links() const;
+  const SlotWire& link(std::size_t n) const;
   const std::vector<ChipFault>& faults() const;
   const SlotStatistics& statistics(unsigned slot) const;
 
