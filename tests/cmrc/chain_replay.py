@@ -63,9 +63,9 @@ class Job:
 class Trace:
     """Everything that the chains are checked against."""
 
-    def __init__(self, events: Iterable[Event], dsps: int, servo: int, refresh_hz: int, tasks: dict[int, tuple[str, int | None]] | None = None, empty: int = 0) -> None:
+    def __init__(self, events: Iterable[Event], dsps: int, servo: int, refresh_hz: float, tasks: dict[int, tuple[str, int | None]] | None = None, empty: int = 0) -> None:
         """`tasks`: by kind the user's tasks, their names in the report and the slot that alone may claim them; `empty`: slots without a DSP at the start."""
-        self.servo, self.refresh_hz = servo, refresh_hz
+        self.servo, self.refresh_mhz = servo, round(refresh_hz * 1000)  # the timer's clock is in whole millihertz
         self.names = NAMES | {kind: name for kind, (name, _) in (tasks or {}).items()}
         self.own = {kind: dsp for kind, (_, dsp) in (tasks or {}).items() if dsp is not None}
         self.jobs: dict[tuple[int, int], Job] = {}
@@ -158,7 +158,7 @@ class Trace:
             self.slots[holder].set(time, ("awake", None))
 
     def tick(self, number: int) -> int:
-        return number * 10**12 // self.refresh_hz
+        return number * 10**15 // self.refresh_mhz
 
     def waits(self, start: int, end: int, claimer: int | None, kind: int) -> dict[str, int]:
         """What a block waited for that could be claimed from `start` on."""

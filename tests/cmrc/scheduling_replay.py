@@ -10,6 +10,7 @@ Event = tuple[int, str, str, dict[str, int]]
 
 # kind (KIND_* of task_block.inc) -> x, y of the paper's table 1
 KINDS = {0: (1, 0), 1: (5, 1), 2: (5, 2), 3: (6, 1), 4: (6, 2), 5: (7, 1), 6: (8, 1), 7: (11, 0), 8: (12, 0), 9: (13, 1), 10: (22, 2), 11: (21, 2)}
+RESET = 5  # machine::Action
 TRAJECTORY, INVERSE, SERVO = (1, 2), (3, 4), (5, 6)
 
 
@@ -127,6 +128,8 @@ class Replay:
                 self.idle.add(slot)
             elif name in ("idle", "reset"):
                 self.idle.discard(slot)
+            elif name == "scripted" and n["action"] == RESET:  # of a dead chip too
+                self.idle.discard(n["number"])
             elif name == "doorbell":
                 self.rung.append(n["slot"])
                 self.idle.discard(n["slot"])
