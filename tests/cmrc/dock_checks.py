@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 import random
 import subprocess
-import tomllib
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
@@ -17,6 +16,7 @@ from typing import Any
 import chain_replay
 import numpy as np
 import scheduling_replay
+import tomllib
 from cmrc import _core
 from locations import BUILD
 from random_docks import KEYS, Dock

@@ -43,14 +43,23 @@ def programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def row(name: str, dsp: int | None, **fields: Any) -> dict[str, Any]:
     """A task of 500 us (12 500 cycles), every 5 ms, with a J between the servo's and that of planning."""
-    given = {"name": name, "program": "kernel_works", "importance": 0x7000, "period_ms": 5, "deadline_ms": 4, "argument": 12500}
+    given = {
+        "name": name,
+        "program": "kernel_works",
+        "importance": 0x7000,
+        "period_ms": 5,
+        "deadline_ms": 4,
+        "argument": 12500,
+    }
     return given | ({} if dsp is None else {"dsp": dsp}) | fields
 
 
 def toml_of(rows: list[dict[str, Any]], events: list[dict[str, Any]] | None = None) -> str:
     text = ""
     for n, fields in enumerate(rows):
-        text += "[[tasks]]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in ({"kind": 23 + n} | fields).items())
+        text += "[[tasks]]\n" + "".join(
+            f"{key} = {json.dumps(value)}\n" for key, value in ({"kind": 23 + n} | fields).items()
+        )
     for fields in events or []:
         text += "[[events]]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in fields.items())
     return text
@@ -59,7 +68,15 @@ def toml_of(rows: list[dict[str, Any]], events: list[dict[str, Any]] | None = No
 class Run:
     """A run by the command: its events and report, and what both replays say of it."""
 
-    def __init__(self, tmp_path: Path, programs: Path, rows: list[dict[str, Any]], *options: str, events: list[dict[str, Any]] | None = None, rule: Rule | None = None) -> None:
+    def __init__(
+        self,
+        tmp_path: Path,
+        programs: Path,
+        rows: list[dict[str, Any]],
+        *options: str,
+        events: list[dict[str, Any]] | None = None,
+        rule: Rule | None = None,
+    ) -> None:
         config, trace, report = tmp_path / "run.toml", tmp_path / "trace", tmp_path / "report.json"
         config.write_text(toml_of(rows, events))
         command = [BUILD / "bin" / "emulator", "--quiet", "--config", config, "--trace", trace, "--report", report, "--set", f"machine.programs={programs}",
@@ -71,7 +88,12 @@ class Run:
         with trace.open() as lines:
             self.events: list[Event] = list(scheduling_replay.events(lines))
         self.rows = rows
-        tasks = {FIRST + n: UserTask(r["importance"], r.get("importance_waiting", r["importance"]), r.get("due_refreshes", 0), r.get("dsp")) for n, r in enumerate(rows)}
+        tasks = {
+            FIRST + n: UserTask(
+                r["importance"], r.get("importance_waiting", r["importance"]), r.get("due_refreshes", 0), r.get("dsp")
+            )
+            for n, r in enumerate(rows)
+        }
         self.replay = Replay(rule or Rule(), doorbells="--idle-policy" not in options)
         self.replay.rule.tasks = tasks
         self.replay.follow(self.events)
@@ -85,7 +107,9 @@ class Run:
     def claims(self, name: str) -> list[tuple[int, int]]:
         """Time and slot of each claim of a task's blocks."""
         kind = FIRST + next(n for n, r in enumerate(self.rows) if r["name"] == name)
-        return [(time, int(who.split()[1])) for time, who, what, n in self.events if what == "claim" and n["kind"] == kind]
+        return [
+            (time, int(who.split()[1])) for time, who, what, n in self.events if what == "claim" and n["kind"] == kind
+        ]
 
     def runs(self, name: str) -> list[tuple[int, int]]:
         """From claim to finish."""
@@ -115,7 +139,9 @@ MIXED = [row("high", 2, importance=0xFBFE), row("low", 2, importance=0x0100), ro
         ("--dsps 3 --duration 0.2 --set scheduling.gamma_refreshes=2", Rule(gamma=2)),
     ],
 )
-def test_only_its_dsp_ever_claims_a_block_and_the_order_of_all_is_by_importance(tmp_path: Path, programs: Path, options: str, rule: Rule) -> None:
+def test_only_its_dsp_ever_claims_a_block_and_the_order_of_all_is_by_importance(
+    tmp_path: Path, programs: Path, options: str, rule: Rule
+) -> None:
     run = Run(tmp_path, programs, MIXED, *options.split(), rule=rule)
     assert {slot for _, slot in run.claims("high")} == {slot for _, slot in run.claims("low")} == {2}
     assert {slot for _, slot in run.claims("other")} == {0}
@@ -125,7 +151,11 @@ def test_only_its_dsp_ever_claims_a_block_and_the_order_of_all_is_by_importance(
 
 def test_a_block_for_anybody_is_claimed_past_one_that_waits_for_its_dsp(tmp_path: Path, programs: Path) -> None:
     """DSP 1 has work for 4 ms and another block of its own behind it; of a lower J, blocks for anybody go on."""
-    rows = [row("long", 1, argument=100_000, importance=0x7002), row("waits", 1, importance=0x7001), row("anybody", None, importance=0x7000)]
+    rows = [
+        row("long", 1, argument=100_000, importance=0x7002),
+        row("waits", 1, importance=0x7001),
+        row("anybody", None, importance=0x7000),
+    ]
     run = Run(tmp_path, programs, rows, "--dsps", "2", "--duration", "0.2")
     assert run.task("long")["on_time"] == 0 and run.task("waits")["late"] >= 18  # 4 ms and what stood before it
     assert run.task("anybody")["misses"] == 0
@@ -143,12 +173,21 @@ def test_two_tasks_with_dsps_of_their_own_run_at_the_same_time(tmp_path: Path, p
     assert all(a[1] < b[0] for a, b in zip(alone.runs("one"), alone.runs("two"), strict=True))
 
 
-def test_a_dsp_is_left_to_its_own_block_where_another_can_do_what_stands_before_it(tmp_path: Path, programs: Path) -> None:
+def test_a_dsp_is_left_to_its_own_block_where_another_can_do_what_stands_before_it(
+    tmp_path: Path, programs: Path
+) -> None:
     """Both sleep; the block for anybody comes first by J. The host rings DSP 1 for it and then DSP 0 for its own."""
     period = 41  # refreshes: most releases fall between two servo ticks, which are 8 apart
-    rows = [row(name, dsp, importance=j, argument=50_000, period_ms=period / 8) for name, dsp, j in (("anybody", None, 0x7001), ("own", 0, 0x7000))]
+    rows = [
+        row(name, dsp, importance=j, argument=50_000, period_ms=period / 8)
+        for name, dsp, j in (("anybody", None, 0x7001), ("own", 0, 0x7000))
+    ]
     run = Run(tmp_path, programs, rows, "--dsps", "2", "--duration", "0.3")
-    quiet = [(a, b) for n, (a, b) in enumerate(zip(run.claims("anybody"), run.claims("own"), strict=False)) if 2 <= period * (n + 1) % 8]
+    quiet = [
+        (a, b)
+        for n, (a, b) in enumerate(zip(run.claims("anybody"), run.claims("own"), strict=False))
+        if 2 <= period * (n + 1) % 8
+    ]
     assert len(quiet) > 35
     assert [a[1] for a, _ in quiet] == [1] * len(quiet) and max(b[0] - a[0] for a, b in quiet) < 10 * US
 
@@ -158,7 +197,16 @@ def test_a_dsp_is_left_to_its_own_block_where_another_can_do_what_stands_before_
 
 def test_what_is_for_a_dsp_that_fails_waits_and_says_so(tmp_path: Path, programs: Path) -> None:
     rows = [row("own", 1), row("anybody", None)]
-    run = Run(tmp_path, programs, rows, "--dsps", "3", "--duration", "0.2", events=[{"at_s": 0.0802, "action": "fail", "dsp": 1}])
+    run = Run(
+        tmp_path,
+        programs,
+        rows,
+        "--dsps",
+        "3",
+        "--duration",
+        "0.2",
+        events=[{"at_s": 0.0802, "action": "fail", "dsp": 1}],
+    )
     claims = run.claims("own")
     assert claims and max(time for time, _ in claims) < 81 * MS and {slot for _, slot in claims} == {1}
     assert run.task("anybody")["misses"] <= 1 and len(run.claims("anybody")) >= 38
@@ -174,19 +222,38 @@ def test_the_watchdogs_second_try_is_for_the_same_dsp(tmp_path: Path, programs: 
     """It hangs in its own block: put back as a recompute block, which all others pass, and run by the same DSP after its reset."""
     rows = [row("own", 1, argument=25_000)]
     instant = 0.1002
-    run = Run(tmp_path, programs, rows, "--dsps", "3", "--duration", "0.2", "--set", "watchdog.long_run_us=1500", events=[{"at_s": instant, "action": "hang", "dsp": 1}])
+    run = Run(
+        tmp_path,
+        programs,
+        rows,
+        "--dsps",
+        "3",
+        "--duration",
+        "0.2",
+        "--set",
+        "watchdog.long_run_us=1500",
+        events=[{"at_s": instant, "action": "hang", "dsp": 1}],
+    )
     put_back = [(time, n) for time, _, what, n in run.events if what == "requeue" and n["kind"] == FIRST]
     assert len(put_back) == 1 and put_back[0][1]["owner"] == 1
     again = next((time, slot) for time, slot in run.claims("own") if time > put_back[0][0])
     assert again[1] == 1 and again[0] > 100 * MS
     booted = [time for time, who, what, n in run.events if what == "reset" and who == "dsp 1" and n["state"] == 1]
     assert booted and again[0] > booted[-1]
-    assert run.task("own")["released"] == run.task("own")["on_time"] + run.task("own")["late"] + run.task("own")["unfinished"] + run.task("own")["never_started"]
+    assert (
+        run.task("own")["released"]
+        == run.task("own")["on_time"]
+        + run.task("own")["late"]
+        + run.task("own")["unfinished"]
+        + run.task("own")["never_started"]
+    )
 
 
 def test_a_board_that_is_pulled_and_put_in_again_finds_its_block(tmp_path: Path, programs: Path) -> None:
     events = [{"at_s": 0.0511, "action": "unplug", "dsp": 1}, {"at_s": 0.1033, "action": "plug", "dsp": 1}]
-    run = Run(tmp_path, programs, [row("own", 1), row("anybody", None)], "--dsps", "2", "--duration", "0.2", events=events)
+    run = Run(
+        tmp_path, programs, [row("own", 1), row("anybody", None)], "--dsps", "2", "--duration", "0.2", events=events
+    )
     times = [time for time, _ in run.claims("own")]
     assert not [time for time in times if 51.1 * MS < time < 103.3 * MS]
     assert min(time for time in times if time > 103.3 * MS) < 108 * MS
@@ -203,14 +270,32 @@ def test_a_slot_that_is_empty_from_the_start(tmp_path: Path, programs: Path) -> 
     (miss,) = [miss for miss in run.report["misses"] if miss["kind"] == "user.own"]
     assert miss["parts_ps"]["own_dsp_out"] > 190 * MS
     assert run.report["tasks"]["pid"]["misses"] == 0 and run.task("anybody")["misses"] == 0
-    filled = Run(tmp_path, programs, [row("own", 2), row("anybody", None)], *options, events=[{"at_s": 0.1, "action": "plug", "dsp": 2}])
+    filled = Run(
+        tmp_path,
+        programs,
+        [row("own", 2), row("anybody", None)],
+        *options,
+        events=[{"at_s": 0.1, "action": "plug", "dsp": 2}],
+    )
     assert len(filled.claims("own")) >= 19 and {slot for _, slot in filled.claims("own")} == {2}
 
 
 def test_a_block_that_waits_for_ever_holds_back_no_long_ones(tmp_path: Path, programs: Path) -> None:
     """scheduling.long_blocks_max is for what anybody may run."""
     rows = [row("own", 2, argument=100_000), row("long", None, argument=40_000, importance=0x6000)]
-    run = Run(tmp_path, programs, rows, "--dsps", "2", "--duration", "0.1", "--set", "machine.slots=3", "--set", "scheduling.long_blocks_max=1")
+    run = Run(
+        tmp_path,
+        programs,
+        rows,
+        "--dsps",
+        "2",
+        "--duration",
+        "0.1",
+        "--set",
+        "machine.slots=3",
+        "--set",
+        "scheduling.long_blocks_max=1",
+    )
     assert len(run.claims("long")) >= 18
 
 
@@ -220,8 +305,19 @@ def test_a_block_that_waits_for_ever_holds_back_no_long_ones(tmp_path: Path, pro
 @pytest.mark.parametrize("policy", ["doorbell", "spin"])
 def test_failures_in_the_middle_of_claims(tmp_path: Path, programs: Path, policy: str) -> None:
     """Resets at instants that are spread over the claims of busy DSPs; every replay and the audit hold."""
-    rows = [row("own", 1, period_ms=1, argument=5000, deadline_ms=1), row("other", 0, period_ms=1, argument=3000, deadline_ms=1), row("anybody", None, period_ms=1, argument=2000)]
-    events = [{"at_s": round(0.02 + 0.0071 * n + 1.37e-6 * n * n, 9), "action": ("reset", "hang", "freeze")[n % 3], "dsp": n % 2} for n in range(20)]
+    rows = [
+        row("own", 1, period_ms=1, argument=5000, deadline_ms=1),
+        row("other", 0, period_ms=1, argument=3000, deadline_ms=1),
+        row("anybody", None, period_ms=1, argument=2000),
+    ]
+    events = [
+        {
+            "at_s": round(0.02 + 0.0071 * n + 1.37e-6 * n * n, 9),
+            "action": ("reset", "hang", "freeze")[n % 3],
+            "dsp": n % 2,
+        }
+        for n in range(20)
+    ]
     options = ["--dsps", "3", "--duration", "0.2", *(["--idle-policy", policy] if policy != "doorbell" else [])]
     run = Run(tmp_path, programs, rows, *options, events=events)
     assert {slot for _, slot in run.claims("own")} == {1} and {slot for _, slot in run.claims("other")} == {0}
@@ -235,7 +331,18 @@ def test_a_dsp_that_dies_with_the_list_in_its_hands(tmp_path: Path, programs: Pa
     claim = next(time for time, _ in sound.claims("own") if time > 50 * MS)
     for after_ns in (50, 150, 300, 600):
         at_s = round(claim * 1e-12 + after_ns * 1e-9, 10)
-        run = Run(tmp_path, programs, rows, "--dsps", "3", "--duration", "0.1", "--set", "watchdog.long_run_us=1500", events=[{"at_s": at_s, "action": "freeze", "dsp": 1}])
+        run = Run(
+            tmp_path,
+            programs,
+            rows,
+            "--dsps",
+            "3",
+            "--duration",
+            "0.1",
+            "--set",
+            "watchdog.long_run_us=1500",
+            events=[{"at_s": at_s, "action": "freeze", "dsp": 1}],
+        )
         assert {slot for _, slot in run.claims("own")} == {1}
         assert len(run.claims("own")) >= 16 and run.task("anybody")["misses"] <= 1
 
@@ -244,7 +351,10 @@ def test_a_dsp_that_dies_with_the_list_in_its_hands(tmp_path: Path, programs: Pa
 
 
 def core(programs: Path, rows: list[dict[str, Any]], **settings: Any) -> Any:
-    return cmrc.config(toml=toml_of(rows), settings={**AT_ONCE, "machine.programs": str(programs), "report.reference": "none", **settings})
+    return cmrc.config(
+        toml=toml_of(rows),
+        settings={**AT_ONCE, "machine.programs": str(programs), "report.reference": "none", **settings},
+    )
 
 
 def test_a_snapshot_in_the_middle_goes_on_bit_for_bit(programs: Path) -> None:
@@ -261,7 +371,9 @@ def test_a_snapshot_in_the_middle_goes_on_bit_for_bit(programs: Path) -> None:
 
 
 def test_the_ideal_run_has_one_dsp_that_does_it_all(programs: Path) -> None:
-    simulation = cmrc.Simulation(core(programs, MIXED, **{"machine.dsps": 3, "run.duration_s": 0.05, "report.reference": "ideal"}))
+    simulation = cmrc.Simulation(
+        core(programs, MIXED, **{"machine.dsps": 3, "run.duration_s": 0.05, "report.reference": "ideal"})
+    )
     simulation.run()
     report = json.loads(simulation.report_json())
     assert report["reference_problem"] in ("", None) and report["errors"] is not None
@@ -271,7 +383,9 @@ def test_without_a_dsp_the_words_are_as_ever(programs: Path) -> None:
     """The image of a configuration without `dsp` has no code for it, and one with it has all else in its place."""
     without, within = (cmrc.dsp_image(core(programs, [row("one", dsp)])) for dsp in (None, 0))
     assert "own_claim" not in without.symbols
-    others = {name: value for name, value in within.symbols.items() if not name.startswith("own_") and name != "OWN_BLOCKS"}
+    others = {
+        name: value for name, value in within.symbols.items() if not name.startswith("own_") and name != "OWN_BLOCKS"
+    }
     assert others == without.symbols
     assert "dsp" not in cmrc.config(toml=toml_of([row("one", None)])).to_toml().split("[[tasks]]")[1].split("[[")[0]
 
@@ -294,7 +408,11 @@ def test_the_row_is_written_back() -> None:
         ("nan", {}, "tasks.dsp: nan is out of range; a number from 0 to 15 is expected"),
         ('"0"', {}, 'tasks.dsp: "0" is a string; a number from 0 to 15 is expected'),
         ("true", {}, "tasks.dsp: true is a boolean; a number from 0 to 15 is expected"),
-        ("4", {}, 'tasks.dsp: "one" is for DSP 4, and there is no such slot; 0 to 3 is expected, or more machine.dsps or machine.slots'),
+        (
+            "4",
+            {},
+            'tasks.dsp: "one" is for DSP 4, and there is no such slot; 0 to 3 is expected, or more machine.dsps or machine.slots',
+        ),
         ("1", {"machine.dsps": 1}, "0 is expected: there is one slot"),
         ("6", {"machine.slots": 6}, "0 to 5 is expected"),
     ],
