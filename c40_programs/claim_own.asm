@@ -1,11 +1,11 @@
-; The claim where some tasks have a DSP of their own (dsp of [[tasks]]; docs/add-a-task.md). The loader assembles it in only then.
+; The claim where tasks have a DSP of their own (dsp of [[tasks]], docs/add-a-task.md). It is in the image only then.
 ;
-; A block whose TB_OWNER is 0 is for any DSP, else for that one alone. From the work pointer on, by falling J, a DSP passes what is taken
-; and what is another's, and takes the first block that is left. It moves the work pointer only if that is the block it pointed to: so all
-; before the pointer are taken, and nobody passes a block that anyone may claim.
+; A block whose TB_OWNER is 0 is for any DSP, else for that one alone. From the work pointer on, by falling J, a DSP
+; passes what is taken and what is another's, and takes the first block that is left. It moves the work pointer only if
+; that is the block it pointed to: so all before the pointer are taken, and nobody passes a block that anyone may claim.
 
-; Goes on from exec_claim, which has the list and has read the work pointer: R0 the pointer, not 0; AR0 window A; AR1 the semaphore.
-; Ends as exec_claim does.
+; Goes on from exec_claim, which has the list and has read the work pointer: R0 the pointer, not 0; AR0 window A; AR1
+; the semaphore. Ends as exec_claim does.
 own_claim:
         ldi     @EXEC_SLOT, r4
         addi    1, r4

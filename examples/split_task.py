@@ -63,7 +63,7 @@ def survey(run: cmrc.Simulation, symbols: dict[str, int]) -> list[int]:
 
 
 def line(name: str, report: dict[str, Any], kinds: list[str], base: dict[str, Any]) -> None:
-    """One row: mean cycles of each task, median and worst response of the first, what the tasks add to the buses' load."""
+    """Mean cycles of each task, median and worst response of the first, and what they add to the buses' load."""
     rows = [report["tasks"][f"user.{kind}"] for kind in kinds]
     cycles = [sum(row["execution_cycles"].values()) / row["response_ps"]["count"] for row in rows]
     response = rows[0]["response_ps"]
@@ -86,7 +86,7 @@ def main(duration_s: float = 0.5) -> None:
         line("halves on two", halves.run().report, ["first", "second"], nothing)
         print("the same results:", survey(whole, symbols) == survey(halves, symbols))
 
-        # Its DSP dies in the middle of the second half: the first task waits for so long as it was told, then does it all.
+        # In the middle of the second half: the first task waits for so long as it was told, then does it all.
         halves = simulation(folder, HALVES, duration_s)
         halves.at(0.1002, "fail", dsp=1)
         report = halves.run().report

@@ -3,7 +3,8 @@
 //
 // One refresh, as steps between answers of the bus:
 //   pointer    read the work pointer: what stood before it has been claimed since the last refresh
-//   passed     where blocks are linked that are for one DSP alone: read the flags of those behind the pointer, to the first that waits for anybody
+//   passed     where blocks are linked that are for one DSP alone: read the flags of those behind the pointer, up to
+//              the first that waits for anybody
 //   flags      read the flag of every block that is taken; of those that are done the result and notify words, of those that are not and have
 //              a heartbeat that word. Of those that the watchdog finds too old read the owner, fence it off, and read the flag again: now it
 //              cannot change any more
@@ -12,7 +13,8 @@
 //              new blocks and changed words of the job areas are written, not yet linked
 //   semaphore  acquire the list
 //   relink     read the work pointer (and flags) again: a block may have been claimed since; write t, J, links, the work pointer; release
-//   doorbell   read the mask of idle DSPs, ring one per eligible block, lowest slot first; for a block that is for one DSP alone, that one
+//   doorbell   read the mask of idle DSPs, ring one per eligible block, lowest slot first; for one that is for one DSP
+//              alone, that one
 //
 // Between refreshes it boots the DSPs that ask for it (boots.hpp); at power-on all of them before the first refresh.
 //
@@ -228,7 +230,8 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
   std::int64_t tick_ = 0;
   std::int64_t elapsed_ = 0;           // refreshes since the last one
   std::int64_t grown_ = 0;             // by which t grows at this one
-  std::vector<std::size_t> linked_;    // blocks from the work pointer on as shared memory links them: waiting, or claimed past those for one DSP alone
+  std::vector<std::size_t> linked_;    // blocks from the work pointer on as shared memory links them: they wait, or were
+                                       // claimed past those for one DSP alone
   bool own_linked_ = false;            // some of them are for one DSP alone
   std::deque<std::size_t> passed_;     // of them, those whose flags are still to be read
   std::deque<std::size_t> flags_;      // blocks whose flags are still to be read

@@ -72,8 +72,8 @@ std::uint32_t Host::importance_of(const Block& block) const {
 
 bool Host::is_long(const Block& block) const { return 2 * longest_.at(job_kind(block.task.kind, words_)) > intervals_.servo; }
 
-// Those beyond the cap are not to be run yet: J = 0, until one that is out is done (plant-and-bus.md 4.6 item 4). A block that is for one DSP
-// alone can keep no more than that one, and may wait for it for ever: it neither counts nor is held back.
+// Those beyond the cap are not to be run yet: J = 0, until one that is out is done (plant-and-bus.md 4.6 item 4). A
+// block that is for one DSP alone may wait for that one for ever: it neither counts nor is held back.
 void Host::hold_back_long_blocks() {
   std::int64_t room = config_.scheduling.long_blocks_max;
   if (room == 0) return;

@@ -23,7 +23,8 @@ void Host::collect_taken() {
 }
 
 void Host::claimed_before(Word pointer) {
-  const auto first = std::find_if(linked_.begin(), linked_.end(), [&](std::size_t i) { return words_.block(i) == pointer; });
+  const auto at_pointer = [&](std::size_t index) { return words_.block(index) == pointer; };
+  const auto first = std::find_if(linked_.begin(), linked_.end(), at_pointer);
   if (first == linked_.end() && pointer != 0) {
     pointer_in_doubt_ = true;  // a DSP that has run wild wrote here
     return;
@@ -34,8 +35,8 @@ void Host::claimed_before(Word pointer) {
   linked_.erase(linked_.begin(), first);
 }
 
-// DSPs pass over a block that is for another one alone, and take what stands behind it (claim_own.asm); they stop at the first block that
-// waits for anybody. \returns false if no flag has to be read
+// DSPs pass over a block that is for another one alone, and take what stands behind it (claim_own.asm); they stop at
+// the first block that waits for anybody. \returns false if no flag has to be read
 bool Host::look_past(Step step) {
   passed_.clear();
   if (!own_linked_ || pointer_in_doubt_) return false;
@@ -63,9 +64,9 @@ void Host::taken_at_last(std::size_t index) {
   list_[index].passed_through = true;
 }
 
-// For each block that may be run, by falling J, one idle DSP: for one that is for a DSP alone that one, for another the lowest for which no
-// block of its own waits, or else the lowest. Who is rung later finds the list later, so a DSP is left to its own work where another can do
-// what stands before it.
+// For each block that may be run, by falling J, one idle DSP: for a block that is for one DSP alone that one; for
+// another block the lowest for which no block of its own waits, or else the lowest. So a DSP is left to its own work
+// where another can do what stands before it: who is rung later comes to the list later.
 void Host::ring(Word idle) {
   liveness_.signs(idle, looks());
   Word wanted = 0;  // slots for which a block of their own waits

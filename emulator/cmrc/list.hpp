@@ -47,7 +47,7 @@ struct Block {
   std::int64_t beat_seen = -1;
   bool in_use = false;
   bool fresh = false;              ///< its words are not in shared memory yet
-  bool passed_through = false;     ///< DSPs may still follow the link in its words: the place is not to be used before the next relinking
+  bool passed_through = false;     ///< DSPs may still follow the link in its words: not to be used before the next relinking
   std::uint32_t written_slice = 0;
   std::int64_t written_link = -1;  // as shared memory holds it, so that only changes are written
 };

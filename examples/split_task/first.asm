@@ -14,7 +14,7 @@ first_look:
         ldi     *+ar6(US_WORDS + SU_TICK), r0
         cmpi    @TASK + TB_TICK, r0
         beq     first_join
-        call    alive                   ; a sign of life; and a write, which drops the bridge's prefetched line, so that the next look is a new one
+        call    alive                   ; a sign of life, and a write: drops the bridge's line, and the next look isnew
         rpts    63                      ; let the other have the bus
         nop
         ldi     @SU_LEFT, r0

@@ -1,13 +1,13 @@
-; A survey of what stands around a vehicle, from the 180 rays of its range sensor: the nearest echo in each of 36 sectors of five rays, and
-; how far ahead the vehicle's way is free. The work is the same for every ray, and can be split by sectors.
+; A survey of what stands around a vehicle, from the 180 rays of its range sensor: the nearest echo in each of 36
+; sectors of five rays, and how far ahead the vehicle's way is free. The work is the same for every ray.
 ;
 ; Area of each task: its parameters, then its results.
 SU_SENSOR       .set 0                  ; i offset of the range sensor on bus B
-SU_PATIENCE     .set 1                  ; i looks at the other half's word before the first task does that half itself
+SU_PATIENCE     .set 1                  ; i looks at the other half's word before the first does it, too
 SU_TICK         .set 8                  ; i the release (TB_TICK) that the results are of: written last
-SU_FREE         .set 9                  ; i mm from the vehicle's centre to the nearest echo in its way, RANGE_MOST: none
+SU_FREE         .set 9                  ; i mm from the vehicle's centre to the first echo in its way, or RANGE_MOST
 SU_SCAN         .set 10                 ; i number of the scan
-SU_SECTOR       .set 16                 ; + k, k = 0..35, i mm to the nearest echo of rays 5 k to 5 k + 4, RANGE_MOST: none
+SU_SECTOR       .set 16                 ; + k, k = 0..35, i mm to the nearest echo of rays 5 k to 5 k + 4, or RANGE_MOST
 SU_SECTORS      .set 36
 SU_HALF         .set 18
 SU_RAYS         .set 5
@@ -85,7 +85,7 @@ survey_next:
         db      ar2, survey_sector
         rets
 
-; Results into this task's area, R10 sectors from sector R9 on, the release last. R0, R1 <- what the task returns, TB_RESULT R8.
+; Results into this task's area, R10 sectors from sector R9 on, the release last. R0 <- R8, R1 <- 0: what it returns.
 survey_end:
         ldhi    hi16(SU_TABLE), ar0
         or      lo16(SU_TABLE), ar0

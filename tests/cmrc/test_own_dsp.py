@@ -79,8 +79,10 @@ class Run:
     ) -> None:
         config, trace, report = tmp_path / "run.toml", tmp_path / "trace", tmp_path / "report.json"
         config.write_text(toml_of(rows, events))
-        command = [BUILD / "bin" / "emulator", "--quiet", "--config", config, "--trace", trace, "--report", report, "--set", f"machine.programs={programs}",
-                   "--set", "report.misses_max=100000", "--set", "report.reference=none", *AT_ONCE_OPTIONS, *options]  # fmt: skip
+        settings = (f"machine.programs={programs}", "report.misses_max=100000", "report.reference=none")
+        command = [BUILD / "bin" / "emulator", "--quiet", "--config", config, "--trace", trace, "--report", report]
+        command += [word for setting in settings for word in ("--set", setting)]
+        command += [*AT_ONCE_OPTIONS, *options]
         finished = subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
         assert finished.returncode in (0, 1), finished.stderr
         self.report: dict[str, Any] = json.loads(report.read_text())
@@ -219,7 +221,7 @@ def test_what_is_for_a_dsp_that_fails_waits_and_says_so(tmp_path: Path, programs
 
 
 def test_the_watchdogs_second_try_is_for_the_same_dsp(tmp_path: Path, programs: Path) -> None:
-    """It hangs in its own block: put back as a recompute block, which all others pass, and run by the same DSP after its reset."""
+    """It hangs in its own block: put back, passed by all others, and run by the same DSP after its reset."""
     rows = [row("own", 1, argument=25_000)]
     instant = 0.1002
     run = Run(
@@ -325,7 +327,7 @@ def test_failures_in_the_middle_of_claims(tmp_path: Path, programs: Path, policy
 
 
 def test_a_dsp_that_dies_with_the_list_in_its_hands(tmp_path: Path, programs: Path) -> None:
-    """DSP 1 freezes within its claims, between the write of 0Fh and the release of the list: the host frees it and finds every block."""
+    """DSP 1 freezes between the write of 0Fh and the release of the list: the host frees it and finds every block."""
     rows = [row("own", 1), row("other", 0), row("anybody", None)]
     sound = Run(tmp_path, programs, rows, "--dsps", "3", "--duration", "0.1")
     claim = next(time for time, _ in sound.claims("own") if time > 50 * MS)
@@ -411,7 +413,8 @@ def test_the_row_is_written_back() -> None:
         (
             "4",
             {},
-            'tasks.dsp: "one" is for DSP 4, and there is no such slot; 0 to 3 is expected, or more machine.dsps or machine.slots',
+            'tasks.dsp: "one" is for DSP 4, and there is no such slot; '
+            "0 to 3 is expected, or more machine.dsps or machine.slots",
         ),
         ("1", {"machine.dsps": 1}, "0 is expected: there is one slot"),
         ("6", {"machine.slots": 6}, "0 to 5 is expected"),

@@ -1,4 +1,4 @@
-"""The survey that examples/split_task.py splits over two DSPs: against its mathematics in Python, and the example itself."""
+"""The survey of examples/split_task.py, whole and in halves, against its mathematics in Python; the example itself."""
 
 from __future__ import annotations
 
@@ -136,12 +136,12 @@ def test_the_example(capsys: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.parametrize("at_us", [60, 130, 200, 270, 340])
 def test_the_first_never_waits_for_ever(folder: Path, at_us: int) -> None:
-    """The partner's DSP dies at several instants of its half: from then on the first waits for so long as it was told, and does it all."""
+    """The partner's DSP dies at several instants of its half: the first waits as long as it was told, and does it all."""
     run: Any = example().simulation(folder, example().HALVES, 0.2)
     run.at(0.1 + at_us * 1e-6, "fail", dsp=1)
     report = run.run().report
     first = report["tasks"]["user.first"]
     assert (first["released"], first["misses"]) == (36, 0) and report["audit"]["violations"] == []
-    # 100 looks of 5 to 15 us and both halves, in more than half of its jobs; the longest is behind identify, which takes 2.1 ms.
+    # 100 looks of 5 to 15 us and both halves, in more than half of its jobs; the longest is behind identify, 2.1 ms.
     assert 1.0e9 < first["response_ps"]["p50"] < 2.0e9 and first["response_ps"]["worst"] < 4e9
     assert report["tasks"]["user.second"]["misses"] == 1
