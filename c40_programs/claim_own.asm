@@ -12,16 +12,15 @@ own_claim:
         ldi     r0, r5
 own_look:
         addi3   r0, ar0, ar2
-        ldi     *+ar2(TB_FLAG), r1
         ldi     *+ar2(TB_J), r0
         beq     exec_none                               ; the rest is not to be run early
         ldi     *+ar2(TB_LINK), r0
-        cmpi    FLAG_WAITING, r1
-        bne     own_next
         ldi     *+ar2(TB_OWNER), r1
-        beq     own_take
+        beq     own_take                                ; it waits, for anybody: a taken one has an owner
         cmpi    r4, r1
-        beq     own_take
+        bne     own_next
+        ldi     *+ar2(TB_FLAG), r1
+        beq     own_take                                ; it waits for this DSP, or else is what this DSP took before
 own_next:
         cmpi    0, r0
         bne     own_look
