@@ -90,6 +90,18 @@ def test_a_dsp_is_left_to_its_own_block_where_another_can_do_what_stands_before_
     assert [a[1] for a, _ in quiet] == [1] * len(quiet) and max(b[0] - a[0] for a, b in quiet) < 10 * US
 
 
+def test_what_a_claim_costs(programs: Path) -> None:
+    """Torque compensation is the first block of its tick: its claim reads one word more, the owner."""
+    median = {}
+    for dsp in (None, 0):
+        run = cmrc.Simulation(
+            core(programs, [row("one", dsp, period_ms=50)], **{"machine.dsps": 1, "run.duration_s": 0.1})
+        )
+        run.run()
+        median[dsp] = json.loads(run.report_json())["tasks"]["torque_compensation"]["waiting_ps"]["p50"]
+    assert round((median[0] - median[None]) / US, 1) == 0.8
+
+
 # ---- state, ideal run, words
 
 
@@ -154,8 +166,10 @@ def test_the_row_is_written_back() -> None:
         (
             "4",
             {},
-            ('tasks.dsp: "one" is for DSP 4, and there is no such slot; '
-            "0 to 3 is expected, or more machine.dsps or machine.slots"),
+            (
+                'tasks.dsp: "one" is for DSP 4, and there is no such slot; '
+                "0 to 3 is expected, or more machine.dsps or machine.slots"
+            ),
         ),
         ("1", {"machine.dsps": 1}, "0 is expected: there is one slot"),
         ("6", {"machine.slots": 6}, "0 to 5 is expected"),
