@@ -90,6 +90,25 @@ def test_a_dsp_is_left_to_its_own_block_where_another_can_do_what_stands_before_
     assert [a[1] for a, _ in quiet] == [1] * len(quiet) and max(b[0] - a[0] for a, b in quiet) < 10 * US
 
 
+STEPS = """
+[[processes]]
+number = 9
+name = "look"
+robot = "none"
+steps = ["task user.one", "task user.one", "task user.one"]
+loaded = true
+"""
+
+
+def test_the_step_of_a_process_is_for_the_same_dsp(programs: Path) -> None:
+    settings = {**AT_ONCE, "machine.programs": str(programs), "report.reference": "none", "run.duration_s": 0.05}
+    run = cmrc.Simulation(cmrc.config(toml=toml_of([row("one", 2, period_ms=0)]) + STEPS, settings=settings))
+    run.run()
+    report = json.loads(run.report_json())
+    assert report["tasks"]["user.one"]["on_time"] == 3
+    assert [dsp["slot"] for dsp in report["dsps"] if "user.one" in dsp["tasks_ps"]] == [2]
+
+
 def test_what_a_claim_costs(programs: Path) -> None:
     """Torque compensation is the first block of its tick: its claim reads one word more, the owner."""
     median = {}
