@@ -124,7 +124,8 @@ toolchain::Image assembled(const Config& config) {
   if (own) options.symbols["OWN_BLOCKS"] = 1;
   toolchain::Image image = toolchain::assemble_file(source, options);
   if (own && !image.symbols.contains("own_claim")) {
-    throw ConfigError(fmt::format("tasks.dsp: the executive in {} knows no blocks for one DSP alone; the files executive.asm, dsp.asm and claim_own.asm of this emulator's programs are expected",
+    throw ConfigError(fmt::format("tasks.dsp: the executive in {} knows no blocks for one DSP alone; "
+                                  "the files executive.asm, dsp.asm and claim_own.asm of this emulator's programs are expected",
                                   directory.string()));
   }
   return image;
