@@ -42,5 +42,8 @@ pause_count:    .word 400               ; IDLE_PAUSE: NOPs between two looks at 
         .include "kernels/user.asm"     ; empty: the place for a user's own tasks
         .include "kernels/gantry.asm"   ; the crane's tasks on a ship-to-shore gantry
         .include "kernels/gantry_constants.asm"
+        .ifdef  OWN_BLOCKS              ; last: all else stands where it does without it
+        .include "claim_own.asm"
+        .endif
 
         .end

@@ -1,4 +1,4 @@
-# Writes the bytes of IMAGE, MAP, BOOT and BOOT_MAP as C++ arrays into OUTPUT.
+# Writes the images and source maps in FROM as C++ arrays into OUTPUT.
 function(array name file)
   file(READ ${file} hex HEX)
   string(LENGTH "${hex}" digits)
@@ -13,16 +13,20 @@ file(WRITE ${OUTPUT} "#include \"c40_programs/image.hpp\"
 namespace c40_programs {
 namespace {
 ")
-array(image ${IMAGE})
-array(source_map ${MAP})
-array(boot_rom ${BOOT})
-array(boot_rom_source_map ${BOOT_MAP})
-file(APPEND ${OUTPUT} "}  // namespace
+foreach(name dsp dsp_own_blocks boot_rom)
+  array(${name}_out ${FROM}/${name}.out)
+  array(${name}_map ${FROM}/${name}.map)
+endforeach()
+file(APPEND ${OUTPUT} "std::span<const std::byte> either(bool own_blocks, std::span<const unsigned char> with, std::span<const unsigned char> without) {
+  return std::as_bytes(own_blocks ? with : without);
+}
 
-std::span<const std::byte> built_in_image() { return std::as_bytes(std::span(image)); }
-std::span<const std::byte> built_in_source_map() { return std::as_bytes(std::span(source_map)); }
-std::span<const std::byte> built_in_boot_rom() { return std::as_bytes(std::span(boot_rom)); }
-std::span<const std::byte> built_in_boot_rom_source_map() { return std::as_bytes(std::span(boot_rom_source_map)); }
+}  // namespace
+
+std::span<const std::byte> built_in_image(bool own_blocks) { return either(own_blocks, dsp_own_blocks_out, dsp_out); }
+std::span<const std::byte> built_in_source_map(bool own_blocks) { return either(own_blocks, dsp_own_blocks_map, dsp_map); }
+std::span<const std::byte> built_in_boot_rom() { return std::as_bytes(std::span(boot_rom_out)); }
+std::span<const std::byte> built_in_boot_rom_source_map() { return std::as_bytes(std::span(boot_rom_map)); }
 
 }  // namespace c40_programs
 ")

@@ -1,4 +1,5 @@
 ; The executive: claim the block at the work pointer (rulings.md 21), run it, mark it done, claim again; idle when none waits.
+; With OWN_BLOCKS it claims the first that is for this DSP (claim_own.asm).
 
 IDLE_DOORBELL   .set 0                  ; announce idleness, sleep until IIOF0 rings
 IDLE_PAUSE      .set 1                  ; look again after pause_count NOPs
@@ -104,7 +105,11 @@ exec_acquire:
 exec_acquired:
         ldi     *+ar0(LIST_WORK_POINTER), r0
         beq     exec_none
+        .ifdef  OWN_BLOCKS
+        br      own_claim                               ; some blocks are for one DSP alone (claim_own.asm)
+        .else
         addi3   r0, ar0, ar2
+        .endif
         ldi     *+ar2(TB_J), r0
         beq     exec_none                               ; waiting, but not to be run early
         ldi     *+ar2(TB_LINK), r1

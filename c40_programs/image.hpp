@@ -5,9 +5,10 @@
 
 namespace c40_programs {
 
-std::span<const std::byte> built_in_image();
+/// \param own_blocks with the claim of blocks that only one DSP may claim (claim_own.asm)
+std::span<const std::byte> built_in_image(bool own_blocks);
 /// The source lines of it, as text (toolchain/source_map.hpp reads it).
-std::span<const std::byte> built_in_source_map();
+std::span<const std::byte> built_in_source_map(bool own_blocks);
 /// The boot loader of the on-chip ROM (boot_rom.asm), as a COFF file; it stands at address 0.
 std::span<const std::byte> built_in_boot_rom();
 std::span<const std::byte> built_in_boot_rom_source_map();

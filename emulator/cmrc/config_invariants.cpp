@@ -40,6 +40,7 @@ class Invariants {
             fmt::format("a line of 8 words does not fit into {} clocks", config_.bus.latency_timer_clocks),
             "at least 32 is expected, or bus.prefetch = false");
     heartbeats();
+    own_dsps();
     const machine::Topology topology =
         topology_of(config_, [this](const auto& keys, const std::string& what, const std::string& right) { contradiction(keys, what, right); });
     loads();
@@ -117,6 +118,15 @@ class Invariants {
       refuse(task.origin, "tasks.heartbeat_ms", fmt::format("{:g} ms of \"{}\" are longer than the watchdog's limit, {} refreshes: {:g} ms", task.heartbeat_ms, task.name,
                                                             config_.watchdog.minimum_refreshes, limit_ms),
              "a shorter heartbeat, none (0), or more watchdog.minimum_refreshes is expected");
+    }
+  }
+
+  void own_dsps() const {
+    const std::int64_t slots = std::max(config_.machine.dsps, config_.machine.slots);
+    for (const UserTask& task : config_.tasks) {
+      if (!task.dsp || *task.dsp < slots) continue;
+      refuse(task.dsp_origin, "tasks.dsp", fmt::format("\"{}\" is for DSP {}, and there is no such slot", task.name, *task.dsp),
+             slots == 1 ? "0 is expected: there is one slot" : fmt::format("0 to {} is expected, or more machine.dsps or machine.slots", slots - 1));
     }
   }
 

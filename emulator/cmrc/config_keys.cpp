@@ -152,7 +152,7 @@ std::vector<Key> make_keys() {
       live(boolean("scheduling.pid_after_torque", FIELD(scheduling.pid_after_torque),
              "PID of a tick waits until torque compensation of that tick is done; false, as printed: side by side", "plant-and-bus.md 4.6 item 2")),
       live(integer("scheduling.long_blocks_max", FIELD(scheduling.long_blocks_max), "blocks", 0, 64,
-              "at most so many blocks that may run longer than half a servo period are out at a time; 0, as printed: no cap", "plant-and-bus.md 4.6 item 4")),
+              "at most so many blocks that may run longer than half a servo period are out at a time, those of tasks with a dsp of their own apart; 0, as printed: no cap", "plant-and-bus.md 4.6 item 4")),
       integer("scheduling.slice_cycles", FIELD(scheduling.slice_cycles), "cycles", 0, 1e7,
               "identify, grab path, synthetic and dynamic-window avoidance are split into successor blocks of about so many cycles; 0, as printed: they run whole", "plant-and-bus.md 4.6 item 4"),
       live(choice("scheduling.time_after_delay", FIELD(scheduling.time_after_delay), {"elapsed", "one"},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <stdexcept>
 #include <utility>
 
@@ -90,6 +91,9 @@ void Host::read_done(std::uint32_t, std::span<const machine::Word> words, Time n
       if (!boots_.answer(words[0], now_, *port_)) rest();
       break;
     case Step::pointer: pointer_read(words[0]); break;
+    case Step::passed:
+      if (passed_read(words[0])) collect_taken();
+      break;
     case Step::flags: flag_read(words[0]); break;
     case Step::alive: alive_read(words[0]); break;
     case Step::result:
@@ -105,14 +109,17 @@ void Host::read_done(std::uint32_t, std::span<const machine::Word> words, Time n
     case Step::held: held_read(words[0]); break;
     case Step::holder: holder_read(words[0]); break;
     case Step::locked_flags:
-      if (words[0] != words_.flag_waiting) list_.take(flags_.front());
+      if (words[0] != words_.flag_waiting) taken_at_last(flags_.front());
       flags_.pop_front();
       if (flags_.empty()) relink();
       else port_->read(words_.block(flags_.front()) + words_.flag, 1, 0);
       break;
     case Step::relink:
       claimed_before(words[0]);
-      relink();
+      if (!look_past(Step::locked_passed)) relink();
+      break;
+    case Step::locked_passed:
+      if (passed_read(words[0])) relink();
       break;
     case Step::doorbell: ring(words[0]); break;
     default: throw std::logic_error("Host: an answer that nobody asked for");
@@ -172,25 +179,6 @@ void Host::apply_changes() {
     Fleet& fleet = processes_.fleet();
     for (unsigned agv = 0; interval != before && agv < fleet.size(); ++agv) fleet.set_interval(agv, interval);
   }
-}
-
-void Host::pointer_read(Word pointer) {
-  claimed_before(pointer);
-  for (const std::size_t index : list_.order()) {
-    if (list_[index].flag == Flag::taken) flags_.push_back(index);
-  }
-  signs_ = flags_;
-  next_flag();
-}
-
-void Host::claimed_before(Word pointer) {
-  const auto first = std::find_if(linked_.begin(), linked_.end(), [&](std::size_t i) { return words_.block(i) == pointer; });
-  if (first == linked_.end() && pointer != 0) {
-    pointer_in_doubt_ = true;  // a DSP that has run wild wrote here
-    return;
-  }
-  std::for_each(linked_.begin(), first, [this](std::size_t index) { list_.take(index); });
-  linked_.erase(linked_.begin(), first);
 }
 
 void Host::next_flag() {
@@ -280,7 +268,9 @@ void Host::semaphore_read(Word taken) {
       return;
     }
     // The pointer cannot be trusted: look at every block that might have been claimed.
-    flags_.assign(linked_.begin(), linked_.end());
+    flags_.clear();
+    std::ranges::copy_if(linked_, std::back_inserter(flags_), [this](std::size_t index) { return waits(index); });
+    if (flags_.empty()) return relink();
     step_ = Step::locked_flags;
     port_->read(words_.block(flags_.front()) + words_.flag, 1, 0);
     return;
@@ -303,6 +293,8 @@ void Host::relink() {
   pointer_in_doubt_ = false;
   list_.sort();
   linked_.clear();
+  own_linked_ = false;
+  list_.release_passed();
   eligible_ = 0;
   const auto order = list_.order();
   for (std::size_t i = 0; i < order.size(); ++i) {
@@ -314,6 +306,7 @@ void Host::relink() {
       const std::array<Word, 4> words = {t, words_.flag_waiting, block.importance, link};  // TB_T, TB_FLAG, TB_J, TB_LINK
       port_->write(offset + words_.t, words);
       linked_.push_back(order[i]);
+      own_linked_ = own_linked_ || own_slot(order[i]).has_value();
       if (block.importance > 0) ++eligible_, ledger_.offered(order[i]);
     } else {
       port_->write(offset + words_.t, t);
@@ -333,18 +326,6 @@ void Host::relink() {
   if (eligible_ == 0 && !ask) return end_refresh();
   step_ = Step::doorbell;
   port_->read(words_.doorbell_idle, 1, 0);
-}
-
-void Host::ring(Word idle) {
-  liveness_.signs(idle, looks());
-  for (Word slot = 0; slot < 32 && eligible_ > 0; ++slot) {
-    if ((idle >> slot & 1) == 0) continue;
-    port_->write(words_.doorbell_ring, slot);
-    note(EventKind::doorbell, {slot, 0, 0, 0, 0});
-    ++counts_.doorbells;
-    --eligible_;
-  }
-  end_refresh();
 }
 
 void Host::end_refresh() {

@@ -3,6 +3,8 @@
 //
 // One refresh, as steps between answers of the bus:
 //   pointer    read the work pointer: what stood before it has been claimed since the last refresh
+//   passed     where blocks are linked that are for one DSP alone: read the flags of those behind the pointer, up to
+//              the first that waits for anybody
 //   flags      read the flag of every block that is taken; of those that are done the result and notify words, of those that are not and have
 //              a heartbeat that word. Of those that the watchdog finds too old read the owner, fence it off, and read the flag again: now it
 //              cannot change any more
@@ -10,8 +12,9 @@
 //   thinking   the host's own work, for a modelled time; then finished blocks are out, successors in, t, J and order are computed;
 //              new blocks and changed words of the job areas are written, not yet linked
 //   semaphore  acquire the list
-//   relink     read the work pointer again: a block may have been claimed since; write t, J, links, the work pointer; release
-//   doorbell   read the mask of idle DSPs, ring one per eligible block, lowest slot first
+//   relink     read the work pointer (and flags) again: a block may have been claimed since; write t, J, links, the work pointer; release
+//   doorbell   read the mask of idle DSPs, ring one per eligible block, lowest slot first; for one that is for one DSP
+//              alone, that one
 //
 // Between refreshes it boots the DSPs that ask for it (boots.hpp); at power-on all of them before the first refresh.
 //
@@ -20,6 +23,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "cmrc/boots.hpp"
@@ -81,7 +85,7 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
 
  private:
   enum class Step : std::uint8_t {
-    resting, booting, pointer, flags, alive, result, owner, verdict, signs, field, thinking, semaphore, retry, held, holder, locked_flags, relink, doorbell
+    resting, booting, pointer, passed, flags, alive, result, owner, verdict, signs, field, thinking, semaphore, retry, held, holder, locked_flags, relink, locked_passed, doorbell
   };
 
   /// A periodic task of the crane: torque compensation or PID.
@@ -143,6 +147,7 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
   void apply_changes();
   void set_releases();
   void pointer_read(Word pointer);
+  void collect_taken();
   void next_flag();
   void flag_read(Word flag);
   void alive_read(Word beat);
@@ -180,6 +185,11 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
   void take_from_holder(bool taken);
   void try_again();
   void claimed_before(Word pointer);
+  bool look_past(Step step);
+  bool passed_read(Word flag);
+  void taken_at_last(std::size_t index);
+  bool waits(std::size_t index) const { return list_[index].in_use && list_[index].flag == Flag::waiting; }
+  std::optional<unsigned> own_slot(std::size_t index) const { return user_tasks_.own_slot(list_[index].task); }
   void relink();
   void ring(Word idle);
   void end_refresh();
@@ -220,7 +230,10 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
   std::int64_t tick_ = 0;
   std::int64_t elapsed_ = 0;           // refreshes since the last one
   std::int64_t grown_ = 0;             // by which t grows at this one
-  std::vector<std::size_t> linked_;    // waiting blocks as shared memory links them
+  std::vector<std::size_t> linked_;    // blocks from the work pointer on as shared memory links them: they wait, or were
+                                       // claimed past those for one DSP alone
+  bool own_linked_ = false;            // some of them are for one DSP alone
+  std::deque<std::size_t> passed_;     // of them, those whose flags are still to be read
   std::deque<std::size_t> flags_;      // blocks whose flags are still to be read
   std::deque<unsigned> fields_;        // AGVs whose sensors are still to be read at this refresh
   std::deque<std::size_t> signs_;      // blocks that were out at this refresh, whose owners are alive

@@ -50,6 +50,7 @@ void Host::write_new_blocks() {
     words[words_.area] = block.task.area;
     words[words_.tick] = block.task.tick;
     words[words_.argument] = block.task.argument;
+    if (const auto own = own_slot(index)) words[words_.owner] = *own + 1;
     words[words_.generation] = block.generation;
     words[words_.slice] = block.task.slice;
     // The word of the slice only where a task is or was split.
@@ -71,14 +72,15 @@ std::uint32_t Host::importance_of(const Block& block) const {
 
 bool Host::is_long(const Block& block) const { return 2 * longest_.at(job_kind(block.task.kind, words_)) > intervals_.servo; }
 
-// Those beyond the cap are not to be run yet: J = 0, until one that is out is done (plant-and-bus.md 4.6 item 4).
+// Those beyond the cap are not to be run yet: J = 0, until one that is out is done (plant-and-bus.md 4.6 item 4). A
+// block that is for one DSP alone may wait for that one for ever: it neither counts nor is held back.
 void Host::hold_back_long_blocks() {
   std::int64_t room = config_.scheduling.long_blocks_max;
   if (room == 0) return;
   bool held = false;
   for (const std::size_t index : list_.order()) {  // taken ones come first
     Block& block = list_[index];
-    if (!is_long(block) || block.importance == 0 || --room >= 0 || block.flag != Flag::waiting) continue;
+    if (own_slot(index) || !is_long(block) || block.importance == 0 || --room >= 0 || block.flag != Flag::waiting) continue;
     block.importance = 0;
     held = true;
   }

@@ -1,5 +1,7 @@
 #include "cmrc/ledger.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <functional>
@@ -11,6 +13,13 @@ namespace {
 std::vector<std::string> with(const std::vector<std::string>& user_tasks) {
   std::vector<std::string> all = job_kinds();
   for (const std::string& name : user_tasks) all.push_back("user." + name);
+  return all;
+}
+
+std::vector<std::optional<unsigned>> by_kind(const std::vector<std::optional<unsigned>>& user_slots, std::size_t kinds) {
+  std::vector<std::optional<unsigned>> all(job_kinds().size());
+  all.insert(all.end(), user_slots.begin(), user_slots.end());
+  all.resize(kinds);
   return all;
 }
 
@@ -71,9 +80,9 @@ std::vector<std::int64_t> with_clock(const CauseTimes& cycles, std::int64_t whol
 }  // namespace
 
 Ledger::Ledger(LedgerConfig config)
-    : names_(with(config.user_tasks)), cause_names_(config.causes), booked_(config.booked.empty() ? config.causes : config.booked),
+    : names_(with(config.user_tasks)), own_slots_(by_kind(config.user_slots, names_.size())), cause_names_(config.causes), booked_(config.booked.empty() ? config.causes : config.booked),
       booked_as_(config.booked_as), chip_clock_(config.chip_clock), account_(names_, booked_, periods(config.servo_period, config.user_tasks.size()), config.samples_max),
-      why_(names_, chain_causes(config.causes), config.misses_kept), released_(names_.size(), 0) {}
+      why_(names_, chain_causes(config.causes), config.misses_kept, own_slots_), released_(names_.size(), 0) {}
 
 Ledger::Slot& Ledger::slot(unsigned number) {
   if (slots_.size() <= number) slots_.resize(number + 1);
@@ -130,6 +139,9 @@ void Ledger::claimed(std::size_t block, unsigned number, Time at, const CauseTim
   const auto found = open_.find(block);
   if (found == open_.end()) return;
   Open& open = found->second;
+  if (const auto own = own_slots_.at(static_cast<std::size_t>(open.kind))) {
+    audit_.require(number == *own, at, [&] { return fmt::format("block {}: DSP {} claimed what is for DSP {} alone", block, number, *own); });
+  }
   ++slot(number).claims;
   open.slot = number;
   open.tries.back().run = report::Run{number, at, at, report::Run::End::running};

@@ -31,6 +31,7 @@ struct LedgerConfig {
   std::vector<std::size_t> booked_as;   ///< of each of the jobs' causes, the account's
   Time servo_period{};                  ///< of PID and torque compensation
   std::vector<std::string> user_tasks;  ///< their names, kinds from JobKind::user on
+  std::vector<std::optional<unsigned>> user_slots = {};  ///< of each the slot that alone may claim it, if it has one; empty: none has
   machine::Clock chip_clock{25'000'000};
   std::size_t misses_kept = 1000;       ///< chains of causes told one by one
   std::size_t samples_max = report::Distribution::usual_samples_max;
@@ -130,6 +131,7 @@ class Ledger {
   Slot& slot(unsigned number);
 
   std::vector<std::string> names_;
+  std::vector<std::optional<unsigned>> own_slots_;  // by kind
   std::vector<std::string> cause_names_;
   std::vector<std::string> booked_;
   std::vector<std::size_t> booked_as_;

@@ -9,7 +9,7 @@ namespace cmrc {
 TaskList::TaskList(std::size_t capacity) : blocks_(capacity) { order_.reserve(capacity); }
 
 std::size_t TaskList::load(const Task& task) {
-  const auto free = std::find_if(blocks_.begin(), blocks_.end(), [](const Block& block) { return !block.in_use; });
+  const auto free = std::find_if(blocks_.begin(), blocks_.end(), [](const Block& block) { return !block.in_use && !block.passed_through; });
   if (free == blocks_.end()) throw ListFull(fmt::format("the task-block list is full: all {} blocks are in use", capacity()));
   const std::uint32_t generation = free->generation + 1, written_slice = free->written_slice;
   *free = Block{};
@@ -64,6 +64,10 @@ void TaskList::refresh(std::int64_t elapsed, const std::function<std::uint32_t(c
     blocks_[index].importance = importance(blocks_[index]);
   }
   sort();
+}
+
+void TaskList::release_passed() {
+  for (Block& block : blocks_) block.passed_through = false;
 }
 
 void TaskList::sort() {

@@ -47,6 +47,7 @@ struct Block {
   std::int64_t beat_seen = -1;
   bool in_use = false;
   bool fresh = false;              ///< its words are not in shared memory yet
+  bool passed_through = false;     ///< DSPs may still follow the link in its words: not to be used before the next relinking
   std::uint32_t written_slice = 0;
   std::int64_t written_link = -1;  // as shared memory holds it, so that only changes are written
 };
@@ -71,6 +72,8 @@ class TaskList {
 
   /// t += elapsed for every block, J anew, order anew.
   void refresh(std::int64_t elapsed, const std::function<std::uint32_t(const Block&)>& importance);
+  /// The list is linked anew: nobody follows the links of blocks that are out of it.
+  void release_passed();
   /// Order anew, after blocks were found to be taken.
   void sort();
   /// Order of the last refresh: places in the pool.

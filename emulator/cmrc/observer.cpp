@@ -238,7 +238,9 @@ void RunObserver::link_lost(unsigned slot, bool to_dsp, machine::Word word, int 
 }
 
 void RunObserver::scripted(const machine::ScriptedEvent& event, Time now) {
-  if (event.action == machine::Action::fail || event.action == machine::Action::hang) ledger_.slot_failed(event.number, now);
+  using machine::Action;
+  if (event.action == Action::fail || event.action == Action::freeze || event.action == Action::hang)
+    ledger_.slot_failed(event.number, now);
   log_.add({now, report::host, EventKind::scripted, {static_cast<std::uint32_t>(event.action), event.number,
                                                      static_cast<std::uint32_t>(event.amount), static_cast<std::uint32_t>(event.amount >> 32), 0}});
 }

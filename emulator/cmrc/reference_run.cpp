@@ -35,6 +35,7 @@ Config reference_of(Config config) {
   config = as_run(ideal(std::move(config)));
   config.machine.dsps = 1;
   config.machine.slots = 0;
+  for (UserTask& task : config.tasks) task.dsp.reset();  // its one DSP does it all
   config.run.turn_order = 0;
   config.run.strict = false;
   config.report.misses_max = 0;

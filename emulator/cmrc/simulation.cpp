@@ -88,6 +88,12 @@ std::vector<std::string> user_names(const Config& config) {
   return names;
 }
 
+std::vector<std::optional<unsigned>> own_slots(const Config& config) {
+  std::vector<std::optional<unsigned>> slots;
+  for (const UserTask& task : config.tasks) slots.push_back(task.dsp);
+  return slots;
+}
+
 std::string_view built_in_text(std::span<const std::byte> bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
 
 LedgerConfig ledger_of(const Config& config, const machine::Config& machine) {
@@ -98,6 +104,7 @@ LedgerConfig ledger_of(const Config& config, const machine::Config& machine) {
   ledger.booked_as.insert(ledger.booked_as.end(), {arbitration, transfer});
   ledger.servo_period = servo_period(config);
   ledger.user_tasks = user_names(config);
+  ledger.user_slots = own_slots(config);
   ledger.chip_clock = machine::Clock(machine.chip_hz, machine.chip_hz_denominator);
   ledger.misses_kept = static_cast<std::size_t>(config.report.misses_max);
   ledger.samples_max = static_cast<std::size_t>(config.report.samples_max);
@@ -105,7 +112,8 @@ LedgerConfig ledger_of(const Config& config, const machine::Config& machine) {
 }
 
 toolchain::Image assembled(const Config& config) {
-  if (config.machine.programs.empty()) return toolchain::read_coff(c40_programs::built_in_image());
+  const bool own = own_blocks(config.tasks);
+  if (config.machine.programs.empty()) return toolchain::read_coff(c40_programs::built_in_image(own));
   const std::filesystem::path directory = config.machine.programs;
   const std::filesystem::path source = directory / "dsp.asm";
   if (!std::filesystem::is_regular_file(source)) {
@@ -113,7 +121,14 @@ toolchain::Image assembled(const Config& config) {
   }
   toolchain::Options options;
   options.include_dirs = {directory, directory / "include"};
-  return toolchain::assemble_file(source, options);
+  if (own) options.symbols["OWN_BLOCKS"] = 1;
+  toolchain::Image image = toolchain::assemble_file(source, options);
+  if (own && !image.symbols.contains("own_claim")) {
+    throw ConfigError(fmt::format("tasks.dsp: the executive in {} knows no blocks for one DSP alone; "
+                                  "the files executive.asm, dsp.asm and claim_own.asm of this emulator's programs are expected",
+                                  directory.string()));
+  }
+  return image;
 }
 
 }  // namespace
@@ -398,7 +413,7 @@ void Simulation::profile() {
 report::Profile Simulation::profile_report() const {
   if (!parts_->profile) throw std::logic_error("Simulation::profile_report: nothing was counted; Simulation::profile comes before the run");
   toolchain::Image image = parts_->image;
-  if (parts_->config.machine.programs.empty()) toolchain::add_source_map(image, built_in_text(c40_programs::built_in_source_map()));
+  if (parts_->config.machine.programs.empty()) toolchain::add_source_map(image, built_in_text(c40_programs::built_in_source_map(own_blocks(parts_->config.tasks))));
   toolchain::Image rom = toolchain::read_coff(c40_programs::built_in_boot_rom());
   toolchain::add_source_map(rom, built_in_text(c40_programs::built_in_boot_rom_source_map()));
   return parts_->profile->report(report().tasks, image, rom);

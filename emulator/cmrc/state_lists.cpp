@@ -229,6 +229,8 @@ void Host::list_state(state::Visitor& list) {
   list("elapsed", elapsed_);
   list("grown", grown_);
   list("linked", linked_);
+  list("own_linked", own_linked_);
+  list("passed", passed_);
   list("flags", flags_);
   list("fields", fields_);
   list("signs", signs_);

@@ -81,7 +81,7 @@ void Timeline::wait_for_free(Time from, Time to, unsigned number, report::WaitTi
   }
 }
 
-Waiting Timeline::explain(Time from, Time to, unsigned claimer) const {
+Waiting Timeline::explain(Time from, Time to, unsigned claimer, std::optional<unsigned> only) const {
   Waiting waiting;
   std::vector<std::deque<State>::const_iterator> states;
   for (const Slot& slot : slots_) states.push_back(at_time(slot.states, from));
@@ -92,6 +92,7 @@ Waiting Timeline::explain(Time from, Time to, unsigned claimer) const {
     bool asleep = false, overtaken = false;
     in_the_way.clear();
     for (unsigned i = 0; i < states.size(); ++i) {
+      if (only && i != *only) continue;
       const auto& history = slots_[i].states;
       while (states[i] != history.end() && std::next(states[i]) != history.end() && std::next(states[i])->from <= at) ++states[i];
       if (states[i] == history.end()) continue;
@@ -119,7 +120,7 @@ Waiting Timeline::explain(Time from, Time to, unsigned claimer) const {
     } else if (asleep) {
       time_of(waiting.times, Wait::doorbell) += span;
     } else if (in_the_way.empty()) {
-      time_of(waiting.times, Wait::no_dsp) += span;
+      time_of(waiting.times, only ? Wait::own_dsp_out : Wait::no_dsp) += span;
     } else {
       time_of(waiting.times, overtaken ? Wait::behind_list : Wait::blocked) += span;
       const auto parts = static_cast<std::int64_t>(in_the_way.size());

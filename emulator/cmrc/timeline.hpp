@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
 #include "machine/machine.hpp"
@@ -26,7 +27,7 @@ enum class SlotState : std::uint8_t { off, asleep, awake, busy };
 /// Waiting, split without a remainder.
 struct Waiting {
   report::WaitTimes times{};
-  std::vector<report::Behind> behind;  ///< blocks that kept all DSPs busy; shares sum to blocked + behind_list
+  std::vector<report::Behind> behind;  ///< blocks that kept all DSPs busy that may claim it; shares sum to blocked + behind_list
 };
 
 class Timeline {
@@ -47,7 +48,8 @@ class Timeline {
   void forget(Time before);
 
   /// What a block waited for that could be claimed from `from` on and that slot `claimer` claimed at `to` (32: nobody did).
-  Waiting explain(Time from, Time to, unsigned claimer) const;
+  /// \param only the slot whose DSP alone may claim it: nobody else counts
+  Waiting explain(Time from, Time to, unsigned claimer, std::optional<unsigned> only = {}) const;
   void list_state(state::Visitor& list);
 
  private:

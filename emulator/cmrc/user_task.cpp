@@ -7,6 +7,8 @@
 #include <cmath>
 #include <optional>
 
+#include "machine/machine.hpp"
+
 namespace cmrc {
 namespace {
 
@@ -70,7 +72,7 @@ class Fields {
 
 UserTask user_task(const std::map<std::string, Field>& given, const Origin& where) {
   static constexpr std::string_view known[] = {"name", "program", "kind", "importance", "importance_waiting", "due_refreshes", "period_ms",
-                                               "deadline_ms", "heartbeat_ms", "argument"};
+                                               "deadline_ms", "heartbeat_ms", "argument", "dsp"};
   Fields fields(given, where);
   UserTask task;
   task.origin = where;
@@ -88,6 +90,10 @@ UserTask user_task(const std::map<std::string, Field>& given, const Origin& wher
   task.deadline_ms = fields.number("deadline_ms", 0, 0, 1e6);
   task.heartbeat_ms = fields.number("heartbeat_ms", 0, 0, 1e6);
   task.argument = fields.integer("argument", 0, -2147483648LL, 4294967295LL);
+  if (given.contains("dsp")) {
+    task.dsp = static_cast<unsigned>(fields.integer("dsp", std::nullopt, 0, machine::most_slots - 1));
+    task.dsp_origin = given.at("dsp").origin;
+  }
   for (std::size_t i = 0; i < most_parameters; ++i) {
     const Field* field = fields.find(fmt::format("parameter_{}", i));
     if (field == nullptr) break;
@@ -112,11 +118,16 @@ void check_user_tasks(std::span<const UserTask> tasks) {
   }
 }
 
+bool own_blocks(std::span<const UserTask> tasks) {
+  return std::ranges::any_of(tasks, [](const UserTask& task) { return task.dsp.has_value(); });
+}
+
 std::string to_toml(const UserTask& task) {
   std::string text = fmt::format(
       "name = {}\nprogram = {}\nkind = {}\nimportance = {:#x}\nimportance_waiting = {:#x}\ndue_refreshes = {}\nperiod_ms = {}\ndeadline_ms = {}\nheartbeat_ms = {}\nargument = {}\n",
       show(Value{task.name}), show(Value{task.program}), task.x, task.importance, task.importance_waiting, task.due_refreshes, show(Value{task.period_ms}),
       show(Value{task.deadline_ms}), show(Value{task.heartbeat_ms}), task.argument);
+  if (task.dsp) text += fmt::format("dsp = {}\n", *task.dsp);
   for (std::size_t i = 0; i < task.parameters.size(); ++i) text += fmt::format("parameter_{} = {}\n", i, show(task.parameters[i]));
   return text;
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -28,6 +29,8 @@ struct UserTask {
   double deadline_ms = 0;       ///< after its release; 0: none
   double heartbeat_ms = 0;      ///< at most between two beats of its program (lib/alive.asm); 0: it has none
   std::int64_t argument = 0;    ///< TB_ARGUMENT
+  std::optional<unsigned> dsp;  ///< the slot whose DSP alone may claim its blocks; none: any
+  Origin dsp_origin;
   std::vector<Value> parameters;  ///< words of its area from the start: floats as TI singles
   Origin origin;
 };
@@ -38,6 +41,8 @@ inline constexpr std::size_t most_user_tasks = 8;
 UserTask user_task(const std::map<std::string, Field>& fields, const Origin& where);
 /// No two of a name or kind, and not too many. \throws ConfigError
 void check_user_tasks(std::span<const UserTask> tasks);
+/// Some task has a DSP of its own: the executive has to know such blocks (c40_programs/claim_own.asm).
+bool own_blocks(std::span<const UserTask> tasks);
 /// The task's fields as TOML, a line each.
 std::string to_toml(const UserTask& task);
 /// J of task `task` that has waited t refreshes.
@@ -59,6 +64,8 @@ class UserTasks {
   /// ... and was released here, not by a process or sub-process of the table.
   bool owns(const Task& task) const { return is_one(task) && task.process == 0 && task.subprocess == 0; }
   const UserTask& row(const Task& task) const { return rows_.at(task.kind - words_.kind_user).task; }
+  /// The slot whose DSP alone may claim the block.
+  std::optional<unsigned> own_slot(const Task& task) const { return is_one(task) ? row(task).dsp : std::nullopt; }
   void list_state(state::Visitor& list);
 
  private:

@@ -70,8 +70,8 @@ std::optional<Time> unavoidable_from(const MissedJob& job, Time usual) {
 
 }  // namespace
 
-WhyLate::WhyLate(std::vector<std::string> kinds, std::vector<std::string> causes, std::size_t kept)
-    : kinds_(std::move(kinds)), causes_(std::move(causes)), kept_(kept), usual_(kinds_.size()), sums_(kinds_.size()) {
+WhyLate::WhyLate(std::vector<std::string> kinds, std::vector<std::string> causes, std::size_t kept, std::vector<std::optional<unsigned>> own_slots)
+    : kinds_(std::move(kinds)), causes_(std::move(causes)), kept_(kept), own_slots_(std::move(own_slots)), usual_(kinds_.size()), sums_(kinds_.size()) {
   for (Sums& of : sums_) of.execution.assign(causes_.size(), 0), of.behind.assign(kinds_.size(), 0);
 }
 
@@ -98,7 +98,8 @@ void WhyLate::missed(const MissedJob& job, const Timeline& timeline, Audit& audi
       cutter.until(attempt.put_up->wanted, Wait::host_refresh);
       cutter.until(attempt.put_up->held, Wait::host_lock);
       cutter.until(attempt.put_up->free, Wait::host_refresh);
-      const Waiting waiting = timeline.explain(cutter.at(), attempt.run ? attempt.run->claimed : next, attempt.run ? attempt.run->slot : 32);
+      const Waiting waiting = timeline.explain(cutter.at(), attempt.run ? attempt.run->claimed : next, attempt.run ? attempt.run->slot : 32,
+                                               own_slots_.at(job.name.kind));
       add(chain.waits, waiting.times);
       chain.behind.insert(chain.behind.end(), waiting.behind.begin(), waiting.behind.end());
     } else {

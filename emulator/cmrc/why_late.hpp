@@ -47,7 +47,9 @@ struct MissedJob {
 class WhyLate {
  public:
   /// \param kinds names of the job kinds \param causes what a run's picoseconds are told by \param kept chains told one by one
-  WhyLate(std::vector<std::string> kinds, std::vector<std::string> causes, std::size_t kept);
+  /// \param own_slots by kind the slot whose DSP alone may run it
+  WhyLate(std::vector<std::string> kinds, std::vector<std::string> causes, std::size_t kept,
+          std::vector<std::optional<unsigned>> own_slots);
 
   /// A job has run from claim to end in so many picoseconds by cause: perhaps the shortest run of its kind.
   void ran(std::size_t kind, std::int64_t execution, const std::vector<std::int64_t>& causes);
@@ -84,6 +86,7 @@ class WhyLate {
 
   std::vector<std::string> kinds_, causes_;
   std::size_t kept_;
+  std::vector<std::optional<unsigned>> own_slots_;
   std::vector<std::optional<report::Usual>> usual_;
   std::vector<Chain> chains_;
   std::vector<Sums> sums_;

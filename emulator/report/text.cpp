@@ -70,6 +70,7 @@ std::string explained(std::string_view part) {
       {"behind_list", "behind blocks that stood before it"},
       {"blocked", "every DSP ran a block taken before"},
       {"no_dsp", "no DSP was there"},
+      {"own_dsp_out", "the DSP that it is for was out"},
       {"lost_run", "runs lost with their DSP"},
       {"watchdog", "until the watchdog noticed"},
       {"execution.execute", "ran longer: more instructions"},

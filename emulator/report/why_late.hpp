@@ -38,11 +38,12 @@ enum class Wait : std::uint8_t {
   behind_list,    ///< every DSP ran a block; one or more were claimed while this one could have been: they stood before it
   blocked,        ///< every DSP ran a block that was claimed before this one could be (non-preemptive blocking)
   no_dsp,         ///< no DSP was there
+  own_dsp_out,    ///< the one DSP that may run it (dsp of [[tasks]]) was not there
   lost_run,       ///< runs that came to nothing, from the claim to the failure, or to where the watchdog took the block
   watchdog,       ///< from the failure of its DSP to where the host put the block back
   previous_out,   ///< a dropped tick: the block of an earlier one was still out
 };
-inline constexpr std::size_t wait_count = 15;
+inline constexpr std::size_t wait_count = 16;
 std::string name(Wait wait);
 using WaitTimes = std::array<std::int64_t, wait_count>;  ///< ps
 

@@ -181,6 +181,10 @@ class Simulation:
         """The DSP in a slot, between two calls of ``run_until``. Raises IndexError where there is no such slot."""
         return Dsp(self._core.dsp(arguments.whole("slot", slot, "the number of a slot", -(2**63), 2**63 - 1)), None)
 
+    def peek(self, offset: int) -> int:
+        """The word at an offset of shared memory (``c40_programs/include/areas.inc``), between two calls of ``run_until``. Takes no time."""
+        return int(self._core.peek(arguments.whole("offset", offset, "an offset in shared memory, 0 to FFFFh,", 0, 0xFFFF)))
+
     @property
     def time_s(self) -> float:
         """Virtual time, in s."""

@@ -18,7 +18,7 @@ NAMES = {
 }  # fmt: skip
 HOST, DROPPED = 0xFF, 5
 MUST_CONTINUE = 1  # of TB_NOTIFY: a part is done, and the job is not
-FAIL, HANG, UNPLUG = 0, 1, 2  # machine::Action
+STANDS_STILL = (0, 1, 2)  # machine::Action: fail, freeze, hang
 BEFORE = ("host_late", "not_due", "host_refresh", "host_lock")
 CLAIM = ("claim", "claim_bus_a", "claim_bus_b")
 
@@ -63,10 +63,13 @@ class Job:
 class Trace:
     """Everything that the chains are checked against."""
 
-    def __init__(self, events: Iterable[Event], dsps: int, servo: int, refresh_hz: int) -> None:
-        self.servo, self.refresh_hz = servo, refresh_hz
+    def __init__(self, events: Iterable[Event], dsps: int, servo: int, refresh_hz: float, tasks: dict[int, tuple[str, int | None]] | None = None, empty: int = 0) -> None:
+        """`tasks`: by kind the user's tasks, their names in the report and the slot that alone may claim them; `empty`: slots without a DSP at the start."""
+        self.servo, self.refresh_mhz = servo, round(refresh_hz * 1000)  # the timer's clock is in whole millihertz
+        self.names = NAMES | {kind: name for kind, (name, _) in (tasks or {}).items()}
+        self.own = {kind: dsp for kind, (_, dsp) in (tasks or {}).items() if dsp is not None}
         self.jobs: dict[tuple[int, int], Job] = {}
-        self.slots = [Steps([0], [("awake", None)]) for _ in range(dsps)]
+        self.slots = [Steps([0], [("awake", None)]) for _ in range(dsps)] + [Steps([0], [("off", None)]) for _ in range(empty)]
         self.list = Steps()
         self.dropped: dict[tuple[int, int], int] = {}  # kind, tick: when the host found it
         self.shortest: dict[int, int] = {}
@@ -138,7 +141,7 @@ class Trace:
                 self.slots[slot].set(time, ("asleep" if n["state"] else "awake", None))
             elif name == "interrupt":
                 self.slots[slot].set(time, ("awake", None))
-            elif name in ("fault", "reset") or (name == "scripted" and n["action"] in (FAIL, HANG, UNPLUG)):
+            elif name in ("fault", "reset") or (name == "scripted" and n["action"] in STANDS_STILL):
                 slot = n["number"] if name == "scripted" else slot
                 if name == "reset" and n["state"] == 1:
                     self.slots[slot].set(time, ("awake", None))
@@ -155,15 +158,16 @@ class Trace:
             self.slots[holder].set(time, ("awake", None))
 
     def tick(self, number: int) -> int:
-        return number * 10**12 // self.refresh_hz
+        return number * 10**15 // self.refresh_mhz
 
-    def waits(self, start: int, end: int, claimer: int | None) -> dict[str, int]:
+    def waits(self, start: int, end: int, claimer: int | None, kind: int) -> dict[str, int]:
         """What a block waited for that could be claimed from `start` on."""
+        own = self.own.get(kind)
         cuts = sorted({start, end}.union(*(steps.between(start, end) for steps in [*self.slots, self.list])))
         cuts = [cut for cut in cuts if start <= cut <= end]
         sums: dict[str, int] = {}
         for at, until in pairwise(cuts):
-            states = [steps.at(at, ("off", None)) for steps in self.slots]
+            states = [steps.at(at, ("off", None)) if own in (None, slot) else ("off", None) for slot, steps in enumerate(self.slots)]
             awake = [slot for slot, (state, _) in enumerate(states) if state == "awake"]
             busy = [what[1] for state, what in states if state == "busy"]
             if awake:
@@ -172,7 +176,7 @@ class Trace:
             elif any(state == "asleep" for state, _ in states):
                 what = "doorbell"
             elif not busy:
-                what = "no_dsp"
+                what = "no_dsp" if own is None else "own_dsp_out"
             else:
                 what = "behind_list" if any(claimed >= start for claimed in busy) else "blocked"
             sums[what] = sums.get(what, 0) + until - at
@@ -181,7 +185,7 @@ class Trace:
 
 def check(trace: Trace, report: dict[str, Any]) -> int:
     """Compares every miss of the report with the trace; returns how many jobs with a chain there were."""
-    kinds = {name: kind for kind, name in NAMES.items()}
+    kinds = {name: kind for kind, name in trace.names.items()}
     chains = 0
     for miss in report["misses"]:
         kind = kinds[miss["kind"]]
@@ -214,14 +218,14 @@ def check(trace: Trace, report: dict[str, Any]) -> int:
             claimer, claimed = job.claims[i] if i < len(job.claims) else (None, end)
             offered = job.offered[i] if i < len(job.offered) else claimed
             before += min(offered, claimed) - waits_from
-            for what, time in trace.waits(offered, claimed, claimer).items():
+            for what, time in trace.waits(offered, claimed, claimer, kind).items():
                 expected[what] = expected.get(what, 0) + time
             after = job.waits_from[i + 1] if i + 1 < len(job.waits_from) else end
             if claimer is not None and i not in job.parts and (i + 1 < len(job.waits_from) or job.failed[i] is not None or miss["outcome"] == "dropped"):
                 stop = after if job.failed[i] is None else min(after, max(claimed, job.failed[i] or 0))
                 expected["lost_run"] = expected.get("lost_run", 0) + stop - claimed
                 expected["watchdog"] = expected.get("watchdog", 0) + after - stop
-        told = {what: parts.pop(what, 0) for what in ("doorbell", "lock", "blocked", "behind_list", "no_dsp", "lost_run", "watchdog")}
+        told = {what: parts.pop(what, 0) for what in ("doorbell", "lock", "blocked", "behind_list", "no_dsp", "own_dsp_out", "lost_run", "watchdog")}
         told["claim"] = sum(parts.pop(what, 0) for what in CLAIM)
         assert sum(parts.pop(what, 0) for what in BEFORE) == before, where
         assert told == {what: expected.get(what, 0) for what in told}, f"{where}: {told}, by the trace {expected}"
@@ -239,7 +243,7 @@ def check(trace: Trace, report: dict[str, Any]) -> int:
         assert in_the_way == told["blocked"] + told["behind_list"], where
         for block in miss["behind"]:
             state, what = trace.slots[block["dsp"]].at(block["from_ps"], ("off", None))
-            assert state == "busy" and what[1] == block["claimed_ps"] and (NAMES[what[0].kind], what[0].number) == (block["kind"], block["number"]), where
+            assert state == "busy" and what[1] == block["claimed_ps"] and (trace.names[what[0].kind], what[0].number) == (block["kind"], block["number"]), where
         if deadline is not None:
             check_unavoidable(miss, job, usual)
     return chains

@@ -16,6 +16,7 @@ from typing import Any
 import chain_replay
 import numpy as np
 import scheduling_replay
+import tomllib
 from cmrc import _core
 from locations import BUILD
 from random_docks import KEYS, Dock
@@ -185,7 +186,15 @@ def event_toml(event: dict[str, Any]) -> str:
     return "[[events]]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in event.items())
 
 
-def rule_of(config: Any) -> scheduling_replay.Rule:
+KIND_USER = 12  # task_block.inc
+
+
+def user_tasks(dock: Dock) -> list[dict[str, Any]]:
+    rows: list[dict[str, Any]] = tomllib.loads("\n".join(dock.tables)).get("tasks", [])
+    return rows
+
+
+def rule_of(config: Any, tasks: list[dict[str, Any]]) -> scheduling_replay.Rule:
     values, n = config.to_dict(), config.intervals()
     names = {
         "gamma": "gamma_refreshes",
@@ -197,13 +206,21 @@ def rule_of(config: Any) -> scheduling_replay.Rule:
         "a": "a",
     }
     agv = values["scheduling.agv_interval_refreshes"] or n["N_a"]
+    users = {
+        KIND_USER + place: scheduling_replay.UserTask(row["importance"], row["importance"], 0, row.get("dsp"))
+        for place, row in enumerate(tasks)
+    }
     return scheduling_replay.Rule(
-        servo=n["N_p"], crane=n["N_t"], agv=agv, **{name: values[f"scheduling.{key}"] for name, key in names.items()}
+        servo=n["N_p"],
+        crane=n["N_t"],
+        agv=agv,
+        tasks=users,
+        **{name: values[f"scheduling.{key}"] for name, key in names.items()},
     )
 
 
 def can_be_replayed(dock: Dock, config: Any) -> bool:
-    """The replays know equation (7) as restored, with N_a that does not change, and the built-in tasks."""
+    """The replays know equation (7) as restored, with N_a that does not change, the built-in tasks and a user's."""
     values = config.to_dict()
     as_they_are = (
         "equation",
@@ -217,17 +234,18 @@ def can_be_replayed(dock: Dock, config: Any) -> bool:
     )
     return (
         all(values[f"scheduling.{name}"] == KEYS[f"scheduling.{name}"]["default"] for name in as_they_are)
-        and not dock.tables
+        and all(table.startswith("[[tasks]]") for table in dock.tables)
         and not any(event["action"] in ("set", "plug", "unplug") for event in dock.events)
     )
 
 
-def replayed(trace: Path, report: Report, config: Any) -> list[str]:
+def replayed(trace: Path, report: Report, dock: Dock, config: Any) -> list[str]:
     """What the scheduling rule and the chains of causes, told again from the trace, say against the run."""
     values = config.to_dict()
     with trace.open() as lines:
         events = list(scheduling_replay.events(lines))
-    replay = scheduling_replay.Replay(rule_of(config), doorbells=values["machine.idle_policy"] == "doorbell")
+    tasks = user_tasks(dock)
+    replay = scheduling_replay.Replay(rule_of(config, tasks), doorbells=values["machine.idle_policy"] == "doorbell")
     replay.follow(events)
     wrong = list(replay.faults)
     if (
@@ -236,7 +254,12 @@ def replayed(trace: Path, report: Report, config: Any) -> list[str]:
         try:
             chain_replay.check(
                 chain_replay.Trace(
-                    events, values["machine.dsps"], replay.rule.servo, values["rates.refresh_frequency_hz"]
+                    events,
+                    values["machine.dsps"],
+                    replay.rule.servo,
+                    values["rates.refresh_frequency_hz"],
+                    {KIND_USER + n: (f"user.{row['name']}", row.get("dsp")) for n, row in enumerate(tasks)},
+                    empty=max(0, values["machine.slots"] - values["machine.dsps"]),
                 ),
                 report,
             )
@@ -292,5 +315,5 @@ def faults_of(dock: Dock, seed: int, scratch: Path) -> list[str]:
             for line in differences(without_the_clock(plain), without_the_clock(other))[:5]
         ]
         if can_be_replayed(dock, config):
-            wrong += [f"replayed: {line}" for line in replayed(trace, plain, config)[:5]]
+            wrong += [f"replayed: {line}" for line in replayed(trace, plain, dock, config)[:5]]
     return wrong

@@ -268,6 +268,8 @@ class Generator:
         row += f"period_ms = {period}\ndeadline_ms = {draw.choice([0, period])}\n" + draw.choice(
             ["", "heartbeat_ms = 1\n", "parameter_0 = 0.5\nparameter_3 = 7\n"]
         )
+        if draw.random() < 0.5:
+            row += f"dsp = {draw.randrange(dock.settings['machine.slots'])}\n"
         return replace(dock, tables=(*dock.tables, row))
 
     def setting(self, dock: Dock) -> Dock:

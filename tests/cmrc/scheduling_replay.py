@@ -10,6 +10,7 @@ Event = tuple[int, str, str, dict[str, int]]
 
 # kind (KIND_* of task_block.inc) -> x, y of the paper's table 1
 KINDS = {0: (1, 0), 1: (5, 1), 2: (5, 2), 3: (6, 1), 4: (6, 2), 5: (7, 1), 6: (8, 1), 7: (11, 0), 8: (12, 0), 9: (13, 1), 10: (22, 2), 11: (21, 2)}
+RESET = 5  # machine::Action
 TRAJECTORY, INVERSE, SERVO = (1, 2), (3, 4), (5, 6)
 
 
@@ -28,6 +29,16 @@ def events(text: Iterable[str], without: tuple[str, ...] = ("bus_transaction", "
 
 
 @dataclass
+class UserTask:
+    """A row of [[tasks]] (docs/add-a-task.md): its J, and the slot that alone may claim it."""
+
+    importance: int
+    waiting: int
+    due: int = 0
+    dsp: int | None = None
+
+
+@dataclass
 class Rule:
     """Parameters of the rule, defaults of ruling 15 at base rates."""
 
@@ -41,12 +52,19 @@ class Rule:
     q: int = 0x2000
     b: int = 0x100
     a: int = 0x40
+    tasks: dict[int, UserTask] = field(default_factory=dict)  # by kind
+
+    def may_claim(self, kind: int, slot: int) -> bool:
+        return kind not in self.tasks or self.tasks[kind].dsp in (None, slot)
 
     def importance(self, kind: int, t: int, recomputed: bool) -> int:
-        x, y = KINDS[kind]
         t = min(t, 0xFFFF)
         if recomputed:
             return 0xFFFD
+        if kind in self.tasks:
+            row = self.tasks[kind]
+            return row.importance if t >= row.due else row.waiting
+        x, y = KINDS[kind]
         fixed = {1: 0xFFFE, 21: 0xFFFB, 11: 0xFDFF, 12: 0xFBFF, 13: 0xF7FF, 22: 0xEFFF}
         if x in fixed:
             return fixed[x]
@@ -95,7 +113,8 @@ class Replay:
         self.seen = 0
         self.idle: set[int] = set()
         self.to_ring: tuple[int, int] | None = None  # at least, at most, after the last refresh
-        self.rung = 0
+        self.offered: list[int] = []  # kinds that may be run, by falling J, at the last refresh
+        self.rung: list[int] = []
 
     def fault(self, time: int, what: str) -> None:
         if self.known:
@@ -109,8 +128,10 @@ class Replay:
                 self.idle.add(slot)
             elif name in ("idle", "reset"):
                 self.idle.discard(slot)
+            elif name == "scripted" and n["action"] == RESET:  # of a dead chip too
+                self.idle.discard(n["number"])
             elif name == "doorbell":
-                self.rung += 1
+                self.rung.append(n["slot"])
                 self.idle.discard(n["slot"])
             elif name == "load":
                 self.inserted += 1
@@ -125,28 +146,41 @@ class Replay:
                 block = self.blocks[n["block"]]
                 block.taken, block.recomputed, block.t, block.inserted, block.new = False, True, 0, self.inserted, True
             elif name == "claim":
-                self.claim(time, n["block"])
+                self.claim(time, slot, n["block"])
             elif name == "refresh":
                 self.refresh(time, n)
 
-    def claim(self, time: int, offset: int) -> None:
+    def claim(self, time: int, slot: int, offset: int) -> None:
         if offset not in self.blocks:
             return self.fault(time, f"a claim of {offset:#x}, which is not in the list")
         block = self.blocks[offset]
         if self.known:
             self.claims += 1
-            if not self.order or self.order[0] != offset:
-                self.fault(time, f"claimed {offset:#x}, but {[hex(o) for o in self.order[:3]]} is the order")
+            if offset != next((other for other in self.order if self.rule.may_claim(self.blocks[other].kind, slot)), None):
+                self.fault(time, f"DSP {slot} claimed {offset:#x}, but {[hex(o) for o in self.order[:3]]} is the order")
             if block.importance == 0:
                 self.fault(time, f"claimed {offset:#x}, whose J is 0")
         block.taken = True
         if offset in self.order:
             self.order.remove(offset)
 
+    def rings(self, idle: set[int]) -> int:
+        """How many are rung for what is offered, if these are idle (docs/controller.md, A refresh)."""
+        own = {self.rule.tasks[kind].dsp for kind in self.offered if kind in self.rule.tasks}
+        left = set(idle)
+        for kind in self.offered:
+            may = {slot for slot in left if self.rule.may_claim(kind, slot)}
+            if may:
+                left.discard(min(may - own or may) if len(may) > 1 else may.pop())
+        return len(idle) - len(left)
+
     def check_doorbells(self, time: int) -> None:
-        if self.doorbells and self.to_ring and not self.to_ring[0] <= self.rung <= self.to_ring[1]:
-            self.fault(time, f"before this refresh {self.rung} DSPs were rung, {self.to_ring[0]} to {self.to_ring[1]} by the rule")
-        self.rung = 0
+        if self.doorbells and self.to_ring and not self.to_ring[0] <= len(self.rung) <= self.to_ring[1]:
+            self.fault(time, f"before this refresh {len(self.rung)} DSPs were rung, {self.to_ring[0]} to {self.to_ring[1]} by the rule")
+        for slot in self.rung:
+            if not any(self.rule.may_claim(kind, slot) for kind in self.offered):
+                self.fault(time, f"before this refresh DSP {slot} was rung, and nothing was there for it")
+        self.rung = []
 
     def refresh(self, time: int, n: dict[str, int]) -> None:
         self.check_doorbells(time)
@@ -171,8 +205,8 @@ class Replay:
         self.seen += 1
         self.known = self.known or (len(self.blocks) == n["blocks"] and all(block.area in self.planned_at for block in self.blocks.values() if block.kind in INVERSE)) or first
         self.refreshes += self.known
-        eligible = sum(self.blocks[offset].importance > 0 for offset in self.order)
-        self.to_ring = (min(eligible, len(self.idle)), eligible)
+        self.offered = [self.blocks[offset].kind for offset in self.order if self.blocks[offset].importance > 0]
+        self.to_ring = (self.rings(self.idle), self.rings(set(range(32))))
         self.longest = max(self.longest, len(self.order))
         head = self.order[0] if self.order else 0
         if head != n["pointer"]:
