@@ -73,6 +73,7 @@ struct Config {
     bool guard = true;
     std::string programs;           ///< directory of the assembly sources; empty: the image built in
     std::string board = "default";  ///< of every DSP: "default", or a board file
+    std::string links;              ///< between ports of two slots
   } machine;
   struct Rates {
     double refresh_frequency_hz = 8000;  ///< f_s

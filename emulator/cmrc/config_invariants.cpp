@@ -12,6 +12,7 @@
 
 #include "cmrc/control.hpp"
 #include "cmrc/topology.hpp"
+#include "machine/slot_links.hpp"
 #include "plant/wind.hpp"
 
 namespace cmrc {
@@ -31,6 +32,12 @@ class Invariants {
     const auto& m = config_.machine;
     require(m.slots == 0 || m.slots >= m.dsps, {"machine.slots", "machine.dsps"}, fmt::format("{} DSPs in {} slots", m.dsps, m.slots),
             "machine.slots >= machine.dsps is required, or 0");
+    try {
+      const auto slots = static_cast<unsigned>(m.slots == 0 ? m.dsps : m.slots);
+      machine::check(machine::parse_slot_links(m.links), slots);
+    } catch (const std::invalid_argument& error) {
+      contradiction({"machine.links", "machine.slots", "machine.dsps"}, error.what(), "links as in \"0.1:1.4\" are expected");
+    }
     require(config_.run.duration_s * 1e3 > config_.host.start_ms, {"run.duration_s", "host.start_ms"},
             fmt::format("a run of {:g} ms ends before the first refresh, at {:g} ms", config_.run.duration_s * 1e3, config_.host.start_ms),
             "a longer run or an earlier start is expected");

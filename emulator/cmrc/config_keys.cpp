@@ -107,6 +107,8 @@ std::vector<Key> make_keys() {
            "directory of the DSP programs' sources, assembled at the start; empty: the image built in", "issue 2"),
       text("machine.board", FIELD(machine.board),
            "memories and clock of every DSP's board: default, or a board file (cli.md), whose clock_mhz comes before dsp_clock", "issue 4"),
+      text("machine.links", FIELD(machine.links),
+           "links between communication ports of two slots, as in \"0.1:1.4, 1.0:2.5\": one of ports 0, 1, 2 with one of 4, 5", "docs/add-a-task.md"),
 
       number("rates.refresh_frequency_hz", FIELD(rates.refresh_frequency_hz), "Hz", 100, 200000,
              "f_s, refreshes of the task-block list", "plant-and-bus.md 2.3"),

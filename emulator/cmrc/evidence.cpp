@@ -84,6 +84,18 @@ report::DspReport dsp_report(const Evidence& e, unsigned slot) {
   return report;
 }
 
+report::LinkReport link_report(const machine::SlotWire& wire) {
+  report::LinkReport report;
+  report.joined = wire.joined();
+  report.is_cut = wire.link().is_cut();
+  for (const int side : {0, 1}) {
+    const machine::SlotPort &from = side == 0 ? wire.ends().a : wire.ends().b, &to = side == 0 ? wire.ends().b : wire.ends().a;
+    const machine::SlotLinkTraffic of = wire.traffic(side);
+    report.directions[static_cast<std::size_t>(side)] = {machine::to_text(from), machine::to_text(to), of.sent, of.arrived, of.lost, of.discarded};
+  }
+  return report;
+}
+
 /// Distance of a point from a lane; large where the point lies before or behind it.
 double distance(const plant::LaneSegment& lane, double x, double y) {
   const double dx = x - lane.x, dy = y - lane.y;
@@ -192,6 +204,7 @@ report::RunReport make_report(Evidence e) {
   report.audit = std::move(e.told.audit);
   const machine::Config& clocks = e.machine.config();
   const double hertz = static_cast<double>(clocks.pci_hz_numerator) / static_cast<double>(clocks.pci_hz_denominator);
+  for (std::size_t i = 0; i < e.machine.links(); ++i) report.links.push_back(link_report(e.machine.link(i)));
   for (unsigned i = 0; i < e.machine.buses(); ++i) report.buses.push_back(bus_report(e.machine, static_cast<machine::BusId>(i), hertz));
   report.cycles = e.host.cycles().cycles();
   std::size_t delivered = 0;

@@ -207,6 +207,7 @@ pci::TargetConfig target_of(Card card) {
 void set_buses(const Config& config, machine::Config& machine) {
   const Config::Bus& bus = config.bus;
   machine.topology = topology_of(config);
+  machine.links = machine::parse_slot_links(config.machine.links);
   machine.bus.fast_back_to_back = bus.fast_back_to_back;
   machine.bus.arbitration = static_cast<pci::Arbitration>(bus.arbiter);
   machine.bus.parking = static_cast<pci::Parking>(bus.parking);

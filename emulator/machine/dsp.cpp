@@ -48,6 +48,7 @@ void Dsp::set_next() {
   next_ = std::min({own_next_, edge_, reset_});
   if (dma_goes_on()) next_ = std::min(next_, clock_.at(chip_.settled()));
   changed();
+  for (const Wire& wire : wires_) wire.actor.changed();  // what it did at its ports may have given links something to do
 }
 
 // While the processor stands before an access or in one, a DMA that moves words over a link to another slot goes on.
@@ -83,19 +84,12 @@ void Dsp::act(Time now) {
   } else if (dma_goes_on()) {
     run_dma(horizon());
   }
-  tell_links();
   set_next();
 }
 
 void Dsp::run_ahead(Time until) {
   run(until);
-  tell_links();
   set_next();
-}
-
-// What it did at its ports may have given links something to do.
-void Dsp::tell_links() {
-  for (const Wire& wire : wires_) wire.actor.changed();
 }
 
 // Whose ports can interrupt it, or move its DMA, follows its link step by step.
@@ -128,6 +122,7 @@ std::optional<ChipRunner::Span> Dsp::span() {
   }
   const c40::Cycles limit = this->limit(run_end_);
   if (chip_.cycle() < limit) return Span{.limit = limit, .known = limit};
+  if (chip_.settled() < limit && chip_.watches_ports()) return Span{.limit = 0, .known = limit};  // its DMA is behind
   own_next_ = clock_.at(chip_.cycle());
   return {};
 }

@@ -161,7 +161,6 @@ class Dsp final : public Scheduler::Processor, private ChipRunner {
   bool faulted(const c40::Fault& why) override;
   void begin_access(Time horizon);
   void begin_port_access(Time now, Time horizon);
-  void tell_links();
   bool dma_goes_on() const;
   void run_dma(Time horizon);
   c40::Cycles limit(Time horizon) const;

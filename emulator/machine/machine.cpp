@@ -399,6 +399,7 @@ void Machine::Parts::run_until(Time limit) {
   scheduler.run_until(limit);
   time = std::max(time, limit);
   for (Dsp& dsp : dsps) dsp.settle(time);
+  scheduler.all_changed();  // the DMA of one that idles may have given its links something to do
 }
 
 // What befalls drives and sensors.

@@ -3,16 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <stdexcept>
 
 #include "machine/dsp.hpp"
-#include "machine/network.hpp"
 
 namespace machine {
 
 namespace {
-
-std::string to_text(const SlotPort& port) { return fmt::format("{}.{}", port.slot, port.port); }
 
 c40::Link::Side side_of(const SlotPort& end, Dsp& dsp) {
   return {fmt::format("DSP {} port {}", end.slot, end.port), end.port, &dsp.chip().port(end.port), dsp.clock()};
@@ -20,20 +18,32 @@ c40::Link::Side side_of(const SlotPort& end, Dsp& dsp) {
 
 }  // namespace
 
+std::string to_text(const SlotPort& port) { return fmt::format("{}.{}", port.slot, port.port); }
 std::string to_text(const SlotLink& link) { return to_text(link.a) + ":" + to_text(link.b); }
 
 std::vector<SlotLink> parse_slot_links(std::string_view text) {
-  std::vector<std::string> slots;
-  for (unsigned slot = 0; slot < most_slots; ++slot) slots.push_back(fmt::format("{}", slot));
   std::vector<SlotLink> links;
   for (std::size_t from = 0; from < text.size();) {
     const std::size_t comma = std::min(text.find(',', from), text.size());
-    std::string_view one = text.substr(from, comma - from);
-    while (one.starts_with(' ')) one.remove_prefix(1);
-    while (one.ends_with(' ')) one.remove_suffix(1);
-    const NetworkLink link = parse_link(one, slots);
-    const auto end = [](const PortName& port) { return SlotPort{static_cast<unsigned>(port.chip), port.port}; };
-    links.push_back(link.a.port < link.b.port ? SlotLink{end(link.a), end(link.b)} : SlotLink{end(link.b), end(link.a)});
+    std::string_view rest = text.substr(from, comma - from);
+    while (rest.starts_with(' ')) rest.remove_prefix(1);
+    while (rest.ends_with(' ')) rest.remove_suffix(1);
+    const std::string_view one = rest;
+    const auto unclear = [&] { return std::invalid_argument{fmt::format("\"{}\" is no link; SLOT.PORT:SLOT.PORT is expected, as 0.1:1.4", one)}; };
+    const auto number = [&](char behind) {
+      unsigned value = 0;
+      const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+      const auto length = static_cast<std::size_t>(end - rest.data());
+      const bool ends = behind == 0 ? length == rest.size() : length < rest.size() && *end == behind;
+      if (error != std::errc{} || !ends) throw unclear();
+      rest.remove_prefix(length + (behind == 0 ? 0 : 1));
+      return value;
+    };
+    SlotLink link;
+    link.a.slot = number('.'), link.a.port = static_cast<int>(number(':'));
+    link.b.slot = number('.'), link.b.port = static_cast<int>(number(0));
+    if (link.a.port > link.b.port) std::swap(link.a, link.b);
+    links.push_back(link);
     from = comma + 1;
   }
   return links;
@@ -45,6 +55,7 @@ void check(const std::vector<SlotLink>& links, unsigned slots) {
     const std::string name = to_text(link);
     for (const SlotPort& end : {link.a, link.b}) {
       if (end.slot >= slots) throw std::invalid_argument{fmt::format("link {}: there is no slot {}; the last is {}", name, end.slot, slots - 1)};
+      if (end.port < 0 || end.port >= c40::port_count) throw std::invalid_argument{fmt::format("link {}: a DSP has no port {}; ports 0, 1, 2, 4 and 5 are free", name, end.port)};
       if (end.port == 3) throw std::invalid_argument{fmt::format("link {}: port 3 of every DSP is linked to the link adapter; ports 0, 1, 2, 4 and 5 are free", name)};
       if (std::ranges::find(taken, end) != taken.end()) throw std::invalid_argument{fmt::format("link {}: port {} is taken; a port has one link", name, to_text(end))};
       taken.push_back(end);

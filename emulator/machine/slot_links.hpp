@@ -36,6 +36,7 @@ struct SlotLink {
 
 /// "0.1:1.4, 1.0:2.5". \throws std::invalid_argument with what would be right
 std::vector<SlotLink> parse_slot_links(std::string_view text);
+std::string to_text(const SlotPort& port);
 std::string to_text(const SlotLink& link);
 /// \throws std::invalid_argument for a slot or port that there is not, a port that is taken, and ends that cannot be joined
 void check(const std::vector<SlotLink>& links, unsigned slots);

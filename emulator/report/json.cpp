@@ -120,6 +120,13 @@ Json dsp(const DspReport& of) {
           {"link_words", {{"in", of.link_words_in}, {"out", of.link_words_out}, {"lost", of.link_words_lost}}}};
 }
 
+Json link(const LinkReport& of) {
+  Json directions = Json::array();
+  for (const LinkReport::Direction& way : of.directions)
+    directions.push_back({{"from", way.from}, {"to", way.to}, {"sent", way.sent}, {"arrived", way.arrived}, {"lost", way.lost}, {"discarded", way.discarded}});
+  return {{"joined", of.joined}, {"is_cut", of.is_cut}, {"directions", std::move(directions)}};
+}
+
 Json bus(const BusReport& of) {
   const std::int64_t busy = of.data + of.wait + of.turnaround;
   Json object = {{"clock_hz", of.clock_hz},
@@ -226,6 +233,7 @@ std::string to_json(const RunReport& report) {
                {"misses", Json::array()},
                {"misses_left_out", report.misses_left_out},
                {"dsps", Json::array()},
+               {"links", Json::array()},
                {"buses", Json::object()},
                {"cycles", Json::array()},
                {"cycles_completed", report.cycles_completed},
@@ -241,6 +249,7 @@ std::string to_json(const RunReport& report) {
   add_measures(report, root);
   root["boot_words"] = report.boot_words;
   for (const DspReport& of : report.dsps) root["dsps"].push_back(dsp(of));
+  for (const LinkReport& of : report.links) root["links"].push_back(link(of));
   for (const BusReport& of : report.buses) root["buses"][of.name] = bus(of);
   for (const CycleReport& of : report.cycles) root["cycles"].push_back(cycle(of));
   for (const FailureReport& of : report.failures) root["failures"].push_back(failure(of));

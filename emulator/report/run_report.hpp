@@ -1,6 +1,7 @@
 #pragma once
 // Everything that a run says of itself, as plain structs (docs/report.md): filled by the controller, rendered here as
 // text and JSON.
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -61,6 +62,19 @@ struct DspReport {
   std::uint64_t dropped_writes = 0;  ///< while fenced
   std::vector<BootReport> boots;
   std::uint64_t link_words_in = 0, link_words_out = 0, link_words_lost = 0;  ///< between the link adapter and the DSP
+};
+
+/// A link between ports of two slots.
+struct LinkReport {
+  struct Direction {
+    std::string from, to;  ///< "0.1": slot and port
+    std::uint64_t sent = 0, arrived = 0;
+    std::uint64_t lost = 0;       ///< on the wires
+    std::uint64_t discarded = 0;  ///< in the ports, when they were reset
+  };
+  std::array<Direction, 2> directions;
+  std::uint64_t joined = 0;  ///< how often its wires were joined
+  bool is_cut = false;       ///< at the end
 };
 
 struct MasterReport {
@@ -206,6 +220,7 @@ struct RunReport {
   std::uint64_t misses_left_out = 0;  ///< missed jobs that are not among them
   std::uint64_t boot_words = 0;  ///< that each DSP is sent to boot; 0: its program is preloaded
   std::vector<DspReport> dsps;
+  std::vector<LinkReport> links;  ///< between slots
   std::vector<BusReport> buses;
   std::vector<CycleReport> cycles;
   unsigned cycles_completed = 0;

@@ -231,6 +231,16 @@ std::string waits(const BusReport& bus) {
   return table.empty() ? "" : table.render();
 }
 
+std::string links(const RunReport& report) {
+  if (report.links.empty()) return "";
+  TextTable table({"link, in words", "sent", "arrived", "lost", "discarded", "joined", "at the end"});
+  for (const LinkReport& link : report.links)
+    for (const LinkReport::Direction& way : link.directions)
+      table.add({way.from + " to " + way.to, count(way.sent), count(way.arrived), count(way.lost), count(way.discarded), count(link.joined),
+                 link.is_cut ? "cut" : "joined"});
+  return heading("Links between DSPs") + table.render();
+}
+
 std::string buses(const RunReport& report) {
   std::string text;
   for (const BusReport& bus : report.buses) {
@@ -313,7 +323,7 @@ std::string failures(const RunReport& report) {
 }  // namespace
 
 std::string to_text(const RunReport& report) {
-  return title(report) + headline(report) + outcomes(report) + times(report) + reasons(report) + dsps(report) + buses(report) +
+  return title(report) + headline(report) + outcomes(report) + times(report) + reasons(report) + dsps(report) + links(report) + buses(report) +
          cycles(report) + errors_section(report) + after_stop_section(report) + host_work(report) + wind(report) + timed_events(report) + errors_text(report.errors_handled) + failures(report) +
          fmt::format("\ntask blocks: {} steps of their lives checked, {} violations{}\n", report.audit.checks, report.audit.violations.size(),
                      report.braked ? "; every crane drive is braked" : "") +
