@@ -1,4 +1,4 @@
-"""One task's work on one DSP, and split over two that hand the second half over in shared memory (docs/add-a-task.md).
+"""One task's work on one DSP, and split over two that hand the second half over in shared memory or by a link (docs/add-a-task.md).
 
 The work is a survey by a vehicle's range sensor (split_task/survey.asm): 180 rays, 36 sectors.
 """
@@ -45,6 +45,8 @@ parameter_1 = {looks}
 
 WHOLE = task("whole", 23, 0x7000, dsp=0)
 HALVES = task("first", 23, 0x7001, dsp=0, looks=LOOKS) + task("second", 24, 0x7000, dsp=1)
+LINKED = task("first_link", 23, 0x7001, dsp=0, looks=LOOKS) + task("second_link", 24, 0x7000, dsp=1)
+LINK = {"machine.links": "0.0:1.4"}
 
 
 def simulation(folder: Path, tasks: str, duration_s: float, **settings: Any) -> cmrc.Simulation:
@@ -82,19 +84,25 @@ def main(duration_s: float = 0.5) -> None:
         symbols = cmrc.c40.assemble_file(source, entry="_start").symbols
         nothing = simulation(folder, "", duration_s).run().report
         whole, halves = (simulation(folder, tasks, duration_s) for tasks in (WHOLE, HALVES))
+        linked = simulation(folder, LINKED, duration_s, **LINK)
         line("on one DSP", whole.run().report, ["whole"], nothing)
-        line("halves on two", halves.run().report, ["first", "second"], nothing)
-        print("the same results:", survey(whole, symbols) == survey(halves, symbols))
+        line("by shared memory", halves.run().report, ["first", "second"], nothing)
+        line("by a link", linked.run().report, ["first_link", "second_link"], nothing)
+        print("the same results:", survey(whole, symbols) == survey(halves, symbols) == survey(linked, symbols))
 
         # In the middle of the second half: the first task waits for so long as it was told, then does it all.
-        halves = simulation(folder, HALVES, duration_s)
-        halves.at(0.1002, "fail", dsp=1)
-        report = halves.run().report
-        line("the second's DSP dies", report, ["first"], nothing)
-        second = report["tasks"]["user.second"]
-        print(f"first: {report['tasks']['user.first']['misses']} misses; second: {second['released']} jobs,")
-        print(f"of which {second['lost'] + second['never_started']} came to nothing; the task is not released again")
-        print("the same results:", survey(whole, symbols) == survey(halves, symbols))
+        print("when the second's DSP dies:")
+        halves, linked = simulation(folder, HALVES, duration_s), simulation(folder, LINKED, duration_s, **LINK)
+        for run, way, suffix in ((halves, "by shared memory", ""), (linked, "by a link", "_link")):
+            run.at(0.1002, "fail", dsp=1)
+            report = run.run().report
+            first, second = (report["tasks"][f"user.{name}{suffix}"] for name in ("first", "second"))
+            line(way, report, [f"first{suffix}"], nothing)
+            print(
+                f"first: {first['misses']} misses; second: {second['released']} jobs,"
+                f" of which {second['lost'] + second['never_started']} came to nothing"
+            )
+        print("the same results:", survey(whole, symbols) == survey(halves, symbols) == survey(linked, symbols))
 
 
 if __name__ == "__main__":

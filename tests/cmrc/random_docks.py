@@ -126,8 +126,31 @@ kernel_user_touches_nothing:
 kernel_user_swi:
         swi
         rets
+kernel_user_talks:
+        ldhi    0010h, ar0
+        or      0040h, ar0
+        ldi     *ar0, r0
+        and     01E0h, r0               ; OUTPUT LEVEL of port 0
+        bnz     talks_end
+        sti     r3, *+ar0(2)
+talks_end:
+        ldi     *+ar0(40h), r0
+        and     1E00h, r0               ; INPUT LEVEL of port 4
+        bz      talks_done
+        ldi     *+ar0(41h), r3
+talks_done:
+        ldi     0, r0
+        ldi     0, r1
+        rets
+kernel_user_listens:
+        ldhi    0010h, ar0
+        or      0080h, ar0
+        ldi     *+ar0(1), r3            ; waits for a word
+        ldi     0, r0
+        ldi     0, r1
+        rets
 """
-USER_PROGRAMS = ["counts", "counts", "never_returns", "takes_long", "writes_everywhere", "touches_nothing", "swi"]
+USER_PROGRAMS = ["counts", "counts", "never_returns", "takes_long", "writes_everywhere", "touches_nothing", "swi", "talks", "talks", "listens"]
 
 
 @dataclass(frozen=True)
@@ -256,6 +279,8 @@ class Generator:
         if draw.random() < 0.2:
             setting("machine.programs", str(self.programs))
             changes += [self.task] * draw.randint(1, 3)
+            slots = draw.sample(range(16), 2)
+            setting("machine.links", draw.choice(["", "0.0:1.4", "0.0:1.4, 1.0:0.4", f"{slots[0]}.0:{slots[1]}.4"]))
         return changes
 
     def task(self, dock: Dock) -> Dock:
