@@ -5,9 +5,7 @@
 // Which of its bridges leads there is a matter of the topology: by default bus A (host, shared memory) for window A, bus B
 // (devices) for window B. The host is a HostProgram: what it does is C++, but whatever it reads or writes is a transaction.
 //
-// Order: always the earliest event, ties by component (host, buses in their order, scripted events, DSP slots, the plant
-// last). Chips run ahead of that order only where nothing can reach them, so the results do not
-// depend on Config::turn_order nor on how a run is cut into calls of run_until.
+// Order: machine/scheduler.hpp. Ties: host, buses in their order, scripted events, links, DSP slots, the plant last.
 //
 // Inaccuracies: a doorbell or reset takes effect from the end of the write burst that holds it; burst reads take the
 // memory's words at FRAME#; the host's processor has no caches and no other work than its HostProgram's.

@@ -2,10 +2,9 @@
 /// Networks of chips: up to 64, each with its own program, board and clock, joined by links between communication ports and by
 /// memories that several of them reach (docs/networks.md).
 ///
-/// Order is exact (docs/architecture.md): a chip runs ahead on what is its own and stops before it touches a linked port or a
-/// shared memory; the earliest such access of all happens first, after what the links do at that instant; ties go by the chips' numbers.
-/// A chip whose ports can interrupt it runs no further than anything could reach it. The order in which chips are advanced
-/// (`turn_order`) changes nothing.
+/// Order: machine/scheduler.hpp. A chip runs ahead on what is its own and stops before it touches a linked port or a shared memory.
+/// One whose ports can interrupt it, or move its DMA, runs no further than anything could reach it. Ties: links, actions, chips
+/// by their numbers.
 ///
 /// Inaccuracies: a wait that a reset, a hold or the end of the run cuts short is not among the chip's cycles by cause as a wait for
 /// the port: up to the reset or hold the chip counts as halted, at the end its count stops where the wait began. An access of the DMA
