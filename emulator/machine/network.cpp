@@ -237,8 +237,10 @@ NetworkStop Network::run_slice(Time limit) {
   scheduler_.all_changed();
   for (;;) {
     if (const auto stop = stop_if_quiet(limit)) return *stop;
-    scheduler_.run_some_ahead(limit);
-    if (const auto stop = stop_if_quiet(limit)) return *stop;
+    if (scheduler_.shuffles()) {
+      scheduler_.run_some_ahead(limit);
+      if (const auto stop = stop_if_quiet(limit)) return *stop;
+    }
     if (!scheduler_.step(limit)) return finish(NetworkStop::Reason::limit, limit);
   }
 }
@@ -270,12 +272,18 @@ void Network::link_happens(std::size_t number, Time time) {
   c40::Link& link = *links_[number];
   const NetworkLink& ends = description_.links[number];
   const std::array nodes{nodes_[ends.a.chip].get(), nodes_[ends.b.chip].get()};
-  for (Node* node : nodes) node->come_to(time);
+  bool moved = false;
+  for (Node* node : nodes) moved |= node->come_to(time);
   const bool passes_token = link.only_exchanges_token();
   link.advance_to(time);
   something_happened();
   if (!passes_token) changed_ = time;
-  for (Node* node : nodes) node->note_ready(time), node->wake_up(), node->tell_changes();
+  for (Node* node : nodes) {
+    node->note_ready(time);
+    node->wake_up();
+    node->changed();
+    if (moved) node->tell_changes();
+  }
 }
 
 void Network::perform_port(Node& node) {

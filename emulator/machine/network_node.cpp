@@ -77,11 +77,12 @@ Time Network::Node::lookahead() const {
 
 void Network::Node::act(Time now) {
   network.now_ = now;
+  const bool on_its_own = status == ChipStatus::running && !follows_ports();
   if (status == ChipStatus::sleeping) bring_to(now, false);
-  else if (status == ChipStatus::waiting || follows_ports()) go_on_with_ports(now);
+  else if (!on_its_own) go_on_with_ports(now);
   look_for_loop();
   if (status == ChipStatus::running && !follows_ports()) run_freely(horizon());
-  tell_changes();
+  if (!on_its_own || !network.actions_.empty()) tell_changes();
 }
 
 /// It waits, or follows its ports: as far as they are known, or its access.
@@ -105,7 +106,6 @@ void Network::Node::run_ahead(Time until) {
 }
 
 void Network::Node::tell_changes() {
-  changed();
   for (const std::size_t link : links) network.link_turns_[link]->changed();
   if (!network.actions_.empty()) network.action_turn_->changed();
 }
@@ -132,10 +132,13 @@ void Network::Node::run_to(Time until) {
   run_chip(chip);
 }
 
-/// Before something outside changes what it follows, at `time`.
-void Network::Node::come_to(Time time) {
-  if (status == ChipStatus::sleeping) bring_to(time, true);
-  else if (follows_ports() || (status == ChipStatus::waiting && dma_waits())) run_to(time);
+/// Before something outside changes what it follows, at `time`. Whether it has to.
+bool Network::Node::come_to(Time time) {
+  const bool follows = follows_ports() || (status == ChipStatus::waiting && dma_waits());
+  if (status != ChipStatus::sleeping && !follows) return false;
+  if (follows) run_to(time);
+  else bring_to(time, true);
+  return true;
 }
 
 std::optional<ChipRunner::Span> Network::Node::span() {

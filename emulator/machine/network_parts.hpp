@@ -93,12 +93,12 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, private 
   void run_ahead(Time until) override;
   Time horizon() const override;
 
-  /// Its next event and those of its links may have become others.
+  /// The next events of its links, and of actions on it, may have become others.
   void tell_changes();
 
   // How it goes on.
   void run_to(Time until);
-  void come_to(Time time);
+  bool come_to(Time time);
   void bring_to(Time time, bool fully);
   void look_for_loop();
   void note_ready(Time time);
@@ -115,7 +115,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, private 
   bool has_ended() const;
   bool awaits_dma_for_ever() const;
   /// Nothing will happen here, but for a loop that goes on as it does.
-  bool is_still() const { return patience.loop || (status != ChipStatus::running && next() == never); }
+  bool is_still() const { return patience.loop || (status != ChipStatus::running && planned() == never); }
 
  private:
   void go_on_with_ports(Time now);

@@ -33,6 +33,10 @@ class Scheduler {
       if (scheduler_ != nullptr) scheduler_->calendar_.set(place_, next());
     }
 
+   protected:
+    /// next(), as it was when last told.
+    Time planned() const { return scheduler_->calendar_.time(place_); }
+
    private:
     friend class Scheduler;
     Scheduler* scheduler_ = nullptr;
@@ -72,6 +76,7 @@ class Scheduler {
   /// Of the last event.
   Time now() const { return now_; }
   Time earliest() const { return calendar_.earliest().time; }
+  bool shuffles() const { return shuffle_.active(); }
 
  private:
   /// xorshift64*
