@@ -4,7 +4,6 @@
 #include <sys/mman.h>
 
 #include <algorithm>
-#include <cstring>
 #include <stdexcept>
 
 namespace cmrc {
@@ -39,6 +38,7 @@ void Course::latch(const plant::Dock& dock, Time time) {
     *out++ = at.x;
     *out++ = at.y;
   }
+  for (double& value : rows_.row(size_)) value = to_grid(value);
   ++size_;
 }
 

@@ -2,6 +2,7 @@
 // The course of a run: where crane, load and vehicles were at each latch of the drives, and how far each robot's work had come.
 // Two courses, a run's and its ideal run's, are what errors, lag and demand are measured from (docs/report.md, Errors).
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -30,6 +31,7 @@ class Rows {
   Rows& operator=(const Rows&) = delete;
 
   std::size_t room() const { return room_; }
+  std::size_t width() const { return width_; }
   std::span<double> row(std::size_t index) { return {data_ + index * width_, width_}; }
   std::span<const double> row(std::size_t index) const { return {data_ + index * width_, width_}; }
   /// The first `rows` rows, one after the other.
@@ -65,6 +67,9 @@ using JobsByRobot = std::map<std::pair<std::size_t, Robot>, JobTimes>;  ///< by 
 class Course {
  public:
   static constexpr std::size_t milestones_max = 1 << 18;
+  /// Of a metre or a radian: rows are kept to a nanometre. What is finer is the integrators' noise, of which a long run's snapshot would be full.
+  static constexpr double parts = 1 << 30;
+  static double to_grid(double value) { return std::floor(value * parts + 0.5) / parts; }
 
   /// \param rows at most. 0: no rows, only milestones
   Course(std::size_t rows, int agvs);

@@ -449,7 +449,7 @@ Snapshot Simulation::snapshot() {
   p.require_no_profile("snapshot");
   if (p.now() > settling) p.log.deliver(p.now() - settling);
   constexpr std::size_t all_else = 8 << 20;  // most of a long run's state is its course
-  return {p.now(), p.snapshot_key, p.files(), state::save(p, p.course->bytes() + all_else)};
+  return {p.now(), p.snapshot_key, p.files(), state::save_with_tables(p, p.course->bytes() + all_else)};
 }
 
 void Simulation::restore(const Snapshot& snapshot) {

@@ -311,8 +311,7 @@ void Ledger::list_state(state::Visitor& list) {
 void Course::list_state(state::Visitor& list) {
   list("size", size_);
   if (size_ > rows_.room()) throw state::StateError("a course of " + std::to_string(size_) + " rows, where there is room for " + std::to_string(rows_.room()));
-  std::span<double> recorded = rows_.first(size_);
-  list("rows", recorded);
+  list.table("rows", rows_.first(size_), rows_.width());
   list("every", every_);
   list("points_every", points_every_);
   list("legs", legs_);

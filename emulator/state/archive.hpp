@@ -6,26 +6,36 @@
 #include <string_view>
 #include <vector>
 
+#include "state/columns.hpp"
 #include "state/visitor.hpp"
 
 namespace state {
+
+/// A saved state, and where it holds long tables.
+struct Saved {
+  std::string text;
+  std::vector<Table> tables;
+};
 
 class Saver : public Visitor {
  public:
   bool loads() const override { return false; }
   const std::string& text() const { return text_; }
   std::string take() { return std::move(text_); }
+  std::vector<Table> take_tables() { return std::move(tables_); }
   /// So many bytes are expected: a state of tens of megabytes is not moved as it grows.
   void expect(std::size_t bytes) { text_.reserve(bytes); }
 
  protected:
   void bytes(void* data, std::size_t size) override;
+  void rows(void* first, std::size_t count, std::size_t columns) override;
   std::size_t count(std::size_t present, std::size_t least) override;
   void listed(std::string_view name) override;
   void leave() override {}
 
  private:
   std::string text_;
+  std::vector<Table> tables_;
 };
 
 class Loader : public Visitor {
@@ -75,11 +85,15 @@ class Lister final : public Saver {
 
 /// \param expected bytes, if that is known
 template <class T>
-std::string save(const T& object, std::size_t expected = 0) {
+Saved save_with_tables(const T& object, std::size_t expected = 0) {
   Saver saver;
   saver.expect(expected);
   const_cast<T&>(object).list_state(saver);  // NOLINT: a saver only reads
-  return saver.take();
+  return {saver.take(), saver.take_tables()};
+}
+template <class T>
+std::string save(const T& object) {
+  return save_with_tables(object).text;
 }
 
 /// \throws StateError; the object is then in no usable state

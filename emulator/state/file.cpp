@@ -17,7 +17,7 @@ constexpr std::string_view magic = "CMRC state\n";
 struct Envelope {
   std::string kind;
   std::vector<std::pair<std::string, std::uint64_t>> key;
-  std::string text;
+  Saved state;
 };
 
 /// Each step is reversible, so one changed word always changes the sum.
@@ -104,21 +104,35 @@ Envelope read(std::string_view sealed) {
     std::string what = reader.text();
     out.key.emplace_back(std::move(what), reader.number());
   }
+  for (std::uint64_t n = reader.number(); n != 0; --n) {
+    const std::uint64_t offset = reader.number(), rows = reader.number();
+    out.state.tables.push_back({offset, rows, reader.number()});
+  }
+  const std::string how = reader.text();
   const std::uint64_t length = reader.number();
-  out.text = unpacked(reader.text(), length);
+  out.state.text = unpacked(reader.text(), length);
   if (!reader.at_end()) throw StateError("the snapshot is damaged: something stands behind it");
+  for (const Table& table : out.state.tables) {
+    const std::uint64_t room = length - std::min(length, table.offset), words = room / sizeof(std::uint64_t);
+    if (table.columns == 0 || table.rows > words / table.columns) throw StateError("the snapshot is damaged: a table reaches beyond its end");
+  }
+  from_columns(out.state.text, out.state.tables, how);
   return out;
 }
 
 }  // namespace
 
-std::string seal(std::string_view kind, const Key& key, std::string_view text) {
+std::string seal(std::string_view kind, const Key& key, Saved state) {
   std::string body;
   append_text(body, kind);
   append(body, std::uint64_t{key.size()});
   for (const auto& [what, value] : key) append_text(body, what), append(body, checksum(value));
-  append(body, std::uint64_t{text.size()});
-  append_text(body, packed(text));
+  append(body, std::uint64_t{state.tables.size()});
+  for (const Table& table : state.tables)
+    for (const std::uint64_t number : {table.offset, table.rows, table.columns}) append(body, number);
+  append_text(body, to_columns(state.text, state.tables));
+  append(body, std::uint64_t{state.text.size()});
+  append_text(body, packed(state.text));
   std::string out(magic);
   append(out, std::uint64_t{version});
   append(out, std::uint64_t{body.size()});
@@ -128,7 +142,7 @@ std::string seal(std::string_view kind, const Key& key, std::string_view text) {
 
 std::string kind_of(std::string_view sealed) { return read(sealed).kind; }
 
-std::string opened(std::string_view sealed, std::string_view kind, const Key& key) {
+Saved opened(std::string_view sealed, std::string_view kind, const Key& key) {
   Envelope envelope = read(sealed);
   if (envelope.kind != kind) throw StateError(fmt::format("a snapshot of a {}; one of a {} is expected", envelope.kind, kind));
   for (std::size_t n = 0; n < std::max(key.size(), envelope.key.size()); ++n) {
@@ -138,7 +152,7 @@ std::string opened(std::string_view sealed, std::string_view kind, const Key& ke
     if (checksum(key[n].second) != envelope.key[n].second)
       throw StateError(fmt::format("a snapshot of another {}: the {} is not the same", kind, key[n].first));
   }
-  return std::move(envelope.text);
+  return std::move(envelope.state);
 }
 
 }  // namespace state

@@ -242,10 +242,10 @@ void bind_processor(py::module_& m) {
       .def("load_words", &Processor::load_words, py::arg("address"), py::arg("words"))
       .def("load_image", &Processor::load_image, "Loads the sections of an image and sets the PC to its entry.")
       .def("save", [](const Processor& p, const toolchain::Image* program) {
-        return py::bytes(state::seal("processor", p.configuration(program), state::save(p.chip)));
+        return py::bytes(state::seal("processor", p.configuration(program), state::save_with_tables(p.chip)));
       }, py::arg("program"))
       .def("load", [](Processor& p, const std::string& sealed, const toolchain::Image* program) {
-        state::load_or_leave(p.chip, state::opened(sealed, "processor", p.configuration(program)));
+        state::load_or_leave(p.chip, state::opened(sealed, "processor", p.configuration(program)).text);
       }, py::arg("sealed"), py::arg("program"), "Refuses by name what is no snapshot of such a processor, before anything is changed.")
       .def("run", &Processor::run, py::arg("max_cycles"), py::arg("until") = py::none(),
            "Runs whole instructions for max_cycles, or until the PC is at `until`; says why it stopped.")

@@ -136,7 +136,7 @@ py::dict signals_of(const plant::Dock& dock, const std::shared_ptr<const cmrc::R
     column(fmt::format("{}_saturated", name), [j](const plant::Signal& s) { return std::abs(s.code[j]) >= 2047; });
     if (!reference) continue;
     column(fmt::format("{}_reference_{}", name, unit), [&, j](const plant::Signal& s) { return reference->course.at(s.time)[j]; });
-    column(fmt::format("{}_error_{}", name, unit), [&, j](const plant::Signal& s) { return s.q[j] - reference->course.at(s.time)[j]; });
+    column(fmt::format("{}_error_{}", name, unit), [&, j](const plant::Signal& s) { return cmrc::Course::to_grid(s.q[j]) - reference->course.at(s.time)[j]; });
   }
   column("sway_alpha_rad", [](const plant::Signal& s) { return s.alpha; });
   column("sway_beta_rad", [](const plant::Signal& s) { return s.beta; });

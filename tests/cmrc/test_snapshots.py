@@ -202,6 +202,19 @@ def test_a_snapshot_is_refused_by_name_and_nothing_has_changed(tmp_path: Path) -
         cmrc.Simulation(duration_s=0.03).restore("snap")  # type: ignore[arg-type]
 
 
+def test_a_file_has_room_for_what_a_second_adds() -> None:
+    """10 MB for 180 s of the default dock with 4 DSPs (issue 18): 55 kB a second, and what each run begins with."""
+    simulation = core.Simulation(core.config(settings={"dsps": 4, "duration_s": 180.0}))
+    sizes = []
+    for instant in (2.0, 5.0):
+        simulation.run_until(instant)
+        snapshot = simulation.snapshot()
+        sizes.append(len(snapshot.to_bytes()))
+        again = core.Snapshot.from_bytes(snapshot.to_bytes())
+        assert again.state == snapshot.state and again.to_bytes() == snapshot.to_bytes()
+    assert sizes[0] < 400_000 and (sizes[1] - sizes[0]) / 3 < 55_000, sizes
+
+
 def test_a_snapshot_from_inside_a_callback_and_of_a_profile_is_refused() -> None:
     simulation = cmrc.Simulation(dsps=1, duration_s=0.03, settings={**AT_ONCE, "report.reference": "none"})
     refused: list[str] = []
