@@ -112,20 +112,4 @@ void Course::servo(bool on, Time at) {
   servo_.push_back(at);
 }
 
-void Course::put(Bytes& bytes) const {
-  bytes.put(static_cast<std::uint64_t>(size_));
-  bytes.put(every_);
-  bytes.put(milestones_);
-  bytes.put(leg_intervals_);
-  bytes.put(servo_);
-}
-
-void Course::take(BytesReader& bytes) {
-  size_ = bytes.take<std::uint64_t>();
-  every_ = bytes.take<std::int64_t>();
-  milestones_ = bytes.list<Milestone>();
-  leg_intervals_ = bytes.list<Time>();
-  servo_ = bytes.list<Time>();
-}
-
 }  // namespace cmrc

@@ -9,7 +9,6 @@
 #include <span>
 #include <vector>
 
-#include "cmrc/bytes.hpp"
 #include "cmrc/instants.hpp"
 #include "machine/time.hpp"
 #include "plant/dock.hpp"
@@ -104,11 +103,9 @@ class Course {
   /// Whole point intervals inside legs in which a robot consumed no new point, until `end`: a gap of g intervals counts floor(g) - 1. By robot.
   std::map<Robot, std::uint64_t> starved_intervals(Time end) const;
 
-  /// Rows, too, as far as they are recorded.
   void list_state(state::Visitor& list);
-  /// Everything but the rows, to another process and back.
-  void put(Bytes& bytes) const;
-  void take(BytesReader& bytes);
+  /// Everything but the rows, for a process that shares these.
+  void list_all_but_rows(state::Visitor& list);
 
  private:
   /// Where a robot stands, as far as its milestones' keys need it.

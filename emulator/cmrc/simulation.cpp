@@ -27,6 +27,7 @@
 #include "machine/machine.hpp"
 #include "plant/dock.hpp"
 #include "state/archive.hpp"
+#include "state/sha256.hpp"
 #include "toolchain/assembler.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/source_map.hpp"
@@ -156,7 +157,7 @@ std::string digest_of_files(const Config& config, const toolchain::Image& image)
   }
   if (!config.dock.layout.empty()) all += io::read_input(config.dock.layout).text;
   if (config.machine.board != "default") all += io::read_input(config.machine.board).text;
-  return report::sha256(all);
+  return state::sha256(all);
 }
 
 /// The first line that is in one of them only.

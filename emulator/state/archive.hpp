@@ -116,6 +116,24 @@ void load_or_leave(T& object, std::string_view text) {
   }
 }
 
+/// A value that has no list of its own: what a visitor takes as a field.
+template <class T>
+std::string save_value(const T& value) {
+  Saver saver;
+  saver("value", const_cast<T&>(value));  // NOLINT: a saver only reads
+  return saver.take();
+}
+
+/// \throws StateError
+template <class T>
+T load_value(std::string_view text) {
+  T value{};
+  Loader loader(text);
+  loader("value", value);
+  loader.end();
+  return value;
+}
+
 /// The first value in which two states differ, as "path: 1F00 beside 2000" (bytes, hexadecimal); none: they are alike.
 std::optional<std::string> first_difference(const Lister& a, const Lister& b);
 

@@ -347,5 +347,13 @@ void bind_c40(py::module_& core) {
   }, "Every memory-mapped register: name, address, value after reset, fields (lowest bit, width).");
   bind_float40(m);
   py::register_exception<state::StateError>(core, "SnapshotError", PyExc_ValueError);
+  core.def("to_columns", [](std::string rows, std::size_t columns) {
+    const std::string how = state::to_columns(rows, {{0, rows.size() / sizeof(std::uint64_t) / columns, columns}});
+    return std::pair{py::bytes(rows), py::bytes(how)};
+  }, "A table as a snapshot's file has it, and how each column is written.");
+  core.def("from_columns", [](std::string rows, std::size_t columns, const std::string& how) {
+    state::from_columns(rows, {{0, rows.size() / sizeof(std::uint64_t) / columns, columns}}, how);
+    return py::bytes(rows);
+  });
   core.def("kind_of_snapshot", [](const std::string& sealed) { return state::kind_of(sealed); });
 }
