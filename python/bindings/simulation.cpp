@@ -239,6 +239,8 @@ void bind_simulation(py::module_& m) {
       .def_property_readonly("ended", [](const Run& r) { return r.read("ended").ended(); })
       .def_property_readonly("exit_status", [](Run& r) { return r.waiting("exit_status", [](const Simulation& s) { return s.exit_status(); }); })
       .def("report_json", [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_json(s.report()); }); })
+      .def("report_so_far_json", [](Run& r) { return report::to_json(r.moment("report_so_far", [](Simulation& s) { return s.report_so_far(); })); },
+           "The report of a run that does not go on.")
       .def("report_text", [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_text(s.report()); }); })
       .def("tasks_json", [](const Run& r) { return report::tasks_to_json(r.read("tasks").tasks()); })
       .def("profile", [](Run& r) { r.change("profile").profile(); }, "Counts where the DSPs' cycles go; before the run.")
