@@ -24,12 +24,21 @@ SCENES: dict[str, dict[str, Any]] = {
     "heavy": {"dsps": 2, "preset": "heavy", "duration_s": 0.06, "report.reference": "none", "agvs": 2, **AT_ONCE},
     "gantry": {"dsps": 3, "crane": "gantry", "duration_s": 0.05, "report.reference": "none", **AT_ONCE},
     "one_bus": {"dsps": 3, "topology": "single", "duration_s": 0.05, "report.reference": "none", **AT_ONCE},
+    "bridged": {"dsps": 3, "topology.buses": "A B", "topology.boards": "A", "topology.bridges": "A-B", "run.phase_jitter": True, "bus.multi_transaction_clocks": 40,
+                "duration_s": 0.05, "agvs": 2, "report.reference": "none", **AT_ONCE},
+    "troubled": {"dsps": 4, "duration_s": 0.06, "report.reference": "none", "watchdog.silence_ms": 4.0, "dock.sway_sensors": 2, **AT_ONCE},
 }
 EVENTS: dict[str, list[dict[str, Any]]] = {
     "at_once": [{"at_s": 0.021, "action": "fail", "dsp": 1}, {"at_s": 0.03, "action": "slow", "dsp": 0, "factor": 0.7}],
     "heavy": [{"at_s": 0.02, "action": "hang", "dsp": 0}, {"at_s": 0.035, "action": "stall_bus", "bus": "A", "lasts_ms": 0.3}],
     "gantry": [{"at_s": 0.0213, "action": "unplug", "dsp": 2}, {"at_s": 0.0307, "action": "plug", "dsp": 2},
                {"at_s": 0.025, "action": "set", "key": "scheduling.p", "value": 0x5000}],
+    "troubled": [{"at_s": 0.010, "action": "stick_sway", "axis": "alpha"}, {"at_s": 0.012, "action": "stick_encoder", "joint": "slew"},
+                 {"at_s": 0.0150401, "action": "hang", "dsp": 1}, {"at_s": 0.0160302, "action": "freeze", "dsp": 2}, {"at_s": 0.018, "action": "pause_host", "lasts_ms": 1.5},
+                 {"at_s": 0.020, "action": "set", "key": "control.slew_bandwidth_rad_s", "value": 9.0}, {"at_s": 0.022, "action": "stall_bus", "bus": "A", "lasts_ms": 0.4},
+                 {"at_s": 0.024, "action": "fail_drive", "joint": "luff"}, {"at_s": 0.028, "action": "break_link", "dsp": 3}, {"at_s": 0.0290301, "action": "reset", "dsp": 3},
+                 {"at_s": 0.034, "action": "repair_link", "dsp": 3}, {"at_s": 0.036, "action": "repair_drive", "joint": "luff"},
+                 {"at_s": 0.040, "action": "slow", "dsp": 0, "factor": 0.2}, {"at_s": 0.044, "action": "stick_load_cell"}],
 }  # fmt: skip
 
 
@@ -55,9 +64,19 @@ def to_the_end(simulation: Any) -> Any:
 
 
 def instants(scene: str, count: int) -> list[float]:
+    """In turn anywhere, in the traffic behind a refresh of the list, and soon after one of the scene's events."""
     rng = random.Random(scene)
-    picoseconds = int(SCENES[scene]["duration_s"] * 1e12)
-    return [rng.randrange(picoseconds) * 1e-12 for _ in range(count)]
+    end = SCENES[scene]["duration_s"]
+    events = [event["at_s"] for event in EVENTS.get(scene, [])]
+    found = []
+    for number in range(count):
+        instant = rng.uniform(0, end)
+        if number % 3 == 1:
+            instant = round(instant * 8000) / 8000 + rng.uniform(0, 60e-6)
+        elif number % 3 == 2 and events:
+            instant = rng.choice(events) + rng.uniform(0, 1.5e-3) * rng.random()
+        found.append(int(min(instant, end * 0.999) * 1e12) * 1e-12)
+    return found
 
 
 @pytest.mark.parametrize("scene", SCENES)
