@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from typing import Any
 
-
 TOGETHER = 64  # values that are changed in one load
 
 
