@@ -11,6 +11,7 @@
 #include "machine/machine.hpp"
 #include "report/event_log.hpp"
 #include "report/trace_text.hpp"
+#include "state/sha256.hpp"
 
 namespace cli {
 namespace {
@@ -78,7 +79,7 @@ void regenerate(const report::TraceDifference& difference, const TraceDiffOption
       from, from + cycles_per_hash, machine::Labels::of_dock(simulation.image()));
   simulation.trace(*slot, text);
   simulation.run_until(simulation.machine().chip_clock().at(from + cycles_per_hash));
-  const std::string hash = report::sha256(hashed).substr(0, digits_of_hash);
+  const std::string hash = state::sha256(hashed).substr(0, digits_of_hash);
   if (hash != left && hash != right)
     return io::print(stderr, "error: this emulator executes something else there (sha256 {}) than either trace has: they were made from other programs "
                              "(--programs DIR takes those of a directory), with other options than --dsps {}, or by another version\n", hash, *dsps);

@@ -4,7 +4,6 @@
 #include <sys/mman.h>
 
 #include <algorithm>
-#include <cstring>
 #include <stdexcept>
 
 namespace cmrc {
@@ -39,6 +38,7 @@ void Course::latch(const plant::Dock& dock, Time time) {
     *out++ = at.x;
     *out++ = at.y;
   }
+  for (double& value : rows_.row(size_)) value = to_grid(value);
   ++size_;
 }
 
@@ -110,22 +110,6 @@ std::map<Robot, std::uint64_t> Course::starved_intervals(Time end) const {
 void Course::servo(bool on, Time at) {
   if (on == (servo_.size() % 2 == 1)) return;
   servo_.push_back(at);
-}
-
-void Course::put(Bytes& bytes) const {
-  bytes.put(static_cast<std::uint64_t>(size_));
-  bytes.put(every_);
-  bytes.put(milestones_);
-  bytes.put(leg_intervals_);
-  bytes.put(servo_);
-}
-
-void Course::take(BytesReader& bytes) {
-  size_ = bytes.take<std::uint64_t>();
-  every_ = bytes.take<std::int64_t>();
-  milestones_ = bytes.list<Milestone>();
-  leg_intervals_ = bytes.list<Time>();
-  servo_ = bytes.list<Time>();
 }
 
 }  // namespace cmrc

@@ -2,13 +2,13 @@
 // The course of a run: where crane, load and vehicles were at each latch of the drives, and how far each robot's work had come.
 // Two courses, a run's and its ideal run's, are what errors, lag and demand are measured from (docs/report.md, Errors).
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <map>
 #include <span>
 #include <vector>
 
-#include "cmrc/bytes.hpp"
 #include "cmrc/instants.hpp"
 #include "machine/time.hpp"
 #include "plant/dock.hpp"
@@ -30,6 +30,7 @@ class Rows {
   Rows& operator=(const Rows&) = delete;
 
   std::size_t room() const { return room_; }
+  std::size_t width() const { return width_; }
   std::span<double> row(std::size_t index) { return {data_ + index * width_, width_}; }
   std::span<const double> row(std::size_t index) const { return {data_ + index * width_, width_}; }
   /// The first `rows` rows, one after the other.
@@ -65,6 +66,9 @@ using JobsByRobot = std::map<std::pair<std::size_t, Robot>, JobTimes>;  ///< by 
 class Course {
  public:
   static constexpr std::size_t milestones_max = 1 << 18;
+  /// Of a metre or a radian: rows are kept to a nanometre. What is finer is the integrators' noise, of which a long run's snapshot would be full.
+  static constexpr double parts = 1 << 30;
+  static double to_grid(double value) { return std::floor(value * parts + 0.5) / parts; }
 
   /// \param rows at most. 0: no rows, only milestones
   Course(std::size_t rows, int agvs);
@@ -99,11 +103,9 @@ class Course {
   /// Whole point intervals inside legs in which a robot consumed no new point, until `end`: a gap of g intervals counts floor(g) - 1. By robot.
   std::map<Robot, std::uint64_t> starved_intervals(Time end) const;
 
-  /// Rows, too, as far as they are recorded.
   void list_state(state::Visitor& list);
-  /// Everything but the rows, to another process and back.
-  void put(Bytes& bytes) const;
-  void take(BytesReader& bytes);
+  /// Everything but the rows, for a process that shares these.
+  void list_all_but_rows(state::Visitor& list);
 
  private:
   /// Where a robot stands, as far as its milestones' keys need it.

@@ -53,20 +53,4 @@ std::vector<Instants::Some> Instants::in_order() const {
   return all;
 }
 
-void Instants::put(Bytes& bytes) const {
-  bytes.put(count_);
-  bytes.put(last_);
-  bytes.put(bin_);
-  bytes.put(kept_);
-  bytes.put(bins_);
-}
-
-void Instants::take(BytesReader& bytes) {
-  count_ = bytes.take<std::uint64_t>();
-  last_ = bytes.take<Time>();
-  bin_ = bytes.take<Time>();
-  kept_ = bytes.list<Time>();
-  bins_ = bytes.list<std::uint32_t>();
-}
-
 }  // namespace cmrc

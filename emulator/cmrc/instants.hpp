@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "cmrc/bytes.hpp"
 #include "machine/time.hpp"
 
 namespace state {
@@ -38,9 +37,6 @@ class Instants {
   std::vector<Some> in_order() const;
 
   void list_state(state::Visitor& list);
-
-  void put(Bytes& bytes) const;
-  void take(BytesReader& bytes);
 
  private:
   void count_in_bin(Time time);

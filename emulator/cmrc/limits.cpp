@@ -6,11 +6,11 @@
 #include <cmath>
 #include <map>
 
-#include "cmrc/bytes.hpp"
 #include "cmrc/child_processes.hpp"
 #include "cmrc/reference_run.hpp"
 #include "cmrc/simulation.hpp"
 #include "io/stop.hpp"
+#include "state/archive.hpp"
 
 namespace cmrc {
 namespace {
@@ -24,7 +24,7 @@ struct Job {
 };
 
 /// Runs to the first miss; where a reference is given, to the end.
-std::string run(Config config, const std::shared_ptr<const Reference>& reference) {
+std::string run(Config config, double value, const std::shared_ptr<const Reference>& reference) {
   config.run.strict = false;
   config.report.misses_max = 1;
   config.report.reference = reference ? ReferenceKind::ideal : ReferenceKind::none;
@@ -32,6 +32,9 @@ std::string run(Config config, const std::shared_ptr<const Reference>& reference
   simulation.run([&](const Progress& progress) { return reference || progress.misses == 0; });
   const report::RunReport report = simulation.report();
   report::LimitPoint point;
+  point.value = value;
+  point.ran = true;
+  point.stop_reason = name(report.stop_reason);
   for (const report::Starved& of : report.starved) point.starved += of.intervals;
   const bool whole = report.stop_reason == report::StopReason::completed || report.stop_reason == report::StopReason::job_done;
   point.passed = whole && report.misses() == 0 && point.starved == 0;
@@ -46,26 +49,7 @@ std::string run(Config config, const std::shared_ptr<const Reference>& reference
     const double lag = report.errors->lags.empty() ? 0 : report.errors->lags.front().end_s;
     point.cost = {f_p.realised_hz, f_t.realised_hz, f_p.missed(), f_t.missed(), report.errors->load.rms, lag};
   }
-  Bytes bytes;
-  bytes.put(point.passed);
-  bytes.put(report.stop_reason);
-  bytes.put(std::vector<char>(point.first_miss.begin(), point.first_miss.end()));
-  bytes.put(point.first_miss_s);
-  bytes.put(point.starved);
-  bytes.put(point.cost);
-  return bytes.text();
-}
-
-void read(const std::string& answer, report::LimitPoint& point) {
-  BytesReader bytes(answer);
-  point.ran = true;
-  point.passed = bytes.take<bool>();
-  point.stop_reason = name(bytes.take<report::StopReason>());
-  const std::vector<char> miss = bytes.list<char>();
-  point.first_miss.assign(miss.begin(), miss.end());
-  point.first_miss_s = bytes.take<double>();
-  point.starved = bytes.take<std::uint64_t>();
-  point.cost = bytes.take<std::optional<report::LimitPoint::Cost>>();
+  return state::save_value(point);
 }
 
 /// The ideal runs that the jobs are measured against, one for all that may share it; the runs of a scan follow each other.
@@ -139,12 +123,12 @@ report::Limits find_limits(const Config& config, const LimitGrids& grids, bool e
     return limits;
   }
   std::size_t ended = 0;
-  const auto answers = in_processes(jobs.size(), processors(), [&](std::size_t i) { return run(jobs[i].config, references[i]); },
+  const auto answers = in_processes(jobs.size(), processors(), [&](std::size_t i) { return run(jobs[i].config, limits.scans[jobs[i].scan].points[jobs[i].point].value, references[i]); },
                                     [&](std::size_t, const std::string&) {
                                       if (progress) progress(++ended, jobs.size());
                                     });
   for (std::size_t i = 0; i < jobs.size(); ++i) {
-    if (answers[i]) read(*answers[i], limits.scans[jobs[i].scan].points[jobs[i].point]);
+    if (answers[i]) limits.scans[jobs[i].scan].points[jobs[i].point] = state::load_value<report::LimitPoint>(*answers[i]);
     else limits.interrupted = true;
   }
   return limits;

@@ -9,7 +9,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include "cmrc/bytes.hpp"
 #include "cmrc/child_processes.hpp"
 #include "cmrc/ideal.hpp"
 #include "cmrc/simulation.hpp"
@@ -17,6 +16,7 @@
 #include "io/stop.hpp"
 #include "machine/machine.hpp"
 #include "report/comparison.hpp"
+#include "state/archive.hpp"
 
 namespace cmrc {
 
@@ -28,6 +28,21 @@ constexpr Time slice = std::chrono::milliseconds{5};
 constexpr std::uint64_t most_instructions = 5'000'000;
 // Who stops a run waits no longer for the ideal run to come as far.
 constexpr int moment_ms = 300;
+
+/// What the child tells of its run, besides the rows.
+struct Answer {
+  Course& course;
+  JobsByRobot jobs;
+  std::vector<std::optional<double>> metrics;
+  double elapsed_s = 0;
+
+  void list_state(state::Visitor& list) {
+    course.list_all_but_rows(list);
+    list("jobs", jobs);
+    list("metrics", metrics);
+    list("elapsed_s", elapsed_s);
+  }
+};
 
 }  // namespace
 
@@ -75,21 +90,9 @@ ReferenceRun::ReferenceRun(const Config& config)
         };
         simulation.run(go_on, slice);
         const report::RunReport report = simulation.report();
-        Bytes bytes;
-        reference_->course.put(bytes);
-        const JobsByRobot jobs = simulation.jobs();
-        bytes.put(jobs.size());
-        for (const auto& [key, of] : jobs) {
-          bytes.put(key.first);
-          bytes.put(key.second);
-          of.released.put(bytes);
-          of.finished.put(bytes);
-        }
-        std::vector<double> values;
-        for (const report::Metric& metric : report::metrics(report)) values.push_back(metric.value.value_or(std::nan("")));
-        bytes.put(values);
-        bytes.put(report.elapsed_s);
-        return bytes.text();
+        Answer answer{reference_->course, simulation.jobs(), {}, report.elapsed_s};
+        for (const report::Metric& metric : report::metrics(report)) answer.metrics.push_back(metric.value);
+        return state::save(answer);
       });
 }
 
@@ -104,18 +107,13 @@ std::shared_ptr<const Reference> ReferenceRun::cut_short(Time time) {
 
 std::shared_ptr<const Reference> ReferenceRun::wait() {
   if (!child_) return reference_;
-  const std::string answer = child_->wait();
+  const std::string told = child_->wait();
   child_.reset();
-  BytesReader bytes(answer);
-  reference_->course.take(bytes);
-  for (auto count = bytes.take<std::size_t>(); count > 0; --count) {
-    const auto kind = bytes.take<std::size_t>();
-    JobTimes& jobs = reference_->jobs[{kind, bytes.take<Robot>()}];
-    jobs.released.take(bytes);
-    jobs.finished.take(bytes);
-  }
-  for (const double value : bytes.list<double>()) reference_->metrics.push_back(std::isnan(value) ? std::nullopt : std::optional(value));
-  reference_->elapsed_s = bytes.take<double>();
+  Answer answer{reference_->course, {}, {}, 0};
+  state::load(answer, told);
+  reference_->jobs = std::move(answer.jobs);
+  reference_->metrics = std::move(answer.metrics);
+  reference_->elapsed_s = answer.elapsed_s;
   return reference_;
 }
 

@@ -27,6 +27,7 @@
 #include "machine/machine.hpp"
 #include "plant/dock.hpp"
 #include "state/archive.hpp"
+#include "state/sha256.hpp"
 #include "toolchain/assembler.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/source_map.hpp"
@@ -156,7 +157,7 @@ std::string digest_of_files(const Config& config, const toolchain::Image& image)
   }
   if (!config.dock.layout.empty()) all += io::read_input(config.dock.layout).text;
   if (config.machine.board != "default") all += io::read_input(config.machine.board).text;
-  return report::sha256(all);
+  return state::sha256(all);
 }
 
 /// The first line that is in one of them only.
@@ -320,6 +321,10 @@ class Simulation::Parts {
 
   std::string files() const { return digest_of_files(given_config, image); }
 
+  void require_more_to_come(const char* call) const {
+    if (told_all) throw std::logic_error(fmt::format("Simulation::{}: report_so_far has ended the run; Simulation::report leaves it as it is", call));
+  }
+
   /// The run has one, and no other run.
   void require_no_profile(const char* call) const {
     if (profile) throw std::logic_error(fmt::format("Simulation::{}: a run with a profile has no snapshots, what it has counted would be lost; make the run without", call));
@@ -361,6 +366,7 @@ class Simulation::Parts {
   std::chrono::steady_clock::duration elapsed{};
   std::map<unsigned, c40::TraceSink*> traces;
   std::optional<RunProfile> profile;
+  bool told_all = false;              // the order of events is settled beyond what is certain
 };
 
 namespace {
@@ -423,6 +429,7 @@ bool Simulation::ended() const { return parts_->over(); }
 Time Simulation::time() const { return parts_->now(); }
 
 void Simulation::run_until(report::Time time) {
+  parts_->require_more_to_come("run_until");
   const auto began = std::chrono::steady_clock::now();
   parts_->resume();
   parts_->run_until(std::min(time, parts_->end));
@@ -430,6 +437,7 @@ void Simulation::run_until(report::Time time) {
 }
 
 void Simulation::run(const std::function<bool(const Progress&)>& on_progress, report::Time slice, report::Time until) {
+  parts_->require_more_to_come("run");
   parts_->resume();
   if (!ended()) parts_->begin_reference();
   while (!ended() && parts_->now() < until) {
@@ -447,9 +455,10 @@ void Simulation::run(const std::function<bool(const Progress&)>& on_progress, re
 Snapshot Simulation::snapshot() {
   Parts& p = *parts_;
   p.require_no_profile("snapshot");
+  p.require_more_to_come("snapshot");
   if (p.now() > settling) p.log.deliver(p.now() - settling);
   constexpr std::size_t all_else = 8 << 20;  // most of a long run's state is its course
-  return {p.now(), p.snapshot_key, p.files(), state::save(p, p.course->bytes() + all_else)};
+  return {p.now(), p.snapshot_key, p.files(), state::save_with_tables(p, p.course->bytes() + all_else)};
 }
 
 void Simulation::restore(const Snapshot& snapshot) {
@@ -464,6 +473,7 @@ void Simulation::restore(const Snapshot& snapshot) {
   } catch (const state::StateError& error) {
     throw SnapshotError(fmt::format("the snapshot is of another version of the emulator: {}", error.what()));
   }
+  p.told_all = false;
   p.ideal_run.reset();
   p.reference_problem.clear();
   p.errors.reset();
@@ -492,6 +502,7 @@ report::RunReport Simulation::report() const {
 }
 
 report::RunReport Simulation::report_so_far() {
+  parts_->told_all = !ended();
   parts_->log.flush();
   try {
     return report();

@@ -85,7 +85,8 @@ class Simulation {
   /// \throws std::runtime_error when the ideal run has died; io::Stopped while it waits for the ideal run: it may be called again
   report::RunReport report() const;
   /// The same of what has run when io::stop_asked(): the ideal run counts as far as it has come, the stop reason is interrupted. For a run
-  /// that does not go on: listeners have heard every event then.
+  /// that does not go on: listeners have heard every event then, also those that others may still have come before. run() then throws
+  /// std::logic_error, as do run_until() and snapshot(), until restore().
   report::RunReport report_so_far();
   bool interrupted() const;
   /// The ideal run that this run is measured against; null while the run is not over, and where there is none.

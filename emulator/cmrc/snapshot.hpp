@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "report/event.hpp"
-#include "state/visitor.hpp"
+#include "state/archive.hpp"
 
 namespace cmrc {
 
@@ -17,12 +17,12 @@ class Snapshot {
   /// \param configuration of the run, as TOML, as it was before Simulation::at
   /// \param files a digest of the files that it names
   /// \param state what Simulation lists
-  Snapshot(report::Time time, std::string configuration, std::string files, std::string state);
+  Snapshot(report::Time time, std::string configuration, std::string files, state::Saved state);
 
   report::Time time() const { return time_; }
   const std::string& configuration() const { return configuration_; }
   const std::string& files() const { return files_; }
-  const std::string& state() const { return *state_; }
+  const std::string& state() const { return state_->text; }
 
   /// A file's contents: with a checksum, the version, and the configuration.
   std::string to_bytes() const;
@@ -32,7 +32,7 @@ class Snapshot {
  private:
   report::Time time_;
   std::string configuration_, files_;
-  std::shared_ptr<const std::string> state_;
+  std::shared_ptr<const state::Saved> state_;
 };
 
 }  // namespace cmrc

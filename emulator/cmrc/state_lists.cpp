@@ -309,10 +309,13 @@ void Ledger::list_state(state::Visitor& list) {
 // ---- what is measured --------------------------------------------------------------------------------------------------
 
 void Course::list_state(state::Visitor& list) {
+  list_all_but_rows(list);
+  list.table("rows", rows_.first(size_), rows_.width());
+}
+
+void Course::list_all_but_rows(state::Visitor& list) {
   list("size", size_);
   if (size_ > rows_.room()) throw state::StateError("a course of " + std::to_string(size_) + " rows, where there is room for " + std::to_string(rows_.room()));
-  std::span<double> recorded = rows_.first(size_);
-  list("rows", recorded);
   list("every", every_);
   list("points_every", points_every_);
   list("legs", legs_);

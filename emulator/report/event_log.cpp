@@ -63,12 +63,6 @@ bool comes_before(const Event& left, const Event& right) {
 
 struct EventLog::Digest : Sha256 {};
 
-std::string sha256(std::string_view text) {
-  Sha256 digest;
-  digest.update(text.data(), text.size());
-  return digest.text();
-}
-
 EventLog::EventLog() : digest_(std::make_unique<Digest>()) { pending_.reserve(2 * batch); }
 EventLog::~EventLog() = default;
 EventLog::EventLog(EventLog&&) noexcept = default;

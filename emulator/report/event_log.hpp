@@ -3,7 +3,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "report/event.hpp"
@@ -13,9 +12,6 @@ class Visitor;
 }
 
 namespace report {
-
-/// 64 hexadecimal digits.
-std::string sha256(std::string_view text);
 
 /// Receives events in their final order. Must not change the run.
 class EventSink {

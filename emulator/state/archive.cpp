@@ -26,6 +26,12 @@ std::string hexadecimal(std::string_view bytes) {
 
 void Saver::bytes(void* data, std::size_t size) { text_.append(static_cast<const char*>(data), size); }
 
+void Saver::rows(void* first, std::size_t count, std::size_t columns) {
+  constexpr std::size_t few = 256;  // rows: what they would save is less than the note of them
+  if (count >= few) tables_.push_back({text_.size(), count, columns});
+  bytes(first, count * columns * sizeof(std::uint64_t));
+}
+
 std::size_t Saver::count(std::size_t present, std::size_t /*least*/) {
   std::uint64_t n = present;
   bytes(&n, sizeof n);

@@ -6,26 +6,36 @@
 #include <string_view>
 #include <vector>
 
+#include "state/columns.hpp"
 #include "state/visitor.hpp"
 
 namespace state {
+
+/// A saved state, and where it holds long tables.
+struct Saved {
+  std::string text;
+  std::vector<Table> tables;
+};
 
 class Saver : public Visitor {
  public:
   bool loads() const override { return false; }
   const std::string& text() const { return text_; }
   std::string take() { return std::move(text_); }
+  std::vector<Table> take_tables() { return std::move(tables_); }
   /// So many bytes are expected: a state of tens of megabytes is not moved as it grows.
   void expect(std::size_t bytes) { text_.reserve(bytes); }
 
  protected:
   void bytes(void* data, std::size_t size) override;
+  void rows(void* first, std::size_t count, std::size_t columns) override;
   std::size_t count(std::size_t present, std::size_t least) override;
   void listed(std::string_view name) override;
   void leave() override {}
 
  private:
   std::string text_;
+  std::vector<Table> tables_;
 };
 
 class Loader : public Visitor {
@@ -75,11 +85,15 @@ class Lister final : public Saver {
 
 /// \param expected bytes, if that is known
 template <class T>
-std::string save(const T& object, std::size_t expected = 0) {
+Saved save_with_tables(const T& object, std::size_t expected = 0) {
   Saver saver;
   saver.expect(expected);
   const_cast<T&>(object).list_state(saver);  // NOLINT: a saver only reads
-  return saver.take();
+  return {saver.take(), saver.take_tables()};
+}
+template <class T>
+std::string save(const T& object) {
+  return save_with_tables(object).text;
 }
 
 /// \throws StateError; the object is then in no usable state
@@ -100,6 +114,24 @@ void load_or_leave(T& object, std::string_view text) {
     load(object, before);
     throw;
   }
+}
+
+/// A value that has no list of its own: what a visitor takes as a field.
+template <class T>
+std::string save_value(const T& value) {
+  Saver saver;
+  saver("value", const_cast<T&>(value));  // NOLINT: a saver only reads
+  return saver.take();
+}
+
+/// \throws StateError
+template <class T>
+T load_value(std::string_view text) {
+  T value{};
+  Loader loader(text);
+  loader("value", value);
+  loader.end();
+  return value;
 }
 
 /// The first value in which two states differ, as "path: 1F00 beside 2000" (bytes, hexadecimal); none: they are alike.

@@ -8,6 +8,7 @@
 #include <cstring>
 
 #include "state/archive.hpp"
+#include "state/sha256.hpp"
 
 namespace state {
 namespace {
@@ -16,23 +17,9 @@ constexpr std::string_view magic = "CMRC state\n";
 
 struct Envelope {
   std::string kind;
-  std::vector<std::pair<std::string, std::uint64_t>> key;
-  std::string text;
+  std::vector<std::pair<std::string, std::string>> key;  // with fingerprints
+  Saved state;
 };
-
-/// Each step is reversible, so one changed word always changes the sum.
-std::uint64_t checksum(std::string_view bytes) {
-  std::uint64_t sum = bytes.size();
-  while (!bytes.empty()) {
-    const std::size_t size = std::min<std::size_t>(bytes.size(), sizeof(std::uint64_t));
-    std::uint64_t word = 0;
-    std::memcpy(&word, bytes.data(), size);
-    bytes.remove_prefix(size);
-    sum = (sum ^ word) * 0x9E3779B97F4A7C15u;
-    sum ^= sum >> 32;
-  }
-  return sum;
-}
 
 template <class T>
 void append(std::string& out, T number) {
@@ -87,58 +74,73 @@ class Reader {
 };
 
 Envelope read(std::string_view sealed) {
-  constexpr std::size_t head = magic.size() + 3 * sizeof(std::uint64_t);  // version, size, checksum
+  constexpr std::size_t digits = 64;  // of the checksum
+  constexpr std::size_t head = magic.size() + 2 * sizeof(std::uint64_t) + digits;  // version, size, checksum
   if (sealed.size() < magic.size() || !sealed.starts_with(magic))
     throw StateError(fmt::format("{} bytes that are no snapshot; one begins with \"CMRC state\"", sealed.size()));
   if (sealed.size() < head) throw StateError("the snapshot was cut short");
   Reader start(sealed.substr(magic.size(), head - magic.size()));
-  const std::uint64_t its_version = start.number(), size = start.number(), sum = start.number();
+  const std::uint64_t its_version = start.number(), size = start.number();
   if (its_version != version) throw StateError(fmt::format("a snapshot of version {}; this emulator reads version {}", its_version, version));
   const std::string_view body = sealed.substr(head);
   if (body.size() != size) throw StateError(fmt::format("the snapshot was cut short or added to: {} bytes of {}", body.size(), size));
-  if (checksum(body) != sum) throw StateError("the snapshot is damaged: its checksum is another one");
+  if (sha256(body) != sealed.substr(head - digits, digits)) throw StateError("the snapshot is damaged: its checksum is another one");
   Reader reader(body);
   Envelope out;
   out.kind = reader.text();
   for (std::uint64_t n = reader.number(); n != 0; --n) {
     std::string what = reader.text();
-    out.key.emplace_back(std::move(what), reader.number());
+    out.key.emplace_back(std::move(what), reader.text());
   }
+  for (std::uint64_t n = reader.number(); n != 0; --n) {
+    const std::uint64_t offset = reader.number(), rows = reader.number();
+    out.state.tables.push_back({offset, rows, reader.number()});
+  }
+  const std::string how = reader.text();
   const std::uint64_t length = reader.number();
-  out.text = unpacked(reader.text(), length);
+  out.state.text = unpacked(reader.text(), length);
   if (!reader.at_end()) throw StateError("the snapshot is damaged: something stands behind it");
+  for (const Table& table : out.state.tables) {
+    const std::uint64_t room = length - std::min(length, table.offset), words = room / sizeof(std::uint64_t);
+    if (table.columns == 0 || table.rows > words / table.columns) throw StateError("the snapshot is damaged: a table reaches beyond its end");
+  }
+  from_columns(out.state.text, out.state.tables, how);
   return out;
 }
 
 }  // namespace
 
-std::string seal(std::string_view kind, const Key& key, std::string_view text) {
+std::string seal(std::string_view kind, const Key& key, Saved state) {
   std::string body;
   append_text(body, kind);
   append(body, std::uint64_t{key.size()});
-  for (const auto& [what, value] : key) append_text(body, what), append(body, checksum(value));
-  append(body, std::uint64_t{text.size()});
-  append_text(body, packed(text));
+  for (const auto& [what, value] : key) append_text(body, what), append_text(body, sha256(value));
+  append(body, std::uint64_t{state.tables.size()});
+  for (const Table& table : state.tables)
+    for (const std::uint64_t number : {table.offset, table.rows, table.columns}) append(body, number);
+  append_text(body, to_columns(state.text, state.tables));
+  append(body, std::uint64_t{state.text.size()});
+  append_text(body, packed(state.text));
   std::string out(magic);
   append(out, std::uint64_t{version});
   append(out, std::uint64_t{body.size()});
-  append(out, checksum(body));
+  out += sha256(body);
   return out += body;
 }
 
 std::string kind_of(std::string_view sealed) { return read(sealed).kind; }
 
-std::string opened(std::string_view sealed, std::string_view kind, const Key& key) {
+Saved opened(std::string_view sealed, std::string_view kind, const Key& key) {
   Envelope envelope = read(sealed);
   if (envelope.kind != kind) throw StateError(fmt::format("a snapshot of a {}; one of a {} is expected", envelope.kind, kind));
   for (std::size_t n = 0; n < std::max(key.size(), envelope.key.size()); ++n) {
     if (n >= key.size() || n >= envelope.key.size() || key[n].first != envelope.key[n].first)
       throw StateError(fmt::format("a snapshot of another {}: {} {}", kind, n < envelope.key.size() ? envelope.key[n].first : key[n].first,
                                    n < envelope.key.size() ? "is not here" : "is not in it"));
-    if (checksum(key[n].second) != envelope.key[n].second)
+    if (sha256(key[n].second) != envelope.key[n].second)
       throw StateError(fmt::format("a snapshot of another {}: the {} is not the same", kind, key[n].first));
   }
-  return std::move(envelope.text);
+  return std::move(envelope.state);
 }
 
 }  // namespace state

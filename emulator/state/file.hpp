@@ -6,19 +6,21 @@
 #include <utility>
 #include <vector>
 
+#include "state/archive.hpp"
+
 namespace state {
 
 /// Of the envelope and of the lists together: to be raised when a list comes to mean something else under the same names.
-inline constexpr unsigned version = 1;
+inline constexpr unsigned version = 2;
 
 /// What must be the same where the state is loaded: {"board", ...}, {"program of chip 0", ...}. The values may be long: fingerprints of them are kept.
 using Key = std::vector<std::pair<std::string, std::string>>;
 
 /// \param kind "processor"
-std::string seal(std::string_view kind, const Key& key, std::string_view text);
+std::string seal(std::string_view kind, const Key& key, Saved state);
 /// The kind of a sealed state. \throws StateError for what is none, is another version's, was cut short or changed
 std::string kind_of(std::string_view sealed);
-/// The text that was sealed. \throws StateError as kind_of, and for another kind or key
-std::string opened(std::string_view sealed, std::string_view kind, const Key& key);
+/// What was sealed. \throws StateError as kind_of, and for another kind or key
+Saved opened(std::string_view sealed, std::string_view kind, const Key& key);
 
 }  // namespace state

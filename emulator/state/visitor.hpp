@@ -85,12 +85,23 @@ class Visitor {
     leave();
   }
 
+  /// Doubles or integers of eight bytes in rows, one after the other: in a file they take less room than as they are.
+  template <class T>
+  void table(std::string_view name, std::span<T> numbers, std::size_t columns) {
+    static_assert(sizeof(T) == 8 && detail::plain<T>());
+    listed(name);
+    rows(numbers.data(), numbers.size() / columns, columns);
+    leave();
+  }
+
   /// The object's fields are to be set: what is derived from them has to be made anew afterwards.
   virtual bool loads() const = 0;
 
  protected:
   /// A value whose bytes are all there is to it.
   virtual void bytes(void* data, std::size_t size) = 0;
+  /// Words of eight bytes in rows.
+  virtual void rows(void* first, std::size_t count, std::size_t columns) { bytes(first, count * columns * 8); }
   /// How many elements there are: the present number, or while loading the one to be. At least `least` bytes each.
   virtual std::size_t count(std::size_t present, std::size_t least) = 0;
   /// Until `leave`, everything is part of the field of this name.
@@ -122,7 +133,10 @@ class Visitor {
   template <class T>
   void elements(T* first, std::size_t n) {
     if constexpr (detail::plain<T>())
-      if (!wants_parts() || n > 4096) return bytes(first, n * sizeof(T));
+      if (!wants_parts() || n > 4096) {
+        if constexpr (sizeof(T) == 8) return rows(first, n, 1);
+        else return bytes(first, n * sizeof(T));
+      }
     for (std::size_t i = 0; i < n; ++i) element(i, first[i]);
   }
 
@@ -161,11 +175,6 @@ class Visitor {
       element(i, bit);
       if (loads()) v[i] = bit;
     }
-  }
-  /// Values that stand elsewhere; whoever lists them knows how many.
-  template <class T>
-  void other(std::span<T>& v) {
-    elements(v.data(), v.size());
   }
   template <class T>
   void other(std::deque<T>& v) {

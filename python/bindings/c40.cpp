@@ -242,10 +242,10 @@ void bind_processor(py::module_& m) {
       .def("load_words", &Processor::load_words, py::arg("address"), py::arg("words"))
       .def("load_image", &Processor::load_image, "Loads the sections of an image and sets the PC to its entry.")
       .def("save", [](const Processor& p, const toolchain::Image* program) {
-        return py::bytes(state::seal("processor", p.configuration(program), state::save(p.chip)));
+        return py::bytes(state::seal("processor", p.configuration(program), state::save_with_tables(p.chip)));
       }, py::arg("program"))
       .def("load", [](Processor& p, const std::string& sealed, const toolchain::Image* program) {
-        state::load_or_leave(p.chip, state::opened(sealed, "processor", p.configuration(program)));
+        state::load_or_leave(p.chip, state::opened(sealed, "processor", p.configuration(program)).text);
       }, py::arg("sealed"), py::arg("program"), "Refuses by name what is no snapshot of such a processor, before anything is changed.")
       .def("run", &Processor::run, py::arg("max_cycles"), py::arg("until") = py::none(),
            "Runs whole instructions for max_cycles, or until the PC is at `until`; says why it stopped.")
@@ -347,5 +347,13 @@ void bind_c40(py::module_& core) {
   }, "Every memory-mapped register: name, address, value after reset, fields (lowest bit, width).");
   bind_float40(m);
   py::register_exception<state::StateError>(core, "SnapshotError", PyExc_ValueError);
+  core.def("to_columns", [](std::string rows, std::size_t columns) {
+    const std::string how = state::to_columns(rows, {{0, rows.size() / sizeof(std::uint64_t) / columns, columns}});
+    return std::pair{py::bytes(rows), py::bytes(how)};
+  }, "A table as a snapshot's file has it, and how each column is written.");
+  core.def("from_columns", [](std::string rows, std::size_t columns, const std::string& how) {
+    state::from_columns(rows, {{0, rows.size() / sizeof(std::uint64_t) / columns, columns}}, how);
+    return py::bytes(rows);
+  });
   core.def("kind_of_snapshot", [](const std::string& sealed) { return state::kind_of(sealed); });
 }

@@ -107,9 +107,9 @@ void bind_network(py::module_& core) {
       .def(py::init(&make), py::arg("chips"), py::arg("links"), py::arg("topology"), py::arg("memories"), py::arg("turn_order"))
       .def(py::init(&from_file), py::arg("path"), py::arg("program"), py::arg("turn_order"), "From a file; `program` reads one by its path.")
       .def("program", [](const machine::Network& network, std::size_t n) { return network.program(n); })
-      .def("save", [](const machine::Network& network) { return py::bytes(state::seal("network", network.configuration(), state::save(network))); })
+      .def("save", [](const machine::Network& network) { return py::bytes(state::seal("network", network.configuration(), state::save_with_tables(network))); })
       .def("load", [](machine::Network& network, const std::string& sealed) {
-        state::load_or_leave(network, state::opened(sealed, "network", network.configuration()));
+        state::load_or_leave(network, state::opened(sealed, "network", network.configuration()).text);
       }, "Refuses by name what is no snapshot of such a network, before anything is changed.")
       .def("record_peripherals", &machine::Network::record_peripherals, py::arg("on"))
       .def("event_trace", &machine::Network::event_trace)

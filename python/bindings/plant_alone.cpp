@@ -1,13 +1,10 @@
 // A crane and an AGV by themselves, without a dock.
 #include <pybind11/stl.h>
 
-#include <cstring>
-#include <string_view>
-#include <type_traits>
-
 #include "plant/agv_alone.hpp"
 #include "plant/crane_alone.hpp"
 #include "python/bindings/plant.hpp"
+#include "python/bindings/state.hpp"
 
 using namespace plant;
 
@@ -29,29 +26,12 @@ void run(CraneAlone& crane, const py::object& torques, double dt, long steps) {
   for (long i = 0; i < steps; ++i) crane.step(torque, dt);
 }
 
-// A snapshot as bytes, for builds of the same layout alone.
-template <class State>
-py::bytes bytes_of(const State& state) {
-  static_assert(std::is_trivially_copyable_v<State>);
-  return {reinterpret_cast<const char*>(&state), sizeof state};  // NOLINT: bytes of a plain value
-}
-
-template <class State>
-State state_of(const py::bytes& bytes) {
-  const std::string_view text = bytes;
-  if (text.size() != sizeof(State))
-    throw py::value_error("this snapshot has " + std::to_string(text.size()) + " bytes; one of this version has " + std::to_string(sizeof(State)));
-  State state;
-  std::memcpy(&state, text.data(), sizeof state);
-  return state;
-}
-
 void bind_crane_alone(py::module_& m) {
   py::class_<CraneAlone::State>(m, "CraneAloneState", "Everything that the crane's future depends on; opaque but for reading.")
       .def_property_readonly("time", [](const CraneAlone::State& s) { return s.time; })
       .def("__copy__", [](const CraneAlone::State& s) { return s; })
       .def("__deepcopy__", [](const CraneAlone::State& s, const py::dict&) { return s; })
-      .def(py::pickle(&bytes_of<CraneAlone::State>, &state_of<CraneAlone::State>));
+      .def(py::pickle(&value_bytes<CraneAlone::State>, &value_of_bytes<CraneAlone::State>));
   py::class_<CraneAlone>(m, "CraneAlone", "A crane by itself, driven by motor torques.")
       .def(py::init([](CraneParameters crane, const CranePose& home, double mass, double inertia, double rated_load, bool rigid,
                        double tolerance, Method method, int order, bool bookkeeping, const SensorParameters& sensors,
@@ -101,7 +81,7 @@ void bind_agv_alone(py::module_& m) {
   py::class_<AgvAlone::State>(m, "AgvAloneState", "Everything that a vehicle's future depends on; opaque.")
       .def("__copy__", [](const AgvAlone::State& s) { return s; })
       .def("__deepcopy__", [](const AgvAlone::State& s, const py::dict&) { return s; })
-      .def(py::pickle(&bytes_of<AgvAlone::State>, &state_of<AgvAlone::State>));
+      .def(py::pickle(&value_bytes<AgvAlone::State>, &value_of_bytes<AgvAlone::State>));
   py::class_<AgvAlone>(m, "AgvAlone", "An AGV without a dock.")
       .def(py::init<const AgvParameters&, const Pose&, double>(), py::arg("parameters"), py::arg("start"), py::arg("tolerance") = 1e-8)
       .def(

@@ -136,7 +136,7 @@ py::dict signals_of(const plant::Dock& dock, const std::shared_ptr<const cmrc::R
     column(fmt::format("{}_saturated", name), [j](const plant::Signal& s) { return std::abs(s.code[j]) >= 2047; });
     if (!reference) continue;
     column(fmt::format("{}_reference_{}", name, unit), [&, j](const plant::Signal& s) { return reference->course.at(s.time)[j]; });
-    column(fmt::format("{}_error_{}", name, unit), [&, j](const plant::Signal& s) { return s.q[j] - reference->course.at(s.time)[j]; });
+    column(fmt::format("{}_error_{}", name, unit), [&, j](const plant::Signal& s) { return cmrc::Course::to_grid(s.q[j]) - reference->course.at(s.time)[j]; });
   }
   column("sway_alpha_rad", [](const plant::Signal& s) { return s.alpha; });
   column("sway_beta_rad", [](const plant::Signal& s) { return s.beta; });
@@ -239,6 +239,8 @@ void bind_simulation(py::module_& m) {
       .def_property_readonly("ended", [](const Run& r) { return r.read("ended").ended(); })
       .def_property_readonly("exit_status", [](Run& r) { return r.waiting("exit_status", [](const Simulation& s) { return s.exit_status(); }); })
       .def("report_json", [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_json(s.report()); }); })
+      .def("report_so_far_json", [](Run& r) { return report::to_json(r.moment("report_so_far", [](Simulation& s) { return s.report_so_far(); })); },
+           "The report of a run that does not go on.")
       .def("report_text", [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_text(s.report()); }); })
       .def("tasks_json", [](const Run& r) { return report::tasks_to_json(r.read("tasks").tasks()); })
       .def("profile", [](Run& r) { r.change("profile").profile(); }, "Counts where the DSPs' cycles go; before the run.")

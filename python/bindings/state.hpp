@@ -13,6 +13,10 @@ pybind11::bytes state_bytes(const T& object) {
   return state::save(object);
 }
 
+inline pybind11::value_error no_state(std::string_view text, const state::StateError& error) {
+  return pybind11::value_error("these " + std::to_string(text.size()) + " bytes are no snapshot of this version: " + error.what());
+}
+
 // ValueError, if this is no state of it; the object is then in no usable state.
 template <class T>
 void load_state(T& object, const pybind11::bytes& bytes) {
@@ -20,7 +24,22 @@ void load_state(T& object, const pybind11::bytes& bytes) {
   try {
     state::load(object, text);
   } catch (const state::StateError& error) {
-    throw pybind11::value_error("these " + std::to_string(text.size()) + " bytes are no snapshot of this version: " + error.what());
+    throw no_state(text, error);
+  }
+}
+
+// The same of a value that is copied as a whole, for pickle.
+template <class T>
+pybind11::bytes value_bytes(const T& value) {
+  return state::save_value(value);
+}
+template <class T>
+T value_of_bytes(const pybind11::bytes& bytes) {
+  const std::string_view text = bytes;
+  try {
+    return state::load_value<T>(text);
+  } catch (const state::StateError& error) {
+    throw no_state(text, error);
   }
 }
 

@@ -16,7 +16,7 @@ from typing import Any, overload
 
 from cmrc import _core, arguments, snapshots
 from cmrc.floats import extended_to_float, float_to_extended, float_to_single, single_to_float
-from cmrc.snapshots import Snapshot, SnapshotError
+from cmrc.snapshots import ChipSnapshot, SnapshotError
 
 AssemblyError = _core.toolchain.AssemblyError
 """Raised with all errors of a source at once; ``diagnostics`` is a list of dicts (file, line, column, message, text)."""
@@ -377,11 +377,11 @@ class Processor(ChipState):
         else:
             raise ValueError(f"{source} is no interrupt that can be raised; {', '.join(('NMI', *INTERRUPT_PINS, *INTERRUPT_FLAGS))} are")
 
-    def snapshot(self) -> Snapshot:
+    def snapshot(self) -> ChipSnapshot:
         """Its whole state: registers, memory, pipeline, cache, peripherals, and the access that it waits for. Raises SnapshotError with ``checks`` on."""
-        return Snapshot(self._core.save(self.program))
+        return ChipSnapshot(self._core.save(self.program))
 
-    def restore(self, snapshot: Snapshot) -> None:
+    def restore(self, snapshot: ChipSnapshot) -> None:
         """Back to a snapshot of a processor with the same board and program: from there it goes on bit for bit as that one did.
 
         Raises SnapshotError for any other, before anything is changed.
@@ -435,7 +435,7 @@ __all__ = [
     "Diagnostic",
     "Processor",
     "Program",
-    "Snapshot",
+    "ChipSnapshot",
     "SnapshotError",
     "Stop",
     "assemble",

@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, overload
 
 from cmrc import _core, arguments, snapshots
 from cmrc.c40 import ChipState, Path, Program, assemble_file, read_coff
-from cmrc.snapshots import Snapshot, SnapshotError
+from cmrc.snapshots import ChipSnapshot, SnapshotError
 
 NetworkError = _core.network.NetworkError
 """Raised for a network that cannot be: a ValueError that names chip, port or link, and what would be right."""
@@ -176,18 +176,19 @@ class Network:
         wires = [_wire(f"links[{n}]", link) for n, link in enumerate(arguments.items("links", links, "a list of links"))]
         shared = [_shared(f"memories[{n}]", memory) for n, memory in enumerate(arguments.items("memories", memories, "a list of SharedMemory"))]
         order = arguments.whole("turn_order", turn_order, "a seed", 0, 2**64 - 1)
-        self._take(_core.network.Network(chips, wires, topology, shared, order), record_words, record_peripherals)
+        self._take(lambda: _core.network.Network(chips, wires, topology, shared, order), record_words, record_peripherals)
 
     @classmethod
     def from_file(cls, path: Path, *, turn_order: int = 0, record_words: bool = False, record_peripherals: bool = False) -> Network:
         """A network as a TOML file describes it (docs/networks.md, Files), the same that ``emulator exec --network`` takes. Raises NetworkError, naming file and line."""
         network = cls.__new__(cls)
         file, order = arguments.path("path", path, "the path of a network file"), arguments.whole("turn_order", turn_order, "a seed", 0, 2**64 - 1)
-        network._take(_core.network.Network(file, _program, order), record_words, record_peripherals)
+        network._take(lambda: _core.network.Network(file, _program, order), record_words, record_peripherals)
         return network
 
-    def _take(self, core: Any, record_words: bool, record_peripherals: bool) -> None:
-        self._core = core
+    def _take(self, make: Callable[[], Any], record_words: bool, record_peripherals: bool) -> None:
+        self._made = make, record_words, record_peripherals  # for fork
+        self._core = core = make()
         core.record_words(arguments.flag("record_words", record_words))
         core.record_peripherals(arguments.flag("record_peripherals", record_peripherals))
         self.chips = [Chip(core.chip(n), core.program(n), n) for n in range(core.chip_count)]
@@ -254,8 +255,8 @@ class Network:
     @overload
     def restore(self, link: int, at_us: float) -> None: ...
     @overload
-    def restore(self, link: Snapshot) -> None: ...
-    def restore(self, link: int | Snapshot, at_us: float | None = None) -> None:
+    def restore(self, link: ChipSnapshot) -> None: ...
+    def restore(self, link: int | ChipSnapshot, at_us: float | None = None) -> None:
         """Joins a link again at an instant; or, given a snapshot, back to it.
 
         Of a network with the same chips, programs, boards, clocks, links and memories; from there it goes on bit for bit as that one did, whatever the
@@ -266,9 +267,19 @@ class Network:
         else:
             self._core.load(snapshots.sealed(link))
 
-    def snapshot(self) -> Snapshot:
+    def snapshot(self) -> ChipSnapshot:
         """The whole state: chips, what is on the links, shared memories, actions to come, and the events so far."""
-        return Snapshot(self._core.save())
+        return ChipSnapshot(self._core.save())
+
+    def fork(self) -> Network:
+        """A second network with the same past: what one does from here on, the other does not see.
+
+        One from a file reads that again; SnapshotError, if it or a program has changed since.
+        """
+        other = type(self).__new__(type(self))
+        other._take(*self._made)
+        other.restore(self.snapshot())
+        return other
 
     def reset(self, chip: int, at_us: float) -> None:
         """Resets a chip: it starts at its entry, memory stays, what its ports held is discarded."""
@@ -349,4 +360,4 @@ def _each(given: Any, count: int, what: str) -> list[Any]:
     return values
 
 
-__all__ = ["Chip", "Event", "Link", "Network", "NetworkError", "NetworkStop", "PeripheralEvent", "SharedMemory", "Snapshot", "SnapshotError", "Traffic"]
+__all__ = ["Chip", "Event", "Link", "Network", "NetworkError", "NetworkStop", "PeripheralEvent", "SharedMemory", "ChipSnapshot", "SnapshotError", "Traffic"]

@@ -8,7 +8,7 @@ SnapshotError = _core.SnapshotError
 """Raised, with what is wrong, for bytes that are no snapshot, are another version's, were cut short or changed, and for a snapshot of something else."""
 
 
-class Snapshot:
+class ChipSnapshot:
     """The whole state of a Processor or a Network at an instant, as ``snapshot()`` gives it. It can be pickled, and never changes."""
 
     __slots__ = ("_sealed",)
@@ -18,7 +18,7 @@ class Snapshot:
         _core.kind_of_snapshot(self._sealed)
 
     @classmethod
-    def from_bytes(cls, sealed: bytes) -> Snapshot:
+    def from_bytes(cls, sealed: bytes) -> ChipSnapshot:
         """What ``to_bytes`` gave. Raises SnapshotError."""
         return cls(sealed)
 
@@ -32,18 +32,18 @@ class Snapshot:
         return str(_core.kind_of_snapshot(self._sealed))
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Snapshot) and self._sealed == other._sealed
+        return isinstance(other, ChipSnapshot) and self._sealed == other._sealed
 
     def __hash__(self) -> int:
         return hash(self._sealed)
 
-    def __reduce__(self) -> tuple[type[Snapshot], tuple[bytes]]:
-        return Snapshot, (self._sealed,)
+    def __reduce__(self) -> tuple[type[ChipSnapshot], tuple[bytes]]:
+        return ChipSnapshot, (self._sealed,)
 
 
 def sealed(snapshot: object) -> bytes:
     """The bytes of what ``restore`` was given."""
-    return arguments.instance("snapshot", snapshot, Snapshot, "a Snapshot, as snapshot() gives it,").to_bytes()
+    return arguments.instance("snapshot", snapshot, ChipSnapshot, "a ChipSnapshot, as snapshot() gives it,").to_bytes()
 
 
-__all__ = ["Snapshot", "SnapshotError"]
+__all__ = ["ChipSnapshot", "SnapshotError"]

@@ -38,7 +38,7 @@ def configuration() -> Any:
     return core.config(preset="heavy", settings={"dsps": 2, "duration_s": 0.06, "agvs": 2, **AT_ONCE}, events=events)
 
 
-@pytest.mark.parametrize(("instant", "share"), [(0.0123456, 0.05), (0.0521, 0.03)])
+@pytest.mark.parametrize(("instant", "share"), [(0.0123456, 0.2), (0.0521, 0.2)])
 def test_every_value_of_a_run_is_loaded(instant: float, share: float) -> None:
     full = Run()
     full.run.run_until(instant)

@@ -24,12 +24,21 @@ SCENES: dict[str, dict[str, Any]] = {
     "heavy": {"dsps": 2, "preset": "heavy", "duration_s": 0.06, "report.reference": "none", "agvs": 2, **AT_ONCE},
     "gantry": {"dsps": 3, "crane": "gantry", "duration_s": 0.05, "report.reference": "none", **AT_ONCE},
     "one_bus": {"dsps": 3, "topology": "single", "duration_s": 0.05, "report.reference": "none", **AT_ONCE},
+    "bridged": {"dsps": 3, "topology.buses": "A B", "topology.boards": "A", "topology.bridges": "A-B", "run.phase_jitter": True, "bus.multi_transaction_clocks": 40,
+                "duration_s": 0.05, "agvs": 2, "report.reference": "none", **AT_ONCE},
+    "troubled": {"dsps": 4, "duration_s": 0.06, "report.reference": "none", "watchdog.silence_ms": 4.0, "dock.sway_sensors": 2, **AT_ONCE},
 }
 EVENTS: dict[str, list[dict[str, Any]]] = {
     "at_once": [{"at_s": 0.021, "action": "fail", "dsp": 1}, {"at_s": 0.03, "action": "slow", "dsp": 0, "factor": 0.7}],
     "heavy": [{"at_s": 0.02, "action": "hang", "dsp": 0}, {"at_s": 0.035, "action": "stall_bus", "bus": "A", "lasts_ms": 0.3}],
     "gantry": [{"at_s": 0.0213, "action": "unplug", "dsp": 2}, {"at_s": 0.0307, "action": "plug", "dsp": 2},
                {"at_s": 0.025, "action": "set", "key": "scheduling.p", "value": 0x5000}],
+    "troubled": [{"at_s": 0.010, "action": "stick_sway", "axis": "alpha"}, {"at_s": 0.012, "action": "stick_encoder", "joint": "slew"},
+                 {"at_s": 0.0150401, "action": "hang", "dsp": 1}, {"at_s": 0.0160302, "action": "freeze", "dsp": 2}, {"at_s": 0.018, "action": "pause_host", "lasts_ms": 1.5},
+                 {"at_s": 0.020, "action": "set", "key": "control.slew_bandwidth_rad_s", "value": 9.0}, {"at_s": 0.022, "action": "stall_bus", "bus": "A", "lasts_ms": 0.4},
+                 {"at_s": 0.024, "action": "fail_drive", "joint": "luff"}, {"at_s": 0.028, "action": "break_link", "dsp": 3}, {"at_s": 0.0290301, "action": "reset", "dsp": 3},
+                 {"at_s": 0.034, "action": "repair_link", "dsp": 3}, {"at_s": 0.036, "action": "repair_drive", "joint": "luff"},
+                 {"at_s": 0.040, "action": "slow", "dsp": 0, "factor": 0.2}, {"at_s": 0.044, "action": "stick_load_cell"}],
 }  # fmt: skip
 
 
@@ -45,15 +54,29 @@ def without_elapsed(report: str) -> Any:
     return found
 
 
+def seen(simulation: Any) -> Any:
+    return without_elapsed(simulation.report_json()), simulation.dock_events(), simulation.time_s
+
+
 def to_the_end(simulation: Any) -> Any:
     simulation.run()
-    return without_elapsed(simulation.report_json()), simulation.dock_events()
+    return seen(simulation), simulation.snapshot().state
 
 
 def instants(scene: str, count: int) -> list[float]:
+    """In turn anywhere, in the traffic behind a refresh of the list, and soon after one of the scene's events."""
     rng = random.Random(scene)
-    picoseconds = int(SCENES[scene]["duration_s"] * 1e12)
-    return [rng.randrange(picoseconds) * 1e-12 for _ in range(count)]
+    end = SCENES[scene]["duration_s"]
+    events = [event["at_s"] for event in EVENTS.get(scene, [])]
+    found = []
+    for number in range(count):
+        instant = rng.uniform(0, end)
+        if number % 3 == 1:
+            instant = round(instant * 8000) / 8000 + rng.uniform(0, 60e-6)
+        elif number % 3 == 2 and events:
+            instant = rng.choice(events) + rng.uniform(0, 1.5e-3) * rng.random()
+        found.append(int(min(instant, end * 0.999) * 1e12) * 1e-12)
+    return found
 
 
 @pytest.mark.parametrize("scene", SCENES)
@@ -66,6 +89,7 @@ def test_a_run_goes_on_from_any_instant_as_if_never_stopped(scene: str) -> None:
         resumed = core.Simulation(configuration(scene))
         resumed.restore(snapshot)
         assert resumed.difference(first) is None, instant
+        assert seen(resumed) == seen(first), instant
         assert to_the_end(resumed) == whole, instant
         assert to_the_end(first) == whole, instant  # to be looked at changed nothing
 
@@ -154,12 +178,15 @@ def test_another_process_goes_on(tmp_path: Path) -> None:
     assert (tmp_path / "python.snap").read_bytes() == (tmp_path / "snap").read_bytes()
 
 
-def test_the_two_parts_of_a_trace_are_the_whole(tmp_path: Path) -> None:
-    options = ["--quiet", "--dsps", "2", "--duration", "0.03", "--set", "report.reference=none", "--trace-instructions", "1"]
-    for name, value in AT_ONCE.items():
-        options += ["--set", f"{name}={value}"]
-    subprocess.run([EMULATOR, *options, "--snapshot-at", "0.0171:snap", "--trace", "whole"], cwd=tmp_path, check=False)
-    subprocess.run([EMULATOR, "--quiet", "--resume", "snap", "--trace", "rest", "--trace-instructions", "1"], cwd=tmp_path, check=False)
+@pytest.mark.parametrize("dsps", [1, 2, 4])
+def test_the_two_parts_of_a_golden_scenes_trace_are_the_whole(tmp_path: Path, dsps: int) -> None:
+    """The scenes of tests/cli/test_golden_scene.py, cut at a picosecond within the window that is traced."""
+    picosecond = random.Random(dsps).randrange(22_000_000_000, 29_000_000_000)
+    slots = [word for slot in range(dsps) for word in ("--trace-instructions", str(slot))]
+    common = ["--quiet", "--trace-window", "0.02:0.03", *slots]
+    whole = ["--dsps", str(dsps), "--duration", "0.05", "--set", "report.reference=none", "--snapshot-at", f"{picosecond * 1e-12:.12f}:snap", "--trace", "whole"]
+    for arguments in (whole, ["--resume", "snap", "--trace", "rest"]):
+        assert subprocess.run([EMULATOR, *common, *arguments], cwd=tmp_path, check=False).returncode == 0
 
     def parts(name: str) -> tuple[list[str], list[str]]:
         lines = (tmp_path / name).read_text().splitlines()
@@ -168,11 +195,15 @@ def test_the_two_parts_of_a_trace_are_the_whole(tmp_path: Path) -> None:
     header, events = parts("whole")
     header_of_rest, rest = parts("rest")
     assert header == header_of_rest
-    early = [line for line in events if float(line.split()[0]) < 0.0161]
+    early = [line for line in events if float(line.split()[0]) < picosecond * 1e-12 - 0.001]
     assert early and rest and [*early, *rest] == events
-    _, instructions = parts("whole.dsp1")
-    _, later = parts("rest.dsp1")
-    assert later and instructions[-len(later) :] == later and len(later) < len(instructions)
+    executed = 0
+    for slot in range(dsps):
+        _, instructions = parts(f"whole.dsp{slot}")
+        _, later = parts(f"rest.dsp{slot}")
+        assert instructions[len(instructions) - len(later) :] == later
+        executed += 0 < len(later) < len(instructions)
+    assert executed > 0  # with four, one is idle
 
 
 def test_a_snapshot_is_refused_by_name_and_nothing_has_changed(tmp_path: Path) -> None:
@@ -200,6 +231,34 @@ def test_a_snapshot_is_refused_by_name_and_nothing_has_changed(tmp_path: Path) -
         cmrc.read_snapshot(tmp_path / "bad")
     with pytest.raises(TypeError, match="snapshot: "):
         cmrc.Simulation(duration_s=0.03).restore("snap")  # type: ignore[arg-type]
+
+
+def test_a_file_has_room_for_what_a_second_adds() -> None:
+    """10 MB for 180 s of the default dock with 4 DSPs (issue 18): 55 kB a second, and what each run begins with."""
+    simulation = core.Simulation(core.config(settings={"dsps": 4, "duration_s": 180.0}))
+    sizes = []
+    for instant in (2.0, 5.0):
+        simulation.run_until(instant)
+        snapshot = simulation.snapshot()
+        sizes.append(len(snapshot.to_bytes()))
+        again = core.Snapshot.from_bytes(snapshot.to_bytes())
+        assert again.state == snapshot.state and again.to_bytes() == snapshot.to_bytes()
+    assert sizes[0] < 400_000 and (sizes[1] - sizes[0]) / 3 < 55_000, sizes
+
+
+def test_a_report_leaves_the_rest_as_it_is_and_a_last_report_ends_the_run() -> None:
+    whole = to_the_end(core.Simulation(configuration("at_once")))
+    simulation = core.Simulation(configuration("at_once"))
+    simulation.run_until(0.0213)
+    then, report = simulation.snapshot(), simulation.report_json()
+    assert simulation.report_json() == report and simulation.snapshot().state == then.state
+    last = without_elapsed(simulation.report_so_far_json())
+    assert last == without_elapsed(report)
+    for call in (simulation.run, lambda: simulation.run_until(0.03), simulation.snapshot):
+        with pytest.raises(RuntimeError, match="report_so_far has ended the run"):
+            call()
+    simulation.restore(then)
+    assert to_the_end(simulation) == whole
 
 
 def test_a_snapshot_from_inside_a_callback_and_of_a_profile_is_refused() -> None:

@@ -1,13 +1,16 @@
 """Snapshots as bytes, and what is refused: by name, and before anything is changed."""
 
+import math
 import os
 import pickle
 import random
+import struct
 import subprocess
 import sys
+import zlib
 
 import pytest
-from cmrc import c40
+from cmrc import _core, c40
 from cmrc.network import Network
 from locations import BUILD
 
@@ -53,7 +56,7 @@ def test_two_futures_of_one_past():
 
 def test_a_snapshot_is_bytes_and_can_be_pickled():
     snapshot = counting().snapshot()
-    assert c40.Snapshot.from_bytes(snapshot.to_bytes()) == snapshot == pickle.loads(pickle.dumps(snapshot))
+    assert c40.ChipSnapshot.from_bytes(snapshot.to_bytes()) == snapshot == pickle.loads(pickle.dumps(snapshot))
     assert snapshot.kind == "processor"
     assert len(snapshot.to_bytes()) < 20_000  # three megawords of memory, of which hardly any page is used
 
@@ -63,9 +66,9 @@ def test_another_process_goes_on_from_a_file(tmp_path):
     (tmp_path / "state").write_bytes(processor.snapshot().to_bytes())
     (tmp_path / "count.asm").write_text(COUNT)
     script = f"""
-from cmrc import c40
+from cmrc import _core, c40
 processor = c40.Processor(c40.assemble_file({str(tmp_path / "count.asm")!r}))
-processor.restore(c40.Snapshot.from_bytes(open({str(tmp_path / "state")!r}, "rb").read()))
+processor.restore(c40.ChipSnapshot.from_bytes(open({str(tmp_path / "state")!r}, "rb").read()))
 processor.run(1000)
 print(processor.registers["R0"], processor.cycles, processor.causes)
 """
@@ -82,19 +85,19 @@ def test_every_flipped_bit_and_every_cut_is_refused():
         damaged = bytearray(sealed)
         damaged[at] ^= 1 << rng.randrange(8)
         with pytest.raises(c40.SnapshotError, match=r"no snapshot|version|cut short|damaged"):
-            c40.Snapshot.from_bytes(bytes(damaged))
+            c40.ChipSnapshot.from_bytes(bytes(damaged))
     for length in [0, 1, 10, 11, 20, 35, 36, *rng.sample(range(len(sealed)), 100)]:
         with pytest.raises(c40.SnapshotError, match=r"no snapshot|cut short"):
-            c40.Snapshot.from_bytes(sealed[:length])
+            c40.ChipSnapshot.from_bytes(sealed[:length])
     with pytest.raises(c40.SnapshotError, match="cut short or added to"):
-        c40.Snapshot.from_bytes(sealed + b"\0")
+        c40.ChipSnapshot.from_bytes(sealed + b"\0")
 
 
 def test_another_version_is_refused_by_its_number():
     sealed = bytearray(counting().snapshot().to_bytes())
     sealed[len(b"CMRC state\n")] += 1
-    with pytest.raises(c40.SnapshotError, match="a snapshot of version 2; this emulator reads version 1"):
-        c40.Snapshot.from_bytes(bytes(sealed))
+    with pytest.raises(c40.SnapshotError, match="a snapshot of version 3; this emulator reads version 2"):
+        c40.ChipSnapshot.from_bytes(bytes(sealed))
 
 
 @pytest.mark.parametrize(
@@ -140,3 +143,48 @@ def test_another_network_refuses(changed, message):
     snapshot = Network(program, topology="ring:2").snapshot()
     with pytest.raises(c40.SnapshotError, match=message):
         Network(program, **({"topology": "ring:2"} | changed)).restore(snapshot)
+
+
+def smooth(count):
+    """What a run records: places in nanometres, times that a clock gives with a jitter, and doubles that move little."""
+    draw = random.Random(1)
+    return [word for n in range(count) for word in (
+        struct.pack("<d", int(2**30 * math.sin(n / 300)) / 2**30), struct.pack("<q", n * 500_000_123 + draw.randrange(1000)), struct.pack("<d", math.exp(n / 900)))]  # fmt: skip
+
+
+def nasty(count):
+    """Any bits, and doubles that have an other self: zeros of both signs, infinities, numbers that are none, the smallest ones."""
+    draw = random.Random(2)
+    doubles = [0.0, -0.0, math.inf, -math.inf, math.nan, 5e-324, -5e-324, 2.0**22, -(2.0**22), 2.0**22 + 2.0**-30, 2.0**-31, 1e308]
+    return [draw.choice([struct.pack("<d", draw.choice(doubles)), draw.randbytes(8), struct.pack("<q", draw.choice([-1, 0, 1, 2**63 - 1, -(2**63)]))]) for _ in range(3 * count)]
+
+
+@pytest.mark.parametrize("words", [smooth(700), nasty(700), nasty(1), [struct.pack("<d", -0.0)] * 900, []])
+@pytest.mark.parametrize("columns", [1, 3])
+def test_tables_come_back_from_a_file_bit_for_bit(words, columns):
+    rows = b"".join(words)
+    written, how = _core.to_columns(rows, columns)
+    assert len(written) == len(rows) and len(how) == columns
+    assert _core.from_columns(written, columns, how) == rows
+
+
+def test_a_table_that_moves_smoothly_takes_little_room():
+    rows = b"".join(smooth(20_000))
+    assert len(zlib.compress(_core.to_columns(rows, 3)[0], 1)) < len(zlib.compress(rows, 1)) / 2.5
+
+
+def test_a_column_that_is_written_in_no_known_way_is_refused():
+    for how in (b"\xff", b""):
+        with pytest.raises(c40.SnapshotError, match="the snapshot is damaged: "):
+            _core.from_columns(bytes(8), 1, how)
+
+
+def test_a_fork_of_a_network_has_its_past_and_its_own_future():
+    ring = Network([c40.assemble("        .text\nstart:  addi 1,r5\n        b start\n")] * 2, links=["0.3:1.0"], turn_order=3)
+    ring.run(max_cycles=100)
+    other = ring.fork()
+    assert other.snapshot() == ring.snapshot()
+    ring.hold(0, at_us=20)
+    ring.run(until_us=40), other.run(until_us=40)
+    assert ring.chips[0].status == "held" and other.chips[0].status == "running"
+    assert other.chips[1].registers["R5"] == ring.chips[1].registers["R5"] > 100
