@@ -430,12 +430,12 @@ def _stop(core: Mapping[str, Any]) -> Stop:
 __all__ = [
     "REGISTERS",
     "AssemblyError",
+    "ChipSnapshot",
     "ChipState",
     "CoffError",
     "Diagnostic",
     "Processor",
     "Program",
-    "ChipSnapshot",
     "SnapshotError",
     "Stop",
     "assemble",

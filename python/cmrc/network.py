@@ -360,4 +360,4 @@ def _each(given: Any, count: int, what: str) -> list[Any]:
     return values
 
 
-__all__ = ["Chip", "Event", "Link", "Network", "NetworkError", "NetworkStop", "PeripheralEvent", "SharedMemory", "ChipSnapshot", "SnapshotError", "Traffic"]
+__all__ = ["Chip", "ChipSnapshot", "Event", "Link", "Network", "NetworkError", "NetworkStop", "PeripheralEvent", "SharedMemory", "SnapshotError", "Traffic"]
