@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cassert>
 #include <numeric>
 #include <utility>
 
@@ -291,12 +292,17 @@ void Dsp::arrived(Window window, Offset offset, const pci::Posted& posted, Time 
     around_.observer->dsp_write(slot_, window, offset, posted.value, Time{posted.stamp}, now);
 }
 
+// Nothing outside may act on the chip before the horizon up to which it has been run.
+void Dsp::require_not_run_past([[maybe_unused]] Time now) const { assert(run_end_ <= now && "a chip was run past what acts on it"); }
+
 void Dsp::schedule_edge(Time time) {
+  require_not_run_past(time);
   edge_ = time;
   set_next();
 }
 
 void Dsp::schedule_reset(Time time) {
+  require_not_run_past(time);
   reset_ = time;
   set_next();
 }
@@ -347,6 +353,7 @@ void Dsp::go_astray() {
 }
 
 void Dsp::hang(Time now) {
+  require_not_run_past(now);
   if (caught_up(now)) {
     go_astray();
     state_ = State::running;
@@ -368,6 +375,7 @@ void Dsp::settle(Time now) {
 }
 
 void Dsp::stand_still(Time now) {
+  require_not_run_past(now);
   settle(now);
   chip_.hold(true);
   own_next_ = never;
@@ -389,6 +397,7 @@ void Dsp::freeze(Time now) {
 
 // Its present cycle, or the access that it stands before, is the last of the old clock.
 void Dsp::pace(Time now, std::int64_t parts_per_million) {
+  require_not_run_past(now);
   settle(now);
   Ticks reached = std::max(clock_.tick_at_or_after(now), chip_.cycle());
   if (state_ == State::access) reached = std::max(reached, access_.cycle);
@@ -424,6 +433,7 @@ void Dsp::list_state(state::Visitor& list) {
   list("dma waits", dma_waits_);
   list("fault", fault_);
   list("statistics", statistics_);
+  if (list.loads()) run_end_ = Time{0};  // of the run before
 }
 
 void Dsp::append_state(std::vector<std::uint64_t>& words) const {

@@ -162,6 +162,7 @@ class Dsp final : public Scheduler::Processor, private ChipRunner {
   void begin_access(Time horizon);
   void begin_port_access(Time now, Time horizon);
   bool dma_goes_on() const;
+  void require_not_run_past(Time now) const;
   void run_dma(Time horizon);
   c40::Cycles limit(Time horizon) const;
   void post(const Way& way, const c40::ExternalAccess& access);
