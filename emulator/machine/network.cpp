@@ -279,6 +279,7 @@ void Network::link_happens(std::size_t number, Time time) {
   something_happened();
   if (!passes_token) changed_ = time;
   for (Node* node : nodes) {
+    if (!moved && node->status == ChipStatus::running) continue;  // it does not look at its ports
     node->note_ready(time);
     node->wake_up();
     node->changed();

@@ -44,12 +44,13 @@ Time Network::Node::next() const {
 
 /// A chip that follows its ports runs no further than anything could reach it. Whether a chip goes round a loop is looked at in
 /// a certain cycle, wherever the chip has stopped before.
-Time Network::Node::horizon() const {
+Time Network::Node::horizon() const { return follows_ports() ? horizon_of_follower() : horizon_on_its_own(); }
+
+Time Network::Node::horizon_on_its_own() const {
   // One that polls goes on to where others could see it, wherever it has stopped before.
   const Time limit = patience.loop ? network.scheduler_.limit() : std::min(network.scheduler_.limit(), network.ends_at_);
   const Cycles action = network.next_action_on(*this);
-  if (!follows_ports()) return action == no_cycle ? limit : std::min(limit, clock.at(action));
-  return horizon_of_follower();
+  return action == no_cycle ? limit : std::min(limit, clock.at(action));
 }
 
 Time Network::Node::horizon_of_follower() const {
@@ -81,7 +82,7 @@ void Network::Node::act(Time now) {
   if (status == ChipStatus::sleeping) bring_to(now, false);
   else if (!on_its_own) go_on_with_ports(now);
   look_for_loop();
-  if (status == ChipStatus::running && !follows_ports()) run_freely(horizon());
+  if (on_its_own || (status == ChipStatus::running && !follows_ports())) run_freely(horizon_on_its_own());
   if (!on_its_own || !network.actions_.empty()) tell_changes();
 }
 

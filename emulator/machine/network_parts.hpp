@@ -124,6 +124,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, private 
   void note_idle();
   bool sleeps_for_interrupt() const;
   bool is_shared(c40::Address address) const;
+  Time horizon_on_its_own() const;
   Time horizon_of_follower() const;
   Time links_reach_it() const;
   Time next_look() const { return clock.at(std::max(patience.next_look(), chip.cycle() + 1)); }
