@@ -11,6 +11,18 @@ import pytest
 from locations import ROOT
 from own_dsp_run import toml_of
 
+# What both programs end with: jobs so far in word 0 of the area, and their result in word 1.
+LINK_END = """
+link_end:
+        sti     r4, *+ar6(1)
+        ldi     *ar6, r2
+        addi    1, r2
+        sti     r2, *ar6
+        ldi     r4, r0
+        ldi     0, r1
+        rets
+"""
+
 # The one sends the words n, n - 1, ..., 1 over port 0, and the other answers each k over port 4 by 2 k + 1.
 KERNELS = """
 kernel_ask:
@@ -23,14 +35,7 @@ ask_next:
         addi    *+ar0(1), r4
         subi    1, r3
         bnz     ask_next
-link_end:
-        sti     r4, *+ar6(1)
-        ldi     *ar6, r2
-        addi    1, r2
-        sti     r2, *ar6
-        ldi     r4, r0
-        ldi     0, r1
-        rets
+        br      link_end
 kernel_answer:
         ldhi    0010h, ar0
         or      0080h, ar0
@@ -91,14 +96,7 @@ kernel_answer:
         rptb    answer_summed
 answer_summed:
         addi    *ar1++, r4
-link_end:
-        sti     r4, *+ar6(1)
-        ldi     *ar6, r2
-        addi    1, r2
-        sti     r2, *ar6
-        ldi     r4, r0
-        ldi     0, r1
-        rets
+        br      link_end
 
 ; AR2 channel, R9 source, R7 its index, R10 destination, R11 its index, R8 the way of synchronisation.
 dma_runs:
@@ -135,7 +133,7 @@ def dma_programs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def programs_with(kernels: str, directory: Path) -> Path:
     shutil.copytree(ROOT / "c40_programs", directory)
-    (directory / "kernels" / "user.asm").write_text(kernels)
+    (directory / "kernels" / "user.asm").write_text(kernels + LINK_END)
     return directory
 
 
