@@ -98,9 +98,10 @@ c40::Cycles Dsp::limit(Time horizon) const {
   const c40::Cycles far = clock_.tick_at_or_after(horizon);
   if (!chip_.watches_ports()) return far;
   Time reach = never;
+  const Time own = clock_.at(chip_.settled());  // what its own DMA does comes back over the link, too
   for (const Wire& wire : wires_) {
     // The adapter's end acts with the host, which the horizon knows; another DSP's at any time from now on.
-    const Time from = &wire == &wires_.front() ? clock_.at(chip_.settled()) : around_.scheduler.earliest();
+    const Time from = &wire == &wires_.front() ? own : std::min(own, around_.scheduler.earliest());
     reach = std::min({reach, wire.actor.next(), from + wire.link.lookahead()});
   }
   return std::min(far, clock_.tick_at_or_after(reach));
