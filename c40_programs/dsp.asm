@@ -9,9 +9,11 @@
 
 ; Interrupt vectors: IVTP points here, so this must start on a 512-word boundary (the image starts at 300000h).
 vectors:
-        .word   0, 0, 0
-        .word   isr_doorbell            ; 03h IIOF0
-        .space  60
+        .word   0
+        .word   isr_wake                ; 01h NMI
+        .word   0                       ; 02h TINT0
+        .word   isr_wake, isr_wake, isr_wake, isr_wake          ; 03h IIOF0, the doorbell, to 06h IIOF3
+        .space  57
 
 ; Written by the loader before the DSP starts.
 dsp_slot:       .word 0                 ; number of this DSP

@@ -5,12 +5,13 @@ IDLE_DOORBELL   .set 0                  ; announce idleness, sleep until IIOF0 r
 IDLE_PAUSE      .set 1                  ; look again after pause_count NOPs
 IDLE_SPIN       .set 2                  ; look again at once
 
-IIF_DOORBELL    .set 9                  ; IIF: IIOF0 is an edge-triggered interrupt, enabled; writing it clears the flag
+IIF_DOORBELL    .set 9                  ; IIF: IIOF0 is an edge-triggered interrupt, enabled
+IIF_RING        .set 4                  ; its flag
 ST_CACHE        .set 0800h              ; ST: instruction cache enabled
 ST_GIE          .set 2000h
 
-; IIOF0: its only use is to end IDLE.
-isr_doorbell:
+; The doorbell, and pins that nets drive: their only use is to end IDLE.
+isr_wake:
         reti
 
 _start:
@@ -23,6 +24,7 @@ _start:
         or      lo16(vectors), ar0
         ldpe    ar0, ivtp
         ldi     0, iie
+        ldi     IIF_DOORBELL, iif                       ; the other nibbles are a task's, if it uses the pins
 
         ldi     ar0, ar2
         addi    dsp_slot - vectors, ar2
@@ -138,7 +140,7 @@ exec_idle:
 
 ; Doorbell. Nobody may ring before this DSP has announced itself, so an older ring is forgotten first; the list is looked at
 ; once more after the announcement, for the host may have put a block there in between without ringing.
-        ldi     IIF_DOORBELL, iif
+        andn    IIF_RING, iif
         ldhi    hi16(WINDOW_A + DOORBELL_IDLE), ar3
         or      lo16(WINDOW_A + DOORBELL_IDLE), ar3
         ldi     @EXEC_SLOT, r0

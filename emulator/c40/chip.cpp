@@ -78,7 +78,7 @@ void Chip::set_register(isa::Register r, std::uint64_t value) {
   if (code == reg::ST) return engine_->set_status(word);
   core.r[code] = word;
   if (isa::is_extended(r)) core.e[code] = float40::from_bits(value).e;
-  if (code == reg::IIF) engine_->after_interrupt_register_write();
+  if (code == reg::IIF) engine_->after_interrupt_register_write(), engine_->pins_changed();
 }
 
 Float40 Chip::float_register(isa::Register r) const {
@@ -123,10 +123,6 @@ void Chip::raise_iiof(int pin) {
   check_pin(pin);
   engine_->raise_flag(4u << 4 * pin);
 }
-void Chip::set_iiof(int pin, bool active) {
-  check_pin(pin);
-  engine_->set_level(pin, active);
-}
 void Chip::raise_nmi() { engine_->raise_flag(1u << 16); }
 void Chip::attach(int port, PortListener* link) {
   check_port(port);
@@ -152,10 +148,12 @@ Cycles Chip::settled() const {
 }
 bool Chip::watches_ports() const { return engine_->watched_ports() != 0; }
 
-void Chip::set_timer_pin(int timer, bool level) {
-  check_timer(timer);
-  engine_->set_timer_pin(timer, level);
+void Chip::set_pin(Pin pin, bool level, Cycles at) {
+  if (pin == Pin::reset) throw std::invalid_argument("RESET: who drives it resets the chip");
+  engine_->set_pin(pin, level, at);
 }
+void Chip::watch_pins(PinListener* listener, unsigned outputs, unsigned inputs) { engine_->watch_pins(listener, outputs, inputs); }
+bool Chip::heeds(Pin pin) const { return engine_->heeds(pin); }
 bool Chip::timer_pin(int timer) const {
   check_timer(timer);
   const State& state = engine_->state();
@@ -180,7 +178,9 @@ bool Chip::timer_drives_dma(int timer) const {
   check_timer(timer);
   return engine_->timer_drives_dma(static_cast<std::size_t>(timer));
 }
-void Chip::hold(bool held) { engine_->touch().held = held; }
+void Chip::hold(bool held) { engine_->hold(held); }
+void Chip::stand_until(Cycles cycle) { engine_->stand_until(cycle); }
+void Chip::let_peripherals_reach(Cycles cycle) { engine_->let_peripherals_reach(cycle); }
 bool Chip::halted() const { return engine_->state().held || engine_->state().faulted; }
 
 Cycles Chip::cycle() const { return engine_->state().cycle; }

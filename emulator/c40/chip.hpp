@@ -14,6 +14,7 @@
 #include "c40/memory.hpp"
 #include "c40/peripherals/dma.hpp"
 #include "c40/peripherals/events.hpp"
+#include "c40/peripherals/pins.hpp"
 #include "c40/state.hpp"
 
 namespace state {
@@ -161,8 +162,12 @@ class Chip {
   /// Interrupts that linked ports could raise are enabled, or a started DMA channel uses one: the chip's horizon depends on its links.
   bool watches_ports() const;
 
-  /// Level that the outside drives pin TCLKn to, from the present cycle on.
-  void set_timer_pin(int timer, bool level);
+  /// The outside drives a pin to a level from a cycle on, which is not before the last. At IIOF and NMI, going low is an edge; of RESET the
+  /// chip knows nothing: who resets it calls reset() or boot(). Throws std::invalid_argument for RESET.
+  void set_pin(Pin pin, bool level, Cycles at);
+  /// Who is told what the chip drives the pins to of which the bits are set in `outputs`; null: nobody. A chip that is held drives nothing.
+  /// \param inputs pins that others drive: a program that makes outputs of them is a fault
+  void watch_pins(PinListener* listener, unsigned outputs, unsigned inputs);
   /// The level at pin TCLKn.
   bool timer_pin(int timer) const;
   /// A peripheral register's value, by the name that the register map gives it (peripherals/register_map.hpp); a FIFO's oldest word
@@ -171,12 +176,14 @@ class Chip {
 
   /// The level at pin IIOFn: a general-purpose output's, else the board's.
   bool iiof_pin(int pin) const;
-  /// An edge on IIOFn at the present cycle.
+  /// A short pulse on IIOFn at the present cycle: an edge, and no level.
   void raise_iiof(int pin);
-  /// The level of IIOFn: going active is an edge; a level-triggered interrupt stays requested while it lasts.
-  void set_iiof(int pin, bool active);
+  /// A short pulse on NMI.
   void raise_nmi();
-  /// The next cycle in which a peripheral does something by itself that the processor could see; the greatest number if none will.
+  /// An edge or level at this pin could be an interrupt that is enabled, an event for the DMA, or a tick of a timer that runs.
+  bool heeds(Pin pin) const;
+  /// The next cycle in which a peripheral does something by itself that the processor, or who watches pins, could see; the greatest number if
+  /// none will.
   Cycles next_event() const;
   /// The same of one timer: its next interrupt.
   Cycles next_timer_event(int timer) const;
@@ -194,6 +201,10 @@ class Chip {
   /// Idle, and no peripheral of its own will change that: only something from outside can.
   bool dormant() const;
   void hold(bool held);
+  /// Time passes, and it executes nothing: what its timers do at its pins happens.
+  void stand_until(Cycles cycle);
+  /// The same of one that waits for an access: its own time stands still.
+  void let_peripherals_reach(Cycles cycle);
   /// Held in reset, or stopped by a fault.
   bool halted() const;
 

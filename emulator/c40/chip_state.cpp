@@ -104,6 +104,10 @@ void State::list_state(state::Visitor& list) {
   list("dma", dma);
   list("stalled_on_port", stalled_on_port);
   list("iiof_levels", iiof_levels);
+  list("iiof_driven", iiof_driven);
+  list("nmi_low", nmi_low);
+  list("drives", drives);
+  list("drives_told", drives_told);
   list("held", held);
   list("faulted", faulted);
 }

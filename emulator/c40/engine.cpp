@@ -30,6 +30,10 @@ void Engine::reset() {
   state_.causes = old.causes;
   state_.held = old.held;
   state_.iiof_levels = old.iiof_levels;
+  state_.iiof_driven = old.iiof_driven;
+  state_.nmi_low = old.nmi_low;
+  state_.drives = old.drives;
+  for (std::size_t n = 0; n < timer_count; ++n) state_.timers[n].start_anew(old.timers[n]);
   state_.ports = old.ports;
   reset_ports();
   state_.dma.now = state_.cycle;
@@ -42,6 +46,7 @@ void Engine::reset() {
   state_.global_interface_control = board_.global_interface_control;
   state_.local_interface_control = board_.local_interface_control;
   after_interrupt_register_write();
+  pins_changed();
   stale_code_ = false;
   ++cache_version_;
   forget_memory();

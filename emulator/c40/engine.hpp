@@ -76,7 +76,14 @@ class Engine {
   StopInfo step();
   void complete(bool write, Word value, Cycles arbitration, Cycles transfer);
   void raise_flag(Word flag);
-  void set_level(int pin, bool active);
+  void set_pin(Pin pin, bool level, Cycles at);
+  void watch_pins(PinListener* listener, unsigned outputs, unsigned inputs);
+  bool heeds(Pin pin) const;
+  void hold(bool held);
+  void stand_until(Cycles cycle);
+  void let_peripherals_reach(Cycles cycle) { advance_peripherals(cycle); }
+  /// An instruction, or who stands outside, may have changed what the chip drives.
+  void pins_changed();
   bool waits_in_idle() const;
   bool dma_active() const { return dma_active_; }
   void settle_counts();
@@ -107,7 +114,6 @@ class Engine {
   Word pending_vector() const;
   Cycles idle_since() const { return idle_until_ == state_.cycle ? idle_since_ : state_.cycle; }
   bool timer_drives_dma(std::size_t timer) const;
-  void set_timer_pin(int timer, bool level);
   void attach(int n, PortListener* link);
   PortListener* listener(int n) const { return listeners_[static_cast<std::size_t>(n)]; }
 
@@ -231,6 +237,13 @@ class Engine {
   Word pending_port_vector(Word enabled) const;
   bool take_interrupt(Word vector);
 
+  // engine_pins.cpp
+  bool pin_drives_dma(unsigned pin) const;
+  bool level_at_iiof(unsigned pin) const;
+  Drive drive_of(Pin pin, Cycles at) const;
+  void tell_pins(Cycles at);
+  std::optional<Pin> contended_pin() const;
+
   // engine.cpp: running
   void forget_memory();
   void forget_pipelines();
@@ -298,6 +311,9 @@ class Engine {
   std::size_t port_slot_ = 2;  ///< which of the instruction's accesses waits for a port; 2: none
   std::array<PortListener*, port_count> listeners_{};
   Word attached_ = 0;  ///< bit n: port n has a listener
+  PinListener* pin_listener_ = nullptr;
+  unsigned watched_pins_ = 0;  ///< bit n: pin n is an output that somebody listens to
+  unsigned driven_pins_ = 0;   ///< bit n: pin n is an input that others drive
   std::size_t waiting_access_ = 2;  ///< which of the instruction's accesses waits; 2: none
   std::optional<Fault> fault_;
   std::optional<Cycles> reported_breakpoint_;  ///< cycle of the last breakpoint stop

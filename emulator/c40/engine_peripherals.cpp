@@ -60,7 +60,9 @@ bool Engine::write_register(Address address, Word value, Cycles at) {
     return true;
   }
   if (is_timer_register(address)) {
+    advance_peripherals(at - 1);
     if (state_.timers[timer_of(address)].write(timer_register(address), value, at)) timer_event(timer_of(address), at);
+    if (watched_pins_ != 0) tell_pins(at);
     expect_peripherals();
     return true;
   }
@@ -98,18 +100,17 @@ void Engine::advance_peripherals(Cycles at) {
     end_dma_block(event);
     for (std::size_t n = 0; n < timer_count; ++n)
       if (state_.timers[n].advance_to(event)) timer_event(n, event);
+    if (watched_pins_ != 0) tell_pins(event);
     expect_peripherals();
   }
 }
 
 void Engine::expect_peripherals() {
   next_peripheral_event_ = std::min(state_.timers[0].next_event(), state_.timers[1].next_event());
-}
-
-void Engine::set_timer_pin(int timer, bool level) {
-  const auto n = static_cast<std::size_t>(timer);
-  if (state_.timers[n].set_pin(level, state_.cycle)) timer_event(n, state_.cycle);
-  expect_peripherals();
+  if (watched_pins_ == 0) return;
+  for (const Pin pin : {Pin::tclk0, Pin::tclk1})
+    if ((watched_pins_ >> static_cast<unsigned>(pin) & 1u) != 0)
+      next_peripheral_event_ = std::min(next_peripheral_event_, state_.timers[number_of(pin)].next_change_of_pin(state_.drives_told));
 }
 
 // ---- communication ports ----
@@ -258,33 +259,7 @@ Word Engine::watched_ports() const {
 bool Engine::latch_for_dma(Word flag) { return dma_active_ && dma_.latch(selects(flag)); }
 
 bool Engine::timer_drives_dma(std::size_t timer) const { return dma_active_ && dma_.latches(selects(timer_flags[timer])); }
-void Engine::raise_flag(Word flag) {
-  Word& iif = state_.core.r[reg::IIF];
-  for (unsigned pin = 0; pin < 4; ++pin)
-    if (flag == 4u << 4 * pin && (iif >> 4 * pin & 1u) == 0) return;  // general-purpose I/O
-  if (latch_for_dma(flag)) return;
-  iif |= flag;
-}
-
-void Engine::set_level(int pin, bool active) {
-  const auto bit = static_cast<std::uint8_t>(1u << pin);
-  const bool edge = active && (state_.iiof_levels & bit) == 0;
-  state_.iiof_levels = static_cast<std::uint8_t>(active ? state_.iiof_levels | bit : state_.iiof_levels & ~bit);
-  if (edge) raise_flag(4u << 4 * pin);
-}
-
-// FLAG of a general-purpose input is read only: the level to which the board ties the pin.
-void Engine::after_interrupt_register_write() {
-  Word& iif = state_.core.r[reg::IIF];
-  for (unsigned pin = 0; pin < 4; ++pin)
-    if ((iif >> 4 * pin & 3u) == 0) iif = (iif & ~(4u << 4 * pin)) | (board_.pins.iiof >> pin & 1u) << (4 * pin + 2);
-}
-
-bool Engine::iiof_pin(int pin) const {
-  const Word nibble = state_.core.r[reg::IIF] >> 4 * pin & 0xFu;
-  const bool output = (nibble & 3u) == 2;
-  return output ? (nibble & 4u) != 0 : (board_.pins.iiof >> pin & 1u) != 0;
-}
+bool Engine::pin_drives_dma(unsigned pin) const { return dma_active_ && dma_.latches(selects(4u << 4 * pin)); }
 
 // The reset vector is an address, at a place that two pins choose (c40-hardware.md 1.2).
 void Engine::boot() {

@@ -484,6 +484,9 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
     if (const Stepped why = execute(step); why != Stepped::done) return why;
     settle_accesses(step, pc);
     finish_step(step);
+    if (driven_pins_ != 0 && (bound.writes_interrupts || step.register_writes != 0)) [[unlikely]]
+      if (const auto pin = contended_pin())
+        return fail(Fault::Kind::not_modelled, fmt::format("pin {} becomes an output, and a net drives it", name(*pin)));
   }
   std::optional<StepTiming> without;
   if (dma_beside_) [[unlikely]] without = without_dma(step, annul);
@@ -496,6 +499,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
     settle_answers();
     if (dma_active_) dma_side_->mark_under_way();
   }
+  if (bound.writes_interrupts) pins_changed();
   if (dma_busy_) [[unlikely]] note_accesses(step, annul, before);
   if (bound.flow != Flow::straight || bound.writes_status) note_cache_control(state_.cycle - 1 - step.timing->branch);
   advance_pc(pc);

@@ -6,6 +6,7 @@
 #include "c40/op.hpp"
 #include "c40/peripherals/comm_port.hpp"
 #include "c40/peripherals/dma.hpp"
+#include "c40/peripherals/pins.hpp"
 #include "c40/peripherals/timer.hpp"
 
 namespace c40 {
@@ -46,7 +47,11 @@ struct State {
   std::array<Timer, timer_count> timers{};
   DmaState dma;
   bool stalled_on_port = false;  ///< The instruction at PC has begun an access that a FIFO does not answer yet.
-  std::uint8_t iiof_levels = 0;  ///< Bit n: IIOFn is held active.
+  std::uint8_t iiof_levels = 0;  ///< Bit n: IIOFn is held active, which is low.
+  std::uint8_t iiof_driven = 0;  ///< Bit n: the outside has driven IIOFn, and what the board ties it to counts no more.
+  bool nmi_low = false;
+  std::array<Drive, pin_count> drives{};  ///< of watched outputs, as last told
+  Cycles drives_told = 0;                 ///< up to this cycle
   bool held = false;             ///< In reset.
   bool faulted = false;
 

@@ -140,10 +140,11 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
       ->allow_extra_args(false);
   app.add_option("--memory-max", options.memory_max, "Of the RAM of --board flat a program may use so many MiB (default 256)")->check(CLI::Range(1, 16384))->type_name("MIB");
   app.add_option("--link", options.links, "Join two communication ports")->type_name("CHIP.PORT:CHIP.PORT")->allow_extra_args(false);
+  app.add_option("--net", options.nets, "Join pins: TCLK0 of chip 0 drives IIOF1 of chip 1 (docs/networks.md)")->type_name("0.TCLK0>1.IIOF1")->allow_extra_args(false);
   app.add_option("--topology", options.topology, "Chips and their links: ring, line, grid, torus or hypercube")->type_name("ring:4|grid:4x4|...");
   app.add_option("--network", options.network, "Chips, links, memories and events from a file (docs/networks.md)")->type_name("FILE.toml");
-  app.add_option("--action", options.actions, "Cut or restore a link; reset, hold, release or pull out a chip: 12.5,cut,0.3:1.0")
-      ->type_name("AT_US,ACTION,LINK|CHIP")
+  app.add_option("--action", options.actions, "Cut or restore a link; reset, hold, release or pull out a chip; drive a net: 12.5,cut,0.3:1.0")
+      ->type_name("AT_US,ACTION,LINK|CHIP|NET")
       ->allow_extra_args(false);
   app.add_option("--link-trace", options.link_trace, "Write the words and tokens on the links")->type_name("FILE");
   app.add_option("--turn-order", options.turn_order, "Shuffle which chip is advanced first; changes nothing")->type_name("SEED");

@@ -327,7 +327,7 @@ void place(c40::Chip& chip, const Image& image, const Boot& boot) {
 
 int exec(const ExecOptions& options) {
   if (options.trace_labels && !options.trace) throw InputError("--trace-labels: needs --trace FILE");
-  if (options.programs.size() > 1 || options.network || options.topology || !options.links.empty()) return exec_network(options);
+  if (options.programs.size() > 1 || options.network || options.topology || !options.links.empty() || !options.nets.empty()) return exec_network(options);
   if (options.programs.empty()) throw InputError("exec: PROGRAM is missing; a program is expected, or --network FILE.toml");
   if (options.boards.size() > 1) throw InputError("--board: one chip has one board");
   if (options.link_trace) throw InputError("--link-trace: there is no link");

@@ -1,9 +1,6 @@
 // emulator exec with several programs: a network of chips.
 #include <fmt/format.h>
 
-#include <charconv>
-#include <cmath>
-
 #include <nlohmann/json.hpp>
 
 #include "cli/chip_listeners.hpp"
@@ -49,10 +46,18 @@ class Watched {
   std::vector<std::unique_ptr<ChipListeners>> all_;
 };
 
+machine::NetDescription net_of(const std::string& text, const std::vector<std::string>& chips) {
+  try {
+    return machine::parse_net(text, chips);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(fmt::format("--net: {}", error.what()));
+  }
+}
+
 machine::NetworkDescription described(const ExecOptions& options) {
   if (options.network) {
-    if (!options.programs.empty() || !options.links.empty() || options.topology || !options.boards.empty() || options.until || options.entry || options.load_at || options.memory_max)
-      throw InputError("--network: the file says programs, boards and links, where a chip starts and where it has ended; the command line does not");
+    if (!options.programs.empty() || !options.links.empty() || !options.nets.empty() || options.topology || !options.boards.empty() || options.until || options.entry || options.load_at || options.memory_max)
+      throw InputError("--network: the file says programs, boards, links and nets, where a chip starts and where it has ended; the command line does not");
     require_file(*options.network);
     return machine::read_network(*options.network, [&](const std::string& path) { return read_program(path, options.include_directories, {}, is_source_name(path) ? options.dialect : std::nullopt); });
   }
@@ -88,27 +93,15 @@ machine::NetworkDescription described(const ExecOptions& options) {
     names.push_back(fmt::format("{}", n));
   }
   for (const std::string& link : options.links) network.links.push_back(machine::parse_link(link, names));
+  for (const std::string& net : options.nets) network.nets.push_back(net_of(net, names));
   return network;
 }
 
-/// AT_US,ACTION,TARGET
-machine::NetworkAction parse_action(const std::string& text, const Network& network) {
-  const std::size_t first = text.find(','), second = text.find(',', first == std::string::npos ? first : first + 1);
-  double microseconds = -1;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + std::min(first, text.size()), microseconds);
-  if (second == std::string::npos || error != std::errc{} || end != text.data() + first || !(microseconds >= 0 && microseconds <= 1e12))
-    throw InputError(fmt::format("--action: \"{}\" is not AT_US,ACTION,LINK or CHIP, as 12.5,cut,0.3:1.0 or 20,reset,1", text));
-  std::vector<std::string> chips;
-  std::vector<machine::NetworkLink> links;
-  for (std::size_t n = 0; n < network.chip_count(); ++n) chips.push_back(network.chip_name(n));
-  for (std::size_t n = 0; n < network.link_count(); ++n) links.push_back(network.ends(n));
+machine::NetworkAction action_of(const std::string& text, const Network& network) {
   try {
-    const std::string target = text.substr(second + 1);
-    const auto kind = machine::action_named(text.substr(first + 1, second - first - 1));
-    using enum machine::NetworkAction::Kind;
-    return {kind, machine::Time{std::llround(microseconds * 1e6)}, kind == cut || kind == restore ? machine::link_named(target, chips, links) : machine::chip_named(target, chips)};
-  } catch (const machine::NetworkError& error_of_it) {
-    throw InputError(fmt::format("--action {}: {}", text, error_of_it.what()));
+    return machine::parse_action(text, network.description());
+  } catch (const machine::NetworkError& error) {
+    throw InputError(fmt::format("--action {}: {}", text, error.what()));
   }
 }
 
@@ -178,8 +171,14 @@ void print_text(const Network& network, const machine::NetworkStop& stop, const 
     }
     io::print("\n");
   }
+  for (std::size_t n = 0; n < network.net_count(); ++n) {
+    const machine::Net& net = network.net(n);
+    io::print("net {} ({}): {}, {} edges", net.description().name, to_text(net.description()), net.level() ? "high" : "low", net.edges());
+    if (net.missed() != 0) io::print(", {} missed by a receiver", net.missed());
+    io::print("\n");
+  }
   for (const machine::NetworkEvent& event : network.events())
-    if (event.kind != machine::NetworkEvent::Kind::word && event.kind != machine::NetworkEvent::Kind::token) io::print("event {}\n", network.text(event));
+    if (!is_common(event.kind)) io::print("event {}\n", network.text(event));
   for (const Dump& dump : dumps) {
     const std::vector<c40::Word> words = words_of(network, dump);
     for (std::size_t i = 0; i < words.size(); ++i) {
@@ -225,6 +224,11 @@ void print_json(const Network& network, const machine::NetworkStop& stop, const 
     }
     root["links"].push_back(std::move(out));
   }
+  root["nets"] = Json::array();
+  for (std::size_t n = 0; n < network.net_count(); ++n) {
+    const machine::Net& net = network.net(n);
+    root["nets"].push_back({{"name", net.description().name}, {"pins", to_text(net.description())}, {"level", net.level() ? 1 : 0}, {"edges", net.edges()}, {"missed", net.missed()}});
+  }
   root["events"] = Json::array();
   for (const machine::NetworkEvent& event : network.events()) root["events"].push_back(network.text(event));
   root["dumps"] = Json::array();
@@ -251,7 +255,7 @@ int exec_network(const ExecOptions& options) {
   Network network(described(options), options.turn_order);
   std::vector<Dump> dumps;
   for (const std::string& text : options.dumps) words_of(network, dumps.emplace_back(parse_dump(text, network)));  // refuses bad ranges before the run
-  for (const std::string& text : options.actions) network.schedule(parse_action(text, network));
+  for (const std::string& text : options.actions) network.schedule(action_of(text, network));
   io::FileRoles files = files_read(options);
   for (std::size_t n = 0; n < network.chip_count(); ++n)
     for (const std::string& source : network.program(n).files_read) files.reads("a source", source);

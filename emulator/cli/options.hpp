@@ -114,6 +114,7 @@ struct ExecOptions {
   std::optional<std::string> boot;  ///< a port 0 to 5, an address, or "reset"
   bool peripherals = false;
   std::vector<std::string> links;  ///< CHIP.PORT:CHIP.PORT
+  std::vector<std::string> nets;   ///< CHIP.PIN>CHIP.PIN
   std::optional<std::string> topology;
   std::optional<std::string> network;
   std::optional<std::string> link_trace;

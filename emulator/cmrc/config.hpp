@@ -74,6 +74,7 @@ struct Config {
     std::string programs;           ///< directory of the assembly sources; empty: the image built in
     std::string board = "default";  ///< of every DSP: "default", or a board file
     std::string links;              ///< between ports of two slots
+    std::string nets;               ///< between pins of slots
   } machine;
   struct Rates {
     double refresh_frequency_hz = 8000;  ///< f_s

@@ -12,6 +12,7 @@
 
 #include "cmrc/control.hpp"
 #include "cmrc/topology.hpp"
+#include "machine/net.hpp"
 #include "machine/slot_links.hpp"
 #include "plant/wind.hpp"
 
@@ -37,6 +38,11 @@ class Invariants {
       machine::check(machine::parse_slot_links(m.links), slots);
     } catch (const std::invalid_argument& error) {
       contradiction({"machine.links", "machine.slots", "machine.dsps"}, error.what(), "links as in \"0.1:1.4\" are expected");
+    }
+    try {
+      machine::parse_slot_nets(m.nets, static_cast<std::size_t>(m.slots == 0 ? m.dsps : m.slots));
+    } catch (const std::invalid_argument& error) {
+      contradiction({"machine.nets", "machine.slots", "machine.dsps"}, error.what(), "nets as in \"0.TCLK0>1.IIOF1\" are expected");
     }
     require(config_.run.duration_s * 1e3 > config_.host.start_ms, {"run.duration_s", "host.start_ms"},
             fmt::format("a run of {:g} ms ends before the first refresh, at {:g} ms", config_.run.duration_s * 1e3, config_.host.start_ms),

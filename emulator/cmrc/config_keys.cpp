@@ -109,6 +109,8 @@ std::vector<Key> make_keys() {
            "memories and clock of every DSP's board: default, or a board file (cli.md), whose clock_mhz comes before dsp_clock", "issue 4"),
       text("machine.links", FIELD(machine.links),
            "links between communication ports of two slots, as in \"0.1:1.4, 1.0:2.5\": one of ports 0, 1, 2 with one of 4, 5", "docs/add-a-task.md"),
+      text("machine.nets", FIELD(machine.nets),
+           "nets between pins of slots, as in \"0.TCLK0>1.IIOF1, 1.IIOF2>0.TCLK1+2.NMI\": who drives, and who receives", "docs/add-a-task.md"),
 
       number("rates.refresh_frequency_hz", FIELD(rates.refresh_frequency_hz), "Hz", 100, 200000,
              "f_s, refreshes of the task-block list", "plant-and-bus.md 2.3"),

@@ -205,6 +205,10 @@ report::RunReport make_report(Evidence e) {
   const machine::Config& clocks = e.machine.config();
   const double hertz = static_cast<double>(clocks.pci_hz_numerator) / static_cast<double>(clocks.pci_hz_denominator);
   for (std::size_t i = 0; i < e.machine.links(); ++i) report.links.push_back(link_report(e.machine.link(i)));
+  for (std::size_t i = 0; i < e.machine.nets(); ++i) {
+    const machine::Net& net = e.machine.net(i);
+    report.nets.push_back({net.description().name, to_text(net.description()), net.edges(), net.missed(), net.level()});
+  }
   for (unsigned i = 0; i < e.machine.buses(); ++i) report.buses.push_back(bus_report(e.machine, static_cast<machine::BusId>(i), hertz));
   report.cycles = e.host.cycles().cycles();
   std::size_t delivered = 0;

@@ -50,6 +50,7 @@ Config reference_of(Config config) {
   config = as_run(ideal(std::move(config)));
   config.machine.dsps = 1;
   config.machine.links.clear();
+  config.machine.nets.clear();
   config.machine.slots = 0;
   for (UserTask& task : config.tasks) task.dsp.reset();  // its one DSP does it all
   config.run.turn_order = 0;

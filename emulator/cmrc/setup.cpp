@@ -208,6 +208,7 @@ void set_buses(const Config& config, machine::Config& machine) {
   const Config::Bus& bus = config.bus;
   machine.topology = topology_of(config);
   machine.links = machine::parse_slot_links(config.machine.links);
+  machine.nets = machine::parse_slot_nets(config.machine.nets, machine.slots != 0 ? machine.slots : machine.dsps);
   machine.bus.fast_back_to_back = bus.fast_back_to_back;
   machine.bus.arbitration = static_cast<pci::Arbitration>(bus.arbiter);
   machine.bus.parking = static_cast<pci::Parking>(bus.parking);

@@ -48,14 +48,14 @@ Dsp::Dsp(unsigned slot, bool plugged, Surroundings& surroundings)
 void Dsp::set_next() {
   next_ = std::min({own_next_, edge_, reset_});
   if (dma_goes_on()) next_ = std::min(next_, clock_.at(chip_.settled()));
+  if (!nets_out_.empty()) next_ = std::min(next_, next_pin_event());
   changed();
   for (const Wire& wire : wires_) wire.actor.changed();  // what it did at its ports may have given links something to do
 }
 
 // While the processor stands before an access or in one, a DMA that moves words over a link to another slot goes on.
 bool Dsp::dma_goes_on() const {
-  const bool waits = state_ == State::access || state_ == State::port || state_ == State::blocked || state_ == State::resuming;
-  return waits && wires_.size() > 1 && !dma_waits_ && chip_.dma_busy() && chip_.watches_ports();
+  return in_access() && wires_.size() > 1 && !dma_waits_ && chip_.dma_busy() && chip_.watches_ports();
 }
 
 void Dsp::attach(int port, c40::Link& link, int side, Scheduler::Actor& wire) {
@@ -85,6 +85,7 @@ void Dsp::act(Time now) {
   } else if (dma_goes_on()) {
     run_dma(horizon());
   }
+  if (next_pin_event() <= now) chip_.let_peripherals_reach(clock_.tick_at_or_after(now));
   set_next();
 }
 
@@ -93,11 +94,12 @@ void Dsp::run_ahead(Time until) {
   set_next();
 }
 
-// Whose ports can interrupt it, or move its DMA, follows its link step by step.
+// Whose ports can interrupt it, or move its DMA, follows its link step by step; so does one to whose pins a net leads.
 c40::Cycles Dsp::limit(Time horizon) const {
   const c40::Cycles far = clock_.tick_at_or_after(horizon);
-  if (!chip_.watches_ports()) return far;
   Time reach = never;
+  for (const Net* net : nets_in_) reach = std::min(reach, net->reaches(slot_));
+  if (!chip_.watches_ports()) return std::min(far, reach == never ? far : clock_.tick_at_or_after(reach));
   const Time own = clock_.at(chip_.settled());  // what its own DMA does comes back over the link, too
   for (const Wire& wire : wires_) {
     // The adapter's end acts with the host, which the horizon knows; another DSP's at any time from now on.
@@ -116,7 +118,7 @@ void Dsp::run(Time until) {
 }
 
 std::optional<ChipRunner::Span> Dsp::span() {
-  if (edge_waiting_ || hang_waiting_) return Span{.one_instruction = true};
+  if (edge_waiting_ || hang_waiting_ || !pins_waiting_.empty()) return Span{.one_instruction = true};
   if (chip_.dormant()) {
     state_ = State::idle;
     own_next_ = never;
@@ -132,6 +134,8 @@ std::optional<ChipRunner::Span> Dsp::span() {
 // Between two instructions: now comes what found it in the middle of one.
 bool Dsp::at_limit() {
   if (std::exchange(edge_waiting_, false)) chip_.raise_iiof(0);
+  for (const PinChange& change : pins_waiting_) chip_.set_pin(change.pin, change.level, chip_.cycle());
+  pins_waiting_.clear();
   if (std::exchange(hang_waiting_, false)) go_astray();
   return true;
 }
@@ -359,7 +363,7 @@ void Dsp::hang(Time now) {
     go_astray();
     state_ = State::running;
     own_next_ = clock_.at(chip_.cycle());
-  } else if (state_ == State::access || state_ == State::port || state_ == State::blocked || state_ == State::resuming) {
+  } else if (in_access()) {
     hang_waiting_ = true;
   }
   set_next();
@@ -381,6 +385,8 @@ void Dsp::stand_still(Time now) {
   chip_.hold(true);
   own_next_ = never;
   edge_waiting_ = hang_waiting_ = false;
+  for (const PinChange& change : pins_waiting_) chip_.set_pin(change.pin, change.level, chip_.cycle());
+  pins_waiting_.clear();
   around_.in_reset -= in_reset();
   state_ = State::dead;
 }
@@ -422,6 +428,7 @@ void Dsp::list_state(state::Visitor& list) {
   list("answered", answered_);
   list("edge waiting", edge_waiting_);
   list("hang waiting", hang_waiting_);
+  list("pins waiting", pins_waiting_);
   list("next", next_);
   list("own next", own_next_);
   list("edge", edge_);

@@ -17,6 +17,7 @@
 #include "machine/devices.hpp"
 #include "machine/link_adapter.hpp"
 #include "machine/machine.hpp"
+#include "machine/net.hpp"
 #include "machine/scheduler.hpp"
 #include "machine/shared_memory.hpp"
 #include "machine/symbols.hpp"
@@ -53,7 +54,7 @@ struct Surroundings {
 /// Words of its program that every DSP finds set.
 std::vector<std::pair<c40::Address, Word>> start_words(const Symbols& symbols, const Config& config, unsigned slot);
 
-class Dsp final : public Scheduler::Processor, private ChipRunner {
+class Dsp final : public Scheduler::Processor, public PinOwner, private c40::PinListener, private ChipRunner {
  public:
   Dsp(unsigned slot, bool plugged, Surroundings& surroundings);
 
@@ -71,6 +72,8 @@ class Dsp final : public Scheduler::Processor, private ChipRunner {
   void unplug(Time now);
   /// A link at one of its ports, and who acts for the link.
   void attach(int port, c40::Link& link, int side, Scheduler::Actor& wire);
+  /// A net at its pins.
+  void join(Net& net);
   /// A link at one of its ports has come to `now`.
   void link_moved(Time now);
   void link_event(const c40::LinkEvent& event);
@@ -94,6 +97,13 @@ class Dsp final : public Scheduler::Processor, private ChipRunner {
   const SlotStatistics& statistics() const { return statistics_; }
   const PacedClock& clock() const { return clock_; }
   Scheduler::Actor& adapter_wire() { return adapter_wire_; }
+
+  c40::Chip& owned_chip() override { return chip_; }
+  Time time_of(c40::Cycles cycle) const override { return clock_.at(cycle); }
+  c40::Cycles cycle_from(Time time) const override { return clock_.tick_at_or_after(time); }
+  Time drives_from() const override;
+  bool hears(c40::Pin) const override { return true; }
+  void pin_changes(c40::Pin pin, bool level, Time now) override;
 
  private:
   enum class State : std::uint8_t {
@@ -161,6 +171,9 @@ class Dsp final : public Scheduler::Processor, private ChipRunner {
   bool faulted(const c40::Fault& why) override;
   void begin_access(Time horizon);
   void begin_port_access(Time now, Time horizon);
+  void driven(c40::Pin pin, c40::Drive drive, c40::Cycles at) override;
+  Time next_pin_event() const;
+  bool in_access() const { return state_ == State::access || state_ == State::port || state_ == State::blocked || state_ == State::resuming; }
   bool dma_goes_on() const;
   void require_not_run_past(Time now) const;
   void run_dma(Time horizon);
@@ -202,6 +215,13 @@ class Dsp final : public Scheduler::Processor, private ChipRunner {
   std::vector<Underway> underway_;      // in bridges between buses
   AdapterWire adapter_wire_{*this};
   std::vector<Wire> wires_;             // the link adapter's first
+  std::vector<Net*> nets_in_, nets_out_;  // those that lead to its pins, and those that it can drive
+  unsigned inputs_ = 0, outputs_ = 0;     // the pins at them: bit n is pin n
+  struct PinChange {
+    c40::Pin pin;
+    bool level;
+  };
+  std::vector<PinChange> pins_waiting_;  // came in the middle of an access; seen when its instruction has ended
   State state_ = State::out;
   bool broken_ = false;        // no reset revives it
   bool answered_ = true;       // since its reset the program has sent its word over the link

@@ -75,6 +75,7 @@ Config checked(Config config) {
                     config.slots, most_slots)};
   check(config.topology);
   check(config.links, config.slots);
+  check_slot_nets(config.nets, config.slots);
   if (config.interrupt_clocks < 1 || config.interrupt_clocks > 3)
     throw std::invalid_argument{"machine: interrupt_clocks is 1 to 3"};
   if (config.prefetch_hit_cycles < 0) throw std::invalid_argument{"machine: prefetch_hit_cycles is at least 0"};
@@ -224,6 +225,7 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   std::deque<Dsp> dsps;
   std::deque<pci::BusBridge> bridges;
   std::deque<SlotWire> wires;  // between slots
+  std::deque<Net> nets;        // between their pins
   std::deque<BusTurn> bus_turns;
   Script script{*this};
   PlantTurn plant_turn;
@@ -291,13 +293,21 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
   for (unsigned slot = 0; slot < config.slots; ++slot) dsps.emplace_back(slot, slot < config.dsps, *around);
   build_bridges();
   for (const SlotLink& link : config.links) wires.emplace_back(link, dsps[link.a.slot], dsps[link.b.slot]);
+  std::vector<PinOwner*> owners;
+  for (Dsp& dsp : dsps) owners.push_back(&dsp);
+  for (const NetDescription& net : config.nets) {
+    Net& joined = nets.emplace_back(net, owners);
+    for (Dsp& dsp : dsps) dsp.join(joined);
+  }
   if (host) scheduler.add(*host);
   for (std::size_t bus = 0; bus < buses.size(); ++bus) scheduler.add(bus_turns.emplace_back(buses[bus], bus_clocks[bus]));
   scheduler.add(script);
   for (Dsp& dsp : dsps) scheduler.add(dsp.adapter_wire());
   for (SlotWire& wire : wires) scheduler.add(wire);
+  for (Net& net : nets) scheduler.add(net);
   for (Dsp& dsp : dsps) scheduler.add(dsp);
   scheduler.add(plant_turn);
+  for (Net& net : nets) net.start();
 }
 
 // Until then nothing that is not yet scheduled at a DSP can act on it: rings and resets come from the host, which a DSP that
@@ -484,6 +494,8 @@ std::vector<std::string> Machine::audit() const {
 }
 std::size_t Machine::links() const { return parts_->wires.size(); }
 const SlotWire& Machine::link(std::size_t n) const { return parts_->wires.at(n); }
+std::size_t Machine::nets() const { return parts_->nets.size(); }
+const Net& Machine::net(std::size_t n) const { return parts_->nets.at(n); }
 const std::vector<ChipFault>& Machine::faults() const { return parts_->around->faults; }
 const SlotStatistics& Machine::statistics(unsigned slot) const { return parts_->dsps.at(slot).statistics(); }
 Word Machine::peek(Offset offset) const { return parts_->sram.words().at(offset); }
@@ -519,6 +531,7 @@ void Machine::list_state(state::Visitor& list) {
   list("buses", p.buses);
   list("bridges", p.bridges);
   list("wires", p.wires);
+  list("nets", p.nets);
   list("dsps", p.dsps);
   if (list.loads()) p.scheduler.all_changed();
 }
@@ -532,6 +545,7 @@ void Machine::append_state(std::vector<std::uint64_t>& words) const {
   for (const Dsp& dsp : parts_->dsps) dsp.append_state(words);
   for (const pci::BusBridge& bridge : parts_->bridges) bridge.append_state(words);
   for (const SlotWire& wire : parts_->wires) wire.append_state(words);
+  for (const Net& net : parts_->nets) words.insert(words.end(), {net.level(), net.edges(), net.missed()});
 }
 
 }  // namespace machine

@@ -5,7 +5,7 @@
 // Which of its bridges leads there is a matter of the topology: by default bus A (host, shared memory) for window A, bus B
 // (devices) for window B. The host is a HostProgram: what it does is C++, but whatever it reads or writes is a transaction.
 //
-// Order: machine/scheduler.hpp. Ties: host, buses in their order, scripted events, links, DSP slots, the plant last.
+// Order: machine/scheduler.hpp. Ties: host, buses in their order, scripted events, links, nets, DSP slots, the plant last.
 //
 // Inaccuracies: a doorbell or reset takes effect from the end of the write burst that holds it; burst reads take the
 // memory's words at FRAME#; the host's processor has no caches and no other work than its HostProgram's.
@@ -20,6 +20,7 @@
 
 #include "bus_model/config.hpp"
 #include "c40/memory.hpp"
+#include "machine/net.hpp"
 #include "machine/slot_links.hpp"
 #include "machine/time.hpp"
 #include "machine/topology.hpp"
@@ -182,6 +183,7 @@ struct Config {
   Word pause_count = 125;  ///< for pause_count
   Topology topology{};
   std::vector<SlotLink> links;  ///< between slots
+  std::vector<NetDescription> nets;  ///< between pins of slots
   pci::BusConfig bus{};  ///< of every bus; the names are the topology's
   pci::MasterConfig dsp_master{};
   unsigned first_level_dsps = 0;  ///< with Arbitration::two_level, slots below this share the first level with the host
@@ -257,6 +259,9 @@ class Machine {
   /// Between slots, in the order of Config::links.
   std::size_t links() const;
   const SlotWire& link(std::size_t n) const;
+  /// Between pins of slots, in the order of Config::nets.
+  std::size_t nets() const;
+  const Net& net(std::size_t n) const;
   const std::vector<ChipFault>& faults() const;
   const SlotStatistics& statistics(unsigned slot) const;
 

@@ -42,17 +42,20 @@ Network::Network(NetworkDescription description, std::uint64_t turn_order) : des
   }
   join_links();
   add_memories();
+  join_nets();
   for (auto& node : nodes_) load(*node);
   take_part();
+  for (auto& net : nets_) net->start();
   const auto given = std::move(d.actions);
   for (const NetworkAction& action : given) schedule(action);
 }
 
 Network::~Network() = default;
 
-/// In the order of ties: links, what is scripted, chips.
+/// In the order of ties: links, nets, what is scripted, chips.
 void Network::take_part() {
   for (std::size_t n = 0; n < links_.size(); ++n) scheduler_.add(*link_turns_.emplace_back(std::make_unique<LinkTurn>(*this, n)));
+  for (auto& net : nets_) scheduler_.add(*net);
   scheduler_.add(*(action_turn_ = std::make_unique<ActionTurn>(*this)));
   for (auto& node : nodes_) scheduler_.add(*node);
 }
@@ -89,6 +92,33 @@ void Network::join_links() {
       if (links.empty() || links.back() != number) links.push_back(number);
     }
   }
+}
+
+void Network::join_nets() {
+  for (std::size_t n = 0; n < description_.nets.size(); ++n)
+    if (description_.nets[n].name.empty()) description_.nets[n].name = fmt::format("{}", n);
+  try {
+    check(description_.nets, nodes_.size());
+  } catch (const std::invalid_argument& error) {
+    throw NetworkError(error.what());
+  }
+  if (description_.nets.empty()) return;
+  std::vector<PinOwner*> owners;
+  for (auto& node : nodes_) owners.push_back(node.get());
+  net_tap_ = std::make_unique<NetTap>(*this);
+  std::vector<unsigned> outputs(nodes_.size()), inputs(nodes_.size());
+  const auto join = [&](const ChipPin& pin, std::vector<Net*>& nets, unsigned& mask) {
+    if (nets.empty() || nets.back() != nets_.back().get()) nets.push_back(nets_.back().get());
+    mask |= 1u << static_cast<unsigned>(pin.pin);
+  };
+  for (const NetDescription& net : description_.nets) {
+    nets_.push_back(std::make_unique<Net>(net, owners));
+    nets_.back()->listener = net_tap_.get();
+    for (const ChipPin& pin : net.drivers) join(pin, nodes_[pin.chip]->nets_out, outputs[pin.chip]);
+    for (const ChipPin& pin : net.receivers) join(pin, nodes_[pin.chip]->nets_in, inputs[pin.chip]), nodes_[pin.chip]->pins_in.push_back(pin.pin);
+  }
+  for (auto& node : nodes_)
+    if ((outputs[node->number] | inputs[node->number]) != 0) node->chip.watch_pins(node.get(), outputs[node->number], inputs[node->number]);
 }
 
 void Network::add_memories() {
@@ -171,10 +201,19 @@ void Network::start(Node& node) {
 }
 
 void Network::schedule(const NetworkAction& action) {
-  const bool link = action.kind == NetworkAction::Kind::cut || action.kind == NetworkAction::Kind::restore;
-  const std::size_t count = link ? links_.size() : nodes_.size();
+  const ActionTarget what = target_of(action.kind);
+  const std::size_t count = what == ActionTarget::link ? links_.size() : what == ActionTarget::net ? nets_.size() : nodes_.size();
   if (action.target >= count)
-    throw NetworkError(fmt::format("{}: there is no {} {}; the network has {}", name(action.kind), link ? "link" : "chip", action.target, count));
+    throw NetworkError(fmt::format("{}: there is no {} {}; the network has {}", name(action.kind), name(what), action.target, count));
+  if (what == ActionTarget::net) {
+    const NetDescription& net = nets_[action.target]->description();
+    if (net.is_driven() && !net.open_drain)
+      throw NetworkError(fmt::format("{}: net {} ({}) is driven by a chip; a net without a driver, or an open-drain net, is expected", name(action.kind), net.name, to_text(net)));
+  }
+  if (action.kind == NetworkAction::Kind::pulse) {
+    if (action.width <= Time{0}) throw NetworkError("pulse: a width of more than 0 us is expected");
+    if (action.count != 1 && action.period <= action.width) throw NetworkError("pulse: a period of more than the width is expected");
+  }
   if (action.time < now_) throw NetworkError(fmt::format("{} at {} ps: the network has been run to {} ps already", name(action.kind), action.time.count(), now_.count()));
   actions_.insert(std::upper_bound(actions_.begin(), actions_.end(), action, [](const auto& a, const auto& b) { return a.time < b.time; }), action);
   action_turn_->changed();
@@ -183,7 +222,7 @@ void Network::schedule(const NetworkAction& action) {
 // ---- what happens next ----
 
 Time Network::effective(const NetworkAction& action) const {
-  if (action.kind == NetworkAction::Kind::cut || action.kind == NetworkAction::Kind::restore) return action.time;
+  if (target_of(action.kind) != ActionTarget::chip) return action.time;
   const Node& node = *nodes_[action.target];
   return node.clock.at(std::max(node.chip.cycle(), node.first_cycle(action.time)));
 }
@@ -192,7 +231,7 @@ Time Network::effective(const NetworkAction& action) const {
 Cycles Network::next_action_on(const Node& node) const {
   Cycles next = no_cycle;
   for (const NetworkAction& a : actions_)
-    if (a.target == node.number && a.kind >= NetworkAction::Kind::reset) next = std::min(next, node.first_cycle(a.time));
+    if (a.target == node.number && target_of(a.kind) == ActionTarget::chip) next = std::min(next, node.first_cycle(a.time));
   return next;
 }
 
@@ -208,6 +247,7 @@ bool Network::quiet() {
   if (!nodes_[moving_]->is_still() && !nodes_[moving_]->has_ended()) return false;
   if (!actions_.empty()) return false;
   if (std::any_of(links_.begin(), links_.end(), [](const auto& link) { return link->next_event() != never && !link->only_exchanges_token(); })) return false;
+  if (std::ranges::any_of(nets_, [](const auto& net) { return net->goes_on() && net->is_heard(); })) return false;
   for (auto& node : nodes_) node->look_for_loop();
   const auto moves = std::find_if(nodes_.begin(), nodes_.end(), [](const auto& node) { return !node->is_still(); });
   if (moves == nodes_.end()) return true;
@@ -262,7 +302,9 @@ Time Network::at_rest_since() const {
   Time ahead{0};
   for (const auto& node : nodes_) {
     since = std::max(since, node->at_rest_since());
-    if (node->patience.loop && node->chip.watches_ports()) ahead = std::max(ahead, node->lookahead());
+    if (!node->patience.loop) continue;
+    if (node->chip.watches_ports()) ahead = std::max(ahead, node->lookahead());
+    else if (node->watches()) ahead = std::max(ahead, node->clock.at(2));  // what a pin does to it
   }
   return since + ahead;
 }
@@ -329,7 +371,7 @@ Network::Memory* Network::memory_of(const Node& node, Address address) const {
 void Network::actions_happen(Time time) {
   now_ = time;
   for (auto& node : nodes_)
-    if (node->follows_ports()) node->run_to(time);  // an action on one that has begun an instruction waits for its end
+    if (node->follows()) node->run_to(time);  // an action on one that has begun an instruction waits for its end
   for (std::size_t i = 0; i < actions_.size();) {
     if (effective(actions_[i]) > time) {
       ++i;
@@ -351,6 +393,11 @@ void Network::perform(const NetworkAction& action) {
   using enum NetworkAction::Kind;
   if (action.kind == cut) return links_[action.target]->cut(now_);
   if (action.kind == restore) return links_[action.target]->restore(now_);
+  if (target_of(action.kind) == ActionTarget::net) {
+    Net& net = *nets_[action.target];
+    if (action.kind == pulse) return net.script(PulseTrain{now_, action.width, action.period, action.count});
+    return net.script(action.kind == low ? c40::Drive::low : action.kind == high ? c40::Drive::high : c40::Drive::none, now_);
+  }
   Node& node = *nodes_[action.target];
   if (node.status == ChipStatus::pulled_out)
     throw NetworkError(fmt::format("{} at {} ps: chip {} has been pulled out", name(action.kind), action.time.count(), node.number));
@@ -396,9 +443,12 @@ NetworkStop Network::finish(NetworkStop::Reason reason, Time end) {
   if (reason != NetworkStop::Reason::limit)
     for (auto& link : links_)
       while (link->next_event() <= end) link->advance_to(link->next_event());  // tokens
+  if (reason != NetworkStop::Reason::limit)
+    for (auto& net : nets_)
+      while (net->next() <= end) net->act(net->next());  // which nobody heeds
   now_ = reason == NetworkStop::Reason::limit ? std::max(now_, end) : end;
   for (auto& node : nodes_)
-    if (reason == NetworkStop::Reason::limit && node->follows_ports() && !node->patience.loop)
+    if (reason == NetworkStop::Reason::limit && node->follows() && !node->patience.loop)
       node->run_to(end);  // its last instruction, if it follows its ports only now
     else if (node->status == ChipStatus::waiting && node->chip.dma_active() && !node->chip.dma_busy()) node->run_to(end);  // its timers
     else if (node->status == ChipStatus::sleeping || node->held() || (node->patience.loop && node->status == ChipStatus::running)) node->bring_to(end, false);

@@ -1,10 +1,10 @@
 #pragma once
-/// Networks of chips: up to 64, each with its own program, board and clock, joined by links between communication ports and by
-/// memories that several of them reach (docs/networks.md).
+/// Networks of chips: up to 64, each with its own program, board and clock, joined by links between communication ports, by
+/// memories that several of them reach, and by nets between their pins (docs/networks.md).
 ///
 /// Order: machine/scheduler.hpp. A chip runs ahead on what is its own and stops before it touches a linked port or a shared memory.
-/// One whose ports can interrupt it, or move its DMA, runs no further than anything could reach it. Ties: links, actions, chips
-/// by their numbers.
+/// One whose ports can interrupt it, or move its DMA, or to whose pins a net leads, runs no further than anything could reach it.
+/// Ties: links, nets, actions, chips by their numbers.
 ///
 /// Inaccuracies: a wait that a reset, a hold or the end of the run cuts short is not among the chip's cycles by cause as a wait for
 /// the port: up to the reset or hold the chip counts as halted, at the end its count stops where the wait began. An access of the DMA
@@ -20,6 +20,7 @@
 #include "c40/chip.hpp"
 #include "c40/peripherals/link.hpp"
 #include "machine/board_file.hpp"
+#include "machine/net.hpp"
 #include "machine/scheduler.hpp"
 #include "machine/time.hpp"
 #include "state/file.hpp"
@@ -83,12 +84,20 @@ struct NetworkAction {
     cut, restore,    ///< a link
     reset,           ///< a chip starts anew at its entry; memory stays, what its ports hold is lost
     hold, release,   ///< a chip is held in reset, and goes on where it was
-    pull_out         ///< a chip is held and its links are cut
+    pull_out,        ///< a chip is held and its links are cut
+    low, high, open, ///< a net is driven, and driven no more
+    pulse            ///< a net leaves its level at rest for `width`; `count` times, or without end if that is 0, every `period`
   } kind = Kind::cut;
   Time time{};
-  std::size_t target = 0;  ///< of links or chips
+  std::size_t target = 0;  ///< of links, chips or nets
+  Time width{0}, period{0};
+  std::uint64_t count = 1;
 };
 std::string_view name(NetworkAction::Kind kind);
+/// What an action concerns.
+enum class ActionTarget : std::uint8_t { link, chip, net };
+ActionTarget target_of(NetworkAction::Kind kind);
+std::string_view name(ActionTarget target);
 /// \throws NetworkError
 NetworkAction::Kind action_named(std::string_view text);
 /// The number of the link that joins these ends, in either order. \throws NetworkError
@@ -100,10 +109,18 @@ struct NetworkDescription {
   std::vector<NetworkChip> chips;
   std::vector<NetworkLink> links;
   std::vector<SharedMemory> memories;
+  std::vector<NetDescription> nets;
   std::vector<NetworkAction> actions;
   /// What chips find in R2 and R3 at their start: columns and rows of a grid or torus, else chips and 1.
   std::array<c40::Word, 2> shape{};
 };
+
+/// The number of the link, chip or net of this name. \throws NetworkError
+std::size_t action_target_named(NetworkAction::Kind kind, std::string_view text, const NetworkDescription& network);
+/// \param count none: one pulse, or with a period pulses without end
+void set_pulses(NetworkAction& action, double width_us, std::optional<double> period_us, std::optional<std::uint64_t> count);
+/// "12.5,cut,0.3:1.0", "20,reset,1", "5,low,sync", "5,pulse,index,WIDTH_US[,PERIOD_US[,COUNT]]". \throws NetworkError
+NetworkAction parse_action(std::string_view text, const NetworkDescription& network);
 
 /// Sets links and shape of "ring:4", "line:4", "grid:4x4", "torus:4x4x2", "hypercube:16"; returns the number of chips.
 /// \throws NetworkError
@@ -114,17 +131,23 @@ std::size_t set_topology(NetworkDescription& network, std::string_view text);
 std::vector<NetworkLink> grid_links(const std::vector<std::size_t>& size, bool closed);
 std::vector<NetworkLink> hypercube_links(unsigned dimensions);
 
-/// Something on a link, or to a chip. Always kept are losses, cuts and actions; words and tokens if asked for.
+/// Something on a link or net, or to a chip. Always kept are losses, cuts, actions and edges that were missed; words, tokens and edges if
+/// asked for.
 struct NetworkEvent {
-  enum class Kind : std::uint8_t { word, token, lost, dead, cut, restored, discarded, reset, hold, release, pull_out };
+  enum class Kind : std::uint8_t { word, token, lost, dead, cut, restored, rise, fall, missed, discarded, reset, hold, release, pull_out };
   Kind kind = Kind::word;
   Time time{};
-  std::size_t place = 0;  ///< number of the link; of the chip from `discarded` on
-  int side = 0;           ///< of the link: who sends, or gets the token; the port of `discarded`
+  std::size_t place = 0;  ///< number of the link; of the net from `rise` on, of the chip from `discarded` on
+  int side = 0;           ///< of the link: who sends, or gets the token; the port of `discarded`; the chip that missed an edge
   c40::Word word = 0;
   int count = 0;  ///< bytes of a lost word that had crossed; of `discarded` 1 if it lay in the input FIFO, 0 in the output FIFO
 };
 std::string_view name(NetworkEvent::Kind kind);
+/// Kept only if asked for.
+constexpr bool is_common(NetworkEvent::Kind kind) {
+  using enum NetworkEvent::Kind;
+  return kind == word || kind == token || kind == rise || kind == fall;
+}
 
 /// What the peripherals of a chip did, kept if asked for.
 struct ChipEvent {
@@ -180,6 +203,7 @@ class Network {
   /// What must be the same in a network that such a state is loaded into.
   state::Key configuration() const;
 
+  const NetworkDescription& description() const { return description_; }
   std::size_t chip_count() const { return nodes_.size(); }
   /// Of a chip that `waits`, cycle() is where the access begins to wait.
   c40::Chip& chip(std::size_t n);
@@ -196,6 +220,8 @@ class Network {
   std::size_t link_count() const { return links_.size(); }
   const c40::Link& link(std::size_t n) const { return *links_[n]; }
   const NetworkLink& ends(std::size_t n) const { return description_.links[n]; }
+  std::size_t net_count() const { return nets_.size(); }
+  const Net& net(std::size_t n) const { return *nets_[n]; }
   std::size_t memory_count() const { return description_.memories.size(); }
   std::span<c40::Word> memory(std::size_t n);
   /// Who hears each instruction of a chip; null: nobody. Changes nothing. Use this, not Chip::set_trace: the network listens too.
@@ -204,7 +230,8 @@ class Network {
   /// \throws NetworkError if the target does not exist or the time is past.
   void schedule(const NetworkAction& action);
   void record_words(bool on) { records_words_ = on; }
-  const std::vector<NetworkEvent>& events() const { return events_; }
+  /// By time; at one instant those of nets last, by their numbers.
+  std::vector<NetworkEvent> events() const;
   /// A line of an event trace (docs/networks.md): "123400000 word 0.0>1.3 0000002A"
   std::string text(const NetworkEvent& event) const;
   /// Words, DMA transfers, timers and interrupts as the chips' peripherals see them, by time and then by chip.
@@ -224,11 +251,13 @@ class Network {
   struct LinkTap;
   struct LinkTurn;
   struct ActionTurn;
+  struct NetTap;
 
   NetworkStop run_slice(Time limit);
   std::optional<NetworkStop> stop_if_quiet(Time limit);
   void join_links();
   void add_memories();
+  void join_nets();
   void take_part();
   void start(Node& node);
   void load(Node& node);
@@ -265,14 +294,16 @@ class Network {
   std::vector<std::unique_ptr<LinkTurn>> link_turns_;
   std::unique_ptr<ActionTurn> action_turn_;
   std::vector<std::unique_ptr<Memory>> memories_;
+  std::unique_ptr<NetTap> net_tap_;
+  std::vector<std::unique_ptr<Net>> nets_;
   std::vector<NetworkAction> actions_;  ///< to come, by time
-  std::vector<NetworkEvent> events_;
+  std::vector<NetworkEvent> events_, net_events_;
   Scheduler scheduler_;
   Time now_{0};
   void something_happened() { ++happenings_, happened_ = now_; }
   std::uint64_t happenings_ = 0;  ///< on links, in shared memories, to chips: what could end a loop that polls
   Time happened_{0};              ///< the last of them
-  Time changed_{0};               ///< the last thing on a link that was no mere exchange of the token, or action
+  Time changed_{0};               ///< the last thing on a link that was no mere exchange of the token, change of a pin, or action
   std::size_t moving_ = 0;        ///< a chip that was not at rest when last looked at
   Time ends_at_ = never;          ///< of a network that is quiet: when all have come to rest
   bool records_words_ = false;

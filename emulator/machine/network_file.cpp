@@ -21,7 +21,7 @@ class NetworkReader {
   NetworkReader(std::string file, const ProgramReader& read_program) : file_(std::move(file)), read_program_(read_program) {}
 
   NetworkDescription read(const toml::table& root) {
-    allow(root, {"chip", "topology", "link", "memory", "event"}, "");
+    allow(root, {"chip", "topology", "link", "memory", "net", "event"}, "");
     const auto* topology = root.get("topology");
     if (topology != nullptr) generate(*topology);
     each(root, "chip", [&](const toml::table& table, const toml::node& node) { chip(table, node, topology != nullptr); });
@@ -31,6 +31,7 @@ class NetworkReader {
       if (network_.chips[n].program == nullptr && !network_.chips[n].boot) throw NetworkError(fmt::format("{}: chip {} has no program, and does not boot", file_, n));
     each(root, "link", [&](const toml::table& table, const toml::node& node) { link(table, node); });
     each(root, "memory", [&](const toml::table& table, const toml::node& node) { memory(table, node); });
+    each(root, "net", [&](const toml::table& table, const toml::node& node) { net(table, node); });
     each(root, "event", [&](const toml::table& table, const toml::node& node) { event(table, node); });
     return std::move(network_);
   }
@@ -172,18 +173,77 @@ class NetworkReader {
     network_.memories.push_back(std::move(memory));
   }
 
+  std::vector<ChipPin> pins(const toml::node& node, const char* key) const {
+    std::vector<ChipPin> found;
+    const auto pin = [&](const toml::node& one) {
+      try {
+        found.push_back(parse_pin(text(one, key), names_));
+      } catch (const NetworkError&) {
+        throw;
+      } catch (const std::invalid_argument& error) {
+        fail(one, fmt::format("{}: {}", key, error.what()));
+      }
+    };
+    if (const auto* all = node.as_array()) {
+      for (const toml::node& one : *all) pin(one);
+    } else {
+      pin(node);
+    }
+    return found;
+  }
+
+  void net(const toml::table& table, const toml::node& node) {
+    allow(table, {"name", "drivers", "receivers", "open_drain", "rest"}, "net.");
+    NetDescription net;
+    if (const auto* name = table.get("name")) net.name = text(*name, "net.name");
+    if (const auto* drivers = table.get("drivers")) net.drivers = pins(*drivers, "net.drivers");
+    net.receivers = pins(needed(table, node, "receivers", "net"), "net.receivers");
+    if (const auto* open = table.get("open_drain")) {
+      if (!open->is_boolean()) fail(*open, "net.open_drain: true or false is expected");
+      net.open_drain = open->as_boolean()->get();
+    }
+    if (const auto* rest = table.get("rest")) {
+      const std::string level = text(*rest, "net.rest");
+      if (level != "high" && level != "low") fail(*rest, "net.rest: \"high\" or \"low\" is expected");
+      net.rest = level == "high";
+    }
+    if (net.name.empty()) net.name = fmt::format("{}", network_.nets.size());
+    network_.nets.push_back(std::move(net));
+    try {
+      check(network_.nets, names_.size());
+    } catch (const std::invalid_argument& error) {
+      fail(node, error.what());
+    }
+  }
+
   void event(const toml::table& table, const toml::node& node) {
-    allow(table, {"at_us", "action", "link", "chip"}, "event.");
+    allow(table, {"at_us", "action", "link", "chip", "net", "width_us", "period_us", "count"}, "event.");
     NetworkAction action;
     action.time = Time{std::llround(real(needed(table, node, "at_us", "event"), "event.at_us", 1e12) * 1e6)};
     const toml::node& what = needed(table, node, "action", "event");
-    using enum NetworkAction::Kind;
     action.kind = checked(what, [&] { return action_named(text(what, "event.action")); });
-    const bool link = action.kind == cut || action.kind == restore;
-    if (table.contains(link ? "chip" : "link")) fail(node, fmt::format("event: {} concerns a {}", name(action.kind), link ? "link" : "chip"));
-    const toml::node& target = needed(table, node, link ? "link" : "chip", "event");
-    action.target = link ? checked(target, [&] { return link_named(text(target, "event.link"), names_, network_.links); }) : chip_at(target);
+    const std::string key(name(target_of(action.kind)));
+    for (const char* other : {"link", "chip", "net"})
+      if (key != other && table.contains(other)) fail(node, fmt::format("event: {} concerns a {}", name(action.kind), key));
+    const toml::node& target = needed(table, node, key.c_str(), "event");
+    action.target = target.is_integer() && key == "chip" ? chip_at(target)
+                                                         : checked(target, [&] { return action_target_named(action.kind, text(target, "event." + key), network_); });
+    pulses(table, node, action);
     network_.actions.push_back(action);
+  }
+
+  void pulses(const toml::table& table, const toml::node& node, NetworkAction& action) const {
+    if (action.kind != NetworkAction::Kind::pulse) {
+      for (const char* key : {"width_us", "period_us", "count"})
+        if (const auto* given = table.get(key)) fail(*given, fmt::format("event.{}: only a pulse has one", key));
+      return;
+    }
+    const double width = real(needed(table, node, "width_us", "event"), "event.width_us", 1e12);
+    std::optional<double> period;
+    std::optional<std::uint64_t> count;
+    if (const auto* given = table.get("period_us")) period = real(*given, "event.period_us", 1e12);
+    if (const auto* given = table.get("count")) count = static_cast<std::uint64_t>(number(*given, "event.count", 1, 1'000'000'000));
+    set_pulses(action, width, period, count);
   }
 
   std::string file_;

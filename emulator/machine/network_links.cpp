@@ -34,13 +34,6 @@ std::size_t link_named(std::string_view text, const std::vector<std::string>& ch
   return static_cast<std::size_t>(found - links.begin());
 }
 
-NetworkAction::Kind action_named(std::string_view text) {
-  using enum NetworkAction::Kind;
-  for (const auto kind : {cut, restore, reset, hold, release, pull_out})
-    if (name(kind) == text) return kind;
-  throw NetworkError(fmt::format("there is no action \"{}\"; cut, restore, reset, hold, release and pull_out are", text));
-}
-
 PortName parse_port(std::string_view text, const std::vector<std::string>& chips) {
   const std::size_t dot = text.rfind('.');
   if (dot == std::string_view::npos || dot == 0 || dot + 1 == text.size())

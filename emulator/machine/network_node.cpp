@@ -32,19 +32,31 @@ Time Network::Node::next() const {
   switch (status) {
     case ChipStatus::running:
       if (patience.is_private) return never;
-      return follows_ports() ? now() : clock.at(chip.cycle());
+      return follows() || (chip.dma_active() && !nets_out.empty()) ? now() : clock.at(chip.cycle());
     case ChipStatus::waiting: {
-      const Time next = std::min(access_time(), own_event());
-      return follows_ports() ? std::min(next, now()) : next;
+      const Time next = std::min({access_time(), own_event(), next_pin_event()});
+      return follows() ? std::min(next, now()) : next;
     }
-    case ChipStatus::sleeping: return own_event();
-    default: return never;
+    case ChipStatus::sleeping: return std::min(own_event(), next_pin_event());
+    default: return next_pin_event();
   }
+}
+
+/// What its timers do at pins that drive nets, while no instruction does anything.
+Time Network::Node::next_pin_event() const {
+  if (nets_out.empty() || chip.halted()) return never;
+  const Cycles event = chip.next_event();
+  return event == no_cycle ? never : clock.at(event);
+}
+
+bool Network::Node::only_drives_unheard() const {
+  if (nets_out.empty() || std::ranges::any_of(nets_out, &Net::is_heard)) return false;
+  return own_event() == never && access_time() == never && !follows();
 }
 
 /// A chip that follows its ports runs no further than anything could reach it. Whether a chip goes round a loop is looked at in
 /// a certain cycle, wherever the chip has stopped before.
-Time Network::Node::horizon() const { return follows_ports() ? horizon_of_follower() : horizon_on_its_own(); }
+Time Network::Node::horizon() const { return follows() ? horizon_of_follower() : horizon_on_its_own(); }
 
 Time Network::Node::horizon_on_its_own() const {
   // One that polls goes on to where others could see it, wherever it has stopped before.
@@ -54,18 +66,19 @@ Time Network::Node::horizon_on_its_own() const {
 }
 
 Time Network::Node::horizon_of_follower() const {
-  const Time outside = std::min({network.scheduler_.limit(), network.ends_at_, network.next_action(), links_reach_it()});
+  const Time outside = std::min({network.scheduler_.limit(), network.ends_at_, network.next_action(), others_reach_it()});
   if (status != ChipStatus::running) return std::min(outside, access_time());
   // run_to lets it begin an instruction in the last cycle: in the one before that in which it is looked at
   const Cycles look = std::max(patience.next_look(), chip.cycle() + 1);
   return std::min(outside, clock.at(chip.idle() ? look : look - 1));
 }
 
-/// By what is on its links, or by what any chip may do from now on.
-Time Network::Node::links_reach_it() const {
+/// By what is on its links and nets, or by what any chip may do from now on.
+Time Network::Node::others_reach_it() const {
   const Time first = network.scheduler_.earliest(), ahead = lookahead();
   Time reach = first < never - ahead ? first + ahead : never;
   for (const std::size_t link : links) reach = std::min(reach, network.links_[link]->next_event());
+  for (const Net* net : nets_in) reach = std::min(reach, net->reaches(number));
   return reach;
 }
 
@@ -78,26 +91,28 @@ Time Network::Node::lookahead() const {
 
 void Network::Node::act(Time now) {
   network.now_ = now;
-  const bool on_its_own = status == ChipStatus::running && !follows_ports();
+  const bool on_its_own = status == ChipStatus::running && !follows();
   if (status == ChipStatus::sleeping) bring_to(now, false);
-  else if (!on_its_own) go_on_with_ports(now);
+  else if (!on_its_own) go_on_with_others(now);
+  if (next_pin_event() <= now) drive_on(now);
   look_for_loop();
-  if (on_its_own || (status == ChipStatus::running && !follows_ports())) run_freely(horizon_on_its_own());
+  if (on_its_own || (status == ChipStatus::running && !follows())) run_freely(horizon_on_its_own());
   if (!on_its_own || !network.actions_.empty()) tell_changes();
 }
 
 /// It waits, or follows its ports: as far as they are known, or its access.
-void Network::Node::go_on_with_ports(Time now) {
+void Network::Node::go_on_with_others(Time now) {
   const auto stands = std::tuple{chip.settled(), chip.cycle(), status};
-  if (own_event() == now) run_to(std::min(horizon_of_follower(), clock.at(first_cycle(now) + 1)));
-  else if (follows_ports()) run_to(horizon_of_follower());
+  if (own_event() == now || (chip.dma_active() && next_pin_event() == now)) run_to(std::min(horizon_of_follower(), clock.at(first_cycle(now) + 1)));
+  else if (follows()) run_to(horizon_of_follower());
   if (stands != std::tuple{chip.settled(), chip.cycle(), status}) return;
+  if (next_pin_event() <= now) return;
   if (access_time() == now) waits_for_port() ? network.perform_port(*this) : network.perform_memory(*this);
   else assert(next() > now && "a turn that changes nothing");
 }
 
 void Network::Node::run_ahead(Time until) {
-  if (follows_ports()) {
+  if (follows()) {
     run_to(until);
     look_for_loop();
   } else {
@@ -113,7 +128,7 @@ void Network::Node::tell_changes() {
 
 // Nothing outside can do anything to it before it stops by itself, so a loop that it is found in can be left alone.
 void Network::Node::run_freely(Time until) {
-  const auto may_go_on = [&] { return status == ChipStatus::running && !follows_ports() && !patience.is_private; };
+  const auto may_go_on = [&] { return status == ChipStatus::running && !follows() && !patience.is_private; };
   while (may_go_on()) {
     run_to(std::min(until, next_look()));
     look_for_loop();
@@ -135,9 +150,9 @@ void Network::Node::run_to(Time until) {
 
 /// Before something outside changes what it follows, at `time`. Whether it has to.
 bool Network::Node::come_to(Time time) {
-  const bool follows = follows_ports() || (status == ChipStatus::waiting && dma_waits());
-  if (status != ChipStatus::sleeping && !follows) return false;
-  if (follows) run_to(time);
+  const bool goes_on = follows() || (status == ChipStatus::waiting && dma_waits());
+  if (status != ChipStatus::sleeping && !goes_on) return false;
+  if (goes_on) run_to(time);
   else bring_to(time, true);
   return true;
 }
@@ -152,7 +167,7 @@ std::optional<ChipRunner::Span> Network::Node::span_of_runner() {
   const bool waits = status == ChipStatus::waiting, idles = chip.idle();
   const Cycles known = std::min(ends_, std::max(chip.cycle(), action_));
   // Only there it is known whether it still follows its ports.
-  const bool begins_last = chip.cycle() >= ends_ && !waits && !idles && chip.watches_ports();
+  const bool begins_last = chip.cycle() >= ends_ && !waits && !idles && watches();
   Cycles limit = std::min(ends_ + (begins_last ? 1 : 0), action_);
   if (chip.settled() >= known && (waits || chip.cycle() >= limit)) {
     note_idle();
@@ -185,7 +200,7 @@ bool Network::Node::at_breakpoint() {
   if (description.until == chip.pc()) {
     status = ChipStatus::until;
   } else if (program_end(chip.peek(chip.pc()), chip.pc()) == ProgramEnd::halt && !chip.dma_busy()) {
-    if (chip.dma_active() || (chip.watches_ports() && can_interrupt(chip))) status = ChipStatus::sleeping;
+    if (chip.dma_active() || (chip.watches_ports() && can_interrupt(chip)) || heeds_pins()) status = ChipStatus::sleeping;
     else if (!can_interrupt(chip) || !awaits_timer(chip)) status = ChipStatus::halt;
     asleep_since = chip.cycle();
   }
@@ -222,7 +237,7 @@ bool Network::Node::faulted(const c40::Fault& why) {
 
 void Network::Node::note_idle() {
   if (!chip.idle() || chip.dma_busy() || status != ChipStatus::running) return;
-  if (chip.watches_ports() || chip.dma_active()) status = ChipStatus::sleeping;
+  if (chip.watches_ports() || chip.dma_active() || heeds_pins()) status = ChipStatus::sleeping;
   else if (!awaits_timer(chip)) status = ChipStatus::idle;
 }
 
@@ -233,10 +248,7 @@ void Network::Node::bring_to(Time time, bool fully) {
   if (status != ChipStatus::sleeping && !fully && chip.cycle() >= cycle) return;
   if (status == ChipStatus::running) run_to(time);
   else if (status != ChipStatus::sleeping) {
-    const bool was_held = held();
-    chip.hold(true);
-    chip.run_until(cycle);
-    chip.hold(was_held);
+    chip.stand_until(cycle);
   }
   while (status == ChipStatus::sleeping) {
     const Cycles limit = cycle + (fully && !chip.idle() ? 1 : 0), event = own_event_cycle();
@@ -330,11 +342,65 @@ bool Network::Node::has_ended() const {
 /// By a port, a timer or the DMA.
 bool Network::Node::sleeps_for_interrupt() const {
   constexpr Word ports = 0x01FFFFFEu;  // of IIE
-  return can_interrupt(chip) && (awaits_dma(chip) || awaits_timer(chip) || (chip.register_value(isa::Register::IIE) & ports) != 0);
+  return heeds_pins() || (can_interrupt(chip) && (awaits_dma(chip) || awaits_timer(chip) || (chip.register_value(isa::Register::IIE) & ports) != 0));
 }
 
 bool Network::Node::awaits_dma_for_ever() const {
   return status == ChipStatus::sleeping && dma_waits() && sleeps_for_interrupt() && awaits_dma(chip);
+}
+
+// ---- its pins ----
+
+/// The pin could interrupt it, or move its DMA or a timer that does.
+bool Network::Node::heeds(c40::Pin pin) const {
+  return pin != c40::Pin::reset && chip.heeds(pin) && (pin == c40::Pin::nmi || chip.dma_active() || can_interrupt(chip));
+}
+
+bool Network::Node::heeds_pins() const {
+  return std::ranges::any_of(pins_in, [&](c40::Pin pin) { return heeds(pin); });
+}
+
+Time Network::Node::drives_from() const {
+  if (status == ChipStatus::running && !patience.is_private) return now();
+  const bool over = has_ended() && nets_in.empty();
+  return over ? next_pin_event() : std::min(next_pin_event(), network.scheduler_.earliest());
+}
+
+void Network::Node::driven(c40::Pin pin, c40::Drive drive, Cycles at) {
+  const auto driven_by_it = [&](const Net* net) { return std::ranges::find(net->description().drivers, ChipPin{number, pin}) != net->description().drivers.end(); };
+  (*std::ranges::find_if(nets_out, driven_by_it))->driven({number, pin}, drive, std::max(network.now_, clock.at(at)));
+}
+
+bool Network::Node::hears(c40::Pin pin) const {
+  if (pin == c40::Pin::reset) return status != ChipStatus::pulled_out;
+  switch (status) {
+    case ChipStatus::running: return true;
+    case ChipStatus::waiting: return chip.dma_active() && chip.heeds(pin);
+    case ChipStatus::sleeping: return heeds(pin);
+    default: return false;
+  }
+}
+
+/// While its timers do something at its pins, and no instruction anything.
+void Network::Node::drive_on(Time now) {
+  if (status == ChipStatus::waiting && !chip.dma_active()) chip.let_peripherals_reach(first_cycle(now));
+  else if (status != ChipStatus::running && status != ChipStatus::sleeping) chip.stand_until(first_cycle(now));
+}
+
+void Network::Node::pin_changes(c40::Pin pin, bool level, Time now) {
+  if (network.now_ < now) network.now_ = now;
+  if (status == ChipStatus::pulled_out) return;
+  if (hears(pin)) network.something_happened(), network.changed_ = now;
+  if (pin == c40::Pin::reset) {
+    const auto kind = level ? NetworkAction::Kind::reset : NetworkAction::Kind::hold;
+    if (!level || status == ChipStatus::held) network.schedule({.kind = kind, .time = now, .target = number});
+    return;
+  }
+  come_to(now);
+  chip.set_pin(pin, level, first_cycle(now));
+  wake_up();
+  changed();
+  tell_changes();
 }
 
 // ---- loops that poll ----
@@ -360,7 +426,7 @@ void Network::Node::look_for_loop() {
     } else {
       if (!chip.dma_busy() && chip.next_event() == no_cycle) p.loop = p.looking->loop();
       p.found = clock.at(chip.cycle());
-      p.is_private = p.loop && !follows_ports() && std::none_of(p.loop->reads.begin(), p.loop->reads.end(), [&](Address a) { return is_shared(a); });
+      p.is_private = p.loop && !follows() && std::none_of(p.loop->reads.begin(), p.loop->reads.end(), [&](Address a) { return is_shared(a); });
       p.looking.reset();
       p.length *= Patience::growth;
     }

@@ -1,5 +1,6 @@
 #pragma once
 // What a network is made of, for its own sources only.
+#include <algorithm>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -23,7 +24,7 @@ struct Network::Memory {
 };
 
 /// A chip in the network, and how it goes through time.
-struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, private ChipRunner {
+struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner, c40::PinListener, private ChipRunner {
   Node(Network& network_, std::size_t number_, NetworkChip given, Clock clock_)
       : network(network_),
         number(number_),
@@ -48,6 +49,8 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, private 
   Time ready_since{0};
   c40::Cycles asleep_since = 0;  ///< of one that sleeps in a branch to itself
   std::vector<std::size_t> links;
+  std::vector<Net*> nets_in, nets_out;  ///< those that lead to its pins, and those that it can drive
+  std::vector<c40::Pin> pins_in;
 
   /// Whether it polls for ever: looked at when nothing has happened for a while, and then ever more rarely.
   struct Patience {
@@ -75,16 +78,29 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, private 
   c40::Cycles first_cycle(Time time) const { return clock.tick_at_or_after(time); }
   /// Everything before it is done, by the processor and by the DMA.
   Time now() const { return clock.at(chip.settled()); }
-  /// It goes on by itself, and its ports decide how: it must not run past what they do.
-  bool follows_ports() const {
-    if (status == ChipStatus::running) return chip.watches_ports();
+  /// What it does depends on its ports or pins.
+  bool watches() const { return !nets_in.empty() || chip.watches_ports(); }
+  /// It goes on by itself, and its ports or pins decide how: it must not run past what they do.
+  bool follows() const {
+    if (status == ChipStatus::running) return watches();
     return status == ChipStatus::waiting && chip.dma_busy();
   }
+  bool heeds(c40::Pin pin) const;
+  bool heeds_pins() const;
   bool held() const { return status == ChipStatus::held || status == ChipStatus::pulled_out; }
   bool dma_waits() const {
     const bool lives = status == ChipStatus::running || status == ChipStatus::waiting || status == ChipStatus::sleeping;
     return lives && chip.dma_active() && !chip.dma_busy();
   }
+
+  // Its pins.
+  c40::Chip& owned_chip() override { return chip; }
+  Time time_of(c40::Cycles cycle) const override { return clock.at(cycle); }
+  c40::Cycles cycle_from(Time time) const override { return first_cycle(time); }
+  Time drives_from() const override;
+  bool hears(c40::Pin pin) const override;
+  void pin_changes(c40::Pin pin, bool level, Time now) override;
+  void driven(c40::Pin pin, c40::Drive drive, c40::Cycles at) override;
 
   // Its turns.
   Time next() const override;
@@ -115,10 +131,13 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, private 
   bool has_ended() const;
   bool awaits_dma_for_ever() const;
   /// Nothing will happen here, but for a loop that goes on as it does.
-  bool is_still() const { return patience.loop || (status != ChipStatus::running && planned() == never); }
+  bool is_still() const { return patience.loop || (status != ChipStatus::running && (planned() == never || only_drives_unheard())); }
 
  private:
-  void go_on_with_ports(Time now);
+  void go_on_with_others(Time now);
+  Time next_pin_event() const;
+  bool only_drives_unheard() const;
+  void drive_on(Time now);
   void run_freely(Time until);
   void pass_to(c40::Cycles limit, c40::Cycles known);
   void note_idle();
@@ -126,7 +145,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, private 
   bool is_shared(c40::Address address) const;
   Time horizon_on_its_own() const;
   Time horizon_of_follower() const;
-  Time links_reach_it() const;
+  Time others_reach_it() const;
   Time next_look() const { return clock.at(std::max(patience.next_look(), chip.cycle() + 1)); }
 
   std::optional<Span> span() override;
@@ -167,13 +186,30 @@ struct Network::ActionTurn final : Scheduler::Actor {
   Network& network;
 };
 
+/// Keeps what happens on nets. Of two that change at one instant, any may be the first to say so.
+struct Network::NetTap final : Net::Listener {
+  explicit NetTap(Network& network_) : network(network_) {}
+  void changed(Net& net, bool level, Time at) override {
+    if (network.records_words_) keep(level ? NetworkEvent::Kind::rise : NetworkEvent::Kind::fall, net, at, 0);
+  }
+  void missed(Net& net, std::size_t chip, Time at) override { keep(NetworkEvent::Kind::missed, net, at, static_cast<int>(chip)); }
+  void keep(NetworkEvent::Kind kind, const Net& net, Time at, int side) {
+    const auto which = std::ranges::find(network.nets_, &net, &std::unique_ptr<Net>::get);
+    const auto number = static_cast<std::size_t>(which - network.nets_.begin());
+    const auto earlier = [](const NetworkEvent& a, const NetworkEvent& b) { return std::pair{a.time, a.place} < std::pair{b.time, b.place}; };
+    const NetworkEvent event{kind, at, number, side, 0, 0};
+    network.net_events_.insert(std::ranges::upper_bound(network.net_events_, event, earlier), event);
+  }
+  Network& network;
+};
+
 /// Keeps what happens on one link.
 struct Network::LinkTap final : c40::LinkListener {
   LinkTap(Network& network_, std::size_t number_) : network(network_), number(number_) {}
   void happened(const c40::LinkEvent& e) override {
-    const bool common = e.kind == c40::LinkEvent::Kind::word || e.kind == c40::LinkEvent::Kind::token;
-    if (common && !network.records_words_) return;
-    network.events_.push_back({static_cast<NetworkEvent::Kind>(e.kind), e.time, number, e.side, e.word, e.bytes});
+    const auto kind = static_cast<NetworkEvent::Kind>(e.kind);
+    if (is_common(kind) && !network.records_words_) return;
+    network.events_.push_back({kind, e.time, number, e.side, e.word, e.bytes});
   }
   Network& network;
   std::size_t number;

@@ -53,6 +53,9 @@ state::Key Network::configuration() const {
   }
   key.emplace_back("set of links", links);
   key.emplace_back("set of memories", memories);
+  std::string nets;
+  for (const auto& net : nets_) nets += fmt::format("{} {} {} {};", net->description().name, machine::to_text(net->description()), net->description().open_drain, net->description().rest);
+  key.emplace_back("set of nets", nets);
   return key;
 }
 
@@ -97,8 +100,10 @@ void Network::list_state(state::Visitor& list) {
   list("nodes", nodes_);
   list("links", links_);
   list("memories", memories_);
+  list("nets", nets_);
   list("actions", actions_);
   list("events", events_);
+  list("net_events", net_events_);
   list("happenings", happenings_);
   list("happened", happened_);
   list("changed", changed_);

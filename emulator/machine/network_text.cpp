@@ -31,12 +31,8 @@ std::string source_of(const toolchain::Image& image, Address pc) {
 }
 }  // namespace
 
-std::string_view name(NetworkAction::Kind kind) {
-  constexpr std::array<std::string_view, 6> names{"cut", "restore", "reset", "hold", "release", "pull_out"};
-  return names[static_cast<std::size_t>(kind)];
-}
 std::string_view name(NetworkEvent::Kind kind) {
-  constexpr std::array<std::string_view, 11> names{"word", "token", "lost", "dead", "cut", "restored", "discarded", "reset", "hold", "release", "pull_out"};
+  constexpr std::array<std::string_view, 14> names{"word", "token", "lost", "dead", "cut", "restored", "rise", "fall", "missed", "discarded", "reset", "hold", "release", "pull_out"};
   return names[static_cast<std::size_t>(kind)];
 }
 std::string_view name(ChipStatus status) {
@@ -162,7 +158,7 @@ std::string Network::describe(std::size_t n) const {
     case ChipStatus::sleeping:
       if (node.awaits_dma_for_ever()) return fmt::format("{}; the processor sleeps at {}", describe_dma(node), where(node));
       if (node.has_ended()) return fmt::format("{} {}; {}", node.chip.idle() ? "is in IDLE before" : "branches to itself at", where(node), describe_dma(node));
-      return fmt::format("sleeps at {} until a port interrupts it", where(node));
+      return fmt::format("sleeps at {} until {} interrupts it", where(node), node.heeds_pins() ? "a pin" : "a port");
     case ChipStatus::halt: return fmt::format("branches to itself at {}", where(node));
     case ChipStatus::idle: return fmt::format("is in IDLE before {}, and no interrupt is to come", where(node));
     case ChipStatus::until: return fmt::format("reached {}", where(node));
@@ -185,6 +181,8 @@ std::string Network::text(const NetworkEvent& event) const {
   const std::string head = fmt::format("{} {}", event.time.count(), name(event.kind));
   if (event.kind == discarded)
     return fmt::format("{} {}.{} {} {:08X}", head, event.place, event.side, event.count == 1 ? "input" : "output", event.word);
+  if (event.kind == missed) return fmt::format("{} {} chip {}", head, net(event.place).description().name, event.side);
+  if (event.kind == rise || event.kind == fall) return fmt::format("{} {}", head, net(event.place).description().name);
   if (event.kind >= reset) return fmt::format("{} {}", head, event.place);
   const NetworkLink& link = ends(event.place);
   const PortName &from = event.side == 0 ? link.a : link.b, &to = event.side == 0 ? link.b : link.a;
@@ -192,6 +190,12 @@ std::string Network::text(const NetworkEvent& event) const {
   if (event.kind == lost) return fmt::format("{} {}>{} {:08X} after {} bytes", head, machine::to_text(from), machine::to_text(to), event.word, event.count);
   if (event.kind == token) return fmt::format("{} {}", head, machine::to_text(from));
   return fmt::format("{} {}", head, machine::to_text(link));
+}
+
+std::vector<NetworkEvent> Network::events() const {
+  std::vector<NetworkEvent> all;
+  std::ranges::merge(events_, net_events_, std::back_inserter(all), {}, &NetworkEvent::time, &NetworkEvent::time);
+  return all;
 }
 
 std::vector<ChipEvent> Network::peripheral_events() const {
@@ -209,9 +213,10 @@ std::string Network::text(const ChipEvent& event) const {
 
 std::vector<std::string> Network::event_trace() const {
   std::vector<std::string> lines;
-  auto link = events_.begin();
+  const std::vector<NetworkEvent> all = events();
+  auto link = all.begin();
   const auto links_until = [&](Time time) {
-    for (; link != events_.end() && link->time <= time; ++link) lines.push_back(text(*link));
+    for (; link != all.end() && link->time <= time; ++link) lines.push_back(text(*link));
   };
   for (const ChipEvent& event : peripheral_events()) {
     links_until(event.time);

@@ -234,6 +234,7 @@ std::string to_json(const RunReport& report) {
                {"misses_left_out", report.misses_left_out},
                {"dsps", Json::array()},
                {"links", Json::array()},
+               {"nets", Json::array()},
                {"buses", Json::object()},
                {"cycles", Json::array()},
                {"cycles_completed", report.cycles_completed},
@@ -250,6 +251,8 @@ std::string to_json(const RunReport& report) {
   root["boot_words"] = report.boot_words;
   for (const DspReport& of : report.dsps) root["dsps"].push_back(dsp(of));
   for (const LinkReport& of : report.links) root["links"].push_back(link(of));
+  for (const NetReport& of : report.nets)
+    root["nets"].push_back({{"name", of.name}, {"pins", of.pins}, {"edges", of.edges}, {"missed", of.missed}, {"level", of.high ? 1 : 0}});
   for (const BusReport& of : report.buses) root["buses"][of.name] = bus(of);
   for (const CycleReport& of : report.cycles) root["cycles"].push_back(cycle(of));
   for (const FailureReport& of : report.failures) root["failures"].push_back(failure(of));

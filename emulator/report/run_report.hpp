@@ -77,6 +77,14 @@ struct LinkReport {
   bool is_cut = false;       ///< at the end
 };
 
+/// A net between pins of slots.
+struct NetReport {
+  std::string name, pins;    ///< "0.TCLK0>1.IIOF1"
+  std::uint64_t edges = 0;   ///< changes of its level
+  std::uint64_t missed = 0;  ///< of them by receivers: shorter than between two looks
+  bool high = true;          ///< at the end
+};
+
 struct MasterReport {
   std::string name;  ///< "host", "dsp 0", ...
   std::uint64_t transactions = 0;
@@ -221,6 +229,7 @@ struct RunReport {
   std::uint64_t boot_words = 0;  ///< that each DSP is sent to boot; 0: its program is preloaded
   std::vector<DspReport> dsps;
   std::vector<LinkReport> links;  ///< between slots
+  std::vector<NetReport> nets;    ///< between pins of slots
   std::vector<BusReport> buses;
   std::vector<CycleReport> cycles;
   unsigned cycles_completed = 0;

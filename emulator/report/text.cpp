@@ -241,6 +241,13 @@ std::string links(const RunReport& report) {
   return heading("Links between DSPs") + table.render();
 }
 
+std::string nets(const RunReport& report) {
+  if (report.nets.empty()) return "";
+  TextTable table({"net", "pins", "edges", "missed by receivers", "at the end"});
+  for (const NetReport& net : report.nets) table.add({net.name, net.pins, count(net.edges), count(net.missed), net.high ? "high" : "low"});
+  return heading("Nets between pins of DSPs") + table.render();
+}
+
 std::string buses(const RunReport& report) {
   std::string text;
   for (const BusReport& bus : report.buses) {
@@ -323,7 +330,7 @@ std::string failures(const RunReport& report) {
 }  // namespace
 
 std::string to_text(const RunReport& report) {
-  return title(report) + headline(report) + outcomes(report) + times(report) + reasons(report) + dsps(report) + links(report) + buses(report) +
+  return title(report) + headline(report) + outcomes(report) + times(report) + reasons(report) + dsps(report) + links(report) + nets(report) + buses(report) +
          cycles(report) + errors_section(report) + after_stop_section(report) + host_work(report) + wind(report) + timed_events(report) + errors_text(report.errors_handled) + failures(report) +
          fmt::format("\ntask blocks: {} steps of their lives checked, {} violations{}\n", report.audit.checks, report.audit.violations.size(),
                      report.braked ? "; every crane drive is braked" : "") +

@@ -26,6 +26,15 @@ using c40::Cycles;
 using c40::Float40;
 using c40::Word;
 
+/// Pin `n` of those that begin with `first`.
+c40::Pin pin_of(c40::Pin first, int n, int count) {
+  if (n < 0 || n >= count) {
+    const std::string called(name(first).substr(0, name(first).size() - 1));
+    throw std::out_of_range("there is no pin " + called + std::to_string(n) + "; 0 to " + std::to_string(count - 1) + " are possible");
+  }
+  return static_cast<c40::Pin>(static_cast<int>(first) + n);
+}
+
 std::uint64_t bits(Float40 x) { return c40::float40::bits(x); }
 Float40 from_bits(std::uint64_t bits) { return c40::float40::from_bits(bits); }
 std::pair<std::uint64_t, Word> pair(const c40::FloatResult& r) { return {bits(r.value), r.flags}; }
@@ -254,7 +263,7 @@ void bind_processor(py::module_& m) {
       .def("reset", [](Processor& p) { p.chip.reset(); })
       .def("hold", [](Processor& p, bool held) { p.chip.hold(held); })
       .def("raise_iiof", [](Processor& p, int pin) { p.chip.raise_iiof(pin); })
-      .def("set_iiof", [](Processor& p, int pin, bool active) { p.chip.set_iiof(pin, active); })
+      .def("set_iiof", [](Processor& p, int pin, bool active) { p.chip.set_pin(pin_of(c40::Pin::iiof0, pin, 4), !active, p.chip.cycle()); })
       .def("raise_nmi", [](Processor& p) { p.chip.raise_nmi(); })
       .def("complete_read", [](Processor& p, Word value, Cycles arbitration, Cycles transfer) { p.chip.complete_read(value, arbitration, transfer); },
            py::arg("value"), py::arg("arbitration") = 0, py::arg("transfer") = 0)
@@ -278,7 +287,7 @@ void bind_processor(py::module_& m) {
       .def("iiof_pin", [](const Processor& p, int pin) { return p.chip.iiof_pin(pin); })
       .def("record_events", &Processor::record_events)
       .def_readonly("events", &Processor::events)
-      .def("set_timer_pin", [](Processor& p, int timer, bool level) { p.chip.set_timer_pin(timer, level); })
+      .def("set_timer_pin", [](Processor& p, int timer, bool level) { p.chip.set_pin(pin_of(c40::Pin::tclk0, timer, 2), level, p.chip.cycle()); })
       .def_property_readonly("dma_active", [](const Processor& p) { return p.chip.dma_active(); })
       .def_property_readonly("settled", [](const Processor& p) { return p.chip.settled(); })
       .def_property_readonly("watches_ports", [](const Processor& p) { return p.chip.watches_ports(); })

@@ -39,7 +39,7 @@ machine::NetworkChip chip_of(const py::dict& given) {
 }
 
 std::unique_ptr<machine::Network> make(const py::list& chips, const std::vector<std::pair<std::string, py::dict>>& links,
-                                       const std::optional<std::string>& topology, const py::list& memories, std::uint64_t turn_order) {
+                                       const std::optional<std::string>& topology, const py::list& memories, const std::vector<std::string>& nets, std::uint64_t turn_order) {
   NetworkDescription d;
   std::vector<std::string> names;
   if (topology) {
@@ -62,6 +62,11 @@ std::unique_ptr<machine::Network> make(const py::list& chips, const std::vector<
     const auto memory = given.cast<py::dict>();
     d.memories.push_back({memory["name"].cast<std::string>(), memory["words"].cast<c40::Address>(), memory["waits"].cast<int>(),
                           memory["places"].cast<std::vector<std::pair<std::size_t, c40::Address>>>()});
+  }
+  try {
+    for (const std::string& net : nets) d.nets.push_back(machine::parse_net(net, names));
+  } catch (const std::invalid_argument& error) {
+    throw machine::NetworkError(error.what());
   }
   return std::make_unique<machine::Network>(std::move(d), turn_order);
 }
@@ -104,7 +109,7 @@ void bind_network(py::module_& core) {
   bind_inspection(chip, [](const ChipOf& c) -> c40::Chip& { return c.network->chip(c.number); });
 
   py::class_<machine::Network, std::shared_ptr<machine::Network>>(m, "Network")
-      .def(py::init(&make), py::arg("chips"), py::arg("links"), py::arg("topology"), py::arg("memories"), py::arg("turn_order"))
+      .def(py::init(&make), py::arg("chips"), py::arg("links"), py::arg("topology"), py::arg("memories"), py::arg("nets"), py::arg("turn_order"))
       .def(py::init(&from_file), py::arg("path"), py::arg("program"), py::arg("turn_order"), "From a file; `program` reads one by its path.")
       .def("program", [](const machine::Network& network, std::size_t n) { return network.program(n); })
       .def("save", [](const machine::Network& network) { return py::bytes(state::seal("network", network.configuration(), state::save_with_tables(network))); })
@@ -127,8 +132,22 @@ void bind_network(py::module_& core) {
       }, py::arg("limit"))
       .def_property_readonly("now", [](const machine::Network& network) { return network.now().count(); })
       .def("schedule", [](machine::Network& network, const std::string& kind, std::int64_t time, std::size_t target) {
-        network.schedule({machine::action_named(kind), Time{time}, target});
+        network.schedule({.kind = machine::action_named(kind), .time = Time{time}, .target = target});
       }, py::arg("kind"), py::arg("time"), py::arg("target"))
+      .def("schedule_pulses", [](machine::Network& network, std::int64_t time, std::size_t target, double width_us, std::optional<double> period_us, std::optional<std::uint64_t> count) {
+        NetworkAction action{.kind = NetworkAction::Kind::pulse, .time = Time{time}, .target = target};
+        machine::set_pulses(action, width_us, period_us, count);
+        network.schedule(action);
+      }, py::arg("time"), py::arg("target"), py::arg("width_us"), py::arg("period_us"), py::arg("count"))
+      .def("net_named", [](const machine::Network& network, const std::string& name) {
+        return machine::action_target_named(NetworkAction::Kind::low, name, network.description());
+      })
+      .def_property_readonly("net_count", &machine::Network::net_count)
+      .def("net", [](const machine::Network& network, std::size_t n) {
+        const machine::Net& net = network.net(n);
+        return py::dict(py::arg("name") = net.description().name, py::arg("pins") = to_text(net.description()), py::arg("level") = net.level(),
+                        py::arg("edges") = net.edges(), py::arg("missed") = net.missed());
+      })
       .def("record_words", &machine::Network::record_words, py::arg("on"))
       .def_property_readonly("chip_count", &machine::Network::chip_count)
       .def_property_readonly("memory_count", &machine::Network::memory_count)

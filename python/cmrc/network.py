@@ -46,9 +46,10 @@ class Traffic:
 
 @dataclass(frozen=True)
 class Event:
-    """Something on a link (``word``, ``token``, ``lost``, ``dead``, ``cut``, ``restored``) or to a chip (``discarded``, ``reset``, ``hold``, ``release``, ``pull_out``).
+    """Something on a link (``word``, ``token``, ``lost``, ``dead``, ``cut``, ``restored``) or net (``rise``, ``fall``, ``missed``), or to a chip (``discarded``, ``reset``,
+    ``hold``, ``release``, ``pull_out``).
 
-    ``place`` is the number of the link or chip, ``side`` 0 for the link's first end and 1 for its second, of ``discarded`` the port. ``count``: bytes of a
+    ``place`` is the number of the link, net or chip, ``side`` 0 for the link's first end and 1 for its second, of ``discarded`` the port, of ``missed`` the chip. ``count``: bytes of a
     lost word that had crossed; of a discarded word 1 for the input FIFO, 0 for the output FIFO. ``text`` is the line of a link trace.
     """
 
@@ -128,14 +129,25 @@ class Link:
     back: Traffic
 
 
+@dataclass(frozen=True)
+class Net:
+    """A wire between pins: ``pins`` as the net was given, its ``level`` now, its edges so far, and how many of them a receiver has missed."""
+
+    name: str
+    pins: str
+    level: bool
+    edges: int
+    missed: int
+
+
 class Network:
     """Up to 64 chips. ``programs`` is one for all chips of a ``topology``, or one for each; sources, COFF files or assembled programs.
 
     ``topology`` is ``ring:4``, ``line:4``, ``grid:4x4``, ``torus:4x4``, ``hypercube:16``; ``links`` are further ones, ``"0.3:1.0"`` for port 3 of chip 0 and port 0 of
-    chip 1, or (that, {"word_cycles": 5, ...}). ``boards``, ``clocks_mhz`` (CLKIN) and ``names`` are one for all chips or one for each. ``until`` is where a chip has ended.
+    chip 1, or (that, {"word_cycles": 5, ...}). ``nets`` join pins, ``"0.TCLK0>1.IIOF1"`` or ``"index: >1.IIOF2"`` (docs/networks.md, Pins). ``boards``, ``clocks_mhz`` (CLKIN) and ``names`` are one for all chips or one for each. ``until`` is where a chip has ended.
     Chips in ``boots`` start in the boot ROM and take their program from whichever port brings it; their ``programs`` only say what is expected to come.
     Every other chip finds its number in R0 and the number of chips in R1. ``turn_order`` shuffles which chip the emulator advances first, and changes nothing.
-    ``record_words`` keeps every word and token in ``events``, ``record_peripherals`` what the chips' ports, DMA, timers and interrupts did. Raises NetworkError.
+    ``record_words`` keeps every word and token, and every edge of a net, in ``events``, ``record_peripherals`` what the chips' ports, DMA, timers and interrupts did. Raises NetworkError.
     """
 
     chips: list[Chip]
@@ -152,6 +164,7 @@ class Network:
         until: int | str | None = None,
         boots: Sequence[int] = (),
         memories: Sequence[SharedMemory] = (),
+        nets: Sequence[str] = (),
         turn_order: int = 0,
         record_words: bool = False,
         record_peripherals: bool = False,
@@ -175,8 +188,9 @@ class Network:
         ]
         wires = [_wire(f"links[{n}]", link) for n, link in enumerate(arguments.items("links", links, "a list of links"))]
         shared = [_shared(f"memories[{n}]", memory) for n, memory in enumerate(arguments.items("memories", memories, "a list of SharedMemory"))]
+        joined = [arguments.text(f"nets[{n}]", net, 'a net as "0.TCLK0>1.IIOF1"') for n, net in enumerate(arguments.items("nets", nets, "a list of nets"))]
         order = arguments.whole("turn_order", turn_order, "a seed", 0, 2**64 - 1)
-        self._take(lambda: _core.network.Network(chips, wires, topology, shared, order), record_words, record_peripherals)
+        self._take(lambda: _core.network.Network(chips, wires, topology, shared, joined, order), record_words, record_peripherals)
 
     @classmethod
     def from_file(cls, path: Path, *, turn_order: int = 0, record_words: bool = False, record_peripherals: bool = False) -> Network:
@@ -217,6 +231,11 @@ class Network:
             link = self._core.link(n)
             out.append(Link(link["a"], link["b"], link["cut"], link["token_lost"], Traffic(**link["forth"]), Traffic(**link["back"])))
         return out
+
+    @property
+    def nets(self) -> list[Net]:
+        """The nets as they are now."""
+        return [Net(**self._core.net(n)) for n in range(self._core.net_count)]
 
     @property
     def events(self) -> list[Event]:
@@ -297,6 +316,21 @@ class Network:
         """Holds a chip for good and cuts its links."""
         self._schedule("pull_out", chip, at_us)
 
+    def drive(self, net: int | str, level: bool | None, at_us: float) -> None:
+        """Drives a net high (True) or low (False) from an instant on, or (None) no more. Raises NetworkError for a net that a chip drives, unless that is open-drain."""
+        kind = "open" if level is None else "high" if arguments.flag("level", level) else "low"
+        self._core.schedule(kind, _instant("at_us", at_us), self._net(net))
+
+    def pulse(self, net: int | str, at_us: float, *, width_us: float, period_us: float | None = None, count: int | None = None) -> None:
+        """Lets a net leave its level at rest for ``width_us``; with ``period_us`` over and over, or ``count`` times."""
+        width = arguments.number("width_us", width_us, "a duration in us", 0.0)
+        period = None if period_us is None else arguments.number("period_us", period_us, "a duration in us", 0.0)
+        pulses = None if count is None else arguments.whole("count", count, "a number of pulses", 1, 2**63 - 1)
+        self._core.schedule_pulses(_instant("at_us", at_us), self._net(net), width, period, pulses)
+
+    def _net(self, net: object) -> int:
+        return int(self._core.net_named(net)) if isinstance(net, str) else arguments.whole("net", net, "the name or number of a net", 0, 2**31 - 1)
+
     def _schedule(self, kind: str, target: object, at_us: float) -> None:
         what = "link" if kind in ("cut", "restore") else "chip"
         self._core.schedule(kind, _instant("at_us", at_us), arguments.whole(what, target, f"the number of a {what}"))
@@ -360,4 +394,4 @@ def _each(given: Any, count: int, what: str) -> list[Any]:
     return values
 
 
-__all__ = ["Chip", "ChipSnapshot", "Event", "Link", "Network", "NetworkError", "NetworkStop", "PeripheralEvent", "SharedMemory", "SnapshotError", "Traffic"]
+__all__ = ["Chip", "ChipSnapshot", "Event", "Link", "Net", "Network", "NetworkError", "NetworkStop", "PeripheralEvent", "SharedMemory", "SnapshotError", "Traffic"]

@@ -666,7 +666,7 @@ def test_a_network_file(run: Any, tmp_path: Path) -> None:
         ('"left.0:1.3"', '"left.7:1.3"', "network.toml:9: link left.7:1.3: left.7: chip 0 has no port 7; 0 to 5 are possible"),
         ('"left.0:1.3"', '"right.0:1.3"', "there is no chip right"),
         ("word_cycles = 10", "word_cycles = -1", "network.toml:10: word_cycles: a whole number from 0"),
-        ('action = "cut"', 'action = "bite"', 'there is no action "bite"; cut, restore, reset, hold, release and pull_out are'),
+        ('action = "cut"', 'action = "bite"', 'there is no action "bite"; cut, restore, reset, hold, release, pull_out, low, high, open, pulse is expected'),
         ('link = "1.3:left.0"', 'link = "0.1:1.3"', "there is no link 0.1:1.3"),
         ("at_us = 1.0", "at_us = -1.0", "event.at_us: a number from 0"),
         ('program = "take.asm"', 'name = "x"', "chip 1 has no program"),
@@ -691,13 +691,13 @@ def test_what_is_done_to_a_network_from_the_command_line_as_from_a_file(run: Any
 
 
 @pytest.mark.parametrize(("action", "message"), [
-    ("1,bite,0", 'there is no action "bite"; cut, restore, reset, hold, release and pull_out are'),
+    ("1,bite,0", 'there is no action "bite"; cut, restore, reset, hold, release, pull_out, low, high, open, pulse is expected'),
     ("1,cut,0.1:1.3", "there is no link 0.1:1.3"),
     ("1,cut,0", "CHIP.PORT:CHIP.PORT is expected"),
     ("1,reset,2", "there is no chip 2; chips 0 to 1 are"),
-    ("x,reset,1", "is not AT_US,ACTION,LINK or CHIP"),
-    ("-1,reset,1", "is not AT_US,ACTION,LINK or CHIP"),
-    ("1,reset", "is not AT_US,ACTION,LINK or CHIP"),
+    ("x,reset,1", "AT_US,ACTION,TARGET is expected"),
+    ("-1,reset,1", "AT_US,ACTION,TARGET is expected"),
+    ("1,reset", "AT_US,ACTION,TARGET is expected"),
 ])  # fmt: skip
 def test_actions_that_cannot_be(run: Any, action: str, message: str) -> None:
     result = run("send.asm", "take.asm", "--link", "0.0:1.3", "--action", action)

@@ -116,6 +116,14 @@ Cycles Timer::next_event() const {
   return at_ + static_cast<Cycles>(ticks) * tick_cycles();
 }
 
+Cycles Timer::next_change_of_pin(Cycles last) const {
+  if (!FUNC.in(control_) || !internal_clock()) return never_happens;
+  const bool stuck = period_ == 0 && counter_ == 0;  // in pulse mode, a pulse never ends
+  if (!clock_mode() && !stuck && pulse_ >= 0 && last <= pulse_) return pulse_ + 1;
+  if (!running() || (!clock_mode() && stuck && pulse_ >= 0)) return never_happens;
+  return at_ + static_cast<Cycles>(ticks_to_overflow()) * tick_cycles();
+}
+
 bool Timer::advance_to(Cycles at) {
   if (!running() || !internal_clock() || at <= at_) return false;
   const Cycles length = tick_cycles();

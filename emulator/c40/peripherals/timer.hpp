@@ -45,6 +45,10 @@ class Timer {
   Word read(TimerRegister reg, Cycles at) const;
   /// A write of the processor overrides what the timer does in that cycle. True if TSTAT went from 0 to 1 by it.
   bool write(TimerRegister reg, Word value, Cycles at);
+  /// Reset; what the outside drives the pin to stays.
+  void start_anew(const Timer& before) { outside_ = before.outside_; }
+  /// It counts edges of the pin TCLK.
+  bool counts_pin() const { return running() && !internal_clock(); }
   /// Level that the outside drives the pin TCLK to, from cycle `at` on; true if TSTAT went from 0 to 1 by it.
   bool set_pin(bool level, Cycles at);
   /// The level at the pin TCLK.
@@ -53,6 +57,8 @@ class Timer {
 
   /// The cycle of the next TINT (TSTAT goes from 0 to 1); the greatest number if none is to come by itself.
   Cycles next_event() const;
+  /// The first cycle after `last` in which it drives the pin to another level by itself; the greatest number if there is none.
+  Cycles next_change_of_pin(Cycles last) const;
   /// Goes on to a cycle; true if TSTAT went from 0 to 1 on the way.
   bool advance_to(Cycles at);
 
