@@ -249,9 +249,10 @@ Word Engine::pending_port_vector(Word enabled) const {
 
 Word Engine::watched_ports() const {
   if (attached_ == 0) return 0;
+  const Word enabled = state_.core.r[reg::IIE] & port_sources;
   Word watched = 0;
-  for (unsigned n = 0; n < port_count; ++n)
-    if ((state_.core.r[reg::IIE] >> (1 + 4 * n) & 0xFu) != 0) watched |= 1u << n;
+  for (unsigned n = 0; enabled >> 4 * n != 0; ++n)
+    if ((enabled >> (1 + 4 * n) & 0xFu) != 0) watched |= 1u << n;
   if (dma_active_) watched |= dma_.ports_used();
   return watched & attached_;
 }

@@ -307,6 +307,7 @@ Cycles Network::Node::own_event_cycle() const {
 }
 
 Time Network::Node::own_event() const {
+  if (status != ChipStatus::sleeping && !chip.dma_active()) return never;
   const Cycles event = own_event_cycle();
   return event == no_cycle ? never : clock.at(event);
 }

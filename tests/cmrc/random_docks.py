@@ -149,8 +149,24 @@ kernel_user_listens:
         ldi     0, r0
         ldi     0, r1
         rets
+kernel_user_pins:
+        ldhi    0010h, ar0
+        ldi     *+ar0(34h), r3          ; timer 1 counts edges of TCLK1
+        ldi     0C1h, r2
+        sti     r2, *+ar0(30h)
+        addi    40h, r3
+        sti     r3, *+ar0(28h)
+        ldi     2C1h, r2
+        sti     r2, *+ar0(20h)          ; timer 0 gives pulses at TCLK0
+        ldhi    0, r2
+        or      9920h, r2
+        or      r2, iif                 ; IIOF3 and IIOF2 end IDLE; IIOF1 is an output
+        xor     40h, iif
+        ldi     0, r0
+        ldi     0, r1
+        rets
 """
-USER_PROGRAMS = ["counts", "counts", "never_returns", "takes_long", "writes_everywhere", "touches_nothing", "swi", "talks", "talks", "listens"]
+USER_PROGRAMS = ["counts", "counts", "never_returns", "takes_long", "writes_everywhere", "touches_nothing", "swi", "talks", "talks", "listens", "pins", "pins"]
 
 
 @dataclass(frozen=True)
@@ -281,6 +297,8 @@ class Generator:
             changes += [self.task] * draw.randint(1, 3)
             slots = draw.sample(range(16), 2)
             setting("machine.links", draw.choice(["", "0.0:1.4", "0.0:1.4, 1.0:0.4", f"{slots[0]}.0:{slots[1]}.4"]))
+            a, b = slots
+            setting("machine.nets", draw.choice(["", "0.TCLK0>1.TCLK1+0.TCLK1, 1.IIOF1>0.IIOF2", "0.IIOF1&1.IIOF1>0.IIOF3+1.NMI", f"{a}.TCLK0>{b}.IIOF2, {a}.IIOF1>{b}.RESET"]))
         return changes
 
     def task(self, dock: Dock) -> Dock:

@@ -7,6 +7,7 @@ import json
 import random
 import subprocess
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -86,7 +87,7 @@ def run(programs: list[Any], nets: list[str], until_us: float | None = None, scr
 def test_an_edge_interrupts_a_sleeping_chip_one_cycle_later() -> None:
     network = run([assembled(clock(100) + END), listener(4, iiof(1))], ["0.TCLK0>1.IIOF1"], 100)
     falls = [at for at, kind in edges(network) if kind == "fall"]
-    assert all(later - earlier == 400 * CYCLE for earlier, later in zip(falls, falls[1:], strict=False)) and len(falls) == 5
+    assert all(later - earlier == 400 * CYCLE for earlier, later in pairwise(falls)) and len(falls) == 5
     assert [at for at, kind in edges(network) if kind == "rise"] == [at + 200 * CYCLE for at in falls]
     assert interrupts(network, 1)[1:] == [at + CYCLE for at in falls[1:]]  # at the first, it does not sleep yet
     assert low(network, 1) == 5

@@ -71,12 +71,6 @@ void CommPort::receive(Word word) {
   ++traffic.received;
 }
 
-bool PortAccess::ready(const CommPort& side) const {
-  if (reg == PortRegister::input && !write) return side.icrdy();
-  if (reg == PortRegister::output && write) return side.ocrdy();
-  return true;
-}
-
 Word PortAccess::perform(CommPort& side) const {
   switch (reg) {
     case PortRegister::control:

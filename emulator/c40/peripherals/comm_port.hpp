@@ -103,7 +103,11 @@ struct PortAccess {
   Address address = 0;  ///< of the register
   Cycles cycle = 0;     ///< when the access begins
   /// A read of an empty input FIFO and a write to a full output FIFO have to wait; nothing else has.
-  bool ready(const CommPort& side) const;
+  bool ready(const CommPort& side) const {
+    if (reg == PortRegister::input && !write) return side.icrdy();
+    if (reg == PortRegister::output && write) return side.ocrdy();
+    return true;
+  }
   /// Does it: once the port is ready. The value of a read.
   Word perform(CommPort& side) const;
   /// What a read would give, without doing it; false if there is nothing to read.
