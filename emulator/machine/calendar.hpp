@@ -30,7 +30,11 @@ class Calendar {
   void set(std::size_t who, Time time) {
     if (times_[who] == time) return;
     times_[who] = time;
-    for (std::size_t i = (who + times_.size()) / 2; i > 0; i /= 2) earlier_[i] = earlier_of(2 * i, 2 * i + 1);
+    for (std::size_t i = (who + times_.size()) / 2; i > 0; i /= 2) {
+      const std::size_t earlier = earlier_of(2 * i, 2 * i + 1);
+      if (earlier == earlier_[i] && earlier != who) return;  // above, nothing has changed
+      earlier_[i] = earlier;
+    }
   }
 
   Time time(std::size_t who) const { return times_[who]; }

@@ -34,6 +34,7 @@ Time Network::Node::next() const {
       if (patience.is_private) return never;
       return follows() || (chip.dma_active() && !nets_out.empty()) ? now() : clock.at(chip.cycle());
     case ChipStatus::waiting: {
+      if (!chip.dma_active()) return std::min(access_time(), next_pin_event());
       const Time next = std::min({access_time(), own_event(), next_pin_event()});
       return follows() ? std::min(next, now()) : next;
     }
@@ -50,7 +51,7 @@ Time Network::Node::next_pin_event() const {
 }
 
 bool Network::Node::only_drives_unheard() const {
-  if (nets_out.empty() || std::ranges::any_of(nets_out, &Net::is_heard)) return false;
+  if (std::ranges::any_of(nets_out, &Net::is_heard)) return false;
   return own_event() == never && access_time() == never && !follows();
 }
 
@@ -102,10 +103,12 @@ void Network::Node::act(Time now) {
 
 /// It waits, or follows its ports: as far as they are known, or its access.
 void Network::Node::go_on_with_others(Time now) {
-  const auto stands = std::tuple{chip.settled(), chip.cycle(), status};
-  if (own_event() == now || (chip.dma_active() && next_pin_event() == now)) run_to(std::min(horizon_of_follower(), clock.at(first_cycle(now) + 1)));
-  else if (follows()) run_to(horizon_of_follower());
-  if (stands != std::tuple{chip.settled(), chip.cycle(), status}) return;
+  if (status != ChipStatus::waiting || chip.dma_active()) {
+    const auto stands = std::tuple{chip.settled(), chip.cycle(), status};
+    if (own_event() == now || (chip.dma_active() && next_pin_event() == now)) run_to(std::min(horizon_of_follower(), clock.at(first_cycle(now) + 1)));
+    else if (follows()) run_to(horizon_of_follower());
+    if (stands != std::tuple{chip.settled(), chip.cycle(), status}) return;
+  }
   if (next_pin_event() <= now) return;
   if (access_time() == now) waits_for_port() ? network.perform_port(*this) : network.perform_memory(*this);
   else assert(next() > now && "a turn that changes nothing");
@@ -292,7 +295,9 @@ void Network::Node::note_ready(Time time) {
 
 /// When the access that it waits for takes place, as far as can be said.
 Time Network::Node::access_time() const {
-  if (status != ChipStatus::waiting || !ready()) return never;
+  if (status != ChipStatus::waiting) return never;
+  // Nothing but a link, or its own DMA, makes a port ready.
+  if (waits_for_port() && !chip.dma_active() ? !was_ready : !ready()) return never;
   const Cycles now = first_cycle(network.now_);
   if (waits_for_port()) return clock.at(std::max({stop.port.cycle, first_cycle(ready_since), now}));
   return clock.at(std::max({stop.access.cycle, first_cycle(network.memory_of(*this, stop.access.address)->free), now}));

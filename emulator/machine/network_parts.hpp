@@ -131,7 +131,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   bool has_ended() const;
   bool awaits_dma_for_ever() const;
   /// Nothing will happen here, but for a loop that goes on as it does.
-  bool is_still() const { return patience.loop || (status != ChipStatus::running && (planned() == never || only_drives_unheard())); }
+  bool is_still() const { return patience.loop || (status != ChipStatus::running && (planned() == never || (!nets_out.empty() && only_drives_unheard()))); }
 
  private:
   void go_on_with_others(Time now);
