@@ -35,7 +35,8 @@ c40::PipelineDiagram parse_window(const std::string& text, const Image& image, c
   if (colon == std::string::npos || !number(view.substr(0, colon), first) || !number(view.substr(colon + 1), last))
     throw InputError(fmt::format("--pipeline: \"{}\" is not FIRST:LAST, two numbers of cycles", text));
   try {
-    return {first, last, [text = machine::SourceText(image, machine::SourceText::Label::kept)](Address address, Word word) { return text(address, word); }, next};
+    const auto name = [names = machine::AddressNames(image)](Address address) { return names.name(address).value_or(""); };
+    return {first, last, [text = machine::SourceText(image, machine::SourceText::Label::kept), name](Address address, Word word) { return text(address, word, name); }, next};
   } catch (const std::invalid_argument& error) {
     throw InputError(fmt::format("--pipeline: {}", error.what()));
   }

@@ -11,6 +11,7 @@
 #include "toolchain/assembler.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/linker.hpp"
+#include "toolchain/source_map.hpp"
 
 namespace cli {
 namespace {
@@ -84,8 +85,9 @@ Image read_program(const std::string& path, const std::vector<std::string>& incl
     return image;
   }
   toolchain::Object object = toolchain::read_object(path);
-  if (object.executable) return toolchain::image_of(object);
-  return toolchain::link({std::move(object)}, {}, toolchain::MemoryMap::standard()).image;
+  Image image = object.executable ? toolchain::image_of(object) : toolchain::link({std::move(object)}, {}, toolchain::MemoryMap::standard()).image;
+  toolchain::add_source_text(image, std::filesystem::path(path).parent_path());
+  return image;
 }
 
 bool is_source_name(const std::string& path) { return is_source(std::filesystem::path(path).extension().string()); }

@@ -114,7 +114,11 @@ LedgerConfig ledger_of(const Config& config, const machine::Config& machine) {
 
 toolchain::Image assembled(const Config& config) {
   const bool own = own_blocks(config.tasks);
-  if (config.machine.programs.empty()) return toolchain::read_coff(c40_programs::built_in_image(own));
+  if (config.machine.programs.empty()) {
+    toolchain::Image image = toolchain::read_coff(c40_programs::built_in_image(own));
+    toolchain::add_source_map(image, built_in_text(c40_programs::built_in_source_map(own)));
+    return image;
+  }
   const std::filesystem::path directory = config.machine.programs;
   const std::filesystem::path source = directory / "dsp.asm";
   if (!std::filesystem::is_regular_file(source)) {
@@ -418,11 +422,9 @@ void Simulation::profile() {
 
 report::Profile Simulation::profile_report() const {
   if (!parts_->profile) throw std::logic_error("Simulation::profile_report: nothing was counted; Simulation::profile comes before the run");
-  toolchain::Image image = parts_->image;
-  if (parts_->config.machine.programs.empty()) toolchain::add_source_map(image, built_in_text(c40_programs::built_in_source_map(own_blocks(parts_->config.tasks))));
   toolchain::Image rom = toolchain::read_coff(c40_programs::built_in_boot_rom());
   toolchain::add_source_map(rom, built_in_text(c40_programs::built_in_boot_rom_source_map()));
-  return parts_->profile->report(report().tasks, image, rom);
+  return parts_->profile->report(report().tasks, parts_->image, rom);
 }
 
 bool Simulation::ended() const { return parts_->over(); }

@@ -84,11 +84,14 @@ void write(const std::filesystem::path& path, const std::string& text) {
 int main(int count, char** values) {
   try {
     const Arguments arguments = parse(count, values);
-    const toolchain::Image image = toolchain::assemble_file(arguments.input, arguments.options);
+    toolchain::Image image = toolchain::assemble_file(arguments.input, arguments.options);
     for (const std::string& warning : image.warnings) fmt::print(stderr, "{}\n", warning);
-    toolchain::write_coff(image, arguments.output);
     if (!arguments.listing.empty()) write(arguments.listing, toolchain::listing(image));
-    if (!arguments.source_map.empty()) write(arguments.source_map, toolchain::source_map(image, arguments.input.parent_path()));
+    if (!arguments.source_map.empty()) {
+      write(arguments.source_map, toolchain::source_map(image, arguments.input.parent_path()));
+      image.files.clear(), image.lines.clear();  // once is enough, and the map names no folder of this machine
+    }
+    toolchain::write_coff(image, arguments.output);
     return 0;
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());

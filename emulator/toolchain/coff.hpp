@@ -18,14 +18,15 @@ class CoffError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Reads a file of version 0, 1 or 2, with headers of either byte order. Line numbers, debugging symbols and auxiliary
-/// entries are passed over. `name` stands for the file in messages. Throws CoffError.
+/// Reads a file of version 0, 1 or 2, with headers of either byte order. Debugging symbols are passed over, but for the
+/// names of source files and the lines. `name` stands for the file in messages. Throws CoffError.
 Object read_object(std::span<const std::byte> bytes, const std::string& name = "<bytes>");
 Object read_object(const std::filesystem::path& path);
 
 /// Reads an executable. Sections that a loader skips (DSECT, NOLOAD, COPY, BSS, or without data) come as not loaded;
 /// the initial values that a .cinit of type COPY asks for come as sections of their own. Throws CoffError.
 Image read_coff(std::span<const std::byte> bytes, const std::string& name = "<bytes>");
+/// The text of its source lines comes from the source files, where they are found (source_map.hpp).
 Image read_coff(const std::filesystem::path& path);
 
 /// The bytes of a file of the object's version. Names of sections are cut to eight characters, but their symbols keep

@@ -13,7 +13,7 @@ inline constexpr std::uint16_t optional_magic = 0x0108;
 
 inline constexpr std::size_t file_header_v0 = 20, file_header_v12 = 22, optional_header = 28;
 inline constexpr std::size_t section_header_v01 = 40, section_header_v2 = 48, symbol_entry = 18;
-inline constexpr std::size_t relocation_v0 = 10, relocation_v12 = 12;
+inline constexpr std::size_t relocation_v0 = 10, relocation_v12 = 12, line_entry = 6, file_name = 14;
 
 // File flags.
 inline constexpr std::uint16_t no_relocations = 0x0001, executable = 0x0002, no_line_numbers = 0x0004;
@@ -25,7 +25,7 @@ inline constexpr std::uint32_t block = 0x1000;
 inline constexpr unsigned alignment_shift = 8;  ///< Of the power of two, 4 bits.
 
 // Storage class and section number of symbols.
-inline constexpr std::uint8_t class_external = 2, class_static = 3, class_label = 6;
+inline constexpr std::uint8_t class_external = 2, class_static = 3, class_label = 6, class_function = 101, class_file = 103;
 inline constexpr std::int16_t debug_section = -2, absolute_section = -1, undefined_section = 0;
 
 }  // namespace toolchain::coff

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "io/input_file.hpp"
 #include "toolchain/coff.hpp"
 #include "toolchain/coff_format.hpp"
+#include "toolchain/source_map.hpp"
 
 namespace toolchain {
 namespace {
@@ -25,6 +27,7 @@ class CoffReader {
     for (std::size_t i = 0; i < section_count_; ++i) read_section(table + i * section_size_);
     read_symbols();
     for (std::size_t i = 0; i < section_count_; ++i) read_relocations(i, table + i * section_size_);
+    for (std::size_t i = 0; i < section_count_; ++i) read_lines(object_.sections[i], table + i * section_size_);
     return std::move(object_);
   }
 
@@ -140,9 +143,43 @@ class CoffReader {
         fail(fmt::format("symbol {} claims more auxiliary entries than there are", i));
       if (section > static_cast<int>(object_.sections.size()))
         fail(fmt::format("a symbol lies in section {} of {}", section, object_.sections.size()));
+      if (storage == class_file && auxiliary != 0) add_file(i, at + symbol_entry);
+      if (storage == class_function && auxiliary != 0 && text(at, 8, "a symbol's name") == ".bf")
+        function_lines_.emplace(i, u16(at + symbol_entry + 4, "a function's first line"));
       if (section >= absolute_section) add_symbol(i, at, section, storage, auxiliary);
       i += auxiliary;
     }
+  }
+
+  void add_file(std::uint32_t index, std::size_t at) {
+    const bool is_long = u32(at, "a file's name") == 0 && u32(at + 4, "a file's name") != 0;
+    files_.emplace(index, static_cast<std::uint32_t>(object_.files.size()));
+    object_.files.push_back(is_long ? long_name(at) : text(at, file_name, "a file's name"));
+  }
+
+  /// Lines stand after an entry that names a symbol: a file's, and they are the file's own numbers, as this assembler
+  /// writes them; or a function's, and they are counted from the function's first line, as compilers do. What lies
+  /// nowhere is passed over: lines are not needed to run a program.
+  void read_lines(ObjectSection& section, std::size_t header) {
+    const std::uint32_t where = u32(header + 28, "a section's lines");
+    const std::uint32_t count = object_.version == 2 ? u32(header + 36, "the number of lines") : u16(header + 34, "the number of lines");
+    if (where > bytes_.size() || std::uint64_t{line_entry} * count > bytes_.size() - where) return;
+    std::optional<std::uint32_t> file;
+    int before = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::size_t at = where + line_entry * std::size_t{i};
+      const std::uint32_t place = u32(at, "a line");
+      const std::uint16_t line = u16(at + 4, "a line");
+      if (line != 0) {
+        if (file && place - section.address < section.size) section.lines.push_back({place - section.address, *file, before + line});
+        continue;
+      }
+      const auto own = files_.upper_bound(place);
+      file = own == files_.begin() ? std::nullopt : std::optional(std::prev(own)->second);
+      const auto function = function_lines_.upper_bound(place);
+      before = files_.contains(place) || function == function_lines_.end() ? 0 : function->second - 1;
+    }
+    std::ranges::stable_sort(section.lines, {}, &ObjectLine::offset);
   }
 
   void add_symbol(std::uint32_t index, std::size_t at, std::int16_t section, std::uint8_t storage,
@@ -223,6 +260,8 @@ class CoffReader {
   std::uint32_t symbol_count_ = 0;
   std::uint64_t contents_ = 0;
   std::map<std::uint32_t, int> symbol_indices_;  ///< From those of the file.
+  std::map<std::uint32_t, std::uint32_t> files_;   ///< Of which source the symbols from a number on are.
+  std::map<std::uint32_t, int> function_lines_;    ///< By the number of the symbol that stands for a function's begin.
 };
 
 Image linked(const Object& object) {
@@ -245,6 +284,10 @@ Object read_object(std::span<const std::byte> bytes, const std::string& name) { 
 Object read_object(const std::filesystem::path& path) { return read_object(read_bytes(path), path.string()); }
 
 Image read_coff(std::span<const std::byte> bytes, const std::string& name) { return linked(read_object(bytes, name)); }
-Image read_coff(const std::filesystem::path& path) { return linked(read_object(path)); }
+Image read_coff(const std::filesystem::path& path) {
+  Image image = linked(read_object(path));
+  add_source_text(image, path.parent_path());
+  return image;
+}
 
 }  // namespace toolchain

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <optional>
 #include <ostream>
 
 #include "io/output_file.hpp"
@@ -47,12 +48,16 @@ class CoffWriter {
   std::vector<std::byte> write() {
     check();
     number_symbols();
+    for (const auto& section : object_.sections) lines_.push_back(entries_of(section));
     write_file_header();
     write_section_headers();
     for (const auto& section : object_.sections)
       for (const Word word : section.words) out_.u32(word);
     for (const auto& section : object_.sections)
       for (const Relocation& relocation : section.relocations) write_relocation(section, relocation);
+    for (const auto& lines : lines_)
+      for (const LineEntry& line : lines) out_.u32(line.place), out_.u16(line.number);
+    for (std::size_t file = 0; file < object_.files.size(); ++file) write_file(file);
     for (const ObjectSymbol& symbol : object_.symbols) write_symbol(symbol);
     out_.u32(static_cast<std::uint32_t>(4 + strings_.size()));
     out_.text(strings_, strings_.size());
@@ -82,15 +87,39 @@ class CoffWriter {
     for (const auto& section : object_.sections) words += section.words.size();
     return contents_at() + 4 * words;
   }
-  std::size_t symbols_at() const {
+  std::size_t lines_at() const {
     std::size_t count = 0;
     for (const auto& section : object_.sections) count += section.relocations.size();
     return relocations_at() + relocation_size() * count;
   }
+  std::size_t symbols_at() const {
+    std::size_t count = 0;
+    for (const auto& lines : lines_) count += lines.size();
+    return lines_at() + line_entry * count;
+  }
 
-  /// A section's symbol has an auxiliary entry.
+  /// An entry without a number says of which file those that follow are: the place is that of the file's symbol.
+  struct LineEntry {
+    std::uint32_t place;
+    std::uint16_t number;
+  };
+  std::vector<LineEntry> entries_of(const ObjectSection& section) const {
+    constexpr int most_lines = 65535;  // Of a file, and before version 2 of a section.
+    std::vector<LineEntry> entries;
+    std::optional<std::uint32_t> file;
+    for (const ObjectLine& line : section.lines) {
+      if (line.line < 1 || line.line > most_lines) continue;
+      if (!v2_ && entries.size() + 2 > most_lines) break;
+      if (file != line.file) entries.push_back({2 * line.file, 0});
+      file = line.file;
+      entries.push_back({section.address + line.offset, static_cast<std::uint16_t>(line.line)});
+    }
+    return entries;
+  }
+
+  /// Files come first. They, and sections' symbols, have an auxiliary entry.
   void number_symbols() {
-    std::uint32_t next = 0;
+    auto next = static_cast<std::uint32_t>(2 * object_.files.size());
     for (const ObjectSymbol& symbol : object_.symbols) {
       symbol_numbers_.push_back(next);
       next += symbol.stands_for_section ? 2 : 1;
@@ -120,7 +149,8 @@ class CoffWriter {
     out_.u32(static_cast<std::uint32_t>(symbols_at()));
     out_.u32(symbol_entries_);
     out_.u16(static_cast<std::uint32_t>(optional_size()));
-    out_.u16((relocations ? 0U : no_relocations) | (object_.executable ? executable : 0U) | no_line_numbers | c4x |
+    const bool lines = std::ranges::any_of(lines_, [](const auto& of) { return !of.empty(); });
+    out_.u16((relocations ? 0U : no_relocations) | (object_.executable ? executable : 0U) | (lines ? 0U : no_line_numbers) | c4x |
              little_endian);
     if (object_.version > 0) out_.u16(target_id);
     if (!object_.executable) return;
@@ -132,23 +162,25 @@ class CoffWriter {
   }
 
   void write_section_headers() {
-    std::size_t contents = contents_at(), relocations = relocations_at();
-    for (const ObjectSection& section : object_.sections) {
+    std::size_t contents = contents_at(), relocations = relocations_at(), lines = lines_at();
+    for (std::size_t i = 0; i < object_.sections.size(); ++i) {
+      const ObjectSection& section = object_.sections[i];
       out_.text(section.name, 8);
       out_.u32(section.address);
       out_.u32(section.address);
       out_.u32(section.size);
       out_.u32(section.words.empty() ? 0 : static_cast<std::uint32_t>(contents));
       out_.u32(section.relocations.empty() ? 0 : static_cast<std::uint32_t>(relocations));
-      out_.u32(0);  // No line numbers.
+      out_.u32(lines_[i].empty() ? 0 : static_cast<std::uint32_t>(lines));
       const std::size_t count_size = v2_ ? 4 : 2;
       out_.little(static_cast<std::uint32_t>(section.relocations.size()), count_size);
-      out_.little(0, count_size);
+      out_.little(static_cast<std::uint32_t>(lines_[i].size()), count_size);
       const auto alignment = static_cast<std::uint32_t>(std::bit_width(section.alignment) - 1);
       out_.little(kind(section) | alignment << alignment_shift | (section.blocked ? block : 0U), count_size);
       out_.little(0, count_size);  // Reserved, and the memory page.
       contents += 4 * section.words.size();
       relocations += relocation_size() * section.relocations.size();
+      lines += line_entry * lines_[i].size();
     }
   }
 
@@ -162,14 +194,29 @@ class CoffWriter {
     out_.u16(static_cast<std::uint32_t>(relocation.type));
   }
 
+  /// Where it is too long, zeros and its place among the strings.
+  void write_name(const std::string& name, std::size_t size) {
+    if (name.size() <= size) return out_.text(name, size);
+    out_.u32(0);
+    out_.u32(static_cast<std::uint32_t>(4 + strings_.size()));
+    out_.text("", size - 8);
+    strings_ += name + '\0';
+  }
+
+  void write_file(std::size_t number) {
+    const bool last = number + 1 == object_.files.size();
+    out_.text(".file", 8);
+    out_.u32(last ? 0 : static_cast<std::uint32_t>(2 * (number + 1)));  // The next one's symbol.
+    out_.u16(static_cast<std::uint16_t>(debug_section));
+    out_.u16(0);
+    out_.u8(class_file);
+    out_.u8(1);
+    write_name(object_.files[number], file_name);
+    out_.text("", symbol_entry - file_name);
+  }
+
   void write_symbol(const ObjectSymbol& symbol) {
-    if (symbol.name.size() <= 8) {
-      out_.text(symbol.name, 8);
-    } else {
-      out_.u32(0);
-      out_.u32(static_cast<std::uint32_t>(4 + strings_.size()));
-      strings_ += symbol.name + '\0';
-    }
+    write_name(symbol.name, 8);
     out_.u32(symbol.value);
     const int section = symbol.section == ObjectSymbol::absolute    ? absolute_section
                         : symbol.section == ObjectSymbol::undefined ? undefined_section
@@ -189,6 +236,7 @@ class CoffWriter {
   bool v2_;
   Bytes out_;
   std::string strings_;
+  std::vector<std::vector<LineEntry>> lines_;  ///< By section.
   std::vector<std::uint32_t> symbol_numbers_;
   std::uint32_t symbol_entries_ = 0;
 };
@@ -213,6 +261,11 @@ Object executable_of(const Image& image) {
     copy.size = section.size;
     copy.words = section.words;
     copy.loaded = section.loaded;
+  }
+  out.files = image.files;
+  for (const LineRecord& line : image.lines) {
+    ObjectSection& section = out.sections.at(line.section);
+    section.lines.push_back({line.address - section.address, line.file, line.line});
   }
   for (const auto& [name, value] : image.symbols) {
     ObjectSymbol& symbol = out.symbols.emplace_back();

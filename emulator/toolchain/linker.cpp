@@ -182,10 +182,25 @@ class Linker {
       Image::Section out{section.name, section.address, section.size, {}, section.loaded};
       if (section.loaded) {
         out.words.resize(section.size);
-        for (const OutputSection::Part& part : section.parts) copy(part, out);
+        for (const OutputSection::Part& part : section.parts) {
+          copy(part, out);
+          add_lines(part, section.address + part.offset, image);
+        }
       }
       image.sections.push_back(std::move(out));
     }
+  }
+
+  /// Of the section that comes next.
+  static std::uint32_t file_number(Image& image, const std::string& name) {
+    const auto found = std::ranges::find(image.files, name);
+    if (found == image.files.end()) image.files.push_back(name);
+    return static_cast<std::uint32_t>(std::ranges::find(image.files, name) - image.files.begin());
+  }
+  void add_lines(const OutputSection::Part& part, Address address, Image& image) const {
+    const Object& object = objects_[part.source.object];
+    for (const ObjectLine& line : object.sections[part.source.section].lines)
+      image.lines.push_back({address + line.offset, file_number(image, object.files[line.file]), line.line, {}, static_cast<std::uint32_t>(image.sections.size()), {}});
   }
 
   void copy(const OutputSection::Part& part, Image::Section& out) {

@@ -75,6 +75,7 @@ bool is_relative(RelocationType type) { return type == RelocationType::pcrword |
 Image image_of(const Object& executable) {
   Image image;
   image.entry = executable.entry;
+  image.files = executable.files;
   for (const ObjectSection& section : executable.sections) {
     if (section.size == 0) continue;
     image.sections.push_back({.name = section.name,
@@ -82,6 +83,8 @@ Image image_of(const Object& executable) {
                               .size = section.size,
                               .words = section.loaded ? section.words : std::vector<Word>(),
                               .loaded = section.loaded});
+    for (const ObjectLine& line : section.lines)
+      image.lines.push_back({section.address + line.offset, line.file, line.line, {}, static_cast<std::uint32_t>(image.sections.size() - 1), {}});
     if (section.table_of_copies) add_copies(image, section, executable.name);
   }
   for (const ObjectSymbol& symbol : executable.symbols)

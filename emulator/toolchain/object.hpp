@@ -46,6 +46,13 @@ struct ObjectSymbol {
   bool stands_for_section = false;
 };
 
+/// Where a word comes from.
+struct ObjectLine {
+  Address offset = 0;      ///< From the start of its section.
+  std::uint32_t file = 0;  ///< Index into Object::files.
+  int line = 0;            ///< Counted from 1.
+};
+
 struct ObjectSection {
   std::string name;
   Address address = 0;
@@ -56,6 +63,7 @@ struct ObjectSection {
   Address alignment = 1;         ///< Power of 2.
   bool blocked = false;          ///< Not to be spread over two pages if it fits into one.
   std::vector<Relocation> relocations;
+  std::vector<ObjectLine> lines;  ///< By rising offset.
 };
 
 struct Object {
@@ -65,12 +73,13 @@ struct Object {
   Address entry = 0;
   std::vector<ObjectSection> sections;
   std::vector<ObjectSymbol> symbols;
+  std::vector<std::string> files;  ///< That `lines` are of.
 };
 
 /// The program that a loader makes of an executable. Throws CoffError if two loaded sections overlap or the copies that
 /// .cinit asks for run out of its end.
 Image image_of(const Object& executable);
-/// The executable file of a program, with all symbols.
+/// The executable file of a program, with all symbols and lines.
 Object executable_of(const Image& image);
 
 }  // namespace toolchain

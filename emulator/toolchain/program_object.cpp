@@ -36,7 +36,10 @@ Object Program::finish_object(Image& listed, std::vector<Diagnostic>& diagnostic
     out.alignment = section.alignment;
     out.blocked = section.blocked;
     if (section.size != 0) out.words = listed.sections.back().words;
+    for (const LineRecord& line : listed.lines)
+      if (section.size != 0 && line.section + 1 == listed.sections.size()) out.lines.push_back({line.address - listed.sections.back().address, line.file, line.line});
   }
+  object.files = listed.files;
   add_object_symbols(object, numbers, diagnostics);
   for (std::size_t i = 0; i < sections_.size(); ++i)
     for (const WordRelocation& wanted : relocations[i])

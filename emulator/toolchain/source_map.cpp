@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <charconv>
+#include <set>
+#include <sstream>
 #include <stdexcept>
+
+#include "io/input_file.hpp"
 
 namespace toolchain {
 namespace {
@@ -37,7 +41,30 @@ std::string source_map(const Image& image, const std::filesystem::path& base) {
   return out;
 }
 
+void add_source_text(Image& image, const std::filesystem::path& beside) {
+  std::vector<std::vector<std::string>> texts(image.files.size());
+  std::set<std::uint32_t> wanted;
+  for (const LineRecord& line : image.lines) wanted.insert(line.file);
+  for (const std::uint32_t file : wanted) {
+    const std::filesystem::path name(image.files[file]);
+    std::vector<std::string>& lines = texts[file];
+    for (const std::filesystem::path& path : {name, beside / name, beside / name.filename()}) {
+      std::error_code error;
+      if (!std::filesystem::is_regular_file(path, error)) continue;
+      std::istringstream text(io::read_input(path).text);
+      for (std::string line; std::getline(text, line);) lines.push_back(std::move(line));
+      break;
+    }
+  }
+  for (LineRecord& line : image.lines) {
+    const std::vector<std::string>& lines = texts[line.file];
+    if (line.line >= 1 && static_cast<std::size_t>(line.line) <= lines.size()) line.text = lines[static_cast<std::size_t>(line.line) - 1];
+  }
+}
+
 void add_source_map(Image& image, std::string_view map) {
+  image.files.clear();
+  image.lines.clear();
   while (!map.empty()) {
     std::string_view line = map.substr(0, map.find('\n'));
     map.remove_prefix(std::min(line.size() + 1, map.size()));

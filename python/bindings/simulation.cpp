@@ -233,6 +233,7 @@ void bind_simulation(py::module_& m) {
            "A timed event: at_s, action and its fields (docs/configuration.md, [[events]]).")
       // A Dsp owns its run; pybind11 3.1's keep_alive<0, 1> crashes when an argument has a wrong type.
       .def("dsp", &dsp_of, py::arg("slot"))
+      .def_property_readonly("program", [](const Run& r) { return r.read("program").image(); })
       .def("peek", [](const Run& r, std::uint32_t offset) { return r.read("peek").machine().peek(offset); }, "A word of shared memory.")
       .def("symbol", [](const Run& r, const std::string& name) { return r.read("symbol").machine().symbol(name); })
       .def_property_readonly("time_s", [](const Run& r) { return report::seconds(r.read("time_s").time()); })

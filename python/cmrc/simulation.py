@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property
 from typing import Any
 
 from cmrc import _core, arguments, files
-from cmrc.c40 import ChipState
+from cmrc.c40 import ChipState, Program
 from cmrc.result import Profile, Result
 from cmrc.snapshots import SnapshotError
 from cmrc.table import Table
@@ -179,7 +180,12 @@ class Simulation:
 
     def dsp(self, slot: int) -> Dsp:
         """The DSP in a slot, between two calls of ``run_until``. Raises IndexError where there is no such slot."""
-        return Dsp(self._core.dsp(arguments.whole("slot", slot, "the number of a slot", -(2**63), 2**63 - 1)), None)
+        return Dsp(self._core.dsp(arguments.whole("slot", slot, "the number of a slot", -(2**63), 2**63 - 1)), self.program)
+
+    @cached_property
+    def program(self) -> Program:
+        """The program of every DSP, with its symbols and source lines."""
+        return self._core.program
 
     def peek(self, offset: int) -> int:
         """The word at an offset of shared memory (``c40_programs/include/areas.inc``), between two calls of ``run_until``. Takes no time."""
