@@ -346,7 +346,7 @@ void Machine::Parts::build_targets() {
   add(board, "shared registers", topology.shared_memory, registers, SharedRegisters::base, SharedRegisters::size);
   if (dock == nullptr) return;
   const auto clock = [&](DeviceGroup group) { return bus_clocks[topology.devices[static_cast<std::size_t>(group)]]; };
-  devices.emplace(symbols, *dock, std::array{clock(DeviceGroup::drives), clock(DeviceGroup::sensors), clock(DeviceGroup::comm_port)}, fence);
+  devices.emplace(program, *dock, std::array{clock(DeviceGroup::drives), clock(DeviceGroup::sensors), clock(DeviceGroup::comm_port)}, fence);
   static constexpr const char* names[device_groups] = {"drives", "sensors", "comm port"};
   for (const Devices::Stretch& part : devices->stretches()) {
     const auto group = static_cast<std::size_t>(part.group);

@@ -1,0 +1,84 @@
+#pragma once
+// The registers of bus B: a row each, or one for several equal ones. A new register is a row here and its offset in
+// c40_programs/include/devices.inc.
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "machine/time.hpp"
+#include "machine/topology.hpp"
+
+namespace plant {
+class Dock;
+}
+namespace toolchain {
+struct Image;
+}
+
+namespace machine {
+
+using Word = std::uint32_t;
+
+/// What stands behind the registers: the dock, and what the devices' cards hold themselves.
+struct DeviceCards {
+  /// A bit of what the dock says of one drive; the register has it of all drives, that of channel 0 at `place`.
+  struct Bit {
+    std::uint32_t of_drive;
+    Word place;
+  };
+  /// An AGV unit keeps two of its registers until the write of the third pushes all three.
+  struct AgvCommand {
+    std::int32_t speed = 0;
+    std::int32_t front = 0;
+  };
+
+  /// \throws std::out_of_range with the name of a symbol that the program does not define
+  DeviceCards(plant::Dock& dock, const toolchain::Image& program);
+
+  plant::Dock& dock;
+  std::array<int, 5> joints;  ///< behind each channel of the drives and encoders
+  std::array<Bit, 4> status_bits, trip_bits;
+  std::vector<AgvCommand> commands;  ///< by AGV
+};
+
+/// Which of several equal registers.
+struct DevicePlace {
+  std::uint8_t index = 0;  ///< joint, sample or AGV
+  std::uint8_t ray = 0;
+};
+
+/// How often a register is there.
+enum class Repeated : std::uint8_t {
+  once,
+  channel,  ///< by channel of the drives, one after the other
+  sample,   ///< by sample of the bay scanner's profile, one after the other
+  agv,      ///< in each AGV's unit
+  range,    ///< in each AGV's range sensor
+  ray,      ///< in each AGV's range sensor, by ray, one after the other
+};
+
+struct DeviceRegister {
+  std::string_view name;  ///< symbol of its offset: that of the first, or in the AGV's unit or range sensor
+  DeviceGroup group;
+  Repeated repeated;
+  Word (*read)(const DeviceCards&, DevicePlace, Time);         ///< null: no read is answered
+  void (*write)(DeviceCards&, DevicePlace, Word value, Time);  ///< null: no write is answered
+  bool (*fitted)(const plant::Dock&) = nullptr;                ///< null: in every dock
+};
+std::span<const DeviceRegister> device_registers();
+
+/// Every symbol of devices.inc that a program has to define for the devices.
+std::vector<std::string_view> device_symbols();
+
+/// One register, at its offset of window B.
+struct PlacedRegister {
+  const DeviceRegister* row;
+  Offset offset;
+  unsigned index, ray;  ///< see DevicePlace
+};
+/// Those that this dock has, where the program knows them.
+std::vector<PlacedRegister> placed_registers(const DeviceCards& cards, const toolchain::Image& program);
+
+}  // namespace machine
