@@ -1,15 +1,11 @@
 #include "cmrc/ideal.hpp"
 
-#include <algorithm>
-#include <array>
-
 namespace cmrc {
 namespace {
 
 bool is_the_machines(const TimedEvent& event) {
-  static constexpr std::array<std::string_view, 11> actions = {"fail", "hang", "freeze", "unplug", "plug", "reset", "slow", "break_link", "repair_link", "pause_host", "stall_bus"};
   const bool lost = event.action == "set" && event.key.starts_with("scheduling.servo_") && event.key != "scheduling.servo_reload";
-  return lost || std::ranges::find(actions, event.action) != actions.end();
+  return lost || befalls_machine(event);
 }
 
 }  // namespace

@@ -159,39 +159,6 @@ FleetJob fleet_of(const Config& config, const plant::DockConfig& dock) {
   return job;
 }
 
-std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event) {
-  using machine::Action;
-  struct Row {
-    std::string_view name;
-    Action action;
-    double unit;           // of the event's amount, in the machine's
-    std::int64_t amount;   // where the event has none
-  };
-  static constexpr Row rows[] = {
-      {"fail", Action::fail, 0, 0},           {"hang", Action::hang, 0, 0},
-      {"freeze", Action::freeze, 0, 0},
-      {"unplug", Action::unplug, 0, 0},       {"plug", Action::plug, 0, 0},
-      {"reset", Action::reset, 0, 0},         {"slow", Action::pace, 1e6, 0},
-      {"pause_host", Action::pause_host, 1e9, 0}, {"stall_bus", Action::stall_bus, 1e9, 0},
-      {"fail_drive", Action::drive, 0, 1},    {"repair_drive", Action::drive, 0, 0},
-      {"stick_encoder", Action::encoder, 0, 1}, {"repair_encoder", Action::encoder, 0, 0},
-      {"stick_sway", Action::sway, 0, 1},     {"repair_sway", Action::sway, 0, 0},
-      {"stick_second_sway", Action::second_sway, 0, 1}, {"repair_second_sway", Action::second_sway, 0, 0},
-      {"stick_drive_status", Action::drive_status, 0, 1}, {"repair_drive_status", Action::drive_status, 0, 0},
-      {"stick_drive_speed", Action::drive_speed, 0, 1}, {"repair_drive_speed", Action::drive_speed, 0, 0},
-      {"stick_load_cell", Action::load_cell, 0, 1}, {"repair_load_cell", Action::load_cell, 0, 0},
-      {"stick_anemometer", Action::anemometer, 0, 1}, {"repair_anemometer", Action::anemometer, 0, 0},
-      {"break_link", Action::link, 0, 1},     {"repair_link", Action::link, 0, 0},
-  };
-  for (const Row& row : rows) {
-    if (row.name != event.action) continue;
-    const std::int64_t amount = row.unit > 0 ? std::llround(event.amount * row.unit) : row.amount;
-    const unsigned number = target_of(event) == "joint" && event.number == trolley_joint ? luff_joint : event.number;
-    return machine::ScriptedEvent{Time{std::llround(event.at_s * 1e12)}, row.action, number, amount};
-  }
-  return std::nullopt;
-}
-
 namespace {
 
 pci::TargetConfig target_of(Card card) {

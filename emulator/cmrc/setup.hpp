@@ -26,8 +26,6 @@ FleetJob fleet_of(const Config& config, const plant::DockConfig& dock);
 /// \throws machine::BoardError
 machine::Config machine_of(const Config& config);
 machine::Config nominal_machine_of(const Config& config);
-/// What the machine has to do at the event; none for a change of parameters, which is the host's.
-std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event);
 
 /// What the operator loads into the job areas before the start.
 struct AreaWord {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "cmrc/config.hpp"
@@ -12,7 +13,39 @@
 namespace cmrc {
 namespace {
 
-constexpr double longest_ms = 1e6;
+using machine::ScriptAmount;
+using machine::ScriptTarget;
+
+/// A field that says how much: its range, and how many of the machine's units one of its own is.
+struct AmountField {
+  std::string_view name;
+  double least, most;
+  double unit;
+};
+constexpr AmountField factor{"factor", 0.001, 1, 1e6}, lasts_ms{"lasts_ms", 1e-6, 1e6, 1e9};
+
+const AmountField* amount_field(ScriptAmount amount) {
+  switch (amount) {
+    case ScriptAmount::factor: return &factor;
+    case ScriptAmount::duration: return &lasts_ms;
+    case ScriptAmount::none:
+    case ScriptAmount::failed: break;
+  }
+  return nullptr;
+}
+
+std::string_view target_field(ScriptTarget target) {
+  switch (target) {
+    case ScriptTarget::dsp: return "dsp";
+    case ScriptTarget::bus: return "bus";
+    case ScriptTarget::joint: return "joint";
+    case ScriptTarget::axis: return "axis";
+    case ScriptTarget::host:
+    case ScriptTarget::load_cell:
+    case ScriptTarget::anemometer: break;
+  }
+  return "";
+}
 
 std::vector<std::string> names_of(std::string_view target) {
   if (target == "bus") return {"A", "B", "C", "D"};
@@ -140,37 +173,33 @@ void check_sensor(const Config& config, const TimedEvent& event) {
 std::string_view target_of(const TimedEvent& event) { return action_of(event).target; }
 
 std::span<const TimedAction> timed_actions() {
-  static constexpr TimedAction all[] = {
-      {"fail", "dsp", "", "the chip dies and stays dead; only another board helps (unplug, plug)"},
-      {"hang", "dsp", "", "its program loops for ever with interrupts masked, until it is reset"},
-      {"freeze", "dsp", "", "the chip stands still until it is reset"},
-      {"unplug", "dsp", "", "the board is pulled out: transactions break off, posted words are lost"},
-      {"plug", "dsp", "", "a board is put in, is reset, booted by the host and starts working"},
-      {"reset", "dsp", "", "reset, and booted again by the host"},
-      {"slow", "dsp", "factor", "its clock runs at this factor of its frequency; 1 is full speed again"},
-      {"break_link", "dsp", "", "the wires between it and the link adapter break: it cannot be booted any more, and a word on its way is lost"},
-      {"repair_link", "dsp", "", "the wires are whole again"},
-      {"pause_host", "", "lasts_ms", "the host's processor does nothing for so long"},
-      {"stall_bus", "bus", "lasts_ms", "the bus's arbiter grants nothing for so long"},
-      {"fail_drive", "joint", "", "the drive has no torque and its brake closes"},
-      {"repair_drive", "joint", "", "the drive works again"},
-      {"stick_encoder", "joint", "", "the encoder goes on showing the count of this instant"},
-      {"repair_encoder", "joint", "", "the encoder works again"},
-      {"stick_sway", "axis", "", "the sway sensor goes on showing the angle of this instant"},
-      {"repair_sway", "axis", "", "the sway sensor works again"},
-      {"stick_second_sway", "axis", "", "the second sway sensor goes on showing the angle of this instant"},
-      {"repair_second_sway", "axis", "", "the second sway sensor works again"},
-      {"stick_drive_status", "joint", "", "what the drive says of itself stays what it is at this instant"},
-      {"repair_drive_status", "joint", "", "the drive says of itself what is true again"},
-      {"stick_drive_speed", "joint", "", "the drive's estimate of its speed stays what it is at this instant"},
-      {"repair_drive_speed", "joint", "", "the drive's estimate of its speed works again"},
-      {"stick_load_cell", "", "", "the load cell goes on showing the load of this instant"},
-      {"repair_load_cell", "", "", "the load cell works again"},
-      {"stick_anemometer", "", "", "the anemometer goes on showing the wind of this instant"},
-      {"repair_anemometer", "", "", "the anemometer works again"},
-      {"set", "", "", "the operator sets `key` to `value`; the keys marked \"live\" may change while a run is on"},
-  };
+  static const std::vector<TimedAction> all = [] {
+    std::vector<TimedAction> rows;
+    for (const machine::ScriptedAction& one : machine::scripted_actions()) {
+      const AmountField* amount = amount_field(one.amount);
+      const TimedAction row{one.name, target_field(one.target), amount != nullptr ? amount->name : "", one.meaning, &one};
+      rows.push_back(row);
+      if (!one.undo.empty()) rows.push_back({one.undo, row.target, row.amount, one.undo_meaning, &one});
+    }
+    rows.push_back({"set", "", "", "the operator sets `key` to `value`; the keys marked \"live\" may change while a run is on", nullptr});
+    return rows;
+  }();
   return all;
+}
+
+std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event) {
+  const TimedAction& action = action_of(event);
+  if (action.scripted == nullptr) return std::nullopt;
+  std::int64_t amount = 0;
+  if (const AmountField* field = amount_field(action.scripted->amount)) amount = std::llround(event.amount * field->unit);
+  else if (action.scripted->amount == ScriptAmount::failed) amount = action.name == action.scripted->name ? 1 : 0;
+  const unsigned number = action.target == "joint" && event.number == trolley_joint ? luff_joint : event.number;
+  return machine::ScriptedEvent{machine::Time{std::llround(event.at_s * 1e12)}, action.scripted->action, number, amount};
+}
+
+bool befalls_machine(const TimedEvent& event) {
+  const machine::ScriptedAction* scripted = action_of(event).scripted;
+  return scripted != nullptr && machine::is_of_machine(scripted->target);
 }
 
 TimedEvent timed_event(const std::map<std::string, Field>& given, const Origin& where) {
@@ -181,8 +210,9 @@ TimedEvent timed_event(const std::map<std::string, Field>& given, const Origin& 
   event.action = fields.text("action", "the name of an action is expected");
   const TimedAction& action = action_named(event.action, given.at("action").origin);
   if (!action.target.empty()) event.number = fields.target(action.target);
-  if (action.amount == "factor") event.amount = fields.number("factor", 0.001, 1);
-  if (action.amount == "lasts_ms") event.amount = fields.number("lasts_ms", 1e-6, longest_ms);
+  if (action.scripted != nullptr) {
+    if (const AmountField* field = amount_field(action.scripted->amount)) event.amount = fields.number(field->name, field->least, field->most);
+  }
   if (event.action == "set") {
     event.key = fields.text("key", "a dotted key is expected");
     event.value = fields.take("value", "a value for the key is expected").value;
@@ -207,8 +237,8 @@ std::string describe(const TimedEvent& event) {
   std::string text = event.action;
   if (action.target == "dsp") text += fmt::format(" DSP {}", event.number);
   else if (!action.target.empty()) text += " " + names_of(action.target).at(event.number);
-  if (action.amount == "factor") text += fmt::format(" to {}", event.amount);
-  if (action.amount == "lasts_ms") text += fmt::format(" for {} ms", event.amount);
+  if (action.amount == factor.name) text += fmt::format(" to {}", event.amount);
+  if (action.amount == lasts_ms.name) text += fmt::format(" for {} ms", event.amount);
   if (event.action == "set") text += fmt::format(" {} = {}", event.key, show(event.value));
   return text;
 }

@@ -1,11 +1,13 @@
 #pragma once
 // What happens to the system at given instants of a run: failures, hot-plug, changes of parameters (docs/configuration.md, [[events]]).
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
 #include "cmrc/value.hpp"
+#include "machine/scripted_events.hpp"
 
 namespace cmrc {
 
@@ -31,11 +33,17 @@ struct TimedAction {
   std::string_view target;  ///< "dsp", "bus", "joint", "axis", or "" for none
   std::string_view amount;  ///< "lasts_ms", "factor", or "" for none
   std::string_view meaning;
+  const machine::ScriptedAction* scripted;  ///< what it is to the machine; null: the host does it
 };
+/// Those of machine/scripted_events.hpp, and "set".
 std::span<const TimedAction> timed_actions();
 
 /// The target of its action: "dsp", "bus", "joint", "axis" or "".
 std::string_view target_of(const TimedEvent& event);
+/// As the machine's script has it; none: the host does it.
+std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event);
+/// It happens to DSPs, host or buses, not to the dock.
+bool befalls_machine(const TimedEvent& event);
 
 struct Field {
   Value value;

@@ -60,4 +60,21 @@ class Devices final : public pci::Target {
   std::vector<Register> registers_;
 };
 
+/// A stretch of the devices as a target of its bus, where it begins at offset 0.
+class DeviceWindow final : public pci::Target {
+ public:
+  DeviceWindow(Devices& devices, Offset first) : devices_{devices}, first_{first} {}
+  pci::Answer answer(pci::Address offset, unsigned words, bool write, const pci::Access& access) override {
+    return devices_.answer(first_ + offset, words, write, access);
+  }
+  Word read(pci::Address offset, const pci::Access& access) override { return devices_.read(first_ + offset, access); }
+  void write(pci::Address offset, Word value, const pci::Access& access) override {
+    devices_.write(first_ + offset, value, access);
+  }
+
+ private:
+  Devices& devices_;
+  Offset first_;
+};
+
 }  // namespace machine

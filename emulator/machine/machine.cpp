@@ -18,7 +18,9 @@
 #include "machine/guard.hpp"
 #include "machine/host.hpp"
 #include "machine/link_adapter.hpp"
+#include "machine/machine_config.hpp"
 #include "machine/scheduler.hpp"
+#include "machine/script.hpp"
 #include "machine/slot_links.hpp"
 #include "machine/shared_memory.hpp"
 #include "machine/symbols.hpp"
@@ -29,101 +31,9 @@ namespace machine {
 
 namespace {
 
-struct Numbered {
-  std::string_view what;
-  unsigned count;
-};
-
-Numbered numbered(Action action, unsigned slots, unsigned buses) {
-  switch (action) {
-    case Action::fail:
-    case Action::freeze:
-    case Action::hang:
-    case Action::unplug:
-    case Action::plug:
-    case Action::reset:
-    case Action::link:
-    case Action::pace: return {"slot", slots};
-    case Action::pause_host: return {"host", 1};
-    case Action::stall_bus: return {"bus", buses};
-    case Action::drive:
-    case Action::drive_status:
-    case Action::drive_speed:
-    case Action::encoder: return {"joint", 5};
-    case Action::second_sway:
-    case Action::sway: return {"axis", 2};
-    case Action::load_cell: return {"load cell", 1};
-    case Action::anemometer: return {"anemometer", 1};
-  }
-  return {"event", 0};
-}
-
-void require_sense(const ScriptedEvent& event, Time now, const Config& config) {
-  const auto [what, count] = numbered(event.action, config.slots, static_cast<unsigned>(config.topology.buses.size()));
-  if (event.number >= count || event.time < now)
-    throw std::invalid_argument{fmt::format("machine: a scripted event at {} ps for {} {}; the time is {} ps, and the last {} is {}",
-                                            event.time.count(), what, event.number, now.count(), what, count - 1)};
-  if (event.amount < 0 || (event.action == Action::pace && event.amount == 0))
-    throw std::invalid_argument{fmt::format("machine: a scripted event with amount {}; it is not negative, and a clock runs", event.amount)};
-}
-
-Config checked(Config config) {
-  if (config.slots == 0) config.slots = config.dsps;
-  if (config.slots > most_slots || config.dsps > config.slots)
-    throw std::invalid_argument{
-        fmt::format("machine: {} DSPs in {} slots; there are at most {} slots and no more DSPs than slots", config.dsps,
-                    config.slots, most_slots)};
-  check(config.topology);
-  check(config.links, config.slots);
-  check_slot_nets(config.nets, config.slots);
-  if (config.interrupt_clocks < 1 || config.interrupt_clocks > 3)
-    throw std::invalid_argument{"machine: interrupt_clocks is 1 to 3"};
-  if (config.prefetch_hit_cycles < 0) throw std::invalid_argument{"machine: prefetch_hit_cycles is at least 0"};
-  for (const ScriptedEvent& event : config.script) require_sense(event, Time{0}, config);
-  std::stable_sort(config.script.begin(), config.script.end(),
-                   [](const ScriptedEvent& a, const ScriptedEvent& b) { return a.time < b.time; });
-  return config;
-}
-
-Skew skew_of(const std::vector<Skew>& skews, std::size_t number) { return number < skews.size() ? skews[number] : Skew{}; }
-
-std::vector<Clock> clocks_of_chips(const Config& config) {
-  std::vector<Clock> all;
-  for (unsigned slot = 0; slot < config.slots; ++slot) all.push_back(skew_of(config.chip_skews, slot).clock(config.chip_hz, config.chip_hz_denominator));
-  return all;
-}
-
-// A bridge between buses clocks its far side from its near one.
-std::vector<Clock> clocks_of_buses(const Config& config) {
-  std::vector<Clock> all;
-  for (unsigned bus = 0; bus < config.topology.buses.size(); ++bus) {
-    unsigned first = 0;
-    while (hops(config.topology, first, bus) < 0) ++first;
-    all.push_back(skew_of(config.bus_skews, first).clock(config.pci_hz_numerator, config.pci_hz_denominator));
-  }
-  return all;
-}
-
 // Master 0 of the host's buses when there is no host.
 struct Nobody final : pci::Initiator {
   void completed(const pci::Transaction&, std::span<const Word>) override {}
-};
-
-// A target at another place of its bus than its own offset 0.
-class Shifted final : public pci::Target {
- public:
-  Shifted(pci::Target& target, Offset first) : target_{target}, first_{first} {}
-  pci::Answer answer(pci::Address offset, unsigned words, bool write, const pci::Access& access) override {
-    return target_.answer(first_ + offset, words, write, access);
-  }
-  Word read(pci::Address offset, const pci::Access& access) override { return target_.read(first_ + offset, access); }
-  void write(pci::Address offset, Word value, const pci::Access& access) override {
-    target_.write(first_ + offset, value, access);
-  }
-
- private:
-  pci::Target& target_;
-  Offset first_;
 };
 
 // What answers on some bus.
@@ -155,25 +65,6 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
     void act(Time now) override { dock->advance_to(now); }
     plant::Dock* dock;
   };
-  // What is scripted, by time.
-  struct Script final : Scheduler::Actor {
-    explicit Script(Parts& owner) : parts{owner} {}
-    Time next() const override { return done < events().size() ? events()[done].time : never; }
-    void act(Time now) override {
-      const ScriptedEvent event = events()[done++];
-      parts.act(event, now);
-    }
-    void add(const ScriptedEvent& event) {
-      const auto earlier = [](const ScriptedEvent& a, const ScriptedEvent& b) { return a.time < b.time; };
-      const auto from = events().begin() + static_cast<std::ptrdiff_t>(done);
-      events().insert(std::upper_bound(from, events().end(), event, earlier), event);
-      changed();
-    }
-    std::vector<ScriptedEvent>& events() const { return parts.config.script; }
-    Parts& parts;
-    std::size_t done = 0;
-  };
-
  public:
   Parts(Config given, const toolchain::Image& image, plant::Dock* the_dock, HostProgram* program);
 
@@ -218,7 +109,7 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   SharedRegisters registers;
   LinkAdapter adapter;
   std::optional<Devices> devices;
-  std::deque<Shifted> device_windows;
+  std::deque<DeviceWindow> device_windows;
   std::vector<Region> regions;
   std::optional<Host> host;
   std::optional<Surroundings> around;
@@ -227,7 +118,7 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   std::deque<SlotWire> wires;  // between slots
   std::deque<Net> nets;        // between their pins
   std::deque<BusTurn> bus_turns;
-  Script script{*this};
+  Script script{config.script, [this](const ScriptedEvent& event, Time now) { act(event, now); }};
   PlantTurn plant_turn;
   Scheduler scheduler;
   Time time{0};
@@ -412,43 +303,17 @@ void Machine::Parts::run_until(Time limit) {
   scheduler.all_changed();  // the DMA of one that idles may have given its links something to do
 }
 
-// What befalls drives and sensors.
-static void befall(plant::Dock& dock, Action action, int index, bool failed, Time now) {
-  switch (action) {
-    case Action::drive: return dock.fail_drive(index, failed, now);
-    case Action::encoder: return dock.fail_encoder(index, failed, now);
-    case Action::sway: return dock.fail_sway(index, failed, now);
-    case Action::second_sway: return dock.fail_second_sway(index, failed, now);
-    case Action::drive_status: return dock.fail_drive_status(index, failed, now);
-    case Action::drive_speed: return dock.fail_drive_speed(index, failed, now);
-    case Action::load_cell: return dock.fail_load_cell(failed, now);
-    case Action::anemometer: return dock.fail_anemometer(failed, now);
-    default: return;
-  }
-}
-
 void Machine::Parts::act(const ScriptedEvent& event, Time now) {
-  const auto dsp = [&]() -> Dsp& { return dsps.at(event.number); };
-  const auto clocks = [&](Time at) { return bus_clocks[event.number].tick_at_or_after(at); };
-  const bool failed = event.amount != 0;
-  const auto index = static_cast<int>(event.number);
   if (around->observer != nullptr) around->observer->scripted(event, now);
-  switch (event.action) {
-    case Action::fail: return dsp().fail(now);
-    case Action::freeze: return dsp().freeze(now);
-    case Action::hang: return dsp().hang(now);
-    case Action::unplug: registers.clear_idle(event.number); return dsp().unplug(now);
-    case Action::plug: fence.mask |= Word{1} << event.number; return dsp().plug(now);
-    case Action::reset: registers.clear_idle(event.number); return dsp().reset(now);
-    case Action::pace: return dsp().pace(now, event.amount);
-    case Action::link: return adapter.set_broken(event.number, failed, now);
-    case Action::pause_host:
-      if (host) host->pause(now + Time{event.amount});
-      return;
-    case Action::stall_bus: return buses[event.number].stall(clocks(now), clocks(now + Time{event.amount}));
-    default: break;
-  }
-  if (dock != nullptr) befall(*dock, event.action, index, failed, now);
+  const Stage stage{.dsps = dsps,
+                    .registers = registers,
+                    .fence = fence,
+                    .adapter = adapter,
+                    .host = host ? &*host : nullptr,
+                    .buses = buses,
+                    .bus_clocks = bus_clocks,
+                    .dock = dock};
+  row_of(event.action).act(stage, event, now);
 }
 
 Machine::Machine(Config config, const toolchain::Image& program, plant::Dock* dock, HostProgram* host)

@@ -21,6 +21,7 @@
 #include "bus_model/config.hpp"
 #include "c40/memory.hpp"
 #include "machine/net.hpp"
+#include "machine/scripted_events.hpp"
 #include "machine/slot_links.hpp"
 #include "machine/time.hpp"
 #include "machine/topology.hpp"
@@ -103,35 +104,6 @@ enum class SlotChange : std::uint8_t { plugged, unplugged, reset, booted };
 enum class Boot : std::uint8_t {
   preloaded,  ///< it lies in its memory, and is started
   link,       ///< the boot ROM takes it from the link adapter, into which the host's program has to write it
-};
-
-/// What a scripted event does, and to what its number refers.
-enum class Action : std::uint8_t {
-  fail,         ///< DSP: the chip dies: it stands still for good, and no reset revives it (only unplug and plug)
-  freeze,       ///< DSP: the chip stands still until it is reset
-  hang,         ///< DSP: its program goes astray into a branch to itself with interrupts masked, and runs there until it is reset
-  unplug,       ///< DSP: the board is pulled: transactions break off, posted words are lost
-  plug,         ///< DSP: a board is put in, and reset
-  reset,        ///< DSP: reset, as by RESET_DSP
-  link,         ///< DSP: the wires between it and the link adapter break (amount 1) or are mended (0)
-  pace,         ///< DSP: its clock runs at `amount` millionths of its nominal frequency
-  pause_host,   ///< the host's processor stands still for `amount` picoseconds
-  stall_bus,    ///< bus (in the order of the topology): its arbiter grants nothing for `amount` picoseconds
-  drive,        ///< joint: its drive fails (amount 1) or works again (0)
-  encoder,      ///< joint: its encoder sticks (1) or works again (0)
-  sway,         ///< axis (0 alpha, 1 beta): its sway sensor sticks (1) or works again (0)
-  second_sway,  ///< axis: the second sway sensor, the same
-  drive_status, ///< joint: what its drive says of itself sticks (1) or is true again (0)
-  drive_speed,  ///< joint: its drive's estimate of the speed sticks (1) or works again (0)
-  load_cell,    ///< it sticks (1) or works again (0)
-  anemometer,   ///< it sticks (1) or works again (0)
-};
-
-struct ScriptedEvent {
-  Time time{};
-  Action action{};
-  unsigned number = 0;
-  std::int64_t amount = 0;
 };
 
 /// Sees what happens, in the order in which it happens, and changes nothing. Every function does nothing unless

@@ -110,7 +110,7 @@ py::dict causes_of(const c40::Chip& chip) {
   return result;
 }
 
-void bind_config(py::module_& m) {
+void bind_actions(py::module_& m) {
   py::enum_<Action>(m, "Action")
       .value("fail", Action::fail)
       .value("freeze", Action::freeze)
@@ -118,7 +118,30 @@ void bind_config(py::module_& m) {
       .value("unplug", Action::unplug)
       .value("plug", Action::plug)
       .value("reset", Action::reset)
-      .value("link", Action::link);
+      .value("link", Action::link)
+      .value("pace", Action::pace)
+      .value("pause_host", Action::pause_host)
+      .value("stall_bus", Action::stall_bus)
+      .value("drive", Action::drive)
+      .value("encoder", Action::encoder)
+      .value("sway", Action::sway)
+      .value("second_sway", Action::second_sway)
+      .value("drive_status", Action::drive_status)
+      .value("drive_speed", Action::drive_speed)
+      .value("load_cell", Action::load_cell)
+      .value("anemometer", Action::anemometer);
+  m.def(
+      "scripted_actions",
+      [] {
+        py::list all;
+        for (const ScriptedAction& row : scripted_actions())
+          all.append(py::make_tuple(row.action, std::string{row.name}, std::string{row.undo}));
+        return all;
+      },
+      "Each action, its word, and the word that undoes it where there is one.");
+}
+
+void bind_config(py::module_& m) {
   py::enum_<Boot>(m, "Boot").value("preloaded", Boot::preloaded).value("link", Boot::link);
   py::class_<Topology>(m, "Topology", "Which agent stands on which bus; buses are numbered as in `buses`.")
       .def(py::init<>())
@@ -203,6 +226,7 @@ void bind_machine(py::module_& core) {
   py::module_ m = core.def_submodule(
       "machine", "DSPs, buses, shared memory and devices in one virtual time. Times are integer picoseconds.");
   bind_clock(m);
+  bind_actions(m);
   bind_config(m);
   bind_stops(m);
   py::class_<PyMachine>(m, "Machine")

@@ -1,0 +1,56 @@
+#pragma once
+// The machine's script: its events by time, each of which has its turn among the scheduler's.
+#include <deque>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "machine/scheduler.hpp"
+#include "machine/scripted_events.hpp"
+
+namespace pci {
+class Bus;
+}
+namespace plant {
+class Dock;
+}
+
+namespace machine {
+
+class Dsp;
+class Host;
+class LinkAdapter;
+class SharedRegisters;
+struct Fence;
+
+/// What scripted events act on.
+struct Stage {
+  std::deque<Dsp>& dsps;
+  SharedRegisters& registers;
+  Fence& fence;
+  LinkAdapter& adapter;
+  Host* host;  ///< may be null
+  std::deque<pci::Bus>& buses;
+  const std::vector<Clock>& bus_clocks;
+  plant::Dock* dock;  ///< may be null
+};
+
+class Script final : public Scheduler::Actor {
+ public:
+  using Act = std::function<void(const ScriptedEvent&, Time now)>;
+  /// \param events by time; those to come are kept there too
+  Script(std::vector<ScriptedEvent>& events, Act act) : events_{events}, act_{std::move(act)} {}
+
+  Time next() const override { return done < events_.size() ? events_[done].time : never; }
+  void act(Time now) override;
+  /// Behind those of its time.
+  void add(const ScriptedEvent& event);
+
+  std::size_t done = 0;  ///< events that have happened
+
+ private:
+  std::vector<ScriptedEvent>& events_;
+  Act act_;
+};
+
+}  // namespace machine
