@@ -82,10 +82,10 @@ K_15120             .set $ - LIFT
                     .float 15120
 
 ; ---- read by several kernels
-K_GRAVITY           .set $ - LIFT
-                    .float 9.81
+K_GRAVITY           .set $ - LIFT               ; m/s2, and its reciprocal: the plant's, as those of plant_constants.asm
+                    .space 1
 K_ONE_OVER_G        .set $ - LIFT
-                    .float 0.10193679918450561
+                    .space 1
 K_MILLI             .set $ - LIFT
                     .float 1.0e-3
 K_MICRO             .set $ - LIFT

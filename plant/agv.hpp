@@ -24,7 +24,7 @@ struct AgvState {
   int container = -1;                // on the deck
   double load_mass = 0.0, load_inertia = 0.0;
 
-  std::array<AgvSetPoint, 4> fifo{};
+  std::array<AgvSetPoint, agv_queue> fifo{};
   int waiting = 0;
   AgvSetPoint current{};             // held now
   Time period{20'000'000'000};       // each set-point is held for this

@@ -136,7 +136,7 @@ double CraneAlone::energy() const {
 std::array<std::uint32_t, joint_count> CraneAlone::encoders() const {
   std::array<std::uint32_t, joint_count> counts{};
   for (std::size_t j = 0; j < joint_count; ++j)
-    counts[j] = static_cast<std::uint32_t>(encoder_counts(state_.crane.q[coordinate_of(j)], config_.crane.drives[j])) & 0xFFFFFFU;
+    counts[j] = static_cast<std::uint32_t>(encoder_counts(state_.crane.q[coordinate_of(j)], config_.crane.drives[j])) & ((1U << encoder_bits) - 1U);
   return counts;
 }
 

@@ -126,7 +126,7 @@ const DockConfig& Dock::config() const { return self_->core.config; }
 void Dock::set_torque_code(int joint, int code, Time t) {
   self_->advance(t);
   const std::size_t j = Implementation::check_joint(joint);
-  self_->core.state.shadow[j] = std::clamp(code, -2048, 2047);
+  self_->core.state.shadow[j] = std::clamp(code, -largest_torque_code - 1, largest_torque_code);
   self_->core.state.updated[j] = self_->core.state.latch;
 }
 
@@ -159,7 +159,7 @@ std::int64_t Dock::encoder_total(int joint, Time t) {
   return encoder_counts(q, self_->core.config.crane.drives[static_cast<std::size_t>(joint)]);
 }
 
-std::uint32_t Dock::encoder(int joint, Time t) { return static_cast<std::uint32_t>(encoder_total(joint, t)) & 0xFFFFFFU; }
+std::uint32_t Dock::encoder(int joint, Time t) { return static_cast<std::uint32_t>(encoder_total(joint, t)) & ((1U << encoder_bits) - 1U); }
 
 std::int32_t Dock::sway(int axis, Time t) {
   require(axis == 0 || axis == 1, "sway axis must be 0 or 1");
@@ -245,7 +245,7 @@ std::uint32_t Dock::spreader_status(Time t) {
   self_->advance(t);
   const DockState& s = self_->core.state;
   const unsigned corners = s.landing.active && self_->core.accepted() ? s.landing.corners : 0U;
-  return corners | (s.lock == Lock::locked ? 0x10U : 0U) | (s.lock == Lock::open ? 0x20U : 0U);
+  return corners | (s.lock == Lock::locked ? spreader_locked : 0U) | (s.lock == Lock::open ? spreader_open : 0U);
 }
 
 // ---- scanner
@@ -274,7 +274,7 @@ std::int32_t Dock::profile(int i, Time t) {
   const double x = layout.scan_x0 + i * layout.scan_dx;
   const double z = bay_height(core.config, core.state, x - 0.5 * layout.scan_dx, x + 0.5 * layout.scan_dx,
                               layout.rows[static_cast<std::size_t>(core.state.row)]);
-  return static_cast<std::int32_t>(std::floor(1e3 * z / 8.0)) * 8;
+  return static_cast<std::int32_t>(std::floor(1e3 * z / scan_quantum)) * scan_quantum;
 }
 
 // ---- AGVs
@@ -287,8 +287,8 @@ std::int32_t Dock::agv_speed(int i, Time t) { return rounded(1e3 * self_->agv_at
 
 std::uint32_t Dock::agv_status(int i, Time t) {
   const AgvState& agv = self_->agv_at(i, t);
-  return static_cast<std::uint32_t>(agv.waiting) | (agv.standing ? 0x10U : 0U) | (agv.container >= 0 ? 0x20U : 0U) |
-         (agv.dry ? 0x40U : 0U) | (agv.bumped ? 0x80U : 0U);
+  return static_cast<std::uint32_t>(agv.waiting) | (agv.standing ? agv_standing : 0U) |
+         (agv.container >= 0 ? agv_loaded : 0U) | (agv.dry ? agv_ran_dry : 0U) | (agv.bumped ? agv_bumper : 0U);
 }
 
 std::int32_t Dock::range_mount() const { return rounded(500.0 * config().agv.length); }

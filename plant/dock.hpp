@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "plant/config.hpp"
+#include "plant/device_codes.hpp"
 
 namespace state {
 class Visitor;
@@ -26,6 +27,7 @@ using Time = std::chrono::duration<std::int64_t, std::pico>;
 inline constexpr Time latch_period{125'000'000};  // 8 kHz
 inline constexpr double latch_seconds = 125e-6;
 inline constexpr std::int64_t agv_latches = 8;  // AGVs move on a 1-ms grid
+inline constexpr std::int64_t tick_latches = 80;  // 100 Hz: AGV drives, sway sensor
 
 enum class EventKind : std::uint8_t {
   near_contact,    // the payload became a body: values = clearance m, energy jump J
@@ -126,15 +128,6 @@ struct Place {
   std::array<double, 3> payload;                    // m
 };
 
-inline constexpr int range_rays = 180;
-inline constexpr std::int32_t range_first = -1'562'070, range_step = 17'453;  // microradians from the heading, left positive: -89.5 degrees, 1 degree
-inline constexpr std::int32_t range_most = 30'000, range_least = 50, range_quantum = 8;  // mm
-
-// Bits of a drive's status.
-inline constexpr std::uint32_t drive_ready = 1, drive_fault = 2, drive_late = 4, drive_brake = 8;
-// Bits of what a drive says of its own protection.
-inline constexpr std::uint32_t trip_overspeed = 1, trip_saturation = 2, trip_heat = 4, trip_warning = 8;
-
 struct DockState;  // everything that the dock's future depends on; plant/state.hpp
 
 class Dock {
@@ -150,22 +143,22 @@ class Dock {
   const DockConfig& config() const;
 
   // ---- crane drives and sensors (units: c40_programs/include/devices.inc)
-  void set_torque_code(int joint, int code, Time);  // -2048..2047 (clamped), 2047 = the drive's maximum_torque()
+  void set_torque_code(int joint, int code, Time);  // of torque_bits (clamped); largest_torque_code = the drive's maximum_torque()
   void enable_drives(std::uint32_t mask, Time);     // bit j; a disabled drive has no torque and its brake holds
-  std::uint32_t encoder(int joint, Time);           // 24 bits
+  std::uint32_t encoder(int joint, Time);           // encoder_bits of encoder_total
   // A failed drive has no torque and its brake holds, whatever is written.
   void fail_drive(int joint, bool failed, Time);
   // A failed sensor goes on showing what it shows at this time.
   void fail_encoder(int joint, bool failed, Time);
   void fail_sway(int axis, bool failed, Time);
   std::int64_t encoder_total(int joint, Time);      // the same count since joint zero, not wrapped (for start-up)
-  std::int32_t sway(int axis, Time);                // 0 alpha (radial), 1 beta (tangential); 2048 = 10 degrees
+  std::int32_t sway(int axis, Time);                // 0 alpha (radial), 1 beta (tangential); sway_codes = the sensor's range
   // Ready; fault (failed, tripped, or the dock's own fault); no torque code for drive_timeout; brake closed: drive_ready ... drive_brake.
   std::uint32_t drive_status(int joint, Time);
-  std::int32_t drive_speed(int joint, Time);        // the drive's own estimate of its motor's speed: 10000 = rated
+  std::int32_t drive_speed(int joint, Time);        // the drive's own estimate of its motor's speed: rated_units = rated
   // Why it tripped last, until it is switched on again: trip_overspeed, trip_saturation, trip_heat; trip_warning: warmer than the rated torque makes it.
   std::uint32_t drive_trip(int joint, Time);
-  std::int32_t drive_heat(int joint, Time);         // its thermal model: 10000 is what the rated torque comes to
+  std::int32_t drive_heat(int joint, Time);         // its thermal model: rated_units is what the rated torque comes to
   std::int32_t load_cell(Time);                     // kg on the rope, in steps of 10; sampled with the sway
   std::int32_t second_sway(int axis, Time);         // as sway(), with a noise of its own
   std::int32_t wind_mean(Time);                     // mm/s along the wind's direction, mean of the last 3 s
@@ -175,7 +168,7 @@ class Dock {
   void fail_second_sway(int axis, bool failed, Time);
   void fail_anemometer(bool failed, Time);
   void spreader_command(std::uint32_t, Time);       // 1 lock, 0 open
-  std::uint32_t spreader_status(Time);              // bits 3..0 corners, 4 locked, 5 open
+  std::uint32_t spreader_status(Time);              // spreader_corners, spreader_locked, spreader_open
 
   // ---- bay scanner, mm
   std::int32_t scan_rows() const;
@@ -184,8 +177,7 @@ class Dock {
   std::int32_t scan_x0() const;
   std::int32_t scan_dx() const;
   std::int32_t scan_deck() const;
-  std::int32_t profile(int i, Time);                // 0..127: mean height of a cell scan_dx long of the selected row, floored to 8 mm
-  static constexpr int scan_count = 128;
+  std::int32_t profile(int i, Time);                // 0 .. scan_count - 1: mean height of a cell scan_dx long of the selected row, floored to scan_quantum
 
   // ---- AGV units
   int agv_count() const;
@@ -193,7 +185,7 @@ class Dock {
   std::int32_t agv_y(int agv, Time);
   std::int32_t agv_heading(int agv, Time);          // microradians, -pi..pi
   std::int32_t agv_speed(int agv, Time);            // mm/s
-  std::uint32_t agv_status(int agv, Time);          // bits 3..0 set-points waiting, 4 standing, 5 loaded, 6 ran dry while driving, 7 bumper
+  std::uint32_t agv_status(int agv, Time);          // agv_waiting ... agv_bumper
   // Range sensor in front of the vehicle, looking ahead in a horizontal plane: ray 0 .. range_rays - 1, from the right to the left.
   std::int32_t agv_range(int agv, int ray, Time);   // mm in steps of 8; range_most: nothing within it; 0: no valid echo
   std::uint32_t range_scan(int agv, Time);          // number of the scan that agv_range shows

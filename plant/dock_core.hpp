@@ -14,7 +14,6 @@
 
 namespace plant {
 
-inline constexpr std::int64_t tick_latches = 80;   // 100 Hz: AGV drives, sway sensor
 
 inline bool bit(std::uint32_t mask, std::size_t i) { return (mask >> i & 1U) != 0; }
 

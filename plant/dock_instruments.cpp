@@ -8,8 +8,6 @@
 namespace plant {
 namespace {
 
-constexpr double load_step = 10.0;           // kg
-constexpr double speed_units = 10'000.0;     // of the drive's estimate: rated speed
 constexpr double wind_window = 3.0;          // s, of the anemometer's mean
 
 std::int32_t in_steps(double value, double step) { return static_cast<std::int32_t>(std::floor(value / step) * step); }
@@ -28,7 +26,7 @@ std::int32_t DockCore::drive_speed(std::size_t joint) const {
   const InstrumentState& seen = state.instruments;
   if (bit(seen.stuck_speeds, joint)) return seen.held_speed[joint];
   const double share = state.crane.qd[coordinate_of(joint)] / config.crane.drives[joint].rated_joint_speed();
-  return static_cast<std::int32_t>(std::floor(std::clamp(share, -3.0, 3.0) * speed_units + 0.5));
+  return static_cast<std::int32_t>(std::floor(std::clamp(share, -3.0, 3.0) * rated_units + 0.5));
 }
 
 std::int32_t DockCore::wind_mean(double seconds) const {

@@ -7,7 +7,8 @@
 namespace plant {
 namespace {
 
-constexpr int largest_code = 2047;
+constexpr std::uint32_t bit_of(Trip cause) { return 1U << static_cast<unsigned>(cause); }
+static_assert(bit_of(Trip::overspeed) == trip_overspeed && bit_of(Trip::saturation) == trip_saturation && bit_of(Trip::heat) == trip_heat);
 
 std::int64_t latches(double seconds) { return std::llround(seconds / latch_seconds); }
 
@@ -28,7 +29,7 @@ void DockCore::protect_drives() {
     p.heat[j] += latch_seconds / drive.thermal_time * (load * load - p.heat[j]);
     const bool fast = on && std::fabs(state.crane.qd[coordinate_of(j)]) > drive.overspeed * drive.rated_joint_speed();
     p.fast[j] = fast ? p.fast[j] + 1 : 0;
-    p.saturated[j] = on && std::abs(state.code[j]) >= largest_code ? p.saturated[j] + 1 : 0;
+    p.saturated[j] = on && std::abs(state.code[j]) >= largest_torque_code ? p.saturated[j] + 1 : 0;
     const bool hunts = count_swings(j, on);
     if ((p.heat[j] > 1.0) != bit(p.warm, j)) {
       p.warm ^= 1U << j;
@@ -46,7 +47,7 @@ bool DockCore::count_swings(std::size_t joint, bool on) {
   ProtectionState& p = state.protection;
   const DriveParameters& drive = config.crane.drives[joint];
   const int code = state.code[joint];
-  const int end = !on || std::abs(code) < largest_code ? 0 : code > 0 ? 1 : -1;
+  const int end = !on || std::abs(code) < largest_torque_code ? 0 : code > 0 ? 1 : -1;
   if (!on || ++p.since_swing[joint] > latches(drive.saturation_time)) p.swings[joint] = 0;
   if (!on) p.end[joint] = 0;
   if (end == 0 || end == p.end[joint]) return false;
@@ -76,7 +77,7 @@ std::uint32_t DockCore::drive_trip(std::size_t joint) const {
 }
 
 std::int32_t DockCore::drive_heat(std::size_t joint) const {
-  return static_cast<std::int32_t>(std::floor(std::min(state.protection.heat[joint], 10.0) * 10'000.0 + 0.5));
+  return static_cast<std::int32_t>(std::floor(std::min(state.protection.heat[joint], 10.0) * rated_units + 0.5));
 }
 
 }  // namespace plant

@@ -4,11 +4,10 @@
 #include <cstdint>
 
 #include "plant/config.hpp"
+#include "plant/device_codes.hpp"
 #include "plant/noise.hpp"
 
 namespace plant {
-
-inline constexpr double counts_per_revolution = 16384.0;
 
 std::int64_t encoder_counts(double joint_position, const DriveParameters&);
 std::int32_t sway_code(double angle, const SensorParameters&, Stream noise, std::int64_t sample);

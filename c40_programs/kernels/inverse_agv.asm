@@ -92,6 +92,10 @@ inverse_agv_read:
         sti     r0, @IA_STATUS
         rets
 
+        .if AGV_WAITING != 0Fh
+        .error "inverse_agv_errors takes the number of set-points that wait from the lowest 4 bits"
+        .endif
+
 ; ---- IA_ALONG, IA_LATERAL; R10 = heading carried on ----
 inverse_agv_errors:
         ldi     @IA_STATUS, r0
@@ -140,7 +144,7 @@ inverse_agv_steer:
 inverse_agv_gains:
         ldf     @K_IA_DRIFT_EMPTY, r0
         ldi     @IA_STATUS, r1
-        tstb    20h, r1                         ; loaded?
+        tstb    AGV_LOADED, r1
         ldfnz   @K_IA_DRIFT_LOADED, r0
         mpyf    @IA_SPEED, r0
         mpyf    @IA_SPEED, r0

@@ -274,6 +274,10 @@ pid_first_offset:
         nop     *ar0++
         rets
 
+        .if DRIVE_COUNT != 5 | ENCODER_BITS != 24
+        .error "PID works on five drives whose encoders count 24 bits"
+        .endif
+
 ; TOTAL, Y from the counts: total += (count + offset - total), the low 24 bits taken as signed. STILL.
 pid_encoders:
         ldi     0, r4

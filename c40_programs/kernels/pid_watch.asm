@@ -1,5 +1,9 @@
 ; PID's part of the errors (docs/controller.md, Errors): which joints it leaves alone, how they come back to their path, what is wrong.
 
+        .if DRIVE_LATE != DRIVE_FAULT + 8 | TRIP_OVERSPEED != 0 | TRIP_SATURATION != 8 | TRIP_HEAT != 16 | SWAY_BITS != 12
+        .error "PID takes the drives' bits from octets one above the other, and packs codes of the sway sensors in 12 bits"
+        .endif
+
 ; Of ERRORS what the drives say. A joint whose drive has failed, has timed out or is switched off (R9), or was, has something added to its set-point,
 ; CR_REJOIN: while it is off, what the set-point is wrong by, so that nothing pulls at a closed brake; when it is on again, that goes back to 0 as a critically damped system of K_PD_BACK does.
 pid_left_alone:

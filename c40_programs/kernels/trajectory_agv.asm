@@ -431,7 +431,7 @@ trajectory_agv_arrived:
         ldhi    hi16(WINDOW_B), ar3
         addi    *+ar6(AG_UNIT), ar3
         ldi     *+ar3(AGV_STATUS), r1
-        tstb    10h, r1                         ; standing still?
+        tstb    AGV_STANDING, r1
         bz      trajectory_agv_arrived_done
         float   *+ar3(AGV_X), r6
         float   *+ar3(AGV_Y), r7

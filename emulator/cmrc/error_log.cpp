@@ -104,7 +104,7 @@ bool trips(const ErrorEntry& entry, bool gantry, const plant::Event& event) {
 void find_beginning(const ErrorEntry& entry, const Config& config, const plant::Dock& dock, report::HandledError& told) {
   const bool gantry = config.dock.crane == CraneMachine::gantry;
   const auto concerns = [&](unsigned number) {
-    for (unsigned bit = 0; bit < 5; ++bit) {
+    for (unsigned bit = 0; bit < plant::joint_count; ++bit) {
       if ((entry.of >> bit & 1) != 0 && (entry.origin == ErrorOrigin::sway ? bit : joint_of(bit, gantry)) == number) return true;
     }
     return false;
@@ -134,7 +134,7 @@ std::vector<report::HandledError> handled_errors(std::span<const ErrorEntry> ent
     told.origin = name(entry.origin);
     told.robot = entry.robot == 0 ? "crane" : "agv " + std::to_string(entry.robot - 1);
     if (entry.origin == ErrorOrigin::block) told.of.push_back(block_name(entry.of));
-    for (unsigned bit = 0; bit < 5 && entry.origin != ErrorOrigin::block; ++bit) {
+    for (unsigned bit = 0; bit < plant::joint_count && entry.origin != ErrorOrigin::block; ++bit) {
       if ((entry.of >> bit & 1) == 0) continue;
       if (entry.origin == ErrorOrigin::sway) told.of.emplace_back(bit == 0 ? "alpha" : "beta");
       else told.of.emplace_back(joints.at(joint_of(bit, config.dock.crane == CraneMachine::gantry)));

@@ -47,9 +47,9 @@ class Instability {
   void list_state(state::Visitor& list);
 
  private:
-  static constexpr int far = 1638;                // four fifths of the range: no motion that is planned asks for that both ways
+  static constexpr int far = (4 * plant::largest_torque_code + 2) / 5;  // four fifths of the range: no motion that is planned asks for that both ways
   static constexpr std::size_t enough = 6;        // swings: three whole oscillations
-  static constexpr std::int64_t window = 8000;    // latches in which they come, 1 s
+  static constexpr std::int64_t window = std::chrono::seconds{1} / plant::latch_period;  // latches in which they come
   struct Joint {
     int side = 0;
     std::deque<std::int64_t> swings;

@@ -9,6 +9,7 @@
 
 #include "cmrc/ti_float.hpp"
 #include "cmrc/value.hpp"
+#include "machine/shared_numbers.hpp"
 #include "plant/math.hpp"
 #include "plant/sensors.hpp"
 
@@ -121,14 +122,14 @@ void place_drives(Placer& to, const CraneParameters& p, const plant::SensorParam
                    d.viscous * force / speed, 1.0 / (d.gear * d.efficiency)},
                   5 * channel);
       to.constant("K_PD_UNIT", {2.0 * std::numbers::pi / plant::counts_per_revolution / d.gear}, channel);
-      to.constant("K_PD_JOINTS", {most, 2047.0 / most}, 3 * channel);
+      to.constant("K_PD_JOINTS", {most, plant::largest_torque_code / most}, 3 * channel);
     } else {
       to.constant("K_TQ_DRIVES", {0.0, 0.0, 0.0, 0.0, 0.0}, 5 * channel);
       to.constant("K_PD_UNIT", {0.0}, channel);
     }
     ++channel;
   }
-  to.constant("K_PD_SWAY_UNIT", {sensors.sway_range / 2048.0});
+  to.constant("K_PD_SWAY_UNIT", {sensors.sway_range / plant::sway_codes});
 }
 
 void place_container(Placer& to) {
@@ -136,6 +137,7 @@ void place_container(Placer& to) {
   to.constant("K_GP_HALF_WIDTH", {0.5 * plant::container_width});
   to.constant("K_ID_LENGTH", {plant::container_length});
   to.constant("K_ID_HALF_WIDTH", {0.5 * plant::container_width});
+  to.constant("K_ID_QUANTUM", {0.5e-3 * plant::scan_quantum});
 }
 
 void place_vehicle(Placer& to, const plant::AgvParameters& p, double container_mass) {
@@ -166,7 +168,10 @@ void place_vehicle(Placer& to, const plant::AgvParameters& p, double container_m
 }  // namespace
 
 void place_plant_constants(toolchain::Image& image, const plant::DockConfig& dock, double container_mass) {
+  if (const auto wrong = machine::contradiction(image)) throw ConfigError("machine.programs: " + *wrong);
   Placer to(image);
+  to.constant("K_GRAVITY", {plant::gravity});
+  to.constant("K_ONE_OVER_G", {1.0 / plant::gravity});
   place_geometry(to, dock.crane);
   place_masses(to, dock.crane);
   place_links(to, dock.crane);

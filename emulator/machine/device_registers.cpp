@@ -12,8 +12,11 @@ using plant::Dock;
 
 constexpr std::int32_t number(Word value) { return static_cast<std::int32_t>(value); }
 
-// Signed 12 bits in the low bits of a word, as the drive's converter takes them.
-constexpr int torque_code(Word value) { return static_cast<int>(number(value << 20) >> 20); }
+// Signed, in the low bits of a word, as the drive's converter takes them.
+constexpr int torque_code(Word value) {
+  constexpr unsigned above = 32 - plant::torque_bits;
+  return static_cast<int>(number(value << above) >> above);
+}
 
 struct NamedBit {
   std::string_view name;  // symbol of its place in the register
@@ -150,8 +153,7 @@ std::vector<std::string_view> device_symbols() {
   for (const DeviceRegister& row : registers) all.push_back(row.name);
   for (const NamedBit& bit : status_bits) all.push_back(bit.name);
   for (const NamedBit& bit : trip_bits) all.push_back(bit.name);
-  for (const std::string_view name :
-       {"SCAN_COUNT", "AGV_UNIT", "AGV_UNIT_WORDS", "AGV_RANGE", "AGV_RANGE_WORDS", "RANGE_RAYS"})
+  for (const std::string_view name : {"AGV_UNIT", "AGV_UNIT_WORDS", "AGV_RANGE", "AGV_RANGE_WORDS"})
     all.push_back(name);
   return all;
 }
@@ -181,7 +183,7 @@ std::vector<PlacedRegister> placed_registers(const DeviceCards& cards, const too
           place(channel, static_cast<unsigned>(cards.joints[channel]));
         break;
       case Repeated::sample:
-        for (unsigned i = 0; i < program.symbol("SCAN_COUNT"); ++i) place(i, i);
+        for (unsigned i = 0; i < plant::scan_count; ++i) place(i, i);
         break;
       case Repeated::agv:
         for (unsigned agv = 0; agv < agvs; ++agv) place(unit + agv * unit_words, agv);
@@ -191,8 +193,7 @@ std::vector<PlacedRegister> placed_registers(const DeviceCards& cards, const too
         break;
       case Repeated::ray:
         for (unsigned agv = 0; agv < agvs; ++agv)
-          for (unsigned ray = 0; ray < program.symbol("RANGE_RAYS"); ++ray)
-            place(range + agv * range_words + ray, agv, ray);
+          for (unsigned ray = 0; ray < plant::range_rays; ++ray) place(range + agv * range_words + ray, agv, ray);
         break;
     }
   }

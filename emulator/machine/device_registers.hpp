@@ -9,6 +9,7 @@
 
 #include "machine/time.hpp"
 #include "machine/topology.hpp"
+#include "plant/config.hpp"
 
 namespace plant {
 class Dock;
@@ -38,7 +39,7 @@ struct DeviceCards {
   DeviceCards(plant::Dock& dock, const toolchain::Image& program);
 
   plant::Dock& dock;
-  std::array<int, 5> joints;  ///< behind each channel of the drives and encoders
+  std::array<int, plant::joint_count> joints;  ///< behind each channel of the drives and encoders
   std::array<Bit, 4> status_bits, trip_bits;
   std::vector<AgvCommand> commands;  ///< by AGV
 };

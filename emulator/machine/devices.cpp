@@ -3,11 +3,14 @@
 #include <stdexcept>
 #include <string>
 
+#include "machine/shared_numbers.hpp"
+
 namespace machine {
 
 Devices::Devices(const toolchain::Image& program, plant::Dock& dock, const std::array<Clock, device_groups>& clocks,
                  const Fence& fence)
     : clocks_{clocks}, fence_{fence}, cards_{dock, program} {
+  if (const auto wrong = contradiction(program)) throw std::invalid_argument{"the DSP program: " + *wrong};
   for (const PlacedRegister& one : placed_registers(cards_, program)) define(one);
 }
 

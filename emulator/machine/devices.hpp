@@ -15,7 +15,8 @@ namespace machine {
 
 class Devices final : public pci::Target {
  public:
-  /// The program says at which offsets it knows the registers. \throws std::invalid_argument where two share one
+  /// The program says at which offsets it knows the registers. \throws std::invalid_argument where two share one,
+  /// or its numbers are not the dock's
   Devices(const toolchain::Image& program, plant::Dock& dock, const std::array<Clock, device_groups>& clocks,
           const Fence& fence);
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cmrc import _core
-from harness import Dsp, image_of
+from harness import Dsp, image_of, to_ti
 from test_crane import put_ring, single
 from test_torque_builds import BOUND, CLOSED_FORM, NEWTON_EULER
 
@@ -61,6 +61,16 @@ def test_each_parameter_that_a_kernel_needs_changes_its_constants_and_no_other_d
         differs = constants(**{"dock__crane": machine, name.replace(".", "__"): changed(name)}) != usual
         assert differs == known(name), name
     image_of.cache_clear()
+
+
+def test_what_every_plant_has_alike_is_put_there_too() -> None:
+    """By hand: gravity, half of the scanner's 8 mm, 12 bits of sway over 10 degrees, 100 Hz of it at 8 kHz, 2 % of a rated speed of 10000."""
+    dsp = Dsp()
+    lift = dsp.symbols["LIFT"]
+    for name, value in (("K_GRAVITY", 9.81), ("K_ONE_OVER_G", 1 / 9.81), ("K_ID_QUANTUM", 0.004), ("K_PD_SWAY_UNIT", math.radians(10) / 2048)):
+        assert dsp.chip.peek(dsp.symbols[name] + lift) == to_ti(value), name
+    for name, word in (("K_PD_SAMPLE", 80), ("K_PD_TURNS", 200)):
+        assert dsp.chip.peek(dsp.symbols[name] + lift) == word, name
 
 
 def vehicles() -> list[str]:
