@@ -1,8 +1,9 @@
 #include "bus_model/bus.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <stdexcept>
+
+#include "bus_model/bus_parts.hpp"
 
 namespace pci {
 
@@ -12,136 +13,7 @@ constexpr Clocks subtractive_clocks = 4;            // no DEVSEL# by then: maste
 constexpr Clocks discard_clocks = Clocks{1} << 15;  // a target forgets a delayed read that nobody fetches
 constexpr unsigned nobody = Arbiter::nobody;
 
-void require(bool good, const std::string& what) {
-  if (!good) throw std::invalid_argument{what};
-}
-
 }  // namespace
-
-TargetConfig TargetConfig::sram() { return {}; }
-
-TargetConfig TargetConfig::s5933() {
-  TargetConfig config;
-  config.read_initial = 8, config.write_initial = 2, config.read_step = config.write_step = 1;
-  return config;
-}
-
-TargetConfig TargetConfig::drive_card() {
-  TargetConfig config;
-  config.read_initial = 6, config.write_initial = 2, config.max_burst = 8;
-  return config;
-}
-
-TargetConfig TargetConfig::host_dram() {
-  TargetConfig config;
-  config.read_initial = 12, config.write_initial = 3, config.max_burst = 8;
-  return config;
-}
-
-struct Bus::Port {
-  MasterConfig config;
-  Initiator* initiator;
-  std::vector<Word> data;
-  Transaction transaction;
-  unsigned wanted = 0;
-  unsigned done = 0;
-  unsigned agent = 0;
-  bool active = false;
-  bool speculative = false;
-  bool attempted = false;
-  MasterStatistics statistics;
-
-  void list_state(state::Visitor& list) {
-    list("data", data);
-    list("transaction", transaction);
-    list("wanted", wanted);
-    list("done", done);
-    list("agent", agent);
-    list("active", active);
-    list("speculative", speculative);
-    list("attempted", attempted);
-    list("statistics", statistics);
-  }
-};
-
-struct Bus::Window {
-  TargetConfig config;
-  Target* target;
-  Address base;
-  std::uint64_t words;
-  // delayed read
-  bool fetching = false;
-  std::uint16_t fetch_master = 0;
-  Address fetch_address = 0;
-  unsigned fetch_words = 0;
-  Clocks fetch_ready = 0;
-  Clocks drained = 0;  // the posted-write queue is empty from here on
-  TargetStatistics statistics;
-
-  void list_state(state::Visitor& list) {
-    list("fetching", fetching);
-    list("fetch master", fetch_master);
-    list("fetch address", fetch_address);
-    list("fetch words", fetch_words);
-    list("fetch ready", fetch_ready);
-    list("drained", drained);
-    list("statistics", statistics);
-  }
-};
-
-Bus::Bus(BusConfig config) : config_{std::move(config)}, arbiter_{config_} {
-  require(config_.grant_clocks >= 1, "bus " + config_.name + ": grant_clocks is at least 1");
-  require(config_.multi_transaction_timer >= 0 && config_.multi_transaction_timer <= 2048,
-          "bus " + config_.name + ": multi_transaction_timer is 0 to 2048 clocks");
-  require(std::has_single_bit(config_.line_words), "bus " + config_.name + ": line_words is a power of two");
-}
-
-Bus::~Bus() = default;
-
-unsigned Bus::add_master(const MasterConfig& config, Initiator& initiator) {
-  require(ports_.size() < most_masters, "bus " + config_.name + ": at most 32 masters");
-  require(config.latency_timer >= 8 && config.latency_timer <= 248 && config.latency_timer % 8 == 0,
-          "master " + config.name + ": latency_timer is 8 to 248 clocks, a multiple of 8");
-  require(config.request_off_after_stop >= 2,
-          "master " + config.name + ": PCI 2.1 has REQ# dropped for at least 2 clocks after a stop");
-  require(config.think_on_retry >= 0, "master " + config.name + ": think_on_retry is at least 0");
-  Port port;
-  port.config = config;
-  port.initiator = &initiator;
-  port.data.resize(most_words);
-  ports_.push_back(std::move(port));
-  requests_.push_back(never);
-  arbiter_.add_master(config.first_level);
-  return static_cast<unsigned>(ports_.size() - 1);
-}
-
-unsigned Bus::add_target(const TargetConfig& config, Target& target, Address base, std::uint64_t words) {
-  const std::string who = "target " + config.name + ": ";
-  require(config.devsel >= 1 && config.devsel <= 3, who + "devsel is 1 (fast), 2 (medium) or 3 (slow)");
-  require(config.read_initial >= 0 && config.devsel + config.read_initial <= 16,
-          who + "PCI 2.1 wants the first data phase within 16 clocks: devsel + read_initial <= 16");
-  require(config.write_initial >= 0 && config.devsel + config.write_initial <= 16,
-          who + "PCI 2.1 wants the first data phase within 16 clocks: devsel + write_initial <= 16");
-  require(config.read_step >= 0 && config.read_step <= 7 && config.write_step >= 0 && config.write_step <= 7,
-          who + "PCI 2.1 wants later data phases within 8 clocks: read_step and write_step <= 7");
-  require(config.fetch >= 0 && config.post_drain >= 1, who + "fetch is at least 0 and post_drain at least 1");
-  require(words > 0 && base + words <= (std::uint64_t{1} << 32), who + "a window lies within 2^32 words");
-  for (const Window& other : windows_)
-    require(base + words <= other.base || other.base + other.words <= base,
-            who + "its window overlaps that of " + other.config.name);
-  windows_.push_back(Window{.config = config, .target = &target, .base = base, .words = words, .statistics = {}});
-  return static_cast<unsigned>(windows_.size() - 1);
-}
-
-std::span<Word> Bus::buffer(unsigned master) { return ports_.at(master).data; }
-bool Bus::busy(unsigned master) const { return ports_.at(master).active; }
-unsigned Bus::masters() const { return static_cast<unsigned>(ports_.size()); }
-unsigned Bus::targets() const { return static_cast<unsigned>(windows_.size()); }
-const MasterConfig& Bus::master_config(unsigned master) const { return ports_.at(master).config; }
-const std::string& Bus::master_name(unsigned master) const { return ports_.at(master).config.name; }
-const std::string& Bus::target_name(unsigned target) const { return windows_.at(target).config.name; }
-const MasterStatistics& Bus::master_statistics(unsigned master) const { return ports_.at(master).statistics; }
-const TargetStatistics& Bus::target_statistics(unsigned target) const { return windows_.at(target).statistics; }
 
 Command Bus::command_of(bool write, Address address, unsigned words) const {
   if (write) return Command::write;

@@ -5,32 +5,24 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 #include <map>
-#include <sstream>
 
 #include "bus_model/bus.hpp"
 #include "c40/chip.hpp"
-#include "c40_programs/image.hpp"
 #include "cmrc/host.hpp"
 #include "cmrc/ideal.hpp"
-#include "cmrc/kernels.hpp"
 #include "cmrc/ledger.hpp"
 #include "cmrc/observer.hpp"
 #include "cmrc/reference_run.hpp"
 #include "cmrc/run_profile.hpp"
 #include "cmrc/setup.hpp"
+#include "cmrc/snapshot_origin.hpp"
 #include "cmrc/words.hpp"
-#include "io/input_file.hpp"
 #include "io/stop.hpp"
 #include "machine/board_file.hpp"
 #include "machine/machine.hpp"
 #include "plant/dock.hpp"
 #include "state/archive.hpp"
-#include "state/sha256.hpp"
-#include "toolchain/assembler.hpp"
-#include "toolchain/coff.hpp"
-#include "toolchain/source_map.hpp"
 
 namespace cmrc {
 namespace {
@@ -95,8 +87,6 @@ std::vector<std::optional<unsigned>> own_slots(const Config& config) {
   return slots;
 }
 
-std::string_view built_in_text(std::span<const std::byte> bytes) { return {reinterpret_cast<const char*>(bytes.data()), bytes.size()}; }
-
 LedgerConfig ledger_of(const Config& config, const machine::Config& machine) {
   LedgerConfig ledger;
   ledger.causes = job_causes();
@@ -110,67 +100,6 @@ LedgerConfig ledger_of(const Config& config, const machine::Config& machine) {
   ledger.misses_kept = static_cast<std::size_t>(config.report.misses_max);
   ledger.samples_max = static_cast<std::size_t>(config.report.samples_max);
   return ledger;
-}
-
-toolchain::Image assembled(const Config& config) {
-  const bool own = own_blocks(config.tasks);
-  if (config.machine.programs.empty()) {
-    toolchain::Image image = toolchain::read_coff(c40_programs::built_in_image(own));
-    toolchain::add_source_map(image, built_in_text(c40_programs::built_in_source_map(own)));
-    return image;
-  }
-  const std::filesystem::path directory = config.machine.programs;
-  const std::filesystem::path source = directory / "dsp.asm";
-  if (!std::filesystem::is_regular_file(source)) {
-    throw ConfigError(fmt::format("machine.programs: {} is not there; a directory with dsp.asm is expected", source.string()));
-  }
-  toolchain::Options options;
-  options.include_dirs = {directory, directory / "include"};
-  if (own) options.symbols["OWN_BLOCKS"] = 1;
-  toolchain::Image image = toolchain::assemble_file(source, options);
-  if (own && !image.symbols.contains("own_claim")) {
-    throw ConfigError(fmt::format("tasks.dsp: the executive in {} knows no blocks for one DSP alone; "
-                                  "the files executive.asm, dsp.asm and claim_own.asm of this emulator's programs are expected",
-                                  directory.string()));
-  }
-  return image;
-}
-
-}  // namespace
-
-toolchain::Image dsp_image(const Config& config) {
-  toolchain::Image image = assembled(config);
-  place_kernels(image, config);
-  return image;
-}
-
-namespace {
-
-/// What two runs must have in common for the one to go on from the other's snapshot.
-std::string key_of(Config config) {
-  config.run.turn_order = 0;
-  return to_toml(config);
-}
-
-/// Of the DSPs' program, and of the files that a configuration names.
-std::string digest_of_files(const Config& config, const toolchain::Image& image) {
-  std::string all;
-  for (const auto& section : image.sections) {
-    all += fmt::format("{} {:X} {:X} ", section.name, section.address, section.words.size());
-    all.append(reinterpret_cast<const char*>(section.words.data()), section.words.size() * sizeof(Word));  // NOLINT: bytes of words
-  }
-  if (!config.dock.layout.empty()) all += io::read_input(config.dock.layout).text;
-  if (config.machine.board != "default") all += io::read_input(config.machine.board).text;
-  return state::sha256(all);
-}
-
-/// The first line that is in one of them only.
-std::string first_other_line(std::string_view one, std::string_view other) {
-  std::istringstream a{std::string(one)}, b{std::string(other)};
-  std::string table, line, beside;
-  while (std::getline(a, line) && std::getline(b, beside) && line == beside)
-    if (line.starts_with('[')) table = line + " ";
-  return fmt::format("{}{}, here {}", table, line, beside);
 }
 
 }  // namespace
@@ -422,9 +351,7 @@ void Simulation::profile() {
 
 report::Profile Simulation::profile_report() const {
   if (!parts_->profile) throw std::logic_error("Simulation::profile_report: nothing was counted; Simulation::profile comes before the run");
-  toolchain::Image rom = toolchain::read_coff(c40_programs::built_in_boot_rom());
-  toolchain::add_source_map(rom, built_in_text(c40_programs::built_in_boot_rom_source_map()));
-  return parts_->profile->report(report().tasks, parts_->image, rom);
+  return parts_->profile->report(report().tasks, parts_->image, boot_rom_image());
 }
 
 bool Simulation::ended() const { return parts_->over(); }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "cmrc/config.hpp"
+#include "cmrc/dsp_image.hpp"
 #include "cmrc/measures.hpp"
 #include "cmrc/snapshot.hpp"
 #include "report/event_log.hpp"
@@ -31,10 +32,6 @@ class Visitor;
 }
 
 namespace cmrc {
-
-/// The DSP image of a configuration: the one built in, or assembled from `machine.programs`/dsp.asm.
-/// \throws toolchain::AssemblyError; ConfigError when the directory holds no dsp.asm
-toolchain::Image dsp_image(const Config& config);
 
 /// How far a run is.
 struct Progress {
