@@ -159,7 +159,9 @@ std::int64_t Dock::encoder_total(int joint, Time t) {
   return encoder_counts(q, self_->core.config.crane.drives[static_cast<std::size_t>(joint)]);
 }
 
-std::uint32_t Dock::encoder(int joint, Time t) { return static_cast<std::uint32_t>(encoder_total(joint, t)) & ((1U << encoder_bits) - 1U); }
+std::uint32_t Dock::encoder(int joint, Time t) {
+  return static_cast<std::uint32_t>(encoder_total(joint, t)) & ((1U << encoder_bits) - 1U);
+}
 
 std::int32_t Dock::sway(int axis, Time t) {
   require(axis == 0 || axis == 1, "sway axis must be 0 or 1");

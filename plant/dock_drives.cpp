@@ -34,7 +34,8 @@ void DockCore::take_codes() {
       state.inputs.sliding[j] = 0;
       state.modes.stuck &= ~(1U << j);  // what dry friction held, the brake holds from now on
     }
-    state.inputs.command[j] = on ? 1.0 * state.code[j] / largest_torque_code * config.crane.drives[j].maximum_torque() : 0.0;
+    const double share = 1.0 * state.code[j] / largest_torque_code;
+    state.inputs.command[j] = on ? share * config.crane.drives[j].maximum_torque() : 0.0;
   }
   state.enabled = enable;
 }

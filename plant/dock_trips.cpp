@@ -8,7 +8,8 @@ namespace plant {
 namespace {
 
 constexpr std::uint32_t bit_of(Trip cause) { return 1U << static_cast<unsigned>(cause); }
-static_assert(bit_of(Trip::overspeed) == trip_overspeed && bit_of(Trip::saturation) == trip_saturation && bit_of(Trip::heat) == trip_heat);
+static_assert(bit_of(Trip::overspeed) == trip_overspeed && bit_of(Trip::saturation) == trip_saturation &&
+              bit_of(Trip::heat) == trip_heat);
 
 std::int64_t latches(double seconds) { return std::llround(seconds / latch_seconds); }
 

@@ -33,7 +33,8 @@ std::int64_t range_latches(const SensorParameters& p) {
 
 std::int32_t sway_code(double angle, const SensorParameters& p, Stream stream, std::int64_t sample) {
   const double seen = angle + (p.sway_noise > 0.0 ? p.sway_noise * normal(p.seed, stream, sample) : 0.0);
-  return static_cast<std::int32_t>(std::clamp(std::floor(seen / p.sway_range * sway_codes), -1.0 * sway_codes, sway_codes - 1.0));
+  const double code = std::floor(seen / p.sway_range * sway_codes);
+  return static_cast<std::int32_t>(std::clamp(code, -1.0 * sway_codes, sway_codes - 1.0));
 }
 
 }  // namespace plant

@@ -35,7 +35,8 @@ void place_limits(toolchain::Image& image, const Config& config) {
   const Config::Errors& e = config.errors;
   const bool gantry = config.dock.crane == CraneMachine::gantry;
   constexpr double milli = 1e-3, none = 1e6;
-  constexpr double sway_sample_ms = std::chrono::duration<double, std::milli>(plant::tick_latches * plant::latch_period).count();
+  using Milliseconds = std::chrono::duration<double, std::milli>;
+  constexpr double sway_sample_ms = Milliseconds(plant::tick_latches * plant::latch_period).count();
   const std::array<double, 5> follow = {gantry ? none : e.following_travel_m, gantry ? e.following_travel_m : e.following_slew_mrad * milli,
                                         gantry ? e.following_trolley_m : e.following_luff_mrad * milli, e.following_hoist_m, e.following_rotator_mrad * milli};
   // The law as printed lags by T_d times the speed while its integral has not caught up: that much at the trajectory's top speed is no error.
@@ -50,7 +51,8 @@ void place_limits(toolchain::Image& image, const Config& config) {
   for (std::size_t channel = 0; channel < follow.size(); ++channel) word_at(image, constant("K_PD_FOLLOW") + static_cast<toolchain::Word>(channel)) = ti_float(limit(channel));
   word_at(image, constant("K_PD_FOLLOW_TICKS")) = refreshes(e.following_ms);
   word_at(image, constant("K_PD_ENCODER_TICKS")) = refreshes(e.encoder_ms);
-  word_at(image, constant("K_PD_TURNS")) = static_cast<toolchain::Word>(std::llround(e.encoder_speed_percent * plant::rated_units / 100));
+  const double turns = e.encoder_speed_percent * plant::rated_units / 100;
+  word_at(image, constant("K_PD_TURNS")) = static_cast<toolchain::Word>(std::llround(turns));
   word_at(image, constant("K_PD_SAMPLE")) = sample;
   word_at(image, constant("K_TQ_WIND_LIMIT")) = static_cast<toolchain::Word>(std::llround(config.dock.wind_limit_m_s * 1e3));
   word_at(image, constant("K_PD_SAME")) = static_cast<toolchain::Word>(e.sway_samples);

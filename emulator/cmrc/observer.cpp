@@ -40,7 +40,8 @@ void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
     }
     double squares = 0;
     for (std::size_t j = 0; j < codes.size(); ++j) {
-      squares += static_cast<double>(codes[j]) * codes[j] / (1.0 * plant::largest_torque_code * plant::largest_torque_code);
+      constexpr double full_torque = plant::largest_torque_code;
+      squares += static_cast<double>(codes[j]) * codes[j] / (full_torque * full_torque);
       if (std::abs(codes[j]) >= plant::largest_torque_code) ++saturated_[j];
     }
     effort_ += squares * static_cast<double>((time - effort_until_).count()) * 1e-12;

@@ -177,11 +177,13 @@ std::span<const TimedAction> timed_actions() {
     std::vector<TimedAction> rows;
     for (const machine::ScriptedAction& one : machine::scripted_actions()) {
       const AmountField* amount = amount_field(one.amount);
-      const TimedAction row{one.name, target_field(one.target), amount != nullptr ? amount->name : "", one.meaning, &one};
+      const std::string_view much = amount != nullptr ? amount->name : "";
+      const TimedAction row{one.name, target_field(one.target), much, one.meaning, &one};
       rows.push_back(row);
       if (!one.undo.empty()) rows.push_back({one.undo, row.target, row.amount, one.undo_meaning, &one});
     }
-    rows.push_back({"set", "", "", "the operator sets `key` to `value`; the keys marked \"live\" may change while a run is on", nullptr});
+    rows.push_back({"set", "", "",
+                    "the operator sets `key` to `value`; the keys marked \"live\" may change while a run is on", nullptr});
     return rows;
   }();
   return all;
@@ -191,10 +193,13 @@ std::optional<machine::ScriptedEvent> scripted_event(const TimedEvent& event) {
   const TimedAction& action = action_of(event);
   if (action.scripted == nullptr) return std::nullopt;
   std::int64_t amount = 0;
-  if (const AmountField* field = amount_field(action.scripted->amount)) amount = std::llround(event.amount * field->unit);
-  else if (action.scripted->amount == ScriptAmount::failed) amount = action.name == action.scripted->name ? 1 : 0;
+  if (const AmountField* field = amount_field(action.scripted->amount))
+    amount = std::llround(event.amount * field->unit);
+  else if (action.scripted->amount == ScriptAmount::failed)
+    amount = action.name == action.scripted->name ? 1 : 0;
   const unsigned number = action.target == "joint" && event.number == trolley_joint ? luff_joint : event.number;
-  return machine::ScriptedEvent{machine::Time{std::llround(event.at_s * 1e12)}, action.scripted->action, number, amount};
+  const machine::Time at{std::llround(event.at_s * 1e12)};
+  return machine::ScriptedEvent{at, action.scripted->action, number, amount};
 }
 
 bool befalls_machine(const TimedEvent& event) {
@@ -211,7 +216,8 @@ TimedEvent timed_event(const std::map<std::string, Field>& given, const Origin& 
   const TimedAction& action = action_named(event.action, given.at("action").origin);
   if (!action.target.empty()) event.number = fields.target(action.target);
   if (action.scripted != nullptr) {
-    if (const AmountField* field = amount_field(action.scripted->amount)) event.amount = fields.number(field->name, field->least, field->most);
+    if (const AmountField* field = amount_field(action.scripted->amount))
+      event.amount = fields.number(field->name, field->least, field->most);
   }
   if (event.action == "set") {
     event.key = fields.text("key", "a dotted key is expected");
