@@ -1,6 +1,7 @@
 """Golden traces of the scene (ruling 31): from the start of process 3, with 1, 2 and 4 DSPs."""
 
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 
@@ -85,15 +86,19 @@ def test_trace_diff_regenerates_the_text_behind_a_differing_hash(run, tmp_path: 
 
 
 def test_trace_diff_shows_no_instructions_that_neither_trace_has(run, tmp_path: Path) -> None:
-    """Golden scenes are of programs assembled from the tree: their lines have the source's text. The image built in has not."""
+    """Golden scenes are of the programs of the tree. Others execute something else there."""
     golden = (ROOT / "tests" / "golden" / "scene-1.trace").read_text()
     (tmp_path / "a.trace").write_text(golden)
     (tmp_path / "b.trace").write_text(re.sub("sha256=.{16}", f"sha256={WRONG}", golden, count=1))
-    other = run("trace-diff", "a.trace", "b.trace")
+    shutil.copytree(ROOT / "c40_programs", tmp_path / "others")
+    executive = tmp_path / "others" / "executive.asm"
+    executive.write_text(executive.read_text().replace("exec_next:\n", "exec_next:\n        nop\n"))
+    other = run("trace-diff", "a.trace", "b.trace", "--programs", tmp_path / "others")
     assert other.returncode == 1 and "what this emulator executes" not in other.stdout
     assert "error: this emulator executes something else there" in other.stderr and "--programs DIR" in other.stderr
-    same = run("trace-diff", "a.trace", "b.trace", "--programs", ROOT / "c40_programs")
-    assert same.returncode == 1 and same.stderr == ""
+    for programs in ((), ("--programs", ROOT / "c40_programs")):
+        same = run("trace-diff", "a.trace", "b.trace", *programs)
+        assert same.returncode == 1 and same.stderr == ""
     line = next(line for line in golden.splitlines() if "sha256=" in line)
     executed = same.stdout.split("as a.trace has it:\n")[1].splitlines()
     assert condensed(executed, 0, keep=lambda cycle: False) == [line]
