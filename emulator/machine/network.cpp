@@ -413,7 +413,7 @@ void Network::perform(const NetworkAction& action) {
       if (node.status != ChipStatus::held) return;
       node.chip.hold(false);
       node.status = node.chip.halted() ? ChipStatus::fault : ChipStatus::running;
-      return;
+      return node.note_idle();  // where it stands, not where its next run happens to end
     case pull_out:
       for (const std::size_t link : node.links) links_[link]->cut(now_);
       node.chip.hold(true);

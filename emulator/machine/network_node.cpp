@@ -153,6 +153,7 @@ void Network::Node::run_to(Time until) {
 
 /// Before something outside changes what it follows, at `time`. Whether it has to.
 bool Network::Node::come_to(Time time) {
+  if (status == ChipStatus::waiting && !chip.dma_active()) return false;
   const bool goes_on = follows() || (status == ChipStatus::waiting && dma_waits());
   if (status != ChipStatus::sleeping && !goes_on) return false;
   if (goes_on) run_to(time);

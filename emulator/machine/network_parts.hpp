@@ -117,6 +117,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   bool come_to(Time time);
   void bring_to(Time time, bool fully);
   void look_for_loop();
+  void note_idle();
   void note_ready(Time time);
   void wake_up();
 
@@ -140,7 +141,6 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   void drive_on(Time now);
   void run_freely(Time until);
   void pass_to(c40::Cycles limit, c40::Cycles known);
-  void note_idle();
   bool sleeps_for_interrupt() const;
   bool is_shared(c40::Address address) const;
   Time horizon_on_its_own() const;
