@@ -4,18 +4,19 @@
 ///
 /// Inaccuracies: the analysis block is not modelled (touching it is a fault that names the register); annulled slots
 /// update address registers but do not read memory; RCPF and RSQRF seeds are a model. docs/fidelity.md lists every choice.
-#include <functional>
 #include <memory>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
-#include "c40/memory.hpp"
-#include "c40/peripherals/dma.hpp"
-#include "c40/peripherals/events.hpp"
+#include "c40/board.hpp"
+#include "c40/peripherals/comm_port.hpp"
+#include "c40/peripherals/dma_wait.hpp"
 #include "c40/peripherals/pins.hpp"
-#include "c40/state.hpp"
+#include "c40/pipeline_stages.hpp"
+#include "c40/types.hpp"
 
 namespace state {
 class Visitor;
@@ -85,7 +86,7 @@ struct TraceRecord {
   Word word = 0;
   Cycles cycles = 0;
   Causes causes{};
-  StepTiming::Stages stages;  ///< relative to `cycle`, without what it waited for a shared bus
+  PipelineStages stages;  ///< relative to `cycle`, without what it waited for a shared bus
   std::span<const RegisterChange> registers;
   std::span<const MemoryEvent> memory;
 };
@@ -98,6 +99,10 @@ class TraceSink {
 };
 
 class Engine;
+class Memory;
+class PeripheralSink;
+struct Float40;
+struct State;
 
 class Chip {
  public:
@@ -225,6 +230,7 @@ class Chip {
   /// they stay as they are. Only between runs, and for a chip of the same board.
   void list_state(state::Visitor& list);
 
+  /// For those who look inside; they include c40/state.hpp, c40/memory.hpp.
   const State& state() const;
   const Memory& memory() const;
 

@@ -3,11 +3,15 @@
 /// about each; blocks are what the exact engine once did, recorded: the same handlers in a row, and the cycles and causes that the
 /// same model gave. A block is left for the exact engine wherever its guards do not hold.
 #include <deque>
+#include <memory>
+#include <set>
 #include <unordered_map>
 #include <vector>
 
 #include "c40/bind.hpp"
 #include "c40/chip.hpp"
+#include "c40/peripherals/events.hpp"
+#include "c40/state.hpp"
 
 namespace c40 {
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Boards and memory: regions are objects, so an access needs one subtraction and one comparison to know that it lies in the
+/// Memory: regions are objects, so an access needs one subtraction and one comparison to know that it lies in the
 /// region it met first. What the region's board asks for by RDY and what GMICR and LMICR say make the wait states.
 ///
 /// Inaccuracies: a region answers on whichever strobe the registers give its addresses to.
@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "c40/board.hpp"
 #include "c40/interface_control.hpp"
 #include "c40/timing.hpp"
 #include "c40/types.hpp"
@@ -19,54 +20,6 @@ class Visitor;
 }
 
 namespace c40 {
-
-/// A part of the address space as a board declares it. On-chip RAM and the peripheral registers are the chip's own.
-struct Region {
-  enum class Kind : std::uint8_t { ram, rom, external_window, registers };
-  enum class Bus : std::uint8_t { internal, local, global };
-  std::string name;
-  Address base = 0;
-  std::uint64_t words = 0;
-  int read_waits = 0;   ///< wait states that the board's RDY asks for, 0 to 15
-  int write_waits = 0;  ///< 0 to 15
-  Kind kind = Kind::ram;
-  Bus bus = Bus::local;
-  int page_waits = 0;  ///< what RDY asks for beyond them when PAGE says that the strobe's last access was in another page, 0 to 15
-};
-
-/// What surrounds one chip (rulings.md 26).
-struct Board {
-  std::string name;
-  std::vector<Region> regions;
-  bool is_flat = false;  ///< Plain zero-wait RAM without bus conflicts at every address that is none of a region or of the chip's own.
-  /// Of such RAM a program may use so much, in pages of 64 K words. 256 MiB: it is the host's memory.
-  std::uint64_t flat_words_max = std::uint64_t{1} << 26;
-  bool has_peripherals = true;  ///< Their registers are at 100000h; else that is memory, or nothing.
-  /// GMICR and LMICR as the board's boot header leaves them. The default: RDY alone on both strobes, no software wait states, pages
-  /// of 1 K words on STRB0, which is the lower half.
-  Word global_interface_control = 0x1DEA4000u;
-  Word local_interface_control = 0x1DEA4000u;
-  std::vector<Word> rom;  ///< The boot ROM's contents from address 0 on (ROMEN = 1); empty: it is not there.
-  /// Pins that the board ties (c40-hardware.md 1.2).
-  struct Pins {
-    int reset_location = 0;  ///< RESETLOC(1,0): the reset vector stands at 0, 7FFFFFFFh, 80000000h or FFFFFFFFh
-    Word iiof = 0;           ///< levels of IIOF3 to IIOF0 while nothing drives them: what a general-purpose input reads
-  } pins;
-
-  /// 300000h local SRAM 1 M words 0 wait, 40000000h local SRAM 1 M words 1 wait, 70000000h window to bus B, 80000000h
-  /// global SRAM 1 M words 0 wait, C0000000h window to bus A.
-  static Board default_board();
-  /// RAM everywhere but for the chip's own RAM and peripheral registers (ruling 34).
-  static Board flat();
-  /// RAM everywhere, what single-step vectors run on: the chip has no peripherals there.
-  static Board plain_ram();
-};
-
-inline constexpr Address on_chip_ram = 0x002FF800u;
-inline constexpr Word on_chip_block_words = 0x400u;
-inline constexpr Word rom_words = 0x1000u;
-inline constexpr Address peripheral_base = 0x00100000u;
-inline constexpr Word peripheral_words = 0x100u;
 
 /// A region with its contents. Behind the last word lies a bit map of the words that belong to predecoded blocks.
 class Memory {

@@ -21,7 +21,7 @@ bool PipelineDiagram::put(std::string& cells, Cycles cycle, char letter) const {
 
 void PipelineDiagram::instruction(const TraceRecord& record) {
   if (next_ != nullptr) next_->instruction(record);
-  const StepTiming::Stages& at = record.stages;
+  const PipelineStages& at = record.stages;
   const auto cause = [&](Cause c) { return record.causes[static_cast<std::size_t>(c)]; };
   const Cycles bus = cause(Cause::bus_arbitration) + cause(Cause::bus_transfer), port = cause(Cause::comm_port), waited = bus + port;
   const Cycles fetched = record.cycle + at.fetch + at.fetch_cycles, decode = record.cycle + at.decode, read = record.cycle + at.read,

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "c40/float40.hpp"
 #include "isa/disassemble.hpp"
 #include "isa/hazards.hpp"
 

@@ -1,6 +1,8 @@
 #include "c40/snapshot.hpp"
 
+#include "c40/memory.hpp"
 #include "c40/peripherals/register_map.hpp"
+#include "c40/state.hpp"
 
 namespace c40 {
 

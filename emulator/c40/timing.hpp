@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "c40/pipeline_stages.hpp"
 #include "c40/timing_parameters.hpp"
 #include "c40/types.hpp"
 
@@ -64,11 +65,7 @@ struct StepTiming {
   int wait_state = 0;
   int execute() const { return total - branch - register_conflict - memory_conflict - cache_miss - wait_state; }
   std::array<int, 2> start{};
-  /// When the instruction stood in each stage, relative to T before.
-  struct Stages {
-    std::int16_t fetch = 0, fetch_cycles = 0, decode = 0, read = 0, execute = 0;
-    friend bool operator==(const Stages&, const Stages&) = default;
-  } stages;
+  PipelineStages stages;  ///< relative to T before
   friend bool operator==(const StepTiming&, const StepTiming&) = default;
 };
 

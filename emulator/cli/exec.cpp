@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "c40/chip.hpp"
+#include "c40/float40.hpp"
+#include "c40/peripherals/events.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
 #include "io/signals.hpp"

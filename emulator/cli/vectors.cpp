@@ -7,6 +7,7 @@
 #include <set>
 
 #include "c40/chip.hpp"
+#include "c40/memory.hpp"
 #include "cli/options.hpp"
 #include "cli/text_lines.hpp"
 #include "cli/vector_line.hpp"

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "c40/peripherals/timer.hpp"
+
 namespace machine {
 namespace {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "c40/peripherals/register_map.hpp"
+#include "c40/state.hpp"
 
 namespace machine {
 namespace {

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "c40/chip.hpp"
+#include "c40/peripherals/events.hpp"
 #include "c40/peripherals/link.hpp"
 #include "machine/board_file.hpp"
 #include "machine/net.hpp"

@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "c40/float40.hpp"
 #include "machine/asleep.hpp"
 #include "machine/network_parts.hpp"
 #include "machine/program_end.hpp"

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "c40/chip.hpp"
+#include "c40/peripherals/events.hpp"
 #include "c40/peripherals/link.hpp"
 #include "machine/boot.hpp"
 #include "c40/peripherals/register_map.hpp"
@@ -80,7 +81,7 @@ class Recorder : public c40::TraceSink {
     out["word"] = record.word;
     out["cycles"] = record.cycles;
     out["causes"] = causes_of(record.causes);
-    const c40::StepTiming::Stages& at = record.stages;
+    const c40::PipelineStages& at = record.stages;
     out["stages"] = py::make_tuple(record.cycle + at.fetch, record.cycle + at.decode, record.cycle + at.read, record.cycle + at.execute);
     py::dict registers;
     for (const auto& change : record.registers) registers[py::str(std::string(isa::name(change.reg)))] = change.value;

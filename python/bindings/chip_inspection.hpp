@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "c40/chip.hpp"
+#include "c40/float40.hpp"
 #include "c40/snapshot.hpp"
 #include "c40/peripherals/register_map.hpp"
 #include "python/bindings/bindings.hpp"

@@ -6,10 +6,10 @@
 /// read. A DMA read of a word that the processor writes in the same cycle, or in the next, sees the new word.
 #include <array>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "c40/peripherals/dma_registers.hpp"
+#include "c40/peripherals/dma_wait.hpp"
 #include "c40/timing.hpp"
 
 namespace c40 {
@@ -34,21 +34,6 @@ struct DmaChannel {
   Word operator[](DmaRegister r) const { return registers[static_cast<std::size_t>(r)]; }
   friend bool operator==(const DmaChannel&, const DmaChannel&) = default;
 };
-
-/// What a started half waits for: an event that DIE selects, or a FIFO.
-struct DmaWait {
-  int channel = 0;
-  bool auxiliary = false;
-  bool write = false;
-  Address address = 0;      ///< of the access that waits
-  std::optional<Word> event;  ///< its code in DIE; nothing: it waits for the FIFO at `address`
-  std::optional<int> port;   ///< whose FIFO decides
-  std::optional<int> timer;  ///< whose event it is
-  bool interrupts = false;   ///< the processor may be told of the block's end
-  Cycles since = 0;
-};
-/// "DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h)"
-std::string describe(const DmaWait& wait);
 
 /// The DMA coprocessor's whole state.
 struct DmaState {
