@@ -174,7 +174,7 @@ void Engine::DmaSide::list_state(state::Visitor& list) {
   std::optional<Pipeline> alone;
   if (!list.loads() && undisturbed) alone = engine.pipelines_[*undisturbed];
   list("undisturbed", alone);
-  if (list.loads()) undisturbed = alone ? std::optional(engine.intern(*alone)) : std::nullopt;
+  if (list.loads()) undisturbed = alone ? std::optional(engine.pipelines_.intern(*alone)) : std::nullopt;
   list("gained", gained);
 }
 

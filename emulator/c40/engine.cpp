@@ -11,15 +11,13 @@
 namespace c40 {
 
 Engine::Engine(Board board)
-    : dma_side_(std::make_unique<DmaSide>(*this)), dma_(state_.dma, *dma_side_), board_(std::move(board)), memory_(board_), sites_(site_count),
-      transitions_(4096) {
-  intern(Pipeline{});
+    : dma_side_(std::make_unique<DmaSide>(*this)), dma_(state_.dma, *dma_side_), board_(std::move(board)), memory_(board_), sites_(site_count) {
   reset();
 }
 Engine::~Engine() = default;
 
 void Engine::reset() {
-  pipeline_known_ = false;
+  pipeline_.forget();
   flush_blocks();
   for (PortListener* link : listeners_)
     if (link != nullptr) link->about_to_reset(state_.cycle);
@@ -61,7 +59,7 @@ State& Engine::touch() {
   resume_ = nullptr;
   missed_ = nullptr;
   last_exit_ = nullptr;
-  if (std::exchange(pipeline_known_, false)) state_.pipeline = pipelines_[pipeline_];
+  pipeline_.release();
   return state_;
 }
 
@@ -104,10 +102,6 @@ void Engine::forget_pipelines() {
   flush_blocks();
   touch();
   pipelines_.clear();
-  pipeline_ids_.clear();
-  too_many_pipelines_ = false;
-  intern(Pipeline{});
-  transitions_.assign(transitions_.size(), {});
   for (Site& site : sites_) site.transition = {};
 }
 
@@ -119,8 +113,7 @@ void Engine::pass(Cause cause, Cycles until) {
   }
   add(state_.causes, cause, until - state_.cycle);
   state_.cycle = until;
-  pipeline_ = drained;
-  pipeline_known_ = true;
+  pipeline_.set(PipelineTable::drained);
 }
 
 StopInfo Engine::stop(Stepped why) {
@@ -179,7 +172,7 @@ Engine::Stepped Engine::advance(Cycles limit, bool single) {
     reported_breakpoint_ = state_.cycle;
     return Stepped::breakpoint;
   }
-  if (too_many_pipelines_) forget_pipelines();
+  if (pipelines_.full()) forget_pipelines();
   const bool answered = state_.answers[0].given || state_.answers[1].given;
   const bool waiting_interrupt = !may_interrupt() && pending_vector() != 0;
   dma_busy_ = dma_active_ && dma_.busy();

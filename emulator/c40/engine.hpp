@@ -2,7 +2,6 @@
 /// What runs a chip. Two ways to the same result: the exact engine executes one instruction at a time and asks the pipeline model
 /// about each; blocks are what the exact engine once did, recorded: the same handlers in a row, and the cycles and causes that the
 /// same model gave. A block is left for the exact engine wherever its guards do not hold.
-#include <deque>
 #include <memory>
 #include <set>
 #include <unordered_map>
@@ -11,11 +10,11 @@
 #include "c40/bind.hpp"
 #include "c40/chip.hpp"
 #include "c40/peripherals/events.hpp"
+#include "c40/pipeline_table.hpp"
 #include "c40/state.hpp"
 
 namespace c40 {
 
-using PipelineId = std::uint32_t;
 using Costs = std::array<std::uint16_t, cause_count>;
 
 /// Everything that the recorded timing and the chosen handlers depend on.
@@ -129,14 +128,6 @@ class Engine {
  private:
   enum class Stepped : std::uint8_t { done, external, fault, breakpoint, port, horizon, software_interrupt };
 
-  /// What the pipeline model makes of an instruction in a state of the pipeline: it depends on nothing else.
-  struct Transition {
-    std::uint64_t demand = ~std::uint64_t{0};  ///< packed, but for the footprint, which is the word's
-    PipelineId before = 0;
-    isa::Word word = 0;
-    StepTiming timing;
-    PipelineId after = 0;
-  };
   /// An instruction as the exact engine last met it at an address. Its windows and the accesses through them stay as long as they
   /// hold for every way in which it can be executed.
   struct Site {
@@ -206,7 +197,7 @@ class Engine {
   Demand demand_of(const Step& step) const;
   static void forget_windows(Site& site);
   Cycles access_cycle(const Step& step, std::size_t access);
-  const Transition& transition(const Demand& demand, std::uint64_t bits, isa::Word word);
+  const Transition& transition(const Demand& demand, Word word);
   void annulled(const Step& step);
   void account(const StepTiming& timing);
   void account(const StepTiming& timing, const std::optional<StepTiming>& without_dma);
@@ -280,8 +271,6 @@ class Engine {
 
   // engine_blocks.cpp: recording and running blocks
   BlockKey key();
-  PipelineId intern(const Pipeline& pipeline);
-  PipelineId current_pipeline();
   Block* find_or_record(Cycles limit, Stepped& why);
   void record(const BlockKey& key, Cycles limit, Stepped& why);
   bool recordable(const Bound& bound) const;
@@ -303,9 +292,9 @@ class Engine {
   std::uint32_t passes_within(const Block& block, Cycles limit) const;
   void process_code_writes();
 
-  static constexpr PipelineId drained = 0;  ///< of an empty pipeline
-
   State state_;
+  PipelineTable pipelines_;
+  PipelineNow pipeline_{pipelines_, state_.pipeline};  ///< state_.pipeline is brought up to date when it is asked for
   Board board_;
   Memory memory_;
   ExternalAccess waiting_{};
@@ -327,7 +316,6 @@ class Engine {
   };
   std::array<Scratch, 2> scratch_{};  ///< stands for a register or a window during one instruction
   std::vector<Site> sites_;              ///< direct mapped by address
-  std::vector<Transition> transitions_;  ///< direct mapped
   std::array<ExactSite, 1024> exact_sites_{};
   Code code_;
   Memory::OpenPages pages_;  ///< of the step under way
@@ -336,19 +324,13 @@ class Engine {
   std::vector<std::unique_ptr<Block>> blocks_;
   std::vector<Block::Exit*> counted_;  ///< exits whose count is not 0
   std::unordered_map<BlockKey, Block*, BlockKeyHash> by_key_;
-  std::deque<Pipeline> pipelines_;
-  std::unordered_map<std::uint64_t, std::vector<PipelineId>> pipeline_ids_;
   Block* resume_ = nullptr;  ///< the block that the last run was cut in, and where
   std::size_t resume_at_ = 0;
   Block* missed_ = nullptr;              ///< the block whose instruction at PC the exact engine must do
   Block::Exit* last_exit_ = nullptr;     ///< the exit that led to PC with nothing in between
   std::uint64_t cache_version_ = 1;  ///< rises when words come into the cache or leave it
   bool stale_code_ = false;          ///< the cache holds words that memory no longer does
-  /// Of the pipeline; state_.pipeline is brought up to date when it is asked for.
-  PipelineId pipeline_ = 0;
-  bool pipeline_known_ = false;
   bool told_ = false;  ///< of the access that the processor waits for
-  bool too_many_pipelines_ = false;
 };
 
 }  // namespace c40

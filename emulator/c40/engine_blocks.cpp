@@ -10,7 +10,6 @@ namespace {
 
 constexpr std::size_t longest_block = 64, longest_cached_block = Cache::segment_words;
 constexpr std::size_t most_blocks = 20000;
-constexpr PipelineId most_pipelines = 1 << 18;
 constexpr std::uint32_t mode_set_condition = 1, mode_repeat = 2, mode_cached = 16, mode_frozen = 32;
 
 void add_costs(Causes& causes, const Costs& costs, Cycles times) {
@@ -35,30 +34,11 @@ void add_timing(Costs& costs, const StepTiming& t) {
 
 }  // namespace
 
-PipelineId Engine::intern(const Pipeline& pipeline) {
-  auto& ids = pipeline_ids_[pipeline.hash()];
-  for (PipelineId id : ids)
-    if (pipelines_[id] == pipeline) return id;
-  const auto id = static_cast<PipelineId>(pipelines_.size());
-  pipelines_.push_back(pipeline);
-  ids.push_back(id);
-  too_many_pipelines_ = id >= most_pipelines;
-  return id;
-}
-
-PipelineId Engine::current_pipeline() {
-  if (!pipeline_known_) {
-    pipeline_ = intern(state_.pipeline);
-    pipeline_known_ = true;
-  }
-  return pipeline_;
-}
-
 BlockKey Engine::key() {
   const Core& core = state_.core;
   BlockKey key;
   key.pc = core.pc;
-  key.pipeline = current_pipeline();
+  key.pipeline = pipeline_.id();
   const bool repeat = (core.modes & st::RM) != 0;
   if (repeat) key.repeat_end = core.r[reg::RE];
   key.mode = ((core.modes & st::SETCOND) != 0 ? mode_set_condition : 0u) | (repeat ? mode_repeat : 0u) |
@@ -147,7 +127,7 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
       if (core.delay_slots != 0) return;
       break;
     }
-    before = current_pipeline();
+    before = pipeline_.id();
     const auto slots = static_cast<std::uint8_t>(core.delay_slots);
     const bool ends_repeat = (k.mode & mode_repeat) != 0 && core.pc == k.repeat_end;
     why = exact_step(step, true);
@@ -175,7 +155,7 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
     if (cached) block->words.push_back(step.word);
     at += step.timing->total;
     add_timing(costs, *step.timing);
-    after = current_pipeline();
+    after = pipeline_.id();
     Op terminal;
     terminal.pc = op.pc + 1;
     if (bound.flow == Flow::branch || bound.flow == Flow::directed) {
@@ -242,7 +222,7 @@ void Engine::close_with_branch(Block& block, const Step& step, PipelineId before
     exit.cycles = block.start[last] + timing.total;
     exit.causes = block.causes[last];
     add_timing(exit.causes, timing);
-    exit.pipeline = intern(pipeline);
+    exit.pipeline = pipelines_.intern(pipeline);
     exit.chained = chained;
   }
 }
@@ -257,8 +237,7 @@ void Engine::leave(Block& block, std::size_t from, std::size_t at) {
   state_.instructions += at - from;
   core.pc = block.key.pc + static_cast<Address>(at);
   core.delay_slots = at < block.size ? block.delay_slots[at] : 0;
-  pipeline_ = block.pipelines[at];
-  pipeline_known_ = true;
+  pipeline_.set(block.pipelines[at]);
   fetch_through_cache(block, from, at);
 }
 
@@ -374,8 +353,7 @@ void Engine::run_blocks(Block* block, std::size_t from, Cycles limit) {
     if (block == nullptr || block->key.pc != core.pc || core.attention) [[unlikely]] break;
   }
   state_.cycle = cycle;
-  pipeline_ = exit->pipeline;
-  pipeline_known_ = true;
+  pipeline_.set(exit->pipeline);
   last_exit_ = core.attention ? nullptr : exit;
 }
 
@@ -416,7 +394,7 @@ void Engine::rejoin(Block& block) {
   const Core& core = state_.core;
   const std::size_t at = core.pc - block.key.pc;
   if (at == 0 || at >= block.size || core.delay_slots != block.delay_slots[at]) return;
-  if (current_pipeline() != block.pipelines[at]) return;
+  if (pipeline_.id() != block.pipelines[at]) return;
   resume_ = &block;
   resume_at_ = at;
 }
@@ -428,7 +406,7 @@ void Engine::settle_counts() {
     exit->count = 0;
   }
   counted_.clear();
-  if (pipeline_known_) state_.pipeline = pipelines_[pipeline_];
+  pipeline_.settle();
 }
 
 void Engine::flush_blocks() {

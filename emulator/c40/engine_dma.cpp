@@ -234,7 +234,7 @@ void Engine::DmaSide::begin_following(bool beside_processor) {
   std::erase_if(accesses, [&](const ProcessorAccess& access) { return access.end < engine.state_.dma.now; });
   if (!beside) return;
   know_accesses();
-  pipeline = engine.pipelines_[engine.current_pipeline()];
+  pipeline = engine.pipeline_.get();
   next_fetches = engine.next_fetches();
   expect_fetches();
 }
@@ -243,7 +243,7 @@ void Engine::DmaSide::begin_following(bool beside_processor) {
 void Engine::DmaSide::know_accesses() {
   if (knows_accesses) return;
   accesses.clear();
-  const Pipeline& now = engine.pipelines_[engine.current_pipeline()];
+  const Pipeline& now = engine.pipeline_.get();
   for (const Resource bus : {Resource::local, Resource::global, Resource::peripheral})
     if (const auto end = now.busy_until(bus)) accesses.push_back({{bus, 0, false, false}, long_ago, engine.state_.cycle + *end});
   knows_accesses = true;
@@ -251,8 +251,8 @@ void Engine::DmaSide::know_accesses() {
 
 void Engine::DmaSide::end_following() {
   if (!beside || !disturbed) return;
-  if (!undisturbed) undisturbed = engine.current_pipeline();
-  engine.pipeline_ = engine.intern(pipeline);
+  if (!undisturbed) undisturbed = engine.pipeline_.id();
+  engine.pipeline_.set(engine.pipelines_.intern(pipeline));
 }
 
 void Engine::DmaSide::expect_fetches() {
@@ -265,17 +265,17 @@ void Engine::DmaSide::expect_fetches() {
 
 // After cycles in which the processor stood still: what the DMA has begun goes on.
 void Engine::DmaSide::mark_under_way() {
-  const PipelineId before = engine.current_pipeline();
+  const PipelineId before = engine.pipeline_.id();
   pipeline = engine.pipelines_[before];
   const Cycles now = engine.state_.cycle;
   for (const auto& [unit, resource] : {std::pair{Unit::local, Resource::local}, std::pair{Unit::global, Resource::global}, std::pair{Unit::peripheral, Resource::peripheral}}) {
     const Cycles until = taken_until[static_cast<std::size_t>(unit)];
     if (until > now - Pipeline::depth) pipeline.take(resource, -Pipeline::depth, static_cast<int>(std::min<Cycles>(until - now, Pipeline::furthest)));
   }
-  const PipelineId after = engine.intern(pipeline);
+  const PipelineId after = engine.pipelines_.intern(pipeline);
   if (after == before) return;
   if (!undisturbed) undisturbed = before;
-  engine.pipeline_ = after;
+  engine.pipeline_.set(after);
 }
 
 void Engine::DmaSide::forget() {
@@ -330,7 +330,7 @@ std::optional<StepTiming> Engine::without_dma(const Step& step, bool annulled) {
   if (!side.undisturbed) return std::nullopt;
   Pipeline pipeline = pipelines_[*side.undisturbed];
   const StepTiming timing = pipeline.advance(demand_through(step, annulled));
-  side.undisturbed = intern(pipeline);
+  side.undisturbed = pipelines_.intern(pipeline);
   return timing;
 }
 

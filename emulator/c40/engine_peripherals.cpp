@@ -227,7 +227,7 @@ bool Engine::take_interrupt(Word vector) {
   if (undisturbed) {
     Pipeline alone = pipelines_[*undisturbed];
     alone.flush(timing::interrupt_entry_cost + waits);
-    dma_side_->undisturbed = intern(alone);
+    dma_side_->undisturbed = pipelines_.intern(alone);
   }
   if (dma_active_) dma_side_->mark_under_way();
   note_cache_control(before);

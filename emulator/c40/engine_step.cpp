@@ -13,32 +13,6 @@
 #include "c40/peripherals/register_map.hpp"
 
 namespace c40 {
-namespace {
-
-std::uint64_t packed(const Access& access) {
-  return static_cast<std::uint64_t>(access.resource) | std::uint64_t{access.write} << 3 | std::uint64_t{access.strobe1} << 4 |
-         std::uint64_t{access.waits} << 5;
-}
-
-std::uint64_t packed_data(const Demand& demand) {
-  std::uint64_t bits = std::uint64_t{demand.count} << 12;
-  for (std::size_t i = 0; i < demand.count; ++i) bits |= packed(demand.data[i]) << (17 + 10 * i);
-  return bits;
-}
-
-std::uint64_t packed_fetch(const Access& fetch, bool fetched, bool missed) {
-  return packed(fetch) | std::uint64_t{fetched} << 10 | std::uint64_t{missed} << 11;
-}
-
-std::uint64_t packed_flush(int cost) { return static_cast<std::uint64_t>(cost) << 14; }
-
-// All of a demand but the footprint.
-std::uint64_t packed(const Demand& demand) {
-  return packed_fetch(demand.fetch, demand.fetched, demand.fetch_missed) | packed_flush(demand.flush_cost) | packed_data(demand);
-}
-
-}  // namespace
-
 Engine::Stepped Engine::fail(Fault::Kind kind, std::string message, Address address) {
   Fault fault;
   fault.kind = kind;
@@ -155,24 +129,14 @@ Demand Engine::demand_of(const Step& step) const {
   return demand;
 }
 
-// The model costs some hundred instructions, and the same few transitions come again and again.
-const Engine::Transition& Engine::transition(const Demand& demand, std::uint64_t bits, isa::Word word) {
-  const PipelineId before = current_pipeline();
-  const std::uint64_t hash = (bits ^ std::uint64_t{before} << 40 ^ std::uint64_t{word} << 17) * 0x9E3779B97F4A7C15u;
-  Transition& entry = transitions_[hash >> 52];
-  if (entry.demand != bits || entry.before != before || entry.word != word) {
-    entry = {bits, before, word, {}, 0};
-    Pipeline pipeline = pipelines_[before];
-    entry.timing = pipeline.advance(demand);
-    entry.after = intern(pipeline);
-  }
-  return entry;
+const Transition& Engine::transition(const Demand& demand, Word word) {
+  return pipelines_.transition(pipeline_.id(), demand, packed(demand), word);
 }
 
 Cycles Engine::access_cycle(const Step& step, std::size_t access) {
   Demand demand = demand_of(step);
   demand.count = static_cast<std::uint8_t>(access + 1);
-  const int start = transition(demand, packed(demand), step.word).timing.start[access];
+  const int start = transition(demand, step.word).timing.start[access];
   const Access& data = demand.data[access];
   // Registers on the chip answer a read at the end of the read stage: as they stand in the execute stage, in which they are written (fidelity.md).
   const int later = data.resource == Resource::peripheral && !data.write ? 1 : 0;
@@ -382,7 +346,7 @@ void Engine::note_cache_control(Cycles executed) {
 
 // The next instruction is fetched with what had been executed before: CE, CF and CC act no earlier than that.
 void Engine::settle_cache_control() {
-  const Cycles fetched = state_.cycle + pipelines_[current_pipeline()].earliest_fetch();
+  const Cycles fetched = state_.cycle + pipeline_.get().earliest_fetch();
   if (state_.cache_changes == 0) note_cache_control(std::numeric_limits<Cycles>::min());  // in a block, long ago
   std::size_t done = 0;
   for (; done < state_.cache_changes && state_.cache_change[done].executed < fetched; ++done) {
@@ -492,7 +456,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   if (dma_beside_) [[unlikely]] without = without_dma(step, annul);
   const Transition& next = annul ? annulled_transition(step) : executed_transition(step);
   step.timing = &next.timing;
-  pipeline_ = next.after;
+  pipeline_.set(next.after);
   const Cycles before = state_.cycle;
   account(next.timing, without);
   if (state_.answers[0].given || state_.answers[1].given) [[unlikely]] {
@@ -526,14 +490,12 @@ Demand Engine::demand_through(const Step& step, bool annulled) const {
   return demand;
 }
 
-const Engine::Transition& Engine::annulled_transition(const Step& step) {
-  const Demand demand = demand_through(step, true);
-  return transition(demand, packed(demand), 0);
+const Transition& Engine::annulled_transition(const Step& step) {
+  return transition(demand_through(step, true), 0);
 }
 
-const Engine::Transition& Engine::executed_transition(const Step& step) {
-  const Demand demand = demand_through(step, false);
-  return step.site->transition = transition(demand, packed(demand), step.word);
+const Transition& Engine::executed_transition(const Step& step) {
+  return step.site->transition = transition(demand_through(step, false), step.word);
 }
 
 // The common case of untraced_step at a fraction of its price: an instruction that is known, out of slots, meets the windows it met
@@ -565,14 +527,14 @@ bool Engine::quick_step() {
   }
   const int flush_cost = exit == Exit::taken ? site.bound.taken_cost : site.bound.not_taken_cost;
   bits |= packed_flush(flush_cost) | site.data_bits;
-  if (site.transition.demand != bits || site.transition.before != pipeline_) {
+  if (site.transition.demand != bits || !pipeline_.is(site.transition.before)) {
     Demand demand = site.demand;
     demand.fetch = from_cache || !fetched ? Access{} : code_.met.access;
     demand.fetched = fetched;
     demand.flush_cost = flush_cost;
-    site.transition = transition(demand, bits, word);
+    site.transition = pipelines_.transition(pipeline_.id(), demand, bits, word);
   }
-  pipeline_ = site.transition.after;
+  pipeline_.set(site.transition.after);
   account(site.transition.timing);
   if (from_cache && fetched && (state_.cache_control & st::CF) == 0) state_.cache.touch(pc);
   if (core.delay_slots != 0 || (core.modes & st::RM) != 0) advance_pc(pc);
