@@ -56,9 +56,7 @@ void Engine::reset() {
 
 State& Engine::touch() {
   dma_side_->undisturbed.reset();
-  resume_ = nullptr;
-  missed_ = nullptr;
-  last_exit_ = nullptr;
+  onward_.clear();
   pipeline_.release();
   return state_;
 }
@@ -180,25 +178,25 @@ Engine::Stepped Engine::advance(Cycles limit, bool single) {
   if (dma_busy_) dma_side_->know_accesses();
   else dma_side_->knows_accesses = false;
   const bool one = single || trace != nullptr || answered || waiting_interrupt || dma_beside_ || cache_control_pending();
-  if (!one && !exact_only && missed_ == nullptr) {
-    if (Block* block = std::exchange(resume_, nullptr); block != nullptr) {
-      run_blocks(block, resume_at_, limit);
+  if (!one && !exact_only && !onward_.is_missed()) {
+    if (Block* block = onward_.take_inside(); block != nullptr) {
+      run_blocks(block, onward_.at(), limit);
       return Stepped::done;
     }
-    if (core.delay_slots == 0 && !exact_site(core.pc) && by_blocks()) {
+    if (core.delay_slots == 0 && !exact_sites_.contains(core.pc) && by_blocks()) {
       Stepped why = Stepped::done;
       if (Block* block = find_or_record(limit, why); block != nullptr) run_blocks(block, 0, limit);
       return why;
     }
   }
-  resume_ = nullptr;
-  Block* missed = std::exchange(missed_, nullptr);
+  Block* const missed = onward_.take_missed();
+  onward_.clear();
   Step step;
   const Address pc = core.pc;
   if (const Stepped why = exact_step(step, trace != nullptr); why != Stepped::done) return why;
-  if (step.plain && exact_site(pc) && exact_site_of(pc).external) exact_site_of(pc).known = false;
+  if (step.plain) exact_sites_.stayed_inside(pc);
   if (missed != nullptr && core.code_writes == 0) rejoin(*missed);
-  return one || !breakpoints.empty() || resume_ != nullptr ? Stepped::done : run_exactly(limit);
+  return one || !breakpoints.empty() || onward_.is_inside() ? Stepped::done : run_exactly(limit);
 }
 
 StopInfo Engine::run_until(Cycles limit, Cycles known) {

@@ -4,68 +4,16 @@
 /// same model gave. A block is left for the exact engine wherever its guards do not hold.
 #include <memory>
 #include <set>
-#include <unordered_map>
 #include <vector>
 
 #include "c40/bind.hpp"
+#include "c40/block_store.hpp"
 #include "c40/chip.hpp"
 #include "c40/peripherals/events.hpp"
 #include "c40/pipeline_table.hpp"
 #include "c40/state.hpp"
 
 namespace c40 {
-
-using Costs = std::array<std::uint16_t, cause_count>;
-
-/// Everything that the recorded timing and the chosen handlers depend on.
-struct BlockKey {
-  Address pc = 0;
-  Address repeat_end = 0;  ///< RE while RM is set
-  PipelineId pipeline = 0;
-  std::uint32_t mode = 0;  ///< bit 0 SET COND, bit 1 RM, bits 2, 3 the state of RPTS, bit 4 the cache is on, bit 5 frozen
-  std::uint32_t hits = 0;  ///< which of its words and those after it the cache has
-  friend bool operator==(const BlockKey&, const BlockKey&) = default;
-};
-struct BlockKeyHash {
-  std::size_t operator()(const BlockKey& key) const {
-    std::uint64_t h = (std::uint64_t{key.pc} << 32 | key.repeat_end) * 0x9E3779B97F4A7C15u;
-    h ^= (h >> 29) ^ (std::uint64_t{key.pipeline} << 6 | key.mode) * 0xBF58476D1CE4E5B9u;
-    h += std::uint64_t{key.hits} * 0x94D049BB133111EBu;
-    return static_cast<std::size_t>(h ^ h >> 32);
-  }
-};
-
-struct Block {
-  struct Exit {
-    Cycles cycles = 0;
-    PipelineId pipeline = 0;
-    bool chained = false;  ///< `next` may be kept: nothing but the pc decides which block follows.
-    Costs causes{};
-    std::uint64_t count = 0;  ///< runs of the whole block not yet in the chip's causes and instructions
-    std::size_t size = 0;     ///< instructions of the block
-    Block* next = nullptr;
-  };
-  BlockKey key;
-  std::vector<Op> ops;  ///< one per instruction, then the terminal if the last instruction is not one itself
-  std::size_t size = 0;
-  // Before instruction i; the last entry is after all, straight on.
-  std::vector<Cycles> start;
-  std::vector<Costs> causes;
-  std::vector<PipelineId> pipelines;
-  std::vector<std::uint8_t> delay_slots;
-  std::array<Exit, 2> exits{};
-  Cycles last_start = 0;
-  bool repeats = false;    ///< ends at RE: the loop hardware decides
-  bool self_loop = false;  ///< following itself, it is in the same state again
-  bool only_nop = false;
-  bool plain = false;        ///< neither repeats nor uses the cache
-  bool uses_cache = false;   ///< fetched while the cache was on
-  bool all_hits = false;     ///< `words` need not come into the cache
-  std::uint64_t checked = 0;  ///< the version of the cache in which its hits were last seen to be those of its key
-  std::vector<Word> words;   ///< if it uses the cache
-};
-
-inline void add(Causes& causes, Cause cause, Cycles cycles) { causes[static_cast<std::size_t>(cause)] += cycles; }
 
 class Engine {
  public:
@@ -166,13 +114,6 @@ class Engine {
     const Word* words = nullptr;   ///< from met.base on
     std::uint64_t fetch_bits = 0;  ///< packed
     bool contains(Address pc) const { return pc - met.base < met.words; }
-  };
-
-  /// An instruction that no block can begin with: the exact engine does it each time.
-  struct ExactSite {
-    Address pc = 0;
-    bool known = false;
-    bool external = false;  ///< only as long as it leaves the chip
   };
 
   // engine_step.cpp: the exact engine
@@ -276,9 +217,6 @@ class Engine {
   bool recordable(const Bound& bound) const;
   bool cache_fits(Block& block) const;
   void fetch_through_cache(const Block& block, std::size_t from, std::size_t to);
-  void count(Block::Exit& exit, std::uint64_t times);
-  ExactSite& exact_site_of(Address pc) { return exact_sites_[pc % exact_sites_.size()]; }
-  bool exact_site(Address pc) { return exact_site_of(pc).known && exact_site_of(pc).pc == pc; }
   void close_straight(Block& block, Cycles cycles, const Costs& costs, PipelineId end, bool chained);
   void close_with_branch(Block& block, const Step& step, PipelineId before, bool chained);
   void run_blocks(Block* block, std::size_t from, Cycles limit);
@@ -316,18 +254,13 @@ class Engine {
   };
   std::array<Scratch, 2> scratch_{};  ///< stands for a register or a window during one instruction
   std::vector<Site> sites_;              ///< direct mapped by address
-  std::array<ExactSite, 1024> exact_sites_{};
+  ExactSites exact_sites_;
   Code code_;
   Memory::OpenPages pages_;  ///< of the step under way
   bool interface_changed_ = false;  ///< GMICR or LMICR was written
 
-  std::vector<std::unique_ptr<Block>> blocks_;
-  std::vector<Block::Exit*> counted_;  ///< exits whose count is not 0
-  std::unordered_map<BlockKey, Block*, BlockKeyHash> by_key_;
-  Block* resume_ = nullptr;  ///< the block that the last run was cut in, and where
-  std::size_t resume_at_ = 0;
-  Block* missed_ = nullptr;              ///< the block whose instruction at PC the exact engine must do
-  Block::Exit* last_exit_ = nullptr;     ///< the exit that led to PC with nothing in between
+  BlockStore blocks_;
+  Continuation onward_;
   std::uint64_t cache_version_ = 1;  ///< rises when words come into the cache or leave it
   bool stale_code_ = false;          ///< the cache holds words that memory no longer does
   bool told_ = false;  ///< of the access that the processor waits for

@@ -9,15 +9,6 @@ namespace c40 {
 namespace {
 
 constexpr std::size_t longest_block = 64, longest_cached_block = Cache::segment_words;
-constexpr std::size_t most_blocks = 20000;
-constexpr std::uint32_t mode_set_condition = 1, mode_repeat = 2, mode_cached = 16, mode_frozen = 32;
-
-void add_costs(Causes& causes, const Costs& costs, Cycles times) {
-  for (std::size_t i = 0; i < cause_count; ++i) causes[i] += times * costs[i];
-}
-void add_difference(Causes& causes, const Costs& to, const Costs& from) {
-  for (std::size_t i = 0; i < cause_count; ++i) causes[i] += to[i] - from[i];
-}
 
 void add_timing(Costs& costs, const StepTiming& t) {
   const auto charge = [&](Cause cause, int cycles) {
@@ -41,10 +32,10 @@ BlockKey Engine::key() {
   key.pipeline = pipeline_.id();
   const bool repeat = (core.modes & st::RM) != 0;
   if (repeat) key.repeat_end = core.r[reg::RE];
-  key.mode = ((core.modes & st::SETCOND) != 0 ? mode_set_condition : 0u) | (repeat ? mode_repeat : 0u) |
-             static_cast<std::uint32_t>(core.repeat_single) << 2;
+  key.mode = ((core.modes & st::SETCOND) != 0 ? BlockKey::set_condition : 0u) | (repeat ? BlockKey::repeat : 0u) |
+             static_cast<std::uint32_t>(core.repeat_single) << BlockKey::repeat_single;
   if (caching()) {
-    key.mode |= mode_cached | ((state_.cache_control & st::CF) != 0 ? mode_frozen : 0u);
+    key.mode |= BlockKey::cached | ((state_.cache_control & st::CF) != 0 ? BlockKey::frozen : 0u);
     key.hits = state_.cache.hits_from(core.pc);
   }
   return key;
@@ -53,12 +44,11 @@ BlockKey Engine::key() {
 // PC is where by_blocks() looked.
 Block* Engine::find_or_record(Cycles limit, Stepped& why) {
   const BlockKey k = key();
-  const auto found = by_key_.find(k);
-  Block* const block = found != by_key_.end() ? found->second : nullptr;
+  Block* const block = blocks_.find(k);
   // The exit that led here leads here every time; but at a breakpoint, each run of blocks ends.
-  if (Block::Exit* from = std::exchange(last_exit_, nullptr); from != nullptr && block != nullptr && from->chained && !breakpoints.contains(k.pc)) from->next = block;
+  if (Block::Exit* from = onward_.take_exit(); from != nullptr && block != nullptr && from->chained && !breakpoints.contains(k.pc)) from->next = block;
   if (block != nullptr) return block;
-  if (blocks_.size() >= most_blocks) flush_blocks();
+  if (blocks_.full()) flush_blocks();
   record(k, limit, why);
   return nullptr;
 }
@@ -73,7 +63,7 @@ bool Engine::cache_fits(Block& block) const {
 
 // What fetching instructions [from, to) does to the cache.
 void Engine::fetch_through_cache(const Block& block, std::size_t from, std::size_t to) {
-  if (!block.uses_cache || from == to || (block.key.mode & mode_frozen) != 0) return;
+  if (!block.uses_cache || from == to || (block.key.mode & BlockKey::frozen) != 0) return;
   const Address begin = block.key.pc + static_cast<Address>(from), end = block.key.pc + static_cast<Address>(to);
   if (block.all_hits) {
     state_.cache.touch(begin);
@@ -116,9 +106,9 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
     const bool known = fetch(look);
     const bool cached = caching();
     const bool crowded = cached && n + (look.site != nullptr && look.site->bound.flow == Flow::delayed ? 4 : 1) > longest_cached_block;
-    if (!known || look.paged || crowded || cached != ((k.mode & mode_cached) != 0) || !recordable(look.site->bound)) {
+    if (!known || look.paged || crowded || cached != ((k.mode & BlockKey::cached) != 0) || !recordable(look.site->bound)) {
       if (n == 0) {
-        exact_site_of(k.pc) = {k.pc, known, false};
+        known ? exact_sites_.add(k.pc, false) : exact_sites_.remove(k.pc);
         why = exact_step(step, false);
         return;
       }
@@ -129,10 +119,10 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
     }
     before = pipeline_.id();
     const auto slots = static_cast<std::uint8_t>(core.delay_slots);
-    const bool ends_repeat = (k.mode & mode_repeat) != 0 && core.pc == k.repeat_end;
+    const bool ends_repeat = (k.mode & BlockKey::repeat) != 0 && core.pc == k.repeat_end;
     why = exact_step(step, true);
     if (why != Stepped::done || !step.plain) {
-      if (n == 0) exact_site_of(k.pc) = {k.pc, why == Stepped::external, true};
+      if (n == 0) why == Stepped::external ? exact_sites_.add(k.pc, true) : exact_sites_.remove(k.pc);
       if (n == 0 || slots != 0) return;
       break;
     }
@@ -185,21 +175,16 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
   block->pipelines.push_back(block->exits[0].pipeline);
   block->last_start = block->start[block->size - 1];
   for (Block::Exit& exit : block->exits) exit.size = block->size;
-  block->uses_cache = (k.mode & mode_cached) != 0;
+  block->uses_cache = (k.mode & BlockKey::cached) != 0;
   block->plain = !block->repeats && !block->uses_cache;
   const std::uint32_t own_words = block->size < longest_cached_block ? (1u << block->size) - 1 : ~0u;
   block->all_hits = (~k.hits & own_words) == 0;
-  const bool same_fetches = !block->uses_cache || block->all_hits || (k.mode & mode_frozen) != 0;
-  block->self_loop = block->repeats && !reads_repeat && same_fetches && block->exits[1].pipeline == k.pipeline && (k.mode >> 2 & 3) != 1;
+  const bool same_fetches = !block->uses_cache || block->all_hits || (k.mode & BlockKey::frozen) != 0;
+  block->self_loop = block->repeats && !reads_repeat && same_fetches && block->exits[1].pipeline == k.pipeline && (k.mode >> BlockKey::repeat_single & 3) != 1;
   const Bound& last = step.site->bound;
   block->only_nop = block->self_loop && block->size == 1 && last.is_nop;
   if (block->self_loop && block->size == 1 && last.repeated != nullptr) block->ops[0].handler = last.repeated;
-  for (std::size_t i = 0; i < block->size; ++i) {
-    const Address pc = k.pc + static_cast<Address>(i);
-    memory_.find(pc)->mark_code(pc);
-  }
-  by_key_.emplace(k, block.get());
-  blocks_.push_back(std::move(block));
+  blocks_.add(std::move(block), memory_);
 }
 
 void Engine::close_straight(Block& block, Cycles cycles, const Costs& costs, PipelineId end, bool chained) {
@@ -241,17 +226,12 @@ void Engine::leave(Block& block, std::size_t from, std::size_t at) {
   fetch_through_cache(block, from, at);
 }
 
-inline void Engine::count(Block::Exit& exit, std::uint64_t times) {
-  if (exit.count == 0 && times != 0) counted_.push_back(&exit);
-  exit.count += times;
-}
-
 // `passes` passes through a repeated block are done: what the loop hardware made of them.
 Block::Exit& Engine::end_repeat(Block& block, std::uint32_t passes) {
   Core& core = state_.core;
   core.r[reg::RC] -= passes;
   Block::Exit& again = block.exits[1];
-  count(again, passes - 1);
+  blocks_.count(again, passes - 1);
   state_.cycle += (passes - 1) * again.cycles;
   if (static_cast<std::int32_t>(core.r[reg::RC]) >= 0) {
     core.pc = core.r[reg::RS];
@@ -284,7 +264,7 @@ Block::Exit* Engine::run_repeated(Block& block, Cycles limit) {
       const std::uint32_t done = passes - 1 - core.loop_left;  // whole passes before the one that was left
       core.r[reg::RC] -= done;
       if (done != 0) fetch_through_cache(block, 0, block.size);
-      count(block.exits[1], done);
+      blocks_.count(block.exits[1], done);
       state_.cycle += done * block.exits[1].cycles;
       left_block(block, 0, outcome);
       return nullptr;
@@ -347,14 +327,14 @@ void Engine::run_blocks(Block* block, std::size_t from, Cycles limit) {
       cycle = state_.cycle;
       from = 0;
     }
-    count(*exit, 1);
+    blocks_.count(*exit, 1);
     cycle += exit->cycles;
     block = exit->next;
     if (block == nullptr || block->key.pc != core.pc || core.attention) [[unlikely]] break;
   }
   state_.cycle = cycle;
   pipeline_.set(exit->pipeline);
-  last_exit_ = core.attention ? nullptr : exit;
+  if (!core.attention) onward_.after(*exit);
 }
 
 // One that repeats or comes from the cache, from the middle, or with a budget that does not cover it. Null: it was left.
@@ -372,7 +352,6 @@ Block::Exit* Engine::run_special(Block& block, std::size_t from, Cycles limit) {
 
 void Engine::left_block(Block& block, std::size_t from, const Outcome& outcome) {
   const auto at = static_cast<std::size_t>(outcome.at - block.ops.data());
-  last_exit_ = nullptr;
   if (outcome.exit == Exit::left_after) {
     const std::uint8_t slots = block.delay_slots[at];
     leave(block, from, at + 1);
@@ -382,10 +361,9 @@ void Engine::left_block(Block& block, std::size_t from, const Outcome& outcome) 
   }
   leave(block, from, at);
   if (outcome.exit == Exit::cut) {
-    resume_ = &block;
-    resume_at_ = at;
+    onward_.inside(block, at);
   } else {
-    missed_ = &block;
+    onward_.missed(block);
   }
 }
 
@@ -395,33 +373,19 @@ void Engine::rejoin(Block& block) {
   const std::size_t at = core.pc - block.key.pc;
   if (at == 0 || at >= block.size || core.delay_slots != block.delay_slots[at]) return;
   if (pipeline_.id() != block.pipelines[at]) return;
-  resume_ = &block;
-  resume_at_ = at;
+  onward_.inside(block, at);
 }
 
 void Engine::settle_counts() {
-  for (Block::Exit* exit : counted_) {
-    add_costs(state_.causes, exit->causes, static_cast<Cycles>(exit->count));
-    state_.instructions += exit->count * exit->size;
-    exit->count = 0;
-  }
-  counted_.clear();
+  blocks_.settle(state_.causes, state_.instructions);
   pipeline_.settle();
 }
 
 void Engine::flush_blocks() {
   settle_counts();
-  for (auto& block : blocks_)
-    for (std::size_t i = 0; i < block->size; ++i) {
-      const Address pc = block->key.pc + static_cast<Address>(i);
-      if (const Memory::Area* area = memory_.find(pc)) area->unmark_code(pc);
-    }
-  blocks_.clear();
-  by_key_.clear();
-  exact_sites_ = {};
-  last_exit_ = nullptr;
-  resume_ = nullptr;
-  missed_ = nullptr;
+  blocks_.clear(memory_);
+  exact_sites_.clear();
+  onward_.clear();
   // Words that the cache holds stay marked: a write to them makes them stale.
   state_.cache.each_word([this](Address pc) {
     if (const Memory::Area* area = memory_.find(pc); area != nullptr && area->data != nullptr) area->mark_code(pc);

@@ -426,7 +426,6 @@ void Engine::forget_windows(Site& site) {
 Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   Core& core = state_.core;
   step = Step{};
-  last_exit_ = nullptr;
   if (!fetch(step)) return Stepped::fault;
   Site& site = *step.site;
   const Bound& bound = site.bound;

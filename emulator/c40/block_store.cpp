@@ -1,0 +1,47 @@
+#include "c40/block_store.hpp"
+
+#include <utility>
+
+namespace c40 {
+namespace {
+
+constexpr std::size_t most_blocks = 20000;
+
+}  // namespace
+
+Block* BlockStore::find(const BlockKey& key) const {
+  const auto found = by_key_.find(key);
+  return found != by_key_.end() ? found->second : nullptr;
+}
+
+bool BlockStore::full() const { return blocks_.size() >= most_blocks; }
+
+void BlockStore::add(std::unique_ptr<Block> block, Memory& memory) {
+  for (std::size_t i = 0; i < block->size; ++i) {
+    const Address pc = block->key.pc + static_cast<Address>(i);
+    memory.find(pc)->mark_code(pc);
+  }
+  by_key_.emplace(block->key, block.get());
+  blocks_.push_back(std::move(block));
+}
+
+void BlockStore::clear(Memory& memory) {
+  for (const auto& block : blocks_)
+    for (std::size_t i = 0; i < block->size; ++i) {
+      const Address pc = block->key.pc + static_cast<Address>(i);
+      if (const Memory::Area* area = memory.find(pc)) area->unmark_code(pc);
+    }
+  by_key_.clear();
+  blocks_.clear();
+}
+
+void BlockStore::settle(Causes& causes, std::uint64_t& instructions) {
+  for (Block::Exit* exit : counted_) {
+    for (std::size_t i = 0; i < cause_count; ++i) causes[i] += static_cast<Cycles>(exit->count) * exit->causes[i];
+    instructions += exit->count * exit->size;
+    exit->count = 0;
+  }
+  counted_.clear();
+}
+
+}  // namespace c40
