@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "c40/engine.hpp"
+#include "c40/interrupts.hpp"
 #include "c40/peripherals/register_map.hpp"
 
 namespace c40 {
@@ -78,7 +79,7 @@ void Chip::set_register(isa::Register r, std::uint64_t value) {
   if (code == reg::ST) return engine_->set_status(word);
   core.r[code] = word;
   if (isa::is_extended(r)) core.e[code] = float40::from_bits(value).e;
-  if (code == reg::IIF) engine_->after_interrupt_register_write(), engine_->pins_changed();
+  if (code == reg::IIF) engine_->pins().show_inputs(), engine_->peripherals().pins_changed();
 }
 
 Float40 Chip::float_register(isa::Register r) const {
@@ -117,43 +118,43 @@ void check_pin(int pin) {
 
 bool Chip::iiof_pin(int pin) const {
   check_pin(pin);
-  return engine_->iiof_pin(pin);
+  return engine_->pins().level(static_cast<unsigned>(pin));
 }
 void Chip::raise_iiof(int pin) {
   check_pin(pin);
-  engine_->raise_flag(4u << 4 * pin);
+  engine_->peripherals().raise(interrupts::iiof_flag(static_cast<unsigned>(pin)));
 }
-void Chip::raise_nmi() { engine_->raise_flag(1u << 16); }
+void Chip::raise_nmi() { engine_->peripherals().raise(interrupts::nmi_flag); }
 void Chip::attach(int port, PortListener* link) {
   check_port(port);
-  if (link != nullptr && engine_->listener(port) != nullptr) throw std::invalid_argument(fmt::format("communication port {} is taken", port));
-  engine_->attach(port, link);
+  if (link != nullptr && engine_->ports().listener(port) != nullptr) throw std::invalid_argument(fmt::format("communication port {} is taken", port));
+  engine_->ports().attach(port, link);
 }
 CommPort& Chip::port(int port) {
   check_port(port);
-  return engine_->port(port);
+  return engine_->ports()[port];
 }
 const CommPort& Chip::port(int port) const {
   check_port(port);
   return engine_->state().ports[static_cast<std::size_t>(port)];
 }
 void Chip::complete_port(Cycles at) { engine_->complete_port(at); }
-bool Chip::dma_active() const { return engine_->dma_active(); }
-bool Chip::dma_busy() const { return engine_->dma_active() && (engine_->dma().busy() || engine_->dma().ends()); }
+bool Chip::dma_active() const { return engine_->peripherals().dma_active(); }
+bool Chip::dma_busy() const { return engine_->peripherals().dma_active() && (engine_->dma().busy() || engine_->dma().ends()); }
 std::vector<DmaWait> Chip::dma_waits() const { return engine_->dma().waits(); }
 Cycles Chip::settled() const {
   const State& state = engine_->state();
-  if (!engine_->dma_active()) return state.cycle;
+  if (!engine_->peripherals().dma_active()) return state.cycle;
   return engine_->processor_waits() ? state.dma.now : std::min(state.cycle, state.dma.now);
 }
 bool Chip::watches_ports() const { return engine_->watched_ports() != 0; }
 
 void Chip::set_pin(Pin pin, bool level, Cycles at) {
   if (pin == Pin::reset) throw std::invalid_argument("RESET: who drives it resets the chip");
-  engine_->set_pin(pin, level, at);
+  engine_->peripherals().set_pin(pin, level, at);
 }
 void Chip::watch_pins(PinListener* listener, unsigned outputs, unsigned inputs) { engine_->watch_pins(listener, outputs, inputs); }
-bool Chip::heeds(Pin pin) const { return engine_->heeds(pin); }
+bool Chip::heeds(Pin pin) const { return engine_->peripherals().heeds(pin); }
 bool Chip::timer_pin(int timer) const {
   check_timer(timer);
   const State& state = engine_->state();
@@ -167,20 +168,20 @@ Cycles Chip::next_timer_event(int timer) const {
   check_timer(timer);
   return engine_->state().timers[static_cast<std::size_t>(timer)].next_event();
 }
-Cycles Chip::next_event() const { return engine_->next_peripheral_event(); }
+Cycles Chip::next_event() const { return engine_->peripherals().next_event(); }
 bool Chip::locked(bool global_bus) const { return engine_->state().locked[global_bus]; }
 bool Chip::dormant() const { return idle() && !dma_active() && next_event() == std::numeric_limits<Cycles>::max(); }
 bool Chip::idle() const { return engine_->waits_in_idle(); }
-bool Chip::interrupt_pending() const { return engine_->pending_vector() != 0; }
+bool Chip::interrupt_pending() const { return interrupts::pending(engine_->state()) != 0; }
 Cycles Chip::idle_since() const { return engine_->idle_since(); }
 Cycles Chip::dma_done() const { return engine_->dma().last_done(); }
 bool Chip::timer_drives_dma(int timer) const {
   check_timer(timer);
-  return engine_->timer_drives_dma(static_cast<std::size_t>(timer));
+  return engine_->peripherals().timer_drives_dma(static_cast<std::size_t>(timer));
 }
 void Chip::hold(bool held) { engine_->hold(held); }
 void Chip::stand_until(Cycles cycle) { engine_->stand_until(cycle); }
-void Chip::let_peripherals_reach(Cycles cycle) { engine_->let_peripherals_reach(cycle); }
+void Chip::let_peripherals_reach(Cycles cycle) { engine_->peripherals().advance_to(cycle); }
 bool Chip::halted() const { return engine_->state().held || engine_->state().faulted; }
 
 Cycles Chip::cycle() const { return engine_->state().cycle; }
@@ -201,7 +202,7 @@ void Chip::remove_breakpoint(Address address) {
   engine_->flush_blocks();
   engine_->breakpoints.erase(address);
 }
-void Chip::set_peripheral_sink(PeripheralSink* sink) { engine_->peripheral_sink = sink; }
+void Chip::set_peripheral_sink(PeripheralSink* sink) { engine_->tell.sink = sink; }
 void Chip::set_trace(TraceSink* sink) { engine_->trace = sink; }
 void Chip::set_exact(bool exact) { engine_->exact_only = exact; }
 

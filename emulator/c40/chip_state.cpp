@@ -184,7 +184,7 @@ void Engine::list_state(state::Visitor& list) {
   if (list.loads()) forget_pipelines();  // with the blocks, whose marks are taken off the memory as it was
   list("state", state_);
   list("memory", memory_);
-  list("interface_changed", interface_changed_);
+  peripherals_.list_state(list);
 
   list("waiting_access", waiting_access_);
   list("port_slot", port_slot_);
@@ -207,8 +207,7 @@ void Engine::list_state(state::Visitor& list) {
   list("dma_stop", dma_stop_);
   if (!list.loads()) return;
 
-  watch_dma();
-  expect_peripherals();
+  peripherals_.state_changed();
   code_ = {};
   for (Site& site : sites_) site.known = site.quick = false;
   ++cache_version_;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "c40/engine_dma.hpp"
+#include "c40/interrupts.hpp"
 
 namespace c40 {
 
@@ -19,8 +20,7 @@ Engine::~Engine() = default;
 void Engine::reset() {
   pipeline_.forget();
   flush_blocks();
-  for (PortListener* link : listeners_)
-    if (link != nullptr) link->about_to_reset(state_.cycle);
+  ports_.about_to_reset(state_.cycle);
   const State old = state_;
   state_ = State{};
   state_.cycle = old.cycle;
@@ -33,18 +33,17 @@ void Engine::reset() {
   state_.drives = old.drives;
   for (std::size_t n = 0; n < timer_count; ++n) state_.timers[n].start_anew(old.timers[n]);
   state_.ports = old.ports;
-  reset_ports();
+  ports_.reset(state_.cycle);
   state_.dma.now = state_.cycle;
   dma_side_->forget();
   dma_request_.reset();
   dma_stop_.reset();
-  watch_dma();
-  expect_peripherals();
+  peripherals_.state_changed();
   state_.core.e.fill(float40::zero_exponent);
   state_.global_interface_control = board_.global_interface_control;
   state_.local_interface_control = board_.local_interface_control;
-  after_interrupt_register_write();
-  pins_changed();
+  pins_.show_inputs();
+  peripherals_.pins_changed();
   stale_code_ = false;
   ++cache_version_;
   forget_memory();
@@ -74,7 +73,7 @@ Word Engine::peek(Address address) const {
   if (area == nullptr) throw std::out_of_range(fmt::format("address {:08X}h is reserved on board {}", address, board_.name));
   if (area->data != nullptr) return area->data[address - area->base];
   Word value = 0;
-  if (area->kind == Region::Kind::registers && read_register(address, state_.cycle, value)) return value;
+  if (area->kind == Region::Kind::registers && peripherals_.read(address, state_.cycle, value)) return value;
   throw std::out_of_range(fmt::format("address {:08X}h ({}) cannot be read without a bus access", address, area->name));
 }
 
@@ -82,7 +81,7 @@ void Engine::poke(Address address, Word value) {
   const Memory::Area* area = memory_.find(address);
   if (area == nullptr) throw std::out_of_range(fmt::format("address {:08X}h is reserved on board {}", address, board_.name));
   if (area->data == nullptr) {
-    if (area->kind == Region::Kind::registers && write_register(address, value, state_.cycle)) return;
+    if (area->kind == Region::Kind::registers && peripherals_.write(address, value, state_.cycle)) return;
     throw std::out_of_range(fmt::format("address {:08X}h ({}) cannot be written without a bus access", address, area->name));
   }
   const Word offset = address - area->base;
@@ -125,7 +124,7 @@ StopInfo Engine::stop(Stepped why) {
       break;
     case Stepped::breakpoint: info.reason = StopInfo::Reason::breakpoint; break;
     case Stepped::port:
-      info.reason = listener(port_access_.port) != nullptr ? StopInfo::Reason::port_access : StopInfo::Reason::port_wait;
+      info.reason = ports_.listener(port_access_.port) != nullptr ? StopInfo::Reason::port_access : StopInfo::Reason::port_wait;
       info.port = port_access_;
       break;
     case Stepped::horizon: info.reason = StopInfo::Reason::horizon; break;
@@ -149,15 +148,16 @@ Engine::Stepped Engine::advance(Cycles limit, bool single) {
   Core& core = state_.core;
   core.attention = false;
   reach_present();
-  dma_waited_ = dma_waits();
-  limit = std::min(limit, next_peripheral_event_);
+  dma_waited_ = peripherals_.dma_waits();
+  limit = std::min(limit, peripherals_.next_event());
   if (core.code_writes != 0) process_code_writes();
-  if (std::exchange(interface_changed_, false)) {
+  if (peripherals_.interface_changed()) {
+    peripherals_.interface_settled();
     flush_blocks();
     forget_memory();
   }
   if (may_interrupt()) {
-    if (const Word vector = pending_vector(); vector != 0) {
+    if (const Word vector = interrupts::pending(state_); vector != 0) {
       if (!take_interrupt(vector)) return Stepped::fault;
       return Stepped::done;
     }
@@ -172,8 +172,8 @@ Engine::Stepped Engine::advance(Cycles limit, bool single) {
   }
   if (pipelines_.full()) forget_pipelines();
   const bool answered = state_.answers[0].given || state_.answers[1].given;
-  const bool waiting_interrupt = !may_interrupt() && pending_vector() != 0;
-  dma_busy_ = dma_active_ && dma_.busy();
+  const bool waiting_interrupt = !may_interrupt() && interrupts::pending(state_) != 0;
+  dma_busy_ = peripherals_.dma_busy();
   dma_beside_ = dma_busy_ || dma_disturbed();
   if (dma_busy_) dma_side_->know_accesses();
   else dma_side_->knows_accesses = false;
@@ -208,21 +208,21 @@ StopInfo Engine::run_until(Cycles limit, Cycles known) {
   const Word watched = watched_ports();
   const bool waits = processor_waits() && told_;  // who drives the chip knows of the access, and bounds the DMA by it
   for (;;) {
-    if (dma_active_ || dma_stop_)
+    if (peripherals_.dma_active() || dma_stop_)
       if (auto info = run_dma(known, false)) {
         if (info->reason != StopInfo::Reason::limit || state_.cycle >= limit) return *info;
         continue;
       }
     const Cycles end = waits_in_idle() ? std::min(known, limit) : limit;
     if (state_.cycle >= end) {
-      if ((waits || known > limit) && dma_active_)
+      if ((waits || known > limit) && peripherals_.dma_active())
         if (auto info = run_dma(known, true)) return *info;
       break;
     }
     const Stepped why = advance(end, false);
     make_dma_current(dma_waited_);
     if (why != Stepped::done) {
-      if (dma_active_ && (why == Stepped::port || why == Stepped::external)) {
+      if (peripherals_.dma_active() && (why == Stepped::port || why == Stepped::external)) {
         const Cycles begins = why == Stepped::port ? port_access_.cycle : waiting_.cycle;
         if (auto earlier = run_dma(waits ? known : std::min(known, begins), true)) return *earlier;
       }
@@ -230,10 +230,10 @@ StopInfo Engine::run_until(Cycles limit, Cycles known) {
       return stop(why);
     }
     told_ = false;
-    if (attached_ != 0 && (watched_ports() & ~watched) != 0) return stop(Stepped::horizon);
+    if (ports_.attached() != 0 && (watched_ports() & ~watched) != 0) return stop(Stepped::horizon);
   }
   // Events of timers come in their turn, as the DMA does: where it is behind, they wait for it.
-  if (!dma_active_ || !uses_linked_port() || state_.dma.now >= state_.cycle - 1) reach_present();
+  if (!peripherals_.dma_active() || !uses_linked_port() || state_.dma.now >= state_.cycle - 1) reach_present();
   return {};
 }
 
@@ -243,9 +243,9 @@ StopInfo Engine::step() {
     return {};
   }
   run_limit_ = state_.cycle;
-  if (dma_active_ || dma_stop_)
+  if (peripherals_.dma_active() || dma_stop_)
     if (auto info = run_dma(run_limit_, false)) return *info;
-  if (dma_active_ && waits_in_idle()) {
+  if (peripherals_.dma_active() && waits_in_idle()) {
     const Cycles before = state_.cycle;
     if (auto info = run_dma(before + 1, false)) return *info;
     if (state_.cycle != before) {
@@ -255,12 +255,12 @@ StopInfo Engine::step() {
   }
   const Stepped why = advance(state_.cycle + 1, true);
   make_dma_current(dma_waited_);
-  if (dma_active_ && (why == Stepped::port || why == Stepped::external)) {
+  if (peripherals_.dma_active() && (why == Stepped::port || why == Stepped::external)) {
     const Cycles begins = why == Stepped::port ? port_access_.cycle : waiting_.cycle;
     if (auto earlier = run_dma(begins, true)) return *earlier;
   }
   told_ = why != Stepped::done;
-  if (why == Stepped::done && (dma_active_ || dma_stop_))
+  if (why == Stepped::done && (peripherals_.dma_active() || dma_stop_))
     if (auto info = run_dma(waits_in_idle() ? state_.cycle : run_limit_, false)) return *info;
   if (why == Stepped::done) reach_present();
   return stop(why);
@@ -268,15 +268,13 @@ StopInfo Engine::step() {
 
 // What has happened by the present cycle: timers' events, and what the cache is told.
 void Engine::reach_present() {
-  if (state_.cycle >= next_peripheral_event_) {
-    const bool waited = dma_waits() && !dma_.ends();
-    advance_peripherals(state_.cycle);
+  if (state_.cycle >= peripherals_.next_event()) {
+    const bool waited = peripherals_.dma_waits() && !dma_.ends();
+    peripherals_.advance_to(state_.cycle);
     make_dma_current(waited);
   }
   if (cache_control_pending()) [[unlikely]] settle_cache_control();
 }
-
-bool Engine::dma_waits() const { return dma_active_ && !dma_.busy(); }
 
 // A DMA that waited goes on no earlier than what it waited for.
 void Engine::make_dma_current(bool waited) {

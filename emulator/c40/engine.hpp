@@ -9,8 +9,9 @@
 #include "c40/bind.hpp"
 #include "c40/block_store.hpp"
 #include "c40/chip.hpp"
-#include "c40/peripherals/events.hpp"
+#include "c40/peripherals.hpp"
 #include "c40/pipeline_table.hpp"
+#include "c40/ports.hpp"
 #include "c40/state.hpp"
 
 namespace c40 {
@@ -22,21 +23,13 @@ class Engine {
 
   void reset();
   void boot();
-  bool iiof_pin(int pin) const;
   StopInfo run_until(Cycles limit, Cycles known);
   StopInfo step();
   void complete(bool write, Word value, Cycles arbitration, Cycles transfer);
-  void raise_flag(Word flag);
-  void set_pin(Pin pin, bool level, Cycles at);
   void watch_pins(PinListener* listener, unsigned outputs, unsigned inputs);
-  bool heeds(Pin pin) const;
   void hold(bool held);
   void stand_until(Cycles cycle);
-  void let_peripherals_reach(Cycles cycle) { advance_peripherals(cycle); }
-  /// An instruction, or who stands outside, may have changed what the chip drives.
-  void pins_changed();
   bool waits_in_idle() const;
-  bool dma_active() const { return dma_active_; }
   void settle_counts();
   /// The state may be changed from outside after this.
   State& touch();
@@ -51,25 +44,21 @@ class Engine {
   /// By the program: CE, CF and CC act on later fetches only.
   void write_status(Word value);
   void set_status(Word value);
-  void after_interrupt_register_write();
   void complete_port(Cycles at);
   /// The access that the chip stopped at will not be asked for any more.
   void forget_access();
   /// Bit n: linked port n could raise an interrupt.
   Word watched_ports() const;
-  CommPort& port(int n) { return state_.ports[static_cast<std::size_t>(n)]; }
+  Ports& ports() { return ports_; }
+  Pins& pins() { return pins_; }
+  Peripherals& peripherals() { return peripherals_; }
   const Dma& dma() const { return dma_; }
   /// For an access that was reported.
   bool processor_waits() const { return state_.stalled_on_port || waiting_access_ < 2; }
-  Cycles next_peripheral_event() const { return next_peripheral_event_; }
-  Word pending_vector() const;
   Cycles idle_since() const { return idle_until_ == state_.cycle ? idle_since_ : state_.cycle; }
-  bool timer_drives_dma(std::size_t timer) const;
-  void attach(int n, PortListener* link);
-  PortListener* listener(int n) const { return listeners_[static_cast<std::size_t>(n)]; }
 
   TraceSink* trace = nullptr;
-  PeripheralSink* peripheral_sink = nullptr;
+  PeripheralTeller tell;  ///< of what the peripherals do
   bool exact_only = false;
   std::set<Address> breakpoints;
 
@@ -154,33 +143,14 @@ class Engine {
   Stepped nothing_at(std::string_view access, Address address);
   void emit_trace(const Step& step, const Core& before, Cycles cycle, const Causes& causes);
 
-  // engine_peripherals.cpp: registers on the chip, ports, timers, interrupts
-  bool read_register(Address address, Cycles at, Word& value) const;
-  bool write_register(Address address, Word value, Cycles at);
-  void end_dma_block(Cycles at);
-  void advance_peripherals(Cycles at);
-  void make_dma_current(bool waited);
-  void reach_present();
-  bool dma_waits() const;
-  void expect_peripherals();
-  void reset_ports();
-  bool latch_for_dma(Word flag);
-  bool uses_linked_port() const;
-  void timer_event(std::size_t timer, Cycles at);
-  void tell_word(const PortAccess& access, Word read, Cycles at, int channel);
-  void tell(PeripheralEvent::Kind kind, Cycles cycle, int number, Word value = 0, int channel = -1);
+  // engine_peripherals.cpp: accesses to ports, interrupt entry, boot
   Stepped access_port(const Step& step, std::size_t k, Word& cell);
-  Word pending_port_vector(Word enabled) const;
   bool take_interrupt(Word vector);
-
-  // engine_pins.cpp
-  bool pin_drives_dma(unsigned pin) const;
-  bool level_at_iiof(unsigned pin) const;
-  Drive drive_of(Pin pin, Cycles at) const;
-  void tell_pins(Cycles at);
-  std::optional<Pin> contended_pin() const;
+  bool uses_linked_port() const;
 
   // engine.cpp: running
+  void reach_present();
+  void make_dma_current(bool waited);
   void forget_memory();
   void forget_pipelines();
   void pass(Cause cause, Cycles until);
@@ -190,7 +160,6 @@ class Engine {
 
   // engine_dma.cpp: the DMA coprocessor beside the processor
   struct DmaSide;
-  void watch_dma();
   Cycles known_until(Cycles limit, bool idles) const;
   std::optional<StopInfo> run_dma(Cycles limit, bool processor_waits);
   std::array<std::optional<Access>, 2> next_fetches();
@@ -201,8 +170,7 @@ class Engine {
   void note_accesses(const Step& step, bool annulled, Cycles before);
   std::unique_ptr<DmaSide> dma_side_;
   Dma dma_;
-  bool dma_active_ = false;  ///< a channel is started
-  bool dma_beside_ = false;  ///< and goes on during this instruction, or what it took still counts
+  bool dma_beside_ = false;  ///< a channel goes on during this instruction, or what it took still counts
   bool dma_waited_ = false;  ///< before this instruction: started, and nothing to do
   bool dma_busy_ = false;    ///< and goes on during this instruction
   Cycles run_limit_ = 0;     ///< of the present call: what the links do is known up to there
@@ -235,16 +203,13 @@ class Engine {
   PipelineNow pipeline_{pipelines_, state_.pipeline};  ///< state_.pipeline is brought up to date when it is asked for
   Board board_;
   Memory memory_;
+  Ports ports_{state_.ports, tell};
+  Pins pins_{state_, board_.pins};
+  Peripherals peripherals_{state_, dma_, pins_, tell};
   ExternalAccess waiting_{};
-  Cycles next_peripheral_event_ = 0;  ///< before it, no peripheral does anything by itself that the processor could see
   PortAccess port_access_{};
   Cycles held_ = 0;  ///< of the reported access: how long it was held off by the DMA's access to a window
   std::size_t port_slot_ = 2;  ///< which of the instruction's accesses waits for a port; 2: none
-  std::array<PortListener*, port_count> listeners_{};
-  Word attached_ = 0;  ///< bit n: port n has a listener
-  PinListener* pin_listener_ = nullptr;
-  unsigned watched_pins_ = 0;  ///< bit n: pin n is an output that somebody listens to
-  unsigned driven_pins_ = 0;   ///< bit n: pin n is an input that others drive
   std::size_t waiting_access_ = 2;  ///< which of the instruction's accesses waits; 2: none
   std::optional<Fault> fault_;
   std::optional<Cycles> reported_breakpoint_;  ///< cycle of the last breakpoint stop
@@ -257,8 +222,6 @@ class Engine {
   ExactSites exact_sites_;
   Code code_;
   Memory::OpenPages pages_;  ///< of the step under way
-  bool interface_changed_ = false;  ///< GMICR or LMICR was written
-
   BlockStore blocks_;
   Continuation onward_;
   std::uint64_t cache_version_ = 1;  ///< rises when words come into the cache or leave it

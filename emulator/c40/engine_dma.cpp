@@ -12,6 +12,7 @@
 
 #include "c40/engine.hpp"
 #include "c40/engine_dma.hpp"
+#include "c40/interrupts.hpp"
 #include "c40/peripherals/register_map.hpp"
 
 namespace c40 {
@@ -20,7 +21,6 @@ namespace {
 /// The read stage of the next instruction stands one cycle before its execute stage.
 constexpr Cycles read_lead = 1;
 constexpr Word priority_rotating = 1, priority_dma = 3;
-constexpr Word first_dma_flag = 1u << 25;
 constexpr Word code_level = 1;
 /// A DMA of the first priority can keep the processor from its bus for 2^32 words: after so long, who runs the chip is asked.
 constexpr Cycles starved_cycles = 10'000;
@@ -61,7 +61,7 @@ Word Engine::DmaSide::read(Address address, Cycles at) {
   if (area->data != nullptr) return area->data[address - area->base];
   Word value = 0;
   if (is_port_register(address)) return touch_port(port_access(address, false, 0, at), at);
-  engine.read_register(address, at, value);
+  engine.peripherals_.read(address, at, value);
   return value;
 }
 
@@ -69,7 +69,7 @@ void Engine::DmaSide::write(Address address, Word value, Cycles at) {
   const Memory::Area* area = engine.memory_.find(address);
   if (area->data != nullptr) engine.poke(address, value);
   else if (is_port_register(address)) touch_port(port_access(address, true, value, at), at);
-  else engine.write_register(address, value, at);
+  else engine.peripherals_.write(address, value, at);
 }
 
 bool Engine::DmaSide::port_ready(Address address, bool write) const {
@@ -87,9 +87,9 @@ std::optional<bool> Engine::DmaSide::level(int channel, bool write, Word code) c
 Word Engine::DmaSide::dma_interrupt_enable() const { return engine.state_.core.r[reg::DIE]; }
 
 void Engine::DmaSide::block_ended(int channel, bool auxiliary, bool interrupt, Cycles at) {
-  engine.tell(PeripheralEvent::Kind::dma_end, at, channel, auxiliary);
+  engine.tell({PeripheralEvent::Kind::dma_end, at, channel, auxiliary});
   if (!interrupt) return;
-  engine.raise_flag(first_dma_flag << channel);
+  engine.peripherals_.raise(interrupts::first_dma_flag << channel);
   engine.dma_.stop_requested = true;
 }
 
@@ -215,13 +215,9 @@ void Engine::DmaSide::lost_to_one_under_way(Cycles at, Cycles until) {
 
 // The link's next events are others after this: whoever drives it has to look.
 Word Engine::DmaSide::touch_port(const PortAccess& access, Cycles at) {
-  CommPort& side = engine.port(access.port);
-  const Word value = access.perform(side);
-  engine.tell_word(access, value, at, engine.state_.dma.current / 2);
-  if (PortListener* link = engine.listener(access.port); link != nullptr) {
-    link->changed(side, at);
-    touched_link = engine.dma_.stop_requested = true;
-  }
+  const Word value = access.perform(engine.ports_[access.port]);
+  engine.ports_.accessed(access, value, at, engine.state_.dma.current / 2);
+  if (engine.ports_.listener(access.port) != nullptr) touched_link = engine.dma_.stop_requested = true;
   return value;
 }
 
@@ -336,9 +332,7 @@ std::optional<StepTiming> Engine::without_dma(const Step& step, bool annulled) {
 
 bool Engine::dma_disturbed() const { return dma_side_->undisturbed.has_value(); }
 
-void Engine::watch_dma() { dma_active_ = dma_.active() || state_.dma.waits_for_answer; }
-
-bool Engine::waits_in_idle() const { return state_.core.idle && may_interrupt() && pending_vector() == 0; }
+bool Engine::waits_in_idle() const { return state_.core.idle && may_interrupt() && interrupts::pending(state_) == 0; }
 
 // How far the DMA may go while the processor runs or idles: everything that the processor does before is known. What the links do is known
 // up to `limit` only.
@@ -347,7 +341,7 @@ Cycles Engine::known_until(Cycles limit, bool idles) const {
   return uses_linked_port() ? std::min(limit, until) : until;
 }
 
-bool Engine::uses_linked_port() const { return attached_ != 0 && (dma_.ports_used() & attached_) != 0; }
+bool Engine::uses_linked_port() const { return ports_.attached() != 0 && (dma_.ports_used() & ports_.attached()) != 0; }
 
 // Lets the DMA follow the processor, or go on without it while it waits or idles; and the timers, each event in its turn. A stop for the
 // reason `limit`: the processor has not got its bus for so long, and the DMA has still not come to where it follows.
@@ -356,23 +350,23 @@ std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
   if (auto earlier = std::exchange(dma_stop_, std::nullopt)) return earlier;
   const Cycles began = state_.cycle;
   const auto moves = [&] { return dma_.busy() || dma_.ends(); };
-  const bool moved = processor_waits && dma_active_ && moves();
-  while (dma_active_) {
+  const bool moved = processor_waits && peripherals_.dma_active() && moves();
+  while (peripherals_.dma_active()) {
     if (!waits_in_idle() && state_.cycle > began + starved_cycles) return StopInfo{};
     if (dma_request_) return dma_stop(*dma_request_);
     const bool idles = !processor_waits && waits_in_idle();
     const Cycles until = processor_waits ? limit : known_until(limit, idles);
-    const Cycles event = next_peripheral_event_, to = std::min(until, event);
+    const Cycles event = peripherals_.next_event(), to = std::min(until, event);
     if (state_.dma.now >= until && !dma_.ends_at(until) && event > until) break;
     side.begin_following(!processor_waits && !idles);
     const auto request = dma_.advance_to(to);
     side.end_following();
-    watch_dma();
+    peripherals_.watch_dma();
     if (idles) pass(Cause::idle, std::min(to, state_.dma.now));
     if (request) return dma_stop(*request);
     if (std::exchange(side.touched_link, false)) return stop(Stepped::horizon);
     if (moved && !moves() && event > dma_.last_done()) break;  // at rest: how far the timers go beyond is for who knows whether anything else is to come
-    if (event <= to && state_.dma.now >= event) advance_peripherals(event);
+    if (event <= to && state_.dma.now >= event) peripherals_.advance_to(event);
   }
   return std::nullopt;
 }
@@ -398,7 +392,7 @@ void Engine::complete_dma(bool write, Word value, Cycles waited) {
   dma_request_.reset();
   state_.dma.answered_until = state_.dma.now + waited;
   dma_.answer(value, state_.dma.answered_until);
-  watch_dma();
+  peripherals_.watch_dma();
 }
 
 }  // namespace c40

@@ -185,7 +185,7 @@ Engine::Stepped Engine::resolve(Step& step) {
     if (const Stepped why = access_port(step, k, cell[0]); why != Stepped::done) return why;
   } else if (area->kind == Region::Kind::registers) {
     step.register_cycle[k] = access_cycle(step, k);
-    if (!read_register(address, step.register_cycle[k], cell[0]))
+    if (!peripherals_.read(address, step.register_cycle[k], cell[0]))
       return fail(Fault::Kind::not_modelled,
                   fmt::format("{} {:08X}h: {} is not modelled", write ? "write to" : "read of", address, describe_register(address)),
                   address);
@@ -366,13 +366,13 @@ void Engine::finish_step(const Step& step) {
   Core& core = state_.core;
   const Bound& bound = step.site->bound;
   for (std::size_t k = 0; step.register_writes != 0 && k < 2; ++k)
-    if ((step.register_writes >> k & 1u) != 0) write_register(step.address[k], scratch_[k].cell[0], step.register_cycle[k]);
+    if ((step.register_writes >> k & 1u) != 0) peripherals_.write(step.address[k], scratch_[k].cell[0], step.register_cycle[k]);
   if (bound.writes_status) {
     // LDIcond may leave ST as it is.
     const bool written = !bound.row->conditional() || execute::holds(core, static_cast<isa::Condition>(bound.op.selector));
     if (written) write_status(core.r[reg::ST]);
   }
-  if (bound.writes_interrupts) after_interrupt_register_write();
+  if (bound.writes_interrupts) pins_.show_inputs();
   core.attention |= bound.writes_status || bound.writes_interrupts || !step.plain;
 }
 
@@ -447,8 +447,8 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
     if (const Stepped why = execute(step); why != Stepped::done) return why;
     settle_accesses(step, pc);
     finish_step(step);
-    if (driven_pins_ != 0 && (bound.writes_interrupts || step.register_writes != 0)) [[unlikely]]
-      if (const auto pin = contended_pin())
+    if (pins_.driven() && (bound.writes_interrupts || step.register_writes != 0)) [[unlikely]]
+      if (const auto pin = pins_.contended())
         return fail(Fault::Kind::not_modelled, fmt::format("pin {} becomes an output, and a net drives it", name(*pin)));
   }
   std::optional<StepTiming> without;
@@ -460,9 +460,9 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   account(next.timing, without);
   if (state_.answers[0].given || state_.answers[1].given) [[unlikely]] {
     settle_answers();
-    if (dma_active_) dma_side_->mark_under_way();
+    if (peripherals_.dma_active()) dma_side_->mark_under_way();
   }
-  if (bound.writes_interrupts) pins_changed();
+  if (bound.writes_interrupts) peripherals_.pins_changed();
   if (dma_busy_) [[unlikely]] note_accesses(step, annul, before);
   if (bound.flow != Flow::straight || bound.writes_status) note_cache_control(state_.cycle - 1 - step.timing->branch);
   advance_pc(pc);
@@ -544,7 +544,7 @@ bool Engine::quick_step() {
 Engine::Stepped Engine::run_exactly(Cycles limit) {
   const Core& core = state_.core;
   Step step;
-  while (!core.attention && core.code_writes == 0 && !interface_changed_ && !core.idle && state_.cycle < limit && (exact_only || !by_blocks()))
+  while (!core.attention && core.code_writes == 0 && !peripherals_.interface_changed() && !core.idle && state_.cycle < limit && (exact_only || !by_blocks()))
     if (!quick_step())
       if (const Stepped why = exact_step(step, false); why != Stepped::done) return why;
   return Stepped::done;

@@ -39,4 +39,12 @@ class PeripheralSink {
   virtual void happened(const PeripheralEvent& event) = 0;
 };
 
+/// The sink that may be there.
+struct PeripheralTeller {
+  PeripheralSink* sink = nullptr;
+  void operator()(const PeripheralEvent& event) const {
+    if (sink != nullptr) sink->happened(event);
+  }
+};
+
 }  // namespace c40
