@@ -59,7 +59,7 @@ void Chip::set_pc(Address pc) {
   state.core.delay_slots = 0;
   state.core.annul = state.core.delay_repeat = state.core.idle = false;
   state.answers = {};
-  engine_->forget_access();
+  engine_->access().forget();
   state.pipeline.flush(0);
 }
 
@@ -145,7 +145,7 @@ std::vector<DmaWait> Chip::dma_waits() const { return engine_->dma().waits(); }
 Cycles Chip::settled() const {
   const State& state = engine_->state();
   if (!engine_->peripherals().dma_active()) return state.cycle;
-  return engine_->processor_waits() ? state.dma.now : std::min(state.cycle, state.dma.now);
+  return engine_->access().any() ? state.dma.now : std::min(state.cycle, state.dma.now);
 }
 bool Chip::watches_ports() const { return engine_->watched_ports() != 0; }
 

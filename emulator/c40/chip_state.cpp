@@ -186,17 +186,7 @@ void Engine::list_state(state::Visitor& list) {
   list("memory", memory_);
   peripherals_.list_state(list);
 
-  list("waiting_access", waiting_access_);
-  list("port_slot", port_slot_);
-  // Left over from an access that has been answered, they mean nothing.
-  ExternalAccess access = waiting_access_ < 2 ? waiting_ : ExternalAccess{};
-  PortAccess port = port_slot_ < 2 ? port_access_ : PortAccess{};
-  Cycles held = waiting_access_ < 2 || port_slot_ < 2 ? held_ : 0;
-  list("access", access);
-  list("port_access", port);
-  list("held", held);
-  if (list.loads()) waiting_ = access, port_access_ = port, held_ = held;
-  list("told", told_);
+  access_.list_state(list);
   list("reported_breakpoint", reported_breakpoint_);
   Cycles idle_since = this->idle_since();
   list("idle_since", idle_since);

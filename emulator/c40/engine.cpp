@@ -48,7 +48,7 @@ void Engine::reset() {
   ++cache_version_;
   forget_memory();
   fault_.reset();
-  forget_access();
+  access_.forget();
   reported_breakpoint_.reset();
   touch();
 }
@@ -120,12 +120,12 @@ StopInfo Engine::stop(Stepped why) {
     case Stepped::done: break;
     case Stepped::external:
       info.reason = StopInfo::Reason::external_access;
-      info.access = waiting_;
+      info.access = access_.window();
       break;
     case Stepped::breakpoint: info.reason = StopInfo::Reason::breakpoint; break;
     case Stepped::port:
-      info.reason = ports_.listener(port_access_.port) != nullptr ? StopInfo::Reason::port_access : StopInfo::Reason::port_wait;
-      info.port = port_access_;
+      info.reason = ports_.listener(access_.port().port) != nullptr ? StopInfo::Reason::port_access : StopInfo::Reason::port_wait;
+      info.port = access_.port();
       break;
     case Stepped::horizon: info.reason = StopInfo::Reason::horizon; break;
     case Stepped::software_interrupt: info.reason = StopInfo::Reason::software_interrupt; break;
@@ -140,7 +140,7 @@ StopInfo Engine::stop(Stepped why) {
 
 bool Engine::may_interrupt() const {
   return state_.core.delay_slots == 0 && state_.core.repeat_single == 0 && !state_.answers[0].given && !state_.answers[1].given &&
-         !state_.stalled_on_port;
+         !access_.at_port();
 }
 
 // One thing: a stop, an interrupt entry, idling, a run of blocks, or one exact instruction.
@@ -206,7 +206,7 @@ StopInfo Engine::run_until(Cycles limit, Cycles known) {
   }
   run_limit_ = known;
   const Word watched = watched_ports();
-  const bool waits = processor_waits() && told_;  // who drives the chip knows of the access, and bounds the DMA by it
+  const bool waits = access_.is_told();
   for (;;) {
     if (peripherals_.dma_active() || dma_stop_)
       if (auto info = run_dma(known, false)) {
@@ -223,13 +223,12 @@ StopInfo Engine::run_until(Cycles limit, Cycles known) {
     make_dma_current(dma_waited_);
     if (why != Stepped::done) {
       if (peripherals_.dma_active() && (why == Stepped::port || why == Stepped::external)) {
-        const Cycles begins = why == Stepped::port ? port_access_.cycle : waiting_.cycle;
-        if (auto earlier = run_dma(waits ? known : std::min(known, begins), true)) return *earlier;
+        if (auto earlier = run_dma(waits ? known : std::min(known, access_.cycle()), true)) return *earlier;
       }
-      told_ = true;
+      access_.set_told(true);
       return stop(why);
     }
-    told_ = false;
+    access_.set_told(false);
     if (ports_.attached() != 0 && (watched_ports() & ~watched) != 0) return stop(Stepped::horizon);
   }
   // Events of timers come in their turn, as the DMA does: where it is behind, they wait for it.
@@ -256,10 +255,9 @@ StopInfo Engine::step() {
   const Stepped why = advance(state_.cycle + 1, true);
   make_dma_current(dma_waited_);
   if (peripherals_.dma_active() && (why == Stepped::port || why == Stepped::external)) {
-    const Cycles begins = why == Stepped::port ? port_access_.cycle : waiting_.cycle;
-    if (auto earlier = run_dma(begins, true)) return *earlier;
+    if (auto earlier = run_dma(access_.cycle(), true)) return *earlier;
   }
-  told_ = why != Stepped::done;
+  access_.set_told(why != Stepped::done);
   if (why == Stepped::done && (peripherals_.dma_active() || dma_stop_))
     if (auto info = run_dma(waits_in_idle() ? state_.cycle : run_limit_, false)) return *info;
   if (why == Stepped::done) reach_present();
@@ -283,11 +281,7 @@ void Engine::make_dma_current(bool waited) {
 
 void Engine::complete(bool write, Word value, Cycles arbitration, Cycles transfer) {
   if (dma_request_) return complete_dma(write, value, arbitration + transfer);
-  if (waiting_access_ >= 2 || waiting_.write != write)
-    throw std::logic_error(fmt::format("the chip does not wait for a {}", write ? "write" : "read"));
-  if (arbitration < 0 || transfer < 0) throw std::invalid_argument("a chip cannot wait a negative number of cycles");
-  state_.answers[waiting_access_] = {true, write, waiting_.address, value, arbitration + held_, transfer, 0};
-  waiting_access_ = 2;
+  access_.answer_window(write, value, arbitration, transfer);
 }
 
 }  // namespace c40

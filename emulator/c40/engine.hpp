@@ -9,6 +9,7 @@
 #include "c40/bind.hpp"
 #include "c40/block_store.hpp"
 #include "c40/chip.hpp"
+#include "c40/pending_access.hpp"
 #include "c40/peripherals.hpp"
 #include "c40/pipeline_table.hpp"
 #include "c40/ports.hpp"
@@ -45,16 +46,14 @@ class Engine {
   void write_status(Word value);
   void set_status(Word value);
   void complete_port(Cycles at);
-  /// The access that the chip stopped at will not be asked for any more.
-  void forget_access();
   /// Bit n: linked port n could raise an interrupt.
   Word watched_ports() const;
   Ports& ports() { return ports_; }
   Pins& pins() { return pins_; }
   Peripherals& peripherals() { return peripherals_; }
   const Dma& dma() const { return dma_; }
-  /// For an access that was reported.
-  bool processor_waits() const { return state_.stalled_on_port || waiting_access_ < 2; }
+  /// What the processor waits for.
+  PendingAccess& access() { return access_; }
   Cycles idle_since() const { return idle_until_ == state_.cycle ? idle_since_ : state_.cycle; }
 
   TraceSink* trace = nullptr;
@@ -206,11 +205,7 @@ class Engine {
   Ports ports_{state_.ports, tell};
   Pins pins_{state_, board_.pins};
   Peripherals peripherals_{state_, dma_, pins_, tell};
-  ExternalAccess waiting_{};
-  PortAccess port_access_{};
-  Cycles held_ = 0;  ///< of the reported access: how long it was held off by the DMA's access to a window
-  std::size_t port_slot_ = 2;  ///< which of the instruction's accesses waits for a port; 2: none
-  std::size_t waiting_access_ = 2;  ///< which of the instruction's accesses waits; 2: none
+  PendingAccess access_{state_};
   std::optional<Fault> fault_;
   std::optional<Cycles> reported_breakpoint_;  ///< cycle of the last breakpoint stop
   std::vector<MemoryEvent> events_;
@@ -226,7 +221,6 @@ class Engine {
   Continuation onward_;
   std::uint64_t cache_version_ = 1;  ///< rises when words come into the cache or leave it
   bool stale_code_ = false;          ///< the cache holds words that memory no longer does
-  bool told_ = false;  ///< of the access that the processor waits for
 };
 
 }  // namespace c40

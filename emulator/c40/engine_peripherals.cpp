@@ -17,40 +17,27 @@ Engine::Stepped Engine::access_port(const Step& step, std::size_t k, Word& cell)
   const Answer& answer = state_.answers[k];
   const bool write = core.miss_write;
   if (!answer.given || answer.address != core.miss_address || answer.write != write) {
-    port_access_ = port_access(core.miss_address, write, write ? core.miss_value : 0, access_cycle(step, k));
-    held_ = std::max<Cycles>(0, state_.dma.answered_until - port_access_.cycle);
-    port_access_.cycle += held_;
-    port_slot_ = k;
-    waiting_access_ = 2;
-    if (!ports_.is_free(port_access_)) {
-      state_.stalled_on_port = true;
-      return Stepped::port;
-    }
-    complete_port(port_access_.cycle);
+    access_.begin(k, port_access(core.miss_address, write, write ? core.miss_value : 0, access_cycle(step, k)));
+    if (!ports_.is_free(access_.port())) return Stepped::port;
+    complete_port(access_.cycle());
   }
   cell = answer.value;
   return Stepped::done;
 }
 
-void Engine::forget_access() {
-  waiting_access_ = port_slot_ = 2;
-  state_.stalled_on_port = false;
-}
-
 void Engine::complete_port(Cycles at) {
-  if (port_slot_ >= 2) throw std::logic_error("the chip waits for no communication port");
-  CommPort& side = ports_[port_access_.port];
-  if (!port_access_.ready(side))
-    throw std::logic_error(fmt::format("communication port {}: the {} FIFO is {}", port_access_.port, port_access_.write ? "output" : "input",
-                                       port_access_.write ? "full" : "empty"));
-  if (at < port_access_.cycle) throw std::logic_error("an access cannot take place before it begins");
+  if (!access_.at_port()) throw std::logic_error("the chip waits for no communication port");
+  const PortAccess& access = access_.port();
+  CommPort& side = ports_[access.port];
+  if (!access.ready(side))
+    throw std::logic_error(fmt::format("communication port {}: the {} FIFO is {}", access.port, access.write ? "output" : "input",
+                                       access.write ? "full" : "empty"));
+  if (at < access.cycle) throw std::logic_error("an access cannot take place before it begins");
   peripherals_.end_dma_block(at);
   peripherals_.advance_to(at);
-  const Word value = port_access_.perform(side);
-  state_.answers[port_slot_] = {true, port_access_.write, port_access_.address, value, 0, 0, at - port_access_.cycle + held_};
-  state_.stalled_on_port = false;
-  port_slot_ = 2;
-  ports_.accessed(port_access_, value, at, -1);
+  const Word value = access.perform(side);
+  access_.answer_port(value, at);
+  ports_.accessed(access, value, at, -1);
 }
 
 // ---- interrupts ----

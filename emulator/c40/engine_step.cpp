@@ -193,11 +193,7 @@ Engine::Stepped Engine::resolve(Step& step) {
   } else {
     const Answer& answer = state_.answers[k];
     if (!answer.given || answer.address != address || answer.write != write) {
-      waiting_ = {address, write, site.bound.row->interlocked, write ? core.miss_value : 0, access_cycle(step, k), -1};
-      held_ = std::max<Cycles>(0, state_.dma.answered_until - waiting_.cycle);
-      waiting_.cycle += held_;
-      waiting_access_ = k;
-      port_slot_ = 2;
+      access_.begin(k, ExternalAccess{address, write, site.bound.row->interlocked, write ? core.miss_value : 0, access_cycle(step, k), -1});
       return Stepped::external;
     }
     cell[0] = answer.value;

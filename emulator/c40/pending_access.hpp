@@ -1,0 +1,57 @@
+#pragma once
+/// The access that the instruction at PC has begun and that somebody outside has to answer: to a window, or to a communication port.
+#include <array>
+#include <cstddef>
+
+#include "c40/chip.hpp"
+#include "c40/state.hpp"
+
+namespace c40 {
+
+/// Keeps State::stalled_on_port, and writes State::answers.
+class PendingAccess {
+ public:
+  explicit PendingAccess(State& state) : state_(state) {}
+
+  /// The instruction's access `slot` begins; an access of the DMA to a window, where one is under way, goes first.
+  void begin(std::size_t slot, const ExternalAccess& access);
+  void begin(std::size_t slot, const PortAccess& access);
+  /// It will not be asked for any more.
+  void forget();
+
+  bool at_window() const { return kind_ == Kind::window; }
+  bool at_port() const { return kind_ == Kind::port; }
+  bool any() const { return kind_ != Kind::none; }
+  /// As last begun.
+  const ExternalAccess& window() const { return window_; }
+  const PortAccess& port() const { return port_; }
+  /// When it begins.
+  Cycles cycle() const { return at_port() ? port_.cycle : window_.cycle; }
+
+  /// The answer to an access to a window. Throws std::logic_error if none in this direction is waiting, and std::invalid_argument
+  /// for a negative number of cycles.
+  void answer_window(bool write, Word value, Cycles arbitration, Cycles transfer);
+  /// The access to the port has taken place in cycle `at`.
+  void answer_port(Word value, Cycles at);
+
+  /// Whether the last run ended with a stop: who runs the chip knows of the access, and bounds the DMA by it.
+  void set_told(bool told) { told_ = told; }
+  bool is_told() const { return any() && told_; }
+
+  void list_state(state::Visitor& list);
+
+ private:
+  enum class Kind : std::uint8_t { none, window, port };
+  static constexpr std::size_t no_slot = 2;
+  void begin(Kind kind, std::size_t slot, Cycles& cycle);
+
+  State& state_;
+  Kind kind_ = Kind::none;
+  std::size_t slot_ = no_slot;  ///< which of the instruction's accesses
+  ExternalAccess window_{};
+  PortAccess port_{};
+  Cycles held_ = 0;  ///< how long it was held off by the DMA's access to a window
+  bool told_ = false;
+};
+
+}  // namespace c40
