@@ -199,13 +199,8 @@ void Engine::list_state(state::Visitor& list) {
 
   peripherals_.state_changed();
   code_ = {};
-  for (Site& site : sites_) site.known = site.quick = false;
-  ++cache_version_;
-  stale_code_ = false;
-  state_.cache.each_word([&](Address address) {
-    const Memory::Area* area = std::as_const(memory_).find(address);
-    stale_code_ |= area != nullptr && area->data != nullptr && area->data[address - area->base] != *state_.cache.find(address);
-  });
+  sites_.forget();
+  cache_.was_loaded(memory_);
   flush_blocks();  // marks what the cache holds
 }
 

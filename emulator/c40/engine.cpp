@@ -12,7 +12,7 @@
 namespace c40 {
 
 Engine::Engine(Board board)
-    : dma_side_(std::make_unique<DmaSide>(*this)), dma_(state_.dma, *dma_side_), board_(std::move(board)), memory_(board_), sites_(site_count) {
+    : dma_side_(std::make_unique<DmaSide>(*this)), dma_(state_.dma, *dma_side_), board_(std::move(board)), memory_(board_) {
   reset();
 }
 Engine::~Engine() = default;
@@ -44,8 +44,7 @@ void Engine::reset() {
   state_.local_interface_control = board_.local_interface_control;
   pins_.show_inputs();
   peripherals_.pins_changed();
-  stale_code_ = false;
-  ++cache_version_;
+  cache_.was_reset();
   forget_memory();
   fault_.reset();
   access_.forget();
@@ -64,7 +63,7 @@ State& Engine::touch() {
 void Engine::forget_memory() {
   memory_.configure(state_.global_interface_control, state_.local_interface_control);
   code_ = {};
-  for (Site& site : sites_) site.known = site.quick = false;
+  sites_.forget();
 }
 
 Word Engine::peek(Address address) const {
@@ -86,7 +85,7 @@ void Engine::poke(Address address, Word value) {
   }
   const Word offset = address - area->base;
   if ((area->code_map()[offset >> 5] >> (offset & 31) & 1u) != 0) {
-    stale_code_ |= state_.cache.find(address) != nullptr;
+    cache_.memory_written(address);
     flush_blocks();
   }
   area->data[offset] = value;
@@ -99,7 +98,7 @@ void Engine::forget_pipelines() {
   flush_blocks();
   touch();
   pipelines_.clear();
-  for (Site& site : sites_) site.transition = {};
+  sites_.forget_transitions();
 }
 
 void Engine::pass(Cause cause, Cycles until) {
@@ -114,7 +113,7 @@ void Engine::pass(Cause cause, Cycles until) {
 }
 
 StopInfo Engine::stop(Stepped why) {
-  if (cache_control_pending()) [[unlikely]] settle_cache_control();  // the DMA may have gone on while the processor idled
+  if (cache_.control_pending()) [[unlikely]] settle_cache_control();  // the DMA may have gone on while the processor idled
   StopInfo info;
   switch (why) {
     case Stepped::done: break;
@@ -177,7 +176,7 @@ Engine::Stepped Engine::advance(Cycles limit, bool single) {
   dma_beside_ = dma_busy_ || dma_disturbed();
   if (dma_busy_) dma_side_->know_accesses();
   else dma_side_->knows_accesses = false;
-  const bool one = single || trace != nullptr || answered || waiting_interrupt || dma_beside_ || cache_control_pending();
+  const bool one = single || trace != nullptr || answered || waiting_interrupt || dma_beside_ || cache_.control_pending();
   if (!one && !exact_only && !onward_.is_missed()) {
     if (Block* block = onward_.take_inside(); block != nullptr) {
       run_blocks(block, onward_.at(), limit);
@@ -271,7 +270,7 @@ void Engine::reach_present() {
     peripherals_.advance_to(state_.cycle);
     make_dma_current(waited);
   }
-  if (cache_control_pending()) [[unlikely]] settle_cache_control();
+  if (cache_.control_pending()) [[unlikely]] settle_cache_control();
 }
 
 // A DMA that waited goes on no earlier than what it waited for.

@@ -9,6 +9,8 @@
 #include "c40/bind.hpp"
 #include "c40/block_store.hpp"
 #include "c40/chip.hpp"
+#include "c40/decoded.hpp"
+#include "c40/instruction_cache.hpp"
 #include "c40/pending_access.hpp"
 #include "c40/peripherals.hpp"
 #include "c40/pipeline_table.hpp"
@@ -64,49 +66,7 @@ class Engine {
  private:
   enum class Stepped : std::uint8_t { done, external, fault, breakpoint, port, horizon, software_interrupt };
 
-  /// An instruction as the exact engine last met it at an address. Its windows and the accesses through them stay as long as they
-  /// hold for every way in which it can be executed.
-  struct Site {
-    bool known = false, set_condition = false, keeps_windows = false;
-    bool quick = false;  ///< nothing but its accesses, the pipeline and the PC needs attention
-    bool stale = false;  ///< the windows hold for the last execution only
-    Bound bound;
-    std::array<Op, 2> ops{};  ///< it, and what stops after it
-    Demand demand;
-    std::array<const Memory::Area*, 2> area{};  ///< that each access was last in, where all of it is accessed alike
-    std::uint64_t data_bits = 0;                ///< its data accesses, packed
-    Transition transition;        ///< the last one
-  };
-  /// One instruction on its way through the exact engine.
-  struct Step {
-    Site* site = nullptr;
-    Access fetch;
-    Word word = 0;
-    bool fetched = true;
-    bool from_cache = false, missed = false;  ///< the instruction cache: hit, miss
-    bool frozen = false;                      ///< it changes nothing
-    bool plain = true;   ///< data in RAM whose wait states never change
-    bool paged = false;  ///< pages_ is what the page pins show afterwards
-    bool locks = false;  ///< interlocked, and leaves the chip
-    bool taken = false;
-    std::uint8_t register_writes = 0;  ///< a bit for each access
-    std::array<Address, 2> address{};  ///< of each data access that was looked up
-    std::array<Cycles, 2> register_cycle{};  ///< when the access to a register takes place
-    const StepTiming* timing = nullptr;
-  };
-  /// Where instructions are being fetched.
-  struct Code {
-    const Memory::Area* area = nullptr;
-    Memory::Met met;
-    bool cacheable = false;
-    const Word* words = nullptr;   ///< from met.base on
-    std::uint64_t fetch_bits = 0;  ///< packed
-    bool contains(Address pc) const { return pc - met.base < met.words; }
-  };
-
   // engine_step.cpp: the exact engine
-  static constexpr std::size_t site_count = 1024;
-  Site& site_of(Address pc) { return sites_[pc % site_count]; }
   Stepped exact_step(Step& step, bool fresh);
   Stepped run_exactly(Cycles limit);
   bool quick_step();
@@ -124,7 +84,6 @@ class Engine {
   Stepped execute(Step& step);
   Stepped resolve(Step& step);
   Demand demand_of(const Step& step) const;
-  static void forget_windows(Site& site);
   Cycles access_cycle(const Step& step, std::size_t access);
   const Transition& transition(const Demand& demand, Word word);
   void annulled(const Step& step);
@@ -133,8 +92,6 @@ class Engine {
   void charge_dma(Cycles held);
   bool illegal_in_repeat(Address pc, const Bound& bound) const;
   void settle_cache_control();
-  void note_cache_control(Cycles executed);
-  bool cache_control_pending() const { return state_.cache_changes != 0 || ((state_.core.modes ^ state_.cache_control) & (st::CE | st::CF)) != 0; }
   void finish_step(const Step& step);
   void settle_accesses(const Step& step, Address pc);
   void advance_pc(Address pc);
@@ -182,8 +139,6 @@ class Engine {
   Block* find_or_record(Cycles limit, Stepped& why);
   void record(const BlockKey& key, Cycles limit, Stepped& why);
   bool recordable(const Bound& bound) const;
-  bool cache_fits(Block& block) const;
-  void fetch_through_cache(const Block& block, std::size_t from, std::size_t to);
   void close_straight(Block& block, Cycles cycles, const Costs& costs, PipelineId end, bool chained);
   void close_with_branch(Block& block, const Step& step, PipelineId before, bool chained);
   void run_blocks(Block* block, std::size_t from, Cycles limit);
@@ -213,14 +168,13 @@ class Engine {
     std::array<Word, 2> cell{};
   };
   std::array<Scratch, 2> scratch_{};  ///< stands for a register or a window during one instruction
-  std::vector<Site> sites_;              ///< direct mapped by address
+  SiteTable sites_;
   ExactSites exact_sites_;
-  Code code_;
+  CodeArea code_;
+  InstructionCache cache_{state_};
   Memory::OpenPages pages_;  ///< of the step under way
   BlockStore blocks_;
   Continuation onward_;
-  std::uint64_t cache_version_ = 1;  ///< rises when words come into the cache or leave it
-  bool stale_code_ = false;          ///< the cache holds words that memory no longer does
 };
 
 }  // namespace c40

@@ -35,8 +35,8 @@ BlockKey Engine::key() {
   key.mode = ((core.modes & st::SETCOND) != 0 ? BlockKey::set_condition : 0u) | (repeat ? BlockKey::repeat : 0u) |
              static_cast<std::uint32_t>(core.repeat_single) << BlockKey::repeat_single;
   if (caching()) {
-    key.mode |= BlockKey::cached | ((state_.cache_control & st::CF) != 0 ? BlockKey::frozen : 0u);
-    key.hits = state_.cache.hits_from(core.pc);
+    key.mode |= BlockKey::cached | (cache_.frozen() ? BlockKey::frozen : 0u);
+    key.hits = cache_.hits_from(core.pc);
   }
   return key;
 }
@@ -51,31 +51,6 @@ Block* Engine::find_or_record(Cycles limit, Stepped& why) {
   if (blocks_.full()) flush_blocks();
   record(k, limit, why);
   return nullptr;
-}
-
-// Whether the cache has of its words what it had when the block was recorded.
-bool Engine::cache_fits(Block& block) const {
-  if (block.checked == cache_version_) return true;
-  if (state_.cache.hits_from(block.key.pc) != block.key.hits) return false;
-  block.checked = cache_version_;
-  return true;
-}
-
-// What fetching instructions [from, to) does to the cache.
-void Engine::fetch_through_cache(const Block& block, std::size_t from, std::size_t to) {
-  if (!block.uses_cache || from == to || (block.key.mode & BlockKey::frozen) != 0) return;
-  const Address begin = block.key.pc + static_cast<Address>(from), end = block.key.pc + static_cast<Address>(to);
-  if (block.all_hits) {
-    state_.cache.touch(begin);
-    if ((begin ^ (end - 1)) >= Cache::segment_words) state_.cache.touch(end - 1);
-    return;
-  }
-  ++cache_version_;
-  for (Address pc = begin; pc != end;) {
-    const Address stop = std::min(end, (pc | (Cache::segment_words - 1)) + 1);
-    state_.cache.load(pc, std::span{block.words}.subspan(pc - block.key.pc, stop - pc));
-    pc = stop;
-  }
 }
 
 bool Engine::recordable(const Bound& bound) const {
@@ -223,7 +198,7 @@ void Engine::leave(Block& block, std::size_t from, std::size_t at) {
   core.pc = block.key.pc + static_cast<Address>(at);
   core.delay_slots = at < block.size ? block.delay_slots[at] : 0;
   pipeline_.set(block.pipelines[at]);
-  fetch_through_cache(block, from, at);
+  cache_.fetch(block, from, at);
 }
 
 // `passes` passes through a repeated block are done: what the loop hardware made of them.
@@ -263,14 +238,14 @@ Block::Exit* Engine::run_repeated(Block& block, Cycles limit) {
     if (outcome.exit > Exit::taken) [[unlikely]] {
       const std::uint32_t done = passes - 1 - core.loop_left;  // whole passes before the one that was left
       core.r[reg::RC] -= done;
-      if (done != 0) fetch_through_cache(block, 0, block.size);
+      if (done != 0) cache_.fetch(block, 0, block.size);
       blocks_.count(block.exits[1], done);
       state_.cycle += done * block.exits[1].cycles;
       left_block(block, 0, outcome);
       return nullptr;
     }
     if (core.loop_left == 0) {
-      fetch_through_cache(block, 0, block.size);
+      cache_.fetch(block, 0, block.size);
       return &end_repeat(block, passes);
     }
     --core.loop_left;
@@ -297,7 +272,7 @@ Block::Exit* Engine::run_part(Block& block, std::size_t from, Cycles limit) {
     left_block(block, from, outcome);
     return nullptr;
   }
-  fetch_through_cache(block, from, block.size);
+  cache_.fetch(block, from, block.size);
   Block::Exit& exit = block.repeats ? end_repeat(block, 1) : block.exits[outcome.exit == Exit::taken];
   // The count that run_blocks will add stands for the whole block.
   state_.cycle -= block.start[from];
@@ -320,7 +295,7 @@ void Engine::run_blocks(Block* block, std::size_t from, Cycles limit) {
       }
       exit = &block->exits[outcome.exit == Exit::taken];
     } else {
-      if (exit != nullptr && (cycle >= limit || (block->uses_cache && !cache_fits(*block)))) break;
+      if (exit != nullptr && (cycle >= limit || (block->uses_cache && !cache_.fits(*block)))) break;
       state_.cycle = cycle;
       exit = run_special(*block, from, limit);
       if (exit == nullptr) return;
@@ -346,7 +321,7 @@ Block::Exit* Engine::run_special(Block& block, std::size_t from, Cycles limit) {
     left_block(block, 0, outcome);
     return nullptr;
   }
-  fetch_through_cache(block, 0, block.size);
+  cache_.fetch(block, 0, block.size);
   return &block.exits[outcome.exit == Exit::taken];
 }
 
@@ -386,15 +361,12 @@ void Engine::flush_blocks() {
   blocks_.clear(memory_);
   exact_sites_.clear();
   onward_.clear();
-  // Words that the cache holds stay marked: a write to them makes them stale.
-  state_.cache.each_word([this](Address pc) {
-    if (const Memory::Area* area = memory_.find(pc); area != nullptr && area->data != nullptr) area->mark_code(pc);
-  });
+  cache_.mark_code(memory_);
 }
 
 void Engine::process_code_writes() {
   Core& core = state_.core;
-  for (std::size_t i = 0; i < core.code_writes; ++i) stale_code_ |= state_.cache.find(core.code_written[i]) != nullptr;
+  for (std::size_t i = 0; i < core.code_writes; ++i) cache_.memory_written(core.code_written[i]);
   core.code_writes = 0;
   flush_blocks();
 }

@@ -292,7 +292,7 @@ std::array<std::optional<Access>, 2> Engine::next_fetches() {
   std::uint8_t single = core.repeat_single;
   for (std::size_t i = 0; i < 2; ++i) {
     const Memory::Area* area = memory_.find(pc);
-    const bool cached = area != nullptr && external(area->resource) && (state_.cache_control & st::CE) != 0 && state_.cache.find(pc) != nullptr;
+    const bool cached = area != nullptr && external(area->resource) && cache_.on() && cache_.find(pc) != nullptr;
     if (area != nullptr && area->data != nullptr && !cached && single != 2) {
       Memory::OpenPages pages = state_.open_pages;
       out[i] = memory_.meet(*area, pc, false, pages).access;

@@ -69,7 +69,7 @@ bool Engine::take_interrupt(Word vector) {
     dma_side_->undisturbed = pipelines_.intern(alone);
   }
   if (peripherals_.dma_active()) dma_side_->mark_under_way();
-  note_cache_control(before);
+  cache_.note_control(before);
   if (trace != nullptr) trace->interrupt(vector, before);
   tell({PeripheralEvent::Kind::interrupt, before, static_cast<int>(vector), peek(top)});
   return true;

@@ -46,17 +46,12 @@ bool Engine::find_code(Address pc) {
     fail(Fault::Kind::not_modelled, fmt::format("instruction fetch from {:08X}h ({}) is not modelled", pc, area->name), pc);
     return false;
   }
-  Memory::OpenPages any;
-  code_.area = area;
-  code_.met = memory_.meet(*area, pc, false, any);
-  code_.cacheable = external(area->resource);
-  code_.words = area->data + (code_.met.base - area->base);
-  code_.fetch_bits = packed_fetch(code_.met.access, true, false);
+  code_ = CodeArea(memory_, *area, pc);
   return true;
 }
 
 // Of the code that code_ describes.
-bool Engine::caching() const { return code_.cacheable && (state_.cache_control & st::CE) != 0 && state_.core.repeat_single != 2; }
+bool Engine::caching() const { return code_.cacheable && cache_.on() && state_.core.repeat_single != 2; }
 
 // Whether blocks may hold the instruction at PC: what it is and what its fetch costs is known before.
 bool Engine::by_blocks() {
@@ -66,11 +61,11 @@ bool Engine::by_blocks() {
     return true;  // the block that cannot be recorded finds out again
   }
   if (!caching()) return !code_.met.paged;
-  return !stale_code_ && (!code_.met.paged || state_.cache.find(pc) != nullptr);
+  return !cache_.stale() && (!code_.met.paged || cache_.find(pc) != nullptr);
 }
 
 bool Engine::bind_site(Site& site, Word word, bool set_condition) {
-  site.known = site.quick = false;
+  site.forget();
   auto bound = bind(word, set_condition);
   if (const auto* no = std::get_if<Unexecutable>(&bound)) {
     if (no->reserved)
@@ -79,18 +74,7 @@ bool Engine::bind_site(Site& site, Word word, bool set_condition) {
       fail(Fault::Kind::not_modelled, fmt::format("the instruction {} ({:08X}h) is not modelled", no->reason, word));
     return false;
   }
-  site.bound = std::get<Bound>(bound);
-  site.known = true;
-  site.set_condition = set_condition;
-  site.keeps_windows = site.bound.flow == Flow::straight || site.bound.flow == Flow::branch;
-  site.quick = site.keeps_windows && !site.bound.reads_status && !site.bound.writes_status && !site.bound.writes_interrupts;
-  site.ops[0] = site.bound.op;
-  site.ops[1].handler = &execute::end_of_step;
-  site.demand = {};
-  site.demand.footprint = site.bound.footprint;
-  site.data_bits = 0;
-  site.area = {};
-  site.transition = {};
+  site.bind_to(std::get<Bound>(bound), set_condition);
   return true;
 }
 
@@ -100,14 +84,14 @@ bool Engine::fetch(Step& step) {
   const Address pc = core.pc;
   if (!code_.contains(pc) && !find_code(pc)) return false;
   step.fetched = core.repeat_single != 2;
-  step.word = code_.words[pc - code_.met.base];
+  step.word = code_.word(pc);
   step.fetch = code_.met.access;
-  if (code_.cacheable && (state_.cache_control & st::CE) != 0) {
-    const Word* const cached = state_.cache.find(pc);
+  if (code_.cacheable && cache_.on()) {
+    const Word* const cached = cache_.find(pc);
     if (cached != nullptr) step.word = *cached, step.fetch = {};
     step.from_cache = cached != nullptr && step.fetched;
     step.missed = cached == nullptr && step.fetched;
-    step.frozen = (state_.cache_control & st::CF) != 0;
+    step.frozen = cache_.frozen();
   }
   if (!step.fetched) step.fetch = {};
   if (code_.met.paged && step.fetched && !step.from_cache) {
@@ -115,10 +99,9 @@ bool Engine::fetch(Step& step) {
     step.fetch = memory_.meet(*code_.area, pc, false, pages_).access;
     step.paged = true;
   }
-  step.site = &site_of(pc);
+  step.site = &sites_[pc];
   const bool set_condition = (core.modes & st::SETCOND) != 0;
-  const Site& site = *step.site;
-  return (site.known && site.bound.word == step.word && site.set_condition == set_condition) || bind_site(*step.site, step.word, set_condition);
+  return step.site->is(step.word, set_condition) || bind_site(*step.site, step.word, set_condition);
 }
 
 Demand Engine::demand_of(const Step& step) const {
@@ -296,12 +279,8 @@ void Engine::charge_dma(Cycles held) {
 
 // What the accesses of an instruction leave behind: the cache, the pages, LOCK.
 void Engine::settle_accesses(const Step& step, Address pc) {
-  if (step.from_cache && !step.frozen) state_.cache.touch(pc);
-  if (step.missed && !step.frozen) {
-    state_.cache.load(pc, {&step.word, 1});
-    code_.area->mark_code(pc);
-    ++cache_version_;
-  }
+  if (step.from_cache && !step.frozen) cache_.hit(pc);
+  if (step.missed && !step.frozen) cache_.load(pc, step.word, *code_.area);
   if (step.paged) state_.open_pages = pages_;
   if (step.locks) {
     using enum isa::Operation;
@@ -324,39 +303,11 @@ void Engine::write_status(Word value) {
 // From outside: at once.
 void Engine::set_status(Word value) {
   write_status(value);
-  note_cache_control(std::numeric_limits<Cycles>::min());
+  cache_.note_control(std::numeric_limits<Cycles>::min());
   settle_cache_control();
 }
 
-// The instruction that executed in cycle `executed` may have changed CE or CF, or written CC.
-void Engine::note_cache_control(Cycles executed) {
-  constexpr Word bits = st::CE | st::CF;
-  const Word control = state_.core.modes & bits;
-  const Word last = state_.cache_changes != 0 ? state_.cache_change[state_.cache_changes - 1].control : state_.cache_control;
-  if (control == last && !state_.cache_clear) return;
-  // No more than three instructions can have executed before a fetch.
-  if (state_.cache_changes == state_.cache_change.size()) throw std::logic_error("more changes of the cache's control than instructions in the pipeline");
-  state_.cache_change[state_.cache_changes++] = {executed, control, std::exchange(state_.cache_clear, false)};
-  state_.core.attention = true;
-}
-
-// The next instruction is fetched with what had been executed before: CE, CF and CC act no earlier than that.
-void Engine::settle_cache_control() {
-  const Cycles fetched = state_.cycle + pipeline_.get().earliest_fetch();
-  if (state_.cache_changes == 0) note_cache_control(std::numeric_limits<Cycles>::min());  // in a block, long ago
-  std::size_t done = 0;
-  for (; done < state_.cache_changes && state_.cache_change[done].executed < fetched; ++done) {
-    const State::CacheChange& change = state_.cache_change[done];
-    state_.cache_control = change.control;
-    if (!change.clear) continue;
-    state_.cache.clear();
-    ++cache_version_;
-    stale_code_ = false;
-  }
-  for (std::size_t i = done; i < state_.cache_changes; ++i) state_.cache_change[i - done] = state_.cache_change[i];
-  state_.cache_changes -= done;
-  for (std::size_t i = state_.cache_changes; i < state_.cache_change.size(); ++i) state_.cache_change[i] = {};
-}
+void Engine::settle_cache_control() { cache_.settle_control(state_.cycle + pipeline_.get().earliest_fetch()); }
 
 void Engine::finish_step(const Step& step) {
   Core& core = state_.core;
@@ -412,13 +363,6 @@ Engine::Stepped Engine::traced_step(Step& step) {
   return why;
 }
 
-void Engine::forget_windows(Site& site) {
-  site.ops[0].access = {};
-  site.demand.count = 0;
-  site.data_bits = 0;
-  site.stale = false;
-}
-
 Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   Core& core = state_.core;
   step = Step{};
@@ -433,7 +377,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   if ((core.modes & st::RM) != 0 && illegal_in_repeat(pc, bound))
     return fail(Fault::Kind::illegal_sequence,
                 fmt::format("{} may not stand {} words before the end of a repeated block (RE = {:08X}h)", bound.row->mnemonic, core.r[reg::RE] - pc, core.r[reg::RE]));
-  if (fresh || site.stale || !site.keeps_windows) forget_windows(site);
+  if (fresh || site.stale || !site.keeps_windows) site.forget_windows();
   const bool over_with_read = core.delay_slots == 3 && bound.row->write_stage == isa::WriteStage::read;
   const bool annul = core.annul && core.delay_slots != 0 && core.delay_slots < 4 && !over_with_read;
   if (annul) [[unlikely]] {
@@ -460,7 +404,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   }
   if (bound.writes_interrupts) peripherals_.pins_changed();
   if (dma_busy_) [[unlikely]] note_accesses(step, annul, before);
-  if (bound.flow != Flow::straight || bound.writes_status) note_cache_control(state_.cycle - 1 - step.timing->branch);
+  if (bound.flow != Flow::straight || bound.writes_status) cache_.note_control(state_.cycle - 1 - step.timing->branch);
   advance_pc(pc);
   return Stepped::done;
 }
@@ -499,18 +443,18 @@ bool Engine::quick_step() {
   Core& core = state_.core;
   const Address pc = core.pc;
   if (!code_.contains(pc) || core.delay_slots != 0 || code_.met.paged) return false;
-  Word word = code_.words[pc - code_.met.base];
+  Word word = code_.word(pc);
   std::uint64_t bits = code_.fetch_bits;
-  const bool from_cache = code_.cacheable && (state_.cache_control & st::CE) != 0;
+  const bool from_cache = code_.cacheable && cache_.on();
   if (from_cache) [[unlikely]] {
-    const Word* const cached = state_.cache.find(pc);
+    const Word* const cached = cache_.find(pc);
     if (cached == nullptr) return false;
     word = *cached;
     bits = packed_fetch({}, true, false);
   }
   const bool fetched = core.repeat_single != 2;
   if (!fetched) bits = packed_fetch({}, false, false);
-  Site& site = site_of(pc);
+  Site& site = sites_[pc];
   if (!site.quick || site.stale || site.bound.word != word || site.set_condition != ((core.modes & st::SETCOND) != 0)) return false;
   if ((core.modes & st::RM) != 0 && site.bound.flow != Flow::straight) return false;  // perhaps where it may not stand
   core.pc = pc + 1;
@@ -531,7 +475,7 @@ bool Engine::quick_step() {
   }
   pipeline_.set(site.transition.after);
   account(site.transition.timing);
-  if (from_cache && fetched && (state_.cache_control & st::CF) == 0) state_.cache.touch(pc);
+  if (from_cache && fetched && !cache_.frozen()) cache_.hit(pc);
   if (core.delay_slots != 0 || (core.modes & st::RM) != 0) advance_pc(pc);
   return true;
 }

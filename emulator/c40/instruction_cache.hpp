@@ -1,0 +1,70 @@
+#pragma once
+/// The instruction cache as the engine uses it: when CE, CF and CC act, what fetching does to its words, and what is known of them.
+#include <cstddef>
+#include <cstdint>
+
+#include "c40/block.hpp"
+#include "c40/memory.hpp"
+#include "c40/state.hpp"
+
+namespace c40 {
+
+class InstructionCache {
+ public:
+  explicit InstructionCache(State& state) : state_(state) {}
+
+  // As the fetch stage sees it now.
+  bool on() const { return (state_.cache_control & st::CE) != 0; }
+  bool frozen() const { return (state_.cache_control & st::CF) != 0; }
+  const Word* find(Address pc) const { return state_.cache.find(pc); }
+
+  /// ST says otherwise than the fetch stage.
+  bool control_pending() const { return state_.cache_changes != 0 || ((state_.core.modes ^ state_.cache_control) & bits) != 0; }
+  /// What executed in cycle `executed` may have changed CE or CF, or written CC. No more than three instructions can have executed
+  /// before a fetch: throws std::logic_error for more changes.
+  void note_control(Cycles executed) {
+    const Word control = state_.core.modes & bits;
+    if (control != last_control() || state_.cache_clear) [[unlikely]] add_change(executed, control);
+  }
+  /// The next instruction is fetched in cycle `fetched` or later, with what had been executed before: CE, CF and CC act no earlier.
+  void settle_control(Cycles fetched);
+
+  /// A word has been fetched that was there.
+  void hit(Address pc) { state_.cache.touch(pc); }
+  /// One that was not comes in.
+  void load(Address pc, Word word, const Memory::Area& area);
+  /// What fetching instructions [from, to) of a block does to the cache.
+  void fetch(const Block& block, std::size_t from, std::size_t to) {
+    if (block.uses_cache && from != to && (block.key.mode & BlockKey::frozen) == 0) fetch_words(block, from, to);
+  }
+  /// It has of the block's words what it had when the block was recorded.
+  bool fits(Block& block) const;
+  /// Which of 32 words from an address on it has.
+  std::uint32_t hits_from(Address pc) const { return state_.cache.hits_from(pc); }
+
+  /// A word of memory was changed.
+  void memory_written(Address address) { stale_ |= find(address) != nullptr; }
+  /// It holds words that memory no longer does.
+  bool stale() const { return stale_; }
+  /// Marks what it holds as code: a write to it makes it stale.
+  void mark_code(Memory& memory) const;
+
+  /// The chip's state is another: of a chip that was reset.
+  void was_reset();
+  /// The same, of one that was loaded.
+  void was_loaded(const Memory& memory);
+
+ private:
+  static constexpr Word bits = st::CE | st::CF;
+  Word last_control() const {
+    return state_.cache_changes != 0 ? state_.cache_change[state_.cache_changes - 1].control : state_.cache_control;
+  }
+  void add_change(Cycles executed, Word control);
+  void fetch_words(const Block& block, std::size_t from, std::size_t to);
+
+  State& state_;
+  std::uint64_t version_ = 1;  ///< rises when words come into the cache or leave it
+  bool stale_ = false;
+};
+
+}  // namespace c40
