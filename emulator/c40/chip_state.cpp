@@ -190,11 +190,11 @@ void Engine::list_state(state::Visitor& list) {
   list("reported_breakpoint", reported_breakpoint_);
   Cycles idle_since = this->idle_since();
   list("idle_since", idle_since);
-  if (list.loads()) idle_since_ = idle_since, idle_until_ = state_.cycle;
+  if (list.loads()) idle_.set(idle_since, state_.cycle);
 
   list("dma_side", *dma_side_);
-  list("dma_request", dma_request_);
-  list("dma_stop", dma_stop_);
+  list("dma_request", dma_side_->request);
+  list("dma_stop", dma_side_->stop);
   if (!list.loads()) return;
 
   peripherals_.state_changed();

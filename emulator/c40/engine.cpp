@@ -36,8 +36,6 @@ void Engine::reset() {
   ports_.reset(state_.cycle);
   state_.dma.now = state_.cycle;
   dma_side_->forget();
-  dma_request_.reset();
-  dma_stop_.reset();
   peripherals_.state_changed();
   state_.core.e.fill(float40::zero_exponent);
   state_.global_interface_control = board_.global_interface_control;
@@ -103,10 +101,7 @@ void Engine::forget_pipelines() {
 
 void Engine::pass(Cause cause, Cycles until) {
   if (until <= state_.cycle) return;
-  if (cause == Cause::idle) {
-    if (idle_until_ != state_.cycle) idle_since_ = state_.cycle;
-    idle_until_ = until;
-  }
+  if (cause == Cause::idle) idle_.idled(state_.cycle, until);
   add(state_.causes, cause, until - state_.cycle);
   state_.cycle = until;
   pipeline_.set(PipelineTable::drained);
@@ -142,13 +137,18 @@ bool Engine::may_interrupt() const {
          !access_.at_port();
 }
 
-// One thing: a stop, an interrupt entry, idling, a run of blocks, or one exact instruction.
 Engine::Stepped Engine::advance(Cycles limit, bool single) {
-  Core& core = state_.core;
-  core.attention = false;
+  state_.core.attention = false;
   reach_present();
-  dma_waited_ = peripherals_.dma_waits();
-  limit = std::min(limit, peripherals_.next_event());
+  const bool waited = peripherals_.dma_waits();
+  const Stepped why = act(std::min(limit, peripherals_.next_event()), single);
+  make_dma_current(waited);
+  return why;
+}
+
+// One thing: a stop, an interrupt entry, idling, a run of blocks, or one exact instruction.
+Engine::Stepped Engine::act(Cycles limit, bool single) {
+  Core& core = state_.core;
   if (core.code_writes != 0) process_code_writes();
   if (peripherals_.interface_changed()) {
     peripherals_.interface_settled();
@@ -172,11 +172,10 @@ Engine::Stepped Engine::advance(Cycles limit, bool single) {
   if (pipelines_.full()) forget_pipelines();
   const bool answered = state_.answers[0].given || state_.answers[1].given;
   const bool waiting_interrupt = !may_interrupt() && interrupts::pending(state_) != 0;
-  dma_busy_ = peripherals_.dma_busy();
-  dma_beside_ = dma_busy_ || dma_disturbed();
-  if (dma_busy_) dma_side_->know_accesses();
+  dma_effect_ = dma_effect();
+  if (dma_effect_ == DmaEffect::under_way) dma_side_->know_accesses();
   else dma_side_->knows_accesses = false;
-  const bool one = single || trace != nullptr || answered || waiting_interrupt || dma_beside_ || cache_.control_pending();
+  const bool one = single || trace != nullptr || answered || waiting_interrupt || dma_effect_ != DmaEffect::none || cache_.control_pending();
   if (!one && !exact_only && !onward_.is_missed()) {
     if (Block* block = onward_.take_inside(); block != nullptr) {
       run_blocks(block, onward_.at(), limit);
@@ -207,7 +206,7 @@ StopInfo Engine::run_until(Cycles limit, Cycles known) {
   const Word watched = watched_ports();
   const bool waits = access_.is_told();
   for (;;) {
-    if (peripherals_.dma_active() || dma_stop_)
+    if (peripherals_.dma_active() || dma_side_->stop)
       if (auto info = run_dma(known, false)) {
         if (info->reason != StopInfo::Reason::limit || state_.cycle >= limit) return *info;
         continue;
@@ -219,7 +218,6 @@ StopInfo Engine::run_until(Cycles limit, Cycles known) {
       break;
     }
     const Stepped why = advance(end, false);
-    make_dma_current(dma_waited_);
     if (why != Stepped::done) {
       if (peripherals_.dma_active() && (why == Stepped::port || why == Stepped::external)) {
         if (auto earlier = run_dma(waits ? known : std::min(known, access_.cycle()), true)) return *earlier;
@@ -241,7 +239,7 @@ StopInfo Engine::step() {
     return {};
   }
   run_limit_ = state_.cycle;
-  if (peripherals_.dma_active() || dma_stop_)
+  if (peripherals_.dma_active() || dma_side_->stop)
     if (auto info = run_dma(run_limit_, false)) return *info;
   if (peripherals_.dma_active() && waits_in_idle()) {
     const Cycles before = state_.cycle;
@@ -252,12 +250,11 @@ StopInfo Engine::step() {
     }
   }
   const Stepped why = advance(state_.cycle + 1, true);
-  make_dma_current(dma_waited_);
   if (peripherals_.dma_active() && (why == Stepped::port || why == Stepped::external)) {
     if (auto earlier = run_dma(access_.cycle(), true)) return *earlier;
   }
   access_.set_told(why != Stepped::done);
-  if (why == Stepped::done && (peripherals_.dma_active() || dma_stop_))
+  if (why == Stepped::done && (peripherals_.dma_active() || dma_side_->stop))
     if (auto info = run_dma(waits_in_idle() ? state_.cycle : run_limit_, false)) return *info;
   if (why == Stepped::done) reach_present();
   return stop(why);
@@ -279,7 +276,7 @@ void Engine::make_dma_current(bool waited) {
 }
 
 void Engine::complete(bool write, Word value, Cycles arbitration, Cycles transfer) {
-  if (dma_request_) return complete_dma(write, value, arbitration + transfer);
+  if (dma_side_->request) return complete_dma(write, value, arbitration + transfer);
   access_.answer_window(write, value, arbitration, transfer);
 }
 

@@ -19,6 +19,21 @@
 
 namespace c40 {
 
+/// The last cycles in IDLE, however they were cut.
+class IdleSpan {
+ public:
+  void idled(Cycles from, Cycles until) {
+    if (until_ != from) since_ = from;
+    until_ = until;
+  }
+  /// Since when the processor idles, if it does so in cycle `now`; else `now`.
+  Cycles since(Cycles now) const { return until_ == now ? since_ : now; }
+  void set(Cycles since, Cycles now) { since_ = since, until_ = now; }
+
+ private:
+  Cycles since_ = 0, until_ = -1;
+};
+
 class Engine {
  public:
   explicit Engine(Board board);
@@ -56,7 +71,7 @@ class Engine {
   const Dma& dma() const { return dma_; }
   /// What the processor waits for.
   PendingAccess& access() { return access_; }
-  Cycles idle_since() const { return idle_until_ == state_.cycle ? idle_since_ : state_.cycle; }
+  Cycles idle_since() const { return idle_.since(state_.cycle); }
 
   TraceSink* trace = nullptr;
   PeripheralTeller tell;  ///< of what the peripherals do
@@ -65,6 +80,13 @@ class Engine {
 
  private:
   enum class Stepped : std::uint8_t { done, external, fault, breakpoint, port, horizon, software_interrupt };
+
+  /// What the DMA means for the instruction that is being executed.
+  enum class DmaEffect : std::uint8_t {
+    none,
+    still_felt,  ///< it is at rest, but what it took still counts
+    under_way    ///< a channel goes on meanwhile
+  };
 
   // engine_step.cpp: the exact engine
   Stepped exact_step(Step& step, bool fresh);
@@ -113,6 +135,7 @@ class Engine {
   StopInfo stop(Stepped why);
   bool may_interrupt() const;
   Stepped advance(Cycles limit, bool single);
+  Stepped act(Cycles limit, bool single);
 
   // engine_dma.cpp: the DMA coprocessor beside the processor
   struct DmaSide;
@@ -120,19 +143,15 @@ class Engine {
   std::optional<StopInfo> run_dma(Cycles limit, bool processor_waits);
   std::array<std::optional<Access>, 2> next_fetches();
   std::optional<StepTiming> without_dma(const Step& step, bool annulled);
-  bool dma_disturbed() const;
+  DmaEffect dma_effect() const;
   StopInfo dma_stop(const DmaRequest& request);
   void complete_dma(bool write, Word value, Cycles waited);
   void note_accesses(const Step& step, bool annulled, Cycles before);
   std::unique_ptr<DmaSide> dma_side_;
   Dma dma_;
-  bool dma_beside_ = false;  ///< a channel goes on during this instruction, or what it took still counts
-  bool dma_waited_ = false;  ///< before this instruction: started, and nothing to do
-  bool dma_busy_ = false;    ///< and goes on during this instruction
+  DmaEffect dma_effect_ = DmaEffect::none;
   Cycles run_limit_ = 0;     ///< of the present call: what the links do is known up to there
-  Cycles idle_since_ = 0, idle_until_ = -1;  ///< of the last cycles in IDLE
-  std::optional<StopInfo> dma_stop_;  ///< to be reported after the instruction
-  std::optional<DmaRequest> dma_request_;  ///< reported and not answered
+  IdleSpan idle_;
 
   // engine_blocks.cpp: recording and running blocks
   BlockKey key();

@@ -281,6 +281,8 @@ void Engine::DmaSide::forget() {
   written.fill(long_ago);
   last_taken = long_ago;
   undisturbed.reset();
+  request.reset();
+  stop.reset();
   gained = 0;
 }
 
@@ -330,7 +332,10 @@ std::optional<StepTiming> Engine::without_dma(const Step& step, bool annulled) {
   return timing;
 }
 
-bool Engine::dma_disturbed() const { return dma_side_->undisturbed.has_value(); }
+Engine::DmaEffect Engine::dma_effect() const {
+  if (peripherals_.dma_busy()) return DmaEffect::under_way;
+  return dma_side_->undisturbed ? DmaEffect::still_felt : DmaEffect::none;
+}
 
 bool Engine::waits_in_idle() const { return state_.core.idle && may_interrupt() && interrupts::pending(state_) == 0; }
 
@@ -347,13 +352,13 @@ bool Engine::uses_linked_port() const { return ports_.attached() != 0 && (dma_.p
 // reason `limit`: the processor has not got its bus for so long, and the DMA has still not come to where it follows.
 std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
   DmaSide& side = *dma_side_;
-  if (auto earlier = std::exchange(dma_stop_, std::nullopt)) return earlier;
+  if (auto earlier = std::exchange(side.stop, std::nullopt)) return earlier;
   const Cycles began = state_.cycle;
   const auto moves = [&] { return dma_.busy() || dma_.ends(); };
   const bool moved = processor_waits && peripherals_.dma_active() && moves();
   while (peripherals_.dma_active()) {
     if (!waits_in_idle() && state_.cycle > began + starved_cycles) return StopInfo{};
-    if (dma_request_) return dma_stop(*dma_request_);
+    if (side.request) return dma_stop(*side.request);
     const bool idles = !processor_waits && waits_in_idle();
     const Cycles until = processor_waits ? limit : known_until(limit, idles);
     const Cycles event = peripherals_.next_event(), to = std::min(until, event);
@@ -380,7 +385,7 @@ StopInfo Engine::dma_stop(const DmaRequest& request) {
     fault_->cycle = request.cycle;  // the processor may be ahead, or wait since long ago
     return stop(Stepped::fault);
   }
-  dma_request_ = request;
+  dma_side_->request = request;
   StopInfo info;
   info.reason = StopInfo::Reason::external_access;
   info.access = {request.address, request.write, false, request.value, request.cycle, request.channel};
@@ -388,8 +393,8 @@ StopInfo Engine::dma_stop(const DmaRequest& request) {
 }
 
 void Engine::complete_dma(bool write, Word value, Cycles waited) {
-  if (dma_request_->write != write) throw std::logic_error(fmt::format("the DMA does not wait for a {}", write ? "write" : "read"));
-  dma_request_.reset();
+  if (dma_side_->request->write != write) throw std::logic_error(fmt::format("the DMA does not wait for a {}", write ? "write" : "read"));
+  dma_side_->request.reset();
   state_.dma.answered_until = state_.dma.now + waited;
   dma_.answer(value, state_.dma.answered_until);
   peripherals_.watch_dma();

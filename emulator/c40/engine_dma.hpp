@@ -53,6 +53,8 @@ struct Engine::DmaSide final : DmaSurroundings {
   void list_state(state::Visitor& list);
 
   Engine& engine;
+  std::optional<DmaRequest> request;  ///< reported and not answered
+  std::optional<StopInfo> stop;       ///< to be reported after the instruction
   std::vector<ProcessorAccess> accesses;
   bool knows_accesses = false;  ///< of the instructions that are through; else only when they leave the buses
   static constexpr Cycles long_ago = -1000;

@@ -358,7 +358,7 @@ Engine::Stepped Engine::traced_step(Step& step) {
   if (why != Stepped::done) return why;
   const StepTiming timing = *step.timing;
   step.timing = &timing;
-  if (dma_busy_) dma_stop_ = run_dma(run_limit_, false);  // so that what it holds up stands in the record
+  if (dma_effect_ == DmaEffect::under_way) dma_side_->stop = run_dma(run_limit_, false);  // so that what it holds up stands in the record
   emit_trace(step, before, cycle, causes);
   return why;
 }
@@ -392,7 +392,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
         return fail(Fault::Kind::not_modelled, fmt::format("pin {} becomes an output, and a net drives it", name(*pin)));
   }
   std::optional<StepTiming> without;
-  if (dma_beside_) [[unlikely]] without = without_dma(step, annul);
+  if (dma_effect_ != DmaEffect::none) [[unlikely]] without = without_dma(step, annul);
   const Transition& next = annul ? annulled_transition(step) : executed_transition(step);
   step.timing = &next.timing;
   pipeline_.set(next.after);
@@ -403,7 +403,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
     if (peripherals_.dma_active()) dma_side_->mark_under_way();
   }
   if (bound.writes_interrupts) peripherals_.pins_changed();
-  if (dma_busy_) [[unlikely]] note_accesses(step, annul, before);
+  if (dma_effect_ == DmaEffect::under_way) [[unlikely]] note_accesses(step, annul, before);
   if (bound.flow != Flow::straight || bound.writes_status) cache_.note_control(state_.cycle - 1 - step.timing->branch);
   advance_pc(pc);
   return Stepped::done;
