@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "c40/engine.hpp"
-#include "c40/engine_dma.hpp"
 #include "c40/peripherals/link.hpp"
 #include "state/visitor.hpp"
 
@@ -161,21 +160,21 @@ void Memory::set_flat_pages(const std::vector<Address>& bases) {
       throw state::StateError("memory.flat_pages: not the pages of this board");
 }
 
-// Not what stands here for the time of one call only: beside, disturbed, pipeline, next_fetches, fetches.
-void Engine::DmaSide::list_state(state::Visitor& list) {
+// Not what stands here for the time of one call only, from begin_following() on.
+void DmaSide::list_state(state::Visitor& list) {
   // Those that are over mean nothing any more; when they are taken out depends on how a run is cut.
-  std::erase_if(accesses, [&](const ProcessorAccess& access) { return access.end < engine.state_.dma.now; });
-  list("accesses", accesses);
-  list("knows_accesses", knows_accesses);
-  list("taken_until", taken_until);
-  list("written", written);
-  list("last_taken", last_taken);
-  list("touched_link", touched_link);
+  std::erase_if(accesses_, [&](const ProcessorAccess& access) { return access.end < chip_.state.dma.now; });
+  list("accesses", accesses_);
+  list("knows_accesses", knows_accesses_);
+  list("taken_until", taken_until_);
+  list("written", written_);
+  list("last_taken", last_taken_);
+  list("touched_link", touched_link_);
   std::optional<Pipeline> alone;
-  if (!list.loads() && undisturbed) alone = engine.pipelines_[*undisturbed];
+  if (!list.loads() && undisturbed_) alone = chip_.pipelines[*undisturbed_];
   list("undisturbed", alone);
-  if (list.loads()) undisturbed = alone ? std::optional(engine.pipelines_.intern(*alone)) : std::nullopt;
-  list("gained", gained);
+  if (list.loads()) undisturbed_ = alone ? std::optional(chip_.pipelines.intern(*alone)) : std::nullopt;
+  list("gained", gained_);
 }
 
 // Not: the fault, which a stop has told; `run_limit_` and what `advance` sets before it is read.
@@ -192,9 +191,9 @@ void Engine::list_state(state::Visitor& list) {
   list("idle_since", idle_since);
   if (list.loads()) idle_.set(idle_since, state_.cycle);
 
-  list("dma_side", *dma_side_);
-  list("dma_request", dma_side_->request);
-  list("dma_stop", dma_side_->stop);
+  list("dma_side", dma_side_);
+  list("dma_request", dma_side_.request);
+  list("dma_stop", dma_side_.stop);
   if (!list.loads()) return;
 
   peripherals_.state_changed();

@@ -6,16 +6,15 @@
 #include <stdexcept>
 #include <utility>
 
-#include "c40/engine_dma.hpp"
 #include "c40/interrupts.hpp"
 
 namespace c40 {
 
 Engine::Engine(Board board)
-    : dma_side_(std::make_unique<DmaSide>(*this)), dma_(state_.dma, *dma_side_), board_(std::move(board)), memory_(board_) {
+    : board_(std::move(board)), memory_(board_), dma_(state_.dma, dma_side_),
+      dma_side_({state_, memory_, ports_, peripherals_, cache_, pipelines_, pipeline_, dma_, tell, [this](Address address, Word value) { poke(address, value); }}) {
   reset();
 }
-Engine::~Engine() = default;
 
 void Engine::reset() {
   pipeline_.forget();
@@ -35,7 +34,7 @@ void Engine::reset() {
   state_.ports = old.ports;
   ports_.reset(state_.cycle);
   state_.dma.now = state_.cycle;
-  dma_side_->forget();
+  dma_side_.reset();
   peripherals_.state_changed();
   state_.core.e.fill(float40::zero_exponent);
   state_.global_interface_control = board_.global_interface_control;
@@ -51,7 +50,7 @@ void Engine::reset() {
 }
 
 State& Engine::touch() {
-  dma_side_->undisturbed.reset();
+  dma_side_.forget_undisturbed();
   onward_.clear();
   pipeline_.release();
   return state_;
@@ -172,9 +171,9 @@ Engine::Stepped Engine::act(Cycles limit, bool single) {
   if (pipelines_.full()) forget_pipelines();
   const bool answered = state_.answers[0].given || state_.answers[1].given;
   const bool waiting_interrupt = !may_interrupt() && interrupts::pending(state_) != 0;
-  dma_effect_ = dma_effect();
-  if (dma_effect_ == DmaEffect::under_way) dma_side_->know_accesses();
-  else dma_side_->knows_accesses = false;
+  dma_effect_ = dma_side_.effect();
+  if (dma_effect_ == DmaEffect::under_way) dma_side_.know_accesses();
+  else dma_side_.know_no_accesses();
   const bool one = single || trace != nullptr || answered || waiting_interrupt || dma_effect_ != DmaEffect::none || cache_.control_pending();
   if (!one && !exact_only && !onward_.is_missed()) {
     if (Block* block = onward_.take_inside(); block != nullptr) {
@@ -206,7 +205,7 @@ StopInfo Engine::run_until(Cycles limit, Cycles known) {
   const Word watched = watched_ports();
   const bool waits = access_.is_told();
   for (;;) {
-    if (peripherals_.dma_active() || dma_side_->stop)
+    if (peripherals_.dma_active() || dma_side_.stop)
       if (auto info = run_dma(known, false)) {
         if (info->reason != StopInfo::Reason::limit || state_.cycle >= limit) return *info;
         continue;
@@ -239,7 +238,7 @@ StopInfo Engine::step() {
     return {};
   }
   run_limit_ = state_.cycle;
-  if (peripherals_.dma_active() || dma_side_->stop)
+  if (peripherals_.dma_active() || dma_side_.stop)
     if (auto info = run_dma(run_limit_, false)) return *info;
   if (peripherals_.dma_active() && waits_in_idle()) {
     const Cycles before = state_.cycle;
@@ -254,7 +253,7 @@ StopInfo Engine::step() {
     if (auto earlier = run_dma(access_.cycle(), true)) return *earlier;
   }
   access_.set_told(why != Stepped::done);
-  if (why == Stepped::done && (peripherals_.dma_active() || dma_side_->stop))
+  if (why == Stepped::done && (peripherals_.dma_active() || dma_side_.stop))
     if (auto info = run_dma(waits_in_idle() ? state_.cycle : run_limit_, false)) return *info;
   if (why == Stepped::done) reach_present();
   return stop(why);
@@ -276,7 +275,7 @@ void Engine::make_dma_current(bool waited) {
 }
 
 void Engine::complete(bool write, Word value, Cycles arbitration, Cycles transfer) {
-  if (dma_side_->request) return complete_dma(write, value, arbitration + transfer);
+  if (dma_side_.request) return complete_dma(write, value, arbitration + transfer);
   access_.answer_window(write, value, arbitration, transfer);
 }
 

@@ -10,6 +10,7 @@
 #include "c40/block_store.hpp"
 #include "c40/chip.hpp"
 #include "c40/decoded.hpp"
+#include "c40/dma_side.hpp"
 #include "c40/instruction_cache.hpp"
 #include "c40/pending_access.hpp"
 #include "c40/peripherals.hpp"
@@ -37,7 +38,8 @@ class IdleSpan {
 class Engine {
  public:
   explicit Engine(Board board);
-  ~Engine();
+  Engine(const Engine&) = delete;  // its parts refer to each other
+  Engine& operator=(const Engine&) = delete;
 
   void reset();
   void boot();
@@ -81,13 +83,6 @@ class Engine {
  private:
   enum class Stepped : std::uint8_t { done, external, fault, breakpoint, port, horizon, software_interrupt };
 
-  /// What the DMA means for the instruction that is being executed.
-  enum class DmaEffect : std::uint8_t {
-    none,
-    still_felt,  ///< it is at rest, but what it took still counts
-    under_way    ///< a channel goes on meanwhile
-  };
-
   // engine_step.cpp: the exact engine
   Stepped exact_step(Step& step, bool fresh);
   Stepped run_exactly(Cycles limit);
@@ -111,7 +106,6 @@ class Engine {
   void annulled(const Step& step);
   void account(const StepTiming& timing);
   void account(const StepTiming& timing, const std::optional<StepTiming>& without_dma);
-  void charge_dma(Cycles held);
   bool illegal_in_repeat(Address pc, const Bound& bound) const;
   void settle_cache_control();
   void finish_step(const Step& step);
@@ -138,20 +132,10 @@ class Engine {
   Stepped act(Cycles limit, bool single);
 
   // engine_dma.cpp: the DMA coprocessor beside the processor
-  struct DmaSide;
   Cycles known_until(Cycles limit, bool idles) const;
   std::optional<StopInfo> run_dma(Cycles limit, bool processor_waits);
-  std::array<std::optional<Access>, 2> next_fetches();
-  std::optional<StepTiming> without_dma(const Step& step, bool annulled);
-  DmaEffect dma_effect() const;
   StopInfo dma_stop(const DmaRequest& request);
   void complete_dma(bool write, Word value, Cycles waited);
-  void note_accesses(const Step& step, bool annulled, Cycles before);
-  std::unique_ptr<DmaSide> dma_side_;
-  Dma dma_;
-  DmaEffect dma_effect_ = DmaEffect::none;
-  Cycles run_limit_ = 0;     ///< of the present call: what the links do is known up to there
-  IdleSpan idle_;
 
   // engine_blocks.cpp: recording and running blocks
   BlockKey key();
@@ -194,6 +178,11 @@ class Engine {
   Memory::OpenPages pages_;  ///< of the step under way
   BlockStore blocks_;
   Continuation onward_;
+  Dma dma_;
+  DmaSide dma_side_;
+  DmaEffect dma_effect_ = DmaEffect::none;  ///< on the instruction that is being executed
+  IdleSpan idle_;
+  Cycles run_limit_ = 0;  ///< of the present call: what the links do is known up to there
 };
 
 }  // namespace c40

@@ -6,7 +6,6 @@
 
 #include "c40/choices.hpp"
 #include "c40/engine.hpp"
-#include "c40/engine_dma.hpp"
 #include "c40/interrupts.hpp"
 
 namespace c40 {
@@ -61,14 +60,10 @@ bool Engine::take_interrupt(Word vector) {
   add(state_.causes, Cause::interrupt, timing::interrupt_entry_cost);
   add(state_.causes, Cause::wait_state, waits);
   state_.cycle += timing::interrupt_entry_cost + waits;
-  auto undisturbed = dma_side_->undisturbed;
-  touch().pipeline.flush(timing::interrupt_entry_cost + waits);
-  if (undisturbed) {
-    Pipeline alone = pipelines_[*undisturbed];
-    alone.flush(timing::interrupt_entry_cost + waits);
-    dma_side_->undisturbed = pipelines_.intern(alone);
-  }
-  if (peripherals_.dma_active()) dma_side_->mark_under_way();
+  onward_.clear();
+  pipeline_.release().flush(timing::interrupt_entry_cost + waits);
+  dma_side_.flushed(timing::interrupt_entry_cost + waits);
+  if (peripherals_.dma_active()) dma_side_.mark_under_way();
   cache_.note_control(before);
   if (trace != nullptr) trace->interrupt(vector, before);
   tell({PeripheralEvent::Kind::interrupt, before, static_cast<int>(vector), peek(top)});

@@ -8,7 +8,6 @@
 
 #include "c40/addressing.hpp"
 #include "c40/engine.hpp"
-#include "c40/engine_dma.hpp"
 #include "c40/handler_tables.hpp"
 #include "c40/peripherals/register_map.hpp"
 
@@ -261,20 +260,11 @@ void Engine::account(const StepTiming& t, const std::optional<StepTiming>& witho
   if (!without_dma) return account(t);
   const int held = t.total - without_dma->total;
   if (held <= 0) {
-    dma_side_->gained -= held;
+    dma_side_.gain(-held);
     return account(t);
   }
   account(*without_dma);
-  charge_dma(held);
-}
-
-void Engine::charge_dma(Cycles held) {
-  Cycles& gained = dma_side_->gained;
-  const Cycles paid = std::min(gained, held);
-  gained -= paid;
-  add(state_.causes, Cause::memory_conflict, paid);
-  add(state_.causes, Cause::dma_conflict, held - paid);
-  state_.cycle += held;
+  dma_side_.charge(held);
 }
 
 // What the accesses of an instruction leave behind: the cache, the pages, LOCK.
@@ -358,7 +348,7 @@ Engine::Stepped Engine::traced_step(Step& step) {
   if (why != Stepped::done) return why;
   const StepTiming timing = *step.timing;
   step.timing = &timing;
-  if (dma_effect_ == DmaEffect::under_way) dma_side_->stop = run_dma(run_limit_, false);  // so that what it holds up stands in the record
+  if (dma_effect_ == DmaEffect::under_way) dma_side_.stop = run_dma(run_limit_, false);  // so that what it holds up stands in the record
   emit_trace(step, before, cycle, causes);
   return why;
 }
@@ -392,7 +382,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
         return fail(Fault::Kind::not_modelled, fmt::format("pin {} becomes an output, and a net drives it", name(*pin)));
   }
   std::optional<StepTiming> without;
-  if (dma_effect_ != DmaEffect::none) [[unlikely]] without = without_dma(step, annul);
+  if (dma_effect_ != DmaEffect::none) [[unlikely]] without = dma_side_.without_dma(demand_through(step, annul));
   const Transition& next = annul ? annulled_transition(step) : executed_transition(step);
   step.timing = &next.timing;
   pipeline_.set(next.after);
@@ -400,10 +390,10 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   account(next.timing, without);
   if (state_.answers[0].given || state_.answers[1].given) [[unlikely]] {
     settle_answers();
-    if (peripherals_.dma_active()) dma_side_->mark_under_way();
+    if (peripherals_.dma_active()) dma_side_.mark_under_way();
   }
   if (bound.writes_interrupts) peripherals_.pins_changed();
-  if (dma_effect_ == DmaEffect::under_way) [[unlikely]] note_accesses(step, annul, before);
+  if (dma_effect_ == DmaEffect::under_way) [[unlikely]] dma_side_.note_accesses(annul ? Demand{} : site.demand, *step.timing, before);
   if (bound.flow != Flow::straight || bound.writes_status) cache_.note_control(state_.cycle - 1 - step.timing->branch);
   advance_pc(pc);
   return Stepped::done;
