@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <utility>
-
-#include "c40/interrupts.hpp"
 
 namespace c40 {
 
@@ -49,6 +47,24 @@ void Engine::reset() {
   touch();
 }
 
+// The reset vector is an address, at a place that two pins choose (c40-hardware.md 1.2).
+void Engine::boot() {
+  constexpr std::array<Address, 4> vectors{0x00000000u, 0x7FFFFFFFu, 0x80000000u, 0xFFFFFFFFu};
+  constexpr Word interface_after_reset = 0x3E39FFF0u;
+  reset();
+  const Address vector = vectors.at(static_cast<std::size_t>(board_.pins.reset_location));
+  try {
+    state_.core.pc = peek(vector);
+  } catch (const std::out_of_range&) {
+    throw std::out_of_range(fmt::format("the reset vector of RESETLOC {} stands at {:08X}h, where board {} has no memory{}",
+                                        board_.pins.reset_location, vector, board_.name,
+                                        vector == 0 && board_.rom.empty() ? " and no boot ROM" : ""));
+  }
+  if (!board_.has_peripherals) return;
+  poke(Peripherals::global_interface, interface_after_reset);
+  poke(Peripherals::local_interface, interface_after_reset);
+}
+
 State& Engine::touch() {
   dma_side_.forget_undisturbed();
   onward_.clear();
@@ -56,11 +72,32 @@ State& Engine::touch() {
   return state_;
 }
 
+void Engine::flush_blocks() {
+  settle_counts();
+  blocks_.clear(memory_);
+  exact_sites_.clear();
+  onward_.clear();
+  cache_.mark_code(memory_);
+}
+
 // What is known of memory was found with other interface control registers.
 void Engine::forget_memory() {
   memory_.configure(state_.global_interface_control, state_.local_interface_control);
   code_ = {};
   sites_.forget();
+}
+
+// Ids are given out anew.
+void Engine::forget_pipelines() {
+  flush_blocks();
+  touch();
+  pipelines_.clear();
+  sites_.forget_transitions();
+}
+
+void Engine::settle_counts() {
+  blocks_.settle(state_.causes, state_.instructions);
+  pipeline_.settle();
 }
 
 Word Engine::peek(Address address) const {
@@ -88,195 +125,48 @@ void Engine::poke(Address address, Word value) {
   area->data[offset] = value;
 }
 
-// ---- running ----
-
-// Ids are given out anew.
-void Engine::forget_pipelines() {
-  flush_blocks();
-  touch();
-  pipelines_.clear();
-  sites_.forget_transitions();
-}
-
-void Engine::pass(Cause cause, Cycles until) {
-  if (until <= state_.cycle) return;
-  if (cause == Cause::idle) idle_.idled(state_.cycle, until);
-  add(state_.causes, cause, until - state_.cycle);
-  state_.cycle = until;
-  pipeline_.set(PipelineTable::drained);
-}
-
-StopInfo Engine::stop(Stepped why) {
-  if (cache_.control_pending()) [[unlikely]] settle_cache_control();  // the DMA may have gone on while the processor idled
-  StopInfo info;
-  switch (why) {
-    case Stepped::done: break;
-    case Stepped::external:
-      info.reason = StopInfo::Reason::external_access;
-      info.access = access_.window();
-      break;
-    case Stepped::breakpoint: info.reason = StopInfo::Reason::breakpoint; break;
-    case Stepped::port:
-      info.reason = ports_.listener(access_.port().port) != nullptr ? StopInfo::Reason::port_access : StopInfo::Reason::port_wait;
-      info.port = access_.port();
-      break;
-    case Stepped::horizon: info.reason = StopInfo::Reason::horizon; break;
-    case Stepped::software_interrupt: info.reason = StopInfo::Reason::software_interrupt; break;
-    case Stepped::fault:
-      info.reason = StopInfo::Reason::fault;
-      info.fault = fault_;
-      state_.faulted = true;
-      break;
-  }
-  return info;
-}
-
-bool Engine::may_interrupt() const {
-  return state_.core.delay_slots == 0 && state_.core.repeat_single == 0 && !state_.answers[0].given && !state_.answers[1].given &&
-         !access_.at_port();
-}
-
-Engine::Stepped Engine::advance(Cycles limit, bool single) {
-  state_.core.attention = false;
-  reach_present();
-  const bool waited = peripherals_.dma_waits();
-  const Stepped why = act(std::min(limit, peripherals_.next_event()), single);
-  make_dma_current(waited);
-  return why;
-}
-
-// One thing: a stop, an interrupt entry, idling, a run of blocks, or one exact instruction.
-Engine::Stepped Engine::act(Cycles limit, bool single) {
+void Engine::process_code_writes() {
   Core& core = state_.core;
-  if (core.code_writes != 0) process_code_writes();
-  if (peripherals_.interface_changed()) {
-    peripherals_.interface_settled();
-    flush_blocks();
-    forget_memory();
-  }
-  if (may_interrupt()) {
-    if (const Word vector = interrupts::pending(state_); vector != 0) {
-      if (!take_interrupt(vector)) return Stepped::fault;
-      return Stepped::done;
-    }
-    if (core.idle) {
-      pass(Cause::idle, limit);
-      return Stepped::done;
-    }
-  }
-  if (!single && !breakpoints.empty() && breakpoints.contains(core.pc) && reported_breakpoint_ != state_.cycle) {
-    reported_breakpoint_ = state_.cycle;
-    return Stepped::breakpoint;
-  }
-  if (pipelines_.full()) forget_pipelines();
-  const bool answered = state_.answers[0].given || state_.answers[1].given;
-  const bool waiting_interrupt = !may_interrupt() && interrupts::pending(state_) != 0;
-  dma_effect_ = dma_side_.effect();
-  if (dma_effect_ == DmaEffect::under_way) dma_side_.know_accesses();
-  else dma_side_.know_no_accesses();
-  const bool one = single || trace != nullptr || answered || waiting_interrupt || dma_effect_ != DmaEffect::none || cache_.control_pending();
-  if (!one && !exact_only && !onward_.is_missed()) {
-    if (Block* block = onward_.take_inside(); block != nullptr) {
-      run_blocks(block, onward_.at(), limit);
-      return Stepped::done;
-    }
-    if (core.delay_slots == 0 && !exact_sites_.contains(core.pc) && by_blocks()) {
-      Stepped why = Stepped::done;
-      if (Block* block = find_or_record(limit, why); block != nullptr) run_blocks(block, 0, limit);
-      return why;
-    }
-  }
-  Block* const missed = onward_.take_missed();
-  onward_.clear();
-  Step step;
-  const Address pc = core.pc;
-  if (const Stepped why = exact_step(step, trace != nullptr); why != Stepped::done) return why;
-  if (step.plain) exact_sites_.stayed_inside(pc);
-  if (missed != nullptr && core.code_writes == 0) rejoin(*missed);
-  return one || !breakpoints.empty() || onward_.is_inside() ? Stepped::done : run_exactly(limit);
+  for (std::size_t i = 0; i < core.code_writes; ++i) cache_.memory_written(core.code_written[i]);
+  core.code_writes = 0;
+  flush_blocks();
 }
 
-StopInfo Engine::run_until(Cycles limit, Cycles known) {
-  if (state_.held || state_.faulted) {
-    pass(Cause::halted, known);
-    return {};
-  }
-  run_limit_ = known;
-  const Word watched = watched_ports();
-  const bool waits = access_.is_told();
-  for (;;) {
-    if (peripherals_.dma_active() || dma_side_.stop)
-      if (auto info = run_dma(known, false)) {
-        if (info->reason != StopInfo::Reason::limit || state_.cycle >= limit) return *info;
-        continue;
-      }
-    const Cycles end = waits_in_idle() ? std::min(known, limit) : limit;
-    if (state_.cycle >= end) {
-      if ((waits || known > limit) && peripherals_.dma_active())
-        if (auto info = run_dma(known, true)) return *info;
-      break;
-    }
-    const Stepped why = advance(end, false);
-    if (why != Stepped::done) {
-      if (peripherals_.dma_active() && (why == Stepped::port || why == Stepped::external)) {
-        if (auto earlier = run_dma(waits ? known : std::min(known, access_.cycle()), true)) return *earlier;
-      }
-      access_.set_told(true);
-      return stop(why);
-    }
-    access_.set_told(false);
-    if (ports_.attached() != 0 && (watched_ports() & ~watched) != 0) return stop(Stepped::horizon);
-  }
-  // Events of timers come in their turn, as the DMA does: where it is behind, they wait for it.
-  if (!peripherals_.dma_active() || !uses_linked_port() || state_.dma.now >= state_.cycle - 1) reach_present();
-  return {};
+// From outside: at once.
+void Engine::set_status(Word value) {
+  write_status(value);
+  cache_.note_control(std::numeric_limits<Cycles>::min());
+  settle_cache_control();
 }
 
-StopInfo Engine::step() {
-  if (state_.held || state_.faulted) {
-    pass(Cause::halted, state_.cycle + 1);
-    return {};
-  }
-  run_limit_ = state_.cycle;
-  if (peripherals_.dma_active() || dma_side_.stop)
-    if (auto info = run_dma(run_limit_, false)) return *info;
-  if (peripherals_.dma_active() && waits_in_idle()) {
-    const Cycles before = state_.cycle;
-    if (auto info = run_dma(before + 1, false)) return *info;
-    if (state_.cycle != before) {
-      reach_present();
-      return {};
-    }
-  }
-  const Stepped why = advance(state_.cycle + 1, true);
-  if (peripherals_.dma_active() && (why == Stepped::port || why == Stepped::external)) {
-    if (auto earlier = run_dma(access_.cycle(), true)) return *earlier;
-  }
-  access_.set_told(why != Stepped::done);
-  if (why == Stepped::done && (peripherals_.dma_active() || dma_side_.stop))
-    if (auto info = run_dma(waits_in_idle() ? state_.cycle : run_limit_, false)) return *info;
-  if (why == Stepped::done) reach_present();
-  return stop(why);
+void Engine::write_status(Word value) {
+  Core& core = state_.core;
+  const Word count = core.r[reg::RC];
+  if (count == 0 || count == 0xFFFFFFFFu) value &= ~st::RM;
+  if ((value & st::RM) == 0) core.repeat_single = 0;
+  state_.cache_clear |= (value & st::CC) != 0;
+  core.set_status(value);
 }
 
-// What has happened by the present cycle: timers' events, and what the cache is told.
-void Engine::reach_present() {
-  if (state_.cycle >= peripherals_.next_event()) {
-    const bool waited = peripherals_.dma_waits() && !dma_.ends();
-    peripherals_.advance_to(state_.cycle);
-    make_dma_current(waited);
-  }
-  if (cache_.control_pending()) [[unlikely]] settle_cache_control();
+void Engine::settle_cache_control() { cache_.settle_control(state_.cycle + pipeline_.get().earliest_fetch()); }
+
+void Engine::watch_pins(PinListener* listener, unsigned outputs, unsigned inputs) {
+  pins_.watch(listener, outputs, inputs);
+  peripherals_.pins_changed();
 }
 
-// A DMA that waited goes on no earlier than what it waited for.
-void Engine::make_dma_current(bool waited) {
-  if (waited && dma_.busy()) state_.dma.now = std::max(state_.dma.now, state_.cycle);
+void Engine::stand_until(Cycles cycle) {
+  touch();
+  pass(Cause::halted, cycle);
+  if (pins_.watched() && !state_.held) peripherals_.advance_to(state_.cycle);
 }
 
-void Engine::complete(bool write, Word value, Cycles arbitration, Cycles transfer) {
-  if (dma_side_.request) return complete_dma(write, value, arbitration + transfer);
-  access_.answer_window(write, value, arbitration, transfer);
+// One that is held drives nothing. What its timers would have done meanwhile nobody has seen.
+void Engine::hold(bool held) {
+  touch();
+  if (pins_.watched() && held != state_.held) peripherals_.advance_to(state_.cycle);
+  state_.held = held;
+  peripherals_.pins_changed();
 }
 
 }  // namespace c40

@@ -2,6 +2,8 @@
 /// What runs a chip. Two ways to the same result: the exact engine executes one instruction at a time and asks the pipeline model
 /// about each; blocks are what the exact engine once did, recorded: the same handlers in a row, and the cycles and causes that the
 /// same model gave. A block is left for the exact engine wherever its guards do not hold.
+///
+/// The engine has the state and the loop that orders its parts. What lasts beyond one step belongs to a part, which knows no engine.
 #include <memory>
 #include <set>
 #include <vector>
@@ -83,67 +85,72 @@ class Engine {
  private:
   enum class Stepped : std::uint8_t { done, external, fault, breakpoint, port, horizon, software_interrupt };
 
+  // engine.cpp: what is known of the chip's state, and forgotten
+  void forget_memory();
+  void forget_pipelines();
+  void process_code_writes();
+  void settle_cache_control();
+
+  // engine_run.cpp: what the chip does next, and why it stops
+  Stepped advance(Cycles limit, bool single);
+  Stepped act(Cycles limit, bool single);
+  StopInfo stop(Stepped why);
+  void pass(Cause cause, Cycles until);
+  void reach_present();
+  void make_dma_current(bool waited);
+  bool may_interrupt() const;
+  bool take_interrupt(Word vector);
+
   // engine_step.cpp: the exact engine
   Stepped exact_step(Step& step, bool fresh);
   Stepped run_exactly(Cycles limit);
   bool quick_step();
   Stepped traced_step(Step& step);
   Stepped untraced_step(Step& step, bool fresh);
-  Demand demand_through(const Step& step, bool annulled) const;
-  const Transition& annulled_transition(const Step& step);
-  const Transition& executed_transition(const Step& step);
-  void settle_answers();
   bool find_code(Address pc);
   bool caching() const;
   bool by_blocks();
   bool fetch(Step& step);
   bool bind_site(Site& site, Word word, bool set_condition);
   Stepped execute(Step& step);
-  Stepped resolve(Step& step);
-  Demand demand_of(const Step& step) const;
-  Cycles access_cycle(const Step& step, std::size_t access);
-  const Transition& transition(const Demand& demand, Word word);
   void annulled(const Step& step);
+  bool illegal_in_repeat(Address pc, const Bound& bound) const;
+  Demand demand_of(const Step& step) const;
+  Demand demand_through(const Step& step, bool annulled) const;
+  const Transition& transition(const Demand& demand, Word word);
+  const Transition& annulled_transition(const Step& step);
+  const Transition& executed_transition(const Step& step);
   void account(const StepTiming& timing);
   void account(const StepTiming& timing, const std::optional<StepTiming>& without_dma);
-  bool illegal_in_repeat(Address pc, const Bound& bound) const;
-  void settle_cache_control();
-  void finish_step(const Step& step);
   void settle_accesses(const Step& step, Address pc);
+  void finish_step(const Step& step);
   void advance_pc(Address pc);
-  Stepped fail(Fault::Kind kind, std::string message, Address address = 0);
-  Stepped nothing_at(std::string_view access, Address address);
   void emit_trace(const Step& step, const Core& before, Cycles cycle, const Causes& causes);
 
-  // engine_peripherals.cpp: accesses to ports, interrupt entry, boot
+  // engine_access.cpp: accesses that did not meet a known region, and faults
+  Stepped resolve(Step& step);
   Stepped access_port(const Step& step, std::size_t k, Word& cell);
-  bool take_interrupt(Word vector);
-  bool uses_linked_port() const;
-
-  // engine.cpp: running
-  void reach_present();
-  void make_dma_current(bool waited);
-  void forget_memory();
-  void forget_pipelines();
-  void pass(Cause cause, Cycles until);
-  StopInfo stop(Stepped why);
-  bool may_interrupt() const;
-  Stepped advance(Cycles limit, bool single);
-  Stepped act(Cycles limit, bool single);
+  Cycles access_cycle(const Step& step, std::size_t access);
+  void settle_answers();
+  Stepped fail(Fault::Kind kind, std::string message, Address address = 0);
+  Stepped nothing_at(std::string_view access, Address address);
 
   // engine_dma.cpp: the DMA coprocessor beside the processor
   Cycles known_until(Cycles limit, bool idles) const;
+  bool uses_linked_port() const;
   std::optional<StopInfo> run_dma(Cycles limit, bool processor_waits);
   StopInfo dma_stop(const DmaRequest& request);
   void complete_dma(bool write, Word value, Cycles waited);
 
-  // engine_blocks.cpp: recording and running blocks
+  // engine_record.cpp: recording blocks
   BlockKey key();
   Block* find_or_record(Cycles limit, Stepped& why);
   void record(const BlockKey& key, Cycles limit, Stepped& why);
   bool recordable(const Bound& bound) const;
   void close_straight(Block& block, Cycles cycles, const Costs& costs, PipelineId end, bool chained);
   void close_with_branch(Block& block, const Step& step, PipelineId before, bool chained);
+
+  // engine_blocks.cpp: running blocks
   void run_blocks(Block* block, std::size_t from, Cycles limit);
   void leave(Block& block, std::size_t from, std::size_t at);
   void left_block(Block& block, std::size_t from, const Outcome& outcome);
@@ -153,7 +160,6 @@ class Engine {
   Block::Exit* run_part(Block& block, std::size_t from, Cycles limit);
   Block::Exit& end_repeat(Block& block, std::uint32_t passes);
   std::uint32_t passes_within(const Block& block, Cycles limit) const;
-  void process_code_writes();
 
   State state_;
   PipelineTable pipelines_;
@@ -171,12 +177,12 @@ class Engine {
     std::array<Word, 2> cell{};
   };
   std::array<Scratch, 2> scratch_{};  ///< stands for a register or a window during one instruction
+  Memory::OpenPages pages_;  ///< of the step under way
   SiteTable sites_;
-  ExactSites exact_sites_;
   CodeArea code_;
   InstructionCache cache_{state_};
-  Memory::OpenPages pages_;  ///< of the step under way
   BlockStore blocks_;
+  ExactSites exact_sites_;
   Continuation onward_;
   Dma dma_;
   DmaSide dma_side_;

@@ -2,37 +2,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
-#include <stdexcept>
 #include <utility>
 
 #include "c40/addressing.hpp"
 #include "c40/engine.hpp"
 #include "c40/handler_tables.hpp"
-#include "c40/peripherals/register_map.hpp"
 
 namespace c40 {
-Engine::Stepped Engine::fail(Fault::Kind kind, std::string message, Address address) {
-  Fault fault;
-  fault.kind = kind;
-  fault.message = std::move(message);
-  fault.pc = state_.core.pc;
-  fault.cycle = state_.cycle;
-  fault.address = address;
-  if (const Memory::Area* area = memory_.find(fault.pc); area != nullptr && area->data != nullptr)
-    fault.word = area->data[fault.pc - area->base];
-  fault_ = std::move(fault);
-  return Stepped::fault;
-}
-
-// A flat board has RAM everywhere, but not without end.
-Engine::Stepped Engine::nothing_at(std::string_view access, Address address) {
-  if (board_.is_flat)
-    return fail(Fault::Kind::not_modelled,
-                fmt::format("{} {:08X}h: the program uses more than the {} MiB of RAM that board {} may take", access, address,
-                            board_.flat_words_max * sizeof(Word) >> 20, board_.name), address);
-  return fail(Fault::Kind::reserved_address, fmt::format("{} {:08X}h, which is reserved on board {}", access, address, board_.name), address);
-}
 
 bool Engine::find_code(Address pc) {
   const Memory::Area* area = memory_.find(pc);
@@ -115,76 +91,6 @@ const Transition& Engine::transition(const Demand& demand, Word word) {
   return pipelines_.transition(pipeline_.id(), demand, packed(demand), word);
 }
 
-Cycles Engine::access_cycle(const Step& step, std::size_t access) {
-  Demand demand = demand_of(step);
-  demand.count = static_cast<std::uint8_t>(access + 1);
-  const int start = transition(demand, step.word).timing.start[access];
-  const Access& data = demand.data[access];
-  // Registers on the chip answer a read at the end of the read stage: as they stand in the execute stage, in which they are written (fidelity.md).
-  const int later = data.resource == Resource::peripheral && !data.write ? 1 : 0;
-  Cycles cycle = state_.cycle + std::max(start + later, 0);
-  for (const Answer& answer : state_.answers)
-    if (answer.given) cycle += answer.waited();
-  return cycle;
-}
-
-// An access did not meet a known region: find it, or stop.
-Engine::Stepped Engine::resolve(Step& step) {
-  const Core& core = state_.core;
-  const std::size_t k = core.miss_access;
-  const Address address = core.miss_address;
-  const bool write = core.miss_write;
-  Site& site = *step.site;
-  const Memory::Area* area = site.area[k];
-  if (area == nullptr || !area->contains(address) || site.demand.data[k].write != write) {
-    area = site.area[k] = memory_.find(address);
-    if (area == nullptr) return nothing_at(write ? "write to" : "read of", address);
-    if (write && area->kind == Region::Kind::rom)
-      return fail(Fault::Kind::reserved_address, fmt::format("write to {:08X}h, which is in the {}", address, area->name), address);
-    if (!step.paged) pages_ = state_.open_pages;
-    const Memory::Met met = memory_.meet(*area, address, write, pages_);
-    step.paged |= met.paged;
-    site.demand.data[k] = met.access;
-    // An area on two strobes, or with pages, is looked up at every access.
-    if (met.paged || met.words != area->words) site.area[k] = nullptr;
-  }
-  step.locks |= site.bound.row->interlocked && external(area->resource);
-  if (site.demand.count <= k) site.demand.count = static_cast<std::uint8_t>(k + 1);
-  site.data_bits = packed_data(site.demand);
-  step.address[k] = address;
-  Window& window = site.ops[0].access[k];
-  if (area->data != nullptr) {
-    // Windows are whole areas, whose map of code words follows the data.
-    step.plain &= site.area[k] != nullptr && !step.locks;
-    window = {area->data, area->base, area->words};
-    if (trace != nullptr) events_.push_back({address, write ? core.miss_value : area->data[address - area->base], write});
-    return Stepped::done;
-  }
-  step.plain = false;
-  auto& cell = scratch_[k].cell;
-  cell = {};
-  if (area->kind == Region::Kind::registers && is_port_register(address)) {
-    if (const Stepped why = access_port(step, k, cell[0]); why != Stepped::done) return why;
-  } else if (area->kind == Region::Kind::registers) {
-    step.register_cycle[k] = access_cycle(step, k);
-    if (!peripherals_.read(address, step.register_cycle[k], cell[0]))
-      return fail(Fault::Kind::not_modelled,
-                  fmt::format("{} {:08X}h: {} is not modelled", write ? "write to" : "read of", address, describe_register(address)),
-                  address);
-    step.register_writes |= static_cast<std::uint8_t>(unsigned{write} << k);
-  } else {
-    const Answer& answer = state_.answers[k];
-    if (!answer.given || answer.address != address || answer.write != write) {
-      access_.begin(k, ExternalAccess{address, write, site.bound.row->interlocked, write ? core.miss_value : 0, access_cycle(step, k), -1});
-      return Stepped::external;
-    }
-    cell[0] = answer.value;
-  }
-  window = {cell.data(), address, 1};
-  if (trace != nullptr) events_.push_back({address, write ? core.miss_value : cell[0], write});
-  return Stepped::done;
-}
-
 Engine::Stepped Engine::execute(Step& step) {
   Core& core = state_.core;
   Site& site = *step.site;
@@ -242,18 +148,6 @@ void Engine::account(const StepTiming& t) {
   add(causes, Cause::wait_state, t.wait_state);
 }
 
-void Engine::settle_answers() {
-  Causes& causes = state_.causes;
-  for (Answer& answer : state_.answers) {
-    if (!answer.given) continue;
-    add(causes, Cause::bus_arbitration, answer.arbitration);
-    add(causes, Cause::bus_transfer, answer.transfer);
-    add(causes, Cause::comm_port, answer.comm_port);
-    state_.cycle += answer.waited();
-    answer = {};
-  }
-}
-
 // What the DMA costs an instruction is what it takes beyond what it would have taken without. What it takes less, because it had been held
 // up before, is set against the next cost: in all, the DMA is charged with no more than it did.
 void Engine::account(const StepTiming& t, const std::optional<StepTiming>& without_dma) {
@@ -280,24 +174,6 @@ void Engine::settle_accesses(const Step& step, Address pc) {
     if (operation == stii || operation == stfi) locked = false;
   }
 }
-
-void Engine::write_status(Word value) {
-  Core& core = state_.core;
-  const Word count = core.r[reg::RC];
-  if (count == 0 || count == 0xFFFFFFFFu) value &= ~st::RM;
-  if ((value & st::RM) == 0) core.repeat_single = 0;
-  state_.cache_clear |= (value & st::CC) != 0;
-  core.set_status(value);
-}
-
-// From outside: at once.
-void Engine::set_status(Word value) {
-  write_status(value);
-  cache_.note_control(std::numeric_limits<Cycles>::min());
-  settle_cache_control();
-}
-
-void Engine::settle_cache_control() { cache_.settle_control(state_.cycle + pipeline_.get().earliest_fetch()); }
 
 void Engine::finish_step(const Step& step) {
   Core& core = state_.core;
