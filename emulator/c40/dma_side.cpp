@@ -320,11 +320,6 @@ void DmaSide::flushed(int cycles) {
   undisturbed_ = chip_.pipelines.intern(alone);
 }
 
-DmaEffect DmaSide::effect() const {
-  if (chip_.peripherals.dma_busy()) return DmaEffect::under_way;
-  return undisturbed_ ? DmaEffect::still_felt : DmaEffect::none;
-}
-
 void DmaSide::charge(Cycles held) {
   const Cycles paid = std::min(gained_, held);
   gained_ -= paid;

@@ -68,7 +68,10 @@ class DmaSide final : public DmaSurroundings {
   // ---- around an instruction of the processor ----
 
   /// Of the instruction that comes next.
-  DmaEffect effect() const;
+  DmaEffect effect() const {
+    if (chip_.peripherals.dma_busy()) return DmaEffect::under_way;
+    return undisturbed_ ? DmaEffect::still_felt : DmaEffect::none;
+  }
   /// Its accesses will be noted from now on; or not.
   void know_accesses();
   void know_no_accesses() { knows_accesses_ = false; }

@@ -49,17 +49,8 @@ bool Engine::may_interrupt() const {
          !access_.at_port();
 }
 
-Engine::Stepped Engine::advance(Cycles limit, bool single) {
-  state_.core.attention = false;
-  reach_present();
-  const bool waited = peripherals_.dma_waits();
-  const Stepped why = act(std::min(limit, peripherals_.next_event()), single);
-  make_dma_current(waited);
-  return why;
-}
-
 // One thing: a stop, an interrupt entry, idling, a run of blocks, or one exact instruction.
-Engine::Stepped Engine::act(Cycles limit, bool single) {
+[[gnu::always_inline]] inline Engine::Stepped Engine::act(Cycles limit, bool single) {
   Core& core = state_.core;
   if (core.code_writes != 0) process_code_writes();
   if (peripherals_.interface_changed()) {
@@ -107,6 +98,15 @@ Engine::Stepped Engine::act(Cycles limit, bool single) {
   if (step.plain) exact_sites_.stayed_inside(pc);
   if (missed != nullptr && core.code_writes == 0) rejoin(*missed);
   return one || !breakpoints.empty() || onward_.is_inside() ? Stepped::done : run_exactly(limit);
+}
+
+Engine::Stepped Engine::advance(Cycles limit, bool single) {
+  state_.core.attention = false;
+  reach_present();
+  const bool waited = peripherals_.dma_waits();
+  const Stepped why = act(std::min(limit, peripherals_.next_event()), single);
+  make_dma_current(waited);
+  return why;
 }
 
 StopInfo Engine::run_until(Cycles limit, Cycles known) {
