@@ -1,6 +1,6 @@
 #pragma once
-/// A block: instructions that the exact engine once did one after the other, recorded: their handlers in a row, and the cycles and
-/// causes that the pipeline model gave.
+/// A block: instructions that the exact engine once did one after the other, recorded: their handlers in a row, and the
+/// cycles and causes that the pipeline model gave.
 #include <array>
 #include <cstdint>
 #include <vector>

@@ -20,19 +20,21 @@ struct Region {
   int write_waits = 0;  ///< 0 to 15
   Kind kind = Kind::ram;
   Bus bus = Bus::local;
-  int page_waits = 0;  ///< what RDY asks for beyond them when PAGE says that the strobe's last access was in another page, 0 to 15
+  int page_waits =
+      0;  ///< what RDY asks for beyond them when PAGE says that the strobe's last access was in another page, 0 to 15
 };
 
 /// What surrounds one chip (rulings.md 26).
 struct Board {
   std::string name;
   std::vector<Region> regions;
-  bool is_flat = false;  ///< Plain zero-wait RAM without bus conflicts at every address that is none of a region or of the chip's own.
+  bool is_flat = false;  ///< Plain zero-wait RAM without bus conflicts at every address that is none of a region or of
+                         ///< the chip's own.
   /// Of such RAM a program may use so much, in pages of 64 K words. 256 MiB: it is the host's memory.
   std::uint64_t flat_words_max = std::uint64_t{1} << 26;
   bool has_peripherals = true;  ///< Their registers are at 100000h; else that is memory, or nothing.
-  /// GMICR and LMICR as the board's boot header leaves them. The default: RDY alone on both strobes, no software wait states, pages
-  /// of 1 K words on STRB0, which is the lower half.
+  /// GMICR and LMICR as the board's boot header leaves them. The default: RDY alone on both strobes, no software wait
+  /// states, pages of 1 K words on STRB0, which is the lower half.
   Word global_interface_control = 0x1DEA4000u;
   Word local_interface_control = 0x1DEA4000u;
   std::vector<Word> rom;  ///< The boot ROM's contents from address 0 on (ROMEN = 1); empty: it is not there.

@@ -106,10 +106,12 @@ void Chip::complete_write(Cycles arbitration, Cycles transfer) { engine_->comple
 namespace {
 void check_port(int port) {
   if (port < 0 || port >= port_count)
-    throw std::invalid_argument(fmt::format("there is no communication port {}; 0 to {} are possible", port, port_count - 1));
+    throw std::invalid_argument(
+        fmt::format("there is no communication port {}; 0 to {} are possible", port, port_count - 1));
 }
 void check_timer(int timer) {
-  if (timer < 0 || timer >= timer_count) throw std::out_of_range(fmt::format("there is no timer {}; 0 and 1 are possible", timer));
+  if (timer < 0 || timer >= timer_count)
+    throw std::out_of_range(fmt::format("there is no timer {}; 0 and 1 are possible", timer));
 }
 void check_pin(int pin) {
   if (pin < 0 || pin > 3) throw std::out_of_range(fmt::format("there is no pin IIOF{}; 0 to 3 are possible", pin));
@@ -127,7 +129,8 @@ void Chip::raise_iiof(int pin) {
 void Chip::raise_nmi() { engine_->peripherals().raise(interrupts::nmi_flag); }
 void Chip::attach(int port, PortListener* link) {
   check_port(port);
-  if (link != nullptr && engine_->ports().listener(port) != nullptr) throw std::invalid_argument(fmt::format("communication port {} is taken", port));
+  if (link != nullptr && engine_->ports().listener(port) != nullptr)
+    throw std::invalid_argument(fmt::format("communication port {} is taken", port));
   engine_->ports().attach(port, link);
 }
 CommPort& Chip::port(int port) {
@@ -140,7 +143,9 @@ const CommPort& Chip::port(int port) const {
 }
 void Chip::complete_port(Cycles at) { engine_->complete_port(at); }
 bool Chip::dma_active() const { return engine_->peripherals().dma_active(); }
-bool Chip::dma_busy() const { return engine_->peripherals().dma_active() && (engine_->dma().busy() || engine_->dma().ends()); }
+bool Chip::dma_busy() const {
+  return engine_->peripherals().dma_active() && (engine_->dma().busy() || engine_->dma().ends());
+}
 std::vector<DmaWait> Chip::dma_waits() const { return engine_->dma().waits(); }
 Cycles Chip::settled() const {
   const State& state = engine_->state();
@@ -153,7 +158,9 @@ void Chip::set_pin(Pin pin, bool level, Cycles at) {
   if (pin == Pin::reset) throw std::invalid_argument("RESET: who drives it resets the chip");
   engine_->peripherals().set_pin(pin, level, at);
 }
-void Chip::watch_pins(PinListener* listener, unsigned outputs, unsigned inputs) { engine_->watch_pins(listener, outputs, inputs); }
+void Chip::watch_pins(PinListener* listener, unsigned outputs, unsigned inputs) {
+  engine_->watch_pins(listener, outputs, inputs);
+}
 bool Chip::heeds(Pin pin) const { return engine_->peripherals().heeds(pin); }
 bool Chip::timer_pin(int timer) const {
   check_timer(timer);

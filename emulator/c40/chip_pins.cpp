@@ -34,14 +34,16 @@ bool Pins::level(unsigned pin) const {
 bool Pins::set_iiof(Pin pin, bool level) {
   const bool was_low = (state_.iiof_levels & bit(pin)) != 0;
   state_.iiof_driven = static_cast<std::uint8_t>(state_.iiof_driven | bit(pin));
-  state_.iiof_levels = static_cast<std::uint8_t>(level ? state_.iiof_levels & ~bit(pin) : state_.iiof_levels | bit(pin));
+  state_.iiof_levels =
+      static_cast<std::uint8_t>(level ? state_.iiof_levels & ~bit(pin) : state_.iiof_levels | bit(pin));
   return !level && !was_low;
 }
 
 void Pins::show_inputs() {
   Word& iif = state_.core.r[reg::IIF];
   for (unsigned pin = 0; pin < iiof_pins; ++pin)
-    if ((iif >> 4 * pin & 3u) == 0) iif = (iif & ~interrupts::iiof_flag(pin)) | (input_level(pin) ? interrupts::iiof_flag(pin) : 0u);
+    if ((iif >> 4 * pin & 3u) == 0)
+      iif = (iif & ~interrupts::iiof_flag(pin)) | (input_level(pin) ? interrupts::iiof_flag(pin) : 0u);
 }
 
 Drive Pins::drive_of(Pin pin, Cycles at) const {
@@ -75,7 +77,8 @@ void Pins::tell(Cycles at) {
 Cycles Pins::next_change() const {
   Cycles next = std::numeric_limits<Cycles>::max();
   for (const Pin pin : {Pin::tclk0, Pin::tclk1})
-    if ((watched_ & bit(pin)) != 0) next = std::min(next, state_.timers[number_of(pin)].next_change_of_pin(state_.drives_told));
+    if ((watched_ & bit(pin)) != 0)
+      next = std::min(next, state_.timers[number_of(pin)].next_change_of_pin(state_.drives_told));
   return next;
 }
 

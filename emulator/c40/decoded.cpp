@@ -4,7 +4,8 @@
 
 namespace c40 {
 
-CodeArea::CodeArea(const Memory& memory, const Memory::Area& found, Address pc) : area(&found), cacheable(external(found.resource)) {
+CodeArea::CodeArea(const Memory& memory, const Memory::Area& found, Address pc)
+    : area(&found), cacheable(external(found.resource)) {
   Memory::OpenPages any;
   met = memory.meet(found, pc, false, any);
   words = found.data + (met.base - found.base);

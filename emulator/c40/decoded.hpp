@@ -1,6 +1,6 @@
 #pragma once
-/// What the exact engine keeps of code from one execution to the next: where instructions are being fetched, and what it met at each
-/// address; and one instruction on its way through.
+/// What the exact engine keeps of code from one execution to the next: where instructions are being fetched, and what
+/// it met at each address; and one instruction on its way through.
 #include <array>
 #include <vector>
 
@@ -25,8 +25,8 @@ struct CodeArea {
   Word word(Address pc) const { return words[pc - met.base]; }
 };
 
-/// An instruction as the exact engine last met it at an address. Its windows and the accesses through them stay as long as they
-/// hold for every way in which it can be executed.
+/// An instruction as the exact engine last met it at an address. Its windows and the accesses through them stay as long
+/// as they hold for every way in which it can be executed.
 struct Site {
   bool known = false, set_condition = false, keeps_windows = false;
   bool quick = false;  ///< nothing but its accesses, the pipeline and the PC needs attention
@@ -39,7 +39,9 @@ struct Site {
   Transition transition;                      ///< the last one
 
   /// It is this instruction, bound.
-  bool is(Word word, bool with_set_condition) const { return known && bound.word == word && set_condition == with_set_condition; }
+  bool is(Word word, bool with_set_condition) const {
+    return known && bound.word == word && set_condition == with_set_condition;
+  }
   void bind_to(const Bound& instruction, bool with_set_condition);
   void forget() { known = quick = false; }
   void forget_windows();
@@ -76,6 +78,15 @@ struct Step {
   std::array<Address, 2> address{};         ///< of each data access that was looked up
   std::array<Cycles, 2> register_cycle{};   ///< when the access to a register takes place
   const StepTiming* timing = nullptr;
+
+  /// What it asks of the pipeline, but for the cost of a branch.
+  Demand demand() const {
+    Demand out = site->demand;
+    out.fetch = fetch;
+    out.fetched = fetched;
+    out.fetch_missed = missed;
+    return out;
+  }
 };
 
 }  // namespace c40

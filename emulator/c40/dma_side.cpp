@@ -84,9 +84,11 @@ std::optional<DmaSurroundings::Span> DmaSide::acquire(const DmaPlace& place, Cyc
   const Unit unit = unit_of(place.access);
   if (unit == Unit::none) return Span{from, from + 1 + place.access.waits};
   const bool bus = is_bus(unit);
-  const Cycles cycles = bus && place.access.write ? timing::external_write_cycles + place.access.waits : 1 + place.access.waits;
+  const Cycles cycles =
+      bus && place.access.write ? timing::external_write_cycles + place.access.waits : 1 + place.access.waits;
   for (Cycles at = from; at < limit;) {
-    const Cycles end = at + cycles + (bus && !place.access.write && follows_write(unit, at) ? timing::read_after_write_cycles : 0);
+    const Cycles end =
+        at + cycles + (bus && !place.access.write && follows_write(unit, at) ? timing::read_after_write_cycles : 0);
     const Use use = use_by_processor(unit, at);
     if (use.busy_until > at) {
       lost_to_one_under_way(at, use.busy_until);
@@ -123,7 +125,9 @@ DmaSurroundings::Span DmaSide::take(Unit unit, const DmaPlace& place, Span span)
 // Data accesses_ that the span leaves no room for wait until its end, and with them all that come later.
 void DmaSide::displace_data(Unit unit, Span span) {
   const bool bus = is_bus(unit);
-  const auto meets = [&](const ProcessorAccess& access) { return unit_of(access.access) == unit && access.begin >= span.begin && access.begin < span.end; };
+  const auto meets = [&](const ProcessorAccess& access) {
+    return unit_of(access.access) == unit && access.begin >= span.begin && access.begin < span.end;
+  };
   Cycles first = span.end;
   int used = 1;
   for (const ProcessorAccess& access : accesses_)
@@ -132,7 +136,8 @@ void DmaSide::displace_data(Unit unit, Span span) {
   const Cycles wait = span.end - first;
   const auto relative = [this](Cycles at) { return static_cast<int>(at - chip_.state.cycle); };
   for (const ProcessorAccess& access : accesses_)
-    if (access.begin >= first) pipeline_.give_back(access.access.resource, relative(access.begin), relative(access.end));
+    if (access.begin >= first)
+      pipeline_.give_back(access.access.resource, relative(access.begin), relative(access.end));
   charge(wait);
   pipeline_.hold(static_cast<int>(wait));
   for (ProcessorAccess& access : accesses_) {
@@ -149,7 +154,9 @@ DmaSide::Use DmaSide::use_by_processor(Unit unit, Cycles at) const {
   int data = 0, fetched = 0;
   const bool turns = bus && processor_wrote_until(unit, at);
   // A read straight after a write has the bus for the cycle of the turn as well.
-  const auto begins = [&](Cycles begin) { return begin == at || (turns && begin == at + timing::read_after_write_cycles); };
+  const auto begins = [&](Cycles begin) {
+    return begin == at || (turns && begin == at + timing::read_after_write_cycles);
+  };
   const auto meet = [&](int& count, Cycles begin, Cycles end) {
     if (bus && begin < at && end > at) use.busy_until = std::max(use.busy_until, end);
     count += begins(begin);
@@ -182,7 +189,8 @@ bool DmaSide::processor_wrote_until(Unit unit, Cycles at) const {
   });
 }
 
-// Priority 01: the processor wins the first conflict, then they take turns as long as conflicts follow each other (3.4).
+// Priority 01: the processor wins the first conflict, then they take turns as long as conflicts follow each other
+// (3.4).
 bool DmaSide::wins(Word priority, Cycles at) {
   if (priority == priority_dma) return true;
   if (priority != priority_rotating) return false;
@@ -227,7 +235,8 @@ void DmaSide::know_accesses() {
   accesses_.clear();
   const Pipeline& now = chip_.pipeline.get();
   for (const Resource bus : {Resource::local, Resource::global, Resource::peripheral})
-    if (const auto end = now.busy_until(bus)) accesses_.push_back({{bus, 0, false, false}, long_ago, chip_.state.cycle + *end});
+    if (const auto end = now.busy_until(bus))
+      accesses_.push_back({{bus, 0, false, false}, long_ago, chip_.state.cycle + *end});
   knows_accesses_ = true;
 }
 
@@ -241,7 +250,9 @@ void DmaSide::expect_fetches() {
   const auto expected = pipeline_.expected_fetches(next_fetches_);
   for (std::size_t i = 0; i < 2; ++i) {
     fetches_[i] = {};
-    if (next_fetches_[i]) fetches_[i] = {unit_of(*next_fetches_[i]), chip_.state.cycle + expected[i].from, chip_.state.cycle + expected[i].to};
+    if (next_fetches_[i])
+      fetches_[i] = {unit_of(*next_fetches_[i]), chip_.state.cycle + expected[i].from,
+                     chip_.state.cycle + expected[i].to};
   }
 }
 
@@ -250,9 +261,12 @@ void DmaSide::mark_under_way() {
   const PipelineId before = chip_.pipeline.id();
   pipeline_ = chip_.pipelines[before];
   const Cycles now = chip_.state.cycle;
-  for (const auto& [unit, resource] : {std::pair{Unit::local, Resource::local}, std::pair{Unit::global, Resource::global}, std::pair{Unit::peripheral, Resource::peripheral}}) {
+  for (const auto& [unit, resource] :
+       {std::pair{Unit::local, Resource::local}, std::pair{Unit::global, Resource::global},
+        std::pair{Unit::peripheral, Resource::peripheral}}) {
     const Cycles until = taken_until_[static_cast<std::size_t>(unit)];
-    if (until > now - Pipeline::depth) pipeline_.take(resource, -Pipeline::depth, static_cast<int>(std::min<Cycles>(until - now, Pipeline::furthest)));
+    if (until > now - Pipeline::depth)
+      pipeline_.take(resource, -Pipeline::depth, static_cast<int>(std::min<Cycles>(until - now, Pipeline::furthest)));
   }
   const PipelineId after = chip_.pipelines.intern(pipeline_);
   if (after == before) return;
@@ -280,12 +294,14 @@ std::array<std::optional<Access>, 2> DmaSide::fetches_from_memory() const {
   std::uint8_t single = core.repeat_single;
   for (std::size_t i = 0; i < 2; ++i) {
     const Memory::Area* area = chip_.memory.find(pc);
-    const bool cached = area != nullptr && external(area->resource) && chip_.cache.on() && chip_.cache.find(pc) != nullptr;
+    const bool cached =
+        area != nullptr && external(area->resource) && chip_.cache.on() && chip_.cache.find(pc) != nullptr;
     if (area != nullptr && area->data != nullptr && !cached && single != 2) {
       Memory::OpenPages pages = chip_.state.open_pages;
       out[i] = chip_.memory.meet(*area, pc, false, pages).access;
     }
-    const bool more = (core.modes & st::RM) != 0 && pc == core.r[reg::RE] && static_cast<std::int32_t>(core.r[reg::RC]) > 0;
+    const bool more =
+        (core.modes & st::RM) != 0 && pc == core.r[reg::RE] && static_cast<std::int32_t>(core.r[reg::RC]) > 0;
     if (single == 1 && more) single = 2;
     pc = core.delay_slots == 1 ? core.delay_target : more ? core.r[reg::RS] : pc + 1;
   }
@@ -299,7 +315,8 @@ void DmaSide::note_accesses(const Demand& demand, const StepTiming& timing, Cycl
     const Unit unit = unit_of(access);
     if (unit == Unit::none) continue;
     const Cycles start = before + timing.start[i];
-    const Cycles length = !is_bus(unit) ? 1 : (access.write ? timing::external_write_cycles : 1) + access.waits + waited;
+    const Cycles length =
+        !is_bus(unit) ? 1 : (access.write ? timing::external_write_cycles : 1) + access.waits + waited;
     accesses_.push_back({access, start, start + length});
   }
 }

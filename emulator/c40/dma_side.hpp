@@ -1,10 +1,10 @@
 #pragma once
 /// Where the DMA coprocessor and the processor meet: memory ports, buses, ports, windows.
 ///
-/// The processor is ahead by the read stage of its next instruction: after each of its instructions the DMA follows up to there. In these
-/// cycles all data accesses are known, and the next two fetches can be told from the pipeline. Whatever the DMA takes is marked
-/// in the pipeline model, so that later fetches and accesses fit around it: a fetch that has slack costs nothing. A data access
-/// that the DMA displaces moves with everything after it.
+/// The processor is ahead by the read stage of its next instruction: after each of its instructions the DMA follows up
+/// to there. In these cycles all data accesses are known, and the next two fetches can be told from the pipeline.
+/// Whatever the DMA takes is marked in the pipeline model, so that later fetches and accesses fit around it: a fetch
+/// that has slack costs nothing. A data access that the DMA displaces moves with everything after it.
 #include <array>
 #include <functional>
 #include <optional>
@@ -38,7 +38,8 @@ enum class DmaEffect : std::uint8_t {
   under_way    ///< a channel goes on meanwhile
 };
 
-/// The chip as the DMA coprocessor works on it. Marks what it takes in the pipeline, and charges the processor with what that costs.
+/// The chip as the DMA coprocessor works on it. Marks what it takes in the pipeline, and charges the processor with
+/// what that costs.
 class DmaSide final : public DmaSurroundings {
  public:
   /// The parts of the chip that the DMA meets.
@@ -138,10 +139,12 @@ class DmaSide final : public DmaSurroundings {
   Cycles gained_ = 0;  ///< cycles that instructions took less because of what the DMA had cost others before
 
   // From begin_following() to end_following().
-  bool beside_ = false;  ///< the processor goes on: it fetches, and what the DMA takes is not there for its next instructions
+  bool beside_ =
+      false;  ///< the processor goes on: it fetches, and what the DMA takes is not there for its next instructions
   bool disturbed_ = false;
   Pipeline pipeline_;  ///< with what the DMA has taken
-  std::array<std::optional<Access>, 2> next_fetches_{};  ///< of the next two instructions, as far as they are fetched from memory
+  std::array<std::optional<Access>, 2>
+      next_fetches_{};  ///< of the next two instructions, as far as they are fetched from memory
   std::array<Fetch, 2> fetches_{};
 };
 

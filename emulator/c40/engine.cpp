@@ -9,8 +9,11 @@
 namespace c40 {
 
 Engine::Engine(Board board)
-    : board_(std::move(board)), memory_(board_), dma_(state_.dma, dma_side_),
-      dma_side_({state_, memory_, ports_, peripherals_, cache_, pipelines_, pipeline_, dma_, tell, [this](Address address, Word value) { poke(address, value); }}) {
+    : board_(std::move(board)),
+      memory_(board_),
+      dma_(state_.dma, dma_side_),
+      dma_side_({state_, memory_, ports_, peripherals_, cache_, pipelines_, pipeline_, dma_, tell,
+                 [this](Address address, Word value) { poke(address, value); }}) {
   reset();
 }
 
@@ -56,9 +59,9 @@ void Engine::boot() {
   try {
     state_.core.pc = peek(vector);
   } catch (const std::out_of_range&) {
-    throw std::out_of_range(fmt::format("the reset vector of RESETLOC {} stands at {:08X}h, where board {} has no memory{}",
-                                        board_.pins.reset_location, vector, board_.name,
-                                        vector == 0 && board_.rom.empty() ? " and no boot ROM" : ""));
+    throw std::out_of_range(fmt::format(
+        "the reset vector of RESETLOC {} stands at {:08X}h, where board {} has no memory{}", board_.pins.reset_location,
+        vector, board_.name, vector == 0 && board_.rom.empty() ? " and no boot ROM" : ""));
   }
   if (!board_.has_peripherals) return;
   poke(Peripherals::global_interface, interface_after_reset);
@@ -103,7 +106,8 @@ void Engine::settle_counts() {
 Word Engine::peek(Address address) const {
   const Memory::Area* area = memory_.find(address);
   if (area == nullptr && board_.is_flat) return 0;
-  if (area == nullptr) throw std::out_of_range(fmt::format("address {:08X}h is reserved on board {}", address, board_.name));
+  if (area == nullptr)
+    throw std::out_of_range(fmt::format("address {:08X}h is reserved on board {}", address, board_.name));
   if (area->data != nullptr) return area->data[address - area->base];
   Word value = 0;
   if (area->kind == Region::Kind::registers && peripherals_.read(address, state_.cycle, value)) return value;
@@ -112,10 +116,12 @@ Word Engine::peek(Address address) const {
 
 void Engine::poke(Address address, Word value) {
   const Memory::Area* area = memory_.find(address);
-  if (area == nullptr) throw std::out_of_range(fmt::format("address {:08X}h is reserved on board {}", address, board_.name));
+  if (area == nullptr)
+    throw std::out_of_range(fmt::format("address {:08X}h is reserved on board {}", address, board_.name));
   if (area->data == nullptr) {
     if (area->kind == Region::Kind::registers && peripherals_.write(address, value, state_.cycle)) return;
-    throw std::out_of_range(fmt::format("address {:08X}h ({}) cannot be written without a bus access", address, area->name));
+    throw std::out_of_range(
+        fmt::format("address {:08X}h ({}) cannot be written without a bus access", address, area->name));
   }
   const Word offset = address - area->base;
   if ((area->code_map()[offset >> 5] >> (offset & 31) & 1u) != 0) {

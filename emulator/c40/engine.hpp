@@ -1,9 +1,10 @@
 #pragma once
-/// What runs a chip. Two ways to the same result: the exact engine executes one instruction at a time and asks the pipeline model
-/// about each; blocks are what the exact engine once did, recorded: the same handlers in a row, and the cycles and causes that the
-/// same model gave. A block is left for the exact engine wherever its guards do not hold.
+/// What runs a chip. Two ways to the same result: the exact engine executes one instruction at a time and asks the
+/// pipeline model about each; blocks are what the exact engine once did, recorded: the same handlers in a row, and the
+/// cycles and causes that the same model gave. A block is left for the exact engine wherever its guards do not hold.
 ///
-/// The engine has the state and the loop that orders its parts. What lasts beyond one step belongs to a part, which knows no engine.
+/// The engine has the state and the loop that orders its parts. What lasts beyond one step belongs to a part, which
+/// knows no engine.
 #include <memory>
 #include <set>
 #include <vector>
@@ -115,7 +116,6 @@ class Engine {
   Stepped execute(Step& step);
   void annulled(const Step& step);
   bool illegal_in_repeat(Address pc, const Bound& bound) const;
-  Demand demand_of(const Step& step) const;
   Demand demand_through(const Step& step, bool annulled) const;
   const Transition& transition(const Demand& demand, Word word);
   const Transition& annulled_transition(const Step& step);
@@ -147,8 +147,6 @@ class Engine {
   Block* find_or_record(Cycles limit, Stepped& why);
   void record(const BlockKey& key, Cycles limit, Stepped& why);
   bool recordable(const Bound& bound) const;
-  void close_straight(Block& block, Cycles cycles, const Costs& costs, PipelineId end, bool chained);
-  void close_with_branch(Block& block, const Step& step, PipelineId before, bool chained);
 
   // engine_blocks.cpp: running blocks
   void run_blocks(Block* block, std::size_t from, Cycles limit);

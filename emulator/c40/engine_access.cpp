@@ -27,17 +27,20 @@ Engine::Stepped Engine::fail(Fault::Kind kind, std::string message, Address addr
 Engine::Stepped Engine::nothing_at(std::string_view access, Address address) {
   if (board_.is_flat)
     return fail(Fault::Kind::not_modelled,
-                fmt::format("{} {:08X}h: the program uses more than the {} MiB of RAM that board {} may take", access, address,
-                            board_.flat_words_max * sizeof(Word) >> 20, board_.name), address);
-  return fail(Fault::Kind::reserved_address, fmt::format("{} {:08X}h, which is reserved on board {}", access, address, board_.name), address);
+                fmt::format("{} {:08X}h: the program uses more than the {} MiB of RAM that board {} may take", access,
+                            address, board_.flat_words_max * sizeof(Word) >> 20, board_.name),
+                address);
+  return fail(Fault::Kind::reserved_address,
+              fmt::format("{} {:08X}h, which is reserved on board {}", access, address, board_.name), address);
 }
 
 Cycles Engine::access_cycle(const Step& step, std::size_t access) {
-  Demand demand = demand_of(step);
+  Demand demand = step.demand();
   demand.count = static_cast<std::uint8_t>(access + 1);
   const int start = transition(demand, step.word).timing.start[access];
   const Access& data = demand.data[access];
-  // Registers on the chip answer a read at the end of the read stage: as they stand in the execute stage, in which they are written (fidelity.md).
+  // Registers on the chip answer a read at the end of the read stage: as they stand in the execute stage, in which they
+  // are written (fidelity.md).
   const int later = data.resource == Resource::peripheral && !data.write ? 1 : 0;
   Cycles cycle = state_.cycle + std::max(start + later, 0);
   for (const Answer& answer : state_.answers)
@@ -57,7 +60,8 @@ Engine::Stepped Engine::resolve(Step& step) {
     area = site.area[k] = memory_.find(address);
     if (area == nullptr) return nothing_at(write ? "write to" : "read of", address);
     if (write && area->kind == Region::Kind::rom)
-      return fail(Fault::Kind::reserved_address, fmt::format("write to {:08X}h, which is in the {}", address, area->name), address);
+      return fail(Fault::Kind::reserved_address,
+                  fmt::format("write to {:08X}h, which is in the {}", address, area->name), address);
     if (!step.paged) pages_ = state_.open_pages;
     const Memory::Met met = memory_.meet(*area, address, write, pages_);
     step.paged |= met.paged;
@@ -74,7 +78,8 @@ Engine::Stepped Engine::resolve(Step& step) {
     // Windows are whole areas, whose map of code words follows the data.
     step.plain &= site.area[k] != nullptr && !step.locks;
     window = {area->data, area->base, area->words};
-    if (trace != nullptr) events_.push_back({address, write ? core.miss_value : area->data[address - area->base], write});
+    if (trace != nullptr)
+      events_.push_back({address, write ? core.miss_value : area->data[address - area->base], write});
     return Stepped::done;
   }
   step.plain = false;
@@ -86,13 +91,15 @@ Engine::Stepped Engine::resolve(Step& step) {
     step.register_cycle[k] = access_cycle(step, k);
     if (!peripherals_.read(address, step.register_cycle[k], cell[0]))
       return fail(Fault::Kind::not_modelled,
-                  fmt::format("{} {:08X}h: {} is not modelled", write ? "write to" : "read of", address, describe_register(address)),
+                  fmt::format("{} {:08X}h: {} is not modelled", write ? "write to" : "read of", address,
+                              describe_register(address)),
                   address);
     step.register_writes |= static_cast<std::uint8_t>(unsigned{write} << k);
   } else {
     const Answer& answer = state_.answers[k];
     if (!answer.given || answer.address != address || answer.write != write) {
-      access_.begin(k, ExternalAccess{address, write, site.bound.row->interlocked, write ? core.miss_value : 0, access_cycle(step, k), -1});
+      access_.begin(k, ExternalAccess{address, write, site.bound.row->interlocked, write ? core.miss_value : 0,
+                                      access_cycle(step, k), -1});
       return Stepped::external;
     }
     cell[0] = answer.value;
@@ -126,8 +133,8 @@ void Engine::complete_port(Cycles at) {
   const PortAccess& access = access_.port();
   CommPort& side = ports_[access.port];
   if (!access.ready(side))
-    throw std::logic_error(fmt::format("communication port {}: the {} FIFO is {}", access.port, access.write ? "output" : "input",
-                                       access.write ? "full" : "empty"));
+    throw std::logic_error(fmt::format("communication port {}: the {} FIFO is {}", access.port,
+                                       access.write ? "output" : "input", access.write ? "full" : "empty"));
   if (at < access.cycle) throw std::logic_error("an access cannot take place before it begins");
   peripherals_.end_dma_block(at);
   peripherals_.advance_to(at);

@@ -78,7 +78,8 @@ Block::Exit* Engine::run_part(Block& block, std::size_t from, Cycles limit) {
   Outcome outcome;
   if (block.last_start >= budget) {
     const auto begin = block.start.begin();
-    const auto first = std::lower_bound(begin + static_cast<std::ptrdiff_t>(from), begin + static_cast<std::ptrdiff_t>(block.size), budget);
+    const auto first = std::lower_bound(begin + static_cast<std::ptrdiff_t>(from),
+                                        begin + static_cast<std::ptrdiff_t>(block.size), budget);
     const auto at = static_cast<std::size_t>(first - begin);
     const Handler handler = std::exchange(block.ops[at].handler, &execute::budget_end);
     outcome = block.ops[from].handler(core, &block.ops[from]);
@@ -99,7 +100,8 @@ Block::Exit* Engine::run_part(Block& block, std::size_t from, Cycles limit) {
   return &exit;
 }
 
-// Block after block, as long as each leads to one that is known. What every block costs is here: counts and cycles only.
+// Block after block, as long as each leads to one that is known. What every block costs is here: counts and cycles
+// only.
 void Engine::run_blocks(Block* block, std::size_t from, Cycles limit) {
   Core& core = state_.core;
   Block::Exit* exit = nullptr;
@@ -130,7 +132,8 @@ void Engine::run_blocks(Block* block, std::size_t from, Cycles limit) {
   if (!core.attention) onward_.after(*exit);
 }
 
-// One that repeats or comes from the cache, from the middle, or with a budget that does not cover it. Null: it was left.
+// One that repeats or comes from the cache, from the middle, or with a budget that does not cover it. Null: it was
+// left.
 Block::Exit* Engine::run_special(Block& block, std::size_t from, Cycles limit) {
   if (from != 0 || block.last_start >= limit - state_.cycle) return run_part(block, from, limit);
   if (block.repeats) return run_repeated(block, limit);
@@ -160,7 +163,8 @@ void Engine::left_block(Block& block, std::size_t from, const Outcome& outcome) 
   }
 }
 
-// After the exact engine did the instruction that the block could not: back into the block if everything is as recorded.
+// After the exact engine did the instruction that the block could not: back into the block if everything is as
+// recorded.
 void Engine::rejoin(Block& block) {
   const Core& core = state_.core;
   const std::size_t at = core.pc - block.key.pc;

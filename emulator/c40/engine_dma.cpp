@@ -14,15 +14,16 @@ namespace {
 
 /// The read stage of the next instruction stands one cycle before its execute stage.
 constexpr Cycles read_lead = 1;
-/// A DMA of the first priority can keep the processor from its bus for 2^32 words: after so long, who runs the chip is asked.
+/// A DMA of the first priority can keep the processor from its bus for 2^32 words: after so long, who runs the chip is
+/// asked.
 constexpr Cycles starved_cycles = 10'000;
 
 }  // namespace
 
 bool Engine::waits_in_idle() const { return state_.core.idle && may_interrupt() && interrupts::pending(state_) == 0; }
 
-// How far the DMA may go while the processor runs or idles: everything that the processor does before is known. What the links do is known
-// up to `limit` only.
+// How far the DMA may go while the processor runs or idles: everything that the processor does before is known. What
+// the links do is known up to `limit` only.
 Cycles Engine::known_until(Cycles limit, bool idles) const {
   const Cycles until = idles ? std::max(limit, state_.cycle) : state_.cycle - read_lead;
   return uses_linked_port() ? std::min(limit, until) : until;
@@ -30,8 +31,9 @@ Cycles Engine::known_until(Cycles limit, bool idles) const {
 
 bool Engine::uses_linked_port() const { return ports_.attached() != 0 && (dma_.ports_used() & ports_.attached()) != 0; }
 
-// Lets the DMA follow the processor, or go on without it while it waits or idles; and the timers, each event in its turn. A stop for the
-// reason `limit`: the processor has not got its bus for so long, and the DMA has still not come to where it follows.
+// Lets the DMA follow the processor, or go on without it while it waits or idles; and the timers, each event in its
+// turn. A stop for the reason `limit`: the processor has not got its bus for so long, and the DMA has still not come to
+// where it follows.
 std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
   DmaSide& side = dma_side_;
   if (auto earlier = std::exchange(side.stop, std::nullopt)) return earlier;
@@ -52,7 +54,8 @@ std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
     if (idles) pass(Cause::idle, std::min(to, state_.dma.now));
     if (request) return dma_stop(*request);
     if (side.take_touched_link()) return stop(Stepped::horizon);
-    if (moved && !moves() && event > dma_.last_done()) break;  // at rest: how far the timers go beyond is for who knows whether anything else is to come
+    if (moved && !moves() && event > dma_.last_done())
+      break;  // at rest: how far the timers go beyond is for who knows whether anything else is to come
     if (event <= to && state_.dma.now >= event) peripherals_.advance_to(event);
   }
   return std::nullopt;
@@ -61,9 +64,13 @@ std::optional<StopInfo> Engine::run_dma(Cycles limit, bool processor_waits) {
 StopInfo Engine::dma_stop(const DmaRequest& request) {
   if (request.nothing_there) {
     const Memory::Area* area = memory_.find(request.address);
-    const std::string access = fmt::format("DMA channel {}: {}", request.channel, request.write ? "write to" : "read of");
+    const std::string access =
+        fmt::format("DMA channel {}: {}", request.channel, request.write ? "write to" : "read of");
     if (area == nullptr) nothing_at(access, request.address);
-    else fail(Fault::Kind::not_modelled, fmt::format("{} {:08X}h, which is {}", access, request.address, describe_register(request.address)), request.address);
+    else
+      fail(Fault::Kind::not_modelled,
+           fmt::format("{} {:08X}h, which is {}", access, request.address, describe_register(request.address)),
+           request.address);
     fault_->cycle = request.cycle;  // the processor may be ahead, or wait since long ago
     return stop(Stepped::fault);
   }
@@ -75,7 +82,8 @@ StopInfo Engine::dma_stop(const DmaRequest& request) {
 }
 
 void Engine::complete_dma(bool write, Word value, Cycles waited) {
-  if (dma_side_.request->write != write) throw std::logic_error(fmt::format("the DMA does not wait for a {}", write ? "write" : "read"));
+  if (dma_side_.request->write != write)
+    throw std::logic_error(fmt::format("the DMA does not wait for a {}", write ? "write" : "read"));
   dma_side_.request.reset();
   state_.dma.answered_until = state_.dma.now + waited;
   dma_.answer(value, state_.dma.answered_until);

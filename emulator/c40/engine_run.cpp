@@ -20,7 +20,8 @@ void Engine::pass(Cause cause, Cycles until) {
 }
 
 StopInfo Engine::stop(Stepped why) {
-  if (cache_.control_pending()) [[unlikely]] settle_cache_control();  // the DMA may have gone on while the processor idled
+  if (cache_.control_pending()) [[unlikely]]
+    settle_cache_control();  // the DMA may have gone on while the processor idled
   StopInfo info;
   switch (why) {
     case Stepped::done: break;
@@ -30,7 +31,8 @@ StopInfo Engine::stop(Stepped why) {
       break;
     case Stepped::breakpoint: info.reason = StopInfo::Reason::breakpoint; break;
     case Stepped::port:
-      info.reason = ports_.listener(access_.port().port) != nullptr ? StopInfo::Reason::port_access : StopInfo::Reason::port_wait;
+      info.reason =
+          ports_.listener(access_.port().port) != nullptr ? StopInfo::Reason::port_access : StopInfo::Reason::port_wait;
       info.port = access_.port();
       break;
     case Stepped::horizon: info.reason = StopInfo::Reason::horizon; break;
@@ -45,8 +47,8 @@ StopInfo Engine::stop(Stepped why) {
 }
 
 bool Engine::may_interrupt() const {
-  return state_.core.delay_slots == 0 && state_.core.repeat_single == 0 && !state_.answers[0].given && !state_.answers[1].given &&
-         !access_.at_port();
+  return state_.core.delay_slots == 0 && state_.core.repeat_single == 0 && !state_.answers[0].given &&
+         !state_.answers[1].given && !access_.at_port();
 }
 
 // One thing: a stop, an interrupt entry, idling, a run of blocks, or one exact instruction.
@@ -78,7 +80,8 @@ bool Engine::may_interrupt() const {
   dma_effect_ = dma_side_.effect();
   if (dma_effect_ == DmaEffect::under_way) dma_side_.know_accesses();
   else dma_side_.know_no_accesses();
-  const bool one = single || trace != nullptr || answered || waiting_interrupt || dma_effect_ != DmaEffect::none || cache_.control_pending();
+  const bool one = single || trace != nullptr || answered || waiting_interrupt || dma_effect_ != DmaEffect::none ||
+                   cache_.control_pending();
   if (!one && !exact_only && !onward_.is_missed()) {
     if (Block* block = onward_.take_inside(); block != nullptr) {
       run_blocks(block, onward_.at(), limit);
@@ -202,9 +205,11 @@ bool Engine::take_interrupt(Word vector) {
   const Address top = core.r[reg::SP] + 1, entry = (core.ivtp & choices::vector_table_mask) + vector;
   const Memory::Area* stack = memory_.find(top);
   const Memory::Area* table = memory_.find(entry);
-  for (const auto& [area, address, what] : {std::tuple{stack, top, "the stack"}, std::tuple{table, entry, "the vector table"}})
+  for (const auto& [area, address, what] :
+       {std::tuple{stack, top, "the stack"}, std::tuple{table, entry, "the vector table"}})
     if (area == nullptr || area->data == nullptr) {
-      fail(Fault::Kind::not_modelled, fmt::format("interrupt {:02X}h: {} at {:08X}h is not in RAM", vector, what, address), address);
+      fail(Fault::Kind::not_modelled,
+           fmt::format("interrupt {:02X}h: {} at {:08X}h is not in RAM", vector, what, address), address);
       return false;
     }
   const Cycles before = state_.cycle;
@@ -212,7 +217,8 @@ bool Engine::take_interrupt(Word vector) {
   core.r[reg::SP] = top;
   core.pc = table->data[entry - table->base];
   interrupts::enter(core, vector);
-  const int waits = memory_.meet(*table, entry, false, state_.open_pages).access.waits + memory_.meet(*stack, top, true, state_.open_pages).access.waits;
+  const int waits = memory_.meet(*table, entry, false, state_.open_pages).access.waits +
+                    memory_.meet(*stack, top, true, state_.open_pages).access.waits;
   add(state_.causes, Cause::interrupt, timing::interrupt_entry_cost);
   add(state_.causes, Cause::wait_state, waits);
   state_.cycle += timing::interrupt_entry_cost + waits;

@@ -18,7 +18,8 @@ bool Engine::find_code(Address pc) {
     return false;
   }
   if (area->data == nullptr) {
-    fail(Fault::Kind::not_modelled, fmt::format("instruction fetch from {:08X}h ({}) is not modelled", pc, area->name), pc);
+    fail(Fault::Kind::not_modelled, fmt::format("instruction fetch from {:08X}h ({}) is not modelled", pc, area->name),
+         pc);
     return false;
   }
   code_ = CodeArea(memory_, *area, pc);
@@ -79,14 +80,6 @@ bool Engine::fetch(Step& step) {
   return step.site->is(step.word, set_condition) || bind_site(*step.site, step.word, set_condition);
 }
 
-Demand Engine::demand_of(const Step& step) const {
-  Demand demand = step.site->demand;
-  demand.fetch = step.fetch;
-  demand.fetched = step.fetched;
-  demand.fetch_missed = step.missed;
-  return demand;
-}
-
 const Transition& Engine::transition(const Demand& demand, Word word) {
   return pipelines_.transition(pipeline_.id(), demand, packed(demand), word);
 }
@@ -117,8 +110,8 @@ Engine::Stepped Engine::execute(Step& step) {
   }
 }
 
-// The execute stage of an annulled slot does not happen; the earlier stages of the first two slots did (8.2). LDA in the first
-// slot, which is over with its read stage, does not come here.
+// The execute stage of an annulled slot does not happen; the earlier stages of the first two slots did (8.2). LDA in
+// the first slot, which is over with its read stage, does not come here.
 void Engine::annulled(const Step& step) {
   Core& core = state_.core;
   const Bound& bound = step.site->bound;
@@ -148,8 +141,9 @@ void Engine::account(const StepTiming& t) {
   add(causes, Cause::wait_state, t.wait_state);
 }
 
-// What the DMA costs an instruction is what it takes beyond what it would have taken without. What it takes less, because it had been held
-// up before, is set against the next cost: in all, the DMA is charged with no more than it did.
+// What the DMA costs an instruction is what it takes beyond what it would have taken without. What it takes less,
+// because it had been held up before, is set against the next cost: in all, the DMA is charged with no more than it
+// did.
 void Engine::account(const StepTiming& t, const std::optional<StepTiming>& without_dma) {
   if (!without_dma) return account(t);
   const int held = t.total - without_dma->total;
@@ -179,10 +173,12 @@ void Engine::finish_step(const Step& step) {
   Core& core = state_.core;
   const Bound& bound = step.site->bound;
   for (std::size_t k = 0; step.register_writes != 0 && k < 2; ++k)
-    if ((step.register_writes >> k & 1u) != 0) peripherals_.write(step.address[k], scratch_[k].cell[0], step.register_cycle[k]);
+    if ((step.register_writes >> k & 1u) != 0)
+      peripherals_.write(step.address[k], scratch_[k].cell[0], step.register_cycle[k]);
   if (bound.writes_status) {
     // LDIcond may leave ST as it is.
-    const bool written = !bound.row->conditional() || execute::holds(core, static_cast<isa::Condition>(bound.op.selector));
+    const bool written =
+        !bound.row->conditional() || execute::holds(core, static_cast<isa::Condition>(bound.op.selector));
     if (written) write_status(core.r[reg::ST]);
   }
   if (bound.writes_interrupts) pins_.show_inputs();
@@ -213,7 +209,9 @@ void Engine::advance_pc(Address pc) {
 }
 
 // `fresh`: every access is looked up, and seen.
-Engine::Stepped Engine::exact_step(Step& step, bool fresh) { return trace == nullptr ? untraced_step(step, fresh) : traced_step(step); }
+Engine::Stepped Engine::exact_step(Step& step, bool fresh) {
+  return trace == nullptr ? untraced_step(step, fresh) : traced_step(step);
+}
 
 Engine::Stepped Engine::traced_step(Step& step) {
   const Core before = state_.core;
@@ -224,7 +222,8 @@ Engine::Stepped Engine::traced_step(Step& step) {
   if (why != Stepped::done) return why;
   const StepTiming timing = *step.timing;
   step.timing = &timing;
-  if (dma_effect_ == DmaEffect::under_way) dma_side_.stop = run_dma(run_limit_, false);  // so that what it holds up stands in the record
+  if (dma_effect_ == DmaEffect::under_way)
+    dma_side_.stop = run_dma(run_limit_, false);  // so that what it holds up stands in the record
   emit_trace(step, before, cycle, causes);
   return why;
 }
@@ -242,7 +241,8 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
                             core.delay_slots != 0 ? "in the three slots of a delayed branch" : "under RPTS"));
   if ((core.modes & st::RM) != 0 && illegal_in_repeat(pc, bound))
     return fail(Fault::Kind::illegal_sequence,
-                fmt::format("{} may not stand {} words before the end of a repeated block (RE = {:08X}h)", bound.row->mnemonic, core.r[reg::RE] - pc, core.r[reg::RE]));
+                fmt::format("{} may not stand {} words before the end of a repeated block (RE = {:08X}h)",
+                            bound.row->mnemonic, core.r[reg::RE] - pc, core.r[reg::RE]));
   if (fresh || site.stale || !site.keeps_windows) site.forget_windows();
   const bool over_with_read = core.delay_slots == 3 && bound.row->write_stage == isa::WriteStage::read;
   const bool annul = core.annul && core.delay_slots != 0 && core.delay_slots < 4 && !over_with_read;
@@ -255,7 +255,8 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
     finish_step(step);
     if (pins_.driven() && (bound.writes_interrupts || step.register_writes != 0)) [[unlikely]]
       if (const auto pin = pins_.contended())
-        return fail(Fault::Kind::not_modelled, fmt::format("pin {} becomes an output, and a net drives it", name(*pin)));
+        return fail(Fault::Kind::not_modelled,
+                    fmt::format("pin {} becomes an output, and a net drives it", name(*pin)));
   }
   std::optional<StepTiming> without;
   if (dma_effect_ != DmaEffect::none) [[unlikely]] without = dma_side_.without_dma(demand_through(step, annul));
@@ -269,13 +270,15 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
     if (peripherals_.dma_active()) dma_side_.mark_under_way();
   }
   if (bound.writes_interrupts) peripherals_.pins_changed();
-  if (dma_effect_ == DmaEffect::under_way) [[unlikely]] dma_side_.note_accesses(annul ? Demand{} : site.demand, *step.timing, before);
+  if (dma_effect_ == DmaEffect::under_way) [[unlikely]]
+    dma_side_.note_accesses(annul ? Demand{} : site.demand, *step.timing, before);
   if (bound.flow != Flow::straight || bound.writes_status) cache_.note_control(state_.cycle - 1 - step.timing->branch);
   advance_pc(pc);
   return Stepped::done;
 }
 
-// The last instruction of a repeated block may not control the program, nor may a delayed branch stand in the three before (8.3).
+// The last instruction of a repeated block may not control the program, nor may a delayed branch stand in the three
+// before (8.3).
 bool Engine::illegal_in_repeat(Address pc, const Bound& bound) const {
   const Address left = state_.core.r[reg::RE] - pc;
   return bound.flow != Flow::straight && (left == 0 || (left <= 3 && bound.row->delay != isa::Delay::none));
@@ -285,7 +288,7 @@ bool Engine::illegal_in_repeat(Address pc, const Bound& bound) const {
 Demand Engine::demand_through(const Step& step, bool annulled) const {
   const Bound& bound = step.site->bound;
   if (!annulled) {
-    Demand demand = demand_of(step);
+    Demand demand = step.demand();
     demand.flush_cost = step.taken ? bound.taken_cost : bound.not_taken_cost;
     return demand;
   }
@@ -303,8 +306,8 @@ const Transition& Engine::executed_transition(const Step& step) {
   return step.site->transition = transition(demand_through(step, false), step.word);
 }
 
-// The common case of untraced_step at a fraction of its price: an instruction that is known, out of slots, meets the windows it met
-// before, and does nothing about interrupts. Else nothing has happened.
+// The common case of untraced_step at a fraction of its price: an instruction that is known, out of slots, meets the
+// windows it met before, and does nothing about interrupts. Else nothing has happened.
 bool Engine::quick_step() {
   Core& core = state_.core;
   const Address pc = core.pc;
@@ -321,7 +324,8 @@ bool Engine::quick_step() {
   const bool fetched = core.repeat_single != 2;
   if (!fetched) bits = packed_fetch({}, false, false);
   Site& site = sites_[pc];
-  if (!site.quick || site.stale || site.bound.word != word || site.set_condition != ((core.modes & st::SETCOND) != 0)) return false;
+  if (!site.quick || site.stale || site.bound.word != word || site.set_condition != ((core.modes & st::SETCOND) != 0))
+    return false;
   if ((core.modes & st::RM) != 0 && site.bound.flow != Flow::straight) return false;  // perhaps where it may not stand
   core.pc = pc + 1;
   site.ops[0].pc = pc;
@@ -350,7 +354,8 @@ bool Engine::quick_step() {
 Engine::Stepped Engine::run_exactly(Cycles limit) {
   const Core& core = state_.core;
   Step step;
-  while (!core.attention && core.code_writes == 0 && !peripherals_.interface_changed() && !core.idle && state_.cycle < limit && (exact_only || !by_blocks()))
+  while (!core.attention && core.code_writes == 0 && !peripherals_.interface_changed() && !core.idle &&
+         state_.cycle < limit && (exact_only || !by_blocks()))
     if (!quick_step())
       if (const Stepped why = exact_step(step, false); why != Stepped::done) return why;
   return Stepped::done;

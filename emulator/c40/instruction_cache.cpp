@@ -9,7 +9,8 @@
 namespace c40 {
 
 void InstructionCache::add_change(Cycles executed, Word control) {
-  if (state_.cache_changes == state_.cache_change.size()) throw std::logic_error("more changes of the cache's control than instructions in the pipeline");
+  if (state_.cache_changes == state_.cache_change.size())
+    throw std::logic_error("more changes of the cache's control than instructions in the pipeline");
   state_.cache_change[state_.cache_changes++] = {executed, control, std::exchange(state_.cache_clear, false)};
   state_.core.attention = true;
 }

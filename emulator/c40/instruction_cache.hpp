@@ -1,5 +1,6 @@
 #pragma once
-/// The instruction cache as the engine uses it: when CE, CF and CC act, what fetching does to its words, and what is known of them.
+/// The instruction cache as the engine uses it: when CE, CF and CC act, what fetching does to its words, and what is
+/// known of them.
 #include <cstddef>
 #include <cstdint>
 
@@ -19,14 +20,17 @@ class InstructionCache {
   const Word* find(Address pc) const { return state_.cache.find(pc); }
 
   /// ST says otherwise than the fetch stage.
-  bool control_pending() const { return state_.cache_changes != 0 || ((state_.core.modes ^ state_.cache_control) & bits) != 0; }
-  /// What executed in cycle `executed` may have changed CE or CF, or written CC. No more than three instructions can have executed
-  /// before a fetch: throws std::logic_error for more changes.
+  bool control_pending() const {
+    return state_.cache_changes != 0 || ((state_.core.modes ^ state_.cache_control) & bits) != 0;
+  }
+  /// What executed in cycle `executed` may have changed CE or CF, or written CC. No more than three instructions can
+  /// have executed before a fetch: throws std::logic_error for more changes.
   void note_control(Cycles executed) {
     const Word control = state_.core.modes & bits;
     if (control != last_control() || state_.cache_clear) [[unlikely]] add_change(executed, control);
   }
-  /// The next instruction is fetched in cycle `fetched` or later, with what had been executed before: CE, CF and CC act no earlier.
+  /// The next instruction is fetched in cycle `fetched` or later, with what had been executed before: CE, CF and CC act
+  /// no earlier.
   void settle_control(Cycles fetched);
 
   /// A word has been fetched that was there.

@@ -5,8 +5,8 @@
 namespace c40::interrupts {
 namespace {
 
-constexpr Word vector_nmi = 0x01, vector_timer0 = 0x02, first_vector_iiof = 0x03, first_vector_port = 0x0D, first_vector_dma = 0x25,
-               vector_timer1 = 0x2B;
+constexpr Word vector_nmi = 0x01, vector_timer0 = 0x02, first_vector_iiof = 0x03, first_vector_port = 0x0D,
+               first_vector_dma = 0x25, vector_timer1 = 0x2B;
 constexpr unsigned iiof_pins = 4, dma_channels = 6;
 
 // Levels, not latched (2.3): 0Dh + 4n ICFULL, then ICRDY, OCRDY, OCEMPTY, in the order of their bits in IIE.
@@ -42,12 +42,15 @@ Word pending(const State& state) {
 
 void enter(Core& core, Word vector) {
   const Word old = core.modes;
-  core.modes = (old & ~(st::PGIE | st::PCF | st::GIE)) | (old & st::GIE ? st::PGIE : 0u) | (old & st::CF ? st::PCF : 0u) | (choices::entry_sets_cache_freeze ? st::CF : 0u);
+  core.modes = (old & ~(st::PGIE | st::PCF | st::GIE)) | (old & st::GIE ? st::PGIE : 0u) |
+               (old & st::CF ? st::PCF : 0u) | (choices::entry_sets_cache_freeze ? st::CF : 0u);
   Word& iif = core.r[reg::IIF];
   if (vector == vector_nmi) iif &= ~nmi_flag;
   if (vector == vector_timer0) iif &= ~timer0_flag;
-  if (vector >= first_vector_iiof && vector < first_vector_iiof + iiof_pins) iif &= ~iiof_flag(vector - first_vector_iiof);
-  if (vector >= first_vector_dma && vector < first_vector_dma + dma_channels) iif &= ~(first_dma_flag << (vector - first_vector_dma));
+  if (vector >= first_vector_iiof && vector < first_vector_iiof + iiof_pins)
+    iif &= ~iiof_flag(vector - first_vector_iiof);
+  if (vector >= first_vector_dma && vector < first_vector_dma + dma_channels)
+    iif &= ~(first_dma_flag << (vector - first_vector_dma));
   if (vector == vector_timer1) iif &= ~timer1_flag;
   core.idle = false;
 }

@@ -1,5 +1,6 @@
 #pragma once
-/// The access that the instruction at PC has begun and that somebody outside has to answer: to a window, or to a communication port.
+/// The access that the instruction at PC has begun and that somebody outside has to answer: to a window, or to a
+/// communication port.
 #include <array>
 #include <cstddef>
 
@@ -28,8 +29,8 @@ class PendingAccess {
   /// When it begins.
   Cycles cycle() const { return at_port() ? port_.cycle : window_.cycle; }
 
-  /// The answer to an access to a window. Throws std::logic_error if none in this direction is waiting, and std::invalid_argument
-  /// for a negative number of cycles.
+  /// The answer to an access to a window. Throws std::logic_error if none in this direction is waiting, and
+  /// std::invalid_argument for a negative number of cycles.
   void answer_window(bool write, Word value, Cycles arbitration, Cycles transfer);
   /// The access to the port has taken place in cycle `at`.
   void answer_port(Word value, Cycles at);

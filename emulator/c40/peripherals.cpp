@@ -11,8 +11,8 @@ namespace {
 using interrupts::iiof_flag;
 using interrupts::timer_flags;
 
-// What DIE selects for a started channel goes to the DMA instead of IIF (3.8). Codes of channels 0 and 1: 2 an IIOF pin of
-// their own, 3 timer 0; of the others: 2 to 5 IIOF0 to 3, 6 and 7 the timers.
+// What DIE selects for a started channel goes to the DMA instead of IIF (3.8). Codes of channels 0 and 1: 2 an IIOF pin
+// of their own, 3 timer 0; of the others: 2 to 5 IIOF0 to 3, 6 and 7 the timers.
 auto selects(Word flag) {
   return [flag](int channel, bool write, Word code) -> bool {
     const unsigned own_pin = static_cast<unsigned>(2 * channel + write);
@@ -103,12 +103,17 @@ void Peripherals::set_pin(Pin pin, bool level, Cycles at) {
 
 bool Peripherals::heeds(Pin pin) const {
   const unsigned n = number_of(pin);
-  if (is_iiof(pin)) return (interrupts::iiof_nibble(state_.core, n) & 9u) == 9u || (dma_active_ && dma_.latches(selects(iiof_flag(n))));
-  if (is_timer_pin(pin)) return state_.timers[n].counts_pin() && (timer_drives_dma(n) || (state_.core.r[reg::IIE] & (n == 0 ? 1u : 1u << 31)) != 0);
+  if (is_iiof(pin))
+    return (interrupts::iiof_nibble(state_.core, n) & 9u) == 9u || (dma_active_ && dma_.latches(selects(iiof_flag(n))));
+  if (is_timer_pin(pin))
+    return state_.timers[n].counts_pin() &&
+           (timer_drives_dma(n) || (state_.core.r[reg::IIE] & (n == 0 ? 1u : 1u << 31)) != 0);
   return true;
 }
 
-bool Peripherals::timer_drives_dma(std::size_t timer) const { return dma_active_ && dma_.latches(selects(timer_flags[timer])); }
+bool Peripherals::timer_drives_dma(std::size_t timer) const {
+  return dma_active_ && dma_.latches(selects(timer_flags[timer]));
+}
 
 void Peripherals::pins_changed() {
   if (!pins_.watched()) return;

@@ -1,6 +1,6 @@
 #pragma once
-/// What surrounds the processor core on the chip: its registers in memory, the timers' events, the flags that they, the DMA and the
-/// pins raise, and when the next of all that is due.
+/// What surrounds the processor core on the chip: its registers in memory, the timers' events, the flags that they, the
+/// DMA and the pins raise, and when the next of all that is due.
 #include <cstddef>
 
 #include "c40/chip_pins.hpp"
@@ -15,9 +15,11 @@ class Peripherals {
   /// GMICR and LMICR.
   static constexpr Address global_interface = peripheral_base + 0x00, local_interface = peripheral_base + 0x04;
 
-  Peripherals(State& state, Dma& dma, Pins& pins, const PeripheralTeller& tell) : state_(state), dma_(dma), pins_(pins), tell_(tell) {}
+  Peripherals(State& state, Dma& dma, Pins& pins, const PeripheralTeller& tell)
+      : state_(state), dma_(dma), pins_(pins), tell_(tell) {}
 
-  /// A register on the chip as it stands in cycle `at`; false if nothing of the kind is at the address, or the FIFO is empty.
+  /// A register on the chip as it stands in cycle `at`; false if nothing of the kind is at the address, or the FIFO is
+  /// empty.
   bool read(Address address, Cycles at, Word& value) const;
   /// False if nothing of the kind is at the address, or it is a port's: an access to a port can wait.
   bool write(Address address, Word value, Cycles at);

@@ -1,6 +1,6 @@
 #pragma once
-/// States of the pipeline by number, and what the pipeline model makes of an instruction in each, remembered: the model costs
-/// some hundred host instructions, and the same few transitions come again and again.
+/// States of the pipeline by number, and what the pipeline model makes of an instruction in each, remembered: the model
+/// costs some hundred host instructions, and the same few transitions come again and again.
 #include <cstdint>
 #include <deque>
 #include <limits>
@@ -15,8 +15,8 @@ using PipelineId = std::uint32_t;
 
 /// All of a demand but the footprint, in one number.
 constexpr std::uint64_t packed(const Access& access) {
-  return static_cast<std::uint64_t>(access.resource) | std::uint64_t{access.write} << 3 | std::uint64_t{access.strobe1} << 4 |
-         std::uint64_t{access.waits} << 5;
+  return static_cast<std::uint64_t>(access.resource) | std::uint64_t{access.write} << 3 |
+         std::uint64_t{access.strobe1} << 4 | std::uint64_t{access.waits} << 5;
 }
 constexpr std::uint64_t packed_data(const Demand& demand) {
   std::uint64_t bits = std::uint64_t{demand.count} << 12;
@@ -28,7 +28,8 @@ constexpr std::uint64_t packed_fetch(const Access& fetch, bool fetched, bool mis
 }
 constexpr std::uint64_t packed_flush(int cost) { return static_cast<std::uint64_t>(cost) << 14; }
 constexpr std::uint64_t packed(const Demand& demand) {
-  return packed_fetch(demand.fetch, demand.fetched, demand.fetch_missed) | packed_flush(demand.flush_cost) | packed_data(demand);
+  return packed_fetch(demand.fetch, demand.fetched, demand.fetch_missed) | packed_flush(demand.flush_cost) |
+         packed_data(demand);
 }
 
 /// What the pipeline model makes of an instruction in a state of the pipeline: it depends on nothing else.
@@ -48,7 +49,8 @@ class PipelineTable {
   /// The number of a state. It stays until clear().
   PipelineId intern(const Pipeline& pipeline);
   const Pipeline& operator[](PipelineId id) const { return states_[id]; }
-  /// Of the instruction `word` with the demand `demand`, of which `bits` is the packed form. The reference holds until the next call.
+  /// Of the instruction `word` with the demand `demand`, of which `bits` is the packed form. The reference holds until
+  /// the next call.
   const Transition& transition(PipelineId before, const Demand& demand, std::uint64_t bits, Word word);
   /// So many states that memory asks for clear().
   bool full() const { return full_; }
@@ -62,7 +64,8 @@ class PipelineTable {
   bool full_ = false;
 };
 
-/// The state of the pipeline of one chip: by its number as long as that is known; else `state`, which somebody may have changed.
+/// The state of the pipeline of one chip: by its number as long as that is known; else `state`, which somebody may have
+/// changed.
 class PipelineNow {
  public:
   PipelineNow(PipelineTable& table, Pipeline& state) : table_(table), state_(state) {}

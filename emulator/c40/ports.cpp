@@ -9,7 +9,8 @@ void Ports::attach(int n, PortListener* link) {
 
 void Ports::accessed(const PortAccess& access, Word read, Cycles at, int channel) {
   using Kind = PeripheralEvent::Kind;
-  if (access.reg == PortRegister::output && access.write) tell_({Kind::port_write, at, access.port, access.value, channel});
+  if (access.reg == PortRegister::output && access.write)
+    tell_({Kind::port_write, at, access.port, access.value, channel});
   if (access.reg == PortRegister::input && !access.write) tell_({Kind::port_read, at, access.port, read, channel});
   if (PortListener* link = listener(access.port); link != nullptr) link->changed((*this)[access.port], at);
 }

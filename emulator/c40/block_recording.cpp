@@ -1,0 +1,125 @@
+#include "c40/block_recording.hpp"
+
+#include <utility>
+
+#include "c40/cache.hpp"
+#include "c40/handler_tables.hpp"
+
+namespace c40 {
+namespace {
+
+constexpr std::size_t longest_block = 64, longest_cached_block = Cache::segment_words;
+
+void add_timing(Costs& costs, const StepTiming& t) {
+  const auto charge = [&](Cause cause, int cycles) {
+    auto& cost = costs[static_cast<std::size_t>(cause)];
+    cost = static_cast<std::uint16_t>(cost + cycles);
+  };
+  charge(Cause::execute, t.execute());
+  charge(Cause::branch, t.branch);
+  charge(Cause::register_conflict, t.register_conflict);
+  charge(Cause::memory_conflict, t.memory_conflict);
+  charge(Cause::cache_miss, t.cache_miss);
+  charge(Cause::wait_state, t.wait_state);
+}
+
+}  // namespace
+
+BlockRecording::BlockRecording(const BlockKey& key, PipelineTable& pipelines)
+    : pipelines_(pipelines), block_(std::make_unique<Block>()), after_(key.pipeline) {
+  block_->key = key;
+}
+
+bool BlockRecording::full() const { return size() >= longest_block; }
+
+bool BlockRecording::crowded_by(const Site* next) const {
+  const std::size_t words = next != nullptr && next->bound.flow == Flow::delayed ? 4 : 1;
+  return size() + words > longest_cached_block;
+}
+
+void BlockRecording::append(const Step& step, const Way& way) {
+  const Bound& bound = step.site->bound;
+  const BlockKey& key = block_->key;
+  const isa::Operation operation = bound.row->operation;
+  Op op = step.site->ops[0];
+  op.pc = key.pc + static_cast<Address>(size());
+  if (bound.flow == Flow::directed || operation == isa::Operation::lat || operation == isa::Operation::reti)
+    op.direction = step.taken || (bound.flow == Flow::delayed && way.delay_taken) ? 1 : 0;
+  block_->ops.push_back(op);
+  block_->start.push_back(at_);
+  block_->causes.push_back(costs_);
+  block_->pipelines.push_back(way.before);
+  block_->delay_slots.push_back(way.slots);
+  ++block_->size;
+  reads_repeat_ |= bound.reads_repeat;
+  chained_ &= !bound.dynamic_target && operation != isa::Operation::reti;
+  if (cached()) block_->words.push_back(step.word);
+  at_ += step.timing->total;
+  add_timing(costs_, *step.timing);
+  after_ = way.after;
+  const bool ends_repeat = (key.mode & BlockKey::repeat) != 0 && op.pc == key.repeat_end;
+  if (bound.flow == Flow::branch || bound.flow == Flow::directed) {
+    close_with_branch(step, way.before);
+  } else if (way.slots == 1) {
+    end_with(&execute::end_of_delay);
+  } else if (ends_repeat && way.slots == 0 && bound.flow == Flow::straight) {
+    block_->repeats = true;
+    end_with(&execute::end_of_repeat);
+  }
+}
+
+void BlockRecording::end_with(Handler terminal) {
+  Op op;
+  op.handler = terminal;
+  op.pc = block_->key.pc + static_cast<Address>(size());
+  block_->ops.push_back(op);
+  for (Block::Exit& exit : block_->exits) {
+    exit.cycles = at_;
+    exit.causes = costs_;
+    exit.pipeline = after_;
+    exit.chained = chained_;
+  }
+  closed_ = true;
+}
+
+void BlockRecording::close_with_branch(const Step& step, PipelineId before) {
+  const std::size_t last = size() - 1;
+  for (std::size_t direction = 0; direction < 2; ++direction) {
+    Block::Exit& exit = block_->exits[direction];
+    Pipeline pipeline = pipelines_[before];
+    Demand demand = step.demand();
+    demand.flush_cost = direction == 1 ? step.site->bound.taken_cost : step.site->bound.not_taken_cost;
+    const StepTiming timing = pipeline.advance(demand);
+    exit.cycles = block_->start[last] + timing.total;
+    exit.causes = block_->causes[last];
+    add_timing(exit.causes, timing);
+    exit.pipeline = pipelines_.intern(pipeline);
+    exit.chained = chained_;
+  }
+  closed_ = true;
+}
+
+std::unique_ptr<Block> BlockRecording::finish(const Bound& last) {
+  if (!closed_) end_with(&execute::end_of_block);
+  Block& block = *block_;
+  const BlockKey& key = block.key;
+  block.start.push_back(at_);
+  block.causes.push_back(costs_);
+  block.pipelines.push_back(block.exits[0].pipeline);
+  block.last_start = block.start[block.size - 1];
+  for (Block::Exit& exit : block.exits) exit.size = block.size;
+  block.uses_cache = cached();
+  block.plain = !block.repeats && !block.uses_cache;
+  const std::uint32_t own_words = block.size < longest_cached_block ? (1u << block.size) - 1 : ~0u;
+  block.all_hits = (~key.hits & own_words) == 0;
+  const bool same_fetches = !block.uses_cache || block.all_hits || (key.mode & BlockKey::frozen) != 0;
+  const bool first_of_single = (key.mode >> BlockKey::repeat_single & 3) == 1;
+  block.self_loop =
+      block.repeats && !reads_repeat_ && same_fetches && block.exits[1].pipeline == key.pipeline && !first_of_single;
+  const bool alone = block.self_loop && block.size == 1;
+  block.only_nop = alone && last.is_nop;
+  if (alone && last.repeated != nullptr) block.ops[0].handler = last.repeated;
+  return std::move(block_);
+}
+
+}  // namespace c40
