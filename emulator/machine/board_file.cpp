@@ -6,6 +6,8 @@
 #include <cmath>
 #include <initializer_list>
 
+#include "c40/memory.hpp"
+#include "c40/timing_parameters.hpp"
 #include "io/input_file.hpp"
 #include "io/toml.hpp"
 #include "machine/boot.hpp"

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "c40/memory.hpp"
+#include "c40/board.hpp"
 #include "machine/symbols.hpp"
 
 namespace toolchain {

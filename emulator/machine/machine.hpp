@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "bus_model/config.hpp"
-#include "c40/memory.hpp"
+#include "c40/board.hpp"
 #include "machine/net.hpp"
 #include "machine/scripted_events.hpp"
 #include "machine/slot_links.hpp"
