@@ -211,6 +211,8 @@ void Chip::remove_breakpoint(Address address) {
 }
 void Chip::set_peripheral_sink(PeripheralSink* sink) { engine_->tell.sink = sink; }
 void Chip::set_trace(TraceSink* sink) { engine_->trace = sink; }
+TraceSink* Chip::trace() const { return engine_->trace; }
+void Chip::set_probe(Probe* probe, ProbePlan plan) { engine_->set_probe(probe, std::move(plan)); }
 void Chip::set_exact(bool exact) { engine_->exact_only = exact; }
 
 const State& Chip::state() const {

@@ -101,6 +101,8 @@ class TraceSink {
 class Engine;
 class Memory;
 class PeripheralSink;
+class Probe;
+struct ProbePlan;
 struct Float40;
 struct State;
 
@@ -221,8 +223,11 @@ class Chip {
   void remove_breakpoint(Address address);
   /// Null switches tracing off. Tracing changes nothing observable.
   void set_trace(TraceSink* sink);
+  TraceSink* trace() const;
   /// Null: nobody listens.
   void set_peripheral_sink(PeripheralSink* sink);
+  /// Who is told of chosen instructions and accesses; null: nobody. Changes nothing observable, and costs nothing elsewhere.
+  void set_probe(Probe* probe, ProbePlan plan);
   /// One instruction at a time, no blocks: the oracle of the fast path.
   void set_exact(bool exact);
 

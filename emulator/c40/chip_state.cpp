@@ -111,6 +111,19 @@ void State::list_state(state::Visitor& list) {
   list("faulted", faulted);
 }
 
+/// Areas are whole while it lives.
+class Memory::Joined {
+ public:
+  explicit Joined(Memory& memory) : memory_(memory), apart_(memory.apart_) { memory_.set_apart({}); }
+  ~Joined() { memory_.set_apart(std::move(apart_)); }
+  Joined(const Joined&) = delete;
+  Joined& operator=(const Joined&) = delete;
+
+ private:
+  Memory& memory_;
+  std::vector<AddressRange> apart_;
+};
+
 // The interface control registers as accesses find them: a write to the registers counts from the next instruction on.
 void Memory::list_state(state::Visitor& list) {
   list("control", control_);
@@ -119,7 +132,8 @@ void Memory::list_state(state::Visitor& list) {
   std::vector<Address> made, pages;
   std::vector<Word> words;
   if (!list.loads()) {
-    for (const auto& area : areas_) {
+    gather();
+    for (const Area* area : whole_areas()) {
       if (area->made) made.push_back(area->base);
       each_page(*area, [&](Address address, std::span<Word> page) {
         if (all_zero(page)) return;
@@ -133,6 +147,7 @@ void Memory::list_state(state::Visitor& list) {
   list("words", words);
   if (!list.loads()) return;
 
+  const Joined joined(*this);
   if (flat_) set_flat_pages(made);
   auto next = pages.cbegin();
   auto from = words.cbegin();

@@ -17,6 +17,7 @@
 #include "c40/peripherals.hpp"
 #include "c40/pipeline_table.hpp"
 #include "c40/ports.hpp"
+#include "c40/probe.hpp"
 #include "c40/state.hpp"
 
 namespace c40 {
@@ -53,6 +54,7 @@ class DmaSide final : public DmaSurroundings {
     PipelineNow& pipeline;
     Dma& dma;
     const PeripheralTeller& tell;
+    ProbePoint& probe;
     std::function<void(Address, Word)> poke;  ///< writes a word of memory, which may be code
   };
   explicit DmaSide(Parts parts) : chip_(std::move(parts)) {}
@@ -96,6 +98,8 @@ class DmaSide final : public DmaSurroundings {
   /// \param beside_processor the processor goes on as well
   void begin_following(bool beside_processor);
   void end_following();
+  /// Of an access of the DMA in cycle `at`.
+  void tell_probe(Address address, Word before, Word value, bool write, Cycles at);
   /// Whether it has touched a linked port since this was last asked.
   bool take_touched_link() { return std::exchange(touched_link_, false); }
 

@@ -12,7 +12,7 @@ Engine::Engine(Board board)
     : board_(std::move(board)),
       memory_(board_),
       dma_(state_.dma, dma_side_),
-      dma_side_({state_, memory_, ports_, peripherals_, cache_, pipelines_, pipeline_, dma_, tell,
+      dma_side_({state_, memory_, ports_, peripherals_, cache_, pipelines_, pipeline_, dma_, tell, probe_,
                  [this](Address address, Word value) { poke(address, value); }}) {
   reset();
 }
@@ -88,6 +88,14 @@ void Engine::forget_memory() {
   memory_.configure(state_.global_interface_control, state_.local_interface_control);
   code_ = {};
   sites_.forget();
+}
+
+void Engine::set_probe(Probe* probe, ProbePlan plan) {
+  flush_blocks();
+  memory_.set_apart(plan.data);
+  probe_.set(probe, std::move(plan));
+  forget_memory();
+  cache_.mark_code(memory_);
 }
 
 // Ids are given out anew.

@@ -19,6 +19,7 @@
 #include "c40/peripherals.hpp"
 #include "c40/pipeline_table.hpp"
 #include "c40/ports.hpp"
+#include "c40/probe.hpp"
 #include "c40/state.hpp"
 
 namespace c40 {
@@ -63,6 +64,7 @@ class Engine {
   Word peek(Address address) const;
   void poke(Address address, Word value);
   void flush_blocks();
+  void set_probe(Probe* probe, ProbePlan plan);
   void list_state(state::Visitor& list);
   /// By the program: CE, CF and CC act on later fetches only.
   void write_status(Word value);
@@ -85,6 +87,9 @@ class Engine {
 
  private:
   enum class Stepped : std::uint8_t { done, external, fault, breakpoint, port, horizon, software_interrupt };
+
+  /// No block goes on past there.
+  bool ends_blocks(Address pc) const { return breakpoints.contains(pc) || probe_.at(pc); }
 
   // engine.cpp: what is known of the chip's state, and forgotten
   void forget_memory();
@@ -169,6 +174,7 @@ class Engine {
   Peripherals peripherals_{state_, dma_, pins_, tell};
   PendingAccess access_{state_};
   std::optional<Fault> fault_;
+  ProbePoint probe_;
   std::optional<Cycles> reported_breakpoint_;  ///< cycle of the last breakpoint stop
   std::vector<MemoryEvent> events_;
   struct Scratch {

@@ -77,6 +77,12 @@ Engine::Stepped Engine::resolve(Step& step) {
   if (area->data != nullptr) {
     // Windows are whole areas, whose map of code words follows the data.
     step.plain &= site.area[k] != nullptr && !step.locks;
+    if (area->set_apart) [[unlikely]] {
+      const Word held = area->data[address - area->base];
+      probe_.note({.address = address, .before = held, .value = write ? core.miss_value : held, .write = write});
+      site.area[k] = nullptr;
+      step.plain = false;
+    }
     window = {area->data, area->base, area->words};
     if (trace != nullptr)
       events_.push_back({address, write ? core.miss_value : area->data[address - area->base], write});
@@ -105,6 +111,10 @@ Engine::Stepped Engine::resolve(Step& step) {
     cell[0] = answer.value;
   }
   window = {cell.data(), address, 1};
+  if (probe_.on_data()) [[unlikely]] {
+    const Word value = write ? core.miss_value : cell[0];
+    probe_.note({.address = address, .before = value, .value = value, .write = write});
+  }
   if (trace != nullptr) events_.push_back({address, write ? core.miss_value : cell[0], write});
   return Stepped::done;
 }

@@ -39,7 +39,7 @@ Block::Exit& Engine::end_repeat(Block& block, std::uint32_t passes) {
 // How often a block that follows itself may run in one go.
 std::uint32_t Engine::passes_within(const Block& block, Cycles limit) const {
   const Core& core = state_.core;
-  if (!block.self_loop || core.r[reg::RS] != block.key.pc || breakpoints.contains(block.key.pc)) return 1;
+  if (!block.self_loop || core.r[reg::RS] != block.key.pc || ends_blocks(block.key.pc)) return 1;
   const auto count = static_cast<std::int32_t>(core.r[reg::RC]);
   if (count <= 0) return 1;
   const Cycles affordable = (limit - state_.cycle) / block.exits[1].cycles;

@@ -25,7 +25,7 @@ Block* Engine::find_or_record(Cycles limit, Stepped& why) {
   Block* const block = blocks_.find(k);
   // The exit that led here leads here every time; but at a breakpoint, each run of blocks ends.
   if (Block::Exit* from = onward_.take_exit(); from != nullptr && block != nullptr && from->chained)
-    if (!breakpoints.contains(k.pc)) from->next = block;
+    if (!ends_blocks(k.pc)) from->next = block;
   if (block != nullptr) return block;
   if (blocks_.full()) flush_blocks();
   record(k, limit, why);
@@ -51,7 +51,7 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
     const std::size_t n = recording.size();
     if (n != 0 && state_.cycle >= limit) return;
     if (recording.full() && core.delay_slots == 0) break;
-    if (n != 0 && breakpoints.contains(core.pc)) break;
+    if (n != 0 && ends_blocks(core.pc)) break;
     Step look;
     const bool known = fetch(look);
     const bool cached = caching();

@@ -74,6 +74,7 @@ bool Engine::may_interrupt() const {
     reported_breakpoint_ = state_.cycle;
     return Stepped::breakpoint;
   }
+  if (probe_.on_code()) probe_.reaches(core.pc, state_.cycle);
   if (pipelines_.full()) forget_pipelines();
   const bool answered = state_.answers[0].given || state_.answers[1].given;
   const bool waiting_interrupt = !may_interrupt() && interrupts::pending(state_) != 0;
@@ -100,7 +101,7 @@ bool Engine::may_interrupt() const {
   if (const Stepped why = exact_step(step, trace != nullptr); why != Stepped::done) return why;
   if (step.plain) exact_sites_.stayed_inside(pc);
   if (missed != nullptr && core.code_writes == 0) rejoin(*missed);
-  return one || !breakpoints.empty() || onward_.is_inside() ? Stepped::done : run_exactly(limit);
+  return one || !breakpoints.empty() || probe_.on_code() || onward_.is_inside() ? Stepped::done : run_exactly(limit);
 }
 
 Engine::Stepped Engine::advance(Cycles limit, bool single) {
@@ -213,6 +214,7 @@ bool Engine::take_interrupt(Word vector) {
       return false;
     }
   const Cycles before = state_.cycle;
+  const Word was = stack->data[top - stack->base];
   poke(top, core.pc);
   core.r[reg::SP] = top;
   core.pc = table->data[entry - table->base];
@@ -222,6 +224,7 @@ bool Engine::take_interrupt(Word vector) {
   add(state_.causes, Cause::interrupt, timing::interrupt_entry_cost);
   add(state_.causes, Cause::wait_state, waits);
   state_.cycle += timing::interrupt_entry_cost + waits;
+  probe_.tell({.address = top, .before = was, .value = peek(top), .write = true, .interrupt = true, .pc = peek(top), .cycle = state_.cycle});
   onward_.clear();
   pipeline_.release().flush(timing::interrupt_entry_cost + waits);
   dma_side_.flushed(timing::interrupt_entry_cost + waits);

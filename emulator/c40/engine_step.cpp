@@ -250,7 +250,10 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
     annulled(step);
     settle_accesses(step, pc);
   } else {
-    if (const Stepped why = execute(step); why != Stepped::done) return why;
+    if (const Stepped why = execute(step); why != Stepped::done) {
+      probe_.forget();
+      return why;
+    }
     settle_accesses(step, pc);
     finish_step(step);
     if (pins_.driven() && (bound.writes_interrupts || step.register_writes != 0)) [[unlikely]]
@@ -273,6 +276,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   if (dma_effect_ == DmaEffect::under_way) [[unlikely]]
     dma_side_.note_accesses(annul ? Demand{} : site.demand, *step.timing, before);
   if (bound.flow != Flow::straight || bound.writes_status) cache_.note_control(state_.cycle - 1 - step.timing->branch);
+  if (probe_.on_data()) [[unlikely]] probe_.tell_noted(pc, state_.cycle);
   advance_pc(pc);
   return Stepped::done;
 }

@@ -184,7 +184,89 @@ const Memory::Area* Memory::make_flat_page(Address address) {
   flat_words_ += area.words;
   area.name = fmt::format("flat RAM {:08X}h", area.base);
   area.made = true;
-  return add(area);
+  const Area* page = add(area);
+  if (apart_.empty()) return page;
+  divide(*page);
+  return std::as_const(*this).find(address);
+}
+
+// ---- words set apart for a probe ----
+
+namespace {
+
+/// Where the parts of [base, base + words) begin, each inside one range or outside all.
+std::vector<std::uint64_t> borders(const Memory::Area& area, const std::vector<AddressRange>& ranges) {
+  const std::uint64_t begin = area.base, end = begin + area.words;
+  std::vector<std::uint64_t> places{begin};
+  for (const AddressRange& range : ranges)
+    for (const std::uint64_t place : {std::uint64_t{range.first}, std::uint64_t{range.first} + range.words})
+      if (place > begin && place < end) places.push_back(place);
+  std::ranges::sort(places);
+  places.erase(std::unique(places.begin(), places.end()), places.end());
+  places.push_back(end);
+  return places;
+}
+
+bool in_any(Address address, const std::vector<AddressRange>& ranges) {
+  return std::ranges::any_of(ranges, [&](const AddressRange& range) { return range.contains(address); });
+}
+
+}  // namespace
+
+void Memory::set_apart(std::vector<AddressRange> ranges) {
+  join();
+  apart_ = std::move(ranges);
+  std::vector<const Area*> whole;
+  for (const auto& area : areas_) whole.push_back(area.get());
+  for (const Area* area : whole) divide(*area);
+}
+
+void Memory::divide(const Area& area) {
+  if (area.data == nullptr) return;
+  const std::vector<std::uint64_t> places = borders(area, apart_);
+  if (places.size() == 2 && !in_any(area.base, apart_)) return;
+  const auto own = std::ranges::find_if(areas_, [&](const auto& a) { return a.get() == &area; });
+  divided_.push_back(std::move(*own));
+  areas_.erase(own);
+  const Area& whole = *divided_.back();
+  for (std::size_t i = 0; i + 1 < places.size(); ++i) {
+    Area piece = whole;
+    piece.base = static_cast<Address>(places[i]);
+    piece.words = static_cast<Word>(places[i + 1] - places[i]);
+    piece.piece = true;
+    piece.set_apart = in_any(piece.base, apart_);
+    const Area* made = add(std::move(piece));
+    std::copy_n(whole.data + (made->base - whole.base), made->words, made->data);
+  }
+}
+
+// The contents of whole areas are what their pieces hold.
+void Memory::gather() const {
+  for (const auto& whole : divided_)
+    for (const auto& piece : areas_)
+      if (piece->piece && whole->contains(piece->base)) std::copy_n(piece->data, piece->words, whole->data + (piece->base - whole->base));
+}
+
+void Memory::join() {
+  gather();
+  std::erase_if(contents_, [&](const auto& words) {
+    return std::ranges::any_of(areas_, [&](const auto& area) { return area->piece && area->data == words.get(); });
+  });
+  std::erase_if(areas_, [](const auto& area) { return area->piece; });
+  for (auto& whole : divided_) {
+    const auto place = std::ranges::find_if(areas_, [&](const auto& a) { return a->base > whole->base; });
+    areas_.insert(place, std::move(whole));
+  }
+  divided_.clear();
+}
+
+std::vector<const Memory::Area*> Memory::whole_areas() const {
+  std::vector<const Area*> all;
+  for (const auto& area : areas_)
+    if (!area->piece) all.push_back(area.get());
+  for (const auto& area : divided_) all.push_back(area.get());
+  std::ranges::sort(all, {}, &Area::base);
+  return all;
 }
 
 const Memory::Area* Memory::find(Address address) const {

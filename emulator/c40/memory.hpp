@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "c40/board.hpp"
+#include "c40/probe.hpp"
 #include "c40/interface_control.hpp"
 #include "c40/timing.hpp"
 #include "c40/types.hpp"
@@ -33,6 +34,8 @@ class Memory {
     int read_waits = 0, write_waits = 0, page_waits = 0;
     Word* data = nullptr;  ///< null unless RAM or ROM
     bool made = false;     ///< a page of a flat board
+    bool set_apart = false;  ///< words of a probe: every access to them is looked up
+    bool piece = false;      ///< of an area in which words are set apart
 
     bool contains(Address address) const { return address - base < words; }
     Word* code_map() const { return data + words; }
@@ -66,6 +69,8 @@ class Memory {
   const Area* find(Address address);
   const Area* find(Address address) const;
   const std::vector<std::unique_ptr<Area>>& areas() const { return areas_; }
+  /// These words, and no others, stand in areas of their own from now on. No window, no mark of code may be kept from before.
+  void set_apart(std::vector<AddressRange> ranges);
   /// Contents page by page, those that are all 0 left out; of a flat board, which pages there are. No block may stand in them while they are set:
   /// areas go and come.
   void list_state(state::Visitor& list);
@@ -78,6 +83,11 @@ class Memory {
   const Area* make_flat_page(Address address);
   void set_flat_pages(const std::vector<Address>& bases);
   void note_paged();
+  class Joined;
+  void divide(const Area& area);
+  void join();
+  void gather() const;
+  std::vector<const Area*> whole_areas() const;
 
   bool flat_;
   std::uint64_t flat_words_max_, flat_words_ = 0;
@@ -85,6 +95,8 @@ class Memory {
   std::array<std::array<bool, 2>, 2> paged_{};  // by bus and strobe: some region has page_waits
   std::vector<std::unique_ptr<Area>> areas_;  // by base
   std::vector<std::unique_ptr<Word, Free>> contents_;
+  std::vector<AddressRange> apart_;
+  std::vector<std::unique_ptr<Area>> divided_;  ///< areas whose contents stand in pieces
 };
 
 }  // namespace c40

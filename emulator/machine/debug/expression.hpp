@@ -1,0 +1,49 @@
+#pragma once
+/// Expressions in conditions, watches and prints: `r0`, `f(r1)`, `ar3 + 2`, `[kernel_state + 4]`, `f([ar0]) > 1.5`,
+/// `chip1.pc == kernel_pid`, `TIMER0.counter`, `plant.payload_z_m < 1`, `cycle`, `time_s`.
+/// Operators as in C: || && | ^ & == != < <= > >= << >> + - * / % ! ~. Words are signed 32-bit numbers where they are used; == and != compare their 32 bits.
+/// f(x): x as a float; of R0 to R11 all 40 bits. u(x): the word as an unsigned number.
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "machine/debug/debuggee.hpp"
+#include "machine/debug/inspect.hpp"
+
+namespace machine::debug {
+
+struct Value {
+  bool is_float = false;
+  std::int64_t integer = 0;
+  double real = 0;
+  std::optional<Address> address;  ///< of a word in memory, or of a label
+  bool truth() const { return is_float ? real != 0 : integer != 0; }
+  double number() const { return is_float ? real : static_cast<double>(integer); }
+  /// "1.5", "-2 (FFFFFFFEh)"
+  std::string text() const;
+};
+
+class Expression {
+ public:
+  /// \throws DebugError that shows where
+  Expression(std::string_view text, Debuggee& debuggee, const std::vector<ProgramView>& programs, std::size_t chip);
+  ~Expression();
+  Expression(Expression&&) noexcept;
+  Expression& operator=(Expression&&) noexcept;
+
+  /// For the chip that it was made for. \throws DebugError where memory cannot be read
+  Value value() const;
+  /// It depends on registers and memory of that chip alone.
+  bool is_private() const;
+
+  struct Node;
+
+ private:
+  std::unique_ptr<Node> root_;
+};
+
+/// The text with each {expression} replaced by its value.
+std::string filled_in(std::string_view text, Debuggee& debuggee, const std::vector<ProgramView>& programs, std::size_t chip);
+
+}  // namespace machine::debug

@@ -1,0 +1,75 @@
+#pragma once
+/// What a front end shows of a chip and its program: places, source, calls, registers.
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "machine/address_names.hpp"
+#include "machine/debug/debuggee.hpp"
+
+namespace machine::debug {
+
+struct SourcePlace {
+  std::string file;  ///< as the program has it: a path, or the name of a file that is built in
+  int line = 0;      ///< from 1
+  std::string text;
+};
+
+/// A program's lines, labels and instructions, by address and by name.
+class ProgramView {
+ public:
+  explicit ProgramView(const toolchain::Image& image);
+
+  const toolchain::Image& image() const { return image_; }
+  std::optional<SourcePlace> source(Address address) const;
+  /// Of the files, all that end with `file`; the first line with code from `line` on. Empty: none.
+  std::vector<Address> addresses(std::string_view file, int line) const;
+  const std::vector<std::string>& files() const { return image_.files; }
+  /// A file's text: from disk, else put together from the lines that have code. Empty: nothing is known of it.
+  std::string file_text(std::string_view file) const;
+  /// "kernel_pid+0x1A"
+  std::string name(Address address) const { return names_.text(address); }
+  /// The label that a routine begins with, at or before the address; with its address.
+  std::optional<std::pair<std::string, Address>> routine(Address address) const;
+  /// As source has it, else disassembled.
+  std::string instruction(Address address, Word word) const;
+  std::string disassembled(Address address, Word word) const;
+
+ private:
+  const toolchain::Image& image_;
+  AddressNames names_;
+  std::map<Address, std::size_t> lines_;      ///< into image_.lines
+  std::map<Address, std::string> routines_;   ///< by first address
+};
+
+/// An address as a user writes it: "kernel_pid", "kernel_pid+4", 300000h, 0x300000, a decimal number, or FILE:LINE.
+/// \throws DebugError that says what would be right
+std::vector<Address> places_named(const ProgramView& program, std::string_view text);
+
+struct Frame {
+  Address pc = 0;             ///< of the instruction that runs, or of the call
+  std::optional<Address> at;  ///< where on the stack the return address stands
+  Address returns_to = 0;     ///< of all but the first
+};
+/// By the calling convention: the innermost first. Return addresses are words on the stack that lie behind a call of the routine below,
+/// R11 behind LAJ; with AR3 as TI's C compiler uses it, its chain counts.
+std::vector<Frame> call_stack(Debuggee& debuggee, std::size_t chip, const ProgramView& program);
+
+/// A value as a front end may show it.
+struct ShownRegister {
+  std::string name;
+  std::string hex;
+  std::string value;  ///< a float of R0 to R11, else a signed number
+  std::vector<std::pair<std::string, std::string>> parts;  ///< fields by name; of R0 to R11 float, integer
+};
+/// R0 to R11, AR0 to AR7, the others, IVTP, TVTP, PC.
+std::vector<ShownRegister> registers(const c40::Chip& chip);
+/// Peripheral registers by name, with their fields.
+std::vector<ShownRegister> peripherals(const c40::Chip& chip);
+
+/// A call (CALL, CALLcond, LAJ, LAJcond, TRAPcond, LATcond), and where it comes back to.
+std::optional<Address> returns_from_call(Address address, Word word);
+
+}  // namespace machine::debug
