@@ -212,6 +212,7 @@ void Engine::list_state(state::Visitor& list) {
   if (!list.loads()) return;
 
   peripherals_.state_changed();
+  probe_.restart();
   code_ = {};
   sites_.forget();
   cache_.was_loaded(memory_);

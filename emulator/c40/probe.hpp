@@ -67,6 +67,8 @@ class ProbePoint {
     told_ = cycle;
     probe_->reaches(pc, cycle);
   }
+  /// The chip's state is another: the same cycle may come again.
+  void restart() { told_.reset(), noted_.clear(); }
   /// Of an instruction that may yet not take place.
   void forget() { noted_.clear(); }
   void note(const ProbedAccess& access) {

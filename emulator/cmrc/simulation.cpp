@@ -179,6 +179,13 @@ class Simulation::Parts {
   }
 
   Time now() const { return account_end ? std::max(*account_end, dock.time()) : machine.time(); }
+  void measure_anew() {
+    told_all = false;
+    ideal_run.reset();
+    reference_problem.clear();
+    errors.reset();
+  }
+
   bool over() const { return now() >= end || (account_end && now() >= after_end); }
 
   /// Whether the job is done, or nothing drives the crane any more: then the plant goes on, braked, without the machine.
@@ -337,6 +344,7 @@ void Simulation::at(const TimedEvent& event) {
 }
 
 void Simulation::listen(report::EventSink& sink) { parts_->log.listen(sink); }
+void Simulation::tap(report::EventSink* sink) { parts_->log.tap(sink); }
 void Simulation::trace(unsigned slot, c40::TraceSink& sink) {
   parts_->traces[slot] = &sink;
   parts_->connect_traces();
@@ -402,13 +410,13 @@ void Simulation::restore(const Snapshot& snapshot) {
   } catch (const state::StateError& error) {
     throw SnapshotError(fmt::format("the snapshot is of another version of the emulator: {}", error.what()));
   }
-  p.told_all = false;
-  p.ideal_run.reset();
-  p.reference_problem.clear();
-  p.errors.reset();
+  p.measure_anew();
 }
 
-void Simulation::list_state(state::Visitor& list) { parts_->list_state(list); }
+void Simulation::list_state(state::Visitor& list) {
+  parts_->list_state(list);
+  if (list.loads()) parts_->measure_anew();
+}
 
 std::optional<std::string> Simulation::difference(const Simulation& other) const { return state::difference(*parts_, *other.parts_); }
 

@@ -57,6 +57,8 @@ class Simulation {
 
   /// Hears every event in its final order; must outlive the run. Before run().
   void listen(report::EventSink& sink);
+  /// Hears every event as it becomes known, in no order, and not later than a millisecond after its time; null: nobody.
+  void tap(report::EventSink* sink);
   /// Hears the instructions of one DSP; must outlive the run. Before run().
   void trace(unsigned slot, c40::TraceSink& sink);
   /// Counts from now on where the DSPs' cycles go. Before run(); it slows the run down and changes nothing else.
@@ -104,7 +106,8 @@ class Simulation {
   void restore(const Snapshot& snapshot);
   /// The first value of the state in which it differs from another run, "machine.dsps.0.chip.pc: ..."; none: they are alike.
   std::optional<std::string> difference(const Simulation& other) const;
-  /// What lasts of it, for tests that look at each value. After loading what was measured is measured anew.
+  /// What lasts of it, for tests that look at each value, and for who goes back and forth in one process. After loading what was
+  /// measured is measured anew.
   void list_state(state::Visitor& list);
   /// Another run with the same past.
   std::unique_ptr<Simulation> fork();

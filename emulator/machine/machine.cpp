@@ -365,6 +365,14 @@ const std::vector<ChipFault>& Machine::faults() const { return parts_->around->f
 const SlotStatistics& Machine::statistics(unsigned slot) const { return parts_->dsps.at(slot).statistics(); }
 Word Machine::peek(Offset offset) const { return parts_->sram.words().at(offset); }
 void Machine::poke(Offset offset, Word word) { parts_->sram.words().at(offset) = word; }
+void Machine::watch_shared(SharedWatch watch) {
+  if (!watch) return parts_->sram.set_watch({});
+  const Clock& clock = parts_->bus_clocks[parts_->config.topology.shared_memory];
+  parts_->sram.set_watch([this, &clock, watch = std::move(watch)](Offset offset, Word before, Word value, bool write, const pci::Access& access) {
+    watch(offset, before, value, write, access.agent, std::max(clock.at(access.clock), parts_->scheduler.now()) + Time{1});
+  });
+}
+Time Machine::time_of(unsigned slot, std::int64_t cycle) const { return parts_->dsps.at(slot).time_of(cycle); }
 Word Machine::symbol(std::string_view name) const { return parts_->program.symbol(name); }
 
 std::vector<Word> Machine::boot_stream(unsigned slot) const {

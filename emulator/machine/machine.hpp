@@ -11,6 +11,7 @@
 // memory's words at FRAME#; the host's processor has no caches and no other work than its HostProgram's.
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -240,6 +241,12 @@ class Machine {
   /// Shared memory as a debugger sees it, without time or side effects: offsets 0 to FFFFh.
   Word peek(Offset offset) const;
   void poke(Offset offset, Word word);
+  /// Hears every access by a bus to a word of shared memory: what it held and holds then, whose (DSP's slot + 1, 0 the host's), and
+  /// when it is done; none: nobody. Changes nothing.
+  using SharedWatch = std::function<void(Offset, Word before, Word value, bool write, unsigned agent, Time done)>;
+  void watch_shared(SharedWatch watch);
+  /// When a cycle of a DSP begins, at its present pace.
+  Time time_of(unsigned slot, std::int64_t cycle) const;
   Word symbol(std::string_view name) const;  ///< of the program; std::out_of_range names it
   /// What the boot ROM of this slot's DSP has to be sent (Config::boot): the program with dsp_slot, idle_policy and pause_count set.
   std::vector<Word> boot_stream(unsigned slot) const;

@@ -342,6 +342,7 @@ void Network::perform_memory(Node& node) {
     return p.first == node.number && access.address - p.second < memory.description.words;
   });
   Word& word = memory.words[access.address - place->second];
+  const Word before = word;
   const Cycles cycle = node.first_cycle(now_);
   memory.free = node.clock.at(cycle + 1 + memory.description.waits);
   const auto owner = memory.owner;
@@ -355,8 +356,16 @@ void Network::perform_memory(Node& node) {
   } else {
     node.chip.complete_read(word, cycle - access.cycle, memory.description.waits);
   }
+  if (memory_listener_) memory_listener_(node.number, *memory_place(node.number, access.address), before, access, now_);
   node.status = ChipStatus::running;
   for (const auto& [chip, base] : memory.description.places) nodes_[chip]->changed();
+}
+
+std::optional<Network::MemoryPlace> Network::memory_place(std::size_t chip, Address address) const {
+  for (std::size_t n = 0; n < memories_.size(); ++n)
+    for (const auto& [owner, base] : memories_[n]->description.places)
+      if (owner == chip && address - base < memories_[n]->description.words) return MemoryPlace{n, address - base};
+  return std::nullopt;
 }
 
 Network::Memory* Network::memory_of(const Node& node, Address address) const {

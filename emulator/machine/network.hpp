@@ -10,6 +10,7 @@
 /// the port: up to the reset or hold the chip counts as halted, at the end its count stops where the wait began. An access of the DMA
 /// to a shared memory lets its processor's access wait, whatever that is to. That a program polls what nobody will ever change is found only if
 /// no timer of its chip runs, and some ten thousand cycles after the last thing that happened.
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -225,6 +226,15 @@ class Network {
   const Net& net(std::size_t n) const { return *nets_[n]; }
   std::size_t memory_count() const { return description_.memories.size(); }
   std::span<c40::Word> memory(std::size_t n);
+  /// A word of a shared memory, as a chip finds it.
+  struct MemoryPlace {
+    std::size_t memory = 0;
+    c40::Address word = 0;
+  };
+  std::optional<MemoryPlace> memory_place(std::size_t chip, c40::Address address) const;
+  /// Hears every access to shared memories, after it: who, where, what the word held; null: nobody. Changes nothing.
+  using MemoryListener = std::function<void(std::size_t chip, MemoryPlace place, c40::Word before, const c40::ExternalAccess& access, Time time)>;
+  void watch_memory(MemoryListener listener) { memory_listener_ = std::move(listener); }
   /// Who hears each instruction of a chip; null: nobody. Changes nothing. Use this, not Chip::set_trace: the network listens too.
   void set_trace(std::size_t n, c40::TraceSink* sink);
 
@@ -308,6 +318,7 @@ class Network {
   std::size_t moving_ = 0;        ///< a chip that was not at rest when last looked at
   Time ends_at_ = never;          ///< of a network that is quiet: when all have come to rest
   bool records_words_ = false;
+  MemoryListener memory_listener_;
 };
 
 }  // namespace machine

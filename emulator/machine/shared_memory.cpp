@@ -18,6 +18,7 @@ void SharedSram::write(pci::Address offset, Word value, const pci::Access& acces
     if (fence_.closed(slot)) return;
     if (guard_ != nullptr && !guard_->admits(slot, offset, value, registers_->holder(guard_->list_semaphore()) == slot + 1)) return;
   }
+  if (watch_) [[unlikely]] watch_(offset, words_[offset], value, true, access);
   words_[offset] = value;
 }
 

@@ -3,6 +3,8 @@
 // (c40_programs/include/task_block.inc).
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <utility>
 #include <vector>
 
 #include "bus_model/bus.hpp"
@@ -37,9 +39,15 @@ class SharedSram final : public pci::Target {
  public:
   static constexpr Offset size = 0x10000;
   explicit SharedSram(const Fence& fence) : fence_{fence}, words_(size) {}
-  Word read(pci::Address offset, const pci::Access&) override { return words_[offset]; }
+  Word read(pci::Address offset, const pci::Access& access) override {
+    if (watch_) [[unlikely]] watch_(offset, words_[offset], words_[offset], false, access);
+    return words_[offset];
+  }
   void write(pci::Address offset, Word value, const pci::Access& access) override;
   void set_guard(Guard& guard, const SharedRegisters& registers) { guard_ = &guard, registers_ = &registers; }
+  /// Hears every access by a bus, before it; none: nobody. Changes nothing.
+  using Watch = std::function<void(Offset, Word before, Word value, bool write, const pci::Access&)>;
+  void set_watch(Watch watch) { watch_ = std::move(watch); }
   std::vector<Word>& words() { return words_; }
   const std::vector<Word>& words() const { return words_; }
 
@@ -47,6 +55,7 @@ class SharedSram final : public pci::Target {
   const Fence& fence_;
   Guard* guard_ = nullptr;
   const SharedRegisters* registers_ = nullptr;
+  Watch watch_;
   std::vector<Word> words_;
 };
 

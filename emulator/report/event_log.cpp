@@ -74,6 +74,7 @@ void EventLog::add(const Event& event) {
         fmt::format("event after its time was settled at {} ps: {}", settled_.count(), to_text(event)));
   pending_.push_back(event);
   ++count_;
+  if (tap_ != nullptr) tap_->event(event);
 }
 
 void EventLog::settle(Time time) {

@@ -50,6 +50,8 @@ class EventLog {
   std::uint64_t count() const { return count_; }
   /// `sink` hears every event settled from now on; it must outlive the log. Changes nothing in the hash.
   void listen(EventSink& sink);
+  /// `sink` hears every event as it is added, in no order; null: nobody. Changes nothing.
+  void tap(EventSink* sink) { tap_ = sink; }
   /// Settles first what may be settled, so that the state does not depend on when that was done last: sinks have then
   /// heard every event before the last `settle`, and those of a log that is loaded hear the rest.
   void list_state(state::Visitor& list);
@@ -61,6 +63,7 @@ class EventLog {
   std::unique_ptr<Digest> digest_;
   std::vector<Event> pending_;
   std::vector<EventSink*> sinks_;
+  EventSink* tap_ = nullptr;
   Time settled_ = Time::min();
   std::uint64_t count_ = 0;
   std::size_t drain_at_ = 4096;

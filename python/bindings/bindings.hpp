@@ -14,6 +14,7 @@ void bind_bus_model(py::module_& core);
 void bind_plant(py::module_& core);
 void bind_machine(py::module_& core);
 void bind_network(py::module_& core);
+void bind_debug(py::module_& core);
 void bind_cmrc(py::module_& core);
 void bind_releases(py::module_& core);
 void bind_why_late(py::module_& core);

@@ -10,6 +10,7 @@ PYBIND11_MODULE(_core, core) {
   bind_bus_model(core);
   bind_plant(core);
   bind_machine(core);
+  bind_debug(core);
   bind_network(core);
   bind_cmrc(core);
   bind_releases(core);

@@ -1,5 +1,6 @@
 // cmrc._core.network: chips, links, memories in one virtual time.
 #include "machine/network.hpp"
+#include "machine/debug/network_debuggee.hpp"
 #include "machine/network_file.hpp"
 
 #include <pybind11/stl.h>
@@ -13,6 +14,7 @@
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/ctrl_c.hpp"
+#include "python/bindings/debug.hpp"
 #include "state/archive.hpp"
 #include "state/file.hpp"
 
@@ -116,6 +118,9 @@ void bind_network(py::module_& core) {
       .def("load", [](machine::Network& network, const std::string& sealed) {
         state::load_or_leave(network, state::opened(sealed, "network", network.configuration()).text);
       }, "Refuses by name what is no snapshot of such a network, before anything is changed.")
+      .def("debug", [](const std::shared_ptr<machine::Network>& network) {
+        return std::make_unique<PythonDebugger>(network, std::make_unique<machine::debug::NetworkDebuggee>(*network));
+      })
       .def("record_peripherals", &machine::Network::record_peripherals, py::arg("on"))
       .def("event_trace", &machine::Network::event_trace)
       .def("peripheral_events", [](const machine::Network& network) {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "cmrc/config.hpp"
+#include "cmrc/debuggee.hpp"
 #include "cmrc/measures.hpp"
 #include "cmrc/simulation.hpp"
 #include "machine/machine.hpp"
@@ -16,6 +17,7 @@
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/cmrc.hpp"
 #include "python/bindings/ctrl_c.hpp"
+#include "python/bindings/debug.hpp"
 #include "python/bindings/one_user.hpp"
 #include "python/bindings/state.hpp"
 #include "toolchain/image.hpp"
@@ -219,6 +221,9 @@ void bind_simulation(py::module_& m) {
       .def("run", &Run::run, py::arg("on_progress") = py::none(), py::arg("slice_s") = 0.02,
            "Runs to the end; on_progress(simulated_s, duration_s) may return False to stop. Ctrl-C stops cleanly and raises KeyboardInterrupt.")
       .def("run_until", &Run::run_until, py::arg("time_s"))
+      .def("debug", [](const std::shared_ptr<Run>& run) {
+        return std::make_unique<PythonDebugger>(run, std::make_unique<cmrc::DockDebuggee>(run->change("debug")));
+      })
       .def("snapshot", [](Run& r) { return r.moment("snapshot", [](Simulation& s) { return s.snapshot(); }); })
       .def("restore", [](Run& r, const cmrc::Snapshot& snapshot) { r.moment("restore", [&](Simulation& s) { s.restore(snapshot); }); }, py::arg("snapshot"))
       .def("_state", [](Run& r) { return state_bytes(r.change("_state")); })

@@ -15,6 +15,7 @@ from typing import Any, overload
 
 from cmrc import _core, arguments, snapshots
 from cmrc.c40 import ChipState, Path, Program, assemble_file, read_coff
+from cmrc.debug import Debugger
 from cmrc.snapshots import ChipSnapshot, SnapshotError
 
 NetworkError = _core.network.NetworkError
@@ -285,6 +286,10 @@ class Network:
             self._schedule("restore", link, at_us)
         else:
             self._core.load(snapshots.sealed(link))
+
+    def debug(self) -> Debugger:
+        """A debugger over all chips, forwards and backwards from here on (docs/debugger.md)."""
+        return Debugger(self._core.debug())
 
     def snapshot(self) -> ChipSnapshot:
         """The whole state: chips, what is on the links, shared memories, actions to come, and the events so far."""

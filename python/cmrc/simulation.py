@@ -10,6 +10,7 @@ from typing import Any
 
 from cmrc import _core, arguments, files
 from cmrc.c40 import ChipState, Program
+from cmrc.debug import Debugger
 from cmrc.result import Profile, Result
 from cmrc.snapshots import SnapshotError
 from cmrc.table import Table
@@ -143,6 +144,10 @@ class Simulation:
         Raises SnapshotError for one of another configuration, program or version; then nothing has changed.
         """
         self._core.restore(arguments.instance("snapshot", snapshot, Snapshot, "what Simulation.snapshot() gives"))
+
+    def debug(self) -> Debugger:
+        """A debugger over all DSPs, forwards and backwards from here on (docs/debugger.md)."""
+        return Debugger(self._core.debug())
 
     def fork(self) -> Simulation:
         """Another run with the same past. What is done to the one (``at``, ``dsp``) the other does not see."""

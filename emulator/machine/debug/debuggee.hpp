@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "c40/chip.hpp"
+#include "c40/probe.hpp"
 #include "machine/time.hpp"
 #include "toolchain/image.hpp"
 
@@ -22,8 +23,8 @@ using c40::Word;
 struct Happening {
   Time time{};
   std::string kind;                 ///< "claim"
-  std::optional<std::size_t> chip;  ///< whose
-  std::map<std::string, std::string, std::less<>> fields;
+  std::optional<std::size_t> chip{};  ///< whose
+  std::map<std::string, std::string, std::less<>> fields{};
   std::string text;                 ///< one line
 };
 

@@ -17,14 +17,11 @@
 
 #include "c40/probe.hpp"
 #include "machine/debug/debuggee.hpp"
+#include "machine/debug/error.hpp"
+#include "machine/debug/history.hpp"
+#include "machine/debug/inspect.hpp"
 
 namespace machine::debug {
-
-/// A command that makes no sense: a place that is none, a condition that does not parse. The message says what would be right.
-class DebugError : public std::invalid_argument {
- public:
-  using std::invalid_argument::invalid_argument;
-};
 
 /// What to stop at.
 struct Trigger {
@@ -38,18 +35,18 @@ struct Trigger {
   enum class On : std::uint8_t { write, read, access, change };
 
   Kind kind = Kind::code;
-  std::optional<std::size_t> chip;  ///< none: every one (of happenings: any)
+  std::optional<std::size_t> chip{};  ///< none: every one (of happenings: any)
   Address address = 0;
   Word words = 1;
   On on = On::write;
-  std::string name;
-  std::map<std::string, std::string, std::less<>> fields;
-  std::string condition;    ///< an expression; empty: always
-  std::string log;          ///< not empty: tell this text, with {expressions}, and go on
+  std::string name{};
+  std::map<std::string, std::string, std::less<>> fields{};
+  std::string condition{};    ///< an expression; empty: always
+  std::string log{};          ///< not empty: tell this text, with {expressions}, and go on
   std::uint64_t ignore = 0; ///< hits to pass over
   bool enabled = true;
   bool once = false;        ///< removed when it has stopped the machine
-  std::string text;         ///< as the user said it
+  std::string text{};         ///< as the user said it
 
   std::uint64_t hits = 0;   ///< on the way forward, those passed over among them
 };
@@ -57,8 +54,11 @@ struct Trigger {
 struct Hit {
   unsigned trigger = 0;  ///< its number
   Time time{};
-  std::optional<std::size_t> chip;
-  std::string text;      ///< what happened: "DSP 1 wrote 0000002Ah (was 0) to 80000010h at kernel_pid+0x4"
+  std::optional<std::size_t> chip{};
+  std::string text{};      ///< what happened: "DSP 1 wrote 0000002Ah (was 0) to 80000010h at kernel_pid+0x4"
+  Address pc = 0;        ///< of the instruction, where one did it
+  Word before = 0, value = 0;  ///< of an access
+  bool open = false;     ///< whether its condition holds is looked at where the machine stands there
 };
 
 struct Stop {
@@ -89,27 +89,18 @@ struct Writer {
   std::string text;
 };
 
-struct Limits {
-  Time snapshot_period = std::chrono::milliseconds{500};
-  std::size_t snapshot_bytes = std::size_t{512} << 20;
-};
-
-/// What snapshots hold.
-struct HistoryInfo {
-  std::size_t snapshots = 0, bytes = 0;
-  Time first{}, last{};
-};
-
 class Debugger {
  public:
-  explicit Debugger(Debuggee& debuggee, Limits limits = {});
+  explicit Debugger(Debuggee& debuggee, HistoryLimits limits = {});
   /// Takes all that listens away. The machine stays where it is.
   ~Debugger();
   Debugger(const Debugger&) = delete;
   Debugger& operator=(const Debugger&) = delete;
 
   Debuggee& debuggee() { return debuggee_; }
-  Time now() const;
+  Time now() const { return debuggee_.now(); }
+  const ProgramView& program(std::size_t chip) const { return programs_.at(chip); }
+  const std::vector<ProgramView>& programs() const { return programs_; }
   const Stop& stop() const { return stop_; }
 
   // ---- what to stop at ----
@@ -157,31 +148,55 @@ class Debugger {
 
  private:
   class Ear;
-  struct Found;
-  class History;
+  /// A change by hand, made again whenever its instant is passed.
+  struct Change {
+    Time time{};
+    std::function<void()> make;
+  };
+  struct Manner;
 
-  friend class Ear;
+  bool asked_to_stop();
+  void require_chip(std::size_t chip) const;
+  void check(const Trigger& trigger);
+  const Stop& stopped(Stop::Reason reason, std::optional<std::size_t> chip, std::string text, std::vector<Hit> hits = {});
+  const Stop& report(std::vector<Hit> hits);
+  void run_to(Time time);
+  void move_to(Time time);
+  void load_before(Time time);
+  std::vector<Hit> search(Time until, const Manner& manner);
+  std::vector<Hit> last_hits(Time after, Time before);
+  bool counts(const Hit& hit);
+  bool holds(const Hit& hit);
+  const Stop& go_on(Time until, const Manner& manner);
+  const Stop& step_lines(std::size_t chip, bool over_calls);
+  const Stop& step_over(std::size_t chip);
+  const Stop& run_to_code(std::size_t chip, Address address, std::string condition);
+  template <class Fits>
+  std::optional<Time> instruction_before(std::size_t chip, Time time, Fits fits);
+  void look_at_past(std::size_t chip, Time from, Time to);
+  void change(std::function<void()> make, std::string text);
+
   Debuggee& debuggee_;
+  std::vector<ProgramView> programs_;
   std::map<unsigned, Trigger> triggers_;
   unsigned next_number_ = 1;
   std::unique_ptr<Ear> ear_;
   std::unique_ptr<History> history_;
+  std::vector<Change> changes_;
+  std::size_t changed_ = 0;  ///< of the changes, those that have been made where the machine stands
+  /// Instructions of a chip, where one goes back step by step.
+  struct Past {
+    struct Instruction {
+      Time begins{};
+      Address pc = 0, sp = 0;  ///< SP before it
+    };
+    std::size_t chip = 0;
+    Time from{}, to{};
+    std::vector<Instruction> instructions{};
+  };
+  std::optional<Past> past_;
   Stop stop_;
   std::atomic<bool> interrupted_{false};
-
-  bool asked_to_stop() const;
-  const Stop& stopped(Stop::Reason reason, std::optional<std::size_t> chip, std::string text, std::vector<Hit> hits = {});
-  void run_to(Time time);
-  void move_to(Time time);
-  std::optional<std::vector<Hit>> search(Time from, Time until);
-  bool counts(Hit& hit);
-  const Stop& report(std::vector<Hit> hits);
-  const Stop& step_instruction(std::size_t chip);
-  const Stop& step_until(std::size_t chip, bool over_calls);
-  const Stop& run_to_code(std::size_t chip, Address address, std::string condition);
-  const Stop& step_happening();
-  std::optional<Time> instruction_before(std::size_t chip, Time time);
-  void changed(std::string text);
 };
 
 }  // namespace machine::debug

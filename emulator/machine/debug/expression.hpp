@@ -17,7 +17,7 @@ struct Value {
   bool is_float = false;
   std::int64_t integer = 0;
   double real = 0;
-  std::optional<Address> address;  ///< of a word in memory, or of a label
+  std::optional<Address> address{};  ///< of a word in memory, or of a label
   bool truth() const { return is_float ? real != 0 : integer != 0; }
   double number() const { return is_float ? real : static_cast<double>(integer); }
   /// "1.5", "-2 (FFFFFFFEh)"
@@ -34,8 +34,8 @@ class Expression {
 
   /// For the chip that it was made for. \throws DebugError where memory cannot be read
   Value value() const;
-  /// It depends on registers and memory of that chip alone.
-  bool is_private() const;
+  /// The same while chips are at different instants; none: it depends on more than the chip's own registers and memory.
+  std::optional<Value> own_value() const;
 
   struct Node;
 

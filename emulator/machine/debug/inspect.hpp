@@ -8,6 +8,7 @@
 
 #include "machine/address_names.hpp"
 #include "machine/debug/debuggee.hpp"
+#include "machine/debug/error.hpp"
 
 namespace machine::debug {
 

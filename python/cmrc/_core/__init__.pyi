@@ -1,6 +1,7 @@
 # The part of the C++ core that the package uses. tests/python/test_stubs.py checks that what stands here exists.
 from cmrc._core import c40 as c40
 from cmrc._core import cmrc as cmrc
+from cmrc._core import debug as debug
 from cmrc._core import io as io
 from cmrc._core import isa as isa
 from cmrc._core import network as network

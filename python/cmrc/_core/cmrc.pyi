@@ -1,6 +1,7 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from cmrc._core.debug import Debugger
 from cmrc._core.plant import DockConfig
 from cmrc._core.toolchain import Image
 from numpy import float64
@@ -50,6 +51,7 @@ class Snapshot:
     def from_bytes(bytes: bytes) -> Snapshot: ...
 
 class Simulation:
+    def debug(self) -> Debugger: ...
     def dsp(self, slot: int) -> Dsp: ...
     @property
     def program(self) -> Image: ...

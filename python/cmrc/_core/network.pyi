@@ -1,6 +1,7 @@
 from collections.abc import Callable, Sequence
 from typing import Any, overload
 
+from cmrc._core.debug import Debugger
 from cmrc._core.toolchain import Image
 
 class NetworkError(ValueError): ...
@@ -30,6 +31,7 @@ class Network:
     link_count: int
     memory_count: int
     net_count: int
+    def debug(self) -> Debugger: ...
     @overload
     def __init__(self, path: str, program: Callable[[str], Image], turn_order: int) -> None: ...
     @overload

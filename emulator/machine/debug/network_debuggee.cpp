@@ -1,0 +1,159 @@
+#include "machine/debug/network_debuggee.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "machine/debug/error.hpp"
+#include "state/archive.hpp"
+
+namespace machine::debug {
+namespace {
+
+using Kind = NetworkEvent::Kind;
+
+constexpr std::array kinds{
+    std::pair{Kind::lost, "a word is lost on a link that is cut"},
+    std::pair{Kind::dead, "a link stands still for ever"},
+    std::pair{Kind::cut, "an action cuts a link"},
+    std::pair{Kind::restored, "an action restores a link"},
+    std::pair{Kind::missed, "a chip does not see an edge on a net"},
+    std::pair{Kind::discarded, "a word in a FIFO is lost in a reset"},
+    std::pair{Kind::reset, "an action resets a chip"},
+    std::pair{Kind::hold, "an action holds a chip in reset"},
+    std::pair{Kind::release, "an action releases a chip"},
+    std::pair{Kind::pull_out, "an action pulls a chip out"},
+};
+
+/// What is no event of the network, but what becomes of a chip.
+bool is_end(ChipStatus status) {
+  using enum ChipStatus;
+  return status == fault || status == halt || status == idle || status == until || status == external_access || status == looping;
+}
+
+}  // namespace
+
+NetworkDebuggee::NetworkDebuggee(Network& network) : network_(network), now_(network.now()), told_(network.events().size()) {
+  for (std::size_t n = 0; n < network.chip_count(); ++n) status_.push_back(network.status(n));
+}
+NetworkDebuggee::~NetworkDebuggee() { network_.watch_memory({}); }
+
+std::size_t NetworkDebuggee::chips() const { return network_.chip_count(); }
+std::string NetworkDebuggee::chip_name(std::size_t n) const {
+  const std::string& name = network_.chip_name(n);
+  const std::string number = fmt::format("{}", n);
+  return name.empty() || name == number ? "chip " + number : fmt::format("chip {} ({})", n, name);
+}
+c40::Chip& NetworkDebuggee::chip(std::size_t n) { return network_.chip(n); }
+const toolchain::Image& NetworkDebuggee::program(std::size_t n) const { return network_.program(n); }
+Time NetworkDebuggee::time_of(std::size_t n, c40::Cycles cycle) const { return network_.clock(n).at(cycle); }
+std::string NetworkDebuggee::describe(std::size_t n) {
+  if (network_.status(n) == ChipStatus::running) return "running";
+  return network_.describe(n);
+}
+void NetworkDebuggee::set_trace(std::size_t n, c40::TraceSink* sink) { network_.set_trace(n, sink); }
+
+std::optional<std::string> NetworkDebuggee::over() const {
+  if (!ended_) return std::nullopt;
+  std::string text(ended_->reason == NetworkStop::Reason::deadlock ? "nothing can happen any more" : "all chips have come to rest");
+  for (std::size_t n = 0; n < network_.chip_count(); ++n) text += fmt::format("; {}: {}", chip_name(n), network_.describe(n));
+  return text;
+}
+
+void NetworkDebuggee::run_until(Time time) {
+  if (ended_) return;
+  const NetworkStop stop = network_.run_until(time);
+  if (stop.reason == NetworkStop::Reason::ended || stop.reason == NetworkStop::Reason::deadlock) ended_ = stop;
+  now_ = stop.reason == NetworkStop::Reason::limit ? time : std::max(now_, stop.time);
+  tell_new();
+}
+
+void NetworkDebuggee::tell_new() {
+  const std::vector<NetworkEvent> events = network_.events();
+  const auto wanted = [&](std::string_view kind) { return listener_ != nullptr && (kinds_.contains(std::string(kind)) || kinds_.contains("any")); };
+  for (; told_ < events.size(); ++told_) {
+    const NetworkEvent& event = events[told_];
+    if (is_common(event.kind) || !wanted(machine::name(event.kind))) continue;
+    Happening happening{.time = event.time, .kind = std::string(machine::name(event.kind)), .chip = {}, .fields = {}, .text = network_.text(event)};
+    if (event.kind >= Kind::discarded) happening.chip = event.place;
+    listener_->happened(happening);
+  }
+  for (std::size_t n = 0; n < status_.size(); ++n) {
+    const ChipStatus status = network_.status(n);
+    if (std::exchange(status_[n], status) == status || !is_end(status)) continue;
+    const std::string kind = status == ChipStatus::fault ? "fault" : "end";
+    if (!wanted(kind)) continue;
+    const Time at = std::max(network_.clock(n).at(network_.chip(n).cycle()), Time{0});
+    listener_->happened({.time = std::min(at, now_), .kind = kind, .chip = n, .fields = {{"status", std::string(machine::name(status))}},
+                         .text = fmt::format("{}: {}", chip_name(n), network_.describe(n))});
+  }
+}
+
+std::string NetworkDebuggee::save() { return state::save(network_); }
+
+void NetworkDebuggee::load(std::string_view state) {
+  state::load(network_, state);
+  ended_.reset();
+  now_ = network_.now();
+  told_ = network_.events().size();
+  for (std::size_t n = 0; n < status_.size(); ++n) status_[n] = network_.status(n);
+}
+
+std::optional<Word> NetworkDebuggee::peek(std::size_t n, Address address) {
+  if (const auto place = network_.memory_place(n, address)) return network_.memory(place->memory)[place->word];
+  try {
+    return network_.chip(n).peek(address);
+  } catch (const std::out_of_range&) {
+    return std::nullopt;
+  }
+}
+
+void NetworkDebuggee::poke(std::size_t n, Address address, Word value) {
+  if (const auto place = network_.memory_place(n, address)) network_.memory(place->memory)[place->word] = value;
+  else network_.chip(n).poke(address, value);
+}
+
+// Memories one behind the other.
+std::optional<Address> NetworkDebuggee::shared_word(std::size_t n, Address address) const {
+  const auto place = network_.memory_place(n, address);
+  if (!place) return std::nullopt;
+  Address first = 0;
+  for (std::size_t m = 0; m < place->memory; ++m) first += network_.description().memories[m].words;
+  return first + place->word;
+}
+
+void NetworkDebuggee::watch_shared(SharedListener* listener, std::vector<c40::AddressRange> words) {
+  if (listener == nullptr) return network_.watch_memory({});
+  network_.watch_memory([this, listener, words = std::move(words)](std::size_t chip, Network::MemoryPlace, Word before, const c40::ExternalAccess& access, Time time) {
+    const Address word = *shared_word(chip, access.address);
+    if (std::ranges::none_of(words, [&](const c40::AddressRange& range) { return range.contains(word); })) return;
+    const std::string who = access.channel < 0 ? chip_name(chip) : fmt::format("DMA channel {} of {}", access.channel, chip_name(chip));
+    listener->shared_access({.time = time + Time{1}, .word = word, .before = before, .value = access.write ? access.value : before, .write = access.write, .chip = chip, .who = who});
+  });
+}
+
+std::vector<std::pair<std::string, std::string>> NetworkDebuggee::happenings() const {
+  std::vector<std::pair<std::string, std::string>> all{{"fault", "a chip cannot go on"}, {"end", "a chip's program has ended, or waits for what never comes"}};
+  for (const auto& [kind, what] : kinds) all.emplace_back(std::string(machine::name(kind)), what);
+  return all;
+}
+
+void NetworkDebuggee::listen(HappeningListener* listener, const std::set<std::string>& kinds) {
+  listener_ = listener;
+  kinds_ = kinds;
+}
+
+std::vector<std::string> NetworkDebuggee::page_names() const { return {"chips", "events"}; }
+
+std::string NetworkDebuggee::page(std::string_view name) {
+  std::string text;
+  if (name == "chips")
+    for (std::size_t n = 0; n < chips(); ++n) text += fmt::format("{}: {}, at {:08X}h, cycle {}\n", chip_name(n), describe(n), network_.chip(n).pc(), network_.chip(n).cycle());
+  else if (name == "events")
+    for (const NetworkEvent& event : network_.events()) text += network_.text(event) + "\n";
+  else throw DebugError(fmt::format("{}: chips or events is expected", name));
+  return text;
+}
+
+}  // namespace machine::debug

@@ -1,0 +1,50 @@
+#pragma once
+/// A network of chips, or one chip as a network of one, in a debugger.
+#include <memory>
+
+#include "machine/debug/debuggee.hpp"
+#include "machine/network.hpp"
+
+namespace machine::debug {
+
+class NetworkDebuggee final : public Debuggee {
+ public:
+  /// The network must outlive it.
+  explicit NetworkDebuggee(Network& network);
+  ~NetworkDebuggee() override;
+
+  std::size_t chips() const override;
+  std::string chip_name(std::size_t n) const override;
+  c40::Chip& chip(std::size_t n) override;
+  const toolchain::Image& program(std::size_t n) const override;
+  Time time_of(std::size_t n, c40::Cycles cycle) const override;
+  std::string describe(std::size_t n) override;
+  void set_trace(std::size_t n, c40::TraceSink* sink) override;
+  Time now() const override { return now_; }
+  std::optional<std::string> over() const override;
+  void run_until(Time time) override;
+  Time slice() const override { return std::chrono::milliseconds{1}; }
+  std::string save() override;
+  void load(std::string_view state) override;
+  std::optional<Word> peek(std::size_t n, Address address) override;
+  void poke(std::size_t n, Address address, Word value) override;
+  std::optional<Address> shared_word(std::size_t n, Address address) const override;
+  void watch_shared(SharedListener* listener, std::vector<c40::AddressRange> words) override;
+  std::vector<std::pair<std::string, std::string>> happenings() const override;
+  void listen(HappeningListener* listener, const std::set<std::string>& kinds) override;
+  std::vector<std::string> page_names() const override;
+  std::string page(std::string_view name) override;
+
+ private:
+  void tell_new();
+
+  Network& network_;
+  Time now_{0};
+  std::optional<NetworkStop> ended_;
+  HappeningListener* listener_ = nullptr;
+  std::set<std::string> kinds_;
+  std::size_t told_ = 0;  ///< of the network's events
+  std::vector<ChipStatus> status_;
+};
+
+}  // namespace machine::debug

@@ -1,0 +1,300 @@
+"""A debugger over all chips, forwards and backwards (docs/debugger.md).
+
+with cmrc.Simulation(cmrc.config(dsps=4)).debug() as debugger:
+    debugger.break_at("kernel_pid", chip=2)
+    for stop in debugger.run():
+        print(stop.text, debugger.value("f(r0)"))
+    debugger.back()
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any
+
+from cmrc import _core, arguments
+
+DebugError = _core.debug.DebugError
+"""Raised for a command that makes no sense: a ValueError that says what would be right."""
+
+MOST_PICOSECONDS = 9 * 10**18
+CHIPS_MOST = 64
+
+
+@dataclass(frozen=True)
+class Hit:
+    """A stop condition that was met: its ``number``, the chip (None: none), a sentence; of an access the words ``before`` and after (``value``), and the instruction's address."""
+
+    number: int
+    chip: int | None
+    text: str
+    before: int
+    value: int
+    pc: int
+
+
+@dataclass(frozen=True)
+class Stop:
+    """Where the machine stands. ``reason``: ``start``, ``breakpoint``, ``watchpoint``, ``happening``, ``step``, ``moved``, ``paused``, ``over`` or ``fault``. ``chip`` is the one that stopped it."""
+
+    reason: str
+    time_ps: int
+    chip: int | None
+    text: str
+    hits: tuple[Hit, ...]
+
+    @property
+    def time_s(self) -> float:
+        """Simulated seconds since the start."""
+        return self.time_ps * 1e-12
+
+
+@dataclass(frozen=True)
+class Writer:
+    """Who wrote a word last: when it was done, the chip (None: ``text`` says who), the instruction's address, what the word held before and after."""
+
+    time_ps: int
+    chip: int | None
+    pc: int
+    before: int
+    value: int
+    text: str
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A call: where the routine stands, as an address and as ``label+0x4``, and its source line (0: none is known)."""
+
+    pc: int
+    name: str
+    file: str
+    line: int
+
+
+@dataclass(frozen=True)
+class Register:
+    """A register: its bits in hexadecimal, its value as text (of R0 to R11 the float), and its parts by name."""
+
+    name: str
+    hex: str
+    value: str
+    parts: dict[str, str]
+
+
+def _stop(given: dict[str, Any]) -> Stop:
+    return Stop(given["reason"], given["time_ps"], given["chip"], given["text"], tuple(Hit(**hit) for hit in given["hits"]))
+
+
+class Debugger:
+    """What ``Simulation.debug()``, ``Network.debug()`` and ``Processor.debug()`` give. A stop is one instant of the whole machine. Looking changes nothing.
+
+    A breakpoint stops before its instruction, a watchpoint after the access. Going back is as good as going on: any instant since the debugger was made can be
+    reached. While it lives, let nothing else run or change the machine.
+    """
+
+    def __init__(self, core: Any) -> None:
+        self._core = core
+
+    def __enter__(self) -> Debugger:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Takes away all that listens. The machine stays where it is, and may go on without the debugger."""
+        self._core = None
+
+    @property
+    def _d(self) -> Any:
+        if self._core is None:
+            raise RuntimeError("this debugger is closed; debug() gives another one")
+        return self._core
+
+    # ---- what to stop at ----
+
+    def places(self, place: int | str, chip: int = 0) -> list[int]:
+        """The addresses of a place: a number, a label, ``label+4``, or ``file.asm:LINE``. Raises DebugError."""
+        if isinstance(place, int) and not isinstance(place, bool):
+            return [arguments.whole("place", place, "an address", 0, 2**32 - 1)]
+        return [int(address) for address in self._d.places(chip, arguments.text("place", place, 'a label, a number or "FILE:LINE"'))]
+
+    def break_at(self, place: int | str, *, chip: int | None = None, condition: str = "", ignore: int = 0, log: str = "") -> int:
+        """Stops before the instruction there, of one chip or (None) of every one; returns the condition's number.
+
+        ``condition``: an expression that must hold. ``ignore``: so many hits are passed over. ``log``: this text is told instead, with ``{expressions}``.
+        """
+        number = -1
+        for address in self.places(place, chip or 0):
+            number = self._add("code", chip=chip, address=address, condition=condition, ignore=ignore, log=log, text=str(place))
+        return number
+
+    def watch(self, place: int | str, words: int = 1, *, on: str = "write", chip: int | None = 0, condition: str = "", ignore: int = 0, log: str = "") -> int:
+        """Stops after an access to ``words`` words from there on: ``write``, ``read``, ``access`` (both) or ``change`` (a write of another value).
+
+        Memory, peripheral registers and windows as one chip (None: every one) accesses them, by the processor or its DMA; words that chips share, by anybody.
+        """
+        if on not in ("write", "read", "access", "change"):
+            raise ValueError(f'on: "{on}" is none; write, read, access or change is expected')
+        count = arguments.whole("words", words, "a number of words", 1, 2**32 - 1)
+        return self._add("word", chip=chip, address=self.places(place, chip or 0)[0], words=count, on=on, condition=condition, ignore=ignore, log=log, text=str(place))
+
+    def watch_register(self, name: str, *, chip: int = 0, condition: str = "", ignore: int = 0, log: str = "") -> int:
+        """Stops after an instruction that changes a register. The chip then runs by single instructions, many times slower."""
+        return self._add("register", chip=chip, name=arguments.text("name", name, "the name of a register"), condition=condition, ignore=ignore, log=log)
+
+    def on(self, kind: str, *, chip: int | None = None, condition: str = "", ignore: int = 0, log: str = "", **fields: str | int) -> int:
+        """Stops at what happens: ``claim``, ``miss``, ... (``happenings()``), with these fields: ``on("claim", chip=2, task="pid")``."""
+        return self._add("happening", chip=chip, name=kind, fields={k: str(v) for k, v in fields.items()}, condition=condition, ignore=ignore, log=log)
+
+    def when(self, expression: str, *, chip: int = 0) -> int:
+        """Stops when an expression becomes true, looked at every 125 us: ``when("plant.payload_z_m < 1")``."""
+        return self._add("value", chip=chip, name=arguments.text("expression", expression, "an expression"))
+
+    def _add(self, kind: str, *, chip: int | None, **fields: Any) -> int:
+        if chip is not None:
+            arguments.whole("chip", chip, "the number of a chip", 0, CHIPS_MOST)
+        return int(self._d.add({"kind": kind, "chip": chip, **fields}))
+
+    def remove(self, number: int) -> None:
+        """Forgets a stop condition."""
+        self._d.remove(number)
+
+    def enable(self, number: int, on: bool = True) -> None:
+        """Switches a stop condition on or off."""
+        self._d.enable(number, on)
+
+    def hits(self) -> dict[int, int]:
+        """How often each stop condition was met on the way forward."""
+        return dict(self._d.hits())
+
+    # ---- forward and backward ----
+
+    @property
+    def stop(self) -> Stop:
+        """The last stop."""
+        return _stop(self._d.stop())
+
+    @property
+    def time_s(self) -> float:
+        """Simulated seconds since the start."""
+        return self.stop.time_s
+
+    def go(self, until_s: float | None = None) -> Stop:
+        """On to the next stop, or to ``until_s``."""
+        return _stop(self._d.go(None if until_s is None else self._ps(until_s)))
+
+    def run(self) -> Iterator[Stop]:
+        """Every stop from here on until nothing more happens: ``for stop in debugger.run(): ...``."""
+        while True:
+            stop = self.go()
+            if stop.reason == "over":
+                return
+            yield stop
+
+    def step(self, how: str = "instruction", *, chip: int | None = None) -> Stop:
+        """One step of a chip, by default that of the last stop: ``instruction``, ``over`` a call, ``line``, ``next_line``, ``out`` of the routine, or to the next ``happening``."""
+        return _stop(self._d.step(self._chip(chip), how))
+
+    def back(self) -> Stop:
+        """Back to the last stop condition that was met before now; where there is none, to the beginning."""
+        return _stop(self._d.go_back())
+
+    def step_back(self, how: str = "instruction", *, chip: int | None = None) -> Stop:
+        """The same steps, backwards."""
+        return _stop(self._d.step_back(self._chip(chip), how))
+
+    def go_to(self, time_s: float) -> Stop:
+        """To an instant since the debugger was made, before or after now. Stop conditions are not looked at."""
+        return _stop(self._d.go_to(self._ps(time_s)))
+
+    def go_to_ps(self, time_ps: int) -> Stop:
+        """The same, in whole picoseconds as ``Stop.time_ps`` has them."""
+        return _stop(self._d.go_to(arguments.whole("time_ps", time_ps, "picoseconds", 0, MOST_PICOSECONDS)))
+
+    def last_write(self, place: int | str, *, chip: int | None = None) -> Writer | None:
+        """Who wrote a word last before now; None: nobody since the debugger was made. The machine stays where it is."""
+        number = self._chip(chip)
+        found = self._d.last_write(number, self.places(place, number)[0])
+        return None if found is None else Writer(**found)
+
+    @staticmethod
+    def _ps(time_s: float) -> int:
+        return round(arguments.number("time_s", time_s, "seconds, 0 or more", 0) * 1e12)
+
+    def _chip(self, chip: int | None) -> int:
+        if chip is None:
+            return self.stop.chip or 0
+        return arguments.whole("chip", chip, "the number of a chip", 0, CHIPS_MOST)
+
+    # ---- what there is to see ----
+
+    def value(self, expression: str, *, chip: int | None = None) -> int | float:
+        """``r0``, ``f(r1)``, ``[label + 2]``, ``chip1.pc``, ``TIMER0.counter``, ``plant.payload_z_m``, and what operators as in C make of them."""
+        result: int | float = self._d.evaluate(self._chip(chip), arguments.text("expression", expression, "an expression"))
+        return result
+
+    def word(self, place: int | str, *, chip: int | None = None) -> int | None:
+        """The word that the chip's program would read there, without time or effects; None: nothing can be read there so."""
+        number = self._chip(chip)
+        found = self._d.peek(number, self.places(place, number)[0])
+        return None if found is None else int(found)
+
+    def registers(self, *, chip: int | None = None) -> dict[str, Register]:
+        """PC, R0 to R11, AR0 to AR7, and the others."""
+        return {name: Register(name, bits, value, dict(parts)) for name, bits, value, parts in self._d.registers(self._chip(chip))}
+
+    def peripherals(self, *, chip: int | None = None) -> dict[str, Register]:
+        """Peripheral registers with their fields, and what the ports' FIFOs hold."""
+        return {name: Register(name, bits, value, dict(parts)) for name, bits, value, parts in self._d.peripherals(self._chip(chip))}
+
+    def stack(self, *, chip: int | None = None) -> list[Frame]:
+        """The routines that are under way, the innermost first."""
+        return [Frame(*frame) for frame in self._d.stack(self._chip(chip))]
+
+    def disassemble(self, place: int | str, count: int = 8, *, chip: int | None = None) -> list[tuple[int, str]]:
+        """Address and text of so many words."""
+        number = self._chip(chip)
+        first = self.places(place, number)[0]
+        return [(a, self._d.instruction(number, a) or "no memory") for a in range(first, first + arguments.whole("count", count, "a number of words", 1, 100_000))]
+
+    def describe(self, *, chip: int | None = None) -> str:
+        """How a chip stands."""
+        return str(self._d.describe(self._chip(chip)))
+
+    def chips(self) -> list[str]:
+        """The chips' names."""
+        return list(self._d.chip_names())
+
+    def happenings(self) -> dict[str, str]:
+        """What ``on`` takes, and what it is."""
+        return dict(self._d.happenings())
+
+    def value_names(self) -> list[str]:
+        """Values besides registers and memory, for expressions."""
+        return list(self._d.value_names())
+
+    def page(self, name: str) -> str:
+        """A page of text: of the dock ``list``, ``dsps``, ``plant``; of a network ``chips``, ``events``."""
+        return str(self._d.page(arguments.text("name", name, "the name of a page")))
+
+    def history(self) -> dict[str, int]:
+        """How many snapshots there are, their bytes, and the instants of the first and the last in ps."""
+        return dict(self._d.history())
+
+    # ---- changes by hand ----
+
+    def set_word(self, place: int | str, value: int, *, chip: int | None = None) -> None:
+        """Changes a word. What had come later is gone: a new branch begins. It is kept: whoever passes this instant again finds the word changed."""
+        number = self._chip(chip)
+        self._d.set_word(number, self.places(place, number)[0], arguments.whole("value", value, "a word", 0, 2**32 - 1))
+
+    def set_register(self, name: str, value: int | float | str, *, chip: int | None = None) -> None:
+        """Changes a register, to a number or an expression; R0 to R11 take floats."""
+        self._d.set_register(self._chip(chip), arguments.text("name", name, "the name of a register"), str(value))
+
+    def on_output(self, heard: Callable[[str], None] | None) -> None:
+        """Who hears the texts of log points, and of changes by hand."""
+        self._d.on_output(heard)
