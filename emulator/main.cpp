@@ -31,6 +31,7 @@ struct Perform {
   int operator()(const cli::LinkOptions& options) const { return cli::link(options); }
   int operator()(const cli::ClassifyOptions& options) const { return cli::classify(options); }
   int operator()(const cli::ExecOptions& options) const { return cli::exec(options); }
+  int operator()(const cli::DebugOptions& options) const { return cli::debug(options); }
   int operator()(const cli::TraceDiffOptions& options) const { return cli::trace_diff(options); }
   int operator()(const cli::VectorOptions& options) const { return cli::vectors(options); }
 };

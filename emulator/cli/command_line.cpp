@@ -161,6 +161,32 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
   app.add_flag("--check", options.check, "Look for broken rules of the manual (docs/fidelity.md, Self-checks)");
 }
 
+/// One name may mean a network's or the dock's.
+void declare_debug(CLI::App& app, DebugOptions& options) {
+  ExecOptions& exec = options.exec;
+  app.add_option("PROGRAM", exec.programs, "COFF executable, .asm, .s or .hex; of several, one for each chip of a network. None: the dock");
+  app.add_option("-x", options.scripts, "Do the commands of this file, then end; may be given several times")->type_name("FILE")->allow_extra_args(false);
+  app.add_option("-e", options.commands, "Do this command first; may be given several times")->type_name("COMMAND")->allow_extra_args(false);
+  app.add_option("-I,--include", exec.include_directories, "Look here for included files")->type_name("DIR")->allow_extra_args(false);
+  declare_dialect(app, exec.dialect);
+  app.add_option("--load-at", exec.load_at, "Where a .hex file stands and starts")->type_name("ADDRESS");
+  app.add_option("--entry", exec.entry, "Start here instead of at the program's entry")->type_name("SYMBOL|ADDRESS");
+  app.add_option("--board", exec.boards, "default, flat or a board file; of a network one for all or one for each chip")->type_name("default|flat|FILE.toml")->allow_extra_args(false);
+  app.add_option("--memory-max", exec.memory_max, "Of the RAM of --board flat a program may use so many MiB (default 256)")->check(CLI::Range(1, 16384))->type_name("MIB");
+  app.add_option("--link", exec.links, "Join two communication ports")->type_name("CHIP.PORT:CHIP.PORT")->allow_extra_args(false);
+  app.add_option("--net", exec.nets, "Join pins")->type_name("0.TCLK0>1.IIOF1")->allow_extra_args(false);
+  app.add_option("--topology", exec.topology, "Chips and their links (ring:4, grid:4x4, ...); of the dock what stands on which bus");
+  app.add_option("--network", exec.network, "Chips, links, memories and events from a file (docs/networks.md)")->type_name("FILE.toml");
+  app.add_option("--action", exec.actions, "Cut or restore a link; reset, hold, release or pull out a chip; drive a net")->type_name("AT_US,ACTION,LINK|CHIP|NET")->allow_extra_args(false);
+  app.add_option("--dsps", options.run.dsps, "The dock with so many DSPs, 1 to 16 (default 4)");
+  app.add_option("--config", options.run.config, "The dock, from a configuration (TOML)")->type_name("FILE");
+  app.add_option("--preset", options.run.preset, "Of the dock: base (default), heavy or saturated");
+  app.add_option("--duration", options.run.duration_s, "Of the dock: simulated time in s (default 180)");
+  app.add_option("--seed", options.run.seed, "Of the dock: seed of everything random (default 1)");
+  app.add_option("--set", options.run.settings, "Of the dock: any other setting")->type_name("KEY=VALUE");
+  app.add_option("--snapshot", options.run.resume, "The dock from a snapshot on (docs/snapshots.md)")->type_name("FILE");
+}
+
 void declare_trace_diff(CLI::App& app, TraceDiffOptions& options) {
   app.add_option("A", options.left, "A trace")->required();
   app.add_option("B", options.right, "Another trace of the same kind")->required();
@@ -213,6 +239,7 @@ std::variant<Request, Help> parse_command_line(int argc, const char* const* argv
   LinkOptions link_options;
   ClassifyOptions classify_options;
   ExecOptions exec_options;
+  DebugOptions debug_options;
   TraceDiffOptions trace_diff_options;
   VectorOptions vector_options;
 
@@ -228,6 +255,7 @@ std::variant<Request, Help> parse_command_line(int argc, const char* const* argv
   commands.add("link", "Link objects to a program", declare_link, link_options);
   commands.add("classify", "Count what every 32-bit word is: an instruction, or reserved and why", declare_classify, classify_options);
   commands.add("exec", "Run a program on one chip, or programs on a network of chips", declare_exec, exec_options);
+  commands.add("debug", "Debug a program, a network or the dock, forwards and backwards", declare_debug, debug_options);
   commands.add("trace-diff", "Find where two traces part (exit status 1 if they do)", declare_trace_diff, trace_diff_options);
   commands.add("vectors", "Run single-step vectors (exit status 1 if one fails)", declare_vectors, vector_options);
   try {

@@ -4,12 +4,13 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/chip_listeners.hpp"
+#include "cli/network_arguments.hpp"
 #include "cli/options.hpp"
 #include "cli/program.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
 #include "io/signals.hpp"
-#include "machine/network_file.hpp"
+#include "machine/network.hpp"
 
 namespace cli {
 namespace {
@@ -45,65 +46,6 @@ class Watched {
  private:
   std::vector<std::unique_ptr<ChipListeners>> all_;
 };
-
-machine::NetDescription net_of(const std::string& text, const std::vector<std::string>& chips) {
-  try {
-    return machine::parse_net(text, chips);
-  } catch (const std::invalid_argument& error) {
-    throw InputError(fmt::format("--net: {}", error.what()));
-  }
-}
-
-machine::NetworkDescription described(const ExecOptions& options) {
-  if (options.network) {
-    if (!options.programs.empty() || !options.links.empty() || !options.nets.empty() || options.topology || !options.boards.empty() || options.until || options.entry || options.load_at || options.memory_max)
-      throw InputError("--network: the file says programs, boards, links and nets, where a chip starts and where it has ended; the command line does not");
-    require_file(*options.network);
-    return machine::read_network(*options.network, [&](const std::string& path) { return read_program(path, options.include_directories, {}, is_source_name(path) ? options.dialect : std::nullopt); });
-  }
-  machine::NetworkDescription network;
-  std::size_t chips = options.programs.size();
-  if (options.topology) {
-    try {
-      chips = machine::set_topology(network, *options.topology);
-    } catch (const machine::NetworkError& error) {
-      throw InputError(fmt::format("--topology: {}", error.what()));
-    }
-    if (options.programs.size() != 1 && options.programs.size() != chips)
-      throw InputError(fmt::format("--topology {} has {} chips: one program for all or {} programs are expected, not {}", *options.topology, chips, chips, options.programs.size()));
-  }
-  if (options.boards.size() > 1 && options.boards.size() != chips)
-    throw InputError(fmt::format("--board: one for all chips or {} are expected, not {}", chips, options.boards.size()));
-  if (options.memory_max && options.boards.empty()) throw InputError("--memory-max: --board flat is expected; other boards have as much RAM as they say");
-  std::vector<machine::BoardDescription> boards;
-  for (const std::string& board : options.boards) boards.push_back(board_named(options, board));
-  std::vector<std::shared_ptr<const toolchain::Image>> images;
-  for (const std::string& program : options.programs)
-    images.push_back(std::make_shared<toolchain::Image>(
-        read_program(program, options.include_directories, program.ends_with(".hex") ? options.load_at : std::nullopt,
-                     is_source_name(program) ? options.dialect : std::nullopt)));
-  std::vector<std::string> names;
-  for (std::size_t n = 0; n < chips; ++n) {
-    machine::NetworkChip chip;
-    chip.program = images[images.size() == 1 ? 0 : n];
-    if (!boards.empty()) chip.board = boards[boards.size() == 1 ? 0 : n];
-    if (options.until) chip.until = parse_address(*options.until, chip.program.get(), "--until");
-    if (options.entry) chip.entry = parse_address(*options.entry, chip.program.get(), "--entry");
-    network.chips.push_back(std::move(chip));
-    names.push_back(fmt::format("{}", n));
-  }
-  for (const std::string& link : options.links) network.links.push_back(machine::parse_link(link, names));
-  for (const std::string& net : options.nets) network.nets.push_back(net_of(net, names));
-  return network;
-}
-
-machine::NetworkAction action_of(const std::string& text, const Network& network) {
-  try {
-    return machine::parse_action(text, network.description());
-  } catch (const machine::NetworkError& error) {
-    throw InputError(fmt::format("--action {}: {}", text, error.what()));
-  }
-}
 
 /// CHIP:ADDRESS:COUNT
 Dump parse_dump(const std::string& text, const Network& network) {

@@ -128,6 +128,13 @@ struct ExecOptions {
   std::optional<std::string> pipeline;  ///< FIRST:LAST in cycles
 };
 
+struct DebugOptions {
+  ExecOptions exec;  ///< of programs and networks
+  RunOptions run;    ///< of the dock, where no program is given
+  std::vector<std::string> scripts;   ///< files of commands
+  std::vector<std::string> commands;  ///< before the scripts
+};
+
 struct TraceDiffOptions {
   std::string left;
   std::string right;
@@ -152,6 +159,7 @@ int link(const LinkOptions& options);
 int classify(const ClassifyOptions& options);
 int exec(const ExecOptions& options);
 int exec_network(const ExecOptions& options);
+int debug(const DebugOptions& options);
 int trace_diff(const TraceDiffOptions& options);
 int vectors(const VectorOptions& options);
 

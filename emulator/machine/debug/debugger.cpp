@@ -19,6 +19,7 @@ using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
 constexpr Time replay_slice = milliseconds{20};
+constexpr Time recent = microseconds{200};
 constexpr unsigned temporary = 0;  ///< number of the trigger that a step sets
 constexpr std::size_t most_hits_kept = 100'000;
 
@@ -419,7 +420,7 @@ void Debugger::look_at_past(std::size_t chip, Time from, Time to) {
   auto sp = static_cast<Address>(debuggee_.chip(chip).register_value(isa::Register::SP));
   while (now() < to && !asked_to_stop() && !debuggee_.over()) run_to(std::min(to, now() + debuggee_.slice()));
   for (const Ear::Instruction& instruction : ear_->instructions) {
-    if (instruction.begins >= past.from && instruction.begins < to) past.instructions.push_back({instruction.begins, instruction.pc, sp});
+    if (instruction.begins >= past.from && instruction.begins < to) past.instructions.push_back({instruction.begins, instruction.pc, sp, instruction.causes});
     sp = instruction.sp;
   }
   ear_->keeps_instructions = false;
@@ -431,11 +432,11 @@ void Debugger::look_at_past(std::size_t chip, Time from, Time to) {
 /// The beginning of the last instruction before an instant that fits.
 template <class Fits>
 std::optional<Time> Debugger::instruction_before(std::size_t chip, Time time, Fits fits) {
-  for (Time window = microseconds{200};; window *= 20) {
+  for (Time window = recent;; window *= 20) {
     const Time from = std::max(beginning(), time - window);
     if (!past_ || past_->chip != chip || past_->from > from || past_->to < time) {
       const bool known = past_ && past_->chip == chip && past_->from < time && past_->to >= time;
-      if (!known || window > microseconds{200}) look_at_past(chip, from, time);
+      if (!known || window > recent) look_at_past(chip, from, time);
     }
     for (auto at = past_->instructions.rbegin(); at != past_->instructions.rend(); ++at)
       if (at->begins < time && fits(*at)) return at->begins;
@@ -500,6 +501,21 @@ const Stop& Debugger::step_back(std::size_t chip, Step step) {
   move_to(to.value_or(beginning()));
   if (!to) return stopped(Stop::Reason::start, chip, "the beginning");
   return stopped(Stop::Reason::step, chip, "");
+}
+
+std::map<Address, c40::Causes> Debugger::recent_costs(std::size_t chip) {
+  require_chip(chip);
+  interrupted_ = false;
+  const Time from = now(), begin = std::max(beginning(), from - recent);
+  if (from > begin && (!past_ || past_->chip != chip || past_->from > begin || past_->to < from)) {
+    look_at_past(chip, begin, from);
+    move_to(from);
+  }
+  std::map<Address, c40::Causes> costs;
+  if (past_ && past_->chip == chip)
+    for (const Past::Instruction& instruction : past_->instructions)
+      if (instruction.begins < from) costs[instruction.pc] = instruction.causes;
+  return costs;
 }
 
 std::optional<Writer> Debugger::last_write(std::size_t chip, Address address) {

@@ -127,6 +127,8 @@ class Debugger {
   const Stop& go_to(Time time);
   /// The last write to a word before now; none: it was not written since the beginning. The machine stays where it is.
   std::optional<Writer> last_write(std::size_t chip, Address address);
+  /// What each instruction cost when it ran last, of those of the last 200 us.
+  std::map<Address, c40::Causes> recent_costs(std::size_t chip);
   Time beginning() const;
   HistoryInfo history() const;
 
@@ -189,6 +191,7 @@ class Debugger {
     struct Instruction {
       Time begins{};
       Address pc = 0, sp = 0;  ///< SP before it
+      c40::Causes causes{};
     };
     std::size_t chip = 0;
     Time from{}, to{};

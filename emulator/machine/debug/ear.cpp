@@ -179,7 +179,7 @@ void Debugger::Ear::executed(std::size_t chip, const c40::TraceRecord& record) {
     if (!stepped && ends > after_) stepped = ends;
     if (keeps_instructions) {
       const auto sp = static_cast<Address>(debuggee_.chip(chip).register_value(isa::Register::SP));
-      instructions.push_back({debuggee_.time_of(chip, record.cycle), ends, record.pc, sp});
+      instructions.push_back({debuggee_.time_of(chip, record.cycle), ends, record.pc, sp, record.causes});
     }
   }
   for (const auto& [number, trigger] : armed_) {

@@ -31,6 +31,7 @@ class Debugger::Ear final : private HappeningListener, private SharedListener {
   struct Instruction {
     Time begins{}, ends{};
     Address pc = 0, sp = 0;  ///< SP after it
+    c40::Causes causes{};
   };
   std::vector<Instruction> instructions;
   bool keeps_instructions = false;

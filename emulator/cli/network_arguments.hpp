@@ -1,0 +1,16 @@
+#pragma once
+// A network as the command line describes it: of exec, and of the debugger.
+#include <string>
+
+#include "cli/options.hpp"
+#include "machine/network.hpp"
+
+namespace cli {
+
+/// Reads the programs, boards and files that it names. \throws InputError, machine::NetworkError, toolchain::AssemblyError, toolchain::CoffError
+machine::NetworkDescription described(const ExecOptions& options);
+
+/// "12.5,cut,0.3:1.0". \throws InputError
+machine::NetworkAction action_of(const std::string& text, const machine::Network& network);
+
+}  // namespace cli

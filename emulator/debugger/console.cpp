@@ -1,0 +1,563 @@
+#include "debugger/console.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <set>
+
+#include "machine/debug/expression.hpp"
+
+namespace debugger {
+
+using machine::Time;
+using machine::debug::Address;
+using machine::debug::DebugError;
+using machine::debug::Debugger;
+using machine::debug::Expression;
+using machine::debug::Frame;
+using machine::debug::ProgramView;
+using machine::debug::ShownRegister;
+using machine::debug::Step;
+using machine::debug::Stop;
+using machine::debug::Trigger;
+using machine::debug::Word;
+
+namespace {
+
+std::string seconds(Time time) { return fmt::format("{:.9f} s", static_cast<double>(time.count()) * 1e-12); }
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+std::string costs(const c40::Causes& causes) {
+  c40::Cycles all = 0;
+  std::string text;
+  for (std::size_t i = 0; i < causes.size(); ++i) {
+    all += causes[i];
+    if (causes[i] != 0 && static_cast<c40::Cause>(i) != c40::Cause::execute) text += fmt::format(" {} {}", name(static_cast<c40::Cause>(i)), causes[i]);
+  }
+  return fmt::format("{:>6}{}", all, text);
+}
+
+}  // namespace
+
+/// What is left of a command.
+struct Console::Words {
+  std::string_view rest;
+
+  bool empty() const { return trimmed(rest).empty(); }
+  std::string_view next() {
+    rest = trimmed(rest);
+    const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
+    const std::string_view word = rest.substr(0, end);
+    rest = trimmed(rest.substr(end));
+    return word;
+  }
+  std::string_view peek() const {
+    const std::string_view text = trimmed(rest);
+    return text.substr(0, std::min(text.find_first_of(" \t"), text.size()));
+  }
+  bool take(std::string_view word) {
+    if (peek() != word) return false;
+    next();
+    return true;
+  }
+  std::string all() {
+    std::string text(trimmed(rest));
+    rest = {};
+    return text;
+  }
+  void end() const {
+    if (!empty()) throw DebugError(fmt::format("\"{}\": nothing more is expected here", trimmed(rest)));
+  }
+  std::uint64_t count(std::string_view what) {
+    const std::string_view word = next();
+    if (word.empty() || word.size() > 12 || !std::ranges::all_of(word, [](char c) { return c >= '0' && c <= '9'; }))
+      throw DebugError(fmt::format("{}: \"{}\" is none; a number is expected", what, word));
+    return std::stoull(std::string(word));
+  }
+};
+
+struct Console::Row {
+  std::vector<std::string_view> names;  ///< the first is the one that help shows
+  std::string_view arguments, purpose;
+  std::function<void(Console&, Words&)> act;
+};
+
+const std::vector<Console::Row>& Console::rows() {
+  const auto step = [](Step how, bool backwards) {
+    return [how, backwards](Console& c, Words& w) { c.step(how, backwards, w); };
+  };
+  static const std::vector<Row> all{
+      {{"break", "b"}, "PLACE [chip N] [ignore N] [log TEXT] [if EXPRESSION]", "stop before an instruction: label, label+4, 300000h, FILE:LINE", [](Console& c, Words& w) { c.stop_at_code(w); }},
+      {{"watch", "w"}, "PLACE[,WORDS]|REGISTER [write|read|access|change] [chip N] [ignore N] [log TEXT] [if EXPRESSION]", "stop after an access to words, or after a register has changed", [](Console& c, Words& w) { c.stop_at_words(w); }},
+      {{"on"}, "KIND [chip N] [FIELD=VALUE ...] [ignore N] [log TEXT] [if EXPRESSION]", "stop at what happens (see: happenings)", [](Console& c, Words& w) { c.stop_at_happening(w); }},
+      {{"when"}, "EXPRESSION", "stop when it becomes true, looked at every 125 us", [](Console& c, Words& w) { c.stop_at_value(w); }},
+      {{"stops", "info"}, "", "the stop conditions, and how often each was met", [](Console& c, Words& w) { c.show_stops(w); }},
+      {{"delete"}, "NUMBER", "forget a stop condition", [](Console& c, Words& w) { c.forget(w); }},
+      {{"enable"}, "NUMBER", "look at a stop condition again", [](Console& c, Words& w) { c.enable(w); }},
+      {{"disable"}, "NUMBER", "do not look at a stop condition", [](Console& c, Words& w) { c.disable(w); }},
+      {{"continue", "c"}, "[TIME]", "on to the next stop, or to an instant", [](Console& c, Words& w) { c.go(w); }},
+      {{"back", "rc"}, "", "back to the last stop condition that was met", [](Console& c, Words& w) { c.back(w); }},
+      {{"goto"}, "TIME", "to an instant, before or after now: 2.5 s, 12 ms, 100 us, 7 cycles", [](Console& c, Words& w) { c.go_to(w); }},
+      {{"stepi", "si"}, "[COUNT]", "one instruction", step(Step::instruction, false)},
+      {{"nexti", "ni"}, "[COUNT]", "one instruction; a call and all it does is one", step(Step::over, false)},
+      {{"step", "s"}, "[COUNT]", "to another source line", step(Step::line, false)},
+      {{"next", "n"}, "[COUNT]", "to another source line; a call and all it does is one", step(Step::next_line, false)},
+      {{"out", "finish"}, "", "to behind the call of this routine", step(Step::out, false)},
+      {{"event"}, "", "to the next thing that happens", step(Step::happening, false)},
+      {{"rstepi", "rsi"}, "[COUNT]", "one instruction back", step(Step::instruction, true)},
+      {{"rnexti", "rni"}, "[COUNT]", "one instruction back, over calls", step(Step::over, true)},
+      {{"rstep", "rs"}, "[COUNT]", "one source line back", step(Step::line, true)},
+      {{"rnext", "rn"}, "[COUNT]", "one source line back, over calls", step(Step::next_line, true)},
+      {{"rout"}, "", "back to the call of this routine", step(Step::out, true)},
+      {{"revent"}, "", "back to the last thing that happened", step(Step::happening, true)},
+      {{"lastwrite", "who"}, "PLACE", "who wrote a word last", [](Console& c, Words& w) { c.show_last_write(w); }},
+      {{"chip", "dsp"}, "[NUMBER]", "whose registers and code are shown", [](Console& c, Words& w) { c.choose_chip(w); }},
+      {{"chips", "dsps"}, "", "how all chips stand", [](Console& c, Words& w) { c.show_chips(w); }},
+      {{"print", "p"}, "EXPRESSION", "a value: r0, f(r1), [label + 2], chip1.pc, TIMER0.counter, plant.payload_z_m", [](Console& c, Words& w) { c.print_value(w); }},
+      {{"registers", "r"}, "", "all registers; * marks those that the last step has changed", [](Console& c, Words& w) { c.show_registers(w); }},
+      {{"peripherals"}, "[NAME]", "peripheral registers with their fields", [](Console& c, Words& w) { c.show_peripherals(w); }},
+      {{"x"}, "PLACE [WORDS]", "memory", [](Console& c, Words& w) { c.show_memory(w); }},
+      {{"list", "l"}, "[PLACE]", "source or instructions, with the cycles by cause of their last run", [](Console& c, Words& w) { c.show_code(w); }},
+      {{"stack", "bt"}, "", "the routines that are under way", [](Console& c, Words& w) { c.show_stack(w); }},
+      {{"page"}, "NAME", "of the dock list, dsps, plant; of a network chips, events", [](Console& c, Words& w) { c.show_page(w); }},
+      {{"happenings"}, "", "what `on` takes", [](Console& c, Words& w) { c.show_happenings(w); }},
+      {{"history"}, "", "the snapshots that going back rests on", [](Console& c, Words& w) { c.show_history(w); }},
+      {{"set"}, "PLACE|REGISTER = EXPRESSION", "change a word or a register: a new branch begins", [](Console& c, Words& w) { c.set(w); }},
+      {{"assert"}, "EXPRESSION", "exit status 1 if it is not true; a script ends there", [](Console& c, Words& w) { c.assert_that(w); }},
+      {{"source"}, "FILE", "do the commands of a file", [](Console& c, Words& w) { c.read_script(w); }},
+      {{"help", "h", "?"}, "", "this list", [](Console& c, Words& w) { c.help(w); }},
+      {{"quit", "q"}, "", "the end", [](Console& c, Words&) { c.goes_on_ = false; }},
+  };
+  return all;
+}
+
+Console::Console(Debugger& debugger, Print print) : debugger_(debugger), print_(std::move(print)) {
+  debugger_.output = [this](const std::string& text) { print_(text); };
+}
+
+const Console::Row* Console::row_named(std::string_view name) const {
+  for (const Row& row : rows())
+    if (std::ranges::find(row.names, name) != row.names.end()) return &row;
+  return nullptr;
+}
+
+std::string Console::prompt() const { return fmt::format("{}> ", debugger_.debuggee().chip_name(chip_)); }
+
+bool Console::command(std::string_view line) {
+  line = trimmed(line.substr(0, line.starts_with('#') ? 0 : line.size()));
+  const std::string again = last_step_;
+  if (line.empty()) line = again;
+  if (line.empty()) return goes_on_;
+  Words words{line};
+  const std::string_view name = words.next();
+  try {
+    const Row* row = row_named(name);
+    if (row == nullptr) throw DebugError(fmt::format("{} is no command; help lists them", name));
+    const bool repeats = row->arguments == "[COUNT]" || row->names.front() == "continue" || row->names.front() == "back";
+    last_step_ = repeats && depth_ == 0 ? std::string(line) : "";
+    row->act(*this, words);
+  } catch (const DebugError& error) {
+    print_(fmt::format("error: {}", error.what()));
+    if (depth_ != 0 && status_ == 0) status_ = 2;
+  }
+  return goes_on_;
+}
+
+void Console::script(const std::string& path) {
+  std::ifstream in(path);
+  if (!in) throw DebugError(fmt::format("{}: cannot be read", path));
+  if (depth_ > 10) throw DebugError(fmt::format("{}: files in files, more than 10 deep", path));
+  ++depth_;
+  int number = 0;
+  for (std::string line; goes_on_ && std::getline(in, line);) {
+    ++number;
+    if (trimmed(line).empty() || trimmed(line).starts_with('#')) continue;
+    command(trimmed(line));
+    if (status_ == 0) continue;
+    print_(fmt::format("{}:{}: {}", path, number, trimmed(line)));
+    goes_on_ = false;
+  }
+  --depth_;
+}
+
+// ---- what to stop at ----
+
+namespace {
+
+/// "chip N", "ignore N", "log TEXT", "if EXPRESSION" in any order; the last two take the rest of the line, `log` up to " if ".
+template <class Words>
+void read_options(Words& words, Trigger& trigger) {
+  for (;;) {
+    if (words.take("chip") || words.take("dsp")) {
+      trigger.chip = words.count("chip");
+    } else if (words.take("ignore")) {
+      trigger.ignore = words.count("ignore");
+    } else if (words.take("if")) {
+      trigger.condition = words.all();
+      if (trigger.condition.empty()) throw DebugError("if: an expression is expected");
+      return;
+    } else if (words.take("log")) {
+      std::string text = words.all();
+      if (const std::size_t at = text.rfind(" if "); at != std::string::npos) {
+        trigger.condition = text.substr(at + 4);
+        text.resize(at);
+      }
+      if (text.empty()) throw DebugError("log: a text is expected, with {expressions} if you like");
+      trigger.log = text;
+      return;
+    } else {
+      return words.end();
+    }
+  }
+}
+
+}  // namespace
+
+void Console::added(unsigned number) {
+  const Trigger& trigger = debugger_.triggers().at(number);
+  print_(fmt::format("{}: {}{}", number, trigger.text, trigger.kind == Trigger::Kind::processor_register ? " (this chip runs by single instructions now: slow)" : ""));
+}
+
+void Console::stop_at_code(Words& words) {
+  const std::string place(words.next());
+  if (place.empty()) throw DebugError("break: a place is expected: a label, label+4, 300000h, FILE:LINE");
+  Trigger trigger{.kind = Trigger::Kind::code};
+  read_options(words, trigger);
+  if (trigger.chip && *trigger.chip >= debugger_.programs().size()) throw DebugError(fmt::format("there is no chip {}", *trigger.chip));
+  const std::size_t chip = trigger.chip.value_or(chip_);
+  for (const Address address : machine::debug::places_named(debugger_.program(chip), place)) {
+    trigger.address = address;
+    trigger.text = fmt::format("before {} ({:08X}h){}", debugger_.program(chip).name(address), address, trigger.chip ? fmt::format(" of {}", debuggee().chip_name(chip)) : "");
+    added(debugger_.add(trigger));
+  }
+}
+
+void Console::stop_at_words(Words& words) {
+  std::string place(words.next());
+  if (place.empty()) throw DebugError("watch: a place or a register is expected");
+  Trigger trigger{.kind = Trigger::Kind::word};
+  for (const auto& [name, on] : {std::pair{"write", Trigger::On::write}, std::pair{"read", Trigger::On::read}, std::pair{"access", Trigger::On::access}, std::pair{"change", Trigger::On::change}})
+    if (words.take(name)) trigger.on = on;
+  read_options(words, trigger);
+  if (!trigger.chip) trigger.chip = chip_;
+  if (isa::register_named(place)) {
+    trigger.kind = Trigger::Kind::processor_register;
+    trigger.name = place;
+    trigger.text = fmt::format("after a change of {} of {}", place, debuggee().chip_name(*trigger.chip));
+    return added(debugger_.add(trigger));
+  }
+  if (const std::size_t comma = place.find(','); comma != std::string::npos) {
+    const auto count = toolchain::find_address(place.substr(comma + 1), nullptr);
+    if (!count || *count == 0) throw DebugError(fmt::format("watch {}: PLACE,WORDS is expected", place));
+    trigger.words = *count;
+    place.resize(comma);
+  }
+  if (*trigger.chip >= debugger_.programs().size()) throw DebugError(fmt::format("there is no chip {}", *trigger.chip));
+  const auto value = Expression(place, debuggee(), debugger_.programs(), *trigger.chip).value();
+  trigger.address = value.address.value_or(static_cast<Address>(value.integer));
+  constexpr std::array names{"writes to", "reads of", "accesses to", "changes of"};
+  trigger.text = fmt::format("after {} {} ({:08X}h{}) as {} sees it", names[static_cast<std::size_t>(trigger.on)], debugger_.program(*trigger.chip).name(trigger.address),
+                             trigger.address, trigger.words == 1 ? "" : fmt::format(", {} words", trigger.words), debuggee().chip_name(*trigger.chip));
+  added(debugger_.add(trigger));
+}
+
+void Console::stop_at_happening(Words& words) {
+  Trigger trigger{.kind = Trigger::Kind::happening, .name = std::string(words.next())};
+  if (trigger.name.empty()) throw DebugError("on: what happens is expected (see: happenings)");
+  trigger.text = "at " + trigger.name + " " + std::string(trimmed(words.rest));
+  for (;;) {
+    const std::string_view word = words.peek();
+    const std::size_t equals = word.find('=');
+    if (equals == std::string_view::npos || equals == 0) break;
+    trigger.fields.emplace(std::string(word.substr(0, equals)), std::string(word.substr(equals + 1)));
+    words.next();
+  }
+  read_options(words, trigger);
+  added(debugger_.add(trigger));
+}
+
+void Console::stop_at_value(Words& words) {
+  Trigger trigger{.kind = Trigger::Kind::value, .chip = chip_, .name = words.all()};
+  if (trigger.name.empty()) throw DebugError("when: an expression is expected");
+  trigger.text = "when " + trigger.name;
+  added(debugger_.add(trigger));
+}
+
+unsigned Console::number(Words& words) const {
+  const auto number = words.count("a stop condition's number");
+  words.end();
+  return static_cast<unsigned>(number);
+}
+
+void Console::forget(Words& words) { debugger_.remove(number(words)); }
+void Console::enable(Words& words) { debugger_.enable(number(words), true); }
+void Console::disable(Words& words) { debugger_.enable(number(words), false); }
+
+void Console::show_stops(Words& words) {
+  words.end();
+  if (debugger_.triggers().empty()) return print_("no stop conditions");
+  for (const auto& [number, trigger] : debugger_.triggers())
+    print_(fmt::format("{}: {}{}{}{}{}, met {} times{}", number, trigger.text, trigger.condition.empty() ? "" : " if " + trigger.condition, trigger.ignore == 0 ? "" : fmt::format(", the first {} passed over", trigger.ignore),
+                       trigger.log.empty() ? "" : ", tells: " + trigger.log, "", trigger.hits, trigger.enabled ? "" : " (disabled)"));
+}
+
+// ---- going ----
+
+void Console::tell(const Stop& stop) {
+  if (stop.chip) chip_ = *stop.chip;
+  if (debugger_.triggers().empty() || stop.reason != Stop::Reason::moved) now_.swap(before_);
+  now_.clear();
+  for (std::size_t n = 0; n < debugger_.programs().size(); ++n) now_[n] = machine::debug::registers(debuggee().chip(n));
+  show_stop();
+}
+
+void Console::show_stop() {
+  const Stop& stop = debugger_.stop();
+  if (stop.chip && *stop.chip < debugger_.programs().size()) chip_ = *stop.chip;
+  const Address pc = debuggee().chip(chip_).pc();
+  const ProgramView& program = debugger_.program(chip_);
+  if (stop.reason != Stop::Reason::step || !stop.text.empty()) print_(fmt::format("{}{}{}", name(stop.reason), stop.text.empty() ? "" : ": ", stop.text));
+  const auto source = program.source(pc);
+  const auto word = debuggee().peek(chip_, pc);
+  print_(fmt::format("{}  {}  {:08X}h {}{}  {}", seconds(stop.time), debuggee().chip_name(chip_), pc, program.name(pc), source ? fmt::format(" ({}:{})", source->file, source->line) : "",
+                     word ? program.instruction(pc, *word) : "no memory"));
+}
+
+Time Console::time_in(Words& words) const {
+  const std::string number(words.next());
+  const std::string_view unit = words.next();
+  words.end();
+  std::size_t used = 0;
+  double value = -1;
+  try {
+    value = std::stod(number, &used);
+  } catch (const std::exception&) {
+  }
+  if (used != number.size() || !(value >= 0)) throw DebugError(fmt::format("\"{}\" is no instant; 2.5, 2.5 s, 12 ms, 100 us or 7 cycles is expected", number));
+  if (unit == "cycles") return debugger_.debuggee().time_of(chip_, static_cast<c40::Cycles>(std::min(value, 1e15)));
+  for (const auto& [name, factor] : {std::pair{"", 1e12}, std::pair{"s", 1e12}, std::pair{"ms", 1e9}, std::pair{"us", 1e6}, std::pair{"ns", 1e3}, std::pair{"ps", 1.0}})
+    if (unit == name) {
+      if (value * factor > 9e18) throw DebugError(fmt::format("{} {}: instants up to 9000000 s are possible", number, unit));
+      return Time{std::llround(value * factor)};
+    }
+  throw DebugError(fmt::format("{} {}: s, ms, us, ns, ps or cycles is expected", number, unit));
+}
+
+void Console::go(Words& words) {
+  const Time until = words.empty() ? machine::never : time_in(words);
+  tell(debugger_.go(until));
+}
+void Console::back(Words& words) {
+  words.end();
+  tell(debugger_.go_back());
+}
+void Console::go_to(Words& words) { tell(debugger_.go_to(time_in(words))); }
+
+void Console::step(Step step, bool backwards, Words& words) {
+  std::uint64_t count = words.empty() ? 1 : words.count("how often");
+  words.end();
+  const std::size_t chip = chip_;
+  for (; count != 0; --count) {
+    const Stop& stop = backwards ? debugger_.step_back(chip, step) : debugger_.step(chip, step);
+    if (stop.reason != Stop::Reason::step) break;
+  }
+  tell(debugger_.stop());
+}
+
+void Console::show_last_write(Words& words) {
+  const std::string place(words.next());
+  words.end();
+  if (place.empty()) throw DebugError("lastwrite: a place is expected");
+  const auto value = Expression(place, debuggee(), debugger_.programs(), chip_).value();
+  const auto writer = debugger_.last_write(chip_, value.address.value_or(static_cast<Address>(value.integer)));
+  print_(writer ? fmt::format("{}  {}", seconds(writer->time), writer->text) : fmt::format("nobody has written it since {}", seconds(debugger_.beginning())));
+}
+
+// ---- what there is to see ----
+
+void Console::choose_chip(Words& words) {
+  if (words.empty()) return show_stop();
+  const auto chip = words.count("chip");
+  words.end();
+  if (chip >= debugger_.programs().size()) throw DebugError(fmt::format("there is no chip {}; 0 to {} are there", chip, debugger_.programs().size() - 1));
+  chip_ = chip;
+  print_(fmt::format("{}: {}", debuggee().chip_name(chip_), debuggee().describe(chip_)));
+}
+
+void Console::show_chips(Words& words) {
+  words.end();
+  for (std::size_t n = 0; n < debugger_.programs().size(); ++n) {
+    const Address pc = debuggee().chip(n).pc();
+    print_(fmt::format("{} {}  {:08X}h {}  {}", n == chip_ ? "*" : " ", debuggee().chip_name(n), pc, debugger_.program(n).name(pc), debuggee().describe(n)));
+  }
+}
+
+void Console::print_value(Words& words) {
+  const std::string text = words.all();
+  print_(Expression(text, debuggee(), debugger_.programs(), chip_).value().text());
+}
+
+void Console::show_registers(Words& words) {
+  words.end();
+  const std::vector<ShownRegister> all = machine::debug::registers(debuggee().chip(chip_));
+  const std::vector<ShownRegister>& before = before_[chip_];
+  std::string line;
+  int column = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const bool changed = i < before.size() && before[i].hex != all[i].hex;
+    const bool wide = all[i].hex.size() > 9;
+    line += fmt::format("{}{:<4} {}{}", changed ? '*' : ' ', all[i].name, all[i].hex, wide ? fmt::format("  {:<16}", all[i].value) : "  ");
+    column += wide ? 2 : 1;
+    if (column >= 4) print_(line), line.clear(), column = 0;
+  }
+  if (!line.empty()) print_(line);
+}
+
+void Console::show_peripherals(Words& words) {
+  const std::string wanted(words.next());
+  words.end();
+  bool shown = false;
+  for (const ShownRegister& reg : machine::debug::peripherals(debuggee().chip(chip_))) {
+    const auto same = [](char a, char b) { return std::toupper(static_cast<unsigned char>(a)) == std::toupper(static_cast<unsigned char>(b)); };
+    if (!std::ranges::equal(wanted, std::string_view(reg.name).substr(0, wanted.size()), same)) continue;
+    std::string parts;
+    for (const auto& [name, value] : reg.parts)
+      if (value != "0") parts += fmt::format("  {}={}", name, value);
+    print_(fmt::format("{:<24} {:<10}{}", reg.name, reg.hex, parts));
+    shown = true;
+  }
+  if (!shown) throw DebugError(fmt::format("no peripheral register's name begins with {}", wanted));
+}
+
+void Console::show_memory(Words& words) {
+  const std::string place(words.next());
+  if (place.empty()) throw DebugError("x: a place is expected");
+  const std::uint64_t count = std::min<std::uint64_t>(words.empty() ? 8 : words.count("words"), 4096);
+  words.end();
+  const auto value = Expression(place, debuggee(), debugger_.programs(), chip_).value();
+  const Address first = value.address.value_or(static_cast<Address>(value.integer));
+  for (Address at = 0; at < count; at += 8) {
+    std::string line = fmt::format("{:08X}h", first + at);
+    for (Address i = at; i < std::min<std::uint64_t>(at + 8, count); ++i) {
+      const auto word = debuggee().peek(chip_, first + i);
+      line += word ? fmt::format(" {:08X}", *word) : " --------";
+    }
+    print_(line);
+  }
+}
+
+void Console::show_code(Words& words) {
+  const std::string place(words.next());
+  words.end();
+  const ProgramView& program = debugger_.program(chip_);
+  const Address pc = debuggee().chip(chip_).pc();
+  const Address middle = place.empty() ? pc : machine::debug::places_named(program, place).front();
+  const auto spent = debugger_.recent_costs(chip_);
+  constexpr Address around = 6;
+  print_(fmt::format("   {:<10} {:<24} cycles of its last run in the last 200 us", "", ""));
+  std::string routine;
+  for (Address at = middle - std::min(middle, around); at <= middle + around; ++at) {
+    const auto word = debuggee().peek(chip_, at);
+    if (!word) continue;
+    if (const auto in = program.routine(at); in && in->second == at) print_(in->first + ":");
+    const auto cost = spent.find(at);
+    std::string text = program.instruction(at, *word);
+    std::ranges::replace(text, '\n', ' ');
+    std::ranges::replace(text, '\t', ' ');
+    print_(fmt::format("{} {:08X}h {:<60} {}", at == pc ? "=>" : "  ", at, trimmed(text), cost == spent.end() ? "" : costs(cost->second)));
+  }
+}
+
+void Console::show_stack(Words& words) {
+  words.end();
+  const ProgramView& program = debugger_.program(chip_);
+  int n = 0;
+  for (const Frame& frame : machine::debug::call_stack(debuggee(), chip_, program)) {
+    const auto source = program.source(frame.pc);
+    print_(fmt::format("{:>2} {:08X}h {}{}", n++, frame.pc, program.name(frame.pc), source ? fmt::format(" ({}:{})", source->file, source->line) : ""));
+  }
+}
+
+void Console::show_page(Words& words) {
+  const std::string name(words.next());
+  words.end();
+  std::string text = debuggee().page(name);
+  if (text.ends_with('\n')) text.pop_back();
+  print_(text);
+}
+
+void Console::show_happenings(Words& words) {
+  words.end();
+  for (const auto& [kind, what] : debuggee().happenings()) print_(fmt::format("  {:<16} {}", kind, what));
+  print_("  any              each of them, but for what happens all the time");
+}
+
+void Console::show_history(Words& words) {
+  words.end();
+  const auto info = debugger_.history();
+  print_(fmt::format("{} snapshots from {} to {}, {:.1f} MB; {} changes by hand", info.snapshots, seconds(info.first), seconds(info.last), static_cast<double>(info.bytes) * 1e-6, debugger_.changes()));
+}
+
+void Console::set(Words& words) {
+  const std::string text = words.all();
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0) throw DebugError("set: PLACE = EXPRESSION or REGISTER = EXPRESSION is expected");
+  const std::string target(trimmed(std::string_view(text).substr(0, equals))), value(trimmed(std::string_view(text).substr(equals + 1)));
+  if (isa::register_named(target) || isa::expansion_named(target) || target == "pc" || target == "PC") return debugger_.set_register(chip_, target, value);
+  const auto place = Expression(target, debuggee(), debugger_.programs(), chip_).value();
+  const auto number = Expression(value, debuggee(), debugger_.programs(), chip_).value();
+  if (number.is_float) throw DebugError(fmt::format("{} is a float; a word takes whole numbers", value));
+  debugger_.set_word(chip_, place.address.value_or(static_cast<Address>(place.integer)), static_cast<Word>(number.integer));
+}
+
+void Console::assert_that(Words& words) {
+  const std::string text = words.all();
+  if (Expression(text, debuggee(), debugger_.programs(), chip_).value().truth()) return;
+  print_(fmt::format("assertion failed: {} at {}", text, seconds(debugger_.now())));
+  status_ = 1;
+}
+
+void Console::read_script(Words& words) { script(words.all()); }
+
+void Console::help(Words& words) {
+  words.end();
+  for (const Row& row : rows()) {
+    std::string names(row.names.front());
+    for (std::size_t i = 1; i < row.names.size(); ++i) names += fmt::format(", {}", row.names[i]);
+    print_(fmt::format("{:<14} {}\n{:<14} {}", names, row.arguments, "", row.purpose));
+  }
+  print_("An empty line does the last step again. Ctrl-C ends a command under way. docs/debugger.md says more.");
+}
+
+std::vector<std::string> Console::completions(std::string_view line) const {
+  const std::size_t begin = line.find_last_of(" \t([+-*/&|^=<>!~,");
+  const std::string_view word = line.substr(begin == std::string_view::npos ? 0 : begin + 1);
+  std::set<std::string> found;
+  const auto offer = [&](std::string_view candidate) {
+    if (candidate.starts_with(word)) found.emplace(candidate);
+  };
+  if (begin == std::string_view::npos) {
+    for (const Row& row : rows()) offer(row.names.front());
+    return {found.begin(), found.end()};
+  }
+  for (const auto& [name, value] : debugger_.program(chip_).image().symbols) offer(name);
+  for (const auto& [kind, what] : debugger_.debuggee().happenings()) offer(kind);
+  for (const std::string& name : debugger_.debuggee().value_names()) offer(name);
+  for (const std::string& name : debugger_.debuggee().page_names()) offer(name);
+  for (const ShownRegister& reg : machine::debug::registers(debugger_.debuggee().chip(chip_))) {
+    std::string lower = reg.name;
+    for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    offer(lower);
+  }
+  return {found.begin(), found.end()};
+}
+
+}  // namespace debugger
