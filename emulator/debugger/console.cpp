@@ -111,12 +111,16 @@ const std::vector<Console::Row>& Console::rows() {
       {{"step", "s"}, "[COUNT]", "to another source line", step(Step::line, false)},
       {{"next", "n"}, "[COUNT]", "to another source line; a call and all it does is one", step(Step::next_line, false)},
       {{"out", "finish"}, "", "to behind the call of this routine", step(Step::out, false)},
+      {{"block"}, "[COUNT]", "to this DSP's next claim of a task block", step(Step::claim, false)},
+      {{"refresh"}, "[COUNT]", "to the host's next refresh of the list", step(Step::refresh, false)},
       {{"event"}, "", "to the next thing that happens", step(Step::happening, false)},
       {{"rstepi", "rsi"}, "[COUNT]", "one instruction back", step(Step::instruction, true)},
       {{"rnexti", "rni"}, "[COUNT]", "one instruction back, over calls", step(Step::over, true)},
       {{"rstep", "rs"}, "[COUNT]", "one source line back", step(Step::line, true)},
       {{"rnext", "rn"}, "[COUNT]", "one source line back, over calls", step(Step::next_line, true)},
       {{"rout"}, "", "back to the call of this routine", step(Step::out, true)},
+      {{"rblock"}, "[COUNT]", "back to this DSP's last claim of a task block", step(Step::claim, true)},
+      {{"rrefresh"}, "[COUNT]", "back to the host's last refresh of the list", step(Step::refresh, true)},
       {{"revent"}, "", "back to the last thing that happened", step(Step::happening, true)},
       {{"lastwrite", "who"}, "PLACE", "who wrote a word last", [](Console& c, Words& w) { c.show_last_write(w); }},
       {{"chip", "dsp"}, "[NUMBER]", "whose registers and code are shown", [](Console& c, Words& w) { c.choose_chip(w); }},
@@ -313,7 +317,7 @@ void Console::show_stops(Words& words) {
 
 void Console::tell(const Stop& stop) {
   if (stop.chip) chip_ = *stop.chip;
-  if (debugger_.triggers().empty() || stop.reason != Stop::Reason::moved) now_.swap(before_);
+  now_.swap(before_);
   now_.clear();
   for (std::size_t n = 0; n < debugger_.programs().size(); ++n) now_[n] = machine::debug::registers(debuggee().chip(n));
   show_stop();

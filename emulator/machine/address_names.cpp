@@ -99,6 +99,13 @@ std::optional<std::string> AddressNames::name(Address address) const {
   return address == from ? start : fmt::format("{}+0x{:X}", start, address - from);
 }
 
+std::optional<Address> AddressNames::address(std::string_view label) const {
+  for (const auto& [base, region] : regions_)
+    for (const auto& [at, name] : region.labels)
+      if (!name.empty() && name == label) return at;
+  return std::nullopt;
+}
+
 std::string AddressNames::text(Address address) const {
   return name(address).value_or(fmt::format("{:08X}", address));
 }

@@ -3,6 +3,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "toolchain/image.hpp"
 
@@ -22,6 +23,9 @@ class AddressNames {
 
   /// "kernel_pid", "kernel_pid+0x1A", "AG1.AG_POINT+0x2"; none where nothing has a name.
   std::optional<std::string> name(Address address) const;
+
+  /// The address of a label, by the text that name() gives it; none: there is no such label.
+  std::optional<Address> address(std::string_view label) const;
 
   /// As name(), else eight hexadecimal digits.
   std::string text(Address address) const;

@@ -15,8 +15,10 @@
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/ctrl_c.hpp"
+#include "python/bindings/debug.hpp"
 #include "toolchain/assembler.hpp"
 #include "machine/board_file.hpp"
+#include "machine/debug/chip_debuggee.hpp"
 #include "machine/network.hpp"
 #include "state/archive.hpp"
 #include "state/file.hpp"
@@ -253,6 +255,15 @@ void bind_processor(py::module_& m) {
       .def("load_image", &Processor::load_image, "Loads the sections of an image and sets the PC to its entry.")
       .def("save", [](const Processor& p, const toolchain::Image* program) {
         return py::bytes(state::seal("processor", p.configuration(program), state::save_with_tables(p.chip)));
+      }, py::arg("program"))
+      .def("debug", [](const py::object& self, const toolchain::Image& program) {
+        struct Owner {
+          py::object processor;
+          toolchain::Image program;
+        };
+        auto owner = std::make_shared<Owner>(self, program);
+        auto debuggee = std::make_unique<machine::debug::ChipDebuggee>(self.cast<Processor&>().chip, owner->program);
+        return std::make_unique<PythonDebugger>(std::move(owner), std::move(debuggee));
       }, py::arg("program"))
       .def("load", [](Processor& p, const std::string& sealed, const toolchain::Image* program) {
         state::load_or_leave(p.chip, state::opened(sealed, "processor", p.configuration(program)).text);

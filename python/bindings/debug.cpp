@@ -30,9 +30,9 @@ py::dict dict_of(const Stop& stop) {
 
 Step step_named(const std::string& name) {
   for (const auto& [text, step] : {std::pair{"instruction", Step::instruction}, std::pair{"over", Step::over}, std::pair{"line", Step::line}, std::pair{"next_line", Step::next_line},
-                                   std::pair{"out", Step::out}, std::pair{"happening", Step::happening}})
+                                   std::pair{"out", Step::out}, std::pair{"claim", Step::claim}, std::pair{"refresh", Step::refresh}, std::pair{"happening", Step::happening}})
     if (name == text) return step;
-  throw py::value_error("step: " + name + " is none; instruction, over, line, next_line, out or happening is expected");
+  throw py::value_error("step: " + name + " is none; instruction, over, line, next_line, out, claim, refresh or happening is expected");
 }
 
 Trigger trigger_of(const py::dict& given) {

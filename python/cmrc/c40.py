@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from typing import Any, overload
 
 from cmrc import _core, arguments, snapshots
+from cmrc.debug import Debugger
 from cmrc.floats import extended_to_float, float_to_extended, float_to_single, single_to_float
 from cmrc.snapshots import ChipSnapshot, SnapshotError
 
@@ -393,6 +394,15 @@ class Processor(ChipState):
         other = Processor(self.program, board=self._board)
         other.restore(self.snapshot())
         return other
+
+    def debug(self) -> Debugger:
+        """A debugger, forwards and backwards from here on (docs/debugger.md). Time is that of a chip at 40 MHz, 50 ns a cycle.
+
+        Where the processor needs an answer (a window, a port) the debugger says ``over``; after ``complete_read`` or ``complete_write`` it goes on.
+        """
+        if self.program is None:
+            raise ValueError("no program: load one first")
+        return Debugger(self._core.debug(self.program))
 
     def reset(self) -> None:
         """Registers to 0, a fault forgotten; memory and counters are kept."""

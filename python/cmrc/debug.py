@@ -195,7 +195,8 @@ class Debugger:
             yield stop
 
     def step(self, how: str = "instruction", *, chip: int | None = None) -> Stop:
-        """One step of a chip, by default that of the last stop: ``instruction``, ``over`` a call, ``line``, ``next_line``, ``out`` of the routine, or to the next ``happening``."""
+        """One step of a chip, by default that of the last stop: ``instruction``, ``over`` a call, ``line``, ``next_line``, ``out`` of the routine,
+        to its next ``claim`` of a task block, the next ``refresh`` of the list, or the next ``happening`` of any kind."""
         return _stop(self._d.step(self._chip(chip), how))
 
     def back(self) -> Stop:

@@ -71,6 +71,8 @@ class Debuggee {
   virtual Time now() const = 0;
   /// Why nothing more will happen; none: it goes on.
   virtual std::optional<std::string> over() const = 0;
+  /// Somebody may have answered what it waited for.
+  virtual void look_again() {}
   /// Everything before `time` happens, and nothing else. Less when it is over, or io::stop_asked().
   virtual void run_until(Time time) = 0;
   /// A good length to run between two looks at what has been hit.

@@ -273,7 +273,11 @@ const Stop& Debugger::report(std::vector<Hit> hits) {
         if (kind == Trigger::Kind::happening && trigger->second.name == "fault") reason = Stop::Reason::fault;
       }
     }
-    if (hit.text.empty() || hit.trigger == temporary) continue;
+    if (hit.text.empty()) continue;
+    if (hit.trigger == temporary) {
+      if (trigger != triggers_.end() && trigger->second.kind == Trigger::Kind::happening) text += hit.text;
+      continue;
+    }
     text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", hit.trigger, hit.text);
   }
   for (const Hit& hit : hits)
@@ -284,8 +288,17 @@ const Stop& Debugger::report(std::vector<Hit> hits) {
 
 const Stop& Debugger::go_on(Time until, const Manner& manner) {
   interrupted_ = false;
+  debuggee_.look_again();
   if (const auto why = debuggee_.over()) return stopped(Stop::Reason::over, {}, *why);
-  std::vector<Hit> hits = search(until, manner);
+  std::vector<Hit> hits;
+  try {
+    hits = search(until, manner);
+  } catch (const DebugError&) {
+    ear_->close();
+    triggers_.erase(temporary);
+    stopped(Stop::Reason::paused, {}, fmt::format("paused at {}", seconds(now())));
+    throw;
+  }
   if (!hits.empty()) {
     const Time at = hits.front().time;
     move_to(at);
@@ -312,12 +325,20 @@ const Stop& Debugger::step(std::size_t chip, Step step) {
       const Frame& caller = frames[1];
       return run_to_code(chip, caller.returns_to, caller.at ? fmt::format("u(sp) == {}", *caller.at - 1) : "");
     }
+    case Step::claim:
+    case Step::refresh:
     case Step::happening: break;
   }
-  Trigger any{.kind = Trigger::Kind::happening, .name = "any", .once = true};
-  check(any);
-  triggers_.insert_or_assign(temporary, any);
+  triggers_.insert_or_assign(temporary, happening_of(chip, step));
   return go_on(never, {});
+}
+
+/// What ends a step that is no instruction's.
+Trigger Debugger::happening_of(std::size_t chip, Step step) {
+  Trigger trigger{.kind = Trigger::Kind::happening, .name = step == Step::claim ? "claim" : step == Step::refresh ? "refresh" : "any", .once = true};
+  if (step == Step::claim) trigger.chip = chip;
+  check(trigger);
+  return trigger;
 }
 
 const Stop& Debugger::run_to_code(std::size_t chip, Address address, std::string condition) {
@@ -481,10 +502,10 @@ const Stop& Debugger::step_back(std::size_t chip, Step step) {
       to = instruction_before(chip, from, [&](const auto& i) { return i.pc == frames[1].pc && (!frames[1].at || i.sp == *frames[1].at - 1); });
       break;
     }
+    case Step::claim:
+    case Step::refresh:
     case Step::happening: {
-      Trigger any{.kind = Trigger::Kind::happening, .name = "any"};
-      check(any);
-      const auto kept = std::exchange(triggers_, {{temporary, any}});
+      const auto kept = std::exchange(triggers_, {{temporary, happening_of(chip, step)}});
       std::vector<Hit> hits = last_hits(beginning(), from);
       const std::string text = hits.empty() ? "" : hits.front().text;
       const auto who = hits.empty() ? std::nullopt : hits.front().chip;

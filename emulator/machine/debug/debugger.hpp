@@ -77,6 +77,8 @@ enum class Step : std::uint8_t {
   line,   ///< to another source line, into calls
   next_line,  ///< to another source line, calls counted as one
   out,    ///< to behind the call of the routine that runs
+  claim,      ///< to the chip's next claim of a task block
+  refresh,    ///< to the host's next refresh of the list
   happening,  ///< the next one of any kind
 };
 
@@ -173,6 +175,7 @@ class Debugger {
   const Stop& step_lines(std::size_t chip, bool over_calls);
   const Stop& step_over(std::size_t chip);
   const Stop& run_to_code(std::size_t chip, Address address, std::string condition);
+  Trigger happening_of(std::size_t chip, Step step);
   template <class Fits>
   std::optional<Time> instruction_before(std::size_t chip, Time time, Fits fits);
   void look_at_past(std::size_t chip, Time from, Time to);

@@ -131,7 +131,12 @@ void Debugger::Ear::add(unsigned number, const Trigger& trigger, Hit hit) {
   hit.open = trigger.log.find('{') != std::string::npos;
   if (!trigger.condition.empty()) {
     // What is of this chip alone can be told at once; for the rest all chips have to stand at this instant.
-    const std::optional<Value> met = hit.chip ? condition_of(number, trigger, *hit.chip).own_value() : std::nullopt;
+    std::optional<Value> met;
+    try {
+      if (hit.chip) met = condition_of(number, trigger, *hit.chip).own_value();
+    } catch (const DebugError&) {
+      // Told where the machine stands there.
+    }
     if (met && !met->truth()) return;
     hit.open = hit.open || !met;
   }

@@ -290,8 +290,9 @@ class Parser {
     else if (lower == "cycle") node->value = [&chip] { return of(chip.cycle()); };
     else if (lower == "instructions") node->value = [&chip] { return of(static_cast<std::int64_t>(chip.instructions())); };
     else if (lower == "time_s") node->is_private = false, node->value = [&d = debuggee_] { return of_float(static_cast<double>(d.now().count()) * 1e-12); };
-    else if (const auto label = programs_.at(n).image().symbols.find(name); label != programs_.at(n).image().symbols.end()) {
-      node->value = [word = label->second] {
+    else if (const auto cause = cause_named(lower)) node->value = [&chip, i = *cause] { return of(chip.causes()[i]); };
+    else if (const auto label = programs_.at(n).address(name)) {
+      node->value = [word = *label] {
         Value value = of(word);
         value.address = word;
         return value;
@@ -306,6 +307,13 @@ class Parser {
       return nullptr;
     }
     return node;
+  }
+
+  /// "cause.bus_transfer": the cycles that the chip has spent so.
+  static std::optional<std::size_t> cause_named(std::string_view name) {
+    for (std::size_t i = 0; i < c40::cause_count; ++i)
+      if (name.starts_with("cause.") && name.substr(6) == c40::name(static_cast<c40::Cause>(i))) return i;
+    return std::nullopt;
   }
 
   static std::optional<Address> peripheral_named(const std::string& name) {

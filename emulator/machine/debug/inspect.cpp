@@ -92,6 +92,12 @@ std::string ProgramView::file_text(std::string_view file) const {
   return text;
 }
 
+std::optional<Address> ProgramView::address(std::string_view label) const {
+  if (const auto at = names_.address(label)) return at;
+  const auto symbol = image_.symbols.find(label);
+  return symbol == image_.symbols.end() ? std::nullopt : std::optional<Address>(symbol->second);
+}
+
 std::optional<std::pair<std::string, Address>> ProgramView::routine(Address address) const {
   auto found = routines_.upper_bound(address);
   if (found == routines_.begin() || !in_code(image_, address)) return std::nullopt;
@@ -126,7 +132,8 @@ std::vector<Address> places_named(const ProgramView& program, std::string_view t
     throw DebugError(fmt::format("\"{}\": no instruction stands in that line or after it; files with lines: {}", text, files.empty() ? "none" : files));
   }
   const std::size_t sign = text.find('+');
-  const auto base = toolchain::find_address(text.substr(0, sign), &program.image());
+  auto base = program.address(text.substr(0, sign));
+  if (!base) base = toolchain::find_address(text.substr(0, sign), nullptr);
   const auto offset = sign == std::string_view::npos ? std::optional<Address>(0) : toolchain::find_address(text.substr(sign + 1), nullptr);
   if (!base || !offset)
     throw DebugError(fmt::format("\"{}\" is no place: a label, a label + a number, an address (300000h, 0x300000) or FILE:LINE is expected", text));

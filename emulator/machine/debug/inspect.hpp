@@ -32,6 +32,8 @@ class ProgramView {
   std::string file_text(std::string_view file) const;
   /// "kernel_pid+0x1A"
   std::string name(Address address) const { return names_.text(address); }
+  /// Of a label, or of what the program calls a word of its surroundings; else the value of a symbol.
+  std::optional<Address> address(std::string_view label) const;
   /// The label that a routine begins with, at or before the address; with its address.
   std::optional<std::pair<std::string, Address>> routine(Address address) const;
   /// As source has it, else disassembled.

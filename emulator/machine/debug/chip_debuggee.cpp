@@ -1,0 +1,69 @@
+#include "machine/debug/chip_debuggee.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "c40/float40.hpp"
+#include "machine/asleep.hpp"
+#include "machine/chip_stop.hpp"
+#include "machine/program_end.hpp"
+#include "state/archive.hpp"
+
+namespace machine::debug {
+
+ChipDebuggee::ChipDebuggee(c40::Chip& chip, const toolchain::Image& program) : chip_(chip), program_(program), now_(chip.cycle() * period) {}
+
+void ChipDebuggee::set_trace(std::size_t, c40::TraceSink* sink) {
+  if (sink == nullptr) return chip_.set_trace(before_);
+  before_ = chip_.trace();
+  chip_.set_trace(sink);
+}
+
+void ChipDebuggee::run_until(Time time) {
+  const c40::Cycles limit = (time + period - Time{1}) / period;
+  while (!over_ && chip_.cycle() < limit) {
+    const c40::StopInfo stop = chip_.run_until(limit);
+    if (meaning(stop.reason) == StopMeaning::breakpoint || meaning(stop.reason) == StopMeaning::asks_anew) continue;
+    over_ = end_of(stop);
+  }
+  now_ = over_ ? std::max(now_, std::min(time, chip_.cycle() * period)) : std::max(now_, time);
+}
+
+std::optional<std::string> ChipDebuggee::end_of(const c40::StopInfo& stop) const {
+  switch (meaning(stop.reason)) {
+    case StopMeaning::window_access:
+      return fmt::format("a {} of the window at {:08X}h waits for its answer", stop.access.write ? "write" : "read", stop.access.address);
+    case StopMeaning::port_access:
+    case StopMeaning::port_wait: return fmt::format("{} waits", c40::describe(stop.port));
+    case StopMeaning::fault: return fault_of(chip_, stop).message;
+    default: break;
+  }
+  if (sleeps_for_ever(chip_)) return fmt::format("IDLE before {:08X}h, and no interrupt is to come", chip_.pc());
+  const bool interrupts = (chip_.register_value(isa::Register::ST) & c40::st::GIE) != 0;
+  try {
+    if (!interrupts && !chip_.dma_active() && program_end(chip_.peek(chip_.pc()), chip_.pc()) == ProgramEnd::halt) return fmt::format("branches to itself at {:08X}h", chip_.pc());
+  } catch (const std::out_of_range&) {
+    // The next fetch will say so.
+  }
+  return std::nullopt;
+}
+
+std::string ChipDebuggee::save() { return state::save(chip_); }
+
+void ChipDebuggee::load(std::string_view state) {
+  state::load(chip_, state);
+  over_.reset();
+  now_ = chip_.cycle() * period;
+}
+
+std::optional<Word> ChipDebuggee::peek(std::size_t, Address address) {
+  try {
+    return chip_.peek(address);
+  } catch (const std::out_of_range&) {
+    return std::nullopt;
+  }
+}
+
+}  // namespace machine::debug

@@ -1,0 +1,40 @@
+#pragma once
+/// One chip with nothing around it, in a debugger. Where it needs an answer from outside, it is over until that has come.
+#include "machine/debug/debuggee.hpp"
+
+namespace machine::debug {
+
+class ChipDebuggee final : public Debuggee {
+ public:
+  /// Both must outlive it.
+  ChipDebuggee(c40::Chip& chip, const toolchain::Image& program);
+
+  std::size_t chips() const override { return 1; }
+  std::string chip_name(std::size_t) const override { return "chip"; }
+  c40::Chip& chip(std::size_t) override { return chip_; }
+  const toolchain::Image& program(std::size_t) const override { return program_; }
+  Time time_of(std::size_t, c40::Cycles cycle) const override { return cycle * period; }
+  std::string describe(std::size_t) override { return over_.value_or("running"); }
+  void set_trace(std::size_t, c40::TraceSink* sink) override;
+  Time now() const override { return now_; }
+  std::optional<std::string> over() const override { return over_; }
+  void look_again() override { over_.reset(); }
+  void run_until(Time time) override;
+  Time slice() const override { return std::chrono::milliseconds{1}; }
+  std::string save() override;
+  void load(std::string_view state) override;
+  std::optional<Word> peek(std::size_t, Address address) override;
+  void poke(std::size_t, Address address, Word value) override { chip_.poke(address, value); }
+
+ private:
+  static constexpr Time period = std::chrono::nanoseconds{50};  ///< of an instruction cycle at 40 MHz
+  std::optional<std::string> end_of(const c40::StopInfo& stop) const;
+
+  c40::Chip& chip_;
+  const toolchain::Image& program_;
+  Time now_;
+  std::optional<std::string> over_;
+  c40::TraceSink* before_ = nullptr;
+};
+
+}  // namespace machine::debug
