@@ -112,6 +112,7 @@ class Engine {
   Stepped run_exactly(Cycles limit);
   bool quick_step();
   Stepped traced_step(Step& step);
+  Stepped probed_step(Step& step, bool fresh);
   Stepped untraced_step(Step& step, bool fresh);
   bool find_code(Address pc);
   bool caching() const;

@@ -47,11 +47,14 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
   Core& core = state_.core;
   BlockRecording recording(k, pipelines_);
   Step step;
-  while (!recording.closed()) {
+  while (!recording.closed()) {  // slots cannot be left to a block of their own
     const std::size_t n = recording.size();
     if (n != 0 && state_.cycle >= limit) return;
     if (recording.full() && core.delay_slots == 0) break;
-    if (n != 0 && ends_blocks(core.pc)) break;
+    if (n != 0 && ends_blocks(core.pc)) {
+      if (core.delay_slots != 0) return;
+      break;
+    }
     Step look;
     const bool known = fetch(look);
     const bool cached = caching();
@@ -63,7 +66,6 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
         return;
       }
       fault_.reset();
-      // Slots cannot be left to a block of their own.
       if (core.delay_slots != 0) return;
       break;
     }

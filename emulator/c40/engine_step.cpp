@@ -210,7 +210,18 @@ void Engine::advance_pc(Address pc) {
 
 // `fresh`: every access is looked up, and seen.
 Engine::Stepped Engine::exact_step(Step& step, bool fresh) {
-  return trace == nullptr ? untraced_step(step, fresh) : traced_step(step);
+  if (trace != nullptr) return traced_step(step);
+  return probe_.on_data() ? probed_step(step, fresh) : untraced_step(step, fresh);
+}
+
+// Accesses are told with the cycle in which the next instruction begins: what the DMA holds up is known before.
+Engine::Stepped Engine::probed_step(Step& step, bool fresh) {
+  const Address pc = state_.core.pc;
+  const Stepped why = untraced_step(step, fresh);
+  if (why != Stepped::done || !probe_.has_noted()) return why;
+  if (dma_effect_ == DmaEffect::under_way) dma_side_.stop = run_dma(run_limit_, false);
+  probe_.tell_noted(pc, state_.cycle);
+  return why;
 }
 
 Engine::Stepped Engine::traced_step(Step& step) {
@@ -224,6 +235,7 @@ Engine::Stepped Engine::traced_step(Step& step) {
   step.timing = &timing;
   if (dma_effect_ == DmaEffect::under_way)
     dma_side_.stop = run_dma(run_limit_, false);  // so that what it holds up stands in the record
+  probe_.tell_noted(before.pc, state_.cycle);
   emit_trace(step, before, cycle, causes);
   return why;
 }
@@ -276,7 +288,6 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   if (dma_effect_ == DmaEffect::under_way) [[unlikely]]
     dma_side_.note_accesses(annul ? Demand{} : site.demand, *step.timing, before);
   if (bound.flow != Flow::straight || bound.writes_status) cache_.note_control(state_.cycle - 1 - step.timing->branch);
-  if (probe_.on_data()) [[unlikely]] probe_.tell_noted(pc, state_.cycle);
   advance_pc(pc);
   return Stepped::done;
 }

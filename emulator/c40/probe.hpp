@@ -74,6 +74,7 @@ class ProbePoint {
   void note(const ProbedAccess& access) {
     if (sees(access.address)) noted_.push_back(access);
   }
+  bool has_noted() const { return !noted_.empty(); }
   /// The instruction is through.
   void tell_noted(Address pc, Cycles cycle) {
     for (ProbedAccess& access : noted_) {

@@ -263,7 +263,7 @@ void bind_processor(py::module_& m) {
         };
         auto owner = std::make_shared<Owner>(self, program);
         auto debuggee = std::make_unique<machine::debug::ChipDebuggee>(self.cast<Processor&>().chip, owner->program);
-        return std::make_unique<PythonDebugger>(std::move(owner), std::move(debuggee));
+        return std::make_unique<PythonDebugger>(std::move(owner), std::move(debuggee), true);
       }, py::arg("program"))
       .def("load", [](Processor& p, const std::string& sealed, const toolchain::Image* program) {
         state::load_or_leave(p.chip, state::opened(sealed, "processor", p.configuration(program)).text);

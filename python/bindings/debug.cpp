@@ -7,7 +7,6 @@
 #include <string>
 
 #include "machine/debug/expression.hpp"
-#include "python/bindings/ctrl_c.hpp"
 
 namespace {
 
@@ -52,10 +51,9 @@ Trigger trigger_of(const py::dict& given) {
   return trigger;
 }
 
-/// Long work, without the GIL; Ctrl-C ends it between two slices.
 template <class Work>
 py::dict stop_of(PythonDebugger& debugger, Work work) {
-  interruptible_without_gil([&] { work(debugger.get()); });
+  debugger.long_work([&] { work(debugger.get()); });
   return dict_of(debugger.get().stop());
 }
 
@@ -92,7 +90,7 @@ void bind_debug(py::module_& core) {
       .def("go_to", [](PythonDebugger& d, std::int64_t time) { return stop_of(d, [&](Debugger& x) { x.go_to(Time{time}); }); }, py::arg("time"))
       .def("last_write", [](PythonDebugger& d, std::size_t chip, c40::Address address) -> py::object {
         std::optional<machine::debug::Writer> writer;
-        interruptible_without_gil([&] { writer = d.get().last_write(chip, address); });
+        d.long_work([&] { writer = d.get().last_write(chip, address); });
         if (!writer) return py::none();
         return py::dict(py::arg("time_ps") = writer->time.count(), py::arg("chip") = writer->chip, py::arg("pc") = writer->pc, py::arg("before") = writer->before, py::arg("value") = writer->value, py::arg("text") = writer->text);
       }, py::arg("chip"), py::arg("address"))

@@ -15,6 +15,7 @@
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/ctrl_c.hpp"
 #include "python/bindings/debug.hpp"
+#include "python/bindings/state.hpp"
 #include "state/archive.hpp"
 #include "state/file.hpp"
 
@@ -110,8 +111,9 @@ void bind_network(py::module_& core) {
       .def_property_readonly("hertz", [](const ChipOf& c) { return c.network->clock(c.number).hertz(); });
   bind_inspection(chip, [](const ChipOf& c) -> c40::Chip& { return c.network->chip(c.number); });
 
-  py::class_<machine::Network, std::shared_ptr<machine::Network>>(m, "Network")
-      .def(py::init(&make), py::arg("chips"), py::arg("links"), py::arg("topology"), py::arg("memories"), py::arg("nets"), py::arg("turn_order"))
+  py::class_<machine::Network, std::shared_ptr<machine::Network>> network_class(m, "Network");
+  bind_state<machine::Network>(network_class);
+  network_class.def(py::init(&make), py::arg("chips"), py::arg("links"), py::arg("topology"), py::arg("memories"), py::arg("nets"), py::arg("turn_order"))
       .def(py::init(&from_file), py::arg("path"), py::arg("program"), py::arg("turn_order"), "From a file; `program` reads one by its path.")
       .def("program", [](const machine::Network& network, std::size_t n) { return network.program(n); })
       .def("save", [](const machine::Network& network) { return py::bytes(state::seal("network", network.configuration(), state::save_with_tables(network))); })

@@ -35,6 +35,12 @@ std::uint64_t float_bits(double value) {
   return c40::float40::bits(c40::float40::pack(exponent, mantissa));
 }
 
+/// Without a step's breakpoint, of which nothing can be under way.
+std::map<unsigned, Trigger> lasting(std::map<unsigned, Trigger> triggers) {
+  if (const auto step = triggers.find(temporary); step != triggers.end() && step->second.kind == Trigger::Kind::code) triggers.erase(step);
+  return triggers;
+}
+
 std::string seconds(Time time) { return fmt::format("{:.12g} s", static_cast<double>(time.count()) * 1e-12); }
 
 }  // namespace
@@ -166,8 +172,38 @@ void Debugger::load_before(Time time) {
 
 void Debugger::move_to(Time time) {
   ear_->close();
+  heard_at_.reset();
   if (time < now()) load_before(time);
   run_to(time);
+}
+
+/// The same, with what is met later than that, and has been done by then, kept for the next search.
+void Debugger::move_and_listen(Time time, const Manner& manner) {
+  ear_->close();
+  if (time < now()) {
+    load_before(time);
+    ear_->arm(triggers_, manner.steps);
+    ear_->listen(time);
+    run_to(time);
+  }
+  heard_at_ = now();
+  heard_for_ = lasting(triggers_);
+}
+
+/// Before a search: what ends after now, and has been done.
+void Debugger::hear_what_is_under_way(const Manner& manner) {
+  const auto same = [](const auto& a, const auto& b) { return a.first == b.first && a.second.same_as(b.second); };
+  if (heard_at_ == now() && std::ranges::equal(heard_for_, lasting(triggers_), same)) {
+    ear_->rearm(triggers_, manner.steps);
+    return;
+  }
+  const bool needed = std::ranges::any_of(triggers_, [](const auto& entry) { return entry.second.enabled && entry.second.kind != Trigger::Kind::code; });
+  const Time here = now();
+  if (needed && here > beginning()) load_before(here - Time{1});
+  ear_->arm(triggers_, manner.steps);
+  ear_->listen(here);
+  run_to(here);
+  ear_->stepped.reset();
 }
 
 const Stop& Debugger::go_to(Time time) {
@@ -205,9 +241,7 @@ bool Debugger::holds(const Hit& hit) { return !hit.open || ear_->holds(hit); }
 /// All hits at the earliest instant after now at which any of them counts; none: there is none before `until`, nothing more happens,
 /// or it was asked to stop. The machine then stands at that instant or later.
 std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
-  ear_->arm(triggers_, manner.steps);
-  ear_->keeps_instructions = false;
-  ear_->listen(now());
+  hear_what_is_under_way(manner);
   constexpr int small_steps = 256;
   Time slice = manner.steps ? microseconds{10} : debuggee_.slice();
   for (int turn = 0;; ++turn) {
@@ -226,15 +260,17 @@ std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
     if (values) target = std::min(target, (now() / debuggee_.value_period() + 1) * debuggee_.value_period());
     run_to(std::min(target, until));
     if (values) ear_->look_at_values(now());
-    while (!ear_->hits.empty() || ear_->stepped) {
+    while (!ear_->hits.empty() || ear_->stepped) {  // none of them later than `until`
       const auto first = [this] {
         Time earliest = ear_->stepped.value_or(never);
         for (const Hit& hit : ear_->hits) earliest = std::min(earliest, hit.time);
         return earliest;
       };
       Time at = first();
-      // What is told late may yet come before.
-      if (ear_->hears_late() && now() < at + debuggee_.delay()) run_to(at + debuggee_.delay()), at = first();
+      if (at > until) break;
+      // Other chips may yet be met before; and some things are told late.
+      const Time known = at + (ear_->hears_late() ? debuggee_.delay() : Time{0});
+      if (now() < known) run_to(known), at = first();
       std::vector<Hit> here;
       std::erase_if(ear_->hits, [&](const Hit& hit) {
         if (hit.time == at) here.push_back(hit);
@@ -243,7 +279,7 @@ std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
       const bool step_ends = ear_->stepped == at;
       const bool open = std::ranges::any_of(here, &Hit::open);
       if (open) {
-        move_to(at);
+        move_and_listen(at, manner);
         std::erase_if(here, [this](const Hit& hit) { return !holds(hit); });
       }
       std::erase_if(here, [this](const Hit& hit) { return !counts(hit); });
@@ -252,7 +288,6 @@ std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
         ear_->close();
         return here;
       }
-      if (open) ear_->listen(now());
     }
   }
 }
@@ -301,7 +336,7 @@ const Stop& Debugger::go_on(Time until, const Manner& manner) {
   }
   if (!hits.empty()) {
     const Time at = hits.front().time;
-    move_to(at);
+    move_and_listen(at, manner);
     if (now() == at) return report(std::move(hits));
   }
   triggers_.erase(temporary);

@@ -48,6 +48,12 @@ struct Trigger {
   bool once = false;        ///< removed when it has stopped the machine
   std::string text{};         ///< as the user said it
 
+  /// It stops at the same, whatever has been counted.
+  bool same_as(const Trigger& other) const {
+    return kind == other.kind && chip == other.chip && address == other.address && words == other.words && on == other.on && name == other.name && fields == other.fields &&
+           condition == other.condition && log == other.log && enabled == other.enabled;
+  }
+
   std::uint64_t hits = 0;   ///< on the way forward, those passed over among them
 };
 
@@ -166,6 +172,8 @@ class Debugger {
   const Stop& report(std::vector<Hit> hits);
   void run_to(Time time);
   void move_to(Time time);
+  void move_and_listen(Time time, const Manner& manner);
+  void hear_what_is_under_way(const Manner& manner);
   void load_before(Time time);
   std::vector<Hit> search(Time until, const Manner& manner);
   std::vector<Hit> last_hits(Time after, Time before);
@@ -186,6 +194,10 @@ class Debugger {
   std::map<unsigned, Trigger> triggers_;
   unsigned next_number_ = 1;
   std::unique_ptr<Ear> ear_;
+  /// Where the machine stands with the ear having heard what ends later: instructions are done as a whole, and what they do may be
+  /// after a stop.
+  std::optional<Time> heard_at_;
+  std::map<unsigned, Trigger> heard_for_;  ///< the triggers that were armed then
   std::unique_ptr<History> history_;
   std::vector<Change> changes_;
   std::size_t changed_ = 0;  ///< of the changes, those that have been made where the machine stands

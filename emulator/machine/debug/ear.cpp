@@ -91,6 +91,14 @@ void Debugger::Ear::arm(const std::map<unsigned, Trigger>& triggers, std::option
   hears_late_ = !kinds.empty() || !shared_words.empty();
 }
 
+void Debugger::Ear::rearm(const std::map<unsigned, Trigger>& triggers, std::optional<std::size_t> each) {
+  const std::map<unsigned, bool> were = were_;
+  arm(triggers, each);
+  were_ = were;
+  open_ = true;
+  stepped.reset();
+}
+
 void Debugger::Ear::listen(Time after) {
   after_ = after;
   open_ = true;

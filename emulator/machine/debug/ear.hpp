@@ -18,6 +18,8 @@ class Debugger::Ear final : private HappeningListener, private SharedListener {
   /// What to hear of from now on.
   /// \param each the chip of which every instruction counts, if any
   void arm(const std::map<unsigned, Trigger>& triggers, std::optional<std::size_t> each);
+  /// The same, and goes on listening with the hits that it has.
+  void rearm(const std::map<unsigned, Trigger>& triggers, std::optional<std::size_t> each);
   /// Hits later than `after` are kept from now on; those kept before are gone.
   void listen(Time after);
   void close() { open_ = false; }

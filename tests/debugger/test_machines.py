@@ -1,0 +1,238 @@
+"""The debugger over networks and the dock: one instant for all chips, what it shows, and that looking changes nothing."""
+
+import random
+from typing import Any
+
+import cmrc
+import pytest
+from cmrc import c40
+from cmrc.debug import DebugError, Debugger
+from cmrc.network import Network, SharedMemory
+from test_random_networks import network as random_network
+
+SECONDS = 1e-12
+
+
+def dock(duration_s: float = 0.2, dsps: int = 4, **settings: Any) -> cmrc.Simulation:
+    return cmrc.Simulation(settings={"run.duration_s": duration_s, "machine.dsps": dsps, "report.reference": "none", **settings})
+
+
+def add_some_stops(debugger: Debugger, rng: random.Random, symbols: list[str]) -> None:
+    for _ in range(rng.randrange(1, 4)):
+        chip = rng.randrange(len(debugger.chips()))
+        if rng.random() < 0.5:
+            debugger.break_at(rng.choice(symbols), chip=rng.choice([None, chip]), ignore=rng.choice([0, 0, 7]))
+        else:
+            debugger.watch(0x2FF800 + rng.randrange(40), rng.choice([1, 8]), on=rng.choice(["write", "read", "access", "change"]), chip=chip)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_at_a_stop_a_network_is_as_one_that_nobody_looks_at(seed: int) -> None:
+    rng = random.Random(seed)
+    network = random_network(seed, 0)
+    debugger = network.debug()
+    add_some_stops(debugger, rng, sorted(name for name in network.program(0).symbols if not name.startswith(".")))
+    for _ in range(8):
+        stop = debugger.go(60e-6)
+        if not stop.hits:
+            break
+        alone = random_network(seed, 0)
+        alone._core.run_until(stop.time_ps)
+        assert network._core._state_difference(alone._core) is None, (seed, stop)
+    debugger.close()
+    end = random_network(seed, 0)
+    for one in (network, end):
+        one.run(4000)
+    assert network.event_trace() == end.event_trace()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_network_goes_back_through_the_stops_that_it_came_by(seed: int) -> None:
+    rng = random.Random(seed)
+    network = random_network(seed, 0)
+    debugger = network.debug()
+    add_some_stops(debugger, rng, sorted(name for name in network.program(0).symbols if not name.startswith(".")))
+    for number in debugger.hits():
+        assert number > 0
+    forth = []
+    for _ in range(6):
+        stop = debugger.go(60e-6)
+        if not stop.hits:
+            break
+        forth.append((stop.time_ps, sorted(hit.text for hit in stop.hits), network._core._state()))
+    if len(forth) < 2 or any(trigger for trigger in debugger.hits().values() if trigger > 6):
+        return
+    for time_ps, texts, before in reversed(forth[:-1]):
+        stop = debugger.back()
+        assert (stop.time_ps, sorted(hit.text for hit in stop.hits)) == (time_ps, texts)
+        assert network._core._state() == before
+
+
+def test_words_of_a_shared_memory_are_watched_whoever_touches_them() -> None:
+    program = c40.assemble(
+        """
+        .text
+start:  ldhi 8000h,ar0
+        addi 1,r2
+        ldi 5,ar1
+loop:   sti r2,*ar0
+        ldi *ar0,r3
+        subi 1,ar1
+        cmpi 0,ar1
+        bnz loop
+end:    bu end
+        """
+    )
+    board = "default"
+    del board
+    memory = SharedMemory("table", 16, {0: 0xC0000000, 1: 0xC0000000})
+    source = program
+    del source
+    program = c40.assemble(
+        """
+        .text
+start:  ldhi 0C000h,ar0
+        ldi 3,ar1
+loop:   sti ar1,*ar0
+        ldi *ar0,r3
+        subi 1,ar1
+        cmpi 0,ar1
+        bnz loop
+end:    bu end
+        """
+    )
+    network = Network([program, program], memories=[memory])
+    debugger = network.debug()
+    debugger.watch(0xC0000000, on="access", chip=0)
+    who = []
+    for stop in debugger.run():
+        for hit in stop.hits:
+            who.append((hit.chip, "wrote" in hit.text))
+            if "wrote" in hit.text:
+                assert debugger.word(0xC0000000, chip=1) == hit.value
+    assert sorted(who) == [(chip, wrote) for chip in (0, 1) for wrote in (False, True) for _ in range(3)]
+    writer = debugger.last_write(0xC0000000, chip=1)
+    assert writer is not None and writer.value == 1
+
+
+@pytest.mark.parametrize(("dsps", "settings"), [(4, {}), (16, {"preset": "saturated"}), (2, {})])
+def test_at_a_stop_the_dock_is_as_one_that_nobody_looks_at(dsps: int, settings: dict[str, str]) -> None:
+    preset = settings.get("preset")
+
+    def make() -> cmrc.Simulation:
+        return cmrc.Simulation(preset=preset, settings={"run.duration_s": 0.1, "machine.dsps": dsps, "report.reference": "none", "machine.boot": "preloaded", "host.start_ms": 0})
+
+    run = make()
+    debugger = run.debug()
+    debugger.break_at("kernel_pid", ignore=3)
+    debugger.on("claim", task="torque_compensation")
+    debugger.watch("LIST_WORK_POINTER", on="change")
+    debugger.watch("EXEC_BLOCK", chip=dsps - 1)
+    reasons = set()
+    for _ in range(14):
+        stop = debugger.go(0.09)
+        if not stop.hits:
+            break
+        reasons.add(stop.reason)
+        alone = make()
+        alone.run_until(stop.time_s)
+        assert run.difference(alone) is None, stop
+    assert {"watchpoint", "happening"} <= reasons
+    debugger.step_back()
+    debugger.go_to(0.02)
+    debugger.close()
+    run.run()
+    undisturbed = make()
+    undisturbed.run()
+    assert run.result().hash == undisturbed.result().hash
+
+
+def test_an_instant_is_found_again_and_a_change_by_hand_begins_a_branch() -> None:
+    run = dock()
+    debugger = run.debug()
+    told: list[str] = []
+    debugger.on_output(told.append)
+    first = debugger.go_to(0.05)
+    here = debugger._core.state()
+    debugger.go_to(0.11)
+    debugger.go_to(0.05)
+    assert debugger._core.state() == here and debugger.time_s == first.time_s
+    scratch = debugger.places("SCRATCH")[0]
+    debugger.set_word(scratch + 5, 1234, chip=3)
+    assert "new branch" in told[0] and debugger.word(scratch + 5, chip=3) == 1234
+    changed = debugger._core.state()
+    assert changed != here
+    debugger.go_to(0.04)
+    assert debugger.word(scratch + 5, chip=3) != 1234
+    debugger.go_to(0.05)
+    assert debugger._core.state() == changed
+
+
+def test_steps_by_claim_and_by_refresh_go_both_ways() -> None:
+    debugger = dock(**{"machine.boot": "preloaded", "host.start_ms": 0}).debug()
+    debugger.go_to(0.02)
+    claims = [debugger.step("claim", chip=chip).time_ps for chip in (0, 0, 1)]
+    assert claims == sorted(set(claims))
+    assert debugger.step_back("claim", chip=0).time_ps in claims[:2]
+    refresh = debugger.step("refresh")
+    assert "refresh" in refresh.text
+    following = debugger.step("refresh")
+    assert following.time_ps - refresh.time_ps == 125_000_000
+    assert debugger.step_back("refresh").time_ps == refresh.time_ps
+
+
+def test_values_of_the_plant_stop_at_the_first_look_at_which_they_hold() -> None:
+    debugger = dock(1.0).debug()
+    start = debugger.value("plant.hoist_m")
+    debugger.when(f"plant.hoist_m < {start - 0.001}")
+    stop = debugger.go()
+    if stop.reason == "over":
+        pytest.skip("the hoist does not move within a second")
+    assert debugger.value("plant.hoist_m") < start - 0.001
+    debugger.go_to_ps(stop.time_ps - 125_000_000)
+    assert debugger.value("plant.hoist_m") >= start - 0.001
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        (lambda d: d.break_at("nowhere"), "is no place"),
+        (lambda d: d.break_at("pid.asm:99999"), "no instruction stands"),
+        (lambda d: d.break_at("pid.asm:x"), "FILE:LINE is expected"),
+        (lambda d: d.break_at(0x00500000), "no memory there"),
+        (lambda d: d.break_at("kernel_pid", condition="r0 +"), "column 5"),
+        (lambda d: d.break_at("kernel_pid", condition="r99 > 1"), "r99 is no register"),
+        (lambda d: d.break_at("kernel_pid", condition="(" * 500), "nested too deep"),
+        (lambda d: d.break_at("kernel_pid", chip=9), "there is no chip 9"),
+        (lambda d: d.on("nothing"), "is no happening"),
+        (lambda d: d.watch_register("IVTP"), "no register that can be watched"),
+        (lambda d: d.when("plant.nothing > 1"), "plant.nothing is no register"),
+        (lambda d: d.remove(7), "there is no stop condition 7"),
+        (lambda d: d.step("out", chip=77), "there is no chip 77"),
+        (lambda d: d.value("1 / 0"), "division by zero"),
+        (lambda d: d.value("[0xD0000000]"), "nothing can be read"),
+        (lambda d: d.set_word(0xD0000000, 1), "cannot be written|reserved"),
+        (lambda d: d.set_register("R99", 1), "R99 is no register"),
+        (lambda d: d.set_register("AR0", 1.5), "holds whole numbers"),
+        (lambda d: d.set_register("R0", 1e300), "beyond what a register holds"),
+        (lambda d: d.page("nothing"), "is expected"),
+    ],
+)
+def test_commands_that_make_no_sense_are_refused_and_change_nothing(command: Any, message: str) -> None:
+    debugger = dock().debug()
+    before = debugger._core.state()
+    with pytest.raises(DebugError, match=message):
+        command(debugger)
+    assert debugger._core.state() == before and not debugger.hits()
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("1 + 2 * 3", 7), ("(1 + 2) * 3", 9), ("10 - 4 - 3", 3), ("1 << 4 | 1", 17), ("7 & 3 ^ 1", 2), ("-5 / 2", -2), ("-5 % 3", -2), ("!0 && 1 || 0", 1), ("~0 == 0xFFFFFFFF", 1),
+        ("0FFFFFFFFh == -1", 1), ("300000h", 0x300000), ("1.5 * 2", 3.0), ("2e-1 < 0.25", 1), ("3 > 2 == 1", 1), ("u(-1)", 0xFFFFFFFF), ("f(0x00400000)", 1.5), ("1 << 70", 0),
+        ("kernel_pid == [kernel_pid] - [kernel_pid] + kernel_pid", 1), ("chip1.sp == dsp1.SP", 1), ("cause.execute == cycle - cycle", 1),
+    ],
+)  # fmt: skip
+def test_expressions(text: str, value: float) -> None:
+    assert dock().debug().value(text) == value

@@ -1,0 +1,199 @@
+"""Where the debugger stops, against the full trace; what it shows there, against a run that nobody looked at."""
+
+import random
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cmrc import c40 as package
+from cmrc.debug import Debugger, Hit
+from cmrc.network import Network
+from locations import ROOT
+from nasty_programs import CYCLES, DATA, Bench, assembled, generate, made, state
+
+CYCLE_PS = 50_000
+EXAMPLES = sorted([*(ROOT / "c40_programs" / "examples").glob("*.asm"), *(ROOT / "c40_programs" / "examples" / "peripherals").glob("*.asm")])
+
+
+def program_without_pins(seed: int) -> Any:
+    """Pins are raised by hand, which a debugger does not."""
+    return replace(generate(seed), pins=())
+
+
+def debugger_of(chip: Any, image: Any) -> Debugger:
+    return Debugger(chip.debug(image))
+
+
+def by_trace(chip: Any, cycles: int) -> list[dict[str, Any]]:
+    return [record for record in chip.trace(cycles) if "pc" in record]
+
+
+def instant(debugger: Debugger) -> int:
+    assert debugger.stop.time_ps % CYCLE_PS == 0
+    return debugger.stop.time_ps // CYCLE_PS
+
+
+def stops_until_the_end(debugger: Debugger) -> Iterator[tuple[int, tuple[Hit, ...]]]:
+    while (stop := debugger.go(CYCLES * CYCLE_PS * 1e-12)).hits:
+        yield instant(debugger), stop.hits
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_breakpoints_stop_before_each_of_their_instructions(seed: int, tmp_path: Path) -> None:
+    rng = random.Random(seed)
+    program = program_without_pins(seed)
+    board, image = Bench(tmp_path).board(program), assembled(program)
+    records = by_trace(made(program, board, image), CYCLES)
+    executed = sorted({record["pc"] for record in records})
+    chosen = set(rng.sample(executed, min(len(executed), rng.choice([1, 3, len(executed)]))))
+    chip = made(program, board, image)
+    debugger = debugger_of(chip, image)
+    for address in chosen:
+        debugger.break_at(address)
+    expected = [(record["cycle"], record["pc"]) for record in records if record["pc"] in chosen and 0 < record["cycle"] < CYCLES]
+    found = []
+    for cycle, hits in stops_until_the_end(debugger):
+        assert [hit.pc for hit in hits] == [chip.pc], seed
+        found.append((cycle, chip.pc))
+    assert found == expected, seed
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_watchpoints_stop_after_each_access_of_the_processor(seed: int, tmp_path: Path) -> None:
+    rng = random.Random(seed)
+    program = program_without_pins(seed)
+    board, image = Bench(tmp_path).board(program), assembled(program)
+    records = by_trace(made(program, board, image), CYCLES)
+    touched = sorted({address for record in records for _, address, _ in record["memory"]})
+    if not touched:
+        pytest.skip("this program touches no memory")
+    first = rng.choice(touched)
+    words = rng.choice([1, 1, 5])
+    on = rng.choice(["write", "read", "access"])
+    letters = {"write": "w", "read": "r", "access": "rw"}[on]
+    debugger = debugger_of(made(program, board, image), image)
+    debugger.watch(first, words, on=on)
+    expected = []
+    for record in records:
+        end = record["cycle"] + record["cycles"]
+        for how, address, value in record["memory"]:
+            if how in letters and first <= address < first + words and end <= CYCLES:
+                expected.append((end, record["pc"], value))
+    found = [(cycle, hit.pc, hit.value) for cycle, hits in stops_until_the_end(debugger) for hit in hits if "DMA" not in hit.text and "interrupt" not in hit.text]
+    # An instruction that crosses the end is looked at by the trace only.
+    assert found == [hit for hit in expected if hit in found or hit[0] < CYCLES], seed
+
+
+def test_a_watch_stops_after_every_word_of_a_dma() -> None:
+    """Channel 0 moves 40 words on chip, without a chain: c40-hardware.md 3."""
+    source, destination, words = 0x2FF800, 0x2FF900, 40
+    program = package.assemble(
+        f"""
+        .text
+start:  ldhi 10h,ar0
+        or 0a0h,ar0
+        ldp values
+        ldi @values,r0
+        ldi @values+1,r1
+        ldi @values+2,r2
+        ldi 1,r3
+        sti r0,*+ar0(1)
+        sti r3,*+ar0(2)
+        sti r2,*+ar0(3)
+        sti r1,*+ar0(4)
+        sti r3,*+ar0(5)
+        ldi @values+3,r4
+        sti r4,*ar0
+loop:   bu loop
+values: .word {source}, {destination}, {words}, 00c00008h
+        """
+    )
+    chip = package.Processor(program)
+    for n in range(words):
+        chip.memory[source + n] = 100 + n
+    debugger = chip.debug()
+    debugger.watch(destination, words)
+    times = []
+    for n in range(words):
+        stop = debugger.go()
+        (hit,) = stop.hits
+        assert "DMA channel 0" in hit.text and hit.value == 100 + n
+        # The branch under way is executed whole, and the DMA beside it: four cycles, two words.
+        moved = sum(debugger.word(destination + k) != 0 for k in range(words))
+        assert n + 1 <= moved <= n + 3
+        assert [debugger.word(destination + k) for k in range(n + 1)] == [100 + k for k in range(n + 1)]
+        times.append(stop.time_ps)
+    assert times == sorted(set(times))
+    assert not debugger.go(times[-1] * 1e-12 + 1e-4).hits
+    writer = debugger.last_write(destination + 7)
+    assert writer is not None and "DMA channel 0" in writer.text and writer.time_ps == times[7]
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_what_a_stop_shows_is_what_a_run_comes_to_that_nobody_looks_at(seed: int, tmp_path: Path) -> None:
+    rng = random.Random(seed)
+    program = program_without_pins(seed)
+    board, image = Bench(tmp_path).board(program), assembled(program)
+    chip = made(program, board, image)
+    debugger = debugger_of(chip, image)
+    debugger.watch(DATA[rng.choice(sorted(DATA))], 48, on="access")
+    debugger.break_at("again")
+    for _ in range(8):
+        if not debugger.go(CYCLES * CYCLE_PS * 1e-12).hits:
+            break
+        alone = made(program, board, image)
+        alone.run(max(instant(debugger), 1))
+        assert state(alone) == state(chip), (seed, instant(debugger))
+    if debugger.stop.reason == "over":  # a fault; a chip that is run on stands still
+        return
+    debugger.close()
+    end = chip.cycle + CYCLES
+    chip.run(CYCLES)
+    undisturbed = made(program, board, image)
+    undisturbed.run(end)
+    assert state(undisturbed) == state(chip), seed
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_steps_forward_and_back_come_to_the_same_states(path: Path) -> None:
+    rng = random.Random(path.stem)
+    program = package.assemble_file(path)
+    debugger = Network([program]).debug()
+    debugger.go_to_ps(rng.randrange(0, rng.choice([1_000_000, 5_000_000, 20_000_000])))
+    if debugger.step().reason != "step":
+        debugger.go_to_ps(0)
+    seen = []
+    for _ in range(40):
+        seen.append((debugger.stop.time_ps, debugger._core.state()))
+        if debugger.step().reason != "step":
+            seen.pop()
+            break
+    for time_ps, before in reversed(seen):
+        assert debugger.step_back().time_ps == time_ps
+        assert debugger._core.state() == before
+    for time_ps, before in rng.sample(seen, 3):
+        fresh = Network([program])
+        fresh._core.run_until(time_ps)
+        assert fresh.debug()._core.state() == before
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_the_last_writer_is_that_of_the_full_trace(seed: int, tmp_path: Path) -> None:
+    rng = random.Random(seed)
+    program = program_without_pins(seed)
+    board, image = Bench(tmp_path).board(program), assembled(program)
+    records = by_trace(made(program, board, image), CYCLES)
+    now = rng.randrange(CYCLES // 2, CYCLES)
+    chip = made(program, board, image)
+    debugger = debugger_of(chip, image)
+    debugger.go_to_ps(now * CYCLE_PS)
+    here = debugger._core.state()
+    for address in sorted({a for r in records for how, a, _ in r["memory"] if how == "w" and a < 0x100000 or a > 0x100100})[:6]:
+        writes = [(r["cycle"] + r["cycles"], r["pc"], v) for r in records for how, a, v in r["memory"] if how == "w" and a == address and r["cycle"] + r["cycles"] <= now]
+        writer = debugger.last_write(address)
+        assert debugger._core.state() == here
+        if writer is not None and ("DMA" in writer.text or "interrupt" in writer.text):
+            continue
+        assert (None if writer is None else (writer.time_ps // CYCLE_PS, writer.pc, writer.value)) == (writes[-1] if writes else None), (seed, hex(address))
