@@ -55,6 +55,7 @@ std::string ChipDebuggee::save() { return state::save(chip_); }
 void ChipDebuggee::load(std::string_view state) {
   state::load(chip_, state);
   over_.reset();
+  if (chip_.halted()) over_ = "it stands still since a fault";
   now_ = chip_.cycle() * period;
 }
 

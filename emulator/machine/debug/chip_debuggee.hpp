@@ -18,7 +18,9 @@ class ChipDebuggee final : public Debuggee {
   void set_trace(std::size_t, c40::TraceSink* sink) override;
   Time now() const override { return now_; }
   std::optional<std::string> over() const override { return over_; }
-  void look_again() override { over_.reset(); }
+  void look_again() override {
+    if (!chip_.halted()) over_.reset();
+  }
   void run_until(Time time) override;
   Time slice() const override { return std::chrono::milliseconds{1}; }
   std::string save() override;
