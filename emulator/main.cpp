@@ -32,6 +32,7 @@ struct Perform {
   int operator()(const cli::ClassifyOptions& options) const { return cli::classify(options); }
   int operator()(const cli::ExecOptions& options) const { return cli::exec(options); }
   int operator()(const cli::DebugOptions& options) const { return cli::debug(options); }
+  int operator()(const cli::DapOptions& options) const { return cli::dap(options); }
   int operator()(const cli::TraceDiffOptions& options) const { return cli::trace_diff(options); }
   int operator()(const cli::VectorOptions& options) const { return cli::vectors(options); }
 };

@@ -187,6 +187,10 @@ void declare_debug(CLI::App& app, DebugOptions& options) {
   app.add_option("--snapshot", options.run.resume, "The dock from a snapshot on (docs/snapshots.md)")->type_name("FILE");
 }
 
+void declare_dap(CLI::App& app, DapOptions& options) {
+  app.add_option("--listen", options.port, "Serve clients at this port of this machine, one after the other; 0: any that is free. Without it: standard input and output")->check(CLI::Range(0, 65535))->type_name("PORT");
+}
+
 void declare_trace_diff(CLI::App& app, TraceDiffOptions& options) {
   app.add_option("A", options.left, "A trace")->required();
   app.add_option("B", options.right, "Another trace of the same kind")->required();
@@ -240,6 +244,7 @@ std::variant<Request, Help> parse_command_line(int argc, const char* const* argv
   ClassifyOptions classify_options;
   ExecOptions exec_options;
   DebugOptions debug_options;
+  DapOptions dap_options;
   TraceDiffOptions trace_diff_options;
   VectorOptions vector_options;
 
@@ -256,6 +261,7 @@ std::variant<Request, Help> parse_command_line(int argc, const char* const* argv
   commands.add("classify", "Count what every 32-bit word is: an instruction, or reserved and why", declare_classify, classify_options);
   commands.add("exec", "Run a program on one chip, or programs on a network of chips", declare_exec, exec_options);
   commands.add("debug", "Debug a program, a network or the dock, forwards and backwards", declare_debug, debug_options);
+  commands.add("dap", "Serve an editor: the Debug Adapter Protocol (docs/dap.md)", declare_dap, dap_options);
   commands.add("trace-diff", "Find where two traces part (exit status 1 if they do)", declare_trace_diff, trace_diff_options);
   commands.add("vectors", "Run single-step vectors (exit status 1 if one fails)", declare_vectors, vector_options);
   try {

@@ -135,6 +135,10 @@ struct DebugOptions {
   std::vector<std::string> commands;  ///< before the scripts
 };
 
+struct DapOptions {
+  std::optional<int> port;  ///< none: standard input and output
+};
+
 struct TraceDiffOptions {
   std::string left;
   std::string right;
@@ -160,6 +164,7 @@ int classify(const ClassifyOptions& options);
 int exec(const ExecOptions& options);
 int exec_network(const ExecOptions& options);
 int debug(const DebugOptions& options);
+int dap(const DapOptions& options);
 int trace_diff(const TraceDiffOptions& options);
 int vectors(const VectorOptions& options);
 

@@ -1,0 +1,204 @@
+// What a client wants to stop at. Each request sends all of its kind anew.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+
+#include "debugger/dap_session.hpp"
+#include "machine/debug/expression.hpp"
+
+namespace debugger::dap {
+
+namespace core_ns = machine::debug;
+using core_ns::Address;
+using core_ns::DebugError;
+using core_ns::Trigger;
+
+namespace {
+
+const Json& list_of(const Json& from, std::string_view key) {
+  static const Json none = Json::array();
+  const auto found = from.find(key);
+  return found != from.end() && found->is_array() ? *found : none;
+}
+
+/// "5", ">= 5", "> 4": so many hits are passed over.
+std::uint64_t passed_over(std::string text) {
+  text.erase(std::remove(text.begin(), text.end(), ' '), text.end());
+  if (text.empty()) return 0;
+  std::uint64_t add = 0;
+  std::string_view rest = text;
+  if (rest.starts_with(">=") || rest.starts_with("==")) rest.remove_prefix(2);
+  else if (rest.starts_with(">")) rest.remove_prefix(1), add = 1;
+  std::uint64_t count = 0;
+  const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), count);
+  if (error != std::errc() || end != rest.data() + rest.size() || count + add == 0) throw DebugError(fmt::format("hitCondition \"{}\": a number, >= or > and a number are expected", text));
+  return count + add - 1;
+}
+
+void read_conditions(const Json& asked, Trigger& trigger) {
+  trigger.condition = text_of(asked, "condition");
+  trigger.ignore = passed_over(text_of(asked, "hitCondition"));
+  trigger.log = text_of(asked, "logMessage");
+}
+
+Json refused(const std::string& why) { return {{"verified", false}, {"message", why}}; }
+
+}  // namespace
+
+void Session::forget(std::vector<unsigned>& numbers) {
+  for (const unsigned number : numbers)
+    if (core().triggers().contains(number)) core().remove(number);
+  numbers.clear();
+}
+
+/// The answer to one breakpoint that was asked for.
+Json Session::add_breakpoint(Trigger trigger, const Json& asked, std::vector<unsigned>& numbers) {
+  try {
+    read_conditions(asked, trigger);
+    numbers.push_back(core().add(std::move(trigger)));
+    return {{"verified", true}, {"id", numbers.back()}};
+  } catch (const DebugError& error) {
+    return refused(error.what());
+  }
+}
+
+Json Session::set_breakpoints(const Json& arguments) {
+  core();
+  const Json& asked_source = arguments.at("source");
+  std::string file = text_of(asked_source, "path");
+  if (const auto reference = asked_source.find("sourceReference"); file.empty() && reference != asked_source.end() && reference->is_number_unsigned()) {
+    const auto number = reference->get<std::size_t>();
+    if (number != 0 && number <= sources_.size()) file = sources_[number - 1];
+  }
+  if (file.empty()) file = text_of(asked_source, "name");
+  std::vector<unsigned>& numbers = by_source_[file];
+  forget(numbers);
+  Json answers = Json::array();
+  for (const Json& asked : list_of(arguments, "breakpoints")) {
+    const int line = asked.at("line").get<int>();
+    Json answer = refused(fmt::format("no instruction stands in line {} of {} or after it", line, file));
+    const auto& programs = core().programs();
+    const bool one_program = std::ranges::all_of(programs, [&](const auto& p) { return &p.image() == &programs.front().image(); });
+    for (std::size_t chip = 0; chip < (one_program ? 1 : programs.size()); ++chip)
+      for (const Address address : programs[chip].addresses(file, line)) {
+        Trigger trigger{.kind = Trigger::Kind::code, .address = address};
+        if (!one_program) trigger.chip = chip;
+        const auto place = programs[chip].source(address);
+        answer = add_breakpoint(std::move(trigger), asked, numbers);
+        answer["line"] = place ? place->line : line;
+        answer["instructionReference"] = fmt::format("0x{:08X}", address);
+        answer["source"] = source_of(place ? place->file : file);
+      }
+    answers.push_back(std::move(answer));
+  }
+  return {{"breakpoints", answers}};
+}
+
+Json Session::set_function_breakpoints(const Json& arguments) {
+  forget(by_function_);
+  Json answers = Json::array();
+  for (const Json& asked : list_of(arguments, "breakpoints")) {
+    const std::string name = text_of(asked, "name");
+    Json answer = refused(fmt::format("no program has a label {}", name));
+    const auto& programs = core().programs();
+    const bool one_program = std::ranges::all_of(programs, [&](const auto& p) { return &p.image() == &programs.front().image(); });
+    for (std::size_t chip = 0; chip < (one_program ? 1 : programs.size()); ++chip) {
+      const auto address = programs[chip].address(name);
+      if (!address) continue;
+      Trigger trigger{.kind = Trigger::Kind::code, .address = *address};
+      if (!one_program) trigger.chip = chip;
+      answer = add_breakpoint(std::move(trigger), asked, by_function_);
+      answer["instructionReference"] = fmt::format("0x{:08X}", *address);
+    }
+    answers.push_back(std::move(answer));
+  }
+  return {{"breakpoints", answers}};
+}
+
+Json Session::set_instruction_breakpoints(const Json& arguments) {
+  forget(by_instruction_);
+  Json answers = Json::array();
+  for (const Json& asked : list_of(arguments, "breakpoints")) {
+    try {
+      answers.push_back(add_breakpoint({.kind = Trigger::Kind::code, .address = address_of(asked, "instructionReference")}, asked, by_instruction_));
+    } catch (const DebugError& error) {
+      answers.push_back(refused(error.what()));
+    }
+  }
+  return {{"breakpoints", answers}};
+}
+
+Json Session::set_exception_breakpoints(const Json& arguments) {
+  forget(by_exception_);
+  const auto there = core().debuggee().happenings();
+  Json answers = Json::array();
+  for (const Json& filter : list_of(arguments, "filters")) {
+    const std::string kind = filter.get<std::string>();
+    if (std::ranges::none_of(there, [&](const auto& row) { return row.first == kind; })) answers.push_back(refused(fmt::format("{} does not happen here", kind)));
+    else answers.push_back(add_breakpoint({.kind = Trigger::Kind::happening, .name = kind}, Json::object(), by_exception_));
+  }
+  return {{"breakpoints", answers}};
+}
+
+/// What is watched is "CHIP:ADDRESS:WORDS" or "CHIP:REGISTER".
+Json Session::data_breakpoint_info(const Json& arguments) {
+  const std::string name = text_of(arguments, "name");
+  std::size_t chip = chip_of_frame(arguments);
+  if (const auto reference = arguments.find("variablesReference"); reference != arguments.end() && reference->is_number_integer())
+    if (const auto found = registers_shown_.find(reference->get<std::int64_t>()); found != registers_shown_.end()) chip = found->second;
+  const Json types = {"read", "write", "readWrite"};
+  if (isa::register_named(name))
+    return {{"dataId", fmt::format("{}:{}", chip, name)}, {"description", fmt::format("{} of {}; that chip then runs by single instructions", name, core().debuggee().chip_name(chip))}, {"accessTypes", {"write"}}, {"canPersist", true}};
+  try {
+    const auto value = core_ns::Expression(name, core().debuggee(), core().programs(), chip).value();
+    if (!value.is_float) {
+      const Address address = value.address.value_or(static_cast<Address>(value.integer));
+      return {{"dataId", fmt::format("{}:{}:1", chip, address)}, {"description", fmt::format("the word at {:08X}h of {}", address, core().debuggee().chip_name(chip))}, {"accessTypes", types}, {"canPersist", true}};
+    }
+  } catch (const DebugError&) {
+    // The answer says that nothing can be watched.
+  }
+  return {{"dataId", nullptr}, {"description", fmt::format("{} is no word and no register that can be watched", name)}};
+}
+
+Json Session::set_data_breakpoints(const Json& arguments) {
+  forget(by_data_);
+  Json answers = Json::array();
+  for (const Json& asked : list_of(arguments, "breakpoints")) {
+    const std::string id = text_of(asked, "dataId"), access = text_of(asked, "accessType");
+    const std::size_t first = id.find(':'), last = id.rfind(':');
+    Trigger trigger{.kind = Trigger::Kind::word, .on = access == "read" ? Trigger::On::read : access == "readWrite" ? Trigger::On::access : Trigger::On::write};
+    const auto chip = toolchain::find_address(id.substr(0, first), nullptr);
+    if (first == std::string::npos || !chip) {
+      answers.push_back(refused(fmt::format("dataId \"{}\": one that dataBreakpointInfo gave is expected", id)));
+      continue;
+    }
+    trigger.chip = *chip;
+    if (first == last) {
+      trigger.kind = Trigger::Kind::processor_register;
+      trigger.name = id.substr(first + 1);
+    } else {
+      trigger.address = toolchain::find_address(id.substr(first + 1, last - first - 1), nullptr).value_or(0);
+      trigger.words = std::max<Address>(toolchain::find_address(id.substr(last + 1), nullptr).value_or(1), 1);
+    }
+    answers.push_back(add_breakpoint(std::move(trigger), asked, by_data_));
+  }
+  return {{"breakpoints", answers}};
+}
+
+Json Session::breakpoint_locations(const Json& arguments) {
+  const std::string file = text_of(arguments.at("source"), "path");
+  const int from = arguments.at("line").get<int>(), to = arguments.value("endLine", from);
+  Json places = Json::array();
+  for (int line = from; line <= std::min(to, from + 1000); ++line)
+    for (const auto& program : core().programs()) {
+      const auto found = program.addresses(file, line);
+      if (found.empty()) continue;
+      if (const auto place = program.source(found.front()); place && place->line == line) places.push_back({{"line", line}});
+      break;
+    }
+  return {{"breakpoints", places}};
+}
+
+}  // namespace debugger::dap

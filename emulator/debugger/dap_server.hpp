@@ -1,0 +1,39 @@
+#pragma once
+/// Who serves clients: on standard input and output, or on a port of this machine.
+#include <optional>
+
+#include "debugger/dap_session.hpp"
+
+namespace debugger::dap {
+
+/// How a session ended.
+struct Ended {
+  bool terminate = false;  ///< the client wants the run to end
+  std::string broken;      ///< why the stream broke; empty: it did not
+};
+
+/// Serves one client until it goes.
+Ended serve(int in, int out, Launch launch);
+Ended serve(int in, int out, machine::debug::Debugger& debugger);
+
+/// A port on the loopback interface. One client at a time.
+class Listener {
+ public:
+  /// \param port 0: one that is free
+  /// \throws std::system_error, with what would be right, for a port that is taken
+  explicit Listener(int port);
+  ~Listener();
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+  int port() const { return port_; }
+  /// A client has come, and waits.
+  bool has_client() const;
+  /// Waits for the next client; -1 when a signal came before. The descriptor is the caller's.
+  int accept();
+
+ private:
+  int socket_ = -1, port_ = 0;
+};
+
+}  // namespace debugger::dap

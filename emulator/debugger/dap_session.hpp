@@ -1,0 +1,119 @@
+#pragma once
+/// A client's session: requests of the Debug Adapter Protocol, answered by the debug core.
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "debugger/dap_stream.hpp"
+#include "machine/debug/debugger.hpp"
+
+namespace debugger::dap {
+
+/// What `launch` has made; the debuggee is in `owner`.
+struct Launched {
+  std::shared_ptr<void> owner;
+  machine::debug::Debuggee* debuggee = nullptr;
+};
+/// From the arguments of `launch`. Whatever it throws becomes the answer.
+using Launch = std::function<Launched(const Json& arguments)>;
+
+class Session {
+ public:
+  using Send = std::function<void(const Json&)>;
+  /// For `launch`.
+  Session(Send send, Launch launch);
+  /// For `attach`, to what is there.
+  Session(Send send, machine::debug::Debugger& debugger);
+  ~Session();
+  Session(const Session&) = delete;
+  Session& operator=(const Session&) = delete;
+
+  /// Handles a message, whatever it is. Long work ends early when `asked` says that another message wants that.
+  void handle(const std::string& message);
+  /// The machine is to go on: run_on() lets it.
+  bool runs() const { return runs_; }
+  /// Until a stop, or until `Debugger::interrupt`; tells the client of a stop.
+  void run_on();
+  /// The client has ended the session, or the run.
+  bool over() const { return over_; }
+  /// With `disconnect`: the debuggee ends with the session.
+  bool terminates() const { return terminates_; }
+  machine::debug::Debugger* debugger() { return debugger_; }
+  /// Called now and then during long work.
+  std::function<void()> meanwhile;
+
+ private:
+  using Request = Json (Session::*)(const Json& arguments);
+  static const std::map<std::string, Request, std::less<>>& requests();
+
+  // dap_session.cpp: the session and the machine's way
+  Json initialize(const Json&);
+  Json launch(const Json&);
+  Json attach(const Json&);
+  Json configuration_done(const Json&);
+  Json disconnect(const Json&);
+  Json terminate(const Json&);
+  Json go(const Json&);
+  Json pause(const Json&);
+  Json next(const Json&);
+  Json step_in(const Json&);
+  Json step_out(const Json&);
+  Json step_back(const Json&);
+  Json reverse_continue(const Json&);
+
+  // dap_breakpoints.cpp: what to stop at
+  Json set_breakpoints(const Json&);
+  Json set_function_breakpoints(const Json&);
+  Json set_instruction_breakpoints(const Json&);
+  Json set_exception_breakpoints(const Json&);
+  Json data_breakpoint_info(const Json&);
+  Json set_data_breakpoints(const Json&);
+  Json breakpoint_locations(const Json&);
+
+  // dap_views.cpp: what there is to see
+  Json threads(const Json&);
+  Json stack_trace(const Json&);
+  Json scopes(const Json&);
+  Json variables(const Json&);
+  Json set_variable(const Json&);
+  Json evaluate(const Json&);
+  Json disassemble(const Json&);
+  Json read_memory(const Json&);
+  Json write_memory(const Json&);
+  Json source(const Json&);
+  Json loaded_sources(const Json&);
+  Json exception_info(const Json&);
+
+  machine::debug::Debugger& core();
+  std::size_t chip_of(const Json& arguments) const;
+  std::size_t chip_of_frame(const Json& arguments) const;
+  machine::debug::Address address_of(const Json& arguments, std::string_view key) const;
+  Json source_of(const std::string& file);
+  void use(machine::debug::Debugger& debugger);
+  void event(const std::string& name, Json body = Json::object());
+  void tell_stop(const std::string& why = {});
+  void output(const std::string& text, const char* category = "console");
+  void do_step(const std::function<void()>& step);
+  Json add_breakpoint(machine::debug::Trigger trigger, const Json& asked, std::vector<unsigned>& numbers);
+  void forget(std::vector<unsigned>& numbers);
+  Json variable(const machine::debug::ShownRegister& reg, bool hex, std::size_t chip);
+
+  Send send_;
+  Launch launch_;
+  std::shared_ptr<void> owner_;
+  std::unique_ptr<machine::debug::Debugger> own_;
+  machine::debug::Debugger* debugger_ = nullptr;
+  bool attached_ = false, configured_ = false, runs_ = false, over_ = false, terminates_ = false, stop_on_entry_ = false, stop_at_end_ = false, told_end_ = false;
+  std::function<void()> after_;  ///< the answer has been sent
+  std::int64_t sequence_ = 0;
+  std::map<std::string, std::vector<unsigned>> by_source_;
+  std::vector<unsigned> by_function_, by_instruction_, by_data_, by_exception_;
+  std::vector<std::string> sources_;  ///< by reference, from 1
+  /// What `variables` shows, by reference from 1; new at every stop.
+  std::vector<std::function<Json(bool hex)>> shown_;
+  std::map<std::int64_t, std::size_t> registers_shown_;  ///< references of scopes whose variables are registers, and their chip
+};
+
+}  // namespace debugger::dap
