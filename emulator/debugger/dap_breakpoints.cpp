@@ -42,14 +42,18 @@ void read_conditions(const Json& asked, Trigger& trigger) {
   trigger.log = text_of(asked, "logMessage");
 }
 
-Json refused(const std::string& why) { return {{"verified", false}, {"message", why}}; }
-
 }  // namespace
 
 void Session::forget(std::vector<unsigned>& numbers) {
   for (const unsigned number : numbers)
     if (core().triggers().contains(number)) core().remove(number);
   numbers.clear();
+}
+
+/// One that cannot be; clients want a number for it all the same.
+Json Session::refused_breakpoint(const std::string& why) {
+  constexpr unsigned behind_all_others = 1u << 30;
+  return {{"verified", false}, {"message", why}, {"id", behind_all_others + refused_++}};
 }
 
 /// The answer to one breakpoint that was asked for.
@@ -59,7 +63,7 @@ Json Session::add_breakpoint(Trigger trigger, const Json& asked, std::vector<uns
     numbers.push_back(core().add(std::move(trigger)));
     return {{"verified", true}, {"id", numbers.back()}};
   } catch (const DebugError& error) {
-    return refused(error.what());
+    return refused_breakpoint(error.what());
   }
 }
 
@@ -77,7 +81,7 @@ Json Session::set_breakpoints(const Json& arguments) {
   Json answers = Json::array();
   for (const Json& asked : list_of(arguments, "breakpoints")) {
     const int line = asked.at("line").get<int>();
-    Json answer = refused(fmt::format("no instruction stands in line {} of {} or after it", line, file));
+    Json answer = refused_breakpoint(fmt::format("no instruction stands in line {} of {} or after it", line, file));
     const auto& programs = core().programs();
     const bool one_program = std::ranges::all_of(programs, [&](const auto& p) { return &p.image() == &programs.front().image(); });
     for (std::size_t chip = 0; chip < (one_program ? 1 : programs.size()); ++chip)
@@ -100,7 +104,7 @@ Json Session::set_function_breakpoints(const Json& arguments) {
   Json answers = Json::array();
   for (const Json& asked : list_of(arguments, "breakpoints")) {
     const std::string name = text_of(asked, "name");
-    Json answer = refused(fmt::format("no program has a label {}", name));
+    Json answer = refused_breakpoint(fmt::format("no program has a label {}", name));
     const auto& programs = core().programs();
     const bool one_program = std::ranges::all_of(programs, [&](const auto& p) { return &p.image() == &programs.front().image(); });
     for (std::size_t chip = 0; chip < (one_program ? 1 : programs.size()); ++chip) {
@@ -123,7 +127,7 @@ Json Session::set_instruction_breakpoints(const Json& arguments) {
     try {
       answers.push_back(add_breakpoint({.kind = Trigger::Kind::code, .address = address_of(asked, "instructionReference")}, asked, by_instruction_));
     } catch (const DebugError& error) {
-      answers.push_back(refused(error.what()));
+      answers.push_back(refused_breakpoint(error.what()));
     }
   }
   return {{"breakpoints", answers}};
@@ -135,7 +139,7 @@ Json Session::set_exception_breakpoints(const Json& arguments) {
   Json answers = Json::array();
   for (const Json& filter : list_of(arguments, "filters")) {
     const std::string kind = filter.get<std::string>();
-    if (std::ranges::none_of(there, [&](const auto& row) { return row.first == kind; })) answers.push_back(refused(fmt::format("{} does not happen here", kind)));
+    if (std::ranges::none_of(there, [&](const auto& row) { return row.first == kind; })) answers.push_back(refused_breakpoint(fmt::format("{} does not happen here", kind)));
     else answers.push_back(add_breakpoint({.kind = Trigger::Kind::happening, .name = kind}, Json::object(), by_exception_));
   }
   return {{"breakpoints", answers}};
@@ -171,7 +175,7 @@ Json Session::set_data_breakpoints(const Json& arguments) {
     Trigger trigger{.kind = Trigger::Kind::word, .on = access == "read" ? Trigger::On::read : access == "readWrite" ? Trigger::On::access : Trigger::On::write};
     const auto chip = toolchain::find_address(id.substr(0, first), nullptr);
     if (first == std::string::npos || !chip) {
-      answers.push_back(refused(fmt::format("dataId \"{}\": one that dataBreakpointInfo gave is expected", id)));
+      answers.push_back(refused_breakpoint(fmt::format("dataId \"{}\": one that dataBreakpointInfo gave is expected", id)));
       continue;
     }
     trigger.chip = *chip;

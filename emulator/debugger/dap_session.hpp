@@ -97,6 +97,7 @@ class Session {
   void output(const std::string& text, const char* category = "console");
   void do_step(const std::function<void()>& step);
   Json add_breakpoint(machine::debug::Trigger trigger, const Json& asked, std::vector<unsigned>& numbers);
+  Json refused_breakpoint(const std::string& why);
   void forget(std::vector<unsigned>& numbers);
   Json variable(const machine::debug::ShownRegister& reg, bool hex, std::size_t chip);
 
@@ -108,6 +109,7 @@ class Session {
   bool attached_ = false, configured_ = false, runs_ = false, over_ = false, terminates_ = false, stop_on_entry_ = false, stop_at_end_ = false, told_end_ = false;
   std::function<void()> after_;  ///< the answer has been sent
   std::int64_t sequence_ = 0;
+  unsigned refused_ = 0;
   std::map<std::string, std::vector<unsigned>> by_source_;
   std::vector<unsigned> by_function_, by_instruction_, by_data_, by_exception_;
   std::vector<std::string> sources_;  ///< by reference, from 1
