@@ -47,6 +47,8 @@ void declare_run(CLI::App& app, RunOptions& options) {
       ->type_name("S:FILE")
       ->allow_extra_args(false);
   app.add_option("--resume", options.resume, "Go on from a snapshot; the configuration is the snapshot's (docs/snapshots.md)")->type_name("FILE");
+  app.add_option("--debug", options.debug_port, "An editor may attach at this port of this machine while the run goes on (docs/dap.md); 0: any that is free")->check(CLI::Range(0, 65535))->type_name("PORT");
+  app.add_flag("--debug-wait", options.debug_wait, "The run waits for the editor");
   app.add_flag("--strict", options.strict, "Exit with status 1 when a deadline was missed");
   app.add_flag("--quiet", options.quiet, "No progress line and no report on the terminal");
 }

@@ -43,6 +43,8 @@ struct RunOptions {
   bool trace_labels = false;                 ///< instruction traces name labels, not addresses
   std::vector<std::string> snapshots;        ///< S:FILE
   std::optional<std::string> resume;
+  std::optional<int> debug_port;  ///< an editor may attach there while the run goes on
+  bool debug_wait = false;        ///< the run waits for it
 };
 
 /// The configuration of a run, printed instead of run.

@@ -6,8 +6,10 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <span>
 
 #include "c40/chip.hpp"
+#include "cli/attach.hpp"
 #include "cli/options.hpp"
 #include "cli/progress_line.hpp"
 #include "cli/settings.hpp"
@@ -82,7 +84,7 @@ void resume(cmrc::Simulation& simulation, const cmrc::Snapshot& snapshot, const 
 }
 
 /// How many of them it has come to.
-std::size_t run_to_snapshots(cmrc::Simulation& simulation, const std::vector<SnapshotRequest>& requests, const std::function<bool(const cmrc::Progress&)>& show) {
+std::size_t run_to_snapshots(cmrc::Simulation& simulation, std::span<const SnapshotRequest> requests, const std::function<bool(const cmrc::Progress&)>& show) {
   for (std::size_t n = 0; n < requests.size(); ++n) {
     simulation.run(show, cmrc::Simulation::usual_slice, requests[n].at);
     if (simulation.time() != requests[n].at) return n;
@@ -123,16 +125,22 @@ int run(const RunOptions& options) {
   InstructionFiles instructions(options, window, simulation);
   if (resumed) resume(simulation, *resumed, *options.resume, snapshots);
 
+  Attach attach(options);
+  bool goes_on = attach.begin(simulation);
   const io::StopBySignal signals;
   std::size_t written = 0;
   {
     ProgressLine line(Time(std::llround(config.run.duration_s * 1e12)), !options.quiet);
-    const auto show = [&line](const cmrc::Progress& progress) {
+    const auto show = [&](const cmrc::Progress& progress) {
       line.show(progress.simulated, progress.misses);
-      return true;
+      return goes_on && !attach.wanted();
     };
-    written = run_to_snapshots(simulation, snapshots, show);
-    simulation.run(show);
+    for (;;) {
+      written += run_to_snapshots(simulation, std::span(snapshots).subspan(written), show);
+      if (written == snapshots.size() || simulation.ended() || !goes_on) simulation.run(show);
+      if (!goes_on || simulation.ended() || io::stop_asked() || !attach.wanted()) break;
+      goes_on = attach.serve(simulation);
+    }
   }
   const report::RunReport report = simulation.report_so_far();
   if (report_file) {

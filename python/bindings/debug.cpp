@@ -4,8 +4,16 @@
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
 
-#include <string>
+#include <unistd.h>
 
+#include <chrono>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <thread>
+
+#include "debugger/dap_server.hpp"
+#include "io/stop.hpp"
 #include "machine/debug/expression.hpp"
 
 namespace {
@@ -132,6 +140,28 @@ void bind_debug(py::module_& core) {
         const auto info = d.get().history();
         return py::dict(py::arg("snapshots") = info.snapshots, py::arg("bytes") = info.bytes, py::arg("first_ps") = info.first.count(), py::arg("last_ps") = info.last.count());
       })
+      .def("listen", [](PythonDebugger& d, int port, const py::object& heard) {
+        std::optional<debugger::dap::Listener> opened;
+        try {
+          opened.emplace(port);
+        } catch (const std::system_error& error) {
+          PyErr_SetString(PyExc_OSError, error.what());
+          throw py::error_already_set();
+        }
+        debugger::dap::Listener& listener = *opened;
+        if (!heard.is_none()) heard(listener.port());
+        return d.long_work([&] {
+          while (!listener.has_client()) {
+            if (io::stop_asked()) return false;
+            std::this_thread::sleep_for(std::chrono::milliseconds{20});
+          }
+          const int client = listener.accept();
+          if (client < 0) return false;
+          const debugger::dap::Ended ended = debugger::dap::serve(client, client, d.get());
+          ::close(client);
+          return !ended.terminate;
+        });
+      }, py::arg("port"), py::arg("heard"), "Serves one editor until it goes; False: it wants the run to end.")
       .def("changes", [](PythonDebugger& d) { return d.get().changes(); })
       .def("state", [](PythonDebugger& d) { return py::bytes(d.get().debuggee().save()); }, "The whole state, for comparisons.")
       .def("on_output", [](PythonDebugger& d, const py::object& heard) {

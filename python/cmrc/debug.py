@@ -296,6 +296,13 @@ class Debugger:
         """Changes a register, to a number or an expression; R0 to R11 take floats."""
         self._d.set_register(self._chip(chip), arguments.text("name", name, "the name of a register"), str(value))
 
+    def listen(self, port: int = 0, *, told: Callable[[int], None] | None = None) -> bool:
+        """Lets one editor attach at a port of this machine (docs/dap.md), and serves it until it goes. False: it wants the run to end.
+
+        Port 0 is any that is free; ``told`` hears which. Raises OSError for a port that is taken.
+        """
+        return bool(self._d.listen(arguments.whole("port", port, "a port", 0, 65535), told))
+
     def on_output(self, heard: Callable[[str], None] | None) -> None:
         """Who hears the texts of log points, and of changes by hand."""
         self._d.on_output(heard)

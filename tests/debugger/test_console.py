@@ -1,0 +1,94 @@
+"""The debugger by commands: what scripts are told by their exit status, and what the commands say."""
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from locations import AT_ONCE_OPTIONS, BUILD
+from test_dap import PROGRAM
+
+TEXT = PROGRAM.replace("start:  ldp     total\n", "start:  ldp     total\n        ldhi    2fh,ar7\n        or      0f800h,ar7\n        ldi     ar7,sp\n")
+
+
+@pytest.fixture
+def program(tmp_path: Path) -> Path:
+    path = tmp_path / "sums.asm"
+    path.write_text(TEXT)
+    return path
+
+
+def debug(*arguments: object, stdin: str = "") -> subprocess.CompletedProcess[str]:
+    return subprocess.run([str(word) for word in (BUILD / "bin" / "emulator", "debug", *arguments)], input=stdin, capture_output=True, text=True, timeout=120, check=False)
+
+
+def script(tmp_path: Path, *commands: str) -> Path:
+    path = tmp_path / "commands.txt"
+    path.write_text("\n".join(commands) + "\n")
+    return path
+
+
+def test_a_firmware_test_is_ten_lines(program: Path, tmp_path: Path) -> None:
+    good = script(tmp_path, "# sums 5 to 1", "break end", "continue", "assert [total] == 15", "assert r0 == 0", "lastwrite total", "back", "goto 0 us", "assert pc == start")
+    done = debug(program, "-x", good)
+    assert done.returncode == 0, done.stdout
+    assert re.search(r"wrote 0000000Fh \(before: 0000000Eh\) to total .* at add\+0x2", done.stdout)
+    bad = debug(program, "-x", script(tmp_path, "break end", "continue", "assert [total] == 16", "print 1"))
+    assert bad.returncode == 1 and "assertion failed: [total] == 16" in bad.stdout and f"{tmp_path}/commands.txt:3" in bad.stdout
+    assert "1 (00000001h)" not in bad.stdout  # the script has ended there
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        ("nonsense", "is no command"), ("break", "a place is expected"), ("break nowhere", "is no place"), ("break add if", "an expression is expected"), ("break add if r0 ==", "column"),
+        ("break add ignore many", "a number is expected"), ("break add chip 5", "there is no chip 5"), ("watch", "a place or a register"), ("watch total,0", "PLACE,WORDS"), ("watch total sometimes", "nothing more is expected"),
+        ("on", "what happens is expected"), ("on miss", "is no happening"), ("when", "an expression is expected"), ("delete 9", "there is no stop condition 9"), ("delete x", "a number is expected"),
+        ("goto never", "is no instant"), ("goto -1 s", "is no instant"), ("goto 1 day", "s, ms, us, ns, ps or cycles"), ("goto 1e30 s", "9000000 s"), ("stepi -1", "a number is expected"), ("out", "no caller"),
+        ("print", "a value is expected"), ("print [0x40000000000]", "is no number|nothing can be read"), ("x", "a place is expected"), ("peripherals nothing", "begins with nothing"), ("page nothing", "is expected"),
+        ("set r0", "is expected"), ("set r0 = 1.5e99", "beyond"), ("set ar0 = 1.5", "whole numbers"), ("set 0x50000000 = 1", "reserved"), ("chip 3", "there is no chip 3"), ("source /nowhere", "cannot be read"),
+        ("lastwrite", "a place is expected"), ("assert", "a value is expected"),
+    ],
+)  # fmt: skip
+def test_commands_that_make_no_sense_say_what_would_be_right(program: Path, tmp_path: Path, command: str, message: str) -> None:
+    done = debug(program, stdin=f"{command}\nprint 6 * 7\n")
+    assert done.returncode == 0
+    assert re.search(message, done.stdout), done.stdout
+    assert "42 (0000002Ah)" in done.stdout
+    done = debug(program, "-x", script(tmp_path, command, "print 6 * 7"))
+    assert done.returncode == 2 and "42 " not in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["/nowhere.asm"], "nowhere.asm"), (["--dsps", "99"], "--dsps"), (["--link", "0.0:1.3"], "programs and networks"), (["-x", "/nowhere"], "cannot be read"), (["--snapshot", "/nowhere"], "nowhere"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_debugged_is_refused(arguments: list[str], message: str) -> None:
+    done = debug(*arguments)
+    assert done.returncode == 2 and message in done.stderr
+
+
+def test_a_program_and_the_dock_exclude_each_other(program: Path) -> None:
+    done = debug(program, "--dsps", "2")
+    assert done.returncode == 2 and "are the dock's" in done.stderr
+
+
+def test_the_dock_by_commands() -> None:
+    done = debug("--dsps", "3", "--duration", "0.1", "--set", "report.reference=none", *AT_ONCE_OPTIONS, stdin="on claim task=pid\nc\npage list\nchips\nblock\nrefresh\nrefresh 2\nrrefresh\nstops\nhistory\nlist\nregisters\nstack\n")
+    assert done.returncode == 0
+    for text in ("task=pid", "DSP 2", "refresh number=", "snapshots from 0.000000000 s", "cycles of its last run"):
+        assert text in done.stdout, text
+    assert re.search(r"claim task=pid, met [1-9] times", done.stdout) and "error:" not in done.stdout
+
+
+def test_registers_that_the_last_step_has_changed_are_marked(program: Path) -> None:
+    done = debug(program, stdin="stepi 5\nregisters\nstepi\nregisters\n")
+    last = done.stdout.split("R0 ")[-1]
+    assert "*" in done.stdout and "*R0" not in last
+
+
+def test_an_empty_line_does_the_last_step_again(program: Path) -> None:
+    once, thrice = debug(program, stdin="stepi\n\n\nprint cycle\n"), debug(program, stdin="stepi 3\nprint cycle\n")
+    assert once.stdout.splitlines()[-1] == thrice.stdout.splitlines()[-1]
