@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import Any
 
+from typing_extensions import Self
+
 from cmrc import _core, arguments
 
 DebugError = _core.debug.DebugError
@@ -97,7 +99,7 @@ class Debugger:
     def __init__(self, core: Any) -> None:
         self._core = core
 
-    def __enter__(self) -> Debugger:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
@@ -292,7 +294,7 @@ class Debugger:
         number = self._chip(chip)
         self._d.set_word(number, self.places(place, number)[0], arguments.whole("value", value, "a word", 0, 2**32 - 1))
 
-    def set_register(self, name: str, value: int | float | str, *, chip: int | None = None) -> None:
+    def set_register(self, name: str, value: float | str, *, chip: int | None = None) -> None:
         """Changes a register, to a number or an expression; R0 to R11 take floats."""
         self._d.set_register(self._chip(chip), arguments.text("name", name, "the name of a register"), str(value))
 

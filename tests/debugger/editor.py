@@ -6,7 +6,7 @@ import select
 import subprocess
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Self
 
 import dap
 from dap import events, responses
@@ -45,7 +45,7 @@ class Editor:
         self.outputs: list[str] = []
         self.bodies: dict[str, Any] = {}  # as they came
 
-    def __enter__(self) -> Editor:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:

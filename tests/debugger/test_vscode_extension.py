@@ -12,7 +12,7 @@ EXTENSION = ROOT / "editors" / "vscode"
 PACKAGE = json.loads((EXTENSION / "package.json").read_text())
 
 
-CONDITIONS = "nluf nlv nuf zuf luf nn np nc nz nv uf lv lo ls hi hs eq ne lt le gt ge u v c z n p".split()
+CONDITIONS = ["nluf", "nlv", "nuf", "zuf", "luf", "nn", "np", "nc", "nz", "nv", "uf", "lv", "lo", "ls", "hi", "hs", "eq", "ne", "lt", "le", "gt", "ge", "u", "v", "c", "z", "n", "p"]
 GRAMMAR = EXTENSION / "syntaxes" / "c40.tmLanguage.json"
 
 
