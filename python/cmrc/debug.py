@@ -98,6 +98,7 @@ class Debugger:
 
     def __init__(self, core: Any) -> None:
         self._core = core
+        self._calls: dict[int, Callable[[Stop], bool | None]] = {}
 
     def __enter__(self) -> Self:
         return self
@@ -163,6 +164,13 @@ class Debugger:
     def remove(self, number: int) -> None:
         """Forgets a stop condition."""
         self._d.remove(number)
+        self._calls.pop(number, None)
+
+    def call(self, number: int, function: Callable[[Stop], bool | None]) -> None:
+        """Calls a function at every stop by this condition on the way forward, with the machine there. True: the machine goes on."""
+        if number not in self._d.hits():
+            raise DebugError(f"there is no stop condition {number}")
+        self._calls[number] = function
 
     def enable(self, number: int, on: bool = True) -> None:
         """Switches a stop condition on or off."""
@@ -185,8 +193,13 @@ class Debugger:
         return self.stop.time_s
 
     def go(self, until_s: float | None = None) -> Stop:
-        """On to the next stop, or to ``until_s``."""
-        return _stop(self._d.go(None if until_s is None else self._ps(until_s)))
+        """On to the next stop, or to ``until_s``. Functions of ``call`` that all say True at a stop let the machine go on."""
+        until = None if until_s is None else self._ps(until_s)
+        while True:
+            stop = _stop(self._d.go(until))
+            calls = [self._calls.get(hit.number) for hit in stop.hits]
+            if not stop.hits or not all([call is not None and call(stop) is True for call in calls]):
+                return stop
 
     def run(self) -> Iterator[Stop]:
         """Every stop from here on until nothing more happens: ``for stop in debugger.run(): ...``."""

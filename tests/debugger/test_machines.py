@@ -5,7 +5,7 @@ from typing import Any
 import cmrc
 import pytest
 from cmrc import c40
-from cmrc.debug import DebugError
+from cmrc.debug import DebugError, Stop
 from cmrc.network import Network, SharedMemory
 
 
@@ -93,6 +93,22 @@ def test_an_instant_is_found_again_and_a_change_by_hand_begins_a_branch() -> Non
     assert debugger.word(scratch + 5, chip=3) != 1234
     debugger.go_to(0.05)
     assert debugger._core.state() == changed
+
+
+def test_functions_are_called_at_stops_and_may_let_the_machine_go_on() -> None:
+    debugger = dock(**{"machine.boot": "preloaded", "host.start_ms": 0}).debug()
+    number = debugger.on("claim", task="pid")
+    seen: list[tuple[float, str]] = []
+
+    def look(stop: Stop) -> bool:
+        seen.append((stop.time_s, debugger.page("dsps")))
+        return len(seen) < 5
+
+    debugger.call(number, look)
+    stop = debugger.go()
+    assert len(seen) == 5 and stop.time_s == seen[-1][0]
+    with pytest.raises(DebugError, match="no stop condition 99"):
+        debugger.call(99, look)
 
 
 def test_steps_by_claim_and_by_refresh_go_both_ways() -> None:

@@ -14,6 +14,7 @@ from locations import ROOT
 from nasty_programs import CYCLES, DATA, Bench, assembled, generate, made, state
 
 CYCLE_PS = 50_000
+SEEDS = [*range(30), *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(30, 1000))]
 EXAMPLES = sorted([*(ROOT / "c40_programs" / "examples").glob("*.asm"), *(ROOT / "c40_programs" / "examples" / "peripherals").glob("*.asm")])
 
 
@@ -40,7 +41,7 @@ def stops_until_the_end(debugger: Debugger) -> Iterator[tuple[int, tuple[Hit, ..
         yield instant(debugger), stop.hits
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", SEEDS)
 def test_breakpoints_stop_before_each_of_their_instructions(seed: int, tmp_path: Path) -> None:
     rng = random.Random(seed)
     program = program_without_pins(seed)
@@ -60,7 +61,7 @@ def test_breakpoints_stop_before_each_of_their_instructions(seed: int, tmp_path:
     assert found == expected, seed
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", SEEDS)
 def test_watchpoints_stop_after_each_access_of_the_processor(seed: int, tmp_path: Path) -> None:
     rng = random.Random(seed)
     program = program_without_pins(seed)
@@ -131,7 +132,7 @@ values: .word {source}, {destination}, {words}, 00c00008h
     assert writer is not None and "DMA channel 0" in writer.text and writer.time_ps == times[7]
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", SEEDS)
 def test_what_a_stop_shows_is_what_a_run_comes_to_that_nobody_looks_at(seed: int, tmp_path: Path) -> None:
     rng = random.Random(seed)
     program = program_without_pins(seed)
@@ -179,7 +180,7 @@ def test_steps_forward_and_back_come_to_the_same_states(path: Path) -> None:
         assert fresh.debug()._core.state() == before
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", SEEDS)
 def test_the_last_writer_is_that_of_the_full_trace(seed: int, tmp_path: Path) -> None:
     rng = random.Random(seed)
     program = program_without_pins(seed)

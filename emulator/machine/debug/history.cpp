@@ -37,7 +37,7 @@ std::size_t chunk_length(std::string_view text) {
 }
 
 // Snapshots take no more of the host's time than one part in so many.
-constexpr int share_of_time = 16;
+constexpr int share_of_time = 32;
 
 }  // namespace
 
