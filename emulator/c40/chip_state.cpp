@@ -177,8 +177,8 @@ void Memory::set_flat_pages(const std::vector<Address>& bases) {
 
 // Not what stands here for the time of one call only, from begin_following() on.
 void DmaSide::list_state(state::Visitor& list) {
-  // Those that are over mean nothing any more; when they are taken out depends on how a run is cut.
-  std::erase_if(accesses_, [&](const ProcessorAccess& access) { return access.end < chip_.state.dma.now; });
+  // Those that are over, or not known, mean nothing; when they are taken out depends on how a run is cut.
+  std::erase_if(accesses_, [&](const ProcessorAccess& access) { return !knows_accesses_ || access.end < chip_.state.dma.now; });
   list("accesses", accesses_);
   list("knows_accesses", knows_accesses_);
   list("taken_until", taken_until_);

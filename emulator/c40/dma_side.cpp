@@ -231,9 +231,9 @@ Word DmaSide::touch_port(const PortAccess& access, Cycles at) {
 void DmaSide::begin_following(bool beside_processor) {
   beside_ = beside_processor;
   disturbed_ = false;
+  know_accesses();
   std::erase_if(accesses_, [&](const ProcessorAccess& access) { return access.end < chip_.state.dma.now; });
   if (!beside_) return;
-  know_accesses();
   pipeline_ = chip_.pipeline.get();
   next_fetches_ = fetches_from_memory();
   expect_fetches();

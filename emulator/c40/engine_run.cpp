@@ -80,7 +80,7 @@ bool Engine::may_interrupt() const {
   const bool waiting_interrupt = !may_interrupt() && interrupts::pending(state_) != 0;
   dma_effect_ = dma_side_.effect();
   if (dma_effect_ == DmaEffect::under_way) dma_side_.know_accesses();
-  else dma_side_.know_no_accesses();
+  else if (!access_.any()) dma_side_.know_no_accesses();  // an access that is tried once more is of an instruction begun before
   const bool one = single || trace != nullptr || answered || waiting_interrupt || dma_effect_ != DmaEffect::none ||
                    cache_.control_pending();
   if (!one && !exact_only && !onward_.is_missed()) {

@@ -333,6 +333,7 @@ void Network::perform_port(Node& node) {
   for (const std::size_t link : node.links) links_[link]->advance_to(now_);
   node.chip.complete_port(node.first_cycle(now_));
   node.status = ChipStatus::running;
+  node.was_ready = false, node.ready_since = Time{0};
 }
 
 void Network::perform_memory(Node& node) {
@@ -461,6 +462,9 @@ NetworkStop Network::finish(NetworkStop::Reason reason, Time end) {
       node->run_to(end);  // its last instruction, if it follows its ports only now
     else if (node->status == ChipStatus::waiting && node->chip.dma_active() && !node->chip.dma_busy()) node->run_to(end);  // its timers
     else if (node->status == ChipStatus::sleeping || node->held() || (node->patience.loop && node->status == ChipStatus::running)) node->bring_to(end, false);
+  // What has happened since a chip was last looked at is noted at every instant that a run comes to, wherever it was cut.
+  for (auto& node : nodes_)
+    if (!node->patience.is_private && node->patience.happenings != happenings_) node->begin_patience();
   check_words();
   return {reason, end};
 }

@@ -419,15 +419,21 @@ bool Network::Node::is_shared(Address address) const {
   return c40::is_port_register(address) && network.neighbour(*this, c40::port_access(address, false, 0, 0).port).has_value();
 }
 
+void Network::Node::begin_patience() {
+  Patience& p = patience;
+  p.looking.reset();
+  p.loop.reset();
+  p.since = first_cycle(network.happened_), p.length = Patience::first, p.happenings = network.happenings_;
+  chip.set_trace(trace);
+}
+
 /// Looks from time to time whether the chip goes round a loop.
 void Network::Node::look_for_loop() {
   Patience& p = patience;
   if (p.is_private) return;
   const bool alone = status == ChipStatus::running || (status == ChipStatus::waiting && ready());
   if (p.happenings != network.happenings_ || !alone) {
-    p.looking.reset();
-    p.loop.reset();
-    p.since = first_cycle(network.happened_), p.length = Patience::first, p.happenings = network.happenings_;
+    begin_patience();
   } else if (!p.loop && chip.cycle() >= p.next_look()) {
     if (!p.looking) {
       p.looking.emplace(chip, trace);

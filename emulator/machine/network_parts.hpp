@@ -117,6 +117,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   bool come_to(Time time);
   void bring_to(Time time, bool fully);
   void look_for_loop();
+  void begin_patience();
   void note_idle();
   void note_ready(Time time);
   void wake_up();

@@ -79,3 +79,30 @@ def test_the_order_of_turns_changes_nothing(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(16, 400))
 def test_the_order_of_turns_changes_nothing_by_the_hundred(seed: int) -> None:
     check(seed)
+
+
+def check_state(seed: int) -> None:
+    """At an instant, a network is in one state, however it was brought there; if it has ended before, its time of stopping is one."""
+    rng = random.Random(seed)
+    instant = rng.randrange(100_000, 3_000_000)
+    whole, cut = network(seed, 0), network(seed, seed + 1)
+    stop = whole._core.run_until(instant)
+    time = 0
+    while time < instant:
+        time = min(instant, time + rng.randrange(1, 400_000))
+        stop_of_cut = cut._core.run_until(time)
+    assert stop_of_cut == stop
+    if stop[0] == "limit":
+        assert whole._core._state_difference(cut._core) is None
+
+
+# 73 and 351: what the DMA knew of the processor's accesses. 58: when a DMA that had ended was last looked at. 320: both at once.
+@pytest.mark.parametrize("seed", [58, 73, 320, 351, *range(16)])
+def test_a_network_has_one_state_at_an_instant(seed: int) -> None:
+    check_state(seed)
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("seed", range(16, 2000))
+def test_a_network_has_one_state_at_an_instant_by_the_thousand(seed: int) -> None:
+    check_state(seed)

@@ -255,7 +255,7 @@ bool Dma::step(Cycles limit, std::optional<DmaRequest>& request) {
   if (s_.current < 0) {
     const auto next = pick();
     if (!next) {
-      s_.now = limit;
+      if (active()) s_.now = limit;  // else its time stands still: how far a run goes on afterwards is no part of its state
       return false;
     }
     s_.current = static_cast<std::int8_t>(*next);
