@@ -232,7 +232,6 @@ void Link::End::list_state(state::Visitor& list) {
 }
 
 void Link::list_state(state::Visitor& list) {
-  list("now", now_);
   list("cut", cut_);
   list("action", action_);
   list("action_side", action_side_);

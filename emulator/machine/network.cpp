@@ -322,15 +322,15 @@ void Network::link_happens(std::size_t number, Time time) {
   if (!passes_token) changed_ = time;
   for (Node* node : nodes) {
     if (!moved && node->status == ChipStatus::running) continue;  // it does not look at its ports
-    node->note_ready(time);
+    const bool became_ready = node->note_ready(time);
     node->wake_up();
+    if (!moved && !became_ready && node->status == ChipStatus::waiting && !node->chip.dma_active()) continue;  // as before
     node->changed();
     if (moved) node->tell_changes();
   }
 }
 
 void Network::perform_port(Node& node) {
-  for (const std::size_t link : node.links) links_[link]->advance_to(now_);
   node.chip.complete_port(node.first_cycle(now_));
   node.status = ChipStatus::running;
   node.was_ready = false, node.ready_since = Time{0};

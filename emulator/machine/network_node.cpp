@@ -288,11 +288,12 @@ bool Network::Node::ready() const {
   return !memory.owner || *memory.owner == number;
 }
 
-void Network::Node::note_ready(Time time) {
-  if (!waits_for_port()) return;
-  const bool now = ready();
-  if (now && !was_ready) ready_since = time;
+bool Network::Node::note_ready(Time time) {
+  if (!waits_for_port()) return false;
+  const bool now = ready(), changes = now != was_ready;
+  if (now && changes) ready_since = time;
   was_ready = now;
+  return changes;
 }
 
 /// When the access that it waits for takes place, as far as can be said.
@@ -300,9 +301,8 @@ Time Network::Node::access_time() const {
   if (status != ChipStatus::waiting) return never;
   // Nothing but a link, or its own DMA, makes a port ready.
   if (waits_for_port() && !chip.dma_active() ? !was_ready : !ready()) return never;
-  const Cycles now = first_cycle(network.now_);
-  if (waits_for_port()) return clock.at(std::max({stop.port.cycle, first_cycle(ready_since), now}));
-  return clock.at(std::max({stop.access.cycle, first_cycle(network.memory_of(*this, stop.access.address)->free), now}));
+  const Time free = waits_for_port() ? ready_since : network.memory_of(*this, stop.access.address)->free;
+  return clock.at(std::max(waits_for_port() ? stop.port.cycle : stop.access.cycle, first_cycle(std::max(free, network.now_))));
 }
 
 /// What a timer does to a chip that sleeps or waits; an event that nobody listens to is none.

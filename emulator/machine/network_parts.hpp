@@ -119,7 +119,8 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   void look_for_loop();
   void begin_patience();
   void note_idle();
-  void note_ready(Time time);
+  /// Whether the port that it waits for has become ready, or is so no more.
+  bool note_ready(Time time);
   void wake_up();
 
   // How it stands.

@@ -84,7 +84,7 @@ bool Link::can_send(const End& owner, const End& other) const {
   return owner.wants() && !other.seen.input_halted && held < Fifo::depth;
 }
 
-Time Link::next_change() const {
+Time Link::next_event() const {
   Time next = action_ == Action::none ? never : ends_at_;
   for (const End& end : ends_) {
     if (!end.views.empty()) next = std::min(next, end.views.front().from);
@@ -93,16 +93,13 @@ Time Link::next_change() const {
   return next;
 }
 
-Time Link::next_event() const { return next_change(); }
-
 bool Link::only_exchanges_token() const {
   const auto quiet = [](const End& end) { return end.views.empty() && end.arriving.empty(); };
   return action_ != Action::word && quiet(ends_[0]) && quiet(ends_[1]) && !can_send(ends_[0], ends_[1]) && !can_send(ends_[1], ends_[0]);
 }
 
 void Link::advance_to(Time time) {
-  for (Time next = next_change(); next <= time; next = next_change()) happen(next);
-  now_ = std::max(now_, time);
+  for (Time next = next_event(); next <= time; next = next_event()) happen(next);
 }
 
 Time Link::lookahead() const {
@@ -116,7 +113,6 @@ Time Link::lookahead() const {
 
 // Everything of one instant, in an order that no one can tell from another; then who goes next.
 void Link::happen(Time time) {
-  now_ = time;
   for (End& end : ends_) {
     while (!end.arriving.empty() && end.arriving.front().time <= time) {
       ends_[static_cast<std::size_t>(1 - end.side)].port->receive(end.arriving.front().word);

@@ -159,7 +159,6 @@ class Link {
   };
   enum class Action : std::uint8_t { none, word, token };
 
-  Time next_change() const;
   void happen(Time time);
   void decide(Time time);
   void begin(Action action, int side, int cycles, Time time);
@@ -170,7 +169,6 @@ class Link {
 
   LinkParameters parameters_;
   std::array<End, 2> ends_;
-  Time now_ = Time::min();
   bool cut_ = false;
   Action action_ = Action::none;
   int action_side_ = 0;  ///< who sends, or gets the token
