@@ -5,6 +5,7 @@ import random
 import pytest
 from cmrc.c40 import assemble
 from cmrc.network import Network, SharedMemory
+from leaves import check_that_every_value_is_loaded
 from nasty_programs import CYCLES, Bench, assembled, prepare, ring
 
 
@@ -77,6 +78,20 @@ later:  subi 1,r6
         sti r4,*+ar0(1)
 end:    b end
 """
+
+
+# Which of several things there is, is no number; of an access that is not waited for, and of a hold that no chip is in, nothing is kept.
+NO_NUMBERS = ("memory.pages.", "undisturbed", "reported_breakpoint", "looks", "waiting_access", "port_slot", ".access.", ".port_access.", "chip.held")
+
+
+def test_every_value_of_a_network_is_loaded_and_named_by_a_comparison(tmp_path):
+    programs, bench = ring(3), Bench(tmp_path)
+    network = network_of(programs, bench)
+    network.run(until_us=3)
+    checked = check_that_every_value_is_loaded(
+        lambda: network_of(programs, bench)._core, network._core, lambda path: any(name in path for name in NO_NUMBERS)
+    )
+    assert checked > 1500
 
 
 def locking(turn_order=0):
