@@ -51,10 +51,13 @@ bool repeats(const Instruction& instruction) {
 
 }  // namespace
 
-std::string_view name(Rule rule) {
-  static constexpr std::string_view names[] = {"delay_slot", "repeat_block", "repeat_nesting", "repeat_single", "self_modifying", "interlocked", "circular", "reserved"};
-  return names[static_cast<std::size_t>(rule)];
-}
+namespace {
+constexpr std::array<std::string_view, 8> names{"delay_slot",     "repeat_block", "repeat_nesting", "repeat_single",
+                                                "self_modifying", "interlocked",  "circular",       "reserved"};
+}  // namespace
+
+std::string_view name(Rule rule) { return names[static_cast<std::size_t>(rule)]; }
+std::vector<std::string_view> rule_names() { return {names.begin(), names.end()}; }
 
 std::string_view document(Rule rule) { return rule == Rule::interlocked ? "c40-hardware.md" : "c40-isa.md"; }
 
@@ -79,6 +82,7 @@ void SelfCheck::report(Rule rule, Address pc, Cycles cycle, Word word, std::stri
   const auto [found, fresh] = known_.try_emplace({rule, pc}, diagnostics_.size());
   if (fresh) diagnostics_.push_back({rule, section(rule), pc, cycle, isa::disassemble(word, pc), std::move(message)});
   else ++diagnostics_[found->second].count;
+  if (on_breach) on_breach(diagnostics_[found->second]);
 }
 
 void SelfCheck::run_ended() {

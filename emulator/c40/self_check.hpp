@@ -2,6 +2,7 @@
 /// Rules of the manual that a program may break without the chip noticing, checked instruction by instruction while it runs.
 /// A trace sink: with it the chip runs without blocks, and nothing observable changes.
 #include <array>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -25,6 +26,7 @@ enum class Rule : std::uint8_t {
 };
 /// "delay_slot"
 std::string_view name(Rule rule);
+std::vector<std::string_view> rule_names();
 /// "c40-isa.md", or "c40-hardware.md"
 std::string_view document(Rule rule);
 /// One breach; later ones of the same rule at the same place are only counted.
@@ -51,6 +53,9 @@ class SelfCheck final : public TraceSink {
 
   void instruction(const TraceRecord& record) override;
   void interrupt(Word vector, Cycles cycle) override;
+
+  /// Hears every breach, also one that was known: `count` says how many there have been.
+  std::function<void(const Diagnostic&)> on_breach;
 
   /// In the order in which they were found.
   const std::vector<Diagnostic>& diagnostics() const { return diagnostics_; }

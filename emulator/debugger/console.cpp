@@ -500,7 +500,7 @@ void Console::show_page(Words& words) {
 
 void Console::show_happenings(Words& words) {
   words.end();
-  for (const auto& [kind, what] : debuggee().happenings()) print_(fmt::format("  {:<16} {}", kind, what));
+  for (const auto& [kind, what] : debugger_.happenings()) print_(fmt::format("  {:<16} {}", kind, what));
   print_("  any              each of them, but for what happens all the time");
 }
 
@@ -553,7 +553,7 @@ std::vector<std::string> Console::completions(std::string_view line) const {
     return {found.begin(), found.end()};
   }
   for (const auto& [name, value] : debugger_.program(chip_).image().symbols) offer(name);
-  for (const auto& [kind, what] : debugger_.debuggee().happenings()) offer(kind);
+  for (const auto& [kind, what] : debugger_.happenings()) offer(kind);
   for (const std::string& name : debugger_.debuggee().value_names()) offer(name);
   for (const std::string& name : debugger_.debuggee().page_names()) offer(name);
   for (const ShownRegister& reg : machine::debug::registers(debugger_.debuggee().chip(chip_))) {

@@ -135,7 +135,7 @@ Json Session::set_instruction_breakpoints(const Json& arguments) {
 
 Json Session::set_exception_breakpoints(const Json& arguments) {
   forget(by_exception_);
-  const auto there = core().debuggee().happenings();
+  const auto there = core().happenings();
   Json answers = Json::array();
   for (const Json& filter : list_of(arguments, "filters")) {
     const std::string kind = filter.get<std::string>();

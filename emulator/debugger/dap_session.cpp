@@ -98,6 +98,7 @@ Json Session::initialize(const Json&) {
   };
   Json filters = Json::array();
   filters.push_back({{"filter", "fault"}, {"label", "Faults: a chip cannot go on"}, {"default", true}});
+  filters.push_back({{"filter", "rule"}, {"label", "Rules of the manual that a program breaks (slow)"}, {"default", false}});
   filters.push_back({{"filter", "miss"}, {"label", "Missed deadlines (dock)"}, {"default", false}});
   filters.push_back({{"filter", "error"}, {"label", "Errors of the controller (dock)"}, {"default", false}});
   return {{"supportsConfigurationDoneRequest", true}, {"supportsFunctionBreakpoints", true}, {"supportsConditionalBreakpoints", true}, {"supportsHitConditionalBreakpoints", true},

@@ -132,7 +132,7 @@ void bind_debug(py::module_& core) {
         for (std::size_t n = 0; n < d.get().programs().size(); ++n) names.push_back(d.get().debuggee().chip_name(n));
         return names;
       })
-      .def("happenings", [](PythonDebugger& d) { return d.get().debuggee().happenings(); })
+      .def("happenings", [](PythonDebugger& d) { return d.get().happenings(); })
       .def("value_names", [](PythonDebugger& d) { return d.get().debuggee().value_names(); })
       .def("page_names", [](PythonDebugger& d) { return d.get().debuggee().page_names(); })
       .def("page", [](PythonDebugger& d, const std::string& name) { return d.get().debuggee().page(name); }, py::arg("name"))

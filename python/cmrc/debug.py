@@ -198,7 +198,8 @@ class Debugger:
         while True:
             stop = _stop(self._d.go(until))
             calls = [self._calls.get(hit.number) for hit in stop.hits]
-            if not stop.hits or not all([call is not None and call(stop) is True for call in calls]):
+            go_on = [call is not None and call(stop) is True for call in calls]  # each is called
+            if not stop.hits or not all(go_on):
                 return stop
 
     def run(self) -> Iterator[Stop]:

@@ -1,13 +1,16 @@
 #include "machine/debug/debugger.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ranges>
 #include <utility>
 
 #include "c40/float40.hpp"
+#include "c40/self_check.hpp"
 #include "io/stop.hpp"
 #include "machine/debug/ear.hpp"
 
@@ -102,14 +105,20 @@ void Debugger::check(const Trigger& trigger) {
     throw DebugError(fmt::format("{} is no register that can be watched; R0 to R11, AR0 to AR7, DP, IR0, IR1, BK, SP, ST, DIE, IIE, IIF, RS, RE, RC are", trigger.name));
   if (trigger.kind == value) (void)Expression(trigger.name, debuggee_, programs_, chip).value();
   if (trigger.kind == happening) {
-    std::string names;
-    for (const auto& [kind, what] : debuggee_.happenings()) names += (names.empty() ? "" : ", ") + kind;
-    if (names.empty()) throw DebugError(fmt::format("{}: nothing happens here but instructions; breakpoints and watchpoints stop at those", trigger.name));
-    const auto kinds = debuggee_.happenings();
-    if (trigger.name != "any" && std::ranges::none_of(kinds, [&](const auto& kind) { return kind.first == trigger.name; }))
-      throw DebugError(fmt::format("{} is no happening; any, {} are", trigger.name, names));
+    const auto kinds = happenings();
+    if (trigger.name != "any" && std::ranges::none_of(kinds, [&](const auto& row) { return row.first == trigger.name; }))
+      throw DebugError(fmt::format("{} is no happening; any, {} are", trigger.name, fmt::join(std::views::keys(kinds), ", ")));
+    const std::vector<std::string_view> rules = c40::rule_names();
+    if (const auto rule = trigger.fields.find("rule"); trigger.of_rules() && rule != trigger.fields.end() && std::ranges::find(rules, rule->second) == rules.end())
+      throw DebugError(fmt::format("{} is no rule; {} are", rule->second, fmt::join(rules, ", ")));
   }
   if (!trigger.condition.empty()) (void)Expression(trigger.condition, debuggee_, programs_, chip);
+}
+
+std::vector<std::pair<std::string, std::string>> Debugger::happenings() const {
+  auto all = debuggee_.happenings();
+  all.emplace_back(std::string(Trigger::rules), "an instruction breaks a rule of the manual (rule=NAME: one of them); looked at by single instructions");
+  return all;
 }
 
 unsigned Debugger::add(Trigger trigger) {
@@ -134,7 +143,7 @@ std::vector<std::size_t> Debugger::stepped_chips() const {
   for (std::size_t n = 0; n < programs_.size(); ++n)
     if (std::ranges::any_of(triggers_, [&](const auto& entry) {
           const Trigger& t = entry.second;
-          return t.enabled && t.kind == Trigger::Kind::processor_register && t.chip.value_or(n) == n;
+          return t.enabled && t.by_instructions() && t.chip.value_or(n) == n;
         }))
       chips.push_back(n);
   return chips;

@@ -54,6 +54,12 @@ struct Trigger {
            condition == other.condition && log == other.log && enabled == other.enabled;
   }
 
+  /// The happening that comes of instructions themselves: one breaks a rule of the manual.
+  static constexpr std::string_view rules = "rule";
+  bool of_rules() const { return kind == Kind::happening && name == rules; }
+  /// Its chip runs by single instructions.
+  bool by_instructions() const { return kind == Kind::processor_register || of_rules(); }
+
   std::uint64_t hits = 0;   ///< on the way forward, those passed over among them
 };
 
@@ -110,6 +116,8 @@ class Debugger {
   const ProgramView& program(std::size_t chip) const { return programs_.at(chip); }
   const std::vector<ProgramView>& programs() const { return programs_; }
   const Stop& stop() const { return stop_; }
+  /// Kinds of happenings that it can stop at, with what they are.
+  std::vector<std::pair<std::string, std::string>> happenings() const;
 
   // ---- what to stop at ----
   /// The number of the new one. \throws DebugError for what cannot be: an address without memory, a condition that does not parse

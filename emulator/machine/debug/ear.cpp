@@ -24,7 +24,7 @@ class Debugger::Ear::ChipEar final : public c40::Probe, public c40::TraceSink {
  public:
   ChipEar(Ear& ear, std::size_t chip) : ear_(ear), chip_(chip) {}
 
-  void plan(c40::ProbePlan plan, bool each_instruction) {
+  void plan(c40::ProbePlan plan, bool each_instruction, bool rules) {
     c40::Chip& chip = ear_.debuggee_.chip(chip_);
     if (plan.code != plan_.code || plan.data != plan_.data) {
       const bool nothing = plan.code.empty() && plan.data.empty();
@@ -33,19 +33,41 @@ class Debugger::Ear::ChipEar final : public c40::Probe, public c40::TraceSink {
     }
     if (each_instruction != traces_) ear_.debuggee_.set_trace(chip_, each_instruction ? this : nullptr);
     traces_ = each_instruction;
+    if (!rules) rules_.reset();
+    else if (!rules_) look_for_breaches();
+  }
+  /// The chip stands where it did not stand before.
+  void moved() {
+    if (rules_) look_for_breaches();
+  }
+  /// Somebody may have changed its registers.
+  void look_again() {
+    if (rules_) rules_->look();
   }
 
   void reaches(Address pc, c40::Cycles cycle) override { ear_.reached(chip_, pc, time(cycle)); }
   void accessed(const c40::ProbedAccess& access) override { ear_.accessed(chip_, access, time(access.cycle)); }
-  void instruction(const c40::TraceRecord& record) override { ear_.executed(chip_, record); }
-  void interrupt(Word, c40::Cycles) override {}
+  void instruction(const c40::TraceRecord& record) override {
+    ends_ = record.cycle + record.cycles;
+    if (rules_) rules_->instruction(record);
+    ear_.executed(chip_, record);
+  }
+  void interrupt(Word vector, c40::Cycles cycle) override {
+    if (rules_) rules_->interrupt(vector, cycle);
+  }
 
  private:
   Time time(c40::Cycles cycle) const { return ear_.debuggee_.time_of(chip_, cycle); }
+  void look_for_breaches() {
+    rules_.emplace(ear_.debuggee_.chip(chip_));
+    rules_->on_breach = [this](const c40::Diagnostic& breach) { ear_.broke_rule(chip_, breach, ends_); };
+  }
   Ear& ear_;
   std::size_t chip_;
   c40::ProbePlan plan_;
   bool traces_ = false;
+  std::optional<c40::SelfCheck> rules_;
+  c40::Cycles ends_ = 0;  ///< of the instruction that is heard
 };
 
 Debugger::Ear::Ear(Debuggee& debuggee, const std::vector<ProgramView>& programs) : debuggee_(debuggee), programs_(programs) {
@@ -53,7 +75,7 @@ Debugger::Ear::Ear(Debuggee& debuggee, const std::vector<ProgramView>& programs)
 }
 
 Debugger::Ear::~Ear() {
-  for (auto& chip : chips_) chip->plan({}, false);
+  for (auto& chip : chips_) chip->plan({}, false, false);
   debuggee_.listen(nullptr, {});
   debuggee_.watch_shared(nullptr, {});
 }
@@ -70,21 +92,22 @@ void Debugger::Ear::arm(const std::map<unsigned, Trigger>& triggers, std::option
   std::vector<c40::AddressRange> shared_words;
   std::set<std::string> kinds;
   for (const auto& [number, trigger] : armed_) {
-    if (trigger.kind == Trigger::Kind::happening) kinds.insert(trigger.name);
+    if (trigger.kind == Trigger::Kind::happening && !trigger.of_rules()) kinds.insert(trigger.name);
     if (trigger.kind == Trigger::Kind::word && shared(trigger))
       shared_words.push_back({*debuggee_.shared_word(trigger.chip.value_or(0), trigger.address), trigger.words});
     if (trigger.kind == Trigger::Kind::value) values_.emplace(number, Expression(trigger.name, debuggee_, programs_, trigger.chip.value_or(0)));
   }
   for (std::size_t n = 0; n < chips_.size(); ++n) {
     c40::ProbePlan plan;
-    bool steps = each_ == n;
+    bool steps = each_ == n, rules = false;
     for (const auto& [number, trigger] : armed_) {
       if (trigger.chip && *trigger.chip != n) continue;
       if (trigger.kind == Trigger::Kind::code) plan.code.insert(trigger.address);
       if (trigger.kind == Trigger::Kind::word && !shared(trigger)) plan.data.push_back({trigger.address, trigger.words});
-      steps = steps || trigger.kind == Trigger::Kind::processor_register;
+      steps = steps || trigger.by_instructions();
+      rules = rules || trigger.of_rules();
     }
-    chips_[n]->plan(std::move(plan), steps);
+    chips_[n]->plan(std::move(plan), steps, rules);
   }
   debuggee_.watch_shared(shared_words.empty() ? nullptr : this, shared_words);
   debuggee_.listen(kinds.empty() ? nullptr : this, kinds);
@@ -95,6 +118,7 @@ void Debugger::Ear::rearm(const std::map<unsigned, Trigger>& triggers, std::opti
   const std::map<unsigned, bool> were = were_;
   arm(triggers, each);
   were_ = were;
+  for (auto& chip : chips_) chip->look_again();
   open_ = true;
   stepped.reset();
 }
@@ -103,6 +127,7 @@ void Debugger::Ear::listen(Time after) {
   after_ = after;
   open_ = true;
   hits.clear(), instructions.clear(), stepped.reset();
+  for (auto& chip : chips_) chip->moved();
   for (auto& [number, expression] : values_) were_[number] = expression.value().truth();
 }
 
@@ -205,10 +230,18 @@ void Debugger::Ear::executed(std::size_t chip, const c40::TraceRecord& record) {
   }
 }
 
+void Debugger::Ear::broke_rule(std::size_t chip, const c40::Diagnostic& breach, c40::Cycles cycle) {
+  const std::string rule(c40::name(breach.rule));
+  Happening happening{.time = debuggee_.time_of(chip, cycle), .kind = std::string(Trigger::rules), .chip = chip, .fields = {{"rule", rule}}, .text = {}};
+  happening.text = fmt::format("{} broke the rule {} ({} {}) at {}: {}: {}", debuggee_.chip_name(chip), rule, c40::document(breach.rule), breach.section,
+                               place(chip, breach.pc), breach.instruction, breach.message);
+  happened(happening);
+}
+
 void Debugger::Ear::happened(const Happening& happening) {
   if (!open_) return;
   for (const auto& [number, trigger] : armed_) {
-    if (trigger.kind != Trigger::Kind::happening || (trigger.name != "any" && trigger.name != happening.kind)) continue;
+    if (trigger.kind != Trigger::Kind::happening || (trigger.name != happening.kind && (trigger.name != "any" || happening.kind == Trigger::rules))) continue;
     if (trigger.chip && trigger.chip != happening.chip) continue;
     const bool fits = std::ranges::all_of(trigger.fields, [&](const auto& field) {
       const auto found = happening.fields.find(field.first);

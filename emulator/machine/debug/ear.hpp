@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "c40/self_check.hpp"
 #include "machine/debug/debugger.hpp"
 #include "machine/debug/expression.hpp"
 
@@ -50,6 +51,7 @@ class Debugger::Ear final : private HappeningListener, private SharedListener {
   void reached(std::size_t chip, Address pc, Time time);
   void accessed(std::size_t chip, const c40::ProbedAccess& access, Time time);
   void executed(std::size_t chip, const c40::TraceRecord& record);
+  void broke_rule(std::size_t chip, const c40::Diagnostic& breach, c40::Cycles cycle);
   void add(unsigned number, const Trigger& trigger, Hit hit);
   Expression& condition_of(unsigned number, const Trigger& trigger, std::size_t chip);
   std::string place(std::size_t chip, Address pc) const;
