@@ -174,7 +174,8 @@ std::optional<ChipRunner::Span> Network::Node::span_of_runner() {
   // Only there it is known whether it still follows its ports.
   const bool begins_last = chip.cycle() >= ends_ && !waits && !idles && watches();
   Cycles limit = std::min(ends_ + (begins_last ? 1 : 0), action_);
-  if (chip.settled() >= known && (waits || chip.cycle() >= limit)) {
+  const bool timers_behind = chip.dma_active() && chip.next_event() <= std::min(known, chip.settled());
+  if (chip.settled() >= known && !timers_behind && (waits || chip.cycle() >= limit)) {
     note_idle();
     return {};
   }

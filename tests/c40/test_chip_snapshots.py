@@ -74,7 +74,7 @@ FIXED = (
     "memory.flat_pages",
 )
 # Of accesses that are not waited for, nothing is kept.
-LEFT_OVER = ("access.", "port_access.", "held")
+LEFT_OVER = ("access.", "port_access.", "held", "told")
 
 
 def test_every_value_that_is_saved_is_loaded(tmp_path):

@@ -81,7 +81,7 @@ end:    b end
 
 
 # Which of several things there is, is no number; of an access that is not waited for, and of a hold that no chip is in, nothing is kept.
-NO_NUMBERS = ("memory.pages.", "undisturbed", "reported_breakpoint", "looks", "waiting_access", "port_slot", ".access.", ".port_access.", "chip.held")
+NO_NUMBERS = ("memory.pages.", "undisturbed", "reported_breakpoint", "looks", "waiting_access", "port_slot", ".access.", ".port_access.", "chip.held", "chip.told")
 
 
 def test_every_value_of_a_network_is_loaded_and_named_by_a_comparison(tmp_path):
