@@ -333,7 +333,7 @@ void Network::link_happens(std::size_t number, Time time) {
 void Network::perform_port(Node& node) {
   node.chip.complete_port(node.first_cycle(now_));
   node.status = ChipStatus::running;
-  node.was_ready = false, node.ready_since = Time{0};
+  node.forget_port();
 }
 
 void Network::perform_memory(Node& node) {
@@ -458,8 +458,8 @@ NetworkStop Network::finish(NetworkStop::Reason reason, Time end) {
       while (net->next() <= end) net->act(net->next());  // which nobody heeds
   now_ = reason == NetworkStop::Reason::limit ? std::max(now_, end) : end;
   for (auto& node : nodes_)
-    if (reason == NetworkStop::Reason::limit && node->follows() && !node->patience.loop)
-      node->run_to(end);  // its last instruction, if it follows its ports only now
+    if (reason == NetworkStop::Reason::limit && !node->patience.loop && (node->follows() || (node->status == ChipStatus::running && node->chip.dma_active())))
+      node->run_to(end);  // its last instruction, if it follows its ports only now; and its DMA, which may be behind
     else if (node->status == ChipStatus::waiting && node->chip.dma_active() && !node->chip.dma_busy()) node->run_to(end);  // its timers
     else if (node->status == ChipStatus::sleeping || node->held() || (node->patience.loop && node->status == ChipStatus::running)) node->bring_to(end, false);
   // What has happened since a chip was last looked at is noted at every instant that a run comes to, wherever it was cut.

@@ -235,11 +235,15 @@ bool Network::Node::waits(StopInfo::Reason why, const c40::PortAccess& access) {
 
 bool Network::Node::faulted(const c40::Fault& why) {
   status = ChipStatus::fault;
+  forget_port();
   stop = {};
   stop.reason = StopInfo::Reason::fault;
   stop.fault = why;
   return false;
 }
+
+/// It waits for none any more.
+void Network::Node::forget_port() { was_ready = false, ready_since = Time{0}; }
 
 void Network::Node::note_idle() {
   if (!chip.idle() || chip.dma_busy() || status != ChipStatus::running) return;

@@ -121,6 +121,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   void note_idle();
   /// Whether the port that it waits for has become ready, or is so no more.
   bool note_ready(Time time);
+  void forget_port();
   void wake_up();
 
   // How it stands.

@@ -80,6 +80,23 @@ end:    b end
 """
 
 
+# 589: timers behind a DMA; 1101: an access that a chip waited for when its DMA failed; 2669: a DMA behind its processor.
+@pytest.mark.parametrize("seed", [589, 1101, 2669, *range(20), *(pytest.param(seed, marks=pytest.mark.campaign) for seed in range(20, 3500))])
+def test_a_ring_of_nasty_programs_has_one_state_at_an_instant(seed, tmp_path):
+    programs, bench = ring(seed), Bench(tmp_path)
+    rng = random.Random(seed)
+    whole, cut = network_of(programs, bench), network_of(programs, bench, turn_order=seed + 1)
+    instant = rng.randrange(100_000, 40_000_000)
+    stop = whole._core.run_until(instant)
+    time, stop_of_cut = 0, ("limit", 0)
+    while time < instant and stop_of_cut[0] == "limit":
+        time = min(instant, time + rng.randrange(1, 4_000_000))
+        stop_of_cut = cut._core.run_until(time)
+    assert stop_of_cut == stop
+    if stop[0] == "limit":
+        assert whole._core._state_difference(cut._core) is None
+
+
 # Which of several things there is, is no number; of an access that is not waited for, and of a hold that no chip is in, nothing is kept.
 NO_NUMBERS = ("memory.pages.", "undisturbed", "reported_breakpoint", "looks", "waiting_access", "port_slot", ".access.", ".port_access.", "chip.held", "chip.told")
 
