@@ -50,6 +50,36 @@ def test_a_dsp_that_hangs_in_the_same_block_again_is_reset_again(tmp_path: Path)
     assert report["dsps"][0]["resets"] >= 3
 
 
+@pytest.mark.parametrize("idle", ["doorbell", "pause"])
+@pytest.mark.parametrize("owner", [0, 33, 99, 0xFFFFFFFF])
+def test_a_block_whose_owner_is_no_dsp_is_taken_back_and_nobody_is_reset(owner: int, idle: str, tmp_path: Path) -> None:
+    """A program has taken the list, spoilt the word that says who has its block, and hangs. DSPs have the numbers 1 to 16 there."""
+    programs = tmp_path / "programs"
+    shutil.copytree(ROOT / "c40_programs", programs)
+    text = f"""
+kernel_spoils:
+        ldi     @EXEC_BLOCK, ar0
+        ldhi    {owner >> 16}, ar1
+        or      {owner & 0xFFFF}, ar1
+        ldhi    0C001h, ar2             ; who has the list may write there
+takes:  ldi     *ar2, r1
+        bnz     takes
+        sti     ar1, *+ar0(TB_OWNER)
+        sti     r1, *ar2
+hangs:  br      hangs
+"""
+    (programs / "kernels" / "user.asm").write_text(text)
+    row = '[[tasks]]\nname = "spoils"\nprogram = "kernel_spoils"\nkind = 9\nimportance = 65530\nperiod_ms = 20\nheartbeat_ms = 1\n'
+    settings = {"machine.dsps": 2, "machine.boot": "preloaded", "machine.programs": str(programs), "duration_s": 0.028, "machine.idle_policy": idle}
+    simulation = cmrc.Simulation(cmrc.config(toml=row, settings={**settings, "report.reference": "none"}))
+    simulation.run()
+    report = json.loads(simulation.report_json())
+    assert report["audit"]["violations"] == []
+    found = noticed(report)
+    assert found and "of kind user.spoils" in found[0][2] and found[0][1] is None
+    assert [dsp["resets"] for dsp in report["dsps"]] == [0, 0]
+
+
 @pytest.mark.parametrize("limit", [20, 30])
 def test_a_block_is_taken_away_at_the_refresh_of_its_limit(limit: int) -> None:
     """The limit is watchdog.minimum_refreshes, where that is more than the factor times the longest gap."""
