@@ -34,6 +34,7 @@ toolchain::Options toolchain_options(const AssembleOptions& options) {
     out.sections[name] = address;
   }
   out.entry = options.entry.value_or("");
+  out.undefined_external = options.undefined_external;
   if (options.dialect) out.dialect = toolchain::dialect_named(*options.dialect);
   return out;
 }

@@ -95,7 +95,9 @@ void declare_assemble(CLI::App& app, AssembleOptions& options) {
   app.add_option("--entry", options.entry, "The symbol at which the program starts")->type_name("SYMBOL");
   app.add_option("--listing", options.listing, "Also write a listing")->type_name("FILE");
   declare_dialect(app, options.dialect);
-  app.add_flag("-c,--object", options.object, "Write a relocatable object, for emulator link");
+  auto* const object = app.add_flag("-c,--object", options.object, "Write a relocatable object, for emulator link");
+  app.add_flag("--undefined-external", options.undefined_external, "Leave symbols that are neither defined nor declared to other objects; so it is with --dialect gnu")
+      ->needs(object);
   app.add_option("--coff-version", options.version, "0, 1 or 2 (default)")->check(CLI::Range(0, 2));
 }
 

@@ -75,6 +75,7 @@ struct AssembleOptions {
   std::optional<std::string> listing;
   std::optional<std::string> dialect;  ///< ti or gnu
   bool object = false;
+  bool undefined_external = false;
   int version = 2;  ///< Of the COFF file.
 };
 

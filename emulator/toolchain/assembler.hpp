@@ -25,6 +25,8 @@ struct Options {
   /// How to read what TI's assembler and GNU as read differently, in files that do not say it by `.dialect`. None: as TI's
   /// does, but a file with GCC's mark as GNU as does.
   std::optional<Dialect> dialect;
+  /// In an object, symbols that are neither defined nor declared are left to other objects; so they are with GNU as.
+  bool undefined_external = false;
 };
 
 /// Throws AssemblyError with every error of the source; a file that cannot be read is one of them.

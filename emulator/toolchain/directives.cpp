@@ -103,7 +103,8 @@ bool is_ignored(std::string_view directive) {
       ".title",   ".page",   ".list",     ".nolist", ".length",   ".width",  ".option",   ".tab",     ".mlist",
       ".mnolist", ".fclist", ".fcnolist", ".sslist", ".ssnolist", ".drlist", ".drnolist", ".mmsg",    ".mlib",
       ".clink",   ".sblock", ".file",     ".ident",  ".line",     ".ln",     ".func",     ".endfunc", ".sym",
-      ".stag",    ".etag",   ".utag",     ".member", ".eos",      ".blockb", ".endblock"};
+      ".stag",    ".etag",   ".utag",     ".member", ".eos",      ".blockb", ".endblock",
+      ".regalias"};
   return ignored.contains(directive);
 }
 
@@ -241,6 +242,7 @@ void Reader::directive_dialect(Statement& s) {
   if (reading_.said) throw LineError{s.operation_offset, "the file has said its dialect already"};
   if (reading_.has_code) throw LineError{s.operation_offset, "'.dialect' belongs before the file's first instruction"};
   reading_ = {*dialect, fmt::format(".dialect in line {}", s.line->number), true, false};
+  if (*dialect == Dialect::gnu) program_.leave_undefined_to_others();
 }
 
 void Reader::directive_warning(Statement& s) {

@@ -53,10 +53,24 @@ class Attempt : public OperandEncoder {
  private:
   void put(char field, Word value) { word_ |= row_.bits.field(field).put(value); }
 
+  /// An address that stands there by itself. GNU as reads the word at it, TI's assembler takes it as a number.
+  bool is_direct_in_gnu(const OperandSyntax& o) const {
+    if (context_.dialect != Dialect::gnu || o.kind != Kind::expression || o.exact || (row_.modes >> 1 & 1) == 0) return false;
+    const auto kind = o.expression->kind;
+    if (kind == Expression::Kind::call || kind == Expression::Kind::constant) return false;
+    const Value address = value(o);
+    return !address.is_real() && !address.is_absolute() && address.half == Value::Half::none;
+  }
+
   /// The operand that G selects.
   void general(const OperandSyntax& o) {
-    const unsigned mode = o.kind == Kind::reg ? 0 : o.kind == Kind::direct ? 1 : o.kind == Kind::indirect ? 2 : 3;
-    if ((row_.modes >> mode & 1) == 0 || o.kind == Kind::expansion)
+    if (is_direct_in_gnu(o)) {
+      OperandSyntax direct = o;
+      direct.kind = Kind::direct;
+      return general(direct);
+    }
+    const unsigned mode = is_register(o) ? 0 : o.kind == Kind::direct ? 1 : o.kind == Kind::indirect ? 2 : 3;
+    if ((row_.modes >> mode & 1) == 0 || (o.kind == Kind::expansion && mode != 0))
       miss(Mismatch::kind, o.offset, fmt::format("{} is needed here, not {}", modes_text(row_.modes), kind_text(o)));
     put('g', mode);
     put('s', mode == 0   ? register_code(o, row_.source)
@@ -339,13 +353,13 @@ Word encode_ldp(const HalfSyntax& half, const EncodeContext& context) {
 
 [[noreturn]] void refuse_unknown(const HalfSyntax& first, const HalfSyntax* second) {
   if (candidates(first.mnemonic).empty() && !is_parallel_name(first.mnemonic))
-    throw LineError{first.offset, fmt::format("no instruction, directive or macro is called '{}'{}", first.mnemonic,
+    throw LineError{first.offset, fmt::format("no instruction, directive or macro is called '{}'{}", first.written,
                                               suggestion(first.mnemonic))};
   if (second == nullptr)
     throw LineError{first.offset, fmt::format("'{}' is half of a parallel instruction only", first.mnemonic)};
   if (candidates(second->mnemonic).empty() && !is_parallel_name(second->mnemonic))
     throw LineError{second->offset,
-                    fmt::format("no instruction is called '{}'{}", second->mnemonic, suggestion(second->mnemonic)), 1};
+                    fmt::format("no instruction is called '{}'{}", second->written, suggestion(second->mnemonic)), 1};
   throw LineError{second->offset, fmt::format("'{}' and '{}' cannot run in parallel", first.mnemonic, second->mnemonic),
                   1};
 }

@@ -135,6 +135,11 @@ class Evaluator {
       if (!word) throw LineError{e.offset, "out of the range of a 32-bit float"};
       return Value::of(std::int64_t{*word});
     }
+    if (e.name == "^" || e.name == "#") {  // of a constant: itself
+      const Value address = (*this)(argument);
+      if (address.is_real() || address.is_absolute()) return address;
+      return call({Expression::Kind::call, {}, e.name == "^" ? "hi16" : "lo16", {argument}, e.offset});
+    }
     if (const Value address = (*this)(argument);
         !symbols_.is_placed() && !address.is_real() && !address.is_absolute() && address.half == Value::Half::none)
       return half(address, e.name == "lo16" ? Value::Half::low : Value::Half::high);

@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <numeric>
 #include <set>
+#include <utility>
+
+#include "toolchain/parser.hpp"
 
 namespace toolchain {
 namespace {
@@ -138,6 +142,14 @@ const std::vector<Candidate>& pair_candidates(std::string_view first, std::strin
 }
 
 bool is_parallel_name(std::string_view name) { return catalogue().is_half(name); }
+
+std::string c3x_register(std::string_view name) {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 3> names{
+      {{"ie", "IIE, and DIE for the DMA"}, {"if", "IIF"}, {"iof", "IIF"}}};
+  for (const auto& [c3x, c40] : names)
+    if (lower(name) == c3x) return fmt::format(": {} is a register of the C3x; the C40 has {}", name, c40);
+  return {};
+}
 
 std::string suggestion(std::string_view name) {
   const std::string nearest = catalogue().nearest(name);

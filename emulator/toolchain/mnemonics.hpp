@@ -21,6 +21,8 @@ const std::vector<Candidate>& candidates(std::string_view name);
 const std::vector<Candidate>& pair_candidates(std::string_view first, std::string_view second);
 /// Whether the name occurs as a half of a parallel instruction.
 bool is_parallel_name(std::string_view name);
+/// ": IE is a register of the C3x; the C40 has IIE ...", or nothing.
+std::string c3x_register(std::string_view name);
 /// "; did you mean 'addi'?" or nothing.
 std::string suggestion(std::string_view name);
 

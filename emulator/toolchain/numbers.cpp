@@ -26,7 +26,7 @@ bool all_of(std::string_view text, std::string_view allowed) {
 
 constexpr std::string_view hex_digits = "0123456789abcdefABCDEF";
 
-/// TI's and GNU's integer forms: 0FFh 101b 17q 0xFF 0b101 017 255.
+/// TI's and GNU's integer forms: 0FFh 101b 17q 0xFF 0b101 255. A leading 0 means nothing: 017 is 17 (ruling 33).
 std::optional<std::int64_t> integer_literal(std::string_view text) {
   const char first = text[0], last = static_cast<char>(std::tolower(static_cast<unsigned char>(text.back())));
   const auto body = text.substr(0, text.size() - 1);
@@ -35,20 +35,35 @@ std::optional<std::int64_t> integer_literal(std::string_view text) {
   if (last == 'b' && !body.empty() && all_of(body, "01")) return integer_in_base(body, 2);
   if (last == 'q' && all_of(body, "01234567")) return integer_in_base(body, 8);
   if (text.size() > 2 && first == '0' && (text[1] == 'b' || text[1] == 'B')) return integer_in_base(text.substr(2), 2);
-  if (text.size() > 1 && first == '0') return integer_in_base(text.substr(1), 8);
   return integer_in_base(text, 10);
 }
 
 }  // namespace
 
+std::size_t character_constant(std::string_view text) {
+  constexpr std::size_t most = 4;
+  if (text.starts_with("''''")) return 4;
+  if (text.empty() || text[0] != '\'') return 0;
+  const std::size_t end = text.find('\'', 1);
+  return end == std::string_view::npos || end < 2 || end > most + 1 ? 0 : end + 1;
+}
+
+/// One to four characters, packed as .string packs them: the first in bits 7 to 0.
 Expression Parser::character() {
-  const std::size_t at = position_;
-  if (accept("''''")) return Expression{Expression::Kind::constant, Value::of(std::int64_t{'\''}), {}, {}, at};
-  if (position_ + 2 >= text_.size() || text_[position_ + 2] != '\'')
-    throw LineError{at, "a character constant is one character between single quotes"};
-  const auto code = static_cast<unsigned char>(text_[position_ + 1]);
-  position_ += 3;
-  return Expression{Expression::Kind::constant, Value::of(std::int64_t{code}), {}, {}, at};
+  const std::size_t at = position_, length = character_constant(rest());
+  if (length == 0) throw LineError{at, "a character constant is one to four characters between single quotes ('''' is a quote)"};
+  const std::string_view inside = starts_with("''''") ? std::string_view("'") : text_.substr(at + 1, length - 2);
+  std::int64_t value = 0;
+  for (std::size_t i = 0; i < inside.size(); ++i) value |= std::int64_t{static_cast<unsigned char>(inside[i])} << 8 * i;
+  position_ += length;
+  return Expression{Expression::Kind::constant, Value::of(value), {}, {}, at};
+}
+
+/// A number that was octal once.
+void Parser::warn_of_octal(std::string_view word, std::size_t at) const {
+  if (context_.warnings == nullptr || word.size() < 2 || word[0] != '0' || !all_of(word, "01234567")) return;
+  const auto octal = integer_in_base(word, 8), decimal = integer_in_base(word, 10);
+  if (octal && octal != decimal) context_.warnings->push_back({at, fmt::format("{0} is decimal. It was octal before: {0}q", word)});
 }
 
 /// GNU's 0f1.5, where it is no hexadecimal number.
@@ -73,6 +88,7 @@ Expression Parser::number() {
   const bool point = end < text_.size() && text_[end] == '.';
   if (!point && !word.empty()) {
     if (const auto value = integer_literal(word)) {
+      warn_of_octal(word, at);
       position_ = end;
       return Expression{Expression::Kind::constant, Value::of(*value), {}, {}, at};
     }

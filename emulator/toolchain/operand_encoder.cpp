@@ -64,7 +64,9 @@ void OperandEncoder::need(std::size_t count) const {
 }
 
 void OperandEncoder::need_kind(const OperandSyntax& o, Kind kind, std::string_view wanted) const {
-  if (o.kind != kind) miss(Mismatch::kind, o.offset, fmt::format("{} is needed here, not {}", wanted, kind_text(o)));
+  if (o.kind == kind) return;
+  const bool named = kind == Kind::reg && o.kind == Kind::expression && o.expression->kind == Expression::Kind::symbol;
+  miss(Mismatch::kind, o.offset, fmt::format("{} is needed here, not {}{}", wanted, kind_text(o), named ? c3x_register(o.expression->name) : ""));
 }
 
 // Values
@@ -93,7 +95,18 @@ Word OperandEncoder::in_range(const OperandSyntax& o, std::int64_t number, bool 
 
 // Registers
 
+/// TI's assembler takes the number of an expansion register for that of a register: a boot EPROM of the Hydra board holds
+/// 15402001h, STI R0, where its source says `sti ivtp,*ar0++`.
+bool OperandEncoder::is_register(const OperandSyntax& o) const {
+  return o.kind == Kind::reg || (o.kind == Kind::expansion && context_.dialect == Dialect::ti);
+}
+
 Word OperandEncoder::register_code(const OperandSyntax& o, OperandClass allowed) const {
+  if (o.kind == Kind::expansion && is_register(o)) {
+    const auto number = static_cast<Word>(o.expansion);
+    context_.on_warning({o.offset, fmt::format("{0} is taken as R{1}, whose number it has, as TI's assembler takes it; LDEP and LDPE reach {0}", isa::name(o.expansion), number), half_});
+    return number;
+  }
   need_kind(o, Kind::reg, "a register");
   if (allowed == OperandClass::floating && !isa::is_extended(o.reg))
     miss(Mismatch::contents, o.offset, fmt::format("{} holds no float; only R0 to R11 do", isa::name(o.reg)));
@@ -158,6 +171,7 @@ Word OperandEncoder::immediate(const OperandSyntax& o) const {
   if (context_.relocations != nullptr && !v.is_absolute())
     return static_cast<Word>(address(o, v, RelocationType::relword)) & 0xFFFF;
   const std::int64_t number = integer(o, v);
+  if (!v.is_absolute() && row_.immediate == Immediate::zero) return static_cast<Word>(number) & 0xFFFF;  // with an LSH before it
   if (!v.is_absolute() && !fits_signed(number, 16))
     miss(Mismatch::contents, o.offset,
          "an address has 32 bits; load it with LDHI hi16(x),reg and OR lo16(x),reg, or from a .word");

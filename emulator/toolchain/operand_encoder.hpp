@@ -56,6 +56,7 @@ class OperandEncoder {
   std::int64_t integer(const OperandSyntax& operand) const { return integer(operand, value(operand)); }
   Word in_range(const OperandSyntax& operand, std::int64_t number, bool fits, std::string_view range) const;
 
+  bool is_register(const OperandSyntax& operand) const;
   Word register_code(const OperandSyntax& operand, isa::OperandClass allowed) const;
   Word low_register(const OperandSyntax& operand) const;  ///< R0 to R7.
   Word expansion_code(const OperandSyntax& operand) const;

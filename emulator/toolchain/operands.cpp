@@ -24,10 +24,23 @@ std::optional<isa::Register> Parser::lone_register() {
 std::optional<isa::Register> Parser::accept_register() {
   skip_blanks();
   const std::size_t start = position_;
+  const bool marked = peek() == '%' && is_identifier_start(peek(1));
+  if (marked) ++position_;
   if (!is_identifier_start(peek())) return std::nullopt;
   const auto found = register_called(identifier());
   if (!found) position_ = start;
+  if (found && marked && context_.dialect != Dialect::gnu) throw LineError{start, "'%' before a register is GNU as's: --dialect gnu, or .dialect gnu"};
   return found;
+}
+
+/// GNU as's ^x and #x at the beginning of an operand.
+bool Parser::accept_half_of_address(char mark) {
+  if (peek() != mark) return false;
+  if (context_.dialect != Dialect::gnu)
+    throw LineError{position_, fmt::format("'{0}' at the beginning of an operand is GNU as's, {1} of an address: --dialect gnu, or {2}(x)", mark,
+                                           mark == '^' ? "the upper half" : "the lower half", mark == '^' ? "hi16" : "lo16")};
+  ++position_;
+  return true;
 }
 
 OperandSyntax Parser::operand() {
@@ -40,6 +53,11 @@ OperandSyntax Parser::operand() {
     out.expression = expression();
     return out;
   }
+  for (const char mark : {'^', '#'})
+    if (const std::size_t at = position_; accept_half_of_address(mark)) {
+      out.expression = Expression{Expression::Kind::call, {}, std::string(1, mark), {expression()}, at};
+      return out;
+    }
   if (accept("=")) {
     out.exact = true;
     out.expression = expression();
@@ -124,7 +142,8 @@ HalfSyntax Parser::half() {
   HalfSyntax out;
   skip_blanks();
   out.offset = position_;
-  out.mnemonic = lower(required_identifier("an instruction"));
+  out.written = required_identifier("an instruction");
+  out.mnemonic = lower(out.written);
   if (at_end() || at_bars()) return out;
   do out.operands.push_back(operand());
   while (accept(","));

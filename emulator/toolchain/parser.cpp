@@ -27,8 +27,8 @@ std::string_view without_comment(std::string_view line) {
         quote = 0;
     } else if (c == '"') {
       quote = c;
-    } else if (c == '\'' && i + 2 < line.size() && line[i + 2] == '\'') {
-      i += 2;
+    } else if (const std::size_t length = character_constant(line.substr(i)); length != 0) {
+      i += length - 1;
     } else if (c == ';') {
       return line.substr(0, i);
     }

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "isa/decode.hpp"
+#include "toolchain/diagnostics.hpp"
+#include "toolchain/dialect.hpp"
 #include "toolchain/expression.hpp"
 
 namespace toolchain {
@@ -25,6 +27,7 @@ struct OperandSyntax {
 
 struct HalfSyntax {
   std::string mnemonic;  ///< Lower case.
+  std::string written;   ///< As it stands in the source.
   std::vector<OperandSyntax> operands;
   std::size_t offset = 0;
 };
@@ -38,11 +41,15 @@ struct ParseContext {
   std::string local_suffix;  ///< Of names ending in '?'.
   std::string block_suffix;  ///< Of $0 to $9.
   const RegisterNames* registers = nullptr;
+  Dialect dialect = Dialect::ti;
+  std::vector<LineError>* warnings = nullptr;  ///< Of what has a meaning, perhaps another than it was meant to have.
 };
 
 bool is_identifier_start(char c);
 bool is_identifier(char c);
 std::string lower(std::string_view text);
+/// How many characters the character constant at the text's beginning has, quotes included; 0: there is none.
+std::size_t character_constant(std::string_view text);
 
 /// Reads a line from left to right. Errors are LineErrors at offsets of that line.
 class Parser {
@@ -85,8 +92,10 @@ class Parser {
   std::optional<Real> prefixed_float();
   void count_operator(std::size_t offset);
   Expression character();
+  void warn_of_octal(std::string_view word, std::size_t offset) const;
   Expression call(const std::string& function, std::size_t offset);
   OperandSyntax operand();
+  bool accept_half_of_address(char mark);
   OperandSyntax indirect();
   std::optional<isa::Register> register_called(std::string_view name) const;
   std::optional<isa::Register> accept_register();

@@ -7,6 +7,7 @@
 
 #include "toolchain/checks.hpp"
 #include "toolchain/encoder.hpp"
+#include "toolchain/mnemonics.hpp"
 
 namespace toolchain {
 namespace {
@@ -175,7 +176,7 @@ Value Program::value_of(const std::string& name, std::size_t offset) const {
   if (found == symbols_.end()) {
     if (const auto value = predefined(name)) return Value::of(*value);
   }
-  if (found == symbols_.end() && relocatable_ && globals_.contains(name)) {
+  if (found == symbols_.end() && relocatable_ && (globals_.contains(name) || undefined_external_)) {
     const auto external = std::find(externals_.begin(), externals_.end(), name);
     const auto number = static_cast<int>(external - externals_.begin());
     if (external == externals_.end()) externals_.push_back(name);
@@ -186,7 +187,7 @@ Value Program::value_of(const std::string& name, std::size_t offset) const {
                     fmt::format("undefined symbol '{}'{}", as_written(name),
                                 globals_.contains(name)
                                     ? ", which another object is to define (emulator asm --object, emulator link)"
-                                    : "")};
+                                    : c3x_register(name))};
   const Symbol& symbol = found->second;
   if (const auto* value = std::get_if<Value>(&symbol.meaning)) return *value;
   if (symbol.busy) throw LineError{offset, fmt::format("'{}' is defined in terms of itself", name)};

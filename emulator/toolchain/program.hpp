@@ -88,6 +88,9 @@ class Program final : public SymbolSource {
   /// The words of this section are not to be spread over two pages of 64 K words if they fit into one.
   void block(int section) { sections_[index(section)].blocked = true; }
 
+  /// In an object, what nobody defines or declares is left to other objects.
+  void leave_undefined_to_others() { undefined_external_ = true; }
+
   void note_file_read(std::string path) { files_read_.push_back(std::move(path)); }
 
   /// Settles addresses and encodes everything; errors go to `diagnostics`.
@@ -161,6 +164,7 @@ class Program final : public SymbolSource {
   std::vector<std::string> warnings_, dialects_;
   std::vector<std::string> files_read_;
   bool placed_ = false;
+  bool undefined_external_ = false;
   bool relocatable_ = false;                    ///< finish_object() is at work.
   mutable std::vector<std::string> externals_;  ///< Those met while it is.
   mutable int evaluation_depth_ = 0;

@@ -27,6 +27,9 @@ SourceLinePtr with_text(const SourceLinePtr& line, std::string text) {
   return std::make_shared<const SourceLine>(SourceLine{line->file, line->number, std::move(text), line->expanded_from});
 }
 
+/// `NAME EQU 5`, as assemblers before TI's dots had it.
+bool is_undotted_set(std::string_view operation) { return operation == "equ"; }
+
 bool closes_collection(std::string_view operation) {
   return operation == ".endm" || operation == ".endr" || operation == ".endloop";
 }
@@ -35,12 +38,13 @@ bool closes_collection(std::string_view operation) {
 
 Reader::Reader(Program& program, const Options& options, std::vector<Diagnostic>& diagnostics)
     : program_(program), options_(options), diagnostics_(diagnostics) {
+  if (options.undefined_external || options.dialect == Dialect::gnu) program.leave_undefined_to_others();
   if (options.dialect) reading_ = {*options.dialect, "asked for"};
   else reading_.why = "the default";
 }
 
 ParseContext Reader::context() const {
-  return {program_.here(), fmt::format("?{}", local_scope_), fmt::format("?{}", block_), &registers_};
+  return {program_.here(), fmt::format("?{}", local_scope_), fmt::format("?{}", block_), &registers_, reading_.dialect, &parser_warnings_};
 }
 
 /// Ends the scope of $0 to $9 and, outside macros, of names ending in '?'.
@@ -81,6 +85,7 @@ void Reader::read_text(std::string_view text, const std::string& name, const std
   const std::size_t outer_conditionals = conditionals_.size();
   new_block();
   int number = 0;
+  text = text.substr(0, text.find('\x1A'));  // where DOS ends a file
   while (!text.empty() && !stopped()) {
     const auto end = text.find('\n');
     auto line = text.substr(0, end);
@@ -137,7 +142,7 @@ Reader::Statement Reader::take_apart(const SourceLinePtr& line) const {
   if (colon || (in_first_column && word[0] != '.')) {
     if (colon)
       p.accept(":");
-    else if (is_operation(word) && !is_operation(p.next_word()))
+    else if (is_operation(word) && !macros_.contains(word) && !is_operation(p.next_word()))
       throw LineError{
           start,
           fmt::format("'{}' stands in the first column, where labels stand; indent it, or write '{}:' for a label",
@@ -157,7 +162,7 @@ Reader::Statement Reader::take_apart(const SourceLinePtr& line) const {
 
 /// Whether the word names an instruction, a directive or a macro.
 bool Reader::is_operation(std::string_view word) const {
-  return !word.empty() && (word[0] == '.' || is_mnemonic(lower(word)) || macros_.contains(word));
+  return !word.empty() && (word[0] == '.' || is_mnemonic(lower(word)) || macros_.contains(word) || is_undotted_set(lower(word)));
 }
 
 bool Reader::collect(const SourceLinePtr& line) {
@@ -241,7 +246,12 @@ bool Reader::conditional(Statement& s) {
 SourceLinePtr Reader::substituted(const SourceLinePtr& line) {
   if (parameters_ == nullptr && substitutes_.empty() && line->text.find('$') == std::string::npos) return line;
   std::string text = line->text, kept;
-  const std::string operation = lower(take_apart(line).operation);
+  std::string operation;
+  try {
+    operation = lower(take_apart(line).operation);
+  } catch (const LineError&) {
+    // It may become one that can be taken apart: ":NAME: nop".
+  }
   if (operation == ".asg" || operation == ".eval") {
     const auto comma = text.substr(0, text.find(';')).rfind(',');
     if (comma != std::string::npos) {
@@ -269,9 +279,11 @@ void Reader::read_line(const SourceLinePtr& raw_line) {
   SourceLinePtr line = raw_line;
   try {
     line = substituted(raw_line);
+    parser_warnings_.clear();
     Statement statement = take_apart(line);
     if (!statement.operation.empty() && conditional(statement)) return;
     if (is_active()) read_active_line(statement);
+    for (const LineError& warning : std::exchange(parser_warnings_, {})) program_.warn(line, warning.offset, warning.message);
   } catch (const LineError& error) {
     if (is_active()) report(*line, error);
   }
@@ -288,6 +300,7 @@ void Reader::gcc_mark(const Statement& s) {
   if (reading_.has_code)
     return program_.warn(s.line, s.label_offset, "GCC's mark stands behind instructions, which were read in the dialect ti; .dialect gnu at the top, or --dialect gnu, is for the whole");
   reading_.dialect = Dialect::gnu;
+  program_.leave_undefined_to_others();
   reading_.why = fmt::format("GCC's mark gcc2_compiled. in line {}", s.line->number);
 }
 
@@ -306,6 +319,7 @@ void Reader::read_active_line(Statement& s) {
     program_.end_instruction();
     return (this->*directive)(s);
   }
+  if (is_undotted_set(operation) && !s.label.empty() && !macros_.contains(s.operation)) return directive_set(s);
   if (!s.label.empty()) {
     program_.end_instruction();
     define_label(s);

@@ -52,9 +52,9 @@ class Substitution {
         break;
       }
       if (c == '"') quote = quote == 0 ? c : '\0';
-      if (quote == 0 && c == '\'' && i + 2 < text.size() && text[i + 2] == '\'') {
-        out += text.substr(i, 3);
-        i += 3;
+      if (const std::size_t length = quote == 0 ? character_constant(text.substr(i)) : 0; length != 0) {
+        out += text.substr(i, length);
+        i += length;
         continue;
       }
       const std::size_t taken = c == '\\' || c == ':'                        ? forced(text, i, out, depth)

@@ -463,7 +463,7 @@ def test_a_missing_file_is_an_error_with_its_name(tmp_path: Path) -> None:
         ("\tmpyf3 r0,r1,r0 || addi3 r0,r1,r2", 20, "in parallel"),
         ("\t.frobnicate", 2, "no directive"),
         ("\t.word 0x", 8, "no number"),
-        ("\t.word 09", 8, "no number"),
+        ("\t.word 0x9g", 8, "no number"),
         ("\t.word 1.5", 8, ".float"),
         ("\t.word 100000000h", 8, "32 bits"),
         ("\t.word 1/0", 9, "division by zero"),

@@ -179,3 +179,68 @@ def test_two_cycles_less_before_a_direct_access() -> None:
         return int(processor.cycle)
 
     assert (cycles("ti"), cycles("gnu")) == (2, 4)
+
+
+TABLE = """
+far:    .word 0
+near:   .set 12h
+"""
+
+# Of the source, in .text at 301000h with a table at 80123456h: the words in ti, in gnu; None: refused.
+BARE = [
+    ("ldi near,ar0", 0x08680012, 0x08680012),  # a number in both
+    ("ldi far,ar0", None, 0x08283456),  # 32 bits do not fit; GNU as reads the word at it
+    ("or far,ar0", 0x10683456, 0x10283456),  # after an LSH 16
+    ("addi far,r1", None, 0x02213456),
+    ("call far", None, None),  # out of reach: a branch target is an address in both
+    ("ldi ^far,ar0", None, 0x08688012),
+    ("or #far,ar0", None, 0x10683456),
+    ("ldi #near,ar0", None, 0x08680012),
+    ("ldi ^near,ar0", None, 0x08680012),
+    ("ldi near ^ 2,r0", 0x08600010, 0x08600010),  # the operator stays
+    ("ldi %r3,r0", None, 0x08000003),
+    ("ldi *+%ar0(1),%r0", None, 0x08400001),
+    ("ldi *ar0++(%ir0),r0", None, 0x08406000),
+    ("ldi *ar0++(1)%,r0", 0x08403001, 0x08403001),  # circular
+    ("ldi 010,r0", 0x0860000A, 0x0860000A),  # decimal in both
+]
+
+
+@pytest.mark.parametrize(("line", "ti", "gnu"), BARE)
+def test_bare_symbols_halves_and_register_marks(line: str, ti: int | None, gnu: int | None) -> None:
+    source = f" {line}\n .data\n{TABLE}"
+    for dialect, expected in (("ti", ti), ("gnu", gnu)):
+        if expected is None:
+            with pytest.raises(toolchain.AssemblyError):
+                words(source, dialect)
+        else:
+            assert words(source, dialect)[0] == expected, dialect
+
+
+MARKS = [("ldi ^x,r0", "the upper half of an address: --dialect gnu, or hi16"), ("ldi #x,r0", "the lower half"), ("ldi %r1,r0", "--dialect gnu")]
+
+
+@pytest.mark.parametrize(("line", "message"), MARKS)
+def test_gnus_marks_are_told_with_the_switch_that_takes_them(line: str, message: str) -> None:
+    with pytest.raises(toolchain.AssemblyError, match=message):
+        words(f"x: {line}\n")
+
+
+def test_what_nobody_defines_is_anothers_in_an_object_of_gnu_or_if_asked_for(tmp_path: Path) -> None:
+    source = tmp_path / "a.asm"
+    source.write_text(" call elsewhere\n")
+    assert toolchain.assemble_object(source.read_text(), dialect="gnu")
+    with pytest.raises(toolchain.AssemblyError, match="undefined symbol 'elsewhere'"):
+        toolchain.assemble_object(source.read_text())
+    run = [BUILD / "bin" / "emulator", "asm", source, "-o", tmp_path / "a.o"]
+    assert subprocess.run([*run, "-c", "--undefined-external"], check=False).returncode == 0
+    assert subprocess.run([*run, "-c"], capture_output=True, check=False).returncode == 2
+    alone = subprocess.run([*run, "--undefined-external"], capture_output=True, text=True, check=False)
+    assert alone.returncode == 2 and "--object" in alone.stderr
+
+
+def test_a_leading_zero_means_nothing_and_is_warned_of_where_it_was_octal() -> None:
+    image = toolchain.assemble(" ldi 010,r0\n .word 08,00,07,0017,017q,0x10,0b1\n")
+    assert [word & 0xFFFF for word in image.sections[0].words] == [10, 8, 0, 7, 17, 15, 16, 1]
+    assert len(image.warnings) == 2
+    assert "010 is decimal. It was octal before: 010q" in image.warnings[0] and "0017q" in image.warnings[1]
