@@ -15,6 +15,7 @@
 #include "toolchain/diagnostics.hpp"
 #include "toolchain/linker.hpp"
 #include "toolchain/memory_map.hpp"
+#include "toolchain/rom_file.hpp"
 
 namespace {
 
@@ -30,6 +31,7 @@ struct Perform {
   int operator()(const cli::DisassembleOptions& options) const { return cli::disassemble(options); }
   int operator()(const cli::LinkOptions& options) const { return cli::link(options); }
   int operator()(const cli::ClassifyOptions& options) const { return cli::classify(options); }
+  int operator()(const cli::ImageOptions& options) const { return cli::image(options); }
   int operator()(const cli::ExecOptions& options) const { return cli::exec(options); }
   int operator()(const cli::DebugOptions& options) const { return cli::debug(options); }
   int operator()(const cli::DapOptions& options) const { return cli::dap(options); }
@@ -64,6 +66,8 @@ int guarded(const Action& action) {
   } catch (const toolchain::LinkError& error) {
     return fail(error.what(), cli::bad_input);
   } catch (const toolchain::MemoryMapError& error) {
+    return fail(error.what(), cli::bad_input);
+  } catch (const toolchain::RomError& error) {
     return fail(error.what(), cli::bad_input);
   } catch (const std::exception& error) {
     return fail(error.what(), cli::run_failed);

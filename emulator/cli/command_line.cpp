@@ -156,6 +156,14 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
   app.add_option("--entry", options.entry, "Start here instead of at the program's entry")->type_name("SYMBOL|ADDRESS");
   app.add_option("--boot", options.boot, "From reset, by the boot ROM's loader: the program comes through port 0 to 5, or stands as a stream at ADDRESS; or as the board's [pins] say")
       ->type_name("PORT|ADDRESS|reset");
+  app.add_option("--rom", options.roms, "Contents of a ROM for --boot, from a word address on: Intel hex, S-records or bytes. PROGRAM may then be left out; given, it lends its names")
+      ->type_name("FILE@ADDRESS")
+      ->allow_extra_args(false);
+  app.add_option("--rom-width", options.rom_width, "Of these ROMs, in bits, where their first bytes do not say it")->check(CLI::IsMember({8, 16, 32}));
+  app.add_option("--load", options.loads, "Also load words, the lowest byte first, from a file of bytes, Intel hex or S-records")
+      ->type_name("FILE@ADDRESS")
+      ->allow_extra_args(false);
+  app.add_option("--poke", options.pokes, "Write a word before the start")->type_name("ADDRESS=WORD")->allow_extra_args(false);
   app.add_flag("--peripherals", options.peripherals, "Print the peripheral registers that differ from reset, and what the FIFOs hold");
   app.add_option("--trace", options.trace, "Write the instruction trace (docs/trace.md)")->type_name("FILE");
   app.add_flag("--trace-labels", options.trace_labels, "In it labels instead of addresses, and no words");
@@ -163,6 +171,18 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
   app.add_flag("--profile", options.profile, "Cycles by cause, per routine and per source line");
   app.add_option("--pipeline", options.pipeline, "Draw the pipeline in these cycles")->type_name("FIRST:LAST");
   app.add_flag("--check", options.check, "Look for broken rules of the manual (docs/fidelity.md, Self-checks)");
+}
+
+void declare_image(CLI::App& app, ImageOptions& options) {
+  app.add_option("PROGRAM", options.program, "COFF file, .hex or source")->required();
+  app.add_option("-o,--output", options.output, "File to write")->required()->type_name("OUT");
+  app.add_option("--format", options.format, "boot-stream: the words that a port is sent, one a line; the others: an EPROM")
+      ->required()
+      ->check(CLI::IsMember({"boot-stream", "intel-hex", "srec", "binary"}));
+  app.add_option("--width", options.width, "Of the memory that the chip boots from, in bits (default 32)")->check(CLI::IsMember({8, 16, 32}));
+  app.add_option("--board", options.board, "Whose interface control registers the stream sets: default, flat or a board file")->type_name("default|flat|FILE.toml");
+  app.add_option("-I,--include", options.include_directories, "Look here for included files")->type_name("DIR")->allow_extra_args(false);
+  declare_dialect(app, options.dialect);
 }
 
 /// One name may mean a network's or the dock's.
@@ -246,6 +266,7 @@ std::variant<Request, Help> parse_command_line(int argc, const char* const* argv
   DisassembleOptions disassemble_options;
   LinkOptions link_options;
   ClassifyOptions classify_options;
+  ImageOptions image_options;
   ExecOptions exec_options;
   DebugOptions debug_options;
   DapOptions dap_options;
@@ -263,6 +284,7 @@ std::variant<Request, Help> parse_command_line(int argc, const char* const* argv
   commands.add("disasm", "Print a program as instructions", declare_disassemble, disassemble_options);
   commands.add("link", "Link objects to a program", declare_link, link_options);
   commands.add("classify", "Count what every 32-bit word is: an instruction, or reserved and why", declare_classify, classify_options);
+  commands.add("image", "Make an EPROM, or a stream for a port, that the boot loader takes", declare_image, image_options);
   commands.add("exec", "Run a program on one chip, or programs on a network of chips", declare_exec, exec_options);
   commands.add("debug", "Debug a program, a network or the dock, forwards and backwards", declare_debug, debug_options);
   commands.add("dap", "Serve an editor: the Debug Adapter Protocol (docs/dap.md)", declare_dap, dap_options);

@@ -10,7 +10,7 @@ namespace cli {
 /// One command with its options.
 using Request =
     std::variant<RunOptions, ConfigOptions, LimitsOptions, CompareOptions, AssembleOptions, DisassembleOptions,
-                 LinkOptions, ClassifyOptions, ExecOptions, DebugOptions, DapOptions, TraceDiffOptions, VectorOptions>;
+                 LinkOptions, ClassifyOptions, ImageOptions, ExecOptions, DebugOptions, DapOptions, TraceDiffOptions, VectorOptions>;
 /// What --help prints.
 struct Help {
   std::string text;

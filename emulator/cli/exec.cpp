@@ -22,6 +22,7 @@
 #include "machine/board_file.hpp"
 #include "machine/chip_runner.hpp"
 #include "machine/program_end.hpp"
+#include "toolchain/rom_file.hpp"
 
 namespace cli {
 namespace {
@@ -49,18 +50,33 @@ void load(c40::Chip& chip, const Image& image, const std::string& board) {
       chip.write_block(section.address, section.words);
     } catch (const std::out_of_range&) {
       throw InputError(fmt::format(
-          "section {} ({} words at {:08X}h) does not lie in RAM of board {}; --board flat has RAM there",
+          "section {} ({} words at {:08X}h) does not lie in RAM of board {}; a board file with a [[region]] there is expected (docs/cli.md, Board files), or, for a "
+          "program that needs nothing of a board, --board flat",
           section.name, section.size, section.address, board));
     }
   }
+}
+
+/// What a run is to come to.
+struct Until {
+  std::optional<Address> pc;
+  std::optional<std::pair<Address, Word>> word;  ///< a word of memory, and what it is to hold: looked at after each instruction
+};
+
+Until parse_until(const ExecOptions& options, const Image& image) {
+  if (!options.until) return {};
+  const std::string& text = *options.until;
+  const std::size_t equals = text.find("==");
+  if (equals == std::string::npos) return {.pc = parse_address(text, &image, "--until"), .word = {}};
+  return {.pc = {}, .word = std::pair{parse_address(text.substr(0, equals), &image, "--until"), parse_address(text.substr(equals + 2), &image, "--until, behind ==")}};
 }
 
 /// Stops at a branch to itself and at an IDLE that nothing can end; the words that may be one are breakpoints.
 class Run final : private machine::ChipRunner {
  public:
   /// \param asked the limit is what was asked for
-  Run(c40::Chip& chip, const Image& image, std::optional<Address> until, bool asked) : chip_(chip), until_(until), asked_(asked) {
-    if (until_) chip_.add_breakpoint(*until_);
+  Run(c40::Chip& chip, const Image& image, const Until& until, bool asked) : chip_(chip), until_(until), asked_(asked), ends_unknown_(image.sections.empty()) {
+    if (until_.pc) chip_.add_breakpoint(*until_.pc);
     for (const Address end : machine::program_ends(image)) chip_.add_breakpoint(end);
   }
 
@@ -76,17 +92,24 @@ class Run final : private machine::ChipRunner {
   static constexpr c40::Cycles slice = 50'000;  // after which is asked whether to stop: a moment, also where each instruction is written
 
   std::optional<Span> span() override {
+    if (until_.word && chip_.peek(until_.word->first) == until_.word->second) {
+      ends({"until", fmt::format("{:08X}h holds {:08X}h, at {:08X}h", until_.word->first, until_.word->second, chip_.pc())});
+      return {};
+    }
     if (std::exchange(passes_, false)) return Span{.one_instruction = true};
     if (io::stop_asked()) {
       ends({"interrupted", fmt::format("by a signal, at {:08X}h", chip_.pc())});
       return {};
     }
     const c40::Cycles look = chip_.idle() ? 8 : 1000;  // whether the DMA, which an idle processor may wait for, still goes on
-    const c40::Cycles end = std::min(limit_, chip_.cycle() + (chip_.dma_active() ? look : slice));
+    const c40::Cycles end = std::min(limit_, chip_.cycle() + (until_.word ? 1 : chip_.dma_active() ? look : slice));
     return Span{.limit = end, .known = end};
   }
 
   bool at_limit() override {
+    if (ends_unknown_ && machine::program_end(peek_at_pc(), chip_.pc()) == machine::ProgramEnd::halt && !chip_.dma_busy() &&
+        (chip_.register_value(Register::ST) & c40::st::GIE) == 0)
+      return ends({"halt", fmt::format("branch to itself at {:08X}h, seen at cycle {}: without PROGRAM it is looked for every {} cycles", chip_.pc(), chip_.cycle(), slice)});
     if (chip_.cycle() >= limit_)
       return asked_ ? ends({"limit", fmt::format("the {} cycles of --cycles have passed, at {:08X}h", limit_, chip_.pc())})
                     : ends({"limit", fmt::format("--max-cycles {} reached at {:08X}h", limit_, chip_.pc()), run_failed});
@@ -97,9 +120,17 @@ class Run final : private machine::ChipRunner {
 
   bool asks_anew() override { return at_limit(); }
 
+  Word peek_at_pc() const {
+    try {
+      return chip_.peek(chip_.pc());
+    } catch (const std::out_of_range&) {
+      return 0;  // the chip will say so itself
+    }
+  }
+
   bool at_breakpoint() override {
     const Address pc = chip_.pc();
-    if (until_ && pc == *until_) return ends({"until", fmt::format("reached {:08X}h", pc)});
+    if (until_.pc && pc == *until_.pc) return ends({"until", fmt::format("reached {:08X}h", pc)});
     if (machine::program_end(chip_.peek(pc), pc) == machine::ProgramEnd::halt && !chip_.dma_busy()) {
       const bool interrupts = (chip_.register_value(Register::ST) & c40::st::GIE) != 0;
       const bool sleeps = interrupts && machine::awaits_dma(chip_);
@@ -152,8 +183,9 @@ class Run final : private machine::ChipRunner {
   }
 
   c40::Chip& chip_;
-  std::optional<Address> until_;
+  Until until_;
   bool asked_;
+  bool ends_unknown_;  ///< there is no program that says where a branch to itself may stand
   bool passes_ = false;  ///< the instruction at the breakpoint is next
   c40::Cycles limit_ = 0;
   Outcome outcome_;
@@ -172,13 +204,13 @@ std::pair<Address, Address> parse_dump(const std::string& text, const Image& ima
   return {address, count};
 }
 
-Dump read_dump(const c40::Chip& chip, Address address, Address count) {
+Dump read_dump(const c40::Chip& chip, Address address, Address count, std::string_view what = "--dump") {
   Dump dump{address, {}};
   for (Address i = 0; i < count; ++i) {
     try {
       dump.words.push_back(chip.peek(address + i));
     } catch (const std::out_of_range&) {
-      throw InputError(fmt::format("--dump: {:08X}h is no memory of this board", address + i));
+      throw InputError(fmt::format("{}: {:08X}h is no memory of this board", what, address + i));
     }
   }
   return dump;
@@ -325,29 +357,74 @@ void place(c40::Chip& chip, const Image& image, const Boot& boot) {
   }
 }
 
+/// FILE@ADDRESS
+std::pair<std::string, Address> file_at(const std::string& text, std::string_view what, const Image& image) {
+  const std::size_t at = text.rfind('@');
+  if (at == std::string::npos || at == 0) throw InputError(fmt::format("{}: \"{}\" is not FILE@ADDRESS", what, text));
+  return {text.substr(0, at), parse_address(std::string_view(text).substr(at + 1), &image, what)};
+}
+
+void write_words(c40::Chip& chip, Address address, std::span<const Word> words, std::string_view what) {
+  try {
+    chip.write_block(address, words);
+  } catch (const std::out_of_range& error) {
+    throw InputError(fmt::format("{}: {} words at {:08X}h do not lie in memory: {}", what, words.size(), address, error.what()));
+  }
+}
+
+/// The ROMs as they are; what of them is booted is for the pins to say.
+void place_roms(c40::Chip& chip, const ExecOptions& options, const Image& image, const Boot& boot) {
+  if (boot.port) throw InputError("--rom: with --boot PORT the program comes through the port; --boot ADDRESS or reset is expected");
+  for (const std::string& given : options.roms) {
+    const auto [file, address] = file_at(given, "--rom", image);
+    const auto bytes = toolchain::read_rom(file);
+    const auto width = options.rom_width ? options.rom_width : toolchain::boot_width(bytes);
+    if (!width) throw InputError(fmt::format("--rom {}: its first word is not 8, 16 or 32, so it does not say how wide it is; --rom-width is expected", file));
+    write_words(chip, address, toolchain::rom_words(bytes, *width), "--rom " + file);
+  }
+}
+
+/// --load and --poke, in this order.
+void place_additions(c40::Chip& chip, const ExecOptions& options, const Image& image) {
+  for (const std::string& given : options.loads) {
+    const auto [file, address] = file_at(given, "--load", image);
+    write_words(chip, address, toolchain::rom_words(toolchain::read_rom(file), 32), "--load " + file);
+  }
+  for (const std::string& given : options.pokes) {
+    const std::size_t equals = given.find('=');
+    if (equals == std::string::npos) throw InputError(fmt::format("--poke: \"{}\" is not ADDRESS=WORD", given));
+    const Word word = parse_address(std::string_view(given).substr(equals + 1), &image, "--poke, behind =");
+    write_words(chip, parse_address(std::string_view(given).substr(0, equals), &image, "--poke"), std::span(&word, 1), "--poke");
+  }
+}
+
 }  // namespace
 
 int exec(const ExecOptions& options) {
+  if (!options.roms.empty() && !options.boot) throw InputError("--rom: needs --boot ADDRESS or --boot reset");
+  if (options.rom_width && options.roms.empty()) throw InputError("--rom-width: needs --rom FILE@ADDRESS");
   if (options.trace_labels && !options.trace) throw InputError("--trace-labels: needs --trace FILE");
   if (options.programs.size() > 1 || options.network || options.topology || !options.links.empty() || !options.nets.empty()) return exec_network(options);
-  if (options.programs.empty()) throw InputError("exec: PROGRAM is missing; a program is expected, or --network FILE.toml");
+  if (options.programs.empty() && options.roms.empty()) throw InputError("exec: PROGRAM is missing; a program is expected, --rom FILE@ADDRESS, or --network FILE.toml");
   if (options.boards.size() > 1) throw InputError("--board: one chip has one board");
   if (options.link_trace) throw InputError("--link-trace: there is no link");
   const machine::BoardDescription chosen = board_named(options, options.boards.empty() ? "default" : options.boards.front());
-  const Image image = read_program(options.programs.front(), options.include_directories, options.load_at, options.dialect);
+  const Image image = options.programs.empty() ? Image{} : read_program(options.programs.front(), options.include_directories, options.load_at, options.dialect);
   for (const std::string& warning : image.warnings) io::print(stderr, "{}\n", warning);
   io::FileRoles files = files_read(options);
+  for (const std::string& given : options.roms) files.reads("--rom", file_at(given, "--rom", image).first);
+  for (const std::string& given : options.loads) files.reads("--load", file_at(given, "--load", image).first);
   for (const std::string& source : image.files_read) files.reads("a source", source);
   files.writes("--trace", options.trace.value_or("")).writes("--events", options.events.value_or(""));
-  std::optional<Address> until;
-  if (options.until) until = parse_address(*options.until, &image, "--until");
+  const Until until = parse_until(options, image);
   std::vector<std::pair<Address, Address>> ranges;
   for (const std::string& text : options.dumps) ranges.push_back(parse_dump(text, image));
 
   const std::optional<Boot> boot = parse_boot(options, chosen);
   c40::Chip chip(boot ? boot->board : chosen.board);
   if (boot) {
-    if (!boot->port) place(chip, image, *boot);
+    if (!options.roms.empty()) place_roms(chip, options, image, *boot);
+    else if (!boot->port) place(chip, image, *boot);
     try {
       chip.boot();
     } catch (const std::out_of_range& error) {
@@ -358,6 +435,8 @@ int exec(const ExecOptions& options) {
     load(chip, image, chosen.board.name);
     chip.set_pc(options.entry ? parse_address(*options.entry, &image, "--entry") : image.entry);
   }
+  place_additions(chip, options, image);
+  if (until.word) read_dump(chip, until.word->first, 1, "--until");
   for (const auto& [address, count] : ranges) read_dump(chip, address, count);  // refuses bad ranges before the run
 
   ChipListeners listeners(chip, image, options, 0, options.trace);

@@ -101,6 +101,16 @@ struct DisassembleOptions {
   bool source = false;  ///< Text that assembles to the same words.
 };
 
+struct ImageOptions {
+  std::string program;
+  std::string output;
+  std::string format;  ///< boot-stream, intel-hex, srec or binary
+  unsigned width = 32;  ///< of the memory, in bits
+  std::string board = "default";
+  std::vector<std::string> include_directories;
+  std::optional<std::string> dialect;
+};
+
 struct ExecOptions {
   std::vector<std::string> programs;
   std::vector<std::string> include_directories;
@@ -115,6 +125,10 @@ struct ExecOptions {
   std::optional<std::string> load_at;
   std::optional<std::string> entry;
   std::optional<std::string> boot;  ///< a port 0 to 5, an address, or "reset"
+  std::vector<std::string> roms;    ///< FILE@ADDRESS
+  std::optional<unsigned> rom_width;
+  std::vector<std::string> loads;  ///< FILE@ADDRESS
+  std::vector<std::string> pokes;  ///< ADDRESS=WORD
   bool peripherals = false;
   std::vector<std::string> links;  ///< CHIP.PORT:CHIP.PORT
   std::vector<std::string> nets;   ///< CHIP.PIN>CHIP.PIN
@@ -164,6 +178,7 @@ int assemble(const AssembleOptions& options);
 int disassemble(const DisassembleOptions& options);
 int link(const LinkOptions& options);
 int classify(const ClassifyOptions& options);
+int image(const ImageOptions& options);
 int exec(const ExecOptions& options);
 int exec_network(const ExecOptions& options);
 int debug(const DebugOptions& options);
