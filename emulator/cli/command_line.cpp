@@ -163,6 +163,7 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
   app.add_option("--load", options.loads, "Also load words, the lowest byte first, from a file of bytes, Intel hex or S-records")
       ->type_name("FILE@ADDRESS")
       ->allow_extra_args(false);
+  app.add_option("--console-input", options.console_input, "What is typed at the board's console: a file, or - for standard input, which is read to its end first")->type_name("FILE");
   app.add_option("--poke", options.pokes, "Write a word before the start")->type_name("ADDRESS=WORD")->allow_extra_args(false);
   app.add_flag("--peripherals", options.peripherals, "Print the peripheral registers that differ from reset, and what the FIFOs hold");
   app.add_option("--trace", options.trace, "Write the instruction trace (docs/trace.md)")->type_name("FILE");

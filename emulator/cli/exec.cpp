@@ -2,7 +2,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iostream>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -10,6 +13,7 @@
 #include "c40/chip.hpp"
 #include "c40/float40.hpp"
 #include "c40/peripherals/events.hpp"
+#include "io/input_file.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
 #include "io/signals.hpp"
@@ -87,6 +91,7 @@ class Run final : private machine::ChipRunner {
   }
 
   std::optional<machine::BootFeeder> feeder;
+  machine::BoardDevices* devices = nullptr;
 
  private:
   static constexpr c40::Cycles slice = 50'000;  // after which is asked whether to stop: a moment, also where each instruction is written
@@ -141,8 +146,9 @@ class Run final : private machine::ChipRunner {
   }
 
   bool window_access(const c40::ExternalAccess& access) override {
+    if (devices != nullptr && machine::serve(*devices, chip_, access)) return true;
     return ends({"external_access",
-                 fmt::format("{}{} at {:08X}h from PC {:08X}h: that is a bus window, and exec has no bus behind it",
+                 fmt::format("{}{} at {:08X}h from PC {:08X}h: that is a bus window, and no [[device]] of the board file is behind it",
                              access.channel < 0 ? "" : fmt::format("DMA channel {}: ", access.channel), access.write ? "write" : "read",
                              access.address, chip_.pc()),
                  run_failed});
@@ -260,7 +266,47 @@ void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector
   if (peripherals) io::print("{}", peripherals_text(chip));
 }
 
-void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps, const ChipListeners& listeners, const std::optional<double>& clock_mhz, bool peripherals) {
+/// What an LED shows, and what is typed at the console and comes from it.
+class BoardFront {
+ public:
+  /// \param shows the console's characters on standard output as they come
+  BoardFront(const machine::BoardDescription& board, const ExecOptions& options) : devices_(board.devices) {
+    const bool console = std::ranges::any_of(board.devices, [](const auto& device) { return device.kind == machine::DeviceKind::console; });
+    if (options.console_input && !console) throw InputError(fmt::format("--console-input: board {} has no [[device]] of kind \"console\"", board.board.name));
+    if (options.console_input) devices_.type(*options.console_input == "-" ? std::string(std::istreambuf_iterator<char>(std::cin), {}) : io::read_file<InputError>(*options.console_input, "what is typed at the console"));
+    devices_.on_output = [this, shows = !options.json](char c) {
+      if (shows) io::print("{}", c);
+      if (text_.size() < most_text) text_ += c;
+      at_line_begin_ = c == '\n';
+    };
+    devices_.on_change = [this](const machine::BoardDevices::Change& change) {
+      if (changes_.size() < most_changes) changes_.push_back(change);
+      ++change_count_;
+    };
+  }
+  machine::BoardDevices& devices() { return devices_; }
+  void print() const {
+    if (!at_line_begin_) io::print("\n");
+    for (const auto& change : changes_) io::print("led {}: {:X}h at cycle {}\n", change.device, change.value, change.cycle);
+    if (change_count_ > changes_.size()) io::print("led: {} more changes\n", change_count_ - changes_.size());
+  }
+  void add_to(nlohmann::ordered_json& root) const {
+    if (devices_.empty()) return;
+    root["console"] = text_;
+    root["leds"] = nlohmann::ordered_json::array();
+    for (const auto& change : changes_) root["leds"].push_back({{"name", change.device}, {"cycle", change.cycle}, {"value", change.value}});
+  }
+
+ private:
+  static constexpr std::size_t most_text = 1 << 20, most_changes = 100;
+  machine::BoardDevices devices_;
+  std::string text_;
+  bool at_line_begin_ = true;
+  std::vector<machine::BoardDevices::Change> changes_;
+  std::size_t change_count_ = 0;
+};
+
+void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps, const ChipListeners& listeners, const std::optional<double>& clock_mhz, bool peripherals, const BoardFront& front) {
   using Json = nlohmann::ordered_json;
   Json root = {{"stop", {{"reason", outcome.reason}, {"message", outcome.message}, {"pc", chip.pc()}}},
                {"instructions", chip.instructions()},
@@ -281,6 +327,7 @@ void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector
     add_peripherals(chip, root);
     add_ports(chip, root);
   }
+  front.add_to(root);
   io::print("{}\n", root.dump(2, ' ', true, Json::error_handler_t::replace));
 }
 
@@ -373,8 +420,7 @@ void write_words(c40::Chip& chip, Address address, std::span<const Word> words, 
 }
 
 /// The ROMs as they are; what of them is booted is for the pins to say.
-void place_roms(c40::Chip& chip, const ExecOptions& options, const Image& image, const Boot& boot) {
-  if (boot.port) throw InputError("--rom: with --boot PORT the program comes through the port; --boot ADDRESS or reset is expected");
+void place_roms(c40::Chip& chip, const ExecOptions& options, const Image& image) {
   for (const std::string& given : options.roms) {
     const auto [file, address] = file_at(given, "--rom", image);
     const auto bytes = toolchain::read_rom(file);
@@ -405,10 +451,12 @@ int exec(const ExecOptions& options) {
   if (options.rom_width && options.roms.empty()) throw InputError("--rom-width: needs --rom FILE@ADDRESS");
   if (options.trace_labels && !options.trace) throw InputError("--trace-labels: needs --trace FILE");
   if (options.programs.size() > 1 || options.network || options.topology || !options.links.empty() || !options.nets.empty()) return exec_network(options);
-  if (options.programs.empty() && options.roms.empty()) throw InputError("exec: PROGRAM is missing; a program is expected, --rom FILE@ADDRESS, or --network FILE.toml");
   if (options.boards.size() > 1) throw InputError("--board: one chip has one board");
   if (options.link_trace) throw InputError("--link-trace: there is no link");
   const machine::BoardDescription chosen = board_named(options, options.boards.empty() ? "default" : options.boards.front());
+  const bool boots_rom = !options.roms.empty() || (!chosen.contents.empty() && options.boot);
+  if (options.programs.empty() && !boots_rom) throw InputError("exec: PROGRAM is missing; a program is expected, a ROM to boot (--rom, or region.file of the board, and --boot), or --network FILE.toml");
+  BoardFront front(chosen, options);
   const Image image = options.programs.empty() ? Image{} : read_program(options.programs.front(), options.include_directories, options.load_at, options.dialect);
   for (const std::string& warning : image.warnings) io::print(stderr, "{}\n", warning);
   io::FileRoles files = files_read(options);
@@ -422,8 +470,10 @@ int exec(const ExecOptions& options) {
 
   const std::optional<Boot> boot = parse_boot(options, chosen);
   c40::Chip chip(boot ? boot->board : chosen.board);
+  for (const auto& [base, words] : chosen.contents) write_words(chip, base, words, "board " + chosen.board.name);
   if (boot) {
-    if (!options.roms.empty()) place_roms(chip, options, image, *boot);
+    if (boots_rom && !boot->port) place_roms(chip, options, image);
+    else if (!options.roms.empty()) throw InputError("--rom: with --boot PORT the program comes through the port; --boot ADDRESS or reset is expected");
     else if (!boot->port) place(chip, image, *boot);
     try {
       chip.boot();
@@ -444,6 +494,7 @@ int exec(const ExecOptions& options) {
   std::optional<EventText> events;
   if (options.events) chip.set_peripheral_sink(&events.emplace(*options.events, image));
   Run run(chip, image, until, options.cycles.has_value());
+  run.devices = &front.devices();
   if (boot && boot->port) run.feeder.emplace(chip, *boot->port, stream_for(image, *boot));
   const io::StopBySignal signals;
   const Outcome outcome = run.run(options.cycles.value_or(options.max_cycles));
@@ -452,7 +503,12 @@ int exec(const ExecOptions& options) {
 
   std::vector<Dump> dumps;
   for (const auto& [address, count] : ranges) dumps.push_back(read_dump(chip, address, count));
-  (options.json ? print_json : print_text)(chip, outcome, dumps, listeners, chosen.clock_mhz, options.peripherals);
+  if (options.json) {
+    print_json(chip, outcome, dumps, listeners, chosen.clock_mhz, options.peripherals, front);
+  } else {
+    front.print();
+    print_text(chip, outcome, dumps, listeners, chosen.clock_mhz, options.peripherals);
+  }
   return outcome.reason == "interrupted" ? signals.status(run_failed) : outcome.status;
 }
 

@@ -191,7 +191,7 @@ machine::Time end_of(const Network& network, const ExecOptions& options) {
 }  // namespace
 
 int exec_network(const ExecOptions& options) {
-  if (!options.roms.empty() || !options.loads.empty() || !options.pokes.empty()) throw InputError("--rom, --load and --poke are for one chip; a network's chips have what their programs and boards say");
+  if (!options.roms.empty() || !options.loads.empty() || !options.pokes.empty() || options.console_input) throw InputError("--rom, --load, --poke and --console-input are for one chip; a network's chips have what their programs and boards say");
   if (options.boot) throw InputError("--boot: in a network the chips boot one another: boot = true of a [[chip]] in a --network file (docs/networks.md)");
   if (options.load_at && std::none_of(options.programs.begin(), options.programs.end(), [](const std::string& p) { return p.ends_with(".hex"); }))
     throw InputError("--load-at: only a .hex file needs it; other programs say where they stand");

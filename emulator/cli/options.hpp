@@ -129,6 +129,7 @@ struct ExecOptions {
   std::optional<unsigned> rom_width;
   std::vector<std::string> loads;  ///< FILE@ADDRESS
   std::vector<std::string> pokes;  ///< ADDRESS=WORD
+  std::optional<std::string> console_input;  ///< a file, or - for standard input
   bool peripherals = false;
   std::vector<std::string> links;  ///< CHIP.PORT:CHIP.PORT
   std::vector<std::string> nets;   ///< CHIP.PIN>CHIP.PIN

@@ -204,6 +204,7 @@ machine::Config nominal_machine_of(const Config& config) {
   machine.dsps = static_cast<unsigned>(config.machine.dsps);
   machine.slots = static_cast<unsigned>(std::max(config.machine.dsps, config.machine.slots));
   const machine::BoardDescription board = machine::read_board(config.machine.board);
+  machine::refuse_devices(board, "the dock");
   machine.board = board.board;
   machine.chip_hz = board.clock_mhz ? machine::instruction_cycles_per_second(*board.clock_mhz)
                                     : instruction_cycles_per_second(config.machine.dsp_clock);

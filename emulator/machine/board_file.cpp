@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <initializer_list>
+#include <optional>
 
 #include "c40/memory.hpp"
 #include "c40/timing_parameters.hpp"
@@ -13,6 +15,7 @@
 #include "machine/boot.hpp"
 #include "machine/shared_memory.hpp"
 #include "toolchain/image.hpp"
+#include "toolchain/rom_file.hpp"
 
 namespace machine {
 namespace {
@@ -25,7 +28,7 @@ class BoardReader {
   explicit BoardReader(std::string file) : file_(std::move(file)) {}
 
   BoardDescription read(const toml::table& root) const {
-    allow(root, "", {"name", "clock_mhz", "gmicr", "lmicr", "pins", "region"});
+    allow(root, "", {"name", "clock_mhz", "gmicr", "lmicr", "pins", "region", "device"});
     BoardDescription out;
     out.board.name = file_;
     if (const auto* node = root.get("name")) out.board.name = text(*node, "name");
@@ -40,7 +43,11 @@ class BoardReader {
     const auto* regions = root.get("region");
     if (regions == nullptr || !regions->is_array() || regions->as_array()->empty())
       throw BoardError(fmt::format("{}: region: a board needs at least one [[region]] with name, base, words and bus", file_));
-    for (const auto& node : *regions->as_array()) add(out.board, node);
+    for (const auto& node : *regions->as_array()) add(out, node);
+    if (const auto* node = root.get("device")) {
+      if (!node->is_array()) fail(*node, "device: each is a table, [[device]]");
+      for (const auto& each : *node->as_array()) add_device(out, each);
+    }
     if (const auto* node = root.get("pins")) {
       out.has_pins = true;
       pins(out.board, *node);
@@ -71,7 +78,8 @@ class BoardReader {
     return static_cast<c40::Word>(value->get());
   }
 
-  void add(c40::Board& board, const toml::node& node) const {
+  void add(BoardDescription& description, const toml::node& node) const {
+    c40::Board& board = description.board;
     if (!node.is_table()) fail(node, "region: each is a table, [[region]]");
     const toml::table& table = *node.as_table();
     const auto needed = [&](std::string_view key) -> const toml::node& {
@@ -79,7 +87,7 @@ class BoardReader {
       if (found == nullptr) fail(node, fmt::format("region {}: {} is missing", board.regions.size() + 1, key));
       return *found;
     };
-    allow(table, "region.", {"name", "kind", "base", "words", "bus", "waits", "read_waits", "write_waits", "page_waits"});
+    allow(table, "region.", {"name", "kind", "base", "words", "bus", "waits", "read_waits", "write_waits", "page_waits", "file", "width"});
     Region region;
     region.name = text(needed("name"), "region.name");
     region.base = word(needed("base"), "region.base", 0xFFFFFFFF);
@@ -100,7 +108,64 @@ class BoardReader {
     if (const auto* waits = table.get("write_waits")) region.write_waits = wait_states(*waits, "region.write_waits");
     if (const auto* waits = table.get("page_waits")) region.page_waits = wait_states(*waits, "region.page_waits");
     check_place(board, region, node);
+    if (const auto* file = table.get("file")) description.contents.push_back({region.base, contents(region, *file, table.get("width"))});
+    else if (const auto* width = table.get("width")) fail(*width, fmt::format("region.width of {}: it is that of a file, and there is none", region.name));
     board.regions.push_back(std::move(region));
+  }
+
+  /// The image of a ROM, beside the board file.
+  std::vector<c40::Word> contents(const Region& region, const toml::node& file, const toml::node* width) const {
+    if (region.kind == Region::Kind::external_window) fail(file, fmt::format("region.file of {}: a window holds nothing by itself", region.name));
+    const std::filesystem::path given = text(file, "region.file");
+    const std::filesystem::path path = given.is_absolute() ? given : std::filesystem::path(file_).parent_path() / given;
+    try {
+      const auto bytes = toolchain::read_rom(path);
+      std::optional<unsigned> bits = toolchain::boot_width(bytes);
+      if (width != nullptr) bits = word(*width, "region.width", 32);
+      if (!bits || (*bits != 8 && *bits != 16 && *bits != 32)) fail(width != nullptr ? *width : file, fmt::format("region.width of {}: 8, 16 or 32 is expected; the file does not say it", region.name));
+      std::vector<c40::Word> words = toolchain::rom_words(bytes, *bits);
+      if (words.size() > region.words) fail(file, fmt::format("region.file of {}: {} words do not go into {}", region.name, words.size(), region.words));
+      return words;
+    } catch (const toolchain::RomError& error) {
+      fail(file, fmt::format("region.file of {}: {}", region.name, error.what()));
+    }
+  }
+
+  void add_device(BoardDescription& description, const toml::node& node) const {
+    if (!node.is_table()) fail(node, "device: each is a table, [[device]]");
+    const toml::table& table = *node.as_table();
+    const auto needed = [&](std::string_view key) -> const toml::node& {
+      const auto* found = table.get(key);
+      if (found == nullptr) fail(node, fmt::format("device {}: {} is missing", description.devices.size() + 1, key));
+      return *found;
+    };
+    allow(table, "device.", {"name", "kind", "base", "words", "waits", "value"});
+    DeviceDescription device;
+    device.name = text(needed("name"), "device.name");
+    const auto kind = device_kind_named(text(needed("kind"), "device.kind"));
+    if (!kind) fail(needed("kind"), fmt::format("device.kind of {}: console, registers or led is expected", device.name));
+    device.kind = *kind;
+    device.base = word(needed("base"), "device.base", 0xFFFFFFFF);
+    if (device.kind == DeviceKind::console) device.words = 2;
+    if (const auto* words = table.get("words")) {
+      if (device.kind == DeviceKind::console) fail(*words, fmt::format("device.words of {}: a console has its 2 words", device.name));
+      device.words = word(*words, "device.words", most_device_words);
+      if (device.words == 0) fail(*words, fmt::format("device.words of {}: 1 to {} words are possible", device.name, most_device_words));
+    }
+    if (const auto* waits = table.get("waits")) device.waits = static_cast<int>(word(*waits, "device.waits", 1'000'000));
+    if (const auto* value = table.get("value")) {
+      if (device.kind == DeviceKind::console) fail(*value, fmt::format("device.value of {}: a console holds nothing", device.name));
+      device.value = word(*value, "device.value", 0xFFFFFFFF);
+    }
+    const std::uint64_t end = std::uint64_t{device.base} + device.words;
+    const auto& regions = description.board.regions;
+    const bool behind_window = std::ranges::any_of(regions, [&](const Region& region) {
+      return region.kind == Region::Kind::external_window && device.base >= region.base && end <= std::uint64_t{region.base} + region.words;
+    });
+    if (!behind_window) fail(needed("base"), fmt::format("device.base of {}: a device stands behind a [[region]] of kind \"window\", and none has {:08X}h to {:08X}h", device.name, device.base, end - 1));
+    for (const DeviceDescription& other : description.devices)
+      if (device.base < std::uint64_t{other.base} + other.words && other.base < end) fail(needed("base"), fmt::format("device.base of {}: {} is there", device.name, other.name));
+    description.devices.push_back(std::move(device));
   }
 
   // c40-hardware.md 1.2, 9.1
@@ -168,6 +233,7 @@ class BoardReader {
   }
 
   static constexpr Address chip_begin = 0x00100000u, first_external = 0x00300000u;
+  static constexpr std::int64_t most_device_words = 1 << 20;
   static constexpr std::uint64_t most_words = std::uint64_t{1} << 28;
   static constexpr double slowest_mhz = 0.001, fastest_mhz = 1000;
   std::string file_;
@@ -176,8 +242,8 @@ class BoardReader {
 }  // namespace
 
 BoardDescription read_board(const std::string& name) {
-  if (name == "default") return {c40::Board::default_board(), {}};
-  if (name == "flat") return {c40::Board::flat(), {}};
+  if (name == "default") return {.board = c40::Board::default_board()};
+  if (name == "flat") return {.board = c40::Board::flat()};
   if (!name.ends_with(".toml")) throw BoardError(fmt::format("there is no board \"{}\"; default, flat and files that end in .toml are", name));
   const std::string text = io::read_file<BoardError>(name, "a board file (docs/cli.md)");
   try {
@@ -185,6 +251,11 @@ BoardDescription read_board(const std::string& name) {
   } catch (const toml::parse_error& error) {
     throw BoardError(fmt::format("{}:{}: {}", name, error.source().begin.line, error.description()));
   }
+}
+
+void refuse_devices(const BoardDescription& board, std::string_view where) {
+  if (!board.devices.empty()) throw BoardError(fmt::format("board {}: device: {} has no devices of a board; a program alone has (exec, cmrc.c40.Processor)", board.board.name, where));
+  if (!board.contents.empty()) throw BoardError(fmt::format("board {}: region.file: {} loads no ROMs; a program alone does (exec, cmrc.c40.Processor)", board.board.name, where));
 }
 
 std::int64_t instruction_cycles_per_second(double clock_mhz) { return std::llround(clock_mhz * 1e6 / 2); }

@@ -4,8 +4,10 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "c40/board.hpp"
+#include "machine/board_devices.hpp"
 #include "machine/symbols.hpp"
 
 namespace toolchain {
@@ -23,12 +25,22 @@ class BoardError : public std::invalid_argument {
 /// What surrounds a chip, and what a board file says about the chip itself.
 struct BoardDescription {
   c40::Board board;
-  std::optional<double> clock_mhz;  ///< CLKIN; an H1 period is two of its periods.
+  std::optional<double> clock_mhz{};  ///< CLKIN; an H1 period is two of its periods.
   bool has_pins = false;            ///< It says how its pins are tied, and whether the boot ROM is there.
+  std::vector<DeviceDescription> devices{};  ///< behind its windows
+  /// What regions hold from the start on: images of ROMs.
+  struct Contents {
+    c40::Address base = 0;
+    std::vector<c40::Word> words;
+  };
+  std::vector<Contents> contents{};
 };
 
 /// "default", "flat", or a TOML file. \throws BoardError
 BoardDescription read_board(const std::string& name);
+
+/// For networks and the dock, whose chips have no devices of their own. \throws BoardError
+void refuse_devices(const BoardDescription& board, std::string_view where);
 
 /// H1 periods per second.
 std::int64_t instruction_cycles_per_second(double clock_mhz);

@@ -34,6 +34,7 @@ Network::Network(NetworkDescription description, std::uint64_t turn_order) : des
   if (d.chips.empty() || d.chips.size() > most_chips)
     throw NetworkError(fmt::format("a network of {} chips; 1 to {} are possible", d.chips.size(), most_chips));
   for (NetworkChip& chip : d.chips) {
+    refuse_devices(chip.board, "a network");
     const std::size_t n = nodes_.size();
     if (chip.name.empty()) chip.name = fmt::format("{}", n);
     const double mhz = chip.clock_mhz ? *chip.clock_mhz : chip.board.clock_mhz.value_or(default_clock_mhz);

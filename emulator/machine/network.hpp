@@ -64,7 +64,7 @@ std::string to_text(const NetworkLink& link);
 struct NetworkChip {
   std::string name;  ///< empty: its number
   std::shared_ptr<const toolchain::Image> program;
-  BoardDescription board{c40::Board::default_board(), {}};
+  BoardDescription board{.board = c40::Board::default_board()};
   std::optional<double> clock_mhz;            ///< before the board's
   std::optional<c40::Address> entry, until;  ///< `until`: it has ended before the instruction there
   /// It starts as its RESET pin starts it. If the board says nothing of its pins, or they choose the ports: in the boot ROM, which takes its program from

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <pybind11/stl.h>
 
 #include <map>
@@ -104,8 +105,12 @@ class Recorder : public c40::TraceSink {
 
 class Processor : public c40::PeripheralSink {
  public:
-  Processor(const std::string& board, bool checks) : Processor(machine::read_board(board).board, checks) {}
-  Processor(c40::Board board_, bool checks) : board(machine::configuration_of(board_)), chip(std::move(board_)) {
+  Processor(const std::string& board, bool checks) : Processor(machine::read_board(board), checks) {}
+  Processor(machine::BoardDescription described, bool checks) : board(machine::configuration_of(described.board)), chip(std::move(described.board)), devices(described.devices) {
+    for (const machine::DeviceDescription& device : described.devices) board += fmt::format("device {} {:X} {} {} {}\n", machine::name(device.kind), device.base, device.words, device.waits, device.value);
+    for (const auto& [base, words] : described.contents) chip.write_block(base, words);
+    devices.on_output = [this](char c) { console += c; };
+    devices.on_change = [this](const machine::BoardDevices::Change& change) { changes.append(py::make_tuple(change.device, change.cycle, change.value)); };
     if (!checks) return;
     self_check.emplace(chip);
     chip.set_trace(&*self_check);
@@ -180,6 +185,16 @@ class Processor : public c40::PeripheralSink {
 
   std::string board;  ///< what has to be the same for a state to fit
   c40::Chip chip;
+  machine::BoardDevices devices;
+  std::string console;  ///< what its consoles have sent
+  py::list changes;     ///< of its LEDs
+  /// The chip, and what stands around it.
+  void list_state(state::Visitor& list) {
+    chip.list_state(list);
+    if (devices.empty()) return;
+    list("devices", devices);
+    list("console", console);
+  }
   std::optional<c40::SelfCheck> self_check;
   py::list events;
 
@@ -191,7 +206,9 @@ class Processor : public c40::PeripheralSink {
       const Cycles limit = chip.cycle() + cycles;
       c40::StopInfo stop;
       do stop = chip.run_until(std::min(limit, chip.cycle() + slice));
-      while (stop.reason == c40::StopInfo::Reason::limit && chip.cycle() < limit && !io::stop_asked());
+      while (((stop.reason == c40::StopInfo::Reason::limit && chip.cycle() < limit) ||
+              (stop.reason == c40::StopInfo::Reason::external_access && machine::serve(devices, chip, stop.access))) &&
+             !io::stop_asked());
       return stop;
     });
   }
@@ -253,8 +270,11 @@ void bind_processor(py::module_& m) {
       .def("diagnostics", &Processor::diagnostics, "Rules that the program broke, with checks on.")
       .def("load_words", &Processor::load_words, py::arg("address"), py::arg("words"))
       .def("load_image", &Processor::load_image, "Loads the sections of an image and sets the PC to its entry.")
-      .def("save", [](const Processor& p, const toolchain::Image* program) {
-        return py::bytes(state::seal("processor", p.configuration(program), state::save_with_tables(p.chip)));
+      .def("type", [](Processor& p, const std::string& text) { p.devices.type(text); }, py::arg("text"), "Characters for the board's consoles to read.")
+      .def_property_readonly("console", [](const Processor& p) { return py::bytes(p.console); }, "What the board's consoles have sent.")
+      .def_readonly("led_changes", &Processor::changes, "(name, cycle, value) of each change of an LED.")
+      .def("save", [](Processor& p, const toolchain::Image* program) {
+        return py::bytes(state::seal("processor", p.configuration(program), state::save_with_tables(p)));
       }, py::arg("program"))
       .def("debug", [](const py::object& self, const toolchain::Image& program) {
         struct Owner {
@@ -266,7 +286,7 @@ void bind_processor(py::module_& m) {
         return std::make_unique<PythonDebugger>(std::move(owner), std::move(debuggee), true);
       }, py::arg("program"))
       .def("load", [](Processor& p, const std::string& sealed, const toolchain::Image* program) {
-        state::load_or_leave(p.chip, state::opened(sealed, "processor", p.configuration(program)).text);
+        state::load_or_leave(p, state::opened(sealed, "processor", p.configuration(program)).text);
       }, py::arg("sealed"), py::arg("program"), "Refuses by name what is no snapshot of such a processor, before anything is changed.")
       .def("run", &Processor::run, py::arg("max_cycles"), py::arg("until") = py::none(),
            "Runs whole instructions for max_cycles, or until the PC is at `until`; says why it stopped.")
@@ -291,9 +311,9 @@ void bind_processor(py::module_& m) {
         return p.chip.port(n).send();
       }, "Takes a word from the output FIFO of a port, as its neighbour would.")
       .def_static("bootable", [](const std::string& board, std::optional<c40::Address> memory) {
-        c40::Board described = machine::read_board(board).board;
-        return std::make_unique<Processor>(memory ? machine::with_boot_from_memory(std::move(described), *memory)
-                                                  : machine::with_boot_from_port(std::move(described)), false);
+        machine::BoardDescription described = machine::read_board(board);
+        described.board = memory ? machine::with_boot_from_memory(std::move(described.board), *memory) : machine::with_boot_from_port(std::move(described.board));
+        return std::make_unique<Processor>(std::move(described), false);
       }, py::arg("board") = "default", py::arg("memory") = py::none(), "With the boot ROM, its pins for a port, or for memory at this address.")
       .def("boot", [](Processor& p) { p.chip.boot(); }, "What the RESET pin does.")
       .def("iiof_pin", [](const Processor& p, int pin) { return p.chip.iiof_pin(pin); })
