@@ -10,8 +10,9 @@ namespace pci {
 class Bus;
 
 /// Sentences, empty unless the model has a fault: every clock before `clock` (as of Bus::statistics) has one use; what
-/// masters moved, targets and data phases moved; under round robin nobody waited longer than (M - 1)(MLT + 16 + 8) clocks for
-/// M masters, the arbiter's own clocks and one turnaround apart, unless it was stalled or has a multi-transaction timer.
+/// masters moved, targets and data phases moved; under round robin nobody waited longer than (M - 1)(MLT + 16 + 8)
+/// clocks for M masters, the arbiter's own clocks and one turnaround apart, unless it was stalled or has a
+/// multi-transaction timer.
 std::vector<std::string> audit(const Bus& bus, Clocks clock);
 
 }  // namespace pci

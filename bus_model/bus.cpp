@@ -18,7 +18,8 @@ constexpr unsigned nobody = Arbiter::nobody;
 Command Bus::command_of(bool write, Address address, unsigned words) const {
   if (write) return Command::write;
   if (words <= 2) return Command::read;
-  return (address & (config_.line_words - 1)) + words <= config_.line_words ? Command::read_line : Command::read_multiple;
+  return (address & (config_.line_words - 1)) + words <= config_.line_words ? Command::read_line
+                                                                            : Command::read_multiple;
 }
 
 void Bus::submit(unsigned master, bool write, Address address, unsigned words, Clocks request, bool speculative) {

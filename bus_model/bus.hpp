@@ -6,8 +6,8 @@
 // turnaround. Arbitration is hidden behind the running transaction; on an idle bus a master starts grant_clocks after
 // its request, or at once when the grant is parked on it. A transaction is cut by its target (disconnect, retry) or by
 // the latency timer once another master asks; the bus repeats the rest by itself. A stopped master drops REQ# for
-// request_off_after_stop clocks. Commands matter in two places: to what a target fetches ahead for a delayed read, and to
-// the latency timer, which lets Memory Write and Invalidate go on to the end of a cache line.
+// request_off_after_stop clocks. Commands matter in two places: to what a target fetches ahead for a delayed read, and
+// to the latency timer, which lets Memory Write and Invalidate go on to the end of a cache line.
 //
 // Inaccuracies: masters are always ready (no IRDY# waits); the words of a write reach the target together at the end of
 // the attempt; those of a burst read are fetched at FRAME# with the clocks of their data phases (so windows whose reads
@@ -71,7 +71,7 @@ struct Attempt {
 
 /// What a target is told about an access.
 struct Access {
-  unsigned master;     ///< who drives the bus
+  unsigned master;  ///< who drives the bus
   Clocks clock;
   unsigned agent = 0;  ///< for whom: MasterConfig::agent, or the far agent that a bridge between buses passes on
   Command command = Command::read;
@@ -216,7 +216,7 @@ class Bus {
   bool ends_itself_ = false;  // natural_words_ is the master's own limit
   bool was_stalled_ = false;
   Clocks now_ = 0;
-  Clocks free_ = 0;  // first clock after the last turnaround
+  Clocks free_ = 0;     // first clock after the last turnaround
   Clocks stalled_ = 0;  // no FRAME# before this clock
   Clocks next_ = never;
   std::uint64_t started_ = 0;

@@ -1,13 +1,13 @@
 #pragma once
 // A transparent bridge between two buses (plant-and-bus.md 3.1, 3.4): what lies behind it answers at its own addresses.
 //
-// Writes are posted, in order, words at rising addresses of one agent as one burst. Reads are delayed: refused until the
-// words have been fetched on the other bus. PCI 2.1's ordering: a read starts on the far bus when the writes posted before it
-// have landed; its data come back when the writes that were posted the other way before it was answered have landed;
-// posted writes pass reads that are refused, so that no two bridges can wait for each other.
+// Writes are posted, in order, words at rising addresses of one agent as one burst. Reads are delayed: refused until
+// the words have been fetched on the other bus. PCI 2.1's ordering: a read starts on the far bus when the writes posted
+// before it have landed; its data come back when the writes that were posted the other way before it was answered have
+// landed; posted writes pass reads that are refused, so that no two bridges can wait for each other.
 //
-// Both buses must count the same clock. Inaccuracies: the posted writes and the reads of one direction ask by a REQ# each; the
-// agent for whom a transaction is travels with it, as a sideband; no I/O or configuration cycles, no LOCK#.
+// Both buses must count the same clock. Inaccuracies: the posted writes and the reads of one direction ask by a REQ#
+// each; the agent for whom a transaction is travels with it, as a sideband; no I/O or configuration cycles, no LOCK#.
 #include <cstdint>
 #include <deque>
 #include <memory>
@@ -24,7 +24,8 @@ class BusBridge {
   class Client {
    public:
     virtual ~Client() = default;
-    virtual void delivered(const Bus& far, unsigned agent, Address address, Word value, Clocks clock, Result result) = 0;
+    virtual void delivered(const Bus& far, unsigned agent, Address address, Word value, Clocks clock,
+                           Result result) = 0;
   };
 
   /// Becomes two masters of each bus. The client may be null. Throws std::invalid_argument for impossible parameters.

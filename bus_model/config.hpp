@@ -27,9 +27,9 @@ enum class Parking : std::uint8_t {
 
 /// PCI's memory commands; I/O and configuration cycles are not modelled.
 enum class Command : std::uint8_t {
-  read,              ///< Memory Read: one or two words, nothing fetched ahead
-  read_line,         ///< to the end of a cache line
-  read_multiple,     ///< more than one line
+  read,           ///< Memory Read: one or two words, nothing fetched ahead
+  read_line,      ///< to the end of a cache line
+  read_multiple,  ///< more than one line
   write,
   write_invalidate,  ///< of whole lines: the latency timer lets it go on to the end of a line
 };
@@ -39,8 +39,8 @@ struct BusConfig {
   std::string name = "bus";
   Arbitration arbitration = Arbitration::round_robin;
   Parking parking = Parking::last_owner;
-  Clocks grant_clocks = 2;         ///< REQ# to FRAME# on an idle bus whose grant is parked elsewhere
-  bool fast_back_to_back = false;  ///< no turnaround after a write when the same master goes on
+  Clocks grant_clocks = 2;             ///< REQ# to FRAME# on an idle bus whose grant is parked elsewhere
+  bool fast_back_to_back = false;      ///< no turnaround after a write when the same master goes on
   Clocks multi_transaction_timer = 0;  ///< MTT of the 430TX: an owner that asks again goes first for so long; 0: none
   unsigned line_words = 8;             ///< words of a cache line, a power of two
 };
@@ -99,9 +99,9 @@ struct BusBridgeConfig {
   std::string name = "bridge";
   unsigned post_depth = 32;     ///< words per direction, 1 to 256
   unsigned delayed_reads = 4;   ///< that can be under way per direction
-  unsigned prefetch_lines = 2;  ///< lines that Memory Read Multiple fetches; Read Line fetches to the end of one, Memory
-                                ///< Read one word
-  Clocks forward = 3;           ///< clocks from the last data phase on one bus to REQ# on the other, at least 1
+  unsigned prefetch_lines = 2;  ///< lines that Memory Read Multiple fetches; Read Line fetches to the end of one,
+                                ///< Memory Read one word
+  Clocks forward = 3;  ///< clocks from the last data phase on one bus to REQ# on the other, at least 1
   Clocks latency_timer = 32;
 };
 

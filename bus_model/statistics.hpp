@@ -31,8 +31,8 @@ class Histogram {
   Clocks max() const { return max_; }
   std::uint64_t zeros() const { return counts_[0]; }
   Clocks min() const { return count_ == 0 ? 0 : min_; }
-  /// The smallest value that at least `fraction` (0..1) of the entries do not exceed: exact up to `exact`, above that the
-  /// upper edge of its bin, less than 0.1 % above it and never more than max().
+  /// The smallest value that at least `fraction` (0..1) of the entries do not exceed: exact up to `exact`, above that
+  /// the upper edge of its bin, less than 0.1 % above it and never more than max().
   Clocks percentile(double fraction) const;
   /// Entries in [2^k, 2^(k+1)); element 0 holds 0 and 1.
   std::array<std::uint64_t, 32> octaves() const;
@@ -70,11 +70,11 @@ struct MasterStatistics {
   std::uint64_t disconnects = 0;  ///< by the target, words left
   std::uint64_t timer_stops = 0;  ///< by the latency timer, words left
   std::uint64_t aborts = 0;
-  Clocks owned = 0;  ///< clocks on the bus
-  Clocks arbitration = 0;    ///< REQ# to GNT#, of all transactions' first attempts in sum
-  Clocks acquisition = 0;    ///< GNT# to FRAME#, the same
-  Clocks target = 0;         ///< FRAME# to the first data phase, the same
-  Histogram wait;    ///< clocks from the request to the first FRAME#
+  Clocks owned = 0;        ///< clocks on the bus
+  Clocks arbitration = 0;  ///< REQ# to GNT#, of all transactions' first attempts in sum
+  Clocks acquisition = 0;  ///< GNT# to FRAME#, the same
+  Clocks target = 0;       ///< FRAME# to the first data phase, the same
+  Histogram wait;          ///< clocks from the request to the first FRAME#
 };
 
 struct TargetStatistics {

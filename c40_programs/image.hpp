@@ -1,5 +1,6 @@
 #pragma once
-// The DSP image that the build assembled from c40_programs/dsp.asm, as the bytes of its COFF file (toolchain/coff.hpp reads it).
+// The DSP image that the build assembled from c40_programs/dsp.asm, as the bytes of its COFF file (toolchain/coff.hpp
+// reads it).
 #include <cstddef>
 #include <span>
 

@@ -28,7 +28,8 @@ double blend(double speed, double edge) {
 
 }  // namespace
 
-void change_load(AgvState& s, const AgvParameters& p, double mass, double inertia, const std::array<double, 3>& motion) {
+void change_load(AgvState& s, const AgvParameters& p, double mass, double inertia,
+                 const std::array<double, 3>& motion) {
   const auto share = [&s](AgvCoordinate rate, double old_inertia, double more, double with) {
     if (more > 0.0 && !s.standing) s.y[rate] = (old_inertia * s.y[rate] + more * with) / (old_inertia + more);
   };
@@ -95,7 +96,8 @@ void AgvMotion::derivative(void* data, double, const double* y, double* yd) {
   yd[A_YAW_RATE] = turn_rate;
 }
 
-// Two wheels beside the middle follow their commanded speeds with the drive's lag and push by their slip; castors carry the rest.
+// Two wheels beside the middle follow their commanded speeds with the drive's lag and push by their slip; castors carry
+// the rest.
 void AgvMotion::differential(const double* y, double* yd) const {
   const AgvState& s = *state_;
   const double half_track = 0.5 * p_.track;
@@ -145,8 +147,10 @@ void AgvMotion::drive_tick(AgvState& s, double allowed) const {
     if (std::fabs(speed) < 0.02 && std::fabs(s.y[A_YAW_RATE]) < 0.02) stop();
     return;
   }
-  if (p_.drive == AgvDrive::differential && s.current.turn != 0.0 && !s.dry) s.standing = false;
-  else if (target == 0.0 && (s.standing || (std::fabs(s.reference) < 1e-9 && std::fabs(speed) < 0.02))) return stop();
+  if (p_.drive == AgvDrive::differential && s.current.turn != 0.0 && !s.dry)
+    s.standing = false;
+  else if (target == 0.0 && (s.standing || (std::fabs(s.reference) < 1e-9 && std::fabs(speed) < 0.02)))
+    return stop();
   s.standing = false;
 
   const double before = s.reference;
@@ -157,7 +161,8 @@ void AgvMotion::drive_tick(AgvState& s, double allowed) const {
   const double m = mass(s);
   const double error = s.reference - speed;
   const double limit = p_.emergency * m;
-  const double ahead = m * (s.reference - before) / drive_tick_seconds + p_.rolling * m * gravity * tanh(s.reference / 0.02) +
+  const double ahead = m * (s.reference - before) / drive_tick_seconds +
+                       p_.rolling * m * gravity * tanh(s.reference / 0.02) +
                        p_.drag * s.reference * std::fabs(s.reference);
   const double wanted = ahead + p_.speed_gain * m * error + s.integral;
   s.command = std::clamp(wanted, -limit, limit);

@@ -17,7 +17,8 @@ constexpr double longest_step = 60.0;  // s
 
 AgvAlone::AgvAlone(const AgvParameters& p, const Pose& start, double tolerance)
     : p_((check(p), p)),
-      motion_((refuse(!(tolerance >= 1e-13 && tolerance <= 1e-3), "tolerance must be 1e-13 to 1e-3", tolerance), p), tolerance) {
+      motion_((refuse(!(tolerance >= 1e-13 && tolerance <= 1e-3), "tolerance must be 1e-13 to 1e-3", tolerance), p),
+              tolerance) {
   reset(start);
 }
 
@@ -40,9 +41,10 @@ void AgvAlone::set_load(double mass, double inertia) {
 
 void AgvAlone::step(const AgvSetPoint& point, double seconds) {
   refuse(!(seconds >= 0.0 && seconds <= longest_step), "a step must be 0 to 60 s", seconds);
-  for (const double x : {point.speed, point.front, point.rear, point.turn}) refuse(!std::isfinite(x), "a set-point must be numbers", x);
+  for (const double x : {point.speed, point.front, point.rear, point.turn})
+    refuse(!std::isfinite(x), "a set-point must be numbers", x);
   state_.vehicle.current = {point.speed, std::clamp(point.front, -p_.steer_limit, p_.steer_limit),
-                    std::clamp(point.rear, -p_.steer_limit, p_.steer_limit), point.turn};
+                            std::clamp(point.rear, -p_.steer_limit, p_.steer_limit), point.turn};
   const Time end = state_.time + Time{std::llround(seconds * 1e12)};
   while (state_.time < end) {
     if (state_.since_tick == Time{0}) motion_.drive_tick(state_.vehicle, std::numeric_limits<double>::infinity());

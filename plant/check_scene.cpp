@@ -33,13 +33,14 @@ std::vector<Thing> things(const DockConfig& c) {
     all.push_back({fmt::format("box {}", i), solid_of(Solid::Kind::fixed, c.layout.no_go[i])});
   for (std::size_t i = 0; i < c.layout.containers.size(); ++i) {
     const ContainerPlace& p = c.layout.containers[i];
-    all.push_back({fmt::format("container {}", i), make_solid(Solid::Kind::container, -1, p.x, p.y, p.yaw, 0.5 * container_length,
-                                                              0.5 * container_width, p.z, p.z + container_height)});
+    all.push_back(
+        {fmt::format("container {}", i), make_solid(Solid::Kind::container, -1, p.x, p.y, p.yaw, 0.5 * container_length,
+                                                    0.5 * container_width, p.z, p.z + container_height)});
   }
   for (std::size_t i = 0; i < c.layout.movers.size(); ++i) {
     const Mover& m = c.layout.movers[i];
-    all.push_back({fmt::format("mover {}", i), make_solid(Solid::Kind::mover, -1, m.path.front().x, m.path.front().y, 0.0, m.radius,
-                                                          m.radius, 0.0, m.height)});
+    all.push_back({fmt::format("mover {}", i), make_solid(Solid::Kind::mover, -1, m.path.front().x, m.path.front().y,
+                                                          0.0, m.radius, m.radius, 0.0, m.height)});
   }
   for (int i = 0; i < c.agv_count; ++i) {
     const Pose at = start_of_agv(c.layout, i);
@@ -62,8 +63,10 @@ void check_lanes(const DockConfig& c) {
         const Solid vehicle = solid_of(c.agv, -1, at.x, at.y, at.heading);
         for (const Solid& leg : legs)
           if (overlaps(vehicle, leg, 0.0))
-            throw std::invalid_argument(fmt::format("plant: an AGV at ({:.2f}, {:.2f}) m of its lane runs into the crane's leg at ({:.2f}, {:.2f}) m; "
-                                                    "move the lane or the crane's portal", at.x, at.y, leg.x, leg.y));
+            throw std::invalid_argument(fmt::format(
+                "plant: an AGV at ({:.2f}, {:.2f}) m of its lane runs into the crane's leg at ({:.2f}, {:.2f}) m; "
+                "move the lane or the crane's portal",
+                at.x, at.y, leg.x, leg.y));
       }
     }
 }
@@ -76,8 +79,9 @@ void check_apart(const DockConfig& c) {
       const Solid& a = all[i].solid;
       const Solid& b = all[j].solid;
       if (std::min(a.top, b.top) - std::max(a.bottom, b.bottom) <= play || !overlaps(a, b, -play)) continue;
-      throw std::invalid_argument(fmt::format("plant: {} and {} are inside each other, at ({:.2f}, {:.2f}) and ({:.2f}, {:.2f}) m",
-                                              all[i].name, all[j].name, a.x, a.y, b.x, b.y));
+      throw std::invalid_argument(
+          fmt::format("plant: {} and {} are inside each other, at ({:.2f}, {:.2f}) and ({:.2f}, {:.2f}) m", all[i].name,
+                      all[j].name, a.x, a.y, b.x, b.y));
     }
 }
 
@@ -106,16 +110,23 @@ void check_standing(const DockConfig& c) {
     const ContainerPlace& p = c.layout.containers[i];
     double under = 0.0;
     for (const Thing& thing : all)
-      if (covers(thing.solid, p.x, p.y) && (thing.solid.kind == Solid::Kind::ship || thing.solid.top < p.z + 0.5 * container_height)) under = std::max(under, thing.solid.top);
+      if (covers(thing.solid, p.x, p.y) &&
+          (thing.solid.kind == Solid::Kind::ship || thing.solid.top < p.z + 0.5 * container_height))
+        under = std::max(under, thing.solid.top);
     if (!(std::fabs(p.z - under) <= play))
-      throw std::invalid_argument(fmt::format("plant: container {} must stand on something: its underside is at {:.3f} m, what is below it ends at {:.3f} m", i,
-                                              p.z, under));
+      throw std::invalid_argument(
+          fmt::format("plant: container {} must stand on something: its underside is at {:.3f} m, what is below it "
+                      "ends at {:.3f} m",
+                      i, p.z, under));
   }
-  const Solid spreader = make_solid(Solid::Kind::fixed, -1, c.home.x, c.home.y, c.home.yaw, 0.5 * container_length, 0.5 * container_width, c.home.z, c.home.z + spreader_height);
+  const Solid spreader = make_solid(Solid::Kind::fixed, -1, c.home.x, c.home.y, c.home.yaw, 0.5 * container_length,
+                                    0.5 * container_width, c.home.z, c.home.z + spreader_height);
   refuse(c.home.z < 0.0, "the spreader's home must be above the ground", c.home.z);
   for (const Thing& thing : all)
-    if (std::min(thing.solid.top, spreader.top) - std::max(thing.solid.bottom, spreader.bottom) > play && overlaps(thing.solid, spreader, -play))
-      throw std::invalid_argument(fmt::format("plant: the spreader's home at ({:.2f}, {:.2f}, {:.2f}) m is inside {}", c.home.x, c.home.y, c.home.z, thing.name));
+    if (std::min(thing.solid.top, spreader.top) - std::max(thing.solid.bottom, spreader.bottom) > play &&
+        overlaps(thing.solid, spreader, -play))
+      throw std::invalid_argument(fmt::format("plant: the spreader's home at ({:.2f}, {:.2f}, {:.2f}) m is inside {}",
+                                              c.home.x, c.home.y, c.home.z, thing.name));
 }
 
 void check_containers(const DockConfig& c) {
@@ -128,8 +139,10 @@ void check_containers(const DockConfig& c) {
     if (const std::string why = cannot_hold(c.crane, p.mass); !why.empty())
       throw std::invalid_argument(fmt::format("plant: container {} is too heavy for the crane: {}", i, why));
     if (p.mass > c.crane.rated_load)
-      throw std::invalid_argument(fmt::format("plant: container {} weighs {} kg, more than the crane's rated_load of {} kg (the hoist would hold it with {:.0f} N m)", i,
-                                              p.mass, c.crane.rated_load, hoist_holding_torque(c.crane, p.mass)));
+      throw std::invalid_argument(
+          fmt::format("plant: container {} weighs {} kg, more than the crane's rated_load of {} kg (the hoist would "
+                      "hold it with {:.0f} N m)",
+                      i, p.mass, c.crane.rated_load, hoist_holding_torque(c.crane, p.mass)));
   }
 }
 

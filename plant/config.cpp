@@ -7,7 +7,7 @@
 namespace plant {
 namespace {
 
-constexpr double turn_radius = 12.0;  // m
+constexpr double turn_radius = 12.0;                       // m
 constexpr double curve_speed = 3.0, straight_speed = 5.0;  // m/s
 
 }  // namespace
@@ -64,9 +64,9 @@ DockConfig default_dock(int agv_count) {
   Layout& layout = config.layout;
   const double upper = layout.deck + container_height;
   layout.containers = {
-      {0.0, 24.0, layout.deck, 0.0, 24e3},    {12.7, 24.0, layout.deck, 0.0, 20e3},  {-12.7, 24.0, layout.deck, 0.0, 26e3},
-      {0.0, 26.6, layout.deck, 0.0, 22e3},    {12.7, 26.6, layout.deck, 0.0, 18e3},  {-12.7, 26.6, layout.deck, 0.0, 25e3},
-      {0.0, 24.0, upper, 0.0, 21e3},          {-12.7, 26.6, upper, 0.0, 16e3},
+      {0.0, 24.0, layout.deck, 0.0, 24e3}, {12.7, 24.0, layout.deck, 0.0, 20e3}, {-12.7, 24.0, layout.deck, 0.0, 26e3},
+      {0.0, 26.6, layout.deck, 0.0, 22e3}, {12.7, 26.6, layout.deck, 0.0, 18e3}, {-12.7, 26.6, layout.deck, 0.0, 25e3},
+      {0.0, 24.0, upper, 0.0, 21e3},       {-12.7, 26.6, upper, 0.0, 16e3},
   };
   layout.no_go = {{-34.0, -24.0, 20.0, 34.0, 0.0, 25.0}};  // the ship's deck-house
   layout.legs = default_loop(layout, agv_count);
@@ -83,9 +83,9 @@ DockConfig gantry_dock(int agv_count) {
   layout.ship.y_max = 22.0;
   const double upper = layout.deck + container_height;
   layout.containers = {
-      {0.0, 10.0, layout.deck, 0.0, 24e3},  {0.0, 12.6, layout.deck, 0.0, 20e3},  {0.0, 15.2, layout.deck, 0.0, 26e3},
-      {0.0, 17.8, layout.deck, 0.0, 22e3},  {12.7, 10.0, layout.deck, 0.0, 18e3}, {-12.7, 12.6, layout.deck, 0.0, 25e3},
-      {0.0, 12.6, upper, 0.0, 21e3},        {0.0, 15.2, upper, 0.0, 16e3},
+      {0.0, 10.0, layout.deck, 0.0, 24e3}, {0.0, 12.6, layout.deck, 0.0, 20e3},  {0.0, 15.2, layout.deck, 0.0, 26e3},
+      {0.0, 17.8, layout.deck, 0.0, 22e3}, {12.7, 10.0, layout.deck, 0.0, 18e3}, {-12.7, 12.6, layout.deck, 0.0, 25e3},
+      {0.0, 12.6, upper, 0.0, 21e3},       {0.0, 15.2, upper, 0.0, 16e3},
   };
   layout.no_go = {{-34.0, -24.0, 6.0, 20.0, 0.0, 25.0}};
   layout.spot = {0.0, -8.0, 0.0};

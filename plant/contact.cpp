@@ -108,7 +108,8 @@ struct ContactEngine::Implementation {
     return carrier;
   }
 
-  // Contact joints between one shape of the body and the solid. The surface is a spring and damper (plant-and-bus.md 1.7).
+  // Contact joints between one shape of the body and the solid. The surface is a spring and damper
+  // (plant-and-bus.md 1.7).
   int touch(dGeomID shape, dBodyID below, bool crane, double h, int count) {
     std::array<dContact, most_contacts> contacts{};
     const int n = dCollide(shape, solid, most_contacts, &contacts[0].geom, sizeof(dContact));
@@ -137,7 +138,8 @@ struct ContactEngine::Implementation {
   }
 };
 
-ContactEngine::ContactEngine(const LandingParameters& parameters) : self_(std::make_unique<Implementation>(parameters)) {}
+ContactEngine::ContactEngine(const LandingParameters& parameters)
+    : self_(std::make_unique<Implementation>(parameters)) {}
 ContactEngine::~ContactEngine() = default;
 
 ContactResult ContactEngine::step(BodyState& state, const BodyShape& shape, const std::array<double, 3>& force,
@@ -152,7 +154,8 @@ ContactResult ContactEngine::step(BodyState& state, const BodyShape& shape, cons
     auto* const below = s.carrier_of(solid, carriers);
     const bool crane = solid.kind == Solid::Kind::crane;
     for (auto* foot : s.feet) count = s.touch(foot, below, crane, seconds, count);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(shape.hull_count); ++i) count = s.touch(s.hulls[i], below, crane, seconds, count);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(shape.hull_count); ++i)
+      count = s.touch(s.hulls[i], below, crane, seconds, count);
   }
   dBodyAddForce(s.body, force[0], force[1], force[2]);
   dBodyAddTorque(s.body, torque[0], torque[1], torque[2]);

@@ -15,7 +15,11 @@ struct Angles {
   SinCos psi, phi, alpha, beta;
   double trolley;  // m, what phi is on a gantry
   explicit Angles(const CraneVector& q)
-      : psi(sin_cos(q[Q_PSI])), phi(sin_cos(q[Q_PHI])), alpha(sin_cos(q[Q_ALPHA])), beta(sin_cos(q[Q_BETA])), trolley(q[Q_PHI]) {}
+      : psi(sin_cos(q[Q_PSI])),
+        phi(sin_cos(q[Q_PHI])),
+        alpha(sin_cos(q[Q_ALPHA])),
+        beta(sin_cos(q[Q_BETA])),
+        trolley(q[Q_PHI]) {}
 };
 
 // Symmetric, so that rows or columns first is the same.
@@ -24,7 +28,8 @@ using CraneSquare = Eigen::Matrix<double, crane_size, crane_size>;
 
 bool is_gantry(const CraneParameters& p) { return p.machine == Machine::gantry; }
 
-// A mass point's partial velocities in the slewing frame (radial, tangential, up) and its acceleration when all qdd are 0.
+// A mass point's partial velocities in the slewing frame (radial, tangential, up) and its acceleration when all qdd are
+// 0.
 struct Point {
   std::array<Vector3, crane_size> partial{};
   Vector3 bias{};
@@ -233,9 +238,10 @@ CraneVector Crane::acceleration(const CraneVector& q, const CraneVector& qd, con
 }
 
 CraneVector Crane::solve(const CraneMatrix& m, const CraneVector& b, unsigned locked) {
-  // Root-free Cholesky; a locked row is the identity's. Written out: 1,160 host instructions on the mean of 20,000 random matrices, a
-  // quarter of them with two locked coordinates (callgrind, -O2), where Eigen 3.4's LLT in place takes 2,650 and its LDLT 3,630. At 32,000
-  // evaluations per second of the scene LLT would be 2.2 % of all host instructions.
+  // Root-free Cholesky; a locked row is the identity's. Written out: 1,160 host instructions on the mean of 20,000
+  // random matrices, a quarter of them with two locked coordinates (callgrind, -O2), where Eigen 3.4's LLT in place
+  // takes 2,650 and its LDLT 3,630. At 32,000 evaluations per second of the scene LLT would be 2.2 % of all host
+  // instructions.
   CraneMatrix lower{};
   CraneVector inverse{};
   CraneVector x{};
@@ -309,7 +315,8 @@ std::array<double, 3> Crane::payload_position(const CraneVector& q) const {
   const bool gantry = is_gantry(p_);
   const double out = gantry ? a.trolley : p_.a0 + p_.jib * a.phi.cos;
   const double up = gantry ? p_.pivot_height : p_.pivot_height + p_.jib * a.phi.sin;
-  const Vector3 world = to_world(a, {out + l * a.alpha.sin * a.beta.cos, l * a.beta.sin, up - l * a.alpha.cos * a.beta.cos});
+  const Vector3 world =
+      to_world(a, {out + l * a.alpha.sin * a.beta.cos, l * a.beta.sin, up - l * a.alpha.cos * a.beta.cos});
   return {world[0] + q[Q_S], world[1], world[2]};
 }
 
@@ -332,7 +339,8 @@ std::array<double, 3> Crane::payload_velocity(const CraneVector& q, const CraneV
 
 CraneVector Crane::at_payload(const CraneVector& q, const std::array<double, 3>& world) const {
   const Angles a(q);
-  const Vector3 local{a.psi.cos * world[0] + a.psi.sin * world[1], -a.psi.sin * world[0] + a.psi.cos * world[1], world[2]};
+  const Vector3 local{a.psi.cos * world[0] + a.psi.sin * world[1], -a.psi.sin * world[0] + a.psi.cos * world[1],
+                      world[2]};
   CraneVector sum{};
   add_force(sum, payload_point(p_, a, q, {}), local);
   return sum;
@@ -353,8 +361,8 @@ CraneVector within_limits(const CraneParameters& p, const CraneVector& q) {
   for (std::size_t j = 0; j < joint_count; ++j) {
     const double value = q[coordinate_of(j)];
     if (!(value >= p.lower[j] && value <= p.upper[j]))
-      throw std::invalid_argument(fmt::format("plant: the pose needs {} = {}, outside its limits {} to {}", names[j], value,
-                                              p.lower[j], p.upper[j]));
+      throw std::invalid_argument(fmt::format("plant: the pose needs {} = {}, outside its limits {} to {}", names[j],
+                                              value, p.lower[j], p.upper[j]));
   }
   return q;
 }
@@ -375,8 +383,9 @@ CraneVector inverse_kinematics(const CraneParameters& p, const CranePose& pose) 
   const double radius = std::sqrt(dx * dx + pose.y * pose.y);
   const double c = (radius - p.a0) / p.jib;
   if (!(c >= -1.0 && c <= 1.0))
-    throw std::invalid_argument(fmt::format("plant: pose ({} m, {} m) is {} m from the crane's column; the jib reaches {} to {} m",
-                                            pose.x, pose.y, radius, p.a0, p.a0 + p.jib));
+    throw std::invalid_argument(
+        fmt::format("plant: pose ({} m, {} m) is {} m from the crane's column; the jib reaches {} to {} m", pose.x,
+                    pose.y, radius, p.a0, p.a0 + p.jib));
   const double s = std::sqrt(1.0 - c * c);
   q[Q_S] = pose.s;
   q[Q_PSI] = atan2(pose.y, dx);

@@ -1,6 +1,7 @@
 #pragma once
-// The crane's equations of motion in closed form (plant-and-bus.md 1.2 and 1.3): slewing, luffing jib crane on a gantry, with hoist, two
-// sway angles and a rotator. Coordinates q = (s, psi, phi, l, alpha, beta, kappa), metres and radians.
+// The crane's equations of motion in closed form (plant-and-bus.md 1.2 and 1.3): slewing, luffing jib crane on a
+// gantry, with hoist, two sway angles and a rotator. Coordinates q = (s, psi, phi, l, alpha, beta, kappa), metres and
+// radians.
 //
 //   M(q) qdd + h(q, qd) + g(q) = B F - friction - sway damping + external
 //
@@ -21,7 +22,8 @@ inline constexpr std::size_t coordinate_of(std::size_t joint) { return joint_coo
 using CraneVector = std::array<double, crane_size>;
 using CraneMatrix = std::array<CraneVector, crane_size>;
 
-// What hangs on the rope. mass 0: nothing (level L2, where the payload is a body of its own and pulls through `external`).
+// What hangs on the rope. mass 0: nothing (level L2, where the payload is a body of its own and pulls through
+// `external`).
 struct Payload {
   double mass;     // kg
   double inertia;  // kg m2 about the vertical
@@ -33,23 +35,26 @@ class Crane {
   explicit Crane(const CraneParameters& parameters) : p_(parameters) {}
   const CraneParameters& parameters() const { return p_; }
 
-  CraneMatrix mass_matrix(const CraneVector& q, const Payload&) const;   // rotor inertias included
-  CraneVector bias(const CraneVector& q, const CraneVector& qd, const Payload&) const;  // h: centrifugal and Coriolis forces
+  CraneMatrix mass_matrix(const CraneVector& q, const Payload&) const;  // rotor inertias included
+  CraneVector bias(const CraneVector& q, const CraneVector& qd,
+                   const Payload&) const;                                 // h: centrifugal and Coriolis forces
   CraneVector gravity_force(const CraneVector& q, const Payload&) const;  // g
-  double kinetic_energy(const CraneVector& q, const CraneVector& qd, const Payload&) const;   // J
-  double potential_energy(const CraneVector& q, const Payload&) const;                        // J, zero at z = 0
+  double kinetic_energy(const CraneVector& q, const CraneVector& qd, const Payload&) const;  // J
+  double potential_energy(const CraneVector& q, const Payload&) const;                       // J, zero at z = 0
 
-  // qdd under generalised forces; coordinates whose bit is set in `locked` are held at qdd = 0 (sway angles at L0 and L2, brakes).
+  // qdd under generalised forces; coordinates whose bit is set in `locked` are held at qdd = 0 (sway angles at L0 and
+  // L2, brakes).
   CraneVector acceleration(const CraneVector& q, const CraneVector& qd, const CraneVector& force, const Payload&,
                            unsigned locked) const;
   // Solves M x = b on the free coordinates, 0 on the locked ones.
   static CraneVector solve(const CraneMatrix& m, const CraneVector& b, unsigned locked);
 
-  // Friction force of an actuated joint at joint speed v, opposing it. sliding: 0 smooths dry friction about v = 0; 1 and -1 take it
-  // whole, for a joint that is known to slide in that direction (stiction).
+  // Friction force of an actuated joint at joint speed v, opposing it. sliding: 0 smooths dry friction about v = 0; 1
+  // and -1 take it whole, for a joint that is known to slide in that direction (stiction).
   double friction(int joint, double v, int sliding = 0) const;
-  // What a motor's torque (N m, behind the lag) does at its joint behind the gear, N or N m: gear times efficiency times torque, as
-  // plant-and-bus.md 1.3 has it; with gear_losses gear / efficiency where the load drives the motor, smooth about rest.
+  // What a motor's torque (N m, behind the lag) does at its joint behind the gear, N or N m: gear times efficiency
+  // times torque, as plant-and-bus.md 1.3 has it; with gear_losses gear / efficiency where the load drives the motor,
+  // smooth about rest.
   double gear_force(std::size_t joint, double torque, double v) const;
   double static_friction(int joint) const;  // F_s, N or N m: what a stuck joint withstands
   // Viscous sway coefficients, N m s/rad, for the present rope.

@@ -28,27 +28,37 @@ void check(const CraneAloneConfig& config) {
 }  // namespace
 
 CraneAlone::CraneAlone(const CraneAloneConfig& config)
-    : config_((check(config), config)), motion_(config.crane, {config.method, config.order, config.tolerance}), wind_(config.wind) {
+    : config_((check(config), config)),
+      motion_(config.crane, {config.method, config.order, config.tolerance}),
+      wind_(config.wind) {
   reset(inverse_kinematics(config.crane, config.home), {}, {});
   set_load(config.load);
 }
 
 void CraneAlone::set_load(const Payload& load) {
-  refuse(!(load.mass >= 0.0 && load.mass <= config_.crane.rated_load), "the load must be 0 kg up to rated_load", load.mass);
-  refuse(!(std::isfinite(load.inertia) && load.inertia >= 0.0), "the load's inertia must not be negative", load.inertia);
+  refuse(!(load.mass >= 0.0 && load.mass <= config_.crane.rated_load), "the load must be 0 kg up to rated_load",
+         load.mass);
+  refuse(!(std::isfinite(load.inertia) && load.inertia >= 0.0), "the load's inertia must not be negative",
+         load.inertia);
   state_.inputs.payload = {config_.crane.spreader_mass + load.mass, config_.crane.spreader_inertia + load.inertia};
 }
 
 void CraneAlone::reset(const CraneVector& q, const CraneVector& qd, const Joints& torque) {
   for (std::size_t k = 0; k < crane_size; ++k)
-    refuse(!std::isfinite(q[k]) || !std::isfinite(qd[k]), "positions and speeds must be numbers", std::isfinite(q[k]) ? qd[k] : q[k]);
+    refuse(!std::isfinite(q[k]) || !std::isfinite(qd[k]), "positions and speeds must be numbers",
+           std::isfinite(q[k]) ? qd[k] : q[k]);
   for (std::size_t j = 0; j < joint_count; ++j) {
     const double most = config_.crane.drives[j].maximum_torque();
-    refuse(!(std::fabs(torque[j]) <= most), fmt::format("the torque of {} at the start must be within {} N m", joint_names(config_.crane.machine)[j].name, most).c_str(), torque[j]);
+    refuse(!(std::fabs(torque[j]) <= most),
+           fmt::format("the torque of {} at the start must be within {} N m",
+                       joint_names(config_.crane.machine)[j].name, most)
+               .c_str(),
+           torque[j]);
     const double at = q[coordinate_of(j)];
     if (at < config_.crane.lower[j] || at > config_.crane.upper[j])
-      throw std::invalid_argument(fmt::format("plant: {} = {} is outside its limits {} to {}", joint_names(config_.crane.machine)[j].name, at,
-                                              config_.crane.lower[j], config_.crane.upper[j]));
+      throw std::invalid_argument(fmt::format("plant: {} = {} is outside its limits {} to {}",
+                                              joint_names(config_.crane.machine)[j].name, at, config_.crane.lower[j],
+                                              config_.crane.upper[j]));
   }
   for (const Coordinate sway : {Q_ALPHA, Q_BETA}) {
     refuse(std::fabs(q[sway]) >= widest_sway, "sway angles must be within 40 degrees", q[sway]);
@@ -59,7 +69,8 @@ void CraneAlone::reset(const CraneVector& q, const CraneVector& qd, const Joints
   state_.inputs.payload = payload;
   state_.inputs.locked = config_.rigid ? sway_coordinates : 0U;
   if (config_.crane.machine == Machine::gantry) {
-    refuse(std::fabs(q[Q_PSI] - 0.5 * std::numbers::pi) > 1e-9 || qd[Q_PSI] != 0.0, "a gantry does not slew: psi must be pi/2", q[Q_PSI]);
+    refuse(std::fabs(q[Q_PSI] - 0.5 * std::numbers::pi) > 1e-9 || qd[Q_PSI] != 0.0,
+           "a gantry does not slew: psi must be pi/2", q[Q_PSI]);
     state_.inputs.locked |= 1U << Q_PSI;
   }
   state_.modes.watch_rope = true;
@@ -89,7 +100,8 @@ void CraneAlone::step(const Joints& torque, double seconds) {
     const bool quiet = !config_.wind.blows() && state_.faulted == 0 && !state_.swung_out && state_.modes.at_limit == 0;
     const auto pieces = quiet ? 1 : static_cast<std::int64_t>(std::ceil(most / short_piece - 1e-9));
     const double each = most / static_cast<double>(pieces);
-    for (std::int64_t k = 0; k < pieces; ++k) piece(start + static_cast<double>(i) * most + static_cast<double>(k) * each, each);
+    for (std::int64_t k = 0; k < pieces; ++k)
+      piece(start + static_cast<double>(i) * most + static_cast<double>(k) * each, each);
   }
   state_.time += std::llround(seconds * 1e12);
 }
@@ -98,11 +110,13 @@ void CraneAlone::piece(double at, double seconds) {
   if (config_.wind.blows()) {
     const CraneState& c = state_.crane;
     const bool container = state_.inputs.payload.mass > config_.crane.spreader_mass;
-    state_.inputs.external = crane().at_payload(c.q, wind_.force(at, crane().payload_velocity(c.q, c.qd), c.q[Q_PSI] + c.q[Q_KAPPA], container));
+    state_.inputs.external = crane().at_payload(
+        c.q, wind_.force(at, crane().payload_velocity(c.q, c.qd), c.q[Q_PSI] + c.q[Q_KAPPA], container));
   }
   if (state_.faulted != 0 || state_.swung_out) brake_off_drives();
   happenings_.clear();
-  advance_with_events(motion_, state_.crane, state_.inputs, state_.modes, seconds, happenings_, config_.bookkeeping ? &state_.work : nullptr);
+  advance_with_events(motion_, state_.crane, state_.inputs, state_.modes, seconds, happenings_,
+                      config_.bookkeeping ? &state_.work : nullptr);
   for (const CraneHappening& happening : happenings_) {
     events_.push_back({std::llround((at + happening.at) * 1e12), happening.kind, happening.joint});
     if (happening.kind != CraneHappening::Kind::swung_out) continue;
@@ -130,23 +144,27 @@ void CraneAlone::brake_off_drives() {
 
 double CraneAlone::energy() const {
   const CraneState& c = state_.crane;
-  return crane().kinetic_energy(c.q, c.qd, state_.inputs.payload) + crane().potential_energy(c.q, state_.inputs.payload);
+  return crane().kinetic_energy(c.q, c.qd, state_.inputs.payload) +
+         crane().potential_energy(c.q, state_.inputs.payload);
 }
 
 std::array<std::uint32_t, joint_count> CraneAlone::encoders() const {
   std::array<std::uint32_t, joint_count> counts{};
   for (std::size_t j = 0; j < joint_count; ++j)
-    counts[j] = static_cast<std::uint32_t>(encoder_counts(state_.crane.q[coordinate_of(j)], config_.crane.drives[j])) & ((1U << encoder_bits) - 1U);
+    counts[j] = static_cast<std::uint32_t>(encoder_counts(state_.crane.q[coordinate_of(j)], config_.crane.drives[j])) &
+                ((1U << encoder_bits) - 1U);
   return counts;
 }
 
 std::array<std::int32_t, 2> CraneAlone::sway() const {
   const std::int64_t sample = state_.time / sway_sample;
-  return {sway_code(state_.crane.q[Q_ALPHA], config_.sensors, Stream::sway_radial, sample), sway_code(state_.crane.q[Q_BETA], config_.sensors, Stream::sway_tangential, sample)};
+  return {sway_code(state_.crane.q[Q_ALPHA], config_.sensors, Stream::sway_radial, sample),
+          sway_code(state_.crane.q[Q_BETA], config_.sensors, Stream::sway_tangential, sample)};
 }
 
 CraneSensitivity CraneAlone::sensitivity(const Joints& torque, double seconds) const {
-  refuse(!(seconds > 0.0 && seconds <= longest_step), "sensitivities need a time of more than 0, at most 60 s", seconds);
+  refuse(!(seconds > 0.0 && seconds <= longest_step), "sensitivities need a time of more than 0, at most 60 s",
+         seconds);
   CraneInputs inputs = state_.inputs;
   for (std::size_t j = 0; j < joint_count; ++j) {
     refuse(!std::isfinite(torque[j]), "torques must be numbers", torque[j]);

@@ -17,8 +17,15 @@ struct Candidate {
 
 class Interval {
  public:
-  Interval(CraneMotion& motion, CraneState& state, CraneInputs& inputs, CraneModes& modes, std::vector<CraneHappening>& happenings, Work* work)
-      : motion_(motion), c_(state), in_(inputs), modes_(modes), happenings_(happenings), work_(work), p_(motion.crane().parameters()) {}
+  Interval(CraneMotion& motion, CraneState& state, CraneInputs& inputs, CraneModes& modes,
+           std::vector<CraneHappening>& happenings, Work* work)
+      : motion_(motion),
+        c_(state),
+        in_(inputs),
+        modes_(modes),
+        happenings_(happenings),
+        work_(work),
+        p_(motion.crane().parameters()) {}
 
   void advance(double seconds) {
     double at = 0.0;
@@ -26,8 +33,10 @@ class Interval {
       if (p_.stiction) settle();
       CraneState trial = c_;
       Work done{};
-      if (work_ != nullptr) done = motion_.advance_booked(trial, in_, seconds - at);
-      else motion_.advance(trial, in_, seconds - at);
+      if (work_ != nullptr)
+        done = motion_.advance_booked(trial, in_, seconds - at);
+      else
+        motion_.advance(trial, in_, seconds - at);
       gather(trial);
       if (count_ == 0 || i + 1 == most_events) {
         c_ = trial;
@@ -69,13 +78,16 @@ class Interval {
           consider(trial, {{Kind::position, k, p_.upper[j]}, CraneHappening::Kind::limit, j});
         if (in_.sliding[j] != 0) consider(trial, {{Kind::speed, k, 0.0}, CraneHappening::Kind::stuck, j});
       } else if ((modes_.stuck >> j & 1U) != 0) {
-        consider(trial, {{Kind::sticking, j, motion_.crane().static_friction(static_cast<int>(j))}, CraneHappening::Kind::slipped, j});
+        consider(trial, {{Kind::sticking, j, motion_.crane().static_friction(static_cast<int>(j))},
+                         CraneHappening::Kind::slipped,
+                         j});
       }
     }
     if (locked(Q_ALPHA)) return;
     for (const std::size_t k : {std::size_t{Q_ALPHA}, std::size_t{Q_BETA}}) {
       if (std::fabs(trial.q[k]) < widest_sway || std::fabs(c_.q[k]) >= widest_sway) continue;
-      consider(trial, {{Kind::position, k, std::copysign(widest_sway, trial.q[k])}, CraneHappening::Kind::swung_out, k});
+      consider(trial,
+               {{Kind::position, k, std::copysign(widest_sway, trial.q[k])}, CraneHappening::Kind::swung_out, k});
     }
     const CraneRoot tension{Kind::tension, Q_L, 0.0};
     if (modes_.watch_rope && motion_.value(tension, trial, in_) <= 0.0 && motion_.value(tension, c_, in_) > 0.0)
@@ -116,8 +128,10 @@ class Interval {
       if (in_.braked[j]) in_.sliding[j] = 0;
       if (in_.braked[j] || locked(k)) continue;
       const double speed = c_.qd[k];
-      if (speed != 0.0) in_.sliding[j] = speed > 0.0 ? 1 : -1;
-      else if (in_.sliding[j] == 0) stick(j);
+      if (speed != 0.0)
+        in_.sliding[j] = speed > 0.0 ? 1 : -1;
+      else if (in_.sliding[j] == 0)
+        stick(j);
     }
   }
 
@@ -156,7 +170,8 @@ void advance_with_events(CraneMotion& motion, CraneState& state, CraneInputs& in
   Interval(motion, state, inputs, modes, happenings, work).advance(seconds);
 }
 
-std::uint32_t rest_in_stops(const CraneMotion& motion, CraneState& state, const CraneInputs& inputs, CraneModes& modes) {
+std::uint32_t rest_in_stops(const CraneMotion& motion, CraneState& state, const CraneInputs& inputs,
+                            CraneModes& modes) {
   const CraneParameters& p = motion.crane().parameters();
   std::uint32_t arrived = 0;
   for (std::size_t j = 0; j < joint_count; ++j) {

@@ -1,10 +1,10 @@
 #pragma once
-// The crane over an interval in which things happen: joints run into their ends, stick and break away, the rope goes slack, the load swings
-// out. Each is found as a root by the integrator; the rest of the interval is integrated from there. An interval whose ends show no change of
-// sign costs nothing more.
+// The crane over an interval in which things happen: joints run into their ends, stick and break away, the rope goes
+// slack, the load swings out. Each is found as a root by the integrator; the rest of the interval is integrated from
+// there. An interval whose ends show no change of sign costs nothing more.
 //
-// Inaccuracies: what changes its sign twice within one interval (125 us in the dock, 1 ms in CraneAlone) is not seen. A joint that rests in
-// its end stop is put back on it at each grid point, not held there by a constraint.
+// Inaccuracies: what changes its sign twice within one interval (125 us in the dock, 1 ms in CraneAlone) is not seen. A
+// joint that rests in its end stop is put back on it at each grid point, not held there by a constraint.
 #include <cstdint>
 #include <vector>
 
@@ -16,8 +16,8 @@ inline constexpr double widest_sway = 40.0 * std::numbers::pi / 180.0;  // rad, 
 
 struct CraneHappening {
   enum class Kind : std::uint8_t { limit, stuck, slipped, slack, swung_out } kind;
-  int joint;   // or the sway coordinate, or -1
-  double at;   // s after the interval's start
+  int joint;  // or the sway coordinate, or -1
+  double at;  // s after the interval's start
 };
 
 struct CraneModes {
@@ -27,10 +27,11 @@ struct CraneModes {
 };
 
 // Moves on by `seconds`. `work`, if given, gets what was done meanwhile added.
-void advance_with_events(CraneMotion&, CraneState&, CraneInputs&, CraneModes&, double seconds, std::vector<CraneHappening>&,
-                         Work* work = nullptr);
+void advance_with_events(CraneMotion&, CraneState&, CraneInputs&, CraneModes&, double seconds,
+                         std::vector<CraneHappening>&, Work* work = nullptr);
 
-// At a grid point: what rests in or beyond an end stop is put back on it and moves no further out. Returns the joints (bits) that have come to one since.
+// At a grid point: what rests in or beyond an end stop is put back on it and moves no further out. Returns the joints
+// (bits) that have come to one since.
 std::uint32_t rest_in_stops(const CraneMotion&, CraneState&, const CraneInputs&, CraneModes&);
 
 }  // namespace plant

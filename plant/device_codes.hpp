@@ -7,7 +7,7 @@ namespace plant {
 // ---- encoders and drives
 inline constexpr int encoder_bits = 24;
 inline constexpr double counts_per_revolution = 16384.0;
-inline constexpr int torque_bits = 12;  // signed
+inline constexpr int torque_bits = 12;                                    // signed
 inline constexpr int largest_torque_code = (1 << (torque_bits - 1)) - 1;  // the drive's maximum_torque()
 inline constexpr double rated_units = 10'000.0;  // rated speed, and the heat that the rated torque comes to
 // Bits of a drive's status.
@@ -16,9 +16,9 @@ inline constexpr std::uint32_t drive_ready = 1, drive_fault = 2, drive_late = 4,
 inline constexpr std::uint32_t trip_overspeed = 1, trip_saturation = 2, trip_heat = 4, trip_warning = 8;
 
 // ---- sway, load, spreader
-inline constexpr int sway_bits = 12;  // signed
+inline constexpr int sway_bits = 12;                     // signed
 inline constexpr int sway_codes = 1 << (sway_bits - 1);  // to either side; so many are SensorParameters::sway_range
-inline constexpr double load_step = 10.0;  // kg
+inline constexpr double load_step = 10.0;                // kg
 // Bits of the spreader's status: a switch for each corner, the twist locks.
 inline constexpr std::uint32_t spreader_corners = 0x0F, spreader_locked = 0x10, spreader_open = 0x20;
 

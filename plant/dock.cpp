@@ -76,8 +76,8 @@ struct Dock::Implementation {
 
   void advance(Time t) {
     if (t < called)
-      throw std::invalid_argument(
-          fmt::format("plant: a call at {} ps after one at {} ps; calls come in nondecreasing time", t.count(), called.count()));
+      throw std::invalid_argument(fmt::format(
+          "plant: a call at {} ps after one at {} ps; calls come in nondecreasing time", t.count(), called.count()));
     called = t;
     while (core.now() + latch_period <= t) core.step();
   }
@@ -316,13 +316,16 @@ void Dock::agv_period(int i, std::uint32_t microseconds, Time t) {
   __extension__ using Wide = __int128;
   constexpr Wide million = 1'000'000;
   AgvState& agv = self_->agv_at(i, t);  // the unit counts in its own clock
-  const Wide period = Wide{std::max(microseconds, 1000U)} * million * million / (million + self_->core.unit_clock(static_cast<std::size_t>(i)).ppm);
+  const Wide period = Wide{std::max(microseconds, 1000U)} * million * million /
+                      (million + self_->core.unit_clock(static_cast<std::size_t>(i)).ppm);
   agv.period = Time{static_cast<std::int64_t>(period)};
 }
 
 void Dock::agv_push(int i, std::int32_t speed, std::int32_t front, std::int32_t rear, Time t) {
   const AgvParameters& p = config().agv;
-  const auto steer = [&p](std::int32_t microradians) { return std::clamp(1e-6 * microradians, -p.steer_limit, p.steer_limit); };
+  const auto steer = [&p](std::int32_t microradians) {
+    return std::clamp(1e-6 * microradians, -p.steer_limit, p.steer_limit);
+  };
   AgvSetPoint point{1e-3 * speed, steer(front), steer(rear)};
   if (p.drive == AgvDrive::differential) {
     const auto [sf, cf] = sin_cos(point.front);
@@ -392,9 +395,10 @@ std::shared_ptr<const DockState> Dock::snapshot() const { return std::make_share
 
 void Dock::restore(const DockState& state) {
   const DockState& now = self_->core.state;
-  if (state.agvs.size() != now.agvs.size() || state.containers.size() != now.containers.size() || state.scans.size() != now.scans.size() ||
-      state.underway.size() != now.underway.size())
-    throw std::invalid_argument("plant: the snapshot is of a dock with other AGVs or containers, range sensors or delay of the drives");
+  if (state.agvs.size() != now.agvs.size() || state.containers.size() != now.containers.size() ||
+      state.scans.size() != now.scans.size() || state.underway.size() != now.underway.size())
+    throw std::invalid_argument(
+        "plant: the snapshot is of a dock with other AGVs or containers, range sensors or delay of the drives");
   self_->core.state = state;
   self_->core.forget_ahead();
   self_->core.forget_scans();

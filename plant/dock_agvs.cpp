@@ -25,7 +25,8 @@ void DockCore::move_agvs() {
     if (ticks(range_clock(i), range_latches(config.sensors))) look(i);
     if (AgvMotion::take_set_point(agv, now())) report(EventKind::agv_dry, static_cast<int>(i));
     if (ticks(unit_clock(i), tick_latches)) {
-      const double allowed = config.agv.protective_field ? traffic.allowed_speed(agv, scan(i)) : std::numeric_limits<double>::infinity();
+      const double allowed =
+          config.agv.protective_field ? traffic.allowed_speed(agv, scan(i)) : std::numeric_limits<double>::infinity();
       agv_motion.drive_tick(agv, allowed);
       serve_warehouse(i);
     }
@@ -34,7 +35,8 @@ void DockCore::move_agvs() {
 
 // The scan is of the last step.
 std::uint32_t DockCore::scan_number(std::size_t agv) const {
-  return static_cast<std::uint32_t>(ticks_until(range_clock(agv), state.latch - state.latch % agv_latches, range_latches(config.sensors)));
+  return static_cast<std::uint32_t>(
+      ticks_until(range_clock(agv), state.latch - state.latch % agv_latches, range_latches(config.sensors)));
 }
 
 const Geometry::Scan& DockCore::scan(std::size_t agv) {

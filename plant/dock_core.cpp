@@ -17,7 +17,12 @@ void keep_each_second(std::vector<Row>& rows) {
 
 }  // namespace
 DockCore::DockCore(const DockConfig& c)
-    : config(c), crane(c.crane, {c.method, 3, c.tolerance}), agv_motion(c.agv, c.tolerance * 10.0), traffic(c), landing(c), wind(c.wind) {
+    : config(c),
+      crane(c.crane, {c.method, 3, c.tolerance}),
+      agv_motion(c.agv, c.tolerance * 10.0),
+      traffic(c),
+      landing(c),
+      wind(c.wind) {
   state.crane.q = inverse_kinematics(config.crane, config.home);
   for (const ContainerPlace& place : config.layout.containers)
     state.containers.push_back({ContainerState::on_ship, -1, place.x, place.y, place.z, place.yaw, place.mass});
@@ -64,7 +69,8 @@ void DockCore::step() {
   ++state.latch;
   if (state.latch % agv_latches == 0) move_agvs();
   const SampleClock& sway_clock = config.sensors.sway_clock;
-  if (ticks_until(sway_clock, state.latch, tick_latches) > ticks_until(sway_clock, state.latch - 1, tick_latches)) sample_sway();
+  if (ticks_until(sway_clock, state.latch, tick_latches) > ticks_until(sway_clock, state.latch - 1, tick_latches))
+    sample_sway();
   begin_latch();
 }
 
@@ -140,7 +146,8 @@ void DockCore::sample_sway() {
   for (std::size_t axis = 0; axis < 2; ++axis) {
     if (bit(state.stuck_sways, axis)) continue;
     state.sway_shown[axis] = state.sway_sampled[axis];
-    state.sway_sampled[axis] = sway_code(angles[axis], config.sensors, axis == 0 ? Stream::sway_radial : Stream::sway_tangential, sample);
+    state.sway_sampled[axis] =
+        sway_code(angles[axis], config.sensors, axis == 0 ? Stream::sway_radial : Stream::sway_tangential, sample);
   }
   sample_instruments(sample);
 }
@@ -153,7 +160,10 @@ double DockCore::drum(const CraneState& c, std::size_t joint) const {
 Place DockCore::make_place() const {
   const CraneState& c = state.crane;
   const auto angles = sway();
-  Place place{{}, angles[0], angles[1], state.landing.active ? landing.payload_position(state) : crane.crane().payload_position(c.q)};
+  Place place{{},
+              angles[0],
+              angles[1],
+              state.landing.active ? landing.payload_position(state) : crane.crane().payload_position(c.q)};
   for (std::size_t j = 0; j < joint_count; ++j) place.q[j] = drum(c, j);
   return place;
 }
@@ -201,7 +211,8 @@ Momentum DockCore::momentum() const {
   const Vector3 velocity = near.active ? near.body.velocity : model.payload_velocity(c.q, c.qd);
   const Vector3 at = near.active ? landing.payload_position(state) : model.payload_position(c.q);
   const CraneMatrix bare = model.mass_matrix(c.q, {});
-  Momentum sum{load.mass * velocity, load.inertia * (near.active ? near.body.spin[2] : c.qd[Q_PSI] + c.qd[Q_KAPPA]), 0.0, 0.0};
+  Momentum sum{load.mass * velocity, load.inertia * (near.active ? near.body.spin[2] : c.qd[Q_PSI] + c.qd[Q_KAPPA]),
+               0.0, 0.0};
   for (std::size_t k = 0; k < crane_size; ++k) {
     sum.travel += bare[Q_S][k] * c.qd[k];
     sum.slewing += bare[Q_PSI][k] * c.qd[k];

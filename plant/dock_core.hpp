@@ -1,5 +1,6 @@
 #pragma once
-// What happens at each latch: dock_core.cpp in what order, dock_drives.cpp, dock_payload.cpp and dock_agvs.cpp each its part. Private to the dock.
+// What happens at each latch: dock_core.cpp in what order, dock_drives.cpp, dock_payload.cpp and dock_agvs.cpp each its
+// part. Private to the dock.
 #include <array>
 #include <functional>
 #include <optional>
@@ -14,23 +15,24 @@
 
 namespace plant {
 
-
 inline bool bit(std::uint32_t mask, std::size_t i) { return (mask >> i & 1U) != 0; }
 
 class DockCore {
  public:
   explicit DockCore(const DockConfig&);
 
-  void step();                       // to the next latch
-  const CraneState& ahead();         // the crane at the next latch, integrated when first asked for
-  void meet_happenings();            // those of the interval that ends
+  void step();                // to the next latch
+  const CraneState& ahead();  // the crane at the next latch, integrated when first asked for
+  void meet_happenings();     // those of the interval that ends
   void report(Time, EventKind, int index = -1, double first = 0.0, double second = 0.0);
   void forget_ahead() { ahead_.reset(); }
   // What the range sensor of an AGV shows now.
   const Geometry::Scan& scan(std::size_t agv);
   void forget_scans() { fresh_.clear(); }
   std::uint32_t scan_number(std::size_t agv) const;
-  SampleClock unit_clock(std::size_t agv) const { return agv < config.unit_clocks.size() ? config.unit_clocks[agv] : SampleClock{}; }
+  SampleClock unit_clock(std::size_t agv) const {
+    return agv < config.unit_clocks.size() ? config.unit_clocks[agv] : SampleClock{};
+  }
   void list_records(state::Visitor& list);  // what has been recorded: nothing that the dock does depends on it
   Time now() const { return state.latch * latch_period; }
   Place make_place() const;
@@ -62,11 +64,11 @@ class DockCore {
   std::function<void(const Event&)> on_event;
 
  private:
-  void begin_latch();                // everything that happens at the present latch
+  void begin_latch();  // everything that happens at the present latch
   void record_signals();
   void take_codes();
   void watch_updates();
-  void protect_drives();             // dock_trips.cpp
+  void protect_drives();  // dock_trips.cpp
   bool count_swings(std::size_t joint, bool on);
   void trip(std::size_t joint, Trip);
   void apply_brakes();
@@ -75,19 +77,21 @@ class DockCore {
   void watch_free_payload();
   void move_payload();
   void blow();
-  Vector3 wind_force() const;        // N on the load, as it is now
+  Vector3 wind_force() const;  // N on the load, as it is now
   void turn_locks();
   void watch_handover(bool turned);
   template <class Change>
-  auto booked(EventKind, int container, Change);   // a change of the payload, with what it does to energy and momentum
+  auto booked(EventKind, int container, Change);  // a change of the payload, with what it does to energy and momentum
   void move_agvs();
   void look(std::size_t agv);
-  SampleClock range_clock(std::size_t agv) const { return agv < config.sensors.range_clocks.size() ? config.sensors.range_clocks[agv] : SampleClock{}; }
+  SampleClock range_clock(std::size_t agv) const {
+    return agv < config.sensors.range_clocks.size() ? config.sensors.range_clocks[agv] : SampleClock{};
+  }
   void serve_warehouse(std::size_t agv);
   void sample_sway();
   void sample_instruments(std::int64_t sample);  // with the first sway sensor's
   std::array<double, 2> sway() const;
-  double tension() const;            // N, sum of the falls
+  double tension() const;  // N, sum of the falls
   void report(EventKind kind, int index = -1, double first = 0.0, double second = 0.0) {
     report(now(), kind, index, first, second);
   }

@@ -21,7 +21,8 @@ void DockCore::take_codes() {
     place = state.shadow;
   }
   watch_updates();
-  std::uint32_t enable = state.faulted ? 0U : state.shadow_enable & ~state.stopped & ~state.failed_drives & ~state.protection.tripped;
+  std::uint32_t enable =
+      state.faulted ? 0U : state.shadow_enable & ~state.stopped & ~state.failed_drives & ~state.protection.tripped;
   if (config.crane.machine == Machine::gantry) enable &= ~slew_bit;  // it does not slew
   for (std::size_t j = 0; j < joint_count; ++j) {
     const bool on = bit(enable, j);
@@ -48,8 +49,10 @@ void DockCore::watch_updates() {
     const bool silent = bit(state.shadow_enable, j) && state.latch - state.updated[j] > timeout;
     if (silent == bit(state.stopped, j)) continue;
     state.stopped ^= 1U << j;
-    if (silent) report(EventKind::drive_stopped, static_cast<int>(j));
-    else if (bit(state.shadow_enable, j)) report(EventKind::drive_resumed, static_cast<int>(j));  // else it was switched off
+    if (silent)
+      report(EventKind::drive_stopped, static_cast<int>(j));
+    else if (bit(state.shadow_enable, j))
+      report(EventKind::drive_resumed, static_cast<int>(j));  // else it was switched off
   }
 }
 
@@ -87,7 +90,8 @@ void DockCore::check_limits() {
 
 void DockCore::check_fault() {
   const auto& q = state.crane.q;
-  if (state.faulted || state.landing.active || std::max(std::fabs(q[Q_ALPHA]), std::fabs(q[Q_BETA])) < widest_sway) return;
+  if (state.faulted || state.landing.active || std::max(std::fabs(q[Q_ALPHA]), std::fabs(q[Q_BETA])) < widest_sway)
+    return;
   state.faulted = true;
   report(EventKind::fault, -1, q[Q_ALPHA], q[Q_BETA]);
 }

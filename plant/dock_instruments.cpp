@@ -1,4 +1,5 @@
-// Drive status and speed, load cell, second sway sensor, anemometer: what they show, and what they go on showing when they have failed.
+// Drive status and speed, load cell, second sway sensor, anemometer: what they show, and what they go on showing when
+// they have failed.
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +9,7 @@
 namespace plant {
 namespace {
 
-constexpr double wind_window = 3.0;          // s, of the anemometer's mean
+constexpr double wind_window = 3.0;  // s, of the anemometer's mean
 
 std::int32_t in_steps(double value, double step) { return static_cast<std::int32_t>(std::floor(value / step) * step); }
 
@@ -19,7 +20,8 @@ std::uint32_t DockCore::drive_status(std::size_t joint) const {
   if (bit(seen.stuck_status, joint)) return seen.held_status[joint];
   const bool fault = state.faulted || bit(state.failed_drives, joint) || bit(state.protection.tripped, joint);
   const bool late = bit(state.stopped, joint);
-  return (fault || late ? 0U : drive_ready) | (fault ? drive_fault : 0U) | (late ? drive_late : 0U) | (bit(state.enabled, joint) ? 0U : drive_brake);
+  return (fault || late ? 0U : drive_ready) | (fault ? drive_fault : 0U) | (late ? drive_late : 0U) |
+         (bit(state.enabled, joint) ? 0U : drive_brake);
 }
 
 std::int32_t DockCore::drive_speed(std::size_t joint) const {
@@ -41,7 +43,8 @@ void DockCore::sample_instruments(std::int64_t sample) {
   for (std::size_t axis = 0; axis < 2; ++axis) {
     if (bit(seen.stuck_sways, axis)) continue;
     seen.sway_shown[axis] = seen.sway_sampled[axis];
-    seen.sway_sampled[axis] = sway_code(angles[axis], config.sensors, axis == 0 ? Stream::second_sway_radial : Stream::second_sway_tangential, sample);
+    seen.sway_sampled[axis] = sway_code(
+        angles[axis], config.sensors, axis == 0 ? Stream::second_sway_radial : Stream::second_sway_tangential, sample);
   }
   if (seen.stuck_load) return;
   seen.load_shown = seen.load_sampled;

@@ -1,4 +1,5 @@
-// The latch's part of the payload: its changes between the levels, the landing's steps, twist locks, and the books of every change.
+// The latch's part of the payload: its changes between the levels, the landing's steps, twist locks, and the books of
+// every change.
 #include <cmath>
 
 #include "plant/dock_core.hpp"
@@ -53,7 +54,8 @@ void DockCore::move_payload() {
   if (near.clear && state.latch % clearance_latches == 0) {
     const double clearance = landing.clearance(state, crane.crane());
     if (clearance > config.landing.away) {
-      const double jump = booked(EventKind::free_again, state.carried, [this] { return landing.end(state, crane.crane()); });
+      const double jump =
+          booked(EventKind::free_again, state.carried, [this] { return landing.end(state, crane.crane()); });
       report(EventKind::free_again, -1, clearance, jump);
       return;
     }
@@ -66,7 +68,8 @@ void DockCore::move_payload() {
     report(EventKind::touch, -1, outcome.vertical, outcome.horizontal);
     const bool hard = outcome.vertical > config.landing.touch_speed || outcome.horizontal > config.landing.touch_sway;
     if (hard) report(EventKind::hard_landing, -1, outcome.vertical, outcome.horizontal);
-    if (config.landing.strict) state.handover.accepted = !hard && std::fabs(landing.landing_error(state)[1]) <= config.landing.yaw_error;
+    if (config.landing.strict)
+      state.handover.accepted = !hard && std::fabs(landing.landing_error(state)[1]) <= config.landing.yaw_error;
   }
   if (near.corners == 0xF && near.touched && accepted() && !near.landed) {
     near.landed = true;

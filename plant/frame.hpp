@@ -1,6 +1,7 @@
 #pragma once
-// Turned frames, and Eigen's fixed-size types as the plant uses them: without packets, so that the order of a sum is that of the source at
-// every level of optimisation and by every compiler. Private to this room (the headers below are heavy).
+// Turned frames, and Eigen's fixed-size types as the plant uses them: without packets, so that the order of a sum is
+// that of the source at every level of optimisation and by every compiler. Private to this room (the headers below are
+// heavy).
 #include <array>
 
 #include "plant/vector.hpp"
@@ -24,8 +25,8 @@ Vector3 vector_of(const Eigen::MatrixBase<Expression>& expression) {
   return v;
 }
 
-// A turned frame: its axes in the world are the columns. Eigen's AngleAxis is of no use here: it calls the C library's sin and cos
-// (plant/math.hpp says why not).
+// A turned frame: its axes in the world are the columns. Eigen's AngleAxis is of no use here: it calls the C library's
+// sin and cos (plant/math.hpp says why not).
 struct Frame {
   Matrix3 axes = Matrix3::Identity();
 

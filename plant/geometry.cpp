@@ -37,8 +37,10 @@ class Shape {
   }
   dGeomID upright(const Solid& s, double bottom, double top) const {
     auto* const geom = s.round ? cylinder_ : box_;
-    if (s.round) dGeomCylinderSetParams(cylinder_, s.half_x, top - bottom);
-    else dGeomBoxSetLengths(box_, 2 * s.half_x, 2 * s.half_y, top - bottom);
+    if (s.round)
+      dGeomCylinderSetParams(cylinder_, s.half_x, top - bottom);
+    else
+      dGeomBoxSetLengths(box_, 2 * s.half_x, 2 * s.half_y, top - bottom);
     dGeomSetPosition(geom, s.x, s.y, 0.5 * (bottom + top));
     const dMatrix3 turn = {s.cos_yaw, -s.sin_yaw, 0, 0, s.sin_yaw, s.cos_yaw, 0, 0, 0, 0, 1, 0};
     dGeomSetRotation(geom, turn);
@@ -61,7 +63,8 @@ double reach(const Solid& s) { return std::sqrt(s.half_x * s.half_x + s.half_y *
 std::int32_t range_code(double distance) {
   const double mm = 1e3 * distance;
   if (mm >= range_most) return range_most;
-  return std::max(static_cast<std::int32_t>(std::floor(mm / range_quantum)) * range_quantum, range_least / range_quantum * range_quantum);
+  return std::max(static_cast<std::int32_t>(std::floor(mm / range_quantum)) * range_quantum,
+                  range_least / range_quantum * range_quantum);
 }
 
 struct Geometry::Implementation {
@@ -84,7 +87,8 @@ Geometry::Scan Geometry::scan(double x, double y, double heading, std::span<cons
   std::array<double, range_rays> nearest;
   nearest.fill(std::numeric_limits<double>::infinity());
   std::array<SinCos, range_rays> toward;
-  for (std::size_t i = 0; i < range_rays; ++i) toward[i] = sin_cos(heading + 1e-6 * (range_first + static_cast<int>(i) * range_step));
+  for (std::size_t i = 0; i < range_rays; ++i)
+    toward[i] = sin_cos(heading + 1e-6 * (range_first + static_cast<int>(i) * range_step));
   for (const Solid& solid : solids) {
     if (solid.bottom > range_height || solid.top < range_height) continue;
     const double dx = solid.x - x, dy = solid.y - y;
@@ -114,8 +118,9 @@ std::optional<Touch> Geometry::touch(const Solid& a, const Solid& b) {
   // Both as tall pillars of one height: the way out is then always sideways.
   constexpr double pillar = 50.0;  // m
   std::array<dContactGeom, 8> contacts;
-  const int n = dCollide(self_->first.upright(a, -pillar, pillar), self_->second.upright(b, -pillar - 1.0, pillar + 1.0),
-                         static_cast<int>(contacts.size()), contacts.data(), sizeof(dContactGeom));
+  const int n =
+      dCollide(self_->first.upright(a, -pillar, pillar), self_->second.upright(b, -pillar - 1.0, pillar + 1.0),
+               static_cast<int>(contacts.size()), contacts.data(), sizeof(dContactGeom));
   Touch sum{};
   for (int i = 0; i < n; ++i) {
     const dContactGeom& c = contacts[static_cast<std::size_t>(i)];

@@ -22,10 +22,11 @@ long steps_max(double interval) {
 void require_ending(int flag, const SundialsCall& call, const char* what, double interval, long steps) {
   static_assert(ARK_TOO_MUCH_WORK == CV_TOO_MUCH_WORK);
   if (flag == ARK_TOO_MUCH_WORK)
-    throw std::runtime_error(
-        fmt::format("plant: the crane's equations need more than {} steps for {} s: a torque, mass, friction or time constant is far from "
-                    "any crane's; values nearer to the defaults are expected ([slewing], [gantry] of docs/configuration.md)",
-                    steps, interval));
+    throw std::runtime_error(fmt::format(
+        "plant: the crane's equations need more than {} steps for {} s: a torque, mass, friction or time constant is "
+        "far from "
+        "any crane's; values nearer to the defaults are expected ([slewing], [gantry] of docs/configuration.md)",
+        steps, interval));
   require(flag, call, what);
 }
 
@@ -54,7 +55,8 @@ struct Integrator::Implementation {
 
   void make_erk(const Settings& settings, int root_count) {
     if (settings.order < lowest_order || settings.order > highest_order)
-      throw std::invalid_argument(fmt::format("plant: the order of Runge-Kutta must be {} to {} (got {})", lowest_order, highest_order, settings.order));
+      throw std::invalid_argument(fmt::format("plant: the order of Runge-Kutta must be {} to {} (got {})", lowest_order,
+                                              highest_order, settings.order));
     erk = ERKStepCreate(evaluate, 0.0, y.vector, context.context);
     if (erk == nullptr) throw std::runtime_error("plant: ERKStepCreate failed");
     require(ERKStepSetErrHandlerFn(erk, keep_message, &call), call, "ERKStepSetErrHandlerFn");
@@ -89,12 +91,14 @@ struct Integrator::Implementation {
       require(ERKStepReset(erk, 0.0, y.vector), call, "ERKStepReset");
       require(ERKStepSetStopTime(erk, interval), call, "ERKStepSetStopTime");
       require(ERKStepSetMaxNumSteps(erk, most_steps), call, "ERKStepSetMaxNumSteps");
-      require_ending(ERKStepEvolve(erk, interval, y.vector, &reached, ARK_NORMAL), call, "ERKStepEvolve", interval, most_steps);
+      require_ending(ERKStepEvolve(erk, interval, y.vector, &reached, ARK_NORMAL), call, "ERKStepEvolve", interval,
+                     most_steps);
     } else {
       require(CVodeReInit(cvodes->memory, 0.0, y.vector), call, "CVodeReInit");
       require(CVodeSetStopTime(cvodes->memory, interval), call, "CVodeSetStopTime");
       require(CVodeSetMaxNumSteps(cvodes->memory, most_steps), call, "CVodeSetMaxNumSteps");
-      require_ending(CVode(cvodes->memory, interval, y.vector, &reached, CV_NORMAL), call, "CVode", interval, most_steps);
+      require_ending(CVode(cvodes->memory, interval, y.vector, &reached, CV_NORMAL), call, "CVode", interval,
+                     most_steps);
     }
     std::copy_n(y.data(), size, state.begin());
     return reached;
@@ -112,12 +116,15 @@ struct Integrator::Implementation {
   }
 };
 
-Integrator::Integrator(const Settings& settings, std::span<const double> absolute, RightHandSide f, RootFunction roots, int root_count)
+Integrator::Integrator(const Settings& settings, std::span<const double> absolute, RightHandSide f, RootFunction roots,
+                       int root_count)
     : self_(std::make_unique<Implementation>(settings, absolute)) {
   self_->call.f = f;
   self_->call.roots = roots;
-  if (settings.method == Method::erk) self_->make_erk(settings, root_count);
-  else self_->make_cvodes(settings, root_count);
+  if (settings.method == Method::erk)
+    self_->make_erk(settings, root_count);
+  else
+    self_->make_cvodes(settings, root_count);
 }
 
 Integrator::~Integrator() = default;
@@ -126,13 +133,16 @@ void Integrator::advance(void* model, std::span<double> y, double interval, doub
   self_->run_adaptive(model, y, interval, step);
 }
 
-double Integrator::advance_to_root(void* model, std::span<double> y, double interval, double& step, std::span<int> found) {
+double Integrator::advance_to_root(void* model, std::span<double> y, double interval, double& step,
+                                   std::span<int> found) {
   auto& s = *self_;
   const double reached = s.run_adaptive(model, y, interval, step);
   std::fill(found.begin(), found.end(), 0);
   if (reached >= interval) return interval;
-  if (s.erk != nullptr) require(ERKStepGetRootInfo(s.erk, found.data()), s.call, "ERKStepGetRootInfo");
-  else require(CVodeGetRootInfo(s.cvodes->memory, found.data()), s.call, "CVodeGetRootInfo");
+  if (s.erk != nullptr)
+    require(ERKStepGetRootInfo(s.erk, found.data()), s.call, "ERKStepGetRootInfo");
+  else
+    require(CVodeGetRootInfo(s.cvodes->memory, found.data()), s.call, "CVodeGetRootInfo");
   return reached;
 }
 

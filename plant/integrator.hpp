@@ -6,8 +6,8 @@
 
 namespace plant {
 
-// ARKODE's explicit Runge-Kutta (ERKStep), or CVODES' multistep methods. A multistep method falls back to order 1 at every restart, so it
-// costs more where inputs change often (plant-and-bus.md 1.6); BDF is for stiff settings.
+// ARKODE's explicit Runge-Kutta (ERKStep), or CVODES' multistep methods. A multistep method falls back to order 1 at
+// every restart, so it costs more where inputs change often (plant-and-bus.md 1.6); BDF is for stiff settings.
 enum class Method : std::uint8_t { erk, adams, bdf };
 
 // yd = f(t, y); t is the time since the call's beginning, so that no time is accumulated in floating point.
@@ -15,29 +15,32 @@ using RightHandSide = void (*)(void* model, double t, const double* y, double* y
 // values = what changes its sign at an event.
 using RootFunction = void (*)(void* model, double t, const double* y, double* values);
 
-// Orders of ERKStep. SUNDIALS 6.4 has tables of order 2, 6 and 8 too, but takes every table whose last stage is at the step's end for one
-// that has the next step's first derivative ("first same as last"). Of these it is not true: further steps of one call begin with a wrong
-// derivative, or with none. So Integrator's constructor refuses them.
+// Orders of ERKStep. SUNDIALS 6.4 has tables of order 2, 6 and 8 too, but takes every table whose last stage is at the
+// step's end for one that has the next step's first derivative ("first same as last"). Of these it is not true: further
+// steps of one call begin with a wrong derivative, or with none. So Integrator's constructor refuses them.
 inline constexpr int lowest_order = 3, highest_order = 5;
 
 class Integrator {
  public:
   struct Settings {
     Method method = Method::erk;
-    int order = 4;             // of ERKStep, see lowest_order; the multistep methods choose their own
+    int order = 4;  // of ERKStep, see lowest_order; the multistep methods choose their own
     double relative = 1e-8;
   };
-  // absolute: one tolerance per state. roots: events of advance_to_root, none if null. Throws std::runtime_error if SUNDIALS refuses.
-  Integrator(const Settings&, std::span<const double> absolute, RightHandSide f, RootFunction roots = nullptr, int root_count = 0);
+  // absolute: one tolerance per state. roots: events of advance_to_root, none if null. Throws std::runtime_error if
+  // SUNDIALS refuses.
+  Integrator(const Settings&, std::span<const double> absolute, RightHandSide f, RootFunction roots = nullptr,
+             int root_count = 0);
   ~Integrator();
   Integrator(const Integrator&) = delete;
   Integrator& operator=(const Integrator&) = delete;
 
-  // Advances y by `interval` seconds. `step` is the step to begin with, and on return the one to begin with next time (ERKStep; the
-  // multistep methods choose it from y alone). Allocates nothing after the first call. Throws std::runtime_error naming SUNDIALS' reason.
+  // Advances y by `interval` seconds. `step` is the step to begin with, and on return the one to begin with next time
+  // (ERKStep; the multistep methods choose it from y alone). Allocates nothing after the first call. Throws
+  // std::runtime_error naming SUNDIALS' reason.
   void advance(void* model, std::span<double> y, double interval, double& step);
-  // The same, but stops at the first root; returns the seconds gone, `interval` if there was none. found: -1, 0 or 1 per root, the
-  // direction in which it passed zero.
+  // The same, but stops at the first root; returns the seconds gone, `interval` if there was none. found: -1, 0 or 1
+  // per root, the direction in which it passed zero.
   double advance_to_root(void* model, std::span<double> y, double interval, double& step, std::span<int> found);
   // The same as advance with steps of a fixed size (ERKStep only; tests of the order).
   void advance_fixed(void* model, std::span<double> y, double interval, double step);
@@ -47,10 +50,11 @@ class Integrator {
   std::unique_ptr<Implementation> self_;
 };
 
-// CVODES (Adams) with two forward sensitivities: `by_parameter` by `parameter`, which f reads and CVODES varies, and `by_start` by a
-// quantity of the given size that enters through the initial values alone. Both hold the derivatives at the start, then at the end.
-void advance_sensitivity(double relative, std::span<const double> absolute, RightHandSide f, void* model, std::span<double> y,
-                         std::span<double> by_parameter, std::span<double> by_start, double& parameter, double start_size,
-                         double interval);
+// CVODES (Adams) with two forward sensitivities: `by_parameter` by `parameter`, which f reads and CVODES varies, and
+// `by_start` by a quantity of the given size that enters through the initial values alone. Both hold the derivatives at
+// the start, then at the end.
+void advance_sensitivity(double relative, std::span<const double> absolute, RightHandSide f, void* model,
+                         std::span<double> y, std::span<double> by_parameter, std::span<double> by_start,
+                         double& parameter, double start_size, double interval);
 
 }  // namespace plant

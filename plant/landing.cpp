@@ -10,7 +10,7 @@ namespace plant {
 namespace {
 
 constexpr double hull_lift = 0.015;  // m, the body's underside above its corner castings
-constexpr double fine_gap = 0.05;  // m, below which the step is 0.25 ms
+constexpr double fine_gap = 0.05;    // m, below which the step is 0.25 ms
 
 }  // namespace
 
@@ -34,12 +34,14 @@ BodyShape Landing::shape(const DockState& s) const {
   const double spreader_above = under[2] + spreader_centre;
   const double container_above = under[2] + s.grip.top - 0.5 * container_height;
   const double lever = ms * spreader_above * spreader_above + mc * container_above * container_above;
-  body.inertia = {box_inertia(ms, container_width, spreader_height) + box_inertia(mc, container_width, container_height) + lever,
-                  config_.crane.spreader_inertia + box_inertia(mc, container_length, container_height) + lever,
-                  payload(s).inertia};
+  body.inertia = {
+      box_inertia(ms, container_width, spreader_height) + box_inertia(mc, container_width, container_height) + lever,
+      config_.crane.spreader_inertia + box_inertia(mc, container_length, container_height) + lever, payload(s).inertia};
   const double half_x = 0.5 * container_length;
   const double half_y = 0.5 * container_width;
-  body.hulls[0] = {{0.0, 0.0, under[2] + 0.5 * (spreader_height + hull_lift)}, {half_x, half_y, 0.5 * (spreader_height - hull_lift)}, 0.0};
+  body.hulls[0] = {{0.0, 0.0, under[2] + 0.5 * (spreader_height + hull_lift)},
+                   {half_x, half_y, 0.5 * (spreader_height - hull_lift)},
+                   0.0};
   body.hull_count = 1;
   if (s.carried >= 0) {
     body.hulls[1] = {{s.grip.x, s.grip.y, container_above + 0.5 * hull_lift},
@@ -68,7 +70,8 @@ double Landing::payload_yaw(const DockState& s) const { return yaw_of(Frame(s.la
 
 Solid Landing::footprint(const DockState& s, double x, double y, double z, double yaw) const {
   const double bottom = s.carried < 0 ? z : z + s.grip.top - container_height;
-  return make_solid(Solid::Kind::fixed, -1, x, y, yaw, 0.5 * container_length, 0.5 * container_width, bottom, z + spreader_height);
+  return make_solid(Solid::Kind::fixed, -1, x, y, yaw, 0.5 * container_length, 0.5 * container_width, bottom,
+                    z + spreader_height);
 }
 
 // The highest point of the solid's top below a footprint.
@@ -77,7 +80,8 @@ double Landing::highest_under(const Solid& foot, const Solid& solid) {
   double most = -1e9;
   for (const auto& [u, v] : corner_sign) {
     const double dx = u * foot.half_x, dy = v * foot.half_y;
-    most = std::max(most, solid.top_at(foot.x + foot.cos_yaw * dx - foot.sin_yaw * dy, foot.y + foot.sin_yaw * dx + foot.cos_yaw * dy));
+    most = std::max(most, solid.top_at(foot.x + foot.cos_yaw * dx - foot.sin_yaw * dy,
+                                       foot.y + foot.sin_yaw * dx + foot.cos_yaw * dy));
   }
   return most;
 }
@@ -86,7 +90,8 @@ double Landing::clearance_of(const DockState& s, const Solid& foot) {
   collect_solids(config_, s, s.carried, solids_);
   double least = 1e9;
   for (const Solid& solid : solids_)
-    if (foot.top >= solid.bottom && overlaps(foot, solid, p_.near)) least = std::min(least, foot.bottom - highest_under(foot, solid));
+    if (foot.top >= solid.bottom && overlaps(foot, solid, p_.near))
+      least = std::min(least, foot.bottom - highest_under(foot, solid));
   return least;
 }
 
@@ -213,7 +218,8 @@ double Landing::energy(const DockState& s, const Crane& crane) const {
   const double rest = s.crane.q[Q_L] - s.landing.slack;
   const double elastic = 0.5 * s.landing.tension * s.landing.tension * rest / (4.0 * p_.fall_stiffness);
   return crane.kinetic_energy(s.crane.q, s.crane.qd, {}) + crane.potential_energy(s.crane.q, {}) +
-         0.5 * load.mass * dot(b.velocity, b.velocity) + turning + load.mass * gravity * payload_position(s)[2] + elastic;
+         0.5 * load.mass * dot(b.velocity, b.velocity) + turning + load.mass * gravity * payload_position(s)[2] +
+         elastic;
 }
 
 }  // namespace plant

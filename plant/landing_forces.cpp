@@ -7,7 +7,8 @@
 namespace plant {
 namespace {
 
-constexpr double head_height = 1.5;  // m, the falls' lower ends above the underside (their upper ends as much above the tip)
+constexpr double head_height =
+    1.5;  // m, the falls' lower ends above the underside (their upper ends as much above the tip)
 
 }  // namespace
 
@@ -63,8 +64,8 @@ void Landing::add_falls(const DockState& s, const Crane& crane, double seconds, 
   sum.crane[Q_KAPPA] -= moment;
 }
 
-// Flipper guides around a container's top, or cones around an AGV's deck: a funnel that narrows downwards, frictionless, from an
-// elastic potential in (lateral error less the funnel's half width).
+// Flipper guides around a container's top, or cones around an AGV's deck: a funnel that narrows downwards,
+// frictionless, from an elastic potential in (lateral error less the funnel's half width).
 void Landing::add_guides(const DockState& s, Forces& sum) const {
   if (!p_.guides) return;
   const BodyState& b = s.landing.body;
@@ -128,7 +129,8 @@ Landing::Outcome Landing::step(DockState& s, const Crane& crane, const Vector3& 
   if (result.contacts > 0 && !s.landing.touched) {
     s.landing.touched = outcome.touched = true;
     Vector3 against = velocity;  // what lies below may ride on a ship
-    const Vector3 middle = s.landing.body.position + Frame(s.landing.body.turn)(Vector3{0.0, 0.0, shape(s).corners[0][2]});
+    const Vector3 middle =
+        s.landing.body.position + Frame(s.landing.body.turn)(Vector3{0.0, 0.0, shape(s).corners[0][2]});
     if (const Solid* below = support(middle[0], middle[1], middle[2])) against = against - below->velocity_at(middle);
     outcome.vertical = -against[2];
     outcome.horizontal = std::sqrt(against[0] * against[0] + against[1] * against[1]);

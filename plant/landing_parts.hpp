@@ -7,8 +7,9 @@
 
 namespace plant {
 
-inline constexpr double spreader_centre = 0.75;     // m, its centre of mass above its underside, with the headblock
-inline constexpr double casting_x = 5.9925, casting_y = 1.1295;  // m, corner castings of a 40-ft container from its middle
+inline constexpr double spreader_centre = 0.75;  // m, its centre of mass above its underside, with the headblock
+inline constexpr double casting_x = 5.9925,
+                        casting_y = 1.1295;  // m, corner castings of a 40-ft container from its middle
 inline constexpr std::array<std::array<double, 2>, 4> corner_sign = {{{1, 1}, {1, -1}, {-1, -1}, {-1, 1}}};
 
 inline double yaw_of(const Frame& frame) { return atan2(frame.axes(1, 0), frame.axes(0, 0)); }
@@ -26,7 +27,8 @@ inline Vector3 underside(const DockState& s, double spreader_mass) {
   return {0.0, 0.0, -(spreader_mass * spreader_centre + mc * middle) / (spreader_mass + mc)};
 }
 
-// Where the castings of a container or of an AGV's deck are, in the order of our corners: the nearer of the two ways round.
+// Where the castings of a container or of an AGV's deck are, in the order of our corners: the nearer of the two ways
+// round.
 inline Vector3 casting(const Solid& solid, double yaw, std::size_t corner, double z) {
   const bool turned = std::fabs(wrap_angle(yaw - solid.yaw)) > 0.5 * std::numbers::pi;
   const double flip = turned ? -1.0 : 1.0;
@@ -39,7 +41,9 @@ inline Vector3 casting(const Solid& solid, double yaw, std::size_t corner, doubl
   return {solid.x + solid.cos_yaw * dx - solid.sin_yaw * dy, solid.y + solid.sin_yaw * dx + solid.cos_yaw * dy, z};
 }
 
-inline bool has_castings(const Solid& solid) { return solid.kind == Solid::Kind::container || solid.kind == Solid::Kind::agv; }
+inline bool has_castings(const Solid& solid) {
+  return solid.kind == Solid::Kind::container || solid.kind == Solid::Kind::agv;
+}
 
 inline double horizontal_distance(const Vector3& a, const Vector3& b) {
   return std::sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]));

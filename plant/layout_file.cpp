@@ -27,17 +27,20 @@ class Fields {
  public:
   using Take = std::function<void(const toml::node&, const std::string& key)>;
 
-  Fields(const toml::table& table, const std::string& file, std::string what) : table_(table), file_(file), what_(std::move(what)) {}
+  Fields(const toml::table& table, const std::string& file, std::string what)
+      : table_(table), file_(file), what_(std::move(what)) {}
 
   double number(const toml::node& node, const std::string& key) const {
     const auto value = node.value<double>();
-    if (!value || node.is_boolean() || !std::isfinite(*value)) refuse(node.source(), file_, fmt::format("{} of {} needs a number", key, what_));
+    if (!value || node.is_boolean() || !std::isfinite(*value))
+      refuse(node.source(), file_, fmt::format("{} of {} needs a number", key, what_));
     return *value;
   }
   std::vector<double> numbers(const toml::node& node, const std::string& key, std::size_t count) const {
     const toml::array* array = node.as_array();
     if (array == nullptr || (count > 0 && array->size() != count))
-      refuse(node.source(), file_, fmt::format("{} of {} needs a list of {}numbers", key, what_, count > 0 ? fmt::format("{} ", count) : ""));
+      refuse(node.source(), file_,
+             fmt::format("{} of {} needs a list of {}numbers", key, what_, count > 0 ? fmt::format("{} ", count) : ""));
     std::vector<double> all;
     for (const toml::node& element : *array) all.push_back(number(element, key));
     return all;
@@ -62,7 +65,8 @@ class Fields {
       to = *node.value<bool>();
     });
   }
-  Fields& choice_to(const std::string& key, const std::vector<std::string>& names, const std::function<void(std::size_t)>& set) {
+  Fields& choice_to(const std::string& key, const std::vector<std::string>& names,
+                    const std::function<void(std::size_t)>& set) {
     return on(key, [this, names, set](const toml::node& node, const std::string& k) {
       const auto value = node.value<std::string>();
       for (std::size_t i = 0; i < names.size(); ++i)
@@ -103,7 +107,8 @@ class Reader {
     fields.number_to("deck_m", layout_.deck).number_to("slot_spacing_m", layout_.slot_spacing);
     fields.on("rows_m", [&](const toml::node& n, const std::string& k) {
       layout_.rows = fields.numbers(n, k, 0);
-      if (layout_.rows.empty()) ::plant::refuse(n.source(), file_, "rows_m of the layout is an empty list; the bay needs at least one row");
+      if (layout_.rows.empty())
+        ::plant::refuse(n.source(), file_, "rows_m of the layout is an empty list; the bay needs at least one row");
     });
     table(fields, "home", [this](const toml::table& t) { home(t); });
     table(fields, "ship", [this](const toml::table& t) { box(t, "the ship", layout_.ship); });
@@ -121,7 +126,10 @@ class Reader {
     });
     table(fields, "agv", [this](const toml::table& t) { agv(t); });
     table(fields, "sensors", [this](const toml::table& t) {
-      Fields(t, file_, "sensors").number_to("range_rate_hz", c_.sensors.range_rate).number_to("range_dropout", c_.sensors.range_dropout).done();
+      Fields(t, file_, "sensors")
+          .number_to("range_rate_hz", c_.sensors.range_rate)
+          .number_to("range_dropout", c_.sensors.range_dropout)
+          .done();
     });
     const toml::node* containers = nullptr;
     fields.on("containers", [&containers](const toml::node& n, const std::string&) { containers = &n; });
@@ -138,13 +146,18 @@ class Reader {
     fields.done();
     if (root.contains("deck_m") && !root.contains("ship")) layout_.ship.z_max = layout_.deck;
     // Now that deck, spot and warehouse are known.
-    if (containers != nullptr) take_list(*containers, "containers", layout_.containers, [this](const toml::table& t) { return container(t); }, true);
+    if (containers != nullptr)
+      take_list(
+          *containers, "containers", layout_.containers, [this](const toml::table& t) { return container(t); }, true);
     std::vector<LaneSegment> lanes[2];
     if (lane_table != nullptr) lanes_of(*lane_table, lanes);
-    const bool moved = old_spot.heading != layout_.spot.heading || old_spot.x != layout_.spot.x || old_spot.y != layout_.spot.y || old_warehouse.x != layout_.warehouse.x ||
+    const bool moved = old_spot.heading != layout_.spot.heading || old_spot.x != layout_.spot.x ||
+                       old_spot.y != layout_.spot.y || old_warehouse.x != layout_.warehouse.x ||
                        old_warehouse.y != layout_.warehouse.y || spacing != layout_.slot_spacing;
-    if (!lanes[0].empty() || !lanes[1].empty()) layout_.legs = {lanes[0], lanes[1], lanes[1]};
-    else if (moved) default_lanes(root);
+    if (!lanes[0].empty() || !lanes[1].empty())
+      layout_.legs = {lanes[0], lanes[1], lanes[1]};
+    else if (moved)
+      default_lanes(root);
   }
 
  private:
@@ -166,7 +179,9 @@ class Reader {
 
   template <class T, class Read>
   void list(Fields& fields, const std::string& key, std::vector<T>& to, Read read, bool replaces = true) {
-    fields.on(key, [this, &to, read, replaces](const toml::node& node, const std::string& k) { take_list(node, k, to, read, replaces); });
+    fields.on(key, [this, &to, read, replaces](const toml::node& node, const std::string& k) {
+      take_list(node, k, to, read, replaces);
+    });
   }
 
   void home(const toml::table& t) {
@@ -180,12 +195,20 @@ class Reader {
   }
 
   void box(const toml::table& t, const std::string& what, Box& b) {
-    Fields(t, file_, what).range_to("x_m", b.x_min, b.x_max).range_to("y_m", b.y_min, b.y_max).range_to("z_m", b.z_min, b.z_max).done({"x_m", "y_m", "z_m"});
+    Fields(t, file_, what)
+        .range_to("x_m", b.x_min, b.x_max)
+        .range_to("y_m", b.y_min, b.y_max)
+        .range_to("z_m", b.z_min, b.z_max)
+        .done({"x_m", "y_m", "z_m"});
   }
 
   void spot(const toml::table& t) {
     Pose& p = layout_.spot;
-    Fields(t, file_, "the spot").number_to("x_m", p.x).number_to("y_m", p.y).number_to("heading_deg", p.heading, degree).done();
+    Fields(t, file_, "the spot")
+        .number_to("x_m", p.x)
+        .number_to("y_m", p.y)
+        .number_to("heading_deg", p.heading, degree)
+        .done();
   }
 
   void warehouse_of(const toml::table& t) {
@@ -208,7 +231,8 @@ class Reader {
         .number_to("yaw_deg", p.yaw, degree)
         .number_to("mass_kg", p.mass)
         .done({"x_m", "y_m"});
-    if (!(tier >= 0.0 && tier == std::floor(tier))) ::plant::refuse(t.source(), file_, fmt::format("a container's tier is 0, 1, 2, ... (got {})", tier));
+    if (!(tier >= 0.0 && tier == std::floor(tier)))
+      ::plant::refuse(t.source(), file_, fmt::format("a container's tier is 0, 1, 2, ... (got {})", tier));
     p.z += tier * container_height;
     return p;
   }
@@ -230,7 +254,8 @@ class Reader {
     fields.number_to("radius_m", m.radius).number_to("height_m", m.height).flag_to("repeats", m.repeats);
     fields.on("path", [&](const toml::node& node, const std::string& k) {
       const toml::array* array = node.as_array();
-      if (array == nullptr || array->empty()) ::plant::refuse(node.source(), file_, "path of a mover is a list of [time_s, x_m, y_m]");
+      if (array == nullptr || array->empty())
+        ::plant::refuse(node.source(), file_, "path of a mover is a list of [time_s, x_m, y_m]");
       for (const toml::node& element : *array) {
         const auto point = fields.numbers(element, k, 3);
         m.path.push_back({point[0], point[1], point[2]});
@@ -261,19 +286,22 @@ class Reader {
     for (std::size_t leg = 0; leg < 2; ++leg)
       fields.on(names[leg], [&, leg](const toml::node& node, const std::string& k) {
         const toml::array* array = node.as_array();
-        if (array == nullptr || array->empty()) ::plant::refuse(node.source(), file_, fmt::format("{} is a list of [length_m, curvature_1_m, speed_m_s]", k));
+        if (array == nullptr || array->empty())
+          ::plant::refuse(node.source(), file_, fmt::format("{} is a list of [length_m, curvature_1_m, speed_m_s]", k));
         const Pose& from = leg == 0 ? layout_.spot : layout_.warehouse;
         const Pose& to = leg == 0 ? layout_.warehouse : layout_.spot;
         Pose at = from;
         for (const toml::node& element : *array) {
           const auto piece = fields.numbers(element, k, 3);
-          if (!(piece[0] > 0.0 && piece[2] > 0.0)) ::plant::refuse(element.source(), file_, "a lane's length and speed must be positive");
+          if (!(piece[0] > 0.0 && piece[2] > 0.0))
+            ::plant::refuse(element.source(), file_, "a lane's length and speed must be positive");
           lanes[leg].push_back({at.x, at.y, at.heading, piece[0], piece[1], piece[2]});
           at = along(lanes[leg].back(), piece[0]);
         }
         if ((at.x - to.x) * (at.x - to.x) + (at.y - to.y) * (at.y - to.y) > 0.01)
-          ::plant::refuse(node.source(), file_,
-                          fmt::format("{} ends at ({:.2f}, {:.2f}) m, not at ({:.2f}, {:.2f})", k, at.x, at.y, to.x, to.y));
+          ::plant::refuse(
+              node.source(), file_,
+              fmt::format("{} ends at ({:.2f}, {:.2f}) m, not at ({:.2f}, {:.2f})", k, at.x, at.y, to.x, to.y));
       });
     fields.done({"to_warehouse", "to_spot"});
   }
@@ -281,7 +309,9 @@ class Reader {
   void default_lanes(const toml::table& root) {
     const double apart = layout_.spot.y - layout_.warehouse.y;
     if (layout_.spot.heading != 0.0 || apart != 24.0)
-      ::plant::refuse(root.source(), file_, "the default loop needs a spot with heading 0 and a warehouse 24 m nearer the land; give [lanes]");
+      ::plant::refuse(
+          root.source(), file_,
+          "the default loop needs a spot with heading 0 and a warehouse 24 m nearer the land; give [lanes]");
     layout_.legs = default_loop(layout_, c_.agv_count);
   }
 

@@ -13,8 +13,8 @@ struct LayoutError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Changes what the text names; the rest of the dock stays. Lanes follow `[[lanes]]`, or the default loop round the new spot and warehouse.
-// Throws LayoutError.
+// Changes what the text names; the rest of the dock stays. Lanes follow `[[lanes]]`, or the default loop round the new
+// spot and warehouse. Throws LayoutError.
 void apply_layout(DockConfig&, std::string_view text, const std::string& name);
 void load_layout(DockConfig&, const std::string& path);
 

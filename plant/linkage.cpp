@@ -15,9 +15,9 @@
 namespace plant {
 namespace {
 
-constexpr double pull = 10.0;           // 1/s, Baumgarte's
-constexpr std::size_t size = 8;         // 3 angles, 3 rates, 2 multipliers
-constexpr std::size_t bodies = 4;       // jib, fly jib, tie bar, load
+constexpr double pull = 10.0;      // 1/s, Baumgarte's
+constexpr std::size_t size = 8;    // 3 angles, 3 rates, 2 multipliers
+constexpr std::size_t bodies = 4;  // jib, fly jib, tie bar, load
 
 using Three = Eigen::Vector3d;
 using Two = Eigen::Vector2d;
@@ -38,7 +38,8 @@ struct Linkage::Model {
 
   explicit Model(const LinkageParameters& parameters) : p(parameters) {
     mass = {p.jib_mass, p.fly_mass, p.tie_mass, p.load};
-    arm = {Three(0.5 * p.jib, 0, 0), Three(p.jib, 0.5 * (p.fly - p.back), 0), Three(0, 0, 0.5 * p.tie), Three(p.jib, p.fly, 0)};
+    arm = {Three(0.5 * p.jib, 0, 0), Three(p.jib, 0.5 * (p.fly - p.back), 0), Three(0, 0, 0.5 * p.tie),
+           Three(p.jib, p.fly, 0)};
     const double fly = p.fly + p.back;
     inertia = Three(p.jib_mass * p.jib * p.jib / 12, p.fly_mass * fly * fly / 12, p.tie_mass * p.tie * p.tie / 12);
     scale = gravity * (p.jib_mass + p.fly_mass + p.tie_mass + p.load);
@@ -121,7 +122,8 @@ struct Linkage::Model {
   }
 
   // d r / d y + c d r / d y' by differences, as IDA would make it, but without its temporary vectors.
-  static int jacobian(realtype, realtype c, N_Vector y, N_Vector yd, N_Vector r, SUNMatrix j, void* data, N_Vector at, N_Vector atd, N_Vector there) {
+  static int jacobian(realtype, realtype c, N_Vector y, N_Vector yd, N_Vector r, SUNMatrix j, void* data, N_Vector at,
+                      N_Vector atd, N_Vector there) {
     N_VScale(1.0, y, at);
     N_VScale(1.0, yd, atd);
     for (std::size_t k = 0; k < size; ++k) {
@@ -135,7 +137,8 @@ struct Linkage::Model {
       v = before;
       vd = before_d;
       for (std::size_t i = 0; i < size; ++i)
-        SM_ELEMENT_D(j, static_cast<sunindextype>(i), static_cast<sunindextype>(k)) = (NV_DATA_S(there)[i] - NV_DATA_S(r)[i]) / step;
+        SM_ELEMENT_D(j, static_cast<sunindextype>(i), static_cast<sunindextype>(k)) =
+            (NV_DATA_S(there)[i] - NV_DATA_S(r)[i]) / step;
     }
     return 0;
   }
@@ -183,9 +186,12 @@ struct Linkage::Solver {
 
 Linkage::Linkage(const LinkageParameters& p, double tolerance) : model_(std::make_unique<Model>(p)) {
   for (const double x : {p.jib, p.jib_mass, p.fly, p.fly_mass, p.back, p.tie, p.tie_mass})
-    if (!(x > 0.0 && std::isfinite(x))) throw std::invalid_argument(fmt::format("plant: lengths and masses of a linkage must be positive (got {})", x));
-  if (!(p.load >= 0.0 && std::isfinite(p.load))) throw std::invalid_argument(fmt::format("plant: a linkage's load must not be negative (got {})", p.load));
-  if (!(tolerance >= 1e-12 && tolerance <= 1e-3)) throw std::invalid_argument(fmt::format("plant: tolerance must be 1e-12 to 1e-3 (got {})", tolerance));
+    if (!(x > 0.0 && std::isfinite(x)))
+      throw std::invalid_argument(fmt::format("plant: lengths and masses of a linkage must be positive (got {})", x));
+  if (!(p.load >= 0.0 && std::isfinite(p.load)))
+    throw std::invalid_argument(fmt::format("plant: a linkage's load must not be negative (got {})", p.load));
+  if (!(tolerance >= 1e-12 && tolerance <= 1e-3))
+    throw std::invalid_argument(fmt::format("plant: tolerance must be 1e-12 to 1e-3 (got {})", tolerance));
   solver_ = std::make_unique<Solver>(*model_, tolerance);
 }
 Linkage::~Linkage() = default;
@@ -198,8 +204,9 @@ void Linkage::place(double jib_angle, double jib_rate) {
   const double span = std::sqrt(x * x + z * z);
   const double cosine = (span * span + p.back * p.back - p.tie * p.tie) / (2.0 * span * p.back);
   if (!(std::fabs(cosine) < 1.0))
-    throw std::invalid_argument(fmt::format("plant: with the jib at {} rad the linkage does not close: {} m are to be spanned by {} and {} m",
-                                            jib_angle, span, p.back, p.tie));
+    throw std::invalid_argument(
+        fmt::format("plant: with the jib at {} rad the linkage does not close: {} m are to be spanned by {} and {} m",
+                    jib_angle, span, p.back, p.tie));
   const double toward = atan2(z, x);
   const double inside = atan2(std::sqrt(1.0 - cosine * cosine), cosine);
   const double fly = toward - inside;  // the back end lies above the jib, the nose hangs forward
@@ -217,7 +224,8 @@ void Linkage::place(double jib_angle, double jib_rate) {
 
 void Linkage::advance(double torque, double seconds) {
   if (!std::isfinite(torque)) throw std::invalid_argument("plant: the torque on a linkage must be a number");
-  if (!(seconds >= 0.0 && seconds <= 3600.0)) throw std::invalid_argument(fmt::format("plant: a step of a linkage must be 0 to 3600 s (got {})", seconds));
+  if (!(seconds >= 0.0 && seconds <= 3600.0))
+    throw std::invalid_argument(fmt::format("plant: a step of a linkage must be 0 to 3600 s (got {})", seconds));
   if (seconds == 0.0) return;
   Model& m = *model_;
   m.torque = torque;

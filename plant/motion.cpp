@@ -129,7 +129,8 @@ double CraneMotion::value(const CraneRoot& root, const CraneState& state, const 
   return 1.0;
 }
 
-double CraneMotion::advance_to(CraneState& state, const CraneInputs& inputs, double seconds, std::span<const CraneRoot> roots, int& which) {
+double CraneMotion::advance_to(CraneState& state, const CraneInputs& inputs, double seconds,
+                               std::span<const CraneRoot> roots, int& which) {
   if (!finder_)
     finder_ = std::make_unique<Integrator>(settings_, absolute_, &CraneMotion::derivative, &CraneMotion::root_values,
                                            static_cast<int>(most_roots));
@@ -168,8 +169,10 @@ void CraneMotion::booked_derivative(void* data, double t, const double* y, doubl
     if ((in.locked >> k & 1U) != 0) continue;
     rate[4] += in.external[k] * state.qd[k];
     const double power = force[k] * state.qd[k];
-    if (k == Q_ALPHA || k == Q_BETA) rate[3] -= power - in.external[k] * state.qd[k];
-    else rate[2] -= power - in.external[k] * state.qd[k];
+    if (k == Q_ALPHA || k == Q_BETA)
+      rate[3] -= power - in.external[k] * state.qd[k];
+    else
+      rate[2] -= power - in.external[k] * state.qd[k];
   }
   rate[2] += rate[0] - rate[1];
 }
@@ -192,7 +195,8 @@ Work CraneMotion::advance_booked(CraneState& state, const CraneInputs& inputs, d
 }
 
 CraneVector CraneMotion::acceleration(const CraneState& state, const CraneInputs& in) const {
-  return crane_.acceleration(state.q, state.qd, applied_force(state.q, state.qd, state.torque, in), in.payload, in.locked);
+  return crane_.acceleration(state.q, state.qd, applied_force(state.q, state.qd, state.torque, in), in.payload,
+                             in.locked);
 }
 
 CraneVector CraneMotion::holding_force(const CraneState& state, const CraneInputs& in) const {
@@ -246,7 +250,8 @@ CraneMotion::Slope CraneMotion::linearize(const CraneState& state, const CraneIn
     // Fine against the speeds over which dry friction is smoothed.
     double fine = 1e-3;
     for (std::size_t j = 0; j < joint_count; ++j)
-      if (coordinate_of(j) == k) fine = std::min(fine, 0.01 * p.drives[j].smooth_speed * p.drives[j].rated_joint_speed());
+      if (coordinate_of(j) == k)
+        fine = std::min(fine, 0.01 * p.drives[j].smooth_speed * p.drives[j].rated_joint_speed());
     by(crane_size + k, fine, [k](CraneState& s) -> double& { return s.qd[k]; });
   }
   for (std::size_t j = 0; j < joint_count; ++j)
@@ -254,7 +259,8 @@ CraneMotion::Slope CraneMotion::linearize(const CraneState& state, const CraneIn
   return slope;
 }
 
-std::array<CraneMotion::Packed, 2> CraneMotion::sensitivity(const CraneState& state, const CraneInputs& inputs, double seconds) const {
+std::array<CraneMotion::Packed, 2> CraneMotion::sensitivity(const CraneState& state, const CraneInputs& inputs,
+                                                            double seconds) const {
   // CVODES varies the payload's mass in place while it differences the right-hand side.
   struct Varied {
     CraneMotion motion;

@@ -1,5 +1,6 @@
 #pragma once
-// The crane moving: equations of motion, drives, friction and brakes, integrated over an interval in which the commands are held.
+// The crane moving: equations of motion, drives, friction and brakes, integrated over an interval in which the commands
+// are held.
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -13,8 +14,8 @@ namespace plant {
 
 struct CraneState {
   CraneVector q{}, qd{};
-  Joints torque{};      // motor side, N m, behind the current loop's lag
-  double step = 1e-4;   // s, with which the integrator begins
+  Joints torque{};     // motor side, N m, behind the current loop's lag
+  double step = 1e-4;  // s, with which the integrator begins
 };
 
 // The sway angles, as bits of CraneInputs::locked.
@@ -22,12 +23,13 @@ inline constexpr unsigned sway_coordinates = 1U << Q_ALPHA | 1U << Q_BETA;
 
 // What is held while the crane moves.
 struct CraneInputs {
-  Joints command{};            // motor torque, N m
+  Joints command{};                        // motor torque, N m
   std::array<bool, joint_count> braked{};  // brake closed and slipping
-  unsigned locked = 0;         // coordinates held at rest: brakes that hold, sway angles at L0 and L2
+  unsigned locked = 0;                     // coordinates held at rest: brakes that hold, sway angles at L0 and L2
   Payload payload{};
-  CraneVector external{};      // generalised forces besides the drives
-  std::array<std::int8_t, joint_count> sliding{};  // stiction: the direction in which dry friction is exact; 0: friction is smoothed
+  CraneVector external{};  // generalised forces besides the drives
+  std::array<std::int8_t, joint_count>
+      sliding{};  // stiction: the direction in which dry friction is exact; 0: friction is smoothed
 };
 
 // What changes its sign at an event.
@@ -39,15 +41,18 @@ struct CraneRoot {
 
 // Where energy went over an interval, J.
 struct Work {
-  double motors = 0.0;    // delivered at the motors' shafts
-  double gears = 0.0;     // lost between shaft and joint; negative where the load drives the motor (plant-and-bus.md 1.3)
+  double motors = 0.0;  // delivered at the motors' shafts
+  double gears = 0.0;   // lost between shaft and joint; negative where the load drives the motor (plant-and-bus.md 1.3)
   double friction = 0.0;  // lost in the joints, slipping brakes included
   double damping = 0.0;   // lost by the sway
   double external = 0.0;  // done by CraneInputs::external
   double impacts = 0.0;   // lost in end stops and by closing brakes
-  double stored() const { return motors - gears - friction - damping + external - impacts; }  // by how much the crane's energy grew
+  double stored() const {
+    return motors - gears - friction - damping + external - impacts;
+  }  // by how much the crane's energy grew
   Work& operator+=(const Work& b) {
-    motors += b.motors, gears += b.gears, friction += b.friction, damping += b.damping, external += b.external, impacts += b.impacts;
+    motors += b.motors, gears += b.gears, friction += b.friction, damping += b.damping, external += b.external,
+        impacts += b.impacts;
     return *this;
   }
 };
@@ -74,14 +79,18 @@ class CraneMotion {
   void advance_fixed(CraneState&, const CraneInputs&, double seconds, double step);
   // Brings one coordinate to rest by an impulse there; the others feel it through the crane's inertia.
   void stop(CraneState&, const CraneInputs&, std::size_t coordinate) const;
-  // CVODES' forward sensitivities: derivatives of (q, qd) after `seconds` by the payload's mass and by the rope's length at the start.
-  std::array<std::array<double, 2 * crane_size>, 2> sensitivity(const CraneState&, const CraneInputs&, double seconds) const;
+  // CVODES' forward sensitivities: derivatives of (q, qd) after `seconds` by the payload's mass and by the rope's
+  // length at the start.
+  std::array<std::array<double, 2 * crane_size>, 2> sensitivity(const CraneState&, const CraneInputs&,
+                                                                double seconds) const;
 
-  // d (qd, qdd) / d (q, qd, torque), by central differences of fourth order; rows and columns of locked coordinates are 0.
+  // d (qd, qdd) / d (q, qd, torque), by central differences of fourth order; rows and columns of locked coordinates are
+  // 0.
   using Slope = std::array<std::array<double, 2 * crane_size + joint_count>, 2 * crane_size>;
   Slope linearize(const CraneState&, const CraneInputs&) const;
 
-  static constexpr std::size_t size = 2 * crane_size;  // what is integrated: q and qd; the torques' lag is solved exactly
+  static constexpr std::size_t size =
+      2 * crane_size;  // what is integrated: q and qd; the torques' lag is solved exactly
   static constexpr std::size_t most_roots = 2 * joint_count + 4 + joint_count + 1;
 
  private:
@@ -94,7 +103,8 @@ class CraneMotion {
   static void unpack(std::span<const double>, CraneState&);
   void begin(const CraneState&, const CraneInputs&);
   Joints torque_at(double t) const;  // N m, so long after the call's beginning
-  CraneVector applied_force(const CraneVector& q, const CraneVector& qd, const Joints& torque, const CraneInputs&) const;
+  CraneVector applied_force(const CraneVector& q, const CraneVector& qd, const Joints& torque,
+                            const CraneInputs&) const;
 
   Crane crane_;
   Integrator::Settings settings_;

@@ -15,9 +15,11 @@ std::uint64_t mix(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-// `part` 1 is the second number that a normal deviate needs. Different (stream, part, sample) have different keys, and different results.
+// `part` 1 is the second number that a normal deviate needs. Different (stream, part, sample) have different keys, and
+// different results.
 double draw(std::uint64_t seed, Stream stream, std::uint64_t part, std::int64_t sample) {
-  const std::uint64_t key = static_cast<std::uint64_t>(stream) << 56 | part << 48 | (static_cast<std::uint64_t>(sample) & 0xFFFFFFFFFFFFULL);
+  const std::uint64_t key =
+      static_cast<std::uint64_t>(stream) << 56 | part << 48 | (static_cast<std::uint64_t>(sample) & 0xFFFFFFFFFFFFULL);
   return (static_cast<double>(mix(mix(seed) ^ key) >> 11) + 0.5) * 0x1p-53;
 }
 

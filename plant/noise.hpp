@@ -1,16 +1,24 @@
 #pragma once
-// Random numbers that are functions of a seed, a stream and a number: who draws what, and when, changes nothing. Every purpose and every axis
-// has a stream of its own. The stream's number and the sample's stand in separate bits of one key, so that no two of them share one.
+// Random numbers that are functions of a seed, a stream and a number: who draws what, and when, changes nothing. Every
+// purpose and every axis has a stream of its own. The stream's number and the sample's stand in separate bits of one
+// key, so that no two of them share one.
 #include <cstdint>
 
 namespace plant {
 
 enum class Stream : std::uint8_t {
-  sway_radial, sway_tangential,                // sensor noise, by sample
-  second_sway_radial, second_sway_tangential,
-  range_dropout,                               // by AGV and ray
-  wind_frequency, wind_phase,                  // by line of the spectrum
-  ship_surge, ship_sway, ship_heave, ship_roll, ship_pitch,  // phases, by part
+  sway_radial,
+  sway_tangential,  // sensor noise, by sample
+  second_sway_radial,
+  second_sway_tangential,
+  range_dropout,  // by AGV and ray
+  wind_frequency,
+  wind_phase,  // by line of the spectrum
+  ship_surge,
+  ship_sway,
+  ship_heave,
+  ship_roll,
+  ship_pitch,  // phases, by part
 };
 
 inline constexpr int stream_count = static_cast<int>(Stream::ship_pitch) + 1;

@@ -20,7 +20,8 @@ class World {
   World(const World&) = delete;
   World& operator=(const World&) = delete;
 
-  dBodyID body(double mass, const Vector3& inertia, const Vector3& at, const Vector3& velocity, const Vector3& spin) const {
+  dBodyID body(double mass, const Vector3& inertia, const Vector3& at, const Vector3& velocity,
+               const Vector3& spin) const {
     auto* const b = dBodyCreate(id);
     dMass m;
     dMassSetParameters(&m, mass, 0, 0, 0, inertia[0], inertia[1], inertia[2], 0, 0, 0);
@@ -65,10 +66,10 @@ CraneVector swing_in_ode(const CraneParameters& p, double payload_mass, const Cr
   auto* const gantry = world.body(p.gantry_mass, {thin, thin, thin}, base, travel, {});
   const Vector3 weight = -p.counterweight_radius * radial;
   auto* const platform = world.body(p.counterweight, {p.slew_inertia, p.slew_inertia, p.slew_inertia}, base + weight,
-                                      travel + cross(slewing, weight), slewing);
+                                    travel + cross(slewing, weight), slewing);
   turn(platform, q[Q_PSI], 0.0);
   auto* const jib = world.body(p.jib_mass, {thin, p.jib_inertia, p.jib_inertia}, pivot + p.jib_centre * along,
-                                 travel + cross(slewing, p.a0 * radial) + cross(luffing, p.jib_centre * along), luffing);
+                               travel + cross(slewing, p.a0 * radial) + cross(luffing, p.jib_centre * along), luffing);
   turn(jib, q[Q_PSI], q[Q_PHI]);
   const double inertia = 0.4 * payload_mass * speck * speck;
   const Vector3 tip = crane.tip(q);

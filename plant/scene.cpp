@@ -8,16 +8,25 @@
 
 namespace plant {
 
-Solid make_solid(Solid::Kind kind, int index, double x, double y, double yaw, double half_x, double half_y, double bottom,
-                 double top) {
+Solid make_solid(Solid::Kind kind, int index, double x, double y, double yaw, double half_x, double half_y,
+                 double bottom, double top) {
   const auto [s, c] = sin_cos(yaw);
-  return {.x = x, .y = y, .yaw = yaw, .half_x = half_x, .half_y = half_y, .bottom = bottom, .top = top, .sin_yaw = s, .cos_yaw = c, .kind = kind,
+  return {.x = x,
+          .y = y,
+          .yaw = yaw,
+          .half_x = half_x,
+          .half_y = half_y,
+          .bottom = bottom,
+          .top = top,
+          .sin_yaw = s,
+          .cos_yaw = c,
+          .kind = kind,
           .index = index};
 }
 
 Solid solid_of(Solid::Kind kind, const Box& b) {
-  return make_solid(kind, -1, 0.5 * (b.x_min + b.x_max), 0.5 * (b.y_min + b.y_max), 0.0, 0.5 * (b.x_max - b.x_min), 0.5 * (b.y_max - b.y_min),
-                    b.z_min, b.z_max);
+  return make_solid(kind, -1, 0.5 * (b.x_min + b.x_max), 0.5 * (b.y_min + b.y_max), 0.0, 0.5 * (b.x_max - b.x_min),
+                    0.5 * (b.y_max - b.y_min), b.z_min, b.z_max);
 }
 
 Solid solid_of(const AgvParameters& p, int index, double x, double y, double heading) {
@@ -31,7 +40,9 @@ double Solid::top_at(double px, double py) const {
   return top - (up[0] * (px - x) + up[1] * (py - y)) / up[2];
 }
 
-Vector3 Solid::velocity_at(const Vector3& at) const { return Vector3{vx, vy, vz} + cross(spin, at - Vector3{x, y, top}); }
+Vector3 Solid::velocity_at(const Vector3& at) const {
+  return Vector3{vx, vy, vz} + cross(spin, at - Vector3{x, y, top});
+}
 
 Vector3 Solid::middle() const {
   if (!tilted) return {x, y, 0.5 * (bottom + top)};
@@ -84,8 +95,8 @@ ContainerData standing(const ContainerData& c, const std::vector<AgvState>& agvs
 
 Solid solid_of(const ContainerData& container, int index, const std::vector<AgvState>& agvs, const ShipPose& ship) {
   const ContainerData c = standing(container, agvs);
-  Solid solid = make_solid(Solid::Kind::container, index, c.x, c.y, c.yaw, 0.5 * container_length, 0.5 * container_width, c.z,
-                           c.z + container_height);
+  Solid solid = make_solid(Solid::Kind::container, index, c.x, c.y, c.yaw, 0.5 * container_length,
+                           0.5 * container_width, c.z, c.z + container_height);
   if (c.state == ContainerState::on_ship && ship.moves) ride(solid, ship);
   if (c.state == ContainerState::on_agv) ride(solid, agvs[static_cast<std::size_t>(c.agv)]);
   return solid;
@@ -115,7 +126,8 @@ void collect_solids(const DockConfig& config, const DockState& state, int withou
   for (std::size_t i = 0; i < config.layout.movers.size(); ++i) {
     const Mover& mover = config.layout.movers[i];
     const MoverPlace at = place_of(mover, seconds);
-    Solid solid = make_solid(Solid::Kind::mover, static_cast<int>(i), at.x, at.y, 0.0, mover.radius, mover.radius, 0.0, mover.height);
+    Solid solid = make_solid(Solid::Kind::mover, static_cast<int>(i), at.x, at.y, 0.0, mover.radius, mover.radius, 0.0,
+                             mover.height);
     solid.round = true;
     solid.vx = at.vx;
     solid.vy = at.vy;
@@ -128,13 +140,14 @@ void collect_solids(const DockConfig& config, const DockState& state, int withou
   }
   for (std::size_t i = 0; i < containers.size(); ++i) {
     const ContainerState where = containers[i].state;
-    if (static_cast<int>(i) == without || where == ContainerState::carried || where == ContainerState::delivered) continue;
+    if (static_cast<int>(i) == without || where == ContainerState::carried || where == ContainerState::delivered)
+      continue;
     solids.push_back(solid_of(containers[i], static_cast<int>(i), agvs, ship));
   }
 }
 
-// Cubics between the waypoints that overshoot none of them (Fritsch and Butland's slopes, each axis for itself): where two successive waypoints are
-// at one place the mover stands in between. At rest before the first and after the last.
+// Cubics between the waypoints that overshoot none of them (Fritsch and Butland's slopes, each axis for itself): where
+// two successive waypoints are at one place the mover stands in between. At rest before the first and after the last.
 MoverPlace place_of(const Mover& mover, double seconds) {
   const std::vector<Waypoint>& path = mover.path;
   const double first = path.front().time, last = path.back().time;
@@ -144,10 +157,10 @@ MoverPlace place_of(const Mover& mover, double seconds) {
   if (t >= last) return {path.back().x, path.back().y, 0.0, 0.0};
   std::size_t i = 0;
   while (path[i + 1].time <= t) ++i;
-  const auto secant = [&](std::size_t k, double Waypoint::*axis) {
+  const auto secant = [&](std::size_t k, double Waypoint::* axis) {
     return (path[k + 1].*axis - path[k].*axis) / (path[k + 1].time - path[k].time);
   };
-  const auto slope = [&](std::size_t k, double Waypoint::*axis) {
+  const auto slope = [&](std::size_t k, double Waypoint::* axis) {
     if (k == 0 || k + 1 == path.size()) return 0.0;
     const double before = secant(k - 1, axis), after = secant(k, axis);
     if (before * after <= 0.0) return 0.0;
@@ -156,11 +169,11 @@ MoverPlace place_of(const Mover& mover, double seconds) {
   };
   const double h = path[i + 1].time - path[i].time;
   const double u = (t - path[i].time) / h, w = 1.0 - u;
-  const auto value = [&](double Waypoint::*axis) {
+  const auto value = [&](double Waypoint::* axis) {
     return path[i].*axis * (w * w * (1.0 + 2.0 * u)) + path[i + 1].*axis * (u * u * (3.0 - 2.0 * u)) +
            h * (slope(i, axis) * (u * w * w) - slope(i + 1, axis) * (u * u * w));
   };
-  const auto rate = [&](double Waypoint::*axis) {
+  const auto rate = [&](double Waypoint::* axis) {
     return 6.0 * u * w * (path[i + 1].*axis - path[i].*axis) / h + slope(i, axis) * (w * w - 2.0 * u * w) +
            slope(i + 1, axis) * (u * u - 2.0 * u * w);
   };

@@ -18,25 +18,26 @@ struct ContainerData {
 
 // A box turned about the vertical by yaw; on a rolling ship then tilted about the middle of its top.
 struct Solid {
-  double x, y, yaw;            // middle of the top, m, rad
-  double half_x, half_y;       // m
-  double bottom, top;          // z; tilted: of the top's middle, and as much below it as the solid is high
+  double x, y, yaw;       // middle of the top, m, rad
+  double half_x, half_y;  // m
+  double bottom, top;     // z; tilted: of the top's middle, and as much below it as the solid is high
   double sin_yaw, cos_yaw;
   enum class Kind : std::uint8_t { ground, ship, container, agv, fixed, mover, crane } kind;
-  int index;                   // container, AGV or mover, else -1
-  bool round = false;          // an upright cylinder of radius half_x; what has no use for that takes the box around it
+  int index;           // container, AGV or mover, else -1
+  bool round = false;  // an upright cylinder of radius half_x; what has no use for that takes the box around it
   double vx = 0.0, vy = 0.0, vz = 0.0;  // of the top's middle, m/s
   bool tilted = false;
   Frame tilt{};
-  Vector3 spin{};              // rad/s
+  Vector3 spin{};  // rad/s
 
   double top_at(double px, double py) const;  // height of the top's plane there
   Vector3 velocity_at(const Vector3&) const;
-  Vector3 middle() const;      // of the whole solid
-  Frame frame() const;         // its own axes: yaw, then tilt
+  Vector3 middle() const;  // of the whole solid
+  Frame frame() const;     // its own axes: yaw, then tilt
 };
 
-Solid make_solid(Solid::Kind, int index, double x, double y, double yaw, double half_x, double half_y, double bottom, double top);
+Solid make_solid(Solid::Kind, int index, double x, double y, double yaw, double half_x, double half_y, double bottom,
+                 double top);
 
 Solid solid_of(Solid::Kind, const Box&);
 Solid solid_of(const AgvParameters&, int index, double x, double y, double heading);

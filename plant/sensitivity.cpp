@@ -5,9 +5,9 @@
 
 namespace plant {
 
-void advance_sensitivity(double relative, std::span<const double> absolute, RightHandSide f, void* model, std::span<double> y,
-                         std::span<double> by_parameter, std::span<double> by_start, double& parameter, double start_size,
-                         double interval) {
+void advance_sensitivity(double relative, std::span<const double> absolute, RightHandSide f, void* model,
+                         std::span<double> y, std::span<double> by_parameter, std::span<double> by_start,
+                         double& parameter, double start_size, double interval) {
   const SundialsContext context;
   SundialsVector state(y.size(), context);
   SundialsVector tolerance(y.size(), context);
@@ -28,7 +28,8 @@ void advance_sensitivity(double relative, std::span<const double> absolute, Righ
   require(CVodeSetNonlinearSolver(solver.memory, solvers.nonlinear), call, "CVodeSetNonlinearSolver");
   std::array<N_Vector, 2> vectors{first.vector, second.vector};
   require(CVodeSensInit1(solver.memory, 2, CV_STAGGERED, nullptr, vectors.data()), call, "CVodeSensInit1");
-  // Two parameters must lie side by side: f reads the first through `link`, and the second enters by the initial values alone.
+  // Two parameters must lie side by side: f reads the first through `link`, and the second enters by the initial values
+  // alone.
   std::array<double, 2> values{parameter, start_size};
   std::array<double, 2> sizes = values;
   std::array<int, 2> list{0, 1};

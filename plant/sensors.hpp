@@ -1,6 +1,6 @@
 #pragma once
-// Quantised sensors. Encoders floor to counts, 16384 to a motor revolution; the sway sensor has 12 bits over +-10 degrees and a noise
-// that depends on nothing but the seed and the number of the sample.
+// Quantised sensors. Encoders floor to counts, 16384 to a motor revolution; the sway sensor has 12 bits over +-10
+// degrees and a noise that depends on nothing but the seed and the number of the sample.
 #include <cstdint>
 
 #include "plant/config.hpp"

@@ -3,8 +3,8 @@
 #include <numbers>
 
 #include "plant/math.hpp"
-#include "plant/scene.hpp"
 #include "plant/noise.hpp"
+#include "plant/scene.hpp"
 
 namespace plant {
 namespace {
@@ -14,9 +14,15 @@ constexpr double degree = std::numbers::pi / 180.0;
 struct Wave {
   double size, period;  // m or rad, s
 };
-constexpr std::array<Wave, 5> waves = {{{0.2, 80.0}, {0.1, 60.0}, {0.1, 10.0}, {0.5 * degree, 12.0}, {0.1 * degree, 8.0}}};  // surge, sway, heave, roll, pitch
-constexpr std::array<Stream, 5> streams = {Stream::ship_surge, Stream::ship_sway, Stream::ship_heave, Stream::ship_roll, Stream::ship_pitch};
-constexpr std::array<Wave, 3> parts = {{{0.6, 1.0}, {0.3, 0.83}, {0.1, 1.31}}};  // shares of each wave's size and period
+constexpr std::array<Wave, 5> waves = {{{0.2, 80.0},
+                                        {0.1, 60.0},
+                                        {0.1, 10.0},
+                                        {0.5 * degree, 12.0},
+                                        {0.1 * degree, 8.0}}};  // surge, sway, heave, roll, pitch
+constexpr std::array<Stream, 5> streams = {Stream::ship_surge, Stream::ship_sway, Stream::ship_heave, Stream::ship_roll,
+                                           Stream::ship_pitch};
+constexpr std::array<Wave, 3> parts = {
+    {{0.6, 1.0}, {0.3, 0.83}, {0.1, 1.31}}};  // shares of each wave's size and period
 
 struct Value {
   double now = 0.0, rate = 0.0;
@@ -39,7 +45,9 @@ Value sum_of(const ShipMotion& motion, std::size_t i, double seconds) {
 
 Vector3 ShipPose::at(const Vector3& point) const { return moves ? middle + shift + turn(point - middle) : point; }
 
-Vector3 ShipPose::calm(const Vector3& world) const { return moves ? middle + turn.inverse(world - middle - shift) : world; }
+Vector3 ShipPose::calm(const Vector3& world) const {
+  return moves ? middle + turn.inverse(world - middle - shift) : world;
+}
 
 Vector3 ShipPose::velocity_at(const Vector3& world) const { return velocity + cross(spin, world - middle - shift); }
 
@@ -59,7 +67,8 @@ ShipPose ship_at(const DockConfig& config, const std::vector<ContainerData>& con
   const auto [sr, cr] = sin_cos(roll.now);
   const auto [sp, cp] = sin_cos(pitch.now);
   pose.turn.axes << cp, sp * sr, sp * cr, 0.0, cr, -sr, -sp, cp * sr, cp * cr;
-  pose.spin = Vector3{roll.rate * cp, pitch.rate, -roll.rate * sp};  // roll turns about the ship's own axis, which pitches
+  pose.spin =
+      Vector3{roll.rate * cp, pitch.rate, -roll.rate * sp};  // roll turns about the ship's own axis, which pitches
   return pose;
 }
 

@@ -11,7 +11,8 @@ namespace {
 
 constexpr double felt = 0.01;  // m/s, closing speed below which two bodies lean on each other
 
-// A vehicle at the point of contact: its velocity along the normal, and what an impulse of 1 N s along it changes there.
+// A vehicle at the point of contact: its velocity along the normal, and what an impulse of 1 N s along it changes
+// there.
 struct Side {
   double speed, give;
 };
@@ -22,8 +23,13 @@ struct Body {
 
 Body body_of(const AgvParameters& p, const AgvState& s) {
   const auto [sh, ch] = sin_cos(s.y[A_HEADING]);
-  return {p.mass + s.load_mass, p.yaw_inertia + s.load_inertia, s.y[A_X], s.y[A_Y], s.y[A_SPEED] * ch - s.y[A_SIDE] * sh,
-          s.y[A_SPEED] * sh + s.y[A_SIDE] * ch, s.y[A_YAW_RATE]};
+  return {p.mass + s.load_mass,
+          p.yaw_inertia + s.load_inertia,
+          s.y[A_X],
+          s.y[A_Y],
+          s.y[A_SPEED] * ch - s.y[A_SIDE] * sh,
+          s.y[A_SPEED] * sh + s.y[A_SIDE] * ch,
+          s.y[A_YAW_RATE]};
 }
 
 double lever(const Body& b, const Touch& t) { return (t.x - b.x) * t.ny - (t.y - b.y) * t.nx; }

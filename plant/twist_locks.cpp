@@ -70,12 +70,15 @@ int Landing::release(DockState& s) {
     c.agv = below->index;
     agv.container = number;
     change_load(agv, config_.agv, c.mass, box_inertia(c.mass, container_length, container_width),
-                {below->cos_yaw * v[0] + below->sin_yaw * v[1], -below->sin_yaw * v[0] + below->cos_yaw * v[1], s.landing.body.spin[2]});
-  } else if (below != nullptr && (below->kind == Solid::Kind::ship ||
-                                  (below->kind == Solid::Kind::container &&
-                                   s.containers[static_cast<std::size_t>(below->index)].state == ContainerState::on_ship))) {
+                {below->cos_yaw * v[0] + below->sin_yaw * v[1], -below->sin_yaw * v[0] + below->cos_yaw * v[1],
+                 s.landing.body.spin[2]});
+  } else if (below != nullptr &&
+             (below->kind == Solid::Kind::ship ||
+              (below->kind == Solid::Kind::container &&
+               s.containers[static_cast<std::size_t>(below->index)].state == ContainerState::on_ship))) {
     c.state = ContainerState::on_ship;
-    if (const ShipPose ship = ship_at(config_, s.containers, s.seconds()); ship.moves) {  // kept as it stands in calm water
+    if (const ShipPose ship = ship_at(config_, s.containers, s.seconds());
+        ship.moves) {  // kept as it stands in calm water
       const Vector3 calm = ship.calm(at + frame({s.grip.x, s.grip.y, s.grip.top - container_height}));
       const Vector3 ahead = ship.turn.inverse(frame.axis(0));
       c.x = calm[0], c.y = calm[1], c.z = calm[2];

@@ -12,7 +12,8 @@ namespace {
 constexpr double nodes_per_second = 20.0;
 constexpr double length_scale = 170.0;  // m, L at 30 m of height
 constexpr double lowest = 2e-4;         // Hz: the first band is all below
-constexpr double highest = 5.0;         // Hz: faster gusts are smaller than a container; their 2 % of the variance is given to the others
+constexpr double highest =
+    5.0;  // Hz: faster gusts are smaller than a container; their 2 % of the variance is given to the others
 
 // The share of the variance below f: the integral of Kaimal's spectrum.
 double share_below(double f) { return 1.0 - exp(-2.0 / 3.0 * log(1.0 + 6.0 * f)); }
@@ -90,7 +91,8 @@ std::array<double, 3> Wind::force(double seconds, const std::array<double, 3>& v
   double area_times_speed = 0.0;
   if (container) {
     const auto [s, c] = sin_cos(yaw);
-    area_times_speed = p_.side_area * std::fabs(c * y - s * x) + p_.end_area * std::fabs(c * x + s * y);  // |w| |sin|, |w| |cos|
+    area_times_speed =
+        p_.side_area * std::fabs(c * y - s * x) + p_.end_area * std::fabs(c * x + s * y);  // |w| |sin|, |w| |cos|
   } else {
     area_times_speed = p_.spreader_area * std::sqrt(x * x + y * y);
   }

@@ -1,10 +1,13 @@
 #pragma once
-// Wind on the load: a mean, and gusts along it by Kaimal's spectrum. A function of time and of the parameters, its seed among them: no state.
+// Wind on the load: a mean, and gusts along it by Kaimal's spectrum. A function of time and of the parameters, its seed
+// among them: no state.
 //
-//   n S(n) / sigma^2 = 4 f / (1 + 6 f)^(5/3),   f = n L / U     (control-notes.md 3; Kaimal et al. 1972 in the form of IEC 61400-1)
+//   n S(n) / sigma^2 = 4 f / (1 + 6 f)^(5/3),   f = n L / U     (control-notes.md 3; Kaimal et al. 1972 in the form of
+//   IEC 61400-1)
 //
-// 224 lines whose frequencies are drawn within bands of equal ratio and whose phases are drawn from the circle; a line has the variance of
-// its band. So the variance is sigma^2 for every seed, and no two lines have a common period. Between nodes at 20 Hz the speed is linear.
+// 224 lines whose frequencies are drawn within bands of equal ratio and whose phases are drawn from the circle; a line
+// has the variance of its band. So the variance is sigma^2 for every seed, and no two lines have a common period.
+// Between nodes at 20 Hz the speed is linear.
 #include <array>
 #include <cstdint>
 
@@ -25,8 +28,8 @@ class Wind {
   double speed(double seconds);
   // Its mean from one instant to a later one, at most 5 s after it, m/s: exact.
   double mean(double from, double to);
-  // Force on a load that moves with `velocity` (world, m/s) and whose long side points to `yaw`, rad; N, world axes, horizontal:
-  // 1/2 rho C_d A |w| w of the velocity w of the air relative to the load.
+  // Force on a load that moves with `velocity` (world, m/s) and whose long side points to `yaw`, rad; N, world axes,
+  // horizontal: 1/2 rho C_d A |w| w of the velocity w of the air relative to the load.
   std::array<double, 3> force(double seconds, const std::array<double, 3>& velocity, double yaw, bool container);
 
  private:

@@ -1,5 +1,6 @@
 #pragma once
-/// Address generation and guarded accesses (c40-isa.md 3.2 to 3.10), as small objects that a handler is put together from.
+/// Address generation and guarded accesses (c40-isa.md 3.2 to 3.10), as small objects that a handler is put together
+/// from.
 #include <bit>
 
 #include "c40/op.hpp"
@@ -118,7 +119,8 @@ inline void set_logic(Core& core, Word value) {
 
 inline void latch(Core& core, Word range) {
   core.range = range;
-  if (range != 0) [[unlikely]] core.sticky |= (range & st::V) << 4 | (range & st::UF) << 2;
+  if (range != 0) [[unlikely]]
+    core.sticky |= (range & st::V) << 4 | (range & st::UF) << 2;
 }
 
 inline void set_float(Core& core, Word flags) {

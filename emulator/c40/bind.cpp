@@ -19,9 +19,9 @@ Kind kind_of(const Operand& operand) {
     case Operand::Kind::reg: return Kind::reg;
     case Operand::Kind::direct: return Kind::direct;
     case Operand::Kind::indirect: {
-      const bool constant = operand.modn == isa::modn::plain ||
-                            (isa::modn::index(operand.modn) == isa::modn::Index::displacement &&
-                             !isa::modn::modifies(operand.modn));
+      const bool constant =
+          operand.modn == isa::modn::plain ||
+          (isa::modn::index(operand.modn) == isa::modn::Index::displacement && !isa::modn::modifies(operand.modn));
       return constant ? Kind::offset : Kind::indirect;
     }
     default: return Kind::constant;
@@ -61,8 +61,8 @@ class Binder {
     out_.writes_status = touches(writes, reg::ST);
     out_.writes_interrupts = touches(writes, reg::DIE) || touches(writes, reg::IIE) || touches(writes, reg::IIF);
     out_.writes_repeat = touches(writes, reg::RS) || touches(writes, reg::RE) || touches(writes, reg::RC);
-    out_.reads_repeat = touches(h.operand_reads, reg::RS) || touches(h.operand_reads, reg::RE) ||
-                        touches(h.operand_reads, reg::RC);
+    out_.reads_repeat =
+        touches(h.operand_reads, reg::RS) || touches(h.operand_reads, reg::RE) || touches(h.operand_reads, reg::RC);
   }
 
   void fill_registers() {
@@ -115,10 +115,26 @@ class Binder {
 
   bool floating() const {
     switch (row_.operation) {
-      case Operation::absf: case Operation::addf: case Operation::subf: case Operation::mpyf: case Operation::cmpf:
-      case Operation::negf: case Operation::norm: case Operation::rnd: case Operation::toieee: case Operation::frieee:
-      case Operation::rcpf: case Operation::rsqrf: case Operation::ldf: case Operation::ldfi: case Operation::lde:
-      case Operation::ldm: case Operation::fix: case Operation::float_: case Operation::stf: case Operation::stfi:
+      case Operation::absf:
+      case Operation::addf:
+      case Operation::subf:
+      case Operation::mpyf:
+      case Operation::cmpf:
+      case Operation::negf:
+      case Operation::norm:
+      case Operation::rnd:
+      case Operation::toieee:
+      case Operation::frieee:
+      case Operation::rcpf:
+      case Operation::rsqrf:
+      case Operation::ldf:
+      case Operation::ldfi:
+      case Operation::lde:
+      case Operation::ldm:
+      case Operation::fix:
+      case Operation::float_:
+      case Operation::stf:
+      case Operation::stfi:
       case Operation::ldf_cond: return true;
       default: return false;
     }
@@ -126,9 +142,7 @@ class Binder {
 
   Handler single() {
     switch (row_.format) {
-      case Format::store:
-        place(0, in_.dst);
-        return execute::store_handler(floating(), Kind::reg, kind_of(in_.dst));
+      case Format::store: place(0, in_.dst); return execute::store_handler(floating(), Kind::reg, kind_of(in_.dst));
       case Format::store_constant:
         constant(in_.src1);
         place(0, in_.dst);
@@ -168,7 +182,8 @@ class Binder {
         for (const Operand* operand : {&in_.src1, &in_.src2, &in_.src3, &in_.src4})
           if (operand->is_memory()) place(operand->slot == isa::Slot::j ? 0 : 1, *operand, true);
         const bool subtract = row_.operation2 == Operation::subf || row_.operation2 == Operation::subi;
-        if (floating() && !subtract && row_.selector == 0) out_.repeated = execute::repeated_multiply_add_handler(out_.op, common_movement());
+        if (floating() && !subtract && row_.selector == 0)
+          out_.repeated = execute::repeated_multiply_add_handler(out_.op, common_movement());
         return execute::multiply_add_handler(floating(), subtract, row_.selector, common_movement());
       }
       default: {
@@ -190,10 +205,26 @@ class Binder {
 
   bool is_control() const {
     switch (row_.operation) {
-      case Operation::pop: case Operation::popf: case Operation::push: case Operation::pushf: case Operation::nop:
-      case Operation::idle: case Operation::idle2: case Operation::swi: case Operation::iack: case Operation::rpts:
-      case Operation::rptb: case Operation::branch: case Operation::db: case Operation::call: case Operation::laj:
-      case Operation::rets: case Operation::reti: case Operation::trap: case Operation::lat: case Operation::ldep:
+      case Operation::pop:
+      case Operation::popf:
+      case Operation::push:
+      case Operation::pushf:
+      case Operation::nop:
+      case Operation::idle:
+      case Operation::idle2:
+      case Operation::swi:
+      case Operation::iack:
+      case Operation::rpts:
+      case Operation::rptb:
+      case Operation::branch:
+      case Operation::db:
+      case Operation::call:
+      case Operation::laj:
+      case Operation::rets:
+      case Operation::reti:
+      case Operation::trap:
+      case Operation::lat:
+      case Operation::ldep:
       case Operation::ldpe: return true;
       default: return false;
     }
@@ -241,19 +272,12 @@ class Binder {
         cost(repeat_single_cost, repeat_single_cost);
         break;
       case Operation::laj:
-      case Operation::lat:
-        out_.flow = Flow::delayed;
-        return;
+      case Operation::lat: out_.flow = Flow::delayed; return;
       case Operation::idle:
       case Operation::idle2:
-      case Operation::swi:
-        out_.flow = Flow::stop;
-        return;
-      case Operation::nop:
-        out_.is_nop = row_.format == Format::plain;
-        return;
-      default:
-        return;
+      case Operation::swi: out_.flow = Flow::stop; return;
+      case Operation::nop: out_.is_nop = row_.format == Format::plain; return;
+      default: return;
     }
     if (row_.delay == isa::Delay::none) return;
     cost(0, 0);

@@ -1,5 +1,6 @@
 #pragma once
-/// From a decoded instruction to an op: its handler, its operands, what it asks of the pipeline, and how it may stand in a block.
+/// From a decoded instruction to an op: its handler, its operands, what it asks of the pipeline, and how it may stand
+/// in a block.
 #include "c40/op.hpp"
 #include "isa/decode.hpp"
 
@@ -28,11 +29,11 @@ struct Bound {
   bool writes_interrupts = false;  ///< DIE, IIE, IIF
   bool writes_repeat = false;      ///< RS, RE, RC
   bool reads_repeat = false;
-  bool dynamic_target = false;   ///< RPTB of a register: RE is known only when it runs
+  bool dynamic_target = false;  ///< RPTB of a register: RE is known only when it runs
   bool is_nop = false;
-  Handler repeated = nullptr;    ///< Does all passes of a block that is this instruction alone.
+  Handler repeated = nullptr;                  ///< Does all passes of a block that is this instruction alone.
   execute::Kind source = execute::Kind::none;  ///< of src1
-  int address_updates = 0;  ///< Operands whose addressing changes an ARn (annulled slots).
+  int address_updates = 0;                     ///< Operands whose addressing changes an ARn (annulled slots).
 };
 
 /// Why a word cannot be executed.

@@ -1,6 +1,7 @@
 #pragma once
-/// The instruction cache (c40-hardware.md 6): 4 segments of 32 words, fully associative, least recently used first, one word per miss.
-/// It holds the words themselves: code that was changed in memory runs as it was until CC clears the cache.
+/// The instruction cache (c40-hardware.md 6): 4 segments of 32 words, fully associative, least recently used first, one
+/// word per miss. It holds the words themselves: code that was changed in memory runs as it was until CC clears the
+/// cache.
 ///
 /// Inaccuracies: wrong-path fetches behind a branch are not made, so they load nothing.
 #include <array>
@@ -65,7 +66,8 @@ class Cache {
   template <class Visit>
   void each_word(Visit&& visit) const {
     for (unsigned s = 0; s < segment_count; ++s)
-      for (Word rest = present_[s]; rest != 0; rest &= rest - 1) visit(start_[s] << 5 | static_cast<Address>(std::countr_zero(rest)));
+      for (Word rest = present_[s]; rest != 0; rest &= rest - 1)
+        visit(start_[s] << 5 | static_cast<Address>(std::countr_zero(rest)));
   }
 
   void list_state(state::Visitor& list);

@@ -1,9 +1,10 @@
 #pragma once
-/// One TMS320C40: its whole public face. The chip knows no system: it runs until a limit, or until it would touch something
-/// that is not its own, and says so.
+/// One TMS320C40: its whole public face. The chip knows no system: it runs until a limit, or until it would touch
+/// something that is not its own, and says so.
 ///
 /// Inaccuracies: the analysis block is not modelled (touching it is a fault that names the register); annulled slots
-/// update address registers but do not read memory; RCPF and RSQRF seeds are a model. docs/fidelity.md lists every choice.
+/// update address registers but do not read memory; RCPF and RSQRF seeds are a model. docs/fidelity.md lists every
+/// choice.
 #include <memory>
 #include <optional>
 #include <span>
@@ -30,8 +31,8 @@ struct ExternalAccess {
   bool write = false;
   bool interlocked = false;  ///< LDII, LDFI, STII, STFI, SIGI
   Word value = 0;            ///< of a write
-  Cycles cycle = 0;        ///< when the access begins; one of the processor's never before the chip's cycle()
-  int channel = -1;        ///< of the DMA; -1: the processor's
+  Cycles cycle = 0;          ///< when the access begins; one of the processor's never before the chip's cycle()
+  int channel = -1;          ///< of the DMA; -1: the processor's
 };
 
 /// Why a chip cannot go on. It is halted until reset.
@@ -41,13 +42,14 @@ struct Fault {
     reserved_address,
     not_modelled,
     illegal_sequence,
-    software_interrupt  ///< SWI where no debugger is (machine/chip_stop.hpp); a chip itself stops there, and has no fault
+    software_interrupt  ///< SWI where no debugger is (machine/chip_stop.hpp); a chip itself stops there, and has no
+                        ///< fault
   };
   Kind kind = Kind::not_modelled;
   std::string message;
   Address pc = 0;
   Cycles cycle = 0;
-  Word word = 0;       ///< the instruction
+  Word word = 0;        ///< the instruction
   Address address = 0;  ///< the address concerned, if any
 };
 
@@ -59,7 +61,7 @@ struct StopInfo {
     fault,
     port_access,  ///< stopped before an access to a port that a link is attached to: complete_port
     port_wait,    ///< an access to a port with nothing attached waits for a FIFO: without help, for ever
-    horizon,      ///< the program began to watch a linked port (watches_ports): run on with a limit that regards its link
+    horizon,  ///< the program began to watch a linked port (watches_ports): run on with a limit that regards its link
     software_interrupt  ///< stopped before SWI, which is a debugger's: nothing of it was done, and it stops there again
   } reason = Reason::limit;
   ExternalAccess access{};
@@ -121,8 +123,9 @@ class Chip {
   /// Registers to known values (all 0, interface control registers from the board), pipeline empty; memory, cycle and
   /// instruction counts are kept. Ends a fault.
   void reset();
-  /// What the RESET pin does: as reset(), but the interface control registers take their reset values, and the PC comes from the
-  /// reset vector (Board::pins). With the boot ROM on the board, its loader runs. Throws std::out_of_range if nothing is there.
+  /// What the RESET pin does: as reset(), but the interface control registers take their reset values, and the PC comes
+  /// from the reset vector (Board::pins). With the boot ROM on the board, its loader runs. Throws std::out_of_range if
+  /// nothing is there.
   void boot();
   Address pc() const;
   void set_pc(Address pc);
@@ -135,50 +138,55 @@ class Chip {
 
   /// Runs whole instructions while cycle() < limit. Results do not depend on how a run is cut into calls.
   StopInfo run_until(Cycles limit) { return run_until(limit, limit); }
-  /// \param known what its links do is known up to here: a DMA that uses a linked port, and a processor in IDLE, go no further. A
-  /// processor that runs may: an interrupt by a port counts from the next instruction on. Beyond `limit`: the processor does no
-  /// more, and the DMA goes on to there.
+  /// \param known what its links do is known up to here: a DMA that uses a linked port, and a processor in IDLE, go no
+  /// further. A processor that runs may: an interrupt by a port counts from the next instruction on. Beyond `limit`:
+  /// the processor does no more, and the DMA goes on to there.
   StopInfo run_until(Cycles limit, Cycles known);
-  /// One instruction (or interrupt entry). In IDLE, one idle cycle. Some ten thousand cycles if a DMA of the first priority does not let the
-  /// processor to its bus.
+  /// One instruction (or interrupt entry). In IDLE, one idle cycle. Some ten thousand cycles if a DMA of the first
+  /// priority does not let the processor to its bus.
   StopInfo step();
   /// The answer to a read: its value and what the chip waited for it beyond the region's own wait states.
   void complete_read(Word value, Cycles arbitration, Cycles transfer);
   void complete_write(Cycles arbitration, Cycles transfer);
 
-  /// A link (or another model of the port's other side) is attached; null detaches. Throws std::invalid_argument if the port
-  /// does not exist or is taken.
+  /// A link (or another model of the port's other side) is attached; null detaches. Throws std::invalid_argument if the
+  /// port does not exist or is taken.
   void attach(int port, PortListener* link);
   /// The port's FIFOs, levels and counters. The link and whoever feeds a port by hand may change it, between runs.
   CommPort& port(int port);
   const CommPort& port(int port) const;
-  /// The access that the chip stopped at takes place in cycle `at`, which is not before the access's own; the chip has waited
-  /// since. Throws std::logic_error if none is waiting, or if the port is not ready for it.
+  /// The access that the chip stopped at takes place in cycle `at`, which is not before the access's own; the chip has
+  /// waited since. Throws std::logic_error if none is waiting, or if the port is not ready for it.
   void complete_port(Cycles at);
-  /// A DMA channel is started. While the processor waits for a port or a window, the DMA goes on: run_until with a limit that regards
-  /// everybody else, which ends with the same access again. Accesses of the DMA to linked ports take place without a stop
-  /// before them (the limit has seen to it), but end the run (Reason::horizon), because the link goes on differently now.
+  /// A DMA channel is started. While the processor waits for a port or a window, the DMA goes on: run_until with a
+  /// limit that regards everybody else, which ends with the same access again. Accesses of the DMA to linked ports take
+  /// place without a stop before them (the limit has seen to it), but end the run (Reason::horizon), because the link
+  /// goes on differently now.
   bool dma_active() const;
   /// One could go on now: all others wait for events or FIFOs.
   bool dma_busy() const;
   /// What the others wait for.
   std::vector<DmaWait> dma_waits() const;
-  /// Everything before this cycle is done, by the processor and by the DMA. The DMA may be behind cycle(); while the processor waits for an
-  /// access, the DMA may be ahead of it.
+  /// Everything before this cycle is done, by the processor and by the DMA. The DMA may be behind cycle(); while the
+  /// processor waits for an access, the DMA may be ahead of it.
   Cycles settled() const;
-  /// Interrupts that linked ports could raise are enabled, or a started DMA channel uses one: the chip's horizon depends on its links.
+  /// Interrupts that linked ports could raise are enabled, or a started DMA channel uses one: the chip's horizon
+  /// depends on its links.
   bool watches_ports() const;
 
-  /// The outside drives a pin to a level from a cycle on, which is not before the last. At IIOF and NMI, going low is an edge; of RESET the
-  /// chip knows nothing: who resets it calls reset() or boot(). Throws std::invalid_argument for RESET.
+  /// The outside drives a pin to a level from a cycle on, which is not before the last. At IIOF and NMI, going low is
+  /// an edge; of RESET the chip knows nothing: who resets it calls reset() or boot(). Throws std::invalid_argument for
+  /// RESET.
   void set_pin(Pin pin, bool level, Cycles at);
-  /// Who is told what the chip drives the pins to of which the bits are set in `outputs`; null: nobody. A chip that is held drives nothing.
+  /// Who is told what the chip drives the pins to of which the bits are set in `outputs`; null: nobody. A chip that is
+  /// held drives nothing.
   /// \param inputs pins that others drive: a program that makes outputs of them is a fault
   void watch_pins(PinListener* listener, unsigned outputs, unsigned inputs);
   /// The level at pin TCLKn.
   bool timer_pin(int timer) const;
-  /// A peripheral register's value, by the name that the register map gives it (peripherals/register_map.hpp); a FIFO's oldest word
-  /// without taking it. Throws std::out_of_range for an unknown name, with the nearest, and for an empty FIFO.
+  /// A peripheral register's value, by the name that the register map gives it (peripherals/register_map.hpp); a FIFO's
+  /// oldest word without taking it. Throws std::out_of_range for an unknown name, with the nearest, and for an empty
+  /// FIFO.
   Word peripheral(std::string_view name) const;
 
   /// The level at pin IIOFn: a general-purpose output's, else the board's.
@@ -187,10 +195,11 @@ class Chip {
   void raise_iiof(int pin);
   /// A short pulse on NMI.
   void raise_nmi();
-  /// An edge or level at this pin could be an interrupt that is enabled, an event for the DMA, or a tick of a timer that runs.
+  /// An edge or level at this pin could be an interrupt that is enabled, an event for the DMA, or a tick of a timer
+  /// that runs.
   bool heeds(Pin pin) const;
-  /// The next cycle in which a peripheral does something by itself that the processor, or who watches pins, could see; the greatest number if
-  /// none will.
+  /// The next cycle in which a peripheral does something by itself that the processor, or who watches pins, could see;
+  /// the greatest number if none will.
   Cycles next_event() const;
   /// The same of one timer: its next interrupt.
   Cycles next_timer_event(int timer) const;
@@ -226,13 +235,14 @@ class Chip {
   TraceSink* trace() const;
   /// Null: nobody listens.
   void set_peripheral_sink(PeripheralSink* sink);
-  /// Who is told of chosen instructions and accesses; null: nobody. Changes nothing observable, and costs nothing elsewhere.
+  /// Who is told of chosen instructions and accesses; null: nobody. Changes nothing observable, and costs nothing
+  /// elsewhere.
   void set_probe(Probe* probe, ProbePlan plan);
   /// One instruction at a time, no blocks: the oracle of the fast path.
   void set_exact(bool exact);
 
-  /// All that lasts and that anything later depends on, memory included. Not breakpoints, listeners, links, sinks and which engine runs:
-  /// they stay as they are. Only between runs, and for a chip of the same board.
+  /// All that lasts and that anything later depends on, memory included. Not breakpoints, listeners, links, sinks and
+  /// which engine runs: they stay as they are. Only between runs, and for a chip of the same board.
   void list_state(state::Visitor& list);
 
   /// For those who look inside; they include c40/state.hpp, c40/memory.hpp.

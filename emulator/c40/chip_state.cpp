@@ -1,5 +1,6 @@
-// What a chip and its parts are saved, loaded and compared by. What is made anew here after loading: blocks, sites, ids of pipelines, marks of
-// code, the next event of the timers, whether the DMA is active, whether the cache holds words that memory no longer does.
+// What a chip and its parts are saved, loaded and compared by. What is made anew here after loading: blocks, sites, ids
+// of pipelines, marks of code, the next event of the timers, whether the DMA is active, whether the cache holds words
+// that memory no longer does.
 #include <algorithm>
 #include <utility>
 
@@ -154,7 +155,8 @@ void Memory::list_state(state::Visitor& list) {
   for (const auto& area : areas_)
     each_page(*area, [&](Address address, std::span<Word> page) {
       if (next != pages.cend() && *next == address) {
-        if (words.cend() - from < static_cast<std::ptrdiff_t>(page.size())) throw state::StateError("memory.words: fewer than its pages have");
+        if (words.cend() - from < static_cast<std::ptrdiff_t>(page.size()))
+          throw state::StateError("memory.words: fewer than its pages have");
         std::copy_n(from, page.size(), page.begin());
         from += static_cast<std::ptrdiff_t>(page.size());
         ++next;
@@ -167,7 +169,9 @@ void Memory::list_state(state::Visitor& list) {
 }
 
 void Memory::set_flat_pages(const std::vector<Address>& bases) {
-  std::erase_if(contents_, [&](const auto& words) { return std::ranges::any_of(areas_, [&](const auto& a) { return a->made && a->data == words.get(); }); });
+  std::erase_if(contents_, [&](const auto& words) {
+    return std::ranges::any_of(areas_, [&](const auto& a) { return a->made && a->data == words.get(); });
+  });
   std::erase_if(areas_, [](const auto& area) { return area->made; });
   flat_words_ = 0;
   for (const Address base : bases)
@@ -178,7 +182,8 @@ void Memory::set_flat_pages(const std::vector<Address>& bases) {
 // Not what stands here for the time of one call only, from begin_following() on.
 void DmaSide::list_state(state::Visitor& list) {
   // Those that are over, or not known, mean nothing; when they are taken out depends on how a run is cut.
-  std::erase_if(accesses_, [&](const ProcessorAccess& access) { return !knows_accesses_ || access.end < chip_.state.dma.now; });
+  std::erase_if(accesses_,
+                [&](const ProcessorAccess& access) { return !knows_accesses_ || access.end < chip_.state.dma.now; });
   list("accesses", accesses_);
   list("knows_accesses", knows_accesses_);
   list("taken_until", taken_until_);

@@ -1,7 +1,7 @@
 #pragma once
-/// What no document settles about the instructions, as named constants: change one here and the emulator follows. Choices that are
-/// no yes or no are functions (docs/fidelity.md names every one, with what is known and from where). Those that decide how a
-/// word is read stand at the head of isa/table.cpp, those about time in timing_parameters.hpp.
+/// What no document settles about the instructions, as named constants: change one here and the emulator follows.
+/// Choices that are no yes or no are functions (docs/fidelity.md names every one, with what is known and from where).
+/// Those that decide how a word is read stand at the head of isa/table.cpp, those about time in timing_parameters.hpp.
 #include "c40/types.hpp"
 
 namespace c40::choices {
@@ -21,7 +21,8 @@ inline constexpr Word frieee_saturated_low_bits = 0x00;
 /// TOIEEE rounds to the nearest single, as RND does, instead of truncating.
 inline constexpr bool toieee_rounds = false;
 
-/// Z of an integer result that overflowed to a 32-bit output of 0 follows the output. Else it says that the true result is not 0.
+/// Z of an integer result that overflowed to a 32-bit output of 0 follows the output. Else it says that the true result
+/// is not 0.
 inline constexpr bool zero_follows_output = true;
 
 /// ASH and ASH3 to the left report overflow in V and LV, as TI's C3x pages say and the VC33 board does.

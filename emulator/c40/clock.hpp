@@ -1,6 +1,6 @@
 #pragma once
-/// Virtual time (rulings.md 1): an integer count of picoseconds, and clocks whose frequency is rational. No period is ever
-/// accumulated.
+/// Virtual time (rulings.md 1): an integer count of picoseconds, and clocks whose frequency is rational. No period is
+/// ever accumulated.
 #include <chrono>
 #include <cstdint>
 #include <limits>

@@ -74,9 +74,9 @@ struct Step {
   bool paged = false;                       ///< the engine's pages_ are what the page pins show afterwards
   bool locks = false;                       ///< interlocked, and leaves the chip
   bool taken = false;
-  std::uint8_t register_writes = 0;         ///< a bit for each access
-  std::array<Address, 2> address{};         ///< of each data access that was looked up
-  std::array<Cycles, 2> register_cycle{};   ///< when the access to a register takes place
+  std::uint8_t register_writes = 0;        ///< a bit for each access
+  std::array<Address, 2> address{};        ///< of each data access that was looked up
+  std::array<Cycles, 2> register_cycle{};  ///< when the access to a register takes place
   const StepTiming* timing = nullptr;
 
   /// What it asks of the pipeline, but for the cost of a branch.

@@ -47,25 +47,36 @@ Word DmaSide::read(Address address, Cycles at) {
   const Memory::Area* area = chip_.memory.find(address);
   if (area->data != nullptr && !area->set_apart) return area->data[address - area->base];
   Word value = 0;
-  if (area->data != nullptr) value = area->data[address - area->base];
-  else if (is_port_register(address)) value = touch_port(port_access(address, false, 0, at), at);
-  else chip_.peripherals.read(address, at, value);
+  if (area->data != nullptr)
+    value = area->data[address - area->base];
+  else if (is_port_register(address))
+    value = touch_port(port_access(address, false, 0, at), at);
+  else
+    chip_.peripherals.read(address, at, value);
   tell_probe(address, value, value, false, at);
   return value;
 }
 
 // The word has moved in the cycle before.
 void DmaSide::tell_probe(Address address, Word before, Word value, bool write, Cycles at) {
-  chip_.probe.tell({.address = address, .before = before, .value = value, .write = write,
-                    .channel = chip_.state.dma.current / 2, .pc = chip_.state.core.pc, .cycle = at + 1});
+  chip_.probe.tell({.address = address,
+                    .before = before,
+                    .value = value,
+                    .write = write,
+                    .channel = chip_.state.dma.current / 2,
+                    .pc = chip_.state.core.pc,
+                    .cycle = at + 1});
 }
 
 void DmaSide::write(Address address, Word value, Cycles at) {
   const Memory::Area* area = chip_.memory.find(address);
   const Word before = area->data != nullptr ? area->data[address - area->base] : value;
-  if (area->data != nullptr) chip_.poke(address, value);
-  else if (is_port_register(address)) touch_port(port_access(address, true, value, at), at);
-  else chip_.peripherals.write(address, value, at);
+  if (area->data != nullptr)
+    chip_.poke(address, value);
+  else if (is_port_register(address))
+    touch_port(port_access(address, true, value, at), at);
+  else
+    chip_.peripherals.write(address, value, at);
   if (area->data == nullptr || area->set_apart) tell_probe(address, before, value, true, at);
 }
 

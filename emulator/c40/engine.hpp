@@ -182,7 +182,7 @@ class Engine {
     std::array<Word, 2> cell{};
   };
   std::array<Scratch, 2> scratch_{};  ///< stands for a register or a window during one instruction
-  Memory::OpenPages pages_;  ///< of the step under way
+  Memory::OpenPages pages_;           ///< of the step under way
   SiteTable sites_;
   CodeArea code_;
   InstructionCache cache_{state_};

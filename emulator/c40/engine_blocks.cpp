@@ -125,7 +125,8 @@ void Engine::run_blocks(Block* block, std::size_t from, Cycles limit) {
     blocks_.count(*exit, 1);
     cycle += exit->cycles;
     block = exit->next;
-    if (block == nullptr || block->key.pc != core.pc || core.attention) [[unlikely]] break;
+    if (block == nullptr || block->key.pc != core.pc || core.attention) [[unlikely]]
+      break;
   }
   state_.cycle = cycle;
   pipeline_.set(exit->pipeline);

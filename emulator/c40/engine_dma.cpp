@@ -66,7 +66,8 @@ StopInfo Engine::dma_stop(const DmaRequest& request) {
     const Memory::Area* area = memory_.find(request.address);
     const std::string access =
         fmt::format("DMA channel {}: {}", request.channel, request.write ? "write to" : "read of");
-    if (area == nullptr) nothing_at(access, request.address);
+    if (area == nullptr)
+      nothing_at(access, request.address);
     else
       fail(Fault::Kind::not_modelled,
            fmt::format("{} {:08X}h, which is {}", access, request.address, describe_register(request.address)),

@@ -79,8 +79,10 @@ bool Engine::may_interrupt() const {
   const bool answered = state_.answers[0].given || state_.answers[1].given;
   const bool waiting_interrupt = !may_interrupt() && interrupts::pending(state_) != 0;
   dma_effect_ = dma_side_.effect();
-  if (dma_effect_ == DmaEffect::under_way) dma_side_.know_accesses();
-  else if (!access_.any()) dma_side_.know_no_accesses();  // an access that is tried once more is of an instruction begun before
+  if (dma_effect_ == DmaEffect::under_way)
+    dma_side_.know_accesses();
+  else if (!access_.any())
+    dma_side_.know_no_accesses();  // an access that is tried once more is of an instruction begun before
   const bool one = single || trace != nullptr || answered || waiting_interrupt || dma_effect_ != DmaEffect::none ||
                    cache_.control_pending();
   if (!one && !exact_only && !onward_.is_missed()) {
@@ -183,7 +185,8 @@ void Engine::reach_present() {
     peripherals_.advance_to(state_.cycle);
     make_dma_current(waited);
   }
-  if (cache_.control_pending()) [[unlikely]] settle_cache_control();
+  if (cache_.control_pending()) [[unlikely]]
+    settle_cache_control();
 }
 
 // A DMA that waited goes on no earlier than what it waited for.
@@ -224,7 +227,13 @@ bool Engine::take_interrupt(Word vector) {
   add(state_.causes, Cause::interrupt, timing::interrupt_entry_cost);
   add(state_.causes, Cause::wait_state, waits);
   state_.cycle += timing::interrupt_entry_cost + waits;
-  probe_.tell({.address = top, .before = was, .value = peek(top), .write = true, .interrupt = true, .pc = peek(top), .cycle = state_.cycle});
+  probe_.tell({.address = top,
+               .before = was,
+               .value = peek(top),
+               .write = true,
+               .interrupt = true,
+               .pc = peek(top),
+               .cycle = state_.cycle});
   onward_.clear();
   pipeline_.release().flush(timing::interrupt_entry_cost + waits);
   dma_side_.flushed(timing::interrupt_entry_cost + waits);

@@ -274,7 +274,8 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
                     fmt::format("pin {} becomes an output, and a net drives it", name(*pin)));
   }
   std::optional<StepTiming> without;
-  if (dma_effect_ != DmaEffect::none) [[unlikely]] without = dma_side_.without_dma(demand_through(step, annul));
+  if (dma_effect_ != DmaEffect::none) [[unlikely]]
+    without = dma_side_.without_dma(demand_through(step, annul));
   const Transition& next = annul ? annulled_transition(step) : executed_transition(step);
   step.timing = &next.timing;
   pipeline_.set(next.after);
@@ -313,9 +314,7 @@ Demand Engine::demand_through(const Step& step, bool annulled) const {
   return demand;
 }
 
-const Transition& Engine::annulled_transition(const Step& step) {
-  return transition(demand_through(step, true), 0);
-}
+const Transition& Engine::annulled_transition(const Step& step) { return transition(demand_through(step, true), 0); }
 
 const Transition& Engine::executed_transition(const Step& step) {
   return step.site->transition = transition(demand_through(step, false), step.word);

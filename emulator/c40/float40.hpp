@@ -70,12 +70,15 @@ constexpr std::uint32_t short_to_single(std::uint32_t half) {
   const std::int64_t m = static_cast<std::int64_t>(static_cast<std::int32_t>(x.m)) ^ one;
   return x.e == zero_exponent ? 0 : m;
 }
-[[gnu::always_inline]] constexpr Float40 pack(std::int32_t e, std::int64_t m) { return {e, static_cast<std::uint32_t>(m) ^ 0x80000000u}; }
+[[gnu::always_inline]] constexpr Float40 pack(std::int32_t e, std::int64_t m) {
+  return {e, static_cast<std::uint32_t>(m) ^ 0x80000000u};
+}
 
 /// Section 7.1 for a normalised, non-zero mantissa.
 [[gnu::always_inline]] constexpr FloatResult finish(std::int32_t e, std::int64_t m) {
   const std::uint32_t sign = m < 0 ? st::N : 0u;
-  if (static_cast<std::uint32_t>(e + 127) <= 254u) [[likely]] return {pack(e, m), sign};
+  if (static_cast<std::uint32_t>(e + 127) <= 254u) [[likely]]
+    return {pack(e, m), sign};
   if (e > 127) return {{127, m > 0 ? 0x7FFFFFFFu : 0x80000000u}, sign | st::V};
   return {zero(), sign | st::UF};
 }
@@ -97,7 +100,8 @@ template <bool subtract>
   const std::int64_t ma = mantissa(a) >> (da > 63 ? 63 : da);
   const std::int64_t mb = mantissa(b) >> (db > 63 ? 63 : db);
   const std::int64_t s = subtract ? ma - mb : ma + mb;
-  if (s == 0) [[unlikely]] return exact_zero();
+  if (s == 0) [[unlikely]]
+    return exact_zero();
   return normalise(e, s);
 }
 [[gnu::always_inline]] constexpr FloatResult add(Float40 a, Float40 b) { return add_aligned<false>(a, b); }
@@ -108,7 +112,8 @@ template <bool subtract>
   __extension__ using Int128 = __int128;
   const Int128 p = static_cast<Int128>(mantissa(a)) * mantissa(b);
   const auto s = static_cast<std::int64_t>(p >> 31);
-  if (s == 0) [[unlikely]] return exact_zero();
+  if (s == 0) [[unlikely]]
+    return exact_zero();
   return normalise(a.e + b.e, s);
 }
 
@@ -129,7 +134,8 @@ constexpr FloatResult load(Float40 x) {
   return {value, value.e == zero_exponent ? st::Z : (value.m >> 31) * st::N};
 }
 
-/// Section 7.4: to single precision, a half goes to the more positive neighbour. Z is always cleared; RND of zero sets UF.
+/// Section 7.4: to single precision, a half goes to the more positive neighbour. Z is always cleared; RND of zero sets
+/// UF.
 constexpr FloatResult rnd(Float40 x) {
   const std::int64_t m = mantissa(x);
   if (m == 0) return {zero(), st::UF};
@@ -181,7 +187,9 @@ constexpr FloatResult to_ieee(Float40 x) {
 constexpr FloatResult from_ieee(std::uint32_t word) {
   const std::uint32_t exponent = word >> 23 & 0xFFu, f = word & 0x7FFFFFu;
   const bool negative = word >> 31 != 0;
-  if (exponent == 255) return {{127, negative ? 0x80000000u : 0x7FFFFF00u | choices::frieee_saturated_low_bits}, st::V | (negative ? st::N : 0u)};
+  if (exponent == 255)
+    return {{127, negative ? 0x80000000u : 0x7FFFFF00u | choices::frieee_saturated_low_bits},
+            st::V | (negative ? st::N : 0u)};
   if (exponent == 0) return {zero(), st::Z | (f != 0 ? st::UF : 0u)};
   const auto e = static_cast<std::int32_t>(exponent) - 127;
   if (!negative) return {{e, f << 8}, 0};

@@ -22,7 +22,8 @@ Handler load_load_handler(bool floating);
 Handler store_store_handler(bool floating);
 /// `product`: the P field; `kind`: how both operands move, if they do so alike, else indirect.
 Handler multiply_add_handler(bool floating, bool subtract, int product, Kind kind);
-/// All passes of a repeat of the float MPYF3 || ADDF3 (P = 0) alone; null unless it accumulates its own product and moves as `kind` says.
+/// All passes of a repeat of the float MPYF3 || ADDF3 (P = 0) alone; null unless it accumulates its own product and
+/// moves as `kind` says.
 Handler repeated_multiply_add_handler(const Op& op, Kind kind);
 
 /// PUSH, POP, NOP, IACK and everything that changes the PC. `a` is the kind of src1; none for a relative target.

@@ -128,7 +128,8 @@ struct FloatForm {
   }
 };
 
-/// A unary form whose input is not simply an integer or a float. Body: Input fetch<kind>(...); void apply(Core&, Op&, Input).
+/// A unary form whose input is not simply an integer or a float. Body: Input fetch<kind>(...); void apply(Core&, Op&,
+/// Input).
 constexpr int combination(Kind a, Kind b) { return static_cast<int>(a) * 8 + static_cast<int>(b); }
 
 /// The ways in which two-source instructions come (3.2 and 3.4); null for others.

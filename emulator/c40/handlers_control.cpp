@@ -86,7 +86,8 @@ Outcome call(Core& core, const Op* op) {
   const Address target = target_of(core, *op, relative);
   const Window& window = op->access[0];
   const Address top = core.r[reg::SP] + 1;
-  if (top - window.base >= window.words) [[unlikely]] return miss_write(core, op, 0, top, op->pc + 1);
+  if (top - window.base >= window.words) [[unlikely]]
+    return miss_write(core, op, 0, top, op->pc + 1);
   core.r[reg::SP] = top;
   Place<Kind::direct, 0> place;
   place.formed.address = top;
@@ -117,7 +118,8 @@ Outcome return_from(Core& core, const Op* op) {
   }
   const Window& window = op->access[0];
   const Address top = core.r[reg::SP];
-  if (top - window.base >= window.words) [[unlikely]] return miss(core, op, 0, top);
+  if (top - window.base >= window.words) [[unlikely]]
+    return miss(core, op, 0, top);
   core.r[reg::SP] = top - 1;
   const Address target = window.data[top - window.base];
   if constexpr (from_interrupt) {
@@ -144,8 +146,10 @@ Outcome trap(Core& core, const Op* op) {
   Place<Kind::direct, 1> vector;
   stack.formed.address = core.r[reg::SP] + 1;
   vector.formed.address = (core.tvtp & choices::vector_table_mask) + op->immediate;
-  if (!stack.met(*op)) [[unlikely]] return miss_write(core, op, 0, stack.formed.address, op->pc + 1);
-  if (!vector.met(*op)) [[unlikely]] return miss(core, op, 1, vector.formed.address);
+  if (!stack.met(*op)) [[unlikely]]
+    return miss_write(core, op, 0, stack.formed.address, op->pc + 1);
+  if (!vector.met(*op)) [[unlikely]]
+    return miss(core, op, 1, vector.formed.address);
   core.r[reg::SP] = stack.formed.address;
   const bool code = stack.write(*op, op->pc + 1);
   core.pc = vector.read(*op);
@@ -159,7 +163,8 @@ Outcome late_trap(Core& core, const Op* op) {
   if (against_recording(*op, taken)) return {op, Exit::miss};
   Place<Kind::direct, 0> vector;
   vector.formed.address = (core.tvtp & choices::vector_table_mask) + op->immediate;
-  if (taken && !vector.met(*op)) [[unlikely]] return miss(core, op, 0, vector.formed.address);
+  if (taken && !vector.met(*op)) [[unlikely]]
+    return miss(core, op, 0, vector.formed.address);
   delay(core, taken, taken ? vector.read(*op) : 0, op->pc + 4);
   if (taken) {
     core.r[reg::R11] = op->pc + 4;
@@ -188,7 +193,8 @@ template <Kind kind>
 Outcome repeat_single(Core& core, const Op* op) {
   Place<kind, 0> count;
   count.form(core, *op);
-  if (!count.met(*op)) [[unlikely]] return miss(core, op, 0, count.formed.address);
+  if (!count.met(*op)) [[unlikely]]
+    return miss(core, op, 0, count.formed.address);
   count.update(core, *op);
   core.r[reg::RC] = count.integer(core, *op, op->src1);
   core.r[reg::RS] = core.r[reg::RE] = op->pc + 1;
@@ -202,7 +208,8 @@ template <Kind kind>
 Outcome acknowledge(Core& core, const Op* op) {
   Place<kind, 0> place;
   place.form(core, *op);
-  if (!place.met(*op)) [[unlikely]] return miss(core, op, 0, place.formed.address);
+  if (!place.met(*op)) [[unlikely]]
+    return miss(core, op, 0, place.formed.address);
   place.update(core, *op);
   return next(core, op);
 }
@@ -212,10 +219,11 @@ Outcome push(Core& core, const Op* op) {
   Place<Kind::direct, 0> top;
   top.formed.address = core.r[reg::SP] + 1;
   // SP counts before the register is read: PUSH SP stores the new value, as an address update would (3.9).
-  const Word value = floating ? float40::to_single({core.e[op->src1], core.r[op->src1]})
+  const Word value = floating              ? float40::to_single({core.e[op->src1], core.r[op->src1]})
                      : op->src1 == reg::SP ? top.formed.address
                                            : core.r[op->src1];
-  if (!top.met(*op)) [[unlikely]] return miss_write(core, op, 0, top.formed.address, value);
+  if (!top.met(*op)) [[unlikely]]
+    return miss_write(core, op, 0, top.formed.address, value);
   core.r[reg::SP] = top.formed.address;
   return finish_store(core, op, top.write(*op, value), top.formed.address);
 }
@@ -224,7 +232,8 @@ template <bool floating, bool flags>
 Outcome pop(Core& core, const Op* op) {
   Place<Kind::direct, 0> top;
   top.formed.address = core.r[reg::SP];
-  if (!top.met(*op)) [[unlikely]] return miss(core, op, 0, top.formed.address);
+  if (!top.met(*op)) [[unlikely]]
+    return miss(core, op, 0, top.formed.address);
   const Word word = top.read(*op);
   --core.r[reg::SP];
   if constexpr (floating) {
@@ -334,7 +343,8 @@ Handler control_handler(const isa::Row& row, Condition condition, Kind a, bool f
     case Operation::db:
     case Operation::call:
     case Operation::laj:
-    case Operation::rptb: return a == Kind::reg ? flow_handler<false>(row, condition) : flow_handler<true>(row, condition);
+    case Operation::rptb:
+      return a == Kind::reg ? flow_handler<false>(row, condition) : flow_handler<true>(row, condition);
     case Operation::rets: return &return_from<false, false>;
     case Operation::reti: return row.delay == isa::Delay::none ? &return_from<true, false> : &return_from<true, true>;
     case Operation::trap: return &trap;

@@ -193,8 +193,7 @@ Outcome store_store(Core& core, const Op* op) {
   if (!j_met || !i.met(*op)) [[unlikely]] {
     i.undo(core, *op);
     j.undo(core, *op);
-    return j_met ? miss_write(core, op, 1, i.formed.address, second)
-                 : miss_write(core, op, 0, j.formed.address, first);
+    return j_met ? miss_write(core, op, 1, i.formed.address, second) : miss_write(core, op, 0, j.formed.address, first);
   }
   const bool j_code = j.write(*op, first), i_code = i.write(*op, second);
   if (j_code || i_code) [[unlikely]] {

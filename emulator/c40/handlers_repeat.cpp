@@ -1,5 +1,5 @@
-// RPTS of MPYF3 *ARj++,*ARi++,Rp || ADDF3 Rp,Rs,Rs: the inner loop of filters and matrices, all its passes in one call. The same
-// arithmetic as float40, on mantissas that stay unpacked from pass to pass.
+// RPTS of MPYF3 *ARj++,*ARi++,Rp || ADDF3 Rp,Rs,Rs: the inner loop of filters and matrices, all its passes in one call.
+// The same arithmetic as float40, on mantissas that stay unpacked from pass to pass.
 #include <algorithm>
 
 #include "c40/addressing.hpp"
@@ -28,7 +28,8 @@ Float40 packed(Wide x) { return x.m == 0 ? float40::zero() : float40::pack(x.e, 
   const auto magnitude = static_cast<std::uint64_t>(s ^ (s >> 63));
   const int k = std::countl_zero(magnitude << 1 | 1u) - 31;
   const Wide result{e - k, static_cast<std::int64_t>(static_cast<std::uint64_t>(s) << (k + 2)) >> 2};
-  if (static_cast<std::uint32_t>(result.e + 127) > 254u) [[unlikely]] return saturated(result, range);
+  if (static_cast<std::uint32_t>(result.e + 127) > 254u) [[unlikely]]
+    return saturated(result, range);
   return result;
 }
 
@@ -36,15 +37,18 @@ Float40 packed(Wide x) { return x.m == 0 ? float40::zero() : float40::pack(x.e, 
 [[gnu::always_inline]] inline Wide product_of(Word a, Word b, Word& range) {
   constexpr std::int32_t one = 1 << 23;
   const std::int32_t ea = static_cast<std::int32_t>(a) >> 24, eb = static_cast<std::int32_t>(b) >> 24;
-  if (ea == float40::zero_exponent || eb == float40::zero_exponent) [[unlikely]] return {float40::zero_exponent, 0};
-  const std::int64_t ma = (static_cast<std::int32_t>(a << 8) >> 8) ^ one, mb = (static_cast<std::int32_t>(b << 8) >> 8) ^ one;
+  if (ea == float40::zero_exponent || eb == float40::zero_exponent) [[unlikely]]
+    return {float40::zero_exponent, 0};
+  const std::int64_t ma = (static_cast<std::int32_t>(a << 8) >> 8) ^ one,
+                     mb = (static_cast<std::int32_t>(b << 8) >> 8) ^ one;
   return normalised(ea + eb, ma * mb >> 15, range);
 }
 
 [[gnu::always_inline]] inline Wide sum_of(Wide a, Wide b, Word& range) {
   const std::int32_t e = std::max(a.e, b.e);
   const std::int64_t s = (a.m >> std::min(e - a.e, 63)) + (b.m >> std::min(e - b.e, 63));
-  if (s == 0) [[unlikely]] return {float40::zero_exponent, 0};
+  if (s == 0) [[unlikely]]
+    return {float40::zero_exponent, 0};
   return normalised(e, s, range);
 }
 
@@ -63,7 +67,8 @@ struct Walk {
       const Word mask = length == 0 ? 0u : ~Word{0} >> std::countl_zero(length);
       const Word first = (ar & ~mask) - window.base;
       at = ar & mask;
-      if (at < length && step <= length && first < window.words && length <= window.words - first) data = window.data + first;
+      if (at < length && step <= length && first < window.words && length <= window.words - first)
+        data = window.data + first;
     } else {
       const Word first = ar - window.base;
       const std::uint64_t last = first + std::uint64_t{passes - 1} * step;
@@ -90,7 +95,8 @@ template <Kind kind>
 Outcome multiply_accumulate(Core& core, const Op* op) {
   const Word passes = core.loop_left + 1;
   Walk<kind> j(core, *op, 0, passes), i(core, *op, 1, passes);
-  if (j.data == nullptr || i.data == nullptr) [[unlikely]] return multiply_add_handler(true, false, 0, kind)(core, op);
+  if (j.data == nullptr || i.data == nullptr) [[unlikely]]
+    return multiply_add_handler(true, false, 0, kind)(core, op);
   Wide product = unpacked({core.e[op->dst], core.r[op->dst]});
   Wide sum = unpacked({core.e[op->dst2], core.r[op->dst2]});
   Word range = 0, ever = 0;

@@ -27,7 +27,8 @@ class InstructionCache {
   /// have executed before a fetch: throws std::logic_error for more changes.
   void note_control(Cycles executed) {
     const Word control = state_.core.modes & bits;
-    if (control != last_control() || state_.cache_clear) [[unlikely]] add_change(executed, control);
+    if (control != last_control() || state_.cache_clear) [[unlikely]]
+      add_change(executed, control);
   }
   /// The next instruction is fetched in cycle `fetched` or later, with what had been executed before: CE, CF and CC act
   /// no earlier.

@@ -1,6 +1,6 @@
 #pragma once
-/// Integer semantics (c40-isa.md 5, 6.1 to 6.3, 7.8, 7.9, 7.11). Each body computes `dst <- op(src1, src2)` and, if `flags`,
-/// the condition flags. Saturation happens whatever becomes of the flags.
+/// Integer semantics (c40-isa.md 5, 6.1 to 6.3, 7.8, 7.9, 7.11). Each body computes `dst <- op(src1, src2)` and, if
+/// `flags`, the condition flags. Saturation happens whatever becomes of the flags.
 #include "c40/addressing.hpp"
 
 namespace c40::execute::integer {
@@ -90,13 +90,13 @@ struct Compares {
   static constexpr bool writes = false;
 };
 
-#define C40_BODY(Name, Base, ...)                                                                       \
-  struct Name : Base {                                                                                  \
-    template <bool flags>                                                                               \
+#define C40_BODY(Name, Base, ...)                                                                        \
+  struct Name : Base {                                                                                   \
+    template <bool flags>                                                                                \
     static Word run([[maybe_unused]] Core& core, [[maybe_unused]] const Op& op, [[maybe_unused]] Word a, \
-                    [[maybe_unused]] Word b) {                                                          \
-      __VA_ARGS__                                                                                       \
-    }                                                                                                   \
+                    [[maybe_unused]] Word b) {                                                           \
+      __VA_ARGS__                                                                                        \
+    }                                                                                                    \
   };
 
 C40_BODY(Addi, Writes, return add<flags>(core, a, b, 0);)
@@ -116,39 +116,42 @@ C40_BODY(Ldi, Writes, return logic<flags>(core, a);)
 C40_BODY(Ldhi, Writes, return a << 16;)
 C40_BODY(Lda, Writes, return a;)
 
-C40_BODY(Absi, Writes, const bool overflow = a == 0x80000000u; Word out = a >> 31 ? 0u - a : a; if (overflow) {
-  if ((core.modes & st::OVM) != 0) out = 0x7FFFFFFFu;
-  if (flags) core.sticky |= st::LV;
-} if (flags) {
-  core.negative = 0;
-  core.zero = out;
-  core.range = overflow ? st::V : 0u;
-} return out;)
+C40_BODY(
+    Absi, Writes, const bool overflow = a == 0x80000000u; Word out = a >> 31 ? 0u - a : a; if (overflow) {
+      if ((core.modes & st::OVM) != 0) out = 0x7FFFFFFFu;
+      if (flags) core.sticky |= st::LV;
+    } if (flags) {
+      core.negative = 0;
+      core.zero = out;
+      core.range = overflow ? st::V : 0u;
+    } return out;)
 
-C40_BODY(Mpyi, Writes,
-         const std::int64_t product = std::int64_t{static_cast<std::int32_t>(a)} * static_cast<std::int32_t>(b);
-         const bool overflow = product != static_cast<std::int32_t>(product);
-         // A wrapped product may have either sign, so the true one is given instead of being derived.
-         Word out = static_cast<Word>(product); if (overflow) [[unlikely]] {
-           if ((core.modes & st::OVM) != 0) out = product < 0 ? 0x80000000u : 0x7FFFFFFFu;
-           if (flags) core.sticky |= st::LV;
-         } if (flags) {
-           core.negative = static_cast<Word>(static_cast<std::uint64_t>(product) >> 32);
-           core.zero = choices::zero_follows_output || !overflow ? out : 1u;
-           core.range = overflow ? st::V : 0u;
-         } return out;)
+C40_BODY(
+    Mpyi, Writes,
+    const std::int64_t product = std::int64_t{static_cast<std::int32_t>(a)} * static_cast<std::int32_t>(b);
+    const bool overflow = product != static_cast<std::int32_t>(product);
+    // A wrapped product may have either sign, so the true one is given instead of being derived.
+    Word out = static_cast<Word>(product);
+    if (overflow) [[unlikely]] {
+      if ((core.modes & st::OVM) != 0) out = product < 0 ? 0x80000000u : 0x7FFFFFFFu;
+      if (flags) core.sticky |= st::LV;
+    } if (flags) {
+      core.negative = static_cast<Word>(static_cast<std::uint64_t>(product) >> 32);
+      core.zero = choices::zero_follows_output || !overflow ? out : 1u;
+      core.range = overflow ? st::V : 0u;
+    } return out;)
 C40_BODY(Mpyshi, Writes,
          const std::int64_t product = std::int64_t{static_cast<std::int32_t>(a)} * static_cast<std::int32_t>(b);
          return logic<flags>(core, static_cast<Word>(static_cast<std::uint64_t>(product) >> 32));)
 C40_BODY(Mpyuhi, Writes, return logic<flags>(core, static_cast<Word>(std::uint64_t{a} * b >> 32));)
 
-C40_BODY(Lsh, Writes, const Shifted s = shift_logical(a, shift_count(b));
-         return rotate<flags>(core, s.value, s.carry);)
-C40_BODY(Ash, Writes, const std::int32_t n = shift_count(b); const Shifted s = shift_arithmetic(a, n); if (flags) {
-  set_logic(core, s.value);
-  core.carry = s.carry;
-  if (choices::ash_reports_overflow && left_shift_overflows(a, n)) latch(core, st::V);
-} return s.value;)
+C40_BODY(Lsh, Writes, const Shifted s = shift_logical(a, shift_count(b)); return rotate<flags>(core, s.value, s.carry);)
+C40_BODY(
+    Ash, Writes, const std::int32_t n = shift_count(b); const Shifted s = shift_arithmetic(a, n); if (flags) {
+      set_logic(core, s.value);
+      core.carry = s.carry;
+      if (choices::ash_reports_overflow && left_shift_overflows(a, n)) latch(core, st::V);
+    } return s.value;)
 C40_BODY(Rol, Writes, return rotate<flags>(core, a << 1 | a >> 31, a >> 31);)
 C40_BODY(Rolc, Writes, return rotate<flags>(core, a << 1 | (core.carry & 1), a >> 31);)
 C40_BODY(Ror, Writes, return rotate<flags>(core, a >> 1 | a << 31, a & 1);)

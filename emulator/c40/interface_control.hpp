@@ -1,6 +1,6 @@
 #pragma once
-/// The memory interface control registers, GMICR and LMICR (c40-hardware.md 1.4): which addresses of a bus belong to which of its two
-/// strobes, and how each strobe's ready signal is formed.
+/// The memory interface control registers, GMICR and LMICR (c40-hardware.md 1.4): which addresses of a bus belong to
+/// which of its two strobes, and how each strobe's ready signal is formed.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -27,7 +27,8 @@ struct InterfaceControl {
     const auto field = [value](unsigned first, unsigned width) { return value >> first & ((1u << width) - 1); };
     InterfaceControl out;
     for (unsigned s = 0; s < 2; ++s)
-      out.strobe[s] = {static_cast<Ready>(field(4 + 2 * s, 2)), static_cast<int>(field(8 + 3 * s, 3)), std::min(field(14 + 5 * s, 5) + 1, 31u)};
+      out.strobe[s] = {static_cast<Ready>(field(4 + 2 * s, 2)), static_cast<int>(field(8 + 3 * s, 3)),
+                       std::min(field(14 + 5 * s, 5) + 1, 31u)};
     out.strobe0_words = std::uint64_t{2} << std::min(field(24, 5), 30u);
     out.strobe_switch = field(29, 1) != 0;
     return out;

@@ -30,8 +30,8 @@ Memory::Area area_of(const Region& region) {
                                             region.name, region.words, region.base));
   for (int waits : {region.read_waits, region.write_waits, region.page_waits})
     if (waits < 0 || waits > timing::max_region_waits)
-      throw std::invalid_argument(fmt::format("region {}: {} wait states; 0 to {} are possible", region.name, waits,
-                                              timing::max_region_waits));
+      throw std::invalid_argument(
+          fmt::format("region {}: {} wait states; 0 to {} are possible", region.name, waits, timing::max_region_waits));
   Memory::Area area;
   area.name = region.name;
   area.base = region.base;
@@ -99,7 +99,8 @@ Memory::Memory(const Board& board) : flat_(board.is_flat), flat_words_max_(board
   for (const Region& region : board.regions) add(area_of(region));
   add(on_chip(0));
   add(on_chip(1));
-  if (board.rom.size() > rom_words) throw std::invalid_argument(fmt::format("the boot ROM has {} words, not {}", rom_words, board.rom.size()));
+  if (board.rom.size() > rom_words)
+    throw std::invalid_argument(fmt::format("the boot ROM has {} words, not {}", rom_words, board.rom.size()));
   if (!board.rom.empty()) std::ranges::copy(board.rom, add(boot_rom())->data);
   if (board.has_peripherals) {
     Area registers;
@@ -124,13 +125,17 @@ void Memory::note_paged() {
       const std::uint64_t start = range_begin(b), split = start + control_[b].strobe0_words;
       paged_[b][s] = std::ranges::any_of(areas_, [&](const auto& area) {
         const std::uint64_t end = std::uint64_t{area->base} + area->words;
-        return area->page_waits != 0 && external(area->resource) && bus_index(area->resource) == b && (s == 0 ? area->base < split : end > split);
+        return area->page_waits != 0 && external(area->resource) && bus_index(area->resource) == b &&
+               (s == 0 ? area->base < split : end > split);
       });
     }
 }
 
 Memory::Met Memory::meet(const Area& area, Address address, bool write, OpenPages& pages) const {
-  Met met{{area.resource, static_cast<std::uint8_t>(write ? area.write_waits : area.read_waits), write, false}, area.base, area.words, false};
+  Met met{{area.resource, static_cast<std::uint8_t>(write ? area.write_waits : area.read_waits), write, false},
+          area.base,
+          area.words,
+          false};
   if (!external(area.resource)) return met;
   const std::size_t b = bus_index(area.resource);
   const InterfaceControl& control = control_[b];
@@ -244,7 +249,8 @@ void Memory::divide(const Area& area) {
 void Memory::gather() const {
   for (const auto& whole : divided_)
     for (const auto& piece : areas_)
-      if (piece->piece && whole->contains(piece->base)) std::copy_n(piece->data, piece->words, whole->data + (piece->base - whole->base));
+      if (piece->piece && whole->contains(piece->base))
+        std::copy_n(piece->data, piece->words, whole->data + (piece->base - whole->base));
 }
 
 void Memory::join() {

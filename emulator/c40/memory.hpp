@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "c40/board.hpp"
-#include "c40/probe.hpp"
 #include "c40/interface_control.hpp"
+#include "c40/probe.hpp"
 #include "c40/timing.hpp"
 #include "c40/types.hpp"
 
@@ -32,8 +32,8 @@ class Memory {
     Region::Kind kind = Region::Kind::ram;
     Resource resource = Resource::ideal;
     int read_waits = 0, write_waits = 0, page_waits = 0;
-    Word* data = nullptr;  ///< null unless RAM or ROM
-    bool made = false;     ///< a page of a flat board
+    Word* data = nullptr;    ///< null unless RAM or ROM
+    bool made = false;       ///< a page of a flat board
     bool set_apart = false;  ///< words of a probe: every access to them is looked up
     bool piece = false;      ///< of an area in which words are set apart
 
@@ -64,15 +64,16 @@ class Memory {
   /// `pages` matter to, and are changed by, accesses to a strobe where some region counts them.
   Met meet(const Area& area, Address address, bool write, OpenPages& pages) const;
 
-  /// The area of an address, or null for a reserved one. On a flat board a page is made when it is first asked for; null where that would be
-  /// more than the board's flat_words_max.
+  /// The area of an address, or null for a reserved one. On a flat board a page is made when it is first asked for;
+  /// null where that would be more than the board's flat_words_max.
   const Area* find(Address address);
   const Area* find(Address address) const;
   const std::vector<std::unique_ptr<Area>>& areas() const { return areas_; }
-  /// These words, and no others, stand in areas of their own from now on. No window, no mark of code may be kept from before.
+  /// These words, and no others, stand in areas of their own from now on. No window, no mark of code may be kept from
+  /// before.
   void set_apart(std::vector<AddressRange> ranges);
-  /// Contents page by page, those that are all 0 left out; of a flat board, which pages there are. No block may stand in them while they are set:
-  /// areas go and come.
+  /// Contents page by page, those that are all 0 left out; of a flat board, which pages there are. No block may stand
+  /// in them while they are set: areas go and come.
   void list_state(state::Visitor& list);
 
  private:
@@ -91,9 +92,9 @@ class Memory {
 
   bool flat_;
   std::uint64_t flat_words_max_, flat_words_ = 0;
-  std::array<InterfaceControl, 2> control_{};  // local, global
+  std::array<InterfaceControl, 2> control_{};   // local, global
   std::array<std::array<bool, 2>, 2> paged_{};  // by bus and strobe: some region has page_waits
-  std::vector<std::unique_ptr<Area>> areas_;  // by base
+  std::vector<std::unique_ptr<Area>> areas_;    // by base
   std::vector<std::unique_ptr<Word, Free>> contents_;
   std::vector<AddressRange> apart_;
   std::vector<std::unique_ptr<Area>> divided_;  ///< areas whose contents stand in pieces

@@ -1,9 +1,10 @@
 #pragma once
 /// One predecoded instruction, and the state that instructions work on.
 ///
-/// Handlers follow each other by tail calls: each does its work and then calls the next op's handler. One that cannot go
-/// on (a guard does not hold, the block ends) returns instead. A handler commits nothing before all its guards have passed,
-/// so any instruction can be left and done again by the exact engine, which runs the same handlers one at a time.
+/// Handlers follow each other by tail calls: each does its work and then calls the next op's handler. One that cannot
+/// go on (a guard does not hold, the block ends) returns instead. A handler commits nothing before all its guards have
+/// passed, so any instruction can be left and done again by the exact engine, which runs the same handlers one at a
+/// time.
 #include <array>
 #include <cstdint>
 
@@ -23,9 +24,9 @@ struct Core;
 
 /// Why a run of handlers came back.
 enum class Exit : std::uint64_t {
-  not_taken,  ///< the end of the block, straight on (or a branch not taken)
-  taken,      ///< the end of the block, at a branch's target
-  miss,       ///< an access did not meet its region: nothing of `at` was done
+  not_taken,   ///< the end of the block, straight on (or a branch not taken)
+  taken,       ///< the end of the block, at a branch's target
+  miss,        ///< an access did not meet its region: nothing of `at` was done
   left_after,  ///< `at` was done; what follows must be looked up afresh
   trap_out,    ///< SWI: nothing of `at` was done
   cut          ///< `at` is the first op that the budget does not cover: nothing of it was done
@@ -59,8 +60,8 @@ static_assert(sizeof(Op) == 64);
 
 /// Register codes as indices.
 namespace reg {
-inline constexpr std::uint8_t AR0 = 8, DP = 16, IR0 = 17, IR1 = 18, BK = 19, SP = 20, ST = 21, DIE = 22, IIE = 23, IIF = 24,
-                              RS = 25, RE = 26, RC = 27, R11 = 31;
+inline constexpr std::uint8_t AR0 = 8, DP = 16, IR0 = 17, IR1 = 18, BK = 19, SP = 20, ST = 21, DIE = 22, IIE = 23,
+                              IIF = 24, RS = 25, RE = 26, RC = 27, R11 = 31;
 }  // namespace reg
 
 /// The program's state. Mantissas and exponents lie apart; the flags of ST are kept in the form that sets them fastest.
@@ -117,7 +118,7 @@ enum class Kind : std::uint8_t {
   reg,
   constant,
   direct,
-  offset,   ///< *+ARn(d), *-ARn(d), *ARn: ARn stays
+  offset,    ///< *+ARn(d), *-ARn(d), *ARn: ARn stays
   indirect,  ///< any form
   post,      ///< *ARn++(d), for the multiply-adds
   circular   ///< *ARn++(d)%, for the multiply-adds

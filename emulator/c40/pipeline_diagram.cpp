@@ -7,10 +7,12 @@
 
 namespace c40 {
 
-PipelineDiagram::PipelineDiagram(Cycles first, Cycles last, std::function<std::string(Address, Word)> text, TraceSink* next)
+PipelineDiagram::PipelineDiagram(Cycles first, Cycles last, std::function<std::string(Address, Word)> text,
+                                 TraceSink* next)
     : first_(first), last_(last), text_(std::move(text)), next_(next) {
   if (first < 0 || last < first || last - first >= widest)
-    throw std::invalid_argument(fmt::format("cycles {} to {}: 1 to {} cycles, the first not negative, can be drawn", first, last, widest));
+    throw std::invalid_argument(
+        fmt::format("cycles {} to {}: 1 to {} cycles, the first not negative, can be drawn", first, last, widest));
 }
 
 bool PipelineDiagram::put(std::string& cells, Cycles cycle, char letter) const {
@@ -23,9 +25,10 @@ void PipelineDiagram::instruction(const TraceRecord& record) {
   if (next_ != nullptr) next_->instruction(record);
   const PipelineStages& at = record.stages;
   const auto cause = [&](Cause c) { return record.causes[static_cast<std::size_t>(c)]; };
-  const Cycles bus = cause(Cause::bus_arbitration) + cause(Cause::bus_transfer), port = cause(Cause::comm_port), waited = bus + port;
-  const Cycles fetched = record.cycle + at.fetch + at.fetch_cycles, decode = record.cycle + at.decode, read = record.cycle + at.read,
-               execute = record.cycle + at.execute;
+  const Cycles bus = cause(Cause::bus_arbitration) + cause(Cause::bus_transfer), port = cause(Cause::comm_port),
+               waited = bus + port;
+  const Cycles fetched = record.cycle + at.fetch + at.fetch_cycles, decode = record.cycle + at.decode,
+               read = record.cycle + at.read, execute = record.cycle + at.execute;
   if (record.cycle + at.fetch > last_ || execute + waited < first_) return;
   std::string cells(static_cast<std::size_t>(last_ - first_ + 1), ' ');
   bool visible = false;
@@ -41,7 +44,8 @@ void PipelineDiagram::instruction(const TraceRecord& record) {
   fill(execute + port, execute + waited, 'b');
   fill(execute + waited, execute + waited + 1, 'E');
   if (!visible) return;
-  // What the DMA holds up shows as stages that last longer; which of their cycles are its, the causes do not say: the last ones are drawn so.
+  // What the DMA holds up shows as stages that last longer; which of their cycles are its, the causes do not say: the
+  // last ones are drawn so.
   Cycles held = cause(Cause::dma_conflict);
   for (Cycles c = execute - 1; held > 0 && c > record.cycle + at.fetch; --c) {
     if (c == read || c == decode) continue;  // an instruction is in each stage for a cycle of its own
@@ -62,8 +66,8 @@ void PipelineDiagram::interrupt(Word vector, Cycles cycle) {
   if (put(cells, cycle, 'I')) rows_.push_back({cells, fmt::format("interrupt {:02X}h", vector)});
 }
 
-/// Every tenth cycle has its number, and the first if there is room. Numbers that are too long to stand beside one another
-/// take turns in several lines.
+/// Every tenth cycle has its number, and the first if there is room. Numbers that are too long to stand beside one
+/// another take turns in several lines.
 std::vector<std::string> PipelineDiagram::ruler() const {
   const auto width = static_cast<std::size_t>(last_ - first_ + 1);
   std::vector<std::string> lines;
@@ -88,7 +92,10 @@ std::vector<std::string> PipelineDiagram::ruler() const {
 }
 
 std::string PipelineDiagram::text() const {
-  std::string out = fmt::format("pipeline, cycles {} to {} (F fetch, D decode, R read, E execute, - holds, p port, b shared bus, d DMA, I interrupt)\n", first_, last_);
+  std::string out = fmt::format(
+      "pipeline, cycles {} to {} (F fetch, D decode, R read, E execute, - holds, p port, b shared bus, d DMA, I "
+      "interrupt)\n",
+      first_, last_);
   for (const std::string& line : ruler()) out += line + "\n";
   for (const Row& row : rows_) out += fmt::format("{}  {}\n", row.cells, row.label);
   return out;

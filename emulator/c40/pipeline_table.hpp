@@ -71,7 +71,8 @@ class PipelineNow {
   PipelineNow(PipelineTable& table, Pipeline& state) : table_(table), state_(state) {}
 
   PipelineId id() {
-    if (id_ == unknown) [[unlikely]] id_ = table_.intern(state_);
+    if (id_ == unknown) [[unlikely]]
+      id_ = table_.intern(state_);
     return id_;
   }
   const Pipeline& get() { return table_[id()]; }

@@ -13,8 +13,8 @@ namespace c40 {
 /// An access to a chosen word, after it.
 struct ProbedAccess {
   Address address = 0;
-  Word before = 0;       ///< of memory: what the word held; else the value read or written
-  Word value = 0;        ///< read or written
+  Word before = 0;  ///< of memory: what the word held; else the value read or written
+  Word value = 0;   ///< read or written
   bool write = false;
   bool interrupt = false;  ///< the entry to an interrupt saves the PC
   int channel = -1;        ///< of the DMA; -1: the processor's

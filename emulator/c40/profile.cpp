@@ -44,7 +44,8 @@ ProfileCounts::Entry& ProfileCounts::at(Address address) {
 }
 
 void ProfileCounts::add(const ProfileCounts& other) {
-  for (const Address address : other.touched_) at(address).add((*other.pages_.at(address / page_words))[address % page_words]);
+  for (const Address address : other.touched_)
+    at(address).add((*other.pages_.at(address / page_words))[address % page_words]);
   for (const auto& [address, times] : other.calls_) called(address, times);
 }
 
@@ -72,7 +73,8 @@ std::map<Address, Routine> routines(const ProfileCounts& counts, const std::set<
   for (const auto& [address, calls] : counts.calls()) all[address].calls = calls;
   for (const auto& [address, entry] : counts.instructions()) {
     auto after = all.upper_bound(address);
-    if (after == all.begin()) after = std::next(all.try_emplace(address).first);  // code before everything that was called
+    if (after == all.begin())
+      after = std::next(all.try_emplace(address).first);  // code before everything that was called
     std::prev(after)->second.own.add(entry);
   }
   std::erase_if(all, [](const auto& routine) { return routine.second.own.instructions == 0; });

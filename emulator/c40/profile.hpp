@@ -1,6 +1,6 @@
 #pragma once
-/// Where a program's cycles go: per instruction, and per routine as it was called. It listens to the trace, so that it adds up
-/// exactly what the chip accounted.
+/// Where a program's cycles go: per instruction, and per routine as it was called. It listens to the trace, so that it
+/// adds up exactly what the chip accounted.
 #include <map>
 #include <memory>
 #include <optional>
@@ -51,7 +51,8 @@ struct Routine {
   std::uint64_t calls = 0;
   ProfileCounts::Entry own;  ///< without what it called
 };
-/// Everything counted, by the routine that it lies in. \param starts where routines begin besides those that were called here
+/// Everything counted, by the routine that it lies in. \param starts where routines begin besides those that were
+/// called here
 std::map<Address, Routine> routines(const ProfileCounts& counts, const std::set<Address>& starts);
 
 /// Counts one chip's instructions and calls.
@@ -68,9 +69,10 @@ class Profile final : public TraceSink {
  private:
   ProfileCounts* counts_;
   TraceSink* next_;
-  std::unordered_map<Word, int> arrivals_;  ///< per instruction word: how many instructions after it the called routine begins; 0 for no call
-  int until_arrival_ = 0;                   ///< instructions until the first one of a called routine; 0: no call under way
-  std::optional<Address> return_to_;        ///< of the call under way: there if it was not taken
+  std::unordered_map<Word, int>
+      arrivals_;  ///< per instruction word: how many instructions after it the called routine begins; 0 for no call
+  int until_arrival_ = 0;             ///< instructions until the first one of a called routine; 0: no call under way
+  std::optional<Address> return_to_;  ///< of the call under way: there if it was not taken
 };
 
 }  // namespace c40

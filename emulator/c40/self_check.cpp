@@ -15,9 +15,10 @@ using isa::Instruction;
 using isa::Operation;
 using isa::Register;
 
-constexpr Address slots = 3;        // instructions behind a delayed branch that run with it
-constexpr Address fetched = 3;      // words behind the one that executes that are in the pipeline
-constexpr isa::RegisterSet repeat_registers = isa::set_of(Register::RS) | isa::set_of(Register::RE) | isa::set_of(Register::RC);
+constexpr Address slots = 3;    // instructions behind a delayed branch that run with it
+constexpr Address fetched = 3;  // words behind the one that executes that are in the pipeline
+constexpr isa::RegisterSet repeat_registers =
+    isa::set_of(Register::RS) | isa::set_of(Register::RE) | isa::set_of(Register::RC);
 
 isa::RegisterSet written(const Instruction& instruction) {
   const isa::Hazards h = isa::hazards(instruction);
@@ -80,8 +81,10 @@ std::optional<Instruction> SelfCheck::at(Address address) const {
 
 void SelfCheck::report(Rule rule, Address pc, Cycles cycle, Word word, std::string message) {
   const auto [found, fresh] = known_.try_emplace({rule, pc}, diagnostics_.size());
-  if (fresh) diagnostics_.push_back({rule, section(rule), pc, cycle, isa::disassemble(word, pc), std::move(message)});
-  else ++diagnostics_[found->second].count;
+  if (fresh)
+    diagnostics_.push_back({rule, section(rule), pc, cycle, isa::disassemble(word, pc), std::move(message)});
+  else
+    ++diagnostics_[found->second].count;
   if (on_breach) on_breach(diagnostics_[found->second]);
 }
 
@@ -107,7 +110,8 @@ void SelfCheck::instruction(const TraceRecord& record) {
     check_nesting(record, *instruction);
     check_stores(record);
     check_interlocked(record, *instruction);
-    for (const isa::Operand* operand : {&instruction->src1, &instruction->src2, &instruction->dst, &instruction->src3, &instruction->src4, &instruction->dst2})
+    for (const isa::Operand* operand : {&instruction->src1, &instruction->src2, &instruction->dst, &instruction->src3,
+                                        &instruction->src4, &instruction->dst2})
       check_circular(record, *operand);
   }
   look();
@@ -126,36 +130,49 @@ void SelfCheck::check_slots(const TraceRecord& record, const Instruction& branch
   for (Address slot = 1; slot <= slots; ++slot) {
     const auto in_slot = at(record.pc + slot);
     if (!in_slot) continue;
-    const auto found = [&](std::string what) { report(Rule::delay_slot, record.pc + slot, record.cycle, in_slot->word, std::move(what)); };
-    const std::string of = fmt::format("slot {} of {} at {:08X}h", slot, isa::disassemble(record.word, record.pc), record.pc);
+    const auto found = [&](std::string what) {
+      report(Rule::delay_slot, record.pc + slot, record.cycle, in_slot->word, std::move(what));
+    };
+    const std::string of =
+        fmt::format("slot {} of {} at {:08X}h", slot, isa::disassemble(record.word, record.pc), record.pc);
     if (isa::is_program_control(*in_slot)) found(fmt::format("program control may not stand in {}", of));
-    if (links && (written(*in_slot) & isa::set_of(Register::R11)) != 0) found(fmt::format("R11 holds the way back and may not be written in {}", of));
+    if (links && (written(*in_slot) & isa::set_of(Register::R11)) != 0)
+      found(fmt::format("R11 holds the way back and may not be written in {}", of));
     if (operation == Operation::rptb && (written(*in_slot) & repeat_registers) != 0)
       found(fmt::format("RS, RE and RC may not be written in {}", of));
   }
 }
 
 void SelfCheck::check_block(const TraceRecord& record, const Instruction& repeat) {
-  const auto found = [&](Rule rule, Address pc, Word word, std::string what) { report(rule, pc, record.cycle, word, std::move(what)); };
+  const auto found = [&](Rule rule, Address pc, Word word, std::string what) {
+    report(rule, pc, record.cycle, word, std::move(what));
+  };
   if (!repeats_block(repeat)) {
     const auto repeated = at(record.pc + 1);
     if (repeated && isa::is_program_control(*repeated))
-      found(Rule::repeat_single, record.pc + 1, repeated->word, fmt::format("RPTS at {:08X}h may not repeat program control", record.pc));
+      found(Rule::repeat_single, record.pc + 1, repeated->word,
+            fmt::format("RPTS at {:08X}h may not repeat program control", record.pc));
     return;
   }
   const auto start = static_cast<Address>(chip_.register_value(Register::RS));
   const auto end = static_cast<Address>(chip_.register_value(Register::RE));
-  if (end < start) return found(Rule::repeat_block, record.pc, record.word, fmt::format("the block ends at {:08X}h, before it begins at {:08X}h", end, start));
+  if (end < start)
+    return found(Rule::repeat_block, record.pc, record.word,
+                 fmt::format("the block ends at {:08X}h, before it begins at {:08X}h", end, start));
   if (const auto last = at(end)) {
     if (isa::is_program_control(*last))
-      found(Rule::repeat_block, end, last->word, fmt::format("the block of {:08X}h may not end with program control", record.pc));
+      found(Rule::repeat_block, end, last->word,
+            fmt::format("the block of {:08X}h may not end with program control", record.pc));
     if ((written(*last) & repeat_registers) != 0)
-      found(Rule::repeat_block, end, last->word, fmt::format("the last instruction of the block of {:08X}h may not write RS, RE or RC", record.pc));
+      found(Rule::repeat_block, end, last->word,
+            fmt::format("the last instruction of the block of {:08X}h may not write RS, RE or RC", record.pc));
   }
   for (Address address = std::max(start, end >= slots ? end - slots : 0); address < end; ++address) {
     const auto near_end = at(address);
     if (near_end && near_end->row->delay != isa::Delay::none)
-      found(Rule::repeat_block, address, near_end->word, fmt::format("none of the last four instructions of the block of {:08X}h may be a delayed branch", record.pc));
+      found(
+          Rule::repeat_block, address, near_end->word,
+          fmt::format("none of the last four instructions of the block of {:08X}h may be a delayed branch", record.pc));
   }
 }
 
@@ -167,10 +184,13 @@ void SelfCheck::check_nesting(const TraceRecord& record, const Instruction& inst
   while (!open_.empty() && record.pc == open_.back().end) {
     const Block broken = open_.back();
     open_.pop_back();
-    const bool more = static_cast<std::int32_t>(before(Register::RC)) > 0;  // in the last pass ST comes back without RM (1.4)
-    if (before(Register::RS) != broken.start || before(Register::RE) != broken.end || (more && (before(Register::ST) & st::RM) == 0))
+    const bool more =
+        static_cast<std::int32_t>(before(Register::RC)) > 0;  // in the last pass ST comes back without RM (1.4)
+    if (before(Register::RS) != broken.start || before(Register::RE) != broken.end ||
+        (more && (before(Register::ST) & st::RM) == 0))
       report(Rule::repeat_nesting, record.pc, record.cycle, record.word,
-             fmt::format("the block {:08X}h to {:08X}h ends here, but a repeat inside it has taken RS, RE, RC and RM", broken.start, broken.end));
+             fmt::format("the block {:08X}h to {:08X}h ends here, but a repeat inside it has taken RS, RE, RC and RM",
+                         broken.start, broken.end));
   }
 }
 
@@ -181,7 +201,9 @@ void SelfCheck::check_repeat_end(const Instruction& instruction) {
   const bool delayed = instruction.row->delay != isa::Delay::none;
   if (!isa::is_program_control(instruction) || end - pc > (delayed ? slots : 0)) return;
   report(Rule::repeat_block, pc, chip_.cycle(), instruction.word,
-         end == pc ? "a repeated block may not end with program control" : fmt::format("a delayed branch may not stand {} words before the end of a repeated block", end - pc));
+         end == pc
+             ? "a repeated block may not end with program control"
+             : fmt::format("a delayed branch may not stand {} words before the end of a repeated block", end - pc));
 }
 
 void SelfCheck::check_interlocked(const TraceRecord& record, const Instruction& instruction) {
@@ -189,7 +211,8 @@ void SelfCheck::check_interlocked(const TraceRecord& record, const Instruction& 
   const bool loads = operation == Operation::ldii || operation == Operation::ldfi || operation == Operation::sigi;
   if (loads && interlocked_store_)
     report(Rule::interlocked, record.pc, record.cycle, record.word,
-           fmt::format("an interlocked load may not stand straight behind the interlocked store at {:08X}h", *interlocked_store_));
+           fmt::format("an interlocked load may not stand straight behind the interlocked store at {:08X}h",
+                       *interlocked_store_));
   interlocked_store_.reset();
   if (operation == Operation::stii || operation == Operation::stfi) interlocked_store_ = record.pc;
 }
@@ -198,7 +221,8 @@ void SelfCheck::check_stores(const TraceRecord& record) {
   for (const MemoryEvent& event : record.memory) {
     if (event.write && event.address > record.pc && event.address - record.pc <= fetched)
       report(Rule::self_modifying, record.pc, record.cycle, record.word,
-             fmt::format("stores to {:08X}h, {} words ahead: the pipeline has fetched it already", event.address, event.address - record.pc));
+             fmt::format("stores to {:08X}h, {} words ahead: the pipeline has fetched it already", event.address,
+                         event.address - record.pc));
   }
 }
 
@@ -206,14 +230,19 @@ void SelfCheck::check_circular(const TraceRecord& record, const isa::Operand& op
   if (!operand.is(isa::Operand::Kind::indirect) || !isa::modn::is_circular(operand.modn)) return;
   const Word size = before(Register::BK);
   const isa::modn::Index index = isa::modn::index(operand.modn);
-  const Word step = index == isa::modn::Index::IR0 ? before(Register::IR0) : index == isa::modn::Index::IR1 ? before(Register::IR1) : operand.displacement();
-  const auto found = [&](std::string what) { report(Rule::circular, record.pc, record.cycle, record.word, std::move(what)); };
+  const Word step = index == isa::modn::Index::IR0   ? before(Register::IR0)
+                    : index == isa::modn::Index::IR1 ? before(Register::IR1)
+                                                     : operand.displacement();
+  const auto found = [&](std::string what) {
+    report(Rule::circular, record.pc, record.cycle, record.word, std::move(what));
+  };
   if (size == 0) return found("BK is 0: there is no circular buffer");
   if (step > size) return found(fmt::format("a step of {} in a circular buffer of BK = {} words", step, size));
   Word mask = size;
   for (unsigned shift = 1; shift < 32; shift *= 2) mask |= mask >> shift;
   const Word place = before(operand.reg) & mask;
-  if (place >= size) found(fmt::format("{} points {} words into a circular buffer of BK = {}", isa::name(operand.reg), place, size));
+  if (place >= size)
+    found(fmt::format("{} points {} words into a circular buffer of BK = {}", isa::name(operand.reg), place, size));
 }
 
 }  // namespace c40

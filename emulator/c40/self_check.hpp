@@ -1,6 +1,6 @@
 #pragma once
-/// Rules of the manual that a program may break without the chip noticing, checked instruction by instruction while it runs.
-/// A trace sink: with it the chip runs without blocks, and nothing observable changes.
+/// Rules of the manual that a program may break without the chip noticing, checked instruction by instruction while it
+/// runs. A trace sink: with it the chip runs without blocks, and nothing observable changes.
 #include <array>
 #include <functional>
 #include <map>
@@ -22,7 +22,8 @@ enum class Rule : std::uint8_t {
   self_modifying,  ///< a store to a word that the pipeline has fetched already
   interlocked,     ///< an interlocked load straight behind an interlocked store
   circular,        ///< a circular step outside what the buffer allows
-  reserved,        ///< a word that is no instruction: reserved mode, register code, condition or bits; the chip stops with a fault
+  reserved,  ///< a word that is no instruction: reserved mode, register code, condition or bits; the chip stops with a
+             ///< fault
 };
 /// "delay_slot"
 std::string_view name(Rule rule);
@@ -48,7 +49,8 @@ class SelfCheck final : public TraceSink {
   /// Takes note of registers that were changed from outside.
   void look();
   void hand_on_to(TraceSink* next) { next_ = next; }
-  /// To be called when a run has ended: a chip that a reserved word, or a branch that may not stand there, has stopped sends no record of it.
+  /// To be called when a run has ended: a chip that a reserved word, or a branch that may not stand there, has stopped
+  /// sends no record of it.
   void run_ended();
 
   void instruction(const TraceRecord& record) override;
@@ -80,7 +82,7 @@ class SelfCheck final : public TraceSink {
   TraceSink* next_;
   std::array<Word, isa::register_count> before_{};
   std::optional<Address> interlocked_store_;  ///< the instruction before was one, at this address
-  std::vector<Block> open_;  ///< blocks that an inner repeat has broken into
+  std::vector<Block> open_;                   ///< blocks that an inner repeat has broken into
   std::vector<Diagnostic> diagnostics_;
   std::map<std::pair<Rule, Address>, std::size_t> known_;
 };

@@ -1,6 +1,6 @@
 #pragma once
-/// What programs and peripherals of a chip can be told apart by, in one place. Memory contents are apart (Memory); what the engine has besides,
-/// between two calls, it lists itself (chip_state.cpp).
+/// What programs and peripherals of a chip can be told apart by, in one place. Memory contents are apart (Memory); what
+/// the engine has besides, between two calls, it lists itself (chip_state.cpp).
 #include "c40/cache.hpp"
 #include "c40/memory.hpp"
 #include "c40/op.hpp"
@@ -31,7 +31,8 @@ struct State {
   Word global_interface_control = 0, local_interface_control = 0;
   Cache cache;
   Word cache_control = 0;  ///< CE and CF, as the fetch stage sees them
-  /// What instructions have done to CE, CF and CC, each until the first fetch after its execute stage; `cache_changes` of them.
+  /// What instructions have done to CE, CF and CC, each until the first fetch after its execute stage; `cache_changes`
+  /// of them.
   struct CacheChange {
     Cycles executed = 0;
     Word control = 0;
@@ -52,7 +53,7 @@ struct State {
   bool nmi_low = false;
   std::array<Drive, pin_count> drives{};  ///< of watched outputs, as last told
   Cycles drives_told = 0;                 ///< up to this cycle
-  bool held = false;             ///< In reset.
+  bool held = false;                      ///< In reset.
   bool faulted = false;
 
   void list_state(state::Visitor& list);

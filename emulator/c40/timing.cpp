@@ -10,10 +10,16 @@ constexpr unsigned first_address_register = 8;  // AR0; AR1..AR7, DP, IR0, IR1, 
 
 constexpr bool in_block(Resource r) { return r == Resource::ram0 || r == Resource::ram1 || r == Resource::rom; }
 constexpr bool on_bus(Resource r) { return r >= Resource::local; }
-constexpr std::size_t block_of(Resource r) { return static_cast<std::size_t>(r) - static_cast<std::size_t>(Resource::ram0); }
-constexpr std::size_t bus_of(Resource r) { return static_cast<std::size_t>(r) - static_cast<std::size_t>(Resource::local); }
+constexpr std::size_t block_of(Resource r) {
+  return static_cast<std::size_t>(r) - static_cast<std::size_t>(Resource::ram0);
+}
+constexpr std::size_t bus_of(Resource r) {
+  return static_cast<std::size_t>(r) - static_cast<std::size_t>(Resource::local);
+}
 constexpr std::size_t peripheral_bus = bus_of(Resource::peripheral);
-constexpr int write_cycles(std::size_t bus) { return bus == peripheral_bus ? timing::peripheral_write_cycles : timing::external_write_cycles; }
+constexpr int write_cycles(std::size_t bus) {
+  return bus == peripheral_bus ? timing::peripheral_write_cycles : timing::external_write_cycles;
+}
 constexpr int read_after_write(std::size_t bus) { return bus == peripheral_bus ? 0 : timing::read_after_write_cycles; }
 
 template <class Visit>
@@ -30,8 +36,8 @@ int Pipeline::port_use(std::size_t block, int cycle) const {
   return static_cast<int>(ports_[block] >> (2 * (cycle + window)) & 3u);
 }
 
-// Fetches have the lowest priority and come in program order: they must fit around the data accesses, and nothing has to
-// fit around them.
+// Fetches have the lowest priority and come in program order: they must fit around the data accesses, and nothing has
+// to fit around them.
 int Pipeline::place_fetch(const Access& fetch, int from) const {
   int cycle = from;
   if (in_block(fetch.resource)) {
@@ -169,12 +175,14 @@ StepTiming Pipeline::advance(const Demand& demand) {
       const int stall = when - t + 2;  // decode of the next instruction is at T - 2
       if (stall <= 0) return;
       const auto old = next >> (2 * i) & 3u;
-      if (static_cast<std::uint32_t>(stall) > old) next = (next & ~(3u << (2 * i))) | static_cast<std::uint32_t>(stall) << (2 * i);
+      if (static_cast<std::uint32_t>(stall) > old)
+        next = (next & ~(3u << (2 * i))) | static_cast<std::uint32_t>(stall) << (2 * i);
     };
-    if (ready_ != 0) each_register(0x1FFFu << first_address_register, [&](int i) {
-      const int stall = static_cast<int>(ready_ >> (2 * i) & 3u);
-      if (stall != 0) set(i, stall - 2);
-    });
+    if (ready_ != 0)
+      each_register(0x1FFFu << first_address_register, [&](int i) {
+        const int stall = static_cast<int>(ready_ >> (2 * i) & 3u);
+        if (stall != 0) set(i, stall - 2);
+      });
     each_register(demand.footprint.operand_reads, [&](int i) { set(i, d + 2); });
     each_register(demand.footprint.early_writes, [&](int i) { set(i, a + longest); });
     each_register(demand.footprint.late_writes, [&](int i) { set(i, e + 1); });
@@ -281,7 +289,8 @@ void Pipeline::hold(int cycles) {
   }
 }
 
-std::array<Pipeline::Interval, 2> Pipeline::expected_fetches(const std::array<std::optional<Access>, 2>& fetches) const {
+std::array<Pipeline::Interval, 2> Pipeline::expected_fetches(
+    const std::array<std::optional<Access>, 2>& fetches) const {
   std::array<Interval, 2> expected{};
   int earliest = fetch_ready_, entered = read_entered_;
   for (std::size_t i = 0; i < 2; ++i) {

@@ -1,14 +1,14 @@
 #pragma once
-/// The pipeline model (c40-hardware.md 7.5): when each instruction gets through fetch, decode, read and execute, and what
-/// delayed it. It knows nothing of what instructions do: it is fed with a description of each instruction in program
-/// order. It is the only place where time is computed: the exact engine runs it per instruction, and a block's constants are
-/// what it said while the block was recorded.
+/// The pipeline model (c40-hardware.md 7.5): when each instruction gets through fetch, decode, read and execute, and
+/// what delayed it. It knows nothing of what instructions do: it is fed with a description of each instruction in
+/// program order. It is the only place where time is computed: the exact engine runs it per instruction, and a block's
+/// constants are what it said while the block was recorded.
 ///
 /// All times are relative to T, "the cycle in which the next instruction without conflicts would execute". T is the
 /// chip's cycle count. A standard branch moves T by its whole cost, so its refill is charged to the branch itself.
 ///
-/// Inaccuracies: stalls imposed from outside (a shared bus) hold everything, posted writes included. A change of strobe between a
-/// fetch and a data read costs nothing.
+/// Inaccuracies: stalls imposed from outside (a shared bus) hold everything, posted writes included. A change of strobe
+/// between a fetch and a data read costs nothing.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -48,7 +48,7 @@ struct Footprint {
 struct Demand {
   Footprint footprint;
   Access fetch;
-  bool fetched = true;  ///< false for the repetitions of RPTS
+  bool fetched = true;        ///< false for the repetitions of RPTS
   bool fetch_missed = false;  ///< the instruction cache is on and does not have the word
   std::uint8_t count = 0;
   std::array<Access, 2> data{};
@@ -69,7 +69,8 @@ struct StepTiming {
   friend bool operator==(const StepTiming&, const StepTiming&) = default;
 };
 
-/// What the past still means for the next instructions, relative to T and normalised, so that equal futures compare equal.
+/// What the past still means for the next instructions, relative to T and normalised, so that equal futures compare
+/// equal.
 class Pipeline {
  public:
   /// Cycles before T that can matter still, and cycles from T on that an access can be known to take.
@@ -84,12 +85,13 @@ class Pipeline {
   void take(Resource resource, int from, int to);
   /// An access of an instruction that is already through is not made in [from, to), relative to T, after all.
   void give_back(Resource resource, int from, int to);
-  /// T moves on by `cycles`, because an access of an instruction that is already through has to wait; what is over stays where it is.
+  /// T moves on by `cycles`, because an access of an instruction that is already through has to wait; what is over
+  /// stays where it is.
   void hold(int cycles);
   /// An access of an instruction that is already through takes place in [from, to), relative to T, after such a wait.
   void make_again(const Access& access, int from, int to);
-  /// The cycles [from, to), relative to T, in which the next instruction and the one after it are fetched, as far as what is through
-  /// decides it; from == to: it is not fetched from there.
+  /// The cycles [from, to), relative to T, in which the next instruction and the one after it are fetched, as far as
+  /// what is through decides it; from == to: it is not fetched from there.
   struct Interval {
     int from = 0, to = 0;
   };

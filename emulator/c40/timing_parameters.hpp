@@ -32,7 +32,8 @@ inline constexpr int external_write_cycles = 2;
 inline constexpr int read_after_write_cycles = 1;
 /// The peripheral bus takes one access per cycle, in either direction (unverified).
 inline constexpr int peripheral_write_cycles = 1;
-/// With STRB SWITCH set, a read straight after a read on the other strobe of the bus takes so many cycles more (unverified).
+/// With STRB SWITCH set, a read straight after a read on the other strobe of the bus takes so many cycles more
+/// (unverified).
 inline constexpr int strobe_switch_cycles = 1;
 /// Cycles per tick of a timer's internal clock, H1/2 (c40-hardware.md 4).
 inline constexpr int timer_tick_cycles = 2;

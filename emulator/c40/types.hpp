@@ -36,8 +36,9 @@ using Causes = std::array<Cycles, cause_count>;
 
 constexpr std::string_view name(Cause cause) {
   constexpr std::array<std::string_view, cause_count> names{
-      "execute",    "branch",          "register_conflict", "memory_conflict", "dma_conflict", "cache_miss", "wait_state",
-      "bus_arbitration", "bus_transfer", "comm_port",       "interrupt",       "idle",         "halted"};
+      "execute",    "branch",          "register_conflict", "memory_conflict", "dma_conflict", "cache_miss",
+      "wait_state", "bus_arbitration", "bus_transfer",      "comm_port",       "interrupt",    "idle",
+      "halted"};
   return names[static_cast<std::size_t>(cause)];
 }
 

@@ -40,7 +40,8 @@ toolchain::Options toolchain_options(const AssembleOptions& options) {
 }
 
 /// \param read sources with what they include, or objects
-void check_files(const std::vector<std::string>& read, const std::string& output, const std::string& role, const std::optional<std::string>& text_path) {
+void check_files(const std::vector<std::string>& read, const std::string& output, const std::string& role,
+                 const std::optional<std::string>& text_path) {
   io::FileRoles files;
   for (const std::string& path : read) files.reads("an input", path);
   files.writes("-o", output).writes(role, text_path.value_or(""));
@@ -108,11 +109,12 @@ int disassemble(const DisassembleOptions& options) {
   require_file(options.program);
   if (is_coff_name(options.program) && !options.source) {
     const toolchain::Object object = toolchain::read_object(options.program);
-    io::print(
-        "{}", object.executable ? toolchain::disassembly(toolchain::image_of(object)) : toolchain::disassembly(object));
+    io::print("{}",
+              object.executable ? toolchain::disassembly(toolchain::image_of(object)) : toolchain::disassembly(object));
     return success;
   }
-  const toolchain::Image image = read_program(options.program, options.include_directories, options.load_at, options.dialect);
+  const toolchain::Image image =
+      read_program(options.program, options.include_directories, options.load_at, options.dialect);
   io::print("{}", options.source ? toolchain::source_of(image) : toolchain::disassembly(image));
   return success;
 }

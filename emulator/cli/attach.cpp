@@ -14,7 +14,8 @@ namespace cli {
 Attach::Attach(const RunOptions& options) : waits_(options.debug_wait) {
   if (waits_ && !options.debug_port) throw InputError("--debug-wait: needs --debug PORT");
   if (!options.debug_port) return;
-  if (options.profile) throw InputError("--debug: a run with a profile has no snapshots, on which going back rests; one of the two");
+  if (options.profile)
+    throw InputError("--debug: a run with a profile has no snapshots, on which going back rests; one of the two");
   try {
     listener_.emplace(*options.debug_port);
   } catch (const std::system_error& error) {

@@ -35,8 +35,14 @@ c40::PipelineDiagram parse_window(const std::string& text, const Image& image, c
   if (colon == std::string::npos || !number(view.substr(0, colon), first) || !number(view.substr(colon + 1), last))
     throw InputError(fmt::format("--pipeline: \"{}\" is not FIRST:LAST, two numbers of cycles", text));
   try {
-    const auto name = [names = machine::AddressNames(image)](Address address) { return names.name(address).value_or(""); };
-    return {first, last, [text = machine::SourceText(image, machine::SourceText::Label::kept), name](Address address, Word word) { return text(address, word, name); }, next};
+    const auto name = [names = machine::AddressNames(image)](Address address) {
+      return names.name(address).value_or("");
+    };
+    return {first, last,
+            [text = machine::SourceText(image, machine::SourceText::Label::kept), name](Address address, Word word) {
+              return text(address, word, name);
+            },
+            next};
   } catch (const std::invalid_argument& error) {
     throw InputError(fmt::format("--pipeline: {}", error.what()));
   }
@@ -68,15 +74,18 @@ struct ChipListeners::Parts {
   }
 };
 
-ChipListeners::ChipListeners(const c40::Chip& chip, const Image& image, const ExecOptions& options, unsigned number, const std::optional<std::string>& trace)
+ChipListeners::ChipListeners(const c40::Chip& chip, const Image& image, const ExecOptions& options, unsigned number,
+                             const std::optional<std::string>& trace)
     : parts_(std::make_unique<Parts>(chip, image)) {
   Parts& p = *parts_;
   if (trace) {
     p.file.emplace(*trace);
-    p.file->stream() << (options.trace_labels ? report::labelled_trace_header : report::instruction_trace_header) << '\n';
-    p.first = &p.trace.emplace(number, [&p](const std::string& line) { p.file->stream() << line << '\n'; }, c40::Cycles{0},
-                               std::numeric_limits<c40::Cycles>::max(),
-                               options.trace_labels ? std::optional(machine::Labels::of_program(image)) : std::nullopt);
+    p.file->stream() << (options.trace_labels ? report::labelled_trace_header : report::instruction_trace_header)
+                     << '\n';
+    p.first = &p.trace.emplace(
+        number, [&p](const std::string& line) { p.file->stream() << line << '\n'; }, c40::Cycles{0},
+        std::numeric_limits<c40::Cycles>::max(),
+        options.trace_labels ? std::optional(machine::Labels::of_program(image)) : std::nullopt);
   }
   if (options.check) p.first = &p.check.emplace(chip, p.first);
   if (options.profile) p.first = &p.profile.emplace(p.counts, p.first);
@@ -95,10 +104,12 @@ void ChipListeners::run_ended() {
 std::string ChipListeners::checks_text() const {
   if (!parts_->check) return {};
   const std::vector<c40::Diagnostic>& all = parts_->check->diagnostics();
-  std::string out = fmt::format("checks: {}\n", all.empty() ? "no rule was broken" : fmt::format("{} found", all.size()));
+  std::string out =
+      fmt::format("checks: {}\n", all.empty() ? "no rule was broken" : fmt::format("{} found", all.size()));
   for (const c40::Diagnostic& found : all)
-    out += fmt::format("  {:08X}  {}\n    {} ({} {}): {}; cycle {}{}\n", found.pc, found.instruction, name(found.rule), c40::document(found.rule), found.section, found.message,
-                       found.cycle, found.count > 1 ? fmt::format(", {} times", found.count) : "");
+    out += fmt::format("  {:08X}  {}\n    {} ({} {}): {}; cycle {}{}\n", found.pc, found.instruction, name(found.rule),
+                       c40::document(found.rule), found.section, found.message, found.cycle,
+                       found.count > 1 ? fmt::format(", {} times", found.count) : "");
   return out;
 }
 
@@ -110,8 +121,13 @@ void ChipListeners::add_to(Json& out) const {
   if (parts_->check) {
     out["diagnostics"] = Json::array();
     for (const c40::Diagnostic& found : parts_->check->diagnostics())
-      out["diagnostics"].push_back({{"rule", name(found.rule)}, {"section", found.section}, {"pc", found.pc}, {"cycle", found.cycle},
-                                    {"instruction", found.instruction}, {"message", found.message}, {"count", found.count}});
+      out["diagnostics"].push_back({{"rule", name(found.rule)},
+                                    {"section", found.section},
+                                    {"pc", found.pc},
+                                    {"cycle", found.cycle},
+                                    {"instruction", found.instruction},
+                                    {"message", found.message},
+                                    {"count", found.count}});
   }
   if (parts_->profile) out["profile"] = Json::parse(parts_->profile_report(true));
   if (parts_->pipeline) out["pipeline"] = parts_->pipeline->text();
@@ -122,7 +138,8 @@ void ChipListeners::add_to(Json& out) const {
 namespace {
 
 bool is_fifo(const c40::RegisterInfo& info) {
-  return c40::is_port_register(info.address) && c40::port_access(info.address, false, 0, 0).reg != c40::PortRegister::control;
+  return c40::is_port_register(info.address) &&
+         c40::port_access(info.address, false, 0, 0).reg != c40::PortRegister::control;
 }
 
 std::vector<Word> words_of(const c40::Fifo& fifo) { return {fifo.words().begin(), fifo.words().end()}; }
@@ -162,9 +179,15 @@ void add_ports(const c40::Chip& chip, Json& out) {
   out["ports"] = Json::array();
   for (int n = 0; n < c40::port_count; ++n) {
     const c40::CommPort& port = chip.port(n);
-    out["ports"].push_back({{"control", port.control()}, {"input", words_of(port.input)}, {"output", words_of(port.output)}, {"written", port.traffic.written},
-                            {"sent", port.traffic.sent}, {"received", port.traffic.received}, {"read", port.traffic.read},
-                            {"discarded_output", port.traffic.discarded_output}, {"discarded_input", port.traffic.discarded_input}});
+    out["ports"].push_back({{"control", port.control()},
+                            {"input", words_of(port.input)},
+                            {"output", words_of(port.output)},
+                            {"written", port.traffic.written},
+                            {"sent", port.traffic.sent},
+                            {"received", port.traffic.received},
+                            {"read", port.traffic.read},
+                            {"discarded_output", port.traffic.discarded_output},
+                            {"discarded_input", port.traffic.discarded_input}});
   }
 }
 

@@ -17,7 +17,8 @@ class ChipListeners {
   /// \param number of the chip in a network, else 0
   /// \param trace the file for its instructions, if any
   /// \throws InputError for a --pipeline that is none
-  ChipListeners(const c40::Chip& chip, const toolchain::Image& image, const ExecOptions& options, unsigned number, const std::optional<std::string>& trace);
+  ChipListeners(const c40::Chip& chip, const toolchain::Image& image, const ExecOptions& options, unsigned number,
+                const std::optional<std::string>& trace);
   ~ChipListeners();
 
   /// To be given to the chip; null: nobody listens.

@@ -58,12 +58,12 @@ int classify(const ClassifyOptions& options) {
     for (std::size_t i = 0; i < total.rows.size(); ++i) {
       const isa::Row& row = isa::rows()[i];
       io::print("{:>12}  {}  {}{}{}\n", total.rows[i], row.picture, row.mnemonic, row.parallel() ? " || " : "",
-                 row.mnemonic2);
+                row.mnemonic2);
     }
   io::print("{:>12}  words\n{:>12}  instructions of {} encodings\n{:>12}  reserved\n", total.words,
-             total.instructions(),
-             std::count_if(total.rows.begin(), total.rows.end(), [](std::uint64_t n) { return n != 0; }),
-             total.reserved_words());
+            total.instructions(),
+            std::count_if(total.rows.begin(), total.rows.end(), [](std::uint64_t n) { return n != 0; }),
+            total.reserved_words());
   for (std::size_t i = 0; i < total.reserved.size(); ++i)
     io::print("{:>12}    {}\n", total.reserved[i], isa::describe(static_cast<isa::Reserved::Reason>(i)));
   io::print("{:>12}  suit more than one encoding\n", total.ambiguous);

@@ -38,16 +38,25 @@ void declare_run(CLI::App& app, RunOptions& options) {
   app.add_option("--trace-instructions", options.trace_instructions,
                  "Also write the instructions of these DSPs, into FILE.dspN")
       ->type_name("N");
-  app.add_flag("--trace-labels", options.trace_labels, "In instruction traces labels instead of addresses, and no words");
+  app.add_flag("--trace-labels", options.trace_labels,
+               "In instruction traces labels instead of addresses, and no words");
   app.add_option("--profile", options.profile,
-                 "Where the DSPs' cycles went, per task kind, routine and source line; into FILE (.json: as JSON), or after the report")
+                 "Where the DSPs' cycles went, per task kind, routine and source line; into FILE (.json: as JSON), or "
+                 "after the report")
       ->type_name("[FILE]")
       ->expected(0, 1);
-  app.add_option("--snapshot-at", options.snapshots, "Write the run as it is after S simulated s, to be resumed; may be given several times")
+  app.add_option("--snapshot-at", options.snapshots,
+                 "Write the run as it is after S simulated s, to be resumed; may be given several times")
       ->type_name("S:FILE")
       ->allow_extra_args(false);
-  app.add_option("--resume", options.resume, "Go on from a snapshot; the configuration is the snapshot's (docs/snapshots.md)")->type_name("FILE");
-  app.add_option("--debug", options.debug_port, "An editor may attach at this port of this machine while the run goes on (docs/dap.md); 0: any that is free")->check(CLI::Range(0, 65535))->type_name("PORT");
+  app.add_option("--resume", options.resume,
+                 "Go on from a snapshot; the configuration is the snapshot's (docs/snapshots.md)")
+      ->type_name("FILE");
+  app.add_option(
+         "--debug", options.debug_port,
+         "An editor may attach at this port of this machine while the run goes on (docs/dap.md); 0: any that is free")
+      ->check(CLI::Range(0, 65535))
+      ->type_name("PORT");
   app.add_flag("--debug-wait", options.debug_wait, "The run waits for the editor");
   app.add_flag("--strict", options.strict, "Exit with status 1 when a deadline was missed");
   app.add_flag("--quiet", options.quiet, "No progress line and no report on the terminal");
@@ -55,10 +64,13 @@ void declare_run(CLI::App& app, RunOptions& options) {
 
 void declare_limits(CLI::App& app, LimitsOptions& options) {
   declare_settings(app, options.run);
-  app.add_option("--cycles", options.cycles, "Factors on the time of an instruction cycle to try, e.g. 1:3:0.25 or 1,2,4")->type_name("GRID");
+  app.add_option("--cycles", options.cycles,
+                 "Factors on the time of an instruction cycle to try, e.g. 1:3:0.25 or 1,2,4")
+      ->type_name("GRID");
   app.add_option("--dsps-grid", options.dsps, "Numbers of DSPs to try, e.g. 1:8")->type_name("GRID");
   app.add_option("--servo", options.servo, "Servo frequencies f_p in Hz to try, e.g. 500:4000:250")->type_name("GRID");
-  app.add_flag("--errors", options.errors, "Run every point to its end, and tell what it cost: realised rates, load error, lag");
+  app.add_flag("--errors", options.errors,
+               "Run every point to its end, and tell what it cost: realised rates, load error, lag");
   app.add_option("--json", options.json, "Also write the result as JSON (docs/report.md, Limits)")->type_name("FILE");
 }
 
@@ -76,7 +88,9 @@ void declare_config(CLI::App& app, ConfigOptions& options) {
 }
 
 void declare_dialect(CLI::App& app, std::optional<std::string>& dialect) {
-  app.add_option("--dialect", dialect, "Whose assembler a source was written for, if it does not say so: ti (default) or gnu (docs/assembler.md, Dialects)")
+  app.add_option("--dialect", dialect,
+                 "Whose assembler a source was written for, if it does not say so: ti (default) or gnu "
+                 "(docs/assembler.md, Dialects)")
       ->check(CLI::IsMember({"ti", "gnu"}));
 }
 
@@ -96,7 +110,8 @@ void declare_assemble(CLI::App& app, AssembleOptions& options) {
   app.add_option("--listing", options.listing, "Also write a listing")->type_name("FILE");
   declare_dialect(app, options.dialect);
   auto* const object = app.add_flag("-c,--object", options.object, "Write a relocatable object, for emulator link");
-  app.add_flag("--undefined-external", options.undefined_external, "Leave symbols that are neither defined nor declared to other objects; so it is with --dialect gnu")
+  app.add_flag("--undefined-external", options.undefined_external,
+               "Leave symbols that are neither defined nor declared to other objects; so it is with --dialect gnu")
       ->needs(object);
   app.add_option("--coff-version", options.version, "0, 1 or 2 (default)")->check(CLI::Range(0, 2));
 }
@@ -127,45 +142,75 @@ void declare_disassemble(CLI::App& app, DisassembleOptions& options) {
 }
 
 void declare_exec(CLI::App& app, ExecOptions& options) {
-  app.add_option("PROGRAM", options.programs, "COFF executable, .asm, .s or .hex; of several, one for each chip of a network (docs/networks.md)");
+  app.add_option("PROGRAM", options.programs,
+                 "COFF executable, .asm, .s or .hex; of several, one for each chip of a network (docs/networks.md)");
   app.add_option("-I,--include", options.include_directories, "Look here for included files")
       ->type_name("DIR")
       ->allow_extra_args(false);
   declare_dialect(app, options.dialect);
   app.add_option("--until", options.until, "Stop before the instruction there")->type_name("SYMBOL|ADDRESS");
-  CLI::Option* most = app.add_option("--max-cycles", options.max_cycles, "Give up after so many cycles, with exit status 1 (default 100000000)")
+  CLI::Option* most = app.add_option("--max-cycles", options.max_cycles,
+                                     "Give up after so many cycles, with exit status 1 (default 100000000)")
                           ->check(CLI::PositiveNumber);
-  app.add_option("--cycles", options.cycles, "Run so many cycles: reaching them is no failure")->check(CLI::PositiveNumber)->excludes(most);
-  app.add_option("--dump", options.dumps, "Print so many words from there")->type_name("[CHIP:]ADDRESS:COUNT")->allow_extra_args(false);
+  app.add_option("--cycles", options.cycles, "Run so many cycles: reaching them is no failure")
+      ->check(CLI::PositiveNumber)
+      ->excludes(most);
+  app.add_option("--dump", options.dumps, "Print so many words from there")
+      ->type_name("[CHIP:]ADDRESS:COUNT")
+      ->allow_extra_args(false);
   app.add_flag("--json", options.json, "Print the result as JSON");
   app.add_option("--board", options.boards,
-                 "default: the CMRC board's memory map; flat: zero-wait RAM everywhere, and the chip's own registers; or a board file (docs/cli.md); of a network one for all or one for each chip")
+                 "default: the CMRC board's memory map; flat: zero-wait RAM everywhere, and the chip's own registers; "
+                 "or a board file (docs/cli.md); of a network one for all or one for each chip")
       ->type_name("default|flat|FILE.toml")
       ->allow_extra_args(false);
-  app.add_option("--memory-max", options.memory_max, "Of the RAM of --board flat a program may use so many MiB (default 256)")->check(CLI::Range(1, 16384))->type_name("MIB");
-  app.add_option("--link", options.links, "Join two communication ports")->type_name("CHIP.PORT:CHIP.PORT")->allow_extra_args(false);
-  app.add_option("--net", options.nets, "Join pins: TCLK0 of chip 0 drives IIOF1 of chip 1 (docs/networks.md)")->type_name("0.TCLK0>1.IIOF1")->allow_extra_args(false);
-  app.add_option("--topology", options.topology, "Chips and their links: ring, line, grid, torus or hypercube")->type_name("ring:4|grid:4x4|...");
-  app.add_option("--network", options.network, "Chips, links, memories and events from a file (docs/networks.md)")->type_name("FILE.toml");
-  app.add_option("--action", options.actions, "Cut or restore a link; reset, hold, release or pull out a chip; drive a net: 12.5,cut,0.3:1.0")
+  app.add_option("--memory-max", options.memory_max,
+                 "Of the RAM of --board flat a program may use so many MiB (default 256)")
+      ->check(CLI::Range(1, 16384))
+      ->type_name("MIB");
+  app.add_option("--link", options.links, "Join two communication ports")
+      ->type_name("CHIP.PORT:CHIP.PORT")
+      ->allow_extra_args(false);
+  app.add_option("--net", options.nets, "Join pins: TCLK0 of chip 0 drives IIOF1 of chip 1 (docs/networks.md)")
+      ->type_name("0.TCLK0>1.IIOF1")
+      ->allow_extra_args(false);
+  app.add_option("--topology", options.topology, "Chips and their links: ring, line, grid, torus or hypercube")
+      ->type_name("ring:4|grid:4x4|...");
+  app.add_option("--network", options.network, "Chips, links, memories and events from a file (docs/networks.md)")
+      ->type_name("FILE.toml");
+  app.add_option("--action", options.actions,
+                 "Cut or restore a link; reset, hold, release or pull out a chip; drive a net: 12.5,cut,0.3:1.0")
       ->type_name("AT_US,ACTION,LINK|CHIP|NET")
       ->allow_extra_args(false);
   app.add_option("--link-trace", options.link_trace, "Write the words and tokens on the links")->type_name("FILE");
-  app.add_option("--turn-order", options.turn_order, "Shuffle which chip is advanced first; changes nothing")->type_name("SEED");
+  app.add_option("--turn-order", options.turn_order, "Shuffle which chip is advanced first; changes nothing")
+      ->type_name("SEED");
   app.add_option("--load-at", options.load_at, "Where a .hex file stands and starts")->type_name("ADDRESS");
   app.add_option("--entry", options.entry, "Start here instead of at the program's entry")->type_name("SYMBOL|ADDRESS");
-  app.add_option("--boot", options.boot, "From reset, by the boot ROM's loader: the program comes through port 0 to 5, or stands as a stream at ADDRESS; or as the board's [pins] say")
+  app.add_option("--boot", options.boot,
+                 "From reset, by the boot ROM's loader: the program comes through port 0 to 5, or stands as a stream "
+                 "at ADDRESS; or as the board's [pins] say")
       ->type_name("PORT|ADDRESS|reset");
-  app.add_option("--rom", options.roms, "Contents of a ROM for --boot, from a word address on: Intel hex, S-records or bytes. PROGRAM may then be left out; given, it lends its names")
+  app.add_option("--rom", options.roms,
+                 "Contents of a ROM for --boot, from a word address on: Intel hex, S-records or bytes. PROGRAM may "
+                 "then be left out; given, it lends its names")
       ->type_name("FILE@ADDRESS")
       ->allow_extra_args(false);
-  app.add_option("--rom-width", options.rom_width, "Of these ROMs, in bits, where their first bytes do not say it")->check(CLI::IsMember({8, 16, 32}));
-  app.add_option("--load", options.loads, "Also load words, the lowest byte first, from a file of bytes, Intel hex or S-records")
+  app.add_option("--rom-width", options.rom_width, "Of these ROMs, in bits, where their first bytes do not say it")
+      ->check(CLI::IsMember({8, 16, 32}));
+  app.add_option("--load", options.loads,
+                 "Also load words, the lowest byte first, from a file of bytes, Intel hex or S-records")
       ->type_name("FILE@ADDRESS")
       ->allow_extra_args(false);
-  app.add_option("--console-input", options.console_input, "What is typed at the board's console: a file, or - for standard input, which is read to its end first")->type_name("FILE");
-  app.add_option("--poke", options.pokes, "Write a word before the start")->type_name("ADDRESS=WORD")->allow_extra_args(false);
-  app.add_flag("--peripherals", options.peripherals, "Print the peripheral registers that differ from reset, and what the FIFOs hold");
+  app.add_option(
+         "--console-input", options.console_input,
+         "What is typed at the board's console: a file, or - for standard input, which is read to its end first")
+      ->type_name("FILE");
+  app.add_option("--poke", options.pokes, "Write a word before the start")
+      ->type_name("ADDRESS=WORD")
+      ->allow_extra_args(false);
+  app.add_flag("--peripherals", options.peripherals,
+               "Print the peripheral registers that differ from reset, and what the FIFOs hold");
   app.add_option("--trace", options.trace, "Write the instruction trace (docs/trace.md)")->type_name("FILE");
   app.add_flag("--trace-labels", options.trace_labels, "In it labels instead of addresses, and no words");
   app.add_option("--events", options.events, "Write what the peripherals did (docs/peripherals.md)")->type_name("FILE");
@@ -177,49 +222,81 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
 void declare_image(CLI::App& app, ImageOptions& options) {
   app.add_option("PROGRAM", options.program, "COFF file, .hex or source")->required();
   app.add_option("-o,--output", options.output, "File to write")->required()->type_name("OUT");
-  app.add_option("--format", options.format, "boot-stream: the words that a port is sent, one a line; the others: an EPROM")
+  app.add_option("--format", options.format,
+                 "boot-stream: the words that a port is sent, one a line; the others: an EPROM")
       ->required()
       ->check(CLI::IsMember({"boot-stream", "intel-hex", "srec", "binary"}));
-  app.add_option("--width", options.width, "Of the memory that the chip boots from, in bits (default 32)")->check(CLI::IsMember({8, 16, 32}));
-  app.add_option("--board", options.board, "Whose interface control registers the stream sets: default, flat or a board file")->type_name("default|flat|FILE.toml");
-  app.add_option("-I,--include", options.include_directories, "Look here for included files")->type_name("DIR")->allow_extra_args(false);
+  app.add_option("--width", options.width, "Of the memory that the chip boots from, in bits (default 32)")
+      ->check(CLI::IsMember({8, 16, 32}));
+  app.add_option("--board", options.board,
+                 "Whose interface control registers the stream sets: default, flat or a board file")
+      ->type_name("default|flat|FILE.toml");
+  app.add_option("-I,--include", options.include_directories, "Look here for included files")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
   declare_dialect(app, options.dialect);
 }
 
 /// One name may mean a network's or the dock's.
 void declare_debug(CLI::App& app, DebugOptions& options) {
   ExecOptions& exec = options.exec;
-  app.add_option("PROGRAM", exec.programs, "COFF executable, .asm, .s or .hex; of several, one for each chip of a network. None: the dock");
-  app.add_option("-x", options.scripts, "Do the commands of this file, then end; may be given several times")->type_name("FILE")->allow_extra_args(false);
-  app.add_option("-e", options.commands, "Do this command first; may be given several times")->type_name("COMMAND")->allow_extra_args(false);
-  app.add_option("-I,--include", exec.include_directories, "Look here for included files")->type_name("DIR")->allow_extra_args(false);
+  app.add_option("PROGRAM", exec.programs,
+                 "COFF executable, .asm, .s or .hex; of several, one for each chip of a network. None: the dock");
+  app.add_option("-x", options.scripts, "Do the commands of this file, then end; may be given several times")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  app.add_option("-e", options.commands, "Do this command first; may be given several times")
+      ->type_name("COMMAND")
+      ->allow_extra_args(false);
+  app.add_option("-I,--include", exec.include_directories, "Look here for included files")
+      ->type_name("DIR")
+      ->allow_extra_args(false);
   declare_dialect(app, exec.dialect);
   app.add_option("--load-at", exec.load_at, "Where a .hex file stands and starts")->type_name("ADDRESS");
   app.add_option("--entry", exec.entry, "Start here instead of at the program's entry")->type_name("SYMBOL|ADDRESS");
-  app.add_option("--board", exec.boards, "default, flat or a board file; of a network one for all or one for each chip")->type_name("default|flat|FILE.toml")->allow_extra_args(false);
-  app.add_option("--memory-max", exec.memory_max, "Of the RAM of --board flat a program may use so many MiB (default 256)")->check(CLI::Range(1, 16384))->type_name("MIB");
-  app.add_option("--link", exec.links, "Join two communication ports")->type_name("CHIP.PORT:CHIP.PORT")->allow_extra_args(false);
+  app.add_option("--board", exec.boards, "default, flat or a board file; of a network one for all or one for each chip")
+      ->type_name("default|flat|FILE.toml")
+      ->allow_extra_args(false);
+  app.add_option("--memory-max", exec.memory_max,
+                 "Of the RAM of --board flat a program may use so many MiB (default 256)")
+      ->check(CLI::Range(1, 16384))
+      ->type_name("MIB");
+  app.add_option("--link", exec.links, "Join two communication ports")
+      ->type_name("CHIP.PORT:CHIP.PORT")
+      ->allow_extra_args(false);
   app.add_option("--net", exec.nets, "Join pins")->type_name("0.TCLK0>1.IIOF1")->allow_extra_args(false);
-  app.add_option("--topology", exec.topology, "Chips and their links (ring:4, grid:4x4, ...); of the dock what stands on which bus");
-  app.add_option("--network", exec.network, "Chips, links, memories and events from a file (docs/networks.md)")->type_name("FILE.toml");
-  app.add_option("--action", exec.actions, "Cut or restore a link; reset, hold, release or pull out a chip; drive a net")->type_name("AT_US,ACTION,LINK|CHIP|NET")->allow_extra_args(false);
+  app.add_option("--topology", exec.topology,
+                 "Chips and their links (ring:4, grid:4x4, ...); of the dock what stands on which bus");
+  app.add_option("--network", exec.network, "Chips, links, memories and events from a file (docs/networks.md)")
+      ->type_name("FILE.toml");
+  app.add_option("--action", exec.actions,
+                 "Cut or restore a link; reset, hold, release or pull out a chip; drive a net")
+      ->type_name("AT_US,ACTION,LINK|CHIP|NET")
+      ->allow_extra_args(false);
   app.add_option("--dsps", options.run.dsps, "The dock with so many DSPs, 1 to 16 (default 4)");
   app.add_option("--config", options.run.config, "The dock, from a configuration (TOML)")->type_name("FILE");
   app.add_option("--preset", options.run.preset, "Of the dock: base (default), heavy or saturated");
   app.add_option("--duration", options.run.duration_s, "Of the dock: simulated time in s (default 180)");
   app.add_option("--seed", options.run.seed, "Of the dock: seed of everything random (default 1)");
   app.add_option("--set", options.run.settings, "Of the dock: any other setting")->type_name("KEY=VALUE");
-  app.add_option("--snapshot", options.run.resume, "The dock from a snapshot on (docs/snapshots.md)")->type_name("FILE");
+  app.add_option("--snapshot", options.run.resume, "The dock from a snapshot on (docs/snapshots.md)")
+      ->type_name("FILE");
 }
 
 void declare_dap(CLI::App& app, DapOptions& options) {
-  app.add_option("--listen", options.port, "Serve clients at this port of this machine, one after the other; 0: any that is free. Without it: standard input and output")->check(CLI::Range(0, 65535))->type_name("PORT");
+  app.add_option("--listen", options.port,
+                 "Serve clients at this port of this machine, one after the other; 0: any that is free. Without it: "
+                 "standard input and output")
+      ->check(CLI::Range(0, 65535))
+      ->type_name("PORT");
 }
 
 void declare_trace_diff(CLI::App& app, TraceDiffOptions& options) {
   app.add_option("A", options.left, "A trace")->required();
   app.add_option("B", options.right, "Another trace of the same kind")->required();
-  app.add_option("--programs", options.programs, "What stands behind a hash comes from the DSP programs in this directory")->type_name("DIR");
+  app.add_option("--programs", options.programs,
+                 "What stands behind a hash comes from the DSP programs in this directory")
+      ->type_name("DIR");
 }
 
 void declare_vectors(CLI::App& app, VectorOptions& options) {
@@ -278,23 +355,28 @@ std::variant<Request, Help> parse_command_line(int argc, const char* const* argv
   app.require_subcommand(0, 1);
   Commands commands(app);
   commands.add("config", "Print the configuration that a run would have, as TOML", declare_config, config_options);
-  commands.add("limits", "Scan for the first missed deadline: longer instruction cycles, fewer DSPs, a faster servo", declare_limits,
-               limits_options);
-  commands.add("compare", "Run beside the same run with instant execution: what delays and misses cost", declare_compare, compare_options);
+  commands.add("limits", "Scan for the first missed deadline: longer instruction cycles, fewer DSPs, a faster servo",
+               declare_limits, limits_options);
+  commands.add("compare", "Run beside the same run with instant execution: what delays and misses cost",
+               declare_compare, compare_options);
   commands.add("asm", "Assemble a C4x program", declare_assemble, assemble_options);
   commands.add("disasm", "Print a program as instructions", declare_disassemble, disassemble_options);
   commands.add("link", "Link objects to a program", declare_link, link_options);
-  commands.add("classify", "Count what every 32-bit word is: an instruction, or reserved and why", declare_classify, classify_options);
-  commands.add("image", "Make an EPROM, or a stream for a port, that the boot loader takes", declare_image, image_options);
+  commands.add("classify", "Count what every 32-bit word is: an instruction, or reserved and why", declare_classify,
+               classify_options);
+  commands.add("image", "Make an EPROM, or a stream for a port, that the boot loader takes", declare_image,
+               image_options);
   commands.add("exec", "Run a program on one chip, or programs on a network of chips", declare_exec, exec_options);
   commands.add("debug", "Debug a program, a network or the dock, forwards and backwards", declare_debug, debug_options);
   commands.add("dap", "Serve an editor: the Debug Adapter Protocol (docs/dap.md)", declare_dap, dap_options);
-  commands.add("trace-diff", "Find where two traces part (exit status 1 if they do)", declare_trace_diff, trace_diff_options);
+  commands.add("trace-diff", "Find where two traces part (exit status 1 if they do)", declare_trace_diff,
+               trace_diff_options);
   commands.add("vectors", "Run single-step vectors (exit status 1 if one fails)", declare_vectors, vector_options);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() != 0) throw InputError(std::string(error.what()) + " (emulator --help lists what there is)");
+    if (error.get_exit_code() != 0)
+      throw InputError(std::string(error.what()) + " (emulator --help lists what there is)");
     std::ostringstream text;
     app.exit(error, text, text);
     return Help{text.str()};

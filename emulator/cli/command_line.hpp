@@ -8,9 +8,9 @@
 namespace cli {
 
 /// One command with its options.
-using Request =
-    std::variant<RunOptions, ConfigOptions, LimitsOptions, CompareOptions, AssembleOptions, DisassembleOptions,
-                 LinkOptions, ClassifyOptions, ImageOptions, ExecOptions, DebugOptions, DapOptions, TraceDiffOptions, VectorOptions>;
+using Request = std::variant<RunOptions, ConfigOptions, LimitsOptions, CompareOptions, AssembleOptions,
+                             DisassembleOptions, LinkOptions, ClassifyOptions, ImageOptions, ExecOptions, DebugOptions,
+                             DapOptions, TraceDiffOptions, VectorOptions>;
 /// What --help prints.
 struct Help {
   std::string text;

@@ -21,7 +21,8 @@ std::vector<std::string> texts_of(const Json& arguments, const char* key) {
   const auto found = arguments.find(key);
   if (found == arguments.end() || found->is_null()) return {};
   if (found->is_string()) return {found->get<std::string>()};
-  if (found->is_array() && std::all_of(found->begin(), found->end(), [](const Json& one) { return one.is_string(); })) return found->get<std::vector<std::string>>();
+  if (found->is_array() && std::all_of(found->begin(), found->end(), [](const Json& one) { return one.is_string(); }))
+    return found->get<std::vector<std::string>>();
   throw InputError(fmt::format("launch: {}: a text, or a list of texts, is expected", key));
 }
 

@@ -16,7 +16,9 @@ bool is_network(const ExecOptions& exec) { return !exec.programs.empty() || exec
 DebugTarget network_of(const DebugOptions& options) {
   const RunOptions& run = options.run;
   if (run.dsps || run.config || run.preset || run.duration_s || run.seed || !run.settings.empty() || run.resume)
-    throw InputError("debug: --dsps, --config, --preset, --duration, --seed, --set and --snapshot are the dock's, and a program or network is given");
+    throw InputError(
+        "debug: --dsps, --config, --preset, --duration, --seed, --set and --snapshot are the dock's, and a program or "
+        "network is given");
   DebugTarget target;
   target.network = std::make_unique<machine::Network>(described(options.exec));
   for (const std::string& text : options.exec.actions) target.network->schedule(action_of(text, *target.network));
@@ -26,15 +28,19 @@ DebugTarget network_of(const DebugOptions& options) {
 
 DebugTarget dock_of(const DebugOptions& options) {
   const ExecOptions& exec = options.exec;
-  if (!exec.links.empty() || !exec.nets.empty() || !exec.actions.empty() || exec.entry || exec.load_at || exec.memory_max || exec.boards.size() > 1)
-    throw InputError("debug: --link, --net, --action, --entry, --load-at and --memory-max are of programs and networks; give a PROGRAM or --network");
+  if (!exec.links.empty() || !exec.nets.empty() || !exec.actions.empty() || exec.entry || exec.load_at ||
+      exec.memory_max || exec.boards.size() > 1)
+    throw InputError(
+        "debug: --link, --net, --action, --entry, --load-at and --memory-max are of programs and networks; give a "
+        "PROGRAM or --network");
   RunOptions run = options.run;
   if (!exec.boards.empty()) run.board = exec.boards.front();
   run.topology = exec.topology;
   std::optional<cmrc::Snapshot> from;
   if (run.resume) from = read_snapshot(*run.resume);
   DebugTarget target;
-  target.simulation = std::make_unique<cmrc::Simulation>(from ? build_config(run, from->configuration(), *run.resume) : build_config(run));
+  target.simulation = std::make_unique<cmrc::Simulation>(from ? build_config(run, from->configuration(), *run.resume)
+                                                              : build_config(run));
   try {
     if (from) target.simulation->restore(*from);
   } catch (const cmrc::SnapshotError& error) {
@@ -46,6 +52,8 @@ DebugTarget dock_of(const DebugOptions& options) {
 
 }  // namespace
 
-DebugTarget debug_target(const DebugOptions& options) { return is_network(options.exec) ? network_of(options) : dock_of(options); }
+DebugTarget debug_target(const DebugOptions& options) {
+  return is_network(options.exec) ? network_of(options) : dock_of(options);
+}
 
 }  // namespace cli

@@ -13,17 +13,17 @@
 #include "c40/chip.hpp"
 #include "c40/float40.hpp"
 #include "c40/peripherals/events.hpp"
+#include "cli/chip_listeners.hpp"
+#include "cli/options.hpp"
+#include "cli/program.hpp"
 #include "io/input_file.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
 #include "io/signals.hpp"
 #include "machine/address_names.hpp"
 #include "machine/asleep.hpp"
-#include "machine/boot.hpp"
-#include "cli/chip_listeners.hpp"
-#include "cli/options.hpp"
-#include "cli/program.hpp"
 #include "machine/board_file.hpp"
+#include "machine/boot.hpp"
 #include "machine/chip_runner.hpp"
 #include "machine/program_end.hpp"
 #include "toolchain/rom_file.hpp"
@@ -42,7 +42,8 @@ struct Dump {
 };
 
 struct Outcome {
-  std::string reason;  ///< "until", "halt", "idle", "limit", "external_access", "port_wait", "dma_wait", "fault", "interrupted"
+  std::string
+      reason;  ///< "until", "halt", "idle", "limit", "external_access", "port_wait", "dma_wait", "fault", "interrupted"
   std::string message;
   int status = success;
 };
@@ -53,10 +54,11 @@ void load(c40::Chip& chip, const Image& image, const std::string& board) {
     try {
       chip.write_block(section.address, section.words);
     } catch (const std::out_of_range&) {
-      throw InputError(fmt::format(
-          "section {} ({} words at {:08X}h) does not lie in RAM of board {}; a board file with a [[region]] there is expected (docs/cli.md, Board files), or, for a "
-          "program that needs nothing of a board, --board flat",
-          section.name, section.size, section.address, board));
+      throw InputError(
+          fmt::format("section {} ({} words at {:08X}h) does not lie in RAM of board {}; a board file with a "
+                      "[[region]] there is expected (docs/cli.md, Board files), or, for a "
+                      "program that needs nothing of a board, --board flat",
+                      section.name, section.size, section.address, board));
     }
   }
 }
@@ -64,7 +66,8 @@ void load(c40::Chip& chip, const Image& image, const std::string& board) {
 /// What a run is to come to.
 struct Until {
   std::optional<Address> pc;
-  std::optional<std::pair<Address, Word>> word;  ///< a word of memory, and what it is to hold: looked at after each instruction
+  std::optional<std::pair<Address, Word>>
+      word;  ///< a word of memory, and what it is to hold: looked at after each instruction
 };
 
 Until parse_until(const ExecOptions& options, const Image& image) {
@@ -72,14 +75,17 @@ Until parse_until(const ExecOptions& options, const Image& image) {
   const std::string& text = *options.until;
   const std::size_t equals = text.find("==");
   if (equals == std::string::npos) return {.pc = parse_address(text, &image, "--until"), .word = {}};
-  return {.pc = {}, .word = std::pair{parse_address(text.substr(0, equals), &image, "--until"), parse_address(text.substr(equals + 2), &image, "--until, behind ==")}};
+  return {.pc = {},
+          .word = std::pair{parse_address(text.substr(0, equals), &image, "--until"),
+                            parse_address(text.substr(equals + 2), &image, "--until, behind ==")}};
 }
 
 /// Stops at a branch to itself and at an IDLE that nothing can end; the words that may be one are breakpoints.
 class Run final : private machine::ChipRunner {
  public:
   /// \param asked the limit is what was asked for
-  Run(c40::Chip& chip, const Image& image, const Until& until, bool asked) : chip_(chip), until_(until), asked_(asked), ends_unknown_(image.sections.empty()) {
+  Run(c40::Chip& chip, const Image& image, const Until& until, bool asked)
+      : chip_(chip), until_(until), asked_(asked), ends_unknown_(image.sections.empty()) {
     if (until_.pc) chip_.add_breakpoint(*until_.pc);
     for (const Address end : machine::program_ends(image)) chip_.add_breakpoint(end);
   }
@@ -94,11 +100,13 @@ class Run final : private machine::ChipRunner {
   machine::BoardDevices* devices = nullptr;
 
  private:
-  static constexpr c40::Cycles slice = 50'000;  // after which is asked whether to stop: a moment, also where each instruction is written
+  static constexpr c40::Cycles slice =
+      50'000;  // after which is asked whether to stop: a moment, also where each instruction is written
 
   std::optional<Span> span() override {
     if (until_.word && chip_.peek(until_.word->first) == until_.word->second) {
-      ends({"until", fmt::format("{:08X}h holds {:08X}h, at {:08X}h", until_.word->first, until_.word->second, chip_.pc())});
+      ends({"until",
+            fmt::format("{:08X}h holds {:08X}h, at {:08X}h", until_.word->first, until_.word->second, chip_.pc())});
       return {};
     }
     if (std::exchange(passes_, false)) return Span{.one_instruction = true};
@@ -106,21 +114,28 @@ class Run final : private machine::ChipRunner {
       ends({"interrupted", fmt::format("by a signal, at {:08X}h", chip_.pc())});
       return {};
     }
-    const c40::Cycles look = chip_.idle() ? 8 : 1000;  // whether the DMA, which an idle processor may wait for, still goes on
+    const c40::Cycles look =
+        chip_.idle() ? 8 : 1000;  // whether the DMA, which an idle processor may wait for, still goes on
     const c40::Cycles end = std::min(limit_, chip_.cycle() + (until_.word ? 1 : chip_.dma_active() ? look : slice));
     return Span{.limit = end, .known = end};
   }
 
   bool at_limit() override {
-    if (ends_unknown_ && machine::program_end(peek_at_pc(), chip_.pc()) == machine::ProgramEnd::halt && !chip_.dma_busy() &&
-        (chip_.register_value(Register::ST) & c40::st::GIE) == 0)
-      return ends({"halt", fmt::format("branch to itself at {:08X}h, seen at cycle {}: without PROGRAM it is looked for every {} cycles", chip_.pc(), chip_.cycle(), slice)});
+    if (ends_unknown_ && machine::program_end(peek_at_pc(), chip_.pc()) == machine::ProgramEnd::halt &&
+        !chip_.dma_busy() && (chip_.register_value(Register::ST) & c40::st::GIE) == 0)
+      return ends(
+          {"halt",
+           fmt::format(
+               "branch to itself at {:08X}h, seen at cycle {}: without PROGRAM it is looked for every {} cycles",
+               chip_.pc(), chip_.cycle(), slice)});
     if (chip_.cycle() >= limit_)
-      return asked_ ? ends({"limit", fmt::format("the {} cycles of --cycles have passed, at {:08X}h", limit_, chip_.pc())})
-                    : ends({"limit", fmt::format("--max-cycles {} reached at {:08X}h", limit_, chip_.pc()), run_failed});
+      return asked_
+                 ? ends({"limit", fmt::format("the {} cycles of --cycles have passed, at {:08X}h", limit_, chip_.pc())})
+                 : ends({"limit", fmt::format("--max-cycles {} reached at {:08X}h", limit_, chip_.pc()), run_failed});
     if (!machine::sleeps_for_ever(chip_)) return true;
     if (machine::awaits_dma(chip_)) return dma_wait();
-    return ends({"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come{}", chip_.pc() - 1, machine::armed_dma(chip_))});
+    return ends({"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come{}", chip_.pc() - 1,
+                                     machine::armed_dma(chip_))});
   }
 
   bool asks_anew() override { return at_limit(); }
@@ -140,18 +155,21 @@ class Run final : private machine::ChipRunner {
       const bool interrupts = (chip_.register_value(Register::ST) & c40::st::GIE) != 0;
       const bool sleeps = interrupts && machine::awaits_dma(chip_);
       if (!sleeps) return ends({"halt", fmt::format("branch to itself at {:08X}h{}", pc, machine::armed_dma(chip_))});
-      if (machine::next_dma_tick(chip_) == std::numeric_limits<c40::Cycles>::max() && !awaits_event()) return dma_wait();
+      if (machine::next_dma_tick(chip_) == std::numeric_limits<c40::Cycles>::max() && !awaits_event())
+        return dma_wait();
     }
     return passes_ = true;
   }
 
   bool window_access(const c40::ExternalAccess& access) override {
     if (devices != nullptr && machine::serve(*devices, chip_, access)) return true;
-    return ends({"external_access",
-                 fmt::format("{}{} at {:08X}h from PC {:08X}h: that is a bus window, and no [[device]] of the board file is behind it",
-                             access.channel < 0 ? "" : fmt::format("DMA channel {}: ", access.channel), access.write ? "write" : "read",
-                             access.address, chip_.pc()),
-                 run_failed});
+    return ends(
+        {"external_access",
+         fmt::format(
+             "{}{} at {:08X}h from PC {:08X}h: that is a bus window, and no [[device]] of the board file is behind it",
+             access.channel < 0 ? "" : fmt::format("DMA channel {}: ", access.channel), access.write ? "write" : "read",
+             access.address, chip_.pc()),
+         run_failed});
   }
 
   bool port_access(const c40::PortAccess& access) override { return port_wait(access); }
@@ -159,28 +177,31 @@ class Run final : private machine::ChipRunner {
   bool port_wait(const c40::PortAccess& access) override {
     if (feeder && feeder->serve(access)) return true;
     return ends({"port_wait",
-                 fmt::format("{} from PC {:08X}h waits for ever since cycle {}: nothing is attached to the port{}", c40::describe(access),
-                             chip_.pc(), access.cycle, booting()),
+                 fmt::format("{} from PC {:08X}h waits for ever since cycle {}: nothing is attached to the port{}",
+                             c40::describe(access), chip_.pc(), access.cycle, booting()),
                  run_failed});
   }
 
   bool faulted(const c40::Fault& why) override {
-    return ends({"fault", fmt::format("{} (PC {:08X}h, cycle {}){}", why.message, chip_.pc(), why.cycle, booting()), run_failed});
+    return ends({"fault", fmt::format("{} (PC {:08X}h, cycle {}){}", why.message, chip_.pc(), why.cycle, booting()),
+                 run_failed});
   }
 
   /// Whether the loader of the boot ROM is what stopped, and where its stream stands.
   std::string booting() const {
     if (!feeder || chip_.pc() >= c40::rom_words) return "";
-    return fmt::format("; this is the boot loader, which has got {} of {} words of its stream through port {}", feeder->sent(), feeder->size(),
-                       feeder->port());
+    return fmt::format("; this is the boot loader, which has got {} of {} words of its stream through port {}",
+                       feeder->sent(), feeder->size(), feeder->port());
   }
 
   bool awaits_event() const { return machine::next_timer_interrupt(chip_) != std::numeric_limits<c40::Cycles>::max(); }
 
   bool dma_wait() {
     std::vector<std::string> waits;
-    for (const c40::DmaWait& wait : chip_.dma_waits()) waits.push_back(fmt::format("{} for ever since cycle {}", c40::describe(wait), wait.since));
-    return ends({"dma_wait", fmt::format("{}; the processor sleeps at PC {:08X}h", fmt::join(waits, "; "), chip_.pc()), run_failed});
+    for (const c40::DmaWait& wait : chip_.dma_waits())
+      waits.push_back(fmt::format("{} for ever since cycle {}", c40::describe(wait), wait.since));
+    return ends({"dma_wait", fmt::format("{}; the processor sleeps at PC {:08X}h", fmt::join(waits, "; "), chip_.pc()),
+                 run_failed});
   }
 
   bool ends(Outcome outcome) {
@@ -191,13 +212,15 @@ class Run final : private machine::ChipRunner {
   c40::Chip& chip_;
   Until until_;
   bool asked_;
-  bool ends_unknown_;  ///< there is no program that says where a branch to itself may stand
+  bool ends_unknown_;    ///< there is no program that says where a branch to itself may stand
   bool passes_ = false;  ///< the instruction at the breakpoint is next
   c40::Cycles limit_ = 0;
   Outcome outcome_;
 };
 
-double microseconds(const c40::Chip& chip, double clock_mhz) { return static_cast<double>(chip.cycle()) * 2.0 / clock_mhz; }
+double microseconds(const c40::Chip& chip, double clock_mhz) {
+  return static_cast<double>(chip.cycle()) * 2.0 / clock_mhz;
+}
 
 /// ADDRESS:COUNT
 std::pair<Address, Address> parse_dump(const std::string& text, const Image& image) {
@@ -239,7 +262,8 @@ constexpr std::array<Register, isa::register_count> all_registers() {
           AR4, AR5, AR6, AR7, DP, IR0, IR1, BK, SP, ST, DIE, IIE, IIF, RS,  RE,  RC};
 }
 
-void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps, const ChipListeners& listeners, const std::optional<double>& clock_mhz, bool peripherals) {
+void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps,
+                const ChipListeners& listeners, const std::optional<double>& clock_mhz, bool peripherals) {
   io::print("stop: {}: {}\n", outcome.reason, outcome.message);
   io::print("PC {:08X}  {} instructions, {} cycles\n", chip.pc(), chip.instructions(), chip.cycle());
   for (std::size_t cause = 0; cause < c40::cause_count; ++cause)
@@ -251,7 +275,7 @@ void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector
   for (const Register reg : all_registers()) {
     if (isa::is_extended(reg)) {
       io::print("{:<4}{:010X}  {:.9g}\n", register_name(reg), chip.register_value(reg),
-                 to_double(chip.float_register(reg)));
+                to_double(chip.float_register(reg)));
       continue;
     }
     io::print("{:<4}{:08X}{}", register_name(reg), chip.register_value(reg), ++column % 5 == 0 ? "\n" : "   ");
@@ -271,9 +295,15 @@ class BoardFront {
  public:
   /// \param shows the console's characters on standard output as they come
   BoardFront(const machine::BoardDescription& board, const ExecOptions& options) : devices_(board.devices) {
-    const bool console = std::ranges::any_of(board.devices, [](const auto& device) { return device.kind == machine::DeviceKind::console; });
-    if (options.console_input && !console) throw InputError(fmt::format("--console-input: board {} has no [[device]] of kind \"console\"", board.board.name));
-    if (options.console_input) devices_.type(*options.console_input == "-" ? std::string(std::istreambuf_iterator<char>(std::cin), {}) : io::read_file<InputError>(*options.console_input, "what is typed at the console"));
+    const bool console = std::ranges::any_of(
+        board.devices, [](const auto& device) { return device.kind == machine::DeviceKind::console; });
+    if (options.console_input && !console)
+      throw InputError(
+          fmt::format("--console-input: board {} has no [[device]] of kind \"console\"", board.board.name));
+    if (options.console_input)
+      devices_.type(*options.console_input == "-"
+                        ? std::string(std::istreambuf_iterator<char>(std::cin), {})
+                        : io::read_file<InputError>(*options.console_input, "what is typed at the console"));
     devices_.on_output = [this, shows = !options.json](char c) {
       if (shows) io::print("{}", c);
       if (text_.size() < most_text) text_ += c;
@@ -287,14 +317,16 @@ class BoardFront {
   machine::BoardDevices& devices() { return devices_; }
   void print() const {
     if (!at_line_begin_) io::print("\n");
-    for (const auto& change : changes_) io::print("led {}: {:X}h at cycle {}\n", change.device, change.value, change.cycle);
+    for (const auto& change : changes_)
+      io::print("led {}: {:X}h at cycle {}\n", change.device, change.value, change.cycle);
     if (change_count_ > changes_.size()) io::print("led: {} more changes\n", change_count_ - changes_.size());
   }
   void add_to(nlohmann::ordered_json& root) const {
     if (devices_.empty()) return;
     root["console"] = text_;
     root["leds"] = nlohmann::ordered_json::array();
-    for (const auto& change : changes_) root["leds"].push_back({{"name", change.device}, {"cycle", change.cycle}, {"value", change.value}});
+    for (const auto& change : changes_)
+      root["leds"].push_back({{"name", change.device}, {"cycle", change.cycle}, {"value", change.value}});
   }
 
  private:
@@ -306,7 +338,9 @@ class BoardFront {
   std::size_t change_count_ = 0;
 };
 
-void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps, const ChipListeners& listeners, const std::optional<double>& clock_mhz, bool peripherals, const BoardFront& front) {
+void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps,
+                const ChipListeners& listeners, const std::optional<double>& clock_mhz, bool peripherals,
+                const BoardFront& front) {
   using Json = nlohmann::ordered_json;
   Json root = {{"stop", {{"reason", outcome.reason}, {"message", outcome.message}, {"pc", chip.pc()}}},
                {"instructions", chip.instructions()},
@@ -359,9 +393,14 @@ std::optional<Boot> parse_boot(const ExecOptions& options, const machine::BoardD
   if (!options.boot) return std::nullopt;
   const std::string& text = *options.boot;
   if (text == "reset") {
-    if (!given.has_pins) throw InputError(fmt::format("--boot reset: board {} says nothing of its pins; a board file with [pins] is expected (docs/cli.md)", given.board.name));
+    if (!given.has_pins)
+      throw InputError(fmt::format(
+          "--boot reset: board {} says nothing of its pins; a board file with [pins] is expected (docs/cli.md)",
+          given.board.name));
     if (machine::reset_source(given.board) == machine::ResetSource::ports)
-      throw InputError("--boot reset: the board's pins choose the communication ports; say through which the program comes: --boot 0 to --boot 5");
+      throw InputError(
+          "--boot reset: the board's pins choose the communication ports; say through which the program comes: --boot "
+          "0 to --boot 5");
     return Boot{given.board, {}};
   }
   Boot boot;
@@ -377,9 +416,12 @@ std::optional<Boot> parse_boot(const ExecOptions& options, const machine::BoardD
   }
   const auto& asked = boot.board.pins;
   const auto& tied = given.board.pins;
-  if (given.has_pins && (given.board.rom.empty() || asked.reset_location != tied.reset_location || asked.iiof != tied.iiof))
-    throw InputError(fmt::format("--boot {}: for that, [pins] of board {} would be romen = true, resetloc = 0, iiof = \"{:04b}\"; --boot reset starts as they are", text,
-                                 given.board.name, asked.iiof));
+  if (given.has_pins &&
+      (given.board.rom.empty() || asked.reset_location != tied.reset_location || asked.iiof != tied.iiof))
+    throw InputError(
+        fmt::format("--boot {}: for that, [pins] of board {} would be romen = true, resetloc = 0, iiof = \"{:04b}\"; "
+                    "--boot reset starts as they are",
+                    text, given.board.name, asked.iiof));
   return boot;
 }
 
@@ -394,13 +436,15 @@ std::vector<Word> stream_for(const Image& image, const Boot& boot) {
   }
 }
 
-/// Where the chip will look for it: as a stream in the memory that the pins choose, or as it is, with a reset vector of its own.
+/// Where the chip will look for it: as a stream in the memory that the pins choose, or as it is, with a reset vector of
+/// its own.
 void place(c40::Chip& chip, const Image& image, const Boot& boot) {
   if (machine::reset_source(boot.board) == machine::ResetSource::vector) return load(chip, image, boot.board.name);
   try {
     chip.write_block(machine::boot_address(boot.board), stream_for(image, boot));
   } catch (const std::out_of_range& error) {
-    throw InputError(fmt::format("--boot: the stream at {:08X}h does not lie in memory: {}", machine::boot_address(boot.board), error.what()));
+    throw InputError(fmt::format("--boot: the stream at {:08X}h does not lie in memory: {}",
+                                 machine::boot_address(boot.board), error.what()));
   }
 }
 
@@ -415,7 +459,8 @@ void write_words(c40::Chip& chip, Address address, std::span<const Word> words, 
   try {
     chip.write_block(address, words);
   } catch (const std::out_of_range& error) {
-    throw InputError(fmt::format("{}: {} words at {:08X}h do not lie in memory: {}", what, words.size(), address, error.what()));
+    throw InputError(
+        fmt::format("{}: {} words at {:08X}h do not lie in memory: {}", what, words.size(), address, error.what()));
   }
 }
 
@@ -425,7 +470,10 @@ void place_roms(c40::Chip& chip, const ExecOptions& options, const Image& image)
     const auto [file, address] = file_at(given, "--rom", image);
     const auto bytes = toolchain::read_rom(file);
     const auto width = options.rom_width ? options.rom_width : toolchain::boot_width(bytes);
-    if (!width) throw InputError(fmt::format("--rom {}: its first word is not 8, 16 or 32, so it does not say how wide it is; --rom-width is expected", file));
+    if (!width)
+      throw InputError(fmt::format(
+          "--rom {}: its first word is not 8, 16 or 32, so it does not say how wide it is; --rom-width is expected",
+          file));
     write_words(chip, address, toolchain::rom_words(bytes, *width), "--rom " + file);
   }
 }
@@ -440,7 +488,8 @@ void place_additions(c40::Chip& chip, const ExecOptions& options, const Image& i
     const std::size_t equals = given.find('=');
     if (equals == std::string::npos) throw InputError(fmt::format("--poke: \"{}\" is not ADDRESS=WORD", given));
     const Word word = parse_address(std::string_view(given).substr(equals + 1), &image, "--poke, behind =");
-    write_words(chip, parse_address(std::string_view(given).substr(0, equals), &image, "--poke"), std::span(&word, 1), "--poke");
+    write_words(chip, parse_address(std::string_view(given).substr(0, equals), &image, "--poke"), std::span(&word, 1),
+                "--poke");
   }
 }
 
@@ -450,14 +499,22 @@ int exec(const ExecOptions& options) {
   if (!options.roms.empty() && !options.boot) throw InputError("--rom: needs --boot ADDRESS or --boot reset");
   if (options.rom_width && options.roms.empty()) throw InputError("--rom-width: needs --rom FILE@ADDRESS");
   if (options.trace_labels && !options.trace) throw InputError("--trace-labels: needs --trace FILE");
-  if (options.programs.size() > 1 || options.network || options.topology || !options.links.empty() || !options.nets.empty()) return exec_network(options);
+  if (options.programs.size() > 1 || options.network || options.topology || !options.links.empty() ||
+      !options.nets.empty())
+    return exec_network(options);
   if (options.boards.size() > 1) throw InputError("--board: one chip has one board");
   if (options.link_trace) throw InputError("--link-trace: there is no link");
-  const machine::BoardDescription chosen = board_named(options, options.boards.empty() ? "default" : options.boards.front());
+  const machine::BoardDescription chosen =
+      board_named(options, options.boards.empty() ? "default" : options.boards.front());
   const bool boots_rom = !options.roms.empty() || (!chosen.contents.empty() && options.boot);
-  if (options.programs.empty() && !boots_rom) throw InputError("exec: PROGRAM is missing; a program is expected, a ROM to boot (--rom, or region.file of the board, and --boot), or --network FILE.toml");
+  if (options.programs.empty() && !boots_rom)
+    throw InputError(
+        "exec: PROGRAM is missing; a program is expected, a ROM to boot (--rom, or region.file of the board, and "
+        "--boot), or --network FILE.toml");
   BoardFront front(chosen, options);
-  const Image image = options.programs.empty() ? Image{} : read_program(options.programs.front(), options.include_directories, options.load_at, options.dialect);
+  const Image image = options.programs.empty() ? Image{}
+                                               : read_program(options.programs.front(), options.include_directories,
+                                                              options.load_at, options.dialect);
   for (const std::string& warning : image.warnings) io::print(stderr, "{}\n", warning);
   io::FileRoles files = files_read(options);
   for (const std::string& given : options.roms) files.reads("--rom", file_at(given, "--rom", image).first);
@@ -472,9 +529,13 @@ int exec(const ExecOptions& options) {
   c40::Chip chip(boot ? boot->board : chosen.board);
   for (const auto& [base, words] : chosen.contents) write_words(chip, base, words, "board " + chosen.board.name);
   if (boot) {
-    if (boots_rom && !boot->port) place_roms(chip, options, image);
-    else if (!options.roms.empty()) throw InputError("--rom: with --boot PORT the program comes through the port; --boot ADDRESS or reset is expected");
-    else if (!boot->port) place(chip, image, *boot);
+    if (boots_rom && !boot->port)
+      place_roms(chip, options, image);
+    else if (!options.roms.empty())
+      throw InputError(
+          "--rom: with --boot PORT the program comes through the port; --boot ADDRESS or reset is expected");
+    else if (!boot->port)
+      place(chip, image, *boot);
     try {
       chip.boot();
     } catch (const std::out_of_range& error) {

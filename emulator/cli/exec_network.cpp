@@ -34,7 +34,8 @@ class Watched {
  public:
   Watched(Network& network, const ExecOptions& options) {
     for (std::size_t n = 0; n < network.chip_count(); ++n) {
-      const auto& added = all_.emplace_back(std::make_unique<ChipListeners>(network.chip(n), network.program(n), options, static_cast<unsigned>(n), trace_file(options, n)));
+      const auto& added = all_.emplace_back(std::make_unique<ChipListeners>(
+          network.chip(n), network.program(n), options, static_cast<unsigned>(n), trace_file(options, n)));
       network.set_trace(n, added->sink());
     }
   }
@@ -50,13 +51,18 @@ class Watched {
 /// CHIP:ADDRESS:COUNT
 Dump parse_dump(const std::string& text, const Network& network) {
   const std::size_t first = text.find(':'), last = text.rfind(':');
-  if (first == last) throw InputError(fmt::format("--dump: \"{}\" is not CHIP:ADDRESS:COUNT, which a network needs", text));
+  if (first == last)
+    throw InputError(fmt::format("--dump: \"{}\" is not CHIP:ADDRESS:COUNT, which a network needs", text));
   Dump dump;
   dump.chip = parse_address(std::string_view(text).substr(0, first), nullptr, "--dump, CHIP");
-  if (dump.chip >= network.chip_count()) throw InputError(fmt::format("--dump: there is no chip {}; 0 to {} are possible", dump.chip, network.chip_count() - 1));
-  dump.address = parse_address(std::string_view(text).substr(first + 1, last - first - 1), &network.program(dump.chip), "--dump");
+  if (dump.chip >= network.chip_count())
+    throw InputError(
+        fmt::format("--dump: there is no chip {}; 0 to {} are possible", dump.chip, network.chip_count() - 1));
+  dump.address =
+      parse_address(std::string_view(text).substr(first + 1, last - first - 1), &network.program(dump.chip), "--dump");
   dump.count = parse_address(std::string_view(text).substr(last + 1), nullptr, "--dump, COUNT");
-  if (dump.count == 0 || dump.count > 1'000'000) throw InputError(fmt::format("--dump: {} words; 1 to 1000000 are possible", dump.count));
+  if (dump.count == 0 || dump.count > 1'000'000)
+    throw InputError(fmt::format("--dump: {} words; 1 to 1000000 are possible", dump.count));
   return dump;
 }
 
@@ -74,16 +80,19 @@ std::vector<c40::Word> words_of(const Network& network, const Dump& dump) {
 
 std::size_t faults(const Network& network) {
   std::size_t count = 0;
-  for (std::size_t n = 0; n < network.chip_count(); ++n) count += network.status(n) == ChipStatus::fault || network.status(n) == ChipStatus::external_access;
+  for (std::size_t n = 0; n < network.chip_count(); ++n)
+    count += network.status(n) == ChipStatus::fault || network.status(n) == ChipStatus::external_access;
   return count;
 }
 
 std::string sentence(const Network& network, const machine::NetworkStop& stop, bool asked) {
   const std::size_t failed = faults(network);
   switch (stop.reason) {
-    case machine::NetworkStop::Reason::ended: return failed == 0 ? "every chip has ended" : fmt::format("every chip has ended, {} of them in a fault", failed);
+    case machine::NetworkStop::Reason::ended:
+      return failed == 0 ? "every chip has ended" : fmt::format("every chip has ended, {} of them in a fault", failed);
     case machine::NetworkStop::Reason::deadlock: return "nothing can happen any more, and chips wait";
-    case machine::NetworkStop::Reason::limit: return asked ? "the cycles of --cycles have passed" : "--max-cycles reached";
+    case machine::NetworkStop::Reason::limit:
+      return asked ? "the cycles of --cycles have passed" : "--max-cycles reached";
     case machine::NetworkStop::Reason::interrupted: return "by a signal";
   }
   return {};
@@ -91,12 +100,14 @@ std::string sentence(const Network& network, const machine::NetworkStop& stop, b
 
 double microseconds(machine::Time time) { return static_cast<double>(time.count()) * 1e-6; }
 
-void print_text(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps, const Watched& watched, bool peripherals, bool asked) {
+void print_text(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps,
+                const Watched& watched, bool peripherals, bool asked) {
   io::print("stop: {}: {} ({:.3f} us)\n", name(stop.reason), sentence(network, stop, asked), microseconds(stop.time));
   for (std::size_t n = 0; n < network.chip_count(); ++n) {
     const c40::Chip& chip = network.chip(n);
     const std::string& called = network.chip_name(n);
-    io::print("chip {}{}: {}: {}\n", n, called == std::to_string(n) ? "" : " (" + called + ")", name(network.status(n)), network.describe(n));
+    io::print("chip {}{}: {}: {}\n", n, called == std::to_string(n) ? "" : " (" + called + ")", name(network.status(n)),
+              network.describe(n));
     io::print("  {} instructions, {} cycles:", chip.instructions(), chip.cycle());
     for (std::size_t cause = 0; cause < c40::cause_count; ++cause)
       if (chip.causes()[cause] != 0) io::print(" {} {}", name(static_cast<c40::Cause>(cause)), chip.causes()[cause]);
@@ -115,7 +126,8 @@ void print_text(const Network& network, const machine::NetworkStop& stop, const 
   }
   for (std::size_t n = 0; n < network.net_count(); ++n) {
     const machine::Net& net = network.net(n);
-    io::print("net {} ({}): {}, {} edges", net.description().name, to_text(net.description()), net.level() ? "high" : "low", net.edges());
+    io::print("net {} ({}): {}, {} edges", net.description().name, to_text(net.description()),
+              net.level() ? "high" : "low", net.edges());
     if (net.missed() != 0) io::print(", {} missed by a receiver", net.missed());
     io::print("\n");
   }
@@ -132,9 +144,11 @@ void print_text(const Network& network, const machine::NetworkStop& stop, const 
 
 Json chip_json(const Network& network, std::size_t n) {
   const c40::Chip& chip = network.chip(n);
-  Json out = {{"name", network.chip_name(n)}, {"status", name(network.status(n))}, {"message", network.describe(n)}, {"pc", chip.pc()},
-              {"cycles", chip.cycle()}, {"instructions", chip.instructions()}};
-  for (std::size_t cause = 0; cause < c40::cause_count; ++cause) out["causes"][std::string(name(static_cast<c40::Cause>(cause)))] = chip.causes()[cause];
+  Json out = {{"name", network.chip_name(n)},   {"status", name(network.status(n))},
+              {"message", network.describe(n)}, {"pc", chip.pc()},
+              {"cycles", chip.cycle()},         {"instructions", chip.instructions()}};
+  for (std::size_t cause = 0; cause < c40::cause_count; ++cause)
+    out["causes"][std::string(name(static_cast<c40::Cause>(cause)))] = chip.causes()[cause];
   for (std::uint8_t code = 0; code < 32; ++code) {
     const auto reg = static_cast<isa::Register>(code);
     std::string called(isa::name(reg));
@@ -146,8 +160,11 @@ Json chip_json(const Network& network, std::size_t n) {
   return out;
 }
 
-void print_json(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps, const Watched& watched, bool peripherals, bool asked) {
-  Json root = {{"stop", {{"reason", name(stop.reason)}, {"message", sentence(network, stop, asked)}, {"time_ps", stop.time.count()}}}};
+void print_json(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps,
+                const Watched& watched, bool peripherals, bool asked) {
+  Json root = {
+      {"stop",
+       {{"reason", name(stop.reason)}, {"message", sentence(network, stop, asked)}, {"time_ps", stop.time.count()}}}};
   root["chips"] = Json::array();
   for (std::size_t n = 0; n < network.chip_count(); ++n) {
     Json chip = chip_json(network, n);
@@ -162,19 +179,28 @@ void print_json(const Network& network, const machine::NetworkStop& stop, const 
     Json out = {{"a", to_text(ends.a)}, {"b", to_text(ends.b)}, {"cut", link.is_cut()}, {"token_lost", link.is_dead()}};
     for (int side = 0; side < 2; ++side) {
       const auto& c = link.counters(side);
-      out[side == 0 ? "forth" : "back"] = {{"sent", c.sent}, {"arrived", c.arrived}, {"under_way", link.under_way(side)}, {"lost", c.lost}, {"tokens", c.tokens}};
+      out[side == 0 ? "forth" : "back"] = {{"sent", c.sent},
+                                           {"arrived", c.arrived},
+                                           {"under_way", link.under_way(side)},
+                                           {"lost", c.lost},
+                                           {"tokens", c.tokens}};
     }
     root["links"].push_back(std::move(out));
   }
   root["nets"] = Json::array();
   for (std::size_t n = 0; n < network.net_count(); ++n) {
     const machine::Net& net = network.net(n);
-    root["nets"].push_back({{"name", net.description().name}, {"pins", to_text(net.description())}, {"level", net.level() ? 1 : 0}, {"edges", net.edges()}, {"missed", net.missed()}});
+    root["nets"].push_back({{"name", net.description().name},
+                            {"pins", to_text(net.description())},
+                            {"level", net.level() ? 1 : 0},
+                            {"edges", net.edges()},
+                            {"missed", net.missed()}});
   }
   root["events"] = Json::array();
   for (const machine::NetworkEvent& event : network.events()) root["events"].push_back(network.text(event));
   root["dumps"] = Json::array();
-  for (const Dump& dump : dumps) root["dumps"].push_back({{"chip", dump.chip}, {"address", dump.address}, {"words", words_of(network, dump)}});
+  for (const Dump& dump : dumps)
+    root["dumps"].push_back({{"chip", dump.chip}, {"address", dump.address}, {"words", words_of(network, dump)}});
   io::print("{}\n", root.dump(2, ' ', true, Json::error_handler_t::replace));
 }
 
@@ -184,20 +210,29 @@ machine::Time end_of(const Network& network, const ExecOptions& options) {
   const std::int64_t cycles = options.cycles.value_or(options.max_cycles);
   const auto most = static_cast<std::int64_t>(most_seconds * static_cast<double>(network.clock(0).hertz()));
   if (cycles > most)
-    throw InputError(fmt::format("{}: {} cycles are more than a network's time holds; up to {} of chip 0 are possible", options.cycles ? "--cycles" : "--max-cycles", cycles, most));
+    throw InputError(fmt::format("{}: {} cycles are more than a network's time holds; up to {} of chip 0 are possible",
+                                 options.cycles ? "--cycles" : "--max-cycles", cycles, most));
   return network.clock(0).at(cycles);
 }
 
 }  // namespace
 
 int exec_network(const ExecOptions& options) {
-  if (!options.roms.empty() || !options.loads.empty() || !options.pokes.empty() || options.console_input) throw InputError("--rom, --load, --poke and --console-input are for one chip; a network's chips have what their programs and boards say");
-  if (options.boot) throw InputError("--boot: in a network the chips boot one another: boot = true of a [[chip]] in a --network file (docs/networks.md)");
-  if (options.load_at && std::none_of(options.programs.begin(), options.programs.end(), [](const std::string& p) { return p.ends_with(".hex"); }))
+  if (!options.roms.empty() || !options.loads.empty() || !options.pokes.empty() || options.console_input)
+    throw InputError(
+        "--rom, --load, --poke and --console-input are for one chip; a network's chips have what their programs and "
+        "boards say");
+  if (options.boot)
+    throw InputError(
+        "--boot: in a network the chips boot one another: boot = true of a [[chip]] in a --network file "
+        "(docs/networks.md)");
+  if (options.load_at && std::none_of(options.programs.begin(), options.programs.end(),
+                                      [](const std::string& p) { return p.ends_with(".hex"); }))
     throw InputError("--load-at: only a .hex file needs it; other programs say where they stand");
   Network network(described(options), options.turn_order);
   std::vector<Dump> dumps;
-  for (const std::string& text : options.dumps) words_of(network, dumps.emplace_back(parse_dump(text, network)));  // refuses bad ranges before the run
+  for (const std::string& text : options.dumps)
+    words_of(network, dumps.emplace_back(parse_dump(text, network)));  // refuses bad ranges before the run
   for (const std::string& text : options.actions) network.schedule(action_of(text, network));
   io::FileRoles files = files_read(options);
   for (std::size_t n = 0; n < network.chip_count(); ++n)
@@ -221,7 +256,8 @@ int exec_network(const ExecOptions& options) {
     for (const std::string& line : network.event_trace()) events->stream() << line << '\n';
     events->commit();
   }
-  (options.json ? print_json : print_text)(network, stop, dumps, watched, options.peripherals, options.cycles.has_value());
+  (options.json ? print_json : print_text)(network, stop, dumps, watched, options.peripherals,
+                                           options.cycles.has_value());
   if (stop.reason == machine::NetworkStop::Reason::interrupted) return signals.status(run_failed);
   if (stop.reason == machine::NetworkStop::Reason::limit && !options.cycles) return run_failed;
   return stop.reason == machine::NetworkStop::Reason::deadlock || faults(network) != 0 ? run_failed : success;

@@ -16,8 +16,10 @@ constexpr std::size_t most_points = 1000;
 std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> parts(1);
   for (const char c : text) {
-    if (c == separator) parts.emplace_back();
-    else parts.back() += c;
+    if (c == separator)
+      parts.emplace_back();
+    else
+      parts.back() += c;
   }
   return parts;
 }
@@ -26,7 +28,8 @@ std::vector<std::string> split(const std::string& text, char separator) {
 std::optional<std::int64_t> parse_number(const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || text.empty() || !(std::abs(value) < 1e9)) return std::nullopt;
+  if (error != std::errc{} || end != text.data() + text.size() || text.empty() || !(std::abs(value) < 1e9))
+    return std::nullopt;
   return std::llround(value * 1e6);
 }
 
@@ -52,8 +55,10 @@ std::vector<double> parse_grid(const std::string& text, const std::string& optio
   if (numbers.size() != 3) throw refuse("is no range");
   if (numbers[2] <= 0) throw refuse("has no positive step");
   if (numbers[0] > numbers[1]) throw refuse("holds no value");
-  if ((numbers[1] - numbers[0]) / numbers[2] >= static_cast<std::int64_t>(most_points)) throw refuse(fmt::format("holds more than {} values", most_points));
-  for (std::int64_t number = numbers[0]; number <= numbers[1]; number += numbers[2]) values.push_back(static_cast<double>(number) / 1e6);
+  if ((numbers[1] - numbers[0]) / numbers[2] >= static_cast<std::int64_t>(most_points))
+    throw refuse(fmt::format("holds more than {} values", most_points));
+  for (std::int64_t number = numbers[0]; number <= numbers[1]; number += numbers[2])
+    values.push_back(static_cast<double>(number) / 1e6);
   return values;
 }
 

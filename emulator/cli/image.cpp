@@ -6,8 +6,8 @@
 #include "io/file_roles.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
-#include "machine/boot.hpp"
 #include "machine/board_file.hpp"
+#include "machine/boot.hpp"
 #include "toolchain/rom_file.hpp"
 
 namespace cli {
@@ -23,14 +23,17 @@ std::string contents(const ImageOptions& options, const toolchain::Image& progra
   if (options.format == "boot-stream") return text_of(machine::boot_stream(program, header));
   std::vector<isa::Word> stream = machine::boot_memory(program, header);
   stream.front() = options.width;
-  const auto format = options.format == "intel-hex" ? toolchain::RomFormat::intel_hex : options.format == "srec" ? toolchain::RomFormat::srec : toolchain::RomFormat::binary;
+  const auto format = options.format == "intel-hex" ? toolchain::RomFormat::intel_hex
+                      : options.format == "srec"    ? toolchain::RomFormat::srec
+                                                    : toolchain::RomFormat::binary;
   return toolchain::rom_file(toolchain::rom_bytes(stream), format);
 }
 
 }  // namespace
 
 int image(const ImageOptions& options) {
-  if (options.format == "boot-stream" && options.width != 32) throw InputError("--width: a port takes words of 32 bits; a memory may have 8 or 16");
+  if (options.format == "boot-stream" && options.width != 32)
+    throw InputError("--width: a port takes words of 32 bits; a memory may have 8 or 16");
   const machine::BoardDescription board = machine::read_board(options.board);
   const toolchain::Image program = read_program(options.program, options.include_directories, {}, options.dialect);
   for (const std::string& warning : program.warnings) io::print(stderr, "{}\n", warning);

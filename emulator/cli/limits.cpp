@@ -26,10 +26,11 @@ int limits(const LimitsOptions& options) {
   if (options.json) file.emplace(*options.json);
   const io::StopBySignal signals;
   const bool line = ::isatty(STDERR_FILENO) == 1;
-  const report::Limits limits = cmrc::find_limits(config, grids, options.errors, [line](std::size_t done, std::size_t points) {
-    fmt::print(stderr, "{}{} of {} runs done{}", line ? "\r" : "", done, points, line && done < points ? "" : "\n");
-    std::fflush(stderr);
-  });
+  const report::Limits limits =
+      cmrc::find_limits(config, grids, options.errors, [line](std::size_t done, std::size_t points) {
+        fmt::print(stderr, "{}{} of {} runs done{}", line ? "\r" : "", done, points, line && done < points ? "" : "\n");
+        std::fflush(stderr);
+      });
   io::print("{}", to_text(limits));
   if (file) {
     file->stream() << to_json(limits);

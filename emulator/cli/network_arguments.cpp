@@ -22,10 +22,15 @@ machine::NetDescription net_of(const std::string& text, const std::vector<std::s
 
 machine::NetworkDescription described(const ExecOptions& options) {
   if (options.network) {
-    if (!options.programs.empty() || !options.links.empty() || !options.nets.empty() || options.topology || !options.boards.empty() || options.until || options.entry || options.load_at || options.memory_max)
-      throw InputError("--network: the file says programs, boards, links and nets, where a chip starts and where it has ended; the command line does not");
+    if (!options.programs.empty() || !options.links.empty() || !options.nets.empty() || options.topology ||
+        !options.boards.empty() || options.until || options.entry || options.load_at || options.memory_max)
+      throw InputError(
+          "--network: the file says programs, boards, links and nets, where a chip starts and where it has ended; the "
+          "command line does not");
     require_file(*options.network);
-    return machine::read_network(*options.network, [&](const std::string& path) { return read_program(path, options.include_directories, {}, is_source_name(path) ? options.dialect : std::nullopt); });
+    return machine::read_network(*options.network, [&](const std::string& path) {
+      return read_program(path, options.include_directories, {}, is_source_name(path) ? options.dialect : std::nullopt);
+    });
   }
   machine::NetworkDescription network;
   std::size_t chips = options.programs.size();
@@ -36,11 +41,15 @@ machine::NetworkDescription described(const ExecOptions& options) {
       throw InputError(fmt::format("--topology: {}", error.what()));
     }
     if (options.programs.size() != 1 && options.programs.size() != chips)
-      throw InputError(fmt::format("--topology {} has {} chips: one program for all or {} programs are expected, not {}", *options.topology, chips, chips, options.programs.size()));
+      throw InputError(
+          fmt::format("--topology {} has {} chips: one program for all or {} programs are expected, not {}",
+                      *options.topology, chips, chips, options.programs.size()));
   }
   if (options.boards.size() > 1 && options.boards.size() != chips)
-    throw InputError(fmt::format("--board: one for all chips or {} are expected, not {}", chips, options.boards.size()));
-  if (options.memory_max && options.boards.empty()) throw InputError("--memory-max: --board flat is expected; other boards have as much RAM as they say");
+    throw InputError(
+        fmt::format("--board: one for all chips or {} are expected, not {}", chips, options.boards.size()));
+  if (options.memory_max && options.boards.empty())
+    throw InputError("--memory-max: --board flat is expected; other boards have as much RAM as they say");
   std::vector<machine::BoardDescription> boards;
   for (const std::string& board : options.boards) boards.push_back(board_named(options, board));
   std::vector<std::shared_ptr<const toolchain::Image>> images;

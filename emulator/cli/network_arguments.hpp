@@ -7,7 +7,8 @@
 
 namespace cli {
 
-/// Reads the programs, boards and files that it names. \throws InputError, machine::NetworkError, toolchain::AssemblyError, toolchain::CoffError
+/// Reads the programs, boards and files that it names. \throws InputError, machine::NetworkError,
+/// toolchain::AssemblyError, toolchain::CoffError
 machine::NetworkDescription described(const ExecOptions& options);
 
 /// "12.5,cut,0.3:1.0". \throws InputError

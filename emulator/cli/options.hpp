@@ -104,7 +104,7 @@ struct DisassembleOptions {
 struct ImageOptions {
   std::string program;
   std::string output;
-  std::string format;  ///< boot-stream, intel-hex, srec or binary
+  std::string format;   ///< boot-stream, intel-hex, srec or binary
   unsigned width = 32;  ///< of the memory, in bits
   std::string board = "default";
   std::vector<std::string> include_directories;
@@ -117,18 +117,18 @@ struct ExecOptions {
   std::optional<std::string> until;
   std::int64_t max_cycles = 100'000'000;  ///< a run that needs more has failed
   std::optional<std::int64_t> cycles;     ///< a run of so many is what is asked for
-  std::vector<std::string> dumps;  ///< ADDRESS:COUNT
+  std::vector<std::string> dumps;         ///< ADDRESS:COUNT
   bool json = false;
-  std::vector<std::string> boards;  ///< none: default
+  std::vector<std::string> boards;          ///< none: default
   std::optional<std::uint64_t> memory_max;  ///< MiB of RAM for each chip on board flat
-  std::optional<std::string> dialect;  ///< of programs that are source
+  std::optional<std::string> dialect;       ///< of programs that are source
   std::optional<std::string> load_at;
   std::optional<std::string> entry;
   std::optional<std::string> boot;  ///< a port 0 to 5, an address, or "reset"
   std::vector<std::string> roms;    ///< FILE@ADDRESS
   std::optional<unsigned> rom_width;
-  std::vector<std::string> loads;  ///< FILE@ADDRESS
-  std::vector<std::string> pokes;  ///< ADDRESS=WORD
+  std::vector<std::string> loads;            ///< FILE@ADDRESS
+  std::vector<std::string> pokes;            ///< ADDRESS=WORD
   std::optional<std::string> console_input;  ///< a file, or - for standard input
   bool peripherals = false;
   std::vector<std::string> links;  ///< CHIP.PORT:CHIP.PORT
@@ -147,8 +147,8 @@ struct ExecOptions {
 };
 
 struct DebugOptions {
-  ExecOptions exec;  ///< of programs and networks
-  RunOptions run;    ///< of the dock, where no program is given
+  ExecOptions exec;                   ///< of programs and networks
+  RunOptions run;                     ///< of the dock, where no program is given
   std::vector<std::string> scripts;   ///< files of commands
   std::vector<std::string> commands;  ///< before the scripts
 };

@@ -9,8 +9,10 @@
 namespace cli {
 
 int print_config(const ConfigOptions& options) {
-  if (options.processes) io::print("{}", cmrc::built_in_processes_text());
-  else io::print("{}", to_toml(build_config(options.run)));
+  if (options.processes)
+    io::print("{}", cmrc::built_in_processes_text());
+  else
+    io::print("{}", to_toml(build_config(options.run)));
   return success;
 }
 

@@ -73,7 +73,8 @@ Image read_program(const std::string& path, const std::vector<std::string>& incl
                    const std::optional<std::string>& load_at, const std::optional<std::string>& dialect) {
   require_file(path);
   const std::string suffix = std::filesystem::path(path).extension().string();
-  if (dialect && !is_source(suffix)) throw InputError(fmt::format("--dialect: {} is no source; only .asm and .s are read in a dialect", path));
+  if (dialect && !is_source(suffix))
+    throw InputError(fmt::format("--dialect: {} is no source; only .asm and .s are read in a dialect", path));
   if (suffix == ".hex") return read_hex(path, load_at ? parse_address(*load_at, nullptr, "--load-at") : 0);
   if (load_at) throw InputError("--load-at: only a .hex file needs it; other programs say where they stand");
   if (is_source(suffix)) {
@@ -81,11 +82,13 @@ Image read_program(const std::string& path, const std::vector<std::string>& incl
     for (const std::string& directory : include_directories) options.include_dirs.emplace_back(directory);
     if (dialect) options.dialect = toolchain::dialect_named(*dialect);
     Image image = toolchain::assemble_file(path, options);
-    if (image.sections.empty()) throw InputError(fmt::format("{}: holds no word; at least one is expected in a program", path));
+    if (image.sections.empty())
+      throw InputError(fmt::format("{}: holds no word; at least one is expected in a program", path));
     return image;
   }
   toolchain::Object object = toolchain::read_object(path);
-  Image image = object.executable ? toolchain::image_of(object) : toolchain::link({std::move(object)}, {}, toolchain::MemoryMap::standard()).image;
+  Image image = object.executable ? toolchain::image_of(object)
+                                  : toolchain::link({std::move(object)}, {}, toolchain::MemoryMap::standard()).image;
   toolchain::add_source_text(image, std::filesystem::path(path).parent_path());
   return image;
 }
@@ -107,7 +110,8 @@ std::string symbol_at(const Image& image, Address address) {
 machine::BoardDescription board_named(const ExecOptions& options, const std::string& name) {
   machine::BoardDescription description = machine::read_board(name);
   if (!options.memory_max) return description;
-  if (!description.board.is_flat) throw InputError(fmt::format("--memory-max: board {} has as much RAM as it says; --board flat is expected", name));
+  if (!description.board.is_flat)
+    throw InputError(fmt::format("--memory-max: board {} has as much RAM as it says; --board flat is expected", name));
   constexpr std::uint64_t words_per_mib = (std::uint64_t{1} << 20) / sizeof(c40::Word);
   description.board.flat_words_max = *options.memory_max * words_per_mib;
   return description;

@@ -13,11 +13,13 @@
 
 namespace cli {
 
-/// Reads a program by its suffix: .asm or .s is assembled (in `dialect`), .hex is one word per line in hexadecimal and stands at
-/// `load_at` (default 0), anything else is a COFF file; an object is linked as `emulator link` does without a map.
+/// Reads a program by its suffix: .asm or .s is assembled (in `dialect`), .hex is one word per line in hexadecimal and
+/// stands at `load_at` (default 0), anything else is a COFF file; an object is linked as `emulator link` does without a
+/// map.
 /// \throws InputError, toolchain::AssemblyError, toolchain::CoffError, toolchain::LinkError.
 toolchain::Image read_program(const std::string& path, const std::vector<std::string>& include_directories,
-                              const std::optional<std::string>& load_at, const std::optional<std::string>& dialect = {});
+                              const std::optional<std::string>& load_at,
+                              const std::optional<std::string>& dialect = {});
 
 /// Whether read_program() would assemble the file.
 bool is_source_name(const std::string& path);
@@ -25,7 +27,8 @@ bool is_source_name(const std::string& path);
 /// \throws InputError if there is no file that can be read.
 void require_file(const std::string& path);
 
-/// The board of that name for a run of exec, with its --memory-max. \throws InputError where the option says nothing of it
+/// The board of that name for a run of exec, with its --memory-max. \throws InputError where the option says nothing of
+/// it
 machine::BoardDescription board_named(const ExecOptions& options, const std::string& name);
 /// The files that exec reads: programs, boards, network; without what the programs include.
 io::FileRoles files_read(const ExecOptions& options);

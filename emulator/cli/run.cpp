@@ -27,7 +27,9 @@ namespace {
 
 using report::Time;
 
-std::string instruction_file(const RunOptions& options, unsigned slot) { return fmt::format("{}.dsp{}", *options.trace, slot); }
+std::string instruction_file(const RunOptions& options, unsigned slot) {
+  return fmt::format("{}.dsp{}", *options.trace, slot);
+}
 
 /// Files for the instructions of some DSPs.
 class InstructionFiles {
@@ -73,9 +75,11 @@ void check(const RunOptions& options, const cmrc::Config& config) {
     throw InputError("--profile: a run with a profile has no snapshots; --resume and --snapshot-at go without it");
 }
 
-void resume(cmrc::Simulation& simulation, const cmrc::Snapshot& snapshot, const std::string& file, const std::vector<SnapshotRequest>& requests) {
+void resume(cmrc::Simulation& simulation, const cmrc::Snapshot& snapshot, const std::string& file,
+            const std::vector<SnapshotRequest>& requests) {
   if (!requests.empty() && requests.front().at < snapshot.time())
-    throw InputError(fmt::format("--snapshot-at: {} s has passed; {} goes on from {} s", report::seconds(requests.front().at), file, report::seconds(snapshot.time())));
+    throw InputError(fmt::format("--snapshot-at: {} s has passed; {} goes on from {} s",
+                                 report::seconds(requests.front().at), file, report::seconds(snapshot.time())));
   try {
     simulation.restore(snapshot);
   } catch (const cmrc::SnapshotError& error) {
@@ -84,7 +88,8 @@ void resume(cmrc::Simulation& simulation, const cmrc::Snapshot& snapshot, const 
 }
 
 /// How many of them it has come to.
-std::size_t run_to_snapshots(cmrc::Simulation& simulation, std::span<const SnapshotRequest> requests, const std::function<bool(const cmrc::Progress&)>& show) {
+std::size_t run_to_snapshots(cmrc::Simulation& simulation, std::span<const SnapshotRequest> requests,
+                             const std::function<bool(const cmrc::Progress&)>& show) {
   for (std::size_t n = 0; n < requests.size(); ++n) {
     simulation.run(show, cmrc::Simulation::usual_slice, requests[n].at);
     if (simulation.time() != requests[n].at) return n;
@@ -96,16 +101,21 @@ std::size_t run_to_snapshots(cmrc::Simulation& simulation, std::span<const Snaps
 }  // namespace
 
 int run(const RunOptions& options) {
-  const std::optional<cmrc::Snapshot> resumed = options.resume ? std::optional(read_snapshot(*options.resume)) : std::nullopt;
+  const std::optional<cmrc::Snapshot> resumed =
+      options.resume ? std::optional(read_snapshot(*options.resume)) : std::nullopt;
   // Flags may repeat what the snapshot says; what they change is refused when the run is restored.
-  const cmrc::Config config = resumed ? build_config(options, resumed->configuration(), *options.resume) : build_config(options);
+  const cmrc::Config config =
+      resumed ? build_config(options, resumed->configuration(), *options.resume) : build_config(options);
   check(options, config);
   const std::vector<SnapshotRequest> snapshots = snapshot_requests(options, config);
   io::FileRoles files = files_read(options, config);
   files.reads("--resume", options.resume.value_or(""));
   for (const SnapshotRequest& snapshot : snapshots) files.writes("--snapshot-at", snapshot.file);
-  files.writes("--report", options.report.value_or("")).writes("--profile", options.profile.value_or("")).writes("--trace", options.trace.value_or(""));
-  for (const unsigned slot : options.trace_instructions) files.writes("--trace-instructions", instruction_file(options, slot));
+  files.writes("--report", options.report.value_or(""))
+      .writes("--profile", options.profile.value_or(""))
+      .writes("--trace", options.trace.value_or(""));
+  for (const unsigned slot : options.trace_instructions)
+    files.writes("--trace-instructions", instruction_file(options, slot));
   const report::Window window = options.trace_window ? parse_window(*options.trace_window) : report::Window{};
 
   std::optional<io::OutputFile> report_file;
@@ -161,8 +171,8 @@ int run(const RunOptions& options) {
   }
   if (simulation.interrupted()) return signals.status(success);
   for (const SnapshotRequest& missed : std::span(snapshots).subspan(written))
-    io::print(stderr, "--snapshot-at: {} is not written; the run was over at {} s, before {} s\n", missed.file, report::seconds(simulation.time()),
-                    report::seconds(missed.at));
+    io::print(stderr, "--snapshot-at: {} is not written; the run was over at {} s, before {} s\n", missed.file,
+              report::seconds(simulation.time()), report::seconds(missed.at));
   return written < snapshots.size() ? run_failed : simulation.exit_status();
 }
 

@@ -14,10 +14,13 @@ namespace {
 
 SnapshotRequest parsed(const std::string& text, double duration_s) {
   const std::size_t colon = text.find(':');
-  const std::optional<report::Time> at = colon == std::string::npos ? std::nullopt : parse_seconds(std::string_view(text).substr(0, colon));
-  if (!at || colon + 1 == text.size()) throw InputError(fmt::format("--snapshot-at: \"{}\" is not S:FILE, seconds and a file", text));
+  const std::optional<report::Time> at =
+      colon == std::string::npos ? std::nullopt : parse_seconds(std::string_view(text).substr(0, colon));
+  if (!at || colon + 1 == text.size())
+    throw InputError(fmt::format("--snapshot-at: \"{}\" is not S:FILE, seconds and a file", text));
   if (*at > report::Time(std::llround(duration_s * 1e12)))
-    throw InputError(fmt::format("--snapshot-at: {} s is after the end of the run; it ends at {} s", report::seconds(*at), duration_s));
+    throw InputError(fmt::format("--snapshot-at: {} s is after the end of the run; it ends at {} s",
+                                 report::seconds(*at), duration_s));
   return {*at, text.substr(colon + 1)};
 }
 

@@ -80,7 +80,8 @@ class XzSource : public TextLines::Source {
 std::unique_ptr<TextLines::Source> open(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error)) throw InputError(fmt::format("{}: no such file", path));
-  if (std::filesystem::is_directory(path, error)) throw InputError(fmt::format("{}: is a directory; a text file is expected", path));
+  if (std::filesystem::is_directory(path, error))
+    throw InputError(fmt::format("{}: is a directory; a text file is expected", path));
   std::ifstream file(path, std::ios::binary);
   std::array<char, 6> start{};
   file.read(start.data(), start.size());
@@ -105,11 +106,13 @@ bool TextLines::next(std::string& line) {
         return any && !line.empty();
       }
     }
-    const auto from = buffer_.begin() + static_cast<std::ptrdiff_t>(at_), to = buffer_.begin() + static_cast<std::ptrdiff_t>(end_);
+    const auto from = buffer_.begin() + static_cast<std::ptrdiff_t>(at_),
+               to = buffer_.begin() + static_cast<std::ptrdiff_t>(end_);
     const auto newline = std::find(from, to, '\n');
     line.append(from, newline);
     if (line.size() > io::largest_input)
-      throw InputError(fmt::format("{}:{}: a line longer than {} MiB; a text file is expected", path_, number_ + 1, io::largest_input >> 20));
+      throw InputError(fmt::format("{}:{}: a line longer than {} MiB; a text file is expected", path_, number_ + 1,
+                                   io::largest_input >> 20));
     at_ = static_cast<std::size_t>(newline - buffer_.begin());
     if (newline == to) continue;
     ++at_;

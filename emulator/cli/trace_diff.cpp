@@ -58,13 +58,15 @@ void regenerate(const report::TraceDifference& difference, const TraceDiffOption
   if (!left && !right) return;
   const auto dsps = dsps_of_scene(options.right);
   if (!dsps) {
-    io::print("what stands behind a hash can be printed of a scene's trace only: it has a comment `# emulator --dsps N`\n");
+    io::print(
+        "what stands behind a hash can be printed of a scene's trace only: it has a comment `# emulator --dsps N`\n");
     return;
   }
   const auto slot = number_after(line.who, "dsp ");
   c40::Cycles from = 0;
   std::from_chars(line.when.data(), line.when.data() + line.when.size(), from);
-  if (!slot || *slot >= *dsps) throw InputError(fmt::format("{}: line {}: {} in a scene of {} DSPs", options.right, line.number, line.who, *dsps));
+  if (!slot || *slot >= *dsps)
+    throw InputError(fmt::format("{}: line {}: {} in a scene of {} DSPs", options.right, line.number, line.who, *dsps));
   cmrc::ConfigBuilder builder;
   builder.set("machine.dsps", std::int64_t{*dsps}, {.name = "trace"});
   if (options.programs) builder.set("machine.programs", *options.programs, {.name = "--programs"});
@@ -81,9 +83,14 @@ void regenerate(const report::TraceDifference& difference, const TraceDiffOption
   simulation.run_until(simulation.machine().chip_clock().at(from + cycles_per_hash));
   const std::string hash = state::sha256(hashed).substr(0, digits_of_hash);
   if (hash != left && hash != right)
-    return io::print(stderr, "error: this emulator executes something else there (sha256 {}) than either trace has: they were made from other programs "
-                             "(--programs DIR takes those of a directory), with other options than --dsps {}, or by another version\n", hash, *dsps);
-  io::print("what this emulator executes there, as {} has it:\n{}", hash == left ? options.left : options.right, executed);
+    return io::print(
+        stderr,
+        "error: this emulator executes something else there (sha256 {}) than either trace has: they were made from "
+        "other programs "
+        "(--programs DIR takes those of a directory), with other options than --dsps {}, or by another version\n",
+        hash, *dsps);
+  io::print("what this emulator executes there, as {} has it:\n{}", hash == left ? options.left : options.right,
+            executed);
 }
 
 }  // namespace

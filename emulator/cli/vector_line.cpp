@@ -50,7 +50,8 @@ class LineReader {
  public:
   Vector read(std::string_view line) {
     const std::size_t arrow = line.find("->");
-    if (arrow == std::string_view::npos) throw VectorError("there is no \"->\" between the state before and the state after");
+    if (arrow == std::string_view::npos)
+      throw VectorError("there is no \"->\" between the state before and the state after");
     each_token(line.substr(0, arrow), [this](auto token, auto key, auto value) { left(token, key, value); });
     each_token(line.substr(arrow + 2), [this](auto token, auto key, auto value) { right(token, key, value); });
     if (out_.code.empty()) throw VectorError("there is no op=WORD");
@@ -61,7 +62,8 @@ class LineReader {
   template <typename Use>
   static void each_token(std::string_view text, Use use) {
     constexpr std::string_view blanks = " \t";
-    for (std::size_t at = text.find_first_not_of(blanks); at != std::string_view::npos; at = text.find_first_not_of(blanks, at)) {
+    for (std::size_t at = text.find_first_not_of(blanks); at != std::string_view::npos;
+         at = text.find_first_not_of(blanks, at)) {
       const std::size_t end = std::min(text.find_first_of(blanks, at), text.size());
       const std::string_view token = text.substr(at, end - at);
       const std::size_t equals = std::min(token.find('='), token.size());
@@ -70,7 +72,8 @@ class LineReader {
     }
   }
 
-  void setting(std::vector<Vector::Setting>& settings, std::string_view token, std::string_view key, std::string_view value) {
+  void setting(std::vector<Vector::Setting>& settings, std::string_view token, std::string_view key,
+               std::string_view value) {
     const auto place = place_named(key);
     if (!place) fail(token, "unknown token");
     const bool extended = is_extended(*place);
@@ -81,13 +84,20 @@ class LineReader {
   }
 
   void left(std::string_view token, std::string_view key, std::string_view value) {
-    if (key == "id") out_.id = value;
-    else if (key == "m") out_.status_mask = word(token, value);
-    else if (key == "op") out_.code.push_back(word(token, value));
-    else if (key == "steps") out_.steps = step_count(token, value);
-    else if (key.starts_with('@')) out_.memory_before.push_back({word(token, key.substr(1)), word(token, value)});
-    else if (key == "PC") fail(token, "the instruction always stands at 1000h");
-    else setting(out_.before, token, key, value);
+    if (key == "id")
+      out_.id = value;
+    else if (key == "m")
+      out_.status_mask = word(token, value);
+    else if (key == "op")
+      out_.code.push_back(word(token, value));
+    else if (key == "steps")
+      out_.steps = step_count(token, value);
+    else if (key.starts_with('@'))
+      out_.memory_before.push_back({word(token, key.substr(1)), word(token, value)});
+    else if (key == "PC")
+      fail(token, "the instruction always stands at 1000h");
+    else
+      setting(out_.before, token, key, value);
   }
 
   void right(std::string_view token, std::string_view key, std::string_view value) {

@@ -36,7 +36,9 @@ class Bus : public c40::TraceSink {
 /// A chip on a board of plain RAM, whose memory is all zero between vectors.
 class Bench {
  public:
-  explicit Bench(bool every_access) : chip_(c40::Board::plain_ram()), every_access_(every_access) { chip_.set_trace(&bus_); }
+  explicit Bench(bool every_access) : chip_(c40::Board::plain_ram()), every_access_(every_access) {
+    chip_.set_trace(&bus_);
+  }
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
 
@@ -86,7 +88,8 @@ class Bench {
     for (std::uint8_t code = 0; code < isa::register_count; ++code) set({{Kind::primary, code}, 0});
     for (std::size_t i = 0; i < vector.code.size(); ++i) poke(start + static_cast<Address>(i), vector.code[i]);
     for (const Vector::Word& word : vector.memory_before) poke(word.address, word.value);
-    constexpr Vector::Place status{Kind::primary, isa::code(isa::Register::ST)}, count{Kind::primary, isa::code(isa::Register::RC)};
+    constexpr Vector::Place status{Kind::primary, isa::code(isa::Register::ST)},
+        count{Kind::primary, isa::code(isa::Register::RC)};
     // A write of ST sets RM only beside a count; here ST is a state, which may have RM with any RC.
     set({count, 1});
     for (const Vector::Setting& setting : vector.before)
@@ -103,8 +106,10 @@ class Bench {
     for (unsigned step = 0; step < vector.steps; ++step) {
       const c40::StopInfo stop = chip_.step();
       // Before SWI nothing has happened; the state then says the rest.
-      if (stop.reason == c40::StopInfo::Reason::limit || stop.reason == c40::StopInfo::Reason::software_interrupt) continue;
-      found_.push_back(fmt::format("stopped in step {}: {}", step + 1, stop.fault ? stop.fault->message : name(stop.reason)));
+      if (stop.reason == c40::StopInfo::Reason::limit || stop.reason == c40::StopInfo::Reason::software_interrupt)
+        continue;
+      found_.push_back(
+          fmt::format("stopped in step {}: {}", step + 1, stop.fault ? stop.fault->message : name(stop.reason)));
       return;
     }
   }
@@ -123,7 +128,8 @@ class Bench {
   void compare_registers(const Vector& vector) {
     for (std::size_t i = 0; i < places().size(); ++i) {
       const Vector::Place place = places()[i];
-      const auto after = std::find_if(vector.after.begin(), vector.after.end(), [&](const auto& s) { return s.place == place; });
+      const auto after =
+          std::find_if(vector.after.begin(), vector.after.end(), [&](const auto& s) { return s.place == place; });
       if (after == vector.after.end() && place.kind == Kind::pc) continue;
       const std::uint64_t expected = after == vector.after.end() ? initial_[i] : after->value;
       const bool is_status = place == Vector::Place{Kind::primary, isa::code(isa::Register::ST)};
@@ -169,8 +175,10 @@ class Bench {
     // No document says which of two reads of one instruction comes first.
     const bool any_order = !every_access_ && vector.steps == 1;
     std::string actual, expected;
-    for (const Vector::Access& access : any_order ? reads_sorted(seen) : seen) actual += show(access.write, access.address, access.value);
-    for (const Vector::Access& access : any_order ? reads_sorted(named) : named) expected += show(access.write, access.address, access.value);
+    for (const Vector::Access& access : any_order ? reads_sorted(seen) : seen)
+      actual += show(access.write, access.address, access.value);
+    for (const Vector::Access& access : any_order ? reads_sorted(named) : named)
+      expected += show(access.write, access.address, access.value);
     if (actual != expected)
       found_.push_back(fmt::format("the bus shows{}, expected{}", actual.empty() ? " nothing" : actual,
                                    expected.empty() ? " nothing" : expected));
@@ -212,7 +220,8 @@ void run_file(const std::string& path, Bench& bench, Totals& totals, std::size_t
         continue;
       }
       ++totals.failed;
-      if (totals.failures.size() < shown) totals.failures.push_back({path, lines.number(), vector.id, std::move(differences)});
+      if (totals.failures.size() < shown)
+        totals.failures.push_back({path, lines.number(), vector.id, std::move(differences)});
     } catch (const VectorError& error) {
       throw InputError(fmt::format("{}:{}: {}", path, lines.number(), error.what()));
     }
@@ -229,7 +238,10 @@ void print_text(const Totals& totals) {
 
 void print_json(const Totals& totals) {
   using Json = nlohmann::ordered_json;
-  Json root = {{"passed", totals.passed}, {"failed", totals.failed}, {"stop_reason", totals.interrupted ? "interrupted" : "completed"}, {"failures", Json::array()}};
+  Json root = {{"passed", totals.passed},
+               {"failed", totals.failed},
+               {"stop_reason", totals.interrupted ? "interrupted" : "completed"},
+               {"failures", Json::array()}};
   for (const Failure& failure : totals.failures)
     root["failures"].push_back(
         {{"file", failure.file}, {"line", failure.line}, {"id", failure.id}, {"differences", failure.differences}});
@@ -243,7 +255,8 @@ int vectors(const VectorOptions& options) {
   Totals totals;
   const io::StopBySignal signals;
   for (const std::string& file : options.files) run_file(file, bench, totals, static_cast<std::size_t>(options.show));
-  if (totals.passed + totals.failed == 0 && !totals.interrupted) throw InputError(fmt::format("{}: holds no vector", options.files.front()));
+  if (totals.passed + totals.failed == 0 && !totals.interrupted)
+    throw InputError(fmt::format("{}: holds no vector", options.files.front()));
   (options.json ? print_json : print_text)(totals);
   if (totals.interrupted) return signals.status(run_failed);
   return totals.failed == 0 ? success : run_failed;

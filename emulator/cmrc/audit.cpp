@@ -27,7 +27,8 @@ void Audit::violated(std::size_t block, report::Time time, const std::string& wh
 void Audit::pass(std::size_t block, State from, State to, report::Time time, const char* what) {
   ++checks_;
   Block& known = at(block);
-  if (known.state != from) violated(block, time, fmt::format("{} while {}", what, state_names[static_cast<int>(known.state)]));
+  if (known.state != from)
+    violated(block, time, fmt::format("{} while {}", what, state_names[static_cast<int>(known.state)]));
   known.state = to;
 }
 
@@ -44,8 +45,12 @@ void Audit::finished(std::size_t block, unsigned slot, report::Time time) {
   if (owner != slot) violated(block, time, fmt::format("taken by DSP {}, finished by DSP {}", owner, slot));
 }
 
-void Audit::put_back(std::size_t block, report::Time time) { pass(block, State::taken, State::waiting, time, "put back"); }
+void Audit::put_back(std::size_t block, report::Time time) {
+  pass(block, State::taken, State::waiting, time, "put back");
+}
 void Audit::removed(std::size_t block, report::Time time) { pass(block, State::done, State::absent, time, "removed"); }
-void Audit::dropped(std::size_t block, report::Time time) { pass(block, State::taken, State::absent, time, "given up"); }
+void Audit::dropped(std::size_t block, report::Time time) {
+  pass(block, State::taken, State::absent, time, "given up");
+}
 
 }  // namespace cmrc

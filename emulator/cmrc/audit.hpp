@@ -1,5 +1,6 @@
 #pragma once
-// The life of every task block, checked as it runs: each is in exactly one state with one owner, and each that was loaded ends once.
+// The life of every task block, checked as it runs: each is in exactly one state with one owner, and each that was
+// loaded ends once.
 //
 //     absent -> waiting -> taken -> done -> absent
 //                  ^---------|        (put back by the watchdog)

@@ -11,7 +11,9 @@ namespace cmrc {
 namespace {
 
 /// Words in a FIFO, by its field of the status, in which 15 says that it is full.
-std::size_t level(Word status, const c40::Field& field) { return std::min<std::size_t>(field.of(status), c40::Fifo::depth); }
+std::size_t level(Word status, const c40::Field& field) {
+  return std::min<std::size_t>(field.of(status), c40::Fifo::depth);
+}
 
 }  // namespace
 
@@ -40,8 +42,10 @@ bool Boots::step(Time now, machine::HostPort& port) {
       port.read(at(words_.link_status), 1, 0);
       return true;
     }
-    if (boot.stream.empty() && boot.progress + limit_ <= now) end("it never asked for its program");
-    else std::rotate(boots_.begin(), boots_.begin() + 1, boots_.end());
+    if (boot.stream.empty() && boot.progress + limit_ <= now)
+      end("it never asked for its program");
+    else
+      std::rotate(boots_.begin(), boots_.begin() + 1, boots_.end());
   }
   return false;
 }
@@ -51,8 +55,10 @@ bool Boots::answer(Word word, Time now, machine::HostPort& port) {
     case Asked::request: begin(word, now, port); return false;
     case Asked::status: return look(word, now, port);
     case Asked::answer:
-      if (word == boots_.front().slot + 1) end({});
-      else end(fmt::format("its program answered {:08X}h, and {:08X}h is expected", word, boots_.front().slot + 1));
+      if (word == boots_.front().slot + 1)
+        end({});
+      else
+        end(fmt::format("its program answered {:08X}h, and {:08X}h is expected", word, boots_.front().slot + 1));
       return false;
   }
   return false;

@@ -1,8 +1,10 @@
 #pragma once
-// Booting DSPs, as the host does it between its refreshes: it learns from LINK_REQUEST who waits, and writes each one's boot stream into its
-// port of the link adapter, as many words at a time as the port's FIFO has room for, until the DSP answers with its slot + 1.
+// Booting DSPs, as the host does it between its refreshes: it learns from LINK_REQUEST who waits, and writes each one's
+// boot stream into its port of the link adapter, as many words at a time as the port's FIFO has room for, until the DSP
+// answers with its slot + 1.
 //
-// Several are booted at once, in turn. One that takes no word for the limit, or answers something else, is given up until it is reset.
+// Several are booted at once, in turn. One that takes no word for the limit, or answers something else, is given up
+// until it is reset.
 #include <cstdint>
 #include <deque>
 #include <functional>

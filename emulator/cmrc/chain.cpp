@@ -54,7 +54,8 @@ void PointChain::tell(Desk& desk) {
   const Robot robot = trajectory_.robot;
   if (!std::exchange(begin_told_, true)) desk.leg_begun(robot, told_, interval_, begun_at_);
   const std::int64_t consumed = consumed_by(desk.tick());
-  for (; told_ < consumed; ++told_) desk.milestone(robot, Milestone::Kind::point, told_, drive_buffer_ ? desk.tick() : base_ - interval_);
+  for (; told_ < consumed; ++told_)
+    desk.milestone(robot, Milestone::Kind::point, told_, drive_buffer_ ? desk.tick() : base_ - interval_);
   if (!end_told_ && through(desk.tick())) {
     end_told_ = true;
     desk.milestone(robot, Milestone::Kind::leg_ended, 0, desk.tick());

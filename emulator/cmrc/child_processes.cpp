@@ -95,14 +95,16 @@ std::string ChildProcess::wait() {
   int status = 0;
   ::waitpid(std::exchange(process_, 0), &status, 0);
   if (answer_.empty()) {
-    throw std::runtime_error(WIFSIGNALED(status) ? fmt::format("a child process was ended by signal {}", WTERMSIG(status))
-                                                 : "a child process ended without a word");
+    throw std::runtime_error(WIFSIGNALED(status)
+                                 ? fmt::format("a child process was ended by signal {}", WTERMSIG(status))
+                                 : "a child process ended without a word");
   }
   if (answer_[0] == bad) throw std::runtime_error(answer_.substr(1));
   return answer_.substr(1);
 }
 
-std::vector<std::optional<std::string>> in_processes(std::size_t count, unsigned at_once, const std::function<std::string(std::size_t)>& work,
+std::vector<std::optional<std::string>> in_processes(std::size_t count, unsigned at_once,
+                                                     const std::function<std::string(std::size_t)>& work,
                                                      const std::function<void(std::size_t, const std::string&)>& done) {
   std::vector<std::optional<std::string>> answers(count);
   std::map<std::size_t, std::unique_ptr<ChildProcess>> children;  // by the number of their work

@@ -87,10 +87,12 @@ std::string what_is_right(const Key& key) {
 
 /// The value in the key's own type, range checked.
 Value checked(const Key& key, const Value& value, const Origin& origin) {
-  const auto ill_typed = [&]() -> Value { refuse(origin, key.name, fmt::format("{} is {}", show(value), noun(value)),
-                                               what_is_right(key)); };
-  const auto out_of_range = [&]() -> Value { refuse(origin, key.name, fmt::format("{} is out of range", show(value)),
-                                                  what_is_right(key)); };
+  const auto ill_typed = [&]() -> Value {
+    refuse(origin, key.name, fmt::format("{} is {}", show(value), noun(value)), what_is_right(key));
+  };
+  const auto out_of_range = [&]() -> Value {
+    refuse(origin, key.name, fmt::format("{} is out of range", show(value)), what_is_right(key));
+  };
   switch (key.type) {
     case Key::Type::boolean: return std::holds_alternative<bool>(value) ? value : ill_typed();
     case Key::Type::text: return std::holds_alternative<std::string>(value) ? value : ill_typed();
@@ -110,9 +112,12 @@ Value checked(const Key& key, const Value& value, const Origin& origin) {
     }
     case Key::Type::number: {
       double number = 0;
-      if (const auto* real = std::get_if<double>(&value)) number = *real;
-      else if (const auto* integer = std::get_if<std::int64_t>(&value)) number = static_cast<double>(*integer);
-      else return ill_typed();
+      if (const auto* real = std::get_if<double>(&value))
+        number = *real;
+      else if (const auto* integer = std::get_if<std::int64_t>(&value))
+        number = static_cast<double>(*integer);
+      else
+        return ill_typed();
       if (!(number >= key.minimum && number <= key.maximum)) return out_of_range();
       return number;
     }
@@ -133,10 +138,12 @@ Value value_of(const toml::node& node, std::string_view key, const Origin& origi
 }
 
 /// The tables of [[events]] or [[tasks]], as fields with their places.
-std::vector<std::pair<std::map<std::string, Field>, Origin>> tables_of(const toml::node& node, const std::string& kind, const std::string& name) {
+std::vector<std::pair<std::map<std::string, Field>, Origin>> tables_of(const toml::node& node, const std::string& kind,
+                                                                       const std::string& name) {
   const toml::array* list = node.as_array();
   if (list == nullptr || !list->is_homogeneous<toml::table>()) {
-    refuse(origin_of(node.source(), name), kind, "is no list of tables", fmt::format("[[{}]] begins each of them", kind));
+    refuse(origin_of(node.source(), name), kind, "is no list of tables",
+           fmt::format("[[{}]] begins each of them", kind));
   }
   std::vector<std::pair<std::map<std::string, Field>, Origin>> all;
   for (const toml::node& element : *list) {
@@ -177,7 +184,8 @@ Intervals intervals(const Config& config) {
   const auto slowed = [&](std::int64_t n, WorkMode mode) {
     return s.work_mode == mode ? static_cast<std::int64_t>(std::llround(static_cast<double>(n) * s.slow_factor)) : n;
   };
-  Intervals n{floor_of(r.servo_frequency_hz), floor_of(r.crane_point_frequency_hz), floor_of(r.agv_point_frequency_hz), 0, 0};
+  Intervals n{floor_of(r.servo_frequency_hz), floor_of(r.crane_point_frequency_hz), floor_of(r.agv_point_frequency_hz),
+              0, 0};
   n.agv_slowed = s.agv_interval_refreshes == 0 ? slowed(n.agv_point, WorkMode::slowed_agv) : s.agv_interval_refreshes;
   n.crane_slowed = slowed(n.crane_point, WorkMode::slowed_crane);
   return n;
@@ -289,7 +297,8 @@ Config ConfigBuilder::build() const {
   check_invariants(config, std::move(origins));
   if (config.errors.clear) {
     const auto at = origins.find("errors.clear");
-    refuse(at == origins.end() ? Origin{} : at->second, "errors.clear", "no error stands before the run", "an event \"set\" of this key is expected");
+    refuse(at == origins.end() ? Origin{} : at->second, "errors.clear", "no error stands before the run",
+           "an event \"set\" of this key is expected");
   }
   check_events(config);
   return config;
@@ -304,7 +313,8 @@ void check_live(std::string_view name, const Value& value, const Origin& origin)
   const auto index = find(name);
   if (!index) refuse(origin, name, "no such key", fmt::format("the nearest known key is {}", nearest(name)));
   const Key& key = keys()[*index];
-  if (!key.live) refuse(origin, name, "cannot be changed while a run is on", "docs/configuration.md marks the keys that can");
+  if (!key.live)
+    refuse(origin, name, "cannot be changed while a run is on", "docs/configuration.md marks the keys that can");
   checked(key, value, origin);
 }
 
@@ -313,10 +323,15 @@ KeyBits bits_of(std::string_view name, const Value& value) {
   const Key& key = keys()[index];
   const Value exact = checked(key, value, {});
   std::uint64_t bits = 0;
-  if (const auto* flag = std::get_if<bool>(&exact)) bits = *flag ? 1 : 0;
-  else if (const auto* integer = std::get_if<std::int64_t>(&exact)) bits = static_cast<std::uint64_t>(*integer);
-  else if (const auto* number = std::get_if<double>(&exact)) bits = std::bit_cast<std::uint64_t>(*number);
-  else bits = static_cast<std::uint64_t>(std::ranges::find(key.choices, std::get<std::string>(exact)) - key.choices.begin());
+  if (const auto* flag = std::get_if<bool>(&exact))
+    bits = *flag ? 1 : 0;
+  else if (const auto* integer = std::get_if<std::int64_t>(&exact))
+    bits = static_cast<std::uint64_t>(*integer);
+  else if (const auto* number = std::get_if<double>(&exact))
+    bits = std::bit_cast<std::uint64_t>(*number);
+  else
+    bits =
+        static_cast<std::uint64_t>(std::ranges::find(key.choices, std::get<std::string>(exact)) - key.choices.begin());
   return {static_cast<std::uint32_t>(index), bits};
 }
 

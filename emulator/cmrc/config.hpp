@@ -59,8 +59,8 @@ struct Config {
     bool strict = false;          ///< a missed deadline makes the run fail
     bool ideal = false;           ///< with instant execution
     RunUntil until = RunUntil::duration;
-    double after_stop_s = 10;     ///< for which the plant goes on, braked, when nothing drives the crane any more
-    bool phase_jitter = false;    ///< each oscillator has a phase and a frequency of its own
+    double after_stop_s = 10;   ///< for which the plant goes on, braked, when nothing drives the crane any more
+    bool phase_jitter = false;  ///< each oscillator has a phase and a frequency of its own
   } run;
   struct Machine {
     std::int64_t dsps = 4;
@@ -77,8 +77,8 @@ struct Config {
     std::string nets;               ///< between pins of slots
   } machine;
   struct Rates {
-    double refresh_frequency_hz = 8000;  ///< f_s
-    double servo_frequency_hz = 1000;    ///< f_p
+    double refresh_frequency_hz = 8000;     ///< f_s
+    double servo_frequency_hz = 1000;       ///< f_p
     double crane_point_frequency_hz = 125;  ///< f_t
     double agv_point_frequency_hz = 50;     ///< f_a
   } rates;
@@ -94,12 +94,12 @@ struct Config {
     std::int64_t agv_interval_refreshes = 0;  ///< N^_a at the start; 0: N_a
     std::int64_t agv_interval_max_refreshes = 320;
     std::int64_t buffer_points = 2;
-    std::int64_t agv_buffer_points = 0;    ///< 0: as buffer_points
+    std::int64_t agv_buffer_points = 0;  ///< 0: as buffer_points
     WorkMode work_mode = WorkMode::full_load;
     double slow_factor = 1.5;
     bool pid_after_torque = false;
-    std::int64_t long_blocks_max = 0;      ///< 0: no cap
-    std::int64_t slice_cycles = 0;         ///< 0: long tasks run whole
+    std::int64_t long_blocks_max = 0;  ///< 0: no cap
+    std::int64_t slice_cycles = 0;     ///< 0: long tasks run whole
     TimeAfterDelay time_after_delay = TimeAfterDelay::elapsed;
     ServoReload servo_reload = ServoReload::locked;
     Learning learning = Learning::off;
@@ -110,7 +110,7 @@ struct Config {
     std::int64_t servo_loss_run = 1;      ///< so many in a row
     std::int64_t servo_served_every = 1;  ///< only every so manieth tick is served
     AgvPhase agv_phase = AgvPhase::staggered;
-    double event_field_m = 15;             ///< ahead of an AGV's range sensor
+    double event_field_m = 15;              ///< ahead of an AGV's range sensor
     std::int64_t event_read_refreshes = 8;  ///< from a reading of that sensor by the host to the next
   } scheduling;
   struct Watchdog {
@@ -141,8 +141,8 @@ struct Config {
   } kernels;
   struct Load {
     std::int64_t avoidance_cycles = 0;  ///< of the synthetic avoidance block; 0: that one is not loaded
-    bool driving = false;  ///< all AGVs begin with an empty round
-    bool parked = false;   ///< none does, and avoidance runs for those that stand, too
+    bool driving = false;               ///< all AGVs begin with an empty round
+    bool parked = false;                ///< none does, and avoidance runs for those that stand, too
   } load;
   struct Bus {
     double clock_hz = 100e6 / 3;
@@ -238,25 +238,26 @@ struct Config {
   } errors;
   struct Report {
     ReferenceKind reference = ReferenceKind::ideal;
-    std::int64_t signal_decimation = 80;  ///< latches (125 us) per recorded sample
+    std::int64_t signal_decimation = 80;   ///< latches (125 us) per recorded sample
     std::int64_t signal_rows_max = 65536;  ///< then each second row goes
     std::int64_t error_rows_max = 524288;  ///< latches kept of a run, and of its ideal run
-    std::int64_t samples_max = 65536;     ///< of a summary, up to which its percentiles are exact
-    std::int64_t misses_max = 1000;       ///< missed jobs told one by one
-    double control_cost_rho_m2 = 1e-6;    ///< weight of the drives in the control cost
+    std::int64_t samples_max = 65536;      ///< of a summary, up to which its percentiles are exact
+    std::int64_t misses_max = 1000;        ///< missed jobs told one by one
+    double control_cost_rho_m2 = 1e-6;     ///< weight of the drives in the control cost
   } report;
-  std::vector<double> plant = plant_defaults();  ///< of crane, drives, vehicles and landing: in the order and units of plant_parameters()
-  std::vector<TimedEvent> events;  ///< in the order in which they were given
-  std::vector<UserTask> tasks;     ///< the user's own, in the order of KIND_USER + n
+  std::vector<double> plant =
+      plant_defaults();  ///< of crane, drives, vehicles and landing: in the order and units of plant_parameters()
+  std::vector<TimedEvent> events;                 ///< in the order in which they were given
+  std::vector<UserTask> tasks;                    ///< the user's own, in the order of KIND_USER + n
   ProcessTable processes = built_in_processes();  ///< with the rows given laid over those built in
 };
 
 /// Equations (5) and (6): refreshes between runs.
 struct Intervals {
-  std::int64_t servo;       ///< N_p
-  std::int64_t crane_point; ///< N_t
-  std::int64_t agv_point;   ///< N_a
-  std::int64_t agv_slowed;  ///< N^_a at the start
+  std::int64_t servo;         ///< N_p
+  std::int64_t crane_point;   ///< N_t
+  std::int64_t agv_point;     ///< N_a
+  std::int64_t agv_slowed;    ///< N^_a at the start
   std::int64_t crane_slowed;  ///< N^_t, N_t unless the crane is slowed
 };
 Intervals intervals(const Config& config);

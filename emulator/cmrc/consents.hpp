@@ -1,8 +1,10 @@
 #pragma once
-// May-load as tokens (plant-and-bus.md 4.4, items 13 to 16): a process starts when every process that has to consent has.
+// May-load as tokens (plant-and-bus.md 4.4, items 13 to 16): a process starts when every process that has to consent
+// has.
 //
-// A consent is a one-place token, taken away when its target starts. Those that an AGV's process gives are kept per AGV. One that the crane's
-// or nobody's process gives to an AGV's process holds for every AGV ("the job is done", 1 to 8), and stays until it is cleared.
+// A consent is a one-place token, taken away when its target starts. Those that an AGV's process gives are kept per
+// AGV. One that the crane's or nobody's process gives to an AGV's process holds for every AGV ("the job is done", 1 to
+// 8), and stays until it is cleared.
 #include <cstdint>
 #include <vector>
 

@@ -14,24 +14,32 @@ namespace {
 using Joint = Config::Control::Joint;
 
 double derivative_time(const Joint& joint) { return 2 * joint.damping / joint.bandwidth_rad_s; }
-double integral_time(const Joint& joint) { return joint.integral_time_s > 0 ? joint.integral_time_s : 6 / joint.bandwidth_rad_s; }
+double integral_time(const Joint& joint) {
+  return joint.integral_time_s > 0 ? joint.integral_time_s : 6 / joint.bandwidth_rad_s;
+}
 
-// What a drive has to move above the load's swing, in the terms of ControlLaw::Row::k (docs/control.md): rotor and all that is stiffly behind it.
+// What a drive has to move above the load's swing, in the terms of ControlLaw::Row::k (docs/control.md): rotor and all
+// that is stiffly behind it.
 std::array<double, 5> inertia(std::size_t channel, const plant::CraneParameters& p) {
   const bool gantry = p.machine == plant::Machine::gantry;
-  const plant::DriveParameters& drive = p.drives.at(static_cast<std::size_t>(plant::drive_channels(p.machine).at(channel)));
+  const plant::DriveParameters& drive =
+      p.drives.at(static_cast<std::size_t>(plant::drive_channels(p.machine).at(channel)));
   const double rotor = drive.rotor_inertia * drive.gear * drive.gear;
   switch (channel) {
-    case 0: return gantry ? std::array<double, 5>{} : std::array<double, 5>{rotor + p.gantry_mass + p.jib_mass + p.counterweight};
+    case 0:
+      return gantry ? std::array<double, 5>{}
+                    : std::array<double, 5>{rotor + p.gantry_mass + p.jib_mass + p.counterweight};
     case 1:
       if (gantry) return {rotor + p.gantry_mass + p.jib_mass};
-      return {rotor + p.slew_inertia + p.counterweight * p.counterweight_radius * p.counterweight_radius + p.jib_mass * p.a0 * p.a0, 0,
-              2 * p.jib_mass * p.a0 * p.jib_centre, p.jib_inertia + p.jib_mass * p.jib_centre * p.jib_centre};
+      return {rotor + p.slew_inertia + p.counterweight * p.counterweight_radius * p.counterweight_radius +
+                  p.jib_mass * p.a0 * p.a0,
+              0, 2 * p.jib_mass * p.a0 * p.jib_centre, p.jib_inertia + p.jib_mass * p.jib_centre * p.jib_centre};
     case 2:
       if (gantry) return {rotor + p.jib_mass};
       return {rotor + p.jib_inertia + p.jib_mass * p.jib_centre * p.jib_centre, 0, 0, 0, p.jib * p.jib};
     case 3: return {rotor, 1};
-    // Not the load: near anything it hangs on falls that are soft in skew, and a gain with it is several times too high.
+    // Not the load: near anything it hangs on falls that are soft in skew, and a gain with it is several times too
+    // high.
     default: return {rotor + p.spreader_inertia};
   }
 }
@@ -87,7 +95,8 @@ ControlLaw control_law(const Config::Control& control, const plant::CraneParamet
   ControlLaw law;
   for (std::size_t channel = 0; channel < control_channels; ++channel) {
     const Joint& joint = joint_of(control, crane.machine, channel);
-    const plant::DriveParameters& drive = crane.drives.at(static_cast<std::size_t>(plant::drive_channels(crane.machine).at(channel)));
+    const plant::DriveParameters& drive =
+        crane.drives.at(static_cast<std::size_t>(plant::drive_channels(crane.machine).at(channel)));
     ControlLaw::Row& row = law.rows.at(channel);
     row.k = inertia(channel, crane);
     for (double& term : row.k) term *= joint.bandwidth_rad_s * joint.bandwidth_rad_s / (drive.gear * drive.efficiency);
@@ -96,7 +105,8 @@ ControlLaw control_law(const Config::Control& control, const plant::CraneParamet
     row.integral_s = integral_time(joint);
     row.share = joint.feed_forward;
   }
-  law.sway = {control.sway_gain_m_s_rad, control.wind_observer_rad_s, control.sway_filter_s, control.sway_limit_mrad * 1e-3};
+  law.sway = {control.sway_gain_m_s_rad, control.wind_observer_rad_s, control.sway_filter_s,
+              control.sway_limit_mrad * 1e-3};
   return law;
 }
 
@@ -104,22 +114,33 @@ std::array<Word, 7> speed_words(const Config::Control& c, plant::Machine machine
   const auto within = [](double v) { return ti_float(1 / v); };
   // The hoist pays out for luffing beside the load's own way.
   const Word vertical = within(0.8 * c.hoist.speed_limit), yaw = within(c.rotator.speed_limit), none = ti_float(0);
-  if (machine == plant::Machine::gantry) return {within(c.trolley.speed_limit), vertical, yaw, within(c.travel.speed_limit), none, none, none};
-  // 2.3 m/s is 0.12 rad/s of slewing at 19 m, and so much of the rotator, which keeps the box's heading meanwhile; in plan the load is slower by as
-  // much as the tightest of its joints.
-  const double plan = 2.3 * std::min({c.slew.speed_limit / 0.12, c.luff.speed_limit / 0.05, c.rotator.speed_limit / 0.12});
-  return {within(plan), vertical, yaw, none, within(c.slew.speed_limit), within(c.luff.speed_limit), within(c.hoist.speed_limit)};
+  if (machine == plant::Machine::gantry)
+    return {within(c.trolley.speed_limit), vertical, yaw, within(c.travel.speed_limit), none, none, none};
+  // 2.3 m/s is 0.12 rad/s of slewing at 19 m, and so much of the rotator, which keeps the box's heading meanwhile; in
+  // plan the load is slower by as much as the tightest of its joints.
+  const double plan =
+      2.3 * std::min({c.slew.speed_limit / 0.12, c.luff.speed_limit / 0.05, c.rotator.speed_limit / 0.12});
+  return {within(plan),
+          vertical,
+          yaw,
+          none,
+          within(c.slew.speed_limit),
+          within(c.luff.speed_limit),
+          within(c.hoist.speed_limit)};
 }
 
-// State: place, speed and acceleration of the joint by its motor, then what PID keeps: P, D, the last error. Inertia 1, set-point 0.
+// State: place, speed and acceleration of the joint by its motor, then what PID keeps: P, D, the last error. Inertia 1,
+// set-point 0.
 double loop_radius(const Joint& settings, double h, double lag) {
-  const double k = settings.bandwidth_rad_s * settings.bandwidth_rad_s, t_d = derivative_time(settings), t_i = integral_time(settings);
+  const double k = settings.bandwidth_rad_s * settings.bandwidth_rad_s, t_d = derivative_time(settings),
+               t_i = integral_time(settings);
   const double n = settings.derivative_filter, filter = t_d / (t_d + n * h), decay = lag > 0 ? plant::exp(-h / lag) : 0;
   Matrix a{};
   for (std::size_t column = 0; column < 6; ++column) {
     std::array<double, 6> x{};
     x[column] = 1;
-    const double e = -x[0], p = x[3] + k * (e - x[5]), d = filter * (x[4] + k * n * (e - x[5])), u = p + d, gap = x[2] - u;
+    const double e = -x[0], p = x[3] + k * (e - x[5]), d = filter * (x[4] + k * n * (e - x[5])), u = p + d,
+                 gap = x[2] - u;
     const double place = x[0] + x[1] * h + u * h * h / 2 + gap * (lag * h - lag * lag * (1 - decay));
     const double speed = x[1] + u * h + gap * lag * (1 - decay);
     const std::array<double, 6> next = {place, speed, u + gap * decay, p + h * k / t_i * e, d, e};
@@ -153,28 +174,36 @@ std::optional<ControlFault> control_fault(const Config& config, double period_s)
         tried.bandwidth_rad_s = (low + high) / 2;
         (loop_radius(tried, period_s, joint.drive->torque_lag) < 1 ? low : high) = tried.bandwidth_rad_s;
       }
-      const std::string also = low > 0 ? fmt::format("below {:.3g} rad/s with its damping and integral time, ", low) : "";
-      return ControlFault{table + "bandwidth_rad_s",
-                          fmt::format("the {}'s loop is unstable without any delay: with {:g} rad/s, damping {:g}, integral time {:g} s, filter {:g} and a servo period of {:g} ms a pole stands at {:.4g}",
-                                      joint.name, s.bandwidth_rad_s, s.damping, integral_time(s), s.derivative_filter, period_s * 1e3, radius),
-                          fmt::format("a bandwidth {}or a higher rates.servo_frequency_hz is expected (docs/control.md)", also)};
+      const std::string also =
+          low > 0 ? fmt::format("below {:.3g} rad/s with its damping and integral time, ", low) : "";
+      return ControlFault{
+          table + "bandwidth_rad_s",
+          fmt::format("the {}'s loop is unstable without any delay: with {:g} rad/s, damping {:g}, integral time {:g} "
+                      "s, filter {:g} and a servo period of {:g} ms a pole stands at {:.4g}",
+                      joint.name, s.bandwidth_rad_s, s.damping, integral_time(s), s.derivative_filter, period_s * 1e3,
+                      radius),
+          fmt::format("a bandwidth {}or a higher rates.servo_frequency_hz is expected (docs/control.md)", also)};
     }
-    const bool moved = joint.name != "travel" || crane.machine == plant::Machine::gantry;  // a slewing crane's stands during a lift
+    const bool moved =
+        joint.name != "travel" || crane.machine == plant::Machine::gantry;  // a slewing crane's stands during a lift
     if (moved && s.speed_limit > joint.drive->rated_joint_speed()) {
-      return ControlFault{fmt::format("{}speed_limit_{}", table, joint.unit),
-                          fmt::format("{:g} is above the drive's rated speed, {:.4g}", s.speed_limit, joint.drive->rated_joint_speed()),
-                          "a limit up to the rated speed is expected"};
+      return ControlFault{
+          fmt::format("{}speed_limit_{}", table, joint.unit),
+          fmt::format("{:g} is above the drive's rated speed, {:.4g}", s.speed_limit, joint.drive->rated_joint_speed()),
+          "a limit up to the rated speed is expected"};
     }
   }
   if (config.dock.ramp_speed_m_s > config.control.hoist.speed_limit) {
     return ControlFault{"control.hoist_speed_limit_m_s",
-                        fmt::format("{:g} m/s is below dock.ramp_speed_m_s, {:g} m/s", config.control.hoist.speed_limit, config.dock.ramp_speed_m_s),
+                        fmt::format("{:g} m/s is below dock.ramp_speed_m_s, {:g} m/s", config.control.hoist.speed_limit,
+                                    config.dock.ramp_speed_m_s),
                         "a limit of at least the ramps' speed is expected"};
   }
   return std::nullopt;
 }
 
-// ---- the words in shared memory ----------------------------------------------------------------------------------------
+// ---- the words in shared memory
+// ----------------------------------------------------------------------------------------
 
 ControlBlock::ControlBlock(const Config& config, const Words& words)
     : words_(words), crane_(crane_parameters(config)), now_(control_law(config.control, crane_)), wanted_(now_) {}
@@ -183,7 +212,9 @@ std::vector<Word> ControlBlock::row_words(std::size_t channel, double share_befo
   const ControlLaw::Row& row = now_.rows.at(channel);
   std::vector<Word> all;
   for (const double term : row.k) all.push_back(ti_float(term));
-  for (const double value : {row.n, row.derivative_s, 1 / row.integral_s, 1 / std::sqrt(row.derivative_s * row.integral_s), row.share, share_before}) all.push_back(ti_float(value));
+  for (const double value : {row.n, row.derivative_s, 1 / row.integral_s,
+                             1 / std::sqrt(row.derivative_s * row.integral_s), row.share, share_before})
+    all.push_back(ti_float(value));
   return all;
 }
 

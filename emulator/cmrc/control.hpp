@@ -1,5 +1,6 @@
 #pragma once
-// The servo's law as the configuration gives it ([control]; docs/control.md): the words that PID reads, and whether the loops are stable.
+// The servo's law as the configuration gives it ([control]; docs/control.md): the words that PID reads, and whether the
+// loops are stable.
 #include <array>
 #include <cstddef>
 #include <functional>
@@ -19,8 +20,8 @@ class Visitor;
 namespace cmrc {
 
 inline constexpr std::size_t control_channels = 5;
-inline constexpr std::size_t control_row = 11;   ///< words of one channel, in the order of PC_K to PC_SHARE_BEFORE
-inline constexpr std::size_t control_sway = 4;   ///< words against sway
+inline constexpr std::size_t control_row = 11;  ///< words of one channel, in the order of PC_K to PC_SHARE_BEFORE
+inline constexpr std::size_t control_sway = 4;  ///< words against sway
 
 /// What PID computes with, channel by channel of drives and encoders; SI units.
 struct ControlLaw {
@@ -50,8 +51,8 @@ struct ControlJoint {
 /// The joints of a machine, in the order of the channels; without the gantry's spare one.
 std::vector<ControlJoint> control_joints(const Config::Control& control, const plant::CraneParameters& crane);
 
-/// The largest modulus of a pole of one joint's sampled loop: PID, code held for `period_s`, torque lag, the joint's inertia; no delay.
-/// It does not depend on the inertia, for the gain goes with it. Below 1: stable.
+/// The largest modulus of a pole of one joint's sampled loop: PID, code held for `period_s`, torque lag, the joint's
+/// inertia; no delay. It does not depend on the inertia, for the gain goes with it. Below 1: stable.
 double loop_radius(const Config::Control::Joint& settings, double period_s, double torque_lag_s);
 
 /// What cannot work; `key` is the one to be named.
@@ -60,7 +61,8 @@ struct ControlFault {
 };
 std::optional<ControlFault> control_fault(const Config& config, double period_s);
 
-/// The words of CR_CONTROL_BLOCK in shared memory. A joint's row changes only while the joint rests, and PID's words only between its runs.
+/// The words of CR_CONTROL_BLOCK in shared memory. A joint's row changes only while the joint rests, and PID's words
+/// only between its runs.
 class ControlBlock {
  public:
   ControlBlock(const Config& config, const Words& words);

@@ -10,9 +10,12 @@ namespace cmrc {
 
 Rows::Rows(std::size_t rows, std::size_t width) : room_(rows), width_(width) {
   if (rows == 0) return;
-  void* memory = ::mmap(nullptr, rows * width * sizeof(double), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  void* memory = ::mmap(nullptr, rows * width * sizeof(double), PROT_READ | PROT_WRITE,
+                        MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   if (memory == MAP_FAILED) {
-    throw std::runtime_error(fmt::format("report.reference: no memory for the course of {} latches; a shorter run.duration_s or \"none\" is expected", rows));
+    throw std::runtime_error(fmt::format(
+        "report.reference: no memory for the course of {} latches; a shorter run.duration_s or \"none\" is expected",
+        rows));
   }
   data_ = static_cast<double*>(memory);
 }
@@ -21,7 +24,8 @@ Rows::~Rows() {
   if (data_ != nullptr) ::munmap(data_, room_ * width_ * sizeof(double));
 }
 
-Course::Course(std::size_t rows, int agvs) : rows_(rows, agv_column + 2 * static_cast<std::size_t>(agvs)), agvs_(agvs) {}
+Course::Course(std::size_t rows, int agvs)
+    : rows_(rows, agv_column + 2 * static_cast<std::size_t>(agvs)), agvs_(agvs) {}
 
 void Course::latch(const plant::Dock& dock, Time time) {
   if (rows_.room() == 0 || time <= Time{}) return;
@@ -73,12 +77,14 @@ void Course::leg_begun(Robot robot, std::int64_t first, Time interval, Time at) 
   milestone(robot, Milestone::Kind::leg_begun, 0, at);
 }
 
-// A key: process, how many the robot has begun, kind, leg within the process, number within the leg or of its kind within the process.
+// A key: process, how many the robot has begun, kind, leg within the process, number within the leg or of its kind
+// within the process.
 void Course::milestone(Robot robot, Milestone::Kind kind, std::int64_t number, Time at) {
   Place& place = places_[robot];
   std::uint64_t within = place.counts[static_cast<std::size_t>(kind)]++;
   if (kind == Milestone::Kind::point) within = static_cast<std::uint64_t>(number - place.first_point);
-  const std::uint64_t key = place.process << 60 | (place.begun & 0xFFFF) << 44 | (place.legs & 0xFF) << 36 | static_cast<std::uint64_t>(kind) << 32 | (within & 0xFFFFFFFF);
+  const std::uint64_t key = place.process << 60 | (place.begun & 0xFFFF) << 44 | (place.legs & 0xFF) << 36 |
+                            static_cast<std::uint64_t>(kind) << 32 | (within & 0xFFFFFFFF);
   Leg& leg = legs_[robot];
   switch (kind) {
     case Milestone::Kind::leg_begun: leg = {at, leg_intervals_.back(), true, leg.starved}; break;
@@ -93,7 +99,9 @@ void Course::milestone(Robot robot, Milestone::Kind kind, std::int64_t number, T
 
 void Course::thin_milestones() {
   points_every_ *= 2;
-  std::erase_if(milestones_, [this](const Milestone& one) { return one.kind() == Milestone::Kind::point && (one.key & 0xFFFFFFFF) % points_every_ != 0; });
+  std::erase_if(milestones_, [this](const Milestone& one) {
+    return one.kind() == Milestone::Kind::point && (one.key & 0xFFFFFFFF) % points_every_ != 0;
+  });
 }
 
 std::uint64_t Course::Leg::starved_at(Time time) const {

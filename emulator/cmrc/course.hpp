@@ -1,6 +1,7 @@
 #pragma once
-// The course of a run: where crane, load and vehicles were at each latch of the drives, and how far each robot's work had come.
-// Two courses, a run's and its ideal run's, are what errors, lag and demand are measured from (docs/report.md, Errors).
+// The course of a run: where crane, load and vehicles were at each latch of the drives, and how far each robot's work
+// had come. Two courses, a run's and its ideal run's, are what errors, lag and demand are measured from
+// (docs/report.md, Errors).
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -23,7 +24,8 @@ using Robot = unsigned;
 /// Rows of doubles, in memory that a child process shares with its parent.
 class Rows {
  public:
-  /// Room for `rows` rows; pages are taken from the system as rows are written. \throws std::runtime_error when there is no room
+  /// Room for `rows` rows; pages are taken from the system as rows are written. \throws std::runtime_error when there
+  /// is no room
   Rows(std::size_t rows, std::size_t width);
   ~Rows();
   Rows(const Rows&) = delete;
@@ -41,9 +43,10 @@ class Rows {
   double* data_ = nullptr;
 };
 
-/// Columns of a course's rows: joints in the order of plant::Joint (rad, m), the load's place in the world (3, m), sway angles (2, rad), then
-/// each AGV's place (2, m).
-inline constexpr std::size_t load_column = plant::joint_count, sway_column = load_column + 3, agv_column = sway_column + 2;
+/// Columns of a course's rows: joints in the order of plant::Joint (rad, m), the load's place in the world (3, m), sway
+/// angles (2, rad), then each AGV's place (2, m).
+inline constexpr std::size_t load_column = plant::joint_count, sway_column = load_column + 3,
+                             agv_column = sway_column + 2;
 
 /// What a robot has done, in the order in which it did it. A key tells the same deed in another run of the same work.
 struct Milestone {
@@ -61,12 +64,13 @@ struct JobTimes {
 };
 using JobsByRobot = std::map<std::pair<std::size_t, Robot>, JobTimes>;  ///< by kind and robot
 
-/// Records one course while its run goes on. Its memory is bounded: where a run is long, only each second, fourth, ... latch has a row, and
-/// only each second, fourth, ... point of a leg is a milestone.
+/// Records one course while its run goes on. Its memory is bounded: where a run is long, only each second, fourth, ...
+/// latch has a row, and only each second, fourth, ... point of a leg is a milestone.
 class Course {
  public:
   static constexpr std::size_t milestones_max = 1 << 18;
-  /// Of a metre or a radian: rows are kept to a nanometre. What is finer is the integrators' noise, of which a long run's snapshot would be full.
+  /// Of a metre or a radian: rows are kept to a nanometre. What is finer is the integrators' noise, of which a long
+  /// run's snapshot would be full.
   static constexpr double parts = 1 << 30;
   static double to_grid(double value) { return std::floor(value * parts + 0.5) / parts; }
 
@@ -100,7 +104,8 @@ class Course {
   const std::vector<Time>& leg_intervals() const { return leg_intervals_; }
   /// Instants at which servoing began and ended, in turn.
   const std::vector<Time>& servo_times() const { return servo_; }
-  /// Whole point intervals inside legs in which a robot consumed no new point, until `end`: a gap of g intervals counts floor(g) - 1. By robot.
+  /// Whole point intervals inside legs in which a robot consumed no new point, until `end`: a gap of g intervals counts
+  /// floor(g) - 1. By robot.
   std::map<Robot, std::uint64_t> starved_intervals(Time end) const;
 
   void list_state(state::Visitor& list);
@@ -110,16 +115,16 @@ class Course {
  private:
   /// Where a robot stands, as far as its milestones' keys need it.
   struct Place {
-    std::uint64_t process = 0, begun = 0;       // number of the process, and how many the robot has begun
-    std::uint64_t legs = 0;                     // begun within the process
-    std::int64_t first_point = 0;               // of the leg
-    std::array<std::uint64_t, 8> counts{};      // of each kind within the process
+    std::uint64_t process = 0, begun = 0;   // number of the process, and how many the robot has begun
+    std::uint64_t legs = 0;                 // begun within the process
+    std::int64_t first_point = 0;           // of the leg
+    std::array<std::uint64_t, 8> counts{};  // of each kind within the process
   };
   /// The leg of a robot, as far as its starving needs it.
   struct Leg {
-    Time last{}, interval{1};                   // when it consumed a point, or the leg began
+    Time last{}, interval{1};  // when it consumed a point, or the leg began
     bool open = false;
-    std::uint64_t starved = 0;                  // intervals, in all legs so far
+    std::uint64_t starved = 0;  // intervals, in all legs so far
     std::uint64_t starved_at(Time time) const;
   };
 
@@ -128,7 +133,7 @@ class Course {
 
   Rows rows_;
   std::size_t size_ = 0;
-  std::int64_t every_ = 1;        // latch of which has a row
+  std::int64_t every_ = 1;          // latch of which has a row
   std::uint64_t points_every_ = 1;  // point of a leg is a milestone
   std::map<Robot, Leg> legs_;
   int agvs_;

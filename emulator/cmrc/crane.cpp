@@ -23,22 +23,30 @@ constexpr double most_eased = 0.3;   // m
 constexpr double hangs = 0.9;        // of what the rope carried before
 // In wind the load is let down in two ramps. Between them it hangs where the guides (0.3 m high) already catch it,
 // until it is over its place.
-constexpr double hover = 0.2;          // m above the surface
-constexpr double steady_for = 0.25;    // s
+constexpr double hover = 0.2;            // m above the surface
+constexpr double steady_for = 0.25;      // s
 constexpr double touching_slower = 0.8;  // the second one meets the surface where it is fastest
 
 }  // namespace
 
 Crane::Crane(const CraneJob& job, const Words& words)
-    : job_(job), words_(words),
-      chain_({.x = task::trajectory, .y = robot_class::crane, .kind = words.kind_trajectory_crane, .area = words.cr_base},
-             {.x = task::inverse, .y = robot_class::crane, .kind = words.kind_inverse_crane, .area = words.cr_base},
-             job.buffer_points),
-      interval_(job.point_interval), next_interval_(job.slowed_interval), speeds_(job.speeds), next_speeds_(job.speeds) {}
+    : job_(job),
+      words_(words),
+      chain_(
+          {.x = task::trajectory, .y = robot_class::crane, .kind = words.kind_trajectory_crane, .area = words.cr_base},
+          {.x = task::inverse, .y = robot_class::crane, .kind = words.kind_inverse_crane, .area = words.cr_base},
+          job.buffer_points),
+      interval_(job.point_interval),
+      next_interval_(job.slowed_interval),
+      speeds_(job.speeds),
+      next_speeds_(job.speeds) {}
 
-std::int64_t Crane::ticks(double seconds) const { return static_cast<std::int64_t>(std::ceil(seconds * job_.refresh_frequency)); }
+std::int64_t Crane::ticks(double seconds) const {
+  return static_cast<std::int64_t>(std::ceil(seconds * job_.refresh_frequency));
+}
 
-// ---- steps -------------------------------------------------------------------------------------------------------------
+// ---- steps
+// -------------------------------------------------------------------------------------------------------------
 
 void Crane::enter(const Step& step, std::optional<unsigned> agv, Desk& desk) {
   retrying_ = false;
@@ -126,7 +134,9 @@ bool Crane::ramp(double delta, Desk& desk) {
   return true;
 }
 
-bool Crane::ramp_done(const Desk& desk) const { return !ramp_pending_ && desk.path(pid_.tick) >= ramp_end_ && pid_.ramp_done; }
+bool Crane::ramp_done(const Desk& desk) const {
+  return !ramp_pending_ && desk.path(pid_.tick) >= ramp_end_ && pid_.ramp_done;
+}
 
 bool Crane::lowered(Desk& desk) {
   switch (phase_) {
@@ -218,8 +228,8 @@ void Crane::landing_missed(Desk& desk) {
   desk.landing_missed(++missed_ > job_.landing_retries);
 }
 
-// Over the ship the container is looked for again and the way to it planned; over an AGV its pose is measured again. Where the table has led
-// elsewhere the load only comes to rest.
+// Over the ship the container is looked for again and the way to it planned; over an AGV its pose is measured again.
+// Where the table has led elsewhere the load only comes to rest.
 void Crane::aim_again(Desk& desk) {
   asked_ = false;
   since_ = desk.tick() + interval_;
@@ -245,7 +255,8 @@ void Crane::landing_again() {
 void Crane::load(Word kind, Word x, Desk& desk) {
   if (asked_) return;
   asked_ = true;
-  desk.load({.x = x, .kind = kind, .area = words_.cr_base, .tick = static_cast<std::uint32_t>(desk.tick())}, std::nullopt);
+  desk.load({.x = x, .kind = kind, .area = words_.cr_base, .tick = static_cast<std::uint32_t>(desk.tick())},
+            std::nullopt);
 }
 
 bool Crane::raised(Desk& desk) {
@@ -254,15 +265,23 @@ bool Crane::raised(Desk& desk) {
   return false;
 }
 
-// ---- blocks that have ended --------------------------------------------------------------------------------------------
+// ---- blocks that have ended
+// --------------------------------------------------------------------------------------------
 
 void Crane::finished(const Task& done, Word result, Word notify, Desk& desk) {
-  if (done.kind == words_.kind_pid) pid_finished(done, result, desk);
-  else if (done.kind == words_.kind_torque) torque_finished(result);
-  else if (done.kind == words_.kind_trajectory_crane) chain_.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0, (notify & words_.must_trajectory) != 0);
-  else if (done.kind == words_.kind_inverse_crane) chain_.inverse_done();
-  else if (done.kind == words_.kind_identify && phase_ == Phase::identify) asked_ = false, phase_ = (notify & words_.must_process << 2) != 0 ? Phase::plan : Phase::rest;
-  else if (done.kind == words_.kind_grab_path && phase_ == Phase::plan) begin_leg(1, desk), phase_ = Phase::align;
+  if (done.kind == words_.kind_pid)
+    pid_finished(done, result, desk);
+  else if (done.kind == words_.kind_torque)
+    torque_finished(result);
+  else if (done.kind == words_.kind_trajectory_crane)
+    chain_.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0,
+                           (notify & words_.must_trajectory) != 0);
+  else if (done.kind == words_.kind_inverse_crane)
+    chain_.inverse_done();
+  else if (done.kind == words_.kind_identify && phase_ == Phase::identify)
+    asked_ = false, phase_ = (notify & words_.must_process << 2) != 0 ? Phase::plan : Phase::rest;
+  else if (done.kind == words_.kind_grab_path && phase_ == Phase::plan)
+    begin_leg(1, desk), phase_ = Phase::align;
 }
 
 void Crane::torque_finished(Word result) {
@@ -271,9 +290,12 @@ void Crane::torque_finished(Word result) {
 }
 
 void Crane::dropped(const Task& lost) {
-  if (lost.kind == words_.kind_trajectory_crane) chain_.lost_trajectory();
-  else if (lost.kind == words_.kind_inverse_crane) chain_.lost_inverse();
-  else asked_ = false;
+  if (lost.kind == words_.kind_trajectory_crane)
+    chain_.lost_trajectory();
+  else if (lost.kind == words_.kind_inverse_crane)
+    chain_.lost_inverse();
+  else
+    asked_ = false;
 }
 
 void Crane::pid_finished(const Task& done, Word result, Desk& desk) {

@@ -14,17 +14,18 @@ namespace cmrc {
 
 /// What the host knows of the crane's world, SI units.
 struct CraneJob {
-  double clearance = 0.6;       ///< m, between a route's end and the surface it aims at
-  double slack = 0.1;           ///< m, by which lowering goes further
-  double ramp_speed = 0.15;     ///< m/s, peak
-  double settle_limit = 20;     ///< s, waiting for the load to come to rest, or over its place in wind
+  double clearance = 0.6;    ///< m, between a route's end and the surface it aims at
+  double slack = 0.1;        ///< m, by which lowering goes further
+  double ramp_speed = 0.15;  ///< m/s, peak
+  double settle_limit = 20;  ///< s, waiting for the load to come to rest, or over its place in wind
   double refresh_frequency = 8000;
   std::int64_t servo_interval = 8;
-  std::int64_t point_interval = 64;    ///< N_t
-  std::int64_t slowed_interval = 64;   ///< N^_t at the start
+  std::int64_t point_interval = 64;   ///< N_t
+  std::int64_t slowed_interval = 64;  ///< N^_t at the start
   std::int64_t buffer_points = 2;
   std::array<std::uint32_t, 7> speeds{};  ///< the words of CR_SPEED (control.hpp)
-  std::int64_t landing_retries = 3;    ///< a load that has not landed is lifted, aligned and lowered again at most so many times
+  std::int64_t landing_retries =
+      3;  ///< a load that has not landed is lifted, aligned and lowered again at most so many times
 };
 
 /// What PID told the host last.
@@ -85,8 +86,9 @@ class Crane {
   /// Commands a hoist ramp; false while the servo's words cannot be changed.
   bool ramp(double delta, Desk& desk);
   bool ramp_done(const Desk& desk) const;
-  /// How far a landing is: the ramp down, prolonged while nothing is met; then, when the corner switches have not closed, the ramp up, a new
-  /// look at what it is to land on, the way over it, rest, and down again (plant-and-bus.md 1.5).
+  /// How far a landing is: the ramp down, prolonged while nothing is met; then, when the corner switches have not
+  /// closed, the ramp up, a new look at what it is to land on, the way over it, rest, and down again
+  /// (plant-and-bus.md 1.5).
   enum class Phase : std::uint8_t { down, up, identify, plan, align, rest, given_up };
   /// Goes on with a landing: true when the load stands and the ramp is over.
   bool lowered(Desk& desk);
@@ -105,29 +107,30 @@ class Crane {
   PointChain chain_;
   PidStatus pid_;
   std::int64_t interval_;
-  std::int64_t next_interval_;          // from the next leg on
+  std::int64_t next_interval_;  // from the next leg on
   std::array<Word, 7> speeds_, next_speeds_;
-  std::int64_t consumed_ = 0;           // points, all of the run
+  std::int64_t consumed_ = 0;  // points, all of the run
   std::int64_t segment_start_ = 0;
-  std::int64_t since_ = 0;              // refresh from which the load may settle, or until which a step holds
-  double ramp_offset_ = 0;              // m added to l when the last ramp is over
-  std::int64_t ramp_end_ = 0;           // by the path's clock
-  int probes_ = 0;                      // how often lowering was prolonged
-  bool hovering_ = false, low_ = false; // in wind: it is let down between the guides, and waits there for a good moment; it has
-  std::int64_t unsteady_ = 0;           // refresh at which it last was not over its place there
-  double load_ = 0, hung_ = 0;          // kg on the rope, and when it was about to be let down
-  double eased_ = 0;                    // m, by which it has been lifted again where it stood jammed
-  bool freed_ = false;                  // since then the corner switches have closed, or the rope has carried the load
+  std::int64_t since_ = 0;     // refresh from which the load may settle, or until which a step holds
+  double ramp_offset_ = 0;     // m added to l when the last ramp is over
+  std::int64_t ramp_end_ = 0;  // by the path's clock
+  int probes_ = 0;             // how often lowering was prolonged
+  bool hovering_ = false,
+       low_ = false;            // in wind: it is let down between the guides, and waits there for a good moment; it has
+  std::int64_t unsteady_ = 0;   // refresh at which it last was not over its place there
+  double load_ = 0, hung_ = 0;  // kg on the rope, and when it was about to be let down
+  double eased_ = 0;            // m, by which it has been lifted again where it stood jammed
+  bool freed_ = false;          // since then the corner switches have closed, or the rope has carried the load
   bool too_windy_ = false;
   bool ramp_pending_ = false;
   bool ramp_told_ = true;
   bool retrying_ = false;
   Phase phase_ = Phase::down;
-  std::int64_t missed_ = 0;             // landings in a row
-  std::optional<bool> again_;           // decided on the last missed landing
+  std::int64_t missed_ = 0;    // landings in a row
+  std::optional<bool> again_;  // decided on the last missed landing
   bool setting_down_ = false;
-  Word leg_ = 0;                        // the last one
-  bool asked_ = false;                  // the block of this phase is out
+  Word leg_ = 0;        // the last one
+  bool asked_ = false;  // the block of this phase is out
 };
 
 }  // namespace cmrc

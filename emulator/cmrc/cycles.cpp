@@ -39,8 +39,10 @@ void Cycles::process(Account account, bool started, unsigned robot, Time now) {
       }
       break;
     case Account::t_4:
-      if (started) loading_begins(robot - 1, now);
-      else loading_ends(robot - 1, lasted());
+      if (started)
+        loading_begins(robot - 1, now);
+      else
+        loading_ends(robot - 1, lasted());
       break;
     case Account::t_5:
       if (auto* cycle = of_agv(robot - 1); cycle != nullptr && !started) cycle->t5 = lasted();
@@ -64,7 +66,7 @@ void Cycles::loading_begins(unsigned number, Time now) {
   Agv& agv = agvs_[number];
   agv.before = std::exchange(agv.cycle, std::nullopt);
   const auto since = std::exchange(agv.waits_since, std::nullopt);  // none: it was there at the start
-  if (!grabbed_) return;  // nothing is accounted as t_3
+  if (!grabbed_) return;                                            // nothing is accounted as t_3
   report::CycleReport& cycle = cycles_.back();
   cycle.t_v = now - *grabbed_;
   cycle.agv = number;
@@ -72,7 +74,8 @@ void Cycles::loading_begins(unsigned number, Time now) {
   if (!agv.before || !since) return;
   report::CycleReport& before = cycles_[*agv.before];
   before.t_w = agv.waited + (now - *since);
-  if (before.t5 && before.t6 && before.T_g) closed_ = AgvCycle{number, *before.t5 + *before.t6, *before.t_w, *cycle.t_v, *before.T_g};
+  if (before.t5 && before.t6 && before.T_g)
+    closed_ = AgvCycle{number, *before.t5 + *before.t6, *before.t_w, *cycle.t_v, *before.T_g};
 }
 
 void Cycles::loading_ends(unsigned number, Time lasted) {
@@ -89,7 +92,8 @@ void Cycles::loading_ends(unsigned number, Time lasted) {
 
 std::optional<AgvCycle> Cycles::take_closed() { return std::exchange(closed_, std::nullopt); }
 
-std::int64_t learned_interval(const Config::Scheduling& rule, std::int64_t present, std::int64_t lowest, unsigned agvs, const AgvCycle& cycle) {
+std::int64_t learned_interval(const Config::Scheduling& rule, std::int64_t present, std::int64_t lowest, unsigned agvs,
+                              const AgvCycle& cycle) {
   if (rule.learning == Learning::off) return present;
   const auto driving = static_cast<double>(cycle.driving.count());
   const auto waiting = static_cast<double>(cycle.t_w.count()) - static_cast<double>(cycle.t_v.count()) * agvs;

@@ -1,9 +1,10 @@
 #pragma once
-// Times of the processes, cycle by cycle (equations 2 to 4), and learning of N^_a from them (plant-and-bus.md 4.7). Which process counts as t_3,
-// t_4, t_5 or t_6 its row says (`account`).
+// Times of the processes, cycle by cycle (equations 2 to 4), and learning of N^_a from them (plant-and-bus.md 4.7).
+// Which process counts as t_3, t_4, t_5 or t_6 its row says (`account`).
 //
-// The crane waits for an AGV (t_v) from the end of t_3, above the loading spot, to the start of t_4. An AGV waits from leaving the lane, at its
-// first stop in a slot or the spot, to the end of the t_4 that loads it again; moving up is t_6. So t_wait = t_w + that t_4, and
+// The crane waits for an AGV (t_v) from the end of t_3, above the loading spot, to the start of t_4. An AGV waits from
+// leaving the lane, at its first stop in a slot or the spot, to the end of the t_4 that loads it again; moving up is
+// t_6. So t_wait = t_w + that t_4, and
 //     T_g = t_3 + t_4 + t_v,    T_a = t_5 + t_6 + t_wait
 // are the whole way from one beginning of t_3, and from one end of t_4, to the next.
 #include <cstdint>
@@ -35,7 +36,9 @@ class Cycles {
   /// robot: 0 crane, n AGV n - 1; of t_4 the AGV that is loaded.
   void process(Account account, bool started, unsigned robot, report::Time now);
   /// A landing of the present cycle has been missed.
-  void landing_missed() { if (!cycles_.empty()) ++cycles_.back().landings_missed; }
+  void landing_missed() {
+    if (!cycles_.empty()) ++cycles_.back().landings_missed;
+  }
   /// An AGV has come to its slot of the queue or to the loading spot, or drives on from its slot.
   void agv_waits(unsigned agv, bool waits, report::Time now);
   /// N^_a of the way that an AGV begins.
@@ -49,10 +52,10 @@ class Cycles {
 
  private:
   struct Agv {
-    std::optional<std::size_t> cycle;          // its present one
-    std::optional<std::size_t> before;         // the one whose wait its present t_4 ends
-    std::optional<report::Time> waits_since;   // in a slot or the spot
-    report::Time waited{};                     // in slots that it has left, within the present t_6
+    std::optional<std::size_t> cycle;         // its present one
+    std::optional<std::size_t> before;        // the one whose wait its present t_4 ends
+    std::optional<report::Time> waits_since;  // in a slot or the spot
+    report::Time waited{};                    // in slots that it has left, within the present t_6
   };
 
   report::CycleReport* of_agv(unsigned agv);
@@ -68,6 +71,7 @@ class Cycles {
 };
 
 /// The new N^_a of an AGV after a cycle. \param agvs number of AGVs: with n of them t_v counts n times
-std::int64_t learned_interval(const Config::Scheduling& rule, std::int64_t present, std::int64_t lowest, unsigned agvs, const AgvCycle& cycle);
+std::int64_t learned_interval(const Config::Scheduling& rule, std::int64_t present, std::int64_t lowest, unsigned agvs,
+                              const AgvCycle& cycle);
 
 }  // namespace cmrc

@@ -56,13 +56,17 @@ constexpr std::array kind_texts{
 }  // namespace
 
 DockDebuggee::DockDebuggee(Simulation& simulation)
-    : simulation_(simulation), words_([&](std::string_view name) { return simulation.image().symbol(name); }), window_(simulation.image().symbol("WINDOW_A")),
+    : simulation_(simulation),
+      words_([&](std::string_view name) { return simulation.image().symbol(name); }),
+      window_(simulation.image().symbol("WINDOW_A")),
       traces_(simulation.machine().slots(), nullptr) {
   const auto joints = plant::joint_names(simulation.dock().config().crane.machine);
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const std::string joint = joints[j].name;
     values_[fmt::format("plant.{}_{}", joint, joints[j].unit)] = [j](const plant::Signal& s) { return s.q[j]; };
-    values_[fmt::format("plant.{}_rate_{}_per_s", joint, joints[j].unit)] = [j](const plant::Signal& s) { return s.qd[j]; };
+    values_[fmt::format("plant.{}_rate_{}_per_s", joint, joints[j].unit)] = [j](const plant::Signal& s) {
+      return s.qd[j];
+    };
     values_[fmt::format("plant.{}_torque_Nm", joint)] = [j](const plant::Signal& s) { return s.torque[j]; };
     values_[fmt::format("plant.{}_code", joint)] = [j](const plant::Signal& s) { return s.code[j]; };
   }
@@ -87,7 +91,9 @@ std::size_t DockDebuggee::chips() const { return simulation_.machine().slots(); 
 std::string DockDebuggee::chip_name(std::size_t n) const { return fmt::format("DSP {}", n); }
 c40::Chip& DockDebuggee::chip(std::size_t n) { return simulation_.machine().chip(static_cast<unsigned>(n)); }
 const toolchain::Image& DockDebuggee::program(std::size_t) const { return simulation_.image(); }
-Time DockDebuggee::time_of(std::size_t n, c40::Cycles cycle) const { return simulation_.machine().time_of(static_cast<unsigned>(n), cycle); }
+Time DockDebuggee::time_of(std::size_t n, c40::Cycles cycle) const {
+  return simulation_.machine().time_of(static_cast<unsigned>(n), cycle);
+}
 
 std::string DockDebuggee::describe(std::size_t n) {
   const auto slot = static_cast<unsigned>(n);
@@ -137,17 +143,26 @@ std::optional<Word> DockDebuggee::peek(std::size_t n, c40::Address address) {
 }
 
 void DockDebuggee::poke(std::size_t n, c40::Address address, Word value) {
-  if (const auto offset = shared_word(n, address)) simulation_.machine().poke(*offset, value);
-  else chip(n).poke(address, value);
+  if (const auto offset = shared_word(n, address))
+    simulation_.machine().poke(*offset, value);
+  else
+    chip(n).poke(address, value);
 }
 
 void DockDebuggee::watch_shared(machine::debug::SharedListener* listener, std::vector<c40::AddressRange> words) {
   if (listener == nullptr) return simulation_.machine().watch_shared({});
-  simulation_.machine().watch_shared([this, listener, words = std::move(words)](Word offset, Word before, Word value, bool write, unsigned agent, Time done) {
+  simulation_.machine().watch_shared([this, listener, words = std::move(words)](Word offset, Word before, Word value,
+                                                                                bool write, unsigned agent, Time done) {
     if (std::ranges::none_of(words, [&](const c40::AddressRange& range) { return range.contains(offset); })) return;
     const bool host = machine::is_host(agent);
     const std::optional<std::size_t> who = host ? std::nullopt : std::optional<std::size_t>(agent - 1);
-    listener->shared_access({.time = done, .word = offset, .before = before, .value = value, .write = write, .chip = who, .who = host ? "the host" : chip_name(*who)});
+    listener->shared_access({.time = done,
+                             .word = offset,
+                             .before = before,
+                             .value = value,
+                             .write = write,
+                             .chip = who,
+                             .who = host ? "the host" : chip_name(*who)});
   });
 }
 
@@ -165,32 +180,39 @@ void DockDebuggee::listen(machine::debug::HappeningListener* listener, const std
   // What happens at every bus clock and every latch is no step of anybody: of "any" it is not.
   static const std::set common{EventKind::bus_transaction, EventKind::latch, EventKind::semaphore};
   for (const KindText& row : kind_texts)
-    if (kinds.contains(report::name(row.kind)) || (kinds.contains("any") && !common.contains(row.kind))) kinds_.insert(row.kind);
+    if (kinds.contains(report::name(row.kind)) || (kinds.contains("any") && !common.contains(row.kind)))
+      kinds_.insert(row.kind);
   simulation_.tap(listener == nullptr ? nullptr : this);
 }
 
 std::string DockDebuggee::task_name(Word kind) const {
-  if (kind - words_.kind_user < simulation_.config().tasks.size()) return simulation_.config().tasks[kind - words_.kind_user].name;
+  if (kind - words_.kind_user < simulation_.config().tasks.size())
+    return simulation_.config().tasks[kind - words_.kind_user].name;
   return std::string(kind_rows()[static_cast<std::size_t>(job_kind(kind, words_))].name);
 }
 
 void DockDebuggee::event(const report::Event& event) {
   if (!kinds_.contains(event.kind)) return;
-  machine::debug::Happening happening{.time = event.time, .kind = report::name(event.kind), .text = report::to_text(event)};
+  machine::debug::Happening happening{
+      .time = event.time, .kind = report::name(event.kind), .text = report::to_text(event)};
   const auto names = report::argument_names(event.kind);
   for (std::size_t i = 0; i < names.size(); ++i)
     if (!names[i].empty()) happening.fields.emplace(names[i], fmt::format("{}", event.arguments[i]));
-  if (event.component >= report::first_dsp && event.component < report::plant) happening.chip = event.component - report::first_dsp;
+  if (event.component >= report::first_dsp && event.component < report::plant)
+    happening.chip = event.component - report::first_dsp;
   using enum EventKind;
   // Misses name the report's kind, blocks the program's.
-  if (event.kind == load || event.kind == claim || event.kind == finish || event.kind == remove || event.kind == requeue) {
+  if (event.kind == load || event.kind == claim || event.kind == finish || event.kind == remove ||
+      event.kind == requeue) {
     happening.fields["task"] = task_name(event.arguments[1]);
     happening.text += fmt::format(" task={}", happening.fields["task"]);
   } else if (event.kind == miss) {
     const std::vector<std::string> kinds = job_kinds();
     const Word kind = event.arguments[0];
     const std::size_t user = kind - static_cast<std::size_t>(JobKind::user);
-    happening.fields["task"] = kind < static_cast<std::size_t>(JobKind::user) ? kinds.at(kind) : user < simulation_.config().tasks.size() ? simulation_.config().tasks[user].name : "?";
+    happening.fields["task"] = kind < static_cast<std::size_t>(JobKind::user) ? kinds.at(kind)
+                               : user < simulation_.config().tasks.size()     ? simulation_.config().tasks[user].name
+                                                                              : "?";
     happening.text += fmt::format(" task={}", happening.fields["task"]);
   }
   listener_->happened(happening);
@@ -212,22 +234,33 @@ std::optional<double> DockDebuggee::value(std::string_view name) {
 
 std::vector<std::string> DockDebuggee::page_names() const { return {"list", "dsps", "plant"}; }
 
-/// Blocks as shared memory holds them: first those that the work pointer and the links lead to, then those that are taken.
+/// Blocks as shared memory holds them: first those that the work pointer and the links lead to, then those that are
+/// taken.
 std::string DockDebuggee::list_page() const {
   const machine::Machine& machine = simulation_.machine();
   const auto row = [&](Word block) {
     const auto at = [&](Word word) { return machine.peek(block + word); };
     const Word flag = at(words_.flag);
-    const std::string state = flag == words_.flag_waiting ? "waiting" : flag == words_.flag_done ? "done" : fmt::format("DSP {}", at(words_.owner) - 1);
-    return fmt::format("{:>5} {:<24} {:<8} {:>6} {:>4} {:>8} {:>10}\n", (block - words_.block_pool) / words_.block_words, task_name(at(words_.kind)), state, at(words_.importance), at(words_.t), at(words_.tick), at(words_.argument));
+    const std::string state = flag == words_.flag_waiting ? "waiting"
+                              : flag == words_.flag_done  ? "done"
+                                                          : fmt::format("DSP {}", at(words_.owner) - 1);
+    return fmt::format("{:>5} {:<24} {:<8} {:>6} {:>4} {:>8} {:>10}\n",
+                       (block - words_.block_pool) / words_.block_words, task_name(at(words_.kind)), state,
+                       at(words_.importance), at(words_.t), at(words_.tick), at(words_.argument));
   };
-  std::string text = fmt::format("refresh {}\n{:>5} {:<24} {:<8} {:>6} {:>4} {:>8} {:>10}\n", machine.peek(words_.list_refresh), "block", "task", "state", "J", "t", "tick", "argument");
+  std::string text =
+      fmt::format("refresh {}\n{:>5} {:<24} {:<8} {:>6} {:>4} {:>8} {:>10}\n", machine.peek(words_.list_refresh),
+                  "block", "task", "state", "J", "t", "tick", "argument");
   const Word first = machine.peek(words_.list_work_pointer), count = simulation_.image().symbol("BLOCK_COUNT");
   std::set<Word> shown;
-  for (Word block = first; block - words_.block_pool < count * words_.block_words && shown.insert(block).second; block = machine.peek(block + words_.link)) text += row(block);
+  for (Word block = first; block - words_.block_pool < count * words_.block_words && shown.insert(block).second;
+       block = machine.peek(block + words_.link))
+    text += row(block);
   if (shown.empty()) text += "      no block waits\n";
   for (Word i = 0; i < count; ++i)
-    if (const Word block = words_.block(i); !shown.contains(block) && machine.peek(block + words_.flag) == words_.flag_taken) text += row(block);
+    if (const Word block = words_.block(i);
+        !shown.contains(block) && machine.peek(block + words_.flag) == words_.flag_taken)
+      text += row(block);
   return text;
 }
 
@@ -235,7 +268,8 @@ std::string DockDebuggee::page(std::string_view name) {
   std::string text;
   if (name == "list") return list_page();
   if (name == "dsps") {
-    for (std::size_t n = 0; n < chips(); ++n) text += fmt::format("DSP {}: {}, at {:08X}h, cycle {}\n", n, describe(n), chip(n).pc(), chip(n).cycle());
+    for (std::size_t n = 0; n < chips(); ++n)
+      text += fmt::format("DSP {}: {}, at {:08X}h, cycle {}\n", n, describe(n), chip(n).pc(), chip(n).cycle());
   } else if (name == "plant") {
     const plant::Signal signal = simulation_.dock().signal();
     for (const auto& [value, of] : values_) text += fmt::format("{:<28} {:.6g}\n", value, of(signal));

@@ -38,8 +38,10 @@ std::vector<Interval> legs(const Course& course, Robot robot, Time end) {
 std::vector<Interval> servoing(const Course& course, Time end) {
   std::vector<Interval> all;
   for (std::size_t i = 0; i < course.servo_times().size(); ++i) {
-    if (i % 2 == 0) all.push_back({course.servo_times()[i], end});
-    else all.back().to = course.servo_times()[i];
+    if (i % 2 == 0)
+      all.push_back({course.servo_times()[i], end});
+    else
+      all.back().to = course.servo_times()[i];
   }
   return all;
 }
@@ -52,14 +54,20 @@ Time demanded_until(const std::vector<Interval>& when, Time time) {
   return sum;
 }
 
-/// Fewest finishes in any window of one second of the time in which they are demanded, per second; a shorter time is one window.
+/// Fewest finishes in any window of one second of the time in which they are demanded, per second; a shorter time is
+/// one window.
 /// \param finished in demanded time, in order
 double worst_rate(const std::vector<Instants::Some>& finished, Time whole) {
   constexpr Time window = std::chrono::seconds{1};
   std::vector<std::uint64_t> before{0};  // finishes before each
   for (const Instants::Some& some : finished) before.push_back(before.back() + some.count);
-  const auto after = [&](Time time) { return static_cast<std::size_t>(std::ranges::upper_bound(finished, time, {}, &Instants::Some::time) - finished.begin()); };
-  const auto count = [&](Time from, Time to) { return static_cast<double>(before[after(to)] - before[after(from)]); };  // in ]from, to]
+  const auto after = [&](Time time) {
+    return static_cast<std::size_t>(std::ranges::upper_bound(finished, time, {}, &Instants::Some::time) -
+                                    finished.begin());
+  };
+  const auto count = [&](Time from, Time to) {
+    return static_cast<double>(before[after(to)] - before[after(from)]);
+  };  // in ]from, to]
   if (whole <= window) return count(Time{-1}, whole) / seconds(whole);
   double worst = std::min(count(Time{-1}, window), count(whole - window, whole));
   for (const Instants::Some& some : finished) {
@@ -86,7 +94,8 @@ std::vector<RateKinds> rates_of(const Config& config) {
 
 class DemandOf {
  public:
-  DemandOf(const Measured& run, const Course& ideal, const JobsByRobot& demanded) : run_(run), ideal_(ideal), demanded_(demanded) {}
+  DemandOf(const Measured& run, const Course& ideal, const JobsByRobot& demanded)
+      : run_(run), ideal_(ideal), demanded_(demanded) {}
 
   report::Demand kind(std::size_t kind) const {
     report::Demand all;
@@ -124,8 +133,11 @@ class DemandOf {
   double add_rate(std::size_t kind, Robot robot, const JobTimes& jobs, report::Demand& all) const {
     const auto is = [kind](JobKind other) { return kind == static_cast<std::size_t>(other); };
     std::vector<Interval> when;
-    if (is(JobKind::pid) || is(JobKind::torque_compensation)) when = servoing(ideal_, run_.to);
-    else if (is(JobKind::trajectory_crane) || is(JobKind::inverse_crane) || is(JobKind::trajectory_agv) || is(JobKind::inverse_agv)) when = legs(ideal_, robot, run_.to);
+    if (is(JobKind::pid) || is(JobKind::torque_compensation))
+      when = servoing(ideal_, run_.to);
+    else if (is(JobKind::trajectory_crane) || is(JobKind::inverse_crane) || is(JobKind::trajectory_agv) ||
+             is(JobKind::inverse_agv))
+      when = legs(ideal_, robot, run_.to);
     for (Interval& interval : when) interval.to = std::max(interval.from, std::min(interval.to, run_.to));
     const Time whole = demanded_until(when, run_.to);
     if (whole == Time{}) return 0;
@@ -142,9 +154,19 @@ class DemandOf {
 };
 
 report::Demand sum(const report::Demand& a, const report::Demand& b) {
-  const auto slower = [](std::optional<double> x, std::optional<double> y) { return x && y ? std::min(*x, *y) : x ? x : y; };
-  return {a.kind + ", " + b.kind, a.demanded + b.demanded, a.released + b.released, a.misses + b.misses, a.not_demanded + b.not_demanded,
-          a.extra + b.extra, a.finished + b.finished, slower(a.demanded_hz, b.demanded_hz), slower(a.realised_hz, b.realised_hz), slower(a.worst_hz, b.worst_hz)};
+  const auto slower = [](std::optional<double> x, std::optional<double> y) {
+    return x && y ? std::min(*x, *y) : x ? x : y;
+  };
+  return {a.kind + ", " + b.kind,
+          a.demanded + b.demanded,
+          a.released + b.released,
+          a.misses + b.misses,
+          a.not_demanded + b.not_demanded,
+          a.extra + b.extra,
+          a.finished + b.finished,
+          slower(a.demanded_hz, b.demanded_hz),
+          slower(a.realised_hz, b.realised_hz),
+          slower(a.worst_hz, b.worst_hz)};
 }
 
 }  // namespace
@@ -156,7 +178,8 @@ void add_demand(const Measured& run, const Course& ideal, const JobsByRobot& dem
     if (one.demanded + one.released > 0) errors.demand.push_back(std::move(one));
   }
   for (const RateKinds& row : rates_of(run.config)) {
-    const auto first = demand.kind(static_cast<std::size_t>(row.first)), second = demand.kind(static_cast<std::size_t>(row.second));
+    const auto first = demand.kind(static_cast<std::size_t>(row.first)),
+               second = demand.kind(static_cast<std::size_t>(row.second));
     errors.rates.push_back({row.name, {first.kind, second.kind}, row.nominal_hz, sum(first, second)});
   }
 }

@@ -17,7 +17,8 @@ class Desk {
   virtual std::int64_t tick() const = 0;
   /// Puts a block in the list. \param deadline refresh number, none: never late
   virtual void load(const Task& task, std::optional<std::int64_t> deadline) = 0;
-  /// A block was due at refresh `due`, but could not be loaded: the one before it was still out. It is dropped, and counts as missed.
+  /// A block was due at refresh `due`, but could not be loaded: the one before it was still out. It is dropped, and
+  /// counts as missed.
   virtual void drop(const Task& task, std::int64_t due, std::int64_t deadline) = 0;
   /// Writes words of a job area; they are there before a block loaded in the same refresh can be claimed.
   virtual void write(Word offset, std::span<const Word> words) = 0;
@@ -38,7 +39,8 @@ class Desk {
   virtual void agv_waits(unsigned agv, bool waits) = 0;
   /// An AGV sets out for the warehouse with this N^_a.
   virtual void agv_sent(unsigned agv, std::int64_t interval) = 0;
-  /// A robot has begun a process (Course::process_begun), or has come as far as this at refresh `at` (Course::milestone).
+  /// A robot has begun a process (Course::process_begun), or has come as far as this at refresh `at`
+  /// (Course::milestone).
   virtual void robot_begins(Robot robot, unsigned process) = 0;
   /// A leg has begun at refresh `at`: its points are numbered from `first`, `interval` refreshes apart.
   virtual void leg_begun(Robot robot, std::int64_t first, std::int64_t interval, std::int64_t at) = 0;

@@ -23,7 +23,8 @@ toolchain::Image with_source(std::span<const std::byte> program, std::span<const
 
 toolchain::Image assembled(const Config& config) {
   const bool own = own_blocks(config.tasks);
-  if (config.machine.programs.empty()) return with_source(c40_programs::built_in_image(own), c40_programs::built_in_source_map(own));
+  if (config.machine.programs.empty())
+    return with_source(c40_programs::built_in_image(own), c40_programs::built_in_source_map(own));
   const std::filesystem::path directory = config.machine.programs;
   const std::filesystem::path source = directory / "dsp.asm";
   if (!std::filesystem::is_regular_file(source)) {
@@ -51,6 +52,8 @@ toolchain::Image dsp_image(const Config& config) {
   return image;
 }
 
-toolchain::Image boot_rom_image() { return with_source(c40_programs::built_in_boot_rom(), c40_programs::built_in_boot_rom_source_map()); }
+toolchain::Image boot_rom_image() {
+  return with_source(c40_programs::built_in_boot_rom(), c40_programs::built_in_boot_rom_source_map());
+}
 
 }  // namespace cmrc

@@ -20,7 +20,8 @@ class Way {
       const bool agv = robot > 0;
       if (agv && (robot > dock.agv_signals().size() || i >= dock.agv_signals()[robot - 1].size())) break;
       times_.push_back(rows[i].time);
-      places_.push_back(agv ? Place{dock.agv_signals()[robot - 1][i].x, dock.agv_signals()[robot - 1][i].y, 0} : rows[i].payload);
+      places_.push_back(agv ? Place{dock.agv_signals()[robot - 1][i].x, dock.agv_signals()[robot - 1][i].y, 0}
+                            : rows[i].payload);
     }
   }
   Place at(Time time) const {
@@ -29,7 +30,8 @@ class Way {
     if (after == times_.begin()) return places_.front();
     if (after == times_.end()) return places_.back();
     const auto i = static_cast<std::size_t>(after - times_.begin());
-    const double u = static_cast<double>((time - times_[i - 1]).count()) / static_cast<double>((times_[i] - times_[i - 1]).count());
+    const double u =
+        static_cast<double>((time - times_[i - 1]).count()) / static_cast<double>((times_[i] - times_[i - 1]).count());
     Place place{};
     for (std::size_t k = 0; k < 3; ++k) place[k] = places_[i - 1][k] + u * (places_[i][k] - places_[i - 1][k]);
     return place;
@@ -37,7 +39,8 @@ class Way {
   double farthest(Time from, Time to) const {
     const Place start = at(from);
     double most = distance(start, at(to));
-    for (auto i = std::lower_bound(times_.begin(), times_.end(), from) - times_.begin(); i < std::ssize(times_) && times_[static_cast<std::size_t>(i)] <= to; ++i)
+    for (auto i = std::lower_bound(times_.begin(), times_.end(), from) - times_.begin();
+         i < std::ssize(times_) && times_[static_cast<std::size_t>(i)] <= to; ++i)
       most = std::max(most, distance(start, places_[static_cast<std::size_t>(i)]));
     return most;
   }
@@ -47,7 +50,8 @@ class Way {
   std::vector<Place> places_;
 };
 
-constexpr std::array<std::string_view, 6> joints = {"travel", "slew", "luff", "hoist", "rotate", "trolley"};  // as timed events number them
+constexpr std::array<std::string_view, 6> joints = {"travel", "slew",   "luff",
+                                                    "hoist",  "rotate", "trolley"};  // as timed events number them
 
 /// The joint behind a channel of the drives, as timed events number them.
 unsigned joint_of(unsigned channel, bool gantry) {
@@ -98,35 +102,42 @@ std::vector<std::string_view> causes(const ErrorEntry& entry) {
 bool trips(const ErrorEntry& entry, bool gantry, const plant::Event& event) {
   const auto channels = plant::drive_channels(gantry ? plant::Machine::gantry : plant::Machine::slewing);
   const auto channel = static_cast<unsigned>(std::ranges::find(channels, event.index) - channels.begin());
-  return (entry.of >> channel & 1) != 0 && static_cast<int>(event.values[0]) == static_cast<int>(entry.origin) - static_cast<int>(ErrorOrigin::overspeed);
+  return (entry.of >> channel & 1) != 0 &&
+         static_cast<int>(event.values[0]) == static_cast<int>(entry.origin) - static_cast<int>(ErrorOrigin::overspeed);
 }
 
-void find_beginning(const ErrorEntry& entry, const Config& config, const plant::Dock& dock, report::HandledError& told) {
+void find_beginning(const ErrorEntry& entry, const Config& config, const plant::Dock& dock,
+                    report::HandledError& told) {
   const bool gantry = config.dock.crane == CraneMachine::gantry;
   const auto concerns = [&](unsigned number) {
     for (unsigned bit = 0; bit < plant::joint_count; ++bit) {
-      if ((entry.of >> bit & 1) != 0 && (entry.origin == ErrorOrigin::sway ? bit : joint_of(bit, gantry)) == number) return true;
+      if ((entry.of >> bit & 1) != 0 && (entry.origin == ErrorOrigin::sway ? bit : joint_of(bit, gantry)) == number)
+        return true;
     }
     return false;
   };
   const auto meet = [&](Time time, const std::string& because) {
-    if (time <= entry.noticed && (!told.happened || time >= *told.happened)) told.happened = time, told.because = because;
+    if (time <= entry.noticed && (!told.happened || time >= *told.happened))
+      told.happened = time, told.because = because;
   };
   const auto names = causes(entry);
   for (const TimedEvent& event : config.events) {
-    if (std::ranges::find(names, event.action) != names.end() && concerns(event.number)) meet(Time{std::llround(event.at_s * 1e12)}, describe(event));
+    if (std::ranges::find(names, event.action) != names.end() && concerns(event.number))
+      meet(Time{std::llround(event.at_s * 1e12)}, describe(event));
   }
   const bool tripped = entry.origin >= ErrorOrigin::overspeed;
   if (entry.origin != ErrorOrigin::late && !tripped) return;
   for (const plant::Event& event : dock.events()) {
-    if (event.kind == (tripped ? plant::EventKind::drive_tripped : plant::EventKind::drive_stopped) && (!tripped || trips(entry, gantry, event)))
+    if (event.kind == (tripped ? plant::EventKind::drive_tripped : plant::EventKind::drive_stopped) &&
+        (!tripped || trips(entry, gantry, event)))
       meet(event.time, plant::name(event.kind));
   }
 }
 
 }  // namespace
 
-std::vector<report::HandledError> handled_errors(std::span<const ErrorEntry> entries, const Config& config, const plant::Dock& dock, Time end,
+std::vector<report::HandledError> handled_errors(std::span<const ErrorEntry> entries, const Config& config,
+                                                 const plant::Dock& dock, Time end,
                                                  const std::function<std::string(Word kind)>& block_name) {
   std::vector<report::HandledError> all;
   for (const ErrorEntry& entry : entries) {
@@ -136,8 +147,10 @@ std::vector<report::HandledError> handled_errors(std::span<const ErrorEntry> ent
     if (entry.origin == ErrorOrigin::block) told.of.push_back(block_name(entry.of));
     for (unsigned bit = 0; bit < plant::joint_count && entry.origin != ErrorOrigin::block; ++bit) {
       if ((entry.of >> bit & 1) == 0) continue;
-      if (entry.origin == ErrorOrigin::sway) told.of.emplace_back(bit == 0 ? "alpha" : "beta");
-      else told.of.emplace_back(joints.at(joint_of(bit, config.dock.crane == CraneMachine::gantry)));
+      if (entry.origin == ErrorOrigin::sway)
+        told.of.emplace_back(bit == 0 ? "alpha" : "beta");
+      else
+        told.of.emplace_back(joints.at(joint_of(bit, config.dock.crane == CraneMachine::gantry)));
     }
     find_beginning(entry, config, dock, told);
     told.noticed = entry.noticed;

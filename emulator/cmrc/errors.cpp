@@ -14,21 +14,27 @@ constexpr Word noticed = 0, decided_now = 1, done_now = 2, cleared_now = 3;  // 
 }  // namespace
 
 Errors::Errors(const Config& config, const Words& words, ErrorHands& hands)
-    : config_(config.errors), words_(words), hands_(hands), refresh_frequency_(config.rates.refresh_frequency_hz),
-      servo_interval_(intervals(config).servo), second_sensor_(config.dock.sway_sensors == 2) {}
+    : config_(config.errors),
+      words_(words),
+      hands_(hands),
+      refresh_frequency_(config.rates.refresh_frequency_hz),
+      servo_interval_(intervals(config).servo),
+      second_sensor_(config.dock.sway_sensors == 2) {}
 
 std::int64_t Errors::ticks(double seconds) const { return std::llround(seconds * refresh_frequency_); }
 
 bool Errors::standing() const {
-  return std::any_of(entries_.begin(), entries_.end(), [](const ErrorEntry& entry) { return entry.stands && !entry.cleared; });
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [](const ErrorEntry& entry) { return entry.stands && !entry.cleared; });
 }
 
 void Errors::tell(const ErrorEntry& entry, Word phase, Desk& desk) const {
-  desk.error(static_cast<Word>(number_of(entry) + 1), static_cast<Word>(entry.origin) | entry.of << words_.error_of, entry.robot, phase,
-             static_cast<Word>(entry.response));
+  desk.error(static_cast<Word>(number_of(entry) + 1), static_cast<Word>(entry.origin) | entry.of << words_.error_of,
+             entry.robot, phase, static_cast<Word>(entry.response));
 }
 
-// ---- what is noticed ---------------------------------------------------------------------------------------------------
+// ---- what is noticed
+// ---------------------------------------------------------------------------------------------------
 
 void Errors::notice(ErrorEntry entry, Time now, Desk& desk) {
   entry.noticed = now;
@@ -40,9 +46,14 @@ void Errors::notice(ErrorEntry entry, Time now, Desk& desk) {
   if (second_sensor_ && sensor_ == 0) what |= words_.error_second;
   entries_.push_back(entry);
   tell(entries_.back(), noticed, desk);
-  desk.load({.x = task::error, .y = robot_class::none, .kind = words_.kind_error, .robot = entry.robot,
-             .area = entry.origin == ErrorOrigin::block ? entry.lost.area : words_.cr_base, .tick = static_cast<std::uint32_t>(desk.tick()),
-             .argument = what, .error = static_cast<std::uint32_t>(entries_.size())},
+  desk.load({.x = task::error,
+             .y = robot_class::none,
+             .kind = words_.kind_error,
+             .robot = entry.robot,
+             .area = entry.origin == ErrorOrigin::block ? entry.lost.area : words_.cr_base,
+             .tick = static_cast<std::uint32_t>(desk.tick()),
+             .argument = what,
+             .error = static_cast<std::uint32_t>(entries_.size())},
             std::nullopt);
 }
 
@@ -85,14 +96,17 @@ void Errors::pid_silent(Time now, Desk& desk) {
   notice({.origin = ErrorOrigin::late, .of = five, .tries = timeouts_ < config_.timeout_retries_max}, now, desk);
 }
 
-void Errors::landing_missed(bool tries, Time now, Desk& desk) { notice({.origin = ErrorOrigin::landing, .tries = tries}, now, desk); }
+void Errors::landing_missed(bool tries, Time now, Desk& desk) {
+  notice({.origin = ErrorOrigin::landing, .tries = tries}, now, desk);
+}
 
 void Errors::given_up(const Task& lost, bool tries, Time now, Desk& desk) {
   notice({.origin = ErrorOrigin::block, .of = lost.kind, .robot = lost.robot, .lost = lost, .tries = tries}, now, desk);
   known(ErrorOrigin::block) = 0;  // each is one of its own
 }
 
-// ---- what is decided ---------------------------------------------------------------------------------------------------
+// ---- what is decided
+// ---------------------------------------------------------------------------------------------------
 
 void Errors::decided(const Task& block, Word result, Time now, Desk& desk) {
   ErrorEntry& entry = entries_.at(block.error - 1);
@@ -147,12 +161,15 @@ void Errors::carry_out(ErrorEntry& entry, Time now, Desk& desk) {
     case Response::retry:
       known(entry.origin) &= ~entry.of;
       if (entry.origin != ErrorOrigin::late) {
-        if (entry.origin == ErrorOrigin::landing) hands_.landing_decided(true);
-        else hands_.ask_again(entry.lost);
+        if (entry.origin == ErrorOrigin::landing)
+          hands_.landing_decided(true);
+        else
+          hands_.ask_again(entry.lost);
         entry.stands = false;
         return finish(entry, now, desk);
       }
-      // The drives have come back with PID's codes; the crane stands, and its set-point waits until the joints are back on their path.
+      // The drives have come back with PID's codes; the crane stands, and its set-point waits until the joints are back
+      // on their path.
       ++timeouts_;
       late_after_ = desk.tick();
       hands_.hold_crane(true);
@@ -175,7 +192,8 @@ void Errors::finish(ErrorEntry& entry, Time now, Desk& desk) {
   tell(entry, done_now, desk);
 }
 
-// ---- going on ----------------------------------------------------------------------------------------------------------
+// ---- going on
+// ----------------------------------------------------------------------------------------------------------
 
 void Errors::refresh(Time now, Desk& desk) {
   if (go_on_at_ && desk.tick() >= *go_on_at_) {
@@ -184,8 +202,10 @@ void Errors::refresh(Time now, Desk& desk) {
     go_to_rate(1, config_.go_on_s);
   }
   if ((wanted_ || drives_changed_) && desk.servo_resting()) {
-    if (wanted_) path_.change(desk.tick(), wanted_->rate, ticks(wanted_->seconds));
-    else path_.change(desk.tick(), path_.target(), std::max<std::int64_t>(0, path_.reached() - desk.tick()));
+    if (wanted_)
+      path_.change(desk.tick(), wanted_->rate, ticks(wanted_->seconds));
+    else
+      path_.change(desk.tick(), path_.target(), std::max<std::int64_t>(0, path_.reached() - desk.tick()));
     wanted_.reset();
     drives_changed_ = false;
     desk.write(words_.cr_base + words_.cr_path, path_.words(drives_));
@@ -228,7 +248,8 @@ void Errors::clear(Time now, Desk& desk) {
   if (servo_stopped_) {
     hands_.stop_servo(false);
     servo_stopped_ = false;
-    late_after_ = desk.tick() + 2 * servo_interval_;  // the drives have timed out meanwhile, and come back with the first codes
+    late_after_ =
+        desk.tick() + 2 * servo_interval_;  // the drives have timed out meanwhile, and come back with the first codes
     crane = true;
   }
   if (!crane) return;

@@ -1,6 +1,7 @@
 #pragma once
-// Errors (x = 1) as the host deals with them (docs/controller.md, Errors): PID, the crane or the watchdog notices one; an error block on a DSP decides what is to
-// be done (c40_programs/kernels/error.asm); the host carries it out; the operator clears what it has stopped.
+// Errors (x = 1) as the host deals with them (docs/controller.md, Errors): PID, the crane or the watchdog notices one;
+// an error block on a DSP decides what is to be done (c40_programs/kernels/error.asm); the host carries it out; the
+// operator clears what it has stopped.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -16,7 +17,18 @@ namespace cmrc {
 using report::Time;
 
 /// ERROR_* and RESPOND_* of task_block.inc, which are checked against these.
-enum class ErrorOrigin : std::uint8_t { following = 1, fault, late, encoder, sway, landing, block, overspeed, saturation, heat };
+enum class ErrorOrigin : std::uint8_t {
+  following = 1,
+  fault,
+  late,
+  encoder,
+  sway,
+  landing,
+  block,
+  overspeed,
+  saturation,
+  heat
+};
 /// A drive is out of order: it has failed, or tripped.
 constexpr bool is_fault(ErrorOrigin origin) { return origin == ErrorOrigin::fault || origin >= ErrorOrigin::overspeed; }
 enum class Response : std::uint8_t { none, stop, hold, set_down, retry, second_sensor };
@@ -24,11 +36,11 @@ enum class Response : std::uint8_t { none, stop, hold, set_down, retry, second_s
 /// One error, from the instant at which it was noticed on.
 struct ErrorEntry {
   ErrorOrigin origin{};
-  Word of = 0;        ///< bit j: channel j of the drives, or axis j of the sway sensor; of a block given up its kind
+  Word of = 0;  ///< bit j: channel j of the drives, or axis j of the sway sensor; of a block given up its kind
   Robot robot = 0;
-  Task lost = {};     ///< the block that was given up
-  Word sensor = 0;    ///< of the sway: which sensor was in use
-  bool tries = false; ///< tries were left
+  Task lost = {};      ///< the block that was given up
+  Word sensor = 0;     ///< of the sway: which sensor was in use
+  bool tries = false;  ///< tries were left
   Time noticed{};
   std::optional<Time> decided = std::nullopt, done = std::nullopt, cleared = std::nullopt;
   Response response = Response::none;
@@ -104,17 +116,19 @@ class Errors {
     double seconds;
   };
   std::optional<Wanted> wanted_;
-  Word drives_ = 0x1F;             // that are to be on
+  Word drives_ = 0x1F;  // that are to be on
   bool drives_changed_ = false;
-  std::array<Word, 11> known_{};   // by origin: joints or axes of errors that are not over; of trips as of faults
-  Word& known(ErrorOrigin origin) { return known_.at(static_cast<std::size_t>(is_fault(origin) ? ErrorOrigin::fault : origin)); }
+  std::array<Word, 11> known_{};  // by origin: joints or axes of errors that are not over; of trips as of faults
+  Word& known(ErrorOrigin origin) {
+    return known_.at(static_cast<std::size_t>(is_fault(origin) ? ErrorOrigin::fault : origin));
+  }
   /// The origin of faults of which PID says why they tripped.
   ErrorOrigin trip_of(Word errors) const;
-  Word sensor_ = 0;                // the sway sensor in use
-  std::int64_t sway_after_ = 0;    // PID's word on the sway counts from this tick on: it used the present sensor
-  std::int64_t late_after_ = 0;    // the same for time-outs
-  bool servo_stopped_ = false;     // by an error
-  std::int64_t timeouts_ = 0;      // after which the crane has gone on by itself
+  Word sensor_ = 0;                       // the sway sensor in use
+  std::int64_t sway_after_ = 0;           // PID's word on the sway counts from this tick on: it used the present sensor
+  std::int64_t late_after_ = 0;           // the same for time-outs
+  bool servo_stopped_ = false;            // by an error
+  std::int64_t timeouts_ = 0;             // after which the crane has gone on by itself
   std::optional<std::int64_t> go_on_at_;  // after a time-out
 };
 

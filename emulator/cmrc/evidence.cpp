@@ -16,7 +16,8 @@ namespace {
 report::Summary summary_of(const pci::Histogram& histogram) {
   report::Summary summary;
   summary.count = histogram.count();
-  if (histogram.count() != 0) summary.mean = static_cast<double>(histogram.sum()) / static_cast<double>(histogram.count());
+  if (histogram.count() != 0)
+    summary.mean = static_cast<double>(histogram.sum()) / static_cast<double>(histogram.count());
   summary.p50 = histogram.percentile(0.5);
   summary.p99 = histogram.percentile(0.99);
   summary.p99_9 = histogram.percentile(0.999);
@@ -61,7 +62,11 @@ report::DspReport dsp_report(const Evidence& e, unsigned slot) {
   const c40::Chip& chip = e.machine.chip(slot);
   report::DspReport report;
   report.slot = slot;
-  report.state = !e.machine.plugged(slot) ? "unplugged" : e.machine.standing(slot) ? "halted" : !e.machine.booted(slot) ? "waiting for its program" : chip.idle() ? "idle" : "running";
+  report.state = !e.machine.plugged(slot)   ? "unplugged"
+                 : e.machine.standing(slot) ? "halted"
+                 : !e.machine.booted(slot)  ? "waiting for its program"
+                 : chip.idle()              ? "idle"
+                                            : "running";
   if (e.machine.standing(slot)) {
     for (const machine::ChipFault& fault : e.machine.faults()) {
       if (fault.slot == slot) report.state = "halted: " + fault.message;
@@ -89,9 +94,11 @@ report::LinkReport link_report(const machine::SlotWire& wire) {
   report.joined = wire.joined();
   report.is_cut = wire.link().is_cut();
   for (const int side : {0, 1}) {
-    const machine::SlotPort &from = side == 0 ? wire.ends().a : wire.ends().b, &to = side == 0 ? wire.ends().b : wire.ends().a;
+    const machine::SlotPort &from = side == 0 ? wire.ends().a : wire.ends().b,
+                            &to = side == 0 ? wire.ends().b : wire.ends().a;
     const machine::SlotLinkTraffic of = wire.traffic(side);
-    report.directions[static_cast<std::size_t>(side)] = {machine::to_text(from), machine::to_text(to), of.sent, of.arrived, of.lost, of.discarded};
+    report.directions[static_cast<std::size_t>(side)] = {
+        machine::to_text(from), machine::to_text(to), of.sent, of.arrived, of.lost, of.discarded};
   }
   return report;
 }
@@ -130,7 +137,8 @@ report::AfterStop after_stop(const Evidence& e, Time from) {
     if (first == nullptr) first = &row;
     const double sway = plant::hypot(row.alpha, row.beta);
     double moved = 0;
-    for (std::size_t i = 0; i < 3; ++i) moved += (row.payload[i] - first->payload[i]) * (row.payload[i] - first->payload[i]);
+    for (std::size_t i = 0; i < 3; ++i)
+      moved += (row.payload[i] - first->payload[i]) * (row.payload[i] - first->payload[i]);
     after.moved_m = std::max(after.moved_m, std::sqrt(moved));
     after.sway_peak_rad = std::max(after.sway_peak_rad, sway);
     if (after.to - row.time <= std::chrono::seconds{2}) after.sway_end_rad = std::max(after.sway_end_rad, sway);
@@ -147,7 +155,8 @@ void add_plant(const Evidence& e, report::RunReport& report) {
     if (machine == plant::Machine::gantry && joint == static_cast<std::size_t>(plant::Joint::slew)) continue;
     const PidErrorSum& sum = e.observer.pid_error()[channel];
     report.pid_error.push_back(own(names[joint].name, names[joint].unit, sum.squares, sum.peak, sum.count));
-    report.drives.push_back({names[joint].name, static_cast<double>(e.observer.saturated_latches()[joint]) * plant::latch_seconds});
+    report.drives.push_back(
+        {names[joint].name, static_cast<double>(e.observer.saturated_latches()[joint]) * plant::latch_seconds});
   }
   double squares[2] = {0, 0}, peaks[2] = {0, 0};
   for (const plant::Signal& row : e.dock.signals()) {
@@ -209,11 +218,13 @@ report::RunReport make_report(Evidence e) {
     const machine::Net& net = e.machine.net(i);
     report.nets.push_back({net.description().name, to_text(net.description()), net.edges(), net.missed(), net.level()});
   }
-  for (unsigned i = 0; i < e.machine.buses(); ++i) report.buses.push_back(bus_report(e.machine, static_cast<machine::BusId>(i), hertz));
+  for (unsigned i = 0; i < e.machine.buses(); ++i)
+    report.buses.push_back(bus_report(e.machine, static_cast<machine::BusId>(i), hertz));
   report.cycles = e.host.cycles().cycles();
   std::size_t delivered = 0;
   for (const plant::Event& event : e.dock.events()) {
-    if (event.kind == plant::EventKind::delivered && delivered < report.cycles.size()) report.cycles[delivered++].delivered = event.time;
+    if (event.kind == plant::EventKind::delivered && delivered < report.cycles.size())
+      report.cycles[delivered++].delivered = event.time;
   }
   report.cycles_completed = e.host.cycles().completed();
   report.containers_delivered = static_cast<unsigned>(e.dock.delivered());
@@ -221,28 +232,36 @@ report::RunReport make_report(Evidence e) {
   report.reference = e.config.report.reference == ReferenceKind::ideal ? "ideal" : "none";
   report.errors = std::move(e.errors);
   report.reference_problem = std::move(e.reference_problem);
-  for (const auto& [robot, count] : e.course.starved_intervals(now)) report.starved.push_back({robot == 0 ? "crane" : "agv " + std::to_string(robot - 1), count});
+  for (const auto& [robot, count] : e.course.starved_intervals(now))
+    report.starved.push_back({robot == 0 ? "crane" : "agv " + std::to_string(robot - 1), count});
   if (e.account_end) report.after_stop = after_stop(e, *e.account_end);
   if (e.host.job_done() && report.containers_delivered > 0 && e.host.first_refresh()) {
     for (const report::CycleReport& cycle : report.cycles)
-      if (cycle.delivered) report.makespan = std::max(report.makespan.value_or(Time{}), *cycle.delivered - *e.host.first_refresh());
+      if (cycle.delivered)
+        report.makespan = std::max(report.makespan.value_or(Time{}), *cycle.delivered - *e.host.first_refresh());
   }
-  report.control_cost = {report.errors ? std::optional(report.errors->error_m2s) : std::nullopt, e.observer.drive_effort(), e.config.report.control_cost_rho_m2};
+  report.control_cost = {report.errors ? std::optional(report.errors->error_m2s) : std::nullopt,
+                         e.observer.drive_effort(), e.config.report.control_cost_rho_m2};
   report.host = e.host.report();
-  report.wind = {.limit_m_s = e.config.dock.wind_limit_m_s, .watched = e.observer.wind().watched(), .above = e.observer.wind().above()};
+  report.wind = {.limit_m_s = e.config.dock.wind_limit_m_s,
+                 .watched = e.observer.wind().watched(),
+                 .above = e.observer.wind().above()};
   e.host.add_wind(report.wind);
   report.host.semaphore_hold = e.observer.semaphore_hold().summary();
   for (const TimedEvent& event : e.config.events) {
     const Time at{std::llround(event.at_s * 1e12)};
-    if (at < now) report.timed_events.push_back({at, describe(event)});
-    else ++report.timed_events_to_come;
+    if (at < now)
+      report.timed_events.push_back({at, describe(event)});
+    else
+      ++report.timed_events_to_come;
   }
   std::ranges::stable_sort(report.timed_events, {}, &report::TimedEventReport::time);
   for (std::string& fault : e.machine.audit()) report.audit.violations.push_back(std::move(fault));
   report.errors_handled = handled_errors(e.host.errors().entries(), e.config, e.dock, now, e.kind_name);
   report.braked = e.dock.braked();
   report.failures = e.observer.failures();
-  for (const std::string& violation : report.audit.violations) report.failures.push_back({now, std::nullopt, "audit", violation});
+  for (const std::string& violation : report.audit.violations)
+    report.failures.push_back({now, std::nullopt, "audit", violation});
   return report;
 }
 

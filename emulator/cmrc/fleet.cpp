@@ -34,8 +34,9 @@ std::vector<Lane> round_from(const FleetJob& job, unsigned slot) {
   std::vector<Lane> lanes = job.to_warehouse;
   const double behind = slot * job.slot_spacing;
   if (behind > 0) {
-    lanes.insert(lanes.begin(), {job.spot_x - behind * plant::cos(job.spot_heading), job.spot_y - behind * plant::sin(job.spot_heading),
-                                 job.spot_heading, behind, 0, job.move_up_speed});
+    lanes.insert(lanes.begin(),
+                 {job.spot_x - behind * plant::cos(job.spot_heading),
+                  job.spot_y - behind * plant::sin(job.spot_heading), job.spot_heading, behind, 0, job.move_up_speed});
   }
   for (const Lane& lane : shortened(job.to_spot, behind)) lanes.push_back(lane);
   double slowest = lanes.back().speed;
@@ -48,8 +49,10 @@ std::vector<Lane> round_from(const FleetJob& job, unsigned slot) {
 Fleet::Fleet(const FleetJob& job, const Words& words) : job_(job), words_(words) {
   for (unsigned i = 0; i < job.agvs; ++i) {
     const Word area = words.agv_area(i);
-    const Task trajectory{.x = task::trajectory, .y = robot_class::agv, .kind = words.kind_trajectory_agv, .robot = i + 1, .area = area};
-    const Task inverse{.x = task::inverse, .y = robot_class::agv, .kind = words.kind_inverse_agv, .robot = i + 1, .area = area};
+    const Task trajectory{
+        .x = task::trajectory, .y = robot_class::agv, .kind = words.kind_trajectory_agv, .robot = i + 1, .area = area};
+    const Task inverse{
+        .x = task::inverse, .y = robot_class::agv, .kind = words.kind_inverse_agv, .robot = i + 1, .area = area};
     Agv agv{.chain = PointChain(trajectory, inverse, job.buffer_points)};
     agv.slot = i;
     agv.interval = agv.next_interval = job.interval;
@@ -70,11 +73,14 @@ void Fleet::send_round(unsigned index, Desk& desk) {
   agvs_[index].moving = true;
 }
 
-// ---- steps -------------------------------------------------------------------------------------------------------------
+// ---- steps
+// -------------------------------------------------------------------------------------------------------------
 
 void Fleet::enter(unsigned index, const Step& step, Desk& desk) {
   Agv& agv = agvs_[index];
-  const auto hold = [&](double seconds) { agv.until = desk.tick() + static_cast<std::int64_t>(std::ceil(seconds * job_.refresh_frequency)); };
+  const auto hold = [&](double seconds) {
+    agv.until = desk.tick() + static_cast<std::int64_t>(std::ceil(seconds * job_.refresh_frequency));
+  };
   switch (step.kind) {
     case Step::Kind::task:
       // Home is a place in the queue. The block cuts off what of the lane lies behind the AGV.
@@ -133,8 +139,8 @@ void Fleet::write_leg(unsigned index, Word leg, std::span<const Lane> lanes, Des
   const std::size_t count = std::min(lanes.size(), most_segments);
   for (std::size_t i = 0; i < count; ++i) {
     const Lane& lane = lanes[i];
-    const std::array<Word, 6> words = {ti_float(lane.x), ti_float(lane.y), ti_float(lane.heading), ti_float(lane.length),
-                                       ti_float(lane.curvature), ti_float(lane.speed)};
+    const std::array<Word, 6> words = {ti_float(lane.x),      ti_float(lane.y),         ti_float(lane.heading),
+                                       ti_float(lane.length), ti_float(lane.curvature), ti_float(lane.speed)};
     desk.write(area + words_.ag_segment + (leg - 1) * leg_words + static_cast<Word>(i) * segment_words, words);
   }
   desk.write(area + words_.ag_segment_count + leg, static_cast<Word>(count));
@@ -151,7 +157,9 @@ void Fleet::begin_leg(unsigned index, Word leg, std::span<const Lane> lanes, Des
   agvs_[index].chain.begin(0, agvs_[index].interval, desk.tick());
 }
 
-std::vector<Lane> Fleet::lanes_to_slot(unsigned slot) const { return shortened(job_.to_spot, slot * job_.slot_spacing); }
+std::vector<Lane> Fleet::lanes_to_slot(unsigned slot) const {
+  return shortened(job_.to_spot, slot * job_.slot_spacing);
+}
 
 bool Fleet::slot_taken(unsigned slot) const {
   return std::any_of(agvs_.begin(), agvs_.end(), [slot](const Agv& agv) { return !agv.away && agv.slot == slot; });
@@ -175,20 +183,26 @@ void Fleet::take_slot(unsigned index) {
 void Fleet::move_up(unsigned index, Desk& desk) {
   Agv& agv = agvs_[index];
   const double behind = agv.slot * job_.slot_spacing;
-  const Lane lane{job_.spot_x - behind * plant::cos(job_.spot_heading), job_.spot_y - behind * plant::sin(job_.spot_heading),
-                  job_.spot_heading, job_.slot_spacing, 0, job_.move_up_speed};
+  const Lane lane{job_.spot_x - behind * plant::cos(job_.spot_heading),
+                  job_.spot_y - behind * plant::sin(job_.spot_heading),
+                  job_.spot_heading,
+                  job_.slot_spacing,
+                  0,
+                  job_.move_up_speed};
   --agv.slot;
   desk.agv_waits(index, false);
   begin_leg(index, 2, std::span(&lane, 1), desk);
   agv.moving = true;
 }
 
-// ---- blocks that have ended --------------------------------------------------------------------------------------------
+// ---- blocks that have ended
+// --------------------------------------------------------------------------------------------
 
 void Fleet::finished(const Task& done, Word result, Word notify, Desk& desk) {
   PointChain& chain = agvs_.at(done.robot - 1).chain;
   if (done.kind == words_.kind_trajectory_agv) {
-    chain.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0, (notify & words_.must_trajectory) != 0);
+    chain.trajectory_done((result & words_.end_of_leg) != 0, (notify & words_.must_inverse) != 0,
+                          (notify & words_.must_trajectory) != 0);
   } else if (done.kind == words_.kind_inverse_agv) {
     chain.inverse_done();
     chain.pushed(desk.tick());
@@ -197,8 +211,10 @@ void Fleet::finished(const Task& done, Word result, Word notify, Desk& desk) {
 
 void Fleet::dropped(const Task& lost) {
   PointChain& chain = agvs_.at(lost.robot - 1).chain;
-  if (lost.kind == words_.kind_trajectory_agv) chain.lost_trajectory();
-  else if (lost.kind == words_.kind_inverse_agv) chain.lost_inverse();
+  if (lost.kind == words_.kind_trajectory_agv)
+    chain.lost_trajectory();
+  else if (lost.kind == words_.kind_inverse_agv)
+    chain.lost_inverse();
 }
 
 }  // namespace cmrc

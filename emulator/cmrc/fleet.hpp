@@ -1,8 +1,8 @@
 #pragma once
 // The AGVs as the steps of their processes see them: legs, the queue at the dock, and who stands where (ruling 11).
 //
-// One-way traffic: the loading spot under the crane is slot 0, slots 1.. wait behind it. The step "queue" ends in the loading spot; an AGV
-// that has to wait in a slot moves up as slots become free, which belongs to it.
+// One-way traffic: the loading spot under the crane is slot 0, slots 1.. wait behind it. The step "queue" ends in the
+// loading spot; an AGV that has to wait in a slot moves up as slots become free, which belongs to it.
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -20,19 +20,19 @@ struct Lane {
 
 struct FleetJob {
   unsigned agvs = 1;
-  std::vector<Lane> to_warehouse;   ///< from the loading spot
-  std::vector<Lane> to_spot;        ///< from the warehouse to the loading spot
+  std::vector<Lane> to_warehouse;  ///< from the loading spot
+  std::vector<Lane> to_spot;       ///< from the warehouse to the loading spot
   double spot_x = 22, spot_y = 8, spot_heading = 0;
-  double slot_spacing = 18;         ///< m
-  double move_up_speed = 1.5;       ///< m/s
-  double warehouse_take = 10;       ///< s
-  double point_frequency = 50;      ///< f_a
+  double slot_spacing = 18;     ///< m
+  double move_up_speed = 1.5;   ///< m/s
+  double warehouse_take = 10;   ///< s
+  double point_frequency = 50;  ///< f_a
   double refresh_frequency = 8000;
-  std::int64_t interval = 160;      ///< N^_a at the start
+  std::int64_t interval = 160;  ///< N^_a at the start
   std::int64_t buffer_points = 2;
-  bool driving = false;             ///< all begin with an empty round
-  bool parked = false;              ///< avoidance is loaded for vehicles that stand, too
-  bool avoidance = false;           ///< obstacle avoidance is loaded at all
+  bool driving = false;               ///< all begin with an empty round
+  bool parked = false;                ///< avoidance is loaded for vehicles that stand, too
+  bool avoidance = false;             ///< obstacle avoidance is loaded at all
   std::int64_t avoidance_cycles = 0;  ///< what a synthetic one is told
 };
 
@@ -47,7 +47,8 @@ class Fleet {
 
   /// The AGVs stand in slots 0, 1, ...
   void start(Desk& desk);
-  /// Sends one off from its slot, past the warehouse and back: at the speed of the slowest lane, so that vehicles keep their distances.
+  /// Sends one off from its slot, past the warehouse and back: at the speed of the slowest lane, so that vehicles keep
+  /// their distances.
   void send_round(unsigned agv, Desk& desk);
   /// Begins a step; "task" only prepares what its block reads.
   void enter(unsigned agv, const Step& step, Desk& desk);
@@ -75,12 +76,12 @@ class Fleet {
  private:
   struct Agv {
     PointChain chain;
-    unsigned slot = 0;               // where it stands or is going; meaningless while away
-    bool away = false;               // it has left the queue
-    bool moving = false;             // within the step "queue": on its way to its slot
+    unsigned slot = 0;    // where it stands or is going; meaningless while away
+    bool away = false;    // it has left the queue
+    bool moving = false;  // within the step "queue": on its way to its slot
     std::int64_t interval = 160;
     std::int64_t next_interval = 160;
-    std::int64_t until = 0;          // refresh at which the present step has held long enough
+    std::int64_t until = 0;  // refresh at which the present step has held long enough
   };
 
   void write_leg(unsigned agv, Word leg, std::span<const Lane> lanes, Desk& desk);

@@ -22,18 +22,30 @@ Time milliseconds(double ms) { return Time{std::llround(ms * 1e9)}; }
 
 Host::Host(const Config& config, const Words& words, const CraneJob& crane, const FleetJob& fleet, Ledger& ledger,
            HostListener& listener, std::function<std::vector<Word>(unsigned)> boot_stream)
-    : config_(config), words_(words), parameters_(importance_parameters(config)), intervals_(intervals(config)),
-      clock_(clock_of(oscillators_of(config).host)), ledger_(ledger), listener_(listener), list_(words.block_count),
+    : config_(config),
+      words_(words),
+      parameters_(importance_parameters(config)),
+      intervals_(intervals(config)),
+      clock_(clock_of(oscillators_of(config).host)),
+      ledger_(ledger),
+      listener_(listener),
+      list_(words.block_count),
       processes_(config.processes, config.tasks, crane, fleet, words_),
       user_tasks_(config_.tasks, words_, config_.rates.refresh_frequency_hz),
       errors_(config, words_, *this),
       control_(config, words_),
       torque_{{.x = task::torque, .y = robot_class::crane, .kind = words.kind_torque, .area = words.cr_base},
-              JobKind::torque_compensation, config.processes.subprocess_of("torque_compensation").number, intervals_.servo},
+              JobKind::torque_compensation,
+              config.processes.subprocess_of("torque_compensation").number,
+              intervals_.servo},
       pid_{{.x = task::pid, .y = robot_class::crane, .kind = words.kind_pid, .area = words.cr_base},
-           JobKind::pid, config.processes.subprocess_of("pid").number, intervals_.servo},
-      boots_(words_, std::move(boot_stream), milliseconds(config.watchdog.boot_limit_ms), nanoseconds(config.host.boot_pause_ns)),
-      durations_(static_cast<std::size_t>(config.report.samples_max)), lengths_(static_cast<std::size_t>(config.report.samples_max)) {
+           JobKind::pid,
+           config.processes.subprocess_of("pid").number,
+           intervals_.servo},
+      boots_(words_, std::move(boot_stream), milliseconds(config.watchdog.boot_limit_ms),
+             nanoseconds(config.host.boot_pause_ns)),
+      durations_(static_cast<std::size_t>(config.report.samples_max)),
+      lengths_(static_cast<std::size_t>(config.report.samples_max)) {
   const auto& w = config_.watchdog;
   const auto refreshes = [&](double us) {
     return static_cast<std::int64_t>(std::ceil(us * 1e-6 * config_.rates.refresh_frequency_hz));
@@ -47,7 +59,8 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
     kind(static_cast<std::size_t>(JobKind::user) + i, w.long_run_us, config_.tasks[i].heartbeat_ms * 1e3);
   }
   set_releases();
-  for (unsigned slot = 0; config_.machine.boot == BootPolicy::link && slot < static_cast<unsigned>(config_.machine.dsps); ++slot)
+  for (unsigned slot = 0;
+       config_.machine.boot == BootPolicy::link && slot < static_cast<unsigned>(config_.machine.dsps); ++slot)
     boots_.expect(slot, Time{0});
   rest();
 }
@@ -56,7 +69,8 @@ Host::Host(const Config& config, const Words& words, const CraneJob& crane, cons
 void Host::start() {
   constexpr Time grid = std::chrono::milliseconds{1};
   const Time ready = (now_ + grid - Time{1}) / grid * grid;
-  const std::int64_t first = std::max<std::int64_t>(1, clock_.tick_at_or_after(std::max(ready, milliseconds(config_.host.start_ms))));
+  const std::int64_t first =
+      std::max<std::int64_t>(1, clock_.tick_at_or_after(std::max(ready, milliseconds(config_.host.start_ms))));
   tick_ = first - 1;
   refresh_at_ = clock_.at(first);
   for (Servo* servo : {&torque_, &pid_})
@@ -64,7 +78,8 @@ void Host::start() {
   for (unsigned slot = 0; slot < static_cast<unsigned>(config_.machine.dsps); ++slot) liveness_.sign(slot, looks());
 }
 
-// ---- the steps ---------------------------------------------------------------------------------------------------------
+// ---- the steps
+// ---------------------------------------------------------------------------------------------------------
 
 void Host::wake(Time now, machine::HostPort& port) {
   now_ = now;
@@ -72,9 +87,12 @@ void Host::wake(Time now, machine::HostPort& port) {
   wake_at_ = machine::never;
   switch (step_) {
     case Step::resting:
-      if (now_ >= refresh_at_) begin_refresh();
-      else if (boots_.step(now_, *port_)) step_ = Step::booting;
-      else rest();
+      if (now_ >= refresh_at_)
+        begin_refresh();
+      else if (boots_.step(now_, *port_))
+        step_ = Step::booting;
+      else
+        rest();
       break;
     case Step::thinking: think(); break;
     case Step::retry: acquire(); break;
@@ -111,8 +129,10 @@ void Host::read_done(std::uint32_t, std::span<const machine::Word> words, Time n
     case Step::locked_flags:
       if (words[0] != words_.flag_waiting) taken_at_last(flags_.front());
       flags_.pop_front();
-      if (flags_.empty()) relink();
-      else port_->read(words_.block(flags_.front()) + words_.flag, 1, 0);
+      if (flags_.empty())
+        relink();
+      else
+        port_->read(words_.block(flags_.front()) + words_.flag, 1, 0);
       break;
     case Step::relink:
       claimed_before(words[0]);
@@ -158,7 +178,8 @@ void Host::begin_refresh() {
 
 void Host::set_releases() {
   const Config::Scheduling& s = config_.scheduling;
-  processes_.set_releases({.every = s.event_read_refreshes, .field_mm = std::llround(s.event_field_m * 1000)}, s.agv_phase == AgvPhase::staggered);
+  processes_.set_releases({.every = s.event_read_refreshes, .field_mm = std::llround(s.event_field_m * 1000)},
+                          s.agv_phase == AgvPhase::staggered);
 }
 
 void Host::apply_changes() {
@@ -208,7 +229,8 @@ void Host::flag_read(Word flag) {
 void Host::next_field() {
   if (fields_.empty()) return begin_thinking();
   step_ = Step::field;
-  port_->read(machine::host_devices + words_.agv_range + fields_.front() * words_.agv_range_words + words_.range_way, 1, 0);
+  port_->read(machine::host_devices + words_.agv_range + fields_.front() * words_.agv_range_words + words_.range_way, 1,
+              0);
 }
 
 void Host::field_read(Word millimetres) {
@@ -230,7 +252,9 @@ void Host::think() {
   }
   for (const Done& done : done_) take_out(done);
   for (const Hung& hung : hung_) recompute(hung);
-  const auto released = [this](const Servo& servo) { return processes_.releases(servo.subprocess, servo.task.robot) && !servo.stopped; };
+  const auto released = [this](const Servo& servo) {
+    return processes_.releases(servo.subprocess, servo.task.robot) && !servo.stopped;
+  };
   servoing_ = released(pid_);
   course_->servo(servoing_, clock_.at(tick_));
   if (drives_wait_too_long()) errors_.pid_silent(now_, *this);
@@ -242,8 +266,9 @@ void Host::think() {
   user_tasks_.refresh(*this);
   if (const auto cycle = cycles_.take_closed()) {
     Fleet& fleet = processes_.fleet();
-    fleet.set_interval(cycle->agv, learned_interval(config_.scheduling, fleet.interval(cycle->agv), intervals_.agv_point,
-                                                    static_cast<unsigned>(config_.dock.agvs), *cycle));
+    fleet.set_interval(cycle->agv,
+                       learned_interval(config_.scheduling, fleet.interval(cycle->agv), intervals_.agv_point,
+                                        static_cast<unsigned>(config_.dock.agvs), *cycle));
   }
   list_.refresh(grown_, [this](const Block& block) { return importance_of(block); });
   hold_back_long_blocks();
@@ -303,7 +328,8 @@ void Host::relink() {
     const Word link = i + 1 < order.size() ? words_.block(order[i + 1]) : 0;
     const auto t = static_cast<Word>(std::min<std::int64_t>(block.t, 0xFFFF));
     if (block.flag == Flag::waiting) {
-      const std::array<Word, 4> words = {t, words_.flag_waiting, block.importance, link};  // TB_T, TB_FLAG, TB_J, TB_LINK
+      const std::array<Word, 4> words = {t, words_.flag_waiting, block.importance,
+                                         link};  // TB_T, TB_FLAG, TB_J, TB_LINK
       port_->write(offset + words_.t, words);
       linked_.push_back(order[i]);
       own_linked_ = own_linked_ || own_slot(order[i]).has_value();
@@ -318,10 +344,12 @@ void Host::relink() {
   const std::array<Word, 2> head = {first, static_cast<Word>(tick_)};  // LIST_WORK_POINTER, LIST_REFRESH
   port_->write(words_.list_work_pointer, head);
   port_->write(words_.semaphore_list, Word{0});
-  note(EventKind::refresh, {static_cast<std::uint32_t>(tick_), static_cast<std::uint32_t>(order.size()),
-                            static_cast<std::uint32_t>(linked_.size()), first, static_cast<std::uint32_t>(elapsed_ - 1)});
+  note(EventKind::refresh,
+       {static_cast<std::uint32_t>(tick_), static_cast<std::uint32_t>(order.size()),
+        static_cast<std::uint32_t>(linked_.size()), first, static_cast<std::uint32_t>(elapsed_ - 1)});
   if (config_.machine.idle_policy != IdlePolicy::doorbell) return end_refresh();
-  // With nothing to be done nobody is rung; who is idle is still looked at before his silence could be taken for a failure.
+  // With nothing to be done nobody is rung; who is idle is still looked at before his silence could be taken for a
+  // failure.
   const bool ask = silence_limit() > 0 && liveness_.doubtful(looks(), silence_limit() / 2);
   if (eligible_ == 0 && !ask) return end_refresh();
   step_ = Step::doorbell;
@@ -335,7 +363,8 @@ void Host::end_refresh() {
   rest();
 }
 
-// ---- what is told ------------------------------------------------------------------------------------------------------
+// ---- what is told
+// ------------------------------------------------------------------------------------------------------
 
 void Host::process(unsigned number, bool started, Robot robot) {
   cycles_.process(config_.processes.find(number)->account, started, robot, now_);

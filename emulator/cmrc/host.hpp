@@ -1,19 +1,23 @@
 #pragma once
-// The host's software: refreshes the task-block list at f_s, every access a transaction on bus A (ruling 20), and runs the processes.
+// The host's software: refreshes the task-block list at f_s, every access a transaction on bus A (ruling 20), and runs
+// the processes.
 //
 // One refresh, as steps between answers of the bus:
 //   pointer    read the work pointer: what stood before it has been claimed since the last refresh
 //   passed     where blocks are linked that are for one DSP alone: read the flags of those behind the pointer, up to
 //              the first that waits for anybody
-//   flags      read the flag of every block that is taken; of those that are done the result and notify words, of those that are not and have
-//              a heartbeat that word. Of those that the watchdog finds too old read the owner, fence it off, and read the flag again: now it
-//              cannot change any more
-//   field      read what the AGVs' range sensors see in their way, where a sub-process is released by it (docs/processes.md)
-//   thinking   the host's own work, for a modelled time; then finished blocks are out, successors in, t, J and order are computed;
+//   flags      read the flag of every block that is taken; of those that are done the result and notify words, of those
+//   that are not and have
+//              a heartbeat that word. Of those that the watchdog finds too old read the owner, fence it off, and read
+//              the flag again: now it cannot change any more
+//   field      read what the AGVs' range sensors see in their way, where a sub-process is released by it
+//   (docs/processes.md) thinking   the host's own work, for a modelled time; then finished blocks are out, successors
+//   in, t, J and order are computed;
 //              new blocks and changed words of the job areas are written, not yet linked
 //   semaphore  acquire the list
-//   relink     read the work pointer (and flags) again: a block may have been claimed since; write t, J, links, the work pointer; release
-//   doorbell   read the mask of idle DSPs, ring one per eligible block, lowest slot first; for one that is for one DSP
+//   relink     read the work pointer (and flags) again: a block may have been claimed since; write t, J, links, the
+//   work pointer; release doorbell   read the mask of idle DSPs, ring one per eligible block, lowest slot first; for
+//   one that is for one DSP
 //              alone, that one
 //
 // Between refreshes it boots the DSPs that ask for it (boots.hpp); at power-on all of them before the first refresh.
@@ -33,8 +37,8 @@
 #include "cmrc/errors.hpp"
 #include "cmrc/importance.hpp"
 #include "cmrc/ledger.hpp"
-#include "cmrc/liveness.hpp"
 #include "cmrc/list.hpp"
+#include "cmrc/liveness.hpp"
 #include "cmrc/processes.hpp"
 #include "cmrc/user_task.hpp"
 #include "cmrc/words.hpp"
@@ -85,16 +89,35 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
 
  private:
   enum class Step : std::uint8_t {
-    resting, booting, pointer, passed, flags, alive, result, owner, verdict, signs, field, thinking, semaphore, retry, held, holder, locked_flags, relink, locked_passed, doorbell
+    resting,
+    booting,
+    pointer,
+    passed,
+    flags,
+    alive,
+    result,
+    owner,
+    verdict,
+    signs,
+    field,
+    thinking,
+    semaphore,
+    retry,
+    held,
+    holder,
+    locked_flags,
+    relink,
+    locked_passed,
+    doorbell
   };
 
   /// A periodic task of the crane: torque compensation or PID.
   struct Servo {
     Task task;
     JobKind job;
-    unsigned subprocess;      // the row by which it is released
-    std::int64_t next;        // nominal tick to be released next
-    bool out = false;         // a block of it is in the list
+    unsigned subprocess;  // the row by which it is released
+    std::int64_t next;    // nominal tick to be released next
+    bool out = false;     // a block of it is in the list
     std::size_t block = 0;
     std::int64_t last_t = 0;  // t of the last block when it was found done
     bool stopped = false;     // given up
@@ -120,7 +143,9 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
   bool servo_resting() const override;
   void process(unsigned number, bool started, Robot robot) override;
   void landing_missed(bool last) override;
-  std::int64_t path(std::int64_t refresh) const override { return static_cast<std::int64_t>(errors_.path().at(refresh)); }
+  std::int64_t path(std::int64_t refresh) const override {
+    return static_cast<std::int64_t>(errors_.path().at(refresh));
+  }
   void error(Word number, Word what, Robot robot, Word phase, Word response) override;
   void control(Word generation, Word changed) override;
   void agv_waits(unsigned agv, bool waits) override { cycles_.agv_waits(agv, waits, now_); }
@@ -139,7 +164,9 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
   void ask_again(const Task& lost) override;
   void stop_work(const Task& lost) override;
   void resume_work(const Task& lost) override;
-  void stop_servo(bool stopped) override { torque_.stopped = pid_.stopped = stopped, torque_.waits = pid_.waits = false; }
+  void stop_servo(bool stopped) override {
+    torque_.stopped = pid_.stopped = stopped, torque_.waits = pid_.waits = false;
+  }
 
   void rest();
   void start();
@@ -176,7 +203,8 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
   void drop_tick(Servo& servo);
   /// An experiment leaves this nominal tick out (scheduling.servo_loss_share, servo_served_every).
   bool left_out(std::int64_t tick) const;
-  std::size_t load_block(const Task& task, JobKind job, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick);
+  std::size_t load_block(const Task& task, JobKind job, Time released, std::optional<Time> deadline,
+                         std::optional<std::int64_t> tick);
   void write_new_blocks();
   void acquire();
   void semaphore_read(Word taken);
@@ -228,22 +256,22 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
   Time now_{};
   machine::HostPort* port_ = nullptr;  // during a call only
   std::int64_t tick_ = 0;
-  std::int64_t elapsed_ = 0;           // refreshes since the last one
-  std::int64_t grown_ = 0;             // by which t grows at this one
-  std::vector<std::size_t> linked_;    // blocks from the work pointer on as shared memory links them: they wait, or were
-                                       // claimed past those for one DSP alone
-  bool own_linked_ = false;            // some of them are for one DSP alone
-  std::deque<std::size_t> passed_;     // of them, those whose flags are still to be read
-  std::deque<std::size_t> flags_;      // blocks whose flags are still to be read
-  std::deque<unsigned> fields_;        // AGVs whose sensors are still to be read at this refresh
-  std::deque<std::size_t> signs_;      // blocks that were out at this refresh, whose owners are alive
+  std::int64_t elapsed_ = 0;         // refreshes since the last one
+  std::int64_t grown_ = 0;           // by which t grows at this one
+  std::vector<std::size_t> linked_;  // blocks from the work pointer on as shared memory links them: they wait, or were
+                                     // claimed past those for one DSP alone
+  bool own_linked_ = false;          // some of them are for one DSP alone
+  std::deque<std::size_t> passed_;   // of them, those whose flags are still to be read
+  std::deque<std::size_t> flags_;    // blocks whose flags are still to be read
+  std::deque<unsigned> fields_;      // AGVs whose sensors are still to be read at this refresh
+  std::deque<std::size_t> signs_;    // blocks that were out at this refresh, whose owners are alive
   std::vector<Done> done_;
   std::vector<Hung> hung_;
-  bool pointer_in_doubt_ = false;      // a semaphore was freed: a claim may have broken off
+  bool pointer_in_doubt_ = false;  // a semaphore was freed: a claim may have broken off
   Time refused_since_{};
   bool refused_ = false;
-  Word held_for_ = 0;                  // us, the list's semaphore
-  std::uint32_t dither_ = 1;           // state of the generator that varies the pause before the next try
+  Word held_for_ = 0;         // us, the list's semaphore
+  std::uint32_t dither_ = 1;  // state of the generator that varies the pause before the next try
   std::uint64_t eligible_ = 0;
   Word fence_ = 0xFFFFFFFF;
   std::array<std::int64_t, 32> renewed_{};  // refresh at which a slot was last reset by the host
@@ -251,11 +279,12 @@ class Host : public machine::HostProgram, private Desk, private ErrorHands {
   std::optional<unsigned> holder_;          // of the list, fenced off, from which it is being taken
   Liveness liveness_;
   Boots boots_;
-  Time pid_ended_{};              // a block of PID was last found done
+  Time pid_ended_{};  // a block of PID was last found done
   std::uint64_t pid_runs_ = 0;
   std::map<std::pair<Word, Robot>, std::int64_t> drops_;  // of a kind and robot, in a row
-  std::map<JobKind, std::int64_t> longest_;  // longest runs in refreshes, at least as configured
-  std::map<JobKind, std::int64_t> gaps_;     // longest between two beats in refreshes, at least as configured; of kinds that have a heartbeat
+  std::map<JobKind, std::int64_t> longest_;               // longest runs in refreshes, at least as configured
+  std::map<JobKind, std::int64_t>
+      gaps_;  // longest between two beats in refreshes, at least as configured; of kinds that have a heartbeat
 
   report::HostReport counts_;
   struct {

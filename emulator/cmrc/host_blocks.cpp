@@ -27,9 +27,12 @@ void Host::load(const Task& asked, std::optional<std::int64_t> deadline) {
 
 void Host::drop(const Task& task, std::int64_t due, std::int64_t deadline) {
   const auto order = list_.order();
-  const auto before = std::ranges::find_if(order, [&](std::size_t index) { return list_[index].task.kind == task.kind && list_[index].task.robot == task.robot; });
-  note(EventKind::miss, {task.kind, static_cast<std::uint32_t>(due), static_cast<std::uint32_t>(report::Outcome::dropped),
-                         before == order.end() ? 0 : words_.block(*before), 0});
+  const auto before = std::ranges::find_if(order, [&](std::size_t index) {
+    return list_[index].task.kind == task.kind && list_[index].task.robot == task.robot;
+  });
+  note(EventKind::miss,
+       {task.kind, static_cast<std::uint32_t>(due), static_cast<std::uint32_t>(report::Outcome::dropped),
+        before == order.end() ? 0 : words_.block(*before), 0});
   ledger_.skipped(job_kind(task.kind, words_), clock_.at(due), clock_.at(deadline), std::nullopt, now_, task.robot);
 }
 
@@ -60,17 +63,21 @@ void Host::write_new_blocks() {
 }
 
 std::uint32_t Host::importance_of(const Block& block) const {
-  const bool waits_for_torque = config_.scheduling.pid_after_torque && block.task.kind == words_.kind_pid && torque_.out &&
+  const bool waits_for_torque = config_.scheduling.pid_after_torque && block.task.kind == words_.kind_pid &&
+                                torque_.out &&
                                 static_cast<std::int32_t>(list_[torque_.block].task.tick - block.task.tick) <= 0;
   if (waits_for_torque && block.flag == Flag::waiting) return 0;
-  if (user_tasks_.is_one(block.task) && block.task.x != task::recompute) return importance(user_tasks_.row(block.task), block.t);
+  if (user_tasks_.is_one(block.task) && block.task.x != task::recompute)
+    return importance(user_tasks_.row(block.task), block.t);
   ImportanceParameters parameters = parameters_;
   parameters.n_crane = processes_.crane().interval();
   if (block.task.robot > 0) parameters.n_agv = processes_.fleet().interval(block.task.robot - 1);
   return importance(parameters, block.task.x, block.task.y, block.t);
 }
 
-bool Host::is_long(const Block& block) const { return 2 * longest_.at(job_kind(block.task.kind, words_)) > intervals_.servo; }
+bool Host::is_long(const Block& block) const {
+  return 2 * longest_.at(job_kind(block.task.kind, words_)) > intervals_.servo;
+}
 
 // Those beyond the cap are not to be run yet: J = 0, until one that is out is done (plant-and-bus.md 4.6 item 4). A
 // block that is for one DSP alone may wait for that one for ever: it neither counts nor is held back.
@@ -80,7 +87,8 @@ void Host::hold_back_long_blocks() {
   bool held = false;
   for (const std::size_t index : list_.order()) {  // taken ones come first
     Block& block = list_[index];
-    if (own_slot(index) || !is_long(block) || block.importance == 0 || --room >= 0 || block.flag != Flag::waiting) continue;
+    if (own_slot(index) || !is_long(block) || block.importance == 0 || --room >= 0 || block.flag != Flag::waiting)
+      continue;
     block.importance = 0;
     held = true;
   }
@@ -104,8 +112,10 @@ void Host::take_out(const Done& done) {
     note(EventKind::miss, {task.kind, task.tick, static_cast<std::uint32_t>(outcome), words_.block(done.block), 0});
   }
   if (task.kind == words_.kind_error) return errors_.decided(task, done.result, now_, *this);
-  if (task.kind == words_.kind_pid) pid_ended_ = now_, ++pid_runs_, control_.pid_ended(done.notify >> words_.pide_rests);
-  if (task.kind == words_.kind_pid && (done.notify & ~(~Word{0} << words_.pide_rests)) != 0) errors_.pid_says(done.notify, task.tick, now_, *this);
+  if (task.kind == words_.kind_pid)
+    pid_ended_ = now_, ++pid_runs_, control_.pid_ended(done.notify >> words_.pide_rests);
+  if (task.kind == words_.kind_pid && (done.notify & ~(~Word{0} << words_.pide_rests)) != 0)
+    errors_.pid_says(done.notify, task.tick, now_, *this);
   if (task.kind == words_.kind_pid && (done.result & words_.pid_starved) != 0) {
     note(EventKind::starved, {0, done.result & 0xFFFF, 0, 0, 0});
   }
@@ -130,7 +140,8 @@ void Host::load_next_part(std::size_t done, const Task& task, std::uint32_t own_
   note(EventKind::load, {words_.block(index), next.kind, next.area, next.tick, list_[index].generation});
 }
 
-// ---- the servo ---------------------------------------------------------------------------------------------------------
+// ---- the servo
+// ---------------------------------------------------------------------------------------------------------
 
 void Host::refresh_servo(Servo& servo, bool on) {
   if (!on) {
@@ -154,7 +165,8 @@ void Host::load_servo(Servo& servo) {
     due = std::max(tick_, tick_ + intervals_.servo - gamma - servo.last_t) + gamma;
   }
   task.tick = static_cast<std::uint32_t>(due);
-  servo.block = load_block(task, servo.job, clock_.at(due - gamma), clock_.at(due + intervals_.servo), due / intervals_.servo);
+  servo.block =
+      load_block(task, servo.job, clock_.at(due - gamma), clock_.at(due + intervals_.servo), due / intervals_.servo);
   servo.out = true;
   servo.next = due + intervals_.servo;
 }
@@ -165,18 +177,21 @@ bool Host::left_out(std::int64_t tick) const {
   const std::int64_t number = tick / intervals_.servo;
   if (number % s.servo_served_every != 0) return true;
   if (s.servo_loss_share <= 0) return false;
-  return unit_draw(static_cast<std::uint64_t>(config_.run.seed), "servo_loss", static_cast<std::uint64_t>(number / s.servo_loss_run)) < s.servo_loss_share;
+  return unit_draw(static_cast<std::uint64_t>(config_.run.seed), "servo_loss",
+                   static_cast<std::uint64_t>(number / s.servo_loss_run)) < s.servo_loss_share;
 }
 
 void Host::drop_tick(Servo& servo) {
   note(EventKind::miss, {servo.task.kind, static_cast<std::uint32_t>(servo.next),
                          static_cast<std::uint32_t>(report::Outcome::dropped), words_.block(servo.block), 0});
-  ledger_.skipped(servo.job, clock_.at(servo.next), clock_.at(servo.next + intervals_.servo), servo.next / intervals_.servo, now_);
+  ledger_.skipped(servo.job, clock_.at(servo.next), clock_.at(servo.next + intervals_.servo),
+                  servo.next / intervals_.servo, now_);
   servo.next += intervals_.servo;
 }
 
 bool Host::servo_resting() const {
-  // A waiting block whose J in shared memory is 0 cannot be claimed before the coming relink, which follows all writes made now.
+  // A waiting block whose J in shared memory is 0 cannot be claimed before the coming relink, which follows all writes
+  // made now.
   const auto rests = [this](const Servo& servo) {
     return !servo.out || (list_[servo.block].flag == Flag::waiting && list_[servo.block].importance == 0);
   };

@@ -51,8 +51,10 @@ bool Host::look_past(Step step) {
 bool Host::passed_read(Word flag) {
   const std::size_t index = passed_.front();
   passed_.pop_front();
-  if (flag != words_.flag_waiting) taken_at_last(index);
-  else if (!own_slot(index)) passed_.clear();
+  if (flag != words_.flag_waiting)
+    taken_at_last(index);
+  else if (!own_slot(index))
+    passed_.clear();
   if (passed_.empty()) return true;
   port_->read(words_.block(passed_.front()) + words_.flag, 1, 0);
   return false;

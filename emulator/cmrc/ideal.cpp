@@ -4,7 +4,8 @@ namespace cmrc {
 namespace {
 
 bool is_the_machines(const TimedEvent& event) {
-  const bool lost = event.action == "set" && event.key.starts_with("scheduling.servo_") && event.key != "scheduling.servo_reload";
+  const bool lost =
+      event.action == "set" && event.key.starts_with("scheduling.servo_") && event.key != "scheduling.servo_reload";
   return lost || befalls_machine(event);
 }
 

@@ -7,7 +7,9 @@
 namespace cmrc {
 namespace {
 
-std::uint32_t saturated(std::int64_t value) { return static_cast<std::uint32_t>(std::clamp<std::int64_t>(value, 0, 0xFFFF)); }
+std::uint32_t saturated(std::int64_t value) {
+  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(value, 0, 0xFFFF));
+}
 
 std::uint32_t planning_restored(const ImportanceParameters& n, std::uint32_t x, std::uint32_t y, std::int64_t t) {
   if (y == robot_class::crane) {
@@ -20,7 +22,8 @@ std::uint32_t planning_restored(const ImportanceParameters& n, std::uint32_t x, 
 
 // The scan's own values: only the crane's trajectory planning differs from the restored rows.
 std::uint32_t planning_as_printed(const ImportanceParameters& n, std::uint32_t x, std::uint32_t y, std::int64_t t) {
-  if (x == task::trajectory && y == robot_class::crane) return saturated(t >= n.n_crane - n.alpha ? n.p : n.q + n.a * t);
+  if (x == task::trajectory && y == robot_class::crane)
+    return saturated(t >= n.n_crane - n.alpha ? n.p : n.q + n.a * t);
   return planning_restored(n, x, y, t);
 }
 
@@ -30,7 +33,7 @@ ImportanceParameters importance_parameters(const Config& config) {
   const Intervals n = intervals(config);
   const auto& s = config.scheduling;
   return {s.equation, n.servo, n.crane_point, n.agv_slowed, s.gamma_refreshes, s.alpha_refreshes, s.beta_refreshes,
-          s.p, s.q, s.b, s.a};
+          s.p,        s.q,     s.b,           s.a};
 }
 
 std::uint32_t importance(const ImportanceParameters& n, std::uint32_t x, std::uint32_t y, std::int64_t t) {

@@ -1,5 +1,6 @@
 #pragma once
-// An unstable loop, told from its drive's codes: they swing from one end of their range to the other and back, again and again.
+// An unstable loop, told from its drive's codes: they swing from one end of their range to the other and back, again
+// and again.
 #include <array>
 #include <cstdint>
 #include <deque>
@@ -18,8 +19,8 @@ class Instability {
  public:
   struct Found {
     std::size_t joint;
-    std::int64_t since;     ///< latch of the first of these swings
-    double frequency_hz;    ///< of the oscillation
+    std::int64_t since;   ///< latch of the first of these swings
+    double frequency_hz;  ///< of the oscillation
   };
 
   /// The codes of a latch. A joint is told once, when it has begun to swing; again after a second without a swing.
@@ -47,8 +48,9 @@ class Instability {
   void list_state(state::Visitor& list);
 
  private:
-  static constexpr int far = (4 * plant::largest_torque_code + 2) / 5;  // four fifths of the range: no motion that is planned asks for that both ways
-  static constexpr std::size_t enough = 6;        // swings: three whole oscillations
+  static constexpr int far = (4 * plant::largest_torque_code + 2) /
+                             5;  // four fifths of the range: no motion that is planned asks for that both ways
+  static constexpr std::size_t enough = 6;  // swings: three whole oscillations
   static constexpr std::int64_t window = std::chrono::seconds{1} / plant::latch_period;  // latches in which they come
   struct Joint {
     int side = 0;

@@ -34,11 +34,13 @@ void Instants::count_in_bin(Time time) {
 std::uint64_t Instants::until(Time end) const {
   if (end >= last_) return count_;
   if (end < Time{}) return 0;
-  if (bin_ == Time{}) return static_cast<std::uint64_t>(std::ranges::count_if(kept_, [end](Time time) { return time <= end; }));
+  if (bin_ == Time{})
+    return static_cast<std::uint64_t>(std::ranges::count_if(kept_, [end](Time time) { return time <= end; }));
   const auto cut = static_cast<std::size_t>(end / bin_);
   std::uint64_t sum = 0;
   for (std::size_t i = 0; i < std::min(cut, bins_.size()); ++i) sum += bins_[i];
-  if (cut < bins_.size()) sum += bins_[cut] * static_cast<std::uint64_t>((end % bin_).count()) / static_cast<std::uint64_t>(bin_.count());
+  if (cut < bins_.size())
+    sum += bins_[cut] * static_cast<std::uint64_t>((end % bin_).count()) / static_cast<std::uint64_t>(bin_.count());
   return sum;
 }
 

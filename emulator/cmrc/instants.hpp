@@ -14,10 +14,12 @@ namespace cmrc {
 
 using machine::Time;
 
-/// Instants, each kept as it is as long as there are few. Later they are counted in bins of equal length, which doubles as the run grows.
+/// Instants, each kept as it is as long as there are few. Later they are counted in bins of equal length, which doubles
+/// as the run grows.
 class Instants {
  public:
-  explicit Instants(std::size_t kept_max = 1 << 18, std::size_t bins_max = 1 << 19) : kept_max_(kept_max), bins_max_(bins_max) {}
+  explicit Instants(std::size_t kept_max = 1 << 18, std::size_t bins_max = 1 << 19)
+      : kept_max_(kept_max), bins_max_(bins_max) {}
 
   /// In any order. \param time not negative
   void add(Time time);

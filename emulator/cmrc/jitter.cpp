@@ -28,7 +28,9 @@ class Draw {
   explicit Draw(const Config& config)
       : on_(config.run.phase_jitter), seed_(static_cast<std::uint64_t>(config.run.seed)) {}
 
-  static Oscillator nominal(std::string name, std::int64_t hertz, std::int64_t per) { return {std::move(name), hertz, per, {}}; }
+  static Oscillator nominal(std::string name, std::int64_t hertz, std::int64_t per) {
+    return {std::move(name), hertz, per, {}};
+  }
 
   Oscillator operator()(std::string name, std::int64_t hertz, std::int64_t per = 1) const {
     Oscillator one = nominal(std::move(name), hertz, per);
@@ -39,9 +41,10 @@ class Draw {
       const std::uint64_t bits = bits_of_name(seed_, one.name, 1);
       one.skew.phase = machine::Time{static_cast<std::int64_t>(bits % static_cast<std::uint64_t>(period.count()))};
     } catch (const std::invalid_argument&) {
-      throw ConfigError(fmt::format("run.phase_jitter: {} at {}/{} Hz and {} ppm is no clock that can be kept exactly; "
-                                    "run.phase_jitter = false, or a frequency in whole hertz, is expected",
-                                    one.name, hertz, per, one.skew.ppm));
+      throw ConfigError(
+          fmt::format("run.phase_jitter: {} at {}/{} Hz and {} ppm is no clock that can be kept exactly; "
+                      "run.phase_jitter = false, or a frequency in whole hertz, is expected",
+                      one.name, hertz, per, one.skew.ppm));
     }
     return one;
   }
@@ -71,8 +74,13 @@ Oscillators oscillators_of(const Config& config) {
   const plant::SensorParameters sensors = nominal_dock_of(config).sensors;
   // Millihertz are fine enough for any rate that is typed in, and keep the timer's clock rational (ruling 1).
   Oscillators all{.host = draw("host timer", std::llround(config.rates.refresh_frequency_hz * 1000), 1000),
-                  .buses = {}, .dsps = {}, .sway = draw("sway sensor", 100), .range = {}, .units = {}};
-  // In the ideal run the machine has no clocks that differ; what is released and what is sampled keeps the clocks of the run.
+                  .buses = {},
+                  .dsps = {},
+                  .sway = draw("sway sensor", 100),
+                  .range = {},
+                  .units = {}};
+  // In the ideal run the machine has no clocks that differ; what is released and what is sampled keeps the clocks of
+  // the run.
   const auto of_machine = [&](std::string name, std::int64_t hertz, std::int64_t per) {
     return config.run.ideal ? Draw::nominal(std::move(name), hertz, per) : draw(std::move(name), hertz, per);
   };
@@ -92,6 +100,8 @@ Oscillators oscillators_of(const Config& config) {
   return all;
 }
 
-double unit_draw(std::uint64_t seed, std::string_view name, std::uint64_t count) { return static_cast<double>(bits_of_name(seed, name, count) >> 11) * 0x1p-53; }
+double unit_draw(std::uint64_t seed, std::string_view name, std::uint64_t count) {
+  return static_cast<double>(bits_of_name(seed, name, count) >> 11) * 0x1p-53;
+}
 
 }  // namespace cmrc

@@ -1,7 +1,8 @@
 #pragma once
 // Clocks that differ (ruling 40): with run.phase_jitter each oscillator has a frequency of its own, up to 100 ppm from
-// the nominal one, and a phase of its own. Without it all begin at 0 and keep their nominal frequency; so do the chips and
-// buses of the ideal run, in which time costs nothing. Host timer, sensors and AGV units of the ideal run are the run's own.
+// the nominal one, and a phase of its own. Without it all begin at 0 and keep their nominal frequency; so do the chips
+// and buses of the ideal run, in which time costs nothing. Host timer, sensors and AGV units of the ideal run are the
+// run's own.
 //
 // The drives' 8-kHz latch is not among them: it is the plant's mesh (ruling 5).
 #include <cstdint>

@@ -16,10 +16,12 @@ namespace {
 
 toolchain::Word& word_at(toolchain::Image& image, toolchain::Address address) {
   if (toolchain::Word* word = image.word_at(address)) return *word;
-  throw ConfigError(fmt::format("machine.programs: {:08X}h lies in no loaded section; the tables of dsp.asm are expected there", address));
+  throw ConfigError(fmt::format(
+      "machine.programs: {:08X}h lies in no loaded section; the tables of dsp.asm are expected there", address));
 }
 
-/// Puts the words of the list at `label` (place on chip, number of words, words; a place of 0 ends it) into the image's constants.
+/// Puts the words of the list at `label` (place on chip, number of words, words; a place of 0 ends it) into the image's
+/// constants.
 void place_constants(toolchain::Image& image, std::string_view label) {
   const toolchain::Word lift = image.symbol("LIFT");
   for (toolchain::Address at = image.symbol(label); word_at(image, at) != 0;) {
@@ -30,31 +32,45 @@ void place_constants(toolchain::Image& image, std::string_view label) {
   }
 }
 
-/// Limits of PID (errors.*) and of torque compensation (the wind's) into their constants; docs/controller.md, Errors and Wind.
+/// Limits of PID (errors.*) and of torque compensation (the wind's) into their constants; docs/controller.md, Errors
+/// and Wind.
 void place_limits(toolchain::Image& image, const Config& config) {
   const Config::Errors& e = config.errors;
   const bool gantry = config.dock.crane == CraneMachine::gantry;
   constexpr double milli = 1e-3, none = 1e6;
   using Milliseconds = std::chrono::duration<double, std::milli>;
   constexpr double sway_sample_ms = Milliseconds(plant::tick_latches * plant::latch_period).count();
-  const std::array<double, 5> follow = {gantry ? none : e.following_travel_m, gantry ? e.following_travel_m : e.following_slew_mrad * milli,
-                                        gantry ? e.following_trolley_m : e.following_luff_mrad * milli, e.following_hoist_m, e.following_rotator_mrad * milli};
-  // The law as printed lags by T_d times the speed while its integral has not caught up: that much at the trajectory's top speed is no error.
+  const std::array<double, 5> follow = {gantry ? none : e.following_travel_m,
+                                        gantry ? e.following_travel_m : e.following_slew_mrad * milli,
+                                        gantry ? e.following_trolley_m : e.following_luff_mrad * milli,
+                                        e.following_hoist_m, e.following_rotator_mrad * milli};
+  // The law as printed lags by T_d times the speed while its integral has not caught up: that much at the trajectory's
+  // top speed is no error.
   const ControlLaw law = control_law(config.control, crane_parameters(config));
   const Config::Control& c = config.control;
-  const std::array<double, 5> speed = {0, gantry ? c.travel.speed_limit : c.slew.speed_limit, gantry ? c.trolley.speed_limit : c.luff.speed_limit, c.hoist.speed_limit, c.rotator.speed_limit};
+  const std::array<double, 5> speed = {0, gantry ? c.travel.speed_limit : c.slew.speed_limit,
+                                       gantry ? c.trolley.speed_limit : c.luff.speed_limit, c.hoist.speed_limit,
+                                       c.rotator.speed_limit};
   const bool printed = config.kernels.pid == PidBuild::measurement_derivative;
-  const auto limit = [&](std::size_t channel) { return follow[channel] + (printed ? law.rows.at(channel).derivative_s * speed.at(channel) : 0); };
-  const auto refreshes = [&](double ms) { return static_cast<toolchain::Word>(std::llround(ms * milli * config.rates.refresh_frequency_hz)); };
-  const auto constant = [&](const char* name) -> toolchain::Address { return image.symbol(name) + image.symbol("LIFT"); };
+  const auto limit = [&](std::size_t channel) {
+    return follow[channel] + (printed ? law.rows.at(channel).derivative_s * speed.at(channel) : 0);
+  };
+  const auto refreshes = [&](double ms) {
+    return static_cast<toolchain::Word>(std::llround(ms * milli * config.rates.refresh_frequency_hz));
+  };
+  const auto constant = [&](const char* name) -> toolchain::Address {
+    return image.symbol(name) + image.symbol("LIFT");
+  };
   const toolchain::Word sample = std::max<toolchain::Word>(1, refreshes(sway_sample_ms));
-  for (std::size_t channel = 0; channel < follow.size(); ++channel) word_at(image, constant("K_PD_FOLLOW") + static_cast<toolchain::Word>(channel)) = ti_float(limit(channel));
+  for (std::size_t channel = 0; channel < follow.size(); ++channel)
+    word_at(image, constant("K_PD_FOLLOW") + static_cast<toolchain::Word>(channel)) = ti_float(limit(channel));
   word_at(image, constant("K_PD_FOLLOW_TICKS")) = refreshes(e.following_ms);
   word_at(image, constant("K_PD_ENCODER_TICKS")) = refreshes(e.encoder_ms);
   const double turns = e.encoder_speed_percent * plant::rated_units / 100;
   word_at(image, constant("K_PD_TURNS")) = static_cast<toolchain::Word>(std::llround(turns));
   word_at(image, constant("K_PD_SAMPLE")) = sample;
-  word_at(image, constant("K_TQ_WIND_LIMIT")) = static_cast<toolchain::Word>(std::llround(config.dock.wind_limit_m_s * 1e3));
+  word_at(image, constant("K_TQ_WIND_LIMIT")) =
+      static_cast<toolchain::Word>(std::llround(config.dock.wind_limit_m_s * 1e3));
   word_at(image, constant("K_PD_SAME")) = static_cast<toolchain::Word>(e.sway_samples);
 }
 
@@ -63,10 +79,12 @@ void place_limits(toolchain::Image& image, const Config& config) {
 void place_kernel(toolchain::Image& image, toolchain::Word kind, std::string_view label, std::string_view key) {
   const auto program = image.symbols.find(label);
   if (program == image.symbols.end()) {
-    throw ConfigError(fmt::format("{}: the DSP programs have no label {}; the entry of a kernel is expected", key, label));
+    throw ConfigError(
+        fmt::format("{}: the DSP programs have no label {}; the entry of a kernel is expected", key, label));
   }
   if (kind >= image.symbol("KIND_COUNT")) {
-    throw ConfigError(fmt::format("{}: the executive's table has no row {}; one below KIND_COUNT is expected", key, kind));
+    throw ConfigError(
+        fmt::format("{}: the executive's table has no row {}; one below KIND_COUNT is expected", key, kind));
   }
   word_at(image, image.symbol("exec_kernels") + kind) = program->second;
 }
@@ -94,7 +112,9 @@ void place_kernels(toolchain::Image& image, const Config& config) {
   switch (config.kernels.avoidance) {
     case AvoidanceBuild::none:
     case AvoidanceBuild::synthetic: break;
-    case AvoidanceBuild::potential_field: choose("KIND_AVOIDANCE", "kernel_avoidance_potential", "kernels.avoidance"); break;
+    case AvoidanceBuild::potential_field:
+      choose("KIND_AVOIDANCE", "kernel_avoidance_potential", "kernels.avoidance");
+      break;
     case AvoidanceBuild::vfh: choose("KIND_AVOIDANCE", "kernel_avoidance_vfh", "kernels.avoidance"); break;
     case AvoidanceBuild::dynamic_window: choose("KIND_AVOIDANCE", "kernel_avoidance_dwa", "kernels.avoidance"); break;
   }
@@ -103,11 +123,13 @@ void place_kernels(toolchain::Image& image, const Config& config) {
     choose("KIND_IDENTIFY", "kernel_identify_sliced", key);
     choose("KIND_GRAB_PATH", "kernel_grab_path_sliced", key);
     if (config.kernels.avoidance == AvoidanceBuild::synthetic) choose("KIND_AVOIDANCE", "kernel_avoidance_sliced", key);
-    if (config.kernels.avoidance == AvoidanceBuild::dynamic_window) choose("KIND_AVOIDANCE", "kernel_avoidance_dwa_sliced", key);
+    if (config.kernels.avoidance == AvoidanceBuild::dynamic_window)
+      choose("KIND_AVOIDANCE", "kernel_avoidance_dwa_sliced", key);
   }
   for (std::size_t i = 0; i < config.tasks.size(); ++i) {
     const UserTask& task = config.tasks[i];
-    place_kernel(image, image.symbol("KIND_USER") + static_cast<toolchain::Word>(i), task.program, task.origin.text() + ": tasks.program");
+    place_kernel(image, image.symbol("KIND_USER") + static_cast<toolchain::Word>(i), task.program,
+                 task.origin.text() + ": tasks.program");
   }
 }
 

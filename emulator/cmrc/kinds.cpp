@@ -34,7 +34,9 @@ std::vector<std::string> job_kinds() {
 
 JobKind job_kind(Word kind, const Words& words) {
   const auto& rows = kind_rows();
-  const auto found = std::find_if(rows.begin(), rows.end(), [&](const KindRow& row) { return row.program != nullptr && words.*row.program == kind; });
+  const auto found = std::find_if(rows.begin(), rows.end(), [&](const KindRow& row) {
+    return row.program != nullptr && words.*row.program == kind;
+  });
   if (found != rows.end()) return static_cast<JobKind>(found - rows.begin());
   if (kind >= words.kind_user && kind < words.kind_count) {
     return static_cast<JobKind>(static_cast<Word>(JobKind::user) + kind - words.kind_user);

@@ -16,7 +16,8 @@ std::vector<std::string> with(const std::vector<std::string>& user_tasks) {
   return all;
 }
 
-std::vector<std::optional<unsigned>> by_kind(const std::vector<std::optional<unsigned>>& user_slots, std::size_t kinds) {
+std::vector<std::optional<unsigned>> by_kind(const std::vector<std::optional<unsigned>>& user_slots,
+                                             std::size_t kinds) {
   std::vector<std::optional<unsigned>> all(job_kinds().size());
   all.insert(all.end(), user_slots.begin(), user_slots.end());
   all.resize(kinds);
@@ -51,7 +52,8 @@ std::vector<std::int64_t> plus(std::vector<std::int64_t> one, const std::vector<
 
 __extension__ using Wide = __int128;
 
-/// Cycles to picoseconds so that the parts sum to the whole exactly: each cumulative sum is rounded down, not each part.
+/// Cycles to picoseconds so that the parts sum to the whole exactly: each cumulative sum is rounded down, not each
+/// part.
 std::vector<std::int64_t> in_picoseconds(const CauseTimes& cycles, std::int64_t whole) {
   const std::int64_t total = std::accumulate(cycles.begin(), cycles.end(), std::int64_t{0});
   std::vector<std::int64_t> parts;
@@ -65,7 +67,8 @@ std::vector<std::int64_t> in_picoseconds(const CauseTimes& cycles, std::int64_t 
   return parts;
 }
 
-/// The same with the cycles at their nominal length, and what a slowed clock made of them. (One picosecond is the clock's rounding.)
+/// The same with the cycles at their nominal length, and what a slowed clock made of them. (One picosecond is the
+/// clock's rounding.)
 std::vector<std::int64_t> with_clock(const CauseTimes& cycles, std::int64_t whole, const machine::Clock& clock) {
   const std::int64_t total = std::accumulate(cycles.begin(), cycles.end(), std::int64_t{0});
   std::int64_t nominal = clock.at(total).count();
@@ -80,16 +83,23 @@ std::vector<std::int64_t> with_clock(const CauseTimes& cycles, std::int64_t whol
 }  // namespace
 
 Ledger::Ledger(LedgerConfig config)
-    : names_(with(config.user_tasks)), own_slots_(by_kind(config.user_slots, names_.size())), cause_names_(config.causes), booked_(config.booked.empty() ? config.causes : config.booked),
-      booked_as_(config.booked_as), chip_clock_(config.chip_clock), account_(names_, booked_, periods(config.servo_period, config.user_tasks.size()), config.samples_max),
-      why_(names_, chain_causes(config.causes), config.misses_kept, own_slots_), released_(names_.size(), 0) {}
+    : names_(with(config.user_tasks)),
+      own_slots_(by_kind(config.user_slots, names_.size())),
+      cause_names_(config.causes),
+      booked_(config.booked.empty() ? config.causes : config.booked),
+      booked_as_(config.booked_as),
+      chip_clock_(config.chip_clock),
+      account_(names_, booked_, periods(config.servo_period, config.user_tasks.size()), config.samples_max),
+      why_(names_, chain_causes(config.causes), config.misses_kept, own_slots_),
+      released_(names_.size(), 0) {}
 
 Ledger::Slot& Ledger::slot(unsigned number) {
   if (slots_.size() <= number) slots_.resize(number + 1);
   return slots_[number];
 }
 
-// ---- a job's life --------------------------------------------------------------------------------------------------------
+// ---- a job's life
+// --------------------------------------------------------------------------------------------------------
 
 void Ledger::release(std::size_t block, JobKind kind, Time released, std::optional<Time> deadline,
                      std::optional<std::int64_t> tick, std::uint32_t robot) {
@@ -108,7 +118,8 @@ void Ledger::release(std::size_t block, JobKind kind, Time released, std::option
   open_[block] = std::move(open);
 }
 
-void Ledger::skipped(JobKind kind, Time released, Time deadline, std::optional<std::int64_t> tick, Time found, std::uint32_t robot) {
+void Ledger::skipped(JobKind kind, Time released, Time deadline, std::optional<std::int64_t> tick, Time found,
+                     std::uint32_t robot) {
   const auto index = static_cast<std::size_t>(kind);
   Open open;
   open.kind = kind;
@@ -140,7 +151,9 @@ void Ledger::claimed(std::size_t block, unsigned number, Time at, const CauseTim
   if (found == open_.end()) return;
   Open& open = found->second;
   if (const auto own = own_slots_.at(static_cast<std::size_t>(open.kind))) {
-    audit_.require(number == *own, at, [&] { return fmt::format("block {}: DSP {} claimed what is for DSP {} alone", block, number, *own); });
+    audit_.require(number == *own, at, [&] {
+      return fmt::format("block {}: DSP {} claimed what is for DSP {} alone", block, number, *own);
+    });
   }
   ++slot(number).claims;
   open.slot = number;
@@ -178,11 +191,14 @@ bool Ledger::finished(std::size_t block, unsigned number, Time at, const CauseTi
   }
   open.finished = at;
   const bool known = !open.spent.empty() && (open.parts.count == 0 || !open.parts.cycles.empty());
-  if (known) why_.ran(open.name.kind, open.parts.time.count() + whole, plus(open.parts.chain, chain_of(open.spent, whole, true)));
+  if (known)
+    why_.ran(open.name.kind, open.parts.time.count() + whole,
+             plus(open.parts.chain, chain_of(open.spent, whole, true)));
   return true;
 }
 
-// From here the job waits for the block of its next part: for the host to see the end of this one, and then in the list.
+// From here the job waits for the block of its next part: for the host to see the end of this one, and then in the
+// list.
 void Ledger::part_done(Open& open, Time at, std::int64_t whole) {
   const bool known = !open.spent.empty() && (open.parts.count == 0 || !open.parts.cycles.empty());
   open.parts.cycles = known ? plus(open.parts.cycles, open.spent) : CauseTimes{};
@@ -274,7 +290,8 @@ MissedJob Ledger::missed_job(const Open& open, report::Outcome outcome, Time end
     report::Run& run = *missed.tries.back().run;
     if (run.end == report::Run::End::running) run.ended = end;
     if (run.end == report::Run::End::running || run.end == report::Run::End::done) {
-      missed.execution = plus(missed.execution, chain_of(open.spent, (run.ended - run.claimed).count(), run.end == report::Run::End::done));
+      missed.execution = plus(
+          missed.execution, chain_of(open.spent, (run.ended - run.claimed).count(), run.end == report::Run::End::done));
     }
   }
   return missed;
@@ -335,7 +352,8 @@ void Ledger::slot_failed(unsigned number, Time at) {
   }
 }
 
-// ---- the host's refresh ----------------------------------------------------------------------------------------------------
+// ---- the host's refresh
+// ----------------------------------------------------------------------------------------------------
 
 void Ledger::refresh_began(Time at) {
   if (open_.empty()) timeline_.forget(at);  // nobody will ask; a crane that has done its work may stand for hours
@@ -359,7 +377,8 @@ void Ledger::list_freed(Time at) {
   offered_.clear();
 }
 
-// ---- what is told --------------------------------------------------------------------------------------------------------------
+// ---- what is told
+// --------------------------------------------------------------------------------------------------------------
 
 Ledger::Told Ledger::tell(Time now, const std::function<CauseTimes(unsigned)>& causes) const {
   Ledger all = *this;
@@ -385,7 +404,8 @@ std::vector<report::Share> Ledger::occupied(unsigned number, Time now) const {
   std::vector<report::Share> shares;
   std::vector<std::int64_t> sums = number < slots_.size() ? slots_[number].occupied : Slot{}.occupied;
   for (const auto& [block, open] : open_) {
-    if (open.slot == number && !open.finished) sums[static_cast<std::size_t>(open.kind)] += (now - open.claimed()).count();
+    if (open.slot == number && !open.finished)
+      sums[static_cast<std::size_t>(open.kind)] += (now - open.claimed()).count();
   }
   for (std::size_t i = 0; i < sums.size(); ++i) {
     if (sums[i] != 0) shares.push_back({names_.at(i), sums[i]});

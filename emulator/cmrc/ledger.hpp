@@ -1,9 +1,9 @@
 #pragma once
 // Every job from its release to its end: who ran it, when, and what its DSP's cycles went into (rulings 16 to 18).
 //
-// A job is one release of a task. A block in the list stands for one job at a time; a recomputed block goes on being the same job, and so do the
-// blocks of a task in parts, one after the other.
-// Claims and ends are seen at the DSPs' own writes to the block's flag; the host only says what is released and what is given up.
+// A job is one release of a task. A block in the list stands for one job at a time; a recomputed block goes on being
+// the same job, and so do the blocks of a task in parts, one after the other. Claims and ends are seen at the DSPs' own
+// writes to the block's flag; the host only says what is released and what is given up.
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -31,9 +31,10 @@ struct LedgerConfig {
   std::vector<std::size_t> booked_as;   ///< of each of the jobs' causes, the account's
   Time servo_period{};                  ///< of PID and torque compensation
   std::vector<std::string> user_tasks;  ///< their names, kinds from JobKind::user on
-  std::vector<std::optional<unsigned>> user_slots = {};  ///< of each the slot that alone may claim it, if it has one; empty: none has
+  std::vector<std::optional<unsigned>> user_slots =
+      {};  ///< of each the slot that alone may claim it, if it has one; empty: none has
   machine::Clock chip_clock{25'000'000};
-  std::size_t misses_kept = 1000;       ///< chains of causes told one by one
+  std::size_t misses_kept = 1000;  ///< chains of causes told one by one
   std::size_t samples_max = report::Distribution::usual_samples_max;
 };
 
@@ -42,13 +43,15 @@ class Ledger {
   explicit Ledger(LedgerConfig config);
 
   /// A job exists from now on: it is released at `released` (a servo block may be loaded before its tick).
-  void release(std::size_t block, JobKind kind, Time released, std::optional<Time> deadline, std::optional<std::int64_t> tick,
-               std::uint32_t robot = 0);
+  void release(std::size_t block, JobKind kind, Time released, std::optional<Time> deadline,
+               std::optional<std::int64_t> tick, std::uint32_t robot = 0);
   /// A nominal tick for which no block could be released, as the host found at `found`.
   /// \param tick number of the nominal tick; none: of a kind without ticks, counted on with its jobs
-  void skipped(JobKind kind, Time released, Time deadline, std::optional<std::int64_t> tick, Time found, std::uint32_t robot = 0);
+  void skipped(JobKind kind, Time released, Time deadline, std::optional<std::int64_t> tick, Time found,
+               std::uint32_t robot = 0);
 
-  // The host's refresh: it begins, wants the list, has it, has offered these blocks with J > 0, and the list is free again.
+  // The host's refresh: it begins, wants the list, has it, has offered these blocks with J > 0, and the list is free
+  // again.
   void refresh_began(Time at);
   void list_wanted(Time at) { refresh_.wanted = at; }
   void list_held(Time at) { refresh_.held = at; }
@@ -59,7 +62,8 @@ class Ledger {
 
   /// A DSP has marked the block 0Fh / FFh. Times are those at which the program issued the write.
   void claimed(std::size_t block, unsigned slot, Time at, const CauseTimes& causes);
-  /// \param part the task is not done: a block that continues it will follow \returns whether it was this DSP's to finish.
+  /// \param part the task is not done: a block that continues it will follow \returns whether it was this DSP's to
+  /// finish.
   bool finished(std::size_t block, unsigned slot, Time at, const CauseTimes& causes, bool part = false);
   /// The host has seen that a part is done and put up the block of the next one: the same job goes on.
   void continued(std::size_t block, std::size_t next, Time at);
@@ -105,14 +109,14 @@ class Ledger {
     Time released{};
     std::optional<Time> deadline;
     std::optional<std::int64_t> tick;
-    std::optional<unsigned> slot;   // running on it
-    bool failed = false;            // its DSP is dead
+    std::optional<unsigned> slot;  // running on it
+    bool failed = false;           // its DSP is dead
     std::optional<Time> finished;
     CauseTimes at_claim;
-    CauseTimes spent;               // cycles of the run by cause, when it has ended
+    CauseTimes spent;  // cycles of the run by cause, when it has ended
     std::vector<Try> tries;
-    Time first_claim{};             // of its whole run: of its first part, if it is in parts
-    Parts parts;                    // that are done
+    Time first_claim{};  // of its whole run: of its first part, if it is in parts
+    Parts parts;         // that are done
     Time claimed() const { return tries.back().run ? tries.back().run->claimed : Time{}; }
   };
   struct Slot {
@@ -144,7 +148,7 @@ class Ledger {
   std::vector<Slot> slots_;
   std::vector<std::int64_t> released_;  // jobs so far, by kind
   JobsByRobot jobs_;
-  RefreshTimes refresh_;                // the present one
+  RefreshTimes refresh_;                                       // the present one
   std::vector<std::pair<std::size_t, RefreshTimes>> offered_;  // blocks whose refresh has not freed the list yet
   std::uint64_t misses_ = 0;
 };

@@ -36,7 +36,8 @@ std::string run(Config config, double value, const std::shared_ptr<const Referen
   point.ran = true;
   point.stop_reason = name(report.stop_reason);
   for (const report::Starved& of : report.starved) point.starved += of.intervals;
-  const bool whole = report.stop_reason == report::StopReason::completed || report.stop_reason == report::StopReason::job_done;
+  const bool whole =
+      report.stop_reason == report::StopReason::completed || report.stop_reason == report::StopReason::job_done;
   point.passed = whole && report.misses() == 0 && point.starved == 0;
   if (!report.missed.empty()) {
     const report::MissReport& first = report.missed.front();
@@ -52,7 +53,8 @@ std::string run(Config config, double value, const std::shared_ptr<const Referen
   return state::save_value(point);
 }
 
-/// The ideal runs that the jobs are measured against, one for all that may share it; the runs of a scan follow each other.
+/// The ideal runs that the jobs are measured against, one for all that may share it; the runs of a scan follow each
+/// other.
 std::vector<std::shared_ptr<const Reference>> references_of(const std::vector<Job>& jobs) {
   std::map<std::string, std::shared_ptr<const Reference>> by_key;
   std::vector<std::shared_ptr<const Reference>> all;
@@ -97,23 +99,28 @@ LimitGrids LimitGrids::standard(const Config& config) {
   return grids;
 }
 
-report::Limits find_limits(const Config& config, const LimitGrids& grids, bool errors, const std::function<void(std::size_t, std::size_t)>& progress) {
+report::Limits find_limits(const Config& config, const LimitGrids& grids, bool errors,
+                           const std::function<void(std::size_t, std::size_t)>& progress) {
   report::Limits limits;
   limits.duration_s = config.run.duration_s;
   std::vector<Job> jobs;
-  const auto scan = [&](const char* name, const char* key, const char* meaning, bool more_is_harder, const std::vector<double>& values) {
+  const auto scan = [&](const char* name, const char* key, const char* meaning, bool more_is_harder,
+                        const std::vector<double>& values) {
     if (values.empty()) return;
     report::LimitScan& made = limits.scans.emplace_back(report::LimitScan{name, key, meaning, more_is_harder, {}});
     for (const double value : sorted(values, name)) {
       report::LimitPoint& point = made.points.emplace_back();
       point.value = value;
-      if (auto changed = with(config, key, value, point.refused)) jobs.push_back({limits.scans.size() - 1, made.points.size() - 1, *changed});
+      if (auto changed = with(config, key, value, point.refused))
+        jobs.push_back({limits.scans.size() - 1, made.points.size() - 1, *changed});
     }
   };
-  scan("cycles", "machine.cycle_time_factor", "Time of an instruction cycle, the buses as they are", true, grids.cycles);
+  scan("cycles", "machine.cycle_time_factor", "Time of an instruction cycle, the buses as they are", true,
+       grids.cycles);
   scan("dsps", dsps_key, "Number of DSPs", false, grids.dsps);
   scan("servo", "rates.servo_frequency_hz", "Servo frequency f_p in Hz", true, grids.servo);
-  if (limits.scans.empty()) throw ConfigError("limits: every grid is empty; at least one value of cycles, dsps or servo is expected");
+  if (limits.scans.empty())
+    throw ConfigError("limits: every grid is empty; at least one value of cycles, dsps or servo is expected");
 
   std::vector<std::shared_ptr<const Reference>> references(jobs.size());
   try {
@@ -123,13 +130,19 @@ report::Limits find_limits(const Config& config, const LimitGrids& grids, bool e
     return limits;
   }
   std::size_t ended = 0;
-  const auto answers = in_processes(jobs.size(), processors(), [&](std::size_t i) { return run(jobs[i].config, limits.scans[jobs[i].scan].points[jobs[i].point].value, references[i]); },
-                                    [&](std::size_t, const std::string&) {
-                                      if (progress) progress(++ended, jobs.size());
-                                    });
+  const auto answers = in_processes(
+      jobs.size(), processors(),
+      [&](std::size_t i) {
+        return run(jobs[i].config, limits.scans[jobs[i].scan].points[jobs[i].point].value, references[i]);
+      },
+      [&](std::size_t, const std::string&) {
+        if (progress) progress(++ended, jobs.size());
+      });
   for (std::size_t i = 0; i < jobs.size(); ++i) {
-    if (answers[i]) limits.scans[jobs[i].scan].points[jobs[i].point] = state::load_value<report::LimitPoint>(*answers[i]);
-    else limits.interrupted = true;
+    if (answers[i])
+      limits.scans[jobs[i].scan].points[jobs[i].point] = state::load_value<report::LimitPoint>(*answers[i]);
+    else
+      limits.interrupted = true;
   }
   return limits;
 }

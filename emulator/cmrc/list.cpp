@@ -9,8 +9,10 @@ namespace cmrc {
 TaskList::TaskList(std::size_t capacity) : blocks_(capacity) { order_.reserve(capacity); }
 
 std::size_t TaskList::load(const Task& task) {
-  const auto free = std::find_if(blocks_.begin(), blocks_.end(), [](const Block& block) { return !block.in_use && !block.passed_through; });
-  if (free == blocks_.end()) throw ListFull(fmt::format("the task-block list is full: all {} blocks are in use", capacity()));
+  const auto free = std::find_if(blocks_.begin(), blocks_.end(),
+                                 [](const Block& block) { return !block.in_use && !block.passed_through; });
+  if (free == blocks_.end())
+    throw ListFull(fmt::format("the task-block list is full: all {} blocks are in use", capacity()));
   const std::uint32_t generation = free->generation + 1, written_slice = free->written_slice;
   *free = Block{};
   free->written_slice = written_slice;

@@ -15,7 +15,8 @@ void Liveness::signs(std::uint32_t mask, std::int64_t refresh) {
 void Liveness::renewed(unsigned slot, std::int64_t refresh) { slots_.at(slot) = {State::reset, refresh}; }
 
 bool Liveness::doubtful(std::int64_t refresh, std::int64_t limit) const {
-  return std::any_of(slots_.begin(), slots_.end(), [&](const Slot& slot) { return slot.state != State::unknown && refresh - slot.last > limit; });
+  return std::any_of(slots_.begin(), slots_.end(),
+                     [&](const Slot& slot) { return slot.state != State::unknown && refresh - slot.last > limit; });
 }
 
 std::vector<Liveness::Finding> Liveness::judge(std::int64_t refresh, std::int64_t limit) {

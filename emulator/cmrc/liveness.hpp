@@ -3,9 +3,10 @@
 //
 // Time is counted in refreshes that the host has made: while it is away nobody can show it a sign.
 //
-// A sign is a set bit in the mask of idle DSPs, or being the owner of a block that is taken or was just found done. A slot that has given none
-// for `limit` refreshes is looked for among the owners; one that is not there either is silent, and is reset. If it is silent for as long
-// again it is taken for dead, until its idle bit is seen: a board that was put in.
+// A sign is a set bit in the mask of idle DSPs, or being the owner of a block that is taken or was just found done. A
+// slot that has given none for `limit` refreshes is looked for among the owners; one that is not there either is
+// silent, and is reset. If it is silent for as long again it is taken for dead, until its idle bit is seen: a board
+// that was put in.
 #include <array>
 #include <cstdint>
 #include <optional>

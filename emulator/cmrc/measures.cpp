@@ -22,7 +22,9 @@ class Sampled {
     end_ = value;
     ++count_;
   }
-  report::Deviation told() const { return {count_ == 0 ? 0 : std::sqrt(squares_ / static_cast<double>(count_)), peak_, end_}; }
+  report::Deviation told() const {
+    return {count_ == 0 ? 0 : std::sqrt(squares_ / static_cast<double>(count_)), peak_, end_};
+  }
 
  private:
   double squares_ = 0, peak_ = 0, end_ = 0;
@@ -65,7 +67,8 @@ report::Errors measure(const Measured& run, const Course& ideal, const JobsByRob
   std::vector<Sampled> agvs(static_cast<std::size_t>(run.dock.agv_count));
   std::vector<double> arrivals;  // ends of the crane's legs
   for (const Milestone& milestone : run.course.milestones()) {
-    if (milestone.robot == 0 && milestone.kind() == Milestone::Kind::leg_ended) arrivals.push_back(seconds(milestone.at));
+    if (milestone.robot == 0 && milestone.kind() == Milestone::Kind::leg_ended)
+      arrivals.push_back(seconds(milestone.at));
   }
   std::size_t arrival = 0;
   double weighed = 0;
@@ -86,7 +89,8 @@ report::Errors measure(const Measured& run, const Course& ideal, const JobsByRob
     alpha.add(own[sway_column] - meant[sway_column]);
     beta.add(own[sway_column + 1] - meant[sway_column + 1]);
     while (arrival + 1 < arrivals.size() && arrivals[arrival + 1] <= seconds(time)) ++arrival;
-    if (!arrivals.empty() && arrivals[arrival] <= seconds(time) && seconds(time) <= arrivals[arrival] + residual_seconds) {
+    if (!arrivals.empty() && arrivals[arrival] <= seconds(time) &&
+        seconds(time) <= arrivals[arrival] + residual_seconds) {
       errors.residual_sway_rad = std::max(errors.residual_sway_rad.value_or(0), distance(own, meant, sway_column, 2));
     }
     for (std::size_t agv = 0; agv < agvs.size(); ++agv) agvs[agv].add(distance(own, meant, agv_column + 2 * agv, 2));
@@ -99,7 +103,8 @@ report::Errors measure(const Measured& run, const Course& ideal, const JobsByRob
     if (weights[j] > 0) errors.joints.push_back({names[j].name, names[j].unit, error[j].told(), path[j].told()});
   }
   errors.sway = {{"alpha", "rad", alpha.told(), {}}, {"beta", "rad", beta.told(), {}}};
-  for (std::size_t agv = 0; agv < agvs.size(); ++agv) errors.agvs.push_back({"agv " + std::to_string(agv), "m", agvs[agv].told(), {}});
+  for (std::size_t agv = 0; agv < agvs.size(); ++agv)
+    errors.agvs.push_back({"agv " + std::to_string(agv), "m", agvs[agv].told(), {}});
   for (Robot robot = 0; robot <= static_cast<Robot>(run.dock.agv_count); ++robot) {
     const Progress of(run.course, ideal, robot, from, run.to);
     if (of.any()) errors.lags.push_back(of.lag(robot == 0 ? "crane" : "agv " + std::to_string(robot - 1)));

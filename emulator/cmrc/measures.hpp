@@ -10,7 +10,8 @@
 
 namespace cmrc {
 
-/// By how much one unit of each joint moves the spreader at the jib's full reach, m; of the rotator, half a container's length.
+/// By how much one unit of each joint moves the spreader at the jib's full reach, m; of the rotator, half a container's
+/// length.
 std::array<double, plant::joint_count> levers(const plant::CraneParameters& crane);
 
 /// What an ideal run leaves for the runs that are measured against it.
@@ -19,7 +20,7 @@ struct Reference {
   std::string key;  ///< reference_key of the runs that it serves
   Course course;
   JobsByRobot jobs;
-  std::vector<std::optional<double>> metrics;                       ///< of its own report, as report::metrics has them
+  std::vector<std::optional<double>> metrics;  ///< of its own report, as report::metrics has them
   double elapsed_s = 0;
 };
 
@@ -36,8 +37,8 @@ struct Measured {
   Time to{};                       ///< end of the window
 };
 
-/// The errors of a run against its ideal run's course, and its jobs against those that the ideal run released. Courses that are shorter
-/// than the window stay at their last row.
+/// The errors of a run against its ideal run's course, and its jobs against those that the ideal run released. Courses
+/// that are shorter than the window stay at their last row.
 report::Errors measure(const Measured& run, const Course& ideal, const JobsByRobot& demanded);
 
 }  // namespace cmrc

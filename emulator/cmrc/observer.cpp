@@ -13,30 +13,41 @@
 namespace cmrc {
 namespace {
 
-
 using report::Component;
 using report::EventKind;
 
-Component component_of(machine::BusId bus) { return static_cast<Component>(report::bus_a + static_cast<unsigned>(bus)); }
+Component component_of(machine::BusId bus) {
+  return static_cast<Component>(report::bus_a + static_cast<unsigned>(bus));
+}
 
 }  // namespace
 
 RunObserver::RunObserver(const Words& words, Ledger& ledger, report::EventLog& log, std::size_t samples_max)
-    : words_(words), ledger_(ledger), log_(log), snapshots_(32), blocks_(words.block_count), faults_(32), resets_(32), boots_(32), hold_(samples_max) {}
+    : words_(words),
+      ledger_(ledger),
+      log_(log),
+      snapshots_(32),
+      blocks_(words.block_count),
+      faults_(32),
+      resets_(32),
+      boots_(32),
+      hold_(samples_max) {}
 
 void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
   wind_.emplace(dock.config().wind, wind_limit);
   dock.on_latch([this, &dock, course](plant::Time time, std::span<const int> codes) {
     if (course != nullptr) course->latch(dock, time);
     report::Event event{time, report::plant, EventKind::latch, {}};
-    for (std::size_t i = 0; i < event.arguments.size() && i < codes.size(); ++i) event.arguments[i] = static_cast<std::uint32_t>(codes[i]);
+    for (std::size_t i = 0; i < event.arguments.size() && i < codes.size(); ++i)
+      event.arguments[i] = static_cast<std::uint32_t>(codes[i]);
     log_.add(event);
     if (const auto found = instability_.latch(time / plant::latch_period, codes); found && servoing_()) {
       const Time since = found->since * plant::latch_period;
       const char* joint = plant::joint_names(dock.config().crane.machine).at(found->joint).name;
       failures_.push_back({time, std::nullopt, "unstable",
-                           fmt::format("the loop of joint {} is unstable: since {:.3f} s its drive's torque swings between both ends of its range, at {:.1f} Hz", joint,
-                                       static_cast<double>(since.count()) * 1e-12, found->frequency_hz)});
+                           fmt::format("the loop of joint {} is unstable: since {:.3f} s its drive's torque swings "
+                                       "between both ends of its range, at {:.1f} Hz",
+                                       joint, static_cast<double>(since.count()) * 1e-12, found->frequency_hz)});
     }
     double squares = 0;
     for (std::size_t j = 0; j < codes.size(); ++j) {
@@ -61,7 +72,9 @@ void RunObserver::dock_event(const plant::Event& event) {
     case plant::EventKind::delivered: add(EventKind::delivered); break;
     case plant::EventKind::drive_tripped: {
       static constexpr std::array<std::string_view, 3> why = {"too fast", "too long at its largest code", "too hot"};
-      failures_.push_back({event.time, std::nullopt, "plant", "drive_tripped (" + std::to_string(event.index) + "): " + std::string(why.at(static_cast<std::size_t>(event.values[0])))});
+      failures_.push_back({event.time, std::nullopt, "plant",
+                           "drive_tripped (" + std::to_string(event.index) +
+                               "): " + std::string(why.at(static_cast<std::size_t>(event.values[0])))});
       break;
     }
     case plant::EventKind::drive_stopped:
@@ -76,7 +89,8 @@ void RunObserver::dock_event(const plant::Event& event) {
     case plant::EventKind::drive_warm:
     case plant::EventKind::collision:
     case plant::EventKind::fault:
-      failures_.push_back({event.time, std::nullopt, "plant", std::string(plant::name(event.kind)) + " (" + std::to_string(event.index) + ")"});
+      failures_.push_back({event.time, std::nullopt, "plant",
+                           std::string(plant::name(event.kind)) + " (" + std::to_string(event.index) + ")"});
       break;
     default: break;
   }
@@ -84,13 +98,16 @@ void RunObserver::dock_event(const plant::Event& event) {
 
 std::optional<std::size_t> RunObserver::flag_of(machine::Offset offset) const {
   const Word in_pool = offset - words_.block_pool;
-  if (in_pool >= words_.block_count * words_.block_words || in_pool % words_.block_words != words_.flag) return std::nullopt;
+  if (in_pool >= words_.block_count * words_.block_words || in_pool % words_.block_words != words_.flag)
+    return std::nullopt;
   return in_pool / words_.block_words;
 }
 
-// ---- claims and ends -----------------------------------------------------------------------------------------------------
+// ---- claims and ends
+// -----------------------------------------------------------------------------------------------------
 
-void RunObserver::dsp_issue(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued) {
+void RunObserver::dsp_issue(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
+                            Time issued) {
   if (window != machine::Window::a || !flag_of(offset)) return;
   snapshots_[slot].push_back({issued, offset, causes_(slot)});
   if (profile_ == nullptr) return;
@@ -108,7 +125,8 @@ CauseTimes RunObserver::take_snapshot(unsigned slot, machine::Offset offset, Tim
   return {};
 }
 
-void RunObserver::dsp_write(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued, Time now) {
+void RunObserver::dsp_write(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
+                            Time issued, Time now) {
   if (window != machine::Window::a) return;
   // PID writes its words in rising order: the stage comes before the errors.
   if (errors_ != 0 && offset == stage_) errors_hold_ = value == servoing_stage_;
@@ -121,7 +139,8 @@ void RunObserver::dsp_write(unsigned slot, machine::Window window, machine::Offs
     ++sum.count;
     return;
   }
-  if (offset == words_.doorbell_idle || offset == words_.doorbell_busy) return idle(slot, offset == words_.doorbell_idle, now);
+  if (offset == words_.doorbell_idle || offset == words_.doorbell_busy)
+    return idle(slot, offset == words_.doorbell_idle, now);
   const Word in_pool = offset - words_.block_pool;
   if (in_pool >= words_.block_count * words_.block_words) return;
   const std::size_t block = in_pool / words_.block_words;
@@ -135,7 +154,9 @@ void RunObserver::dsp_write(unsigned slot, machine::Window window, machine::Offs
 void RunObserver::claim(unsigned slot, std::size_t block, Time issued, Time now) {
   ledger_.claimed(block, slot, issued, take_snapshot(slot, words_.block(block) + words_.flag, issued));
   const auto at = [&](Word word) { return peek_(words_.block(block) + word); };
-  log_.add({now, report::dsp(slot), EventKind::claim,
+  log_.add({now,
+            report::dsp(slot),
+            EventKind::claim,
             {words_.block(block), at(words_.kind), at(words_.area), at(words_.tick), at(words_.generation)}});
   this->issued(slot, block, words_.flag_taken, issued, now);
 }
@@ -145,7 +166,9 @@ void RunObserver::finish(unsigned slot, std::size_t block, Time issued, Time now
   const bool part = (blocks_[block][words_.notify] & words_.must_continue) != 0;
   const bool ended = ledger_.finished(block, slot, issued, take_snapshot(slot, flag, issued), part);
   if (profile_ != nullptr) profile_->landed(slot, flag, issued, ended ? ledger_.kind_of(block) : std::nullopt);
-  log_.add({now, report::dsp(slot), EventKind::finish,
+  log_.add({now,
+            report::dsp(slot),
+            EventKind::finish,
             {words_.block(block), peek_(words_.block(block) + words_.kind), blocks_[block][words_.result],
              blocks_[block][words_.notify], peek_(words_.block(block) + words_.generation)}});
   this->issued(slot, block, words_.flag_done, issued, now);
@@ -154,8 +177,11 @@ void RunObserver::finish(unsigned slot, std::size_t block, Time issued, Time now
 // The account of a run goes by the program's own write, which comes before its arrival by what it waited for the bus.
 void RunObserver::issued(unsigned slot, std::size_t block, Word flag, Time issued, Time now) {
   const auto delay = static_cast<std::uint64_t>((now - issued).count());
-  log_.add({now, report::dsp(slot), EventKind::issue,
-            {words_.block(block), flag, static_cast<std::uint32_t>(delay), static_cast<std::uint32_t>(delay >> 32), 0}});
+  log_.add(
+      {now,
+       report::dsp(slot),
+       EventKind::issue,
+       {words_.block(block), flag, static_cast<std::uint32_t>(delay), static_cast<std::uint32_t>(delay >> 32), 0}});
 }
 
 void RunObserver::idle(unsigned slot, bool idle, Time now) {
@@ -163,15 +189,21 @@ void RunObserver::idle(unsigned slot, bool idle, Time now) {
   log_.add({now, report::dsp(slot), EventKind::idle, {idle ? 1U : 0U, 0, 0, 0, 0}});
 }
 
-// ---- everything else -------------------------------------------------------------------------------------------------------
+// ---- everything else
+// -------------------------------------------------------------------------------------------------------
 
-void RunObserver::dsp_write_dropped(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued, Time now) {
+void RunObserver::dsp_write_dropped(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
+                                    Time issued, Time now) {
   if (profile_ != nullptr && window == machine::Window::a) profile_->landed(slot, offset, issued, std::nullopt);
-  log_.add({now, report::dsp(slot), EventKind::dropped_write, {window == machine::Window::a ? 0U : 1U, offset, value, 0, 0}});
+  log_.add({now,
+            report::dsp(slot),
+            EventKind::dropped_write,
+            {window == machine::Window::a ? 0U : 1U, offset, value, 0, 0}});
 }
 
 // One entry per DSP and kind of task: a task that goes astray writes by the thousand.
-void RunObserver::dsp_write_refused(unsigned slot, machine::Offset offset, machine::Word value, machine::Word kind, Time now) {
+void RunObserver::dsp_write_refused(unsigned slot, machine::Offset offset, machine::Word value, machine::Word kind,
+                                    Time now) {
   const std::string task = kind < words_.kind_count ? ledger_.name(job_kind(kind, words_)) : "no task";
   const auto [found, first] = refused_.try_emplace({slot, kind}, Refused{failures_.size(), 0, {}});
   Refused& entry = found->second;
@@ -180,12 +212,15 @@ void RunObserver::dsp_write_refused(unsigned slot, machine::Offset offset, machi
     failures_.push_back({now, slot, "guard", {}});
   }
   ++entry.count;
-  failures_[entry.failure].message = fmt::format("{} wrote {} outside its area, refused: {}", task, entry.count == 1 ? "a word" : fmt::format("{} words", entry.count),
+  failures_[entry.failure].message = fmt::format("{} wrote {} outside its area, refused: {}", task,
+                                                 entry.count == 1 ? "a word" : fmt::format("{} words", entry.count),
                                                  entry.count == 1 ? entry.first : "the first " + entry.first);
 }
 
 void RunObserver::transaction(machine::BusId bus, const pci::Transaction& transaction, Time now) {
-  log_.add({now, component_of(bus), EventKind::bus_transaction,
+  log_.add({now,
+            component_of(bus),
+            EventKind::bus_transaction,
             {transaction.master, transaction.address, transaction.words, transaction.write ? 1U : 0U,
              static_cast<std::uint32_t>(transaction.waited)}});
 }
@@ -199,7 +234,8 @@ void RunObserver::semaphore(unsigned number, machine::SemaphoreEvent event, unsi
   if (event == machine::SemaphoreEvent::refused) return;
   const bool acquired = event == machine::SemaphoreEvent::acquired;
   log_.add({now, report::bus_a, EventKind::semaphore, {number, acquired ? 1U : 0U, owner, 0, 0}});
-  if (number == words_.semaphore_list - words_.semaphore) ledger_.timeline().list(acquired ? owner : Timeline::nobody, now);
+  if (number == words_.semaphore_list - words_.semaphore)
+    ledger_.timeline().list(acquired ? owner : Timeline::nobody, now);
   if (owner != machine::host_owner) return;
   if (acquired) {
     held_since_ = now;
@@ -234,15 +270,21 @@ void RunObserver::slot(unsigned slot, machine::SlotChange change, Time now) {
 }
 
 void RunObserver::link_lost(unsigned slot, bool to_dsp, machine::Word word, int bytes, Time now) {
-  log_.add({now, report::dsp(slot), EventKind::link_lost, {word, to_dsp ? 1U : 0U, static_cast<std::uint32_t>(bytes), 0, 0}});
+  log_.add({now,
+            report::dsp(slot),
+            EventKind::link_lost,
+            {word, to_dsp ? 1U : 0U, static_cast<std::uint32_t>(bytes), 0, 0}});
 }
 
 void RunObserver::scripted(const machine::ScriptedEvent& event, Time now) {
   using machine::Action;
   if (event.action == Action::fail || event.action == Action::freeze || event.action == Action::hang)
     ledger_.slot_failed(event.number, now);
-  log_.add({now, report::host, EventKind::scripted, {static_cast<std::uint32_t>(event.action), event.number,
-                                                     static_cast<std::uint32_t>(event.amount), static_cast<std::uint32_t>(event.amount >> 32), 0}});
+  log_.add({now,
+            report::host,
+            EventKind::scripted,
+            {static_cast<std::uint32_t>(event.action), event.number, static_cast<std::uint32_t>(event.amount),
+             static_cast<std::uint32_t>(event.amount >> 32), 0}});
 }
 
 }  // namespace cmrc

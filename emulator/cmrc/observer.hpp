@@ -29,8 +29,11 @@ class RunObserver : public machine::Observer, public HostListener {
  public:
   /// \param samples_max of a summary, up to which its percentiles are exact
   RunObserver(const Words& words, Ledger& ledger, report::EventLog& log, std::size_t samples_max);
-  /// The offsets of PID's five errors in the crane's area, and of its stage: the errors are none before that is `servoing`.
-  void watch_errors(Word errors, Word stage, Word servoing) { errors_ = errors, stage_ = stage, servoing_stage_ = servoing; }
+  /// The offsets of PID's five errors in the crane's area, and of its stage: the errors are none before that is
+  /// `servoing`.
+  void watch_errors(Word errors, Word stage, Word servoing) {
+    errors_ = errors, stage_ = stage, servoing_stage_ = servoing;
+  }
   /// Slot's cycles by cause, asked when it issues a write.
   void set_causes(std::function<CauseTimes(unsigned)> causes) { causes_ = std::move(causes); }
   /// Shared memory without time.
@@ -43,11 +46,17 @@ class RunObserver : public machine::Observer, public HostListener {
   void set_profile(RunProfile* profile) { profile_ = profile; }
 
   // machine::Observer
-  void dsp_issue(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued) override;
-  void dsp_write(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued, Time now) override;
-  void dsp_write_dropped(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued, Time now) override;
-  void dsp_waited(unsigned slot, machine::Window window, Time from, Time to) override { ledger_.timeline().window(slot, window, from, to); }
-  void dsp_write_refused(unsigned slot, machine::Offset offset, machine::Word value, machine::Word kind, Time now) override;
+  void dsp_issue(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
+                 Time issued) override;
+  void dsp_write(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued,
+                 Time now) override;
+  void dsp_write_dropped(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
+                         Time issued, Time now) override;
+  void dsp_waited(unsigned slot, machine::Window window, Time from, Time to) override {
+    ledger_.timeline().window(slot, window, from, to);
+  }
+  void dsp_write_refused(unsigned slot, machine::Offset offset, machine::Word value, machine::Word kind,
+                         Time now) override;
   void transaction(machine::BusId bus, const pci::Transaction& transaction, Time now) override;
   void interrupt(unsigned slot, int pin, Time now) override;
   void semaphore(unsigned number, machine::SemaphoreEvent event, unsigned owner, Time now) override;

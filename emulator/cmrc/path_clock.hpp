@@ -1,6 +1,7 @@
 #pragma once
-// The clock by which the crane's set-points go (c40_programs/kernels/crane_servo.asm, servo_path): the number of the refresh until the crane is first
-// stopped on its path; from then on its rate can be 1, 0, or on a straight way from one to the other.
+// The clock by which the crane's set-points go (c40_programs/kernels/crane_servo.asm, servo_path): the number of the
+// refresh until the crane is first stopped on its path; from then on its rate can be 1, 0, or on a straight way from
+// one to the other.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -24,7 +25,8 @@ class PathClock {
   }
   double rate(std::int64_t refresh) const {
     if (!used_) return 1;
-    return refresh >= begin_ + ticks_ ? to_ : from_ + change_ * static_cast<double>(refresh > begin_ ? refresh - begin_ : 0);
+    return refresh >= begin_ + ticks_ ? to_
+                                      : from_ + change_ * static_cast<double>(refresh > begin_ ? refresh - begin_ : 0);
   }
   /// From `refresh` on its rate goes to `to`, in `ticks` refreshes.
   void change(std::int64_t refresh, double to, std::int64_t ticks) {
@@ -39,8 +41,14 @@ class PathClock {
   /// The words from CR_PATH on. \param drives bit j: drive j is to be on
   std::array<std::uint32_t, 8> words(std::uint32_t drives) const {
     const double whole = std::floor(base_);
-    return {static_cast<std::uint32_t>(begin_), static_cast<std::uint32_t>(ticks_), ti_float(from_), ti_float(to_), ti_float(change_),
-            static_cast<std::uint32_t>(static_cast<std::int64_t>(whole)), ti_float(base_ - whole), drives};
+    return {static_cast<std::uint32_t>(begin_),
+            static_cast<std::uint32_t>(ticks_),
+            ti_float(from_),
+            ti_float(to_),
+            ti_float(change_),
+            static_cast<std::uint32_t>(static_cast<std::int64_t>(whole)),
+            ti_float(base_ - whole),
+            drives};
   }
 
  private:

@@ -162,7 +162,7 @@ class Rows {
   }
   void drive(const JointRow& joint) {
     const auto j = static_cast<std::size_t>(joint.joint);
-    const auto at = [j](double DriveParameters::*member) {
+    const auto at = [j](double DriveParameters::* member) {
       return [j, member](DockConfig& c) -> double& { return c.crane.drives[j].*member; };
     };
     const std::string_view unit = joint.turns ? "deg" : "m";

@@ -6,7 +6,9 @@ namespace cmrc {
 std::span<const Preset> presets() {
   static constexpr Preset all[] = {
       {"base", "f_s 8 kHz, f_p 1 kHz, f_t 125 Hz, f_a 50 Hz, one AGV: the defaults", ""},
-      {"heavy", "f_s 16 kHz, f_p 2 kHz, 4 AGVs that drive from the start, obstacle avoidance by the dynamic window for each AGV and point",
+      {"heavy",
+       "f_s 16 kHz, f_p 2 kHz, 4 AGVs that drive from the start, obstacle avoidance by the dynamic window for each AGV "
+       "and point",
        R"(
 [rates]
 refresh_frequency_hz = 16000
@@ -23,14 +25,20 @@ driving = true
 [dock]
 agvs = 4
 )"},
-      {"saturated", "base rates, 4 AGVs that drive from the start, and a synthetic avoidance block of 330 000 cycles (13.2 ms) per AGV and point", R"(
+      {"saturated",
+       "base rates, 4 AGVs that drive from the start, and a synthetic avoidance block of 330 000 cycles (13.2 ms) per "
+       "AGV and point",
+       R"(
 [load]
 avoidance_cycles = 330000
 driving = true
 [dock]
 agvs = 4
 )"},
-      {"tight", "base rates, and loops of 80 rad/s (slew, luff, hoist, rotator, trolley): a delay of 3.5 ms is all that they bear", R"(
+      {"tight",
+       "base rates, and loops of 80 rad/s (slew, luff, hoist, rotator, trolley): a delay of 3.5 ms is all that they "
+       "bear",
+       R"(
 [control]
 slew_bandwidth_rad_s = 80
 luff_bandwidth_rad_s = 80

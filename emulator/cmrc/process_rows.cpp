@@ -17,11 +17,16 @@ struct StepName {
   Step::Kind kind;
   std::string_view argument;  // what follows the word
 };
-constexpr std::array<StepName, 11> step_names = {{{"task", Step::Kind::task, "a task's name"}, {"leg", Step::Kind::leg, "1, 2 or 3"},
-                                                  {"settle", Step::Kind::settle, ""}, {"lower", Step::Kind::lower, ""},
-                                                  {"lock", Step::Kind::lock, ""}, {"open", Step::Kind::open, ""},
-                                                  {"raise", Step::Kind::raise, ""}, {"align", Step::Kind::align, ""},
-                                                  {"queue", Step::Kind::queue, ""}, {"hand_over", Step::Kind::hand_over, ""},
+constexpr std::array<StepName, 11> step_names = {{{"task", Step::Kind::task, "a task's name"},
+                                                  {"leg", Step::Kind::leg, "1, 2 or 3"},
+                                                  {"settle", Step::Kind::settle, ""},
+                                                  {"lower", Step::Kind::lower, ""},
+                                                  {"lock", Step::Kind::lock, ""},
+                                                  {"open", Step::Kind::open, ""},
+                                                  {"raise", Step::Kind::raise, ""},
+                                                  {"align", Step::Kind::align, ""},
+                                                  {"queue", Step::Kind::queue, ""},
+                                                  {"hand_over", Step::Kind::hand_over, ""},
                                                   {"hold", Step::Kind::hold, "seconds"}}};
 
 constexpr std::array<std::string_view, 3> robot_names = {"none", "crane", "agv"};
@@ -44,7 +49,8 @@ std::string list_of(const std::array<std::string_view, n>& names) {
 /// The fields of one row, taken by name; what is left over is unknown.
 class Row {
  public:
-  Row(const toml::table& table, std::string kind, std::string file) : table_(table), kind_(std::move(kind)), file_(std::move(file)) {}
+  Row(const toml::table& table, std::string kind, std::string file)
+      : table_(table), kind_(std::move(kind)), file_(std::move(file)) {}
 
   Origin where() const { return place(table_); }
   std::string text(std::string_view field, std::optional<std::string> otherwise, std::string_view right) {
@@ -55,16 +61,19 @@ class Row {
     return node->as_string()->get();
   }
   template <std::size_t n>
-  std::size_t choice(std::string_view field, const std::array<std::string_view, n>& names, std::optional<std::string> otherwise) {
+  std::size_t choice(std::string_view field, const std::array<std::string_view, n>& names,
+                     std::optional<std::string> otherwise) {
     const std::string right = list_of(names) + " is expected";
     const std::string word = text(field, std::move(otherwise), right);
     const auto found = std::find(names.begin(), names.end(), word);
-    if (found == names.end()) refuse(place(*table_.get(field)), key(field), fmt::format("\"{}\" is not known", word), right);
+    if (found == names.end())
+      refuse(place(*table_.get(field)), key(field), fmt::format("\"{}\" is not known", word), right);
     return static_cast<std::size_t>(found - names.begin());
   }
   bool flag(std::string_view field) {
     const toml::node* node = take(field);
-    if (node != nullptr && !node->is_boolean()) refuse(place(*node), key(field), "is no boolean", "true or false is expected");
+    if (node != nullptr && !node->is_boolean())
+      refuse(place(*node), key(field), "is no boolean", "true or false is expected");
     return node != nullptr && node->as_boolean()->get();
   }
   unsigned number(std::string_view field) {
@@ -74,7 +83,8 @@ class Row {
   }
   std::vector<unsigned> numbers(std::string_view field) {
     std::vector<unsigned> all;
-    for_each(field, "a list of numbers is expected", [&](const toml::node& node) { all.push_back(number_in(node, field)); });
+    for_each(field, "a list of numbers is expected",
+             [&](const toml::node& node) { all.push_back(number_in(node, field)); });
     return all;
   }
   std::vector<Consent> consents(std::string_view field) {
@@ -84,7 +94,8 @@ class Row {
       const std::string text = node.value_or(std::string());
       const std::size_t arrow = text.find("->");
       const auto source = number_of<unsigned>(std::string_view(text).substr(0, arrow));
-      const auto target = arrow == std::string::npos ? std::nullopt : number_of<unsigned>(std::string_view(text).substr(arrow + 2));
+      const auto target =
+          arrow == std::string::npos ? std::nullopt : number_of<unsigned>(std::string_view(text).substr(arrow + 2));
       if (!source || !target) refuse(place(node), key(field), fmt::format("\"{}\" names no consent", text), right);
       all.push_back({*source, *target});
     });
@@ -92,7 +103,8 @@ class Row {
   }
   std::vector<Step> steps(std::string_view field) {
     std::vector<Step> all;
-    for_each(field, "a list of steps is expected", [&](const toml::node& node) { all.push_back(step_of(node, key(field))); });
+    for_each(field, "a list of steps is expected",
+             [&](const toml::node& node) { all.push_back(step_of(node, key(field))); });
     return all;
   }
   void nothing_left() const {
@@ -130,8 +142,10 @@ class Row {
     const std::string text = node.value_or(std::string());
     const std::size_t space = text.find(' ');
     const std::string_view word = std::string_view(text).substr(0, space);
-    const std::string_view argument = space == std::string::npos ? std::string_view() : std::string_view(text).substr(space + 1);
-    const auto known = std::find_if(step_names.begin(), step_names.end(), [&](const StepName& name) { return name.word == word; });
+    const std::string_view argument =
+        space == std::string::npos ? std::string_view() : std::string_view(text).substr(space + 1);
+    const auto known =
+        std::find_if(step_names.begin(), step_names.end(), [&](const StepName& name) { return name.word == word; });
     if (known == step_names.end()) {
       std::vector<std::string> words;
       for (const StepName& name : step_names) words.emplace_back(name.word);
@@ -149,7 +163,8 @@ class Row {
     if (step.kind != Step::Kind::task) step.task.clear();
     if (!fits) {
       refuse(place(node), key, fmt::format("\"{}\" has not what \"{}\" needs", text, word),
-             known->argument.empty() ? "nothing is expected after it" : fmt::format("{} is expected after it", known->argument));
+             known->argument.empty() ? "nothing is expected after it"
+                                     : fmt::format("{} is expected after it", known->argument));
     }
     return step;
   }
@@ -164,8 +179,8 @@ void for_each_row(const toml::node& node, const std::string& kind, const std::st
   const toml::array* rows = node.as_array();
   if (rows == nullptr || (!rows->empty() && !rows->is_homogeneous<toml::table>())) {
     const auto& begin = node.source().begin;
-    refuse({file, static_cast<std::int64_t>(begin.line), static_cast<std::int64_t>(begin.column)}, kind, "is no list of tables",
-           fmt::format("[[{}]] begins each of them", kind));
+    refuse({file, static_cast<std::int64_t>(begin.line), static_cast<std::int64_t>(begin.column)}, kind,
+           "is no list of tables", fmt::format("[[{}]] begins each of them", kind));
   }
   std::vector<unsigned> seen;
   for (const toml::node& row : *rows) {
@@ -173,7 +188,8 @@ void for_each_row(const toml::node& node, const std::string& kind, const std::st
     const auto read = use(fields);
     fields.nothing_left();
     if (std::find(seen.begin(), seen.end(), read) != seen.end()) {
-      refuse(fields.where(), kind + ".number", fmt::format("{} is there twice", read), "each row has a number of its own");
+      refuse(fields.where(), kind + ".number", fmt::format("{} is there twice", read),
+             "each row has a number of its own");
     }
     seen.push_back(read);
   }
@@ -181,9 +197,12 @@ void for_each_row(const toml::node& node, const std::string& kind, const std::st
 
 template <typename Row>
 void lay(std::vector<Row>& rows, Row row) {
-  const auto at = std::lower_bound(rows.begin(), rows.end(), row.number, [](const Row& a, unsigned number) { return a.number < number; });
-  if (at != rows.end() && at->number == row.number) *at = std::move(row);
-  else rows.insert(at, std::move(row));
+  const auto at = std::lower_bound(rows.begin(), rows.end(), row.number,
+                                   [](const Row& a, unsigned number) { return a.number < number; });
+  if (at != rows.end() && at->number == row.number)
+    *at = std::move(row);
+  else
+    rows.insert(at, std::move(row));
 }
 
 std::string numbers_text(std::string_view field, const std::vector<unsigned>& numbers) {
@@ -236,7 +255,8 @@ void read_subprocesses(const toml::node& rows, const std::string& name, ProcessT
 }
 
 std::string to_text(const Step& step) {
-  const auto known = std::find_if(step_names.begin(), step_names.end(), [&](const StepName& name) { return name.kind == step.kind; });
+  const auto known =
+      std::find_if(step_names.begin(), step_names.end(), [&](const StepName& name) { return name.kind == step.kind; });
   switch (step.kind) {
     case Step::Kind::task: return fmt::format("{} {}", known->word, step.task);
     case Step::Kind::leg: return fmt::format("{} {}", known->word, step.leg);
@@ -264,9 +284,11 @@ std::string to_toml(const ProcessTable& table) {
     named("processes", row.number, row.name);
     std::vector<std::string> steps, clears;
     for (const Step& step : row.steps) steps.push_back(show(Value{to_text(step)}));
-    for (const Consent& consent : row.clears) clears.push_back(fmt::format("\"{}->{}\"", consent.source, consent.target));
+    for (const Consent& consent : row.clears)
+      clears.push_back(fmt::format("\"{}->{}\"", consent.source, consent.target));
     text += fmt::format("robot = \"{}\"\n", robot_names.at(static_cast<std::size_t>(row.robot)));
-    if (row.account != Account::none) text += fmt::format("account = \"{}\"\n", account_names.at(static_cast<std::size_t>(row.account)));
+    if (row.account != Account::none)
+      text += fmt::format("account = \"{}\"\n", account_names.at(static_cast<std::size_t>(row.account)));
     text += numbers_text("subprocesses", row.subprocesses);
     text += fmt::format("steps = [{}]\n", fmt::join(steps, ", "));
     if (row.notified_by_task) text += "notify = \"task\"\n";

@@ -1,6 +1,7 @@
 #pragma once
-// What the dock does, as data: processes and sub-processes, the steps of each, what each demands of and consents to the others when it ends
-// (paper section 3, plant-and-bus.md 4.4 items 13 to 18). The rows built in are emulator/cmrc/processes.toml; docs/processes.md explains them.
+// What the dock does, as data: processes and sub-processes, the steps of each, what each demands of and consents to the
+// others when it ends (paper section 3, plant-and-bus.md 4.4 items 13 to 18). The rows built in are
+// emulator/cmrc/processes.toml; docs/processes.md explains them.
 #include <cstdint>
 #include <span>
 #include <string>
@@ -20,9 +21,9 @@ enum class Account : std::uint8_t { none, t_3, t_4, t_5, t_6 };
 struct Step {
   enum class Kind : std::uint8_t { task, leg, settle, lower, lock, open, raise, align, queue, hand_over, hold };
   Kind kind{};
-  std::string task;     ///< of "task": its key in the report
-  unsigned leg = 0;     ///< of "leg"
-  double seconds = 0;   ///< of "hold"
+  std::string task;    ///< of "task": its key in the report
+  unsigned leg = 0;    ///< of "leg"
+  double seconds = 0;  ///< of "hold"
 };
 /// "leg 1", as the row has it.
 std::string to_text(const Step& step);
@@ -54,7 +55,7 @@ struct Subprocess {
   enum class Release : std::uint8_t { point, tick, interval, event, interval_and_event };
   unsigned number = 0;
   std::string name;
-  std::string crane, agv;          ///< what is loaded for each: a task's key in the report, or nothing
+  std::string crane, agv;  ///< what is loaded for each: a task's key in the report, or nothing
   Release release{};
   std::vector<unsigned> must;
   bool between_processes = false;  ///< released while its robot is in no process, too

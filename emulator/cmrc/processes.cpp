@@ -11,9 +11,13 @@
 namespace cmrc {
 namespace {
 
-bool has(const std::vector<unsigned>& list, unsigned number) { return std::find(list.begin(), list.end(), number) != list.end(); }
+bool has(const std::vector<unsigned>& list, unsigned number) {
+  return std::find(list.begin(), list.end(), number) != list.end();
+}
 
-Robot robot_of(const Process& process, std::optional<unsigned> agv) { return process.robot == Robots::agv ? agv.value() + 1 : 0; }
+Robot robot_of(const Process& process, std::optional<unsigned> agv) {
+  return process.robot == Robots::agv ? agv.value() + 1 : 0;
+}
 
 /// It takes a container up: in too much wind it does not begin.
 bool lifts(const Process& process) {
@@ -30,13 +34,23 @@ ProcessTable with_parked_load(ProcessTable table) {
   return table;
 }
 
-const Step* step_of(const Process& process, std::size_t step) { return step < process.steps.size() ? &process.steps[step] : nullptr; }
+const Step* step_of(const Process& process, std::size_t step) {
+  return step < process.steps.size() ? &process.steps[step] : nullptr;
+}
 
 }  // namespace
 
-Processes::Processes(const ProcessTable& table, std::span<const UserTask> tasks, const CraneJob& crane, const FleetJob& fleet, const Words& words)
-    : table_(fleet.parked ? with_parked_load(table) : table), tasks_(tasks.begin(), tasks.end()), words_(words), consents_(table_, fleet.agvs), crane_(crane, words), fleet_(fleet, words),
-      agv_runs_(fleet.agvs), demands_(16, std::vector<unsigned>(std::max(fleet.agvs, 1U))), fields_(fleet.agvs) {
+Processes::Processes(const ProcessTable& table, std::span<const UserTask> tasks, const CraneJob& crane,
+                     const FleetJob& fleet, const Words& words)
+    : table_(fleet.parked ? with_parked_load(table) : table),
+      tasks_(tasks.begin(), tasks.end()),
+      words_(words),
+      consents_(table_, fleet.agvs),
+      crane_(crane, words),
+      fleet_(fleet, words),
+      agv_runs_(fleet.agvs),
+      demands_(16, std::vector<unsigned>(std::max(fleet.agvs, 1U))),
+      fields_(fleet.agvs) {
   for (const Process& process : table_.processes) {
     if (process.robot == Robots::none) free_runs_.emplace_back();
   }
@@ -61,12 +75,16 @@ void Processes::start(Desk& desk) {
       for (unsigned agv = 0; agv < (every ? fleet_.size() : 1); ++agv) consents_.give(source, process.number, agv);
     }
     if (process.loaded) demand(process.number, std::nullopt, desk);
-    const auto queue = std::find_if(process.steps.begin(), process.steps.end(), [](const Step& step) { return step.kind == Step::Kind::queue; });
+    const auto queue = std::find_if(process.steps.begin(), process.steps.end(),
+                                    [](const Step& step) { return step.kind == Step::Kind::queue; });
     if (queue == process.steps.end()) continue;
     for (unsigned agv = 0; agv < fleet_.size(); ++agv) {
       const bool waits = agv > 0 && !fleet_.job().driving;  // the one in the spot is ready
       if (agv_runs_[agv].process != nullptr || !(waits || fleet_.job().driving)) continue;
-      agv_runs_[agv] = {.process = &process, .step = static_cast<std::size_t>(queue - process.steps.begin()), .agv = agv, .silent = waits};
+      agv_runs_[agv] = {.process = &process,
+                        .step = static_cast<std::size_t>(queue - process.steps.begin()),
+                        .agv = agv,
+                        .silent = waits};
       if (waits) continue;
       desk.robot_begins(agv + 1, process.number);
       desk.process(process.number, true, agv + 1);
@@ -76,11 +94,14 @@ void Processes::start(Desk& desk) {
   for (Release& release : releases_) release.rests(desk.tick());
 }
 
-// ---- what may start ----------------------------------------------------------------------------------------------------
+// ---- what may start
+// ----------------------------------------------------------------------------------------------------
 
 bool Processes::takes_agv(const Process& process) const {
   const auto sources = table_.sources(process.number);
-  return process.robot == Robots::crane && std::any_of(sources.begin(), sources.end(), [this](unsigned n) { return table_.find(n)->robot == Robots::agv; });
+  return process.robot == Robots::crane && std::any_of(sources.begin(), sources.end(), [this](unsigned n) {
+           return table_.find(n)->robot == Robots::agv;
+         });
 }
 
 bool Processes::may_start(const Process& process, unsigned agv) const {
@@ -106,8 +127,9 @@ std::optional<unsigned> Processes::agv_in_spot() const {
   for (unsigned agv = 0; agv < fleet_.size(); ++agv) {
     const Run& run = agv_runs_[agv];
     if (run.process != nullptr || run.retired || !fleet_.queued(agv) || fleet_.slot(agv) != 0) continue;
-    const bool called = std::any_of(table_.processes.begin(), table_.processes.end(),
-                                    [&](const Process& process) { return process.robot == Robots::agv && demands(process, agv) != 0; });
+    const bool called = std::any_of(table_.processes.begin(), table_.processes.end(), [&](const Process& process) {
+      return process.robot == Robots::agv && demands(process, agv) != 0;
+    });
     if (!called) return agv;
   }
   return std::nullopt;
@@ -128,7 +150,8 @@ void Processes::start_free(Desk& desk) {
   }
 }
 
-// ---- from step to step -------------------------------------------------------------------------------------------------
+// ---- from step to step
+// -------------------------------------------------------------------------------------------------
 
 void Processes::begin(Run& run, const Process& process, std::optional<unsigned> agv, Desk& desk) {
   const unsigned one = agv.value_or(0);
@@ -144,8 +167,10 @@ void Processes::begin(Run& run, const Process& process, std::optional<unsigned> 
 void Processes::enter(Run& run, Desk& desk) {
   const Step& step = run.process->steps[run.step];
   run.wants_task = step.kind == Step::Kind::task;
-  if (run.process->robot == Robots::agv) fleet_.enter(*run.agv, step, desk);
-  else if (!run.wants_task) crane_.enter(step, run.agv, desk);
+  if (run.process->robot == Robots::agv)
+    fleet_.enter(*run.agv, step, desk);
+  else if (!run.wants_task)
+    crane_.enter(step, run.agv, desk);
 }
 
 void Processes::advance(Run& run, Word notify, Desk& desk) {
@@ -157,9 +182,12 @@ void Processes::advance(Run& run, Word notify, Desk& desk) {
 void Processes::end(Run& run, Word notify, Desk& desk) {
   const Process& process = *run.process;
   const auto agv = run.agv;
-  const auto given = [&](Word bit, unsigned number) { return !process.notified_by_task || (notify & bit << number) != 0; };
+  const auto given = [&](Word bit, unsigned number) {
+    return !process.notified_by_task || (notify & bit << number) != 0;
+  };
   if (!run.silent) desk.process(process.number, false, agv ? *agv + 1 : 0);
-  if (process.robot != Robots::none) desk.milestone(robot_of(process, agv), Milestone::Kind::process_ended, 0, desk.tick());
+  if (process.robot != Robots::none)
+    desk.milestone(robot_of(process, agv), Milestone::Kind::process_ended, 0, desk.tick());
   run = {.retired = process.final};
   for (const unsigned target : process.may) {
     if (given(words_.may_process, target)) consents_.give(process.number, target, agv.value_or(0));
@@ -173,7 +201,10 @@ Task Processes::user_block(const std::string& name, Robot robot) const {
   for (std::size_t i = 0; i < tasks_.size(); ++i) {
     if ("user." + tasks_[i].name != name) continue;
     const auto number = static_cast<Word>(i);
-    return {.x = tasks_[i].x, .kind = words_.kind_user + number, .robot = robot, .area = words_.us_base + number * words_.us_words,
+    return {.x = tasks_[i].x,
+            .kind = words_.kind_user + number,
+            .robot = robot,
+            .area = words_.us_base + number * words_.us_words,
             .argument = static_cast<std::uint32_t>(tasks_[i].argument)};
   }
   throw std::logic_error("Processes: a task that check() should have refused: " + name);
@@ -183,11 +214,17 @@ Task Processes::task_of(const Run& run, const Desk& desk) const {
   const std::string& name = run.process->steps[run.step].task;
   const Robot robot = run.process->robot == Robots::agv ? *run.agv + 1 : 0;
   Task task;
-  if (name == "identify") task = {.x = task::identify, .kind = words_.kind_identify, .area = words_.cr_base};
-  else if (name == "grab_path") task = {.x = task::grab_path, .kind = words_.kind_grab_path, .area = words_.cr_base};
-  else if (name == "home.crane") task = {.x = task::home_crane, .y = robot_class::crane, .kind = words_.kind_home_crane, .area = words_.cr_base};
-  else if (name == "home.agv") task = {.x = task::home_agv, .y = robot_class::agv, .kind = words_.kind_home_agv, .area = words_.agv_area(robot - 1)};
-  else task = user_block(name, robot);
+  if (name == "identify")
+    task = {.x = task::identify, .kind = words_.kind_identify, .area = words_.cr_base};
+  else if (name == "grab_path")
+    task = {.x = task::grab_path, .kind = words_.kind_grab_path, .area = words_.cr_base};
+  else if (name == "home.crane")
+    task = {.x = task::home_crane, .y = robot_class::crane, .kind = words_.kind_home_crane, .area = words_.cr_base};
+  else if (name == "home.agv")
+    task = {
+        .x = task::home_agv, .y = robot_class::agv, .kind = words_.kind_home_agv, .area = words_.agv_area(robot - 1)};
+  else
+    task = user_block(name, robot);
   task.robot = robot;
   task.tick = static_cast<std::uint32_t>(desk.tick());
   task.process = run.process->number;
@@ -200,7 +237,8 @@ void Processes::load_task(Run& run, Desk& desk) {
   desk.load(task_of(run, desk), std::nullopt);
 }
 
-// ---- a refresh ---------------------------------------------------------------------------------------------------------
+// ---- a refresh
+// ---------------------------------------------------------------------------------------------------------
 
 void Processes::refresh(Desk& desk) {
   start_free(desk);
@@ -225,8 +263,10 @@ void Processes::move_crane(Desk& desk) {
     const bool done = step.kind != Step::Kind::task && crane_.done(step, desk);
     if (crane_sets_down_ && (done || step.kind != Step::Kind::lower)) crane_down_ = true;
     if (crane_down_) return;
-    if (done) advance(run, 0, desk);
-    else if (crane_.gave_up()) run.stopped = true;
+    if (done)
+      advance(run, 0, desk);
+    else if (crane_.gave_up())
+      run.stopped = true;
   }
   start_crane(desk);
 }
@@ -262,21 +302,25 @@ void Processes::move_agv(unsigned agv, Desk& desk) {
   if (!fleet_.done(agv, step, desk)) return;
   advance(run, 0, desk);
   // What it demands of itself follows at once.
-  const bool called = std::any_of(table_.processes.begin(), table_.processes.end(),
-                                  [&](const Process& process) { return process.robot == Robots::agv && demands(process, agv) != 0; });
+  const bool called = std::any_of(table_.processes.begin(), table_.processes.end(), [&](const Process& process) {
+    return process.robot == Robots::agv && demands(process, agv) != 0;
+  });
   if (run.process == nullptr && !run.retired && called) start_next();
 }
 
-// ---- sub-processes -----------------------------------------------------------------------------------------------------
+// ---- sub-processes
+// -----------------------------------------------------------------------------------------------------
 
 bool Processes::releases(unsigned number, Robot robot) const {
   const Run& run = run_of_robot(robot);
   if (run.retired) return false;
-  return run.process != nullptr ? has(run.process->subprocesses, number) : table_.find_subprocess(number)->between_processes;
+  return run.process != nullptr ? has(run.process->subprocesses, number)
+                                : table_.find_subprocess(number)->between_processes;
 }
 
 bool Processes::job_done() const {
-  return crane_run_.retired && std::all_of(agv_runs_.begin(), agv_runs_.end(), [](const Run& run) { return run.retired; });
+  return crane_run_.retired &&
+         std::all_of(agv_runs_.begin(), agv_runs_.end(), [](const Run& run) { return run.retired; });
 }
 
 bool Processes::runs(const Release& release, std::int64_t tick) const {
@@ -290,7 +334,9 @@ Task Processes::block_of(const Release& release, const Desk& desk) const {
   const std::string& name = robot == 0 ? release.row().crane : release.row().agv;
   Task task;
   if (name == avoidance) {
-    task = {.x = task::avoidance, .kind = words_.kind_avoidance, .area = words_.agv_area(robot - 1),
+    task = {.x = task::avoidance,
+            .kind = words_.kind_avoidance,
+            .area = words_.agv_area(robot - 1),
             .argument = static_cast<std::uint32_t>(fleet_.job().avoidance_cycles)};
   } else {
     task = user_block(name, robot);
@@ -322,10 +368,14 @@ std::deque<unsigned> Processes::sensors_to_read(std::int64_t tick) {
   std::deque<unsigned> agvs;
   const std::int64_t before = std::exchange(read_until_, tick);
   for (unsigned agv = 0; agv < fleet_.size(); ++agv) {
-    const bool watched = std::ranges::any_of(releases_, [&](const Release& release) { return release.robot() == agv + 1 && release.row().by_event() && runs(release, tick); });
+    const bool watched = std::ranges::any_of(releases_, [&](const Release& release) {
+      return release.robot() == agv + 1 && release.row().by_event() && runs(release, tick);
+    });
     const std::int64_t phase = agv * watch_.every / fleet_.size();
-    if (!watched) fields_[agv].forget();
-    else if (congruent_before(tick, phase, watch_.every) > before) agvs.push_back(agv);
+    if (!watched)
+      fields_[agv].forget();
+    else if (congruent_before(tick, phase, watch_.every) > before)
+      agvs.push_back(agv);
   }
   return agvs;
 }
@@ -337,7 +387,8 @@ void Processes::seen(unsigned agv, Word millimetres) {
   }
 }
 
-// ---- blocks that have ended --------------------------------------------------------------------------------------------
+// ---- blocks that have ended
+// --------------------------------------------------------------------------------------------
 
 Processes::Run& Processes::run_of(const Task& task) {
   const Process& process = *table_.find(task.process);
@@ -347,14 +398,17 @@ Processes::Run& Processes::run_of(const Task& task) {
 }
 
 Release* Processes::release_of(const Task& task) {
-  return &*std::ranges::find_if(releases_, [&](const Release& release) { return release.row().number == task.subprocess && release.robot() == task.robot; });
+  return &*std::ranges::find_if(releases_, [&](const Release& release) {
+    return release.row().number == task.subprocess && release.robot() == task.robot;
+  });
 }
 
 void Processes::finished(const Task& task, Word result, Word notify, Desk& desk) {
   if (task.process != 0) return advance(run_of(task), notify, desk);
   if (task.subprocess == 0) {
     const Word demands = notify & ~undemandable_;
-    return task.robot == 0 ? crane_.finished(task, result, demands, desk) : fleet_.finished(task, result, demands, desk);
+    return task.robot == 0 ? crane_.finished(task, result, demands, desk)
+                           : fleet_.finished(task, result, demands, desk);
   }
   release_of(task)->ended();
 }
@@ -377,10 +431,12 @@ std::string Processes::abandoned(const Task& task) {
   Run& run = task.process != 0 ? run_of(task) : task.robot == 0 ? crane_run_ : agv_runs_.at(task.robot - 1);
   run.stopped = true;
   if (task.process == 0) task.robot == 0 ? crane_.abandon() : fleet_.abandon(task.robot - 1);
-  return run.process == nullptr ? std::string("what moves the robot") : fmt::format("process {} ({})", run.process->number, run.process->name);
+  return run.process == nullptr ? std::string("what moves the robot")
+                                : fmt::format("process {} ({})", run.process->number, run.process->name);
 }
 
-// ---- errors --------------------------------------------------------------------------------------------------------------
+// ---- errors
+// --------------------------------------------------------------------------------------------------------------
 
 void Processes::resume(const Task& task) {
   if (task.subprocess != 0) {
@@ -396,7 +452,8 @@ void Processes::resume(const Task& task) {
 
 bool Processes::crane_lowers() const {
   const Run& run = crane_run_;
-  return run.process != nullptr && !run.stopped && run.process->steps[run.step].kind == Step::Kind::lower && crane_.lowering();
+  return run.process != nullptr && !run.stopped && run.process->steps[run.step].kind == Step::Kind::lower &&
+         crane_.lowering();
 }
 
 void Processes::set_crane_down(bool asked) {

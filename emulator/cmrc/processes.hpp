@@ -1,9 +1,10 @@
 #pragma once
 // The processes of the table at work: which one each robot is in, at which step, and what starts next.
 //
-// A process starts when it is demanded, or when all that have to consent have. Those of no robot run beside all others; the crane and each AGV
-// are in one at a time. When several of a robot's may start, the one with the lowest number does, unless another says that it replaces it. A
-// crane's process to which an AGV's consents takes the AGV that stands in the loading spot.
+// A process starts when it is demanded, or when all that have to consent have. Those of no robot run beside all others;
+// the crane and each AGV are in one at a time. When several of a robot's may start, the one with the lowest number
+// does, unless another says that it replaces it. A crane's process to which an AGV's consents takes the AGV that stands
+// in the loading spot.
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -23,7 +24,8 @@ namespace cmrc {
 
 class Processes {
  public:
-  Processes(const ProcessTable& table, std::span<const UserTask> tasks, const CraneJob& crane, const FleetJob& fleet, const Words& words);
+  Processes(const ProcessTable& table, std::span<const UserTask> tasks, const CraneJob& crane, const FleetJob& fleet,
+            const Words& words);
 
   void start(Desk& desk);
   /// A block has ended that is a step's, or a sub-process's of a robot.
@@ -69,10 +71,10 @@ class Processes {
     const Process* process = nullptr;
     std::size_t step = 0;
     std::optional<unsigned> agv = std::nullopt;  // of an AGV's process, or bound to the crane's
-    bool wants_task = false;      // the step's block is to be loaded
-    bool silent = false;          // it was never told to have started: an AGV that waits in the queue at the beginning
-    bool stopped = false;         // given up
-    bool retired = false;         // its robot's work is over
+    bool wants_task = false;                     // the step's block is to be loaded
+    bool silent = false;   // it was never told to have started: an AGV that waits in the queue at the beginning
+    bool stopped = false;  // given up
+    bool retired = false;  // its robot's work is over
   };
   struct RunState;
   std::optional<unsigned> agv_in_spot() const;
@@ -97,27 +99,29 @@ class Processes {
   Release* release_of(const Task& task);
   Run& run_of(const Task& task);
   const Run& run_of_robot(Robot robot) const { return robot == 0 ? crane_run_ : agv_runs_.at(robot - 1); }
-  unsigned demands(const Process& process, unsigned agv) const { return demands_.at(process.number).at(process.robot == Robots::agv ? agv : 0); }
+  unsigned demands(const Process& process, unsigned agv) const {
+    return demands_.at(process.number).at(process.robot == Robots::agv ? agv : 0);
+  }
 
   const ProcessTable table_;
   const std::vector<UserTask> tasks_;
   const Words& words_;
-  Word undemandable_ = 0;                   // bits of TB_NOTIFY for what the row of sub-process 1 does not list
+  Word undemandable_ = 0;  // bits of TB_NOTIFY for what the row of sub-process 1 does not list
   Consents consents_;
   Crane crane_;
   Fleet fleet_;
-  std::vector<Run> free_runs_;              // processes of no robot, in the table's order
+  std::vector<Run> free_runs_;  // processes of no robot, in the table's order
   Run crane_run_;
-  bool start_waits_ = false;                // for less wind: the crane is between two processes
-  bool crane_held_ = false;                 // by an error, as are:
+  bool start_waits_ = false;  // for less wind: the crane is between two processes
+  bool crane_held_ = false;   // by an error, as are:
   bool crane_sets_down_ = false, crane_down_ = false;
   std::vector<Run> agv_runs_;
   std::vector<std::vector<unsigned>> demands_;  // [process][agv]: one-place, as consents are
   std::vector<Release> releases_;               // of sub-processes that are released by interval or event
-  std::vector<RangeField> fields_;                   // of each AGV's range sensor
+  std::vector<RangeField> fields_;              // of each AGV's range sensor
   Watch watch_;
   bool staggered_ = true;
-  std::int64_t read_until_ = 0;                 // refresh up to which the sensors' readings are accounted for
+  std::int64_t read_until_ = 0;  // refresh up to which the sensors' readings are accounted for
 };
 
 }  // namespace cmrc

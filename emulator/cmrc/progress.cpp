@@ -25,7 +25,8 @@ std::vector<Milestone> milestones_of(const Course& course, Robot robot, Time fro
 
 }  // namespace
 
-Progress::Progress(const Course& run, const Course& ideal, Robot robot, Time from, Time to) : to_(to), itself_(&run == &ideal) {
+Progress::Progress(const Course& run, const Course& ideal, Robot robot, Time from, Time to)
+    : to_(to), itself_(&run == &ideal) {
   way_.push_back({from, 0});
   std::map<std::uint64_t, double> places;
   for (const Milestone& milestone : milestones_of(ideal, robot, from, to)) {

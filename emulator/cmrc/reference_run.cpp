@@ -9,10 +9,10 @@
 #include <stdexcept>
 #include <utility>
 
+#include "c40/chip.hpp"
 #include "cmrc/child_processes.hpp"
 #include "cmrc/ideal.hpp"
 #include "cmrc/simulation.hpp"
-#include "c40/chip.hpp"
 #include "io/stop.hpp"
 #include "machine/machine.hpp"
 #include "report/comparison.hpp"
@@ -22,8 +22,8 @@ namespace cmrc {
 
 namespace {
 
-// A DSP of an ideal run is idle nearly always. One that runs on for a tenth of a slice has a task that does not end, and would cost
-// a thousand times what it costs in a real run.
+// A DSP of an ideal run is idle nearly always. One that runs on for a tenth of a slice has a task that does not end,
+// and would cost a thousand times what it costs in a real run.
 constexpr Time slice = std::chrono::milliseconds{5};
 constexpr std::uint64_t most_instructions = 5'000'000;
 // Who stops a run waits no longer for the ideal run to come as far.
@@ -65,7 +65,8 @@ std::string reference_key(const Config& config) { return to_toml(reference_of(co
 /// What parent and child share besides the rows.
 struct ReferenceRun::Shared {
   Shared() {
-    void* memory = ::mmap(nullptr, sizeof(std::atomic<std::int64_t>), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    void* memory =
+        ::mmap(nullptr, sizeof(std::atomic<std::int64_t>), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (memory == MAP_FAILED) throw std::runtime_error("no memory to be shared with a child process");
     stop_ps = new (memory) std::atomic<std::int64_t>(INT64_MAX);
   }
@@ -74,27 +75,27 @@ struct ReferenceRun::Shared {
 };
 
 ReferenceRun::ReferenceRun(const Config& config)
-    : reference_(std::make_shared<Reference>(rows_of(config), static_cast<int>(config.dock.agvs))), shared_(std::make_unique<Shared>()) {
+    : reference_(std::make_shared<Reference>(rows_of(config), static_cast<int>(config.dock.agvs))),
+      shared_(std::make_unique<Shared>()) {
   const Config made = reference_of(config);
   reference_->key = to_toml(made);
-  child_ = std::make_unique<ChildProcess>(
-      [&] {
-        Simulation simulation(made, std::shared_ptr<Course>(reference_, &reference_->course));
-        std::uint64_t before = 0;
-        const auto go_on = [&](const Progress& progress) {
-          const std::uint64_t instructions = simulation.machine().chip(0).instructions();
-          if (instructions - std::exchange(before, instructions) > most_instructions) {
-            throw std::runtime_error(fmt::format("a task does not end at {} times the speed either, near {:.3f} s", ideal_speed,
-                                                 report::seconds(progress.simulated)));
-          }
-          return progress.simulated.count() < shared_->stop_ps->load(std::memory_order_relaxed);
-        };
-        simulation.run(go_on, slice);
-        const report::RunReport report = simulation.report();
-        Answer answer{reference_->course, simulation.jobs(), {}, report.elapsed_s};
-        for (const report::Metric& metric : report::metrics(report)) answer.metrics.push_back(metric.value);
-        return state::save(answer);
-      });
+  child_ = std::make_unique<ChildProcess>([&] {
+    Simulation simulation(made, std::shared_ptr<Course>(reference_, &reference_->course));
+    std::uint64_t before = 0;
+    const auto go_on = [&](const Progress& progress) {
+      const std::uint64_t instructions = simulation.machine().chip(0).instructions();
+      if (instructions - std::exchange(before, instructions) > most_instructions) {
+        throw std::runtime_error(fmt::format("a task does not end at {} times the speed either, near {:.3f} s",
+                                             ideal_speed, report::seconds(progress.simulated)));
+      }
+      return progress.simulated.count() < shared_->stop_ps->load(std::memory_order_relaxed);
+    };
+    simulation.run(go_on, slice);
+    const report::RunReport report = simulation.report();
+    Answer answer{reference_->course, simulation.jobs(), {}, report.elapsed_s};
+    for (const report::Metric& metric : report::metrics(report)) answer.metrics.push_back(metric.value);
+    return state::save(answer);
+  });
 }
 
 ReferenceRun::~ReferenceRun() = default;

@@ -23,8 +23,10 @@ Release::Due Release::due(std::int64_t tick, std::int64_t period, bool staggered
     const std::int64_t last = congruent_before(tick, phase(period, staggered), period);
     const std::int64_t first = congruent_before(before, phase(period, staggered), period) + period;
     for (std::int64_t nominal = first; nominal <= last; nominal += period) {
-      if (nominal < last || (out_ && deadline_ <= nominal)) due.dropped.push_back(nominal);
-      else if (!out_) due.load = true;
+      if (nominal < last || (out_ && deadline_ <= nominal))
+        due.dropped.push_back(nominal);
+      else if (!out_)
+        due.load = true;
     }
   }
   if (object_ && !out_) due.load = true;

@@ -26,8 +26,8 @@ struct Watch {
 /// What one AGV's range sensor has shown, reading by reading.
 class RangeField {
  public:
-  /// A reading: mm to the nearest echo in the vehicle's way. True when an object has entered: something is in the field,
-  /// and the reading before showed nothing there, or its nearest echo more than `jump_mm` farther.
+  /// A reading: mm to the nearest echo in the vehicle's way. True when an object has entered: something is in the
+  /// field, and the reading before showed nothing there, or its nearest echo more than `jump_mm` farther.
   bool entered(Word millimetres, const Watch& watch);
   /// Nobody looks any more: the next reading has none before it.
   void forget() { last_.reset(); }
@@ -77,8 +77,8 @@ class Release {
   std::int64_t seen_ = 0;      // refresh up to which nominal refreshes are accounted for
   std::int64_t deadline_ = 0;  // of the block that is out
   bool out_ = false;
-  bool object_ = false;        // has entered the field, and no block was loaded since
-  bool stopped_ = false;       // given up
+  bool object_ = false;   // has entered the field, and no block was loaded since
+  bool stopped_ = false;  // given up
 };
 
 }  // namespace cmrc

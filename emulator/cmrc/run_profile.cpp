@@ -58,7 +58,8 @@ struct Executive {
 void require_equal(const report::TaskReport& task, const Causes& counted) {
   for (std::size_t i = 0; i < counted.size(); ++i)
     if (const report::Share& reported = task.execution_cycles.at(i); reported.amount != counted[i])
-      throw std::logic_error(fmt::format("profile: {} cycles of {} were {}, and the report has {}", counted[i], task.kind, reported.name, reported.amount));
+      throw std::logic_error(fmt::format("profile: {} cycles of {} were {}, and the report has {}", counted[i],
+                                         task.kind, reported.name, reported.amount));
 }
 
 }  // namespace
@@ -130,7 +131,8 @@ void RunProfile::reset(unsigned number) {
   slots_[number]->ended.clear();
 }
 
-report::Profile RunProfile::report(const std::vector<report::TaskReport>& tasks, const toolchain::Image& image, const toolchain::Image& rom) const {
+report::Profile RunProfile::report(const std::vector<report::TaskReport>& tasks, const toolchain::Image& image,
+                                   const toolchain::Image& rom) const {
   const Executive executive(image);
   std::set<c40::Address> starts = executive.starts;
   const auto learn = [&starts](const ProfileCounts& counts) {

@@ -1,8 +1,9 @@
 #pragma once
 // Where the DSPs' cycles of a run went: by task kind, and by instruction within each.
 //
-// A DSP works on a job from the instruction that writes 0Fh into the block's flag up to, not including, the one that writes FFh: the
-// same two instants between which the ledger takes a job's cycles. What lies between jobs is the executive's.
+// A DSP works on a job from the instruction that writes 0Fh into the block's flag up to, not including, the one that
+// writes FFh: the same two instants between which the ledger takes a job's cycles. What lies between jobs is the
+// executive's.
 #include <deque>
 #include <functional>
 #include <memory>
@@ -36,10 +37,12 @@ class RunProfile {
   /// Whatever the DSP was at is over.
   void reset(unsigned slot);
 
-  /// Groups in the order of `tasks` (those with finished jobs), then "not finished" (jobs that were running at the end, lost or given
-  /// up), "executive", "claim", "idle" and "halted". Their sum is the sum of the DSPs' cycles, cause by cause.
+  /// Groups in the order of `tasks` (those with finished jobs), then "not finished" (jobs that were running at the end,
+  /// lost or given up), "executive", "claim", "idle" and "halted". Their sum is the sum of the DSPs' cycles, cause by
+  /// cause.
   /// \param tasks the run's; \throws std::logic_error if a kind's cycles are not those that its report has
-  report::Profile report(const std::vector<report::TaskReport>& tasks, const toolchain::Image& image, const toolchain::Image& rom) const;
+  report::Profile report(const std::vector<report::TaskReport>& tasks, const toolchain::Image& image,
+                         const toolchain::Image& rom) const;
 
  private:
   /// A job's cycles, and those of them that belong to no instruction.

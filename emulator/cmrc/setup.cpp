@@ -50,7 +50,8 @@ void stack_more(plant::Layout& layout) {
     for (plant::ContainerPlace place : places) {
       if (place.z != layout.deck) continue;
       place.z += tier * plant::container_height;
-      const bool taken = std::ranges::any_of(places, [&](const auto& p) { return p.x == place.x && p.y == place.y && p.z == place.z; });
+      const bool taken = std::ranges::any_of(
+          places, [&](const auto& p) { return p.x == place.x && p.y == place.y && p.z == place.z; });
       if (!taken) layout.containers.push_back(place);
     }
   }
@@ -60,14 +61,16 @@ void stack_more(plant::Layout& layout) {
 
 plant::DockConfig nominal_dock_of(const Config& config) {
   const int agvs = static_cast<int>(config.dock.agvs);
-  plant::DockConfig dock = config.dock.crane == CraneMachine::gantry ? plant::gantry_dock(agvs) : plant::default_dock(agvs);
+  plant::DockConfig dock =
+      config.dock.crane == CraneMachine::gantry ? plant::gantry_dock(agvs) : plant::default_dock(agvs);
   place_plant_parameters(dock, config.plant);
   dock.agv.protective_field = config.dock.protective_field;
   dock.layout.container_mass = config.dock.container_mass_kg;
   for (auto& container : dock.layout.containers) container.mass = config.dock.container_mass_kg;
   stack_more(dock.layout);  // a layout that lists containers replaces these
   if (!config.dock.layout.empty()) read_layout(dock, config.dock.layout);
-  dock.layout.containers.resize(std::min<std::size_t>(dock.layout.containers.size(), static_cast<std::size_t>(config.dock.containers)));
+  dock.layout.containers.resize(
+      std::min<std::size_t>(dock.layout.containers.size(), static_cast<std::size_t>(config.dock.containers)));
   for (auto& leg : dock.layout.legs) {
     for (auto& lane : leg) lane.speed = std::min(lane.speed, config.dock.agv_speed_m_s);
   }
@@ -144,14 +147,17 @@ FleetJob fleet_of(const Config& config, const plant::DockConfig& dock) {
   job.point_frequency = config.rates.refresh_frequency_hz / static_cast<double>(n.agv_point);
   job.refresh_frequency = config.rates.refresh_frequency_hz;
   job.interval = n.agv_slowed;
-  job.buffer_points = config.scheduling.agv_buffer_points != 0 ? config.scheduling.agv_buffer_points : config.scheduling.buffer_points;
+  job.buffer_points =
+      config.scheduling.agv_buffer_points != 0 ? config.scheduling.agv_buffer_points : config.scheduling.buffer_points;
   job.avoidance_cycles = config.load.avoidance_cycles;
   job.driving = config.load.driving;
   job.parked = config.load.parked;
   for (unsigned slot = 0; job.driving && slot < job.agvs; ++slot) {
     if (const std::size_t pieces = round_from(job, slot).size(); pieces > most_segments) {
-      throw ConfigError(fmt::format("load.driving: the round from slot {} past the warehouse and back has {} pieces of lane; at most {} are expected, or load.driving = false",
-                                    slot, pieces, most_segments));
+      throw ConfigError(
+          fmt::format("load.driving: the round from slot {} past the warehouse and back has {} pieces of lane; at most "
+                      "{} are expected, or load.driving = false",
+                      slot, pieces, most_segments));
     }
   }
   const AvoidanceBuild build = config.kernels.avoidance;
@@ -236,7 +242,8 @@ machine::Config machine_of(const Config& config) {
   return machine;
 }
 
-std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfig& layout, const Words& w, plant::Dock& dock) {
+std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfig& layout, const Words& w,
+                                    plant::Dock& dock) {
   const Intervals n = intervals(config);
   const double f_s = config.rates.refresh_frequency_hz;
   std::vector<AreaWord> all;
@@ -273,7 +280,8 @@ std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfi
                      real != nullptr ? ti_float(*real) : static_cast<Word>(std::get<std::int64_t>(parameters[k]))});
     }
   }
-  if (config.scheduling.slice_cycles > 0) all.push_back({w.slice_cycles, static_cast<Word>(config.scheduling.slice_cycles)});
+  if (config.scheduling.slice_cycles > 0)
+    all.push_back({w.slice_cycles, static_cast<Word>(config.scheduling.slice_cycles)});
   const auto boxes = std::min<std::size_t>(layout.layout.no_go.size(), 8);
   put(w.cr_box_count, static_cast<Word>(boxes));
   for (std::size_t i = 0; i < boxes; ++i) {

@@ -32,7 +32,8 @@ struct AreaWord {
   Word offset;
   Word value;
 };
-std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfig& layout, const Words& words, plant::Dock& dock);
+std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfig& layout, const Words& words,
+                                    plant::Dock& dock);
 
 /// Everything a report is made from.
 struct Evidence {
@@ -51,8 +52,8 @@ struct Evidence {
   const Course& course;
   std::optional<report::Errors> errors;
   std::string reference_problem;
-  std::optional<Time> account_end;                 ///< nothing drove the crane any more from then on
-  std::function<std::string(Word)> kind_name;      ///< of a KIND_*
+  std::optional<Time> account_end;             ///< nothing drove the crane any more from then on
+  std::function<std::string(Word)> kind_name;  ///< of a KIND_*
 };
 report::RunReport make_report(Evidence evidence);
 

@@ -39,7 +39,8 @@ static_assert(look_period % ask_period == Time{});
 
 std::vector<std::string> cause_names() {
   std::vector<std::string> names;
-  for (std::size_t i = 0; i < std::tuple_size_v<c40::Causes>; ++i) names.emplace_back(c40::name(static_cast<c40::Cause>(i)));
+  for (std::size_t i = 0; i < std::tuple_size_v<c40::Causes>; ++i)
+    names.emplace_back(c40::name(static_cast<c40::Cause>(i)));
   return names;
 }
 
@@ -107,21 +108,35 @@ LedgerConfig ledger_of(const Config& config, const machine::Config& machine) {
 class Simulation::Parts {
  public:
   Parts(const Config& given, std::shared_ptr<Course> recorded, std::shared_ptr<const Reference> ideal)
-      : given_config(given), config(as_run(given)), given_reference(std::move(ideal)), image(dsp_image(config)), words([this](std::string_view name) { return image.symbol(name); }),
-        dock_config(dock_of(config)), dock(dock_config), machine_config(machine_of(config)), ledger(ledger_of(config, machine_config)),
-        observer(words, ledger, log, static_cast<std::size_t>(config.report.samples_max)), host(config, words, crane_of(config, dock_config), fleet_of(config, dock_config), ledger, observer,
+      : given_config(given),
+        config(as_run(given)),
+        given_reference(std::move(ideal)),
+        image(dsp_image(config)),
+        words([this](std::string_view name) { return image.symbol(name); }),
+        dock_config(dock_of(config)),
+        dock(dock_config),
+        machine_config(machine_of(config)),
+        ledger(ledger_of(config, machine_config)),
+        observer(words, ledger, log, static_cast<std::size_t>(config.report.samples_max)),
+        host(config, words, crane_of(config, dock_config), fleet_of(config, dock_config), ledger, observer,
              [this](unsigned slot) { return machine.boot_stream(slot); }),
-        machine(machine_config, image, &dock, &host), end(duration_of(config.run.duration_s)),
-        course(recorded ? std::move(recorded) : std::make_shared<Course>(measured() ? rows_of(config) : 0, static_cast<int>(config.dock.agvs))) {
+        machine(machine_config, image, &dock, &host),
+        end(duration_of(config.run.duration_s)),
+        course(recorded
+                   ? std::move(recorded)
+                   : std::make_shared<Course>(measured() ? rows_of(config) : 0, static_cast<int>(config.dock.agvs))) {
     if (given_reference && given_reference->key != reference_key(given_config))
-      throw ConfigError("reference: it is the ideal run of another configuration; one that differs in DSPs, their speed and failures only is expected");
+      throw ConfigError(
+          "reference: it is the ideal run of another configuration; one that differs in DSPs, their speed and failures "
+          "only is expected");
     host.set_course(course.get());
     observer.set_servoing([this] { return host.servoing(); });
     for (const AreaWord& word : initial_words(config, dock_config, words, dock)) machine.poke(word.offset, word.value);
     observer.set_causes([this](unsigned slot) { return job_causes(machine, slot); });
     observer.set_peek([this](machine::Offset offset) { return machine.peek(offset); });
     const Word pid_state = words.cr_base + image.symbol("CR_PID") - image.symbol("PD_STATE");
-    observer.watch_errors(pid_state + image.symbol("PD_E"), pid_state + image.symbol("PD_STAGE"), image.symbol("PD_SERVOING"));
+    observer.watch_errors(pid_state + image.symbol("PD_E"), pid_state + image.symbol("PD_STAGE"),
+                          image.symbol("PD_SERVOING"));
     observer.attach(dock, course->recorded() ? course.get() : nullptr, config.dock.wind_limit_m_s);
     machine.set_observer(&observer);
     for (unsigned slot = 0; slot < machine.slots(); ++slot) {
@@ -188,15 +203,18 @@ class Simulation::Parts {
 
   bool over() const { return now() >= end || (account_end && now() >= after_end); }
 
-  /// Whether the job is done, or nothing drives the crane any more: then the plant goes on, braked, without the machine.
+  /// Whether the job is done, or nothing drives the crane any more: then the plant goes on, braked, without the
+  /// machine.
   void look() {
     bool alive = false;
-    for (unsigned slot = 0; slot < machine.slots(); ++slot) alive = alive || (machine.booted(slot) && !machine.standing(slot));
+    for (unsigned slot = 0; slot < machine.slots(); ++slot)
+      alive = alive || (machine.booted(slot) && !machine.standing(slot));
     if (alive) last_alive = now();
     enabled = enabled || !dock.braked();
     if (!enabled || !dock.braked() || !host.servoing()) last_driven = now();
     const Time after = duration_of(config.run.after_stop_s);
-    if (config.run.until == RunUntil::job_done && host.job_done()) return stop_account(report::StopReason::job_done, Time{});
+    if (config.run.until == RunUntil::job_done && host.job_done())
+      return stop_account(report::StopReason::job_done, Time{});
     if (dock.faulted()) return stop_account(report::StopReason::plant_fault, after);
     if (now() - last_alive >= patience) return stop_account(report::StopReason::no_dsp_left, after);
     if (now() - last_driven >= std::max(after, patience)) stop_account(report::StopReason::drives_stopped, Time{});
@@ -213,7 +231,8 @@ class Simulation::Parts {
   std::shared_ptr<const Reference> reference() {
     const bool interrupted = stop == report::StopReason::interrupted;
     if (!measured() || config.run.ideal || (!over() && !interrupted)) return nullptr;
-    if (!ideal_run && !given_reference && reference_problem.empty()) ideal_run = std::make_unique<ReferenceRun>(given_config);
+    if (!ideal_run && !given_reference && reference_problem.empty())
+      ideal_run = std::make_unique<ReferenceRun>(given_config);
     if (!given_reference && reference_problem.empty()) {
       try {
         given_reference = interrupted ? ideal_run->cut_short(now()) : ideal_run->wait();
@@ -262,18 +281,26 @@ class Simulation::Parts {
   std::string files() const { return digest_of_files(given_config, image); }
 
   void require_more_to_come(const char* call) const {
-    if (told_all) throw std::logic_error(fmt::format("Simulation::{}: report_so_far has ended the run; Simulation::report leaves it as it is", call));
+    if (told_all)
+      throw std::logic_error(
+          fmt::format("Simulation::{}: report_so_far has ended the run; Simulation::report leaves it as it is", call));
   }
 
   /// The run has one, and no other run.
   void require_no_profile(const char* call) const {
-    if (profile) throw std::logic_error(fmt::format("Simulation::{}: a run with a profile has no snapshots, what it has counted would be lost; make the run without", call));
+    if (profile)
+      throw std::logic_error(
+          fmt::format("Simulation::{}: a run with a profile has no snapshots, what it has counted would be lost; make "
+                      "the run without",
+                      call));
   }
 
   void connect_traces() {
     for (const auto& [slot, sink] : traces) {
-      if (profile) profile->trace(slot, sink);
-      else machine.chip(slot).set_trace(sink);
+      if (profile)
+        profile->trace(slot, sink);
+      else
+        machine.chip(slot).set_trace(sink);
     }
   }
 
@@ -298,20 +325,21 @@ class Simulation::Parts {
   Time end;
   std::shared_ptr<Course> course;
   Time last_alive{}, last_driven{};
-  bool enabled = false;               // the drives have been on
-  std::optional<Time> account_end;    // the plant goes on without the machine from then on
+  bool enabled = false;             // the drives have been on
+  std::optional<Time> account_end;  // the plant goes on without the machine from then on
   Time after_end{};
   std::optional<report::StopReason> stop;
   std::optional<report::StopReason> stopped_by;  // what ended the account; an interruption comes and goes
   std::chrono::steady_clock::duration elapsed{};
   std::map<unsigned, c40::TraceSink*> traces;
   std::optional<RunProfile> profile;
-  bool told_all = false;              // the order of events is settled beyond what is certain
+  bool told_all = false;  // the order of events is settled beyond what is certain
 };
 
 namespace {
 
-std::unique_ptr<Simulation::Parts> parts_of(const Config& config, std::shared_ptr<Course> course, std::shared_ptr<const Reference> reference) try {
+std::unique_ptr<Simulation::Parts> parts_of(const Config& config, std::shared_ptr<Course> course,
+                                            std::shared_ptr<const Reference> reference) try {
   return std::make_unique<Simulation::Parts>(config, std::move(course), std::move(reference));
 } catch (const machine::BoardError& error) {
   throw ConfigError(fmt::format("machine.board: {}", error.what()));
@@ -320,8 +348,10 @@ std::unique_ptr<Simulation::Parts> parts_of(const Config& config, std::shared_pt
 }  // namespace
 
 Simulation::Simulation(const Config& config) : parts_(parts_of(config, nullptr, nullptr)) {}
-Simulation::Simulation(const Config& config, std::shared_ptr<Course> course) : parts_(parts_of(config, std::move(course), nullptr)) {}
-Simulation::Simulation(const Config& config, std::shared_ptr<const Reference> reference) : parts_(parts_of(config, nullptr, std::move(reference))) {}
+Simulation::Simulation(const Config& config, std::shared_ptr<Course> course)
+    : parts_(parts_of(config, std::move(course), nullptr)) {}
+Simulation::Simulation(const Config& config, std::shared_ptr<const Reference> reference)
+    : parts_(parts_of(config, nullptr, std::move(reference))) {}
 Simulation::~Simulation() = default;
 
 void Simulation::at(const TimedEvent& event) {
@@ -331,7 +361,8 @@ void Simulation::at(const TimedEvent& event) {
            fmt::format("the run is at {:.9g} s", report::seconds(p.now())));
   }
   if (ended() || event.at_s >= p.config.run.duration_s) {
-    refuse(event.origin, "events.at_s", fmt::format("{} s is not within the run", event.at_s), fmt::format("it ends at {} s", p.config.run.duration_s));
+    refuse(event.origin, "events.at_s", fmt::format("{} s is not within the run", event.at_s),
+           fmt::format("it ends at {} s", p.config.run.duration_s));
   }
   Config with = p.config;
   with.events.push_back(event);
@@ -339,8 +370,10 @@ void Simulation::at(const TimedEvent& event) {
   p.config.events.push_back(event);
   p.given_config.events.push_back(event);
   p.forget_reference();
-  if (const auto scripted = scripted_event(event)) p.machine.script(*scripted);
-  else p.host.change(duration_of(event.at_s), event);
+  if (const auto scripted = scripted_event(event))
+    p.machine.script(*scripted);
+  else
+    p.host.change(duration_of(event.at_s), event);
 }
 
 void Simulation::listen(report::EventSink& sink) { parts_->log.listen(sink); }
@@ -351,14 +384,16 @@ void Simulation::trace(unsigned slot, c40::TraceSink& sink) {
 }
 
 void Simulation::profile() {
-  if (parts_->machine.time() != Time{}) throw std::logic_error("Simulation::profile: the run has begun; a profile is of a whole run");
+  if (parts_->machine.time() != Time{})
+    throw std::logic_error("Simulation::profile: the run has begun; a profile is of a whole run");
   parts_->profile.emplace(parts_->machine);
   parts_->observer.set_profile(&*parts_->profile);
   parts_->connect_traces();
 }
 
 report::Profile Simulation::profile_report() const {
-  if (!parts_->profile) throw std::logic_error("Simulation::profile_report: nothing was counted; Simulation::profile comes before the run");
+  if (!parts_->profile)
+    throw std::logic_error("Simulation::profile_report: nothing was counted; Simulation::profile comes before the run");
   return parts_->profile->report(report().tasks, parts_->image, boot_rom_image());
 }
 
@@ -380,7 +415,9 @@ void Simulation::run(const std::function<bool(const Progress&)>& on_progress, re
   while (!ended() && parts_->now() < until) {
     run_until(std::min(parts_->now() + slice, until));
     bool go_on = !io::stop_asked();
-    if (go_on && on_progress) go_on = on_progress({parts_->now(), parts_->end, static_cast<unsigned>(parts_->dock.delivered()), parts_->ledger.misses()});
+    if (go_on && on_progress)
+      go_on = on_progress(
+          {parts_->now(), parts_->end, static_cast<unsigned>(parts_->dock.delivered()), parts_->ledger.misses()});
     if (!go_on && !ended()) {
       parts_->stop = report::StopReason::interrupted;
       return;
@@ -402,9 +439,12 @@ void Simulation::restore(const Snapshot& snapshot) {
   Parts& p = *parts_;
   p.require_no_profile("restore");
   if (snapshot.configuration() != p.snapshot_key)
-    throw SnapshotError(fmt::format("the snapshot is of another configuration: {}", first_other_line(snapshot.configuration(), p.snapshot_key)));
+    throw SnapshotError(fmt::format("the snapshot is of another configuration: {}",
+                                    first_other_line(snapshot.configuration(), p.snapshot_key)));
   if (snapshot.files() != p.files())
-    throw SnapshotError("the snapshot is of another program, layout or board: the files that the configuration names have changed since");
+    throw SnapshotError(
+        "the snapshot is of another program, layout or board: the files that the configuration names have changed "
+        "since");
   try {
     state::load_or_leave(p, snapshot.state());
   } catch (const state::StateError& error) {
@@ -418,7 +458,9 @@ void Simulation::list_state(state::Visitor& list) {
   if (list.loads()) parts_->measure_anew();
 }
 
-std::optional<std::string> Simulation::difference(const Simulation& other) const { return state::difference(*parts_, *other.parts_); }
+std::optional<std::string> Simulation::difference(const Simulation& other) const {
+  return state::difference(*parts_, *other.parts_);
+}
 
 std::unique_ptr<Simulation> Simulation::fork() {
   const Snapshot now = snapshot();
@@ -433,9 +475,12 @@ report::RunReport Simulation::report() const {
   Parts& p = *parts_;
   Ledger::Told told = p.told();
   auto errors = p.measure_errors(told.jobs);
-  return make_report({p.config, p.machine, p.dock, p.dock_config, p.host, p.ledger, p.observer, p.log, p.stop ? *p.stop : p.over() ? report::StopReason::completed : report::StopReason::under_way, p.elapsed, cause_names(), std::move(told),
-                      *p.course, std::move(errors), p.reference_problem, p.account_end,
-                      [&p](Word kind) { return p.ledger.name(job_kind(kind, p.words)); }});
+  return make_report({p.config, p.machine, p.dock, p.dock_config, p.host, p.ledger, p.observer, p.log,
+                      p.stop     ? *p.stop
+                      : p.over() ? report::StopReason::completed
+                                 : report::StopReason::under_way,
+                      p.elapsed, cause_names(), std::move(told), *p.course, std::move(errors), p.reference_problem,
+                      p.account_end, [&p](Word kind) { return p.ledger.name(job_kind(kind, p.words)); }});
 }
 
 report::RunReport Simulation::report_so_far() {
@@ -458,7 +503,8 @@ JobsByRobot Simulation::jobs() const { return parts_->told().jobs; }
 
 bool Simulation::strictly_good() const {
   const report::RunReport report = this->report();
-  const bool whole = report.stop_reason == report::StopReason::completed || report.stop_reason == report::StopReason::job_done;
+  const bool whole =
+      report.stop_reason == report::StopReason::completed || report.stop_reason == report::StopReason::job_done;
   return whole && report.misses() == 0 && report.errors_handled.empty();
 }
 

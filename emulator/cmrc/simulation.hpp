@@ -66,13 +66,14 @@ class Simulation {
   /// \throws std::logic_error without profile(), and if the profile and report() contradict each other
   report::Profile profile_report() const;
 
-  /// A further event, not before the present time. \throws ConfigError, also when it contradicts those that are still to come
+  /// A further event, not before the present time. \throws ConfigError, also when it contradicts those that are still
+  /// to come
   void at(const TimedEvent& event);
 
   static constexpr report::Time usual_slice = std::chrono::milliseconds{20};
-  /// Runs to the end of the configured duration. `on_progress` is called about every `slice` of simulated time; false stops the run
-  /// cleanly (stop reason: interrupted), and so does io::stop_asked(). May be called again: it goes on where it stopped. With `until` it
-  /// stops there, and the run is not over.
+  /// Runs to the end of the configured duration. `on_progress` is called about every `slice` of simulated time; false
+  /// stops the run cleanly (stop reason: interrupted), and so does io::stop_asked(). May be called again: it goes on
+  /// where it stopped. With `until` it stops there, and the run is not over.
   void run(const std::function<bool(const Progress&)>& on_progress = {}, report::Time slice = usual_slice,
            report::Time until = report::Time::max());
   /// Runs until `time`, or the end of the duration if that is earlier; less far when io::stop_asked().
@@ -81,11 +82,12 @@ class Simulation {
   /// As far as the run has come.
   report::Time time() const;
 
-  /// \throws std::runtime_error when the ideal run has died; io::Stopped while it waits for the ideal run: it may be called again
+  /// \throws std::runtime_error when the ideal run has died; io::Stopped while it waits for the ideal run: it may be
+  /// called again
   report::RunReport report() const;
-  /// The same of what has run when io::stop_asked(): the ideal run counts as far as it has come, the stop reason is interrupted. For a run
-  /// that does not go on: listeners have heard every event then, also those that others may still have come before. run() then throws
-  /// std::logic_error, as do run_until() and snapshot(), until restore().
+  /// The same of what has run when io::stop_asked(): the ideal run counts as far as it has come, the stop reason is
+  /// interrupted. For a run that does not go on: listeners have heard every event then, also those that others may
+  /// still have come before. run() then throws std::logic_error, as do run_until() and snapshot(), until restore().
   report::RunReport report_so_far();
   bool interrupted() const;
   /// The ideal run that this run is measured against; null while the run is not over, and where there is none.
@@ -104,10 +106,11 @@ class Simulation {
   /// The run is as it was at the snapshot. Listeners and traces stay; they hear what comes after it.
   /// \throws SnapshotError when it is another configuration's or another version's; then nothing has changed
   void restore(const Snapshot& snapshot);
-  /// The first value of the state in which it differs from another run, "machine.dsps.0.chip.pc: ..."; none: they are alike.
+  /// The first value of the state in which it differs from another run, "machine.dsps.0.chip.pc: ..."; none: they are
+  /// alike.
   std::optional<std::string> difference(const Simulation& other) const;
-  /// What lasts of it, for tests that look at each value, and for who goes back and forth in one process. After loading what was
-  /// measured is measured anew.
+  /// What lasts of it, for tests that look at each value, and for who goes back and forth in one process. After loading
+  /// what was measured is measured anew.
   void list_state(state::Visitor& list);
   /// Another run with the same past.
   std::unique_ptr<Simulation> fork();

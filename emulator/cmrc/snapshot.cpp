@@ -26,7 +26,10 @@ struct Content {
 }  // namespace
 
 Snapshot::Snapshot(report::Time time, std::string configuration, std::string files, state::Saved state)
-    : time_(time), configuration_(std::move(configuration)), files_(std::move(files)), state_(std::make_shared<const state::Saved>(std::move(state))) {}
+    : time_(time),
+      configuration_(std::move(configuration)),
+      files_(std::move(files)),
+      state_(std::make_shared<const state::Saved>(std::move(state))) {}
 
 std::string Snapshot::to_bytes() const {
   state::Saved whole = state::save_with_tables(Content{time_, configuration_, files_, state_->text});
@@ -41,7 +44,10 @@ Snapshot Snapshot::from_bytes(std::string_view bytes) {
   state::load(content, whole.text);
   const std::size_t head = whole.text.size() - content.state.size();
   for (state::Table& table : whole.tables) table.offset -= head;
-  return {content.time, std::move(content.configuration), std::move(content.files), {std::move(content.state), std::move(whole.tables)}};
+  return {content.time,
+          std::move(content.configuration),
+          std::move(content.files),
+          {std::move(content.state), std::move(whole.tables)}};
 }
 
 }  // namespace cmrc

@@ -1,5 +1,6 @@
 #pragma once
-// A run at an instant: from it the same run goes on, in this process or another, and ends with the same report and hash.
+// A run at an instant: from it the same run goes on, in this process or another, and ends with the same report and
+// hash.
 #include <memory>
 #include <string>
 #include <string_view>
@@ -9,7 +10,8 @@
 
 namespace cmrc {
 
-/// A snapshot that cannot be used: cut short, damaged, of another version or another configuration. The message says which.
+/// A snapshot that cannot be used: cut short, damaged, of another version or another configuration. The message says
+/// which.
 using SnapshotError = state::StateError;
 
 class Snapshot {

@@ -8,7 +8,8 @@
 
 namespace cmrc {
 
-// ---- the list, and what is loaded into it ------------------------------------------------------------------------------
+// ---- the list, and what is loaded into it
+// ------------------------------------------------------------------------------
 
 void TaskList::list_state(state::Visitor& list) {
   list("blocks", blocks_);
@@ -82,7 +83,8 @@ void UserTasks::Row::list_state(state::Visitor& list) {
 
 void UserTasks::list_state(state::Visitor& list) { list("rows", rows_); }
 
-// ---- processes ---------------------------------------------------------------------------------------------------------
+// ---- processes
+// ---------------------------------------------------------------------------------------------------------
 
 void Consents::list_state(state::Visitor& list) { list("tokens", tokens_); }
 
@@ -106,7 +108,8 @@ struct Processes::RunState {
     if (run.process != nullptr) number = run.process->number;
     list("process", number);
     if (list.loads()) run.process = number ? table.find(*number) : nullptr;
-    if (list.loads() && number && run.process == nullptr) throw state::StateError("process " + std::to_string(*number) + " is in no row of the table");
+    if (list.loads() && number && run.process == nullptr)
+      throw state::StateError("process " + std::to_string(*number) + " is in no row of the table");
     list("step", run.step);
     list("agv", run.agv);
     list("wants_task", run.wants_task);
@@ -147,7 +150,8 @@ void Cycles::list_state(state::Visitor& list) {
   list("completed", completed_);
 }
 
-// ---- errors, parameters, boards ----------------------------------------------------------------------------------------
+// ---- errors, parameters, boards
+// ----------------------------------------------------------------------------------------
 
 void PathClock::list_state(state::Visitor& list) {
   list("used", used_);
@@ -191,7 +195,8 @@ void Boots::list_state(state::Visitor& list) {
   list("ended", ended_);
 }
 
-// ---- the host ----------------------------------------------------------------------------------------------------------
+// ---- the host
+// ----------------------------------------------------------------------------------------------------------
 
 void Host::Servo::list_state(state::Visitor& list) {
   list("next", next);
@@ -264,7 +269,8 @@ void Host::list_state(state::Visitor& list) {
   set_releases();
 }
 
-// ---- jobs --------------------------------------------------------------------------------------------------------------
+// ---- jobs
+// --------------------------------------------------------------------------------------------------------------
 
 void Audit::list_state(state::Visitor& list) {
   list("blocks", blocks_);
@@ -306,7 +312,8 @@ void Ledger::list_state(state::Visitor& list) {
   list("misses", misses_);
 }
 
-// ---- what is measured --------------------------------------------------------------------------------------------------
+// ---- what is measured
+// --------------------------------------------------------------------------------------------------
 
 void Course::list_state(state::Visitor& list) {
   list_all_but_rows(list);
@@ -315,7 +322,9 @@ void Course::list_state(state::Visitor& list) {
 
 void Course::list_all_but_rows(state::Visitor& list) {
   list("size", size_);
-  if (size_ > rows_.room()) throw state::StateError("a course of " + std::to_string(size_) + " rows, where there is room for " + std::to_string(rows_.room()));
+  if (size_ > rows_.room())
+    throw state::StateError("a course of " + std::to_string(size_) + " rows, where there is room for " +
+                            std::to_string(rows_.room()));
   list("every", every_);
   list("points_every", points_every_);
   list("legs", legs_);

@@ -5,7 +5,8 @@
 
 namespace cmrc {
 
-/// Bits 31..24 exponent, 23 sign, 22..0 fraction, two's complement (c40-isa.md, floating-point formats); rounded to nearest, saturated.
+/// Bits 31..24 exponent, 23 sign, 22..0 fraction, two's complement (c40-isa.md, floating-point formats); rounded to
+/// nearest, saturated.
 inline std::uint32_t ti_float(double value) {
   if (value == 0 || std::isnan(value)) return 0x80000000;
   int exponent = 0;

@@ -78,9 +78,13 @@ class Fields {
     const std::string right = fmt::format("a number from {} to {} is expected", least, most);
     const Field& field = take(name, right);
     double value = 0;
-    if (const auto* real = std::get_if<double>(&field.value)) value = *real;
-    else if (const auto* integer = std::get_if<std::int64_t>(&field.value)) value = static_cast<double>(*integer);
-    else refuse(field.origin, fmt::format("events.{}", name), fmt::format("{} is {}", show(field.value), noun(field.value)), right);
+    if (const auto* real = std::get_if<double>(&field.value))
+      value = *real;
+    else if (const auto* integer = std::get_if<std::int64_t>(&field.value))
+      value = static_cast<double>(*integer);
+    else
+      refuse(field.origin, fmt::format("events.{}", name),
+             fmt::format("{} is {}", show(field.value), noun(field.value)), right);
     if (!(value >= least && value <= most)) {
       refuse(field.origin, fmt::format("events.{}", name), fmt::format("{} is out of range", show(field.value)), right);
     }
@@ -89,14 +93,16 @@ class Fields {
   std::string text(std::string_view name, std::string_view right) {
     const Field& field = take(name, right);
     if (const auto* word = std::get_if<std::string>(&field.value)) return *word;
-    refuse(field.origin, fmt::format("events.{}", name), fmt::format("{} is {}", show(field.value), noun(field.value)), right);
+    refuse(field.origin, fmt::format("events.{}", name), fmt::format("{} is {}", show(field.value), noun(field.value)),
+           right);
   }
   unsigned target(std::string_view name) {
     if (name == "dsp") {
       const Field& field = take(name, "a DSP's number is expected");
       const auto* number = std::get_if<std::int64_t>(&field.value);
       if (number == nullptr || *number < 0 || *number > 15) {
-        refuse(field.origin, "events.dsp", fmt::format("{} is no DSP", show(field.value)), "an integer from 0 to 15 is expected");
+        refuse(field.origin, "events.dsp", fmt::format("{} is no DSP", show(field.value)),
+               "an integer from 0 to 15 is expected");
       }
       return static_cast<unsigned>(*number);
     }
@@ -104,8 +110,8 @@ class Fields {
     const std::string word = text(name, quoted_list(names) + " is expected");
     const auto found = std::find(names.begin(), names.end(), word);
     if (found == names.end()) {
-      refuse(fields_.at(std::string(name)).origin, fmt::format("events.{}", name), fmt::format("\"{}\" is not known", word),
-             quoted_list(names) + " is expected");
+      refuse(fields_.at(std::string(name)).origin, fmt::format("events.{}", name),
+             fmt::format("\"{}\" is not known", word), quoted_list(names) + " is expected");
     }
     return static_cast<unsigned>(found - names.begin());
   }
@@ -142,8 +148,9 @@ class Slots {
     bool& plugged = plugged_.at(event.number);
     const bool wanted = event.action != "plug";
     if (plugged != wanted) {
-      refuse(event.origin, "events.action", fmt::format("{} at {} s, but slot {} {}", event.action, event.at_s, event.number,
-                                                        plugged ? "holds a board" : "is empty"),
+      refuse(event.origin, "events.action",
+             fmt::format("{} at {} s, but slot {} {}", event.action, event.at_s, event.number,
+                         plugged ? "holds a board" : "is empty"),
              plugged ? "unplug it first" : "plug a board in first");
     }
     if (event.action == "unplug" || event.action == "plug") plugged = !plugged;
@@ -159,13 +166,16 @@ void check_joint(const Config& config, const TimedEvent& event) {
   const bool gantry = config.dock.crane == CraneMachine::gantry;
   const bool has = gantry ? event.number != slew_joint && event.number != luff_joint : event.number != trolley_joint;
   if (has) return;
-  refuse(event.origin, "events.joint", fmt::format("a {} has no {}", gantry ? "gantry" : "slewing crane", names_of("joint")[event.number]),
-         gantry ? "\"travel\", \"trolley\", \"hoist\", \"rotate\" is expected (dock.crane)" : "\"travel\", \"slew\", \"luff\", \"hoist\", \"rotate\" is expected (dock.crane)");
+  refuse(event.origin, "events.joint",
+         fmt::format("a {} has no {}", gantry ? "gantry" : "slewing crane", names_of("joint")[event.number]),
+         gantry ? "\"travel\", \"trolley\", \"hoist\", \"rotate\" is expected (dock.crane)"
+                : "\"travel\", \"slew\", \"luff\", \"hoist\", \"rotate\" is expected (dock.crane)");
 }
 
 void check_sensor(const Config& config, const TimedEvent& event) {
   if (!event.action.ends_with("_second_sway") || config.dock.sway_sensors == 2) return;
-  refuse(event.origin, "events.action", fmt::format("{}, but the crane has one sway sensor", event.action), "dock.sway_sensors = 2 is expected");
+  refuse(event.origin, "events.action", fmt::format("{}, but the crane has one sway sensor", event.action),
+         "dock.sway_sensors = 2 is expected");
 }
 
 }  // namespace
@@ -183,7 +193,8 @@ std::span<const TimedAction> timed_actions() {
       if (!one.undo.empty()) rows.push_back({one.undo, row.target, row.amount, one.undo_meaning, &one});
     }
     rows.push_back({"set", "", "",
-                    "the operator sets `key` to `value`; the keys marked \"live\" may change while a run is on", nullptr});
+                    "the operator sets `key` to `value`; the keys marked \"live\" may change while a run is on",
+                    nullptr});
     return rows;
   }();
   return all;
@@ -231,8 +242,10 @@ TimedEvent timed_event(const std::map<std::string, Field>& given, const Origin& 
 std::string to_toml(const TimedEvent& event) {
   const TimedAction& action = action_of(event);
   std::string text = fmt::format("at_s = {}\naction = \"{}\"\n", show(Value{event.at_s}), event.action);
-  if (action.target == "dsp") text += fmt::format("dsp = {}\n", event.number);
-  else if (!action.target.empty()) text += fmt::format("{} = \"{}\"\n", action.target, names_of(action.target).at(event.number));
+  if (action.target == "dsp")
+    text += fmt::format("dsp = {}\n", event.number);
+  else if (!action.target.empty())
+    text += fmt::format("{} = \"{}\"\n", action.target, names_of(action.target).at(event.number));
   if (!action.amount.empty()) text += fmt::format("{} = {}\n", action.amount, show(Value{event.amount}));
   if (event.action == "set") text += fmt::format("key = \"{}\"\nvalue = {}\n", event.key, show(event.value));
   return text;
@@ -241,8 +254,10 @@ std::string to_toml(const TimedEvent& event) {
 std::string describe(const TimedEvent& event) {
   const TimedAction& action = action_of(event);
   std::string text = event.action;
-  if (action.target == "dsp") text += fmt::format(" DSP {}", event.number);
-  else if (!action.target.empty()) text += " " + names_of(action.target).at(event.number);
+  if (action.target == "dsp")
+    text += fmt::format(" DSP {}", event.number);
+  else if (!action.target.empty())
+    text += " " + names_of(action.target).at(event.number);
   if (action.amount == factor.name) text += fmt::format(" to {}", event.amount);
   if (action.amount == lasts_ms.name) text += fmt::format(" for {} ms", event.amount);
   if (event.action == "set") text += fmt::format(" {} = {}", event.key, show(event.value));

@@ -1,5 +1,6 @@
 #pragma once
-// What happens to the system at given instants of a run: failures, hot-plug, changes of parameters (docs/configuration.md, [[events]]).
+// What happens to the system at given instants of a run: failures, hot-plug, changes of parameters
+// (docs/configuration.md, [[events]]).
 #include <map>
 #include <optional>
 #include <span>
@@ -20,9 +21,9 @@ inline constexpr unsigned trolley_joint = 5, luff_joint = 2, slew_joint = 1;
 struct TimedEvent {
   std::string action;
   double at_s = 0;
-  unsigned number = 0;   ///< of the DSP, bus (0 A, 1 B), joint (trolley_joint besides the plant's) or sway axis
-  double amount = 0;     ///< lasts_ms, or factor
-  std::string key;       ///< of "set"
+  unsigned number = 0;  ///< of the DSP, bus (0 A, 1 B), joint (trolley_joint besides the plant's) or sway axis
+  double amount = 0;    ///< lasts_ms, or factor
+  std::string key;      ///< of "set"
   Value value;
   Origin origin;
 };
@@ -58,8 +59,8 @@ std::string to_toml(const TimedEvent& event);
 /// "fail dsp 2", "slow dsp 1 to 0.5", "stall_bus A for 0.2 ms", "set scheduling.p = 20000"
 std::string describe(const TimedEvent& event);
 
-/// Every event refers to a slot that is there and holds, or does not hold, a board as the action needs; every key that is set may be changed
-/// while a run is on, to a value with which the configuration holds together. \throws ConfigError
+/// Every event refers to a slot that is there and holds, or does not hold, a board as the action needs; every key that
+/// is set may be changed while a run is on, to a value with which the configuration holds together. \throws ConfigError
 void check_events(const Config& config);
 
 }  // namespace cmrc

@@ -10,7 +10,8 @@ using report::Wait;
 /// The entry that holds at `time`, or the first if all begin later.
 template <class List>
 auto at_time(const List& list, Time time) {
-  const auto after = std::upper_bound(list.begin(), list.end(), time, [](Time t, const auto& entry) { return t < entry.from; });
+  const auto after =
+      std::upper_bound(list.begin(), list.end(), time, [](Time t, const auto& entry) { return t < entry.from; });
   return after == list.begin() ? after : std::prev(after);
 }
 
@@ -31,10 +32,13 @@ void Timeline::change(unsigned number, State state) {
 }
 
 void Timeline::slot(unsigned number, SlotState state, Time at) { change(number, {at, state, {}}); }
-void Timeline::took(unsigned number, const report::JobName& job, Time at) { change(number, {at, SlotState::busy, job}); }
+void Timeline::took(unsigned number, const report::JobName& job, Time at) {
+  change(number, {at, SlotState::busy, job});
+}
 
 void Timeline::left(unsigned number, Time at) {
-  if (number < slots_.size() && !slots_[number].states.empty() && slots_[number].states.back().state == SlotState::busy) {
+  if (number < slots_.size() && !slots_[number].states.empty() &&
+      slots_[number].states.back().state == SlotState::busy) {
     slot(number, SlotState::awake, at);
   }
 }
@@ -70,10 +74,10 @@ void Timeline::wait_for_free(Time from, Time to, unsigned number, report::WaitTi
       if (change != holders_.end()) next = std::min(next, change->from);
     }
     if (wait != waits.end()) next = std::min(next, on_bus ? wait->to : wait->from);
-    const Wait cause = locked ? Wait::lock
-                       : !on_bus ? Wait::claim
+    const Wait cause = locked                               ? Wait::lock
+                       : !on_bus                            ? Wait::claim
                        : wait->window == machine::Window::a ? Wait::claim_bus_a
-                                                        : Wait::claim_bus_b;
+                                                            : Wait::claim_bus_b;
     time_of(times, cause) += (next - from).count();
     from = next;
     while (holder != holders_.end() && std::next(holder) != holders_.end() && std::next(holder)->from <= from) ++holder;
@@ -94,7 +98,8 @@ Waiting Timeline::explain(Time from, Time to, unsigned claimer, std::optional<un
     for (unsigned i = 0; i < states.size(); ++i) {
       if (only && i != *only) continue;
       const auto& history = slots_[i].states;
-      while (states[i] != history.end() && std::next(states[i]) != history.end() && std::next(states[i])->from <= at) ++states[i];
+      while (states[i] != history.end() && std::next(states[i]) != history.end() && std::next(states[i])->from <= at)
+        ++states[i];
       if (states[i] == history.end()) continue;
       if (states[i]->from > at) {
         next = std::min(next, states[i]->from);
@@ -104,7 +109,9 @@ Waiting Timeline::explain(Time from, Time to, unsigned claimer, std::optional<un
       switch (states[i]->state) {
         case SlotState::off: break;
         case SlotState::asleep: asleep = true; break;
-        case SlotState::awake: if (awake == 32 || i == claimer) awake = i; break;
+        case SlotState::awake:
+          if (awake == 32 || i == claimer) awake = i;
+          break;
         case SlotState::busy: {
           const bool later = states[i]->from >= from;
           if (later && !overtaken) in_the_way.clear();
@@ -128,7 +135,8 @@ Waiting Timeline::explain(Time from, Time to, unsigned claimer, std::optional<un
         const unsigned slot = in_the_way[static_cast<std::size_t>(part)];
         const State& state = *states[slot];
         const std::int64_t share = span / parts + (part < span % parts ? 1 : 0);
-        const auto same = std::ranges::find_if(waiting.behind, [&](const report::Behind& b) { return b.slot == slot && b.claimed == state.from; });
+        const auto same = std::ranges::find_if(
+            waiting.behind, [&](const report::Behind& b) { return b.slot == slot && b.claimed == state.from; });
         if (same != waiting.behind.end()) {
           same->to = next;
           same->share += share;

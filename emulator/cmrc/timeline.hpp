@@ -1,6 +1,6 @@
 #pragma once
-// What every DSP and the list's semaphore were doing, as far back as an open job was released; and from it, what a block
-// waited for that could have been claimed.
+// What every DSP and the list's semaphore were doing, as far back as an open job was released; and from it, what a
+// block waited for that could have been claimed.
 //
 // At any instant a block that may be claimed waits for one thing (docs/report.md, Why late): for a DSP that is free to
 // wake up, for a free DSP to go through its claim, or for the blocks that every living DSP runs.
@@ -27,14 +27,16 @@ enum class SlotState : std::uint8_t { off, asleep, awake, busy };
 /// Waiting, split without a remainder.
 struct Waiting {
   report::WaitTimes times{};
-  std::vector<report::Behind> behind;  ///< blocks that kept all DSPs busy that may claim it; shares sum to blocked + behind_list
+  std::vector<report::Behind>
+      behind;  ///< blocks that kept all DSPs busy that may claim it; shares sum to blocked + behind_list
 };
 
 class Timeline {
  public:
   static constexpr unsigned nobody = 0;
 
-  /// A DSP's state from `at` on. Calls for one slot come in the order of time; one that comes late counts from the last.
+  /// A DSP's state from `at` on. Calls for one slot come in the order of time; one that comes late counts from the
+  /// last.
   void slot(unsigned slot, SlotState state, Time at);
   /// It runs this job from `at` on.
   void took(unsigned slot, const report::JobName& job, Time at);
@@ -47,7 +49,8 @@ class Timeline {
   /// Nothing before this will be asked for again.
   void forget(Time before);
 
-  /// What a block waited for that could be claimed from `from` on and that slot `claimer` claimed at `to` (32: nobody did).
+  /// What a block waited for that could be claimed from `from` on and that slot `claimer` claimed at `to` (32: nobody
+  /// did).
   /// \param only the slot whose DSP alone may claim it: nobody else counts
   Waiting explain(Time from, Time to, unsigned claimer, std::optional<unsigned> only = {}) const;
   void list_state(state::Visitor& list);

@@ -1,5 +1,6 @@
 #pragma once
-// Tasks of a user's own (docs/add-a-task.md): rows of [[tasks]] in the configuration, each a program, its row of equation (7) and its period.
+// Tasks of a user's own (docs/add-a-task.md): rows of [[tasks]] in the configuration, each a program, its row of
+// equation (7) and its period.
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -19,9 +20,9 @@ class Visitor;
 namespace cmrc {
 
 struct UserTask {
-  std::string name;             ///< the report's key
-  std::string program;          ///< label of its entry in the DSP programs
-  std::uint32_t x = 0;          ///< its kind in the paper's table, in one of the gaps
+  std::string name;                      ///< the report's key
+  std::string program;                   ///< label of its entry in the DSP programs
+  std::uint32_t x = 0;                   ///< its kind in the paper's table, in one of the gaps
   std::uint32_t importance = 0;          ///< J once t >= due_refreshes
   std::uint32_t importance_waiting = 0;  ///< J before; 0: not to be run early
   std::int64_t due_refreshes = 0;
@@ -58,7 +59,9 @@ class UserTasks {
   /// It is released no more.
   void stop(const Task& task) { rows_.at(task.kind - words_.kind_user).stopped = true; }
   /// ... or again.
-  void resume(const Task& task) { rows_.at(task.kind - words_.kind_user).stopped = rows_.at(task.kind - words_.kind_user).out = false; }
+  void resume(const Task& task) {
+    rows_.at(task.kind - words_.kind_user).stopped = rows_.at(task.kind - words_.kind_user).out = false;
+  }
   /// The block is one of a user's program.
   bool is_one(const Task& task) const { return task.kind >= words_.kind_user; }
   /// ... and was released here, not by a process or sub-process of the table.

@@ -11,10 +11,14 @@ std::string quoted(std::string_view word) {
     const char c = word[i];
     const auto byte = static_cast<unsigned char>(c);
     const unsigned next = i + 1 < word.size() ? static_cast<unsigned char>(word[i + 1]) : 0;
-    if (byte == 0xC2 && next >= 0x80 && next < 0xA0) text += fmt::format("\\u{:04x}", next), ++i;  // U+0080 to U+009F: controls, too
-    else if (c == '"' || c == '\\') text += fmt::format("\\{}", c);
-    else if (byte < 0x20 || byte == 0x7F) text += fmt::format("\\u{:04x}", byte);
-    else text += c;
+    if (byte == 0xC2 && next >= 0x80 && next < 0xA0)
+      text += fmt::format("\\u{:04x}", next), ++i;  // U+0080 to U+009F: controls, too
+    else if (c == '"' || c == '\\')
+      text += fmt::format("\\{}", c);
+    else if (byte < 0x20 || byte == 0x7F)
+      text += fmt::format("\\u{:04x}", byte);
+    else
+      text += c;
   }
   return text + '"';
 }
@@ -25,7 +29,8 @@ std::string Origin::text() const { return line > 0 ? fmt::format("{}:{}:{}", nam
 
 void refuse(const Origin& origin, std::string_view key, std::string_view what, std::string_view right) {
   const std::string at = origin.text();
-  throw ConfigError(fmt::format("{}{}{}{}{}; {}", at, at.empty() ? "" : ": ", key, key.empty() ? "" : ": ", what, right));
+  throw ConfigError(
+      fmt::format("{}{}{}{}{}; {}", at, at.empty() ? "" : ": ", key, key.empty() ? "" : ": ", what, right));
 }
 
 std::string show(const Value& value) {

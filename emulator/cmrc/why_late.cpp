@@ -31,17 +31,22 @@ void add(report::WaitTimes& to, const report::WaitTimes& times) {
   for (std::size_t i = 0; i < to.size(); ++i) to[i] += times[i];
 }
 
-std::int64_t sum(const report::WaitTimes& times) { return std::accumulate(times.begin(), times.end(), std::int64_t{0}); }
+std::int64_t sum(const report::WaitTimes& times) {
+  return std::accumulate(times.begin(), times.end(), std::int64_t{0});
+}
 
-std::int64_t sum(const std::vector<std::int64_t>& times) { return std::accumulate(times.begin(), times.end(), std::int64_t{0}); }
+std::int64_t sum(const std::vector<std::int64_t>& times) {
+  return std::accumulate(times.begin(), times.end(), std::int64_t{0});
+}
 
 /// It has not come to nothing: it ended well, the job's whole run or a part of it, or has not ended.
 bool counts(const report::Run& run) {
   return run.end == report::Run::End::done || run.end == report::Run::End::part || run.end == report::Run::End::running;
 }
 
-/// The first instant at which now + the shortest remaining time is past the deadline (ruling 18). While the job waits, or its run has come
-/// to nothing, the shortest remaining time is the usual run; once it is claimed, what the usual run would have left. Parts that are done are off it.
+/// The first instant at which now + the shortest remaining time is past the deadline (ruling 18). While the job waits,
+/// or its run has come to nothing, the shortest remaining time is the usual run; once it is claimed, what the usual run
+/// would have left. Parts that are done are off it.
 std::optional<Time> unavoidable_from(const MissedJob& job, Time usual) {
   if (!job.deadline) return std::nullopt;
   const Time tick{1};
@@ -62,7 +67,8 @@ std::optional<Time> unavoidable_from(const MissedJob& job, Time usual) {
     const Time first = attempt.run->claimed > last_start ? attempt.run->claimed : *job.deadline + tick;
     if (!found && first < until) found = first;
     if (part) last_start = std::min(last_start + (attempt.run->ended - attempt.run->claimed), *job.deadline);
-    if (comes_to_nothing) waiting(attempt.run->ended, &attempt == &job.tries.back() ? Time::max() : (&attempt + 1)->waits_from);
+    if (comes_to_nothing)
+      waiting(attempt.run->ended, &attempt == &job.tries.back() ? Time::max() : (&attempt + 1)->waits_from);
   }
   if (job.given_up && (!found || *job.given_up < *found)) found = std::max(*job.given_up, job.released);
   return found;
@@ -70,8 +76,14 @@ std::optional<Time> unavoidable_from(const MissedJob& job, Time usual) {
 
 }  // namespace
 
-WhyLate::WhyLate(std::vector<std::string> kinds, std::vector<std::string> causes, std::size_t kept, std::vector<std::optional<unsigned>> own_slots)
-    : kinds_(std::move(kinds)), causes_(std::move(causes)), kept_(kept), own_slots_(std::move(own_slots)), usual_(kinds_.size()), sums_(kinds_.size()) {
+WhyLate::WhyLate(std::vector<std::string> kinds, std::vector<std::string> causes, std::size_t kept,
+                 std::vector<std::optional<unsigned>> own_slots)
+    : kinds_(std::move(kinds)),
+      causes_(std::move(causes)),
+      kept_(kept),
+      own_slots_(std::move(own_slots)),
+      usual_(kinds_.size()),
+      sums_(kinds_.size()) {
   for (Sums& of : sums_) of.execution.assign(causes_.size(), 0), of.behind.assign(kinds_.size(), 0);
 }
 
@@ -98,8 +110,8 @@ void WhyLate::missed(const MissedJob& job, const Timeline& timeline, Audit& audi
       cutter.until(attempt.put_up->wanted, Wait::host_refresh);
       cutter.until(attempt.put_up->held, Wait::host_lock);
       cutter.until(attempt.put_up->free, Wait::host_refresh);
-      const Waiting waiting = timeline.explain(cutter.at(), attempt.run ? attempt.run->claimed : next, attempt.run ? attempt.run->slot : 32,
-                                               own_slots_.at(job.name.kind));
+      const Waiting waiting = timeline.explain(cutter.at(), attempt.run ? attempt.run->claimed : next,
+                                               attempt.run ? attempt.run->slot : 32, own_slots_.at(job.name.kind));
       add(chain.waits, waiting.times);
       chain.behind.insert(chain.behind.end(), waiting.behind.begin(), waiting.behind.end());
     } else {
@@ -110,8 +122,12 @@ void WhyLate::missed(const MissedJob& job, const Timeline& timeline, Audit& audi
     lost.until(attempt.run->ended, Wait::lost_run);
     lost.until(Time::max(), Wait::watchdog);
   }
-  audit.require(sum(chain.waits) + sum(job.execution) == (job.end - job.released).count() && std::ranges::min(chain.waits) >= 0, job.end,
-                [&] { return fmt::format("the waits and the run of {} {} do not add up to its response", kinds_.at(job.name.kind), job.name.number); });
+  audit.require(
+      sum(chain.waits) + sum(job.execution) == (job.end - job.released).count() && std::ranges::min(chain.waits) >= 0,
+      job.end, [&] {
+        return fmt::format("the waits and the run of {} {} do not add up to its response", kinds_.at(job.name.kind),
+                           job.name.number);
+      });
   if (!job.tries.empty()) {
     ++sums.told.chains;
     add(sums.waits, chain.waits);
@@ -126,13 +142,16 @@ void WhyLate::missed(const MissedJob& job, const Timeline& timeline, Audit& audi
       sums.told.lateness += (job.end - job.released).count();
     }
   }
-  if (chains_.size() < kept_) chains_.push_back(std::move(chain));
-  else ++left_out_;
+  if (chains_.size() < kept_)
+    chains_.push_back(std::move(chain));
+  else
+    ++left_out_;
 }
 
-std::vector<report::Share> WhyLate::parts(const report::WaitTimes& waits, const std::vector<std::int64_t>& execution, std::int64_t ran,
-                                              std::int64_t not_run, const std::optional<report::Usual>& usual,
-                                              std::optional<std::int64_t> slack) const {
+std::vector<report::Share> WhyLate::parts(const report::WaitTimes& waits, const std::vector<std::int64_t>& execution,
+                                          std::int64_t ran, std::int64_t not_run,
+                                          const std::optional<report::Usual>& usual,
+                                          std::optional<std::int64_t> slack) const {
   std::vector<report::Share> all;
   const auto put = [&](std::string name, std::int64_t ps) {
     if (ps != 0) all.push_back({std::move(name), ps});
@@ -164,7 +183,8 @@ report::MissReport WhyLate::close(const Chain& chain, Audit& audit) const {
     slack = (*job.deadline - job.released).count() - shortest;
   }
   told.unavoidable = unavoidable_from(job, Time{shortest});
-  told.parts = parts(chain.waits, job.execution, job.execution.empty() ? 0 : 1, job.execution.empty() ? 1 : 0, usual, slack);
+  told.parts =
+      parts(chain.waits, job.execution, job.execution.empty() ? 0 : 1, job.execution.empty() ? 1 : 0, usual, slack);
   told.behind = chain.behind;
   for (const Try& attempt : job.tries) {
     if (attempt.run) told.runs.push_back(*attempt.run);
@@ -174,7 +194,8 @@ report::MissReport WhyLate::close(const Chain& chain, Audit& audit) const {
   for (const auto& part : told.parts) total += part.amount;
   const std::int64_t expected = told.lateness ? *told.lateness : (job.end - job.released).count() - shortest;
   audit.require(total == expected, job.end, [&] {
-    return fmt::format("the causes of {} {} add up to {} ps, not to its lateness of {} ps", told.kind, job.name.number, total, expected);
+    return fmt::format("the causes of {} {} add up to {} ps, not to its lateness of {} ps", told.kind, job.name.number,
+                       total, expected);
   });
   return told;
 }
@@ -202,7 +223,8 @@ report::WhyLate WhyLate::summary(std::size_t kind, Audit& audit) const {
   std::int64_t total = 0;
   for (const auto& part : told.parts) total += part.amount;
   audit.require(total == told.lateness, Time{}, [&] {
-    return fmt::format("the summed causes of {} add up to {} ps, not to its lateness of {} ps", kinds_.at(kind), total, told.lateness);
+    return fmt::format("the summed causes of {} add up to {} ps, not to its lateness of {} ps", kinds_.at(kind), total,
+                       told.lateness);
   });
   return told;
 }

@@ -1,5 +1,6 @@
 #pragma once
-// The chains of causes of missed jobs (report/why_late.hpp), from what the ledger knows of a job and the timeline of its DSPs.
+// The chains of causes of missed jobs (report/why_late.hpp), from what the ledger knows of a job and the timeline of
+// its DSPs.
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -38,15 +39,17 @@ struct MissedJob {
   std::optional<Time> deadline;
   Time end{};
   std::vector<Try> tries;
-  std::vector<std::int64_t> execution;  ///< ps of its last run, of all parts, by cause; empty when it has none that counts
-  std::optional<Time> given_up;         ///< no run could follow from then on
+  std::vector<std::int64_t>
+      execution;                 ///< ps of its last run, of all parts, by cause; empty when it has none that counts
+  std::optional<Time> given_up;  ///< no run could follow from then on
   std::optional<std::int64_t> previous;
 };
 
 /// Collects chains; usual runs are known only in the end, so the chains are closed when the report is made.
 class WhyLate {
  public:
-  /// \param kinds names of the job kinds \param causes what a run's picoseconds are told by \param kept chains told one by one
+  /// \param kinds names of the job kinds \param causes what a run's picoseconds are told by \param kept chains told one
+  /// by one
   /// \param own_slots by kind the slot whose DSP alone may run it
   WhyLate(std::vector<std::string> kinds, std::vector<std::string> causes, std::size_t kept,
           std::vector<std::optional<unsigned>> own_slots);
@@ -80,9 +83,9 @@ class WhyLate {
 
   report::MissReport close(const Chain& chain, Audit& audit) const;
   /// \param execution summed over `ran` runs \param not_run jobs that have none
-  std::vector<report::Share> parts(const report::WaitTimes& waits, const std::vector<std::int64_t>& execution, std::int64_t ran,
-                                       std::int64_t not_run, const std::optional<report::Usual>& usual,
-                                       std::optional<std::int64_t> slack) const;
+  std::vector<report::Share> parts(const report::WaitTimes& waits, const std::vector<std::int64_t>& execution,
+                                   std::int64_t ran, std::int64_t not_run, const std::optional<report::Usual>& usual,
+                                   std::optional<std::int64_t> slack) const;
 
   std::vector<std::string> kinds_, causes_;
   std::size_t kept_;

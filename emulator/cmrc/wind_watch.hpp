@@ -1,5 +1,6 @@
 #pragma once
-// How long the mean of the wind over 3 s is above a limit: counted beside the controller, which may be too late to look.
+// How long the mean of the wind over 3 s is above a limit: counted beside the controller, which may be too late to
+// look.
 #include <cmath>
 #include <cstdint>
 

@@ -40,7 +40,8 @@ std::string costs(const c40::Causes& causes) {
   std::string text;
   for (std::size_t i = 0; i < causes.size(); ++i) {
     all += causes[i];
-    if (causes[i] != 0 && static_cast<c40::Cause>(i) != c40::Cause::execute) text += fmt::format(" {} {}", name(static_cast<c40::Cause>(i)), causes[i]);
+    if (causes[i] != 0 && static_cast<c40::Cause>(i) != c40::Cause::execute)
+      text += fmt::format(" {} {}", name(static_cast<c40::Cause>(i)), causes[i]);
   }
   return fmt::format("{:>6}{}", all, text);
 }
@@ -95,17 +96,35 @@ const std::vector<Console::Row>& Console::rows() {
     return [how, backwards](Console& c, Words& w) { c.step(how, backwards, w); };
   };
   static const std::vector<Row> all{
-      {{"break", "b"}, "PLACE [chip N] [ignore N] [log TEXT] [if EXPRESSION]", "stop before an instruction: label, label+4, 300000h, FILE:LINE", [](Console& c, Words& w) { c.stop_at_code(w); }},
-      {{"watch", "w"}, "PLACE[,WORDS]|REGISTER [write|read|access|change] [chip N] [ignore N] [log TEXT] [if EXPRESSION]", "stop after an access to words, or after a register has changed", [](Console& c, Words& w) { c.stop_at_words(w); }},
-      {{"on"}, "KIND [chip N] [FIELD=VALUE ...] [ignore N] [log TEXT] [if EXPRESSION]", "stop at what happens (see: happenings)", [](Console& c, Words& w) { c.stop_at_happening(w); }},
-      {{"when"}, "EXPRESSION", "stop when it becomes true, looked at every 125 us", [](Console& c, Words& w) { c.stop_at_value(w); }},
-      {{"stops", "info"}, "", "the stop conditions, and how often each was met", [](Console& c, Words& w) { c.show_stops(w); }},
+      {{"break", "b"},
+       "PLACE [chip N] [ignore N] [log TEXT] [if EXPRESSION]",
+       "stop before an instruction: label, label+4, 300000h, FILE:LINE",
+       [](Console& c, Words& w) { c.stop_at_code(w); }},
+      {{"watch", "w"},
+       "PLACE[,WORDS]|REGISTER [write|read|access|change] [chip N] [ignore N] [log TEXT] [if EXPRESSION]",
+       "stop after an access to words, or after a register has changed",
+       [](Console& c, Words& w) { c.stop_at_words(w); }},
+      {{"on"},
+       "KIND [chip N] [FIELD=VALUE ...] [ignore N] [log TEXT] [if EXPRESSION]",
+       "stop at what happens (see: happenings)",
+       [](Console& c, Words& w) { c.stop_at_happening(w); }},
+      {{"when"},
+       "EXPRESSION",
+       "stop when it becomes true, looked at every 125 us",
+       [](Console& c, Words& w) { c.stop_at_value(w); }},
+      {{"stops", "info"},
+       "",
+       "the stop conditions, and how often each was met",
+       [](Console& c, Words& w) { c.show_stops(w); }},
       {{"delete"}, "NUMBER", "forget a stop condition", [](Console& c, Words& w) { c.forget(w); }},
       {{"enable"}, "NUMBER", "look at a stop condition again", [](Console& c, Words& w) { c.enable(w); }},
       {{"disable"}, "NUMBER", "do not look at a stop condition", [](Console& c, Words& w) { c.disable(w); }},
       {{"continue", "c"}, "[TIME]", "on to the next stop, or to an instant", [](Console& c, Words& w) { c.go(w); }},
       {{"back", "rc"}, "", "back to the last stop condition that was met", [](Console& c, Words& w) { c.back(w); }},
-      {{"goto"}, "TIME", "to an instant, before or after now: 2.5 s, 12 ms, 100 us, 7 cycles", [](Console& c, Words& w) { c.go_to(w); }},
+      {{"goto"},
+       "TIME",
+       "to an instant, before or after now: 2.5 s, 12 ms, 100 us, 7 cycles",
+       [](Console& c, Words& w) { c.go_to(w); }},
       {{"stepi", "si"}, "[COUNT]", "one instruction", step(Step::instruction, false)},
       {{"nexti", "ni"}, "[COUNT]", "one instruction; a call and all it does is one", step(Step::over, false)},
       {{"step", "s"}, "[COUNT]", "to another source line", step(Step::line, false)},
@@ -123,19 +142,43 @@ const std::vector<Console::Row>& Console::rows() {
       {{"rrefresh"}, "[COUNT]", "back to the host's last refresh of the list", step(Step::refresh, true)},
       {{"revent"}, "", "back to the last thing that happened", step(Step::happening, true)},
       {{"lastwrite", "who"}, "PLACE", "who wrote a word last", [](Console& c, Words& w) { c.show_last_write(w); }},
-      {{"chip", "dsp"}, "[NUMBER]", "whose registers and code are shown", [](Console& c, Words& w) { c.choose_chip(w); }},
+      {{"chip", "dsp"},
+       "[NUMBER]",
+       "whose registers and code are shown",
+       [](Console& c, Words& w) { c.choose_chip(w); }},
       {{"chips", "dsps"}, "", "how all chips stand", [](Console& c, Words& w) { c.show_chips(w); }},
-      {{"print", "p"}, "EXPRESSION", "a value: r0, f(r1), [label + 2], chip1.pc, TIMER0.counter, plant.payload_z_m", [](Console& c, Words& w) { c.print_value(w); }},
-      {{"registers", "r"}, "", "all registers; * marks those that the last step has changed", [](Console& c, Words& w) { c.show_registers(w); }},
-      {{"peripherals"}, "[NAME]", "peripheral registers with their fields", [](Console& c, Words& w) { c.show_peripherals(w); }},
+      {{"print", "p"},
+       "EXPRESSION",
+       "a value: r0, f(r1), [label + 2], chip1.pc, TIMER0.counter, plant.payload_z_m",
+       [](Console& c, Words& w) { c.print_value(w); }},
+      {{"registers", "r"},
+       "",
+       "all registers; * marks those that the last step has changed",
+       [](Console& c, Words& w) { c.show_registers(w); }},
+      {{"peripherals"},
+       "[NAME]",
+       "peripheral registers with their fields",
+       [](Console& c, Words& w) { c.show_peripherals(w); }},
       {{"x"}, "PLACE [WORDS]", "memory", [](Console& c, Words& w) { c.show_memory(w); }},
-      {{"list", "l"}, "[PLACE]", "source or instructions, with the cycles by cause of their last run", [](Console& c, Words& w) { c.show_code(w); }},
+      {{"list", "l"},
+       "[PLACE]",
+       "source or instructions, with the cycles by cause of their last run",
+       [](Console& c, Words& w) { c.show_code(w); }},
       {{"stack", "bt"}, "", "the routines that are under way", [](Console& c, Words& w) { c.show_stack(w); }},
-      {{"page"}, "NAME", "of the dock list, dsps, plant; of a network chips, events", [](Console& c, Words& w) { c.show_page(w); }},
+      {{"page"},
+       "NAME",
+       "of the dock list, dsps, plant; of a network chips, events",
+       [](Console& c, Words& w) { c.show_page(w); }},
       {{"happenings"}, "", "what `on` takes", [](Console& c, Words& w) { c.show_happenings(w); }},
       {{"history"}, "", "the snapshots that going back rests on", [](Console& c, Words& w) { c.show_history(w); }},
-      {{"set"}, "PLACE|REGISTER = EXPRESSION", "change a word or a register: a new branch begins", [](Console& c, Words& w) { c.set(w); }},
-      {{"assert"}, "EXPRESSION", "exit status 1 if it is not true; a script ends there", [](Console& c, Words& w) { c.assert_that(w); }},
+      {{"set"},
+       "PLACE|REGISTER = EXPRESSION",
+       "change a word or a register: a new branch begins",
+       [](Console& c, Words& w) { c.set(w); }},
+      {{"assert"},
+       "EXPRESSION",
+       "exit status 1 if it is not true; a script ends there",
+       [](Console& c, Words& w) { c.assert_that(w); }},
       {{"source"}, "FILE", "do the commands of a file", [](Console& c, Words& w) { c.read_script(w); }},
       {{"help", "h", "?"}, "", "this list", [](Console& c, Words& w) { c.help(w); }},
       {{"quit", "q"}, "", "the end", [](Console& c, Words&) { c.goes_on_ = false; }},
@@ -165,7 +208,8 @@ bool Console::command(std::string_view line) {
   try {
     const Row* row = row_named(name);
     if (row == nullptr) throw DebugError(fmt::format("{} is no command; help lists them", name));
-    const bool repeats = row->arguments == "[COUNT]" || row->names.front() == "continue" || row->names.front() == "back";
+    const bool repeats =
+        row->arguments == "[COUNT]" || row->names.front() == "continue" || row->names.front() == "back";
     last_step_ = repeats && depth_ == 0 ? std::string(line) : "";
     row->act(*this, words);
   } catch (const DebugError& error) {
@@ -196,7 +240,8 @@ void Console::script(const std::string& path) {
 
 namespace {
 
-/// "chip N", "ignore N", "log TEXT", "if EXPRESSION" in any order; the last two take the rest of the line, `log` up to " if ".
+/// "chip N", "ignore N", "log TEXT", "if EXPRESSION" in any order; the last two take the rest of the line, `log` up to
+/// " if ".
 template <class Words>
 void read_options(Words& words, Trigger& trigger) {
   for (;;) {
@@ -227,7 +272,9 @@ void read_options(Words& words, Trigger& trigger) {
 
 void Console::added(unsigned number) {
   const Trigger& trigger = debugger_.triggers().at(number);
-  print_(fmt::format("{}: {}{}", number, trigger.text, trigger.kind == Trigger::Kind::processor_register ? " (this chip runs by single instructions now: slow)" : ""));
+  print_(fmt::format(
+      "{}: {}{}", number, trigger.text,
+      trigger.kind == Trigger::Kind::processor_register ? " (this chip runs by single instructions now: slow)" : ""));
 }
 
 void Console::stop_at_code(Words& words) {
@@ -235,11 +282,13 @@ void Console::stop_at_code(Words& words) {
   if (place.empty()) throw DebugError("break: a place is expected: a label, label+4, 300000h, FILE:LINE");
   Trigger trigger{.kind = Trigger::Kind::code};
   read_options(words, trigger);
-  if (trigger.chip && *trigger.chip >= debugger_.programs().size()) throw DebugError(fmt::format("there is no chip {}", *trigger.chip));
+  if (trigger.chip && *trigger.chip >= debugger_.programs().size())
+    throw DebugError(fmt::format("there is no chip {}", *trigger.chip));
   const std::size_t chip = trigger.chip.value_or(chip_);
   for (const Address address : machine::debug::places_named(debugger_.program(chip), place)) {
     trigger.address = address;
-    trigger.text = fmt::format("before {} ({:08X}h){}", debugger_.program(chip).name(address), address, trigger.chip ? fmt::format(" of {}", debuggee().chip_name(chip)) : "");
+    trigger.text = fmt::format("before {} ({:08X}h){}", debugger_.program(chip).name(address), address,
+                               trigger.chip ? fmt::format(" of {}", debuggee().chip_name(chip)) : "");
     added(debugger_.add(trigger));
   }
 }
@@ -248,7 +297,8 @@ void Console::stop_at_words(Words& words) {
   std::string place(words.next());
   if (place.empty()) throw DebugError("watch: a place or a register is expected");
   Trigger trigger{.kind = Trigger::Kind::word};
-  for (const auto& [name, on] : {std::pair{"write", Trigger::On::write}, std::pair{"read", Trigger::On::read}, std::pair{"access", Trigger::On::access}, std::pair{"change", Trigger::On::change}})
+  for (const auto& [name, on] : {std::pair{"write", Trigger::On::write}, std::pair{"read", Trigger::On::read},
+                                 std::pair{"access", Trigger::On::access}, std::pair{"change", Trigger::On::change}})
     if (words.take(name)) trigger.on = on;
   read_options(words, trigger);
   if (!trigger.chip) trigger.chip = chip_;
@@ -268,8 +318,10 @@ void Console::stop_at_words(Words& words) {
   const auto value = Expression(place, debuggee(), debugger_.programs(), *trigger.chip).value();
   trigger.address = value.address.value_or(static_cast<Address>(value.integer));
   constexpr std::array names{"writes to", "reads of", "accesses to", "changes of"};
-  trigger.text = fmt::format("after {} {} ({:08X}h{}) as {} sees it", names[static_cast<std::size_t>(trigger.on)], debugger_.program(*trigger.chip).name(trigger.address),
-                             trigger.address, trigger.words == 1 ? "" : fmt::format(", {} words", trigger.words), debuggee().chip_name(*trigger.chip));
+  trigger.text = fmt::format("after {} {} ({:08X}h{}) as {} sees it", names[static_cast<std::size_t>(trigger.on)],
+                             debugger_.program(*trigger.chip).name(trigger.address), trigger.address,
+                             trigger.words == 1 ? "" : fmt::format(", {} words", trigger.words),
+                             debuggee().chip_name(*trigger.chip));
   added(debugger_.add(trigger));
 }
 
@@ -309,8 +361,11 @@ void Console::show_stops(Words& words) {
   words.end();
   if (debugger_.triggers().empty()) return print_("no stop conditions");
   for (const auto& [number, trigger] : debugger_.triggers())
-    print_(fmt::format("{}: {}{}{}{}{}, met {} times{}", number, trigger.text, trigger.condition.empty() ? "" : " if " + trigger.condition, trigger.ignore == 0 ? "" : fmt::format(", the first {} passed over", trigger.ignore),
-                       trigger.log.empty() ? "" : ", tells: " + trigger.log, "", trigger.hits, trigger.enabled ? "" : " (disabled)"));
+    print_(fmt::format("{}: {}{}{}{}{}, met {} times{}", number, trigger.text,
+                       trigger.condition.empty() ? "" : " if " + trigger.condition,
+                       trigger.ignore == 0 ? "" : fmt::format(", the first {} passed over", trigger.ignore),
+                       trigger.log.empty() ? "" : ", tells: " + trigger.log, "", trigger.hits,
+                       trigger.enabled ? "" : " (disabled)"));
 }
 
 // ---- going ----
@@ -328,10 +383,12 @@ void Console::show_stop() {
   if (stop.chip && *stop.chip < debugger_.programs().size()) chip_ = *stop.chip;
   const Address pc = debuggee().chip(chip_).pc();
   const ProgramView& program = debugger_.program(chip_);
-  if (stop.reason != Stop::Reason::step || !stop.text.empty()) print_(fmt::format("{}{}{}", name(stop.reason), stop.text.empty() ? "" : ": ", stop.text));
+  if (stop.reason != Stop::Reason::step || !stop.text.empty())
+    print_(fmt::format("{}{}{}", name(stop.reason), stop.text.empty() ? "" : ": ", stop.text));
   const auto source = program.source(pc);
   const auto word = debuggee().peek(chip_, pc);
-  print_(fmt::format("{}  {}  {:08X}h {}{}  {}", seconds(stop.time), debuggee().chip_name(chip_), pc, program.name(pc), source ? fmt::format(" ({}:{})", source->file, source->line) : "",
+  print_(fmt::format("{}  {}  {:08X}h {}{}  {}", seconds(stop.time), debuggee().chip_name(chip_), pc, program.name(pc),
+                     source ? fmt::format(" ({}:{})", source->file, source->line) : "",
                      word ? program.instruction(pc, *word) : "no memory"));
 }
 
@@ -345,11 +402,14 @@ Time Console::time_in(Words& words) const {
     value = std::stod(number, &used);
   } catch (const std::exception&) {
   }
-  if (used != number.size() || !(value >= 0)) throw DebugError(fmt::format("\"{}\" is no instant; 2.5, 2.5 s, 12 ms, 100 us or 7 cycles is expected", number));
+  if (used != number.size() || !(value >= 0))
+    throw DebugError(fmt::format("\"{}\" is no instant; 2.5, 2.5 s, 12 ms, 100 us or 7 cycles is expected", number));
   if (unit == "cycles") return debugger_.debuggee().time_of(chip_, static_cast<c40::Cycles>(std::min(value, 1e15)));
-  for (const auto& [name, factor] : {std::pair{"", 1e12}, std::pair{"s", 1e12}, std::pair{"ms", 1e9}, std::pair{"us", 1e6}, std::pair{"ns", 1e3}, std::pair{"ps", 1.0}})
+  for (const auto& [name, factor] : {std::pair{"", 1e12}, std::pair{"s", 1e12}, std::pair{"ms", 1e9},
+                                     std::pair{"us", 1e6}, std::pair{"ns", 1e3}, std::pair{"ps", 1.0}})
     if (unit == name) {
-      if (value * factor > 9e18) throw DebugError(fmt::format("{} {}: instants up to 9000000 s are possible", number, unit));
+      if (value * factor > 9e18)
+        throw DebugError(fmt::format("{} {}: instants up to 9000000 s are possible", number, unit));
       return Time{std::llround(value * factor)};
     }
   throw DebugError(fmt::format("{} {}: s, ms, us, ns, ps or cycles is expected", number, unit));
@@ -382,7 +442,8 @@ void Console::show_last_write(Words& words) {
   if (place.empty()) throw DebugError("lastwrite: a place is expected");
   const auto value = Expression(place, debuggee(), debugger_.programs(), chip_).value();
   const auto writer = debugger_.last_write(chip_, value.address.value_or(static_cast<Address>(value.integer)));
-  print_(writer ? fmt::format("{}  {}", seconds(writer->time), writer->text) : fmt::format("nobody has written it since {}", seconds(debugger_.beginning())));
+  print_(writer ? fmt::format("{}  {}", seconds(writer->time), writer->text)
+                : fmt::format("nobody has written it since {}", seconds(debugger_.beginning())));
 }
 
 // ---- what there is to see ----
@@ -391,7 +452,8 @@ void Console::choose_chip(Words& words) {
   if (words.empty()) return show_stop();
   const auto chip = words.count("chip");
   words.end();
-  if (chip >= debugger_.programs().size()) throw DebugError(fmt::format("there is no chip {}; 0 to {} are there", chip, debugger_.programs().size() - 1));
+  if (chip >= debugger_.programs().size())
+    throw DebugError(fmt::format("there is no chip {}; 0 to {} are there", chip, debugger_.programs().size() - 1));
   chip_ = chip;
   print_(fmt::format("{}: {}", debuggee().chip_name(chip_), debuggee().describe(chip_)));
 }
@@ -400,7 +462,8 @@ void Console::show_chips(Words& words) {
   words.end();
   for (std::size_t n = 0; n < debugger_.programs().size(); ++n) {
     const Address pc = debuggee().chip(n).pc();
-    print_(fmt::format("{} {}  {:08X}h {}  {}", n == chip_ ? "*" : " ", debuggee().chip_name(n), pc, debugger_.program(n).name(pc), debuggee().describe(n)));
+    print_(fmt::format("{} {}  {:08X}h {}  {}", n == chip_ ? "*" : " ", debuggee().chip_name(n), pc,
+                       debugger_.program(n).name(pc), debuggee().describe(n)));
   }
 }
 
@@ -418,7 +481,8 @@ void Console::show_registers(Words& words) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     const bool changed = i < before.size() && before[i].hex != all[i].hex;
     const bool wide = all[i].hex.size() > 9;
-    line += fmt::format("{}{:<4} {}{}", changed ? '*' : ' ', all[i].name, all[i].hex, wide ? fmt::format("  {:<16}", all[i].value) : "  ");
+    line += fmt::format("{}{:<4} {}{}", changed ? '*' : ' ', all[i].name, all[i].hex,
+                        wide ? fmt::format("  {:<16}", all[i].value) : "  ");
     column += wide ? 2 : 1;
     if (column >= 4) print_(line), line.clear(), column = 0;
   }
@@ -430,7 +494,9 @@ void Console::show_peripherals(Words& words) {
   words.end();
   bool shown = false;
   for (const ShownRegister& reg : machine::debug::peripherals(debuggee().chip(chip_))) {
-    const auto same = [](char a, char b) { return std::toupper(static_cast<unsigned char>(a)) == std::toupper(static_cast<unsigned char>(b)); };
+    const auto same = [](char a, char b) {
+      return std::toupper(static_cast<unsigned char>(a)) == std::toupper(static_cast<unsigned char>(b));
+    };
     if (!std::ranges::equal(wanted, std::string_view(reg.name).substr(0, wanted.size()), same)) continue;
     std::string parts;
     for (const auto& [name, value] : reg.parts)
@@ -476,7 +542,8 @@ void Console::show_code(Words& words) {
     std::string text = program.instruction(at, *word);
     std::ranges::replace(text, '\n', ' ');
     std::ranges::replace(text, '\t', ' ');
-    print_(fmt::format("{} {:08X}h {:<60} {}", at == pc ? "=>" : "  ", at, trimmed(text), cost == spent.end() ? "" : costs(cost->second)));
+    print_(fmt::format("{} {:08X}h {:<60} {}", at == pc ? "=>" : "  ", at, trimmed(text),
+                       cost == spent.end() ? "" : costs(cost->second)));
   }
 }
 
@@ -486,7 +553,8 @@ void Console::show_stack(Words& words) {
   int n = 0;
   for (const Frame& frame : machine::debug::call_stack(debuggee(), chip_, program)) {
     const auto source = program.source(frame.pc);
-    print_(fmt::format("{:>2} {:08X}h {}{}", n++, frame.pc, program.name(frame.pc), source ? fmt::format(" ({}:{})", source->file, source->line) : ""));
+    print_(fmt::format("{:>2} {:08X}h {}{}", n++, frame.pc, program.name(frame.pc),
+                       source ? fmt::format(" ({}:{})", source->file, source->line) : ""));
   }
 }
 
@@ -507,19 +575,24 @@ void Console::show_happenings(Words& words) {
 void Console::show_history(Words& words) {
   words.end();
   const auto info = debugger_.history();
-  print_(fmt::format("{} snapshots from {} to {}, {:.1f} MB; {} changes by hand", info.snapshots, seconds(info.first), seconds(info.last), static_cast<double>(info.bytes) * 1e-6, debugger_.changes()));
+  print_(fmt::format("{} snapshots from {} to {}, {:.1f} MB; {} changes by hand", info.snapshots, seconds(info.first),
+                     seconds(info.last), static_cast<double>(info.bytes) * 1e-6, debugger_.changes()));
 }
 
 void Console::set(Words& words) {
   const std::string text = words.all();
   const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0) throw DebugError("set: PLACE = EXPRESSION or REGISTER = EXPRESSION is expected");
-  const std::string target(trimmed(std::string_view(text).substr(0, equals))), value(trimmed(std::string_view(text).substr(equals + 1)));
-  if (isa::register_named(target) || isa::expansion_named(target) || target == "pc" || target == "PC") return debugger_.set_register(chip_, target, value);
+  if (equals == std::string::npos || equals == 0)
+    throw DebugError("set: PLACE = EXPRESSION or REGISTER = EXPRESSION is expected");
+  const std::string target(trimmed(std::string_view(text).substr(0, equals))),
+      value(trimmed(std::string_view(text).substr(equals + 1)));
+  if (isa::register_named(target) || isa::expansion_named(target) || target == "pc" || target == "PC")
+    return debugger_.set_register(chip_, target, value);
   const auto place = Expression(target, debuggee(), debugger_.programs(), chip_).value();
   const auto number = Expression(value, debuggee(), debugger_.programs(), chip_).value();
   if (number.is_float) throw DebugError(fmt::format("{} is a float; a word takes whole numbers", value));
-  debugger_.set_word(chip_, place.address.value_or(static_cast<Address>(place.integer)), static_cast<Word>(number.integer));
+  debugger_.set_word(chip_, place.address.value_or(static_cast<Address>(place.integer)),
+                     static_cast<Word>(number.integer));
 }
 
 void Console::assert_that(Words& words) {

@@ -18,8 +18,8 @@ class Console {
 
   /// Does a command; an empty line does the last step again. False: it is the end.
   bool command(std::string_view line);
-  /// The commands of a file, one a line, # begins a comment. Ends at the first that fails, with status 2, or when an assertion does not
-  /// hold, with status 1.
+  /// The commands of a file, one a line, # begins a comment. Ends at the first that fails, with status 2, or when an
+  /// assertion does not hold, with status 1.
   void script(const std::string& path);
   /// 0; 1: an assertion did not hold; 2: a command of a script made no sense
   int status() const { return status_; }
@@ -76,7 +76,8 @@ class Console {
   Print print_;
   std::size_t chip_ = 0;
   std::string last_step_;
-  std::map<std::size_t, std::vector<machine::debug::ShownRegister>> before_, now_;  ///< registers at the last two stops, by chip
+  std::map<std::size_t, std::vector<machine::debug::ShownRegister>> before_,
+      now_;  ///< registers at the last two stops, by chip
   int status_ = 0;
   int depth_ = 0;  ///< of scripts in scripts
   bool goes_on_ = true;

@@ -28,11 +28,14 @@ std::uint64_t passed_over(std::string text) {
   if (text.empty()) return 0;
   std::uint64_t add = 0;
   std::string_view rest = text;
-  if (rest.starts_with(">=") || rest.starts_with("==")) rest.remove_prefix(2);
-  else if (rest.starts_with(">")) rest.remove_prefix(1), add = 1;
+  if (rest.starts_with(">=") || rest.starts_with("=="))
+    rest.remove_prefix(2);
+  else if (rest.starts_with(">"))
+    rest.remove_prefix(1), add = 1;
   std::uint64_t count = 0;
   const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), count);
-  if (error != std::errc() || end != rest.data() + rest.size() || count + add == 0) throw DebugError(fmt::format("hitCondition \"{}\": a number, >= or > and a number are expected", text));
+  if (error != std::errc() || end != rest.data() + rest.size() || count + add == 0)
+    throw DebugError(fmt::format("hitCondition \"{}\": a number, >= or > and a number are expected", text));
   return count + add - 1;
 }
 
@@ -71,7 +74,8 @@ Json Session::set_breakpoints(const Json& arguments) {
   core();
   const Json& asked_source = arguments.at("source");
   std::string file = text_of(asked_source, "path");
-  if (const auto reference = asked_source.find("sourceReference"); file.empty() && reference != asked_source.end() && reference->is_number_unsigned()) {
+  if (const auto reference = asked_source.find("sourceReference");
+      file.empty() && reference != asked_source.end() && reference->is_number_unsigned()) {
     const auto number = reference->get<std::size_t>();
     if (number != 0 && number <= sources_.size()) file = sources_[number - 1];
   }
@@ -83,7 +87,8 @@ Json Session::set_breakpoints(const Json& arguments) {
     const int line = asked.at("line").get<int>();
     Json answer = refused_breakpoint(fmt::format("no instruction stands in line {} of {} or after it", line, file));
     const auto& programs = core().programs();
-    const bool one_program = std::ranges::all_of(programs, [&](const auto& p) { return &p.image() == &programs.front().image(); });
+    const bool one_program =
+        std::ranges::all_of(programs, [&](const auto& p) { return &p.image() == &programs.front().image(); });
     for (std::size_t chip = 0; chip < (one_program ? 1 : programs.size()); ++chip)
       for (const Address address : programs[chip].addresses(file, line)) {
         Trigger trigger{.kind = Trigger::Kind::code, .address = address};
@@ -106,7 +111,8 @@ Json Session::set_function_breakpoints(const Json& arguments) {
     const std::string name = text_of(asked, "name");
     Json answer = refused_breakpoint(fmt::format("no program has a label {}", name));
     const auto& programs = core().programs();
-    const bool one_program = std::ranges::all_of(programs, [&](const auto& p) { return &p.image() == &programs.front().image(); });
+    const bool one_program =
+        std::ranges::all_of(programs, [&](const auto& p) { return &p.image() == &programs.front().image(); });
     for (std::size_t chip = 0; chip < (one_program ? 1 : programs.size()); ++chip) {
       const auto address = programs[chip].address(name);
       if (!address) continue;
@@ -125,7 +131,8 @@ Json Session::set_instruction_breakpoints(const Json& arguments) {
   Json answers = Json::array();
   for (const Json& asked : list_of(arguments, "breakpoints")) {
     try {
-      answers.push_back(add_breakpoint({.kind = Trigger::Kind::code, .address = address_of(asked, "instructionReference")}, asked, by_instruction_));
+      answers.push_back(add_breakpoint(
+          {.kind = Trigger::Kind::code, .address = address_of(asked, "instructionReference")}, asked, by_instruction_));
     } catch (const DebugError& error) {
       answers.push_back(refused_breakpoint(error.what()));
     }
@@ -139,8 +146,11 @@ Json Session::set_exception_breakpoints(const Json& arguments) {
   Json answers = Json::array();
   for (const Json& filter : list_of(arguments, "filters")) {
     const std::string kind = filter.get<std::string>();
-    if (std::ranges::none_of(there, [&](const auto& row) { return row.first == kind; })) answers.push_back(refused_breakpoint(fmt::format("{} does not happen here", kind)));
-    else answers.push_back(add_breakpoint({.kind = Trigger::Kind::happening, .name = kind}, Json::object(), by_exception_));
+    if (std::ranges::none_of(there, [&](const auto& row) { return row.first == kind; }))
+      answers.push_back(refused_breakpoint(fmt::format("{} does not happen here", kind)));
+    else
+      answers.push_back(
+          add_breakpoint({.kind = Trigger::Kind::happening, .name = kind}, Json::object(), by_exception_));
   }
   return {{"breakpoints", answers}};
 }
@@ -149,16 +159,25 @@ Json Session::set_exception_breakpoints(const Json& arguments) {
 Json Session::data_breakpoint_info(const Json& arguments) {
   const std::string name = text_of(arguments, "name");
   std::size_t chip = chip_of_frame(arguments);
-  if (const auto reference = arguments.find("variablesReference"); reference != arguments.end() && reference->is_number_integer())
-    if (const auto found = registers_shown_.find(reference->get<std::int64_t>()); found != registers_shown_.end()) chip = found->second;
+  if (const auto reference = arguments.find("variablesReference");
+      reference != arguments.end() && reference->is_number_integer())
+    if (const auto found = registers_shown_.find(reference->get<std::int64_t>()); found != registers_shown_.end())
+      chip = found->second;
   const Json types = {"read", "write", "readWrite"};
   if (isa::register_named(name))
-    return {{"dataId", fmt::format("{}:{}", chip, name)}, {"description", fmt::format("{} of {}; that chip then runs by single instructions", name, core().debuggee().chip_name(chip))}, {"accessTypes", {"write"}}, {"canPersist", true}};
+    return {{"dataId", fmt::format("{}:{}", chip, name)},
+            {"description", fmt::format("{} of {}; that chip then runs by single instructions", name,
+                                        core().debuggee().chip_name(chip))},
+            {"accessTypes", {"write"}},
+            {"canPersist", true}};
   try {
     const auto value = core_ns::Expression(name, core().debuggee(), core().programs(), chip).value();
     if (!value.is_float) {
       const Address address = value.address.value_or(static_cast<Address>(value.integer));
-      return {{"dataId", fmt::format("{}:{}:1", chip, address)}, {"description", fmt::format("the word at {:08X}h of {}", address, core().debuggee().chip_name(chip))}, {"accessTypes", types}, {"canPersist", true}};
+      return {{"dataId", fmt::format("{}:{}:1", chip, address)},
+              {"description", fmt::format("the word at {:08X}h of {}", address, core().debuggee().chip_name(chip))},
+              {"accessTypes", types},
+              {"canPersist", true}};
     }
   } catch (const DebugError&) {
     // The answer says that nothing can be watched.
@@ -172,10 +191,14 @@ Json Session::set_data_breakpoints(const Json& arguments) {
   for (const Json& asked : list_of(arguments, "breakpoints")) {
     const std::string id = text_of(asked, "dataId"), access = text_of(asked, "accessType");
     const std::size_t first = id.find(':'), last = id.rfind(':');
-    Trigger trigger{.kind = Trigger::Kind::word, .on = access == "read" ? Trigger::On::read : access == "readWrite" ? Trigger::On::access : Trigger::On::write};
+    Trigger trigger{.kind = Trigger::Kind::word,
+                    .on = access == "read"        ? Trigger::On::read
+                          : access == "readWrite" ? Trigger::On::access
+                                                  : Trigger::On::write};
     const auto chip = toolchain::find_address(id.substr(0, first), nullptr);
     if (first == std::string::npos || !chip) {
-      answers.push_back(refused_breakpoint(fmt::format("dataId \"{}\": one that dataBreakpointInfo gave is expected", id)));
+      answers.push_back(
+          refused_breakpoint(fmt::format("dataId \"{}\": one that dataBreakpointInfo gave is expected", id)));
       continue;
     }
     trigger.chip = *chip;
@@ -199,7 +222,8 @@ Json Session::breakpoint_locations(const Json& arguments) {
     for (const auto& program : core().programs()) {
       const auto found = program.addresses(file, line);
       if (found.empty()) continue;
-      if (const auto place = program.source(found.front()); place && place->line == line) places.push_back({{"line", line}});
+      if (const auto place = program.source(found.front()); place && place->line == line)
+        places.push_back({{"line", line}});
       break;
     }
   return {{"breakpoints", places}};

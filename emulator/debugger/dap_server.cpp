@@ -13,7 +13,8 @@
 namespace debugger::dap {
 namespace {
 
-// The only requests that end what is under way; everything else waits for a stop, or finds the machine between two slices.
+// The only requests that end what is under way; everything else waits for a stop, or finds the machine between two
+// slices.
 const std::vector<std::string_view> urgent{"\"pause\"", "\"disconnect\"", "\"terminate\""};
 
 Ended converse(Connection& connection, Session& session) {
@@ -49,7 +50,8 @@ Ended serve(int in, int out, machine::debug::Debugger& debugger) {
 }
 
 Listener::Listener(int port) {
-  if (port < 0 || port > 65535) throw std::system_error(EINVAL, std::generic_category(), fmt::format("port {}: 0 to 65535 are possible", port));
+  if (port < 0 || port > 65535)
+    throw std::system_error(EINVAL, std::generic_category(), fmt::format("port {}: 0 to 65535 are possible", port));
   socket_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   const int on = 1;
   setsockopt(socket_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
@@ -59,10 +61,13 @@ Listener::Listener(int port) {
   address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   socklen_t size = sizeof address;
   auto* const generic = reinterpret_cast<sockaddr*>(&address);  // NOLINT: the sockets' own way
-  if (socket_ < 0 || bind(socket_, generic, size) != 0 || listen(socket_, 1) != 0 || getsockname(socket_, generic, &size) != 0) {
+  if (socket_ < 0 || bind(socket_, generic, size) != 0 || listen(socket_, 1) != 0 ||
+      getsockname(socket_, generic, &size) != 0) {
     const int why = errno;
     if (socket_ >= 0) close(socket_);
-    throw std::system_error(why, std::generic_category(), fmt::format("port {} of this machine cannot be listened at; another one, or 0 for any, is expected", port));
+    throw std::system_error(
+        why, std::generic_category(),
+        fmt::format("port {} of this machine cannot be listened at; another one, or 0 for any, is expected", port));
   }
   port_ = ntohs(address.sin_port);
 }

@@ -23,15 +23,38 @@ bool flag_of(const Json& from, std::string_view key) {
 
 const std::map<std::string, Session::Request, std::less<>>& Session::requests() {
   static const std::map<std::string, Request, std::less<>> all{
-      {"initialize", &Session::initialize}, {"launch", &Session::launch}, {"attach", &Session::attach}, {"configurationDone", &Session::configuration_done},
-      {"disconnect", &Session::disconnect}, {"terminate", &Session::terminate}, {"continue", &Session::go}, {"pause", &Session::pause}, {"next", &Session::next},
-      {"stepIn", &Session::step_in}, {"stepOut", &Session::step_out}, {"stepBack", &Session::step_back}, {"reverseContinue", &Session::reverse_continue},
-      {"setBreakpoints", &Session::set_breakpoints}, {"setFunctionBreakpoints", &Session::set_function_breakpoints},
-      {"setInstructionBreakpoints", &Session::set_instruction_breakpoints}, {"setExceptionBreakpoints", &Session::set_exception_breakpoints},
-      {"dataBreakpointInfo", &Session::data_breakpoint_info}, {"setDataBreakpoints", &Session::set_data_breakpoints}, {"breakpointLocations", &Session::breakpoint_locations},
-      {"threads", &Session::threads}, {"stackTrace", &Session::stack_trace}, {"scopes", &Session::scopes}, {"variables", &Session::variables}, {"setVariable", &Session::set_variable},
-      {"evaluate", &Session::evaluate}, {"disassemble", &Session::disassemble}, {"readMemory", &Session::read_memory}, {"writeMemory", &Session::write_memory},
-      {"source", &Session::source}, {"loadedSources", &Session::loaded_sources}, {"exceptionInfo", &Session::exception_info},
+      {"initialize", &Session::initialize},
+      {"launch", &Session::launch},
+      {"attach", &Session::attach},
+      {"configurationDone", &Session::configuration_done},
+      {"disconnect", &Session::disconnect},
+      {"terminate", &Session::terminate},
+      {"continue", &Session::go},
+      {"pause", &Session::pause},
+      {"next", &Session::next},
+      {"stepIn", &Session::step_in},
+      {"stepOut", &Session::step_out},
+      {"stepBack", &Session::step_back},
+      {"reverseContinue", &Session::reverse_continue},
+      {"setBreakpoints", &Session::set_breakpoints},
+      {"setFunctionBreakpoints", &Session::set_function_breakpoints},
+      {"setInstructionBreakpoints", &Session::set_instruction_breakpoints},
+      {"setExceptionBreakpoints", &Session::set_exception_breakpoints},
+      {"dataBreakpointInfo", &Session::data_breakpoint_info},
+      {"setDataBreakpoints", &Session::set_data_breakpoints},
+      {"breakpointLocations", &Session::breakpoint_locations},
+      {"threads", &Session::threads},
+      {"stackTrace", &Session::stack_trace},
+      {"scopes", &Session::scopes},
+      {"variables", &Session::variables},
+      {"setVariable", &Session::set_variable},
+      {"evaluate", &Session::evaluate},
+      {"disassemble", &Session::disassemble},
+      {"readMemory", &Session::read_memory},
+      {"writeMemory", &Session::write_memory},
+      {"source", &Session::source},
+      {"loadedSources", &Session::loaded_sources},
+      {"exceptionInfo", &Session::exception_info},
   };
   return all;
 }
@@ -59,14 +82,21 @@ void Session::event(const std::string& name, Json body) {
   send_({{"seq", ++sequence_}, {"type", "event"}, {"event", name}, {"body", std::move(body)}});
 }
 
-void Session::output(const std::string& text, const char* category) { event("output", {{"category", category}, {"output", text}}); }
+void Session::output(const std::string& text, const char* category) {
+  event("output", {{"category", category}, {"output", text}});
+}
 
 void Session::handle(const std::string& text) {
   const Json message = Json::parse(text, nullptr, false);
   if (!message.is_object()) return output("a message that is no JSON object\n", "important");
   const auto sequence = message.find("seq");
   const std::string command = text_of(message, "command");
-  Json answer{{"seq", 0}, {"type", "response"}, {"request_seq", sequence != message.end() && sequence->is_number_integer() ? sequence->get<std::int64_t>() : 0}, {"command", command}, {"success", true}};
+  Json answer{
+      {"seq", 0},
+      {"type", "response"},
+      {"request_seq", sequence != message.end() && sequence->is_number_integer() ? sequence->get<std::int64_t>() : 0},
+      {"command", command},
+      {"success", true}};
   const auto refuse = [&](const std::string& why) {
     answer["success"] = false;
     answer["message"] = why;
@@ -78,7 +108,8 @@ void Session::handle(const std::string& text) {
     const auto request = requests().find(command);
     if (request == requests().end()) throw DebugError(fmt::format("the request {} is not known here", command));
     const auto arguments = message.find("arguments");
-    Json body = (this->*request->second)(arguments != message.end() && arguments->is_object() ? *arguments : Json::object());
+    Json body =
+        (this->*request->second)(arguments != message.end() && arguments->is_object() ? *arguments : Json::object());
     if (!body.is_null()) answer["body"] = std::move(body);
   } catch (const Json::exception& error) {
     refuse(fmt::format("{}: arguments that do not fit: {}", command, error.what()));
@@ -98,14 +129,31 @@ Json Session::initialize(const Json&) {
   };
   Json filters = Json::array();
   filters.push_back({{"filter", "fault"}, {"label", "Faults: a chip cannot go on"}, {"default", true}});
-  filters.push_back({{"filter", "rule"}, {"label", "Rules of the manual that a program breaks (slow)"}, {"default", false}});
+  filters.push_back(
+      {{"filter", "rule"}, {"label", "Rules of the manual that a program breaks (slow)"}, {"default", false}});
   filters.push_back({{"filter", "miss"}, {"label", "Missed deadlines (dock)"}, {"default", false}});
   filters.push_back({{"filter", "error"}, {"label", "Errors of the controller (dock)"}, {"default", false}});
-  return {{"supportsConfigurationDoneRequest", true}, {"supportsFunctionBreakpoints", true}, {"supportsConditionalBreakpoints", true}, {"supportsHitConditionalBreakpoints", true},
-          {"supportsEvaluateForHovers", true}, {"exceptionBreakpointFilters", filters}, {"supportsStepBack", true}, {"supportsSetVariable", true}, {"supportsLogPoints", true},
-          {"supportsDataBreakpoints", true}, {"supportsReadMemoryRequest", true}, {"supportsWriteMemoryRequest", true}, {"supportsDisassembleRequest", true},
-          {"supportsInstructionBreakpoints", true}, {"supportsSteppingGranularity", true}, {"supportsLoadedSourcesRequest", true}, {"supportsTerminateRequest", true},
-          {"supportTerminateDebuggee", true}, {"supportsExceptionInfoRequest", true}, {"supportsValueFormattingOptions", true}, {"supportsBreakpointLocationsRequest", true}};
+  return {{"supportsConfigurationDoneRequest", true},
+          {"supportsFunctionBreakpoints", true},
+          {"supportsConditionalBreakpoints", true},
+          {"supportsHitConditionalBreakpoints", true},
+          {"supportsEvaluateForHovers", true},
+          {"exceptionBreakpointFilters", filters},
+          {"supportsStepBack", true},
+          {"supportsSetVariable", true},
+          {"supportsLogPoints", true},
+          {"supportsDataBreakpoints", true},
+          {"supportsReadMemoryRequest", true},
+          {"supportsWriteMemoryRequest", true},
+          {"supportsDisassembleRequest", true},
+          {"supportsInstructionBreakpoints", true},
+          {"supportsSteppingGranularity", true},
+          {"supportsLoadedSourcesRequest", true},
+          {"supportsTerminateRequest", true},
+          {"supportTerminateDebuggee", true},
+          {"supportsExceptionInfoRequest", true},
+          {"supportsValueFormattingOptions", true},
+          {"supportsBreakpointLocationsRequest", true}};
 }
 
 Json Session::launch(const Json& arguments) {
@@ -131,8 +179,10 @@ Json Session::configuration_done(const Json&) {
   core();
   configured_ = true;
   after_ = [this] {
-    if (stop_on_entry_) tell_stop("entry");
-    else runs_ = true;
+    if (stop_on_entry_)
+      tell_stop("entry");
+    else
+      runs_ = true;
   };
   return {};
 }
@@ -171,7 +221,12 @@ void Session::tell_stop(const std::string& why) {
   const Stop& stop = core().stop();
   if (stop.reason == Stop::Reason::over && why.empty()) {
     if (!told_end_) output(stop.text + "\n", "stdout");
-    if (!std::exchange(told_end_, true) && stop_at_end_) return event("stopped", {{"reason", "pause"}, {"description", "the run is over"}, {"text", stop.text}, {"threadId", stop.chip.value_or(0) + 1}, {"allThreadsStopped", true}});
+    if (!std::exchange(told_end_, true) && stop_at_end_)
+      return event("stopped", {{"reason", "pause"},
+                               {"description", "the run is over"},
+                               {"text", stop.text},
+                               {"threadId", stop.chip.value_or(0) + 1},
+                               {"allThreadsStopped", true}});
     event("exited", {{"exitCode", 0}});
     return event("terminated");
   }
@@ -181,7 +236,14 @@ void Session::tell_stop(const std::string& why) {
       case Stop::Reason::breakpoint: reason = "breakpoint"; break;
       case Stop::Reason::watchpoint: reason = "data breakpoint"; break;
       case Stop::Reason::fault: reason = "exception"; break;
-      case Stop::Reason::happening: reason = std::ranges::any_of(stop.hits, [&](const auto& hit) { return std::ranges::find(by_exception_, hit.trigger) != by_exception_.end(); }) ? "exception" : "breakpoint"; break;
+      case Stop::Reason::happening:
+        reason = std::ranges::any_of(stop.hits,
+                                     [&](const auto& hit) {
+                                       return std::ranges::find(by_exception_, hit.trigger) != by_exception_.end();
+                                     })
+                     ? "exception"
+                     : "breakpoint";
+        break;
       case Stop::Reason::step: reason = "step"; break;
       case Stop::Reason::start: reason = "entry"; break;
       case Stop::Reason::moved: reason = "goto"; break;
@@ -190,7 +252,10 @@ void Session::tell_stop(const std::string& why) {
     }
   Json hit = Json::array();
   for (const auto& one : stop.hits) hit.push_back(one.trigger);
-  Json body{{"reason", reason}, {"threadId", stop.chip.value_or(0) + 1}, {"allThreadsStopped", true}, {"hitBreakpointIds", hit}};
+  Json body{{"reason", reason},
+            {"threadId", stop.chip.value_or(0) + 1},
+            {"allThreadsStopped", true},
+            {"hitBreakpointIds", hit}};
   if (!stop.text.empty()) body["text"] = stop.text, body["description"] = stop.text;
   event("stopped", std::move(body));
 }
@@ -248,7 +313,9 @@ Json Session::step_out(const Json& arguments) {
 
 Json Session::step_back(const Json& arguments) {
   const std::size_t chip = chip_of(arguments);
-  do_step([this, chip, step = by_instruction(arguments) ? Step::instruction : Step::next_line] { core().step_back(chip, step); });
+  do_step([this, chip, step = by_instruction(arguments) ? Step::instruction : Step::next_line] {
+    core().step_back(chip, step);
+  });
   return {};
 }
 
@@ -260,10 +327,12 @@ Json Session::reverse_continue(const Json&) {
 std::size_t Session::chip_of(const Json& arguments) const {
   const auto thread = arguments.find("threadId");
   if (debugger_ == nullptr) throw DebugError("nothing is debugged yet: launch or attach comes first");
-  if (thread == arguments.end() || !thread->is_number_integer()) throw DebugError("threadId is missing; a number from 1 on is expected");
+  if (thread == arguments.end() || !thread->is_number_integer())
+    throw DebugError("threadId is missing; a number from 1 on is expected");
   const auto number = thread->get<std::int64_t>();
   const auto chips = static_cast<std::int64_t>(debugger_->programs().size());
-  if (number < 1 || number > chips) throw DebugError(fmt::format("threadId {}: there are threads 1 to {}", number, chips));
+  if (number < 1 || number > chips)
+    throw DebugError(fmt::format("threadId {}: there are threads 1 to {}", number, chips));
   return static_cast<std::size_t>(number - 1);
 }
 

@@ -106,7 +106,8 @@ class Session {
   std::shared_ptr<void> owner_;
   std::unique_ptr<machine::debug::Debugger> own_;
   machine::debug::Debugger* debugger_ = nullptr;
-  bool attached_ = false, configured_ = false, runs_ = false, over_ = false, terminates_ = false, stop_on_entry_ = false, stop_at_end_ = false, told_end_ = false;
+  bool attached_ = false, configured_ = false, runs_ = false, over_ = false, terminates_ = false,
+       stop_on_entry_ = false, stop_at_end_ = false, told_end_ = false;
   std::function<void()> after_;  ///< the answer has been sent
   std::int64_t sequence_ = 0;
   unsigned refused_ = 0;
@@ -115,7 +116,8 @@ class Session {
   std::vector<std::string> sources_;  ///< by reference, from 1
   /// What `variables` shows, by reference from 1; new at every stop.
   std::vector<std::function<Json(bool hex)>> shown_;
-  std::map<std::int64_t, std::size_t> registers_shown_;  ///< references of scopes whose variables are registers, and their chip
+  std::map<std::int64_t, std::size_t>
+      registers_shown_;  ///< references of scopes whose variables are registers, and their chip
 };
 
 }  // namespace debugger::dap

@@ -17,7 +17,9 @@ namespace {
 constexpr std::string_view length_field = "content-length:";
 
 bool same_letters(std::string_view text, std::string_view lower) {
-  return text.size() == lower.size() && std::ranges::equal(text, lower, [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
+  return text.size() == lower.size() && std::ranges::equal(text, lower, [](char a, char b) {
+           return std::tolower(static_cast<unsigned char>(a)) == b;
+         });
 }
 
 /// Of "Content-Length: 119\r\nOther: x".
@@ -28,18 +30,21 @@ std::size_t length_in(std::string_view header) {
     std::string_view line = header.substr(0, end);
     header.remove_prefix(std::min(end + 2, header.size()));
     if (!same_letters(line.substr(0, length_field.size()), length_field)) {
-      if (line.find(':') == std::string_view::npos) throw BrokenStream(fmt::format("\"{}\" is no header; Content-Length: NUMBER is expected", line.substr(0, 40)));
+      if (line.find(':') == std::string_view::npos)
+        throw BrokenStream(fmt::format("\"{}\" is no header; Content-Length: NUMBER is expected", line.substr(0, 40)));
       continue;
     }
     line.remove_prefix(length_field.size());
     while (line.starts_with(' ')) line.remove_prefix(1);
     std::size_t value = 0;
     const auto [rest, error] = std::from_chars(line.data(), line.data() + line.size(), value);
-    if (error != std::errc() || rest != line.data() + line.size()) throw BrokenStream(fmt::format("Content-Length: \"{}\" is no number", line.substr(0, 40)));
+    if (error != std::errc() || rest != line.data() + line.size())
+      throw BrokenStream(fmt::format("Content-Length: \"{}\" is no number", line.substr(0, 40)));
     length = value;
   }
   if (!length) throw BrokenStream("a header without Content-Length");
-  if (*length > Framing::longest_message) throw BrokenStream(fmt::format("a message of {} bytes; up to {} are taken", *length, Framing::longest_message));
+  if (*length > Framing::longest_message)
+    throw BrokenStream(fmt::format("a message of {} bytes; up to {} are taken", *length, Framing::longest_message));
   return *length;
 }
 

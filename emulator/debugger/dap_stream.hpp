@@ -29,7 +29,8 @@ class Framing {
   static constexpr std::size_t longest_header = 4096, longest_message = std::size_t{16} << 20;
 
   void add(std::string_view bytes) { pending_ += bytes; }
-  /// The next whole message; none: more bytes are needed. \throws BrokenStream for a header that is none, or too long a message
+  /// The next whole message; none: more bytes are needed. \throws BrokenStream for a header that is none, or too long a
+  /// message
   std::optional<std::string> next();
   /// Something has begun and is not whole.
   bool begun() const { return !pending_.empty(); }
@@ -64,7 +65,8 @@ class Connection {
  private:
   void read_all();
 
-  static constexpr std::size_t most_waiting = std::size_t{64} << 20;  ///< bytes; then reading stops until they are taken
+  static constexpr std::size_t most_waiting = std::size_t{64}
+                                              << 20;  ///< bytes; then reading stops until they are taken
 
   int in_, out_;
   int wake_[2] = {-1, -1};  ///< ends the reading thread

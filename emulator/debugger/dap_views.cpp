@@ -34,14 +34,18 @@ std::int64_t number_of(const Json& from, std::string_view key, std::int64_t othe
 
 std::string base64(const std::vector<unsigned char>& bytes) {
   std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');
-  const int length = EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes.data(), static_cast<int>(bytes.size()));  // NOLINT: OpenSSL's bytes
+  const int length = EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), bytes.data(),
+                                     static_cast<int>(bytes.size()));  // NOLINT: OpenSSL's bytes
   text.resize(static_cast<std::size_t>(length));
   return text;
 }
 
 std::vector<unsigned char> from_base64(const std::string& text) {
   std::vector<unsigned char> bytes(3 * (text.size() / 4) + 1);
-  const int length = text.size() % 4 != 0 ? -1 : EVP_DecodeBlock(bytes.data(), reinterpret_cast<const unsigned char*>(text.data()), static_cast<int>(text.size()));  // NOLINT
+  const int length = text.size() % 4 != 0
+                         ? -1
+                         : EVP_DecodeBlock(bytes.data(), reinterpret_cast<const unsigned char*>(text.data()),
+                                           static_cast<int>(text.size()));  // NOLINT
   if (length < 0) throw DebugError("data: base64 is expected");
   bytes.resize(static_cast<std::size_t>(length) - (text.ends_with("==") ? 2 : text.ends_with('=') ? 1 : 0));
   return bytes;
@@ -65,7 +69,10 @@ Json Session::threads(const Json&) {
   Json all = Json::array();
   if (debugger_ != nullptr)
     for (std::size_t n = 0; n < debugger_->programs().size(); ++n)
-      all.push_back({{"id", n + 1}, {"name", fmt::format("{}: {}", debugger_->debuggee().chip_name(n), debugger_->debuggee().describe(n)).substr(0, 120)}});
+      all.push_back(
+          {{"id", n + 1},
+           {"name", fmt::format("{}: {}", debugger_->debuggee().chip_name(n), debugger_->debuggee().describe(n))
+                        .substr(0, 120)}});
   return {{"threads", all}};
 }
 
@@ -78,7 +85,10 @@ Json Session::stack_trace(const Json& arguments) {
   Json frames = Json::array();
   for (std::size_t i = first; i < all.size() && (levels <= 0 || static_cast<std::int64_t>(i - first) < levels); ++i) {
     const auto place = program.source(all[i].pc);
-    Json frame{{"id", static_cast<std::int64_t>(chip) * frames_of_a_chip + static_cast<std::int64_t>(i) + 1}, {"name", program.name(all[i].pc)}, {"line", place ? place->line : 0}, {"column", place ? 1 : 0},
+    Json frame{{"id", static_cast<std::int64_t>(chip) * frames_of_a_chip + static_cast<std::int64_t>(i) + 1},
+               {"name", program.name(all[i].pc)},
+               {"line", place ? place->line : 0},
+               {"column", place ? 1 : 0},
                {"instructionPointerReference", reference(all[i].pc)}};
     if (place) frame["source"] = source_of(place->file);
     frames.push_back(std::move(frame));
@@ -91,24 +101,33 @@ std::size_t Session::chip_of_frame(const Json& arguments) const {
   const std::int64_t frame = number_of(arguments, "frameId", 0);
   if (frame == 0) return debugger_->stop().chip.value_or(0);
   const std::int64_t chip = (frame - 1) / frames_of_a_chip;
-  if (frame < 0 || chip >= static_cast<std::int64_t>(debugger_->programs().size())) throw DebugError(fmt::format("frameId {} is none", frame));
+  if (frame < 0 || chip >= static_cast<std::int64_t>(debugger_->programs().size()))
+    throw DebugError(fmt::format("frameId {} is none", frame));
   return static_cast<std::size_t>(chip);
 }
 
 Json Session::variable(const ShownRegister& reg, bool hex, std::size_t chip) {
-  Json out{{"name", reg.name}, {"value", hex || reg.value.empty() ? reg.hex : reg.parts.empty() || reg.parts.front().first != "float" ? fmt::format("{} ({})", reg.value, reg.hex) : reg.value}, {"variablesReference", 0}};
+  Json out{
+      {"name", reg.name},
+      {"value", hex || reg.value.empty()                                  ? reg.hex
+                : reg.parts.empty() || reg.parts.front().first != "float" ? fmt::format("{} ({})", reg.value, reg.hex)
+                                                                          : reg.value},
+      {"variablesReference", 0}};
   if (!reg.parts.empty()) {
     shown_.push_back([reg](bool) {
       Json parts = Json::array();
-      for (const auto& [name, value] : reg.parts) parts.push_back({{"name", name}, {"value", value}, {"variablesReference", 0}});
+      for (const auto& [name, value] : reg.parts)
+        parts.push_back({{"name", name}, {"value", value}, {"variablesReference", 0}});
       parts.push_back({{"name", "hexadecimal"}, {"value", reg.hex}, {"variablesReference", 0}});
       return parts;
     });
     out["variablesReference"] = shown_.size();
   }
   const c40::Chip& of = core().debuggee().chip(chip);
-  if (reg.name == "PC") out["memoryReference"] = reference(of.pc());
-  else if (reg.name.starts_with("AR") || reg.name == "SP") out["memoryReference"] = reference(static_cast<Address>(of.register_value(*isa::register_named(reg.name))));
+  if (reg.name == "PC")
+    out["memoryReference"] = reference(of.pc());
+  else if (reg.name.starts_with("AR") || reg.name == "SP")
+    out["memoryReference"] = reference(static_cast<Address>(of.register_value(*isa::register_named(reg.name))));
   return out;
 }
 
@@ -125,16 +144,20 @@ Json Session::scopes(const Json& arguments) {
     for (const ShownRegister& reg : registers) out.push_back(variable(reg, hex, chip));
     return out;
   };
-  registers_shown_[add("Registers", false, [this, chip, list](bool hex) { return list(core_ns::registers(core().debuggee().chip(chip)), hex); })] = chip;
+  registers_shown_[add("Registers", false, [this, chip, list](bool hex) {
+    return list(core_ns::registers(core().debuggee().chip(chip)), hex);
+  })] = chip;
   all.back()["presentationHint"] = "registers";
-  add("Peripherals", true, [this, chip, list](bool hex) { return list(core_ns::peripherals(core().debuggee().chip(chip)), hex); });
+  add("Peripherals", true,
+      [this, chip, list](bool hex) { return list(core_ns::peripherals(core().debuggee().chip(chip)), hex); });
   for (const std::string& page : core().debuggee().page_names())
     add(page, true, [this, page](bool) {
       Json lines = Json::array();
       const std::string text = core().debuggee().page(page);
       for (std::size_t at = 0, n = 1; at < text.size(); ++n) {
         const std::size_t end = std::min(text.find('\n', at), text.size());
-        lines.push_back({{"name", fmt::format("{}", n)}, {"value", text.substr(at, end - at)}, {"variablesReference", 0}});
+        lines.push_back(
+            {{"name", fmt::format("{}", n)}, {"value", text.substr(at, end - at)}, {"variablesReference", 0}});
         at = end + 1;
       }
       return lines;
@@ -144,19 +167,23 @@ Json Session::scopes(const Json& arguments) {
 
 Json Session::variables(const Json& arguments) {
   const std::int64_t number = number_of(arguments, "variablesReference", 0);
-  if (number < 1 || number > static_cast<std::int64_t>(shown_.size())) throw DebugError(fmt::format("variablesReference {}: the machine has gone on since, or there is none", number));
+  if (number < 1 || number > static_cast<std::int64_t>(shown_.size()))
+    throw DebugError(fmt::format("variablesReference {}: the machine has gone on since, or there is none", number));
   const auto format = arguments.find("format");
   const auto make = shown_[static_cast<std::size_t>(number - 1)];  // it may make further ones
   Json all = make(format != arguments.end() && format->value("hex", false));
-  const auto first = static_cast<std::size_t>(std::clamp<std::int64_t>(number_of(arguments, "start", 0), 0, static_cast<std::int64_t>(all.size())));
+  const auto first = static_cast<std::size_t>(
+      std::clamp<std::int64_t>(number_of(arguments, "start", 0), 0, static_cast<std::int64_t>(all.size())));
   const std::int64_t count = number_of(arguments, "count", 0);
   const std::size_t last = count <= 0 ? all.size() : std::min(all.size(), first + static_cast<std::size_t>(count));
-  return {{"variables", Json(all.begin() + static_cast<std::ptrdiff_t>(first), all.begin() + static_cast<std::ptrdiff_t>(last))}};
+  return {{"variables",
+           Json(all.begin() + static_cast<std::ptrdiff_t>(first), all.begin() + static_cast<std::ptrdiff_t>(last))}};
 }
 
 Json Session::set_variable(const Json& arguments) {
   const auto found = registers_shown_.find(number_of(arguments, "variablesReference", 0));
-  if (found == registers_shown_.end()) throw DebugError("only registers of a processor can be set here; memory by its own view");
+  if (found == registers_shown_.end())
+    throw DebugError("only registers of a processor can be set here; memory by its own view");
   const std::string name = text_of(arguments, "name");
   core().set_register(found->second, name, text_of(arguments, "value"));
   for (const ShownRegister& reg : core_ns::registers(core().debuggee().chip(found->second)))
@@ -182,14 +209,18 @@ Address Session::address_of(const Json& arguments, std::string_view key) const {
 /// Addresses count words; so do offsets of instructions.
 Json Session::disassemble(const Json& arguments) {
   const std::size_t chip = core().stop().chip.value_or(0);
-  const Address first = address_of(arguments, "memoryReference") + static_cast<Address>(number_of(arguments, "instructionOffset", 0));
+  const Address first =
+      address_of(arguments, "memoryReference") + static_cast<Address>(number_of(arguments, "instructionOffset", 0));
   const std::int64_t count = number_of(arguments, "instructionCount", 0);
-  if (count < 0 || count > most_instructions) throw DebugError(fmt::format("instructionCount {}: 0 to {} are possible", count, most_instructions));
+  if (count < 0 || count > most_instructions)
+    throw DebugError(fmt::format("instructionCount {}: 0 to {} are possible", count, most_instructions));
   const auto& program = core().program(chip);
   Json all = Json::array();
   for (Address at = first; at != first + static_cast<Address>(count); ++at) {
     const auto word = core().debuggee().peek(chip, at);
-    Json row{{"address", reference(at)}, {"instructionBytes", word ? fmt::format("{:08X}", *word) : ""}, {"instruction", word ? program.disassembled(at, *word) : "(no memory)"}};
+    Json row{{"address", reference(at)},
+             {"instructionBytes", word ? fmt::format("{:08X}", *word) : ""},
+             {"instruction", word ? program.disassembled(at, *word) : "(no memory)"}};
     if (!word) row["presentationHint"] = "invalid";
     if (const auto routine = program.routine(at); routine && routine->second == at) row["symbol"] = routine->first;
     if (const auto place = program.source(at)) row["location"] = source_of(place->file), row["line"] = place->line;
@@ -204,8 +235,10 @@ Json Session::read_memory(const Json& arguments) {
   Json where = arguments;
   where.erase("offset");
   const std::int64_t offset = number_of(arguments, "offset", 0), count = number_of(arguments, "count", 0);
-  if (count < 0 || count > most_words * 4) throw DebugError(fmt::format("count {}: 0 to {} bytes are possible", count, most_words * 4));
-  const std::int64_t begin = offset >= 0 ? offset / 4 : -((-offset + 3) / 4), end = offset + count >= 0 ? (offset + count + 3) / 4 : -(-(offset + count) / 4);
+  if (count < 0 || count > most_words * 4)
+    throw DebugError(fmt::format("count {}: 0 to {} bytes are possible", count, most_words * 4));
+  const std::int64_t begin = offset >= 0 ? offset / 4 : -((-offset + 3) / 4),
+                     end = offset + count >= 0 ? (offset + count + 3) / 4 : -(-(offset + count) / 4);
   const Address base = address_of(where, "memoryReference");
   std::vector<unsigned char> bytes;
   std::int64_t at = begin;
@@ -225,7 +258,8 @@ Json Session::write_memory(const Json& arguments) {
   where.erase("offset");
   const std::int64_t offset = number_of(arguments, "offset", 0);
   const std::vector<unsigned char> bytes = from_base64(text_of(arguments, "data"));
-  if (offset % 4 != 0 || bytes.size() % 4 != 0) throw DebugError("whole words are written: offset and data in multiples of 4 bytes");
+  if (offset % 4 != 0 || bytes.size() % 4 != 0)
+    throw DebugError("whole words are written: offset and data in multiples of 4 bytes");
   const Address base = address_of(where, "memoryReference") + static_cast<Address>(offset / 4);
   for (std::size_t i = 0; i < bytes.size(); i += 4) {
     const Word word = bytes[i] | Word{bytes[i + 1]} << 8 | Word{bytes[i + 2]} << 16 | Word{bytes[i + 3]} << 24;
@@ -236,11 +270,14 @@ Json Session::write_memory(const Json& arguments) {
 
 Json Session::source(const Json& arguments) {
   std::int64_t number = number_of(arguments, "sourceReference", 0);
-  if (const auto source = arguments.find("source"); number == 0 && source != arguments.end()) number = number_of(*source, "sourceReference", 0);
-  if (number < 1 || number > static_cast<std::int64_t>(sources_.size())) throw DebugError(fmt::format("sourceReference {} is none", number));
+  if (const auto source = arguments.find("source"); number == 0 && source != arguments.end())
+    number = number_of(*source, "sourceReference", 0);
+  if (number < 1 || number > static_cast<std::int64_t>(sources_.size()))
+    throw DebugError(fmt::format("sourceReference {} is none", number));
   const std::string& file = sources_[static_cast<std::size_t>(number - 1)];
   for (const auto& program : core().programs())
-    if (std::ranges::find(program.files(), file) != program.files().end()) return {{"content", program.file_text(file)}, {"mimeType", "text/x-asm"}};
+    if (std::ranges::find(program.files(), file) != program.files().end())
+      return {{"content", program.file_text(file)}, {"mimeType", "text/x-asm"}};
   throw DebugError(fmt::format("{}: its text is not known", file));
 }
 
@@ -256,7 +293,8 @@ Json Session::loaded_sources(const Json&) {
 Json Session::exception_info(const Json& arguments) {
   chip_of(arguments);
   const auto& stop = core().stop();
-  return {{"exceptionId", std::string(core_ns::name(stop.reason))}, {"description", stop.text}, {"breakMode", "always"}};
+  return {
+      {"exceptionId", std::string(core_ns::name(stop.reason))}, {"description", stop.text}, {"breakMode", "always"}};
 }
 
 }  // namespace debugger::dap

@@ -11,8 +11,9 @@ namespace {
 
 /// Empty for what may be named twice.
 std::string identity(const std::string& path) {
-  struct ::stat found {};
-  if (::stat(path.c_str(), &found) == 0) return S_ISREG(found.st_mode) ? fmt::format("{}:{}", found.st_dev, found.st_ino) : "";
+  struct ::stat found{};
+  if (::stat(path.c_str(), &found) == 0)
+    return S_ISREG(found.st_mode) ? fmt::format("{}:{}", found.st_dev, found.st_ino) : "";
   std::error_code error;
   const auto whole = std::filesystem::weakly_canonical(std::filesystem::absolute(path, error), error);
   return error ? path : whole.string();
@@ -28,7 +29,8 @@ void FileRoles::add(std::string role, const std::string& path, bool written) {
     if (other.identity != entry.identity || (!entry.written && !other.written)) continue;
     const Entry& output = entry.written ? entry : other;
     const Entry& first = entry.written ? other : entry;
-    throw SameFile(fmt::format("{}: {} is the same file as {} ({}); another name is expected", output.role, output.path, first.role, first.path));
+    throw SameFile(fmt::format("{}: {} is the same file as {} ({}); another name is expected", output.role, output.path,
+                               first.role, first.path));
   }
   entries_.push_back(std::move(entry));
 }

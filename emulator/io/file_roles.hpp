@@ -11,8 +11,8 @@ class SameFile : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Files are the same when they are one file of the file system, whatever their names, links followed; what does not exist yet,
-/// when its name is the same. Devices, pipes and sockets may be named as often as one likes.
+/// Files are the same when they are one file of the file system, whatever their names, links followed; what does not
+/// exist yet, when its name is the same. Devices, pipes and sockets may be named as often as one likes.
 class FileRoles {
  public:
   /// \param role how the user named it, for the message: "--report", "the source"

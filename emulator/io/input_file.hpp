@@ -9,7 +9,8 @@
 
 namespace io {
 
-/// Bytes of the largest file that is read whole. A device such as /dev/zero has no end; without a limit it would take all memory.
+/// Bytes of the largest file that is read whole. A device such as /dev/zero has no end; without a limit it would take
+/// all memory.
 inline constexpr std::size_t largest_input = std::size_t{64} << 20;
 
 struct Input {
@@ -24,7 +25,8 @@ Input read_input(const std::filesystem::path& path);
 template <typename Error>
 std::string read_file(const std::filesystem::path& path, std::string_view expected) {
   Input input = read_input(path);
-  if (!input.problem.empty()) throw Error(fmt::format("{}: {}; {} is expected", path.string(), input.problem, expected));
+  if (!input.problem.empty())
+    throw Error(fmt::format("{}: {}; {} is expected", path.string(), input.problem, expected));
   return std::move(input.text);
 }
 

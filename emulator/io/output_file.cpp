@@ -16,7 +16,9 @@ namespace io {
 namespace fs = std::filesystem;
 namespace {
 
-std::string beside_name(const fs::path& target, int attempt) { return fmt::format("{}.{}-{}.part", target.string(), ::getpid(), attempt); }
+std::string beside_name(const fs::path& target, int attempt) {
+  return fmt::format("{}.{}-{}.part", target.string(), ::getpid(), attempt);
+}
 
 fs::path folder_of(const fs::path& target) { return target.has_parent_path() ? target.parent_path() : fs::path("."); }
 
@@ -92,12 +94,15 @@ class OutputFile::Buffer : public std::streambuf {
 };
 
 OutputFile::OutputFile(const std::string& path) : given_(path), target_(path), stream_(nullptr) {
-  const auto fail = [&path](std::string_view why) { throw CannotOpen(fmt::format("{}: cannot be written: {}", path, why)); };
+  const auto fail = [&path](std::string_view why) {
+    throw CannotOpen(fmt::format("{}: cannot be written: {}", path, why));
+  };
   if (path.empty()) throw CannotOpen("an output file's name is empty");
-  struct ::stat found {};
+  struct ::stat found{};
   const bool there = ::stat(path.c_str(), &found) == 0;
   if (!there && errno != ENOENT) fail(std::strerror(errno));
-  if (there && S_ISDIR(found.st_mode)) throw CannotOpen(fmt::format("{}: is a directory; a file's name is expected", path));
+  if (there && S_ISDIR(found.st_mode))
+    throw CannotOpen(fmt::format("{}: is a directory; a file's name is expected", path));
   direct_ = there && !S_ISREG(found.st_mode);
   if (direct_) {
     const int descriptor = ::open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
@@ -120,13 +125,16 @@ OutputFile::OutputFile(const std::string& path) : given_(path), target_(path), s
 void OutputFile::open_beside() {
   // A file without a name gets one by way of /proc, which a bare chroot may lack.
   int descriptor = -1;
-  if (::access("/proc/self/fd", X_OK) == 0) descriptor = ::open(folder_of(target_).c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, everybody);
+  if (::access("/proc/self/fd", X_OK) == 0)
+    descriptor = ::open(folder_of(target_).c_str(), O_WRONLY | O_TMPFILE | O_CLOEXEC, everybody);
   for (int attempt = 0; descriptor < 0; ++attempt) {
     const SignalsHeld held;
     const std::string name = beside_name(target_, attempt);
     descriptor = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, everybody);
-    if (descriptor >= 0) beside_.emplace(name);
-    else if (errno != EEXIST) return;
+    if (descriptor >= 0)
+      beside_.emplace(name);
+    else if (errno != EEXIST)
+      return;
   }
   buffer_ = std::make_unique<Buffer>(descriptor);
 }
@@ -148,18 +156,22 @@ void OutputFile::give_name() {
       beside_.emplace(name);
       return;
     }
-    if (errno != EEXIST) throw std::runtime_error(fmt::format("{}: writing failed: {}", given_.string(), std::strerror(errno)));
+    if (errno != EEXIST)
+      throw std::runtime_error(fmt::format("{}: writing failed: {}", given_.string(), std::strerror(errno)));
   }
 }
 
 void OutputFile::replace_target() {
   const SignalsHeld held;
-  if (::rename(beside_->path.c_str(), target_.c_str()) != 0) throw std::runtime_error(fmt::format("{}: writing failed: {}", given_.string(), std::strerror(errno)));
+  if (::rename(beside_->path.c_str(), target_.c_str()) != 0)
+    throw std::runtime_error(fmt::format("{}: writing failed: {}", given_.string(), std::strerror(errno)));
   beside_.reset();
 }
 
 void OutputFile::commit() {
-  const auto fail = [this](int error) { throw std::runtime_error(fmt::format("{}: writing failed: {}", given_.string(), std::strerror(error))); };
+  const auto fail = [this](int error) {
+    throw std::runtime_error(fmt::format("{}: writing failed: {}", given_.string(), std::strerror(error)));
+  };
   stream_.flush();
   if (!buffer_->flush() || stream_.fail()) fail(buffer_->error());
   if (direct_) {

@@ -17,11 +17,12 @@ class CannotOpen : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Writes a file beside its target and renames it on commit: until then, and without commit, the target is left as it was.
+/// Writes a file beside its target and renames it on commit: until then, and without commit, the target is left as it
+/// was.
 ///
-/// The file beside the target has no name until commit where the file system allows that, so that nothing of it is left even
-/// when the program is killed. A link stays a link: the file behind it is replaced. The mode of a file that was there is kept.
-/// A target that is no regular file (a terminal, a pipe, a device) is written into directly.
+/// The file beside the target has no name until commit where the file system allows that, so that nothing of it is left
+/// even when the program is killed. A link stays a link: the file behind it is replaced. The mode of a file that was
+/// there is kept. A target that is no regular file (a terminal, a pipe, a device) is written into directly.
 class OutputFile {
  public:
   /// \throws CannotOpen when the target cannot be written, before anything else is done
@@ -41,8 +42,8 @@ class OutputFile {
   void give_name();
   void replace_target();
 
-  std::filesystem::path given_;    // as the caller named it
-  std::filesystem::path target_;   // the file behind links
+  std::filesystem::path given_;          // as the caller named it
+  std::filesystem::path target_;         // the file behind links
   std::optional<TemporaryName> beside_;  // its stand-in; none while that has no name
   bool direct_ = false;
   std::unique_ptr<Buffer> buffer_;

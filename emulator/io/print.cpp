@@ -11,7 +11,8 @@ int lost = 0;
 
 unsigned char byte(char c) { return static_cast<unsigned char>(c); }
 
-/// Bytes of the character that begins there; 0 if it is no UTF-8 (RFC 3629: shortest form, no surrogates, up to 10FFFFh).
+/// Bytes of the character that begins there; 0 if it is no UTF-8 (RFC 3629: shortest form, no surrogates, up to
+/// 10FFFFh).
 std::size_t length_of(std::string_view text) {
   const unsigned char first = byte(text[0]);
   if (first < 0x80) return 1;
@@ -54,7 +55,8 @@ std::string printable(std::string_view text) {
 void say(std::FILE* to, std::string_view text) {
   const std::string shown = printable(text);
   errno = 0;
-  if (std::fwrite(shown.data(), 1, shown.size(), to) != shown.size() && to == stdout && lost == 0) lost = errno == 0 ? EIO : errno;
+  if (std::fwrite(shown.data(), 1, shown.size(), to) != shown.size() && to == stdout && lost == 0)
+    lost = errno == 0 ? EIO : errno;
 }
 
 int lost_in_saying() { return lost; }

@@ -9,8 +9,8 @@
 
 namespace io {
 
-/// Text that a terminal shows and does not obey: control characters (C0 but for newline and tab, DEL, C1) and bytes that are no UTF-8
-/// become \xNN.
+/// Text that a terminal shows and does not obey: control characters (C0 but for newline and tab, DEL, C1) and bytes
+/// that are no UTF-8 become \xNN.
 std::string printable(std::string_view text);
 
 /// Writes printable text. What is lost is told by flush_output().

@@ -13,7 +13,7 @@ constexpr std::array<int, 3> taken = {SIGINT, SIGTERM, SIGHUP};
 
 volatile std::sig_atomic_t noted = 0;
 volatile std::sig_atomic_t noting = 0;  // how many StopBySignal live
-std::mutex temporaries_change;  // of threads; the handler goes without it
+std::mutex temporaries_change;          // of threads; the handler goes without it
 TemporaryName* temporaries = nullptr;
 
 void on_signal(int number) {
@@ -36,7 +36,7 @@ void on_signal(int number) {
 
 void take_signals() {
   for (const int number : taken) {
-    struct ::sigaction action {};
+    struct ::sigaction action{};
     if (::sigaction(number, nullptr, &action) != 0 || action.sa_handler == SIG_IGN) continue;
     action = {};
     action.sa_handler = on_signal;

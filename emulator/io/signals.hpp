@@ -7,12 +7,12 @@
 
 namespace io {
 
-/// From now on a signal ends the program at once with status 128 + its number, and temporary files are gone. One that is ignored at
-/// the start (nohup) stays ignored.
+/// From now on a signal ends the program at once with status 128 + its number, and temporary files are gone. One that
+/// is ignored at the start (nohup) stays ignored.
 void take_signals();
 
-/// While it lives, the first signal is noted only: stop_asked() is true, the work ends at its next slice and writes what it has. The
-/// second ends the program at once.
+/// While it lives, the first signal is noted only: stop_asked() is true, the work ends at its next slice and writes
+/// what it has. The second ends the program at once.
 class StopBySignal {
  public:
   StopBySignal();

@@ -4,8 +4,8 @@
 
 namespace io {
 
-/// Descriptors 0 to 2 that the caller of the program has closed are taken, so that no file of ours gets their numbers and with
-/// them what is printed. What is written to a closed standard output still fails.
+/// Descriptors 0 to 2 that the caller of the program has closed are taken, so that no file of ours gets their numbers
+/// and with them what is printed. What is written to a closed standard output still fails.
 void take_closed_streams();
 
 /// Everything printed has gone to standard output. \returns why not; empty when it has

@@ -40,7 +40,8 @@ class Nesting {
     const auto line = static_cast<toml::source_index>(1 + std::count(before.begin(), before.end(), '\n'));
     const auto column = static_cast<toml::source_index>(at_ - (before.rfind('\n') + 1) + 1);
     const std::string message = fmt::format("more than {} {}; a flatter file is expected", deepest_toml, what);
-    throw toml::parse_error(message.c_str(), toml::source_position{line, column}, std::make_shared<const std::string>(name_));
+    throw toml::parse_error(message.c_str(), toml::source_position{line, column},
+                            std::make_shared<const std::string>(name_));
   }
 
   // To behind its end: three quotes, which two more may precede, or one in the same line.

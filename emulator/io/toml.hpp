@@ -7,8 +7,8 @@
 
 namespace io {
 
-/// How deep brackets may stand in one another, and how many parts a dotted key may have. Tables in tables are destroyed, and looked
-/// through, by functions that call themselves.
+/// How deep brackets may stand in one another, and how many parts a dotted key may have. Tables in tables are
+/// destroyed, and looked through, by functions that call themselves.
 inline constexpr int deepest_toml = 32;
 
 /// \param name of the file, for messages

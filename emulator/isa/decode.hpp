@@ -83,7 +83,8 @@ struct Instruction {
   Operand src3, src4, dst2;
 };
 
-/// Branches, calls, returns, traps, repeats and IDLE: what may not stand in delay slots, under RPTS or at the end of a block (8.2 to 8.4).
+/// Branches, calls, returns, traps, repeats and IDLE: what may not stand in delay slots, under RPTS or at the end of a
+/// block (8.2 to 8.4).
 bool is_program_control(const Instruction& instruction);
 
 /// A word that is no instruction of the C4x. The hardware's behaviour is undefined.

@@ -31,8 +31,9 @@ constexpr std::array<std::string_view, 8> on_chip{"TASK",       "EXEC_BLOCK", "E
 
 /// What stands alone in a window; the symbols are offsets on its bus.
 constexpr std::array<std::string_view, 13> alone_on_a{
-    "LIST_WORK_POINTER", "LIST_REFRESH",  "SLICE_CYCLES",  "ER_BASE",       "SEMAPHORE",  "SEMAPHORE_OWNER", "SEMAPHORE_HELD",
-    "DOORBELL_RING",     "DOORBELL_IDLE", "DOORBELL_BUSY", "FENCE_MASK",    "RESET_DSP",  "LINK_ADAPTER"};
+    "LIST_WORK_POINTER", "LIST_REFRESH",   "SLICE_CYCLES",  "ER_BASE",       "SEMAPHORE",
+    "SEMAPHORE_OWNER",   "SEMAPHORE_HELD", "DOORBELL_RING", "DOORBELL_IDLE", "DOORBELL_BUSY",
+    "FENCE_MASK",        "RESET_DSP",      "LINK_ADAPTER"};
 constexpr std::array<std::string_view, 14> alone_on_b{
     "DRIVE_TORQUE",    "DRIVE_ENABLE", "ENCODER",     "SWAY_ALPHA", "SWAY_BETA",    "LOAD_CELL", "SPREADER_COMMAND",
     "SPREADER_STATUS", "DRIVE_STATUS", "DRIVE_SPEED", "SCAN_ROWS",  "SCAN_PROFILE", "AGV_UNIT",  "AGV_RANGE"};
@@ -106,8 +107,6 @@ std::optional<Address> AddressNames::address(std::string_view label) const {
   return std::nullopt;
 }
 
-std::string AddressNames::text(Address address) const {
-  return name(address).value_or(fmt::format("{:08X}", address));
-}
+std::string AddressNames::text(Address address) const { return name(address).value_or(fmt::format("{:08X}", address)); }
 
 }  // namespace machine

@@ -16,8 +16,8 @@ class AddressNames {
   /// Names everything in the image's sections after the nearest label before it, else after the section.
   explicit AddressNames(const toolchain::Image& image);
 
-  /// The same, and the dock's memories: RAM on chip by the names of onchip.inc and the constants' own, the job areas by the
-  /// names of areas.inc, the list by those of task_block.inc, devices by those of devices.inc.
+  /// The same, and the dock's memories: RAM on chip by the names of onchip.inc and the constants' own, the job areas by
+  /// the names of areas.inc, the list by those of task_block.inc, devices by those of devices.inc.
   /// \throws std::out_of_range with the symbol's name when the image is none of a dock's DSPs.
   static AddressNames of_dock(const toolchain::Image& image);
 

@@ -11,7 +11,7 @@ namespace machine {
 namespace {
 
 constexpr c40::Cycles no_cycle = std::numeric_limits<c40::Cycles>::max();
-constexpr unsigned first_dma_bit = 25;                     // of IIE
+constexpr unsigned first_dma_bit = 25;  // of IIE
 constexpr std::array<unsigned, c40::timer_count> timer_bits{0, 31};
 
 bool enables(const c40::Chip& chip, unsigned bit) { return (chip.register_value(isa::Register::IIE) >> bit & 1u) != 0; }
@@ -21,7 +21,8 @@ bool enables(const c40::Chip& chip, unsigned bit) { return (chip.register_value(
 c40::Cycles next_timer_interrupt(const c40::Chip& chip) {
   c40::Cycles next = no_cycle;
   for (int n = 0; n < c40::timer_count; ++n)
-    if (enables(chip, timer_bits[static_cast<std::size_t>(n)]) && !chip.timer_drives_dma(n)) next = std::min(next, chip.next_timer_event(n));
+    if (enables(chip, timer_bits[static_cast<std::size_t>(n)]) && !chip.timer_drives_dma(n))
+      next = std::min(next, chip.next_timer_event(n));
   return next;
 }
 
@@ -46,7 +47,8 @@ bool sleeps_for_ever(const c40::Chip& chip) {
 
 std::string armed_dma(const c40::Chip& chip) {
   std::string out;
-  for (const c40::DmaWait& wait : chip.dma_waits()) out += fmt::format("; {} since cycle {}", c40::describe(wait), wait.since);
+  for (const c40::DmaWait& wait : chip.dma_waits())
+    out += fmt::format("; {} since cycle {}", c40::describe(wait), wait.since);
   return out;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// What could still wake a processor that has nothing to do: in IDLE, or in a branch to itself. The same for one chip alone and for
-/// a network, in which links may bring more.
+/// What could still wake a processor that has nothing to do: in IDLE, or in a branch to itself. The same for one chip
+/// alone and for a network, in which links may bring more.
 #include <string>
 
 #include "c40/chip.hpp"
@@ -15,7 +15,8 @@ c40::Cycles next_dma_tick(const c40::Chip& chip);
 bool awaits_dma(const c40::Chip& chip);
 /// In IDLE, and nothing on the chip will wake it.
 bool sleeps_for_ever(const c40::Chip& chip);
-/// "; DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h) since cycle 40": channels that are still armed, or nothing.
+/// "; DMA channel 3 waits for a word in input FIFO 3 (read of 00100071h) since cycle 40": channels that are still
+/// armed, or nothing.
 std::string armed_dma(const c40::Chip& chip);
 
 }  // namespace machine

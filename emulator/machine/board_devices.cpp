@@ -25,7 +25,8 @@ std::optional<DeviceKind> device_kind_named(std::string_view text) {
 }
 
 BoardDevices::BoardDevices(const std::vector<DeviceDescription>& described) {
-  for (const DeviceDescription& device : described) devices_.push_back({device, std::vector<Word>(device.words, device.value)});
+  for (const DeviceDescription& device : described)
+    devices_.push_back({device, std::vector<Word>(device.words, device.value)});
 }
 
 Word BoardDevices::read(Device& device, Address offset) {
@@ -41,7 +42,8 @@ void BoardDevices::write(Device& device, Address offset, Word value, c40::Cycles
     return;
   }
   const Word before = std::exchange(device.words[offset], value);
-  if (device.described.kind == DeviceKind::led && before != value && on_change) on_change({device.described.name, cycle, value});
+  if (device.described.kind == DeviceKind::led && before != value && on_change)
+    on_change({device.described.name, cycle, value});
 }
 
 std::optional<BoardDevices::Answer> BoardDevices::access(const c40::ExternalAccess& access) {
@@ -63,8 +65,10 @@ void BoardDevices::list_state(state::Visitor& list) {
 bool serve(BoardDevices& devices, c40::Chip& chip, const c40::ExternalAccess& access) {
   const auto answer = devices.access(access);
   if (!answer) return false;
-  if (access.write) chip.complete_write(0, answer->waits);
-  else chip.complete_read(answer->value, 0, answer->waits);
+  if (access.write)
+    chip.complete_write(0, answer->waits);
+  else
+    chip.complete_read(answer->value, 0, answer->waits);
   return true;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// What stands behind the windows of a board for a program alone: [[device]] tables of a board file (docs/cli.md, Board files).
+/// What stands behind the windows of a board for a program alone: [[device]] tables of a board file (docs/cli.md, Board
+/// files).
 #include <cstdint>
 #include <functional>
 #include <optional>

@@ -1,5 +1,6 @@
 #pragma once
-// Boards by name, or as TOML files describe them (docs/cli.md, Board files): for a program alone, and for the DSPs of the dock.
+// Boards by name, or as TOML files describe them (docs/cli.md, Board files): for a program alone, and for the DSPs of
+// the dock.
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
@@ -25,8 +26,8 @@ class BoardError : public std::invalid_argument {
 /// What surrounds a chip, and what a board file says about the chip itself.
 struct BoardDescription {
   c40::Board board;
-  std::optional<double> clock_mhz{};  ///< CLKIN; an H1 period is two of its periods.
-  bool has_pins = false;            ///< It says how its pins are tied, and whether the boot ROM is there.
+  std::optional<double> clock_mhz{};         ///< CLKIN; an H1 period is two of its periods.
+  bool has_pins = false;                     ///< It says how its pins are tied, and whether the boot ROM is there.
   std::vector<DeviceDescription> devices{};  ///< behind its windows
   /// What regions hold from the start on: images of ROMs.
   struct Contents {
@@ -45,8 +46,8 @@ void refuse_devices(const BoardDescription& board, std::string_view where);
 /// H1 periods per second.
 std::int64_t instruction_cycles_per_second(double clock_mhz);
 
-/// That DSPs of the machine can stand on this board: windows to buses A and B where the program expects them and nowhere else, and RAM
-/// under each of its sections. \throws BoardError
+/// That DSPs of the machine can stand on this board: windows to buses A and B where the program expects them and
+/// nowhere else, and RAM under each of its sections. \throws BoardError
 void require_dsp_board(const c40::Board& board, const toolchain::Image& program, const Symbols& symbols);
 
 }  // namespace machine

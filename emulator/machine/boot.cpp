@@ -19,7 +19,8 @@ using c40::Word;
 constexpr Word memory_width = 32, end_of_blocks = 0;
 constexpr Word from_ports = 7;
 /// By the pins IIOF3 to IIOF1 (9.1).
-constexpr std::array<Address, 7> sources{0, 0xC0000000u, 0xA0000000u, 0x80000000u, 0x60000000u, 0x40000000u, 0x00300000u};
+constexpr std::array<Address, 7> sources{0,           0xC0000000u, 0xA0000000u, 0x80000000u,
+                                         0x60000000u, 0x40000000u, 0x00300000u};
 
 c40::Board with_rom(c40::Board board, Word code) {
   const toolchain::Image rom = toolchain::read_coff(c40_programs::built_in_boot_rom());
@@ -42,9 +43,10 @@ c40::Board with_boot_from_port(c40::Board board) { return with_rom(std::move(boa
 c40::Board with_boot_from_memory(c40::Board board, Address address) {
   const auto found = std::find(sources.begin() + 1, sources.end(), address);
   if (found == sources.end())
-    throw std::invalid_argument(fmt::format("the pins choose no memory at {:08X}h; they choose 00300000h, 40000000h, 60000000h, 80000000h, "
-                                            "A0000000h or C0000000h",
-                                            address));
+    throw std::invalid_argument(
+        fmt::format("the pins choose no memory at {:08X}h; they choose 00300000h, 40000000h, 60000000h, 80000000h, "
+                    "A0000000h or C0000000h",
+                    address));
   return with_rom(std::move(board), static_cast<Word>(found - sources.begin()));
 }
 
@@ -60,7 +62,8 @@ std::vector<Word> boot_stream(const toolchain::Image& image, const BootHeader& h
   for (const toolchain::Image::Section& section : image.sections) {
     if (!section.loaded || section.words.empty()) continue;
     if (section.address < c40::rom_words)
-      throw std::invalid_argument(fmt::format("section {} at {:08X}h cannot be booted: the boot ROM is there", section.name, section.address));
+      throw std::invalid_argument(
+          fmt::format("section {} at {:08X}h cannot be booted: the boot ROM is there", section.name, section.address));
     const std::span<const Word> words = section.words;
     const Address into = image.entry - section.address;
     if (into < words.size()) {
@@ -83,7 +86,8 @@ std::vector<Word> boot_memory(const toolchain::Image& image, const BootHeader& h
   return stream;
 }
 
-BootFeeder::BootFeeder(c40::Chip& chip, int port, std::vector<Word> stream) : chip_(chip), port_(port), stream_(std::move(stream)) {
+BootFeeder::BootFeeder(c40::Chip& chip, int port, std::vector<Word> stream)
+    : chip_(chip), port_(port), stream_(std::move(stream)) {
   if (!stream_.empty()) chip_.port(port_).receive(stream_[sent_++]);
 }
 

@@ -13,7 +13,7 @@ class ChipRunner {
   /// As c40::Chip::run_until takes them.
   struct Span {
     c40::Cycles limit = 0;
-    c40::Cycles known = 0;             ///< so far is known what its ports do
+    c40::Cycles known = 0;         ///< so far is known what its ports do
     bool one_instruction = false;  ///< the next instruction and no more, wherever it ends
   };
 

@@ -24,11 +24,7 @@ pci::MasterConfig master_of(const Config& config, unsigned slot) {
 }  // namespace
 
 Dsp::Dsp(unsigned slot, bool plugged, Surroundings& surroundings)
-    : slot_{slot},
-      around_{surroundings},
-      clock_{around_.chip_clocks[slot]},
-      chip_{around_.config.board},
-      sides_{} {
+    : slot_{slot}, around_{surroundings}, clock_{around_.chip_clocks[slot]}, chip_{around_.config.board}, sides_{} {
   const Config& config = around_.config;
   for (unsigned port = 0; port < config.topology.dsps.size(); ++port)
     sides_.emplace_back(*this, config.topology.dsps[port], master_of(config, slot),
@@ -50,7 +46,8 @@ void Dsp::set_next() {
   if (dma_goes_on()) next_ = std::min(next_, clock_.at(chip_.settled()));
   if (!nets_out_.empty()) next_ = std::min(next_, next_pin_event());
   changed();
-  for (const Wire& wire : wires_) wire.actor.changed();  // what it did at its ports may have given links something to do
+  for (const Wire& wire : wires_)
+    wire.actor.changed();  // what it did at its ports may have given links something to do
 }
 
 // While the processor stands before an access or in one, a DMA that moves words over a link to another slot goes on.
@@ -148,7 +145,8 @@ bool Dsp::port_access(const c40::PortAccess& access) {
 }
 
 bool Dsp::port_wait(const c40::PortAccess& access) {
-  fault(access.cycle, chip_.pc(), access.address, fmt::format("{} waits for ever: nothing is attached to the port", describe(access)));
+  fault(access.cycle, chip_.pc(), access.address,
+        fmt::format("{} waits for ever: nothing is attached to the port", describe(access)));
   return false;
 }
 
@@ -255,7 +253,8 @@ void Dsp::complete(Time horizon) {
     statistics_.window_b_transfer += transfer_;
   }
   if (around_.observer != nullptr)
-    around_.observer->dsp_waited(slot_, window, clock_.at(access_.cycle), clock_.at(access_.cycle + arbitration_ + transfer_));
+    around_.observer->dsp_waited(slot_, window, clock_.at(access_.cycle),
+                                 clock_.at(access_.cycle + arbitration_ + transfer_));
   if (access_.write)
     chip_.complete_write(arbitration_, transfer_);
   else
@@ -286,7 +285,9 @@ void Dsp::delivered(unsigned bus, pci::Address address, pci::Clocks clock, pci::
 }
 
 void Dsp::arrived(Window window, Offset offset, const pci::Posted& posted, Time now) {
-  const auto refused = window == Window::a && around_.guard != nullptr ? around_.guard->take_refusal(slot_, offset, posted.value) : std::nullopt;
+  const auto refused = window == Window::a && around_.guard != nullptr
+                           ? around_.guard->take_refusal(slot_, offset, posted.value)
+                           : std::nullopt;
   const bool dropped = refused || around_.fence.closed(slot_);
   statistics_.dropped_writes += dropped;
   if (around_.observer == nullptr) return;
@@ -298,7 +299,9 @@ void Dsp::arrived(Window window, Offset offset, const pci::Posted& posted, Time 
 }
 
 // Nothing outside may act on the chip before the horizon up to which it has been run.
-void Dsp::require_not_run_past([[maybe_unused]] Time now) const { assert(run_end_ <= now && "a chip was run past what acts on it"); }
+void Dsp::require_not_run_past([[maybe_unused]] Time now) const {
+  assert(run_end_ <= now && "a chip was run past what acts on it");
+}
 
 void Dsp::schedule_edge(Time time) {
   require_not_run_past(time);
@@ -347,7 +350,8 @@ bool Dsp::caught_up(Time now) {
   return true;
 }
 
-// Real code: BR to itself in the last word of the local SRAM, GIE off, and RM, for under RPTS no branch may stand. The present instruction has ended.
+// Real code: BR to itself in the last word of the local SRAM, GIE off, and RM, for under RPTS no branch may stand. The
+// present instruction has ended.
 void Dsp::go_astray() {
   constexpr c40::Address trap = 0x3FFFFF;
   constexpr Word branch_to_itself = 0x60FFFFFF;  // BR, displacement -1
@@ -410,7 +414,8 @@ void Dsp::pace(Time now, std::int64_t parts_per_million) {
   if (state_ == State::access) reached = std::max(reached, access_.cycle);
   if (state_ == State::port) reached = std::max(reached, port_access_.cycle);
   const std::int64_t ppm = slot_ < around_.config.chip_skews.size() ? around_.config.chip_skews[slot_].ppm : 0;
-  std::int64_t above = around_.config.chip_hz * parts_per_million, below = 1'000'000 * around_.config.chip_hz_denominator;
+  std::int64_t above = around_.config.chip_hz * parts_per_million,
+               below = 1'000'000 * around_.config.chip_hz_denominator;
   const std::int64_t divisor = std::gcd(above, below);
   clock_.change(reached, Skew{ppm, Time{0}}, above / divisor, below / divisor);
   for (const Wire& wire : wires_) wire.link.set_clock(wire.side, clock_);
@@ -460,8 +465,8 @@ void Dsp::append_state(std::vector<std::uint64_t>& words) const {
 }
 
 void Dsp::fault(c40::Cycles cycle, std::uint32_t pc, std::uint32_t address, std::string what) {
-  fault_ = ChipFault{
-      .slot = slot_, .time = clock_.at(cycle), .cycle = cycle, .pc = pc, .address = address, .message = {}};
+  fault_ =
+      ChipFault{.slot = slot_, .time = clock_.at(cycle), .cycle = cycle, .pc = pc, .address = address, .message = {}};
   fault_.message = fmt::format("DSP {} at PC {:08X}h, cycle {}, address {:08X}h: {}", slot_, pc, cycle, address, what);
   state_ = State::faulting;
   own_next_ = fault_.time;

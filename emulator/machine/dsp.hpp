@@ -173,7 +173,9 @@ class Dsp final : public Scheduler::Processor, public PinOwner, private c40::Pin
   void begin_port_access(Time now, Time horizon);
   void driven(c40::Pin pin, c40::Drive drive, c40::Cycles at) override;
   Time next_pin_event() const;
-  bool in_access() const { return state_ == State::access || state_ == State::port || state_ == State::blocked || state_ == State::resuming; }
+  bool in_access() const {
+    return state_ == State::access || state_ == State::port || state_ == State::blocked || state_ == State::resuming;
+  }
   bool dma_goes_on() const;
   void require_not_run_past(Time now) const;
   void run_dma(Time horizon);
@@ -211,10 +213,10 @@ class Dsp final : public Scheduler::Processor, public PinOwner, private c40::Pin
   Surroundings& around_;
   PacedClock clock_;
   c40::Chip chip_;
-  std::deque<Side> sides_;              // by bus on which the board stands
-  std::vector<Underway> underway_;      // in bridges between buses
+  std::deque<Side> sides_;          // by bus on which the board stands
+  std::vector<Underway> underway_;  // in bridges between buses
   AdapterWire adapter_wire_{*this};
-  std::vector<Wire> wires_;             // the link adapter's first
+  std::vector<Wire> wires_;               // the link adapter's first
   std::vector<Net*> nets_in_, nets_out_;  // those that lead to its pins, and those that it can drive
   unsigned inputs_ = 0, outputs_ = 0;     // the pins at them: bit n is pin n
   struct PinChange {
@@ -230,7 +232,7 @@ class Dsp final : public Scheduler::Processor, public PinOwner, private c40::Pin
   bool dma_waits_ = false;     // for the processor: for a window, or for what the processor waits for
   Time next_ = never;
   Time own_next_ = never;
-  Time run_end_{0};            // of the run under way
+  Time run_end_{0};  // of the run under way
   Time edge_ = never;
   Time reset_ = never;
   c40::ExternalAccess access_{};

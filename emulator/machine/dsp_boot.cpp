@@ -100,8 +100,10 @@ void Dsp::hold_in_reset(Time now) {
   state_ = State::booting;
   settle(now);
   around_.adapter.reset(slot_, now);
-  if (around_.config.boot == Boot::link) chip_.boot();
-  else chip_.reset();
+  if (around_.config.boot == Boot::link)
+    chip_.boot();
+  else
+    chip_.reset();
   answered_ = false;
   around_.slot_changed(slot_, now);
   own_next_ = std::max(now, clock_.at(chip_.cycle())) + around_.config.reset_time;
@@ -118,7 +120,8 @@ void Dsp::leave_reset(Time now) {
 }
 
 std::vector<std::pair<c40::Address, Word>> start_words(const Symbols& symbols, const Config& config, unsigned slot) {
-  return {{symbols.dsp_slot, slot}, {symbols.idle_policy, config.idle_policy}, {symbols.pause_count, config.pause_count}};
+  return {
+      {symbols.dsp_slot, slot}, {symbols.idle_policy, config.idle_policy}, {symbols.pause_count, config.pause_count}};
 }
 
 // As a loader would leave it (c40-hardware.md 9.4).
@@ -132,7 +135,8 @@ void Dsp::load() {
     }
   }
   for (const auto& [address, value] : start_words(around_.symbols, around_.config, slot_)) chip_.poke(address, value);
-  chip_.set_register(isa::Register::AR3, c40::register_named(fmt::format("PORT{}.control", around_.symbols.link_port)).address);
+  chip_.set_register(isa::Register::AR3,
+                     c40::register_named(fmt::format("PORT{}.control", around_.symbols.link_port)).address);
   chip_.set_pc(around_.symbols.start);
   chip_.hold(false);
   state_ = State::running;

@@ -20,8 +20,11 @@ void Dsp::join(Net& net) {
 
 void Dsp::driven(c40::Pin pin, c40::Drive drive, c40::Cycles at) {
   const ChipPin mine{slot_, pin};
-  const auto driven_by_it = [&](const Net* net) { return std::ranges::find(net->description().drivers, mine) != net->description().drivers.end(); };
-  (*std::ranges::find_if(nets_out_, driven_by_it))->driven(mine, drive, std::max(around_.scheduler.now(), clock_.at(at)));
+  const auto driven_by_it = [&](const Net* net) {
+    return std::ranges::find(net->description().drivers, mine) != net->description().drivers.end();
+  };
+  (*std::ranges::find_if(nets_out_, driven_by_it))
+      ->driven(mine, drive, std::max(around_.scheduler.now(), clock_.at(at)));
 }
 
 /// What its timers do at pins that drive nets, while it is in an access and its own time stands still.
@@ -36,8 +39,8 @@ Time Dsp::drives_from() const {
   return std::min(next_pin_event(), around_.scheduler.earliest());
 }
 
-// RESET going low is a reset. An edge that finds the chip in the middle of an access is seen when the instruction has ended;
-// a timer counts it at once.
+// RESET going low is a reset. An edge that finds the chip in the middle of an access is seen when the instruction has
+// ended; a timer counts it at once.
 void Dsp::pin_changes(c40::Pin pin, bool level, Time now) {
   if (pin == c40::Pin::reset) {
     if (!level) reset(now);

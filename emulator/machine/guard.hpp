@@ -1,12 +1,13 @@
 #pragma once
 // The guard of the shared-memory board: a DSP may write only what the task that it has claimed may.
 //
-// It watches the claims as they go by. Whoever holds the list's semaphore may write the pool of blocks and the work pointer; the write of 0Fh
-// into a block's flag binds the DSP to that block, until it writes FFh there or is reset. Bound, it may write result, notify, heartbeat and
-// flag of its block, the area that TB_AREA names, what a split task of that robot keeps, and (error task) the log.
+// It watches the claims as they go by. Whoever holds the list's semaphore may write the pool of blocks and the work
+// pointer; the write of 0Fh into a block's flag binds the DSP to that block, until it writes FFh there or is reset.
+// Bound, it may write result, notify, heartbeat and flag of its block, the area that TB_AREA names, what a split task
+// of that robot keeps, and (error task) the log.
 //
-// Inaccuracies: reads are free, and so are writes to devices (a write posted on bus B may arrive when its task has ended on bus A). A task that
-// takes the list's semaphore for itself can spoil the list until the host frees it.
+// Inaccuracies: reads are free, and so are writes to devices (a write posted on bus B may arrive when its task has
+// ended on bus A). A task that takes the list's semaphore for itself can spoil the list until the host frees it.
 #include <array>
 #include <cstdint>
 #include <deque>

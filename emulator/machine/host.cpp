@@ -7,8 +7,8 @@
 
 namespace machine {
 
-Host::Host(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses, std::vector<Way> ways, std::vector<Clock> bus_clocks,
-           const SharedRegisters& registers, const LinkAdapter& adapter)
+Host::Host(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses, std::vector<Way> ways,
+           std::vector<Clock> bus_clocks, const SharedRegisters& registers, const LinkAdapter& adapter)
     : program_{program},
       config_{config},
       buses_{buses},
@@ -21,8 +21,7 @@ Host::Host(HostProgram& program, const Config& config, std::deque<pci::Bus>& bus
                      config.shared_memory.write_initial + 1 + config.interrupt_clocks} {
   pci::MasterConfig master = config.host_master;
   master.first_level = true;
-  for (const unsigned bus : config.topology.host)
-    bridges_.emplace_back(buses[bus], master, config.host_bridge, *this);
+  for (const unsigned bus : config.topology.host) bridges_.emplace_back(buses[bus], master, config.host_bridge, *this);
   waiting_.reserve(1024);
   words_read_.reserve(1024);
   set_next(Time{0});
@@ -107,8 +106,8 @@ void Host::require_answer(Offset offset, std::size_t words, bool write) const {
     const auto one = static_cast<Offset>(offset + i);
     const bool shared = one < SharedSram::size || registers_.answers(one, write, true) || adapter_.answers(one, write);
     if (way_of(one) == nullptr || !(shared || one >= host_devices))
-      throw std::out_of_range{fmt::format("the host {} offset {:X}h, where nothing answers",
-                                          write ? "writes to" : "reads from", one)};
+      throw std::out_of_range{
+          fmt::format("the host {} offset {:X}h, where nothing answers", write ? "writes to" : "reads from", one)};
   }
 }
 

@@ -16,8 +16,8 @@ namespace machine {
 class Host final : public Scheduler::Actor, public HostPort, public pci::Bridge::Client {
  public:
   /// Becomes the first master of its buses. `ways`: of offsets as HostPort counts them.
-  Host(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses, std::vector<Way> ways, std::vector<Clock> bus_clocks,
-       const SharedRegisters& registers, const LinkAdapter& adapter);
+  Host(HostProgram& program, const Config& config, std::deque<pci::Bus>& buses, std::vector<Way> ways,
+       std::vector<Clock> bus_clocks, const SharedRegisters& registers, const LinkAdapter& adapter);
 
   Time next() const override { return next_; }
   void boot_requested(Time now) {
@@ -31,7 +31,8 @@ class Host final : public Scheduler::Actor, public HostPort, public pci::Bridge:
 
   void list_state(state::Visitor& list);
 
-  /// Nothing that it has posted or will post can act on a DSP before this (a lower bound, never earlier than `now`). It may be woken at `woken`.
+  /// Nothing that it has posted or will post can act on a DSP before this (a lower bound, never earlier than `now`). It
+  /// may be woken at `woken`.
   Time earliest_action(Time woken) const;
 
   void read(Offset offset, unsigned n_words, std::uint32_t tag) override;
@@ -53,7 +54,9 @@ class Host final : public Scheduler::Actor, public HostPort, public pci::Bridge:
   bool blocked() const;
   Time next_bus_event() const;
   const Clock& clock_of(const Way& way) const { return clocks_[config_.topology.host[way.port]]; }
-  pci::Clocks own_clock(const Way& way, pci::Clocks clock) const { return clock_.tick_at_or_after(clock_of(way).at(clock)); }
+  pci::Clocks own_clock(const Way& way, pci::Clocks clock) const {
+    return clock_.tick_at_or_after(clock_of(way).at(clock));
+  }
   void ask();
   void feed();
   void set_next(Time now);

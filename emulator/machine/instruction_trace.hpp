@@ -27,8 +27,8 @@ struct Labels {
   }
 };
 
-/// "12 [dsp 0] start+0x4 -  bnz start  ; branch=3": labels for addresses, also where registers and words hold them, and no
-/// word of the instruction.
+/// "12 [dsp 0] start+0x4 -  bnz start  ; branch=3": labels for addresses, also where registers and words hold them, and
+/// no word of the instruction.
 std::string to_text(const c40::TraceRecord& record, unsigned slot, const Labels& labels);
 
 /// Writes each instruction that begins in [from, to) cycles.

@@ -23,14 +23,17 @@ LinkAdapter::LinkAdapter(const Symbols& symbols, unsigned slots, Clock bus_clock
   const Offset end = symbols.link_adapter + slots * symbols.link_words;
   if (symbols.link_adapter != base || end > symbols.link_request || symbols.link_request - base >= size ||
       symbols.link_data + fifo_words > symbols.link_words || symbols.link_port >= c40::port_count)
-    throw std::invalid_argument{"the DSP program: registers of the link adapter lie at offsets 11000h to 11FFFh of bus A, LINK_REQUEST behind the slots'"};
+    throw std::invalid_argument{
+        "the DSP program: registers of the link adapter lie at offsets 11000h to 11FFFh of bus A, LINK_REQUEST behind "
+        "the slots'"};
 }
 
 void LinkAdapter::join(c40::Chip& chip, const PacedClock& clock, bool plugged) {
   Port& port = ports_.emplace_back(static_cast<unsigned>(ports_.size()), client_);
   port.port.reset(near_port);
-  port.link.emplace(c40::Link::Side{fmt::format("link adapter port {}", port.slot), near_port, &port.port, PacedClock{port_clock_}},
-                    c40::Link::Side{fmt::format("DSP {} port {}", port.slot, dsp_port()), dsp_port(), &chip.port(dsp_port()), clock});
+  port.link.emplace(
+      c40::Link::Side{fmt::format("link adapter port {}", port.slot), near_port, &port.port, PacedClock{port_clock_}},
+      c40::Link::Side{fmt::format("DSP {} port {}", port.slot, dsp_port()), dsp_port(), &chip.port(dsp_port()), clock});
   port.plugged = plugged;
   if (!plugged) port.link->cut(Time{0});
   port.link->listener_of_events = &port;
@@ -57,8 +60,10 @@ void LinkAdapter::set_broken(unsigned slot, bool broken, Time now) {
 }
 
 void LinkAdapter::join(Port& port, Time now) {
-  if (port.plugged && !port.broken) port.link->restore(now);
-  else port.link->cut(now);
+  if (port.plugged && !port.broken)
+    port.link->restore(now);
+  else
+    port.link->cut(now);
   client_.link_changed(port.slot);
 }
 
@@ -136,8 +141,11 @@ void LinkAdapter::append_state(std::vector<std::uint64_t>& words) const {
   words.push_back(requests_);
   for (const Port& port : ports_) {
     words.push_back(port.port.control() | Word{port.closed} << 31);
-    for (const c40::Fifo* fifo : {&port.port.input, &port.port.output}) words.insert(words.end(), fifo->words().begin(), fifo->words().end());
-    for (const int side : {near, far}) words.insert(words.end(), {port.link->counters(side).sent, port.link->counters(side).arrived, port.link->counters(side).lost});
+    for (const c40::Fifo* fifo : {&port.port.input, &port.port.output})
+      words.insert(words.end(), fifo->words().begin(), fifo->words().end());
+    for (const int side : {near, far})
+      words.insert(words.end(),
+                   {port.link->counters(side).sent, port.link->counters(side).arrived, port.link->counters(side).lost});
   }
 }
 

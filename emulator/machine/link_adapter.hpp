@@ -1,9 +1,11 @@
 #pragma once
-// The link adapter (rulings.md 27): a target with one C40-compatible communication port per DSP slot, each wired to port LINK_PORT of that
-// slot's DSP. The host boots DSPs through it (c40_programs/include/task_block.inc has the registers).
+// The link adapter (rulings.md 27): a target with one C40-compatible communication port per DSP slot, each wired to
+// port LINK_PORT of that slot's DSP. The host boots DSPs through it (c40_programs/include/task_block.inc has the
+// registers).
 //
-// The adapter's side of a link runs at the DSPs' nominal rate and begins with the token; a reset of the DSP resets it too. A write that finds
-// the output FIFO full is retried on the bus; a burst is disconnected where it becomes full. An empty slot, and a broken wire, is a cut link.
+// The adapter's side of a link runs at the DSPs' nominal rate and begins with the token; a reset of the DSP resets it
+// too. A write that finds the output FIFO full is retried on the bus; a burst is disconnected where it becomes full. An
+// empty slot, and a broken wire, is a cut link.
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -50,7 +52,8 @@ class LinkAdapter final : public pci::Target {
   /// The DSP has left reset.
   void request(unsigned slot, Time now);
   bool answers(Offset offset, bool write) const;
-  /// For every link: what was written = read + in FIFOs + under way + lost + discarded. Empty unless the model has a fault.
+  /// For every link: what was written = read + in FIFOs + under way + lost + discarded. Empty unless the model has a
+  /// fault.
   std::vector<std::string> audit() const;
   void append_state(std::vector<std::uint64_t>& words) const;
   void list_state(state::Visitor& list);
@@ -76,7 +79,8 @@ class LinkAdapter final : public pci::Target {
       list("broken", broken);
       list("closed", closed);
     }
-    bool closed = false;  // since a reset, until the host clears the bit of LINK_REQUEST: words of an older stream are ignored
+    bool closed =
+        false;  // since a reset, until the host clears the bit of LINK_REQUEST: words of an older stream are ignored
   };
   void join(Port& port, Time now);
   void changed(Port& port, const pci::Access& access);

@@ -15,7 +15,8 @@ constexpr std::uint64_t mixed(std::uint64_t hash, std::uint64_t value) {
 
 bool has_effect(const c40::MemoryEvent& event) {
   if (c40::register_at(event.address) == nullptr) return false;
-  return event.write || (c40::is_port_register(event.address) && c40::port_access(event.address, false, 0, 0).reg == c40::PortRegister::input);
+  return event.write || (c40::is_port_register(event.address) &&
+                         c40::port_access(event.address, false, 0, 0).reg == c40::PortRegister::input);
 }
 
 }  // namespace
@@ -26,7 +27,8 @@ void LoopWatch::instruction(const c40::TraceRecord& record) {
   Round& round = rounds_.emplace_back();
   round.pc = record.pc;
   round.hash = mixed(mixed(record.pc, record.word), core.repeat_single);
-  for (const c40::RegisterChange& change : record.registers) round.hash = mixed(mixed(round.hash, isa::code(change.reg)), change.value);
+  for (const c40::RegisterChange& change : record.registers)
+    round.hash = mixed(mixed(round.hash, isa::code(change.reg)), change.value);
   for (const c40::MemoryEvent& event : record.memory) {
     round.hash = mixed(mixed(mixed(round.hash, event.address), event.value), event.write);
     if (!event.write) round.reads.push_back(event.address);

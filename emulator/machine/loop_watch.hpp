@@ -1,9 +1,10 @@
 #pragma once
 /// Whether a chip goes round a loop that it cannot leave by itself.
 ///
-/// It can not if, twice in a row, the same instructions have read the same words, written the same and changed the same registers: what the
-/// second round left is what the first one left, so the next will do the same, until something outside changes what it reads.
-/// A loop that takes words from a FIFO, gives some to one, or writes to any register of a peripheral is not taken for one.
+/// It can not if, twice in a row, the same instructions have read the same words, written the same and changed the same
+/// registers: what the second round left is what the first one left, so the next will do the same, until something
+/// outside changes what it reads. A loop that takes words from a FIFO, gives some to one, or writes to any register of
+/// a peripheral is not taken for one.
 #include <optional>
 #include <set>
 #include <vector>

@@ -21,8 +21,8 @@
 #include "machine/machine_config.hpp"
 #include "machine/scheduler.hpp"
 #include "machine/script.hpp"
-#include "machine/slot_links.hpp"
 #include "machine/shared_memory.hpp"
+#include "machine/slot_links.hpp"
 #include "machine/symbols.hpp"
 #include "plant/dock.hpp"
 #include "toolchain/image.hpp"
@@ -65,6 +65,7 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
     void act(Time now) override { dock->advance_to(now); }
     plant::Dock* dock;
   };
+
  public:
   Parts(Config given, const toolchain::Image& image, plant::Dock* the_dock, HostProgram* program);
 
@@ -90,7 +91,8 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   struct Watch final : pci::Monitor {
     Watch(Parts& owner, BusId which) : parts{owner}, bus{which} {}
     void ended(const pci::Transaction& transaction) override {
-      parts.around->observer->transaction(bus, transaction, parts.bus_clocks[static_cast<std::size_t>(bus)].at(transaction.ended));
+      parts.around->observer->transaction(bus, transaction,
+                                          parts.bus_clocks[static_cast<std::size_t>(bus)].at(transaction.ended));
     }
     Parts& parts;
     BusId bus;
@@ -191,7 +193,8 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
     for (Dsp& dsp : dsps) dsp.join(joined);
   }
   if (host) scheduler.add(*host);
-  for (std::size_t bus = 0; bus < buses.size(); ++bus) scheduler.add(bus_turns.emplace_back(buses[bus], bus_clocks[bus]));
+  for (std::size_t bus = 0; bus < buses.size(); ++bus)
+    scheduler.add(bus_turns.emplace_back(buses[bus], bus_clocks[bus]));
   scheduler.add(script);
   for (Dsp& dsp : dsps) scheduler.add(dsp.adapter_wire());
   for (SlotWire& wire : wires) scheduler.add(wire);
@@ -201,8 +204,8 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
   for (Net& net : nets) net.start();
 }
 
-// Until then nothing that is not yet scheduled at a DSP can act on it: rings and resets come from the host, which a DSP that
-// leaves reset may wake, and failures from the script.
+// Until then nothing that is not yet scheduled at a DSP can act on it: rings and resets come from the host, which a DSP
+// that leaves reset may wake, and failures from the script.
 Time Machine::Parts::earliest_action() const {
   const Time planned = std::min(scheduler.limit(), script.next());
   if (!host) return planned;
@@ -237,7 +240,9 @@ void Machine::Parts::build_targets() {
   add(board, "shared registers", topology.shared_memory, registers, SharedRegisters::base, SharedRegisters::size);
   if (dock == nullptr) return;
   const auto clock = [&](DeviceGroup group) { return bus_clocks[topology.devices[static_cast<std::size_t>(group)]]; };
-  devices.emplace(program, *dock, std::array{clock(DeviceGroup::drives), clock(DeviceGroup::sensors), clock(DeviceGroup::comm_port)}, fence);
+  devices.emplace(program, *dock,
+                  std::array{clock(DeviceGroup::drives), clock(DeviceGroup::sensors), clock(DeviceGroup::comm_port)},
+                  fence);
   static constexpr const char* names[device_groups] = {"drives", "sensors", "comm port"};
   for (const Devices::Stretch& part : devices->stretches()) {
     const auto group = static_cast<std::size_t>(part.group);
@@ -256,7 +261,8 @@ std::vector<Way> Machine::Parts::ways(const std::vector<unsigned>& standing, Win
     const auto group = static_cast<std::size_t>(of);
     for (const unsigned bus : standing) {
       if (hops(topology, bus, topology.devices[group]) < 0) continue;
-      all.push_back(way_to(topology, standing, topology.devices[group], at + first, at + end, topology.devices_at[group] - at));
+      all.push_back(
+          way_to(topology, standing, topology.devices[group], at + first, at + end, topology.devices_at[group] - at));
       return;
     }
   };
@@ -325,7 +331,8 @@ Time Machine::time() const { return parts_->time; }
 const Config& Machine::config() const { return parts_->config; }
 void Machine::set_observer(Observer* observer) { parts_->observe(observer); }
 void Machine::act(const ScriptedEvent& event) {
-  require_sense({.time = parts_->time, .action = event.action, .number = event.number, .amount = event.amount}, parts_->time, parts_->config);
+  require_sense({.time = parts_->time, .action = event.action, .number = event.number, .amount = event.amount},
+                parts_->time, parts_->config);
   parts_->act(event, parts_->time);
 }
 
@@ -344,7 +351,8 @@ const Clock& Machine::chip_clock() const { return parts_->around->chip_clock; }
 unsigned Machine::buses() const { return static_cast<unsigned>(parts_->buses.size()); }
 const pci::Bus& Machine::bus(BusId id) const { return parts_->buses.at(static_cast<std::size_t>(id)); }
 pci::BusStatistics Machine::bus_statistics(BusId id) const {
-  return bus(id).statistics(std::max(bus(id).now(), parts_->bus_clocks[static_cast<std::size_t>(id)].tick_at_or_before(parts_->time)));
+  return bus(id).statistics(
+      std::max(bus(id).now(), parts_->bus_clocks[static_cast<std::size_t>(id)].tick_at_or_before(parts_->time)));
 }
 std::vector<std::string> Machine::audit() const {
   std::vector<std::string> faults = parts_->adapter.audit();
@@ -368,8 +376,10 @@ void Machine::poke(Offset offset, Word word) { parts_->sram.words().at(offset) =
 void Machine::watch_shared(SharedWatch watch) {
   if (!watch) return parts_->sram.set_watch({});
   const Clock& clock = parts_->bus_clocks[parts_->config.topology.shared_memory];
-  parts_->sram.set_watch([this, &clock, watch = std::move(watch)](Offset offset, Word before, Word value, bool write, const pci::Access& access) {
-    watch(offset, before, value, write, access.agent, std::max(clock.at(access.clock), parts_->scheduler.now()) + Time{1});
+  parts_->sram.set_watch([this, &clock, watch = std::move(watch)](Offset offset, Word before, Word value, bool write,
+                                                                  const pci::Access& access) {
+    watch(offset, before, value, write, access.agent,
+          std::max(clock.at(access.clock), parts_->scheduler.now()) + Time{1});
   });
 }
 Time Machine::time_of(unsigned slot, std::int64_t cycle) const { return parts_->dsps.at(slot).time_of(cycle); }
@@ -380,7 +390,10 @@ std::vector<Word> Machine::boot_stream(unsigned slot) const {
   toolchain::Image program = parts_->program;
   for (const auto& [address, value] : start_words(parts_->symbols, config, slot)) {
     Word* word = program.word_at(address);
-    if (word == nullptr) throw std::invalid_argument{fmt::format("the DSP program: dsp_slot, idle_policy and pause_count are words of loaded sections; {:08X}h is none", address)};
+    if (word == nullptr)
+      throw std::invalid_argument{fmt::format(
+          "the DSP program: dsp_slot, idle_policy and pause_count are words of loaded sections; {:08X}h is none",
+          address)};
     *word = value;
   }
   return machine::boot_stream(program, {.global_interface_control = config.board.global_interface_control,

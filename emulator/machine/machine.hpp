@@ -1,11 +1,13 @@
 #pragma once
 // Several C40s, two PCI buses, shared memory, a host and the dock, in one virtual time (design.md, decisions 2 to 7).
 //
-// Each DSP sees shared memory through window A at C0000000h and drives, sensors and AGV units through window B at 70000000h.
-// Which of its bridges leads there is a matter of the topology: by default bus A (host, shared memory) for window A, bus B
-// (devices) for window B. The host is a HostProgram: what it does is C++, but whatever it reads or writes is a transaction.
+// Each DSP sees shared memory through window A at C0000000h and drives, sensors and AGV units through window B at
+// 70000000h. Which of its bridges leads there is a matter of the topology: by default bus A (host, shared memory) for
+// window A, bus B (devices) for window B. The host is a HostProgram: what it does is C++, but whatever it reads or
+// writes is a transaction.
 //
-// Order: machine/scheduler.hpp. Ties: host, buses in their order, scripted events, links, nets, DSP slots, the plant last.
+// Order: machine/scheduler.hpp. Ties: host, buses in their order, scripted events, links, nets, DSP slots, the plant
+// last.
 //
 // Inaccuracies: a doorbell or reset takes effect from the end of the write burst that holds it; burst reads take the
 // memory's words at FRAME#; the host's processor has no caches and no other work than its HostProgram's.
@@ -54,8 +56,8 @@ enum class BusId : std::uint8_t { a, b, c, d };
 /// Which of a DSP's windows; by default bus A and bus B lie behind them.
 enum class Window : std::uint8_t { a, b };
 
-/// The host's way to shared memory. Writes are posted in order (they combine into bursts at rising addresses); a read goes to
-/// the bus when all writes before it have. Legal only inside HostProgram's calls.
+/// The host's way to shared memory. Writes are posted in order (they combine into bursts at rising addresses); a read
+/// goes to the bus when all writes before it have. Legal only inside HostProgram's calls.
 class HostPort {
  public:
   virtual ~HostPort() = default;
@@ -123,8 +125,8 @@ class Observer {
   virtual void dsp_write_refused(unsigned /*slot*/, Offset, Word, Word /*kind*/, Time /*now*/) {}
   /// A DSP's access through a window has held it up from `from` to `to`.
   virtual void dsp_waited(unsigned /*slot*/, Window, Time /*from*/, Time /*to*/) {}
-  /// A transaction has ended. On every bus the host, if it stands there, is master 0; the DSPs follow in the order of their
-  /// slots, then the bridges between buses.
+  /// A transaction has ended. On every bus the host, if it stands there, is master 0; the DSPs follow in the order of
+  /// their slots, then the bridges between buses.
   virtual void transaction(BusId, const pci::Transaction&, Time /*now*/) {}
   virtual void interrupt(unsigned /*slot*/, int /*iiof pin*/, Time /*now*/) {}
   /// owner: DSP slot + 1, or host_owner.
@@ -146,7 +148,8 @@ struct Config {
   unsigned slots = 0;                 ///< slots in all, at most most_slots; 0: as many as dsps
   std::int64_t chip_hz = 25'000'000;  ///< instruction cycles per second: C40-40 20 M, C40-50 25 M, C40-60 30 M
   std::int64_t chip_hz_denominator = 1;
-  c40::Board board = c40::Board::default_board();  ///< of every DSP; needs the windows to both buses (BoardError otherwise)
+  c40::Board board =
+      c40::Board::default_board();  ///< of every DSP; needs the windows to both buses (BoardError otherwise)
   std::int64_t pci_hz_numerator = 100'000'000;
   std::int64_t pci_hz_denominator = 3;
   std::vector<Skew> chip_skews;  ///< by slot; missing ones are none
@@ -155,9 +158,9 @@ struct Config {
   Word idle_policy = 0;    ///< for the program's symbol idle_policy: 0 doorbell, 1 pause, 2 spin
   Word pause_count = 125;  ///< for pause_count
   Topology topology{};
-  std::vector<SlotLink> links;  ///< between slots
+  std::vector<SlotLink> links;       ///< between slots
   std::vector<NetDescription> nets;  ///< between pins of slots
-  pci::BusConfig bus{};  ///< of every bus; the names are the topology's
+  pci::BusConfig bus{};              ///< of every bus; the names are the topology's
   pci::MasterConfig dsp_master{};
   unsigned first_level_dsps = 0;  ///< with Arbitration::two_level, slots below this share the first level with the host
   pci::MasterConfig host_master{.name = "host"};
@@ -174,7 +177,7 @@ struct Config {
   Time reset_time = std::chrono::microseconds{10};  ///< RESET held low
   std::uint64_t turn_order =
       0;  ///< not 0: a seed for the order in which chips are run ahead; changes nothing that can be observed
-  bool guard = false;  ///< shared memory refuses what a DSP's task may not write (machine/guard.hpp)
+  bool guard = false;                 ///< shared memory refuses what a DSP's task may not write (machine/guard.hpp)
   std::vector<ScriptedEvent> script;  ///< in any order
 };
 
@@ -186,7 +189,7 @@ struct SlotStatistics {
   std::uint64_t dropped_writes = 0;  ///< fenced
   std::uint64_t interrupts = 0;
   std::uint64_t boots = 0;
-  std::uint64_t words_to_dsp = 0;    ///< over the link, and the other way
+  std::uint64_t words_to_dsp = 0;  ///< over the link, and the other way
   std::uint64_t words_from_dsp = 0;
   std::uint64_t words_lost = 0;
   std::int64_t window_b_arbitration = 0;  ///< cycles, of the chip's cause bus_arbitration; the others are window A's
@@ -226,7 +229,8 @@ class Machine {
   const Clock& chip_clock() const;  ///< nominal
   unsigned buses() const;
   const pci::Bus& bus(BusId id) const;
-  /// What the invariants of buses (pci::audit) and links have to say against this run; empty unless the model has a fault.
+  /// What the invariants of buses (pci::audit) and links have to say against this run; empty unless the model has a
+  /// fault.
   std::vector<std::string> audit() const;
   pci::BusStatistics bus_statistics(BusId id) const;  ///< of all clocks up to time()
   /// Between slots, in the order of Config::links.
@@ -241,14 +245,15 @@ class Machine {
   /// Shared memory as a debugger sees it, without time or side effects: offsets 0 to FFFFh.
   Word peek(Offset offset) const;
   void poke(Offset offset, Word word);
-  /// Hears every access by a bus to a word of shared memory: what it held and holds then, whose (DSP's slot + 1, 0 the host's), and
-  /// when it is done; none: nobody. Changes nothing.
+  /// Hears every access by a bus to a word of shared memory: what it held and holds then, whose (DSP's slot + 1, 0 the
+  /// host's), and when it is done; none: nobody. Changes nothing.
   using SharedWatch = std::function<void(Offset, Word before, Word value, bool write, unsigned agent, Time done)>;
   void watch_shared(SharedWatch watch);
   /// When a cycle of a DSP begins, at its present pace.
   Time time_of(unsigned slot, std::int64_t cycle) const;
   Word symbol(std::string_view name) const;  ///< of the program; std::out_of_range names it
-  /// What the boot ROM of this slot's DSP has to be sent (Config::boot): the program with dsp_slot, idle_policy and pause_count set.
+  /// What the boot ROM of this slot's DSP has to be sent (Config::boot): the program with dsp_slot, idle_policy and
+  /// pause_count set.
   std::vector<Word> boot_stream(unsigned slot) const;
 
   /// SHA-256 is the report's business: this appends the machine's own final state (shared memory, devices' registers,

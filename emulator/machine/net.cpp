@@ -23,7 +23,8 @@ Net::Net(NetDescription description, const std::vector<PinOwner*>& owners)
 }
 
 void Net::start() {
-  for (std::size_t i = 0; i < receivers_.size(); ++i) owners_[i]->pin_changes(description_.receivers[i].pin, level_, Time{0});
+  for (std::size_t i = 0; i < receivers_.size(); ++i)
+    owners_[i]->pin_changes(description_.receivers[i].pin, level_, Time{0});
 }
 
 // ---- what drives it ----
@@ -55,7 +56,8 @@ std::optional<Net::Change> Net::next_pulse() const {
   if (!pulsing_) return {};
   const Time begins = pulses_.first + pulses_.period * static_cast<std::int64_t>(pulse_ / 2);
   const bool ends = pulse_ % 2 == 1;
-  return Change{ends ? begins + pulses_.width : begins, script(), ends ? Drive::none : c40::drive_to(!description_.rest)};
+  return Change{ends ? begins + pulses_.width : begins, script(),
+                ends ? Drive::none : c40::drive_to(!description_.rest)};
 }
 
 bool Net::resulting_level() const {
@@ -188,7 +190,9 @@ std::vector<ChipPin> parse_pins(std::string_view text, char between, const std::
 }  // namespace
 
 ChipPin parse_pin(std::string_view text, const std::vector<std::string>& chips) {
-  const auto unclear = [&](const std::string& right) { return std::invalid_argument(fmt::format("\"{}\" is no pin of a chip; {}", text, right)); };
+  const auto unclear = [&](const std::string& right) {
+    return std::invalid_argument(fmt::format("\"{}\" is no pin of a chip; {}", text, right));
+  };
   const std::size_t dot = text.rfind('.');
   if (dot == std::string_view::npos) throw unclear("CHIP.PIN is expected, as 0.TCLK0 or 1.IIOF2");
   const std::string_view chip = text.substr(0, dot), pin = text.substr(dot + 1);
@@ -238,18 +242,24 @@ std::string to_text(const NetDescription& net) {
 void check(const std::vector<NetDescription>& nets, std::size_t chips) {
   std::vector<std::pair<ChipPin, const NetDescription*>> taken;
   for (const NetDescription& net : nets) {
-    const auto refuse = [&](const std::string& why) { return std::invalid_argument(fmt::format("net {} ({}): {}", net.name, to_text(net), why)); };
+    const auto refuse = [&](const std::string& why) {
+      return std::invalid_argument(fmt::format("net {} ({}): {}", net.name, to_text(net), why));
+    };
     if (net.receivers.empty()) throw refuse("no pin receives; one at least is expected");
-    if (net.drivers.size() > 1 && !net.open_drain) throw refuse("two pins drive it; an open-drain net is written with &, as 0.IIOF1&1.IIOF1>2.IIOF0");
+    if (net.drivers.size() > 1 && !net.open_drain)
+      throw refuse("two pins drive it; an open-drain net is written with &, as 0.IIOF1&1.IIOF1>2.IIOF0");
     if (net.open_drain && !net.rest) throw refuse("an open-drain net is high at rest");
     for (const ChipPin& pin : net.drivers)
-      if (!c40::can_be_output(pin.pin)) throw refuse(fmt::format("{} cannot drive it; IIOF and TCLK are outputs", to_text(pin)));
+      if (!c40::can_be_output(pin.pin))
+        throw refuse(fmt::format("{} cannot drive it; IIOF and TCLK are outputs", to_text(pin)));
     for (const std::vector<ChipPin>* pins : {&net.drivers, &net.receivers}) {
       for (const ChipPin& pin : *pins) {
         if (pin.chip >= chips) throw refuse(fmt::format("there is no chip {}; the last is {}", pin.chip, chips - 1));
         const auto other = std::ranges::find(taken, pin, &std::pair<ChipPin, const NetDescription*>::first);
-        if (other != taken.end() && other->second == &net) throw refuse(fmt::format("pin {} stands in it twice", to_text(pin)));
-        if (other != taken.end()) throw refuse(fmt::format("pin {} is on net {} already", to_text(pin), other->second->name));
+        if (other != taken.end() && other->second == &net)
+          throw refuse(fmt::format("pin {} stands in it twice", to_text(pin)));
+        if (other != taken.end())
+          throw refuse(fmt::format("pin {} is on net {} already", to_text(pin), other->second->name));
         taken.emplace_back(pin, &net);
       }
     }
@@ -272,7 +282,9 @@ std::vector<NetDescription> parse_slot_nets(std::string_view text, std::size_t s
 void check_slot_nets(const std::vector<NetDescription>& nets, std::size_t slots) {
   check(nets, slots);
   for (const NetDescription& net : nets) {
-    const auto refuse = [&](std::string_view why) { return std::invalid_argument(fmt::format("net {} ({}): {}", net.name, to_text(net), why)); };
+    const auto refuse = [&](std::string_view why) {
+      return std::invalid_argument(fmt::format("net {} ({}): {}", net.name, to_text(net), why));
+    };
     if (net.drivers.empty()) throw refuse("no pin drives it; IIOF1 to IIOF3 or TCLK of a slot is expected");
     for (const std::vector<ChipPin>* pins : {&net.drivers, &net.receivers})
       for (const ChipPin& pin : *pins)
@@ -288,8 +300,9 @@ std::size_t net_named(std::string_view text, const std::vector<NetDescription>& 
   }
   for (std::size_t n = 0; n < nets.size(); ++n)
     if (fmt::format("{}", n) == text) return n;
-  throw std::invalid_argument(names.empty() ? fmt::format("there is no net {}; there are none", text)
-                                            : fmt::format("there is no net {}; {} is expected", text, fmt::join(names, ", ")));
+  throw std::invalid_argument(names.empty()
+                                  ? fmt::format("there is no net {}; there are none", text)
+                                  : fmt::format("there is no net {}; {} is expected", text, fmt::join(names, ", ")));
 }
 
 }  // namespace machine

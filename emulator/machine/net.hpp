@@ -1,12 +1,13 @@
 #pragma once
 /// Nets: wires between pins of chips (IIOF, NMI, TCLK, RESET), of networks and between the dock's DSPs.
 ///
-/// A net has the level that its driver gives it; when nobody drives it, its level at rest (a pull-up or pull-down resistor).
-/// Several drivers are possible on an open-drain net only: it is low while one of them drives it low. An edge travels in no
-/// time. Each receiver looks at the net at the begin of each of its H1 cycles, and a change that it sees there acts one cycle
-/// later (the synchroniser). What comes and goes between two looks is missed, and counted.
+/// A net has the level that its driver gives it; when nobody drives it, its level at rest (a pull-up or pull-down
+/// resistor). Several drivers are possible on an open-drain net only: it is low while one of them drives it low. An
+/// edge travels in no time. Each receiver looks at the net at the begin of each of its H1 cycles, and a change that it
+/// sees there acts one cycle later (the synchroniser). What comes and goes between two looks is missed, and counted.
 ///
-/// Inaccuracies: the synchroniser's one cycle is a model. A processor that is in an instruction takes the interrupt at its end.
+/// Inaccuracies: the synchroniser's one cycle is a model. A processor that is in an instruction takes the interrupt at
+/// its end.
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -39,7 +40,8 @@ struct NetDescription {
   bool is_driven() const { return !drivers.empty(); }
 };
 
-/// "0.TCLK0>1.IIOF1+2.NMI"; wired-and: "0.IIOF1&1.IIOF1>2.IIOF0"; driven by a script only: ">1.TCLK0". A name may stand before it: "index: >1.IIOF2".
+/// "0.TCLK0>1.IIOF1+2.NMI"; wired-and: "0.IIOF1&1.IIOF1>2.IIOF0"; driven by a script only: ">1.TCLK0". A name may stand
+/// before it: "index: >1.IIOF2".
 /// \param chips the names of the chips, which also have numbers
 /// \throws std::invalid_argument with what would be right
 NetDescription parse_net(std::string_view text, const std::vector<std::string>& chips);

@@ -29,7 +29,8 @@ bool is_sigi(Word word) {
 
 // ---- building ----
 
-Network::Network(NetworkDescription description, std::uint64_t turn_order) : description_(std::move(description)), scheduler_(turn_order) {
+Network::Network(NetworkDescription description, std::uint64_t turn_order)
+    : description_(std::move(description)), scheduler_(turn_order) {
   NetworkDescription& d = description_;
   if (d.chips.empty() || d.chips.size() > most_chips)
     throw NetworkError(fmt::format("a network of {} chips; 1 to {} are possible", d.chips.size(), most_chips));
@@ -38,7 +39,8 @@ Network::Network(NetworkDescription description, std::uint64_t turn_order) : des
     const std::size_t n = nodes_.size();
     if (chip.name.empty()) chip.name = fmt::format("{}", n);
     const double mhz = chip.clock_mhz ? *chip.clock_mhz : chip.board.clock_mhz.value_or(default_clock_mhz);
-    if (!(mhz >= 0.001 && mhz <= 1000)) throw NetworkError(fmt::format("chip {}: a clock of {} MHz; 0.001 to 1000 are possible", n, mhz));
+    if (!(mhz >= 0.001 && mhz <= 1000))
+      throw NetworkError(fmt::format("chip {}: a clock of {} MHz; 0.001 to 1000 are possible", n, mhz));
     nodes_.push_back(std::make_unique<Node>(*this, n, chip, Clock{instruction_cycles_per_second(mhz)}));
   }
   join_links();
@@ -55,7 +57,8 @@ Network::~Network() = default;
 
 /// In the order of ties: links, nets, what is scripted, chips.
 void Network::take_part() {
-  for (std::size_t n = 0; n < links_.size(); ++n) scheduler_.add(*link_turns_.emplace_back(std::make_unique<LinkTurn>(*this, n)));
+  for (std::size_t n = 0; n < links_.size(); ++n)
+    scheduler_.add(*link_turns_.emplace_back(std::make_unique<LinkTurn>(*this, n)));
   for (auto& net : nets_) scheduler_.add(*net);
   scheduler_.add(*(action_turn_ = std::make_unique<ActionTurn>(*this)));
   for (auto& node : nodes_) scheduler_.add(*node);
@@ -68,15 +71,20 @@ void Network::join_links() {
     std::array<c40::Link::Side, 2> sides;
     for (std::size_t i = 0; i < 2; ++i) {
       const PortName& end = i == 0 ? given.a : given.b;
-      if (end.chip >= nodes_.size()) throw NetworkError(fmt::format("link {}: there is no chip {}; the network has {}", name, end.chip, nodes_.size()));
+      if (end.chip >= nodes_.size())
+        throw NetworkError(
+            fmt::format("link {}: there is no chip {}; the network has {}", name, end.chip, nodes_.size()));
       if (end.port < 0 || end.port >= c40::port_count)
-        throw NetworkError(fmt::format("link {}: chip {} has no port {}; 0 to {} are possible", name, end.chip, end.port, c40::port_count - 1));
+        throw NetworkError(fmt::format("link {}: chip {} has no port {}; 0 to {} are possible", name, end.chip,
+                                       end.port, c40::port_count - 1));
       Node& node = *nodes_[end.chip];
-      sides[i] = {fmt::format("chip {} port {}", end.chip, end.port), end.port, &node.chip.port(end.port), PacedClock{node.clock}};
+      sides[i] = {fmt::format("chip {} port {}", end.chip, end.port), end.port, &node.chip.port(end.port),
+                  PacedClock{node.clock}};
     }
     for (const PortName& end : {given.a, given.b})
       if (const auto other = taken.find(end); other != taken.end() && given.a != given.b)
-        throw NetworkError(fmt::format("link {}: port {} of chip {} is taken by link {}; a port has one link", name, end.port, end.chip, other->second));
+        throw NetworkError(fmt::format("link {}: port {} of chip {} is taken by link {}; a port has one link", name,
+                                       end.port, end.chip, other->second));
     taken.emplace(given.a, name), taken.emplace(given.b, name);
     const std::size_t number = links_.size();
     try {
@@ -116,25 +124,34 @@ void Network::join_nets() {
     nets_.push_back(std::make_unique<Net>(net, owners));
     nets_.back()->listener = net_tap_.get();
     for (const ChipPin& pin : net.drivers) join(pin, nodes_[pin.chip]->nets_out, outputs[pin.chip]);
-    for (const ChipPin& pin : net.receivers) join(pin, nodes_[pin.chip]->nets_in, inputs[pin.chip]), nodes_[pin.chip]->pins_in.push_back(pin.pin);
+    for (const ChipPin& pin : net.receivers)
+      join(pin, nodes_[pin.chip]->nets_in, inputs[pin.chip]), nodes_[pin.chip]->pins_in.push_back(pin.pin);
   }
   for (auto& node : nodes_)
-    if ((outputs[node->number] | inputs[node->number]) != 0) node->chip.watch_pins(node.get(), outputs[node->number], inputs[node->number]);
+    if ((outputs[node->number] | inputs[node->number]) != 0)
+      node->chip.watch_pins(node.get(), outputs[node->number], inputs[node->number]);
 }
 
 void Network::add_memories() {
   for (const SharedMemory& given : description_.memories) {
-    if (given.words == 0 || given.words > 1u << 24) throw NetworkError(fmt::format("memory {}: {} words; 1 to {} are possible", given.name, given.words, 1u << 24));
-    if (given.waits < 0 || given.waits > 1000) throw NetworkError(fmt::format("memory {}: {} wait states; 0 to 1000 are possible", given.name, given.waits));
+    if (given.words == 0 || given.words > 1u << 24)
+      throw NetworkError(fmt::format("memory {}: {} words; 1 to {} are possible", given.name, given.words, 1u << 24));
+    if (given.waits < 0 || given.waits > 1000)
+      throw NetworkError(fmt::format("memory {}: {} wait states; 0 to 1000 are possible", given.name, given.waits));
     for (const auto& [chip, base] : given.places) {
-      if (chip >= nodes_.size()) throw NetworkError(fmt::format("memory {}: there is no chip {}; the network has {}", given.name, chip, nodes_.size()));
+      if (chip >= nodes_.size())
+        throw NetworkError(
+            fmt::format("memory {}: there is no chip {}; the network has {}", given.name, chip, nodes_.size()));
       const auto& regions = nodes_[chip]->description.board.board.regions;
       const bool inside = std::any_of(regions.begin(), regions.end(), [&, at = base](const c40::Region& r) {
-        return r.kind == c40::Region::Kind::external_window && at >= r.base && std::uint64_t{at} + given.words <= r.base + r.words;
+        return r.kind == c40::Region::Kind::external_window && at >= r.base &&
+               std::uint64_t{at} + given.words <= r.base + r.words;
       });
       if (!inside)
-        throw NetworkError(fmt::format("memory {}: the board of chip {} has no window that holds {} words from {:08X}h; a region with kind = \"window\" is expected there",
-                                       given.name, chip, given.words, base));
+        throw NetworkError(
+            fmt::format("memory {}: the board of chip {} has no window that holds {} words from {:08X}h; a region with "
+                        "kind = \"window\" is expected there",
+                        given.name, chip, given.words, base));
       if (memory_of(*nodes_[chip], base) != nullptr || memory_of(*nodes_[chip], base + given.words - 1) != nullptr)
         throw NetworkError(fmt::format("memory {}: chip {} has another memory at {:08X}h", given.name, chip, base));
     }
@@ -144,21 +161,24 @@ void Network::add_memories() {
 
 void Network::load(Node& node) {
   if (node.description.program == nullptr) {
-    if (!node.description.boot) throw NetworkError(fmt::format("chip {} has no program, and does not boot", node.number));
+    if (!node.description.boot)
+      throw NetworkError(fmt::format("chip {} has no program, and does not boot", node.number));
     node.description.program = std::make_shared<toolchain::Image>();
   }
   const toolchain::Image& image = *node.description.program;
   node.chip.reset();
   const c40::Board& board = node.description.board.board;
   const bool from_ports = node.description.boot && reset_source(board) == ResetSource::ports;
-  if (node.description.boot && !from_ports && reset_source(board) == ResetSource::memory) return load_stream(node, image, board);
+  if (node.description.boot && !from_ports && reset_source(board) == ResetSource::memory)
+    return load_stream(node, image, board);
   for (const toolchain::Image::Section& section : image.sections) {
     if (!section.loaded || from_ports) continue;
     try {
       node.chip.write_block(section.address, section.words);
     } catch (const std::out_of_range&) {
-      throw NetworkError(fmt::format("chip {}: section {} ({} words at {:08X}h) does not lie in RAM of board {}; board flat has RAM everywhere", node.number,
-                                     section.name, section.size, section.address, node.description.board.board.name));
+      throw NetworkError(fmt::format(
+          "chip {}: section {} ({} words at {:08X}h) does not lie in RAM of board {}; board flat has RAM everywhere",
+          node.number, section.name, section.size, section.address, node.description.board.board.name));
     }
   }
   ready_to_start(node);
@@ -172,7 +192,8 @@ void Network::load_stream(Node& node, const toolchain::Image& image, const c40::
   try {
     node.chip.write_block(boot_address(board), boot_memory(image, header));
   } catch (const std::exception& error) {
-    throw NetworkError(fmt::format("chip {}: board {}: the boot stream at {:08X}h, which the pins choose: {}", node.number, board.name, boot_address(board), error.what()));
+    throw NetworkError(fmt::format("chip {}: board {}: the boot stream at {:08X}h, which the pins choose: {}",
+                                   node.number, board.name, boot_address(board), error.what()));
   }
   ready_to_start(node);
 }
@@ -194,29 +215,41 @@ void Network::start(Node& node) {
   }
   node.chip.set_pc(node.description.entry.value_or(node.description.program->entry));
   const auto chips = static_cast<Word>(nodes_.size());
-  const std::array<Word, 4> values{static_cast<Word>(node.number), chips, description_.shape[0] == 0 ? chips : description_.shape[0],
+  const std::array<Word, 4> values{static_cast<Word>(node.number), chips,
+                                   description_.shape[0] == 0 ? chips : description_.shape[0],
                                    description_.shape[0] == 0 ? 1 : description_.shape[1]};
   constexpr std::array registers{isa::Register::R0, isa::Register::R1, isa::Register::R2, isa::Register::R3};
   for (std::size_t i = 0; i < registers.size(); ++i)
-    node.chip.set_register(registers[i], (node.chip.register_value(registers[i]) & ~std::uint64_t{0xFFFFFFFF}) | values[i]);
+    node.chip.set_register(registers[i],
+                           (node.chip.register_value(registers[i]) & ~std::uint64_t{0xFFFFFFFF}) | values[i]);
 }
 
 void Network::schedule(const NetworkAction& action) {
   const ActionTarget what = target_of(action.kind);
-  const std::size_t count = what == ActionTarget::link ? links_.size() : what == ActionTarget::net ? nets_.size() : nodes_.size();
+  const std::size_t count = what == ActionTarget::link  ? links_.size()
+                            : what == ActionTarget::net ? nets_.size()
+                                                        : nodes_.size();
   if (action.target >= count)
-    throw NetworkError(fmt::format("{}: there is no {} {}; the network has {}", name(action.kind), name(what), action.target, count));
+    throw NetworkError(
+        fmt::format("{}: there is no {} {}; the network has {}", name(action.kind), name(what), action.target, count));
   if (what == ActionTarget::net) {
     const NetDescription& net = nets_[action.target]->description();
     if (net.is_driven() && !net.open_drain)
-      throw NetworkError(fmt::format("{}: net {} ({}) is driven by a chip; a net without a driver, or an open-drain net, is expected", name(action.kind), net.name, to_text(net)));
+      throw NetworkError(
+          fmt::format("{}: net {} ({}) is driven by a chip; a net without a driver, or an open-drain net, is expected",
+                      name(action.kind), net.name, to_text(net)));
   }
   if (action.kind == NetworkAction::Kind::pulse) {
     if (action.width <= Time{0}) throw NetworkError("pulse: a width of more than 0 us is expected");
-    if (action.count != 1 && action.period <= action.width) throw NetworkError("pulse: a period of more than the width is expected");
+    if (action.count != 1 && action.period <= action.width)
+      throw NetworkError("pulse: a period of more than the width is expected");
   }
-  if (action.time < now_) throw NetworkError(fmt::format("{} at {} ps: the network has been run to {} ps already", name(action.kind), action.time.count(), now_.count()));
-  actions_.insert(std::upper_bound(actions_.begin(), actions_.end(), action, [](const auto& a, const auto& b) { return a.time < b.time; }), action);
+  if (action.time < now_)
+    throw NetworkError(fmt::format("{} at {} ps: the network has been run to {} ps already", name(action.kind),
+                                   action.time.count(), now_.count()));
+  actions_.insert(std::upper_bound(actions_.begin(), actions_.end(), action,
+                                   [](const auto& a, const auto& b) { return a.time < b.time; }),
+                  action);
   action_turn_->changed();
 }
 
@@ -232,7 +265,8 @@ Time Network::effective(const NetworkAction& action) const {
 Cycles Network::next_action_on(const Node& node) const {
   Cycles next = no_cycle;
   for (const NetworkAction& a : actions_)
-    if (a.target == node.number && target_of(a.kind) == ActionTarget::chip) next = std::min(next, node.first_cycle(a.time));
+    if (a.target == node.number && target_of(a.kind) == ActionTarget::chip)
+      next = std::min(next, node.first_cycle(a.time));
   return next;
 }
 
@@ -242,12 +276,14 @@ Time Network::next_action() const {
   return next;
 }
 
-/// Nothing can happen any more, but for loops that go on as they do, tokens that go to and fro, and timers that nobody listens to. Or every
-/// processor has ended, and only a DMA is armed.
+/// Nothing can happen any more, but for loops that go on as they do, tokens that go to and fro, and timers that nobody
+/// listens to. Or every processor has ended, and only a DMA is armed.
 bool Network::quiet() {
   if (!nodes_[moving_]->is_still() && !nodes_[moving_]->has_ended()) return false;
   if (!actions_.empty()) return false;
-  if (std::any_of(links_.begin(), links_.end(), [](const auto& link) { return link->next_event() != never && !link->only_exchanges_token(); })) return false;
+  if (std::any_of(links_.begin(), links_.end(),
+                  [](const auto& link) { return link->next_event() != never && !link->only_exchanges_token(); }))
+    return false;
   if (std::ranges::any_of(nets_, [](const auto& net) { return net->goes_on() && net->is_heard(); })) return false;
   for (auto& node : nodes_) node->look_for_loop();
   const auto moves = std::find_if(nodes_.begin(), nodes_.end(), [](const auto& node) { return !node->is_still(); });
@@ -297,15 +333,18 @@ std::optional<NetworkStop> Network::stop_if_quiet(Time limit) {
   return finish(reason, end);
 }
 
-/// Of a network that is quiet. A loop is found by a chip that may be ahead of others, or behind: this is when all have come to.
+/// Of a network that is quiet. A loop is found by a chip that may be ahead of others, or behind: this is when all have
+/// come to.
 Time Network::at_rest_since() const {
   Time since = changed_;
   Time ahead{0};
   for (const auto& node : nodes_) {
     since = std::max(since, node->at_rest_since());
     if (!node->patience.loop) continue;
-    if (node->chip.watches_ports()) ahead = std::max(ahead, node->lookahead());
-    else if (node->watches()) ahead = std::max(ahead, node->clock.at(2));  // what a pin does to it
+    if (node->chip.watches_ports())
+      ahead = std::max(ahead, node->lookahead());
+    else if (node->watches())
+      ahead = std::max(ahead, node->clock.at(2));  // what a pin does to it
   }
   return since + ahead;
 }
@@ -325,7 +364,8 @@ void Network::link_happens(std::size_t number, Time time) {
     if (!moved && node->status == ChipStatus::running) continue;  // it does not look at its ports
     const bool became_ready = node->note_ready(time);
     node->wake_up();
-    if (!moved && !became_ready && node->status == ChipStatus::waiting && !node->chip.dma_active()) continue;  // as before
+    if (!moved && !became_ready && node->status == ChipStatus::waiting && !node->chip.dma_active())
+      continue;  // as before
     node->changed();
     if (moved) node->tell_changes();
   }
@@ -340,17 +380,19 @@ void Network::perform_port(Node& node) {
 void Network::perform_memory(Node& node) {
   Memory& memory = *memory_of(node, node.stop.access.address);
   const c40::ExternalAccess& access = node.stop.access;
-  const auto place = std::find_if(memory.description.places.begin(), memory.description.places.end(), [&](const auto& p) {
-    return p.first == node.number && access.address - p.second < memory.description.words;
-  });
+  const auto place = std::find_if(
+      memory.description.places.begin(), memory.description.places.end(),
+      [&](const auto& p) { return p.first == node.number && access.address - p.second < memory.description.words; });
   Word& word = memory.words[access.address - place->second];
   const Word before = word;
   const Cycles cycle = node.first_cycle(now_);
   memory.free = node.clock.at(cycle + 1 + memory.description.waits);
   const auto owner = memory.owner;
   if (access.write && word != access.value) something_happened();
-  if (access.interlocked && access.write) memory.owner.reset();
-  else if (access.interlocked && !is_sigi(node.chip.peek(node.chip.pc()))) memory.owner = node.number;
+  if (access.interlocked && access.write)
+    memory.owner.reset();
+  else if (access.interlocked && !is_sigi(node.chip.peek(node.chip.pc())))
+    memory.owner = node.number;
   if (memory.owner != owner) something_happened();
   if (access.write) {
     word = access.value;
@@ -407,16 +449,22 @@ void Network::perform(const NetworkAction& action) {
   if (target_of(action.kind) == ActionTarget::net) {
     Net& net = *nets_[action.target];
     if (action.kind == pulse) return net.script(PulseTrain{now_, action.width, action.period, action.count});
-    return net.script(action.kind == low ? c40::Drive::low : action.kind == high ? c40::Drive::high : c40::Drive::none, now_);
+    return net.script(action.kind == low    ? c40::Drive::low
+                      : action.kind == high ? c40::Drive::high
+                                            : c40::Drive::none,
+                      now_);
   }
   Node& node = *nodes_[action.target];
   if (node.status == ChipStatus::pulled_out)
-    throw NetworkError(fmt::format("{} at {} ps: chip {} has been pulled out", name(action.kind), action.time.count(), node.number));
+    throw NetworkError(
+        fmt::format("{} at {} ps: chip {} has been pulled out", name(action.kind), action.time.count(), node.number));
   node.bring_to(now_, false);
   node.patience = {};
   node.chip.set_trace(node.trace);
-  const auto kind = action.kind == reset ? NetworkEvent::Kind::reset : action.kind == hold ? NetworkEvent::Kind::hold
-                    : action.kind == release ? NetworkEvent::Kind::release : NetworkEvent::Kind::pull_out;
+  const auto kind = action.kind == reset     ? NetworkEvent::Kind::reset
+                    : action.kind == hold    ? NetworkEvent::Kind::hold
+                    : action.kind == release ? NetworkEvent::Kind::release
+                                             : NetworkEvent::Kind::pull_out;
   events_.push_back({kind, now_, node.number, 0, 0, 0});
   switch (action.kind) {
     case reset: return reset_chip(node);
@@ -430,9 +478,7 @@ void Network::perform(const NetworkAction& action) {
       node.chip.hold(true);
       node.status = ChipStatus::pulled_out;
       return;
-    default:
-      node.chip.hold(true);
-      node.status = ChipStatus::held;
+    default: node.chip.hold(true); node.status = ChipStatus::held;
   }
 }
 
@@ -440,7 +486,8 @@ void Network::reset_chip(Node& node) {
   for (int n = 0; n < c40::port_count; ++n)
     for (const c40::Fifo* fifo : {&node.chip.port(n).output, &node.chip.port(n).input})
       for (const Word word : fifo->words())
-        events_.push_back({NetworkEvent::Kind::discarded, now_, node.number, n, word, fifo == &node.chip.port(n).input ? 1 : 0});
+        events_.push_back(
+            {NetworkEvent::Kind::discarded, now_, node.number, n, word, fifo == &node.chip.port(n).input ? 1 : 0});
   for (auto& memory : memories_)
     if (memory->owner == node.number) memory->owner.reset();
   node.chip.hold(false);
@@ -459,11 +506,16 @@ NetworkStop Network::finish(NetworkStop::Reason reason, Time end) {
       while (net->next() <= end) net->act(net->next());  // which nobody heeds
   now_ = reason == NetworkStop::Reason::limit ? std::max(now_, end) : end;
   for (auto& node : nodes_)
-    if (reason == NetworkStop::Reason::limit && !node->patience.loop && (node->follows() || (node->status == ChipStatus::running && node->chip.dma_active())))
+    if (reason == NetworkStop::Reason::limit && !node->patience.loop &&
+        (node->follows() || (node->status == ChipStatus::running && node->chip.dma_active())))
       node->run_to(end);  // its last instruction, if it follows its ports only now; and its DMA, which may be behind
-    else if (node->status == ChipStatus::waiting && node->chip.dma_active() && !node->chip.dma_busy()) node->run_to(end);  // its timers
-    else if (node->status == ChipStatus::sleeping || node->held() || (node->patience.loop && node->status == ChipStatus::running)) node->bring_to(end, false);
-  // What has happened since a chip was last looked at is noted at every instant that a run comes to, wherever it was cut.
+    else if (node->status == ChipStatus::waiting && node->chip.dma_active() && !node->chip.dma_busy())
+      node->run_to(end);  // its timers
+    else if (node->status == ChipStatus::sleeping || node->held() ||
+             (node->patience.loop && node->status == ChipStatus::running))
+      node->bring_to(end, false);
+  // What has happened since a chip was last looked at is noted at every instant that a run comes to, wherever it was
+  // cut.
   for (auto& node : nodes_)
     if (!node->patience.is_private && node->patience.happenings != happenings_) node->begin_patience();
   check_words();
@@ -472,7 +524,8 @@ NetworkStop Network::finish(NetworkStop::Reason reason, Time end) {
 
 void Network::check_words() const {
   for (std::size_t n = 0; n < links_.size(); ++n)
-    if (const auto fault = links_[n]->unbalanced()) throw std::logic_error(fmt::format("link {}: {}", machine::to_text(description_.links[n]), *fault));
+    if (const auto fault = links_[n]->unbalanced())
+      throw std::logic_error(fmt::format("link {}: {}", machine::to_text(description_.links[n]), *fault));
 }
 
 Chip& Network::chip(std::size_t n) { return nodes_.at(n)->chip; }

@@ -1,15 +1,16 @@
 #pragma once
-/// Networks of chips: up to 64, each with its own program, board and clock, joined by links between communication ports, by
-/// memories that several of them reach, and by nets between their pins (docs/networks.md).
+/// Networks of chips: up to 64, each with its own program, board and clock, joined by links between communication
+/// ports, by memories that several of them reach, and by nets between their pins (docs/networks.md).
 ///
-/// Order: machine/scheduler.hpp. A chip runs ahead on what is its own and stops before it touches a linked port or a shared memory.
-/// One whose ports can interrupt it, or move its DMA, or to whose pins a net leads, runs no further than anything could reach it.
-/// Ties: links, nets, actions, chips by their numbers.
+/// Order: machine/scheduler.hpp. A chip runs ahead on what is its own and stops before it touches a linked port or a
+/// shared memory. One whose ports can interrupt it, or move its DMA, or to whose pins a net leads, runs no further than
+/// anything could reach it. Ties: links, nets, actions, chips by their numbers.
 ///
-/// Inaccuracies: a wait that a reset, a hold or the end of the run cuts short is not among the chip's cycles by cause as a wait for
-/// the port: up to the reset or hold the chip counts as halted, at the end its count stops where the wait began. An access of the DMA
-/// to a shared memory lets its processor's access wait, whatever that is to. That a program polls what nobody will ever change is found only if
-/// no timer of its chip runs, and some ten thousand cycles after the last thing that happened.
+/// Inaccuracies: a wait that a reset, a hold or the end of the run cuts short is not among the chip's cycles by cause
+/// as a wait for the port: up to the reset or hold the chip counts as halted, at the end its count stops where the wait
+/// began. An access of the DMA to a shared memory lets its processor's access wait, whatever that is to. That a program
+/// polls what nobody will ever change is found only if no timer of its chip runs, and some ten thousand cycles after
+/// the last thing that happened.
 #include <functional>
 #include <memory>
 #include <optional>
@@ -65,15 +66,16 @@ struct NetworkChip {
   std::string name;  ///< empty: its number
   std::shared_ptr<const toolchain::Image> program;
   BoardDescription board{.board = c40::Board::default_board()};
-  std::optional<double> clock_mhz;            ///< before the board's
+  std::optional<double> clock_mhz;           ///< before the board's
   std::optional<c40::Address> entry, until;  ///< `until`: it has ended before the instruction there
-  /// It starts as its RESET pin starts it. If the board says nothing of its pins, or they choose the ports: in the boot ROM, which takes its program from
-  /// whichever port brings it one; `program` says only what is expected to come (symbols, lines, ends) and may be null.
+  /// It starts as its RESET pin starts it. If the board says nothing of its pins, or they choose the ports: in the boot
+  /// ROM, which takes its program from whichever port brings it one; `program` says only what is expected to come
+  /// (symbols, lines, ends) and may be null.
   bool boot = false;
 };
 
-/// A memory that several chips reach through windows of their boards. One access at a time; an interlocked load keeps all other chips out
-/// until the same chip's interlocked store.
+/// A memory that several chips reach through windows of their boards. One access at a time; an interlocked load keeps
+/// all other chips out until the same chip's interlocked store.
 struct SharedMemory {
   std::string name;
   c40::Address words = 0;
@@ -83,12 +85,16 @@ struct SharedMemory {
 
 struct NetworkAction {
   enum class Kind : std::uint8_t {
-    cut, restore,    ///< a link
-    reset,           ///< a chip starts anew at its entry; memory stays, what its ports hold is lost
-    hold, release,   ///< a chip is held in reset, and goes on where it was
-    pull_out,        ///< a chip is held and its links are cut
-    low, high, open, ///< a net is driven, and driven no more
-    pulse            ///< a net leaves its level at rest for `width`; `count` times, or without end if that is 0, every `period`
+    cut,
+    restore,  ///< a link
+    reset,    ///< a chip starts anew at its entry; memory stays, what its ports hold is lost
+    hold,
+    release,   ///< a chip is held in reset, and goes on where it was
+    pull_out,  ///< a chip is held and its links are cut
+    low,
+    high,
+    open,  ///< a net is driven, and driven no more
+    pulse  ///< a net leaves its level at rest for `width`; `count` times, or without end if that is 0, every `period`
   } kind = Kind::cut;
   Time time{};
   std::size_t target = 0;  ///< of links, chips or nets
@@ -103,7 +109,8 @@ std::string_view name(ActionTarget target);
 /// \throws NetworkError
 NetworkAction::Kind action_named(std::string_view text);
 /// The number of the link that joins these ends, in either order. \throws NetworkError
-std::size_t link_named(std::string_view text, const std::vector<std::string>& chips, const std::vector<NetworkLink>& links);
+std::size_t link_named(std::string_view text, const std::vector<std::string>& chips,
+                       const std::vector<NetworkLink>& links);
 /// By its name or number. \throws NetworkError
 std::size_t chip_named(std::string_view text, const std::vector<std::string>& chips);
 
@@ -120,7 +127,8 @@ struct NetworkDescription {
 /// The number of the link, chip or net of this name. \throws NetworkError
 std::size_t action_target_named(NetworkAction::Kind kind, std::string_view text, const NetworkDescription& network);
 /// \param count none: one pulse, or with a period pulses without end
-void set_pulses(NetworkAction& action, double width_us, std::optional<double> period_us, std::optional<std::uint64_t> count);
+void set_pulses(NetworkAction& action, double width_us, std::optional<double> period_us,
+                std::optional<std::uint64_t> count);
 /// "12.5,cut,0.3:1.0", "20,reset,1", "5,low,sync", "5,pulse,index,WIDTH_US[,PERIOD_US[,COUNT]]". \throws NetworkError
 NetworkAction parse_action(std::string_view text, const NetworkDescription& network);
 
@@ -133,16 +141,32 @@ std::size_t set_topology(NetworkDescription& network, std::string_view text);
 std::vector<NetworkLink> grid_links(const std::vector<std::size_t>& size, bool closed);
 std::vector<NetworkLink> hypercube_links(unsigned dimensions);
 
-/// Something on a link or net, or to a chip. Always kept are losses, cuts, actions and edges that were missed; words, tokens and edges if
-/// asked for.
+/// Something on a link or net, or to a chip. Always kept are losses, cuts, actions and edges that were missed; words,
+/// tokens and edges if asked for.
 struct NetworkEvent {
-  enum class Kind : std::uint8_t { word, token, lost, dead, cut, restored, rise, fall, missed, discarded, reset, hold, release, pull_out };
+  enum class Kind : std::uint8_t {
+    word,
+    token,
+    lost,
+    dead,
+    cut,
+    restored,
+    rise,
+    fall,
+    missed,
+    discarded,
+    reset,
+    hold,
+    release,
+    pull_out
+  };
   Kind kind = Kind::word;
   Time time{};
   std::size_t place = 0;  ///< number of the link; of the net from `rise` on, of the chip from `discarded` on
-  int side = 0;           ///< of the link: who sends, or gets the token; the port of `discarded`; the chip that missed an edge
+  int side = 0;  ///< of the link: who sends, or gets the token; the port of `discarded`; the chip that missed an edge
   c40::Word word = 0;
-  int count = 0;  ///< bytes of a lost word that had crossed; of `discarded` 1 if it lay in the input FIFO, 0 in the output FIFO
+  int count =
+      0;  ///< bytes of a lost word that had crossed; of `discarded` 1 if it lay in the input FIFO, 0 in the output FIFO
 };
 std::string_view name(NetworkEvent::Kind kind);
 /// Kept only if asked for.
@@ -165,12 +189,13 @@ std::string configuration_of(const toolchain::Image& image);
 /// How a chip stands.
 enum class ChipStatus : std::uint8_t {
   running,
-  waiting,          ///< before an access to a port or a shared memory; or its DMA waits for an event or a FIFO, and it for nothing else
-  looping,          ///< goes round a loop for ever, unless something that it reads there changes
-  sleeping,         ///< IDLE; a port could wake it
-  halt,             ///< branch to itself with no interrupt to come
-  idle,             ///< IDLE with no interrupt to come
-  until,            ///< reached its `until`
+  waiting,   ///< before an access to a port or a shared memory; or its DMA waits for an event or a FIFO, and it for
+             ///< nothing else
+  looping,   ///< goes round a loop for ever, unless something that it reads there changes
+  sleeping,  ///< IDLE; a port could wake it
+  halt,      ///< branch to itself with no interrupt to come
+  idle,      ///< IDLE with no interrupt to come
+  until,     ///< reached its `until`
   fault,
   external_access,  ///< an access to a window with nothing behind it
   held,
@@ -181,7 +206,8 @@ std::string_view name(ChipStatus status);
 struct NetworkStop {
   enum class Reason : std::uint8_t {
     ended,     ///< every processor has ended or sleeps, and nothing can wake one; a DMA may be armed
-    deadlock,  ///< nothing but tokens to and fro can happen any more, and a processor waits, polls, or sleeps for a DMA that waits
+    deadlock,  ///< nothing but tokens to and fro can happen any more, and a processor waits, polls, or sleeps for a DMA
+               ///< that waits
     limit,
     interrupted,  ///< io::stop_asked(); run_until goes on
   } reason = Reason::limit;
@@ -233,9 +259,11 @@ class Network {
   };
   std::optional<MemoryPlace> memory_place(std::size_t chip, c40::Address address) const;
   /// Hears every access to shared memories, after it: who, where, what the word held; null: nobody. Changes nothing.
-  using MemoryListener = std::function<void(std::size_t chip, MemoryPlace place, c40::Word before, const c40::ExternalAccess& access, Time time)>;
+  using MemoryListener = std::function<void(std::size_t chip, MemoryPlace place, c40::Word before,
+                                            const c40::ExternalAccess& access, Time time)>;
   void watch_memory(MemoryListener listener) { memory_listener_ = std::move(listener); }
-  /// Who hears each instruction of a chip; null: nobody. Changes nothing. Use this, not Chip::set_trace: the network listens too.
+  /// Who hears each instruction of a chip; null: nobody. Changes nothing. Use this, not Chip::set_trace: the network
+  /// listens too.
   void set_trace(std::size_t n, c40::TraceSink* sink);
 
   /// \throws NetworkError if the target does not exist or the time is past.
@@ -253,7 +281,8 @@ class Network {
   /// A line for each event of the links and of the chips, by time.
   std::vector<std::string> event_trace() const;
 
-  /// For every direction of every link: written = read + in FIFOs + under way + lost + discarded. \throws std::logic_error
+  /// For every direction of every link: written = read + in FIFOs + under way + lost + discarded. \throws
+  /// std::logic_error
   void check_words() const;
 
  private:
@@ -314,9 +343,9 @@ class Network {
   void something_happened() { ++happenings_, happened_ = now_; }
   std::uint64_t happenings_ = 0;  ///< on links, in shared memories, to chips: what could end a loop that polls
   Time happened_{0};              ///< the last of them
-  Time changed_{0};               ///< the last thing on a link that was no mere exchange of the token, change of a pin, or action
-  std::size_t moving_ = 0;        ///< a chip that was not at rest when last looked at
-  Time ends_at_ = never;          ///< of a network that is quiet: when all have come to rest
+  Time changed_{0};  ///< the last thing on a link that was no mere exchange of the token, change of a pin, or action
+  std::size_t moving_ = 0;  ///< a chip that was not at rest when last looked at
+  Time ends_at_ = never;    ///< of a network that is quiet: when all have come to rest
   bool records_words_ = false;
   MemoryListener memory_listener_;
 };

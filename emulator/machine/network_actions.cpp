@@ -17,10 +17,11 @@ struct Row {
 };
 using enum NetworkAction::Kind;
 constexpr std::array rows{
-    Row{cut, "cut", ActionTarget::link},      Row{restore, "restore", ActionTarget::link}, Row{reset, "reset", ActionTarget::chip},
-    Row{hold, "hold", ActionTarget::chip},    Row{release, "release", ActionTarget::chip}, Row{pull_out, "pull_out", ActionTarget::chip},
-    Row{low, "low", ActionTarget::net},       Row{high, "high", ActionTarget::net},        Row{open, "open", ActionTarget::net},
-    Row{pulse, "pulse", ActionTarget::net},
+    Row{cut, "cut", ActionTarget::link},         Row{restore, "restore", ActionTarget::link},
+    Row{reset, "reset", ActionTarget::chip},     Row{hold, "hold", ActionTarget::chip},
+    Row{release, "release", ActionTarget::chip}, Row{pull_out, "pull_out", ActionTarget::chip},
+    Row{low, "low", ActionTarget::net},          Row{high, "high", ActionTarget::net},
+    Row{open, "open", ActionTarget::net},        Row{pulse, "pulse", ActionTarget::net},
 };
 constexpr const Row& row_of(NetworkAction::Kind kind) { return rows[static_cast<std::size_t>(kind)]; }
 static_assert([] {
@@ -34,7 +35,8 @@ constexpr double most_microseconds = 1e12;
 std::optional<double> number(std::string_view text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || !(value >= 0 && value <= most_microseconds)) return {};
+  if (error != std::errc{} || end != text.data() + text.size() || !(value >= 0 && value <= most_microseconds))
+    return {};
   return value;
 }
 
@@ -70,7 +72,8 @@ NetworkAction::Kind action_named(std::string_view text) {
 
 std::size_t action_target_named(NetworkAction::Kind kind, std::string_view text, const NetworkDescription& network) {
   std::vector<std::string> chips;
-  for (const NetworkChip& chip : network.chips) chips.push_back(chip.name.empty() ? fmt::format("{}", chips.size()) : chip.name);
+  for (const NetworkChip& chip : network.chips)
+    chips.push_back(chip.name.empty() ? fmt::format("{}", chips.size()) : chip.name);
   switch (target_of(kind)) {
     case ActionTarget::link: return link_named(text, chips, network.links);
     case ActionTarget::chip: return chip_named(text, chips);
@@ -83,7 +86,8 @@ std::size_t action_target_named(NetworkAction::Kind kind, std::string_view text,
   }
 }
 
-void set_pulses(NetworkAction& action, double width_us, std::optional<double> period_us, std::optional<std::uint64_t> count) {
+void set_pulses(NetworkAction& action, double width_us, std::optional<double> period_us,
+                std::optional<std::uint64_t> count) {
   action.width = microseconds(width_us);
   if (period_us) action.period = microseconds(*period_us);
   action.count = count ? *count : period_us ? 0 : 1;
@@ -92,21 +96,26 @@ void set_pulses(NetworkAction& action, double width_us, std::optional<double> pe
 NetworkAction parse_action(std::string_view text, const NetworkDescription& network) {
   const std::vector<std::string_view> parts = split(text);
   const auto at = number(parts[0]);
-  if (parts.size() < 3 || !at) throw NetworkError("AT_US,ACTION,TARGET is expected, as 12.5,cut,0.3:1.0 or 20,reset,1 or 5,pulse,index,2");
+  if (parts.size() < 3 || !at)
+    throw NetworkError("AT_US,ACTION,TARGET is expected, as 12.5,cut,0.3:1.0 or 20,reset,1 or 5,pulse,index,2");
   NetworkAction action;
   action.time = microseconds(*at);
   action.kind = action_named(parts[1]);
   action.target = action_target_named(action.kind, parts[2], network);
   if (action.kind != pulse) {
-    if (parts.size() > 3) throw NetworkError(fmt::format("{} has no more than a target; \"{}\" is too much", name(action.kind), parts[3]));
+    if (parts.size() > 3)
+      throw NetworkError(fmt::format("{} has no more than a target; \"{}\" is too much", name(action.kind), parts[3]));
     return action;
   }
   std::array<std::optional<double>, 3> values;
   for (std::size_t n = 3; n < parts.size(); ++n)
-    if (n >= 6 || !(values[n - 3] = number(parts[n]))) throw NetworkError("AT_US,pulse,NET,WIDTH_US[,PERIOD_US[,COUNT]] is expected");
+    if (n >= 6 || !(values[n - 3] = number(parts[n])))
+      throw NetworkError("AT_US,pulse,NET,WIDTH_US[,PERIOD_US[,COUNT]] is expected");
   if (!values[0]) throw NetworkError("AT_US,pulse,NET,WIDTH_US[,PERIOD_US[,COUNT]] is expected");
-  if (values[2] && (*values[2] != std::floor(*values[2]) || *values[2] < 1)) throw NetworkError("pulse: COUNT is a whole number, 1 or more");
-  set_pulses(action, *values[0], values[1], values[2] ? std::optional(static_cast<std::uint64_t>(*values[2])) : std::nullopt);
+  if (values[2] && (*values[2] != std::floor(*values[2]) || *values[2] < 1))
+    throw NetworkError("pulse: COUNT is a whole number, 1 or more");
+  set_pulses(action, *values[0], values[1],
+             values[2] ? std::optional(static_cast<std::uint64_t>(*values[2])) : std::nullopt);
   return action;
 }
 

@@ -18,17 +18,23 @@ constexpr auto chip_keys = {"number", "name", "program", "board", "clock_mhz", "
 
 class NetworkReader {
  public:
-  NetworkReader(std::string file, const ProgramReader& read_program) : file_(std::move(file)), read_program_(read_program) {}
+  NetworkReader(std::string file, const ProgramReader& read_program)
+      : file_(std::move(file)), read_program_(read_program) {}
 
   NetworkDescription read(const toml::table& root) {
     allow(root, {"chip", "topology", "link", "memory", "net", "event"}, "");
     const auto* topology = root.get("topology");
     if (topology != nullptr) generate(*topology);
-    each(root, "chip", [&](const toml::table& table, const toml::node& node) { chip(table, node, topology != nullptr); });
-    if (network_.chips.empty()) throw NetworkError(fmt::format("{}: there is no chip; [[chip]] with a program, or [topology], is expected", file_));
-    for (const NetworkChip& chip : network_.chips) names_.push_back(chip.name.empty() ? std::to_string(names_.size()) : chip.name);
+    each(root, "chip",
+         [&](const toml::table& table, const toml::node& node) { chip(table, node, topology != nullptr); });
+    if (network_.chips.empty())
+      throw NetworkError(
+          fmt::format("{}: there is no chip; [[chip]] with a program, or [topology], is expected", file_));
+    for (const NetworkChip& chip : network_.chips)
+      names_.push_back(chip.name.empty() ? std::to_string(names_.size()) : chip.name);
     for (std::size_t n = 0; n < network_.chips.size(); ++n)
-      if (network_.chips[n].program == nullptr && !network_.chips[n].boot) throw NetworkError(fmt::format("{}: chip {} has no program, and does not boot", file_, n));
+      if (network_.chips[n].program == nullptr && !network_.chips[n].boot)
+        throw NetworkError(fmt::format("{}: chip {} has no program, and does not boot", file_, n));
     each(root, "link", [&](const toml::table& table, const toml::node& node) { link(table, node); });
     each(root, "memory", [&](const toml::table& table, const toml::node& node) { memory(table, node); });
     each(root, "net", [&](const toml::table& table, const toml::node& node) { net(table, node); });
@@ -77,13 +83,15 @@ class NetworkReader {
 
   std::int64_t number(const toml::node& node, std::string_view key, std::int64_t least, std::int64_t most) const {
     const auto* value = node.as_integer();
-    if (value == nullptr || value->get() < least || value->get() > most) fail(node, fmt::format("{}: a whole number from {} to {} is expected", key, least, most));
+    if (value == nullptr || value->get() < least || value->get() > most)
+      fail(node, fmt::format("{}: a whole number from {} to {} is expected", key, least, most));
     return value->get();
   }
 
   double real(const toml::node& node, std::string_view key, double most) const {
     const auto value = node.value<double>();
-    if (!node.is_number() || !value || !(*value >= 0) || *value > most) fail(node, fmt::format("{}: a number from 0 to {} is expected", key, most));
+    if (!node.is_number() || !value || !(*value >= 0) || *value > most)
+      fail(node, fmt::format("{}: a number from 0 to {} is expected", key, most));
     return *value;
   }
 
@@ -93,12 +101,17 @@ class NetworkReader {
     return *found;
   }
 
-  std::string beside(const std::string& path) const { return (std::filesystem::path(file_).parent_path() / path).string(); }
+  std::string beside(const std::string& path) const {
+    return (std::filesystem::path(file_).parent_path() / path).string();
+  }
 
   toolchain::Address address(const toml::node& node, const char* key, const NetworkChip& chip) const {
     const std::string given = text(node, key);
     const auto found = toolchain::find_address(given, chip.program.get());
-    if (!found) fail(node, fmt::format("{}: \"{}\" is no symbol of the program and no 32-bit address (300000h, 0x300000 or decimal)", key, given));
+    if (!found)
+      fail(node,
+           fmt::format("{}: \"{}\" is no symbol of the program and no 32-bit address (300000h, 0x300000 or decimal)",
+                       key, given));
     return *found;
   }
 
@@ -136,11 +149,14 @@ class NetworkReader {
   void chip(const toml::table& table, const toml::node& node, bool generated) {
     allow(table, chip_keys, "chip.");
     if (!generated) {
-      if (const auto* given = table.get("number")) fail(*given, "chip.number: chips are numbered as they come; only with [topology] a number says which chip is another");
+      if (const auto* given = table.get("number"))
+        fail(*given,
+             "chip.number: chips are numbered as they come; only with [topology] a number says which chip is another");
       network_.chips.emplace_back();
       return fill(network_.chips.back(), table);
     }
-    const auto n = number(needed(table, node, "number", "chip"), "chip.number", 0, static_cast<std::int64_t>(network_.chips.size()) - 1);
+    const auto n = number(needed(table, node, "number", "chip"), "chip.number", 0,
+                          static_cast<std::int64_t>(network_.chips.size()) - 1);
     fill(network_.chips[static_cast<std::size_t>(n)], table);
   }
 
@@ -149,13 +165,17 @@ class NetworkReader {
     const toml::node& ports = needed(table, node, "ports", "link");
     NetworkLink link = checked(ports, [&] { return parse_link(text(ports, "link.ports"), names_); });
     c40::LinkParameters& p = link.parameters;
-    for (const auto& [key, value] : {std::pair{"word_cycles", &p.word_cycles}, {"token_cycles", &p.token_cycles}, {"enter_cycles", &p.enter_cycles}, {"exit_cycles", &p.exit_cycles}})
+    for (const auto& [key, value] : {std::pair{"word_cycles", &p.word_cycles},
+                                     {"token_cycles", &p.token_cycles},
+                                     {"enter_cycles", &p.enter_cycles},
+                                     {"exit_cycles", &p.exit_cycles}})
       if (const auto* given = table.get(key)) *value = static_cast<int>(number(*given, key, 0, 1'000'000));
     network_.links.push_back(link);
   }
 
   std::size_t chip_at(const toml::node& node) const {
-    if (node.is_integer()) return static_cast<std::size_t>(number(node, "chip", 0, static_cast<std::int64_t>(names_.size()) - 1));
+    if (node.is_integer())
+      return static_cast<std::size_t>(number(node, "chip", 0, static_cast<std::int64_t>(names_.size()) - 1));
     return checked(node, [&] { return chip_named(text(node, "chip"), names_); });
   }
 
@@ -163,12 +183,15 @@ class NetworkReader {
     allow(table, {"name", "words", "waits", "place"}, "memory.");
     SharedMemory memory;
     memory.name = text(needed(table, node, "name", "memory"), "memory.name");
-    memory.words = static_cast<c40::Address>(number(needed(table, node, "words", "memory"), "memory.words", 1, 1 << 24));
-    if (const auto* waits = table.get("waits")) memory.waits = static_cast<int>(number(*waits, "memory.waits", 0, 1000));
+    memory.words =
+        static_cast<c40::Address>(number(needed(table, node, "words", "memory"), "memory.words", 1, 1 << 24));
+    if (const auto* waits = table.get("waits"))
+      memory.waits = static_cast<int>(number(*waits, "memory.waits", 0, 1000));
     each(table, "place", [&](const toml::table& place, const toml::node& at) {
       allow(place, {"chip", "base"}, "memory.place.");
       memory.places.emplace_back(chip_at(needed(place, at, "chip", "memory.place")),
-                                 static_cast<c40::Address>(number(needed(place, at, "base", "memory.place"), "memory.place.base", 0, 0xFFFFFFFF)));
+                                 static_cast<c40::Address>(number(needed(place, at, "base", "memory.place"),
+                                                                  "memory.place.base", 0, 0xFFFFFFFF)));
     });
     network_.memories.push_back(std::move(memory));
   }
@@ -224,10 +247,12 @@ class NetworkReader {
     action.kind = checked(what, [&] { return action_named(text(what, "event.action")); });
     const std::string key(name(target_of(action.kind)));
     for (const char* other : {"link", "chip", "net"})
-      if (key != other && table.contains(other)) fail(node, fmt::format("event: {} concerns a {}", name(action.kind), key));
+      if (key != other && table.contains(other))
+        fail(node, fmt::format("event: {} concerns a {}", name(action.kind), key));
     const toml::node& target = needed(table, node, key.c_str(), "event");
-    action.target = target.is_integer() && key == "chip" ? chip_at(target)
-                                                         : checked(target, [&] { return action_target_named(action.kind, text(target, "event." + key), network_); });
+    action.target = target.is_integer() && key == "chip" ? chip_at(target) : checked(target, [&] {
+      return action_target_named(action.kind, text(target, "event." + key), network_);
+    });
     pulses(table, node, action);
     network_.actions.push_back(action);
   }
@@ -242,7 +267,8 @@ class NetworkReader {
     std::optional<double> period;
     std::optional<std::uint64_t> count;
     if (const auto* given = table.get("period_us")) period = real(*given, "event.period_us", 1e12);
-    if (const auto* given = table.get("count")) count = static_cast<std::uint64_t>(number(*given, "event.count", 1, 1'000'000'000));
+    if (const auto* given = table.get("count"))
+      count = static_cast<std::uint64_t>(number(*given, "event.count", 1, 1'000'000'000));
     set_pulses(action, width, period, count);
   }
 

@@ -18,17 +18,22 @@ void join(std::vector<NetworkLink>& links, std::size_t from, std::size_t to, int
 }  // namespace
 
 std::size_t chip_named(std::string_view text, const std::vector<std::string>& chips) {
-  if (const auto named = std::find(chips.begin(), chips.end(), text); named != chips.end()) return static_cast<std::size_t>(named - chips.begin());
+  if (const auto named = std::find(chips.begin(), chips.end(), text); named != chips.end())
+    return static_cast<std::size_t>(named - chips.begin());
   std::size_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc{} || end != text.data() + text.size() || number >= chips.size())
-    throw NetworkError(fmt::format("there is no chip {}; {} are", text, chips.size() == 1 ? "only chip 0" : fmt::format("chips 0 to {}", chips.size() - 1)));
+    throw NetworkError(fmt::format("there is no chip {}; {} are", text,
+                                   chips.size() == 1 ? "only chip 0" : fmt::format("chips 0 to {}", chips.size() - 1)));
   return number;
 }
 
-std::size_t link_named(std::string_view text, const std::vector<std::string>& chips, const std::vector<NetworkLink>& links) {
+std::size_t link_named(std::string_view text, const std::vector<std::string>& chips,
+                       const std::vector<NetworkLink>& links) {
   const NetworkLink wanted = parse_link(text, chips);
-  const auto joins = [&](const NetworkLink& link) { return (link.a == wanted.a && link.b == wanted.b) || (link.a == wanted.b && link.b == wanted.a); };
+  const auto joins = [&](const NetworkLink& link) {
+    return (link.a == wanted.a && link.b == wanted.b) || (link.a == wanted.b && link.b == wanted.a);
+  };
   const auto found = std::find_if(links.begin(), links.end(), joins);
   if (found == links.end()) throw NetworkError(fmt::format("there is no link {}", text));
   return static_cast<std::size_t>(found - links.begin());
@@ -47,13 +52,15 @@ PortName parse_port(std::string_view text, const std::vector<std::string>& chips
   }
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), out.port);
   if (error != std::errc{} || end != number.data() + number.size() || out.port < 0 || out.port >= c40::port_count)
-    throw NetworkError(fmt::format("{}: chip {} has no port {}; 0 to {} are possible", text, out.chip, number, c40::port_count - 1));
+    throw NetworkError(
+        fmt::format("{}: chip {} has no port {}; 0 to {} are possible", text, out.chip, number, c40::port_count - 1));
   return out;
 }
 
 NetworkLink parse_link(std::string_view text, const std::vector<std::string>& chips) {
   const std::size_t colon = text.find(':');
-  if (colon == std::string_view::npos) throw NetworkError(fmt::format("link \"{}\": CHIP.PORT:CHIP.PORT is expected, as 0.3:1.0", text));
+  if (colon == std::string_view::npos)
+    throw NetworkError(fmt::format("link \"{}\": CHIP.PORT:CHIP.PORT is expected, as 0.3:1.0", text));
   try {
     return {parse_port(text.substr(0, colon), chips), parse_port(text.substr(colon + 1), chips), {}};
   } catch (const NetworkError& error) {
@@ -67,28 +74,33 @@ std::string to_text(const NetworkLink& link) { return to_text(link.a) + ":" + to
 std::vector<NetworkLink> grid_links(const std::vector<std::size_t>& size, bool closed) {
   std::size_t chips = 1;
   for (const std::size_t n : size) {
-    if (n == 0 || n > most_chips) throw NetworkError(fmt::format("a dimension of {} chips; 1 to {} are possible", n, most_chips));
+    if (n == 0 || n > most_chips)
+      throw NetworkError(fmt::format("a dimension of {} chips; 1 to {} are possible", n, most_chips));
     chips *= n;
     if (chips > most_chips) throw NetworkError(fmt::format("a network has at most {} chips", most_chips));
   }
-  if (size.empty() || size.size() > 3) throw NetworkError(fmt::format("a grid of {} dimensions; 1 to 3 are possible", size.size()));
+  if (size.empty() || size.size() > 3)
+    throw NetworkError(fmt::format("a grid of {} dimensions; 1 to 3 are possible", size.size()));
   std::vector<NetworkLink> links;
   for (std::size_t chip = 0; chip < chips; ++chip) {
     std::size_t stride = 1;
     for (std::size_t d = 0; d < size.size(); ++d) {
       const std::size_t at = chip / stride % size[d];
-      if (at + 1 < size[d]) join(links, chip, chip + stride, static_cast<int>(d));
-      else if (closed) join(links, chip, chip - at * stride, static_cast<int>(d));
+      if (at + 1 < size[d])
+        join(links, chip, chip + stride, static_cast<int>(d));
+      else if (closed)
+        join(links, chip, chip - at * stride, static_cast<int>(d));
       stride *= size[d];
     }
   }
   return links;
 }
 
-// Along dimension d, chips with an even number of ones and d even send first, and so do odd with odd: every chip then has at most three
-// ports of either kind.
+// Along dimension d, chips with an even number of ones and d even send first, and so do odd with odd: every chip then
+// has at most three ports of either kind.
 std::vector<NetworkLink> hypercube_links(unsigned dimensions) {
-  if (dimensions > c40::port_count) throw NetworkError(fmt::format("a hypercube of {} dimensions; a chip has {} ports", dimensions, c40::port_count));
+  if (dimensions > c40::port_count)
+    throw NetworkError(fmt::format("a hypercube of {} dimensions; a chip has {} ports", dimensions, c40::port_count));
   std::vector<NetworkLink> links;
   for (std::size_t chip = 0; chip < std::size_t{1} << dimensions; ++chip)
     for (unsigned d = 0; d < dimensions; ++d) {
@@ -103,7 +115,8 @@ std::size_t set_topology(NetworkDescription& network, std::string_view text) {
   const std::string_view kind = text.substr(0, colon);
   std::vector<std::size_t> size;
   const auto unclear = [&] {
-    return NetworkError(fmt::format("\"{}\" is no topology; ring:4, line:4, grid:4x4, torus:4x4x4 or hypercube:16 is expected", text));
+    return NetworkError(
+        fmt::format("\"{}\" is no topology; ring:4, line:4, grid:4x4, torus:4x4x4 or hypercube:16 is expected", text));
   };
   if (colon == std::string_view::npos) throw unclear();
   for (std::string_view rest = text.substr(colon + 1);; rest.remove_prefix(1)) {

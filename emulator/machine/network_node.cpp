@@ -24,7 +24,9 @@ constexpr Cycles no_cycle = std::numeric_limits<Cycles>::max();
 bool awaits_timer(const Chip& chip) { return next_timer_interrupt(chip) != no_cycle; }
 
 /// IDLE sets GIE.
-bool can_interrupt(const Chip& chip) { return chip.idle() || (chip.register_value(isa::Register::ST) & c40::st::GIE) != 0; }
+bool can_interrupt(const Chip& chip) {
+  return chip.idle() || (chip.register_value(isa::Register::ST) & c40::st::GIE) != 0;
+}
 }  // namespace
 
 // ---- its turns ----
@@ -56,19 +58,21 @@ bool Network::Node::only_drives_unheard() const {
   return own_event() == never && access_time() == never && !follows();
 }
 
-/// A chip that follows its ports runs no further than anything could reach it. Whether a chip goes round a loop is looked at in
-/// a certain cycle, wherever the chip has stopped before.
+/// A chip that follows its ports runs no further than anything could reach it. Whether a chip goes round a loop is
+/// looked at in a certain cycle, wherever the chip has stopped before.
 Time Network::Node::horizon() const { return follows() ? horizon_of_follower() : horizon_on_its_own(); }
 
 Time Network::Node::horizon_on_its_own() const {
   // One that polls goes on to where others could see it, wherever it has stopped before.
-  const Time limit = patience.loop ? network.scheduler_.limit() : std::min(network.scheduler_.limit(), network.ends_at_);
+  const Time limit =
+      patience.loop ? network.scheduler_.limit() : std::min(network.scheduler_.limit(), network.ends_at_);
   const Cycles action = network.next_action_on(*this);
   return action == no_cycle ? limit : std::min(limit, clock.at(action));
 }
 
 Time Network::Node::horizon_of_follower() const {
-  const Time outside = std::min({network.scheduler_.limit(), network.ends_at_, network.next_action(), others_reach_it()});
+  const Time outside =
+      std::min({network.scheduler_.limit(), network.ends_at_, network.next_action(), others_reach_it()});
   if (status != ChipStatus::running) return std::min(outside, access_time());
   // run_to lets it begin an instruction in the last cycle: in the one before that in which it is looked at
   const Cycles look = std::max(patience.next_look(), chip.cycle() + 1);
@@ -94,8 +98,10 @@ Time Network::Node::lookahead() const {
 void Network::Node::act(Time now) {
   network.now_ = now;
   const bool on_its_own = status == ChipStatus::running && !follows();
-  if (status == ChipStatus::sleeping) bring_to(now, false);
-  else if (!on_its_own) go_on_with_others(now);
+  if (status == ChipStatus::sleeping)
+    bring_to(now, false);
+  else if (!on_its_own)
+    go_on_with_others(now);
   if (next_pin_event() <= now) drive_on(now);
   look_for_loop();
   if (on_its_own || (status == ChipStatus::running && !follows())) run_freely(horizon_on_its_own());
@@ -106,13 +112,17 @@ void Network::Node::act(Time now) {
 void Network::Node::go_on_with_others(Time now) {
   if (status != ChipStatus::waiting || chip.dma_active()) {
     const auto stands = std::tuple{chip.settled(), chip.cycle(), status};
-    if (own_event() == now || (chip.dma_active() && next_pin_event() == now)) run_to(std::min(horizon_of_follower(), clock.at(first_cycle(now) + 1)));
-    else if (follows()) run_to(horizon_of_follower());
+    if (own_event() == now || (chip.dma_active() && next_pin_event() == now))
+      run_to(std::min(horizon_of_follower(), clock.at(first_cycle(now) + 1)));
+    else if (follows())
+      run_to(horizon_of_follower());
     if (stands != std::tuple{chip.settled(), chip.cycle(), status}) return;
   }
   if (next_pin_event() <= now) return;
-  if (access_time() == now) waits_for_port() ? network.perform_port(*this) : network.perform_memory(*this);
-  else assert(next() > now && "a turn that changes nothing");
+  if (access_time() == now)
+    waits_for_port() ? network.perform_port(*this) : network.perform_memory(*this);
+  else
+    assert(next() > now && "a turn that changes nothing");
 }
 
 void Network::Node::run_ahead(Time until) {
@@ -142,9 +152,10 @@ void Network::Node::run_freely(Time until) {
 
 // ---- how it goes on ----
 
-/// A chip that waits goes on with its DMA. What links do is known up to `until`. A processor that follows its ports has begun its
-/// last instruction by then: what a link does at that instant is an interrupt for the next one. So the order of events is the
-/// same wherever a run is cut, and the DMA, which follows the processor's read stage, has done all that lies before.
+/// A chip that waits goes on with its DMA. What links do is known up to `until`. A processor that follows its ports has
+/// begun its last instruction by then: what a link does at that instant is an interrupt for the next one. So the order
+/// of events is the same wherever a run is cut, and the DMA, which follows the processor's read stage, has done all
+/// that lies before.
 void Network::Node::run_to(Time until) {
   passing_ = false;
   ends_ = first_cycle(until);
@@ -157,13 +168,16 @@ bool Network::Node::come_to(Time time) {
   if (status == ChipStatus::waiting && !chip.dma_active()) return false;
   const bool goes_on = follows() || (status == ChipStatus::waiting && dma_waits());
   if (status != ChipStatus::sleeping && !goes_on) return false;
-  if (goes_on) run_to(time);
-  else bring_to(time, true);
+  if (goes_on)
+    run_to(time);
+  else
+    bring_to(time, true);
   return true;
 }
 
 std::optional<ChipRunner::Span> Network::Node::span() {
-  if (std::exchange(over_breakpoint_, false)) return Span{.limit = chip.cycle() + 1, .known = std::min(span_.known, chip.cycle() + 1)};
+  if (std::exchange(over_breakpoint_, false))
+    return Span{.limit = chip.cycle() + 1, .known = std::min(span_.known, chip.cycle() + 1)};
   cycle_before_ = chip.cycle(), settled_before_ = chip.settled();
   return passing_ ? span_ : span_of_runner();
 }
@@ -179,11 +193,14 @@ std::optional<ChipRunner::Span> Network::Node::span_of_runner() {
     note_idle();
     return {};
   }
-  if (!waits && chip.cycle() >= action_) return span_ = Span{.limit = 0, .known = known};  // the processor does no more before the action
+  if (!waits && chip.cycle() >= action_)
+    return span_ = Span{.limit = 0, .known = known};  // the processor does no more before the action
   // A processor that idles may have ended when its DMA is done, or a timer's event was not for it: in that cycle.
   const bool looks = status == ChipStatus::running && idles;
-  if (looks && chip.dma_busy()) limit = std::min(limit, chip.cycle() + 1);
-  else if (looks && awaits_timer(chip)) limit = std::min(limit, std::max(chip.cycle() + 1, next_timer_interrupt(chip)));
+  if (looks && chip.dma_busy())
+    limit = std::min(limit, chip.cycle() + 1);
+  else if (looks && awaits_timer(chip))
+    limit = std::min(limit, std::max(chip.cycle() + 1, next_timer_interrupt(chip)));
   return span_ = Span{.limit = limit, .known = std::min(known, limit)};
 }
 
@@ -206,8 +223,10 @@ bool Network::Node::at_breakpoint() {
   if (description.until == chip.pc()) {
     status = ChipStatus::until;
   } else if (program_end(chip.peek(chip.pc()), chip.pc()) == ProgramEnd::halt && !chip.dma_busy()) {
-    if (chip.dma_active() || (chip.watches_ports() && can_interrupt(chip)) || heeds_pins()) status = ChipStatus::sleeping;
-    else if (!can_interrupt(chip) || !awaits_timer(chip)) status = ChipStatus::halt;
+    if (chip.dma_active() || (chip.watches_ports() && can_interrupt(chip)) || heeds_pins())
+      status = ChipStatus::sleeping;
+    else if (!can_interrupt(chip) || !awaits_timer(chip))
+      status = ChipStatus::halt;
     asleep_since = chip.cycle();
   }
   return over_breakpoint_ = status == ChipStatus::running;
@@ -247,16 +266,19 @@ void Network::Node::forget_port() { was_ready = false, ready_since = Time{0}; }
 
 void Network::Node::note_idle() {
   if (!chip.idle() || chip.dma_busy() || status != ChipStatus::running) return;
-  if (chip.watches_ports() || chip.dma_active() || heeds_pins()) status = ChipStatus::sleeping;
-  else if (!awaits_timer(chip)) status = ChipStatus::idle;
+  if (chip.watches_ports() || chip.dma_active() || heeds_pins())
+    status = ChipStatus::sleeping;
+  else if (!awaits_timer(chip))
+    status = ChipStatus::idle;
 }
 
-/// Lets a chip that does not run reach an instant; `fully`: a processor that branches to itself has begun its last branch by then, as
-/// one that runs has begun its last instruction (run_to).
+/// Lets a chip that does not run reach an instant; `fully`: a processor that branches to itself has begun its last
+/// branch by then, as one that runs has begun its last instruction (run_to).
 void Network::Node::bring_to(Time time, bool fully) {
   const Cycles cycle = first_cycle(time);
   if (status != ChipStatus::sleeping && !fully && chip.cycle() >= cycle) return;
-  if (status == ChipStatus::running) run_to(time);
+  if (status == ChipStatus::running)
+    run_to(time);
   else if (status != ChipStatus::sleeping) {
     chip.stand_until(cycle);
   }
@@ -266,8 +288,10 @@ void Network::Node::bring_to(Time time, bool fully) {
     if (status != ChipStatus::sleeping) return;
     wake_up();  // perhaps by what happened in the loop's last round
     if (event >= limit) return;
-    if (status == ChipStatus::running) run_to(time);  // perhaps to sleep again
-    else if (own_event_cycle() == event) return pass_to(limit, cycle);
+    if (status == ChipStatus::running)
+      run_to(time);  // perhaps to sleep again
+    else if (own_event_cycle() == event)
+      return pass_to(limit, cycle);
   }
 }
 
@@ -288,7 +312,8 @@ void Network::Node::wake_up() {
 bool Network::Node::wakes() const { return chip.dma_busy() || chip.interrupt_pending(); }
 
 bool Network::Node::ready() const {
-  if (waits_for_port()) return stop.reason == StopInfo::Reason::port_access && stop.port.ready(chip.port(stop.port.port));
+  if (waits_for_port())
+    return stop.reason == StopInfo::Reason::port_access && stop.port.ready(chip.port(stop.port.port));
   const Memory& memory = *network.memory_of(*this, stop.access.address);
   return !memory.owner || *memory.owner == number;
 }
@@ -307,7 +332,8 @@ Time Network::Node::access_time() const {
   // Nothing but a link, or its own DMA, makes a port ready.
   if (waits_for_port() && !chip.dma_active() ? !was_ready : !ready()) return never;
   const Time free = waits_for_port() ? ready_since : network.memory_of(*this, stop.access.address)->free;
-  return clock.at(std::max(waits_for_port() ? stop.port.cycle : stop.access.cycle, first_cycle(std::max(free, network.now_))));
+  return clock.at(
+      std::max(waits_for_port() ? stop.port.cycle : stop.access.cycle, first_cycle(std::max(free, network.now_))));
 }
 
 /// What a timer does to a chip that sleeps or waits; an event that nobody listens to is none.
@@ -330,9 +356,12 @@ Time Network::Node::at_rest_since() const {
   switch (status) {
     case ChipStatus::held:
     case ChipStatus::pulled_out: return Time{0};
-    case ChipStatus::waiting: return clock.at(std::max(waits_for_port() ? stop.port.cycle : stop.access.cycle, chip.dma_done()));
-    case ChipStatus::sleeping: return clock.at(std::max(chip.idle() ? chip.idle_since() : asleep_since, chip.dma_done()));
-    case ChipStatus::fault: return clock.at(std::max(chip.cycle(), stop.fault->cycle));  // perhaps of its DMA, while it waited
+    case ChipStatus::waiting:
+      return clock.at(std::max(waits_for_port() ? stop.port.cycle : stop.access.cycle, chip.dma_done()));
+    case ChipStatus::sleeping:
+      return clock.at(std::max(chip.idle() ? chip.idle_since() : asleep_since, chip.dma_done()));
+    case ChipStatus::fault:
+      return clock.at(std::max(chip.cycle(), stop.fault->cycle));  // perhaps of its DMA, while it waited
     case ChipStatus::external_access: return clock.at(std::max(chip.cycle(), stop.access.cycle));
     default: return clock.at(chip.cycle());
   }
@@ -355,7 +384,8 @@ bool Network::Node::has_ended() const {
 /// By a port, a timer or the DMA.
 bool Network::Node::sleeps_for_interrupt() const {
   constexpr Word ports = 0x01FFFFFEu;  // of IIE
-  return heeds_pins() || (can_interrupt(chip) && (awaits_dma(chip) || awaits_timer(chip) || (chip.register_value(isa::Register::IIE) & ports) != 0));
+  return heeds_pins() || (can_interrupt(chip) && (awaits_dma(chip) || awaits_timer(chip) ||
+                                                  (chip.register_value(isa::Register::IIE) & ports) != 0));
 }
 
 bool Network::Node::awaits_dma_for_ever() const {
@@ -366,7 +396,8 @@ bool Network::Node::awaits_dma_for_ever() const {
 
 /// The pin could interrupt it, or move its DMA or a timer that does.
 bool Network::Node::heeds(c40::Pin pin) const {
-  return pin != c40::Pin::reset && chip.heeds(pin) && (pin == c40::Pin::nmi || chip.dma_active() || can_interrupt(chip));
+  return pin != c40::Pin::reset && chip.heeds(pin) &&
+         (pin == c40::Pin::nmi || chip.dma_active() || can_interrupt(chip));
 }
 
 bool Network::Node::heeds_pins() const {
@@ -380,7 +411,9 @@ Time Network::Node::drives_from() const {
 }
 
 void Network::Node::driven(c40::Pin pin, c40::Drive drive, Cycles at) {
-  const auto driven_by_it = [&](const Net* net) { return std::ranges::find(net->description().drivers, ChipPin{number, pin}) != net->description().drivers.end(); };
+  const auto driven_by_it = [&](const Net* net) {
+    return std::ranges::find(net->description().drivers, ChipPin{number, pin}) != net->description().drivers.end();
+  };
   (*std::ranges::find_if(nets_out, driven_by_it))->driven({number, pin}, drive, std::max(network.now_, clock.at(at)));
 }
 
@@ -396,8 +429,10 @@ bool Network::Node::hears(c40::Pin pin) const {
 
 /// While its timers do something at its pins, and no instruction anything.
 void Network::Node::drive_on(Time now) {
-  if (status == ChipStatus::waiting && !chip.dma_active()) chip.let_peripherals_reach(first_cycle(now));
-  else if (status != ChipStatus::running && status != ChipStatus::sleeping) chip.stand_until(first_cycle(now));
+  if (status == ChipStatus::waiting && !chip.dma_active())
+    chip.let_peripherals_reach(first_cycle(now));
+  else if (status != ChipStatus::running && status != ChipStatus::sleeping)
+    chip.stand_until(first_cycle(now));
 }
 
 void Network::Node::pin_changes(c40::Pin pin, bool level, Time now) {
@@ -421,7 +456,8 @@ void Network::Node::pin_changes(c40::Pin pin, bool level, Time now) {
 /// Others can change what is read there.
 bool Network::Node::is_shared(Address address) const {
   if (network.memory_of(*this, address) != nullptr) return true;
-  return c40::is_port_register(address) && network.neighbour(*this, c40::port_access(address, false, 0, 0).port).has_value();
+  return c40::is_port_register(address) &&
+         network.neighbour(*this, c40::port_access(address, false, 0, 0).port).has_value();
 }
 
 void Network::Node::begin_patience() {
@@ -445,7 +481,8 @@ void Network::Node::look_for_loop() {
     } else {
       if (!chip.dma_busy() && chip.next_event() == no_cycle) p.loop = p.looking->loop();
       p.found = clock.at(chip.cycle());
-      p.is_private = p.loop && !follows() && std::none_of(p.loop->reads.begin(), p.loop->reads.end(), [&](Address a) { return is_shared(a); });
+      p.is_private = p.loop && !follows() &&
+                     std::none_of(p.loop->reads.begin(), p.loop->reads.end(), [&](Address a) { return is_shared(a); });
       p.looking.reset();
       p.length *= Patience::growth;
     }

@@ -26,11 +26,7 @@ struct Network::Memory {
 /// A chip in the network, and how it goes through time.
 struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner, c40::PinListener, private ChipRunner {
   Node(Network& network_, std::size_t number_, NetworkChip given, Clock clock_)
-      : network(network_),
-        number(number_),
-        description(std::move(given)),
-        clock(clock_),
-        chip(board_of(description)) {}
+      : network(network_), number(number_), description(std::move(given)), clock(clock_), chip(board_of(description)) {}
 
   /// One that says nothing of its pins is made to boot from the ports.
   static const c40::Board& board_of(NetworkChip& chip) {
@@ -44,8 +40,8 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   Clock clock;
   c40::Chip chip;
   ChipStatus status = ChipStatus::running;
-  c40::StopInfo stop;              ///< of a chip that waits, or why it ended
-  bool was_ready = false;     ///< what it waits for, when last looked at
+  c40::StopInfo stop;      ///< of a chip that waits, or why it ended
+  bool was_ready = false;  ///< what it waits for, when last looked at
   Time ready_since{0};
   c40::Cycles asleep_since = 0;  ///< of one that sleeps in a branch to itself
   std::vector<std::size_t> links;
@@ -73,8 +69,12 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   void happened(const c40::PeripheralEvent& event) override { peripheral_events.push_back(event); }
 
   void list_state(state::Visitor& list);
-  bool waits_for_port() const { return status == ChipStatus::waiting && stop.reason != c40::StopInfo::Reason::external_access; }
-  bool waits_for_memory() const { return status == ChipStatus::waiting && stop.reason == c40::StopInfo::Reason::external_access; }
+  bool waits_for_port() const {
+    return status == ChipStatus::waiting && stop.reason != c40::StopInfo::Reason::external_access;
+  }
+  bool waits_for_memory() const {
+    return status == ChipStatus::waiting && stop.reason == c40::StopInfo::Reason::external_access;
+  }
   c40::Cycles first_cycle(Time time) const { return clock.tick_at_or_after(time); }
   /// Everything before it is done, by the processor and by the DMA.
   Time now() const { return clock.at(chip.settled()); }
@@ -135,7 +135,10 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   bool has_ended() const;
   bool awaits_dma_for_ever() const;
   /// Nothing will happen here, but for a loop that goes on as it does.
-  bool is_still() const { return patience.loop || (status != ChipStatus::running && (planned() == never || (!nets_out.empty() && only_drives_unheard()))); }
+  bool is_still() const {
+    return patience.loop ||
+           (status != ChipStatus::running && (planned() == never || (!nets_out.empty() && only_drives_unheard())));
+  }
 
  private:
   void go_on_with_others(Time now);
@@ -162,11 +165,13 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   bool faulted(const c40::Fault& why) override;
   bool waits(c40::StopInfo::Reason why, const c40::PortAccess& access);
   bool has_moved() const { return chip.cycle() != cycle_before_ || chip.settled() != settled_before_; }
-  bool passes_on() const { return status == ChipStatus::sleeping && (chip.cycle() < span_.limit || chip.settled() < span_.known); }
+  bool passes_on() const {
+    return status == ChipStatus::sleeping && (chip.cycle() < span_.limit || chip.settled() < span_.known);
+  }
 
   // Of the call of run_to or pass_to under way.
-  bool passing_ = false;            ///< it sleeps, and goes on sleeping
-  bool over_breakpoint_ = false;    ///< the instruction at the breakpoint is next
+  bool passing_ = false;          ///< it sleeps, and goes on sleeping
+  bool over_breakpoint_ = false;  ///< the instruction at the breakpoint is next
   c40::Cycles ends_ = 0, action_ = 0;
   Span span_;
   c40::Cycles cycle_before_ = -1, settled_before_ = -1;
@@ -195,11 +200,15 @@ struct Network::NetTap final : Net::Listener {
   void changed(Net& net, bool level, Time at) override {
     if (network.records_words_) keep(level ? NetworkEvent::Kind::rise : NetworkEvent::Kind::fall, net, at, 0);
   }
-  void missed(Net& net, std::size_t chip, Time at) override { keep(NetworkEvent::Kind::missed, net, at, static_cast<int>(chip)); }
+  void missed(Net& net, std::size_t chip, Time at) override {
+    keep(NetworkEvent::Kind::missed, net, at, static_cast<int>(chip));
+  }
   void keep(NetworkEvent::Kind kind, const Net& net, Time at, int side) {
     const auto which = std::ranges::find(network.nets_, &net, &std::unique_ptr<Net>::get);
     const auto number = static_cast<std::size_t>(which - network.nets_.begin());
-    const auto earlier = [](const NetworkEvent& a, const NetworkEvent& b) { return std::pair{a.time, a.place} < std::pair{b.time, b.place}; };
+    const auto earlier = [](const NetworkEvent& a, const NetworkEvent& b) {
+      return std::pair{a.time, a.place} < std::pair{b.time, b.place};
+    };
     const NetworkEvent event{kind, at, number, side, 0, 0};
     network.net_events_.insert(std::ranges::upper_bound(network.net_events_, event, earlier), event);
   }

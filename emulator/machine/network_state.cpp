@@ -8,10 +8,12 @@ namespace machine {
 namespace {
 
 std::string text_of(const c40::Board& board) {
-  std::string out = fmt::format("{} {} {} {:X} {:X} {} {:X};", board.is_flat, board.flat_words_max, board.has_peripherals, board.global_interface_control,
-                                board.local_interface_control, board.pins.reset_location, board.pins.iiof);
+  std::string out = fmt::format("{} {} {} {:X} {:X} {} {:X};", board.is_flat, board.flat_words_max,
+                                board.has_peripherals, board.global_interface_control, board.local_interface_control,
+                                board.pins.reset_location, board.pins.iiof);
   for (const c40::Region& r : board.regions)
-    out += fmt::format("{:X} {} {} {} {} {} {};", r.base, r.words, r.read_waits, r.write_waits, static_cast<int>(r.kind), static_cast<int>(r.bus), r.page_waits);
+    out += fmt::format("{:X} {} {} {} {} {} {};", r.base, r.words, r.read_waits, r.write_waits,
+                       static_cast<int>(r.kind), static_cast<int>(r.bus), r.page_waits);
   for (const c40::Word word : board.rom) out += fmt::format("{:X} ", word);
   return out;
 }
@@ -38,13 +40,15 @@ state::Key Network::configuration() const {
   for (const auto& node : nodes_) {
     const NetworkChip& d = node->description;
     const auto what = [&](std::string_view part) { return fmt::format("{} of chip {}", part, node->number); };
-    key.emplace_back(what("program"), fmt::format("{};{};{};{}", text_of(*d.program), d.entry.value_or(0), d.until.has_value(), d.until.value_or(0)));
+    key.emplace_back(what("program"), fmt::format("{};{};{};{}", text_of(*d.program), d.entry.value_or(0),
+                                                  d.until.has_value(), d.until.value_or(0)));
     key.emplace_back(what("board"), fmt::format("{}{}", text_of(d.board.board), d.boot));
     key.emplace_back(what("clock"), fmt::format("{}", node->clock.hertz()));
   }
   for (const NetworkLink& link : description_.links) {
     const c40::LinkParameters& p = link.parameters;
-    links += fmt::format("{} {} {} {} {};", machine::to_text(link), p.word_cycles, p.token_cycles, p.enter_cycles, p.exit_cycles);
+    links += fmt::format("{} {} {} {} {};", machine::to_text(link), p.word_cycles, p.token_cycles, p.enter_cycles,
+                         p.exit_cycles);
   }
   for (const auto& memory : memories_) {
     memories += fmt::format("{} {}", memory->description.words, memory->description.waits);
@@ -54,7 +58,9 @@ state::Key Network::configuration() const {
   key.emplace_back("set of links", links);
   key.emplace_back("set of memories", memories);
   std::string nets;
-  for (const auto& net : nets_) nets += fmt::format("{} {} {} {};", net->description().name, machine::to_text(net->description()), net->description().open_drain, net->description().rest);
+  for (const auto& net : nets_)
+    nets += fmt::format("{} {} {} {};", net->description().name, machine::to_text(net->description()),
+                        net->description().open_drain, net->description().rest);
   key.emplace_back("set of nets", nets);
   return key;
 }
@@ -62,7 +68,9 @@ state::Key Network::configuration() const {
 void Network::Memory::list_state(state::Visitor& list) {
   const std::size_t size = words.size();
   list("words", words);
-  if (words.size() != size) throw state::StateError(fmt::format("memory {}: {} words, where there are {}", description.name, words.size(), size));
+  if (words.size() != size)
+    throw state::StateError(
+        fmt::format("memory {}: {} words, where there are {}", description.name, words.size(), size));
   list("free", free);
   list("owner", owner);
 }

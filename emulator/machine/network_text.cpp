@@ -32,11 +32,15 @@ std::string source_of(const toolchain::Image& image, Address pc) {
 }  // namespace
 
 std::string_view name(NetworkEvent::Kind kind) {
-  constexpr std::array<std::string_view, 14> names{"word", "token", "lost", "dead", "cut", "restored", "rise", "fall", "missed", "discarded", "reset", "hold", "release", "pull_out"};
+  constexpr std::array<std::string_view, 14> names{"word",     "token", "lost",    "dead",    "cut",
+                                                   "restored", "rise",  "fall",    "missed",  "discarded",
+                                                   "reset",    "hold",  "release", "pull_out"};
   return names[static_cast<std::size_t>(kind)];
 }
 std::string_view name(ChipStatus status) {
-  constexpr std::array<std::string_view, 11> names{"running", "waiting", "looping", "sleeping", "halt", "idle", "until", "fault", "external_access", "held", "pulled_out"};
+  constexpr std::array<std::string_view, 11> names{"running",   "waiting", "looping", "sleeping",        "halt",
+                                                   "idle",      "until",   "fault",   "external_access", "held",
+                                                   "pulled_out"};
   return names[static_cast<std::size_t>(status)];
 }
 std::string_view name(NetworkStop::Reason reason) {
@@ -72,13 +76,17 @@ std::optional<std::size_t> Network::waits_for(std::size_t n) const {
 }
 
 /// Whether the chip is in the loader of the boot ROM.
-bool Network::boots(const Node& node) const { return node.description.boot && node.chip.pc() < c40::rom_words && reset_source(node.description.board.board) == ResetSource::ports; }
+bool Network::boots(const Node& node) const {
+  return node.description.boot && node.chip.pc() < c40::rom_words &&
+         reset_source(node.description.board.board) == ResetSource::ports;
+}
 
 std::string Network::where(const Node& node) const {
   if (boots(node)) {
     std::string taken = "no word of its stream yet";
     for (int port = 0; port < c40::port_count; ++port)
-      if (const auto words = node.chip.port(port).traffic.read; words != 0) taken = fmt::format("{} words of its stream from port {}", words, port);
+      if (const auto words = node.chip.port(port).traffic.read; words != 0)
+        taken = fmt::format("{} words of its stream from port {}", words, port);
     return fmt::format("PC {:08X}h (the boot loader, which has taken {})", node.chip.pc(), taken);
   }
   const std::string source = source_of(*node.description.program, node.chip.pc());
@@ -96,11 +104,13 @@ std::string Network::memories_of(const Node& node) const {
 std::string Network::describe_wait(const Node& node) const {
   if (node.waits_for_memory()) {
     const Memory& memory = *memory_of(node, node.stop.access.address);
-    return fmt::format("waits for memory {} at {:08X}h{} since cycle {}", memory.description.name, node.stop.access.address,
-                       memory.owner ? fmt::format(", which chip {} has locked,", *memory.owner) : "", node.stop.access.cycle);
+    return fmt::format(
+        "waits for memory {} at {:08X}h{} since cycle {}", memory.description.name, node.stop.access.address,
+        memory.owner ? fmt::format(", which chip {} has locked,", *memory.owner) : "", node.stop.access.cycle);
   }
   const c40::PortAccess& access = node.stop.port;
-  const std::string what = access.write ? fmt::format("room in output FIFO {}", access.port) : fmt::format("a word in input FIFO {}", access.port);
+  const std::string what = access.write ? fmt::format("room in output FIFO {}", access.port)
+                                        : fmt::format("a word in input FIFO {}", access.port);
   return fmt::format("waits for {}{} since cycle {}", what, whom(node, access.port, access.write), access.cycle);
 }
 
@@ -112,7 +122,9 @@ std::string Network::whom(const Node& node, int port, bool write) const {
     if (link.a != here && link.b != here) continue;
     const PortName& other = link.a == here ? link.b : link.a;
     return fmt::format(" {} chip {} port {}{}", write ? "towards" : "from", other.chip, other.port,
-                       links_[n]->is_cut() ? " (the link is cut)" : links_[n]->is_dead() ? " (the token is lost)" : "");
+                       links_[n]->is_cut()    ? " (the link is cut)"
+                       : links_[n]->is_dead() ? " (the token is lost)"
+                                              : "");
   }
   return ", to which nothing is linked,";
 }
@@ -120,44 +132,59 @@ std::string Network::whom(const Node& node, int port, bool write) const {
 /// A loop that reads nothing which others could change is an end, as a branch to itself is.
 bool Network::polls(const Node& node) const {
   const auto& reads = node.patience.loop->reads;
-  return std::any_of(reads.begin(), reads.end(), [&](Address a) { return c40::is_port_register(a) || memory_of(node, a) != nullptr; });
+  return std::any_of(reads.begin(), reads.end(),
+                     [&](Address a) { return c40::is_port_register(a) || memory_of(node, a) != nullptr; });
 }
 
 std::string Network::describe_loop(const Node& node) const {
   std::vector<std::string> polled;
   std::vector<int> unlinked;
   for (const Address address : node.patience.loop->reads) {
-    if (const Memory* memory = memory_of(node, address)) polled.push_back(fmt::format("memory {} at {:08X}h", memory->description.name, address));
+    if (const Memory* memory = memory_of(node, address))
+      polled.push_back(fmt::format("memory {} at {:08X}h", memory->description.name, address));
     if (!c40::is_port_register(address)) continue;
     const int port = c40::port_access(address, false, 0, 0).port;
-    if (neighbour(node, port)) polled.push_back(fmt::format("port {}{}", port, whom(node, port, false)));
-    else unlinked.push_back(port);
+    if (neighbour(node, port))
+      polled.push_back(fmt::format("port {}{}", port, whom(node, port, false)));
+    else
+      unlinked.push_back(port);
   }
-  if (!unlinked.empty()) polled.push_back(fmt::format("port{} {}, to which nothing is linked", unlinked.size() == 1 ? "" : "s", fmt::join(unlinked, ", ")));
+  if (!unlinked.empty())
+    polled.push_back(fmt::format("port{} {}, to which nothing is linked", unlinked.size() == 1 ? "" : "s",
+                                 fmt::join(unlinked, ", ")));
   const Address pc = node.patience.loop->pc;
   const std::string source = source_of(*node.description.program, pc);
   const std::string_view rom = boots(node) ? " (the boot loader)" : "";
-  const std::string does = polled.empty() ? "does the same over and over" : fmt::format("polls {}", fmt::join(polled, "; "));
-  return fmt::format("{}; nothing has changed since cycle {}, at PC {:08X}h{}{}", does, node.patience.since, pc, rom, source.empty() ? "" : " (" + source + ")");
+  const std::string does =
+      polled.empty() ? "does the same over and over" : fmt::format("polls {}", fmt::join(polled, "; "));
+  return fmt::format("{}; nothing has changed since cycle {}, at PC {:08X}h{}{}", does, node.patience.since, pc, rom,
+                     source.empty() ? "" : " (" + source + ")");
 }
 
 std::string Network::describe_dma(const Node& node) const {
   std::vector<std::string> waits;
   for (const c40::DmaWait& wait : node.chip.dma_waits())
-    waits.push_back(fmt::format("{}{} since cycle {}", c40::describe(wait), wait.port ? whom(node, *wait.port, wait.write) : "", wait.since));
+    waits.push_back(fmt::format("{}{} since cycle {}", c40::describe(wait),
+                                wait.port ? whom(node, *wait.port, wait.write) : "", wait.since));
   return fmt::format("{}", fmt::join(waits, "; "));
 }
 
 std::string Network::describe(std::size_t n) const {
   const Node& node = *nodes_.at(n);
-  if (node.patience.loop) return node.dma_waits() ? fmt::format("{}; {}", describe_loop(node), describe_dma(node)) : describe_loop(node);
+  if (node.patience.loop)
+    return node.dma_waits() ? fmt::format("{}; {}", describe_loop(node), describe_dma(node)) : describe_loop(node);
   switch (node.status) {
     case ChipStatus::looping: break;
     case ChipStatus::running: return fmt::format("runs at {}", where(node));
-    case ChipStatus::waiting: return fmt::format("{}, at {}{}", describe_wait(node), where(node), node.dma_waits() ? "; " + describe_dma(node) : "");
+    case ChipStatus::waiting:
+      return fmt::format("{}, at {}{}", describe_wait(node), where(node),
+                         node.dma_waits() ? "; " + describe_dma(node) : "");
     case ChipStatus::sleeping:
-      if (node.awaits_dma_for_ever()) return fmt::format("{}; the processor sleeps at {}", describe_dma(node), where(node));
-      if (node.has_ended()) return fmt::format("{} {}; {}", node.chip.idle() ? "is in IDLE before" : "branches to itself at", where(node), describe_dma(node));
+      if (node.awaits_dma_for_ever())
+        return fmt::format("{}; the processor sleeps at {}", describe_dma(node), where(node));
+      if (node.has_ended())
+        return fmt::format("{} {}; {}", node.chip.idle() ? "is in IDLE before" : "branches to itself at", where(node),
+                           describe_dma(node));
       return fmt::format("sleeps at {} until {} interrupts it", where(node), node.heeds_pins() ? "a pin" : "a port");
     case ChipStatus::halt: return fmt::format("branches to itself at {}", where(node));
     case ChipStatus::idle: return fmt::format("is in IDLE before {}, and no interrupt is to come", where(node));
@@ -166,9 +193,10 @@ std::string Network::describe(std::size_t n) const {
       return fmt::format("{}, at {}, cycle {}{}", node.stop.fault->message, where(node), node.stop.fault->cycle,
                          boots(node) ? "; " + memories_of(node) : "");
     case ChipStatus::external_access: {
-      const std::string who = node.stop.access.channel < 0 ? "" : fmt::format("DMA channel {} ", node.stop.access.channel);
-      return fmt::format("{}{} {:08X}h at {}: that is a window, and no memory of the network is behind it", who, node.stop.access.write ? "writes" : "reads",
-                         node.stop.access.address, where(node));
+      const std::string who =
+          node.stop.access.channel < 0 ? "" : fmt::format("DMA channel {} ", node.stop.access.channel);
+      return fmt::format("{}{} {:08X}h at {}: that is a window, and no memory of the network is behind it", who,
+                         node.stop.access.write ? "writes" : "reads", node.stop.access.address, where(node));
     }
     case ChipStatus::held: return fmt::format("is held at {}", where(node));
     case ChipStatus::pulled_out: return "has been pulled out";
@@ -180,14 +208,18 @@ std::string Network::text(const NetworkEvent& event) const {
   using enum NetworkEvent::Kind;
   const std::string head = fmt::format("{} {}", event.time.count(), name(event.kind));
   if (event.kind == discarded)
-    return fmt::format("{} {}.{} {} {:08X}", head, event.place, event.side, event.count == 1 ? "input" : "output", event.word);
+    return fmt::format("{} {}.{} {} {:08X}", head, event.place, event.side, event.count == 1 ? "input" : "output",
+                       event.word);
   if (event.kind == missed) return fmt::format("{} {} chip {}", head, net(event.place).description().name, event.side);
   if (event.kind == rise || event.kind == fall) return fmt::format("{} {}", head, net(event.place).description().name);
   if (event.kind >= reset) return fmt::format("{} {}", head, event.place);
   const NetworkLink& link = ends(event.place);
   const PortName &from = event.side == 0 ? link.a : link.b, &to = event.side == 0 ? link.b : link.a;
-  if (event.kind == word) return fmt::format("{} {}>{} {:08X}", head, machine::to_text(from), machine::to_text(to), event.word);
-  if (event.kind == lost) return fmt::format("{} {}>{} {:08X} after {} bytes", head, machine::to_text(from), machine::to_text(to), event.word, event.count);
+  if (event.kind == word)
+    return fmt::format("{} {}>{} {:08X}", head, machine::to_text(from), machine::to_text(to), event.word);
+  if (event.kind == lost)
+    return fmt::format("{} {}>{} {:08X} after {} bytes", head, machine::to_text(from), machine::to_text(to), event.word,
+                       event.count);
   if (event.kind == token) return fmt::format("{} {}", head, machine::to_text(from));
   return fmt::format("{} {}", head, machine::to_text(link));
 }
@@ -201,14 +233,16 @@ std::vector<NetworkEvent> Network::events() const {
 std::vector<ChipEvent> Network::peripheral_events() const {
   std::vector<ChipEvent> all;
   for (const auto& node : nodes_)
-    for (const c40::PeripheralEvent& event : node->peripheral_events) all.push_back({node->number, node->clock.at(event.cycle), event});
+    for (const c40::PeripheralEvent& event : node->peripheral_events)
+      all.push_back({node->number, node->clock.at(event.cycle), event});
   std::stable_sort(all.begin(), all.end(), [](const ChipEvent& a, const ChipEvent& b) { return a.time < b.time; });
   return all;
 }
 
 std::string Network::text(const ChipEvent& event) const {
   const AddressNames& names = nodes_.at(event.chip)->names();
-  return fmt::format("{} chip {}: {}", event.time.count(), event.chip, to_text(event.event, [&names](Address at) { return names.text(at); }));
+  return fmt::format("{} chip {}: {}", event.time.count(), event.chip,
+                     to_text(event.event, [&names](Address at) { return names.text(at); }));
 }
 
 std::vector<std::string> Network::event_trace() const {

@@ -11,7 +11,9 @@ namespace {
 
 using c40::Address;
 
-report::ProfileCost cost_of(const c40::ProfileCounts::Entry& entry) { return {entry.instructions, entry.cycles, by_cause(entry.causes)}; }
+report::ProfileCost cost_of(const c40::ProfileCounts::Entry& entry) {
+  return {entry.instructions, entry.cycles, by_cause(entry.causes)};
+}
 
 void add(report::ProfileCost& to, const report::ProfileCost& cost) {
   to.instructions += cost.instructions;
@@ -26,12 +28,14 @@ std::map<Address, std::string> labels(const toolchain::Image& image) {
   return all;
 }
 
-std::vector<report::ProfileRoutine> routines_of(const c40::ProfileCounts& counts, const std::set<Address>& starts, const toolchain::Image& image) {
+std::vector<report::ProfileRoutine> routines_of(const c40::ProfileCounts& counts, const std::set<Address>& starts,
+                                                const toolchain::Image& image) {
   const auto names = labels(image);
   std::vector<report::ProfileRoutine> all;
   for (const auto& [address, routine] : c40::routines(counts, starts)) {
     const auto name = names.find(address);
-    all.push_back({name == names.end() ? fmt::format("{:08X}h", address) : name->second, address, routine.calls, cost_of(routine.own)});
+    all.push_back({name == names.end() ? fmt::format("{:08X}h", address) : name->second, address, routine.calls,
+                   cost_of(routine.own)});
   }
   std::ranges::stable_sort(all, [](const auto& a, const auto& b) { return a.own.cycles > b.own.cycles; });
   return all;
@@ -49,7 +53,8 @@ bool is_directive(std::string_view text) {
   return text.starts_with('.');
 }
 
-std::vector<report::ProfileLine> lines_of(const c40::ProfileCounts& counts, const toolchain::Image& image, bool all_lines) {
+std::vector<report::ProfileLine> lines_of(const c40::ProfileCounts& counts, const toolchain::Image& image,
+                                          bool all_lines) {
   std::map<Address, report::ProfileLine> lines;
   const auto executed = counts.instructions();
   for (const toolchain::LineRecord& line : image.lines) {
@@ -80,12 +85,13 @@ report::Profile empty_profile() {
   return profile;
 }
 
-report::ProfileGroup profile_group(const c40::ProfileCounts& counts, const c40::Causes& outside, const std::set<Address>& starts,
-                                   const toolchain::Image& image, bool all_lines) {
+report::ProfileGroup profile_group(const c40::ProfileCounts& counts, const c40::Causes& outside,
+                                   const std::set<Address>& starts, const toolchain::Image& image, bool all_lines) {
   report::ProfileGroup group;
   group.total = cost_of(counts.total());
   group.outside = by_cause(outside);
-  for (std::size_t i = 0; i < outside.size(); ++i) group.total.cycles += outside[i], group.total.causes[i] += outside[i];
+  for (std::size_t i = 0; i < outside.size(); ++i)
+    group.total.cycles += outside[i], group.total.causes[i] += outside[i];
   group.routines = routines_of(counts, starts, image);
   group.lines = lines_of(counts, image, all_lines);
   return group;

@@ -1,6 +1,6 @@
 #pragma once
-/// The order in which things happen, of the dock and of networks: always the earliest event of all actors. Of several at one
-/// instant, the actor that was added first.
+/// The order in which things happen, of the dock and of networks: always the earliest event of all actors. Of several
+/// at one instant, the actor that was added first.
 ///
 /// Processors run ahead of that order on what is their own, up to their horizon: the earliest instant at which another
 /// actor could act on them. So the order in which processors are advanced changes nothing, nor does the way in which
@@ -27,8 +27,9 @@ class Scheduler {
     virtual Time next() const = 0;
     /// Its event at `now` happens. Afterwards the scheduler asks for next() by itself.
     virtual void act(Time now) = 0;
-    /// next() may have become another one: to be called wherever others make that happen. Of one that has become later it
-    /// may be left out, if act() then finds nothing to do (the plant, which a reader may bring to its latch before its turn).
+    /// next() may have become another one: to be called wherever others make that happen. Of one that has become later
+    /// it may be left out, if act() then finds nothing to do (the plant, which a reader may bring to its latch before
+    /// its turn).
     void changed() {
       if (scheduler_ != nullptr) scheduler_->calendar_.set(place_, next());
     }

@@ -16,9 +16,12 @@ void SharedSram::write(pci::Address offset, Word value, const pci::Access& acces
   if (!is_host(access.agent)) {
     const unsigned slot = access.agent - 1;
     if (fence_.closed(slot)) return;
-    if (guard_ != nullptr && !guard_->admits(slot, offset, value, registers_->holder(guard_->list_semaphore()) == slot + 1)) return;
+    if (guard_ != nullptr &&
+        !guard_->admits(slot, offset, value, registers_->holder(guard_->list_semaphore()) == slot + 1))
+      return;
   }
-  if (watch_) [[unlikely]] watch_(offset, words_[offset], value, true, access);
+  if (watch_) [[unlikely]]
+    watch_(offset, words_[offset], value, true, access);
   words_[offset] = value;
 }
 
@@ -50,12 +53,14 @@ pci::Answer SharedRegisters::answer(pci::Address offset, unsigned, bool write, c
   return answers(base + offset, write, is_host(access.agent)) ? pci::Answer::accept : pci::Answer::abort;
 }
 
-// The host also gets what a DSP holds that is fenced off, in one step: were it freed first, a DSP that polls could come in between.
+// The host also gets what a DSP holds that is fenced off, in one step: were it freed first, a DSP that polls could come
+// in between.
 Word SharedRegisters::acquire(unsigned number, const pci::Access& access) {
   const unsigned owner = owner_of(access.agent);
   Semaphore& semaphore = semaphores_[number];
   const bool fenced = !is_host(access.agent) && fence_.closed(access.agent - 1);
-  const bool orphaned = is_host(access.agent) && semaphore.owner != 0 && semaphore.owner != owner && fence_.closed(semaphore.owner - 1U);
+  const bool orphaned =
+      is_host(access.agent) && semaphore.owner != 0 && semaphore.owner != owner && fence_.closed(semaphore.owner - 1U);
   if ((semaphore.owner != 0 && !orphaned) || fenced) {
     client_.semaphore_event(number, SemaphoreEvent::refused, owner, access.clock);
     return 1;

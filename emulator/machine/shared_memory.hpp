@@ -40,7 +40,8 @@ class SharedSram final : public pci::Target {
   static constexpr Offset size = 0x10000;
   explicit SharedSram(const Fence& fence) : fence_{fence}, words_(size) {}
   Word read(pci::Address offset, const pci::Access& access) override {
-    if (watch_) [[unlikely]] watch_(offset, words_[offset], words_[offset], false, access);
+    if (watch_) [[unlikely]]
+      watch_(offset, words_[offset], words_[offset], false, access);
     return words_[offset];
   }
   void write(pci::Address offset, Word value, const pci::Access& access) override;

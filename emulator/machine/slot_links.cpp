@@ -29,7 +29,9 @@ std::vector<SlotLink> parse_slot_links(std::string_view text) {
     while (rest.starts_with(' ')) rest.remove_prefix(1);
     while (rest.ends_with(' ')) rest.remove_suffix(1);
     const std::string_view one = rest;
-    const auto unclear = [&] { return std::invalid_argument{fmt::format("\"{}\" is no link; SLOT.PORT:SLOT.PORT is expected, as 0.1:1.4", one)}; };
+    const auto unclear = [&] {
+      return std::invalid_argument{fmt::format("\"{}\" is no link; SLOT.PORT:SLOT.PORT is expected, as 0.1:1.4", one)};
+    };
     const auto number = [&](char behind) {
       unsigned value = 0;
       const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
@@ -54,19 +56,30 @@ void check(const std::vector<SlotLink>& links, unsigned slots) {
   for (const SlotLink& link : links) {
     const std::string name = to_text(link);
     for (const SlotPort& end : {link.a, link.b}) {
-      if (end.slot >= slots) throw std::invalid_argument{fmt::format("link {}: there is no slot {}; the last is {}", name, end.slot, slots - 1)};
-      if (end.port < 0 || end.port >= c40::port_count) throw std::invalid_argument{fmt::format("link {}: a DSP has no port {}; ports 0, 1, 2, 4 and 5 are free", name, end.port)};
-      if (end.port == 3) throw std::invalid_argument{fmt::format("link {}: port 3 of every DSP is linked to the link adapter; ports 0, 1, 2, 4 and 5 are free", name)};
-      if (std::ranges::find(taken, end) != taken.end()) throw std::invalid_argument{fmt::format("link {}: port {} is taken; a port has one link", name, to_text(end))};
+      if (end.slot >= slots)
+        throw std::invalid_argument{
+            fmt::format("link {}: there is no slot {}; the last is {}", name, end.slot, slots - 1)};
+      if (end.port < 0 || end.port >= c40::port_count)
+        throw std::invalid_argument{
+            fmt::format("link {}: a DSP has no port {}; ports 0, 1, 2, 4 and 5 are free", name, end.port)};
+      if (end.port == 3)
+        throw std::invalid_argument{fmt::format(
+            "link {}: port 3 of every DSP is linked to the link adapter; ports 0, 1, 2, 4 and 5 are free", name)};
+      if (std::ranges::find(taken, end) != taken.end())
+        throw std::invalid_argument{fmt::format("link {}: port {} is taken; a port has one link", name, to_text(end))};
       taken.push_back(end);
     }
-    if (link.a.slot == link.b.slot) throw std::invalid_argument{fmt::format("link {}: both ends are in slot {}; a link joins two slots", name, link.a.slot)};
+    if (link.a.slot == link.b.slot)
+      throw std::invalid_argument{
+          fmt::format("link {}: both ends are in slot {}; a link joins two slots", name, link.a.slot)};
     if (link.a.port > 2 || link.b.port < 4)
-      throw std::invalid_argument{fmt::format("link {}: one of ports 0, 1, 2, which begin with the token, is joined with one of ports 4, 5", name)};
+      throw std::invalid_argument{fmt::format(
+          "link {}: one of ports 0, 1, 2, which begin with the token, is joined with one of ports 4, 5", name)};
   }
 }
 
-SlotWire::SlotWire(SlotLink ends, Dsp& a, Dsp& b) : ends_{ends}, a_{a}, b_{b}, link_{side_of(ends.a, a), side_of(ends.b, b)} {
+SlotWire::SlotWire(SlotLink ends, Dsp& a, Dsp& b)
+    : ends_{ends}, a_{a}, b_{b}, link_{side_of(ends.a, a), side_of(ends.b, b)} {
   link_.cut(Time{0});
   a.attach(ends.a.port, link_, 0, *this);
   b.attach(ends.b.port, link_, 1, *this);

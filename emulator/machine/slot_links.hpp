@@ -1,10 +1,10 @@
 #pragma once
-// Links between communication ports of the dock's DSP boards: ports 0, 1, 2 of one slot with 4, 5 of another (port 3 is the
-// link adapter's, machine/link_adapter.hpp).
+// Links between communication ports of the dock's DSP boards: ports 0, 1, 2 of one slot with 4, 5 of another (port 3 is
+// the link adapter's, machine/link_adapter.hpp).
 //
-// A slot that is empty, or whose program has not yet said that it runs, is a cut link: what is on the wires is lost. When
-// both programs run, both ports are reset and the wires are joined; what the ports held is discarded. Lost and discarded
-// words are counted.
+// A slot that is empty, or whose program has not yet said that it runs, is a cut link: what is on the wires is lost.
+// When both programs run, both ports are reset and the wires are joined; what the ports held is discarded. Lost and
+// discarded words are counted.
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -38,7 +38,8 @@ struct SlotLink {
 std::vector<SlotLink> parse_slot_links(std::string_view text);
 std::string to_text(const SlotPort& port);
 std::string to_text(const SlotLink& link);
-/// \throws std::invalid_argument for a slot or port that there is not, a port that is taken, and ends that cannot be joined
+/// \throws std::invalid_argument for a slot or port that there is not, a port that is taken, and ends that cannot be
+/// joined
 void check(const std::vector<SlotLink>& links, unsigned slots);
 
 /// Of one direction, in words.

@@ -12,8 +12,10 @@ std::string tidy(std::string_view text) {
   std::string out;
   for (const char c : text.substr(0, text.find(';'))) {
     const bool blank = c == ' ' || c == '\t';
-    if (!blank) out += c;
-    else if (!out.empty() && out.back() != ' ') out += ' ';
+    if (!blank)
+      out += c;
+    else if (!out.empty() && out.back() != ' ')
+      out += ' ';
   }
   if (out.ends_with(' ')) out.pop_back();
   return out;

@@ -14,8 +14,8 @@ class SourceText {
   SourceText() = default;
   explicit SourceText(const toolchain::Image& image, Label label);
 
-  /// Without comment, blanks put right, both lines of a parallel instruction in one. Where no line is known, disassembled;
-  /// `symbols` then gives branch targets their names.
+  /// Without comment, blanks put right, both lines of a parallel instruction in one. Where no line is known,
+  /// disassembled; `symbols` then gives branch targets their names.
   std::string operator()(isa::Address address, isa::Word word,
                          const std::function<std::string(isa::Address)>& symbols = {}) const;
 

@@ -10,7 +10,8 @@ struct Image;
 namespace machine {
 
 struct Symbols {
-  /// Throws std::invalid_argument with the names of all that the program does not define, those of the devices among them.
+  /// Throws std::invalid_argument with the names of all that the program does not define, those of the devices among
+  /// them.
   explicit Symbols(const toolchain::Image& program);
 
   // bus A

@@ -1,10 +1,10 @@
 #pragma once
-// Which agent stands on which bus, and what follows from it: where each device answers, and by which way a board reaches it
-// (plant-and-bus.md 3.4).
+// Which agent stands on which bus, and what follows from it: where each device answers, and by which way a board
+// reaches it (plant-and-bus.md 3.4).
 //
-// A DSP's program knows two windows only: shared memory in window A, devices in window B. The board's decoder sends an access
-// out by that of its bridges which leads to the device, at the device's address on the buses. Buses that bridges join share one
-// address space; the others have one each.
+// A DSP's program knows two windows only: shared memory in window A, devices in window B. The board's decoder sends an
+// access out by that of its bridges which leads to the device, at the device's address on the buses. Buses that bridges
+// join share one address space; the others have one each.
 #include <array>
 #include <cstdint>
 #include <string>
@@ -26,9 +26,9 @@ struct Topology {
   std::vector<unsigned> host{0};     ///< the buses on which it has a bridge
   std::vector<unsigned> dsps{0, 1};  ///< the same of every DSP board
   unsigned shared_memory = 0;
-  std::array<unsigned, device_groups> devices{1, 1, 1};        ///< by DeviceGroup
+  std::array<unsigned, device_groups> devices{1, 1, 1};         ///< by DeviceGroup
   std::array<pci::Address, device_groups> devices_at{0, 0, 0};  ///< address of window B's offset 0 on the bus
-  std::vector<std::pair<unsigned, unsigned>> bridges;          ///< between buses; no loops
+  std::vector<std::pair<unsigned, unsigned>> bridges;           ///< between buses; no loops
 };
 
 /// Words of window B, and of the part of the address space that shared memory, its registers and the link adapter take.
@@ -37,8 +37,8 @@ inline constexpr Offset shared_space = 0x12000;
 /// Where devices begin in an address space that they share with shared memory, unless told otherwise.
 inline constexpr Offset devices_beside_memory = 0x100000;
 
-/// The next bus on the way from one bus to another over bridges; `from` itself when they are the same, -1 when no way leads
-/// there.
+/// The next bus on the way from one bus to another over bridges; `from` itself when they are the same, -1 when no way
+/// leads there.
 int next_bus(const Topology& topology, unsigned from, unsigned to);
 /// Bridges to cross; -1 when no way leads there.
 int hops(const Topology& topology, unsigned from, unsigned to);
@@ -53,8 +53,8 @@ struct Way {
   bool direct = true;      ///< the target stands on that very bus
 };
 
-/// The shortest way for a board that stands on `standing`; ties go to the bus named first. std::invalid_argument when none
-/// leads there.
+/// The shortest way for a board that stands on `standing`; ties go to the bus named first. std::invalid_argument when
+/// none leads there.
 Way way_to(const Topology& topology, const std::vector<unsigned>& standing, unsigned bus, Offset first, Offset end,
            pci::Address shift);
 

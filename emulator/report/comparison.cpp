@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-std::optional<double> mean_of(const std::vector<CycleReport>& cycles, std::optional<Time> CycleReport::*time) {
+std::optional<double> mean_of(const std::vector<CycleReport>& cycles, std::optional<Time> CycleReport::* time) {
   double sum = 0;
   int count = 0;
   for (const CycleReport& cycle : cycles)
@@ -29,14 +29,17 @@ Json optional(const std::optional<double>& value) { return value ? Json(*value) 
 
 std::vector<Metric> metrics(const RunReport& report) {
   std::vector<Metric> all;
-  const auto add = [&](std::string name, std::string unit, std::optional<double> value) { all.push_back({std::move(name), std::move(unit), value}); };
+  const auto add = [&](std::string name, std::string unit, std::optional<double> value) {
+    all.push_back({std::move(name), std::move(unit), value});
+  };
   add("missed deadlines", "", static_cast<double>(report.misses()));
   static const Errors none;
   const Errors& errors = report.errors ? *report.errors : none;
   for (const char* name : {"f_p", "f_t", "f_a"}) {
     const Rate* rate = errors.rate(name);
     const std::string what = name;
-    add(what + " missed", "%", rate != nullptr && rate->all.missed() ? std::optional(100 * *rate->all.missed()) : std::nullopt);
+    add(what + " missed", "%",
+        rate != nullptr && rate->all.missed() ? std::optional(100 * *rate->all.missed()) : std::nullopt);
     add(what + " realised", "Hz", rate != nullptr ? rate->all.realised_hz : std::nullopt);
     add(what + " realised, worst second", "Hz", rate != nullptr ? rate->all.worst_hz : std::nullopt);
   }
@@ -81,7 +84,8 @@ std::vector<Metric> metrics(const RunReport& report) {
   add("delivered at, mean", "s", mean_of(report.cycles, &CycleReport::delivered));
   for (const TaskReport& task : report.tasks) {
     const bool any = task.response.count > 0;
-    add(task.kind + " response, worst", "us", any ? std::optional(static_cast<double>(task.response.worst) * 1e-6) : std::nullopt);
+    add(task.kind + " response, worst", "us",
+        any ? std::optional(static_cast<double>(task.response.worst) * 1e-6) : std::nullopt);
   }
   const auto effort = [&](std::string name, double value) {
     add(std::move(name), "s", value);
@@ -97,21 +101,24 @@ std::optional<double> Comparison::Row::difference() const {
 }
 
 std::string to_text(const Comparison& comparison) {
-  std::string text = fmt::format("The run beside the same run with instant execution, {:g} s simulated{}\n\n", comparison.duration_s,
-                                 comparison.interrupted ? "; interrupted" : "");
+  std::string text = fmt::format("The run beside the same run with instant execution, {:g} s simulated{}\n\n",
+                                 comparison.duration_s, comparison.interrupted ? "; interrupted" : "");
   TextTable table({"", "unit", "run", "ideal", "difference", "%"});
   for (const Comparison::Row& row : comparison.rows) {
     if (!row.run.value && !row.ideal) continue;
     const auto difference = row.difference();
     const bool relative = difference && *row.ideal != 0;
-    table.add({row.run.name + (row.run.effort ? " (effort)" : ""), row.run.unit, shown(row.run.value), shown(row.ideal), shown(difference),
-               relative ? fmt::format("{:+.1f}", 100 * *difference / std::abs(*row.ideal)) : "-"});
+    table.add({row.run.name + (row.run.effort ? " (effort)" : ""), row.run.unit, shown(row.run.value), shown(row.ideal),
+               shown(difference), relative ? fmt::format("{:+.1f}", 100 * *difference / std::abs(*row.ideal)) : "-"});
   }
-  return text + table.render() + "\n(effort): what the drives were made to do, no measure of quality: a crane that stands asks for little.\n";
+  return text + table.render() +
+         "\n(effort): what the drives were made to do, no measure of quality: a crane that stands asks for little.\n";
 }
 
 std::string to_json(const Comparison& comparison) {
-  Json root = {{"duration_s", comparison.duration_s}, {"stop_reason", comparison.interrupted ? "interrupted" : "completed"}, {"metrics", Json::object()}};
+  Json root = {{"duration_s", comparison.duration_s},
+               {"stop_reason", comparison.interrupted ? "interrupted" : "completed"},
+               {"metrics", Json::object()}};
   for (const Comparison::Row& row : comparison.rows)
     root["metrics"][row.run.name] = {{"unit", row.run.unit},
                                      {"measures", row.run.effort ? "effort" : "quality"},

@@ -16,8 +16,8 @@ struct Metric {
   bool effort = false;          ///< what the drives were made to do: no measure of quality
 };
 
-/// What a run is judged by: misses, rates, errors, lag, control cost, cycles, every kind's slowest response; and the drives' effort. The
-/// names depend on the configuration only.
+/// What a run is judged by: misses, rates, errors, lag, control cost, cycles, every kind's slowest response; and the
+/// drives' effort. The names depend on the configuration only.
 std::vector<Metric> metrics(const RunReport& report);
 
 struct Comparison {

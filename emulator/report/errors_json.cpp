@@ -5,7 +5,9 @@ namespace report {
 using Json = nlohmann::ordered_json;
 
 Json errors_json(const std::vector<HandledError>& errors) {
-  const auto seconds = [](const std::optional<Time>& time) { return time ? Json(report::seconds(*time)) : Json(nullptr); };
+  const auto seconds = [](const std::optional<Time>& time) {
+    return time ? Json(report::seconds(*time)) : Json(nullptr);
+  };
   Json list = Json::array();
   for (const HandledError& of : errors)
     list.push_back({{"origin", of.origin},

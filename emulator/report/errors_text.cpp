@@ -10,15 +10,23 @@ namespace {
 std::string at(const Time& time) { return fmt::format("{:.4f} s", seconds(time)); }
 
 std::string told(const HandledError& error) {
-  std::string text = fmt::format("  {}: {}{} {}\n", error.robot, error.origin, error.of.empty() ? "" : ",", fmt::join(error.of, ", "));
+  std::string text =
+      fmt::format("  {}: {}{} {}\n", error.robot, error.origin, error.of.empty() ? "" : ",", fmt::join(error.of, ", "));
   if (text.ends_with(" \n")) text.erase(text.size() - 2, 1);
-  text += error.happened ? fmt::format("    happened at {} ({}), noticed at {}\n", at(*error.happened), error.because, at(error.noticed))
+  text += error.happened ? fmt::format("    happened at {} ({}), noticed at {}\n", at(*error.happened), error.because,
+                                       at(error.noticed))
                          : fmt::format("    noticed at {}\n", at(error.noticed));
-  if (error.decided) text += fmt::format("    decided at {}: {}; {}\n", at(*error.decided), error.response, error.done ? "done at " + at(*error.done) : "not done by the end");
-  else text += "    no DSP has decided what to do\n";
-  text += fmt::format("    it moved {:.3f} m until noticed, {:.3f} m until that was done, at most {:.3f} m\n", error.moved_until_noticed_m, error.moved_until_done_m, error.moved_most_m);
-  if (error.cleared) text += fmt::format("    cleared by the operator at {}\n", at(*error.cleared));
-  else if (error.stands) text += "    NOT CLEARED: it waits for the operator (errors.clear)\n";
+  if (error.decided)
+    text += fmt::format("    decided at {}: {}; {}\n", at(*error.decided), error.response,
+                        error.done ? "done at " + at(*error.done) : "not done by the end");
+  else
+    text += "    no DSP has decided what to do\n";
+  text += fmt::format("    it moved {:.3f} m until noticed, {:.3f} m until that was done, at most {:.3f} m\n",
+                      error.moved_until_noticed_m, error.moved_until_done_m, error.moved_most_m);
+  if (error.cleared)
+    text += fmt::format("    cleared by the operator at {}\n", at(*error.cleared));
+  else if (error.stands)
+    text += "    NOT CLEARED: it waits for the operator (errors.clear)\n";
   return text;
 }
 

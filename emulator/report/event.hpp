@@ -57,12 +57,14 @@ enum class EventKind : std::uint16_t {
   delivered = 23,      ///< plant: container
   starved = 24,        ///< host: robot (0 crane, n AGV n - 1), point: the interpolation buffer ran dry
   scripted = 25,       ///< host: action (machine::Action), number of what it acts on, amount low and high word
-  set = 27,             ///< host: number of the key in the schema, its new value (integer or bits of a double) low and high word
-  push = 26,           ///< plant: AGV, speed, front, rear (a set-point enters the AGV's FIFO)
-  link_lost = 29,      ///< dsp: word lost on the link, 1 to the DSP | 0 from it, bytes of it that had crossed
-  error = 30,           ///< host: number, origin and what it is of (ERROR_*), robot, 0 noticed | 1 decided | 2 done | 3 cleared, response (RESPOND_*)
-  control = 31,         ///< host: generation of the servo's parameters, what is new in it (bit j: channel j, bit 5: against sway)
-  issue = 28,          ///< dsp: block offset, flag written, ps from the program's write to its arrival (low and high word)
+  set = 27,   ///< host: number of the key in the schema, its new value (integer or bits of a double) low and high word
+  push = 26,  ///< plant: AGV, speed, front, rear (a set-point enters the AGV's FIFO)
+  link_lost = 29,  ///< dsp: word lost on the link, 1 to the DSP | 0 from it, bytes of it that had crossed
+  error = 30,  ///< host: number, origin and what it is of (ERROR_*), robot, 0 noticed | 1 decided | 2 done | 3 cleared,
+               ///< response (RESPOND_*)
+  control =
+      31,  ///< host: generation of the servo's parameters, what is new in it (bit j: channel j, bit 5: against sway)
+  issue = 28,  ///< dsp: block offset, flag written, ps from the program's write to its arrival (low and high word)
 };
 
 /// One event. 32 bytes, hashed in this layout, little-endian: time, component, kind, arguments.

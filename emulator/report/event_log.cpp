@@ -40,12 +40,15 @@ struct Sha256 {
   void list_state(state::Visitor& list) {
     std::array<SHA_LONG, 8> words = std::to_array(context.h);
     std::array<SHA_LONG, 2> bits{context.Nl, context.Nh};
-    std::string begun(reinterpret_cast<const char*>(context.data), context.num);  // NOLINT: bytes of the block under way
+    std::string begun(reinterpret_cast<const char*>(context.data),
+                      context.num);  // NOLINT: bytes of the block under way
     list("words", words);
     list("bits", bits);
     list("begun", begun);
     if (!list.loads()) return;
-    if (begun.size() >= SHA256_CBLOCK) throw state::StateError(fmt::format("the hash under way has {} bytes of a block; 0 to 63 are possible", begun.size()));
+    if (begun.size() >= SHA256_CBLOCK)
+      throw state::StateError(
+          fmt::format("the hash under way has {} bytes of a block; 0 to 63 are possible", begun.size()));
     *this = Sha256();
     std::ranges::copy(words, context.h);
     context.Nl = bits[0];

@@ -9,18 +9,20 @@
 namespace report {
 
 struct HandledError {
-  std::string origin;           ///< "following error", "drive fault", "drive time-out", "encoder", "sway sensor", "landing", "block given up"
-  std::string robot;            ///< "crane", "agv 0"
-  std::vector<std::string> of;  ///< joints, sway axes, or the kind of the block
-  std::optional<Time> happened; ///< where it is known: the timed event, or what the plant says
-  std::string because;          ///< of that: "fail_drive luff", "drive_stopped"
+  std::string origin;  ///< "following error", "drive fault", "drive time-out", "encoder", "sway sensor", "landing",
+                       ///< "block given up"
+  std::string robot;   ///< "crane", "agv 0"
+  std::vector<std::string> of;   ///< joints, sway axes, or the kind of the block
+  std::optional<Time> happened;  ///< where it is known: the timed event, or what the plant says
+  std::string because;           ///< of that: "fail_drive luff", "drive_stopped"
   Time noticed{};
   std::optional<Time> decided;  ///< by an error block on a DSP
   std::string response;         ///< "stop", "hold", "set down", "retry", "second sensor"; empty: nobody decided
   std::optional<Time> done;     ///< the response was carried out
   std::optional<Time> cleared;  ///< by the operator
   bool stands = false;          ///< at the end its robot waits for the operator
-  /// Distances of the load (of an AGV's error: of the AGV) from where it was when it happened, or was noticed; from the plant, m.
+  /// Distances of the load (of an AGV's error: of the AGV) from where it was when it happened, or was noticed; from the
+  /// plant, m.
   double moved_until_noticed_m = 0;
   double moved_until_done_m = 0;  ///< or the end of the run
   double moved_most_m = 0;        ///< until it was cleared, or the end of the run

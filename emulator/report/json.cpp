@@ -7,7 +7,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-
 Json optional_seconds(const std::optional<Time>& time) { return time ? Json(seconds(*time)) : Json(nullptr); }
 
 Json shares(const std::vector<Share>& list) {
@@ -25,8 +24,15 @@ Json histogram(const Log2Histogram& bins) {
 }
 
 Json summary(const Summary& of) {
-  return {{"count", of.count}, {"best", of.best},   {"mean", of.mean},   {"p50", of.p50},
-          {"p99", of.p99},     {"p99_9", of.p99_9}, {"worst", of.worst}, {"percentiles", of.exact_percentiles ? "exact" : "within 0.1 %"}, {"log2_histogram", histogram(of.histogram)}};
+  return {{"count", of.count},
+          {"best", of.best},
+          {"mean", of.mean},
+          {"p50", of.p50},
+          {"p99", of.p99},
+          {"p99_9", of.p99_9},
+          {"worst", of.worst},
+          {"percentiles", of.exact_percentiles ? "exact" : "within 0.1 %"},
+          {"log2_histogram", histogram(of.histogram)}};
 }
 
 Json why_late(const WhyLate& of) {
@@ -85,7 +91,10 @@ Json miss(const MissReport& of, const std::vector<TaskReport>& kinds) {
                       {"overtook", block.overtook}});
   Json runs = Json::array();
   for (const Run& run : of.runs)
-    runs.push_back({{"dsp", run.slot}, {"claimed_ps", run.claimed.count()}, {"ended_ps", run.ended.count()}, {"end", name(run.end)}});
+    runs.push_back({{"dsp", run.slot},
+                    {"claimed_ps", run.claimed.count()},
+                    {"ended_ps", run.ended.count()},
+                    {"end", name(run.end)}});
   return {{"kind", of.kind},
           {"robot", of.job.robot},
           {"number", of.job.number},
@@ -104,7 +113,9 @@ Json miss(const MissReport& of, const std::vector<TaskReport>& kinds) {
 
 Json dsp(const DspReport& of) {
   Json boots = Json::array();
-  for (const BootReport& boot : of.boots) boots.push_back({{"reset_at_s", seconds(boot.reset)}, {"boot_s", boot.booted ? Json(seconds(*boot.booted - boot.reset)) : Json(nullptr)}});
+  for (const BootReport& boot : of.boots)
+    boots.push_back({{"reset_at_s", seconds(boot.reset)},
+                     {"boot_s", boot.booted ? Json(seconds(*boot.booted - boot.reset)) : Json(nullptr)}});
   return {{"slot", of.slot},
           {"state", of.state},
           {"clock_hz", of.clock_hz},
@@ -123,7 +134,12 @@ Json dsp(const DspReport& of) {
 Json link(const LinkReport& of) {
   Json directions = Json::array();
   for (const LinkReport::Direction& way : of.directions)
-    directions.push_back({{"from", way.from}, {"to", way.to}, {"sent", way.sent}, {"arrived", way.arrived}, {"lost", way.lost}, {"discarded", way.discarded}});
+    directions.push_back({{"from", way.from},
+                          {"to", way.to},
+                          {"sent", way.sent},
+                          {"arrived", way.arrived},
+                          {"lost", way.lost},
+                          {"discarded", way.discarded}});
   return {{"joined", of.joined}, {"is_cut", of.is_cut}, {"directions", std::move(directions)}};
 }
 
@@ -252,7 +268,8 @@ std::string to_json(const RunReport& report) {
   for (const DspReport& of : report.dsps) root["dsps"].push_back(dsp(of));
   for (const LinkReport& of : report.links) root["links"].push_back(link(of));
   for (const NetReport& of : report.nets)
-    root["nets"].push_back({{"name", of.name}, {"pins", of.pins}, {"edges", of.edges}, {"missed", of.missed}, {"level", of.high ? 1 : 0}});
+    root["nets"].push_back(
+        {{"name", of.name}, {"pins", of.pins}, {"edges", of.edges}, {"missed", of.missed}, {"level", of.high ? 1 : 0}});
   for (const BusReport& of : report.buses) root["buses"][of.name] = bus(of);
   for (const CycleReport& of : report.cycles) root["cycles"].push_back(cycle(of));
   for (const FailureReport& of : report.failures) root["failures"].push_back(failure(of));

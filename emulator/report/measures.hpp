@@ -1,5 +1,6 @@
 #pragma once
-// What a run is measured by from outside: beside its ideal run, by the plant and by virtual time (docs/report.md, Errors).
+// What a run is measured by from outside: beside its ideal run, by the plant and by virtual time (docs/report.md,
+// Errors).
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -37,7 +38,8 @@ struct Demand {
   std::uint64_t not_demanded = 0;  ///< demanded, never released, over all robots
   std::uint64_t extra = 0;         ///< released beyond what was demanded
   std::uint64_t finished = 0;
-  std::optional<double> demanded_hz;  ///< jobs per second of the time in which the kind is demanded; none: a kind without a rate
+  std::optional<double>
+      demanded_hz;  ///< jobs per second of the time in which the kind is demanded; none: a kind without a rate
   std::optional<double> realised_hz;  ///< finished jobs per second of that time
   std::optional<double> worst_hz;     ///< the same in the worst window of one second of it
 
@@ -47,26 +49,26 @@ struct Demand {
 
 /// f_p, f_t or f_a: what was asked for, and what came of it.
 struct Rate {
-  std::string name;                 ///< "f_p", "f_t", "f_a"
-  std::vector<std::string> kinds;   ///< realised is the slower of them
+  std::string name;                ///< "f_p", "f_t", "f_a"
+  std::vector<std::string> kinds;  ///< realised is the slower of them
   double nominal_hz = 0;
-  Demand all;                       ///< of all its kinds
+  Demand all;  ///< of all its kinds
 };
 
 /// Everything that needs the ideal run.
 struct Errors {
-  Time from{}, to{};                 ///< the window
-  double reference_elapsed_s = 0;    ///< wall-clock time of the ideal run
-  Deviation load;                    ///< m, of the load's place
-  double doing_nothing_m = 0;        ///< RMS distance of the ideal run's load from where it was at the window's start
+  Time from{}, to{};               ///< the window
+  double reference_elapsed_s = 0;  ///< wall-clock time of the ideal run
+  Deviation load;                  ///< m, of the load's place
+  double doing_nothing_m = 0;      ///< RMS distance of the ideal run's load from where it was at the window's start
   std::vector<JointDeviation> joints;
-  std::vector<JointDeviation> sway;  ///< rad; `path` is not told
+  std::vector<JointDeviation> sway;         ///< rad; `path` is not told
   std::optional<double> residual_sway_rad;  ///< largest sway error in the 12 s after an arrival; none: no arrival
-  std::vector<JointDeviation> agvs;  ///< m, of each AGV's place; `path` is not told
+  std::vector<JointDeviation> agvs;         ///< m, of each AGV's place; `path` is not told
   std::vector<Lag> lags;
-  double error_m2s = 0;              ///< integral of the squared joint errors as they move the spreader
+  double error_m2s = 0;  ///< integral of the squared joint errors as they move the spreader
   std::vector<Rate> rates;
-  std::vector<Demand> demand;        ///< by kind, those that either run released
+  std::vector<Demand> demand;  ///< by kind, those that either run released
 
   const Rate* rate(const std::string& name) const;
 };

@@ -5,7 +5,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-
 template <class Value>
 Json optional(const std::optional<Value>& value) {
   return value ? Json(*value) : Json(nullptr);
@@ -16,7 +15,8 @@ Json deviation(const Deviation& of) { return {{"rms", of.rms}, {"peak", of.peak}
 Json deviations(const std::vector<JointDeviation>& list, bool path) {
   Json object = Json::object();
   for (const JointDeviation& of : list) {
-    Json& one = object[of.name] = {{"unit", of.unit}, {"rms", of.error.rms}, {"peak", of.error.peak}, {"end", of.error.end}};
+    Json& one =
+        object[of.name] = {{"unit", of.unit}, {"rms", of.error.rms}, {"peak", of.error.peak}, {"end", of.error.end}};
     if (path) one["path"] = deviation(of.path);
   }
   return object;
@@ -24,7 +24,8 @@ Json deviations(const std::vector<JointDeviation>& list, bool path) {
 
 Json own(const std::vector<OwnMeasure>& list) {
   Json object = Json::object();
-  for (const OwnMeasure& of : list) object[of.name] = {{"unit", of.unit}, {"rms", optional(of.rms)}, {"peak", optional(of.peak)}};
+  for (const OwnMeasure& of : list)
+    object[of.name] = {{"unit", of.unit}, {"rms", optional(of.rms)}, {"peak", optional(of.peak)}};
   return object;
 }
 
@@ -42,16 +43,17 @@ Json demand(const Demand& of) {
 }
 
 Json errors(const Errors& of) {
-  Json root = {{"window_s", {seconds(of.from), seconds(of.to)}},
-               {"load_m", deviation(of.load)},
-               {"doing_nothing_m", of.doing_nothing_m},
-               {"load_of_doing_nothing", of.doing_nothing_m > 0 ? Json(of.load.rms / of.doing_nothing_m) : Json(nullptr)},
-               {"joints", deviations(of.joints, true)},
-               {"sway", deviations(of.sway, false)},
-               {"residual_sway_rad", optional(of.residual_sway_rad)},
-               {"agvs", deviations(of.agvs, false)},
-               {"lag", Json::object()},
-               {"demand", Json::object()}};
+  Json root = {
+      {"window_s", {seconds(of.from), seconds(of.to)}},
+      {"load_m", deviation(of.load)},
+      {"doing_nothing_m", of.doing_nothing_m},
+      {"load_of_doing_nothing", of.doing_nothing_m > 0 ? Json(of.load.rms / of.doing_nothing_m) : Json(nullptr)},
+      {"joints", deviations(of.joints, true)},
+      {"sway", deviations(of.sway, false)},
+      {"residual_sway_rad", optional(of.residual_sway_rad)},
+      {"agvs", deviations(of.agvs, false)},
+      {"lag", Json::object()},
+      {"demand", Json::object()}};
   for (const Lag& lag : of.lags) root["lag"][lag.robot] = {{"end_s", lag.end_s}, {"peak_s", lag.peak_s}};
   for (const Demand& kind : of.demand) root["demand"][kind.kind] = demand(kind);
   return root;

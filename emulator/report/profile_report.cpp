@@ -30,7 +30,8 @@ class Columns {
   }
   std::string of(const CyclesByCause& causes) const {
     std::string out;
-    for (const std::size_t i : shown_) out += fmt::format(" {:>{}}", causes[i] == 0 ? "-" : fmt::format("{}", causes[i]), width(i));
+    for (const std::size_t i : shown_)
+      out += fmt::format(" {:>{}}", causes[i] == 0 ? "-" : fmt::format("{}", causes[i]), width(i));
     return out;
   }
   std::string blank() const {
@@ -58,14 +59,16 @@ std::int64_t sum(const CyclesByCause& causes) {
 
 std::string routine_table(const Profile& profile, const ProfileGroup& group) {
   const Columns columns(profile, group.total.causes);
-  std::string out = fmt::format("{:>8} {:>12} {:>12} {:>6}{}  routine\n", "calls", "instructions", "cycles", "%", columns.headings());
-  const auto row = [&](const std::string& calls, const std::string& instructions, std::int64_t cycles, const CyclesByCause& causes,
-                       const std::string& name) {
+  std::string out =
+      fmt::format("{:>8} {:>12} {:>12} {:>6}{}  routine\n", "calls", "instructions", "cycles", "%", columns.headings());
+  const auto row = [&](const std::string& calls, const std::string& instructions, std::int64_t cycles,
+                       const CyclesByCause& causes, const std::string& name) {
     fmt::format_to(std::back_inserter(out), "{:>8} {:>12} {:>12} {:>6.2f}{}  {}\n", calls, instructions, cycles,
                    share(cycles, group.total.cycles), columns.of(causes), name);
   };
   for (const ProfileRoutine& routine : group.routines)
-    row(fmt::format("{}", routine.calls), fmt::format("{}", routine.own.instructions), routine.own.cycles, routine.own.causes, routine.name);
+    row(fmt::format("{}", routine.calls), fmt::format("{}", routine.own.instructions), routine.own.cycles,
+        routine.own.causes, routine.name);
   if (sum(group.outside) != 0) row("", "", sum(group.outside), group.outside, "(interrupt entries, idle, halted)");
   row("", fmt::format("{}", group.total.instructions), group.total.cycles, group.total.causes, "total");
   return out;
@@ -73,7 +76,8 @@ std::string routine_table(const Profile& profile, const ProfileGroup& group) {
 
 std::string annotated_source(const Profile& profile, const ProfileGroup& group) {
   const Columns columns(profile, group.total.causes);
-  const std::string headings = fmt::format("{:>12} {:>12}{}  line address\n", "instructions", "cycles", columns.headings());
+  const std::string headings =
+      fmt::format("{:>12} {:>12}{}  line address\n", "instructions", "cycles", columns.headings());
   std::string out;
   const ProfileLine* before = nullptr;
   for (const ProfileLine& line : group.lines) {
@@ -81,13 +85,15 @@ std::string annotated_source(const Profile& profile, const ProfileGroup& group) 
       out += (line.file.empty() ? "(no source)" : line.file) + "\n" + headings;
     before = &line;
     const bool executed = line.cost.instructions != 0;
-    const std::string counts = executed ? fmt::format("{:>12} {:>12}{}", line.cost.instructions, line.cost.cycles, columns.of(line.cost.causes))
+    const std::string counts = executed ? fmt::format("{:>12} {:>12}{}", line.cost.instructions, line.cost.cycles,
+                                                      columns.of(line.cost.causes))
                                         : fmt::format("{:>25}{}", "", columns.blank());
     const auto end = line.text.find('\n');
-    fmt::format_to(std::back_inserter(out), "{}  {:>4} {:08X} {}\n", counts, line.file.empty() ? "" : fmt::format("{}", line.line), line.address,
-                   line.text.substr(0, end));
+    fmt::format_to(std::back_inserter(out), "{}  {:>4} {:08X} {}\n", counts,
+                   line.file.empty() ? "" : fmt::format("{}", line.line), line.address, line.text.substr(0, end));
     if (end != std::string::npos)
-      fmt::format_to(std::back_inserter(out), "{:>25}{}  {:>13} {}\n", "", columns.blank(), "", line.text.substr(end + 1));
+      fmt::format_to(std::back_inserter(out), "{:>25}{}  {:>13} {}\n", "", columns.blank(), "",
+                     line.text.substr(end + 1));
   }
   return out;
 }
@@ -96,19 +102,22 @@ std::string overview(const Profile& profile) {
   const Columns columns(profile, profile.total.causes);
   std::size_t widest = 5;
   for (const ProfileGroup& group : profile.groups) widest = std::max(widest, group.name.size());
-  std::string out = fmt::format("{:<{}} {:>8} {:>12} {:>12} {:>6}{}\n", "", widest, "jobs", "instructions", "cycles", "%", columns.headings());
+  std::string out = fmt::format("{:<{}} {:>8} {:>12} {:>12} {:>6}{}\n", "", widest, "jobs", "instructions", "cycles",
+                                "%", columns.headings());
   const auto row = [&](const std::string& name, const std::string& jobs, const ProfileCost& cost) {
-    fmt::format_to(std::back_inserter(out), "{:<{}} {:>8} {:>12} {:>12} {:>6.2f}{}\n", name, widest, jobs, cost.instructions, cost.cycles,
-                   share(cost.cycles, profile.total.cycles), columns.of(cost.causes));
+    fmt::format_to(std::back_inserter(out), "{:<{}} {:>8} {:>12} {:>12} {:>6.2f}{}\n", name, widest, jobs,
+                   cost.instructions, cost.cycles, share(cost.cycles, profile.total.cycles), columns.of(cost.causes));
   };
-  for (const ProfileGroup& group : profile.groups) row(group.name, group.jobs == 0 ? "" : fmt::format("{}", group.jobs), group.total);
+  for (const ProfileGroup& group : profile.groups)
+    row(group.name, group.jobs == 0 ? "" : fmt::format("{}", group.jobs), group.total);
   row("total", "", profile.total);
   return out;
 }
 
 std::string mean(const ProfileGroup& group) {
   if (group.jobs == 0) return "";
-  return fmt::format(", {} jobs, {:.1f} cycles on the mean", group.jobs, static_cast<double>(group.total.cycles) / static_cast<double>(group.jobs));
+  return fmt::format(", {} jobs, {:.1f} cycles on the mean", group.jobs,
+                     static_cast<double>(group.total.cycles) / static_cast<double>(group.jobs));
 }
 
 Json causes_json(const Profile& profile, const CyclesByCause& causes) {
@@ -130,7 +139,8 @@ Json group_json(const Profile& profile, const ProfileGroup& group) {
   root["outside"] = causes_json(profile, group.outside);
   root["routines"] = Json::array();
   for (const ProfileRoutine& routine : group.routines) {
-    Json& entry = root["routines"].emplace_back(Json{{"name", routine.name}, {"address", routine.address}, {"calls", routine.calls}});
+    Json& entry = root["routines"].emplace_back(
+        Json{{"name", routine.name}, {"address", routine.address}, {"calls", routine.calls}});
     put_cost(entry, profile, routine.own);
   }
   root["lines"] = Json::array();
@@ -149,7 +159,8 @@ std::string dumped(const Json& json) { return json.dump(2, ' ', false, Json::err
 }  // namespace
 
 std::string to_text(const Profile& profile, const ProfileGroup& group) {
-  return "profile: routines, without what they call\n" + routine_table(profile, group) + "profile: source\n" + annotated_source(profile, group);
+  return "profile: routines, without what they call\n" + routine_table(profile, group) + "profile: source\n" +
+         annotated_source(profile, group);
 }
 
 std::string to_json(const Profile& profile, const ProfileGroup& group) { return dumped(group_json(profile, group)); }
@@ -158,7 +169,8 @@ std::string to_text(const Profile& profile) {
   std::string out = "\nprofile: cycles of all DSPs by what they were spent on\n" + overview(profile);
   for (const ProfileGroup& group : profile.groups) {
     if (group.total.instructions == 0) continue;
-    out += fmt::format("\nprofile: {}{}; routines, without what they call\n", group.name, mean(group)) + routine_table(profile, group);
+    out += fmt::format("\nprofile: {}{}; routines, without what they call\n", group.name, mean(group)) +
+           routine_table(profile, group);
     out += fmt::format("\nprofile: {}, source\n", group.name) + annotated_source(profile, group);
   }
   return out;

@@ -1,5 +1,6 @@
 #pragma once
-// Where cycles went, in a program or in the tasks of a run: as tables, as annotated source, as JSON (docs/cli.md, Profiles).
+// Where cycles went, in a program or in the tasks of a run: as tables, as annotated source, as JSON (docs/cli.md,
+// Profiles).
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -35,16 +36,16 @@ struct ProfileLine {
 struct ProfileGroup {
   std::string name;
   std::uint64_t jobs = 0;
-  ProfileCost total;      ///< all of it: the routines and what lies outside
-  CyclesByCause outside;  ///< of no instruction: interrupt entries, idling, standing still
+  ProfileCost total;                     ///< all of it: the routines and what lies outside
+  CyclesByCause outside;                 ///< of no instruction: interrupt entries, idling, standing still
   std::vector<ProfileRoutine> routines;  ///< most cycles first; with `outside` they sum to total
   std::vector<ProfileLine> lines;        ///< by address; with `outside` they sum to total
 };
 
 struct Profile {
-  std::vector<std::string> causes;   ///< their names
+  std::vector<std::string> causes;  ///< their names
   std::vector<ProfileGroup> groups;
-  ProfileCost total;                 ///< of all groups
+  ProfileCost total;  ///< of all groups
 };
 
 /// One group: its routines and its source.

@@ -126,8 +126,8 @@ struct CycleReport {
   std::optional<Time> T_g;             ///< t3 + t4 + t_v
   std::optional<Time> T_a;             ///< t5 + t6 + t_wait
   std::optional<std::int64_t> agv_interval;  ///< N^_a of its way to the warehouse, refreshes
-  unsigned landings_missed = 0;        ///< of its container: lifted, aligned and lowered again
-  std::optional<Time> delivered;       ///< instant of delivery
+  unsigned landings_missed = 0;              ///< of its container: lifted, aligned and lowered again
+  std::optional<Time> delivered;             ///< instant of delivery
 };
 
 /// RMS and peak of a quantity that the run itself tells; none where it never had a value.
@@ -154,9 +154,9 @@ struct ControlCost {
 /// What the plant did when nothing drove the crane any more.
 struct AfterStop {
   Time from{}, to{};
-  double moved_m = 0;         ///< largest distance of the load from where it was at the beginning
-  double sway_peak_rad = 0;   ///< largest sway
-  double sway_end_rad = 0;    ///< the same in the last two seconds
+  double moved_m = 0;        ///< largest distance of the load from where it was at the beginning
+  double sway_peak_rad = 0;  ///< largest sway
+  double sway_end_rad = 0;   ///< the same in the last two seconds
 };
 
 /// A robot's hunger: whole point intervals inside its legs in which it consumed no new point.
@@ -178,11 +178,11 @@ struct HostReport {
 
 /// How windy it was, and what the wind kept the crane from (docs/report.md, Wind).
 struct WindReport {
-  double limit_m_s = 0;      ///< no lift begins above it
-  Time watched{};            ///< of the run
-  Time above{};              ///< of this the 3-s mean was above the limit
-  Time waited{};             ///< a lift waited for less wind
-  std::uint64_t waits = 0;   ///< so many times
+  double limit_m_s = 0;     ///< no lift begins above it
+  Time watched{};           ///< of the run
+  Time above{};             ///< of this the 3-s mean was above the limit
+  Time waited{};            ///< a lift waited for less wind
+  std::uint64_t waits = 0;  ///< so many times
 };
 
 /// What was made to happen, as the configuration or the operator asked.
@@ -212,7 +212,15 @@ struct Setting {
 };
 
 /// Why the run ended.
-enum class StopReason : std::uint8_t { under_way, completed, interrupted, no_dsp_left, plant_fault, drives_stopped, job_done };
+enum class StopReason : std::uint8_t {
+  under_way,
+  completed,
+  interrupted,
+  no_dsp_left,
+  plant_fault,
+  drives_stopped,
+  job_done
+};
 std::string name(StopReason reason);
 
 struct RunReport {
@@ -223,10 +231,10 @@ struct RunReport {
   std::string hash;      ///< 64 hexadecimal digits (ruling 4)
   std::uint64_t events = 0;
   std::vector<Setting> configuration;
-  std::vector<TaskReport> tasks;  ///< every kind of ruling 29 in its order, also those never released
+  std::vector<TaskReport> tasks;      ///< every kind of ruling 29 in its order, also those never released
   std::vector<MissReport> missed;     ///< the first report.misses_max missed jobs, one by one
   std::uint64_t misses_left_out = 0;  ///< missed jobs that are not among them
-  std::uint64_t boot_words = 0;  ///< that each DSP is sent to boot; 0: its program is preloaded
+  std::uint64_t boot_words = 0;       ///< that each DSP is sent to boot; 0: its program is preloaded
   std::vector<DspReport> dsps;
   std::vector<LinkReport> links;  ///< between slots
   std::vector<NetReport> nets;    ///< between pins of slots
@@ -234,10 +242,10 @@ struct RunReport {
   std::vector<CycleReport> cycles;
   unsigned cycles_completed = 0;
   unsigned containers_delivered = 0;
-  std::optional<Time> makespan;  ///< first refresh to last delivery; none: the job was not done
-  std::string reference;         ///< "ideal", "none"
-  std::string reference_problem; ///< why there is no ideal run though one was asked for
-  std::optional<Errors> errors;  ///< none without a reference, and while the run is not over
+  std::optional<Time> makespan;   ///< first refresh to last delivery; none: the job was not done
+  std::string reference;          ///< "ideal", "none"
+  std::string reference_problem;  ///< why there is no ideal run though one was asked for
+  std::optional<Errors> errors;   ///< none without a reference, and while the run is not over
   std::vector<Starved> starved;
   std::vector<OwnMeasure> pid_error;  ///< what PID itself computed
   std::vector<OwnMeasure> sway;       ///< angle of the rope

@@ -13,13 +13,20 @@ namespace {
 
 constexpr int bin_bits = 10;  // of a value that tell its bin
 
-/// The place in a sorted row, from 1 on, of the smallest sample with at least per_mille / 1000 of all samples at or below it.
-std::uint64_t rank(std::uint64_t count, std::uint64_t per_mille) { return std::max<std::uint64_t>((count * per_mille + 999) / 1000, 1); }
+/// The place in a sorted row, from 1 on, of the smallest sample with at least per_mille / 1000 of all samples at or
+/// below it.
+std::uint64_t rank(std::uint64_t count, std::uint64_t per_mille) {
+  return std::max<std::uint64_t>((count * per_mille + 999) / 1000, 1);
+}
 
-std::uint64_t magnitude(std::int64_t value) { return value < 0 ? 0 - static_cast<std::uint64_t>(value) : static_cast<std::uint64_t>(value); }
+std::uint64_t magnitude(std::int64_t value) {
+  return value < 0 ? 0 - static_cast<std::uint64_t>(value) : static_cast<std::uint64_t>(value);
+}
 
 /// Bits below those that tell a value's bin.
-int bits_below(std::int64_t value) { return std::max(0, static_cast<int>(std::bit_width(magnitude(value))) - 1 - bin_bits); }
+int bits_below(std::int64_t value) {
+  return std::max(0, static_cast<int>(std::bit_width(magnitude(value))) - 1 - bin_bits);
+}
 
 /// The value of the same bin that is nearest to zero.
 std::int64_t bin_of(std::int64_t value) {
@@ -101,7 +108,8 @@ void Starts::add(std::int64_t tick, std::int64_t time) {
   const auto [here, added] = newest_.emplace(tick, time);
   if (!added) return;
   if (here != newest_.begin() && std::prev(here)->first == tick - 1) deviates(time - std::prev(here)->second - period_);
-  if (const auto next = std::next(here); next != newest_.end() && next->first == tick + 1) deviates(next->second - time - period_);
+  if (const auto next = std::next(here); next != newest_.end() && next->first == tick + 1)
+    deviates(next->second - time - period_);
   if (newest_.size() > remembered) newest_.erase(newest_.begin());
 }
 

@@ -37,8 +37,8 @@ struct Summary {
 
 __extension__ using WideInteger = __int128;
 
-/// Collects samples. Count, best, worst, mean and histogram are exact. Percentiles are exact too, up to `samples_max` samples; from then on samples
-/// are counted in bins, each no wider than 1/1024 of its values.
+/// Collects samples. Count, best, worst, mean and histogram are exact. Percentiles are exact too, up to `samples_max`
+/// samples; from then on samples are counted in bins, each no wider than 1/1024 of its values.
 class Distribution {
  public:
   static constexpr std::size_t usual_samples_max = 65'536;
@@ -75,7 +75,8 @@ class Starts {
   /// \param period ps; 0: the task is not periodic, and has no jitter
   explicit Starts(std::int64_t period) : period_(period) {}
 
-  /// The start of the tick of that number, ps. Each tick has one; they may come out of order by less than `remembered` ticks.
+  /// The start of the tick of that number, ps. Each tick has one; they may come out of order by less than `remembered`
+  /// ticks.
   void add(std::int64_t tick, std::int64_t time);
   Jitter jitter() const;
   void list_state(state::Visitor& list);

@@ -21,7 +21,8 @@ std::string name(Outcome outcome) {
   return "unknown";
 }
 
-TaskAccount::TaskAccount(std::vector<std::string> kinds, std::vector<std::string> causes, const std::vector<Time>& periods, std::size_t samples_max)
+TaskAccount::TaskAccount(std::vector<std::string> kinds, std::vector<std::string> causes,
+                         const std::vector<Time>& periods, std::size_t samples_max)
     : causes_(std::move(causes)) {
   if (periods.size() != kinds.size()) throw std::invalid_argument("TaskAccount: one period per kind");
   for (std::size_t i = 0; i < kinds.size(); ++i) {
@@ -71,7 +72,9 @@ bool missed(const Job& job, Outcome outcome, Time now) {
 
 Outcome TaskAccount::add(const Job& job, Time now) {
   Kind& kind = kinds_.at(job.kind);
-  const auto fits = [this](const std::vector<std::int64_t>& causes) { return causes.empty() || causes.size() == causes_.size(); };
+  const auto fits = [this](const std::vector<std::int64_t>& causes) {
+    return causes.empty() || causes.size() == causes_.size();
+  };
   if (!fits(job.causes) || !fits(job.cycles))
     throw std::invalid_argument("TaskAccount: a job's causes do not match the account's");
   const Outcome outcome = classify(job);

@@ -21,8 +21,8 @@ std::string name(Outcome outcome);
 /// How far a job came. The account derives its outcome from this and the deadline.
 enum class Progress : std::uint8_t { finished, running, waiting, lost, dropped };
 
-/// A job: one release of a task. A recomputed block is one job, booked once, with its last claim. So are the parts of a split task, with the claim of
-/// the first.
+/// A job: one release of a task. A recomputed block is one job, booked once, with its last claim. So are the parts of a
+/// split task, with the claim of the first.
 struct Job {
   std::size_t kind = 0;  ///< index into the account's kinds
   Progress progress = Progress::finished;

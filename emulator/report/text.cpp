@@ -90,7 +90,9 @@ std::string in_the_way(std::vector<Share> behind) {
   std::ranges::stable_sort(behind, std::greater{}, &Share::amount);
   double whole = 0;
   for (const Share& part : behind) whole += static_cast<double>(part.amount);
-  const auto share = [&](const Share& part) { return fmt::format("{} {} %", part.name, percent(static_cast<double>(part.amount), whole)); };
+  const auto share = [&](const Share& part) {
+    return fmt::format("{} {} %", part.name, percent(static_cast<double>(part.amount), whole));
+  };
   return fmt::format("    in the way: {}{}\n", share(behind[0]), behind.size() > 1 ? ", " + share(behind[1]) : "");
 }
 
@@ -100,8 +102,10 @@ std::string chain(const WhyLate& why) {
   std::vector<Share> longer;
   double whole = 0, shorter = 0;
   for (const Share& part : why.parts) {
-    if (part.amount > 0) longer.push_back(part), whole += static_cast<double>(part.amount);
-    else if (part.name != "slack") shorter += static_cast<double>(part.amount);
+    if (part.amount > 0)
+      longer.push_back(part), whole += static_cast<double>(part.amount);
+    else if (part.name != "slack")
+      shorter += static_cast<double>(part.amount);
   }
   std::ranges::stable_sort(longer, std::greater{}, &Share::amount);
   const auto mean = [&](double ps) { return duration(ps / static_cast<double>(why.chains)); };
@@ -115,8 +119,10 @@ std::string chain(const WhyLate& why) {
   if (whole - told >= 0.5) text += fmt::format("    {:>10}  all else\n", mean(whole - told));
   if (shorter < 0) text += fmt::format("  - {:>10}  ran shorter, or not to the end\n", mean(-shorter));
   for (const Share& part : why.parts)
-    if (part.name == "slack" && part.amount < 0) text += fmt::format("  - {:>10}  slack\n", mean(static_cast<double>(-part.amount)));
-    else if (part.name == "slack") text += fmt::format("    {:>10}  too little time from the start\n", mean(static_cast<double>(part.amount)));
+    if (part.name == "slack" && part.amount < 0)
+      text += fmt::format("  - {:>10}  slack\n", mean(static_cast<double>(-part.amount)));
+    else if (part.name == "slack")
+      text += fmt::format("    {:>10}  too little time from the start\n", mean(static_cast<double>(part.amount)));
   return text + in_the_way(why.behind);
 }
 
@@ -133,11 +139,13 @@ std::string reasons(const RunReport& report) {
     text += ".\n";
     const WhyLate& why = task.why_late;
     if (why.dropped_previous_out > 0)
-      text += fmt::format("    {} dropped: the previous block was still out when the next was due\n", why.dropped_previous_out);
+      text += fmt::format("    {} dropped: the previous block was still out when the next was due\n",
+                          why.dropped_previous_out);
     if (why.dropped_host_late > 0)
       text += fmt::format("    {} dropped: the host skipped the refresh of its tick\n", why.dropped_host_late);
     if (why.chains > 0)
-      text += fmt::format("    on the mean of {}, beyond a usual run{}:\n", why.chains == 1 ? "one job" : fmt::format("{} jobs", why.chains),
+      text += fmt::format("    on the mean of {}, beyond a usual run{}:\n",
+                          why.chains == 1 ? "one job" : fmt::format("{} jobs", why.chains),
                           why.usual ? " of " + duration(static_cast<double>(*why.usual)) : "");
     text += chain(why);
   }
@@ -156,14 +164,17 @@ std::string boots(const RunReport& report) {
         shortest = std::min(shortest.value_or(*boot.booted), *boot.booted);
         longest = std::max(longest.value_or(*boot.booted), *boot.booted);
       } else {
-        later += fmt::format("  dsp {} {}: {}\n", dsp.slot, power_on ? "at power-on" : fmt::format("reset at {:.6f} s", seconds(boot.reset)),
-                             boot.booted ? fmt::format("its program ran {:.3f} ms later", static_cast<double>((*boot.booted - boot.reset).count()) * 1e-9)
+        later += fmt::format("  dsp {} {}: {}\n", dsp.slot,
+                             power_on ? "at power-on" : fmt::format("reset at {:.6f} s", seconds(boot.reset)),
+                             boot.booted ? fmt::format("its program ran {:.3f} ms later",
+                                                       static_cast<double>((*boot.booted - boot.reset).count()) * 1e-9)
                                          : "its program has not run yet");
       }
     }
   if (!longest) return later;
-  return fmt::format("  booted over their links at power-on: {} words each, programs ran from {:.3f} to {:.3f} ms\n", report.boot_words,
-                     static_cast<double>(shortest->count()) * 1e-9, static_cast<double>(longest->count()) * 1e-9) +
+  return fmt::format("  booted over their links at power-on: {} words each, programs ran from {:.3f} to {:.3f} ms\n",
+                     report.boot_words, static_cast<double>(shortest->count()) * 1e-9,
+                     static_cast<double>(longest->count()) * 1e-9) +
          later;
 }
 
@@ -222,7 +233,8 @@ std::string waits(const BusReport& bus) {
     for (std::size_t bin = 0; bin <= used; ++bin) {
       std::uint64_t entries = master.wait.histogram[bin];
       if (bin == last)
-        for (std::size_t more = last + 1; more < master.wait.histogram.size(); ++more) entries += master.wait.histogram[more];
+        for (std::size_t more = last + 1; more < master.wait.histogram.size(); ++more)
+          entries += master.wait.histogram[more];
       row.push_back(percent(static_cast<double>(entries), static_cast<double>(master.wait.count)));
     }
     if (stopped) row.insert(row.end(), {count(master.retries), count(master.disconnects)});
@@ -236,15 +248,16 @@ std::string links(const RunReport& report) {
   TextTable table({"link, in words", "sent", "arrived", "lost", "discarded", "joined", "at the end"});
   for (const LinkReport& link : report.links)
     for (const LinkReport::Direction& way : link.directions)
-      table.add({way.from + " to " + way.to, count(way.sent), count(way.arrived), count(way.lost), count(way.discarded), count(link.joined),
-                 link.is_cut ? "cut" : "joined"});
+      table.add({way.from + " to " + way.to, count(way.sent), count(way.arrived), count(way.lost), count(way.discarded),
+                 count(link.joined), link.is_cut ? "cut" : "joined"});
   return heading("Links between DSPs") + table.render();
 }
 
 std::string nets(const RunReport& report) {
   if (report.nets.empty()) return "";
   TextTable table({"net", "pins", "edges", "missed by receivers", "at the end"});
-  for (const NetReport& net : report.nets) table.add({net.name, net.pins, count(net.edges), count(net.missed), net.high ? "high" : "low"});
+  for (const NetReport& net : report.nets)
+    table.add({net.name, net.pins, count(net.edges), count(net.missed), net.high ? "high" : "low"});
   return heading("Nets between pins of DSPs") + table.render();
 }
 
@@ -271,13 +284,15 @@ std::string buses(const RunReport& report) {
 
 std::string cycles(const RunReport& report) {
   const std::string makespan = report.makespan ? fmt::format("; the job took {} s", in_seconds(report.makespan)) : "";
-  std::string text = heading(fmt::format("Work cycles: {} completed, {} container{} delivered{}", report.cycles_completed,
-                                         report.containers_delivered, report.containers_delivered == 1 ? "" : "s", makespan));
-  TextTable table({"s", "AGV", "t_3", "t_4", "t_5", "t_6", "t_v", "t_w", "t_wait", "T_g", "T_a", "N^_a", "delivered at"});
+  std::string text =
+      heading(fmt::format("Work cycles: {} completed, {} container{} delivered{}", report.cycles_completed,
+                          report.containers_delivered, report.containers_delivered == 1 ? "" : "s", makespan));
+  TextTable table(
+      {"s", "AGV", "t_3", "t_4", "t_5", "t_6", "t_v", "t_w", "t_wait", "T_g", "T_a", "N^_a", "delivered at"});
   for (const CycleReport& cycle : report.cycles)
     table.add({fmt::format("cycle {}", cycle.number), fmt::format("{}", cycle.agv), in_seconds(cycle.t3),
-               in_seconds(cycle.t4), in_seconds(cycle.t5), in_seconds(cycle.t6), in_seconds(cycle.t_v), in_seconds(cycle.t_w),
-               in_seconds(cycle.t_wait), in_seconds(cycle.T_g), in_seconds(cycle.T_a),
+               in_seconds(cycle.t4), in_seconds(cycle.t5), in_seconds(cycle.t6), in_seconds(cycle.t_v),
+               in_seconds(cycle.t_w), in_seconds(cycle.t_wait), in_seconds(cycle.T_g), in_seconds(cycle.T_a),
                cycle.agv_interval ? fmt::format("{}", *cycle.agv_interval) : "-", in_seconds(cycle.delivered)});
   if (table.empty()) return text;
   const bool open = std::ranges::any_of(report.cycles, [](const CycleReport& cycle) { return cycle.t6 && !cycle.T_a; });
@@ -300,8 +315,10 @@ std::string wind(const RunReport& report) {
   const WindReport& wind = report.wind;
   if (wind.above == Time{}) return "";
   const double share = seconds(wind.above) / seconds(wind.watched);
-  return heading(fmt::format("Wind above {:g} m/s for {:.1f} s, {:.1f} % of the time", wind.limit_m_s, seconds(wind.above), share * 100)) +
-         fmt::format("  lifts waited for less wind: {:.1f} s, {} time{}\n", seconds(wind.waited), wind.waits, wind.waits == 1 ? "" : "s");
+  return heading(fmt::format("Wind above {:g} m/s for {:.1f} s, {:.1f} % of the time", wind.limit_m_s,
+                             seconds(wind.above), share * 100)) +
+         fmt::format("  lifts waited for less wind: {:.1f} s, {} time{}\n", seconds(wind.waited), wind.waits,
+                     wind.waits == 1 ? "" : "s");
 }
 
 std::string timed_events(const RunReport& report) {
@@ -309,7 +326,8 @@ std::string timed_events(const RunReport& report) {
   std::string text = heading("As asked for");
   for (const TimedEventReport& event : report.timed_events)
     text += fmt::format("  {:.6f} s  {}\n", seconds(event.time), event.what);
-  if (report.timed_events_to_come > 0) text += fmt::format("  {} more would have come after the end\n", report.timed_events_to_come);
+  if (report.timed_events_to_come > 0)
+    text += fmt::format("  {} more would have come after the end\n", report.timed_events_to_come);
   return text;
 }
 
@@ -330,10 +348,12 @@ std::string failures(const RunReport& report) {
 }  // namespace
 
 std::string to_text(const RunReport& report) {
-  return title(report) + headline(report) + outcomes(report) + times(report) + reasons(report) + dsps(report) + links(report) + nets(report) + buses(report) +
-         cycles(report) + errors_section(report) + after_stop_section(report) + host_work(report) + wind(report) + timed_events(report) + errors_text(report.errors_handled) + failures(report) +
-         fmt::format("\ntask blocks: {} steps of their lives checked, {} violations{}\n", report.audit.checks, report.audit.violations.size(),
-                     report.braked ? "; every crane drive is braked" : "") +
+  return title(report) + headline(report) + outcomes(report) + times(report) + reasons(report) + dsps(report) +
+         links(report) + nets(report) + buses(report) + cycles(report) + errors_section(report) +
+         after_stop_section(report) + host_work(report) + wind(report) + timed_events(report) +
+         errors_text(report.errors_handled) + failures(report) +
+         fmt::format("\ntask blocks: {} steps of their lives checked, {} violations{}\n", report.audit.checks,
+                     report.audit.violations.size(), report.braked ? "; every crane drive is braked" : "") +
          fmt::format("hash {} over {} events\n", report.hash, report.events);
 }
 

@@ -68,7 +68,8 @@ class Reader {
   // Of a bounded length: what is no text may have no end of a line.
   bool line(std::string& text) {
     in_.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
-    if (in_.fail() && in_.gcount() > 0) reject(number_ + 1, fmt::format("a line longer than {} characters", buffer_.size() - 1));
+    if (in_.fail() && in_.gcount() > 0)
+      reject(number_ + 1, fmt::format("a line longer than {} characters", buffer_.size() - 1));
     text = buffer_.data();
     return !in_.fail();
   }

@@ -47,7 +47,8 @@ struct TraceLine {
   static TraceLine parse(std::string_view text, std::size_t number);
 };
 
-/// A line of a labelled instruction trace as golden hashes take it (docs/trace.md): of the instruction the mnemonics alone.
+/// A line of a labelled instruction trace as golden hashes take it (docs/trace.md): of the instruction the mnemonics
+/// alone.
 std::string without_operands(std::string_view line);
 
 /// Where two traces part.

@@ -100,7 +100,9 @@ void Lister::leave() {
 }
 
 std::optional<std::string> first_difference(const Lister& a, const Lister& b) {
-  const auto said = [](const Lister& list, const Leaf& leaf) { return std::string_view(list.text()).substr(leaf.offset, leaf.size); };
+  const auto said = [](const Lister& list, const Leaf& leaf) {
+    return std::string_view(list.text()).substr(leaf.offset, leaf.size);
+  };
   for (std::size_t i = 0; i < std::max(a.leaves().size(), b.leaves().size()); ++i) {
     if (i >= a.leaves().size() || i >= b.leaves().size())
       return fmt::format("{}: in one of them only", (i < a.leaves().size() ? a : b).leaves()[i].path);

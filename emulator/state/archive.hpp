@@ -1,6 +1,6 @@
 #pragma once
-/// State as bytes, and back. Before each listed field stands a hash of its name, so that a state of another list is refused
-/// by the name of the first field that differs.
+/// State as bytes, and back. Before each listed field stands a hash of its name, so that a state of another list is
+/// refused by the name of the first field that differs.
 #include <optional>
 #include <string>
 #include <string_view>

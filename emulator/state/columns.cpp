@@ -22,7 +22,8 @@ enum class Reading : std::uint8_t { as_it_is, ordered, scaled };
 // The integers in the order of the doubles whose bits they are: neighbours are one apart. It is its own way back.
 Word ordered(Word bits) { return (bits >> 63) != 0 ? bits ^ std::numeric_limits<std::int64_t>::max() : bits; }
 
-// Doubles that are whole multiples of 2^-30, as a course's rows are, and small enough to have no other bits than that multiple's.
+// Doubles that are whole multiples of 2^-30, as a course's rows are, and small enough to have no other bits than that
+// multiple's.
 constexpr double parts = 1 << 30;
 constexpr double most = 1LL << 52;
 
@@ -93,7 +94,8 @@ How best(const char* table, std::size_t rows, std::size_t columns, std::size_t c
     for (unsigned reading = 0; reading < readings; ++reading) {
       if (reading == static_cast<unsigned>(Reading::scaled) && !scales) continue;
       const auto& all = differences[reading].of(read(word, static_cast<Reading>(reading)));
-      for (unsigned order = 0; order < orders; ++order) bits[reading][order] += static_cast<unsigned>(std::bit_width(folded(all[order])));
+      for (unsigned order = 0; order < orders; ++order)
+        bits[reading][order] += static_cast<unsigned>(std::bit_width(folded(all[order])));
     }
   }
   How how;
@@ -106,7 +108,8 @@ How best(const char* table, std::size_t rows, std::size_t columns, std::size_t c
 
 How how_of(char byte) {
   const auto code = static_cast<unsigned char>(byte);
-  if (code >= readings * orders) throw StateError("the snapshot is damaged: a column is written in a way that there is not");
+  if (code >= readings * orders)
+    throw StateError("the snapshot is damaged: a column is written in a way that there is not");
   return {static_cast<Reading>(code / orders), code % orders};
 }
 
@@ -124,7 +127,8 @@ std::string to_columns(std::string& text, const std::vector<Table>& tables) {
       Differences differences;
       for (std::size_t row = 0; row < table.rows; ++row) {
         Word left = folded(differences.of(read(word_at(from, row * table.columns + column), one.reading))[one.order]);
-        for (std::size_t plane = 0; plane < sizeof left; ++plane, left >>= 8) planes[plane * table.rows + row] = static_cast<char>(left & 0xFF);
+        for (std::size_t plane = 0; plane < sizeof left; ++plane, left >>= 8)
+          planes[plane * table.rows + row] = static_cast<char>(left & 0xFF);
       }
     }
     text.replace(table.offset, out.size(), out);
@@ -143,7 +147,8 @@ void from_columns(std::string& text, const std::vector<Table>& tables, std::stri
       Differences differences;
       for (std::size_t row = 0; row < table.rows; ++row) {
         Word left = 0;
-        for (std::size_t plane = sizeof left; plane-- > 0;) left = left << 8 | static_cast<unsigned char>(planes[plane * table.rows + row]);
+        for (std::size_t plane = sizeof left; plane-- > 0;)
+          left = left << 8 | static_cast<unsigned char>(planes[plane * table.rows + row]);
         const Word word = written(differences.number(unfolded(left), one.order), one.reading);
         std::memcpy(out.data() + (row * table.columns + column) * sizeof word, &word, sizeof word);
       }

@@ -34,7 +34,8 @@ std::string packed(std::string_view text) {
   constexpr int quick = 1;  // a state packs to a third; more work finds little more
   uLongf size = compressBound(text.size());
   std::string bytes(size, '\0');
-  if (compress2(reinterpret_cast<Bytef*>(bytes.data()), &size, reinterpret_cast<const Bytef*>(text.data()), text.size(), quick) != Z_OK)  // NOLINT: bytes
+  if (compress2(reinterpret_cast<Bytef*>(bytes.data()), &size, reinterpret_cast<const Bytef*>(text.data()), text.size(),
+                quick) != Z_OK)  // NOLINT: bytes
     throw std::bad_alloc();
   bytes.resize(size);
   return bytes;
@@ -46,7 +47,9 @@ std::string unpacked(std::string_view bytes, std::uint64_t length) {
   uLongf size = length;
   if (length / most <= bytes.size()) text.resize(length);
   if (text.size() != length ||
-      uncompress(reinterpret_cast<Bytef*>(text.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()) != Z_OK || size != length)  // NOLINT
+      uncompress(reinterpret_cast<Bytef*>(text.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
+                 bytes.size()) != Z_OK ||
+      size != length)  // NOLINT
     throw StateError("the snapshot is damaged: its state cannot be unpacked");
   return text;
 }
@@ -74,17 +77,20 @@ class Reader {
 };
 
 Envelope read(std::string_view sealed) {
-  constexpr std::size_t digits = 64;  // of the checksum
+  constexpr std::size_t digits = 64;                                               // of the checksum
   constexpr std::size_t head = magic.size() + 2 * sizeof(std::uint64_t) + digits;  // version, size, checksum
   if (sealed.size() < magic.size() || !sealed.starts_with(magic))
     throw StateError(fmt::format("{} bytes that are no snapshot; one begins with \"CMRC state\"", sealed.size()));
   if (sealed.size() < head) throw StateError("the snapshot was cut short");
   Reader start(sealed.substr(magic.size(), head - magic.size()));
   const std::uint64_t its_version = start.number(), size = start.number();
-  if (its_version != version) throw StateError(fmt::format("a snapshot of version {}; this emulator reads version {}", its_version, version));
+  if (its_version != version)
+    throw StateError(fmt::format("a snapshot of version {}; this emulator reads version {}", its_version, version));
   const std::string_view body = sealed.substr(head);
-  if (body.size() != size) throw StateError(fmt::format("the snapshot was cut short or added to: {} bytes of {}", body.size(), size));
-  if (sha256(body) != sealed.substr(head - digits, digits)) throw StateError("the snapshot is damaged: its checksum is another one");
+  if (body.size() != size)
+    throw StateError(fmt::format("the snapshot was cut short or added to: {} bytes of {}", body.size(), size));
+  if (sha256(body) != sealed.substr(head - digits, digits))
+    throw StateError("the snapshot is damaged: its checksum is another one");
   Reader reader(body);
   Envelope out;
   out.kind = reader.text();
@@ -102,7 +108,8 @@ Envelope read(std::string_view sealed) {
   if (!reader.at_end()) throw StateError("the snapshot is damaged: something stands behind it");
   for (const Table& table : out.state.tables) {
     const std::uint64_t room = length - std::min(length, table.offset), words = room / sizeof(std::uint64_t);
-    if (table.columns == 0 || table.rows > words / table.columns) throw StateError("the snapshot is damaged: a table reaches beyond its end");
+    if (table.columns == 0 || table.rows > words / table.columns)
+      throw StateError("the snapshot is damaged: a table reaches beyond its end");
   }
   from_columns(out.state.text, out.state.tables, how);
   return out;
@@ -132,10 +139,12 @@ std::string kind_of(std::string_view sealed) { return read(sealed).kind; }
 
 Saved opened(std::string_view sealed, std::string_view kind, const Key& key) {
   Envelope envelope = read(sealed);
-  if (envelope.kind != kind) throw StateError(fmt::format("a snapshot of a {}; one of a {} is expected", envelope.kind, kind));
+  if (envelope.kind != kind)
+    throw StateError(fmt::format("a snapshot of a {}; one of a {} is expected", envelope.kind, kind));
   for (std::size_t n = 0; n < std::max(key.size(), envelope.key.size()); ++n) {
     if (n >= key.size() || n >= envelope.key.size() || key[n].first != envelope.key[n].first)
-      throw StateError(fmt::format("a snapshot of another {}: {} {}", kind, n < envelope.key.size() ? envelope.key[n].first : key[n].first,
+      throw StateError(fmt::format("a snapshot of another {}: {} {}", kind,
+                                   n < envelope.key.size() ? envelope.key[n].first : key[n].first,
                                    n < envelope.key.size() ? "is not here" : "is not in it"));
     if (sha256(key[n].second) != envelope.key[n].second)
       throw StateError(fmt::format("a snapshot of another {}: the {} is not the same", kind, key[n].first));

@@ -1,6 +1,6 @@
 #pragma once
-/// A state between runs of the emulator: with what it is a state of, and a checksum. What does not fit is refused by name before
-/// anything is loaded.
+/// A state between runs of the emulator: with what it is a state of, and a checksum. What does not fit is refused by
+/// name before anything is loaded.
 #include <string>
 #include <string_view>
 #include <utility>
@@ -10,10 +10,12 @@
 
 namespace state {
 
-/// Of the envelope and of the lists together: to be raised when a list comes to mean something else under the same names.
+/// Of the envelope and of the lists together: to be raised when a list comes to mean something else under the same
+/// names.
 inline constexpr unsigned version = 2;
 
-/// What must be the same where the state is loaded: {"board", ...}, {"program of chip 0", ...}. The values may be long: fingerprints of them are kept.
+/// What must be the same where the state is loaded: {"board", ...}, {"program of chip 0", ...}. The values may be long:
+/// fingerprints of them are kept.
 using Key = std::vector<std::pair<std::string, std::string>>;
 
 /// \param kind "processor"

@@ -10,7 +10,8 @@ namespace state {
 
 std::string sha256(std::string_view text) {
   std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
-  if (SHA256(reinterpret_cast<const unsigned char*>(text.data()), text.size(), digest.data()) == nullptr) throw std::bad_alloc();  // NOLINT: bytes
+  if (SHA256(reinterpret_cast<const unsigned char*>(text.data()), text.size(), digest.data()) == nullptr)
+    throw std::bad_alloc();  // NOLINT: bytes
   return fmt::format("{:02x}", fmt::join(digest, ""));
 }
 

@@ -62,14 +62,20 @@ __extension__ using Wide = __int128;
 
 template <class T>
 constexpr bool plain() {
-  if constexpr (std::is_same_v<T, Wide>) return true;
-  else if constexpr (std::is_same_v<T, long double> || std::is_pointer_v<T> || Lists<T>) return false;
-  else if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>) return true;
-  else if constexpr (is_array<T>) return plain<typename T::value_type>();
-  else if constexpr (is_duration<T>) return plain<typename T::rep>();  // the ticks alone
+  if constexpr (std::is_same_v<T, Wide>)
+    return true;
+  else if constexpr (std::is_same_v<T, long double> || std::is_pointer_v<T> || Lists<T>)
+    return false;
+  else if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>)
+    return true;
+  else if constexpr (is_array<T>)
+    return plain<typename T::value_type>();
+  else if constexpr (is_duration<T>)
+    return plain<typename T::rep>();  // the ticks alone
   else if constexpr (std::is_aggregate_v<T> && std::is_trivially_copyable_v<T> && !std::is_empty_v<T>)
     return std::has_unique_object_representations_v<T> && all_plain<decltype(members(std::declval<T&>()))>;
-  else return false;
+  else
+    return false;
 }
 }  // namespace detail
 
@@ -123,19 +129,26 @@ class Visitor {
   template <class T>
   void value(T& v) {
     static_assert(!std::is_const_v<T>, "what never changes is no state");
-    if constexpr (Lists<T>) v.list_state(*this);
-    else if constexpr (std::is_enum_v<T> || std::is_arithmetic_v<T> || std::is_same_v<T, detail::Wide>) bytes(&v, sizeof v);
-    else if constexpr (detail::is_array<T>) elements(v.data(), v.size());
-    else if constexpr (std::is_aggregate_v<T> && !std::is_array_v<T>) aggregate(v);
-    else other(v);
+    if constexpr (Lists<T>)
+      v.list_state(*this);
+    else if constexpr (std::is_enum_v<T> || std::is_arithmetic_v<T> || std::is_same_v<T, detail::Wide>)
+      bytes(&v, sizeof v);
+    else if constexpr (detail::is_array<T>)
+      elements(v.data(), v.size());
+    else if constexpr (std::is_aggregate_v<T> && !std::is_array_v<T>)
+      aggregate(v);
+    else
+      other(v);
   }
 
   template <class T>
   void elements(T* first, std::size_t n) {
     if constexpr (detail::plain<T>())
       if (!wants_parts() || n > 4096) {
-        if constexpr (sizeof(T) == 8) return rows(first, n, 1);
-        else return bytes(first, n * sizeof(T));
+        if constexpr (sizeof(T) == 8)
+          return rows(first, n, 1);
+        else
+          return bytes(first, n * sizeof(T));
       }
     for (std::size_t i = 0; i < n; ++i) element(i, first[i]);
   }
@@ -185,8 +198,10 @@ class Visitor {
   /// Elements that cannot be made alone (they know their surroundings) are there already, in the same number.
   template <class Container>
   void resize(Container& v, std::size_t n) {
-    if constexpr (std::is_default_constructible_v<typename Container::value_type>) v.resize(n);
-    else if (v.size() != n) refuse("a list of " + std::to_string(n) + " parts, where there are " + std::to_string(v.size()));
+    if constexpr (std::is_default_constructible_v<typename Container::value_type>)
+      v.resize(n);
+    else if (v.size() != n)
+      refuse("a list of " + std::to_string(n) + " parts, where there are " + std::to_string(v.size()));
   }
 
   /// Whether there is one, which is said as a number of elements.
@@ -199,9 +214,12 @@ class Visitor {
   void other(std::optional<T>& v) {
     const bool there = one(v.has_value());
     if (loads() && there != v.has_value()) {
-      if (!there) v.reset();
-      else if constexpr (std::is_default_constructible_v<T>) v.emplace();
-      else refuse("a part that is not there");
+      if (!there)
+        v.reset();
+      else if constexpr (std::is_default_constructible_v<T>)
+        v.emplace();
+      else
+        refuse("a part that is not there");
     }
     if (v) value(*v);
   }
@@ -209,9 +227,12 @@ class Visitor {
   void other(std::unique_ptr<T>& v) {
     const bool there = one(v != nullptr);
     if (loads() && there != (v != nullptr)) {
-      if (!there) v.reset();
-      else if constexpr (std::is_default_constructible_v<T>) v = std::make_unique<T>();
-      else refuse("a part that is not there");
+      if (!there)
+        v.reset();
+      else if constexpr (std::is_default_constructible_v<T>)
+        v = std::make_unique<T>();
+      else
+        refuse("a part that is not there");
     }
     if (v) value(*v);
   }
@@ -223,18 +244,25 @@ class Visitor {
   }
 
   template <class K, class T, class... Rest>
-  void other(std::map<K, T, Rest...>& v) { associative<std::pair<K, T>>(v); }
+  void other(std::map<K, T, Rest...>& v) {
+    associative<std::pair<K, T>>(v);
+  }
   template <class K, class T, class... Rest>
-  void other(std::multimap<K, T, Rest...>& v) { associative<std::pair<K, T>>(v); }
+  void other(std::multimap<K, T, Rest...>& v) {
+    associative<std::pair<K, T>>(v);
+  }
   template <class K, class... Rest>
-  void other(std::set<K, Rest...>& v) { associative<K>(v); }
+  void other(std::set<K, Rest...>& v) {
+    associative<K>(v);
+  }
   template <class Element, class Container>
   void associative(Container& v) {
     const std::size_t n = count(v.size(), 1);
     if (!loads()) {
       std::size_t index = 0;
       for (const auto& entry : v) {
-        if constexpr (std::is_same_v<Element, typename Container::value_type>) element(index++, const_cast<Element&>(entry));  // NOLINT: read
+        if constexpr (std::is_same_v<Element, typename Container::value_type>)
+          element(index++, const_cast<Element&>(entry));  // NOLINT: read
         else {
           enter_part(index++);
           value(const_cast<typename Element::first_type&>(entry.first));  // NOLINT: read
@@ -247,8 +275,10 @@ class Visitor {
     v.clear();
     for (std::size_t i = 0; i < n; ++i) {
       Element entry{};
-      if constexpr (std::is_same_v<Element, typename Container::value_type>) value(entry);
-      else value(entry.first), value(entry.second);
+      if constexpr (std::is_same_v<Element, typename Container::value_type>)
+        value(entry);
+      else
+        value(entry.first), value(entry.second);
       v.insert(v.end(), std::move(entry));
     }
   }

@@ -22,8 +22,8 @@ struct Options {
   /// The symbol at which the program starts. If empty: _start, _c_int00, c_int00, start, START or the first word of
   /// .text.
   std::string entry;
-  /// How to read what TI's assembler and GNU as read differently, in files that do not say it by `.dialect`. None: as TI's
-  /// does, but a file with GCC's mark as GNU as does.
+  /// How to read what TI's assembler and GNU as read differently, in files that do not say it by `.dialect`. None: as
+  /// TI's does, but a file with GCC's mark as GNU as does.
   std::optional<Dialect> dialect;
   /// In an object, symbols that are neither defined nor declared are left to other objects; so they are with GNU as.
   bool undefined_external = false;

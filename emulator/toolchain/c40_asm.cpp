@@ -59,7 +59,8 @@ Arguments parse(int count, char** values) {
     else if (argument == "--dialect") {
       const std::string text = next();
       out.options.dialect = toolchain::dialect_named(text);
-      if (!out.options.dialect) throw std::invalid_argument(fmt::format("--dialect: '{}' is none; ti and gnu are\n{}", text, usage));
+      if (!out.options.dialect)
+        throw std::invalid_argument(fmt::format("--dialect: '{}' is none; ti and gnu are\n{}", text, usage));
     } else if (argument == "--listing")
       out.listing = next();
     else if (argument == "--source-map")

@@ -30,7 +30,8 @@ Image read_coff(std::span<const std::byte> bytes, const std::string& name = "<by
 Image read_coff(const std::filesystem::path& path);
 
 /// The bytes of a file of the object's version. Names of sections are cut to eight characters, but their symbols keep
-/// the whole name. Throws std::runtime_error for what the version cannot hold, CoffError for an executable without a word.
+/// the whole name. Throws std::runtime_error for what the version cannot hold, CoffError for an executable without a
+/// word.
 std::vector<std::byte> coff_bytes(const Object& object);
 /// The bytes of a version-2 executable with all symbols. Reading them back gives the same sections, symbols and entry.
 std::vector<std::byte> coff_bytes(const Image& image);

@@ -162,7 +162,8 @@ class CoffReader {
   /// nowhere is passed over: lines are not needed to run a program.
   void read_lines(ObjectSection& section, std::size_t header) {
     const std::uint32_t where = u32(header + 28, "a section's lines");
-    const std::uint32_t count = object_.version == 2 ? u32(header + 36, "the number of lines") : u16(header + 34, "the number of lines");
+    const std::uint32_t count =
+        object_.version == 2 ? u32(header + 36, "the number of lines") : u16(header + 34, "the number of lines");
     if (where > bytes_.size() || std::uint64_t{line_entry} * count > bytes_.size() - where) return;
     std::optional<std::uint32_t> file;
     int before = 0;
@@ -171,7 +172,8 @@ class CoffReader {
       const std::uint32_t place = u32(at, "a line");
       const std::uint16_t line = u16(at + 4, "a line");
       if (line != 0) {
-        if (file && place - section.address < section.size) section.lines.push_back({place - section.address, *file, before + line});
+        if (file && place - section.address < section.size)
+          section.lines.push_back({place - section.address, *file, before + line});
         continue;
       }
       const auto own = files_.upper_bound(place);
@@ -185,7 +187,8 @@ class CoffReader {
   void add_symbol(std::uint32_t index, std::size_t at, std::int16_t section, std::uint8_t storage,
                   std::uint8_t auxiliary) {
     ObjectSymbol symbol;
-    const bool is_long = u32(at, "a symbol's name") == 0 && u32(at + 4, "a symbol's name") != 0;  // all zero is the empty name
+    const bool is_long =
+        u32(at, "a symbol's name") == 0 && u32(at + 4, "a symbol's name") != 0;  // all zero is the empty name
     symbol.name = is_long ? long_name(at) : text(at, 8, "a symbol's name");
     symbol.value = u32(at + 8, "a symbol's value");
     symbol.section = section == undefined_section  ? ObjectSymbol::undefined
@@ -259,9 +262,9 @@ class CoffReader {
   std::size_t section_count_ = 0, symbols_at_ = 0;
   std::uint32_t symbol_count_ = 0;
   std::uint64_t contents_ = 0;
-  std::map<std::uint32_t, int> symbol_indices_;  ///< From those of the file.
-  std::map<std::uint32_t, std::uint32_t> files_;   ///< Of which source the symbols from a number on are.
-  std::map<std::uint32_t, int> function_lines_;    ///< By the number of the symbol that stands for a function's begin.
+  std::map<std::uint32_t, int> symbol_indices_;   ///< From those of the file.
+  std::map<std::uint32_t, std::uint32_t> files_;  ///< Of which source the symbols from a number on are.
+  std::map<std::uint32_t, int> function_lines_;   ///< By the number of the symbol that stands for a function's begin.
 };
 
 Image linked(const Object& object) {

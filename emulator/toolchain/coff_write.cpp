@@ -69,7 +69,8 @@ class CoffWriter {
     const auto refuse = [](std::size_t most, std::string_view what, std::size_t given) {
       if (given > most) throw std::runtime_error(fmt::format("a COFF file holds {} {}, not {}", most, what, given));
     };
-    if (object_.executable && std::ranges::all_of(object_.sections, [](const ObjectSection& section) { return section.size == 0; }))
+    if (object_.executable &&
+        std::ranges::all_of(object_.sections, [](const ObjectSection& section) { return section.size == 0; }))
       throw CoffError("the program holds no word; at least one is expected in a file that can be run");
     refuse(most_sections, "sections", object_.sections.size());
     for (const auto& section : object_.sections)
@@ -150,8 +151,8 @@ class CoffWriter {
     out_.u32(symbol_entries_);
     out_.u16(static_cast<std::uint32_t>(optional_size()));
     const bool lines = std::ranges::any_of(lines_, [](const auto& of) { return !of.empty(); });
-    out_.u16((relocations ? 0U : no_relocations) | (object_.executable ? executable : 0U) | (lines ? 0U : no_line_numbers) | c4x |
-             little_endian);
+    out_.u16((relocations ? 0U : no_relocations) | (object_.executable ? executable : 0U) |
+             (lines ? 0U : no_line_numbers) | c4x | little_endian);
     if (object_.version > 0) out_.u16(target_id);
     if (!object_.executable) return;
     out_.u16(optional_magic);

@@ -103,8 +103,7 @@ bool is_ignored(std::string_view directive) {
       ".title",   ".page",   ".list",     ".nolist", ".length",   ".width",  ".option",   ".tab",     ".mlist",
       ".mnolist", ".fclist", ".fcnolist", ".sslist", ".ssnolist", ".drlist", ".drnolist", ".mmsg",    ".mlib",
       ".clink",   ".sblock", ".file",     ".ident",  ".line",     ".ln",     ".func",     ".endfunc", ".sym",
-      ".stag",    ".etag",   ".utag",     ".member", ".eos",      ".blockb", ".endblock",
-      ".regalias"};
+      ".stag",    ".etag",   ".utag",     ".member", ".eos",      ".blockb", ".endblock", ".regalias"};
   return ignored.contains(directive);
 }
 

@@ -55,7 +55,8 @@ class Attempt : public OperandEncoder {
 
   /// An address that stands there by itself. GNU as reads the word at it, TI's assembler takes it as a number.
   bool is_direct_in_gnu(const OperandSyntax& o) const {
-    if (context_.dialect != Dialect::gnu || o.kind != Kind::expression || o.exact || (row_.modes >> 1 & 1) == 0) return false;
+    if (context_.dialect != Dialect::gnu || o.kind != Kind::expression || o.exact || (row_.modes >> 1 & 1) == 0)
+      return false;
     const auto kind = o.expression->kind;
     if (kind == Expression::Kind::call || kind == Expression::Kind::constant) return false;
     const Value address = value(o);
@@ -326,8 +327,8 @@ class Attempt : public OperandEncoder {
   Word word_;
 };
 
-/// LDP has no row of its own. TI's assembler makes LDPK of the address's page of it, or, for an address register, LDIU; GNU
-/// as LDIU to DP, and takes a number for the page itself.
+/// LDP has no row of its own. TI's assembler makes LDPK of the address's page of it, or, for an address register, LDIU;
+/// GNU as LDIU to DP, and takes a number for the page itself.
 Word encode_ldp(const HalfSyntax& half, const EncodeContext& context) {
   constexpr Word ldpk_word = 0x1F700000, ldiu_immediate = 0x50600000;
   const std::size_t count = half.operands.size();
@@ -335,15 +336,19 @@ Word encode_ldp(const HalfSyntax& half, const EncodeContext& context) {
   const isa::Register reg = names_register ? half.operands[1].reg : isa::Register::DP;
   const bool to_address_register = reg >= isa::Register::AR0 && reg <= isa::Register::AR7;
   const bool is_ti = context.dialect == Dialect::ti;
-  if (count == 0 || count > 2 || (count == 2 && !names_register) || (reg != isa::Register::DP && !(to_address_register && is_ti)))
-    throw LineError{half.offset, is_ti ? "'ldp' takes an address, and DP, AR0 to AR7 or nothing after it"
-                                       : "'ldp' takes an address or a page, and DP or nothing after it (AR0 to AR7 with --dialect ti)"};
+  if (count == 0 || count > 2 || (count == 2 && !names_register) ||
+      (reg != isa::Register::DP && !(to_address_register && is_ti)))
+    throw LineError{
+        half.offset,
+        is_ti ? "'ldp' takes an address, and DP, AR0 to AR7 or nothing after it"
+              : "'ldp' takes an address or a page, and DP or nothing after it (AR0 to AR7 with --dialect ti)"};
   const Word ldiu = ldiu_immediate | isa::code(reg) << 16;
   const Candidate ldpk = candidates("ldpk").front();
   try {
     const OperandEncoder encoder(ldpk, half, nullptr, context);
     const OperandSyntax& place = half.operands[0];
-    const Word word = is_ti ? (to_address_register ? ldiu : ldpk_word) | encoder.page_of_address(place) : ldiu | encoder.page(place);
+    const Word word =
+        is_ti ? (to_address_register ? ldiu : ldpk_word) | encoder.page_of_address(place) : ldiu | encoder.page(place);
     encoder.note_relocations();
     return word;
   } catch (const Mismatch& mismatch) {

@@ -18,7 +18,8 @@ Word Image::symbol(std::string_view name) const {
 
 Word* Image::word_at(Address address) {
   for (Section& section : sections)
-    if (section.loaded && address - section.address < section.words.size()) return &section.words[address - section.address];
+    if (section.loaded && address - section.address < section.words.size())
+      return &section.words[address - section.address];
   return nullptr;
 }
 

@@ -37,11 +37,11 @@ struct Image {
   /// Labels and `.set` constants; those that are floats hold their TI single-precision word.
   std::map<std::string, Word, std::less<>> symbols;
   Address entry = 0;
-  std::vector<std::string> files;         ///< That `lines` are of.
-  std::vector<std::string> files_read;    ///< All: the source and what it includes, in the order of reading.
-  std::vector<LineRecord> lines;      ///< By rising address within each section; empty if the origin has none.
-  /// How the source was read, and why, for the listing's head: "ti: the default". First the program, then included files
-  /// that say it themselves.
+  std::vector<std::string> files;       ///< That `lines` are of.
+  std::vector<std::string> files_read;  ///< All: the source and what it includes, in the order of reading.
+  std::vector<LineRecord> lines;        ///< By rising address within each section; empty if the origin has none.
+  /// How the source was read, and why, for the listing's head: "ti: the default". First the program, then included
+  /// files that say it themselves.
   std::vector<std::string> dialects;
   std::vector<std::string> warnings;  ///< Formatted like the errors of AssemblyError.
 

@@ -200,7 +200,12 @@ class Linker {
   void add_lines(const OutputSection::Part& part, Address address, Image& image) const {
     const Object& object = objects_[part.source.object];
     for (const ObjectLine& line : object.sections[part.source.section].lines)
-      image.lines.push_back({address + line.offset, file_number(image, object.files[line.file]), line.line, {}, static_cast<std::uint32_t>(image.sections.size()), {}});
+      image.lines.push_back({address + line.offset,
+                             file_number(image, object.files[line.file]),
+                             line.line,
+                             {},
+                             static_cast<std::uint32_t>(image.sections.size()),
+                             {}});
   }
 
   void copy(const OutputSection::Part& part, Image::Section& out) {

@@ -183,7 +183,8 @@ void Reader::start_macro(Statement& s) {
   }
   p.expect_end();
   if (macros_.contains(name))
-    program_.warn(s.line, s.operation_offset, fmt::format("the macro '{}' is defined already; from here on this one counts", name));
+    program_.warn(s.line, s.operation_offset,
+                  fmt::format("the macro '{}' is defined already; from here on this one counts", name));
   collector_->name = std::move(name);
   collector_->kind = Collector::Kind::macro;
 }

@@ -51,7 +51,8 @@ std::size_t character_constant(std::string_view text) {
 /// One to four characters, packed as .string packs them: the first in bits 7 to 0.
 Expression Parser::character() {
   const std::size_t at = position_, length = character_constant(rest());
-  if (length == 0) throw LineError{at, "a character constant is one to four characters between single quotes ('''' is a quote)"};
+  if (length == 0)
+    throw LineError{at, "a character constant is one to four characters between single quotes ('''' is a quote)"};
   const std::string_view inside = starts_with("''''") ? std::string_view("'") : text_.substr(at + 1, length - 2);
   std::int64_t value = 0;
   for (std::size_t i = 0; i < inside.size(); ++i) value |= std::int64_t{static_cast<unsigned char>(inside[i])} << 8 * i;
@@ -63,7 +64,8 @@ Expression Parser::character() {
 void Parser::warn_of_octal(std::string_view word, std::size_t at) const {
   if (context_.warnings == nullptr || word.size() < 2 || word[0] != '0' || !all_of(word, "01234567")) return;
   const auto octal = integer_in_base(word, 8), decimal = integer_in_base(word, 10);
-  if (octal && octal != decimal) context_.warnings->push_back({at, fmt::format("{0} is decimal. It was octal before: {0}q", word)});
+  if (octal && octal != decimal)
+    context_.warnings->push_back({at, fmt::format("{0} is decimal. It was octal before: {0}q", word)});
 }
 
 /// GNU's 0f1.5, where it is no hexadecimal number.

@@ -84,7 +84,12 @@ Image image_of(const Object& executable) {
                               .words = section.loaded ? section.words : std::vector<Word>(),
                               .loaded = section.loaded});
     for (const ObjectLine& line : section.lines)
-      image.lines.push_back({section.address + line.offset, line.file, line.line, {}, static_cast<std::uint32_t>(image.sections.size() - 1), {}});
+      image.lines.push_back({section.address + line.offset,
+                             line.file,
+                             line.line,
+                             {},
+                             static_cast<std::uint32_t>(image.sections.size() - 1),
+                             {}});
     if (section.table_of_copies) add_copies(image, section, executable.name);
   }
   for (const ObjectSymbol& symbol : executable.symbols)

@@ -66,7 +66,8 @@ void OperandEncoder::need(std::size_t count) const {
 void OperandEncoder::need_kind(const OperandSyntax& o, Kind kind, std::string_view wanted) const {
   if (o.kind == kind) return;
   const bool named = kind == Kind::reg && o.kind == Kind::expression && o.expression->kind == Expression::Kind::symbol;
-  miss(Mismatch::kind, o.offset, fmt::format("{} is needed here, not {}{}", wanted, kind_text(o), named ? c3x_register(o.expression->name) : ""));
+  miss(Mismatch::kind, o.offset,
+       fmt::format("{} is needed here, not {}{}", wanted, kind_text(o), named ? c3x_register(o.expression->name) : ""));
 }
 
 // Values
@@ -95,8 +96,8 @@ Word OperandEncoder::in_range(const OperandSyntax& o, std::int64_t number, bool 
 
 // Registers
 
-/// TI's assembler takes the number of an expansion register for that of a register: a boot EPROM of the Hydra board holds
-/// 15402001h, STI R0, where its source says `sti ivtp,*ar0++`.
+/// TI's assembler takes the number of an expansion register for that of a register: a boot EPROM of the Hydra board
+/// holds 15402001h, STI R0, where its source says `sti ivtp,*ar0++`.
 bool OperandEncoder::is_register(const OperandSyntax& o) const {
   return o.kind == Kind::reg || (o.kind == Kind::expansion && context_.dialect == Dialect::ti);
 }
@@ -104,7 +105,11 @@ bool OperandEncoder::is_register(const OperandSyntax& o) const {
 Word OperandEncoder::register_code(const OperandSyntax& o, OperandClass allowed) const {
   if (o.kind == Kind::expansion && is_register(o)) {
     const auto number = static_cast<Word>(o.expansion);
-    context_.on_warning({o.offset, fmt::format("{0} is taken as R{1}, whose number it has, as TI's assembler takes it; LDEP and LDPE reach {0}", isa::name(o.expansion), number), half_});
+    context_.on_warning(
+        {o.offset,
+         fmt::format("{0} is taken as R{1}, whose number it has, as TI's assembler takes it; LDEP and LDPE reach {0}",
+                     isa::name(o.expansion), number),
+         half_});
     return number;
   }
   need_kind(o, Kind::reg, "a register");
@@ -171,7 +176,8 @@ Word OperandEncoder::immediate(const OperandSyntax& o) const {
   if (context_.relocations != nullptr && !v.is_absolute())
     return static_cast<Word>(address(o, v, RelocationType::relword)) & 0xFFFF;
   const std::int64_t number = integer(o, v);
-  if (!v.is_absolute() && row_.immediate == Immediate::zero) return static_cast<Word>(number) & 0xFFFF;  // with an LSH before it
+  if (!v.is_absolute() && row_.immediate == Immediate::zero)
+    return static_cast<Word>(number) & 0xFFFF;  // with an LSH before it
   if (!v.is_absolute() && !fits_signed(number, 16))
     miss(Mismatch::contents, o.offset,
          "an address has 32 bits; load it with LDHI hi16(x),reg and OR lo16(x),reg, or from a .word");
@@ -203,13 +209,18 @@ Word OperandEncoder::page(const OperandSyntax& o) const {
 Word OperandEncoder::page_of_address(const OperandSyntax& o) const {
   if (o.kind != Kind::direct) need_kind(o, Kind::expression, "an address");
   const Value v = value(o);
-  if (v.half != Value::Half::none) miss(Mismatch::contents, o.offset, "a whole address is needed here; 'ldpk' takes half of one");
+  if (v.half != Value::Half::none)
+    miss(Mismatch::contents, o.offset, "a whole address is needed here; 'ldpk' takes half of one");
   const std::int64_t number = address(o, v, RelocationType::partms16);
   in_range(o, number, fits_unsigned(number, 32), "an address is 0 to 0FFFFFFFFh");
   const Word page = static_cast<Word>(number) >> 16;
   if (o.kind == Kind::expression && v.is_absolute() && number > 0 && number <= 0xFFFF)
-    context_.on_warning({o.offset, fmt::format("'ldp' takes an address: {0:X}h is in page 0. It was page {0:X}h before: 'ldpk {0}' is, or --dialect gnu", number),
-                         half_});
+    context_.on_warning(
+        {o.offset,
+         fmt::format(
+             "'ldp' takes an address: {0:X}h is in page 0. It was page {0:X}h before: 'ldpk {0}' is, or --dialect gnu",
+             number),
+         half_});
   return page;
 }
 

@@ -29,7 +29,8 @@ std::optional<isa::Register> Parser::accept_register() {
   if (!is_identifier_start(peek())) return std::nullopt;
   const auto found = register_called(identifier());
   if (!found) position_ = start;
-  if (found && marked && context_.dialect != Dialect::gnu) throw LineError{start, "'%' before a register is GNU as's: --dialect gnu, or .dialect gnu"};
+  if (found && marked && context_.dialect != Dialect::gnu)
+    throw LineError{start, "'%' before a register is GNU as's: --dialect gnu, or .dialect gnu"};
   return found;
 }
 
@@ -37,8 +38,10 @@ std::optional<isa::Register> Parser::accept_register() {
 bool Parser::accept_half_of_address(char mark) {
   if (peek() != mark) return false;
   if (context_.dialect != Dialect::gnu)
-    throw LineError{position_, fmt::format("'{0}' at the beginning of an operand is GNU as's, {1} of an address: --dialect gnu, or {2}(x)", mark,
-                                           mark == '^' ? "the upper half" : "the lower half", mark == '^' ? "hi16" : "lo16")};
+    throw LineError{
+        position_,
+        fmt::format("'{0}' at the beginning of an operand is GNU as's, {1} of an address: --dialect gnu, or {2}(x)",
+                    mark, mark == '^' ? "the upper half" : "the lower half", mark == '^' ? "hi16" : "lo16")};
   ++position_;
   return true;
 }

@@ -186,7 +186,8 @@ std::vector<Expression> Parser::expression_list() {
 std::pair<int, std::string_view> Parser::operator_ahead(int loosest) {
   skip_blanks();
   const auto tightest = static_cast<int>(operator_levels.size());
-  if (loosest <= tightest && (peek() == '*' || peek() == '/' || peek() == '%')) return {tightest, text_.substr(position_, 1)};
+  if (loosest <= tightest && (peek() == '*' || peek() == '/' || peek() == '%'))
+    return {tightest, text_.substr(position_, 1)};
   if (starts_with("||")) return {};
   for (int level = tightest - 1; level >= loosest; --level) {
     const auto& operators = operator_levels[static_cast<std::size_t>(level)];

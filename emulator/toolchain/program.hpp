@@ -76,7 +76,9 @@ class Program final : public SymbolSource {
   Value field_place(Address bits) const;
   void add_field(const SourceLinePtr& line, std::size_t offset, Expression value, Address bits);
   /// For the listing's head.
-  void note_dialect(std::string text, bool first = false) { dialects_.insert(first ? dialects_.begin() : dialects_.end(), std::move(text)); }
+  void note_dialect(std::string text, bool first = false) {
+    dialects_.insert(first ? dialects_.begin() : dialects_.end(), std::move(text));
+  }
   void warn(const SourceLinePtr& line, std::size_t offset, const std::string& message);
   void align(const SourceLinePtr& line, std::size_t offset, Address words);
   /// Makes `half` the second half of the instruction just added.

@@ -77,9 +77,12 @@ std::vector<Word> Program::encode_item(const Section& section, const Item& item,
     };
     try {
       std::vector<FieldRelocation> fields;
-      const EncodeContext context{section.address + item.offset, *this, warn,
+      const EncodeContext context{section.address + item.offset,
+                                  *this,
+                                  warn,
                                   relocations != nullptr ? &fields : nullptr,
-                                  static_cast<int>(&section - sections_.data()), instruction->dialect};
+                                  static_cast<int>(&section - sections_.data()),
+                                  instruction->dialect};
       words.push_back(encode(instruction->first, instruction->second ? &*instruction->second : nullptr, context));
       for (const FieldRelocation& field : fields) relocations->push_back({item.offset, field});
     } catch (const LineError& error) {

@@ -37,7 +37,8 @@ Object Program::finish_object(Image& listed, std::vector<Diagnostic>& diagnostic
     out.blocked = section.blocked;
     if (section.size != 0) out.words = listed.sections.back().words;
     for (const LineRecord& line : listed.lines)
-      if (section.size != 0 && line.section + 1 == listed.sections.size()) out.lines.push_back({line.address - listed.sections.back().address, line.file, line.line});
+      if (section.size != 0 && line.section + 1 == listed.sections.size())
+        out.lines.push_back({line.address - listed.sections.back().address, line.file, line.line});
   }
   object.files = listed.files;
   add_object_symbols(object, numbers, diagnostics);

@@ -39,12 +39,15 @@ bool closes_collection(std::string_view operation) {
 Reader::Reader(Program& program, const Options& options, std::vector<Diagnostic>& diagnostics)
     : program_(program), options_(options), diagnostics_(diagnostics) {
   if (options.undefined_external || options.dialect == Dialect::gnu) program.leave_undefined_to_others();
-  if (options.dialect) reading_ = {*options.dialect, "asked for"};
-  else reading_.why = "the default";
+  if (options.dialect)
+    reading_ = {*options.dialect, "asked for"};
+  else
+    reading_.why = "the default";
 }
 
 ParseContext Reader::context() const {
-  return {program_.here(), fmt::format("?{}", local_scope_), fmt::format("?{}", block_), &registers_, reading_.dialect, &parser_warnings_};
+  return {program_.here(),  fmt::format("?{}", local_scope_), fmt::format("?{}", block_), &registers_, reading_.dialect,
+          &parser_warnings_};
 }
 
 /// Ends the scope of $0 to $9 and, outside macros, of names ending in '?'.
@@ -100,8 +103,10 @@ void Reader::read_text(std::string_view text, const std::string& name, const std
   }
   end_of_source(outer_conditionals);
   --open_texts_;
-  if (!is_included) program_.note_dialect(fmt::format("{}: {}", toolchain::name(reading_.dialect), reading_.why), true);
-  else if (reading_.why != outer_reading.why) program_.note_dialect(fmt::format("{} in {}: {}", toolchain::name(reading_.dialect), name, reading_.why));
+  if (!is_included)
+    program_.note_dialect(fmt::format("{}: {}", toolchain::name(reading_.dialect), reading_.why), true);
+  else if (reading_.why != outer_reading.why)
+    program_.note_dialect(fmt::format("{} in {}: {}", toolchain::name(reading_.dialect), name, reading_.why));
   reading_ = outer_reading;
   ended_ = false;
   new_block();
@@ -162,7 +167,8 @@ Reader::Statement Reader::take_apart(const SourceLinePtr& line) const {
 
 /// Whether the word names an instruction, a directive or a macro.
 bool Reader::is_operation(std::string_view word) const {
-  return !word.empty() && (word[0] == '.' || is_mnemonic(lower(word)) || macros_.contains(word) || is_undotted_set(lower(word)));
+  return !word.empty() &&
+         (word[0] == '.' || is_mnemonic(lower(word)) || macros_.contains(word) || is_undotted_set(lower(word)));
 }
 
 bool Reader::collect(const SourceLinePtr& line) {
@@ -283,7 +289,8 @@ void Reader::read_line(const SourceLinePtr& raw_line) {
     Statement statement = take_apart(line);
     if (!statement.operation.empty() && conditional(statement)) return;
     if (is_active()) read_active_line(statement);
-    for (const LineError& warning : std::exchange(parser_warnings_, {})) program_.warn(line, warning.offset, warning.message);
+    for (const LineError& warning : std::exchange(parser_warnings_, {}))
+      program_.warn(line, warning.offset, warning.message);
   } catch (const LineError& error) {
     if (is_active()) report(*line, error);
   }
@@ -298,7 +305,9 @@ void Reader::define_label(const Statement& s) {
 void Reader::gcc_mark(const Statement& s) {
   if (options_.dialect || reading_.said || reading_.dialect == Dialect::gnu) return;
   if (reading_.has_code)
-    return program_.warn(s.line, s.label_offset, "GCC's mark stands behind instructions, which were read in the dialect ti; .dialect gnu at the top, or --dialect gnu, is for the whole");
+    return program_.warn(s.line, s.label_offset,
+                         "GCC's mark stands behind instructions, which were read in the dialect ti; .dialect gnu at "
+                         "the top, or --dialect gnu, is for the whole");
   reading_.dialect = Dialect::gnu;
   program_.leave_undefined_to_others();
   reading_.why = fmt::format("GCC's mark gcc2_compiled. in line {}", s.line->number);

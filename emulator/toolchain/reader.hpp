@@ -170,7 +170,7 @@ class Reader {
   Substitutes substitutes_;
   Substitutes* parameters_ = nullptr;  ///< Of the macro being expanded.
   RegisterNames registers_;
-  mutable std::vector<LineError> parser_warnings_;  ///< Of the line at hand.
+  mutable std::vector<LineError> parser_warnings_;                                           ///< Of the line at hand.
   enum class Leaving : std::uint8_t { nothing, repeat, macro } leaving_ = Leaving::nothing;  ///< By .break or .mexit.
   int repeat_depth_ = 0;
   int block_ = 0;        ///< Of $0 to $9.

@@ -51,7 +51,8 @@ class Collected {
  public:
   void add(std::uint64_t address, std::span<const std::uint8_t> data) {
     for (std::size_t i = 0; i < data.size(); ++i)
-      if (!bytes_.emplace(address + i, data[i]).second) throw RomError(fmt::format("address {:X}h has had a byte already", address + i));
+      if (!bytes_.emplace(address + i, data[i]).second)
+        throw RomError(fmt::format("address {:X}h has had a byte already", address + i));
     if (!bytes_.empty() && bytes_.rbegin()->first - bytes_.begin()->first >= largest)
       throw RomError(fmt::format("the addresses span more than {} MiB", largest >> 20));
   }
@@ -76,17 +77,20 @@ Bytes digits(std::string_view text) {
   };
   if (text.size() % 2 != 0) throw RomError("an odd number of digits");
   Bytes out;
-  for (std::size_t i = 0; i < text.size(); i += 2) out.push_back(static_cast<std::uint8_t>(nibble(text[i]) << 4 | nibble(text[i + 1])));
+  for (std::size_t i = 0; i < text.size(); i += 2)
+    out.push_back(static_cast<std::uint8_t>(nibble(text[i]) << 4 | nibble(text[i + 1])));
   return out;
 }
 
 void check_length(const Bytes& line, std::size_t expected) {
-  if (line.size() != expected) throw RomError(fmt::format("{} bytes; by its count {} are expected", line.size(), expected));
+  if (line.size() != expected)
+    throw RomError(fmt::format("{} bytes; by its count {} are expected", line.size(), expected));
 }
 
 void check_sum(const Bytes& line, unsigned whole) {
   const unsigned expected = (whole - sum_of(std::span(line).first(line.size() - 1))) & 0xFF;
-  if (line.back() != expected) throw RomError(fmt::format("the checksum is {:02X}h; {:02X}h is expected", line.back(), expected));
+  if (line.back() != expected)
+    throw RomError(fmt::format("the checksum is {:02X}h; {:02X}h is expected", line.back(), expected));
 }
 
 /// Lines of Intel hex. True: that was the last.
@@ -121,7 +125,8 @@ class IntelLines {
 
 struct SLines {
   bool read(std::string_view text, Collected& out) {
-    if (text.size() < 4 || text[0] != 'S' || text[1] < '0' || text[1] > '9' || text[1] == '4') throw RomError("a line begins with S0 to S9, not S4");
+    if (text.size() < 4 || text[0] != 'S' || text[1] < '0' || text[1] > '9' || text[1] == '4')
+      throw RomError("a line begins with S0 to S9, not S4");
     const Bytes line = digits(text.substr(2));
     check_length(line, line[0] + 1U);
     check_sum(line, 0xFF);
@@ -149,7 +154,8 @@ Bytes read_lines(std::string_view text, const std::string& name) {
       const auto end = text.find('\n');
       std::string_view line = text.substr(0, end);
       text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-      while (!line.empty() && (std::isspace(static_cast<unsigned char>(line.back())) != 0 || line.back() == '\x1A')) line.remove_suffix(1);
+      while (!line.empty() && (std::isspace(static_cast<unsigned char>(line.back())) != 0 || line.back() == '\x1A'))
+        line.remove_suffix(1);
       if (!line.empty()) ended = lines.read(line, out);
     }
     if (!ended) throw RomError("the file ends without its last record: it is cut short");
@@ -186,7 +192,8 @@ Bytes read_rom(const std::filesystem::path& path) {
   if (!input.problem.empty()) throw RomError(fmt::format("{} {}", path.string(), input.problem));
   const std::string_view text = input.text;
   if (text.starts_with(':')) return read_lines<IntelLines>(text, path.string());
-  if (text.size() > 1 && text[0] == 'S' && std::isdigit(static_cast<unsigned char>(text[1])) != 0) return read_lines<SLines>(text, path.string());
+  if (text.size() > 1 && text[0] == 'S' && std::isdigit(static_cast<unsigned char>(text[1])) != 0)
+    return read_lines<SLines>(text, path.string());
   if (text.empty()) throw RomError(fmt::format("{}: holds no byte", path.string()));
   return {text.begin(), text.end()};
 }

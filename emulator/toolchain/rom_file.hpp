@@ -24,7 +24,8 @@ class RomError : public std::runtime_error {
 /// The file's text, from address 0 on.
 std::string rom_file(std::span<const std::uint8_t> bytes, RomFormat format);
 
-/// The bytes from the lowest address of the file on, gaps filled with FFh. Which format it is, the file shows. \throws RomError
+/// The bytes from the lowest address of the file on, gaps filled with FFh. Which format it is, the file shows. \throws
+/// RomError
 std::vector<std::uint8_t> read_rom(const std::filesystem::path& path);
 
 /// What lies in memory that is 8, 16 or 32 bits wide, by rising address: the lowest byte of a word comes first.

@@ -33,7 +33,8 @@ Number next_number(std::string_view& line, int base) {
 
 std::string source_map(const Image& image, const std::filesystem::path& base) {
   std::string out;
-  for (const std::string& file : image.files) out += fmt::format("file {}\n", std::filesystem::path(file).lexically_proximate(base).generic_string());
+  for (const std::string& file : image.files)
+    out += fmt::format("file {}\n", std::filesystem::path(file).lexically_proximate(base).generic_string());
   for (const LineRecord& line : image.lines) {
     out += fmt::format("line {:x} {} {} {} {}\n", line.address, line.section, line.file, line.line, line.text);
     if (!line.second.empty()) out += fmt::format("second {}\n", line.second);
@@ -58,7 +59,8 @@ void add_source_text(Image& image, const std::filesystem::path& beside) {
   }
   for (LineRecord& line : image.lines) {
     const std::vector<std::string>& lines = texts[line.file];
-    if (line.line >= 1 && static_cast<std::size_t>(line.line) <= lines.size()) line.text = lines[static_cast<std::size_t>(line.line) - 1];
+    if (line.line >= 1 && static_cast<std::size_t>(line.line) <= lines.size())
+      line.text = lines[static_cast<std::size_t>(line.line) - 1];
   }
 }
 

@@ -15,7 +15,8 @@ std::string source_map(const Image& image, const std::filesystem::path& base);
 /// name, in it. Lines of a file that is not found, or that is shorter, stay without.
 void add_source_text(Image& image, const std::filesystem::path& beside);
 
-/// Gives an image of the same program its files and lines. Throws std::invalid_argument for a text that is no source map.
+/// Gives an image of the same program its files and lines. Throws std::invalid_argument for a text that is no source
+/// map.
 void add_source_map(Image& image, std::string_view map);
 
 }  // namespace toolchain

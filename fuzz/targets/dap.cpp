@@ -16,7 +16,9 @@ using debugger::dap::Json;
 
 const std::shared_ptr<const toolchain::Image>& program() {
   static const auto image = std::make_shared<const toolchain::Image>(toolchain::assemble_text(
-      "        .text\nstart:  ldp total\n        ldi 3,r0\nloop:   addi @total,r0\n        sti r0,@total\n        subi 1,r1\n        cmpi -9,r1\n        bnz loop\nend:    b end\ntotal:  .word 1\n", "small.asm"));
+      "        .text\nstart:  ldp total\n        ldi 3,r0\nloop:   addi @total,r0\n        sti r0,@total\n        subi "
+      "1,r1\n        cmpi -9,r1\n        bnz loop\nend:    b end\ntotal:  .word 1\n",
+      "small.asm"));
   return image;
 }
 
@@ -38,7 +40,8 @@ void frame(std::string_view bytes) {
   fuzz::done<debugger::dap::BrokenStream>([&] {
     for (std::size_t at = 0, piece = 1; at < bytes.size(); at += piece, piece = piece % 7 + 1) {
       framing.add(bytes.substr(at, piece));
-      while (const auto message = framing.next()) fuzz::expect(message->size() <= debugger::dap::Framing::longest_message, "a message beyond the limit");
+      while (const auto message = framing.next())
+        fuzz::expect(message->size() <= debugger::dap::Framing::longest_message, "a message beyond the limit");
     }
   });
 }
@@ -74,7 +77,9 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     if (session.runs()) session.run_on();
   };
   if (!text.starts_with('!'))
-    for (const char* command : {"initialize", "launch", "configurationDone"}) send(std::string(R"({"type":"request","seq":1,"command":")") + command + R"(","arguments":{"stopOnEntry":true,"stopAtEnd":true}})");
+    for (const char* command : {"initialize", "launch", "configurationDone"})
+      send(std::string(R"({"type":"request","seq":1,"command":")") + command +
+           R"(","arguments":{"stopOnEntry":true,"stopAtEnd":true}})");
   std::string_view rest = text;
   for (std::size_t n = 0; n < most_messages && !rest.empty() && !session.over(); ++n) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());

@@ -98,8 +98,7 @@ class PyBus final : public Monitor {
     if (words.size() > Bus::most_words) throw std::invalid_argument{"a transaction has at most 256 words"};
     if (!is_write(command)) throw std::invalid_argument{"a write's command is write or write_invalidate"};
     std::copy(words.begin(), words.end(), bus.buffer(master).begin());
-    bus.submit(master, command, address, static_cast<unsigned>(words.size()), clock,
-               bus.master_config(master).agent);
+    bus.submit(master, command, address, static_cast<unsigned>(words.size()), clock, bus.master_config(master).agent);
   }
   std::vector<Ended> take_ended() { return std::exchange(ended, {}); }
   std::vector<Ended> advance_to(Clocks clock) {
@@ -331,9 +330,7 @@ void bind_bus_model(py::module_& core) {
       .def("has_room", [](const PyBridge& b) { return b.bridge.has_room(); })
       .def(
           "write",
-          [](PyBridge& b, Address address, Word value, Clocks clock) {
-            b.bridge.write({address, value, clock});
-          },
+          [](PyBridge& b, Address address, Word value, Clocks clock) { b.bridge.write({address, value, clock}); },
           py::arg("address"), py::arg("value"), py::arg("clock"))
       .def(
           "read", [](PyBridge& b, Address address, Clocks clock) { b.bridge.read(address, clock); }, py::arg("address"),
@@ -388,5 +385,6 @@ void bind_bus_model(py::module_& core) {
       .def("claim", &PyBuses::claim, py::arg("bridge"), py::arg("near"), py::arg("base"), py::arg("words"))
       .def("next_event", &PyBuses::next_event)
       .def("step", &PyBuses::step)
-      .def_readonly("deliveries", &PyBuses::deliveries, "(agent, address, value, clock) of posted words that have landed");
+      .def_readonly("deliveries", &PyBuses::deliveries,
+                    "(agent, address, value, clock) of posted words that have landed");
 }

@@ -10,19 +10,19 @@
 #include "c40/chip.hpp"
 #include "c40/peripherals/events.hpp"
 #include "c40/peripherals/link.hpp"
-#include "machine/boot.hpp"
 #include "c40/peripherals/register_map.hpp"
 #include "c40/self_check.hpp"
+#include "machine/board_file.hpp"
+#include "machine/boot.hpp"
+#include "machine/debug/chip_debuggee.hpp"
+#include "machine/network.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/ctrl_c.hpp"
 #include "python/bindings/debug.hpp"
-#include "toolchain/assembler.hpp"
-#include "machine/board_file.hpp"
-#include "machine/debug/chip_debuggee.hpp"
-#include "machine/network.hpp"
 #include "state/archive.hpp"
 #include "state/file.hpp"
+#include "toolchain/assembler.hpp"
 
 namespace {
 
@@ -34,7 +34,8 @@ using c40::Word;
 c40::Pin pin_of(c40::Pin first, int n, int count) {
   if (n < 0 || n >= count) {
     const std::string called(name(first).substr(0, name(first).size() - 1));
-    throw std::out_of_range("there is no pin " + called + std::to_string(n) + "; 0 to " + std::to_string(count - 1) + " are possible");
+    throw std::out_of_range("there is no pin " + called + std::to_string(n) + "; 0 to " + std::to_string(count - 1) +
+                            " are possible");
   }
   return static_cast<c40::Pin>(static_cast<int>(first) + n);
 }
@@ -85,12 +86,14 @@ class Recorder : public c40::TraceSink {
     out["cycles"] = record.cycles;
     out["causes"] = causes_of(record.causes);
     const c40::PipelineStages& at = record.stages;
-    out["stages"] = py::make_tuple(record.cycle + at.fetch, record.cycle + at.decode, record.cycle + at.read, record.cycle + at.execute);
+    out["stages"] = py::make_tuple(record.cycle + at.fetch, record.cycle + at.decode, record.cycle + at.read,
+                                   record.cycle + at.execute);
     py::dict registers;
     for (const auto& change : record.registers) registers[py::str(std::string(isa::name(change.reg)))] = change.value;
     out["registers"] = registers;
     py::list memory;
-    for (const auto& event : record.memory) memory.append(py::make_tuple(event.write ? "w" : "r", event.address, event.value));
+    for (const auto& event : record.memory)
+      memory.append(py::make_tuple(event.write ? "w" : "r", event.address, event.value));
     out["memory"] = memory;
     records.append(out);
   }
@@ -106,11 +109,18 @@ class Recorder : public c40::TraceSink {
 class Processor : public c40::PeripheralSink {
  public:
   Processor(const std::string& board, bool checks) : Processor(machine::read_board(board), checks) {}
-  Processor(machine::BoardDescription described, bool checks) : board(machine::configuration_of(described.board)), chip(std::move(described.board)), devices(described.devices) {
-    for (const machine::DeviceDescription& device : described.devices) board += fmt::format("device {} {:X} {} {} {}\n", machine::name(device.kind), device.base, device.words, device.waits, device.value);
+  Processor(machine::BoardDescription described, bool checks)
+      : board(machine::configuration_of(described.board)),
+        chip(std::move(described.board)),
+        devices(described.devices) {
+    for (const machine::DeviceDescription& device : described.devices)
+      board += fmt::format("device {} {:X} {} {} {}\n", machine::name(device.kind), device.base, device.words,
+                           device.waits, device.value);
     for (const auto& [base, words] : described.contents) chip.write_block(base, words);
     devices.on_output = [this](char c) { console += c; };
-    devices.on_change = [this](const machine::BoardDevices::Change& change) { changes.append(py::make_tuple(change.device, change.cycle, change.value)); };
+    devices.on_change = [this](const machine::BoardDevices::Change& change) {
+      changes.append(py::make_tuple(change.device, change.cycle, change.value));
+    };
     if (!checks) return;
     self_check.emplace(chip);
     chip.set_trace(&*self_check);
@@ -140,11 +150,15 @@ class Processor : public c40::PeripheralSink {
   }
   py::list trace(Cycles max_cycles) {
     Recorder recorder;
-    if (self_check) self_check->look(), self_check->hand_on_to(&recorder);
-    else chip.set_trace(&recorder);
+    if (self_check)
+      self_check->look(), self_check->hand_on_to(&recorder);
+    else
+      chip.set_trace(&recorder);
     const auto after = [&] {
-      if (self_check) self_check->run_ended(), self_check->hand_on_to(nullptr);
-      else chip.set_trace(nullptr);
+      if (self_check)
+        self_check->run_ended(), self_check->hand_on_to(nullptr);
+      else
+        chip.set_trace(nullptr);
     };
     try {
       run_for(max_cycles);
@@ -166,8 +180,9 @@ class Processor : public c40::PeripheralSink {
     py::list all;
     if (!self_check) return all;
     for (const c40::Diagnostic& d : self_check->diagnostics()) {
-      all.append(py::dict(py::arg("rule") = std::string(c40::name(d.rule)), py::arg("section") = std::string(d.section), py::arg("pc") = d.pc,
-                          py::arg("cycle") = d.cycle, py::arg("instruction") = d.instruction, py::arg("message") = d.message, py::arg("count") = d.count));
+      all.append(py::dict(py::arg("rule") = std::string(c40::name(d.rule)), py::arg("section") = std::string(d.section),
+                          py::arg("pc") = d.pc, py::arg("cycle") = d.cycle, py::arg("instruction") = d.instruction,
+                          py::arg("message") = d.message, py::arg("count") = d.count));
     }
     return all;
   }
@@ -219,7 +234,8 @@ class Link : public c40::LinkListener {
  public:
   using End = std::pair<Processor*, int>;
   static c40::Link::Side side(End end, std::pair<std::int64_t, std::int64_t> hertz) {
-    return {"port " + std::to_string(end.second), end.second, &end.first->chip.port(end.second), c40::PacedClock{c40::Clock{hertz.first, hertz.second}}};
+    return {"port " + std::to_string(end.second), end.second, &end.first->chip.port(end.second),
+            c40::PacedClock{c40::Clock{hertz.first, hertz.second}}};
   }
   Link(End a, End b, std::pair<std::int64_t, std::int64_t> hertz_a, std::pair<std::int64_t, std::int64_t> hertz_b)
       : link(side(a, hertz_a), side(b, hertz_b)), ends{a, b} {
@@ -228,8 +244,8 @@ class Link : public c40::LinkListener {
     link.listener_of_events = this;
   }
   void happened(const c40::LinkEvent& e) override {
-    events.append(py::dict(py::arg("kind") = std::string(name(e.kind)), py::arg("time") = e.time.count(), py::arg("side") = e.side,
-                           py::arg("word") = e.word, py::arg("bytes") = e.bytes));
+    events.append(py::dict(py::arg("kind") = std::string(name(e.kind)), py::arg("time") = e.time.count(),
+                           py::arg("side") = e.side, py::arg("word") = e.word, py::arg("bytes") = e.bytes));
   }
   ~Link() override {
     for (const End& end : ends) end.first->chip.attach(end.second, nullptr);
@@ -244,50 +260,71 @@ class Link : public c40::LinkListener {
 
 void bind_link(py::module_& m) {
   using c40::Time;
-  py::class_<Link>(m, "Link", "A link of two ports, driven by whoever drives the processors. Ends are (processor, port), clocks (numerator, denominator) in Hz, times picoseconds.")
-      .def(py::init<Link::End, Link::End, std::pair<std::int64_t, std::int64_t>, std::pair<std::int64_t, std::int64_t>>(), py::arg("a"),
-           py::arg("b"), py::arg("hertz_a") = std::pair{20'000'000, 1}, py::arg("hertz_b") = std::pair{20'000'000, 1},
-           py::keep_alive<1, 2>(), py::keep_alive<1, 3>())
+  py::class_<Link>(m, "Link",
+                   "A link of two ports, driven by whoever drives the processors. Ends are (processor, port), clocks "
+                   "(numerator, denominator) in Hz, times picoseconds.")
+      .def(py::init<Link::End, Link::End, std::pair<std::int64_t, std::int64_t>,
+                    std::pair<std::int64_t, std::int64_t>>(),
+           py::arg("a"), py::arg("b"), py::arg("hertz_a") = std::pair{20'000'000, 1},
+           py::arg("hertz_b") = std::pair{20'000'000, 1}, py::keep_alive<1, 2>(), py::keep_alive<1, 3>())
       .def("advance_to", [](Link& l, std::int64_t t) { l.link.advance_to(Time{t}); })
-      .def_property_readonly("next_event", [](const Link& l) -> std::optional<std::int64_t> {
-        return l.link.next_event() == c40::never ? std::nullopt : std::optional{l.link.next_event().count()};
-      })
+      .def_property_readonly("next_event",
+                             [](const Link& l) -> std::optional<std::int64_t> {
+                               return l.link.next_event() == c40::never ? std::nullopt
+                                                                        : std::optional{l.link.next_event().count()};
+                             })
       .def("cut", [](Link& l, std::int64_t t) { l.link.cut(Time{t}); })
       .def("restore", [](Link& l, std::int64_t t) { l.link.restore(Time{t}); })
       .def_property_readonly("is_dead", [](const Link& l) { return l.link.is_dead(); })
       .def_property_readonly("lookahead", [](const Link& l) { return l.link.lookahead().count(); })
-      .def("counters", [](const Link& l, int side) {
-        const auto& c = l.link.counters(side);
-        return py::dict(py::arg("sent") = c.sent, py::arg("arrived") = c.arrived, py::arg("lost") = c.lost, py::arg("tokens") = c.tokens,
-                        py::arg("under_way") = l.link.under_way(side));
-      })
+      .def("counters",
+           [](const Link& l, int side) {
+             const auto& c = l.link.counters(side);
+             return py::dict(py::arg("sent") = c.sent, py::arg("arrived") = c.arrived, py::arg("lost") = c.lost,
+                             py::arg("tokens") = c.tokens, py::arg("under_way") = l.link.under_way(side));
+           })
       .def_readonly("events", &Link::events);
 }
 
 void bind_processor(py::module_& m) {
-  py::class_<Processor> processor(m, "Processor", "One TMS320C40 on board `default`, `flat` (rulings.md 26), or one that a TOML file describes.");
+  py::class_<Processor> processor(
+      m, "Processor", "One TMS320C40 on board `default`, `flat` (rulings.md 26), or one that a TOML file describes.");
   processor.def(py::init<const std::string&, bool>(), py::arg("board") = "default", py::arg("checks") = false)
       .def("diagnostics", &Processor::diagnostics, "Rules that the program broke, with checks on.")
       .def("load_words", &Processor::load_words, py::arg("address"), py::arg("words"))
       .def("load_image", &Processor::load_image, "Loads the sections of an image and sets the PC to its entry.")
-      .def("type", [](Processor& p, const std::string& text) { p.devices.type(text); }, py::arg("text"), "Characters for the board's consoles to read.")
-      .def_property_readonly("console", [](const Processor& p) { return py::bytes(p.console); }, "What the board's consoles have sent.")
+      .def(
+          "type", [](Processor& p, const std::string& text) { p.devices.type(text); }, py::arg("text"),
+          "Characters for the board's consoles to read.")
+      .def_property_readonly(
+          "console", [](const Processor& p) { return py::bytes(p.console); }, "What the board's consoles have sent.")
       .def_readonly("led_changes", &Processor::changes, "(name, cycle, value) of each change of an LED.")
-      .def("save", [](Processor& p, const toolchain::Image* program) {
-        return py::bytes(state::seal("processor", p.configuration(program), state::save_with_tables(p)));
-      }, py::arg("program"))
-      .def("debug", [](const py::object& self, const toolchain::Image& program) {
-        struct Owner {
-          py::object processor;
-          toolchain::Image program;
-        };
-        auto owner = std::make_shared<Owner>(self, program);
-        auto debuggee = std::make_unique<machine::debug::ChipDebuggee>(self.cast<Processor&>().chip, owner->program);
-        return std::make_unique<PythonDebugger>(std::move(owner), std::move(debuggee), true);
-      }, py::arg("program"))
-      .def("load", [](Processor& p, const std::string& sealed, const toolchain::Image* program) {
-        state::load_or_leave(p, state::opened(sealed, "processor", p.configuration(program)).text);
-      }, py::arg("sealed"), py::arg("program"), "Refuses by name what is no snapshot of such a processor, before anything is changed.")
+      .def(
+          "save",
+          [](Processor& p, const toolchain::Image* program) {
+            return py::bytes(state::seal("processor", p.configuration(program), state::save_with_tables(p)));
+          },
+          py::arg("program"))
+      .def(
+          "debug",
+          [](const py::object& self, const toolchain::Image& program) {
+            struct Owner {
+              py::object processor;
+              toolchain::Image program;
+            };
+            auto owner = std::make_shared<Owner>(self, program);
+            auto debuggee =
+                std::make_unique<machine::debug::ChipDebuggee>(self.cast<Processor&>().chip, owner->program);
+            return std::make_unique<PythonDebugger>(std::move(owner), std::move(debuggee), true);
+          },
+          py::arg("program"))
+      .def(
+          "load",
+          [](Processor& p, const std::string& sealed, const toolchain::Image* program) {
+            state::load_or_leave(p, state::opened(sealed, "processor", p.configuration(program)).text);
+          },
+          py::arg("sealed"), py::arg("program"),
+          "Refuses by name what is no snapshot of such a processor, before anything is changed.")
       .def("run", &Processor::run, py::arg("max_cycles"), py::arg("until") = py::none(),
            "Runs whole instructions for max_cycles, or until the PC is at `until`; says why it stopped.")
       .def("trace", &Processor::trace, py::arg("max_cycles"), "Runs and returns one dict per instruction.")
@@ -295,51 +332,81 @@ void bind_processor(py::module_& m) {
       .def("reset", [](Processor& p) { p.chip.reset(); })
       .def("hold", [](Processor& p, bool held) { p.chip.hold(held); })
       .def("raise_iiof", [](Processor& p, int pin) { p.chip.raise_iiof(pin); })
-      .def("set_iiof", [](Processor& p, int pin, bool active) { p.chip.set_pin(pin_of(c40::Pin::iiof0, pin, 4), !active, p.chip.cycle()); })
+      .def("set_iiof", [](Processor& p, int pin,
+                          bool active) { p.chip.set_pin(pin_of(c40::Pin::iiof0, pin, 4), !active, p.chip.cycle()); })
       .def("raise_nmi", [](Processor& p) { p.chip.raise_nmi(); })
-      .def("complete_read", [](Processor& p, Word value, Cycles arbitration, Cycles transfer) { p.chip.complete_read(value, arbitration, transfer); },
-           py::arg("value"), py::arg("arbitration") = 0, py::arg("transfer") = 0)
-      .def("complete_write", [](Processor& p, Cycles arbitration, Cycles transfer) { p.chip.complete_write(arbitration, transfer); },
-           py::arg("arbitration") = 0, py::arg("transfer") = 0)
-      .def("complete_port", [](Processor& p, Cycles at) { p.chip.complete_port(at); }, py::arg("at"))
-      .def("deliver", [](Processor& p, int n, Word word) {
-        if (p.chip.port(n).input.full()) throw py::value_error("the input FIFO is full");
-        p.chip.port(n).receive(word);
-      }, "Puts a word into the input FIFO of a port, as its neighbour would.")
-      .def("collect", [](Processor& p, int n) {
-        if (p.chip.port(n).output.empty()) throw py::value_error("the output FIFO is empty");
-        return p.chip.port(n).send();
-      }, "Takes a word from the output FIFO of a port, as its neighbour would.")
-      .def_static("bootable", [](const std::string& board, std::optional<c40::Address> memory) {
-        machine::BoardDescription described = machine::read_board(board);
-        described.board = memory ? machine::with_boot_from_memory(std::move(described.board), *memory) : machine::with_boot_from_port(std::move(described.board));
-        return std::make_unique<Processor>(std::move(described), false);
-      }, py::arg("board") = "default", py::arg("memory") = py::none(), "With the boot ROM, its pins for a port, or for memory at this address.")
-      .def("boot", [](Processor& p) { p.chip.boot(); }, "What the RESET pin does.")
+      .def(
+          "complete_read",
+          [](Processor& p, Word value, Cycles arbitration, Cycles transfer) {
+            p.chip.complete_read(value, arbitration, transfer);
+          },
+          py::arg("value"), py::arg("arbitration") = 0, py::arg("transfer") = 0)
+      .def(
+          "complete_write",
+          [](Processor& p, Cycles arbitration, Cycles transfer) { p.chip.complete_write(arbitration, transfer); },
+          py::arg("arbitration") = 0, py::arg("transfer") = 0)
+      .def(
+          "complete_port", [](Processor& p, Cycles at) { p.chip.complete_port(at); }, py::arg("at"))
+      .def(
+          "deliver",
+          [](Processor& p, int n, Word word) {
+            if (p.chip.port(n).input.full()) throw py::value_error("the input FIFO is full");
+            p.chip.port(n).receive(word);
+          },
+          "Puts a word into the input FIFO of a port, as its neighbour would.")
+      .def(
+          "collect",
+          [](Processor& p, int n) {
+            if (p.chip.port(n).output.empty()) throw py::value_error("the output FIFO is empty");
+            return p.chip.port(n).send();
+          },
+          "Takes a word from the output FIFO of a port, as its neighbour would.")
+      .def_static(
+          "bootable",
+          [](const std::string& board, std::optional<c40::Address> memory) {
+            machine::BoardDescription described = machine::read_board(board);
+            described.board = memory ? machine::with_boot_from_memory(std::move(described.board), *memory)
+                                     : machine::with_boot_from_port(std::move(described.board));
+            return std::make_unique<Processor>(std::move(described), false);
+          },
+          py::arg("board") = "default", py::arg("memory") = py::none(),
+          "With the boot ROM, its pins for a port, or for memory at this address.")
+      .def(
+          "boot", [](Processor& p) { p.chip.boot(); }, "What the RESET pin does.")
       .def("iiof_pin", [](const Processor& p, int pin) { return p.chip.iiof_pin(pin); })
       .def("record_events", &Processor::record_events)
       .def_readonly("events", &Processor::events)
-      .def("set_timer_pin", [](Processor& p, int timer, bool level) { p.chip.set_pin(pin_of(c40::Pin::tclk0, timer, 2), level, p.chip.cycle()); })
+      .def("set_timer_pin",
+           [](Processor& p, int timer, bool level) {
+             p.chip.set_pin(pin_of(c40::Pin::tclk0, timer, 2), level, p.chip.cycle());
+           })
       .def_property_readonly("dma_active", [](const Processor& p) { return p.chip.dma_active(); })
       .def_property_readonly("settled", [](const Processor& p) { return p.chip.settled(); })
       .def_property_readonly("watches_ports", [](const Processor& p) { return p.chip.watches_ports(); })
       .def("add_breakpoint", [](Processor& p, c40::Address a) { p.chip.add_breakpoint(a); })
       .def("remove_breakpoint", [](Processor& p, c40::Address a) { p.chip.remove_breakpoint(a); })
-      .def("locked", [](const Processor& p, bool global) { return p.chip.locked(global); }, py::arg("global_bus"),
-           "Whether LOCK of the global, LLOCK of the local bus is low.")
-      .def("set_exact", [](Processor& p, bool exact) { p.chip.set_exact(exact); }, "One instruction at a time, no blocks.")
-      .def_property("pc", [](const Processor& p) { return p.chip.pc(); }, [](Processor& p, c40::Address pc) { p.chip.set_pc(pc); });
+      .def(
+          "locked", [](const Processor& p, bool global) { return p.chip.locked(global); }, py::arg("global_bus"),
+          "Whether LOCK of the global, LLOCK of the local bus is low.")
+      .def(
+          "set_exact", [](Processor& p, bool exact) { p.chip.set_exact(exact); },
+          "One instruction at a time, no blocks.")
+      .def_property(
+          "pc", [](const Processor& p) { return p.chip.pc(); },
+          [](Processor& p, c40::Address pc) { p.chip.set_pc(pc); });
   bind_inspection(processor, [](auto& p) -> auto& { return p.chip; });
 }
 
 void bind_float40(py::module_& m) {
   namespace f = c40::float40;
-  auto sub = m.def_submodule("float40", "The 40-bit arithmetic: operands and results are 40-bit integers, flags as in ST.");
+  auto sub =
+      m.def_submodule("float40", "The 40-bit arithmetic: operands and results are 40-bit integers, flags as in ST.");
   const auto unary = [&](const char* name, c40::FloatResult (*operation)(Float40)) {
     sub.def(name, [operation](std::uint64_t a) { return pair(operation(from_bits(a))); });
   };
   const auto binary = [&](const char* name, c40::FloatResult (*operation)(Float40, Float40)) {
-    sub.def(name, [operation](std::uint64_t a, std::uint64_t b) { return pair(operation(from_bits(a), from_bits(b))); });
+    sub.def(name,
+            [operation](std::uint64_t a, std::uint64_t b) { return pair(operation(from_bits(a), from_bits(b))); });
   };
   binary("add", &f::add);
   binary("sub", &f::sub);
@@ -370,28 +437,39 @@ void bind_c40(py::module_& core) {
   auto m = core.def_submodule("c40", "One TMS320C40.");
   bind_processor(m);
   bind_link(m);
-  m.def("boot_stream", [](const toolchain::Image& image, Word ivtp, Word tvtp, c40::Address acknowledge, bool memory) {
-    const machine::BootHeader header{0x3E39FFF0u, 0x3E39FFF0u, ivtp, tvtp, acknowledge};
-    return memory ? machine::boot_memory(image, header) : machine::boot_stream(image, header);
-  }, py::arg("image"), py::arg("ivtp") = 0, py::arg("tvtp") = 0, py::arg("acknowledge") = 0x2FF800, py::arg("memory") = false,
-     "The words that the boot loader takes, from a port or from memory of 32 bits.");
+  m.def(
+      "boot_stream",
+      [](const toolchain::Image& image, Word ivtp, Word tvtp, c40::Address acknowledge, bool memory) {
+        const machine::BootHeader header{0x3E39FFF0u, 0x3E39FFF0u, ivtp, tvtp, acknowledge};
+        return memory ? machine::boot_memory(image, header) : machine::boot_stream(image, header);
+      },
+      py::arg("image"), py::arg("ivtp") = 0, py::arg("tvtp") = 0, py::arg("acknowledge") = 0x2FF800,
+      py::arg("memory") = false, "The words that the boot loader takes, from a port or from memory of 32 bits.");
   m.def("register_page", &c40::register_page, "The register tables of docs/peripherals.md.");
-  m.def("peripheral_registers", [] {
-    py::list all;
-    for (const c40::RegisterInfo& info : c40::register_map()) {
-      py::dict fields;
-      for (const c40::Field& field : info.fields) fields[py::str(std::string(field.name))] = py::make_tuple(field.low, field.width);
-      all.append(py::dict(py::arg("name") = info.name, py::arg("address") = info.address, py::arg("reset") = info.reset, py::arg("fields") = fields,
-                          py::arg("meaning") = std::string(info.meaning)));
-    }
-    return all;
-  }, "Every memory-mapped register: name, address, value after reset, fields (lowest bit, width).");
+  m.def(
+      "peripheral_registers",
+      [] {
+        py::list all;
+        for (const c40::RegisterInfo& info : c40::register_map()) {
+          py::dict fields;
+          for (const c40::Field& field : info.fields)
+            fields[py::str(std::string(field.name))] = py::make_tuple(field.low, field.width);
+          all.append(py::dict(py::arg("name") = info.name, py::arg("address") = info.address,
+                              py::arg("reset") = info.reset, py::arg("fields") = fields,
+                              py::arg("meaning") = std::string(info.meaning)));
+        }
+        return all;
+      },
+      "Every memory-mapped register: name, address, value after reset, fields (lowest bit, width).");
   bind_float40(m);
   py::register_exception<state::StateError>(core, "SnapshotError", PyExc_ValueError);
-  core.def("to_columns", [](std::string rows, std::size_t columns) {
-    const std::string how = state::to_columns(rows, {{0, rows.size() / sizeof(std::uint64_t) / columns, columns}});
-    return std::pair{py::bytes(rows), py::bytes(how)};
-  }, "A table as a snapshot's file has it, and how each column is written.");
+  core.def(
+      "to_columns",
+      [](std::string rows, std::size_t columns) {
+        const std::string how = state::to_columns(rows, {{0, rows.size() / sizeof(std::uint64_t) / columns, columns}});
+        return std::pair{py::bytes(rows), py::bytes(how)};
+      },
+      "A table as a snapshot's file has it, and how each column is written.");
   core.def("from_columns", [](std::string rows, std::size_t columns, const std::string& how) {
     state::from_columns(rows, {{0, rows.size() / sizeof(std::uint64_t) / columns, columns}}, how);
     return py::bytes(rows);

@@ -7,7 +7,8 @@
 #include "io/stop.hpp"
 #include "python/bindings/bindings.hpp"
 
-/// While it lives, Python's signals are looked at whenever this thread's work asks io::stop_asked(). Python does so in its main thread only.
+/// While it lives, Python's signals are looked at whenever this thread's work asks io::stop_asked(). Python does so in
+/// its main thread only.
 class CtrlC {
  public:
   CtrlC()

@@ -12,7 +12,10 @@ class PythonDebugger {
  public:
   /// \param with_gil what listens to the run makes Python objects
   PythonDebugger(std::shared_ptr<void> owner, std::unique_ptr<machine::debug::Debuggee> debuggee, bool with_gil = false)
-      : owner_(std::move(owner)), debuggee_(std::move(debuggee)), debugger_(std::make_unique<machine::debug::Debugger>(*debuggee_)), with_gil_(with_gil) {}
+      : owner_(std::move(owner)),
+        debuggee_(std::move(debuggee)),
+        debugger_(std::make_unique<machine::debug::Debugger>(*debuggee_)),
+        with_gil_(with_gil) {}
   machine::debug::Debugger& get() { return *debugger_; }
   /// Ctrl-C ends it between two slices.
   template <class Work>

@@ -24,10 +24,22 @@ void bind_io(py::module_& core) {
         }
       },
       py::arg("path"), py::arg("content"), "Writes the file whole or not at all. Raises OSError.");
-  m.def("printable", [](const py::bytes& text) { return io::printable(static_cast<std::string_view>(text)); }, py::arg("text"), "What a terminal shows and does not obey: control characters become \\xNN.");
-  py::class_<io::FileRoles>(m, "FileRoles", "Which files are read and which are written: no output may be an input or another output.")
+  m.def(
+      "printable", [](const py::bytes& text) { return io::printable(static_cast<std::string_view>(text)); },
+      py::arg("text"), "What a terminal shows and does not obey: control characters become \\xNN.");
+  py::class_<io::FileRoles>(m, "FileRoles",
+                            "Which files are read and which are written: no output may be an input or another output.")
       .def(py::init<>())
-      .def("reads", [](io::FileRoles& roles, std::string role, const std::filesystem::path& path) { roles.reads(std::move(role), path.string()); }, py::arg("role"), py::arg("path"))
-      .def("writes", [](io::FileRoles& roles, std::string role, const std::filesystem::path& path) { roles.writes(std::move(role), path.string()); }, py::arg("role"), py::arg("path"),
-           "Raises SameFile, a ValueError.");
+      .def(
+          "reads",
+          [](io::FileRoles& roles, std::string role, const std::filesystem::path& path) {
+            roles.reads(std::move(role), path.string());
+          },
+          py::arg("role"), py::arg("path"))
+      .def(
+          "writes",
+          [](io::FileRoles& roles, std::string role, const std::filesystem::path& path) {
+            roles.writes(std::move(role), path.string());
+          },
+          py::arg("role"), py::arg("path"), "Raises SameFile, a ValueError.");
 }

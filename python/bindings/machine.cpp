@@ -71,7 +71,9 @@ struct Recorder final : Observer {
   void fault(const ChipFault& fault) override {
     add(fault.time, "fault", {fault.slot, fault.pc, fault.address, fault.cycle});
   }
-  void link_lost(unsigned slot, bool to_dsp, Word word, int bytes, Time now) override { add(now, "link_lost", {slot, to_dsp, word, bytes}); }
+  void link_lost(unsigned slot, bool to_dsp, Word word, int bytes, Time now) override {
+    add(now, "link_lost", {slot, to_dsp, word, bytes});
+  }
   void slot(unsigned number, SlotChange change, Time now) override {
     add(now, "slot", {number, static_cast<int>(change)});
   }
@@ -199,10 +201,9 @@ void bind_config(py::module_& m) {
 
 void bind_clock(py::module_& m) {
   py::class_<Clock>(m, "Clock", "A rational clock; instants are integer picoseconds (rulings.md 1).")
-      .def(py::init([](std::int64_t num, std::int64_t den, std::int64_t phase) {
-             return Clock{num, den, Time{phase}};
-           }),
-           py::arg("num"), py::arg("den") = 1, py::arg("phase") = 0)
+      .def(
+          py::init([](std::int64_t num, std::int64_t den, std::int64_t phase) { return Clock{num, den, Time{phase}}; }),
+          py::arg("num"), py::arg("den") = 1, py::arg("phase") = 0)
       .def("at", [](const Clock& clock, Ticks tick) { return clock.at(tick).count(); })
       .def("tick_at_or_before",
            [](const Clock& clock, std::int64_t time) { return clock.tick_at_or_before(Time{time}); })
@@ -265,8 +266,8 @@ void bind_machine(py::module_& core) {
       .def("plugged", [](const PyMachine& self, unsigned slot) { return self.machine.plugged(slot); })
       .def("standing", [](const PyMachine& self, unsigned slot) { return self.machine.standing(slot); })
       .def("statistics", [](const PyMachine& self, unsigned slot) { return self.machine.statistics(slot); })
-      .def("bus_statistics", [](const PyMachine& self,
-                                char bus) { return self.machine.bus_statistics(static_cast<BusId>(bus - 'A')); })
+      .def("bus_statistics",
+           [](const PyMachine& self, char bus) { return self.machine.bus_statistics(static_cast<BusId>(bus - 'A')); })
       .def_property_readonly("faults", [](const PyMachine& self) { return self.machine.faults(); })
       .def_property_readonly(
           "reads", [](const PyMachine& self) { return self.host.reads; },

@@ -41,14 +41,17 @@ machine::NetworkChip chip_of(const py::dict& given) {
   return chip;
 }
 
-std::unique_ptr<machine::Network> make(const py::list& chips, const std::vector<std::pair<std::string, py::dict>>& links,
-                                       const std::optional<std::string>& topology, const py::list& memories, const std::vector<std::string>& nets, std::uint64_t turn_order) {
+std::unique_ptr<machine::Network> make(const py::list& chips,
+                                       const std::vector<std::pair<std::string, py::dict>>& links,
+                                       const std::optional<std::string>& topology, const py::list& memories,
+                                       const std::vector<std::string>& nets, std::uint64_t turn_order) {
   NetworkDescription d;
   std::vector<std::string> names;
   if (topology) {
     const std::size_t needed = machine::set_topology(d, *topology);
     if (py::len(chips) != needed)
-      throw machine::NetworkError("topology " + *topology + " has " + std::to_string(needed) + " chips, and " + std::to_string(py::len(chips)) + " are given");
+      throw machine::NetworkError("topology " + *topology + " has " + std::to_string(needed) + " chips, and " +
+                                  std::to_string(py::len(chips)) + " are given");
   }
   for (const py::handle chip : chips) {
     d.chips.push_back(chip_of(chip.cast<py::dict>()));
@@ -56,14 +59,17 @@ std::unique_ptr<machine::Network> make(const py::list& chips, const std::vector<
   }
   for (const auto& [text, cycles] : links) {
     machine::NetworkLink link = machine::parse_link(text, names);
-    for (const auto& [key, field] : {std::pair{"word_cycles", &link.parameters.word_cycles}, {"token_cycles", &link.parameters.token_cycles},
-                                     {"enter_cycles", &link.parameters.enter_cycles}, {"exit_cycles", &link.parameters.exit_cycles}})
+    for (const auto& [key, field] : {std::pair{"word_cycles", &link.parameters.word_cycles},
+                                     {"token_cycles", &link.parameters.token_cycles},
+                                     {"enter_cycles", &link.parameters.enter_cycles},
+                                     {"exit_cycles", &link.parameters.exit_cycles}})
       if (cycles.contains(key)) *field = cycles[key].cast<int>();
     d.links.push_back(link);
   }
   for (const py::handle given : memories) {
     const auto memory = given.cast<py::dict>();
-    d.memories.push_back({memory["name"].cast<std::string>(), memory["words"].cast<c40::Address>(), memory["waits"].cast<int>(),
+    d.memories.push_back({memory["name"].cast<std::string>(), memory["words"].cast<c40::Address>(),
+                          memory["waits"].cast<int>(),
                           memory["places"].cast<std::vector<std::pair<std::size_t, c40::Address>>>()});
   }
   try {
@@ -74,38 +80,46 @@ std::unique_ptr<machine::Network> make(const py::list& chips, const std::vector<
   return std::make_unique<machine::Network>(std::move(d), turn_order);
 }
 
-std::unique_ptr<machine::Network> from_file(const std::string& path, const py::function& program, std::uint64_t turn_order) {
+std::unique_ptr<machine::Network> from_file(const std::string& path, const py::function& program,
+                                            std::uint64_t turn_order) {
   return std::make_unique<machine::Network>(
-      machine::read_network(path, [&](const std::string& file) { return program(file).cast<toolchain::Image>(); }), turn_order);
+      machine::read_network(path, [&](const std::string& file) { return program(file).cast<toolchain::Image>(); }),
+      turn_order);
 }
 
 py::dict link_of(const machine::Network& network, std::size_t n) {
   const c40::Link& link = network.link(n);
   const auto side = [&](int s) {
     const auto& c = link.counters(s);
-    return py::dict(py::arg("sent") = c.sent, py::arg("arrived") = c.arrived, py::arg("under_way") = link.under_way(s), py::arg("lost") = c.lost,
-                    py::arg("tokens") = c.tokens);
+    return py::dict(py::arg("sent") = c.sent, py::arg("arrived") = c.arrived, py::arg("under_way") = link.under_way(s),
+                    py::arg("lost") = c.lost, py::arg("tokens") = c.tokens);
   };
   const machine::NetworkLink& ends = network.ends(n);
-  return py::dict(py::arg("a") = std::pair{ends.a.chip, ends.a.port}, py::arg("b") = std::pair{ends.b.chip, ends.b.port}, py::arg("cut") = link.is_cut(),
+  return py::dict(py::arg("a") = std::pair{ends.a.chip, ends.a.port},
+                  py::arg("b") = std::pair{ends.b.chip, ends.b.port}, py::arg("cut") = link.is_cut(),
                   py::arg("token_lost") = link.is_dead(), py::arg("forth") = side(0), py::arg("back") = side(1));
 }
 
 }  // namespace
 
 void bind_network(py::module_& core) {
-  auto m = core.def_submodule("network", "Networks of chips joined by their communication ports. Times are picoseconds.");
+  auto m =
+      core.def_submodule("network", "Networks of chips joined by their communication ports. Times are picoseconds.");
   py::register_exception<machine::NetworkError>(m, "NetworkError", PyExc_ValueError);
 
-  m.def("chips_of", [](const std::string& topology) {
-    NetworkDescription d;
-    return machine::set_topology(d, topology);
-  }, "How many chips a topology has.");
+  m.def(
+      "chips_of",
+      [](const std::string& topology) {
+        NetworkDescription d;
+        return machine::set_topology(d, topology);
+      },
+      "How many chips a topology has.");
 
   py::class_<ChipOf> chip(m, "Chip", "One chip of a network.");
   chip.def_property_readonly("pc", [](const ChipOf& c) { return c.network->chip(c.number).pc(); })
       .def_property_readonly("name", [](const ChipOf& c) { return c.network->chip_name(c.number); })
-      .def_property_readonly("status", [](const ChipOf& c) { return std::string(machine::name(c.network->status(c.number))); })
+      .def_property_readonly("status",
+                             [](const ChipOf& c) { return std::string(machine::name(c.network->status(c.number))); })
       .def_property_readonly("message", [](const ChipOf& c) { return c.network->describe(c.number); })
       .def_property_readonly("waits_for", [](const ChipOf& c) { return c.network->waits_for(c.number); })
       .def_property_readonly("hertz", [](const ChipOf& c) { return c.network->clock(c.number).hertz(); });
@@ -113,68 +127,97 @@ void bind_network(py::module_& core) {
 
   py::class_<machine::Network, std::shared_ptr<machine::Network>> network_class(m, "Network");
   bind_state<machine::Network>(network_class);
-  network_class.def(py::init(&make), py::arg("chips"), py::arg("links"), py::arg("topology"), py::arg("memories"), py::arg("nets"), py::arg("turn_order"))
-      .def(py::init(&from_file), py::arg("path"), py::arg("program"), py::arg("turn_order"), "From a file; `program` reads one by its path.")
+  network_class
+      .def(py::init(&make), py::arg("chips"), py::arg("links"), py::arg("topology"), py::arg("memories"),
+           py::arg("nets"), py::arg("turn_order"))
+      .def(py::init(&from_file), py::arg("path"), py::arg("program"), py::arg("turn_order"),
+           "From a file; `program` reads one by its path.")
       .def("program", [](const machine::Network& network, std::size_t n) { return network.program(n); })
-      .def("save", [](const machine::Network& network) { return py::bytes(state::seal("network", network.configuration(), state::save_with_tables(network))); })
-      .def("load", [](machine::Network& network, const std::string& sealed) {
-        state::load_or_leave(network, state::opened(sealed, "network", network.configuration()).text);
-      }, "Refuses by name what is no snapshot of such a network, before anything is changed.")
-      .def("debug", [](const std::shared_ptr<machine::Network>& network) {
-        return std::make_unique<PythonDebugger>(network, std::make_unique<machine::debug::NetworkDebuggee>(*network));
-      })
+      .def("save",
+           [](const machine::Network& network) {
+             return py::bytes(state::seal("network", network.configuration(), state::save_with_tables(network)));
+           })
+      .def(
+          "load",
+          [](machine::Network& network, const std::string& sealed) {
+            state::load_or_leave(network, state::opened(sealed, "network", network.configuration()).text);
+          },
+          "Refuses by name what is no snapshot of such a network, before anything is changed.")
+      .def("debug",
+           [](const std::shared_ptr<machine::Network>& network) {
+             return std::make_unique<PythonDebugger>(network,
+                                                     std::make_unique<machine::debug::NetworkDebuggee>(*network));
+           })
       .def("record_peripherals", &machine::Network::record_peripherals, py::arg("on"))
       .def("event_trace", &machine::Network::event_trace)
-      .def("peripheral_events", [](const machine::Network& network) {
-        py::list out;
-        for (const machine::ChipEvent& e : network.peripheral_events())
-          out.append(py::dict(py::arg("chip") = e.chip, py::arg("time_ps") = e.time.count(), py::arg("kind") = std::string(name(e.event.kind)),
-                              py::arg("cycle") = e.event.cycle, py::arg("number") = e.event.number, py::arg("value") = e.event.value,
-                              py::arg("channel") = e.event.channel < 0 ? std::optional<int>{} : e.event.channel));
-        return out;
-      })
-      .def("run_until", [](machine::Network& network, std::int64_t limit) {
-        const machine::NetworkStop stop = interruptible([&] { return network.run_until(Time{limit}); });
-        return std::pair{std::string(machine::name(stop.reason)), stop.time.count()};
-      }, py::arg("limit"))
+      .def("peripheral_events",
+           [](const machine::Network& network) {
+             py::list out;
+             for (const machine::ChipEvent& e : network.peripheral_events())
+               out.append(py::dict(py::arg("chip") = e.chip, py::arg("time_ps") = e.time.count(),
+                                   py::arg("kind") = std::string(name(e.event.kind)), py::arg("cycle") = e.event.cycle,
+                                   py::arg("number") = e.event.number, py::arg("value") = e.event.value,
+                                   py::arg("channel") = e.event.channel < 0 ? std::optional<int>{} : e.event.channel));
+             return out;
+           })
+      .def(
+          "run_until",
+          [](machine::Network& network, std::int64_t limit) {
+            const machine::NetworkStop stop = interruptible([&] { return network.run_until(Time{limit}); });
+            return std::pair{std::string(machine::name(stop.reason)), stop.time.count()};
+          },
+          py::arg("limit"))
       .def_property_readonly("now", [](const machine::Network& network) { return network.now().count(); })
-      .def("schedule", [](machine::Network& network, const std::string& kind, std::int64_t time, std::size_t target) {
-        network.schedule({.kind = machine::action_named(kind), .time = Time{time}, .target = target});
-      }, py::arg("kind"), py::arg("time"), py::arg("target"))
-      .def("schedule_pulses", [](machine::Network& network, std::int64_t time, std::size_t target, double width_us, std::optional<double> period_us, std::optional<std::uint64_t> count) {
-        NetworkAction action{.kind = NetworkAction::Kind::pulse, .time = Time{time}, .target = target};
-        machine::set_pulses(action, width_us, period_us, count);
-        network.schedule(action);
-      }, py::arg("time"), py::arg("target"), py::arg("width_us"), py::arg("period_us"), py::arg("count"))
-      .def("net_named", [](const machine::Network& network, const std::string& name) {
-        return machine::action_target_named(NetworkAction::Kind::low, name, network.description());
-      })
+      .def(
+          "schedule",
+          [](machine::Network& network, const std::string& kind, std::int64_t time, std::size_t target) {
+            network.schedule({.kind = machine::action_named(kind), .time = Time{time}, .target = target});
+          },
+          py::arg("kind"), py::arg("time"), py::arg("target"))
+      .def(
+          "schedule_pulses",
+          [](machine::Network& network, std::int64_t time, std::size_t target, double width_us,
+             std::optional<double> period_us, std::optional<std::uint64_t> count) {
+            NetworkAction action{.kind = NetworkAction::Kind::pulse, .time = Time{time}, .target = target};
+            machine::set_pulses(action, width_us, period_us, count);
+            network.schedule(action);
+          },
+          py::arg("time"), py::arg("target"), py::arg("width_us"), py::arg("period_us"), py::arg("count"))
+      .def("net_named",
+           [](const machine::Network& network, const std::string& name) {
+             return machine::action_target_named(NetworkAction::Kind::low, name, network.description());
+           })
       .def_property_readonly("net_count", &machine::Network::net_count)
-      .def("net", [](const machine::Network& network, std::size_t n) {
-        const machine::Net& net = network.net(n);
-        return py::dict(py::arg("name") = net.description().name, py::arg("pins") = to_text(net.description()), py::arg("level") = net.level(),
-                        py::arg("edges") = net.edges(), py::arg("missed") = net.missed());
-      })
+      .def("net",
+           [](const machine::Network& network, std::size_t n) {
+             const machine::Net& net = network.net(n);
+             return py::dict(py::arg("name") = net.description().name, py::arg("pins") = to_text(net.description()),
+                             py::arg("level") = net.level(), py::arg("edges") = net.edges(),
+                             py::arg("missed") = net.missed());
+           })
       .def("record_words", &machine::Network::record_words, py::arg("on"))
       .def_property_readonly("chip_count", &machine::Network::chip_count)
       .def_property_readonly("memory_count", &machine::Network::memory_count)
       .def_property_readonly("link_count", &machine::Network::link_count)
       .def("chip", [](const std::shared_ptr<machine::Network>& network, std::size_t n) { return ChipOf{network, n}; })
       .def("link", &link_of)
-      .def("memory_words", [](machine::Network& network, std::size_t n) {
-        const auto words = network.memory(n);
-        return std::vector<c40::Word>(words.begin(), words.end());
-      })
-      .def("set_memory_words", [](machine::Network& network, std::size_t n, std::size_t at, const std::vector<c40::Word>& words) {
-        const auto all = network.memory(n);
-        if (at > all.size() || words.size() > all.size() - at) throw py::index_error("the memory ends before");
-        std::copy(words.begin(), words.end(), all.begin() + static_cast<std::ptrdiff_t>(at));
-      })
+      .def("memory_words",
+           [](machine::Network& network, std::size_t n) {
+             const auto words = network.memory(n);
+             return std::vector<c40::Word>(words.begin(), words.end());
+           })
+      .def("set_memory_words",
+           [](machine::Network& network, std::size_t n, std::size_t at, const std::vector<c40::Word>& words) {
+             const auto all = network.memory(n);
+             if (at > all.size() || words.size() > all.size() - at) throw py::index_error("the memory ends before");
+             std::copy(words.begin(), words.end(), all.begin() + static_cast<std::ptrdiff_t>(at));
+           })
       .def("events", [](const machine::Network& network) {
         py::list out;
         for (const machine::NetworkEvent& e : network.events()) {
-          out.append(py::dict(py::arg("kind") = std::string(machine::name(e.kind)), py::arg("time_ps") = e.time.count(), py::arg("place") = e.place,
-                              py::arg("side") = e.side, py::arg("word") = e.word, py::arg("count") = e.count, py::arg("text") = network.text(e)));
+          out.append(py::dict(py::arg("kind") = std::string(machine::name(e.kind)), py::arg("time_ps") = e.time.count(),
+                              py::arg("place") = e.place, py::arg("side") = e.side, py::arg("word") = e.word,
+                              py::arg("count") = e.count, py::arg("text") = network.text(e)));
         }
         return out;
       });

@@ -6,12 +6,14 @@
 #include <string>
 #include <thread>
 
-/// Who is in a long call of an object. All its functions are called with the GIL, which keeps short calls apart; they only ask.
+/// Who is in a long call of an object. All its functions are called with the GIL, which keeps short calls apart; they
+/// only ask.
 class OneUser {
  public:
   explicit OneUser(const char* what) : what_(what) {}
 
-  /// For what changes nothing: while a long call goes on, its own thread may, from inside a callback. \throws std::runtime_error
+  /// For what changes nothing: while a long call goes on, its own thread may, from inside a callback. \throws
+  /// std::runtime_error
   void reads(const char* call) const {
     if (call_ != nullptr && thread_ != std::this_thread::get_id()) refuse(call);
   }
@@ -41,8 +43,12 @@ class OneUser {
  private:
   [[noreturn]] void refuse(const char* call) const {
     const bool own = thread_ == std::this_thread::get_id();
-    throw std::runtime_error(own ? fmt::format("{0}.{1}: not from inside a callback of {2}; there only what reads is allowed, such as result()", what_, call, call_)
-                                 : fmt::format("{0}.{1}: another thread is in {0}.{2}; one thread at a time may use it, so wait for its end", what_, call, call_));
+    throw std::runtime_error(
+        own ? fmt::format(
+                  "{0}.{1}: not from inside a callback of {2}; there only what reads is allowed, such as result()",
+                  what_, call, call_)
+            : fmt::format("{0}.{1}: another thread is in {0}.{2}; one thread at a time may use it, so wait for its end",
+                          what_, call, call_));
   }
 
   const char* what_;

@@ -15,7 +15,8 @@ Joints joints(const py::object& torques) {
   try {
     return torques.cast<Joints>();
   } catch (const py::cast_error&) {
-    throw py::value_error("five torques are needed (gantry, slew, luff, hoist, rotator), not " + std::string(py::repr(torques)));
+    throw py::value_error("five torques are needed (gantry, slew, luff, hoist, rotator), not " +
+                          std::string(py::repr(torques)));
   }
 }
 
@@ -27,24 +28,30 @@ void run(CraneAlone& crane, const py::object& torques, double dt, long steps) {
 }
 
 void bind_crane_alone(py::module_& m) {
-  py::class_<CraneAlone::State>(m, "CraneAloneState", "Everything that the crane's future depends on; opaque but for reading.")
+  py::class_<CraneAlone::State>(m, "CraneAloneState",
+                                "Everything that the crane's future depends on; opaque but for reading.")
       .def_property_readonly("time", [](const CraneAlone::State& s) { return s.time; })
       .def("__copy__", [](const CraneAlone::State& s) { return s; })
       .def("__deepcopy__", [](const CraneAlone::State& s, const py::dict&) { return s; })
       .def(py::pickle(&value_bytes<CraneAlone::State>, &value_of_bytes<CraneAlone::State>));
   py::class_<CraneAlone>(m, "CraneAlone", "A crane by itself, driven by motor torques.")
-      .def(py::init([](CraneParameters crane, const CranePose& home, double mass, double inertia, double rated_load, bool rigid,
-                       double tolerance, Method method, int order, bool bookkeeping, const SensorParameters& sensors,
-                       const WindParameters& wind) {
+      .def(py::init([](CraneParameters crane, const CranePose& home, double mass, double inertia, double rated_load,
+                       bool rigid, double tolerance, Method method, int order, bool bookkeeping,
+                       const SensorParameters& sensors, const WindParameters& wind) {
              crane.rated_load = rated_load;
              return std::make_unique<CraneAlone>(CraneAloneConfig{
                  crane, home, {mass, inertia}, rigid, tolerance, method, order, bookkeeping, sensors, wind});
            }),
-           py::arg("crane"), py::arg("home"), py::arg("mass"), py::arg("inertia"), py::arg("rated_load"), py::arg("rigid"),
-           py::arg("tolerance"), py::arg("method"), py::arg("order"), py::arg("bookkeeping"), py::arg("sensors"), py::arg("wind"))
-      .def("step", [](CraneAlone& c, const py::object& torques, double dt) { c.step(joints(torques), dt); }, py::arg("torques"), py::arg("dt"))
+           py::arg("crane"), py::arg("home"), py::arg("mass"), py::arg("inertia"), py::arg("rated_load"),
+           py::arg("rigid"), py::arg("tolerance"), py::arg("method"), py::arg("order"), py::arg("bookkeeping"),
+           py::arg("sensors"), py::arg("wind"))
+      .def(
+          "step", [](CraneAlone& c, const py::object& torques, double dt) { c.step(joints(torques), dt); },
+          py::arg("torques"), py::arg("dt"))
       .def("run", &run, py::arg("torques"), py::arg("dt"), py::arg("steps"))
-      .def("set_load", [](CraneAlone& c, double mass, double inertia) { c.set_load({mass, inertia}); }, py::arg("mass"), py::arg("inertia"))
+      .def(
+          "set_load", [](CraneAlone& c, double mass, double inertia) { c.set_load({mass, inertia}); }, py::arg("mass"),
+          py::arg("inertia"))
       .def("reset", &CraneAlone::reset, py::arg("q"), py::arg("qd"), py::arg("torque") = Joints{})
       .def("linearize", &CraneAlone::linearize, py::arg("state"))
       .def("snapshot", [](const CraneAlone& c) { return c.state(); })
@@ -61,20 +68,27 @@ void bind_crane_alone(py::module_& m) {
                              [](const CraneAlone& c) {
                                static constexpr std::array names{"limit", "stuck", "slipped", "slack", "swung_out"};
                                std::vector<std::tuple<std::int64_t, std::string, int>> all;
-                               for (const auto& e : c.events()) all.emplace_back(e.time, names.at(static_cast<std::size_t>(e.kind)), e.joint);
+                               for (const auto& e : c.events())
+                                 all.emplace_back(e.time, names.at(static_cast<std::size_t>(e.kind)), e.joint);
                                return all;
                              })
       .def_property_readonly("swung_out", [](const CraneAlone& c) { return c.state().swung_out; })
-      .def_property_readonly("payload", [](const CraneAlone& c) { return std::pair{c.state().inputs.payload.mass, c.state().inputs.payload.inertia}; })
+      .def_property_readonly("payload",
+                             [](const CraneAlone& c) {
+                               return std::pair{c.state().inputs.payload.mass, c.state().inputs.payload.inertia};
+                             })
       .def_property_readonly("model", [](const CraneAlone& c) { return c.crane(); })
       .def("acceleration", &CraneAlone::acceleration)
       .def("energy", &CraneAlone::energy)
       .def("encoders", &CraneAlone::encoders)
       .def("sway", &CraneAlone::sway)
-      .def("sensitivity", [](const CraneAlone& c, const py::object& torques, double seconds) {
-        const CraneSensitivity s = c.sensitivity(joints(torques), seconds);
-        return std::tuple{s.q_by_mass, s.qd_by_mass, s.q_by_length, s.qd_by_length};
-      }, py::arg("torques"), py::arg("seconds"));
+      .def(
+          "sensitivity",
+          [](const CraneAlone& c, const py::object& torques, double seconds) {
+            const CraneSensitivity s = c.sensitivity(joints(torques), seconds);
+            return std::tuple{s.q_by_mass, s.qd_by_mass, s.q_by_length, s.qd_by_length};
+          },
+          py::arg("torques"), py::arg("seconds"));
 }
 
 void bind_agv_alone(py::module_& m) {
@@ -83,9 +97,13 @@ void bind_agv_alone(py::module_& m) {
       .def("__deepcopy__", [](const AgvAlone::State& s, const py::dict&) { return s; })
       .def(py::pickle(&value_bytes<AgvAlone::State>, &value_of_bytes<AgvAlone::State>));
   py::class_<AgvAlone>(m, "AgvAlone", "An AGV without a dock.")
-      .def(py::init<const AgvParameters&, const Pose&, double>(), py::arg("parameters"), py::arg("start"), py::arg("tolerance") = 1e-8)
+      .def(py::init<const AgvParameters&, const Pose&, double>(), py::arg("parameters"), py::arg("start"),
+           py::arg("tolerance") = 1e-8)
       .def(
-          "step", [](AgvAlone& a, double speed, double front, double rear, double turn, double dt) { a.step({speed, front, rear, turn}, dt); },
+          "step",
+          [](AgvAlone& a, double speed, double front, double rear, double turn, double dt) {
+            a.step({speed, front, rear, turn}, dt);
+          },
           py::arg("speed"), py::arg("front"), py::arg("rear"), py::arg("turn"), py::arg("dt"))
       .def("set_load", &AgvAlone::set_load, py::arg("mass"), py::arg("inertia"))
       .def("reset", &AgvAlone::reset, py::arg("pose"))

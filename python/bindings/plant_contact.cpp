@@ -11,8 +11,8 @@
 using namespace plant;
 
 void bind_plant_contact(py::module_& m) {
-  m.def("swing_in_ode", &swing_in_ode, py::arg("crane"), py::arg("mass"), py::arg("q"), py::arg("qd"), py::arg("force"), py::arg("step"),
-        py::arg("steps"));
+  m.def("swing_in_ode", &swing_in_ode, py::arg("crane"), py::arg("mass"), py::arg("q"), py::arg("qd"), py::arg("force"),
+        py::arg("step"), py::arg("steps"));
   m.def(
       "drop_box",
       [](double mass, std::array<double, 3> size, double gap, double speed, double slope, double step, int steps) {
@@ -20,11 +20,13 @@ void bind_plant_contact(py::module_& m) {
         ContactEngine engine(p);
         BodyShape shape{};
         shape.mass = mass;
-        shape.inertia = {mass * (size[1] * size[1] + size[2] * size[2]) / 12, mass * (size[0] * size[0] + size[2] * size[2]) / 12,
+        shape.inertia = {mass * (size[1] * size[1] + size[2] * size[2]) / 12,
+                         mass * (size[0] * size[0] + size[2] * size[2]) / 12,
                          mass * (size[0] * size[0] + size[1] * size[1]) / 12};
         const double x = 0.5 * size[0] - 0.1;
         const double y = 0.5 * size[1] - 0.1;
-        shape.corners = {{{x, y, -0.5 * size[2]}, {x, -y, -0.5 * size[2]}, {-x, -y, -0.5 * size[2]}, {-x, y, -0.5 * size[2]}}};
+        shape.corners = {
+            {{x, y, -0.5 * size[2]}, {x, -y, -0.5 * size[2]}, {-x, -y, -0.5 * size[2]}, {-x, y, -0.5 * size[2]}}};
         BodyState body;
         body.position = {0.0, 0.0, 0.5 * size[2] + gap};
         body.velocity = {0.0, 0.0, -speed};
@@ -38,6 +40,6 @@ void bind_plant_contact(py::module_& m) {
         }
         return rows;
       },
-      py::arg("mass"), py::arg("size"), py::arg("gap"), py::arg("speed"), py::arg("slope"), py::arg("step"), py::arg("steps"),
-      "rows of (height of the underside, vertical speed, normal force, x)");
+      py::arg("mass"), py::arg("size"), py::arg("gap"), py::arg("speed"), py::arg("slope"), py::arg("step"),
+      py::arg("steps"), "rows of (height of the underside, vertical speed, normal force, x)");
 }

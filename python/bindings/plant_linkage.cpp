@@ -9,9 +9,8 @@ using namespace plant;
 void bind_plant_linkage(py::module_& m) {
   using P = LinkageParameters;
   py::class_<P>(m, "LinkageParameters", "Bars in m, masses in kg (plant/linkage.hpp).")
-      .def(py::init<>())
-      FIELD(jib) FIELD(jib_mass) FIELD(fly) FIELD(fly_mass) FIELD(back) FIELD(tie) FIELD(tie_mass) FIELD(base_x) FIELD(base_z)
-      FIELD(load);
+      .def(py::init<>()) FIELD(jib) FIELD(jib_mass) FIELD(fly) FIELD(fly_mass) FIELD(back) FIELD(tie) FIELD(tie_mass)
+          FIELD(base_x) FIELD(base_z) FIELD(load);
   py::class_<Linkage>(m, "Linkage", "A level-luffing double-link jib in its plane, by IDA.")
       .def(py::init<const LinkageParameters&, double>(), py::arg("parameters"), py::arg("tolerance") = 1e-9)
       .def("place", &Linkage::place, py::arg("jib_angle"), py::arg("jib_rate") = 0.0)

@@ -9,32 +9,40 @@ using namespace plant;
 namespace {
 
 void bind_equations(py::module_& m) {
-  py::class_<Crane>(m, "Crane", "The crane's equations in closed form; q = (s, psi, phi, l, alpha, beta, kappa), SI units.")
+  py::class_<Crane>(m, "Crane",
+                    "The crane's equations in closed form; q = (s, psi, phi, l, alpha, beta, kappa), SI units.")
       .def(py::init<const CraneParameters&>(), py::arg("parameters"))
-      .def("mass_matrix",
-           [](const Crane& c, const CraneVector& q, double mass, double inertia) { return c.mass_matrix(q, {mass, inertia}); },
-           py::arg("q"), py::arg("mass"), py::arg("inertia"))
-      .def("bias",
-           [](const Crane& c, const CraneVector& q, const CraneVector& qd, double mass, double inertia) {
-             return c.bias(q, qd, {mass, inertia});
-           },
-           py::arg("q"), py::arg("qd"), py::arg("mass"), py::arg("inertia"))
-      .def("gravity",
-           [](const Crane& c, const CraneVector& q, double mass) { return c.gravity_force(q, {mass, 0.0}); }, py::arg("q"),
-           py::arg("mass"))
-      .def("acceleration",
-           [](const Crane& c, const CraneVector& q, const CraneVector& qd, const CraneVector& force, double mass,
-              double inertia, unsigned locked) { return c.acceleration(q, qd, force, {mass, inertia}, locked); },
-           py::arg("q"), py::arg("qd"), py::arg("force"), py::arg("mass"), py::arg("inertia"), py::arg("locked") = 0U,
-           "qdd under generalised forces; locked: bit k holds coordinate k at rest")
-      .def("kinetic_energy",
-           [](const Crane& c, const CraneVector& q, const CraneVector& qd, double mass, double inertia) {
-             return c.kinetic_energy(q, qd, {mass, inertia});
-           },
-           py::arg("q"), py::arg("qd"), py::arg("mass"), py::arg("inertia"))
-      .def("potential_energy",
-           [](const Crane& c, const CraneVector& q, double mass) { return c.potential_energy(q, {mass, 0.0}); }, py::arg("q"),
-           py::arg("mass"))
+      .def(
+          "mass_matrix",
+          [](const Crane& c, const CraneVector& q, double mass, double inertia) {
+            return c.mass_matrix(q, {mass, inertia});
+          },
+          py::arg("q"), py::arg("mass"), py::arg("inertia"))
+      .def(
+          "bias",
+          [](const Crane& c, const CraneVector& q, const CraneVector& qd, double mass, double inertia) {
+            return c.bias(q, qd, {mass, inertia});
+          },
+          py::arg("q"), py::arg("qd"), py::arg("mass"), py::arg("inertia"))
+      .def(
+          "gravity", [](const Crane& c, const CraneVector& q, double mass) { return c.gravity_force(q, {mass, 0.0}); },
+          py::arg("q"), py::arg("mass"))
+      .def(
+          "acceleration",
+          [](const Crane& c, const CraneVector& q, const CraneVector& qd, const CraneVector& force, double mass,
+             double inertia, unsigned locked) { return c.acceleration(q, qd, force, {mass, inertia}, locked); },
+          py::arg("q"), py::arg("qd"), py::arg("force"), py::arg("mass"), py::arg("inertia"), py::arg("locked") = 0U,
+          "qdd under generalised forces; locked: bit k holds coordinate k at rest")
+      .def(
+          "kinetic_energy",
+          [](const Crane& c, const CraneVector& q, const CraneVector& qd, double mass, double inertia) {
+            return c.kinetic_energy(q, qd, {mass, inertia});
+          },
+          py::arg("q"), py::arg("qd"), py::arg("mass"), py::arg("inertia"))
+      .def(
+          "potential_energy",
+          [](const Crane& c, const CraneVector& q, double mass) { return c.potential_energy(q, {mass, 0.0}); },
+          py::arg("q"), py::arg("mass"))
       .def("friction", &Crane::friction, py::arg("joint"), py::arg("speed"), py::arg("sliding") = 0)
       .def("static_friction", &Crane::static_friction, py::arg("joint"))
       .def("tip", &Crane::tip, py::arg("q"))
@@ -72,7 +80,8 @@ void bind_motion(py::module_& m) {
            }),
            py::arg("crane"), py::arg("tolerance") = 1e-8, py::arg("order") = 4, py::arg("method") = Method::erk)
       .def("advance", &CraneMotion::advance, py::arg("state"), py::arg("inputs"), py::arg("seconds"))
-      .def("advance_fixed", &CraneMotion::advance_fixed, py::arg("state"), py::arg("inputs"), py::arg("seconds"), py::arg("step"))
+      .def("advance_fixed", &CraneMotion::advance_fixed, py::arg("state"), py::arg("inputs"), py::arg("seconds"),
+           py::arg("step"))
       .def("advance_booked", &CraneMotion::advance_booked, py::arg("state"), py::arg("inputs"), py::arg("seconds"))
       .def("acceleration", &CraneMotion::acceleration, py::arg("state"), py::arg("inputs"))
       .def("holding_force", &CraneMotion::holding_force, py::arg("state"), py::arg("inputs"));

@@ -136,8 +136,8 @@ void bind_report(py::module_& core) {
                                 "What a run says of itself; docs/report.md is the schema of its JSON.")
       .def(py::init<>())
       .def(
-          "set_tasks",
-          [](report::RunReport& run, const report::TaskAccount& account) { run.tasks = account.report(); }, "account"_a)
+          "set_tasks", [](report::RunReport& run, const report::TaskAccount& account) { run.tasks = account.report(); },
+          "account"_a)
       .def("to_json", [](const report::RunReport& run) { return to_json(run); })
       .def("to_text", [](const report::RunReport& run) { return to_text(run); })
       .def_readonly("hash", &report::RunReport::hash);

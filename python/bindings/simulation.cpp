@@ -29,7 +29,8 @@ constexpr double most_seconds = 9e6;  // of 64 bits of picoseconds
 /// \param argument for the message
 report::Time to_time(const char* argument, double seconds) {
   if (!(seconds >= 0 && seconds <= most_seconds))
-    throw py::value_error(fmt::format("{}: {} s is no instant of a run; 0 to {:g} s are", argument, seconds, most_seconds));
+    throw py::value_error(
+        fmt::format("{}: {} s is no instant of a run; 0 to {:g} s are", argument, seconds, most_seconds));
   return report::Time{std::llround(seconds * 1e12)};
 }
 
@@ -39,15 +40,18 @@ bool goes_on(const py::object& returned) {
   try {
     return returned.cast<bool>();
   } catch (const py::cast_error&) {
-    throw py::type_error(fmt::format("on_progress: it returned {}; True, False or None is expected", std::string(py::repr(returned)).substr(0, 60)));
+    throw py::type_error(fmt::format("on_progress: it returned {}; True, False or None is expected",
+                                     std::string(py::repr(returned)).substr(0, 60)));
   }
 }
 
-/// A run as Python holds it: calls from two threads at once are refused, and so is what changes it from inside a callback.
+/// A run as Python holds it: calls from two threads at once are refused, and so is what changes it from inside a
+/// callback.
 class Run {
  public:
   template <class... Arguments>
-  explicit Run(Arguments&&... arguments) : simulation_(std::make_unique<cmrc::Simulation>(std::forward<Arguments>(arguments)...)) {}
+  explicit Run(Arguments&&... arguments)
+      : simulation_(std::make_unique<cmrc::Simulation>(std::forward<Arguments>(arguments)...)) {}
   explicit Run(std::unique_ptr<cmrc::Simulation> simulation) : simulation_(std::move(simulation)) {}
 
   cmrc::Simulation& change(const char* call) {
@@ -70,7 +74,8 @@ class Run {
     const report::Time slice = to_time("slice_s", slice_s);
     if (slice == report::Time{}) throw py::value_error("slice_s: 0 s; a time greater than 0 is expected");
     if (!on_progress.is_none() && PyCallable_Check(on_progress.ptr()) == 0)
-      throw py::type_error("on_progress: " + std::string(py::str(py::type::of(on_progress))) + " cannot be called; a function of (simulated_s, duration_s) or None is expected");
+      throw py::type_error("on_progress: " + std::string(py::str(py::type::of(on_progress))) +
+                           " cannot be called; a function of (simulated_s, duration_s) or None is expected");
     const OneUser::Long use(user_, "run", false);
     // What it raises, be it Ctrl-C that Python has heard in it, interrupts the run.
     std::exception_ptr raised;
@@ -84,8 +89,10 @@ class Run {
       }
     };
     interruptible_without_gil([&] {
-      if (on_progress.is_none()) run_.run({}, slice);
-      else run_.run(between, slice);
+      if (on_progress.is_none())
+        run_.run({}, slice);
+      else
+        run_.run(between, slice);
     });
     if (raised) std::rethrow_exception(raised);
   }
@@ -95,7 +102,9 @@ class Run {
     const report::Time time = to_time("time_s", time_s);
     user_.changes("run_until");
     if (time < run_.time())
-      throw py::value_error(fmt::format("time_s: {:g} s has passed, the run is at {:.9g} s; a later instant is expected", time_s, report::seconds(run_.time())));
+      throw py::value_error(
+          fmt::format("time_s: {:g} s has passed, the run is at {:.9g} s; a later instant is expected", time_s,
+                      report::seconds(run_.time())));
     const OneUser::Long use(user_, "run_until", false);
     constexpr report::Time slice = std::chrono::milliseconds{20};
     interruptible_without_gil([&] {
@@ -117,7 +126,8 @@ class Run {
   OneUser user_{"Simulation"};
 };
 
-/// The plant's time series, one array per signal, units in the names; where the ideal run is there (or null), each joint's and the load's way in it too.
+/// The plant's time series, one array per signal, units in the names; where the ideal run is there (or null), each
+/// joint's and the load's way in it too.
 py::dict signals_of(const plant::Dock& dock, const std::shared_ptr<const cmrc::Reference>& reference) {
   const auto& rows = dock.signals();
   py::dict all;
@@ -137,8 +147,10 @@ py::dict signals_of(const plant::Dock& dock, const std::shared_ptr<const cmrc::R
     column(fmt::format("{}_code", name), [j](const plant::Signal& s) { return s.code[j]; });
     column(fmt::format("{}_saturated", name), [j](const plant::Signal& s) { return std::abs(s.code[j]) >= 2047; });
     if (!reference) continue;
-    column(fmt::format("{}_reference_{}", name, unit), [&, j](const plant::Signal& s) { return reference->course.at(s.time)[j]; });
-    column(fmt::format("{}_error_{}", name, unit), [&, j](const plant::Signal& s) { return cmrc::Course::to_grid(s.q[j]) - reference->course.at(s.time)[j]; });
+    column(fmt::format("{}_reference_{}", name, unit),
+           [&, j](const plant::Signal& s) { return reference->course.at(s.time)[j]; });
+    column(fmt::format("{}_error_{}", name, unit),
+           [&, j](const plant::Signal& s) { return cmrc::Course::to_grid(s.q[j]) - reference->course.at(s.time)[j]; });
   }
   column("sway_alpha_rad", [](const plant::Signal& s) { return s.alpha; });
   column("sway_beta_rad", [](const plant::Signal& s) { return s.beta; });
@@ -147,7 +159,8 @@ py::dict signals_of(const plant::Dock& dock, const std::shared_ptr<const cmrc::R
     column(fmt::format("tip_{}_m", axes[i]), [i](const plant::Signal& s) { return s.tip[i]; });
     column(fmt::format("payload_{}_m", axes[i]), [i](const plant::Signal& s) { return s.payload[i]; });
     if (!reference) continue;
-    column(fmt::format("payload_reference_{}_m", axes[i]), [&, i](const plant::Signal& s) { return reference->course.at(s.time)[plant::joint_count + i]; });
+    column(fmt::format("payload_reference_{}_m", axes[i]),
+           [&, i](const plant::Signal& s) { return reference->course.at(s.time)[plant::joint_count + i]; });
   }
   column("payload_yaw_rad", [](const plant::Signal& s) { return s.yaw; });
   column("tension_N", [](const plant::Signal& s) { return s.tension; });
@@ -194,7 +207,8 @@ void bind_dsp(py::module_& m) {
 
 DspOf dsp_of(const std::shared_ptr<Run>& run, std::int64_t slot) {
   const std::int64_t slots = run->read("dsp").machine().slots();
-  if (slot < 0 || slot >= slots) throw py::index_error(fmt::format("there is no slot {}; the slots are 0 to {}", slot, slots - 1));
+  if (slot < 0 || slot >= slots)
+    throw py::index_error(fmt::format("there is no slot {}; the slots are 0 to {}", slot, slots - 1));
   return {run, static_cast<unsigned>(slot)};
 }
 
@@ -203,63 +217,106 @@ DspOf dsp_of(const std::shared_ptr<Run>& run, std::int64_t slot) {
 void bind_simulation(py::module_& m) {
   using cmrc::Simulation;
   bind_dsp(m);
-  py::class_<cmrc::Reference, std::shared_ptr<cmrc::Reference>>(m, "Reference", "An ideal run, for the runs that are measured against it.")
+  py::class_<cmrc::Reference, std::shared_ptr<cmrc::Reference>>(
+      m, "Reference", "An ideal run, for the runs that are measured against it.")
       .def_readonly("elapsed_s", &cmrc::Reference::elapsed_s);
   py::class_<cmrc::Snapshot>(m, "Snapshot", "A run at an instant; opaque.")
       .def_property_readonly("time_s", [](const cmrc::Snapshot& s) { return report::seconds(s.time()); })
       .def_property_readonly("configuration", &cmrc::Snapshot::configuration)
       .def_property_readonly("state", [](const cmrc::Snapshot& s) { return py::bytes(s.state()); })
       .def("to_bytes", [](const cmrc::Snapshot& s) { return py::bytes(s.to_bytes()); })
-      .def_static("from_bytes", [](const py::bytes& bytes) { return cmrc::Snapshot::from_bytes(std::string_view(bytes)); }, py::arg("bytes"))
+      .def_static(
+          "from_bytes", [](const py::bytes& bytes) { return cmrc::Snapshot::from_bytes(std::string_view(bytes)); },
+          py::arg("bytes"))
       .def(py::pickle([](const cmrc::Snapshot& s) { return py::bytes(s.to_bytes()); },
                       [](const py::bytes& bytes) { return cmrc::Snapshot::from_bytes(std::string_view(bytes)); }));
   py::class_<Run, std::shared_ptr<Run>>(m, "Simulation", "One run, used by one thread at a time. Times in seconds.")
       .def(py::init<const cmrc::Config&>(), py::arg("config"))
-      .def(py::init<const cmrc::Config&, std::shared_ptr<const cmrc::Reference>>(), py::arg("config"), py::arg("reference"))
-      .def("reference", [](Run& r) { return r.waiting("reference", [](const Simulation& s) { return s.reference(); }); },
-           "The ideal run that this run was measured against; None while the run is not over, and where there is none.")
+      .def(py::init<const cmrc::Config&, std::shared_ptr<const cmrc::Reference>>(), py::arg("config"),
+           py::arg("reference"))
+      .def(
+          "reference", [](Run& r) { return r.waiting("reference", [](const Simulation& s) { return s.reference(); }); },
+          "The ideal run that this run was measured against; None while the run is not over, and where there is none.")
       .def("run", &Run::run, py::arg("on_progress") = py::none(), py::arg("slice_s") = 0.02,
-           "Runs to the end; on_progress(simulated_s, duration_s) may return False to stop. Ctrl-C stops cleanly and raises KeyboardInterrupt.")
+           "Runs to the end; on_progress(simulated_s, duration_s) may return False to stop. Ctrl-C stops cleanly and "
+           "raises KeyboardInterrupt.")
       .def("run_until", &Run::run_until, py::arg("time_s"))
-      .def("debug", [](const std::shared_ptr<Run>& run) {
-        return std::make_unique<PythonDebugger>(run, std::make_unique<cmrc::DockDebuggee>(run->change("debug")));
-      })
+      .def("debug",
+           [](const std::shared_ptr<Run>& run) {
+             return std::make_unique<PythonDebugger>(run, std::make_unique<cmrc::DockDebuggee>(run->change("debug")));
+           })
       .def("snapshot", [](Run& r) { return r.moment("snapshot", [](Simulation& s) { return s.snapshot(); }); })
-      .def("restore", [](Run& r, const cmrc::Snapshot& snapshot) { r.moment("restore", [&](Simulation& s) { s.restore(snapshot); }); }, py::arg("snapshot"))
+      .def(
+          "restore",
+          [](Run& r, const cmrc::Snapshot& snapshot) {
+            r.moment("restore", [&](Simulation& s) { s.restore(snapshot); });
+          },
+          py::arg("snapshot"))
       .def("_state", [](Run& r) { return state_bytes(r.change("_state")); })
-      .def("_load_state", [](Run& r, const py::bytes& bytes) { load_state(r.change("_load_state"), bytes); }, py::arg("state"))
+      .def(
+          "_load_state", [](Run& r, const py::bytes& bytes) { load_state(r.change("_load_state"), bytes); },
+          py::arg("state"))
       .def("_state_leaves", [](Run& r) { return state_leaves(r.change("_state_leaves")); })
-      .def("_state_difference", [](Run& r, const Run& other) { return r.change("_state_difference").difference(other.read("_state_difference")); }, py::arg("other"))
-      .def("fork", [](Run& r) { return std::make_shared<Run>(r.moment("fork", [](Simulation& s) { return s.fork(); })); })
-      .def("difference", [](Run& r, const Run& other) {
-        return r.moment("difference", [&](Simulation& s) { return s.difference(other.read("difference")); });
-      }, py::arg("other"), "The first value in which the states of two runs differ, as text; None: they are alike.")
-      .def("at", [](Run& r, const py::dict& fields) { r.change("at").at(event_of(fields)); }, py::arg("fields"),
-           "A timed event: at_s, action and its fields (docs/configuration.md, [[events]]).")
+      .def(
+          "_state_difference",
+          [](Run& r, const Run& other) {
+            return r.change("_state_difference").difference(other.read("_state_difference"));
+          },
+          py::arg("other"))
+      .def("fork",
+           [](Run& r) { return std::make_shared<Run>(r.moment("fork", [](Simulation& s) { return s.fork(); })); })
+      .def(
+          "difference",
+          [](Run& r, const Run& other) {
+            return r.moment("difference", [&](Simulation& s) { return s.difference(other.read("difference")); });
+          },
+          py::arg("other"), "The first value in which the states of two runs differ, as text; None: they are alike.")
+      .def(
+          "at", [](Run& r, const py::dict& fields) { r.change("at").at(event_of(fields)); }, py::arg("fields"),
+          "A timed event: at_s, action and its fields (docs/configuration.md, [[events]]).")
       // A Dsp owns its run; pybind11 3.1's keep_alive<0, 1> crashes when an argument has a wrong type.
       .def("dsp", &dsp_of, py::arg("slot"))
       .def_property_readonly("program", [](const Run& r) { return r.read("program").image(); })
-      .def("peek", [](const Run& r, std::uint32_t offset) { return r.read("peek").machine().peek(offset); }, "A word of shared memory.")
+      .def(
+          "peek", [](const Run& r, std::uint32_t offset) { return r.read("peek").machine().peek(offset); },
+          "A word of shared memory.")
       .def("symbol", [](const Run& r, const std::string& name) { return r.read("symbol").machine().symbol(name); })
       .def_property_readonly("time_s", [](const Run& r) { return report::seconds(r.read("time_s").time()); })
       .def_property_readonly("ended", [](const Run& r) { return r.read("ended").ended(); })
-      .def_property_readonly("exit_status", [](Run& r) { return r.waiting("exit_status", [](const Simulation& s) { return s.exit_status(); }); })
-      .def("report_json", [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_json(s.report()); }); })
-      .def("report_so_far_json", [](Run& r) { return report::to_json(r.moment("report_so_far", [](Simulation& s) { return s.report_so_far(); })); },
-           "The report of a run that does not go on.")
-      .def("report_text", [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_text(s.report()); }); })
+      .def_property_readonly(
+          "exit_status",
+          [](Run& r) { return r.waiting("exit_status", [](const Simulation& s) { return s.exit_status(); }); })
+      .def("report_json",
+           [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_json(s.report()); }); })
+      .def(
+          "report_so_far_json",
+          [](Run& r) {
+            return report::to_json(r.moment("report_so_far", [](Simulation& s) { return s.report_so_far(); }));
+          },
+          "The report of a run that does not go on.")
+      .def("report_text",
+           [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_text(s.report()); }); })
       .def("tasks_json", [](const Run& r) { return report::tasks_to_json(r.read("tasks").tasks()); })
-      .def("profile", [](Run& r) { r.change("profile").profile(); }, "Counts where the DSPs' cycles go; before the run.")
-      .def("profile_json", [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_json(s.profile_report()); }); })
-      .def("profile_text", [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_text(s.profile_report()); }); })
-      .def("signals", [](Run& r) {
-        const auto reference = r.waiting("result", [](const Simulation& s) { return s.reference(); });
-        return signals_of(r.read("result").dock(), reference);
-      })
+      .def(
+          "profile", [](Run& r) { r.change("profile").profile(); }, "Counts where the DSPs' cycles go; before the run.")
+      .def("profile_json",
+           [](Run& r) {
+             return r.waiting("result", [](const Simulation& s) { return report::to_json(s.profile_report()); });
+           })
+      .def("profile_text",
+           [](Run& r) {
+             return r.waiting("result", [](const Simulation& s) { return report::to_text(s.profile_report()); });
+           })
+      .def("signals",
+           [](Run& r) {
+             const auto reference = r.waiting("result", [](const Simulation& s) { return s.reference(); });
+             return signals_of(r.read("result").dock(), reference);
+           })
       .def("dock_events", [](const Run& r) {
         py::list all;
         for (const plant::Event& event : r.read("dock_events").dock().events()) {
-          all.append(py::make_tuple(report::seconds(event.time), plant::name(event.kind), event.index, event.values[0], event.values[1]));
+          all.append(py::make_tuple(report::seconds(event.time), plant::name(event.kind), event.index, event.values[0],
+                                    event.values[1]));
         }
         return all;
       });

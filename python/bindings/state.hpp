@@ -14,7 +14,8 @@ pybind11::bytes state_bytes(const T& object) {
 }
 
 inline pybind11::value_error no_state(std::string_view text, const state::StateError& error) {
-  return pybind11::value_error("these " + std::to_string(text.size()) + " bytes are no snapshot of this version: " + error.what());
+  return pybind11::value_error("these " + std::to_string(text.size()) +
+                               " bytes are no snapshot of this version: " + error.what());
 }
 
 // ValueError, if this is no state of it; the object is then in no usable state.
@@ -53,7 +54,8 @@ pybind11::list state_leaves(const T& object) {
   return all;
 }
 
-// `class_` gets _state, _load_state, _state_leaves, and _state_difference(other): the first value that differs, or None.
+// `class_` gets _state, _load_state, _state_leaves, and _state_difference(other): the first value that differs, or
+// None.
 template <class T, class Class>
 void bind_state(Class& class_) {
   class_.def("_state", &state_bytes<T>)

@@ -138,12 +138,14 @@ void bind_toolchain(py::module_& core) {
       [](const std::string& text, const std::string& name, std::vector<std::filesystem::path> include_dirs,
          std::map<std::string, toolchain::Word> symbols, const std::map<std::string, toolchain::Address>& sections,
          std::string entry, const std::optional<std::string>& dialect) {
-        const auto options = make_options(std::move(include_dirs), std::move(symbols), sections, std::move(entry), dialect);
+        const auto options =
+            make_options(std::move(include_dirs), std::move(symbols), sections, std::move(entry), dialect);
         return interruptible_without_gil([&] { return toolchain::assemble_text(text, name, options); });
       },
       py::arg("text"), py::arg("name") = "<text>", py::arg("include_dirs") = std::vector<std::filesystem::path>(),
       py::arg("symbols") = std::map<std::string, toolchain::Word>(),
-      py::arg("sections") = std::map<std::string, toolchain::Address>(), py::arg("entry") = "", py::arg("dialect") = py::none(),
+      py::arg("sections") = std::map<std::string, toolchain::Address>(), py::arg("entry") = "",
+      py::arg("dialect") = py::none(),
       "Assembles a text (docs/assembler.md). Raises AssemblyError with all errors; its `diagnostics` is a list of "
       "dicts.");
   m.def(
@@ -151,16 +153,18 @@ void bind_toolchain(py::module_& core) {
       [](const std::filesystem::path& path, std::vector<std::filesystem::path> include_dirs,
          std::map<std::string, toolchain::Word> symbols, const std::map<std::string, toolchain::Address>& sections,
          std::string entry, const std::optional<std::string>& dialect) {
-        const auto options = make_options(std::move(include_dirs), std::move(symbols), sections, std::move(entry), dialect);
+        const auto options =
+            make_options(std::move(include_dirs), std::move(symbols), sections, std::move(entry), dialect);
         return interruptible_without_gil([&] { return toolchain::assemble_file(path, options); });
       },
       py::arg("path"), py::arg("include_dirs") = std::vector<std::filesystem::path>(),
       py::arg("symbols") = std::map<std::string, toolchain::Word>(),
-      py::arg("sections") = std::map<std::string, toolchain::Address>(), py::arg("entry") = "", py::arg("dialect") = py::none(),
-      "Assembles a file. Raises AssemblyError with all errors.");
+      py::arg("sections") = std::map<std::string, toolchain::Address>(), py::arg("entry") = "",
+      py::arg("dialect") = py::none(), "Assembles a file. Raises AssemblyError with all errors.");
   m.def(
       "assemble_object",
-      [](const std::string& text, const std::string& name, std::vector<std::filesystem::path> include_dirs, const std::optional<std::string>& dialect) {
+      [](const std::string& text, const std::string& name, std::vector<std::filesystem::path> include_dirs,
+         const std::optional<std::string>& dialect) {
         const auto options = make_options(std::move(include_dirs), {}, {}, {}, dialect);
         return interruptible_without_gil([&] { return toolchain::assemble_object_text(text, name, options).object; });
       },

@@ -38,11 +38,14 @@ void bind_trace(py::module_& core) {
   room.attr("event_header") = std::string(report::event_trace_header);
   room.attr("instruction_header") = std::string(report::instruction_trace_header);
   room.attr("labelled_header") = std::string(report::labelled_trace_header);
-  py::class_<machine::Labels>(room, "Labels", "What a program calls things, for traces that stay the same when it moves.")
+  py::class_<machine::Labels>(room, "Labels",
+                              "What a program calls things, for traces that stay the same when it moves.")
       .def(py::init(&machine::Labels::of_program), py::arg("image"))
-      .def_static("of_dock", &machine::Labels::of_dock, py::arg("image"), "Of the image of the dock's DSPs: also RAM on chip and the windows.")
-      .def("name", [](const machine::Labels& labels, c40::Address address) { return labels.names.text(address); }, py::arg("address"),
-           "Label and offset; eight hexadecimal digits where nothing has a name.");
+      .def_static("of_dock", &machine::Labels::of_dock, py::arg("image"),
+                  "Of the image of the dock's DSPs: also RAM on chip and the windows.")
+      .def(
+          "name", [](const machine::Labels& labels, c40::Address address) { return labels.names.text(address); },
+          py::arg("address"), "Label and offset; eight hexadecimal digits where nothing has a name.");
   room.def("line", &trace_line, py::arg("record"), py::arg("slot") = 0, py::arg("labels") = nullptr,
            "The line of an instruction, from a record of c40.Processor.trace().");
 }

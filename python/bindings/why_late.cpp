@@ -17,16 +17,26 @@ using report::Time;
 /// The ledger with times in picoseconds, a clock of 1 THz (a cycle is a picosecond), and causes "execute" and "bus".
 class Scene {
  public:
-  explicit Scene(std::size_t kept) : ledger_({.causes = {"execute", "bus"}, .booked = {}, .booked_as = {}, .servo_period = {}, .user_tasks = {},
-                                              .chip_clock = machine::Clock(1'000'000'000'000), .misses_kept = kept}) {}
+  explicit Scene(std::size_t kept)
+      : ledger_({.causes = {"execute", "bus"},
+                 .booked = {},
+                 .booked_as = {},
+                 .servo_period = {},
+                 .user_tasks = {},
+                 .chip_clock = machine::Clock(1'000'000'000'000),
+                 .misses_kept = kept}) {}
 
-  void release(std::size_t block, const std::string& kind, std::int64_t released, std::optional<std::int64_t> deadline, std::uint32_t robot) {
-    ledger_.release(block, index_of(kind), Time{released}, deadline ? std::optional(Time{*deadline}) : std::nullopt, std::nullopt, robot);
+  void release(std::size_t block, const std::string& kind, std::int64_t released, std::optional<std::int64_t> deadline,
+               std::uint32_t robot) {
+    ledger_.release(block, index_of(kind), Time{released}, deadline ? std::optional(Time{*deadline}) : std::nullopt,
+                    std::nullopt, robot);
   }
-  void skipped(const std::string& kind, std::int64_t released, std::int64_t deadline, std::int64_t tick, std::int64_t found) {
+  void skipped(const std::string& kind, std::int64_t released, std::int64_t deadline, std::int64_t tick,
+               std::int64_t found) {
     ledger_.skipped(index_of(kind), Time{released}, Time{deadline}, tick, Time{found});
   }
-  void refresh(std::int64_t began, std::int64_t wanted, std::int64_t held, std::int64_t freed, const std::vector<std::size_t>& offered) {
+  void refresh(std::int64_t began, std::int64_t wanted, std::int64_t held, std::int64_t freed,
+               const std::vector<std::size_t>& offered) {
     ledger_.refresh_began(Time{began});
     ledger_.list_wanted(Time{wanted});
     ledger_.list_held(Time{held});
@@ -43,14 +53,19 @@ class Scene {
   void bus(unsigned slot, bool a, std::int64_t from, std::int64_t to) {
     ledger_.timeline().window(slot, a ? machine::Window::a : machine::Window::b, Time{from}, Time{to});
   }
-  void claimed(std::size_t block, unsigned slot, std::int64_t at, const std::vector<std::int64_t>& causes) { ledger_.claimed(block, slot, Time{at}, causes); }
-  void finished(std::size_t block, unsigned slot, std::int64_t at, const std::vector<std::int64_t>& causes) { ledger_.finished(block, slot, Time{at}, causes); }
+  void claimed(std::size_t block, unsigned slot, std::int64_t at, const std::vector<std::int64_t>& causes) {
+    ledger_.claimed(block, slot, Time{at}, causes);
+  }
+  void finished(std::size_t block, unsigned slot, std::int64_t at, const std::vector<std::int64_t>& causes) {
+    ledger_.finished(block, slot, Time{at}, causes);
+  }
   void put_back(std::size_t block, std::int64_t at) { ledger_.put_back(block, Time{at}); }
   void dropped(std::size_t block, std::int64_t at) { ledger_.dropped(block, Time{at}); }
   void removed(std::size_t block) { ledger_.removed(block); }
   void slot_failed(unsigned slot, std::int64_t at) { ledger_.slot_failed(slot, Time{at}); }
   std::string report_json(std::int64_t now, const std::vector<std::vector<std::int64_t>>& causes) const {
-    cmrc::Ledger::Told told = ledger_.tell(Time{now}, [&](unsigned slot) { return slot < causes.size() ? causes[slot] : cmrc::CauseTimes{}; });
+    cmrc::Ledger::Told told = ledger_.tell(
+        Time{now}, [&](unsigned slot) { return slot < causes.size() ? causes[slot] : cmrc::CauseTimes{}; });
     report::RunReport run;
     run.tasks = std::move(told.tasks);
     run.missed = std::move(told.misses);
@@ -71,14 +86,17 @@ class Scene {
 
 using Grid = std::optional<std::vector<double>>;
 
-std::pair<std::string, std::string> limits(const cmrc::Config& config, const Grid& cycles, const Grid& dsps, const Grid& servo, bool errors, const py::object& on_progress) {
-  cmrc::LimitGrids grids{cycles.value_or(std::vector<double>{}), dsps.value_or(std::vector<double>{}), servo.value_or(std::vector<double>{})};
+std::pair<std::string, std::string> limits(const cmrc::Config& config, const Grid& cycles, const Grid& dsps,
+                                           const Grid& servo, bool errors, const py::object& on_progress) {
+  cmrc::LimitGrids grids{cycles.value_or(std::vector<double>{}), dsps.value_or(std::vector<double>{}),
+                         servo.value_or(std::vector<double>{})};
   if (!cycles && !dsps && !servo) grids = cmrc::LimitGrids::standard(config);
   const auto progress = [&](std::size_t done, std::size_t points) {
     const py::gil_scoped_acquire gil;
     if (!on_progress.is_none()) on_progress(done, points);
   };
-  const report::Limits found = interruptible_without_gil([&] { return cmrc::find_limits(config, grids, errors, progress); });
+  const report::Limits found =
+      interruptible_without_gil([&] { return cmrc::find_limits(config, grids, errors, progress); });
   return {to_text(found), to_json(found)};
 }
 
@@ -87,22 +105,31 @@ std::pair<std::string, std::string> limits(const cmrc::Config& config, const Gri
 void bind_why_late(py::module_& core) {
   using namespace py::literals;
   py::module_ m = core.def_submodule("why_late", "Chains of causes, limits, and what a miss costs (docs/report.md).");
-  m.def("limits", &limits, "config"_a, "cycles"_a, "dsps"_a, "servo"_a, "errors"_a, "on_progress"_a, "Text and JSON of a scan; all grids None: the standard ones.");
-  m.def("scan_outcome", [](const std::vector<std::pair<double, std::optional<bool>>>& points, bool more_is_harder) {
-    report::LimitScan scan;
-    scan.more_is_harder = more_is_harder;
-    for (const auto& [value, passed] : points) {
-      report::LimitPoint& point = scan.points.emplace_back();
-      point.value = value;
-      point.ran = passed.has_value();
-      point.passed = passed.value_or(false);
-    }
-    return std::pair(scan.limit(), scan.beyond());
-  }, "points"_a, "more_is_harder"_a, "Limit of a scan, and what passes beyond a miss. A point that passed None has not been run.");
-  m.def("compare", [](const cmrc::Config& config) {
-    const report::Comparison comparison = interruptible_without_gil([&] { return cmrc::compare_with_ideal(config); });
-    return std::pair(to_text(comparison), to_json(comparison));
-  }, "config"_a, "Text and JSON of a run beside its ideal.");
+  m.def("limits", &limits, "config"_a, "cycles"_a, "dsps"_a, "servo"_a, "errors"_a, "on_progress"_a,
+        "Text and JSON of a scan; all grids None: the standard ones.");
+  m.def(
+      "scan_outcome",
+      [](const std::vector<std::pair<double, std::optional<bool>>>& points, bool more_is_harder) {
+        report::LimitScan scan;
+        scan.more_is_harder = more_is_harder;
+        for (const auto& [value, passed] : points) {
+          report::LimitPoint& point = scan.points.emplace_back();
+          point.value = value;
+          point.ran = passed.has_value();
+          point.passed = passed.value_or(false);
+        }
+        return std::pair(scan.limit(), scan.beyond());
+      },
+      "points"_a, "more_is_harder"_a,
+      "Limit of a scan, and what passes beyond a miss. A point that passed None has not been run.");
+  m.def(
+      "compare",
+      [](const cmrc::Config& config) {
+        const report::Comparison comparison =
+            interruptible_without_gil([&] { return cmrc::compare_with_ideal(config); });
+        return std::pair(to_text(comparison), to_json(comparison));
+      },
+      "config"_a, "Text and JSON of a run beside its ideal.");
   py::class_<Scene>(m, "Scene", "A ledger whose events are told by hand; picoseconds.")
       .def(py::init<std::size_t>(), "kept"_a = 1000)
       .def("release", &Scene::release, "block"_a, "kind"_a, "released"_a, "deadline"_a = py::none(), "robot"_a = 0)

@@ -32,19 +32,20 @@ constexpr std::uint8_t ar0 = 8, ir0 = 17, block_size = 19;
 
 /// The instruction for an operation: OP3 R2,R1,R0 or OP R1,R0; for address updates NOP *AR0..(IR0).. .
 Word instruction(const std::string& name, std::uint32_t selector) {
-  static const std::map<std::string, Word> three{
-      {"addc", 0}, {"addf", 1}, {"addi", 2}, {"and", 3}, {"andn", 4}, {"ash", 5}, {"cmpf", 6}, {"cmpi", 7}, {"lsh", 8},
-      {"mpyf", 9}, {"mpyi", 10}, {"or", 11}, {"subb", 12}, {"subf", 13}, {"subi", 14}, {"tstb", 15}, {"xor", 16},
-      {"mpyshi", 17}, {"mpyuhi", 18}};
+  static const std::map<std::string, Word> three{{"addc", 0},  {"addf", 1}, {"addi", 2},    {"and", 3},    {"andn", 4},
+                                                 {"ash", 5},   {"cmpf", 6}, {"cmpi", 7},    {"lsh", 8},    {"mpyf", 9},
+                                                 {"mpyi", 10}, {"or", 11},  {"subb", 12},   {"subf", 13},  {"subi", 14},
+                                                 {"tstb", 15}, {"xor", 16}, {"mpyshi", 17}, {"mpyuhi", 18}};
   static const std::map<std::string, Word> two{
-      {"absf", 0x00000001}, {"absi", 0x00800001}, {"fix", 0x05000001}, {"float", 0x05800001}, {"lde", 0x06800001},
-      {"ldf", 0x07000001}, {"ldm", 0x09000001}, {"negb", 0x0B000001}, {"negf", 0x0B800001}, {"negi", 0x0C000001},
-      {"norm", 0x0D000001}, {"not", 0x0D800001}, {"rnd", 0x11000001}, {"rol", 0x11E00001}, {"rolc", 0x12600001},
-      {"ror", 0x12E0FFFF}, {"rorc", 0x1360FFFF}, {"subc", 0x17000001}, {"subrb", 0x18800001}, {"subrf", 0x19000001},
-      {"subri", 0x19800001}, {"toieee", 0x1B800001}, {"frieee", 0x1C200000}, {"rsqrf", 0x1C800001}, {"rcpf", 0x1D000001},
-      {"circular_up", 0x0CC07000}, {"circular_down", 0x0CC07800}, {"bit_reversed", 0x0CC0C800},
-      {"lb", 0xB0000001}, {"lbu", 0xB2000001}, {"lwl", 0xB4000001}, {"lwr", 0xB6000001}, {"mb", 0xB8000001},
-      {"lh", 0xBA000001}, {"lhu", 0xBB000001}, {"mh", 0xBC000001}};
+      {"absf", 0x00000001},  {"absi", 0x00800001},        {"fix", 0x05000001},           {"float", 0x05800001},
+      {"lde", 0x06800001},   {"ldf", 0x07000001},         {"ldm", 0x09000001},           {"negb", 0x0B000001},
+      {"negf", 0x0B800001},  {"negi", 0x0C000001},        {"norm", 0x0D000001},          {"not", 0x0D800001},
+      {"rnd", 0x11000001},   {"rol", 0x11E00001},         {"rolc", 0x12600001},          {"ror", 0x12E0FFFF},
+      {"rorc", 0x1360FFFF},  {"subc", 0x17000001},        {"subrb", 0x18800001},         {"subrf", 0x19000001},
+      {"subri", 0x19800001}, {"toieee", 0x1B800001},      {"frieee", 0x1C200000},        {"rsqrf", 0x1C800001},
+      {"rcpf", 0x1D000001},  {"circular_up", 0x0CC07000}, {"circular_down", 0x0CC07800}, {"bit_reversed", 0x0CC0C800},
+      {"lb", 0xB0000001},    {"lbu", 0xB2000001},         {"lwl", 0xB4000001},           {"lwr", 0xB6000001},
+      {"mb", 0xB8000001},    {"lh", 0xBA000001},          {"lhu", 0xBB000001},           {"mh", 0xBC000001}};
   if (const auto found = three.find(name); found != three.end()) return 0x20000102u | found->second << 23;
   const Word condition = selector < 11 ? selector : selector + 1;  // 11 is reserved
   if (name == "ldfcond") return 0x40000001u | condition << 23;
@@ -119,7 +120,8 @@ std::uint64_t compare(const Operation& operation, const Options& options) {
   for (std::uint64_t i = 0; i < options.cases; ++i) {
     const Case c = cases.next();
     const Result expected = operation.run(c), actual = emulated.run(c);
-    if (expected == actual) [[likely]] continue;
+    if (expected == actual) [[likely]]
+      continue;
     if (differing++ >= most_shown) continue;
     const std::lock_guard lock(printing);
     fmt::print("{}: the emulator gives {}; the reference {}\n", operation.name, show(c, actual), show(c, expected));
@@ -149,7 +151,8 @@ void emit(const Operation& operation, const Options& options) {
 std::vector<const Operation*> chosen(const std::vector<std::string>& names) {
   std::vector<const Operation*> out;
   for (const Operation& operation : reference::operations())
-    if (names.empty() || std::find(names.begin(), names.end(), operation.name) != names.end()) out.push_back(&operation);
+    if (names.empty() || std::find(names.begin(), names.end(), operation.name) != names.end())
+      out.push_back(&operation);
   return out;
 }
 
@@ -158,11 +161,16 @@ Options read(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     const auto number = [&] { return i + 1 < argc ? std::stoull(argv[++i]) : 0; };
-    if (argument == "--cases") options.cases = number();
-    else if (argument == "--seed") options.seed = number();
-    else if (argument == "--jobs") options.jobs = std::max(1u, static_cast<unsigned>(number()));
-    else if (argument == "--emit") options.emit = true;
-    else options.names.push_back(argument);
+    if (argument == "--cases")
+      options.cases = number();
+    else if (argument == "--seed")
+      options.seed = number();
+    else if (argument == "--jobs")
+      options.jobs = std::max(1u, static_cast<unsigned>(number()));
+    else if (argument == "--emit")
+      options.emit = true;
+    else
+      options.names.push_back(argument);
   }
   return options;
 }
@@ -172,8 +180,11 @@ Options read(int argc, char** argv) {
 int main(int argc, char** argv) {
   const Options options = read(argc, argv);
   const std::vector<const Operation*> operations = chosen(options.names);
-  if (operations.size() < options.names.size() || operations.empty() || options.cases == 0 || (options.emit && operations.size() != 1)) {
-    fmt::print(stderr, "usage: arithmetic_campaign [--cases N] [--seed S] [--jobs J] [OPERATION...] | --emit OPERATION\noperations:");
+  if (operations.size() < options.names.size() || operations.empty() || options.cases == 0 ||
+      (options.emit && operations.size() != 1)) {
+    fmt::print(
+        stderr,
+        "usage: arithmetic_campaign [--cases N] [--seed S] [--jobs J] [OPERATION...] | --emit OPERATION\noperations:");
     for (const Operation& operation : reference::operations()) fmt::print(stderr, " {}", operation.name);
     fmt::print(stderr, "\n");
     return 2;

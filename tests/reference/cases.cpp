@@ -9,7 +9,7 @@ namespace {
 using u32 = std::uint32_t;
 using u64 = std::uint64_t;
 
-constexpr std::array exponents{-128, -127, -126, -125, -33, -32, -31, -2, -1, 0,  1,
+constexpr std::array exponents{-128, -127, -126, -125, -33, -32, -31, -2,  -1,  0,  1,
                                22,   23,   24,   29,   30,  31,  32,  125, 126, 127};
 constexpr std::array<u32, 23> mantissas{0,          1,          0x7F,       0x80,       0x81,       0xFF,
                                         0x100,      0x3FFFFFFF, 0x40000000, 0x7FFFFF00, 0x7FFFFF7F, 0x7FFFFF80,
@@ -53,7 +53,8 @@ u64 Cases::edge_count() const {
 u64 Cases::edge_pairs() const { return operation_.operands == Operands::address ? 0 : edge_count() * edge_count(); }
 
 u64 Cases::edge(u64 number) const {
-  if (operation_.operands == Operands::floats) return pack(exponents[number / mantissas.size()], mantissas[number % mantissas.size()]);
+  if (operation_.operands == Operands::floats)
+    return pack(exponents[number / mantissas.size()], mantissas[number % mantissas.size()]);
   return edge_words()[number];
 }
 
@@ -61,8 +62,12 @@ u32 Cases::any_mantissa() {
   const u64 bits = random();
   const auto word = static_cast<u32>(bits);
   switch (bits >> 60) {
-    case 0: case 1: case 2: case 3: return mantissas[below(mantissas.size())];
-    case 4: case 5: return mantissas[below(mantissas.size())] + (word & 7) - 4;
+    case 0:
+    case 1:
+    case 2:
+    case 3: return mantissas[below(mantissas.size())];
+    case 4:
+    case 5: return mantissas[below(mantissas.size())] + (word & 7) - 4;
     case 6: return (word & 0x80000000u) ^ (word & 0x7FFFFFFFu) >> (bits >> 32 & 31);
     default: return word;
   }
@@ -72,8 +77,11 @@ u64 Cases::any_float() {
   const u64 bits = random();
   switch (bits >> 61) {
     case 0: return edge(below(static_cast<u32>(edge_count())));
-    case 1: case 2: return pack(exponents[below(exponents.size())] + static_cast<int>(below(3)) - 1, any_mantissa());
-    case 3: case 4: case 5: return pack(static_cast<int>(below(73)) - 36, any_mantissa());
+    case 1:
+    case 2: return pack(exponents[below(exponents.size())] + static_cast<int>(below(3)) - 1, any_mantissa());
+    case 3:
+    case 4:
+    case 5: return pack(static_cast<int>(below(73)) - 36, any_mantissa());
     default: return pack(static_cast<int>(below(256)) - 128, any_mantissa());
   }
 }
@@ -98,7 +106,8 @@ u64 Cases::any_word() {
   // The exponent byte, which integer operations keep.
   const u64 top = (bits >> 32 & 0xFF) << 32;
   switch (bits >> 61) {
-    case 0: case 1: return top | edge_words()[below(static_cast<u32>(edge_words().size()))];
+    case 0:
+    case 1: return top | edge_words()[below(static_cast<u32>(edge_words().size()))];
     case 2: return top | word >> below(32);
     case 3: return top | (0u - (word >> below(32)));
     default: return top | word;

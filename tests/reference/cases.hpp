@@ -1,6 +1,6 @@
 #pragma once
-// The cases of a campaign: every other one pairs two edge operands until all pairs have been; the others are random, near
-// edges, near each other, and anywhere.
+// The cases of a campaign: every other one pairs two edge operands until all pairs have been; the others are random,
+// near edges, near each other, and anywhere.
 #include <cstdint>
 
 #include "reference.hpp"

@@ -37,7 +37,8 @@ Rounded settle(int e, Wide m) {
   if (e > 127) return {(u64{127} << 32) | (negative ? 0x80000000u : 0x7FFFFFFFu), true, false, negative, false};
   if (e < -127) return {zero_bits, false, false, negative, true};
   const u64 fraction = static_cast<u64>(m - (negative ? -two_to_32 : two_to_31));
-  return {static_cast<u64>(e & 0xFF) << 32 | (negative ? u64{0x80000000u} : 0u) | fraction, false, false, negative, false};
+  return {static_cast<u64>(e & 0xFF) << 32 | (negative ? u64{0x80000000u} : 0u) | fraction, false, false, negative,
+          false};
 }
 
 Result float_result(const Case& c, const Rounded& r) { return {r.bits, with(c.status, r.v, r.z, r.n, r.uf)}; }
@@ -96,7 +97,8 @@ Result fix(const Case& c) {
   const Number x = unpack(c.a);
   // 30 places to the left at most, before the integer part saturates.
   const bool saturates = x.e > 30;
-  const i64 whole = saturates ? (x.m < 0 ? -(i64{1} << 31) : (i64{1} << 31) - 1) : static_cast<i64>(floor_shift(x.m, 31 - x.e));
+  const i64 whole =
+      saturates ? (x.m < 0 ? -(i64{1} << 31) : (i64{1} << 31) - 1) : static_cast<i64>(floor_shift(x.m, 31 - x.e));
   return {high(c.d) | low(static_cast<u64>(whole)), with(c.status, saturates, whole == 0, whole < 0, false)};
 }
 
@@ -145,7 +147,8 @@ struct Seeds {
       const u64 middle = 513 + 2 * i;  // of 512
       reciprocal[i] = largest([&](u64 v) { return (2 * v - 1) * middle <= 2 * 512 * 512; });
       for (u32 p = 0; p < 2; ++p)
-        root[p][i] = largest([&](u64 v) { return (2 * v - 1) * (2 * v - 1) * (middle << p) <= u64{4} * 512 * 512 * 512; });
+        root[p][i] =
+            largest([&](u64 v) { return (2 * v - 1) * (2 * v - 1) * (middle << p) <= u64{4} * 512 * 512 * 512; });
     }
   }
   /// The greatest v with v - 1/2 not above the value that the test compares it with.
@@ -173,7 +176,9 @@ Magnitude magnitude_of(Number x) {
   return {x.e, static_cast<u32>(m - two_to_31)};
 }
 
-Result saturated_seed(const Case& c) { return {u64{0x7F} << 32 | 0x7FFFFFFFu, with(c.status, true, false, false, false)}; }
+Result saturated_seed(const Case& c) {
+  return {u64{0x7F} << 32 | 0x7FFFFFFFu, with(c.status, true, false, false, false)};
+}
 
 Result rcpf(const Case& c) {
   const Number x = unpack(c.a);
@@ -189,7 +194,8 @@ Result rsqrf(const Case& c) {
   const Magnitude y = magnitude_of(x);
   const int p = (y.e + 256) % 2, q = (y.e - p) / 2;
   if (p == 0 && y.fraction == 0) return float_result(c, settle(-q, two_to_31));
-  return float_result(c, settle(-q - 1, static_cast<Wide>(seeds().root[static_cast<std::size_t>(p)][y.fraction >> 23]) << 23));
+  return float_result(
+      c, settle(-q - 1, static_cast<Wide>(seeds().root[static_cast<std::size_t>(p)][y.fraction >> 23]) << 23));
 }
 
 }  // namespace
@@ -197,11 +203,12 @@ Result rsqrf(const Case& c) {
 std::vector<Operation> float_operations() {
   constexpr auto floats = Operands::floats, words = Operands::words;
   return {
-      {"addf", floats, 1, addf},   {"subf", floats, 1, subf},     {"cmpf", floats, 1, cmpf},     {"mpyf", floats, 1, mpyf},
-      {"subrf", floats, 1, subrf}, {"negf", floats, 1, negf},     {"absf", floats, 1, absf},     {"rnd", floats, 1, rnd},
-      {"fix", floats, 1, fix},     {"norm", floats, 1, norm},     {"ldf", floats, 1, ldf},       {"lde", floats, 1, lde},
-      {"ldm", floats, 1, ldm},     {"toieee", floats, 1, toieee}, {"rcpf", floats, 1, rcpf},     {"rsqrf", floats, 1, rsqrf},
-      {"float", words, 1, float_}, {"frieee", words, 1, frieee},
+      {"addf", floats, 1, addf},   {"subf", floats, 1, subf},     {"cmpf", floats, 1, cmpf},
+      {"mpyf", floats, 1, mpyf},   {"subrf", floats, 1, subrf},   {"negf", floats, 1, negf},
+      {"absf", floats, 1, absf},   {"rnd", floats, 1, rnd},       {"fix", floats, 1, fix},
+      {"norm", floats, 1, norm},   {"ldf", floats, 1, ldf},       {"lde", floats, 1, lde},
+      {"ldm", floats, 1, ldm},     {"toieee", floats, 1, toieee}, {"rcpf", floats, 1, rcpf},
+      {"rsqrf", floats, 1, rsqrf}, {"float", words, 1, float_},   {"frieee", words, 1, frieee},
   };
 }
 

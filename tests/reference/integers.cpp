@@ -163,14 +163,14 @@ Result mh(const Case& c) {
 std::vector<Operation> integer_operations() {
   constexpr auto words = Operands::words;
   return {
-      {"addi", words, 1, addi},     {"addc", words, 1, addc},     {"subi", words, 1, subi},     {"subb", words, 1, subb},
-      {"subri", words, 1, subri},   {"subrb", words, 1, subrb},   {"negi", words, 1, negi},     {"negb", words, 1, negb},
-      {"absi", words, 1, absi},     {"cmpi", words, 1, cmpi},     {"mpyi", words, 1, mpyi},     {"mpyshi", words, 1, mpyshi},
-      {"mpyuhi", words, 1, mpyuhi}, {"and", words, 1, and_},      {"andn", words, 1, andn},     {"or", words, 1, or_},
-      {"xor", words, 1, xor_},      {"not", words, 1, not_},      {"tstb", words, 1, tstb},     {"lsh", words, 1, lsh},
-      {"ash", words, 1, ash},       {"rol", words, 1, rol},       {"rolc", words, 1, rolc},     {"ror", words, 1, ror},
-      {"rorc", words, 1, rorc},     {"subc", words, 1, subc},     {"lb", words, 4, lb},         {"lbu", words, 4, lbu},
-      {"lh", words, 2, lh},         {"lhu", words, 2, lhu},       {"lwl", words, 4, lwl},       {"lwr", words, 4, lwr},
+      {"addi", words, 1, addi},     {"addc", words, 1, addc},   {"subi", words, 1, subi}, {"subb", words, 1, subb},
+      {"subri", words, 1, subri},   {"subrb", words, 1, subrb}, {"negi", words, 1, negi}, {"negb", words, 1, negb},
+      {"absi", words, 1, absi},     {"cmpi", words, 1, cmpi},   {"mpyi", words, 1, mpyi}, {"mpyshi", words, 1, mpyshi},
+      {"mpyuhi", words, 1, mpyuhi}, {"and", words, 1, and_},    {"andn", words, 1, andn}, {"or", words, 1, or_},
+      {"xor", words, 1, xor_},      {"not", words, 1, not_},    {"tstb", words, 1, tstb}, {"lsh", words, 1, lsh},
+      {"ash", words, 1, ash},       {"rol", words, 1, rol},     {"rolc", words, 1, rolc}, {"ror", words, 1, ror},
+      {"rorc", words, 1, rorc},     {"subc", words, 1, subc},   {"lb", words, 4, lb},     {"lbu", words, 4, lbu},
+      {"lh", words, 2, lh},         {"lhu", words, 2, lhu},     {"lwl", words, 4, lwl},   {"lwr", words, 4, lwr},
       {"mb", words, 4, mb},         {"mh", words, 2, mh},
   };
 }

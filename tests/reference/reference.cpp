@@ -7,7 +7,8 @@ namespace {
 // ---- conditions: the selector counts them in the order of their codes, the reserved one left out ----
 
 bool holds(u32 condition, u32 status) {
-  const bool carry = status & flag_c, v = status & flag_v, z = status & flag_z, n = status & flag_n, uf = status & flag_uf;
+  const bool carry = status & flag_c, v = status & flag_v, z = status & flag_z, n = status & flag_n,
+             uf = status & flag_uf;
   const std::array<bool, 20> all{true,
                                  carry,
                                  carry || z,
@@ -31,7 +32,9 @@ bool holds(u32 condition, u32 status) {
   return all[condition];
 }
 Result ldi_cond(const Case& c) { return {holds(c.selector, c.status) ? high(c.d) | low(c.a) : c.d, c.status}; }
-Result ldf_cond(const Case& c) { return {holds(c.selector, c.status) ? (c.a >> 32 == 0x80 ? u64{0x80} << 32 : c.a) : c.d, c.status}; }
+Result ldf_cond(const Case& c) {
+  return {holds(c.selector, c.status) ? (c.a >> 32 == 0x80 ? u64{0x80} << 32 : c.a) : c.d, c.status};
+}
 
 // ---- address updates: a the address, b the step, d the block size ----
 
@@ -65,10 +68,8 @@ Result bit_reversed(const Case& c) {
 std::vector<Operation> condition_and_address_operations() {
   constexpr auto floats = Operands::floats, words = Operands::words, address = Operands::address;
   return {
-      {"ldfcond", floats, 20, ldf_cond},
-      {"ldicond", words, 20, ldi_cond},
-      {"circular_up", address, 1, circular_up},
-      {"circular_down", address, 1, circular_down},
+      {"ldfcond", floats, 20, ldf_cond},          {"ldicond", words, 20, ldi_cond},
+      {"circular_up", address, 1, circular_up},   {"circular_down", address, 1, circular_down},
       {"bit_reversed", address, 1, bit_reversed},
   };
 }
@@ -76,7 +77,8 @@ std::vector<Operation> condition_and_address_operations() {
 const std::vector<Operation>& operations() {
   static const std::vector<Operation> all = [] {
     std::vector<Operation> out = float_operations();
-    for (const auto& more : {integer_operations(), condition_and_address_operations()}) out.insert(out.end(), more.begin(), more.end());
+    for (const auto& more : {integer_operations(), condition_and_address_operations()})
+      out.insert(out.end(), more.begin(), more.end());
     return out;
   }();
   return all;

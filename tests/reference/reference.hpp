@@ -1,6 +1,7 @@
 #pragma once
-// A second arithmetic of the TMS320C4x in integers, written from the reference text by itself: it shares no code with the
-// emulator (emulator/c40) and none with the specification in Python (tests/spec), and is compared with both by campaigns.
+// A second arithmetic of the TMS320C4x in integers, written from the reference text by itself: it shares no code with
+// the emulator (emulator/c40) and none with the specification in Python (tests/spec), and is compared with both by
+// campaigns.
 #include <cstdint>
 #include <string_view>
 #include <vector>

@@ -24,11 +24,13 @@ int main(int argc, char** argv) {
     const isa::Decoded decoded = isa::decode(word);
     const bool legal = std::holds_alternative<isa::Instruction>(decoded);
     instructions += legal ? 1 : 0;
-    if (legal == reference::is_instruction(word)) [[likely]] continue;
+    if (legal == reference::is_instruction(word)) [[likely]]
+      continue;
     if (differing++ < most_shown)
       fmt::print("{:08X} is {} to the decoder, and {} to the reference\n", word, legal ? "an instruction" : "reserved",
                  legal ? "reserved" : "an instruction");
   }
-  fmt::print("{} words, {} instructions, {} reserved: {} differ\n", swept, instructions, swept - instructions, differing);
+  fmt::print("{} words, {} instructions, {} reserved: {} differ\n", swept, instructions, swept - instructions,
+             differing);
   return differing == 0 ? 0 : 1;
 }

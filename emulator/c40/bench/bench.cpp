@@ -1,6 +1,7 @@
 // Emulated instructions per second: c40_bench [--millions N] [--repeat N] FILE.hex...
-// Each file holds one word per line; it is loaded and started at 1000h of board flat. Three ways, side by side: blocks (what runs are
-// made with), the exact engine (the pipeline model asked about every instruction), and a plain fetch-decode-switch interpreter.
+// Each file holds one word per line; it is loaded and started at 1000h of board flat. Three ways, side by side: blocks
+// (what runs are made with), the exact engine (the pipeline model asked about every instruction), and a plain
+// fetch-decode-switch interpreter.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -57,7 +58,8 @@ Run run_chip(const std::vector<c40::Word>& words, c40::Cycles cycles, bool exact
   for (const c40::Cycles cause : chip.causes()) sum += cause;
   if (sum != chip.cycle()) throw std::runtime_error("the causes do not add up to the cycles");
   Run run{static_cast<double>(chip.instructions()) / elapsed / 1e6, chip.instructions(), {}};
-  for (const auto reg : {isa::Register::R0, isa::Register::R2, isa::Register::R5, isa::Register::AR0, isa::Register::AR3})
+  for (const auto reg :
+       {isa::Register::R0, isa::Register::R2, isa::Register::R5, isa::Register::AR0, isa::Register::AR3})
     run.registers.push_back(chip.register_value(reg) & 0xFFFFFFFF);
   return run;
 }
@@ -85,20 +87,24 @@ void measure(const Options& options, const std::string& path) {
     const Run by_blocks = run_chip(words, cycles, false);
     const Run by_exact = run_chip(words, cycles / 10, true);
     const Run by_plain = run_plain(words, by_blocks.instructions);
-    if (by_plain.registers != by_blocks.registers) throw std::runtime_error(path + ": the interpreter and the blocks disagree");
+    if (by_plain.registers != by_blocks.registers)
+      throw std::runtime_error(path + ": the interpreter and the blocks disagree");
     blocks.push_back(by_blocks.rate), exact.push_back(by_exact.rate), plain.push_back(by_plain.rate);
   }
-  fmt::print("{:<12}{:>10.0f}{:>16.0f}{:>12.0f}{:>12.1f}\n", std::filesystem::path(path).stem().string(), median(blocks), median(exact), median(plain),
-             median(blocks) / median(plain));
+  fmt::print("{:<12}{:>10.0f}{:>16.0f}{:>12.0f}{:>12.1f}\n", std::filesystem::path(path).stem().string(),
+             median(blocks), median(exact), median(plain), median(blocks) / median(plain));
 }
 
 Options parse(int argc, char** argv) {
   Options options;
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
-    if (word == "--millions" && i + 1 < argc) options.millions = std::stoll(argv[++i]);
-    else if (word == "--repeat" && i + 1 < argc) options.repeat = std::stoi(argv[++i]);
-    else options.files.push_back(word);
+    if (word == "--millions" && i + 1 < argc)
+      options.millions = std::stoll(argv[++i]);
+    else if (word == "--repeat" && i + 1 < argc)
+      options.repeat = std::stoi(argv[++i]);
+    else
+      options.files.push_back(word);
   }
   if (options.files.empty() || options.millions < 1 || options.repeat < 1)
     throw std::invalid_argument("usage: c40_bench [--millions N] [--repeat N] FILE.hex...");

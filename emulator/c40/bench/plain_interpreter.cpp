@@ -39,8 +39,10 @@ std::uint32_t PlainInterpreter::address(unsigned modn, unsigned ar, std::uint32_
   }
   const std::uint32_t bk = r_[BK], all = bk == 0 ? 0u : ~0u >> std::countl_zero(bk);
   std::int64_t t = static_cast<std::int64_t>(base & all) + ((modn & 1) != 0 ? -std::int64_t{step} : std::int64_t{step});
-  if (t >= bk) t -= bk;
-  else if (t < 0) t += bk;
+  if (t >= bk)
+    t -= bk;
+  else if (t < 0)
+    t += bk;
   reg = (base & ~all) + static_cast<std::uint32_t>(t);
   return base;
 }
@@ -129,7 +131,8 @@ void PlainInterpreter::general(std::uint32_t w) {
     case 0x04: return add(dst, r_[dst], general_integer(w, false));
     case 0x08: {
       const FloatResult result = float40::sub(float_register(dst), general_float(w));
-      v_ = (result.flags & st::V) != 0, uf_ = (result.flags & st::UF) != 0, n_ = (result.flags & st::N) != 0, z_ = (result.flags & st::Z) != 0;
+      v_ = (result.flags & st::V) != 0, uf_ = (result.flags & st::UF) != 0, n_ = (result.flags & st::N) != 0,
+      z_ = (result.flags & st::Z) != 0;
       lv_ |= v_, luf_ |= uf_;
       return;
     }
@@ -139,8 +142,10 @@ void PlainInterpreter::general(std::uint32_t w) {
     case 0x13: {
       const auto n = static_cast<std::int32_t>(general_integer(w, false) << 25) >> 25;
       const std::uint32_t x = r_[dst];
-      if (n > 0) c_ = n <= 32 && (x >> (32 - n) & 1) != 0;
-      else c_ = n < 0 && n >= -32 && (x >> (-n - 1) & 1) != 0;
+      if (n > 0)
+        c_ = n <= 32 && (x >> (32 - n) & 1) != 0;
+      else
+        c_ = n < 0 && n >= -32 && (x >> (-n - 1) & 1) != 0;
       return logic(n >= 32 || n <= -32 ? 0 : n >= 0 ? x << n : x >> -n);
     }
     case 0x14: return set_float(dst, float40::mul(float_register(dst), general_float(w)));
@@ -160,7 +165,8 @@ Float40 PlainInterpreter::three_float(std::uint32_t byte, bool memory, bool type
 
 void PlainInterpreter::three_operands(std::uint32_t w) {
   const bool type2 = (w >> 28 & 1) != 0;
-  const bool first_memory = type2 ? (w >> 22 & 1) != 0 : (w >> 21 & 1) != 0, second_memory = type2 ? (w >> 21 & 1) != 0 : (w >> 22 & 1) != 0;
+  const bool first_memory = type2 ? (w >> 22 & 1) != 0 : (w >> 21 & 1) != 0,
+             second_memory = type2 ? (w >> 21 & 1) != 0 : (w >> 22 & 1) != 0;
   const Float40 b = three_float(w & 0xFF, second_memory, type2);
   const Float40 a = three_float(w >> 8 & 0xFF, first_memory, type2);
   const unsigned dst = w >> 16 & 31;
@@ -175,8 +181,10 @@ void PlainInterpreter::three_operands(std::uint32_t w) {
 void PlainInterpreter::parallel(std::uint32_t w) {
   if (w >> 24 == 0x80 || w >> 24 == 0x81 || w >> 24 == 0x82 || w >> 24 == 0x83) {
     if ((w >> 24 & 3) != 0) unknown(w);  // P = 0: J x I beside K + H
-    const Float40 i = float40::from_single(word(byte_address(w & 0xFF))), j = float40::from_single(word(byte_address(w >> 8 & 0xFF)));
-    const FloatResult product = float40::mul(j, i), sum = float40::add(float_register(w >> 19 & 7), float_register(w >> 16 & 7));
+    const Float40 i = float40::from_single(word(byte_address(w & 0xFF))),
+                  j = float40::from_single(word(byte_address(w >> 8 & 0xFF)));
+    const FloatResult product = float40::mul(j, i),
+                      sum = float40::add(float_register(w >> 19 & 7), float_register(w >> 16 & 7));
     set_float(w >> 23 & 1, product, false);
     set_float(2 + (w >> 22 & 1), sum, false);
     v_ = ((product.flags | sum.flags) & st::V) != 0, uf_ = ((product.flags | sum.flags) & st::UF) != 0;
@@ -197,9 +205,12 @@ void PlainInterpreter::parallel(std::uint32_t w) {
 // RPTS: the word is fetched once and executed `passes` times.
 std::uint64_t PlainInterpreter::repeat(std::uint32_t w, std::uint64_t passes) {
   for (std::uint64_t pass = 0; pass < passes; ++pass) {
-    if (w >> 30 == 3 || w >> 28 == 8) parallel(w);
-    else if (w >> 29 == 1) three_operands(w);
-    else general(w);
+    if (w >> 30 == 3 || w >> 28 == 8)
+      parallel(w);
+    else if (w >> 29 == 1)
+      three_operands(w);
+    else
+      general(w);
   }
   return passes;
 }
@@ -213,13 +224,16 @@ void PlainInterpreter::run(std::uint32_t start, std::uint64_t instructions) {
     switch (w >> 28) {
       case 0x0:
       case 0x1:
-        if ((w >> 23 & 63) == 0x27) instructions -= repeat(word(pc_++), std::min<std::uint64_t>(instructions - 1, general_integer(w, true) + 1));
-        else general(w);
+        if ((w >> 23 & 63) == 0x27)
+          instructions -= repeat(word(pc_++), std::min<std::uint64_t>(instructions - 1, general_integer(w, true) + 1));
+        else
+          general(w);
         break;
       case 0x2:
       case 0x3: three_operands(w); break;
       case 0x4:
-        if (const Float40 value = general_float(w); holds(w >> 23 & 31)) set_float(w >> 16 & 31, {float40::canonical(value), 0}, false);
+        if (const Float40 value = general_float(w); holds(w >> 23 & 31))
+          set_float(w >> 16 & 31, {float40::canonical(value), 0}, false);
         break;
       case 0x6:
         if (w >> 24 == 0x6A && (w >> 21 & 7) == 0) {
@@ -229,8 +243,10 @@ void PlainInterpreter::run(std::uint32_t start, std::uint64_t instructions) {
           const bool wanted = holds(w >> 16 & 31), delayed = (w >> 21 & 1) != 0;
           if (static_cast<std::int32_t>(--counter) >= 0 && wanted) {
             const std::uint32_t target = pc_ + static_cast<std::uint32_t>(static_cast<std::int16_t>(w));
-            if (delayed) slots = 4, delayed_target = target + 2;
-            else pc_ = target;
+            if (delayed)
+              slots = 4, delayed_target = target + 2;
+            else
+              pc_ = target;
           }
         } else {
           unknown(w);

@@ -1,6 +1,7 @@
 #pragma once
-/// The way most emulators work, for comparison only: fetch a word, decode it, switch. No timing, no causes, no guards; the instructions
-/// of the three kernels of tests/toolchain/bench and no others. The arithmetic is the core's own (float40), so that it costs the same.
+/// The way most emulators work, for comparison only: fetch a word, decode it, switch. No timing, no causes, no guards;
+/// the instructions of the three kernels of tests/toolchain/bench and no others. The arithmetic is the core's own
+/// (float40), so that it costs the same.
 #include <array>
 #include <cstdint>
 #include <vector>

@@ -18,7 +18,12 @@ bool is_port_register(Address address) {
 
 PortAccess port_access(Address address, bool write, Word value, Cycles cycle) {
   const Address offset = address - first_port;
-  return {static_cast<int>(offset / port_stride), static_cast<PortRegister>(offset % port_stride), write, value, address, cycle};
+  return {static_cast<int>(offset / port_stride),
+          static_cast<PortRegister>(offset % port_stride),
+          write,
+          value,
+          address,
+          cycle};
 }
 
 Word Fifo::pop() {

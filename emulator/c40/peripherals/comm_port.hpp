@@ -1,12 +1,12 @@
 #pragma once
-/// One communication port as its own chip sees it: two FIFOs, the halts, and who may send (c40-hardware.md 2.1 to 2.3). What
-/// happens between two ports is the link's (link.hpp).
+/// One communication port as its own chip sees it: two FIFOs, the halts, and who may send (c40-hardware.md 2.1 to 2.3).
+/// What happens between two ports is the link's (link.hpp).
 ///
-/// Inaccuracies: writing the input FIFO and reading the output FIFO have no effect (the latter reads 0; undefined on the
-/// chip). The software reset register of later revisions is not modelled.
+/// Inaccuracies: writing the input FIFO and reading the output FIFO have no effect (the latter reads 0; undefined on
+/// the chip). The software reset register of later revisions is not modelled.
 #include <array>
-#include <string>
 #include <span>
+#include <string>
 
 #include "c40/peripherals/fields.hpp"
 
@@ -20,11 +20,14 @@ inline constexpr int port_count = 6;
 
 /// The port control register, CPCR (2.1).
 namespace cpcr {
-inline constexpr Field PORT_DIR{"PORT DIR", 2, 1, FieldAccess::read_only, "0: this side has the token (output); 1: it has not (input)"};
+inline constexpr Field PORT_DIR{"PORT DIR", 2, 1, FieldAccess::read_only,
+                                "0: this side has the token (output); 1: it has not (input)"};
 inline constexpr Field ICH{"ICH", 3, 1, FieldAccess::read_write, "1: the input channel is halted"};
 inline constexpr Field OCH{"OCH", 4, 1, FieldAccess::read_write, "1: the output channel is halted"};
-inline constexpr Field OUTPUT_LEVEL{"OUTPUT LEVEL", 5, 4, FieldAccess::read_only, "words in the output FIFO; 15 means 8, full"};
-inline constexpr Field INPUT_LEVEL{"INPUT LEVEL", 9, 4, FieldAccess::read_only, "words in the input FIFO; 15 means 8, full"};
+inline constexpr Field OUTPUT_LEVEL{"OUTPUT LEVEL", 5, 4, FieldAccess::read_only,
+                                    "words in the output FIFO; 15 means 8, full"};
+inline constexpr Field INPUT_LEVEL{"INPUT LEVEL", 9, 4, FieldAccess::read_only,
+                                   "words in the input FIFO; 15 means 8, full"};
 }  // namespace cpcr
 
 /// Eight words, oldest first.
@@ -73,7 +76,8 @@ struct CommPort {
 
   /// Ports 0, 1, 2 begin with the token.
   static constexpr bool token_after_reset(int port) { return port < 3; }
-  /// The state after reset: FIFOs empty, not halted, the token as the port's number says, whatever the neighbour thinks.
+  /// The state after reset: FIFOs empty, not halted, the token as the port's number says, whatever the neighbour
+  /// thinks.
   void reset(int port);
   /// CPCR.
   Word control() const;

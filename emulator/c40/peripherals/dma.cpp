@@ -20,14 +20,17 @@ constexpr Word start_reset = 0, start_halt_access = 1, start_halt_word = 2;
 constexpr Word mode_endless = 0, mode_autoinit = 2, mode_autoinit_on_restart = 3;
 constexpr Word status_held = 0, status_held_within = 1, status_busy = 3;
 constexpr Word read_only = STATUS.mask() | AUX_STATUS.mask();
-/// What a list overwrites in split mode: of the primary half everything but the other's fields, and the other way round (3.7).
-constexpr Word auxiliary_fields = AUX_MODE.mask() | AUX_STATIC.mask() | AUX_AUTOINIT_SYNC.mask() | AUX_TCC.mask() | AUX_TCINT.mask() | AUX_START.mask();
+/// What a list overwrites in split mode: of the primary half everything but the other's fields, and the other way round
+/// (3.7).
+constexpr Word auxiliary_fields = AUX_MODE.mask() | AUX_STATIC.mask() | AUX_AUTOINIT_SYNC.mask() | AUX_TCC.mask() |
+                                  AUX_TCINT.mask() | AUX_START.mask();
 
 struct Fields {
   Field start, mode, stay, list_sync, tcc, tcint, status;
 };
-constexpr std::array<Fields, 2> fields{Fields{START, MODE, STATIC, AUTOINIT_SYNC, TCC, TCINT, STATUS},
-                                       Fields{AUX_START, AUX_MODE, AUX_STATIC, AUX_AUTOINIT_SYNC, AUX_TCC, AUX_TCINT, AUX_STATUS}};
+constexpr std::array<Fields, 2> fields{
+    Fields{START, MODE, STATIC, AUTOINIT_SYNC, TCC, TCINT, STATUS},
+    Fields{AUX_START, AUX_MODE, AUX_STATIC, AUX_AUTOINIT_SYNC, AUX_TCC, AUX_TCINT, AUX_STATUS}};
 
 constexpr std::array unified_list{control, source, source_index, counter, destination, destination_index, link};
 constexpr std::array primary_list{control, source, source_index, counter, link};
@@ -55,9 +58,7 @@ void Dma::set_start(Half h, Word value) {
   word = fields[static_cast<std::size_t>(h.half)].start.with(word, value);
 }
 
-bool Dma::started(int c) const {
-  return start({c, 0}) != start_reset || (split(c) && start({c, 1}) != start_reset);
-}
+bool Dma::started(int c) const { return start({c, 0}) != start_reset || (split(c) && start({c, 1}) != start_reset); }
 
 Word Dma::read(int c, DmaRegister reg) const {
   Word value = channel(c)[reg];
@@ -170,7 +171,9 @@ bool Dma::active() const {
   return false;
 }
 
-bool Dma::busy() const { return s_.waits_for_answer || (s_.current >= 0 && ready(half_of(s_.current))) || pick().has_value(); }
+bool Dma::busy() const {
+  return s_.waits_for_answer || (s_.current >= 0 && ready(half_of(s_.current))) || pick().has_value();
+}
 
 namespace {
 /// Of a code of DIE beyond 1 (fidelity.md).
@@ -185,12 +188,22 @@ std::vector<DmaWait> Dma::waits() const {
   for (int index = 0; index < 2 * dma_channel_count; ++index) {
     const Half h = half_of(index);
     if (!runs(h) || ready(h)) continue;
-    DmaWait wait{.channel = h.channel, .auxiliary = h.half == 1, .write = state(h).has_data && !state(h).listing, .address = address(h), .event = {}, .port = {},
-                 .timer = {}, .interrupts = fields[static_cast<std::size_t>(h.half)].tcc.in(word_of(h)) || mode(h) == mode_autoinit, .since = state(h).since};
+    DmaWait wait{.channel = h.channel,
+                 .auxiliary = h.half == 1,
+                 .write = state(h).has_data && !state(h).listing,
+                 .address = address(h),
+                 .event = {},
+                 .port = {},
+                 .timer = {},
+                 .interrupts = fields[static_cast<std::size_t>(h.half)].tcc.in(word_of(h)) || mode(h) == mode_autoinit,
+                 .since = state(h).since};
     if (synchronised(h) && !event_ready(h.channel, wait.write)) wait.event = event_code(h.channel, wait.write);
-    if (wait.event == 1u) wait.port = h.channel;
-    else if (!wait.event) wait.port = port_access(wait.address, wait.write, 0, 0).port;
-    else wait.timer = timer_of_event(h.channel, *wait.event);
+    if (wait.event == 1u)
+      wait.port = h.channel;
+    else if (!wait.event)
+      wait.port = port_access(wait.address, wait.write, 0, 0).port;
+    else
+      wait.timer = timer_of_event(h.channel, *wait.event);
     waits.push_back(wait);
   }
   return waits;
@@ -206,10 +219,12 @@ std::string event_name(int channel, bool write, Word code) {
 
 std::string describe(const DmaWait& wait) {
   std::string what;
-  if (!wait.port) what = event_name(wait.channel, wait.write, *wait.event);
-  else what = fmt::format("{} FIFO {}", wait.write ? "room in output" : "a word in input", *wait.port);
-  return fmt::format("DMA channel {}{} waits for {} ({} {:08X}h)", wait.channel, wait.auxiliary ? ", auxiliary," : "", what, wait.write ? "write to" : "read of",
-                     wait.address);
+  if (!wait.port)
+    what = event_name(wait.channel, wait.write, *wait.event);
+  else
+    what = fmt::format("{} FIFO {}", wait.write ? "room in output" : "a word in input", *wait.port);
+  return fmt::format("DMA channel {}{} waits for {} ({} {:08X}h)", wait.channel, wait.auxiliary ? ", auxiliary," : "",
+                     what, wait.write ? "write to" : "read of", wait.address);
 }
 
 Word Dma::ports_used() const {
@@ -255,7 +270,8 @@ bool Dma::step(Cycles limit, std::optional<DmaRequest>& request) {
   if (s_.current < 0) {
     const auto next = pick();
     if (!next) {
-      if (active()) s_.now = limit;  // else its time stands still: how far a run goes on afterwards is no part of its state
+      if (active())
+        s_.now = limit;  // else its time stands still: how far a run goes on afterwards is no part of its state
       return false;
     }
     s_.current = static_cast<std::int8_t>(*next);
@@ -282,8 +298,10 @@ bool Dma::step(Cycles limit, std::optional<DmaRequest>& request) {
     return false;
   }
   Word value = 0;
-  if (write) around_.write(at, half.data, span->begin);
-  else value = around_.read(at, span->begin);
+  if (write)
+    around_.write(at, half.data, span->begin);
+  else
+    value = around_.read(at, span->begin);
   done(h, value, span->end);
   return true;
 }
@@ -316,7 +334,8 @@ void Dma::done(Half h, Word value, Cycles end) {
     --c[counter_of(h)];
   } else {
     half.has_data = false;
-    if (!divided || h.half == 1) c[destination] = stepped(c[destination], c[destination_index], WRITE_BIT_REV.in(c[control]));
+    if (!divided || h.half == 1)
+      c[destination] = stepped(c[destination], c[destination_index], WRITE_BIT_REV.in(c[control]));
     if (c[counter_of(h)] == 0) s_.ended = s_.current;
     s_.last = s_.current;
     s_.current = -1;
@@ -329,8 +348,10 @@ void Dma::end_block(Half h, Cycles at) {
   const Fields& mine = fields[static_cast<std::size_t>(h.half)];
   word = mine.tcint.with(word, 1);
   around_.block_ended(h.channel, h.half == 1, mine.tcc.in(word), at);
-  if (mode(h) == mode_autoinit) begin_list(h);
-  else if (mode(h) != mode_endless) set_start(h, start_halt_word);
+  if (mode(h) == mode_autoinit)
+    begin_list(h);
+  else if (mode(h) != mode_endless)
+    set_start(h, start_halt_word);
 }
 
 void Dma::begin_list(Half h) {
@@ -340,18 +361,23 @@ void Dma::begin_list(Half h) {
   half.list_at = channel(h.channel)[link_of(h)];
 }
 
-// The last word brings the new link pointer. In split mode a list changes only its own half's fields of the control register.
+// The last word brings the new link pointer. In split mode a list changes only its own half's fields of the control
+// register.
 void Dma::load_list(Half h) {
   DmaChannel& c = channel(h.channel);
   DmaHalf& half = state(h);
   const bool divided = split(h.channel);
   const Word old = c[control];
   const auto load = [&](const auto& order) {
-    for (std::size_t i = 0; i < order.size(); ++i) c[order[i]] = half.list[i] & (order[i] == control ? ~read_only : ~Word{0});
+    for (std::size_t i = 0; i < order.size(); ++i)
+      c[order[i]] = half.list[i] & (order[i] == control ? ~read_only : ~Word{0});
   };
-  if (!divided) load(unified_list);
-  else if (h.half == 0) load(primary_list);
-  else load(auxiliary_list);
+  if (!divided)
+    load(unified_list);
+  else if (h.half == 0)
+    load(primary_list);
+  else
+    load(auxiliary_list);
   if (divided) {
     const Word mine = h.half == 0 ? ~auxiliary_fields : auxiliary_fields;
     c[control] = (old & ~mine) | (c[control] & mine);

@@ -1,9 +1,9 @@
 #pragma once
-/// The DMA coprocessor (c40-hardware.md 3): six channels, in split mode twelve halves, that take turns on one internal bus: a read,
-/// then its write. It goes on by itself; the processor and the DMA meet only at memory ports and buses.
+/// The DMA coprocessor (c40-hardware.md 3): six channels, in split mode twelve halves, that take turns on one internal
+/// bus: a read, then its write. It goes on by itself; the processor and the DMA meet only at memory ports and buses.
 ///
-/// Inaccuracies: the quirks of 3.9 are not modelled. The registers of a list take effect together, when the last has been
-/// read. A DMA read of a word that the processor writes in the same cycle, or in the next, sees the new word.
+/// Inaccuracies: the quirks of 3.9 are not modelled. The registers of a list take effect together, when the last has
+/// been read. A DMA read of a word that the processor writes in the same cycle, or in the next, sees the new word.
 #include <array>
 #include <optional>
 #include <vector>
@@ -38,13 +38,14 @@ struct DmaChannel {
 /// The DMA coprocessor's whole state.
 struct DmaState {
   std::array<DmaChannel, dma_channel_count> channels{};
-  Cycles now = 0;               ///< everything before is done
-  std::int8_t current = -1;     ///< the half that has the internal bus: 2 * channel + half
-  std::int8_t last = -1;        ///< served last
-  std::int8_t ended = -1;       ///< whose block ends in cycle `now`
+  Cycles now = 0;                 ///< everything before is done
+  std::int8_t current = -1;       ///< the half that has the internal bus: 2 * channel + half
+  std::int8_t last = -1;          ///< served last
+  std::int8_t ended = -1;         ///< whose block ends in cycle `now`
   bool waits_for_answer = false;  ///< `current` has an access under way to a window
   Cycles answered_until = 0;      ///< until when the last access to a window took
-  Cycles conflict = -2;           ///< priority 01: the cycle of the last conflict with the processor, and whether the DMA lost it
+  Cycles conflict =
+      -2;  ///< priority 01: the cycle of the last conflict with the processor, and whether the DMA lost it
   bool lost = false;
   friend bool operator==(const DmaState&, const DmaState&) = default;
 };
@@ -67,8 +68,8 @@ class DmaSurroundings {
   /// The event of code `code` of DIE is a level, and its value; nothing if it is latched.
   virtual std::optional<bool> level(int channel, bool write, Word code) const = 0;
   virtual Word dma_interrupt_enable() const = 0;
-  /// The cycles that an access takes, the first of them at `from` or later and before `limit`; nothing if the processor holds it
-  /// off longer.
+  /// The cycles that an access takes, the first of them at `from` or later and before `limit`; nothing if the processor
+  /// holds it off longer.
   struct Span {
     Cycles begin = 0, end = 0;
   };
@@ -95,7 +96,8 @@ class Dma {
   /// A write of the processor in cycle `at`.
   void write(int channel, DmaRegister reg, Word value, Cycles at);
   void reset();
-  /// Lets everything before `limit` happen. Stops before an access that the chip cannot complete, and after one to a linked port.
+  /// Lets everything before `limit` happen. Stops before an access that the chip cannot complete, and after one to a
+  /// linked port.
   /// \return the access to a window, or to nothing; answered by `answer`.
   std::optional<DmaRequest> advance_to(Cycles limit);
   /// The access to a window is done in cycle `at`; the DMA goes on there.
@@ -114,7 +116,8 @@ class Dma {
   bool active() const;
   /// Ports that started channels use: bit n.
   Word ports_used() const;
-  /// Latches an event for the channels whose DIE fields select it. `codes` gives, per channel and direction, the code that names it.
+  /// Latches an event for the channels whose DIE fields select it. `codes` gives, per channel and direction, the code
+  /// that names it.
   template <class Selects>
   bool latch(Selects selects) {
     bool any = false;

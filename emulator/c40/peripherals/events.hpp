@@ -10,12 +10,12 @@ namespace c40 {
 
 struct PeripheralEvent {
   enum class Kind : std::uint8_t {
-    port_write,   ///< a word went into the output FIFO of port `number`
-    port_read,    ///< a word was taken from the input FIFO of port `number`
-    dma_start,    ///< channel `number` was started; `value` is its control word
-    dma_end,      ///< a block of channel `number` has ended; `value` is 1 for the auxiliary half
-    timer,        ///< TINT of timer `number`
-    interrupt     ///< the interrupt with offset `number` in the vector table was taken; `value` is where the processor was
+    port_write,  ///< a word went into the output FIFO of port `number`
+    port_read,   ///< a word was taken from the input FIFO of port `number`
+    dma_start,   ///< channel `number` was started; `value` is its control word
+    dma_end,     ///< a block of channel `number` has ended; `value` is 1 for the auxiliary half
+    timer,       ///< TINT of timer `number`
+    interrupt  ///< the interrupt with offset `number` in the vector table was taken; `value` is where the processor was
   };
   Kind kind = Kind::port_write;
   Cycles cycle = 0;
@@ -25,7 +25,8 @@ struct PeripheralEvent {
 };
 
 constexpr std::string_view name(PeripheralEvent::Kind kind) {
-  constexpr std::array<std::string_view, 6> names{"port_write", "port_read", "dma_start", "dma_end", "timer", "interrupt"};
+  constexpr std::array<std::string_view, 6> names{"port_write", "port_read", "dma_start",
+                                                  "dma_end",    "timer",     "interrupt"};
   return names[static_cast<std::size_t>(kind)];
 }
 

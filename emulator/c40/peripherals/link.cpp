@@ -22,13 +22,16 @@ std::string_view name(LinkEvent::Kind kind) {
 Link::Link(Side first, Side second, LinkParameters parameters) : parameters_(parameters) {
   if (first.port == second.port) throw std::invalid_argument(fmt::format("{} cannot be linked to itself", first.name));
   if (CommPort::token_after_reset(first.number) == CommPort::token_after_reset(second.number))
-    throw std::invalid_argument(fmt::format("{} and {} both begin {} the token; join one of ports 0 to 2 with one of 3 to 5", first.name,
-                                            second.name, CommPort::token_after_reset(first.number) ? "with" : "without"));
+    throw std::invalid_argument(
+        fmt::format("{} and {} both begin {} the token; join one of ports 0 to 2 with one of 3 to 5", first.name,
+                    second.name, CommPort::token_after_reset(first.number) ? "with" : "without"));
   const Time span = std::chrono::milliseconds{1};
   const auto a = first.clock.ticks_in(span), b = second.clock.ticks_in(span);
   if (a > 2 * b || b > 2 * a)
-    throw std::invalid_argument(fmt::format("the clocks of {} and {} differ by more than a factor of 2", first.name, second.name));
-  if (parameters.word_cycles < 1 || parameters.token_cycles < 1 || parameters.enter_cycles < 1 || parameters.exit_cycles < 0)
+    throw std::invalid_argument(
+        fmt::format("the clocks of {} and {} differ by more than a factor of 2", first.name, second.name));
+  if (parameters.word_cycles < 1 || parameters.token_cycles < 1 || parameters.enter_cycles < 1 ||
+      parameters.exit_cycles < 0)
     throw std::invalid_argument("a link's word, token and enter cycles are at least 1, its exit cycles at least 0");
   int side = 0;
   for (Side* given : {&first, &second}) {
@@ -45,8 +48,8 @@ Link::Link(Side first, Side second, LinkParameters parameters) : parameters_(par
 }
 
 void Link::End::changed(const CommPort& now, Cycles at) {
-  const View view{clock.at(at + link->parameters_.enter_cycles), now.traffic.written, now.traffic.read, now.input_halted,
-                  now.output_halted};
+  const View view{clock.at(at + link->parameters_.enter_cycles), now.traffic.written, now.traffic.read,
+                  now.input_halted, now.output_halted};
   const View& last = views.empty() ? seen : views.back();
   if (!last.shows_the_same(view)) views.push_back(view);  // a look at the control register is nothing to the link
 }
@@ -95,7 +98,8 @@ Time Link::next_event() const {
 
 bool Link::only_exchanges_token() const {
   const auto quiet = [](const End& end) { return end.views.empty() && end.arriving.empty(); };
-  return action_ != Action::word && quiet(ends_[0]) && quiet(ends_[1]) && !can_send(ends_[0], ends_[1]) && !can_send(ends_[1], ends_[0]);
+  return action_ != Action::word && quiet(ends_[0]) && quiet(ends_[1]) && !can_send(ends_[0], ends_[1]) &&
+         !can_send(ends_[1], ends_[0]);
 }
 
 void Link::advance_to(Time time) {
@@ -123,8 +127,10 @@ void Link::happen(Time time) {
       end.seen = end.views.front();
       end.views.pop_front();
     }
-    if (!end.wants()) end.requested = never;
-    else if (end.requested == never) end.requested = time;
+    if (!end.wants())
+      end.requested = never;
+    else if (end.requested == never)
+      end.requested = time;
   }
   if (action_ != Action::none && ends_at_ <= time) {
     if (action_ == Action::word) {
@@ -188,7 +194,8 @@ void Link::decide(Time time) {
   const int o = ends_[0].port->token ? 0 : 1;
   const End &owner = ends_[static_cast<std::size_t>(o)], &other = ends_[static_cast<std::size_t>(1 - o)];
   const bool sendable = can_send(owner, other);
-  // `ends_at_` is still that of the last action: just after a word, a request that came in its last byte waits for one more.
+  // `ends_at_` is still that of the last action: just after a word, a request that came in its last byte waits for one
+  // more.
   const bool late = owner.has_sent && time == ends_at_ &&
                     other.requested >= begins_ + (ends_at_ - begins_) * last_byte_numerator / last_byte_denominator;
   if (other.requested != never && !owner.seen.input_halted && (!sendable || (owner.has_sent && !late)))
@@ -219,12 +226,13 @@ std::optional<std::string> Link::unbalanced() const {
     const End& to = ends_[static_cast<std::size_t>(1 - from.side)];
     const PortTraffic &mine = from.port->traffic, &theirs = to.port->traffic;
     const Counters& link = from.counters;
-    const bool balanced = mine.written == mine.sent + mine.discarded_output + from.port->output.size() && mine.sent == link.sent &&
-                          link.sent == link.arrived + from.arriving.size() + link.lost && link.arrived == theirs.received &&
+    const bool balanced = mine.written == mine.sent + mine.discarded_output + from.port->output.size() &&
+                          mine.sent == link.sent && link.sent == link.arrived + from.arriving.size() + link.lost &&
+                          link.arrived == theirs.received &&
                           theirs.received == theirs.read + theirs.discarded_input + to.port->input.size();
     if (!balanced)
-      return fmt::format("words from {} do not add up: {} written, {} sent, {} arrived, {} lost, {} read", from.name, mine.written, mine.sent, link.arrived,
-                         link.lost, theirs.read);
+      return fmt::format("words from {} do not add up: {} written, {} sent, {} arrived, {} lost, {} read", from.name,
+                         mine.written, mine.sent, link.arrived, link.lost, theirs.read);
   }
   return std::nullopt;
 }

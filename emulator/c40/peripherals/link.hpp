@@ -1,6 +1,6 @@
 #pragma once
-/// The link between two communication ports: one token, one word at a time (c40-hardware.md 2.4 to 2.6). It belongs to neither
-/// chip: whoever owns several chips drives it, in time.
+/// The link between two communication ports: one token, one word at a time (c40-hardware.md 2.4 to 2.6). It belongs to
+/// neither chip: whoever owns several chips drives it, in time.
 ///
 /// How a network is run. Each linked port of a chip has the link as its listener (Chip::attach); the chip then stops
 /// before it touches that port (StopInfo::Reason::port_access, with the cycle). Whoever owns chips and links lets the
@@ -10,17 +10,17 @@
 ///     if (access.ready(chip.port(access.port)))       // else it waits: try again after the link's next event
 ///       chip.complete_port(cycle);                    // the access takes place there, at or after access.cycle
 ///
-/// What a chip does in its cycle t is seen by the link at t + enter_cycles, so accesses of different chips at one instant may
-/// come in any order. A link's events at an instant come before accesses at that instant. A chip that watches its ports
-/// (Chip::watches_ports: interrupts or DMA wait for them) may be run no further than the earliest of: next_event() of
-/// its links; and, for each link, the earliest time at which the other end could act, plus lookahead().
+/// What a chip does in its cycle t is seen by the link at t + enter_cycles, so accesses of different chips at one
+/// instant may come in any order. A link's events at an instant come before accesses at that instant. A chip that
+/// watches its ports (Chip::watches_ports: interrupts or DMA wait for them) may be run no further than the earliest of:
+/// next_event() of its links; and, for each link, the earliest time at which the other end could act, plus lookahead().
 ///
 /// Words are never duplicated and never vanish unsaid: at any time, for each direction,
 ///     sent (by the port) = received (by the other) + under way + lost.
 ///
-/// Inaccuracies: a word and a token exchange take whole cycles of the side that sends (that gets the token), beginning at
-/// its next cycle; the bytes' handshake is not modelled. With a halted input channel a side does not give the token away. A
-/// word is not begun while the other side's input FIFO has no room.
+/// Inaccuracies: a word and a token exchange take whole cycles of the side that sends (that gets the token), beginning
+/// at its next cycle; the bytes' handshake is not modelled. With a halted input channel a side does not give the token
+/// away. A word is not begun while the other side's input FIFO has no room.
 #include <array>
 #include <deque>
 #include <optional>
@@ -78,8 +78,9 @@ class Link {
     PacedClock clock{Clock{20'000'000}};
   };
 
-  /// Throws std::invalid_argument if both ends are one port, if both or neither hold the token (boards join one of ports 0
-  /// to 2 with one of 3 to 5), if the clocks differ by more than a factor of 2, or if a parameter is out of range.
+  /// Throws std::invalid_argument if both ends are one port, if both or neither hold the token (boards join one of
+  /// ports 0 to 2 with one of 3 to 5), if the clocks differ by more than a factor of 2, or if a parameter is out of
+  /// range.
   Link(Side first, Side second, LinkParameters parameters = {});
   Link(const Link&) = delete;
   Link& operator=(const Link&) = delete;
@@ -97,8 +98,8 @@ class Link {
   Time lookahead() const;
   void set_clock(int side, PacedClock clock) { ends_.at(static_cast<std::size_t>(side)).clock = clock; }
 
-  /// At `time`, which must not lie before what was advanced to: a word that is being sent is lost; a token exchange is not
-  /// completed. Both ports keep what they hold.
+  /// At `time`, which must not lie before what was advanced to: a word that is being sent is lost; a token exchange is
+  /// not completed. Both ports keep what they hold.
   void cut(Time time);
   void restore(Time time);
   bool is_cut() const { return cut_; }
@@ -113,8 +114,10 @@ class Link {
   const Counters& counters(int side) const { return ends_.at(static_cast<std::size_t>(side)).counters; }
   /// Words of `side` that have left its FIFO and cannot be read yet.
   std::size_t under_way(int side) const { return ends_.at(static_cast<std::size_t>(side)).arriving.size(); }
-  /// Words that neither arrived nor are accounted for, as a sentence; none unless the model has a fault. For each direction: written = sent
-  /// + discarded + in the output FIFO, sent = arrived + under way + lost, and arrived = read + discarded + in the input FIFO.
+  /// Words that neither arrived nor are accounted for, as a sentence; none unless the model has a fault. For each
+  /// direction: written = sent
+  /// + discarded + in the output FIFO, sent = arrived + under way + lost, and arrived = read + discarded + in the input
+  /// FIFO.
   std::optional<std::string> unbalanced() const;
   const std::string& name(int side) const { return ends_.at(static_cast<std::size_t>(side)).name; }
   const LinkParameters& parameters() const { return parameters_; }
@@ -131,7 +134,8 @@ class Link {
     std::uint64_t written = 0, read = 0;
     bool input_halted = false, output_halted = false;
     bool shows_the_same(const View& other) const {
-      return written == other.written && read == other.read && input_halted == other.input_halted && output_halted == other.output_halted;
+      return written == other.written && read == other.read && input_halted == other.input_halted &&
+             output_halted == other.output_halted;
     }
   };
   struct Arrival {
@@ -146,8 +150,8 @@ class Link {
     PacedClock clock{Clock{20'000'000}};
     std::deque<View> views;  ///< not seen yet
     View seen;
-    Time requested = never;   ///< since when it has something to send, as seen
-    bool has_sent = false;    ///< a word since it got the token
+    Time requested = never;        ///< since when it has something to send, as seen
+    bool has_sent = false;         ///< a word since it got the token
     std::deque<Arrival> arriving;  ///< its words on their last cycle
     Counters counters;
 

@@ -12,7 +12,8 @@ enum class Pin : std::uint8_t { iiof0, iiof1, iiof2, iiof3, tclk0, tclk1, nmi, r
 inline constexpr std::size_t pin_count = 8;
 
 constexpr std::string_view name(Pin pin) {
-  constexpr std::array<std::string_view, pin_count> names{"IIOF0", "IIOF1", "IIOF2", "IIOF3", "TCLK0", "TCLK1", "NMI", "RESET"};
+  constexpr std::array<std::string_view, pin_count> names{"IIOF0", "IIOF1", "IIOF2", "IIOF3",
+                                                          "TCLK0", "TCLK1", "NMI",   "RESET"};
   return names[static_cast<std::size_t>(pin)];
 }
 
@@ -21,7 +22,10 @@ constexpr bool is_timer_pin(Pin pin) { return pin == Pin::tclk0 || pin == Pin::t
 /// A chip can drive it: general-purpose outputs IIOF, and TCLK of a timer or as a general-purpose output.
 constexpr bool can_be_output(Pin pin) { return is_iiof(pin) || is_timer_pin(pin); }
 /// The number n of IIOFn, TCLKn.
-constexpr unsigned number_of(Pin pin) { return is_timer_pin(pin) ? static_cast<unsigned>(pin) - static_cast<unsigned>(Pin::tclk0) : static_cast<unsigned>(pin); }
+constexpr unsigned number_of(Pin pin) {
+  return is_timer_pin(pin) ? static_cast<unsigned>(pin) - static_cast<unsigned>(Pin::tclk0)
+                           : static_cast<unsigned>(pin);
+}
 
 /// What a chip, or anybody else, does to a net.
 enum class Drive : std::uint8_t { none, low, high };

@@ -21,8 +21,9 @@ constexpr Word interface_after_reset = 0x3E39FFF0u;
 
 constexpr std::array interface_fields = [] {
   using namespace memory_interface;
-  return std::array{CE0,         CE1,         DE,          AE,             STRB0_SWW,      STRB1_SWW,
-                    STRB0_WTCNT, STRB1_WTCNT, STRB0_PAGESIZE, STRB1_PAGESIZE, STRB_ACTIVE, STRB_SWITCH};
+  return std::array{
+      CE0,         CE1,        DE, AE, STRB0_SWW, STRB1_SWW, STRB0_WTCNT, STRB1_WTCNT, STRB0_PAGESIZE, STRB1_PAGESIZE,
+      STRB_ACTIVE, STRB_SWITCH};
 }();
 constexpr std::array timer_fields = [] {
   using namespace timer_control;
@@ -31,9 +32,10 @@ constexpr std::array timer_fields = [] {
 constexpr std::array port_fields{cpcr::PORT_DIR, cpcr::ICH, cpcr::OCH, cpcr::OUTPUT_LEVEL, cpcr::INPUT_LEVEL};
 constexpr std::array dma_fields = [] {
   using namespace dma_control;
-  return std::array{PRI,           MODE,  AUX_MODE, SYNC_READ, SYNC_WRITE, STATIC,    AUX_STATIC, AUTOINIT_SYNC, AUX_AUTOINIT_SYNC,
-                    READ_BIT_REV,  WRITE_BIT_REV, SPLIT,    COM_PORT,  TCC,        AUX_TCC,   TCINT,      AUX_TCINT,     START,
-                    AUX_START,     STATUS, AUX_STATUS, PRIORITY_MODE};
+  return std::array{PRI,        MODE,          AUX_MODE,          SYNC_READ,    SYNC_WRITE,    STATIC,
+                    AUX_STATIC, AUTOINIT_SYNC, AUX_AUTOINIT_SYNC, READ_BIT_REV, WRITE_BIT_REV, SPLIT,
+                    COM_PORT,   TCC,           AUX_TCC,           TCINT,        AUX_TCINT,     START,
+                    AUX_START,  STATUS,        AUX_STATUS,        PRIORITY_MODE};
 }();
 
 /// One register of a group of equal ones: its place in the group, and everything else.
@@ -66,19 +68,23 @@ constexpr std::array dma_members{
 };
 
 std::vector<RegisterInfo> make_map() {
-  std::vector<RegisterInfo> all{
-      {base + 0x00, "GMICR", "global memory interface control", interface_fields, FieldAccess::read_write, interface_after_reset, "1.4"},
-      {base + 0x04, "LMICR", "local memory interface control", interface_fields, FieldAccess::read_write, interface_after_reset, "1.4"}};
-  const auto group = [&all](std::string_view name, int number, Address at, std::span<const Member> members, std::string_view source) {
+  std::vector<RegisterInfo> all{{base + 0x00, "GMICR", "global memory interface control", interface_fields,
+                                 FieldAccess::read_write, interface_after_reset, "1.4"},
+                                {base + 0x04, "LMICR", "local memory interface control", interface_fields,
+                                 FieldAccess::read_write, interface_after_reset, "1.4"}};
+  const auto group = [&all](std::string_view name, int number, Address at, std::span<const Member> members,
+                            std::string_view source) {
     for (const Member& m : members)
-      all.push_back({base + at + m.offset, fmt::format("{}{}.{}", name, number, m.name), m.meaning, m.fields, m.access, 0, source});
+      all.push_back({base + at + m.offset, fmt::format("{}{}.{}", name, number, m.name), m.meaning, m.fields, m.access,
+                     0, source});
   };
   for (int n = 0; n < timer_count; ++n) group("TIMER", n, 0x20 + 0x10 * static_cast<Address>(n), timer_members, "4");
   for (int n = 0; n < port_count; ++n) {
     group("PORT", n, 0x40 + 0x10 * static_cast<Address>(n), port_members, "2.1");
     if (!CommPort::token_after_reset(n)) all[all.size() - port_members.size()].reset = cpcr::PORT_DIR.mask();
   }
-  for (int n = 0; n < dma_channel_count; ++n) group("DMA", n, 0xA0 + 0x10 * static_cast<Address>(n), dma_members, "3.1");
+  for (int n = 0; n < dma_channel_count; ++n)
+    group("DMA", n, 0xA0 + 0x10 * static_cast<Address>(n), dma_members, "3.1");
   return all;
 }
 
@@ -118,7 +124,8 @@ std::span<const RegisterInfo> register_map() {
 
 const RegisterInfo* register_at(Address address) {
   const auto all = register_map();
-  const auto found = std::find_if(all.begin(), all.end(), [&](const RegisterInfo& info) { return info.address == address; });
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const RegisterInfo& info) { return info.address == address; });
   return found == all.end() ? nullptr : &*found;
 }
 
@@ -158,9 +165,11 @@ std::string describe_register(Address address) {
 std::string register_page() {
   std::string page = "| address | register | access | after reset | |\n|---|---|---|---|---|\n";
   for (const RegisterInfo& info : register_map())
-    page += fmt::format("| {:08X}h | {} | {} | {:08X}h | {} |\n", info.address, info.name, name(info.access), info.reset, info.meaning);
+    page += fmt::format("| {:08X}h | {} | {} | {:08X}h | {} |\n", info.address, info.name, name(info.access),
+                        info.reset, info.meaning);
   const auto fields = [&page](std::string_view title, const RegisterInfo& info) {
-    page += fmt::format("\n### {}\n\nSource: c40-hardware.md {}.\n\n| bits | field | access | |\n|---|---|---|---|\n", title, info.source);
+    page += fmt::format("\n### {}\n\nSource: c40-hardware.md {}.\n\n| bits | field | access | |\n|---|---|---|---|\n",
+                        title, info.source);
     for (const Field& field : info.fields)
       page += fmt::format("| {} | {} | {} | {} |\n", bits(field), field.name, name(field.access), field.meaning);
   };

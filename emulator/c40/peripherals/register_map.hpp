@@ -1,6 +1,6 @@
 #pragma once
-/// Every memory-mapped register of the chip (c40-hardware.md 1.3): address, name, fields, reset value. Messages, the inspection
-/// by name and docs/peripherals.md come from here.
+/// Every memory-mapped register of the chip (c40-hardware.md 1.3): address, name, fields, reset value. Messages, the
+/// inspection by name and docs/peripherals.md come from here.
 #include <optional>
 #include <span>
 #include <string>
@@ -25,7 +25,8 @@ std::span<const RegisterInfo> register_map();
 const RegisterInfo* register_at(Address address);
 /// In any case of letters. Throws std::out_of_range with the nearest name for one that does not exist.
 const RegisterInfo& register_named(std::string_view name);
-/// A field in any case of letters; spaces may be written as underscores. Throws std::out_of_range with the register's fields.
+/// A field in any case of letters; spaces may be written as underscores. Throws std::out_of_range with the register's
+/// fields.
 const Field& field_named(const RegisterInfo& info, std::string_view name);
 /// What stands at a peripheral address, for messages: "PORT1.input (communication port 1)", "the analysis block".
 std::string describe_register(Address address);

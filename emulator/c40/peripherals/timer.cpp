@@ -7,7 +7,8 @@ namespace c40 {
 using namespace timer_control;
 
 namespace {
-constexpr Word kept = FUNC.mask() | IO.mask() | DATOUT.mask() | HLD.mask() | CP.mask() | CLKSRC.mask() | INV.mask() | DEBUG.mask();
+constexpr Word kept =
+    FUNC.mask() | IO.mask() | DATOUT.mask() | HLD.mask() | CP.mask() | CLKSRC.mask() | INV.mask() | DEBUG.mask();
 constexpr std::uint64_t counter_range = std::uint64_t{1} << 32;
 constexpr Cycles never_happens = std::numeric_limits<Cycles>::max();
 constexpr Address first_timer = 0x00100020u;
@@ -54,8 +55,10 @@ bool Timer::write(TimerRegister reg, Word value, Cycles at) {
     return rose;
   }
   at_ += (at - at_) / tick_cycles() * tick_cycles();  // a tick in this cycle is overridden
-  if (reg == TimerRegister::counter) counter_ = value;
-  else if (write_control(value, at)) rose = true;
+  if (reg == TimerRegister::counter)
+    counter_ = value;
+  else if (write_control(value, at))
+    rose = true;
   return rose;
 }
 
@@ -81,7 +84,9 @@ bool Timer::set_pin(bool level, Cycles at) {
 }
 
 // With period and counter 0, clock mode toggles every cycle.
-Cycles Timer::tick_cycles() const { return clock_mode() && period_ == 0 && counter_ == 0 ? 1 : timing::timer_tick_cycles; }
+Cycles Timer::tick_cycles() const {
+  return clock_mode() && period_ == 0 && counter_ == 0 ? 1 : timing::timer_tick_cycles;
+}
 
 // The counter goes to 0 as it reaches the period. Beyond it, it goes on through FFFFFFFFh.
 std::uint64_t Timer::ticks_to_overflow() const {

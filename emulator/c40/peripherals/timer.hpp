@@ -1,9 +1,9 @@
 #pragma once
 /// One of the two timers (c40-hardware.md 4): computed when somebody looks, never stepped.
 ///
-/// Inaccuracies: the internal clock's phase begins with the write that starts the timer. A tick from outside counts in the cycle
-/// in which the pin's level is set. Bits 31, 30 of the control register (run while the debugger halts the chip) are kept
-/// without effect.
+/// Inaccuracies: the internal clock's phase begins with the write that starts the timer. A tick from outside counts in
+/// the cycle in which the pin's level is set. Bits 31, 30 of the control register (run while the debugger halts the
+/// chip) are kept without effect.
 #include <cstddef>
 
 #include "c40/peripherals/fields.hpp"
@@ -19,7 +19,8 @@ inline constexpr int timer_count = 2;
 
 /// The timer's control register.
 namespace timer_control {
-inline constexpr Field FUNC{"FUNC", 0, 1, FieldAccess::read_write, "1: TCLK is the timer's pin; 0: general-purpose I/O"};
+inline constexpr Field FUNC{"FUNC", 0, 1, FieldAccess::read_write,
+                            "1: TCLK is the timer's pin; 0: general-purpose I/O"};
 inline constexpr Field IO{"I/O", 1, 1, FieldAccess::read_write, "with FUNC 0: 1 output, 0 input"};
 inline constexpr Field DATOUT{"DATOUT", 2, 1, FieldAccess::read_write, "level of a general-purpose output"};
 inline constexpr Field DATIN{"DATIN", 3, 1, FieldAccess::read_only, "level of the pin"};
@@ -57,7 +58,8 @@ class Timer {
 
   /// The cycle of the next TINT (TSTAT goes from 0 to 1); the greatest number if none is to come by itself.
   Cycles next_event() const;
-  /// The first cycle after `last` in which it drives the pin to another level by itself; the greatest number if there is none.
+  /// The first cycle after `last` in which it drives the pin to another level by itself; the greatest number if there
+  /// is none.
   Cycles next_change_of_pin(Cycles last) const;
   /// Goes on to a cycle; true if TSTAT went from 0 to 1 on the way.
   bool advance_to(Cycles at);
@@ -78,9 +80,9 @@ class Timer {
 
   Word control_ = 0;  ///< without DATIN, GO and TSTAT
   Word counter_ = 0, period_ = 0;
-  Cycles at_ = 0;        ///< the cycle for which counter_ and toggle_ hold: a tick of the internal clock
-  bool toggle_ = false;  ///< TSTAT in clock mode
-  Cycles pulse_ = -1;    ///< the cycle in which TSTAT is 1 in pulse mode
+  Cycles at_ = 0;         ///< the cycle for which counter_ and toggle_ hold: a tick of the internal clock
+  bool toggle_ = false;   ///< TSTAT in clock mode
+  Cycles pulse_ = -1;     ///< the cycle in which TSTAT is 1 in pulse mode
   bool outside_ = false;  ///< level that the outside drives the pin to
 };
 

@@ -13,7 +13,8 @@
 
 namespace machine::debug {
 
-ChipDebuggee::ChipDebuggee(c40::Chip& chip, const toolchain::Image& program) : chip_(chip), program_(program), now_(chip.cycle() * period) {}
+ChipDebuggee::ChipDebuggee(c40::Chip& chip, const toolchain::Image& program)
+    : chip_(chip), program_(program), now_(chip.cycle() * period) {}
 
 void ChipDebuggee::set_trace(std::size_t, c40::TraceSink* sink) {
   if (sink == nullptr) return chip_.set_trace(before_);
@@ -34,7 +35,8 @@ void ChipDebuggee::run_until(Time time) {
 std::optional<std::string> ChipDebuggee::end_of(const c40::StopInfo& stop) const {
   switch (meaning(stop.reason)) {
     case StopMeaning::window_access:
-      return fmt::format("a {} of the window at {:08X}h waits for its answer", stop.access.write ? "write" : "read", stop.access.address);
+      return fmt::format("a {} of the window at {:08X}h waits for its answer", stop.access.write ? "write" : "read",
+                         stop.access.address);
     case StopMeaning::port_access:
     case StopMeaning::port_wait: return fmt::format("{} waits", c40::describe(stop.port));
     case StopMeaning::fault: return fault_of(chip_, stop).message;
@@ -43,7 +45,8 @@ std::optional<std::string> ChipDebuggee::end_of(const c40::StopInfo& stop) const
   if (sleeps_for_ever(chip_)) return fmt::format("IDLE before {:08X}h, and no interrupt is to come", chip_.pc());
   const bool interrupts = (chip_.register_value(isa::Register::ST) & c40::st::GIE) != 0;
   try {
-    if (!interrupts && !chip_.dma_active() && program_end(chip_.peek(chip_.pc()), chip_.pc()) == ProgramEnd::halt) return fmt::format("branches to itself at {:08X}h", chip_.pc());
+    if (!interrupts && !chip_.dma_active() && program_end(chip_.peek(chip_.pc()), chip_.pc()) == ProgramEnd::halt)
+      return fmt::format("branches to itself at {:08X}h", chip_.pc());
   } catch (const std::out_of_range&) {
     // The next fetch will say so.
   }

@@ -1,5 +1,6 @@
 #pragma once
-/// One chip with nothing around it, in a debugger. Where it needs an answer from outside, it is over until that has come.
+/// One chip with nothing around it, in a debugger. Where it needs an answer from outside, it is over until that has
+/// come.
 #include "machine/debug/debuggee.hpp"
 
 namespace machine::debug {

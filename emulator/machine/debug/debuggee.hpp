@@ -1,6 +1,6 @@
 #pragma once
-/// What a debugger drives: chips in one virtual time, which can be saved, loaded and run to any instant. A chip alone, a
-/// network, the dock.
+/// What a debugger drives: chips in one virtual time, which can be saved, loaded and run to any instant. A chip alone,
+/// a network, the dock.
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -22,10 +22,10 @@ using c40::Word;
 /// Something that happens to more than one chip's memory: a claim, a missed deadline, a word on a link.
 struct Happening {
   Time time{};
-  std::string kind;                 ///< "claim"
+  std::string kind;                   ///< "claim"
   std::optional<std::size_t> chip{};  ///< whose
   std::map<std::string, std::string, std::less<>> fields{};
-  std::string text;                 ///< one line
+  std::string text;  ///< one line
 };
 
 class HappeningListener {

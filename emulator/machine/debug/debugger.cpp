@@ -34,13 +34,15 @@ std::uint64_t float_bits(double value) {
   --exponent;
   if (mantissa == c40::float40::one * 2) mantissa /= 2, ++exponent;
   if (mantissa == -c40::float40::one) mantissa *= 2, --exponent;
-  if (!std::isfinite(value) || exponent < -127 || exponent > 127) throw DebugError(fmt::format("{:g} is beyond what a register holds", value));
+  if (!std::isfinite(value) || exponent < -127 || exponent > 127)
+    throw DebugError(fmt::format("{:g} is beyond what a register holds", value));
   return c40::float40::bits(c40::float40::pack(exponent, mantissa));
 }
 
 /// Without a step's breakpoint, of which nothing can be under way.
 std::map<unsigned, Trigger> lasting(std::map<unsigned, Trigger> triggers) {
-  if (const auto step = triggers.find(temporary); step != triggers.end() && step->second.kind == Trigger::Kind::code) triggers.erase(step);
+  if (const auto step = triggers.find(temporary); step != triggers.end() && step->second.kind == Trigger::Kind::code)
+    triggers.erase(step);
   return triggers;
 }
 
@@ -68,7 +70,8 @@ struct Debugger::Manner {
   std::optional<std::size_t> steps;  ///< it ends with this chip's next instruction
 };
 
-Debugger::Debugger(Debuggee& debuggee, HistoryLimits limits) : debuggee_(debuggee), history_(std::make_unique<History>(limits)) {
+Debugger::Debugger(Debuggee& debuggee, HistoryLimits limits)
+    : debuggee_(debuggee), history_(std::make_unique<History>(limits)) {
   for (std::size_t n = 0; n < debuggee.chips(); ++n) programs_.emplace_back(debuggee.program(n));
   ear_ = std::make_unique<Ear>(debuggee_, programs_);
   stopped(Stop::Reason::start, 0, "before anything has happened");
@@ -82,13 +85,15 @@ Debugger::~Debugger() = default;
 
 bool Debugger::asked_to_stop() { return interrupted_ || io::stop_asked(); }
 
-const Stop& Debugger::stopped(Stop::Reason reason, std::optional<std::size_t> chip, std::string text, std::vector<Hit> hits) {
+const Stop& Debugger::stopped(Stop::Reason reason, std::optional<std::size_t> chip, std::string text,
+                              std::vector<Hit> hits) {
   stop_ = {reason, now(), chip ? chip : stop_.chip, std::move(hits), std::move(text)};
   return stop_;
 }
 
 void Debugger::require_chip(std::size_t chip) const {
-  if (chip >= programs_.size()) throw DebugError(fmt::format("there is no chip {}; 0 to {} are there", chip, programs_.size() - 1));
+  if (chip >= programs_.size())
+    throw DebugError(fmt::format("there is no chip {}; 0 to {} are there", chip, programs_.size() - 1));
 }
 
 // ---- what to stop at ----
@@ -102,14 +107,20 @@ void Debugger::check(const Trigger& trigger) {
   if (trigger.kind == word && (trigger.words == 0 || trigger.address + (trigger.words - 1) < trigger.address))
     throw DebugError(fmt::format("{:08X}h: 1 word or more, up to the end of memory, can be watched", trigger.address));
   if (trigger.kind == processor_register && !isa::register_named(trigger.name))
-    throw DebugError(fmt::format("{} is no register that can be watched; R0 to R11, AR0 to AR7, DP, IR0, IR1, BK, SP, ST, DIE, IIE, IIF, RS, RE, RC are", trigger.name));
+    throw DebugError(
+        fmt::format("{} is no register that can be watched; R0 to R11, AR0 to AR7, DP, IR0, IR1, BK, SP, ST, DIE, IIE, "
+                    "IIF, RS, RE, RC are",
+                    trigger.name));
   if (trigger.kind == value) (void)Expression(trigger.name, debuggee_, programs_, chip).value();
   if (trigger.kind == happening) {
     const auto kinds = happenings();
-    if (trigger.name != "any" && std::ranges::none_of(kinds, [&](const auto& row) { return row.first == trigger.name; }))
-      throw DebugError(fmt::format("{} is no happening; any, {} are", trigger.name, fmt::join(std::views::keys(kinds), ", ")));
+    if (trigger.name != "any" &&
+        std::ranges::none_of(kinds, [&](const auto& row) { return row.first == trigger.name; }))
+      throw DebugError(
+          fmt::format("{} is no happening; any, {} are", trigger.name, fmt::join(std::views::keys(kinds), ", ")));
     const std::vector<std::string_view> rules = c40::rule_names();
-    if (const auto rule = trigger.fields.find("rule"); trigger.of_rules() && rule != trigger.fields.end() && std::ranges::find(rules, rule->second) == rules.end())
+    if (const auto rule = trigger.fields.find("rule");
+        trigger.of_rules() && rule != trigger.fields.end() && std::ranges::find(rules, rule->second) == rules.end())
       throw DebugError(fmt::format("{} is no rule; {} are", rule->second, fmt::join(rules, ", ")));
   }
   if (!trigger.condition.empty()) (void)Expression(trigger.condition, debuggee_, programs_, chip);
@@ -117,7 +128,9 @@ void Debugger::check(const Trigger& trigger) {
 
 std::vector<std::pair<std::string, std::string>> Debugger::happenings() const {
   auto all = debuggee_.happenings();
-  all.emplace_back(std::string(Trigger::rules), "an instruction breaks a rule of the manual (rule=NAME: one of them); looked at by single instructions");
+  all.emplace_back(
+      std::string(Trigger::rules),
+      "an instruction breaks a rule of the manual (rule=NAME: one of them); looked at by single instructions");
   return all;
 }
 
@@ -206,7 +219,8 @@ void Debugger::hear_what_is_under_way(const Manner& manner) {
     ear_->rearm(triggers_, manner.steps);
     return;
   }
-  const bool needed = std::ranges::any_of(triggers_, [](const auto& entry) { return entry.second.enabled && entry.second.kind != Trigger::Kind::code; });
+  const bool needed = std::ranges::any_of(
+      triggers_, [](const auto& entry) { return entry.second.enabled && entry.second.kind != Trigger::Kind::code; });
   const Time here = now();
   if (needed && here > beginning()) load_before(here - Time{1});
   ear_->arm(triggers_, manner.steps);
@@ -247,8 +261,8 @@ bool Debugger::counts(const Hit& hit) {
 
 bool Debugger::holds(const Hit& hit) { return !hit.open || ear_->holds(hit); }
 
-/// All hits at the earliest instant after now at which any of them counts; none: there is none before `until`, nothing more happens,
-/// or it was asked to stop. The machine then stands at that instant or later.
+/// All hits at the earliest instant after now at which any of them counts; none: there is none before `until`, nothing
+/// more happens, or it was asked to stop. The machine then stands at that instant or later.
 std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
   hear_what_is_under_way(manner);
   constexpr int small_steps = 256;
@@ -313,7 +327,9 @@ const Stop& Debugger::report(std::vector<Hit> hits) {
       chip = hit.chip;
       if (hit.trigger != temporary && trigger != triggers_.end()) {
         const Trigger::Kind kind = trigger->second.kind;
-        reason = kind == Trigger::Kind::code ? Stop::Reason::breakpoint : kind == Trigger::Kind::happening ? Stop::Reason::happening : Stop::Reason::watchpoint;
+        reason = kind == Trigger::Kind::code        ? Stop::Reason::breakpoint
+                 : kind == Trigger::Kind::happening ? Stop::Reason::happening
+                                                    : Stop::Reason::watchpoint;
         if (kind == Trigger::Kind::happening && trigger->second.name == "fault") reason = Stop::Reason::fault;
       }
     }
@@ -325,7 +341,8 @@ const Stop& Debugger::report(std::vector<Hit> hits) {
     text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", hit.trigger, hit.text);
   }
   for (const Hit& hit : hits)
-    if (const auto trigger = triggers_.find(hit.trigger); trigger != triggers_.end() && trigger->second.once) triggers_.erase(trigger);
+    if (const auto trigger = triggers_.find(hit.trigger); trigger != triggers_.end() && trigger->second.once)
+      triggers_.erase(trigger);
   std::erase_if(hits, [](const Hit& hit) { return hit.trigger == temporary; });
   return stopped(reason, chip, std::move(text), std::move(hits));
 }
@@ -365,7 +382,9 @@ const Stop& Debugger::step(std::size_t chip, Step step) {
     case Step::next_line: return step_lines(chip, true);
     case Step::out: {
       const std::vector<Frame> frames = call_stack(debuggee_, chip, programs_[chip]);
-      if (frames.size() < 2) throw DebugError(fmt::format("{}: no caller of {} is found on its stack", debuggee_.chip_name(chip), programs_[chip].name(frames[0].pc)));
+      if (frames.size() < 2)
+        throw DebugError(fmt::format("{}: no caller of {} is found on its stack", debuggee_.chip_name(chip),
+                                     programs_[chip].name(frames[0].pc)));
       const Frame& caller = frames[1];
       return run_to_code(chip, caller.returns_to, caller.at ? fmt::format("u(sp) == {}", *caller.at - 1) : "");
     }
@@ -379,14 +398,22 @@ const Stop& Debugger::step(std::size_t chip, Step step) {
 
 /// What ends a step that is no instruction's.
 Trigger Debugger::happening_of(std::size_t chip, Step step) {
-  Trigger trigger{.kind = Trigger::Kind::happening, .name = step == Step::claim ? "claim" : step == Step::refresh ? "refresh" : "any", .once = true};
+  Trigger trigger{.kind = Trigger::Kind::happening,
+                  .name = step == Step::claim     ? "claim"
+                          : step == Step::refresh ? "refresh"
+                                                  : "any",
+                  .once = true};
   if (step == Step::claim) trigger.chip = chip;
   check(trigger);
   return trigger;
 }
 
 const Stop& Debugger::run_to_code(std::size_t chip, Address address, std::string condition) {
-  triggers_.insert_or_assign(temporary, Trigger{.kind = Trigger::Kind::code, .chip = chip, .address = address, .condition = std::move(condition), .once = true});
+  triggers_.insert_or_assign(temporary, Trigger{.kind = Trigger::Kind::code,
+                                                .chip = chip,
+                                                .address = address,
+                                                .condition = std::move(condition),
+                                                .once = true});
   return go_on(never, {});
 }
 
@@ -428,11 +455,13 @@ std::vector<Hit> Debugger::last_hits(Time after, Time before) {
     const Time until = end + (ear_->hears_late() ? debuggee_.delay() : Time{0});
     while (now() < until && !asked_to_stop() && !debuggee_.over()) {
       Time target = std::min(until, now() + debuggee_.slice());
-      if (ear_->looks_at_values()) target = std::min(target, (now() / debuggee_.value_period() + 1) * debuggee_.value_period());
+      if (ear_->looks_at_values())
+        target = std::min(target, (now() / debuggee_.value_period() + 1) * debuggee_.value_period());
       run_to(target);
       ear_->look_at_values(now());
       std::erase_if(ear_->hits, [&](const Hit& hit) { return hit.time >= before; });
-      if (ear_->hits.size() > most_hits_kept) ear_->hits.erase(ear_->hits.begin(), ear_->hits.end() - most_hits_kept / 2);
+      if (ear_->hits.size() > most_hits_kept)
+        ear_->hits.erase(ear_->hits.begin(), ear_->hits.end() - most_hits_kept / 2);
       if (progress) progress(begin, before, after);
     }
     std::vector<Hit> all = std::move(ear_->hits);
@@ -477,7 +506,8 @@ void Debugger::look_at_past(std::size_t chip, Time from, Time to) {
   ear_->close();
   load_before(from);
   run_to(from);
-  if (const auto place = history_->before(from); place && place->time < from) history_->add_near({now(), changed_}, debuggee_.save());
+  if (const auto place = history_->before(from); place && place->time < from)
+    history_->add_near({now(), changed_}, debuggee_.save());
   ear_->arm({}, chip);
   ear_->keeps_instructions = true;
   ear_->listen(now());
@@ -485,7 +515,8 @@ void Debugger::look_at_past(std::size_t chip, Time from, Time to) {
   auto sp = static_cast<Address>(debuggee_.chip(chip).register_value(isa::Register::SP));
   while (now() < to && !asked_to_stop() && !debuggee_.over()) run_to(std::min(to, now() + debuggee_.slice()));
   for (const Ear::Instruction& instruction : ear_->instructions) {
-    if (instruction.begins >= past.from && instruction.begins < to) past.instructions.push_back({instruction.begins, instruction.pc, sp, instruction.causes});
+    if (instruction.begins >= past.from && instruction.begins < to)
+      past.instructions.push_back({instruction.begins, instruction.pc, sp, instruction.causes});
     sp = instruction.sp;
   }
   ear_->keeps_instructions = false;
@@ -542,8 +573,12 @@ const Stop& Debugger::step_back(std::size_t chip, Step step) {
     }
     case Step::out: {
       const std::vector<Frame> frames = call_stack(debuggee_, chip, program);
-      if (frames.size() < 2) throw DebugError(fmt::format("{}: no caller of {} is found on its stack", debuggee_.chip_name(chip), program.name(frames[0].pc)));
-      to = instruction_before(chip, from, [&](const auto& i) { return i.pc == frames[1].pc && (!frames[1].at || i.sp == *frames[1].at - 1); });
+      if (frames.size() < 2)
+        throw DebugError(fmt::format("{}: no caller of {} is found on its stack", debuggee_.chip_name(chip),
+                                     program.name(frames[0].pc)));
+      to = instruction_before(chip, from, [&](const auto& i) {
+        return i.pc == frames[1].pc && (!frames[1].at || i.sp == *frames[1].at - 1);
+      });
       break;
     }
     case Step::claim:
@@ -618,7 +653,10 @@ void Debugger::change(std::function<void()> make, std::string text) {
   changed_ = changes_.size();
   history_->forget_after(now());
   past_.reset();
-  if (output) output(fmt::format("changed by hand at {}: {}{}", seconds(now()), text, future ? "; what had come later is gone: a new branch begins here" : "; a new branch begins here"));
+  if (output)
+    output(
+        fmt::format("changed by hand at {}: {}{}", seconds(now()), text,
+                    future ? "; what had come later is gone: a new branch begins here" : "; a new branch begins here"));
 }
 
 void Debugger::set_word(std::size_t chip, Address address, Word value) {
@@ -637,10 +675,16 @@ void Debugger::set_register(std::size_t chip, std::string_view name, std::string
   const auto reg = isa::register_named(name);
   std::string lower(name);
   for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (!expansion && !reg && lower != "pc") throw DebugError(fmt::format("{} is no register; PC, R0 to R11, AR0 to AR7, DP, IR0, IR1, BK, SP, ST, DIE, IIE, IIF, RS, RE, RC, IVTP, TVTP are", name));
+  if (!expansion && !reg && lower != "pc")
+    throw DebugError(
+        fmt::format("{} is no register; PC, R0 to R11, AR0 to AR7, DP, IR0, IR1, BK, SP, ST, DIE, IIE, IIF, RS, RE, "
+                    "RC, IVTP, TVTP are",
+                    name));
   const Value value = Expression(expression, debuggee_, programs_, chip).value();
-  if (value.is_float && !(reg && isa::is_extended(*reg))) throw DebugError(fmt::format("{} holds whole numbers, and {} is a float", name, expression));
-  if (!value.is_float && (value.integer < -0x80000000LL || value.integer > (reg && isa::is_extended(*reg) ? 0xFFFFFFFFFFLL : 0xFFFFFFFFLL)))
+  if (value.is_float && !(reg && isa::is_extended(*reg)))
+    throw DebugError(fmt::format("{} holds whole numbers, and {} is a float", name, expression));
+  if (!value.is_float && (value.integer < -0x80000000LL ||
+                          value.integer > (reg && isa::is_extended(*reg) ? 0xFFFFFFFFFFLL : 0xFFFFFFFFLL)))
     throw DebugError(fmt::format("{} does not fit into {}", expression, name));
   const auto make = [this, chip, reg, expansion, value] {
     c40::Chip& changed = debuggee_.chip(chip);
@@ -651,7 +695,8 @@ void Debugger::set_register(std::size_t chip, std::string_view name, std::string
     if (value.is_float) return changed.set_register(*reg, float_bits(value.real));
     // A whole number of up to 32 bits keeps the exponent, as an integer load does.
     const bool wide = value.integer > 0xFFFFFFFFLL;
-    changed.set_register(*reg, wide ? static_cast<std::uint64_t>(value.integer) : (changed.register_value(*reg) & 0xFF00000000u) | word);
+    changed.set_register(
+        *reg, wide ? static_cast<std::uint64_t>(value.integer) : (changed.register_value(*reg) & 0xFF00000000u) | word);
   };
   change(make, fmt::format("{} of {} = {}", name, debuggee_.chip_name(chip), value.text()));
 }

@@ -1,12 +1,13 @@
 #pragma once
 /// The debugger, for every front end: stop conditions, steps, and time backwards.
 ///
-/// A stop is one instant for the whole machine: everything before it has happened on all chips. Conditions are armed while
-/// the machine runs, and noted when they are met. The earliest one counts: the machine is brought there, by a snapshot and
-/// the run from it where chips were ahead. So looking changes nothing, and going back is the same thing as going on.
+/// A stop is one instant for the whole machine: everything before it has happened on all chips. Conditions are armed
+/// while the machine runs, and noted when they are met. The earliest one counts: the machine is brought there, by a
+/// snapshot and the run from it where chips were ahead. So looking changes nothing, and going back is the same thing as
+/// going on.
 ///
-/// A breakpoint stops before its instruction, a watchpoint after the access. What happens at the instant of a stop on other
-/// chips, too, is told with it. Going on looks at what is later.
+/// A breakpoint stops before its instruction, a watchpoint after the access. What happens at the instant of a stop on
+/// other chips, too, is told with it. Going on looks at what is later.
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -26,11 +27,11 @@ namespace machine::debug {
 /// What to stop at.
 struct Trigger {
   enum class Kind : std::uint8_t {
-    code,       ///< before the instruction at `address`
-    word,       ///< an access to one of `words` words from `address` on
+    code,                ///< before the instruction at `address`
+    word,                ///< an access to one of `words` words from `address` on
     processor_register,  ///< `name` has changed: the chip runs by single instructions
-    happening,  ///< of kind `name`, with `fields`
-    value,      ///< the expression `name` has become true: looked at every Debuggee::value_period()
+    happening,           ///< of kind `name`, with `fields`
+    value,               ///< the expression `name` has become true: looked at every Debuggee::value_period()
   };
   enum class On : std::uint8_t { write, read, access, change };
 
@@ -41,17 +42,18 @@ struct Trigger {
   On on = On::write;
   std::string name{};
   std::map<std::string, std::string, std::less<>> fields{};
-  std::string condition{};    ///< an expression; empty: always
-  std::string log{};          ///< not empty: tell this text, with {expressions}, and go on
-  std::uint64_t ignore = 0; ///< hits to pass over
+  std::string condition{};   ///< an expression; empty: always
+  std::string log{};         ///< not empty: tell this text, with {expressions}, and go on
+  std::uint64_t ignore = 0;  ///< hits to pass over
   bool enabled = true;
-  bool once = false;        ///< removed when it has stopped the machine
-  std::string text{};         ///< as the user said it
+  bool once = false;   ///< removed when it has stopped the machine
+  std::string text{};  ///< as the user said it
 
   /// It stops at the same, whatever has been counted.
   bool same_as(const Trigger& other) const {
-    return kind == other.kind && chip == other.chip && address == other.address && words == other.words && on == other.on && name == other.name && fields == other.fields &&
-           condition == other.condition && log == other.log && enabled == other.enabled;
+    return kind == other.kind && chip == other.chip && address == other.address && words == other.words &&
+           on == other.on && name == other.name && fields == other.fields && condition == other.condition &&
+           log == other.log && enabled == other.enabled;
   }
 
   /// The happening that comes of instructions themselves: one breaks a rule of the manual.
@@ -60,17 +62,17 @@ struct Trigger {
   /// Its chip runs by single instructions.
   bool by_instructions() const { return kind == Kind::processor_register || of_rules(); }
 
-  std::uint64_t hits = 0;   ///< on the way forward, those passed over among them
+  std::uint64_t hits = 0;  ///< on the way forward, those passed over among them
 };
 
 struct Hit {
   unsigned trigger = 0;  ///< its number
   Time time{};
   std::optional<std::size_t> chip{};
-  std::string text{};      ///< what happened: "DSP 1 wrote 0000002Ah (was 0) to 80000010h at kernel_pid+0x4"
-  Address pc = 0;        ///< of the instruction, where one did it
+  std::string text{};          ///< what happened: "DSP 1 wrote 0000002Ah (was 0) to 80000010h at kernel_pid+0x4"
+  Address pc = 0;              ///< of the instruction, where one did it
   Word before = 0, value = 0;  ///< of an access
-  bool open = false;     ///< whether its condition holds is looked at where the machine stands there
+  bool open = false;           ///< whether its condition holds is looked at where the machine stands there
 };
 
 struct Stop {
@@ -85,10 +87,10 @@ std::string_view name(Stop::Reason reason);
 
 enum class Step : std::uint8_t {
   instruction,
-  over,   ///< a call and all it does is one step
-  line,   ///< to another source line, into calls
+  over,       ///< a call and all it does is one step
+  line,       ///< to another source line, into calls
   next_line,  ///< to another source line, calls counted as one
-  out,    ///< to behind the call of the routine that runs
+  out,        ///< to behind the call of the routine that runs
   claim,      ///< to the chip's next claim of a task block
   refresh,    ///< to the host's next refresh of the list
   happening,  ///< the next one of any kind
@@ -120,7 +122,8 @@ class Debugger {
   std::vector<std::pair<std::string, std::string>> happenings() const;
 
   // ---- what to stop at ----
-  /// The number of the new one. \throws DebugError for what cannot be: an address without memory, a condition that does not parse
+  /// The number of the new one. \throws DebugError for what cannot be: an address without memory, a condition that does
+  /// not parse
   unsigned add(Trigger trigger);
   /// \throws DebugError
   void remove(unsigned number);
@@ -176,7 +179,8 @@ class Debugger {
   bool asked_to_stop();
   void require_chip(std::size_t chip) const;
   void check(const Trigger& trigger);
-  const Stop& stopped(Stop::Reason reason, std::optional<std::size_t> chip, std::string text, std::vector<Hit> hits = {});
+  const Stop& stopped(Stop::Reason reason, std::optional<std::size_t> chip, std::string text,
+                      std::vector<Hit> hits = {});
   const Stop& report(std::vector<Hit> hits);
   void run_to(Time time);
   void move_to(Time time);
@@ -202,8 +206,8 @@ class Debugger {
   std::map<unsigned, Trigger> triggers_;
   unsigned next_number_ = 1;
   std::unique_ptr<Ear> ear_;
-  /// Where the machine stands with the ear having heard what ends later: instructions are done as a whole, and what they do may be
-  /// after a stop.
+  /// Where the machine stands with the ear having heard what ends later: instructions are done as a whole, and what
+  /// they do may be after a stop.
   std::optional<Time> heard_at_;
   std::map<unsigned, Trigger> heard_for_;  ///< the triggers that were armed then
   std::unique_ptr<History> history_;

@@ -33,8 +33,10 @@ class Debugger::Ear::ChipEar final : public c40::Probe, public c40::TraceSink {
     }
     if (each_instruction != traces_) ear_.debuggee_.set_trace(chip_, each_instruction ? this : nullptr);
     traces_ = each_instruction;
-    if (!rules) rules_.reset();
-    else if (!rules_) look_for_breaches();
+    if (!rules)
+      rules_.reset();
+    else if (!rules_)
+      look_for_breaches();
   }
   /// The chip stands where it did not stand before.
   void moved() {
@@ -70,7 +72,8 @@ class Debugger::Ear::ChipEar final : public c40::Probe, public c40::TraceSink {
   c40::Cycles ends_ = 0;  ///< of the instruction that is heard
 };
 
-Debugger::Ear::Ear(Debuggee& debuggee, const std::vector<ProgramView>& programs) : debuggee_(debuggee), programs_(programs) {
+Debugger::Ear::Ear(Debuggee& debuggee, const std::vector<ProgramView>& programs)
+    : debuggee_(debuggee), programs_(programs) {
   for (std::size_t n = 0; n < debuggee.chips(); ++n) chips_.push_back(std::make_unique<ChipEar>(*this, n));
 }
 
@@ -95,7 +98,8 @@ void Debugger::Ear::arm(const std::map<unsigned, Trigger>& triggers, std::option
     if (trigger.kind == Trigger::Kind::happening && !trigger.of_rules()) kinds.insert(trigger.name);
     if (trigger.kind == Trigger::Kind::word && shared(trigger))
       shared_words.push_back({*debuggee_.shared_word(trigger.chip.value_or(0), trigger.address), trigger.words});
-    if (trigger.kind == Trigger::Kind::value) values_.emplace(number, Expression(trigger.name, debuggee_, programs_, trigger.chip.value_or(0)));
+    if (trigger.kind == Trigger::Kind::value)
+      values_.emplace(number, Expression(trigger.name, debuggee_, programs_, trigger.chip.value_or(0)));
   }
   for (std::size_t n = 0; n < chips_.size(); ++n) {
     c40::ProbePlan plan;
@@ -103,7 +107,8 @@ void Debugger::Ear::arm(const std::map<unsigned, Trigger>& triggers, std::option
     for (const auto& [number, trigger] : armed_) {
       if (trigger.chip && *trigger.chip != n) continue;
       if (trigger.kind == Trigger::Kind::code) plan.code.insert(trigger.address);
-      if (trigger.kind == Trigger::Kind::word && !shared(trigger)) plan.data.push_back({trigger.address, trigger.words});
+      if (trigger.kind == Trigger::Kind::word && !shared(trigger))
+        plan.data.push_back({trigger.address, trigger.words});
       steps = steps || trigger.by_instructions();
       rules = rules || trigger.of_rules();
     }
@@ -136,7 +141,8 @@ bool Debugger::Ear::looks_at_values() const { return !values_.empty(); }
 void Debugger::Ear::look_at_values(Time now) {
   for (auto& [number, expression] : values_) {
     const bool is = expression.value().truth();
-    if (is && !were_[number]) add(number, armed_.at(number), {.time = now, .text = fmt::format("{} is true", armed_.at(number).name)});
+    if (is && !were_[number])
+      add(number, armed_.at(number), {.time = now, .text = fmt::format("{} is true", armed_.at(number).name)});
     were_[number] = is;
   }
 }
@@ -180,20 +186,34 @@ void Debugger::Ear::reached(std::size_t chip, Address pc, Time time) {
   if (!open_) return;
   for (const auto& [number, trigger] : armed_)
     if (trigger.kind == Trigger::Kind::code && trigger.address == pc && trigger.chip.value_or(chip) == chip)
-      add(number, trigger, {.time = time, .chip = chip, .text = fmt::format("{} before {}", debuggee_.chip_name(chip), place(chip, pc)), .pc = pc});
+      add(number, trigger,
+          {.time = time,
+           .chip = chip,
+           .text = fmt::format("{} before {}", debuggee_.chip_name(chip), place(chip, pc)),
+           .pc = pc});
 }
 
 void Debugger::Ear::accessed(std::size_t chip, const c40::ProbedAccess& access, Time time) {
   if (!open_) return;
   for (const auto& [number, trigger] : armed_) {
-    if (trigger.kind != Trigger::Kind::word || trigger.chip.value_or(chip) != chip || access.address - trigger.address >= trigger.words || shared(trigger)) continue;
+    if (trigger.kind != Trigger::Kind::word || trigger.chip.value_or(chip) != chip ||
+        access.address - trigger.address >= trigger.words || shared(trigger))
+      continue;
     if (!is_meant(trigger.on, access.write, access.before != access.value)) continue;
-    const std::string who = access.channel >= 0 ? fmt::format("DMA channel {} of {}", access.channel, debuggee_.chip_name(chip))
-                            : access.interrupt  ? fmt::format("{}, taking an interrupt,", debuggee_.chip_name(chip))
-                                                : debuggee_.chip_name(chip);
-    const std::string what = access.write ? fmt::format("wrote {:08X}h (before: {:08X}h) to", access.value, access.before) : fmt::format("read {:08X}h from", access.value);
-    add(number, trigger, {.time = time, .chip = chip, .text = fmt::format("{} {} {} at {}", who, what, place(chip, access.address), place(chip, access.pc)),
-                          .pc = access.pc, .before = access.before, .value = access.value});
+    const std::string who = access.channel >= 0
+                                ? fmt::format("DMA channel {} of {}", access.channel, debuggee_.chip_name(chip))
+                            : access.interrupt ? fmt::format("{}, taking an interrupt,", debuggee_.chip_name(chip))
+                                               : debuggee_.chip_name(chip);
+    const std::string what = access.write
+                                 ? fmt::format("wrote {:08X}h (before: {:08X}h) to", access.value, access.before)
+                                 : fmt::format("read {:08X}h from", access.value);
+    add(number, trigger,
+        {.time = time,
+         .chip = chip,
+         .text = fmt::format("{} {} {} at {}", who, what, place(chip, access.address), place(chip, access.pc)),
+         .pc = access.pc,
+         .before = access.before,
+         .value = access.value});
   }
 }
 
@@ -202,11 +222,20 @@ void Debugger::Ear::shared_access(const SharedAccess& access) {
   for (const auto& [number, trigger] : armed_) {
     if (trigger.kind != Trigger::Kind::word) continue;
     const auto word = debuggee_.shared_word(trigger.chip.value_or(0), trigger.address);
-    if (!word || access.word - *word >= trigger.words || !is_meant(trigger.on, access.write, access.before != access.value)) continue;
-    const std::string what = access.write ? fmt::format("wrote {:08X}h (before: {:08X}h) to", access.value, access.before) : fmt::format("read {:08X}h from", access.value);
+    if (!word || access.word - *word >= trigger.words ||
+        !is_meant(trigger.on, access.write, access.before != access.value))
+      continue;
+    const std::string what = access.write
+                                 ? fmt::format("wrote {:08X}h (before: {:08X}h) to", access.value, access.before)
+                                 : fmt::format("read {:08X}h from", access.value);
     const Address address = trigger.address + (access.word - *word);
-    add(number, trigger, {.time = access.time, .chip = access.chip, .text = fmt::format("{} {} {}", access.who, what, place(trigger.chip.value_or(0), address)),
-                          .pc = access.chip ? debuggee_.chip(*access.chip).pc() : 0, .before = access.before, .value = access.value});
+    add(number, trigger,
+        {.time = access.time,
+         .chip = access.chip,
+         .text = fmt::format("{} {} {}", access.who, what, place(trigger.chip.value_or(0), address)),
+         .pc = access.chip ? debuggee_.chip(*access.chip).pc() : 0,
+         .before = access.before,
+         .value = access.value});
   }
 }
 
@@ -225,23 +254,35 @@ void Debugger::Ear::executed(std::size_t chip, const c40::TraceRecord& record) {
     const auto reg = isa::register_named(trigger.name);
     for (const c40::RegisterChange& change : record.registers)
       if (change.reg == reg)
-        add(number, trigger, {.time = ends, .chip = chip, .text = fmt::format("{} set {} to {:X}h at {}", debuggee_.chip_name(chip), trigger.name, change.value, place(chip, record.pc)),
-                              .pc = record.pc, .value = static_cast<Word>(change.value)});
+        add(number, trigger,
+            {.time = ends,
+             .chip = chip,
+             .text = fmt::format("{} set {} to {:X}h at {}", debuggee_.chip_name(chip), trigger.name, change.value,
+                                 place(chip, record.pc)),
+             .pc = record.pc,
+             .value = static_cast<Word>(change.value)});
   }
 }
 
 void Debugger::Ear::broke_rule(std::size_t chip, const c40::Diagnostic& breach, c40::Cycles cycle) {
   const std::string rule(c40::name(breach.rule));
-  Happening happening{.time = debuggee_.time_of(chip, cycle), .kind = std::string(Trigger::rules), .chip = chip, .fields = {{"rule", rule}}, .text = {}};
-  happening.text = fmt::format("{} broke the rule {} ({} {}) at {}: {}: {}", debuggee_.chip_name(chip), rule, c40::document(breach.rule), breach.section,
-                               place(chip, breach.pc), breach.instruction, breach.message);
+  Happening happening{.time = debuggee_.time_of(chip, cycle),
+                      .kind = std::string(Trigger::rules),
+                      .chip = chip,
+                      .fields = {{"rule", rule}},
+                      .text = {}};
+  happening.text = fmt::format("{} broke the rule {} ({} {}) at {}: {}: {}", debuggee_.chip_name(chip), rule,
+                               c40::document(breach.rule), breach.section, place(chip, breach.pc), breach.instruction,
+                               breach.message);
   happened(happening);
 }
 
 void Debugger::Ear::happened(const Happening& happening) {
   if (!open_) return;
   for (const auto& [number, trigger] : armed_) {
-    if (trigger.kind != Trigger::Kind::happening || (trigger.name != happening.kind && (trigger.name != "any" || happening.kind == Trigger::rules))) continue;
+    if (trigger.kind != Trigger::Kind::happening ||
+        (trigger.name != happening.kind && (trigger.name != "any" || happening.kind == Trigger::rules)))
+      continue;
     if (trigger.chip && trigger.chip != happening.chip) continue;
     const bool fits = std::ranges::all_of(trigger.fields, [&](const auto& field) {
       const auto found = happening.fields.find(field.first);

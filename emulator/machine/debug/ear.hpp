@@ -1,6 +1,6 @@
 #pragma once
-/// What the debugger hears while the machine runs: hits of triggers, each with its instant. Chips run ahead of one another, so
-/// the hits do not come in the order of time.
+/// What the debugger hears while the machine runs: hits of triggers, each with its instant. Chips run ahead of one
+/// another, so the hits do not come in the order of time.
 #include <map>
 #include <memory>
 #include <vector>

@@ -3,7 +3,8 @@
 
 namespace machine::debug {
 
-/// A command that makes no sense: a place that is none, a condition that does not parse. The message says what would be right.
+/// A command that makes no sense: a place that is none, a condition that does not parse. The message says what would be
+/// right.
 class DebugError : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;

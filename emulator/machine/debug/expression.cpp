@@ -15,7 +15,8 @@ namespace machine::debug {
 std::string Value::text() const {
   if (is_float) return fmt::format("{:.9g}", real);
   if (integer >= -0x80000000LL && integer <= 0xFFFFFFFFLL)
-    return fmt::format("{} ({:08X}h)", static_cast<std::int32_t>(static_cast<std::uint32_t>(integer)), static_cast<std::uint32_t>(integer));
+    return fmt::format("{} ({:08X}h)", static_cast<std::int32_t>(static_cast<std::uint32_t>(integer)),
+                       static_cast<std::uint32_t>(integer));
   return fmt::format("{}", integer);
 }
 
@@ -34,7 +35,9 @@ thread_local bool only_own = false;
 
 using NodePtr = std::unique_ptr<Expression::Node>;
 
-double to_double(c40::Float40 value) { return std::ldexp(static_cast<double>(c40::float40::mantissa(value)), value.e - 31); }
+double to_double(c40::Float40 value) {
+  return std::ldexp(static_cast<double>(c40::float40::mantissa(value)), value.e - 31);
+}
 Value of(std::int64_t integer) { return {.integer = integer}; }
 Value of_word(Word word) { return {.integer = static_cast<std::int32_t>(word)}; }
 Value of_float(double real) { return {.is_float = true, .real = real}; }
@@ -61,10 +64,14 @@ Value apply(std::string_view op, const Value& a, const Value& b) {
   const bool real = a.is_float || b.is_float;
   if (op == "==" || op == "!=") {
     bool equal = a.number() == b.number();
-    if (!real) equal = is_word(a.integer) && is_word(b.integer) ? static_cast<Word>(a.integer) == static_cast<Word>(b.integer) : a.integer == b.integer;
+    if (!real)
+      equal = is_word(a.integer) && is_word(b.integer) ? static_cast<Word>(a.integer) == static_cast<Word>(b.integer)
+                                                       : a.integer == b.integer;
     return of(equal == (op == "=="));
   }
-  const auto compare = [&](auto x, auto y) { return op == "<" ? x < y : op == "<=" ? x <= y : op == ">" ? x > y : x >= y; };
+  const auto compare = [&](auto x, auto y) {
+    return op == "<" ? x < y : op == "<=" ? x <= y : op == ">" ? x > y : x >= y;
+  };
   if (op[0] == '<' || op[0] == '>')
     if (op != "<<" && op != ">>") return of(real ? compare(a.number(), b.number()) : compare(a.integer, b.integer));
   if (!real) return of(wrapping(op, a.integer, b.integer));
@@ -104,7 +111,16 @@ class Parser {
   }
 
   NodePtr binary(std::size_t level) {
-    static const std::array<std::vector<std::string_view>, 10> levels{{{"||"}, {"&&"}, {"|"}, {"^"}, {"&"}, {"==", "!="}, {"<=", ">=", "<", ">"}, {"<<", ">>"}, {"+", "-"}, {"*", "/", "%"}}};
+    static const std::array<std::vector<std::string_view>, 10> levels{{{"||"},
+                                                                       {"&&"},
+                                                                       {"|"},
+                                                                       {"^"},
+                                                                       {"&"},
+                                                                       {"==", "!="},
+                                                                       {"<=", ">=", "<", ">"},
+                                                                       {"<<", ">>"},
+                                                                       {"+", "-"},
+                                                                       {"*", "/", "%"}}};
     if (level == levels.size()) return unary();
     NodePtr left = binary(level + 1);
     for (;;) {
@@ -120,7 +136,8 @@ class Parser {
     const std::string_view rest = text_.substr(at_);
     for (const std::string_view op : level) {
       if (!rest.starts_with(op)) continue;
-      if (op.size() == 1 && rest.size() > 1 && (op == "|" || op == "&" || op == "<" || op == ">") && rest[1] == op[0]) continue;
+      if (op.size() == 1 && rest.size() > 1 && (op == "|" || op == "&" || op == "<" || op == ">") && rest[1] == op[0])
+        continue;
       at_ += op.size();
       return op;
     }
@@ -130,7 +147,8 @@ class Parser {
   static NodePtr joined(std::string_view op, NodePtr a, NodePtr b) {
     auto node = std::make_unique<Expression::Node>();
     node->is_private = a->is_private && b->is_private;
-    node->value = [op, a = std::shared_ptr<Expression::Node>(std::move(a)), b = std::shared_ptr<Expression::Node>(std::move(b))] {
+    node->value = [op, a = std::shared_ptr<Expression::Node>(std::move(a)),
+                   b = std::shared_ptr<Expression::Node>(std::move(b))] {
       if (op == "&&") return of(a->value().truth() && b->value().truth());
       if (op == "||") return of(a->value().truth() || b->value().truth());
       return apply(op, a->value(), b->value());
@@ -201,7 +219,8 @@ class Parser {
   NodePtr number() {
     const std::size_t begin = at_;
     while (at_ < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[at_])) != 0 || text_[at_] == '.' ||
-                                  ((text_[at_] == '-' || text_[at_] == '+') && (text_[at_ - 1] == 'e' || text_[at_ - 1] == 'E') && text_.substr(begin, 2) != "0x")))
+                                  ((text_[at_] == '-' || text_[at_] == '+') &&
+                                   (text_[at_ - 1] == 'e' || text_[at_ - 1] == 'E') && text_.substr(begin, 2) != "0x")))
       ++at_;
     const std::string token(text_.substr(begin, at_ - begin));
     auto node = std::make_unique<Expression::Node>();
@@ -215,14 +234,17 @@ class Parser {
       real = std::stod(token, &used);
     } catch (const std::exception&) {
     }
-    if (used != token.size()) at_ = begin, refuse(fmt::format("{} is no number; 12, 0Ch, 0xC or 1.5 is expected", token));
+    if (used != token.size())
+      at_ = begin, refuse(fmt::format("{} is no number; 12, 0Ch, 0xC or 1.5 is expected", token));
     node->value = [value = of_float(real)] { return value; };
     return node;
   }
 
   NodePtr named() {
     const std::size_t begin = at_;
-    while (at_ < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[at_])) != 0 || text_[at_] == '_' || text_[at_] == '.' || text_[at_] == '$')) ++at_;
+    while (at_ < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[at_])) != 0 || text_[at_] == '_' ||
+                                  text_[at_] == '.' || text_[at_] == '$'))
+      ++at_;
     const std::string name(text_.substr(begin, at_ - begin));
     if ((name == "f" || name == "u") && take("(")) return converted(name[0]);
     if (NodePtr node = of_chip(name, chip_)) return node;
@@ -231,9 +253,12 @@ class Parser {
         if (name.starts_with(prefix)) {
           std::size_t n = 0;
           const std::string digits = name.substr(prefix.size(), dot - prefix.size());
-          if (digits.empty() || digits.size() > 2 || !std::ranges::all_of(digits, [](char c) { return c >= '0' && c <= '9'; })) continue;
+          if (digits.empty() || digits.size() > 2 ||
+              !std::ranges::all_of(digits, [](char c) { return c >= '0' && c <= '9'; }))
+            continue;
           n = std::stoul(digits);
-          if (n >= debuggee_.chips()) at_ = begin, refuse(fmt::format("there is no {} {}; 0 to {} are there", prefix, n, debuggee_.chips() - 1));
+          if (n >= debuggee_.chips())
+            at_ = begin, refuse(fmt::format("there is no {} {}; 0 to {} are there", prefix, n, debuggee_.chips() - 1));
           if (NodePtr node = of_chip(name.substr(dot + 1), n)) {
             node->is_private = node->is_private && n == chip_;
             return node;
@@ -255,7 +280,9 @@ class Parser {
     auto node = std::make_unique<Expression::Node>();
     node->is_private = inner->is_private;
     if (how == 'f' && inner->reg) {
-      node->value = [chip = &debuggee_.chip(chip_), reg = *inner->reg] { return of_float(to_double(chip->float_register(reg))); };
+      node->value = [chip = &debuggee_.chip(chip_), reg = *inner->reg] {
+        return of_float(to_double(chip->float_register(reg)));
+      };
       return node;
     }
     node->value = [inner, how] {
@@ -286,11 +313,17 @@ class Parser {
     }
     std::string lower = name;
     for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    if (lower == "pc") node->value = [&chip] { return of(chip.pc()); };
-    else if (lower == "cycle") node->value = [&chip] { return of(chip.cycle()); };
-    else if (lower == "instructions") node->value = [&chip] { return of(static_cast<std::int64_t>(chip.instructions())); };
-    else if (lower == "time_s") node->is_private = false, node->value = [&d = debuggee_] { return of_float(static_cast<double>(d.now().count()) * 1e-12); };
-    else if (const auto cause = cause_named(lower)) node->value = [&chip, i = *cause] { return of(chip.causes()[i]); };
+    if (lower == "pc")
+      node->value = [&chip] { return of(chip.pc()); };
+    else if (lower == "cycle")
+      node->value = [&chip] { return of(chip.cycle()); };
+    else if (lower == "instructions")
+      node->value = [&chip] { return of(static_cast<std::int64_t>(chip.instructions())); };
+    else if (lower == "time_s")
+      node->is_private = false,
+      node->value = [&d = debuggee_] { return of_float(static_cast<double>(d.now().count()) * 1e-12); };
+    else if (const auto cause = cause_named(lower))
+      node->value = [&chip, i = *cause] { return of(chip.causes()[i]); };
     else if (const auto label = programs_.at(n).address(name)) {
       node->value = [word = *label] {
         Value value = of(word);
@@ -335,7 +368,8 @@ class Parser {
 
 }  // namespace
 
-Expression::Expression(std::string_view text, Debuggee& debuggee, const std::vector<ProgramView>& programs, std::size_t chip)
+Expression::Expression(std::string_view text, Debuggee& debuggee, const std::vector<ProgramView>& programs,
+                       std::size_t chip)
     : root_(Parser(text, debuggee, programs, chip).whole()) {}
 Expression::~Expression() = default;
 Expression::Expression(Expression&&) noexcept = default;
@@ -357,7 +391,8 @@ std::optional<Value> Expression::own_value() const {
   }
 }
 
-std::string filled_in(std::string_view text, Debuggee& debuggee, const std::vector<ProgramView>& programs, std::size_t chip) {
+std::string filled_in(std::string_view text, Debuggee& debuggee, const std::vector<ProgramView>& programs,
+                      std::size_t chip) {
   std::string out;
   for (std::size_t at = 0; at < text.size();) {
     const std::size_t open = text.find('{', at), close = open == std::string_view::npos ? open : text.find('}', open);

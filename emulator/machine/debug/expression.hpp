@@ -1,8 +1,9 @@
 #pragma once
 /// Expressions in conditions, watches and prints: `r0`, `f(r1)`, `ar3 + 2`, `[kernel_state + 4]`, `f([ar0]) > 1.5`,
-/// `chip1.pc == kernel_pid`, `TIMER0.counter`, `plant.payload_z_m < 1`, `cycle`, `instructions`, `cause.bus_transfer`, `time_s`.
-/// Operators as in C: || && | ^ & == != < <= > >= << >> + - * / % ! ~. Words are signed 32-bit numbers where they are used; == and != compare their 32 bits.
-/// f(x): x as a float; of R0 to R11 all 40 bits. u(x): the word as an unsigned number.
+/// `chip1.pc == kernel_pid`, `TIMER0.counter`, `plant.payload_z_m < 1`, `cycle`, `instructions`, `cause.bus_transfer`,
+/// `time_s`. Operators as in C: || && | ^ & == != < <= > >= << >> + - * / % ! ~. Words are signed 32-bit numbers where
+/// they are used; == and != compare their 32 bits. f(x): x as a float; of R0 to R11 all 40 bits. u(x): the word as an
+/// unsigned number.
 #include <memory>
 #include <optional>
 #include <string>
@@ -44,6 +45,7 @@ class Expression {
 };
 
 /// The text with each {expression} replaced by its value.
-std::string filled_in(std::string_view text, Debuggee& debuggee, const std::vector<ProgramView>& programs, std::size_t chip);
+std::string filled_in(std::string_view text, Debuggee& debuggee, const std::vector<ProgramView>& programs,
+                      std::size_t chip);
 
 }  // namespace machine::debug

@@ -23,8 +23,8 @@ std::array<std::uint64_t, 256> gear_table() {
   return table;
 }
 
-/// The length of the first chunk: it ends where the bytes before say so, wherever in the text they stand. So what was inserted
-/// into a text changes the chunks around it only.
+/// The length of the first chunk: it ends where the bytes before say so, wherever in the text they stand. So what was
+/// inserted into a text changes the chunks around it only.
 std::size_t chunk_length(std::string_view text) {
   static const std::array<std::uint64_t, 256> gear = gear_table();
   const std::size_t end = std::min(text.size(), most_chunk);
@@ -80,13 +80,15 @@ const History::Snapshot* History::find(Time time) const {
 
 std::optional<History::Place> History::before(Time time) const {
   const Snapshot* found = find(time);
-  if (near_ && near_->first.time <= time && (found == nullptr || found->place.time <= near_->first.time)) return near_->first;
+  if (near_ && near_->first.time <= time && (found == nullptr || found->place.time <= near_->first.time))
+    return near_->first;
   return found == nullptr ? std::nullopt : std::optional(found->place);
 }
 
 std::string History::state_before(Time time) const {
   const Snapshot* found = find(time);
-  if (near_ && near_->first.time <= time && (found == nullptr || found->place.time <= near_->first.time)) return near_->second;
+  if (near_ && near_->first.time <= time && (found == nullptr || found->place.time <= near_->first.time))
+    return near_->second;
   std::string text;
   for (const Chunk& chunk : found->chunks) text += *chunk;
   return text;
@@ -104,8 +106,8 @@ std::size_t History::bytes() const {
   return sum;
 }
 
-// Away goes the one whose neighbours lie closest together, measured by how long ago it was: so gaps grow with age. The first and
-// the last stay.
+// Away goes the one whose neighbours lie closest together, measured by how long ago it was: so gaps grow with age. The
+// first and the last stay.
 void History::thin_out() {
   while (snapshots_.size() > 3 && bytes() > limits_.bytes) {
     const Time now = snapshots_.back().place.time;

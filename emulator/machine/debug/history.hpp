@@ -12,8 +12,9 @@
 namespace machine::debug {
 
 struct HistoryLimits {
-  Time period = std::chrono::milliseconds{500};  ///< between two snapshots, or more where these would cost much of the run's time
-  std::size_t bytes = std::size_t{512} << 20;    ///< beyond it snapshots are thinned out, the older the more
+  Time period =
+      std::chrono::milliseconds{500};  ///< between two snapshots, or more where these would cost much of the run's time
+  std::size_t bytes = std::size_t{512} << 20;  ///< beyond it snapshots are thinned out, the older the more
 };
 
 struct HistoryInfo {

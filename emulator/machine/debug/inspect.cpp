@@ -20,7 +20,8 @@ using isa::Register;
 
 bool ends_with_path(std::string_view path, std::string_view end) {
   if (!path.ends_with(end)) return false;
-  return path.size() == end.size() || path[path.size() - end.size() - 1] == '/' || path[path.size() - end.size() - 1] == '\\';
+  return path.size() == end.size() || path[path.size() - end.size() - 1] == '/' ||
+         path[path.size() - end.size() - 1] == '\\';
 }
 
 std::string_view last_part(std::string_view path) {
@@ -45,7 +46,8 @@ AddressNames names_of(const toolchain::Image& image) {
 ProgramView::ProgramView(const toolchain::Image& image) : image_(image), names_(names_of(image)) {
   for (std::size_t i = 0; i < image.lines.size(); ++i) lines_.emplace(image.lines[i].address, i);
   for (const auto& [name, value] : image.symbols)
-    if (in_code(image, value) && !name.starts_with('.') && name.find('$') == std::string::npos) routines_.emplace(value, name);
+    if (in_code(image, value) && !name.starts_with('.') && name.find('$') == std::string::npos)
+      routines_.emplace(value, name);
 }
 
 std::optional<SourcePlace> ProgramView::source(Address address) const {
@@ -63,7 +65,9 @@ std::vector<Address> ProgramView::addresses(std::string_view file, int line) con
     return ends_with_path(path, file) || ends_with_path(file, path) || last_part(path) == last_part(file);
   };
   for (const toolchain::LineRecord& record : image_.lines) {
-    if (record.line < line || record.line > first || record.file >= image_.files.size() || !is_file(record) || !in_code(image_, record.address)) continue;
+    if (record.line < line || record.line > first || record.file >= image_.files.size() || !is_file(record) ||
+        !in_code(image_, record.address))
+      continue;
     if (record.line < first) found.clear(), first = record.line;
     found.push_back(record.address);
   }
@@ -123,20 +127,25 @@ std::vector<Address> places_named(const ProgramView& program, std::string_view t
   const std::size_t colon = text.rfind(':');
   if (colon != std::string_view::npos) {
     const std::string_view number = text.substr(colon + 1);
-    if (number.empty() || number.size() > 9 || !std::ranges::all_of(number, [](char c) { return c >= '0' && c <= '9'; }))
+    if (number.empty() || number.size() > 9 ||
+        !std::ranges::all_of(number, [](char c) { return c >= '0' && c <= '9'; }))
       throw DebugError(fmt::format("\"{}\": FILE:LINE is expected, LINE a number from 1 on", text));
     std::vector<Address> found = program.addresses(text.substr(0, colon), std::stoi(std::string(number)));
     if (!found.empty()) return found;
     std::string files;
     for (const std::string& file : program.files()) files += (files.empty() ? "" : ", ") + std::string(last_part(file));
-    throw DebugError(fmt::format("\"{}\": no instruction stands in that line or after it; files with lines: {}", text, files.empty() ? "none" : files));
+    throw DebugError(fmt::format("\"{}\": no instruction stands in that line or after it; files with lines: {}", text,
+                                 files.empty() ? "none" : files));
   }
   const std::size_t sign = text.find('+');
   auto base = program.address(text.substr(0, sign));
   if (!base) base = toolchain::find_address(text.substr(0, sign), nullptr);
-  const auto offset = sign == std::string_view::npos ? std::optional<Address>(0) : toolchain::find_address(text.substr(sign + 1), nullptr);
+  const auto offset = sign == std::string_view::npos ? std::optional<Address>(0)
+                                                     : toolchain::find_address(text.substr(sign + 1), nullptr);
   if (!base || !offset)
-    throw DebugError(fmt::format("\"{}\" is no place: a label, a label + a number, an address (300000h, 0x300000) or FILE:LINE is expected", text));
+    throw DebugError(fmt::format(
+        "\"{}\" is no place: a label, a label + a number, an address (300000h, 0x300000) or FILE:LINE is expected",
+        text));
   return {*base + *offset};
 }
 
@@ -157,7 +166,8 @@ bool is_delayed(const isa::Instruction& instruction) {
 }
 
 /// The call before a return address, if there is one that may lead to the routine.
-std::optional<Address> call_before(Debuggee& debuggee, std::size_t chip, const ProgramView& program, Address returns_to, std::optional<Address> routine, bool delayed) {
+std::optional<Address> call_before(Debuggee& debuggee, std::size_t chip, const ProgramView& program, Address returns_to,
+                                   std::optional<Address> routine, bool delayed) {
   const Address at = returns_to - (delayed ? 4 : 1);
   const auto word = debuggee.peek(chip, at);
   if (!word || !in_code(program.image(), at)) return std::nullopt;
@@ -193,13 +203,15 @@ std::vector<Frame> call_stack(Debuggee& debuggee, std::size_t n, const ProgramVi
   };
   const auto sp = static_cast<Address>(chip.register_value(Register::SP));
   const auto r11 = static_cast<Address>(chip.register_value(Register::R11));
-  if (const auto at = call_before(debuggee, n, program, r11, routine_of(chip.pc()), true)) frames.push_back({*at, std::nullopt, r11});
+  if (const auto at = call_before(debuggee, n, program, r11, routine_of(chip.pc()), true))
+    frames.push_back({*at, std::nullopt, r11});
   for (Address depth = 0; depth < deepest_look && frames.size() < most_frames; ++depth) {
     const auto word = debuggee.peek(n, sp - depth);
     if (!word) break;
     const auto routine = routine_of(frames.back().pc);
     for (const bool delayed : {false, true})
-      if (const auto at = call_before(debuggee, n, program, *word, routine, delayed); at && !(delayed && *word == r11 && frames.size() > 1)) {
+      if (const auto at = call_before(debuggee, n, program, *word, routine, delayed);
+          at && !(delayed && *word == r11 && frames.size() > 1)) {
         frames.push_back({*at, sp - depth, *word});
         break;
       }
@@ -215,11 +227,26 @@ struct StatusField {
   std::string_view name;
   std::uint32_t mask;
 };
-constexpr std::array<StatusField, 16> status_fields{{{"C", c40::st::C}, {"V", c40::st::V}, {"Z", c40::st::Z}, {"N", c40::st::N}, {"UF", c40::st::UF},
-    {"LV", c40::st::LV}, {"LUF", c40::st::LUF}, {"OVM", c40::st::OVM}, {"RM", c40::st::RM}, {"PCF", c40::st::PCF}, {"CF", c40::st::CF}, {"CE", c40::st::CE},
-    {"CC", c40::st::CC}, {"GIE", c40::st::GIE}, {"PGIE", c40::st::PGIE}, {"SET COND", c40::st::SETCOND}}};
+constexpr std::array<StatusField, 16> status_fields{{{"C", c40::st::C},
+                                                     {"V", c40::st::V},
+                                                     {"Z", c40::st::Z},
+                                                     {"N", c40::st::N},
+                                                     {"UF", c40::st::UF},
+                                                     {"LV", c40::st::LV},
+                                                     {"LUF", c40::st::LUF},
+                                                     {"OVM", c40::st::OVM},
+                                                     {"RM", c40::st::RM},
+                                                     {"PCF", c40::st::PCF},
+                                                     {"CF", c40::st::CF},
+                                                     {"CE", c40::st::CE},
+                                                     {"CC", c40::st::CC},
+                                                     {"GIE", c40::st::GIE},
+                                                     {"PGIE", c40::st::PGIE},
+                                                     {"SET COND", c40::st::SETCOND}}};
 
-double to_double(c40::Float40 value) { return std::ldexp(static_cast<double>(c40::float40::mantissa(value)), value.e - 31); }
+double to_double(c40::Float40 value) {
+  return std::ldexp(static_cast<double>(c40::float40::mantissa(value)), value.e - 31);
+}
 
 std::string upper(std::string_view name) {
   std::string out(name);
@@ -236,10 +263,11 @@ ShownRegister word_register(std::string name, Word value) {
 std::vector<ShownRegister> registers(const c40::Chip& chip) {
   std::vector<ShownRegister> all;
   constexpr std::array<Register, isa::register_count> order{
-      Register::R0,  Register::R1,  Register::R2,  Register::R3,  Register::R4,  Register::R5,  Register::R6,  Register::R7,
-      Register::R8,  Register::R9,  Register::R10, Register::R11, Register::AR0, Register::AR1, Register::AR2, Register::AR3,
-      Register::AR4, Register::AR5, Register::AR6, Register::AR7, Register::DP,  Register::IR0, Register::IR1, Register::BK,
-      Register::SP,  Register::ST,  Register::DIE, Register::IIE, Register::IIF, Register::RS,  Register::RE,  Register::RC};
+      Register::R0,  Register::R1,  Register::R2,  Register::R3,  Register::R4,  Register::R5,  Register::R6,
+      Register::R7,  Register::R8,  Register::R9,  Register::R10, Register::R11, Register::AR0, Register::AR1,
+      Register::AR2, Register::AR3, Register::AR4, Register::AR5, Register::AR6, Register::AR7, Register::DP,
+      Register::IR0, Register::IR1, Register::BK,  Register::SP,  Register::ST,  Register::DIE, Register::IIE,
+      Register::IIF, Register::RS,  Register::RE,  Register::RC};
   all.push_back(word_register("PC", chip.pc()));
   for (const Register reg : order) {
     const std::uint64_t value = chip.register_value(reg);
@@ -251,7 +279,8 @@ std::vector<ShownRegister> registers(const c40::Chip& chip) {
       shown.parts = {{"float", shown.value}, {"integer", integer}};
     }
     if (reg == Register::ST)
-      for (const StatusField& field : status_fields) shown.parts.emplace_back(field.name, (value & field.mask) != 0 ? "1" : "0");
+      for (const StatusField& field : status_fields)
+        shown.parts.emplace_back(field.name, (value & field.mask) != 0 ? "1" : "0");
     all.push_back(std::move(shown));
   }
   all.push_back(word_register("IVTP", chip.expansion(isa::Expansion::IVTP)));
@@ -262,17 +291,21 @@ std::vector<ShownRegister> registers(const c40::Chip& chip) {
 std::vector<ShownRegister> peripherals(const c40::Chip& chip) {
   std::vector<ShownRegister> all;
   for (const c40::RegisterInfo& info : c40::register_map()) {
-    const bool fifo = c40::is_port_register(info.address) && c40::port_access(info.address, false, 0, 0).reg != c40::PortRegister::control;
+    const bool fifo = c40::is_port_register(info.address) &&
+                      c40::port_access(info.address, false, 0, 0).reg != c40::PortRegister::control;
     if (fifo) continue;
     ShownRegister shown = word_register(info.name, chip.peripheral(info.name));
     const Word value = chip.peripheral(info.name);
-    for (const c40::Field& field : info.fields) shown.parts.emplace_back(field.name, fmt::format("{}", field.of(value)));
+    for (const c40::Field& field : info.fields)
+      shown.parts.emplace_back(field.name, fmt::format("{}", field.of(value)));
     all.push_back(std::move(shown));
   }
   for (int n = 0; n < c40::port_count; ++n)
-    for (const auto& [name, fifo] : {std::pair{"input", &chip.port(n).input}, std::pair{"output", &chip.port(n).output}}) {
+    for (const auto& [name, fifo] :
+         {std::pair{"input", &chip.port(n).input}, std::pair{"output", &chip.port(n).output}}) {
       ShownRegister shown{fmt::format("PORT{}.{}", n, name), "", fmt::format("{} words", fifo->words().size()), {}};
-      for (const Word word : fifo->words()) shown.parts.emplace_back(fmt::format("{}", shown.parts.size()), fmt::format("{:08X}h", word));
+      for (const Word word : fifo->words())
+        shown.parts.emplace_back(fmt::format("{}", shown.parts.size()), fmt::format("{:08X}h", word));
       all.push_back(std::move(shown));
     }
   return all;

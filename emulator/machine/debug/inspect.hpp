@@ -43,8 +43,8 @@ class ProgramView {
  private:
   const toolchain::Image& image_;
   AddressNames names_;
-  std::map<Address, std::size_t> lines_;      ///< into image_.lines
-  std::map<Address, std::string> routines_;   ///< by first address
+  std::map<Address, std::size_t> lines_;     ///< into image_.lines
+  std::map<Address, std::string> routines_;  ///< by first address
 };
 
 /// An address as a user writes it: "kernel_pid", "kernel_pid+4", 300000h, 0x300000, a decimal number, or FILE:LINE.
@@ -56,15 +56,15 @@ struct Frame {
   std::optional<Address> at;  ///< where on the stack the return address stands
   Address returns_to = 0;     ///< of all but the first
 };
-/// By the calling convention: the innermost first. Return addresses are words on the stack that lie behind a call of the routine below,
-/// R11 behind LAJ; with AR3 as TI's C compiler uses it, its chain counts.
+/// By the calling convention: the innermost first. Return addresses are words on the stack that lie behind a call of
+/// the routine below, R11 behind LAJ; with AR3 as TI's C compiler uses it, its chain counts.
 std::vector<Frame> call_stack(Debuggee& debuggee, std::size_t chip, const ProgramView& program);
 
 /// A value as a front end may show it.
 struct ShownRegister {
   std::string name;
   std::string hex;
-  std::string value;  ///< a float of R0 to R11, else a signed number
+  std::string value;                                       ///< a float of R0 to R11, else a signed number
   std::vector<std::pair<std::string, std::string>> parts;  ///< fields by name; of R0 to R11 float, integer
 };
 /// R0 to R11, AR0 to AR7, the others, IVTP, TVTP, PC.

@@ -29,12 +29,14 @@ constexpr std::array kinds{
 /// What is no event of the network, but what becomes of a chip.
 bool is_end(ChipStatus status) {
   using enum ChipStatus;
-  return status == fault || status == halt || status == idle || status == until || status == external_access || status == looping;
+  return status == fault || status == halt || status == idle || status == until || status == external_access ||
+         status == looping;
 }
 
 }  // namespace
 
-NetworkDebuggee::NetworkDebuggee(Network& network) : network_(network), now_(network.now()), told_(network.events().size()) {
+NetworkDebuggee::NetworkDebuggee(Network& network)
+    : network_(network), now_(network.now()), told_(network.events().size()) {
   for (std::size_t n = 0; n < network.chip_count(); ++n) status_.push_back(network.status(n));
 }
 NetworkDebuggee::~NetworkDebuggee() { network_.watch_memory({}); }
@@ -56,8 +58,10 @@ void NetworkDebuggee::set_trace(std::size_t n, c40::TraceSink* sink) { network_.
 
 std::optional<std::string> NetworkDebuggee::over() const {
   if (!ended_) return std::nullopt;
-  std::string text(ended_->reason == NetworkStop::Reason::deadlock ? "nothing can happen any more" : "all chips have come to rest");
-  for (std::size_t n = 0; n < network_.chip_count(); ++n) text += fmt::format("; {}: {}", chip_name(n), network_.describe(n));
+  std::string text(ended_->reason == NetworkStop::Reason::deadlock ? "nothing can happen any more"
+                                                                   : "all chips have come to rest");
+  for (std::size_t n = 0; n < network_.chip_count(); ++n)
+    text += fmt::format("; {}: {}", chip_name(n), network_.describe(n));
   return text;
 }
 
@@ -71,11 +75,17 @@ void NetworkDebuggee::run_until(Time time) {
 
 void NetworkDebuggee::tell_new() {
   const std::vector<NetworkEvent> events = network_.events();
-  const auto wanted = [&](std::string_view kind) { return listener_ != nullptr && (kinds_.contains(std::string(kind)) || kinds_.contains("any")); };
+  const auto wanted = [&](std::string_view kind) {
+    return listener_ != nullptr && (kinds_.contains(std::string(kind)) || kinds_.contains("any"));
+  };
   for (; told_ < events.size(); ++told_) {
     const NetworkEvent& event = events[told_];
     if (is_common(event.kind) || !wanted(machine::name(event.kind))) continue;
-    Happening happening{.time = event.time, .kind = std::string(machine::name(event.kind)), .chip = {}, .fields = {}, .text = network_.text(event)};
+    Happening happening{.time = event.time,
+                        .kind = std::string(machine::name(event.kind)),
+                        .chip = {},
+                        .fields = {},
+                        .text = network_.text(event)};
     if (event.kind >= Kind::discarded) happening.chip = event.place;
     listener_->happened(happening);
   }
@@ -85,7 +95,10 @@ void NetworkDebuggee::tell_new() {
     const std::string kind = status == ChipStatus::fault ? "fault" : "end";
     if (!wanted(kind)) continue;
     const Time at = std::max(network_.clock(n).at(network_.chip(n).cycle()), Time{0});
-    listener_->happened({.time = std::min(at, now_), .kind = kind, .chip = n, .fields = {{"status", std::string(machine::name(status))}},
+    listener_->happened({.time = std::min(at, now_),
+                         .kind = kind,
+                         .chip = n,
+                         .fields = {{"status", std::string(machine::name(status))}},
                          .text = fmt::format("{}: {}", chip_name(n), network_.describe(n))});
   }
 }
@@ -110,8 +123,10 @@ std::optional<Word> NetworkDebuggee::peek(std::size_t n, Address address) {
 }
 
 void NetworkDebuggee::poke(std::size_t n, Address address, Word value) {
-  if (const auto place = network_.memory_place(n, address)) network_.memory(place->memory)[place->word] = value;
-  else network_.chip(n).poke(address, value);
+  if (const auto place = network_.memory_place(n, address))
+    network_.memory(place->memory)[place->word] = value;
+  else
+    network_.chip(n).poke(address, value);
 }
 
 // Memories one behind the other.
@@ -125,16 +140,25 @@ std::optional<Address> NetworkDebuggee::shared_word(std::size_t n, Address addre
 
 void NetworkDebuggee::watch_shared(SharedListener* listener, std::vector<c40::AddressRange> words) {
   if (listener == nullptr) return network_.watch_memory({});
-  network_.watch_memory([this, listener, words = std::move(words)](std::size_t chip, Network::MemoryPlace, Word before, const c40::ExternalAccess& access, Time time) {
+  network_.watch_memory([this, listener, words = std::move(words)](std::size_t chip, Network::MemoryPlace, Word before,
+                                                                   const c40::ExternalAccess& access, Time time) {
     const Address word = *shared_word(chip, access.address);
     if (std::ranges::none_of(words, [&](const c40::AddressRange& range) { return range.contains(word); })) return;
-    const std::string who = access.channel < 0 ? chip_name(chip) : fmt::format("DMA channel {} of {}", access.channel, chip_name(chip));
-    listener->shared_access({.time = time + Time{1}, .word = word, .before = before, .value = access.write ? access.value : before, .write = access.write, .chip = chip, .who = who});
+    const std::string who =
+        access.channel < 0 ? chip_name(chip) : fmt::format("DMA channel {} of {}", access.channel, chip_name(chip));
+    listener->shared_access({.time = time + Time{1},
+                             .word = word,
+                             .before = before,
+                             .value = access.write ? access.value : before,
+                             .write = access.write,
+                             .chip = chip,
+                             .who = who});
   });
 }
 
 std::vector<std::pair<std::string, std::string>> NetworkDebuggee::happenings() const {
-  std::vector<std::pair<std::string, std::string>> all{{"fault", "a chip cannot go on"}, {"end", "a chip's program has ended, or waits for what never comes"}};
+  std::vector<std::pair<std::string, std::string>> all{
+      {"fault", "a chip cannot go on"}, {"end", "a chip's program has ended, or waits for what never comes"}};
   for (const auto& [kind, what] : kinds) all.emplace_back(std::string(machine::name(kind)), what);
   return all;
 }
@@ -149,10 +173,13 @@ std::vector<std::string> NetworkDebuggee::page_names() const { return {"chips", 
 std::string NetworkDebuggee::page(std::string_view name) {
   std::string text;
   if (name == "chips")
-    for (std::size_t n = 0; n < chips(); ++n) text += fmt::format("{}: {}, at {:08X}h, cycle {}\n", chip_name(n), describe(n), network_.chip(n).pc(), network_.chip(n).cycle());
+    for (std::size_t n = 0; n < chips(); ++n)
+      text += fmt::format("{}: {}, at {:08X}h, cycle {}\n", chip_name(n), describe(n), network_.chip(n).pc(),
+                          network_.chip(n).cycle());
   else if (name == "events")
     for (const NetworkEvent& event : network_.events()) text += network_.text(event) + "\n";
-  else throw DebugError(fmt::format("{}: chips or events is expected", name));
+  else
+    throw DebugError(fmt::format("{}: chips or events is expected", name));
   return text;
 }
 
