@@ -71,8 +71,10 @@ MUTANTS := 200
 mutants: build
 	$(PYTHON) scripts/mutants --count $(MUTANTS)
 
+# Layout of the C++ (.clang-format, one version of the tool), style and types of the Python.
 lint:
-	$(PYTHON) -m pip install -q ruff mypy
+	$(PYTHON) -m pip install -q ruff mypy clang-format==19.1.7
+	git ls-files '*.cpp' '*.hpp' | xargs $(VENV)/bin/clang-format --dry-run -Werror
 	$(PYTHON) -m ruff check python tests
 	$(PYTHON) -m mypy --strict python/cmrc
 

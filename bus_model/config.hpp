@@ -101,7 +101,7 @@ struct BusBridgeConfig {
   unsigned delayed_reads = 4;   ///< that can be under way per direction
   unsigned prefetch_lines = 2;  ///< lines that Memory Read Multiple fetches; Read Line fetches to the end of one,
                                 ///< Memory Read one word
-  Clocks forward = 3;  ///< clocks from the last data phase on one bus to REQ# on the other, at least 1
+  Clocks forward = 3;           ///< clocks from the last data phase on one bus to REQ# on the other, at least 1
   Clocks latency_timer = 32;
 };
 

@@ -557,6 +557,19 @@ def test_a_lock_keeps_the_others_out() -> None:
     assert any(chip.causes["bus_arbitration"] > 0 for chip in network.chips)
 
 
+def test_a_reset_gives_a_chips_own_lock_back_and_nobody_elses() -> None:
+    memory = SharedMemory("counter", 16, {0: 0xC0000000, 1: 0xC0000000, 2: 0xC0000000})
+    taker = "        ldhi 0c000h,ar0\n        ldii *ar0,r4\n" + STOP
+    late = "        nop\n" * 20 + "        ldhi 0c000h,ar0\n        ldi *ar0,r4\n" + STOP
+    for reset, waits in ((0, None), (2, 0)):  # the holder; one that has nothing to do with it
+        network = Network([program(taker), program(late), program(STOP)], memories=[memory])
+        network.hold(reset, 5)  # it does not take the lock again
+        network.reset(reset, 5)
+        network.hold(reset, 5)
+        network.run(until_us=20)
+        assert network.chips[1].waits_for == waits, reset
+
+
 def test_a_lock_never_given_back_is_a_deadlock() -> None:
     memory = SharedMemory("counter", 16, {0: 0xC0000000, 1: 0xC0000000})
     taker = "        ldhi 0c000h,ar0\n        ldii *ar0,r4\n" + STOP
