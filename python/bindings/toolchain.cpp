@@ -9,6 +9,7 @@
 #include "toolchain/coff.hpp"
 #include "toolchain/float_format.hpp"
 #include "toolchain/linker.hpp"
+#include "toolchain/rom_file.hpp"
 
 namespace {
 
@@ -131,6 +132,17 @@ void bind_toolchain(py::module_& core) {
   });
   py::register_exception<toolchain::CoffError>(m, "CoffError", PyExc_ValueError);
   py::register_exception<toolchain::LinkError>(m, "LinkError", PyExc_ValueError);
+  py::register_exception<toolchain::RomError>(m, "RomError", PyExc_ValueError);
+  m.def(
+      "rom_words",
+      [](const std::filesystem::path& path, std::optional<unsigned> width) {
+        const auto bytes = toolchain::read_rom(path);
+        if (!width) width = toolchain::boot_width(bytes);
+        if (!width || (*width != 8 && *width != 16 && *width != 32))
+          throw py::value_error("width: 8, 16 or 32 is expected; " + path.string() + " does not say it");
+        return toolchain::rom_words(bytes, *width);
+      },
+      py::arg("path"), py::arg("width") = py::none(), "What an EPROM holds, as memory of that width has it.");
   py::register_exception<toolchain::MemoryMapError>(m, "MemoryMapError", PyExc_ValueError);
 
   m.def(

@@ -349,17 +349,24 @@ def _device_places(devices: Mapping[int, Device]) -> list[tuple[int, Device]]:
 class Processor(ChipState):
     """One TMS320C40 with memory around it: board ``default`` (the CMRC board's map), ``flat`` (zero-wait RAM everywhere, and the chip's own registers), or a TOML file's path.
 
+    ``boots_from`` is the address of the memory that the pins choose for the boot ROM: ``load_rom``, then ``boot``.
     ``devices`` stand behind windows of the board, each from its word address on (``Device``); those of the board file are there as well.
     With ``checks`` it watches for rules of the manual that a program breaks; ``diagnostics`` has them. It is slower then, and nothing else changes.
     """
 
     def __init__(
-        self, program: Program | Path | None = None, *, board: str | Path = "default", checks: bool = False, devices: Mapping[int, Device] | None = None
+        self, program: Program | Path | None = None, *, board: str | Path = "default", checks: bool = False, devices: Mapping[int, Device] | None = None, boots_from: int | None = None
     ) -> None:
         self._devices = _device_places(devices or {})
         place = arguments.path("board", board, '"default", "flat" or the path of a board file')
-        super().__init__(_core.c40.Processor(place, arguments.flag("checks", checks)), None)
-        self._board = place
+        if boots_from is None:
+            core = _core.c40.Processor(place, arguments.flag("checks", checks))
+        elif checks:
+            raise ValueError("checks: not with boots_from; a processor without a boot ROM has them")
+        else:
+            core = _core.c40.Processor.bootable(place, arguments.whole("boots_from", boots_from, "a word address", 0, 2**32 - 1))
+        super().__init__(core, None)
+        self._board, self._boots_from = place, boots_from
         if program is not None:
             self.load(program)
 
@@ -368,6 +375,18 @@ class Processor(ChipState):
         given = read_coff(program) if isinstance(program, (str, os.PathLike)) else program
         self.program = arguments.instance("program", given, Program, "a program, as assemble gives it, or the path of a COFF file")
         self._core.load_image(self.program)
+
+    def load_rom(self, path: Path, address: int, *, width: int | None = None) -> None:
+        """Puts what an EPROM holds (Intel hex, S-records or bytes) into memory from a word address on.
+
+        ``width`` is that of the memory, 8, 16 or 32 bits, where the image's first word does not say it. Raises ValueError for a broken image; IndexError where no RAM is.
+        """
+        words = _core.toolchain.rom_words(arguments.path("path", path), width)
+        self._core.load_words(arguments.whole("address", address, "a word address", 0, 2**32 - 1), words)
+
+    def boot(self) -> None:
+        """Starts as the RESET pin does: with ``boots_from`` in the boot ROM, else where the board's reset vector says."""
+        self._core.boot()
 
     def run(self, max_cycles: int = 100_000_000, *, until: int | str | None = None) -> Stop:
         """Runs whole instructions for ``max_cycles`` cycles, or until PC is at ``until`` (an address or a symbol)."""
@@ -457,7 +476,7 @@ class Processor(ChipState):
 
     def fork(self) -> Processor:
         """A second processor with the same past: what one does from here on, the other does not see."""
-        other = Processor(self.program, board=self._board)
+        other = Processor(self.program, board=self._board, boots_from=self._boots_from)
         other.restore(self.snapshot())
         return other
 

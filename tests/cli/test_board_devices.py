@@ -1,15 +1,17 @@
 """Devices behind the windows of a board, and ROMs in its regions: exec, Processor, and classes of Python."""
 
 import json
+import os
 import pickle
 import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
 import pytest
 from cmrc.c40 import Processor, SnapshotError, assemble
 from cmrc.network import Network
-from locations import BUILD
+from locations import BUILD, ROOT
 
 BOARD = """
 name = "bench board"
@@ -234,3 +236,33 @@ def test_a_console_that_is_not_there_takes_no_input(source: Path, board: Path) -
     assert done.returncode == 2 and "no [[device]]" in done.stderr
     done = emulator("exec", source, "--board", board, "--console-input", "/nowhere")
     assert done.returncode == 2 and "/nowhere" in done.stderr
+
+
+def test_a_processor_boots_from_an_eprom_in_python(board: Path, tmp_path: Path) -> None:
+    (tmp_path / "p.asm").write_text("start: ldi 42,r0\nend: b end\n")
+    emulator("asm", tmp_path / "p.asm", "-o", tmp_path / "p.out", "--section", ".text=2FFC00h")
+    emulator("image", tmp_path / "p.out", "--format", "srec", "--width", "8", "-o", tmp_path / "boot")
+    processor = Processor(board=board, boots_from=0x300000)
+    processor.load_rom(tmp_path / "boot", 0x300000)
+    processor.boot()
+    processor.run(max_cycles=5000)
+    other = processor.fork()
+    assert processor.registers["R0"] & 0xFF == other.registers["R0"] & 0xFF == 42 and processor.pc == 0x2FFC01
+    with pytest.raises(ValueError, match="the pins choose no memory"):
+        Processor(board=board, boots_from=0x310000)
+    (tmp_path / "broken").write_text(":00")
+    with pytest.raises(ValueError, match="broken:1"):
+        processor.load_rom(tmp_path / "broken", 0x300000)
+    with pytest.raises(ValueError, match="width"):
+        processor.load_rom(tmp_path / "p.out", 0x300000)
+
+
+EPROM = ROOT / "build-foreign" / "helios" / "kernel/C40/arielbits/monitor/source/boot/monitor/monitor.hex"
+
+
+@pytest.mark.skipif(not EPROM.exists(), reason="scripts/foreign helios has not been run here")
+def test_the_hydras_monitor_comes_to_its_prompt_and_answers() -> None:
+    done = subprocess.run(
+        [sys.executable, ROOT / "examples" / "hydra_monitor.py", EPROM, "?", "x"], capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")}
+    )
+    assert "Hydra_Mon Command summary" in done.stdout and "Unknown command : x" in done.stdout
