@@ -67,6 +67,8 @@ class Bridge final : public Initiator {
   /// No posted word and no read is left.
   bool idle() const { return count_ == 0 && !blocked(); }
   unsigned posted() const { return count_; }
+  /// A read goes to the bus with nothing of this processor before it.
+  bool is_clear() const { return !busy_ && count_ == 0; }
   /// Leaves the bus at clock `now` and forgets everything: reset, or pulled out.
   void clear(Clocks now);
   void list_state(state::Visitor& list);

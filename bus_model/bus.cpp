@@ -1,6 +1,7 @@
 #include "bus_model/bus.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <stdexcept>
 
 #include "bus_model/bus_parts.hpp"
@@ -47,7 +48,7 @@ void Bus::submit(unsigned master, Command command, Address address, unsigned wor
   port.active = true;
   port.speculative = false;
   port.attempted = false;
-  requests_[master] = request;
+  ask(master, request);
   if (running_)
     cut_by_timer();
   else
@@ -55,11 +56,30 @@ void Bus::submit(unsigned master, Command command, Address address, unsigned wor
   tell_plan();
 }
 
+void Bus::ask(unsigned master, Clocks request) {
+  requests_[master] = request;
+  asking_ |= 1u << master;
+}
+
+void Bus::ask_no_more(unsigned master) {
+  requests_[master] = never;
+  asking_ &= ~(1u << master);
+}
+
 Clocks Bus::earliest_request(unsigned except) const {
   Clocks earliest = never;
-  for (unsigned i = 0; i < requests_.size(); ++i)
-    if (i != except) earliest = std::min(earliest, requests_[i]);
+  const std::uint32_t others = except == nobody ? asking_ : asking_ & ~(1u << except);
+  for (std::uint32_t rest = others; rest != 0; rest &= rest - 1)
+    earliest = std::min(earliest, requests_[static_cast<std::size_t>(std::countr_zero(rest))]);
   return earliest;
+}
+
+// The arbiter's choice among those who ask by clock `latest`. One who asks alone needs no choice.
+unsigned Bus::winner(Clocks latest) const {
+  if (asking_ == 0) return nobody;
+  if (!std::has_single_bit(asking_)) return arbiter_.pick(requests_, latest);
+  const auto only = static_cast<unsigned>(std::countr_zero(asking_));
+  return requests_[only] <= latest ? only : nobody;
 }
 
 // An idle bus: the first to ask gets it; of several in the same clock the one that already has the grant, then the
@@ -77,7 +97,7 @@ void Bus::plan_idle() {
     const bool no_turnaround = config_.fast_back_to_back && after_write_ && held == arbiter_.last_owner();
     next_ = std::max(first, no_turnaround ? free_ - 1 : free_);
   } else {
-    chosen_ = arbiter_.pick(requests_, first);
+    chosen_ = winner(first);
     next_ = std::max(first + config_.grant_clocks, free_);
     chosen_at_ = next_ - 1;
   }
@@ -110,7 +130,7 @@ void Bus::start(unsigned master, Clocks granted, Clocks frame) {
                      .requested = requests_[master],
                      .frame = frame};
   port.transaction.waited += frame - requests_[master];
-  requests_[master] = never;
+  ask_no_more(master);
   const bool first = !port.attempted;
   if (first) {
     port.attempted = true;
@@ -295,25 +315,25 @@ void Bus::finish() {
     port.transaction.retries += 1;
     port.statistics.retries += 1;
     windows_[static_cast<unsigned>(attempt_.target)].statistics.retries += 1;
-    requests_[attempt_.master] = free_ + port.config.request_off_after_stop + port.config.think_on_retry;
+    ask(attempt_.master, free_ + port.config.request_off_after_stop + port.config.think_on_retry);
   } else if (attempt_.words < natural_words_) {
     port.statistics.timer_stops += 1;
-    requests_[attempt_.master] = last + 1;  // its own REQ# stays; the grant is another's
+    ask(attempt_.master, last + 1);  // its own REQ# stays; the grant is another's
   } else if (ends_itself_) {
-    requests_[attempt_.master] = last;  // its REQ# has stood all the time
+    ask(attempt_.master, last);  // its REQ# has stood all the time
   } else {
     port.transaction.disconnects += 1;
     port.statistics.disconnects += 1;
-    requests_[attempt_.master] = free_ + port.config.request_off_after_stop;
+    ask(attempt_.master, free_ + port.config.request_off_after_stop);
   }
   arbitrate(last);
 }
 
 // Hidden arbitration: who asked by the last data phase starts right after the turnaround.
 void Bus::arbitrate(Clocks last) {
-  const unsigned winner = arbiter_.pick(requests_, last);
-  if (winner != nobody && free_ >= stalled_)
-    start(winner, last, free_);
+  const unsigned next = winner(last);
+  if (next != nobody && free_ >= stalled_)
+    start(next, last, free_);
   else
     plan_idle();
 }
@@ -344,7 +364,7 @@ unsigned Bus::withdraw(unsigned master, Clocks now) {
   if (!port.active) return 0;
   now_ = std::max(now_, now);
   port.active = false;
-  requests_[master] = never;
+  ask_no_more(master);
   Transaction& transaction = port.transaction;
   transaction.result = Result::withdrawn;
   if (running_ && attempt_.master == master) {
@@ -382,6 +402,10 @@ void Bus::list_state(state::Visitor& list) {
   list("arbiter", arbiter_);
   for (Port& port : ports_) list(port.config.name, port);
   list("requests", requests_);
+  if (list.loads()) {
+    asking_ = 0;
+    for (unsigned i = 0; i < requests_.size(); ++i) asking_ |= unsigned{requests_[i] != never} << i;
+  }
   for (Window& window : windows_) list(window.config.name, window);
   list("attempt", attempt_);
   list("running", running_);

@@ -197,7 +197,10 @@ class Bus {
   void plan_idle();
   unsigned fetched_ahead(const TargetConfig& config) const;
   Access access_at(Clocks clock) const;
+  void ask(unsigned master, Clocks request);
+  void ask_no_more(unsigned master);
   Clocks earliest_request(unsigned except) const;
+  unsigned winner(Clocks latest) const;
   int window_of(Address address) const;
   void account(Clocks words, Clocks length);
 
@@ -205,6 +208,7 @@ class Bus {
   Arbiter arbiter_;
   std::vector<Port> ports_;
   std::vector<Clocks> requests_;  // by master: REQ# stands from here on, or never
+  std::uint32_t asking_ = 0;      // bit n: master n's request stands, or will
   std::vector<Window> windows_;
   Attempt attempt_{};
   bool running_ = false;

@@ -24,6 +24,7 @@ using Answer = std::function<bool(c40::Chip& chip, const c40::StopInfo& stop)>;
 struct Start {
   std::unique_ptr<c40::Chip> chip;
   Answer answer;
+  c40::WindowListener* listener = nullptr;  ///< gives some of these answers without a stop of the chip
 };
 
 /// \param advance goes on, to the limit at the furthest but for the instruction that crosses it
@@ -71,6 +72,17 @@ inline void expect_same_ends(const std::function<Start()>& make, c40::Cycles lim
     start.chip->set_exact(true);
     return start;
   };
+  const auto at_once = [&](Start start) {
+    start.chip->set_window_listener(start.listener);
+    return start;
+  };
+  expect_alike("answered at once", blocks,
+               run(at_once(make()), limit, [&](c40::Chip& chip) { return chip.run_until(limit); }));
+  expect_alike("answered at once and cut into pieces", blocks, run(at_once(make()), limit, in_pieces));
+  expect_alike("answered at once by single steps", blocks,
+               run(at_once(make()), limit, [](c40::Chip& chip) { return chip.step(); }));
+  expect_alike("the exact engine answered at once", blocks,
+               run(at_once(exact()), limit, [&](c40::Chip& chip) { return chip.run_until(limit); }));
   expect_alike("the exact engine", blocks, run(exact(), limit, [&](c40::Chip& chip) { return chip.run_until(limit); }));
   expect_alike("by single steps", blocks, run(make(), limit, [](c40::Chip& chip) { return chip.step(); }));
   expect_alike("cut into pieces", blocks, run(make(), limit, in_pieces));

@@ -206,6 +206,21 @@ Vector3 velocity(const Angles& a, const Point& point, const CraneVector& qd) {
 
 }  // namespace
 
+Crane::Crane(const CraneParameters& parameters) : p_(parameters) {
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const DriveParameters& d = p_.drives[j];
+    const double rated = d.rated_force(), speed = d.rated_joint_speed(), coulomb = d.coulomb * rated;
+    joints_[j] = {.smooth = d.smooth_speed * speed,
+                  .coulomb = coulomb,
+                  .bump = (d.stribeck - 1.0) * coulomb,
+                  .bump_speed = d.stribeck_speed * speed,
+                  .viscous = d.viscous * rated / speed,
+                  .half_gear = 0.5 * d.gear,
+                  .either_way = 1.0 / d.efficiency + d.efficiency,
+                  .loss = 1.0 / d.efficiency - d.efficiency};
+  }
+}
+
 CraneMatrix Crane::mass_matrix(const CraneVector& q, const Payload& payload) const {
   return mass_matrix_of(p_, Angles(q), q, payload);
 }
@@ -237,24 +252,26 @@ CraneVector Crane::acceleration(const CraneVector& q, const CraneVector& qd, con
   return solve(mass_matrix_of(p_, a, q, payload), rest, locked);
 }
 
-CraneVector Crane::solve(const CraneMatrix& m, const CraneVector& b, unsigned locked) {
-  // Root-free Cholesky; a locked row is the identity's. Written out: 1,160 host instructions on the mean of 20,000
-  // random matrices, a quarter of them with two locked coordinates (callgrind, -O2), where Eigen 3.4's LLT in place
-  // takes 2,650 and its LDLT 3,630. At 32,000 evaluations per second of the scene LLT would be 2.2 % of all host
-  // instructions.
-  CraneMatrix lower{};
-  CraneVector inverse{};
-  CraneVector x{};
-  for (std::size_t i = 0; i < crane_size; ++i) {
-    if ((locked >> i & 1U) != 0) continue;
-    double sum = b[i];
+namespace {
+
+// Root-free Cholesky on the first n rows. Written out: Eigen 3.4's LLT in place takes more than twice the host
+// instructions of it, its LDLT three times (docs/speed.md).
+template <class Count>
+[[gnu::always_inline]] inline void solve_rows(const CraneMatrix& m, CraneVector& x, Count n) {
+  CraneMatrix lower;
+  CraneVector inverse;
+#pragma GCC unroll 7
+  for (std::size_t i = 0; i < n; ++i) {
+    double sum = x[i];
     double diagonal = m[i][i];
+#pragma GCC unroll 7
     for (std::size_t j = 0; j < i; ++j) {
-      if ((locked >> j & 1U) != 0) continue;
       double scaled = m[i][j];
+#pragma GCC unroll 7
       for (std::size_t k = 0; k < j; ++k) scaled -= lower[i][k] * lower[j][k] * inverse[k];
       lower[i][j] = scaled;  // still times the diagonal of j
     }
+#pragma GCC unroll 7
     for (std::size_t j = 0; j < i; ++j) {
       diagonal -= lower[i][j] * lower[i][j] * inverse[j];
       sum -= lower[i][j] * inverse[j] * x[j];
@@ -262,23 +279,86 @@ CraneVector Crane::solve(const CraneMatrix& m, const CraneVector& b, unsigned lo
     inverse[i] = 1.0 / diagonal;
     x[i] = sum;
   }
-  for (std::size_t i = crane_size; i-- > 0;) {
-    if ((locked >> i & 1U) != 0) {
-      x[i] = 0.0;
-      continue;
-    }
+#pragma GCC unroll 7
+  for (std::size_t i = n; i-- > 0;) {
     double sum = x[i];
-    for (std::size_t j = i + 1; j < crane_size; ++j) sum -= lower[j][i] * x[j];
+#pragma GCC unroll 7
+    for (std::size_t j = i + 1; j < n; ++j) sum -= lower[j][i] * x[j];
     x[i] = sum * inverse[i];
   }
-  return x;
+}
+
+}  // namespace
+
+CraneVector Crane::solve(const CraneMatrix& m, const CraneVector& b, unsigned locked) {
+  CraneVector x = b;
+  if (locked == 0) {
+    solve_rows(m, x, std::integral_constant<std::size_t, crane_size>{});
+    return x;
+  }
+  std::array<std::size_t, crane_size> free{};
+  std::size_t n = 0;
+  for (std::size_t k = 0; k < crane_size; ++k)
+    if ((locked >> k & 1U) == 0) free[n++] = k;
+  CraneMatrix some;
+  for (std::size_t i = 0; i < n; ++i) {
+    x[i] = b[free[i]];
+    for (std::size_t j = 0; j <= i; ++j) some[i][j] = m[free[i]][free[j]];
+  }
+  solve_rows(some, x, n);
+  CraneVector all{};
+  for (std::size_t i = 0; i < n; ++i) all[free[i]] = x[i];
+  return all;
+}
+
+// The sign of a joint's speed, smooth about rest.
+double Crane::direction(const JointForces& joint, double v) const { return tanh(v / joint.smooth); }
+
+double Crane::behind_gear(std::size_t j, double torque, double direction) const {
+  const JointForces& joint = joints_[j];
+  const double toward = std::copysign(1.0, torque) * direction;
+  return joint.half_gear * torque * (joint.either_way - joint.loss * toward);
+}
+
+double Crane::friction_towards(const JointForces& joint, double v, double direction, double bump) const {
+  return (joint.coulomb + joint.bump * bump) * direction + joint.viscous * v;
+}
+
+// The Stribeck curve's share of what it is at rest is exp of this; 0 where that is less than any double tells apart.
+double Crane::bump_exponent(const JointForces& joint, double v) const {
+  const double x = v / joint.bump_speed;
+  return -x * x;
 }
 
 double Crane::gear_force(std::size_t joint, double torque, double v) const {
   const DriveParameters& d = p_.drives[joint];
   if (!p_.gear_losses) return d.gear * d.efficiency * torque;
-  const double toward = std::copysign(1.0, torque) * tanh(v / (d.smooth_speed * d.rated_joint_speed()));
-  return 0.5 * d.gear * torque * ((1.0 / d.efficiency + d.efficiency) - (1.0 / d.efficiency - d.efficiency) * toward);
+  return behind_gear(joint, torque, direction(joints_[joint], v));
+}
+
+Joints Crane::drive_forces(const Joints& torque, const CraneVector& qd,
+                           const std::array<std::int8_t, joint_count>& sliding, unsigned locked) const {
+  std::array<std::size_t, joint_count> moving{};
+  std::size_t count = 0;
+  Joints directions{}, bumps{};  // of moving joints
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const double v = qd[coordinate_of(j)];
+    if ((locked >> coordinate_of(j) & 1U) != 0) continue;
+    directions[count] = v / joints_[j].smooth;
+    bumps[count] = bump_exponent(joints_[j], v);
+    moving[count++] = j;
+  }
+  tanh_each(std::span{directions}.first(count));
+  small_exp_each(std::span{bumps}.first(count));
+  Joints forces{};
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t j = moving[i];
+    const DriveParameters& d = p_.drives[j];
+    const double gear = p_.gear_losses ? behind_gear(j, torque[j], directions[i]) : d.gear * d.efficiency * torque[j];
+    forces[j] = gear - friction_towards(joints_[j], qd[coordinate_of(j)], sliding[j] != 0 ? sliding[j] : directions[i],
+                                        bumps[i]);
+  }
+  return forces;
 }
 
 double Crane::static_friction(int joint) const {
@@ -286,15 +366,9 @@ double Crane::static_friction(int joint) const {
   return std::max(drive.stribeck, 1.0) * drive.coulomb * drive.rated_force();
 }
 
-double Crane::friction(int joint, double v, int sliding) const {
-  const auto& drive = p_.drives[static_cast<std::size_t>(joint)];
-  const double rated = drive.rated_force();
-  const double speed = drive.rated_joint_speed();
-  const double coulomb = drive.coulomb * rated;
-  const double x = v / (drive.stribeck_speed * speed);
-  const double bump = x * x > 700.0 ? 0.0 : (drive.stribeck - 1.0) * coulomb * exp(-x * x);
-  const double direction = sliding != 0 ? sliding : tanh(v / (drive.smooth_speed * speed));
-  return (coulomb + bump) * direction + drive.viscous * rated / speed * v;
+double Crane::friction(int j, double v, int sliding) const {
+  const JointForces& joint = joints_[static_cast<std::size_t>(j)];
+  return friction_towards(joint, v, sliding != 0 ? sliding : direction(joint, v), small_exp(bump_exponent(joint, v)));
 }
 
 double Crane::sway_damping(double l, double mass) const {

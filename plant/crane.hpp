@@ -32,7 +32,7 @@ struct Payload {
 // A direct sum of what the equations need, built once per evaluation.
 class Crane {
  public:
-  explicit Crane(const CraneParameters& parameters) : p_(parameters) {}
+  explicit Crane(const CraneParameters& parameters);
   const CraneParameters& parameters() const { return p_; }
 
   CraneMatrix mass_matrix(const CraneVector& q, const Payload&) const;  // rotor inertias included
@@ -56,6 +56,9 @@ class Crane {
   // times torque, as plant-and-bus.md 1.3 has it; with gear_losses gear / efficiency where the load drives the motor,
   // smooth about rest.
   double gear_force(std::size_t joint, double torque, double v) const;
+  // gear_force less friction, of the joints whose coordinates are not locked.
+  Joints drive_forces(const Joints& torque, const CraneVector& qd, const std::array<std::int8_t, joint_count>& sliding,
+                      unsigned locked) const;
   double static_friction(int joint) const;  // F_s, N or N m: what a stuck joint withstands
   // Viscous sway coefficients, N m s/rad, for the present rope.
   double sway_damping(double l, double mass) const;
@@ -70,7 +73,23 @@ class Crane {
   double tension(const CraneVector& q, const CraneVector& qd, const CraneVector& qdd, double mass) const;  // N, rope
 
  private:
+  // A joint's constants, from its drive's parameters.
+  struct JointForces {
+    double smooth;      // joint speed over which dry friction turns its sign
+    double coulomb;     // N or N m
+    double bump;        // of the Stribeck curve at rest
+    double bump_speed;  // at which it has fallen to 1 / e
+    double viscous;     // per unit of joint speed
+    double half_gear;
+    double either_way, loss;  // the gear's 1 / efficiency + efficiency, and - efficiency
+  };
+  double direction(const JointForces& joint, double v) const;
+  double bump_exponent(const JointForces& joint, double v) const;
+  double friction_towards(const JointForces& joint, double v, double direction, double bump) const;
+  double behind_gear(std::size_t joint, double torque, double direction) const;
+
   CraneParameters p_;
+  std::array<JointForces, joint_count> joints_;
 };
 
 // Inverse kinematics, plant-and-bus.md 1.2. Throws std::invalid_argument when out of reach or beyond a joint limit.

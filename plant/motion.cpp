@@ -27,11 +27,12 @@ CraneVector CraneMotion::applied_force(const CraneVector& q, const CraneVector& 
                                        const CraneInputs& in) const {
   const auto& p = crane_.parameters();
   CraneVector force = in.external;
+  const Joints drives = crane_.drive_forces(torque, qd, in.sliding, in.locked);
   for (std::size_t j = 0; j < joint_count; ++j) {
     const auto k = coordinate_of(j);
     if ((in.locked >> k & 1U) != 0) continue;
     const auto& drive = p.drives[j];
-    force[k] += crane_.gear_force(j, torque[j], qd[k]) - crane_.friction(static_cast<int>(j), qd[k], in.sliding[j]);
+    force[k] += drives[j];
     // A slipping brake: full force above a thousandth of rated speed, where it will be taken to hold.
     if (in.braked[j]) force[k] -= drive.brake * drive.rated_force() * tanh(qd[k] / (1e-3 * drive.rated_joint_speed()));
   }

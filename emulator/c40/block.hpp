@@ -1,18 +1,22 @@
 #pragma once
 /// A block: instructions that the exact engine once did one after the other, recorded: their handlers in a row, and the
 /// cycles and causes that the pipeline model gave.
+#include <algorithm>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "c40/memory.hpp"
 #include "c40/op.hpp"
 #include "c40/pipeline_table.hpp"
 #include "c40/types.hpp"
 
 namespace c40 {
 
-/// Cycles by cause, of a block.
-using Costs = std::array<std::uint16_t, cause_count>;
+/// Cycles by cause, of a block: by those causes that the pipeline model knows, which come first.
+inline constexpr std::size_t block_cause_count = static_cast<std::size_t>(Cause::wait_state) + 1;
+using Costs = std::array<std::uint16_t, block_cause_count>;
 
 /// Everything that the recorded timing and the chosen handlers depend on.
 struct BlockKey {
@@ -34,6 +38,16 @@ struct BlockKeyHash {
   }
 };
 
+/// An access of a block's instruction that goes through a window: the board is asked each time.
+struct WindowAccess {
+  std::size_t at = 0;  ///< the instruction
+  std::uint8_t access = 0;
+  const Memory::Area* area = nullptr;
+  Cycles start = 0;            ///< since the instruction began
+  bool interlocked = false;    ///< LDII, STII and the like
+  std::optional<bool> lock{};  ///< what it makes of LOCK
+};
+
 struct Block {
   struct Exit {
     Cycles cycles = 0;
@@ -52,6 +66,7 @@ struct Block {
   std::vector<Costs> causes;
   std::vector<PipelineId> pipelines;
   std::vector<std::uint8_t> delay_slots;
+  std::vector<WindowAccess> windows;
   std::array<Exit, 2> exits{};
   Cycles last_start = 0;
   bool repeats = false;    ///< ends at RE: the loop hardware decides
@@ -62,12 +77,17 @@ struct Block {
   bool all_hits = false;      ///< `words` need not come into the cache
   std::uint64_t checked = 0;  ///< the version of the cache in which its hits were last seen to be those of its key
   std::vector<Word> words;    ///< if it uses the cache
+
+  const WindowAccess* window(std::size_t instruction) const {
+    const auto found = std::ranges::find(windows, instruction, &WindowAccess::at);
+    return found != windows.end() ? &*found : nullptr;
+  }
 };
 
 inline void add(Causes& causes, Cause cause, Cycles cycles) { causes[static_cast<std::size_t>(cause)] += cycles; }
 
 inline void add_difference(Causes& causes, const Costs& to, const Costs& from) {
-  for (std::size_t i = 0; i < cause_count; ++i) causes[i] += to[i] - from[i];
+  for (std::size_t i = 0; i < block_cause_count; ++i) causes[i] += to[i] - from[i];
 }
 
 }  // namespace c40

@@ -45,6 +45,16 @@ void BlockRecording::append(const Step& step, const Way& way) {
   op.pc = key.pc + static_cast<Address>(size());
   if (bound.flow == Flow::directed || operation == isa::Operation::lat || operation == isa::Operation::reti)
     op.direction = step.taken || (bound.flow == Flow::delayed && way.delay_taken) ? 1 : 0;
+  for (std::uint8_t k = 0; k < 2; ++k)
+    if ((step.windows >> k & 1u) != 0) {
+      op.access[k] = {};  // it misses each time
+      block_->windows.push_back({.at = size(),
+                                 .access = k,
+                                 .area = step.site->area[k],
+                                 .start = way.window_start,
+                                 .interlocked = bound.row->interlocked,
+                                 .lock = lock_after(operation)});
+    }
   block_->ops.push_back(op);
   block_->start.push_back(at_);
   block_->causes.push_back(costs_);

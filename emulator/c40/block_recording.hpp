@@ -26,6 +26,7 @@ class BlockRecording {
     PipelineId before = 0, after = 0;
     std::uint8_t slots = 0;    ///< of a delayed branch that were to come, itself included
     bool delay_taken = false;  ///< afterwards
+    Cycles window_start = 0;   ///< of its access through a window, if it has one
   };
   void append(const Step& step, const Way& way);
 

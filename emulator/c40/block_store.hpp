@@ -38,10 +38,10 @@ class BlockStore {
 class ExactSites {
  public:
   bool contains(Address pc) const { return sites_[pc % sites_.size()].known && sites_[pc % sites_.size()].pc == pc; }
-  /// \param only_outside because of an access that left the chip: as long as it does
+  /// \param only_outside because of an access to a register or the like: as long as it makes one
   void add(Address pc, bool only_outside) { sites_[pc % sites_.size()] = {pc, true, only_outside}; }
   void remove(Address pc) { sites_[pc % sites_.size()] = {}; }
-  /// It was executed, and nothing left the chip.
+  /// It was executed, and a block could have done it.
   void stayed_inside(Address pc) {
     if (contains(pc) && sites_[pc % sites_.size()].only_outside) remove(pc);
   }

@@ -38,9 +38,11 @@ class Cache {
     return hits;
   }
 
+  /// The word's segment is the most recently used one.
+  bool is_latest(Address address) const { return start_[order_[0]] == address >> 5; }
   /// A hit: the segment becomes the most recently used one.
   void touch(Address address) {
-    if (start_[order_[0]] == address >> 5) return;
+    if (is_latest(address)) return;
     move_to_front(segment_of(address));
   }
 

@@ -35,6 +35,20 @@ struct ExternalAccess {
   int channel = -1;          ///< of the DMA; -1: the processor's
 };
 
+/// What an access to a window found at once.
+struct WindowAnswer {
+  Word value = 0;  ///< of a read
+  Cycles arbitration = 0, transfer = 0;
+};
+/// Who stands behind the windows, and may answer an access without a stop of the chip.
+class WindowListener {
+ public:
+  virtual ~WindowListener() = default;
+  /// An access of the processor that can be completed now, whatever others do; nothing where it cannot: then the chip
+  /// stops before it. The chip's counters are those of this instant; it may not be changed here.
+  virtual std::optional<WindowAnswer> answer_at_once(const ExternalAccess& access) = 0;
+};
+
 /// Why a chip cannot go on. It is halted until reset.
 struct Fault {
   enum class Kind : std::uint8_t {
@@ -148,6 +162,8 @@ class Chip {
   /// The answer to a read: its value and what the chip waited for it beyond the region's own wait states.
   void complete_read(Word value, Cycles arbitration, Cycles transfer);
   void complete_write(Cycles arbitration, Cycles transfer);
+  /// Who is asked first, as long as no DMA channel is active; null: nobody, and the chip stops before each access.
+  void set_window_listener(WindowListener* listener);
 
   /// A link (or another model of the port's other side) is attached; null detaches. Throws std::invalid_argument if the
   /// port does not exist or is taken.

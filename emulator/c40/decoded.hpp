@@ -2,6 +2,7 @@
 /// What the exact engine keeps of code from one execution to the next: where instructions are being fetched, and what
 /// it met at each address; and one instruction on its way through.
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "c40/bind.hpp"
@@ -62,6 +63,14 @@ class SiteTable {
   std::vector<Site> sites_;
 };
 
+/// What an interlocked instruction makes of LOCK once its access is through; nothing: it leaves it as it is.
+constexpr std::optional<bool> lock_after(isa::Operation operation) {
+  using enum isa::Operation;
+  if (operation == ldii || operation == ldfi) return true;
+  if (operation == stii || operation == stfi) return false;
+  return {};
+}
+
 /// One instruction on its way through the exact engine.
 struct Step {
   Site* site = nullptr;
@@ -71,6 +80,8 @@ struct Step {
   bool from_cache = false, missed = false;  ///< the instruction cache: hit, miss
   bool frozen = false;                      ///< it changes nothing
   bool plain = true;                        ///< data in RAM whose wait states never change
+  bool repeatable = true;                   ///< plain, or one access through a window: a block can do it again
+  std::uint8_t windows = 0;                 ///< a bit for each access through a window
   bool paged = false;                       ///< the engine's pages_ are what the page pins show afterwards
   bool locks = false;                       ///< interlocked, and leaves the chip
   bool taken = false;

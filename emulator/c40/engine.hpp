@@ -81,6 +81,7 @@ class Engine {
   Cycles idle_since() const { return idle_.since(state_.cycle); }
 
   TraceSink* trace = nullptr;
+  WindowListener* window_listener = nullptr;
   PeripheralTeller tell;  ///< of what the peripherals do
   bool exact_only = false;
   std::set<Address> breakpoints;
@@ -136,7 +137,10 @@ class Engine {
   // engine_access.cpp: accesses that did not meet a known region, and faults
   Stepped resolve(Step& step);
   Stepped access_port(const Step& step, std::size_t k, Word& cell);
+  Cycles access_start(const Step& step, std::size_t access, PipelineId before);
   Cycles access_cycle(const Step& step, std::size_t access);
+  bool answers_at_once(const ExternalAccess& access);
+  void settle_answer(const Answer& answer);
   void settle_answers();
   Stepped fail(Fault::Kind kind, std::string message, Address address = 0);
   Stepped nothing_at(std::string_view access, Address address);
@@ -155,13 +159,20 @@ class Engine {
   bool recordable(const Bound& bound) const;
 
   // engine_blocks.cpp: running blocks
-  void run_blocks(Block* block, std::size_t from, Cycles limit);
-  void leave(Block& block, std::size_t from, std::size_t at);
-  void left_block(Block& block, std::size_t from, const Outcome& outcome);
+  /// Where in a block a part of it began: its time is accounted for up to before `from`, all else up to before `seen`.
+  struct InBlock {
+    std::size_t from = 0, seen = 0;
+  };
+  Stepped run_blocks(Block* block, std::size_t at, Cycles limit);
+  bool reach_window(Block& block, InBlock& in, const Outcome& outcome);
+  Outcome pass_window(Block& block, const InBlock& in, Cycles limit);
+  void leave(Block& block, InBlock in, std::size_t at);
+  void left_block(Block& block, InBlock in, const Outcome& outcome);
   void rejoin(Block& block);
-  Block::Exit* run_special(Block& block, std::size_t from, Cycles limit);
-  Block::Exit* run_repeated(Block& block, Cycles limit);
-  Block::Exit* run_part(Block& block, std::size_t from, Cycles limit);
+  Outcome run_ops(Block& block, std::size_t from, Cycles budget);
+  Block::Exit* run_special(Block& block, InBlock in, Cycles limit, Outcome& outcome);
+  Block::Exit* run_repeated(Block& block, Cycles limit, Outcome& outcome);
+  Block::Exit& end_part(Block& block, InBlock in, const Outcome& outcome);
   Block::Exit& end_repeat(Block& block, std::uint32_t passes);
   std::uint32_t passes_within(const Block& block, Cycles limit) const;
 
@@ -181,6 +192,11 @@ class Engine {
   struct Scratch {
     std::array<Word, 2> cell{};
   };
+  /// The window that the instruction under way in a block looks through, and what it sees there.
+  struct Opened {
+    const WindowAccess* window = nullptr;
+    Answer answer;
+  } opened_;
   std::array<Scratch, 2> scratch_{};  ///< stands for a register or a window during one instruction
   Memory::OpenPages pages_;           ///< of the step under way
   SiteTable sites_;

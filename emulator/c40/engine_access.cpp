@@ -34,15 +34,20 @@ Engine::Stepped Engine::nothing_at(std::string_view access, Address address) {
               fmt::format("{} {:08X}h, which is reserved on board {}", access, address, board_.name), address);
 }
 
-Cycles Engine::access_cycle(const Step& step, std::size_t access) {
+// Since the instruction began, which finds the pipeline as it is `before`.
+Cycles Engine::access_start(const Step& step, std::size_t access, PipelineId before) {
   Demand demand = step.demand();
   demand.count = static_cast<std::uint8_t>(access + 1);
-  const int start = transition(demand, step.word).timing.start[access];
+  const int start = pipelines_.transition(before, demand, packed(demand), step.word).timing.start[access];
   const Access& data = demand.data[access];
   // Registers on the chip answer a read at the end of the read stage: as they stand in the execute stage, in which they
   // are written (fidelity.md).
   const int later = data.resource == Resource::peripheral && !data.write ? 1 : 0;
-  Cycles cycle = state_.cycle + std::max(start + later, 0);
+  return std::max(start + later, 0);
+}
+
+Cycles Engine::access_cycle(const Step& step, std::size_t access) {
+  Cycles cycle = state_.cycle + access_start(step, access, pipeline_.id());
   for (const Answer& answer : state_.answers)
     if (answer.given) cycle += answer.waited();
   return cycle;
@@ -77,11 +82,12 @@ Engine::Stepped Engine::resolve(Step& step) {
   if (area->data != nullptr) {
     // Windows are whole areas, whose map of code words follows the data.
     step.plain &= site.area[k] != nullptr && !step.locks;
+    step.repeatable &= step.plain;
     if (area->set_apart) [[unlikely]] {
       const Word held = area->data[address - area->base];
       probe_.note({.address = address, .before = held, .value = write ? core.miss_value : held, .write = write});
       site.area[k] = nullptr;
-      step.plain = false;
+      step.plain = step.repeatable = false;
     }
     window = {area->data, area->base, area->words};
     if (trace != nullptr)
@@ -89,6 +95,7 @@ Engine::Stepped Engine::resolve(Step& step) {
     return Stepped::done;
   }
   step.plain = false;
+  step.repeatable &= area->kind == Region::Kind::external_window && site.area[k] != nullptr && step.windows == 0;
   auto& cell = scratch_[k].cell;
   cell = {};
   if (area->kind == Region::Kind::registers && is_port_register(address)) {
@@ -102,13 +109,18 @@ Engine::Stepped Engine::resolve(Step& step) {
                   address);
     step.register_writes |= static_cast<std::uint8_t>(unsigned{write} << k);
   } else {
-    const Answer& answer = state_.answers[k];
-    if (!answer.given || answer.address != address || answer.write != write) {
-      access_.begin(k, ExternalAccess{address, write, site.bound.row->interlocked, write ? core.miss_value : 0,
-                                      access_cycle(step, k), -1});
-      return Stepped::external;
+    if (!access_.is_answer_to(k, address, write)) {
+      const ExternalAccess access{
+          address, write, site.bound.row->interlocked, write ? core.miss_value : 0, access_cycle(step, k), -1};
+      if (!answers_at_once(access)) {
+        access_.begin(k, access);
+        return Stepped::external;
+      }
+      access_.forget();
+      state_.answers[k] = opened_.answer;
     }
-    cell[0] = answer.value;
+    cell[0] = state_.answers[k].value;
+    step.windows |= static_cast<std::uint8_t>(1u << k);
   }
   window = {cell.data(), address, 1};
   if (probe_.on_data()) [[unlikely]] {
@@ -119,17 +131,25 @@ Engine::Stepped Engine::resolve(Step& step) {
   return Stepped::done;
 }
 
+// Without a stop of the chip.
+bool Engine::answers_at_once(const ExternalAccess& access) {
+  if (window_listener == nullptr || peripherals_.dma_active() || state_.dma.answered_until > access.cycle) return false;
+  const std::optional<WindowAnswer> answer = window_listener->answer_at_once(access);
+  if (!answer) return false;
+  opened_.answer = {true, access.write, access.address, answer->value, answer->arbitration, answer->transfer, 0};
+  return true;
+}
+
 // What the access finds. One that a link is concerned with, or that has to wait, stops the chip first.
 Engine::Stepped Engine::access_port(const Step& step, std::size_t k, Word& cell) {
   const Core& core = state_.core;
-  const Answer& answer = state_.answers[k];
   const bool write = core.miss_write;
-  if (!answer.given || answer.address != core.miss_address || answer.write != write) {
+  if (!access_.is_answer_to(k, core.miss_address, write)) {
     access_.begin(k, port_access(core.miss_address, write, write ? core.miss_value : 0, access_cycle(step, k)));
     if (!ports_.is_free(access_.port())) return Stepped::port;
     complete_port(access_.cycle());
   }
-  cell = answer.value;
+  cell = state_.answers[k].value;
   return Stepped::done;
 }
 
@@ -153,16 +173,17 @@ void Engine::complete_port(Cycles at) {
   ports_.accessed(access, value, at, -1);
 }
 
-void Engine::settle_answers() {
+void Engine::settle_answer(const Answer& answer) {
   Causes& causes = state_.causes;
-  for (Answer& answer : state_.answers) {
-    if (!answer.given) continue;
-    add(causes, Cause::bus_arbitration, answer.arbitration);
-    add(causes, Cause::bus_transfer, answer.transfer);
-    add(causes, Cause::comm_port, answer.comm_port);
-    state_.cycle += answer.waited();
-    answer = {};
-  }
+  add(causes, Cause::bus_arbitration, answer.arbitration);
+  add(causes, Cause::bus_transfer, answer.transfer);
+  add(causes, Cause::comm_port, answer.comm_port);
+  state_.cycle += answer.waited();
+}
+
+void Engine::settle_answers() {
+  for (Answer& answer : state_.answers)
+    if (answer.given) settle_answer(std::exchange(answer, {}));
 }
 
 }  // namespace c40

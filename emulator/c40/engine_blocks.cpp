@@ -7,16 +7,16 @@
 
 namespace c40 {
 
-// Leaves a block before instruction `at`, having entered it before `from`.
-void Engine::leave(Block& block, std::size_t from, std::size_t at) {
+// Leaves a block before instruction `at`. What was done before `seen` is accounted for, time before `from`.
+void Engine::leave(Block& block, InBlock in, std::size_t at) {
   Core& core = state_.core;
-  state_.cycle += block.start[at] - block.start[from];
-  add_difference(state_.causes, block.causes[at], block.causes[from]);
-  state_.instructions += at - from;
+  state_.cycle += block.start[at] - block.start[in.from];
+  add_difference(state_.causes, block.causes[at], block.causes[in.seen]);
+  state_.instructions += at - in.seen;
   core.pc = block.key.pc + static_cast<Address>(at);
   core.delay_slots = at < block.size ? block.delay_slots[at] : 0;
   pipeline_.set(block.pipelines[at]);
-  cache_.fetch(block, from, at);
+  cache_.fetch(block, in.seen, at);
 }
 
 // `passes` passes through a repeated block are done: what the loop hardware made of them.
@@ -47,19 +47,18 @@ std::uint32_t Engine::passes_within(const Block& block, Cycles limit) const {
 }
 
 // A repeated block, as many passes as the budget covers. A handler may do several at once and takes them off loop_left.
-Block::Exit* Engine::run_repeated(Block& block, Cycles limit) {
+Block::Exit* Engine::run_repeated(Block& block, Cycles limit, Outcome& outcome) {
   Core& core = state_.core;
   const std::uint32_t passes = passes_within(block, limit);
   core.loop_left = block.only_nop ? 0 : passes - 1;
   for (;;) {
-    const Outcome outcome = block.ops[0].handler(core, block.ops.data());
+    outcome = block.ops[0].handler(core, block.ops.data());
     if (outcome.exit > Exit::taken) [[unlikely]] {
       const std::uint32_t done = passes - 1 - core.loop_left;  // whole passes before the one that was left
       core.r[reg::RC] -= done;
       if (done != 0) cache_.fetch(block, 0, block.size);
       blocks_.count(block.exits[1], done);
       state_.cycle += done * block.exits[1].cycles;
-      left_block(block, 0, outcome);
       return nullptr;
     }
     if (core.loop_left == 0) {
@@ -70,58 +69,68 @@ Block::Exit* Engine::run_repeated(Block& block, Cycles limit) {
   }
 }
 
-// From the middle, or with a budget that does not cover all of it.
-Block::Exit* Engine::run_part(Block& block, std::size_t from, Cycles limit) {
+// From an instruction on, as far as `budget` goes: cycles since the block's beginning.
+Outcome Engine::run_ops(Block& block, std::size_t from, Cycles budget) {
   Core& core = state_.core;
   core.loop_left = 0;
-  const Cycles budget = limit - state_.cycle + block.start[from];
-  Outcome outcome;
-  if (block.last_start >= budget) {
-    const auto begin = block.start.begin();
-    const auto first = std::lower_bound(begin + static_cast<std::ptrdiff_t>(from),
-                                        begin + static_cast<std::ptrdiff_t>(block.size), budget);
-    const auto at = static_cast<std::size_t>(first - begin);
-    const Handler handler = std::exchange(block.ops[at].handler, &execute::budget_end);
-    outcome = block.ops[from].handler(core, &block.ops[from]);
-    block.ops[at].handler = handler;
-  } else {
-    outcome = block.ops[from].handler(core, &block.ops[from]);
-  }
-  if (outcome.exit > Exit::taken) {
-    left_block(block, from, outcome);
-    return nullptr;
-  }
-  cache_.fetch(block, from, block.size);
+  if (block.last_start < budget) return block.ops[from].handler(core, &block.ops[from]);
+  const auto begin = block.start.begin();
+  const auto first = std::lower_bound(begin + static_cast<std::ptrdiff_t>(from),
+                                      begin + static_cast<std::ptrdiff_t>(block.size), budget);
+  const auto at = static_cast<std::size_t>(first - begin);
+  const Handler handler = std::exchange(block.ops[at].handler, &execute::budget_end);
+  const Outcome outcome = block.ops[from].handler(core, &block.ops[from]);
+  block.ops[at].handler = handler;
+  return outcome;
+}
+
+// The rest of a block was run, to its end. The count that run_blocks will add stands for the whole block.
+Block::Exit& Engine::end_part(Block& block, InBlock in, const Outcome& outcome) {
+  cache_.fetch(block, in.seen, block.size);
   Block::Exit& exit = block.repeats ? end_repeat(block, 1) : block.exits[outcome.exit == Exit::taken];
-  // The count that run_blocks will add stands for the whole block.
-  state_.cycle -= block.start[from];
-  state_.instructions -= from;
-  add_difference(state_.causes, Costs{}, block.causes[from]);
-  return &exit;
+  state_.cycle -= block.start[in.from];
+  if (in.seen == 0) return exit;
+  state_.instructions -= in.seen;
+  add_difference(state_.causes, Costs{}, block.causes[in.seen]);
+  return exit;
 }
 
 // Block after block, as long as each leads to one that is known. What every block costs is here: counts and cycles
 // only.
-void Engine::run_blocks(Block* block, std::size_t from, Cycles limit) {
+Engine::Stepped Engine::run_blocks(Block* block, std::size_t at, Cycles limit) {
   Core& core = state_.core;
   Block::Exit* exit = nullptr;
   Cycles cycle = state_.cycle;
+  InBlock in{at, at};
   for (;;) {
-    if (block->plain && from == 0 && block->last_start < limit - cycle) [[likely]] {
-      const Outcome outcome = block->ops[0].handler(core, block->ops.data());
-      if (outcome.exit > Exit::taken) [[unlikely]] {
+    Outcome outcome;
+    if (in.from == 0 && block->last_start < limit - cycle &&
+        (block->plain || (!block->repeats && cache_.is_unchanged_for(*block)))) [[likely]] {
+      outcome = block->ops[0].handler(core, block->ops.data());
+      if (outcome.exit <= Exit::taken) [[likely]] {
+        exit = &block->exits[outcome.exit == Exit::taken];
+        if (!block->plain) cache_.fetch(*block, 0, block->size);
+      } else {
+        exit = nullptr;
         state_.cycle = cycle;
-        return left_block(*block, 0, outcome);
       }
-      exit = &block->exits[outcome.exit == Exit::taken];
     } else {
       if (exit != nullptr && (cycle >= limit || (block->uses_cache && !cache_.fits(*block)))) break;
       state_.cycle = cycle;
-      exit = run_special(*block, from, limit);
-      if (exit == nullptr) return;
+      exit = run_special(*block, in, limit, outcome);
       cycle = state_.cycle;
-      from = 0;
     }
+    while (exit == nullptr) [[unlikely]] {
+      if (outcome.exit != Exit::miss || !reach_window(*block, in, outcome)) {
+        left_block(*block, in, outcome);
+        return Stepped::done;
+      }
+      if (access_.any()) return Stepped::external;
+      outcome = pass_window(*block, in, limit);
+      if (outcome.exit <= Exit::taken) exit = &end_part(*block, in, outcome);
+      cycle = state_.cycle;
+    }
+    in = {};
     blocks_.count(*exit, 1);
     cycle += exit->cycles;
     block = exit->next;
@@ -131,32 +140,86 @@ void Engine::run_blocks(Block* block, std::size_t from, Cycles limit) {
   state_.cycle = cycle;
   pipeline_.set(exit->pipeline);
   if (!core.attention) onward_.after(*exit);
+  return Stepped::done;
 }
 
 // One that repeats or comes from the cache, from the middle, or with a budget that does not cover it. Null: it was
 // left.
-Block::Exit* Engine::run_special(Block& block, std::size_t from, Cycles limit) {
-  if (from != 0 || block.last_start >= limit - state_.cycle) return run_part(block, from, limit);
-  if (block.repeats) return run_repeated(block, limit);
-  const Outcome outcome = block.ops[0].handler(state_.core, block.ops.data());
-  if (outcome.exit > Exit::taken) [[unlikely]] {
-    left_block(block, 0, outcome);
-    return nullptr;
-  }
-  cache_.fetch(block, 0, block.size);
-  return &block.exits[outcome.exit == Exit::taken];
+Block::Exit* Engine::run_special(Block& block, InBlock in, Cycles limit, Outcome& outcome) {
+  const Cycles budget = limit - state_.cycle + block.start[in.from];
+  const bool part = in.from != 0 || block.last_start >= budget;
+  if (!part && block.repeats) return run_repeated(block, limit, outcome);
+  outcome = run_ops(block, in.from, budget);
+  return outcome.exit <= Exit::taken ? &end_part(block, in, outcome) : nullptr;
 }
 
-void Engine::left_block(Block& block, std::size_t from, const Outcome& outcome) {
+// The access that an instruction could not do goes through a window, as it did when the block was recorded: it is
+// answered (opened_), or the chip stops before it (access_). False: neither.
+bool Engine::reach_window(Block& block, InBlock& in, const Outcome& outcome) {
+  const Core& core = state_.core;
+  const auto at = static_cast<std::size_t>(outcome.at - block.ops.data());
+  const WindowAccess* const window = block.window(at);
+  if (window == nullptr || window->access != core.miss_access || !window->area->contains(core.miss_address) ||
+      peripherals_.dma_active() || probe_.on_data())
+    return false;
+  const bool write = core.miss_write, answered = access_.is_answered();
+  if (answered && !access_.is_answer_to(window->access, core.miss_address, write)) return false;
+  opened_ = {window, {}};
+  if (answered) {
+    opened_.answer = access_.take_answer(window->access);
+  } else {
+    ExternalAccess access{core.miss_address,
+                          write,
+                          window->interlocked,
+                          write ? core.miss_value : 0,
+                          state_.cycle + block.start[at] - block.start[in.from] + window->start,
+                          -1};
+    if (write || !answers_at_once(access)) {
+      // Who answers a write may ask for the chip's counters.
+      leave(block, in, at);
+      in = {at, at};
+      if (!write || !answers_at_once(access)) {
+        access_.begin(window->access, access);
+        onward_.inside(block, at);
+        return true;
+      }
+    }
+  }
+  state_.cycle += block.start[at] - block.start[in.from];
+  in.from = at;
+  return true;
+}
+
+// The instruction whose access has been answered, whatever the budget, and what follows it.
+Outcome Engine::pass_window(Block& block, const InBlock& in, Cycles limit) {
+  const auto [window, answer] = opened_;
+  const std::size_t k = window->access;
+  Op& op = block.ops[in.from];
+  auto& cell = scratch_[k].cell;
+  cell = {answer.value};
+  op.access[k] = {cell.data(), answer.address, 1};
+  const Cycles waited = answer.waited(), here = block.start[in.from];
+  const Outcome outcome = run_ops(block, in.from, std::max(limit - state_.cycle - waited, Cycles{1}) + here);
+  op.access[k] = {};
+  if (outcome.at == &op && outcome.exit > Exit::taken && outcome.exit != Exit::left_after) {
+    state_.answers[k] = answer;  // another access of the instruction did not find what it had met before
+  } else {
+    if (window->lock) state_.locked[window->area->resource == Resource::global] = *window->lock;
+    settle_answer(answer);
+  }
+  return outcome;
+}
+
+void Engine::left_block(Block& block, InBlock in, const Outcome& outcome) {
   const auto at = static_cast<std::size_t>(outcome.at - block.ops.data());
   if (outcome.exit == Exit::left_after) {
     const std::uint8_t slots = block.delay_slots[at];
-    leave(block, from, at + 1);
+    leave(block, in, at + 1);
     state_.core.delay_slots = slots;
     advance_pc(block.key.pc + static_cast<Address>(at));
     return;
   }
-  leave(block, from, at);
+  leave(block, in, at);
   if (outcome.exit == Exit::cut) {
     onward_.inside(block, at);
   } else {

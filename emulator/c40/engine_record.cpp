@@ -26,7 +26,10 @@ Block* Engine::find_or_record(Cycles limit, Stepped& why) {
   // The exit that led here leads here every time; but at a breakpoint, each run of blocks ends.
   if (Block::Exit* from = onward_.take_exit(); from != nullptr && block != nullptr && from->chained)
     if (!ends_blocks(k.pc)) from->next = block;
-  if (block != nullptr) return block;
+  if (block != nullptr) {
+    cache_.note_fit(*block);
+    return block;
+  }
   if (blocks_.full()) flush_blocks();
   record(k, limit, why);
   return nullptr;
@@ -71,11 +74,12 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
     }
     BlockRecording::Way way{.before = pipeline_.id(), .slots = static_cast<std::uint8_t>(core.delay_slots)};
     why = exact_step(step, true);
-    if (why != Stepped::done || !step.plain) {
-      if (n == 0) why == Stepped::external ? exact_sites_.add(k.pc, true) : exact_sites_.remove(k.pc);
+    if (why != Stepped::done || !step.repeatable) {
+      if (n == 0) why == Stepped::done ? exact_sites_.add(k.pc, true) : exact_sites_.remove(k.pc);
       if (n == 0 || way.slots != 0) return;
       break;
     }
+    if (step.windows != 0) way.window_start = access_start(step, step.windows >> 1, way.before);
     for (std::size_t i = 0; i < step.site->demand.count; ++i)
       if (step.site->demand.data[i].write && step.address[i] - k.pc <= n) return;  // it changes itself
     way.after = pipeline_.id();

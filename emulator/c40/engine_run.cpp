@@ -47,8 +47,7 @@ StopInfo Engine::stop(Stepped why) {
 }
 
 bool Engine::may_interrupt() const {
-  return state_.core.delay_slots == 0 && state_.core.repeat_single == 0 && !state_.answers[0].given &&
-         !state_.answers[1].given && !access_.at_port();
+  return state_.core.delay_slots == 0 && state_.core.repeat_single == 0 && !access_.is_answered() && !access_.at_port();
 }
 
 // One thing: a stop, an interrupt entry, idling, a run of blocks, or one exact instruction.
@@ -76,23 +75,21 @@ bool Engine::may_interrupt() const {
   }
   if (probe_.on_code()) probe_.reaches(core.pc, state_.cycle);
   if (pipelines_.full()) forget_pipelines();
-  const bool answered = state_.answers[0].given || state_.answers[1].given;
   const bool waiting_interrupt = !may_interrupt() && interrupts::pending(state_) != 0;
   dma_effect_ = dma_side_.effect();
   if (dma_effect_ == DmaEffect::under_way)
     dma_side_.know_accesses();
   else if (!access_.any())
     dma_side_.know_no_accesses();  // an access that is tried once more is of an instruction begun before
-  const bool one = single || trace != nullptr || answered || waiting_interrupt || dma_effect_ != DmaEffect::none ||
-                   cache_.control_pending();
+  const bool one =
+      single || trace != nullptr || waiting_interrupt || dma_effect_ != DmaEffect::none || cache_.control_pending();
   if (!one && !exact_only && !onward_.is_missed()) {
     if (Block* block = onward_.take_inside(); block != nullptr) {
-      run_blocks(block, onward_.at(), limit);
-      return Stepped::done;
+      return run_blocks(block, onward_.at(), limit);
     }
     if (core.delay_slots == 0 && !exact_sites_.contains(core.pc) && by_blocks()) {
       Stepped why = Stepped::done;
-      if (Block* block = find_or_record(limit, why); block != nullptr) run_blocks(block, 0, limit);
+      if (Block* block = find_or_record(limit, why); block != nullptr) return run_blocks(block, 0, limit);
       return why;
     }
   }
@@ -101,7 +98,7 @@ bool Engine::may_interrupt() const {
   Step step;
   const Address pc = core.pc;
   if (const Stepped why = exact_step(step, trace != nullptr); why != Stepped::done) return why;
-  if (step.plain) exact_sites_.stayed_inside(pc);
+  if (step.repeatable) exact_sites_.stayed_inside(pc);
   if (missed != nullptr && core.code_writes == 0) rejoin(*missed);
   return one || !breakpoints.empty() || probe_.on_code() || onward_.is_inside() ? Stepped::done : run_exactly(limit);
 }

@@ -160,13 +160,9 @@ void Engine::settle_accesses(const Step& step, Address pc) {
   if (step.from_cache && !step.frozen) cache_.hit(pc);
   if (step.missed && !step.frozen) cache_.load(pc, step.word, *code_.area);
   if (step.paged) state_.open_pages = pages_;
-  if (step.locks) {
-    using enum isa::Operation;
-    const isa::Operation operation = step.site->bound.row->operation;
-    bool& locked = state_.locked[step.site->demand.data[0].resource == Resource::global];
-    if (operation == ldii || operation == ldfi) locked = true;
-    if (operation == stii || operation == stfi) locked = false;
-  }
+  if (step.locks)
+    if (const auto lock = lock_after(step.site->bound.row->operation))
+      state_.locked[step.site->demand.data[0].resource == Resource::global] = *lock;
 }
 
 void Engine::finish_step(const Step& step) {
@@ -182,7 +178,7 @@ void Engine::finish_step(const Step& step) {
     if (written) write_status(core.r[reg::ST]);
   }
   if (bound.writes_interrupts) pins_.show_inputs();
-  core.attention |= bound.writes_status || bound.writes_interrupts || !step.plain;
+  core.attention |= bound.writes_status || bound.writes_interrupts || !step.repeatable;
 }
 
 // Delayed branches take effect after their third slot; the loop hardware compares with RE.
@@ -281,7 +277,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   pipeline_.set(next.after);
   const Cycles before = state_.cycle;
   account(next.timing, without);
-  if (state_.answers[0].given || state_.answers[1].given) [[unlikely]] {
+  if (access_.is_answered()) [[unlikely]] {
     settle_answers();
     if (peripherals_.dma_active()) dma_side_.mark_under_way();
   }

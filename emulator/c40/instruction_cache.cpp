@@ -37,8 +37,7 @@ void InstructionCache::load(Address pc, Word word, const Memory::Area& area) {
   ++version_;
 }
 
-bool InstructionCache::fits(Block& block) const {
-  if (block.checked == version_) return true;
+bool InstructionCache::has_words_of(Block& block) const {
   if (hits_from(block.key.pc) != block.key.hits) return false;
   block.checked = version_;
   return true;

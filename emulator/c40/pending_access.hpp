@@ -3,6 +3,7 @@
 /// communication port.
 #include <array>
 #include <cstddef>
+#include <utility>
 
 #include "c40/chip.hpp"
 #include "c40/state.hpp"
@@ -23,6 +24,14 @@ class PendingAccess {
   bool at_window() const { return kind_ == Kind::window; }
   bool at_port() const { return kind_ == Kind::port; }
   bool any() const { return kind_ != Kind::none; }
+  /// The instruction at PC goes on with an answer.
+  bool is_answered() const { return state_.answers[0].given || state_.answers[1].given; }
+  /// With this one.
+  bool is_answer_to(std::size_t slot, Address address, bool write) const {
+    const Answer& answer = state_.answers[slot];
+    return answer.given && answer.address == address && answer.write == write;
+  }
+  Answer take_answer(std::size_t slot) { return std::exchange(state_.answers[slot], {}); }
   /// As last begun.
   const ExternalAccess& window() const { return window_; }
   const PortAccess& port() const { return port_; }

@@ -30,6 +30,7 @@ Dsp::Dsp(unsigned slot, bool plugged, Surroundings& surroundings)
     sides_.emplace_back(*this, config.topology.dsps[port], master_of(config, slot),
                         port == around_.window_a.front().port ? config.bridge_a : config.bridge_b);
   around_.adapter.join(chip_, clock_, plugged);
+  chip_.set_window_listener(this);
   attach(around_.adapter.dsp_port(), around_.adapter.link(slot_), 1, adapter_wire_);
   if (!plugged) {
     chip_.hold(true);
@@ -169,30 +170,46 @@ bool Dsp::writable(Window window, Offset offset) const {
   return offset < SharedSram::size || around_.registers.answers(offset, true, false);
 }
 
-// Whether the access could be completed without waiting for its turn.
-bool Dsp::take(const c40::ExternalAccess& access) {
+// A write that finds room in the bridge, a read that the bridge's line answers.
+std::optional<c40::WindowAnswer> Dsp::answer_at_once(const c40::ExternalAccess& access) {
   const Way& way = way_of(access.address);
-  const Time begins = clock_.at(access.cycle);
   if (access.write) {
-    if (!writable(window_of(access.address), offset_of(access.address))) {
-      fault(access.cycle, chip_.pc(), access.address,
-            fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)", bus_name(way)));
-      return false;
-    }
-    if (begins < run_end_ && bridge(way).has_room()) {
-      post(way, access);
-      chip_.complete_write(0, 0);
-      return true;
-    }
-  } else if (pci::Bridge::Hit hit{}; bridge(way).look_up(offset_of(access.address) + way.shift, hit)) {
-    const c40::Cycles there = clock_.tick_at_or_after(clock_of(way).at(hit.ready));
-    statistics_.prefetch_hits += 1;
-    chip_.complete_read(hit.value, 0, std::max(there - access.cycle, around_.config.prefetch_hit_cycles));
+    if (!writable(window_of(access.address), offset_of(access.address)) || clock_.at(access.cycle) >= run_end_ ||
+        !bridge(way).has_room())
+      return {};
+    post(way, access);
+    return c40::WindowAnswer{};
+  }
+  pci::Bridge::Hit hit{};
+  if (!bridge(way).look_up(offset_of(access.address) + way.shift, hit)) return {};
+  const c40::Cycles there = clock_.tick_at_or_after(clock_of(way).at(hit.ready));
+  statistics_.prefetch_hits += 1;
+  return c40::WindowAnswer{.value = hit.value,
+                           .transfer = std::max(there - access.cycle, around_.config.prefetch_hit_cycles)};
+}
+
+// One that was not answered at once, or that the chip has to stop before: while its DMA is active.
+bool Dsp::window_access(const c40::ExternalAccess& access) {
+  if (access.write && !writable(window_of(access.address), offset_of(access.address))) {
+    fault(access.cycle, chip_.pc(), access.address,
+          fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)",
+                      bus_name(way_of(access.address))));
+    return false;
+  }
+  if (const auto answer = answer_at_once(access)) {
+    if (access.write)
+      chip_.complete_write(answer->arbitration, answer->transfer);
+    else
+      chip_.complete_read(answer->value, answer->arbitration, answer->transfer);
     return true;
   }
   access_ = access;
   state_ = State::access;
-  own_next_ = begins;
+  own_next_ = clock_.at(access.cycle);
+  // A read with nothing before it may be asked for ahead of its turn, as a write is posted: nothing can act on the
+  // board before it begins.
+  if (!access.write && !chip_.dma_active() && own_next_ < run_end_ && bridge(way_of(access.address)).is_clear())
+    begin_read();
   return false;
 }
 
@@ -214,9 +231,16 @@ void Dsp::begin_access(Time horizon) {
     chip_.complete_write(0, 0);
     return run(horizon);
   }
+  if (!access_.write) return begin_read();
   state_ = State::blocked;
   own_next_ = never;
-  if (access_.write) return post(way, access_);
+  post(way, access_);
+}
+
+void Dsp::begin_read() {
+  const Way& way = way_of(access_.address);
+  state_ = State::blocked;
+  own_next_ = never;
   statistics_.bus_reads += 1;
   bridge(way).read(offset_of(access_.address) + way.shift, clock_of(way).tick_at_or_after(clock_.at(access_.cycle)));
 }

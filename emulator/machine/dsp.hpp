@@ -54,7 +54,11 @@ struct Surroundings {
 /// Words of its program that every DSP finds set.
 std::vector<std::pair<c40::Address, Word>> start_words(const Symbols& symbols, const Config& config, unsigned slot);
 
-class Dsp final : public Scheduler::Processor, public PinOwner, private c40::PinListener, private ChipRunner {
+class Dsp final : public Scheduler::Processor,
+                  public PinOwner,
+                  private c40::PinListener,
+                  private c40::WindowListener,
+                  private ChipRunner {
  public:
   Dsp(unsigned slot, bool plugged, Surroundings& surroundings);
 
@@ -160,16 +164,17 @@ class Dsp final : public Scheduler::Processor, public PinOwner, private c40::Pin
   };
 
   void run(Time until);
-  bool take(const c40::ExternalAccess& access);
+  std::optional<c40::WindowAnswer> answer_at_once(const c40::ExternalAccess& access) override;
   std::optional<Span> span() override;
   bool at_limit() override;
   bool asks_anew() override { return true; }
   bool at_breakpoint() override { return at_limit(); }
-  bool window_access(const c40::ExternalAccess& access) override { return take(access); }
+  bool window_access(const c40::ExternalAccess& access) override;
   bool port_access(const c40::PortAccess& access) override;
   bool port_wait(const c40::PortAccess& access) override;
   bool faulted(const c40::Fault& why) override;
   void begin_access(Time horizon);
+  void begin_read();
   void begin_port_access(Time now, Time horizon);
   void driven(c40::Pin pin, c40::Drive drive, c40::Cycles at) override;
   Time next_pin_event() const;
