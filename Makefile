@@ -30,6 +30,7 @@ results: build
 bench: build
 	build/bin/c40_bench tests/toolchain/bench/fir.hex tests/toolchain/bench/branch.hex tests/toolchain/bench/controller.hex
 	scripts/bench_scene
+	$(PYTHON) scripts/host_costs
 
 # More single-step vectors from the specification, N of each operand form, run by the emulator (docs/verification.md).
 N := 1000

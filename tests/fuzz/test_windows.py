@@ -6,9 +6,8 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from locations import BUILD
-
 from cmrc import c40
+from locations import BUILD
 
 # AR6 and AR7 point into windows, AR0 to AR2 anywhere.
 LINES = [

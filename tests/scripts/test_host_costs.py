@@ -1,0 +1,30 @@
+"""Emulation costs no more host instructions than its history says (docs/speed.md, Counted)."""
+
+import shutil
+import subprocess
+import sys
+
+import pytest
+from locations import ROOT
+
+COSTS = [sys.executable, ROOT / "scripts" / "host_costs"]
+needs_valgrind = pytest.mark.skipif(shutil.which("valgrind") is None, reason="valgrind is missing (apt-get install valgrind)")
+
+
+@needs_valgrind
+def test_the_kernels_cost_no_more_than_before() -> None:
+    done = subprocess.run([*COSTS, "--quick", "--check"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@needs_valgrind
+@pytest.mark.campaign
+def test_the_dock_and_the_crane_cost_no_more_than_before() -> None:
+    done = subprocess.run([*COSTS, "--check", "dock", "crane"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_a_name_of_no_row_is_an_error_that_lists_the_rows() -> None:
+    done = subprocess.run([*COSTS, "no such row"], capture_output=True, text=True, check=False)
+    assert done.returncode != 0
+    assert "no row has no such row in its name" in done.stderr and "fft1024" in done.stderr
