@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "bus_model/bus.hpp"
 #include "cmrc/host.hpp"
 #include "cmrc/instability.hpp"
 #include "cmrc/ledger.hpp"
@@ -44,6 +45,8 @@ class RunObserver : public machine::Observer, public HostListener {
   void attach(plant::Dock& dock, Course* course, double wind_limit);
   /// Tells it when jobs begin and end; null: nobody.
   void set_profile(RunProfile* profile) { profile_ = profile; }
+  /// It hears what the ledger hears, and the buses and the dock; null: nobody. Not a part of the state.
+  void watch(RunWatcher* watcher) { watcher_ = watcher, ledger_.watch(watcher); }
 
   // machine::Observer
   void dsp_issue(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
@@ -58,6 +61,9 @@ class RunObserver : public machine::Observer, public HostListener {
   void dsp_write_refused(unsigned slot, machine::Offset offset, machine::Word value, machine::Word kind,
                          Time now) override;
   void transaction(machine::BusId bus, const pci::Transaction& transaction, Time now) override;
+  void attempted(machine::BusId bus, const pci::Attempt& attempt, const machine::Clock& clock) override {
+    if (watcher_ != nullptr) watcher_->on_bus(bus, attempt, clock.at(attempt.frame), clock.at(attempt.last + 1));
+  }
   void interrupt(unsigned slot, int pin, Time now) override;
   void semaphore(unsigned number, machine::SemaphoreEvent event, unsigned owner, Time now) override;
   void fault(const machine::ChipFault& fault) override;
@@ -126,6 +132,7 @@ class RunObserver : public machine::Observer, public HostListener {
   Time effort_until_{};
   std::optional<WindWatch> wind_;
   RunProfile* profile_ = nullptr;
+  RunWatcher* watcher_ = nullptr;
 };
 
 }  // namespace cmrc

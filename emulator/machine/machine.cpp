@@ -90,6 +90,9 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
 
   struct Watch final : pci::Monitor {
     Watch(Parts& owner, BusId which) : parts{owner}, bus{which} {}
+    void attempted(const pci::Attempt& attempt) override {
+      parts.around->observer->attempted(bus, attempt, parts.bus_clocks[static_cast<std::size_t>(bus)]);
+    }
     void ended(const pci::Transaction& transaction) override {
       parts.around->observer->transaction(bus, transaction,
                                           parts.bus_clocks[static_cast<std::size_t>(bus)].at(transaction.ended));

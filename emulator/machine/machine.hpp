@@ -34,6 +34,7 @@ class Chip;
 }
 namespace pci {
 class Bus;
+struct Attempt;
 struct BusStatistics;
 struct Transaction;
 }  // namespace pci
@@ -128,6 +129,8 @@ class Observer {
   /// A transaction has ended. On every bus the host, if it stands there, is master 0; the DSPs follow in the order of
   /// their slots, then the bridges between buses.
   virtual void transaction(BusId, const pci::Transaction&, Time /*now*/) {}
+  /// A master's time on a bus is over: from attempt.frame to attempt.last of the bus's clock; per bus in that order.
+  virtual void attempted(BusId, const pci::Attempt&, const Clock& /*of the bus*/) {}
   virtual void interrupt(unsigned /*slot*/, int /*iiof pin*/, Time /*now*/) {}
   /// owner: DSP slot + 1, or host_owner.
   virtual void semaphore(unsigned /*number*/, SemaphoreEvent, unsigned /*owner*/, Time /*now*/) {}
