@@ -40,6 +40,15 @@ void declare_run(CLI::App& app, RunOptions& options) {
       ->type_name("N");
   app.add_flag("--trace-labels", options.trace_labels,
                "In instruction traces labels instead of addresses, and no words");
+  app.add_option("--perfetto", options.perfetto,
+                 "Write a timeline for ui.perfetto.dev, packed when the name ends in .gz (docs/timelines.md)")
+      ->type_name("FILE[.gz]");
+  app.add_option("--perfetto-detail", options.perfetto_detail,
+                 "What it draws: tasks (default); bus: also each bus transaction; all: also each wait of the DSPs")
+      ->type_name("tasks|bus|all");
+  app.add_option("--perfetto-window", options.perfetto_window,
+                 "It draws only from A to B, in simulated s; bus and all need it")
+      ->type_name("A:B");
   app.add_option("--profile", options.profile,
                  "Where the DSPs' cycles went, per task kind, routine and source line; into FILE (.json: as JSON), or "
                  "after the report")

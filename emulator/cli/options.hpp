@@ -37,11 +37,14 @@ struct RunOptions {
   std::vector<std::string> settings;  ///< KEY=VALUE
   std::optional<std::string> report;
   std::optional<std::string> trace;
-  std::optional<std::string> profile;        ///< file, or empty: on the terminal
-  std::optional<std::string> trace_window;   ///< A:B in seconds
-  std::vector<unsigned> trace_instructions;  ///< slots whose instructions are traced too
-  bool trace_labels = false;                 ///< instruction traces name labels, not addresses
-  std::vector<std::string> snapshots;        ///< S:FILE
+  std::optional<std::string> perfetto;         ///< FILE, or FILE.gz
+  std::optional<std::string> perfetto_detail;  ///< tasks, bus or all
+  std::optional<std::string> perfetto_window;  ///< A:B in seconds
+  std::optional<std::string> profile;          ///< file, or empty: on the terminal
+  std::optional<std::string> trace_window;     ///< A:B in seconds
+  std::vector<unsigned> trace_instructions;    ///< slots whose instructions are traced too
+  bool trace_labels = false;                   ///< instruction traces name labels, not addresses
+  std::vector<std::string> snapshots;          ///< S:FILE
   std::optional<std::string> resume;
   std::optional<int> debug_port;  ///< an editor may attach there while the run goes on
   bool debug_wait = false;        ///< the run waits for it

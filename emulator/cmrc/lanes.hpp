@@ -34,9 +34,9 @@ struct Stretch {
   Time from{}, to{};
   std::array<std::int64_t, held_up_count> held_up{};  ///< ps of it, by HeldUpBy; they do not overlap
   // Where it ran a block:
-  TakenBlock block;
+  TakenBlock block{};
   report::Run::End end = report::Run::End::running;
-  std::vector<std::int64_t> cycles;  ///< by cause, the ledger's; empty: not known
+  std::vector<std::int64_t> cycles{};  ///< by cause, the ledger's; empty: not known
 };
 
 class LaneListener {

@@ -145,7 +145,7 @@ void Ledger::skipped(JobKind kind, Time released, Time deadline, std::optional<s
   }
   if (watcher_ != nullptr) {
     watcher_->released(open.name, released, deadline);
-    watcher_->ended({open.name, report::Outcome::dropped, true, released, deadline, {}, deadline});
+    watcher_->ended({open.name, report::Outcome::dropped, true, released, deadline, {}, deadline, true});
   }
   why_.missed(missed, timeline_, audit_, watcher_);
 }
@@ -312,7 +312,7 @@ report::Outcome Ledger::book(const Open& open, const report::Job& job, Time now)
   if (job.progress == report::Progress::finished) jobs.finished.add(job.finished);
   const bool miss = report::missed(job, outcome, now);
   if (watcher_ != nullptr)
-    watcher_->ended({open.name, outcome, miss, open.released, open.deadline, open.finished, now});
+    watcher_->ended({open.name, outcome, miss, open.released, open.deadline, open.finished, now, false});
   if (!miss) return outcome;
   ++jobs.misses;
   MissedJob missed = missed_job(open, outcome, now);

@@ -57,8 +57,8 @@ class Ledger {
   void list_held(Time at) { refresh_.held = at; }
   void offered(std::size_t block);
   void list_freed(Time at);
-  void refresh_ended(Time at) const {
-    if (watcher_ != nullptr) watcher_->refreshed(refresh_, at);
+  void refresh_ended(Time at, std::size_t blocks) const {
+    if (watcher_ != nullptr) watcher_->refreshed(refresh_, at, blocks);
   }
   /// What the DSPs and the list's semaphore do.
   Timeline& timeline() { return timeline_; }

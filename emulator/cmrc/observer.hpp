@@ -62,7 +62,7 @@ class RunObserver : public machine::Observer, public HostListener {
                          Time now) override;
   void transaction(machine::BusId bus, const pci::Transaction& transaction, Time now) override;
   void attempted(machine::BusId bus, const pci::Attempt& attempt, const machine::Clock& clock) override {
-    if (watcher_ != nullptr) watcher_->on_bus(bus, attempt, clock.at(attempt.frame), clock.at(attempt.last + 1));
+    if (watcher_ != nullptr) watcher_->on_bus(bus, attempt, clock);
   }
   void interrupt(unsigned slot, int pin, Time now) override;
   void semaphore(unsigned number, machine::SemaphoreEvent event, unsigned owner, Time now) override;

@@ -45,6 +45,7 @@ struct EndedJob {
   std::optional<Time> deadline;
   std::optional<Time> finished;  ///< the program issued the write of FFh
   Time end{};                    ///< of its account (docs/report.md, Why late)
+  bool skipped = false;          ///< a nominal tick for which no block could be released
 };
 
 /// The waits of a missed job, and the blocks that were in its way.
@@ -82,10 +83,10 @@ class RunWatcher {
   /// After ended() of the same job.
   virtual void missed(const MissedWaits&) {}
 
-  /// The host's refresh is over at `end`.
-  virtual void refreshed(const RefreshTimes&, Time /*end*/) {}
-  /// A master was on a bus from `from` to `to`, the turnaround left out; of each bus in the order of time.
-  virtual void on_bus(machine::BusId, const pci::Attempt&, Time /*from*/, Time /*to*/) {}
+  /// The host's refresh is over at `end`, with so many blocks in the list.
+  virtual void refreshed(const RefreshTimes&, Time /*end*/, std::size_t /*blocks*/) {}
+  /// A master was on a bus, from attempt.frame to attempt.last of the bus's clock; of each bus in the order of time.
+  virtual void on_bus(machine::BusId, const pci::Attempt&, const machine::Clock&) {}
   /// The drives have latched; the dock stands at `now`.
   virtual void latched(const plant::Dock&, Time /*now*/) {}
 };

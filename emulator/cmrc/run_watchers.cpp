@@ -32,11 +32,11 @@ void RunWatchers::ended(const EndedJob& job) {
 void RunWatchers::missed(const MissedWaits& waits) {
   for (RunWatcher* one : all_) one->missed(waits);
 }
-void RunWatchers::refreshed(const RefreshTimes& times, Time end) {
-  for (RunWatcher* one : all_) one->refreshed(times, end);
+void RunWatchers::refreshed(const RefreshTimes& times, Time end, std::size_t blocks) {
+  for (RunWatcher* one : all_) one->refreshed(times, end, blocks);
 }
-void RunWatchers::on_bus(machine::BusId bus, const pci::Attempt& attempt, Time from, Time to) {
-  for (RunWatcher* one : all_) one->on_bus(bus, attempt, from, to);
+void RunWatchers::on_bus(machine::BusId bus, const pci::Attempt& attempt, const machine::Clock& clock) {
+  for (RunWatcher* one : all_) one->on_bus(bus, attempt, clock);
 }
 void RunWatchers::latched(const plant::Dock& dock, Time now) {
   for (RunWatcher* one : all_) one->latched(dock, now);

@@ -20,8 +20,8 @@ class RunWatchers final : public RunWatcher {
   void released(const report::JobName& job, Time released, std::optional<Time> deadline) override;
   void ended(const EndedJob& job) override;
   void missed(const MissedWaits& waits) override;
-  void refreshed(const RefreshTimes& times, Time end) override;
-  void on_bus(machine::BusId bus, const pci::Attempt& attempt, Time from, Time to) override;
+  void refreshed(const RefreshTimes& times, Time end, std::size_t blocks) override;
+  void on_bus(machine::BusId bus, const pci::Attempt& attempt, const machine::Clock& clock) override;
   void latched(const plant::Dock& dock, Time now) override;
 
  private:

@@ -388,6 +388,8 @@ void Simulation::watch(RunWatcher& watcher) {
   p.observer.watch(&p.watchers);
 }
 
+std::vector<std::string> Simulation::causes() { return job_causes(); }
+
 void Simulation::close_watch() {
   Parts& p = *parts_;
   p.ledger.close(p.machine.time(), [&p](unsigned slot) { return job_causes(p.machine, slot); }, p.watchers);

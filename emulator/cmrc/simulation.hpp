@@ -65,6 +65,8 @@ class Simulation {
   void watch(RunWatcher& watcher);
   /// Tells the watchers of the jobs that stand open, as report_so_far() books them. Once, when the run does not go on.
   void close_watch();
+  /// Names of a job's causes, in the order in which a watcher hears of its cycles.
+  static std::vector<std::string> causes();
   /// Hears the instructions of one DSP; must outlive the run. Before run().
   void trace(unsigned slot, c40::TraceSink& sink);
   /// Counts from now on where the DSPs' cycles go. Before run(); it slows the run down and changes nothing else.
