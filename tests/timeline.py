@@ -106,8 +106,6 @@ def read(path: Path) -> Timeline:
         flags = packet.sequence_flags
         if flags & schema.TracePacket.SEQ_INCREMENTAL_STATE_CLEARED:
             sequences[packet.trusted_packet_sequence_id] = _Sequence()
-        else:
-            assert flags & schema.TracePacket.SEQ_NEEDS_INCREMENTAL_STATE
         state = sequences[packet.trusted_packet_sequence_id]
         for clock in packet.clock_snapshot.clocks:
             state.clocks[clock.clock_id] = [clock.timestamp, clock.is_incremental]

@@ -31,10 +31,13 @@ void add_held_up(std::vector<Trace::Note>& notes, const std::array<std::int64_t,
   }
 }
 
-/// An instant within a slice that begins at `begin`, also when the slice ends in the same nanosecond.
-Time inside(Time begin, Time from, Time to) {
+/// An instant within the slice of a block that was claimed at `claimed` and was in the way from `from` to `to`. A
+/// nanosecond after its begin at the earliest: of two events at one time the one that is written first comes first, and
+/// the slice may be written later.
+Time inside(Time claimed, Time from, Time to) {
   using std::chrono::floor, std::chrono::nanoseconds;
-  return std::max<Time>(floor<nanoseconds>(begin), std::min(from, Time(floor<nanoseconds>(to)) - nanoseconds{1}));
+  constexpr Time one = nanoseconds{1};
+  return std::max<Time>(floor<nanoseconds>(claimed) + one, std::min(from, Time(floor<nanoseconds>(to)) - one));
 }
 
 }  // namespace
@@ -117,7 +120,8 @@ void PerfettoRecorder::block(Dsp& dsp, const Stretch& stretch) {
 
 void PerfettoRecorder::close_executive(Dsp& dsp, Time at) {
   std::vector<Trace::Note> notes;
-  add_held_up(notes, std::exchange(dsp.held_up, {}));
+  const auto held_up = std::exchange(dsp.held_up, {});
+  if (detail_ != PerfettoDetail::tasks) add_held_up(notes, held_up);  // a fifteenth of a long file
   trace_.end(dsp.track, at, notes);
 }
 
@@ -190,7 +194,10 @@ void PerfettoRecorder::missed(const MissedWaits& waits) {
   for (const report::Behind& behind : waits.behind) {
     if (!window_.contains(behind.from)) continue;
     flows.push_back(++last_flow_);
-    const Trace::Note there[] = {{"job", job.name.number}, {"share_ps", behind.share}};
+    const Trace::Note there[] = {{"job", job.name.number},
+                                 {"from_ps", behind.from.count()},
+                                 {"to_ps", behind.to.count()},
+                                 {"share_ps", behind.share}};
     trace_.instant(dsps_.at(behind.slot).track, inside(behind.claimed, behind.from, behind.to),
                    "in the way of " + title, there, std::span(flows).last(1));
   }

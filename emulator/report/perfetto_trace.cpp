@@ -18,7 +18,8 @@ constexpr unsigned packet = 1;
 namespace packet {
 constexpr unsigned clock_snapshot = 6, timestamp = 8, sequence = 10, track_event = 11, interned_data = 12,
                    sequence_flags = 13, timestamp_clock = 58, defaults = 59, track_descriptor = 60;
-constexpr unsigned state_cleared = 1, needs_state = 2;  // flags
+// Of the flags. That a packet needs its sequence's state is not said: two bytes of each, for readers of torn traces.
+constexpr unsigned state_cleared = 1;
 }  // namespace packet
 namespace defaults {
 constexpr unsigned track_event = 11, timestamp_clock = 58, track = 11;  // track: of TrackEventDefaults
@@ -146,7 +147,6 @@ void PerfettoTrace::write(Track track, const Event& event) {
   packet.add_uint64(packet::timestamp, static_cast<std::uint64_t>(event.in_order ? ns - state.last_ns : ns));
   if (!event.in_order) packet.add_uint32(packet::timestamp_clock, boot_time);
   packet.add_uint32(packet::sequence, track + 1);
-  packet.add_uint32(packet::sequence_flags, packet::needs_state);
   if (event.in_order) state.last_ns = ns;
 
   std::string new_names;
