@@ -223,6 +223,9 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
   app.add_option("--trace", options.trace, "Write the instruction trace (docs/trace.md)")->type_name("FILE");
   app.add_flag("--trace-labels", options.trace_labels, "In it labels instead of addresses, and no words");
   app.add_option("--events", options.events, "Write what the peripherals did (docs/peripherals.md)")->type_name("FILE");
+  app.add_option("--perfetto", options.perfetto,
+                 "Write a network's links and FIFOs as a timeline for ui.perfetto.dev (docs/timelines.md)")
+      ->type_name("FILE[.gz]");
   app.add_flag("--profile", options.profile, "Cycles by cause, per routine and per source line");
   app.add_option("--pipeline", options.pipeline, "Draw the pipeline in these cycles")->type_name("FIRST:LAST");
   app.add_flag("--check", options.check, "Look for broken rules of the manual (docs/fidelity.md, Self-checks)");

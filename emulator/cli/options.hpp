@@ -139,7 +139,8 @@ struct ExecOptions {
   std::optional<std::string> topology;
   std::optional<std::string> network;
   std::optional<std::string> link_trace;
-  std::vector<std::string> actions;  ///< AT_US,ACTION,TARGET
+  std::optional<std::string> perfetto;  ///< of a network
+  std::vector<std::string> actions;     ///< AT_US,ACTION,TARGET
   std::uint64_t turn_order = 0;
   std::optional<std::string> trace;
   bool trace_labels = false;  ///< in it labels, not addresses

@@ -40,18 +40,14 @@ std::optional<PerfettoRequest> perfetto_request(const RunOptions& options, const
   return request;
 }
 
-PerfettoFile::PerfettoFile(const PerfettoRequest& request) : request_(request), file_(request.file) {
-  if (request.file.ends_with(".gz")) packed_.emplace(file_.stream());
-}
+PerfettoFile::PerfettoFile(const PerfettoRequest& request) : request_(request), file_(request.file) {}
 
 void PerfettoFile::record(cmrc::Simulation& simulation) {
-  recorder_.emplace(simulation, packed_ ? static_cast<std::ostream&>(*packed_) : file_.stream(), request_.detail,
-                    request_.window);
+  recorder_.emplace(simulation, file_.stream(), request_.detail, request_.window);
 }
 
 void PerfettoFile::commit() {
   recorder_->finish();
-  if (packed_) packed_->finish();
   file_.commit();
 }
 

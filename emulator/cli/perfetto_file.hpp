@@ -4,10 +4,9 @@
 #include <optional>
 
 #include "cli/options.hpp"
+#include "cli/timeline_file.hpp"
 #include "cmrc/config.hpp"
 #include "cmrc/perfetto_recorder.hpp"
-#include "io/gzip_stream.hpp"
-#include "io/output_file.hpp"
 #include "report/trace_text.hpp"
 
 namespace cli {
@@ -33,8 +32,7 @@ class PerfettoFile {
 
  private:
   const PerfettoRequest request_;
-  io::OutputFile file_;
-  std::optional<io::GzipStream> packed_;
+  TimelineFile file_;
   std::optional<cmrc::PerfettoRecorder> recorder_;
 };
 

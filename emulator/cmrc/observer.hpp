@@ -7,7 +7,6 @@
 #include <optional>
 #include <vector>
 
-#include "bus_model/bus.hpp"
 #include "cmrc/host.hpp"
 #include "cmrc/instability.hpp"
 #include "cmrc/ledger.hpp"
@@ -45,7 +44,7 @@ class RunObserver : public machine::Observer, public HostListener {
   void attach(plant::Dock& dock, Course* course, double wind_limit);
   /// Tells it when jobs begin and end; null: nobody.
   void set_profile(RunProfile* profile) { profile_ = profile; }
-  /// It hears what the ledger hears, and the buses and the dock; null: nobody. Not a part of the state.
+  /// It hears what the ledger hears, and the dock; null: nobody. Not a part of the state.
   void watch(RunWatcher* watcher) { watcher_ = watcher, ledger_.watch(watcher); }
 
   // machine::Observer
@@ -61,9 +60,6 @@ class RunObserver : public machine::Observer, public HostListener {
   void dsp_write_refused(unsigned slot, machine::Offset offset, machine::Word value, machine::Word kind,
                          Time now) override;
   void transaction(machine::BusId bus, const pci::Transaction& transaction, Time now) override;
-  void attempted(machine::BusId bus, const pci::Attempt& attempt, const machine::Clock& clock) override {
-    if (watcher_ != nullptr) watcher_->on_bus(bus, attempt, clock);
-  }
   void interrupt(unsigned slot, int pin, Time now) override;
   void semaphore(unsigned number, machine::SemaphoreEvent event, unsigned owner, Time now) override;
   void fault(const machine::ChipFault& fault) override;

@@ -386,6 +386,9 @@ void Simulation::watch(RunWatcher& watcher) {
                      [&p](std::size_t block) { return p.machine.peek(p.words.block(block) + p.words.generation); });
   p.watchers.add(watcher);
   p.observer.watch(&p.watchers);
+  p.machine.watch_buses([&p](machine::BusId bus, const pci::Attempt& attempt, const machine::Clock& clock) {
+    p.watchers.on_bus(bus, attempt, clock);
+  });
 }
 
 std::vector<std::string> Simulation::causes() { return job_causes(); }

@@ -129,8 +129,6 @@ class Observer {
   /// A transaction has ended. On every bus the host, if it stands there, is master 0; the DSPs follow in the order of
   /// their slots, then the bridges between buses.
   virtual void transaction(BusId, const pci::Transaction&, Time /*now*/) {}
-  /// A master's time on a bus is over: from attempt.frame to attempt.last of the bus's clock; per bus in that order.
-  virtual void attempted(BusId, const pci::Attempt&, const Clock& /*of the bus*/) {}
   virtual void interrupt(unsigned /*slot*/, int /*iiof pin*/, Time /*now*/) {}
   /// owner: DSP slot + 1, or host_owner.
   virtual void semaphore(unsigned /*number*/, SemaphoreEvent, unsigned /*owner*/, Time /*now*/) {}
@@ -252,6 +250,10 @@ class Machine {
   /// host's), and when it is done; none: nobody. Changes nothing.
   using SharedWatch = std::function<void(Offset, Word before, Word value, bool write, unsigned agent, Time done)>;
   void watch_shared(SharedWatch watch);
+  /// Hears of each time that a master was on a bus, and that bus's clock: from attempt.frame to attempt.last, per bus
+  /// in this order; none: nobody. Changes nothing.
+  using BusWatch = std::function<void(BusId, const pci::Attempt&, const Clock&)>;
+  void watch_buses(BusWatch watch);
   /// When a cycle of a DSP begins, at its present pace.
   Time time_of(unsigned slot, std::int64_t cycle) const;
   Word symbol(std::string_view name) const;  ///< of the program; std::out_of_range names it

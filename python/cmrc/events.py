@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Iterable, Iterator, Mapping
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -46,14 +47,20 @@ def argument_columns() -> list[str]:
     return list(dict.fromkeys(name for _, names in kinds.values() for name in names))
 
 
-def of_configuration(config: str | os.PathLike[str], settings: Mapping[str, Setting] | None = None, slice_s: float = 0.1) -> Iterator[pa.RecordBatch]:
-    """Runs a configuration and gives its events in batches. Raises ConfigError, ImportError."""
+def of_configuration(
+    config: str | os.PathLike[str], settings: Mapping[str, Setting] | None = None, on_progress: Callable[[float, float], object] | None = None
+) -> Iterator[pa.RecordBatch]:
+    """Runs a configuration and gives its events in batches of 0.1 s. ``on_progress(simulated_s, duration_s)`` is called for each. Raises ConfigError, ImportError."""
     pa = needed()
-    core = _core.cmrc.Simulation(configured(config, None, {"report.reference": "none", **(settings or {})}, (), {}))
+    made = configured(config, None, {"report.reference": "none", **(settings or {})}, (), {})
+    duration_s = float(made.to_dict()["run.duration_s"])
+    core = _core.cmrc.Simulation(made)
     core.keep_events()
     tasks = core.task_names()
     while not core.ended:
-        core.run_until(core.time_s + slice_s)
+        core.run_until(core.time_s + 0.1)
+        if on_progress is not None:
+            on_progress(core.time_s, duration_s)
         yield _batch(pa, np.frombuffer(core.take_events(), RECORD), tasks)
     core.report_so_far_json()  # what is settled last
     yield _batch(pa, np.frombuffer(core.take_events(), RECORD), tasks)
@@ -168,6 +175,11 @@ def declare(commands: Any) -> None:
     command.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a setting, where RUN is a configuration")
 
 
+def _show(simulated_s: float, duration_s: float) -> None:
+    end = "" if simulated_s < duration_s else "\n"
+    print(f"\r{simulated_s:.1f} s of {duration_s:g} s", end=end, file=sys.stderr, flush=True)
+
+
 def main(given: argparse.Namespace, settings: Mapping[str, Setting]) -> None:
     """The command. Raises ValueError, OSError, ImportError, ConfigError."""
     run, output = Path(given.run), Path(given.output)
@@ -178,7 +190,7 @@ def main(given: argparse.Namespace, settings: Mapping[str, Setting]) -> None:
     if not output.absolute().parent.is_dir() or output.is_dir():
         raise ValueError(f"{output}: is not a file in a folder that is there")
     if run.suffix == ".toml":
-        batches = of_configuration(run, settings)
+        batches = of_configuration(run, settings, _show if sys.stderr.isatty() else None)
     elif settings:
         raise ValueError("--set: RUN is a trace; only a configuration takes settings")
     else:
