@@ -266,11 +266,15 @@ def test_a_dsp_that_fails_is_off_from_then_on(tmp_path: Path) -> None:
     config.write_text('[[events]]\nat_s = 0.8003\naction = "fail"\ndsp = 0\n')
     drawn = draw(tmp_path, "--dsps", "3", "--preset", "saturated", "--duration", "1.1", "--config", config)
     timeline.check_order(drawn.timeline)
-    last = drawn.dsp(0)[-1]
-    offs = [one for one in drawn.dsp(0) if one.name == "off" and one.end > 800 * MS]
-    assert offs and offs[0].begin == 800_300_000_000
-    assert last.end <= 1100 * MS
-    assert any(one.name.endswith("fault") or "scripted" in one.name for one in drawn.timeline.instants)
+    failure = 800_300_000_000
+    off = drawn.dsp(0)[-1]
+    assert (off.name, off.begin, off.end) == ("off", failure, 1100 * MS)
+    block = drawn.blocks(0)[-1]
+    assert (block.end, block.notes["end"]) == (failure, "failed")
+    # The report counts on until the watchdog takes the block away.
+    (requeued,) = [one for one in drawn.timeline.instants if one.name == "host requeue"]
+    ran = sum(one.end - one.begin for one in drawn.blocks(0) if one.name == block.name)
+    assert drawn.report["dsps"][0]["tasks_ps"][block.name] - ran == requeued.at - failure
 
 
 def test_an_interrupted_run_leaves_a_whole_file(tmp_path: Path) -> None:
