@@ -40,6 +40,15 @@ void declare_run(CLI::App& app, RunOptions& options) {
       ->type_name("N");
   app.add_flag("--trace-labels", options.trace_labels,
                "In instruction traces labels instead of addresses, and no words");
+  app.add_option("--perfetto", options.perfetto,
+                 "Write a timeline for ui.perfetto.dev, packed when the name ends in .gz (docs/timelines.md)")
+      ->type_name("FILE[.gz]");
+  app.add_option("--perfetto-detail", options.perfetto_detail,
+                 "What it draws: tasks (default); bus: also each bus transaction; all: also each wait of the DSPs")
+      ->type_name("tasks|bus|all");
+  app.add_option("--perfetto-window", options.perfetto_window,
+                 "It draws only from A to B, in simulated s; bus and all need it")
+      ->type_name("A:B");
   app.add_option("--profile", options.profile,
                  "Where the DSPs' cycles went, per task kind, routine and source line; into FILE (.json: as JSON), or "
                  "after the report")
@@ -214,6 +223,9 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
   app.add_option("--trace", options.trace, "Write the instruction trace (docs/trace.md)")->type_name("FILE");
   app.add_flag("--trace-labels", options.trace_labels, "In it labels instead of addresses, and no words");
   app.add_option("--events", options.events, "Write what the peripherals did (docs/peripherals.md)")->type_name("FILE");
+  app.add_option("--perfetto", options.perfetto,
+                 "Write a network's links and FIFOs as a timeline for ui.perfetto.dev (docs/timelines.md)")
+      ->type_name("FILE[.gz]");
   app.add_flag("--profile", options.profile, "Cycles by cause, per routine and per source line");
   app.add_option("--pipeline", options.pipeline, "Draw the pipeline in these cycles")->type_name("FIRST:LAST");
   app.add_flag("--check", options.check, "Look for broken rules of the manual (docs/fidelity.md, Self-checks)");

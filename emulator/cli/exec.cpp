@@ -504,6 +504,8 @@ int exec(const ExecOptions& options) {
     return exec_network(options);
   if (options.boards.size() > 1) throw InputError("--board: one chip has one board");
   if (options.link_trace) throw InputError("--link-trace: there is no link");
+  if (options.perfetto)
+    throw InputError("--perfetto: it draws the links of a network; one program has --trace, --events");
   const machine::BoardDescription chosen =
       board_named(options, options.boards.empty() ? "default" : options.boards.front());
   const bool boots_rom = !options.roms.empty() || (!chosen.contents.empty() && options.boot);

@@ -5,8 +5,10 @@
 
 #include "cli/chip_listeners.hpp"
 #include "cli/network_arguments.hpp"
+#include "cli/network_timeline.hpp"
 #include "cli/options.hpp"
 #include "cli/program.hpp"
+#include "cli/timeline_file.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
 #include "io/signals.hpp"
@@ -238,13 +240,17 @@ int exec_network(const ExecOptions& options) {
   for (std::size_t n = 0; n < network.chip_count(); ++n)
     for (const std::string& source : network.program(n).files_read) files.reads("a source", source);
   for (std::size_t n = 0; n < network.chip_count(); ++n) files.writes("--trace", trace_file(options, n).value_or(""));
-  files.writes("--link-trace", options.link_trace.value_or("")).writes("--events", options.events.value_or(""));
+  files.writes("--link-trace", options.link_trace.value_or(""))
+      .writes("--events", options.events.value_or(""))
+      .writes("--perfetto", options.perfetto.value_or(""));
   Watched watched(network, options);
   std::optional<io::OutputFile> link_trace, events;
   if (options.link_trace) link_trace.emplace(*options.link_trace);
   if (options.events) events.emplace(*options.events);
-  network.record_words(link_trace || events);
-  network.record_peripherals(events.has_value());
+  std::optional<TimelineFile> timeline;
+  if (options.perfetto) timeline.emplace(*options.perfetto);
+  network.record_words(link_trace || events || timeline);
+  network.record_peripherals(events || timeline);
   const io::StopBySignal signals;
   const machine::NetworkStop stop = network.run_until(end_of(network, options));
   watched.run_ended();
@@ -255,6 +261,10 @@ int exec_network(const ExecOptions& options) {
   if (events) {
     for (const std::string& line : network.event_trace()) events->stream() << line << '\n';
     events->commit();
+  }
+  if (timeline) {
+    draw_network(network, timeline->stream());
+    timeline->commit();
   }
   (options.json ? print_json : print_text)(network, stop, dumps, watched, options.peripherals,
                                            options.cycles.has_value());

@@ -37,11 +37,14 @@ struct RunOptions {
   std::vector<std::string> settings;  ///< KEY=VALUE
   std::optional<std::string> report;
   std::optional<std::string> trace;
-  std::optional<std::string> profile;        ///< file, or empty: on the terminal
-  std::optional<std::string> trace_window;   ///< A:B in seconds
-  std::vector<unsigned> trace_instructions;  ///< slots whose instructions are traced too
-  bool trace_labels = false;                 ///< instruction traces name labels, not addresses
-  std::vector<std::string> snapshots;        ///< S:FILE
+  std::optional<std::string> perfetto;         ///< FILE, or FILE.gz
+  std::optional<std::string> perfetto_detail;  ///< tasks, bus or all
+  std::optional<std::string> perfetto_window;  ///< A:B in seconds
+  std::optional<std::string> profile;          ///< file, or empty: on the terminal
+  std::optional<std::string> trace_window;     ///< A:B in seconds
+  std::vector<unsigned> trace_instructions;    ///< slots whose instructions are traced too
+  bool trace_labels = false;                   ///< instruction traces name labels, not addresses
+  std::vector<std::string> snapshots;          ///< S:FILE
   std::optional<std::string> resume;
   std::optional<int> debug_port;  ///< an editor may attach there while the run goes on
   bool debug_wait = false;        ///< the run waits for it
@@ -136,7 +139,8 @@ struct ExecOptions {
   std::optional<std::string> topology;
   std::optional<std::string> network;
   std::optional<std::string> link_trace;
-  std::vector<std::string> actions;  ///< AT_US,ACTION,TARGET
+  std::optional<std::string> perfetto;  ///< of a network
+  std::vector<std::string> actions;     ///< AT_US,ACTION,TARGET
   std::uint64_t turn_order = 0;
   std::optional<std::string> trace;
   bool trace_labels = false;  ///< in it labels, not addresses

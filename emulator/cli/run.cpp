@@ -11,6 +11,7 @@
 #include "c40/chip.hpp"
 #include "cli/attach.hpp"
 #include "cli/options.hpp"
+#include "cli/perfetto_file.hpp"
 #include "cli/progress_line.hpp"
 #include "cli/settings.hpp"
 #include "cli/snapshots.hpp"
@@ -107,21 +108,26 @@ int run(const RunOptions& options) {
   const cmrc::Config config =
       resumed ? build_config(options, resumed->configuration(), *options.resume) : build_config(options);
   check(options, config);
+  const std::optional<PerfettoRequest> timeline = perfetto_request(options, config);
   const std::vector<SnapshotRequest> snapshots = snapshot_requests(options, config);
   io::FileRoles files = files_read(options, config);
   files.reads("--resume", options.resume.value_or(""));
   for (const SnapshotRequest& snapshot : snapshots) files.writes("--snapshot-at", snapshot.file);
   files.writes("--report", options.report.value_or(""))
       .writes("--profile", options.profile.value_or(""))
-      .writes("--trace", options.trace.value_or(""));
+      .writes("--trace", options.trace.value_or(""))
+      .writes("--perfetto", options.perfetto.value_or(""));
   for (const unsigned slot : options.trace_instructions)
     files.writes("--trace-instructions", instruction_file(options, slot));
-  const report::Window window = options.trace_window ? parse_window(*options.trace_window) : report::Window{};
+  const report::Window window =
+      options.trace_window ? parse_window("--trace-window", *options.trace_window) : report::Window{};
 
   std::optional<io::OutputFile> report_file;
   if (options.report) report_file.emplace(*options.report);
   std::optional<io::OutputFile> profile_file;
   if (options.profile && !options.profile->empty()) profile_file.emplace(*options.profile);
+  std::optional<PerfettoFile> perfetto;
+  if (timeline) perfetto.emplace(*timeline);
   std::optional<io::OutputFile> trace_file;
   std::optional<report::EventTextTrace> trace;
   if (options.trace) {
@@ -134,6 +140,7 @@ int run(const RunOptions& options) {
   if (options.profile) simulation.profile();
   InstructionFiles instructions(options, window, simulation);
   if (resumed) resume(simulation, *resumed, *options.resume, snapshots);
+  if (perfetto) perfetto->record(simulation);
 
   Attach attach(options);
   bool goes_on = attach.begin(simulation);
@@ -158,6 +165,7 @@ int run(const RunOptions& options) {
     report_file->commit();
   }
   if (trace_file) trace_file->commit();
+  if (perfetto) perfetto->commit();
   instructions.commit();
   if (!options.quiet) io::print("{}", to_text(report));
   if (options.profile) {

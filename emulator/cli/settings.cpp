@@ -79,17 +79,17 @@ io::FileRoles files_read(const RunOptions& options, const cmrc::Config& config) 
   return files;
 }
 
-report::Window parse_window(const std::string& text) {
+report::Window parse_window(std::string_view option, const std::string& text) {
+  const auto refuse = [&](std::string_view why) { throw InputError(fmt::format("{}: \"{}\" {}", option, text, why)); };
   const std::size_t colon = text.find(':');
-  if (colon == std::string::npos) throw InputError(fmt::format("--trace-window: \"{}\" is not A:B, in seconds", text));
+  if (colon == std::string::npos) refuse("is not A:B, in seconds");
   report::Window window;
   const std::string_view from = std::string_view(text).substr(0, colon);
   const std::string_view to = std::string_view(text).substr(colon + 1);
   const auto begin = from.empty() ? window.from : parse_seconds(from);
   const auto end = to.empty() ? window.to : parse_seconds(to);
-  if (!begin || !end) throw InputError(fmt::format("--trace-window: \"{}\" is not A:B, in seconds", text));
-  if (*begin >= *end)
-    throw InputError(fmt::format("--trace-window: \"{}\" holds no time; A has to come before B", text));
+  if (!begin || !end) refuse("is not A:B, in seconds");
+  if (*begin >= *end) refuse("holds no time; A has to come before B");
   return {*begin, *end};
 }
 

@@ -22,6 +22,6 @@ io::FileRoles files_read(const RunOptions& options, const cmrc::Config& config);
 std::optional<report::Time> parse_seconds(std::string_view text);
 
 /// "A:B" in seconds; either may be left out. \throws InputError.
-report::Window parse_window(const std::string& text);
+report::Window parse_window(std::string_view option, const std::string& text);
 
 }  // namespace cli

@@ -359,6 +359,7 @@ void Host::relink() {
 void Host::end_refresh() {
   durations_.add((now_ - clock_.at(tick_)).count());
   lengths_.add(static_cast<std::int64_t>(list_.size()));
+  ledger_.refresh_ended(now_, list_.size());
   refresh_at_ = clock_.at(tick_ + 1);
   rest();
 }

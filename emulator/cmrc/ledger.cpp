@@ -115,6 +115,7 @@ void Ledger::release(std::size_t block, JobKind kind, Time released, std::option
   open.tries.emplace_back();
   open.tries.back().waits_from = released;
   if (released <= refresh_.began) open.tries.back().first_refresh = refresh_.began;
+  if (watcher_ != nullptr) watcher_->released(open.name, open.released, open.deadline);
   open_[block] = std::move(open);
 }
 
@@ -142,10 +143,14 @@ void Ledger::skipped(JobKind kind, Time released, Time deadline, std::optional<s
   for (const auto& [block, other] : open_) {
     if (other.kind == kind && other.name.robot == robot) missed.previous = other.name.number;
   }
-  why_.missed(missed, timeline_, audit_);
+  if (watcher_ != nullptr) {
+    watcher_->released(open.name, released, deadline);
+    watcher_->ended({open.name, report::Outcome::dropped, true, released, deadline, {}, deadline, true});
+  }
+  why_.missed(missed, timeline_, audit_, watcher_);
 }
 
-void Ledger::claimed(std::size_t block, unsigned number, Time at, const CauseTimes& causes) {
+void Ledger::claimed(std::size_t block, unsigned number, Time at, const CauseTimes& causes, Word generation) {
   audit_.claimed(block, number, at);
   const auto found = open_.find(block);
   if (found == open_.end()) return;
@@ -162,12 +167,14 @@ void Ledger::claimed(std::size_t block, unsigned number, Time at, const CauseTim
   open.failed = false;
   open.at_claim = causes;
   timeline_.took(number, open.name, at);
+  if (watcher_ != nullptr) watcher_->took(number, {open.name, block, generation, at});
 }
 
 void Ledger::leave(Open& open, Time at, report::Run::End end) {
   if (!open.slot) return;
   const Time claimed = open.claimed();
   slot(*open.slot).occupied[static_cast<std::size_t>(open.kind)] += (at - claimed).count();
+  if (watcher_ != nullptr) watcher_->left(*open.slot, end, at, open.spent);
   report::Run& run = *open.tries.back().run;
   if (run.end != report::Run::End::running) return;  // it had failed before
   run.end = end;
@@ -182,8 +189,8 @@ bool Ledger::finished(std::size_t block, unsigned number, Time at, const CauseTi
   Open& open = found->second;
   open.failed = false;
   open.tries.back().run->end = report::Run::End::running;  // whatever was said of its DSP: here is its word
-  leave(open, at, part ? report::Run::End::part : report::Run::End::done);
   open.spent = minus(causes, open.at_claim);
+  leave(open, at, part ? report::Run::End::part : report::Run::End::done);
   const std::int64_t whole = (at - open.claimed()).count();
   if (part) {
     part_done(open, at, whole);
@@ -303,11 +310,14 @@ report::Outcome Ledger::book(const Open& open, const report::Job& job, Time now)
   JobTimes& jobs = jobs_[{open.name.kind, open.name.robot}];
   jobs.released.add(job.released);
   if (job.progress == report::Progress::finished) jobs.finished.add(job.finished);
-  if (!report::missed(job, outcome, now)) return outcome;
+  const bool miss = report::missed(job, outcome, now);
+  if (watcher_ != nullptr)
+    watcher_->ended({open.name, outcome, miss, open.released, open.deadline, open.finished, now, false});
+  if (!miss) return outcome;
   ++jobs.misses;
   MissedJob missed = missed_job(open, outcome, now);
   if (outcome == report::Outcome::dropped) missed.given_up = now;
-  why_.missed(missed, timeline_, audit_);
+  why_.missed(missed, timeline_, audit_, watcher_);
   return outcome;
 }
 
@@ -380,14 +390,33 @@ void Ledger::list_freed(Time at) {
 // ---- what is told
 // --------------------------------------------------------------------------------------------------------------
 
-Ledger::Told Ledger::tell(Time now, const std::function<CauseTimes(unsigned)>& causes) const {
-  Ledger all = *this;
-  for (auto& [block, open] : all.open_) {
+void Ledger::book_open(Time now, const std::function<CauseTimes(unsigned)>& causes) {
+  for (auto& [block, open] : open_) {
     if (open.released > now) continue;
     if (open.slot && !open.finished && !open.failed && causes) open.spent = minus(causes(*open.slot), open.at_claim);
     const Time end = open.finished.value_or(now);
-    all.book(open, all.job_of(open), end);
+    book(open, job_of(open), end);
   }
+}
+
+void Ledger::introduce(RunWatcher& watcher, const std::function<Word(std::size_t)>& generation) const {
+  timeline_.introduce(watcher);
+  for (const auto& [block, open] : open_) {
+    watcher.released(open.name, open.released, open.deadline);
+    if (open.slot && !open.finished) watcher.took(*open.slot, {open.name, block, generation(block), open.claimed()});
+  }
+}
+
+void Ledger::close(Time now, const std::function<CauseTimes(unsigned)>& causes, RunWatcher& watcher) const {
+  Ledger all = *this;
+  all.watch(&watcher);
+  all.book_open(now, causes);
+}
+
+Ledger::Told Ledger::tell(Time now, const std::function<CauseTimes(unsigned)>& causes) const {
+  Ledger all = *this;
+  all.watch(nullptr);
+  all.book_open(now, causes);
   Told told;
   told.tasks = all.account_.report();
   for (std::size_t i = 0; i < told.tasks.size(); ++i) told.tasks[i].why_late = all.why_.summary(i, all.audit_);

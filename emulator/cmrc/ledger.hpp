@@ -57,11 +57,20 @@ class Ledger {
   void list_held(Time at) { refresh_.held = at; }
   void offered(std::size_t block);
   void list_freed(Time at);
+  void refresh_ended(Time at, std::size_t blocks) const {
+    if (watcher_ != nullptr) watcher_->refreshed(refresh_, at, blocks);
+  }
   /// What the DSPs and the list's semaphore do.
   Timeline& timeline() { return timeline_; }
+  /// It hears what happens from now on; null: nobody. Not a part of the state.
+  void watch(RunWatcher* watcher) { watcher_ = watcher, timeline_.watch(watcher); }
+  /// What the DSPs are and do now, and the jobs that are open. \param generation of a block, by its place in the pool
+  void introduce(RunWatcher& watcher, const std::function<Word(std::size_t)>& generation) const;
+  /// The jobs that are open at `now`, as tell() books them; a watcher that is to hear of those.
+  void close(Time now, const std::function<CauseTimes(unsigned)>& causes, RunWatcher& watcher) const;
 
   /// A DSP has marked the block 0Fh / FFh. Times are those at which the program issued the write.
-  void claimed(std::size_t block, unsigned slot, Time at, const CauseTimes& causes);
+  void claimed(std::size_t block, unsigned slot, Time at, const CauseTimes& causes, Word generation = 0);
   /// \param part the task is not done: a block that continues it will follow \returns whether it was this DSP's to
   /// finish.
   bool finished(std::size_t block, unsigned slot, Time at, const CauseTimes& causes, bool part = false);
@@ -131,6 +140,7 @@ class Ledger {
   MissedJob missed_job(const Open& open, report::Outcome outcome, Time end) const;
   report::Outcome book(const Open& open, const report::Job& job, Time now);
   void leave(Open& open, Time at, report::Run::End end);
+  void book_open(Time now, const std::function<CauseTimes(unsigned)>& causes);
   void forget(Time now);
   Slot& slot(unsigned number);
 
@@ -151,6 +161,7 @@ class Ledger {
   RefreshTimes refresh_;                                       // the present one
   std::vector<std::pair<std::size_t, RefreshTimes>> offered_;  // blocks whose refresh has not freed the list yet
   std::uint64_t misses_ = 0;
+  RunWatcher* watcher_ = nullptr;
 };
 
 }  // namespace cmrc

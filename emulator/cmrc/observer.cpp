@@ -37,6 +37,7 @@ void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
   wind_.emplace(dock.config().wind, wind_limit);
   dock.on_latch([this, &dock, course](plant::Time time, std::span<const int> codes) {
     if (course != nullptr) course->latch(dock, time);
+    if (watcher_ != nullptr) watcher_->latched(dock, time);
     report::Event event{time, report::plant, EventKind::latch, {}};
     for (std::size_t i = 0; i < event.arguments.size() && i < codes.size(); ++i)
       event.arguments[i] = static_cast<std::uint32_t>(codes[i]);
@@ -152,8 +153,9 @@ void RunObserver::dsp_write(unsigned slot, machine::Window window, machine::Offs
 }
 
 void RunObserver::claim(unsigned slot, std::size_t block, Time issued, Time now) {
-  ledger_.claimed(block, slot, issued, take_snapshot(slot, words_.block(block) + words_.flag, issued));
   const auto at = [&](Word word) { return peek_(words_.block(block) + word); };
+  ledger_.claimed(block, slot, issued, take_snapshot(slot, words_.block(block) + words_.flag, issued),
+                  at(words_.generation));
   log_.add({now,
             report::dsp(slot),
             EventKind::claim,
@@ -231,11 +233,14 @@ void RunObserver::interrupt(unsigned slot, int pin, Time now) {
 }
 
 void RunObserver::semaphore(unsigned number, machine::SemaphoreEvent event, unsigned owner, Time now) {
-  if (event == machine::SemaphoreEvent::refused) return;
+  const bool of_list = number == words_.semaphore_list - words_.semaphore;
+  if (event == machine::SemaphoreEvent::refused) {
+    if (watcher_ != nullptr && of_list && owner != machine::host_owner) watcher_->refused(owner - 1, now);
+    return;
+  }
   const bool acquired = event == machine::SemaphoreEvent::acquired;
   log_.add({now, report::bus_a, EventKind::semaphore, {number, acquired ? 1U : 0U, owner, 0, 0}});
-  if (number == words_.semaphore_list - words_.semaphore)
-    ledger_.timeline().list(acquired ? owner : Timeline::nobody, now);
+  if (of_list) ledger_.timeline().list(acquired ? owner : Timeline::nobody, now);
   if (owner != machine::host_owner) return;
   if (acquired) {
     held_since_ = now;
@@ -257,6 +262,7 @@ void RunObserver::slot(unsigned slot, machine::SlotChange change, Time now) {
   if (change == machine::SlotChange::reset) ++resets_.at(slot), boots.push_back({now, {}});
   if (change == machine::SlotChange::booted) {
     ledger_.timeline().slot(slot, SlotState::awake, now);
+    if (watcher_ != nullptr) watcher_->booted(slot, now);
     if (boots.empty()) boots.emplace_back();  // power-on
     boots.back().booted = now;
   }

@@ -44,6 +44,8 @@ class RunObserver : public machine::Observer, public HostListener {
   void attach(plant::Dock& dock, Course* course, double wind_limit);
   /// Tells it when jobs begin and end; null: nobody.
   void set_profile(RunProfile* profile) { profile_ = profile; }
+  /// It hears what the ledger hears, and the dock; null: nobody. Not a part of the state.
+  void watch(RunWatcher* watcher) { watcher_ = watcher, ledger_.watch(watcher); }
 
   // machine::Observer
   void dsp_issue(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
@@ -126,6 +128,7 @@ class RunObserver : public machine::Observer, public HostListener {
   Time effort_until_{};
   std::optional<WindWatch> wind_;
   RunProfile* profile_ = nullptr;
+  RunWatcher* watcher_ = nullptr;
 };
 
 }  // namespace cmrc

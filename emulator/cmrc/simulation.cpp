@@ -15,6 +15,7 @@
 #include "cmrc/observer.hpp"
 #include "cmrc/reference_run.hpp"
 #include "cmrc/run_profile.hpp"
+#include "cmrc/run_watchers.hpp"
 #include "cmrc/setup.hpp"
 #include "cmrc/snapshot_origin.hpp"
 #include "cmrc/words.hpp"
@@ -333,6 +334,7 @@ class Simulation::Parts {
   std::chrono::steady_clock::duration elapsed{};
   std::map<unsigned, c40::TraceSink*> traces;
   std::optional<RunProfile> profile;
+  RunWatchers watchers;
   bool told_all = false;  // the order of events is settled beyond what is certain
 };
 
@@ -378,6 +380,24 @@ void Simulation::at(const TimedEvent& event) {
 
 void Simulation::listen(report::EventSink& sink) { parts_->log.listen(sink); }
 void Simulation::tap(report::EventSink* sink) { parts_->log.tap(sink); }
+void Simulation::watch(RunWatcher& watcher) {
+  Parts& p = *parts_;
+  p.ledger.introduce(watcher,
+                     [&p](std::size_t block) { return p.machine.peek(p.words.block(block) + p.words.generation); });
+  p.watchers.add(watcher);
+  p.observer.watch(&p.watchers);
+  p.machine.watch_buses([&p](machine::BusId bus, const pci::Attempt& attempt, const machine::Clock& clock) {
+    p.watchers.on_bus(bus, attempt, clock);
+  });
+}
+
+std::vector<std::string> Simulation::causes() { return job_causes(); }
+
+void Simulation::close_watch() {
+  Parts& p = *parts_;
+  p.ledger.close(p.machine.time(), [&p](unsigned slot) { return job_causes(p.machine, slot); }, p.watchers);
+}
+
 void Simulation::trace(unsigned slot, c40::TraceSink& sink) {
   parts_->traces[slot] = &sink;
   parts_->connect_traces();

@@ -9,6 +9,7 @@
 #include "cmrc/config.hpp"
 #include "cmrc/dsp_image.hpp"
 #include "cmrc/measures.hpp"
+#include "cmrc/run_watcher.hpp"
 #include "cmrc/snapshot.hpp"
 #include "report/event_log.hpp"
 #include "report/profile_report.hpp"
@@ -59,6 +60,13 @@ class Simulation {
   void listen(report::EventSink& sink);
   /// Hears every event as it becomes known, in no order, and not later than a millisecond after its time; null: nobody.
   void tap(report::EventSink* sink);
+  /// Hears of its DSPs, jobs, refreshes and buses from now on, and at first how they stand; must outlive the run.
+  /// Before run(), after restore().
+  void watch(RunWatcher& watcher);
+  /// Tells the watchers of the jobs that stand open, as report_so_far() books them. Once, when the run does not go on.
+  void close_watch();
+  /// Names of a job's causes, in the order in which a watcher hears of its cycles.
+  static std::vector<std::string> causes();
   /// Hears the instructions of one DSP; must outlive the run. Before run().
   void trace(unsigned slot, c40::TraceSink& sink);
   /// Counts from now on where the DSPs' cycles go. Before run(); it slows the run down and changes nothing else.

@@ -31,7 +31,11 @@ void Timeline::change(unsigned number, State state) {
   states.push_back(std::move(state));
 }
 
-void Timeline::slot(unsigned number, SlotState state, Time at) { change(number, {at, state, {}}); }
+void Timeline::slot(unsigned number, SlotState state, Time at) {
+  change(number, {at, state, {}});
+  if (watcher_ != nullptr) watcher_->slot_is(number, state, at);
+}
+
 void Timeline::took(unsigned number, const report::JobName& job, Time at) {
   change(number, {at, SlotState::busy, job});
 }
@@ -39,13 +43,24 @@ void Timeline::took(unsigned number, const report::JobName& job, Time at) {
 void Timeline::left(unsigned number, Time at) {
   if (number < slots_.size() && !slots_[number].states.empty() &&
       slots_[number].states.back().state == SlotState::busy) {
-    slot(number, SlotState::awake, at);
+    change(number, {at, SlotState::awake, {}});
   }
 }
 
-void Timeline::list(unsigned owner, Time at) { holders_.push_back({at, owner}); }
+void Timeline::list(unsigned owner, Time at) {
+  holders_.push_back({at, owner});
+  if (watcher_ != nullptr) watcher_->list(owner, at);
+}
+
+void Timeline::introduce(RunWatcher& watcher) const {
+  for (unsigned i = 0; i < slots_.size(); ++i) {
+    if (slots_[i].states.empty() || slots_[i].states.back().state == SlotState::busy) continue;
+    watcher.slot_is(i, slots_[i].states.back().state, slots_[i].states.back().from);
+  }
+}
 
 void Timeline::window(unsigned number, machine::Window window, Time from, Time to) {
+  if (watcher_ != nullptr) watcher_->held_up(number, window, from, to);
   if (from >= to || number >= slots_.size() || slots_[number].states.empty()) return;
   if (slots_[number].states.back().state == SlotState::busy) return;  // counted by the chip, for the job
   slots_[number].waits.push_back({from, to, window});

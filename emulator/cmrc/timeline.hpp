@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "cmrc/run_watcher.hpp"
 #include "machine/machine.hpp"
 #include "report/why_late.hpp"
 
@@ -18,11 +19,6 @@ class Visitor;
 }
 
 namespace cmrc {
-
-using report::Time;
-
-/// What a DSP is to the list: gone, broken or booting; asleep until it is rung; awake without a block; running one.
-enum class SlotState : std::uint8_t { off, asleep, awake, busy };
 
 /// Waiting, split without a remainder.
 struct Waiting {
@@ -46,6 +42,10 @@ class Timeline {
   void list(unsigned owner, Time at);
   /// A DSP waited for an access through a window; asked of those without a block.
   void window(unsigned slot, machine::Window window, Time from, Time to);
+  /// Tells it whatever it is told itself; null: nobody.
+  void watch(RunWatcher* watcher) { watcher_ = watcher; }
+  /// What the DSPs that run no block are now.
+  void introduce(RunWatcher& watcher) const;
   /// Nothing before this will be asked for again.
   void forget(Time before);
 
@@ -80,6 +80,7 @@ class Timeline {
 
   std::vector<Slot> slots_;
   std::deque<Holder> holders_;
+  RunWatcher* watcher_ = nullptr;
 };
 
 }  // namespace cmrc

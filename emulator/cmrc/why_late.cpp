@@ -92,7 +92,7 @@ void WhyLate::ran(std::size_t kind, std::int64_t execution, const std::vector<st
   if (!usual || execution < usual->execution) usual = report::Usual{execution, causes};
 }
 
-void WhyLate::missed(const MissedJob& job, const Timeline& timeline, Audit& audit) {
+void WhyLate::missed(const MissedJob& job, const Timeline& timeline, Audit& audit, RunWatcher* watcher) {
   Sums& sums = sums_.at(job.name.kind);
   Chain chain{job, {}, {}};
   if (job.tries.empty()) {  // a dropped tick
@@ -142,6 +142,7 @@ void WhyLate::missed(const MissedJob& job, const Timeline& timeline, Audit& audi
       sums.told.lateness += (job.end - job.released).count();
     }
   }
+  if (watcher != nullptr) watcher->missed({job, chain.waits, chain.behind});
   if (chains_.size() < kept_)
     chains_.push_back(std::move(chain));
   else

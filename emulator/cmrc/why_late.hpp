@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "cmrc/audit.hpp"
+#include "cmrc/missed_job.hpp"
 #include "cmrc/timeline.hpp"
 #include "report/task_account.hpp"
 #include "report/why_late.hpp"
@@ -17,33 +18,6 @@ class Visitor;
 }
 
 namespace cmrc {
-
-/// The host's way through one refresh, to the instant at which the list was free again.
-struct RefreshTimes {
-  Time began{}, wanted{}, held{}, free{};
-};
-
-/// One wait in the list and the run that followed it, if any: a recomputed job has several, and one in parts.
-struct Try {
-  Time waits_from{};
-  std::optional<Time> first_refresh;   ///< the first one that began while it waited
-  std::optional<RefreshTimes> put_up;  ///< the refresh after which it could be claimed
-  std::optional<report::Run> run;
-};
-
-/// All that is known of a missed job.
-struct MissedJob {
-  report::JobName name;
-  report::Outcome outcome{};
-  Time released{};
-  std::optional<Time> deadline;
-  Time end{};
-  std::vector<Try> tries;
-  std::vector<std::int64_t>
-      execution;                 ///< ps of its last run, of all parts, by cause; empty when it has none that counts
-  std::optional<Time> given_up;  ///< no run could follow from then on
-  std::optional<std::int64_t> previous;
-};
 
 /// Collects chains; usual runs are known only in the end, so the chains are closed when the report is made.
 class WhyLate {
@@ -57,7 +31,8 @@ class WhyLate {
   /// A job has run from claim to end in so many picoseconds by cause: perhaps the shortest run of its kind.
   void ran(std::size_t kind, std::int64_t execution, const std::vector<std::int64_t>& causes);
   /// A missed job, with the timeline that reaches from its release to its end. What does not add up goes to the audit.
-  void missed(const MissedJob& job, const Timeline& timeline, Audit& audit);
+  /// \param watcher hears its waits; null: nobody
+  void missed(const MissedJob& job, const Timeline& timeline, Audit& audit, RunWatcher* watcher = nullptr);
 
   /// Chains one by one, in the order in which they were booked, at most `kept`.
   std::vector<report::MissReport> misses(Audit& audit) const;

@@ -90,6 +90,9 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
 
   struct Watch final : pci::Monitor {
     Watch(Parts& owner, BusId which) : parts{owner}, bus{which} {}
+    void attempted(const pci::Attempt& attempt) override {
+      if (parts.bus_watch) parts.bus_watch(bus, attempt, parts.bus_clocks[static_cast<std::size_t>(bus)]);
+    }
     void ended(const pci::Transaction& transaction) override {
       parts.around->observer->transaction(bus, transaction,
                                           parts.bus_clocks[static_cast<std::size_t>(bus)].at(transaction.ended));
@@ -125,6 +128,7 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   Scheduler scheduler;
   Time time{0};
   std::deque<Watch> watches;
+  BusWatch bus_watch;
 
  private:
   void build_targets();
@@ -373,6 +377,8 @@ const std::vector<ChipFault>& Machine::faults() const { return parts_->around->f
 const SlotStatistics& Machine::statistics(unsigned slot) const { return parts_->dsps.at(slot).statistics(); }
 Word Machine::peek(Offset offset) const { return parts_->sram.words().at(offset); }
 void Machine::poke(Offset offset, Word word) { parts_->sram.words().at(offset) = word; }
+void Machine::watch_buses(BusWatch watch) { parts_->bus_watch = std::move(watch); }
+
 void Machine::watch_shared(SharedWatch watch) {
   if (!watch) return parts_->sram.set_watch({});
   const Clock& clock = parts_->bus_clocks[parts_->config.topology.shared_memory];

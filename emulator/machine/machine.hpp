@@ -34,6 +34,7 @@ class Chip;
 }
 namespace pci {
 class Bus;
+struct Attempt;
 struct BusStatistics;
 struct Transaction;
 }  // namespace pci
@@ -249,6 +250,10 @@ class Machine {
   /// host's), and when it is done; none: nobody. Changes nothing.
   using SharedWatch = std::function<void(Offset, Word before, Word value, bool write, unsigned agent, Time done)>;
   void watch_shared(SharedWatch watch);
+  /// Hears of each time that a master was on a bus, and that bus's clock: from attempt.frame to attempt.last, per bus
+  /// in this order; none: nobody. Changes nothing.
+  using BusWatch = std::function<void(BusId, const pci::Attempt&, const Clock&)>;
+  void watch_buses(BusWatch watch);
   /// When a cycle of a DSP begins, at its present pace.
   Time time_of(unsigned slot, std::int64_t cycle) const;
   Word symbol(std::string_view name) const;  ///< of the program; std::out_of_range names it

@@ -63,6 +63,25 @@ void bind_report(py::module_& core) {
       },
       "time_ps"_a, "component"_a, "kind"_a, "arguments"_a, "One line of the event trace.");
 
+  room.def(
+      "event_names",
+      [] {
+        py::dict all;
+        for (unsigned number = 1; number < 256; ++number) {
+          const auto kind = static_cast<report::EventKind>(number);
+          py::list arguments;
+          for (const std::string_view argument : report::argument_names(kind)) {
+            if (!argument.empty()) arguments.append(std::string(argument));
+          }
+          if (!report::name(kind).starts_with("event ")) all[py::int_(number)] = py::make_tuple(name(kind), arguments);
+        }
+        return all;
+      },
+      "By number of an event its name and its arguments' names.");
+  room.def(
+      "component_name", [](unsigned component) { return report::name(static_cast<report::Component>(component)); },
+      "component"_a);
+
   py::class_<report::EventSink>(room, "EventSink", "Receives events in their final order.");
   py::class_<Recorder, report::EventSink>(room, "Recorder", "Hears a log's events in their final order.")
       .def(py::init<>())

@@ -7,11 +7,15 @@
 #include <exception>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "cmrc/config.hpp"
 #include "cmrc/debuggee.hpp"
+#include "cmrc/kinds.hpp"
 #include "cmrc/measures.hpp"
 #include "cmrc/simulation.hpp"
+#include "cmrc/words.hpp"
 #include "machine/machine.hpp"
 #include "plant/dock.hpp"
 #include "python/bindings/chip_inspection.hpp"
@@ -44,6 +48,29 @@ bool goes_on(const py::object& returned) {
                                      std::string(py::repr(returned)).substr(0, 60)));
   }
 }
+
+/// By number of a program (KIND_*) its kind of task, as the report calls it.
+py::dict task_names(const cmrc::Simulation& simulation) {
+  const cmrc::Words words([&](std::string_view name) { return simulation.image().symbol(name); });
+  std::vector<std::string> kinds = cmrc::job_kinds();
+  for (const cmrc::UserTask& task : simulation.config().tasks) kinds.push_back("user." + task.name);
+  py::dict names;
+  for (cmrc::Word kind = 0; kind < words.kind_count; ++kind) {
+    const auto index = static_cast<std::size_t>(cmrc::job_kind(kind, words));
+    if (index < kinds.size()) names[py::int_(kind)] = kinds[index];
+  }
+  return names;
+}
+
+/// Events that are taken a batch at a time.
+class EventBatch final : public report::EventSink {
+ public:
+  void event(const report::Event& event) override { events_.push_back(event); }
+  std::vector<report::Event> take() { return std::exchange(events_, {}); }
+
+ private:
+  std::vector<report::Event> events_;
+};
 
 /// A run as Python holds it: calls from two threads at once are refused, and so is what changes it from inside a
 /// callback.
@@ -113,6 +140,19 @@ class Run {
     });
   }
 
+  void keep_events() {
+    user_.changes("keep_events");
+    if (events_) return;
+    events_ = std::make_unique<EventBatch>();
+    run_.listen(*events_);
+  }
+  py::bytes take_events() {
+    user_.changes("take_events");
+    if (!events_) throw std::logic_error("take_events: keep_events comes before the run");
+    const std::vector<report::Event> batch = events_->take();
+    return {reinterpret_cast<const char*>(batch.data()), batch.size() * sizeof(report::Event)};
+  }
+
   /// What may have to wait for the ideal run, which other threads and Ctrl-C need not.
   template <class Work>
   auto waiting(const char* call, Work work) {
@@ -121,6 +161,7 @@ class Run {
   }
 
  private:
+  std::unique_ptr<EventBatch> events_;  // outlives the run, which tells it
   std::unique_ptr<cmrc::Simulation> simulation_;
   cmrc::Simulation& run_ = *simulation_;
   OneUser user_{"Simulation"};
@@ -312,6 +353,10 @@ void bind_simulation(py::module_& m) {
              const auto reference = r.waiting("result", [](const Simulation& s) { return s.reference(); });
              return signals_of(r.read("result").dock(), reference);
            })
+      .def("task_names", [](const Run& r) { return task_names(r.read("task_names")); })
+      .def("keep_events", &Run::keep_events, "From now on events are kept until they are taken; before the run.")
+      .def("take_events", &Run::take_events,
+           "The events that are in their final order since the last call, 32 bytes each (docs/trace.md, The hash).")
       .def("dock_events", [](const Run& r) {
         py::list all;
         for (const plant::Event& event : r.read("dock_events").dock().events()) {

@@ -1,4 +1,4 @@
-"""``python -m cmrc replay RUN --html PAGE`` and ``python -m cmrc demo``."""
+"""``python -m cmrc replay RUN --html PAGE``, ``python -m cmrc events RUN -o FILE`` and ``python -m cmrc demo``."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from cmrc import demo, files, replay
+from cmrc import demo, events, files, replay
 from cmrc.simulation import ConfigError
 
 
@@ -22,9 +22,12 @@ def main(arguments: list[str] | None = None) -> int:
     command.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a setting, where RUN is a configuration")
     scenes = commands.add_parser("demo", help="what the emulator tells, in five scenes, and a page of them")
     scenes.add_argument("--out", metavar="FOLDER", default="demo", help="where the page is written (default: demo)")
+    events.declare(commands)
     given = parser.parse_args(arguments)
     if given.command == "demo":
         return _demo(Path(given.out))
+    if given.command == "events":
+        return _events(given)
     run = Path(given.run)
     page = None if given.html is None else Path(given.html or run.with_suffix(".html"))
     plots, saved = (Path(path) if path else None for path in (given.plots, given.save))
@@ -47,6 +50,18 @@ def _demo(folder: Path) -> int:
     except OSError as error:
         print(f"cmrc demo: {files.printable(str(error))}", file=sys.stderr)
         return 2
+    return 0
+
+
+def _events(given: argparse.Namespace) -> int:
+    try:
+        events.main(given, dict(_setting(text) for text in given.set))
+    except (OSError, ImportError, ConfigError, ValueError) as error:
+        print(f"cmrc events: {files.printable(str(error))}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("cmrc events: interrupted; nothing is written", file=sys.stderr)
+        return 130
     return 0
 
 

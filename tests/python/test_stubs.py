@@ -9,7 +9,7 @@ import pytest
 STUBS = Path(__file__).parents[2] / "python" / "cmrc" / "_core"
 
 
-@pytest.mark.parametrize("room", ["c40", "cmrc", "isa", "network", "toolchain", "trace", "why_late"])
+@pytest.mark.parametrize("room", ["c40", "cmrc", "isa", "network", "report", "toolchain", "trace", "why_late"])
 def test_stub(room: str) -> None:
     module = getattr(importlib.import_module("cmrc._core"), room)
     promised = 0

@@ -6,6 +6,7 @@ from cmrc._core import io as io
 from cmrc._core import isa as isa
 from cmrc._core import network as network
 from cmrc._core import plant as plant
+from cmrc._core import report as report
 from cmrc._core import toolchain as toolchain
 from cmrc._core import trace as trace
 from cmrc._core import why_late as why_late

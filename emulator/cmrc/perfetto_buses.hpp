@@ -1,0 +1,46 @@
+#pragma once
+// The buses of a run in its Perfetto trace: how many clocks of each millisecond each master was on them, and, where
+// that is asked for, each time that one was.
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "bus_model/bus.hpp"
+#include "machine/machine.hpp"
+#include "report/perfetto_trace.hpp"
+#include "report/trace_text.hpp"
+
+namespace cmrc {
+
+class PerfettoBuses {
+ public:
+  using Trace = report::PerfettoTrace;
+
+  PerfettoBuses(Trace& trace, const machine::Machine& machine, bool each, report::Window window);
+  void on_bus(machine::BusId bus, const pci::Attempt& attempt, const machine::Clock& clock);
+  void finish();
+
+ private:
+  struct Master {
+    Trace::Track track;
+    std::string name;
+    std::int64_t clocks = 0;  // in the present millisecond
+    std::int64_t told = 0;
+  };
+  struct Bus {
+    std::int64_t millisecond = 0;
+    std::vector<Master> masters;
+    std::vector<std::string> targets;
+    std::optional<Trace::Track> slices;
+  };
+
+  void tell(Bus& bus, std::int64_t millisecond);
+  void slice(const Bus& bus, const pci::Attempt& attempt, report::Time from, report::Time to);
+
+  Trace& trace_;
+  const report::Window window_;
+  std::vector<Bus> buses_;
+};
+
+}  // namespace cmrc

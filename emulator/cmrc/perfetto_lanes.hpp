@@ -1,0 +1,33 @@
+#pragma once
+// Slices whose ends are told in no order, on as many tracks as it takes that none overlaps another.
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "report/perfetto_trace.hpp"
+
+namespace cmrc {
+
+/// A slice within another.
+struct Inner {
+  std::string_view name;
+  report::Time from{};  ///< to the end of the outer
+};
+
+class PerfettoLanes {
+ public:
+  using Trace = report::PerfettoTrace;
+
+  /// Its first track. \param name of this and, with a number, of the others
+  PerfettoLanes(Trace& trace, std::string name, Trace::Track parent, std::string_view description = {});
+  void slice(report::Time from, report::Time to, std::string_view name, Trace::Notes notes = {},
+             const Inner* inner = nullptr);
+
+ private:
+  Trace& trace_;
+  std::string name_;
+  Trace::Track parent_;
+  std::vector<Trace::Track> tracks_;
+};
+
+}  // namespace cmrc
