@@ -166,6 +166,7 @@ void Network::load(Node& node) {
     node.description.program = std::make_shared<toolchain::Image>();
   }
   const toolchain::Image& image = *node.description.program;
+  toolchain::require_c40(image, fmt::format("chip {}", node.number));
   node.chip.reset();
   const c40::Board& board = node.description.board.board;
   const bool from_ports = node.description.boot && reset_source(board) == ResetSource::ports;

@@ -128,6 +128,7 @@ class Processor : public c40::PeripheralSink {
 
   void load_words(c40::Address address, const std::vector<Word>& words) { chip.write_block(address, words); }
   void load_image(const toolchain::Image& image) {
+    toolchain::require_c40(image);
     for (const auto& section : image.sections)
       if (section.loaded) chip.write_block(section.address, section.words);
     chip.set_pc(image.entry);
