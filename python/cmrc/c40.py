@@ -326,6 +326,22 @@ class ChipState:
         return dict(self._core.causes)
 
 
+class AccessesToNothing:
+    """What a chip on a board with ``reserved = "ignore"`` has accessed where no memory is."""
+
+    _core: Any
+
+    @property
+    def reserved_accesses(self) -> list[dict[str, Any]]:
+        """Accesses to addresses without memory, of a board whose file says ``reserved = "ignore"``: one dict for each
+        address (of the first thousand), in the order of the first access.
+
+        ``address``, ``reads``, ``writes`` (how many), and of the first: ``first`` (``read``, ``write``), ``value``,
+        ``pc``, ``cycle``, ``dma_channel`` (None: the processor).
+        """
+        return [dict(note) for note in self._core.reserved_accesses]
+
+
 class Device(Protocol):
     """What stands behind a window of a board: a class of your own. ``waits``, if it has that, are cycles that each access waits."""
 
@@ -353,7 +369,7 @@ def _device_places(devices: Mapping[int, Device]) -> list[tuple[int, Device]]:
     return places
 
 
-class Processor(ChipState):
+class Processor(ChipState, AccessesToNothing):
     """One TMS320C40 with memory around it: board ``default`` (the CMRC board's map), ``flat`` (zero-wait RAM everywhere, and the chip's own registers), or a TOML file's path.
 
     ``boots_from`` is the address of the memory that the pins choose for the boot ROM: ``load_rom``, then ``boot``.
@@ -372,6 +388,8 @@ class Processor(ChipState):
             raise ValueError("checks: not with boots_from; a processor without a boot ROM has them")
         else:
             core = _core.c40.Processor.bootable(place, arguments.whole("boots_from", boots_from, "a word address", 0, 2**32 - 1))
+        for base, device in self._devices:
+            core.leave_to_devices(base, device.words)
         super().__init__(core, None)
         self._board, self._boots_from = place, boots_from
         if program is not None:
@@ -531,6 +549,7 @@ def _stop(core: Mapping[str, Any]) -> Stop:
 
 __all__ = [
     "REGISTERS",
+    "AccessesToNothing",
     "AssemblyError",
     "ChipSnapshot",
     "ChipState",
