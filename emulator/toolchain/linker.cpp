@@ -89,14 +89,22 @@ class Linker {
     }
   }
 
-  isa::Cpu cpu() const { return objects_.front().cpu; }
+  /// The first that holds a word says whose the program is; one without a word is nobody's.
+  const Object& leader() const {
+    const auto found = std::ranges::find_if(objects_, holds_words);
+    return found == objects_.end() ? objects_.front() : *found;
+  }
+  static bool holds_words(const Object& object) {
+    return std::ranges::any_of(object.sections, [](const ObjectSection& section) { return section.size != 0; });
+  }
+  isa::Cpu cpu() const { return leader().cpu; }
 
   void check_processors() const {
     std::vector<std::string> errors;
     for (const Object& object : objects_)
-      if (object.cpu != cpu())
+      if (object.cpu != cpu() && holds_words(object))
         errors.push_back(fmt::format("{}: is of the {}, and {} of the {}; all of a program are of one processor",
-                                     object.name, isa::title(object.cpu), objects_.front().name, isa::title(cpu())));
+                                     object.name, isa::title(object.cpu), leader().name, isa::title(cpu())));
     if (!errors.empty()) throw LinkError(std::move(errors));
   }
 
