@@ -61,6 +61,8 @@ int guarded(const Action& action) {
     return fail(error.what(), cli::bad_input);
   } catch (const toolchain::AssemblyError& error) {
     return fail(error.what(), cli::bad_input);
+  } catch (const toolchain::WrongProcessor& error) {
+    return fail(error.what(), cli::bad_input);
   } catch (const toolchain::CoffError& error) {
     return fail(error.what(), cli::bad_input);
   } catch (const toolchain::LinkError& error) {

@@ -10,9 +10,10 @@ Row = dict[str, object]
 
 
 def fields(row: Row) -> dict[str, tuple[int, int]]:
-    """Letter: (shift, width)."""
+    """Letter: (shift, width); without what nobody reads (z)."""
     picture = str(row["picture"]).replace(" ", "")
-    return {letter: (31 - picture.rindex(letter), picture.count(letter)) for letter in dict.fromkeys(picture) if letter.isalpha()}
+    letters = [letter for letter in dict.fromkeys(picture) if letter.isalpha() and letter != "z"]
+    return {letter: (31 - picture.rindex(letter), picture.count(letter)) for letter in letters}
 
 
 def indirect_operands() -> list[int]:
@@ -33,7 +34,7 @@ def values(letter: str, width: int, rng: random.Random) -> list[int]:
     return sorted(corners | {rng.getrandbits(width) for _ in range(16)})
 
 
-def of_row(row: Row, rng: random.Random) -> Iterator[int]:
+def of_row(row: Row, rng: random.Random, cpu: str) -> Iterator[int]:
     """Each field through its values, the others at random, until the word is legal."""
     places = fields(row)
     if not places:
@@ -48,7 +49,7 @@ def of_row(row: Row, rng: random.Random) -> Iterator[int]:
                     word |= sum(legal_like(rng, w) << s for s, w in others)
                     if mode is not None:
                         word = word & ~(3 << 21) | mode << 21
-                    decoded = isa.decode(word)
+                    decoded = isa.decode(word, cpu)
                     if decoded is not None:
                         yield word
                         break
@@ -59,7 +60,14 @@ def legal_like(rng: random.Random, width: int) -> int:
     return rng.getrandbits(width) if width < 9 or rng.random() < 0.5 else rng.getrandbits(5)
 
 
+def filled(words: set[int]) -> set[int]:
+    """Compares of type 2 whose unused field holds something."""
+    compares = sorted(word for word in words if word >> 23 in (0x33000000 >> 23, 0x33800000 >> 23, 0x37800000 >> 23))
+    return {word | n << 16 for word in compares[::40] for n in (1, 7, 16, 31)}
+
+
 @functools.cache
-def every_form(seed: int = 40) -> list[int]:
+def every_form(seed: int = 40, cpu: str = "c40") -> list[int]:
     rng = random.Random(seed)
-    return sorted({word for row in isa.rows() for word in of_row(row, rng)})
+    words = {word for row in isa.rows(cpu) for word in of_row(row, rng, cpu)}
+    return sorted(words | filled(words) if cpu == "c40" else words)

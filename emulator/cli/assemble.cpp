@@ -36,6 +36,7 @@ toolchain::Options toolchain_options(const AssembleOptions& options) {
   out.entry = options.entry.value_or("");
   out.undefined_external = options.undefined_external;
   if (options.dialect) out.dialect = toolchain::dialect_named(*options.dialect);
+  if (options.cpu) out.cpu = isa::cpu_named(*options.cpu).value();
   return out;
 }
 
@@ -107,14 +108,14 @@ int link(const LinkOptions& options) {
 
 int disassemble(const DisassembleOptions& options) {
   require_file(options.program);
-  if (is_coff_name(options.program) && !options.source) {
+  if (is_coff_name(options.program) && !options.source && !options.cpu) {
     const toolchain::Object object = toolchain::read_object(options.program);
     io::print("{}",
               object.executable ? toolchain::disassembly(toolchain::image_of(object)) : toolchain::disassembly(object));
     return success;
   }
   const toolchain::Image image =
-      read_program(options.program, options.include_directories, options.load_at, options.dialect);
+      read_any_program(options.program, options.include_directories, options.load_at, options.dialect, options.cpu);
   io::print("{}", options.source ? toolchain::source_of(image) : toolchain::disassembly(image));
   return success;
 }

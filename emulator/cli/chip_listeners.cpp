@@ -191,4 +191,20 @@ void add_ports(const c40::Chip& chip, Json& out) {
   }
 }
 
+void add_reserved(const machine::IgnoredAccesses& ignored, nlohmann::ordered_json& out) {
+  if (ignored.empty()) return;
+  auto& root = out["reserved"];
+  root = {{"accesses", ignored.count()}, {"addresses", nlohmann::ordered_json::array()}};
+  for (const auto& note : ignored.notes())
+    root["addresses"].push_back(
+        {{"address", note.address},
+         {"reads", note.reads},
+         {"writes", note.writes},
+         {"first", note.write ? "write" : "read"},
+         {"value", note.value},
+         {"pc", note.pc},
+         {"cycle", note.cycle},
+         {"dma_channel", note.channel < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(note.channel)}});
+}
+
 }  // namespace cli

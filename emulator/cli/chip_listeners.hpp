@@ -7,6 +7,7 @@
 
 #include "c40/chip.hpp"
 #include "cli/options.hpp"
+#include "machine/board_reserved.hpp"
 #include "toolchain/image.hpp"
 
 namespace cli {
@@ -42,5 +43,7 @@ std::string peripherals_text(const c40::Chip& chip);
 void add_peripherals(const c40::Chip& chip, nlohmann::ordered_json& out);
 /// FIFO contents and word counts of each port.
 void add_ports(const c40::Chip& chip, nlohmann::ordered_json& out);
+/// `reserved`: the accesses that a board ignores; nothing of a board where they are faults.
+void add_reserved(const machine::IgnoredAccesses& ignored, nlohmann::ordered_json& out);
 
 }  // namespace cli

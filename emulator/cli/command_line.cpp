@@ -103,6 +103,11 @@ void declare_dialect(CLI::App& app, std::optional<std::string>& dialect) {
       ->check(CLI::IsMember({"ti", "gnu"}));
 }
 
+void declare_cpu(CLI::App& app, std::optional<std::string>& cpu, const std::string& meaning) {
+  app.add_option("--cpu", cpu, meaning + ": c40 (default) or c3x (docs/assembler.md, The C3x)")
+      ->check(CLI::IsMember({"c40", "c3x"}));
+}
+
 void declare_assemble(CLI::App& app, AssembleOptions& options) {
   app.add_option("FILE", options.source, "Source in TI's syntax (docs/assembler.md)")->required();
   app.add_option("-o,--output", options.output, "COFF file to write")->required()->type_name("OUT");
@@ -118,6 +123,7 @@ void declare_assemble(CLI::App& app, AssembleOptions& options) {
   app.add_option("--entry", options.entry, "The symbol at which the program starts")->type_name("SYMBOL");
   app.add_option("--listing", options.listing, "Also write a listing")->type_name("FILE");
   declare_dialect(app, options.dialect);
+  declare_cpu(app, options.cpu, "The processor that the program is for");
   auto* const object = app.add_flag("-c,--object", options.object, "Write a relocatable object, for emulator link");
   app.add_flag("--undefined-external", options.undefined_external,
                "Leave symbols that are neither defined nor declared to other objects; so it is with --dialect gnu")
@@ -147,6 +153,7 @@ void declare_disassemble(CLI::App& app, DisassembleOptions& options) {
       ->allow_extra_args(false);
   app.add_option("--load-at", options.load_at, "Where a .hex file stands")->type_name("ADDRESS");
   declare_dialect(app, options.dialect);
+  declare_cpu(app, options.cpu, "The processor of a source or of words in a .hex file");
   app.add_flag("--source", options.source, "Without addresses and words: text that assembles to the same words");
 }
 

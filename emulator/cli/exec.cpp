@@ -23,6 +23,7 @@
 #include "machine/address_names.hpp"
 #include "machine/asleep.hpp"
 #include "machine/board_file.hpp"
+#include "machine/board_reserved.hpp"
 #include "machine/boot.hpp"
 #include "machine/chip_runner.hpp"
 #include "machine/program_end.hpp"
@@ -48,17 +49,13 @@ struct Outcome {
   int status = success;
 };
 
-void load(c40::Chip& chip, const Image& image, const std::string& board) {
+void load(c40::Chip& chip, const Image& image, const c40::Board& board) {
   for (const Image::Section& section : image.sections) {
     if (!section.loaded) continue;
     try {
       chip.write_block(section.address, section.words);
     } catch (const std::out_of_range&) {
-      throw InputError(
-          fmt::format("section {} ({} words at {:08X}h) does not lie in RAM of board {}; a board file with a "
-                      "[[region]] there is expected (docs/cli.md, Board files), or, for a "
-                      "program that needs nothing of a board, --board flat",
-                      section.name, section.size, section.address, board));
+      throw InputError(machine::no_ram_for(board, section.name, section.address, section.size));
     }
   }
 }
@@ -98,6 +95,7 @@ class Run final : private machine::ChipRunner {
 
   std::optional<machine::BootFeeder> feeder;
   machine::BoardDevices* devices = nullptr;
+  machine::IgnoredAccesses* ignored = nullptr;
 
  private:
   static constexpr c40::Cycles slice =
@@ -163,6 +161,7 @@ class Run final : private machine::ChipRunner {
 
   bool window_access(const c40::ExternalAccess& access) override {
     if (devices != nullptr && machine::serve(*devices, chip_, access)) return true;
+    if (ignored != nullptr && ignored->serve(chip_, access)) return true;
     return ends(
         {"external_access",
          fmt::format(
@@ -340,7 +339,7 @@ class BoardFront {
 
 void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps,
                 const ChipListeners& listeners, const std::optional<double>& clock_mhz, bool peripherals,
-                const BoardFront& front) {
+                const BoardFront& front, const machine::IgnoredAccesses& ignored) {
   using Json = nlohmann::ordered_json;
   Json root = {{"stop", {{"reason", outcome.reason}, {"message", outcome.message}, {"pc", chip.pc()}}},
                {"instructions", chip.instructions()},
@@ -362,6 +361,7 @@ void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector
     add_ports(chip, root);
   }
   front.add_to(root);
+  add_reserved(ignored, root);
   io::print("{}\n", root.dump(2, ' ', true, Json::error_handler_t::replace));
 }
 
@@ -439,7 +439,7 @@ std::vector<Word> stream_for(const Image& image, const Boot& boot) {
 /// Where the chip will look for it: as a stream in the memory that the pins choose, or as it is, with a reset vector of
 /// its own.
 void place(c40::Chip& chip, const Image& image, const Boot& boot) {
-  if (machine::reset_source(boot.board) == machine::ResetSource::vector) return load(chip, image, boot.board.name);
+  if (machine::reset_source(boot.board) == machine::ResetSource::vector) return load(chip, image, boot.board);
   try {
     chip.write_block(machine::boot_address(boot.board), stream_for(image, boot));
   } catch (const std::out_of_range& error) {
@@ -545,7 +545,7 @@ int exec(const ExecOptions& options) {
     }
   } else {
     chip.reset();
-    load(chip, image, chosen.board.name);
+    load(chip, image, chosen.board);
     chip.set_pc(options.entry ? parse_address(*options.entry, &image, "--entry") : image.entry);
   }
   place_additions(chip, options, image);
@@ -558,6 +558,8 @@ int exec(const ExecOptions& options) {
   if (options.events) chip.set_peripheral_sink(&events.emplace(*options.events, image));
   Run run(chip, image, until, options.cycles.has_value());
   run.devices = &front.devices();
+  machine::IgnoredAccesses ignored(chosen.ignored);
+  run.ignored = &ignored;
   if (boot && boot->port) run.feeder.emplace(chip, *boot->port, stream_for(image, *boot));
   const io::StopBySignal signals;
   const Outcome outcome = run.run(options.cycles.value_or(options.max_cycles));
@@ -567,10 +569,11 @@ int exec(const ExecOptions& options) {
   std::vector<Dump> dumps;
   for (const auto& [address, count] : ranges) dumps.push_back(read_dump(chip, address, count));
   if (options.json) {
-    print_json(chip, outcome, dumps, listeners, chosen.clock_mhz, options.peripherals, front);
+    print_json(chip, outcome, dumps, listeners, chosen.clock_mhz, options.peripherals, front, ignored);
   } else {
     front.print();
     print_text(chip, outcome, dumps, listeners, chosen.clock_mhz, options.peripherals);
+    io::print("{}", ignored.text());
   }
   return outcome.reason == "interrupted" ? signals.status(run_failed) : outcome.status;
 }

@@ -113,7 +113,8 @@ void print_text(const Network& network, const machine::NetworkStop& stop, const 
     io::print("  {} instructions, {} cycles:", chip.instructions(), chip.cycle());
     for (std::size_t cause = 0; cause < c40::cause_count; ++cause)
       if (chip.causes()[cause] != 0) io::print(" {} {}", name(static_cast<c40::Cause>(cause)), chip.causes()[cause]);
-    io::print("\n{}{}{}", watched[n].checks_text(), watched[n].text(), peripherals ? peripherals_text(chip) : "");
+    io::print("\n{}{}{}{}", watched[n].checks_text(), watched[n].text(), network.ignored(n).text(),
+              peripherals ? peripherals_text(chip) : "");
   }
   for (std::size_t n = 0; n < network.link_count(); ++n) {
     const machine::NetworkLink& ends = network.ends(n);
@@ -159,6 +160,7 @@ Json chip_json(const Network& network, std::size_t n) {
   }
   out["waits_for"] = network.waits_for(n) ? Json(*network.waits_for(n)) : Json();
   add_ports(chip, out);
+  add_reserved(network.ignored(n), out);
   return out;
 }
 

@@ -77,6 +77,7 @@ struct AssembleOptions {
   std::optional<std::string> entry;
   std::optional<std::string> listing;
   std::optional<std::string> dialect;  ///< ti or gnu
+  std::optional<std::string> cpu;      ///< c40 or c3x
   bool object = false;
   bool undefined_external = false;
   int version = 2;  ///< Of the COFF file.
@@ -100,7 +101,7 @@ struct DisassembleOptions {
   std::string program;
   std::vector<std::string> include_directories;
   std::optional<std::string> load_at;
-  std::optional<std::string> dialect;
+  std::optional<std::string> dialect, cpu;
   bool source = false;  ///< Text that assembles to the same words.
 };
 

@@ -71,16 +71,31 @@ bool is_coff_name(const std::string& path) {
 
 Image read_program(const std::string& path, const std::vector<std::string>& include_directories,
                    const std::optional<std::string>& load_at, const std::optional<std::string>& dialect) {
+  Image image = read_any_program(path, include_directories, load_at, dialect, {});
+  toolchain::require_c40(image, path);
+  return image;
+}
+
+Image read_any_program(const std::string& path, const std::vector<std::string>& include_directories,
+                       const std::optional<std::string>& load_at, const std::optional<std::string>& dialect,
+                       const std::optional<std::string>& cpu) {
   require_file(path);
   const std::string suffix = std::filesystem::path(path).extension().string();
   if (dialect && !is_source(suffix))
     throw InputError(fmt::format("--dialect: {} is no source; only .asm and .s are read in a dialect", path));
-  if (suffix == ".hex") return read_hex(path, load_at ? parse_address(*load_at, nullptr, "--load-at") : 0);
+  if (cpu && is_coff_name(path)) throw InputError(fmt::format("--cpu: {} is a COFF file, which says it itself", path));
+  const isa::Cpu wanted = cpu ? isa::cpu_named(*cpu).value() : isa::Cpu::c40;
+  if (suffix == ".hex") {
+    Image image = read_hex(path, load_at ? parse_address(*load_at, nullptr, "--load-at") : 0);
+    image.cpu = wanted;
+    return image;
+  }
   if (load_at) throw InputError("--load-at: only a .hex file needs it; other programs say where they stand");
   if (is_source(suffix)) {
     toolchain::Options options;
     for (const std::string& directory : include_directories) options.include_dirs.emplace_back(directory);
     if (dialect) options.dialect = toolchain::dialect_named(*dialect);
+    options.cpu = wanted;
     Image image = toolchain::assemble_file(path, options);
     if (image.sections.empty())
       throw InputError(fmt::format("{}: holds no word; at least one is expected in a program", path));

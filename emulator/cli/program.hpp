@@ -16,10 +16,15 @@ namespace cli {
 /// Reads a program by its suffix: .asm or .s is assembled (in `dialect`), .hex is one word per line in hexadecimal and
 /// stands at `load_at` (default 0), anything else is a COFF file; an object is linked as `emulator link` does without a
 /// map.
-/// \throws InputError, toolchain::AssemblyError, toolchain::CoffError, toolchain::LinkError.
+/// \throws InputError, toolchain::AssemblyError, toolchain::CoffError, toolchain::LinkError, and
+/// toolchain::WrongProcessor for one that is not the C40's.
 toolchain::Image read_program(const std::string& path, const std::vector<std::string>& include_directories,
                               const std::optional<std::string>& load_at,
                               const std::optional<std::string>& dialect = {});
+/// The same for a program that is only looked at. `cpu` is that of a source or of words; a COFF file says it itself.
+toolchain::Image read_any_program(const std::string& path, const std::vector<std::string>& include_directories,
+                                  const std::optional<std::string>& load_at, const std::optional<std::string>& dialect,
+                                  const std::optional<std::string>& cpu);
 
 /// Whether read_program() would assemble the file.
 bool is_source_name(const std::string& path);

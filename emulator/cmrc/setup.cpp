@@ -211,6 +211,7 @@ machine::Config nominal_machine_of(const Config& config) {
   machine.slots = static_cast<unsigned>(std::max(config.machine.dsps, config.machine.slots));
   const machine::BoardDescription board = machine::read_board(config.machine.board);
   machine::refuse_devices(board, "the dock");
+  machine::refuse_ignored(board);
   machine.board = board.board;
   machine.chip_hz = board.clock_mhz ? machine::instruction_cycles_per_second(*board.clock_mhz)
                                     : instruction_cycles_per_second(config.machine.dsp_clock);

@@ -14,13 +14,13 @@ constexpr unsigned index_bits = 11;
 /// The rows that words with given bits 31..21 can match. G and T lie within those bits, so modes are settled here too.
 class RowIndex {
  public:
-  RowIndex() {
+  explicit RowIndex(Cpu cpu) {
     for (Word top = 0; top < (Word{1} << index_bits); ++top) {
       starts_.push_back(static_cast<std::uint16_t>(rows_.size()));
       const Word word = top << (32 - index_bits);
       const Word top_mask = ~Word{0} << (32 - index_bits);
       const Modes mode = static_cast<Modes>(1U << (top & 3));
-      for (const Row& row : rows())
+      for (const Row& row : rows(cpu))
         if (((word ^ row.bits.match) & row.bits.mask & top_mask) == 0 && (row.modes & mode) != 0) rows_.push_back(&row);
     }
     starts_.push_back(static_cast<std::uint16_t>(rows_.size()));
@@ -38,9 +38,9 @@ class RowIndex {
   std::vector<const Row*> rows_;
 };
 
-const RowIndex& row_index() {
-  static const RowIndex index;
-  return index;
+const RowIndex& row_index(Cpu cpu) {
+  static const RowIndex c40(Cpu::c40), c3x(Cpu::c3x);
+  return cpu == Cpu::c40 ? c40 : c3x;
 }
 
 std::int32_t sign_extend(Word value, unsigned width) {
@@ -53,7 +53,7 @@ Operand value_operand(Kind kind, std::int32_t value) { return {.kind = kind, .va
 /// Reads the operands of one word; the first offence against the row's rules is kept.
 class Reader {
  public:
-  Reader(const Row& row, Word word) : row_(row), word_(word) {}
+  Reader(const Row& row, Word word, Cpu cpu) : row_(row), word_(word), cpu_(cpu) {}
 
   Word field(char letter) const { return row_.bits.field(letter).get(word_); }
   const std::optional<Reason>& offence() const { return offence_; }
@@ -63,6 +63,7 @@ class Reader {
 
   Operand reg(Word code, OperandClass allowed) {
     const auto r = static_cast<Register>(code);
+    if (!has(cpu_, r)) offend(Reason::register_class);
     if (allowed == OperandClass::floating && !is_extended(r)) offend(Reason::register_class);
     if (allowed == OperandClass::lda && !is_lda_destination(r)) offend(Reason::register_class);
     return {.kind = Kind::reg, .reg = r};
@@ -135,6 +136,7 @@ class Reader {
 
   const Row& row_;
   Word word_;
+  Cpu cpu_;
   std::optional<Reason> offence_;
 };
 
@@ -247,6 +249,9 @@ void read_operands(Reader& read, Instruction& out) {
       return;
     case Format::branch_displacement: out.src1 = read.target(); return;
     case Format::branch_register: out.src1 = read.source_register('r'); return;
+    case Format::branch_absolute:
+      out.src1 = value_operand(Kind::address, static_cast<std::int32_t>(read.field('v')));
+      return;
     case Format::decrement_displacement:
       out.src1 = read.target();
       out.dst = {.kind = Kind::reg, .reg = address_register(read.field('n'))};
@@ -284,10 +289,10 @@ std::string_view describe(Reserved::Reason reason) {
   return "";
 }
 
-Decoded decode(Word word) {
-  const Row* row = row_index().find(word);
+Decoded decode(Word word, Cpu cpu) {
+  const Row* row = row_index(cpu).find(word);
   if (row == nullptr) return Reserved{Reason::opcode, word};
-  Reader read(*row, word);
+  Reader read(*row, word, cpu);
   Instruction out;
   out.row = row;
   out.word = word;

@@ -49,6 +49,7 @@ struct Operand {
     immediate_float,  ///< `value` holds the 16 bits of a short float (2.2)
     expansion,        ///< `value`: 0 IVTP, 1 TVTP
     target,           ///< The address PC + `value`, PC being that of the instruction itself
+    address,          ///< The address `value` (C3x)
     trap,             ///< Trap number `value`, 0 to 511
   };
   Kind kind = Kind::none;
@@ -87,12 +88,13 @@ struct Instruction {
 /// block (8.2 to 8.4).
 bool is_program_control(const Instruction& instruction);
 
-/// A word that is no instruction of the C4x. The hardware's behaviour is undefined.
+/// A word that is no instruction of the processor. The hardware's behaviour is undefined.
 struct Reserved {
   enum class Reason : std::uint8_t {
     opcode,              ///< No row has this operation and addressing mode.
     reserved_bits,       ///< Bits that must be 0 are not.
-    register_class,      ///< A float operand outside R0-R11, an LDA destination that is no address register.
+    register_class,      ///< A float operand outside R0-R11, an LDA destination that is no address register, one of R8
+                         ///< to R11 on the C3x.
     same_register,       ///< LDA from its own destination.
     addressing_mode,     ///< modn of 26 to 31.
     displacement,        ///< A displacement beside an index register.
@@ -107,6 +109,6 @@ std::string_view describe(Reserved::Reason reason);
 using Decoded = std::variant<Instruction, Reserved>;
 
 /// Total: defined for every word.
-Decoded decode(Word word);
+Decoded decode(Word word, Cpu cpu = Cpu::c40);
 
 }  // namespace isa

@@ -47,8 +47,8 @@ std::string short_float_text(Word bits) {
 
 class Printer {
  public:
-  Printer(const Instruction& instruction, Address pc, const SymbolLookup& symbols)
-      : in_(instruction), row_(*instruction.row), pc_(pc), symbols_(symbols) {}
+  Printer(const Instruction& instruction, Address pc, const SymbolLookup& symbols, Cpu cpu)
+      : in_(instruction), row_(*instruction.row), pc_(pc), symbols_(symbols), cpu_(cpu) {}
 
   std::string text() const {
     std::string out = first_half();
@@ -66,15 +66,16 @@ class Printer {
   std::string operand(const Operand& o, bool exact = false) const {
     switch (o.kind) {
       case Kind::none: return {};
-      case Kind::reg: return std::string(name(o.reg));
+      case Kind::reg: return std::string(name(o.reg, cpu_));
       case Kind::direct: return fmt::format("@{:#x}", o.value);
       case Kind::indirect: return indirect_text(o, exact || (o.slot == Slot::none && o.modn == 0 && o.value == 0));
       case Kind::immediate_int: return fmt::format("{}", o.value);
       case Kind::immediate_float: return short_float_text(static_cast<Word>(o.value));
       case Kind::expansion: return std::string(name(static_cast<Expansion>(o.value)));
       case Kind::trap: return fmt::format("{}", o.value);
-      case Kind::target: {
-        const Address address = pc_ + static_cast<Word>(o.value);
+      case Kind::target:
+      case Kind::address: {
+        const Address address = (o.is(Kind::target) ? pc_ : 0) + static_cast<Word>(o.value);
         std::string symbol = symbols_ ? symbols_(address) : std::string();
         return symbol.empty() ? fmt::format("{:#x}", address) : symbol;
       }
@@ -91,6 +92,7 @@ class Printer {
   std::string sources_then(const Operand& last) const {
     std::string out = mnemonic() + " " + operand(in_.src2, type1_would_do()) + "," + operand(in_.src1);
     if (!last.is(Kind::none)) out += "," + operand(last);
+    if (const Word unused = row_.bits.field('z').get(in_.word); unused != 0) out += fmt::format(",={}", unused);
     return out;
   }
 
@@ -109,6 +111,7 @@ class Printer {
       case Format::load_page:
       case Format::branch_displacement:
       case Format::branch_register:
+      case Format::branch_absolute:
       case Format::trap: return join(in_.src1);
       case Format::register_destination:
       case Format::register_both: return join(in_.dst);
@@ -133,17 +136,18 @@ class Printer {
   const Row& row_;
   Address pc_;
   const SymbolLookup& symbols_;
+  Cpu cpu_;
 };
 
 }  // namespace
 
-std::string disassemble(const Instruction& instruction, Address pc, const SymbolLookup& symbols) {
-  return Printer(instruction, pc, symbols).text();
+std::string disassemble(const Instruction& instruction, Address pc, const SymbolLookup& symbols, Cpu cpu) {
+  return Printer(instruction, pc, symbols, cpu).text();
 }
 
-std::string disassemble(Word word, Address pc, const SymbolLookup& symbols) {
-  const Decoded decoded = decode(word);
-  if (const auto* instruction = std::get_if<Instruction>(&decoded)) return disassemble(*instruction, pc, symbols);
+std::string disassemble(Word word, Address pc, const SymbolLookup& symbols, Cpu cpu) {
+  const Decoded decoded = decode(word, cpu);
+  if (const auto* instruction = std::get_if<Instruction>(&decoded)) return disassemble(*instruction, pc, symbols, cpu);
   return fmt::format(".word {:#010x}", word);
 }
 

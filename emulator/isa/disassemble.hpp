@@ -15,7 +15,9 @@ using SymbolLookup = std::function<std::string(Address)>;
 ///
 /// Where one text could stand for two words, the rarer one is marked by `=`, "exactly this field": `*+ar0(=1)` is the
 /// type-2 form of a displacement that type 1 has too, `ldf =0x8001,r0` a short float that no decimal number gives.
-std::string disassemble(Word word, Address pc, const SymbolLookup& symbols = {});
-std::string disassemble(const Instruction& instruction, Address pc, const SymbolLookup& symbols = {});
+std::string disassemble(Word word, Address pc, const SymbolLookup& symbols = {}, Cpu cpu = Cpu::c40);
+/// `cpu` is the one that the instruction was decoded for.
+std::string disassemble(const Instruction& instruction, Address pc, const SymbolLookup& symbols = {},
+                        Cpu cpu = Cpu::c40);
 
 }  // namespace isa

@@ -1,5 +1,7 @@
 #include "isa/table.hpp"
 
+#include <algorithm>
+
 namespace isa {
 namespace {
 
@@ -70,6 +72,7 @@ constexpr Row row(std::string_view picture, std::string_view mnemonic, O operati
               extra);
 }
 
+// What compares of type 2 have where others have a destination (letter z) is read by nobody (docs/fidelity.md).
 // clang-format off
 constexpr std::array table{
     // General addressing, by bits 28..23.
@@ -195,8 +198,8 @@ constexpr std::array table{
     row("001 1 00011 tt ddddd jjjjjjjj iiiiiiii", "and3", O::and_, F::three_type2, integer, integer, I::sign, any, X::L, "6.3", {.commutative = true, .c4x_only = true}),
     row("001 1 00100 tt ddddd jjjjjjjj iiiiiiii", "andn3", O::andn, F::three_type2, integer, integer, I::sign, any, X::L, "6.3", {.c4x_only = true}),
     row("001 1 00101 tt ddddd jjjjjjjj iiiiiiii", "ash3", O::ash, F::three_type2, integer, integer, I::sign, any, X::SA, "6.3", {.c4x_only = true}),
-    row("001 1 00110 tt 00000 jjjjjjjj iiiiiiii", "cmpf3", O::cmpf, F::three_type2, floating, none, I::none, five_bit_only, X::F, "6.3", {.c4x_only = true}),
-    row("001 1 00111 tt 00000 jjjjjjjj iiiiiiii", "cmpi3", O::cmpi, F::three_type2, integer, none, I::sign, any, X::A, "6.3", {.c4x_only = true}),
+    row("001 1 00110 tt zzzzz jjjjjjjj iiiiiiii", "cmpf3", O::cmpf, F::three_type2, floating, none, I::none, five_bit_only, X::F, "6.3", {.c4x_only = true}),
+    row("001 1 00111 tt zzzzz jjjjjjjj iiiiiiii", "cmpi3", O::cmpi, F::three_type2, integer, none, I::sign, any, X::A, "6.3", {.c4x_only = true}),
     row("001 1 01000 tt ddddd jjjjjjjj iiiiiiii", "lsh3", O::lsh, F::three_type2, integer, integer, I::sign, any, X::S, "6.3", {.c4x_only = true}),
     row("001 1 01001 tt ddddd jjjjjjjj iiiiiiii", "mpyf3", O::mpyf, F::three_type2, floating, floating, I::none, five_bit_only, X::F, "6.3", {.commutative = true, .c4x_only = true}),
     row("001 1 01010 tt ddddd jjjjjjjj iiiiiiii", "mpyi3", O::mpyi, F::three_type2, integer, integer, I::sign, any, X::B, "6.3", {.commutative = true, .c4x_only = true}),
@@ -204,7 +207,7 @@ constexpr std::array table{
     row("001 1 01100 tt ddddd jjjjjjjj iiiiiiii", "subb3", O::subb, F::three_type2, integer, integer, I::sign, any, X::A, "6.3", {.c4x_only = true}),
     row("001 1 01101 tt ddddd jjjjjjjj iiiiiiii", "subf3", O::subf, F::three_type2, floating, floating, I::none, five_bit_only, X::F, "6.3", {.c4x_only = true}),
     row("001 1 01110 tt ddddd jjjjjjjj iiiiiiii", "subi3", O::subi, F::three_type2, integer, integer, I::sign, any, X::A, "6.3", {.c4x_only = true}),
-    row("001 1 01111 tt 00000 jjjjjjjj iiiiiiii", "tstb3", O::tstb, F::three_type2, integer, none, I::sign, any, X::L, "6.3", {.commutative = true, .c4x_only = true}),
+    row("001 1 01111 tt zzzzz jjjjjjjj iiiiiiii", "tstb3", O::tstb, F::three_type2, integer, none, I::sign, any, X::L, "6.3", {.commutative = true, .c4x_only = true}),
     row("001 1 10000 tt ddddd jjjjjjjj iiiiiiii", "xor3", O::xor_, F::three_type2, integer, integer, I::sign, any, X::L, "6.3", {.commutative = true, .c4x_only = true}),
     row("001 1 10001 tt ddddd jjjjjjjj iiiiiiii", "mpyshi3", O::mpyshi, F::three_type2, integer, integer, I::sign, any, X::B, "6.3", {.commutative = true, .c4x_only = true}),
     row("001 1 10010 tt ddddd jjjjjjjj iiiiiiii", "mpyuhi3", O::mpyuhi, F::three_type2, integer, integer, I::sign, any, X::B, "6.3", {.commutative = true, .c4x_only = true}),
@@ -295,34 +298,64 @@ constexpr std::array table{
 };
 // clang-format on
 
+// clang-format off
+constexpr std::array c3x_forms{
+    // C31 from revision 5, C32 and C33 have IDLE2, and but for the C33 the two after it.
+    row("000 001100 00 00000 0000000000000001", "idle2", O::idle2, F::plain, none, none, I::none, any, X::none, "9"),
+    row("000 100001 00 00000 0000000000000000", "maxspeed", O::maxspeed, F::plain, none, none, I::none, any, X::none, "9"),
+    row("000 100001 00 00000 0000000000000001", "lopower", O::lopower, F::plain, none, none, I::none, any, X::none, "9"),
+    row("000 101100 00 00000 0000000000000000", "sigi", O::sigi, F::plain, none, none, I::none, any, X::none, "9"),
+    row("01100 000 vvvvvvvvvvvvvvvvvvvvvvvv", "br", O::branch, F::branch_absolute, none, none, I::none, any, X::none, "9", {.cycles = 4}),
+    row("01100 001 vvvvvvvvvvvvvvvvvvvvvvvv", "brd", O::branch, F::branch_absolute, none, none, I::none, any, X::none, "9", {.delay = Delay::delayed}),
+    row("01100 010 vvvvvvvvvvvvvvvvvvvvvvvv", "call", O::call, F::branch_absolute, none, none, I::none, any, X::none, "9", {.cycles = 4}),
+    row("01100 100 vvvvvvvvvvvvvvvvvvvvvvvv", "rptb", O::rptb, F::branch_absolute, none, none, I::none, any, X::none, "9", {.cycles = 4}),
+    row("01110100 0 00 ccccc 0000000000 1 kkkkk", "trap?", O::trap, F::trap, none, none, I::none, any, X::none, "9", {.cycles = 5}),
+};
+// clang-format on
+
+/// Whether the C3x has the encoding as it stands.
+constexpr bool is_common(const Row& row) {
+  const bool other_branch = row.format == Format::branch_displacement && row.bits.field('v').width == 24;
+  return !row.c4x_only && !other_branch && row.operation != Operation::trap;
+}
+
+constexpr auto c3x_table = [] {
+  constexpr std::size_t common = static_cast<std::size_t>(std::ranges::count_if(table, is_common));
+  std::array<Row, common + c3x_forms.size()> out{};
+  std::ranges::copy(c3x_forms, std::ranges::copy_if(table, out.begin(), is_common).out);
+  return out;
+}();
+
 constexpr bool overlap(const Row& a, const Row& b) {
   if (((a.bits.match ^ b.bits.match) & a.bits.mask & b.bits.mask) != 0) return false;
   return (a.modes & b.modes) != 0;
 }
 
-constexpr bool rows_are_disjoint() {
-  for (std::size_t i = 0; i < table.size(); ++i)
-    for (std::size_t k = i + 1; k < table.size(); ++k)
-      if (overlap(table[i], table[k])) return false;
+constexpr bool are_disjoint(std::span<const Row> rows) {
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t k = i + 1; k < rows.size(); ++k)
+      if (overlap(rows[i], rows[k])) return false;
   return true;
 }
-static_assert(rows_are_disjoint(), "two rows of the instruction table claim the same word");
+static_assert(are_disjoint(table), "two rows of the instruction table claim the same word");
+static_assert(are_disjoint(c3x_table), "two rows of the C3x's instruction table claim the same word");
 
 // Same order as the enumeration.
 constexpr std::array<std::string_view, operation_count> operation_names{
-    "none",  "absf", "absi", "addc",     "addf",     "addi", "and",    "andn",   "ash",   "cmpf", "cmpi",   "fix",
-    "float", "lde",  "ldf",  "ldfi",     "ldi",      "ldii", "ldm",    "lsh",    "mpyf",  "mpyi", "mpyshi", "mpyuhi",
-    "negb",  "negf", "negi", "norm",     "not",      "or",   "rnd",    "rol",    "rolc",  "ror",  "rorc",   "sigi",
-    "subb",  "subc", "subf", "subi",     "tstb",     "xor",  "toieee", "frieee", "rsqrf", "rcpf", "lda",    "ldpk",
-    "ldhi",  "ldep", "ldpe", "ldf_cond", "ldi_cond", "lb",   "lbu",    "lh",     "lhu",   "lwl",  "lwr",    "mb",
-    "mh",    "stf",  "stfi", "sti",      "stii",     "pop",  "popf",   "push",   "pushf", "nop",  "idle",   "idle2",
-    "swi",   "iack", "rpts", "rptb",     "branch",   "db",   "call",   "laj",    "rets",  "reti", "trap",   "lat",
+    "none",   "absf",   "absi",  "addc", "addf", "addi",  "and",  "andn",     "ash",      "cmpf",   "cmpi",
+    "fix",    "float",  "lde",   "ldf",  "ldfi", "ldi",   "ldii", "ldm",      "lsh",      "mpyf",   "mpyi",
+    "mpyshi", "mpyuhi", "negb",  "negf", "negi", "norm",  "not",  "or",       "rnd",      "rol",    "rolc",
+    "ror",    "rorc",   "sigi",  "subb", "subc", "subf",  "subi", "tstb",     "xor",      "toieee", "frieee",
+    "rsqrf",  "rcpf",   "lda",   "ldpk", "ldhi", "ldep",  "ldpe", "ldf_cond", "ldi_cond", "lb",     "lbu",
+    "lh",     "lhu",    "lwl",   "lwr",  "mb",   "mh",    "stf",  "stfi",     "sti",      "stii",   "pop",
+    "popf",   "push",   "pushf", "nop",  "idle", "idle2", "swi",  "iack",     "rpts",     "rptb",   "branch",
+    "db",     "call",   "laj",   "rets", "reti", "trap",  "lat",  "lopower",  "maxspeed",
 };
-static_assert(operation_names.back() == "lat");
+static_assert(operation_names.back() == "maxspeed");
 
 }  // namespace
 
-std::span<const Row> rows() { return table; }
+std::span<const Row> rows(Cpu cpu) { return cpu == Cpu::c40 ? std::span<const Row>(table) : c3x_table; }
 
 std::string_view name(Operation operation) { return operation_names[static_cast<std::size_t>(operation)]; }
 

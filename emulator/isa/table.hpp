@@ -1,6 +1,6 @@
 #pragma once
-// The instruction table: one row per encoding of the TMS320C4x. Decoder, disassembler, assembler, the Python metadata
-// and the documentation's table all come from these rows (c40-isa.md sections 3 and 6).
+// The instruction table: one row per encoding of the TMS320C4x, and of the TMS320C3x. Decoder, disassembler, assembler,
+// the Python metadata and the documentation's table all come from these rows (c40-isa.md sections 3 and 6).
 #include <array>
 #include <cstdint>
 #include <span>
@@ -24,9 +24,10 @@ enum class Operation : std::uint8_t {
   stf, stfi, sti, stii, pop, popf, push, pushf,
   nop, idle, idle2, swi, iack, rpts, rptb,
   branch, db, call, laj, rets, reti, trap, lat,
+  lopower, maxspeed,  // Of the C3x alone.
 };
 // clang-format on
-inline constexpr int operation_count = static_cast<int>(Operation::lat) + 1;
+inline constexpr int operation_count = static_cast<int>(Operation::maxspeed) + 1;
 
 std::string_view name(Operation operation);
 
@@ -55,6 +56,7 @@ enum class Format : std::uint8_t {
   multiply_add,            ///< MPY3 || ADD3/SUB3    d1 <- src1 * src2; d2 (dst2) <- src3 +- src4; `selector` is P
   branch_displacement,     ///< B target             PC <- src1 = relative target; `selector` is added to the field
   branch_register,         ///< B reg                PC <- src1 = reg
+  branch_absolute,         ///< B target of the C3x  PC <- src1 = the address itself
   decrement_displacement,  ///< DB ARn,target        as branch_displacement; dst = ARn
   decrement_register,      ///< DB ARn,reg           as branch_register; dst = ARn
   trap,                    ///< TRAP n               src1 = n
@@ -113,7 +115,8 @@ struct Row {
   constexpr bool conditional() const { return has('c'); }
 };
 
-/// Every row, in the order of the opcodes of each group.
-std::span<const Row> rows();
+/// Every row, in the order of the opcodes of each group. The C3x's are those of the C40 that are not `c4x_only`, with
+/// its own forms in place of what it does otherwise.
+std::span<const Row> rows(Cpu cpu = Cpu::c40);
 
 }  // namespace isa

@@ -10,6 +10,8 @@ constexpr std::array<std::string_view, 32> register_names{
     "r0", "r1",  "r2",  "r3", "r4", "r5", "r6",  "r7",  "ar0", "ar1", "ar2", "ar3", "ar4", "ar5", "ar6", "ar7",
     "dp", "ir0", "ir1", "bk", "sp", "st", "die", "iie", "iif", "rs",  "re",  "rc",  "r8",  "r9",  "r10", "r11"};
 
+constexpr std::array<std::string_view, 3> c3x_names{"ie", "if", "iof"};  // From DIE's code on.
+
 struct ConditionName {
   std::string_view name;
   Condition condition;
@@ -46,7 +48,20 @@ constexpr auto condition_names_only = [] {
 
 std::span<const std::string_view> condition_name_list() { return condition_names_only; }
 
-std::string_view name(Register r) { return register_names[code(r)]; }
+std::string_view name(Cpu cpu) { return cpu == Cpu::c40 ? "c40" : "c3x"; }
+
+std::string_view title(Cpu cpu) { return cpu == Cpu::c40 ? "C40" : "C3x"; }
+
+std::optional<Cpu> cpu_named(std::string_view text) {
+  for (const Cpu cpu : {Cpu::c40, Cpu::c3x})
+    if (text == name(cpu)) return cpu;
+  return std::nullopt;
+}
+
+std::string_view name(Register r, Cpu cpu) {
+  const std::size_t place = code(r) - std::size_t{code(Register::DIE)};
+  return cpu == Cpu::c3x && place < c3x_names.size() ? c3x_names[place] : register_names[code(r)];
+}
 
 std::string_view name(Expansion r) { return r == Expansion::IVTP ? "ivtp" : "tvtp"; }
 
@@ -56,9 +71,10 @@ std::string_view name(Condition c) {
   return "?";
 }
 
-std::optional<Register> register_named(std::string_view text) {
+std::optional<Register> register_named(std::string_view text, Cpu cpu) {
   for (std::size_t i = 0; i < register_names.size(); ++i) {
-    const auto register_name = register_names[i];
+    if (!has(cpu, static_cast<Register>(i))) break;
+    const auto register_name = name(static_cast<Register>(i), cpu);
     if (same(register_name, text)) return static_cast<Register>(i);
     const bool float_synonym = register_name[0] == 'r' && std::isdigit(static_cast<unsigned char>(register_name[1]));
     if (float_synonym && !text.empty() && (text[0] == 'f' || text[0] == 'F') &&

@@ -1,5 +1,6 @@
 #pragma once
-// Words, addresses, registers and conditions of the TMS320C4x, as its user's guide names and numbers them.
+// Words, addresses, registers and conditions of the TMS320C4x, as its user's guide names and numbers them; and what the
+// TMS320C3x has otherwise (c40-isa.md section 9).
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -10,8 +11,18 @@ namespace isa {
 using Word = std::uint32_t;
 using Address = std::uint32_t;  ///< Counts 32-bit words.
 
+/// Whose instructions a word is read as. The emulator runs the C40's only.
+enum class Cpu : std::uint8_t { c40, c3x };
+
+std::string_view name(Cpu cpu);                       ///< As options have it: "c40", "c3x".
+std::string_view title(Cpu cpu);                      ///< As sentences have it: "C40", "C3x".
+std::optional<Cpu> cpu_named(std::string_view text);  ///< By name().
+/// One address more than the processor has. The C3x's have 24 bits.
+constexpr std::uint64_t address_space(Cpu cpu) { return std::uint64_t{1} << (cpu == Cpu::c40 ? 32 : 24); }
+
 // clang-format off
-/// The primary register file; the value is the 5-bit code of every register field (c40-isa.md 1.1).
+/// The primary register file; the value is the 5-bit code of every register field (c40-isa.md 1.1). On the C3x DIE, IIE
+/// and IIF are IE, IF and IOF, and there is no R8 to R11.
 enum class Register : std::uint8_t {
   R0, R1, R2, R3, R4, R5, R6, R7,
   AR0, AR1, AR2, AR3, AR4, AR5, AR6, AR7,
@@ -42,12 +53,15 @@ constexpr bool is_extended(Register r) { return code(r) < 8 || code(r) >= 28; }
 constexpr bool is_lda_destination(Register r) { return code(r) >= 8 && code(r) <= 20; }
 constexpr bool is_condition(unsigned c) { return c <= 20 && c != 11; }
 
-std::string_view name(Register r);   ///< Lower case: "r0", "ar3", "iie".
-std::string_view name(Expansion r);  ///< "ivtp", "tvtp".
-std::string_view name(Condition c);  ///< The first name of section 4: "u", "lo", "eq".
+/// Whether the processor has the register.
+constexpr bool has(Cpu cpu, Register r) { return cpu == Cpu::c40 || code(r) < 28; }
+
+std::string_view name(Register r, Cpu cpu = Cpu::c40);  ///< Lower case: "r0", "ar3", "iie".
+std::string_view name(Expansion r);                     ///< "ivtp", "tvtp".
+std::string_view name(Condition c);                     ///< The first name of section 4: "u", "lo", "eq".
 
 /// By any of its names, in any case; F0-F11 are names of R0-R11.
-std::optional<Register> register_named(std::string_view text);
+std::optional<Register> register_named(std::string_view text, Cpu cpu = Cpu::c40);
 std::optional<Expansion> expansion_named(std::string_view text);
 /// By any of its names, in any case ("eq", "Z", "hs", "NC"...).
 std::optional<Condition> condition_named(std::string_view text);

@@ -6,12 +6,14 @@
 #include <cmath>
 #include <filesystem>
 #include <initializer_list>
+#include <iterator>
 #include <optional>
 
 #include "c40/memory.hpp"
 #include "c40/timing_parameters.hpp"
 #include "io/input_file.hpp"
 #include "io/toml.hpp"
+#include "machine/board_reserved.hpp"
 #include "machine/boot.hpp"
 #include "machine/shared_memory.hpp"
 #include "toolchain/image.hpp"
@@ -28,7 +30,7 @@ class BoardReader {
   explicit BoardReader(std::string file) : file_(std::move(file)) {}
 
   BoardDescription read(const toml::table& root) const {
-    allow(root, "", {"name", "clock_mhz", "gmicr", "lmicr", "pins", "region", "device"});
+    allow(root, "", {"name", "clock_mhz", "gmicr", "lmicr", "pins", "reserved", "region", "device"});
     BoardDescription out;
     out.board.name = file_;
     if (const auto* node = root.get("name")) out.board.name = text(*node, "name");
@@ -45,7 +47,16 @@ class BoardReader {
     if (regions == nullptr || !regions->is_array() || regions->as_array()->empty())
       throw BoardError(
           fmt::format("{}: region: a board needs at least one [[region]] with name, base, words and bus", file_));
-    for (const auto& node : *regions->as_array()) add(out, node);
+    std::vector<c40::AddressRange> kept;
+    for (const auto& node : *regions->as_array())
+      if (!is_reserved(node)) add(out, node);
+    for (const auto& node : *regions->as_array())
+      if (is_reserved(node)) add_reserved(out, *node.as_table(), kept);
+    const auto* reserved = root.get("reserved");
+    if (reserved != nullptr && is_ignored(*reserved, "reserved")) {
+      std::ranges::copy(out.ignored, std::back_inserter(kept));
+      std::ranges::copy(unoccupied(out.board, kept), std::back_inserter(out.ignored));
+    }
     if (const auto* node = root.get("device")) {
       if (!node->is_array()) fail(*node, "device: each is a table, [[device]]");
       for (const auto& each : *node->as_array()) add_device(out, each);
@@ -54,6 +65,7 @@ class BoardReader {
       out.has_pins = true;
       pins(out.board, *node);
     }
+    add_ignored(out.board, out.ignored);  // Devices stand behind windows, but behind none of these.
     return out;
   }
 
@@ -121,6 +133,49 @@ class BoardReader {
     else if (const auto* width = table.get("width"))
       fail(*width, fmt::format("region.width of {}: it is that of a file, and there is none", region.name));
     board.regions.push_back(std::move(region));
+  }
+
+  bool is_ignored(const toml::node& node, std::string_view key) const {
+    const std::string what = text(node, key);
+    if (what != "fault" && what != "ignore") fail(node, fmt::format("{}: fault or ignore is expected", key));
+    return what == "ignore";
+  }
+
+  /// A region at which nothing is.
+  static bool is_reserved(const toml::node& node) {
+    const auto* table = node.as_table();
+    const std::string kind = table == nullptr ? "" : (*table)["kind"].value_or(std::string());
+    return kind == "fault" || kind == "ignore";
+  }
+
+  /// One of kind "fault" stays what it is, whatever the board's `reserved` says.
+  void add_reserved(BoardDescription& description, const toml::table& table,
+                    std::vector<c40::AddressRange>& kept) const {
+    const toml::node& node = table;
+    allow(table, "region.", {"name", "kind", "base", "words"});
+    for (const char* key : {"name", "base", "words"})
+      if (!table.contains(key))
+        fail(node, fmt::format("region of kind \"{}\": {} is missing", *table["kind"].value<std::string>(), key));
+    Region region;
+    region.name = text(*table.get("name"), "region.name");
+    region.base = word(*table.get("base"), "region.base", 0xFFFFFFFF);
+    region.words = word(*table.get("words"), "region.words", (std::int64_t{1} << 32) - 1);
+    const std::uint64_t end = region.base + region.words;
+    if (region.words == 0 || end > std::uint64_t{1} << 32)
+      fail(*table.get("words"), fmt::format("region.words of {}: 1 to {} words are possible from {:08X}h", region.name,
+                                            (std::uint64_t{1} << 32) - region.base, region.base));
+    c40::Board others = description.board;
+    add_ignored(others, kept);
+    add_ignored(others, description.ignored);
+    const bool free = std::ranges::any_of(unoccupied(others, {}), [&](const c40::AddressRange& gap) {
+      return region.base >= gap.first && end <= std::uint64_t{gap.first} + gap.words;
+    });
+    if (!free)
+      fail(node, fmt::format("region {} ({:08X}h, {} words): another region, the boot ROM, or something of the chip's "
+                             "own is there",
+                             region.name, region.base, region.words));
+    (is_ignored(*table.get("kind"), "region.kind") ? description.ignored : kept)
+        .push_back({region.base, static_cast<c40::Word>(region.words)});
   }
 
   /// The image of a ROM, beside the board file.
@@ -249,7 +304,8 @@ class BoardReader {
   Region::Kind kind_of(const toml::node& node, const Region& region) const {
     const std::string kind = text(node, "region.kind");
     if (kind != "ram" && kind != "window")
-      fail(node, fmt::format("region.kind of {}: ram or window (to a shared bus) is expected", region.name));
+      fail(node,
+           fmt::format("region.kind of {}: ram, window (to a shared bus), fault or ignore is expected", region.name));
     return kind == "ram" ? Region::Kind::ram : Region::Kind::external_window;
   }
 
@@ -301,6 +357,14 @@ void refuse_devices(const BoardDescription& board, std::string_view where) {
     throw BoardError(
         fmt::format("board {}: region.file: {} loads no ROMs; a program alone does (exec, cmrc.c40.Processor)",
                     board.board.name, where));
+}
+
+void refuse_ignored(const BoardDescription& board) {
+  if (!board.ignored.empty())
+    throw BoardError(fmt::format(
+        "board {}: reserved: a DSP of the dock stops at addresses without memory; \"ignore\" is for programs "
+        "alone and networks",
+        board.board.name));
 }
 
 std::int64_t instruction_cycles_per_second(double clock_mhz) { return std::llround(clock_mhz * 1e6 / 2); }

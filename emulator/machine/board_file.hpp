@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "c40/board.hpp"
+#include "c40/probe.hpp"
 #include "machine/board_devices.hpp"
 #include "machine/symbols.hpp"
 
@@ -35,6 +36,7 @@ struct BoardDescription {
     std::vector<c40::Word> words;
   };
   std::vector<Contents> contents{};
+  std::vector<c40::AddressRange> ignored{};  ///< where nothing is and an access is no fault (board_reserved.hpp)
 };
 
 /// "default", "flat", or a TOML file. \throws BoardError
@@ -42,6 +44,8 @@ BoardDescription read_board(const std::string& name);
 
 /// For networks and the dock, whose chips have no devices of their own. \throws BoardError
 void refuse_devices(const BoardDescription& board, std::string_view where);
+/// For the dock, whose DSPs stop at reserved addresses. \throws BoardError
+void refuse_ignored(const BoardDescription& board);
 
 /// H1 periods per second.
 std::int64_t instruction_cycles_per_second(double clock_mhz);

@@ -57,6 +57,7 @@ ResetSource reset_source(const c40::Board& board) {
 Address boot_address(const c40::Board& board) { return sources.at(board.pins.iiof >> 1); }
 
 std::vector<Word> boot_stream(const toolchain::Image& image, const BootHeader& header) {
+  toolchain::require_c40(image);
   std::vector<Word> stream{header.global_interface_control, header.local_interface_control}, others;
   bool entered = false;
   for (const toolchain::Image::Section& section : image.sections) {

@@ -144,7 +144,7 @@ void Network::add_memories() {
             fmt::format("memory {}: there is no chip {}; the network has {}", given.name, chip, nodes_.size()));
       const auto& regions = nodes_[chip]->description.board.board.regions;
       const bool inside = std::any_of(regions.begin(), regions.end(), [&, at = base](const c40::Region& r) {
-        return r.kind == c40::Region::Kind::external_window && at >= r.base &&
+        return r.kind == c40::Region::Kind::external_window && at >= r.base && !nodes_[chip]->ignored.contains(at) &&
                std::uint64_t{at} + given.words <= r.base + r.words;
       });
       if (!inside)
@@ -166,6 +166,7 @@ void Network::load(Node& node) {
     node.description.program = std::make_shared<toolchain::Image>();
   }
   const toolchain::Image& image = *node.description.program;
+  toolchain::require_c40(image, fmt::format("chip {}", node.number));
   node.chip.reset();
   const c40::Board& board = node.description.board.board;
   const bool from_ports = node.description.boot && reset_source(board) == ResetSource::ports;
@@ -176,9 +177,8 @@ void Network::load(Node& node) {
     try {
       node.chip.write_block(section.address, section.words);
     } catch (const std::out_of_range&) {
-      throw NetworkError(fmt::format(
-          "chip {}: section {} ({} words at {:08X}h) does not lie in RAM of board {}; board flat has RAM everywhere",
-          node.number, section.name, section.size, section.address, node.description.board.board.name));
+      throw NetworkError(
+          fmt::format("chip {}: {}", node.number, no_ram_for(board, section.name, section.address, section.size)));
     }
   }
   ready_to_start(node);
@@ -531,6 +531,8 @@ void Network::check_words() const {
 Chip& Network::chip(std::size_t n) { return nodes_.at(n)->chip; }
 const Chip& Network::chip(std::size_t n) const { return nodes_.at(n)->chip; }
 const std::string& Network::chip_name(std::size_t n) const { return nodes_.at(n)->description.name; }
+const IgnoredAccesses& Network::ignored(std::size_t n) const { return nodes_.at(n)->ignored; }
+
 const toolchain::Image& Network::program(std::size_t n) const { return *nodes_.at(n)->description.program; }
 const Clock& Network::clock(std::size_t n) const { return nodes_.at(n)->clock; }
 ChipStatus Network::status(std::size_t n) const {

@@ -23,6 +23,7 @@
 #include "c40/peripherals/events.hpp"
 #include "c40/peripherals/link.hpp"
 #include "machine/board_file.hpp"
+#include "machine/board_reserved.hpp"
 #include "machine/net.hpp"
 #include "machine/scheduler.hpp"
 #include "machine/time.hpp"
@@ -236,6 +237,8 @@ class Network {
   /// Of a chip that `waits`, cycle() is where the access begins to wait.
   c40::Chip& chip(std::size_t n);
   const c40::Chip& chip(std::size_t n) const;
+  /// The chip's accesses to addresses without memory, of a board that ignores them.
+  const IgnoredAccesses& ignored(std::size_t n) const;
   const std::string& chip_name(std::size_t n) const;
   const toolchain::Image& program(std::size_t n) const;
   const Clock& clock(std::size_t n) const;

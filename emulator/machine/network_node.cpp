@@ -233,6 +233,7 @@ bool Network::Node::at_breakpoint() {
 }
 
 bool Network::Node::window_access(const c40::ExternalAccess& access) {
+  if (ignored.serve(chip, access)) return true;
   status = network.memory_of(*this, access.address) != nullptr ? ChipStatus::waiting : ChipStatus::external_access;
   stop = {};
   stop.reason = StopInfo::Reason::external_access;

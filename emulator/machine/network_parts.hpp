@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "machine/address_names.hpp"
+#include "machine/board_reserved.hpp"
 #include "machine/boot.hpp"
 #include "machine/chip_runner.hpp"
 #include "machine/loop_watch.hpp"
@@ -26,7 +27,12 @@ struct Network::Memory {
 /// A chip in the network, and how it goes through time.
 struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner, c40::PinListener, private ChipRunner {
   Node(Network& network_, std::size_t number_, NetworkChip given, Clock clock_)
-      : network(network_), number(number_), description(std::move(given)), clock(clock_), chip(board_of(description)) {}
+      : network(network_),
+        number(number_),
+        description(std::move(given)),
+        clock(clock_),
+        chip(board_of(description)),
+        ignored(description.board.ignored) {}
 
   /// One that says nothing of its pins is made to boot from the ports.
   static const c40::Board& board_of(NetworkChip& chip) {
@@ -39,6 +45,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   NetworkChip description;
   Clock clock;
   c40::Chip chip;
+  IgnoredAccesses ignored;
   ChipStatus status = ChipStatus::running;
   c40::StopInfo stop;      ///< of a chip that waits, or why it ended
   bool was_ready = false;  ///< what it waits for, when last looked at

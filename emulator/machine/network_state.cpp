@@ -80,6 +80,7 @@ void LoopWatch::list_state(state::Visitor& list) { list("rounds", rounds_); }
 // Patience is state: what it finds ends a run, and when it looks depends on when something last happened.
 void Network::Node::list_state(state::Visitor& list) {
   list("chip", chip);
+  if (!ignored.empty()) list("ignored", ignored);
   list("status", status);
   list("stop", stop);
   list("was_ready", was_ready);

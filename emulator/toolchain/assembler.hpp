@@ -27,6 +27,7 @@ struct Options {
   std::optional<Dialect> dialect;
   /// In an object, symbols that are neither defined nor declared are left to other objects; so they are with GNU as.
   bool undefined_external = false;
+  isa::Cpu cpu = isa::Cpu::c40;  ///< Whose instructions and registers the source names.
 };
 
 /// Throws AssemblyError with every error of the source; a file that cannot be read is one of them.

@@ -16,7 +16,8 @@ bool is_delayed(const Instruction& instruction) { return instruction.row->delay 
 
 class Checker {
  public:
-  explicit Checker(std::span<const isa::Word> words) : words_(words) {}
+  Checker(std::span<const isa::Word> words, isa::Address address, isa::Cpu cpu)
+      : words_(words), address_(address), cpu_(cpu) {}
 
   std::vector<Finding> run() {
     for (std::size_t i = 0; i < words_.size(); ++i) {
@@ -25,8 +26,11 @@ class Checker {
       const auto& row = *instruction->row;
       if (is_delayed(*instruction)) check_slots(i, *instruction);
       if (row.operation == Operation::rpts) check_repeated(i + 1);
-      if (row.operation == Operation::rptb && instruction->src1.is(isa::Operand::Kind::target))
+      if (row.operation != Operation::rptb) continue;
+      if (instruction->src1.is(isa::Operand::Kind::target))
         check_block_end(i, static_cast<std::size_t>(static_cast<std::int64_t>(i) + instruction->src1.value));
+      if (instruction->src1.is(isa::Operand::Kind::address))
+        check_block_end(i, static_cast<isa::Word>(instruction->src1.value) - address_);
     }
     return std::move(findings_);
   }
@@ -34,7 +38,7 @@ class Checker {
  private:
   std::optional<Instruction> at(std::size_t i) const {
     if (i >= words_.size()) return std::nullopt;
-    const auto decoded = isa::decode(words_[i]);
+    const auto decoded = isa::decode(words_[i], cpu_);
     if (const auto* instruction = std::get_if<Instruction>(&decoded)) return *instruction;
     return std::nullopt;
   }
@@ -67,11 +71,15 @@ class Checker {
   }
 
   std::span<const isa::Word> words_;
+  isa::Address address_;
+  isa::Cpu cpu_;
   std::vector<Finding> findings_;
 };
 
 }  // namespace
 
-std::vector<Finding> check_code(std::span<const isa::Word> words) { return Checker(words).run(); }
+std::vector<Finding> check_code(std::span<const isa::Word> words, isa::Address address, isa::Cpu cpu) {
+  return Checker(words, address, cpu).run();
+}
 
 }  // namespace toolchain

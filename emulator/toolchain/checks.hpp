@@ -15,7 +15,7 @@ struct Finding {
 };
 
 /// Looks at consecutive words of code: program control in the three slots of a delayed branch, behind RPTS, and at the
-/// end of a repeated block whose RPTB stands in these words too.
-std::vector<Finding> check_code(std::span<const isa::Word> words);
+/// end of a repeated block whose RPTB stands in these words too. `address` is that of the first word.
+std::vector<Finding> check_code(std::span<const isa::Word> words, isa::Address address, isa::Cpu cpu);
 
 }  // namespace toolchain

@@ -17,7 +17,7 @@ inline constexpr std::size_t relocation_v0 = 10, relocation_v12 = 12, line_entry
 
 // File flags.
 inline constexpr std::uint16_t no_relocations = 0x0001, executable = 0x0002, no_line_numbers = 0x0004;
-inline constexpr std::uint16_t c4x = 0x0010, little_endian = 0x0100;
+inline constexpr std::uint16_t c4x = 0x0010, little_endian = 0x0100;  // Without c4x it is the C3x's.
 
 // Section flags.
 inline constexpr std::uint32_t dsect = 0x01, noload = 0x02, copy = 0x10, text = 0x20, data = 0x40, bss = 0x80;

@@ -87,7 +87,9 @@ class CoffReader {
       if (target != target_id)
         fail(fmt::format("a COFF file for target {:04X}h, not for the C3x/C4x ({:04X}h)", target, target_id));
     }
-    object_.executable = (u16(18, "the flags") & executable) != 0;
+    const std::uint16_t flags = u16(18, "the flags");
+    object_.executable = (flags & executable) != 0;
+    object_.cpu = (flags & c4x) != 0 ? isa::Cpu::c40 : isa::Cpu::c3x;
     section_count_ = u16(2, "the number of sections");
     symbols_at_ = u32(8, "the symbol table's place");
     symbol_count_ = u32(12, "the number of symbols");
@@ -110,8 +112,9 @@ class CoffReader {
     section.table_of_copies = where != 0 && (flags & copy) != 0 && section.name == ".cinit";
     section.alignment = Address{1} << (flags >> alignment_shift & 15);
     section.blocked = (flags & block) != 0;
-    if (std::uint64_t{section.address} + section.size > std::uint64_t{1} << 32)
-      fail(fmt::format("section '{}' passes the end of the address space", section.name));
+    if (std::uint64_t{section.address} + section.size > isa::address_space(object_.cpu))
+      fail(fmt::format("section '{}' passes the end of the address space{}", section.name,
+                       object_.cpu == isa::Cpu::c3x ? " of the C3x, 0FFFFFFh" : ""));
     if ((section.loaded || section.table_of_copies) && section.size != 0) read_words(section, where);
     object_.sections.push_back(std::move(section));
   }

@@ -152,7 +152,7 @@ class CoffWriter {
     out_.u16(static_cast<std::uint32_t>(optional_size()));
     const bool lines = std::ranges::any_of(lines_, [](const auto& of) { return !of.empty(); });
     out_.u16((relocations ? 0U : no_relocations) | (object_.executable ? executable : 0U) |
-             (lines ? 0U : no_line_numbers) | c4x | little_endian);
+             (lines ? 0U : no_line_numbers) | (object_.cpu == isa::Cpu::c40 ? c4x : 0U) | little_endian);
     if (object_.version > 0) out_.u16(target_id);
     if (!object_.executable) return;
     out_.u16(optional_magic);
@@ -254,6 +254,7 @@ int section_of(const Image& image, Word value) {
 Object executable_of(const Image& image) {
   Object out;
   out.executable = true;
+  out.cpu = image.cpu;
   out.entry = image.entry;
   for (const Image::Section& section : image.sections) {
     ObjectSection& copy = out.sections.emplace_back();

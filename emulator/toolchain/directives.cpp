@@ -218,16 +218,20 @@ void Reader::directive_newblock(Statement& s) {
   new_block();
 }
 
-/// `.version 40`. Code of the C3x is told apart by branches and interrupt registers, so a warning is due.
+/// `.version 40`. Code of the C3x is told apart by branches and interrupt registers, so a warning is due where it is
+/// not what is made.
 void Reader::directive_version(Statement& s) {
   s.parser.skip_blanks();
   const std::size_t offset = s.parser.offset();
   const std::int64_t version = known_number(s.parser, "the processor's number");
   s.parser.expect_end();
-  if (version == 40 || version == 44) return;
-  if (version < 30 || version > 33)
-    throw LineError{offset, fmt::format("no processor has the number {}; 40 and 44 are known here", version)};
-  program_.warn(s.line, offset, "a program for the C3x; it is encoded for the C4x");
+  const bool is_c40 = version == 40 || version == 44;
+  if (!is_c40 && (version < 30 || version > 33))
+    throw LineError{offset, fmt::format("no processor has the number {}; 30 to 33, 40 and 44 are known here", version)};
+  if (is_c40 == (options_.cpu == isa::Cpu::c40)) return;
+  program_.warn(s.line, offset,
+                is_c40 ? "a program for the C4x; it is encoded for the C3x, as --cpu c3x asks"
+                       : "a program for the C3x; it is encoded for the C4x (--cpu c3x encodes for the C3x)");
 }
 
 /// `.dialect gnu`: of this file, and of those that it includes and that do not say it themselves.

@@ -35,8 +35,8 @@ isa::SymbolLookup lookup_in(const Labels& labels) {
 bool can_be_written(std::string_view name) {
   return !name.empty() && is_identifier_start(name[0]) && name[0] != '.' &&
          std::all_of(name.begin(), name.end(), is_identifier) && !isa::register_named(name) &&
-         !isa::expansion_named(name) && name.find_first_not_of('$') != std::string_view::npos &&
-         !(name.size() == 2 && name[0] == '$');
+         !isa::register_named(name, isa::Cpu::c3x) && !isa::expansion_named(name) &&
+         name.find_first_not_of('$') != std::string_view::npos && !(name.size() == 2 && name[0] == '$');
 }
 
 bool is_data(const Image::Section& section) {
@@ -49,14 +49,20 @@ void add_targets(const Image& image, Labels& labels) {
   for (const auto& section : image.sections) {
     if (is_data(section)) continue;
     for (Address i = 0; i < section.words.size(); ++i) {
-      const auto decoded = isa::decode(section.words[i]);
+      const auto decoded = isa::decode(section.words[i], image.cpu);
       const auto* instruction = std::get_if<isa::Instruction>(&decoded);
-      if (instruction == nullptr || !instruction->src1.is(isa::Operand::Kind::target)) continue;
-      const Address target = section.address + i + static_cast<Word>(instruction->src1.value);
+      if (instruction == nullptr) continue;
+      const bool relative = instruction->src1.is(isa::Operand::Kind::target);
+      if (!relative && !instruction->src1.is(isa::Operand::Kind::address)) continue;
+      const Address target = (relative ? section.address + i : 0) + static_cast<Word>(instruction->src1.value);
       for (const auto& other : image.sections)
         if (target - other.address < other.words.size()) labels.emplace(target, fmt::format("L{:X}", target));
     }
   }
+}
+
+std::string head(isa::Cpu cpu) {
+  return cpu == isa::Cpu::c40 ? std::string() : fmt::format("; cpu {}\n", isa::name(cpu));
 }
 
 }  // namespace
@@ -64,7 +70,7 @@ void add_targets(const Image& image, Labels& labels) {
 std::string disassembly(const Image& image) {
   const Labels labels = labels_of(image);
   const auto lookup = lookup_in(labels);
-  std::string out;
+  std::string out = head(image.cpu);
   for (const auto& section : image.sections) {
     fmt::format_to(std::back_inserter(out), "; section {}, {} words at {:08X}h{}\n", section.name, section.size,
                    section.address, section.loaded ? "" : ", reserved");
@@ -72,7 +78,7 @@ std::string disassembly(const Image& image) {
     for (const Word word : section.words) {
       if (const std::string label = lookup(address); !label.empty()) out += label + ":\n";
       fmt::format_to(std::back_inserter(out), "{:08X}  {:08X}  {}\n", address, word,
-                     isa::disassemble(word, address, lookup));
+                     isa::disassemble(word, address, lookup, image.cpu));
       ++address;
     }
   }
@@ -80,7 +86,7 @@ std::string disassembly(const Image& image) {
 }
 
 std::string disassembly(const Object& object) {
-  std::string out;
+  std::string out = head(object.cpu);
   for (std::size_t i = 0; i < object.sections.size(); ++i) {
     const ObjectSection& section = object.sections[i];
     Labels labels;
@@ -97,9 +103,11 @@ std::string disassembly(const Object& object) {
       if (const std::string label = lookup(address); !label.empty()) out += label + ":\n";
       const auto [first, last] = relocations.equal_range(at);
       // Where a branch that is relocated goes, its word does not say.
-      const bool settled = std::none_of(first, last, [](const auto& r) { return is_relative(r.second->type); });
+      const bool settled = std::none_of(first, last, [](const auto& r) {
+        return is_relative(r.second->type) || r.second->type == RelocationType::rel24;
+      });
       fmt::format_to(std::back_inserter(out), "{:08X}  {:08X}  {}", address, section.words[at],
-                     isa::disassemble(section.words[at], address, settled ? lookup : isa::SymbolLookup()));
+                     isa::disassemble(section.words[at], address, settled ? lookup : isa::SymbolLookup(), object.cpu));
       for (auto r = first; r != last; ++r) {
         const int symbol = r->second->symbol;
         fmt::format_to(std::back_inserter(out), "  ; {} {}", name(r->second->type),
@@ -118,6 +126,7 @@ std::string source_of(const Image& image) {
   add_targets(image, labels);
   const auto lookup = lookup_in(labels);
   std::string out = "; emulator asm FILE -o OUT";
+  if (image.cpu != isa::Cpu::c40) out += fmt::format(" --cpu {}", isa::name(image.cpu));
   for (const auto& section : image.sections) out += fmt::format(" --section {}={:#x}", section.name, section.address);
   out += '\n';
   for (const auto& section : image.sections) {
@@ -135,7 +144,7 @@ std::string source_of(const Image& image) {
       if (data)
         fmt::format_to(std::back_inserter(out), "\t.word\t{:#010x}\n", word);
       else
-        fmt::format_to(std::back_inserter(out), "\t{}\n", isa::disassemble(word, address, lookup));
+        fmt::format_to(std::back_inserter(out), "\t{}\n", isa::disassemble(word, address, lookup, image.cpu));
       ++address;
     }
   }

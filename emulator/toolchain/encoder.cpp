@@ -72,7 +72,8 @@ class Attempt : public OperandEncoder {
     }
     const unsigned mode = is_register(o) ? 0 : o.kind == Kind::direct ? 1 : o.kind == Kind::indirect ? 2 : 3;
     if ((row_.modes >> mode & 1) == 0 || (o.kind == Kind::expansion && mode != 0))
-      miss(Mismatch::kind, o.offset, fmt::format("{} is needed here, not {}", modes_text(row_.modes), kind_text(o)));
+      miss(Mismatch::kind, o.offset,
+           fmt::format("{} is needed here, not {}", modes_text(row_.modes), kind_text(o, context_.cpu)));
     put('g', mode);
     put('s', mode == 0   ? register_code(o, row_.source)
              : mode == 1 ? direct_field(o)
@@ -114,13 +115,16 @@ class Attempt : public OperandEncoder {
       case Format::three_type2: return three();
       case Format::branch_displacement:
       case Format::branch_register: need(1); return target(operand(0));
+      case Format::branch_absolute: need(1); return absolute_target(operand(0));
       case Format::decrement_displacement:
       case Format::decrement_register: return decrement();
       case Format::trap: {
         need(1);
         need_kind(operand(0), Kind::expression, "a trap number");
         const std::int64_t number = integer(operand(0));
-        return put('k', in_range(operand(0), number, fits_unsigned(number, 9), "a trap number is 0 to 511"));
+        const unsigned width = row_.bits.field('k').width;
+        return put('k', in_range(operand(0), number, fits_unsigned(number, width),
+                                 fmt::format("a trap number is 0 to {}", (1U << width) - 1)));
       }
       case Format::from_expansion:
         need(2);
@@ -174,6 +178,13 @@ class Attempt : public OperandEncoder {
     put('v', static_cast<Word>(distance));
   }
 
+  void absolute_target(const OperandSyntax& o) {
+    need_kind(o, Kind::expression, "a label or an address");
+    const std::int64_t place = address(o, value(o), RelocationType::rel24);
+    const bool fits = !relocations_.empty() || fits_unsigned(place, 24);
+    put('v', in_range(o, place, fits, "an address of the C3x is 0 to 0FFFFFFh"));
+  }
+
   void decrement() {
     need(2);
     need_kind(operand(0), Kind::reg, "AR0 to AR7");
@@ -188,7 +199,12 @@ class Attempt : public OperandEncoder {
   /// src2, src1[, dst]; with dst left out, src1 is the destination too.
   void three() {
     const bool writes = row_.has('d');
-    if (!(writes && operands().size() == 2)) need(writes ? 3 : 2);
+    const bool fills = row_.has('z') && operands().size() == 3 && operands().back().exact;
+    if (!(writes && operands().size() == 2)) need(writes || fills ? 3 : 2);
+    if (fills) {
+      const std::int64_t number = integer(operands().back());
+      put('z', in_range(operands().back(), number, fits_unsigned(number, 5), "=x is a field of 5 bits here"));
+    }
     if (writes) put('d', register_code(operands().back(), row_.destination));
     const OperandSyntax &src2 = operand(0), &src1 = operand(1);
     if (row_.format == Format::three_type1) return type1(src1, src2);
@@ -222,7 +238,7 @@ class Attempt : public OperandEncoder {
            o.kind == Kind::indirect
                ? "a three-operand instruction takes *+ARn(0..31), or any indirect form with a displacement of 1"
                : fmt::format("no encoding takes {} here; an immediate or *+ARn(x) can be the first operand only{}",
-                             kind_text(o),
+                             kind_text(o, context_.cpu),
                              row_.immediate == Immediate::none ? ", and float instructions take no immediate" : ""));
     const Word d = o.modn == isa::modn::plain ? 0 : static_cast<Word>(displacement(o));
     return d << 3 | (Word{isa::code(o.reg)} & 7);
@@ -328,14 +344,14 @@ class Attempt : public OperandEncoder {
 };
 
 /// LDP has no row of its own. TI's assembler makes LDPK of the address's page of it, or, for an address register, LDIU;
-/// GNU as LDIU to DP, and takes a number for the page itself.
+/// GNU as LDIU to DP, and takes a number for the page itself. For the C3x both make LDIU.
 Word encode_ldp(const HalfSyntax& half, const EncodeContext& context) {
   constexpr Word ldpk_word = 0x1F700000, ldiu_immediate = 0x50600000;
   const std::size_t count = half.operands.size();
   const bool names_register = count == 2 && half.operands[1].kind == Kind::reg;
   const isa::Register reg = names_register ? half.operands[1].reg : isa::Register::DP;
   const bool to_address_register = reg >= isa::Register::AR0 && reg <= isa::Register::AR7;
-  const bool is_ti = context.dialect == Dialect::ti;
+  const bool is_ti = context.dialect == Dialect::ti, is_c3x = context.cpu == isa::Cpu::c3x;
   if (count == 0 || count > 2 || (count == 2 && !names_register) ||
       (reg != isa::Register::DP && !(to_address_register && is_ti)))
     throw LineError{
@@ -343,12 +359,12 @@ Word encode_ldp(const HalfSyntax& half, const EncodeContext& context) {
         is_ti ? "'ldp' takes an address, and DP, AR0 to AR7 or nothing after it"
               : "'ldp' takes an address or a page, and DP or nothing after it (AR0 to AR7 with --dialect ti)"};
   const Word ldiu = ldiu_immediate | isa::code(reg) << 16;
-  const Candidate ldpk = candidates("ldpk").front();
+  const Candidate ldpk = candidates("ldpk", isa::Cpu::c40).front();
   try {
     const OperandEncoder encoder(ldpk, half, nullptr, context);
     const OperandSyntax& place = half.operands[0];
-    const Word word =
-        is_ti ? (to_address_register ? ldiu : ldpk_word) | encoder.page_of_address(place) : ldiu | encoder.page(place);
+    const Word word = (is_ti && !is_c3x && !to_address_register ? ldpk_word : ldiu) |
+                      (is_ti ? encoder.page_of_address(place) : encoder.page(place));
     encoder.note_relocations();
     return word;
   } catch (const Mismatch& mismatch) {
@@ -356,36 +372,68 @@ Word encode_ldp(const HalfSyntax& half, const EncodeContext& context) {
   }
 }
 
-[[noreturn]] void refuse_unknown(const HalfSyntax& first, const HalfSyntax* second) {
-  if (candidates(first.mnemonic).empty() && !is_parallel_name(first.mnemonic))
-    throw LineError{first.offset, fmt::format("no instruction, directive or macro is called '{}'{}", first.written,
-                                              suggestion(first.mnemonic))};
+[[noreturn]] void refuse_unknown_name(const HalfSyntax& half, std::string_view what, isa::Cpu cpu, int number) {
+  const std::string foreign = mnemonic_of_other(half.mnemonic, cpu);
+  if (!foreign.empty()) throw LineError{half.offset, foreign, number};
+  throw LineError{half.offset,
+                  fmt::format("no {} is called '{}'{}", what, half.written, suggestion(half.mnemonic, cpu)), number};
+}
+
+[[noreturn]] void refuse_unknown(const HalfSyntax& first, const HalfSyntax* second, isa::Cpu cpu) {
+  if (candidates(first.mnemonic, cpu).empty() && !is_parallel_name(first.mnemonic, cpu))
+    refuse_unknown_name(first, "instruction, directive or macro", cpu, 0);
   if (second == nullptr)
     throw LineError{first.offset, fmt::format("'{}' is half of a parallel instruction only", first.mnemonic)};
-  if (candidates(second->mnemonic).empty() && !is_parallel_name(second->mnemonic))
-    throw LineError{second->offset,
-                    fmt::format("no instruction is called '{}'{}", second->written, suggestion(second->mnemonic)), 1};
+  if (candidates(second->mnemonic, cpu).empty() && !is_parallel_name(second->mnemonic, cpu))
+    refuse_unknown_name(*second, "instruction", cpu, 1);
   throw LineError{second->offset, fmt::format("'{}' and '{}' cannot run in parallel", first.mnemonic, second->mnemonic),
                   1};
 }
 
+const std::vector<Candidate>& tries(const HalfSyntax& first, const HalfSyntax* second, isa::Cpu cpu) {
+  return second != nullptr ? pair_candidates(first.mnemonic, second->mnemonic, cpu) : candidates(first.mnemonic, cpu);
+}
+
+/// Whether the other processor has an instruction with these operands.
+bool other_takes(const HalfSyntax& first, const HalfSyntax* second, const EncodeContext& context) {
+  std::vector<FieldRelocation> relocations;
+  const std::function<void(const LineError&)> no_warning = [](const LineError&) {};
+  const isa::Cpu other = other_than(context.cpu);
+  const EncodeContext there{
+      context.pc,      context.symbols, no_warning, context.relocations != nullptr ? &relocations : nullptr,
+      context.section, context.dialect, other};
+  for (const Candidate& candidate : tries(first, second, other)) {
+    try {
+      Attempt(candidate, first, second, there).encode();
+      return true;
+    } catch (const Mismatch&) {
+      continue;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
-bool is_mnemonic(std::string_view name) { return name == "ldp" || !candidates(name).empty() || is_parallel_name(name); }
+bool is_mnemonic(std::string_view name, isa::Cpu cpu) {
+  return name == "ldp" || !candidates(name, cpu).empty() || is_parallel_name(name, cpu);
+}
 
 Word encode(const HalfSyntax& first, const HalfSyntax* second, const EncodeContext& context) {
   if (first.mnemonic == "ldp" && second == nullptr) return encode_ldp(first, context);
-  const auto& tries =
-      second != nullptr ? pair_candidates(first.mnemonic, second->mnemonic) : candidates(first.mnemonic);
-  if (tries.empty()) refuse_unknown(first, second);
+  const auto& rows = tries(first, second, context.cpu);
+  if (rows.empty()) refuse_unknown(first, second, context.cpu);
   std::optional<Mismatch> nearest;
-  for (const Candidate& candidate : tries) {
+  for (const Candidate& candidate : rows) {
     try {
       return Attempt(candidate, first, second, context).encode();
     } catch (Mismatch& mismatch) {
       if (!nearest || mismatch.rank > nearest->rank) nearest = std::move(mismatch);
     }
   }
+  if (other_takes(first, second, context))
+    nearest->error.message +=
+        fmt::format("; only the {} has '{}' with these operands", isa::title(other_than(context.cpu)), first.written);
   throw nearest->error;
 }
 

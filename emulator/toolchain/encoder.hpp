@@ -25,10 +25,11 @@ struct EncodeContext {
   std::vector<FieldRelocation>* relocations = nullptr;
   int section = Value::absolute;  ///< That the word lies in.
   Dialect dialect = Dialect::ti;
+  isa::Cpu cpu = isa::Cpu::c40;
 };
 
 /// Whether any instruction has this name (lower case).
-bool is_mnemonic(std::string_view name);
+bool is_mnemonic(std::string_view name, isa::Cpu cpu);
 
 /// `second` is the other half of a parallel instruction or null. Where several encodings fit, the first of: general
 /// addressing, three-operand type 1, type 2, operands of a commutative operation exchanged. Throws LineError.

@@ -47,8 +47,16 @@ std::optional<Address> find_address(std::string_view text, const Image* image) {
   return value && *value <= 0xFFFF'FFFF ? std::optional(static_cast<Address>(*value)) : std::nullopt;
 }
 
+void require_c40(const Image& image, std::string_view name) {
+  if (image.cpu == isa::Cpu::c40) return;
+  throw WrongProcessor(fmt::format(
+      "{}: a program of the TMS320{}; TMS320C40s are what runs here (asm, link and disasm do take the {}'s)", name,
+      isa::title(image.cpu), isa::title(image.cpu)));
+}
+
 std::string listing(const Image& image) {
   std::string out;
+  if (image.cpu != isa::Cpu::c40) out += fmt::format("cpu {}\n", isa::name(image.cpu));
   for (const std::string& dialect : image.dialects) out += fmt::format("dialect {}\n", dialect);
   for (const Image::Section& section : image.sections) {
     out += fmt::format("section {} at {:08x}h, {} words{}\n", section.name, section.address, section.size,

@@ -3,7 +3,9 @@
 #include <functional>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "isa/types.hpp"
@@ -33,6 +35,7 @@ struct Image {
     bool loaded = true;
   };
 
+  isa::Cpu cpu = isa::Cpu::c40;   ///< Whose instructions the words are.
   std::vector<Section> sections;  ///< Only those that are not empty.
   /// Labels and `.set` constants; those that are floats hold their TI single-precision word.
   std::map<std::string, Word, std::less<>> symbols;
@@ -50,6 +53,16 @@ struct Image {
   /// The word at an address of a loaded section, or null.
   Word* word_at(Address address);
 };
+
+/// A program of another processor than the one that runs here.
+class WrongProcessor : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
+/// What whoever puts a program on a chip, or makes an image to boot of it, asks first. `name` stands for it in the
+/// message. \throws WrongProcessor unless it is the C40's.
+void require_c40(const Image& image, std::string_view name = "the program");
 
 /// An address as a user writes it: a symbol of the image, if one is given, else 300000h, 0x300000 or a decimal number.
 std::optional<Address> find_address(std::string_view text, const Image* image);

@@ -36,15 +36,17 @@ class Linker {
   Linked link() {
     if (objects_.empty()) throw LinkError({"nothing to link"});
     pull_from_library();
+    check_processors();
     add_common();
     collect_sections();
     if (std::ranges::all_of(placement_.sections(), [](const OutputSection& section) { return section.size == 0; }))
       throw LinkError({fmt::format("{}: no section holds a word; a program has at least one", objects_.front().name)});
-    placement_.place(map_, errors_);
+    placement_.place(map_, cpu(), errors_);
     define_symbols();
     check_undefined();
     if (!errors_.empty()) throw LinkError(std::move(errors_));
     Linked out;
+    out.image.cpu = cpu();
     build(out.image);
     export_symbols(out.image);
     out.image.entry = entry(out.image);
@@ -87,6 +89,25 @@ class Linker {
     }
   }
 
+  /// The first that holds a word says whose the program is; one without a word is nobody's.
+  const Object& leader() const {
+    const auto found = std::ranges::find_if(objects_, holds_words);
+    return found == objects_.end() ? objects_.front() : *found;
+  }
+  static bool holds_words(const Object& object) {
+    return std::ranges::any_of(object.sections, [](const ObjectSection& section) { return section.size != 0; });
+  }
+  isa::Cpu cpu() const { return leader().cpu; }
+
+  void check_processors() const {
+    std::vector<std::string> errors;
+    for (const Object& object : objects_)
+      if (object.cpu != cpu() && holds_words(object))
+        errors.push_back(fmt::format("{}: is of the {}, and {} of the {}; all of a program are of one processor",
+                                     object.name, isa::title(object.cpu), leader().name, isa::title(cpu())));
+    if (!errors.empty()) throw LinkError(std::move(errors));
+  }
+
   /// Undefined symbols with a size that nobody defines get that many words of .bss.
   void add_common() {
     std::map<std::string, Word> wanted;
@@ -99,6 +120,7 @@ class Linker {
       }
     Object common;
     common.name = "common storage";
+    common.cpu = cpu();
     ObjectSection bss;
     bss.name = ".bss";
     bss.loaded = false;

@@ -7,6 +7,7 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "toolchain/parser.hpp"
@@ -14,6 +15,7 @@
 namespace toolchain {
 namespace {
 
+using isa::Cpu;
 using isa::Format;
 using isa::Operation;
 using isa::Row;
@@ -42,8 +44,8 @@ bool condition_may_be_omitted(const Row& row) {
 
 class Catalogue {
  public:
-  Catalogue() {
-    for (const Row& row : isa::rows()) {
+  explicit Catalogue(Cpu cpu) {
+    for (const Row& row : isa::rows(cpu)) {
       if (row.parallel())
         add_parallel(row);
       else if (row.conditional())
@@ -128,31 +130,82 @@ class Catalogue {
   std::set<std::string, std::less<>> halves_;
 };
 
-const Catalogue& catalogue() {
-  static const Catalogue instance;
-  return instance;
+const Catalogue& catalogue(Cpu cpu) {
+  static const Catalogue c40(Cpu::c40), c3x(Cpu::c3x);
+  return cpu == Cpu::c40 ? c40 : c3x;
+}
+
+using Counterpart = std::pair<std::string_view, std::string_view>;
+
+std::string_view counterpart(std::span<const Counterpart> pairs, std::string_view name) {
+  for (const auto& [one, other] : pairs)
+    if (one == name) return other;
+  return {};
+}
+
+// What a processor has in place of a register or an instruction of the other one.
+constexpr std::array<Counterpart, 3> registers_of_c40{
+    {{"ie", "IIE, and DIE for the DMA"}, {"if", "IIF"}, {"iof", "IIF"}}};
+constexpr std::array<Counterpart, 5> registers_of_c3x{{{"die", "IE"},
+                                                       {"iie", "IE"},
+                                                       {"iif", "IF and IOF"},
+                                                       {"ivtp", "its interrupt vectors at a fixed place"},
+                                                       {"tvtp", "its trap vectors at a fixed place"}}};
+constexpr std::array<Counterpart, 2> mnemonics_of_c40{{{"lopower", "IDLE2"}, {"maxspeed", "no slower clock to leave"}}};
+constexpr std::array<Counterpart, 13> mnemonics_of_c3x{{{"lda", "LDI"},
+                                                        {"ldpk", "LDP"},
+                                                        {"ldhi", "LDI, LSH and OR"},
+                                                        {"stik", "STI of a register"},
+                                                        {"laj", "CALL"},
+                                                        {"lat", "TRAP"},
+                                                        {"rptbd", "RPTB"},
+                                                        {"retid", "RETI"},
+                                                        {"ldep", "no expansion registers"},
+                                                        {"ldpe", "no expansion registers"},
+                                                        {"sigi", "SIGI without operands"},
+                                                        {"mpyshi", "MPYI of 24 bits"},
+                                                        {"mpyuhi", "MPYI of 24 bits"}}};
+
+std::string belongs_to_other(std::string_view name, std::string_view what, Cpu cpu, std::string_view instead) {
+  const Cpu other = other_than(cpu);
+  return fmt::format("{} is {} of the {}; the {} has {}{}", name, what, isa::title(other), isa::title(cpu),
+                     instead.empty() ? "none like it" : instead,
+                     cpu == Cpu::c40 ? " (--cpu c3x assembles for the C3x)" : "");
 }
 
 }  // namespace
 
-const std::vector<Candidate>& candidates(std::string_view name) { return catalogue().find(std::string(name)); }
+Cpu other_than(Cpu cpu) { return cpu == Cpu::c40 ? Cpu::c3x : Cpu::c40; }
 
-const std::vector<Candidate>& pair_candidates(std::string_view first, std::string_view second) {
-  return catalogue().find(fmt::format("{}||{}", first, second));
+const std::vector<Candidate>& candidates(std::string_view name, Cpu cpu) {
+  return catalogue(cpu).find(std::string(name));
 }
 
-bool is_parallel_name(std::string_view name) { return catalogue().is_half(name); }
-
-std::string c3x_register(std::string_view name) {
-  static constexpr std::array<std::pair<std::string_view, std::string_view>, 3> names{
-      {{"ie", "IIE, and DIE for the DMA"}, {"if", "IIF"}, {"iof", "IIF"}}};
-  for (const auto& [c3x, c40] : names)
-    if (lower(name) == c3x) return fmt::format(": {} is a register of the C3x; the C40 has {}", name, c40);
-  return {};
+const std::vector<Candidate>& pair_candidates(std::string_view first, std::string_view second, Cpu cpu) {
+  return catalogue(cpu).find(fmt::format("{}||{}", first, second));
 }
 
-std::string suggestion(std::string_view name) {
-  const std::string nearest = catalogue().nearest(name);
+bool is_parallel_name(std::string_view name, Cpu cpu) { return catalogue(cpu).is_half(name); }
+
+std::string register_of_other(std::string_view name, Cpu cpu) {
+  const auto found = isa::register_named(name, other_than(cpu));
+  const bool expansion = cpu == Cpu::c3x && isa::expansion_named(name);
+  if ((!found && !expansion) || isa::register_named(name, cpu)) return {};
+  const auto pairs =
+      cpu == Cpu::c40 ? std::span<const Counterpart>(registers_of_c40) : std::span<const Counterpart>(registers_of_c3x);
+  const std::string_view instead = counterpart(pairs, lower(name));
+  return ": " + belongs_to_other(name, "a register", cpu, instead.empty() ? "R0 to R7" : instead);
+}
+
+std::string mnemonic_of_other(std::string_view name, Cpu cpu) {
+  if (candidates(name, other_than(cpu)).empty() && !is_parallel_name(name, other_than(cpu))) return {};
+  const auto pairs =
+      cpu == Cpu::c40 ? std::span<const Counterpart>(mnemonics_of_c40) : std::span<const Counterpart>(mnemonics_of_c3x);
+  return belongs_to_other(fmt::format("'{}'", name), "an instruction", cpu, counterpart(pairs, lower(name)));
+}
+
+std::string suggestion(std::string_view name, Cpu cpu) {
+  const std::string nearest = catalogue(cpu).nearest(name);
   return nearest.empty() ? std::string() : fmt::format("; did you mean '{}'?", nearest);
 }
 

@@ -15,15 +15,19 @@ struct Candidate {
   bool exchanged = false;  ///< The halves are written in the other order than the row has them.
 };
 
+isa::Cpu other_than(isa::Cpu cpu);
+
 /// Rows that a name can stand for, in order of preference; empty if there is none.
-const std::vector<Candidate>& candidates(std::string_view name);
+const std::vector<Candidate>& candidates(std::string_view name, isa::Cpu cpu);
 /// The same for two parallel halves.
-const std::vector<Candidate>& pair_candidates(std::string_view first, std::string_view second);
+const std::vector<Candidate>& pair_candidates(std::string_view first, std::string_view second, isa::Cpu cpu);
 /// Whether the name occurs as a half of a parallel instruction.
-bool is_parallel_name(std::string_view name);
+bool is_parallel_name(std::string_view name, isa::Cpu cpu);
 /// ": IE is a register of the C3x; the C40 has IIE ...", or nothing.
-std::string c3x_register(std::string_view name);
+std::string register_of_other(std::string_view name, isa::Cpu cpu);
+/// "'lda' is an instruction of the C40; the C3x has LDI", or nothing.
+std::string mnemonic_of_other(std::string_view name, isa::Cpu cpu);
 /// "; did you mean 'addi'?" or nothing.
-std::string suggestion(std::string_view name);
+std::string suggestion(std::string_view name, isa::Cpu cpu);
 
 }  // namespace toolchain

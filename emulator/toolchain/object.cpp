@@ -74,6 +74,7 @@ bool is_relative(RelocationType type) { return type == RelocationType::pcrword |
 
 Image image_of(const Object& executable) {
   Image image;
+  image.cpu = executable.cpu;
   image.entry = executable.entry;
   image.files = executable.files;
   for (const ObjectSection& section : executable.sections) {

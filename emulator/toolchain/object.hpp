@@ -69,6 +69,7 @@ struct ObjectSection {
 struct Object {
   std::string name;  ///< Stands for the file in messages.
   int version = 2;
+  isa::Cpu cpu = isa::Cpu::c40;
   bool executable = false;
   Address entry = 0;
   std::vector<ObjectSection> sections;

@@ -21,9 +21,9 @@ bool gnu_takes_signed(isa::Operation operation) {
 
 }  // namespace
 
-std::string kind_text(const OperandSyntax& operand) {
+std::string kind_text(const OperandSyntax& operand, isa::Cpu cpu) {
   switch (operand.kind) {
-    case Kind::reg: return fmt::format("the register {}", isa::name(operand.reg));
+    case Kind::reg: return fmt::format("the register {}", isa::name(operand.reg, cpu));
     case Kind::expansion: return fmt::format("the expansion register {}", isa::name(operand.expansion));
     case Kind::direct: return "a direct address";
     case Kind::indirect: return "an indirect address";
@@ -67,7 +67,8 @@ void OperandEncoder::need_kind(const OperandSyntax& o, Kind kind, std::string_vi
   if (o.kind == kind) return;
   const bool named = kind == Kind::reg && o.kind == Kind::expression && o.expression->kind == Expression::Kind::symbol;
   miss(Mismatch::kind, o.offset,
-       fmt::format("{} is needed here, not {}{}", wanted, kind_text(o), named ? c3x_register(o.expression->name) : ""));
+       fmt::format("{} is needed here, not {}{}", wanted, kind_text(o, context_.cpu),
+                   named ? register_of_other(o.expression->name, context_.cpu) : ""));
 }
 
 // Values
@@ -114,7 +115,9 @@ Word OperandEncoder::register_code(const OperandSyntax& o, OperandClass allowed)
   }
   need_kind(o, Kind::reg, "a register");
   if (allowed == OperandClass::floating && !isa::is_extended(o.reg))
-    miss(Mismatch::contents, o.offset, fmt::format("{} holds no float; only R0 to R11 do", isa::name(o.reg)));
+    miss(Mismatch::contents, o.offset,
+         fmt::format("{} holds no float; only R0 to {} do", isa::name(o.reg, context_.cpu),
+                     context_.cpu == isa::Cpu::c40 ? "R11" : "R7"));
   if (allowed == OperandClass::lda && !isa::is_lda_destination(o.reg))
     miss(Mismatch::contents, o.offset,
          fmt::format("LDA loads AR0-AR7, DP, IR0, IR1, BK and SP, not {}", isa::name(o.reg)));
@@ -125,7 +128,7 @@ Word OperandEncoder::low_register(const OperandSyntax& o) const {
   need_kind(o, Kind::reg, "a register");
   if (isa::code(o.reg) > 7)
     miss(Mismatch::contents, o.offset,
-         fmt::format("parallel instructions reach R0 to R7 only, not {}", isa::name(o.reg)));
+         fmt::format("parallel instructions reach R0 to R7 only, not {}", isa::name(o.reg, context_.cpu)));
   return isa::code(o.reg);
 }
 
@@ -180,7 +183,9 @@ Word OperandEncoder::immediate(const OperandSyntax& o) const {
     return static_cast<Word>(number) & 0xFFFF;  // with an LSH before it
   if (!v.is_absolute() && !fits_signed(number, 16))
     miss(Mismatch::contents, o.offset,
-         "an address has 32 bits; load it with LDHI hi16(x),reg and OR lo16(x),reg, or from a .word");
+         context_.cpu == isa::Cpu::c40
+             ? "an address has 32 bits; load it with LDHI hi16(x),reg and OR lo16(x),reg, or from a .word"
+             : "an address has 24 bits; load it from a .word, or with LDI hi16(x),reg, LSH 16,reg and OR lo16(x),reg");
   const bool sign_too = gnu_takes_signed(row_.operation);
   if (row_.immediate == Immediate::zero)
     return in_range(o, number, fits_unsigned(number, 16) || (sign_too && fits_signed(number, 16)), "0 to 65535");
@@ -196,14 +201,24 @@ Word OperandEncoder::short_float(const OperandSyntax& o, const Value& v) const {
   return *bits;
 }
 
+/// Of the C3x's DP eight bits count.
+Word OperandEncoder::page_that_exists(const OperandSyntax& o, std::int64_t page) const {
+  if (context_.cpu == isa::Cpu::c40) return static_cast<Word>(page);
+  return in_range(o, page, fits_unsigned(page, 8), "a page of the C3x is 0 to 255, that of an address up to 0FFFFFFh");
+}
+
 Word OperandEncoder::page(const OperandSyntax& o) const {
-  const auto page_of = [&](const Value& v) { return static_cast<Word>(address(o, v, RelocationType::partms16)) >> 16; };
+  const auto page_of = [&](const Value& v) {
+    return page_that_exists(o, static_cast<Word>(address(o, v, RelocationType::partms16)) >> 16);
+  };
   if (o.kind == Kind::direct) return page_of(value(o));
   need_kind(o, Kind::expression, "a page number or @address");
   const Value v = value(o);
   if (!v.is_real() && !v.is_absolute()) return page_of(v);
   const std::int64_t number = integer(o, v);
-  return in_range(o, number, fits_unsigned(number, 16), "a page is 0 to 65535; @x takes the page of the address x");
+  const Word page =
+      in_range(o, number, fits_unsigned(number, 16), "a page is 0 to 65535; @x takes the page of the address x");
+  return page_that_exists(o, page);
 }
 
 Word OperandEncoder::page_of_address(const OperandSyntax& o) const {
@@ -213,14 +228,14 @@ Word OperandEncoder::page_of_address(const OperandSyntax& o) const {
     miss(Mismatch::contents, o.offset, "a whole address is needed here; 'ldpk' takes half of one");
   const std::int64_t number = address(o, v, RelocationType::partms16);
   in_range(o, number, fits_unsigned(number, 32), "an address is 0 to 0FFFFFFFFh");
-  const Word page = static_cast<Word>(number) >> 16;
+  const Word page = page_that_exists(o, static_cast<Word>(number) >> 16);
   if (o.kind == Kind::expression && v.is_absolute() && number > 0 && number <= 0xFFFF)
-    context_.on_warning(
-        {o.offset,
-         fmt::format(
-             "'ldp' takes an address: {0:X}h is in page 0. It was page {0:X}h before: 'ldpk {0}' is, or --dialect gnu",
-             number),
-         half_});
+    context_.on_warning({o.offset,
+                         fmt::format("'ldp' takes an address: {:X}h is in page 0. ", number) +
+                             (context_.cpu == isa::Cpu::c40
+                                  ? fmt::format("It was page {0:X}h before: 'ldpk {0}' is, or --dialect gnu", number)
+                                  : fmt::format("Page {0:X}h is what 'ldiu {0},dp' loads", number)),
+                         half_});
   return page;
 }
 

@@ -17,7 +17,8 @@ struct Mismatch {
   LineError error;
 };
 
-std::string kind_text(const OperandSyntax& operand);  ///< "the register r0", "a number or label"...
+/// "the register r0", "a number or label"...
+std::string kind_text(const OperandSyntax& operand, isa::Cpu cpu);
 bool fits_signed(std::int64_t value, unsigned bits);
 bool fits_unsigned(std::int64_t value, unsigned bits);
 
@@ -74,6 +75,7 @@ class OperandEncoder {
 
  private:
   Word short_float(const OperandSyntax& operand, const Value& value) const;
+  Word page_that_exists(const OperandSyntax& operand, std::int64_t page) const;
 
   std::array<const HalfSyntax*, 2> halves_{};
   bool exchanged_;

@@ -7,10 +7,14 @@
 namespace toolchain {
 
 std::optional<isa::Register> Parser::register_called(std::string_view name) const {
-  if (const auto found = isa::register_named(name)) return found;
+  if (const auto found = isa::register_named(name, context_.cpu)) return found;
   if (context_.registers == nullptr) return std::nullopt;
   const auto alias = context_.registers->find(name);
   return alias == context_.registers->end() ? std::nullopt : std::optional(alias->second);
+}
+
+std::optional<isa::Expansion> Parser::expansion_called(std::string_view name) const {
+  return context_.cpu == isa::Cpu::c40 ? isa::expansion_named(name) : std::nullopt;
 }
 
 std::optional<isa::Register> Parser::lone_register() {
@@ -72,7 +76,7 @@ OperandSyntax Parser::operand() {
     out.reg = *found;
     return out;
   }
-  if (const auto found = isa::expansion_named(identifier())) {
+  if (const auto found = expansion_called(identifier())) {
     out.kind = OperandSyntax::Kind::expansion;
     out.expansion = *found;
     return out;

@@ -252,7 +252,7 @@ Expression Parser::primary_expression() {
     throw LineError{at, fmt::format("a number, a symbol or '(' expected, not {}", found)};
   }
   if (peek() == '(') return call(lower(name), at);
-  if (register_called(name) || isa::expansion_named(name))
+  if (register_called(name) || expansion_called(name))
     throw LineError{at, fmt::format("the register {} cannot be part of an expression", name)};
   return Expression{Expression::Kind::symbol, {}, std::move(name), {}, at};
 }

@@ -43,6 +43,7 @@ struct ParseContext {
   const RegisterNames* registers = nullptr;
   Dialect dialect = Dialect::ti;
   std::vector<LineError>* warnings = nullptr;  ///< Of what has a meaning, perhaps another than it was meant to have.
+  isa::Cpu cpu = isa::Cpu::c40;
 };
 
 bool is_identifier_start(char c);
@@ -98,6 +99,7 @@ class Parser {
   bool accept_half_of_address(char mark);
   OperandSyntax indirect();
   std::optional<isa::Register> register_called(std::string_view name) const;
+  std::optional<isa::Expansion> expansion_called(std::string_view name) const;
   std::optional<isa::Register> accept_register();
 
   std::string_view text_;

@@ -50,7 +50,8 @@ const OutputSection* Placement::find(std::string_view name) const { return const
 
 Address Placement::address_of(OutputSection::Source source) const { return addresses_.at(source); }
 
-void Placement::place(const MemoryMap& map, std::vector<std::string>& errors) {
+void Placement::place(const MemoryMap& map, isa::Cpu cpu, std::vector<std::string>& errors) {
+  cpu_ = cpu;
   for (const auto& wanted : map.sections) {
     if (find(wanted.section) == nullptr && wanted.size != 0) sections_.push_back({.name = wanted.section, .parts = {}});
     OutputSection* section = find(wanted.section);
@@ -83,14 +84,19 @@ void Placement::place(const MemoryMap& map, std::vector<std::string>& errors) {
     for (const auto& part : section.parts) addresses_[part.source] = section.address + part.offset;
 }
 
+void Placement::check_end(const OutputSection& section, std::vector<std::string>& errors) const {
+  if (std::uint64_t{section.address} + section.size > isa::address_space(cpu_))
+    errors.push_back(fmt::format("section {} passes the end of the address space{}", extent(section),
+                                 cpu_ == isa::Cpu::c3x ? " of the C3x, 0FFFFFFh" : ""));
+}
+
 void Placement::put(OutputSection& section, Address address, const MemoryMap::Memory* memory,
                     std::vector<std::string>& errors) {
   section.address = address;
   const std::uint64_t end = std::uint64_t{address} + section.size;
   if (address % section.alignment != 0)
     errors.push_back(fmt::format("section {} must be aligned to {} words", extent(section), section.alignment));
-  if (end > address_space)
-    errors.push_back(fmt::format("section {} passes the end of the address space", extent(section)));
+  check_end(section, errors);
   if (memory != nullptr && (address < memory->origin || end > memory->origin + memory->length))
     errors.push_back(fmt::format("section {} does not lie in the memory '{}' ({} words at {:08X}h)", extent(section),
                                  memory->name, memory->length, memory->origin));
@@ -123,6 +129,7 @@ void Placement::put_in(OutputSection& section, const MemoryMap::Memory& memory, 
                     section.name, section.size, memory.name, memory.length, memory.origin, at < end ? end - at : 0));
     return;  // Nothing else is moved out of the way for it.
   }
+  check_end(section, errors);
   placed_.push_back(&section);
 }
 

@@ -38,7 +38,7 @@ class Placement {
 
   /// Settles the addresses: sections with an address in the map first, then those of the map in its order, then .text,
   /// .data, other loaded ones, .bss, other reserved ones, each at the first place of its memory that is free.
-  void place(const MemoryMap& map, std::vector<std::string>& errors);
+  void place(const MemoryMap& map, isa::Cpu cpu, std::vector<std::string>& errors);
 
   const std::vector<OutputSection>& sections() const { return sections_; }  ///< By rising address once placed.
   OutputSection* find(std::string_view name);
@@ -47,10 +47,12 @@ class Placement {
 
  private:
   void put(OutputSection& section, Address address, const MemoryMap::Memory* memory, std::vector<std::string>& errors);
+  void check_end(const OutputSection& section, std::vector<std::string>& errors) const;
   void put_in(OutputSection& section, const MemoryMap::Memory& memory, std::vector<std::string>& errors);
 
   std::vector<OutputSection> sections_;
   std::vector<const OutputSection*> placed_;
+  isa::Cpu cpu_ = isa::Cpu::c40;
   std::map<OutputSection::Source, Address> addresses_;
 };
 

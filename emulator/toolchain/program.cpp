@@ -27,14 +27,18 @@ std::string as_written(const std::string& name) {
   return mark == std::string::npos ? name : name.substr(0, name[0] == '$' ? mark : mark + 1);
 }
 
-/// TI's symbols for the processor and the memory model, in any case (SPRU035 as quoted by GNU as).
-std::optional<std::int64_t> predefined(const std::string& name) {
+/// TI's symbols for the processor and the memory model, in any case (SPRU035 as quoted by GNU as). For the C3x they are
+/// those of -v30.
+std::optional<std::int64_t> predefined(const std::string& name, isa::Cpu cpu) {
+  static const std::map<std::string_view, std::int64_t> c3x{
+      {".tms320xx", 30}, {".tms320c40", 0}, {".c4x", 0}, {".c40", 0}, {".tms320c30", 1}, {".c3x", 1}, {".c30", 1}};
   static const std::map<std::string_view, std::int64_t> symbols{
       {".tms320xx", 40}, {".tms320c40", 1}, {".c4x", 1},       {".c40", 1},       {".tms320c44", 0},
       {".c44", 0},       {".tms320c30", 0}, {".tms320c31", 0}, {".tms320c32", 0}, {".tms320c33", 0},
       {".tmx320c40", 0}, {".c3x", 0},       {".c30", 0},       {".c31", 0},       {".c32", 0},
       {".c33", 0},       {".regparm", 0},   {".memparm", 1},   {".bigmodel", 0},  {".c30interrupt", 0}};
   if (name.empty() || name[0] != '.') return std::nullopt;
+  if (const auto other = c3x.find(lower(name)); cpu == isa::Cpu::c3x && other != c3x.end()) return other->second;
   const auto found = symbols.find(lower(name));
   return found == symbols.end() ? std::nullopt : std::optional(found->second);
 }
@@ -169,14 +173,18 @@ Value Program::reserve(int section_number, Address words, Address alignment, std
   return place;
 }
 
-bool Program::is_defined(const std::string& name) const { return symbols_.contains(name) || predefined(name); }
+bool Program::is_defined(const std::string& name) const {
+  return symbols_.contains(name) || predefined(name, options_.cpu);
+}
 
 Value Program::value_of(const std::string& name, std::size_t offset) const {
   const auto found = symbols_.find(name);
   if (found == symbols_.end()) {
-    if (const auto value = predefined(name)) return Value::of(*value);
+    if (const auto value = predefined(name, options_.cpu)) return Value::of(*value);
   }
-  if (found == symbols_.end() && relocatable_ && (globals_.contains(name) || undefined_external_)) {
+  // A register of the other processor is no other object's symbol, unless it is declared.
+  const bool external = undefined_external_ && register_of_other(name, options_.cpu).empty();
+  if (found == symbols_.end() && relocatable_ && (globals_.contains(name) || external)) {
     const auto external = std::find(externals_.begin(), externals_.end(), name);
     const auto number = static_cast<int>(external - externals_.begin());
     if (external == externals_.end()) externals_.push_back(name);
@@ -187,7 +195,7 @@ Value Program::value_of(const std::string& name, std::size_t offset) const {
                     fmt::format("undefined symbol '{}'{}", as_written(name),
                                 globals_.contains(name)
                                     ? ", which another object is to define (emulator asm --object, emulator link)"
-                                    : c3x_register(name))};
+                                    : register_of_other(name, options_.cpu))};
   const Symbol& symbol = found->second;
   if (const auto* value = std::get_if<Value>(&symbol.meaning)) return *value;
   if (symbol.busy) throw LineError{offset, fmt::format("'{}' is defined in terms of itself", name)};
@@ -231,9 +239,9 @@ void Program::check_overlaps(const std::vector<Section*>& order, std::vector<Dia
   };
   for (std::size_t i = 0; i < order.size(); ++i) {
     const Section& a = *order[i];
-    if (std::uint64_t{a.address} + a.size > std::uint64_t{1} << 32)
-      complain(a, fmt::format("the section '{}' ({} words at {:x}h) passes the end of the address space", a.name,
-                              a.size, a.address));
+    if (std::uint64_t{a.address} + a.size > isa::address_space(options_.cpu))
+      complain(a, fmt::format("the section '{}' ({} words at {:x}h) passes the end of the address space{}", a.name,
+                              a.size, a.address, options_.cpu == isa::Cpu::c3x ? " of the C3x, 0FFFFFFh" : ""));
     for (std::size_t k = i + 1; k < order.size(); ++k) {
       const Section& b = *order[k];
       if (a.size == 0 || b.size == 0 || a.address - b.address >= b.size) {
@@ -286,6 +294,7 @@ Address Program::entry_point(const Image& image, std::vector<Diagnostic>& diagno
 
 Image Program::finish(std::vector<Diagnostic>& diagnostics) {
   Image image;
+  image.cpu = options_.cpu;
   image.warnings = warnings_;
   image.dialects = dialects_;
   image.files_read = files_read_;

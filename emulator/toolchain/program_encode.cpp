@@ -82,7 +82,8 @@ std::vector<Word> Program::encode_item(const Section& section, const Item& item,
                                   warn,
                                   relocations != nullptr ? &fields : nullptr,
                                   static_cast<int>(&section - sections_.data()),
-                                  instruction->dialect};
+                                  instruction->dialect,
+                                  options_.cpu};
       words.push_back(encode(instruction->first, instruction->second ? &*instruction->second : nullptr, context));
       for (const FieldRelocation& field : fields) relocations->push_back({item.offset, field});
     } catch (const LineError& error) {
@@ -128,7 +129,8 @@ Word Program::plain_word(const Expression& expression, const Value& value, Addre
 /// Warns about instructions that stand where they do not work.
 void Program::check_run(std::span<const Item> items, const Image::Section& section, Image& image) {
   if (items.empty()) return;
-  for (const Finding& finding : check_code(std::span(section.words).subspan(items.front().offset, items.size()))) {
+  const auto words = std::span(section.words).subspan(items.front().offset, items.size());
+  for (const Finding& finding : check_code(words, section.address + items.front().offset, image.cpu)) {
     const SourceLine& line = *items[finding.index].line;
     const auto first = line.text.find_first_not_of(" \t");
     image.warnings.push_back(

@@ -22,6 +22,7 @@ Object Program::finish_object(Image& listed, std::vector<Diagnostic>& diagnostic
   listed.dialects = dialects_;
   listed.files_read = files_read_;
   Object object;
+  object.cpu = listed.cpu = options_.cpu;
   std::vector<int> numbers(sections_.size(), -1);  // In the object.
   std::vector<WordRelocations> relocations(sections_.size());
   for (std::size_t i = 0; i < sections_.size(); ++i) {

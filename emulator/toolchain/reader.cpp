@@ -46,8 +46,13 @@ Reader::Reader(Program& program, const Options& options, std::vector<Diagnostic>
 }
 
 ParseContext Reader::context() const {
-  return {program_.here(),  fmt::format("?{}", local_scope_), fmt::format("?{}", block_), &registers_, reading_.dialect,
-          &parser_warnings_};
+  return {program_.here(),
+          fmt::format("?{}", local_scope_),
+          fmt::format("?{}", block_),
+          &registers_,
+          reading_.dialect,
+          &parser_warnings_,
+          options_.cpu};
 }
 
 /// Ends the scope of $0 to $9 and, outside macros, of names ending in '?'.
@@ -167,8 +172,8 @@ Reader::Statement Reader::take_apart(const SourceLinePtr& line) const {
 
 /// Whether the word names an instruction, a directive or a macro.
 bool Reader::is_operation(std::string_view word) const {
-  return !word.empty() &&
-         (word[0] == '.' || is_mnemonic(lower(word)) || macros_.contains(word) || is_undotted_set(lower(word)));
+  return !word.empty() && (word[0] == '.' || is_mnemonic(lower(word), options_.cpu) || macros_.contains(word) ||
+                           is_undotted_set(lower(word)));
 }
 
 bool Reader::collect(const SourceLinePtr& line) {
@@ -267,7 +272,7 @@ SourceLinePtr Reader::substituted(const SourceLinePtr& line) {
   } else if (operation == ".var" || operation == ".unasg") {
     return line;
   }
-  text = replace_functions(text, {parameters_, &substitutes_});
+  text = replace_functions(text, {parameters_, &substitutes_, options_.cpu});
   if (parameters_ != nullptr) text = substitute(text, *parameters_, false);
   text = substitute(text, substitutes_, true) + kept;
   return text == line->text ? line : with_text(line, std::move(text));

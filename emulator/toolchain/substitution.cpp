@@ -135,7 +135,7 @@ class Functions {
     if (name == "$ismember") return take_member(arguments[0], arguments[1]);
     if (name == "$iscons") return !a.empty() && std::isdigit(static_cast<unsigned char>(a[0])) != 0 ? 1 : 0;
     if (name == "$isname") return !a.empty() && is_identifier_start(a[0]) ? 1 : 0;
-    if (name == "$isreg") return isa::register_named(a) ? 1 : 0;
+    if (name == "$isreg") return isa::register_named(a, symbols_.cpu) ? 1 : 0;
     return std::nullopt;
   }
 

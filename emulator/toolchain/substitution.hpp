@@ -4,6 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "isa/types.hpp"
+
 namespace toolchain {
 
 using Substitutes = std::map<std::string, std::string, std::less<>>;
@@ -17,6 +19,7 @@ std::string substitute(const std::string& text, const Substitutes& symbols, bool
 struct SubstituteScopes {
   Substitutes* parameters = nullptr;
   Substitutes* globals = nullptr;
+  isa::Cpu cpu = isa::Cpu::c40;  ///< Whose registers $isreg knows.
 
   const std::string* find(std::string_view name) const;
   /// Where an assignment to this name goes.

@@ -10,6 +10,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::uint8_t choice = input.byte();
   toolchain::Options options;
   if ((choice & 1) != 0) options.dialect = toolchain::Dialect::gnu;
+  if ((choice & 4) != 0) options.cpu = isa::Cpu::c3x;
   if ((choice & 2) != 0) {
     toolchain::AssembledObject assembled;
     if (!fuzz::done<toolchain::AssemblyError>(
@@ -28,6 +29,7 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::vector<std::byte> written;
   if (!fuzz::done<std::runtime_error>([&] { written = toolchain::coff_bytes(image); })) return 0;
   const toolchain::Image again = toolchain::read_coff(written, "written");
+  fuzz::expect(again.cpu == image.cpu, "the processor changes when a program is written and read");
   fuzz::expect(again.entry == image.entry, "the entry changes when a program is written and read");
   fuzz::expect(again.sections.size() == image.sections.size(), "sections change when a program is written and read");
   for (std::size_t n = 0; n < again.sections.size(); ++n)

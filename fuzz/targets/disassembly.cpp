@@ -1,4 +1,4 @@
-// Any words, as text that assembles to the same words.
+// Any words, as text of either processor that assembles to the same words.
 #include "toolchain/disassembly.hpp"
 #include "fuzz/target.hpp"
 #include "toolchain/assembler.hpp"
@@ -14,11 +14,14 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   text.size = static_cast<toolchain::Address>(text.words.size());
   image.entry = text.address;
   image.sections.push_back(text);
-  toolchain::disassembly(image);
   toolchain::Options options;
   options.dialect = toolchain::Dialect::ti;
-  const toolchain::Image again = toolchain::assemble_text(toolchain::source_of(image), "disassembled", options);
-  fuzz::expect(again.sections.size() == 1 && again.sections[0].words == text.words,
-               "the source has other words than the program");
+  for (const isa::Cpu cpu : {isa::Cpu::c40, isa::Cpu::c3x}) {
+    image.cpu = options.cpu = cpu;
+    toolchain::disassembly(image);
+    const toolchain::Image again = toolchain::assemble_text(toolchain::source_of(image), "disassembled", options);
+    fuzz::expect(again.sections.size() == 1 && again.sections[0].words == text.words,
+                 "the source has other words than the program");
+  }
   return 0;
 }

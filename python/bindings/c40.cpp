@@ -111,8 +111,10 @@ class Processor : public c40::PeripheralSink {
   Processor(const std::string& board, bool checks) : Processor(machine::read_board(board), checks) {}
   Processor(machine::BoardDescription described, bool checks)
       : board(machine::configuration_of(described.board)),
+        surroundings(described.board),
         chip(std::move(described.board)),
-        devices(described.devices) {
+        devices(described.devices),
+        ignored(described.ignored) {
     for (const machine::DeviceDescription& device : described.devices)
       board += fmt::format("device {} {:X} {} {} {}\n", machine::name(device.kind), device.base, device.words,
                            device.waits, device.value);
@@ -128,8 +130,15 @@ class Processor : public c40::PeripheralSink {
 
   void load_words(c40::Address address, const std::vector<Word>& words) { chip.write_block(address, words); }
   void load_image(const toolchain::Image& image) {
-    for (const auto& section : image.sections)
-      if (section.loaded) chip.write_block(section.address, section.words);
+    toolchain::require_c40(image);
+    for (const auto& section : image.sections) {
+      if (!section.loaded) continue;
+      try {
+        chip.write_block(section.address, section.words);
+      } catch (const std::out_of_range&) {
+        throw std::out_of_range(machine::no_ram_for(surroundings, section.name, section.address, section.size));
+      }
+    }
     chip.set_pc(image.entry);
   }
   py::dict run(Cycles max_cycles, std::optional<c40::Address> until) {
@@ -199,13 +208,16 @@ class Processor : public c40::PeripheralSink {
   }
 
   std::string board;  ///< what has to be the same for a state to fit
+  c40::Board surroundings;
   c40::Chip chip;
   machine::BoardDevices devices;
+  machine::IgnoredAccesses ignored;
   std::string console;  ///< what its consoles have sent
   py::list changes;     ///< of its LEDs
   /// The chip, and what stands around it.
   void list_state(state::Visitor& list) {
     chip.list_state(list);
+    if (!ignored.empty()) list("ignored", ignored);
     if (devices.empty()) return;
     list("devices", devices);
     list("console", console);
@@ -222,7 +234,8 @@ class Processor : public c40::PeripheralSink {
       c40::StopInfo stop;
       do stop = chip.run_until(std::min(limit, chip.cycle() + slice));
       while (((stop.reason == c40::StopInfo::Reason::limit && chip.cycle() < limit) ||
-              (stop.reason == c40::StopInfo::Reason::external_access && machine::serve(devices, chip, stop.access))) &&
+              (stop.reason == c40::StopInfo::Reason::external_access &&
+               (machine::serve(devices, chip, stop.access) || ignored.serve(chip, stop.access)))) &&
              !io::stop_asked());
       return stop;
     });
@@ -292,6 +305,8 @@ void bind_processor(py::module_& m) {
   processor.def(py::init<const std::string&, bool>(), py::arg("board") = "default", py::arg("checks") = false)
       .def("diagnostics", &Processor::diagnostics, "Rules that the program broke, with checks on.")
       .def("load_words", &Processor::load_words, py::arg("address"), py::arg("words"))
+      .def_property_readonly("reserved_accesses", [](const Processor& p) { return reserved_accesses(p.ignored); })
+      .def("leave_to_devices", [](Processor& p, c40::Address base, Word words) { p.ignored.leave({base, words}); })
       .def("load_image", &Processor::load_image, "Loads the sections of an image and sets the PC to its entry.")
       .def(
           "type", [](Processor& p, const std::string& text) { p.devices.type(text); }, py::arg("text"),

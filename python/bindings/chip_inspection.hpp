@@ -9,6 +9,7 @@
 #include "c40/float40.hpp"
 #include "c40/peripherals/register_map.hpp"
 #include "c40/snapshot.hpp"
+#include "machine/board_reserved.hpp"
 #include "python/bindings/bindings.hpp"
 #include "state/archive.hpp"
 
@@ -28,6 +29,18 @@ inline py::dict causes_of(const c40::Causes& causes) {
   py::dict out;
   for (std::size_t i = 0; i < c40::cause_count; ++i)
     out[py::str(std::string(c40::name(static_cast<c40::Cause>(i))))] = causes[i];
+  return out;
+}
+
+/// A dict for each address that a board has nothing at and that was accessed nevertheless.
+inline py::list reserved_accesses(const machine::IgnoredAccesses& ignored) {
+  py::list out;
+  for (const auto& note : ignored.notes())
+    out.append(py::dict(
+        py::arg("address") = note.address, py::arg("reads") = note.reads, py::arg("writes") = note.writes,
+        py::arg("first") = note.write ? "write" : "read", py::arg("value") = note.value, py::arg("pc") = note.pc,
+        py::arg("cycle") = note.cycle,
+        py::arg("dma_channel") = note.channel < 0 ? py::object(py::none()) : py::object(py::int_(note.channel))));
   return out;
 }
 

@@ -8,6 +8,7 @@
 #include "isa/hazards.hpp"
 #include "isa/table.hpp"
 #include "python/bindings/bindings.hpp"
+#include "python/bindings/cpu.hpp"
 
 namespace {
 
@@ -22,6 +23,7 @@ const char* kind_name(isa::Operand::Kind kind) {
     case Kind::immediate_float: return "immediate_float";
     case Kind::expansion: return "expansion";
     case Kind::target: return "target";
+    case Kind::address: return "address";
     case Kind::trap: return "trap";
   }
   return "";
@@ -46,12 +48,12 @@ const char* flag_class_name(isa::FlagClass flags) {
   return "";
 }
 
-py::object operand_dict(const isa::Operand& operand) {
+py::object operand_dict(const isa::Operand& operand, isa::Cpu cpu) {
   using Kind = isa::Operand::Kind;
   if (operand.is(Kind::none)) return py::none();
   py::dict out;
   out["kind"] = kind_name(operand.kind);
-  if (operand.is(Kind::reg) || operand.is(Kind::indirect)) out["register"] = std::string(isa::name(operand.reg));
+  if (operand.is(Kind::reg) || operand.is(Kind::indirect)) out["register"] = std::string(isa::name(operand.reg, cpu));
   if (operand.is(Kind::indirect)) out["modn"] = operand.modn;
   if (!operand.is(Kind::reg)) out["value"] = operand.value;
   return out;
@@ -78,38 +80,39 @@ py::dict hazards_dict(const isa::Instruction& instruction) {
   return out;
 }
 
-py::object decode_dict(isa::Word word) {
-  const isa::Decoded decoded = isa::decode(word);
+py::object decode_dict(isa::Word word, const std::string& processor) {
+  const isa::Cpu cpu = cpu_called(processor);
+  const isa::Decoded decoded = isa::decode(word, cpu);
   const auto* instruction = std::get_if<isa::Instruction>(&decoded);
   if (instruction == nullptr) return py::none();
   py::dict out;
   out["word"] = word;
-  out["row"] = instruction->row - isa::rows().data();
+  out["row"] = instruction->row - isa::rows(cpu).data();
   out["mnemonic"] = std::string(instruction->row->mnemonic);
   out["mnemonic2"] = std::string(instruction->row->mnemonic2);
   out["operation"] = std::string(isa::name(instruction->row->operation));
   out["operation2"] = std::string(isa::name(instruction->row->operation2));
   out["condition"] = std::string(isa::name(instruction->condition));
-  out["src1"] = operand_dict(instruction->src1);
-  out["src2"] = operand_dict(instruction->src2);
-  out["dst"] = operand_dict(instruction->dst);
-  out["src3"] = operand_dict(instruction->src3);
-  out["src4"] = operand_dict(instruction->src4);
-  out["dst2"] = operand_dict(instruction->dst2);
+  out["src1"] = operand_dict(instruction->src1, cpu);
+  out["src2"] = operand_dict(instruction->src2, cpu);
+  out["dst"] = operand_dict(instruction->dst, cpu);
+  out["src3"] = operand_dict(instruction->src3, cpu);
+  out["src4"] = operand_dict(instruction->src4, cpu);
+  out["dst2"] = operand_dict(instruction->dst2, cpu);
   out["hazards"] = hazards_dict(*instruction);
   return out;
 }
 
-py::object reserved_reason(isa::Word word) {
-  const isa::Decoded decoded = isa::decode(word);
+py::object reserved_reason(isa::Word word, const std::string& cpu) {
+  const isa::Decoded decoded = isa::decode(word, cpu_called(cpu));
   if (const auto* reserved = std::get_if<isa::Reserved>(&decoded))
     return py::str(std::string(isa::describe(reserved->reason)));
   return py::none();
 }
 
-py::list row_dicts() {
+py::list row_dicts(const std::string& cpu) {
   py::list out;
-  for (const isa::Row& row : isa::rows()) {
+  for (const isa::Row& row : isa::rows(cpu_called(cpu))) {
     py::dict entry;
     entry["picture"] = std::string(row.picture);
     entry["mask"] = row.bits.mask;
@@ -143,19 +146,19 @@ std::uint64_t count_instructions(isa::Word first, std::uint64_t count, isa::Word
 
 void bind_isa(py::module_& core) {
   py::module_ m = core.def_submodule("isa", "The instruction table of the TMS320C4x: decoding, disassembly, metadata.");
-  m.def("decode", &decode_dict, py::arg("word"),
+  m.def("decode", &decode_dict, py::arg("word"), py::arg("cpu") = "c40",
         "The word's operation and operands as a dict, or None if the word is reserved.");
-  m.def("reserved_reason", &reserved_reason, py::arg("word"),
+  m.def("reserved_reason", &reserved_reason, py::arg("word"), py::arg("cpu") = "c40",
         "Why the word is reserved, or None if it is an instruction.");
   m.def(
       "disassemble",
-      [](isa::Word word, isa::Address pc, const isa::SymbolLookup& symbols) {
-        return isa::disassemble(word, pc, symbols);
+      [](isa::Word word, isa::Address pc, const isa::SymbolLookup& symbols, const std::string& cpu) {
+        return isa::disassemble(word, pc, symbols, cpu_called(cpu));
       },
-      py::arg("word"), py::arg("pc") = 0, py::arg("symbols") = isa::SymbolLookup(),
+      py::arg("word"), py::arg("pc") = 0, py::arg("symbols") = isa::SymbolLookup(), py::arg("cpu") = "c40",
       "Text that assembles at address pc to the same word; symbols(address) may name branch targets ('' if it has no "
       "name).");
-  m.def("rows", &row_dicts, "The instruction table, one dict per encoding.");
+  m.def("rows", &row_dicts, py::arg("cpu") = "c40", "The instruction table, one dict per encoding.");
   m.def("count_instructions", &count_instructions, py::arg("first"), py::arg("count"), py::arg("step") = 1,
         "How many of `count` words from `first` on, `step` apart, are instructions.");
 }

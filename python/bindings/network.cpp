@@ -121,6 +121,8 @@ void bind_network(py::module_& core) {
       .def_property_readonly("status",
                              [](const ChipOf& c) { return std::string(machine::name(c.network->status(c.number))); })
       .def_property_readonly("message", [](const ChipOf& c) { return c.network->describe(c.number); })
+      .def_property_readonly("reserved_accesses",
+                             [](const ChipOf& c) { return reserved_accesses(c.network->ignored(c.number)); })
       .def_property_readonly("waits_for", [](const ChipOf& c) { return c.network->waits_for(c.number); })
       .def_property_readonly("hertz", [](const ChipOf& c) { return c.network->clock(c.number).hertz(); });
   bind_inspection(chip, [](const ChipOf& c) -> c40::Chip& { return c.network->chip(c.number); });

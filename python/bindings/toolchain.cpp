@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "python/bindings/cpu.hpp"
 #include "python/bindings/ctrl_c.hpp"
 #include "toolchain/assembler.hpp"
 #include "toolchain/coff.hpp"
@@ -44,8 +45,9 @@ void raise_assembly_error(const py::handle& type, const toolchain::AssemblyError
 toolchain::Options make_options(std::vector<std::filesystem::path> include_dirs,
                                 std::map<std::string, toolchain::Word> symbols,
                                 const std::map<std::string, toolchain::Address>& sections, std::string entry,
-                                const std::optional<std::string>& dialect) {
+                                const std::optional<std::string>& dialect, const std::string& cpu) {
   toolchain::Options options;
+  options.cpu = cpu_called(cpu);
   if (dialect) {
     options.dialect = toolchain::dialect_named(*dialect);
     if (!options.dialect) throw py::value_error("dialect: \"" + *dialect + "\" is none; \"ti\" and \"gnu\" are");
@@ -73,6 +75,8 @@ void bind_image(py::module_& m) {
       .def_readonly("sections", &Image::sections)
       .def_readonly("symbols", &Image::symbols, "Labels and constants by name, as 32-bit words.")
       .def_readonly("entry", &Image::entry)
+      .def_property_readonly(
+          "cpu", [](const Image& image) { return std::string(isa::name(image.cpu)); }, "`c40` or `c3x`.")
       .def_readonly("files", &Image::files)
       .def_readonly("lines", &Image::lines)
       .def_property_readonly("warnings",
@@ -109,6 +113,7 @@ void bind_object(py::module_& m) {
   py::class_<Object>(m, "Object", "A COFF file taken apart.")
       .def_readonly("name", &Object::name)
       .def_readonly("version", &Object::version)
+      .def_property_readonly("cpu", [](const Object& object) { return std::string(isa::name(object.cpu)); })
       .def_readonly("executable", &Object::executable)
       .def_readonly("sections", &Object::sections)
       .def_readonly("symbols", &Object::symbols);
@@ -149,39 +154,41 @@ void bind_toolchain(py::module_& core) {
       "assemble",
       [](const std::string& text, const std::string& name, std::vector<std::filesystem::path> include_dirs,
          std::map<std::string, toolchain::Word> symbols, const std::map<std::string, toolchain::Address>& sections,
-         std::string entry, const std::optional<std::string>& dialect) {
+         std::string entry, const std::optional<std::string>& dialect, const std::string& cpu) {
         const auto options =
-            make_options(std::move(include_dirs), std::move(symbols), sections, std::move(entry), dialect);
+            make_options(std::move(include_dirs), std::move(symbols), sections, std::move(entry), dialect, cpu);
         return interruptible_without_gil([&] { return toolchain::assemble_text(text, name, options); });
       },
       py::arg("text"), py::arg("name") = "<text>", py::arg("include_dirs") = std::vector<std::filesystem::path>(),
       py::arg("symbols") = std::map<std::string, toolchain::Word>(),
       py::arg("sections") = std::map<std::string, toolchain::Address>(), py::arg("entry") = "",
-      py::arg("dialect") = py::none(),
+      py::arg("dialect") = py::none(), py::arg("cpu") = "c40",
       "Assembles a text (docs/assembler.md). Raises AssemblyError with all errors; its `diagnostics` is a list of "
       "dicts.");
   m.def(
       "assemble_file",
       [](const std::filesystem::path& path, std::vector<std::filesystem::path> include_dirs,
          std::map<std::string, toolchain::Word> symbols, const std::map<std::string, toolchain::Address>& sections,
-         std::string entry, const std::optional<std::string>& dialect) {
+         std::string entry, const std::optional<std::string>& dialect, const std::string& cpu) {
         const auto options =
-            make_options(std::move(include_dirs), std::move(symbols), sections, std::move(entry), dialect);
+            make_options(std::move(include_dirs), std::move(symbols), sections, std::move(entry), dialect, cpu);
         return interruptible_without_gil([&] { return toolchain::assemble_file(path, options); });
       },
       py::arg("path"), py::arg("include_dirs") = std::vector<std::filesystem::path>(),
       py::arg("symbols") = std::map<std::string, toolchain::Word>(),
       py::arg("sections") = std::map<std::string, toolchain::Address>(), py::arg("entry") = "",
-      py::arg("dialect") = py::none(), "Assembles a file. Raises AssemblyError with all errors.");
+      py::arg("dialect") = py::none(), py::arg("cpu") = "c40",
+      "Assembles a file. Raises AssemblyError with all errors.");
   m.def(
       "assemble_object",
       [](const std::string& text, const std::string& name, std::vector<std::filesystem::path> include_dirs,
-         const std::optional<std::string>& dialect) {
-        const auto options = make_options(std::move(include_dirs), {}, {}, {}, dialect);
+         const std::optional<std::string>& dialect, const std::string& cpu) {
+        const auto options = make_options(std::move(include_dirs), {}, {}, {}, dialect, cpu);
         return interruptible_without_gil([&] { return toolchain::assemble_object_text(text, name, options).object; });
       },
       py::arg("text"), py::arg("name") = "<text>", py::arg("include_dirs") = std::vector<std::filesystem::path>(),
-      py::arg("dialect") = py::none(), "Assembles a text to a relocatable object. Raises AssemblyError.");
+      py::arg("dialect") = py::none(), py::arg("cpu") = "c40",
+      "Assembles a text to a relocatable object. Raises AssemblyError.");
   m.def(
       "link",
       [](std::vector<toolchain::Object> objects, std::vector<toolchain::Object> library, const std::string& map) {

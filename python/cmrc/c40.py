@@ -36,6 +36,7 @@ REGISTERS = (
 """Names of all registers. R0 to R11 are 40 bits wide, all others 32."""
 
 A_WORD = "a 32-bit word (0 to FFFFFFFFh)"
+A_CPU = '"c40" or "c3x"'
 
 INTERRUPT_PINS = ("IIOF0", "IIOF1", "IIOF2", "IIOF3")
 INTERRUPT_FLAGS = {"TINT0": 24, **{f"DMAINT{channel}": 25 + channel for channel in range(6)}, "TINT1": 31}
@@ -43,8 +44,8 @@ INTERRUPT_FLAGS = {"TINT0": 24, **{f"DMAINT{channel}": 25 + channel for channel 
 
 
 def _options(
-    include_dirs: object, symbols: object, sections: object, entry: object, dialect: object
-) -> tuple[list[Path], dict[str, int], dict[str, int], str, str | None]:
+    include_dirs: object, symbols: object, sections: object, entry: object, dialect: object, cpu: object
+) -> tuple[list[Path], dict[str, int], dict[str, int], str, str | None, str]:
     """What ``assemble`` takes besides the source."""
     folders: list[Path] = [arguments.path(f"include_dirs[{n}]", folder, "a folder") for n, folder in enumerate(arguments.items("include_dirs", include_dirs, "a list of folders"))]
 
@@ -53,7 +54,8 @@ def _options(
         return {key: arguments.whole(f"{name}[{key!r}]", value, f"a {right} (0 to FFFFFFFFh)") for key, value in found.items()}
 
     way = None if dialect is None else arguments.text("dialect", dialect, '"ti" or "gnu"')
-    return folders, words("symbols", symbols, "number"), words("sections", sections, "32-bit address"), arguments.text("entry", entry, "the name of a symbol"), way
+    start = arguments.text("entry", entry, "the name of a symbol")
+    return folders, words("symbols", symbols, "number"), words("sections", sections, "32-bit address"), start, way, arguments.text("cpu", cpu, A_CPU)
 
 
 def assemble(
@@ -65,14 +67,16 @@ def assemble(
     sections: Mapping[str, int] | None = None,
     entry: str = "",
     dialect: str | None = None,
+    cpu: str = "c40",
 ) -> Program:
     """Assembles a text in TI's syntax (docs/assembler.md).
 
     ``symbols`` are predefined constants, ``sections`` places sections at addresses (``.text`` stands at 300000h unless said), ``entry`` names the symbol to
-    start at, ``dialect`` (``ti``, ``gnu``) how files are read that do not say it. Raises AssemblyError; ValueError for another dialect.
+    start at, ``dialect`` (``ti``, ``gnu``) how files are read that do not say it, ``cpu`` (``c40``, ``c3x``) the processor; a C3x's program can be written and
+    disassembled, but no ``Processor`` runs it. Raises AssemblyError; ValueError for another dialect or processor.
     """
     source = arguments.text("text", text, "the source as a text (assemble_file takes a path)")
-    return _core.toolchain.assemble(source, arguments.text("name", name), *_options(include_dirs, symbols, sections, entry, dialect))
+    return _core.toolchain.assemble(source, arguments.text("name", name), *_options(include_dirs, symbols, sections, entry, dialect, cpu))
 
 
 def assemble_file(
@@ -83,9 +87,10 @@ def assemble_file(
     sections: Mapping[str, int] | None = None,
     entry: str = "",
     dialect: str | None = None,
+    cpu: str = "c40",
 ) -> Program:
     """Assembles a file; see ``assemble``. Included files are looked for beside it first. Raises AssemblyError."""
-    return _core.toolchain.assemble_file(arguments.path("path", path), *_options(include_dirs, symbols, sections, entry, dialect))
+    return _core.toolchain.assemble_file(arguments.path("path", path), *_options(include_dirs, symbols, sections, entry, dialect, cpu))
 
 
 def read_coff(path: Path) -> Program:
@@ -99,16 +104,18 @@ def write_coff(program: Program, path: Path) -> None:
 
 
 @overload
-def disassemble(words: int, pc: int = 0) -> str: ...
+def disassemble(words: int, pc: int = 0, *, cpu: str = "c40") -> str: ...
 @overload
-def disassemble(words: Sequence[int], pc: int = 0) -> list[str]: ...
-def disassemble(words: int | Sequence[int], pc: int = 0) -> str | list[str]:
-    """The instruction of a word, or of each word from address ``pc`` on. Reserved words give ``.word``."""
+def disassemble(words: Sequence[int], pc: int = 0, *, cpu: str = "c40") -> list[str]: ...
+def disassemble(words: int | Sequence[int], pc: int = 0, *, cpu: str = "c40") -> str | list[str]:
+    """The instruction of a word, or of each word from address ``pc`` on, as the processor ``cpu`` (``c40``, ``c3x``) reads it. Reserved words give ``.word``."""
+    processor = arguments.text("cpu", cpu, A_CPU)
     at = arguments.whole("pc", pc, "an address (0 to FFFFFFFFh)")
     if isinstance(words, numbers.Integral):
-        return str(_core.isa.disassemble(arguments.whole("words", words, A_WORD), at))
+        return str(_core.isa.disassemble(arguments.whole("words", words, A_WORD), at, cpu=processor))
     all_words = arguments.items("words", words, "a word or a list of words")
-    return [str(_core.isa.disassemble(arguments.whole(f"words[{i}]", word, A_WORD), at + i & 0xFFFF_FFFF)) for i, word in enumerate(all_words)]
+    checked = [arguments.whole(f"words[{i}]", word, A_WORD) for i, word in enumerate(all_words)]
+    return [str(_core.isa.disassemble(word, at + i & 0xFFFF_FFFF, cpu=processor)) for i, word in enumerate(checked)]
 
 
 @dataclass(frozen=True)
@@ -319,6 +326,22 @@ class ChipState:
         return dict(self._core.causes)
 
 
+class AccessesToNothing:
+    """What a chip on a board with ``reserved = "ignore"`` has accessed where no memory is."""
+
+    _core: Any
+
+    @property
+    def reserved_accesses(self) -> list[dict[str, Any]]:
+        """Accesses to addresses without memory, of a board whose file says ``reserved = "ignore"``: one dict for each
+        address (of the first thousand), in the order of the first access.
+
+        ``address``, ``reads``, ``writes`` (how many), and of the first: ``first`` (``read``, ``write``), ``value``,
+        ``pc``, ``cycle``, ``dma_channel`` (None: the processor).
+        """
+        return [dict(note) for note in self._core.reserved_accesses]
+
+
 class Device(Protocol):
     """What stands behind a window of a board: a class of your own. ``waits``, if it has that, are cycles that each access waits."""
 
@@ -346,7 +369,7 @@ def _device_places(devices: Mapping[int, Device]) -> list[tuple[int, Device]]:
     return places
 
 
-class Processor(ChipState):
+class Processor(ChipState, AccessesToNothing):
     """One TMS320C40 with memory around it: board ``default`` (the CMRC board's map), ``flat`` (zero-wait RAM everywhere, and the chip's own registers), or a TOML file's path.
 
     ``boots_from`` is the address of the memory that the pins choose for the boot ROM: ``load_rom``, then ``boot``.
@@ -365,6 +388,8 @@ class Processor(ChipState):
             raise ValueError("checks: not with boots_from; a processor without a boot ROM has them")
         else:
             core = _core.c40.Processor.bootable(place, arguments.whole("boots_from", boots_from, "a word address", 0, 2**32 - 1))
+        for base, device in self._devices:
+            core.leave_to_devices(base, device.words)
         super().__init__(core, None)
         self._board, self._boots_from = place, boots_from
         if program is not None:
@@ -524,6 +549,7 @@ def _stop(core: Mapping[str, Any]) -> Stop:
 
 __all__ = [
     "REGISTERS",
+    "AccessesToNothing",
     "AssemblyError",
     "ChipSnapshot",
     "ChipState",

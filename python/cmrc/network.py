@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Any, overload
 
 from cmrc import _core, arguments, snapshots
-from cmrc.c40 import ChipState, Path, Program, assemble_file, read_coff
+from cmrc.c40 import AccessesToNothing, ChipState, Path, Program, assemble_file, read_coff
 from cmrc.debug import Debugger
 from cmrc.snapshots import ChipSnapshot, SnapshotError
 
@@ -89,7 +89,7 @@ class SharedMemory:
     waits: int = 0
 
 
-class Chip(ChipState):
+class Chip(ChipState, AccessesToNothing):
     """One chip of a network: what can be seen of it, and how it stands."""
 
     def __init__(self, core: Any, program: Program, number: int) -> None:

@@ -126,9 +126,10 @@ bool is_three_operand(u32 word) {
   if (op > 18) return false;
   const bool is_float = op == 1 || op == 6 || op == 9 || op == 13, compares = op == 6 || op == 7 || op == 15;
   const Registers registers = is_float ? Registers::extended : Registers::any;
-  if (compares ? dst != 0 : !may_be(registers, dst)) return false;
-  const auto is_register = [&](u32 byte) { return byte < 32 && may_be(registers, byte); };
   const bool type2 = bits(word, 28, 1) != 0;
+  // Nobody reads where compares of type 2 have no destination (docs/fidelity.md).
+  if (compares ? dst != 0 && !type2 : !may_be(registers, dst)) return false;
+  const auto is_register = [&](u32 byte) { return byte < 32 && may_be(registers, byte); };
   if (type2) return (t >= 2 || is_register(src1)) && (t % 2 == 1 || !is_float);
   return (t % 2 == 1 ? is_short_indirect(src1) : is_register(src1)) &&
          (t >= 2 ? is_short_indirect(src2) : is_register(src2));

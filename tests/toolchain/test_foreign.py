@@ -7,7 +7,7 @@ import sys
 import pytest
 from locations import ROOT
 
-ASSEMBLED = {"helios": (151, 154), "cps": (53, 119)}
+ASSEMBLED = {"helios": (151, 154), "cps": (73, 119)}
 
 
 @pytest.mark.parametrize("name", sorted(ASSEMBLED))

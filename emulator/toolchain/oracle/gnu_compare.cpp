@@ -79,6 +79,7 @@ std::string in_gnu_style(const Instruction& instruction, const std::string& ours
       in_mnemonic = true;
       continue;
     }
+    if (row.has('z') && ours.compare(i, 2, ",=") == 0) break;
     if (c == '=') continue;
     if (c == '@') {
       const Operand& direct = instruction.src1.is(Operand::Kind::direct)   ? instruction.src1

@@ -1,0 +1,13 @@
+#pragma once
+// Processors by their names in Python.
+#include <string>
+
+#include "isa/types.hpp"
+#include "python/bindings/bindings.hpp"
+
+/// \throws py::value_error for another name.
+inline isa::Cpu cpu_called(const std::string& name) {
+  const auto found = isa::cpu_named(name);
+  if (!found) throw py::value_error("cpu: \"" + name + "\" is none; \"c40\" and \"c3x\" are");
+  return *found;
+}
