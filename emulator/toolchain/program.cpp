@@ -183,8 +183,8 @@ Value Program::value_of(const std::string& name, std::size_t offset) const {
     if (const auto value = predefined(name, options_.cpu)) return Value::of(*value);
   }
   // A register of the other processor is no other object's symbol, unless it is declared.
-  const bool external = undefined_external_ && register_of_other(name, options_.cpu).empty();
-  if (found == symbols_.end() && relocatable_ && (globals_.contains(name) || external)) {
+  const bool taken_as_external = undefined_external_ && register_of_other(name, options_.cpu).empty();
+  if (found == symbols_.end() && relocatable_ && (globals_.contains(name) || taken_as_external)) {
     const auto external = std::find(externals_.begin(), externals_.end(), name);
     const auto number = static_cast<int>(external - externals_.begin());
     if (external == externals_.end()) externals_.push_back(name);

@@ -19,7 +19,7 @@ struct Check {
       return false;
     });
     const cmrc::Config config = cli::build_config(options);
-    if (options.trace_window) cli::parse_window(*options.trace_window);
+    if (options.trace_window) cli::parse_window("--trace-window", *options.trace_window);
     const std::string printed = cmrc::to_toml(config);
     fuzz::expect(cmrc::to_toml(cmrc::ConfigBuilder().text(printed, "printed").build()) == printed,
                  "a printed configuration is read as another");
