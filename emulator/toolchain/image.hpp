@@ -31,6 +31,7 @@ struct Image {
     std::vector<Word>
         words;  ///< `size` words if the section is loaded, none if it is only reserved memory (.bss, .usect).
     bool loaded = true;
+    bool initial_values = false;  ///< A record of .cinit that the loader works off (RAM model): of the table before it.
   };
 
   std::vector<Section> sections;  ///< Only those that are not empty.
