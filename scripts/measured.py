@@ -136,6 +136,25 @@ def convolved_row(pixels: int = 500) -> Row:
     return Row(chip.cycles, pixels, list(chip.memory.read_floats(result, pixels)), expected)
 
 
+# ---- the DMA
+
+
+def dma_cycles(source: int, destination: int, words: int) -> int:
+    """From the start of channel 0 until the last word is there; the processor does nothing beside."""
+    chip = c40.Processor(c40.assemble("        .text\nwait:   idle\n        b wait\n"))
+    chip.run(20)
+    for offset in range(words):
+        chip.memory[source + offset] = offset + 1
+    control = 3 << 22 | 1 << 2  # start, and stop at the end
+    for register, value in enumerate((0, source, 1, words, destination, 1)):
+        chip.memory[0x1000A0 + register] = value
+    before = chip.cycles
+    chip.memory[0x1000A0] = control
+    while chip.memory[destination + words - 1] != words:
+        chip.run(1)
+    return chip.cycles - before
+
+
 # ---- inverse dynamics
 
 
