@@ -100,7 +100,7 @@ def libgcc(source: Path, compiler: Compiler, flags: str, folder: Path) -> list[P
     out = []
     for name in sorted(set(re.findall(r"^#ifdef L(_\w+)", source.read_text(encoding="latin-1"), re.MULTILINE))):
         text, made = folder / f"{name}.s", folder / f"{name}.o"
-        run(compiler.cccp, "-P", "-lang-asm", "-D_TMS320C4x", f"-DL{name}", source, text)
+        run(compiler.cccp, "-lang-asm", "-D_TMS320C4x", f"-DL{name}", source, text)
         run(EMULATOR, "asm", "-c", "--dialect", "gnu", "-D", f".REGPARM={0 if '-mmemparm' in flags else 1}", text, "-o", made)
         out.append(made)
     return out
