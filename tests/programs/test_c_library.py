@@ -195,6 +195,17 @@ def test_heap_gives_blocks_that_do_not_overlap_and_takes_them_back(library: Libr
     assert library.call("_malloc", size - 1) & 0xFFFF_FFFF == begin + 1  # one block again
 
 
+@pytest.mark.parametrize("words", [0, 1, 2, 77])
+def test_memory_is_set_and_copied_to_the_word(library: Library, words: int) -> None:
+    chip, source, target = library.chip, 0x340000, 0x350000
+    chip.memory[source : source + 80] = [7 * n + 1 for n in range(80)]
+    chip.memory[target : target + 80] = [0xABCD] * 80
+    assert library.call("_memcpy", target, source, words) & 0xFFFF_FFFF == target
+    assert chip.memory[target : target + 80] == [7 * n + 1 if n < words else 0xABCD for n in range(80)]
+    assert library.call("_memset", target, -3, words) & 0xFFFF_FFFF == target
+    assert chip.memory[target : target + 80] == [0xFFFFFFFD if n < words else 0xABCD for n in range(80)]
+
+
 PROGRAM = """
         .ref _puts, _putchar, _malloc, _exit
         .global _main, _given, _cleared

@@ -68,7 +68,7 @@ static char *decimal(char *to, int value)
 int main(void)
 {
     static const int values[] = {0, 7, -7, 1000000, -2147483647 - 1, 2147483647};
-    int i;
+    int cleared[40] = {0}, i, sum = 0;
 
     make_table();
     number("crc", crc("123456789"));
@@ -78,5 +78,8 @@ int main(void)
         putchar(i == 5 ? '\n' : ' ');
     }
     number("table", crc_table[255]);
+    for (i = 0; i < 40; i++)
+        sum += cleared[i] + i;
+    number("cleared", (unsigned)sum);
     return 0;
 }
