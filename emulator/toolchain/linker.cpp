@@ -205,6 +205,12 @@ class Linker {
       else
         image.sections.push_back(std::move(out));
     }
+    if (!map_.loader_sets_values) return;
+    try {
+      check_overlaps(image, linked_program);  // Initial values may be meant for anywhere.
+    } catch (const CoffError& error) {
+      complain(error.what());
+    }
   }
 
   /// The table itself stays as a section that reserves nothing but its name and size.
@@ -215,7 +221,7 @@ class Linker {
     const std::string name = table.name;
     image.sections.push_back(std::move(table));
     try {
-      add_initial_values(image, name, records, "the linked program");
+      add_initial_values(image, name, records, linked_program);
     } catch (const CoffError& error) {
       complain(error.what());
     }
@@ -344,6 +350,7 @@ class Linker {
   }
 
   static constexpr std::size_t most_errors = 1000;
+  static constexpr const char* linked_program = "the linked program";
 
   std::vector<Object> objects_;
   std::vector<Object> library_;

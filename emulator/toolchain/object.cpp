@@ -7,7 +7,6 @@
 #include "toolchain/coff.hpp"
 
 namespace toolchain {
-namespace {
 
 void check_overlaps(const Image& image, const std::string& file) {
   std::vector<const Image::Section*> loaded;
@@ -21,8 +20,6 @@ void check_overlaps(const Image& image, const std::string& file) {
                                   file, a.name, a.size, a.address, b.name, b.size, b.address));
   }
 }
-
-}  // namespace
 
 void add_initial_values(Image& image, const std::string& table, const std::vector<Word>& records,
                         const std::string& file) {

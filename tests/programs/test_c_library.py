@@ -300,6 +300,14 @@ def test_a_record_that_runs_out_of_the_table_is_refused(tmp_path: Path) -> None:
     assert "record 0 of .cinit asks for 9 words, but 2 are left" in message and not output.exists()
 
 
+def test_initial_values_of_the_loader_may_not_lie_on_the_program(tmp_path: Path) -> None:
+    source = tmp_path / "bad.asm"
+    source.write_text('\t.global _main\n\t.sect ".cinit"\n\t.word 1,_main,1\n\t.text\n_main:\trets\n')
+    output = tmp_path / "bad.out"
+    message = link([*objects("stack"), assemble(source, tmp_path)], output, "--c-model", "ram")
+    assert "the sections .text" in message and ".cinit.0" in message and "overlap" in message and not output.exists()
+
+
 def test_a_memory_map_can_ask_for_the_model_stack_and_heap(tmp_path: Path) -> None:
     (tmp_path / "map.toml").write_text(
         'c_model = "ram"\n[memory]\nlocal = { origin = 0x300000, length = 0x20000 }\n[sections]\n".stack" = { memory = "local", size = 0x500 }\n'
