@@ -1,5 +1,5 @@
-; Routines after the structures of TI's published programs, whose cycle counts are known or remembered (docs/fidelity.md, Published counts).
-; Each is called with its arguments in registers; scripts/published_counts runs them and makes the table.
+; Routines after the structures of TI's published programs. Each is called with its arguments in registers; scripts/published_counts runs them and makes a
+; table of docs/validation.md.
 
                 .text
 

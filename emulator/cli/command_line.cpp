@@ -138,6 +138,9 @@ void declare_link(CLI::App& app, LinkOptions& options) {
       ->type_name("FILE.toml");
   app.add_option("--entry", options.entry, "The symbol at which the program starts")->type_name("SYMBOL");
   app.add_option("--map-output", options.map_output, "Also write what went where")->type_name("FILE");
+  app.add_option("--c-model", options.c_model,
+                 "Who sets C variables' initial values: rom, the program (default); ram, whoever loads it")
+      ->check(CLI::IsMember({"rom", "ram"}));
   app.add_option("--coff-version", options.version, "0, 1 or 2 (default)")->check(CLI::Range(0, 2));
 }
 

@@ -94,6 +94,7 @@ struct LinkOptions {
   std::optional<std::string> memory_map;
   std::optional<std::string> entry;
   std::optional<std::string> map_output;
+  std::optional<std::string> c_model;
   int version = 2;
 };
 

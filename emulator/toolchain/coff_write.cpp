@@ -242,11 +242,20 @@ class CoffWriter {
   std::uint32_t symbol_entries_ = 0;
 };
 
-/// The section that holds the address, or ObjectSymbol::absolute.
-int section_of(const Image& image, Word value) {
-  for (std::size_t i = 0; i < image.sections.size(); ++i)
-    if (value - image.sections[i].address < image.sections[i].size) return static_cast<int>(i);
+/// The section that holds the address, or ObjectSymbol::absolute. A table for the loader is in no memory.
+int section_of(const Object& object, Word value) {
+  for (std::size_t i = 0; i < object.sections.size(); ++i)
+    if (!object.sections[i].table_of_copies && value - object.sections[i].address < object.sections[i].size)
+      return static_cast<int>(i);
   return ObjectSymbol::absolute;
+}
+
+/// Back into the table that the record came from.
+void add_record(ObjectSection& table, const Image::Section& record) {
+  table.table_of_copies = true;
+  table.words.push_back(record.size);
+  table.words.push_back(record.address);
+  table.words.insert(table.words.end(), record.words.begin(), record.words.end());
 }
 
 }  // namespace
@@ -256,7 +265,14 @@ Object executable_of(const Image& image) {
   out.executable = true;
   out.cpu = image.cpu;
   out.entry = image.entry;
+  std::vector<std::size_t> numbers;  // Of each section of the image, that of the file.
   for (const Image::Section& section : image.sections) {
+    if (section.initial_values && !out.sections.empty()) {
+      add_record(out.sections.back(), section);
+      numbers.push_back(out.sections.size() - 1);
+      continue;
+    }
+    numbers.push_back(out.sections.size());
     ObjectSection& copy = out.sections.emplace_back();
     copy.name = section.name;
     copy.address = section.address;
@@ -264,16 +280,18 @@ Object executable_of(const Image& image) {
     copy.words = section.words;
     copy.loaded = section.loaded;
   }
+  for (ObjectSection& section : out.sections)
+    if (section.table_of_copies) section.words.resize(section.size);
   out.files = image.files;
   for (const LineRecord& line : image.lines) {
-    ObjectSection& section = out.sections.at(line.section);
+    ObjectSection& section = out.sections.at(numbers.at(line.section));
     section.lines.push_back({line.address - section.address, line.file, line.line});
   }
   for (const auto& [name, value] : image.symbols) {
     ObjectSymbol& symbol = out.symbols.emplace_back();
     symbol.name = name;
     symbol.value = value;
-    symbol.section = section_of(image, value);
+    symbol.section = section_of(out, value);
     symbol.global = true;
   }
   return out;

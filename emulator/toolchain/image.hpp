@@ -33,6 +33,7 @@ struct Image {
     std::vector<Word>
         words;  ///< `size` words if the section is loaded, none if it is only reserved memory (.bss, .usect).
     bool loaded = true;
+    bool initial_values = false;  ///< A record of .cinit that the loader works off (RAM model): of the table before it.
   };
 
   isa::Cpu cpu = isa::Cpu::c40;   ///< Whose instructions the words are.

@@ -139,7 +139,10 @@ class Linker {
     for (std::size_t i = 0; i < objects_.size(); ++i)
       for (std::size_t k = 0; k < objects_[i].sections.size(); ++k) placement_.add(objects_[i].sections[k], {i, k});
     // .cinit ends with a count of 0 (c40-hardware.md 10.2).
-    if (OutputSection* table = placement_.find(".cinit"); table != nullptr && table->size != 0) ++table->size;
+    OutputSection* const table = placement_.find(".cinit");
+    if (table == nullptr || table->size == 0) return;
+    ++table->size;
+    table->for_loader = map_.loader_sets_values;
   }
 
   /// Where an object's section went, as the distance it moved.
@@ -162,7 +165,10 @@ class Linker {
           complain(fmt::format("{}: '{}' is defined already in {}", objects_[i].name, symbol.name,
                                at->second.object != nullptr ? at->second.object->name : "the memory map"));
       }
-    define_own("cinit", placement_.find(".cinit"), false, 0xFFFFFFFF);  // -1: no table (10.2)
+    constexpr Word no_table = 0xFFFFFFFF;  // As TI's linker says it (10.2).
+    define_own("cinit", map_.loader_sets_values ? nullptr : placement_.find(".cinit"), false, no_table);
+    define_size("__STACK_SIZE", ".stack");
+    define_size("__SYSMEM_SIZE", ".sysmem");
     define_own("etext", placement_.find(".text"), true, 0);
     define_own("edata", placement_.find(".data"), true, 0);
     define_own("end", placement_.find(".bss"), true, 0);
@@ -176,6 +182,13 @@ class Linker {
     globals_.insert({name, {value, nullptr}});
     globals_.insert({"_" + name, {value, nullptr}});
     own_.insert({name, "_" + name});
+  }
+
+  /// How many words the section has in the end, which its own source cannot know.
+  void define_size(const std::string& name, std::string_view of) {
+    const OutputSection* section = placement_.find(of);
+    globals_.insert({name, {section != nullptr ? section->size : 0, nullptr}});
+    own_.insert(name);
   }
 
   void check_undefined() {
@@ -209,7 +222,30 @@ class Linker {
           add_lines(part, section.address + part.offset, image);
         }
       }
-      image.sections.push_back(std::move(out));
+      if (section.for_loader)
+        return_to_loader(out, image);
+      else
+        image.sections.push_back(std::move(out));
+    }
+    if (!map_.loader_sets_values) return;
+    try {
+      check_overlaps(image, linked_program);  // Initial values may be meant for anywhere.
+    } catch (const CoffError& error) {
+      complain(error.what());
+    }
+  }
+
+  /// The table itself stays as a section that reserves nothing but its name and size.
+  void return_to_loader(Image::Section& table, Image& image) {
+    const std::vector<Word> records = std::move(table.words);
+    table.words.clear();
+    table.loaded = false;
+    const std::string name = table.name;
+    image.sections.push_back(std::move(table));
+    try {
+      add_initial_values(image, name, records, linked_program);
+    } catch (const CoffError& error) {
+      complain(error.what());
     }
   }
 
@@ -317,7 +353,9 @@ class Linker {
     out += "\nsection          address         size  from\n";
     for (const OutputSection& section : placement_.sections()) {
       out += fmt::format("{:<16} {:08X}h {:>9X}h{}\n", section.name, section.address, section.size,
-                         section.loaded ? "" : "  reserved");
+                         section.for_loader ? "  for the loader"
+                         : section.loaded   ? ""
+                                            : "  reserved");
       for (const auto& part : section.parts) {
         const Object& object = objects_[part.source.object];
         const Address size = object.sections[part.source.section].size;
@@ -334,6 +372,7 @@ class Linker {
   }
 
   static constexpr std::size_t most_errors = 1000;
+  static constexpr const char* linked_program = "the linked program";
 
   std::vector<Object> objects_;
   std::vector<Object> library_;

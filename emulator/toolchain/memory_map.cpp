@@ -19,9 +19,14 @@ class MapReader {
   explicit MapReader(std::string name) : name_(std::move(name)) {}
 
   MemoryMap read(const toml::table& table) {
-    allow(table, {"entry", "others", "memory", "sections", "symbols"});
+    allow(table, {"entry", "others", "c_model", "memory", "sections", "symbols"});
     MemoryMap map;
     if (const auto* node = table.get("entry")) map.entry = text(*node, "entry");
+    if (const auto* node = table.get("c_model")) {
+      const auto model = c_model(text(*node, "c_model"));
+      if (!model) fail(node->source(), "c_model: \"rom\" or \"ram\" is expected");
+      map.loader_sets_values = *model;
+    }
     for (const auto& [key, node] : in_order(child(table, "memory"))) add_memory(map, key, *node);
     if (map.memories.empty()) throw MemoryMapError(fmt::format("{}: no memory; [memory] needs at least one", name_));
     map.others = map.memories.front().name;
@@ -139,6 +144,12 @@ const MemoryMap::Memory* MemoryMap::memory(std::string_view name) const {
   for (const Memory& memory : memories)
     if (memory.name == name) return &memory;
   return nullptr;
+}
+
+std::optional<bool> c_model(std::string_view name) {
+  if (name == "rom") return false;
+  if (name == "ram") return true;
+  return {};
 }
 
 MemoryMap MemoryMap::standard() {

@@ -37,12 +37,18 @@ struct MemoryMap {
   std::string others;               ///< The memory of sections that are not named.
   std::map<std::string, isa::Word, std::less<>> symbols;
   std::string entry;  ///< A symbol, or empty.
+  /// Who sets the initial values of C variables, the table .cinit: the program from a table in memory (ROM model, TI's
+  /// -c), or whoever loads the program (RAM model, TI's -cr).
+  bool loader_sets_values = false;
 
   const Memory* memory(std::string_view name) const;
 
   /// One memory, `local`: a megaword from 300000h, as the board `default` has it.
   static MemoryMap standard();
 };
+
+/// The C model of that name, `rom` or `ram`, as MemoryMap::loader_sets_values has it; none for another name.
+std::optional<bool> c_model(std::string_view name);
 
 /// `name` stands for the text in messages. Throws MemoryMapError.
 MemoryMap parse_memory_map(std::string_view toml, const std::string& name);

@@ -7,26 +7,6 @@
 #include "toolchain/coff.hpp"
 
 namespace toolchain {
-namespace {
-
-/// Records {count, address, words...} up to a count of 0: TI's "-cr", where the loader sets initial values.
-void add_copies(Image& image, const ObjectSection& table, const std::string& file) {
-  std::size_t at = 0;
-  for (int number = 0; at < table.words.size() && table.words[at] != 0; ++number) {
-    const std::size_t left = table.words.size() - at;
-    const Word count = table.words[at];
-    if (left < 2 || count > left - 2)
-      throw CoffError(fmt::format("{}: record {} of {} asks for {} words, but {} are left", file, number, table.name,
-                                  count, left < 2 ? 0 : left - 2));
-    const auto begin = table.words.begin() + static_cast<std::ptrdiff_t>(at + 2);
-    image.sections.push_back({.name = fmt::format("{}.{}", table.name, number),
-                              .address = table.words[at + 1],
-                              .size = count,
-                              .words = {begin, begin + count},
-                              .loaded = true});
-    at += 2 + count;
-  }
-}
 
 void check_overlaps(const Image& image, const std::string& file) {
   std::vector<const Image::Section*> loaded;
@@ -41,7 +21,25 @@ void check_overlaps(const Image& image, const std::string& file) {
   }
 }
 
-}  // namespace
+void add_initial_values(Image& image, const std::string& table, const std::vector<Word>& records,
+                        const std::string& file) {
+  std::size_t at = 0;
+  for (int number = 0; at < records.size() && records[at] != 0; ++number) {
+    const std::size_t left = records.size() - at;
+    const Word count = records[at];
+    if (left < 2 || count > left - 2)
+      throw CoffError(fmt::format("{}: record {} of {} asks for {} words, but {} are left", file, number, table, count,
+                                  left < 2 ? 0 : left - 2));
+    const auto begin = records.begin() + static_cast<std::ptrdiff_t>(at + 2);
+    image.sections.push_back({.name = fmt::format("{}.{}", table, number),
+                              .address = records[at + 1],
+                              .size = count,
+                              .words = {begin, begin + count},
+                              .loaded = true,
+                              .initial_values = true});
+    at += 2 + count;
+  }
+}
 
 std::optional<RelocationType> relocation_type(std::uint16_t number) {
   const auto type = static_cast<RelocationType>(number);
@@ -91,7 +89,7 @@ Image image_of(const Object& executable) {
                              {},
                              static_cast<std::uint32_t>(image.sections.size() - 1),
                              {}});
-    if (section.table_of_copies) add_copies(image, section, executable.name);
+    if (section.table_of_copies) add_initial_values(image, section.name, section.words, executable.name);
   }
   for (const ObjectSymbol& symbol : executable.symbols)
     if (symbol.section != ObjectSymbol::undefined && !symbol.name.empty())

@@ -77,6 +77,12 @@ struct Object {
   std::vector<std::string> files;  ///< That `lines` are of.
 };
 
+/// What a loader makes of a .cinit of the RAM model: a section for each record {count, address, words...}, up to a
+/// count of 0. `file` stands for the file in messages. Throws CoffError if a record runs out of the table's end.
+void add_initial_values(Image& image, const std::string& table, const std::vector<Word>& records,
+                        const std::string& file);
+/// Throws CoffError if two loaded sections overlap; `file` stands for the file in its message.
+void check_overlaps(const Image& image, const std::string& file);
 /// The program that a loader makes of an executable. Throws CoffError if two loaded sections overlap or the copies that
 /// .cinit asks for run out of its end.
 Image image_of(const Object& executable);

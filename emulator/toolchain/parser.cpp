@@ -14,9 +14,12 @@ namespace {
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-/// The line without its comment: from ';' outside quotes, or all of it if it starts with '*'.
-std::string_view without_comment(std::string_view line) {
+/// The line without its comment: from ';' outside quotes, or all of it if it starts with '*'; for GNU as also if its
+/// first character that is no blank is '#', as in the lines that a preprocessor writes.
+std::string_view without_comment(std::string_view line, Dialect dialect) {
   if (!line.empty() && line[0] == '*') return {};
+  const std::size_t first = line.find_first_not_of(" \t");
+  if (dialect == Dialect::gnu && first != std::string_view::npos && line[first] == '#') return {};
   char quote = 0;
   for (std::size_t i = 0; i < line.size(); ++i) {
     const char c = line[i];
@@ -62,7 +65,7 @@ std::string lower(std::string_view text) {
 }
 
 Parser::Parser(std::string_view line, ParseContext context)
-    : text_(without_comment(line)), context_(std::move(context)) {}
+    : text_(without_comment(line, context.dialect)), context_(std::move(context)) {}
 
 void Parser::skip_blanks() {
   while (is_blank(peek())) ++position_;

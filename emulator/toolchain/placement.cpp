@@ -60,7 +60,8 @@ void Placement::place(const MemoryMap& map, isa::Cpu cpu, std::vector<std::strin
     section->alignment = std::max(section->alignment, wanted.alignment);
   }
   std::vector<OutputSection*> rest;
-  for (OutputSection& section : sections_) rest.push_back(&section);
+  for (OutputSection& section : sections_)
+    if (!section.for_loader) rest.push_back(&section);
   const auto take = [&](std::string_view name) -> OutputSection* {
     const auto at = std::find_if(rest.begin(), rest.end(), [&](auto* s) { return s->name == name; });
     if (at == rest.end()) return nullptr;

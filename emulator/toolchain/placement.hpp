@@ -29,6 +29,7 @@ struct OutputSection {
   Address alignment = 1;
   bool blocked = false;
   bool loaded = false;
+  bool for_loader = false;  ///< Worked off by whoever loads the program: it takes no memory, and stands at 0.
   std::vector<Part> parts;
 };
 

@@ -22,6 +22,7 @@ import test_period_programs as period
 import test_published as published
 import test_slices
 import test_two_ways
+import test_validation as validation
 
 EXAMPLES: dict[str, Callable[[], Any]] = {
     "crc32": lambda: examples.test_crc32(examples.Example("crc32"), bytes(range(64))),
@@ -53,6 +54,11 @@ PUBLISHED: dict[str, Callable[[], Any]] = {
     "fft_radix2": lambda: published.test_fft(2, 256),
     "fft_radix4": lambda: published.test_fft(4, 1024),
 }
+MEASURED: dict[str, Callable[[], Any]] = {
+    "switch_reduced": lambda: validation.measured.switch_cycles("reduced"),
+    "switch_c": lambda: validation.measured.switch_cycles("c"),
+    "convolve_row": lambda: validation.measured.convolved_row(20),
+}
 KERNELS: dict[str, Callable[[], Any]] = {
     case[0]: lambda case=case: case[1]().run(case[0], case[2], case[3])  # type: ignore[misc]
     for case in test_golden_kernels.CASES
@@ -72,6 +78,7 @@ ALL = {
         "example": EXAMPLES,
         "period": PERIOD,
         "published": PUBLISHED,
+        "measured": MEASURED,
         "kernel": KERNELS,
         "compiled": COMPILED,
         "bench": BENCH,
@@ -96,6 +103,8 @@ def test_no_program_is_left_out() -> None:
     assert set(PERIOD) == {path.stem for path in (ROOT / "tests" / "programs" / "period").glob("*.asm")}
     routines = re.findall(r"^; .*\n(?:;.*\n|                \.bss.*\n|\n)*^(\w+):", (programs / "published" / "routines.asm").read_text(), re.MULTILINE)
     assert set(PUBLISHED) == set(routines)
+    entries = re.findall(r"^; .*\n(?:;.*\n)*^(\w+):", (programs / "published" / "measured.asm").read_text(), re.MULTILINE)
+    assert set(MEASURED) == set(entries) - {"process_a"}  # the processes that switch
     kernels = {label for path in (programs / "kernels").glob("*.asm") for label in re.findall(r"^kernel_(\w+):", path.read_text(), re.MULTILINE)}
     assert set(KERNELS) == kernels - ALIASES
 

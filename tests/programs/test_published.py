@@ -1,4 +1,4 @@
-"""The routines behind the table of published counts compute what they claim, against NumPy; the firm counts are met; the table is the one in docs."""
+"""The routines after TI's published structures compute what they claim, against NumPy, and take as long as their loops say."""
 
 import importlib.machinery
 import importlib.util
@@ -95,7 +95,3 @@ def test_fft(radix: int, points: int) -> None:
 def test_slopes(make: str, slope: int) -> None:
     one, other = (getattr(published, make)(n).run()[1] for n in (8, 16))
     assert other - one == 8 * slope
-
-
-def test_table_stands_in_the_documentation() -> None:
-    assert published.table() in (ROOT / "docs" / "fidelity.md").read_text()

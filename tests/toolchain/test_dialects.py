@@ -244,3 +244,13 @@ def test_a_leading_zero_means_nothing_and_is_warned_of_where_it_was_octal() -> N
     assert [word & 0xFFFF for word in image.sections[0].words] == [10, 8, 0, 7, 17, 15, 16, 1]
     assert len(image.warnings) == 2
     assert "010 is decimal. It was octal before: 010q" in image.warnings[0] and "0017q" in image.warnings[1]
+
+
+def test_lines_of_a_preprocessor_are_comments_for_gnu_as_alone() -> None:
+    source = '# 1 "foo.c" 2\n#note\n\tldi 1,r0\n  # indented\n#\n\tldi 2,r0\n'
+    assert words(source, "gnu") == [0x08600001, 0x08600002]
+    with pytest.raises(c40.AssemblyError) as caught:
+        words(source, "ti")
+    assert [(found["line"], found["column"]) for found in caught.value.diagnostics] == [(1, 1), (2, 1), (4, 3), (5, 1)]
+    with pytest.raises(c40.AssemblyError):
+        words("\tnop # behind an instruction\n", "gnu")

@@ -1,0 +1,188 @@
+"""What GCC 2.95's port for the C4x makes of C, through our assembler, linker, run-time and emulator (docs/from-c.md).
+
+The folder that is given holds either the compiler, `cc1` and `cccp`, wherever in it: then the programs of tests/programs/c are compiled in twelve sets of flags, and each has to
+print what the host's own build of it prints; with `config/c4x/libgcc.S` beside, also linked with GCC's own library. Or it holds programs, NAME.s or NAME.o with what they print as NAME.expect.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+EMULATOR = ROOT / "build" / "bin" / "emulator"
+PROGRAMS = ROOT / "tests" / "programs" / "c"
+FLAGS = (
+    "-O0",
+    "-O1",
+    "-O2",
+    "-O3",
+    "-Os",
+    "-O0 -mmemparm",
+    "-O2 -mmemparm",
+    "-O2 -msmall",
+    "-O2 -fomit-frame-pointer -funroll-loops",
+    "-O2 -mrpts",
+    "-O2 -mno-rptb -mno-parallel-insns",
+    "-O2 -mti",
+)
+BOARD = """
+name = "a console"
+[[region]]
+name = "SRAM"
+base = 0x300000
+words = 0x100000
+bus = "local"
+[[region]]
+name = "window"
+kind = "window"
+base = 0xA0000000
+words = 0x100
+bus = "global"
+[[device]]
+name = "console"
+kind = "console"
+base = 0xA0000000
+"""
+OF_LIBGCC = "libgcc's remainder of -2^31 by a negative number is wrong: it takes the divisor with its sign"
+
+
+class Refused(Exception):
+    """What a tool said."""
+
+
+def run(*command: str | Path, most_s: float = 120) -> str:
+    done = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False, timeout=most_s)
+    if done.returncode != 0:
+        raise Refused(next((line for line in done.stderr.splitlines() if "rror" in line), done.stderr.strip() or f"status {done.returncode}"))
+    return done.stdout
+
+
+@dataclass(frozen=True)
+class Compiler:
+    cc1: Path
+    cccp: Path
+
+    def compile(self, source: Path, flags: str, folder: Path) -> Path:
+        text, out = folder / f"{source.stem}.i", folder / f"{source.stem}.s"
+        run(self.cccp, source, text)
+        run(self.cc1, "-quiet", *flags.split(), text, "-o", out)
+        return out
+
+
+def compiler_in(folder: Path) -> Compiler | None:
+    found = [next(iter(sorted(path for path in folder.rglob(name) if path.is_file())), None) for name in ("cc1", "cccp")]
+    return Compiler(found[0], found[1]) if found[0] and found[1] else None
+
+
+def printed(program: Path, inputs: list[Path], flags: str, folder: Path) -> str:
+    """What the console is sent by the program, linked and run."""
+    board, out = folder / "board.toml", folder / "program.out"
+    board.write_text(BOARD)
+    way = "stack" if "-mmemparm" in flags else "registers"
+    run(sys.executable, ROOT / "scripts" / "link_c", program, *inputs, "-o", out, "--arguments", way, "--dialect", "gnu")
+    return run(EMULATOR, "exec", out, "--board", board, "--max-cycles", "1000000000").split("stop: halt", 1)[0]
+
+
+def of_host(source: Path, folder: Path) -> str:
+    host = folder / f"{source.stem}.host"
+    run("cc", "-w", "-O1", "-fwrapv", source, "-o", host)
+    return run(host)
+
+
+def libgcc(source: Path, compiler: Compiler, flags: str, folder: Path) -> list[Path]:
+    """Each function of libgcc.S as an object."""
+    out = []
+    for name in sorted(set(re.findall(r"^#ifdef L(_\w+)", source.read_text(encoding="latin-1"), re.MULTILINE))):
+        text, made = folder / f"{name}.s", folder / f"{name}.o"
+        run(compiler.cccp, "-lang-asm", "-D_TMS320C4x", f"-DL{name}", source, text)
+        run(EMULATOR, "asm", "-c", "--dialect", "gnu", "-D", f".REGPARM={0 if '-mmemparm' in flags else 1}", text, "-o", made)
+        out.append(made)
+    return out
+
+
+@dataclass
+class Count:
+    same: int = 0
+    explained: int = 0
+    others: tuple[str, ...] = ()
+
+    def take(self, name: str, found: str, expected: str, why: str | None = None) -> None:
+        if found == expected:
+            self.same += 1
+        elif why is not None:
+            self.explained += 1
+        else:
+            self.others += (f"{name}: {next((f'{a!r}, not {b!r}' for a, b in zip(found.splitlines(), expected.splitlines(), strict=False) if a != b), 'another length')}",)
+
+    def line(self, what: str) -> str:
+        all_of_them = self.same + self.explained + len(self.others)
+        return f"  {self.same} of {all_of_them} {what}"
+
+
+def compiled(compiler: Compiler, library: Path | None, folder: Path) -> tuple[Count, Count]:
+    with_ours, with_libgcc = Count(), Count()
+    sources = sorted(PROGRAMS.glob("*.c"))
+    for number, flags in enumerate(FLAGS, start=1):
+        if sys.stderr.isatty():
+            print(f"\r{number} of {len(FLAGS)} sets of flags", end="", file=sys.stderr, flush=True)
+        own = libgcc(library, compiler, flags, folder) if library else []
+        for source in sources:
+            name, expected = f"{source.name} {flags}", of_host(source, folder)
+            try:
+                program = compiler.compile(source, flags, folder)
+                with_ours.take(name, printed(program, [], flags, folder), expected)
+                if own:
+                    with_libgcc.take(f"{name}, libgcc", printed(program, own, flags, folder), expected, OF_LIBGCC if source.stem == "whole" else None)
+            except Refused as refusal:
+                with_ours.others += (f"{name}: {refusal}",)
+    if sys.stderr.isatty():
+        print(file=sys.stderr)
+    return with_ours, with_libgcc
+
+
+def ready_made(folder: Path, work: Path) -> Count:
+    count = Count()
+    for expected in sorted(folder.rglob("*.expect")):
+        program = next((expected.with_suffix(suffix) for suffix in (".s", ".o") if expected.with_suffix(suffix).exists()), None)
+        if program is None:
+            continue
+        try:
+            count.take(program.name, printed(program, [], "", work), expected.read_text())
+        except Refused as refusal:
+            count.others += (f"{program.name}: {refusal}",)
+    return count
+
+
+def report(folder: Path) -> int:
+    """Prints the counts; status 0: all as it should be, or explained."""
+    if shutil.which("cc") is None:
+        print("scripts/foreign gcc: no cc on this machine, which says what the programs should print", file=sys.stderr)
+        return 2
+    compiler = compiler_in(folder)
+    library = next(iter(sorted(folder.rglob("config/c4x/libgcc.S"))), None)
+    with tempfile.TemporaryDirectory(prefix="foreign_gcc") as name:
+        work = Path(name)
+        counts = []
+        print(f"gcc: C programs through our tools, from {folder.name}")
+        if compiler is not None:
+            ours, own = compiled(compiler, library, work)
+            counts = [ours, own]
+            print(ours.line(f"programs and flags ({len(FLAGS)} sets) print what the host's build prints"))
+            if library is not None:
+                print(own.line(f"with GCC's own libgcc; {own.explained} differ: {OF_LIBGCC}"))
+        else:
+            counts = [ready_made(folder, work)]
+            print(counts[0].line("ready-made programs print what is expected"))
+            if not counts[0].same and not counts[0].others:
+                print("  neither cc1 and cccp of GCC 2.95 for the C4x, nor NAME.s or NAME.o with NAME.expect, is in the folder")
+                return 2
+    for count in counts:
+        for other in count.others:
+            print(f"  not explained: {other}")
+    return 1 if any(count.others for count in counts) else 0
