@@ -6,6 +6,8 @@
 #include <cmath>
 #include <exception>
 #include <memory>
+#include <optional>
+#include <sstream>
 #include <string>
 
 #include "cmrc/config.hpp"
@@ -20,6 +22,7 @@
 #include "python/bindings/debug.hpp"
 #include "python/bindings/one_user.hpp"
 #include "python/bindings/state.hpp"
+#include "report/trace_text.hpp"
 #include "toolchain/image.hpp"
 
 namespace {
@@ -113,6 +116,17 @@ class Run {
     });
   }
 
+  /// Keeps the text of every event from here on.
+  void keep_events() {
+    cmrc::Simulation& simulation = change("keep_events");
+    if (events_) return;
+    simulation.listen(events_.emplace(events_text_));
+  }
+  std::optional<std::string> events_text() const {
+    read("result");
+    return events_ ? std::optional(events_text_.str()) : std::nullopt;
+  }
+
   /// What may have to wait for the ideal run, which other threads and Ctrl-C need not.
   template <class Work>
   auto waiting(const char* call, Work work) {
@@ -121,6 +135,8 @@ class Run {
   }
 
  private:
+  std::ostringstream events_text_;  // these two outlive the run, which speaks to them
+  std::optional<report::EventTextTrace> events_;
   std::unique_ptr<cmrc::Simulation> simulation_;
   cmrc::Simulation& run_ = *simulation_;
   OneUser user_{"Simulation"};
@@ -296,6 +312,9 @@ void bind_simulation(py::module_& m) {
           "The report of a run that does not go on.")
       .def("report_text",
            [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_text(s.report()); }); })
+      .def("keep_events", &Run::keep_events, "Keeps the event trace; before the run.")
+      .def("events_text", &Run::events_text,
+           "The event trace (docs/trace.md) of what a report has been asked of; None where it is not kept.")
       .def("tasks_json", [](const Run& r) { return report::tasks_to_json(r.read("tasks").tasks()); })
       .def(
           "profile", [](Run& r) { r.change("profile").profile(); }, "Counts where the DSPs' cycles go; before the run.")

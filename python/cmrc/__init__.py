@@ -5,12 +5,15 @@ several chips joined by their communication ports; ``cmrc.plant`` the
 dock without DSPs. ``cmrc.limits`` and ``cmrc.compare`` run a configuration several times: how far it is from its first missed deadline, and what time costs it.
 """
 
-from cmrc import c40, network, plant
+from cmrc import _core, c40, network, plant
+from cmrc.differences import Difference, diff
 from cmrc.result import Profile, Result
 from cmrc.simulation import ConfigError, Simulation, Snapshot, read_snapshot, run, write_snapshot
 from cmrc.snapshots import SnapshotError
 from cmrc.studies import Comparison, Limits, compare, limits
 from cmrc.table import Table
 
-__all__ = ["Comparison", "ConfigError", "Limits", "Profile", "Result", "Simulation", "Snapshot", "SnapshotError", "Table", "c40",
-           "compare", "limits", "network", "plant", "read_snapshot", "run", "write_snapshot"]
+__version__: str = _core.cmrc.emulator_version
+
+__all__ = ["Comparison", "ConfigError", "Difference", "Limits", "Profile", "Result", "Simulation", "Snapshot", "SnapshotError", "Table", "c40",
+           "compare", "diff", "limits", "network", "plant", "read_snapshot", "run", "write_snapshot"]

@@ -1,0 +1,15 @@
+"""Packages that only a part of cmrc needs."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+
+def needed(module: str, extra: str, what: str) -> Any:
+    """The module. Raises ImportError that says what to install."""
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        raise ImportError(f"{what} needs {error.name or module}, which is not installed: pip install 'cmrc[{extra}]'",
+                          name=error.name) from error
