@@ -19,6 +19,11 @@ def printable(text: str) -> str:
     return _core.io.printable(text.encode("utf-8", "surrogateescape"))
 
 
+def printable_lines(text: str) -> str:
+    """The same line by line: line feeds stay."""
+    return "\n".join(map(printable, text.split("\n")))
+
+
 def write(path: str | os.PathLike[str], content: str | bytes) -> None:
     """Writes a file; text in UTF-8. Until it is whole the file that was there stays. A device, a pipe or a terminal is written
     into. Raises OSError."""

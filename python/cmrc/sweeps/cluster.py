@@ -1,0 +1,114 @@
+"""Where the runs of a sweep are run: on this machine, or on a Dask cluster by its address."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from cmrc.extras import needed
+from cmrc.sweeps.store import SweepError
+
+CONNECT_S = 30.0
+START_AGAIN_S = 0.2
+SETTINGS = {
+    # One death is told at once; what follows from it is decided here (runner.py).
+    "distributed.scheduler.allowed-failures": 0,
+    "distributed.scheduler.worker-saturation": 1.0,
+}
+
+
+class Workers:
+    """A client, and the care for its workers."""
+
+    def __init__(self, client: Any, workers: _Processes | None) -> None:
+        self.client = client
+        self._processes = workers
+
+    def mend(self) -> None:
+        """Starts again what has died on this machine. Raises SweepError where the cluster is gone."""
+        if self.client.status not in ("running", "connecting"):
+            raise SweepError("the cluster's scheduler is gone")
+        if self._processes is not None:
+            self._processes.mend()
+
+    def threads(self) -> int:
+        """How many runs can go on at a time; at least 1."""
+        return max(1, sum(map(int, self.client.nthreads().values())))
+
+
+class _Processes:
+    """Workers of this machine, one process each: one that dies is started again."""
+
+    def __init__(self, address: str, count: int) -> None:
+        self.address = address
+        self.slots: list[subprocess.Popen[bytes]] = []
+        self.begun: list[float] = []
+        for slot in range(count):
+            self.slots.append(self._start(slot))
+            self.begun.append(time.monotonic())
+
+    def _start(self, slot: int) -> subprocess.Popen[bytes]:
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+        command = [sys.executable, "-m", "cmrc.sweeps.local_worker", self.address,
+                   f"local-{slot}-{time.monotonic_ns()}", str(os.getpid())]
+        return subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                stderr=subprocess.DEVNULL, start_new_session=True)
+
+    def mend(self) -> None:
+        for slot, process in enumerate(self.slots):
+            if process.poll() is not None and time.monotonic() - self.begun[slot] > START_AGAIN_S:
+                self.slots[slot] = self._start(slot)
+                self.begun[slot] = time.monotonic()
+
+    def close(self) -> None:
+        for process in self.slots:
+            process.kill()
+        for process in self.slots:
+            process.wait()
+
+
+@contextmanager
+def workers(address: str | None, count: int | None, security: Mapping[str, Any] | None) -> Iterator[Workers]:
+    """A local cluster of ``count`` workers (default: one per processor), or the cluster at ``address``.
+
+    ``security`` has the fields of ``distributed.Security`` (tls_ca_file, tls_client_cert, ...). Raises SweepError where
+    no cluster answers.
+    """
+    dask, distributed = needed("dask", "sweep", "cmrc.sweep"), needed("distributed", "sweep", "cmrc.sweep")
+    with dask.config.set(SETTINGS):
+        if address is None:
+            with _local(distributed, count or os.cpu_count() or 1) as found:
+                yield found
+            return
+        if count is not None:
+            raise SweepError("workers: a cluster with an address has workers of its own; one of address and workers is expected")
+        try:
+            options = {} if security is None else {"security": distributed.Security(**security)}
+            client = distributed.Client(address, timeout=CONNECT_S, set_as_default=False, **options)
+        except (OSError, ValueError, TypeError) as error:
+            raise SweepError(f"{address}: no cluster answers there: {error}") from None
+        try:
+            yield Workers(client, None)
+        finally:
+            client.close(timeout=5)
+
+
+@contextmanager
+def _local(distributed: Any, count: int) -> Iterator[Workers]:
+    cluster = distributed.LocalCluster(n_workers=0, processes=True, dashboard_address=None, silence_logs=50,
+                                       host="127.0.0.1", scheduler_port=0)
+    try:
+        client = distributed.Client(cluster, set_as_default=False)
+        processes = _Processes(cluster.scheduler_address, count)
+        try:
+            yield Workers(client, processes)
+        finally:
+            client.close(timeout=5)
+            processes.close()
+    finally:
+        cluster.close(timeout=10)
