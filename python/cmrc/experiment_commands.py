@@ -107,6 +107,9 @@ def _folder(given: argparse.Namespace) -> Path:
 
 def _show(line: ProgressLine) -> Callable[[Status], object]:
     def show(status: Status) -> None:
+        if status.planned < status.runs:
+            line.show(f"{status.planned} of {status.runs} points looked at")
+            return
         fresh = status.done - status.known
         left = status.runs - status.done
         rest = f", about {status.elapsed_s / fresh * left:.0f} s left" if fresh > status.refused and left else ""

@@ -109,12 +109,13 @@ def histogram(result: Result, axes: Axes) -> None:
 
 
 def cdf(result: Result, axes: Axes) -> None:
-    """Share of the finished jobs of each kind done within a time: at the bins' edges and at the percentiles, where it is
-    known exactly."""
+    """Share of the finished jobs of each kind done within a time: exact at the powers of two, and at a percentile at least
+    that share."""
     for n, (kind, task) in enumerate(_finished(result).items()):
         response = task["response_ps"]
-        points = {float(response["best"]): 0.0, float(response["worst"]): 1.0}
-        points |= {float(response[of]): share for of, share in (("p50", 0.5), ("p99", 0.99), ("p99_9", 0.999))}
+        points = {float(response["best"]): 0.0}
+        for of, share in (("p50", 0.5), ("p99", 0.99), ("p99_9", 0.999), ("worst", 1.0)):
+            points[float(response[of])] = share  # of two that are one time the greater share counts
         below = 0
         for i, count in enumerate(response["log2_histogram"]):
             below += count

@@ -46,7 +46,7 @@ def grid(sweep: Sweep, axes: Axes, x: str | None = None, lines: str | None = Non
     if words:
         axes.set_xticks(range(len(names)), [_value(name) for name in names])
     elif all(isinstance(name, int) for name in names):
-        axes.xaxis.get_major_locator().set_params(integer=True)
+        axes.locator_params(axis="x", integer=True)
     unit = metrics.unit_of(metric)
     _engineering(axes, y=unit)
     axes.set(xlabel=_labelled(x), ylabel=metrics.name_of(metric) + (f", {unit}" if unit else ""), title=_title(summary))

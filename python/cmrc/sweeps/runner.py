@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any
 
-from cmrc import __version__
+from cmrc import _core
 from cmrc.sweeps import store
 from cmrc.sweeps.cluster import Workers
 from cmrc.sweeps.identity import Run, build
@@ -43,6 +43,8 @@ class Status:
     """Runs that were begun again because their worker died."""
     workers: int = 0
     elapsed_s: float = 0.0
+    planned: int = 0
+    """Points whose keys are known: below ``runs`` as long as no run has begun."""
 
 
 @dataclass
@@ -170,7 +172,7 @@ def row_of(run: Run, answer: Answer) -> Row:
                 **({"config": point.config} if point.config else {})}
     return {"key": run.key, "status": answer["status"], "message": answer["message"],
             "place": json.dumps(dict(point.place)), "seed": point.seed, "settings": json.dumps(settings),
-            "hash": answer["hash"], "build": build(), "emulator_version": __version__,
+            "hash": answer["hash"], "build": build(), "emulator_version": _core.cmrc.emulator_version,
             "elapsed_s": answer["elapsed_s"], "host": answer["host"], "report": answer["report"]}
 
 

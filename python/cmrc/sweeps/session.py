@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from types import TracebackType
@@ -14,13 +14,17 @@ from cmrc.sweeps import store
 from cmrc.sweeps.cluster import Workers
 from cmrc.sweeps.cluster import workers as cluster_of
 from cmrc.sweeps.grid import Point
-from cmrc.sweeps.identity import build, run_of
+from cmrc.sweeps.identity import Run, build, run_of
 from cmrc.sweeps.runner import Runner, Status, refusal, row_of
 from cmrc.sweeps.store import Folder, SweepError
 from cmrc.sweeps.work import Execute
 
 if TYPE_CHECKING:
     from typing_extensions import Self
+
+
+TELL_EVERY = 200
+"""Points between two calls of ``on_progress`` before the first run: 0.4 s."""
 
 
 @dataclass(frozen=True)
@@ -62,18 +66,28 @@ class Session:
 
     def run(self, points: Iterable[Point]) -> list[str]:
         """Runs what is not in the folder yet; the keys of all of them. Raises SweepError."""
-        runs = list({run.key: run for run in map(run_of, points)}.values())
+        runs = self._planned(list(points))
         there = {row["key"]: row["status"] for row in self.folder.rows(("status",))}
         due = [run for run in runs if run.key not in there]
         refused = [run for run in due if run.refused]
         if refused:
             self.folder.write([row_of(run, refusal(run.refused)) for run in refused])
         status = Status(len(runs), len(runs) - len(due) + len(refused), len(runs) - len(due), len(refused),
-                        sum(there.get(run.key) == store.FAILED for run in runs))
+                        sum(there.get(run.key) == store.FAILED for run in runs), planned=len(runs))
         due = sorted((run for run in due if not run.refused), key=lambda run: run.group)
         if due:
             Runner(self._crew(), self.folder, self.execute, status, self.on_progress).run(due)
         return [run.key for run in runs]
+
+    def _planned(self, points: Sequence[Point]) -> list[Run]:
+        """The points with their keys, each once."""
+        runs: dict[str, Run] = {}
+        for n, point in enumerate(points):
+            if self.on_progress is not None and n % TELL_EVERY == TELL_EVERY - 1:
+                self.on_progress(Status(len(points), 0, 0, planned=n))
+            run = run_of(point)
+            runs.setdefault(run.key, run)
+        return list(runs.values())
 
     def _crew(self) -> Workers:
         if self._workers is None:

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
-from cmrc import __version__, files
+from cmrc import _core, files
 from cmrc.extras import needed
 from cmrc.sweeps.identity import build
 
@@ -54,7 +54,7 @@ class Folder:
         try:
             self.check()
             if not (self.path / HEAD).exists():
-                files.write(self.path / HEAD, json.dumps({"format": FORMAT, "cmrc": __version__, "build": build()}) + "\n")
+                files.write(self.path / HEAD, json.dumps({"format": FORMAT, "cmrc": _core.cmrc.emulator_version, "build": build()}) + "\n")
             for left in self.path.glob(".part-*"):
                 left.unlink()
         except BaseException:
@@ -86,7 +86,7 @@ class Folder:
         head = self.head()
         if head is not None and head.get("format") != FORMAT:
             raise SweepError(f"{self.path}: written by cmrc {head.get('cmrc', 'of an unknown version')} in format "
-                             f"{head.get('format')}; cmrc {__version__} reads format {FORMAT}. Another folder is expected")
+                             f"{head.get('format')}; cmrc {_core.cmrc.emulator_version} reads format {FORMAT}. Another folder is expected")
 
     def head(self) -> dict[str, Any] | None:
         """What wrote the folder; None where it is new. Raises SweepError."""
