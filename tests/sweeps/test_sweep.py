@@ -106,7 +106,7 @@ def test_a_run_that_ends_its_process_three_times_is_a_failure_and_no_other_run_s
     [failed] = [run for run in found.runs if run["status"] == "failed"]
     assert failed["place"] == {"machine.dsps": 3}
     assert failed["message"] == "the run has ended its process 3 times, alone in it: ended by SIGSEGV"
-    assert len(list(marks.glob("*-deadly"))) == 4  # once with its worker, three times alone
+    assert len(list(marks.glob("*-deadly"))) == 5  # twice with its worker, three times alone
     again = study.run_grid(points, tmp_path / "s", Place(workers=1), sweep_helpers.Takes(0, marks), again_failed=True)
     assert again.counts() == {"done": 6, "refused": 0, "failed": 0}
 
@@ -122,18 +122,22 @@ def kill_workers(stop: threading.Event, every_s: float, killed: list[int]) -> No
             killed.append(pids[turn % len(pids)])
 
 
-def workers_of(parent: int) -> list[int]:
-    """Workers that this process has started, from /proc."""
-    found = []
+def parents() -> dict[int, tuple[int, bytes]]:
+    """Parent and command line of every process, from /proc."""
+    found = {}
     for folder in Path("/proc").glob("[0-9]*"):
         try:
-            command = (folder / "cmdline").read_bytes().split(b"\0")
-            its = int((folder / "stat").read_text().rsplit(")", 1)[1].split()[1])
+            command = (folder / "cmdline").read_bytes()
+            found[int(folder.name)] = (int((folder / "stat").read_text().rsplit(")", 1)[1].split()[1]), command)
         except (OSError, IndexError):
             continue
-        if its == parent and b"cmrc.sweeps.local_worker" in command:
-            found.append(int(folder.name))
-    return sorted(found)
+    return found
+
+
+def workers_of(starter: int) -> list[int]:
+    """Workers of a sweep that this process runs: children of the child that forks them."""
+    all_of_them = {pid: parent for pid, (parent, command) in parents().items() if b"cmrc.sweeps.local_worker" in command}
+    return sorted(pid for pid, parent in all_of_them.items() if all_of_them.get(parent) == starter)
 
 
 def sweep_under_fire(runs: int, every_s: float, takes_s: float, tmp_path: Path) -> tuple[Sweep, list[int], Status]:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
+import select
 import subprocess
 import sys
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from cmrc.extras import needed
@@ -42,34 +43,53 @@ class Workers:
 
 
 class _Processes:
-    """Workers of this machine, one process each: one that dies is started again."""
+    """Workers of this machine, one process each: one that dies is started again, and so is what forks them."""
 
     def __init__(self, address: str, count: int) -> None:
-        self.address = address
-        self.slots: list[subprocess.Popen[bytes]] = []
-        self.begun: list[float] = []
-        for slot in range(count):
-            self.slots.append(self._start(slot))
-            self.begun.append(time.monotonic())
+        self.address, self.count = address, count
+        self.number = 0
+        self._start()
 
-    def _start(self, slot: int) -> subprocess.Popen[bytes]:
+    def _start(self) -> None:
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-        command = [sys.executable, "-m", "cmrc.sweeps.local_worker", self.address,
-                   f"local-{slot}-{time.monotonic_ns()}", str(os.getpid())]
-        return subprocess.Popen(command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                                stderr=subprocess.DEVNULL, start_new_session=True)
+        command = [sys.executable, "-m", "cmrc.sweeps.local_worker", self.address, str(os.getpid())]
+        self.forker = subprocess.Popen(command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                       stderr=subprocess.DEVNULL, start_new_session=True)
+        self.begun = time.monotonic()
+        for _ in range(self.count):
+            self._fork()
+
+    def _fork(self) -> None:
+        self.number += 1
+        stream = self.forker.stdin
+        assert stream is not None
+        try:
+            stream.write(f"local-{self.number}\n".encode())
+            stream.flush()
+        except BrokenPipeError:
+            pass  # seen by the next mend
 
     def mend(self) -> None:
-        for slot, process in enumerate(self.slots):
-            if process.poll() is not None and time.monotonic() - self.begun[slot] > START_AGAIN_S:
-                self.slots[slot] = self._start(slot)
-                self.begun[slot] = time.monotonic()
+        if self.forker.poll() is not None:
+            if time.monotonic() - self.begun > START_AGAIN_S:
+                self._start()
+            return
+        stream = self.forker.stdout
+        assert stream is not None
+        while select.select([stream], [], [], 0)[0]:
+            told = os.read(stream.fileno(), 4096)
+            if not told:
+                break
+            for _ in range(told.count(b"\n")):
+                self._fork()
 
     def close(self) -> None:
-        for process in self.slots:
-            process.kill()
-        for process in self.slots:
-            process.wait()
+        self.forker.kill()  # and the kernel ends its workers
+        self.forker.wait()
+        for stream in (self.forker.stdin, self.forker.stdout):
+            if stream is not None:
+                with suppress(BrokenPipeError):
+                    stream.close()
 
 
 @contextmanager

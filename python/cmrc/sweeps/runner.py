@@ -20,6 +20,8 @@ from cmrc.sweeps.work import Alone, Answer, Execute, RunDied
 
 BATCH_ROWS = 100
 BATCH_S = 5.0
+SUSPECTED = 2
+"""After so many deaths of its workers a run gets a process of its own."""
 STRIKES = 3
 """So often may a run end the process in which it is alone."""
 LOST_ANSWERS = 100
@@ -50,8 +52,8 @@ class Status:
 @dataclass
 class _Due:
     run: Run
-    suspected: bool = False
-    """A worker has died while it may have run this."""
+    deaths: int = 0
+    """So many workers have died while they may have run this."""
     strikes: int = 0
     lost: int = 0
 
@@ -59,8 +61,9 @@ class _Due:
 class Runner:
     """Runs each of ``due`` and writes the answers in batches of 5 s or 100 runs.
 
-    A worker that dies costs the runs in progress: they are begun again, each in a process of its own, so that a run that
-    kills its process is told from one whose worker was killed. After three such deaths of one run it is a failure.
+    A worker that dies costs the runs in progress: they are begun again. A run that has lost two workers gets a process of its
+    own, so that a run that kills its process is told from one whose worker was killed. After three such deaths of one run it
+    is a failure.
     """
 
     def __init__(self, workers: Workers, folder: Folder, execute: Execute, status: Status,
@@ -93,7 +96,7 @@ class Runner:
 
     def _submit(self, due: _Due, fetchers: ThreadPoolExecutor) -> Any:
         self.number += 1
-        function = Alone(self.execute) if due.suspected else self.execute
+        function = Alone(self.execute) if due.deaths >= SUSPECTED else self.execute
         future = self.workers.client.submit(function, due.run.key, due.run.toml(), pure=False, retries=0,
                                             key=f"cmrc-{due.run.key[:16]}-{self.number}-{time.monotonic_ns()}")
 
@@ -134,7 +137,7 @@ class Runner:
                 self._keep(due.run, failure(f"the run has ended its process {STRIKES} times, alone in it: {error}"))
                 return
         elif _died(error):
-            due.suspected = True
+            due.deaths += 1
         elif _gone(error):
             due.lost += 1
             if due.lost > LOST_ANSWERS:
