@@ -57,7 +57,13 @@ def _main(arguments: list[str] | None) -> int:
 
 def _demo(folder: Path) -> int:
     try:
-        demo.main(folder)
+        with ProgressLine("cmrc demo") as line, line.beating():
+
+            def tell(text: str) -> None:
+                line.clear()
+                print(text, flush=True)
+
+            demo.main(folder, tell)
     except OSError as error:
         print(f"cmrc demo: {files.printable(str(error))}", file=sys.stderr)
         return 2

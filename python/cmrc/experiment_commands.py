@@ -243,7 +243,9 @@ def _compare(commands: Commands) -> None:
 
 
 def _do_compare(given: argparse.Namespace) -> int:
-    found = cmrc.compare(**_configured(given))
+    asked = _configured(given)
+    with ProgressLine("cmrc compare") as line, line.beating():
+        found = cmrc.compare(**asked)
     return _shown(given, found.text, found.report)
 
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import sys
+import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from types import TracebackType
 from typing import TYPE_CHECKING, TextIO
 
@@ -14,6 +17,7 @@ SILENT_S = 1.0
 """Work that is done sooner shows nothing."""
 TERMINAL_S = 0.2
 LOG_S = 15.0
+BEAT_S = 0.5
 
 
 class ProgressLine:
@@ -46,10 +50,32 @@ class ProgressLine:
         left = f", about {spent / done * (whole - done):.0f} s left" if 0 < done < whole else ""
         self.show(f"{done:.4g} of {whole:.4g} {unit}{left}")
 
+    @contextmanager
+    def beating(self, text: str = "running") -> Iterator[None]:
+        """For work that tells nothing of itself: how long it has been going on."""
+        over = threading.Event()
+
+        def beat() -> None:
+            while not over.wait(BEAT_S):
+                self.show(f"{text}, {time.monotonic() - self.began:.0f} s")
+
+        thread = threading.Thread(target=beat, daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            over.set()
+            thread.join()
+
+    def clear(self) -> None:
+        """Takes the line off the terminal, for other output."""
+        if self.width:
+            self.stream.write("\r" + " " * self.width + "\r")
+            self.stream.flush()
+            self.width = 0
+
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        if self.width:
-            self.stream.write("\r" + " " * self.width + "\r")
-            self.stream.flush()
+        self.clear()

@@ -152,3 +152,16 @@ def test_progress_is_a_line_that_goes_away(monkeypatch: pytest.MonkeyPatch) -> N
             line.show("on")
             now[0] += 0.1
     assert log.getvalue() == "work: on\n" * 3
+
+
+def test_work_that_tells_nothing_shows_that_it_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    import io
+    import threading
+
+    monkeypatch.setattr("cmrc.progress.BEAT_S", 0.001)
+    monkeypatch.setattr("cmrc.progress.SILENT_S", 0.0)
+    shown = io.StringIO()
+    with ProgressLine("work", shown) as line, line.beating():
+        while not shown.getvalue():
+            threading.Event().wait(0.001)
+    assert shown.getvalue().startswith("work: running, 0 s")

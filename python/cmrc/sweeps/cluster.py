@@ -120,7 +120,7 @@ def workers(address: str | None, count: int | None, security: Mapping[str, Any] 
 
 @contextmanager
 def _local(distributed: Any, count: int) -> Iterator[Workers]:
-    cluster = distributed.LocalCluster(n_workers=0, processes=True, dashboard_address=None, silence_logs=50,
+    cluster = distributed.LocalCluster(n_workers=0, processes=True, dashboard_address="127.0.0.1:0", silence_logs=50,
                                        host="127.0.0.1", scheduler_port=0)
     try:
         client = distributed.Client(cluster, set_as_default=False)

@@ -18,7 +18,8 @@ from cmrc.sweeps.alone import die_with_parent
 async def work(address: str, name: str) -> None:
     from distributed import Worker
 
-    async with Worker(address, nthreads=1, name=name, memory_limit=0, death_timeout=60) as worker:
+    async with Worker(address, nthreads=1, name=name, memory_limit=0, death_timeout=60, host="127.0.0.1",
+                      dashboard_address="127.0.0.1:0") as worker:
         await worker.finished()
 
 
