@@ -114,7 +114,8 @@ def _show(line: ProgressLine) -> Callable[[Status], object]:
         left = status.runs - status.done
         rest = f", about {status.elapsed_s / fresh * left:.0f} s left" if fresh > status.refused and left else ""
         again = f", {status.begun_again} begun again" if status.begun_again else ""
-        line.show(f"{status.done} of {status.runs} runs on {status.workers} workers{again}{rest}")
+        on = f"on {status.workers} workers" if status.workers else "done, waiting for a worker"
+        line.show(f"{status.done} of {status.runs} runs {on}{again}{rest}")
 
     return show
 

@@ -22,7 +22,8 @@ FORMAT = 1
 SCHEMA_VERSIONS = (4,)
 """Of the reports that this version reads (docs/report.md)."""
 _DATE = (1980, 1, 1, 0, 0, 0)  # the same result is the same file
-_LARGEST = 1 << 31  # bytes of one member, unpacked: a damaged file asks for no more memory
+_LARGEST = 1 << 32  # bytes of one member, unpacked: a damaged file asks for no more memory
+_LARGEST_REPORT = 1 << 29
 
 
 def save(result: Result, path: str | os.PathLike[str]) -> None:
@@ -52,7 +53,8 @@ def load(path: str | os.PathLike[str]) -> dict[str, Any]:
     try:
         with zipfile.ZipFile(name) as archive:
             return _unpacked(archive)
-    except (zipfile.BadZipFile, zlib.error, KeyError, ValueError, TypeError, EOFError, NotImplementedError) as error:
+    except (zipfile.BadZipFile, zlib.error, KeyError, ValueError, TypeError, EOFError, NotImplementedError,
+            RecursionError) as error:
         raise ValueError(f"{name}: no saved result ({_shown(error)}); Result.save writes one") from error
 
 
@@ -87,9 +89,9 @@ def checked_report(report: Any) -> dict[str, Any]:
     if report["schema_version"] not in SCHEMA_VERSIONS:
         raise ValueError(f"the report has schema version {report['schema_version']}; "
                          f"this version of cmrc reads {', '.join(map(str, SCHEMA_VERSIONS))}")
-    for key in ("configuration", "tasks", "misses", "hash"):
-        if key not in report:
-            raise ValueError(f"the report has no {key!r}")
+    for key, kind in (("configuration", Mapping), ("tasks", Mapping), ("misses", list), ("hash", str)):
+        if not isinstance(report.get(key), kind):
+            raise ValueError(f"the report has no {key!r}, or one of a wrong kind")
     return dict(report)
 
 
@@ -100,8 +102,7 @@ def load_report(path: str | os.PathLike[str]) -> dict[str, Any]:
         report: dict[str, Any] = load(name)["report"]
         return report
     try:
-        with open(name, encoding="utf-8") as file:
-            return checked_report(json.load(file))
+        return checked_report(json.loads(files.read(name, _LARGEST_REPORT)))
     except (ValueError, RecursionError) as error:
         raise ValueError(f"{name}: neither a saved result nor a JSON report ({_shown(error)})") from error
 

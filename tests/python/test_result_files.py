@@ -78,6 +78,8 @@ def test_what_is_no_result_is_refused_by_name(result: cmrc.Result, tmp_path: Pat
         edited(whole, tmp_path / "no-report", "report.json", None),
         edited(whole, tmp_path / "no-json", "report.json", b"{"),
         edited(whole, tmp_path / "list", "report.json", b"[]"),
+        edited(whole, tmp_path / "deep", "report.json", b"[" * 100_000),
+        edited(whole, tmp_path / "kind", "report.json", json.dumps({**report, "configuration": [1]}).encode()),
         edited(whole, tmp_path / "schema", "report.json", json.dumps({**report, "schema_version": 3}).encode()),
         edited(whole, tmp_path / "format", "result.json", b'{"format": 99, "profile": false, "events": false}'),
         edited(whole, tmp_path / "no-arrays", "signals.npz", b"nothing"),

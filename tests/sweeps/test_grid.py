@@ -116,6 +116,8 @@ def test_bad_toml_is_named_with_its_line(tmp_path: Path) -> None:
     (tmp_path / "binary.toml").write_bytes(b"\xff\xfe")
     with pytest.raises(GridError, match=r"binary.toml: no TOML"):
         grids.read(tmp_path / "binary.toml")
+    with pytest.raises(GridError, match=r"/dev/zero: more than \d+ bytes"):
+        grids.read("/dev/zero")
     with pytest.raises(FileNotFoundError):
         grids.read(tmp_path / "missing.toml")
 

@@ -241,3 +241,13 @@ def test_bad_arguments() -> None:
     with pytest.raises(TypeError, match="on_progress"):
         sweep(SMALL, "x", on_progress=3)  # type: ignore[arg-type]
     assert store.FORMAT == 1
+
+
+def test_a_cluster_by_its_address_gives_the_same_reports(done: Sweep, tmp_path: Path) -> None:
+    from distributed import LocalCluster
+
+    options = {"processes": False, "protocol": "tcp", "host": "127.0.0.1", "dashboard_address": "127.0.0.1:0"}
+    with LocalCluster(n_workers=1, threads_per_worker=1, silence_logs=50, **options) as cluster:
+        found = sweep(SMALL, tmp_path / "s", address=cluster.scheduler_address)
+    assert found.counts() == done.counts()
+    assert not cmrc.diff(found.report(dsps=2, servo_frequency_hz=500.0), done.report(dsps=2, servo_frequency_hz=500.0))

@@ -23,6 +23,7 @@ REPEATS = ("seeds", "first", "phases")
 APART = ("preset", "config")
 """What is no setting and may be fixed; a preset may be an axis, too."""
 MOST_RUNS = 10_000_000
+MOST_BYTES = 1 << 24
 SEED, PHASES = "run.seed", "run.phase_jitter"
 
 
@@ -85,7 +86,10 @@ def read(path: str | os.PathLike[str]) -> Grid:
     """A grid from a TOML file. Raises GridError, which names the file and the place; OSError."""
     toml = needed("tomllib" if sys.version_info >= (3, 11) else "tomli", "sweep", "a grid in TOML")
     name = os.fspath(path)
-    content = Path(path).read_bytes()
+    try:
+        content = files.read(path, MOST_BYTES)
+    except ValueError as error:
+        raise GridError(str(error)) from None
     try:
         tables = toml.loads(content.decode())
     except (ValueError, RecursionError) as error:
