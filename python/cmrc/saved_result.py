@@ -91,7 +91,7 @@ def checked_report(report: Any) -> dict[str, Any]:
                          f"this version of cmrc reads {', '.join(map(str, SCHEMA_VERSIONS))}")
     for key, kind in (("configuration", Mapping), ("tasks", Mapping), ("misses", list), ("hash", str)):
         if not isinstance(report.get(key), kind):
-            raise ValueError(f"the report has no {key!r}, or one of a wrong kind")
+            raise ValueError(f"the report has no {key!r}, or one of a wrong kind")  # noqa: TRY004 (a file is wrong)
     return dict(report)
 
 
