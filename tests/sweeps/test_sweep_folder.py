@@ -121,3 +121,13 @@ def test_a_full_disk_is_an_error_and_loses_nothing(tmp_path: Path) -> None:
     said, after = done.stdout.splitlines()
     assert "part-000002.parquet: cannot be written" in said and "goes on from them" in said
     assert after == "[1] ['lock', 'part-000001.parquet', 'sweep.json']"
+
+
+def test_a_folder_that_is_compacted_while_it_is_read_loses_no_row(tmp_path: Path) -> None:
+    with Folder(tmp_path / "s") as folder:
+        for number in range(1, 5):
+            folder.write([row(number)])
+        reader = Folder(tmp_path / "s").rows(())
+        assert int(next(reader)["key"]) == 1
+        folder.compact()
+        assert [int(found["key"]) for found in reader] == [2, 3, 4]

@@ -108,7 +108,9 @@ class Folder:
         parquet = needed("pyarrow.parquet", "sweep", "cmrc.sweep")
         names = None if columns is None else list(dict.fromkeys(["key", *columns]))
         seen: set[str] = set()
-        for part in self.parts():
+        parts = self.parts()
+        while parts:
+            part = parts.pop(0)
             try:
                 with parquet.ParquetFile(part) as opened:
                     for batch in opened.iter_batches(batch_size=COMPACT_BATCH, columns=names):
@@ -117,7 +119,7 @@ class Folder:
                                 seen.add(row["key"])
                                 yield row
             except FileNotFoundError:
-                continue  # compacted meanwhile: its rows stand in a later part
+                parts = self.parts()  # compacted meanwhile: its rows stand in a later part
             except (OSError, ValueError, KeyError) as error:
                 raise SweepError(f"{part}: cannot be read: {error}") from None
 

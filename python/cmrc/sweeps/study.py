@@ -76,18 +76,20 @@ class Sweep:
 
     def values(self, metric: Metric) -> dict[str, float | bool]:
         """A metric of every run that was done, by key. It runs nothing. Raises KeyError for a place that no report has."""
-        return {run["key"]: metrics.value(report, metric) for run, report in self.reports()}
+        return {key: values[0] for key, values in self._measured([metric]).items()}
+
+    def _measured(self, of: Sequence[Metric]) -> dict[str, list[float | bool]]:
+        """All of them in one reading of the reports."""
+        return {run["key"]: [metrics.value(report, metric) for metric in of] for run, report in self.reports()}
 
     def table(self, *of: Metric) -> Table:
         """One row per run: its axes, ``seed``, ``status``, ``message``, and the metrics; NaN where nothing was measured."""
         asked = of or metrics.USUAL
-        found: dict[str, dict[str, Any]] = {run["key"]: {} for run in self.runs}
-        for run, report in self.reports():
-            found[run["key"]] = {metrics.name_of(metric): metrics.value(report, metric) for metric in asked}
         names = [metrics.name_of(metric) for metric in asked]
-        return Table.from_rows({**dict.fromkeys(self.axes), **run["place"], "seed": run["seed"], "status": run["status"],
-                                "message": run["message"], **{name: found[run["key"]].get(name, math.nan) for name in names}}
-                               for run in self.runs)
+        found, nothing = self._measured(asked), [math.nan] * len(names)
+        axes = dict.fromkeys(self.axes)
+        return Table.from_rows({**axes, **run["place"], "seed": run["seed"], "status": run["status"], "message": run["message"],
+                                **dict(zip(names, found.get(run["key"], nothing), strict=True))} for run in self.runs)
 
     def to_frame(self, *of: Metric) -> pandas.DataFrame:
         """The same as a pandas frame. Raises ImportError without pandas."""
@@ -95,18 +97,22 @@ class Sweep:
 
     def summary(self, metric: Metric = "misses") -> list[tuple[dict[str, Any], Spread]]:
         """Each point of the grid, and the metric over its repeats."""
-        values = self.values(metric)
-        points: dict[str, tuple[dict[str, Any], list[float | bool]]] = {}
+        return self._summaries([metric])[0]
+
+    def _summaries(self, of: Sequence[Metric]) -> list[list[tuple[dict[str, Any], Spread]]]:
+        measured = self._measured(of)
+        points: dict[str, tuple[dict[str, Any], list[list[float | bool]]]] = {}
         for run in self.runs:
             _, known = points.setdefault(json.dumps(run["place"]), (run["place"], []))
-            if run["key"] in values:
-                known.append(values[run["key"]])
-        return [(place, metrics.spread(known)) for place, known in points.values()]
+            if run["key"] in measured:
+                known.append(measured[run["key"]])
+        return [[(place, metrics.spread([values[n] for values in known])) for place, known in points.values()]
+                for n in range(len(of))]
 
     def text(self, *of: Metric) -> str:
         """A table for a terminal: one row per point, the metrics with their intervals and n."""
         asked = of or metrics.USUAL
-        summaries = [self.summary(metric) for metric in asked]
+        summaries = self._summaries(asked)
         axes = self.axes
         heads = [*(name.rpartition(".")[2] for name in axes), "n"]
         heads += [" ".join(filter(None, (metrics.name_of(metric), _bracket(metrics.unit_of(metric))))) for metric in asked]
