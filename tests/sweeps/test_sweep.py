@@ -66,6 +66,8 @@ def test_a_grid_that_has_grown_runs_what_is_new(done: Sweep, tmp_path: Path) -> 
 def test_repeats_differ_by_phase_only_where_asked(tmp_path: Path) -> None:
     found = sweep({"fixed": FIXED, "repeats": {"seeds": 3}}, tmp_path / "s", workers=1)
     assert "All repeats of every point agree: nothing was random" in found.text("misses", "any_miss")
+    phases = sweep({"fixed": FIXED, "repeats": {"seeds": 2, "phases": True}}, tmp_path / "p", workers=1)
+    assert "agree in these numbers, though their runs differ" in phases.text(lambda report: report["schema_version"])
     [(place, spread)] = found.summary("misses")
     assert place == {} and spread.n == 3 and not spread.varies
 

@@ -45,17 +45,25 @@ class Workers:
 class _Processes:
     """Workers of this machine, one process each: one that dies is started again, and so is what forks them."""
 
-    def __init__(self, address: str, count: int) -> None:
-        self.address, self.count = address, count
+    def __init__(self, count: int) -> None:
+        self.count = count
+        self.address = ""
         self.number = 0
-        self._start()
+        self._start()  # it imports what workers need while this process does the same
+
+    def join(self, address: str) -> None:
+        """Workers for the scheduler at that address."""
+        self.address = address
+        self._fork_all()
 
     def _start(self) -> None:
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-        command = [sys.executable, "-m", "cmrc.sweeps.local_worker", self.address, str(os.getpid())]
+        command = [sys.executable, "-m", "cmrc.sweeps.local_worker", str(os.getpid())]
         self.forker = subprocess.Popen(command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                        stderr=subprocess.DEVNULL, start_new_session=True)
         self.begun = time.monotonic()
+
+    def _fork_all(self) -> None:
         for _ in range(self.count):
             self._fork()
 
@@ -64,7 +72,7 @@ class _Processes:
         stream = self.forker.stdin
         assert stream is not None
         try:
-            stream.write(f"local-{self.number}\n".encode())
+            stream.write(f"{self.address} local-{self.number}\n".encode())
             stream.flush()
         except BrokenPipeError:
             pass  # seen by the next mend
@@ -73,6 +81,7 @@ class _Processes:
         if self.forker.poll() is not None:
             if time.monotonic() - self.begun > START_AGAIN_S:
                 self._start()
+                self._fork_all()
             return
         stream = self.forker.stdout
         assert stream is not None
@@ -99,12 +108,12 @@ def workers(address: str | None, count: int | None, security: Mapping[str, Any] 
     ``security`` has the fields of ``distributed.Security`` (tls_ca_file, tls_client_cert, ...). Raises SweepError where
     no cluster answers.
     """
+    if address is None:
+        with _local(count or os.cpu_count() or 1) as found:
+            yield found
+        return
     dask, distributed = needed("dask", "sweep", "cmrc.sweep"), needed("distributed", "sweep", "cmrc.sweep")
     with dask.config.set(SETTINGS):
-        if address is None:
-            with _local(distributed, count or os.cpu_count() or 1) as found:
-                yield found
-            return
         if count is not None:
             raise SweepError("workers: a cluster with an address has workers of its own; one of address and workers is expected")
         try:
@@ -119,16 +128,19 @@ def workers(address: str | None, count: int | None, security: Mapping[str, Any] 
 
 
 @contextmanager
-def _local(distributed: Any, count: int) -> Iterator[Workers]:
-    cluster = distributed.LocalCluster(n_workers=0, processes=True, dashboard_address="127.0.0.1:0", silence_logs=50,
-                                       host="127.0.0.1", scheduler_port=0)
+def _local(count: int) -> Iterator[Workers]:
+    processes = _Processes(count)
     try:
-        client = distributed.Client(cluster, set_as_default=False)
-        processes = _Processes(cluster.scheduler_address, count)
-        try:
-            yield Workers(client, processes)
-        finally:
-            client.close(timeout=5)
-            processes.close()
+        dask, distributed = needed("dask", "sweep", "cmrc.sweep"), needed("distributed", "sweep", "cmrc.sweep")
+        with dask.config.set(SETTINGS), distributed.LocalCluster(
+            n_workers=0, processes=True, dashboard_address="127.0.0.1:0", silence_logs=50, host="127.0.0.1", scheduler_port=0
+        ) as cluster:
+            client = distributed.Client(cluster, set_as_default=False)
+            processes.join(cluster.scheduler_address)
+            try:
+                yield Workers(client, processes)
+            finally:
+                client.close(timeout=5)
+                processes.close()
     finally:
-        cluster.close(timeout=10)
+        processes.close()

@@ -1,6 +1,6 @@
-"""``python -m cmrc.sweeps.local_worker ADDRESS PARENT``: forks Dask workers with one thread each, for a sweep on this machine.
+"""``python -m cmrc.sweeps.local_worker PARENT``: forks Dask workers with one thread each, for a sweep on this machine.
 
-A line with a name on its standard input starts a worker; a line ``NAME died`` on its standard output tells of one that has
+A line ``ADDRESS NAME`` on its standard input starts a worker; a line ``NAME died`` on its standard output tells of one that has
 ended. It has imported all that a worker needs, so that a worker is there in a fraction of the time of a new Python.
 """
 
@@ -51,7 +51,7 @@ def ended(children: dict[int, str]) -> list[str]:
 
 
 def main() -> None:
-    address, parent = sys.argv[1:]
+    [parent] = sys.argv[1:]
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the sweep, which ends its workers
     die_with_parent(int(parent))
     import distributed  # noqa: F401 (for the workers to be)
@@ -67,7 +67,8 @@ def main() -> None:
                 return
             *lines, told = (told + new).split(b"\n")
             for line in lines:
-                children[forked(address, line.decode())] = line.decode()
+                address, name = line.decode().split()
+                children[forked(address, name)] = name
         for name in ended(children):
             os.write(1, f"{name} died\n".encode())
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from types import TracebackType
 from typing import TYPE_CHECKING, Any
 
-from cmrc.extras import needed
+from cmrc.extras import installed
 from cmrc.sweeps import store
 from cmrc.sweeps.cluster import Workers
 from cmrc.sweeps.cluster import workers as cluster_of
@@ -41,8 +41,8 @@ class Session:
 
     def __init__(self, folder: str | os.PathLike[str], place: Place, execute: Execute, again_failed: bool = False,
                  on_progress: Callable[[Status], object] | None = None) -> None:
-        for module in ("pyarrow.parquet", "distributed"):
-            needed(module, "sweep", "cmrc.sweep")
+        for module in ("pyarrow", "distributed"):
+            installed(module, "sweep", "cmrc.sweep")
         self.folder, self.place, self.execute = Folder(folder), place, execute
         self.again_failed, self.on_progress = again_failed, on_progress
         self._open = ExitStack()
