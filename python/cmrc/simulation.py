@@ -116,7 +116,8 @@ class Simulation:
         self._profiled = profile
         if profile:
             self._core.profile()
-        if arguments.flag("keep_events", keep_events):
+        self._keeps_events = arguments.flag("keep_events", keep_events)
+        if keep_events:
             self._core.keep_events()
 
     def at(self, at_s: float, action: str, **fields: Setting) -> None:
@@ -149,8 +150,11 @@ class Simulation:
     def restore(self, snapshot: Snapshot) -> None:
         """The run is as it was at ``snapshot``, of this run or of another with the same configuration.
 
-        Raises SnapshotError for one of another configuration, program or version; then nothing has changed.
+        Raises SnapshotError for one of another configuration, program or version; then nothing has changed. Raises
+        RuntimeError with ``keep_events``.
         """
+        if self._keeps_events:
+            raise RuntimeError("restore: the run keeps its events, and cannot take back those that it has kept")
         self._core.restore(arguments.instance("snapshot", snapshot, Snapshot, "what Simulation.snapshot() gives"))
 
     def debug(self) -> Debugger:
@@ -174,7 +178,7 @@ class Simulation:
     @classmethod
     def _around(cls, core: _core.cmrc.Simulation, config: _core.cmrc.Config) -> Simulation:
         made = cls.__new__(cls)
-        made._core, made.config, made._profiled = core, config, False
+        made._core, made.config, made._profiled, made._keeps_events = core, config, False, False
         return made
 
     def result(self) -> Result:

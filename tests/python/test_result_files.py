@@ -53,6 +53,18 @@ def test_copies_and_pickles_are_the_same(result: cmrc.Result) -> None:
     assert result.hash != "0"
 
 
+def test_kept_events_are_the_trace_and_cannot_be_taken_back(result: cmrc.Result, emulator: Path, tmp_path: Path) -> None:
+    command = [emulator, "--dsps", "1", "--duration", "0.04", "--trace", tmp_path / "trace"]
+    subprocess.run(command, check=False, capture_output=True)
+    assert result.events == (tmp_path / "trace").read_text()
+    run = cmrc.Simulation(dsps=1, duration_s=0.03, keep_events=True)
+    before = run.snapshot()
+    run.run_until(0.001)
+    with pytest.raises(RuntimeError, match="keeps its events"):
+        run.restore(before)
+    assert run.fork().result().events is None
+
+
 def edited(path: Path, into: Path, member: str, content: bytes | None) -> Path:
     with zipfile.ZipFile(path) as old, zipfile.ZipFile(into, "w") as new:
         for name in old.namelist():
