@@ -12,10 +12,10 @@ from typing import Any
 from cmrc import _core, files
 
 PLACE = Path(__file__).resolve().parent.parent / "python" / "cmrc" / "_settings.pyi"
-HEAD = '''# Written by scripts/settings_stub.py from the configuration's schema (docs/configuration.md).
+HEAD = """# Written by scripts/settings_stub.py from the configuration's schema (docs/configuration.md).
 from typing import Literal, TypedDict
 
-'''
+"""
 OF_RUN = {"machine.dsps": "Settings", "run.duration_s": "LimitsSettings"}
 """Settings that some functions have as arguments of their own."""
 ARGUMENTS = ("reference",)
@@ -23,7 +23,11 @@ ARGUMENTS = ("reference",)
 CLASSES = (
     ("MoreSettings", "TypedDict, total=False", "Keywords of cmrc.run beside its own arguments."),
     ("LimitsSettings", "MoreSettings, total=False", "Keywords of cmrc.limits."),
-    ("Settings", "LimitsSettings, total=False", "Keywords of cmrc.Simulation: settings by the last part of their names."),
+    (
+        "Settings",
+        "LimitsSettings, total=False",
+        "Keywords of cmrc.Simulation: settings by the last part of their names.",
+    ),
 )
 TYPES = {"integer": "int", "number": "float", "boolean": "bool", "string": "str"}
 

@@ -1,8 +1,8 @@
-"""What a sweep costs beside its runs (docs/sweeps.md, Speed). Wall-clock times want a quiet machine with two processors.
+"""What a sweep costs beside its runs (docs/sweeps.md, Speed). Wall-clock times want a quiet machine with two
+processors.
 
-`PYTHONPATH=build/python python scripts/sweep_overhead.py [RUNS]`: so many runs (default 200) of 1 s simulated, in two plain
-processes and as a sweep on two workers, one after the other. Prints wall-clock and processor times of both.
-"""
+`PYTHONPATH=build/python python scripts/sweep_overhead.py [RUNS]`: so many runs (default 200) of 1 s simulated, in two
+plain processes and as a sweep on two workers, one after the other. Prints wall-clock and processor times of both."""
 
 from __future__ import annotations
 

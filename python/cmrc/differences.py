@@ -20,8 +20,9 @@ MISSING = "–"
 class Difference:
     """Of two results, named left and right."""
 
-    def __init__(self, left: Mapping[str, Any], right: Mapping[str, Any], event: Mapping[str, Any] | None,
-                 events_compared: bool) -> None:
+    def __init__(
+        self, left: Mapping[str, Any], right: Mapping[str, Any], event: Mapping[str, Any] | None, events_compared: bool
+    ) -> None:
         self.configuration: dict[str, tuple[Any, Any]] = dict(_unlike(left["configuration"], right["configuration"]))
         """By setting its value left and right."""
         versions = left.get("emulator_version"), right.get("emulator_version")
@@ -34,8 +35,10 @@ class Difference:
         """Both results have their events (``events=True``)."""
         self.metrics: list[tuple[str, Any, Any]] = sorted(
             ((name, one, other) for name, (one, other) in _unlike(dict(_leaves(left)), dict(_leaves(right)))),
-            key=lambda row: row[0].startswith("misses["))
-        """Every metric of the report that differs, in its order: name, left, right; missed jobs one by one come last."""
+            key=lambda row: row[0].startswith("misses["),
+        )
+        """Every metric of the report that differs, in its order: name, left, right; missed jobs one by one come
+        last."""
         self.same_hash = left["hash"] == right["hash"]
         """Both made the same events."""
 
@@ -47,21 +50,27 @@ class Difference:
     def first(self) -> str:
         """Where the difference begins, in a sentence."""
         if self.event is not None:
-            return (f"They differ from {self.event['when']} s on: {self.event['component']}, {self.event['field']} "
-                    f"{self.event['left']} and {self.event['right']}.")
+            return (
+                f"They differ from {self.event['when']} s on: {self.event['component']}, {self.event['field']} "
+                f"{self.event['left']} and {self.event['right']}."
+            )
         if self.same_hash:
             return "Both runs made the same events." + ("" if not self.metrics else " The reports differ.")
         if self.events_compared:
             return "No event differs; the final states of the machines do."
         name, one, other = next(row for row in self.metrics if row[0] != "hash")
-        return (f"The first metric that differs is {name}: {_shown(one)} and {_shown(other)}. "
-                "(Runs with events=True tell the first event, too.)")
+        return (
+            f"The first metric that differs is {name}: {_shown(one)} and {_shown(other)}. "
+            "(Runs with events=True tell the first event, too.)"
+        )
 
     @property
     def table(self) -> Table:
         """One row per metric: ``metric``, ``left``, ``right``, ``difference``; NaN where it is no number."""
-        return Table.from_rows({"metric": name, "left": _number(one), "right": _number(other),
-                                "difference": _number(other) - _number(one)} for name, one, other in self.metrics)
+        return Table.from_rows(
+            {"metric": name, "left": _number(one), "right": _number(other), "difference": _number(other) - _number(one)}
+            for name, one, other in self.metrics
+        )
 
     def text(self, most: int = 40) -> str:
         """For a terminal, at most so many metrics."""
@@ -75,17 +84,24 @@ class Difference:
             lines += [f"  {key}: {_shown(one)} -> {_shown(other)}" for key, (one, other) in self.configuration.items()]
         if self.metrics:
             lines += ["", f"Metrics ({len(self.metrics)} differ)"]
-            lines += [f"  {name}: {_shown(one)} -> {_shown(other)}{_change(one, other)}"
-                      for name, one, other in self.metrics[:most]]
+            lines += [
+                f"  {name}: {_shown(one)} -> {_shown(other)}{_change(one, other)}"
+                for name, one, other in self.metrics[:most]
+            ]
             if len(self.metrics) > most:
                 lines.append(f"  and {len(self.metrics) - most} more")
         return "\n".join(lines) + "\n"
 
     def to_dict(self) -> dict[str, Any]:
         """For JSON."""
-        return {"same": not self, "first": self.first if self else None, "versions": self.versions,
-                "configuration": {key: list(pair) for key, pair in self.configuration.items()}, "event": self.event,
-                "metrics": [{"metric": name, "left": one, "right": other} for name, one, other in self.metrics]}
+        return {
+            "same": not self,
+            "first": self.first if self else None,
+            "versions": self.versions,
+            "configuration": {key: list(pair) for key, pair in self.configuration.items()},
+            "event": self.event,
+            "metrics": [{"metric": name, "left": one, "right": other} for name, one, other in self.metrics],
+        }
 
     def __str__(self) -> str:
         return self.text()
@@ -96,10 +112,13 @@ class Difference:
     def _repr_html_(self) -> str:
         rows = [("setting", key, *pair) for key, pair in self.configuration.items()]
         rows += [("metric", *row) for row in self.metrics[:200]]
-        cells = "".join("<tr>" + "".join(f"<td>{html.escape(_shown(cell))}</td>" for cell in row) + "</tr>"
-                        for row in rows)
-        return (f"<p>{html.escape(self.first if self else 'The two results are the same.')}</p>"
-                f"<table><tr><th></th><th>name</th><th>left</th><th>right</th></tr>{cells}</table>")
+        cells = "".join(
+            "<tr>" + "".join(f"<td>{html.escape(_shown(cell))}</td>" for cell in row) + "</tr>" for row in rows
+        )
+        return (
+            f"<p>{html.escape(self.first if self else 'The two results are the same.')}</p>"
+            f"<table><tr><th></th><th>name</th><th>left</th><th>right</th></tr>{cells}</table>"
+        )
 
 
 Comparable = Result | Mapping[str, Any] | str | os.PathLike[str]
@@ -126,7 +145,9 @@ def _taken(name: str, of: Comparable) -> tuple[dict[str, Any], str | None]:
         except ValueError as error:
             raise ValueError(f"{name}: {error}") from None
     if not isinstance(of, (str, os.PathLike)):
-        raise TypeError(f"{name}: {type(of).__name__} cannot be used; a Result, a report or the path of a file is expected")
+        raise TypeError(
+            f"{name}: {type(of).__name__} cannot be used; a Result, a report or the path of a file is expected"
+        )
     import zipfile
 
     if zipfile.is_zipfile(of):

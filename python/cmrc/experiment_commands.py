@@ -51,7 +51,9 @@ def numbers(text: str, option: str) -> list[float]:
     try:
         if ":" not in text:
             return [float(part) for part in text.split(",")]
-        begin, end, step = [*map(float, text.split(":")), 1.0][:3] if text.count(":") == 1 else map(float, text.split(":"))
+        begin, end, step = (
+            [*map(float, text.split(":")), 1.0][:3] if text.count(":") == 1 else map(float, text.split(":"))
+        )
     except ValueError:
         raise ValueError(f"{option}: {text!r} is no grid; FROM:TO:STEP or VALUE,VALUE,... is expected") from None
     if not (step > 0 and begin <= end and (end - begin) / step <= 1000):
@@ -59,7 +61,9 @@ def numbers(text: str, option: str) -> list[float]:
     return [round(begin + n * step, 6) for n in range(int((end - begin) / step + 1e-9) + 1)]
 
 
-def _command(commands: Commands, name: str, help: str, do: Callable[[argparse.Namespace], int]) -> argparse.ArgumentParser:
+def _command(
+    commands: Commands, name: str, help: str, do: Callable[[argparse.Namespace], int]
+) -> argparse.ArgumentParser:
     parser: argparse.ArgumentParser = commands.add_parser(name, help=help, description=help)
     parser.set_defaults(do=lambda given: _told(name, do, given))
     return parser
@@ -78,13 +82,19 @@ def _told(name: str, do: Callable[[argparse.Namespace], int], given: argparse.Na
         return 2
 
 
-# ---- sweeps ------------------------------------------------------------------------------------------------------------
+# ---- sweeps --------------------------------------------------------------------------------------------------------
 
 
 def _where(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="FOLDER", help="where the runs are kept (default: FILE without its ending)")
-    parser.add_argument("--workers", type=int, metavar="N", help="processes of this machine (default: one per processor)")
-    parser.add_argument("--cluster", metavar="ADDRESS", help="a Dask cluster instead, tcp://HOST:8786; who can reach it can run code on it")
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="processes of this machine (default: one per processor)"
+    )
+    parser.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="a Dask cluster instead, tcp://HOST:8786; who can reach it can run code on it",
+    )
     for option, meaning in (("ca", "certificate authority"), ("cert", "certificate"), ("key", "private key")):
         parser.add_argument(f"--tls-{option}", metavar="FILE", help=f"{meaning} for a cluster at tls://")
 
@@ -146,7 +156,9 @@ def _do_sweep(given: argparse.Namespace) -> int:
         found = Sweep(_folder(given))
     else:
         with ProgressLine("cmrc sweep") as line:
-            found = sweep(given.file, _folder(given), again_failed=given.again_failed, on_progress=_show(line), **_place(given))
+            found = sweep(
+                given.file, _folder(given), again_failed=given.again_failed, on_progress=_show(line), **_place(given)
+            )
     metrics = given.metric or []
     print(files.printable_lines(found.text(*metrics)), end="")
     if given.csv is not None:
@@ -202,7 +214,7 @@ def _do_search(given: argparse.Namespace) -> int:
     return 0 if found.best is not None and found.check_passed is not False else 1
 
 
-# ---- one configuration -------------------------------------------------------------------------------------------------
+# ---- one configuration ---------------------------------------------------------------------------------------------
 
 
 def _configuration(parser: argparse.ArgumentParser) -> None:
@@ -231,11 +243,23 @@ def _limits(commands: Commands) -> None:
 
 
 def _do_limits(given: argparse.Namespace) -> int:
-    grids = {name: None if text is None else numbers(text, option) for name, text, option in (
-        ("cycles", given.cycles, "--cycles"), ("dsps", given.dsps_grid, "--dsps-grid"), ("servo", given.servo, "--servo"))}
+    grids = {
+        name: None if text is None else numbers(text, option)
+        for name, text, option in (
+            ("cycles", given.cycles, "--cycles"),
+            ("dsps", given.dsps_grid, "--dsps-grid"),
+            ("servo", given.servo, "--servo"),
+        )
+    }
     with ProgressLine("cmrc limits") as line:
-        found = cmrc.limits(**_configured(given), cycles=grids["cycles"], dsps=grids["dsps"], servo=grids["servo"],
-                            errors=given.errors, on_progress=lambda done, points: line.of(done, points, "runs"))
+        found = cmrc.limits(
+            **_configured(given),
+            cycles=grids["cycles"],
+            dsps=grids["dsps"],
+            servo=grids["servo"],
+            errors=given.errors,
+            on_progress=lambda done, points: line.of(done, points, "runs"),
+        )
     return _shown(given, found.text, found.report)
 
 

@@ -68,8 +68,11 @@ def explain(report: Mapping[str, Any], n: int | None = None) -> str:
     if n is None:
         if not misses:
             left = int(report["misses_left_out"])
-            return "No job missed its deadline." if left == 0 else (
-                f"{left} jobs missed their deadlines, but the report tells none one by one (report.misses_max).")
+            return (
+                "No job missed its deadline."
+                if left == 0
+                else (f"{left} jobs missed their deadlines, but the report tells none one by one (report.misses_max).")
+            )
         n = min(range(len(misses)), key=lambda i: _due_ps(misses[i]))
     if not -len(misses) <= n < len(misses):
         raise IndexError(f"n: {n}; the report tells {len(misses)} missed jobs one by one, 0 to {len(misses) - 1}")
@@ -111,9 +114,11 @@ def _when(miss: Mapping[str, Any]) -> str:
     if miss["deadline_ps"] is None:
         return f"{released}, has no deadline, and its account ends at {_instant(miss['end_ps'])}."
     ended = "ended" if miss["outcome"] == "late" else "had not ended"
-    return (f"{released}, was to be done by {_instant(miss['deadline_ps'])}, and {ended} at "
-            f"{_instant(miss['end_ps'])}, {_duration(miss['lateness_ps'])} too late"
-            + (f"; a usual run takes {_duration(miss['usual_ps'])}." if miss["usual_ps"] is not None else "."))
+    return (
+        f"{released}, was to be done by {_instant(miss['deadline_ps'])}, and {ended} at "
+        f"{_instant(miss['end_ps'])}, {_duration(miss['lateness_ps'])} too late"
+        + (f"; a usual run takes {_duration(miss['usual_ps'])}." if miss["usual_ps"] is not None else ".")
+    )
 
 
 def _in_the_way(miss: Mapping[str, Any]) -> list[str]:
@@ -129,7 +134,9 @@ def _in_the_way(miss: Mapping[str, Any]) -> list[str]:
     whole = sum(ps for ps in miss["parts_ps"].values() if ps > 0)
     others = [(part, ps) for part, ps in others if ps >= 0.05 * whole]
     if others:
-        told.append("Of its time " + _list([f"{_duration(ps)} passed while {_part(part)}" for part, ps in others]) + ".")
+        told.append(
+            "Of its time " + _list([f"{_duration(ps)} passed while {_part(part)}" for part, ps in others]) + "."
+        )
     return told
 
 
@@ -150,7 +157,8 @@ def _avoidance(miss: Mapping[str, Any]) -> list[str]:
     if alone:
         part, ps = alone[0]
         avoided = f"Without the {_duration(ps)} in which {_part(part)}, the job would have been done " + (
-            "at its deadline" if ps == late else f"{_duration(ps - late)} before its deadline")
+            "at its deadline" if ps == late else f"{_duration(ps - late)} before its deadline"
+        )
         told.append(avoided + _remedy([part]) + ".")
         return told
     chosen: list[str] = []
@@ -161,8 +169,10 @@ def _avoidance(miss: Mapping[str, Any]) -> list[str]:
         if gained >= late:
             break
     if gained >= late and chosen:
-        told.append(f"No single cause made it late: without {_list([_part(part) for part in chosen])} together the job "
-                    f"would have been in time{_remedy(chosen)}.")
+        told.append(
+            f"No single cause made it late: without {_list([_part(part) for part in chosen])} together the job "
+            f"would have been in time{_remedy(chosen)}."
+        )
     return told
 
 

@@ -18,5 +18,6 @@ def needed(module: str, extra: str, what: str) -> Any:
     try:
         return importlib.import_module(module)
     except ImportError as error:
-        raise ImportError(f"{what} needs {error.name or module}, which is not installed: pip install 'cmrc[{extra}]'",
-                          name=error.name) from error
+        raise ImportError(
+            f"{what} needs {error.name or module}, which is not installed: pip install 'cmrc[{extra}]'", name=error.name
+        ) from error

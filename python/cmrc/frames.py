@@ -14,7 +14,17 @@ COLUMNS = ("kind", "metric", "unit", "value")
 RUN = "run"
 """The kind of what the whole run is measured by."""
 SUMMARY = ("count", "best", "mean", "p50", "p99", "p99_9", "worst")
-COUNTS = ("released", "on_time", "late", "unfinished", "never_started", "lost", "dropped", "misses", "longest_miss_streak")
+COUNTS = (
+    "released",
+    "on_time",
+    "late",
+    "unfinished",
+    "never_started",
+    "lost",
+    "dropped",
+    "misses",
+    "longest_miss_streak",
+)
 SUMMARIES = ("response_ps", "waiting_ps", "execution_ps", "lateness_ps")
 JITTER = ("count", "peak_to_peak", "worst", "rms")
 DEMAND = (("demanded", "jobs"), ("missed_share", "1"), ("realised_hz", "Hz"), ("realised_worst_hz", "Hz"))

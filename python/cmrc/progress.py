@@ -21,7 +21,8 @@ BEAT_S = 0.5
 
 
 class ProgressLine:
-    """``with ProgressLine("sweep") as line: line.show("3 of 8 runs")``. What is shown in between is gone at the end of the work."""
+    """``with ProgressLine("sweep") as line: line.show("3 of 8 runs")``. What is shown in between is gone at the end of
+    the work."""
 
     def __init__(self, what: str, stream: TextIO | None = None) -> None:
         self.what, self.stream = what, sys.stderr if stream is None else stream
@@ -77,5 +78,7 @@ class ProgressLine:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self.clear()

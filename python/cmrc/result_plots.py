@@ -22,9 +22,20 @@ COLOURS = ("#000000", "#0072b2", "#d55e00", "#56b4e9", "#e69f00", "#009e73", "#c
 LINES = ("-", "--", "-.", ":")
 MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
 HATCHES = ("", "////", "\\\\\\\\", "....", "xxxx", "||||", "++++", "oooo")
-KINDS = ("error", "trajectory_planning.crane", "trajectory_planning.agv", "inverse_kinematics.crane",
-         "inverse_kinematics.agv", "torque_compensation", "pid", "identify", "grab_path", "home.crane", "home.agv",
-         "obstacle_avoidance")
+KINDS = (
+    "error",
+    "trajectory_planning.crane",
+    "trajectory_planning.agv",
+    "inverse_kinematics.crane",
+    "inverse_kinematics.agv",
+    "torque_compensation",
+    "pid",
+    "identify",
+    "grab_path",
+    "home.crane",
+    "home.agv",
+    "obstacle_avoidance",
+)
 """By the numbers KIND_* of c40_programs/include/task_block.inc, as events have them."""
 MISSED = ("late", "unfinished", "never_started", "lost", "dropped")
 _EVENT = re.compile(r"(\d+\.\d+) \[dsp (\d+)\] (claim|finish) block=(0x[0-9a-f]+|\d+) kind=(\d+)")
@@ -56,10 +67,22 @@ def gantt(result: Result, axes: Axes, from_s: float, to_s: float) -> None:
         of = [block for block in blocks if block[1] == kind]
         bars = [(max(b, from_s) * 1e3, (min(e, to_s) - max(b, from_s)) * 1e3) for _, _, b, e in of]
         for (slot, *_), bar in zip(of, bars, strict=True):
-            axes.broken_barh([bar], (slot - 0.4, 0.8), facecolor=COLOURS[(n + 1) % len(COLOURS)], edgecolor="k",
-                             linewidth=0.4, hatch=HATCHES[n % len(HATCHES)])
-        axes.broken_barh([], (0, 0), facecolor=COLOURS[(n + 1) % len(COLOURS)], edgecolor="k",
-                         hatch=HATCHES[n % len(HATCHES)], label=kind)
+            axes.broken_barh(
+                [bar],
+                (slot - 0.4, 0.8),
+                facecolor=COLOURS[(n + 1) % len(COLOURS)],
+                edgecolor="k",
+                linewidth=0.4,
+                hatch=HATCHES[n % len(HATCHES)],
+            )
+        axes.broken_barh(
+            [],
+            (0, 0),
+            facecolor=COLOURS[(n + 1) % len(COLOURS)],
+            edgecolor="k",
+            hatch=HATCHES[n % len(HATCHES)],
+            label=kind,
+        )
     due = [(miss["deadline_ps"] or miss["release_ps"]) / 1e12 for miss in result.missed]
     shown = [instant * 1e3 for instant in due if from_s <= instant <= to_s]
     slots = len(result.report["dsps"])
@@ -71,7 +94,8 @@ def gantt(result: Result, axes: Axes, from_s: float, to_s: float) -> None:
 
 
 def runs(events: str) -> Iterator[tuple[int, str, float, float]]:
-    """DSP, kind, begin and end in s of every block that a trace tells; one that has not ended lasts to the last event."""
+    """DSP, kind, begin and end in s of every block that a trace tells; one that has not ended lasts to the last
+    event."""
     running: dict[int, tuple[str, float]] = {}
     last = 0.0
     for found in _EVENT.finditer(events):
@@ -88,29 +112,50 @@ def runs(events: str) -> Iterator[tuple[int, str, float, float]]:
 
 
 def histogram(result: Result, axes: Axes) -> None:
-    """Shares of the finished jobs of each kind over their response time, in bins from one power of two to the next: one row
-    per kind, the darker the more, the share in % as a number."""
+    """Shares of the finished jobs of each kind over their response time, in bins from one power of two to the next: one
+    row per kind, the darker the more, the share in % as a number."""
     kinds = _finished(result)
     bins = {kind: task["response_ps"]["log2_histogram"] for kind, task in kinds.items()}
     used = [i for counts in bins.values() for i, count in enumerate(counts) if count]
     first, last = min(used, default=0), max(used, default=0)
     edges = [2.0 ** (i - 1) * 1e-6 for i in range(first, last + 2)]
-    shares = np.array([[100 * (counts[i] if i < len(counts) else 0) / kinds[kind]["response_ps"]["count"]
-                        for i in range(first, last + 1)] for kind, counts in bins.items()] or [[0.0]])
-    axes.pcolormesh(edges, np.arange(len(shares) + 1) - 0.5, shares, cmap="Greys", vmin=0, vmax=100, edgecolors="0.85", lw=0.4)
+    shares = np.array(
+        [
+            [
+                100 * (counts[i] if i < len(counts) else 0) / kinds[kind]["response_ps"]["count"]
+                for i in range(first, last + 1)
+            ]
+            for kind, counts in bins.items()
+        ]
+        or [[0.0]]
+    )
+    axes.pcolormesh(
+        edges, np.arange(len(shares) + 1) - 0.5, shares, cmap="Greys", vmin=0, vmax=100, edgecolors="0.85", lw=0.4
+    )
     for y, row in enumerate(shares):
         for i, share in enumerate(row):
             if share:
-                axes.text(np.sqrt(edges[i] * edges[i + 1]), y, f"{share:.0f}" if share >= 0.5 else "<1", ha="center", va="center",
-                          fontsize=6.5, color="w" if share > 50 else "k")
-    axes.set(xscale="log", xlabel="response time, us", title="response times: share of a kind's jobs, %",
-             ylim=(len(shares) - 0.5, -0.5))
+                axes.text(
+                    np.sqrt(edges[i] * edges[i + 1]),
+                    y,
+                    f"{share:.0f}" if share >= 0.5 else "<1",
+                    ha="center",
+                    va="center",
+                    fontsize=6.5,
+                    color="w" if share > 50 else "k",
+                )
+    axes.set(
+        xscale="log",
+        xlabel="response time, us",
+        title="response times: share of a kind's jobs, %",
+        ylim=(len(shares) - 0.5, -0.5),
+    )
     axes.set_yticks(range(len(kinds)), list(kinds), fontsize=7)
 
 
 def cdf(result: Result, axes: Axes) -> None:
-    """Share of the finished jobs of each kind done within a time: exact at the powers of two, and at a percentile at least
-    that share."""
+    """Share of the finished jobs of each kind done within a time: exact at the powers of two, and at a percentile at
+    least that share."""
     for n, (kind, task) in enumerate(_finished(result).items()):
         response = task["response_ps"]
         points = {float(response["best"]): 0.0}
@@ -124,8 +169,13 @@ def cdf(result: Result, axes: Axes) -> None:
         times = np.array(sorted(points))
         shares = np.maximum.accumulate([points[time] for time in times])
         axes.plot(times * 1e-6, 100 * shares, label=kind, marker=MARKS[n % len(MARKS)], ms=3, lw=1.2, **style(n))
-    axes.set(xscale="log", xlabel="response time, us", ylabel="jobs done within it, %", ylim=(-2, 102),
-             title="response times, cumulated")
+    axes.set(
+        xscale="log",
+        xlabel="response time, us",
+        ylabel="jobs done within it, %",
+        ylim=(-2, 102),
+        title="response times, cumulated",
+    )
     legend(axes)
 
 
@@ -137,19 +187,32 @@ def misses(result: Result, axes: Axes) -> None:
     for n, outcome in enumerate(MISSED):
         counts = np.array([tasks[name][outcome] for name in names], dtype=float)
         if counts.any():
-            axes.barh(names, counts, left=left, label=outcome.replace("_", " "), color=COLOURS[(n + 1) % len(COLOURS)],
-                      hatch=HATCHES[n % len(HATCHES)], edgecolor="k", linewidth=0.4)
+            axes.barh(
+                names,
+                counts,
+                left=left,
+                label=outcome.replace("_", " "),
+                color=COLOURS[(n + 1) % len(COLOURS)],
+                hatch=HATCHES[n % len(HATCHES)],
+                edgecolor="k",
+                linewidth=0.4,
+            )
         left += counts
     for y, (name, total) in enumerate(zip(names, left, strict=True)):
         axes.text(total, y, f" {int(total)} of {tasks[name]['released']}", va="center", fontsize=7)
-    axes.set(xlabel="jobs not on time", title="deadlines", xlim=(0, max(1.0, left.max(initial=0.0) * 1.35)), ylim=(len(names) - 0.4, -0.6))
+    axes.set(
+        xlabel="jobs not on time",
+        title="deadlines",
+        xlim=(0, max(1.0, left.max(initial=0.0) * 1.35)),
+        ylim=(len(names) - 0.4, -0.6),
+    )
     axes.tick_params(axis="y", labelsize=7)
     legend(axes)
 
 
 def load_error(result: Result, axes: Axes) -> None:
-    """The load's true distance from where the plan has it: the ideal run's load at the same instant; what PID believes of
-    its joints is no part of it. Raises ValueError for a result without a reference."""
+    """The load's true distance from where the plan has it: the ideal run's load at the same instant; what PID believes
+    of its joints is no part of it. Raises ValueError for a result without a reference."""
     signals = result.signals
     if "payload_reference_x_m" not in signals:
         raise ValueError("load_error: the run has no reference (report.reference)")
@@ -158,7 +221,9 @@ def load_error(result: Result, axes: Axes) -> None:
     axes.plot(signals["time_s"], 1e3 * error, "k-", lw=1.2, label="load")
     due = [(miss["deadline_ps"] or miss["release_ps"]) / 1e12 for miss in result.missed]
     if due:
-        axes.plot(due, np.zeros(len(due)), "|", color=COLOURS[2], ms=8, label="missed deadlines\n(those told one by one)")
+        axes.plot(
+            due, np.zeros(len(due)), "|", color=COLOURS[2], ms=8, label="missed deadlines\n(those told one by one)"
+        )
     axes.set(xlabel="time, s", ylabel="distance from the plan, mm", title="true error of the load")
     legend(axes)
 

@@ -53,8 +53,16 @@ def load(path: str | os.PathLike[str]) -> dict[str, Any]:
     try:
         with zipfile.ZipFile(name) as archive:
             return _unpacked(archive)
-    except (zipfile.BadZipFile, zlib.error, KeyError, ValueError, TypeError, EOFError, NotImplementedError,
-            RecursionError) as error:
+    except (
+        zipfile.BadZipFile,
+        zlib.error,
+        KeyError,
+        ValueError,
+        TypeError,
+        EOFError,
+        NotImplementedError,
+        RecursionError,
+    ) as error:
         raise ValueError(f"{name}: no saved result ({_shown(error)}); Result.save writes one") from error
 
 
@@ -78,8 +86,13 @@ def _unpacked(archive: zipfile.ZipFile) -> dict[str, Any]:
     if len({len(column) for column in signals.values()}) > 1:
         raise ValueError("signals of different lengths")
     events = read("events.txt").decode() if head["events"] else None
-    return {"report": report, "text": read("report.txt").decode(), "signals": signals, "profile": profile,
-            "events": events}
+    return {
+        "report": report,
+        "text": read("report.txt").decode(),
+        "signals": signals,
+        "profile": profile,
+        "events": events,
+    }
 
 
 def checked_report(report: Any) -> dict[str, Any]:
@@ -87,8 +100,10 @@ def checked_report(report: Any) -> dict[str, Any]:
     if not isinstance(report, Mapping) or "schema_version" not in report:
         raise ValueError("there is no report with a schema_version in it")
     if report["schema_version"] not in SCHEMA_VERSIONS:
-        raise ValueError(f"the report has schema version {report['schema_version']}; "
-                         f"this version of cmrc reads {', '.join(map(str, SCHEMA_VERSIONS))}")
+        raise ValueError(
+            f"the report has schema version {report['schema_version']}; "
+            f"this version of cmrc reads {', '.join(map(str, SCHEMA_VERSIONS))}"
+        )
     for key, kind in (("configuration", Mapping), ("tasks", Mapping), ("misses", list), ("hash", str)):
         if not isinstance(report.get(key), kind):
             raise ValueError(f"the report has no {key!r}, or one of a wrong kind")  # noqa: TRY004 (a file is wrong)

@@ -16,16 +16,26 @@ if TYPE_CHECKING:
     from cmrc.sweeps import Sweep
     from cmrc.sweeps.metrics import Metric, Spread
 
-UNITS = {"hz": "Hz", "s": "s", "m": "m", "ms": "ms", "us": "us", "ns": "ns", "kg": "kg", "cycles": "cycles", "refreshes": "refreshes"}
+UNITS = {
+    "hz": "Hz",
+    "s": "s",
+    "m": "m",
+    "ms": "ms",
+    "us": "us",
+    "ns": "ns",
+    "kg": "kg",
+    "cycles": "cycles",
+    "refreshes": "refreshes",
+}
 NO_UNIT = ("dsps", "agvs", "slots", "cycle_time_factor", "seed")
 
 
 def grid(sweep: Sweep, axes: Axes, x: str | None = None, lines: str | None = None, metric: Metric = "misses") -> None:
-    """A metric over the setting ``x``, one line per value of the setting ``lines``; what varies between repeats has its 95 %
-    interval. Without names: the axis with the most values, and the next one.
+    """A metric over the setting ``x``, one line per value of the setting ``lines``; what varies between repeats has its
+    95 % interval. Without names: the axis with the most values, and the next one.
 
-    Points that were refused or failed are gaps. Raises ValueError where further axes vary: one point would have several values.
-    """
+    Points that were refused or failed are gaps. Raises ValueError where further axes vary: one point would have several
+    values."""
     from cmrc.sweeps import metrics
 
     summary = sweep.summary(metric)
@@ -42,7 +52,9 @@ def grid(sweep: Sweep, axes: Axes, x: str | None = None, lines: str | None = Non
         low = np.array([spread.mean - spread.low if spread.varies else 0.0 for _, spread in points])
         high = np.array([spread.high - spread.mean if spread.varies else 0.0 for _, spread in points])
         label = None if lines is None else f"{_short(lines)} = {_value(value)}"
-        axes.errorbar(at, means, yerr=[low, high], label=label, marker=MARKS[n % len(MARKS)], ms=5, lw=1.3, capsize=3, **style(n))
+        axes.errorbar(
+            at, means, yerr=[low, high], label=label, marker=MARKS[n % len(MARKS)], ms=5, lw=1.3, capsize=3, **style(n)
+        )
     if words:
         axes.set_xticks(range(len(names)), [_value(name) for name in names])
     elif all(isinstance(name, int) for name in names):
@@ -54,7 +66,9 @@ def grid(sweep: Sweep, axes: Axes, x: str | None = None, lines: str | None = Non
     legend(axes)
 
 
-def _axes_of(sweep: Sweep, summary: Sequence[tuple[dict[str, Any], Spread]], x: str | None, lines: str | None) -> tuple[str, str | None]:
+def _axes_of(
+    sweep: Sweep, summary: Sequence[tuple[dict[str, Any], Spread]], x: str | None, lines: str | None
+) -> tuple[str, str | None]:
     from cmrc.sweeps.grid import full_name
 
     if not summary:
@@ -68,14 +82,16 @@ def _axes_of(sweep: Sweep, summary: Sequence[tuple[dict[str, Any], Spread]], x: 
             raise ValueError(f"grid: {name or 'nothing'} is no axis of the sweep; {', '.join(values) or 'none'} are")
     places = {(repr(place[x]), repr(place.get(lines)) if lines else "") for place, _ in summary}
     if len(places) < len(summary):
-        raise ValueError(f"grid: besides {x} and {lines} {', '.join(n for n in varied if n not in (x, lines))} varies; "
-                         "a sweep over two axes is expected")
+        raise ValueError(
+            f"grid: besides {x} and {lines} {', '.join(n for n in varied if n not in (x, lines))} varies; "
+            "a sweep over two axes is expected"
+        )
     return x, lines
 
 
 def cost(sweep: Sweep, axes: Axes, missed: Metric = "f_p_missed", price: Metric = "load_rms") -> None:
-    """What misses cost: a point per run, the share of missed deadlines against the load's true error. Runs of one value of the
-    first axis have one mark."""
+    """What misses cost: a point per run, the share of missed deadlines against the load's true error. Runs of one value
+    of the first axis have one mark."""
     from cmrc.sweeps import metrics
 
     shares, prices = sweep.values(missed), sweep.values(price)
@@ -85,10 +101,18 @@ def cost(sweep: Sweep, axes: Axes, missed: Metric = "f_p_missed", price: Metric 
         if run["key"] in shares:
             groups.setdefault(run["place"].get(first), []).append(run["key"])
     for n, (value, keys) in enumerate(sorted(groups.items(), key=lambda group: _order(group[0]))):
-        look = {"color": style(n)["color"], "marker": MARKS[n % len(MARKS)], "linestyle": "none", "ms": 6, "mfc": "none" if n % 2 else None}
+        look = {
+            "color": style(n)["color"],
+            "marker": MARKS[n % len(MARKS)],
+            "linestyle": "none",
+            "ms": 6,
+            "mfc": "none" if n % 2 else None,
+        }
         label = None if first is None else f"{_short(first)} = {_value(value)}"
         axes.plot([float(shares[key]) for key in keys], [float(prices[key]) for key in keys], label=label, **look)
-    labels = [metrics.name_of(of) + (f", {metrics.unit_of(of)}" if metrics.unit_of(of) else "") for of in (missed, price)]
+    labels = [
+        metrics.name_of(of) + (f", {metrics.unit_of(of)}" if metrics.unit_of(of) else "") for of in (missed, price)
+    ]
     _engineering(axes, metrics.unit_of(missed), metrics.unit_of(price))
     axes.set(xlabel=labels[0], ylabel=labels[1], title="what misses cost")
     legend(axes)
@@ -113,7 +137,9 @@ def _title(summary: Sequence[tuple[dict[str, Any], Spread]]) -> str:
     if not repeats or max(repeats) == 1:
         return "one run per point"
     told = f"n = {min(repeats)}" if len(repeats) == 1 else f"n = {min(repeats)} to {max(repeats)}"
-    return f"mean of {told}" + (", 95 % intervals" if any(spread.varies for _, spread in summary) else ": all repeats agree")
+    return f"mean of {told}" + (
+        ", 95 % intervals" if any(spread.varies for _, spread in summary) else ": all repeats agree"
+    )
 
 
 def _short(name: str) -> str:

@@ -23,9 +23,13 @@ def other() -> cmrc.Result:
 
 
 def same(one: cmrc.Result, two: cmrc.Result) -> bool:
-    return (one.report == two.report and one.text == two.text and one.events == two.events
-            and list(one.signals) == list(two.signals)
-            and all(np.array_equal(one.signals[name], two.signals[name], equal_nan=True) for name in one.signals))
+    return (
+        one.report == two.report
+        and one.text == two.text
+        and one.events == two.events
+        and list(one.signals) == list(two.signals)
+        and all(np.array_equal(one.signals[name], two.signals[name], equal_nan=True) for name in one.signals)
+    )
 
 
 def test_a_saved_result_is_the_same_when_loaded(result: cmrc.Result, other: cmrc.Result, tmp_path: Path) -> None:
@@ -53,7 +57,9 @@ def test_copies_and_pickles_are_the_same(result: cmrc.Result) -> None:
     assert result.hash != "0"
 
 
-def test_kept_events_are_the_trace_and_cannot_be_taken_back(result: cmrc.Result, emulator: Path, tmp_path: Path) -> None:
+def test_kept_events_are_the_trace_and_cannot_be_taken_back(
+    result: cmrc.Result, emulator: Path, tmp_path: Path
+) -> None:
     command = [emulator, "--dsps", "1", "--duration", "0.04", "--trace", tmp_path / "trace"]
     subprocess.run(command, check=False, capture_output=True)
     assert result.events == (tmp_path / "trace").read_text()
@@ -236,10 +242,16 @@ def test_an_explanation_names_who_stood_in_the_way(result: cmrc.Result) -> None:
 
 
 def test_what_would_have_avoided_it_is_the_chains_arithmetic(result: cmrc.Result) -> None:
-    late = next(n for n, miss in enumerate(result.missed) if miss["outcome"] == "late"
-                and max(miss["parts_ps"].values()) > miss["lateness_ps"])
+    late = next(
+        n
+        for n, miss in enumerate(result.missed)
+        if miss["outcome"] == "late" and max(miss["parts_ps"].values()) > miss["lateness_ps"]
+    )
     miss = result.missed[late]
     spare = max(miss["parts_ps"].values()) - miss["lateness_ps"]
-    said = next(f"{spare / size:.4g} {unit}" for unit, size in (("s", 1e12), ("ms", 1e9), ("us", 1e6), ("ns", 1e3))
-                if spare >= size)
+    said = next(
+        f"{spare / size:.4g} {unit}"
+        for unit, size in (("s", 1e12), ("ms", 1e9), ("us", 1e6), ("ns", 1e3))
+        if spare >= size
+    )
     assert f"would have been done {said} before its deadline" in result.explain(late)

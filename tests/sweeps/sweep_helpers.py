@@ -14,8 +14,16 @@ cloudpickle.register_pickle_by_value(sys.modules[__name__])
 
 
 def answer(key: str, **more: Any) -> dict[str, Any]:
-    return {"key": key, "status": store.DONE, "message": "", "hash": key, "report": store.packed({"number": 1}),
-            "elapsed_s": 0.0, "host": "here", **more}
+    return {
+        "key": key,
+        "status": store.DONE,
+        "message": "",
+        "hash": key,
+        "report": store.packed({"number": 1}),
+        "elapsed_s": 0.0,
+        "host": "here",
+        **more,
+    }
 
 
 class Takes:

@@ -31,10 +31,22 @@ def test_a_sweep_from_empty_to_picture(tmp_path: Path, capsys: pytest.CaptureFix
     pytest.importorskip("matplotlib")
     file = tmp_path / "grid.toml"
     file.write_text(GRID)
-    asked = ["sweep", str(file), "--metric", "misses", "--csv", str(tmp_path / "runs.csv"), "--plot", str(tmp_path / "a.svg")]
+    asked = [
+        "sweep",
+        str(file),
+        "--metric",
+        "misses",
+        "--csv",
+        str(tmp_path / "runs.csv"),
+        "--plot",
+        str(tmp_path / "a.svg"),
+    ]
     assert main([*asked, "--workers", "1"]) == 0
     said = capsys.readouterr().out
-    assert said.splitlines()[0].split() == ["dsps", "n", "misses", "(jobs)"] and "2 runs done, 0 refused, 0 failed." in said
+    assert (
+        said.splitlines()[0].split() == ["dsps", "n", "misses", "(jobs)"]
+        and "2 runs done, 0 refused, 0 failed." in said
+    )
     rows = (tmp_path / "runs.csv").read_text().splitlines()
     assert rows[0] == "machine.dsps,seed,status,message,misses" and len(rows) == 3
     assert "machine.dsps" in (tmp_path / "a.svg").read_text()
@@ -55,7 +67,12 @@ def test_a_sweep_from_empty_to_picture(tmp_path: Path, capsys: pytest.CaptureFix
     (None, [], "grid.toml"),
 ])  # fmt: skip
 def test_what_a_user_can_get_wrong_is_a_sentence_and_loses_nothing(
-    text: str | None, more: list[str], says: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    text: str | None,
+    more: list[str],
+    says: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
     if text is not None:
@@ -85,13 +102,22 @@ def test_limits_and_compare_are_the_functions(tmp_path: Path, capsys: pytest.Cap
     assert main(["compare", *asked]) == 0
     assert capsys.readouterr().out == cmrc.compare(duration_s=0.03).text
     assert "metrics" in json.loads((tmp_path / "a.json").read_text())
-    for bad in (["limits", "--dsps-grid", "2:1"], ["limits", "--servo", "fast"], ["compare", "--set", "dsps"], ["limits", "--config", "no.toml"]):
+    for bad in (
+        ["limits", "--dsps-grid", "2:1"],
+        ["limits", "--servo", "fast"],
+        ["compare", "--set", "dsps"],
+        ["limits", "--config", "no.toml"],
+    ):
         assert main(bad) == 2
         assert capsys.readouterr().err.startswith(f"cmrc {bad[0]}: ")
 
 
 def test_grids_on_the_command_line() -> None:
-    assert numbers("1:3:0.5", "--cycles") == [1.0, 1.5, 2.0, 2.5, 3.0] and numbers("1:3", "--dsps-grid") == [1.0, 2.0, 3.0]
+    assert numbers("1:3:0.5", "--cycles") == [1.0, 1.5, 2.0, 2.5, 3.0] and numbers("1:3", "--dsps-grid") == [
+        1.0,
+        2.0,
+        3.0,
+    ]
     assert numbers("500,2000", "--servo") == [500.0, 2000.0]
     for bad in ("", "a", "1:2:0", "1:2:3:4", "1::2", "1:100000"):
         with pytest.raises(ValueError, match="--cycles"):
@@ -119,7 +145,9 @@ def test_ctrl_c_ends_a_sweep_with_status_130_and_frees_the_folder(tmp_path: Path
     (tmp_path / "grid.toml").write_text(GRID.replace("0.03", "20.0"))
     environment = {**os.environ, "PYTHONPATH": str(BUILD / "python")}
     command = [sys.executable, "-m", "cmrc", "sweep", "grid.toml", "--workers", "1"]
-    run = subprocess.Popen(command, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    run = subprocess.Popen(
+        command, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
     deadline = time.monotonic() + 60
     while not (tmp_path / "grid" / "sweep.json").exists() and time.monotonic() < deadline and run.poll() is None:
         time.sleep(0.05)
@@ -145,7 +173,9 @@ def test_progress_is_a_line_that_goes_away(monkeypatch: pytest.MonkeyPatch) -> N
         for _ in range(24):
             line.of(now[0] - 100, 3.0)
             now[0] += 0.125
-    assert shown.getvalue().startswith("\rwork: 1 of 3 s simulated, about 2 s left") and shown.getvalue().endswith(" \r")
+    assert shown.getvalue().startswith("\rwork: 1 of 3 s simulated, about 2 s left") and shown.getvalue().endswith(
+        " \r"
+    )
     log = io.StringIO()
     with ProgressLine("work", log) as line:
         for _ in range(400):

@@ -15,7 +15,9 @@ def text_of(tmp_path: Path, text: str) -> grids.Grid:
 
 
 def test_axes_are_multiplied_and_what_goes_together_is_not(tmp_path: Path) -> None:
-    grid = text_of(tmp_path, """
+    grid = text_of(
+        tmp_path,
+        """
         [fixed]
         preset = "saturated"
         duration_s = 0.5
@@ -34,17 +36,30 @@ def test_axes_are_multiplied_and_what_goes_together_is_not(tmp_path: Path) -> No
         at_s = 0.1
         action = "fail"
         dsp = 0
-    """)
+    """,
+    )
     points = list(grid.points())
     assert len(points) == len(grid) == 2 * 3 * 2 * 2
     assert grid.names == ["machine.dsps", "rates.servo_frequency_hz", "dock.agvs", "scheduling.agv_phase"]
     first = points[0]
-    assert first.place == {"machine.dsps": 2, "rates.servo_frequency_hz": 500.0, "dock.agvs": 1,
-                           "scheduling.agv_phase": "together"}
-    assert first.settings == {**first.place, "run.duration_s": 0.5, "machine.idle_policy": "spin",
-                              "run.phase_jitter": True, "run.seed": 7}
+    assert first.place == {
+        "machine.dsps": 2,
+        "rates.servo_frequency_hz": 500.0,
+        "dock.agvs": 1,
+        "scheduling.agv_phase": "together",
+    }
+    assert first.settings == {
+        **first.place,
+        "run.duration_s": 0.5,
+        "machine.idle_policy": "spin",
+        "run.phase_jitter": True,
+        "run.seed": 7,
+    }
     assert first.preset == "saturated" and first.events == [{"at_s": 0.1, "action": "fail", "dsp": 0}]
-    assert {(p.place["dock.agvs"], p.place["scheduling.agv_phase"]) for p in points} == {(1, "together"), (2, "staggered")}
+    assert {(p.place["dock.agvs"], p.place["scheduling.agv_phase"]) for p in points} == {
+        (1, "together"),
+        (2, "staggered"),
+    }
     assert [p.seed for p in points[:3]] == [7, 8, 7]
 
 

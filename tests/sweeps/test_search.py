@@ -68,8 +68,13 @@ def test_where_nothing_or_everything_passes() -> None:
 
 def test_neighbours_show_what_is_not_monotone() -> None:
     """Just before the answer lies a gap that misses: scheduling without preemption has such anomalies."""
-    found, _ = bisected(lambda place, _: 2.028 < place["machine.cycle_time_factor"] < 2.042 or place["machine.cycle_time_factor"] > 2.05,
-                        neighbours=3, batch=2)
+    found, _ = bisected(
+        lambda place, _: (
+            2.028 < place["machine.cycle_time_factor"] < 2.042 or place["machine.cycle_time_factor"] > 2.05
+        ),
+        neighbours=3,
+        batch=2,
+    )
     assert found.exceptions and "Not monotone" in found.text()
 
 
@@ -109,7 +114,10 @@ def test_an_optimum_is_found_and_two_searches_make_the_same_runs() -> None:
 
 def test_a_search_in_real_runs(tmp_path: Path) -> None:
     """The fewest DSPs without a miss in the first 30 ms; with identify in the way one DSP is not enough."""
-    spec = {"fixed": {**FIXED, "phase_jitter": True}, "search": {"bisect": "dsps", "from": 3, "to": 1, "check_seeds": 1}}
+    spec = {
+        "fixed": {**FIXED, "phase_jitter": True},
+        "search": {"bisect": "dsps", "from": 3, "to": 1, "check_seeds": 1},
+    }
     found = function(spec, tmp_path / "s", workers=1)
     assert found.best == {"machine.dsps": 2} and found.value == 0 and found.check_passed is True
     assert found.sweep is not None and len(found.sweep) == len(found.trials) + 1

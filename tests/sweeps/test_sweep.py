@@ -61,7 +61,12 @@ def test_a_grid_that_has_grown_runs_what_is_new(done: Sweep, tmp_path: Path) -> 
     seen: list[Status] = []
     execute = sweep_helpers.Takes(0.0, marks)
     grown = study.run_grid(grid.made(more), done.folder.path, Place(workers=1), execute, on_progress=seen.append)
-    assert len(list(marks.iterdir())) == 1 and len(grown) == 3 and seen[-1].known == 2 and seen[-1].done == seen[-1].runs == 3
+    assert (
+        len(list(marks.iterdir())) == 1
+        and len(grown) == 3
+        and seen[-1].known == 2
+        and seen[-1].done == seen[-1].runs == 3
+    )
 
 
 def test_repeats_differ_by_phase_only_where_asked(tmp_path: Path) -> None:
@@ -140,7 +145,9 @@ def parents() -> dict[int, tuple[int, bytes]]:
 
 def workers_of(starter: int) -> list[int]:
     """Workers of a sweep that this process runs: children of the child that forks them."""
-    all_of_them = {pid: parent for pid, (parent, command) in parents().items() if b"cmrc.sweeps.local_worker" in command}
+    all_of_them = {
+        pid: parent for pid, (parent, command) in parents().items() if b"cmrc.sweeps.local_worker" in command
+    }
     return sorted(pid for pid, parent in all_of_them.items() if all_of_them.get(parent) == starter)
 
 
@@ -215,7 +222,9 @@ def test_a_cluster_that_is_not_there_is_named(tmp_path: Path, monkeypatch: pytes
 
 def test_runs_of_another_build_are_refused(done: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(session, "build", lambda: "f" * 64)
-    with pytest.raises(SweepError, match=f"holds runs of emulator {cmrc.__version__}, build .*; this is build ffffffffffff"):
+    with pytest.raises(
+        SweepError, match=f"holds runs of emulator {cmrc.__version__}, build .*; this is build ffffffffffff"
+    ):
         sweep(SMALL, done.folder.path)
 
 

@@ -16,9 +16,21 @@ pytest.importorskip("pyarrow")
 
 
 def row(number: int, **more: Any) -> dict[str, Any]:
-    return {"key": f"{number:064}", "status": store.DONE, "message": "", "place": "{}", "seed": number, "settings": "{}",
-            "hash": "", "build": build(), "emulator_version": "0.1.0", "elapsed_s": 1.0, "host": "here",
-            "report": store.packed({"number": number}), **more}  # fmt: skip
+    return {
+        "key": f"{number:064}",
+        "status": store.DONE,
+        "message": "",
+        "place": "{}",
+        "seed": number,
+        "settings": "{}",
+        "hash": "",
+        "build": build(),
+        "emulator_version": "0.1.0",
+        "elapsed_s": 1.0,
+        "host": "here",
+        "report": store.packed({"number": number}),
+        **more,
+    }
 
 
 def keys(folder: Folder) -> list[int]:
@@ -61,8 +73,13 @@ def test_a_second_sweep_is_refused_and_says_who_is_first(tmp_path: Path) -> None
         with pytest.raises(SweepError, match=f"process {os.getpid()} on .* one sweep at a time"):
             Folder(tmp_path / "s").__enter__()
         program = f"from cmrc.sweeps.store import Folder\nFolder({str(tmp_path / 's')!r}).__enter__()"
-        done = subprocess.run([sys.executable, "-c", program], env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
-                              capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            [sys.executable, "-c", program],
+            env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         assert done.returncode == 1 and "one sweep at a time" in done.stderr
     with Folder(tmp_path / "s"):
         pass
@@ -76,8 +93,12 @@ def test_other_folders_are_refused_by_name(tmp_path: Path) -> None:
     (tmp_path / "old" / store.HEAD).write_text(json.dumps({"format": 0, "cmrc": "0.0.9"}))
     (tmp_path / "bad").mkdir()
     (tmp_path / "bad" / store.HEAD).write_text("{")
-    for name, says in (("file", "is a file"), ("full", "no folder of a sweep"), ("bad", "cannot be read"),
-                       ("old", "written by cmrc 0.0.9 in format 0; cmrc .* reads format 1")):  # fmt: skip
+    for name, says in (
+        ("file", "is a file"),
+        ("full", "no folder of a sweep"),
+        ("bad", "cannot be read"),
+        ("old", "written by cmrc 0.0.9 in format 0; cmrc .* reads format 1"),
+    ):
         with pytest.raises(SweepError, match=f"{name}.*{says}"):
             Folder(tmp_path / name).__enter__()
     assert (tmp_path / "full" / "thesis.tex").read_text() == "x" and len(list((tmp_path / "full").iterdir())) == 1
@@ -116,8 +137,13 @@ def test_a_full_disk_is_an_error_and_loses_nothing(tmp_path: Path) -> None:
     import os
 
     path = os.pathsep.join([str(BUILD / "python"), str(Path(__file__).parents[1])])
-    done = subprocess.run([sys.executable, "-c", program], env={**os.environ, "PYTHONPATH": path}, capture_output=True,
-                          text=True, check=True)  # fmt: skip
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
     said, after = done.stdout.splitlines()
     assert "part-000002.parquet: cannot be written" in said and "goes on from them" in said
     assert after == "[1] ['lock', 'part-000001.parquet', 'sweep.json']"

@@ -36,7 +36,11 @@ def test_nothing_random_has_no_interval() -> None:
 def test_shares_have_wilsons_interval() -> None:
     # Wilson 1927 of 1 in 10 at 95 %: 0.0179 to 0.4042 (Newcombe 1998, table I gives these for r = 1, n = 10).
     found = metrics.spread([True] + [False] * 9)
-    assert found.mean == 0.1 and found.low == pytest.approx(0.0179, abs=2e-4) and found.high == pytest.approx(0.4042, abs=2e-4)
+    assert (
+        found.mean == 0.1
+        and found.low == pytest.approx(0.0179, abs=2e-4)
+        and found.high == pytest.approx(0.4042, abs=2e-4)
+    )
 
 
 def test_the_bootstrap_is_seeded_and_holds_the_mean() -> None:

@@ -30,12 +30,26 @@ def axes() -> Axes:
 
 
 def row(n: int, place: dict[str, Any], seed: int, misses: int | None) -> dict[str, Any]:
-    report = {"tasks": {"pid": {"misses": misses}}, "rates": {"f_p": {"missed_share": (misses or 0) / 100}},
-              "errors": {"load_m": {"rms": (misses or 0) * 1e-6}}}  # fmt: skip
+    report = {
+        "tasks": {"pid": {"misses": misses}},
+        "rates": {"f_p": {"missed_share": (misses or 0) / 100}},
+        "errors": {"load_m": {"rms": (misses or 0) * 1e-6}},
+    }
     done = misses is not None
-    return {"key": f"{n:064}", "status": store.DONE if done else store.REFUSED, "message": "" if done else "no", "seed": seed,
-            "place": json.dumps(place), "settings": "{}", "hash": "", "build": build(), "emulator_version": "0", "elapsed_s": 1.0,
-            "host": "", "report": store.packed(report) if done else None}  # fmt: skip
+    return {
+        "key": f"{n:064}",
+        "status": store.DONE if done else store.REFUSED,
+        "message": "" if done else "no",
+        "seed": seed,
+        "place": json.dumps(place),
+        "settings": "{}",
+        "hash": "",
+        "build": build(),
+        "emulator_version": "0",
+        "elapsed_s": 1.0,
+        "host": "",
+        "report": store.packed(report) if done else None,
+    }
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +59,9 @@ def sweep(tmp_path_factory: pytest.TempPathFactory) -> Sweep:
     for dsps in (4, 2, 3):
         for phase in ("together", "staggered"):
             for seed in (1, 2):
-                misses = None if (dsps, phase) == (3, "together") else 10 * (5 - dsps) + (seed if phase == "together" else 0)
+                misses = (
+                    None if (dsps, phase) == (3, "together") else 10 * (5 - dsps) + (seed if phase == "together" else 0)
+                )
                 rows.append(row(n, {"machine.dsps": dsps, "scheduling.agv_phase": phase}, seed, misses))
                 n += 1
     with Folder(path) as folder:
@@ -81,8 +97,14 @@ def test_lines_of_a_legend_can_be_told_apart_in_grey() -> None:
 
 
 def test_no_legend_covers_anything(result: cmrc.Result, sweep: Sweep) -> None:
-    for draw in (lambda a: plot.grid(sweep, a, x="dsps"), lambda a: plot.cdf(result, a), lambda a: plot.misses(result, a),
-                 lambda a: plot.load_error(result, a), lambda a: plot.gantt(result, a, 0.02, 0.024), lambda a: plot.cost(sweep, a)):  # fmt: skip
+    for draw in (
+        lambda a: plot.grid(sweep, a, x="dsps"),
+        lambda a: plot.cdf(result, a),
+        lambda a: plot.misses(result, a),
+        lambda a: plot.load_error(result, a),
+        lambda a: plot.gantt(result, a, 0.02, 0.024),
+        lambda a: plot.cost(sweep, a),
+    ):
         drawn = axes()
         draw(drawn)
         drawn.figure.canvas.draw()  # type: ignore[union-attr]
@@ -95,7 +117,9 @@ def test_the_cost_of_misses_is_a_point_per_run(sweep: Sweep) -> None:
     drawn = axes()
     plot.cost(sweep, drawn)
     points = sorted((x, y) for line in drawn.lines for x, y in zip(line.get_xdata(), line.get_ydata(), strict=True))
-    assert len(points) == 10 and points[0] == (0.10, pytest.approx(10e-6)) and points[-1] == (0.32, pytest.approx(32e-6))
+    assert (
+        len(points) == 10 and points[0] == (0.10, pytest.approx(10e-6)) and points[-1] == (0.32, pytest.approx(32e-6))
+    )
     assert drawn.get_xlabel() == "f_p_missed, share" and drawn.get_ylabel() == "load_rms, m"
 
 
@@ -122,7 +146,11 @@ def test_cumulated_response_times_hold_the_percentiles(result: cmrc.Result) -> N
     pid = next(line for line in drawn.lines if line.get_label() == "pid")
     x, y = np.asarray(pid.get_xdata(), dtype=float), np.asarray(pid.get_ydata(), dtype=float)
     response = result.report["tasks"]["pid"]["response_ps"]
-    assert x[0] == pytest.approx(response["best"] / 1e6) and x[-1] == pytest.approx(response["worst"] / 1e6) and y[-1] == 100
+    assert (
+        x[0] == pytest.approx(response["best"] / 1e6)
+        and x[-1] == pytest.approx(response["worst"] / 1e6)
+        and y[-1] == 100
+    )
     assert np.all(np.diff(y) >= 0) and y[np.argmin(abs(x - response["p50"] / 1e6))] == pytest.approx(50, abs=2)
 
 

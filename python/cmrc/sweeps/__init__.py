@@ -1,4 +1,5 @@
-"""Sweeps: many runs over a grid of settings, on this machine or on a Dask cluster, kept in a folder (docs/sweeps.md)."""
+"""Sweeps: many runs over a grid of settings, on this machine or on a Dask cluster, kept in a folder
+(docs/sweeps.md)."""
 
 from cmrc.sweeps.grid import Grid, GridError
 from cmrc.sweeps.runner import Status

@@ -1,4 +1,5 @@
-"""``python -m cmrc.sweeps.alone``: the process in which one run is alone (work.Alone); it talks on its standard streams."""
+"""``python -m cmrc.sweeps.alone``: the process in which one run is alone (work.Alone); it talks on its standard
+streams."""
 
 from __future__ import annotations
 

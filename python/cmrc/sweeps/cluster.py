@@ -59,8 +59,14 @@ class _Processes:
     def _start(self) -> None:
         environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
         command = [sys.executable, "-m", "cmrc.sweeps.local_worker", str(os.getpid())]
-        self.forker = subprocess.Popen(command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                       stderr=subprocess.DEVNULL, start_new_session=True)
+        self.forker = subprocess.Popen(
+            command,
+            env=environment,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
         self.begun = time.monotonic()
 
     def _fork_all(self) -> None:
@@ -115,7 +121,9 @@ def workers(address: str | None, count: int | None, security: Mapping[str, Any] 
     dask, distributed = needed("dask", "sweep", "cmrc.sweep"), needed("distributed", "sweep", "cmrc.sweep")
     with dask.config.set(SETTINGS):
         if count is not None:
-            raise SweepError("workers: a cluster with an address has workers of its own; one of address and workers is expected")
+            raise SweepError(
+                "workers: a cluster with an address has workers of its own; one of address and workers is expected"
+            )
         try:
             options = {} if security is None else {"security": distributed.Security(**security)}
             client = distributed.Client(address, timeout=CONNECT_S, set_as_default=False, **options)
@@ -132,9 +140,17 @@ def _local(count: int) -> Iterator[Workers]:
     processes = _Processes(count)
     try:
         dask, distributed = needed("dask", "sweep", "cmrc.sweep"), needed("distributed", "sweep", "cmrc.sweep")
-        with dask.config.set(SETTINGS), distributed.LocalCluster(
-            n_workers=0, processes=True, dashboard_address="127.0.0.1:0", silence_logs=50, host="127.0.0.1", scheduler_port=0
-        ) as cluster:
+        with (
+            dask.config.set(SETTINGS),
+            distributed.LocalCluster(
+                n_workers=0,
+                processes=True,
+                dashboard_address="127.0.0.1:0",
+                silence_logs=50,
+                host="127.0.0.1",
+                scheduler_port=0,
+            ) as cluster,
+        ):
             client = distributed.Client(cluster, set_as_default=False)
             processes.join(cluster.scheduler_address)
             try:

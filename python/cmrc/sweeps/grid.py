@@ -98,7 +98,8 @@ def read(path: str | os.PathLike[str]) -> Grid:
 
 
 def made(tables: Mapping[str, Any], name: str = "grid", folder: Path | None = None) -> Grid:
-    """A grid from a dictionary as TOML gives it. ``folder`` is where a relative ``config`` is looked for. Raises GridError."""
+    """A grid from a dictionary as TOML gives it. ``folder`` is where a relative ``config`` is looked for. Raises
+    GridError."""
     try:
         return _Reader(tables, name, folder).grid()
     except GridError as error:
@@ -129,7 +130,9 @@ def full_name(key: str, where: str) -> str:
     if found:
         raise GridError(f"{where}: several settings have this name; one of {', '.join(found)} is expected")
     near = difflib.get_close_matches(key, [*schema(), *_shorts(), *APART], 1)
-    raise GridError(f"{where}: there is no such setting" + (f"; {near[0]} is one" if near else " (docs/configuration.md)"))
+    raise GridError(
+        f"{where}: there is no such setting" + (f"; {near[0]} is one" if near else " (docs/configuration.md)")
+    )
 
 
 class _Reader:
@@ -141,8 +144,10 @@ class _Reader:
         for table in self.tables:
             if table not in TABLES:
                 near = difflib.get_close_matches(table, TABLES, 1)
-                raise GridError(f"{table}: unknown table; " + (f"is [{near[0]}] meant?" if near else
-                                                               f"{', '.join(TABLES)} are known"))
+                raise GridError(
+                    f"{table}: unknown table; "
+                    + (f"is [{near[0]}] meant?" if near else f"{', '.join(TABLES)} are known")
+                )
         fixed = self._fixed()
         axes = [*self._axes(), *self._together()]
         seeds, phases = self._repeats()
@@ -150,8 +155,16 @@ class _Reader:
             self._take(PHASES, "repeats.phases")
             fixed[PHASES] = phases
         preset, config = fixed.pop("preset", None), fixed.pop("config", None)
-        grid = Grid(fixed, _text(preset, "fixed.preset"), self._file(config), axes, seeds, self._events(),
-                    self._table("search"), self.name)
+        grid = Grid(
+            fixed,
+            _text(preset, "fixed.preset"),
+            self._file(config),
+            axes,
+            seeds,
+            self._events(),
+            self._table("search"),
+            self.name,
+        )
         if len(grid) > MOST_RUNS:
             raise GridError(f"{len(grid)} runs; at most {MOST_RUNS} are expected")
         return grid
@@ -230,7 +243,10 @@ class _Reader:
         events = self.tables.get("events", [])
         if not isinstance(events, list) or any(not isinstance(event, Mapping) for event in events):
             raise GridError("events: a list of tables is expected, [[events]]")
-        return [{key: _scalar(value, f"events[{n}].{key}") for key, value in event.items()} for n, event in enumerate(events)]
+        return [
+            {key: _scalar(value, f"events[{n}].{key}") for key, value in event.items()}
+            for n, event in enumerate(events)
+        ]
 
 
 def flat(table: Mapping[str, Any], where: str, ranges: bool, prefix: str = "") -> Iterator[tuple[str, Any, str]]:
@@ -296,7 +312,7 @@ def _range(key: str, value: Mapping[str, Any], where: str) -> list[Setting]:
     if not begin < end:
         raise GridError(f"{where}: from {begin} to {end}; from < to is expected")
     if value.get("scale", "linear") not in ("linear", "log"):
-        raise GridError(f"{where}.scale: \"linear\" or \"log\" is expected")
+        raise GridError(f'{where}.scale: "linear" or "log" is expected')
     if "step" in numbers:
         found = _by_step(begin, end, numbers["step"], value, where)
     else:
@@ -313,7 +329,7 @@ def _by_step(begin: float, end: float, step: float, value: Mapping[str, Any], wh
     if not step > 0:
         raise GridError(f"{where}.step: {step}; a step above 0 is expected")
     if value.get("scale") == "log":
-        raise GridError(f"{where}.scale: \"log\" goes with count, not with step")
+        raise GridError(f'{where}.scale: "log" goes with count, not with step')
     count = math.floor((end - begin) / step * (1 + 1e-12)) + 1
     if count > MOST_RUNS:
         raise GridError(f"{where}.step: {count} values; at most {MOST_RUNS} are expected")

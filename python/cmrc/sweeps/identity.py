@@ -30,8 +30,12 @@ def key_of(config: _core.cmrc.Config) -> str:
 
 def key_of_refused(point: Point) -> str:
     """Of a point that makes no configuration: over what was asked for."""
-    asked: Mapping[str, Any] = {"settings": dict(point.settings), "preset": point.preset,
-                                "config": point.config, "events": list(point.events)}
+    asked: Mapping[str, Any] = {
+        "settings": dict(point.settings),
+        "preset": point.preset,
+        "config": point.config,
+        "events": list(point.events),
+    }
     return hashlib.sha256(json.dumps([asked, build()], sort_keys=True).encode()).hexdigest()
 
 

@@ -1,8 +1,8 @@
 """``python -m cmrc.sweeps.local_worker PARENT``: forks Dask workers with one thread each, for a sweep on this machine.
 
-A line ``ADDRESS NAME`` on its standard input starts a worker; a line ``NAME died`` on its standard output tells of one that has
-ended. It has imported all that a worker needs, so that a worker is there in a fraction of the time of a new Python.
-"""
+A line ``ADDRESS NAME`` on its standard input starts a worker; a line ``NAME died`` on its standard output tells of one
+that has ended. It has imported all that a worker needs, so that a worker is there in a fraction of the time of a new
+Python."""
 
 from __future__ import annotations
 
@@ -18,8 +18,15 @@ from cmrc.sweeps.alone import die_with_parent
 async def work(address: str, name: str) -> None:
     from distributed import Worker
 
-    async with Worker(address, nthreads=1, name=name, memory_limit=0, death_timeout=60, host="127.0.0.1",
-                      dashboard_address="127.0.0.1:0") as worker:
+    async with Worker(
+        address,
+        nthreads=1,
+        name=name,
+        memory_limit=0,
+        death_timeout=60,
+        host="127.0.0.1",
+        dashboard_address="127.0.0.1:0",
+    ) as worker:
         await worker.finished()
 
 

@@ -28,8 +28,8 @@ USUAL = ("misses", "f_p_missed", "load_rms", "lag")
 
 
 def value(report: Mapping[str, Any], metric: Metric) -> float | bool:
-    """A metric of a report: a short name, a dotted place (``tasks.pid.response_ps.p99``, ``dsps[0].cycles``), or a function
-    of the report. NaN where nothing was measured. Raises KeyError for a place that no report has."""
+    """A metric of a report: a short name, a dotted place (``tasks.pid.response_ps.p99``, ``dsps[0].cycles``), or a
+    function of the report. NaN where nothing was measured. Raises KeyError for a place that no report has."""
     found = metric(report) if callable(metric) else NAMED[metric][1](report) if metric in NAMED else _at(report, metric)
     if found is None:
         return math.nan
@@ -67,7 +67,11 @@ def _at(report: Mapping[str, Any], place: str) -> Any:
                 raise KeyError(f"{place}: there is no {rest}")
             node, rest = node[int(index[1])], rest[index.end() :]
             continue
-        names = [name for name in node if rest == name or rest.startswith((name + ".", name + "["))] if isinstance(node, Mapping) else []
+        names = (
+            [name for name in node if rest == name or rest.startswith((name + ".", name + "["))]
+            if isinstance(node, Mapping)
+            else []
+        )
         if not names:
             raise KeyError(f"{place}: the report has no such place")
         name = max(names, key=len)

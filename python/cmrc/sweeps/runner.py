@@ -61,13 +61,18 @@ class _Due:
 class Runner:
     """Runs each of ``due`` and writes the answers in batches of 5 s or 100 runs.
 
-    A worker that dies costs the runs in progress: they are begun again. A run that has lost two workers gets a process of its
-    own, so that a run that kills its process is told from one whose worker was killed. After three such deaths of one run it
-    is a failure.
-    """
+    A worker that dies costs the runs in progress: they are begun again. A run that has lost two workers gets a process
+    of its own, so that a run that kills its process is told from one whose worker was killed. After three such deaths
+    of one run it is a failure."""
 
-    def __init__(self, workers: Workers, folder: Folder, execute: Execute, status: Status,
-                 on_progress: Callable[[Status], object] | None) -> None:
+    def __init__(
+        self,
+        workers: Workers,
+        folder: Folder,
+        execute: Execute,
+        status: Status,
+        on_progress: Callable[[Status], object] | None,
+    ) -> None:
         self.workers, self.folder, self.execute, self.status = workers, folder, execute, status
         self.on_progress = on_progress
         self.batch: list[Row] = []
@@ -97,8 +102,14 @@ class Runner:
     def _submit(self, due: _Due, fetchers: ThreadPoolExecutor) -> Any:
         self.number += 1
         function = Alone(self.execute) if due.deaths >= SUSPECTED else self.execute
-        future = self.workers.client.submit(function, due.run.key, due.run.toml(), pure=False, retries=0,
-                                            key=f"cmrc-{due.run.key[:16]}-{self.number}-{time.monotonic_ns()}")
+        future = self.workers.client.submit(
+            function,
+            due.run.key,
+            due.run.toml(),
+            pure=False,
+            retries=0,
+            key=f"cmrc-{due.run.key[:16]}-{self.number}-{time.monotonic_ns()}",
+        )
 
         def fetch() -> None:
             try:
@@ -171,12 +182,25 @@ class Runner:
 def row_of(run: Run, answer: Answer) -> Row:
     """A row of a part."""
     point = run.point
-    settings = {**dict(point.settings), **({"preset": point.preset} if point.preset else {}),
-                **({"config": point.config} if point.config else {})}
-    return {"key": run.key, "status": answer["status"], "message": answer["message"],
-            "place": json.dumps(dict(point.place)), "seed": point.seed, "settings": json.dumps(settings),
-            "hash": answer["hash"], "build": build(), "emulator_version": _core.cmrc.emulator_version,
-            "elapsed_s": answer["elapsed_s"], "host": answer["host"], "report": answer["report"]}
+    settings = {
+        **dict(point.settings),
+        **({"preset": point.preset} if point.preset else {}),
+        **({"config": point.config} if point.config else {}),
+    }
+    return {
+        "key": run.key,
+        "status": answer["status"],
+        "message": answer["message"],
+        "place": json.dumps(dict(point.place)),
+        "seed": point.seed,
+        "settings": json.dumps(settings),
+        "hash": answer["hash"],
+        "build": build(),
+        "emulator_version": _core.cmrc.emulator_version,
+        "elapsed_s": answer["elapsed_s"],
+        "host": answer["host"],
+        "report": answer["report"],
+    }
 
 
 def failure(message: str) -> Answer:
@@ -201,4 +225,6 @@ def _gone(error: BaseException) -> bool:
     from distributed.client import FutureCancelledError
     from distributed.comm.core import CommClosedError
 
-    return isinstance(error, (CancelledError, asyncio.CancelledError, FutureCancelledError, CommClosedError, TimeoutError))
+    return isinstance(
+        error, (CancelledError, asyncio.CancelledError, FutureCancelledError, CommClosedError, TimeoutError)
+    )

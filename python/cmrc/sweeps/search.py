@@ -1,4 +1,5 @@
-"""Looks for the best settings, or for the last that passes, in batches of fixed size: the same runs on 1 worker or 100."""
+"""Looks for the best settings, or for the last that passes, in batches of fixed size: the same runs on 1 worker or
+100."""
 
 from __future__ import annotations
 
@@ -56,8 +57,11 @@ class Found:
 
     def text(self) -> str:
         """For a terminal."""
-        lines = [f"{_place(trial.place)}: {self.metric} {trial.spread} (n = {trial.spread.n})"
-                 + (" refused" if trial.refused else "") for trial in self.trials]
+        lines = [
+            f"{_place(trial.place)}: {self.metric} {trial.spread} (n = {trial.spread.n})"
+            + (" refused" if trial.refused else "")
+            for trial in self.trials
+        ]
         if self.best is None:
             return "\n".join([*lines, "", "Nothing was found."]) + "\n"
         lines += ["", f"Found: {_place(self.best)}, {self.metric} {self.value:.4g}"]
@@ -81,9 +85,8 @@ def search(
 ) -> Found:
     """Looks for settings as the table ``[search]`` of a grid says (docs/sweeps.md, Search). Arguments as of ``sweep``.
 
-    A search goes on from what is in the folder: the same search runs nothing twice. The answer is run again with seeds that
-    the search has not used. Raises GridError, SweepError, ImportError.
-    """
+    A search goes on from what is in the folder: the same search runs nothing twice. The answer is run again with seeds
+    that the search has not used. Raises GridError, SweepError, ImportError."""
     grid = grid_of(spec)
     asked = _Asked(grid)
     arguments.function("on_progress", on_progress, "a function of a Status or None")
@@ -178,7 +181,11 @@ class _Asked:
                 return optuna.distributions.CategoricalDistribution(grids.values_of(name, value, where))
             except GridError as error:
                 raise self.error(where, str(error)) from None
-        if not isinstance(value, Mapping) or not set(value) <= {"from", "to", "step", "scale"} or not {"from", "to"} <= set(value):
+        if (
+            not isinstance(value, Mapping)
+            or not set(value) <= {"from", "to", "step", "scale"}
+            or not {"from", "to"} <= set(value)
+        ):
             raise self.error(where, "a list of values, or from and to (with step or scale), is expected")
         log, step = value.get("scale") == "log", value.get("step")
         whole = grids.schema().get(name, {}).get("type") == "integer"
@@ -227,7 +234,9 @@ def _bisected(trier: _Trier, asked: _Asked) -> Found:
 
     def look(values: Sequence[float]) -> None:
         fresh = [value for value in dict.fromkeys(values) if value not in passed]
-        for value, trial in zip(fresh, trier.try_all([{asked.key: _as(value, asked.whole)} for value in fresh]), strict=True):
+        for value, trial in zip(
+            fresh, trier.try_all([{asked.key: _as(value, asked.whole)} for value in fresh]), strict=True
+        ):
             worst[value] = trial.worst
             passed[value] = trial.spread.n > 0 and trial.refused == 0 and worst[value] <= asked.at_most
 
@@ -251,11 +260,21 @@ def _bisected(trier: _Trier, asked: _Asked) -> Found:
         low, high = sorted((asked.begin, asked.end))
         look([float(round(value)) if asked.whole else value for value in around if low <= value <= high])
     sign = math.copysign(1.0, asked.end - asked.begin)
-    exceptions = [] if good is None else sorted(
-        value for value, passes in passed.items() if passes != (sign * (value - good) <= 0))
+    exceptions = (
+        []
+        if good is None
+        else sorted(value for value, passes in passed.items() if passes != (sign * (value - good) <= 0))
+    )
     best: dict[str, Setting] | None = None if good is None else {asked.key: _as(good, asked.whole)}
-    return Found(asked.metric, best, math.nan if good is None else worst[good], metrics.spread([]), None, trier.trials,
-                 exceptions)
+    return Found(
+        asked.metric,
+        best,
+        math.nan if good is None else worst[good],
+        metrics.spread([]),
+        None,
+        trier.trials,
+        exceptions,
+    )
 
 
 def _between(good: float, bad: float, count: int, whole: bool) -> list[float]:
@@ -272,8 +291,9 @@ def _as(value: float, whole: bool) -> Setting:
 def _optimised(trier: _Trier, asked: _Asked) -> Found:
     optuna = needed("optuna", "search", "cmrc.search")
     optuna.logging.set_verbosity(optuna.logging.WARNING)
-    study = optuna.create_study(direction="maximize" if asked.maximise else "minimize",
-                                sampler=optuna.samplers.TPESampler(seed=asked.seed))
+    study = optuna.create_study(
+        direction="maximize" if asked.maximise else "minimize", sampler=optuna.samplers.TPESampler(seed=asked.seed)
+    )
     known: dict[str, Trial] = {}
     for begun in range(0, asked.trials, asked.batch):
         batch = [study.ask(asked.space) for _ in range(min(asked.batch, asked.trials - begun))]
@@ -290,8 +310,14 @@ def _optimised(trier: _Trier, asked: _Asked) -> Found:
     measured = [trial for trial in known.values() if trial.spread.n]
     sign = -1.0 if asked.maximise else 1.0
     best = min(measured, key=lambda trial: sign * trial.spread.mean, default=None)
-    return Found(asked.metric, None if best is None else best.place, math.nan if best is None else best.spread.mean,
-                 metrics.spread([]), None, trier.trials)
+    return Found(
+        asked.metric,
+        None if best is None else best.place,
+        math.nan if best is None else best.spread.mean,
+        metrics.spread([]),
+        None,
+        trier.trials,
+    )
 
 
 def _check(found: Found, trier: _Trier, asked: _Asked) -> None:
@@ -306,4 +332,6 @@ def _check(found: Found, trier: _Trier, asked: _Asked) -> None:
 
 
 def _place(place: Mapping[str, Setting]) -> str:
-    return ", ".join(f"{name} = {value:g}" if isinstance(value, float) else f"{name} = {value}" for name, value in place.items())
+    return ", ".join(
+        f"{name} = {value:g}" if isinstance(value, float) else f"{name} = {value}" for name, value in place.items()
+    )

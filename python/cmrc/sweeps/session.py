@@ -37,10 +37,17 @@ class Place:
 
 
 class Session:
-    """``with Session(...) as session: session.run(points)``, as often as is wanted. The folder is compacted at the end."""
+    """``with Session(...) as session: session.run(points)``, as often as is wanted. The folder is compacted at the
+    end."""
 
-    def __init__(self, folder: str | os.PathLike[str], place: Place, execute: Execute, again_failed: bool = False,
-                 on_progress: Callable[[Status], object] | None = None) -> None:
+    def __init__(
+        self,
+        folder: str | os.PathLike[str],
+        place: Place,
+        execute: Execute,
+        again_failed: bool = False,
+        on_progress: Callable[[Status], object] | None = None,
+    ) -> None:
         for module in ("pyarrow", "distributed"):
             installed(module, "sweep", "cmrc.sweep")
         self.folder, self.place, self.execute = Folder(folder), place, execute
@@ -59,7 +66,9 @@ class Session:
             raise
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         with self._open:
             if kind is None:
                 self.folder.compact()
@@ -72,8 +81,14 @@ class Session:
         refused = [run for run in due if run.refused]
         if refused:
             self.folder.write([row_of(run, refusal(run.refused)) for run in refused])
-        status = Status(len(runs), len(runs) - len(due) + len(refused), len(runs) - len(due), len(refused),
-                        sum(there.get(run.key) == store.FAILED for run in runs), planned=len(runs))
+        status = Status(
+            len(runs),
+            len(runs) - len(due) + len(refused),
+            len(runs) - len(due),
+            len(refused),
+            sum(there.get(run.key) == store.FAILED for run in runs),
+            planned=len(runs),
+        )
         due = sorted((run for run in due if not run.refused), key=lambda run: run.group)
         if due:
             Runner(self._crew(), self.folder, self.execute, status, self.on_progress).run(due)
@@ -99,5 +114,7 @@ class Session:
         """Raises SweepError for a folder with runs of another build: their numbers are not this emulator's."""
         for row in self.folder.rows(("build", "emulator_version")):
             if row["build"] != build():
-                raise SweepError(f"{self.folder.path}: holds runs of emulator {row['emulator_version']}, build "
-                                 f"{row['build'][:12]}; this is build {build()[:12]}. Another folder is expected")
+                raise SweepError(
+                    f"{self.folder.path}: holds runs of emulator {row['emulator_version']}, build "
+                    f"{row['build'][:12]}; this is build {build()[:12]}. Another folder is expected"
+                )

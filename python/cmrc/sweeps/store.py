@@ -24,9 +24,18 @@ HEAD = "sweep.json"
 LOCK = "lock"
 DONE, REFUSED, FAILED = "done", "refused", "failed"
 COLUMNS = (
-    ("key", "string"), ("status", "string"), ("message", "string"), ("place", "string"), ("seed", "int64"),
-    ("settings", "string"), ("hash", "string"), ("build", "string"), ("emulator_version", "string"),
-    ("elapsed_s", "float64"), ("host", "string"), ("report", "binary"),
+    ("key", "string"),
+    ("status", "string"),
+    ("message", "string"),
+    ("place", "string"),
+    ("seed", "int64"),
+    ("settings", "string"),
+    ("hash", "string"),
+    ("build", "string"),
+    ("emulator_version", "string"),
+    ("elapsed_s", "float64"),
+    ("host", "string"),
+    ("report", "binary"),
 )
 """Columns of a part (docs/sweeps.md)."""
 COMPACT_BATCH = 1000
@@ -48,13 +57,18 @@ class Folder:
         if self.path.exists() and not self.path.is_dir():
             raise SweepError(f"{self.path}: is a file; a folder, or a name that is free, is expected")
         if self.path.is_dir() and not (self.path / HEAD).exists() and any(p.name != LOCK for p in self.path.iterdir()):
-            raise SweepError(f"{self.path}: has files in it, and is no folder of a sweep; an empty or a new one is expected")
+            raise SweepError(
+                f"{self.path}: has files in it, and is no folder of a sweep; an empty or a new one is expected"
+            )
         self.path.mkdir(parents=True, exist_ok=True)
         self._lock = self._locked()
         try:
             self.check()
             if not (self.path / HEAD).exists():
-                files.write(self.path / HEAD, json.dumps({"format": FORMAT, "cmrc": _core.cmrc.emulator_version, "build": build()}) + "\n")
+                files.write(
+                    self.path / HEAD,
+                    json.dumps({"format": FORMAT, "cmrc": _core.cmrc.emulator_version, "build": build()}) + "\n",
+                )
             for left in self.path.glob(".part-*"):
                 left.unlink()
         except BaseException:
@@ -75,7 +89,9 @@ class Folder:
             file.seek(0)
             who = file.read(200).strip() or "another process"
             file.close()
-            raise SweepError(f"{self.path}: {files.printable(who)} sweeps into this folder; one sweep at a time may") from None
+            raise SweepError(
+                f"{self.path}: {files.printable(who)} sweeps into this folder; one sweep at a time may"
+            ) from None
         file.truncate(0)
         file.write(f"process {os.getpid()} on {socket.gethostname()}")
         file.flush()
@@ -85,8 +101,11 @@ class Folder:
         """Raises SweepError for a folder of another format."""
         head = self.head()
         if head is not None and head.get("format") != FORMAT:
-            raise SweepError(f"{self.path}: written by cmrc {head.get('cmrc', 'of an unknown version')} in format "
-                             f"{head.get('format')}; cmrc {_core.cmrc.emulator_version} reads format {FORMAT}. Another folder is expected")
+            raise SweepError(
+                f"{self.path}: written by cmrc {head.get('cmrc', 'of an unknown version')} in format "
+                f"{head.get('format')}; cmrc {_core.cmrc.emulator_version} reads format {FORMAT}. "
+                "Another folder is expected"
+            )
 
     def head(self) -> dict[str, Any] | None:
         """What wrote the folder; None where it is new. Raises SweepError."""
@@ -128,8 +147,8 @@ class Folder:
         self._put(self._next(), [rows])
 
     def compact(self, without: str | None = None) -> None:
-        """All parts in one, those rows left out that have the status ``without``. Killed at any instant, no row is lost:
-        one that stands in two parts counts once."""
+        """All parts in one, those rows left out that have the status ``without``. Killed at any instant, no row is
+        lost: one that stands in two parts counts once."""
         parts = self.parts()
         if len(parts) < (2 if without is None else 1):
             return
@@ -155,8 +174,9 @@ class Folder:
 
     def _put(self, path: Path, batches: Iterable[Sequence[Row]]) -> None:
         arrow, parquet = (needed(name, "sweep", "cmrc.sweep") for name in ("pyarrow", "pyarrow.parquet"))
-        schema = arrow.schema([(name, getattr(arrow, kind)()) for name, kind in COLUMNS],
-                              metadata={"cmrc_sweep_format": str(FORMAT)})
+        schema = arrow.schema(
+            [(name, getattr(arrow, kind)()) for name, kind in COLUMNS], metadata={"cmrc_sweep_format": str(FORMAT)}
+        )
         fresh = self.path / f".part-{uuid.uuid4().hex}"
         try:
             with open(fresh, "wb") as file:
@@ -169,8 +189,10 @@ class Folder:
             _sync(self.path)
         except OSError as error:
             fresh.unlink(missing_ok=True)
-            raise SweepError(f"{path}: cannot be written: {error.strerror or error}. The parts that are there are whole; "
-                             "the same command goes on from them") from None
+            raise SweepError(
+                f"{path}: cannot be written: {error.strerror or error}. The parts that are there are whole; "
+                "the same command goes on from them"
+            ) from None
 
 
 def _sync(folder: Path) -> None:

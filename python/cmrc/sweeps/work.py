@@ -32,8 +32,10 @@ def execute(key: str, toml: str) -> Answer:
     except (ValueError, OSError, RuntimeError) as error:
         raise RuntimeError(f"{socket.gethostname()}: the run's files cannot be read here: {error}") from None
     if found != key:
-        raise RuntimeError(f"{socket.gethostname()}: this worker has another build of cmrc ({build()[:12]}), or other "
-                           "files behind the configuration's paths, than who started the sweep")
+        raise RuntimeError(
+            f"{socket.gethostname()}: this worker has another build of cmrc ({build()[:12]}), or other "
+            "files behind the configuration's paths, than who started the sweep"
+        )
     answer: Answer = {"key": key, "status": store.DONE, "message": "", "hash": None, "report": None}
     try:
         text = _report(config)
