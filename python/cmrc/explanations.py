@@ -152,6 +152,7 @@ def _avoidance(miss: Mapping[str, Any]) -> list[str]:
     late = miss["lateness_ps"]
     if late is None or late <= 0:
         return told
+    late -= min(0, miss["parts_ps"].get("not_run", 0))  # what never ran would still have had to run
     parts = [(part, ps) for part, ps in _largest(miss, len(miss["parts_ps"]))]
     alone = [(part, ps) for part, ps in parts if ps >= late]
     if alone:

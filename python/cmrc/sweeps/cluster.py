@@ -16,6 +16,7 @@ from cmrc.sweeps.store import SweepError
 
 CONNECT_S = 30.0
 START_AGAIN_S = 0.2
+ASK_S = 1.0
 SETTINGS = {
     # One death is told at once; what follows from it is decided here (runner.py).
     "distributed.scheduler.allowed-failures": 0,
@@ -29,6 +30,7 @@ class Workers:
     def __init__(self, client: Any, workers: _Processes | None) -> None:
         self.client = client
         self._processes = workers
+        self._asked_at, self._threads = float("-inf"), 0
 
     def mend(self) -> None:
         """Starts again what has died on this machine. Raises SweepError where the cluster is gone."""
@@ -38,8 +40,11 @@ class Workers:
             self._processes.mend()
 
     def threads(self) -> int:
-        """How many runs can go on at a time; at least 1."""
-        return max(1, sum(map(int, self.client.nthreads().values())))
+        """How many runs can go on at a time; at most a second old."""
+        now = time.monotonic()
+        if now - self._asked_at > ASK_S:
+            self._asked_at, self._threads = now, sum(map(int, self.client.nthreads().values()))
+        return self._threads
 
 
 class _Processes:

@@ -87,7 +87,7 @@ class Runner:
         fetchers = ThreadPoolExecutor(8, "cmrc-sweep")
         try:
             while waiting or out:
-                while waiting and len(out) < 2 * self.workers.threads() + 2:
+                while waiting and len(out) < 2 * self.workers.threads() + 4:
                     one = waiting.popleft()
                     out[id(one)] = self._submit(one, fetchers)
                 self._hear(out, waiting)
@@ -175,7 +175,7 @@ class Runner:
     def _tell(self) -> None:
         if self.on_progress is not None:
             self.status.elapsed_s = time.monotonic() - self.began
-            self.status.workers = len(self.workers.client.nthreads())
+            self.status.workers = self.workers.threads()
             self.on_progress(self.status)
 
 

@@ -155,10 +155,8 @@ class Sweep:
         text = f"\n{counts[store.DONE]} runs done, {counts[store.REFUSED]} refused, {counts[store.FAILED]} failed.\n"
         spreads = [one for summary in summaries for _, one in summary if one.n > 1]
         if spreads and not any(one.varies for one in spreads):
-            text += "All repeats of every point agree" + (
-                " in these numbers, though their runs differ: there are no intervals.\n"
-                if self._random()
-                else ": nothing was random, and there are no intervals.\n"
+            text += (
+                "All repeats of every point agree: in these numbers nothing was random, and there are no intervals.\n"
             )
         elif any(one.varies for one in spreads):
             text += "Intervals of 95 %: Wilson's of shares of runs, else bootstrap of the mean; "
@@ -169,14 +167,6 @@ class Sweep:
                 line = f"{run['status']}: {run['message'].splitlines()[0] if run['message'] else ''}"
                 told[line] = told.get(line, 0) + 1
         return text + "".join(f"  {count} {line}\n" for line, count in list(told.items())[:10])
-
-    def _random(self) -> bool:
-        """Two repeats of one point have made different events."""
-        hashes: dict[str, set[str]] = {}
-        for key in self._keys:
-            if self._rows[key]["status"] == store.DONE:
-                hashes.setdefault(self._rows[key]["place"], set()).add(self._rows[key]["hash"])
-        return any(len(of) > 1 for of in hashes.values())
 
     def __len__(self) -> int:
         return len(self._keys)

@@ -27,6 +27,26 @@ def execute(key: str, toml: str) -> Answer:
     """
     began = time.monotonic()
     config = _core.cmrc.config(toml=toml, name="run")
+    _check(key, config)
+    answer: Answer = {"key": key, "status": store.DONE, "message": "", "hash": None, "report": None}
+    try:
+        text = _report(config)
+        answer |= {"report": store.packed(text), "hash": json.loads(text)["hash"]}
+    except (ValueError, RuntimeError, OSError, MemoryError) as error:
+        answer |= {"status": store.FAILED, "message": f"{type(error).__name__}: {error}"}
+    return answer | {"elapsed_s": time.monotonic() - began, "host": socket.gethostname()}
+
+
+_same_build: set[str] = set()
+"""Builds that a key has shown to be the sweep's: one, this worker's, or none."""
+
+
+def _check(key: str, config: _core.cmrc.Config) -> None:
+    """The key says that this worker would make the same run. Where no files are named, one key of a build says it of all."""
+    settings = config.to_dict()
+    files = (settings["machine.programs"], settings["dock.layout"], settings["machine.board"]) != ("", "", "default")
+    if not files and build() in _same_build:
+        return
     try:
         found = key_of(config)
     except (ValueError, OSError, RuntimeError) as error:
@@ -36,13 +56,7 @@ def execute(key: str, toml: str) -> Answer:
             f"{socket.gethostname()}: this worker has another build of cmrc ({build()[:12]}), or other "
             "files behind the configuration's paths, than who started the sweep"
         )
-    answer: Answer = {"key": key, "status": store.DONE, "message": "", "hash": None, "report": None}
-    try:
-        text = _report(config)
-        answer |= {"report": store.packed(text), "hash": json.loads(text)["hash"]}
-    except (ValueError, RuntimeError, OSError, MemoryError) as error:
-        answer |= {"status": store.FAILED, "message": f"{type(error).__name__}: {error}"}
-    return answer | {"elapsed_s": time.monotonic() - began, "host": socket.gethostname()}
+    _same_build.add(build())
 
 
 _references: dict[str, _core.cmrc.Reference] = {}
