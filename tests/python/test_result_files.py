@@ -255,3 +255,18 @@ def test_what_would_have_avoided_it_is_the_chains_arithmetic(result: cmrc.Result
         if spare >= size
     )
     assert f"would have been done {said} before its deadline" in result.explain(late)
+
+
+def test_what_never_ran_would_still_have_had_to_run() -> None:
+    """Both DSPs are gone from 25 ms on: without the wait for one the job would have ended a usual run after its release."""
+    events = [{"at_s": 0.025, "action": "fail", "dsp": dsp} for dsp in (0, 1)]
+    result = cmrc.run(dsps=2, duration_s=0.03, events=events, settings={"report.reference": "none"})
+    waited = [
+        n for n, miss in enumerate(result.missed) if miss["outcome"] == "never_started" and "no_dsp" in miss["parts_ps"]
+    ]
+    miss = result.missed[waited[0]]
+    spare = miss["parts_ps"]["no_dsp"] - miss["lateness_ps"] - miss["usual_ps"]
+    assert miss["parts_ps"]["not_run"] == -miss["usual_ps"] < 0
+    assert f"no DSP was there, the job would have been done {spare / 1e6:.4g} us before its deadline" in result.explain(
+        waited[0]
+    )
