@@ -196,9 +196,18 @@ def legs() -> str:
     return table(["", "duration, s", "load from the target at its end, mm", "largest sway underway, degrees"], rows)
 
 
+def explained() -> str:
+    """A missed deadline in plain English (docs/experiments.md)."""
+    import textwrap
+
+    import cmrc
+
+    return textwrap.fill(cmrc.run(dsps=1, duration_s=0.1).explain(), 118, initial_indent="> ", subsequent_indent="> ")
+
+
 TABLES: dict[str, Callable[[], str]] = {
     one.__name__: one
-    for one in (usual_runs, heartbeat, range_of_cycles, copy_by_dma, trajectories, round_trips, speed_up, legs)
+    for one in (usual_runs, heartbeat, range_of_cycles, copy_by_dma, trajectories, round_trips, speed_up, legs, explained)
 }
 
 

@@ -14,6 +14,15 @@ std::string key_of(Config config) {
   return to_toml(config);
 }
 
+std::string result_key_of(Config config) {
+  config.run.turn_order = 0;
+  config.run.strict = false;
+  config.machine.programs.clear();
+  config.dock.layout.clear();
+  config.machine.board = "default";
+  return to_toml(config);
+}
+
 std::string digest_of_files(const Config& config, const toolchain::Image& image) {
   std::string all;
   for (const auto& section : image.sections) {

@@ -11,6 +11,10 @@ namespace cmrc {
 /// What two runs must have in common for the one to go on from the other's snapshot.
 std::string key_of(Config config);
 
+/// What two runs have in common, with `digest_of_files`, if nothing in their results may differ: the whole
+/// configuration but the turn order, strictness (which is about the exit status) and the paths of files.
+std::string result_key_of(Config config);
+
 /// Of the DSPs' program, and of the files that a configuration names.
 std::string digest_of_files(const Config& config, const toolchain::Image& image);
 

@@ -23,14 +23,20 @@ Json histogram(const Log2Histogram& bins) {
   return list;
 }
 
+/// null of no samples: 0 would be a measurement.
+template <class Value>
+Json measured(std::uint64_t samples, Value value) {
+  return samples > 0 ? Json(value) : Json(nullptr);
+}
+
 Json summary(const Summary& of) {
   return {{"count", of.count},
-          {"best", of.best},
-          {"mean", of.mean},
-          {"p50", of.p50},
-          {"p99", of.p99},
-          {"p99_9", of.p99_9},
-          {"worst", of.worst},
+          {"best", measured(of.count, of.best)},
+          {"mean", measured(of.count, of.mean)},
+          {"p50", measured(of.count, of.p50)},
+          {"p99", measured(of.count, of.p99)},
+          {"p99_9", measured(of.count, of.p99_9)},
+          {"worst", measured(of.count, of.worst)},
           {"percentiles", of.exact_percentiles ? "exact" : "within 0.1 %"},
           {"log2_histogram", histogram(of.histogram)}};
 }
@@ -44,6 +50,13 @@ Json why_late(const WhyLate& of) {
           {"behind_ps", shares(of.behind)},
           {"dropped_previous_out", of.dropped_previous_out},
           {"dropped_host_late", of.dropped_host_late}};
+}
+
+Json jitter(const Jitter& of) {
+  return {{"count", of.count},
+          {"peak_to_peak", measured(of.count, of.peak_to_peak)},
+          {"worst", measured(of.count, of.worst)},
+          {"rms", measured(of.count, of.rms)}};
 }
 
 Json task(const TaskReport& of) {
@@ -60,11 +73,7 @@ Json task(const TaskReport& of) {
           {"waiting_ps", summary(of.waiting)},
           {"execution_ps", summary(of.execution)},
           {"lateness_ps", summary(of.lateness)},
-          {"start_jitter_ps",
-           {{"count", of.start_jitter.count},
-            {"peak_to_peak", of.start_jitter.peak_to_peak},
-            {"worst", of.start_jitter.worst},
-            {"rms", of.start_jitter.rms}}},
+          {"start_jitter_ps", jitter(of.start_jitter)},
           {"execution_causes_ps", shares(of.execution_causes)},
           {"execution_cycles", shares(of.execution_cycles)},
           {"why_late", why_late(of.why_late)}};
@@ -145,17 +154,18 @@ Json link(const LinkReport& of) {
 
 Json bus(const BusReport& of) {
   const std::int64_t busy = of.data + of.wait + of.turnaround;
-  Json object = {{"clock_hz", of.clock_hz},
-                 {"clocks", of.clocks},
-                 {"utilisation", of.clocks > 0 ? static_cast<double>(busy) / static_cast<double>(of.clocks) : 0.0},
-                 {"clocks_by_use",
-                  {{"data", of.data},
-                   {"wait", of.wait},
-                   {"turnaround", of.turnaround},
-                   {"idle_requested", of.idle_requested},
-                   {"idle", of.idle}}},
-                 {"masters", Json::object()},
-                 {"targets", Json::object()}};
+  Json object = {
+      {"clock_hz", of.clock_hz},
+      {"clocks", of.clocks},
+      {"utilisation", of.clocks > 0 ? Json(static_cast<double>(busy) / static_cast<double>(of.clocks)) : Json(nullptr)},
+      {"clocks_by_use",
+       {{"data", of.data},
+        {"wait", of.wait},
+        {"turnaround", of.turnaround},
+        {"idle_requested", of.idle_requested},
+        {"idle", of.idle}}},
+      {"masters", Json::object()},
+      {"targets", Json::object()}};
   for (const MasterReport& master : of.masters)
     object["masters"][master.name] = {{"transactions", master.transactions},
                                       {"words_read", master.words_read},
@@ -213,7 +223,7 @@ Json wind(const WindReport& of) {
   const double watched = seconds(of.watched);
   return {{"limit_m_s", of.limit_m_s},
           {"above_s", seconds(of.above)},
-          {"above_share", watched > 0 ? seconds(of.above) / watched : 0.0},
+          {"above_share", watched > 0 ? Json(seconds(of.above) / watched) : Json(nullptr)},
           {"waited_s", seconds(of.waited)},
           {"waits", of.waits}};
 }
@@ -237,6 +247,7 @@ std::string tasks_to_json(const std::vector<TaskReport>& tasks) { return by_kind
 
 std::string to_json(const RunReport& report) {
   Json root = {{"schema_version", schema_version},
+               {"emulator_version", emulator_version},
                {"stop_reason", name(report.stop_reason)},
                {"simulated_s", seconds(report.simulated)},
                {"simulated_ps", report.simulated.count()},

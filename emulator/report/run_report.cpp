@@ -2,6 +2,8 @@
 
 namespace report {
 
+const char* const emulator_version = CMRC_VERSION;
+
 std::string name(StopReason reason) {
   switch (reason) {
     case StopReason::under_way: return "under_way";

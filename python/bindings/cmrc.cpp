@@ -11,13 +11,16 @@
 #include "cmrc/importance.hpp"
 #include "cmrc/ledger.hpp"
 #include "cmrc/list.hpp"
+#include "cmrc/reference_run.hpp"
 #include "cmrc/setup.hpp"
 #include "cmrc/simulation.hpp"
+#include "cmrc/snapshot_origin.hpp"
 #include "cmrc/ti_float.hpp"
 #include "machine/machine.hpp"
 #include "plant/dock.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/cmrc.hpp"
+#include "report/run_report.hpp"
 #include "toolchain/image.hpp"
 
 namespace {
@@ -70,6 +73,7 @@ cmrc::TimedEvent event_of(const py::dict& fields) {
 namespace {
 
 void bind_config(py::module_& m) {
+  m.attr("emulator_version") = report::emulator_version;
   py::register_exception<cmrc::ConfigError>(m, "ConfigError", PyExc_ValueError);
 
   py::class_<cmrc::Config>(m, "Config", "All parameters of a run (docs/configuration.md).")
@@ -95,6 +99,12 @@ void bind_config(py::module_& m) {
 
   m.def("dsp_image", &cmrc::dsp_image, py::arg("config"),
         "The DSPs' program as a run loads it, with what it knows of the plant in place: a toolchain.Image.");
+  m.def("run_key", &cmrc::result_key_of, py::arg("config"),
+        "What makes a run's result, as TOML: the configuration but turn order, strictness and the paths of files.");
+  m.def("reference_key", &cmrc::reference_key, py::arg("config"), "Equal for runs that may share one ideal run.");
+  m.def(
+      "files_digest", [](const cmrc::Config& config) { return cmrc::digest_of_files(config, cmrc::dsp_image(config)); },
+      py::arg("config"), "SHA-256 of the DSPs' program and of the files that the configuration names.");
   m.def("dock_of", &cmrc::dock_of, py::arg("config"), "The dock of a run: a plant.DockConfig.");
   m.def(
       "config",

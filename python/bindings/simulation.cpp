@@ -6,6 +6,8 @@
 #include <cmath>
 #include <exception>
 #include <memory>
+#include <optional>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,6 +26,7 @@
 #include "python/bindings/debug.hpp"
 #include "python/bindings/one_user.hpp"
 #include "python/bindings/state.hpp"
+#include "report/trace_text.hpp"
 #include "toolchain/image.hpp"
 
 namespace {
@@ -152,6 +155,16 @@ class Run {
     const std::vector<report::Event> batch = events_->take();
     return {reinterpret_cast<const char*>(batch.data()), batch.size() * sizeof(report::Event)};
   }
+  /// Keeps the text of every event from here on.
+  void keep_text_of_events() {
+    cmrc::Simulation& simulation = change("keep_text_of_events");
+    if (text_trace_) return;
+    simulation.listen(text_trace_.emplace(events_text_));
+  }
+  std::optional<std::string> events_text() const {
+    read("result");
+    return text_trace_ ? std::optional(events_text_.str()) : std::nullopt;
+  }
 
   /// What may have to wait for the ideal run, which other threads and Ctrl-C need not.
   template <class Work>
@@ -162,6 +175,8 @@ class Run {
 
  private:
   std::unique_ptr<EventBatch> events_;  // outlives the run, which tells it
+  std::ostringstream events_text_;  // these two outlive the run, which tells them
+  std::optional<report::EventTextTrace> text_trace_;
   std::unique_ptr<cmrc::Simulation> simulation_;
   cmrc::Simulation& run_ = *simulation_;
   OneUser user_{"Simulation"};
@@ -337,6 +352,9 @@ void bind_simulation(py::module_& m) {
           "The report of a run that does not go on.")
       .def("report_text",
            [](Run& r) { return r.waiting("result", [](const Simulation& s) { return report::to_text(s.report()); }); })
+      .def("keep_text_of_events", &Run::keep_text_of_events, "Keeps the event trace; before the run.")
+      .def("events_text", &Run::events_text,
+           "The event trace (docs/trace.md) of what a report has been asked of; None where it is not kept.")
       .def("tasks_json", [](const Run& r) { return report::tasks_to_json(r.read("tasks").tasks()); })
       .def(
           "profile", [](Run& r) { r.change("profile").profile(); }, "Counts where the DSPs' cycles go; before the run.")

@@ -1,5 +1,8 @@
 #include <pybind11/stl.h>
 
+#include <optional>
+#include <sstream>
+
 #include "machine/instruction_trace.hpp"
 #include "python/bindings/bindings.hpp"
 #include "report/trace_text.hpp"
@@ -31,6 +34,20 @@ std::string trace_line(const py::dict& record, unsigned slot, const machine::Lab
   return labels ? machine::to_text(out, slot, *labels) : machine::to_text(out, slot);
 }
 
+std::optional<py::dict> difference(const std::string& left, const std::string& right) {
+  std::istringstream one(left), other(right);
+  const auto found = report::compare_traces(one, other);
+  if (!found) return std::nullopt;
+  const auto& line = found->left ? found->left : found->right;
+  const auto text = [](const std::optional<report::TraceLine>& of) {
+    return of ? py::object(py::str(of->text)) : py::object(py::none());
+  };
+  using namespace py::literals;
+  return py::dict("when"_a = line->when, "component"_a = line->who, "field"_a = found->field,
+                  "left"_a = found->left_value, "right"_a = found->right_value, "left_line"_a = text(found->left),
+                  "right_line"_a = text(found->right));
+}
+
 }  // namespace
 
 void bind_trace(py::module_& core) {
@@ -46,6 +63,10 @@ void bind_trace(py::module_& core) {
       .def(
           "name", [](const machine::Labels& labels, c40::Address address) { return labels.names.text(address); },
           py::arg("address"), "Label and offset; eight hexadecimal digits where nothing has a name.");
+  room.def(
+      "difference", &difference, py::arg("left"), py::arg("right"),
+      "Where two traces part: when, component, field, both values and lines (None: that trace has ended). None where "
+      "they are alike. Raises ValueError for a text that is no trace.");
   room.def("line", &trace_line, py::arg("record"), py::arg("slot") = 0, py::arg("labels") = nullptr,
            "The line of an instruction, from a record of c40.Processor.trace().");
 }

@@ -2,15 +2,20 @@
 
 ``cmrc.run(dsps=4, duration_s=10)`` simulates the dock and returns a ``Result``; ``cmrc.c40`` holds one chip, its assembler and its number formats; ``cmrc.network``
 several chips joined by their communication ports; ``cmrc.plant`` the
-dock without DSPs. ``cmrc.limits`` and ``cmrc.compare`` run a configuration several times: how far it is from its first missed deadline, and what time costs it.
+dock without DSPs. ``cmrc.limits`` and ``cmrc.compare`` run a configuration several times: how far it is from its first missed deadline, and what time costs it;
+``cmrc.sweep`` runs a whole grid of them, and ``cmrc.search`` looks for the best.
 """
 
-from cmrc import c40, network, plant
+from cmrc import _core, c40, network, plant
+from cmrc.differences import Difference, diff
 from cmrc.result import Profile, Result
 from cmrc.simulation import ConfigError, Simulation, Snapshot, read_snapshot, run, write_snapshot
 from cmrc.snapshots import SnapshotError
 from cmrc.studies import Comparison, Limits, compare, limits
+from cmrc.sweeps import search, sweep
 from cmrc.table import Table
 
-__all__ = ["Comparison", "ConfigError", "Limits", "Profile", "Result", "Simulation", "Snapshot", "SnapshotError", "Table", "c40",
-           "compare", "limits", "network", "plant", "read_snapshot", "run", "write_snapshot"]
+__version__: str = _core.cmrc.emulator_version
+
+__all__ = ["Comparison", "ConfigError", "Difference", "Limits", "Profile", "Result", "Simulation", "Snapshot", "SnapshotError", "Table", "c40",
+           "compare", "diff", "limits", "network", "plant", "read_snapshot", "run", "search", "sweep", "write_snapshot"]

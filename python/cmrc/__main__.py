@@ -1,4 +1,4 @@
-"""``python -m cmrc replay RUN --html PAGE``, ``python -m cmrc events RUN -o FILE`` and ``python -m cmrc demo``."""
+"""``python -m cmrc`` and ``cmrc``: replay, events, demo, and the experiments (experiment_commands.py)."""
 
 from __future__ import annotations
 
@@ -6,12 +6,21 @@ import argparse
 import sys
 from pathlib import Path
 
-from cmrc import demo, events, files, replay
+from cmrc import demo, events, experiment_commands, files, replay
+from cmrc.progress import ProgressLine
 from cmrc.simulation import ConfigError
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """The command line; 0, or 2 for bad input, as of the emulator."""
+    """The command line; 0, or 2 for bad input, 130 for Ctrl-C, as of the emulator."""
+    try:
+        return _main(arguments)
+    except KeyboardInterrupt:
+        print("cmrc: interrupted", file=sys.stderr)
+        return 130
+
+
+def _main(arguments: list[str] | None) -> int:
     parser = argparse.ArgumentParser(prog="cmrc", description="What the emulator has done, to look at.")
     commands = parser.add_subparsers(dest="command", required=True)
     command = commands.add_parser("replay", help="3-D replay of a run as one page that works offline")
@@ -23,7 +32,10 @@ def main(arguments: list[str] | None = None) -> int:
     scenes = commands.add_parser("demo", help="what the emulator tells, in five scenes, and a page of them")
     scenes.add_argument("--out", metavar="FOLDER", default="demo", help="where the page is written (default: demo)")
     events.declare(commands)
+    experiment_commands.add(commands)
     given = parser.parse_args(arguments)
+    if "do" in given:
+        return int(given.do(given))
     if given.command == "demo":
         return _demo(Path(given.out))
     if given.command == "events":
@@ -34,7 +46,9 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         _check_outputs(run, page, plots, saved)
         if run.suffix == ".toml":
-            recording = replay.record_file(run, dict(_setting(text) for text in given.set))
+            settings = dict(experiment_commands.setting(text) for text in given.set)
+            with ProgressLine("cmrc replay") as line:
+                recording = replay.record_file(run, settings, line.of)
         else:
             recording = replay.load(run)
         _write(recording, page, plots, saved)
@@ -46,7 +60,13 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _demo(folder: Path) -> int:
     try:
-        demo.main(folder)
+        with ProgressLine("cmrc demo") as line, line.beating():
+
+            def tell(text: str) -> None:
+                line.clear()
+                print(text, flush=True)
+
+            demo.main(folder, tell)
     except OSError as error:
         print(f"cmrc demo: {files.printable(str(error))}", file=sys.stderr)
         return 2
@@ -106,20 +126,6 @@ def _write(recording: replay.Recording, page: Path | None, plots: Path | None, s
     if plots and figure:
         with files.writing(plots) as out:
             figure.savefig(out, dpi=110, format=plots.suffix[1:].lower())
-
-
-def _setting(text: str) -> tuple[str, bool | int | float | str]:
-    key, equals, value = text.partition("=")
-    if not equals:
-        raise ValueError(f"--set needs KEY=VALUE, not {text!r}")
-    if value in ("true", "false"):
-        return key, value == "true"
-    for kind in (int, float):
-        try:
-            return key, kind(value)
-        except ValueError:
-            continue
-    return key, value
 
 
 if __name__ == "__main__":

@@ -19,6 +19,20 @@ def printable(text: str) -> str:
     return _core.io.printable(text.encode("utf-8", "surrogateescape"))
 
 
+def printable_lines(text: str) -> str:
+    """The same line by line: line feeds stay."""
+    return "\n".join(map(printable, text.split("\n")))
+
+
+def read(path: str | os.PathLike[str], most: int) -> bytes:
+    """A whole file of at most so many bytes: one without an end (a device, a pipe) is an error. Raises OSError, ValueError."""
+    with open(path, "rb") as file:
+        content = file.read(most + 1)
+    if len(content) > most:
+        raise ValueError(f"{os.fspath(path)}: more than {most} bytes; a smaller file is expected")
+    return content
+
+
 def write(path: str | os.PathLike[str], content: str | bytes) -> None:
     """Writes a file; text in UTF-8. Until it is whole the file that was there stays. A device, a pipe or a terminal is written
     into. Raises OSError."""

@@ -1,4 +1,8 @@
-"""Plots of a recorded run (``cmrc.replay.record``): plan and side view, joints and their tracking, sway, deadlines. Needs matplotlib."""
+"""Plots. Needs matplotlib.
+
+Of a result: ``sheet``, ``gantt``, ``histogram``, ``cdf``, ``misses``, ``load_error``. Of a sweep: ``grid``, ``cost``. Of a recorded run
+(``cmrc.replay.record``): ``plan`` and ``side`` view, ``joints`` and their ``tracking``, ``sway``, ``deadlines``, and ``overview`` with all of them.
+"""
 
 from __future__ import annotations
 
@@ -7,10 +11,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from cmrc.replay import Recording
+from cmrc.result_plots import cdf, gantt, histogram, load_error, misses, sheet
+from cmrc.sweep_plots import cost, grid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+__all__ = ["cdf", "cost", "deadlines", "gantt", "grid", "histogram", "joints", "load_error", "misses", "overview", "plan", "sheet", "side", "sway", "tracking"]
 
 JOINTS = {"s_m": "gantry, m", "psi_rad": "slew, rad", "phi_rad": "luff, rad", "trolley_m": "trolley, m", "l_m": "rope, m", "kappa_rad": "rotator, rad"}
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib import resources
 from itertools import pairwise
 from pathlib import Path
@@ -26,8 +26,11 @@ Recording = dict[str, Any]
 FORMAT = 4
 
 
-def record(simulation: Simulation, step_s: float = 0.1) -> Recording:
-    """Runs a fresh simulation to its end and keeps what a replay needs. ``simulation.result()`` holds the rest as ever."""
+def record(simulation: Simulation, step_s: float = 0.1, on_progress: Callable[[float, float], object] | None = None) -> Recording:
+    """Runs a fresh simulation to its end and keeps what a replay needs. ``simulation.result()`` holds the rest as ever.
+
+    ``on_progress(simulated_s, duration_s)`` is told of every slice of the time line.
+    """
     settings, dock = simulation.config.to_dict(), _core.cmrc.dock_of(simulation.config)
     duration = float(settings["run.duration_s"])
     slices = max(1, min(360, math.ceil(duration / 0.05)))
@@ -36,6 +39,8 @@ def record(simulation: Simulation, step_s: float = 0.1) -> Recording:
     for edge in edges[1:]:
         simulation.run_until(edge)
         counts.append({kind: (int(task["on_time"]), int(task["misses"])) for kind, task in simulation.tasks().items()})
+        if on_progress is not None:
+            on_progress(edge, duration)
         if simulation.ended:
             break
     result = simulation.result()
@@ -57,9 +62,13 @@ def record(simulation: Simulation, step_s: float = 0.1) -> Recording:
     }
 
 
-def record_file(config: str | os.PathLike[str], settings: Mapping[str, Setting] | None = None) -> Recording:
-    """Runs a TOML configuration and records it. Raises ConfigError, OSError."""
-    return record(Simulation(config=config, settings=settings))
+def record_file(
+    config: str | os.PathLike[str],
+    settings: Mapping[str, Setting] | None = None,
+    on_progress: Callable[[float, float], object] | None = None,
+) -> Recording:
+    """Runs a TOML configuration and records it; ``on_progress`` as of ``record``. Raises ConfigError, OSError."""
+    return record(Simulation(config=config, settings=settings), on_progress=on_progress)
 
 
 def save(recording: Recording, path: str | os.PathLike[str]) -> None:

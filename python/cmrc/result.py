@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cmrc.table import Table
+
+if TYPE_CHECKING:
+    import pandas
+    from matplotlib.figure import Figure
+
+    from cmrc.differences import Comparable, Difference
 
 
 class Profile:
@@ -47,10 +54,11 @@ class Profile:
 class Result:
     """A finished run: the report (docs/report.md) as tables and as a dict, and the plant's time series.
 
-    Column names of tables carry their units as the report's keys do: ``_s`` seconds, ``_ps`` picoseconds, ``cycles``, ``clocks``.
+    It can be saved, copied and pickled, and compared with another (docs/experiments.md). Column names of tables carry their units as the report's keys do: ``_s`` seconds, ``_ps`` picoseconds, ``cycles``, ``clocks``.
     """
 
-    def __init__(self, report: Mapping[str, Any], text: str, signals: Table, profile: Profile | None = None) -> None:
+    def __init__(self, report: Mapping[str, Any], text: str, signals: Table, profile: Profile | None = None,
+                 events: str | None = None) -> None:
         self.report: dict[str, Any] = dict(report)
         """The whole report, as the JSON of ``emulator --report`` has it."""
         self.text = text
@@ -59,6 +67,62 @@ class Result:
         """The plant in time: column ``time_s`` and one column per signal, units in the names."""
         self.profile = profile
         """Where the DSPs' cycles went; None unless the run was asked for a profile."""
+        self.events = events
+        """The event trace (docs/trace.md); None unless the run was asked for its events."""
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes it into one file, whole or not at all; ``load`` gives it back. Raises OSError."""
+        from cmrc import saved_result
+
+        saved_result.save(self, path)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Result:
+        """A result that ``save`` wrote. Raises OSError; ValueError that names the file for any other file."""
+        from cmrc import saved_result
+
+        return cls(**saved_result.load(path))
+
+    def diff(self, other: Comparable) -> Difference:
+        """What differs between this result and another (a result, a report, a file): ``cmrc.diff``."""
+        from cmrc.differences import diff
+
+        return diff(self, other)
+
+    def explain(self, n: int | None = None) -> str:
+        """A paragraph about a missed job, ``missed[n]``; None: the first by deadline.
+
+        It says who stood in the way, since when, and what would have avoided it. Raises IndexError where there is no
+        such miss.
+        """
+        from cmrc.explanations import explain
+
+        return explain(self.report, n)
+
+    def plot(self) -> Figure:
+        """Deadlines, response times and the load's error on one sheet (``cmrc.plot``). Raises ImportError without
+        matplotlib."""
+        from cmrc.extras import needed
+
+        needed("matplotlib", "plot", "plot")
+        from cmrc import plot
+
+        return plot.sheet(self)
+
+    def to_frame(self) -> pandas.DataFrame:
+        """A tidy frame: one row per task kind and metric, and of kind "run" per metric of the whole run.
+
+        Columns ``kind``, ``metric``, ``unit``, ``value``; NaN where nothing was measured. Raises ImportError without
+        pandas.
+        """
+        from cmrc.frames import to_frame
+
+        return to_frame(self.report)
+
+    @property
+    def version(self) -> str:
+        """Of the emulator that ran it."""
+        return str(self.report["emulator_version"])
 
     @property
     def hash(self) -> str:
@@ -126,3 +190,8 @@ class Result:
             f"<cmrc.Result: {self.report['simulated_s']} s on {len(self.report['dsps'])} DSPs, {self.misses} misses, "
             f"{self.report['containers_delivered']} delivered, {self.stop_reason}>"
         )
+
+    def _repr_html_(self) -> str:
+        from cmrc.frames import to_html
+
+        return to_html(self.report, repr(self)[1:-1])

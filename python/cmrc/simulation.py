@@ -6,7 +6,7 @@ import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cmrc import _core, arguments, files
 from cmrc.c40 import ChipState, Program
@@ -14,6 +14,11 @@ from cmrc.debug import Debugger
 from cmrc.result import Profile, Result
 from cmrc.snapshots import SnapshotError
 from cmrc.table import Table
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from cmrc._settings import MoreSettings, Settings
 
 ConfigError = _core.cmrc.ConfigError
 """Raised for an unknown or ill-typed setting, or rates that break an invariant. Says where, and what would be right."""
@@ -33,7 +38,7 @@ def configured(
     preset: str | None,
     settings: Mapping[str, Setting] | None,
     events: Sequence[Mapping[str, Setting]],
-    keywords: Mapping[str, Setting],
+    keywords: Mapping[str, object],
 ) -> _core.cmrc.Config:
     """A configuration from the arguments that all runs have. Raises ConfigError; TypeError that names the argument."""
     file = None if config is None else arguments.path("config", config, "the path of a TOML file")
@@ -84,7 +89,7 @@ class Simulation:
     Every setting of docs/configuration.md may be given: by ``settings`` under its dotted name, or as a keyword under its last part where only one table has
     it (``dsps``, ``duration_s``, ``seed``, ``idle_policy``, ...). ``config`` is a TOML file, ``preset`` one of base, heavy, saturated. Later ones win: defaults,
     preset, file, settings. ``events`` are dictionaries with the fields of ``[[events]]``. With ``profile`` the result says where the DSPs' cycles went; the
-    run is slower and otherwise the same. ``reference`` is the ideal run that errors are measured against, of an earlier run (``Simulation.reference``) that
+    run is slower and otherwise the same. With ``keep_events`` the result has the event trace, about 25 MB per simulated second. ``reference`` is the ideal run that errors are measured against, of an earlier run (``Simulation.reference``) that
     differs in the number of DSPs, their speed and failures only; without it, it is run beside. One thread at a time may use it, and from inside a callback it may be read
     (``result``, ``tasks``, ``dsp``), neither changed nor run: all else is a RuntimeError at once. Raises ConfigError; c40.AssemblyError when ``programs`` names sources that do not assemble.
     """
@@ -97,8 +102,9 @@ class Simulation:
         settings: Mapping[str, Setting] | None = None,
         events: Sequence[Mapping[str, Setting]] = (),
         profile: bool = False,
+        keep_events: bool = False,
         reference: Reference | None = None,
-        **keywords: Setting,
+        **keywords: Unpack[Settings],
     ) -> None:
         self.config = configured(config, preset, settings, events, keywords)
         """Every setting of this run; ``config.to_dict()``, ``config.to_toml()``."""
@@ -110,6 +116,9 @@ class Simulation:
         self._profiled = profile
         if profile:
             self._core.profile()
+        self._keeps_events = arguments.flag("keep_events", keep_events)
+        if keep_events:
+            self._core.keep_text_of_events()
 
     def at(self, at_s: float, action: str, **fields: Setting) -> None:
         """An event at ``at_s``, not before the present time, with the fields of docs/configuration.md, ``[[events]]``.
@@ -141,8 +150,11 @@ class Simulation:
     def restore(self, snapshot: Snapshot) -> None:
         """The run is as it was at ``snapshot``, of this run or of another with the same configuration.
 
-        Raises SnapshotError for one of another configuration, program or version; then nothing has changed.
+        Raises SnapshotError for one of another configuration, program or version; then nothing has changed. Raises
+        RuntimeError with ``keep_events``.
         """
+        if self._keeps_events:
+            raise RuntimeError("restore: the run keeps its events, and cannot take back those that it has kept")
         self._core.restore(arguments.instance("snapshot", snapshot, Snapshot, "what Simulation.snapshot() gives"))
 
     def debug(self) -> Debugger:
@@ -166,13 +178,14 @@ class Simulation:
     @classmethod
     def _around(cls, core: _core.cmrc.Simulation, config: _core.cmrc.Config) -> Simulation:
         made = cls.__new__(cls)
-        made._core, made.config, made._profiled = core, config, False
+        made._core, made.config, made._profiled, made._keeps_events = core, config, False, False
         return made
 
     def result(self) -> Result:
         """The report and the signals of what has run so far; ``under_way`` where the run is not over."""
         profile = Profile(json.loads(self._core.profile_json()), self._core.profile_text()) if self._profiled else None
-        return Result(json.loads(self._core.report_json()), self._core.report_text(), Table(self._core.signals()), profile)
+        report, text = json.loads(self._core.report_json()), self._core.report_text()
+        return Result(report, text, Table(self._core.signals()), profile, self._core.events_text())
 
     def tasks(self) -> dict[str, Any]:
         """The jobs so far, as the report's ``tasks`` has them: cheaper than ``result``."""
@@ -216,11 +229,13 @@ def run(
     settings: Mapping[str, Setting] | None = None,
     events: Sequence[Mapping[str, Setting]] = (),
     profile: bool = False,
+    keep_events: bool = False,
     reference: Reference | None = None,
     on_progress: Progress | None = None,
-    **keywords: Setting,
+    **keywords: Unpack[MoreSettings],
 ) -> Result:
     """Simulates the dock on ``dsps`` DSPs (default 4) for ``duration_s`` seconds (default 180). See ``Simulation``."""
     given: dict[str, Any] = {"dsps": dsps, "duration_s": duration_s}
-    keywords = {**{name: value for name, value in given.items() if value is not None}, **keywords}
-    return Simulation(config=config, preset=preset, settings=settings, events=events, profile=profile, reference=reference, **keywords).run(on_progress)
+    all_keywords: Any = {**{name: value for name, value in given.items() if value is not None}, **keywords}
+    return Simulation(config=config, preset=preset, settings=settings, events=events, profile=profile,
+                      keep_events=keep_events, reference=reference, **all_keywords).run(on_progress)

@@ -6,11 +6,16 @@ import json
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from cmrc import _core, arguments
 from cmrc.simulation import Setting, configured
 from cmrc.table import Table
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from cmrc._settings import LimitsSettings, Settings
 
 
 class Limits:
@@ -74,7 +79,7 @@ def limits(
     settings: Mapping[str, Setting] | None = None,
     events: Sequence[Mapping[str, Setting]] = (),
     on_progress: Callable[[int, int], object] | None = None,
-    **keywords: Setting,
+    **keywords: Unpack[LimitsSettings],
 ) -> Limits:
     """Scans for the first missed deadline, each point a run of its own, as many at a time as there are processors.
 
@@ -97,7 +102,7 @@ def compare(
     preset: str | None = None,
     settings: Mapping[str, Setting] | None = None,
     events: Sequence[Mapping[str, Setting]] = (),
-    **keywords: Setting,
+    **keywords: Unpack[Settings],
 ) -> Comparison:
     """The run beside the same run with instant execution (``run.ideal``), both at the same time. Arguments as of ``run``."""
     text, found = _core.why_late.compare(configured(config, preset, settings, events, keywords))

@@ -52,6 +52,10 @@ def summaries(node: Any, path: str = "") -> Iterator[tuple[str, dict[str, Any]]]
 
 def of_summary(path: str, s: dict[str, Any]) -> Iterator[str]:
     ordered = [s["best"], s["p50"], s["p99"], s["p99_9"], s["worst"]]
+    if s["count"] == 0:
+        if any(value is not None for value in [*ordered, s["mean"]]):
+            yield f"{path}: something measured of nothing: {s}"
+        return
     if ordered != sorted(ordered) or not s["best"] <= s["mean"] <= s["worst"]:
         yield f"{path}: not in order: {s}"
     if sum(s["log2_histogram"]) != s["count"]:

@@ -81,7 +81,7 @@ def test_an_ideal_run_answers_within_a_latch_and_misses_nothing() -> None:
     result = cmrc.run(preset="saturated", dsps=1, duration_s=0.1, ideal=True)
     assert result.misses == 0
     for kind, task in result.report["tasks"].items():
-        assert task["response_ps"]["worst"] < 125_000_000 / 2, kind  # avoidance: 330 000 cycles of 40 ps, behind three others
+        assert (task["response_ps"]["worst"] or 0) < 125_000_000 / 2, kind  # avoidance: 330 000 cycles of 40 ps, behind three others
 
 
 def test_an_ideal_run_computes_what_the_real_one_does() -> None:

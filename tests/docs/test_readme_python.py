@@ -1,15 +1,23 @@
 """The Python of README.md runs, and gives the figures that its comments say."""
 
+import os
 import re
+from pathlib import Path
 
 import pytest
 from locations import ROOT
 
 
-def test_the_python_of_the_readme(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_python_of_the_readme(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     [program] = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
     [fewest] = re.findall(r"# the fewest DSPs without a miss: (\S+)", program)
     [r1] = re.findall(r"# (\d+\.\d), and the cycles it took", program)
+    [missed] = re.findall(r"# (\d+) deadlines missed", program)
+    monkeypatch.chdir(tmp_path)
     exec(program, {})  # noqa: S102
-    *_, dsps, last = capsys.readouterr().out.splitlines()
+    misses, explained, *_, dsps, last = capsys.readouterr().out.splitlines()
+    assert misses == missed and int(missed) > 0 and "In its way" in explained and "Without" in explained
+    assert os.listdir(tmp_path) == ["one_dsp.cmrc"]
     assert dsps == fewest and last.split()[0] == r1 and int(last.split()[1]) >= 2

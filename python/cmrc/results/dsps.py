@@ -17,6 +17,7 @@ from cmrc.results.judgement import (
     counted,
     demand_missed,
     markdown,
+    measured,
     missed_share,
     parameter,
     percent,
@@ -149,18 +150,18 @@ def rows(p: Parameters, done: Sequence[tuple[Run, Reports]]) -> list[Row]:
     for run, reports in done:
         report = reports[-1]
         tasks, host = report["tasks"], report["host"]
-        refresh_us = host["refresh_duration_ps"]["mean"] / 1e6
+        refresh_us = measured(host["refresh_duration_ps"]["mean"], 1e6)
         row: Row = {
             **run.label,
             "released": counted(report, of="released"),
             "misses": counted(report),
-            "bus_a": 100 * report["buses"]["A"]["utilisation"],
+            "bus_a": 100 * measured(report["buses"]["A"]["utilisation"]),
             "refresh_us": refresh_us,
             "host": 100 * refresh_us * 1e-6 * report["configuration"]["rates.refresh_frequency_hz"],
             "skipped": percent(host["skipped_refreshes"], host["skipped_refreshes"] + host["refreshes"]),
-            "pid_us": tasks["pid"]["response_ps"]["mean"] / 1e6,
-            "pid_p99_us": tasks["pid"]["response_ps"]["p99"] / 1e6,
-            "pid_run_us": tasks["pid"]["execution_ps"]["mean"] / 1e6,
+            "pid_us": measured(tasks["pid"]["response_ps"]["mean"], 1e6),
+            "pid_p99_us": measured(tasks["pid"]["response_ps"]["p99"], 1e6),
+            "pid_run_us": measured(tasks["pid"]["execution_ps"]["mean"], 1e6),
             "streak": tasks["pid"]["longest_miss_streak"],
         }
         if run.group:
@@ -168,7 +169,7 @@ def rows(p: Parameters, done: Sequence[tuple[Run, Reports]]) -> list[Row]:
             row |= {f"{name}_hz": report["rates"][name]["realised_hz"] for name in ("f_p", "f_t")}
             row |= {
                 "avoidance": demand_missed(report, "obstacle_avoidance"),
-                "block_ms": tasks["obstacle_avoidance"]["execution_ps"]["mean"] / 1e9,
+                "block_ms": measured(tasks["obstacle_avoidance"]["execution_ps"]["mean"], 1e9),
             }
             row |= {"servo_misses": counted(report, SERVO), "behind_identify": behind_identify(report)}
         table.append(row)

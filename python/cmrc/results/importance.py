@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from cmrc.results.ends import behind_identify
-from cmrc.results.judgement import PLANNING, SERVO, Row, Verdict, counted, markdown, missed_share, parameter
+from cmrc.results.judgement import PLANNING, SERVO, Row, Verdict, counted, markdown, measured, missed_share, parameter
 from cmrc.results.runs import Reports, Run
 from cmrc.simulation import Setting
 
@@ -97,9 +97,9 @@ def rows(p: Parameters, done: Sequence[tuple[Run, Reports]]) -> list[Row]:
                 "identify": behind_identify(report),
                 "crane": missed_share(report, "f_t") or 0.0,
                 "agv": missed_share(report, "f_a") or 0.0,
-                "jitter_us": max(tasks[kind]["start_jitter_ps"]["rms"] for kind in SERVO) / 1e6,
-                "agv_wait_ms": max(tasks[kind]["waiting_ps"]["worst"] for kind in AGV) / 1e9,
-                "agv_mean_ms": tasks["trajectory_planning.agv"]["waiting_ps"]["mean"] / 1e9,
+                "jitter_us": max(measured(tasks[kind]["start_jitter_ps"]["rms"], 1e6) for kind in SERVO),
+                "agv_wait_ms": max(measured(tasks[kind]["waiting_ps"]["worst"], 1e9) for kind in AGV),
+                "agv_mean_ms": measured(tasks["trajectory_planning.agv"]["waiting_ps"]["mean"], 1e9),
                 "agv_done": counted(report, AGV, "on_time"),
                 "idle": 100
                 * sum(d["causes"]["idle"] for d in report["dsps"])

@@ -85,6 +85,11 @@ def demand_missed(report: Mapping[str, Any], kind: str) -> float | None:
     return None if share is None else 100.0 * float(share)
 
 
+def measured(value: float | None, unit: float = 1.0) -> float:
+    """A number of a report in a unit; NaN where nothing was measured."""
+    return math.nan if value is None else value / unit
+
+
 def markdown(columns: Mapping[str, str], rows: Sequence[Row]) -> str:
     """A table: ``columns`` maps a row's keys to headings. Floats get three digits, None a dash."""
 

@@ -1,0 +1,197 @@
+"""What is different between two results."""
+
+from __future__ import annotations
+
+import html
+import math
+import os
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from cmrc import _core, saved_result
+from cmrc.result import Result
+from cmrc.table import Table
+
+NO_METRIC = ("configuration", "elapsed_s", "reference_elapsed_s", "schema_version", "emulator_version")
+"""Keys of the report that are told apart, or differ between two runs of the same configuration."""
+MISSING = "–"
+
+
+class Difference:
+    """Of two results, named left and right."""
+
+    def __init__(
+        self, left: Mapping[str, Any], right: Mapping[str, Any], event: Mapping[str, Any] | None, events_compared: bool
+    ) -> None:
+        self.configuration: dict[str, tuple[Any, Any]] = dict(_unlike(left["configuration"], right["configuration"]))
+        """By setting its value left and right."""
+        versions = left.get("emulator_version"), right.get("emulator_version")
+        self.versions: tuple[Any, Any] | None = versions if versions[0] != versions[1] else None
+        """Versions of the emulator, where they differ."""
+        self.event: dict[str, Any] | None = None if event is None else dict(event)
+        """The first event in which they differ: ``when`` (s), ``component``, ``field``, ``left``, ``right``, and both
+        lines of the traces; None where no event differs, or one of the results has no events."""
+        self.events_compared = events_compared
+        """Both results have their events (``events=True``)."""
+        self.metrics: list[tuple[str, Any, Any]] = sorted(
+            ((name, one, other) for name, (one, other) in _unlike(dict(_leaves(left)), dict(_leaves(right)))),
+            key=lambda row: row[0].startswith("misses["),
+        )
+        """Every metric of the report that differs, in its order: name, left, right; missed jobs one by one come
+        last."""
+        self.same_hash = left["hash"] == right["hash"]
+        """Both made the same events."""
+
+    def __bool__(self) -> bool:
+        """Something differs."""
+        return bool(self.configuration or self.versions or self.event or self.metrics)
+
+    @property
+    def first(self) -> str:
+        """Where the difference begins, in a sentence."""
+        if self.event is not None:
+            return (
+                f"They differ from {self.event['when']} s on: {self.event['component']}, {self.event['field']} "
+                f"{self.event['left']} and {self.event['right']}."
+            )
+        if self.same_hash:
+            return "Both runs made the same events." + ("" if not self.metrics else " The reports differ.")
+        if self.events_compared:
+            return "No event differs; the final states of the machines do."
+        name, one, other = next(row for row in self.metrics if row[0] != "hash")
+        return (
+            f"The first metric that differs is {name}: {_shown(one)} and {_shown(other)}. "
+            "(Runs with events=True tell the first event, too.)"
+        )
+
+    @property
+    def table(self) -> Table:
+        """One row per metric: ``metric``, ``left``, ``right``, ``difference``; NaN where it is no number."""
+        return Table.from_rows(
+            {"metric": name, "left": _number(one), "right": _number(other), "difference": _number(other) - _number(one)}
+            for name, one, other in self.metrics
+        )
+
+    def text(self, most: int = 40) -> str:
+        """For a terminal, at most so many metrics."""
+        if not self:
+            return "The two results are the same.\n"
+        lines = [self.first]
+        if self.versions:
+            lines += ["", f"Emulator version {self.versions[0]} and {self.versions[1]}"]
+        if self.configuration:
+            lines += ["", "Configuration"]
+            lines += [f"  {key}: {_shown(one)} -> {_shown(other)}" for key, (one, other) in self.configuration.items()]
+        if self.metrics:
+            lines += ["", f"Metrics ({len(self.metrics)} differ)"]
+            lines += [
+                f"  {name}: {_shown(one)} -> {_shown(other)}{_change(one, other)}"
+                for name, one, other in self.metrics[:most]
+            ]
+            if len(self.metrics) > most:
+                lines.append(f"  and {len(self.metrics) - most} more")
+        return "\n".join(lines) + "\n"
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {
+            "same": not self,
+            "first": self.first if self else None,
+            "versions": self.versions,
+            "configuration": {key: list(pair) for key, pair in self.configuration.items()},
+            "event": self.event,
+            "metrics": [{"metric": name, "left": one, "right": other} for name, one, other in self.metrics],
+        }
+
+    def __str__(self) -> str:
+        return self.text()
+
+    def __repr__(self) -> str:
+        return f"<cmrc.Difference: {len(self.configuration)} settings, {len(self.metrics)} metrics>"
+
+    def _repr_html_(self) -> str:
+        rows = [("setting", key, *pair) for key, pair in self.configuration.items()]
+        rows += [("metric", *row) for row in self.metrics[:200]]
+        cells = "".join(
+            "<tr>" + "".join(f"<td>{html.escape(_shown(cell))}</td>" for cell in row) + "</tr>" for row in rows
+        )
+        return (
+            f"<p>{html.escape(self.first if self else 'The two results are the same.')}</p>"
+            f"<table><tr><th></th><th>name</th><th>left</th><th>right</th></tr>{cells}</table>"
+        )
+
+
+Comparable = Result | Mapping[str, Any] | str | os.PathLike[str]
+
+
+def diff(left: Comparable, right: Comparable) -> Difference:
+    """What differs between two results: each a ``Result``, a report (a dictionary), or a file of either.
+
+    Raises OSError; ValueError for a file that is neither a saved result nor a JSON report, and for a report of another
+    schema version.
+    """
+    (one, events), (other, beside) = _taken("left", left), _taken("right", right)
+    compared = events is not None and beside is not None
+    event = _core.trace.difference(events, beside) if events is not None and beside is not None else None
+    return Difference(one, other, event, compared)
+
+
+def _taken(name: str, of: Comparable) -> tuple[dict[str, Any], str | None]:
+    if isinstance(of, Result):
+        return of.report, of.events
+    if isinstance(of, Mapping):
+        try:
+            return saved_result.checked_report(of), None
+        except ValueError as error:
+            raise ValueError(f"{name}: {error}") from None
+    if not isinstance(of, (str, os.PathLike)):
+        raise TypeError(
+            f"{name}: {type(of).__name__} cannot be used; a Result, a report or the path of a file is expected"
+        )
+    import zipfile
+
+    if zipfile.is_zipfile(of):
+        parts = saved_result.load(of)
+        return parts["report"], parts["events"]
+    return saved_result.load_report(of), None
+
+
+def _leaves(node: Any, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Everything that is no table or list of tables, by its dotted place; a list of numbers is one value."""
+    if isinstance(node, Mapping):
+        for key, below in node.items():
+            if path or key not in NO_METRIC:
+                yield from _leaves(below, f"{path}.{key}" if path else key)
+    elif isinstance(node, list) and any(isinstance(below, (Mapping, list)) for below in node):
+        for n, below in enumerate(node):
+            yield from _leaves(below, f"{path}[{n}]")
+    else:
+        yield path, node
+
+
+_ABSENT = object()
+
+
+def _unlike(left: Mapping[str, Any], right: Mapping[str, Any]) -> Iterator[tuple[str, tuple[Any, Any]]]:
+    for name in dict.fromkeys([*left, *right]):
+        one, other = left.get(name, _ABSENT), right.get(name, _ABSENT)
+        if one != other:
+            yield name, (None if one is _ABSENT else one, None if other is _ABSENT else other)
+
+
+def _number(value: Any) -> float:
+    return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else math.nan
+
+
+def _shown(value: Any) -> str:
+    if value is None:
+        return MISSING
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    text = str(value)
+    return text if len(text) <= 70 else text[:67] + "..."
+
+
+def _change(one: Any, other: Any) -> str:
+    change = _number(other) - _number(one)
+    return "" if math.isnan(change) else f" ({change:+.6g})"

@@ -1,0 +1,250 @@
+"""Plots of a result: who ran when, response times, misses, the load's error. Needs matplotlib.
+
+Every line has a style, and every bar a hatch, of its own: the plots can be read when printed in grey.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from cmrc.result import Result
+
+COLOURS = ("#000000", "#0072b2", "#d55e00", "#56b4e9", "#e69f00", "#009e73", "#cc79a7", "#999999")
+"""Okabe and Ito's, by rising lightness in turns: neighbours differ in grey too."""
+LINES = ("-", "--", "-.", ":")
+MARKS = ("o", "s", "^", "D", "v", "P", "X", "*")
+HATCHES = ("", "////", "\\\\\\\\", "....", "xxxx", "||||", "++++", "oooo")
+KINDS = (
+    "error",
+    "trajectory_planning.crane",
+    "trajectory_planning.agv",
+    "inverse_kinematics.crane",
+    "inverse_kinematics.agv",
+    "torque_compensation",
+    "pid",
+    "identify",
+    "grab_path",
+    "home.crane",
+    "home.agv",
+    "obstacle_avoidance",
+)
+"""By the numbers KIND_* of c40_programs/include/task_block.inc, as events have them."""
+MISSED = ("late", "unfinished", "never_started", "lost", "dropped")
+_EVENT = re.compile(r"(\d+\.\d+) \[dsp (\d+)\] (claim|finish) block=(0x[0-9a-f]+|\d+) kind=(\d+)")
+
+
+def style(n: int) -> dict[str, Any]:
+    """Colour and dashes of the n-th line."""
+    return {"color": COLOURS[n % len(COLOURS)], "linestyle": LINES[(n + n // len(COLOURS)) % len(LINES)]}
+
+
+def legend(axes: Axes, **more: Any) -> None:
+    """Beside the axes, where it covers nothing."""
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False, **more)
+
+
+def gantt(result: Result, axes: Axes, from_s: float, to_s: float) -> None:
+    """What each DSP ran from ``from_s`` to ``to_s``: a bar per block from claim to end, a cross per missed deadline.
+
+    Raises ValueError for a result without events (``cmrc.run(..., keep_events=True)``), and for an empty window.
+    """
+    if result.events is None:
+        raise ValueError("gantt: the result has no events; cmrc.run(..., keep_events=True) keeps them")
+    if not from_s < to_s:
+        raise ValueError(f"gantt: from {from_s} s to {to_s} s is no window; from_s < to_s is expected")
+    blocks = [block for block in runs(result.events) if block[3] > from_s and block[2] < to_s]
+    kinds = list(dict.fromkeys(block[1] for block in sorted(blocks, key=lambda block: -(block[3] - block[2]))))
+    for n, kind in enumerate(kinds):
+        of = [block for block in blocks if block[1] == kind]
+        bars = [(max(b, from_s) * 1e3, (min(e, to_s) - max(b, from_s)) * 1e3) for _, _, b, e in of]
+        for (slot, *_), bar in zip(of, bars, strict=True):
+            axes.broken_barh(
+                [bar],
+                (slot - 0.4, 0.8),
+                facecolor=COLOURS[(n + 1) % len(COLOURS)],
+                edgecolor="k",
+                linewidth=0.4,
+                hatch=HATCHES[n % len(HATCHES)],
+            )
+        axes.broken_barh(
+            [],
+            (0, 0),
+            facecolor=COLOURS[(n + 1) % len(COLOURS)],
+            edgecolor="k",
+            hatch=HATCHES[n % len(HATCHES)],
+            label=kind,
+        )
+    due = [(miss["deadline_ps"] or miss["release_ps"]) / 1e12 for miss in result.missed]
+    shown = [instant * 1e3 for instant in due if from_s <= instant <= to_s]
+    slots = len(result.report["dsps"])
+    if shown:
+        axes.plot(shown, [slots - 0.3] * len(shown), "kx", ms=5, label="missed deadline", clip_on=False)
+    axes.set(xlim=(from_s * 1e3, to_s * 1e3), ylim=(-0.6, slots), xlabel="time, ms", title="blocks on the DSPs")
+    axes.set_yticks(range(slots), [f"DSP {slot}" for slot in range(slots)])
+    legend(axes)
+
+
+def runs(events: str) -> Iterator[tuple[int, str, float, float]]:
+    """DSP, kind, begin and end in s of every block that a trace tells; one that has not ended lasts to the last
+    event."""
+    running: dict[int, tuple[str, float]] = {}
+    last = 0.0
+    for found in _EVENT.finditer(events):
+        time, slot, kind = float(found[1]), int(found[2]), int(found[5])
+        last = max(last, time)
+        name = KINDS[kind] if kind < len(KINDS) else f"user {kind - len(KINDS)}"
+        begun = running.pop(slot, None)
+        if begun is not None:
+            yield slot, begun[0], begun[1], time
+        if found[3] == "claim":
+            running[slot] = (name, time)
+    for slot, (name, begin) in running.items():
+        yield slot, name, begin, last
+
+
+def histogram(result: Result, axes: Axes) -> None:
+    """Shares of the finished jobs of each kind over their response time, in bins from one power of two to the next: one
+    row per kind, the darker the more, the share in % as a number."""
+    kinds = _finished(result)
+    bins = {kind: task["response_ps"]["log2_histogram"] for kind, task in kinds.items()}
+    used = [i for counts in bins.values() for i, count in enumerate(counts) if count]
+    first, last = min(used, default=0), max(used, default=0)
+    edges = [2.0 ** (i - 1) * 1e-6 for i in range(first, last + 2)]
+    shares = np.array(
+        [
+            [
+                100 * (counts[i] if i < len(counts) else 0) / kinds[kind]["response_ps"]["count"]
+                for i in range(first, last + 1)
+            ]
+            for kind, counts in bins.items()
+        ]
+        or [[0.0]]
+    )
+    axes.pcolormesh(
+        edges, np.arange(len(shares) + 1) - 0.5, shares, cmap="Greys", vmin=0, vmax=100, edgecolors="0.85", lw=0.4
+    )
+    for y, row in enumerate(shares):
+        for i, share in enumerate(row):
+            if share:
+                axes.text(
+                    np.sqrt(edges[i] * edges[i + 1]),
+                    y,
+                    f"{share:.0f}" if share >= 0.5 else "<1",
+                    ha="center",
+                    va="center",
+                    fontsize=6.5,
+                    color="w" if share > 50 else "k",
+                )
+    axes.set(
+        xscale="log",
+        xlabel="response time, us",
+        title="response times: share of a kind's jobs, %",
+        ylim=(len(shares) - 0.5, -0.5),
+    )
+    axes.set_yticks(range(len(kinds)), list(kinds), fontsize=7)
+
+
+def cdf(result: Result, axes: Axes) -> None:
+    """Share of the finished jobs of each kind done within a time: exact at the powers of two, and at a percentile at
+    least that share."""
+    for n, (kind, task) in enumerate(_finished(result).items()):
+        response = task["response_ps"]
+        points = {float(response["best"]): 0.0}
+        for of, share in (("p50", 0.5), ("p99", 0.99), ("p99_9", 0.999), ("worst", 1.0)):
+            points[float(response[of])] = share  # of two that are one time the greater share counts
+        below = 0
+        for i, count in enumerate(response["log2_histogram"]):
+            below += count
+            if response["best"] < 2.0**i < response["worst"]:
+                points[2.0**i] = below / response["count"]
+        times = np.array(sorted(points))
+        shares = np.maximum.accumulate([points[time] for time in times])
+        axes.plot(times * 1e-6, 100 * shares, label=kind, marker=MARKS[n % len(MARKS)], ms=3, lw=1.2, **style(n))
+    axes.set(
+        xscale="log",
+        xlabel="response time, us",
+        ylabel="jobs done within it, %",
+        ylim=(-2, 102),
+        title="response times, cumulated",
+    )
+    legend(axes)
+
+
+def misses(result: Result, axes: Axes) -> None:
+    """Jobs of each kind that were not on time, by what became of them."""
+    tasks = {kind: task for kind, task in result.report["tasks"].items() if task["released"]}
+    names = list(tasks)
+    left = np.zeros(len(names))
+    for n, outcome in enumerate(MISSED):
+        counts = np.array([tasks[name][outcome] for name in names], dtype=float)
+        if counts.any():
+            axes.barh(
+                names,
+                counts,
+                left=left,
+                label=outcome.replace("_", " "),
+                color=COLOURS[(n + 1) % len(COLOURS)],
+                hatch=HATCHES[n % len(HATCHES)],
+                edgecolor="k",
+                linewidth=0.4,
+            )
+        left += counts
+    for y, (name, total) in enumerate(zip(names, left, strict=True)):
+        axes.text(total, y, f" {int(total)} of {tasks[name]['released']}", va="center", fontsize=7)
+    axes.set(
+        xlabel="jobs not on time",
+        title="deadlines",
+        xlim=(0, max(1.0, left.max(initial=0.0) * 1.35)),
+        ylim=(len(names) - 0.4, -0.6),
+    )
+    axes.tick_params(axis="y", labelsize=7)
+    legend(axes)
+
+
+def load_error(result: Result, axes: Axes) -> None:
+    """The load's true distance from where the plan has it: the ideal run's load at the same instant; what PID believes
+    of its joints is no part of it. Raises ValueError for a result without a reference."""
+    signals = result.signals
+    if "payload_reference_x_m" not in signals:
+        raise ValueError("load_error: the run has no reference (report.reference)")
+    apart = [signals[f"payload_{axis}_m"] - signals[f"payload_reference_{axis}_m"] for axis in "xyz"]
+    error = np.sqrt(sum(np.square(one) for one in apart))
+    axes.plot(signals["time_s"], 1e3 * error, "k-", lw=1.2, label="load")
+    due = [(miss["deadline_ps"] or miss["release_ps"]) / 1e12 for miss in result.missed]
+    if due:
+        axes.plot(
+            due, np.zeros(len(due)), "|", color=COLOURS[2], ms=8, label="missed deadlines\n(those told one by one)"
+        )
+    axes.set(xlabel="time, s", ylabel="distance from the plan, mm", title="true error of the load")
+    legend(axes)
+
+
+def sheet(result: Result) -> Figure:
+    """Misses, response times and the load's error on one sheet."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(13, 7.5), layout="constrained")
+    grid = figure.subplots(2, 2)
+    misses(result, grid[0, 0])
+    histogram(result, grid[0, 1])
+    cdf(result, grid[1, 1])
+    if "payload_reference_x_m" in result.signals:
+        load_error(result, grid[1, 0])
+    else:
+        grid[1, 0].text(0.5, 0.5, "no reference: no true error", ha="center", transform=grid[1, 0].transAxes)
+        grid[1, 0].set_axis_off()
+    figure.suptitle(repr(result)[1:-1].replace("cmrc.Result: ", ""), fontsize=10)
+    return figure
+
+
+def _finished(result: Result) -> dict[str, Mapping[str, Any]]:
+    return {kind: task for kind, task in result.report["tasks"].items() if task["response_ps"]["count"]}

@@ -1,0 +1,132 @@
+"""Results in files: a ZIP archive with the report as JSON, the texts, and the signals as NumPy arrays."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+import zipfile
+import zlib
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cmrc import arguments, files
+from cmrc.table import Table
+
+if TYPE_CHECKING:
+    from cmrc.result import Result
+
+FORMAT = 1
+SCHEMA_VERSIONS = (4,)
+"""Of the reports that this version reads (docs/report.md)."""
+_DATE = (1980, 1, 1, 0, 0, 0)  # the same result is the same file
+_LARGEST = 1 << 32  # bytes of one member, unpacked: a damaged file asks for no more memory
+_LARGEST_REPORT = 1 << 29
+
+
+def save(result: Result, path: str | os.PathLike[str]) -> None:
+    """Writes a result, whole or not at all. Raises OSError."""
+    head = {"format": FORMAT, "profile": result.profile is not None, "events": result.events is not None}
+    members: dict[str, bytes] = {
+        "result.json": json.dumps(head).encode(),
+        "report.json": json.dumps(result.report).encode(),
+        "report.txt": result.text.encode(),
+        "signals.npz": _packed(result.signals),
+    }
+    if result.profile is not None:
+        members["profile.json"] = json.dumps(result.profile.data).encode()
+        members["profile.txt"] = result.profile.text.encode()
+    if result.events is not None:
+        members["events.txt"] = result.events.encode()
+    with files.writing(path) as out, zipfile.ZipFile(out, "w") as archive:
+        for name, content in members.items():
+            entry = zipfile.ZipInfo(name, _DATE)
+            entry.compress_type = zipfile.ZIP_STORED if name.endswith(".npz") else zipfile.ZIP_DEFLATED
+            archive.writestr(entry, content)
+
+
+def load(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """What ``Result`` is made of. Raises OSError; ValueError that names the file for what is no result."""
+    name = arguments.path("path", path, "the path of a result that Result.save wrote")
+    try:
+        with zipfile.ZipFile(name) as archive:
+            return _unpacked(archive)
+    except (
+        zipfile.BadZipFile,
+        zlib.error,
+        KeyError,
+        ValueError,
+        TypeError,
+        EOFError,
+        NotImplementedError,
+        RecursionError,
+    ) as error:
+        raise ValueError(f"{name}: no saved result ({_shown(error)}); Result.save writes one") from error
+
+
+def _unpacked(archive: zipfile.ZipFile) -> dict[str, Any]:
+    from cmrc.result import Profile
+
+    def read(member: str) -> bytes:
+        if archive.getinfo(member).file_size > _LARGEST:
+            raise ValueError(f"{member} is larger than {_LARGEST} bytes")
+        return archive.read(member)
+
+    head = json.loads(read("result.json"))
+    if head["format"] != FORMAT:
+        raise ValueError(f"format {head['format']}; this version of cmrc reads format {FORMAT}")
+    report = checked_report(json.loads(read("report.json")))
+    profile = None
+    if head["profile"]:
+        profile = Profile(json.loads(read("profile.json")), read("profile.txt").decode())
+    with np.load(io.BytesIO(read("signals.npz")), allow_pickle=False) as arrays:
+        signals = Table({column: arrays[column] for column in arrays.files})
+    if len({len(column) for column in signals.values()}) > 1:
+        raise ValueError("signals of different lengths")
+    events = read("events.txt").decode() if head["events"] else None
+    return {
+        "report": report,
+        "text": read("report.txt").decode(),
+        "signals": signals,
+        "profile": profile,
+        "events": events,
+    }
+
+
+def checked_report(report: Any) -> dict[str, Any]:
+    """A report of a schema that this version reads. Raises ValueError."""
+    if not isinstance(report, Mapping) or "schema_version" not in report:
+        raise ValueError("there is no report with a schema_version in it")
+    if report["schema_version"] not in SCHEMA_VERSIONS:
+        raise ValueError(
+            f"the report has schema version {report['schema_version']}; "
+            f"this version of cmrc reads {', '.join(map(str, SCHEMA_VERSIONS))}"
+        )
+    for key, kind in (("configuration", Mapping), ("tasks", Mapping), ("misses", list), ("hash", str)):
+        if not isinstance(report.get(key), kind):
+            raise ValueError(f"the report has no {key!r}, or one of a wrong kind")  # noqa: TRY004 (a file is wrong)
+    return dict(report)
+
+
+def load_report(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """The report of a saved result, or of a JSON report (``emulator --report``). Raises OSError, ValueError."""
+    name = arguments.path("path", path, "the path of a saved result or a JSON report")
+    if zipfile.is_zipfile(name):
+        report: dict[str, Any] = load(name)["report"]
+        return report
+    try:
+        return checked_report(json.loads(files.read(name, _LARGEST_REPORT)))
+    except (ValueError, RecursionError) as error:
+        raise ValueError(f"{name}: neither a saved result nor a JSON report ({_shown(error)})") from error
+
+
+def _packed(table: Table) -> bytes:
+    out = io.BytesIO()
+    np.savez_compressed(out, **dict(table))  # type: ignore[arg-type]  # the names are its own
+    return out.getvalue()
+
+
+def _shown(error: Exception) -> str:
+    return f"no {error.args[0]!r} in it" if isinstance(error, KeyError) and error.args else str(error)

@@ -1,0 +1,159 @@
+"""Plots of a sweep: a metric over its grid, and what misses cost. Needs matplotlib."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from cmrc.result_plots import MARKS, legend, style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from cmrc.sweeps import Sweep
+    from cmrc.sweeps.metrics import Metric, Spread
+
+UNITS = {
+    "hz": "Hz",
+    "s": "s",
+    "m": "m",
+    "ms": "ms",
+    "us": "us",
+    "ns": "ns",
+    "kg": "kg",
+    "cycles": "cycles",
+    "refreshes": "refreshes",
+}
+NO_UNIT = ("dsps", "agvs", "slots", "cycle_time_factor", "seed")
+
+
+def grid(sweep: Sweep, axes: Axes, x: str | None = None, lines: str | None = None, metric: Metric = "misses") -> None:
+    """A metric over the setting ``x``, one line per value of the setting ``lines``; what varies between repeats has its
+    95 % interval. Without names: the axis with the most values, and the next one.
+
+    Points that were refused or failed are gaps. Raises ValueError where further axes vary: one point would have several
+    values."""
+    from cmrc.sweeps import metrics
+
+    summary = sweep.summary(metric)
+    x, lines = _axes_of(sweep, summary, x, lines)
+    groups: dict[Any, list[tuple[Any, Spread]]] = {}
+    for place, spread in summary:
+        groups.setdefault(place.get(lines) if lines else None, []).append((place[x], spread))
+    names = list(dict.fromkeys(place[x] for place, _ in summary))
+    words = any(isinstance(name, (str, bool)) for name in names)
+    for n, (value, points) in enumerate(sorted(groups.items(), key=lambda group: _order(group[0]))):
+        points = points if words else sorted(points, key=lambda point: float(point[0]))
+        at = [names.index(place) if words else place for place, _ in points]
+        means = np.array([spread.mean if spread.n else math.nan for _, spread in points])
+        low = np.array([spread.mean - spread.low if spread.varies else 0.0 for _, spread in points])
+        high = np.array([spread.high - spread.mean if spread.varies else 0.0 for _, spread in points])
+        label = None if lines is None else f"{_short(lines)} = {_value(value)}"
+        axes.errorbar(
+            at, means, yerr=[low, high], label=label, marker=MARKS[n % len(MARKS)], ms=5, lw=1.3, capsize=3, **style(n)
+        )
+    if words:
+        axes.set_xticks(range(len(names)), [_value(name) for name in names])
+    elif all(isinstance(name, int) for name in names):
+        axes.locator_params(axis="x", integer=True)
+    unit = metrics.unit_of(metric)
+    _engineering(axes, y=unit)
+    axes.set(xlabel=_labelled(x), ylabel=metrics.name_of(metric) + (f", {unit}" if unit else ""), title=_title(summary))
+    axes.margins(x=0.04)
+    legend(axes)
+
+
+def _axes_of(
+    sweep: Sweep, summary: Sequence[tuple[dict[str, Any], Spread]], x: str | None, lines: str | None
+) -> tuple[str, str | None]:
+    from cmrc.sweeps.grid import full_name
+
+    if not summary:
+        raise ValueError("grid: the sweep has no runs")
+    values = {name: len({repr(place.get(name)) for place, _ in summary}) for name in sweep.axes}
+    varied = sorted((name for name in values if values[name] > 1), key=lambda name: -values[name])
+    x = full_name(x, "x") if x is not None else next((name for name in varied if name != lines), next(iter(values), ""))
+    lines = full_name(lines, "lines") if lines is not None else next((name for name in varied if name != x), None)
+    for name in (x, lines):
+        if name is not None and name not in values:
+            raise ValueError(f"grid: {name or 'nothing'} is no axis of the sweep; {', '.join(values) or 'none'} are")
+    places = {(repr(place[x]), repr(place.get(lines)) if lines else "") for place, _ in summary}
+    if len(places) < len(summary):
+        raise ValueError(
+            f"grid: besides {x} and {lines} {', '.join(n for n in varied if n not in (x, lines))} varies; "
+            "a sweep over two axes is expected"
+        )
+    return x, lines
+
+
+def cost(sweep: Sweep, axes: Axes, missed: Metric = "f_p_missed", price: Metric = "load_rms") -> None:
+    """What misses cost: a point per run, the share of missed deadlines against the load's true error. Runs of one value
+    of the first axis have one mark."""
+    from cmrc.sweeps import metrics
+
+    shares, prices = sweep.values(missed), sweep.values(price)
+    first = next(iter(sweep.axes), None)
+    groups: dict[Any, list[str]] = {}
+    for run in sweep.runs:
+        if run["key"] in shares:
+            groups.setdefault(run["place"].get(first), []).append(run["key"])
+    for n, (value, keys) in enumerate(sorted(groups.items(), key=lambda group: _order(group[0]))):
+        look = {
+            "color": style(n)["color"],
+            "marker": MARKS[n % len(MARKS)],
+            "linestyle": "none",
+            "ms": 6,
+            "mfc": "none" if n % 2 else None,
+        }
+        label = None if first is None else f"{_short(first)} = {_value(value)}"
+        axes.plot([float(shares[key]) for key in keys], [float(prices[key]) for key in keys], label=label, **look)
+    labels = [
+        metrics.name_of(of) + (f", {metrics.unit_of(of)}" if metrics.unit_of(of) else "") for of in (missed, price)
+    ]
+    _engineering(axes, metrics.unit_of(missed), metrics.unit_of(price))
+    axes.set(xlabel=labels[0], ylabel=labels[1], title="what misses cost")
+    legend(axes)
+
+
+def _engineering(axes: Axes, x: str = "", y: str = "") -> None:
+    """Ticks in um or ms where the numbers are small."""
+    from matplotlib.ticker import EngFormatter
+
+    for axis, unit in ((axes.xaxis, x), (axes.yaxis, y)):
+        if unit in ("s", "m"):
+            axis.set_major_formatter(EngFormatter(unit))
+
+
+def _order(value: Any) -> tuple[bool, float, str]:
+    number = isinstance(value, (int, float))
+    return not number, float(value) if number else 0.0, str(value)
+
+
+def _title(summary: Sequence[tuple[dict[str, Any], Spread]]) -> str:
+    repeats = {spread.n for _, spread in summary if spread.n}
+    if not repeats or max(repeats) == 1:
+        return "one run per point"
+    told = f"n = {min(repeats)}" if len(repeats) == 1 else f"n = {min(repeats)} to {max(repeats)}"
+    return f"mean of {told}" + (
+        ", 95 % intervals" if any(spread.varies for _, spread in summary) else ": all repeats agree"
+    )
+
+
+def _short(name: str) -> str:
+    return name.rpartition(".")[2]
+
+
+def _labelled(name: str) -> str:
+    short = _short(name)
+    unit = UNITS.get(short.rpartition("_")[2]) if short not in NO_UNIT else None
+    return f"{name}, {unit}" if unit else name
+
+
+def _value(value: Any) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+__all__ = ["cost", "grid"]

@@ -1,0 +1,167 @@
+"""Where the runs of a sweep are run: on this machine, or on a Dask cluster by its address."""
+
+from __future__ import annotations
+
+import os
+import select
+import subprocess
+import sys
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from typing import Any
+
+from cmrc.extras import needed
+from cmrc.sweeps.store import SweepError
+
+CONNECT_S = 30.0
+START_AGAIN_S = 0.2
+ASK_S = 1.0
+SETTINGS = {
+    # One death is told at once; what follows from it is decided here (runner.py).
+    "distributed.scheduler.allowed-failures": 0,
+    "distributed.scheduler.worker-saturation": 1.0,
+}
+
+
+class Workers:
+    """A client, and the care for its workers."""
+
+    def __init__(self, client: Any, workers: _Processes | None) -> None:
+        self.client = client
+        self._processes = workers
+        self._asked_at, self._threads = float("-inf"), 0
+
+    def mend(self) -> None:
+        """Starts again what has died on this machine. Raises SweepError where the cluster is gone."""
+        if self.client.status not in ("running", "connecting"):
+            raise SweepError("the cluster's scheduler is gone")
+        if self._processes is not None:
+            self._processes.mend()
+
+    def threads(self) -> int:
+        """How many runs can go on at a time; at most a second old."""
+        now = time.monotonic()
+        if now - self._asked_at > ASK_S:
+            self._asked_at, self._threads = now, sum(map(int, self.client.nthreads().values()))
+        return self._threads
+
+
+class _Processes:
+    """Workers of this machine, one process each: one that dies is started again, and so is what forks them."""
+
+    def __init__(self, count: int) -> None:
+        self.count = count
+        self.address = ""
+        self.number = 0
+        self._start()  # it imports what workers need while this process does the same
+
+    def join(self, address: str) -> None:
+        """Workers for the scheduler at that address."""
+        self.address = address
+        self._fork_all()
+
+    def _start(self) -> None:
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
+        command = [sys.executable, "-m", "cmrc.sweeps.local_worker", str(os.getpid())]
+        self.forker = subprocess.Popen(
+            command,
+            env=environment,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            start_new_session=True,
+        )
+        self.begun = time.monotonic()
+
+    def _fork_all(self) -> None:
+        for _ in range(self.count):
+            self._fork()
+
+    def _fork(self) -> None:
+        self.number += 1
+        stream = self.forker.stdin
+        assert stream is not None
+        try:
+            stream.write(f"{self.address} local-{self.number}\n".encode())
+            stream.flush()
+        except BrokenPipeError:
+            pass  # seen by the next mend
+
+    def mend(self) -> None:
+        if self.forker.poll() is not None:
+            if time.monotonic() - self.begun > START_AGAIN_S:
+                self._start()
+                self._fork_all()
+            return
+        stream = self.forker.stdout
+        assert stream is not None
+        while select.select([stream], [], [], 0)[0]:
+            told = os.read(stream.fileno(), 4096)
+            if not told:
+                break
+            for _ in range(told.count(b"\n")):
+                self._fork()
+
+    def close(self) -> None:
+        self.forker.kill()  # and the kernel ends its workers
+        self.forker.wait()
+        for stream in (self.forker.stdin, self.forker.stdout):
+            if stream is not None:
+                with suppress(BrokenPipeError):
+                    stream.close()
+
+
+@contextmanager
+def workers(address: str | None, count: int | None, security: Mapping[str, Any] | None) -> Iterator[Workers]:
+    """A local cluster of ``count`` workers (default: one per processor), or the cluster at ``address``.
+
+    ``security`` has the fields of ``distributed.Security`` (tls_ca_file, tls_client_cert, ...). Raises SweepError where
+    no cluster answers.
+    """
+    if address is None:
+        with _local(count or os.cpu_count() or 1) as found:
+            yield found
+        return
+    dask, distributed = needed("dask", "sweep", "cmrc.sweep"), needed("distributed", "sweep", "cmrc.sweep")
+    with dask.config.set(SETTINGS):
+        if count is not None:
+            raise SweepError(
+                "workers: a cluster with an address has workers of its own; one of address and workers is expected"
+            )
+        try:
+            options = {} if security is None else {"security": distributed.Security(**security)}
+            client = distributed.Client(address, timeout=CONNECT_S, set_as_default=False, **options)
+        except (OSError, ValueError, TypeError) as error:
+            raise SweepError(f"{address}: no cluster answers there: {error}") from None
+        try:
+            yield Workers(client, None)
+        finally:
+            client.close(timeout=5)
+
+
+@contextmanager
+def _local(count: int) -> Iterator[Workers]:
+    processes = _Processes(count)
+    try:
+        dask, distributed = needed("dask", "sweep", "cmrc.sweep"), needed("distributed", "sweep", "cmrc.sweep")
+        with (
+            dask.config.set(SETTINGS),
+            distributed.LocalCluster(
+                n_workers=0,
+                processes=True,
+                dashboard_address="127.0.0.1:0",
+                silence_logs=50,
+                host="127.0.0.1",
+                scheduler_port=0,
+            ) as cluster,
+        ):
+            client = distributed.Client(cluster, set_as_default=False)
+            processes.join(cluster.scheduler_address)
+            try:
+                yield Workers(client, processes)
+            finally:
+                client.close(timeout=5)
+                processes.close()
+    finally:
+        processes.close()

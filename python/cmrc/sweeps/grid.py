@@ -1,0 +1,363 @@
+"""The grid of a sweep: fixed settings, axes, repeats, events; from a TOML file or a dictionary (docs/sweeps.md)."""
+
+from __future__ import annotations
+
+import difflib
+import itertools
+import math
+import os
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from cmrc import _core, files
+from cmrc.extras import needed
+from cmrc.simulation import Setting
+
+TABLES = ("fixed", "axes", "together", "repeats", "events", "search")
+RANGE = ("from", "to", "step", "count", "scale")
+REPEATS = ("seeds", "first", "phases")
+APART = ("preset", "config")
+"""What is no setting and may be fixed; a preset may be an axis, too."""
+MOST_RUNS = 10_000_000
+MOST_BYTES = 1 << 24
+SEED, PHASES = "run.seed", "run.phase_jitter"
+
+
+class GridError(ValueError):
+    """A grid that cannot be run. Says where, and what would be right."""
+
+
+@dataclass(frozen=True)
+class Point:
+    """One run of the grid."""
+
+    place: Mapping[str, Setting]
+    """Its value on every axis, by the setting's full name; the seed apart."""
+    seed: int | None
+    """None: the seed is not varied."""
+    settings: Mapping[str, Setting]
+    preset: str | None
+    config: str | None
+    events: Sequence[Mapping[str, Setting]]
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A checked grid. ``points()`` are its runs, the last axis and the seed fastest."""
+
+    fixed: Mapping[str, Setting] = field(default_factory=dict)
+    preset: str | None = None
+    config: str | None = None
+    axes: Sequence[Sequence[Mapping[str, Setting]]] = ()
+    """Each axis: its values, a dictionary per value; several settings go together in one axis."""
+    seeds: Sequence[int] = ()
+    events: Sequence[Mapping[str, Setting]] = ()
+    search: Mapping[str, Any] = field(default_factory=dict)
+    """The table [search], which ``cmrc.search`` checks."""
+    name: str = "grid"
+
+    def __len__(self) -> int:
+        return math.prod(len(axis) for axis in self.axes) * max(1, len(self.seeds))
+
+    @property
+    def names(self) -> list[str]:
+        """The settings that vary, in order."""
+        return [key for axis in self.axes for key in axis[0]]
+
+    def point(self, place: Mapping[str, Setting], seed: int | None) -> Point:
+        settings = {**self.fixed, **place}
+        preset = settings.pop("preset", self.preset)
+        if seed is not None:
+            settings[SEED] = seed
+        return Point(dict(place), seed, settings, None if preset is None else str(preset), self.config, self.events)
+
+    def points(self) -> Iterator[Point]:
+        for values in itertools.product(*self.axes):
+            place = {key: value for part in values for key, value in part.items()}
+            for seed in self.seeds or (None,):
+                yield self.point(place, seed)
+
+
+def read(path: str | os.PathLike[str]) -> Grid:
+    """A grid from a TOML file. Raises GridError, which names the file and the place; OSError."""
+    toml = needed("tomllib" if sys.version_info >= (3, 11) else "tomli", "sweep", "a grid in TOML")
+    name = os.fspath(path)
+    try:
+        content = files.read(path, MOST_BYTES)
+    except ValueError as error:
+        raise GridError(str(error)) from None
+    try:
+        tables = toml.loads(content.decode())
+    except (ValueError, RecursionError) as error:
+        raise GridError(f"{name}: no TOML: {error}") from None
+    return made(tables, name=str(name), folder=Path(path).parent)
+
+
+def made(tables: Mapping[str, Any], name: str = "grid", folder: Path | None = None) -> Grid:
+    """A grid from a dictionary as TOML gives it. ``folder`` is where a relative ``config`` is looked for. Raises
+    GridError."""
+    try:
+        return _Reader(tables, name, folder).grid()
+    except GridError as error:
+        raise GridError(files.printable(f"{name}: {error}")) from None
+
+
+@cache
+def schema() -> dict[str, dict[str, Any]]:
+    """The configuration's keys by full name."""
+    return {key["name"]: key for key in _core.cmrc.config_keys()}
+
+
+@cache
+def _shorts() -> dict[str, list[str]]:
+    names: dict[str, list[str]] = {}
+    for name in schema():
+        names.setdefault(name.rpartition(".")[2], []).append(name)
+    return names
+
+
+def full_name(key: str, where: str) -> str:
+    """The setting of that name, or of that last part. Raises GridError with the nearest one."""
+    if key in schema() or key == "preset":
+        return key
+    found = _shorts().get(key, [])
+    if len(found) == 1:
+        return found[0]
+    if found:
+        raise GridError(f"{where}: several settings have this name; one of {', '.join(found)} is expected")
+    near = difflib.get_close_matches(key, [*schema(), *_shorts(), *APART], 1)
+    raise GridError(
+        f"{where}: there is no such setting" + (f"; {near[0]} is one" if near else " (docs/configuration.md)")
+    )
+
+
+class _Reader:
+    def __init__(self, tables: Mapping[str, Any], name: str, folder: Path | None) -> None:
+        self.tables, self.name, self.folder = tables, name, folder
+        self.taken: dict[str, str] = {}  # by setting, where it stands
+
+    def grid(self) -> Grid:
+        for table in self.tables:
+            if table not in TABLES:
+                near = difflib.get_close_matches(table, TABLES, 1)
+                raise GridError(
+                    f"{table}: unknown table; "
+                    + (f"is [{near[0]}] meant?" if near else f"{', '.join(TABLES)} are known")
+                )
+        fixed = self._fixed()
+        axes = [*self._axes(), *self._together()]
+        seeds, phases = self._repeats()
+        if phases is not None:
+            self._take(PHASES, "repeats.phases")
+            fixed[PHASES] = phases
+        preset, config = fixed.pop("preset", None), fixed.pop("config", None)
+        grid = Grid(
+            fixed,
+            _text(preset, "fixed.preset"),
+            self._file(config),
+            axes,
+            seeds,
+            self._events(),
+            self._table("search"),
+            self.name,
+        )
+        if len(grid) > MOST_RUNS:
+            raise GridError(f"{len(grid)} runs; at most {MOST_RUNS} are expected")
+        return grid
+
+    def _table(self, name: str) -> Mapping[str, Any]:
+        table = self.tables.get(name, {})
+        if not isinstance(table, Mapping):
+            raise GridError(f"{name}: a table is expected, [{name}]")
+        return table
+
+    def _take(self, key: str, where: str) -> None:
+        if key in self.taken:
+            raise GridError(f"{where}: {key} stands at {self.taken[key]}, too; one place is expected")
+        self.taken[key] = where
+
+    def _fixed(self) -> dict[str, Any]:
+        fixed: dict[str, Any] = {}
+        for key, value, where in flat(self._table("fixed"), "fixed", ranges=False):
+            name = key if key in APART else full_name(key, where)
+            self._take(name, where)
+            fixed[name] = _scalar(value, where)
+        return fixed
+
+    def _axes(self) -> Iterator[list[dict[str, Setting]]]:
+        for key, value, where in flat(self._table("axes"), "axes", ranges=True):
+            name = full_name(key, where)
+            self._take(name, where)
+            yield [{name: one} for one in values_of(name, value, where)]
+
+    def _together(self) -> Iterator[list[dict[str, Setting]]]:
+        rows = self.tables.get("together", [])
+        if not isinstance(rows, list):
+            raise GridError("together: a list of tables is expected, [[together]]")
+        for n, row in enumerate(rows):
+            columns: dict[str, list[Setting]] = {}
+            where = f"together[{n}]"
+            if not isinstance(row, Mapping) or not row:
+                raise GridError(f"{where}: settings with lists of equal length are expected")
+            for key, value, place in flat(row, where, ranges=True):
+                name = full_name(key, place)
+                self._take(name, place)
+                columns[name] = values_of(name, value, place, unique=False)
+            lengths = {name: len(values) for name, values in columns.items()}
+            if len(set(lengths.values())) > 1:
+                told = ", ".join(f"{name} {length}" for name, length in lengths.items())
+                raise GridError(f"{where}: settings that go together have equally many values, not {told}")
+            together = [dict(zip(columns, values, strict=True)) for values in zip(*columns.values(), strict=True)]
+            if any(one in together[:i] for i, one in enumerate(together)):
+                raise GridError(f"{where}: a combination stands there twice; each is run once")
+            yield together
+
+    def _repeats(self) -> tuple[list[int], bool | None]:
+        table = self._table("repeats")
+        for key in table:
+            if key not in REPEATS:
+                raise GridError(f"repeats.{key}: unknown; {', '.join(REPEATS)} are known")
+        if "seeds" not in table:
+            if "first" in table:
+                raise GridError("repeats.first: needs repeats.seeds, how many seeds there are")
+            seeds: list[int] = []
+        else:
+            self._take(SEED, "repeats.seeds")
+            seeds = _seeds(table["seeds"], table.get("first", 1), "first" in table)
+        phases = table.get("phases")
+        if phases is not None and not isinstance(phases, bool):
+            raise GridError("repeats.phases: true or false is expected")
+        return seeds, phases
+
+    def _file(self, config: Any) -> str | None:
+        text = _text(config, "fixed.config")
+        if text is None or self.folder is None:
+            return text
+        return str((self.folder / text).absolute())
+
+    def _events(self) -> list[dict[str, Setting]]:
+        events = self.tables.get("events", [])
+        if not isinstance(events, list) or any(not isinstance(event, Mapping) for event in events):
+            raise GridError("events: a list of tables is expected, [[events]]")
+        return [
+            {key: _scalar(value, f"events[{n}].{key}") for key, value in event.items()}
+            for n, event in enumerate(events)
+        ]
+
+
+def flat(table: Mapping[str, Any], where: str, ranges: bool, prefix: str = "") -> Iterator[tuple[str, Any, str]]:
+    """Keys with dots, which TOML takes for tables in tables."""
+    for key, value in table.items():
+        if not isinstance(key, str):
+            raise GridError(f"{where}: {key!r} is no name of a setting")
+        name = f"{prefix}{key}"
+        if isinstance(value, Mapping) and not (ranges and "from" in value):
+            if not value:
+                raise GridError(f"{where}.{name}: an empty table; a value is expected")
+            yield from flat(value, where, ranges, f"{name}.")
+        else:
+            yield name, value, f"{where}.{name}"
+
+
+def _scalar(value: Any, where: str) -> Setting:
+    if hasattr(value, "item") and not isinstance(value, (str, bytes)) and getattr(value, "ndim", 1) == 0:
+        value = value.item()  # NumPy's numbers
+    if not isinstance(value, (bool, int, float, str)):
+        raise GridError(f"{where}: {type(value).__name__} cannot be used; true, false, a number or a text is expected")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise GridError(f"{where}: {value} is no number that a setting can have")
+    return value
+
+
+def _text(value: Any, where: str) -> str | None:
+    if value is not None and not isinstance(value, str):
+        raise GridError(f"{where}: a text is expected")
+    return value
+
+
+def values_of(key: str, value: Any, where: str, unique: bool = True) -> list[Setting]:
+    if isinstance(value, Mapping):
+        return _range(key, value, where)
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if not isinstance(value, (list, tuple, range)):
+        raise GridError(f"{where}: a list of values, or from and to with step or count, is expected")
+    if not value:
+        raise GridError(f"{where}: the list is empty; at least one value is expected")
+    values = [_scalar(one, f"{where}[{n}]") for n, one in enumerate(value)]
+    for n, one in enumerate(values):
+        if unique and any(one == before and type(one) is type(before) for before in values[:n]):
+            raise GridError(f"{where}[{n}]: {one!r} stands there twice; each is run once")
+    return values
+
+
+def _range(key: str, value: Mapping[str, Any], where: str) -> list[Setting]:
+    for part in value:
+        if part not in RANGE:
+            raise GridError(f"{where}.{part}: unknown; {', '.join(RANGE)} are known")
+    numbers = {}
+    for part in ("from", "to", "step", "count"):
+        if part in value:
+            number = _scalar(value[part], f"{where}.{part}")
+            if isinstance(number, (bool, str)):
+                raise GridError(f"{where}.{part}: a number is expected")
+            numbers[part] = number
+    if "to" not in numbers or ("step" in numbers) == ("count" in numbers):
+        raise GridError(f"{where}: from and to, and either step or count, are expected")
+    begin, end = numbers["from"], numbers["to"]
+    if not begin < end:
+        raise GridError(f"{where}: from {begin} to {end}; from < to is expected")
+    if value.get("scale", "linear") not in ("linear", "log"):
+        raise GridError(f'{where}.scale: "linear" or "log" is expected')
+    if "step" in numbers:
+        found = _by_step(begin, end, numbers["step"], value, where)
+    else:
+        found = _by_count(begin, end, numbers["count"], value.get("scale") == "log", where)
+    if schema().get(key, {}).get("type") != "integer":
+        return [float(one) for one in found]
+    for one in found:
+        if one != round(one):
+            raise GridError(f"{where}: {one:g} is among its values; {key} is a whole number")
+    return [round(one) for one in found]
+
+
+def _by_step(begin: float, end: float, step: float, value: Mapping[str, Any], where: str) -> list[float]:
+    if not step > 0:
+        raise GridError(f"{where}.step: {step}; a step above 0 is expected")
+    if value.get("scale") == "log":
+        raise GridError(f'{where}.scale: "log" goes with count, not with step')
+    count = math.floor((end - begin) / step * (1 + 1e-12)) + 1
+    if count > MOST_RUNS:
+        raise GridError(f"{where}.step: {count} values; at most {MOST_RUNS} are expected")
+    return [begin + n * step if isinstance(step, int) else round(begin + n * step, 12) for n in range(count)]
+
+
+def _by_count(begin: float, end: float, count: float, log: bool, where: str) -> list[float]:
+    if count != int(count) or not 2 <= count <= MOST_RUNS:
+        raise GridError(f"{where}.count: {count}; a whole number from 2 to {MOST_RUNS} is expected")
+    if log and not begin > 0:
+        raise GridError(f"{where}.from: {begin}; a logarithmic range begins above 0")
+    shares = [n / (int(count) - 1) for n in range(int(count))]
+    if log:
+        return [float(f"{begin * (end / begin) ** share:.12g}") for share in shares]
+    return [float(f"{begin + (end - begin) * share:.12g}") for share in shares]
+
+
+def _seeds(seeds: Any, first: Any, has_first: bool) -> list[int]:
+    where = "repeats.seeds"
+    if isinstance(seeds, (list, tuple)):
+        if has_first:
+            raise GridError("repeats.first: goes with a number of seeds, not with a list of them")
+        if not seeds or any(not isinstance(one, int) or isinstance(one, bool) or one < 0 for one in seeds):
+            raise GridError(f"{where}: whole numbers from 0 on are expected, at least one")
+        if len(set(seeds)) < len(seeds):
+            raise GridError(f"{where}: a seed stands there twice; each is run once")
+        return list(seeds)
+    for place, number, least in ((where, seeds, 1), ("repeats.first", first, 0)):
+        if not isinstance(number, int) or isinstance(number, bool) or not least <= number <= MOST_RUNS:
+            raise GridError(f"{place}: a whole number from {least} to {MOST_RUNS} is expected")
+    return list(range(first, first + seeds))

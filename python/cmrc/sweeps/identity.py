@@ -1,0 +1,68 @@
+"""What makes a run: its key is the same on every machine, and differs where its result might."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from cmrc import _core
+from cmrc.simulation import configured
+from cmrc.sweeps.grid import Point
+
+
+@cache
+def build() -> str:
+    """SHA-256 of the emulator's library: two builds never share results."""
+    return hashlib.sha256(Path(_core.__file__).read_bytes()).hexdigest()
+
+
+def key_of(config: _core.cmrc.Config) -> str:
+    """SHA-256 over the canonical full configuration with its events (without turn order, strictness and paths, which
+    change no result), the program and the files that it names, and the build. Raises what a missing file raises."""
+    parts = [_core.cmrc.run_key(config), _core.cmrc.files_digest(config), build()]
+    return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+
+
+def key_of_refused(point: Point) -> str:
+    """Of a point that makes no configuration: over what was asked for."""
+    asked: Mapping[str, Any] = {
+        "settings": dict(point.settings),
+        "preset": point.preset,
+        "config": point.config,
+        "events": list(point.events),
+    }
+    return hashlib.sha256(json.dumps([asked, build()], sort_keys=True).encode()).hexdigest()
+
+
+@dataclass(frozen=True)
+class Run:
+    """A point that can be run, or was refused."""
+
+    key: str
+    point: Point
+    refused: str = ""
+    group: str = ""
+    """Runs of one group may share one ideal run."""
+
+    def toml(self) -> str:
+        """Its whole configuration."""
+        return _config(self.point).to_toml()
+
+
+def run_of(point: Point) -> Run:
+    """A point with its key; one whose configuration is not allowed, or names a file that is not there, is refused."""
+    try:
+        config = _config(point)
+        group = hashlib.sha256(_core.cmrc.reference_key(config).encode()).hexdigest()
+        return Run(key_of(config), point, group=group)
+    except (ValueError, OSError, RuntimeError) as error:  # ConfigError, AssemblyError, a layout that is not there
+        return Run(key_of_refused(point), point, str(error))
+
+
+def _config(point: Point) -> _core.cmrc.Config:
+    return configured(point.config, point.preset, point.settings, point.events, {})

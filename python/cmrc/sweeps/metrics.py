@@ -1,0 +1,117 @@
+"""Numbers of a report by name, and what repeats say of them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from cmrc.results.judgement import mean_interval, share_interval
+
+Metric = str | Callable[[Mapping[str, Any]], float | int | bool | None]
+
+NAMED: dict[str, tuple[str, Callable[[Mapping[str, Any]], Any]]] = {
+    "misses": ("jobs", lambda report: sum(task["misses"] for task in report["tasks"].values())),
+    "any_miss": ("runs", lambda report: any(task["misses"] for task in report["tasks"].values())),
+    "f_p_missed": ("share", lambda report: _at(report, "rates.f_p.missed_share")),
+    "f_t_missed": ("share", lambda report: _at(report, "rates.f_t.missed_share")),
+    "f_a_missed": ("share", lambda report: _at(report, "rates.f_a.missed_share")),
+    "load_rms": ("m", lambda report: _at(report, "errors.load_m.rms")),
+    "load_peak": ("m", lambda report: _at(report, "errors.load_m.peak")),
+    "lag": ("s", lambda report: _at(report, "errors.lag.crane.end_s")),
+    "worst_response_us": ("us", lambda report: _worst(report)),
+}
+"""Short names: unit and what it is. ``any_miss`` is yes or no, so that its mean is a share of the runs."""
+USUAL = ("misses", "f_p_missed", "load_rms", "lag")
+
+
+def value(report: Mapping[str, Any], metric: Metric) -> float | bool:
+    """A metric of a report: a short name, a dotted place (``tasks.pid.response_ps.p99``, ``dsps[0].cycles``), or a
+    function of the report. NaN where nothing was measured. Raises KeyError for a place that no report has."""
+    found = metric(report) if callable(metric) else NAMED[metric][1](report) if metric in NAMED else _at(report, metric)
+    if found is None:
+        return math.nan
+    if isinstance(found, (bool, int, float)):
+        return found
+    raise KeyError(f"{name_of(metric)}: {type(found).__name__} is no number")
+
+
+def name_of(metric: Metric) -> str:
+    return metric if isinstance(metric, str) else getattr(metric, "__name__", "metric")
+
+
+def unit_of(metric: Metric) -> str:
+    """Of a short name, or as the ending of a place says; empty where it is not known."""
+    if not isinstance(metric, str):
+        return ""
+    if metric in NAMED:
+        return NAMED[metric][0]
+    for ending, unit in (("_ps", "ps"), ("_s", "s"), ("_m", "m"), ("_hz", "Hz"), ("_rad", "rad")):
+        if any(part.endswith(ending) for part in metric.split(".")):
+            return unit
+    return ""
+
+
+def _at(report: Mapping[str, Any], place: str) -> Any:
+    """What stands at a dotted place; names with a dot in them (task kinds) are found, too. None below a null."""
+    node: Any = report
+    rest = place
+    while rest:
+        if node is None:
+            return None
+        index = re.match(r"\[(\d+)\]\.?", rest)
+        if index and isinstance(node, list):
+            if int(index[1]) >= len(node):
+                raise KeyError(f"{place}: there is no {rest}")
+            node, rest = node[int(index[1])], rest[index.end() :]
+            continue
+        names = (
+            [name for name in node if rest == name or rest.startswith((name + ".", name + "["))]
+            if isinstance(node, Mapping)
+            else []
+        )
+        if not names:
+            raise KeyError(f"{place}: the report has no such place")
+        name = max(names, key=len)
+        node, rest = node[name], rest[len(name) :].removeprefix(".")
+    return node
+
+
+def _worst(report: Mapping[str, Any]) -> float | None:
+    worst = [task["response_ps"]["worst"] for task in report["tasks"].values() if task["response_ps"]["count"]]
+    return max(worst) / 1e6 if worst else None
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A metric over the repeats of one point."""
+
+    n: int
+    """Repeats that were measured."""
+    mean: float
+    low: float
+    high: float
+    """95 % interval of the mean: Wilson's of a share of runs, else by bootstrap with a fixed seed. NaN where nothing
+    varies: then an interval would say something that nobody knows."""
+    varies: bool
+
+    def __str__(self) -> str:
+        if self.n == 0:
+            return "–"
+        return f"{self.mean:.4g} [{self.low:.4g}, {self.high:.4g}]" if self.varies else f"{self.mean:.4g}"
+
+
+def spread(values: Sequence[float | bool]) -> Spread:
+    """Of the values that are there (NaN is not)."""
+    known = [one for one in values if isinstance(one, bool) or not math.isnan(one)]
+    if not known:
+        return Spread(0, math.nan, math.nan, math.nan, False)
+    if len({float(one) for one in known}) == 1:
+        return Spread(len(known), float(known[0]), math.nan, math.nan, False)
+    if all(isinstance(one, bool) for one in known):
+        low, high = share_interval(sum(map(bool, known)), len(known))
+        return Spread(len(known), sum(map(bool, known)) / len(known), low, high, True)
+    mean, low, high = mean_interval([float(one) for one in known])
+    return Spread(len(known), mean, low, high, True)

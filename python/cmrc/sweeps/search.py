@@ -1,0 +1,337 @@
+"""Looks for the best settings, or for the last that passes, in batches of fixed size: the same runs on 1 worker or
+100."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from cmrc import arguments
+from cmrc.extras import needed
+from cmrc.simulation import Setting
+from cmrc.sweeps import grid as grids
+from cmrc.sweeps import metrics, work
+from cmrc.sweeps.grid import SEED, Grid, GridError
+from cmrc.sweeps.metrics import Spread
+from cmrc.sweeps.runner import Status
+from cmrc.sweeps.session import Place, Session
+from cmrc.sweeps.study import GridLike, Sweep, grid_of
+
+COMMON = ("metric", "batch", "check_seeds")
+BISECT = ("bisect", "from", "to", "tolerance", "at_most", "neighbours")
+OPTIMISE = ("goal", "trials", "seed", "space")
+
+
+@dataclass
+class Trial:
+    """One place that was tried: the metric over the search's seeds."""
+
+    place: dict[str, Setting]
+    spread: Spread
+    worst: float = math.nan
+    """The largest value of all seeds."""
+    refused: int = 0
+
+
+@dataclass
+class Found:
+    """The outcome of a search."""
+
+    metric: str
+    best: dict[str, Setting] | None
+    """The settings that were found; None where no place passes, or none could be run."""
+    value: float
+    """The metric there: worst of the search's seeds of a bisection, else their mean."""
+    checked: Spread
+    """The metric of the answer over seeds that the search has not used; n = 0 where ``check_seeds`` is 0."""
+    check_passed: bool | None
+    """Of a bisection: the answer passes with those seeds, too. Else None."""
+    trials: list[Trial]
+    exceptions: list[float] = field(default_factory=list)
+    """Of a bisection: values that pass beyond the answer, or do not pass before it: it is not monotone there."""
+    sweep: Sweep | None = None
+    """All runs."""
+
+    def text(self) -> str:
+        """For a terminal."""
+        lines = [
+            f"{_place(trial.place)}: {self.metric} {trial.spread} (n = {trial.spread.n})"
+            + (" refused" if trial.refused else "")
+            for trial in self.trials
+        ]
+        if self.best is None:
+            return "\n".join([*lines, "", "Nothing was found."]) + "\n"
+        lines += ["", f"Found: {_place(self.best)}, {self.metric} {self.value:.4g}"]
+        if self.checked.n:
+            word = "" if self.check_passed is None else " It passes." if self.check_passed else " IT DOES NOT PASS."
+            lines.append(f"With seeds that the search has not used: {self.checked} (n = {self.checked.n}).{word}")
+        if self.exceptions:
+            values = ", ".join(f"{value:g}" for value in self.exceptions)
+            lines.append(f"Not monotone: {values} says otherwise than the answer. A grid (cmrc sweep) tells more.")
+        return "\n".join(lines) + "\n"
+
+
+def search(
+    spec: GridLike,
+    folder: str | os.PathLike[str],
+    *,
+    address: str | None = None,
+    workers: int | None = None,
+    security: Mapping[str, Any] | None = None,
+    on_progress: Callable[[Status], object] | None = None,
+) -> Found:
+    """Looks for settings as the table ``[search]`` of a grid says (docs/sweeps.md, Search). Arguments as of ``sweep``.
+
+    A search goes on from what is in the folder: the same search runs nothing twice. The answer is run again with seeds
+    that the search has not used. Raises GridError, SweepError, ImportError."""
+    grid = grid_of(spec)
+    asked = _Asked(grid)
+    arguments.function("on_progress", on_progress, "a function of a Status or None")
+    with Session(folder, Place(address, workers, security), work.execute, on_progress=on_progress) as session:
+        trier = _Trier(session, grid, asked.metric)
+        found = _bisected(trier, asked) if asked.bisect else _optimised(trier, asked)
+        _check(found, trier, asked)
+    found.sweep = Sweep(folder, trier.keys)
+    return found
+
+
+class _Asked:
+    """The table [search], checked. Raises GridError."""
+
+    def __init__(self, grid: Grid) -> None:
+        self.name, table = grid.name, grid.search
+        if not table:
+            raise GridError(f"{grid.name}: search: there is no table [search]")
+        if grid.axes:
+            raise GridError(f"{grid.name}: search: goes with fixed settings and repeats, not with axes")
+        self.table, self.grid = table, grid
+        self.bisect = "bisect" in table
+        for key in table:
+            if key not in COMMON + (BISECT if self.bisect else OPTIMISE):
+                raise self.error(key, f"unknown; {', '.join(COMMON + BISECT)}, or {', '.join(OPTIMISE)} are known")
+        self.metric = str(table.get("metric", "misses"))
+        self.batch = self._whole("batch", 8, 1)
+        self.check_seeds = self._whole("check_seeds", 5 if grid.seeds else 0, 0)
+        if self.bisect:
+            self._bisection()
+        else:
+            self._optimisation()
+
+    def error(self, key: str, says: str) -> GridError:
+        return GridError(f"{self.name}: search.{key}: {says}")
+
+    def _whole(self, key: str, default: int, least: int) -> int:
+        value = self.table.get(key, default)
+        if not isinstance(value, int) or isinstance(value, bool) or value < least:
+            raise self.error(key, f"a whole number from {least} on is expected")
+        return value
+
+    def _number(self, key: str, default: float | None) -> float:
+        value = self.table.get(key, default)
+        if not isinstance(value, (int, float)) or isinstance(value, bool) or not math.isfinite(value):
+            raise self.error(key, "a number is expected")
+        return float(value)
+
+    def _bisection(self) -> None:
+        self.key = self._setting(self.table["bisect"], "bisect")
+        self.whole = grids.schema().get(self.key, {}).get("type") == "integer"
+        self.begin, self.end = self._number("from", None), self._number("to", None)
+        if self.begin == self.end:
+            raise self.error("to", f"{self.end:g} is where it begins; from is the easy end, to the hard one")
+        self.tolerance = self._number("tolerance", 1.0 if self.whole else abs(self.end - self.begin) / 100)
+        if not self.tolerance > 0 or (self.whole and self.tolerance < 1):
+            raise self.error("tolerance", f"a number {'from 1 on' if self.whole else 'above 0'} is expected")
+        self.at_most = self._number("at_most", 0.0)
+        self.neighbours = self._whole("neighbours", 2, 0)
+
+    def _setting(self, key: Any, where: str) -> str:
+        if not isinstance(key, str):
+            raise self.error(where, "the name of a setting is expected")
+        try:
+            name = grids.full_name(key, key)
+        except GridError as error:
+            raise self.error(where, str(error)) from None
+        if name in self.grid.fixed:
+            raise self.error(where, f"{name} is fixed, too; one place is expected")
+        return name
+
+    def _optimisation(self) -> None:
+        if self.table.get("goal", "minimise") not in ("minimise", "maximise"):
+            raise self.error("goal", '"minimise" or "maximise" is expected')
+        self.maximise = self.table.get("goal") == "maximise"
+        self.trials = self._whole("trials", 40, 1)
+        self.seed = self._whole("seed", 1, 0)
+        space = self.table.get("space")
+        if not isinstance(space, Mapping) or not space:
+            raise self.error("space", "the settings that may vary are expected, [search.space]")
+        self.space: dict[str, Any] = {}
+        for key, value, where in grids.flat(space, "space", ranges=True):
+            name = self._setting(key, where)
+            if name in self.space:
+                raise self.error(where, f"{name} stands there twice")
+            self.space[name] = self._distribution(name, value, where)
+
+    def _distribution(self, name: str, value: Any, where: str) -> Any:
+        optuna = needed("optuna", "search", "cmrc.search")
+        if isinstance(value, list):
+            try:
+                return optuna.distributions.CategoricalDistribution(grids.values_of(name, value, where))
+            except GridError as error:
+                raise self.error(where, str(error)) from None
+        if (
+            not isinstance(value, Mapping)
+            or not set(value) <= {"from", "to", "step", "scale"}
+            or not {"from", "to"} <= set(value)
+        ):
+            raise self.error(where, "a list of values, or from and to (with step or scale), is expected")
+        log, step = value.get("scale") == "log", value.get("step")
+        whole = grids.schema().get(name, {}).get("type") == "integer"
+        try:
+            if whole:
+                return optuna.distributions.IntDistribution(value["from"], value["to"], log=log, step=step or 1)
+            return optuna.distributions.FloatDistribution(float(value["from"]), float(value["to"]), log=log, step=step)
+        except (ValueError, TypeError) as error:
+            raise self.error(where, str(error)) from None
+
+
+class _Trier:
+    """Runs places with all seeds, a batch at a time."""
+
+    def __init__(self, session: Session, grid: Grid, metric: str) -> None:
+        self.session, self.grid, self.metric = session, grid, metric
+        self.keys: list[str] = []
+        self.trials: list[Trial] = []
+
+    def values(self, places: Sequence[Mapping[str, Setting]], seeds: Sequence[int]) -> list[Trial]:
+        points = [[self.grid.point(place, seed) for seed in seeds or (None,)] for place in places]
+        keys = self.session.run([point for of in points for point in of])
+        self.keys += [key for key in keys if key not in self.keys]
+        sweep = Sweep(self.session.folder.path, keys)
+        values = sweep.values(self.metric)
+        runs = {(repr(sorted(run["place"].items())), run["seed"]): run for run in sweep.runs}
+        trials = []
+        for of in points:
+            found = [runs[repr(sorted(point.place.items())), point.seed] for point in of]
+            known = [values[run["key"]] for run in found if run["key"] in values]
+            worst = max((float(value) for value in known), default=math.nan)
+            refused = sum(run["status"] == "refused" for run in found)
+            trials.append(Trial(dict(of[0].place), metrics.spread(known), worst, refused))
+        return trials
+
+    def try_all(self, places: Sequence[Mapping[str, Setting]]) -> list[Trial]:
+        trials = self.values(places, self.grid.seeds)
+        self.trials += trials
+        return trials
+
+
+def _bisected(trier: _Trier, asked: _Asked) -> Found:
+    """A section into ``batch`` + 1 parts at a time, between the last value that passes and the first that does not."""
+    passed: dict[float, bool] = {}
+    worst: dict[float, float] = {}
+
+    def look(values: Sequence[float]) -> None:
+        fresh = [value for value in dict.fromkeys(values) if value not in passed]
+        for value, trial in zip(
+            fresh, trier.try_all([{asked.key: _as(value, asked.whole)} for value in fresh]), strict=True
+        ):
+            worst[value] = trial.worst
+            passed[value] = trial.spread.n > 0 and trial.refused == 0 and worst[value] <= asked.at_most
+
+    look([asked.begin, asked.end])
+    good: float | None = asked.begin if passed[asked.begin] else None
+    bad = asked.end
+    if good is not None and passed[bad]:
+        good = bad
+    elif good is not None:
+        while abs(bad - good) > asked.tolerance:
+            inner = _between(good, bad, asked.batch, asked.whole)
+            if not inner:
+                break
+            look(inner)
+            first_bad = next((value for value in inner if not passed[value]), bad)
+            before = [value for value in inner if abs(value - good) < abs(first_bad - good)]
+            good, bad = (before[-1] if before else good), first_bad
+        steps = range(1, asked.neighbours + 1)
+        sign = math.copysign(1.0, asked.end - asked.begin)
+        around = [at + sign * n * asked.tolerance * way for n in steps for at, way in ((good, -1), (bad, 1))]
+        low, high = sorted((asked.begin, asked.end))
+        look([float(round(value)) if asked.whole else value for value in around if low <= value <= high])
+    sign = math.copysign(1.0, asked.end - asked.begin)
+    exceptions = (
+        []
+        if good is None
+        else sorted(value for value, passes in passed.items() if passes != (sign * (value - good) <= 0))
+    )
+    best: dict[str, Setting] | None = None if good is None else {asked.key: _as(good, asked.whole)}
+    return Found(
+        asked.metric,
+        best,
+        math.nan if good is None else worst[good],
+        metrics.spread([]),
+        None,
+        trier.trials,
+        exceptions,
+    )
+
+
+def _between(good: float, bad: float, count: int, whole: bool) -> list[float]:
+    values = [good + (bad - good) * n / (count + 1) for n in range(1, count + 1)]
+    if whole:
+        values = [float(round(value)) for value in values]
+    return [value for value in dict.fromkeys(float(f"{value:.12g}") for value in values) if value not in (good, bad)]
+
+
+def _as(value: float, whole: bool) -> Setting:
+    return round(value) if whole else value
+
+
+def _optimised(trier: _Trier, asked: _Asked) -> Found:
+    optuna = needed("optuna", "search", "cmrc.search")
+    optuna.logging.set_verbosity(optuna.logging.WARNING)
+    study = optuna.create_study(
+        direction="maximize" if asked.maximise else "minimize", sampler=optuna.samplers.TPESampler(seed=asked.seed)
+    )
+    known: dict[str, Trial] = {}
+    for begun in range(0, asked.trials, asked.batch):
+        batch = [study.ask(asked.space) for _ in range(min(asked.batch, asked.trials - begun))]
+        fresh = {repr(sorted(trial.params.items())): trial.params for trial in batch}
+        fresh = {name: place for name, place in fresh.items() if name not in known}
+        if fresh:
+            known |= dict(zip(fresh, trier.try_all(list(fresh.values())), strict=True))
+        for trial in batch:
+            spread = known[repr(sorted(trial.params.items()))].spread
+            if spread.n and not math.isnan(spread.mean):
+                study.tell(trial, spread.mean)
+            else:
+                study.tell(trial, state=optuna.trial.TrialState.FAIL)
+    measured = [trial for trial in known.values() if trial.spread.n]
+    sign = -1.0 if asked.maximise else 1.0
+    best = min(measured, key=lambda trial: sign * trial.spread.mean, default=None)
+    return Found(
+        asked.metric,
+        None if best is None else best.place,
+        math.nan if best is None else best.spread.mean,
+        metrics.spread([]),
+        None,
+        trier.trials,
+    )
+
+
+def _check(found: Found, trier: _Trier, asked: _Asked) -> None:
+    """The answer with seeds that come after those of the search."""
+    if found.best is None or asked.check_seeds == 0:
+        return
+    first = max(asked.grid.seeds, default=int(asked.grid.fixed.get(SEED, 1))) + 1
+    [trial] = trier.values([found.best], range(first, first + asked.check_seeds))
+    found.checked = trial.spread
+    if asked.bisect:
+        found.check_passed = trial.spread.n == asked.check_seeds and trial.worst <= asked.at_most
+
+
+def _place(place: Mapping[str, Setting]) -> str:
+    return ", ".join(
+        f"{name} = {value:g}" if isinstance(value, float) else f"{name} = {value}" for name, value in place.items()
+    )

@@ -1,0 +1,120 @@
+"""A folder that is held and, from the first run that is due on, a cluster."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass
+from types import TracebackType
+from typing import TYPE_CHECKING, Any
+
+from cmrc.extras import installed
+from cmrc.sweeps import store
+from cmrc.sweeps.cluster import Workers
+from cmrc.sweeps.cluster import workers as cluster_of
+from cmrc.sweeps.grid import Point
+from cmrc.sweeps.identity import Run, build, run_of
+from cmrc.sweeps.runner import Runner, Status, refusal, row_of
+from cmrc.sweeps.store import Folder, SweepError
+from cmrc.sweeps.work import Execute
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+
+TELL_EVERY = 200
+"""Points between two calls of ``on_progress`` before the first run: 0.4 s."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where runs are run: ``workers`` processes of this machine, or the cluster at ``address``."""
+
+    address: str | None = None
+    workers: int | None = None
+    security: Mapping[str, Any] | None = None
+
+
+class Session:
+    """``with Session(...) as session: session.run(points)``, as often as is wanted. The folder is compacted at the
+    end."""
+
+    def __init__(
+        self,
+        folder: str | os.PathLike[str],
+        place: Place,
+        execute: Execute,
+        again_failed: bool = False,
+        on_progress: Callable[[Status], object] | None = None,
+    ) -> None:
+        for module in ("pyarrow", "distributed"):
+            installed(module, "sweep", "cmrc.sweep")
+        self.folder, self.place, self.execute = Folder(folder), place, execute
+        self.again_failed, self.on_progress = again_failed, on_progress
+        self._open = ExitStack()
+        self._workers: Workers | None = None
+
+    def __enter__(self) -> Self:
+        self._open.enter_context(self.folder)
+        try:
+            self._same_build()
+            if self.again_failed:
+                self.folder.compact(without=store.FAILED)
+        except BaseException:
+            self._open.close()
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        with self._open:
+            if kind is None:
+                self.folder.compact()
+
+    def run(self, points: Iterable[Point]) -> list[str]:
+        """Runs what is not in the folder yet; the keys of all of them. Raises SweepError."""
+        runs = self._planned(list(points))
+        there = {row["key"]: row["status"] for row in self.folder.rows(("status",))}
+        due = [run for run in runs if run.key not in there]
+        refused = [run for run in due if run.refused]
+        if refused:
+            self.folder.write([row_of(run, refusal(run.refused)) for run in refused])
+        status = Status(
+            len(runs),
+            len(runs) - len(due) + len(refused),
+            len(runs) - len(due),
+            len(refused),
+            sum(there.get(run.key) == store.FAILED for run in runs),
+            planned=len(runs),
+        )
+        due = sorted((run for run in due if not run.refused), key=lambda run: run.group)
+        if due:
+            Runner(self._crew(), self.folder, self.execute, status, self.on_progress).run(due)
+        return [run.key for run in runs]
+
+    def _planned(self, points: Sequence[Point]) -> list[Run]:
+        """The points with their keys, each once."""
+        runs: dict[str, Run] = {}
+        for n, point in enumerate(points):
+            if self.on_progress is not None and n % TELL_EVERY == TELL_EVERY - 1:
+                self.on_progress(Status(len(points), 0, 0, planned=n))
+            run = run_of(point)
+            runs.setdefault(run.key, run)
+        return list(runs.values())
+
+    def _crew(self) -> Workers:
+        if self._workers is None:
+            place = self.place
+            self._workers = self._open.enter_context(cluster_of(place.address, place.workers, place.security))
+        return self._workers
+
+    def _same_build(self) -> None:
+        """Raises SweepError for a folder with runs of another build: their numbers are not this emulator's."""
+        for row in self.folder.rows(("build", "emulator_version")):
+            if row["build"] != build():
+                raise SweepError(
+                    f"{self.folder.path}: holds runs of emulator {row['emulator_version']}, build "
+                    f"{row['build'][:12]}; this is build {build()[:12]}. Another folder is expected"
+                )

@@ -1,0 +1,253 @@
+"""A sweep: what it is asked for, and its results."""
+
+from __future__ import annotations
+
+import html
+import json
+import math
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from cmrc import arguments
+from cmrc.sweeps import grid as grids
+from cmrc.sweeps import metrics, store, work
+from cmrc.sweeps.grid import Grid
+from cmrc.sweeps.metrics import Metric, Spread
+from cmrc.sweeps.runner import Status
+from cmrc.sweeps.session import Place, Session
+from cmrc.sweeps.store import Folder, SweepError
+from cmrc.table import Table
+
+if TYPE_CHECKING:
+    import pandas
+
+LIGHT = tuple(name for name, _ in store.COLUMNS if name != "report")
+
+
+class Sweep:
+    """Runs that are in a folder. Reports are read when they are asked for.
+
+    ``sweep.table("misses", "tasks.pid.response_ps.p99")`` is one row per run, ``sweep.summary("misses")`` one per point
+    of the grid, over its repeats."""
+
+    def __init__(self, folder: str | os.PathLike[str], keys: Sequence[str] | None = None) -> None:
+        self.folder = Folder(folder)
+        self.folder.check()
+        if self.folder.head() is None:
+            raise SweepError(f"{folder}: no folder of a sweep")
+        rows = {row["key"]: row for row in self.folder.rows(LIGHT)}
+        self._keys = [
+            key for key in (sorted(rows, key=lambda key: _order(rows[key])) if keys is None else keys) if key in rows
+        ]
+        self._rows = rows
+
+    @property
+    def runs(self) -> list[dict[str, Any]]:
+        """What is known of each run without its report: ``place`` (its value on every axis), ``seed``, ``status``
+        (done, refused, failed), ``message``, ``settings``, ``hash``, ``build``, ``emulator_version``, ``elapsed_s``,
+        ``host``, ``key``."""
+        return [
+            {**row, "place": json.loads(row["place"]), "settings": json.loads(row["settings"])}
+            for row in (self._rows[key] for key in self._keys)
+        ]
+
+    @property
+    def axes(self) -> list[str]:
+        """The settings that vary."""
+        return list(dict.fromkeys(name for run in self.runs for name in run["place"]))
+
+    def counts(self) -> dict[str, int]:
+        """Runs by status."""
+        states = [self._rows[key]["status"] for key in self._keys]
+        return {state: states.count(state) for state in (store.DONE, store.REFUSED, store.FAILED)}
+
+    def reports(self) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
+        """Every run that was done, with its report (docs/report.md)."""
+        wanted = {run["key"]: run for run in self.runs if run["status"] == store.DONE}
+        for row in self.folder.rows(("report",)):
+            if row["key"] in wanted:
+                yield wanted[row["key"]], store.unpacked(row["report"])
+
+    def report(self, seed: int | None = None, **place: Any) -> dict[str, Any]:
+        """The report of one run, by its place (``dsps=2``) and seed. Raises KeyError unless exactly one is there."""
+        asked = {grids.full_name(name, name): value for name, value in place.items()}
+        found = [
+            run
+            for run in self.runs
+            if run["status"] == store.DONE
+            and (seed is None or run["seed"] == seed)
+            and all(run["place"].get(name) == value for name, value in asked.items())
+        ]
+        if len(found) != 1:
+            raise KeyError(f"{len(found)} runs are at {asked}, seed {seed}; one is expected")
+        return next(report for run, report in self.reports() if run["key"] == found[0]["key"])
+
+    def values(self, metric: Metric) -> dict[str, float | bool]:
+        """A metric of every run that was done, by key. It runs nothing. Raises KeyError for a place that no report
+        has."""
+        return {key: values[0] for key, values in self._measured([metric]).items()}
+
+    def _measured(self, of: Sequence[Metric]) -> dict[str, list[float | bool]]:
+        """All of them in one reading of the reports."""
+        return {run["key"]: [metrics.value(report, metric) for metric in of] for run, report in self.reports()}
+
+    def table(self, *of: Metric) -> Table:
+        """One row per run: its axes, ``seed``, ``status``, ``message``, and the metrics; NaN where nothing was
+        measured."""
+        asked = of or metrics.USUAL
+        names = [metrics.name_of(metric) for metric in asked]
+        found, nothing = self._measured(asked), [math.nan] * len(names)
+        axes = dict.fromkeys(self.axes)
+        return Table.from_rows(
+            {
+                **axes,
+                **run["place"],
+                "seed": run["seed"],
+                "status": run["status"],
+                "message": run["message"],
+                **dict(zip(names, found.get(run["key"], nothing), strict=True)),
+            }
+            for run in self.runs
+        )
+
+    def to_frame(self, *of: Metric) -> pandas.DataFrame:
+        """The same as a pandas frame. Raises ImportError without pandas."""
+        return self.table(*of).to_pandas()
+
+    def summary(self, metric: Metric = "misses") -> list[tuple[dict[str, Any], Spread]]:
+        """Each point of the grid, and the metric over its repeats."""
+        return self._summaries([metric])[0]
+
+    def _summaries(self, of: Sequence[Metric]) -> list[list[tuple[dict[str, Any], Spread]]]:
+        measured = self._measured(of)
+        points: dict[str, tuple[dict[str, Any], list[list[float | bool]]]] = {}
+        for run in self.runs:
+            _, known = points.setdefault(json.dumps(run["place"]), (run["place"], []))
+            if run["key"] in measured:
+                known.append(measured[run["key"]])
+        return [
+            [(place, metrics.spread([values[n] for values in known])) for place, known in points.values()]
+            for n in range(len(of))
+        ]
+
+    def text(self, *of: Metric) -> str:
+        """A table for a terminal: one row per point, the metrics with their intervals and n."""
+        asked = of or metrics.USUAL
+        summaries = self._summaries(asked)
+        axes = self.axes
+        heads = [*(name.rpartition(".")[2] for name in axes), "n"]
+        heads += [
+            " ".join(filter(None, (metrics.name_of(metric), _bracket(metrics.unit_of(metric))))) for metric in asked
+        ]
+        lines = [
+            [
+                *(_cell(place.get(name)) for name in axes),
+                str(max(summary[n][1].n for summary in summaries)),
+                *(str(summary[n][1]) for summary in summaries),
+            ]
+            for n, (place, _) in enumerate(summaries[0])
+        ]
+        return _columns([heads, *lines]) + self._notes(summaries)
+
+    def _notes(self, summaries: Sequence[Sequence[tuple[dict[str, Any], Spread]]]) -> str:
+        counts = self.counts()
+        text = f"\n{counts[store.DONE]} runs done, {counts[store.REFUSED]} refused, {counts[store.FAILED]} failed.\n"
+        spreads = [one for summary in summaries for _, one in summary if one.n > 1]
+        if spreads and not any(one.varies for one in spreads):
+            text += (
+                "All repeats of every point agree: in these numbers nothing was random, and there are no intervals.\n"
+            )
+        elif any(one.varies for one in spreads):
+            text += "Intervals of 95 %: Wilson's of shares of runs, else bootstrap of the mean; "
+            text += "none where all repeats agree.\n"
+        told: dict[str, int] = {}
+        for run in self.runs:
+            if run["status"] != store.DONE:
+                line = f"{run['status']}: {run['message'].splitlines()[0] if run['message'] else ''}"
+                told[line] = told.get(line, 0) + 1
+        return text + "".join(f"  {count} {line}\n" for line, count in list(told.items())[:10])
+
+    def __len__(self) -> int:
+        return len(self._keys)
+
+    def __repr__(self) -> str:
+        return f"<cmrc.Sweep: {len(self)} runs over {', '.join(self.axes) or 'nothing'} in {self.folder.path}>"
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(self.text())}</pre>"
+
+
+GridLike = Grid | Mapping[str, Any] | str | os.PathLike[str]
+
+
+def sweep(
+    grid: GridLike,
+    folder: str | os.PathLike[str],
+    *,
+    address: str | None = None,
+    workers: int | None = None,
+    security: Mapping[str, Any] | None = None,
+    again_failed: bool = False,
+    on_progress: Callable[[Status], object] | None = None,
+) -> Sweep:
+    """Runs every point of a grid that is not in the folder yet, and keeps the reports there (docs/sweeps.md).
+
+    ``grid`` is a TOML file or a dictionary of the same form. Runs go to ``workers`` processes of this machine (default:
+    one per processor) or to the Dask cluster at ``address``; ``security`` has the fields of ``distributed.Security``.
+    Who can reach a cluster can run code on it. ``again_failed`` runs again what failed. ``on_progress(status)`` is
+    called several times a second.
+
+    A sweep that was interrupted goes on; one whose grid has grown runs what is new. Raises GridError for a grid that
+    cannot be run; SweepError for a folder that is in use or of another version, a full disk, a cluster that does not
+    answer: what was written stays. Raises ImportError that says what to install."""
+    made = grid_of(grid)
+    arguments.function("on_progress", on_progress, "a function of a Status or None")
+    if workers is not None:
+        arguments.whole("workers", workers, "a number of processes, 1 to 1024,", 1, 1024)
+    arguments.flag("again_failed", again_failed)
+    return run_grid(made, folder, Place(address, workers, security), again_failed=again_failed, on_progress=on_progress)
+
+
+def grid_of(grid: GridLike) -> Grid:
+    if isinstance(grid, Grid):
+        return grid
+    if isinstance(grid, Mapping):
+        return grids.made(grid)
+    return grids.read(arguments.path("grid", grid, "the path of a TOML file, or a dictionary,"))
+
+
+def run_grid(
+    grid: Grid,
+    folder: str | os.PathLike[str],
+    place: Place,
+    execute: work.Execute = work.execute,
+    again_failed: bool = False,
+    on_progress: Callable[[Status], object] | None = None,
+) -> Sweep:
+    """The same with the function that does a run."""
+    with Session(folder, place, execute, again_failed, on_progress) as session:
+        keys = session.run(grid.points())
+    return Sweep(folder, keys)
+
+
+def _order(row: Mapping[str, Any]) -> tuple[Any, ...]:
+    """By place, then by seed: numbers by size, words by the alphabet."""
+    place = json.loads(row["place"])
+    values = [(isinstance(value, str), 0 if isinstance(value, str) else value, str(value)) for value in place.values()]
+    return (list(place), values, -1 if row["seed"] is None else row["seed"])
+
+
+def _bracket(unit: str) -> str:
+    return f"({unit})" if unit else ""
+
+
+def _cell(value: Any) -> str:
+    return "–" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _columns(lines: Sequence[Sequence[str]]) -> str:
+    widths = [max(len(line[n]) for line in lines) for n in range(len(lines[0]))]
+    return "".join(
+        "  ".join(cell.rjust(width) for cell, width in zip(line, widths, strict=True)).rstrip() + "\n" for line in lines
+    )

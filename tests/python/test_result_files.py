@@ -1,0 +1,272 @@
+"""A result that lasts: saved, loaded, copied, pickled, compared, explained, framed."""
+
+import copy
+import json
+import pickle
+import subprocess
+import zipfile
+from pathlib import Path
+
+import cmrc
+import numpy as np
+import pytest
+
+
+@pytest.fixture(scope="module")
+def result() -> cmrc.Result:
+    return cmrc.run(dsps=1, duration_s=0.04, keep_events=True, profile=True)
+
+
+@pytest.fixture(scope="module")
+def other() -> cmrc.Result:
+    return cmrc.run(dsps=2, duration_s=0.04, keep_events=True)
+
+
+def same(one: cmrc.Result, two: cmrc.Result) -> bool:
+    return (
+        one.report == two.report
+        and one.text == two.text
+        and one.events == two.events
+        and list(one.signals) == list(two.signals)
+        and all(np.array_equal(one.signals[name], two.signals[name], equal_nan=True) for name in one.signals)
+    )
+
+
+def test_a_saved_result_is_the_same_when_loaded(result: cmrc.Result, other: cmrc.Result, tmp_path: Path) -> None:
+    for n, one in enumerate((result, other)):
+        path = tmp_path / f"{n}.cmrc"
+        one.save(path)
+        loaded = cmrc.Result.load(path)
+        assert same(loaded, one)
+        assert (loaded.profile is None) == (one.profile is None)
+        assert loaded.signals["time_s"].dtype == one.signals["time_s"].dtype
+    assert cmrc.Result.load(tmp_path / "0.cmrc").profile.text == result.profile.text  # type: ignore[union-attr]
+
+
+def test_the_same_result_is_the_same_file(result: cmrc.Result, tmp_path: Path) -> None:
+    result.save(tmp_path / "a")
+    cmrc.Result.load(tmp_path / "a").save(tmp_path / "b")
+    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
+
+
+def test_copies_and_pickles_are_the_same(result: cmrc.Result) -> None:
+    for copied in (copy.copy(result), copy.deepcopy(result), pickle.loads(pickle.dumps(result))):
+        assert same(copied, result) and copied.tasks.rows == result.tasks.rows
+    apart = copy.deepcopy(result)
+    apart.report["hash"] = "0"
+    assert result.hash != "0"
+
+
+def test_kept_events_are_the_trace_and_cannot_be_taken_back(
+    result: cmrc.Result, emulator: Path, tmp_path: Path
+) -> None:
+    command = [emulator, "--dsps", "1", "--duration", "0.04", "--trace", tmp_path / "trace"]
+    subprocess.run(command, check=False, capture_output=True)
+    assert result.events == (tmp_path / "trace").read_text()
+    run = cmrc.Simulation(dsps=1, duration_s=0.03, keep_events=True)
+    before = run.snapshot()
+    run.run_until(0.001)
+    with pytest.raises(RuntimeError, match="keeps its events"):
+        run.restore(before)
+    assert run.fork().result().events is None
+
+
+def edited(path: Path, into: Path, member: str, content: bytes | None) -> Path:
+    with zipfile.ZipFile(path) as old, zipfile.ZipFile(into, "w") as new:
+        for name in old.namelist():
+            if name != member:
+                new.writestr(name, old.read(name))
+            elif content is not None:
+                new.writestr(name, content)
+    return into
+
+
+def test_what_is_no_result_is_refused_by_name(result: cmrc.Result, tmp_path: Path) -> None:
+    whole = tmp_path / "whole"
+    result.save(whole)
+    bad = [tmp_path / name for name in ("empty", "text", "short", "flipped")]
+    bad[0].write_bytes(b"")
+    bad[1].write_text("{}")
+    bad[2].write_bytes(whole.read_bytes()[:-100])
+    changed = bytearray(whole.read_bytes())
+    changed[len(changed) // 2] ^= 0xFF
+    bad[3].write_bytes(bytes(changed))
+    report = dict(result.report)
+    bad += [
+        edited(whole, tmp_path / "no-report", "report.json", None),
+        edited(whole, tmp_path / "no-json", "report.json", b"{"),
+        edited(whole, tmp_path / "list", "report.json", b"[]"),
+        edited(whole, tmp_path / "deep", "report.json", b"[" * 100_000),
+        edited(whole, tmp_path / "kind", "report.json", json.dumps({**report, "configuration": [1]}).encode()),
+        edited(whole, tmp_path / "schema", "report.json", json.dumps({**report, "schema_version": 3}).encode()),
+        edited(whole, tmp_path / "format", "result.json", b'{"format": 99, "profile": false, "events": false}'),
+        edited(whole, tmp_path / "no-arrays", "signals.npz", b"nothing"),
+    ]
+    for path in bad:
+        with pytest.raises(ValueError, match=str(path)):
+            cmrc.Result.load(path)
+    with pytest.raises(FileNotFoundError):
+        cmrc.Result.load(tmp_path / "missing")
+
+
+def test_a_pickle_among_the_signals_is_not_executed(result: cmrc.Result, tmp_path: Path) -> None:
+    class Evil:
+        def __reduce__(self) -> tuple[object, ...]:
+            return (Path.write_text, (tmp_path / "executed", "x"))
+
+    import io
+
+    whole = tmp_path / "whole"
+    result.save(whole)
+    arrays = io.BytesIO()
+    np.savez(arrays, time_s=np.array([Evil()], dtype=object))
+    path = edited(whole, tmp_path / "evil", "signals.npz", arrays.getvalue())
+    with pytest.raises(ValueError, match="no saved result"):
+        cmrc.Result.load(path)
+    assert not (tmp_path / "executed").exists()
+
+
+def test_a_failed_save_keeps_the_file_that_was_there(result: cmrc.Result, tmp_path: Path) -> None:
+    with pytest.raises(OSError):
+        result.save(tmp_path / "missing" / "a")
+    result.save(tmp_path / "a")
+    broken = copy.copy(result)
+    broken.report = {"not": {1, 2}}  # type: ignore[dict-item]
+    with pytest.raises(TypeError):
+        broken.save(tmp_path / "a")
+    assert cmrc.Result.load(tmp_path / "a").hash == result.hash
+
+
+def test_a_difference_names_settings_event_and_metrics(result: cmrc.Result, other: cmrc.Result) -> None:
+    found = cmrc.diff(result, other)
+    assert found and found.configuration == {"machine.dsps": (1, 2)}
+    assert found.event is not None
+    left, right = (run.events.splitlines() for run in (result, other))  # type: ignore[union-attr]
+    first = next(n for n, pair in enumerate(zip(left, right, strict=False)) if pair[0] != pair[1])
+    assert (found.event["left_line"], found.event["right_line"]) == (left[first], right[first])
+    metrics = {name: (one, two) for name, one, two in found.metrics}
+    tasks = result.report["tasks"], other.report["tasks"]
+    assert metrics["tasks.pid.misses"] == tuple(task["pid"]["misses"] for task in tasks)
+    unlike = [kind for kind in tasks[0] if tasks[0][kind]["response_ps"]["p99"] != tasks[1][kind]["response_ps"]["p99"]]
+    assert unlike == [kind for kind in tasks[0] if f"tasks.{kind}.response_ps.p99" in metrics]
+    assert not any("elapsed" in name for name in metrics)
+    assert "machine.dsps: 1 -> 2" in found.text() and found.event["when"] in found.first
+    assert "machine.dsps" in found._repr_html_() and json.dumps(found.to_dict())
+    assert result.diff(other).first == found.first
+
+
+def test_without_events_the_first_metric_is_named(result: cmrc.Result, other: cmrc.Result) -> None:
+    found = cmrc.diff(result.report, other)
+    assert found.event is None and found.first.startswith("The first metric that differs is ")
+
+
+def test_two_runs_of_the_same_are_the_same(result: cmrc.Result) -> None:
+    again = cmrc.run(dsps=1, duration_s=0.04, turn_order=3, keep_events=True)
+    found = cmrc.diff(result, again)
+    assert found.configuration == {"run.turn_order": (0, 3)} and found.metrics == [] and found.event is None
+    assert found.same_hash
+    assert not cmrc.diff(result, result) and "the same" in cmrc.diff(result, result).text()
+
+
+def test_files_are_compared_whatever_they_are(result: cmrc.Result, emulator: Path, tmp_path: Path) -> None:
+    result.save(tmp_path / "saved")
+    command = [emulator, "--dsps", "1", "--duration", "0.04", "--report", tmp_path / "report.json"]
+    subprocess.run(command, check=False, capture_output=True)
+    assert not cmrc.diff(tmp_path / "saved", str(tmp_path / "report.json"))
+    (tmp_path / "none.json").write_text("[1]")
+    with pytest.raises(ValueError, match=r"none.json: neither a saved result nor a JSON report"):
+        cmrc.diff(tmp_path / "saved", tmp_path / "none.json")
+    with pytest.raises(TypeError, match="right"):
+        cmrc.diff(result, 7)  # type: ignore[arg-type]
+
+
+def test_what_was_not_measured_is_null_and_nan(result: cmrc.Result) -> None:
+    homes = result.report["tasks"]["home.crane"]
+    assert homes["released"] == 0
+    for name in ("best", "mean", "p50", "p99", "p99_9", "worst"):
+        assert homes["response_ps"][name] is None
+    assert homes["start_jitter_ps"]["rms"] is None
+    kinds = list(result.tasks["kind"])
+    assert np.isnan(result.tasks["response_ps_p99"][kinds.index("home.crane")])
+    assert result.tasks["response_ps_p99"][kinds.index("pid")] == result.report["tasks"]["pid"]["response_ps"]["p99"]
+
+
+def test_the_frame_is_tidy_and_has_the_columns_of_the_docs(result: cmrc.Result) -> None:
+    pytest.importorskip("pandas")
+    from locations import ROOT
+
+    frame = result.to_frame()
+    columns = "`" + "`, `".join(frame.columns) + "`"
+    assert columns in (ROOT / "docs" / "experiments.md").read_text(encoding="utf-8")
+    assert not frame.duplicated(["kind", "metric"]).any()
+    value = frame.set_index(["kind", "metric"])["value"]
+    assert value["pid", "released"] == result.report["tasks"]["pid"]["released"]
+    assert value["run", "misses"] == result.misses
+    assert np.isnan(value["home.crane", "response_ps_p99"])
+    assert value["pid", "response_ps_p99"] == result.report["tasks"]["pid"]["response_ps"]["p99"]
+
+
+def test_a_notebook_shows_a_table(result: cmrc.Result) -> None:
+    shown = result._repr_html_()
+    assert "<td>pid</td>" in shown and "home.crane" not in shown
+    hostile = copy.deepcopy(result)
+    hostile.report["tasks"]["<script>"] = hostile.report["tasks"]["pid"]
+    assert "<script>" not in hostile._repr_html_()
+
+
+def test_the_version_is_in_every_report_and_is_the_projects(result: cmrc.Result) -> None:
+    import re
+
+    from locations import ROOT
+
+    project = re.search(r'^version = "(.*)"', (ROOT / "pyproject.toml").read_text(), re.MULTILINE)
+    assert project and cmrc.__version__ == project[1] == result.version == result.report["emulator_version"]
+
+
+def test_an_explanation_names_who_stood_in_the_way(result: cmrc.Result) -> None:
+    first = min(result.missed, key=lambda miss: miss["deadline_ps"])
+    text = result.explain()
+    assert text == result.explain(result.missed.index(first))
+    assert f"{first['kind']} number {first['number']} of the crane" in text
+    for n, miss in enumerate(result.missed):
+        told = result.explain(n)
+        for block in sorted(miss["behind"], key=lambda block: -block["share_ps"])[:3]:
+            assert f"{block['kind']} number {block['number']}" in told
+        if miss["outcome"] == "late":
+            assert "too late" in told and ("Without" in told or "No single cause" in told)
+    assert "identify" in " ".join(result.explain(n) for n in range(len(result.missed)))
+    with pytest.raises(IndexError, match="one by one"):
+        result.explain(len(result.missed))
+    assert cmrc.run(dsps=2, duration_s=0.03).explain() == "No job missed its deadline."
+    assert "misses_max" in cmrc.run(dsps=1, duration_s=0.04, misses_max=0).explain()
+
+
+def test_what_would_have_avoided_it_is_the_chains_arithmetic(result: cmrc.Result) -> None:
+    late = next(
+        n
+        for n, miss in enumerate(result.missed)
+        if miss["outcome"] == "late" and max(miss["parts_ps"].values()) > miss["lateness_ps"]
+    )
+    miss = result.missed[late]
+    spare = max(miss["parts_ps"].values()) - miss["lateness_ps"]
+    said = next(
+        f"{spare / size:.4g} {unit}"
+        for unit, size in (("s", 1e12), ("ms", 1e9), ("us", 1e6), ("ns", 1e3))
+        if spare >= size
+    )
+    assert f"would have been done {said} before its deadline" in result.explain(late)
+
+
+def test_what_never_ran_would_still_have_had_to_run() -> None:
+    """Both DSPs are gone from 25 ms on: without the wait for one the job would have ended a usual run after its release."""
+    events = [{"at_s": 0.025, "action": "fail", "dsp": dsp} for dsp in (0, 1)]
+    result = cmrc.run(dsps=2, duration_s=0.03, events=events, settings={"report.reference": "none"})
+    waited = [
+        n for n, miss in enumerate(result.missed) if miss["outcome"] == "never_started" and "no_dsp" in miss["parts_ps"]
+    ]
+    miss = result.missed[waited[0]]
+    spare = miss["parts_ps"]["no_dsp"] - miss["lateness_ps"] - miss["usual_ps"]
+    assert miss["parts_ps"]["not_run"] == -miss["usual_ps"] < 0
+    assert f"no DSP was there, the job would have been done {spare / 1e6:.4g} us before its deadline" in result.explain(
+        waited[0]
+    )

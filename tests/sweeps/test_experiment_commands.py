@@ -1,0 +1,197 @@
+"""cmrc sweep, search, limits, compare, diff: what they print, write and refuse."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import cmrc
+import pytest
+from cmrc.__main__ import main
+from cmrc.experiment_commands import numbers, setting
+from cmrc.progress import ProgressLine
+from locations import BUILD
+
+pytest.importorskip("distributed")
+pytest.importorskip("pyarrow")
+
+GRID = """
+[fixed]
+duration_s = 0.03
+report.reference = "none"
+[axes]
+dsps = [1, 2]
+"""
+
+
+def test_a_sweep_from_empty_to_picture(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pytest.importorskip("matplotlib")
+    file = tmp_path / "grid.toml"
+    file.write_text(GRID)
+    asked = [
+        "sweep",
+        str(file),
+        "--metric",
+        "misses",
+        "--csv",
+        str(tmp_path / "runs.csv"),
+        "--plot",
+        str(tmp_path / "a.svg"),
+    ]
+    assert main([*asked, "--workers", "1"]) == 0
+    said = capsys.readouterr().out
+    assert (
+        said.splitlines()[0].split() == ["dsps", "n", "misses", "(jobs)"]
+        and "2 runs done, 0 refused, 0 failed." in said
+    )
+    rows = (tmp_path / "runs.csv").read_text().splitlines()
+    assert rows[0] == "machine.dsps,seed,status,message,misses" and len(rows) == 3
+    assert "machine.dsps" in (tmp_path / "a.svg").read_text()
+    assert (tmp_path / "grid" / "sweep.json").exists()
+    assert main(["sweep", str(file), "--show", "--metric", "dsps[0].claims"]) == 0
+    assert "dsps[0].claims" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("text", "more", "says"), [
+    ("[axes]\ndsps = []\n", [], "grid.toml: axes.dsps: the list is empty"),
+    ("[axes\n", [], "grid.toml: no TOML"),
+    (GRID, ["--plot", "a.txt"], "a.txt: no kind of picture"),
+    (GRID, ["--csv", "missing/a.csv"], "missing/a.csv: there is no folder"),
+    (GRID, ["--csv", "grid.toml"], "grid.toml"),
+    (GRID, ["--tls-ca", "ca.pem"], "go with --cluster"),
+    (GRID, ["--workers", "0"], "workers"),
+    (GRID, ["--show"], "no folder of a sweep"),
+    (None, [], "grid.toml"),
+])  # fmt: skip
+def test_what_a_user_can_get_wrong_is_a_sentence_and_loses_nothing(
+    text: str | None,
+    more: list[str],
+    says: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    if text is not None:
+        Path("grid.toml").write_text(text)
+    before = sorted(tmp_path.iterdir())
+    assert main(["sweep", "grid.toml", *more]) == 2
+    said = capsys.readouterr()
+    assert said.out == "" and said.err.startswith("cmrc sweep: ") and says in said.err
+    assert sorted(tmp_path.iterdir()) == before
+    if text is not None:
+        assert Path("grid.toml").read_text() == text
+
+
+def test_an_unknown_metric_and_an_empty_grid(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "one.toml").write_text('[fixed]\nduration_s = 0.03\nreport.reference = "none"\n')
+    assert main(["sweep", str(tmp_path / "one.toml"), "--workers", "1", "--metric", "tasks.pidd.misses"]) == 2
+    assert "tasks.pidd.misses: the report has no such place" in capsys.readouterr().err
+    assert main(["sweep", str(tmp_path / "one.toml"), "--show", "--metric", "misses"]) == 0
+    assert capsys.readouterr().out.splitlines()[0].split() == ["n", "misses", "(jobs)"]
+
+
+def test_limits_and_compare_are_the_functions(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    asked = ["--set", "duration_s=0.03", "--json", str(tmp_path / "a.json")]
+    assert main(["limits", "--dsps-grid", "1:2", *asked]) == 0
+    found = cmrc.limits(dsps=[1, 2], duration_s=0.03)
+    assert capsys.readouterr().out == found.text and json.loads((tmp_path / "a.json").read_text()) == found.report
+    assert main(["compare", *asked]) == 0
+    assert capsys.readouterr().out == cmrc.compare(duration_s=0.03).text
+    assert "metrics" in json.loads((tmp_path / "a.json").read_text())
+    for bad in (
+        ["limits", "--dsps-grid", "2:1"],
+        ["limits", "--servo", "fast"],
+        ["compare", "--set", "dsps"],
+        ["limits", "--config", "no.toml"],
+    ):
+        assert main(bad) == 2
+        assert capsys.readouterr().err.startswith(f"cmrc {bad[0]}: ")
+
+
+def test_grids_on_the_command_line() -> None:
+    assert numbers("1:3:0.5", "--cycles") == [1.0, 1.5, 2.0, 2.5, 3.0] and numbers("1:3", "--dsps-grid") == [
+        1.0,
+        2.0,
+        3.0,
+    ]
+    assert numbers("500,2000", "--servo") == [500.0, 2000.0]
+    for bad in ("", "a", "1:2:0", "1:2:3:4", "1::2", "1:100000"):
+        with pytest.raises(ValueError, match="--cycles"):
+            numbers(bad, "--cycles")
+    assert [setting(f"a={value}")[1] for value in ("true", "3", "0.5", "x=y")] == [True, 3, 0.5, "x=y"]
+
+
+def test_a_difference_and_its_status(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    runs = [cmrc.run(dsps=n, duration_s=0.03) for n in (1, 2)]
+    for n, run in enumerate(runs):
+        run.save(tmp_path / f"{n}")
+    asked = ["diff", str(tmp_path / "0"), str(tmp_path / "1")]
+    assert main([*asked, "--json", str(tmp_path / "d.json")]) == 1
+    assert "machine.dsps: 1 -> 2" in capsys.readouterr().out
+    found = json.loads((tmp_path / "d.json").read_text())
+    assert found["configuration"] == {"machine.dsps": [1, 2]} and not found["same"]
+    assert main(["diff", str(tmp_path / "0"), str(tmp_path / "0")]) == 0
+    assert capsys.readouterr().out == "The two results are the same.\n"
+    assert main([*asked, "--json", str(tmp_path / "0")]) == 2
+    assert not cmrc.diff(tmp_path / "0", runs[0])
+    assert main(["diff", str(tmp_path / "0"), str(tmp_path / "none")]) == 2
+
+
+def test_ctrl_c_ends_a_sweep_with_status_130_and_frees_the_folder(tmp_path: Path) -> None:
+    (tmp_path / "grid.toml").write_text(GRID.replace("0.03", "20.0"))
+    environment = {**os.environ, "PYTHONPATH": str(BUILD / "python")}
+    command = [sys.executable, "-m", "cmrc", "sweep", "grid.toml", "--workers", "1"]
+    run = subprocess.Popen(
+        command, cwd=tmp_path, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    deadline = time.monotonic() + 60
+    while not (tmp_path / "grid" / "sweep.json").exists() and time.monotonic() < deadline and run.poll() is None:
+        time.sleep(0.05)
+    time.sleep(1.0)  # somewhere between the cluster's start and the first run
+    run.send_signal(signal.SIGINT)
+    out, err = run.communicate(timeout=60)
+    assert run.returncode == 130 and out == "" and "interrupted" in err and "Traceback" not in err, err
+    (tmp_path / "grid.toml").write_text(GRID)
+    assert main(["sweep", str(tmp_path / "grid.toml"), "--workers", "1", "--metric", "misses"]) == 0
+
+
+def test_progress_is_a_line_that_goes_away(monkeypatch: pytest.MonkeyPatch) -> None:
+    import io
+
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    now = [100.0]
+    monkeypatch.setattr("cmrc.progress.time.monotonic", lambda: now[0])
+    shown = Terminal()
+    with ProgressLine("work", shown) as line:
+        for _ in range(24):
+            line.of(now[0] - 100, 3.0)
+            now[0] += 0.125
+    assert shown.getvalue().startswith("\rwork: 1 of 3 s simulated, about 2 s left") and shown.getvalue().endswith(
+        " \r"
+    )
+    log = io.StringIO()
+    with ProgressLine("work", log) as line:
+        for _ in range(400):
+            line.show("on")
+            now[0] += 0.1
+    assert log.getvalue() == "work: on\n" * 3
+
+
+def test_work_that_tells_nothing_shows_that_it_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    import io
+    import threading
+
+    monkeypatch.setattr("cmrc.progress.BEAT_S", 0.001)
+    monkeypatch.setattr("cmrc.progress.SILENT_S", 0.0)
+    shown = io.StringIO()
+    with ProgressLine("work", shown) as line, line.beating():
+        while not shown.getvalue():
+            threading.Event().wait(0.001)
+    assert shown.getvalue().startswith("work: running, 0 s")

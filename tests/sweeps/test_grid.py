@@ -1,0 +1,143 @@
+"""The grid of a sweep: what it makes, and what it says of a bad one."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cmrc.sweeps import GridError
+from cmrc.sweeps import grid as grids
+
+
+def text_of(tmp_path: Path, text: str) -> grids.Grid:
+    path = tmp_path / "grid.toml"
+    path.write_text(text)
+    return grids.read(path)
+
+
+def test_axes_are_multiplied_and_what_goes_together_is_not(tmp_path: Path) -> None:
+    grid = text_of(
+        tmp_path,
+        """
+        [fixed]
+        preset = "saturated"
+        duration_s = 0.5
+        machine.idle_policy = "spin"
+        [axes]
+        dsps = [2, 3]
+        "rates.servo_frequency_hz" = { from = 500, to = 1000, step = 250 }
+        [[together]]
+        agvs = [1, 2]
+        agv_phase = ["together", "staggered"]
+        [repeats]
+        seeds = 2
+        first = 7
+        phases = true
+        [[events]]
+        at_s = 0.1
+        action = "fail"
+        dsp = 0
+    """,
+    )
+    points = list(grid.points())
+    assert len(points) == len(grid) == 2 * 3 * 2 * 2
+    assert grid.names == ["machine.dsps", "rates.servo_frequency_hz", "dock.agvs", "scheduling.agv_phase"]
+    first = points[0]
+    assert first.place == {
+        "machine.dsps": 2,
+        "rates.servo_frequency_hz": 500.0,
+        "dock.agvs": 1,
+        "scheduling.agv_phase": "together",
+    }
+    assert first.settings == {
+        **first.place,
+        "run.duration_s": 0.5,
+        "machine.idle_policy": "spin",
+        "run.phase_jitter": True,
+        "run.seed": 7,
+    }
+    assert first.preset == "saturated" and first.events == [{"at_s": 0.1, "action": "fail", "dsp": 0}]
+    assert {(p.place["dock.agvs"], p.place["scheduling.agv_phase"]) for p in points} == {
+        (1, "together"),
+        (2, "staggered"),
+    }
+    assert [p.seed for p in points[:3]] == [7, 8, 7]
+
+
+def test_ranges() -> None:
+    def values(key: str, **of: Any) -> list[Any]:
+        return [point.place[key] for point in grids.made({"axes": {key: of}}).points()]
+
+    assert values("machine.dsps", **{"from": 1, "to": 8, "step": 3}) == [1, 4, 7]
+    assert values("machine.cycle_time_factor", **{"from": 1, "to": 2, "step": 0.1})[-1] == 2.0
+    assert len(values("machine.cycle_time_factor", **{"from": 1, "to": 2, "step": 0.1})) == 11
+    assert values("machine.cycle_time_factor", **{"from": 1, "to": 4, "count": 3, "scale": "log"}) == [1.0, 2.0, 4.0]
+    assert values("machine.cycle_time_factor", **{"from": 1, "to": 4, "count": 3}) == [1.0, 2.5, 4.0]
+
+
+def test_a_preset_can_be_an_axis_and_a_file_stands_beside_the_grid(tmp_path: Path) -> None:
+    grid = text_of(tmp_path, '[fixed]\nconfig = "base.toml"\n[axes]\npreset = ["base", "heavy"]\n')
+    assert [point.preset for point in grid.points()] == ["base", "heavy"]
+    assert next(grid.points()).config == str(tmp_path / "base.toml")
+    assert "preset" not in next(grid.points()).settings
+
+
+def test_an_empty_grid_is_one_run() -> None:
+    assert len(grids.made({})) == len(list(grids.made({}).points())) == 1
+
+
+@pytest.mark.parametrize(("tables", "says"), [
+    ({"axis": {}}, "axis: unknown table; is [axes] meant?"),
+    ({"axes": 3}, "axes: a table is expected"),
+    ({"axes": {"dsps": []}}, "axes.dsps: the list is empty"),
+    ({"axes": {"dsps": 3}}, "axes.dsps: a list of values"),
+    ({"axes": {"dsps": [1, [2]]}}, "axes.dsps[1]: list cannot be used"),
+    ({"axes": {"dsps": [1, 2, 1]}}, "axes.dsps[2]: 1 stands there twice"),
+    ({"axes": {"dsps": [1], "machine": {"dsps": [2]}}}, "machine.dsps stands at axes.dsps, too"),
+    ({"fixed": {"dsps": 1}, "axes": {"machine.dsps": [2]}}, "axes.machine.dsps: machine.dsps stands at fixed.dsps, too"),
+    ({"fixed": {"seed": 1}, "repeats": {"seeds": 2}}, "repeats.seeds: run.seed stands at fixed.seed, too"),
+    ({"fixed": {"phase_jitter": False}, "repeats": {"seeds": 2, "phases": True}}, "run.phase_jitter stands at"),
+    ({"axes": {"dspss": [1]}}, "axes.dspss: there is no such setting; "),
+    ({"axes": {"rated_load_kgg": [1]}}, "axes.rated_load_kgg: there is no such setting"),
+    ({"axes": {"config": ["a", "b"]}}, "axes.config: there is no such setting"),
+    ({"axes": {"dsps": {"from": 4, "to": 1, "step": 1}}}, "from < to is expected"),
+    ({"axes": {"dsps": {"from": 1, "to": 4}}}, "either step or count"),
+    ({"axes": {"dsps": {"from": 1, "to": 4, "step": 0}}}, "axes.dsps.step: 0"),
+    ({"axes": {"dsps": {"from": 1, "to": 4, "step": 1e-9}}}, "axes.dsps.step: 3000000001 values"),
+    ({"axes": {"dsps": {"from": 1, "to": 4, "count": 3}}}, "2.5 is among its values; machine.dsps is a whole number"),
+    ({"axes": {"dsps": {"from": 1, "to": 4, "count": 1}}}, "axes.dsps.count: 1"),
+    ({"axes": {"dsps": {"from": 1, "to": 4, "counts": 3}}}, "axes.dsps.counts: unknown"),
+    ({"axes": {"cycle_time_factor": {"from": 0, "to": 4, "count": 3, "scale": "log"}}}, "begins above 0"),
+    ({"axes": {"cycle_time_factor": [float("nan")]}}, "nan is no number"),
+    ({"together": [{"dsps": [1, 2], "agvs": [1]}]}, "together[0]: settings that go together have equally many values"),
+    ({"together": [{"dsps": [1, 1], "agvs": [2, 2]}]}, "together[0]: a combination stands there twice"),
+    ({"together": {"dsps": [1]}}, "together: a list of tables"),
+    ({"repeats": {"seeds": 0}}, "repeats.seeds: a whole number from 1"),
+    ({"repeats": {"seeds": [1, 1]}}, "repeats.seeds: a seed stands there twice"),
+    ({"repeats": {"seeds": []}}, "repeats.seeds: whole numbers"),
+    ({"repeats": {"first": 3}}, "repeats.first: needs repeats.seeds"),
+    ({"repeats": {"times": 3}}, "repeats.times: unknown"),
+    ({"events": [3]}, "events: a list of tables"),
+    ({"axes": {"seed": {"from": 1, "to": 10_000, "step": 1}, "dsps": {"from": 1, "to": 10_000, "step": 1}}}, "100000000 runs; at most"),
+])  # fmt: skip
+def test_a_bad_grid_says_where_and_what_would_be_right(tables: dict[str, Any], says: str) -> None:
+    with pytest.raises(GridError) as error:
+        grids.made(tables, name="bad.toml")
+    assert str(error.value).startswith("bad.toml: ") and says in str(error.value)
+
+
+def test_bad_toml_is_named_with_its_line(tmp_path: Path) -> None:
+    with pytest.raises(GridError, match=r"grid.toml: no TOML: .*line 2"):
+        text_of(tmp_path, "[axes]\ndsps = [1,,2]\n")
+    (tmp_path / "binary.toml").write_bytes(b"\xff\xfe")
+    with pytest.raises(GridError, match=r"binary.toml: no TOML"):
+        grids.read(tmp_path / "binary.toml")
+    with pytest.raises(GridError, match=r"/dev/zero: more than \d+ bytes"):
+        grids.read("/dev/zero")
+    with pytest.raises(FileNotFoundError):
+        grids.read(tmp_path / "missing.toml")
+
+
+def test_a_hostile_name_is_shown_and_not_obeyed() -> None:
+    with pytest.raises(GridError) as error:
+        grids.made({"axes": {"\x1b[2Jdsps": [1]}})
+    assert "\x1b" not in str(error.value) and "\\x1B" in str(error.value)

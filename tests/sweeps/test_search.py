@@ -1,0 +1,146 @@
+"""Searches: what is found, what is checked, and that the number of workers changes nothing."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cmrc.sweeps import GridError, SweepError, grid
+from cmrc.sweeps import search as function
+from cmrc.sweeps.metrics import spread
+from cmrc.sweeps.search import Trial, _Asked, _bisected, _check, _optimised
+
+pytest.importorskip("optuna")
+FIXED = {"duration_s": 0.03, "report.reference": "none"}
+
+
+class Formula:
+    """Stands for the runs: a metric that is a formula of the place."""
+
+    def __init__(self, of: Any, tables: dict[str, Any]) -> None:
+        self.of, self.grid, self.keys, self.trials = of, grid.made(tables), [], []
+        self.batches: list[list[dict[str, Any]]] = []
+
+    def values(self, places: Any, seeds: Any) -> list[Trial]:
+        self.batches.append([dict(place) for place in places])
+        made = []
+        for place in places:
+            found = [float(self.of(place, seed)) for seed in seeds or [0]]
+            made.append(Trial(dict(place), spread(found), max(found)))
+        return made
+
+    def try_all(self, places: Any) -> list[Trial]:
+        trials = self.values(places, self.grid.seeds)
+        self.trials += trials
+        return trials
+
+
+def bisected(of: Any, **table: Any) -> tuple[Any, Formula]:
+    trier = Formula(of, {"search": {"bisect": "cycle_time_factor", "from": 1.0, "to": 4.0, "tolerance": 0.01, **table}})
+    asked = _Asked(trier.grid)
+    found = _bisected(trier, asked)  # type: ignore[arg-type]
+    _check(found, trier, asked)  # type: ignore[arg-type]
+    return found, trier
+
+
+@pytest.mark.parametrize("limit", [1.004, 1.5, 2.717, 3.999])
+@pytest.mark.parametrize("batch", [1, 4, 7])
+def test_a_monotone_limit_is_found_within_the_tolerance(limit: float, batch: int) -> None:
+    found, trier = bisected(lambda place, _: place["machine.cycle_time_factor"] > limit, batch=batch)
+    at = found.best["machine.cycle_time_factor"]
+    assert limit - 0.01 <= at <= limit and found.exceptions == []
+    assert all(len(places) <= max(batch, 4) for places in trier.batches)
+    tried = [trial.place["machine.cycle_time_factor"] for trial in trier.trials]
+    assert len(tried) == len(set(tried))
+
+
+def test_the_easy_end_may_be_the_greater_one() -> None:
+    found, _ = bisected(lambda place, _: place["machine.dsps"] < 3, bisect="dsps", **{"from": 8, "to": 1}, tolerance=1)
+    assert found.best == {"machine.dsps": 3} and isinstance(found.best["machine.dsps"], int)
+
+
+def test_where_nothing_or_everything_passes() -> None:
+    found, _ = bisected(lambda *_: 1)
+    assert found.best is None and math.isnan(found.value) and "Nothing was found" in found.text()
+    found, trier = bisected(lambda *_: 0)
+    assert found.best == {"machine.cycle_time_factor": 4.0} and len(trier.trials) == 2
+
+
+def test_neighbours_show_what_is_not_monotone() -> None:
+    """Just before the answer lies a gap that misses: scheduling without preemption has such anomalies."""
+    found, _ = bisected(
+        lambda place, _: (
+            2.028 < place["machine.cycle_time_factor"] < 2.042 or place["machine.cycle_time_factor"] > 2.05
+        ),
+        neighbours=3,
+        batch=2,
+    )
+    assert found.exceptions and "Not monotone" in found.text()
+
+
+def test_the_answer_is_run_with_seeds_that_the_search_has_not_seen() -> None:
+    seen: list[int] = []
+
+    def of(place: dict[str, float], seed: int) -> bool:
+        seen.append(seed)
+        return place["machine.cycle_time_factor"] > (2.0 if seed <= 3 else 1.5)
+
+    trier = Formula(of, {"repeats": {"seeds": 3, "phases": True}, "search": {
+        "bisect": "cycle_time_factor", "from": 1.0, "to": 4.0, "tolerance": 0.01, "check_seeds": 4}})  # fmt: skip
+    asked = _Asked(trier.grid)
+    found = _bisected(trier, asked)  # type: ignore[arg-type]
+    assert set(seen) == {1, 2, 3}
+    _check(found, trier, asked)  # type: ignore[arg-type]
+    assert set(seen) == {1, 2, 3, 4, 5, 6, 7} and found.checked.n == 4
+    assert found.check_passed is False and "DOES NOT PASS" in found.text()
+
+
+def test_an_optimum_is_found_and_two_searches_make_the_same_runs() -> None:
+    table = {"search": {"metric": "lag", "trials": 40, "batch": 5, "seed": 3, "space": {
+        "cycle_time_factor": {"from": 1.0, "to": 4.0}, "idle_policy": ["spin", "pause"]}}}  # fmt: skip
+
+    def of(place: dict[str, Any], _: int) -> float:
+        return (place["machine.cycle_time_factor"] - 2.2) ** 2 + (place["machine.idle_policy"] == "spin")
+
+    tries = []
+    for _ in range(2):
+        trier = Formula(of, table)
+        found = _optimised(trier, _Asked(trier.grid))  # type: ignore[arg-type]
+        assert found.best["machine.idle_policy"] == "pause" and abs(found.best["machine.cycle_time_factor"] - 2.2) < 0.3
+        assert all(len(batch) <= 5 for batch in trier.batches)
+        tries.append(trier.batches)
+    assert tries[0] == tries[1]
+
+
+def test_a_search_in_real_runs(tmp_path: Path) -> None:
+    """The fewest DSPs without a miss in the first 30 ms; with identify in the way one DSP is not enough."""
+    spec = {
+        "fixed": {**FIXED, "phase_jitter": True},
+        "search": {"bisect": "dsps", "from": 3, "to": 1, "check_seeds": 1},
+    }
+    found = function(spec, tmp_path / "s", workers=1)
+    assert found.best == {"machine.dsps": 2} and found.value == 0 and found.check_passed is True
+    assert found.sweep is not None and len(found.sweep) == len(found.trials) + 1
+    again = function(spec, tmp_path / "s", address="tcp://127.0.0.1:9")  # nothing is due: no cluster is asked for
+    assert again.text() == found.text()
+
+
+@pytest.mark.parametrize(("tables", "says"), [
+    ({}, "there is no table [search]"),
+    ({"axes": {"dsps": [1]}, "search": {"bisect": "dsps", "from": 1, "to": 2}}, "not with axes"),
+    ({"search": {"bisect": "dspss", "from": 1, "to": 2}}, "search.bisect: dspss: there is no such setting"),
+    ({"fixed": {"dsps": 1}, "search": {"bisect": "dsps", "from": 1, "to": 2}}, "machine.dsps is fixed, too"),
+    ({"search": {"bisect": "dsps", "from": 1}}, "search.to: a number is expected"),
+    ({"search": {"bisect": "dsps", "from": 1, "to": 1}}, "search.to: 1 is where it begins"),
+    ({"search": {"bisect": "dsps", "from": 1, "to": 4, "tolerance": 0.1}}, "search.tolerance"),
+    ({"search": {"bisect": "dsps", "from": 1, "to": 4, "trials": 3}}, "search.trials: unknown"),
+    ({"search": {"trials": 3}}, "search.space: the settings that may vary"),
+    ({"search": {"goal": "fast", "space": {"dsps": [1]}}}, "search.goal"),
+    ({"search": {"batch": 0, "space": {"dsps": [1]}}}, "search.batch"),
+    ({"search": {"space": {"dsps": {"from": 4, "to": 1}}}}, "search.space.dsps"),
+    ({"search": {"space": {"dsps": 3}}}, "search.space.dsps: a list of values"),
+])  # fmt: skip
+def test_a_bad_search_says_where(tables: dict[str, Any], says: str, tmp_path: Path) -> None:
+    with pytest.raises((GridError, SweepError)) as error:
+        function(tables, tmp_path / "s")
+    assert says in str(error.value) and not (tmp_path / "s").exists()

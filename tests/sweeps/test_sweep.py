@@ -1,0 +1,268 @@
+"""Sweeps on workers of this machine: what is run, what is kept, who may die."""
+
+import contextlib
+import itertools
+import os
+import signal
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import cmrc
+import pytest
+import sweep_helpers
+from cmrc.sweeps import Status, Sweep, SweepError, grid, session, store, study, sweep
+from cmrc.sweeps.session import Place
+from locations import ROOT
+
+pytest.importorskip("distributed")
+pytest.importorskip("pyarrow")
+
+FIXED = {"duration_s": 0.03, "report.reference": "none"}
+SMALL = {"fixed": FIXED, "axes": {"dsps": [1, 2], "servo_frequency_hz": [500.0, 9000.0]}}
+"""Four runs, of which two are refused: f_s is less than 2 f_p."""
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory: pytest.TempPathFactory) -> Sweep:
+    return sweep(SMALL, tmp_path_factory.mktemp("sweeps") / "small", workers=2)
+
+
+def test_every_point_is_a_row_and_its_report_is_the_runs(done: Sweep) -> None:
+    assert done.counts() == {"done": 2, "refused": 2, "failed": 0} and len(done) == 4
+    refused = [run for run in done.runs if run["status"] == "refused"]
+    assert all("f_s >= 2 f_p is required" in run["message"] for run in refused)
+    alone = cmrc.run(dsps=2, servo_frequency_hz=500.0, settings=FIXED)
+    kept = done.report(dsps=2, servo_frequency_hz=500.0)
+    assert not cmrc.diff(kept, alone) and kept["hash"] == alone.hash
+    table = done.table("misses", "tasks.pid.response_ps.p99")
+    assert table.rows == 4 and list(table["machine.dsps"]) == [1, 1, 2, 2]
+    assert list(table["seed"]) != [] and "tasks.pid.response_ps.p99" in table
+    with pytest.raises(KeyError, match="2 runs"):
+        done.report(servo_frequency_hz=500.0)
+
+
+def test_a_new_metric_and_the_same_sweep_run_nothing(done: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(*_: object) -> None:
+        raise AssertionError("a cluster was started")
+
+    monkeypatch.setattr(session, "cluster_of", never)
+    again = sweep(SMALL, done.folder.path)
+    assert again.counts() == done.counts()
+    assert list(again.values("dsps[0].cycles").values()) == pytest.approx([0.03 * 25e6] * 2, abs=2000)
+    assert Sweep(done.folder.path).text() == again.text()
+
+
+def test_a_grid_that_has_grown_runs_what_is_new(done: Sweep, tmp_path: Path) -> None:
+    marks = tmp_path / "marks"
+    marks.mkdir()
+    more = {**SMALL, "axes": {"dsps": [1, 2, 3], "servo_frequency_hz": [500.0]}}
+    seen: list[Status] = []
+    execute = sweep_helpers.Takes(0.0, marks)
+    grown = study.run_grid(grid.made(more), done.folder.path, Place(workers=1), execute, on_progress=seen.append)
+    assert (
+        len(list(marks.iterdir())) == 1
+        and len(grown) == 3
+        and seen[-1].known == 2
+        and seen[-1].done == seen[-1].runs == 3
+    )
+
+
+def test_repeats_that_agree_have_no_interval_and_the_table_says_so(tmp_path: Path) -> None:
+    found = sweep({"fixed": FIXED, "repeats": {"seeds": 2}}, tmp_path / "s", workers=1)
+    text = found.text("misses", "any_miss")
+    assert "All repeats of every point agree: in these numbers nothing was random" in text and "95 %" not in text
+    [(place, spread)] = found.summary("misses")
+    assert place == {} and spread.n == 2 and not spread.varies
+    numbers = iter([1.0, 3.0])
+    varied = found.text(lambda report: next(numbers))
+    assert "nothing was random" not in varied and "Intervals of 95 %" in varied and "2 [1, 3]" in varied
+
+
+def test_what_changes_no_result_is_not_in_the_key() -> None:
+    from cmrc.sweeps.identity import run_of
+
+    def key(**fixed: Any) -> str:
+        return run_of(next(grid.made({"fixed": {"duration_s": 0.03, **fixed}}).points())).key
+
+    assert key() == key(turn_order=7) == key(strict=True) == key(dsps=4)
+    assert len({key(), key(seed=2), key(dsps=3), key(misses_max=3)}) == 4
+    with_event = grid.made({"fixed": {"duration_s": 0.03}, "events": [{"at_s": 0.01, "action": "fail", "dsp": 0}]})
+    assert run_of(next(with_event.points())).key != key()
+
+
+def test_the_key_is_over_the_files_and_not_their_names(tmp_path: Path) -> None:
+    from cmrc.sweeps.identity import run_of
+
+    def key(board: Path) -> str:
+        return run_of(next(grid.made({"fixed": {"duration_s": 0.03, "machine.board": str(board)}}).points())).key
+
+    one, same, other = (tmp_path / name for name in ("one.toml", "same.toml", "other.toml"))
+    text = (ROOT / "tests" / "peripherals" / "data" / "faults" / "timing-board.toml").read_text()
+    one.write_text(text)
+    same.write_text(text)
+    other.write_text(text + "\n# another\n")
+    assert key(one) == key(same) != key(other)
+
+
+def test_a_run_that_ends_its_process_three_times_is_a_failure_and_no_other_run_suffers(tmp_path: Path) -> None:
+    marks = tmp_path / "marks"
+    marks.mkdir()
+    points = grid.made({"fixed": FIXED, "axes": {"dsps": [1, 2, 3, 4, 5, 6]}})
+    execute = sweep_helpers.Deadly("dsps = 3", marks)
+    found = study.run_grid(points, tmp_path / "s", Place(workers=2), execute)
+    assert found.counts() == {"done": 5, "refused": 0, "failed": 1}
+    [failed] = [run for run in found.runs if run["status"] == "failed"]
+    assert failed["place"] == {"machine.dsps": 3}
+    assert failed["message"] == "the run has ended its process 3 times, alone in it: ended by SIGSEGV"
+    assert len(list(marks.glob("*-deadly"))) == 5  # twice with its worker, three times alone
+    again = study.run_grid(points, tmp_path / "s", Place(workers=1), sweep_helpers.Takes(0, marks), again_failed=True)
+    assert again.counts() == {"done": 6, "refused": 0, "failed": 0}
+
+
+def kill_workers(stop: threading.Event, every_s: float, killed: list[int]) -> None:
+    """SIGKILL to one worker after the other, as long as there are any."""
+    for turn in itertools.count():
+        if stop.wait(every_s):
+            return
+        pids = workers_of(os.getpid())
+        if pids:
+            with contextlib.suppress(ProcessLookupError):  # it has ended by itself
+                os.kill(pids[turn % len(pids)], signal.SIGKILL)
+                killed.append(pids[turn % len(pids)])
+
+
+def parents() -> dict[int, tuple[int, bytes]]:
+    """Parent and command line of every process, from /proc."""
+    found = {}
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            command = (folder / "cmdline").read_bytes()
+            found[int(folder.name)] = (int((folder / "stat").read_text().rsplit(")", 1)[1].split()[1]), command)
+        except (OSError, IndexError):
+            continue
+    return found
+
+
+def workers_of(starter: int) -> list[int]:
+    """Workers of a sweep that this process runs: children of the child that forks them."""
+    all_of_them = {
+        pid: parent for pid, (parent, command) in parents().items() if b"cmrc.sweeps.local_worker" in command
+    }
+    return sorted(pid for pid, parent in all_of_them.items() if all_of_them.get(parent) == starter)
+
+
+def sweep_under_fire(runs: int, every_s: float, takes_s: float, tmp_path: Path) -> tuple[Sweep, list[int], Status]:
+    marks = tmp_path / "marks"
+    marks.mkdir()
+    points = grid.made({"fixed": FIXED, "repeats": {"seeds": runs}})
+    stop, killed, seen = threading.Event(), [], []  # type: ignore[var-annotated]
+    killer = threading.Thread(target=kill_workers, args=(stop, every_s, killed))
+    killer.start()
+    try:
+        execute = sweep_helpers.Takes(takes_s, marks)
+        found = study.run_grid(points, tmp_path / "s", Place(workers=2), execute, on_progress=seen.append)
+    finally:
+        stop.set()
+        killer.join()
+    return found, killed, seen[-1]
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="processes are found in /proc")
+def test_killed_workers_cost_no_row(tmp_path: Path) -> None:
+    found, killed, status = sweep_under_fire(15, 2.5, 0.4, tmp_path)
+    assert found.counts() == {"done": 15, "refused": 0, "failed": 0}
+    assert killed and sorted(run["seed"] for run in found.runs) == list(range(1, 16))
+    assert len(list(found.folder.rows())) == 15 and status.done == 15
+
+
+@pytest.mark.campaign
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="processes are found in /proc")
+def test_workers_killed_every_second_cost_no_row_of_a_hundred(tmp_path: Path) -> None:
+    found, killed, status = sweep_under_fire(100, 1.0, 0.5, tmp_path)
+    assert found.counts() == {"done": 100, "refused": 0, "failed": 0}
+    assert sorted(run["seed"] for run in found.runs) == list(range(1, 101))
+    assert len(killed) >= 15 and status.begun_again > 5, (killed, status)
+
+
+def test_an_interrupted_sweep_keeps_what_was_done_and_goes_on(tmp_path: Path) -> None:
+    marks = tmp_path / "marks"
+    marks.mkdir()
+    points = grid.made({"fixed": FIXED, "repeats": {"seeds": 8}})
+
+    def interrupt(status: Status) -> None:
+        if status.done >= 3:
+            raise KeyboardInterrupt
+
+    execute = sweep_helpers.Takes(0.1, marks)
+    with pytest.raises(KeyboardInterrupt):
+        study.run_grid(points, tmp_path / "s", Place(workers=1), execute, on_progress=interrupt)
+    before = Sweep(tmp_path / "s")
+    assert 3 <= len(before) < 8
+    seen: list[Status] = []
+    after = study.run_grid(points, tmp_path / "s", Place(workers=1), execute, on_progress=seen.append)
+    assert len(after) == 8 and seen[0].known == len(before)
+    deadline = time.monotonic() + 10
+    while workers_of(os.getpid()) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    assert workers_of(os.getpid()) == []
+
+
+def test_a_cluster_that_is_not_there_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from cmrc.sweeps import cluster
+
+    monkeypatch.setattr(cluster, "CONNECT_S", 0.5)
+    with pytest.raises(SweepError, match=r"tcp://127.0.0.1:9: no cluster answers there"):
+        sweep(SMALL, tmp_path / "s", address="tcp://127.0.0.1:9")
+    with pytest.raises(SweepError, match="no cluster answers"):
+        sweep(SMALL, tmp_path / "s", address="nonsense://x")
+    with pytest.raises(SweepError, match="one of address and workers"):
+        sweep(SMALL, tmp_path / "s", address="tcp://127.0.0.1:9", workers=2)
+    assert Sweep(tmp_path / "s").counts() == {"done": 0, "refused": 2, "failed": 0}
+
+
+def test_runs_of_another_build_are_refused(done: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(session, "build", lambda: "f" * 64)
+    with pytest.raises(
+        SweepError, match=f"holds runs of emulator {cmrc.__version__}, build .*; this is build ffffffffffff"
+    ):
+        sweep(SMALL, done.folder.path)
+
+
+def test_a_worker_with_another_build_stops_the_sweep(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from cmrc.sweeps import identity
+
+    monkeypatch.setattr(identity, "build", lambda: "f" * 64)
+    monkeypatch.setattr(session, "build", lambda: "f" * 64)
+    with pytest.raises(SweepError, match="this worker has another build of cmrc"):
+        sweep({"fixed": FIXED}, tmp_path / "s", workers=1)
+
+
+def test_a_missing_extra_says_what_to_install(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    import sys
+
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(ImportError, match=r"pip install 'cmrc\[sweep\]'"):
+        sweep(SMALL, tmp_path / "s")
+    assert not (tmp_path / "s").exists()
+
+
+def test_bad_arguments() -> None:
+    with pytest.raises(TypeError, match="grid"):
+        sweep(3, "x")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="workers"):
+        sweep(SMALL, "x", workers=0)
+    with pytest.raises(TypeError, match="on_progress"):
+        sweep(SMALL, "x", on_progress=3)  # type: ignore[arg-type]
+    assert store.FORMAT == 1
+
+
+def test_a_cluster_by_its_address_gives_the_same_reports(done: Sweep, tmp_path: Path) -> None:
+    from distributed import LocalCluster
+
+    options = {"processes": False, "protocol": "tcp", "host": "127.0.0.1", "dashboard_address": "127.0.0.1:0"}
+    with LocalCluster(n_workers=1, threads_per_worker=1, silence_logs=50, **options) as cluster:
+        found = sweep(SMALL, tmp_path / "s", address=cluster.scheduler_address)
+    assert found.counts() == done.counts()
+    assert not cmrc.diff(found.report(dsps=2, servo_frequency_hz=500.0), done.report(dsps=2, servo_frequency_hz=500.0))

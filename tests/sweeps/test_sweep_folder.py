@@ -1,0 +1,159 @@
+"""The folder of a sweep: locks, versions, damage, full disks."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from cmrc.sweeps import SweepError, store
+from cmrc.sweeps.identity import build
+from cmrc.sweeps.store import Folder
+from locations import BUILD
+
+pytest.importorskip("pyarrow")
+
+
+def row(number: int, **more: Any) -> dict[str, Any]:
+    return {
+        "key": f"{number:064}",
+        "status": store.DONE,
+        "message": "",
+        "place": "{}",
+        "seed": number,
+        "settings": "{}",
+        "hash": "",
+        "build": build(),
+        "emulator_version": "0.1.0",
+        "elapsed_s": 1.0,
+        "host": "here",
+        "report": store.packed({"number": number}),
+        **more,
+    }
+
+
+def keys(folder: Folder) -> list[int]:
+    return [int(found["key"]) for found in folder.rows(())]
+
+
+def test_parts_are_read_in_order_and_compacted(tmp_path: Path) -> None:
+    with Folder(tmp_path / "new" / "sweep") as folder:
+        folder.write([row(1), row(2)])
+        folder.write([row(3)])
+        assert keys(folder) == [1, 2, 3] and len(folder.parts()) == 2
+        folder.compact()
+        assert keys(folder) == [1, 2, 3] and len(folder.parts()) == 1
+        assert [store.unpacked(found["report"])["number"] for found in folder.rows()] == [1, 2, 3]
+        folder.write([row(4, status=store.FAILED)])
+        folder.compact(without=store.FAILED)
+        assert keys(folder) == [1, 2, 3]
+    with Folder(tmp_path / "new" / "sweep") as again:
+        assert keys(again) == [1, 2, 3]
+
+
+def test_a_row_in_two_parts_counts_once(tmp_path: Path) -> None:
+    """As when a compaction is killed before it has removed the old parts."""
+    with Folder(tmp_path / "s") as folder:
+        folder.write([row(1), row(2)])
+        old = folder.parts()[0].read_bytes()
+        folder.write([row(3)])
+        folder.compact()
+        (tmp_path / "s" / "part-000001.parquet").write_bytes(old)
+        assert sorted(keys(folder)) == [1, 2, 3]
+    (tmp_path / "s" / ".part-left").write_bytes(b"half")
+    with Folder(tmp_path / "s") as folder:
+        assert sorted(keys(folder)) == [1, 2, 3] and not (tmp_path / "s" / ".part-left").exists()
+
+
+def test_a_second_sweep_is_refused_and_says_who_is_first(tmp_path: Path) -> None:
+    import os
+
+    with Folder(tmp_path / "s"):
+        with pytest.raises(SweepError, match=f"process {os.getpid()} on .* one sweep at a time"):
+            Folder(tmp_path / "s").__enter__()
+        program = f"from cmrc.sweeps.store import Folder\nFolder({str(tmp_path / 's')!r}).__enter__()"
+        done = subprocess.run(
+            [sys.executable, "-c", program],
+            env={**os.environ, "PYTHONPATH": str(BUILD / "python")},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 1 and "one sweep at a time" in done.stderr
+    with Folder(tmp_path / "s"):
+        pass
+
+
+def test_other_folders_are_refused_by_name(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("x")
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "thesis.tex").write_text("x")
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old" / store.HEAD).write_text(json.dumps({"format": 0, "cmrc": "0.0.9"}))
+    (tmp_path / "bad").mkdir()
+    (tmp_path / "bad" / store.HEAD).write_text("{")
+    for name, says in (
+        ("file", "is a file"),
+        ("full", "no folder of a sweep"),
+        ("bad", "cannot be read"),
+        ("old", "written by cmrc 0.0.9 in format 0; cmrc .* reads format 1"),
+    ):
+        with pytest.raises(SweepError, match=f"{name}.*{says}"):
+            Folder(tmp_path / name).__enter__()
+    assert (tmp_path / "full" / "thesis.tex").read_text() == "x" and len(list((tmp_path / "full").iterdir())) == 1
+
+
+def test_a_damaged_part_is_named(tmp_path: Path) -> None:
+    with Folder(tmp_path / "s") as folder:
+        folder.write([row(1)])
+        folder.parts()[0].write_bytes(folder.parts()[0].read_bytes()[:-20])
+        with pytest.raises(SweepError, match=r"part-000001.parquet: cannot be read"):
+            keys(folder)
+
+
+FULL = """
+import resource, signal, sys
+from pathlib import Path
+sys.path.insert(0, {tests!r})
+from test_sweep_folder import row, keys
+from cmrc.sweeps.store import Folder
+from cmrc.sweeps import SweepError
+signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+with Folder({path!r}) as folder:
+    folder.write([row(1)])
+    resource.setrlimit(resource.RLIMIT_FSIZE, (2000, resource.RLIM_INFINITY))
+    try:
+        folder.write([row(n, message="x" * 50 + str(n) * 40) for n in range(2, 2000)])
+    except SweepError as error:
+        print(error)
+    print(keys(folder), sorted(p.name for p in Path({path!r}).iterdir()))
+"""
+
+
+def test_a_full_disk_is_an_error_and_loses_nothing(tmp_path: Path) -> None:
+    """A limit on the size of files stands for the disk: the write fails half-way."""
+    program = FULL.format(tests=str(Path(__file__).parent), path=str(tmp_path / "s"))
+    import os
+
+    path = os.pathsep.join([str(BUILD / "python"), str(Path(__file__).parents[1])])
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    said, after = done.stdout.splitlines()
+    assert "part-000002.parquet: cannot be written" in said and "goes on from them" in said
+    assert after == "[1] ['lock', 'part-000001.parquet', 'sweep.json']"
+
+
+def test_a_folder_that_is_compacted_while_it_is_read_loses_no_row(tmp_path: Path) -> None:
+    with Folder(tmp_path / "s") as folder:
+        for number in range(1, 5):
+            folder.write([row(number)])
+        reader = Folder(tmp_path / "s").rows(())
+        assert int(next(reader)["key"]) == 1
+        folder.compact()
+        assert [int(found["key"]) for found in reader] == [2, 3, 4]

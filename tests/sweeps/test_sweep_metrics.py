@@ -1,0 +1,51 @@
+"""Metrics by name, and what repeats say of them."""
+
+import math
+from typing import Any
+
+import pytest
+from cmrc.sweeps import metrics
+
+REPORT: dict[str, Any] = {
+    "tasks": {"pid": {"misses": 3, "response_ps": {"p99": 5, "count": 2, "worst": 7_000_000}},
+              "home.crane": {"misses": 0, "response_ps": {"p99": None, "count": 0, "worst": None}}},
+    "rates": None, "errors": {"load_m": {"rms": 0.5}}, "dsps": [{"cycles": 10}, {"cycles": 20}],
+}  # fmt: skip
+
+
+def test_places_and_short_names() -> None:
+    assert metrics.value(REPORT, "tasks.pid.response_ps.p99") == 5
+    assert metrics.value(REPORT, "dsps[1].cycles") == 20
+    assert metrics.value(REPORT, "misses") == 3 and metrics.value(REPORT, "any_miss") is True
+    assert metrics.value(REPORT, "load_rms") == 0.5 and metrics.value(REPORT, "worst_response_us") == 7.0
+    assert math.isnan(metrics.value(REPORT, "tasks.home.crane.response_ps.p99"))
+    assert math.isnan(metrics.value(REPORT, "rates.f_p.missed_share"))
+    assert metrics.value(REPORT, lambda report: len(report["dsps"])) == 2
+    for bad in ("tasks.pidd.misses", "dsps[2].cycles", "dsps.cycles", "tasks", ""):
+        with pytest.raises(KeyError):
+            metrics.value(REPORT, bad)
+
+
+def test_nothing_random_has_no_interval() -> None:
+    found = metrics.spread([2.0, 2.0, 2.0])
+    assert (found.n, found.mean, found.varies) == (3, 2.0, False) and math.isnan(found.low)
+    assert str(found) == "2"
+    assert metrics.spread([math.nan]).n == 0 and str(metrics.spread([])) == "–"
+
+
+def test_shares_have_wilsons_interval() -> None:
+    # Wilson 1927 of 1 in 10 at 95 %: 0.0179 to 0.4042 (Newcombe 1998, table I gives these for r = 1, n = 10).
+    found = metrics.spread([True] + [False] * 9)
+    assert (
+        found.mean == 0.1
+        and found.low == pytest.approx(0.0179, abs=2e-4)
+        and found.high == pytest.approx(0.4042, abs=2e-4)
+    )
+
+
+def test_the_bootstrap_is_seeded_and_holds_the_mean() -> None:
+    values = [1.0, 2.0, 3.0, 10.0]
+    found = metrics.spread(values)
+    assert found == metrics.spread(values) and found.low < found.mean == 4.0 < found.high
+    assert found.n == 4 and found.varies
+    assert metrics.spread([*values, math.nan]) == found

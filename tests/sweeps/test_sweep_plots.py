@@ -1,0 +1,160 @@
+"""Plots of results and sweeps: what is drawn is what the data say, with units, legends outside."""
+
+import itertools
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import cmrc
+import numpy as np
+import pytest
+from cmrc.sweeps import Sweep, store
+from cmrc.sweeps.identity import build
+from cmrc.sweeps.store import Folder
+
+pytest.importorskip("matplotlib")
+pytest.importorskip("pyarrow")
+from cmrc import plot
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+
+@pytest.fixture(scope="module")
+def result() -> cmrc.Result:
+    return cmrc.run(dsps=1, duration_s=0.04, keep_events=True)
+
+
+def axes() -> Axes:
+    return Figure(figsize=(6, 4), layout="constrained").subplots()
+
+
+def row(n: int, place: dict[str, Any], seed: int, misses: int | None) -> dict[str, Any]:
+    report = {
+        "tasks": {"pid": {"misses": misses}},
+        "rates": {"f_p": {"missed_share": (misses or 0) / 100}},
+        "errors": {"load_m": {"rms": (misses or 0) * 1e-6}},
+    }
+    done = misses is not None
+    return {
+        "key": f"{n:064}",
+        "status": store.DONE if done else store.REFUSED,
+        "message": "" if done else "no",
+        "seed": seed,
+        "place": json.dumps(place),
+        "settings": "{}",
+        "hash": "",
+        "build": build(),
+        "emulator_version": "0",
+        "elapsed_s": 1.0,
+        "host": "",
+        "report": store.packed(report) if done else None,
+    }
+
+
+@pytest.fixture(scope="module")
+def sweep(tmp_path_factory: pytest.TempPathFactory) -> Sweep:
+    path = tmp_path_factory.mktemp("plots") / "s"
+    rows, n = [], 0
+    for dsps in (4, 2, 3):
+        for phase in ("together", "staggered"):
+            for seed in (1, 2):
+                misses = (
+                    None if (dsps, phase) == (3, "together") else 10 * (5 - dsps) + (seed if phase == "together" else 0)
+                )
+                rows.append(row(n, {"machine.dsps": dsps, "scheduling.agv_phase": phase}, seed, misses))
+                n += 1
+    with Folder(path) as folder:
+        folder.write(rows)
+    return Sweep(path)
+
+
+def test_a_grid_is_drawn_in_order_with_gaps_and_intervals(sweep: Sweep) -> None:
+    drawn = axes()
+    plot.grid(sweep, drawn, x="dsps")
+    staggered, together = drawn.containers
+    assert [c.get_label() for c in (staggered, together)] == ["agv_phase = staggered", "agv_phase = together"]
+    assert list(staggered.lines[0].get_xdata()) == [2, 3, 4] and list(staggered.lines[0].get_ydata()) == [30, 20, 10]
+    found = together.lines[0].get_ydata()
+    assert found[0] == 31.5 and math.isnan(found[1]) and found[2] == 11.5
+    bars = together.lines[2][0].get_segments()
+    assert bars[0][0][1] == 31 and bars[0][1][1] == 32  # of two values the bootstrap reaches from one to the other
+    assert (drawn.get_xlabel(), drawn.get_ylabel()) == ("machine.dsps", "misses, jobs") and "95 %" in drawn.get_title()
+    by_words = axes()
+    plot.grid(sweep, by_words, x="agv_phase", lines="dsps")
+    assert [tick.get_text() for tick in by_words.get_xticklabels()] == ["staggered", "together"]
+    with pytest.raises(ValueError, match="is no axis of the sweep"):
+        plot.grid(sweep, axes(), x="seed")
+
+
+def test_lines_of_a_legend_can_be_told_apart_in_grey() -> None:
+    from cmrc.result_plots import MARKS, style
+
+    looks = [(tuple(style(n).values()), MARKS[n % len(MARKS)]) for n in range(16)]
+    assert len(set(looks)) == 16
+    dashes = [style(n)["linestyle"] for n in range(8)]
+    assert all(one != other for one, other in itertools.pairwise(dashes))
+
+
+def test_no_legend_covers_anything(result: cmrc.Result, sweep: Sweep) -> None:
+    for draw in (
+        lambda a: plot.grid(sweep, a, x="dsps"),
+        lambda a: plot.cdf(result, a),
+        lambda a: plot.misses(result, a),
+        lambda a: plot.load_error(result, a),
+        lambda a: plot.gantt(result, a, 0.02, 0.024),
+        lambda a: plot.cost(sweep, a),
+    ):
+        drawn = axes()
+        draw(drawn)
+        drawn.figure.canvas.draw()  # type: ignore[union-attr]
+        legend = drawn.get_legend()
+        assert legend is not None and legend.get_window_extent().x0 >= drawn.get_window_extent().x1 - 1
+        assert drawn.get_xlabel()
+
+
+def test_the_cost_of_misses_is_a_point_per_run(sweep: Sweep) -> None:
+    drawn = axes()
+    plot.cost(sweep, drawn)
+    points = sorted((x, y) for line in drawn.lines for x, y in zip(line.get_xdata(), line.get_ydata(), strict=True))
+    assert (
+        len(points) == 10 and points[0] == (0.10, pytest.approx(10e-6)) and points[-1] == (0.32, pytest.approx(32e-6))
+    )
+    assert drawn.get_xlabel() == "f_p_missed, share" and drawn.get_ylabel() == "load_rms, m"
+
+
+def test_a_gantt_chart_has_the_blocks_of_the_trace(result: cmrc.Result) -> None:
+    from cmrc.result_plots import runs
+
+    blocks = list(runs(result.events or ""))
+    tasks = result.report["tasks"]
+    ended = {kind: sum(block[1] == kind for block in blocks) for kind in tasks}
+    running = sum(task["unfinished"] for task in tasks.values())
+    assert sum(ended.values()) == sum(task["execution_ps"]["count"] for task in tasks.values()) + running
+    identify = next(block for block in blocks if block[1] == "identify")
+    assert identify[3] - identify[2] == pytest.approx(tasks["identify"]["execution_ps"]["mean"] * 1e-12, rel=0.01)
+    with pytest.raises(ValueError, match="no window"):
+        plot.gantt(result, axes(), 0.02, 0.02)
+    quiet = cmrc.Result(result.report, result.text, result.signals)
+    with pytest.raises(ValueError, match="keep_events=True"):
+        plot.gantt(quiet, axes(), 0.02, 0.03)
+
+
+def test_cumulated_response_times_hold_the_percentiles(result: cmrc.Result) -> None:
+    drawn = axes()
+    plot.cdf(result, drawn)
+    pid = next(line for line in drawn.lines if line.get_label() == "pid")
+    x, y = np.asarray(pid.get_xdata(), dtype=float), np.asarray(pid.get_ydata(), dtype=float)
+    response = result.report["tasks"]["pid"]["response_ps"]
+    assert (
+        x[0] == pytest.approx(response["best"] / 1e6)
+        and x[-1] == pytest.approx(response["worst"] / 1e6)
+        and y[-1] == 100
+    )
+    assert np.all(np.diff(y) >= 0) and y[np.argmin(abs(x - response["p50"] / 1e6))] == pytest.approx(50, abs=2)
+
+
+def test_the_sheet_is_drawn_also_of_a_run_without_a_reference(result: cmrc.Result, tmp_path: Path) -> None:
+    result.plot().savefig(tmp_path / "a.png", dpi=40)
+    cmrc.run(dsps=1, duration_s=0.03, settings={"report.reference": "none"}).plot().savefig(tmp_path / "b.png", dpi=40)
+    assert (tmp_path / "a.png").stat().st_size > 5000 < (tmp_path / "b.png").stat().st_size
