@@ -37,6 +37,7 @@ struct RunOptions {
   std::vector<std::string> settings;  ///< KEY=VALUE
   std::optional<std::string> report;
   std::optional<std::string> trace;
+  std::optional<std::string> page;
   std::optional<std::string> profile;        ///< file, or empty: on the terminal
   std::optional<std::string> trace_window;   ///< A:B in seconds
   std::vector<unsigned> trace_instructions;  ///< slots whose instructions are traced too

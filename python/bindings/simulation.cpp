@@ -13,6 +13,8 @@
 #include "cmrc/measures.hpp"
 #include "cmrc/simulation.hpp"
 #include "machine/machine.hpp"
+#include "page/html.hpp"
+#include "page/recorder.hpp"
 #include "plant/dock.hpp"
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/cmrc.hpp"
@@ -113,6 +115,25 @@ class Run {
     });
   }
 
+  /// From now on what a page needs is kept.
+  void record() {
+    user_.changes("record");
+    if (recorder_) throw std::runtime_error("record: this run is recorded already");
+    if (run_.ended()) throw std::runtime_error("record: the run is over");
+    recorder_ = std::make_unique<page::Recorder>(run_);
+  }
+  std::string page(const std::string& title) {
+    if (!recorder_)
+      throw std::runtime_error("page: nothing of this run was recorded; Simulation.record comes before the run");
+    user_.changes("page");
+    if (!run_.ended()) throw std::runtime_error("page: the run is not over");
+    if (recording_.empty()) {
+      const OneUser::Long use(user_, "page", true);
+      recording_ = interruptible_without_gil([&] { return recorder_->recording(run_.report(), title); });
+    }
+    return page::html(recording_, title);
+  }
+
   /// What may have to wait for the ideal run, which other threads and Ctrl-C need not.
   template <class Work>
   auto waiting(const char* call, Work work) {
@@ -124,6 +145,8 @@ class Run {
   std::unique_ptr<cmrc::Simulation> simulation_;
   cmrc::Simulation& run_ = *simulation_;
   OneUser user_{"Simulation"};
+  std::unique_ptr<page::Recorder> recorder_;
+  std::string recording_;  // once it is made
 };
 
 /// The plant's time series, one array per signal, units in the names; where the ideal run is there (or null), each
@@ -241,6 +264,10 @@ void bind_simulation(py::module_& m) {
            "Runs to the end; on_progress(simulated_s, duration_s) may return False to stop. Ctrl-C stops cleanly and "
            "raises KeyboardInterrupt.")
       .def("run_until", &Run::run_until, py::arg("time_s"))
+      .def("record", &Run::record, "Keeps from now on what a page shows.")
+      .def(
+          "page", [](Run& r, const std::string& title) { return py::bytes(r.page(title)); }, py::arg("title"),
+          "The page of a run that is over, as UTF-8.")
       .def("debug",
            [](const std::shared_ptr<Run>& run) {
              return std::make_unique<PythonDebugger>(run, std::make_unique<cmrc::DockDebuggee>(run->change("debug")));
