@@ -18,7 +18,7 @@ class Columns;
 using report::Time;
 
 /// Lanes are told in these.
-inline constexpr Time lane_tick = std::chrono::nanoseconds{100};
+inline constexpr Time lane_tick = std::chrono::nanoseconds{1};
 /// Stretches of DSPs that are kept; of what comes later the page says that it has no lanes.
 inline constexpr std::size_t stretches_max = 6'000'000;
 

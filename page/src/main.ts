@@ -69,7 +69,7 @@ class Page {
 
   private describe(): void {
     const { header, report } = this.recording;
-    the("title").textContent = header.title;
+    the("title").textContent = words.plain(header.title);
     const misses = this.lanes.misses.run.length;
     const facts = the("facts");
     facts.textContent = "";
@@ -236,7 +236,10 @@ class Page {
     this.dock?.invalidate();
     if (part === "view") this.plots.invalidate();
     if (part === "view" || part === "miss") this.lanes.invalidate();
-    if (part === "miss") this.miss.show();
+    if (part === "miss") {
+      this.miss.show();
+      this.resize();
+    }
     if (part === "playing") the("play").textContent = state.playing ? "❚❚" : "▶";
     if (part === "speed") the<HTMLSelectElement>("speed").value = String(state.speed);
     if (part === "options") for (const option of ["rays", "ghost", "path"] as const) the<HTMLInputElement>(option).checked = state.options[option];
@@ -300,6 +303,35 @@ class Page {
     } catch {
       // A browser may forbid it to a page from a file.
     }
+  }
+
+  // ---- for tests and the curious
+
+  /** Where an instant of a lane's row is on the screen. */
+  placeOf(row: string, time: number): [number, number] {
+    return this.lanes.placeOf(row, time);
+  }
+
+  missName(): string | null {
+    return this.state.miss >= 0 ? this.miss.id(this.state.miss) : null;
+  }
+
+  eye(): number[] {
+    return this.dock?.eye ?? [];
+  }
+
+  explainDock(x: number, y: number): string[] | null {
+    return this.dock?.explain(x, y) ?? null;
+  }
+
+  /** Colours of the dock's picture at shares of its width and height. */
+  sample(places: [number, number][]): number[][] {
+    const picture = this.dock?.picture();
+    if (!picture) return [];
+    const copy = Object.assign(document.createElement("canvas"), { width: picture.width, height: picture.height });
+    const context = copy.getContext("2d")!;
+    context.drawImage(picture, 0, 0);
+    return places.map(([x, y]) => [...context.getImageData(Math.floor(x * picture.width), Math.floor(y * picture.height), 1, 1).data]);
   }
 
   get resolution(): number {

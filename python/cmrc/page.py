@@ -34,7 +34,10 @@ class PageError(ValueError):
 
 def _inflated(data: bytes) -> bytes:
     inflater = zlib.decompressobj(-15)
-    out = inflater.decompress(data) + inflater.flush()
+    try:
+        out = inflater.decompress(data) + inflater.flush()
+    except zlib.error as error:
+        raise PageError(f"the recording is damaged: {error}") from None
     if not inflater.eof:
         raise PageError("the recording is damaged: a column ends too early")
     return out
@@ -93,7 +96,7 @@ class Recording:
             raise PageError(f"{name} is no page of this emulator (cmrc page CONFIG.toml writes one)")
         try:
             return cls(base64.b64decode(found[1], validate=True))
-        except (PageError, binascii.Error, struct.error, KeyError, zlib.error) as error:
+        except (PageError, binascii.Error, struct.error, KeyError) as error:
             raise PageError(f"{name}: {error}") from None
 
     def names(self) -> list[str]:

@@ -66,7 +66,7 @@ export interface Report {
   misses: Miss[];
   misses_left_out: number;
   tasks: Record<string, { released: number; misses: number; on_time: number }>;
-  buses: { name: string; clock_hz: number }[];
+  buses: Record<string, unknown>;
   timed_events: { time_s: number; what: string }[];
   failures: { time_s: number; dsp: number | null; kind: string; message: string }[];
   errors: null | { load_m: { rms: number; peak: number; end: number } };
@@ -197,7 +197,7 @@ async function lanesOf(columns: Columns, header: Header): Promise<{ lanes: Lane[
 
 async function busesOf(columns: Columns, report: Report): Promise<Bus[]> {
   const buses: Bus[] = [];
-  for (const { name } of report.buses) {
+  for (const name of Object.keys(report.buses)) {
     const prefix = `bus.${name}.`;
     const masters = columns.names().filter((column) => column.startsWith(prefix) && !column.endsWith(".refused"));
     if (!masters.length) continue;

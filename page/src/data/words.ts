@@ -2,12 +2,17 @@
 import { ENDS, OUTCOMES, type Header, type Runs } from "./recording";
 import { ASLEEP, AWAKE, FAILED, OFF } from "./lanes";
 
+/** Text without what controls a terminal or a line. */
+export function plain(text: string): string {
+  return text.replace(/[\u0000-\u001f\u007f-\u009f\u2028\u2029]/g, " ");
+}
+
 /** A time with the unit that suits it. */
 export function time(seconds: number): string {
   const size = Math.abs(seconds);
   if (size === 0) return "0";
   if (size < 1e-6) return `${(seconds * 1e9).toFixed(0)} ns`;
-  if (size < 1e-3) return `${(seconds * 1e6).toFixed(size < 1e-4 ? 2 : 1)} µs`;
+  if (size < 1e-3) return `${(seconds * 1e6).toFixed(2)} µs`;
   if (size < 1) return `${(seconds * 1e3).toFixed(size < 0.1 ? 3 : 1)} ms`;
   return `${seconds.toFixed(3)} s`;
 }

@@ -203,7 +203,7 @@ export class LanePainter {
   }
 
   /** How much of a bus each master uses, stacked; what is left is free. */
-  bus(context: Context, place: Place, view: Stretch, bus: Bus, slice: number, begin: number, colours: string[]): void {
+  bus(context: Context, place: Place, view: Stretch, bus: Bus, slice: number, begin: number, colours: string[], full: number): void {
     const count = bus.refused.length;
     const scale = place.width / (view.to - view.from), wide = slice * scale;
     const first = Math.max(0, Math.floor((view.from - begin) / slice)), last = Math.min(count - 1, Math.floor((view.to - begin) / slice));
@@ -217,7 +217,7 @@ export class LanePainter {
       bus.masters.forEach((master, m) => {
         let held = 0;
         for (let k = Math.max(0, i); k < Math.min(count, i + together); ++k) held += master.held[k];
-        const high = (place.height * held) / (1000 * together);
+        const high = Math.min(y - place.top, (place.height * held) / (10 * full * together));
         if (high <= 0) return;
         context.fillStyle = colours[m];
         context.fillRect(left, y - high, Math.max(1, right - left), high);
@@ -225,6 +225,13 @@ export class LanePainter {
       });
     }
   }
+}
+
+/** What the height of a bus's row stands for, in percent: the least round number that holds its busiest slice. */
+export function fullScale(bus: Bus): number {
+  let most = 0;
+  for (let i = 0; i < bus.refused.length; ++i) most = Math.max(most, bus.masters.reduce((sum, master) => sum + master.held[i], 0) / 10);
+  return [5, 10, 20, 50].find((scale) => most <= scale) ?? 100;
 }
 
 /** The host in one colour, DSPs in others that tell neighbours apart. */

@@ -7,7 +7,7 @@ import { GROUPS, groupsOf, OKABE_ITO, type Theme } from "../ui/colours";
 import type { Moment } from "../ui/events";
 import type { State } from "../ui/state";
 import { baseOf, label, marks, stepFor } from "./axis";
-import { LanePainter, masterColours, type Place } from "./paint";
+import { fullScale, LanePainter, masterColours, type Place } from "./paint";
 
 interface Row {
   name: string;
@@ -17,7 +17,7 @@ interface Row {
   choose?(time: number, reach: number): number; // run of a miss there, or -1
 }
 
-const GAP = 3, AXIS = 22;
+const GAP = 2, AXIS = 22;
 
 export class LanePanel {
   readonly canvas = document.createElement("canvas");
@@ -53,7 +53,7 @@ export class LanePanel {
     for (const lane of this.lanes) this.rows.push(this.dspRow(lane, high));
     for (const jobs of this.jobs) {
       this.rows.push({
-        name: jobs.name.replaceAll("_", " "), height: 13,
+        name: jobs.name.replaceAll("_", " "), height: 12,
         paint: (context, place, dots) => this.painter.deadlines(context, place, this.state, jobs, runs, dots),
         explain: (time, reach) => this.explainDeadline(jobs, time, reach),
         choose: (time, reach) => this.missNear(jobs, time, reach),
@@ -61,8 +61,8 @@ export class LanePanel {
     }
     for (const bus of buses) {
       this.rows.push({
-        name: `bus ${bus.name}`, height: 22,
-        paint: (context, place) => this.painter.bus(context, place, this.state, bus, header.bus_slice_s, header.from_s, masterColours(bus, this.theme)),
+        name: `bus ${bus.name} to ${fullScale(bus)} %`, height: 20,
+        paint: (context, place) => this.painter.bus(context, place, this.state, bus, header.bus_slice_s, header.from_s, masterColours(bus, this.theme), fullScale(bus)),
         explain: (time) => {
           const i = Math.floor((time - header.from_s) / header.bus_slice_s);
           if (!(i >= 0 && i < bus.refused.length)) return null;
@@ -206,6 +206,16 @@ export class LanePanel {
       y -= row.height + GAP;
     }
     return null;
+  }
+
+  placeOf(name: string, time: number): [number, number] {
+    const rect = this.canvas.getBoundingClientRect();
+    let y = rect.top + AXIS;
+    for (const row of this.rows) {
+      if (row.name === name) return [rect.left + this.left + ((time - this.state.from) / (this.state.to - this.state.from)) * this.width, y + row.height / 2];
+      y += row.height + GAP;
+    }
+    throw new Error(`there is no row ${name}`);
   }
 
   /** Seconds that half a finger's or pointer's width covers. */

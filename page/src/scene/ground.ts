@@ -5,13 +5,20 @@ import type { Theme } from "../ui/colours";
 import type { Samples } from "./samples";
 import { box, boxOf, edges, paint } from "./shapes";
 
-function ribbon(points: [number, number][], width: number, z: number, material: THREE.Material): THREE.Mesh {
+const FAR = 700; // m of quay and water beyond what stands there
+
+/** What lies flat is drawn over the ground and under all that stands on it, in its order, whatever the depth's fineness. */
+function onGround(colour: string): THREE.MeshBasicMaterial {
+  return new THREE.MeshBasicMaterial({ color: colour, side: THREE.DoubleSide, depthTest: false, depthWrite: false });
+}
+
+function ribbon(points: [number, number][], width: number, material: THREE.Material): THREE.Mesh {
   const at: number[] = [], index: number[] = [];
   points.forEach(([x, y], i) => {
     const a = points[Math.max(0, i - 1)], b = points[Math.min(points.length - 1, i + 1)];
     const length = Math.hypot(b[0] - a[0], b[1] - a[1]) || 1;
     const nx = (-(b[1] - a[1]) / length) * (width / 2), ny = ((b[0] - a[0]) / length) * (width / 2);
-    at.push(x + nx, y + ny, z, x - nx, y - ny, z);
+    at.push(x + nx, y + ny, 0, x - nx, y - ny, 0);
     if (i + 1 < points.length) index.push(2 * i, 2 * i + 1, 2 * i + 2, 2 * i + 1, 2 * i + 3, 2 * i + 2);
   });
   const geometry = new THREE.BufferGeometry();
@@ -42,31 +49,29 @@ export class Ground extends THREE.Group {
     super();
     const { ship, lanes, crane } = layout;
     this.extent = [Math.min(-40, ...lanes.map((s) => s[0] - 20)), Math.max(60, ...lanes.map((s) => s[0] + 20))];
-    const [x0, x1] = [this.extent[0] - 60, this.extent[1] + 60];
-    const edge = ship[2] - 1, land = Math.min(layout.warehouse[1], ...lanes.map((s) => s[1])) - 40;
+    const [x0, x1] = [this.extent[0] - FAR, this.extent[1] + FAR]; // the fog ends them
+    const edge = ship[2] - 1, land = Math.min(layout.warehouse[1], ...lanes.map((s) => s[1])) - FAR;
     this.quay = new THREE.MeshBasicMaterial({ color: theme.ground });
     this.water = new THREE.MeshBasicMaterial({ color: theme.water });
     const flat = (ya: number, yb: number, z: number, material: THREE.Material): void => {
       const mesh = new THREE.Mesh(new THREE.PlaneGeometry(x1 - x0, yb - ya), material);
       mesh.position.set((x0 + x1) / 2, (ya + yb) / 2, z);
+      mesh.renderOrder = -2;
       this.add(mesh);
     };
     flat(land, edge, 0, this.quay);
-    flat(edge, ship[3] + 90, -2.5, this.water);
+    flat(edge, ship[3] + FAR, -2.5, this.water);
     const wall = box(x1 - x0, 0.6, 2.6, paint("#8d8d86"), true);
     wall.position.set((x0 + x1) / 2, edge, -2.61);
     this.add(wall);
-    const markings = new THREE.MeshBasicMaterial({ color: "#f4f4ee", side: THREE.DoubleSide });
-    const asphalt = new THREE.MeshBasicMaterial({ color: "#8f9290", side: THREE.DoubleSide });
-    for (const lane of lanes) {
-      this.add(ribbon(curve(lane), layout.agv.width + 1.6, 0.03, asphalt));
-      this.add(ribbon(curve(lane), 0.25, 0.08, markings));
-    }
-    for (const y of crane.portal.rails) this.add(ribbon([[x0, y], [x1, y]], 0.35, 0.06, new THREE.MeshBasicMaterial({ color: "#5f6266", side: THREE.DoubleSide })));
+    const markings = onGround("#f4f4ee"), asphalt = onGround("#8f9290");
+    for (const lane of lanes) this.lay(ribbon(curve(lane), layout.agv.width + 1.6, asphalt));
+    for (const lane of lanes) this.lay(ribbon(curve(lane), 0.25, markings));
+    for (const y of crane.portal.rails) this.lay(ribbon([[x0, y], [x1, y]], 0.35, onGround("#5f6266")));
     const [wx, wy, radius] = layout.warehouse;
-    const circle = new THREE.Mesh(new THREE.CircleGeometry(radius + 1, 32), new THREE.MeshBasicMaterial({ color: "#e3cf8f" }));
-    circle.position.set(wx, wy, 0.11);
-    this.add(circle);
+    const circle = new THREE.Mesh(new THREE.CircleGeometry(radius + 1, 32), onGround("#e3cf8f"));
+    circle.position.set(wx, wy, 0);
+    this.lay(circle);
     const grey = paint("#9aa2aa");
     for (const b of layout.boxes) {
       const mesh = boxOf(b, grey);
@@ -85,6 +90,12 @@ export class Ground extends THREE.Group {
     this.ship.add(hull);
     this.add(this.ship);
     this.ship.position.copy(this.middle);
+  }
+
+  private flat = -1;
+  private lay(mesh: THREE.Mesh): void {
+    mesh.renderOrder = this.flat += 1e-3;
+    this.add(mesh);
   }
 
   /** A place on the ship in calm water, as the ship's own. */

@@ -97,8 +97,8 @@ export class DockView {
   private firstView(): { eye: THREE.Vector3; target: THREE.Vector3 } {
     const { layout } = this.recording.header;
     const back = Math.min(-30, ...Array.from({ length: layout.agv.count }, (_, i) => this.samples.column(`agv${i}_x_m`)![0] - 8));
-    const far = 112 - 0.55 * (back + 30), turn = -2.2, lift = 0.42;
-    const target = new THREE.Vector3(6 + 0.4 * (back + 30), 4, 12);
+    const far = 98 - 0.5 * (back + 30), turn = -2.5, lift = 0.34;
+    const target = new THREE.Vector3(4 + 0.35 * (back + 30), 6, 17);
     const eye = new THREE.Vector3(Math.cos(turn) * Math.cos(lift), Math.sin(turn) * Math.cos(lift), Math.sin(lift)).multiplyScalar(far).add(target);
     return { eye, target };
   }
@@ -150,7 +150,7 @@ export class DockView {
 
   dress(theme: Theme): void {
     this.scene.background = new THREE.Color(theme.sky);
-    this.scene.fog = new THREE.Fog(theme.sky, 260, 620);
+    this.scene.fog = new THREE.Fog(theme.sky, 180, 620);
     this.ground.dress(theme);
     this.dirty = true;
   }
@@ -207,6 +207,10 @@ export class DockView {
     this.renderer.render(this.scene, this.camera);
     this.dirty = false;
     return true;
+  }
+
+  get eye(): number[] {
+    return this.camera.position.toArray();
   }
 
   /** What is under the pointer, in words. */

@@ -53,7 +53,9 @@ export function listen(element: HTMLElement, target: Target): void {
   };
   element.addEventListener("pointerup", up);
   element.addEventListener("pointercancel", up);
-  element.addEventListener("pointerleave", () => target.leave());
+  element.addEventListener("pointerleave", (event) => {
+    if (event.pointerType !== "touch") target.leave(); // what a finger has asked for stays
+  });
   element.addEventListener("dblclick", () => target.whole());
 }
 

@@ -36,6 +36,7 @@ export class MissPanel {
   show(): void {
     const { miss } = this.state;
     this.host.hidden = miss < 0;
+    document.body.classList.toggle("aside", miss >= 0);
     this.host.replaceChildren();
     if (miss < 0) return;
     const { header, runs, report } = this.recording;
@@ -54,10 +55,10 @@ export class MissPanel {
 
   private chain(chain: Miss): void {
     const late = chain.lateness_ps;
-    this.host.append(element("h3", late === null ? "Where its time went" : `Why it was ${words.time(late * PS)} late`));
+    this.host.append(element("h3", late === null || late <= 0 ? "Where its time went" : `Why it was ${words.time(late * PS)} late`));
     const parts = Object.entries(chain.parts_ps).sort((a, b) => Math.abs(b[1]) - Math.abs(a[1]));
     const most = Math.max(1, ...parts.map(([, ps]) => Math.abs(ps)));
-    const table = element("div", "", "chain");
+    const table = element("div", "", "chain"), small = element("div", "", "chain");
     for (const [name, ps] of parts) {
       const row = element("div", "", ps < 0 ? "part less" : "part");
       row.append(element("span", `${ps < 0 ? "−" : "+"}${words.time(Math.abs(ps) * PS)}`, "amount"));
@@ -66,13 +67,20 @@ export class MissPanel {
       const cell = element("span", "", "track");
       cell.append(bar);
       row.append(cell, element("span", words.part(name), "says"));
-      table.append(row);
+      (Math.abs(ps) < most / 100 ? small : table).append(row);
     }
-    if (late !== null) {
-      const sum = element("div", "", "part sum");
+    const sum = late !== null && late > 0 ? element("div", "", "part sum") : null;
+    if (sum && late !== null) {
       sum.append(element("span", `=${words.time(late * PS)}`, "amount"), element("span", "", "track"), element("span", "late; the parts add up to the picosecond", "says"));
-      table.append(sum);
     }
+    if (small.childElementCount > 2) {
+      const more = document.createElement("details");
+      more.append(element("summary", `${small.childElementCount} parts of less than a hundredth of the largest`), small);
+      table.append(more);
+    } else {
+      table.append(...small.childNodes);
+    }
+    if (sum) table.append(sum);
     this.host.append(table);
     if (chain.unavoidable_ps !== null && chain.unavoidable_ps !== undefined) this.jump("It could not be avoided any more from", chain.unavoidable_ps);
     if (chain.previous !== undefined && chain.previous !== null) this.host.append(element("p", `The job still out was number ${chain.previous}.`));

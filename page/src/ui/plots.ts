@@ -12,7 +12,13 @@ interface Plot {
   host: HTMLElement;
 }
 
-const HEIGHT = 92;
+const HEIGHT = 74;
+
+/** A scale that shows noise as what it is: never finer than a tenth. */
+function roomFor(low: number | null, high: number | null): [number, number] {
+  const a = Math.min(0, low ?? 0), b = Math.max(0, high ?? 0), room = Math.max(0.1, b - a) * 0.08;
+  return [a < 0 ? a - room : 0, Math.max(b + room, a + 0.1)];
+}
 
 export class Plots {
   private readonly plots: Plot[] = [];
@@ -49,7 +55,7 @@ export class Plots {
     const options: uPlot.Options = {
       width: Math.max(60, this.host.clientWidth), height: HEIGHT, padding: [8, 10, 4, 0],
       legend: { show: false }, cursor: { show: false }, select: { show: false, left: 0, top: 0, width: 0, height: 0 },
-      scales: { x: { time: false, range: () => [this.state.from, this.state.to] } },
+      scales: { x: { time: false, range: () => [this.state.from, this.state.to] }, y: { range: (_, low, high) => roomFor(low, high) } },
       axes: [
         { ...axis, size: 4, values: (_, splits) => splits.map(() => ""), splits: (u) => marks(this.state.from, this.state.to, stepFor(this.state.to - this.state.from, u.width / 95)) },
         { ...axis, size: this.left, splits: undefined },
