@@ -14,7 +14,7 @@
 namespace page {
 namespace {
 
-constexpr double metres = 1e-4, radians = 1e-5, errors = 1e-6, newtons = 100, speeds = 1e-3, directions = 1e-4;
+constexpr double metres = 1e-4, radians = 1e-5, errors = 1e-9, newtons = 100, speeds = 1e-3, directions = 1e-4;
 constexpr Time finest = std::chrono::milliseconds{10};
 constexpr std::array<const char*, 3> axes = {"x", "y", "z"};
 
@@ -202,9 +202,7 @@ void PlantSamples::put(Columns& columns, nlohmann::json& header, const cmrc::Ref
 // The ghost stands where the ideal run's load was, told from this run's load: mostly small numbers.
 void PlantSamples::put_ideal(Columns& columns, nlohmann::json& header, const cmrc::Reference& reference) const {
   const cmrc::Course &run = simulation_.course(), &ideal = reference.course;
-  const auto difference = [&](Time time, std::size_t column) {
-    return ideal.at(time)[column] - run.at(time)[column];
-  };
+  const auto difference = [&](Time time, std::size_t column) { return ideal.at(time)[column] - run.at(time)[column]; };
   const auto distance = [&](Time time) {
     const auto away = [&](std::size_t axis) { return difference(time, cmrc::load_column + axis); };
     return std::hypot(away(0), away(1), away(2));
@@ -220,7 +218,8 @@ void PlantSamples::put_ideal(Columns& columns, nlohmann::json& header, const cmr
       largest = std::max(largest, distance(at));
     error.push_back(largest);
     for (std::size_t axis = 0; axis < 3; ++axis) ghost[axis].push_back(difference(until, cmrc::load_column + axis));
-    constexpr auto slew = static_cast<std::size_t>(plant::Joint::slew), kappa = static_cast<std::size_t>(plant::Joint::rotator);
+    constexpr auto slew = static_cast<std::size_t>(plant::Joint::slew),
+                   kappa = static_cast<std::size_t>(plant::Joint::rotator);
     ghost[3].push_back(difference(until, slew) + difference(until, kappa));
   }
   columns.scaled("load_error_m", error, errors);
@@ -230,7 +229,8 @@ void PlantSamples::put_ideal(Columns& columns, nlohmann::json& header, const cmr
     for (const Time time : times_) away.push_back(-difference(std::min(time, known), joint));
     columns.scaled(fmt::format("{}_error_{}", joints[joint].name, joints[joint].unit), away, errors);
   }
-  for (std::size_t axis = 0; axis < 3; ++axis) columns.scaled(fmt::format("ghost_{}_m", axes[axis]), ghost[axis], metres);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    columns.scaled(fmt::format("ghost_{}_m", axes[axis]), ghost[axis], metres);
   columns.scaled("ghost_yaw_rad", ghost[3], radians);
   for (int agv = 0; agv < simulation_.dock().agv_count(); ++agv) {
     for (std::size_t axis = 0; axis < 2; ++axis) {

@@ -171,8 +171,7 @@ void Recorder::put_lanes(Columns& columns) {
   columns.whole("lane.took", values_of(lanes, [](const Lane& lane) { return tick(lane.to) - tick(lane.from); }));
   for (std::size_t by = 0; by < cmrc::held_up_count; ++by) {
     static constexpr std::array<const char*, cmrc::held_up_count> names = {"lane.bus_a", "lane.bus_b", "lane.list"};
-    columns.whole(names[by],
-                  values_of(lanes, [by](const Lane& lane) { return tick(Time{lane.held_up[by]}); }));
+    columns.whole(names[by], values_of(lanes, [by](const Lane& lane) { return tick(Time{lane.held_up[by]}); }));
   }
   std::vector<Lane> runs;
   std::ranges::copy_if(lanes, std::back_inserter(runs), [](const Lane& lane) { return lane.what >= job; });
@@ -217,7 +216,8 @@ void Recorder::put_buses(Columns& columns, const report::RunReport& report) cons
   for (std::size_t bus = 0; bus < std::min(buses_.size(), report.buses.size()); ++bus) {
     const std::string name = "bus." + report.buses[bus].name;
     for (const auto& [master, held] : buses_[bus].held) {
-      std::vector<std::int64_t> shares = values_of(held, [&](std::int64_t ps) { return 1000 * ps / bus_slice_.count(); });
+      std::vector<std::int64_t> shares =
+          values_of(held, [&](std::int64_t ps) { return 1000 * ps / bus_slice_.count(); });
       shares.resize(slices);
       columns.whole(fmt::format("{}.{}", name, report.buses[bus].masters.at(master).name), shares);
     }

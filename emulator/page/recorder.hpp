@@ -65,7 +65,7 @@ class Recorder : public cmrc::RunWatcher, public cmrc::LaneListener, public repo
   };
   struct Lane {
     Time from{}, to{};
-    JobKey job = 0;                                             // of a busy one
+    JobKey job = 0;                                           // of a busy one
     std::array<std::int64_t, cmrc::held_up_count> held_up{};  // ps
     std::uint8_t slot = 0, what = 0, end = 0;
   };

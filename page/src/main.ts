@@ -233,7 +233,7 @@ class Page {
 
   private changed(part: string): void {
     const { state } = this;
-    this.dock?.invalidate();
+    if (part === "now" || part === "options") this.dock?.invalidate();
     if (part === "view") this.plots.invalidate();
     if (part === "view" || part === "miss") this.lanes.invalidate();
     if (part === "miss") {

@@ -54,7 +54,7 @@ def _numbers(data: bytes, count: int, order: int) -> NDArray[np.int64]:
     for place in range(int((ends - begins).max()) + 1 if count else 0):
         there = begins + place <= ends
         bits[there] |= (octets[begins[there] + place] & 0x7F).astype(np.uint64) << np.uint64(7 * place)
-    values = (bits >> np.uint64(1)).astype(np.int64) ^ -(bits & np.uint64(1)).astype(np.int64)
+    values: NDArray[np.int64] = (bits >> np.uint64(1)).astype(np.int64) ^ -(bits & np.uint64(1)).astype(np.int64)
     for _ in range(order):
         values = np.cumsum(values)
     return values
@@ -121,7 +121,7 @@ class Recording:
     def signals(self) -> dict[str, Column]:
         """The dock at equal intervals, units in the names; ``time_s`` is one of them."""
         return {
-            name: self.whole(name) * float(entry["unit"])
+            name: (self.whole(name) * float(entry["unit"])).astype(np.float64)
             for name, entry in self._entries.items()
             if "count" in entry and not re.match(r"(lane|run|job|bus)\.", name)
         }

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-SOFTWARE = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+SOFTWARE = ["--no-sandbox", "--enable-unsafe-swiftshader"]
 NO_WEBGL = ["--no-sandbox", "--disable-gpu", "--disable-3d-apis"]
 
 
@@ -47,17 +47,11 @@ class Tab:
         self.problems: list[str] = []
         self.asked: list[str] = []
         self.page.on("pageerror", lambda error: self.problems.append(str(error)))
-        self.page.on("console", lambda message: self.problems.append(message.text) if message.type in ("error", "warning") else None)
+        self.page.on("console", lambda message: self.problems.append(message.text) if message.type == "error" else None)
         self.page.on("request", lambda request: self.asked.append(request.url))
         self.page.goto(path.as_uri() + place)
         self.page.wait_for_selector("html[data-ready]", timeout=60_000)
         self.settle()
-
-    def __enter__(self) -> "Tab":
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.context.close()
 
     def settle(self, frames: int = 3) -> None:
         """Until so many frames have been drawn."""
@@ -88,3 +82,13 @@ class Tab:
 
     def hint(self) -> str:
         return str(self.page.locator("#hint").inner_text()) if self.page.locator("#hint").is_visible() else ""
+
+
+@contextmanager
+def opened(browser: Any, path: Path, place: str = "", **options: Any) -> Iterator[Tab]:
+    """A tab that is closed in the end."""
+    tab = Tab(browser, path, place, **options)
+    try:
+        yield tab
+    finally:
+        tab.context.close()

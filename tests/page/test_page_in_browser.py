@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser import NO_WEBGL, SOFTWARE, Tab, chromium, driver
+from browser import NO_WEBGL, SOFTWARE, Tab, chromium, driver, opened
 from cmrc.page import Recording
 from page_runs import BUSY, HOSTILE, KILLED, KILLED_AT_S, recorded
 
@@ -33,7 +33,7 @@ def run(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, R
 
 @pytest.fixture(scope="module")
 def shared(browser: Any, run: tuple[Path, Recording]) -> Iterator[Tab]:
-    with Tab(browser, run[0]) as tab:
+    with opened(browser, run[0]) as tab:
         yield tab
 
 
@@ -66,7 +66,7 @@ def test_it_opens_without_a_request_or_a_complaint(tab: Tab, run: tuple[Path, Re
 
 
 def test_a_fetch_is_refused_by_the_policy(browser: Any, run: tuple[Path, Recording]) -> None:
-    with Tab(browser, run[0]) as tab:
+    with opened(browser, run[0]) as tab:
         assert tab.page.evaluate("fetch('https://example.org/').then(() => 'fetched', () => 'refused')") == "refused"
         assert any("Content Security Policy" in problem for problem in tab.problems)
 
@@ -183,14 +183,14 @@ def test_keys_play_seek_and_go_from_miss_to_miss(tab: Tab, run: tuple[Path, Reco
 
 
 def test_a_link_leads_to_an_instant_and_a_miss(browser: Any, run: tuple[Path, Recording]) -> None:
-    due, name = misses(run[1])[7]
-    with Tab(browser, run[0], f"#t=0.123456&miss={name}") as tab:
+    _, name = misses(run[1])[7]
+    with opened(browser, run[0], f"#t=0.123456&miss={name}") as tab:
         assert tab.state("now") == pytest.approx(0.123456) and tab.page.evaluate("page.missName()") == name
         assert tab.page.locator("#miss").is_visible()
         tab.page.evaluate("page.state.choose(-1); page.state.seek(0.25)")
         tab.wait_until("location.hash.startsWith('#t=0.25')")
         assert "miss" not in tab.page.evaluate("location.hash")
-    with Tab(browser, run[0], "#t=nonsense&miss=nothing:9:9&from=5") as tab:
+    with opened(browser, run[0], "#t=nonsense&miss=nothing:9:9&from=5") as tab:
         assert tab.state("now") == 0 and tab.page.locator("#miss").is_hidden() and tab.problems == []
 
 
@@ -217,7 +217,7 @@ def test_the_picture_is_a_png_of_dock_and_lanes(tab: Tab, tmp_path: Path) -> Non
 
 
 def test_a_phone_shows_it_all_within_its_width(browser: Any, run: tuple[Path, Recording]) -> None:
-    with Tab(browser, run[0], viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True, device_scale_factor=2) as tab:
+    with opened(browser, run[0], viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True, device_scale_factor=2) as tab:
         assert tab.page.evaluate("document.documentElement.scrollWidth") == 390
         for selector in ("#dock canvas", "#lanes canvas", "#play", "#slider", "#keys"):
             left, top, width, height = tab.place(selector)
@@ -228,7 +228,7 @@ def test_a_phone_shows_it_all_within_its_width(browser: Any, run: tuple[Path, Re
 
 
 def test_the_dark_theme_is_dark_and_the_light_one_light(browser: Any, run: tuple[Path, Recording]) -> None:
-    with Tab(browser, run[0], color_scheme="dark") as tab:
+    with opened(browser, run[0], color_scheme="dark") as tab:
         colours = [tab.page.evaluate("getComputedStyle(document.body).backgroundColor")]
         tab.page.keyboard.press("d")
         colours.append(tab.page.evaluate("getComputedStyle(document.body).backgroundColor"))
@@ -237,7 +237,7 @@ def test_the_dark_theme_is_dark_and_the_light_one_light(browser: Any, run: tuple
 
 
 def test_without_webgl_lanes_and_plots_still_work(started: Any, run: tuple[Path, Recording]) -> None:
-    with chromium(started, NO_WEBGL) as plain, Tab(plain, run[0]) as tab:
+    with chromium(started, NO_WEBGL) as plain, opened(plain, run[0]) as tab:
         assert "no WebGL" in tab.page.locator("#wait").inner_text()
         tab.page.mouse.click(*tab.lane("DSP 0", 0.2))
         assert tab.state("now") == pytest.approx(0.2, abs=0.002) and "DSP 0" in tab.hint()
@@ -246,14 +246,14 @@ def test_without_webgl_lanes_and_plots_still_work(started: Any, run: tuple[Path,
 
 
 def test_little_motion_is_asked_for_and_given(browser: Any, run: tuple[Path, Recording]) -> None:
-    with Tab(browser, run[0], reduced_motion="reduce") as tab:
+    with opened(browser, run[0], reduced_motion="reduce") as tab:
         assert tab.state("still") is True
         assert tab.page.evaluate("getComputedStyle(document.getElementById('play')).transitionDuration") == "0s"
 
 
 def test_a_script_of_a_frame_stays_short(browser: Any, run: tuple[Path, Recording]) -> None:
     """8 ms are allowed; a machine that does other work too is slower, so the test takes the best half."""
-    with Tab(browser, run[0], viewport={"width": 1920, "height": 1080}) as tab:
+    with opened(browser, run[0], viewport={"width": 1920, "height": 1080}) as tab:
         tab.page.evaluate("page.state.show(0.05, 0.3); page.state.setSpeed(0.01); page.state.seek(0.1); page.frames.length = 0; page.state.play(true)")
         tab.wait_until("page.frames.length >= 30")
         frames = sorted(tab.page.evaluate("page.frames"))

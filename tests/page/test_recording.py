@@ -90,7 +90,7 @@ def test_signals_are_the_docks(run: tuple[cmrc.Simulation, Recording, Path]) -> 
         for i, time in enumerate(ours["time_s"][1:-1], 1):
             assert ghost[i] == pytest.approx(theirs[f"payload_reference_{axis}_m"][rows[round(float(time), 6)]], abs=3e-4)
     peak = result.report["errors"]["load_m"]["peak"]
-    assert ours["load_error_m"].max() == pytest.approx(peak, abs=2e-6) and peak > 1e-6
+    assert ours["load_error_m"].max() == pytest.approx(peak, abs=2e-9) and peak > 1e-6
 
 
 def test_watching_changes_nothing(run: tuple[cmrc.Simulation, Recording, Path]) -> None:
@@ -137,7 +137,7 @@ def test_hostile_names_are_text(tmp_path: Path) -> None:
     settings = {"duration_s": 0.03, "dock.layout": str(layout), "report.reference": "none"}
     _, recording = recorded(settings, [], path, HOSTILE)
     assert recording.report["configuration"]["dock.layout"] == str(layout) and recording.header["title"] == HOSTILE
-    _, plain = recorded(settings, [], tmp_path / "plain.html", "plain")
+    recorded(settings, [], tmp_path / "plain.html", "plain")
     text, other = path.read_text(encoding="utf-8"), (tmp_path / "plain.html").read_text(encoding="utf-8")
     assert text.count("<") == other.count("<") and "\u0007" not in text
     title = re.search(r"<title>(.*?)</title>", text)
@@ -156,8 +156,8 @@ def test_a_page_may_fetch_nothing(run: tuple[cmrc.Simulation, Recording, Path]) 
         return f"'sha256-{base64.b64encode(hashlib.sha256(found[1].encode()).digest()).decode()}'"
 
     assert rules["default-src"] == "'none'" and "connect-src" not in rules
-    assert rules["script-src"] == hash_of(re.search(r'<script type="module">(.*?)</script>', text, re.S))
-    assert rules["style-src"] == hash_of(re.search(r"<style>(.*?)</style>", text, re.S))
+    assert rules["script-src"] == hash_of(re.search(r'<script type="module">(.*?)</script>', text, re.DOTALL))
+    assert rules["style-src"] == hash_of(re.search(r"<style>(.*?)</style>", text, re.DOTALL))
     assert re.findall(r"<(?:link|img|iframe|object|embed)\b|<script[^>]*\bsrc", text.split('<script type="module">')[0]) == []
 
 

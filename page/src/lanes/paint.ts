@@ -2,7 +2,7 @@
 import { exactShares, FAILED, type Pyramid } from "../data/lanes";
 import type { Jobs } from "../data/jobs";
 import { before, type Bus, type Lane, type Runs } from "../data/recording";
-import { GROUP_FAILED, GROUP_OFF, GROUPS, OKABE_ITO, rgb, type Theme } from "../ui/colours";
+import { GROUP_ASLEEP, GROUP_AWAKE, GROUP_FAILED, GROUPS, OKABE_ITO, rgb, type Theme } from "../ui/colours";
 
 export interface Stretch {
   from: number;
@@ -16,6 +16,8 @@ export interface Place {
   top: number;
   height: number;
 }
+
+const SEEN = 4; // dots that work gets at least
 
 type Context = CanvasRenderingContext2D;
 
@@ -54,15 +56,17 @@ export class LanePainter {
       return (255 << 24) | (b << 16) | (g << 8) | r;
     });
     for (let x = 0; x < width; ++x) {
-      let sum = 0, y = height;
+      let sum = 0, y = height, busy = 0;
+      for (let group = GROUP_AWAKE; group < groups; ++group) busy += shares[x * groups + group];
+      const scale = busy > 0 ? Math.max(1, SEEN / (busy * height)) : 1; // a little is seen to be something
       for (const group of STACK) {
         const share = shares[x * groups + group];
         if (share <= 0) continue;
-        sum += share;
+        sum += group >= GROUP_AWAKE ? share * scale : share;
         const upTo = Math.max(0, Math.round(height * (1 - sum)));
         for (; y > upTo; --y) dots[(y - 1) * width + x] = colours[group];
       }
-      for (; y > 0; --y) dots[(y - 1) * width + x] = sum > 0.5 ? colours[2] : 0;
+      for (; y > 0; --y) dots[(y - 1) * width + x] = sum > 0.5 ? colours[GROUP_ASLEEP] : 0;
     }
     context.putImageData(this.image, Math.round(place.left), Math.round(place.top));
     this.failures(context, place, view, lane);
@@ -76,7 +80,7 @@ export class LanePainter {
       const right = Math.min(place.left + place.width, place.left + (upTo - view.from) * scale);
       const group = this.groupOf[lane.what[i]], run = lane.run[i] >= 0;
       context.fillStyle = this.theme.groups[group];
-      const inset = run ? 0 : group === GROUP_FAILED || group === GROUP_OFF ? 0 : place.height * 0.28;
+      const inset = group === GROUP_AWAKE ? place.height * 0.25 : 0;
       context.fillRect(left, place.top + inset, Math.max(1, right - left), place.height - 2 * inset);
       if (group === GROUP_FAILED) this.dead(context, place, left, right);
       if (run && right - left > 3) {

@@ -242,7 +242,8 @@ export class LanePanel {
       this.canvas.height = height;
       this.canvas.style.height = `${this.height}px`;
     }
-    const context = this.canvas.getContext("2d")!;
+    // Dots are put into it by the script: it is kept where the script is.
+    const context = this.canvas.getContext("2d", { willReadFrequently: true })!;
     context.fillStyle = this.theme.panel;
     context.fillRect(0, 0, width, height);
     const place: Place = { left: Math.round(this.left * dots), width: Math.round(this.width * dots), top: 0, height: AXIS * dots };

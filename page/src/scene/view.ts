@@ -89,7 +89,9 @@ export class DockView {
     const ghost = ["x", "y", "z"].map((axis) => column(`ghost_${axis}_m`));
     if (ghost.every((one) => one !== undefined)) {
       const [x, y, z] = (ghost as Float64Array[]).map((away, i) => away.map((by, row) => by + column(`payload_${"xyz"[i]}_m`)![row]));
-      this.scene.add((this.tracks.ideal = new Track(x, y, z, new THREE.LineBasicMaterial({ color: OKABE_ITO.sky }))));
+      this.tracks.ideal = new Track(x, y, z, new THREE.LineDashedMaterial({ color: OKABE_ITO.sky, dashSize: 0.7, gapSize: 0.7 }));
+      this.tracks.ideal.computeLineDistances();
+      this.scene.add(this.tracks.ideal);
     }
   }
 
@@ -97,7 +99,7 @@ export class DockView {
   private firstView(): { eye: THREE.Vector3; target: THREE.Vector3 } {
     const { layout } = this.recording.header;
     const back = Math.min(-30, ...Array.from({ length: layout.agv.count }, (_, i) => this.samples.column(`agv${i}_x_m`)![0] - 8));
-    const far = 98 - 0.5 * (back + 30), turn = -2.5, lift = 0.34;
+    const far = 98 - 0.5 * (back + 30), turn = -0.5, lift = 0.33;
     const target = new THREE.Vector3(4 + 0.35 * (back + 30), 6, 17);
     const eye = new THREE.Vector3(Math.cos(turn) * Math.cos(lift), Math.sin(turn) * Math.cos(lift), Math.sin(lift)).multiplyScalar(far).add(target);
     return { eye, target };

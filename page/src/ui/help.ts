@@ -59,7 +59,7 @@ export function help(host: HTMLElement, recording: Recording, theme: Theme, clos
     context.fillStyle = colour;
     context.fillRect(2, 12, 48, 6);
   };
-  row(line(OKABE_ITO.sky), "the ideal run: load, vehicles, the path ahead");
+  row(line(OKABE_ITO.sky), "the ideal run: its load, its vehicles, and dashed its path ahead");
   row(line(OKABE_ITO.purple), "the path that trajectory planning has made");
   row(line(OKABE_ITO.vermillion), "a range ray that meets something");
   const keys = document.createElement("div");
