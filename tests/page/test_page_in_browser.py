@@ -168,9 +168,11 @@ def test_a_click_on_a_miss_tells_why(tab: Tab, run: tuple[Path, Recording]) -> N
 def test_keys_play_seek_and_go_from_miss_to_miss(tab: Tab, run: tuple[Path, Recording]) -> None:
     tab.page.keyboard.press("]")
     assert tab.state("speed") == 3 and tab.page.locator("#speed").input_value() == "3"
-    tab.page.keyboard.press("[")
+    for _ in range(5):
+        tab.page.keyboard.press("[")
+    assert tab.state("speed") == 0.01  # far from the run's end, however slow the machine is
     tab.page.keyboard.press("Space")
-    tab.wait_until("page.state.now > 0.05")
+    tab.wait_until("page.state.now > 0.0005")
     tab.page.keyboard.press("Space")
     assert tab.state("playing") is False
     tab.page.keyboard.press("Home")
@@ -251,10 +253,22 @@ def test_little_motion_is_asked_for_and_given(browser: Any, run: tuple[Path, Rec
         assert tab.page.evaluate("getComputedStyle(document.getElementById('play')).transitionDuration") == "0s"
 
 
-def test_a_script_of_a_frame_stays_short(browser: Any, run: tuple[Path, Recording]) -> None:
-    """8 ms are allowed; a machine that does other work too is slower, so the test takes the best half."""
-    with opened(browser, run[0], viewport={"width": 1920, "height": 1080}) as tab:
-        tab.page.evaluate("page.state.show(0.05, 0.3); page.state.setSpeed(0.01); page.state.seek(0.1); page.frames.length = 0; page.state.play(true)")
-        tab.wait_until("page.frames.length >= 30")
-        frames = sorted(tab.page.evaluate("page.frames"))
-        assert frames[len(frames) // 4] < 20
+@pytest.mark.campaign
+def test_a_long_run_is_a_small_page_that_is_drawn_in_time(browser: Any, tmp_path: Path) -> None:
+    """On a quiet machine: 180 s of 4 DSPs in 5 MB, at most 8 ms of script in a frame of 1920 x 1080, 20 frames/s by software at 1280 x 720."""
+    path = tmp_path / "long.html"
+    recorded({"machine.dsps": 4, "duration_s": 180.0}, [], path)
+    assert path.stat().st_size <= 5_000_000
+    views = ("page.state.whole(); page.state.setSpeed(10)", "page.state.show(20, 30); page.state.setSpeed(1)", "page.state.show(20, 20.02); page.state.setSpeed(0.001)")
+    for width, height in ((1920, 1080), (1280, 720)):
+        with opened(browser, path, viewport={"width": width, "height": height}) as tab:
+            for view in views:
+                tab.page.evaluate(f"page.state.seek(20.005); {view}; page.state.play(true)")
+                tab.page.wait_for_timeout(4000)  # the resolution finds its place
+                tab.page.evaluate("page.frames.length = 0")
+                tab.page.wait_for_timeout(4000)
+                frames = sorted(tab.page.evaluate("page.frames"))
+                assert frames[int(len(frames) * 0.95)] <= 8, (view, frames[-5:])
+                if height == 720:
+                    assert len(frames) >= 80, (view, len(frames))
+                tab.page.evaluate("page.state.play(false)")

@@ -112,6 +112,35 @@ def test_the_command_writes_the_page_that_python_writes(emulator: Path, tmp_path
     assert all(np.array_equal(ours.whole(name), theirs.whole(name)) for name in names)
 
 
+def test_a_page_can_begin_at_a_snapshot(emulator: Path, tmp_path: Path) -> None:
+    short = ["--dsps", "2", "--duration", "0.12", "--quiet"]
+    subprocess.run([emulator, *short, "--snapshot-at", "0.05:half", "--page", "whole.html"], cwd=tmp_path, check=True)
+    subprocess.run([emulator, "--resume", "half", "--quiet", "--page", "rest.html"], cwd=tmp_path, check=True)
+    whole, rest = (Recording.read(tmp_path / name) for name in ("whole.html", "rest.html"))
+    assert rest.header["from_s"] == 0.05 and rest.report["hash"] == whole.report["hash"]
+    for all_of_it, part in zip(whole.lanes, rest.lanes, strict=True):
+        assert part.from_s[0] == pytest.approx(0.05) and part.to_s[-1] == pytest.approx(0.12)
+        later = all_of_it.from_s > 0.051
+        assert np.allclose(part.from_s[part.from_s > 0.051], all_of_it.from_s[later], atol=2e-9)
+        assert np.array_equal(part.what[part.from_s > 0.051], all_of_it.what[later])
+    rows = whole.signals["time_s"] >= 0.05 - 1e-9
+    for name in ("payload_x_m", "load_error_m"):
+        assert np.allclose(rest.signals[name][1:], whole.signals[name][rows][1:], atol=1e-9)
+
+
+def test_a_moving_ship_and_its_containers_move(tmp_path: Path) -> None:
+    _, recording = recorded({"duration_s": 0.3, "dock.ship_motion": 5.0, "report.reference": "none"}, [], tmp_path / "ship.html")
+    assert recording.header["layout"]["ship_moves"] and recording.header["ideal_until_s"] is None
+    assert all(np.ptp(recording.signals[name]) > 0 for name in ("ship_x_m", "ship_z_m", "ship_up_y"))
+    assert "load_error_m" not in recording.signals and recording.header["containers"] == [[]] * 8
+
+
+def test_lanes_take_few_bytes(run: tuple[cmrc.Simulation, Recording, Path]) -> None:
+    sizes = {entry["name"]: entry["size"] for entry in run[1].header["columns"]}
+    stretches = sum(lane.what.size for lane in run[1].lanes)
+    assert sum(size for name, size in sizes.items() if name.startswith(("lane.", "run.", "job."))) < 4 * stretches and stretches > 1000
+
+
 def test_columns_are_what_the_varints_say() -> None:
     """Against a decoder of one number at a time."""
     rng = np.random.default_rng(5)

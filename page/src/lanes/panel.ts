@@ -123,30 +123,25 @@ export class LanePanel {
   }
 
   private paintEvents(context: CanvasRenderingContext2D, place: Place, dots: number): void {
-    const scale = place.width / (this.state.to - this.state.from), middle = place.top + place.height / 2;
-    let free = -Infinity;
+    const { from, to } = this.state, scale = place.width / (to - from), middle = place.top + place.height / 2, size = 5 * dots;
+    const x = (moment: Moment): number => place.left + (moment.at - from) * scale;
+    const seen = this.moments.filter(({ at }) => at >= from && at <= to), told = seen.filter(({ bad, scripted }) => bad || scripted);
+    for (const moment of [...seen.filter((one) => !told.includes(one)), ...told]) {
+      context.fillStyle = moment.bad ? OKABE_ITO.vermillion : moment.scripted ? OKABE_ITO.orange : this.theme.soft;
+      context.beginPath();
+      if (moment.scripted) context.moveTo(x(moment) - size, middle - size), context.lineTo(x(moment) + size, middle - size), context.lineTo(x(moment), middle + size);
+      else if (moment.bad) context.rect(x(moment) - size * 0.8, middle - size * 0.8, size * 1.6, size * 1.6);
+      else context.arc(x(moment), middle, size * 0.55, 0, 7);
+      context.fill();
+    }
     context.font = `${10.5 * dots}px system-ui, sans-serif`;
     context.textBaseline = "middle";
-    for (const order of [false, true]) {
-      for (const { at, what, bad, scripted } of this.moments) {
-        if (at < this.state.from || at > this.state.to || (bad || scripted) !== order) continue;
-        const x = place.left + (at - this.state.from) * scale, size = 5 * dots;
-        context.fillStyle = bad ? OKABE_ITO.vermillion : scripted ? OKABE_ITO.orange : this.theme.soft;
-        context.beginPath();
-        if (scripted) context.moveTo(x - size, middle - size), context.lineTo(x + size, middle - size), context.lineTo(x, middle + size);
-        else if (bad) context.rect(x - size * 0.8, middle - size * 0.8, size * 1.6, size * 1.6);
-        else context.arc(x, middle, size * 0.55, 0, 7);
-        context.fill();
-        if (!order || x < free) continue;
-        context.fillStyle = this.theme.ink;
-        const text = what.length > 46 ? `${what.slice(0, 45)}…` : what;
-        const wide = context.measureText(text).width;
-        if (x + size * 2 + wide < place.left + place.width) {
-          context.fillText(text, x + size * 1.6, middle);
-          free = x + size * 2 + wide + 8 * dots;
-        }
-      }
-    }
+    context.fillStyle = this.theme.ink;
+    told.forEach((moment, i) => {
+      const next = i + 1 < told.length ? x(told[i + 1]) - size : place.left + place.width;
+      const room = Math.min(340 * dots, next - x(moment) - 2.5 * size);
+      if (room > 30 * dots) context.fillText(this.shortened(context, moment.what, room), x(moment) + 1.6 * size, middle);
+    });
   }
 
   private pyramid(lane: Lane): Pyramid {

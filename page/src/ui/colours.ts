@@ -52,7 +52,7 @@ export const LIGHT: Theme = {
 };
 export const DARK: Theme = {
   dark: true, ink: "#e8eaed", soft: "#a2abb4", paper: "#14171a", panel: "#1d2125",
-  groups: ["#1d2125", OKABE_ITO.vermillion, "#2a2f34", "#707880", "#3d97d6", ...tasks.slice(1), "#d5d8db"],
+  groups: ["#1d2125", OKABE_ITO.vermillion, "#2a2f34", "#707880", "#0a7cc4", ...tasks.slice(1), "#d5d8db"],
   sky: "#20272e", ground: "#4a4d4c", water: "#2b4252",
 };
 
