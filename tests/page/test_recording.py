@@ -76,6 +76,17 @@ def test_a_killed_dsp_is_dead_from_its_instant_on(run: tuple[cmrc.Simulation, Re
     assert [event["time_s"] for event in recording.report["timed_events"]] == [KILLED_AT_S]
 
 
+def test_a_dsp_that_is_reset_is_dead_until_then_and_boots(tmp_path: Path) -> None:
+    settings = {"machine.dsps": 2, "duration_s": 0.12, "report.reference": "none"}
+    _, recording = recorded(settings, [{"at_s": 0.04, "action": "hang", "dsp": 1}], tmp_path / "hung.html")
+    dsp, lane = recording.report["dsps"][1], recording.lanes[1]
+    assert dsp["resets"] == 1
+    reset, boot = dsp["boots"][-1]["reset_at_s"], dsp["boots"][-1]["boot_s"]
+    later = np.flatnonzero((lane.what < 2) & (lane.from_s > 0.03))
+    assert lane.what[later].tolist() == [1, 0]
+    assert lane.from_s[later] == pytest.approx([0.04, reset], abs=2 * TICK_S) and lane.to_s[later[1]] == pytest.approx(reset + boot, abs=2 * TICK_S)
+
+
 def test_signals_are_the_docks(run: tuple[cmrc.Simulation, Recording, Path]) -> None:
     simulation, recording, _ = run
     result = simulation.result()
