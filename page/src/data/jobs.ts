@@ -7,6 +7,7 @@ export interface Jobs {
   at: Float64Array; // deadline, else release
   run: Int32Array; // its last run
   missed: Int32Array; // places in `run` of those that missed
+  missedAt: Float64Array; // their deadlines
 }
 
 /** The run that tells of a job: the one that finished, else the last one. */
@@ -30,7 +31,7 @@ export function jobsByKind(recording: Recording): Jobs[] {
     if (!list.length) return [];
     list.sort((a, b) => due(a) - due(b));
     const missed = list.flatMap((i, place) => (runs.missed[i] ? [place] : []));
-    return [{ kind, name: header.kinds[kind], at: Float64Array.from(list, due), run: Int32Array.from(list), missed: Int32Array.from(missed) }];
+    return [{ kind, name: header.kinds[kind], at: Float64Array.from(list, due), run: Int32Array.from(list), missed: Int32Array.from(missed), missedAt: Float64Array.from(missed, (place) => due(list[place])) }];
   });
 }
 

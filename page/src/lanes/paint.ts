@@ -49,12 +49,7 @@ export class LanePainter {
     const shares = this.shares.subarray(0, width * groups);
     if (perColumn >= pyramid.width) pyramid.shares(view.from, perColumn, width, shares);
     else exactShares(lane, this.groupOf, groups, view.from, perColumn, width, shares);
-    if (this.image?.width !== width || this.image.height !== height) this.image = context.createImageData(width, height);
-    const dots = new Uint32Array(this.image.data.buffer);
-    const colours = this.theme.groups.map((hex) => {
-      const [r, g, b] = rgb(hex);
-      return (255 << 24) | (b << 16) | (g << 8) | r;
-    });
+    const dots = this.dots(context, width, height), colours = this.theme.groups.map(packed);
     for (let x = 0; x < width; ++x) {
       let sum = 0, y = height, busy = 0;
       for (let group = GROUP_AWAKE; group < groups; ++group) busy += shares[x * groups + group];
@@ -68,7 +63,7 @@ export class LanePainter {
       }
       for (; y > 0; --y) dots[(y - 1) * width + x] = sum > 0.5 ? colours[GROUP_ASLEEP] : 0;
     }
-    context.putImageData(this.image, Math.round(place.left), Math.round(place.top));
+    context.putImageData(this.image!, Math.round(place.left), Math.round(place.top));
     this.failures(context, place, view, lane);
   }
 
@@ -161,26 +156,26 @@ export class LanePainter {
       return;
     }
     context.fillStyle = this.theme.dark ? "#4b7f95" : "#a9cfe0";
-    const met = Math.max(2 * dots, place.height * 0.35), middle = place.top + (place.height - met) / 2;
-    let place0 = first;
-    for (let column = 0; column < place.width; ++column) {
-      const until = view.from + (column + 1) / scale;
-      const begin = place0;
-      while (place0 <= last && jobs.at[place0] <= until) place0 = before(jobs.at, until) + 1;
-      if (place0 > begin) context.fillRect(place.left + column, middle, 1, met);
-    }
+    const met = Math.max(2 * dots, place.height * 0.35);
+    this.columns(context, place, view, jobs.at, 1, place.top + (place.height - met) / 2, met);
     context.fillStyle = OKABE_ITO.vermillion;
-    let lowest = -1, count = 0;
-    const flush = (): void => {
-      if (count > 0) context.fillRect(place.left + lowest, place.top, Math.max(2 * dots, 1), place.height);
-      count = 0;
-    };
-    for (let m = before(jobs.missed, first - 1) + 1; m < jobs.missed.length && jobs.missed[m] <= last; ++m) {
-      const column = Math.floor((jobs.at[jobs.missed[m]] - view.from) * scale);
-      if (column !== lowest) flush(), (lowest = column);
-      ++count;
+    this.columns(context, place, view, jobs.missedAt, Math.max(2 * dots, 1), place.top, place.height);
+  }
+
+  /** A bar at every instant; those of columns that touch are one. */
+  private columns(context: Context, place: Place, view: Stretch, at: Float64Array, wide: number, top: number, height: number): void {
+    const scale = place.width / (view.to - view.from);
+    let left = -1, right = -1;
+    for (let i = before(at, view.from) + 1; i < at.length && at[i] <= view.to; ) {
+      const column = Math.floor((at[i] - view.from) * scale);
+      if (column > right) {
+        if (right > left) context.fillRect(place.left + left, top, right - left, height);
+        left = column;
+      }
+      right = column + wide;
+      i = Math.max(i, before(at, view.from + (column + 1) / scale)) + 1;
     }
-    flush();
+    if (right > left) context.fillRect(place.left + left, top, right - left, height);
   }
 
   // From the release to the deadline a line; the end a dot, and where it was missed a triangle.
@@ -208,27 +203,32 @@ export class LanePainter {
 
   /** How much of a bus each master uses, stacked; what is left is free. */
   bus(context: Context, place: Place, view: Stretch, bus: Bus, slice: number, begin: number, colours: string[], full: number): void {
-    const count = bus.refused.length;
-    const scale = place.width / (view.to - view.from), wide = slice * scale;
-    const first = Math.max(0, Math.floor((view.from - begin) / slice)), last = Math.min(count - 1, Math.floor((view.to - begin) / slice));
-    const together = Math.max(1, Math.floor(1 / wide));
-    context.fillStyle = this.theme.groups[2];
-    context.fillRect(place.left, place.top, place.width, place.height);
-    for (let i = first - (first % together); i <= last; i += together) {
-      const left = Math.max(place.left, place.left + (begin + i * slice - view.from) * scale);
-      const right = Math.min(place.left + place.width, place.left + (begin + (i + together) * slice - view.from) * scale);
-      let y = place.top + place.height;
-      bus.masters.forEach((master, m) => {
-        let held = 0;
-        for (let k = Math.max(0, i); k < Math.min(count, i + together); ++k) held += master.held[k];
-        const high = Math.min(y - place.top, (place.height * held) / (10 * full * together));
-        if (high <= 0) return;
-        context.fillStyle = colours[m];
-        context.fillRect(left, y - high, Math.max(1, right - left), high);
-        y -= high;
-      });
+    const count = bus.refused.length, width = Math.round(place.width), height = Math.round(place.height), perColumn = (view.to - view.from) / width;
+    const dots = this.dots(context, width, height), inks = colours.map(packed), free = packed(this.theme.groups[GROUP_ASLEEP]);
+    for (let x = 0; x < width; ++x) {
+      const first = Math.max(0, Math.floor((view.from + x * perColumn - begin) / slice));
+      const last = Math.min(count - 1, Math.max(first, Math.ceil((view.from + (x + 1) * perColumn - begin) / slice) - 1));
+      let y = height, sum = 0;
+      for (let m = 0; m < inks.length; ++m) {
+        const { held } = bus.masters[m];
+        for (let i = first; i <= last; ++i) sum += held[i] / (last - first + 1);
+        for (const upTo = Math.max(0, Math.round(height * (1 - sum / (10 * full)))); y > upTo; --y) dots[(y - 1) * width + x] = inks[m];
+      }
+      for (; y > 0; --y) dots[(y - 1) * width + x] = free;
     }
+    context.putImageData(this.image!, Math.round(place.left), Math.round(place.top));
   }
+
+  /** An empty picture to be put where a row stands. */
+  private dots(context: Context, width: number, height: number): Uint32Array {
+    if (this.image?.width !== width || this.image.height !== height) this.image = context.createImageData(width, height);
+    return new Uint32Array(this.image.data.buffer);
+  }
+}
+
+function packed(hex: string): number {
+  const [r, g, b] = rgb(hex);
+  return ((255 << 24) | (b << 16) | (g << 8) | r) >>> 0;
 }
 
 /** What the height of a bus's row stands for, in percent: the least round number that holds its busiest slice. */

@@ -25,6 +25,8 @@ export class LanePanel {
   readonly misses: { at: Float64Array; run: Int32Array };
   readonly lanes: Lane[];
   private readonly rows: Row[] = [];
+  private readonly instants: Float64Array;
+  private readonly byOrder: { moments: Moment[]; at: Float64Array }[]; // what is drawn first comes first
   private readonly painter: LanePainter;
   private readonly pyramids = new Map<Lane, Pyramid>();
   private readonly groupOf: Uint8Array;
@@ -37,6 +39,11 @@ export class LanePanel {
     this.groupOf = groupsOf(recording.header.kinds);
     this.painter = new LanePainter(this.groupOf, theme);
     this.lanes = recording.lanes;
+    this.instants = Float64Array.from(moments, (moment) => moment.at);
+    this.byOrder = [0, 1, 2].map((order) => {
+      const own = moments.filter((moment) => (moment.scripted ? 2 : moment.bad ? 1 : 0) === order);
+      return { moments: own, at: Float64Array.from(own, (moment) => moment.at) };
+    });
     this.jobs = jobsByKind(recording);
     this.misses = missesOf(this.jobs);
     this.canvas.tabIndex = 0;
@@ -116,8 +123,9 @@ export class LanePanel {
       name: "events", height: 18,
       paint: (context, place, dots) => this.paintEvents(context, place, dots),
       explain: (time, reach) => {
-        const near = this.moments.filter((moment) => Math.abs(moment.at - time) <= 2 * reach).slice(0, 8);
-        return near.length ? near.flatMap((moment) => [`${words.instant(moment.at, 1e-4)}: ${moment.what}`]) : null;
+        const first = before(this.instants, time - 2 * reach - 1e-12) + 1, upTo = before(this.instants, time + 2 * reach);
+        const lines = this.moments.slice(first, Math.min(upTo + 1, first + 8)).map((moment) => `${words.instant(moment.at, 1e-4)}: ${moment.what}`);
+        return lines.length ? [...lines, ...(upTo - first >= 8 ? [`and ${upTo - first - 7} more`] : [])] : null;
       },
     };
   }
@@ -125,15 +133,21 @@ export class LanePanel {
   private paintEvents(context: CanvasRenderingContext2D, place: Place, dots: number): void {
     const { from, to } = this.state, scale = place.width / (to - from), middle = place.top + place.height / 2, size = 5 * dots;
     const x = (moment: Moment): number => place.left + (moment.at - from) * scale;
-    const seen = this.moments.filter(({ at }) => at >= from && at <= to), told = seen.filter(({ bad, scripted }) => bad || scripted);
-    for (const moment of [...seen.filter((one) => !told.includes(one)), ...told]) {
-      context.fillStyle = moment.bad ? OKABE_ITO.vermillion : moment.scripted ? OKABE_ITO.orange : this.theme.soft;
-      context.beginPath();
-      if (moment.scripted) context.moveTo(x(moment) - size, middle - size), context.lineTo(x(moment) + size, middle - size), context.lineTo(x(moment), middle + size);
-      else if (moment.bad) context.rect(x(moment) - size * 0.8, middle - size * 0.8, size * 1.6, size * 1.6);
-      else context.arc(x(moment), middle, size * 0.55, 0, 7);
-      context.fill();
-    }
+    const told: Moment[] = [];
+    this.byOrder.forEach(({ moments, at }, order) => {
+      for (let i = before(at, from - 1e-12) + 1; i < at.length && at[i] <= to; ) {
+        const moment = moments[i];
+        if (order) told.push(moment);
+        context.fillStyle = moment.bad ? OKABE_ITO.vermillion : moment.scripted ? OKABE_ITO.orange : this.theme.soft;
+        context.beginPath();
+        if (moment.scripted) context.moveTo(x(moment) - size, middle - size), context.lineTo(x(moment) + size, middle - size), context.lineTo(x(moment), middle + size);
+        else if (moment.bad) context.rect(x(moment) - size * 0.8, middle - size * 0.8, size * 1.6, size * 1.6);
+        else context.arc(x(moment), middle, size * 0.55, 0, 7);
+        context.fill();
+        i = Math.max(i, before(at, at[i] + (2 * dots) / scale)) + 1; // one of each kind in two columns
+      }
+    });
+    told.sort((a, b) => a.at - b.at);
     context.font = `${10.5 * dots}px system-ui, sans-serif`;
     context.textBaseline = "middle";
     context.fillStyle = this.theme.ink;
