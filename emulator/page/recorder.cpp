@@ -50,8 +50,9 @@ Time end_of(const cmrc::Simulation& simulation) {
 
 }  // namespace
 
-Recorder::Recorder(cmrc::Simulation& simulation)
+Recorder::Recorder(cmrc::Simulation& simulation, std::size_t stretches)
     : simulation_(simulation),
+      most_(stretches),
       from_(simulation.time()),
       bus_slice_(slice_for(end_of(simulation) - from_)),
       samples_(simulation, from_, end_of(simulation)) {
@@ -70,7 +71,7 @@ void Recorder::latched(const plant::Dock& /*dock*/, Time now) {
 }
 
 void Recorder::stretch(const cmrc::Stretch& stretch) {
-  if (stretches_.size() >= stretches_max) {
+  if (stretches_.size() >= most_) {
     ++left_out_;
     lanes_until_ = std::min(lanes_until_, stretch.from);
     return;
@@ -94,6 +95,10 @@ void Recorder::stretch(const cmrc::Stretch& stretch) {
 }
 
 void Recorder::ended(const cmrc::EndedJob& ended) {
+  if (jobs_.size() >= most_ / 2) {
+    lanes_until_ = std::min(lanes_until_, ended.released);
+    return;
+  }
   const std::int64_t allowed = ended.deadline ? tick(*ended.deadline) - tick(ended.released) + 1 : 0;
   jobs_.push_back({key(ended.job), ended.released, ended.end, allowed, static_cast<std::uint8_t>(ended.outcome),
                    ended.missed, false});
@@ -250,7 +255,7 @@ std::string Recorder::recording(const report::RunReport& report, const std::stri
   };
   nlohmann::json dock_events = nlohmann::json::array();
   for (const plant::Event& event : simulation_.dock().events())
-    if (event.time >= from_)
+    if (event.time >= from_ && dock_events.size() < dock_events_max)
       dock_events.push_back(
           {report::seconds(event.time), plant::name(event.kind), event.index, event.values[0], event.values[1]});
   header["dock_events"] = dock_events;

@@ -19,13 +19,15 @@ using report::Time;
 
 /// Lanes are told in these.
 inline constexpr Time lane_tick = std::chrono::nanoseconds{1};
-/// Stretches of DSPs that are kept; of what comes later the page says that it has no lanes.
+/// Stretches of DSPs that are kept, and half as many jobs; of what comes later the page says that it has no lanes.
 inline constexpr std::size_t stretches_max = 6'000'000;
+/// Events of the dock that are kept.
+inline constexpr std::size_t dock_events_max = 50'000;
 
 class Recorder : public cmrc::RunWatcher, public cmrc::LaneListener, public report::EventSink {
  public:
   /// Records `simulation` from now on: before its run, or after restore(). It must live as long as the run.
-  explicit Recorder(cmrc::Simulation& simulation);
+  explicit Recorder(cmrc::Simulation& simulation, std::size_t stretches = stretches_max);
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
@@ -79,6 +81,7 @@ class Recorder : public cmrc::RunWatcher, public cmrc::LaneListener, public repo
   void put_buses(Columns& columns, const report::RunReport& report) const;
 
   cmrc::Simulation& simulation_;
+  std::size_t most_;
   Time from_, bus_slice_;
   PlantSamples samples_;
   cmrc::Lanes lanes_{*this};

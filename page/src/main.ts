@@ -70,7 +70,7 @@ class Page {
   private describe(): void {
     const { header, report } = this.recording;
     the("title").textContent = words.plain(header.title);
-    const misses = this.lanes.misses.run.length;
+    const misses = Object.values(report.tasks).reduce((sum, task) => sum + task.misses, 0);
     const facts = the("facts");
     facts.textContent = "";
     const miss = document.createElement("b");
@@ -80,7 +80,7 @@ class Page {
     if (header.lanes_until_s !== null) facts.append(` · DSPs recorded until ${words.instant(header.lanes_until_s)}`);
     facts.append(` · hash ${report.hash.slice(0, 12)}`);
     facts.title = facts.textContent ?? "";
-    the<HTMLButtonElement>("previous").disabled = the<HTMLButtonElement>("next").disabled = misses === 0;
+    the<HTMLButtonElement>("previous").disabled = the<HTMLButtonElement>("next").disabled = this.lanes.misses.run.length === 0;
     const speed = the<HTMLSelectElement>("speed");
     for (const one of SPEEDS) speed.append(new Option(one < 1 ? `1/${Math.round(1 / one)}` : String(one), String(one), false, one === 1));
   }

@@ -116,11 +116,11 @@ class Run {
   }
 
   /// From now on what a page needs is kept.
-  void record() {
+  void record(std::size_t stretches) {
     user_.changes("record");
     if (recorder_) throw std::runtime_error("record: this run is recorded already");
     if (run_.ended()) throw std::runtime_error("record: the run is over");
-    recorder_ = std::make_unique<page::Recorder>(run_);
+    recorder_ = std::make_unique<page::Recorder>(run_, stretches);
   }
   std::string page(const std::string& title) {
     if (!recorder_)
@@ -264,7 +264,7 @@ void bind_simulation(py::module_& m) {
            "Runs to the end; on_progress(simulated_s, duration_s) may return False to stop. Ctrl-C stops cleanly and "
            "raises KeyboardInterrupt.")
       .def("run_until", &Run::run_until, py::arg("time_s"))
-      .def("record", &Run::record, "Keeps from now on what a page shows.")
+      .def("record", &Run::record, py::arg("stretches") = page::stretches_max, "Keeps from now on what a page shows.")
       .def(
           "page", [](Run& r, const std::string& title) { return py::bytes(r.page(title)); }, py::arg("title"),
           "The page of a run that is over, as UTF-8.")

@@ -146,6 +146,17 @@ def test_a_moving_ship_and_its_containers_move(tmp_path: Path) -> None:
     assert "load_error_m" not in recording.signals and recording.header["containers"] == [[]] * 8
 
 
+def test_lanes_of_a_run_without_end_stop_somewhere(tmp_path: Path) -> None:
+    simulation = cmrc.Simulation(settings={"machine.dsps": 2, "duration_s": 0.2, "report.reference": "none"})
+    simulation._core.record(stretches=300)
+    simulation.run()
+    simulation.write_page(tmp_path / "short.html")
+    recording = Recording.read(tmp_path / "short.html")
+    assert sum(lane.what.size for lane in recording.lanes) == 300 and recording.header["stretches_left_out"] > 100
+    assert 0.02 < recording.header["lanes_until_s"] < 0.2
+    assert recording.report["hash"] == simulation.result().hash and recording.signals["time_s"][-1] == pytest.approx(0.2)
+
+
 def test_lanes_take_few_bytes(run: tuple[cmrc.Simulation, Recording, Path]) -> None:
     sizes = {entry["name"]: entry["size"] for entry in run[1].header["columns"]}
     stretches = sum(lane.what.size for lane in run[1].lanes)
