@@ -14,12 +14,24 @@ def main(arguments: list[str] | None = None) -> int:
     """The command line; 0, or 2 for bad input, as of the emulator; 130 when it is interrupted."""
     parser = argparse.ArgumentParser(prog="cmrc", description="What the emulator has done, to look at.")
     commands = parser.add_subparsers(dest="command", required=True)
-    for name, says in (("page", "a run as a page to look at in a browser: dock, DSPs, deadlines"), ("replay", "the old name of page")):
+    for name, says in (
+        ("page", "a run as a page to look at in a browser: dock, DSPs, deadlines"),
+        ("replay", "the old name of page"),
+    ):
         command = commands.add_parser(name, help=says)
         command.add_argument("run", metavar="RUN", help="a configuration (.toml) to run, or a page (.html) to plot")
-        command.add_argument("--out", "--html", dest="out", metavar="PAGE", nargs="?", help="where the page is written (default: RUN with the ending .html)")
+        command.add_argument(
+            "--out",
+            "--html",
+            dest="out",
+            metavar="PAGE",
+            nargs="?",
+            help="where the page is written (default: RUN with the ending .html)",
+        )
         command.add_argument("--plots", metavar="PNG", help="write the plots of cmrc.plot")
-        command.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a setting, where RUN is a configuration")
+        command.add_argument(
+            "--set", metavar="KEY=VALUE", action="append", default=[], help="a setting, where RUN is a configuration"
+        )
     scenes = commands.add_parser("demo", help="what the emulator tells, in five scenes, and a page of them")
     scenes.add_argument("--out", metavar="FOLDER", default="demo", help="where the page is written (default: demo)")
     given = parser.parse_args(arguments)
@@ -73,7 +85,9 @@ def _progress(simulated_s: float, duration_s: float) -> None:
 def _plot(run: Path, plots: Path | None, given: argparse.Namespace) -> None:
     """Of a page that is there."""
     if run.suffix == ".json":
-        raise ValueError(f"{run}: recordings in JSON are no longer read; run the configuration again (cmrc page CONFIG.toml)")
+        raise ValueError(
+            f"{run}: recordings in JSON are no longer read; run the configuration again (cmrc page CONFIG.toml)"
+        )
     if plots is None or given.out or given.set:
         raise ValueError(f"{run}: of a page only --plots can be made; a configuration (.toml) is expected for all else")
     _check_outputs(run, None, plots)

@@ -148,8 +148,14 @@ class Recording:
         claimed, ended = np.zeros(busy.size), np.zeros(busy.size)
         for number, lane in enumerate(self.lanes):
             claimed[slot == number], ended[slot == number] = lane.from_s, lane.to_s
-        runs = {name: self.whole(f"run.{name}") for name in ("number", "robot", "end", "waited", "allowed", "outcome", "missed")}
-        never = {name: self.whole(f"job.{name}") for name in ("number", "kind", "robot", "released", "took", "allowed", "outcome", "missed")}
+        runs = {
+            name: self.whole(f"run.{name}")
+            for name in ("number", "robot", "end", "waited", "allowed", "outcome", "missed")
+        }
+        never = {
+            name: self.whole(f"job.{name}")
+            for name in ("number", "kind", "robot", "released", "took", "allowed", "outcome", "missed")
+        }
         kind = what[busy] - FIRST_KIND
         released = np.round(claimed[busy] / second).astype(np.int64) - runs["waited"]
         since = np.concatenate((released, never["released"]))
@@ -157,7 +163,12 @@ class Recording:
         return {
             "kind": np.concatenate((kind, never["kind"])),
             "robot": np.concatenate((runs["robot"], never["robot"])),
-            "number": np.concatenate((_absolute(runs["number"], kind, runs["robot"]), _absolute(never["number"], never["kind"], never["robot"]))),
+            "number": np.concatenate(
+                (
+                    _absolute(runs["number"], kind, runs["robot"]),
+                    _absolute(never["number"], never["kind"], never["robot"]),
+                )
+            ),
             "dsp": np.concatenate((slot[busy], np.full(never["kind"].size, -1))),
             "claimed_s": np.concatenate((claimed[busy], never["released"] * second)),
             "ended_s": np.concatenate((ended[busy], (never["released"] + never["took"]) * second)),
@@ -172,7 +183,9 @@ class Recording:
         """The row in ``jobs`` that tells of each job: the run that finished, else the last."""
         jobs = self.jobs
         last: dict[tuple[int, int, int], int] = {}
-        for row, key in enumerate(zip(jobs["kind"].tolist(), jobs["robot"].tolist(), jobs["number"].tolist(), strict=True)):
+        for row, key in enumerate(
+            zip(jobs["kind"].tolist(), jobs["robot"].tolist(), jobs["number"].tolist(), strict=True)
+        ):
             last[key] = row
         return np.array(sorted(last.values()), dtype=np.int64)
 

@@ -15,7 +15,9 @@ NO_WEBGL = ["--no-sandbox", "--disable-gpu", "--disable-3d-apis"]
 @contextmanager
 def driver() -> Iterator[Any]:
     """Of browsers; a process has one at a time. Skips the test where it or Chromium is missing."""
-    playwright = pytest.importorskip("playwright.sync_api", reason="Playwright is missing (scripts/setup page installs it)")
+    playwright = pytest.importorskip(
+        "playwright.sync_api", reason="Playwright is missing (scripts/setup page installs it)"
+    )
     found()
     with playwright.sync_playwright() as started:
         yield started
@@ -42,7 +44,9 @@ class Tab:
     """A page that is open, and what it asked for or complained of."""
 
     def __init__(self, browser: Any, path: Path, place: str = "", **options: Any) -> None:
-        self.context = browser.new_context(**{"viewport": {"width": 1280, "height": 800}, "accept_downloads": True, **options})
+        self.context = browser.new_context(
+            **{"viewport": {"width": 1280, "height": 800}, "accept_downloads": True, **options}
+        )
         self.page = self.context.new_page()
         self.problems: list[str] = []
         self.asked: list[str] = []
@@ -55,7 +59,10 @@ class Tab:
 
     def settle(self, frames: int = 3) -> None:
         """Until so many frames have been drawn."""
-        self.page.evaluate("n => new Promise(done => { const next = () => n-- > 0 ? requestAnimationFrame(next) : done(0); next(); })", frames)
+        self.page.evaluate(
+            "n => new Promise(done => { const next = () => n-- > 0 ? requestAnimationFrame(next) : done(0); next(); })",
+            frames,
+        )
 
     def wait_until(self, expression: str, tries: int = 600) -> None:
         """The page's policy forbids what Playwright's own waiting evaluates."""

@@ -22,7 +22,9 @@ BUSY: dict[str, Any] = {
 KILLED = [{"at_s": KILLED_AT_S, "action": "fail", "dsp": 1}]
 
 
-def recorded(settings: dict[str, Any], events: list[dict[str, Any]], path: Path, title: str | None = None) -> tuple[cmrc.Simulation, Recording]:
+def recorded(
+    settings: dict[str, Any], events: list[dict[str, Any]], path: Path, title: str | None = None
+) -> tuple[cmrc.Simulation, Recording]:
     """A run to its end, its page in ``path``."""
     simulation = cmrc.Simulation(settings=settings, events=events)
     simulation.record()

@@ -20,7 +20,9 @@ def modules(folder: Path) -> None:
     locked = json.loads((PAGE / "package-lock.json").read_text())["packages"]
     if there.is_file():
         installed = json.loads(there.read_text())["packages"]
-        if all(locked[name]["integrity"] == package["integrity"] for name, package in installed.items() if name in locked):
+        if all(
+            locked[name]["integrity"] == package["integrity"] for name, package in installed.items() if name in locked
+        ):
             (folder / "node_modules").symlink_to(PAGE / "node_modules")
             return
     command = ["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund", "--silent"]
@@ -38,7 +40,9 @@ def test_the_committed_page_is_what_its_sources_make(tmp_path: Path) -> None:
     modules(folder)
     subprocess.run(["node", "build.mjs"], cwd=folder, check=True, timeout=120)
     for name in ("page.html", "licences.txt"):
-        assert (folder / "dist" / name).read_bytes() == (PAGE / "dist" / name).read_bytes(), f"page/dist/{name}: make page makes it anew"
+        assert (folder / "dist" / name).read_bytes() == (PAGE / "dist" / name).read_bytes(), (
+            f"page/dist/{name}: make page makes it anew"
+        )
 
 
 def test_the_page_names_the_licences_of_what_is_in_it() -> None:

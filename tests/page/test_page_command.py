@@ -16,7 +16,9 @@ SHORT = "[run]\nduration_s = 0.3\n[dock]\nagvs = 2\n"
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("command")
     (folder / "scene.toml").write_text(SHORT + f'layout = "{folder / "layout.toml"}"\n', encoding="utf-8")
-    (folder / "layout.toml").write_text("[[posts]]\nx_m = 34\ny_m = 12\n[[movers]]\npath = [[0, 30, 0], [2, 30, 3]]\n", encoding="utf-8")
+    (folder / "layout.toml").write_text(
+        "[[posts]]\nx_m = 34\ny_m = 12\n[[movers]]\npath = [[0, 30, 0], [2, 30, 3]]\n", encoding="utf-8"
+    )
     assert command.main(["page", str(folder / "scene.toml"), "--set", "machine.dsps=2"]) == 0
     return folder
 
@@ -30,7 +32,12 @@ def test_the_page_stands_beside_its_configuration(folder: Path) -> None:
 
 
 def test_the_old_name_still_writes_it(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert command.main(["replay", str(folder / "scene.toml"), "--html", str(folder / "old.html"), "--set", "duration_s=0.05"]) == 0
+    assert (
+        command.main(
+            ["replay", str(folder / "scene.toml"), "--html", str(folder / "old.html"), "--set", "duration_s=0.05"]
+        )
+        == 0
+    )
     assert "is called cmrc page now" in capsys.readouterr().err
     assert Recording.read(folder / "old.html").header["to_s"] == 0.05
 
@@ -43,9 +50,19 @@ def test_a_page_can_be_plotted(folder: Path) -> None:
 
     figure = plot.overview(Recording.read(folder / "scene.html"))
     titles = [axes.get_title() for axes in figure.axes]
-    assert titles[0] == "plan" and titles[2:] == ["joints", "joint errors against the ideal run", "sway", "deadlines: green met, red missed"] and len(figure.axes[0].lines) >= 3
+    assert (
+        titles[0] == "plan"
+        and titles[2:] == ["joints", "joint errors against the ideal run", "sway", "deadlines: green met, red missed"]
+        and len(figure.axes[0].lines) >= 3
+    )
     legend = figure.axes[3].get_legend()
-    assert legend and [text.get_text() for text in legend.get_texts()] == ["gantry, mm", "slew, mrad", "luff, mrad", "rope, mm", "rotator, mrad"]
+    assert legend and [text.get_text() for text in legend.get_texts()] == [
+        "gantry, mm",
+        "slew, mrad",
+        "luff, mrad",
+        "rope, mm",
+        "rotator, mrad",
+    ]
 
 
 @pytest.mark.parametrize(
@@ -62,7 +79,9 @@ def test_a_page_can_be_plotted(folder: Path) -> None:
         (["scene.toml", "--out", "x.html", "--set", "machine.dsps"], "KEY=VALUE"),
     ],
 )
-def test_bad_input_is_told_and_nothing_is_written(folder: Path, arguments: list[str], says: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bad_input_is_told_and_nothing_is_written(
+    folder: Path, arguments: list[str], says: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.chdir(folder)
     (folder / "run.json").write_text(json.dumps({"format": 4}), encoding="utf-8")
     (folder / "broken.html").write_text("<html>", encoding="utf-8")
@@ -73,5 +92,11 @@ def test_bad_input_is_told_and_nothing_is_written(folder: Path, arguments: list[
 
 
 def test_it_runs_as_a_module() -> None:
-    helped = subprocess.run([sys.executable, "-m", "cmrc"], check=False, capture_output=True, text=True, env={"PYTHONPATH": ":".join(sys.path)})
+    helped = subprocess.run(
+        [sys.executable, "-m", "cmrc"],
+        check=False,
+        capture_output=True,
+        text=True,
+        env={"PYTHONPATH": ":".join(sys.path)},
+    )
     assert helped.returncode == 2 and "page" in helped.stderr and "demo" in helped.stderr

@@ -40,7 +40,9 @@ def shared(browser: Any, run: tuple[Path, Recording]) -> Iterator[Tab]:
 @pytest.fixture
 def tab(shared: Tab) -> Tab:
     """The page as it was opened."""
-    shared.page.evaluate("page.state.choose(-1); page.state.play(false); page.state.setSpeed(1); page.state.whole(); page.state.seek(0)")
+    shared.page.evaluate(
+        "page.state.choose(-1); page.state.play(false); page.state.setSpeed(1); page.state.whole(); page.state.seek(0)"
+    )
     shared.page.mouse.move(2, 2)
     shared.settle()
     return shared
@@ -49,7 +51,13 @@ def tab(shared: Tab) -> Tab:
 def misses(recording: Recording) -> list[tuple[float, str]]:
     jobs, last = recording.jobs, recording.last_runs()
     rows = [i for i in last.tolist() if jobs["missed"][i]]
-    return sorted((float(jobs["deadline_s"][i]), f"{recording.header['kinds'][jobs['kind'][i]]}:{jobs['robot'][i]}:{jobs['number'][i]}") for i in rows)
+    return sorted(
+        (
+            float(jobs["deadline_s"][i]),
+            f"{recording.header['kinds'][jobs['kind'][i]]}:{jobs['robot'][i]}:{jobs['number'][i]}",
+        )
+        for i in rows
+    )
 
 
 def camera(tab: Tab) -> list[float]:
@@ -61,7 +69,9 @@ def test_it_opens_without_a_request_or_a_complaint(tab: Tab, run: tuple[Path, Re
     assert tab.problems == []
     facts = tab.page.locator("#facts").inner_text()
     assert facts.startswith(f"{len(misses(run[1]))} deadlines missed")
-    assert tab.page.locator("#title").inner_text() == " ".join(HOSTILE.replace("\u2028", " ").replace("\u0007", " ").split())
+    assert tab.page.locator("#title").inner_text() == " ".join(
+        HOSTILE.replace("\u2028", " ").replace("\u0007", " ").split()
+    )
     assert tab.page.evaluate("document.querySelectorAll('header b').length") == 1  # nothing of the title is markup
 
 
@@ -116,7 +126,11 @@ def test_the_wheel_zooms_from_the_whole_run_to_one_claim(tab: Tab, run: tuple[Pa
     assert tab.state("from") < jobs["claimed_s"][row] < jobs["ended_s"][row] < tab.state("to")
     tab.page.mouse.move(*tab.lane("DSP 0", middle))
     said = tab.hint()
-    assert f"pid, job {jobs['number'][row]}" in said and "DSP 0 claimed it" in said and f"ran it for {took * 1e6:.2f}" in said.replace(" µs", "")
+    assert (
+        f"pid, job {jobs['number'][row]}" in said
+        and "DSP 0 claimed it" in said
+        and f"ran it for {took * 1e6:.2f}" in said.replace(" µs", "")
+    )
     tab.page.keyboard.press("0")
     assert (tab.state("from"), tab.state("to")) == (0, tab.state("end"))
 
@@ -147,7 +161,9 @@ def test_a_killed_dsp_is_seen_to_die(tab: Tab) -> None:
 
 
 def test_a_click_on_a_miss_tells_why(tab: Tab, run: tuple[Path, Recording]) -> None:
-    chain = next(one for one in run[1].report["misses"] if one["kind"] == "pid" and one["outcome"] == "late" and one["behind"])
+    chain = next(
+        one for one in run[1].report["misses"] if one["kind"] == "pid" and one["outcome"] == "late" and one["behind"]
+    )
     due = chain["deadline_ps"] * 1e-12
     tab.page.evaluate("t => page.state.show(t - 0.004, t + 0.004)", due)
     tab.settle()
@@ -201,7 +217,9 @@ def test_the_dock_says_what_is_under_the_pointer(tab: Tab) -> None:
     said = set()
     for i in range(30):
         for k in range(12):
-            lines = tab.page.evaluate("([x, y]) => page.explainDock(x, y)", [x + width * (0.2 + 0.02 * i), y + height * (0.2 + 0.06 * k)])
+            lines = tab.page.evaluate(
+                "([x, y]) => page.explainDock(x, y)", [x + width * (0.2 + 0.02 * i), y + height * (0.2 + 0.06 * k)]
+            )
             if lines:
                 said.add(lines[0].split(" ")[0])
     assert {"ship", "container", "crane", "AGV"} <= said
@@ -219,7 +237,9 @@ def test_the_picture_is_a_png_of_dock_and_lanes(tab: Tab, tmp_path: Path) -> Non
 
 
 def test_a_phone_shows_it_all_within_its_width(browser: Any, run: tuple[Path, Recording]) -> None:
-    with opened(browser, run[0], viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True, device_scale_factor=2) as tab:
+    with opened(
+        browser, run[0], viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True, device_scale_factor=2
+    ) as tab:
         assert tab.page.evaluate("document.documentElement.scrollWidth") == 390
         for selector in ("#dock canvas", "#lanes canvas", "#play", "#slider", "#keys"):
             left, top, width, height = tab.place(selector)
@@ -259,7 +279,11 @@ def test_a_long_run_is_a_small_page_that_is_drawn_in_time(browser: Any, tmp_path
     path = tmp_path / "long.html"
     recorded({"machine.dsps": 4, "duration_s": 180.0}, [], path)
     assert path.stat().st_size <= 5_000_000
-    views = ("page.state.whole(); page.state.setSpeed(10)", "page.state.show(20, 30); page.state.setSpeed(1)", "page.state.show(20, 20.02); page.state.setSpeed(0.001)")
+    views = (
+        "page.state.whole(); page.state.setSpeed(10)",
+        "page.state.show(20, 30); page.state.setSpeed(1)",
+        "page.state.show(20, 20.02); page.state.setSpeed(0.001)",
+    )
     for width, height in ((1920, 1080), (1280, 720)):
         with opened(browser, path, viewport={"width": width, "height": height}) as tab:
             for view in views:

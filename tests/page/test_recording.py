@@ -55,7 +55,9 @@ def test_misses_have_the_times_that_their_chains_have(run: tuple[cmrc.Simulation
             assert jobs["dsp"][row] == chain["runs"][-1]["dsp"]
 
 
-def test_lanes_leave_no_gap_and_sum_to_what_the_report_says_dsps_did(run: tuple[cmrc.Simulation, Recording, Path]) -> None:
+def test_lanes_leave_no_gap_and_sum_to_what_the_report_says_dsps_did(
+    run: tuple[cmrc.Simulation, Recording, Path],
+) -> None:
     simulation, recording, _ = run
     for lane, dsp in zip(recording.lanes, simulation.result().report["dsps"], strict=True):
         assert lane.from_s[0] == 0 and lane.to_s[-1] == pytest.approx(0.4, abs=TICK_S)
@@ -84,7 +86,9 @@ def test_a_dsp_that_is_reset_is_dead_until_then_and_boots(tmp_path: Path) -> Non
     reset, boot = dsp["boots"][-1]["reset_at_s"], dsp["boots"][-1]["boot_s"]
     later = np.flatnonzero((lane.what < 2) & (lane.from_s > 0.03))
     assert lane.what[later].tolist() == [1, 0]
-    assert lane.from_s[later] == pytest.approx([0.04, reset], abs=2 * TICK_S) and lane.to_s[later[1]] == pytest.approx(reset + boot, abs=2 * TICK_S)
+    assert lane.from_s[later] == pytest.approx([0.04, reset], abs=2 * TICK_S) and lane.to_s[later[1]] == pytest.approx(
+        reset + boot, abs=2 * TICK_S
+    )
 
 
 def test_signals_are_the_docks(run: tuple[cmrc.Simulation, Recording, Path]) -> None:
@@ -93,13 +97,25 @@ def test_signals_are_the_docks(run: tuple[cmrc.Simulation, Recording, Path]) -> 
     theirs, ours = result.signals, recording.signals
     assert np.array_equal(np.round(ours["time_s"][:-1], 9), np.round(np.arange(0, 0.4, 0.01), 9))
     rows = {round(float(time), 6): i for i, time in enumerate(theirs["time_s"])}
-    for name in ("s_m", "psi_rad", "l_m", "payload_x_m", "payload_z_m", "sway_alpha_rad", "agv3_x_m", "agv2_heading_rad", "agv0_speed_m_per_s"):
+    for name in (
+        "s_m",
+        "psi_rad",
+        "l_m",
+        "payload_x_m",
+        "payload_z_m",
+        "sway_alpha_rad",
+        "agv3_x_m",
+        "agv2_heading_rad",
+        "agv0_speed_m_per_s",
+    ):
         for i, time in enumerate(ours["time_s"][:-1]):
             assert ours[name][i] == pytest.approx(theirs[name][rows[round(float(time), 6)]], abs=6e-4), (name, time)
     for axis in "xyz":  # the ghost stands where the ideal run's load was
         ghost = ours[f"payload_{axis}_m"] + ours[f"ghost_{axis}_m"]
         for i, time in enumerate(ours["time_s"][1:-1], 1):
-            assert ghost[i] == pytest.approx(theirs[f"payload_reference_{axis}_m"][rows[round(float(time), 6)]], abs=3e-4)
+            assert ghost[i] == pytest.approx(
+                theirs[f"payload_reference_{axis}_m"][rows[round(float(time), 6)]], abs=3e-4
+            )
     peak = result.report["errors"]["load_m"]["peak"]
     assert ours["load_error_m"].max() == pytest.approx(peak, abs=2e-9) and peak > 1e-6
 
@@ -140,7 +156,9 @@ def test_a_page_can_begin_at_a_snapshot(emulator: Path, tmp_path: Path) -> None:
 
 
 def test_a_moving_ship_and_its_containers_move(tmp_path: Path) -> None:
-    _, recording = recorded({"duration_s": 0.3, "dock.ship_motion": 5.0, "report.reference": "none"}, [], tmp_path / "ship.html")
+    _, recording = recorded(
+        {"duration_s": 0.3, "dock.ship_motion": 5.0, "report.reference": "none"}, [], tmp_path / "ship.html"
+    )
     assert recording.header["layout"]["ship_moves"] and recording.header["ideal_until_s"] is None
     assert all(np.ptp(recording.signals[name]) > 0 for name in ("ship_x_m", "ship_z_m", "ship_up_y"))
     assert "load_error_m" not in recording.signals and recording.header["containers"] == [[]] * 8
@@ -154,13 +172,18 @@ def test_lanes_of_a_run_without_end_stop_somewhere(tmp_path: Path) -> None:
     recording = Recording.read(tmp_path / "short.html")
     assert sum(lane.what.size for lane in recording.lanes) == 300 and recording.header["stretches_left_out"] > 100
     assert 0.02 < recording.header["lanes_until_s"] < 0.2
-    assert recording.report["hash"] == simulation.result().hash and recording.signals["time_s"][-1] == pytest.approx(0.2)
+    assert recording.report["hash"] == simulation.result().hash and recording.signals["time_s"][-1] == pytest.approx(
+        0.2
+    )
 
 
 def test_lanes_take_few_bytes(run: tuple[cmrc.Simulation, Recording, Path]) -> None:
     sizes = {entry["name"]: entry["size"] for entry in run[1].header["columns"]}
     stretches = sum(lane.what.size for lane in run[1].lanes)
-    assert sum(size for name, size in sizes.items() if name.startswith(("lane.", "run.", "job."))) < 4 * stretches and stretches > 1000
+    assert (
+        sum(size for name, size in sizes.items() if name.startswith(("lane.", "run.", "job."))) < 4 * stretches
+        and stretches > 1000
+    )
 
 
 def test_columns_are_what_the_varints_say() -> None:
@@ -209,7 +232,10 @@ def test_a_page_may_fetch_nothing(run: tuple[cmrc.Simulation, Recording, Path]) 
     assert rules["default-src"] == "'none'" and "connect-src" not in rules
     assert rules["script-src"] == hash_of(re.search(r'<script type="module">(.*?)</script>', text, re.DOTALL))
     assert rules["style-src"] == hash_of(re.search(r"<style>(.*?)</style>", text, re.DOTALL))
-    assert re.findall(r"<(?:link|img|iframe|object|embed)\b|<script[^>]*\bsrc", text.split('<script type="module">')[0]) == []
+    assert (
+        re.findall(r"<(?:link|img|iframe|object|embed)\b|<script[^>]*\bsrc", text.split('<script type="module">')[0])
+        == []
+    )
 
 
 @pytest.mark.parametrize(
@@ -221,12 +247,16 @@ def test_a_page_may_fetch_nothing(run: tuple[cmrc.Simulation, Recording, Path]) 
         (lambda data: data.replace(b'"format":1', b'"format":9'), "format 9"),
     ],
 )
-def test_a_damaged_page_is_refused(run: tuple[cmrc.Simulation, Recording, Path], tmp_path: Path, spoil, says: str) -> None:  # type: ignore[no-untyped-def]
+def test_a_damaged_page_is_refused(
+    run: tuple[cmrc.Simulation, Recording, Path], tmp_path: Path, spoil, says: str
+) -> None:  # type: ignore[no-untyped-def]
     text = run[2].read_text(encoding="utf-8")
     found = re.search(r'id="recording">([^<]*)<', text)
     assert found
     path = tmp_path / "damaged.html"
-    path.write_text(text.replace(found[1], base64.b64encode(spoil(base64.b64decode(found[1]))).decode()), encoding="utf-8")
+    path.write_text(
+        text.replace(found[1], base64.b64encode(spoil(base64.b64decode(found[1]))).decode()), encoding="utf-8"
+    )
     with pytest.raises(PageError, match=says):
         assert Recording.read(path).report
     other = tmp_path / "other.html"
