@@ -3,7 +3,7 @@ SHELL := /bin/bash
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 
-.PHONY: demo test build setup clean golden lint vectors arithmetic oracles bench results coverage mutants fuzz trust
+.PHONY: demo test build setup clean page golden lint vectors arithmetic oracles bench results coverage mutants fuzz trust
 
 demo: build
 	PYTHONPATH=build/python $(PYTHON) -m cmrc demo --out build/demo
@@ -18,6 +18,10 @@ build: setup
 
 setup:
 	@scripts/setup
+
+# The page's bundle, page/dist/, from page/src/ (docs/page.md): needs Node and npm, which nothing else here does.
+page:
+	cd page && npm ci --ignore-scripts --no-audit --no-fund --silent && npm run --silent check && npm run --silent build
 
 golden: build
 	$(PYTHON) -m pytest -q tests --update-golden -m golden

@@ -372,6 +372,12 @@ AgvSignal Dock::agv(int i) const {
 }
 
 Signal Dock::signal() const { return self_->core.make_signal(); }
+Attitude Dock::attitude() const {
+  const DockCore& core = self_->core;
+  const ShipPose ship = ship_at(core.config, core.state.containers, core.state.seconds());
+  return {core.state.landing.active ? Frame(core.state.landing.body.turn).axis(2) : Vector3{0.0, 0.0, 1.0}, ship.shift,
+          ship.turn.axis(2)};
+}
 Place Dock::place() const { return self_->core.make_place(); }
 const std::vector<Signal>& Dock::signals() const { return self_->core.signals; }
 const std::vector<std::vector<AgvSignal>>& Dock::agv_signals() const { return self_->core.agv_signals; }

@@ -131,6 +131,13 @@ struct Place {
   std::array<double, 3> payload;  // m
 };
 
+// How the load and the ship lie.
+struct Attitude {
+  std::array<double, 3> load_up;     // unit vector out of the load's top: what is near contact is a body and tilts
+  std::array<double, 3> ship_shift;  // m from where the ship lies in calm water
+  std::array<double, 3> ship_up;     // unit vector out of its deck; the ship does not turn about it
+};
+
 struct DockState;  // everything that the dock's future depends on; plant/state.hpp
 
 class Dock {
@@ -216,6 +223,7 @@ class Dock {
   AgvSignal agv(int index) const;              // at the last latch
   Signal signal() const;                       // at the last latch
   Place place() const;                         // at the last latch
+  Attitude attitude() const;                   // at the last latch
   const std::vector<Signal>& signals() const;  // recorded each config.signal_decimation latches, long runs' less often
   const std::vector<std::vector<AgvSignal>>& agv_signals() const;  // same rows, per AGV
   int delivered() const;                                           // containers

@@ -33,6 +33,9 @@ void declare_settings(CLI::App& app, RunOptions& options) {
 void declare_run(CLI::App& app, RunOptions& options) {
   declare_settings(app, options);
   app.add_option("--report", options.report, "Write the report as JSON (docs/report.md)")->type_name("FILE.json");
+  app.add_option("--page", options.page,
+                 "Write a page that shows the run in a browser: dock, DSPs, deadlines (docs/page.md)")
+      ->type_name("FILE.html");
   app.add_option("--trace", options.trace, "Write the event trace as text (docs/trace.md)")->type_name("FILE");
   app.add_option("--trace-window", options.trace_window, "Trace only from A to B, in simulated s")->type_name("A:B");
   app.add_option("--trace-instructions", options.trace_instructions,

@@ -40,6 +40,7 @@ struct RunOptions {
   std::optional<std::string> perfetto;         ///< FILE, or FILE.gz
   std::optional<std::string> perfetto_detail;  ///< tasks, bus or all
   std::optional<std::string> perfetto_window;  ///< A:B in seconds
+  std::optional<std::string> page;
   std::optional<std::string> profile;          ///< file, or empty: on the terminal
   std::optional<std::string> trace_window;     ///< A:B in seconds
   std::vector<unsigned> trace_instructions;    ///< slots whose instructions are traced too

@@ -21,6 +21,8 @@
 #include "io/signals.hpp"
 #include "machine/instruction_trace.hpp"
 #include "machine/machine.hpp"
+#include "page/html.hpp"
+#include "page/recorder.hpp"
 #include "report/trace_text.hpp"
 
 namespace cli {
@@ -88,6 +90,14 @@ void resume(cmrc::Simulation& simulation, const cmrc::Snapshot& snapshot, const 
   }
 }
 
+/// What the run is called: its file, DSPs and load.
+std::string page_title(const RunOptions& options, const cmrc::Config& config) {
+  const std::string name =
+      options.config ? std::filesystem::path(*options.config).stem().string() : options.preset.value_or("base");
+  return fmt::format("{}: {} DSP{}, {:g} s", name, config.machine.dsps, config.machine.dsps == 1 ? "" : "s",
+                     config.run.duration_s);
+}
+
 /// How many of them it has come to.
 std::size_t run_to_snapshots(cmrc::Simulation& simulation, std::span<const SnapshotRequest> requests,
                              const std::function<bool(const cmrc::Progress&)>& show) {
@@ -114,6 +124,7 @@ int run(const RunOptions& options) {
   files.reads("--resume", options.resume.value_or(""));
   for (const SnapshotRequest& snapshot : snapshots) files.writes("--snapshot-at", snapshot.file);
   files.writes("--report", options.report.value_or(""))
+      .writes("--page", options.page.value_or(""))
       .writes("--profile", options.profile.value_or(""))
       .writes("--trace", options.trace.value_or(""))
       .writes("--perfetto", options.perfetto.value_or(""));
@@ -128,6 +139,8 @@ int run(const RunOptions& options) {
   if (options.profile && !options.profile->empty()) profile_file.emplace(*options.profile);
   std::optional<PerfettoFile> perfetto;
   if (timeline) perfetto.emplace(*timeline);
+  std::optional<io::OutputFile> page_file;
+  if (options.page) page_file.emplace(*options.page);
   std::optional<io::OutputFile> trace_file;
   std::optional<report::EventTextTrace> trace;
   if (options.trace) {
@@ -141,6 +154,9 @@ int run(const RunOptions& options) {
   InstructionFiles instructions(options, window, simulation);
   if (resumed) resume(simulation, *resumed, *options.resume, snapshots);
   if (perfetto) perfetto->record(simulation);
+
+  std::optional<page::Recorder> recorder;
+  if (page_file) recorder.emplace(simulation);
 
   Attach attach(options);
   bool goes_on = attach.begin(simulation);
@@ -163,6 +179,11 @@ int run(const RunOptions& options) {
   if (report_file) {
     report_file->stream() << to_json(report);
     report_file->commit();
+  }
+  if (page_file) {
+    const std::string title = page_title(options, config);
+    page_file->stream() << page::html(recorder->recording(report, title), title);
+    page_file->commit();
   }
   if (trace_file) trace_file->commit();
   if (perfetto) perfetto->commit();

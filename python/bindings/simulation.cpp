@@ -19,6 +19,8 @@
 #include "cmrc/simulation.hpp"
 #include "cmrc/words.hpp"
 #include "machine/machine.hpp"
+#include "page/html.hpp"
+#include "page/recorder.hpp"
 #include "plant/dock.hpp"
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/cmrc.hpp"
@@ -165,6 +167,24 @@ class Run {
     read("result");
     return text_trace_ ? std::optional(events_text_.str()) : std::nullopt;
   }
+  /// From now on what a page needs is kept.
+  void record(std::size_t stretches) {
+    user_.changes("record");
+    if (recorder_) throw std::runtime_error("record: this run is recorded already");
+    if (run_.ended()) throw std::runtime_error("record: the run is over");
+    recorder_ = std::make_unique<page::Recorder>(run_, stretches);
+  }
+  std::string page(const std::string& title) {
+    if (!recorder_)
+      throw std::runtime_error("page: nothing of this run was recorded; Simulation.record comes before the run");
+    user_.changes("page");
+    if (!run_.ended()) throw std::runtime_error("page: the run is not over");
+    if (recording_.empty()) {
+      const OneUser::Long use(user_, "page", true);
+      recording_ = interruptible_without_gil([&] { return recorder_->recording(run_.report(), title); });
+    }
+    return page::html(recording_, title);
+  }
 
   /// What may have to wait for the ideal run, which other threads and Ctrl-C need not.
   template <class Work>
@@ -180,6 +200,8 @@ class Run {
   std::unique_ptr<cmrc::Simulation> simulation_;
   cmrc::Simulation& run_ = *simulation_;
   OneUser user_{"Simulation"};
+  std::unique_ptr<page::Recorder> recorder_;
+  std::string recording_;  // once it is made
 };
 
 /// The plant's time series, one array per signal, units in the names; where the ideal run is there (or null), each
@@ -297,6 +319,10 @@ void bind_simulation(py::module_& m) {
            "Runs to the end; on_progress(simulated_s, duration_s) may return False to stop. Ctrl-C stops cleanly and "
            "raises KeyboardInterrupt.")
       .def("run_until", &Run::run_until, py::arg("time_s"))
+      .def("record", &Run::record, py::arg("stretches") = page::stretches_max, "Keeps from now on what a page shows.")
+      .def(
+          "page", [](Run& r, const std::string& title) { return py::bytes(r.page(title)); }, py::arg("title"),
+          "The page of a run that is over, as UTF-8.")
       .def("debug",
            [](const std::shared_ptr<Run>& run) {
              return std::make_unique<PythonDebugger>(run, std::make_unique<cmrc::DockDebuggee>(run->change("debug")));

@@ -1,4 +1,4 @@
-"""``python -m cmrc`` and ``cmrc``: replay, events, demo, and the experiments (experiment_commands.py)."""
+"""``python -m cmrc`` and ``cmrc``: page, events, demo, and the experiments (experiment_commands.py)."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import argparse
 import sys
 from pathlib import Path
 
-from cmrc import demo, events, experiment_commands, files, replay
+from cmrc import demo, events, experiment_commands, files, page
 from cmrc.progress import ProgressLine
-from cmrc.simulation import ConfigError
+from cmrc.simulation import ConfigError, Simulation
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -23,12 +23,24 @@ def main(arguments: list[str] | None = None) -> int:
 def _main(arguments: list[str] | None) -> int:
     parser = argparse.ArgumentParser(prog="cmrc", description="What the emulator has done, to look at.")
     commands = parser.add_subparsers(dest="command", required=True)
-    command = commands.add_parser("replay", help="3-D replay of a run as one page that works offline")
-    command.add_argument("run", metavar="RUN", help="a recording (.json), or a configuration (.toml) to run and record")
-    command.add_argument("--html", metavar="PAGE", nargs="?", const="", help="write the page (default: RUN with the ending .html)")
-    command.add_argument("--plots", metavar="PNG", help="write the plots of cmrc.plot")
-    command.add_argument("--save", metavar="JSON", help="write the recording, for a later replay without the run")
-    command.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a setting, where RUN is a configuration")
+    for name, says in (
+        ("page", "a run as a page to look at in a browser: dock, DSPs, deadlines"),
+        ("replay", "the old name of page"),
+    ):
+        command = commands.add_parser(name, help=says)
+        command.add_argument("run", metavar="RUN", help="a configuration (.toml) to run, or a page (.html) to plot")
+        command.add_argument(
+            "--out",
+            "--html",
+            dest="out",
+            metavar="PAGE",
+            nargs="?",
+            help="where the page is written (default: RUN with the ending .html)",
+        )
+        command.add_argument("--plots", metavar="PNG", help="write the plots of cmrc.plot")
+        command.add_argument(
+            "--set", metavar="KEY=VALUE", action="append", default=[], help="a setting, where RUN is a configuration"
+        )
     scenes = commands.add_parser("demo", help="what the emulator tells, in five scenes, and a page of them")
     scenes.add_argument("--out", metavar="FOLDER", default="demo", help="where the page is written (default: demo)")
     events.declare(commands)
@@ -38,24 +50,7 @@ def _main(arguments: list[str] | None) -> int:
         return int(given.do(given))
     if given.command == "demo":
         return _demo(Path(given.out))
-    if given.command == "events":
-        return _events(given)
-    run = Path(given.run)
-    page = None if given.html is None else Path(given.html or run.with_suffix(".html"))
-    plots, saved = (Path(path) if path else None for path in (given.plots, given.save))
-    try:
-        _check_outputs(run, page, plots, saved)
-        if run.suffix == ".toml":
-            settings = dict(experiment_commands.setting(text) for text in given.set)
-            with ProgressLine("cmrc replay") as line:
-                recording = replay.record_file(run, settings, line.of)
-        else:
-            recording = replay.load(run)
-        _write(recording, page, plots, saved)
-    except (OSError, ImportError, ConfigError, ValueError) as error:
-        print(f"cmrc replay: {files.printable(str(error))}", file=sys.stderr)
-        return 2
-    return 0
+    return _events(given) if given.command == "events" else _page(given)
 
 
 def _demo(folder: Path) -> int:
@@ -75,7 +70,7 @@ def _demo(folder: Path) -> int:
 
 def _events(given: argparse.Namespace) -> int:
     try:
-        events.main(given, dict(_setting(text) for text in given.set))
+        events.main(given, dict(experiment_commands.setting(text) for text in given.set))
     except (OSError, ImportError, ConfigError, ValueError) as error:
         print(f"cmrc events: {files.printable(str(error))}", file=sys.stderr)
         return 2
@@ -85,19 +80,57 @@ def _events(given: argparse.Namespace) -> int:
     return 0
 
 
-def _check_outputs(run: Path, page: Path | None, plots: Path | None, saved: Path | None) -> None:
+def _page(given: argparse.Namespace) -> int:
+    if given.command == "replay":
+        print("cmrc replay: it is called cmrc page now, and writes the same page", file=sys.stderr)
+    run, plots = Path(given.run), Path(given.plots) if given.plots else None
+    try:
+        if run.suffix == ".toml":
+            _write(run, Path(given.out or run.with_suffix(".html")), plots, dict(experiment_commands.setting(text) for text in given.set))
+        else:
+            _plot(run, plots, given)
+    except (OSError, ImportError, ConfigError, ValueError) as error:
+        print(f"cmrc {given.command}: {files.printable(str(error))}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def _write(run: Path, out: Path, plots: Path | None, settings: dict[str, bool | int | float | str]) -> None:
+    """Runs a configuration. Each file whole or not at all."""
+    _check_outputs(run, out, plots)
+    simulation = Simulation(config=run, settings=settings)
+    simulation.record()
+    with ProgressLine("cmrc page") as line:
+        simulation.run(line.of)
+    simulation.write_page(out, f"{run.stem}: {simulation.title}")
+    if plots is not None:
+        _draw(page.Recording.read(out), plots)
+
+
+def _plot(run: Path, plots: Path | None, given: argparse.Namespace) -> None:
+    """Of a page that is there."""
+    if run.suffix == ".json":
+        raise ValueError(
+            f"{run}: recordings in JSON are no longer read; run the configuration again (cmrc page CONFIG.toml)"
+        )
+    if plots is None or given.out or given.set:
+        raise ValueError(f"{run}: of a page only --plots can be made; a configuration (.toml) is expected for all else")
+    _check_outputs(run, None, plots)
+    _draw(page.Recording.read(run), plots)
+
+
+def _check_outputs(run: Path, out: Path | None, plots: Path | None) -> None:
     """Before a run that takes minutes. Raises ValueError, ImportError."""
-    outputs = [path for path in (page, plots, saved) if path is not None]
-    if not outputs:
-        raise ValueError("nothing to write: --html, --plots or --save is needed")
-    for path in outputs:
+    for path in (out, plots):
+        if path is None:
+            continue
         if not path.absolute().parent.is_dir():
             raise ValueError(f"{path}: there is no folder {path.absolute().parent}")
         if path.is_dir():
             raise ValueError(f"{path}: is a folder; the name of a file is expected")
     roles = files.FileRoles()
     roles.reads("RUN", run)
-    for role, output in (("--html", page), ("--plots", plots), ("--save", saved)):
+    for role, output in (("--out", out), ("--plots", plots)):
         if output is not None:
             roles.writes(role, output)
     if plots is not None:
@@ -108,24 +141,12 @@ def _check_outputs(run: Path, page: Path | None, plots: Path | None, saved: Path
             raise ValueError(f"{plots}: no kind of picture; its ending may be {', '.join(sorted(known))}")
 
 
-def _write(recording: replay.Recording, page: Path | None, plots: Path | None, saved: Path | None) -> None:
-    """Each file whole or not at all."""
-    try:
-        text = replay.page(recording) if page else ""
-        figure = None
-        if plots:
-            from cmrc import plot
+def _draw(recording: page.Recording, plots: Path) -> None:
+    from cmrc import plot
 
-            figure = plot.overview(recording)
-    except (KeyError, IndexError, TypeError, AttributeError) as error:
-        raise ValueError(f"the recording is not whole: {type(error).__name__} {error}") from error
-    if page:
-        files.write(page, text)
-    if saved:
-        replay.save(recording, saved)
-    if plots and figure:
-        with files.writing(plots) as out:
-            figure.savefig(out, dpi=110, format=plots.suffix[1:].lower())
+    figure = plot.overview(recording)
+    with files.writing(plots) as out:
+        figure.savefig(out, dpi=110, format=plots.suffix[1:].lower())
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""``python -m cmrc demo``: what the emulator tells, in five scenes of a few simulated seconds each, and a page of them with a replay."""
+"""``python -m cmrc demo``: what the emulator tells, in five scenes of a few simulated seconds each, and a page of them; one scene to look at."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from cmrc import files, replay
+from cmrc import files
 from cmrc.result import Result
 from cmrc.simulation import Setting, Simulation
 
@@ -192,7 +192,7 @@ def killed() -> Scene:
 
 
 def plugged_in(recorded: Path) -> Scene:
-    """A second DSP is plugged in beside one that cannot keep up. ``recorded`` gets the replay of it."""
+    """A second DSP is plugged in beside one that cannot keep up. ``recorded`` gets the page of it."""
     scene = Scene(
         "5. A DSP is plugged in",
         "One DSP whose cycles take 10 times as long misses much of the servo. After 2 s a second one of the kind is put into the empty slot, and boots by itself.",
@@ -201,10 +201,10 @@ def plugged_in(recorded: Path) -> Scene:
     slow: dict[str, Setting] = {"machine.dsps": 1, "machine.slots": 2, "machine.cycle_time_factor": 10, "duration_s": 6.0, "report.misses_max": 0}
     alone = Simulation(settings=slow)
     without = alone.run()
-    helped = Simulation(settings=slow, events=[{"at_s": 2.0, "action": "plug", "dsp": 1}], reference=alone.reference())
-    recording = replay.record(helped)
-    result: Result = helped.result()
-    files.write(recorded, replay.page(recording))
+    helped = Simulation(settings={**slow, "report.misses_max": 1000}, events=[{"at_s": 2.0, "action": "plug", "dsp": 1}], reference=alone.reference())
+    helped.record()
+    result: Result = helped.run()
+    helped.write_page(recorded, "Scene 5: a DSP is plugged in")
     for name, report in (("one DSP", without.report), ("a second from 2 s on", result.report)):
         dsps = report["dsps"]
         scene.rows.append([name, str(dsps[1]["claims"]) if len(dsps) > 1 else "-", *_cost(report)])
@@ -220,19 +220,19 @@ th,td{{border:1px solid #ccc;padding:.2rem .6rem;text-align:right;white-space:no
 <p>Every number was measured just now, in runs of real C40 code on emulated DSPs. <i>missed</i>: share of the jobs that a machine without delay would
 have released in time. <i>load error</i>: RMS distance of the crane's load from where it would then be. <i>lag</i>: how far the crane's work was behind at the end.</p>
 {scenes}
-<p><a href="{replay}">Replay of scene 5 in 3-D</a> (works offline). What all numbers mean: docs/report.md.</p></html>
+<p><a href="{page}">Scene 5 to look at</a>: the dock in 3-D, what each DSP did, why deadlines were missed (works offline). What all numbers mean: docs/report.md.</p></html>
 """
 
 
 def main(folder: Path, tell: Callable[[str], None] = print) -> Path:
     """Runs the scenes, tells each, and writes the page. Returns its path. Raises OSError where the folder cannot be written."""
     folder.mkdir(parents=True, exist_ok=True)
-    recorded = folder / "replay.html"
+    recorded = folder / "scene5.html"
     scenes = []
     for make in (one_long_block, vehicles_together, vehicles_apart, killed, lambda: plugged_in(recorded)):
         scenes.append(make())
         tell(scenes[-1].text())
     page = folder / "demo.html"
-    files.write(page, PAGE.format(scenes="\n".join(scene.page() for scene in scenes), replay=recorded.name))
+    files.write(page, PAGE.format(scenes="\n".join(scene.page() for scene in scenes), page=recorded.name))
     tell(f"Open {page}")
     return page

@@ -1,16 +1,18 @@
 """Plots. Needs matplotlib.
 
 Of a result: ``sheet``, ``gantt``, ``histogram``, ``cdf``, ``misses``, ``load_error``. Of a sweep: ``grid``, ``cost``. Of a recorded run
-(``cmrc.replay.record``): ``plan`` and ``side`` view, ``joints`` and their ``tracking``, ``sway``, ``deadlines``, and ``overview`` with all of them.
+(``cmrc.page.Recording``): ``plan`` and ``side`` view, ``joints`` and their ``tracking``, ``sway``, ``deadlines``, and ``overview`` with all of them.
 """
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from cmrc.replay import Recording
+from cmrc.page import Recording
 from cmrc.result_plots import cdf, gantt, histogram, load_error, misses, sheet
 from cmrc.sweep_plots import cost, grid
 
@@ -23,12 +25,19 @@ __all__ = ["cdf", "cost", "deadlines", "gantt", "grid", "histogram", "joints", "
 JOINTS = {"s_m": "gantry, m", "psi_rad": "slew, rad", "phi_rad": "luff, rad", "trolley_m": "trolley, m", "l_m": "rope, m", "kappa_rad": "rotator, rad"}
 
 
+def _edges(recording: Recording) -> list[float]:
+    """Of the intervals in which jobs and errors are summed: at most 360."""
+    begin, end = float(recording.header["from_s"]), float(recording.header["to_s"])
+    slices = max(1, min(360, math.ceil((end - begin) / 0.05)))
+    return [begin + (end - begin) * i / slices for i in range(slices + 1)]
+
+
 def plan(recording: Recording, axes: Axes) -> None:
     """From above: ship, fixed boxes, the crane's legs, containers, lanes, the load's path, the AGVs' paths with their outlines at the end."""
     from matplotlib.patches import Circle, Polygon
     from matplotlib.transforms import ScaledTranslation
 
-    layout, signals = recording["layout"], recording["signals"]
+    layout, signals = recording.header["layout"], recording.signals
 
     def outline(x: float, y: float, yaw: float, length: float, width: float, **style: Any) -> None:
         corners = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]) * [length / 2, width / 2]
@@ -66,7 +75,7 @@ def plan(recording: Recording, axes: Axes) -> None:
 
 def side(recording: Recording, axes: Axes) -> None:
     """Across the quay: the paths of the jib's tip or the trolley and of the load over y and z."""
-    signals, layout = recording["signals"], recording["layout"]
+    signals, layout = recording.signals, recording.header["layout"]
     ship = layout["ship"]
     axes.fill([ship[2], ship[3], ship[3], ship[2]], [0, 0, ship[5], ship[5]], color="0.85")
     axes.plot(signals["tip_y_m"], signals["tip_z_m"], "0.5", lw=1, label="trolley" if "trolley_m" in signals else "jib tip")
@@ -79,7 +88,7 @@ def side(recording: Recording, axes: Axes) -> None:
 
 def joints(recording: Recording, axes: Axes) -> None:
     """The joints over time, each scaled to its own range."""
-    signals = recording["signals"]
+    signals = recording.signals
     for name, label in JOINTS.items():
         if name not in signals or (name == "psi_rad" and "trolley_m" in signals):
             continue  # the other machine's, or a gantry's slewing, which does not move
@@ -92,11 +101,16 @@ def joints(recording: Recording, axes: Axes) -> None:
 
 def tracking(recording: Recording, axes: Axes) -> None:
     """Each joint's error against the ideal run, root mean square in each interval of the deadlines."""
-    edges = recording["deadlines"]["edges_s"]
-    for name, error in recording["tracking"].items():
-        if any(error["rms"]):  # a gantry does not slew
+    edges, time = _edges(recording), recording.signals["time_s"]
+    for column, error in recording.signals.items():
+        name, found, _ = column.partition("_error_")
+        if not found or name == "load":
+            continue
+        slices = [error[(time > begin) & (time <= end)] for begin, end in pairwise(edges)]
+        rms = np.array([np.sqrt(np.mean(part**2)) if part.size else 0.0 for part in slices])
+        if rms.any():  # a gantry does not slew
             label = next((label for key, label in JOINTS.items() if key.rsplit("_", 1)[0] == name), name)
-            axes.stairs(np.array(error["rms"]) * 1e3, edges, baseline=None, label=label.replace(", ", ", m"))
+            axes.stairs(rms * 1e3, edges, baseline=None, label=label.replace(", ", ", m"))
     axes.set(xlabel="time, s", ylabel="RMS error, mm or mrad", title="joint errors against the ideal run")
     if axes.patches:
         axes.set_yscale("log")
@@ -105,7 +119,7 @@ def tracking(recording: Recording, axes: Axes) -> None:
 
 def sway(recording: Recording, axes: Axes) -> None:
     """Both sway angles in degrees; contact in grey."""
-    signals = recording["signals"]
+    signals = recording.signals
     time = np.array(signals["time_s"])
     for name, label in (("sway_alpha_rad", "radial"), ("sway_beta_rad", "tangential")):
         axes.plot(time, np.degrees(signals[name]), lw=1, label=label)
@@ -119,11 +133,19 @@ def deadlines(recording: Recording, axes: Axes) -> None:
     """Jobs on time (green) and missed (red) per kind over time."""
     from matplotlib.colors import ListedColormap
 
-    kinds, edges = recording["deadlines"]["kinds"], recording["deadlines"]["edges_s"]
+    edges, jobs, last = _edges(recording), recording.jobs, recording.last_runs()
+    due = np.where(np.isnan(jobs["deadline_s"]), jobs["ended_s"], jobs["deadline_s"])
+    kinds, rows = [], []
+    for number, kind in enumerate(recording.header["kinds"]):
+        own = last[jobs["kind"][last] == number]
+        if own.size:
+            counts = [np.histogram(due[own[jobs["missed"][own] == missed]], edges)[0] for missed in (False, True)]
+            kinds.append(kind)
+            rows.append(np.where(counts[1] > 0, 2, counts[0] > 0))
     if kinds:
-        table = np.array([[2 if missed else 1 if met else 0 for met, missed in row] for row in kinds.values()])
+        table = np.array(rows)
         axes.pcolormesh(edges, np.arange(len(kinds) + 1), table, cmap=ListedColormap(["white", "#7cb77c", "#cc2f27"]), vmin=0, vmax=2)
-        axes.set_yticks(np.arange(len(kinds)) + 0.5, list(kinds), fontsize=7)
+        axes.set_yticks(np.arange(len(kinds)) + 0.5, kinds, fontsize=7)
     axes.set(xlabel="time, s", title="deadlines: green met, red missed")
 
 

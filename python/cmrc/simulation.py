@@ -140,6 +140,22 @@ class Simulation:
         """Runs until that instant of virtual time, or the end of the duration. Raises ValueError for an instant that has passed."""
         self._core.run_until(arguments.number("time_s", time_s, "an instant of the run in s, at least 0,", 0.0))
 
+    def record(self) -> None:
+        """Keeps from now on what a page shows (docs/page.md). Changes nothing in the run. Raises RuntimeError where it is recorded already, or over."""
+        self._core.record()
+
+    def write_page(self, path: str | os.PathLike[str], title: str | None = None) -> None:
+        """Writes the page of a run that is over and was recorded (``record``): one HTML file. Raises RuntimeError, OSError."""
+        name = f"CMRC: {self.title}" if title is None else arguments.text("title", title, "what the page is called")
+        files.write(arguments.path("path", path, "the path of the page"), self._core.page(name))
+
+    @property
+    def title(self) -> str:
+        """What the run is called: its DSPs and duration."""
+        settings = self.config.to_dict()
+        dsps = int(settings["machine.dsps"])
+        return f"{dsps} DSP{'' if dsps == 1 else 's'}, {settings['run.duration_s']:g} s"
+
     def snapshot(self) -> Snapshot:
         """The run as it is between two calls of ``run_until``: everything before ``time_s`` has happened (docs/snapshots.md).
 

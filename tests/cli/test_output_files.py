@@ -180,11 +180,11 @@ def test_devices_may_be_named_twice(folder: Path) -> None:
     assert emulator(folder, "exec", "s.asm", "--trace", "/dev/null", "--events", "/dev/null").returncode == 0
 
 
-def test_the_recording_of_a_replay_is_not_replaced_by_its_page(folder: Path) -> None:
-    (folder / "r.json").write_text("{}")
-    command = [sys.executable, "-m", "cmrc", "replay", "r.json", "--html", "r.json"]
+def test_the_configuration_of_a_page_is_not_replaced_by_it(folder: Path) -> None:
+    before = (folder / "c.toml").read_text()
+    command = [sys.executable, "-m", "cmrc", "page", "c.toml", "--out", "c.toml"]
     result = subprocess.run(command, check=False, cwd=folder, capture_output=True, text=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
-    assert result.returncode == 2 and "is the same file as RUN" in result.stderr and (folder / "r.json").read_text() == "{}"
+    assert result.returncode == 2 and "is the same file as RUN" in result.stderr and (folder / "c.toml").read_text() == before
 
 
 # ---- standard output

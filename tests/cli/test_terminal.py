@@ -127,7 +127,7 @@ def test_a_printed_configuration_reads_back(folder: Path) -> None:
     assert _core.cmrc.config(file=str(folder / "printed.toml")).to_dict()["machine.programs"] == EVIL
 
 
-def test_the_replay_command_prints_nothing_that_is_obeyed(folder: Path) -> None:
-    command = [sys.executable, "-m", "cmrc", "replay", f"{EVIL}.json", "--html"]
+def test_the_page_command_prints_nothing_that_is_obeyed(folder: Path) -> None:
+    command = [sys.executable, "-m", "cmrc", "page", f"{EVIL}.html", "--plots", "x.png"]
     result = subprocess.run(command, check=False, cwd=folder, capture_output=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")})
     assert result.returncode == 2 and "x1B" in harmless(result.stderr).replace("x1b", "x1B")

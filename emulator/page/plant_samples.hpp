@@ -1,0 +1,53 @@
+#pragma once
+// The dock at equal intervals of a run, and beside it the ideal run's.
+#include <string>
+#include <vector>
+
+#include "cmrc/simulation.hpp"
+#include "machine/time.hpp"
+#include "nlohmann/json.hpp"
+#include "plant/dock.hpp"
+
+namespace page {
+
+class Columns;
+using machine::Time;
+
+/// What the dock consists of and where it stands, for who draws it: m and rad.
+nlohmann::json layout_of(const plant::DockConfig& config);
+
+class PlantSamples {
+ public:
+  /// Of a run that ends at `end`: 10 ms apart, and of a long run farther, so that there are at most `rows_max`.
+  static constexpr std::size_t rows_max = 20'000;
+  PlantSamples(cmrc::Simulation& simulation, Time from, Time end);
+
+  Time period() const { return period_; }
+  void take(Time now);
+  /// Columns; and in the header how containers changed hands.
+  void put(Columns& columns, nlohmann::json& header, const cmrc::Reference* reference) const;
+
+ private:
+  struct Column {
+    std::string name;
+    double unit;
+    std::vector<double> values;
+  };
+  std::vector<double>& column(std::size_t number) { return columns_[number].values; }
+  void add(std::string name, double unit) { columns_.push_back({std::move(name), unit, {}}); }
+  void declare();
+  void watch_containers(Time now);
+  void put_ideal(Columns& columns, nlohmann::json& header, const cmrc::Reference& reference) const;
+
+  cmrc::Simulation& simulation_;
+  Time period_;
+  std::vector<Time> times_;
+  std::vector<Column> columns_;
+  bool ship_moves_;
+  std::optional<cmrc::Word> planned_crane_, planned_agv_;  // offsets of the planned points, where the program has them
+  cmrc::Word agv_words_ = 0;
+  std::vector<plant::ContainerState> container_states_;
+  nlohmann::json stories_ = nlohmann::json::array();
+};
+
+}  // namespace page

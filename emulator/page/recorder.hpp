@@ -1,0 +1,96 @@
+#pragma once
+// What a page shows of a run, kept while it runs (docs/page.md, The recording). Listens, and changes nothing.
+#include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "cmrc/lanes.hpp"
+#include "cmrc/run_watcher.hpp"
+#include "cmrc/simulation.hpp"
+#include "page/plant_samples.hpp"
+#include "report/event_log.hpp"
+
+namespace page {
+
+class Columns;
+using report::Time;
+
+/// Lanes are told in these.
+inline constexpr Time lane_tick = std::chrono::nanoseconds{1};
+/// Stretches of DSPs that are kept, and half as many jobs; of what comes later the page says that it has no lanes.
+inline constexpr std::size_t stretches_max = 6'000'000;
+/// Events of the dock that are kept.
+inline constexpr std::size_t dock_events_max = 50'000;
+
+class Recorder : public cmrc::RunWatcher, public cmrc::LaneListener, public report::EventSink {
+ public:
+  /// Records `simulation` from now on: before its run, or after restore(). It must live as long as the run.
+  explicit Recorder(cmrc::Simulation& simulation, std::size_t stretches = stretches_max);
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  /// The recording of what has run, for a run that does not go on. \param report of that
+  std::string recording(const report::RunReport& report, const std::string& title);
+
+  // cmrc::RunWatcher, LaneListener
+  void slot_is(unsigned slot, cmrc::SlotState state, Time at) override { lanes_.slot_is(slot, state, at); }
+  void booted(unsigned slot, Time at) override { lanes_.booted(slot, at); }
+  void took(unsigned slot, const cmrc::TakenBlock& block) override { lanes_.took(slot, block); }
+  void left(unsigned slot, report::Run::End end, Time at, const std::vector<std::int64_t>& cycles) override {
+    lanes_.left(slot, end, at, cycles);
+  }
+  void held_up(unsigned slot, machine::Window window, Time from, Time to) override {
+    lanes_.held_up(slot, window, from, to);
+  }
+  void refused(unsigned slot, Time at) override { lanes_.refused(slot, at); }
+  void list(unsigned owner, Time at) override { lanes_.list(owner, at); }
+  void stretch(const cmrc::Stretch& stretch) override;
+  void ended(const cmrc::EndedJob& job) override;
+  void on_bus(machine::BusId bus, const pci::Attempt& attempt, Time from, Time to) override;
+  void latched(const plant::Dock& dock, Time now) override;
+
+  // report::EventSink: of failures and resets alone
+  void event(const report::Event& event) override;
+
+ private:
+  using JobKey = std::uint64_t;
+  static JobKey key(const report::JobName& job);
+  struct Job {
+    JobKey key = 0;
+    Time released{}, end{};
+    std::int64_t allowed = 0;  // ticks from release to deadline + 1; 0: no deadline
+    std::uint8_t outcome = 0;
+    bool missed = false;
+    bool has_run = false;
+  };
+  struct Lane {
+    Time from{}, to{};
+    JobKey job = 0;                                           // of a busy one
+    std::array<std::int64_t, cmrc::held_up_count> held_up{};  // ps
+    std::uint8_t slot = 0, what = 0, end = 0;
+  };
+  struct Bus {
+    std::map<std::uint32_t, std::vector<std::int64_t>> held;  // ps by master, per slice of time
+    std::vector<std::int64_t> refused;                        // attempts that ended without data
+  };
+
+  std::vector<Lane> lanes_in_order();
+  void put_lanes(Columns& columns);
+  void put_buses(Columns& columns, const report::RunReport& report) const;
+
+  cmrc::Simulation& simulation_;
+  std::size_t most_;
+  Time from_, bus_slice_;
+  PlantSamples samples_;
+  cmrc::Lanes lanes_{*this};
+  std::vector<Lane> stretches_;
+  std::vector<Job> jobs_;
+  std::vector<Bus> buses_;
+  std::map<unsigned, std::vector<std::pair<Time, bool>>> failures_;  // by slot: it fails, or is reset (false)
+  Time lanes_until_ = Time::max();
+  std::size_t left_out_ = 0;
+};
+
+}  // namespace page

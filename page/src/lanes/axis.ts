@@ -1,0 +1,30 @@
+// The time axis: round steps, as fine as what is shown needs.
+
+const STEPS = [1, 2, 5];
+
+export function stepFor(width: number, marks: number): number {
+  const least = width / Math.max(1, marks);
+  const power = 10 ** Math.floor(Math.log10(least));
+  if (least > 10 && least < 120) return [15, 20, 30, 60, 120].find((step) => step >= least) ?? 120;
+  return (STEPS.find((step) => step * power >= least) ?? 10) * power;
+}
+
+/** Marks between two instants. */
+export function marks(from: number, to: number, step: number): number[] {
+  const all: number[] = [];
+  for (let n = Math.ceil(from / step - 1e-9); n * step <= to * (1 + 1e-12); ++n) all.push(n * step);
+  return all;
+}
+
+/** A mark, less what all marks share where it is long: +12.5 µs after the whole of a view. */
+export function label(mark: number, step: number, base: number): string {
+  if (step >= 1e-3 || base === 0) return `${mark.toFixed(Math.max(0, -Math.floor(Math.log10(step) + 1e-9)))} s`;
+  const [unit, scale] = step >= 1e-6 ? (["µs", 1e6] as const) : (["ns", 1e9] as const);
+  const digits = Math.max(0, -Math.floor(Math.log10(step * scale) + 1e-9));
+  return `+${((mark - base) * scale).toFixed(digits)} ${unit}`;
+}
+
+/** The whole that fine marks are told from. */
+export function baseOf(from: number, step: number): number {
+  return step >= 1e-3 ? 0 : Math.floor(from / (step * 1000) + 1e-9) * step * 1000;
+}

@@ -1,0 +1,316 @@
+// The lanes: events, DSPs, deadlines and buses over one time axis.
+import { jobsByKind, missesOf, type Jobs } from "../data/jobs";
+import { Pyramid, segmentAt } from "../data/lanes";
+import { before, type Lane, type Recording } from "../data/recording";
+import * as words from "../data/words";
+import { GROUPS, groupsOf, OKABE_ITO, type Theme } from "../ui/colours";
+import type { Moment } from "../ui/events";
+import type { State } from "../ui/state";
+import { baseOf, label, marks, stepFor } from "./axis";
+import { fullScale, LanePainter, masterColours, type Place } from "./paint";
+
+interface Row {
+  name: string;
+  height: number; // CSS px
+  paint(context: CanvasRenderingContext2D, place: Place, dots: number): void;
+  explain(time: number, reach: number): string[] | null;
+  choose?(time: number, reach: number): number; // run of a miss there, or -1
+}
+
+const GAP = 2, AXIS = 22;
+
+export class LanePanel {
+  readonly canvas = document.createElement("canvas");
+  readonly jobs: Jobs[];
+  readonly misses: { at: Float64Array; run: Int32Array };
+  readonly lanes: Lane[];
+  private readonly rows: Row[] = [];
+  private readonly instants: Float64Array;
+  private readonly byOrder: { moments: Moment[]; at: Float64Array }[]; // what is drawn first comes first
+  private readonly painter: LanePainter;
+  private readonly pyramids = new Map<Lane, Pyramid>();
+  private readonly groupOf: Uint8Array;
+  private theme: Theme;
+  left = 150;
+  private dirty = true;
+
+  constructor(private readonly host: HTMLElement, private readonly recording: Recording, private readonly state: State, private readonly moments: Moment[], theme: Theme) {
+    this.theme = theme;
+    this.groupOf = groupsOf(recording.header.kinds);
+    this.painter = new LanePainter(this.groupOf, theme);
+    this.lanes = recording.lanes;
+    this.instants = Float64Array.from(moments, (moment) => moment.at);
+    this.byOrder = [0, 1, 2].map((order) => {
+      const own = moments.filter((moment) => (moment.scripted ? 2 : moment.bad ? 1 : 0) === order);
+      return { moments: own, at: Float64Array.from(own, (moment) => moment.at) };
+    });
+    this.jobs = jobsByKind(recording);
+    this.misses = missesOf(this.jobs);
+    this.canvas.tabIndex = 0;
+    this.canvas.setAttribute("role", "img");
+    this.canvas.setAttribute("aria-label", "What each DSP did, deadlines, buses and events over time");
+    host.append(this.canvas);
+    this.makeRows();
+  }
+
+  private makeRows(): void {
+    const { header, runs, buses } = this.recording;
+    this.rows.push(this.eventRow());
+    const high = this.lanes.length > 8 ? 15 : this.lanes.length > 4 ? 20 : 26;
+    for (const lane of this.lanes) this.rows.push(this.dspRow(lane, high));
+    for (const jobs of this.jobs) {
+      this.rows.push({
+        name: jobs.name.replaceAll("_", " "), height: 12,
+        paint: (context, place, dots) => this.painter.deadlines(context, place, this.state, jobs, runs, dots),
+        explain: (time, reach) => this.explainDeadline(jobs, time, reach),
+        choose: (time, reach) => this.missNear(jobs, time, reach),
+      });
+    }
+    for (const bus of buses) {
+      this.rows.push({
+        name: `bus ${bus.name} to ${fullScale(bus)} %`, height: 20,
+        paint: (context, place) => this.painter.bus(context, place, this.state, bus, header.bus_slice_s, header.from_s, masterColours(bus, this.theme), fullScale(bus)),
+        explain: (time) => {
+          const i = Math.floor((time - header.from_s) / header.bus_slice_s);
+          if (!(i >= 0 && i < bus.refused.length)) return null;
+          const share = (n: number): string => `${(n / 10).toFixed(1)} %`;
+          const all = bus.masters.reduce((sum, master) => sum + master.held[i], 0);
+          return [`bus ${bus.name}: in use ${share(all)} of ${words.time(header.bus_slice_s)}`, ...bus.masters.filter((m) => m.held[i] > 0).map((m) => `${m.name}: ${share(m.held[i])}`),
+            ...(bus.refused[i] ? [`${bus.refused[i]} attempts were told to come again`] : [])];
+        },
+      });
+    }
+  }
+
+  private dspRow(lane: Lane, height: number): Row {
+    const { header, runs } = this.recording;
+    return {
+      name: `DSP ${lane.slot}`, height,
+      paint: (context, place, dots) => {
+        this.painter.lane(context, place, this.state, lane, this.pyramid(lane));
+        this.painter.names(context, place, this.state, lane, runs, header.kinds, dots);
+      },
+      explain: (time, reach) => {
+        const i = segmentAt(lane, time);
+        if (i < 0) return time > lane.end ? [`DSP ${lane.slot}`, "what it did from here on was not recorded"] : null;
+        const first = segmentAt(lane, time - reach), last = segmentAt(lane, time + reach);
+        if (last - first > 6) return [`DSP ${lane.slot}, ${words.time(2 * reach)} under the pointer`, ...this.shares(lane, time - reach, time + reach)];
+        const run = lane.run[i];
+        if (run >= 0) return words.runLines(header, runs, run);
+        const until = i + 1 < lane.from.length ? lane.from[i + 1] : lane.end;
+        const held = lane.held[i] > 0 ? [`of this ${words.time(lane.held[i])} waiting for the list and the buses`] : [];
+        return [`DSP ${lane.slot} ${words.STATES[lane.what[i]]}`, `for ${words.time(until - lane.from[i])}, until ${words.instant(until, 1e-6)}`, ...held];
+      },
+      choose: (time) => {
+        const i = segmentAt(lane, time);
+        return i >= 0 && lane.run[i] >= 0 && runs.missed[lane.run[i]] ? lane.run[i] : -1;
+      },
+    };
+  }
+
+  private shares(lane: Lane, from: number, to: number): string[] {
+    const sums = new Float64Array(GROUPS.length);
+    for (let i = Math.max(0, segmentAt(lane, from)); i < lane.from.length && lane.from[i] < to; ++i) {
+      const upTo = Math.min(to, i + 1 < lane.from.length ? lane.from[i + 1] : lane.end);
+      sums[this.groupOf[lane.what[i]]] += Math.max(0, upTo - Math.max(from, lane.from[i]));
+    }
+    const order = [...sums.keys()].filter((g) => sums[g] > 0).sort((a, b) => sums[b] - sums[a]);
+    return order.slice(0, 6).map((g) => `${((100 * sums[g]) / (to - from)).toFixed(1)} % ${GROUPS[g].name}`);
+  }
+
+  private eventRow(): Row {
+    return {
+      name: "events", height: 18,
+      paint: (context, place, dots) => this.paintEvents(context, place, dots),
+      explain: (time, reach) => {
+        const first = before(this.instants, time - 2 * reach - 1e-12) + 1, upTo = before(this.instants, time + 2 * reach);
+        const lines = this.moments.slice(first, Math.min(upTo + 1, first + 8)).map((moment) => `${words.instant(moment.at, 1e-4)}: ${moment.what}`);
+        return lines.length ? [...lines, ...(upTo - first >= 8 ? [`and ${upTo - first - 7} more`] : [])] : null;
+      },
+    };
+  }
+
+  private paintEvents(context: CanvasRenderingContext2D, place: Place, dots: number): void {
+    const { from, to } = this.state, scale = place.width / (to - from), middle = place.top + place.height / 2, size = 5 * dots;
+    const x = (moment: Moment): number => place.left + (moment.at - from) * scale;
+    const told: Moment[] = [];
+    this.byOrder.forEach(({ moments, at }, order) => {
+      for (let i = before(at, from - 1e-12) + 1; i < at.length && at[i] <= to; ) {
+        const moment = moments[i];
+        if (order) told.push(moment);
+        context.fillStyle = moment.bad ? OKABE_ITO.vermillion : moment.scripted ? OKABE_ITO.orange : this.theme.soft;
+        context.beginPath();
+        if (moment.scripted) context.moveTo(x(moment) - size, middle - size), context.lineTo(x(moment) + size, middle - size), context.lineTo(x(moment), middle + size);
+        else if (moment.bad) context.rect(x(moment) - size * 0.8, middle - size * 0.8, size * 1.6, size * 1.6);
+        else context.arc(x(moment), middle, size * 0.55, 0, 7);
+        context.fill();
+        i = Math.max(i, before(at, at[i] + (2 * dots) / scale)) + 1; // one of each kind in two columns
+      }
+    });
+    told.sort((a, b) => a.at - b.at);
+    context.font = `${10.5 * dots}px system-ui, sans-serif`;
+    context.textBaseline = "middle";
+    context.fillStyle = this.theme.ink;
+    told.forEach((moment, i) => {
+      const next = i + 1 < told.length ? x(told[i + 1]) - size : place.left + place.width;
+      const room = Math.min(340 * dots, next - x(moment) - 2.5 * size);
+      if (room > 30 * dots) context.fillText(this.shortened(context, moment.what, room), x(moment) + 1.6 * size, middle);
+    });
+  }
+
+  private pyramid(lane: Lane): Pyramid {
+    let pyramid = this.pyramids.get(lane);
+    if (!pyramid) this.pyramids.set(lane, (pyramid = new Pyramid(lane, this.groupOf, GROUPS.length, this.recording.header.from_s)));
+    return pyramid;
+  }
+
+  private missNear(jobs: Jobs, time: number, reach: number): number {
+    const place = before(jobs.at, time + reach * 3);
+    let best = -1, away = reach * 3;
+    for (let m = before(jobs.missed, place); m >= 0 && jobs.at[jobs.missed[m]] >= time - reach * 3; --m) {
+      const far = Math.abs(jobs.at[jobs.missed[m]] - time);
+      if (far <= away) (best = jobs.run[jobs.missed[m]]), (away = far);
+    }
+    return best;
+  }
+
+  private explainDeadline(jobs: Jobs, time: number, reach: number): string[] | null {
+    const { header, runs } = this.recording;
+    const miss = this.missNear(jobs, time, reach);
+    if (miss >= 0) return [...words.runLines(header, runs, miss), "click: why"];
+    const first = before(jobs.at, time - 2 * reach) + 1, last = before(jobs.at, time + 2 * reach);
+    if (last - first >= 2) return [jobs.name, `${last - first + 1} deadlines under the pointer, all met`];
+    if (last >= first && last >= 0) return words.runLines(header, runs, jobs.run[last]);
+    const next = Math.min(jobs.at.length - 1, before(jobs.at, time) + 1);
+    return runs.released[jobs.run[next]] <= time ? words.runLines(header, runs, jobs.run[next]) : null;
+  }
+
+  dress(theme: Theme): void {
+    this.theme = theme;
+    this.painter.dress(theme);
+    this.dirty = true;
+  }
+
+  invalidate(): void {
+    this.dirty = true;
+  }
+
+  get height(): number {
+    return AXIS + this.rows.reduce((sum, row) => sum + row.height + GAP, 0) + 4;
+  }
+
+  get width(): number {
+    return Math.max(10, this.host.clientWidth - this.left - 10);
+  }
+
+  timeAt(clientX: number): number {
+    const x = clientX - this.canvas.getBoundingClientRect().left - this.left;
+    return this.state.from + (x / this.width) * (this.state.to - this.state.from);
+  }
+
+  private rowAt(clientY: number): Row | null {
+    let y = clientY - this.canvas.getBoundingClientRect().top - AXIS;
+    for (const row of this.rows) {
+      if (y >= 0 && y < row.height + GAP) return row;
+      y -= row.height + GAP;
+    }
+    return null;
+  }
+
+  placeOf(name: string, time: number): [number, number] {
+    const rect = this.canvas.getBoundingClientRect();
+    let y = rect.top + AXIS;
+    for (const row of this.rows) {
+      if (row.name === name) return [rect.left + this.left + ((time - this.state.from) / (this.state.to - this.state.from)) * this.width, y + row.height / 2];
+      y += row.height + GAP;
+    }
+    throw new Error(`there is no row ${name}`);
+  }
+
+  /** Seconds that half a finger's or pointer's width covers. */
+  private reach(coarse: boolean): number {
+    return ((coarse ? 10 : 2) / this.width) * (this.state.to - this.state.from);
+  }
+
+  explain(clientX: number, clientY: number, coarse = false): string[] | null {
+    const time = this.timeAt(clientX);
+    if (time < this.state.from || time > this.state.to) return null;
+    return this.rowAt(clientY)?.explain(time, this.reach(coarse)) ?? null;
+  }
+
+  missAt(clientX: number, clientY: number, coarse = false): number {
+    return this.rowAt(clientY)?.choose?.(this.timeAt(clientX), this.reach(coarse)) ?? -1;
+  }
+
+  draw(): boolean {
+    if (!this.dirty) return false;
+    this.dirty = false;
+    const dots = Math.min(2, devicePixelRatio), width = Math.round(this.host.clientWidth * dots), height = Math.round(this.height * dots);
+    if (this.canvas.width !== width || this.canvas.height !== height) {
+      this.canvas.width = width;
+      this.canvas.height = height;
+      this.canvas.style.height = `${this.height}px`;
+    }
+    // Dots are put into it by the script: it is kept where the script is.
+    const context = this.canvas.getContext("2d", { willReadFrequently: true })!;
+    context.fillStyle = this.theme.panel;
+    context.fillRect(0, 0, width, height);
+    const place: Place = { left: Math.round(this.left * dots), width: Math.round(this.width * dots), top: 0, height: AXIS * dots };
+    this.paintAxis(context, place, height, dots);
+    let top = AXIS;
+    for (const row of this.rows) {
+      place.top = Math.round(top * dots);
+      place.height = Math.round(row.height * dots);
+      row.paint(context, place, dots);
+      context.fillStyle = this.theme.ink;
+      context.font = `${11.5 * dots}px system-ui, sans-serif`;
+      context.textBaseline = "middle";
+      context.textAlign = "right";
+      context.fillText(this.shortened(context, row.name, (this.left - 12) * dots), (this.left - 8) * dots, place.top + place.height / 2 + dots * 0.5);
+      context.textAlign = "left";
+      top += row.height + GAP;
+    }
+    this.paintChosen(context, place, dots);
+    return true;
+  }
+
+  private shortened(context: CanvasRenderingContext2D, text: string, room: number): string {
+    if (context.measureText(text).width <= room) return text;
+    let short = text;
+    while (short.length > 2 && context.measureText(`${short}…`).width > room) short = short.slice(0, -1);
+    return `${short}…`;
+  }
+
+  private paintAxis(context: CanvasRenderingContext2D, place: Place, height: number, dots: number): void {
+    const { from, to } = this.state, step = stepFor(to - from, place.width / (95 * dots)), base = baseOf(from, step);
+    context.font = `${11 * dots}px system-ui, sans-serif`;
+    context.textBaseline = "middle";
+    for (const mark of marks(from, to, step)) {
+      const x = place.left + ((mark - from) / (to - from)) * place.width;
+      context.fillStyle = this.theme.dark ? "rgba(255,255,255,.09)" : "rgba(0,0,0,.08)";
+      context.fillRect(Math.round(x), AXIS * dots, 1, height - AXIS * dots);
+      context.fillStyle = this.theme.soft;
+      const text = label(mark, step, base), wide = context.measureText(text).width;
+      if (x + wide / 2 < place.left + place.width + 8 * dots && x - wide / 2 > place.left - 30 * dots) context.fillText(text, x - wide / 2, (AXIS / 2) * dots);
+    }
+    if (base > 0) {
+      context.textAlign = "right";
+      context.fillText(`${base.toFixed(6).replace(/0+$/, "").replace(/\.$/, "")} s`, (this.left - 8) * dots, (AXIS / 2) * dots);
+      context.textAlign = "left";
+    }
+  }
+
+  /** From release to deadline of the miss that was chosen, over all lanes. */
+  private paintChosen(context: CanvasRenderingContext2D, place: Place, dots: number): void {
+    const { miss, from, to } = this.state, { runs } = this.recording;
+    if (miss < 0) return;
+    const x = (time: number): number => place.left + ((time - from) / (to - from)) * place.width;
+    const due = Number.isNaN(runs.deadline[miss]) ? runs.ended[miss] : runs.deadline[miss];
+    const left = Math.max(place.left, x(runs.released[miss])), right = Math.min(place.left + place.width, Math.max(x(due), left + 2));
+    if (right < place.left || left > place.left + place.width) return;
+    context.fillStyle = this.theme.dark ? "rgba(213,94,0,.22)" : "rgba(213,94,0,.14)";
+    context.fillRect(left, AXIS * dots, right - left, context.canvas.height);
+    context.fillStyle = OKABE_ITO.vermillion;
+    if (x(due) >= place.left && x(due) <= place.left + place.width) context.fillRect(x(due) - dots, AXIS * dots, 2 * dots, context.canvas.height);
+  }
+}

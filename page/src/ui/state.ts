@@ -1,0 +1,98 @@
+// What is shown: the instant, the stretch of time of the lanes, the speed, the miss that was chosen. One place, and who listens.
+
+export type Part = "now" | "view" | "playing" | "speed" | "miss" | "theme" | "options";
+
+export const SPEEDS = [0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30, 100];
+const SHORTEST_VIEW = 2e-6; // s
+
+export class State {
+  now: number;
+  from: number;
+  to: number;
+  playing = false;
+  speed = 1;
+  miss = -1; // run of the job
+  options = { rays: true, ghost: true, path: true };
+  readonly still: boolean; // the reader wants little motion
+  private readonly listeners: ((part: Part) => void)[] = [];
+
+  constructor(readonly begin: number, readonly end: number) {
+    this.now = this.from = begin;
+    this.to = Math.max(end, begin + SHORTEST_VIEW);
+    this.still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+  }
+
+  listen(listener: (part: Part) => void): void {
+    this.listeners.push(listener);
+  }
+
+  tell(part: Part): void {
+    for (const listener of this.listeners) listener(part);
+  }
+
+  seek(time: number): void {
+    const now = Math.min(this.end, Math.max(this.begin, time));
+    if (now === this.now) return;
+    this.now = now;
+    this.tell("now");
+  }
+
+  show(from: number, to: number): void {
+    const whole = this.end - this.begin;
+    const width = Math.min(whole, Math.max(Math.min(SHORTEST_VIEW, whole), to - from));
+    const middle = (from + to) / 2;
+    const start = Math.min(this.end - width, Math.max(this.begin, middle - width / 2));
+    if (start === this.from && start + width === this.to) return;
+    this.from = start;
+    this.to = start + width;
+    this.tell("view");
+  }
+
+  /** `factor` below 1 shows less; `around` stays where it is. */
+  zoom(factor: number, around: number): void {
+    this.show(around - (around - this.from) * factor, around + (this.to - around) * factor);
+  }
+
+  pan(by: number): void {
+    this.show(this.from + by, this.to + by);
+  }
+
+  whole(): void {
+    this.show(this.begin, this.end);
+  }
+
+  /** Turns the leaf when the instant has left the view. */
+  follow(): void {
+    const width = this.to - this.from;
+    if (this.now < this.from || this.now > this.to) this.show(this.now - 0.05 * width, this.now + 0.95 * width);
+  }
+
+  play(playing: boolean): void {
+    if (playing && this.now >= this.end) this.seek(this.begin);
+    this.playing = playing;
+    this.tell("playing");
+  }
+
+  setSpeed(speed: number): void {
+    this.speed = speed;
+    this.tell("speed");
+  }
+
+  choose(run: number): void {
+    this.miss = run;
+    this.tell("miss");
+  }
+
+  set(option: keyof State["options"], value: boolean): void {
+    this.options[option] = value;
+    this.tell("options");
+  }
+
+  /** Moves on by so many seconds of the reader's. */
+  advance(seconds: number): void {
+    if (!this.playing) return;
+    this.seek(this.now + seconds * this.speed);
+    if (this.now >= this.end) this.play(false);
+    this.follow();
+  }
+}

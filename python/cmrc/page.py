@@ -1,0 +1,199 @@
+"""The page that shows a run in a browser (docs/page.md), and the recording that it carries.
+
+``Simulation.record`` keeps what is needed while the run goes on, ``Simulation.write_page`` writes the page; ``Recording.read`` reads back what a page carries.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+import math
+import os
+import re
+import struct
+import zlib
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+FORMAT = 1
+FIRST_KIND = 4
+"""``what`` of a lane from here on is a job of kind ``what - FIRST_KIND``; below: off, dead, asleep, executive."""
+
+Column = NDArray[np.float64]
+
+
+class PageError(ValueError):
+    """A file that is no page of this emulator, or a damaged one."""
+
+
+def _inflated(data: bytes) -> bytes:
+    inflater = zlib.decompressobj(-15)
+    try:
+        out = inflater.decompress(data) + inflater.flush()
+    except zlib.error as error:
+        raise PageError(f"the recording is damaged: {error}") from None
+    if not inflater.eof:
+        raise PageError("the recording is damaged: a column ends too early")
+    return out
+
+
+def _numbers(data: bytes, count: int, order: int) -> NDArray[np.int64]:
+    """Zigzag varints, each less what the ones before it foretell (emulator/page/columns.hpp)."""
+    octets = np.frombuffer(data, dtype=np.uint8)
+    ends = np.flatnonzero(octets < 0x80)
+    if ends.size != count or (octets.size and octets[-1] >= 0x80):
+        raise PageError("the recording is damaged: a column has another length than its header says")
+    begins = np.concatenate(([0], ends[:-1] + 1)) if count else ends
+    bits = np.zeros(count, dtype=np.uint64)
+    for place in range(int((ends - begins).max()) + 1 if count else 0):
+        there = begins + place <= ends
+        bits[there] |= (octets[begins[there] + place] & 0x7F).astype(np.uint64) << np.uint64(7 * place)
+    values: NDArray[np.int64] = (bits >> np.uint64(1)).astype(np.int64) ^ -(bits & np.uint64(1)).astype(np.int64)
+    for _ in range(order):
+        values = np.cumsum(values)
+    return values
+
+
+@dataclass
+class Lane:
+    """What one DSP did, one thing after another: ``from_s`` and ``to_s`` in s, ``what`` as FIRST_KIND says, ``run`` the job's row in ``Recording.jobs`` or -1."""
+
+    from_s: Column
+    to_s: Column
+    what: NDArray[np.int64]
+    run: NDArray[np.int64]
+
+
+class Recording:
+    """What a page carries: ``header``, ``report`` (docs/report.md), the dock's ``signals``, the DSPs' ``lanes``, ``jobs``."""
+
+    def __init__(self, data: bytes) -> None:
+        if data[:8] != b"CMRCpage":
+            raise PageError("the page holds no recording")
+        (size,) = struct.unpack("<I", data[8:12])
+        try:
+            self.header: dict[str, Any] = json.loads(data[12 : 12 + size].decode("utf-8"))
+        except ValueError as error:
+            raise PageError(f"the recording is damaged: {error}") from None
+        if self.header.get("format") != FORMAT:
+            raise PageError(f"a recording of format {self.header.get('format')} is not known; {FORMAT} is expected")
+        self._data = data[12 + size :]
+        self._entries: dict[str, dict[str, Any]] = {entry["name"]: entry for entry in self.header["columns"]}
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Recording:
+        """From a page. Raises OSError; PageError for a file that is none."""
+        name = os.fspath(path)
+        text = Path(path).read_text(encoding="utf-8", errors="replace")
+        found = re.search(r'<script type="text/plain" id="recording">([A-Za-z0-9+/=\s]*)</script>', text)
+        if found is None:
+            raise PageError(f"{name} is no page of this emulator (cmrc page CONFIG.toml writes one)")
+        try:
+            return cls(base64.b64decode(found[1], validate=True))
+        except (PageError, binascii.Error, struct.error, KeyError) as error:
+            raise PageError(f"{name}: {error}") from None
+
+    def names(self) -> list[str]:
+        """Of all columns."""
+        return list(self._entries)
+
+    def whole(self, name: str) -> NDArray[np.int64]:
+        """A column in its own units."""
+        entry = self._entries[name]
+        return _numbers(self._bytes(entry), entry["count"], entry["order"])
+
+    def _bytes(self, entry: dict[str, Any]) -> bytes:
+        return _inflated(self._data[entry["at"] : entry["at"] + entry["size"]])
+
+    @cached_property
+    def report(self) -> dict[str, Any]:
+        """The run's report."""
+        report: dict[str, Any] = json.loads(self._bytes(self._entries["report"]))
+        return report
+
+    @cached_property
+    def signals(self) -> dict[str, Column]:
+        """The dock at equal intervals, units in the names; ``time_s`` is one of them."""
+        return {
+            name: (self.whole(name) * float(entry["unit"])).astype(np.float64)
+            for name, entry in self._entries.items()
+            if "count" in entry and not re.match(r"(lane|run|job|bus)\.", name)
+        }
+
+    @cached_property
+    def lanes(self) -> list[Lane]:
+        """Of each slot."""
+        slot, what, took = (self.whole(f"lane.{name}") for name in ("slot", "what", "took"))
+        run = np.where(what >= FIRST_KIND, np.cumsum(what >= FIRST_KIND) - 1, -1)
+        second, lanes = self.header["tick_ps"] * 1e-12, []
+        begin = math.floor(self.header["from_s"] / second + 1e-6)
+        for number in range(self.header["slots"]):
+            own = slot == number
+            ends = begin + np.cumsum(took[own])
+            lanes.append(Lane((ends - took[own]) * second, ends * second, what[own], run[own]))
+        return lanes
+
+    @cached_property
+    def jobs(self) -> dict[str, NDArray[Any]]:
+        """Every run of a job, then the jobs that none ever ran (``dsp`` -1): kind, robot, number, dsp, times in s (NaN: no deadline), outcome, missed, end."""
+        second = self.header["tick_ps"] * 1e-12
+        slot, what = self.whole("lane.slot"), self.whole("lane.what")
+        busy = what >= FIRST_KIND
+        claimed, ended = np.zeros(busy.size), np.zeros(busy.size)
+        for number, lane in enumerate(self.lanes):
+            claimed[slot == number], ended[slot == number] = lane.from_s, lane.to_s
+        runs = {
+            name: self.whole(f"run.{name}")
+            for name in ("number", "robot", "end", "waited", "allowed", "outcome", "missed")
+        }
+        never = {
+            name: self.whole(f"job.{name}")
+            for name in ("number", "kind", "robot", "released", "took", "allowed", "outcome", "missed")
+        }
+        kind = what[busy] - FIRST_KIND
+        released = np.round(claimed[busy] / second).astype(np.int64) - runs["waited"]
+        since = np.concatenate((released, never["released"]))
+        allowed = np.concatenate((runs["allowed"], never["allowed"]))
+        return {
+            "kind": np.concatenate((kind, never["kind"])),
+            "robot": np.concatenate((runs["robot"], never["robot"])),
+            "number": np.concatenate(
+                (
+                    _absolute(runs["number"], kind, runs["robot"]),
+                    _absolute(never["number"], never["kind"], never["robot"]),
+                )
+            ),
+            "dsp": np.concatenate((slot[busy], np.full(never["kind"].size, -1))),
+            "claimed_s": np.concatenate((claimed[busy], never["released"] * second)),
+            "ended_s": np.concatenate((ended[busy], (never["released"] + never["took"]) * second)),
+            "released_s": since * second,
+            "deadline_s": np.where(allowed == 0, np.nan, (since + allowed - 1) * second),
+            "outcome": np.concatenate((runs["outcome"], never["outcome"])),
+            "missed": np.concatenate((runs["missed"], never["missed"])).astype(bool),
+            "end": np.concatenate((runs["end"], np.zeros(never["kind"].size, dtype=np.int64))),
+        }
+
+    def last_runs(self) -> NDArray[np.int64]:
+        """The row in ``jobs`` that tells of each job: the run that finished, else the last."""
+        jobs = self.jobs
+        last: dict[tuple[int, int, int], int] = {}
+        for row, key in enumerate(
+            zip(jobs["kind"].tolist(), jobs["robot"].tolist(), jobs["number"].tolist(), strict=True)
+        ):
+            last[key] = row
+        return np.array(sorted(last.values()), dtype=np.int64)
+
+
+def _absolute(number: NDArray[np.int64], kind: NDArray[np.int64], robot: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Numbers that are told less that of the job of their kind and robot before."""
+    out = np.zeros_like(number)
+    for of in np.unique(kind * 256 + robot):
+        own = kind * 256 + robot == of
+        out[own] = np.cumsum(number[own])
+    return out

@@ -1,0 +1,298 @@
+"""The page in Chromium: seen, turned, zoomed, asked; on a phone, in the dark, without WebGL."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from browser import NO_WEBGL, SOFTWARE, Tab, chromium, driver, opened
+from cmrc.page import Recording
+from page_runs import BUSY, HOSTILE, KILLED, KILLED_AT_S, recorded
+
+pytestmark = pytest.mark.xdist_group("browser")
+
+
+@pytest.fixture(scope="module")
+def started() -> Iterator[Any]:
+    with driver() as one:
+        yield one
+
+
+@pytest.fixture(scope="module")
+def browser(started: Any) -> Iterator[Any]:
+    with chromium(started, SOFTWARE) as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def run(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Recording]:
+    path = tmp_path_factory.mktemp("page") / "busy.html"
+    return path, recorded(BUSY, KILLED, path, HOSTILE)[1]
+
+
+@pytest.fixture(scope="module")
+def shared(browser: Any, run: tuple[Path, Recording]) -> Iterator[Tab]:
+    with opened(browser, run[0]) as tab:
+        yield tab
+
+
+@pytest.fixture
+def tab(shared: Tab) -> Tab:
+    """The page as it was opened."""
+    shared.page.evaluate(
+        "page.state.choose(-1); page.state.play(false); page.state.setSpeed(1); page.state.whole(); page.state.seek(0)"
+    )
+    shared.page.mouse.move(2, 2)
+    shared.settle()
+    return shared
+
+
+def misses(recording: Recording) -> list[tuple[float, str]]:
+    jobs, last = recording.jobs, recording.last_runs()
+    rows = [i for i in last.tolist() if jobs["missed"][i]]
+    return sorted(
+        (
+            float(jobs["deadline_s"][i]),
+            f"{recording.header['kinds'][jobs['kind'][i]]}:{jobs['robot'][i]}:{jobs['number'][i]}",
+        )
+        for i in rows
+    )
+
+
+def camera(tab: Tab) -> list[float]:
+    return [float(value) for value in tab.page.evaluate("page.eye()")]
+
+
+def test_it_opens_without_a_request_or_a_complaint(tab: Tab, run: tuple[Path, Recording]) -> None:
+    assert tab.asked == [run[0].as_uri()]
+    assert tab.problems == []
+    facts = tab.page.locator("#facts").inner_text()
+    assert facts.startswith(f"{len(misses(run[1]))} deadlines missed")
+    assert tab.page.locator("#title").inner_text() == " ".join(
+        HOSTILE.replace("\u2028", " ").replace("\u0007", " ").split()
+    )
+    assert tab.page.evaluate("document.querySelectorAll('header b').length") == 1  # nothing of the title is markup
+
+
+def test_a_fetch_is_refused_by_the_policy(browser: Any, run: tuple[Path, Recording]) -> None:
+    with opened(browser, run[0]) as tab:
+        assert tab.page.evaluate("fetch('https://example.org/').then(() => 'fetched', () => 'refused')") == "refused"
+        assert any("Content Security Policy" in problem for problem in tab.problems)
+
+
+def test_the_dock_turns_and_keeps_its_ground(tab: Tab) -> None:
+    x, y, width, height = tab.place("#dock")
+    before = camera(tab)
+    tab.page.mouse.move(x + width * 0.7, y + height * 0.4)
+    tab.page.mouse.down()
+    tab.page.mouse.move(x + width * 0.5, y + height * 0.5, steps=4)
+    tab.page.mouse.up()
+    tab.settle()
+    assert camera(tab) != before
+    # As far down as it goes: the eye stays above the ground, and ground and sky are both in the picture.
+    for _ in range(3):
+        tab.page.mouse.move(x + width * 0.5, y + height * 0.9)
+        tab.page.mouse.down()
+        tab.page.mouse.move(x + width * 0.5, y + 2, steps=4)
+        tab.page.mouse.up()
+    tab.settle()
+    assert camera(tab)[2] >= 1.5
+    colours = tab.page.evaluate("page.sample([[0.97, 0.97], [0.97, 0.02]])")
+    assert sum(colours[0][:3]) > 0 and colours[0] != colours[1]
+    tab.page.locator("#dock canvas").focus()
+    lowest = camera(tab)
+    for _ in range(6):
+        tab.page.keyboard.press("ArrowUp")
+    tab.page.keyboard.press("+")
+    tab.settle()
+    assert camera(tab)[2] > lowest[2]
+    tab.page.click("#home")
+    assert camera(tab) == pytest.approx(before)
+
+
+def test_the_wheel_zooms_from_the_whole_run_to_one_claim(tab: Tab, run: tuple[Path, Recording]) -> None:
+    jobs = run[1].jobs
+    pid = run[1].header["kinds"].index("pid")
+    row = next(i for i in range(200, jobs["kind"].size) if jobs["kind"][i] == pid and jobs["dsp"][i] == 0)
+    middle = (jobs["claimed_s"][row] + jobs["ended_s"][row]) / 2
+    took = jobs["ended_s"][row] - jobs["claimed_s"][row]
+    for _ in range(40):
+        if tab.state("to") - tab.state("from") < 3 * took:
+            break
+        tab.page.mouse.move(*tab.lane("DSP 0", middle))
+        tab.page.mouse.wheel(0, -500)
+        tab.settle(1)
+    assert tab.state("from") < jobs["claimed_s"][row] < jobs["ended_s"][row] < tab.state("to")
+    tab.page.mouse.move(*tab.lane("DSP 0", middle))
+    said = tab.hint()
+    assert (
+        f"pid, job {jobs['number'][row]}" in said
+        and "DSP 0 claimed it" in said
+        and f"ran it for {took * 1e6:.2f}" in said.replace(" µs", "")
+    )
+    tab.page.keyboard.press("0")
+    assert (tab.state("from"), tab.state("to")) == (0, tab.state("end"))
+
+
+def test_a_click_goes_there_and_dragging_moves_the_view(tab: Tab) -> None:
+    tab.page.mouse.click(*tab.lane("DSP 2", 0.1))
+    assert tab.state("now") == pytest.approx(0.1, abs=0.002)
+    assert tab.page.locator("#clock").inner_text().startswith("0.1")
+    tab.page.evaluate("page.state.show(0.1, 0.2)")
+    tab.settle()
+    x, y = tab.lane("DSP 0", 0.15)
+    tab.page.mouse.move(x, y)
+    tab.page.mouse.down()
+    tab.page.mouse.move(x - 200, y, steps=3)
+    tab.page.mouse.up()
+    assert tab.state("from") > 0.11 and tab.state("to") - tab.state("from") == pytest.approx(0.1)
+
+
+def test_a_killed_dsp_is_seen_to_die(tab: Tab) -> None:
+    tab.page.mouse.move(*tab.lane("DSP 1", KILLED_AT_S + 0.1))
+    assert "DSP 1 is dead" in tab.hint()
+    tab.page.mouse.move(*tab.lane("DSP 2", KILLED_AT_S + 0.1))
+    assert "dead" not in tab.hint()
+    tab.page.mouse.move(*tab.lane("events", KILLED_AT_S))
+    assert "0.2000 s: fail" in tab.hint()
+    tab.page.keyboard.press("e")
+    assert tab.state("now") == KILLED_AT_S
+
+
+def test_a_click_on_a_miss_tells_why(tab: Tab, run: tuple[Path, Recording]) -> None:
+    chain = next(
+        one for one in run[1].report["misses"] if one["kind"] == "pid" and one["outcome"] == "late" and one["behind"]
+    )
+    due = chain["deadline_ps"] * 1e-12
+    tab.page.evaluate("t => page.state.show(t - 0.004, t + 0.004)", due)
+    tab.settle()
+    tab.page.mouse.click(*tab.lane("pid", due))
+    panel = tab.page.locator("#miss")
+    assert panel.is_visible() and f"job {chain['number']}" in panel.locator("h2").inner_text()
+    text = panel.inner_text()
+    assert "every DSP" in text and "In its way" in text and "late" in text
+    amounts = panel.locator(".part .amount").all_inner_texts()
+    assert len(amounts) >= 3 and amounts[-1].startswith("=")
+    # A block in the way leads to its claim.
+    panel.locator(".behind button").first.click()
+    assert any(tab.state("now") == pytest.approx(one["claimed_ps"] * 1e-12, abs=1e-9) for one in chain["behind"])
+    tab.page.keyboard.press("Escape")
+    assert panel.is_hidden()
+
+
+def test_keys_play_seek_and_go_from_miss_to_miss(tab: Tab, run: tuple[Path, Recording]) -> None:
+    tab.page.keyboard.press("]")
+    assert tab.state("speed") == 3 and tab.page.locator("#speed").input_value() == "3"
+    for _ in range(5):
+        tab.page.keyboard.press("[")
+    assert tab.state("speed") == 0.01  # far from the run's end, however slow the machine is
+    tab.page.keyboard.press("Space")
+    tab.wait_until("page.state.now > 0.0005")
+    tab.page.keyboard.press("Space")
+    assert tab.state("playing") is False
+    tab.page.keyboard.press("Home")
+    tab.page.keyboard.press("n")
+    first = misses(run[1])[0]
+    assert tab.page.evaluate("page.missName()") == first[1]
+    tab.page.keyboard.press("n")
+    tab.page.keyboard.press("p")
+    assert tab.page.evaluate("page.missName()") == first[1] and tab.state("now") == pytest.approx(first[0], abs=1e-6)
+
+
+def test_a_link_leads_to_an_instant_and_a_miss(browser: Any, run: tuple[Path, Recording]) -> None:
+    _, name = misses(run[1])[7]
+    with opened(browser, run[0], f"#t=0.123456&miss={name}") as tab:
+        assert tab.state("now") == pytest.approx(0.123456) and tab.page.evaluate("page.missName()") == name
+        assert tab.page.locator("#miss").is_visible()
+        tab.page.evaluate("page.state.choose(-1); page.state.seek(0.25)")
+        tab.wait_until("location.hash.startsWith('#t=0.25')")
+        assert "miss" not in tab.page.evaluate("location.hash")
+    with opened(browser, run[0], "#t=nonsense&miss=nothing:9:9&from=5") as tab:
+        assert tab.state("now") == 0 and tab.page.locator("#miss").is_hidden() and tab.problems == []
+
+
+def test_the_dock_says_what_is_under_the_pointer(tab: Tab) -> None:
+    x, y, width, height = tab.place("#dock")
+    said = set()
+    for i in range(30):
+        for k in range(12):
+            lines = tab.page.evaluate(
+                "([x, y]) => page.explainDock(x, y)", [x + width * (0.2 + 0.02 * i), y + height * (0.2 + 0.06 * k)]
+            )
+            if lines:
+                said.add(lines[0].split(" ")[0])
+    assert {"ship", "container", "crane", "AGV"} <= said
+
+
+def test_the_picture_is_a_png_of_dock_and_lanes(tab: Tab, tmp_path: Path) -> None:
+    with tab.page.expect_download() as download:
+        tab.page.click("#picture")
+    path = tmp_path / "picture.png"
+    download.value.save_as(path)
+    data = path.read_bytes()
+    width, height = int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")
+    assert data[:8] == b"\x89PNG\r\n\x1a\n" and width >= 1000 and height > 500 and len(data) > 20_000
+    assert re.fullmatch(r"cmrc-\d+\.\d{3}s\.png", download.value.suggested_filename)
+
+
+def test_a_phone_shows_it_all_within_its_width(browser: Any, run: tuple[Path, Recording]) -> None:
+    with opened(
+        browser, run[0], viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True, device_scale_factor=2
+    ) as tab:
+        assert tab.page.evaluate("document.documentElement.scrollWidth") == 390
+        for selector in ("#dock canvas", "#lanes canvas", "#play", "#slider", "#keys"):
+            left, top, width, height = tab.place(selector)
+            assert left >= 0 and left + width <= 391 and top >= 0 and height > 20, selector
+        tab.page.touchscreen.tap(*tab.lane("DSP 1", 0.3))
+        assert tab.state("now") == pytest.approx(0.3, abs=0.01) and "DSP 1" in tab.hint()
+        assert tab.problems == []
+
+
+def test_the_dark_theme_is_dark_and_the_light_one_light(browser: Any, run: tuple[Path, Recording]) -> None:
+    with opened(browser, run[0], color_scheme="dark") as tab:
+        colours = [tab.page.evaluate("getComputedStyle(document.body).backgroundColor")]
+        tab.page.keyboard.press("d")
+        colours.append(tab.page.evaluate("getComputedStyle(document.body).backgroundColor"))
+    brightness = [sum(int(part) for part in re.findall(r"\d+", colour)[:3]) for colour in colours]
+    assert brightness[0] < 150 and brightness[1] > 600
+
+
+def test_without_webgl_lanes_and_plots_still_work(started: Any, run: tuple[Path, Recording]) -> None:
+    with chromium(started, NO_WEBGL) as plain, opened(plain, run[0]) as tab:
+        assert "no WebGL" in tab.page.locator("#wait").inner_text()
+        tab.page.mouse.click(*tab.lane("DSP 0", 0.2))
+        assert tab.state("now") == pytest.approx(0.2, abs=0.002) and "DSP 0" in tab.hint()
+        assert tab.page.locator(".u-wrap").count() == 2
+        assert all("WebGL" in problem or "WEBGL" in problem or "context" in problem for problem in tab.problems)
+
+
+def test_little_motion_is_asked_for_and_given(browser: Any, run: tuple[Path, Recording]) -> None:
+    with opened(browser, run[0], reduced_motion="reduce") as tab:
+        assert tab.state("still") is True
+        assert tab.page.evaluate("getComputedStyle(document.getElementById('play')).transitionDuration") == "0s"
+
+
+@pytest.mark.campaign
+def test_a_long_run_is_a_small_page_that_is_drawn_in_time(browser: Any, tmp_path: Path) -> None:
+    """On a quiet machine: 180 s of 4 DSPs in 5 MB, at most 8 ms of script in a frame of 1920 x 1080, 20 frames/s by software at 1280 x 720."""
+    path = tmp_path / "long.html"
+    recorded({"machine.dsps": 4, "duration_s": 180.0}, [], path)
+    assert path.stat().st_size <= 5_000_000
+    views = (
+        "page.state.whole(); page.state.setSpeed(10)",
+        "page.state.show(20, 30); page.state.setSpeed(1)",
+        "page.state.show(20, 20.02); page.state.setSpeed(0.001)",
+    )
+    for width, height in ((1920, 1080), (1280, 720)):
+        with opened(browser, path, viewport={"width": width, "height": height}) as tab:
+            for view in views:
+                tab.page.evaluate(f"page.state.seek(20.005); {view}; page.state.play(true)")
+                tab.page.wait_for_timeout(4000)  # the resolution finds its place
+                tab.page.evaluate("page.frames.length = 0")
+                tab.page.wait_for_timeout(4000)
+                frames = sorted(tab.page.evaluate("page.frames"))
+                assert frames[int(len(frames) * 0.95)] <= 8, (view, frames[-5:])
+                if height == 720:
+                    assert len(frames) >= 80, (view, len(frames))
+                tab.page.evaluate("page.state.play(false)")
