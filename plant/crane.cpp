@@ -260,7 +260,6 @@ template <class Count>
 [[gnu::always_inline]] inline void solve_rows(const CraneMatrix& m, CraneVector& x, Count n) {
   CraneMatrix lower;
   CraneVector inverse;
-#pragma GCC unroll 7
   for (std::size_t i = 0; i < n; ++i) {
     double sum = x[i];
     double diagonal = m[i][i];
@@ -279,10 +278,8 @@ template <class Count>
     inverse[i] = 1.0 / diagonal;
     x[i] = sum;
   }
-#pragma GCC unroll 7
   for (std::size_t i = n; i-- > 0;) {
     double sum = x[i];
-#pragma GCC unroll 7
     for (std::size_t j = i + 1; j < n; ++j) sum -= lower[j][i] * x[j];
     x[i] = sum * inverse[i];
   }

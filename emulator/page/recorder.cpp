@@ -104,7 +104,9 @@ void Recorder::ended(const cmrc::EndedJob& ended) {
                    ended.missed, false});
 }
 
-void Recorder::on_bus(machine::BusId id, const pci::Attempt& attempt, Time from, Time to) {
+void Recorder::on_bus(machine::BusId id, const pci::Attempt& attempt, const machine::Clock& clock) {
+  Time from = clock.at(attempt.frame);
+  const Time to = clock.at(attempt.last + 1);
   if (from < from_) return;
   const auto number = static_cast<std::size_t>(id);
   if (buses_.size() <= number) buses_.resize(number + 1);

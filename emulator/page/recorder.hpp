@@ -48,7 +48,7 @@ class Recorder : public cmrc::RunWatcher, public cmrc::LaneListener, public repo
   void list(unsigned owner, Time at) override { lanes_.list(owner, at); }
   void stretch(const cmrc::Stretch& stretch) override;
   void ended(const cmrc::EndedJob& job) override;
-  void on_bus(machine::BusId bus, const pci::Attempt& attempt, Time from, Time to) override;
+  void on_bus(machine::BusId bus, const pci::Attempt& attempt, const machine::Clock& clock) override;
   void latched(const plant::Dock& dock, Time now) override;
 
   // report::EventSink: of failures and resets alone
