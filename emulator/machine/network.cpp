@@ -35,7 +35,6 @@ Network::Network(NetworkDescription description, std::uint64_t turn_order)
   if (d.chips.empty() || d.chips.size() > most_chips)
     throw NetworkError(fmt::format("a network of {} chips; 1 to {} are possible", d.chips.size(), most_chips));
   for (NetworkChip& chip : d.chips) {
-    refuse_devices(chip.board, "a network");
     const std::size_t n = nodes_.size();
     if (chip.name.empty()) chip.name = fmt::format("{}", n);
     const double mhz = chip.clock_mhz ? *chip.clock_mhz : chip.board.clock_mhz.value_or(default_clock_mhz);
@@ -45,7 +44,10 @@ Network::Network(NetworkDescription description, std::uint64_t turn_order)
   }
   join_links();
   add_memories();
+  add_devices();
+  add_pin_nets();
   join_nets();
+  join_pin_nets();
   for (auto& node : nodes_) load(*node);
   take_part();
   for (auto& net : nets_) net->start();
@@ -61,6 +63,7 @@ void Network::take_part() {
     scheduler_.add(*link_turns_.emplace_back(std::make_unique<LinkTurn>(*this, n)));
   for (auto& net : nets_) scheduler_.add(*net);
   scheduler_.add(*(action_turn_ = std::make_unique<ActionTurn>(*this)));
+  for (auto& turn : device_turns_) scheduler_.add(*turn);
   for (auto& node : nodes_) scheduler_.add(*node);
 }
 
@@ -136,6 +139,13 @@ void Network::add_memories() {
   for (const SharedMemory& given : description_.memories) {
     if (given.words == 0 || given.words > 1u << 24)
       throw NetworkError(fmt::format("memory {}: {} words; 1 to {} are possible", given.name, given.words, 1u << 24));
+    if (given.dual_port && (given.places.size() != 2 || given.places[0].first == given.places[1].first))
+      throw NetworkError(fmt::format("memory {}: a dual-port memory has two places, of two chips", given.name));
+    if (given.dual_port && given.words < 2)
+      throw NetworkError(
+          fmt::format("memory {}: the two last words are mailboxes; 2 or more are expected", given.name));
+    if (!given.dual_port && std::ranges::any_of(given.pins, [](const auto& pin) { return pin.has_value(); }))
+      throw NetworkError(fmt::format("memory {}: only a dual-port memory pulls pins", given.name));
     if (given.waits < 0 || given.waits > 1000)
       throw NetworkError(fmt::format("memory {}: {} wait states; 0 to 1000 are possible", given.name, given.waits));
     for (const auto& [chip, base] : given.places) {
@@ -155,7 +165,9 @@ void Network::add_memories() {
       if (memory_of(*nodes_[chip], base) != nullptr || memory_of(*nodes_[chip], base + given.words - 1) != nullptr)
         throw NetworkError(fmt::format("memory {}: chip {} has another memory at {:08X}h", given.name, chip, base));
     }
-    memories_.push_back(std::make_unique<Memory>(Memory{given, std::vector<Word>(given.words), Time{0}, {}}));
+    auto& memory = *memories_.emplace_back(std::make_unique<Memory>());
+    memory.description = given;
+    memory.words.resize(given.words);
   }
 }
 
@@ -168,8 +180,10 @@ void Network::load(Node& node) {
   const toolchain::Image& image = *node.description.program;
   node.chip.reset();
   const c40::Board& board = node.description.board.board;
+  for (const auto& [base, words] : node.description.board.contents) node.chip.write_block(base, words);
   const bool from_ports = node.description.boot && reset_source(board) == ResetSource::ports;
-  if (node.description.boot && !from_ports && reset_source(board) == ResetSource::memory)
+  const bool has_stream = image.sections.empty() && !node.description.board.contents.empty();  // in a ROM of the board
+  if (node.description.boot && !from_ports && reset_source(board) == ResetSource::memory && !has_stream)
     return load_stream(node, image, board);
   for (const toolchain::Image::Section& section : image.sections) {
     if (!section.loaded || from_ports) continue;
@@ -285,6 +299,7 @@ bool Network::quiet() {
                   [](const auto& link) { return link->next_event() != never && !link->only_exchanges_token(); }))
     return false;
   if (std::ranges::any_of(nets_, [](const auto& net) { return net->goes_on() && net->is_heard(); })) return false;
+  if (std::ranges::any_of(nodes_, [](const auto& node) { return node->devices_go_on(); })) return false;
   for (auto& node : nodes_) node->look_for_loop();
   const auto moves = std::find_if(nodes_.begin(), nodes_.end(), [](const auto& node) { return !node->is_still(); });
   if (moves == nodes_.end()) return true;
@@ -380,18 +395,21 @@ void Network::perform_port(Node& node) {
 void Network::perform_memory(Node& node) {
   Memory& memory = *memory_of(node, node.stop.access.address);
   const c40::ExternalAccess& access = node.stop.access;
-  const auto place = std::find_if(
-      memory.description.places.begin(), memory.description.places.end(),
-      [&](const auto& p) { return p.first == node.number && access.address - p.second < memory.description.words; });
-  Word& word = memory.words[access.address - place->second];
+  const std::size_t side = memory.side_of(node.number, access.address);
+  const Address offset = access.address - memory.description.places[side].second;
+  Word& word = memory.words[offset];
   const Word before = word;
   const Cycles cycle = node.first_cycle(now_);
-  memory.free = node.clock.at(cycle + 1 + memory.description.waits);
+  const Time ends = node.clock.at(cycle + 1 + memory.description.waits);
   const auto owner = memory.owner;
+  if (memory.description.dual_port)
+    memory.sides[side] = {offset, ends};
+  else
+    memory.free = ends;
   if (access.write && word != access.value) something_happened();
   if (access.interlocked && access.write)
     memory.owner.reset();
-  else if (access.interlocked && !is_sigi(node.chip.peek(node.chip.pc())))
+  else if (!memory.description.dual_port && access.interlocked && !is_sigi(node.chip.peek(node.chip.pc())))
     memory.owner = node.number;
   if (memory.owner != owner) something_happened();
   if (access.write) {
@@ -400,9 +418,33 @@ void Network::perform_memory(Node& node) {
   } else {
     node.chip.complete_read(word, cycle - access.cycle, memory.description.waits);
   }
+  if (memory.description.dual_port) tell_mailboxes(memory, side, offset, access.write);
   if (memory_listener_) memory_listener_(node.number, *memory_place(node.number, access.address), before, access, now_);
   node.status = ChipStatus::running;
   for (const auto& [chip, base] : memory.description.places) nodes_[chip]->changed();
+}
+
+std::size_t Network::Memory::side_of(std::size_t chip, Address address) const {
+  const auto place = std::ranges::find_if(
+      description.places, [&](const auto& p) { return p.first == chip && address - p.second < description.words; });
+  return static_cast<std::size_t>(place - description.places.begin());
+}
+
+Time Network::Memory::free_for(std::size_t chip, Address address) const {
+  if (!description.dual_port) return free;
+  const std::size_t side = side_of(chip, address);
+  const Side& other = sides[1 - side];
+  const bool meet = other.word == address - description.places[side].second;
+  return meet ? std::max(sides[side].until, other.until) : sides[side].until;
+}
+
+/// The last word is written by side 0 and read by side 1; the last but one the other way.
+void Network::tell_mailboxes(Memory& memory, std::size_t side, Address word, bool write) {
+  const Address last = memory.description.words - 1;
+  if (word != last && word != last - 1) return;
+  const std::size_t reader = word == last ? 1 : 0;
+  if (write == (side == reader)) return;
+  if (Net* net = memory.mailbox_nets[reader]) net->script(write ? c40::Drive::low : c40::Drive::none, now_);
 }
 
 std::optional<Network::MemoryPlace> Network::memory_place(std::size_t chip, Address address) const {
