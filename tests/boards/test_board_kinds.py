@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -82,8 +81,8 @@ def test_a_timer_interrupts_at_its_rate(tmp_path: Path, count_cycles: int) -> No
     processor._core.record_events()
     assert processor.run(100_000, until="done").reason == "until"
     cycles = [cycle for kind, cycle, *_ in processor._core.events if kind == "interrupt"]
-    gaps = {b - a for a, b in pairwise(cycles)}
-    assert len(cycles) >= 6 and gaps == {20 * count_cycles}, cycles
+    # Each is taken at the end of an instruction, and no delay adds up.
+    assert len(cycles) >= 6 and all(abs(cycle - cycles[0] - 20 * count_cycles * n) <= 2 for n, cycle in enumerate(cycles)), cycles
 
 
 def test_a_timer_says_what_is_left_and_that_it_overran(tmp_path: Path) -> None:
