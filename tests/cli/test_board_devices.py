@@ -258,6 +258,15 @@ EPROM = ROOT / "build-foreign" / "helios" / "kernel/C40/arielbits/monitor/source
 
 
 @pytest.mark.skipif(not EPROM.exists(), reason="scripts/foreign helios has not been run here")
+def test_the_hydras_monitor_boots_a_second_dsp_over_a_link() -> None:
+    done = subprocess.run(
+        [sys.executable, ROOT / "examples" / "hydra_link.py", EPROM, EPROM.with_name("others.hex")], capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")}
+    )
+    assert "Booting other processor ... Successful" in done.stdout and "Testing local SRAM on DSP 2 ... Passed" in done.stdout
+    assert "504 words to DSP 2, 11 back" in done.stdout
+
+
+@pytest.mark.skipif(not EPROM.exists(), reason="scripts/foreign helios has not been run here")
 def test_the_hydras_monitor_comes_to_its_prompt_and_answers() -> None:
     done = subprocess.run(
         [sys.executable, ROOT / "examples" / "hydra_monitor.py", EPROM, "?", "x"], capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")}
