@@ -283,6 +283,7 @@ NetworkStop Network::run_until(Time limit) {
 }
 
 NetworkStop Network::run_slice(Time limit) {
+  for (auto& node : nodes_) node->note_device_event();  // its user may have typed
   scheduler_.all_changed();
   for (;;) {
     if (const auto stop = stop_if_quiet(limit)) return *stop;

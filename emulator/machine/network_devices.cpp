@@ -75,10 +75,10 @@ void Network::join_pin_nets() {
 
 BoardDevices* Network::devices(std::size_t n) { return nodes_.at(n)->devices.get(); }
 
-Time Network::Node::next_device_event() const {
-  if (device_turn == nullptr) return never;
-  const Cycles event = devices->next_event();
-  return event == never_cycle ? never : clock.at(event);
+void Network::Node::note_device_event() {
+  const Cycles event = device_turn == nullptr ? never_cycle : devices->next_event();
+  // What its user has typed between two runs comes when the next begins.
+  device_event = event == never_cycle ? never : std::max(network.now_, clock.at(event));
 }
 
 /// They could still interrupt it.
@@ -92,6 +92,7 @@ bool Network::Node::serve_device(const c40::ExternalAccess& access) {
   serve(*devices, chip, access);
   if (access.write) network.something_happened();
   if (device_turn == nullptr) return true;
+  note_device_event();
   device_turn->changed();
   if (!passing_) ends_ = std::min(ends_, std::max(first_cycle(horizon_of_follower()), chip.cycle() + 1));
   return true;

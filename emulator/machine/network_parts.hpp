@@ -58,7 +58,8 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   std::vector<std::size_t> links;
   std::unique_ptr<BoardDevices> devices;  ///< null: none
   DeviceTurn* device_turn = nullptr;      ///< null: they pull no pin
-  std::vector<Net*> nets_in, nets_out;    ///< those that lead to its pins, and those that it can drive
+  Time device_event = never;
+  std::vector<Net*> nets_in, nets_out;  ///< those that lead to its pins, and those that it can drive
   std::vector<c40::Pin> pins_in;
 
   /// Whether it polls for ever: looked at when nothing has happened for a while, and then ever more rarely.
@@ -145,7 +146,9 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   Time own_event() const;
   Time at_rest_since() const;
   Time lookahead() const;
-  Time next_device_event() const;
+  /// When its devices next do something by themselves that a pin shows. Asked for over and over, so kept.
+  Time next_device_event() const { return device_event; }
+  void note_device_event();
   bool devices_go_on() const;
   bool has_ended() const;
   bool awaits_dma_for_ever() const;
@@ -209,6 +212,7 @@ struct Network::DeviceTurn final : Scheduler::Actor {
   void act(Time now) override {
     node.network.now_ = now;
     node.devices->advance_to(node.first_cycle(now));
+    node.note_device_event();
     node.changed();
   }
   Node& node;

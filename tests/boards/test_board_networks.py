@@ -119,6 +119,19 @@ def test_a_network_file_has_devices_per_chip(tmp_path: Path) -> None:
     assert wrong.returncode == 2 and "several chips have a device D; 0.D, 0.TTY, b.D, b.TTY is expected" in wrong.stderr
 
 
+def test_what_is_sent_between_runs_comes_when_the_next_begins(tmp_path: Path) -> None:
+    """A chip that sleeps is woken, and time does not go back."""
+    text = vector(4) + "        ldi 1,r0\n        sti r0,*+ar2(4)\n" + enabled(1, 0xB) + "wait:   idle\n        b wait\nisr:    ldi *ar2,r3\n        addi 1,r2\n        reti\n" + END
+    network = Network([assembled(text)], boards=str(board(tmp_path, device("fifo", pin="IIOF1"))))
+    for n, us in enumerate((10, 30, 70), 1):
+        network.run(until_us=us)
+        assert low(network.chips[0], "R2") == n - 1 and network.now_ps <= us * 1_000_000
+        network.chips[0].send("D", [40 + n])
+        network.run(until_us=us + 5)
+        assert (low(network.chips[0], "R2"), low(network.chips[0], "R3")) == (n, 40 + n)
+    assert network.nets[0].edges == 6
+
+
 DPRAM = SharedMemory("dual", 16, {0: PLACE, 1: PLACE}, dual_port=True, pins={0: "IIOF1", 1: "IIOF2"})
 LEFT = vector(4) + enabled(1) + "        ldi 5,r0\n        sti r0,*+ar2(3)\n        sti r0,*+ar2(15)\nwait:   idle\n        ldi *+ar2(14),r3\n        ldi *+ar2(4),r4\n" + END + "isr:    addi 1,r2\n        reti\n"
 RIGHT = vector(5) + enabled(2) + "wait:   idle\n        ldi *+ar2(15),r3\n        ldi *+ar2(3),r4\n        addi r3,r4\n        sti r4,*+ar2(4)\n        sti r4,*+ar2(14)\n" + END + "isr:    addi 1,r2\n        reti\n"

@@ -257,6 +257,7 @@ def test_a_processor_boots_from_an_eprom_in_python(board: Path, tmp_path: Path) 
 EPROM = ROOT / "build-foreign" / "helios" / "kernel/C40/arielbits/monitor/source/boot/monitor/monitor.hex"
 
 
+@pytest.mark.campaign
 @pytest.mark.skipif(not EPROM.exists(), reason="scripts/foreign helios has not been run here")
 def test_the_hydras_monitor_boots_a_second_dsp_over_a_link() -> None:
     done = subprocess.run(
