@@ -427,6 +427,11 @@ void write_words(c40::Chip& chip, Address address, std::span<const Word> words, 
 
 /// The ROMs as they are; what of them is booted is for the pins to say.
 void place_roms(c40::Chip& chip, const ExecOptions& options, const Image& image) {
+  struct Placed {
+    std::uint64_t begin, end;
+    std::string file;
+  };
+  std::vector<Placed> placed;
   for (const std::string& given : options.roms) {
     const auto [file, address] = file_at(given, "--rom", image);
     const auto bytes = toolchain::read_rom(file);
@@ -435,7 +440,14 @@ void place_roms(c40::Chip& chip, const ExecOptions& options, const Image& image)
       throw InputError(fmt::format(
           "--rom {}: its first word is not 8, 16 or 32, so it does not say how wide it is; --rom-width is expected",
           file));
-    write_words(chip, address, toolchain::rom_words(bytes, *width), "--rom " + file);
+    const std::vector<Word> words = toolchain::rom_words(bytes, *width);
+    const Placed here{address, address + std::uint64_t{words.size()}, file};
+    for (const Placed& other : placed)
+      if (here.begin < other.end && other.begin < here.end)
+        throw InputError(fmt::format("--rom {}: its words {:08X}h to {:08X}h overlap those of {}, {:08X}h to {:08X}h",
+                                     file, here.begin, here.end - 1, other.file, other.begin, other.end - 1));
+    placed.push_back(here);
+    write_words(chip, address, words, "--rom " + file);
   }
 }
 

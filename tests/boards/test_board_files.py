@@ -75,6 +75,13 @@ def test_a_rom_that_is_cut_short_or_too_large_is_refused(tmp_path: Path, image: 
     assert len(errors) == 1 and message in errors[0], errors
 
 
+def test_roms_that_overlap_are_refused(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        (tmp_path / name).write_bytes(b"\x08\0\0\0" + b"\0" * 60)
+    done = emulator("exec", "--rom", f"{tmp_path / 'a'}@300000h", "--rom", f"{tmp_path / 'b'}@300020h", "--boot", "300000h")
+    assert done.returncode == 2 and "its words 00300020h to 0030005Fh overlap those of" in done.stderr, done.stderr
+
+
 SRAM_TEST = """
         ldhi {base}h,ar3
         ldi 123,r0
