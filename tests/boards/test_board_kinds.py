@@ -168,3 +168,38 @@ def test_two_devices_may_pull_one_pin(tmp_path: Path) -> None:
     processor.send("E", [1])  # the pin is low already: no edge
     processor.run(500)
     assert low(processor, "R2") == 1
+
+
+DMA = """
+        ldhi 30h,ar5
+        or 800h,ar5
+        ldi 0,r0
+        sti r0,*+ar5(3)
+        ldhi 10h,ar4
+        or 0a0h,ar4
+        sti ar2,*+ar4(1)        ; from the FIFO
+        ldi 0,r0
+        sti r0,*+ar4(2)
+        ldi 4,r0
+        sti r0,*+ar4(3)
+        sti ar5,*+ar4(4)
+        ldi 1,r0
+        sti r0,*+ar4(5)
+        ldhi 0c0h,r0
+        or 4,r0
+        sti r0,*ar4
+wait:   ldi *+ar5(3),r0
+        bz wait
+"""
+
+
+def test_the_dma_reads_a_fifo(tmp_path: Path) -> None:
+    path = board(tmp_path, device("fifo", waits=5, input="in.txt"))
+    (tmp_path / "in.txt").write_text("11 22 33 44 55")
+    program = assembled(DMA + END)
+    processor = finished(program, path)
+    network = Network([program], boards=[str(path)], until="done")
+    network.run()
+    for chip in (processor, network.chips[0]):
+        assert chip.memory[0x300800:0x300804] == [0x11, 0x22, 0x33, 0x44]
+    assert network.chips[0].cycles == processor.cycles
