@@ -16,7 +16,7 @@ from typing import Any, overload
 
 from cmrc import _core, arguments, snapshots
 from cmrc.debug import Debugger
-from cmrc.devices import Device, Front, attached, copied
+from cmrc.devices import Device, Front, OneRun, attached, copied
 from cmrc.floats import extended_to_float, float_to_extended, float_to_single, single_to_float
 from cmrc.snapshots import ChipSnapshot, SnapshotError
 
@@ -320,7 +320,7 @@ class ChipState:
         return dict(self._core.causes)
 
 
-class Processor(ChipState, Front):
+class Processor(ChipState, Front, OneRun):
     """One TMS320C40 with memory around it: board ``default`` (the CMRC board's map), ``flat`` (zero-wait RAM everywhere, and the chip's own registers), or a TOML file's path.
 
     ``boots_from`` is the address of the memory that the pins choose for the boot ROM: ``load_rom``, then ``boot``.
@@ -365,7 +365,8 @@ class Processor(ChipState, Front):
     def run(self, max_cycles: int = 100_000_000, *, until: int | str | None = None) -> Stop:
         """Runs whole instructions for ``max_cycles`` cycles, or until PC is at ``until`` (an address or a symbol)."""
         target = None if until is None else self.address(until)
-        stop = _stop(self._core.run(_cycles(max_cycles), target))
+        with self._run("run"):
+            stop = _stop(self._core.run(_cycles(max_cycles), target))
         if stop.reason == "breakpoint" and stop.pc == target:
             return Stop("until", stop.pc, stop.cycle)
         return stop
@@ -404,6 +405,7 @@ class Processor(ChipState, Front):
 
     def snapshot(self) -> ChipSnapshot:
         """Its whole state: registers, memory, pipeline, cache, peripherals, and the access that it waits for. Raises SnapshotError with ``checks`` on, or with a device of Python's that has no ``save`` and ``load``, by name."""
+        self._refuse_inside("snapshot")
         return ChipSnapshot(self._core.save(self.program))
 
     def restore(self, snapshot: ChipSnapshot) -> None:
@@ -411,6 +413,7 @@ class Processor(ChipState, Front):
 
         Raises SnapshotError for any other, before anything is changed.
         """
+        self._refuse_inside("restore")
         self._core.load(snapshots.sealed(snapshot), self.program)
 
     def fork(self) -> Processor:

@@ -116,6 +116,25 @@ def copied(places: Sequence[Attached]) -> dict[int, Device]:
     return {place.base: copy.deepcopy(place.device) for place in places}
 
 
+class OneRun:
+    """What runs devices: while it runs, a device may not run, save or load it."""
+
+    _runs = False
+
+    def _refuse_inside(self, call: str) -> None:
+        if self._runs:
+            raise RuntimeError(f"{call}() from inside a device; it is possible when the run is over")
+
+    @contextmanager
+    def _run(self, call: str) -> Iterator[None]:
+        self._refuse_inside(call)
+        self._runs = True
+        try:
+            yield
+        finally:
+            self._runs = False
+
+
 class Front:
     """The other side of a chip's devices: what is typed and sent to them, and what comes from them."""
 

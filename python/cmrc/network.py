@@ -16,7 +16,7 @@ from typing import Any, overload
 from cmrc import _core, arguments, snapshots
 from cmrc.c40 import ChipState, Path, Program, assemble_file, read_coff
 from cmrc.debug import Debugger
-from cmrc.devices import PINS, Attached, Device, Front, attached, copied
+from cmrc.devices import PINS, Attached, Device, Front, OneRun, attached, copied
 from cmrc.snapshots import ChipSnapshot, SnapshotError
 
 NetworkError = _core.network.NetworkError
@@ -146,7 +146,7 @@ class Net:
     missed: int
 
 
-class Network:
+class Network(OneRun):
     """Up to 64 chips. ``programs`` is one for all chips of a ``topology``, or one for each; sources, COFF files or assembled programs.
 
     ``topology`` is ``ring:4``, ``line:4``, ``grid:4x4``, ``torus:4x4``, ``hypercube:16``; ``links`` are further ones, ``"0.3:1.0"`` for port 3 of chip 0 and port 0 of
@@ -233,7 +233,8 @@ class Network:
             limit = _instant("until_us", until_us)
             if limit < self.now_ps:
                 raise ValueError(f"until_us: {until_us} us has passed, the network is at {self.now_ps / 1e6} us; a later instant is expected")
-        reason, time = self._core.run_until(limit)
+        with self._run("run"):
+            reason, time = self._core.run_until(limit)
         return NetworkStop(reason, time)
 
     @property
@@ -302,6 +303,7 @@ class Network:
         if at_us is not None:
             self._schedule("restore", link, at_us)
         else:
+            self._refuse_inside("restore")
             self._core.load(snapshots.sealed(link))
 
     def debug(self) -> Debugger:
@@ -310,6 +312,7 @@ class Network:
 
     def snapshot(self) -> ChipSnapshot:
         """The whole state: chips, what is on the links, shared memories, actions to come, and the events so far."""
+        self._refuse_inside("snapshot")
         return ChipSnapshot(self._core.save())
 
     def fork(self) -> Network:

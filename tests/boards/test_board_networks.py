@@ -90,6 +90,17 @@ def test_what_a_device_raises_comes_out_of_a_network_and_can_be_mended(tmp_path:
     assert network.run().reason == "ended" and low(network.chips[0], "R9") == 1
 
 
+def test_a_device_may_not_run_what_runs_it(tmp_path: Path) -> None:
+    alarm = Alarm()
+    network = Network([assembled("        sti r0,*ar2\n" + END)], boards=str(board(tmp_path)), devices={0: {PLACE: alarm}})
+    processor = Processor(assembled("        sti r0,*ar2\n" + END), board=board(tmp_path), devices={PLACE: alarm})
+    for runner in (network, processor):
+        for call in (runner.run, runner.snapshot):
+            alarm.write = lambda offset, value, cycle, call=call: call()  # type: ignore[method-assign,misc]
+            with pytest.raises(RuntimeError, match=r"\(\) from inside a device"):
+                runner.run()
+
+
 @pytest.mark.parametrize(
     ("devices", "message"),
     [({2: {PLACE: Alarm()}}, "number of a chip"), ({0: {0x300000: Alarm(), 0x300001: Alarm()}}, "overlap"), ({0: {PLACE: 5}}, r"no read\(\)"), ({0: {PLACE: Alarm()}}, "D is there")],
