@@ -1,4 +1,4 @@
-"""Addresses at which a board has nothing: faults, or ignored and told (docs/cli.md, Board files); and what the loader says of them."""
+"""Addresses at which a board has nothing: faults, or ignored and told (docs/boards.md); and what the loader says of them."""
 
 import json
 import subprocess
@@ -219,7 +219,7 @@ def test_a_section_outside_memory_is_told_the_nearest_regions(emulator: Path, tm
         done = run(emulator, tmp_path / "p.out", "--board", board(tmp_path, 'name = "mine"\n' + suffix))
         assert done.returncode == 2 and at.format(words, f"{address:08X}h", "mine") in done.stderr
         assert "are the chip's own RAM (002FF800h to 002FFFFFh) and SRAM (00300000h to 0030FFFFh)" in done.stderr or "SRAM (00300000h to 0030FFFFh) and the chip's own RAM" in done.stderr
-        assert "docs/cli.md, Board files" in done.stderr and "--board flat" not in done.stderr
+        assert "docs/boards.md" in done.stderr and "--board flat" not in done.stderr
     network = run(emulator, tmp_path / "p.out", "--topology", "ring:2")
     assert network.returncode == 2 and "chip 0: section .text" in network.stderr and "local SRAM (00300000h to 003FFFFFh)" in network.stderr
     with pytest.raises(IndexError, match=r"section \.text .* nearest are local SRAM"):
