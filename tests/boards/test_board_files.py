@@ -26,7 +26,7 @@ def test_all_errors_are_told_at_once_with_their_lines(tmp_path: Path) -> None:
     errors = refused(tmp_path, text)
     expected = [
         (1, "clock_mhz: the frequency of CLKIN"),
-        (2, 'no such key gmicrr; known are name, clock_mhz, gmicr, lmicr, pins, region, device; did you mean "gmicr"?'),
+        (2, 'no such key gmicrr; known are name, clock_mhz, gmicr, lmicr, pins, reserved, region, device; did you mean "gmicr"?'),
         (10, 'no such key region.buss'),
         (11, "region.waits: a whole number from 0 to 15"),
         (12, "region.bus of RAM: local or global is expected"),

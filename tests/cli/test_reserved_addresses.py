@@ -198,6 +198,21 @@ def test_what_is_wrong_in_a_board_file_is_named(emulator: Path, tmp_path: Path, 
     assert done.returncode == 2 and message in done.stderr and "board.toml" in done.stderr, done.stderr
 
 
+def test_all_that_is_wrong_is_told_at_once(emulator: Path, tmp_path: Path) -> None:
+    text = 'reserved = "open"\ngmicr = -1\n' + RAM + '[[region]]\nname = "a"\nkind = "ignore"\nbase = 0x300000\nwords = 4\nwaits = 1\n'
+    done = run(emulator, program(tmp_path), "--board", board(tmp_path, text))
+    assert done.returncode == 2
+    for message in ("board.toml:1: reserved: fault or ignore", "board.toml:2: gmicr", "board.toml:8: region a (00300000h", "board.toml:13: no such key region.waits"):
+        assert message in done.stderr, done.stderr
+
+
+def test_steps_ignore_them_as_runs_do(tmp_path: Path) -> None:
+    processor = cmrc.c40.Processor(cmrc.c40.assemble(PROGRAM), board=board(tmp_path, 'reserved = "ignore"\n' + RAM))
+    for _ in range(8):
+        processor.step()
+    assert [(note["address"], note["reads"], note["writes"]) for note in processor.reserved_accesses] == [(0x400000, 2, 0), (0x400001, 1, 2)]
+
+
 def test_the_dock_refuses_such_a_board(emulator: Path, tmp_path: Path) -> None:
     windows = "".join(
         f'[[region]]\nname = "{bus}"\nkind = "window"\nbase = {base}\nwords = {words}\nbus = "{bus}"\n'
