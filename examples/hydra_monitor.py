@@ -56,7 +56,7 @@ class Hydra:
 
     def __init__(self, eprom: Path) -> None:
         self.vac = Vac()
-        stubs = {0xBF700000: Stub(0x100000), 0xBFC00000: Stub(0x3F0000), 0xBFFF0000: Stub(0x4000), 0xBFFF8000: Stub(0x8000)}
+        stubs = {0xBF700000: Stub(0x100000), 0xBFC00000: Stub(0x3F0000), 0xBFFF0039: Stub(0x4000 - 0x39), 0xBFFF8000: Stub(0x8000)}
         board = Path(__file__).parent / "hydra.toml"
         self.chip = Processor(board=board, boots_from=EPROM, devices={**stubs, 0xBFFF4000: self.vac})
         self.chip.load_rom(eprom, EPROM)

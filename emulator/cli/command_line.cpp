@@ -21,7 +21,7 @@ void declare_settings(CLI::App& app, RunOptions& options) {
   app.add_option("--turn-order", options.turn_order, "Shuffle which chip is advanced first; changes nothing")
       ->type_name("SEED");
   app.add_option("--programs", options.programs, "Assemble the DSP programs from this directory")->type_name("DIR");
-  app.add_option("--board", options.board, "Memories and clock of the DSPs' boards (docs/cli.md, Board files)")
+  app.add_option("--board", options.board, "Memories and clock of the DSPs' boards (docs/boards.md)")
       ->type_name("default|FILE.toml");
   app.add_option("--idle-policy", options.idle_policy,
                  "How a DSP without work waits: doorbell (default), pause or spin");
@@ -163,6 +163,24 @@ void declare_disassemble(CLI::App& app, DisassembleOptions& options) {
   app.add_flag("--source", options.source, "Without addresses and words: text that assembles to the same words");
 }
 
+/// The other side of a board's devices.
+void declare_devices(CLI::App& app, ExecOptions& options) {
+  app.add_option("--console-input", options.console_input,
+                 "What is typed at the board's console: a file; - for standard input, which is read to its end first; "
+                 "live: standard input while the program runs")
+      ->type_name("FILE");
+  app.add_option("--console-record", options.console_record,
+                 "Write what was typed, and when, as a script that --device-script takes")
+      ->type_name("FILE");
+  app.add_option("--device-input", options.device_inputs,
+                 "What a console, FIFO or mailbox of the board is sent: characters, or words in hexadecimal")
+      ->type_name("NAME=FILE")
+      ->allow_extra_args(false);
+  app.add_option("--device-script", options.device_scripts, "The same, by a host script (docs/boards.md)")
+      ->type_name("NAME=FILE")
+      ->allow_extra_args(false);
+}
+
 void declare_exec(CLI::App& app, ExecOptions& options) {
   app.add_option("PROGRAM", options.programs,
                  "COFF executable, .asm, .s or .hex; of several, one for each chip of a network (docs/networks.md)");
@@ -183,7 +201,7 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
   app.add_flag("--json", options.json, "Print the result as JSON");
   app.add_option("--board", options.boards,
                  "default: the CMRC board's memory map; flat: zero-wait RAM everywhere, and the chip's own registers; "
-                 "or a board file (docs/cli.md); of a network one for all or one for each chip")
+                 "or a board file (docs/boards.md); of a network one for all or one for each chip")
       ->type_name("default|flat|FILE.toml")
       ->allow_extra_args(false);
   app.add_option("--memory-max", options.memory_max,
@@ -224,10 +242,10 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
                  "Also load words, the lowest byte first, from a file of bytes, Intel hex or S-records")
       ->type_name("FILE@ADDRESS")
       ->allow_extra_args(false);
-  app.add_option(
-         "--console-input", options.console_input,
-         "What is typed at the board's console: a file, or - for standard input, which is read to its end first")
-      ->type_name("FILE");
+  declare_devices(app, options);
+  app.add_option("--device-output", options.device_outputs, "Write what a console, FIFO or mailbox has sent")
+      ->type_name("NAME=FILE")
+      ->allow_extra_args(false);
   app.add_option("--poke", options.pokes, "Write a word before the start")
       ->type_name("ADDRESS=WORD")
       ->allow_extra_args(false);
@@ -278,6 +296,7 @@ void declare_debug(CLI::App& app, DebugOptions& options) {
       ->allow_extra_args(false);
   declare_dialect(app, exec.dialect);
   app.add_option("--load-at", exec.load_at, "Where a .hex file stands and starts")->type_name("ADDRESS");
+  declare_devices(app, exec);
   app.add_option("--entry", exec.entry, "Start here instead of at the program's entry")->type_name("SYMBOL|ADDRESS");
   app.add_option("--board", exec.boards, "default, flat or a board file; of a network one for all or one for each chip")
       ->type_name("default|flat|FILE.toml")

@@ -55,6 +55,9 @@ DebugOptions options_of(const Json& arguments) {
   exec.dialect = text_of(arguments, "dialect");
   exec.entry = text_of(arguments, "entry");
   exec.load_at = text_of(arguments, "loadAt");
+  exec.console_input = text_of(arguments, "consoleInput");
+  exec.device_inputs = texts_of(arguments, "deviceInput");
+  exec.device_scripts = texts_of(arguments, "deviceScript");
   RunOptions& run = options.run;
   run.config = text_of(arguments, "config");
   run.preset = text_of(arguments, "preset");

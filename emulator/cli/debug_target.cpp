@@ -19,6 +19,9 @@ DebugTarget network_of(const DebugOptions& options) {
     throw InputError(
         "debug: --dsps, --config, --preset, --duration, --seed, --set and --snapshot are the dock's, and a program or "
         "network is given");
+  if (options.exec.console_input == "-" || options.exec.console_input == "live")
+    throw InputError("debug: --console-input: a file is expected; standard input is the debugger's");
+  if (options.exec.console_record) throw InputError("debug: --console-record: exec writes it");
   DebugTarget target;
   target.network = std::make_unique<machine::Network>(described(options.exec));
   for (const std::string& text : options.exec.actions) target.network->schedule(action_of(text, *target.network));
@@ -28,6 +31,10 @@ DebugTarget network_of(const DebugOptions& options) {
 
 DebugTarget dock_of(const DebugOptions& options) {
   const ExecOptions& exec = options.exec;
+  if (exec.console_input || !exec.device_inputs.empty() || !exec.device_scripts.empty())
+    throw InputError(
+        "debug: --console-input, --device-input and --device-script are of programs and networks; give a PROGRAM or "
+        "--network");
   if (!exec.links.empty() || !exec.nets.empty() || !exec.actions.empty() || exec.entry || exec.load_at ||
       exec.memory_max || exec.boards.size() > 1)
     throw InputError(

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -13,6 +11,7 @@
 #include "c40/chip.hpp"
 #include "c40/float40.hpp"
 #include "c40/peripherals/events.hpp"
+#include "cli/board_front.hpp"
 #include "cli/chip_listeners.hpp"
 #include "cli/options.hpp"
 #include "cli/program.hpp"
@@ -27,6 +26,7 @@
 #include "machine/boot.hpp"
 #include "machine/chip_runner.hpp"
 #include "machine/program_end.hpp"
+#include "state/archive.hpp"
 #include "toolchain/rom_file.hpp"
 
 namespace cli {
@@ -94,7 +94,8 @@ class Run final : private machine::ChipRunner {
   }
 
   std::optional<machine::BootFeeder> feeder;
-  machine::BoardDevices* devices = nullptr;
+  BoardFront* front = nullptr;
+  machine::LoneDevices* devices = nullptr;
   machine::IgnoredAccesses* ignored = nullptr;
 
  private:
@@ -107,14 +108,20 @@ class Run final : private machine::ChipRunner {
             fmt::format("{:08X}h holds {:08X}h, at {:08X}h", until_.word->first, until_.word->second, chip_.pc())});
       return {};
     }
-    if (std::exchange(passes_, false)) return Span{.one_instruction = true};
+    if (std::exchange(passes_, false)) {
+      devices->limit(limit_);  // what is due comes before the instruction
+      return Span{.one_instruction = true};
+    }
     if (io::stop_asked()) {
       ends({"interrupted", fmt::format("by a signal, at {:08X}h", chip_.pc())});
       return {};
     }
     const c40::Cycles look =
         chip_.idle() ? 8 : 1000;  // whether the DMA, which an idle processor may wait for, still goes on
-    const c40::Cycles end = std::min(limit_, chip_.cycle() + (until_.word ? 1 : chip_.dma_active() ? look : slice));
+    front->listen(chip_.cycle());
+    const c40::Cycles end = devices->limit(std::min(limit_, chip_.cycle() + (until_.word          ? 1
+                                                                             : chip_.dma_active() ? look
+                                                                                                  : slice)));
     return Span{.limit = end, .known = end};
   }
 
@@ -130,7 +137,7 @@ class Run final : private machine::ChipRunner {
       return asked_
                  ? ends({"limit", fmt::format("the {} cycles of --cycles have passed, at {:08X}h", limit_, chip_.pc())})
                  : ends({"limit", fmt::format("--max-cycles {} reached at {:08X}h", limit_, chip_.pc()), run_failed});
-    if (!machine::sleeps_for_ever(chip_)) return true;
+    if (!machine::sleeps_for_ever(chip_) || may_be_woken()) return true;
     if (machine::awaits_dma(chip_)) return dma_wait();
     return ends({"idle", fmt::format("IDLE at {:08X}h, and no interrupt is to come{}", chip_.pc() - 1,
                                      machine::armed_dma(chip_))});
@@ -151,17 +158,17 @@ class Run final : private machine::ChipRunner {
     if (until_.pc && pc == *until_.pc) return ends({"until", fmt::format("reached {:08X}h", pc)});
     if (machine::program_end(chip_.peek(pc), pc) == machine::ProgramEnd::halt && !chip_.dma_busy()) {
       const bool interrupts = (chip_.register_value(Register::ST) & c40::st::GIE) != 0;
-      const bool sleeps = interrupts && machine::awaits_dma(chip_);
+      const bool sleeps = interrupts && (machine::awaits_dma(chip_) || may_be_woken());
       if (!sleeps) return ends({"halt", fmt::format("branch to itself at {:08X}h{}", pc, machine::armed_dma(chip_))});
-      if (machine::next_dma_tick(chip_) == std::numeric_limits<c40::Cycles>::max() && !awaits_event())
+      if (machine::next_dma_tick(chip_) == std::numeric_limits<c40::Cycles>::max() && !awaits_event() &&
+          !may_be_woken())
         return dma_wait();
     }
     return passes_ = true;
   }
 
   bool window_access(const c40::ExternalAccess& access) override {
-    if (devices != nullptr && machine::serve(*devices, chip_, access)) return true;
-    if (ignored != nullptr && ignored->serve(chip_, access)) return true;
+    if (devices->serve(access) || ignored->serve(chip_, access)) return true;
     return ends(
         {"external_access",
          fmt::format(
@@ -193,6 +200,7 @@ class Run final : private machine::ChipRunner {
                        feeder->sent(), feeder->size(), feeder->port());
   }
 
+  bool may_be_woken() const { return devices->could_wake() || front->may_be_typed(); }
   bool awaits_event() const { return machine::next_timer_interrupt(chip_) != std::numeric_limits<c40::Cycles>::max(); }
 
   bool dma_wait() {
@@ -289,57 +297,9 @@ void print_text(const c40::Chip& chip, const Outcome& outcome, const std::vector
   if (peripherals) io::print("{}", peripherals_text(chip));
 }
 
-/// What an LED shows, and what is typed at the console and comes from it.
-class BoardFront {
- public:
-  /// \param shows the console's characters on standard output as they come
-  BoardFront(const machine::BoardDescription& board, const ExecOptions& options) : devices_(board.devices) {
-    const bool console = std::ranges::any_of(
-        board.devices, [](const auto& device) { return device.kind == machine::DeviceKind::console; });
-    if (options.console_input && !console)
-      throw InputError(
-          fmt::format("--console-input: board {} has no [[device]] of kind \"console\"", board.board.name));
-    if (options.console_input)
-      devices_.type(*options.console_input == "-"
-                        ? std::string(std::istreambuf_iterator<char>(std::cin), {})
-                        : io::read_file<InputError>(*options.console_input, "what is typed at the console"));
-    devices_.on_output = [this, shows = !options.json](char c) {
-      if (shows) io::print("{}", c);
-      if (text_.size() < most_text) text_ += c;
-      at_line_begin_ = c == '\n';
-    };
-    devices_.on_change = [this](const machine::BoardDevices::Change& change) {
-      if (changes_.size() < most_changes) changes_.push_back(change);
-      ++change_count_;
-    };
-  }
-  machine::BoardDevices& devices() { return devices_; }
-  void print() const {
-    if (!at_line_begin_) io::print("\n");
-    for (const auto& change : changes_)
-      io::print("led {}: {:X}h at cycle {}\n", change.device, change.value, change.cycle);
-    if (change_count_ > changes_.size()) io::print("led: {} more changes\n", change_count_ - changes_.size());
-  }
-  void add_to(nlohmann::ordered_json& root) const {
-    if (devices_.empty()) return;
-    root["console"] = text_;
-    root["leds"] = nlohmann::ordered_json::array();
-    for (const auto& change : changes_)
-      root["leds"].push_back({{"name", change.device}, {"cycle", change.cycle}, {"value", change.value}});
-  }
-
- private:
-  static constexpr std::size_t most_text = 1 << 20, most_changes = 100;
-  machine::BoardDevices devices_;
-  std::string text_;
-  bool at_line_begin_ = true;
-  std::vector<machine::BoardDevices::Change> changes_;
-  std::size_t change_count_ = 0;
-};
-
 void print_json(const c40::Chip& chip, const Outcome& outcome, const std::vector<Dump>& dumps,
                 const ChipListeners& listeners, const std::optional<double>& clock_mhz, bool peripherals,
-                const BoardFront& front, const machine::IgnoredAccesses& ignored) {
+                BoardFront& front, const machine::IgnoredAccesses& ignored) {
   using Json = nlohmann::ordered_json;
   Json root = {{"stop", {{"reason", outcome.reason}, {"message", outcome.message}, {"pc", chip.pc()}}},
                {"instructions", chip.instructions()},
@@ -395,7 +355,7 @@ std::optional<Boot> parse_boot(const ExecOptions& options, const machine::BoardD
   if (text == "reset") {
     if (!given.has_pins)
       throw InputError(fmt::format(
-          "--boot reset: board {} says nothing of its pins; a board file with [pins] is expected (docs/cli.md)",
+          "--boot reset: board {} says nothing of its pins; a board file with [pins] is expected (docs/boards.md)",
           given.board.name));
     if (machine::reset_source(given.board) == machine::ResetSource::ports)
       throw InputError(
@@ -466,6 +426,11 @@ void write_words(c40::Chip& chip, Address address, std::span<const Word> words, 
 
 /// The ROMs as they are; what of them is booted is for the pins to say.
 void place_roms(c40::Chip& chip, const ExecOptions& options, const Image& image) {
+  struct Placed {
+    std::uint64_t begin, end;
+    std::string file;
+  };
+  std::vector<Placed> placed;
   for (const std::string& given : options.roms) {
     const auto [file, address] = file_at(given, "--rom", image);
     const auto bytes = toolchain::read_rom(file);
@@ -474,7 +439,14 @@ void place_roms(c40::Chip& chip, const ExecOptions& options, const Image& image)
       throw InputError(fmt::format(
           "--rom {}: its first word is not 8, 16 or 32, so it does not say how wide it is; --rom-width is expected",
           file));
-    write_words(chip, address, toolchain::rom_words(bytes, *width), "--rom " + file);
+    const std::vector<Word> words = toolchain::rom_words(bytes, *width);
+    const Placed here{address, address + std::uint64_t{words.size()}, file};
+    for (const Placed& other : placed)
+      if (here.begin < other.end && other.begin < here.end)
+        throw InputError(fmt::format("--rom {}: its words {:08X}h to {:08X}h overlap those of {}, {:08X}h to {:08X}h",
+                                     file, here.begin, here.end - 1, other.file, other.begin, other.end - 1));
+    placed.push_back(here);
+    write_words(chip, address, words, "--rom " + file);
   }
 }
 
@@ -506,14 +478,14 @@ int exec(const ExecOptions& options) {
   if (options.link_trace) throw InputError("--link-trace: there is no link");
   if (options.perfetto)
     throw InputError("--perfetto: it draws the links of a network; one program has --trace, --events");
-  const machine::BoardDescription chosen =
-      board_named(options, options.boards.empty() ? "default" : options.boards.front());
+  machine::BoardDescription chosen = board_named(options, options.boards.empty() ? "default" : options.boards.front());
   const bool boots_rom = !options.roms.empty() || (!chosen.contents.empty() && options.boot);
   if (options.programs.empty() && !boots_rom)
     throw InputError(
         "exec: PROGRAM is missing; a program is expected, a ROM to boot (--rom, or region.file of the board, and "
         "--boot), or --network FILE.toml");
-  BoardFront front(chosen, options);
+  add_inputs({{"0", &chosen}}, options);
+  machine::BoardDevices around(chosen.devices);
   const Image image = options.programs.empty() ? Image{}
                                                : read_program(options.programs.front(), options.include_directories,
                                                               options.load_at, options.dialect);
@@ -523,6 +495,8 @@ int exec(const ExecOptions& options) {
   for (const std::string& given : options.loads) files.reads("--load", file_at(given, "--load", image).first);
   for (const std::string& source : image.files_read) files.reads("a source", source);
   files.writes("--trace", options.trace.value_or("")).writes("--events", options.events.value_or(""));
+  add_device_files(options, files);
+  BoardFront front({{"0", &around}}, options, !options.json);
   const Until until = parse_until(options, image);
   std::vector<std::pair<Address, Address>> ranges;
   for (const std::string& text : options.dumps) ranges.push_back(parse_dump(text, image));
@@ -557,9 +531,11 @@ int exec(const ExecOptions& options) {
   std::optional<EventText> events;
   if (options.events) chip.set_peripheral_sink(&events.emplace(*options.events, image));
   Run run(chip, image, until, options.cycles.has_value());
-  run.devices = &front.devices();
+  machine::LoneDevices devices(around, chip);
+  run.devices = &devices;
   machine::IgnoredAccesses ignored(chosen.ignored);
   run.ignored = &ignored;
+  run.front = &front;
   if (boot && boot->port) run.feeder.emplace(chip, *boot->port, stream_for(image, *boot));
   const io::StopBySignal signals;
   const Outcome outcome = run.run(options.cycles.value_or(options.max_cycles));
@@ -568,10 +544,11 @@ int exec(const ExecOptions& options) {
 
   std::vector<Dump> dumps;
   for (const auto& [address, count] : ranges) dumps.push_back(read_dump(chip, address, count));
+  front.run_ended({around.empty() ? std::string() : state::save(chip) + state::save(around)});
   if (options.json) {
     print_json(chip, outcome, dumps, listeners, chosen.clock_mhz, options.peripherals, front, ignored);
   } else {
-    front.print();
+    io::print("{}", front.text());
     print_text(chip, outcome, dumps, listeners, chosen.clock_mhz, options.peripherals);
     io::print("{}", ignored.text());
   }

@@ -3,6 +3,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "cli/board_front.hpp"
 #include "cli/chip_listeners.hpp"
 #include "cli/network_arguments.hpp"
 #include "cli/network_timeline.hpp"
@@ -13,6 +14,7 @@
 #include "io/print.hpp"
 #include "io/signals.hpp"
 #include "machine/network.hpp"
+#include "state/archive.hpp"
 
 namespace cli {
 namespace {
@@ -165,7 +167,7 @@ Json chip_json(const Network& network, std::size_t n) {
 }
 
 void print_json(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps,
-                const Watched& watched, bool peripherals, bool asked) {
+                const Watched& watched, bool peripherals, bool asked, const BoardFront& front) {
   Json root = {
       {"stop",
        {{"reason", name(stop.reason)}, {"message", sentence(network, stop, asked)}, {"time_ps", stop.time.count()}}}};
@@ -205,6 +207,7 @@ void print_json(const Network& network, const machine::NetworkStop& stop, const 
   root["dumps"] = Json::array();
   for (const Dump& dump : dumps)
     root["dumps"].push_back({{"chip", dump.chip}, {"address", dump.address}, {"words", words_of(network, dump)}});
+  front.add_to(root);
   io::print("{}\n", root.dump(2, ' ', true, Json::error_handler_t::replace));
 }
 
@@ -222,10 +225,12 @@ machine::Time end_of(const Network& network, const ExecOptions& options) {
 }  // namespace
 
 int exec_network(const ExecOptions& options) {
-  if (!options.roms.empty() || !options.loads.empty() || !options.pokes.empty() || options.console_input)
+  if (!options.roms.empty() || !options.loads.empty() || !options.pokes.empty())
     throw InputError(
-        "--rom, --load, --poke and --console-input are for one chip; a network's chips have what their programs and "
-        "boards say");
+        "--rom, --load and --poke are for one chip; a network's chips have what their programs and boards say");
+  if (options.console_input == "live")
+    throw InputError(
+        "--console-input live: one chip has a live console; a network takes a file, or - for standard input");
   if (options.boot)
     throw InputError(
         "--boot: in a network the chips boot one another: boot = true of a [[chip]] in a --network file "
@@ -245,7 +250,11 @@ int exec_network(const ExecOptions& options) {
   files.writes("--link-trace", options.link_trace.value_or(""))
       .writes("--events", options.events.value_or(""))
       .writes("--perfetto", options.perfetto.value_or(""));
+  add_device_files(options, files);
   Watched watched(network, options);
+  std::vector<std::pair<std::string, machine::BoardDevices*>> boards;
+  for (std::size_t n = 0; n < network.chip_count(); ++n) boards.emplace_back(network.chip_name(n), network.devices(n));
+  BoardFront front(std::move(boards), options, false);
   std::optional<io::OutputFile> link_trace, events;
   if (options.link_trace) link_trace.emplace(*options.link_trace);
   if (options.events) events.emplace(*options.events);
@@ -268,8 +277,13 @@ int exec_network(const ExecOptions& options) {
     draw_network(network, timeline->stream());
     timeline->commit();
   }
-  (options.json ? print_json : print_text)(network, stop, dumps, watched, options.peripherals,
-                                           options.cycles.has_value());
+  front.run_ended({front.empty() ? std::string() : state::save(network)});
+  if (options.json) {
+    print_json(network, stop, dumps, watched, options.peripherals, options.cycles.has_value(), front);
+  } else {
+    print_text(network, stop, dumps, watched, options.peripherals, options.cycles.has_value());
+    io::print("{}", front.text());
+  }
   if (stop.reason == machine::NetworkStop::Reason::interrupted) return signals.status(run_failed);
   if (stop.reason == machine::NetworkStop::Reason::limit && !options.cycles) return run_failed;
   return stop.reason == machine::NetworkStop::Reason::deadlock || faults(network) != 0 ? run_failed : success;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "cli/board_front.hpp"
 #include "cli/program.hpp"
 #include "machine/network_file.hpp"
 
@@ -18,9 +19,7 @@ machine::NetDescription net_of(const std::string& text, const std::vector<std::s
   }
 }
 
-}  // namespace
-
-machine::NetworkDescription described(const ExecOptions& options) {
+machine::NetworkDescription read_description(const ExecOptions& options) {
   if (options.network) {
     if (!options.programs.empty() || !options.links.empty() || !options.nets.empty() || options.topology ||
         !options.boards.empty() || options.until || options.entry || options.load_at || options.memory_max)
@@ -69,6 +68,18 @@ machine::NetworkDescription described(const ExecOptions& options) {
   }
   for (const std::string& link : options.links) network.links.push_back(machine::parse_link(link, names));
   for (const std::string& net : options.nets) network.nets.push_back(net_of(net, names));
+  return network;
+}
+
+}  // namespace
+
+machine::NetworkDescription described(const ExecOptions& options) {
+  machine::NetworkDescription network = read_description(options);
+  NamedBoards boards;
+  for (std::size_t n = 0; n < network.chips.size(); ++n)
+    boards.emplace_back(network.chips[n].name.empty() ? fmt::format("{}", n) : network.chips[n].name,
+                        &network.chips[n].board);
+  add_inputs(boards, options);
   return network;
 }
 

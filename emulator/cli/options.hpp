@@ -135,7 +135,9 @@ struct ExecOptions {
   std::optional<unsigned> rom_width;
   std::vector<std::string> loads;            ///< FILE@ADDRESS
   std::vector<std::string> pokes;            ///< ADDRESS=WORD
-  std::optional<std::string> console_input;  ///< a file, or - for standard input
+  std::optional<std::string> console_input;  ///< a file, - for standard input, or live
+  std::optional<std::string> console_record;
+  std::vector<std::string> device_inputs, device_scripts, device_outputs;  ///< NAME=FILE
   bool peripherals = false;
   std::vector<std::string> links;  ///< CHIP.PORT:CHIP.PORT
   std::vector<std::string> nets;   ///< CHIP.PIN>CHIP.PIN

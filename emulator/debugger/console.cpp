@@ -381,6 +381,10 @@ void Console::tell(const Stop& stop) {
 void Console::show_stop() {
   const Stop& stop = debugger_.stop();
   if (stop.chip && *stop.chip < debugger_.programs().size()) chip_ = *stop.chip;
+  if (std::string sent = output_.news(debuggee().output()); !sent.empty()) {
+    if (sent.ends_with('\n')) sent.pop_back();
+    print_(sent);
+  }
   const Address pc = debuggee().chip(chip_).pc();
   const ProgramView& program = debugger_.program(chip_);
   if (stop.reason != Stop::Reason::step || !stop.text.empty())

@@ -76,6 +76,7 @@ class Console {
   Print print_;
   std::size_t chip_ = 0;
   std::string last_step_;
+  machine::debug::ShownOutput output_;
   std::map<std::size_t, std::vector<machine::debug::ShownRegister>> before_,
       now_;  ///< registers at the last two stops, by chip
   int status_ = 0;

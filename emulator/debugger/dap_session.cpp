@@ -219,6 +219,7 @@ void Session::tell_stop(const std::string& why) {
   shown_.clear();
   registers_shown_.clear();
   const Stop& stop = core().stop();
+  if (const std::string sent = shown_output_.news(core().debuggee().output()); !sent.empty()) output(sent, "stdout");
   if (stop.reason == Stop::Reason::over && why.empty()) {
     if (!told_end_) output(stop.text + "\n", "stdout");
     if (!std::exchange(told_end_, true) && stop_at_end_)

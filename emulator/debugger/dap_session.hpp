@@ -110,6 +110,7 @@ class Session {
        stop_on_entry_ = false, stop_at_end_ = false, told_end_ = false;
   std::function<void()> after_;  ///< the answer has been sent
   std::int64_t sequence_ = 0;
+  machine::debug::ShownOutput shown_output_;
   unsigned refused_ = 0;
   std::map<std::string, std::vector<unsigned>> by_source_;
   std::vector<unsigned> by_function_, by_instruction_, by_data_, by_exception_;

@@ -1,5 +1,5 @@
 #pragma once
-// Boards by name, or as TOML files describe them (docs/cli.md, Board files): for a program alone, and for the DSPs of
+// Boards by name, or as TOML files describe them (docs/boards.md): for a program alone, and for the DSPs of
 // the dock.
 #include <cstdint>
 #include <optional>
@@ -9,7 +9,7 @@
 
 #include "c40/board.hpp"
 #include "c40/probe.hpp"
-#include "machine/board_devices.hpp"
+#include "machine/board_device.hpp"
 #include "machine/symbols.hpp"
 
 namespace toolchain {
@@ -42,7 +42,12 @@ struct BoardDescription {
 /// "default", "flat", or a TOML file. \throws BoardError
 BoardDescription read_board(const std::string& name);
 
-/// For networks and the dock, whose chips have no devices of their own. \throws BoardError
+/// What a device's other side sends. \throws std::invalid_argument with file, line and what would be right
+/// \param script else a console's characters as they are, a FIFO's words in hexadecimal
+DeviceInput device_input(std::string text, const std::string& source, DeviceKind kind, bool script);
+DeviceInput read_device_input(const std::string& path, DeviceKind kind, bool script);
+
+/// For the dock, whose chips have no devices of their own. \throws BoardError
 void refuse_devices(const BoardDescription& board, std::string_view where);
 /// For the dock, whose DSPs stop at reserved addresses. \throws BoardError
 void refuse_ignored(const BoardDescription& board);

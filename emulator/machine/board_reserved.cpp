@@ -87,13 +87,13 @@ std::string no_ram_for(const c40::Board& board, std::string_view section, Addres
   std::ranges::transform(regions, std::back_inserter(nearest), extent);
   return fmt::format(
       "section {} ({} words at {:08X}h) does not lie in RAM of board {}: nearest {} {}. A board file describes another "
-      "board, with a [[region]] for these addresses (docs/cli.md, Board files)",
+      "board, with a [[region]] for these addresses (docs/boards.md)",
       section, words, address, board.name, nearest.size() == 1 ? "is" : "are", fmt::join(nearest, " and "));
 }
 
 bool IgnoredAccesses::contains(Address address) const {
   const auto holds = [&](const AddressRange& range) { return range.contains(address); };
-  return std::ranges::any_of(ranges_, holds) && std::ranges::none_of(left_, holds);
+  return std::ranges::any_of(ranges_, holds);
 }
 
 bool IgnoredAccesses::serve(c40::Chip& chip, const c40::ExternalAccess& access) {

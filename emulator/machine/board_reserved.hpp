@@ -1,6 +1,6 @@
 #pragma once
 /// Addresses at which a board has nothing: a fault, or an access that does nothing and is noted (c40-hardware.md 1.1;
-/// docs/cli.md, Board files).
+/// docs/boards.md).
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -40,8 +40,6 @@ class IgnoredAccesses {
   /// false: the address is none of the ranges'.
   bool serve(c40::Chip& chip, const c40::ExternalAccess& access);
   bool contains(c40::Address address) const;
-  /// These are somebody else's to answer.
-  void leave(const c40::AddressRange& range) { left_.push_back(range); }
   bool empty() const { return ranges_.empty(); }
 
   std::uint64_t count() const { return count_; }
@@ -54,7 +52,7 @@ class IgnoredAccesses {
   void list_state(state::Visitor& list);
 
  private:
-  std::vector<c40::AddressRange> ranges_, left_;
+  std::vector<c40::AddressRange> ranges_;
   std::vector<Note> notes_;
   std::uint64_t count_ = 0;
 };

@@ -129,6 +129,7 @@ Time Net::reaches(std::size_t chip) const {
   Time edge = changes_.empty() ? never : changes_.front().time;
   if (const auto pulse = next_pulse()) edge = std::min(edge, pulse->time);
   for (const PinOwner* driver : drivers_) edge = std::min(edge, driver->drives_from());
+  for (const PinOwner* mover : movers_) edge = std::min(edge, mover->drives_from());
   Time reach = never;
   for (std::size_t i = 0; i < receivers_.size(); ++i) {
     if (description_.receivers[i].chip != chip) continue;

@@ -87,6 +87,8 @@ class Net final : public Scheduler::Actor {
   void start();
   /// A chip drives one of its pins otherwise.
   void driven(const ChipPin& pin, c40::Drive drive, Time at);
+  /// A chip whose accesses to a memory make a script drive it.
+  void moved_by(const PinOwner& chip) { movers_.push_back(&chip); }
   /// A script drives it, from an instant on that is not past.
   void script(c40::Drive drive, Time at);
   void script(const PulseTrain& pulses);
@@ -142,8 +144,9 @@ class Net final : public Scheduler::Actor {
 
   NetDescription description_;
   std::vector<PinOwner*> drivers_, owners_;  ///< of the drivers, of the receivers
-  std::vector<c40::Drive> drives_;           ///< by source
-  std::deque<Change> changes_;               ///< to come, by time
+  std::vector<const PinOwner*> movers_;
+  std::vector<c40::Drive> drives_;  ///< by source
+  std::deque<Change> changes_;      ///< to come, by time
   std::vector<Receiver> receivers_;
   PulseTrain pulses_{};
   std::uint64_t pulse_ = 0;  ///< changes of the train that have been: two a pulse

@@ -6,7 +6,6 @@
 #include <span>
 
 #include "io/stop.hpp"
-#include "isa/decode.hpp"
 #include "machine/network_parts.hpp"
 #include "machine/program_end.hpp"
 
@@ -19,12 +18,6 @@ using c40::Word;
 
 namespace {
 constexpr Cycles no_cycle = std::numeric_limits<Cycles>::max();
-
-bool is_sigi(Word word) {
-  const isa::Decoded decoded = isa::decode(word);
-  const auto* instruction = std::get_if<isa::Instruction>(&decoded);
-  return instruction != nullptr && instruction->row->mnemonic == "sigi";
-}
 }  // namespace
 
 // ---- building ----
@@ -35,7 +28,6 @@ Network::Network(NetworkDescription description, std::uint64_t turn_order)
   if (d.chips.empty() || d.chips.size() > most_chips)
     throw NetworkError(fmt::format("a network of {} chips; 1 to {} are possible", d.chips.size(), most_chips));
   for (NetworkChip& chip : d.chips) {
-    refuse_devices(chip.board, "a network");
     const std::size_t n = nodes_.size();
     if (chip.name.empty()) chip.name = fmt::format("{}", n);
     const double mhz = chip.clock_mhz ? *chip.clock_mhz : chip.board.clock_mhz.value_or(default_clock_mhz);
@@ -45,7 +37,10 @@ Network::Network(NetworkDescription description, std::uint64_t turn_order)
   }
   join_links();
   add_memories();
+  add_devices();
+  add_pin_nets();
   join_nets();
+  join_pin_nets();
   for (auto& node : nodes_) load(*node);
   take_part();
   for (auto& net : nets_) net->start();
@@ -61,6 +56,7 @@ void Network::take_part() {
     scheduler_.add(*link_turns_.emplace_back(std::make_unique<LinkTurn>(*this, n)));
   for (auto& net : nets_) scheduler_.add(*net);
   scheduler_.add(*(action_turn_ = std::make_unique<ActionTurn>(*this)));
+  for (auto& turn : device_turns_) scheduler_.add(*turn);
   for (auto& node : nodes_) scheduler_.add(*node);
 }
 
@@ -132,33 +128,6 @@ void Network::join_nets() {
       node->chip.watch_pins(node.get(), outputs[node->number], inputs[node->number]);
 }
 
-void Network::add_memories() {
-  for (const SharedMemory& given : description_.memories) {
-    if (given.words == 0 || given.words > 1u << 24)
-      throw NetworkError(fmt::format("memory {}: {} words; 1 to {} are possible", given.name, given.words, 1u << 24));
-    if (given.waits < 0 || given.waits > 1000)
-      throw NetworkError(fmt::format("memory {}: {} wait states; 0 to 1000 are possible", given.name, given.waits));
-    for (const auto& [chip, base] : given.places) {
-      if (chip >= nodes_.size())
-        throw NetworkError(
-            fmt::format("memory {}: there is no chip {}; the network has {}", given.name, chip, nodes_.size()));
-      const auto& regions = nodes_[chip]->description.board.board.regions;
-      const bool inside = std::any_of(regions.begin(), regions.end(), [&, at = base](const c40::Region& r) {
-        return r.kind == c40::Region::Kind::external_window && at >= r.base && !nodes_[chip]->ignored.contains(at) &&
-               std::uint64_t{at} + given.words <= r.base + r.words;
-      });
-      if (!inside)
-        throw NetworkError(
-            fmt::format("memory {}: the board of chip {} has no window that holds {} words from {:08X}h; a region with "
-                        "kind = \"window\" is expected there",
-                        given.name, chip, given.words, base));
-      if (memory_of(*nodes_[chip], base) != nullptr || memory_of(*nodes_[chip], base + given.words - 1) != nullptr)
-        throw NetworkError(fmt::format("memory {}: chip {} has another memory at {:08X}h", given.name, chip, base));
-    }
-    memories_.push_back(std::make_unique<Memory>(Memory{given, std::vector<Word>(given.words), Time{0}, {}}));
-  }
-}
-
 void Network::load(Node& node) {
   if (node.description.program == nullptr) {
     if (!node.description.boot)
@@ -169,8 +138,10 @@ void Network::load(Node& node) {
   toolchain::require_c40(image, fmt::format("chip {}", node.number));
   node.chip.reset();
   const c40::Board& board = node.description.board.board;
+  for (const auto& [base, words] : node.description.board.contents) node.chip.write_block(base, words);
   const bool from_ports = node.description.boot && reset_source(board) == ResetSource::ports;
-  if (node.description.boot && !from_ports && reset_source(board) == ResetSource::memory)
+  const bool has_stream = image.sections.empty() && !node.description.board.contents.empty();  // in a ROM of the board
+  if (node.description.boot && !from_ports && reset_source(board) == ResetSource::memory && !has_stream)
     return load_stream(node, image, board);
   for (const toolchain::Image::Section& section : image.sections) {
     if (!section.loaded || from_ports) continue;
@@ -285,6 +256,7 @@ bool Network::quiet() {
                   [](const auto& link) { return link->next_event() != never && !link->only_exchanges_token(); }))
     return false;
   if (std::ranges::any_of(nets_, [](const auto& net) { return net->goes_on() && net->is_heard(); })) return false;
+  if (std::ranges::any_of(nodes_, [](const auto& node) { return node->devices_go_on(); })) return false;
   for (auto& node : nodes_) node->look_for_loop();
   const auto moves = std::find_if(nodes_.begin(), nodes_.end(), [](const auto& node) { return !node->is_still(); });
   if (moves == nodes_.end()) return true;
@@ -311,6 +283,7 @@ NetworkStop Network::run_until(Time limit) {
 }
 
 NetworkStop Network::run_slice(Time limit) {
+  for (auto& node : nodes_) node->note_device_event();  // its user may have typed
   scheduler_.all_changed();
   for (;;) {
     if (const auto stop = stop_if_quiet(limit)) return *stop;
@@ -375,48 +348,6 @@ void Network::perform_port(Node& node) {
   node.chip.complete_port(node.first_cycle(now_));
   node.status = ChipStatus::running;
   node.forget_port();
-}
-
-void Network::perform_memory(Node& node) {
-  Memory& memory = *memory_of(node, node.stop.access.address);
-  const c40::ExternalAccess& access = node.stop.access;
-  const auto place = std::find_if(
-      memory.description.places.begin(), memory.description.places.end(),
-      [&](const auto& p) { return p.first == node.number && access.address - p.second < memory.description.words; });
-  Word& word = memory.words[access.address - place->second];
-  const Word before = word;
-  const Cycles cycle = node.first_cycle(now_);
-  memory.free = node.clock.at(cycle + 1 + memory.description.waits);
-  const auto owner = memory.owner;
-  if (access.write && word != access.value) something_happened();
-  if (access.interlocked && access.write)
-    memory.owner.reset();
-  else if (access.interlocked && !is_sigi(node.chip.peek(node.chip.pc())))
-    memory.owner = node.number;
-  if (memory.owner != owner) something_happened();
-  if (access.write) {
-    word = access.value;
-    node.chip.complete_write(cycle - access.cycle, memory.description.waits);
-  } else {
-    node.chip.complete_read(word, cycle - access.cycle, memory.description.waits);
-  }
-  if (memory_listener_) memory_listener_(node.number, *memory_place(node.number, access.address), before, access, now_);
-  node.status = ChipStatus::running;
-  for (const auto& [chip, base] : memory.description.places) nodes_[chip]->changed();
-}
-
-std::optional<Network::MemoryPlace> Network::memory_place(std::size_t chip, Address address) const {
-  for (std::size_t n = 0; n < memories_.size(); ++n)
-    for (const auto& [owner, base] : memories_[n]->description.places)
-      if (owner == chip && address - base < memories_[n]->description.words) return MemoryPlace{n, address - base};
-  return std::nullopt;
-}
-
-Network::Memory* Network::memory_of(const Node& node, Address address) const {
-  for (const auto& memory : memories_)
-    for (const auto& [chip, base] : memory->description.places)
-      if (chip == node.number && address - base < memory->description.words) return memory.get();
-  return nullptr;
 }
 
 // ---- actions ----

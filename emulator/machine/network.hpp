@@ -22,6 +22,7 @@
 #include "c40/chip.hpp"
 #include "c40/peripherals/events.hpp"
 #include "c40/peripherals/link.hpp"
+#include "machine/board_devices.hpp"
 #include "machine/board_file.hpp"
 #include "machine/board_reserved.hpp"
 #include "machine/net.hpp"
@@ -73,15 +74,24 @@ struct NetworkChip {
   /// ROM, which takes its program from whichever port brings it one; `program` says only what is expected to come
   /// (symbols, lines, ends) and may be null.
   bool boot = false;
+  /// Behind windows of its board, besides the board's own.
+  std::vector<BoardDevices::Place> devices{};
 };
 
 /// A memory that several chips reach through windows of their boards. One access at a time; an interlocked load keeps
 /// all other chips out until the same chip's interlocked store.
+///
+/// A dual-port memory has two sides, each with a bus of its own: only when both meet the same word, the later one waits
+/// (BUSY). It knows no locks. Its two last words are mailboxes: a write of the first side to the last word pulls the
+/// pin of the second side low, until that side reads it; the last but one is that of the other direction (IDT7016 data
+/// sheet, "Interrupts"; the same in IDT7130 and CY7C13x).
 struct SharedMemory {
   std::string name;
   c40::Address words = 0;
   int waits = 0;  ///< cycles that an access takes beyond one, of the chip that makes it
   std::vector<std::pair<std::size_t, c40::Address>> places;  ///< chip and address of word 0
+  bool dual_port = false;
+  std::vector<std::optional<c40::Pin>> pins{};  ///< of the places, in a dual-port memory; may be fewer
 };
 
 struct NetworkAction {
@@ -245,6 +255,8 @@ class Network {
   ChipStatus status(std::size_t n) const;
   /// One sentence: why the chip stopped, or for whom it waits, where and since when.
   std::string describe(std::size_t n) const;
+  /// What stands behind the windows of a chip's board; null: nothing.
+  BoardDevices* devices(std::size_t n);
   /// The chip at the other end of what `n` waits for.
   std::optional<std::size_t> waits_for(std::size_t n) const;
 
@@ -295,12 +307,16 @@ class Network {
   struct LinkTurn;
   struct ActionTurn;
   struct NetTap;
+  struct DeviceTurn;
 
   NetworkStop run_slice(Time limit);
   std::optional<NetworkStop> stop_if_quiet(Time limit);
   void join_links();
   void add_memories();
+  void add_devices();
+  void add_pin_nets();
   void join_nets();
+  void join_pin_nets();
   void take_part();
   void start(Node& node);
   void load(Node& node);
@@ -321,6 +337,7 @@ class Network {
   void perform(const NetworkAction& action);
   void perform_port(Node& node);
   void perform_memory(Node& node);
+  void tell_mailboxes(Memory& memory, std::size_t side, c40::Address word, bool write);
   void reset_chip(Node& node);
   std::string describe_wait(const Node& node) const;
   Time at_rest_since() const;
@@ -336,6 +353,7 @@ class Network {
   std::vector<std::unique_ptr<LinkTap>> taps_;
   std::vector<std::unique_ptr<LinkTurn>> link_turns_;
   std::unique_ptr<ActionTurn> action_turn_;
+  std::vector<std::unique_ptr<DeviceTurn>> device_turns_;
   std::vector<std::unique_ptr<Memory>> memories_;
   std::unique_ptr<NetTap> net_tap_;
   std::vector<std::unique_ptr<Net>> nets_;

@@ -180,15 +180,26 @@ class NetworkReader {
   }
 
   void memory(const toml::table& table, const toml::node& node) {
-    allow(table, {"name", "words", "waits", "place"}, "memory.");
+    allow(table, {"name", "kind", "words", "waits", "place"}, "memory.");
     SharedMemory memory;
     memory.name = text(needed(table, node, "name", "memory"), "memory.name");
     memory.words =
         static_cast<c40::Address>(number(needed(table, node, "words", "memory"), "memory.words", 1, 1 << 24));
     if (const auto* waits = table.get("waits"))
       memory.waits = static_cast<int>(number(*waits, "memory.waits", 0, 1000));
+    if (const auto* kind = table.get("kind")) {
+      const std::string given = text(*kind, "memory.kind");
+      if (given != "shared" && given != "dual-port")
+        fail(*kind, "memory.kind: \"shared\" or \"dual-port\" is expected");
+      memory.dual_port = given == "dual-port";
+    }
     each(table, "place", [&](const toml::table& place, const toml::node& at) {
-      allow(place, {"chip", "base"}, "memory.place.");
+      allow(place, {"chip", "base", "pin"}, "memory.place.");
+      auto& pin = memory.pins.emplace_back();
+      if (const auto* given = place.get("pin")) {
+        pin = interrupt_pin_named(text(*given, "memory.place.pin"));
+        if (!pin) fail(*given, "memory.place.pin: IIOF0 to IIOF3 or NMI is expected");
+      }
       memory.places.emplace_back(chip_at(needed(place, at, "chip", "memory.place")),
                                  static_cast<c40::Address>(number(needed(place, at, "base", "memory.place"),
                                                                   "memory.place.base", 0, 0xFFFFFFFF)));

@@ -71,8 +71,8 @@ Time Network::Node::horizon_on_its_own() const {
 }
 
 Time Network::Node::horizon_of_follower() const {
-  const Time outside =
-      std::min({network.scheduler_.limit(), network.ends_at_, network.next_action(), others_reach_it()});
+  const Time outside = std::min(
+      {network.scheduler_.limit(), network.ends_at_, network.next_action(), next_device_event(), others_reach_it()});
   if (status != ChipStatus::running) return std::min(outside, access_time());
   // run_to lets it begin an instruction in the last cycle: in the one before that in which it is looked at
   const Cycles look = std::max(patience.next_look(), chip.cycle() + 1);
@@ -233,6 +233,7 @@ bool Network::Node::at_breakpoint() {
 }
 
 bool Network::Node::window_access(const c40::ExternalAccess& access) {
+  if (devices != nullptr && devices->has(access.address)) return serve_device(access);
   if (ignored.serve(chip, access)) return true;
   status = network.memory_of(*this, access.address) != nullptr ? ChipStatus::waiting : ChipStatus::external_access;
   stop = {};
@@ -332,7 +333,9 @@ Time Network::Node::access_time() const {
   if (status != ChipStatus::waiting) return never;
   // Nothing but a link, or its own DMA, makes a port ready.
   if (waits_for_port() && !chip.dma_active() ? !was_ready : !ready()) return never;
-  const Time free = waits_for_port() ? ready_since : network.memory_of(*this, stop.access.address)->free;
+  const Time free = waits_for_port()
+                        ? ready_since
+                        : network.memory_of(*this, stop.access.address)->free_for(number, stop.access.address);
   return clock.at(
       std::max(waits_for_port() ? stop.port.cycle : stop.access.cycle, first_cycle(std::max(free, network.now_))));
 }
@@ -481,6 +484,9 @@ void Network::Node::look_for_loop() {
       p.looking.emplace(chip, trace);
     } else {
       if (!chip.dma_busy() && chip.next_event() == no_cycle) p.loop = p.looking->loop();
+      const auto at_device = [&](Address a) { return devices != nullptr && devices->has(a); };
+      if (p.loop && devices != nullptr && devices->goes_on() && std::ranges::any_of(p.loop->reads, at_device))
+        p.loop.reset();
       p.found = clock.at(chip.cycle());
       p.is_private = p.loop && !follows() &&
                      std::none_of(p.loop->reads.begin(), p.loop->reads.end(), [&](Address a) { return is_shared(a); });

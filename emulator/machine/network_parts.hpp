@@ -18,9 +18,20 @@ namespace machine {
 struct Network::Memory {
   SharedMemory description;
   std::vector<c40::Word> words;
-  Time free{0};                      ///< of the access under way
-  std::optional<std::size_t> owner;  ///< of the lock
+  Time free{0};  ///< of the access under way
+  /// The last access of each side of a dual-port memory.
+  struct Side {
+    c40::Address word = 0;
+    Time until{0};
+  };
+  std::array<Side, 2> sides{};
+  std::array<Net*, 2> mailbox_nets{};  ///< to the sides' pins
+  std::optional<std::size_t> owner;    ///< of the lock
 
+  /// Which of its places is the chip's.
+  std::size_t side_of(std::size_t chip, c40::Address address) const;
+  /// When the access could begin, as far as others use it.
+  Time free_for(std::size_t chip, c40::Address address) const;
   void list_state(state::Visitor& list);
 };
 
@@ -52,6 +63,9 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   Time ready_since{0};
   c40::Cycles asleep_since = 0;  ///< of one that sleeps in a branch to itself
   std::vector<std::size_t> links;
+  std::unique_ptr<BoardDevices> devices;  ///< null: none
+  DeviceTurn* device_turn = nullptr;      ///< null: they pull no pin
+  Time device_event = never;
   std::vector<Net*> nets_in, nets_out;  ///< those that lead to its pins, and those that it can drive
   std::vector<c40::Pin> pins_in;
 
@@ -139,6 +153,10 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   Time own_event() const;
   Time at_rest_since() const;
   Time lookahead() const;
+  /// When its devices next do something by themselves that a pin shows. Asked for over and over, so kept.
+  Time next_device_event() const { return device_event; }
+  void note_device_event();
+  bool devices_go_on() const;
   bool has_ended() const;
   bool awaits_dma_for_ever() const;
   /// Nothing will happen here, but for a loop that goes on as it does.
@@ -156,6 +174,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   void pass_to(c40::Cycles limit, c40::Cycles known);
   bool sleeps_for_interrupt() const;
   bool is_shared(c40::Address address) const;
+  bool serve_device(const c40::ExternalAccess& access);
   Time horizon_on_its_own() const;
   Time horizon_of_follower() const;
   Time others_reach_it() const;
@@ -191,6 +210,19 @@ struct Network::LinkTurn final : Scheduler::Actor {
   void act(Time now) override { network.link_happens(number, now); }
   Network& network;
   std::size_t number;
+};
+
+/// Lets what the devices of a chip do by themselves take part.
+struct Network::DeviceTurn final : Scheduler::Actor {
+  explicit DeviceTurn(Node& node_) : node(node_) {}
+  Time next() const override { return node.next_device_event(); }
+  void act(Time now) override {
+    node.network.now_ = now;
+    node.devices->advance_to(node.first_cycle(now));
+    node.note_device_event();
+    node.changed();
+  }
+  Node& node;
 };
 
 /// Lets what is scripted take part.

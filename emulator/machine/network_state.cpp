@@ -42,7 +42,10 @@ state::Key Network::configuration() const {
     const auto what = [&](std::string_view part) { return fmt::format("{} of chip {}", part, node->number); };
     key.emplace_back(what("program"), fmt::format("{};{};{};{}", text_of(*d.program), d.entry.value_or(0),
                                                   d.until.has_value(), d.until.value_or(0)));
-    key.emplace_back(what("board"), fmt::format("{}{}", text_of(d.board.board), d.boot));
+    std::string devices;
+    if (node->devices != nullptr)
+      for (const auto& [described, device] : node->devices->places()) devices += machine::configuration_of(described);
+    key.emplace_back(what("board"), fmt::format("{}{}{}", text_of(d.board.board), d.boot, devices));
     key.emplace_back(what("clock"), fmt::format("{}", node->clock.hertz()));
   }
   for (const NetworkLink& link : description_.links) {
@@ -51,7 +54,8 @@ state::Key Network::configuration() const {
                          p.exit_cycles);
   }
   for (const auto& memory : memories_) {
-    memories += fmt::format("{} {}", memory->description.words, memory->description.waits);
+    memories +=
+        fmt::format("{} {} {}", memory->description.words, memory->description.waits, memory->description.dual_port);
     for (const auto& [chip, base] : memory->description.places) memories += fmt::format(" {} {:X}", chip, base);
     memories += ';';
   }
@@ -72,6 +76,7 @@ void Network::Memory::list_state(state::Visitor& list) {
     throw state::StateError(
         fmt::format("memory {}: {} words, where there are {}", description.name, words.size(), size));
   list("free", free);
+  list("sides", sides);
   list("owner", owner);
 }
 
@@ -80,6 +85,7 @@ void LoopWatch::list_state(state::Visitor& list) { list("rounds", rounds_); }
 // Patience is state: what it finds ends a run, and when it looks depends on when something last happened.
 void Network::Node::list_state(state::Visitor& list) {
   list("chip", chip);
+  if (devices != nullptr) list("devices", *devices);
   if (!ignored.empty()) list("ignored", ignored);
   list("status", status);
   list("stop", stop);

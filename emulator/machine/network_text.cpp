@@ -195,8 +195,9 @@ std::string Network::describe(std::size_t n) const {
     case ChipStatus::external_access: {
       const std::string who =
           node.stop.access.channel < 0 ? "" : fmt::format("DMA channel {} ", node.stop.access.channel);
-      return fmt::format("{}{} {:08X}h at {}: that is a window, and no memory of the network is behind it", who,
-                         node.stop.access.write ? "writes" : "reads", node.stop.access.address, where(node));
+      return fmt::format(
+          "{}{} {:08X}h at {}: that is a window, and no device of the board and no memory of the network is behind it",
+          who, node.stop.access.write ? "writes" : "reads", node.stop.access.address, where(node));
     }
     case ChipStatus::held: return fmt::format("is held at {}", where(node));
     case ChipStatus::pulled_out: return "has been pulled out";

@@ -20,6 +20,7 @@
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/ctrl_c.hpp"
 #include "python/bindings/debug.hpp"
+#include "python/bindings/devices.hpp"
 #include "state/archive.hpp"
 #include "state/file.hpp"
 #include "toolchain/assembler.hpp"
@@ -108,21 +109,21 @@ class Recorder : public c40::TraceSink {
 
 class Processor : public c40::PeripheralSink {
  public:
-  Processor(const std::string& board, bool checks) : Processor(machine::read_board(board), checks) {}
-  Processor(machine::BoardDescription described, bool checks)
+  Processor(const std::string& board, bool checks, const std::vector<py::object>& own)
+      : Processor(machine::read_board(board), checks, own) {}
+  Processor(machine::BoardDescription described, bool checks, const std::vector<py::object>& own)
       : board(machine::configuration_of(described.board)),
         surroundings(described.board),
         chip(std::move(described.board)),
         devices(described.devices),
         ignored(described.ignored) {
-    for (const machine::DeviceDescription& device : described.devices)
-      board += fmt::format("device {} {:X} {} {} {}\n", machine::name(device.kind), device.base, device.words,
-                           device.waits, device.value);
+    for (const py::object& device : own) {
+      auto [place, behind] = PythonDevice::place(device);
+      devices.add(std::move(place), std::move(behind));
+    }
+    for (const auto& [place, device] : devices.places()) board += machine::configuration_of(place);
     for (const auto& [base, words] : described.contents) chip.write_block(base, words);
-    devices.on_output = [this](char c) { console += c; };
-    devices.on_change = [this](const machine::BoardDevices::Change& change) {
-      changes.append(py::make_tuple(change.device, change.cycle, change.value));
-    };
+    around.emplace(devices, chip);
     if (!checks) return;
     self_check.emplace(chip);
     chip.set_trace(&*self_check);
@@ -181,7 +182,9 @@ class Processor : public c40::PeripheralSink {
 
   py::dict step() {
     if (self_check) self_check->look();
-    const c40::StopInfo stop = chip.step();
+    around->limit(chip.cycle());
+    c40::StopInfo stop = chip.step();
+    while (stop.reason == c40::StopInfo::Reason::external_access && answered(stop.access)) stop = chip.step();
     if (self_check) self_check->run_ended();
     return describe(chip, stop);
   }
@@ -211,31 +214,31 @@ class Processor : public c40::PeripheralSink {
   c40::Board surroundings;
   c40::Chip chip;
   machine::BoardDevices devices;
+  std::optional<machine::LoneDevices> around;
   machine::IgnoredAccesses ignored;
-  std::string console;  ///< what its consoles have sent
-  py::list changes;     ///< of its LEDs
   /// The chip, and what stands around it.
   void list_state(state::Visitor& list) {
     chip.list_state(list);
     if (!ignored.empty()) list("ignored", ignored);
     if (devices.empty()) return;
     list("devices", devices);
-    list("console", console);
+    list("around", *around);
   }
   std::optional<c40::SelfCheck> self_check;
   py::list events;
 
  private:
+  /// By a device, or as an access to nothing.
+  bool answered(const c40::ExternalAccess& access) { return around->serve(access) || ignored.serve(chip, access); }
   /// In slices, so that Ctrl-C is heard.
   c40::StopInfo run_for(Cycles cycles) {
     constexpr Cycles slice = 50'000;
     return interruptible([&] {
       const Cycles limit = chip.cycle() + cycles;
       c40::StopInfo stop;
-      do stop = chip.run_until(std::min(limit, chip.cycle() + slice));
+      do stop = chip.run_until(around->limit(std::min(limit, chip.cycle() + slice)));
       while (((stop.reason == c40::StopInfo::Reason::limit && chip.cycle() < limit) ||
-              (stop.reason == c40::StopInfo::Reason::external_access &&
-               (machine::serve(devices, chip, stop.access) || ignored.serve(chip, stop.access)))) &&
+              (stop.reason == c40::StopInfo::Reason::external_access && answered(stop.access))) &&
              !io::stop_asked());
       return stop;
     });
@@ -302,18 +305,13 @@ void bind_link(py::module_& m) {
 void bind_processor(py::module_& m) {
   py::class_<Processor> processor(
       m, "Processor", "One TMS320C40 on board `default`, `flat` (rulings.md 26), or one that a TOML file describes.");
-  processor.def(py::init<const std::string&, bool>(), py::arg("board") = "default", py::arg("checks") = false)
+  processor
+      .def(py::init<const std::string&, bool, const std::vector<py::object>&>(), py::arg("board") = "default",
+           py::arg("checks") = false, py::arg("devices") = std::vector<py::object>())
       .def("diagnostics", &Processor::diagnostics, "Rules that the program broke, with checks on.")
       .def("load_words", &Processor::load_words, py::arg("address"), py::arg("words"))
       .def_property_readonly("reserved_accesses", [](const Processor& p) { return reserved_accesses(p.ignored); })
-      .def("leave_to_devices", [](Processor& p, c40::Address base, Word words) { p.ignored.leave({base, words}); })
       .def("load_image", &Processor::load_image, "Loads the sections of an image and sets the PC to its entry.")
-      .def(
-          "type", [](Processor& p, const std::string& text) { p.devices.type(text); }, py::arg("text"),
-          "Characters for the board's consoles to read.")
-      .def_property_readonly(
-          "console", [](const Processor& p) { return py::bytes(p.console); }, "What the board's consoles have sent.")
-      .def_readonly("led_changes", &Processor::changes, "(name, cycle, value) of each change of an LED.")
       .def(
           "save",
           [](Processor& p, const toolchain::Image* program) {
@@ -328,8 +326,12 @@ void bind_processor(py::module_& m) {
               toolchain::Image program;
             };
             auto owner = std::make_shared<Owner>(self, program);
-            auto debuggee =
-                std::make_unique<machine::debug::ChipDebuggee>(self.cast<Processor&>().chip, owner->program);
+            auto& p = self.cast<Processor&>();
+            if (const auto why = p.devices.stateless()) throw state::StateError(*why);
+            const bool alone = p.devices.empty();
+            auto debuggee = std::make_unique<machine::debug::ChipDebuggee>(
+                p.chip, owner->program, alone ? nullptr : &p.devices, alone ? nullptr : &*p.around,
+                p.ignored.empty() ? nullptr : &p.ignored);
             return std::make_unique<PythonDebugger>(std::move(owner), std::move(debuggee), true);
           },
           py::arg("program"))
@@ -378,13 +380,13 @@ void bind_processor(py::module_& m) {
           "Takes a word from the output FIFO of a port, as its neighbour would.")
       .def_static(
           "bootable",
-          [](const std::string& board, std::optional<c40::Address> memory) {
+          [](const std::string& board, std::optional<c40::Address> memory, const std::vector<py::object>& own) {
             machine::BoardDescription described = machine::read_board(board);
             described.board = memory ? machine::with_boot_from_memory(std::move(described.board), *memory)
                                      : machine::with_boot_from_port(std::move(described.board));
-            return std::make_unique<Processor>(std::move(described), false);
+            return std::make_unique<Processor>(std::move(described), false, own);
           },
-          py::arg("board") = "default", py::arg("memory") = py::none(),
+          py::arg("board") = "default", py::arg("memory") = py::none(), py::arg("devices") = std::vector<py::object>(),
           "With the boot ROM, its pins for a port, or for memory at this address.")
       .def(
           "boot", [](Processor& p) { p.chip.boot(); }, "What the RESET pin does.")
@@ -410,6 +412,7 @@ void bind_processor(py::module_& m) {
           "pc", [](const Processor& p) { return p.chip.pc(); },
           [](Processor& p, c40::Address pc) { p.chip.set_pc(pc); });
   bind_inspection(processor, [](auto& p) -> auto& { return p.chip; });
+  bind_devices(processor, [](Processor& p) { return &p.devices; });
 }
 
 void bind_float40(py::module_& m) {

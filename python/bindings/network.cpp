@@ -15,6 +15,7 @@
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/ctrl_c.hpp"
 #include "python/bindings/debug.hpp"
+#include "python/bindings/devices.hpp"
 #include "python/bindings/state.hpp"
 #include "state/archive.hpp"
 #include "state/file.hpp"
@@ -38,6 +39,8 @@ machine::NetworkChip chip_of(const py::dict& given) {
   chip.clock_mhz = given["clock_mhz"].cast<std::optional<double>>();
   chip.until = given["until"].cast<std::optional<c40::Address>>();
   chip.boot = given["boot"].cast<bool>();
+  for (const py::handle device : given["devices"])
+    chip.devices.push_back(PythonDevice::place(py::reinterpret_borrow<py::object>(device)));
   return chip;
 }
 
@@ -68,9 +71,14 @@ std::unique_ptr<machine::Network> make(const py::list& chips,
   }
   for (const py::handle given : memories) {
     const auto memory = given.cast<py::dict>();
-    d.memories.push_back({memory["name"].cast<std::string>(), memory["words"].cast<c40::Address>(),
+    d.memories.push_back({memory["name"].cast<std::string>(),
+                          memory["words"].cast<c40::Address>(),
                           memory["waits"].cast<int>(),
-                          memory["places"].cast<std::vector<std::pair<std::size_t, c40::Address>>>()});
+                          memory["places"].cast<std::vector<std::pair<std::size_t, c40::Address>>>(),
+                          memory["dual_port"].cast<bool>(),
+                          {}});
+    for (const auto& pin : memory["pins"].cast<std::vector<std::optional<std::string>>>())
+      d.memories.back().pins.push_back(pin ? machine::interrupt_pin_named(*pin) : std::nullopt);
   }
   try {
     for (const std::string& net : nets) d.nets.push_back(machine::parse_net(net, names));
@@ -126,6 +134,7 @@ void bind_network(py::module_& core) {
       .def_property_readonly("waits_for", [](const ChipOf& c) { return c.network->waits_for(c.number); })
       .def_property_readonly("hertz", [](const ChipOf& c) { return c.network->clock(c.number).hertz(); });
   bind_inspection(chip, [](const ChipOf& c) -> c40::Chip& { return c.network->chip(c.number); });
+  bind_devices(chip, [](ChipOf& c) { return c.network->devices(c.number); });
 
   py::class_<machine::Network, std::shared_ptr<machine::Network>> network_class(m, "Network");
   bind_state<machine::Network>(network_class);
@@ -147,6 +156,9 @@ void bind_network(py::module_& core) {
           "Refuses by name what is no snapshot of such a network, before anything is changed.")
       .def("debug",
            [](const std::shared_ptr<machine::Network>& network) {
+             for (std::size_t n = 0; n < network->chip_count(); ++n)
+               if (machine::BoardDevices* devices = network->devices(n); devices != nullptr && devices->stateless())
+                 throw state::StateError(*devices->stateless());
              return std::make_unique<PythonDebugger>(network,
                                                      std::make_unique<machine::debug::NetworkDebuggee>(*network));
            })

@@ -12,10 +12,11 @@ import numbers
 import os
 from collections.abc import Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, overload
+from typing import Any, overload
 
 from cmrc import _core, arguments, snapshots
 from cmrc.debug import Debugger
+from cmrc.devices import Device, Front, OneRun, attached, copied
 from cmrc.floats import extended_to_float, float_to_extended, float_to_single, single_to_float
 from cmrc.snapshots import ChipSnapshot, SnapshotError
 
@@ -342,34 +343,7 @@ class AccessesToNothing:
         return [dict(note) for note in self._core.reserved_accesses]
 
 
-class Device(Protocol):
-    """What stands behind a window of a board: a class of your own. ``waits``, if it has that, are cycles that each access waits."""
-
-    words: int
-    """How many words it has."""
-
-    def read(self, offset: int, cycle: int) -> int:
-        """The word that a read gets. What it raises ends the run; the access then still waits."""
-
-    def write(self, offset: int, value: int, cycle: int) -> None:
-        """Takes a word."""
-
-
-def _device_places(devices: Mapping[int, Device]) -> list[tuple[int, Device]]:
-    places: list[tuple[int, Device]] = []
-    for base, device in sorted(devices.items()):
-        arguments.whole("devices", base, "a word address", 0, 2**32 - 1)
-        for name in ("read", "write"):
-            if not callable(getattr(device, name, None)):
-                raise TypeError(f"devices: the one at {base:X}h has no {name}(); a device has words, read(offset, cycle) and write(offset, value, cycle)")
-        arguments.whole(f"devices: words of the one at {base:X}h", getattr(device, "words", None), "a number of words", 1, 2**32 - base)
-        if places and places[-1][0] + places[-1][1].words > base:
-            raise ValueError(f"devices: those at {places[-1][0]:X}h and {base:X}h overlap")
-        places.append((base, device))
-    return places
-
-
-class Processor(ChipState, AccessesToNothing):
+class Processor(ChipState, AccessesToNothing, Front, OneRun):
     """One TMS320C40 with memory around it: board ``default`` (the CMRC board's map), ``flat`` (zero-wait RAM everywhere, and the chip's own registers), or a TOML file's path.
 
     ``boots_from`` is the address of the memory that the pins choose for the boot ROM: ``load_rom``, then ``boot``.
@@ -380,16 +354,14 @@ class Processor(ChipState, AccessesToNothing):
     def __init__(
         self, program: Program | Path | None = None, *, board: str | Path = "default", checks: bool = False, devices: Mapping[int, Device] | None = None, boots_from: int | None = None
     ) -> None:
-        self._devices = _device_places(devices or {})
+        self._devices = attached(devices)
         place = arguments.path("board", board, '"default", "flat" or the path of a board file')
         if boots_from is None:
-            core = _core.c40.Processor(place, arguments.flag("checks", checks))
+            core = _core.c40.Processor(place, arguments.flag("checks", checks), self._devices)
         elif checks:
             raise ValueError("checks: not with boots_from; a processor without a boot ROM has them")
         else:
-            core = _core.c40.Processor.bootable(place, arguments.whole("boots_from", boots_from, "a word address", 0, 2**32 - 1))
-        for base, device in self._devices:
-            core.leave_to_devices(base, device.words)
+            core = _core.c40.Processor.bootable(place, arguments.whole("boots_from", boots_from, "a word address", 0, 2**32 - 1), self._devices)
         super().__init__(core, None)
         self._board, self._boots_from = place, boots_from
         if program is not None:
@@ -416,42 +388,11 @@ class Processor(ChipState, AccessesToNothing):
     def run(self, max_cycles: int = 100_000_000, *, until: int | str | None = None) -> Stop:
         """Runs whole instructions for ``max_cycles`` cycles, or until PC is at ``until`` (an address or a symbol)."""
         target = None if until is None else self.address(until)
-        end = self.cycles + _cycles(max_cycles)
-        stop = _stop(self._core.run(end - self.cycles, target))
-        while stop.reason == "external_access" and self._answer(stop):
-            stop = _stop(self._core.run(max(0, end - self.cycles), target))
+        with self._run("run"):
+            stop = _stop(self._core.run(_cycles(max_cycles), target))
         if stop.reason == "breakpoint" and stop.pc == target:
             return Stop("until", stop.pc, stop.cycle)
         return stop
-
-    def _answer(self, stop: Stop) -> bool:
-        details = stop.details or {}
-        for base, device in self._devices:
-            offset = details["address"] - base
-            if not 0 <= offset < device.words:
-                continue
-            waits = _cycles(getattr(device, "waits", 0), f"waits of the device at {base:X}h")
-            if details["write"]:
-                device.write(offset, details["value"], details["access_cycle"])
-                self._core.complete_write(0, waits)
-            else:
-                self._core.complete_read(_word(device.read(offset, details["access_cycle"])), 0, waits)
-            return True
-        return False
-
-    def type(self, text: str | bytes) -> None:
-        """Characters that the consoles of the board file read, behind those that wait."""
-        self._core.type(text.encode("latin-1") if isinstance(text, str) else bytes(arguments.instance("text", text, bytes, "text or bytes")))
-
-    @property
-    def console(self) -> bytes:
-        """What the consoles of the board file have sent."""
-        return bytes(self._core.console)
-
-    @property
-    def led_changes(self) -> list[tuple[str, int, int]]:
-        """(name, cycle, value) of each change of an LED of the board file."""
-        return list(self._core.led_changes)
 
     def step(self) -> Stop:
         """Executes one instruction; reason ``limit`` when it went well."""
@@ -486,10 +427,8 @@ class Processor(ChipState, AccessesToNothing):
             raise ValueError(f"{source} is no interrupt that can be raised; {', '.join(('NMI', *INTERRUPT_PINS, *INTERRUPT_FLAGS))} are")
 
     def snapshot(self) -> ChipSnapshot:
-        """Its whole state: registers, memory, pipeline, cache, peripherals, and the access that it waits for. Raises SnapshotError with ``checks`` on, or with devices of Python's, whose state nobody knows."""
-        if self._devices:
-            base, device = self._devices[0]
-            raise SnapshotError(f"the device at {base:X}h ({type(device).__name__}) is Python's, and its state is not saved; a processor without such devices has snapshots")
+        """Its whole state: registers, memory, pipeline, cache, peripherals, and the access that it waits for. Raises SnapshotError with ``checks`` on, or with a device of Python's that has no ``save`` and ``load``, by name."""
+        self._refuse_inside("snapshot")
         return ChipSnapshot(self._core.save(self.program))
 
     def restore(self, snapshot: ChipSnapshot) -> None:
@@ -497,11 +436,12 @@ class Processor(ChipState, AccessesToNothing):
 
         Raises SnapshotError for any other, before anything is changed.
         """
+        self._refuse_inside("restore")
         self._core.load(snapshots.sealed(snapshot), self.program)
 
     def fork(self) -> Processor:
-        """A second processor with the same past: what one does from here on, the other does not see."""
-        other = Processor(self.program, board=self._board, boots_from=self._boots_from)
+        """A second processor with the same past: what one does from here on, the other does not see. Devices of Python's are copied (copy.deepcopy), and loaded."""
+        other = Processor(self.program, board=self._board, boots_from=self._boots_from, devices=copied(self._devices))
         other.restore(self.snapshot())
         return other
 

@@ -16,6 +16,7 @@ from typing import Any, overload
 from cmrc import _core, arguments, snapshots
 from cmrc.c40 import AccessesToNothing, ChipState, Path, Program, assemble_file, read_coff
 from cmrc.debug import Debugger
+from cmrc.devices import PINS, Attached, Device, Front, OneRun, attached, copied
 from cmrc.snapshots import ChipSnapshot, SnapshotError
 
 NetworkError = _core.network.NetworkError
@@ -87,10 +88,14 @@ class SharedMemory:
     places: Mapping[int, int]
     """Chip to address of word 0."""
     waits: int = 0
+    dual_port: bool = False
+    """A dual-port memory: its two chips wait for one another at the same word only, and its last two words are mailboxes (docs/networks.md)."""
+    pins: Mapping[int, str] | None = None
+    """Of a dual-port memory: chip to the pin that its mailbox pulls low (``IIOF0`` to ``IIOF3``, ``NMI``)."""
 
 
-class Chip(ChipState, AccessesToNothing):
-    """One chip of a network: what can be seen of it, and how it stands."""
+class Chip(ChipState, AccessesToNothing, Front):
+    """One chip of a network: what can be seen of it, how it stands, and what its board's devices send."""
 
     def __init__(self, core: Any, program: Program, number: int) -> None:
         super().__init__(core, program)
@@ -141,12 +146,13 @@ class Net:
     missed: int
 
 
-class Network:
+class Network(OneRun):
     """Up to 64 chips. ``programs`` is one for all chips of a ``topology``, or one for each; sources, COFF files or assembled programs.
 
     ``topology`` is ``ring:4``, ``line:4``, ``grid:4x4``, ``torus:4x4``, ``hypercube:16``; ``links`` are further ones, ``"0.3:1.0"`` for port 3 of chip 0 and port 0 of
     chip 1, or (that, {"word_cycles": 5, ...}). ``nets`` join pins, ``"0.TCLK0>1.IIOF1"`` or ``"index: >1.IIOF2"`` (docs/networks.md, Pins). ``boards``, ``clocks_mhz`` (CLKIN) and ``names`` are one for all chips or one for each. ``until`` is where a chip has ended.
     Chips in ``boots`` start in the boot ROM and take their program from whichever port brings it; their ``programs`` only say what is expected to come.
+    ``devices`` are classes of your own behind windows: for a chip's number a dictionary of addresses and devices (``cmrc.devices.Device``).
     Every other chip finds its number in R0 and the number of chips in R1. ``turn_order`` shuffles which chip the emulator advances first, and changes nothing.
     ``record_words`` keeps every word and token, and every edge of a net, in ``events``, ``record_peripherals`` what the chips' ports, DMA, timers and interrupts did. Raises NetworkError.
     """
@@ -166,6 +172,7 @@ class Network:
         boots: Sequence[int] = (),
         memories: Sequence[SharedMemory] = (),
         nets: Sequence[str] = (),
+        devices: Mapping[int, Mapping[int, Device]] | None = None,
         turn_order: int = 0,
         record_words: bool = False,
         record_peripherals: bool = False,
@@ -183,7 +190,7 @@ class Network:
         name = [arguments.text("names", each, "the name of a chip") for each in arguments.items("names", names, "a list of names")] or [""] * count
         if len(name) != count:
             raise NetworkError(f"{len(name)} names for {count} chips")
-        chips = [
+        chips: list[dict[str, Any]] = [
             {"program": image, "board": board[n], "clock_mhz": clock[n], "name": name[n], "until": _address(image, until), "boot": n in boots}
             for n, image in enumerate(images)
         ]
@@ -191,7 +198,17 @@ class Network:
         shared = [_shared(f"memories[{n}]", memory) for n, memory in enumerate(arguments.items("memories", memories, "a list of SharedMemory"))]
         joined = [arguments.text(f"nets[{n}]", net, 'a net as "0.TCLK0>1.IIOF1"') for n, net in enumerate(arguments.items("nets", nets, "a list of nets"))]
         order = arguments.whole("turn_order", turn_order, "a seed", 0, 2**64 - 1)
-        self._take(lambda: _core.network.Network(chips, wires, topology, shared, joined, order), record_words, record_peripherals)
+        own = _devices(devices, count)
+
+        def make() -> Any:
+            nonlocal own
+            for n, chip in enumerate(chips):
+                chip["devices"] = own[n]
+            core = _core.network.Network(chips, wires, topology, shared, joined, order)
+            own = [attached(copied(places)) for places in own]  # of a fork
+            return core
+
+        self._take(make, record_words, record_peripherals)
 
     @classmethod
     def from_file(cls, path: Path, *, turn_order: int = 0, record_words: bool = False, record_peripherals: bool = False) -> Network:
@@ -216,7 +233,8 @@ class Network:
             limit = _instant("until_us", until_us)
             if limit < self.now_ps:
                 raise ValueError(f"until_us: {until_us} us has passed, the network is at {self.now_ps / 1e6} us; a later instant is expected")
-        reason, time = self._core.run_until(limit)
+        with self._run("run"):
+            reason, time = self._core.run_until(limit)
         return NetworkStop(reason, time)
 
     @property
@@ -285,6 +303,7 @@ class Network:
         if at_us is not None:
             self._schedule("restore", link, at_us)
         else:
+            self._refuse_inside("restore")
             self._core.load(snapshots.sealed(link))
 
     def debug(self) -> Debugger:
@@ -293,6 +312,7 @@ class Network:
 
     def snapshot(self) -> ChipSnapshot:
         """The whole state: chips, what is on the links, shared memories, actions to come, and the events so far."""
+        self._refuse_inside("snapshot")
         return ChipSnapshot(self._core.save())
 
     def fork(self) -> Network:
@@ -384,8 +404,25 @@ def _shared(name: str, memory: object) -> dict[str, Any]:
         "name": arguments.text(f"{name}.name", m.name),
         "words": arguments.whole(f"{name}.words", m.words, "a number of words"),
         "waits": arguments.whole(f"{name}.waits", m.waits, "a number of cycles", 0, 2**31 - 1),
+        "dual_port": arguments.flag(f"{name}.dual_port", m.dual_port),
+        "pins": [_pin(f"{name}.pins", (m.pins or {}).get(chip)) for chip in m.places],
         "places": [(arguments.whole(f"{name}.places", chip, "the number of a chip"), arguments.whole(f"{name}.places", at, "an address")) for chip, at in m.places.items()],
     }
+
+
+def _pin(name: str, pin: object) -> str | None:
+    if pin is not None and pin not in PINS:
+        raise ValueError(f"{name}: {', '.join(PINS)} is expected, not {pin!r}")
+    return None if pin is None else str(pin)
+
+
+def _devices(given: object, count: int) -> list[list[Attached]]:
+    if not isinstance(given, Mapping | None):
+        arguments.refuse("devices", given, "a dictionary of chips, each with a dictionary of addresses and devices,")
+    own: list[list[Attached]] = [[] for _ in range(count)]
+    for chip, places in (given or {}).items():
+        own[arguments.whole("devices", chip, f"the number of a chip, 0 to {count - 1},", 0, count - 1)] = attached(places)
+    return own
 
 
 def _chips_of(topology: str) -> int:

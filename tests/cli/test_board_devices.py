@@ -10,7 +10,6 @@ from typing import Any
 
 import pytest
 from cmrc.c40 import Processor, SnapshotError, assemble
-from cmrc.network import Network
 from locations import BUILD, ROOT
 
 BOARD = """
@@ -163,7 +162,7 @@ def test_a_class_of_ones_own_is_a_device() -> None:
     assert processor.run(until="end").reason == "until"
     assert (processor.registers["R0"] & 0xFFFF, processor.registers["R1"] & 0xFFFF) == (103, 201)
     assert counter.written == [(2, 201), (0, 0)]
-    with pytest.raises(SnapshotError, match=r"C0000000h \(Counter\) is Python's"):
+    with pytest.raises(SnapshotError, match=r"the device Counter at C0000000h is Python's"):
         processor.snapshot()
     bare = Processor(assemble(PYTHONS))
     assert bare.run(until="end").reason == "external_access"
@@ -203,12 +202,12 @@ def test_a_region_holds_a_rom_and_the_board_boots_from_it(tmp_path: Path, width:
 
 
 REFUSED = [
-    ("", 'kind = "led"', 'kind = "lamp"', "console, registers or led is expected"),
+    ("", 'kind = "led"', 'kind = "lamp"', "console, registers, led, fifo"),
     ("", "base = 0xA0000200", "base = 0xA0001000", "stands behind a"),
     ("", "base = 0xA0000200", "base = 0xA0000105", "VIC is there"),
-    ("", "words = 0x10\nvalue", "words = 0\nvalue", "1 to 1048576 words"),
+    ("", "words = 0x10\nvalue", "words = 0\nvalue", "from 1 to 1048576"),
     ("", "waits = 3", "words = 3", "a console has its 2 words"),
-    ("", "waits = 3", "value = 3", "a console holds nothing"),
+    ("", "waits = 3", "value = 3", "a console has none; registers, led, vic068a has"),
     ("", "waits = 3", "speed = 3", "no such key device.speed"),
     ("", 'name = "front"\n', "", "name is missing"),
     ("", 'words = 0x10000\nbus = "local"', 'words = 0x10000\nbus = "local"\nfile = "nowhere.hex"', "nowhere.hex"),
@@ -224,11 +223,9 @@ def test_a_board_that_cannot_be_is_refused_with_the_line(source: Path, tmp_path:
     assert done.returncode == 2 and message in done.stderr and "b.toml:" in done.stderr, done.stderr
 
 
-def test_networks_and_the_dock_have_none(board: Path, source: Path) -> None:
-    for done in (emulator("exec", source, source, "--link", "0.0:1.3", "--board", board), emulator("--duration", "0.1", "--board", board), emulator("debug", source, "--board", board)):
-        assert done.returncode == 2 and "a program alone has" in done.stderr, done.stderr
-    with pytest.raises(ValueError, match="a program alone has"):
-        Network([assemble(SOURCE)], boards=[str(board)])
+def test_the_dock_has_none(board: Path) -> None:
+    done = emulator("--duration", "0.1", "--board", board)
+    assert done.returncode == 2 and "programs and networks have" in done.stderr, done.stderr
 
 
 def test_a_console_that_is_not_there_takes_no_input(source: Path, board: Path) -> None:
@@ -258,6 +255,16 @@ def test_a_processor_boots_from_an_eprom_in_python(board: Path, tmp_path: Path) 
 
 
 EPROM = ROOT / "build-foreign" / "helios" / "kernel/C40/arielbits/monitor/source/boot/monitor/monitor.hex"
+
+
+@pytest.mark.campaign
+@pytest.mark.skipif(not EPROM.exists(), reason="scripts/foreign helios has not been run here")
+def test_the_hydras_monitor_boots_a_second_dsp_over_a_link() -> None:
+    done = subprocess.run(
+        [sys.executable, ROOT / "examples" / "hydra_link.py", EPROM, EPROM.with_name("others.hex")], capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": str(BUILD / "python")}
+    )
+    assert "Booting other processor ... Successful" in done.stdout and "Testing local SRAM on DSP 2 ... Passed" in done.stdout
+    assert "504 words to DSP 2, 11 back" in done.stdout
 
 
 @pytest.mark.skipif(not EPROM.exists(), reason="scripts/foreign helios has not been run here")

@@ -1,4 +1,4 @@
-"""Addresses at which a board has nothing: faults, or ignored and told (docs/cli.md, Board files); and what the loader says of them."""
+"""Addresses at which a board has nothing: faults, or ignored and told (docs/boards.md); and what the loader says of them."""
 
 import json
 import subprocess
@@ -198,6 +198,21 @@ def test_what_is_wrong_in_a_board_file_is_named(emulator: Path, tmp_path: Path, 
     assert done.returncode == 2 and message in done.stderr and "board.toml" in done.stderr, done.stderr
 
 
+def test_all_that_is_wrong_is_told_at_once(emulator: Path, tmp_path: Path) -> None:
+    text = 'reserved = "open"\ngmicr = -1\n' + RAM + '[[region]]\nname = "a"\nkind = "ignore"\nbase = 0x300000\nwords = 4\nwaits = 1\n'
+    done = run(emulator, program(tmp_path), "--board", board(tmp_path, text))
+    assert done.returncode == 2
+    for message in ("board.toml:1: reserved: fault or ignore", "board.toml:2: gmicr", "board.toml:8: region a (00300000h", "board.toml:13: no such key region.waits"):
+        assert message in done.stderr, done.stderr
+
+
+def test_steps_ignore_them_as_runs_do(tmp_path: Path) -> None:
+    processor = cmrc.c40.Processor(cmrc.c40.assemble(PROGRAM), board=board(tmp_path, 'reserved = "ignore"\n' + RAM))
+    for _ in range(8):
+        processor.step()
+    assert [(note["address"], note["reads"], note["writes"]) for note in processor.reserved_accesses] == [(0x400000, 2, 0), (0x400001, 1, 2)]
+
+
 def test_the_dock_refuses_such_a_board(emulator: Path, tmp_path: Path) -> None:
     windows = "".join(
         f'[[region]]\nname = "{bus}"\nkind = "window"\nbase = {base}\nwords = {words}\nbus = "{bus}"\n'
@@ -219,7 +234,7 @@ def test_a_section_outside_memory_is_told_the_nearest_regions(emulator: Path, tm
         done = run(emulator, tmp_path / "p.out", "--board", board(tmp_path, 'name = "mine"\n' + suffix))
         assert done.returncode == 2 and at.format(words, f"{address:08X}h", "mine") in done.stderr
         assert "are the chip's own RAM (002FF800h to 002FFFFFh) and SRAM (00300000h to 0030FFFFh)" in done.stderr or "SRAM (00300000h to 0030FFFFh) and the chip's own RAM" in done.stderr
-        assert "docs/cli.md, Board files" in done.stderr and "--board flat" not in done.stderr
+        assert "docs/boards.md" in done.stderr and "--board flat" not in done.stderr
     network = run(emulator, tmp_path / "p.out", "--topology", "ring:2")
     assert network.returncode == 2 and "chip 0: section .text" in network.stderr and "local SRAM (00300000h to 003FFFFFh)" in network.stderr
     with pytest.raises(IndexError, match=r"section \.text .* nearest are local SRAM"):

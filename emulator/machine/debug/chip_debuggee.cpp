@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <stdexcept>
 
 #include "c40/float40.hpp"
@@ -13,8 +14,18 @@
 
 namespace machine::debug {
 
-ChipDebuggee::ChipDebuggee(c40::Chip& chip, const toolchain::Image& program)
-    : chip_(chip), program_(program), now_(chip.cycle() * period) {}
+ChipDebuggee::ChipDebuggee(c40::Chip& chip, const toolchain::Image& program, BoardDevices* devices, LoneDevices* around,
+                           IgnoredAccesses* ignored)
+    : chip_(chip),
+      devices_(devices),
+      around_(around),
+      ignored_(ignored),
+      program_(program),
+      now_(chip.cycle() * period) {}
+
+bool ChipDebuggee::answered(const c40::ExternalAccess& access) {
+  return (around_ != nullptr && around_->serve(access)) || (ignored_ != nullptr && ignored_->serve(chip_, access));
+}
 
 void ChipDebuggee::set_trace(std::size_t, c40::TraceSink* sink) {
   if (sink == nullptr) return chip_.set_trace(before_);
@@ -25,7 +36,10 @@ void ChipDebuggee::set_trace(std::size_t, c40::TraceSink* sink) {
 void ChipDebuggee::run_until(Time time) {
   const c40::Cycles limit = (time + period - Time{1}) / period;
   while (!over_ && chip_.cycle() < limit) {
-    const c40::StopInfo stop = chip_.run_until(limit);
+    const c40::Cycles far = around_ != nullptr ? around_->limit(limit) : limit;
+    const c40::StopInfo stop = chip_.run_until(far);
+    if (stop.reason == c40::StopInfo::Reason::external_access && answered(stop.access)) continue;
+    if (far < limit && stop.reason == c40::StopInfo::Reason::limit) continue;
     if (meaning(stop.reason) == StopMeaning::breakpoint || meaning(stop.reason) == StopMeaning::asks_anew) continue;
     over_ = end_of(stop);
   }
@@ -42,6 +56,7 @@ std::optional<std::string> ChipDebuggee::end_of(const c40::StopInfo& stop) const
     case StopMeaning::fault: return fault_of(chip_, stop).message;
     default: break;
   }
+  if (around_ != nullptr && around_->could_wake()) return std::nullopt;
   if (sleeps_for_ever(chip_)) return fmt::format("IDLE before {:08X}h, and no interrupt is to come", chip_.pc());
   const bool interrupts = (chip_.register_value(isa::Register::ST) & c40::st::GIE) != 0;
   try {
@@ -53,10 +68,28 @@ std::optional<std::string> ChipDebuggee::end_of(const c40::StopInfo& stop) const
   return std::nullopt;
 }
 
-std::string ChipDebuggee::save() { return state::save(chip_); }
+void ChipDebuggee::list_state(state::Visitor& list) {
+  list("chip", chip_);
+  if (ignored_ != nullptr) list("ignored", *ignored_);
+  if (devices_ == nullptr) return;
+  list("devices", *devices_);
+  list("around", *around_);
+}
+
+namespace {
+struct Listed {
+  std::function<void(state::Visitor&)> list;
+  void list_state(state::Visitor& visitor) { list(visitor); }
+};
+}  // namespace
+
+std::string ChipDebuggee::save() {
+  return state::save(Listed{[this](state::Visitor& list) { list_state(list); }});
+}
 
 void ChipDebuggee::load(std::string_view state) {
-  state::load(chip_, state);
+  Listed all{[this](state::Visitor& list) { list_state(list); }};
+  state::load(all, state);
   over_.reset();
   if (chip_.halted()) over_ = "it stands still since a fault";
   now_ = chip_.cycle() * period;

@@ -1,14 +1,19 @@
 #pragma once
 /// One chip with nothing around it, in a debugger. Where it needs an answer from outside, it is over until that has
 /// come.
+#include "machine/board_devices.hpp"
+#include "machine/board_reserved.hpp"
 #include "machine/debug/debuggee.hpp"
 
 namespace machine::debug {
 
 class ChipDebuggee final : public Debuggee {
  public:
-  /// Both must outlive it.
-  ChipDebuggee(c40::Chip& chip, const toolchain::Image& program);
+  /// All must outlive it.
+  /// \param around what stands behind its windows; null: nothing
+  /// \param ignored what answers where nothing is; null: a fault does
+  ChipDebuggee(c40::Chip& chip, const toolchain::Image& program, BoardDevices* devices = nullptr,
+               LoneDevices* around = nullptr, IgnoredAccesses* ignored = nullptr);
 
   std::size_t chips() const override { return 1; }
   std::string chip_name(std::size_t) const override { return "chip"; }
@@ -24,6 +29,7 @@ class ChipDebuggee final : public Debuggee {
   }
   void run_until(Time time) override;
   Time slice() const override { return std::chrono::milliseconds{1}; }
+  std::string output() override { return devices_ != nullptr ? devices_->console() : std::string(); }
   std::string save() override;
   void load(std::string_view state) override;
   std::optional<Word> peek(std::size_t, Address address) override;
@@ -31,9 +37,14 @@ class ChipDebuggee final : public Debuggee {
 
  private:
   static constexpr Time period = std::chrono::nanoseconds{50};  ///< of an instruction cycle at 40 MHz
+  void list_state(state::Visitor& list);
+  bool answered(const c40::ExternalAccess& access);
   std::optional<std::string> end_of(const c40::StopInfo& stop) const;
 
   c40::Chip& chip_;
+  BoardDevices* devices_;
+  LoneDevices* around_;
+  IgnoredAccesses* ignored_;
   const toolchain::Image& program_;
   Time now_;
   std::optional<std::string> over_;

@@ -1,12 +1,14 @@
 #pragma once
 /// What a debugger drives: chips in one virtual time, which can be saved, loaded and run to any instant. A chip alone,
 /// a network, the dock.
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "c40/chip.hpp"
@@ -48,6 +50,18 @@ class SharedListener {
  public:
   virtual ~SharedListener() = default;
   virtual void shared_access(const SharedAccess& access) = 0;
+};
+
+/// What consoles have sent since it was last shown. After time went back, what was sent from there on is new again.
+class ShownOutput {
+ public:
+  std::string news(std::string all) {
+    shown_ = std::min(shown_, all.size());
+    return all.substr(std::exchange(shown_, all.size()));
+  }
+
+ private:
+  std::size_t shown_ = 0;
 };
 
 /// What looks changes nothing: everything but run_until, load and poke.
@@ -101,6 +115,8 @@ class Debuggee {
   virtual std::optional<double> value(std::string_view /*name*/) { return std::nullopt; }
   /// Values are looked at so often.
   virtual Time value_period() const { return std::chrono::microseconds{125}; }
+  /// What consoles have sent up to now: goes back with time.
+  virtual std::string output() { return {}; }
   /// Pages of text that a front end may show: "list", "blocks", "links".
   virtual std::vector<std::string> page_names() const { return {}; }
   virtual std::string page(std::string_view /*name*/) { return {}; }

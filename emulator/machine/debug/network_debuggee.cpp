@@ -168,7 +168,32 @@ void NetworkDebuggee::listen(HappeningListener* listener, const std::set<std::st
   kinds_ = kinds;
 }
 
-std::vector<std::string> NetworkDebuggee::page_names() const { return {"chips", "events"}; }
+std::string NetworkDebuggee::output() {
+  std::string all;
+  for (std::size_t n = 0; n < chips(); ++n)
+    if (const BoardDevices* devices = network_.devices(n)) all += devices->console();
+  return all;
+}
+
+std::vector<std::string> NetworkDebuggee::page_names() const { return {"chips", "events", "devices"}; }
+
+std::string NetworkDebuggee::devices_page() {
+  std::string text;
+  for (std::size_t n = 0; n < chips(); ++n) {
+    const BoardDevices* devices = network_.devices(n);
+    if (devices == nullptr) continue;
+    for (const auto& [described, device] : devices->places()) {
+      text += fmt::format("{}: {} {} at {:08X}h{}{}", chip_name(n), machine::name(described.kind), described.name,
+                          described.base, described.pin ? fmt::format(", {}", c40::name(*described.pin)) : "",
+                          described.pin && device->interrupts() ? " low" : "");
+      if (device->sent() != nullptr) text += fmt::format(", has sent {} words", device->sent()->size());
+      text += '\n';
+    }
+    for (const BoardDevices::Change& change : devices->changes())
+      text += fmt::format("{}: led {}: {:X}h at cycle {}\n", chip_name(n), change.device, change.value, change.cycle);
+  }
+  return text.empty() ? "no chip has a device\n" : text;
+}
 
 std::string NetworkDebuggee::page(std::string_view name) {
   std::string text;
@@ -178,8 +203,10 @@ std::string NetworkDebuggee::page(std::string_view name) {
                           network_.chip(n).cycle());
   else if (name == "events")
     for (const NetworkEvent& event : network_.events()) text += network_.text(event) + "\n";
+  else if (name == "devices")
+    text = devices_page();
   else
-    throw DebugError(fmt::format("{}: chips or events is expected", name));
+    throw DebugError(fmt::format("{}: chips, events or devices is expected", name));
   return text;
 }
 

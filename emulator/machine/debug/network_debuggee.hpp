@@ -32,11 +32,13 @@ class NetworkDebuggee final : public Debuggee {
   void watch_shared(SharedListener* listener, std::vector<c40::AddressRange> words) override;
   std::vector<std::pair<std::string, std::string>> happenings() const override;
   void listen(HappeningListener* listener, const std::set<std::string>& kinds) override;
+  std::string output() override;
   std::vector<std::string> page_names() const override;
   std::string page(std::string_view name) override;
 
  private:
   void tell_new();
+  std::string devices_page();
 
   Network& network_;
   Time now_{0};

@@ -1,0 +1,65 @@
+#pragma once
+// What stands at the other side of a board's devices: files, standard input, the terminal (docs/boards.md).
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/options.hpp"
+#include "io/file_roles.hpp"
+#include "io/output_file.hpp"
+#include "machine/board_devices.hpp"
+#include "machine/board_file.hpp"
+
+namespace cli {
+
+/// Whose devices, and the name of the chip.
+using NamedBoards = std::vector<std::pair<std::string, machine::BoardDescription*>>;
+
+/// Gives the devices what --console-input, --device-input and --device-script say. \throws InputError
+void add_inputs(const NamedBoards& boards, const ExecOptions& options);
+/// The files of these options, and of --device-output and --console-record.
+void add_device_files(const ExecOptions& options, io::FileRoles& files);
+
+/// What devices send goes to files and to the terminal; what is typed live comes to the console.
+class BoardFront {
+ public:
+  /// \param boards the chips' names, and their devices, null for none; they must outlive it
+  /// \param shows the characters of a console on standard output as they come: of one chip only
+  BoardFront(std::vector<std::pair<std::string, machine::BoardDevices*>> boards, const ExecOptions& options,
+             bool shows);
+
+  /// Standard input is typed while the program runs (--console-input live).
+  bool is_live() const { return live_ != nullptr; }
+  bool may_be_typed() const { return is_live() && !at_end_; }
+  /// Takes what has been typed by now: it comes to the console in this cycle.
+  void listen(c40::Cycles now);
+
+  /// Writes the files. \param states the final states of the chips, which the hash is of
+  void run_ended(const std::vector<std::string>& states);
+  /// No chip has a device.
+  bool empty() const;
+  std::string text() const;
+  void add_to(nlohmann::ordered_json& root) const;
+
+ private:
+  struct Output {
+    const machine::BoardDevices::Place* place;
+    std::unique_ptr<io::OutputFile> file;
+  };
+  std::string called(const std::string& chip, const std::string& device) const;
+
+  std::vector<std::pair<std::string, machine::BoardDevices*>> boards_;
+  bool shows_;
+  machine::BoardDevices* live_ = nullptr;
+  bool at_end_ = false;
+  std::vector<machine::HostStep> typed_;
+  std::vector<Output> outputs_;
+  std::optional<io::OutputFile> record_;
+  std::string hash_;
+  bool at_line_begin_ = true;
+};
+
+}  // namespace cli

@@ -1,0 +1,35 @@
+#include "machine/board_vme.hpp"
+
+namespace machine {
+namespace {
+
+/// Bits that a program cannot write: what vic068.h calls read only.
+constexpr std::uint8_t read_only(std::size_t number) {
+  switch (number) {
+    case 0x13:
+    case 0x14: return 0x03;  // which of the ICGS, ICMS interrupts
+    case 0x15:
+    case 0x16: return 0x07;  // which local, which error interrupt
+    case 0x17: return 0xF0;  // ICGS in ICSR
+    case 0x1D: return 0xFF;  // ICR5: the revision
+    default: return 0;
+  }
+}
+
+}  // namespace
+
+// Between registers, and beyond the last, is nothing: other bytes of the bus.
+c40::Word Vic068a::read(c40::Address offset, c40::Cycles) {
+  if (offset % stride_ != 0 || offset / stride_ >= registers) return 0;
+  return static_cast<c40::Word>(held_[offset / stride_]) << shift_;
+}
+
+void Vic068a::write(c40::Address offset, c40::Word value, c40::Cycles) {
+  if (offset % stride_ != 0 || offset / stride_ >= registers) return;
+  const std::size_t number = offset / stride_;
+  const std::uint8_t kept = read_only(number);
+  held_[number] =
+      static_cast<std::uint8_t>((held_[number] & kept) | ((value >> shift_) & static_cast<unsigned>(~kept)));
+}
+
+}  // namespace machine

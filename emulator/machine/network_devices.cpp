@@ -1,0 +1,101 @@
+// What stands behind the windows of a network's boards, and the nets to the pins that it pulls.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "machine/network_parts.hpp"
+
+namespace machine {
+
+using c40::Cycles;
+using c40::Pin;
+
+void Network::add_devices() {
+  for (auto& node : nodes_) {
+    const NetworkChip& d = node->description;
+    if (d.board.devices.empty() && d.devices.empty()) continue;
+    node->devices = std::make_unique<BoardDevices>(d.board.devices);
+    try {
+      for (const auto& [described, device] : d.devices) node->devices->add(described, device);
+    } catch (const std::invalid_argument& error) {
+      throw NetworkError(fmt::format("chip {}: {}", node->number, error.what()));
+    }
+    for (const auto& memory : memories_)
+      for (const auto& [chip, base] : memory->description.places)
+        for (const auto& [described, device] : node->devices->places())
+          if (chip == node->number && described.base < std::uint64_t{base} + memory->description.words &&
+              base < std::uint64_t{described.base} + described.words)
+            throw NetworkError(fmt::format("memory {}: chip {} has device {} at {:08X}h", memory->description.name,
+                                           chip, described.name, described.base));
+  }
+}
+
+/// A net without a driver for each pin of a chip that its devices pull, and for those of dual-port memories.
+void Network::add_pin_nets() {
+  const auto add = [&](std::string name, std::size_t chip, Pin pin) {
+    NetDescription net;
+    net.name = std::move(name);
+    net.receivers = {{chip, pin}};
+    description_.nets.push_back(std::move(net));
+  };
+  for (std::size_t n = 0; n < description_.nets.size(); ++n)
+    if (description_.nets[n].name.empty()) description_.nets[n].name = fmt::format("{}", n);
+  for (const auto& node : nodes_)
+    if (node->devices != nullptr)
+      for (const Pin pin : node->devices->pins())
+        add(fmt::format("devices of chip {}", node->number), node->number, pin);
+  for (const auto& memory : memories_)
+    for (std::size_t side = 0; side < memory->description.pins.size() && side < 2; ++side)
+      if (const auto pin = memory->description.pins[side])
+        add(fmt::format("memory {}", memory->description.name), memory->description.places[side].first, *pin);
+}
+
+void Network::join_pin_nets() {
+  const auto net_to = [&](std::size_t chip, Pin pin) {
+    const auto found = std::ranges::find_if(nets_, [&](const auto& net) {
+      return std::ranges::find(net->description().receivers, ChipPin{chip, pin}) != net->description().receivers.end();
+    });
+    return found->get();
+  };
+  for (auto& node : nodes_) {
+    if (node->devices == nullptr || node->devices->pins().empty()) continue;
+    node->device_turn = device_turns_.emplace_back(std::make_unique<DeviceTurn>(*node)).get();
+    node->devices->on_pin = [this, &node = *node, net_to](Pin pin, bool level, Cycles cycle) {
+      net_to(node.number, pin)
+          ->script(level ? c40::Drive::none : c40::Drive::low, std::max(now_, node.clock.at(cycle)));
+    };
+  }
+  for (auto& memory : memories_)
+    for (std::size_t side = 0; side < memory->description.pins.size() && side < 2; ++side)
+      if (const auto pin = memory->description.pins[side]) {
+        Net* net = memory->mailbox_nets[side] = net_to(memory->description.places[side].first, *pin);
+        net->moved_by(*nodes_[memory->description.places[1 - side].first]);
+      }
+}
+
+BoardDevices* Network::devices(std::size_t n) { return nodes_.at(n)->devices.get(); }
+
+void Network::Node::note_device_event() {
+  const Cycles event = device_turn == nullptr ? never_cycle : devices->next_event();
+  // What its user has typed between two runs comes when the next begins.
+  device_event = event == never_cycle ? never : std::max(network.now_, clock.at(event));
+}
+
+/// They could still interrupt it.
+bool Network::Node::devices_go_on() const {
+  if (device_turn == nullptr || devices->next_event() == never_cycle) return false;
+  return std::ranges::any_of(devices->pins(), [&](Pin pin) { return hears(pin) && heeds(pin); });
+}
+
+/// A device is the chip's own: the answer comes at once. What it does to a pin bounds how far the chip may run.
+bool Network::Node::serve_device(const c40::ExternalAccess& access) {
+  serve(*devices, chip, access);
+  if (access.write) network.something_happened();
+  if (device_turn == nullptr) return true;
+  note_device_event();
+  device_turn->changed();
+  if (!passing_) ends_ = std::min(ends_, std::max(first_cycle(horizon_of_follower()), chip.cycle() + 1));
+  return true;
+}
+
+}  // namespace machine

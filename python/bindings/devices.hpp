@@ -1,0 +1,123 @@
+#pragma once
+// Devices of Python's behind windows of a board, and what Python sees of the others (cmrc/devices.py).
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "machine/board_devices.hpp"
+#include "machine/host_script.hpp"
+#include "python/bindings/bindings.hpp"
+
+/// Calls a cmrc.devices.Attached. Whatever that raises goes through to who runs the chip.
+class PythonDevice final : public machine::BoardDevice {
+ public:
+  explicit PythonDevice(py::object attached) : attached_(std::move(attached)) {}
+  ~PythonDevice() override {
+    const py::gil_scoped_acquire gil;
+    attached_ = py::object();
+  }
+  c40::Word read(c40::Address offset, c40::Cycles now) override {
+    const py::gil_scoped_acquire gil;
+    return attached_.attr("read")(offset, now).cast<c40::Word>();
+  }
+  void write(c40::Address offset, c40::Word value, c40::Cycles now) override {
+    const py::gil_scoped_acquire gil;
+    attached_.attr("write")(offset, value, now);
+  }
+  void advance_to(c40::Cycles now) override {
+    const py::gil_scoped_acquire gil;
+    attached_.attr("advance_to")(now);
+  }
+  c40::Cycles next_event() const override {
+    const py::gil_scoped_acquire gil;
+    return attached_.attr("next_event")().cast<std::optional<c40::Cycles>>().value_or(machine::never_cycle);
+  }
+  bool goes_on() const override { return true; }
+  bool interrupts() const override {
+    const py::gil_scoped_acquire gil;
+    return attached_.attr("interrupts")().cast<bool>();
+  }
+  std::optional<std::string> stateless() const override {
+    const py::gil_scoped_acquire gil;
+    if (attached_.attr("has_state").cast<bool>()) return std::nullopt;
+    return "is Python's, and its state is not saved; one with save() and load() has snapshots";
+  }
+  void list_state(state::Visitor& list) override {
+    const py::gil_scoped_acquire gil;
+    std::string bytes;
+    if (!list.loads()) bytes = attached_.attr("save")().cast<std::string>();
+    list("state", bytes);
+    if (list.loads()) attached_.attr("load")(py::bytes(bytes));
+  }
+
+  /// The device at its place.
+  static machine::BoardDevices::Place place(const py::object& attached) {
+    machine::DeviceDescription described;
+    described.kind = machine::DeviceKind::own;
+    described.name = attached.attr("name").cast<std::string>();
+    described.base = attached.attr("base").cast<c40::Address>();
+    described.words = attached.attr("words").cast<c40::Address>();
+    described.waits = attached.attr("waits").cast<int>();
+    if (const auto pin = attached.attr("pin").cast<std::optional<std::string>>())
+      described.pin = machine::interrupt_pin_named(*pin);
+    return {described, std::make_shared<PythonDevice>(attached)};
+  }
+
+ private:
+  py::object attached_;
+};
+
+/// console, led_changes, type, send and sent of what has devices. \param devices_of may give null: there are none
+template <class Class, class DevicesOf>
+void bind_devices(Class& bound, DevicesOf devices_of) {
+  using T = typename Class::type;
+  const auto all = [devices_of](T& object) -> machine::BoardDevices& {
+    static machine::BoardDevices none;
+    machine::BoardDevices* devices = devices_of(object);
+    return devices == nullptr ? none : *devices;
+  };
+  const auto add = [](machine::BoardDevices& devices, const std::string& name, std::vector<machine::HostStep> steps) {
+    machine::HostScript* host = devices.named(name).device->host();
+    if (host == nullptr) throw py::value_error("the device " + name + " takes no words from a host");
+    host->add(steps, 0);
+  };
+  bound
+      .def(
+          "type", [all](T& object, const std::string& text) { all(object).type(text); }, py::arg("text"),
+          "Characters for the board's console to read.")
+      .def_property_readonly(
+          "console", [all](T& object) { return py::bytes(all(object).console()); }, "What the consoles have sent.")
+      .def_property_readonly(
+          "led_changes",
+          [all](T& object) {
+            py::list changes;
+            for (const auto& change : all(object).changes())
+              changes.append(py::make_tuple(change.device, change.cycle, change.value));
+            return changes;
+          },
+          "(name, cycle, value) of each change of an LED.")
+      .def(
+          "send",
+          [all, add](T& object, const std::string& name, const std::vector<c40::Word>& words) {
+            if (words.empty()) return;
+            add(all(object), name,
+                {machine::HostStep{.when = machine::HostStep::When::at, .number = 0, .words = words}});
+          },
+          py::arg("name"), py::arg("words"))
+      .def(
+          "send_script",
+          [all, add](T& object, const std::string& name, const std::string& script) {
+            add(all(object), name, machine::parse_host_script(script, "script"));
+          },
+          py::arg("name"), py::arg("script"))
+      .def(
+          "sent",
+          [all](T& object, const std::string& name) {
+            const std::vector<c40::Word>* sent = all(object).named(name).device->sent();
+            if (sent == nullptr) throw py::value_error("the device " + name + " sends no words to a host");
+            return *sent;
+          },
+          py::arg("name"));
+}

@@ -1,0 +1,50 @@
+"""A board's console in an editor: what it sends is output of the session, and what it is sent comes from a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from dap import events
+from editor import Editor
+
+BOARD = """
+[[region]]
+name = "RAM"
+base = 0x300000
+words = 0x10000
+bus = "local"
+
+[[region]]
+name = "devices"
+kind = "window"
+base = 0xA0000000
+words = 0x1000
+bus = "global"
+
+[[device]]
+name = "TTY"
+kind = "console"
+base = 0xA0000000
+"""
+SHOUT = """\
+        .text
+start:  ldhi    0a000h,ar2
+wait:   ldi     *+ar2(1),r0
+        tstb    1,r0
+        bz      done
+        ldi     *ar2,r1
+        andn    20h,r1
+        sti     r1,*ar2
+        b       wait
+done:   b       done
+"""
+
+
+def test_a_console_speaks_to_the_editor(tmp_path: Path) -> None:
+    for name, text in (("b.toml", BOARD), ("p.asm", SHOUT), ("typed", "hey")):
+        (tmp_path / name).write_text(text)
+    with Editor() as editor:
+        editor.begin(program=str(tmp_path / "p.asm"), board=str(tmp_path / "b.toml"), consoleInput=str(tmp_path / "typed"))
+        editor.configured()
+        editor.wait(events.TerminatedEvent)
+        assert "HEY" in editor.outputs
