@@ -1,6 +1,6 @@
 #pragma once
 // Strict decoding: each of the 2^32 words is an Instruction or Reserved. Operands come in the roles that an executor
-// needs, so it never looks at the bits of the word (c40-isa.md sections 3, 6, 12).
+// needs, so it never looks at the bits of the word (c40-isa.md 3, 6, 12).
 #include <cstdint>
 #include <string_view>
 #include <variant>

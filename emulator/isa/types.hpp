@@ -25,7 +25,7 @@ inline constexpr int register_count = 32;
 enum class Expansion : std::uint8_t { IVTP, TVTP };
 
 // clang-format off
-/// Condition codes (section 4); 11 and 21 to 31 are reserved.
+/// Condition codes (c40-isa.md 4); 11 and 21 to 31 are reserved.
 enum class Condition : std::uint8_t {
   U, LO, LS, HI, HS, EQ, NE, LT, LE, GT, GE,
   NV = 12, V, NUF, UF, NLV, LV, NLUF, LUF, ZUF,
@@ -44,7 +44,7 @@ constexpr bool is_condition(unsigned c) { return c <= 20 && c != 11; }
 
 std::string_view name(Register r);   ///< Lower case: "r0", "ar3", "iie".
 std::string_view name(Expansion r);  ///< "ivtp", "tvtp".
-std::string_view name(Condition c);  ///< The first name of section 4: "u", "lo", "eq".
+std::string_view name(Condition c);  ///< The first name of c40-isa.md 4: "u", "lo", "eq".
 
 /// By any of its names, in any case; F0-F11 are names of R0-R11.
 std::optional<Register> register_named(std::string_view text);

@@ -1,4 +1,4 @@
-"""Floating-point arithmetic (sections 7.1 to 7.7, 7.10, 2.3): operands and results are 40-bit registers.
+"""Floating-point arithmetic (c40-isa.md 7.1 to 7.7, 7.10, 2.3): operands and results are 40-bit registers.
 
 Every function gives (result, flags). The result of an operation is its exact value, or the exact value of what alignment
 leaves, taken to 32 bits of mantissa towards minus infinity.
