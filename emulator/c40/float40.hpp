@@ -134,8 +134,8 @@ constexpr FloatResult load(Float40 x) {
   return {value, value.e == zero_exponent ? st::Z : (value.m >> 31) * st::N};
 }
 
-/// c40-isa.md 7.4: to single precision, a half goes to the more positive neighbour. Z is always cleared; RND of zero sets
-/// UF.
+/// c40-isa.md 7.4: to single precision, a half goes to the more positive neighbour. Z is always cleared; RND of zero
+/// sets UF.
 constexpr FloatResult rnd(Float40 x) {
   const std::int64_t m = mantissa(x);
   if (m == 0) return {zero(), st::UF};

@@ -1,5 +1,6 @@
 #pragma once
-// Several C40s, two PCI buses, shared memory, a host and the dock, in one virtual time (docs/architecture.md, decisions 2 to 7).
+// Several C40s, two PCI buses, shared memory, a host and the dock, in one virtual time (docs/architecture.md, decisions
+// 2 to 7).
 //
 // Each DSP sees shared memory through window A at C0000000h and drives, sensors and AGV units through window B at
 // 70000000h. Which of its bridges leads there is a matter of the topology: by default bus A (host, shared memory) for
