@@ -21,7 +21,7 @@ enum class Register : std::uint8_t {
 // clang-format on
 inline constexpr int register_count = 32;
 
-/// The expansion register file, reached by LDEP and LDPE only (1.2).
+/// The expansion register file, reached by LDEP and LDPE only (c40-isa.md 1.2).
 enum class Expansion : std::uint8_t { IVTP, TVTP };
 
 // clang-format off

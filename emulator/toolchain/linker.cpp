@@ -140,7 +140,7 @@ class Linker {
           complain(fmt::format("{}: '{}' is defined already in {}", objects_[i].name, symbol.name,
                                at->second.object != nullptr ? at->second.object->name : "the memory map"));
       }
-    define_own("cinit", placement_.find(".cinit"), false, 0xFFFFFFFF);  // -1: no table (10.2)
+    define_own("cinit", placement_.find(".cinit"), false, 0xFFFFFFFF);  // -1: no table (c40-hardware.md 10.2)
     define_own("etext", placement_.find(".text"), true, 0);
     define_own("edata", placement_.find(".data"), true, 0);
     define_own("end", placement_.find(".bss"), true, 0);

@@ -65,7 +65,7 @@ def test_every_citation_leads_somewhere() -> None:
 def test_every_page_that_is_named_exists() -> None:
     names = sources()
     pages = {n for n in names if n.endswith(".md")}
-    known = pages | {Path(n).name for n in pages}
+    known = {"/".join(Path(n).parts[i:]) for n in pages for i in range(len(Path(n).parts))}
     missing = []
     for name in names:
         text = read(name)

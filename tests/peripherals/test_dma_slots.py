@@ -217,6 +217,6 @@ def test_by_hand_rotating_priority_takes_every_other_slot_and_dma_first_all(plac
     beside = {p: run(text, board, ON_CHIP, pointers, (*dma, p), words) for p in (PROCESSOR_FIRST, ROTATING, DMA_FIRST)}
     assert beside[PROCESSOR_FIRST].cycles == alone.cycles
     assert {beside[p].words for p in (ROTATING, DMA_FIRST)} == {words}
-    # RPTS takes the cycles 0 to 3, and the first load reads in cycle 3 (7.1, 7.2): of the DMA's reads only the first, in cycle 1, meets nobody.
+    # RPTS takes the cycles 0 to 3, and the first load reads in cycle 3 (c40-hardware.md 7.1, 7.2): of the DMA's reads only the first, in cycle 1, meets nobody.
     for priority in (ROTATING, DMA_FIRST):
         assert beside[priority].stalls == beside[priority].cycles - alone.cycles == words - 1

@@ -143,7 +143,7 @@ def frieee(word: int) -> Result:
     return finish(-magnitude if negative else magnitude)
 
 
-# The seeds (7.10) are the text's recommended model: eight fraction bits, of the middle of the operand's interval.
+# The seeds (c40-isa.md 7.10) are the text's recommended model: eight fraction bits, of the middle of the operand's interval.
 
 
 def nearest(x: Fraction) -> int:

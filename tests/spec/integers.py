@@ -161,7 +161,7 @@ def subc(a: int, b: int) -> int:
     return (((a - b) << 1 | 1) if a >= b else a << 1) & WORD
 
 
-# Part-words (6.2): `old` is dst before.
+# Part-words (c40-isa.md 6.2): `old` is dst before.
 
 
 def lb(a: int, old: int, byte: int) -> Result:
