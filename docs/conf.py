@@ -13,7 +13,7 @@ project = "CMRC emulator"
 author = "the CMRC emulator's authors"
 copyright = "the CMRC emulator's authors; Apache-2.0"  # noqa: A001: Sphinx's name
 root_doc = "index"
-extensions = ["myst_parser", "pages"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "breathe", "pages"]
 exclude_patterns = ["_site"]
 
 myst_enable_extensions = ["colon_fence"]

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from docutils import nodes
+from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
 
 DOCS = Path(__file__).resolve().parent.parent
@@ -18,13 +19,14 @@ CONTENTS = "```{{toctree}}\n:hidden:\n:caption: {caption}\n\n{pages}\n```\n"
 
 
 def contents(app: Sphinx, page: str, source: list[str]) -> None:
-    """The start page's links are the site's table of contents. A page without a link there is a warning, so an error."""
-    if page != "index":
+    """The links of start pages are the site's table of contents. A page without a link there is a warning, so an error."""
+    if page not in ("index", "reference/README"):
         return
-    sections = re.split(r"^## ", source[0], flags=re.MULTILINE)[1:]
-    for section in sections:
+    seen: set[str] = set()
+    for section in re.split(r"^##? ", source[0], flags=re.MULTILINE)[1:]:
         caption, _, body = section.partition("\n")
-        pages = [link for link in re.findall(r"\]\(([\w/-]+)\.md\)", body)]
+        pages = list(dict.fromkeys(link for link in re.findall(r"\]\(([\w/-]+)\.md\)", body) if link not in seen))
+        seen.update(pages)
         if pages:
             source[0] += "\n" + CONTENTS.format(caption=caption, pages="\n".join(pages))
 
@@ -83,6 +85,7 @@ def anchored_links(app: Sphinx, doctree: nodes.document) -> None:
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
+    app.add_lexer("asm", TextLexer)  # Pygments knows other assemblers
     app.connect("source-read", contents)
     app.connect("source-read", outside)
     app.connect("doctree-read", anchored_links)
