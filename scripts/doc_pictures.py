@@ -1,6 +1,6 @@
 """Draws a picture of docs/ from runs. Needs Matplotlib.
 
-    PYTHONPATH=build/python .venv/bin/python scripts/doc_pictures.py dock docs/pictures/dock.png
+PYTHONPATH=build/python .venv/bin/python scripts/doc_pictures.py dock docs/pictures/dock.png
 """
 
 from __future__ import annotations
@@ -20,8 +20,14 @@ def dock() -> Figure:
     """110 s of the dock with two DSPs and two AGVs. From second 40 to second 42 both DSPs have a sixteenth of their clock."""
     from matplotlib.figure import Figure
 
-    events = [{"at_s": at_s, "action": "slow", "dsp": dsp, "factor": factor} for at_s, factor in ((40.0, 1 / 16), (42.0, 1.0)) for dsp in (0, 1)]
-    recording = replay.record(Simulation(dsps=2, duration_s=110.0, events=events, settings={"dock.agvs": 2}), step_s=0.1)
+    events = [
+        {"at_s": at_s, "action": "slow", "dsp": dsp, "factor": factor}
+        for at_s, factor in ((40.0, 1 / 16), (42.0, 1.0))
+        for dsp in (0, 1)
+    ]
+    recording = replay.record(
+        Simulation(dsps=2, duration_s=110.0, events=events, settings={"dock.agvs": 2}), step_s=0.1
+    )
     figure = Figure(figsize=(11, 7.4), layout="constrained")
     grid = figure.add_gridspec(3, 2, height_ratios=(2.2, 1, 1), width_ratios=(1.35, 1))
     plot.plan(recording, figure.add_subplot(grid[0, 0]))

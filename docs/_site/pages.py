@@ -52,7 +52,10 @@ def link_citations(app: Sphinx, doctree: nodes.document) -> None:
     places = anchors(REFERENCE)
     for text in list(doctree.findall(nodes.Text)):
         parent: Any = text.parent
-        if isinstance(parent, nodes.FixedTextElement | nodes.reference | nodes.title | nodes.raw) or parent.tagname == "pending_xref":
+        if (
+            isinstance(parent, nodes.FixedTextElement | nodes.reference | nodes.title | nodes.raw)
+            or parent.tagname == "pending_xref"
+        ):
             continue
         words, parts, at = str(text), [], 0
         for citation in citations(words):
@@ -61,7 +64,9 @@ def link_citations(app: Sphinx, doctree: nodes.document) -> None:
                 continue
             page, _, anchor = target.partition("#")
             file = app.builder.get_relative_uri(here, f"reference/{page[:-3]}")
-            link = nodes.reference("", words[citation.begin : citation.end], internal=True, refuri=f"{file}#{anchor}" if anchor else file)
+            link = nodes.reference(
+                "", words[citation.begin : citation.end], internal=True, refuri=f"{file}#{anchor}" if anchor else file
+            )
             link["classes"].append("citation")
             parts += [nodes.Text(words[at : citation.begin]), link]
             at = citation.end

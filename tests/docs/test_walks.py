@@ -33,7 +33,9 @@ class Block:
 def blocks(text: str) -> list[Block]:
     found, end = [], 0
     for match in BLOCK.finditer(text):
-        found.append(Block(match[1], match[2], text.count("\n", 0, match.start()) + 1, not text[end : match.start()].strip()))
+        found.append(
+            Block(match[1], match[2], text.count("\n", 0, match.start()) + 1, not text[end : match.start()].strip())
+        )
         end = match.end()
     return found
 
@@ -48,9 +50,13 @@ def environment(folder: Path) -> dict[str, str]:
 
 
 def run(block: Block, folder: Path, env: dict[str, str]) -> str:
-    command = ["bash", "-euo", "pipefail", "-c", block.text] if block.language == "sh" else [sys.executable, "-c", block.text]
+    command = (
+        ["bash", "-euo", "pipefail", "-c", block.text] if block.language == "sh" else [sys.executable, "-c", block.text]
+    )
     done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, check=False, timeout=900)
-    assert done.returncode == 0, f"line {block.line}: status {done.returncode}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
+    assert done.returncode == 0, (
+        f"line {block.line}: status {done.returncode}\n{done.stdout[-2000:]}\n{done.stderr[-2000:]}"
+    )
     return done.stdout
 
 
@@ -75,7 +81,11 @@ def not_printed(expected: str, output: str) -> str | None:
 @pytest.mark.parametrize(
     "page",
     [
-        pytest.param(page, id=page.stem, marks=[pytest.mark.campaign] if "<!-- campaign -->" in page.read_text(encoding="utf-8") else [])
+        pytest.param(
+            page,
+            id=page.stem,
+            marks=[pytest.mark.campaign] if "<!-- campaign -->" in page.read_text(encoding="utf-8") else [],
+        )
         for page in PAGES
     ],
 )
@@ -87,7 +97,9 @@ def test_a_page_can_be_walked_through(page: Path, tmp_path: Path) -> None:
             output = run(block, tmp_path, env)
         elif block.language == "text" and output is not None and block.follows:
             line = not_printed(block.text, output)
-            assert line is None, f"{page.name}:{block.line}: the commands above do not print, at its place: {line!r}\n{output}"
+            assert line is None, (
+                f"{page.name}:{block.line}: the commands above do not print, at its place: {line!r}\n{output}"
+            )
         else:
             named = FILE.match(block.text)
             assert named, f"{page.name}:{block.line}: a block of {block.language} whose first line names no file"
