@@ -71,12 +71,13 @@ MUTANTS := 200
 mutants: build
 	$(PYTHON) scripts/mutants --count $(MUTANTS)
 
-# Layout of the C++ (.clang-format, one version of the tool), style and types of the Python.
+# Layout of the C++ (.clang-format, one version of the tool), style and types of the Python, width of the pages, citations.
 lint:
 	$(PYTHON) -m pip install -q ruff mypy clang-format==19.1.7
 	git ls-files '*.cpp' '*.hpp' | xargs $(VENV)/bin/clang-format --dry-run -Werror
 	$(PYTHON) -m ruff check python tests
 	$(PYTHON) -m mypy --strict python/cmrc
+	$(PYTHON) -m pytest -q tests/docs/test_prose.py tests/docs/test_citations.py -k 'not sections_that_programs_name'
 
 # The site, build-docs/html/index.html: Sphinx in an environment of its own, Doxygen for the C++. Warnings are errors; no page loads anything
 # from elsewhere.

@@ -128,7 +128,7 @@ std::vector<Key> make_keys() {
              "instruction cycles take this times as long, the buses' clocks stay as they are; exact to thousandths",
              "issue 6"),
       choice("machine.boot", FIELD(machine.boot), {"preloaded", "link"},
-             "how a DSP that leaves reset comes by its program: it lies in its memory, or the host sends it through "
+             "boot method: the program lies in the DSP's memory, or the host sends it through "
              "the link adapter to the boot ROM",
              "ruling 27"),
       choice("machine.idle_policy", FIELD(machine.idle_policy), {"doorbell", "pause", "spin"},
@@ -429,7 +429,7 @@ std::vector<Key> make_keys() {
       number("dock.capture_window_m", FIELD(dock.capture_window_m), "m", 0, 0.3,
              "lateral error that flipper guides catch; 0: no guides", "plant-and-bus.md 1.5"),
       text("dock.layout", FIELD(dock.layout),
-           "TOML file with a layout of one's own (docs/plant.md); empty: the default one", "plant-and-bus.md 1.5"),
+           "TOML file with a layout of your own (docs/plant.md); empty: the default one", "plant-and-bus.md 1.5"),
       boolean("dock.protective_field", FIELD(dock.protective_field),
               "AGVs slow down by themselves for what their range sensor sees in their way", "assumed"),
       number("dock.ship_motion", FIELD(dock.ship_motion), "", 0, 10,
@@ -443,7 +443,7 @@ std::vector<Key> make_keys() {
       number("dock.wind_limit_m_s", FIELD(dock.wind_limit_m_s), "m/s", 1, 100,
              "no lift begins while the anemometer's mean of 3 s is above this", "control-notes.md 3"),
       number("dock.wind_direction_deg", FIELD(dock.wind_direction_deg), "deg", -360, 360,
-             "whither it blows: 0 along the quay, 90 towards the ship", "assumed"),
+             "direction the wind blows towards: 0 along the quay, 90 towards the ship", "assumed"),
 
       live(number("control.travel_bandwidth_rad_s", FIELD(control.travel.bandwidth_rad_s), "rad/s", 0.5, 6,
                   "bandwidth of the travel's loop, omega: a double pole of the rigid joint; soft ground and a large "

@@ -104,7 +104,7 @@ enum class SemaphoreEvent : std::uint8_t { acquired, refused, released };
 /// booted: its program runs, and has said so over the link.
 enum class SlotChange : std::uint8_t { plugged, unplugged, reset, booted };
 
-/// How a DSP that leaves reset comes by its program.
+/// Boot method: how a DSP gets its program after reset.
 enum class Boot : std::uint8_t {
   preloaded,  ///< it lies in its memory, and is started
   link,       ///< the boot ROM takes it from the link adapter, into which the host's program has to write it

@@ -4,11 +4,10 @@ import json
 import re
 from typing import Any
 
+import cmrc
 import jsonschema
 import pytest
 from locations import ROOT
-
-import cmrc
 
 SCHEMA = json.loads((ROOT / "docs" / "report.schema.json").read_text(encoding="utf-8"))
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
