@@ -19,7 +19,7 @@ CONTENTS = "```{{toctree}}\n:hidden:\n:caption: {caption}\n\n{pages}\n```\n"
 
 
 def contents(app: Sphinx, page: str, source: list[str]) -> None:
-    """The links of start pages are the site's table of contents. A page without a link there is a warning, so an error."""
+    """The links of start pages are the site's table of contents; pages without a link there come last."""
     if page not in ("index", "reference/README"):
         return
     seen: set[str] = set()
@@ -29,6 +29,10 @@ def contents(app: Sphinx, page: str, source: list[str]) -> None:
         seen.update(pages)
         if pages:
             source[0] += "\n" + CONTENTS.format(caption=caption, pages="\n".join(pages))
+    if page == "index":
+        others = {str(path.relative_to(DOCS).with_suffix("")) for path in DOCS.rglob("*.md") if REFERENCE not in path.parents}
+        if left := sorted(others - seen - {"index"}):
+            source[0] += "\n" + CONTENTS.format(caption="More", pages="\n".join(left))
 
 
 def outside(app: Sphinx, page: str, source: list[str]) -> None:

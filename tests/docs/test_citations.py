@@ -122,3 +122,36 @@ def test_anchors_are_named_once() -> None:
     for page in REFERENCE.glob("*.md"):
         found = re.findall(r'<a id="([^"]+)">', page.read_text(encoding="utf-8"))
         assert len(found) == len(set(found)), page.name
+
+
+HEADING = re.compile(
+    r"(?:\]\((?:\.\./)*(?P<link>[\w/-]+\.md)\)|docs/(?P<path>[\w-]+\.md)),\s+(?:(?://+|#|;)\s*)?(?P<words>[A-Z][\w`\[\] -]*)"
+)
+"""A page and a part of it: `docs/report.md, Why late`, `[report.md](report.md), Why late`"""
+
+
+def parts(text: str) -> set[str]:
+    """What a page may be cited by: its headings, and the bold or first words of its paragraphs."""
+    headings = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
+    bold = re.findall(r"\*\*([^*]+)\*\*", text)
+    first = re.findall(r"\n\n(?:[-*] )?([A-Z][\w -]{2,40})[:.]\s", text)
+    return {re.sub(r"[`*.]", "", part).strip().lower() for part in (*headings, *bold, *first)}
+
+
+def test_every_part_of_a_page_that_is_named_exists() -> None:
+    pages: dict[str, set[str]] = {}
+    for page in (*(ROOT / "docs").rglob("*.md"), *(ROOT / "c40_programs").rglob("*.md")):
+        pages.setdefault(page.name, set()).update(parts(page.read_text(encoding="utf-8")))
+    missing, seen = [], 0
+    for name in sources():
+        if name.startswith("docs/reference/"):
+            continue
+        text = read(name)
+        for match in HEADING.finditer(text):
+            seen += 1
+            page = Path(match["link"] or match["path"]).name
+            words = re.sub(r"`", "", match["words"]).strip().lower()
+            if not any(part.startswith(words) or words.startswith(part) for part in pages.get(page, ())):
+                missing.append(f"{name}:{text.count(chr(10), 0, match.start()) + 1}: {page} has no part `{match['words']}`")
+    assert not missing
+    assert seen > 100
