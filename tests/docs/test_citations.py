@@ -152,6 +152,26 @@ def test_every_part_of_a_page_that_is_named_exists() -> None:
             page = Path(match["link"] or match["path"]).name
             words = re.sub(r"`", "", match["words"]).strip().lower()
             if not any(part.startswith(words) or words.startswith(part) for part in pages.get(page, ())):
-                missing.append(f"{name}:{text.count(chr(10), 0, match.start()) + 1}: {page} has no part `{match['words']}`")
+                missing.append(
+                    f"{name}:{text.count(chr(10), 0, match.start()) + 1}: {page} has no part `{match['words']}`"
+                )
+    assert not missing
+    assert seen > 100
+
+
+PATH = re.compile(
+    r"`((?:emulator|bus_model|plant|python|c40_programs|tests|fuzz|scripts|examples|editors|docs)/[\w.*/-]*)(?:::\w+)?`"
+)
+
+
+def test_every_file_that_a_page_names_exists() -> None:
+    missing, seen = [], 0
+    for page in (*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "c40_programs").rglob("*.md")):
+        text = page.read_text(encoding="utf-8")
+        for match in PATH.finditer(text):
+            seen += 1
+            # NAME stands for any name.
+            if not any(ROOT.glob(match[1].replace("NAME", "*").rstrip("/"))):
+                missing.append(f"{page.relative_to(ROOT)}:{text.count(chr(10), 0, match.start()) + 1}: {match[1]}")
     assert not missing
     assert seen > 100
