@@ -22,6 +22,7 @@ PLAIN = {
     r"\bought to\b": "should",
     r"\bbefalls?\b|\bbehold\b|\bin vain\b": "happens to, see, without success",
     r"\banew\b": "again",
+    r"\bmended\b|\bfor ever\b": "fixed, forever",
     r"\breckon(?:s|ed|ing)?\b": "count, compute, assume",
     r"\bnought\b": "0, nothing",
     r"\bamidst\b|\bwhilst\b|\bamongst\b": "amid, while, among",
