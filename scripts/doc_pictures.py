@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def dock() -> Figure:
-    """110 s of the dock with two DSPs and two AGVs. From second 40 to second 42 both DSPs have a sixteenth of their clock."""
+    """110 s with two DSPs and two AGVs. From second 40 to second 42 both DSPs have a sixteenth of their clock."""
     from matplotlib.figure import Figure
 
     events = [

@@ -1,9 +1,9 @@
-"""Writes docs/report.schema.json, the JSON schema of a report, from the reports of real runs and the tables of docs/report.md.
+"""Writes docs/report.schema.json, the JSON schema of a report, from reports of real runs and the table of docs/report.md.
 
     PYTHONPATH=build/python .venv/bin/python scripts/report_schema.py docs/report.schema.json
 
-A key is required if each run has it. What a run may name as it likes (buses, masters, settings, parts of a chain) is an object whose
-values have one form. Descriptions are the rows of docs/report.md.
+A key is required if each run has it. What a run may name as it likes (buses, masters, settings, parts of a chain) is an
+object whose values have one form. Descriptions are the rows of docs/report.md.
 """
 
 from __future__ import annotations
@@ -47,11 +47,32 @@ RUNS: tuple[dict[str, Any], ...] = (
 """What the schema is made from: presets, cranes, failures, an error that is handled, a run that stops, and one without a reference."""
 
 MAPS = (
-    "tasks", "tasks.*.execution_causes_ps", "tasks.*.execution_cycles", "tasks.*.why_late.parts_ps", "tasks.*.why_late.behind_ps",
-    "misses.parts_ps", "configuration", "dsps.causes", "dsps.tasks_ps", "buses", "buses.*.masters", "buses.*.targets",
-    "starved_intervals", "pid_error", "sway", "agvs", "drives", "errors.joints", "errors.path", "errors.sway", "errors.lag",
-    "errors.agvs", "errors.demand", "errors.residual_sway", "errors.path_joints",
-)  # fmt: skip
+    "tasks",
+    "tasks.*.execution_causes_ps",
+    "tasks.*.execution_cycles",
+    "tasks.*.why_late.parts_ps",
+    "tasks.*.why_late.behind_ps",
+    "misses.parts_ps",
+    "configuration",
+    "dsps.causes",
+    "dsps.tasks_ps",
+    "buses",
+    "buses.*.masters",
+    "buses.*.targets",
+    "starved_intervals",
+    "pid_error",
+    "sway",
+    "agvs",
+    "drives",
+    "errors.joints",
+    "errors.path",
+    "errors.sway",
+    "errors.lag",
+    "errors.agvs",
+    "errors.demand",
+    "errors.residual_sway",
+    "errors.path_joints",
+)
 """Objects whose keys a run names; `*` is one such name. Lists have no step of their own."""
 
 ENUMERATIONS = {

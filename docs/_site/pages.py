@@ -1,4 +1,4 @@
-"""What the site adds to the Markdown pages: the table of contents from index.md, links of citations, links to files of the tree."""
+"""What the site adds to the Markdown pages: the table of contents, links of citations, names of files of the tree."""
 
 import re
 import sys
@@ -30,7 +30,9 @@ def contents(app: Sphinx, page: str, source: list[str]) -> None:
         if pages:
             source[0] += "\n" + CONTENTS.format(caption=caption, pages="\n".join(pages))
     if page == "index":
-        others = {str(path.relative_to(DOCS).with_suffix("")) for path in DOCS.rglob("*.md") if REFERENCE not in path.parents}
+        others = {
+            str(path.relative_to(DOCS).with_suffix("")) for path in DOCS.rglob("*.md") if REFERENCE not in path.parents
+        }
         if left := sorted(others - seen - {"index"}):
             source[0] += "\n" + CONTENTS.format(caption="More", pages="\n".join(left))
 

@@ -43,7 +43,7 @@ _ANCHOR = re.compile(r'<a id="([^"]+)">')
 
 @dataclass(frozen=True)
 class Citation:
-    """One citation: where its words stand in the text, and the places `page#anchor` of docs/reference/ that it names."""
+    """One citation: where its words stand in the text, and the places `page#anchor` that it names."""
 
     begin: int
     end: int

@@ -125,7 +125,8 @@ def test_anchors_are_named_once() -> None:
 
 
 HEADING = re.compile(
-    r"(?:\]\((?:\.\./)*(?P<link>[\w/-]+\.md)\)|docs/(?P<path>[\w-]+\.md)),\s+(?:(?://+|#|;)\s*)?(?P<words>[A-Z][\w`\[\] -]*)"
+    r"(?:\]\((?:\.\./)*(?P<link>[\w/-]+\.md)\)|docs/(?P<path>[\w-]+\.md)),\s+(?:(?://+|#|;)\s*)?"
+    r"(?P<words>[A-Z][\w`\[\] -]*)"
 )
 """A page and a part of it: `docs/report.md, Why late`, `[report.md](report.md), Why late`"""
 

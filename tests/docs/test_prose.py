@@ -69,7 +69,9 @@ def one_word(line: str) -> bool:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_lines_have_a_width(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
-    wide = [f"{page.name}:{n}: {len(line)} columns" for n, line in prose(text) if len(line) > WIDTH and not one_word(line)]
+    wide = [
+        f"{page.name}:{n}: {len(line)} columns" for n, line in prose(text) if len(line) > WIDTH and not one_word(line)
+    ]
     assert not wide
 
 

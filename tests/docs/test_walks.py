@@ -1,9 +1,10 @@
 """Pages that are walked through: the commands of docs/paths/ and docs/how-to/ run, and print what stands below them.
 
 The blocks ```sh, ```python, ```asm and ```toml of a page are done in their order, in one empty folder that has `build`,
-`c40_programs` and `examples` of the tree. `sh` and `python` are run. `asm` and `toml` are written to the file that their first
-line names in a comment. A block ```text right after a run is what the run prints: its lines stand in the output in this order,
-`...` for any lines between. A page with `<!-- campaign -->` takes long and is left out of the suite.
+`c40_programs` and `examples` of the tree. `sh` and `python` are run. `asm` and `toml` are written to the file that
+their first line names in a comment. A block ```text right after a run is what the run prints: its lines stand in the
+output in this order, `...` for any lines between.
+A page with `<!-- campaign -->` takes long and is left out of the suite.
 """
 
 import os
