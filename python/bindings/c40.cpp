@@ -301,7 +301,7 @@ void bind_link(py::module_& m) {
 
 void bind_processor(py::module_& m) {
   py::class_<Processor> processor(
-      m, "Processor", "One TMS320C40 on board `default`, `flat` (rulings.md 26), or one that a TOML file describes.");
+      m, "Processor", "One TMS320C40 on board `default`, `flat` (ruling 26), or one that a TOML file describes.");
   processor.def(py::init<const std::string&, bool>(), py::arg("board") = "default", py::arg("checks") = false)
       .def("diagnostics", &Processor::diagnostics, "Rules that the program broke, with checks on.")
       .def("load_words", &Processor::load_words, py::arg("address"), py::arg("words"))
