@@ -1,6 +1,6 @@
 #pragma once
 // Words, addresses, registers and conditions of the TMS320C4x, as its user's guide names and numbers them; and what the
-// TMS320C3x has otherwise (c40-isa.md section 9).
+// TMS320C3x has otherwise (c40-isa.md 9).
 #include <cstdint>
 #include <optional>
 #include <span>
