@@ -3,7 +3,7 @@ SHELL := /bin/bash
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 
-.PHONY: demo test build setup clean page golden lint vectors arithmetic oracles bench results coverage mutants fuzz trust
+.PHONY: demo test build setup clean page golden lint vectors arithmetic oracles bench results coverage mutants fuzz trust docs docs-test
 
 demo: build
 	PYTHONPATH=build/python $(PYTHON) -m cmrc demo --out build/demo
@@ -76,12 +76,22 @@ MUTANTS := 200
 mutants: build
 	$(PYTHON) scripts/mutants --count $(MUTANTS)
 
-# Layout of the C++ (.clang-format, one version of the tool), style and types of the Python.
+# Layout of the C++ (.clang-format, one version of the tool), style and types of the Python, width of the pages, citations.
 lint:
 	$(PYTHON) -m pip install -q ruff mypy clang-format==19.1.7
 	git ls-files '*.cpp' '*.hpp' | xargs $(VENV)/bin/clang-format --dry-run -Werror
 	$(PYTHON) -m ruff check python tests
 	$(PYTHON) -m mypy --strict python/cmrc
+	$(PYTHON) -m pytest -q tests/docs/test_prose.py tests/docs/test_citations.py -k 'not sections_that_programs_name'
+
+# The site, build-docs/html/index.html: Sphinx in an environment of its own, Doxygen for the C++. Warnings are errors; no page loads anything
+# from elsewhere.
+docs: build
+	scripts/site
+
+# What the pages show: their commands run, their printed blocks, figures, citations and pictures are compared.
+docs-test: build
+	$(PYTHON) -m pytest -q -n auto tests/docs
 
 clean:
 	rm -rf build

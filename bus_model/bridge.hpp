@@ -1,5 +1,5 @@
 #pragma once
-// A bridge between a processor bus and PCI (plant-and-bus.md 3.6, rulings.md 25): posts writes in a FIFO and drains
+// A bridge between a processor bus and PCI (plant-and-bus.md 3.6, ruling 25): posts writes in a FIFO and drains
 // them in order, words at rising consecutive addresses as one burst; lets a read wait until the FIFO is empty; reads
 // ahead to the end of an aligned line and answers the processor's next reads from it. The line is dropped by any write
 // of this processor and by a read at or above prefetch_limit; another master's write leaves it stale, as in the real

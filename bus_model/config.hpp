@@ -84,7 +84,7 @@ struct TargetConfig {
   static TargetConfig host_dram();   ///< W_i 12/3, bursts of 8
 };
 
-/// A bridge between a processor that reads single words and posts writes, and the bus (rulings.md 25).
+/// A bridge between a processor that reads single words and posts writes, and the bus (ruling 25).
 struct BridgeConfig {
   Clocks request_sync = 2;      ///< clocks from the processor's request to REQ#
   Clocks return_sync = 2;       ///< clocks from the data phase to the processor

@@ -1,4 +1,4 @@
-; The executive: claim the block at the work pointer (rulings.md 21), run it, mark it done, claim again; idle when none waits.
+; The executive: claim the block at the work pointer (ruling 21), run it, mark it done, claim again; idle when none waits.
 ; With OWN_BLOCKS it claims the first that is for this DSP (claim_own.asm).
 
 IDLE_DOORBELL   .set 0                  ; announce idleness, sleep until IIOF0 rings

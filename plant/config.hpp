@@ -188,7 +188,7 @@ struct SensorParameters {
 struct WindParameters {
   double mean = 0.0;       // m/s
   double gust = 0.0;       // m/s, sigma: standard deviation of the speed (plant/wind.hpp); 0.13 times the mean is usual
-  double direction = 0.0;  // rad, whither it blows: 0 along the quay, pi/2 towards the ship
+  double direction = 0.0;  // rad, towards which it blows: 0 along the quay, pi/2 towards the ship
   // Drag coefficient times face, m2 (control-notes.md 3): a container across the wind and along it, and the spreader
   // alone.
   double side_area = 38.0, end_area = 7.6, spreader_area = 8.0;

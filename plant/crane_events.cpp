@@ -121,7 +121,7 @@ class Interval {
     if (work_ != nullptr) work_->impacts += before - motion_.crane().kinetic_energy(c_.q, c_.qd, in_.payload);
   }
 
-  // ---- dry friction. A joint at rest sticks if friction can hold it there, else it slides whither it is pushed.
+  // ---- dry friction. A joint at rest sticks if friction can hold it there, else it slides where it is pushed.
   void settle() {
     for (std::size_t j = 0; j < joint_count; ++j) {
       const std::size_t k = coordinate_of(j);

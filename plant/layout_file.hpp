@@ -1,5 +1,5 @@
 #pragma once
-// A dock's layout as TOML (docs/plant.md, "A layout of one's own").
+// A dock's layout as TOML (docs/plant.md, Your own layout).
 #include <stdexcept>
 #include <string>
 #include <string_view>

@@ -20,7 +20,7 @@ inline Word reverse_bits(Word x) {
   return __builtin_bswap32(x);
 }
 
-/// One correction only, and the sum is not masked again (3.9).
+/// One correction only, and the sum is not masked again (c40-isa.md 3.9).
 inline Word circular(Word ar, Word bk, std::int64_t step) {
   const Word mask = bk == 0 ? 0u : ~Word{0} >> std::countl_zero(bk);
   const std::int64_t index = ar & mask;

@@ -24,7 +24,7 @@ struct Region {
       0;  ///< what RDY asks for beyond them when PAGE says that the strobe's last access was in another page, 0 to 15
 };
 
-/// What surrounds one chip (rulings.md 26).
+/// What surrounds one chip (ruling 26).
 struct Board {
   std::string name;
   std::vector<Region> regions;

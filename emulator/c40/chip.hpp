@@ -228,7 +228,7 @@ class Chip {
   /// Since when the processor idles, and when the DMA's last access was done: they do not depend on how a run is cut.
   Cycles idle_since() const;
   Cycles dma_done() const;
-  /// The timer's next event goes to a DMA channel, and raises no interrupt (DIE, 3.8).
+  /// The timer's next event goes to a DMA channel, and raises no interrupt (DIE, c40-hardware.md 3.8).
   bool timer_drives_dma(int timer) const;
   /// Idle, and no peripheral of its own will change that: only something from outside can.
   bool dormant() const;

@@ -1,5 +1,5 @@
 #pragma once
-/// Virtual time (rulings.md 1): an integer count of picoseconds, and clocks whose frequency is rational. No period is
+/// Virtual time (ruling 1): an integer count of picoseconds, and clocks whose frequency is rational. No period is
 /// ever accumulated.
 #include <chrono>
 #include <cstdint>

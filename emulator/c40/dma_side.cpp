@@ -85,7 +85,7 @@ bool DmaSide::port_ready(Address address, bool write) const {
   return access.ready(chip_.state.ports[static_cast<std::size_t>(access.port)]);
 }
 
-// Code 1 is the FIFO of the port with the channel's own number; the others are latched (3.8).
+// Code 1 is the FIFO of the port with the channel's own number; the others are latched (c40-hardware.md 3.8).
 std::optional<bool> DmaSide::level(int channel, bool write, Word code) const {
   if (code != code_level) return std::nullopt;
   const CommPort& port = chip_.state.ports[static_cast<std::size_t>(channel)];
@@ -211,7 +211,7 @@ bool DmaSide::processor_wrote_until(Unit unit, Cycles at) const {
 }
 
 // Priority 01: the processor wins the first conflict, then they take turns as long as conflicts follow each other
-// (3.4).
+// (c40-hardware.md 3.4).
 bool DmaSide::wins(Word priority, Cycles at) {
   if (priority == priority_dma) return true;
   if (priority != priority_rotating) return false;

@@ -110,8 +110,8 @@ Engine::Stepped Engine::execute(Step& step) {
   }
 }
 
-// The execute stage of an annulled slot does not happen; the earlier stages of the first two slots did (8.2). LDA in
-// the first slot, which is over with its read stage, does not come here.
+// The execute stage of an annulled slot does not happen; the earlier stages of the first two slots did
+// (c40-isa.md 8.2). LDA in the first slot, which is over with its read stage, does not come here.
 void Engine::annulled(const Step& step) {
   Core& core = state_.core;
   const Bound& bound = step.site->bound;
@@ -290,7 +290,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
 }
 
 // The last instruction of a repeated block may not control the program, nor may a delayed branch stand in the three
-// before (8.3).
+// before (c40-isa.md 8.3).
 bool Engine::illegal_in_repeat(Address pc, const Bound& bound) const {
   const Address left = state_.core.r[reg::RE] - pc;
   return bound.flow != Flow::straight && (left == 0 || (left <= 3 && bound.row->delay != isa::Delay::none));

@@ -74,7 +74,7 @@ constexpr std::uint32_t short_to_single(std::uint32_t half) {
   return {e, static_cast<std::uint32_t>(m) ^ 0x80000000u};
 }
 
-/// Section 7.1 for a normalised, non-zero mantissa.
+/// c40-isa.md 7.1 for a normalised, non-zero mantissa.
 [[gnu::always_inline]] constexpr FloatResult finish(std::int32_t e, std::int64_t m) {
   const std::uint32_t sign = m < 0 ? st::N : 0u;
   if (static_cast<std::uint32_t>(e + 127) <= 254u) [[likely]]
@@ -92,7 +92,7 @@ constexpr std::uint32_t short_to_single(std::uint32_t half) {
 
 constexpr FloatResult exact_zero() { return {zero(), st::Z}; }
 
-/// Section 7.2. Both mantissas are aligned (floor, no cut-off) before they are added or subtracted.
+/// c40-isa.md 7.2. Both mantissas are aligned (floor, no cut-off) before they are added or subtracted.
 template <bool subtract>
 [[gnu::always_inline]] constexpr FloatResult add_aligned(Float40 a, Float40 b) {
   const std::int32_t e = a.e > b.e ? a.e : b.e;
@@ -107,7 +107,7 @@ template <bool subtract>
 [[gnu::always_inline]] constexpr FloatResult add(Float40 a, Float40 b) { return add_aligned<false>(a, b); }
 [[gnu::always_inline]] constexpr FloatResult sub(Float40 a, Float40 b) { return add_aligned<true>(a, b); }
 
-/// Section 7.3: 32-bit mantissas, truncated.
+/// c40-isa.md 7.3: 32-bit mantissas, truncated.
 [[gnu::always_inline]] constexpr FloatResult mul(Float40 a, Float40 b) {
   __extension__ using Int128 = __int128;
   const Int128 p = static_cast<Int128>(mantissa(a)) * mantissa(b);
@@ -117,7 +117,7 @@ template <bool subtract>
   return normalise(a.e + b.e, s);
 }
 
-/// Section 7.6. NEGF is exactly 0 - x.
+/// c40-isa.md 7.6. NEGF is exactly 0 - x.
 constexpr FloatResult neg(Float40 x) {
   const std::int64_t m = mantissa(x);
   return m == 0 ? exact_zero() : normalise(x.e, -m);
@@ -128,14 +128,14 @@ constexpr FloatResult abs(Float40 x) {
   return m > 0 ? FloatResult{x, 0} : normalise(x.e, -m);
 }
 
-/// Section 5.3 class G: a load's flags.
+/// c40-isa.md 5.3 class G: a load's flags.
 constexpr FloatResult load(Float40 x) {
   const Float40 value = canonical(x);
   return {value, value.e == zero_exponent ? st::Z : (value.m >> 31) * st::N};
 }
 
-/// Section 7.4: to single precision, a half goes to the more positive neighbour. Z is always cleared; RND of zero sets
-/// UF.
+/// c40-isa.md 7.4: to single precision, a half goes to the more positive neighbour. Z is always cleared; RND of zero
+/// sets UF.
 constexpr FloatResult rnd(Float40 x) {
   const std::int64_t m = mantissa(x);
   if (m == 0) return {zero(), st::UF};
@@ -144,7 +144,7 @@ constexpr FloatResult rnd(Float40 x) {
   return r;
 }
 
-/// Section 7.5: floor, saturating whatever OVM is.
+/// c40-isa.md 7.5: floor, saturating whatever OVM is.
 constexpr FixResult fix(Float40 x) {
   const std::int64_t m = mantissa(x);
   const std::uint32_t sign = m < 0 ? st::N : 0u;
@@ -159,7 +159,7 @@ constexpr FloatResult from_integer(std::uint32_t word) {
   return normalise(31, static_cast<std::int32_t>(word));
 }
 
-/// Section 7.7: m is taken without an implied bit.
+/// c40-isa.md 7.7: m is taken without an implied bit.
 constexpr FloatResult norm(Float40 x) {
   if (x.m == 0) return exact_zero();
   const std::uint32_t sign = (x.m >> 31) * st::N;
@@ -172,7 +172,7 @@ constexpr FloatResult norm(Float40 x) {
   return {{e, shifted ^ 0x80000000u}, sign};
 }
 
-/// Section 2.3. The IEEE word is left in bits 39..8.
+/// c40-isa.md 2.3. The IEEE word is left in bits 39..8.
 constexpr FloatResult to_ieee(Float40 x) {
   if (choices::toieee_rounds && x.e != zero_exponent) x = rnd(x).value;
   const std::uint32_t negative = x.m >> 31, f = x.m >> 8 & 0x7FFFFFu;
@@ -207,7 +207,7 @@ constexpr std::uint32_t reciprocal_seed(std::uint32_t i) {
 /// RCPF and RSQRF of zero.
 constexpr FloatResult seed_of_zero() { return {{127, 0x7FFFFFFFu}, st::V}; }
 
-/// Section 7.10, our model of the seed: the exponent is exact, eight fraction bits from a table.
+/// c40-isa.md 7.10, our model of the seed: the exponent is exact, eight fraction bits from a table.
 constexpr FloatResult rcp(Float40 x) {
   std::int64_t m = mantissa(x);
   if (m == 0) return seed_of_zero();

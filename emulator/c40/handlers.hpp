@@ -132,7 +132,7 @@ struct FloatForm {
 /// Input).
 constexpr int combination(Kind a, Kind b) { return static_cast<int>(a) * 8 + static_cast<int>(b); }
 
-/// The ways in which two-source instructions come (3.2 and 3.4); null for others.
+/// The ways in which two-source instructions come (c40-isa.md 3.2 and 3.4); null for others.
 template <class Form>
 Handler two_sources(Kind a, Kind b) {
   using enum Kind;

@@ -15,7 +15,7 @@ Address target_of(const Core& core, const Op& op, bool relative) {
   return relative ? op.pc + op.immediate : core.r[op.src1];
 }
 
-/// GIE and CF are saved, interrupts and the cache's updates stop (8.6).
+/// GIE and CF are saved, interrupts and the cache's updates stop (c40-isa.md 8.6).
 void enter_handler(Core& core) {
   const Word modes = core.modes & ~(st::PGIE | st::PCF | st::GIE);
   core.modes = modes | (core.modes & st::GIE ? st::PGIE : 0u) | (core.modes & st::CF ? st::PCF : 0u) |
@@ -218,7 +218,7 @@ template <bool floating>
 Outcome push(Core& core, const Op* op) {
   Place<Kind::direct, 0> top;
   top.formed.address = core.r[reg::SP] + 1;
-  // SP counts before the register is read: PUSH SP stores the new value, as an address update would (3.9).
+  // SP counts before the register is read: PUSH SP stores the new value, as an address update would (c40-isa.md 3.9).
   const Word value = floating              ? float40::to_single({core.e[op->src1], core.r[op->src1]})
                      : op->src1 == reg::SP ? top.formed.address
                                            : core.r[op->src1];

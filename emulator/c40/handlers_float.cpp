@@ -204,7 +204,7 @@ Outcome store_store(Core& core, const Op* op) {
   return next(core, op);
 }
 
-/// MPY3 || ADD3/SUB3: access 0 is the J byte, access 1 the I byte; dealt out by P (3.6).
+/// MPY3 || ADD3/SUB3: access 0 is the J byte, access 1 the I byte; dealt out by P (c40-isa.md 3.6).
 template <bool floating, bool subtract, int p, Kind kind = Kind::indirect>
 Outcome multiply_add(Core& core, const Op* op) {
   Place<kind, 0> j;

@@ -50,7 +50,7 @@ Word logic(Core& core, Word value) {
   return value;
 }
 
-/// Count: the sign-extended 7 low bits (7.8).
+/// Count: the sign-extended 7 low bits (c40-isa.md 7.8).
 inline std::int32_t shift_count(Word word) { return static_cast<std::int32_t>(word << 25) >> 25; }
 
 inline Shifted shift_logical(Word x, std::int32_t n) {

@@ -9,7 +9,8 @@ constexpr Word vector_nmi = 0x01, vector_timer0 = 0x02, first_vector_iiof = 0x03
                first_vector_dma = 0x25, vector_timer1 = 0x2B;
 constexpr unsigned iiof_pins = 4, dma_channels = 6;
 
-// Levels, not latched (2.3): 0Dh + 4n ICFULL, then ICRDY, OCRDY, OCEMPTY, in the order of their bits in IIE.
+// Levels, not latched (c40-hardware.md 2.3): 0Dh + 4n ICFULL, then ICRDY, OCRDY, OCEMPTY, in the order of their bits in
+// IIE.
 Word pending_of_ports(const State& state, Word enabled) {
   for (unsigned n = 0; n < port_count; ++n) {
     const CommPort& port = state.ports[n];

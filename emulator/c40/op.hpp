@@ -112,7 +112,7 @@ struct Core {
 
 namespace execute {
 
-/// Sections 3 and 6 of c40-isa.md: where an operand is.
+/// c40-isa.md 3 and 6: where an operand is.
 enum class Kind : std::uint8_t {
   none,
   reg,

@@ -27,7 +27,7 @@ class Peripherals {
   bool interface_changed() const { return interface_changed_; }
   void interface_settled() { interface_changed_ = false; }
 
-  /// An event: for the DMA if a started channel selects it in DIE (3.8), else a flag of IIF.
+  /// An event: for the DMA if a started channel selects it in DIE (c40-hardware.md 3.8), else a flag of IIF.
   void raise(Word flag);
   /// The outside drives a pin from cycle `at` on.
   void set_pin(Pin pin, bool level, Cycles at);

@@ -184,8 +184,8 @@ void SelfCheck::check_nesting(const TraceRecord& record, const Instruction& inst
   while (!open_.empty() && record.pc == open_.back().end) {
     const Block broken = open_.back();
     open_.pop_back();
-    const bool more =
-        static_cast<std::int32_t>(before(Register::RC)) > 0;  // in the last pass ST comes back without RM (1.4)
+    const bool more = static_cast<std::int32_t>(before(Register::RC)) >
+                      0;  // in the last pass ST comes back without RM (c40-isa.md 1.4)
     if (before(Register::RS) != broken.start || before(Register::RE) != broken.end ||
         (more && (before(Register::ST) & st::RM) == 0))
       report(Rule::repeat_nesting, record.pc, record.cycle, record.word,
@@ -194,7 +194,7 @@ void SelfCheck::check_nesting(const TraceRecord& record, const Instruction& inst
   }
 }
 
-// The chip has stopped before a branch that may not stand at the end of a repeated block (8.3).
+// The chip has stopped before a branch that may not stand at the end of a repeated block (c40-isa.md 8.3).
 void SelfCheck::check_repeat_end(const Instruction& instruction) {
   const Address pc = chip_.pc(), end = static_cast<Address>(chip_.register_value(Register::RE));
   if ((chip_.register_value(Register::ST) & st::RM) == 0 || known_.contains({Rule::repeat_block, pc})) return;

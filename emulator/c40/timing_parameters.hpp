@@ -39,7 +39,8 @@ inline constexpr int strobe_switch_cycles = 1;
 inline constexpr int timer_tick_cycles = 2;
 /// From the write that starts a DMA channel until its first access may begin (c40-hardware.md 3) (unverified).
 inline constexpr int dma_start_cycles = 1;
-/// Cycles that the DMA takes to move a word of a list into its register, after reading it (3.7) (unverified).
+/// Cycles that the DMA takes to move a word of a list into its register, after reading it (c40-hardware.md 3.7)
+/// (unverified).
 inline constexpr int dma_list_write_cycles = 1;
 /// Longest wait states, and longest further wait states for another page, that a region of a board may declare.
 inline constexpr int max_region_waits = 15;

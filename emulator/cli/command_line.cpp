@@ -13,7 +13,7 @@ namespace {
 void declare_settings(CLI::App& app, RunOptions& options) {
   app.add_option("--dsps", options.dsps, "Number of DSPs, 1 to 16 (default 4)");
   app.add_option("--config", options.config, "Configuration (TOML; docs/configuration.md)")->type_name("FILE");
-  app.add_option("--preset", options.preset, "base (default), heavy or saturated");
+  app.add_option("--preset", options.preset, "base (default), heavy, saturated or tight");
   app.add_option("--duration", options.duration_s, "Simulated time in s (default 180)");
   app.add_option("--seed", options.seed, "Seed of everything random (default 1)");
   app.add_option("--set", options.settings, "Any other setting, e.g. --set scheduling.gamma_refreshes=1")
@@ -93,7 +93,7 @@ void declare_compare(CLI::App& app, CompareOptions& options) {
 
 void declare_config(CLI::App& app, ConfigOptions& options) {
   app.add_option("--config", options.run.config, "Configuration (TOML; docs/configuration.md)")->type_name("FILE");
-  app.add_option("--preset", options.run.preset, "base (default), heavy or saturated");
+  app.add_option("--preset", options.run.preset, "base (default), heavy, saturated or tight");
   app.add_option("--set", options.run.settings, "Any setting, e.g. --set machine.dsps=8")->type_name("KEY=VALUE");
   app.add_flag("--processes", options.processes,
                "Only the processes and sub-processes built in, with comments (docs/processes.md)");
@@ -319,7 +319,7 @@ void declare_debug(CLI::App& app, DebugOptions& options) {
       ->allow_extra_args(false);
   app.add_option("--dsps", options.run.dsps, "The dock with so many DSPs, 1 to 16 (default 4)");
   app.add_option("--config", options.run.config, "The dock, from a configuration (TOML)")->type_name("FILE");
-  app.add_option("--preset", options.run.preset, "Of the dock: base (default), heavy or saturated");
+  app.add_option("--preset", options.run.preset, "Of the dock: base (default), heavy, saturated or tight");
   app.add_option("--duration", options.run.duration_s, "Of the dock: simulated time in s (default 180)");
   app.add_option("--seed", options.run.seed, "Of the dock: seed of everything random (default 1)");
   app.add_option("--set", options.run.settings, "Of the dock: any other setting")->type_name("KEY=VALUE");

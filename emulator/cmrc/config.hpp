@@ -108,7 +108,7 @@ struct Config {
     double learning_step_max = 0.1;
     double servo_loss_share = 0;          ///< of servo ticks that are left out, for experiments
     std::int64_t servo_loss_run = 1;      ///< so many in a row
-    std::int64_t servo_served_every = 1;  ///< only every so manieth tick is served
+    std::int64_t servo_served_every = 1;  ///< only every m-th tick is served, m being this
     AgvPhase agv_phase = AgvPhase::staggered;
     double event_field_m = 15;              ///< ahead of an AGV's range sensor
     std::int64_t event_read_refreshes = 8;  ///< from a reading of that sensor by the host to the next

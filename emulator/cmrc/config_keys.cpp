@@ -128,7 +128,7 @@ std::vector<Key> make_keys() {
              "instruction cycles take this times as long, the buses' clocks stay as they are; exact to thousandths",
              "issue 6"),
       choice("machine.boot", FIELD(machine.boot), {"preloaded", "link"},
-             "how a DSP that leaves reset comes by its program: it lies in its memory, or the host sends it through "
+             "boot method: the program lies in the DSP's memory, or the host sends it through "
              "the link adapter to the boot ROM",
              "ruling 27"),
       choice("machine.idle_policy", FIELD(machine.idle_policy), {"doorbell", "pause", "spin"},
@@ -212,8 +212,7 @@ std::vector<Key> make_keys() {
               "many cycles; 0, as printed: they run whole",
               "plant-and-bus.md 4.6 item 4"),
       live(choice("scheduling.time_after_delay", FIELD(scheduling.time_after_delay), {"elapsed", "one"},
-                  "by what t grows at a refresh that comes late: by the periods that have elapsed, or by 1, the "
-                  "literal reading",
+                  "growth of t at a late refresh: by the periods that have elapsed, or by 1, the literal reading",
                   "plant-and-bus.md 4.4 item 27")),
       live(choice("scheduling.learning", FIELD(scheduling.learning), {"off", "proportional", "unit"},
                   "how N^_a is adapted after each AGV cycle: not, by 4.7, or by one as printed",
@@ -232,8 +231,8 @@ std::vector<Key> make_keys() {
       live(integer("scheduling.servo_loss_run", FIELD(scheduling.servo_loss_run), "ticks", 1, 100000,
                    "... so many in a row: 1 scatters them", "docs/control.md")),
       live(integer("scheduling.servo_served_every", FIELD(scheduling.servo_served_every), "ticks", 1, 100000,
-                   "for experiments: only every so manieth nominal tick of them is served; the others count as "
-                   "dropped. Not in the ideal run",
+                   "for experiments: only every m-th nominal tick of them is served, m being this; the others count "
+                   "as dropped. Not in the ideal run",
                    "docs/control.md")),
       live(choice("scheduling.agv_phase", FIELD(scheduling.agv_phase), {"staggered", "together"},
                   "refreshes at which the sub-processes of AGV i of n that are released by interval come: floor(i N^_a "
@@ -258,7 +257,7 @@ std::vector<Key> make_keys() {
                    "work whose block was dropped is asked for again at most so many times in a row; then it stops",
                    "issue 6")),
       live(number("watchdog.silence_ms", FIELD(watchdog.silence_ms), "ms", 0, 1e6,
-                  "a DSP that gives no sign of life for so long is reset, and if again for so long, taken for dead; 0: "
+                  "a DSP without a sign of life for so long is reset, and after as long again considered dead; 0: "
                   "never (idle_policy \"doorbell\" only)",
                   "docs/controller.md")),
       live(number("watchdog.semaphore_limit_us", FIELD(watchdog.semaphore_limit_us), "us", 1, 1e6,
@@ -326,23 +325,23 @@ std::vector<Key> make_keys() {
              "what stands where: list on A and devices on B; the host on both; sensors and comm port on A; one bus",
              "plant-and-bus.md 3.4"),
       choice("bus.arbiter", FIELD(bus.arbiter), {"round_robin", "fixed", "two_level", "host_fair"},
-             "who is next: the next after the last owner; the lowest number; host and first DSPs before the others; "
-             "host every other turn",
+             "arbitration: round robin; the lowest number first; host and first DSPs before the others; host every "
+             "other turn",
              "plant-and-bus.md 3.6"),
       integer("bus.first_level_dsps", FIELD(bus.first_level_dsps), "", 0, 16,
               "with arbiter \"two_level\": DSPs in slots below this share the first level with the host",
               "plant-and-bus.md 3.6"),
-      choice("bus.parking", FIELD(bus.parking), {"none", "last_owner", "host"},
-             "where the grant stays when nobody asks", "plant-and-bus.md 3.6"),
+      choice("bus.parking", FIELD(bus.parking), {"none", "last_owner", "host"}, "who holds the grant on an idle bus",
+             "plant-and-bus.md 3.6"),
       integer("bus.grant_clocks", FIELD(bus.grant_clocks), "clocks", 1, 16, "from request to grant on an idle bus",
               "plant-and-bus.md 3.1"),
       integer("bus.multi_transaction_clocks", FIELD(bus.multi_transaction_clocks), "clocks", 0, 2048,
               "multi-transaction timer: an owner that asks again goes first for so long; 0: none",
               "plant-and-bus.md 3.1"),
       integer("bus.request_off_clocks", FIELD(bus.request_off_clocks), "clocks", 2, 64,
-              "for which a master that was stopped takes its request away", "plant-and-bus.md 3.1"),
+              "for which a stopped master withdraws its request", "plant-and-bus.md 3.1"),
       integer("bus.think_on_retry_clocks", FIELD(bus.think_on_retry_clocks), "clocks", 0, 1024,
-              "beyond these, before it repeats what a target has refused", "plant-and-bus.md 3.6"),
+              "beyond these, before it retries what a target has refused", "plant-and-bus.md 3.6"),
       integer("bus.max_burst_words", FIELD(bus.max_burst_words), "words", 0, 256,
               "a master ends its bursts after so many words; 0: never", "plant-and-bus.md 3.6"),
       integer("bus.post_depth_words", FIELD(bus.post_depth_words), "words", 1, 64,
@@ -351,8 +350,8 @@ std::vector<Key> make_keys() {
              "wait states of shared memory", "plant-and-bus.md 3.6"),
       choice("bus.device_card", FIELD(bus.device_card), {"sram", "s5933", "drive_card", "host_dram"},
              "wait states of the devices", "plant-and-bus.md 3.6"),
-      boolean("bus.delayed_reads", FIELD(bus.delayed_reads), "devices refuse a read until they have fetched the word",
-              "plant-and-bus.md 3.1"),
+      boolean("bus.delayed_reads", FIELD(bus.delayed_reads),
+              "delayed reads: devices retry a read until they have fetched the word", "plant-and-bus.md 3.1"),
       integer("bus.delayed_read_clocks", FIELD(bus.delayed_read_clocks), "clocks", 0, 1024, "length of that fetch",
               "plant-and-bus.md 3.6"),
       integer("bus.device_post_words", FIELD(bus.device_post_words), "words", 0, 64,
@@ -421,7 +420,7 @@ std::vector<Key> make_keys() {
               "gears lose where the load drives them, too; else the motor's torque always counts times the efficiency",
               "docs/plant.md"),
       boolean("dock.strict_landing", FIELD(dock.strict_landing),
-              "a touch that is too hard or too crooked closes no corner switch: it has to be tried again",
+              "a touch that is too fast or too far turned closes no corner switch, and is tried again",
               "plant-and-bus.md 1.5"),
       integer("dock.sway_sensors", FIELD(dock.sway_sensors), "", 1, 2,
               "sway sensors of the crane, each with a noise of its own; the second is used when the first has failed",
@@ -429,7 +428,7 @@ std::vector<Key> make_keys() {
       number("dock.capture_window_m", FIELD(dock.capture_window_m), "m", 0, 0.3,
              "lateral error that flipper guides catch; 0: no guides", "plant-and-bus.md 1.5"),
       text("dock.layout", FIELD(dock.layout),
-           "TOML file with a layout of one's own (docs/plant.md); empty: the default one", "plant-and-bus.md 1.5"),
+           "TOML file with a layout of your own (docs/plant.md); empty: the default one", "plant-and-bus.md 1.5"),
       boolean("dock.protective_field", FIELD(dock.protective_field),
               "AGVs slow down by themselves for what their range sensor sees in their way", "assumed"),
       number("dock.ship_motion", FIELD(dock.ship_motion), "", 0, 10,
@@ -443,7 +442,7 @@ std::vector<Key> make_keys() {
       number("dock.wind_limit_m_s", FIELD(dock.wind_limit_m_s), "m/s", 1, 100,
              "no lift begins while the anemometer's mean of 3 s is above this", "control-notes.md 3"),
       number("dock.wind_direction_deg", FIELD(dock.wind_direction_deg), "deg", -360, 360,
-             "whither it blows: 0 along the quay, 90 towards the ship", "assumed"),
+             "direction the wind blows towards: 0 along the quay, 90 towards the ship", "assumed"),
 
       live(number("control.travel_bandwidth_rad_s", FIELD(control.travel.bandwidth_rad_s), "rad/s", 0.5, 6,
                   "bandwidth of the travel's loop, omega: a double pole of the rigid joint; soft ground and a large "
@@ -523,7 +522,7 @@ std::vector<Key> make_keys() {
                   "against sway the suspension moves so fast towards the side to which the load hangs",
                   "docs/kernels.md")),
       live(number("control.wind_observer_rad_s", FIELD(control.wind_observer_rad_s), "rad/s", 0.05, 2,
-                  "bandwidth of the observer that tells wind from sway; the suspension goes upwind by what it tells",
+                  "bandwidth of the observer that separates wind from sway; the suspension goes upwind by its estimate",
                   "docs/kernels.md")),
       live(number("control.sway_filter_s", FIELD(control.sway_filter_s), "s", 0, 10, "low-pass of the measured sway",
                   "docs/kernels.md")),
@@ -570,7 +569,7 @@ std::vector<Key> make_keys() {
 
       choice("report.reference", FIELD(report.reference), {"ideal", "none"},
              "what errors, lag and demand are measured against: the ideal run, which runs beside in a process of its "
-             "own; or nothing, then none is told",
+             "own; or nothing, then none is reported",
              "docs/report.md"),
       integer("report.misses_max", FIELD(report.misses_max), "jobs", 0, 100000000,
               "missed jobs whose causes the report tells one by one: the first ones; the others are counted",

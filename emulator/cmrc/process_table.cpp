@@ -73,7 +73,7 @@ class Checker {
       if (row.crane != own->crane || row.agv != own->agv || row.release != own->release || !demands ||
           (row.release == Subprocess::Release::point && row.between_processes) || row.on_legs) {
         refuse_row("number", "only the name, of 1 `must`, and of 3 and 4 between_processes, can be changed",
-                   "sub-processes of one's own have numbers from 6 on");
+                   "sub-processes of your own have numbers from 6 on");
       }
       for (const unsigned number : row.must) {
         if (!has(own->must, number))

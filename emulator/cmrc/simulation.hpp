@@ -47,7 +47,9 @@ struct Progress {
 /// Wall-clock time, tracing and progress change nothing in the run nor in its hash.
 class Simulation {
  public:
-  /// \throws ConfigError, toolchain::AssemblyError, std::invalid_argument (an image without the shared words)
+  /// \throws ConfigError
+  /// \throws toolchain::AssemblyError
+  /// \throws std::invalid_argument of an image without the shared words
   explicit Simulation(const Config& config);
   /// The same, recorded in `course`; or measured against an ideal run that is there already.
   Simulation(const Config& config, std::shared_ptr<Course> course);
@@ -74,7 +76,7 @@ class Simulation {
   /// \throws std::logic_error without profile(), and if the profile and report() contradict each other
   report::Profile profile_report() const;
 
-  /// A further event, not before the present time. \throws ConfigError, also when it contradicts those that are still
+  /// A further event, not before the present time. \throws ConfigError also when it contradicts those that are still
   /// to come
   void at(const TimedEvent& event);
 

@@ -152,7 +152,7 @@ void read_three_type2(Reader& read, Instruction& out) {
   out.src2 = (t & 1) != 0 ? read.type2_indirect('i') : read.immediate(read.field('i'), 8);
 }
 
-/// The P field's four ways to deal out J, I, K and H (3.6).
+/// The P field's four ways to deal out J, I, K and H (c40-isa.md 3.6).
 void read_multiply_add(Reader& read, Instruction& out) {
   const Operand i = read.byte('i'), j = read.byte('j');
   const Operand k = read.source_register('x'), h = read.source_register('h');

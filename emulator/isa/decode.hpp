@@ -1,6 +1,6 @@
 #pragma once
 // Strict decoding: each of the 2^32 words is an Instruction or Reserved. Operands come in the roles that an executor
-// needs, so it never looks at the bits of the word (c40-isa.md sections 3, 6, 12).
+// needs, so it never looks at the bits of the word (c40-isa.md 3, 6, 12).
 #include <cstdint>
 #include <string_view>
 #include <variant>
@@ -10,7 +10,7 @@
 
 namespace isa {
 
-/// Indirect addressing, bits "modn" (3.9). The low three bits say what is done, the upper two with what.
+/// Indirect addressing, bits "modn" (c40-isa.md 3.9). The low three bits say what is done, the upper two with what.
 namespace modn {
 inline constexpr std::uint8_t plain = 24;         ///< *ARn
 inline constexpr std::uint8_t bit_reversed = 25;  ///< *ARn++(IR0)B
@@ -36,7 +36,8 @@ constexpr bool is_circular(unsigned m) { return m < plain && (m & 6) == 6; }
 constexpr bool modifies(unsigned m) { return m < plain ? (m & 7) >= 2 : m == bit_reversed; }
 }  // namespace modn
 
-/// The byte that an indirect operand stands in. If two update the same ARn, only the update of J is kept (3.9).
+/// The byte that an indirect operand stands in. If two update the same ARn, only the update of J is kept
+/// (c40-isa.md 3.9).
 enum class Slot : std::uint8_t { none, i, j };
 
 struct Operand {
@@ -46,7 +47,7 @@ struct Operand {
     direct,           ///< Memory at (DP << 16) | value
     indirect,         ///< Memory at `reg` (an ARn) modified by `modn` and, for modn < 8, the displacement `value`
     immediate_int,    ///< `value`, extended to 32 bits as the instruction has it
-    immediate_float,  ///< `value` holds the 16 bits of a short float (2.2)
+    immediate_float,  ///< `value` holds the 16 bits of a short float (c40-isa.md 2.2)
     expansion,        ///< `value`: 0 IVTP, 1 TVTP
     target,           ///< The address PC + `value`, PC being that of the instruction itself
     address,          ///< The address `value` (C3x)
@@ -75,7 +76,7 @@ struct Operand {
 /// its counter in dst. PUSH has src1, POP dst.
 ///
 /// The halves read before either writes. Where both write the same place (load || load to one register, store || store
-/// to one address) the first half's result, the one in src1/dst, stays (3.10).
+/// to one address) the first half's result, the one in src1/dst, stays (c40-isa.md 3.10).
 struct Instruction {
   const Row* row = nullptr;
   Word word = 0;
@@ -85,7 +86,7 @@ struct Instruction {
 };
 
 /// Branches, calls, returns, traps, repeats and IDLE: what may not stand in delay slots, under RPTS or at the end of a
-/// block (8.2 to 8.4).
+/// block (c40-isa.md 8.2 to 8.4).
 bool is_program_control(const Instruction& instruction);
 
 /// A word that is no instruction of the processor. The hardware's behaviour is undefined.

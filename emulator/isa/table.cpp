@@ -17,7 +17,7 @@ constexpr auto lda = OperandClass::lda;
 constexpr Modes reg = 1, direct = 2, indirect = 4, imm = 8;
 constexpr Modes rdim = reg | direct | indirect | imm;
 constexpr Modes di = direct | indirect;
-// Float instructions have no 8-bit immediate, which type 2 puts at T = 0 and 2 (3.4).
+// Float instructions have no 8-bit immediate, which type 2 puts at T = 0 and 2 (c40-isa.md 3.4).
 constexpr Modes five_bit_only = 2 | 8;
 
 // What no document settles (docs/fidelity.md): how the immediates of these are read.

@@ -1,6 +1,6 @@
 #pragma once
 // The instruction table: one row per encoding of the TMS320C4x, and of the TMS320C3x. Decoder, disassembler, assembler,
-// the Python metadata and the documentation's table all come from these rows (c40-isa.md sections 3 and 6).
+// the Python metadata and the documentation's table all come from these rows (c40-isa.md 3 and 6).
 #include <array>
 #include <cstdint>
 #include <span>
@@ -81,7 +81,7 @@ enum class FlagClass : std::uint8_t { none, A, B, L, S, SA, F, G, ieee, normaliz
 /// What becomes of the three instructions after a branch.
 enum class Delay : std::uint8_t { none, delayed, annul_if_true, annul_if_false };
 
-/// The pipeline stage in which `dst` is written (8.1).
+/// The pipeline stage in which `dst` is written (c40-isa.md 8.1).
 enum class WriteStage : std::uint8_t { execute, read, decode };
 
 /// Legal values of bits 22..21 (G or T), as a set.
@@ -105,7 +105,7 @@ struct Row {
   Delay delay = Delay::none;
   WriteStage write_stage = WriteStage::execute;
   bool commutative = false;
-  bool interlocked = false;  ///< Drives the LOCK pin (6.7).
+  bool interlocked = false;  ///< Drives the LOCK pin (c40-isa.md 6.7).
   bool c4x_only = false;
   std::string_view section;  ///< Of c40-isa.md.
   Picture bits{};            ///< Derived from `picture`.

@@ -1,6 +1,6 @@
 #pragma once
 // Words, addresses, registers and conditions of the TMS320C4x, as its user's guide names and numbers them; and what the
-// TMS320C3x has otherwise (c40-isa.md section 9).
+// TMS320C3x has otherwise (c40-isa.md 9).
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -32,11 +32,11 @@ enum class Register : std::uint8_t {
 // clang-format on
 inline constexpr int register_count = 32;
 
-/// The expansion register file, reached by LDEP and LDPE only (1.2).
+/// The expansion register file, reached by LDEP and LDPE only (c40-isa.md 1.2).
 enum class Expansion : std::uint8_t { IVTP, TVTP };
 
 // clang-format off
-/// Condition codes (section 4); 11 and 21 to 31 are reserved.
+/// Condition codes (c40-isa.md 4); 11 and 21 to 31 are reserved.
 enum class Condition : std::uint8_t {
   U, LO, LS, HI, HS, EQ, NE, LT, LE, GT, GE,
   NV = 12, V, NUF, UF, NLV, LV, NLUF, LUF, ZUF,
@@ -58,7 +58,7 @@ constexpr bool has(Cpu cpu, Register r) { return cpu == Cpu::c40 || code(r) < 28
 
 std::string_view name(Register r, Cpu cpu = Cpu::c40);  ///< Lower case: "r0", "ar3", "iie".
 std::string_view name(Expansion r);                     ///< "ivtp", "tvtp".
-std::string_view name(Condition c);                     ///< The first name of section 4: "u", "lo", "eq".
+std::string_view name(Condition c);                     ///< The first name of c40-isa.md 4: "u", "lo", "eq".
 
 /// By any of its names, in any case; F0-F11 are names of R0-R11.
 std::optional<Register> register_named(std::string_view text, Cpu cpu = Cpu::c40);

@@ -1,5 +1,5 @@
 #pragma once
-// Addresses as label and offset: text that stays the same when a program moves in memory (docs/trace.md, Labels).
+// Addresses as label and offset: text that stays the same when a program moves in memory (docs/trace.md, With labels).
 #include <map>
 #include <optional>
 #include <string>

@@ -18,7 +18,7 @@ using c40::Word;
 
 constexpr Word memory_width = 32, end_of_blocks = 0;
 constexpr Word from_ports = 7;
-/// By the pins IIOF3 to IIOF1 (9.1).
+/// By the pins IIOF3 to IIOF1 (c40-hardware.md 9.1).
 constexpr std::array<Address, 7> sources{0,           0xC0000000u, 0xA0000000u, 0x80000000u,
                                          0x60000000u, 0x40000000u, 0x00300000u};
 

@@ -31,10 +31,10 @@ ResetSource reset_source(const c40::Board& board);
 /// Of the memory that the pins choose.
 c40::Address boot_address(const c40::Board& board);
 
-/// The stream that a port is sent (9.3): the block that begins at the entry comes first.
+/// The stream that a port is sent (c40-hardware.md 9.3): the block that begins at the entry comes first.
 /// Throws std::invalid_argument if the entry lies in no section, or a section below 1000h, where the ROM is.
 std::vector<c40::Word> boot_stream(const toolchain::Image& image, const BootHeader& header);
-/// The same for memory of 32 bits (9.2).
+/// The same for memory of 32 bits (c40-hardware.md 9.2).
 std::vector<c40::Word> boot_memory(const toolchain::Image& image, const BootHeader& header);
 
 /// Sends a boot stream into a port that has no link, at a link's pace, whenever the chip waits for a word.

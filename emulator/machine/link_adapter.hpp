@@ -1,5 +1,5 @@
 #pragma once
-// The link adapter (rulings.md 27): a target with one C40-compatible communication port per DSP slot, each wired to
+// The link adapter (ruling 27): a target with one C40-compatible communication port per DSP slot, each wired to
 // port LINK_PORT of that slot's DSP. The host boots DSPs through it (c40_programs/include/task_block.inc has the
 // registers).
 //

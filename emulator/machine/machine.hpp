@@ -1,5 +1,6 @@
 #pragma once
-// Several C40s, two PCI buses, shared memory, a host and the dock, in one virtual time (design.md, decisions 2 to 7).
+// Several C40s, two PCI buses, shared memory, a host and the dock, in one virtual time (docs/architecture.md, decisions
+// 2 to 7).
 //
 // Each DSP sees shared memory through window A at C0000000h and drives, sensors and AGV units through window B at
 // 70000000h. Which of its bridges leads there is a matter of the topology: by default bus A (host, shared memory) for
@@ -104,7 +105,7 @@ enum class SemaphoreEvent : std::uint8_t { acquired, refused, released };
 /// booted: its program runs, and has said so over the link.
 enum class SlotChange : std::uint8_t { plugged, unplugged, reset, booted };
 
-/// How a DSP that leaves reset comes by its program.
+/// Boot method: how a DSP gets its program after reset.
 enum class Boot : std::uint8_t {
   preloaded,  ///< it lies in its memory, and is started
   link,       ///< the boot ROM takes it from the link adapter, into which the host's program has to write it

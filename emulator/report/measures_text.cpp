@@ -36,7 +36,7 @@ std::string headline(const RunReport& report) {
     return fmt::format("{}\n",
                        report.reference == "none"
                            ? "No reference (report.reference = \"none\"): demand, errors and lag are not measured."
-                           : "Demand, errors and lag are told when the run is over.");
+                           : "Demand, errors and lag are reported when the run is over.");
   }
   const Errors& errors = *report.errors;
   TextTable table({"against", "nominal", "demanded", "not released", "missed", "missed %", "realised", "worst second"});

@@ -116,7 +116,7 @@ std::string overview(const Profile& profile) {
 
 std::string mean(const ProfileGroup& group) {
   if (group.jobs == 0) return "";
-  return fmt::format(", {} jobs, {:.1f} cycles on the mean", group.jobs,
+  return fmt::format(", {} jobs, {:.1f} cycles on average", group.jobs,
                      static_cast<double>(group.total.cycles) / static_cast<double>(group.jobs));
 }
 

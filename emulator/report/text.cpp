@@ -96,7 +96,7 @@ std::string in_the_way(std::vector<Share> behind) {
   return fmt::format("    in the way: {}{}\n", share(behind[0]), behind.size() > 1 ? ", " + share(behind[1]) : "");
 }
 
-/// The parts of a kind's chains on the mean, the largest first until nine tenths are told, and what they add up to.
+/// The parts of a kind's chains on average, the largest first until nine tenths are told, and what they add up to.
 std::string chain(const WhyLate& why) {
   if (why.chains == 0) return "";
   std::vector<Share> longer;
@@ -134,7 +134,7 @@ std::string reasons(const RunReport& report) {
                         percent(static_cast<double>(task.misses), static_cast<double>(task.released)),
                         task.longest_miss_streak);
     if (task.lateness.count > 0)
-      text += fmt::format("; late by {} on the mean, {} at worst", duration(task.lateness.mean),
+      text += fmt::format("; late by {} on average, {} at worst", duration(task.lateness.mean),
                           duration(static_cast<double>(task.lateness.worst)));
     text += ".\n";
     const WhyLate& why = task.why_late;
@@ -144,7 +144,7 @@ std::string reasons(const RunReport& report) {
     if (why.dropped_host_late > 0)
       text += fmt::format("    {} dropped: the host skipped the refresh of its tick\n", why.dropped_host_late);
     if (why.chains > 0)
-      text += fmt::format("    on the mean of {}, beyond a usual run{}:\n",
+      text += fmt::format("    on average over {}, beyond a usual run{}:\n",
                           why.chains == 1 ? "one job" : fmt::format("{} jobs", why.chains),
                           why.usual ? " of " + duration(static_cast<double>(*why.usual)) : "");
     text += chain(why);
@@ -267,7 +267,7 @@ std::string buses(const RunReport& report) {
     const auto share = [&](std::int64_t clocks) {
       return percent(static_cast<double>(clocks), static_cast<double>(bus.clocks));
     };
-    text += heading(fmt::format("Bus {}: {} % data, {} % wait, {} % turnaround, {} % idle though asked, {} % idle",
+    text += heading(fmt::format("Bus {}: {} % data, {} % wait, {} % turnaround, {} % idle though requested, {} % idle",
                                 bus.name, share(bus.data), share(bus.wait), share(bus.turnaround),
                                 share(bus.idle_requested), share(bus.idle)));
     TextTable table({"waits in clocks", "transfers", "read", "written", "mean", "p50", "p99", "p99.9", "worst"});
@@ -304,10 +304,10 @@ std::string host_work(const RunReport& report) {
   if (host.refreshes == 0) return "";
   return heading(fmt::format("Host: {} refreshes, {} skipped; {} doorbells; {} blocks recomputed", host.refreshes,
                              host.skipped_refreshes, host.doorbells, host.recomputed)) +
-         fmt::format("  list held for {} on the mean, {} at worst\n  refresh takes {} on the mean, {} at worst\n",
+         fmt::format("  list held for {} on average, {} at worst\n  refresh takes {} on average, {} at worst\n",
                      duration(host.semaphore_hold.mean), duration(static_cast<double>(host.semaphore_hold.worst)),
                      duration(host.refresh_duration.mean), duration(static_cast<double>(host.refresh_duration.worst))) +
-         fmt::format("  blocks in the list: {:.1f} on the mean, {} at most\n", host.list_length.mean,
+         fmt::format("  blocks in the list: {:.1f} on average, {} at most\n", host.list_length.mean,
                      host.list_length.worst);
 }
 
@@ -323,7 +323,7 @@ std::string wind(const RunReport& report) {
 
 std::string timed_events(const RunReport& report) {
   if (report.timed_events.empty() && report.timed_events_to_come == 0) return "";
-  std::string text = heading("As asked for");
+  std::string text = heading("Scripted events");
   for (const TimedEventReport& event : report.timed_events)
     text += fmt::format("  {:.6f} s  {}\n", seconds(event.time), event.what);
   if (report.timed_events_to_come > 0)

@@ -165,7 +165,7 @@ class Linker {
           complain(fmt::format("{}: '{}' is defined already in {}", objects_[i].name, symbol.name,
                                at->second.object != nullptr ? at->second.object->name : "the memory map"));
       }
-    constexpr Word no_table = 0xFFFFFFFF;  // As TI's linker says it (10.2).
+    constexpr Word no_table = 0xFFFFFFFF;  // As TI's linker says it (c40-hardware.md 10.2).
     define_own("cinit", map_.loader_sets_values ? nullptr : placement_.find(".cinit"), false, no_table);
     define_size("__STACK_SIZE", ".stack");
     define_size("__SYSMEM_SIZE", ".sysmem");

@@ -1,6 +1,6 @@
 #pragma once
 // The names of instructions: those of the table's rows with every condition, the optional "3", the numbered halves
-// of double loads and stores, and TI's short forms (c40-isa.md section 11).
+// of double loads and stores, and TI's short forms (c40-isa.md 11).
 #include <string>
 #include <string_view>
 #include <vector>

@@ -29,7 +29,7 @@ class OperandEncoder {
   OperandEncoder(const Candidate& candidate, const HalfSyntax& first, const HalfSyntax* second,
                  const EncodeContext& context);
 
-  /// A page number, or the page of an address: @x always is an address, a label too, a number is the page itself.
+  /// A page number, or the page of an address. With an at sign, and of a label, it is an address; a number is the page.
   isa::Word page(const OperandSyntax& operand) const;
   /// The page of an address, which may be a number, too. Warns of one that could be meant for a page.
   isa::Word page_of_address(const OperandSyntax& operand) const;

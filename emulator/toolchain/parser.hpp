@@ -1,5 +1,5 @@
 #pragma once
-// One line of assembler source to its parts (c40-isa.md section 11, docs/assembler.md).
+// One line of assembler source to its parts (c40-isa.md 11, docs/assembler.md).
 #include <map>
 #include <optional>
 #include <string>

@@ -304,7 +304,7 @@ void bind_link(py::module_& m) {
 
 void bind_processor(py::module_& m) {
   py::class_<Processor> processor(
-      m, "Processor", "One TMS320C40 on board `default`, `flat` (rulings.md 26), or one that a TOML file describes.");
+      m, "Processor", "One TMS320C40 on board `default`, `flat` (ruling 26), or one that a TOML file describes.");
   processor
       .def(py::init<const std::string&, bool, const std::vector<py::object>&>(), py::arg("board") = "default",
            py::arg("checks") = false, py::arg("devices") = std::vector<py::object>())

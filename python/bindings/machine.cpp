@@ -200,7 +200,7 @@ void bind_config(py::module_& m) {
 }
 
 void bind_clock(py::module_& m) {
-  py::class_<Clock>(m, "Clock", "A rational clock; instants are integer picoseconds (rulings.md 1).")
+  py::class_<Clock>(m, "Clock", "A rational clock; instants are integer picoseconds (ruling 1).")
       .def(
           py::init([](std::int64_t num, std::int64_t den, std::int64_t phase) { return Clock{num, den, Time{phase}}; }),
           py::arg("num"), py::arg("den") = 1, py::arg("phase") = 0)

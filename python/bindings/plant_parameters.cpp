@@ -91,7 +91,7 @@ void bind_sensors(py::module_& m) {
 void bind_weather(py::module_& m) {
   {
     using P = WindParameters;
-    py::class_<P>(m, "WindParameters", "Mean and gusts in m/s, whither in rad, drag area in m2, seed.")
+    py::class_<P>(m, "WindParameters", "Mean and gusts in m/s, direction (towards) in rad, drag area in m2, seed.")
         .def(py::init<>()) FIELD(mean) FIELD(gust) FIELD(direction) FIELD(side_area) FIELD(end_area)
             FIELD(spreader_area) FIELD(seed);
   }

@@ -1,4 +1,4 @@
-// Chains of causes on a ledger of one's own making, and what is derived from whole runs.
+// Chains of causes on a ledger that a test fills, and what is derived from whole runs.
 #include <pybind11/stl.h>
 
 #include <algorithm>

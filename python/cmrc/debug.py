@@ -1,10 +1,12 @@
 """A debugger over all chips, forwards and backwards (docs/debugger.md).
 
-with cmrc.Simulation(cmrc.config(dsps=4)).debug() as debugger:
-    debugger.break_at("kernel_pid", chip=2)
-    for stop in debugger.run():
-        print(stop.text, debugger.value("f(r0)"))
-    debugger.back()
+For example::
+
+    with cmrc.Simulation(dsps=4).debug() as debugger:
+        debugger.break_at("kernel_pid", chip=2)
+        for stop in debugger.run():
+            print(stop.text, debugger.value("f(r0)"))
+        debugger.back()
 """
 
 from __future__ import annotations

@@ -58,7 +58,7 @@ class Run:
 def land(
     mean_m_s: float, mass_kg: float, direction_deg: float, seed: int, limit_s: float = 300.0, **settings: Any
 ) -> Run:
-    """One container from the ship to the vehicle, in at most ``limit_s`` of simulated time. Wind in m/s, whither it blows in degrees.
+    """One container from the ship to the vehicle, in at most ``limit_s`` of simulated time. Wind in m/s, towards a direction in degrees.
 
     Raises ConfigError for settings that cannot be.
     """

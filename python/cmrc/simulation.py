@@ -232,7 +232,7 @@ class Simulation:
 
     @property
     def ended(self) -> bool:
-        """The run is over: its duration has passed, its job is done, or nothing drives the crane any more (docs/report.md, To the end)."""
+        """The run is over: its duration has passed, its job is done, or nothing drives the crane any more (docs/report.md, When a run ends early)."""
         return bool(self._core.ended)
 
 

@@ -192,7 +192,7 @@ def test_a_refused_master_thinks_before_it_tries_again() -> None:
 
 
 def test_the_three_parts_of_latency() -> None:
-    """REQ# to GNT#, GNT# to FRAME#, FRAME# to the first data phase (3.1)."""
+    """REQ# to GNT#, GNT# to FRAME#, FRAME# to the first data phase (plant-and-bus.md 3.1)."""
     bus = pci.Bus()
     for _ in range(2):
         bus.add_master()

@@ -1,4 +1,4 @@
-"""The bridge between a processor and PCI: posting, combining, ordering, reading ahead (rulings.md 25)."""
+"""The bridge between a processor and PCI: posting, combining, ordering, reading ahead (ruling 25)."""
 
 import random
 

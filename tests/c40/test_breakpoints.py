@@ -41,4 +41,4 @@ def test_a_breakpoint_at_a_branch_to_itself_stops_each_round(exact: bool) -> Non
     for _ in range(6):
         assert chip.run(1000)["reason"] == "breakpoint"
         cycles.append(chip.cycle)
-    assert [after - before for before, after in pairwise(cycles)] == [4] * 5  # of a branch (7.2)
+    assert [after - before for before, after in pairwise(cycles)] == [4] * 5  # of a branch (c40-hardware.md 7.2)

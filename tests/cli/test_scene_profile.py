@@ -105,7 +105,7 @@ def test_what_the_user_sees(run, tmp_path: Path) -> None:
     report, profile = text.split("\nprofile: cycles of all DSPs")
     assert "Deadlines" in report
     assert re.search(r"^pid +\d+ +\d+ +\d+", profile, re.MULTILINE)
-    assert re.search(r"^profile: pid, \d+ jobs, \d+\.\d cycles on the mean", profile, re.MULTILINE)
+    assert re.search(r"^profile: pid, \d+ jobs, \d+\.\d cycles on average", profile, re.MULTILINE)
     assert "copy_words" in profile and "kernels/pid.asm" in profile
     run("--dsps", 1, "--duration", 0.04, "--profile", tmp_path / "p.txt")
     assert "profile: cycles of all DSPs" + profile == (tmp_path / "p.txt").read_text().lstrip("\n")

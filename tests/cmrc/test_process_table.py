@@ -25,7 +25,7 @@ def built_in() -> dict[str, Any]:
     return tomllib.loads(text)
 
 
-# The paper's section 3, typed from its table: process -> (sub-processes, must, may).
+# paper section 3, typed from its table: process -> (sub-processes, must, may).
 PAPER = {
     1: ([], [2], [7, 8]),
     2: ([], [], [3]),
@@ -122,7 +122,7 @@ def test_sub_process_5_is_released_where_its_row_and_the_processes_say() -> None
 
 
 def test_a_processs_steps_decide_when_the_servo_runs() -> None:
-    # Literal reading of 4.4 item 5: 3 and 4 only while a process that is made of them lives. Process 3 starts at 2.4 ms here.
+    # Literal reading of plant-and-bus.md 4.4 item 5: 3 and 4 only while a process that is made of them lives. Process 3 starts at 2.4 ms here.
     rows = "".join(f'[[subprocesses]]\nnumber = {n}\nname = "{name}"\ncrane = "{name}"\nrelease = "tick"\n' for n, name in ((3, "torque_compensation"), (4, "pid")))
     released = json.loads(run_report(rows, 0.1))["tasks"]["pid"]["released"]
     assert released == 98  # ticks 3 ms, 4 ms, ..., 100 ms

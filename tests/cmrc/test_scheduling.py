@@ -6,7 +6,7 @@ from cmrc import _core
 cmrc = _core.cmrc
 BASE = {"N_p": 8, "N_t": 64, "N_a": 160, "gamma": 0, "alpha": 24, "beta": 12, "p": 0x4000, "q": 0x2000, "b": 0x100, "a": 0x40}
 
-# (x, y, t, restored, as printed): the rows of paper.md section 6, at the first t at which they hold and the last before.
+# (x, y, t, restored, as printed): the rows of paper.md 6, at the first t at which they hold and the last before.
 ROWS = [
     (1, 0, 0, 0xFFFE, 0xFFFE),
     (2, 0, 0, 0xFFFD, 0xFFFC),

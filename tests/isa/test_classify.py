@@ -21,16 +21,16 @@ def classify(emulator: Path, first: int, count: int) -> dict[str, int]:
 @pytest.mark.parametrize(
     ("first", "count", "instructions"),
     [
-        (0xC8000000, 1 << 25, 8 * 8 * INDIRECT_8**2),  # ABSF || STF: two registers of eight, two addresses (3.6)
+        (0xC8000000, 1 << 25, 8 * 8 * INDIRECT_8**2),  # ABSF || STF: two registers of eight, two addresses (c40-isa.md 3.6)
         (0xCC000000, 1 << 25, 8**3 * INDIRECT_8**2),  # ADDF3 || STF: three registers
         (0x80000000, 1 << 24, 4 * 8 * 8 * INDIRECT_8**2),  # MPYF3 || ADDF3: two bits for the destinations
-        (0x50800000, 1 << 23, GENERAL_INTEGER),  # LDILO (3.5)
+        (0x50800000, 1 << 23, GENERAL_INTEGER),  # LDILO (c40-isa.md 3.5)
         (0x40800000, 1 << 23, GENERAL_FLOAT),  # LDFLO
         (0x55800000, 1 << 23, 0),  # condition 11
         (0xBD000000, 1 << 24, 0),  # MH2, MH3
         (0x90000000, 1 << 25, 0),
         (0x02000000, 1 << 23, GENERAL_INTEGER),  # ADDI
-        (0x21000000, 1 << 23, 32 * (32 * 32 + 2 * 32 * INDIRECT_8 + INDIRECT_8**2)),  # ADDI3, type 1 (3.4)
+        (0x21000000, 1 << 23, 32 * (32 * 32 + 2 * 32 * INDIRECT_8 + INDIRECT_8**2)),  # ADDI3, type 1 (c40-isa.md 3.4)
         (0x31000000, 1 << 23, 32 * (32 * 256 + 32 * 256 + 256 * 256 + 256 * 256)),  # ADDI3, type 2
         (0x33000000, 1 << 23, 32 * (12 * 256 + 256 * 256)),  # CMPF3, type 2: no immediates; nobody reads where a destination would be
         (0x23000000, 1 << 23, 12 * 12 + 2 * 12 * INDIRECT_8 + INDIRECT_8**2),  # CMPF3, type 1: 0 has to stand there

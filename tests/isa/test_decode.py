@@ -19,7 +19,7 @@ ENCODINGS = [
 def normal_form(text: str) -> str:
     """Numbers in one spelling; LDP spelt as the instruction that it is; L0 is address 0.
 
-    GNU shows the immediates of SUBC and MPYUHI signed; the chip zero-extends them (section 10, points 6 and 15).
+    GNU shows the immediates of SUBC and MPYUHI signed; the chip zero-extends them (c40-isa.md 10.6, 10.15).
     """
     text = re.sub(r"^(subc|mpyuhi) (-\d+),", lambda m: f"{m[1]} {int(m[2]) % 65536},", text)
     text = re.sub(r"^ldp (.*)$", r"ldiu \1,dp", text.strip())
@@ -93,7 +93,7 @@ def test_roles_of_subtract_and_its_reverse() -> None:
 
 @pytest.mark.parametrize(
     ("word", "product", "second"),
-    [  # mpyf3 || subf3 with J = *ar2, I = *ar1, K = r5, H = r4; the second half's (src3 - src4) by section 3.6
+    [  # mpyf3 || subf3 with J = *ar2, I = *ar1, K = r5, H = r4; the second half's (src3 - src4) by c40-isa.md 3.6
         (0x842CC2C1, {"*ar1", "*ar2"}, ("r5", "r4")),
         (0x852CC2C1, {"*ar2", "r5"}, ("*ar1", "r4")),
         (0x862CC2C1, {"r4", "r5"}, ("*ar2", "*ar1")),

@@ -1,4 +1,4 @@
-"""Clocks against exact rationals (rulings.md 1)."""
+"""Clocks against exact rationals (ruling 1)."""
 
 import random
 from fractions import Fraction

@@ -1,7 +1,7 @@
 """What a DMA costs the processor, over random mixes of instructions, places and wait states (c40-hardware.md 3.4, 3.5, 7.4).
 
 One bus slot a word: what the processor loses, and what is charged to the DMA as `dma_conflict`, is never more than the bus cycles of the words that the DMA
-moved, and the turns from write to read that they cause. Bus cycles are counted here from section 3.5, words from the DMA's counter. Of turns there are two
+moved, and the turns from write to read that they cause. Bus cycles are counted here from c40-hardware.md 3.5, words from the DMA's counter. Of turns there are two
 kinds: the DMA's read comes straight after a write; and a store that the DMA displaces comes to stand straight before a read of the processor (7.4: one cycle
 more), which needs a store to a bus that the DMA uses.
 
@@ -217,6 +217,6 @@ def test_by_hand_rotating_priority_takes_every_other_slot_and_dma_first_all(plac
     beside = {p: run(text, board, ON_CHIP, pointers, (*dma, p), words) for p in (PROCESSOR_FIRST, ROTATING, DMA_FIRST)}
     assert beside[PROCESSOR_FIRST].cycles == alone.cycles
     assert {beside[p].words for p in (ROTATING, DMA_FIRST)} == {words}
-    # RPTS takes the cycles 0 to 3, and the first load reads in cycle 3 (7.1, 7.2): of the DMA's reads only the first, in cycle 1, meets nobody.
+    # RPTS takes the cycles 0 to 3, and the first load reads in cycle 3 (c40-hardware.md 7.1, 7.2): of the DMA's reads only the first, in cycle 1, meets nobody.
     for priority in (ROTATING, DMA_FIRST):
         assert beside[priority].stalls == beside[priority].cycles - alone.cycles == words - 1

@@ -1,6 +1,6 @@
 """An executable specification of the TMS320C4x's instructions, in exact rationals and unlimited integers.
 
-Written from the reference text (sections 2 to 8 of the instruction set's description), not from the emulator, and sharing
+Written from the reference text (c40-isa.md 2 to 8), not from the emulator, and sharing
 nothing with it: its own formats, arithmetic, decoder and machine. Slow and plain on purpose. Registers R0 to R11 are
 40-bit integers, exponent byte in bits 39..32; all others 32-bit.
 

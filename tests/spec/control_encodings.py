@@ -1,4 +1,4 @@
-"""Encodings of program control (section 6.6), with the instructions behind them that they need."""
+"""Encodings of program control (c40-isa.md 6.6), with the instructions behind them that they need."""
 
 from __future__ import annotations
 

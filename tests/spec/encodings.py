@@ -1,4 +1,4 @@
-"""Every encoding with its operand forms (sections 3 and 6), as builders of random words; some come with a program around them."""
+"""Every encoding with its operand forms (c40-isa.md 3 and 6), as builders of random words; some come with a program around them."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from .fields import (
     shift_count,
 )
 
-# Section 6.1: op6, mnemonic, modes, source, destination (f: R0 to R11, n: any register).
+# c40-isa.md 6.1: op6, mnemonic, modes, source, destination (f: R0 to R11, n: any register).
 GENERAL = """
 0 absf rdim f f | 1 absi rdim n n | 2 addc rdim n n | 3 addf rdim f f | 4 addi rdim n n | 5 and rdim n n | 6 andn rdim n n
 7 ash rdim n n | 8 cmpf rdim f f | 9 cmpi rdim n n | 10 fix rdim f n | 11 float rdim n f | 13 lde rdim f f | 14 ldf rdim f f

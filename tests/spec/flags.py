@@ -1,4 +1,4 @@
-"""ST, and what an operation's flags make of it (sections 1.4 and 5)."""
+"""ST, and what an operation's flags make of it (c40-isa.md 1.4 and 5)."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def applied(st: int, flags: Flags | None) -> int:
     return st
 
 
-# Section 4, by code; None is reserved.
+# c40-isa.md 4, by code; None is reserved.
 CONDITIONS = (
     lambda st: True,
     lambda st: st & C,

@@ -1,4 +1,4 @@
-"""Floating-point arithmetic (sections 7.1 to 7.7, 7.10, 2.3): operands and results are 40-bit registers.
+"""Floating-point arithmetic (c40-isa.md 7.1 to 7.7, 7.10, 2.3): operands and results are 40-bit registers.
 
 Every function gives (result, flags). The result of an operation is its exact value, or the exact value of what alignment
 leaves, taken to 32 bits of mantissa towards minus infinity.
@@ -143,7 +143,7 @@ def frieee(word: int) -> Result:
     return finish(-magnitude if negative else magnitude)
 
 
-# The seeds (7.10) are the text's recommended model: eight fraction bits, of the middle of the operand's interval.
+# The seeds (c40-isa.md 7.10) are the text's recommended model: eight fraction bits, of the middle of the operand's interval.
 
 
 def nearest(x: Fraction) -> int:

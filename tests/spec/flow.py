@@ -1,4 +1,4 @@
-"""Program control (sections 6.6 and 8)."""
+"""Program control (c40-isa.md 6.6 and 8)."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Flow(State):
         self.r[ST] |= RM
         self.started_repeat = True
 
-    # ---- section 6.6 ----
+    # ---- c40-isa.md 6.6 ----
 
     def target(self, w: int, pc: int, relative: bool, delayed: bool) -> int:
         if relative:

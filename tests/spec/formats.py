@@ -1,4 +1,4 @@
-"""Numbers and their formats (section 2.2), as exact rationals."""
+"""Numbers and their formats (c40-isa.md 2.2), as exact rationals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Integer arithmetic, logic, shifts and part-words (sections 5, 6.1 to 6.3, 7.8, 7.9, 7.11) in unlimited integers.
+"""Integer arithmetic, logic, shifts and part-words (c40-isa.md 5, 6.1 to 6.3, 7.8, 7.9, 7.11) in unlimited integers.
 
 Every function takes 32-bit words (a the minuend or the value shifted, b the other source) and ST, and gives (word, flags).
 """
@@ -161,7 +161,7 @@ def subc(a: int, b: int) -> int:
     return (((a - b) << 1 | 1) if a >= b else a << 1) & WORD
 
 
-# Part-words (6.2): `old` is dst before.
+# Part-words (c40-isa.md 6.2): `old` is dst before.
 
 
 def lb(a: int, old: int, byte: int) -> Result:

@@ -1,4 +1,4 @@
-"""What every instruction does (sections 6 and 8). There are no interrupts and no time."""
+"""What every instruction does (c40-isa.md 6 and 8). There are no interrupts and no time."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .flow import Flow
 from .formats import canonical, from_short, from_single_raw, signed, to_single
 from .state import DP, RC, SP, ST, WORD, Operand, ReservedError
 
-# Section 6.1 by op6: what is computed from dst and src. Sources are integers or floats as the table's column says.
+# c40-isa.md 6.1 by op6: what is computed from dst and src. Sources are integers or floats as the table's column says.
 INTEGER_BINARY: dict[int, Callable[[int, int, int], integers.Result]] = {
     2: integers.addc,
     4: integers.addi,
@@ -63,7 +63,7 @@ ROTATES = {
 UNSIGNED_IMMEDIATE = {5, 6, 27, 32, 39, 46, 52, 53, 60}
 MEMORY_ONLY = {15, 17, 44, 54, 56}
 
-# Section 6.3 by op5.
+# c40-isa.md 6.3 by op5.
 THREE_INTEGER: dict[int, Callable[[int, int, int], integers.Result]] = {
     0: integers.addc,
     2: integers.addi,
@@ -83,7 +83,7 @@ THREE_INTEGER_COMPARE = {7: integers.cmpi, 15: integers.and_}
 THREE_FLOAT = {1: floats.addf, 9: floats.mpyf, 13: floats.subf}
 THREE_FLOAT_COMPARE = {6: floats.subf}
 
-# Section 6.5 by op5: f(M[I], b, ST) for the integer pairs, f(M[I] as a float, b) for the float pairs.
+# c40-isa.md 6.5 by op5: f(M[I], b, ST) for the integer pairs, f(M[I] as a float, b) for the float pairs.
 PARALLEL_INTEGER: dict[int, Callable[[int, int, int], integers.Result]] = {
     5: lambda m, b, st: integers.absi(m, st),
     7: lambda m, b, st: integers.addi(b, m, st),
@@ -148,7 +148,7 @@ class Machine(Flow):
         else:
             raise ReservedError(hex(w))
 
-    # ---- section 6.1 ----
+    # ---- c40-isa.md 6.1 ----
 
     def general(self, pc: int, w: int) -> None:
         op, g, dst, src = w >> 23 & 63, w >> 21 & 3, w >> 16 & 31, w & 0xFFFF
@@ -253,7 +253,7 @@ class Machine(Flow):
             word = to_single(self.r[source]) if op < 42 else self.r[source] & WORD
         self.write(address, word)
 
-    # ---- sections 6.2, 6.3, 6.4 ----
+    # ---- c40-isa.md 6.2, 6.3, 6.4 ----
 
     def part_word(self, w: int) -> None:
         sub, g, dst, src = w >> 23 & 31, w >> 21 & 3, w >> 16 & 31, w & 0xFFFF
@@ -315,7 +315,7 @@ class Machine(Flow):
             if holds(condition, self.r[ST]):
                 self.put(dst, word)
 
-    # ---- section 6.5 ----
+    # ---- c40-isa.md 6.5 ----
 
     def parallel(self, w: int) -> None:
         op, a, b, c = w >> 25 & 31, w >> 22 & 7, w >> 19 & 7, w >> 16 & 7

@@ -3,7 +3,7 @@
 import pytest
 from cmrc._core import isa
 
-# Sections 6.1 to 6.6: mnemonic, flag class, cycles; a star marks what the C3x has not.
+# c40-isa.md 6.1 to 6.6: mnemonic, flag class, cycles; a star marks what the C3x has not.
 TABLE = """
 absf F 1 | absi B 1 | addc A 1 | addf F 1 | addi A 1 | and L 1 | andn L 1 | ash SA 1 | cmpf F 1 | cmpi A 1 | fix B 1 | float G 1
 idle - 1 | idle2 - 1 * | lde - 1 | ldf G 1 | ldfi G 1 | ldi L 1 | ldii L 1 | ldm - 1 | lsh S 1 | mpyf F 1 | mpyi B 1 | negb A 1

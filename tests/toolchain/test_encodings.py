@@ -220,7 +220,7 @@ def test_optional_forms_mean_what_their_full_forms_mean(written: str, same_as: s
 
 
 def test_type_1_is_preferred_and_type_2_can_be_forced() -> None:
-    """As GNU as chooses; words from the reference's section 13 style: type 2 has bit 28."""
+    """As GNU as chooses; words in the style of c40-isa.md 13: type 2 has bit 28."""
     assert assemble_words(["addi3 *+ar4(1),r1,r2"])[0] >> 28 == 2
     assert assemble_words(["addi3 *+ar4(=1),r1,r2"])[0] >> 28 == 3
     assert assemble_words(["addi3 *+ar4(2),r1,r2"])[0] >> 28 == 3

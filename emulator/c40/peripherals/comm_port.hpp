@@ -18,7 +18,7 @@ namespace c40 {
 
 inline constexpr int port_count = 6;
 
-/// The port control register, CPCR (2.1).
+/// The port control register, CPCR (c40-hardware.md 2.1).
 namespace cpcr {
 inline constexpr Field PORT_DIR{"PORT DIR", 2, 1, FieldAccess::read_only,
                                 "0: this side has the token (output); 1: it has not (input)"};
@@ -98,7 +98,7 @@ struct CommPort {
 
 enum class PortRegister : std::uint8_t { control, input, output };
 
-/// An access of the chip to a communication port (2.2).
+/// An access of the chip to a communication port (c40-hardware.md 2.2).
 struct PortAccess {
   int port = 0;
   PortRegister reg = PortRegister::control;
@@ -118,7 +118,7 @@ struct PortAccess {
   bool peek(const CommPort& side, Word& value) const;
 };
 
-/// Port registers stand at 100040h + 10h * n: control, input FIFO, output FIFO (1.3).
+/// Port registers stand at 100040h + 10h * n: control, input FIFO, output FIFO (c40-hardware.md 1.3).
 bool is_port_register(Address address);
 PortAccess port_access(Address address, bool write, Word value, Cycles cycle);
 

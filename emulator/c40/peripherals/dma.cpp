@@ -21,7 +21,7 @@ constexpr Word mode_endless = 0, mode_autoinit = 2, mode_autoinit_on_restart = 3
 constexpr Word status_held = 0, status_held_within = 1, status_busy = 3;
 constexpr Word read_only = STATUS.mask() | AUX_STATUS.mask();
 /// What a list overwrites in split mode: of the primary half everything but the other's fields, and the other way round
-/// (3.7).
+/// (c40-hardware.md 3.7).
 constexpr Word auxiliary_fields = AUX_MODE.mask() | AUX_STATIC.mask() | AUX_AUTOINIT_SYNC.mask() | AUX_TCC.mask() |
                                   AUX_TCINT.mask() | AUX_START.mask();
 
@@ -118,7 +118,7 @@ bool Dma::event_ready(int c, bool write) const {
 
 void Dma::take_event(int c, bool write) { (write ? channel(c).write_event : channel(c).read_event) = false; }
 
-// Whether what the half does next waits for an event: in split mode only the port's side does (3.6).
+// Whether what the half does next waits for an event: in split mode only the port's side does (c40-hardware.md 3.6).
 bool Dma::synchronised(Half h) const {
   const Word word = word_of(h);
   const DmaHalf& now = state(h);
@@ -151,7 +151,8 @@ bool Dma::ready(Half h) const {
   return !is_port_register(next) || around_.port_ready(next, write);
 }
 
-// Rotating: the half served last comes last; of a channel, the halves take turns. Fixed: channel 0 first (3.4).
+// Rotating: the half served last comes last; of a channel, the halves take turns. Fixed: channel 0 first
+// (c40-hardware.md 3.4).
 std::optional<int> Dma::pick() const {
   const bool fixed = PRIORITY_MODE.in(channel(0)[control]);
   const int last = s_.last;

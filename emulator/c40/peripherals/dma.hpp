@@ -178,7 +178,7 @@ class Dma {
   DmaSurroundings& around_;
 };
 
-/// DMA registers stand at 1000A0h + 10h * channel (1.3).
+/// DMA registers stand at 1000A0h + 10h * channel (c40-hardware.md 1.3).
 bool is_dma_register(Address address);
 int dma_channel_of(Address address);
 DmaRegister dma_register(Address address);

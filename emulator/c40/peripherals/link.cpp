@@ -9,7 +9,7 @@ namespace c40 {
 namespace {
 
 constexpr int bytes_per_word = 4;
-// A request in the last byte of a word comes too late for it: after 7/8 of its time (2.6).
+// A request in the last byte of a word comes too late for it: after 7/8 of its time (c40-hardware.md 2.6).
 constexpr int last_byte_numerator = 7, last_byte_denominator = 8;
 
 }  // namespace

@@ -35,7 +35,7 @@ class Visitor;
 
 namespace c40 {
 
-/// In H1 cycles (2.6); fidelity.md says which are known.
+/// In H1 cycles (c40-hardware.md 2.6); fidelity.md says which are known.
 struct LinkParameters {
   int word_cycles = 5;   ///< one word, FIFO to FIFO; of the sender
   int token_cycles = 6;  ///< from the request until the new owner can send; of the new owner

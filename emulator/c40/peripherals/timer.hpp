@@ -35,7 +35,7 @@ inline constexpr Field DEBUG{"DEBUG", 30, 2, FieldAccess::read_write, "run while
 
 enum class TimerRegister : std::uint8_t { control = 0, counter = 4, period = 8 };
 
-/// Timer registers stand at 100020h + 10h * n (1.3).
+/// Timer registers stand at 100020h + 10h * n (c40-hardware.md 1.3).
 bool is_timer_register(Address address);
 std::size_t timer_of(Address address);
 TimerRegister timer_register(Address address);

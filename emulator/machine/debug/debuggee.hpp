@@ -103,7 +103,7 @@ class Debuggee {
   virtual void poke(std::size_t n, Address address, Word value) = 0;
   /// The number of a word that others reach as well; none: it is the chip's own.
   virtual std::optional<Address> shared_word(std::size_t /*n*/, Address /*address*/) const { return std::nullopt; }
-  /// \param words by number
+  /// `words`: by number
   virtual void watch_shared(SharedListener* /*listener*/, std::vector<c40::AddressRange> /*words*/) {}
 
   /// Kinds of happenings, with what they are.

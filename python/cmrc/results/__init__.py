@@ -1,4 +1,4 @@
-"""The six claims of the paper (section 7) and what missed deadlines cost, each with its experiment: ``python -m
+"""The six claims of paper section 7 and what missed deadlines cost, each with its experiment: ``python -m
 cmrc.results`` regenerates docs/results.md.
 
 Each claim is a module with ``Parameters`` (each field by ``judgement.parameter``, with what ``--help`` says of it),

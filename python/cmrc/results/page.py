@@ -10,7 +10,7 @@ from cmrc import files
 
 INTRODUCTION = """# The claims
 
-The paper (section 7 of its digest) makes six claims and gives no measured figures. Here each claim is put to an
+The paper makes six claims (paper section 7) and gives no measured figures. Here each claim is put to an
 experiment on the emulator. A seventh section is not the paper's: what missed deadlines cost.
 
 `make results` regenerates this page: every number, table, plot and verdict. `pytest -m campaign

@@ -1,4 +1,4 @@
-"""The Python of README.md runs, and gives the figures that its comments say."""
+"""The Python of docs/python.md runs, and gives the figures that its comments say."""
 
 import os
 import re
@@ -8,10 +8,10 @@ import pytest
 from locations import ROOT
 
 
-def test_the_python_of_the_readme(
+def test_the_python_of_its_page(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    [program] = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    [program] = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "python.md").read_text(encoding="utf-8"), re.DOTALL)
     [fewest] = re.findall(r"# the fewest DSPs without a miss: (\S+)", program)
     [r1] = re.findall(r"# (\d+\.\d), and the cycles it took", program)
     [missed] = re.findall(r"# (\d+) deadlines missed", program)

@@ -1,0 +1,91 @@
+"""Prose of the Markdown pages: lines of at most 120 columns, and the usual words.
+
+Tables, code and output, comments, headings, and lines that are one link or one word may be longer.
+"""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from locations import ROOT
+
+WIDTH = 120
+FOLDERS = ("docs", "c40_programs", "editors", "tests", "examples")
+PAGES = sorted([*ROOT.glob("*.md"), *(page for folder in FOLDERS for page in (ROOT / folder).rglob("*.md"))])
+
+PLAIN = {
+    r"\bwhither\b": "where to, towards",
+    r"\bwhence\b": "from where",
+    r"\bthence\b|\bthither\b|\bhither\b": "from there, there, here",
+    r"\bcomes? by (?:its|their) program": "how a DSP gets its program, boot method",
+    r"\bought to\b": "should",
+    r"\bbefalls?\b|\bbehold\b|\bin vain\b": "happens to, see, without success",
+    r"\banew\b": "again",
+    r"\bmended\b|\bfor ever\b": "fixed, forever",
+    r"\breckon(?:s|ed|ing)?\b": "count, compute, assume",
+    r"\bnought\b": "0, nothing",
+    r"\bamidst\b|\bwhilst\b|\bamongst\b": "amid, while, among",
+    r"\bheretofore\b|\bhenceforth\b|\bthereof\b|\btherein\b|\bthereby\b": "until now, from now on, of it, in it, by that",
+}
+"""Words of books, and what to write"""
+
+
+def prose(text: str) -> Iterator[tuple[int, str]]:
+    """Lines with their numbers, without code blocks, tables, headings and comments."""
+    fenced = comment = False
+    before = ""
+    in_list = in_code = False
+    for number, line in enumerate(text.split("\n"), 1):
+        mark = re.match(r"\s*(?:```|~~~)", line)
+        if mark or fenced:
+            fenced = fenced != bool(mark)
+            before = line
+            continue
+        comment = comment or "<!--" in line
+        if comment:
+            comment = "-->" not in line
+            before = line
+            continue
+        indented = re.match(r"    +\S", line)
+        if not line.strip():
+            before = line
+            continue
+        if indented and not in_list and (in_code or not before.strip()):
+            in_code = True
+        else:
+            in_code = False
+            in_list = bool(re.match(r"\s*(?:[-*+]|\d+\.) ", line)) or (in_list and line.startswith(" "))
+            if not re.match(r"\s*[|#]", line):
+                yield number, line
+        before = line
+
+
+def one_word(line: str) -> bool:
+    """A link or a word cannot be broken."""
+    return not re.search(r"\S\s", re.sub(r"!?\[[^\]]*\]\([^)]*\)|`[^`]*`", "x", line.strip()))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_lines_have_a_width(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    wide = [
+        f"{page.name}:{n}: {len(line)} columns" for n, line in prose(text) if len(line) > WIDTH and not one_word(line)
+    ]
+    assert not wide
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_words_are_the_usual_ones(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    found = [
+        f"{page.name}:{text.count(chr(10), 0, match.start()) + 1}: {match[0]!r}; write: {instead}"
+        for pattern, instead in PLAIN.items()
+        for match in re.finditer(pattern, text, re.IGNORECASE)
+    ]
+    assert not found
+
+
+def test_code_and_tables_are_no_prose() -> None:
+    text = "a\n\n    code\n\n    more\n\n| t |\n# h\n- item\n\n      of the item\n```\nx\n```\n<!-- c\nd -->\nb\n"
+    assert [line for _, line in prose(text)] == ["a", "- item", "      of the item", "b"]
