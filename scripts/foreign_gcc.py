@@ -6,6 +6,7 @@ print what the host's own build of it prints; with `config/c4x/libgcc.S` beside,
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 import subprocess
@@ -86,7 +87,8 @@ def printed(program: Path, inputs: list[Path], flags: str, folder: Path) -> str:
     board.write_text(BOARD)
     way = "stack" if "-mmemparm" in flags else "registers"
     run(sys.executable, ROOT / "scripts" / "link_c", program, *inputs, "-o", out, "--arguments", way, "--dialect", "gnu")
-    return run(EMULATOR, "exec", out, "--board", board, "--max-cycles", "1000000000").split("stop: halt", 1)[0]
+    told = run(EMULATOR, "exec", out, "--board", board, "--max-cycles", "1000000000", "--json")
+    return str(json.loads(told)["console"])
 
 
 def of_host(source: Path, folder: Path) -> str:

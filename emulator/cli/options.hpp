@@ -41,11 +41,11 @@ struct RunOptions {
   std::optional<std::string> perfetto_detail;  ///< tasks, bus or all
   std::optional<std::string> perfetto_window;  ///< A:B in seconds
   std::optional<std::string> page;
-  std::optional<std::string> profile;          ///< file, or empty: on the terminal
-  std::optional<std::string> trace_window;     ///< A:B in seconds
-  std::vector<unsigned> trace_instructions;    ///< slots whose instructions are traced too
-  bool trace_labels = false;                   ///< instruction traces name labels, not addresses
-  std::vector<std::string> snapshots;          ///< S:FILE
+  std::optional<std::string> profile;        ///< file, or empty: on the terminal
+  std::optional<std::string> trace_window;   ///< A:B in seconds
+  std::vector<unsigned> trace_instructions;  ///< slots whose instructions are traced too
+  bool trace_labels = false;                 ///< instruction traces name labels, not addresses
+  std::vector<std::string> snapshots;        ///< S:FILE
   std::optional<std::string> resume;
   std::optional<int> debug_port;  ///< an editor may attach there while the run goes on
   bool debug_wait = false;        ///< the run waits for it

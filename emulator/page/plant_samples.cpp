@@ -8,6 +8,7 @@
 #include "cmrc/ti_float.hpp"
 #include "machine/machine.hpp"
 #include "page/columns.hpp"
+#include "plant/math.hpp"
 #include "plant/scene.hpp"
 #include "toolchain/image.hpp"
 
@@ -178,7 +179,8 @@ void PlantSamples::watch_containers(Time now) {
       place = {status.z - signal.payload[2], status.yaw - signal.yaw};
     } else if (status.state == plant::ContainerState::on_agv) {
       const plant::AgvSignal agv = dock.agv(status.agv);
-      const double c = std::cos(agv.heading), s = std::sin(agv.heading), dx = status.x - agv.x, dy = status.y - agv.y;
+      const auto [s, c] = plant::sin_cos(agv.heading);
+      const double dx = status.x - agv.x, dy = status.y - agv.y;
       place = {status.agv, c * dx + s * dy, c * dy - s * dx, status.yaw - agv.heading};
     } else {
       place = {status.x, status.y, status.z - plant::container_height, status.yaw};
