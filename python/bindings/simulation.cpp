@@ -195,7 +195,7 @@ class Run {
 
  private:
   std::unique_ptr<EventBatch> events_;  // outlives the run, which tells it
-  std::ostringstream events_text_;  // these two outlive the run, which tells them
+  std::ostringstream events_text_;      // these two outlive the run, which tells them
   std::optional<report::EventTextTrace> text_trace_;
   std::unique_ptr<cmrc::Simulation> simulation_;
   cmrc::Simulation& run_ = *simulation_;
