@@ -254,8 +254,9 @@ CraneVector Crane::acceleration(const CraneVector& q, const CraneVector& qd, con
 
 namespace {
 
-// Root-free Cholesky on the first n rows. Written out: Eigen 3.4's LLT in place takes more than twice the host
-// instructions of it, its LDLT three times (docs/speed.md).
+// Root-free Cholesky on the first n rows. Written out: before it was unrolled it took 1,160 host instructions on the
+// average of 20,000 random matrices, a quarter of them with two locked coordinates (callgrind, -O2), where Eigen 3.4's
+// LLT in place took 2,650 and its LDLT 3,630.
 template <class Count>
 [[gnu::always_inline]] inline void solve_rows(const CraneMatrix& m, CraneVector& x, Count n) {
   CraneMatrix lower;

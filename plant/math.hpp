@@ -1,7 +1,7 @@
 #pragma once
-// Elementary functions that give the same bits on every x86-64: SLEEF's deterministic scalar ones. The C library picks
-// variants by CPU. sqrt, floor and fabs are exact everywhere and come from <cmath>. To be included by sources only: the
-// header below is heavy.
+// Elementary functions that give the same bits on every x86-64: SLEEF's deterministic ones, one or two at a time. The C
+// library picks variants by CPU. sqrt, floor and fabs are exact everywhere and come from <cmath>. To be included by
+// sources only: the header below is heavy.
 #include <emmintrin.h>
 #include <sleef.h>
 
