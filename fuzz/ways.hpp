@@ -16,6 +16,7 @@ struct End {
   c40::StopInfo stop;
   std::vector<std::uint64_t> seen;
   std::uint64_t memory = 0;
+  std::uint64_t answers = 0;
 };
 
 /// Answers the access that the chip stopped at: true, run on.
@@ -25,6 +26,7 @@ struct Start {
   std::unique_ptr<c40::Chip> chip;
   Answer answer;
   c40::WindowListener* listener = nullptr;  ///< gives some of these answers without a stop of the chip
+  std::uint64_t* answers = nullptr;         ///< how many were given so far
 };
 
 /// \param advance goes on, to the limit at the furthest but for the instruction that crosses it
@@ -32,12 +34,14 @@ template <class Advance>
 End run(Start start, c40::Cycles limit, Advance&& advance) {
   c40::Chip& chip = *start.chip;
   c40::StopInfo stop;
+  const std::uint64_t before = start.answers == nullptr ? 0 : *start.answers;
   while (chip.cycle() < limit) {
     stop = advance(chip);
     if (stop.reason == c40::StopInfo::Reason::limit) continue;
     if (!start.answer(chip, stop)) break;
   }
-  return {stop, c40::snapshot(chip), c40::digest(chip.memory())};
+  const std::uint64_t answers = start.answers == nullptr ? 0 : *start.answers - before;
+  return {stop, c40::snapshot(chip), c40::digest(chip.memory()), answers};
 }
 
 inline void expect_alike(const char* way, const End& first, const End& second) {
@@ -56,6 +60,8 @@ inline void expect_alike(const char* way, const End& first, const End& second) {
       told("number " + std::to_string(n) + " of its snapshot: " + std::to_string(first.seen[n]) + " and " +
            std::to_string(second.seen[n]));
   if (first.memory != second.memory) told("memory");
+  if (first.answers != second.answers)
+    told(std::to_string(first.answers) + " and " + std::to_string(second.answers) + " accesses through windows");
 }
 
 /// \param make always gives the same start \param cuts cycles of the pieces, by turns

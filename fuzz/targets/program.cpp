@@ -34,7 +34,10 @@ Address place(std::uint8_t choice) {
 }
 
 /// What stands behind a window, and how long it takes to answer: a function of the address alone.
+std::uint64_t answers = 0;
+
 c40::WindowAnswer answer_of(const c40::ExternalAccess& access) {
+  ++answers;
   const Word at = access.address;
   return {
       .value = at * 0x9E3779B1u >> (at & 8), .arbitration = at & 3, .transfer = (at & 16) != 0 ? 4 + (at >> 2 & 1) : 0};
@@ -99,7 +102,7 @@ fuzz::Start make(const Setting& s) {
   chip.set_register(DIE, s.status[3]);
   chip.set_pc(code);
   static AtOnce at_once;
-  return {std::move(made), answer_window, &at_once};
+  return {std::move(made), answer_window, &at_once, &answers};
 }
 
 }  // namespace

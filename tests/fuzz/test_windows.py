@@ -17,6 +17,8 @@ LINES = [
     "STI R0, *AR7++ || STI R1, *AR0++", "LDI *AR6, R0 || STI R1, *AR0++", "LDI *AR0, R0 || STI R1, *AR7++",
     "LDINZ *AR6, R5", "CMPI *AR6, R1", "TSTB *AR7, R1", "ADDI 1, R1", "LDI *AR0++, R0", "STI R1, *AR1++", "XOR R1, R2",
     "PUSH R0", "POP R1", "MPYF3 *AR6, *AR0, R0 || ADDF3 R0, R2, R2", "NOP *AR6++", "ROL R1",
+    # AR0 walks from one memory into another after the window has answered.
+    "ADDI3 *AR6, *AR0++(IR0), R4", "SUBI3 *AR6++, *AR0++(IR0), R2", "LDI *AR6, R0 || LDI *AR0++(IR0), R1",
 ]  # fmt: skip
 REPEATED = ["LDI *AR6++, R0", "ADDI *AR6, R1", "STI R1, *AR7++", "ADDI3 *AR0++, *AR6, R4", "LDI *AR6, R1", "NOP"]
 
