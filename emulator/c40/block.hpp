@@ -73,6 +73,7 @@ struct Block {
   bool self_loop = false;  ///< following itself, it is in the same state again
   bool only_nop = false;
   bool plain = false;         ///< neither repeats nor uses the cache
+  bool in_one_go = false;     ///< from its first instruction to an exit: it does not repeat, or looks through windows
   bool uses_cache = false;    ///< fetched while the cache was on
   bool all_hits = false;      ///< `words` need not come into the cache
   std::uint64_t checked = 0;  ///< the version of the cache in which its hits were last seen to be those of its key

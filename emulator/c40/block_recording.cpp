@@ -120,6 +120,7 @@ std::unique_ptr<Block> BlockRecording::finish(const Bound& last) {
   for (Block::Exit& exit : block.exits) exit.size = block.size;
   block.uses_cache = cached();
   block.plain = !block.repeats && !block.uses_cache;
+  block.in_one_go = !block.repeats || (!block.windows.empty());
   const std::uint32_t own_words = block.size < longest_cached_block ? (1u << block.size) - 1 : ~0u;
   block.all_hits = (~key.hits & own_words) == 0;
   const bool same_fetches = !block.uses_cache || block.all_hits || (key.mode & BlockKey::frozen) != 0;

@@ -4,8 +4,10 @@
 /// cache.
 ///
 /// Inaccuracies: wrong-path fetches behind a branch are not made, so they load nothing.
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -46,7 +48,7 @@ class Cache {
     move_to_front(segment_of(address));
   }
 
-  /// Words of one segment are fetched in order: those that were not there come into the cache.
+  /// Words of one segment, at least one, are fetched in order: those that were not there come into the cache.
   void load(Address address, std::span<const Word> words) {
     unsigned s = segment_of(address);
     if (s == segment_count) {
@@ -54,11 +56,10 @@ class Cache {
       present_[s] = 0;
       start_[s] = address >> 5;
     }
-    for (const Word word : words) {
-      present_[s] |= 1u << (address & 31);
-      words_[s][address++ & 31] = word;
-    }
-    move_to_front(s);
+    const std::size_t first = address % segment_words;
+    present_[s] |= (~0u >> (segment_words - words.size())) << first;
+    std::copy(words.begin(), words.end(), words_[s].begin() + first);
+    if (order_[0] != s) move_to_front(s);
   }
 
   /// CC: clears all P flags; segment addresses and their order stay.

@@ -105,11 +105,12 @@ Engine::Stepped Engine::run_blocks(Block* block, std::size_t at, Cycles limit) {
   for (;;) {
     Outcome outcome;
     if (in.from == 0 && block->last_start < limit - cycle &&
-        (block->plain || (!block->repeats && cache_.is_unchanged_for(*block)))) [[likely]] {
+        (block->plain || (block->in_one_go && cache_.fits(*block)))) [[likely]] {
+      core.loop_left = 0;
       outcome = block->ops[0].handler(core, block->ops.data());
       if (outcome.exit <= Exit::taken) [[likely]] {
-        exit = &block->exits[outcome.exit == Exit::taken];
         if (!block->plain) cache_.fetch(*block, 0, block->size);
+        exit = block->repeats ? &end_repeat(*block, 1) : &block->exits[outcome.exit == Exit::taken];
       } else {
         exit = nullptr;
         state_.cycle = cycle;
