@@ -49,6 +49,7 @@ void Bus::submit(unsigned master, Command command, Address address, unsigned wor
   port.speculative = false;
   port.attempted = false;
   ask(master, request);
+  if (finishing_) return;  // whoever comes next is chosen at the end of the present step
   if (running_)
     cut_by_timer();
   else
@@ -289,6 +290,7 @@ void Bus::finish() {
   Port& port = ports_[attempt_.master];
   const Clocks last = attempt_.last;
   running_ = false;
+  finishing_ = true;
   after_write_ = attempt_.write;
   free_ = last + 2;
   account(attempt_.words, last + 1 - attempt_.frame);
@@ -326,6 +328,7 @@ void Bus::finish() {
     port.statistics.disconnects += 1;
     ask(attempt_.master, free_ + port.config.request_off_after_stop);
   }
+  finishing_ = false;
   arbitrate(last);
 }
 

@@ -212,6 +212,7 @@ class Bus {
   std::vector<Window> windows_;
   Attempt attempt_{};
   bool running_ = false;
+  bool finishing_ = false;  // an attempt has ended, and who comes next is not chosen yet
   bool ahead_ = false;  // the attempt's words have been read at FRAME#
   bool after_write_ = false;
   unsigned chosen_ = Arbiter::nobody;  // who starts at next_ when idle

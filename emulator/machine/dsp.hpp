@@ -141,9 +141,9 @@ class Dsp final : public Scheduler::Processor,
   /// The link to the adapter, as an actor.
   struct AdapterWire final : Scheduler::Actor {
     explicit AdapterWire(Dsp& owner) : dsp{owner} {}
-    Time next() const override { return dsp.around_.adapter.link(dsp.slot_).next_event(); }
+    Time next() const override { return dsp.wires_.front().link.next_event(); }
     void act(Time now) override {
-      dsp.around_.adapter.link(dsp.slot_).advance_to(now);
+      dsp.wires_.front().link.advance_to(now);
       dsp.link_moved(now);
     }
     Dsp& dsp;

@@ -43,7 +43,10 @@ bool Scheduler::step(Time limit) {
   Actor& actor = *actors_[turn.who];
   assert(actor.next() >= turn.time && "an actor that has come to an earlier event has not said so");
   now_ = turn.time;
-  actor.act(now_);
+  {
+    const Acting acting{*this, actor};
+    actor.act(now_);
+  }
   actor.changed();
   return true;
 }

@@ -31,7 +31,7 @@ class Scheduler {
     /// it may be left out, if act() then finds nothing to do (the plant, which a reader may bring to its latch before
     /// its turn).
     void changed() {
-      if (scheduler_ != nullptr) scheduler_->calendar_.set(place_, next());
+      if (scheduler_ != nullptr && scheduler_->acting_ != this) scheduler_->calendar_.set(place_, next());
     }
 
    protected:
@@ -94,11 +94,21 @@ class Scheduler {
     std::uint64_t state_;
   };
 
+  /// While an actor acts, its own next event is not entered over and over.
+  struct Acting {
+    Acting(Scheduler& its_scheduler, const Actor& actor) : scheduler{its_scheduler} { scheduler.acting_ = &actor; }
+    ~Acting() { scheduler.acting_ = nullptr; }
+    Acting(const Acting&) = delete;
+    Acting& operator=(const Acting&) = delete;
+    Scheduler& scheduler;
+  };
+
   Calendar calendar_;
   std::vector<Actor*> actors_;
   std::vector<Processor*> processors_;
   Time limit_{0};
   Time now_{0};
+  const Actor* acting_ = nullptr;
   Shuffle shuffle_;
 };
 
