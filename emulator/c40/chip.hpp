@@ -45,8 +45,10 @@ class WindowListener {
  public:
   virtual ~WindowListener() = default;
   /// An access of the processor that can be completed now, whatever others do; nothing where it cannot: then the chip
-  /// stops before it. The chip's counters are those of this instant; it may not be changed here.
+  /// stops before it. The chip may not be changed here.
   virtual std::optional<WindowAnswer> answer_at_once(const ExternalAccess& access) = 0;
+  /// Whether the answer needs the chip's counters: only then are they those of this instant.
+  virtual bool needs_counters(const ExternalAccess& access) const = 0;
 };
 
 /// Why a chip cannot go on. It is halted until reset.

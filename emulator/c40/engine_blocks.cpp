@@ -175,15 +175,17 @@ bool Engine::reach_window(Block& block, InBlock& in, const Outcome& outcome) {
                           write ? core.miss_value : 0,
                           state_.cycle + block.start[at] - block.start[in.from] + window->start,
                           -1};
-    if (write || !answers_at_once(access)) {
-      // Who answers a write may ask for the chip's counters.
+    const bool counters = window_listener != nullptr && window_listener->needs_counters(access);
+    const auto bring_up_to_date = [&] {
       leave(block, in, at);
       in = {at, at};
-      if (!write || !answers_at_once(access)) {
-        access_.begin(window->access, access);
-        onward_.inside(block, at);
-        return true;
-      }
+    };
+    if (counters) bring_up_to_date();
+    if (!answers_at_once(access)) {
+      if (!counters) bring_up_to_date();
+      access_.begin(window->access, access);
+      onward_.inside(block, at);
+      return true;
     }
   }
   state_.cycle += block.start[at] - block.start[in.from];

@@ -107,9 +107,7 @@ std::optional<std::size_t> RunObserver::flag_of(machine::Offset offset) const {
 // ---- claims and ends
 // -----------------------------------------------------------------------------------------------------
 
-void RunObserver::dsp_issue(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
-                            Time issued) {
-  if (window != machine::Window::a || !flag_of(offset)) return;
+void RunObserver::dsp_issue(unsigned slot, machine::Window, machine::Offset offset, machine::Word value, Time issued) {
   snapshots_[slot].push_back({issued, offset, causes_(slot)});
   if (profile_ == nullptr) return;
   if (value == words_.flag_taken) profile_->taken(slot);

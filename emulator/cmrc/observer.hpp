@@ -50,6 +50,9 @@ class RunObserver : public machine::Observer, public HostListener {
   // machine::Observer
   void dsp_issue(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
                  Time issued) override;
+  bool wants_issues_at(machine::Window window, machine::Offset offset) const override {
+    return window == machine::Window::a && flag_of(offset).has_value();
+  }
   void dsp_write(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued,
                  Time now) override;
   void dsp_write_dropped(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,

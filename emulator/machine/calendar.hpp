@@ -1,5 +1,6 @@
 #pragma once
 // Who is next: the instant of each actor's next event, and the earliest of them.
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <vector>
@@ -19,41 +20,42 @@ class Calendar {
   /// A place for one more actor; its event is set afterwards.
   std::size_t add() {
     const std::size_t who = count_++;
-    if (count_ > times_.size()) {
-      times_.resize(std::bit_ceil(count_), never);
-      earlier_.resize(times_.size());
-      for (std::size_t i = times_.size() - 1; i > 0; --i) earlier_[i] = earlier_of(2 * i, 2 * i + 1);
+    if (count_ > leaves_) {
+      const std::vector<Turn> before(leaf(0), leaf(leaves_));
+      leaves_ = std::bit_ceil(count_);
+      nodes_.resize(2 * leaves_);
+      std::copy(before.begin(), before.end(), leaf(0));
+      for (std::size_t i = before.size(); i < leaves_; ++i) *leaf(i) = {never, i};
+      for (std::size_t i = leaves_ - 1; i > 0; --i) nodes_[i] = earlier_child(i);
     }
     return who;
   }
 
   void set(std::size_t who, Time time) {
-    if (times_[who] == time) return;
-    times_[who] = time;
-    for (std::size_t i = (who + times_.size()) / 2; i > 0; i /= 2) {
-      const std::size_t earlier = earlier_of(2 * i, 2 * i + 1);
-      if (earlier == earlier_[i] && earlier != who) return;  // above, nothing has changed
-      earlier_[i] = earlier;
+    if (leaf(who)->time == time) return;
+    leaf(who)->time = time;
+    for (std::size_t i = (leaves_ + who) / 2; i > 0; i /= 2) {
+      const Turn& earlier = earlier_child(i);
+      if (earlier.who == nodes_[i].who && earlier.time == nodes_[i].time) return;  // above, nothing has changed
+      nodes_[i] = earlier;
     }
   }
 
-  Time time(std::size_t who) const { return times_[who]; }
-  Turn earliest() const {
-    const std::size_t who = times_.size() > 1 ? earlier_[1] : 0;
-    return {times_[who], who};
-  }
+  Time time(std::size_t who) const { return nodes_[leaves_ + who].time; }
+  const Turn& earliest() const { return nodes_[1]; }
 
  private:
   // Node i has the children 2i and 2i + 1; the leaves, which are the actors, stand behind the last inner node.
-  std::size_t first_of(std::size_t node) const { return node < times_.size() ? earlier_[node] : node - times_.size(); }
-  std::size_t earlier_of(std::size_t left, std::size_t right) const {
-    const std::size_t a = first_of(left), b = first_of(right);
-    return times_[b] < times_[a] ? b : a;
+  std::vector<Turn>::iterator leaf(std::size_t who) {
+    return nodes_.begin() + static_cast<std::ptrdiff_t>(leaves_ + who);
+  }
+  const Turn& earlier_child(std::size_t node) const {
+    const Turn *const left = &nodes_[2 * node], *const right = left + 1;
+    return right->time < left->time ? *right : *left;
   }
 
-  std::size_t count_ = 0;
-  std::vector<Time> times_{never};
-  std::vector<std::size_t> earlier_{0};
+  std::size_t count_ = 0, leaves_ = 1;
+  std::vector<Turn> nodes_{2};
 };
 
 }  // namespace machine

@@ -213,10 +213,15 @@ bool Dsp::window_access(const c40::ExternalAccess& access) {
   return false;
 }
 
+bool Dsp::needs_counters(const c40::ExternalAccess& access) const {
+  return access.write && around_.observer != nullptr &&
+         around_.observer->wants_issues_at(window_of(access.address), offset_of(access.address));
+}
+
 void Dsp::post(const Way& way, const c40::ExternalAccess& access) {
   const Time issued = clock_.at(access.cycle);
   statistics_.posted_writes += 1;
-  if (around_.observer != nullptr)
+  if (needs_counters(access))
     around_.observer->dsp_issue(slot_, window_of(access.address), offset_of(access.address), access.value, issued);
   bridge(way).write({.address = offset_of(access.address) + way.shift,
                      .value = access.value,

@@ -165,6 +165,7 @@ class Dsp final : public Scheduler::Processor,
 
   void run(Time until);
   std::optional<c40::WindowAnswer> answer_at_once(const c40::ExternalAccess& access) override;
+  bool needs_counters(const c40::ExternalAccess& access) const override;
   std::optional<Span> span() override;
   bool at_limit() override;
   bool asks_anew() override { return true; }

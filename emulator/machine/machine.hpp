@@ -119,6 +119,8 @@ class Observer {
   /// A DSP issues a write at `issued`, which its program may do ahead of others: per slot in order, before dsp_write
   /// tells of the same write. The chip's counters are those of this instant.
   virtual void dsp_issue(unsigned /*slot*/, Window, Offset, Word, Time /*issued*/) {}
+  /// Whether dsp_issue is to be called for writes to there.
+  virtual bool wants_issues_at(Window, Offset) const { return false; }
   /// A DSP's write has reached its target at `now`; the program issued it at `issued`. Fenced writes do not come here
   /// (see dsp_write_dropped).
   virtual void dsp_write(unsigned /*slot*/, Window, Offset, Word, Time /*issued*/, Time /*now*/) {}
