@@ -308,19 +308,23 @@ BoardDescription read_board(const std::string& name) {
 
 void refuse_devices(const BoardDescription& board, std::string_view where) {
   if (!board.devices.empty())
-    throw BoardError(
-        fmt::format("board {}: device: {} has no devices of a board; programs and networks have (docs/boards.md)",
-                    board.board.name, where));
+    throw BoardError(fmt::format(
+        "board {}: device {}: {} has no devices of a board file: behind the windows of its DSPs are buses A and B "
+        "(docs/buses.md). `emulator exec --board` runs a program with this board, alone or in a network; for the dock, "
+        "leave [[device]] out (docs/boards.md)",
+        board.board.name, board.devices.front().name, where));
   if (!board.contents.empty())
-    throw BoardError(fmt::format("board {}: region.file: {} loads no ROMs; programs and networks do (docs/boards.md)",
-                                 board.board.name, where));
+    throw BoardError(fmt::format(
+        "board {}: region.file: {} loads no ROMs: its host boots the DSPs over their links. `emulator exec --board` "
+        "boots a ROM; for the dock, leave `file` out (docs/boards.md)",
+        board.board.name, where));
 }
 
 void refuse_ignored(const BoardDescription& board) {
   if (!board.ignored.empty())
     throw BoardError(fmt::format(
-        "board {}: reserved: a DSP of the dock stops at addresses without memory; \"ignore\" is for programs "
-        "alone and networks",
+        "board {}: reserved: a DSP of the dock that leaves its memory has failed, and the run says where; \"fault\" is "
+        "expected, for regions too. \"ignore\" is for `emulator exec` (docs/boards.md)",
         board.board.name));
 }
 

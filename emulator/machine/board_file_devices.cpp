@@ -43,7 +43,7 @@ class DeviceReader {
     parameters(table, row);
     input(table);
     vme(table);
-    if (device_.kind == DeviceKind::vic068a) vic_words(table);
+    if (row.words != 0) device_.words = (row.words - 1) * device_.stride + 1;
     if (needed(node, table, "base")) place(*table.get("base"));
     board_.devices.push_back(std::move(device_));
   }
@@ -113,11 +113,6 @@ class DeviceReader {
       if (!device_.pin)
         toml_.fail(node, fmt::format("device.pin of {}: IIOF0 to IIOF3 or NMI is expected", device_.name));
     });
-  }
-
-  void vic_words(const toml::table&) {
-    constexpr c40::Address registers = 0x39;
-    device_.words = (registers - 1) * device_.stride + 1;
   }
 
   void input(const toml::table& table) {
