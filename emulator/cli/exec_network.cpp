@@ -213,7 +213,7 @@ void print_json(const Network& network, const machine::NetworkStop& stop, const 
 }
 
 /// --load FILE@CHIP:ADDRESS and --poke CHIP:ADDRESS=WORD: into the chips' own memories.
-void place_additions(Network& network, const ExecOptions& options) {
+void place_in_chips(Network& network, const ExecOptions& options) {
   const auto place = [&](std::string_view what, std::string_view text, const std::string& file, const char* form) {
     const ChipText given = chip_text(text, network.chip_count(), what);
     if (!given.chip)
@@ -257,7 +257,7 @@ int exec_network(const ExecOptions& options) {
                                       [](const std::string& p) { return p.ends_with(".hex"); }))
     throw InputError("--load-at: only a .hex file needs it; other programs say where they stand");
   Network network(described(options), options.turn_order);
-  place_additions(network, options);
+  place_in_chips(network, options);
   std::vector<Dump> dumps;
   for (const std::string& text : options.dumps)
     words_of(network, dumps.emplace_back(parse_dump(text, network)));  // refuses bad ranges before the run
