@@ -36,7 +36,7 @@ def test_every_source_and_width_boots_every_format(program: Path, tmp_path: Path
         for given in (("--board", tmp_path / "b.toml", "--rom", f"{tmp_path / 'rom'}@{source:#x}", "--boot", f"{source:#x}"), ("--board", tmp_path / "c.toml", "--boot", "reset")):
             done = emulator("exec", *given)
             assert done.returncode == 0, done.stderr
-            assert "R5  000000002A" in done.stdout and "R6  0000001234" in done.stdout, done.stdout
+            assert "R5  800000002A" in done.stdout and "R6  8000001234" in done.stdout, done.stdout
     (tmp_path / "d.toml").write_text(text.replace(f"words = {0x200}", "words = 8") + 'file = "rom"\n')
     small = emulator("exec", "--board", tmp_path / "d.toml", "--boot", "reset")
     assert small.returncode == 2 and "EPROM" in small.stderr and "8 words" in small.stderr, small.stderr
@@ -45,7 +45,7 @@ def test_every_source_and_width_boots_every_format(program: Path, tmp_path: Path
 @pytest.mark.parametrize("port", range(6))
 def test_every_port_boots(program: Path, port: int) -> None:
     done = emulator("exec", program, "--boot", port)
-    assert done.returncode == 0 and "R5  000000002A" in done.stdout and "R6  0000001234" in done.stdout, done.stderr
+    assert done.returncode == 0 and "R5  800000002A" in done.stdout and "R6  8000001234" in done.stdout, done.stderr
 
 
 def intel(*records: tuple[int, int, bytes], end: str = "\n") -> str:
