@@ -33,7 +33,9 @@ constexpr std::array<std::string_view, 3> pin_keys{"romen", "resetloc", "iiof"};
 
 class BoardReader {
  public:
-  explicit BoardReader(std::string file) : toml_(std::move(file)) {}
+  BoardReader(std::string file, BoardFiles files) : toml_(std::move(file)) {
+    toml_.reads_files = files == BoardFiles::read;
+  }
 
   BoardDescription read(const toml::table& root) {
     toml_.allow(root, "", root_keys);
@@ -108,8 +110,9 @@ class BoardReader {
     waits(table, region);
     if (whole) check_place(board, region, node);
     if (const auto* file = table.get("file")) {
-      toml_.attempt(
-          [&] { description.contents.push_back({region.base, contents(region, *file, table.get("width"))}); });
+      if (toml_.reads_files)
+        toml_.attempt(
+            [&] { description.contents.push_back({region.base, contents(region, *file, table.get("width"))}); });
     } else if (const auto* width = table.get("width")) {
       toml_.note(*width, fmt::format("region.width of {}: it is that of a file, and there is none", region.name));
     }
@@ -293,14 +296,14 @@ class BoardReader {
 
 }  // namespace
 
-BoardDescription read_board(const std::string& name) {
+BoardDescription read_board(const std::string& name, BoardFiles files) {
   if (name == "default") return {.board = c40::Board::default_board()};
   if (name == "flat") return {.board = c40::Board::flat()};
   if (!name.ends_with(".toml"))
     throw BoardError(fmt::format("there is no board \"{}\"; default, flat and files that end in .toml are", name));
   const std::string text = io::read_file<BoardError>(name, "a board file (docs/boards.md)");
   try {
-    return BoardReader(name).read(io::parse_toml(text, name));
+    return BoardReader(name, files).read(io::parse_toml(text, name));
   } catch (const toml::parse_error& error) {
     throw BoardError(fmt::format("{}:{}: {}", name, error.source().begin.line, error.description()));
   }

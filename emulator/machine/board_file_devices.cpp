@@ -120,7 +120,7 @@ class DeviceReader {
     if (words != nullptr && script != nullptr)
       toml_.note(*script, fmt::format("device.script of {}: the words come from input already", device_.name));
     const toml::node* given = script != nullptr ? script : words;
-    if (given == nullptr) return;
+    if (given == nullptr || !toml_.reads_files) return;
     toml_.attempt([&] {
       const std::string key = script != nullptr ? "device.script" : "device.input";
       const std::string name = toml_.text(*given, key);

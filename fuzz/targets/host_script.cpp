@@ -47,6 +47,7 @@ class Seen {
     };
   }
   void access(const c40::ExternalAccess& access) {
+    devices_.advance_to(access.cycle);
     const auto answer = devices_.access(access);
     if (answer) told_ += std::to_string(answer->value) + '\n';
   }

@@ -39,7 +39,7 @@ def test_every_source_and_width_boots_every_format(program: Path, tmp_path: Path
             assert "R5  800000002A" in done.stdout and "R6  8000001234" in done.stdout, done.stdout
     (tmp_path / "d.toml").write_text(text.replace(f"words = {0x200}", "words = 8") + 'file = "rom"\n')
     small = emulator("exec", "--board", tmp_path / "d.toml", "--boot", "reset")
-    assert small.returncode == 2 and "EPROM" in small.stderr and "8 words" in small.stderr, small.stderr
+    assert small.returncode == 2 and "d.toml:10: region.file of EPROM: " in small.stderr and "words do not go into 8" in small.stderr, small.stderr
 
 
 @pytest.mark.parametrize("port", range(6))
