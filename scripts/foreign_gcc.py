@@ -32,24 +32,7 @@ FLAGS = (
     "-O2 -mno-rptb -mno-parallel-insns",
     "-O2 -mti",
 )
-BOARD = """
-name = "a console"
-[[region]]
-name = "SRAM"
-base = 0x300000
-words = 0x100000
-bus = "local"
-[[region]]
-name = "window"
-kind = "window"
-base = 0xA0000000
-words = 0x100
-bus = "global"
-[[device]]
-name = "console"
-kind = "console"
-base = 0xA0000000
-"""
+BOARD = ROOT / "examples" / "console.toml"
 OF_LIBGCC = "libgcc's remainder of -2^31 by a negative number is wrong: it takes the divisor with its sign"
 
 
@@ -83,11 +66,10 @@ def compiler_in(folder: Path) -> Compiler | None:
 
 def printed(program: Path, inputs: list[Path], flags: str, folder: Path) -> str:
     """What the console is sent by the program, linked and run."""
-    board, out = folder / "board.toml", folder / "program.out"
-    board.write_text(BOARD)
+    out = folder / "program.out"
     way = "stack" if "-mmemparm" in flags else "registers"
     run(sys.executable, ROOT / "scripts" / "link_c", program, *inputs, "-o", out, "--arguments", way, "--dialect", "gnu")
-    told = run(EMULATOR, "exec", out, "--board", board, "--max-cycles", "1000000000", "--json")
+    told = run(EMULATOR, "exec", out, "--board", BOARD, "--max-cycles", "1000000000", "--json")
     return str(json.loads(told)["console"])
 
 

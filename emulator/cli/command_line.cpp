@@ -188,7 +188,10 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
       ->type_name("DIR")
       ->allow_extra_args(false);
   declare_dialect(app, options.dialect);
-  app.add_option("--until", options.until, "Stop before the instruction there")->type_name("SYMBOL|ADDRESS");
+  app.add_option("--until", options.until,
+                 "Stop before the instruction there, or when a word of memory holds a value; of several, at the first")
+      ->type_name("[CHIP:]SYMBOL|ADDRESS[==WORD]")
+      ->allow_extra_args(false);
   CLI::Option* most = app.add_option("--max-cycles", options.max_cycles,
                                      "Give up after so many cycles, with exit status 1 (default 100000000)")
                           ->check(CLI::PositiveNumber);
@@ -240,14 +243,14 @@ void declare_exec(CLI::App& app, ExecOptions& options) {
       ->check(CLI::IsMember({8, 16, 32}));
   app.add_option("--load", options.loads,
                  "Also load words, the lowest byte first, from a file of bytes, Intel hex or S-records")
-      ->type_name("FILE@ADDRESS")
+      ->type_name("FILE@[CHIP:]ADDRESS")
       ->allow_extra_args(false);
   declare_devices(app, options);
   app.add_option("--device-output", options.device_outputs, "Write what a console, FIFO or mailbox has sent")
       ->type_name("NAME=FILE")
       ->allow_extra_args(false);
   app.add_option("--poke", options.pokes, "Write a word before the start")
-      ->type_name("ADDRESS=WORD")
+      ->type_name("[CHIP:]ADDRESS=WORD")
       ->allow_extra_args(false);
   app.add_flag("--peripherals", options.peripherals,
                "Print the peripheral registers that differ from reset, and what the FIFOs hold");

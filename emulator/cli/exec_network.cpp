@@ -5,6 +5,7 @@
 
 #include "cli/board_front.hpp"
 #include "cli/chip_listeners.hpp"
+#include "cli/exec_memory.hpp"
 #include "cli/network_arguments.hpp"
 #include "cli/network_timeline.hpp"
 #include "cli/options.hpp"
@@ -211,6 +212,24 @@ void print_json(const Network& network, const machine::NetworkStop& stop, const 
   io::print("{}\n", root.dump(2, ' ', true, Json::error_handler_t::replace));
 }
 
+/// --load FILE@CHIP:ADDRESS and --poke CHIP:ADDRESS=WORD: into the chips' own memories.
+void place_in_chips(Network& network, const ExecOptions& options) {
+  const auto place = [&](std::string_view what, std::string_view text, const std::string& file, const char* form) {
+    const ChipText given = chip_text(text, network.chip_count(), what);
+    if (!given.chip)
+      throw InputError(fmt::format("{}: \"{}{}\" is not {}, which a network needs", what, file, text, form));
+    const std::vector<std::string> one{file + std::string(given.rest)}, none;
+    const bool loads = !file.empty();
+    place_additions(network.chip(*given.chip), loads ? one : none, loads ? none : one, &network.program(*given.chip));
+  };
+  for (const std::string& text : options.loads) {
+    const std::size_t at = text.rfind('@') == std::string::npos ? 0 : text.rfind('@') + 1;
+    if (at < 2) throw InputError(fmt::format("--load: \"{}\" is not FILE@CHIP:ADDRESS, which a network needs", text));
+    place("--load", std::string_view(text).substr(at), text.substr(0, at), "FILE@CHIP:ADDRESS");
+  }
+  for (const std::string& text : options.pokes) place("--poke", text, "", "CHIP:ADDRESS=WORD");
+}
+
 /// The instant that --cycles or --max-cycles of chip 0 means.
 machine::Time end_of(const Network& network, const ExecOptions& options) {
   constexpr double most_seconds = 9e6;  // of 64 bits of picoseconds
@@ -225,9 +244,8 @@ machine::Time end_of(const Network& network, const ExecOptions& options) {
 }  // namespace
 
 int exec_network(const ExecOptions& options) {
-  if (!options.roms.empty() || !options.loads.empty() || !options.pokes.empty())
-    throw InputError(
-        "--rom, --load and --poke are for one chip; a network's chips have what their programs and boards say");
+  if (!options.roms.empty())
+    throw InputError("--rom: it is for one chip; a network's chips have the ROMs of their boards (region.file)");
   if (options.console_input == "live")
     throw InputError(
         "--console-input live: one chip has a live console; a network takes a file, or - for standard input");
@@ -239,11 +257,13 @@ int exec_network(const ExecOptions& options) {
                                       [](const std::string& p) { return p.ends_with(".hex"); }))
     throw InputError("--load-at: only a .hex file needs it; other programs say where they stand");
   Network network(described(options), options.turn_order);
+  place_in_chips(network, options);
   std::vector<Dump> dumps;
   for (const std::string& text : options.dumps)
     words_of(network, dumps.emplace_back(parse_dump(text, network)));  // refuses bad ranges before the run
   for (const std::string& text : options.actions) network.schedule(action_of(text, network));
   io::FileRoles files = files_read(options);
+  for (const std::string& text : options.loads) files.reads("--load", text.substr(0, text.rfind('@')));
   for (std::size_t n = 0; n < network.chip_count(); ++n)
     for (const std::string& source : network.program(n).files_read) files.reads("a source", source);
   for (std::size_t n = 0; n < network.chip_count(); ++n) files.writes("--trace", trace_file(options, n).value_or(""));

@@ -34,7 +34,7 @@ std::string contents(const ImageOptions& options, const toolchain::Image& progra
 int image(const ImageOptions& options) {
   if (options.format == "boot-stream" && options.width != 32)
     throw InputError("--width: a port takes words of 32 bits; a memory may have 8 or 16");
-  const machine::BoardDescription board = machine::read_board(options.board);
+  const machine::BoardDescription board = machine::read_board(options.board, machine::BoardFiles::leave);
   const toolchain::Image program = read_program(options.program, options.include_directories, {}, options.dialect);
   for (const std::string& warning : program.warnings) io::print(stderr, "{}\n", warning);
   io::FileRoles files;

@@ -19,10 +19,31 @@ machine::NetDescription net_of(const std::string& text, const std::vector<std::s
   }
 }
 
+/// [CHIP:]SYMBOL or ADDRESS: without CHIP of all that have none of their own.
+void set_until(machine::NetworkDescription& network, const std::string& text) {
+  if (text.find("==") != std::string::npos)
+    throw InputError(
+        fmt::format("--until {}: the value of a word ends a run of one chip; of a network [CHIP:]SYMBOL or ADDRESS is "
+                    "expected, or `watch` in `emulator debug`",
+                    text));
+  const ChipText given = chip_text(text, network.chips.size(), "--until");
+  bool set = false;
+  for (std::size_t n = 0; n < network.chips.size(); ++n) {
+    machine::NetworkChip& chip = network.chips[n];
+    if (given.chip.value_or(n) != n || (!given.chip && chip.until)) continue;
+    if (given.chip && chip.until)
+      throw InputError(fmt::format("--until {}: chip {} ends at {:08X}h already; a chip of a network has one end", text,
+                                   n, *chip.until));
+    chip.until = parse_address(given.rest, chip.program.get(), "--until");
+    set = true;
+  }
+  if (!set) throw InputError(fmt::format("--until {}: every chip has an end already", text));
+}
+
 machine::NetworkDescription read_description(const ExecOptions& options) {
   if (options.network) {
     if (!options.programs.empty() || !options.links.empty() || !options.nets.empty() || options.topology ||
-        !options.boards.empty() || options.until || options.entry || options.load_at || options.memory_max)
+        !options.boards.empty() || !options.until.empty() || options.entry || options.load_at || options.memory_max)
       throw InputError(
           "--network: the file says programs, boards, links and nets, where a chip starts and where it has ended; the "
           "command line does not");
@@ -61,11 +82,11 @@ machine::NetworkDescription read_description(const ExecOptions& options) {
     machine::NetworkChip chip;
     chip.program = images[images.size() == 1 ? 0 : n];
     if (!boards.empty()) chip.board = boards[boards.size() == 1 ? 0 : n];
-    if (options.until) chip.until = parse_address(*options.until, chip.program.get(), "--until");
     if (options.entry) chip.entry = parse_address(*options.entry, chip.program.get(), "--entry");
     network.chips.push_back(std::move(chip));
     names.push_back(fmt::format("{}", n));
   }
+  for (const std::string& text : options.until) set_until(network, text);
   for (const std::string& link : options.links) network.links.push_back(machine::parse_link(link, names));
   for (const std::string& net : options.nets) network.nets.push_back(net_of(net, names));
   return network;

@@ -120,7 +120,7 @@ struct ImageOptions {
 struct ExecOptions {
   std::vector<std::string> programs;
   std::vector<std::string> include_directories;
-  std::optional<std::string> until;
+  std::vector<std::string> until;         ///< SYMBOL, ADDRESS or ADDRESS==WORD
   std::int64_t max_cycles = 100'000'000;  ///< a run that needs more has failed
   std::optional<std::int64_t> cycles;     ///< a run of so many is what is asked for
   std::vector<std::string> dumps;         ///< ADDRESS:COUNT

@@ -116,6 +116,17 @@ Address parse_address(std::string_view text, const Image* image, std::string_vie
                                image ? "symbol of the program and no " : ""));
 }
 
+ChipText chip_text(std::string_view text, std::size_t chips, std::string_view what) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string_view::npos) return {{}, text};
+  const std::string_view number = text.substr(0, colon);
+  const auto chip = toolchain::find_address(number, nullptr);
+  if (!chip || *chip >= chips)
+    throw InputError(
+        fmt::format("{} {}: there is no chip \"{}\"; 0 to {} are possible", what, text, number, chips - 1));
+  return {*chip, text.substr(colon + 1)};
+}
+
 std::string symbol_at(const Image& image, Address address) {
   for (const auto& [name, value] : image.symbols)
     if (value == address) return name;

@@ -44,6 +44,14 @@ bool is_coff_name(const std::string& path);
 /// "300000h", "0x300000", "3145728" or a symbol of the image. \throws InputError naming the option `what`.
 toolchain::Address parse_address(std::string_view text, const toolchain::Image* image, std::string_view what);
 
+/// CHIP:REST, or REST alone.
+struct ChipText {
+  std::optional<std::size_t> chip;
+  std::string_view rest;  ///< of the text that was given
+};
+/// \throws InputError naming the option `what` for a chip that is none
+ChipText chip_text(std::string_view text, std::size_t chips, std::string_view what);
+
 /// The symbol that stands at exactly this address, or nothing. Of several the first in the alphabet.
 std::string symbol_at(const toolchain::Image& image, toolchain::Address address);
 

@@ -95,6 +95,8 @@ class BoardDevice {
   virtual bool goes_on() const { return false; }
   /// It pulls its pin low.
   virtual bool interrupts() const { return false; }
+  /// What it does may act on other chips, or follow from what they do: its accesses come in the order of the network.
+  virtual bool acts_on_others() const { return false; }
   /// Words that it has sent to the other side; none: it has no other side.
   virtual const std::vector<c40::Word>* sent() const { return nullptr; }
   /// What the other side sends; null: it has none.

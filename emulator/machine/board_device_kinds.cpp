@@ -70,13 +70,15 @@ std::unique_ptr<BoardDevice> made(const DeviceDescription& described) {
 }
 
 constexpr std::array<DeviceKindRow, 8> rows{{
-    {DeviceKind::console, "console", 2, false, "pin input script", made<Console>},
+    {DeviceKind::console, "console", 2, false, "pin input script stride", made<Console>},
     {DeviceKind::registers, "registers", 0, false, "words value", made<Registers>},
     {DeviceKind::led, "led", 0, false, "words value", made<Registers>},
-    {DeviceKind::fifo, "fifo", Fifo::registers, false, "pin depth input script input_cycles output_cycles", made<Fifo>},
-    {DeviceKind::mailbox, "mailbox", Fifo::registers, false, "pin input script input_cycles output_cycles", made<Fifo>},
-    {DeviceKind::timer, "timer", Timer::registers, false, "pin count_cycles", made<Timer>},
-    {DeviceKind::vic068a, "vic068a", 0, false, "pin stride shift value", made<Vic068a>},
+    {DeviceKind::fifo, "fifo", Fifo::registers, false, "pin depth input script input_cycles output_cycles stride",
+     made<Fifo>},
+    {DeviceKind::mailbox, "mailbox", Fifo::registers, false, "pin input script input_cycles output_cycles stride",
+     made<Fifo>},
+    {DeviceKind::timer, "timer", Timer::registers, false, "pin count_cycles stride", made<Timer>},
+    {DeviceKind::vic068a, "vic068a", Vic068a::registers, false, "pin stride shift value", made<Vic068a>},
     {DeviceKind::vme, "vme", 0, true, "words answer vic", made<VmeSpace>},
 }};
 

@@ -58,6 +58,27 @@ BoardDevices::Place* BoardDevices::at(Address address) {
   return found == places_.end() ? nullptr : &*found;
 }
 
+const BoardDevices::Place& BoardDevices::at_address(Address address) const {
+  const Place* place = at(address);
+  if (place == nullptr) throw std::out_of_range(fmt::format("no device at {:08X}h", address));
+  return *place;
+}
+
+bool BoardDevices::acts_on_others(Address address) const {
+  const Place* place = at(address);
+  return place != nullptr && place->device->acts_on_others();
+}
+
+bool BoardDevices::act_on_others() const {
+  return std::ranges::any_of(places_, [](const Place& place) { return place.device->acts_on_others(); });
+}
+
+bool BoardDevices::will_act_on_others() const {
+  return std::ranges::any_of(places_, [](const Place& place) {
+    return place.device->acts_on_others() && place.device->next_event() != never_cycle;
+  });
+}
+
 std::optional<BoardDevices::Answer> BoardDevices::access(const c40::ExternalAccess& access) {
   Place* place = at(access.address);
   if (place == nullptr) return std::nullopt;
@@ -66,9 +87,12 @@ std::optional<BoardDevices::Answer> BoardDevices::access(const c40::ExternalAcce
   advance_to(now);
   BoardDevice& device = *place->device;
   device.advance_to(now);
-  const Address offset = access.address - place->described.base;
+  const Address stride = place->described.stride;
+  const Address offset = (access.address - place->described.base) / stride;
   Word value = 0;
-  if (access.write) {
+  if ((access.address - place->described.base) % stride != 0) {
+    // nothing is between two registers: a read gives 0
+  } else if (access.write) {
     const Word before = place->described.kind == DeviceKind::led ? device.read(offset, now) : 0;
     device.write(offset, access.value, now);
     note(*place, access, before);
@@ -98,10 +122,15 @@ void BoardDevices::advance_to(Cycles now) {
   now_ = std::max(now_, now);
 }
 
+void BoardDevices::look(Cycles now) {
+  advance_to(std::max(now_, now));
+  tell_pins(now_);
+}
+
 Cycles BoardDevices::next_event() const {
   Cycles next = never_cycle;
   for (const Place& place : places_)
-    if (place.described.pin) next = std::min(next, place.device->next_event());
+    if (place.described.pin || place.device->acts_on_others()) next = std::min(next, place.device->next_event());
   return next;
 }
 

@@ -38,6 +38,10 @@ class BoardDevices {
   const std::vector<Place>& places() const { return places_; }
   bool empty() const { return places_.empty(); }
   bool has(c40::Address address) const { return at(address) != nullptr; }
+  /// \throws std::out_of_range if there is none
+  const Place& at_address(c40::Address address) const;
+  /// One is there that acts on other chips.
+  bool acts_on_others(c40::Address address) const;
   /// \throws std::invalid_argument with the names that there are
   const Place& named(std::string_view name) const;
 
@@ -49,7 +53,12 @@ class BoardDevices {
   std::optional<Answer> access(const c40::ExternalAccess& access);
   /// What they do by themselves up to and with this cycle.
   void advance_to(c40::Cycles now);
+  /// The same, and what another chip has done to them by this cycle shows at their pins.
+  void look(c40::Cycles now);
   c40::Cycles next_event() const;
+  /// One acts on other chips; one of these does so by itself.
+  bool act_on_others() const;
+  bool will_act_on_others() const;
   /// Something that a program reads there could become another value by itself.
   bool goes_on() const;
 

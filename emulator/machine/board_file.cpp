@@ -33,7 +33,9 @@ constexpr std::array<std::string_view, 3> pin_keys{"romen", "resetloc", "iiof"};
 
 class BoardReader {
  public:
-  explicit BoardReader(std::string file) : toml_(std::move(file)) {}
+  BoardReader(std::string file, BoardFiles files) : toml_(std::move(file)) {
+    toml_.reads_files = files == BoardFiles::read;
+  }
 
   BoardDescription read(const toml::table& root) {
     toml_.allow(root, "", root_keys);
@@ -108,8 +110,9 @@ class BoardReader {
     waits(table, region);
     if (whole) check_place(board, region, node);
     if (const auto* file = table.get("file")) {
-      toml_.attempt(
-          [&] { description.contents.push_back({region.base, contents(region, *file, table.get("width"))}); });
+      if (toml_.reads_files)
+        toml_.attempt(
+            [&] { description.contents.push_back({region.base, contents(region, *file, table.get("width"))}); });
     } else if (const auto* width = table.get("width")) {
       toml_.note(*width, fmt::format("region.width of {}: it is that of a file, and there is none", region.name));
     }
@@ -293,14 +296,14 @@ class BoardReader {
 
 }  // namespace
 
-BoardDescription read_board(const std::string& name) {
+BoardDescription read_board(const std::string& name, BoardFiles files) {
   if (name == "default") return {.board = c40::Board::default_board()};
   if (name == "flat") return {.board = c40::Board::flat()};
   if (!name.ends_with(".toml"))
     throw BoardError(fmt::format("there is no board \"{}\"; default, flat and files that end in .toml are", name));
   const std::string text = io::read_file<BoardError>(name, "a board file (docs/boards.md)");
   try {
-    return BoardReader(name).read(io::parse_toml(text, name));
+    return BoardReader(name, files).read(io::parse_toml(text, name));
   } catch (const toml::parse_error& error) {
     throw BoardError(fmt::format("{}:{}: {}", name, error.source().begin.line, error.description()));
   }
@@ -308,19 +311,23 @@ BoardDescription read_board(const std::string& name) {
 
 void refuse_devices(const BoardDescription& board, std::string_view where) {
   if (!board.devices.empty())
-    throw BoardError(
-        fmt::format("board {}: device: {} has no devices of a board; programs and networks have (docs/boards.md)",
-                    board.board.name, where));
+    throw BoardError(fmt::format(
+        "board {}: device {}: {} has no devices of a board file: behind the windows of its DSPs are buses A and B "
+        "(docs/buses.md). `emulator exec --board` runs a program with this board, alone or in a network; for the dock, "
+        "leave [[device]] out (docs/boards.md)",
+        board.board.name, board.devices.front().name, where));
   if (!board.contents.empty())
-    throw BoardError(fmt::format("board {}: region.file: {} loads no ROMs; programs and networks do (docs/boards.md)",
-                                 board.board.name, where));
+    throw BoardError(fmt::format(
+        "board {}: region.file: {} loads no ROMs: its host boots the DSPs over their links. `emulator exec --board` "
+        "boots a ROM; for the dock, leave `file` out (docs/boards.md)",
+        board.board.name, where));
 }
 
 void refuse_ignored(const BoardDescription& board) {
   if (!board.ignored.empty())
     throw BoardError(fmt::format(
-        "board {}: reserved: a DSP of the dock stops at addresses without memory; \"ignore\" is for programs "
-        "alone and networks",
+        "board {}: reserved: a DSP of the dock that leaves its memory has failed, and the run says where; \"fault\" is "
+        "expected, for regions too. \"ignore\" is for `emulator exec` (docs/boards.md)",
         board.board.name));
 }
 

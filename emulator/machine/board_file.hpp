@@ -40,7 +40,9 @@ struct BoardDescription {
 };
 
 /// "default", "flat", or a TOML file. \throws BoardError
-BoardDescription read_board(const std::string& name);
+/// \param files whether files that it names are read, ROMs and inputs: who only asks for its registers leaves them
+enum class BoardFiles : std::uint8_t { read, leave };
+BoardDescription read_board(const std::string& name, BoardFiles files = BoardFiles::read);
 
 /// What a device's other side sends. \throws std::invalid_argument with file, line and what would be right
 /// \param script else a console's characters as they are, a FIFO's words in hexadecimal

@@ -43,7 +43,7 @@ class DeviceReader {
     parameters(table, row);
     input(table);
     vme(table);
-    if (device_.kind == DeviceKind::vic068a) vic_words(table);
+    if (row.words != 0) device_.words = (row.words - 1) * device_.stride + 1;
     if (needed(node, table, "base")) place(*table.get("base"));
     board_.devices.push_back(std::move(device_));
   }
@@ -115,17 +115,12 @@ class DeviceReader {
     });
   }
 
-  void vic_words(const toml::table&) {
-    constexpr c40::Address registers = 0x39;
-    device_.words = (registers - 1) * device_.stride + 1;
-  }
-
   void input(const toml::table& table) {
     const toml::node *words = table.get("input"), *script = table.get("script");
     if (words != nullptr && script != nullptr)
       toml_.note(*script, fmt::format("device.script of {}: the words come from input already", device_.name));
     const toml::node* given = script != nullptr ? script : words;
-    if (given == nullptr) return;
+    if (given == nullptr || !toml_.reads_files) return;
     toml_.attempt([&] {
       const std::string key = script != nullptr ? "device.script" : "device.input";
       const std::string name = toml_.text(*given, key);

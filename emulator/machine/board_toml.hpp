@@ -23,6 +23,9 @@ class BoardToml {
   /// Every region could be read: only then is said that a device lies in none.
   bool regions_known = true;
 
+  /// Files that it names are read.
+  bool reads_files = true;
+
   /// What fail() throws after it has noted the error: the rest of the file is read all the same.
   struct Noted {};
 

@@ -18,15 +18,9 @@ constexpr std::uint8_t read_only(std::size_t number) {
 
 }  // namespace
 
-// Between registers, and beyond the last, is nothing: other bytes of the bus.
-c40::Word Vic068a::read(c40::Address offset, c40::Cycles) {
-  if (offset % stride_ != 0 || offset / stride_ >= registers) return 0;
-  return static_cast<c40::Word>(held_[offset / stride_]) << shift_;
-}
+c40::Word Vic068a::read(c40::Address number, c40::Cycles) { return static_cast<c40::Word>(held_[number]) << shift_; }
 
-void Vic068a::write(c40::Address offset, c40::Word value, c40::Cycles) {
-  if (offset % stride_ != 0 || offset / stride_ >= registers) return;
-  const std::size_t number = offset / stride_;
+void Vic068a::write(c40::Address number, c40::Word value, c40::Cycles) {
   const std::uint8_t kept = read_only(number);
   held_[number] =
       static_cast<std::uint8_t>((held_[number] & kept) | ((value >> shift_) & static_cast<unsigned>(~kept)));

@@ -20,11 +20,11 @@ class Vic068a final : public BoardDevice, public BusErrorStatus {
  public:
   static constexpr c40::Address registers = 0x39;
 
-  explicit Vic068a(const DeviceDescription& described) : stride_(described.stride), shift_(described.shift) {
+  explicit Vic068a(const DeviceDescription& described) : shift_(described.shift) {
     held_[icr5] = static_cast<std::uint8_t>(described.value);
   }
-  c40::Word read(c40::Address offset, c40::Cycles now) override;
-  void write(c40::Address offset, c40::Word value, c40::Cycles now) override;
+  c40::Word read(c40::Address number, c40::Cycles now) override;
+  void write(c40::Address number, c40::Word value, c40::Cycles now) override;
   bool interrupts() const override { return (held_[besr] & (vme_timeout | vme_error)) != 0; }
   void note_timeout(bool /*write*/) override { held_[besr] |= vme_timeout | vme_error; }
   void list_state(state::Visitor& list) override { list("held", held_); }
@@ -33,7 +33,6 @@ class Vic068a final : public BoardDevice, public BusErrorStatus {
   static constexpr std::size_t icr5 = 0x1D, besr = 0x2E;
   static constexpr std::uint8_t vme_timeout = 0x10, vme_error = 0x20;
 
-  c40::Address stride_;
   unsigned shift_;
   std::array<std::uint8_t, registers> held_{};
 };

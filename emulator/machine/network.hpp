@@ -337,6 +337,8 @@ class Network {
   void perform(const NetworkAction& action);
   void perform_port(Node& node);
   void perform_memory(Node& node);
+  void perform_device(Node& node);
+  void devices_acted();
   void tell_mailboxes(Memory& memory, std::size_t side, c40::Address word, bool write);
   void reset_chip(Node& node);
   std::string describe_wait(const Node& node) const;
@@ -354,6 +356,7 @@ class Network {
   std::vector<std::unique_ptr<LinkTurn>> link_turns_;
   std::unique_ptr<ActionTurn> action_turn_;
   std::vector<std::unique_ptr<DeviceTurn>> device_turns_;
+  std::vector<Node*> acting_;  ///< chips with devices that act on other chips
   std::vector<std::unique_ptr<Memory>> memories_;
   std::unique_ptr<NetTap> net_tap_;
   std::vector<std::unique_ptr<Net>> nets_;

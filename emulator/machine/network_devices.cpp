@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "machine/network_parts.hpp"
 
@@ -58,7 +59,9 @@ void Network::join_pin_nets() {
     return found->get();
   };
   for (auto& node : nodes_) {
-    if (node->devices == nullptr || node->devices->pins().empty()) continue;
+    if (node->devices == nullptr) continue;
+    if (node->devices->act_on_others()) acting_.push_back(node.get());
+    if (node->devices->pins().empty() && !node->devices->act_on_others()) continue;
     node->device_turn = device_turns_.emplace_back(std::make_unique<DeviceTurn>(*node)).get();
     node->devices->on_pin = [this, &node = *node, net_to](Pin pin, bool level, Cycles cycle) {
       net_to(node.number, pin)
@@ -84,10 +87,61 @@ void Network::Node::note_device_event() {
 /// They could still interrupt it.
 bool Network::Node::devices_go_on() const {
   if (device_turn == nullptr || devices->next_event() == never_cycle) return false;
+  if (devices->will_act_on_others()) return true;
   return std::ranges::any_of(devices->pins(), [&](Pin pin) { return hears(pin) && heeds(pin); });
 }
 
-/// A device is the chip's own: the answer comes at once. What it does to a pin bounds how far the chip may run.
+/// At one instant chips go by their numbers, and devices that act by themselves before them all. A chip that waits or
+/// sleeps, and whose turn it is not, does nothing in this instant that others could see.
+Cycles Network::Node::last_before_devices() const {
+  Cycles last = std::numeric_limits<Cycles>::max();
+  const auto bound = [&](Time time, bool with) {
+    if (time == never) return;
+    const Cycles cycle = first_cycle(time);
+    last = std::min(last, with && clock.at(cycle) == time ? cycle : cycle - 1);
+  };
+  for (const Node* node : network.acting_) {
+    if (node == this) continue;
+    const bool before_it = number < node->number, armed = node->chip.dma_active();
+    bound(node->next_device_event(), false);
+    if (node->status == ChipStatus::running)
+      bound(node->now(), before_it);
+    else if (node->waits_for_device() && !armed)
+      bound(node->access_time(), before_it);
+    else if (!node->has_ended() || armed)
+      bound(network.scheduler_.earliest(), before_it || node->planned() > network.scheduler_.earliest());
+  }
+  return last;
+}
+
+/// An access to a device that acts on others, in its place in the order of the network. Devices of other chips may have
+/// become others by it.
+void Network::perform_device(Node& node) {
+  const c40::ExternalAccess& access = node.stop.access;
+  const Cycles cycle = node.first_cycle(now_), waited = cycle - access.cycle;
+  c40::ExternalAccess there = access;
+  there.cycle = cycle;
+  const BoardDevices::Answer answer = *node.devices->access(there);
+  if (access.write)
+    node.chip.complete_write(waited, answer.waits);
+  else
+    node.chip.complete_read(answer.value, waited, answer.waits);
+  node.status = ChipStatus::running;
+  devices_acted();
+}
+
+/// What one has done may show at those of other chips.
+void Network::devices_acted() {
+  something_happened();
+  for (Node* node : acting_) {
+    node->devices->look(node->first_cycle(now_));
+    node->note_device_event();
+    node->device_turn->changed();
+    node->changed();
+  }
+}
+
+/// Any other device is the chip's own: the answer comes at once. What it does to a pin bounds how far the chip may run.
 bool Network::Node::serve_device(const c40::ExternalAccess& access) {
   serve(*devices, chip, access);
   if (access.write) network.something_happened();

@@ -85,7 +85,8 @@ Time Network::Node::others_reach_it() const {
   Time reach = first < never - ahead ? first + ahead : never;
   for (const std::size_t link : links) reach = std::min(reach, network.links_[link]->next_event());
   for (const Net* net : nets_in) reach = std::min(reach, net->reaches(number));
-  return reach;
+  const Cycles last = last_before_devices();
+  return last == no_cycle ? reach : std::min(reach, clock.at(last + 1));
 }
 
 /// What others do reaches it so much later at the earliest.
@@ -113,21 +114,23 @@ void Network::Node::go_on_with_others(Time now) {
   if (status != ChipStatus::waiting || chip.dma_active()) {
     const auto stands = std::tuple{chip.settled(), chip.cycle(), status};
     if (own_event() == now || (chip.dma_active() && next_pin_event() == now))
-      run_to(std::min(horizon_of_follower(), clock.at(first_cycle(now) + 1)));
+      run_to(std::min(horizon_of_follower(), clock.at(first_cycle(now) + 1)), last_before_devices());
     else if (follows())
-      run_to(horizon_of_follower());
+      run_to(horizon_of_follower(), last_before_devices());
     if (stands != std::tuple{chip.settled(), chip.cycle(), status}) return;
   }
   if (next_pin_event() <= now) return;
   if (access_time() == now)
-    waits_for_port() ? network.perform_port(*this) : network.perform_memory(*this);
+    waits_for_port()     ? network.perform_port(*this)
+    : waits_for_device() ? network.perform_device(*this)
+                         : network.perform_memory(*this);
   else
     assert(next() > now && "a turn that changes nothing");
 }
 
 void Network::Node::run_ahead(Time until) {
   if (follows()) {
-    run_to(until);
+    run_to(until, last_before_devices());
     look_for_loop();
   } else {
     run_freely(until);
@@ -156,8 +159,10 @@ void Network::Node::run_freely(Time until) {
 /// begun its last instruction by then: what a link does at that instant is an interrupt for the next one. So the order
 /// of events is the same wherever a run is cut, and the DMA, which follows the processor's read stage, has done all
 /// that lies before.
-void Network::Node::run_to(Time until) {
+/// \param last the last cycle in which it may begin an instruction, whatever `until` is
+void Network::Node::run_to(Time until, Cycles last) {
   passing_ = false;
+  last_ = last;
   ends_ = first_cycle(until);
   action_ = network.next_action_on(*this);
   run_chip(chip);
@@ -186,7 +191,7 @@ std::optional<ChipRunner::Span> Network::Node::span_of_runner() {
   const bool waits = status == ChipStatus::waiting, idles = chip.idle();
   const Cycles known = std::min(ends_, std::max(chip.cycle(), action_));
   // Only there it is known whether it still follows its ports.
-  const bool begins_last = chip.cycle() >= ends_ && !waits && !idles && watches();
+  const bool begins_last = chip.cycle() >= ends_ && ends_ <= last_ && !waits && !idles && watches();
   Cycles limit = std::min(ends_ + (begins_last ? 1 : 0), action_);
   const bool timers_behind = chip.dma_active() && chip.next_event() <= std::min(known, chip.settled());
   if (chip.settled() >= known && !timers_behind && (waits || chip.cycle() >= limit)) {
@@ -233,9 +238,11 @@ bool Network::Node::at_breakpoint() {
 }
 
 bool Network::Node::window_access(const c40::ExternalAccess& access) {
-  if (devices != nullptr && devices->has(access.address)) return serve_device(access);
-  if (ignored.serve(chip, access)) return true;
-  status = network.memory_of(*this, access.address) != nullptr ? ChipStatus::waiting : ChipStatus::external_access;
+  const bool in_order = devices != nullptr && devices->acts_on_others(access.address);
+  if (!in_order && devices != nullptr && devices->has(access.address)) return serve_device(access);
+  if (!in_order && ignored.serve(chip, access)) return true;
+  const bool waits = in_order || network.memory_of(*this, access.address) != nullptr;
+  status = waits ? ChipStatus::waiting : ChipStatus::external_access;
   stop = {};
   stop.reason = StopInfo::Reason::external_access;
   stop.access = access;
@@ -316,6 +323,7 @@ bool Network::Node::wakes() const { return chip.dma_busy() || chip.interrupt_pen
 bool Network::Node::ready() const {
   if (waits_for_port())
     return stop.reason == StopInfo::Reason::port_access && stop.port.ready(chip.port(stop.port.port));
+  if (waits_for_device()) return true;
   const Memory& memory = *network.memory_of(*this, stop.access.address);
   return !memory.owner || *memory.owner == number;
 }
@@ -333,8 +341,9 @@ Time Network::Node::access_time() const {
   if (status != ChipStatus::waiting) return never;
   // Nothing but a link, or its own DMA, makes a port ready.
   if (waits_for_port() && !chip.dma_active() ? !was_ready : !ready()) return never;
-  const Time free = waits_for_port()
-                        ? ready_since
+  const Time free = waits_for_port() ? ready_since
+                    : waits_for_device()
+                        ? Time{0}
                         : network.memory_of(*this, stop.access.address)->free_for(number, stop.access.address);
   return clock.at(
       std::max(waits_for_port() ? stop.port.cycle : stop.access.cycle, first_cycle(std::max(free, network.now_))));

@@ -1,6 +1,7 @@
 #pragma once
 // What a network is made of, for its own sources only.
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -64,7 +65,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   c40::Cycles asleep_since = 0;  ///< of one that sleeps in a branch to itself
   std::vector<std::size_t> links;
   std::unique_ptr<BoardDevices> devices;  ///< null: none
-  DeviceTurn* device_turn = nullptr;      ///< null: they pull no pin
+  DeviceTurn* device_turn = nullptr;      ///< null: they do nothing by themselves that others see
   Time device_event = never;
   std::vector<Net*> nets_in, nets_out;  ///< those that lead to its pins, and those that it can drive
   std::vector<c40::Pin> pins_in;
@@ -93,14 +94,19 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   bool waits_for_port() const {
     return status == ChipStatus::waiting && stop.reason != c40::StopInfo::Reason::external_access;
   }
-  bool waits_for_memory() const {
+  bool waits_for_window() const {
     return status == ChipStatus::waiting && stop.reason == c40::StopInfo::Reason::external_access;
   }
+  /// At a device that acts on other chips, for its place in the order of the network.
+  bool waits_for_device() const {
+    return waits_for_window() && devices != nullptr && devices->has(stop.access.address);
+  }
+  bool waits_for_memory() const { return waits_for_window() && !waits_for_device(); }
   c40::Cycles first_cycle(Time time) const { return clock.tick_at_or_after(time); }
   /// Everything before it is done, by the processor and by the DMA.
   Time now() const { return clock.at(chip.settled()); }
-  /// What it does depends on its ports or pins.
-  bool watches() const { return !nets_in.empty() || chip.watches_ports(); }
+  /// What it does depends on its ports or pins, or on a device that acts on chips.
+  bool watches() const { return !nets_in.empty() || chip.watches_ports() || !network.acting_.empty(); }
   /// It goes on by itself, and its ports or pins decide how: it must not run past what they do.
   bool follows() const {
     if (status == ChipStatus::running) return watches();
@@ -134,7 +140,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   void tell_changes();
 
   // How it goes on.
-  void run_to(Time until);
+  void run_to(Time until, c40::Cycles last = std::numeric_limits<c40::Cycles>::max());
   bool come_to(Time time);
   void bring_to(Time time, bool fully);
   void look_for_loop();
@@ -157,6 +163,8 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   Time next_device_event() const { return device_event; }
   void note_device_event();
   bool devices_go_on() const;
+  /// The last cycle in which it may begin an instruction before devices of other chips could act on it.
+  c40::Cycles last_before_devices() const;
   bool has_ended() const;
   bool awaits_dma_for_ever() const;
   /// Nothing will happen here, but for a loop that goes on as it does.
@@ -198,7 +206,7 @@ struct Network::Node final : c40::PeripheralSink, Scheduler::Processor, PinOwner
   // Of the call of run_to or pass_to under way.
   bool passing_ = false;          ///< it sleeps, and goes on sleeping
   bool over_breakpoint_ = false;  ///< the instruction at the breakpoint is next
-  c40::Cycles ends_ = 0, action_ = 0;
+  c40::Cycles ends_ = 0, action_ = 0, last_ = 0;
   Span span_;
   c40::Cycles cycle_before_ = -1, settled_before_ = -1;
 };
@@ -221,6 +229,7 @@ struct Network::DeviceTurn final : Scheduler::Actor {
     node.devices->advance_to(node.first_cycle(now));
     node.note_device_event();
     node.changed();
+    if (node.devices->act_on_others()) node.network.devices_acted();
   }
   Node& node;
 };

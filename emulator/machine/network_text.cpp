@@ -102,6 +102,10 @@ std::string Network::memories_of(const Node& node) const {
 }
 
 std::string Network::describe_wait(const Node& node) const {
+  if (node.waits_for_device())
+    return fmt::format("waits for device {} at {:08X}h since cycle {}",
+                       node.devices->at_address(node.stop.access.address).described.name, node.stop.access.address,
+                       node.stop.access.cycle);
   if (node.waits_for_memory()) {
     const Memory& memory = *memory_of(node, node.stop.access.address);
     return fmt::format(

@@ -123,7 +123,8 @@ class IntelLines {
   std::uint64_t base_ = 0;
 };
 
-struct SLines {
+class SLines {
+ public:
   bool read(std::string_view text, Collected& out) {
     if (text.size() < 4 || text[0] != 'S' || text[1] < '0' || text[1] > '9' || text[1] == '4')
       throw RomError("a line begins with S0 to S9, not S4");
@@ -132,7 +133,9 @@ struct SLines {
     check_sum(line, 0xFF);
     const char type = text[1];
     if (type >= '7') return true;
-    if (type < '1' || type > '3') return false;  // a head, or a count
+    if (type == '5' || type == '6') return count(std::span(line).subspan(1, line.size() - 2)), false;
+    if (type < '1' || type > '3') return false;  // a head
+    ++lines_;
     const std::size_t address_bytes = static_cast<std::size_t>(type - '0') + 1;
     if (line.size() < address_bytes + 2) throw RomError("the line ends within its address");
     std::uint64_t address = 0;
@@ -140,7 +143,28 @@ struct SLines {
     out.add(address, std::span(line).subspan(1 + address_bytes, line.size() - address_bytes - 2));
     return false;
   }
+
+ private:
+  void count(std::span<const std::uint8_t> given) const {
+    std::uint64_t said = 0;
+    for (const std::uint8_t byte : given) said = said << 8 | byte;
+    if (said != lines_) throw RomError(fmt::format("{} lines of data before this count, which says {}", lines_, said));
+  }
+  std::uint64_t lines_ = 0;
 };
+
+std::string_view without_blanks(std::string_view line) {
+  const auto is_blank = [](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0 || c == '\x1A'; };
+  while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
+  while (!line.empty() && is_blank(line.front())) line.remove_prefix(1);
+  return line;
+}
+
+/// The first line with anything in it begins as one of Intel hex, or of S-records.
+bool begins_with_intel(std::string_view line) { return line.starts_with(':'); }
+bool begins_with_s(std::string_view line) {
+  return line.size() > 1 && line[0] == 'S' && std::isdigit(static_cast<unsigned char>(line[1])) != 0;
+}
 
 template <class Lines>
 Bytes read_lines(std::string_view text, const std::string& name) {
@@ -149,14 +173,14 @@ Bytes read_lines(std::string_view text, const std::string& name) {
   std::size_t number = 0;
   bool ended = false;
   try {
-    while (!text.empty() && !ended) {
+    while (!text.empty()) {
       ++number;
       const auto end = text.find('\n');
-      std::string_view line = text.substr(0, end);
+      const std::string_view line = without_blanks(text.substr(0, end));
       text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
-      while (!line.empty() && (std::isspace(static_cast<unsigned char>(line.back())) != 0 || line.back() == '\x1A'))
-        line.remove_suffix(1);
-      if (!line.empty()) ended = lines.read(line, out);
+      if (ended && (begins_with_intel(line) || begins_with_s(line)))
+        throw RomError("a record behind the last one: two images in one file");
+      if (!ended && !line.empty()) ended = lines.read(line, out);
     }
     if (!ended) throw RomError("the file ends without its last record: it is cut short");
     return out.all();
@@ -191,9 +215,10 @@ Bytes read_rom(const std::filesystem::path& path) {
   const io::Input input = io::read_input(path);
   if (!input.problem.empty()) throw RomError(fmt::format("{} {}", path.string(), input.problem));
   const std::string_view text = input.text;
-  if (text.starts_with(':')) return read_lines<IntelLines>(text, path.string());
-  if (text.size() > 1 && text[0] == 'S' && std::isdigit(static_cast<unsigned char>(text[1])) != 0)
-    return read_lines<SLines>(text, path.string());
+  // Blank lines may come first. Bytes that begin so, too, and go on with such a character, are no image to boot from.
+  const std::string_view first = without_blanks(text);
+  if (begins_with_intel(first)) return read_lines<IntelLines>(text, path.string());
+  if (begins_with_s(first)) return read_lines<SLines>(text, path.string());
   if (text.empty()) throw RomError(fmt::format("{}: holds no byte", path.string()));
   return {text.begin(), text.end()};
 }

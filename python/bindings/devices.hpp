@@ -13,7 +13,8 @@
 /// Calls a cmrc.devices.Attached. Whatever that raises goes through to who runs the chip.
 class PythonDevice final : public machine::BoardDevice {
  public:
-  explicit PythonDevice(py::object attached) : attached_(std::move(attached)) {}
+  explicit PythonDevice(py::object attached)
+      : attached_(std::move(attached)), acts_(attached_.attr("acts_on_others").cast<bool>()) {}
   ~PythonDevice() override {
     const py::gil_scoped_acquire gil;
     attached_ = py::object();
@@ -39,6 +40,7 @@ class PythonDevice final : public machine::BoardDevice {
     const py::gil_scoped_acquire gil;
     return attached_.attr("interrupts")().cast<bool>();
   }
+  bool acts_on_others() const override { return acts_; }
   std::optional<std::string> stateless() const override {
     const py::gil_scoped_acquire gil;
     if (attached_.attr("has_state").cast<bool>()) return std::nullopt;
@@ -67,6 +69,7 @@ class PythonDevice final : public machine::BoardDevice {
 
  private:
   py::object attached_;
+  bool acts_;
 };
 
 /// console, led_changes, type, send and sent of what has devices. \param devices_of may give null: there are none

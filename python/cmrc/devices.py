@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import threading
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
@@ -19,7 +20,8 @@ class Device(Protocol):
 
     It may have more: ``waits``, cycles that each access waits. ``pin``, one of ``PINS``, with ``interrupts() -> bool``, asked after each access: whether it pulls the pin low;
     ``next_event() -> int | None``, the next cycle in which that could change by itself, and ``advance_to(cycle)``, which lets it. ``save() -> bytes`` and ``load(bytes)``:
-    its state, for snapshots, forks and debuggers. What it does must follow from what it was given: then a run is the same every time.
+    its state, for snapshots, forks and debuggers. ``acts_on_others = True``: it stands at several chips, or calls its network (``reset``, ``drive`` and the like); its
+    accesses then come in the order of the whole network. ``join(network)`` gives it the network, and in a fork its copy the fork. What it does must follow from what it was given: then a run is the same every time.
     """
 
     words: int
@@ -30,6 +32,9 @@ class Device(Protocol):
 
     def write(self, offset: int, value: int, cycle: int) -> None:
         """Takes a word."""
+
+
+_calls = threading.local()  # .device: whose method is being called
 
 
 class Attached:
@@ -45,6 +50,7 @@ class Attached:
         self.words = arguments.whole(f"devices: words of the one at {base:X}h", getattr(device, "words", None), "a number of words", 1, 2**32 - base)
         self.waits = arguments.whole(f"devices: waits of the one at {base:X}h", getattr(device, "waits", 0), "a number of cycles", 0, 1_000_000)
         self.pin = self._pin(getattr(device, "pin", None))
+        self.acts_on_others = arguments.flag(f"devices: acts_on_others of the one at {base:X}h", getattr(device, "acts_on_others", False))
         self.has_state = all(callable(getattr(device, method, None)) for method in ("save", "load"))
 
     def _pin(self, pin: object) -> str | None:
@@ -58,12 +64,20 @@ class Attached:
 
     @contextmanager
     def _named(self, what: str) -> Iterator[None]:
+        outer, _calls.device = getattr(_calls, "device", None), self
         try:
             yield
         except BaseException as error:
             if callable(note := getattr(error, "add_note", None)):  # Python 3.11
                 note(f"in {what} of {self.where}")
             raise
+        finally:
+            _calls.device = outer
+
+    def join(self, network: object) -> None:
+        if callable(join := getattr(self.device, "join", None)):
+            with self._named("join()"):
+                join(network)
 
     def read(self, offset: int, cycle: int) -> int:
         with self._named(f"read({offset}, cycle {cycle})"):
@@ -111,9 +125,17 @@ def attached(devices: Mapping[int, Device] | None) -> list[Attached]:
     return places
 
 
-def copied(places: Sequence[Attached]) -> dict[int, Device]:
-    """Devices of their own for a fork."""
-    return {place.base: copy.deepcopy(place.device) for place in places}
+def copied(places: Sequence[Attached], made: dict[int, Any] | None = None) -> dict[int, Device]:
+    """Devices of their own for a fork. ``made``: what copies of other chips' devices have met, so that what they share is copied once."""
+    made = {} if made is None else made
+    return {place.base: copy.deepcopy(place.device, made) for place in places}
+
+
+def refuse_call_that_acts(call: str) -> None:
+    """RuntimeError for a call from inside a device that does not say that it acts on others."""
+    device = getattr(_calls, "device", None)
+    if device is not None and not device.acts_on_others:
+        raise RuntimeError(f"{call}() from inside {device.where}: that is possible for a device with acts_on_others = True (docs/boards.md)")
 
 
 class OneRun:

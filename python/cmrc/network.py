@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import os
+import weakref
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, overload
@@ -16,7 +17,7 @@ from typing import Any, overload
 from cmrc import _core, arguments, snapshots
 from cmrc.c40 import AccessesToNothing, ChipState, Path, Program, assemble_file, read_coff
 from cmrc.debug import Debugger
-from cmrc.devices import PINS, Attached, Device, Front, OneRun, attached, copied
+from cmrc.devices import PINS, Attached, Device, Front, OneRun, attached, copied, refuse_call_that_acts
 from cmrc.snapshots import ChipSnapshot, SnapshotError
 
 NetworkError = _core.network.NetworkError
@@ -200,13 +201,14 @@ class Network(OneRun):
         order = arguments.whole("turn_order", turn_order, "a seed", 0, 2**64 - 1)
         own = _devices(devices, count)
 
-        def make() -> Any:
+        def make() -> tuple[Any, list[list[Attached]]]:
             nonlocal own
             for n, chip in enumerate(chips):
                 chip["devices"] = own[n]
             core = _core.network.Network(chips, wires, topology, shared, joined, order)
-            own = [attached(copied(places)) for places in own]  # of a fork
-            return core
+            its, met = own, dict[int, Any]()
+            own = [attached(copied(places, met)) for places in own]  # of a fork, made before they know this network
+            return core, its
 
         self._take(make, record_words, record_peripherals)
 
@@ -215,15 +217,19 @@ class Network(OneRun):
         """A network as a TOML file describes it (docs/networks.md, Files), the same that ``emulator exec --network`` takes. Raises NetworkError, naming file and line."""
         network = cls.__new__(cls)
         file, order = arguments.path("path", path, "the path of a network file"), arguments.whole("turn_order", turn_order, "a seed", 0, 2**64 - 1)
-        network._take(lambda: _core.network.Network(file, _program, order), record_words, record_peripherals)
+        network._take(lambda: (_core.network.Network(file, _program, order), []), record_words, record_peripherals)
         return network
 
-    def _take(self, make: Callable[[], Any], record_words: bool, record_peripherals: bool) -> None:
+    def _take(self, make: Callable[[], tuple[Any, list[list[Attached]]]], record_words: bool, record_peripherals: bool) -> None:
         self._made = make, record_words, record_peripherals  # for fork
-        self._core = core = make()
+        self._core, devices = make()
+        core = self._core
         core.record_words(arguments.flag("record_words", record_words))
         core.record_peripherals(arguments.flag("record_peripherals", record_peripherals))
         self.chips = [Chip(core.chip(n), core.program(n), n) for n in range(core.chip_count)]
+        for places in devices:
+            for place in places:
+                place.join(weakref.proxy(self))
 
     def run(self, *, until_us: float | None = None, max_cycles: int = 100_000_000) -> NetworkStop:
         """Lets everything happen before an instant (from the start of the network, in microseconds), or before ``max_cycles`` of chip 0."""
@@ -343,11 +349,13 @@ class Network(OneRun):
 
     def drive(self, net: int | str, level: bool | None, at_us: float) -> None:
         """Drives a net high (True) or low (False) from an instant on, or (None) no more. Raises NetworkError for a net that a chip drives, unless that is open-drain."""
+        refuse_call_that_acts("drive")
         kind = "open" if level is None else "high" if arguments.flag("level", level) else "low"
         self._core.schedule(kind, _instant("at_us", at_us), self._net(net))
 
     def pulse(self, net: int | str, at_us: float, *, width_us: float, period_us: float | None = None, count: int | None = None) -> None:
         """Lets a net leave its level at rest for ``width_us``; with ``period_us`` over and over, or ``count`` times."""
+        refuse_call_that_acts("pulse")
         width = arguments.number("width_us", width_us, "a duration in us", 0.0)
         period = None if period_us is None else arguments.number("period_us", period_us, "a duration in us", 0.0)
         pulses = None if count is None else arguments.whole("count", count, "a number of pulses", 1, 2**63 - 1)
@@ -357,6 +365,7 @@ class Network(OneRun):
         return int(self._core.net_named(net)) if isinstance(net, str) else arguments.whole("net", net, "the name or number of a net", 0, 2**31 - 1)
 
     def _schedule(self, kind: str, target: object, at_us: float) -> None:
+        refuse_call_that_acts(kind)
         what = "link" if kind in ("cut", "restore") else "chip"
         self._core.schedule(kind, _instant("at_us", at_us), arguments.whole(what, target, f"the number of a {what}"))
 
@@ -422,6 +431,11 @@ def _devices(given: object, count: int) -> list[list[Attached]]:
     own: list[list[Attached]] = [[] for _ in range(count)]
     for chip, places in (given or {}).items():
         own[arguments.whole("devices", chip, f"the number of a chip, 0 to {count - 1},", 0, count - 1)] = attached(places)
+    seen: dict[int, int] = {}
+    for number, mine in enumerate(own):
+        for place in mine:
+            if seen.setdefault(id(place.device), number) != number and not place.acts_on_others:
+                raise ValueError(f"devices: {place.where} stands at chips {seen[id(place.device)]} and {number}: that is possible for a device with acts_on_others = True (docs/boards.md)")
     return own
 
 

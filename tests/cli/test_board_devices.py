@@ -225,7 +225,7 @@ def test_a_board_that_cannot_be_is_refused_with_the_line(source: Path, tmp_path:
 
 def test_the_dock_has_none(board: Path) -> None:
     done = emulator("--duration", "0.1", "--board", board)
-    assert done.returncode == 2 and "programs and networks have" in done.stderr, done.stderr
+    assert done.returncode == 2 and "device UART: the dock has no devices of a board file" in done.stderr, done.stderr
 
 
 def test_a_console_that_is_not_there_takes_no_input(source: Path, board: Path) -> None:

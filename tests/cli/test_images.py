@@ -1,5 +1,6 @@
 """emulator image and exec --rom: EPROMs from programs and back, over formats, widths and boot sources; formats against objcopy."""
 
+import json
 import shutil
 import subprocess
 from pathlib import Path
@@ -99,6 +100,60 @@ def test_loads_pokes_and_values_waited_for(program: Path, tmp_path: Path) -> Non
     assert never.returncode == 0 and "halt" in never.stdout
 
 
+REPEATS = """
+start:  ldhi    002Fh,ar0
+        or      0FB00h,ar0
+        ldi     0,r0
+        ldi     9,rc
+        rptb    last
+        addi    1,r0
+last:   sti     r0,*ar0
+        ldi     0,r1
+        rpts    9
+        addi    1,r1
+        bd      there
+        addi    1,r2
+        addi    1,r2
+slot:   addi    1,r2
+        addi    99,r2
+there:  sti     r2,*+ar0(1)
+end:    b       end
+"""
+
+
+@pytest.mark.parametrize(
+    ("until", "reason", "registers"),
+    [
+        (["last"], "reached", {"R0": 1}),
+        (["2FFB00h==4"], "holds 00000004h", {"R0": 4}),
+        (["2FFB00h==4", "2FFB00h==3"], "holds 00000003h", {"R0": 3}),
+        (["slot"], "reached", {"R0": 10, "R1": 10, "R2": 2}),
+        (["there", "slot", "2FFB01h==3"], "reached", {"R2": 2}),
+        (["2FFB01h==3"], "holds 00000003h", {"R2": 3}),
+        (["end", "2FFB00h==0FFFFFFFFh"], "reached", {"R2": 3}),
+        (["0x2FFB00==10"], "holds 0000000Ah", {"R0": 10}),
+    ],
+)
+def test_what_is_met_first_ends_the_run_also_in_repeats_and_delayed_branches(tmp_path: Path, until: list[str], reason: str, registers: dict[str, int]) -> None:
+    (tmp_path / "p.asm").write_text(REPEATS)
+    done = emulator("exec", tmp_path / "p.asm", "--json", *(word for text in until for word in ("--until", text)))
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found["stop"]["reason"] == "until" and reason in found["stop"]["message"]
+    assert {name: found["registers"][name] & 0xFFFFFFFF for name in registers} == registers
+
+
+def test_chips_of_a_network_are_poked_loaded_and_stopped(program: Path, tmp_path: Path) -> None:
+    (tmp_path / "three").write_bytes(bytes([1, 0, 0, 0, 2, 0, 0, 0, 3]))
+    done = emulator(
+        "exec", program, program, "--poke", "1:total=0ABh", "--poke", "0:2FFB01h=total", "--load", f"{tmp_path / 'three'}@1:2FFB00h",
+        "--until", "1:again", "--until", "end", "--dump", "0:2FFB00h:2", "--dump", "1:2FFB00h:3", "--dump", "1:total:1", "--dump", "0:total:1",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    for line in ("chip 0 002FFB00: 00000000 002FFA01", "chip 1 002FFB00: 00000001 00000002 00000003", "chip 1 002FFA01: 000000AB", "chip 0 002FFA01: 0000000F"):
+        assert line in done.stdout, done.stdout
+
+
 def test_a_dma_may_write_the_value_that_is_waited_for(tmp_path: Path) -> None:
     (tmp_path / "dma.asm").write_text("""
 start:  ldhi    0010h,ar0
@@ -164,7 +219,15 @@ def test_broken_images_are_refused_with_the_place(tmp_path: Path, text: str, mes
         (["exec", "PROGRAM", "--poke", "total=what"], "behind ="),
         (["exec", "PROGRAM", "--load", "/nowhere@2FF800h"], "/nowhere"),
         (["exec", "PROGRAM", "--until", "70000000h==5"], "no memory of this board"),
-        (["exec", "PROGRAM", "PROGRAM", "--link", "0.0:1.3", "--poke", "total=5"], "for one chip"),
+        (["exec", "PROGRAM", "PROGRAM", "--link", "0.0:1.3", "--poke", "total=5"], '"total=5" is not CHIP:ADDRESS=WORD, which a network needs'),
+        (["exec", "PROGRAM", "PROGRAM", "--poke", "2:total=5"], 'there is no chip "2"; 0 to 1 are possible'),
+        (["exec", "PROGRAM", "PROGRAM", "--load", "ROM@2FF800h"], "is not FILE@CHIP:ADDRESS, which a network needs"),
+        (["exec", "PROGRAM", "PROGRAM", "--load", "ROM@7:2FF800h"], 'there is no chip "7"'),
+        (["exec", "PROGRAM", "PROGRAM", "--until", "total==5"], "the value of a word ends a run of one chip"),
+        (["exec", "PROGRAM", "PROGRAM", "--until", "0:end", "--until", "0:again"], "chip 0 ends at 002FF908h already"),
+        (["exec", "PROGRAM", "PROGRAM", "--until", "end", "--until", "again"], "every chip has an end already"),
+        (["exec", "PROGRAM", "--until", "again", "--until", "nowhere"], '"nowhere" is no symbol of the program'),
+        (["exec", "PROGRAM", "--until", "total=5"], '"total=5" is no symbol of the program'),
         (["image", "PROGRAM", "--format", "tape", "-o", "OUT"], "--format"),
         (["image", "PROGRAM", "--format", "binary", "--width", "12", "-o", "OUT"], "--width"),
         (["image", "PROGRAM", "--format", "boot-stream", "--width", "8", "-o", "OUT"], "a port takes words of 32 bits"),

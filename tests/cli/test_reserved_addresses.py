@@ -219,7 +219,7 @@ def test_the_dock_refuses_such_a_board(emulator: Path, tmp_path: Path) -> None:
         for bus, base, words in (("local", 0x70000000, 0x10000000), ("global", 0xC0000000, 0x40000000))
     )
     done = subprocess.run([emulator, "--duration", "0.1", "--board", board(tmp_path, 'reserved = "ignore"\n' + RAM + windows)], capture_output=True, text=True, check=False)
-    assert done.returncode == 2 and 'reserved: a DSP of the dock stops at addresses without memory; "ignore" is for' in done.stderr
+    assert done.returncode == 2 and 'reserved: a DSP of the dock that leaves its memory has failed, and the run says where; "fault" is expected' in done.stderr
 
 
 # What the loader says

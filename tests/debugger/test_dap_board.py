@@ -6,26 +6,9 @@ from pathlib import Path
 
 from dap import events
 from editor import Editor
+from locations import ROOT
 
-BOARD = """
-[[region]]
-name = "RAM"
-base = 0x300000
-words = 0x10000
-bus = "local"
-
-[[region]]
-name = "devices"
-kind = "window"
-base = 0xA0000000
-words = 0x1000
-bus = "global"
-
-[[device]]
-name = "TTY"
-kind = "console"
-base = 0xA0000000
-"""
+BOARD = ROOT / "examples" / "console.toml"
 SHOUT = """\
         .text
 start:  ldhi    0a000h,ar2
@@ -41,10 +24,10 @@ done:   b       done
 
 
 def test_a_console_speaks_to_the_editor(tmp_path: Path) -> None:
-    for name, text in (("b.toml", BOARD), ("p.asm", SHOUT), ("typed", "hey")):
+    for name, text in (("p.asm", SHOUT), ("typed", "hey")):
         (tmp_path / name).write_text(text)
     with Editor() as editor:
-        editor.begin(program=str(tmp_path / "p.asm"), board=str(tmp_path / "b.toml"), consoleInput=str(tmp_path / "typed"))
+        editor.begin(program=str(tmp_path / "p.asm"), board=str(BOARD), consoleInput=str(tmp_path / "typed"))
         editor.configured()
         editor.wait(events.TerminatedEvent)
         assert "HEY" in editor.outputs

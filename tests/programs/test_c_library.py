@@ -236,24 +236,7 @@ _main:  ldp  @_given
         addi @_cleared,r0
         rets
 """
-BOARD = """
-name = "a console"
-[[region]]
-name = "SRAM"
-base = 0x300000
-words = 0x100000
-bus = "local"
-[[region]]
-name = "window"
-kind = "window"
-base = 0xA0000000
-words = 0x100
-bus = "global"
-[[device]]
-name = "console"
-kind = "console"
-base = 0xA0000000
-"""
+BOARD = ROOT / "examples" / "console.toml"
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS)
@@ -261,7 +244,6 @@ base = 0xA0000000
 def test_start_up_sets_values_calls_main_and_leaves_its_status(convention: str, model: str, tmp_path: Path) -> None:
     source = tmp_path / "program.asm"
     source.write_text(PROGRAM.replace("        .const\n", '        .sect ".const"\n'))
-    (tmp_path / "board.toml").write_text(BOARD)
     made = [*objects(convention), assemble(source, tmp_path)]
     output, placed = tmp_path / "program.out", tmp_path / "map.txt"
     assert link(made, output, "--c-model", model, "--map-output", placed) == ""
@@ -269,12 +251,12 @@ def test_start_up_sets_values_calls_main_and_leaves_its_status(convention: str, 
     assert ("for the loader" in placed.read_text()) == (model == "ram")
     assert image.symbols["cinit"] == (0xFFFFFFFF if model == "ram" else next(section.address for section in image.sections if section.name == ".cinit"))
     spoilt = f"{image.symbols['_cleared']:#x}=77"  # .bss: the ROM model's start-up clears it, the RAM model leaves it to the loader
-    done = subprocess.run([EMULATOR, "exec", output, "--board", tmp_path / "board.toml", "--poke", spoilt, "--json"], capture_output=True, text=True, check=False)
+    done = subprocess.run([EMULATOR, "exec", output, "--board", BOARD, "--poke", spoilt, "--json"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr + done.stdout
     found = json.loads(done.stdout)
     expected = 22 + 33 + (77 if model == "ram" else 0)
     assert (found["stop"]["reason"], found["console"], found["registers"]["R0"] & 0xFFFF_FFFF) == ("halt", "from C\n!", expected)
-    chip = c40.Processor(image, board=tmp_path / "board.toml")
+    chip = c40.Processor(image, board=BOARD)
     chip.memory[image.symbols["_cleared"]] = 77
     stop = chip.run(100_000, until="c_exit")
     assert stop.reason == "until" and chip.registers["R0"] & 0xFFFF_FFFF == expected

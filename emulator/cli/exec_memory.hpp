@@ -1,0 +1,39 @@
+#pragma once
+// What a chip's memory holds when exec begins: the program, a boot stream, ROMs, --load and --poke.
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "c40/chip.hpp"
+#include "cli/options.hpp"
+#include "machine/board_file.hpp"
+#include "toolchain/image.hpp"
+
+namespace cli {
+
+/// From reset on, as the board's pins say.
+struct Boot {
+  c40::Board board;
+  std::optional<int> port;  ///< that brings the program
+};
+
+/// --boot PORT, ADDRESS or reset. \throws InputError
+std::optional<Boot> parse_boot(const ExecOptions& options, const machine::BoardDescription& given);
+/// What a boot loader takes from a port, or finds in memory. \throws InputError
+std::vector<toolchain::Word> stream_for(const toolchain::Image& image, const Boot& boot);
+
+/// FILE@ADDRESS of the option `what`. \throws InputError
+std::pair<std::string, toolchain::Address> file_at(const std::string& text, std::string_view what,
+                                                   const toolchain::Image* image);
+
+/// Whether a ROM is booted: one that is given, or one of the board's.
+bool boots_rom(const ExecOptions& options, const machine::BoardDescription& board);
+/// Fills the memories, and lets the chip stand before its first instruction. \throws InputError
+void prepare(c40::Chip& chip, const ExecOptions& options, const toolchain::Image& image,
+             const machine::BoardDescription& board, const std::optional<Boot>& boot);
+/// --load and --poke, in this order. \throws InputError
+void place_additions(c40::Chip& chip, std::span<const std::string> loads, std::span<const std::string> pokes,
+                     const toolchain::Image* image);
+
+}  // namespace cli

@@ -1,0 +1,39 @@
+#pragma once
+// What exec tells of its one chip when the run is over.
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "cli/board_front.hpp"
+#include "cli/chip_listeners.hpp"
+#include "cli/exec_run.hpp"
+#include "machine/board_reserved.hpp"
+
+namespace cli {
+
+struct Dump {
+  toolchain::Address address;
+  std::vector<toolchain::Word> words;
+};
+
+/// ADDRESS:COUNT of --dump. \throws InputError
+std::pair<toolchain::Address, toolchain::Address> parse_dump(const std::string& text, const toolchain::Image& image);
+/// \throws InputError that begins with `what` for an address without memory
+Dump read_dump(const c40::Chip& chip, toolchain::Address address, toolchain::Address count,
+               std::string_view what = "--dump");
+
+struct ExecReport {
+  const c40::Chip& chip;
+  const Outcome& outcome;
+  std::vector<Dump> dumps;
+  const ChipListeners& listeners;
+  std::optional<double> clock_mhz;
+  bool peripherals = false;
+  const BoardFront& front;
+  const machine::IgnoredAccesses& ignored;
+};
+void print_text(const ExecReport& report);
+void print_json(const ExecReport& report);
+
+}  // namespace cli

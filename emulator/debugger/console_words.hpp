@@ -1,0 +1,61 @@
+#pragma once
+// The words of a debugger's command, and how its answers write times: for the console's own sources only.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "debugger/console.hpp"
+
+namespace debugger {
+
+inline std::string seconds(machine::Time time) {
+  return fmt::format("{:.9f} s", static_cast<double>(time.count()) * 1e-12);
+}
+
+inline std::string_view trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+/// What is left of a command.
+struct Console::Words {
+  std::string_view rest;
+
+  bool empty() const { return trimmed(rest).empty(); }
+  std::string_view next() {
+    rest = trimmed(rest);
+    const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
+    const std::string_view word = rest.substr(0, end);
+    rest = trimmed(rest.substr(end));
+    return word;
+  }
+  std::string_view peek() const {
+    const std::string_view text = trimmed(rest);
+    return text.substr(0, std::min(text.find_first_of(" \t"), text.size()));
+  }
+  bool take(std::string_view word) {
+    if (peek() != word) return false;
+    next();
+    return true;
+  }
+  std::string all() {
+    std::string text(trimmed(rest));
+    rest = {};
+    return text;
+  }
+  void end() const {
+    if (!empty()) throw machine::debug::DebugError(fmt::format("\"{}\": nothing more is expected here", trimmed(rest)));
+  }
+  std::uint64_t count(std::string_view what) {
+    const std::string_view word = next();
+    if (word.empty() || word.size() > 12 || !std::ranges::all_of(word, [](char c) { return c >= '0' && c <= '9'; }))
+      throw machine::debug::DebugError(fmt::format("{}: \"{}\" is none; a number is expected", what, word));
+    return std::stoull(std::string(word));
+  }
+};
+
+}  // namespace debugger
