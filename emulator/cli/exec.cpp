@@ -550,7 +550,7 @@ int exec(const ExecOptions& options) {
   } else {
     io::print("{}", front.text());
     print_text(chip, outcome, dumps, listeners, chosen.clock_mhz, options.peripherals);
-    io::print("{}", ignored.text());
+    io::print("{}{}", ignored.text(), front.hash_text());
   }
   return outcome.reason == "interrupted" ? signals.status(run_failed) : outcome.status;
 }
