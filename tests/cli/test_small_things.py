@@ -3,9 +3,8 @@
 import re
 from pathlib import Path
 
-import pytest
-
 import cmrc
+import pytest
 
 CONFIGURATIONS = [
     ("[[event]]\nat_s = 1\n", "event: no such table; the nearest known table is [[events]]"),

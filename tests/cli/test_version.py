@@ -6,12 +6,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-import pytest
-from locations import ROOT
-
 import cmrc
+import pytest
 from cmrc import _core
 from cmrc.sweeps import identity
+from locations import ROOT
 
 VERSION = re.compile(r"\d+\.\d+\.\d+(\.dev\d+\+g[0-9a-f]{7,}(\.d\d{8})?)?")
 scm = pytest.mark.skipif(shutil.which("git") is None, reason="git is missing")

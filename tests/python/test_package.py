@@ -5,10 +5,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import cmrc
 import pytest
 from locations import BUILD
-
-import cmrc
 
 HEAVY = ("pandas", "pyarrow", "matplotlib", "dask", "distributed", "optuna", "duckdb", "mujoco")
 
