@@ -15,6 +15,7 @@
 #include "toolchain/diagnostics.hpp"
 #include "toolchain/linker.hpp"
 #include "toolchain/memory_map.hpp"
+#include "toolchain/missing_symbol.hpp"
 #include "toolchain/rom_file.hpp"
 
 namespace {
@@ -62,6 +63,8 @@ int guarded(const Action& action) {
   } catch (const toolchain::AssemblyError& error) {
     return fail(error.what(), cli::bad_input);
   } catch (const toolchain::WrongProcessor& error) {
+    return fail(error.what(), cli::bad_input);
+  } catch (const toolchain::MissingSymbol& error) {
     return fail(error.what(), cli::bad_input);
   } catch (const toolchain::CoffError& error) {
     return fail(error.what(), cli::bad_input);

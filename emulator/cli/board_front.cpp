@@ -243,9 +243,10 @@ std::string BoardFront::text() const {
                            described.input->sha256);
     }
   }
-  if (!hash_.empty()) out += fmt::format("hash {}\n", hash_);
   return out;
 }
+
+std::string BoardFront::hash_text() const { return hash_.empty() ? "" : fmt::format("hash {}\n", hash_); }
 
 void BoardFront::add_to(nlohmann::ordered_json& root) const {
   if (empty()) return;

@@ -42,6 +42,8 @@ class BoardFront {
   /// No chip has a device.
   bool empty() const;
   std::string text() const;
+  /// "hash ..." over inputs and states, or nothing where no chip has a device.
+  std::string hash_text() const;
   void add_to(nlohmann::ordered_json& root) const;
 
  private:

@@ -1,10 +1,13 @@
 #include "cli/command_line.hpp"
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include <functional>
 #include <sstream>
 #include <vector>
+
+#include "report/version.hpp"
 
 namespace cli {
 namespace {
@@ -398,6 +401,7 @@ std::variant<Request, Help> parse_command_line(int argc, const char* const* argv
   TraceDiffOptions trace_diff_options;
   VectorOptions vector_options;
 
+  app.set_version_flag("--version", fmt::format("emulator {}", report::emulator_version), "Print the version and end");
   declare_run(app, run_options);
   app.require_subcommand(0, 1);
   Commands commands(app);

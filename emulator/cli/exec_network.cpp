@@ -302,7 +302,7 @@ int exec_network(const ExecOptions& options) {
     print_json(network, stop, dumps, watched, options.peripherals, options.cycles.has_value(), front);
   } else {
     print_text(network, stop, dumps, watched, options.peripherals, options.cycles.has_value());
-    io::print("{}", front.text());
+    io::print("{}{}", front.text(), front.hash_text());
   }
   if (stop.reason == machine::NetworkStop::Reason::interrupted) return signals.status(run_failed);
   if (stop.reason == machine::NetworkStop::Reason::limit && !options.cycles) return run_failed;

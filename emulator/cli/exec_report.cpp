@@ -91,7 +91,7 @@ void print_text(const ExecReport& report) {
     }
   io::print("{}", report.listeners.text());
   if (report.peripherals) io::print("{}", peripherals_text(chip));
-  io::print("{}", report.ignored.text());
+  io::print("{}{}", report.ignored.text(), report.front.hash_text());
 }
 
 void print_json(const ExecReport& report) {

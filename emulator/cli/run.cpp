@@ -132,6 +132,9 @@ int run(const RunOptions& options) {
     files.writes("--trace-instructions", instruction_file(options, slot));
   const report::Window window =
       options.trace_window ? parse_window("--trace-window", *options.trace_window) : report::Window{};
+  if (report::seconds(window.from) >= config.run.duration_s)
+    throw InputError(fmt::format("--trace-window: it begins at {} s, and the run ends at {} s",
+                                 report::seconds(window.from), config.run.duration_s));
 
   std::optional<io::OutputFile> report_file;
   if (options.report) report_file.emplace(*options.report);
@@ -198,6 +201,9 @@ int run(const RunOptions& options) {
       profile_file->commit();
     }
   }
+  if (options.trace_window && window.from > simulation.time())
+    io::print(stderr, "--trace-window: {} has no events; the run was over at {} s, before {} s\n", *options.trace,
+              report::seconds(simulation.time()), report::seconds(window.from));
   if (simulation.interrupted()) return signals.status(success);
   for (const SnapshotRequest& missed : std::span(snapshots).subspan(written))
     io::print(stderr, "--snapshot-at: {} is not written; the run was over at {} s, before {} s\n", missed.file,

@@ -7,31 +7,16 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <sstream>
 
 #include "cmrc/config_invariants.hpp"
 #include "cmrc/process_rows.hpp"
 #include "io/input_file.hpp"
+#include "io/nearest.hpp"
 #include "io/toml.hpp"
 
 namespace cmrc {
 namespace {
-
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
-    }
-  }
-  return row[b.size()];
-}
 
 std::string_view leaf(std::string_view key) {
   const std::size_t dot = key.rfind('.');
@@ -44,13 +29,37 @@ std::string_view nearest(std::string_view key) {
   std::size_t least = std::numeric_limits<std::size_t>::max();
   for (const Key& known : keys()) {
     const std::size_t distance =
-        std::min(edit_distance(key, known.name), edit_distance(leaf(key), leaf(known.name)) + 1);
+        std::min(io::edit_distance(key, known.name), io::edit_distance(leaf(key), leaf(known.name)) + 1);
     if (distance < least) {
       least = distance;
       best = known.name;
     }
   }
   return best;
+}
+
+/// The tables of keys, with the lists of tables in their brackets: "[run]", "[agv.vehicle]", "[[events]]".
+std::vector<std::string> table_names() {
+  std::vector<std::string> names{"[[events]]", "[[tasks]]", "[[processes]]", "[[subprocesses]]"};
+  for (const Key& known : keys()) {
+    const std::string table = fmt::format("[{}]", known.name.substr(0, known.name.rfind('.')));
+    if (std::find(names.begin(), names.end(), table) == names.end()) names.push_back(table);
+  }
+  return names;
+}
+
+/// \throws ConfigError that names the table which the user most likely meant, or all
+[[noreturn]] void refuse_table(const Origin& origin, const std::string& table) {
+  const std::vector<std::string> names = table_names();
+  std::string_view best;
+  std::size_t least = std::max<std::size_t>(2, table.size() / 2) + 1;
+  for (const std::string_view name : names) {
+    const std::size_t first = name.find_first_not_of('['), last = name.find(']');
+    const std::size_t distance = io::edit_distance(table, name.substr(first, last - first));
+    if (distance < least) least = distance, best = name;
+  }
+  if (!best.empty()) refuse(origin, table, "no such table", fmt::format("the nearest known table is {}", best));
+  refuse(origin, table, "no such table", fmt::format("the tables are {}", fmt::join(names, ", ")));
 }
 
 std::optional<std::size_t> find(std::string_view key) {
@@ -85,7 +94,9 @@ std::string what_is_right(const Key& key) {
   return fmt::format("{} from {} to {} is expected{}", noun, key.minimum, key.maximum, unit);
 }
 
-/// The value in the key's own type, range checked.
+constexpr double exact_integers = 9007199254740992.0;  // 2^53: to there every integer is a double
+
+/// The value in the key's own type, range checked. A number without a fraction is an integer.
 Value checked(const Key& key, const Value& value, const Origin& origin) {
   const auto ill_typed = [&]() -> Value {
     refuse(origin, key.name, fmt::format("{} is {}", show(value), noun(value)), what_is_right(key));
@@ -105,10 +116,14 @@ Value checked(const Key& key, const Value& value, const Origin& origin) {
       return value;
     }
     case Key::Type::integer: {
-      const auto* integer = std::get_if<std::int64_t>(&value);
-      if (integer == nullptr) return ill_typed();
-      const auto wide = static_cast<double>(*integer);
-      return wide < key.minimum || wide > key.maximum ? out_of_range() : value;
+      const auto* real = std::get_if<double>(&value);
+      if (real != nullptr && *real != std::floor(*real)) return ill_typed();  // 4.0 is 4; NaN is no integer
+      if (real != nullptr && !(std::abs(*real) <= exact_integers)) return out_of_range();
+      const auto* whole = std::get_if<std::int64_t>(&value);
+      if (real == nullptr && whole == nullptr) return ill_typed();
+      const std::int64_t integer = real != nullptr ? static_cast<std::int64_t>(*real) : *whole;
+      const auto wide = static_cast<double>(integer);
+      return wide < key.minimum || wide > key.maximum ? out_of_range() : Value(integer);
     }
     case Key::Type::number: {
       double number = 0;
@@ -246,10 +261,13 @@ void ConfigBuilder::parse(std::string_view toml, const std::string& name, std::v
       }
       const auto index = find(full);
       if (!index) {
-        // Of an unknown table, the first key inside says more than the table's own name.
-        if (node.is_table() && !node.as_table()->empty()) {
-          self(self, *node.as_table(), full + ".");
-          continue;
+        const toml::array* const list = node.as_array();
+        if (node.is_table() || (list != nullptr && list->is_homogeneous<toml::table>())) {
+          // A key of another table says more than the name of an unknown one.
+          if (node.is_table())
+            for (const auto& [inner, value] : *node.as_table())
+              if (find_leaf(inner.str())) self(self, *node.as_table(), full + ".");
+          refuse_table(key_origin, full);
         }
         refuse(key_origin, full, "no such key", fmt::format("the nearest known key is {}", nearest(full)));
       }

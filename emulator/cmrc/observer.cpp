@@ -60,10 +60,31 @@ void RunObserver::attach(plant::Dock& dock, Course* course, double wind_limit) {
     effort_until_ = time;
     wind_->at(time);
   });
-  dock.on_event([this](const plant::Event& event) { dock_event(event); });
+  dock.on_event([this, crane = dock.config().crane.machine](const plant::Event& event) { dock_event(event, crane); });
 }
 
-void RunObserver::dock_event(const plant::Event& event) {
+namespace {
+
+/// What an event of the dock befell: a joint, an AGV, or nothing by name.
+std::string whose(const plant::Event& event, plant::Machine crane) {
+  if (event.index < 0) return "";
+  const auto index = static_cast<std::size_t>(event.index);
+  switch (event.kind) {
+    case plant::EventKind::joint_limit:
+    case plant::EventKind::drive_stopped:
+    case plant::EventKind::drive_resumed:
+    case plant::EventKind::drive_warm:
+    case plant::EventKind::drive_tripped: return fmt::format(" (joint {})", plant::joint_names(crane).at(index).name);
+    case plant::EventKind::agv_dry:
+    case plant::EventKind::agv_overflow:
+    case plant::EventKind::collision: return fmt::format(" (AGV {})", index);
+    default: return fmt::format(" ({})", index);
+  }
+}
+
+}  // namespace
+
+void RunObserver::dock_event(const plant::Event& event, plant::Machine crane) {
   const auto index = static_cast<std::uint32_t>(event.index);
   const auto add = [&](EventKind kind) { log_.add({event.time, report::plant, kind, {index, 0, 0, 0, 0}}); };
   switch (event.kind) {
@@ -73,9 +94,9 @@ void RunObserver::dock_event(const plant::Event& event) {
     case plant::EventKind::delivered: add(EventKind::delivered); break;
     case plant::EventKind::drive_tripped: {
       static constexpr std::array<std::string_view, 3> why = {"too fast", "too long at its largest code", "too hot"};
-      failures_.push_back({event.time, std::nullopt, "plant",
-                           "drive_tripped (" + std::to_string(event.index) +
-                               "): " + std::string(why.at(static_cast<std::size_t>(event.values[0])))});
+      failures_.push_back(
+          {event.time, std::nullopt, "plant",
+           fmt::format("drive_tripped{}: {}", whose(event, crane), why.at(static_cast<std::size_t>(event.values[0])))});
       break;
     }
     case plant::EventKind::drive_stopped:
@@ -90,8 +111,8 @@ void RunObserver::dock_event(const plant::Event& event) {
     case plant::EventKind::drive_warm:
     case plant::EventKind::collision:
     case plant::EventKind::fault:
-      failures_.push_back({event.time, std::nullopt, "plant",
-                           std::string(plant::name(event.kind)) + " (" + std::to_string(event.index) + ")"});
+      failures_.push_back(
+          {event.time, std::nullopt, "plant", std::string(plant::name(event.kind)) + whose(event, crane)});
       break;
     default: break;
   }

@@ -101,7 +101,7 @@ class RunObserver : public machine::Observer, public HostListener {
   void idle(unsigned slot, bool idle, Time now);
   std::optional<std::size_t> flag_of(machine::Offset offset) const;
   CauseTimes take_snapshot(unsigned slot, machine::Offset offset, Time issued);
-  void dock_event(const plant::Event& event);
+  void dock_event(const plant::Event& event, plant::Machine crane);
 
   const Words words_;
   Ledger& ledger_;

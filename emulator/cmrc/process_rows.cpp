@@ -6,6 +6,9 @@
 #include <array>
 #include <charconv>
 #include <optional>
+#include <span>
+
+#include "io/nearest.hpp"
 
 namespace cmrc {
 namespace {
@@ -46,13 +49,20 @@ std::string list_of(const std::array<std::string_view, n>& names) {
   return quoted_list({names.begin(), names.end()});
 }
 
-/// The fields of one row, taken by name; what is left over is unknown.
+/// The fields of one row, taken by name.
 class Row {
  public:
   Row(const toml::table& table, std::string kind, std::string file)
       : table_(table), kind_(std::move(kind)), file_(std::move(file)) {}
 
   Origin where() const { return place(table_); }
+  /// Before any field is missed: a field that is written wrong is named as it is written.
+  void all_known(std::span<const std::string_view> known) const {
+    for (const auto& [field, node] : table_)
+      if (std::find(known.begin(), known.end(), field.str()) == known.end())
+        refuse(place(node), key(field.str()), "no such field",
+               quoted_list({known.begin(), known.end()}) + " is expected" + io::did_you_mean(field.str(), known));
+  }
   std::string text(std::string_view field, std::optional<std::string> otherwise, std::string_view right) {
     const toml::node* node = take(field);
     if (node == nullptr && otherwise) return *otherwise;
@@ -107,13 +117,6 @@ class Row {
              [&](const toml::node& node) { all.push_back(step_of(node, key(field))); });
     return all;
   }
-  void nothing_left() const {
-    for (const auto& [field, node] : table_) {
-      if (std::find(taken_.begin(), taken_.end(), field.str()) == taken_.end()) {
-        refuse(place(node), key(field.str()), "no such field", quoted_list(taken_) + " is expected");
-      }
-    }
-  }
 
  private:
   Origin place(const toml::node& node) const {
@@ -121,10 +124,7 @@ class Row {
     return {file_, static_cast<std::int64_t>(begin.line), static_cast<std::int64_t>(begin.column)};
   }
   std::string key(std::string_view field) const { return fmt::format("{}.{}", kind_, field); }
-  const toml::node* take(std::string_view field) {
-    taken_.emplace_back(field);
-    return table_.get(field);
-  }
+  const toml::node* take(std::string_view field) const { return table_.get(field); }
   static std::string right_number() { return fmt::format("an integer from 1 to {} is expected", most_processes); }
   unsigned number_in(const toml::node& node, std::string_view field) const {
     const auto value = node.is_integer() ? node.as_integer()->get() : 0;
@@ -171,7 +171,6 @@ class Row {
 
   const toml::table& table_;
   std::string kind_, file_;
-  std::vector<std::string> taken_;
 };
 
 template <typename Use>
@@ -186,7 +185,6 @@ void for_each_row(const toml::node& node, const std::string& kind, const std::st
   for (const toml::node& row : *rows) {
     Row fields(*row.as_table(), kind, file);
     const auto read = use(fields);
-    fields.nothing_left();
     if (std::find(seen.begin(), seen.end(), read) != seen.end()) {
       refuse(fields.where(), kind + ".number", fmt::format("{} is there twice", read),
              "each row has a number of its own");
@@ -214,6 +212,10 @@ std::string numbers_text(std::string_view field, const std::vector<unsigned>& nu
 void read_processes(const toml::node& rows, const std::string& name, ProcessTable& table) {
   for_each_row(rows, "processes", name, [&](auto& fields) {
     static constexpr std::array<std::string_view, 2> notifiers = {"host", "task"};
+    static constexpr std::string_view known[] = {"number", "name",     "robot",  "account", "subprocesses",
+                                                 "steps",  "notify",   "must",   "may",     "initial",
+                                                 "clears", "replaces", "loaded", "final"};
+    fields.all_known(known);
     Process process;
     process.number = fields.number("number");
     process.name = fields.text("name", std::nullopt, "a name for the report is expected");
@@ -238,6 +240,9 @@ void read_processes(const toml::node& rows, const std::string& name, ProcessTabl
 
 void read_subprocesses(const toml::node& rows, const std::string& name, ProcessTable& table) {
   for_each_row(rows, "subprocesses", name, [&](auto& fields) {
+    static constexpr std::string_view known[] = {
+        "number", "name", "crane", "agv", "release", "must", "between_processes", "on_legs"};
+    fields.all_known(known);
     Subprocess row;
     row.number = fields.number("number");
     row.name = fields.text("name", std::nullopt, "a name is expected");

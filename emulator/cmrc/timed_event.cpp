@@ -9,6 +9,7 @@
 
 #include "cmrc/config.hpp"
 #include "cmrc/topology.hpp"
+#include "io/nearest.hpp"
 
 namespace cmrc {
 namespace {
@@ -68,6 +69,15 @@ class Fields {
  public:
   Fields(const std::map<std::string, Field>& fields, const Origin& where) : fields_(fields), where_(where) {}
 
+  /// Before any field is missed: a field that is written wrong is named as it is written.
+  void all_known() const {
+    static constexpr std::array<std::string_view, 10> known = {"at_s", "action", "dsp",      "bus", "joint",
+                                                               "axis", "factor", "lasts_ms", "key", "value"};
+    for (const auto& [name, field] : fields_)
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        refuse(field.origin, "events." + name, "no such field",
+               quoted_list({known.begin(), known.end()}) + " is expected" + io::did_you_mean(name, known));
+  }
   const Field& take(std::string_view name, std::string_view right) {
     const auto found = fields_.find(std::string(name));
     if (found == fields_.end()) refuse(where_, fmt::format("events.{}", name), "is missing", right);
@@ -220,6 +230,7 @@ bool befalls_machine(const TimedEvent& event) {
 
 TimedEvent timed_event(const std::map<std::string, Field>& given, const Origin& where) {
   Fields fields(given, where);
+  fields.all_known();
   TimedEvent event;
   event.origin = where;
   event.at_s = fields.number("at_s", 0, 86400);

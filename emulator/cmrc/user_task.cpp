@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "io/nearest.hpp"
 #include "machine/machine.hpp"
 
 namespace cmrc {
@@ -61,13 +62,17 @@ class Fields {
              "an integer is expected");
     return static_cast<std::int64_t>(value);
   }
-  void nothing_left(std::span<const std::string_view> known) const {
-    if (taken_ == fields_.size()) return;
+  /// Before any field is missed: a field that is written wrong is named as it is written.
+  void all_known(std::span<const std::string_view> known) const {
     for (const auto& [name, field] : fields_) {
       if (name.starts_with("parameter_") || std::find(known.begin(), known.end(), name) != known.end()) continue;
       refuse(field.origin, "tasks." + name, "no such field",
-             quoted_list({known.begin(), known.end()}) + " or \"parameter_0\", \"parameter_1\", ... is expected");
+             quoted_list({known.begin(), known.end()}) + " or \"parameter_0\", \"parameter_1\", ... is expected" +
+                 io::did_you_mean(name, known));
     }
+  }
+  void nothing_left() const {
+    if (taken_ == fields_.size()) return;
     refuse(where_, "tasks.parameter", "the numbers leave a gap",
            "parameter_0, parameter_1, ... one after the other are expected");
   }
@@ -85,6 +90,7 @@ UserTask user_task(const std::map<std::string, Field>& given, const Origin& wher
       "name",        "program",      "kind",     "importance", "importance_waiting", "due_refreshes", "period_ms",
       "deadline_ms", "heartbeat_ms", "argument", "dsp"};
   Fields fields(given, where);
+  fields.all_known(known);
   UserTask task;
   task.origin = where;
   task.name = fields.text("name", "a name for the report is expected");
@@ -118,7 +124,7 @@ UserTask user_task(const std::map<std::string, Field>& given, const Origin& wher
     }
     task.parameters.push_back(field->value);
   }
-  fields.nothing_left(known);
+  fields.nothing_left();
   return task;
 }
 

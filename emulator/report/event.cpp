@@ -9,11 +9,13 @@
 namespace report {
 namespace {
 
-/// How an argument is written: d decimal, h hexadecimal with a leading 0x, s signed decimal.
+/// How an argument is written: d decimal, h hexadecimal with a leading 0x, s signed decimal, n decimal or "none".
 struct Argument {
   std::string_view name;
   char format = 'd';
 };
+
+constexpr std::uint32_t none = 0xFFFFFFFF;  // no container, no place: -1 of the plant
 
 struct KindRow {
   EventKind kind;
@@ -41,10 +43,10 @@ constexpr KindRow kind_rows[] = {
     {EventKind::dropped_write, "dropped_write", {{{"bus"}, {"address", 'h'}, {"value", 'h'}}}},
     {EventKind::process, "process", {{{"number"}, {"state"}, {"robot"}}}},
     {EventKind::miss, "miss", {{{"kind"}, {"tick"}, {"class"}, {"block", 'h'}}}},
-    {EventKind::landed, "landed", {{{"container"}, {"place"}}}},
-    {EventKind::locked, "locked", {{{"container"}}}},
-    {EventKind::opened, "opened", {{{"container"}}}},
-    {EventKind::delivered, "delivered", {{{"container"}}}},
+    {EventKind::landed, "landed", {{{"container", 'n'}, {"place", 'n'}}}},
+    {EventKind::locked, "locked", {{{"container", 'n'}}}},
+    {EventKind::opened, "opened", {{{"container", 'n'}}}},
+    {EventKind::delivered, "delivered", {{{"container", 'n'}}}},
     {EventKind::starved, "starved", {{{"robot"}, {"point"}}}},
     {EventKind::link_lost, "link_lost", {{{"word"}, {"to_dsp"}, {"bytes"}}}},
     {EventKind::scripted, "scripted", {{{"action"}, {"number"}, {"amount_low"}, {"amount_high"}}}},
@@ -106,6 +108,7 @@ std::string to_text(const Event& event) {
     switch (argument.format) {
       case 'h': fmt::format_to(out, " {}={:#x}", argument.name, value); break;
       case 's': fmt::format_to(out, " {}={}", argument.name, static_cast<std::int32_t>(value)); break;
+      case 'n': fmt::format_to(out, " {}={}", argument.name, value == none ? "none" : std::to_string(value)); break;
       default: fmt::format_to(out, " {}={}", argument.name, value);
     }
   }

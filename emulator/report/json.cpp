@@ -1,6 +1,7 @@
 // RunReport as JSON: docs/report.md is the schema. A change of a key's meaning raises schema_version.
 #include "report/errors_json.hpp"
 #include "report/measures_json.hpp"
+#include "report/version.hpp"
 
 namespace report {
 namespace {

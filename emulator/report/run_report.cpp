@@ -2,8 +2,6 @@
 
 namespace report {
 
-const char* const emulator_version = CMRC_VERSION;
-
 std::string name(StopReason reason) {
   switch (reason) {
     case StopReason::under_way: return "under_way";

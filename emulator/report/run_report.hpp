@@ -18,8 +18,6 @@
 namespace report {
 
 inline constexpr int schema_version = 4;
-/// Of the project, as CMakeLists.txt has it: "0.1.0". No part of a run's hash.
-extern const char* const emulator_version;
 
 /// The jobs of one task kind (ruling 16). released = on_time + late + unfinished + never_started + lost + dropped,
 /// always.

@@ -39,9 +39,31 @@ bool can_be_written(std::string_view name) {
          name.find_first_not_of('$') != std::string_view::npos && !(name.size() == 2 && name[0] == '$');
 }
 
-bool is_data(const Image::Section& section) {
+template <class Section>
+bool is_data(const Section& section) {
   static const std::set<std::string_view> names{".data", ".const", ".cinit", ".rodata", ".sysmem"};
   return names.contains(section.name) || section.name.starts_with(".cinit.");
+}
+
+/// The instruction, or of a section of data the word.
+template <class Section>
+std::string meaning(const Section& section, Word word, Address address, const isa::SymbolLookup& lookup, isa::Cpu cpu) {
+  return is_data(section) ? fmt::format(".word {:#010x}", word) : isa::disassemble(word, address, lookup, cpu);
+}
+
+/// Words from `first` on that equal the one there, of which only the first has a label or a relocation. A run of fewer
+/// than 8 is none.
+template <class Words, class Marked>
+std::size_t equal_words(const Words& words, std::size_t first, const Marked& is_marked) {
+  std::size_t end = first + 1;
+  while (end < words.size() && words[end] == words[first] && !is_marked(end)) ++end;
+  return end - first < 8 ? 1 : end - first;
+}
+
+/// Stands for all but the first of a run.
+std::string folded(std::size_t run, Address first) {
+  return run == 1 ? std::string()
+                  : fmt::format("...       {} more of the same, to {:08X}h\n", run - 1, first + run - 1);
 }
 
 /// Adds a label for each branch target in a loaded section that has none.
@@ -74,12 +96,15 @@ std::string disassembly(const Image& image) {
   for (const auto& section : image.sections) {
     fmt::format_to(std::back_inserter(out), "; section {}, {} words at {:08X}h{}\n", section.name, section.size,
                    section.address, section.loaded ? "" : ", reserved");
-    Address address = section.address;
-    for (const Word word : section.words) {
+    const auto is_marked = [&](std::size_t i) { return labels.contains(section.address + static_cast<Address>(i)); };
+    for (std::size_t i = 0, run = 0; i < section.words.size(); i += run) {
+      const Address address = section.address + static_cast<Address>(i);
+      const Word word = section.words[i];
       if (const std::string label = lookup(address); !label.empty()) out += label + ":\n";
       fmt::format_to(std::back_inserter(out), "{:08X}  {:08X}  {}\n", address, word,
-                     isa::disassemble(word, address, lookup, image.cpu));
-      ++address;
+                     meaning(section, word, address, lookup, image.cpu));
+      run = equal_words(section.words, i, is_marked);
+      out += folded(run, address);
     }
   }
   return out;
@@ -98,7 +123,12 @@ std::string disassembly(const Object& object) {
     const auto lookup = lookup_in(labels);
     fmt::format_to(std::back_inserter(out), "; section {}, {} words{}\n", section.name, section.size,
                    section.words.empty() ? ", reserved" : "");
-    for (Address at = 0; at < section.words.size(); ++at) {
+    const auto is_marked = [&](std::size_t i) {
+      const auto offset = static_cast<Address>(i);
+      return labels.contains(section.address + offset) || relocations.contains(offset);
+    };
+    std::size_t run = 0;
+    for (Address at = 0; at < section.words.size(); at += static_cast<Address>(run)) {
       const Address address = section.address + at;
       if (const std::string label = lookup(address); !label.empty()) out += label + ":\n";
       const auto [first, last] = relocations.equal_range(at);
@@ -107,13 +137,15 @@ std::string disassembly(const Object& object) {
         return is_relative(r.second->type) || r.second->type == RelocationType::rel24;
       });
       fmt::format_to(std::back_inserter(out), "{:08X}  {:08X}  {}", address, section.words[at],
-                     isa::disassemble(section.words[at], address, settled ? lookup : isa::SymbolLookup(), object.cpu));
+                     meaning(section, section.words[at], address, settled ? lookup : isa::SymbolLookup(), object.cpu));
       for (auto r = first; r != last; ++r) {
         const int symbol = r->second->symbol;
         fmt::format_to(std::back_inserter(out), "  ; {} {}", name(r->second->type),
                        symbol < 0 ? section.name : object.symbols[static_cast<std::size_t>(symbol)].name);
       }
       out += '\n';
+      run = first == last ? equal_words(section.words, at, is_marked) : 1;
+      out += folded(run, address);
     }
   }
   return out;

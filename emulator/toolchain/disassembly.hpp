@@ -7,7 +7,8 @@
 
 namespace toolchain {
 
-/// Address, word and instruction of every loaded word, with the program's labels.
+/// Address, word and instruction of every loaded word, with the program's labels. A section of data is shown as words;
+/// of 8 or more equal words the first alone.
 std::string disassembly(const Image& image);
 
 /// The same of an object, with its relocations as comments.

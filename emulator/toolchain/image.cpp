@@ -7,12 +7,13 @@
 #include <stdexcept>
 
 #include "io/print.hpp"
+#include "toolchain/missing_symbol.hpp"
 
 namespace toolchain {
 
 Word Image::symbol(std::string_view name) const {
   const auto found = symbols.find(name);
-  if (found == symbols.end()) throw std::out_of_range(fmt::format("the program has no symbol '{}'", name));
+  if (found == symbols.end()) throw MissingSymbol(fmt::format("the program has no symbol '{}'", name));
   return found->second;
 }
 

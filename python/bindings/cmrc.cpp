@@ -21,6 +21,7 @@
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/cmrc.hpp"
 #include "report/run_report.hpp"
+#include "report/version.hpp"
 #include "toolchain/image.hpp"
 
 namespace {

@@ -6,7 +6,18 @@ dock without DSPs. ``cmrc.limits`` and ``cmrc.compare`` run a configuration seve
 ``cmrc.sweep`` runs a whole grid of them, and ``cmrc.search`` looks for the best.
 """
 
-from cmrc import _core, c40, network, plant
+import sys as _sys
+
+from cmrc import _core
+
+if getattr(_core, "__file__", None) is None:  # only the folder of its type stubs is there
+    raise ImportError(
+        f"cmrc: {__path__[0]} has no extension module _core for this Python ({_sys.implementation.cache_tag}); "
+        "a wheel or a build (make build) for this Python is expected",
+        name="cmrc._core",
+    )
+
+from cmrc import c40, network, plant
 from cmrc.differences import Difference, diff
 from cmrc.result import Profile, Result
 from cmrc.simulation import ConfigError, Simulation, Snapshot, read_snapshot, run, write_snapshot

@@ -119,6 +119,11 @@ def disassemble(words: int | Sequence[int], pc: int = 0, *, cpu: str = "c40") ->
     return [str(_core.isa.disassemble(word, at + i & 0xFFFF_FFFF, cpu=processor)) for i, word in enumerate(checked)]
 
 
+def register_page() -> str:
+    """The peripheral registers as docs/peripherals.md has them: tables of names, addresses and fields, in Markdown."""
+    return _core.c40.register_page()
+
+
 @dataclass(frozen=True)
 class Stop:
     """Why a run ended.

@@ -55,12 +55,9 @@ class Run:
 
     def key(self) -> str:
         """Names the run: the same configuration on the same emulator has the same key."""
-        from cmrc import _core
+        from cmrc.sweeps.identity import build
 
-        built = Path(_core.__file__).stat()
-        return hashlib.sha256(
-            json.dumps([asdict(self), built.st_size, built.st_mtime_ns], sort_keys=True).encode()
-        ).hexdigest()[:24]
+        return hashlib.sha256(json.dumps([asdict(self), build()], sort_keys=True).encode()).hexdigest()[:24]
 
     def cost(self) -> float:
         """Grows with the time that the run will take."""

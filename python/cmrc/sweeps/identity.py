@@ -17,8 +17,17 @@ from cmrc.sweeps.grid import Point
 
 @cache
 def build() -> str:
-    """SHA-256 of the emulator's library: two builds never share results."""
-    return hashlib.sha256(Path(_core.__file__).read_bytes()).hexdigest()
+    """SHA-256 of the emulator's library without its version: builds that differ in more never share results."""
+    return digest_without_version(Path(_core.__file__).read_bytes(), _core.cmrc.emulator_version)
+
+
+def digest_without_version(library: bytes, version: str) -> str:
+    """SHA-256 of a library whose version (emulator/report/version.cpp.in) reads as zeros. Raises ValueError if the
+    version does not stand there once."""
+    text = version.encode().ljust(64, b"\0")
+    if library.count(text) != 1:
+        raise ValueError(f"the version {version} stands {library.count(text)} times in the library; once is expected")
+    return hashlib.sha256(library.replace(text, bytes(64))).hexdigest()
 
 
 def key_of(config: _core.cmrc.Config) -> str:

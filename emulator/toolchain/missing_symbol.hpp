@@ -1,0 +1,13 @@
+#pragma once
+// A program without a symbol that it must have.
+#include <stdexcept>
+
+namespace toolchain {
+
+/// "the program has no symbol 'X'": of Image::symbol. An out_of_range, so that Python sees an IndexError.
+class MissingSymbol : public std::out_of_range {
+ public:
+  using std::out_of_range::out_of_range;
+};
+
+}  // namespace toolchain

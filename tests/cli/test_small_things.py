@@ -1,0 +1,66 @@
+"""What a user meets: names that are nearly right, windows after the end, programs shown and refused."""
+
+import re
+from pathlib import Path
+
+import cmrc
+import pytest
+
+CONFIGURATIONS = [
+    ("[[event]]\nat_s = 1\n", "event: no such table; the nearest known table is [[events]]"),
+    ("[[task]]\nname = 1\n", "task: no such table; the nearest known table is [[tasks]]"),
+    ("[sheduling]\nzzz = 1\n", "sheduling: no such table; the nearest known table is [scheduling]"),
+    ("[machin]\ndsps = 4\n", "machin.dsps: no such key; the nearest known key is machine.dsps"),
+    ('[[tasks]]\nprogramm = "x"\n', 'tasks.programm: no such field; '),
+    ('[[tasks]]\nprogramm = "x"\n', 'did you mean "program"?'),
+    ("[[events]]\nat = 1\n", 'did you mean "at_s"?'),
+    ("[[processes]]\nnumbr = 1\n", 'did you mean "number"?'),
+    ("[[subprocesses]]\nnam = 1\n", 'did you mean "name"?'),
+]
+
+
+@pytest.mark.parametrize(("text", "message"), CONFIGURATIONS)
+def test_an_unknown_name_gets_the_right_nearest_one(run, tmp_path: Path, text: str, message: str) -> None:
+    (tmp_path / "c.toml").write_text(text)
+    done = run("config", "--config", "c.toml")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert message in done.stderr
+
+
+def test_a_folder_is_no_configuration(run, tmp_path: Path) -> None:
+    done = run("config", "--config", tmp_path)
+    assert done.returncode == 2
+    assert "is a directory; the name of a TOML file is expected" in done.stderr
+
+
+def test_a_number_without_a_fraction_is_an_integer() -> None:
+    assert cmrc.Simulation(dsps=4.0).config.to_toml() == cmrc.Simulation(dsps=4).config.to_toml()
+    for wrong in (4.5, True, float("nan"), float("inf"), 1e300):
+        with pytest.raises(cmrc.ConfigError, match=r"machine.dsps: .*an integer from 1 to 16 is expected"):
+            cmrc.Simulation(dsps=wrong)
+
+
+def test_a_trace_window_after_the_end_is_refused(run, tmp_path: Path) -> None:
+    done = run("--duration", 1, "--trace", "t", "--trace-window", "2:3")
+    assert done.returncode == 2
+    assert "--trace-window: it begins at 2 s, and the run ends at 1 s" in done.stderr
+    assert not (tmp_path / "t").exists()
+
+
+def test_programs_without_a_symbol_are_bad_input(run, tmp_path: Path) -> None:
+    (tmp_path / "dsp.asm").write_text("        .text\n_start: b _start\n        .end\n")
+    done = run("--programs", tmp_path, "--duration", 1)
+    assert done.returncode == 2
+    assert "the program has no symbol" in done.stderr
+
+
+def test_disasm_folds_equal_words_and_shows_data_as_data(run, tmp_path: Path) -> None:
+    (tmp_path / "p.asm").write_text(
+        "        .text\n_start: b _start\n        .data\nx:      .word 1\n        .space 20\ny:      .word 7\n"
+    )
+    lines = run("disasm", "p.asm").stdout.splitlines()
+    [first] = [i for i, line in enumerate(lines) if line.endswith("00000001  .word 0x00000001")]
+    assert re.fullmatch(r"[0-9A-F]{8}  00000000  \.word 0x00000000", lines[first + 1])
+    assert re.fullmatch(r"\.\.\.       19 more of the same, to [0-9A-F]{8}h", lines[first + 2])
+    assert lines[first + 3] == "y:"
+    assert lines[first + 4].endswith("00000007  .word 0x00000007")
