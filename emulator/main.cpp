@@ -26,7 +26,7 @@ using Action = std::function<int()>;
 struct Perform {
   int operator()(const cli::RunOptions& options) const { return cli::run(options); }
   int operator()(const cli::ConfigOptions& options) const { return cli::print_config(options); }
-  int operator()(const cli::LimitsOptions& options) const { return cli::limits(options); }
+  int operator()(const cli::CmrcCommandOptions& options) const { return cli::cmrc_command(options); }
   int operator()(const cli::CompareOptions& options) const { return cli::compare(options); }
   int operator()(const cli::AssembleOptions& options) const { return cli::assemble(options); }
   int operator()(const cli::DisassembleOptions& options) const { return cli::disassemble(options); }

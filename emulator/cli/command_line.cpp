@@ -77,16 +77,12 @@ void declare_run(CLI::App& app, RunOptions& options) {
   app.add_flag("--quiet", options.quiet, "No progress line and no report on the terminal");
 }
 
-void declare_limits(CLI::App& app, LimitsOptions& options) {
-  declare_settings(app, options.run);
-  app.add_option("--cycles", options.cycles,
-                 "Factors on the time of an instruction cycle to try, e.g. 1:3:0.25 or 1,2,4")
-      ->type_name("GRID");
-  app.add_option("--dsps-grid", options.dsps, "Numbers of DSPs to try, e.g. 1:8")->type_name("GRID");
-  app.add_option("--servo", options.servo, "Servo frequencies f_p in Hz to try, e.g. 500:4000:250")->type_name("GRID");
-  app.add_flag("--errors", options.errors,
-               "Run every point to its end, and tell what it cost: realised rates, load error, lag");
-  app.add_option("--json", options.json, "Also write the result as JSON (docs/report.md, Limits)")->type_name("FILE");
+/// Its options are the package's: they are handed on as they are, --help too.
+void declare_cmrc_command(CLI::App& app, CmrcCommandOptions& options) {
+  options.name = app.get_name();
+  app.prefix_command();
+  app.set_help_flag();
+  app.final_callback([&app, &options] { options.arguments = app.remaining(); });
 }
 
 void declare_compare(CLI::App& app, CompareOptions& options) {
@@ -388,7 +384,7 @@ std::variant<Request, Help> parse_command_line(int argc, const char* const* argv
       "whether the control tasks met their deadlines."};
   RunOptions run_options;
   ConfigOptions config_options;
-  LimitsOptions limits_options;
+  CmrcCommandOptions limits_options;
   CompareOptions compare_options;
   AssembleOptions assemble_options;
   DisassembleOptions disassemble_options;
@@ -406,8 +402,8 @@ std::variant<Request, Help> parse_command_line(int argc, const char* const* argv
   app.require_subcommand(0, 1);
   Commands commands(app);
   commands.add("config", "Print the configuration that a run would have, as TOML", declare_config, config_options);
-  commands.add("limits", "Scan for the first missed deadline: longer instruction cycles, fewer DSPs, a faster servo",
-               declare_limits, limits_options);
+  commands.add("limits", "Scan for the first missed deadline (starts cmrc limits)", declare_cmrc_command,
+               limits_options);
   commands.add("compare", "Run beside the same run with instant execution: what delays and misses cost",
                declare_compare, compare_options);
   commands.add("asm", "Assemble a C4x program", declare_assemble, assemble_options);

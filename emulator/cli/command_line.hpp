@@ -8,7 +8,7 @@
 namespace cli {
 
 /// One command with its options.
-using Request = std::variant<RunOptions, ConfigOptions, LimitsOptions, CompareOptions, AssembleOptions,
+using Request = std::variant<RunOptions, ConfigOptions, CmrcCommandOptions, CompareOptions, AssembleOptions,
                              DisassembleOptions, LinkOptions, ClassifyOptions, ImageOptions, ExecOptions, DebugOptions,
                              DapOptions, TraceDiffOptions, VectorOptions>;
 /// What --help prints.

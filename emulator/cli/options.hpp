@@ -57,11 +57,10 @@ struct ConfigOptions {
   bool processes = false;  ///< Only the rows of processes and sub-processes that are built in.
 };
 
-struct LimitsOptions {
-  RunOptions run;
-  std::optional<std::string> cycles, dsps, servo;  ///< grids
-  bool errors = false;
-  std::optional<std::string> json;
+/// A command of the Python package: what stands after its name.
+struct CmrcCommandOptions {
+  std::string name;
+  std::vector<std::string> arguments;
 };
 
 struct CompareOptions {
@@ -182,7 +181,8 @@ struct VectorOptions {
 // Each returns an exit status; throws InputError or the rooms' own input errors.
 int run(const RunOptions& options);
 int print_config(const ConfigOptions& options);
-int limits(const LimitsOptions& options);
+/// Does not return where the command starts. \throws InputError where there is no Python package beside the program
+int cmrc_command(const CmrcCommandOptions& options);
 int compare(const CompareOptions& options);
 int assemble(const AssembleOptions& options);
 int disassemble(const DisassembleOptions& options);

@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "c40/chip.hpp"
-#include "cmrc/child_processes.hpp"
 #include "cmrc/ideal.hpp"
 #include "cmrc/simulation.hpp"
+#include "io/child_process.hpp"
 #include "io/stop.hpp"
 #include "machine/machine.hpp"
 #include "report/comparison.hpp"
@@ -79,7 +79,7 @@ ReferenceRun::ReferenceRun(const Config& config)
       shared_(std::make_unique<Shared>()) {
   const Config made = reference_of(config);
   reference_->key = to_toml(made);
-  child_ = std::make_unique<ChildProcess>([&] {
+  child_ = std::make_unique<io::ChildProcess>([&] {
     Simulation simulation(made, std::shared_ptr<Course>(reference_, &reference_->course));
     std::uint64_t before = 0;
     const auto go_on = [&](const Progress& progress) {

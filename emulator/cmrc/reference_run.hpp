@@ -6,9 +6,11 @@
 #include "cmrc/config.hpp"
 #include "cmrc/measures.hpp"
 
-namespace cmrc {
-
+namespace io {
 class ChildProcess;
+}
+
+namespace cmrc {
 
 /// The configuration of a run's ideal run: the same for every number of DSPs, so that one may serve them all.
 Config reference_of(Config config);
@@ -32,7 +34,7 @@ class ReferenceRun {
   struct Shared;
   std::shared_ptr<Reference> reference_;
   std::unique_ptr<Shared> shared_;
-  std::unique_ptr<ChildProcess> child_;
+  std::unique_ptr<io::ChildProcess> child_;
 };
 
 }  // namespace cmrc

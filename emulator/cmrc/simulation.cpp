@@ -446,6 +446,8 @@ void Simulation::run(const std::function<bool(const Progress&)>& on_progress, re
   if (ended()) parts_->log.flush();
 }
 
+std::uint64_t Simulation::misses() const { return parts_->ledger.misses(); }
+
 Snapshot Simulation::snapshot() {
   Parts& p = *parts_;
   p.require_no_profile("snapshot");

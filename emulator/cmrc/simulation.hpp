@@ -91,6 +91,8 @@ class Simulation {
   bool ended() const;
   /// As far as the run has come.
   report::Time time() const;
+  /// Jobs that have ended late, been dropped or lost so far.
+  std::uint64_t misses() const;
 
   /// \throws std::runtime_error when the ideal run has died; io::Stopped while it waits for the ideal run: it may be
   /// called again

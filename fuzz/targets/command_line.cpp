@@ -1,7 +1,6 @@
 // Arguments, one per line, and the configuration that those of a run make. No file that they name is opened.
 #include "cli/command_line.hpp"
 
-#include "cli/grid.hpp"
 #include "cli/settings.hpp"
 #include "fuzz/target.hpp"
 
@@ -26,11 +25,6 @@ struct Check {
   }
   void operator()(const cli::ConfigOptions& options) const { (*this)(options.run); }
   void operator()(const cli::CompareOptions& options) const { (*this)(options.run); }
-  void operator()(const cli::LimitsOptions& options) const {
-    for (const auto& grid : {options.cycles, options.dsps, options.servo})
-      if (grid) cli::parse_grid(*grid, "--grid");
-    (*this)(options.run);
-  }
   template <class Others>
   void operator()(const Others&) const {}
 };

@@ -364,6 +364,7 @@ void bind_simulation(py::module_& m) {
           "A word of shared memory.")
       .def("symbol", [](const Run& r, const std::string& name) { return r.read("symbol").machine().symbol(name); })
       .def_property_readonly("time_s", [](const Run& r) { return report::seconds(r.read("time_s").time()); })
+      .def_property_readonly("misses", [](const Run& r) { return r.read("misses").misses(); })
       .def_property_readonly("ended", [](const Run& r) { return r.read("ended").ended(); })
       .def_property_readonly(
           "exit_status",

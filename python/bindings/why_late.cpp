@@ -6,7 +6,6 @@
 
 #include "cmrc/compare.hpp"
 #include "cmrc/ledger.hpp"
-#include "cmrc/limits.hpp"
 #include "python/bindings/ctrl_c.hpp"
 #include "report/run_report.hpp"
 
@@ -84,44 +83,11 @@ class Scene {
   cmrc::Ledger ledger_;
 };
 
-using Grid = std::optional<std::vector<double>>;
-
-std::pair<std::string, std::string> limits(const cmrc::Config& config, const Grid& cycles, const Grid& dsps,
-                                           const Grid& servo, bool errors, const py::object& on_progress) {
-  cmrc::LimitGrids grids{cycles.value_or(std::vector<double>{}), dsps.value_or(std::vector<double>{}),
-                         servo.value_or(std::vector<double>{})};
-  if (!cycles && !dsps && !servo) grids = cmrc::LimitGrids::standard(config);
-  const auto progress = [&](std::size_t done, std::size_t points) {
-    const py::gil_scoped_acquire gil;
-    if (!on_progress.is_none()) on_progress(done, points);
-  };
-  const report::Limits found =
-      interruptible_without_gil([&] { return cmrc::find_limits(config, grids, errors, progress); });
-  return {to_text(found), to_json(found)};
-}
-
 }  // namespace
 
 void bind_why_late(py::module_& core) {
   using namespace py::literals;
-  py::module_ m = core.def_submodule("why_late", "Chains of causes, limits, and what a miss costs (docs/report.md).");
-  m.def("limits", &limits, "config"_a, "cycles"_a, "dsps"_a, "servo"_a, "errors"_a, "on_progress"_a,
-        "Text and JSON of a scan; all grids None: the standard ones.");
-  m.def(
-      "scan_outcome",
-      [](const std::vector<std::pair<double, std::optional<bool>>>& points, bool more_is_harder) {
-        report::LimitScan scan;
-        scan.more_is_harder = more_is_harder;
-        for (const auto& [value, passed] : points) {
-          report::LimitPoint& point = scan.points.emplace_back();
-          point.value = value;
-          point.ran = passed.has_value();
-          point.passed = passed.value_or(false);
-        }
-        return std::pair(scan.limit(), scan.beyond());
-      },
-      "points"_a, "more_is_harder"_a,
-      "Limit of a scan, and what passes beyond a miss. A point that passed None has not been run.");
+  py::module_ m = core.def_submodule("why_late", "Chains of causes, and what a miss costs (docs/report.md).");
   m.def(
       "compare",
       [](const cmrc::Config& config) {

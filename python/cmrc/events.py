@@ -1,4 +1,4 @@
-"""``cmrc events RUN -o FILE.parquet``: the events of a run as a Parquet table, for DuckDB and its like.
+"""The events of a run as a Parquet table, for DuckDB and its like.
 
 A row is an event of docs/trace.md, in their order: ``time_ps`` (int64, picoseconds), ``component`` and ``event`` (text), ``task`` (text: the kind of
 the block that it is about, as the report calls it, else null), and a column of int64 for each name of an argument, null where the event has none.
@@ -6,11 +6,8 @@ the block that it is about, as the report calls it, else null), and a column of 
 
 from __future__ import annotations
 
-import argparse
 import os
-import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -165,34 +162,3 @@ def write(batches: Iterable[pa.RecordBatch], path: str | os.PathLike[str]) -> in
         if writer is not None:
             writer.close()
     return rows
-
-
-def declare(commands: Any) -> None:
-    """Adds the command to an argument parser's commands."""
-    command = commands.add_parser("events", help="the events of a run as a Parquet table (docs/timelines.md)")
-    command.add_argument("run", metavar="RUN", help="an event trace, or a configuration (.toml) to run")
-    command.add_argument("-o", "--output", metavar="FILE.parquet", required=True, help="the table")
-    command.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a setting, where RUN is a configuration")
-
-
-def _show(simulated_s: float, duration_s: float) -> None:
-    end = "" if simulated_s < duration_s else "\n"
-    print(f"\r{simulated_s:.1f} s of {duration_s:g} s", end=end, file=sys.stderr, flush=True)
-
-
-def main(given: argparse.Namespace, settings: Mapping[str, Setting]) -> None:
-    """The command. Raises ValueError, OSError, ImportError, ConfigError."""
-    run, output = Path(given.run), Path(given.output)
-    needed()
-    roles = files.FileRoles()
-    roles.reads("RUN", run)
-    roles.writes("--output", output)
-    if not output.absolute().parent.is_dir() or output.is_dir():
-        raise ValueError(f"{output}: is not a file in a folder that is there")
-    if run.suffix == ".toml":
-        batches = of_configuration(run, settings, _show if sys.stderr.isatty() else None)
-    elif settings:
-        raise ValueError("--set: RUN is a trace; only a configuration takes settings")
-    else:
-        batches = of_trace(run)
-    print(f"{files.printable(str(output))}: {write(batches, output)} events")

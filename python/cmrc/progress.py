@@ -31,12 +31,12 @@ class ProgressLine:
         self.last = self.began - (TERMINAL_S if self.terminal else LOG_S) + SILENT_S
         self.width = 0
 
-    def show(self, text: str) -> None:
-        """As often as is convenient."""
-        now = time.monotonic()
-        if now - self.last < (TERMINAL_S if self.terminal else LOG_S):
+    def show(self, text: str, now: bool = False) -> None:
+        """As often as is convenient; with ``now`` each is shown."""
+        time_s = time.monotonic()
+        if not now and time_s - self.last < (TERMINAL_S if self.terminal else LOG_S):
             return
-        self.last = now
+        self.last = time_s
         line = f"{self.what}: {text}"
         if self.terminal:
             self.stream.write("\r" + line.ljust(self.width))
@@ -45,11 +45,11 @@ class ProgressLine:
             self.stream.write(line + "\n")
         self.stream.flush()
 
-    def of(self, done: float, whole: float, unit: str = "s simulated") -> None:
+    def of(self, done: float, whole: float, unit: str = "s simulated", now: bool = False) -> None:
         """So much of it is done, and how much time it may still take."""
         spent = time.monotonic() - self.began
         left = f", about {spent / done * (whole - done):.0f} s left" if 0 < done < whole else ""
-        self.show(f"{done:.4g} of {whole:.4g} {unit}{left}")
+        self.show(f"{done:.4g} of {whole:.4g} {unit}{left}", now)
 
     @contextmanager
     def beating(self, text: str = "running") -> Iterator[None]:

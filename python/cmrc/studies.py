@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from cmrc import _core, arguments
+from cmrc.limit_scans import Scans
 from cmrc.simulation import Setting, configured
 from cmrc.table import Table
 
@@ -25,7 +26,7 @@ class Limits:
         self.text = text
         """As the terminal shows it."""
         self.report: dict[str, Any] = dict(found)
-        """As the JSON of ``emulator limits --json`` has it."""
+        """As the JSON of ``cmrc limits --json`` has it."""
 
     def limit(self, scan: str) -> float | None:
         """The limit of ``"cycles"``, ``"dsps"`` or ``"servo"``; None where the easiest point misses. KeyError if it was not scanned."""
@@ -89,11 +90,23 @@ def limits(
     number of DSPs. ``on_progress(done, points)`` is told of every run that ends. Raises ConfigError for an empty grid or a value given twice; a point whose
     configuration is not allowed is reported as refused, not raised.
     """
-    made = configured(config, preset, settings, events, keywords)
     arguments.function("on_progress", on_progress, "a function of (done, points) or None")
+    made = configured(config, preset, settings, events, keywords)
+    scans = scans_of(made, cycles, dsps, servo, errors)
+    scans.run(on_progress)
+    return Limits(scans.text(), scans.report())
+
+
+def scans_of(
+    config: _core.cmrc.Config,
+    cycles: Iterable[float] | None,
+    dsps: Iterable[float] | None,
+    servo: Iterable[float] | None,
+    errors: bool,
+) -> Scans:
+    """What ``limits`` is about to run."""
     grids = _grid("cycles", cycles), _grid("dsps", dsps), _grid("servo", servo)
-    text, found = _core.why_late.limits(made, *grids, arguments.flag("errors", errors), on_progress)
-    return Limits(text, json.loads(found))
+    return Scans(config, *grids, errors=arguments.flag("errors", errors))
 
 
 def compare(
@@ -105,5 +118,9 @@ def compare(
     **keywords: Unpack[Settings],
 ) -> Comparison:
     """The run beside the same run with instant execution (``run.ideal``), both at the same time. Arguments as of ``run``."""
-    text, found = _core.why_late.compare(configured(config, preset, settings, events, keywords))
+    return compared(configured(config, preset, settings, events, keywords))
+
+
+def compared(config: _core.cmrc.Config) -> Comparison:
+    text, found = _core.why_late.compare(config)
     return Comparison(text, json.loads(found))

@@ -1,18 +1,28 @@
-"""emulator limits and emulator compare: answers that are known beforehand, and bad input."""
+"""cmrc limits, which emulator limits starts, and compare: answers that are known beforehand, and bad input."""
 
 import json
+import os
+import shutil
 import subprocess
+import sys
+from pathlib import Path
 
 import cmrc
 import pytest
-from cmrc import _core
+from cmrc.limit_scans import Scan
 from locations import AT_ONCE, BUILD
 
 EMULATOR = BUILD / "bin" / "emulator"
 
 
 def test_the_limit_is_where_all_passes_and_anomalies_lie_beyond() -> None:
-    outcome = _core.why_late.scan_outcome
+    def outcome(points: list[tuple[float, bool | None]], more_is_harder: bool) -> tuple[float | None, list[float]]:
+        scan = Scan("cycles", "key", "meaning", more_is_harder)
+        scan.points = [
+            {"value": value, "ran": passed is not None, "passed": bool(passed), "refused": None} for value, passed in points
+        ]
+        return scan.limit(), scan.beyond()
+
     assert outcome([(1, True), (2, True), (3, False), (4, True), (5, False)], True) == (2, [4])
     assert outcome([(1, True), (2, False), (3, True), (4, True)], False) == (3, [1])
     assert outcome([(1, False), (2, True)], True) == (None, [2])
@@ -69,12 +79,58 @@ def test_grids_that_are_ill_typed(grid: str) -> None:
     assert run.returncode == 2 and "--cycles" in run.stderr and run.stdout == ""
 
 
-def test_the_command_and_python_agree(tmp_path) -> None:  # type: ignore[no-untyped-def]
+def test_the_command_and_python_agree(tmp_path: Path) -> None:
     file = tmp_path / "limits.json"
     command = [EMULATOR, "limits", "--dsps-grid", "1:2", "--duration", "0.03", "--json", file]
     run = subprocess.run(command, capture_output=True, text=True, check=True)
     found = cmrc.limits(dsps=[1, 2], duration_s=0.03)
     assert json.loads(file.read_text()) == found.report and run.stdout == found.text
+
+
+def test_without_the_package_beside_it_the_program_says_how_to_get_it(tmp_path: Path) -> None:
+    alone = tmp_path / "emulator"
+    shutil.copy(EMULATOR, alone)
+    run = subprocess.run([alone, "limits", "--dsps-grid", "1:2"], capture_output=True, text=True, check=False)
+    assert run.returncode == 2 and run.stdout == ""
+    assert f"{tmp_path}/cmrc cannot be started: No such file" in run.stderr and "pip install" in run.stderr
+
+
+def test_the_program_hands_on_what_it_is_given(tmp_path: Path) -> None:
+    shutil.copy(EMULATOR, tmp_path / "emulator")
+    (tmp_path / "cmrc").write_text('#!/bin/sh\nfor word in "$@"; do echo "<$word>"; done\nexit 7\n')
+    (tmp_path / "cmrc").chmod(0o755)
+    given = ["limits", "--help", "--set", "a=b c", "--dsps-grid", "1:2", "-x", "--", "--duration", "*"]
+    run = subprocess.run([tmp_path / "emulator", *given], capture_output=True, text=True, check=False)
+    assert run.returncode == 7 and run.stdout.splitlines() == [f"<{word}>" for word in given]
+
+
+def test_every_setting_of_the_emulator_can_be_given(tmp_path: Path) -> None:
+    """What emulator limits took before it was cmrc's."""
+    (tmp_path / "c.toml").write_text("[machine]\ndsps = 3\n")
+    given = ["--config", "c.toml", "--preset", "saturated", "--duration", "0.022", "--seed", "2", "--turn-order", "3"]
+    given += ["--topology", "single", "--idle-policy", "pause", "--eq7", "as_printed", "--set", "host.start_ms=0x0"]
+    command = [EMULATOR, "limits", "--cycles", "1", "--json", "l.json", *given]
+    run = subprocess.run(command, capture_output=True, text=True, check=True, cwd=tmp_path)
+    settings = {"bus.topology": "single", "scheduling.equation": "as_printed", "host.start_ms": 0}
+    found = cmrc.limits(cycles=[1], config=tmp_path / "c.toml", preset="saturated", duration_s=0.022, seed=2, turn_order=3, idle_policy="pause", settings=settings)
+    assert run.stdout == found.text and json.loads((tmp_path / "l.json").read_text()) == found.report
+    for bad in (["--json", "c.toml"], ["--json", "none/l.json"], ["--board", "none.toml"], ["--dsps", "99"], ["--idle-policy", "x"]):
+        run = subprocess.run([EMULATOR, "limits", "--config", "c.toml", *bad], capture_output=True, text=True, check=False, cwd=tmp_path)
+        assert run.returncode == 2 and run.stdout == "" and run.stderr.startswith("cmrc limits: "), run.stderr
+    assert (tmp_path / "c.toml").read_text() == "[machine]\ndsps = 3\n"
+
+
+def test_a_point_whose_process_is_killed_is_an_error_that_says_so(tmp_path: Path) -> None:
+    script = (
+        "import os, signal, cmrc.processes as p\n"
+        "with p.Helpers('cmrc.limit_worker', 1) as helpers:\n"
+        "    os.kill(helpers.processes[0].pid, signal.SIGKILL)\n"
+        "    try: list(helpers.answers([{'toml': '', 'to_its_end': False}]))\n"
+        "    except RuntimeError as error: print(error)\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(BUILD / "python")}
+    run = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment)
+    assert run.stdout == "the process of a run ended by SIGKILL\n"
 
 
 def test_an_ideal_run_answers_within_a_latch_and_misses_nothing() -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import cmrc
 import pytest
 from cmrc.__main__ import main
-from cmrc.experiment_commands import numbers, setting
+from cmrc.commands.common import numbers, setting
 from cmrc.progress import ProgressLine
 from locations import BUILD
 

@@ -12,6 +12,7 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from cmrc.extras import needed
+from cmrc.processes import environment
 from cmrc.sweeps.store import SweepError
 
 CONNECT_S = 30.0
@@ -62,11 +63,10 @@ class _Processes:
         self._fork_all()
 
     def _start(self) -> None:
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
         command = [sys.executable, "-m", "cmrc.sweeps.local_worker", str(os.getpid())]
         self.forker = subprocess.Popen(
             command,
-            env=environment,
+            env=environment(),
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,

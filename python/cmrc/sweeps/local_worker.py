@@ -12,7 +12,7 @@ import select
 import signal
 import sys
 
-from cmrc.sweeps.alone import die_with_parent
+from cmrc.processes import die_with_parent
 
 
 async def work(address: str, name: str) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import socket
 import subprocess
 import sys
@@ -13,6 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from cmrc import _core
+from cmrc.processes import ended, environment
 from cmrc.sweeps import store
 from cmrc.sweeps.identity import build, key_of
 
@@ -89,9 +89,8 @@ class Alone:
         import cloudpickle
 
         command = [sys.executable, "-m", "cmrc.sweeps.alone"]
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
         asked = cloudpickle.dumps((self.execute, key, toml, os.getpid()))
-        done = subprocess.run(command, input=asked, stdout=subprocess.PIPE, env=environment, check=False)
+        done = subprocess.run(command, input=asked, stdout=subprocess.PIPE, env=environment(), check=False)
         if done.returncode != 0:
             raise RunDied(ended(done.returncode))
         answer: Answer = cloudpickle.loads(done.stdout)
@@ -102,13 +101,3 @@ class Alone:
 
 class RunDied(Exception):
     """The process in which a run was alone has died of it."""
-
-
-def ended(status: int) -> str:
-    """How a process ended, in words."""
-    if status < 0:
-        try:
-            return f"ended by {signal.Signals(-status).name}"
-        except ValueError:
-            return f"ended by signal {-status}"
-    return f"ended with status {status}"

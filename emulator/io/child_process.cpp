@@ -1,4 +1,4 @@
-#include "cmrc/child_processes.hpp"
+#include "io/child_process.hpp"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -7,20 +7,16 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <exception>
-#include <map>
-#include <memory>
 #include <optional>
 #include <stdexcept>
-#include <thread>
 #include <utility>
 
 #include "io/signals.hpp"
 
-namespace cmrc {
+namespace io {
 namespace {
 
 constexpr char good = '+', bad = '-';
@@ -48,12 +44,12 @@ ChildProcess::ChildProcess(const std::function<std::string()>& work) {
   if (::pipe(ends) != 0) throw std::runtime_error(fmt::format("no pipe to a child process: {}", std::strerror(errno)));
   const pid_t parent = ::getpid();
   // Signals are its parent's business, who ends it; none may come before it ignores them.
-  std::optional<io::SignalsHeld> held(std::in_place);
+  std::optional<SignalsHeld> held(std::in_place);
   process_ = ::fork();
   if (process_ == 0) {
     ::close(ends[0]);
-    io::ignore_signals();
-    io::forget_asker();
+    ignore_signals();
+    forget_asker();
     held.reset();
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (::getppid() != parent) ::_exit(1);  // it died before it could be watched
@@ -90,7 +86,7 @@ bool ChildProcess::speaks(int milliseconds) const {
 
 std::string ChildProcess::wait() {
   do {
-    while (!speaks(look_ms)) io::stop_if_asked();
+    while (!speaks(look_ms)) stop_if_asked();
   } while (read());
   int status = 0;
   ::waitpid(std::exchange(process_, 0), &status, 0);
@@ -103,37 +99,4 @@ std::string ChildProcess::wait() {
   return answer_.substr(1);
 }
 
-std::vector<std::optional<std::string>> in_processes(std::size_t count, unsigned at_once,
-                                                     const std::function<std::string(std::size_t)>& work,
-                                                     const std::function<void(std::size_t, const std::string&)>& done) {
-  std::vector<std::optional<std::string>> answers(count);
-  std::map<std::size_t, std::unique_ptr<ChildProcess>> children;  // by the number of their work
-  for (std::size_t next = 0; next < count || !children.empty();) {
-    if (io::stop_asked()) break;  // and the children end with their objects
-    if (next < count && children.size() < std::max(1U, at_once)) {
-      const std::size_t index = next++;
-      children[index] = std::make_unique<ChildProcess>([&work, index] { return work(index); });
-      continue;
-    }
-    std::vector<pollfd> pipes;
-    std::vector<std::size_t> numbers;
-    for (const auto& [index, process] : children) {
-      pipes.push_back({process->pipe(), POLLIN, 0});
-      numbers.push_back(index);
-    }
-    const int speaking = ::poll(pipes.data(), pipes.size(), look_ms);
-    if (speaking < 0 && errno != EINTR) throw std::runtime_error("no word from child processes");
-    if (speaking <= 0) continue;
-    for (std::size_t i = 0; i < pipes.size(); ++i) {
-      if (pipes[i].revents == 0 || children.at(numbers[i])->read()) continue;
-      answers[numbers[i]] = children.at(numbers[i])->wait();
-      children.erase(numbers[i]);
-      if (done) done(numbers[i], *answers[numbers[i]]);
-    }
-  }
-  return answers;
-}
-
-unsigned processors() { return std::max(1U, std::thread::hardware_concurrency()); }
-
-}  // namespace cmrc
+}  // namespace io

@@ -1,0 +1,24 @@
+"""``cmrc`` and ``python -m cmrc``: one home for what looks at runs and for studies of many. Each command is thin over
+functions of the package."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from cmrc.commands import pages, signals, studies, sweeps
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """The command line: 0; 1 as each command says; 2 for bad input; 130, 143 or 129 after a signal."""
+    try:
+        with signals.raised():
+            parser = argparse.ArgumentParser(prog="cmrc", description="Looks at runs of the emulator, and makes many.")
+            commands = parser.add_subparsers(dest="command", required=True)
+            for part in (pages, sweeps, studies):
+                part.add(commands)
+            given = parser.parse_args(arguments)
+            return int(given.do(given))
+    except KeyboardInterrupt as stop:
+        print("cmrc: interrupted", file=sys.stderr)
+        return signals.status(stop)

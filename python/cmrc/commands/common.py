@@ -1,0 +1,107 @@
+"""What commands share: how bad input is told, settings and grids on the command line, checks of output files."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from cmrc import files
+from cmrc.commands import signals
+from cmrc.extras import needed
+from cmrc.simulation import ConfigError, Setting
+
+Commands = Any  # argparse gives it no public name
+MOST_POINTS = 1000
+
+
+def command(
+    commands: Commands, name: str, help: str, do: Callable[[argparse.Namespace], int]
+) -> argparse.ArgumentParser:
+    """A new command, whose options are to be added."""
+    parser: argparse.ArgumentParser = commands.add_parser(name, help=help, description=help)
+    parser.set_defaults(do=lambda given: told(name, do, given))
+    return parser
+
+
+def told(name: str, do: Callable[[argparse.Namespace], int], given: argparse.Namespace) -> int:
+    """What a user can get wrong is a sentence and status 2, work that breaks down a sentence and status 1."""
+    from cmrc.sweeps.grid import GridError
+    from cmrc.sweeps.store import SweepError
+
+    try:
+        return do(given)
+    except (OSError, ImportError, ConfigError, GridError, SweepError, ValueError, TypeError, KeyError) as error:
+        said = error.args[0] if isinstance(error, KeyError) and error.args else error
+        print(f"cmrc {name}: {files.printable(str(said))}", file=sys.stderr)
+        return 2
+    except RuntimeError as error:
+        print(f"cmrc {name}: {files.printable(str(error))}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt as stop:
+        print(f"cmrc {name}: interrupted", file=sys.stderr)
+        return signals.status(stop)
+
+
+def setting(text: str) -> tuple[str, Setting]:
+    """KEY=VALUE. Raises ValueError."""
+    key, equals, value = text.partition("=")
+    if not equals or not key:
+        raise ValueError(f"--set needs KEY=VALUE, not {text!r}")
+    if value in ("true", "false"):
+        return key, value == "true"
+    for kind in (lambda text: int(text, 16 if text.startswith("0x") else 10), float):
+        try:
+            return key, kind(value)
+        except ValueError:
+            continue
+    return key, value
+
+
+def settings(given: argparse.Namespace) -> dict[str, Setting]:
+    """Of the options ``--set``. Raises ValueError."""
+    return dict(setting(text) for text in given.set)
+
+
+def numbers(text: str, option: str) -> list[float]:
+    """FROM:TO:STEP (STEP is 1 where it is not given) or VALUE,VALUE,... Raises ValueError."""
+    try:
+        parts = [float(part) for part in text.split(":" if ":" in text else ",")]
+    except ValueError:
+        parts = []
+    if ":" in text and len(parts) == 2:
+        parts.append(1.0)
+    if not parts or (":" in text and len(parts) != 3) or not all(abs(part) < 1e9 for part in parts):
+        raise ValueError(f"{option}: {text!r} is no grid; FROM:TO:STEP or VALUE,VALUE,... is expected")
+    if ":" not in text:
+        return parts
+    begin, end, step = parts
+    if not (step > 0 and begin <= end and (end - begin) / step < MOST_POINTS):
+        raise ValueError(
+            f"{option}: {text!r} holds no value, or more than {MOST_POINTS}; FROM:TO:STEP is expected"
+        )
+    return [round(begin + n * step, 6) for n in range(math.floor((end - begin) / step + 1e-9) + 1)]
+
+
+def output(option: str, path: str | Path | None) -> None:
+    """Before work that takes hours. Raises ValueError for what cannot become a file."""
+    if path is None:
+        return
+    folder = Path(path).absolute().parent
+    if not folder.is_dir():
+        raise ValueError(f"{option}: {path}: there is no folder {folder}")
+    if Path(path).is_dir():
+        raise ValueError(f"{option}: {path}: is a folder; the name of a file is expected")
+
+
+def picture(option: str, path: str | Path | None) -> None:
+    """The same of a picture. Raises ValueError, ImportError."""
+    if path is None:
+        return
+    output(option, path)
+    kinds = needed("matplotlib.backend_bases", "plot", option).FigureCanvasBase.get_supported_filetypes()
+    if Path(path).suffix[1:].lower() not in kinds:
+        raise ValueError(f"{option}: {path}: no kind of picture; its ending may be {', '.join(sorted(kinds))}")

@@ -1,0 +1,128 @@
+"""``cmrc page``, ``replay``, ``events`` and ``demo``: one run, to look at."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from cmrc import demo, events, files, page
+from cmrc.commands.common import Commands, command, output, picture, settings
+from cmrc.progress import ProgressLine
+from cmrc.simulation import Setting, Simulation
+
+
+def add(commands: Commands) -> None:
+    for name, says in (
+        ("page", "a run as a page to look at in a browser: dock, DSPs, deadlines"),
+        ("replay", "the old name of page"),
+    ):
+        parser = command(commands, name, says, _page)
+        parser.add_argument("run", metavar="RUN", help="a configuration (.toml) to run, or a page (.html) to plot")
+        parser.add_argument(
+            "--out",
+            "--html",
+            dest="out",
+            metavar="PAGE",
+            nargs="?",
+            help="where the page is written (default: RUN with the ending .html)",
+        )
+        parser.add_argument("--plots", metavar="PNG", help="write the plots of cmrc.plot")
+        _settings(parser)
+    parser = command(commands, "events", "the events of a run as a Parquet table (docs/timelines.md)", _events)
+    parser.add_argument("run", metavar="RUN", help="an event trace, or a configuration (.toml) to run")
+    parser.add_argument("-o", "--output", metavar="FILE.parquet", required=True, help="the table")
+    _settings(parser)
+    parser = command(commands, "demo", "what the emulator tells, in five scenes, and a page of them", _demo)
+    parser.add_argument("--out", metavar="FOLDER", default="demo", help="where the page is written (default: demo)")
+
+
+def _settings(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--set", metavar="KEY=VALUE", action="append", default=[], help="a setting, where RUN is a configuration"
+    )
+
+
+def _demo(given: argparse.Namespace) -> int:
+    with ProgressLine("cmrc demo") as line, line.beating():
+
+        def tell(text: str) -> None:
+            line.clear()
+            print(text, flush=True)
+
+        demo.main(Path(given.out), tell)
+    return 0
+
+
+def _events(given: argparse.Namespace) -> int:
+    run, table = Path(given.run), Path(given.output)
+    events.needed()
+    roles = files.FileRoles()
+    roles.reads("RUN", run)
+    roles.writes("--output", table)
+    output("--output", table)
+    with ProgressLine("cmrc events") as line:
+        if run.suffix == ".toml":
+            batches = events.of_configuration(run, settings(given), line.of)
+        elif given.set:
+            raise ValueError("--set: RUN is a trace; only a configuration takes settings")
+        else:
+            batches = events.of_trace(run)
+        with line.beating():
+            count = events.write(batches, table)
+    print(f"{files.printable(str(table))}: {count} events")
+    return 0
+
+
+def _page(given: argparse.Namespace) -> int:
+    if given.command == "replay":
+        print("cmrc replay: it is called cmrc page now, and writes the same page", file=sys.stderr)
+    run, plots = Path(given.run), Path(given.plots) if given.plots else None
+    if run.suffix == ".toml":
+        _write(run, Path(given.out or run.with_suffix(".html")), plots, settings(given))
+    else:
+        _plot(run, plots, given)
+    return 0
+
+
+def _write(run: Path, out: Path, plots: Path | None, given: dict[str, Setting]) -> None:
+    """Runs a configuration. Each file whole or not at all."""
+    _check_outputs(run, out, plots)
+    simulation = Simulation(config=run, settings=given)
+    simulation.record()
+    with ProgressLine("cmrc page") as line:
+        simulation.run(line.of)
+    simulation.write_page(out, f"{run.stem}: {simulation.title}")
+    if plots is not None:
+        _draw(page.Recording.read(out), plots)
+
+
+def _plot(run: Path, plots: Path | None, given: argparse.Namespace) -> None:
+    """Of a page that is there."""
+    if run.suffix == ".json":
+        raise ValueError(
+            f"{run}: recordings in JSON are no longer read; run the configuration again (cmrc page CONFIG.toml)"
+        )
+    if plots is None or given.out or given.set:
+        raise ValueError(f"{run}: of a page only --plots can be made; a configuration (.toml) is expected for all else")
+    _check_outputs(run, None, plots)
+    _draw(page.Recording.read(run), plots)
+
+
+def _check_outputs(run: Path, out: Path | None, plots: Path | None) -> None:
+    """Before a run that takes minutes. Raises ValueError, ImportError."""
+    output("--out", out)
+    picture("--plots", plots)
+    roles = files.FileRoles()
+    roles.reads("RUN", run)
+    for role, path in (("--out", out), ("--plots", plots)):
+        if path is not None:
+            roles.writes(role, path)
+
+
+def _draw(recording: page.Recording, plots: Path) -> None:
+    from cmrc import plot
+
+    figure = plot.overview(recording)
+    with files.writing(plots) as out:
+        figure.savefig(out, dpi=110, format=plots.suffix[1:].lower())

@@ -1,0 +1,48 @@
+"""SIGINT, SIGTERM and SIGHUP end a command with status 130, 143 and 129, as of the emulator (docs/cli.md, Signals)."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+NUMBERS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+class Ended(KeyboardInterrupt):
+    """A signal has ended the command."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(signal.Signals(number).name)
+        self.number = number
+
+
+def status(stop: KeyboardInterrupt) -> int:
+    """The exit status of a command that this has ended."""
+    return 128 + (stop.number if isinstance(stop, Ended) else signal.SIGINT)
+
+
+@contextmanager
+def raised() -> Iterator[None]:
+    """The first of them raises Ended in here; the second ends the process at once. One that is ignored stays ignored,
+    as under ``nohup``."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def end(number: int, _: FrameType | None) -> None:
+        for each in before:
+            signal.signal(each, signal.SIG_DFL)
+        raise Ended(number)
+
+    before = {number: signal.getsignal(number) for number in NUMBERS}
+    before = {number: handler for number, handler in before.items() if handler is not signal.SIG_IGN}
+    for number in before:
+        signal.signal(number, end)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

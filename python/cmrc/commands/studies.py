@@ -1,0 +1,130 @@
+"""``cmrc limits``, ``compare`` and ``diff`` (docs/report.md, docs/experiments.md)."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from typing import Any
+
+import cmrc
+from cmrc import _core, files, studies
+from cmrc.commands import signals
+from cmrc.commands.common import Commands, command, numbers, output, settings
+from cmrc.progress import ProgressLine
+from cmrc.simulation import configured
+
+SETTINGS: tuple[tuple[str, str, type, str, str], ...] = (
+    ("--dsps", "machine.dsps", int, "N", "number of DSPs, 1 to 16 (default 4)"),
+    ("--duration", "run.duration_s", float, "S", "simulated time in s (default 180)"),
+    ("--seed", "run.seed", int, "N", "seed of everything random (default 1)"),
+    ("--turn-order", "run.turn_order", int, "SEED", "shuffle which chip is advanced first; changes nothing"),
+    ("--programs", "machine.programs", str, "DIR", "assemble the DSP programs from this directory"),
+    ("--board", "machine.board", str, "default|FILE.toml", "memories and clock of the boards (docs/boards.md)"),
+    ("--topology", "bus.topology", str, "NAME", "what stands on which bus (docs/buses.md)"),
+    ("--idle-policy", "machine.idle_policy", str, "NAME", "how a DSP without work waits: doorbell, pause or spin"),
+    ("--eq7", "scheduling.equation", str, "NAME", "reading of equation (7): restored or as_printed"),
+)
+"""Settings with an option of their own, the same as of ``emulator``; they come before ``--set``."""
+
+
+def add(commands: Commands) -> None:
+    _limits(commands)
+    _compare(commands)
+    _diff(commands)
+
+
+def _configuration(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--config", metavar="FILE", help="TOML file with parameters (docs/configuration.md)")
+    parser.add_argument("--preset", metavar="NAME", help="base, heavy, saturated, tight")
+    for option, key, kind, metavar, meaning in SETTINGS:
+        parser.add_argument(option, dest=key, type=kind, metavar=metavar, help=meaning)
+    parser.add_argument("--set", metavar="KEY=VALUE", action="append", default=[], help="a setting; may be given again")
+    parser.add_argument("--json", metavar="FILE", help="write all of it as JSON")
+
+
+def _configured(given: argparse.Namespace) -> _core.cmrc.Config:
+    """The configuration that is asked for; ``--json`` can be written and is no file that is read."""
+    asked = vars(given)
+    own = {key: asked[key] for _, key, _, _, _ in SETTINGS if asked[key] is not None}
+    made = configured(given.config, given.preset, {**settings(given), **own}, (), {})
+    try:
+        _core.cmrc.files_digest(made)
+    except RuntimeError as error:  # a board, a layout or a program that is not there
+        raise ValueError(str(error)) from None
+    if given.json is not None:
+        values, roles = made.to_dict(), files.FileRoles()
+        for role, path in (
+            ("--config", given.config),
+            ("machine.board", values["machine.board"]),
+            ("dock.layout", values["dock.layout"]),
+        ):
+            if path and path != "default":
+                roles.reads(role, path)
+        roles.writes("--json", given.json)
+        output("--json", given.json)
+    return made
+
+
+def _limits(commands: Commands) -> None:
+    parser = command(commands, "limits", "scans for the first missed deadline", _do_limits)
+    _configuration(parser)
+    parser.add_argument("--cycles", metavar="GRID", help="factors on the time of an instruction cycle, 1:3:0.25")
+    parser.add_argument("--dsps-grid", metavar="GRID", help="numbers of DSPs, 1:8")
+    parser.add_argument("--servo", metavar="GRID", help="servo frequencies in Hz, 500,1000,2000")
+    parser.add_argument("--errors", action="store_true", help="run every point to its end, and say what it cost")
+
+
+def _do_limits(given: argparse.Namespace) -> int:
+    grids = [
+        None if text is None else numbers(text, option)
+        for text, option in ((given.cycles, "--cycles"), (given.dsps_grid, "--dsps-grid"), (given.servo, "--servo"))
+    ]
+    scans = studies.scans_of(_configured(given), *grids, errors=given.errors)
+    status = 0
+    with ProgressLine("cmrc limits") as line:
+        try:
+            scans.run(lambda done, points: line.of(done, points, "runs", now=True))
+        except KeyboardInterrupt as stop:
+            status = signals.status(stop)
+    _show(given, scans.text(), scans.report())
+    return status
+
+
+def _compare(commands: Commands) -> None:
+    _configuration(command(commands, "compare", "a run beside the same run with instant execution", _do_compare))
+
+
+def _do_compare(given: argparse.Namespace) -> int:
+    made = _configured(given)
+    with ProgressLine("cmrc compare") as line, line.beating():
+        found = studies.compared(made)
+    _show(given, found.text, found.report)
+    return 0
+
+
+def _show(given: argparse.Namespace, text: str, report: dict[str, Any]) -> None:
+    print(files.printable_lines(text), end="")
+    if given.json is not None:
+        files.write(given.json, json.dumps(report, indent=2) + "\n")
+
+
+def _diff(commands: Commands) -> None:
+    parser = command(commands, "diff", "what is different between two results; status 1 if anything is", _do_diff)
+    parser.add_argument("left", metavar="A", help="a saved result, or a JSON report")
+    parser.add_argument("right", metavar="B", help="another one")
+    parser.add_argument("--json", metavar="FILE", help="write all of it as JSON")
+    parser.add_argument("--all", action="store_true", help="show every metric that differs, not the first 40")
+
+
+def _do_diff(given: argparse.Namespace) -> int:
+    roles = files.FileRoles()
+    roles.reads("A", given.left)
+    roles.reads("B", given.right)
+    if given.json is not None:
+        roles.writes("--json", given.json)
+        output("--json", given.json)
+    found = cmrc.diff(given.left, given.right)
+    print(files.printable_lines(found.text(len(found.metrics) if given.all else 40)), end="")
+    if given.json is not None:
+        files.write(given.json, json.dumps(found.to_dict(), indent=2) + "\n")
+    return 1 if found else 0

@@ -1,0 +1,139 @@
+"""``cmrc sweep`` and ``cmrc search`` (docs/sweeps.md)."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import io
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from cmrc import files
+from cmrc.commands.common import Commands, command, output, picture
+from cmrc.progress import ProgressLine
+
+if TYPE_CHECKING:
+    from cmrc.sweeps import Status, Sweep
+
+
+def add(commands: Commands) -> None:
+    _sweep(commands)
+    _search(commands)
+
+
+def _where(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--out", metavar="FOLDER", help="where the runs are kept (default: FILE without its ending)")
+    parser.add_argument(
+        "--workers", type=int, metavar="N", help="processes of this machine (default: one per processor)"
+    )
+    parser.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="a Dask cluster instead, tcp://HOST:8786; who can reach it can run code on it",
+    )
+    for option, meaning in (("ca", "certificate authority"), ("cert", "certificate"), ("key", "private key")):
+        parser.add_argument(f"--tls-{option}", metavar="FILE", help=f"{meaning} for a cluster at tls://")
+
+
+def _place(given: argparse.Namespace) -> dict[str, Any]:
+    tls = {"tls_ca_file": given.tls_ca, "tls_client_cert": given.tls_cert, "tls_client_key": given.tls_key}
+    tls = {name: path for name, path in tls.items() if path is not None}
+    if tls and not given.cluster:
+        raise ValueError("--tls-ca, --tls-cert and --tls-key go with --cluster")
+    security = {**tls, "require_encryption": True} if tls else None
+    return {"address": given.cluster, "workers": given.workers, "security": security}
+
+
+def _folder(given: argparse.Namespace) -> Path:
+    file = Path(given.file)
+    if given.out is None and not file.suffix:
+        raise ValueError(f"{file}: has no ending, so that --out FOLDER is needed")
+    return Path(given.out) if given.out is not None else file.with_suffix("")
+
+
+def _show(line: ProgressLine) -> Callable[[Status], object]:
+    def show(status: Status) -> None:
+        if status.planned < status.runs:
+            line.show(f"{status.planned} of {status.runs} points looked at")
+            return
+        fresh = status.done - status.known
+        left = status.runs - status.done
+        rest = f", about {status.elapsed_s / fresh * left:.0f} s left" if fresh > status.refused and left else ""
+        again = f", {status.begun_again} begun again" if status.begun_again else ""
+        on = f"on {status.workers} workers" if status.workers else "done, waiting for a worker"
+        line.show(f"{status.done} of {status.runs} runs {on}{again}{rest}")
+
+    return show
+
+
+def _sweep(commands: Commands) -> None:
+    parser = command(commands, "sweep", "runs every point of a grid, and keeps the reports in a folder", _do_sweep)
+    parser.add_argument("file", metavar="FILE.toml", help="the grid (docs/sweeps.md)")
+    _where(parser)
+    parser.add_argument("--metric", metavar="NAME", action="append", help="what the table shows; may be given again")
+    parser.add_argument("--csv", metavar="FILE", help="write one row per run")
+    parser.add_argument("--plot", metavar="PICTURE", help="draw the first metric over the grid")
+    parser.add_argument("--again-failed", action="store_true", help="run again what failed")
+    parser.add_argument("--show", action="store_true", help="run nothing; show what is in the folder")
+
+
+def _do_sweep(given: argparse.Namespace) -> int:
+    from cmrc.sweeps import Sweep, sweep
+
+    roles = files.FileRoles()
+    roles.reads("FILE.toml", given.file)
+    for option, path in (("--csv", given.csv), ("--plot", given.plot)):
+        if path is not None:
+            roles.writes(option, path)
+    output("--csv", given.csv)
+    picture("--plot", given.plot)
+    if given.show:
+        found = Sweep(_folder(given))
+    else:
+        with ProgressLine("cmrc sweep") as line:
+            found = sweep(
+                given.file, _folder(given), again_failed=given.again_failed, on_progress=_show(line), **_place(given)
+            )
+    metrics = given.metric or []
+    print(files.printable_lines(found.text(*metrics)), end="")
+    if given.csv is not None:
+        files.write(given.csv, _csv(found, metrics))
+    if given.plot is not None:
+        _draw(found, metrics, Path(given.plot))
+    return 1 if found.counts()["failed"] else 0
+
+
+def _csv(found: Sweep, metrics: Iterable[str]) -> str:
+    table = found.table(*metrics)
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(table)
+    writer.writerows(zip(*(column.tolist() for column in table.values()), strict=True))
+    return out.getvalue()
+
+
+def _draw(found: Sweep, metrics: list[str], path: Path) -> None:
+    from matplotlib.figure import Figure
+
+    from cmrc import plot
+
+    figure = Figure(figsize=(8, 5), layout="constrained")
+    plot.grid(found, figure.subplots(), metric=metrics[0] if metrics else "misses")
+    with files.writing(path) as out:
+        figure.savefig(out, dpi=120, format=path.suffix[1:].lower())
+
+
+def _search(commands: Commands) -> None:
+    parser = command(commands, "search", "looks for the best settings, or for the last that pass", _do_search)
+    parser.add_argument("file", metavar="FILE.toml", help="what is looked for, [search] (docs/sweeps.md)")
+    _where(parser)
+
+
+def _do_search(given: argparse.Namespace) -> int:
+    from cmrc.sweeps import search
+
+    with ProgressLine("cmrc search") as line:
+        found = search(given.file, _folder(given), on_progress=_show(line), **_place(given))
+    print(found.text(), end="")
+    return 0 if found.best is not None and found.check_passed is not False else 1
