@@ -21,15 +21,15 @@ MasterConfig master_of(const BusBridgeConfig& config, const char* what) {
 }  // namespace
 
 // One direction: claims on `near`, acts on `far`.
-class BusBridge::Way {
+class BusBridge::Direction {
  public:
-  Way(Bus& near, Bus& far, const BusBridgeConfig& config, Client* client)
+  Direction(Bus& near, Bus& far, const BusBridgeConfig& config, Client* client)
       : near_{near}, far_{far}, config_{config}, client_{client}, writer_{*this}, reader_{*this} {
     write_master_ = far.add_master(master_of(config, " writes"), writer_);
     read_master_ = far.add_master(master_of(config, " reads"), reader_);
   }
 
-  void opposite(const Way& way) { opposite_ = &way; }
+  void opposite(const Direction& direction) { opposite_ = &direction; }
   Bus& near() { return near_; }
   void claim(const std::string& name, Address base, std::uint64_t words) {
     TargetConfig target;
@@ -76,42 +76,43 @@ class BusBridge::Way {
   };
 
   struct Window final : Target {
-    Window(Way& the_way, Address the_base, std::uint64_t the_words) : way{the_way}, base{the_base}, words{the_words} {}
+    Window(Direction& the_direction, Address the_base, std::uint64_t the_words)
+        : direction{the_direction}, base{the_base}, words{the_words} {}
     Answer answer(Address offset, unsigned, bool write, const Access& access) override {
-      if (write) return way.room() == 0 ? Answer::retry : Answer::accept;
-      return way.answer(base + offset, words - offset, access);
+      if (write) return direction.room() == 0 ? Answer::retry : Answer::accept;
+      return direction.answer(base + offset, words - offset, access);
     }
     unsigned most(Address offset, unsigned wanted, bool write, const Access& access) override {
-      const std::size_t can = write ? way.room() : way.taken(base + offset, access).words.size();
+      const std::size_t can = write ? direction.room() : direction.taken(base + offset, access).words.size();
       return static_cast<unsigned>(std::min<std::size_t>(wanted, can));
     }
     Word read(Address offset, const Access& access) override {
-      const Read& read = way.taken(base + offset, access);
+      const Read& read = direction.taken(base + offset, access);
       return read.words.at(base + offset - read.address);
     }
     void write(Address offset, Word value, const Access& access) override {
-      way.fifo_.push_back({base + offset, value, access.agent, access.clock});
-      way.pushed_ += 1;
-      way.send(access.clock);
+      direction.fifo_.push_back({base + offset, value, access.agent, access.clock});
+      direction.pushed_ += 1;
+      direction.send(access.clock);
     }
-    Way& way;
+    Direction& direction;
     Address base;
     std::uint64_t words;
   };
   struct Writer final : Initiator {
-    explicit Writer(Way& the_way) : way{the_way} {}
+    explicit Writer(Direction& the_direction) : direction{the_direction} {}
     unsigned framed(const Attempt& attempt, bool first, Clocks now, std::span<Word> room) override {
-      return first ? way.combine(now, room) : attempt.wanted;
+      return first ? direction.combine(now, room) : attempt.wanted;
     }
-    void completed(const Transaction& transaction, std::span<const Word>) override { way.landed(transaction); }
-    Way& way;
+    void completed(const Transaction& transaction, std::span<const Word>) override { direction.landed(transaction); }
+    Direction& direction;
   };
   struct Reader final : Initiator {
-    explicit Reader(Way& the_way) : way{the_way} {}
+    explicit Reader(Direction& the_direction) : direction{the_direction} {}
     void completed(const Transaction& transaction, std::span<const Word> words) override {
-      way.fetched(transaction, words);
+      direction.fetched(transaction, words);
     }
-    Way& way;
+    Direction& direction;
   };
 
   std::size_t room() const { return config_.post_depth - fifo_.size(); }
@@ -213,7 +214,7 @@ class BusBridge::Way {
   Bus& far_;
   BusBridgeConfig config_;
   Client* client_;
-  const Way* opposite_ = nullptr;
+  const Direction* opposite_ = nullptr;
   Writer writer_;
   Reader reader_;
   unsigned write_master_ = 0;
@@ -236,8 +237,8 @@ BusBridge::BusBridge(Bus& first, Bus& second, const BusBridgeConfig& config, Cli
   require(config.prefetch_lines >= 1 && config.prefetch_lines * first.config().line_words <= Bus::most_words,
           "prefetch_lines is at least 1, and a transaction has at most 256 words");
   require(config.forward >= 1, "forward is at least 1 clock");
-  there_ = std::make_unique<Way>(first, second, config, client);
-  back_ = std::make_unique<Way>(second, first, config, client);
+  there_ = std::make_unique<Direction>(first, second, config, client);
+  back_ = std::make_unique<Direction>(second, first, config, client);
   there_->opposite(*back_);
   back_->opposite(*there_);
 }

@@ -42,9 +42,9 @@ class BusBridge {
   void list_state(state::Visitor& list);
 
  private:
-  class Way;
-  std::unique_ptr<Way> there_;
-  std::unique_ptr<Way> back_;
+  class Direction;
+  std::unique_ptr<Direction> there_;
+  std::unique_ptr<Direction> back_;
 };
 
 }  // namespace pci

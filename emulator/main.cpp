@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "cli/command_line.hpp"
-#include "cmrc/config.hpp"
+#include "cmrc/configuration/config.hpp"
 #include "io/file_roles.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
@@ -11,12 +11,12 @@
 #include "io/standard_streams.hpp"
 #include "machine/board_file.hpp"
 #include "machine/network.hpp"
-#include "toolchain/coff.hpp"
-#include "toolchain/diagnostics.hpp"
-#include "toolchain/linker.hpp"
-#include "toolchain/memory_map.hpp"
+#include "toolchain/linker/linker.hpp"
+#include "toolchain/linker/memory_map.hpp"
 #include "toolchain/missing_symbol.hpp"
-#include "toolchain/rom_file.hpp"
+#include "toolchain/objects/coff.hpp"
+#include "toolchain/objects/rom_file.hpp"
+#include "toolchain/syntax/diagnostics.hpp"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // What SUNDIALS and ODE use in place of the C library's names (portable_names.txt), with the C library's meaning.
 #include <cstdio>
 
-#include "plant/math.hpp"
+#include "plant/numerics/math.hpp"
 
 extern "C" {
 

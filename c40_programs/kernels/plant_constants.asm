@@ -1,5 +1,5 @@
 ; What the kernels know of crane, drives and vehicles. The emulator puts the plant's own parameters here when it loads the image
-; (emulator/cmrc/plant_constants.cpp); as assembled they are 0.
+; (emulator/cmrc/programs/plant_constants.cpp); as assembled they are 0.
 
 ; ---- geometry
 K_A0                .set $ - LIFT               ; m, a_0: luff pivot from the slew axis

@@ -8,7 +8,7 @@
 
 namespace c40::execute {
 
-struct Formed {
+struct EffectiveAddress {
   Address address;
   Word updated;  ///< ARn afterwards
 };
@@ -32,7 +32,8 @@ inline Word circular(Word ar, Word bk, std::int64_t step) {
   return (ar & ~mask) + static_cast<Word>(t);
 }
 
-inline Formed form_indirect(const Core& core, std::uint8_t ar, std::uint8_t modn, std::uint16_t displacement) {
+inline EffectiveAddress form_indirect(const Core& core, std::uint8_t ar, std::uint8_t modn,
+                                      std::uint16_t displacement) {
   const Word base = core.r[ar];
   if (modn == 24) return {base, base};
   if (modn == 25) return {base, reverse_bits(reverse_bits(base) + reverse_bits(core.r[reg::IR0]))};
@@ -54,7 +55,7 @@ inline Formed form_indirect(const Core& core, std::uint8_t ar, std::uint8_t modn
 template <Kind kind, int slot>
 struct Place {
   static constexpr auto s = static_cast<std::size_t>(slot);
-  Formed formed{};
+  EffectiveAddress formed{};
   Word before = 0;
 
   void form(const Core& core, const Op& op) {

@@ -39,7 +39,7 @@ class Binder {
   Binder(const isa::Instruction& instruction, bool set_condition)
       : in_(instruction), row_(*instruction.row), set_condition_(set_condition) {}
 
-  Bound run() {
+  BoundInstruction run() {
     out_.word = in_.word;
     out_.row = &row_;
     out_.source = kind_of(in_.src1);
@@ -287,16 +287,16 @@ class Binder {
   const isa::Instruction& in_;
   const isa::Row& row_;
   bool set_condition_;
-  Bound out_{};
+  BoundInstruction out_{};
 };
 
 }  // namespace
 
-std::variant<Bound, Unexecutable> bind(isa::Word word, bool set_condition) {
+std::variant<BoundInstruction, Unexecutable> bind(isa::Word word, bool set_condition) {
   const isa::Decoded decoded = isa::decode(word);
   if (const auto* reserved = std::get_if<isa::Reserved>(&decoded))
     return Unexecutable{isa::describe(reserved->reason), true};
-  Bound bound = Binder(std::get<isa::Instruction>(decoded), set_condition).run();
+  BoundInstruction bound = Binder(std::get<isa::Instruction>(decoded), set_condition).run();
   if (bound.op.handler == nullptr) return Unexecutable{bound.row->mnemonic, false};
   return bound;
 }

@@ -16,7 +16,7 @@ enum class Flow : std::uint8_t {
   stop        ///< IDLE, SWI
 };
 
-struct Bound {
+struct BoundInstruction {
   Op op;
   Footprint footprint;
   isa::Word word = 0;
@@ -43,6 +43,6 @@ struct Unexecutable {
 };
 
 /// `set_condition`: ST's SET COND bit. The op's pc is left 0.
-std::variant<Bound, Unexecutable> bind(isa::Word word, bool set_condition);
+std::variant<BoundInstruction, Unexecutable> bind(isa::Word word, bool set_condition);
 
 }  // namespace c40

@@ -19,7 +19,7 @@ inline constexpr std::size_t block_cause_count = static_cast<std::size_t>(Cause:
 using Costs = std::array<std::uint16_t, block_cause_count>;
 
 /// Everything that the recorded timing and the chosen handlers depend on.
-struct BlockKey {
+struct CodeBlockKey {
   static constexpr std::uint32_t set_condition = 1, repeat = 2, cached = 16, frozen = 32;  ///< of `mode`
   static constexpr unsigned repeat_single = 2;  ///< the first of two bits of `mode`: the state of RPTS
   Address pc = 0;
@@ -27,10 +27,10 @@ struct BlockKey {
   PipelineId pipeline = 0;
   std::uint32_t mode = 0;  ///< SET COND, RM, the state of RPTS, whether the cache is on, and frozen
   std::uint32_t hits = 0;  ///< which of its words and those after it the cache has
-  friend bool operator==(const BlockKey&, const BlockKey&) = default;
+  friend bool operator==(const CodeBlockKey&, const CodeBlockKey&) = default;
 };
-struct BlockKeyHash {
-  std::size_t operator()(const BlockKey& key) const {
+struct CodeBlockKeyHash {
+  std::size_t operator()(const CodeBlockKey& key) const {
     std::uint64_t h = (std::uint64_t{key.pc} << 32 | key.repeat_end) * 0x9E3779B97F4A7C15u;
     h ^= (h >> 29) ^ (std::uint64_t{key.pipeline} << 6 | key.mode) * 0xBF58476D1CE4E5B9u;
     h += std::uint64_t{key.hits} * 0x94D049BB133111EBu;
@@ -48,7 +48,7 @@ struct WindowAccess {
   std::optional<bool> lock{};  ///< what it makes of LOCK
 };
 
-struct Block {
+struct CodeBlock {
   struct Exit {
     Cycles cycles = 0;
     PipelineId pipeline = 0;
@@ -56,9 +56,9 @@ struct Block {
     Costs causes{};
     std::uint64_t count = 0;  ///< runs of the whole block not yet in the chip's causes and instructions
     std::size_t size = 0;     ///< instructions of the block
-    Block* next = nullptr;
+    CodeBlock* next = nullptr;
   };
-  BlockKey key;
+  CodeBlockKey key;
   std::vector<Op> ops;  ///< one per instruction, then the terminal if the last instruction is not one itself
   std::size_t size = 0;
   // Before instruction i; the last entry is after all, straight on.

@@ -25,54 +25,54 @@ void add_timing(Costs& costs, const StepTiming& t) {
 
 }  // namespace
 
-BlockRecording::BlockRecording(const BlockKey& key, PipelineTable& pipelines)
-    : pipelines_(pipelines), block_(std::make_unique<Block>()), after_(key.pipeline) {
+BlockRecording::BlockRecording(const CodeBlockKey& key, PipelineTable& pipelines)
+    : pipelines_(pipelines), block_(std::make_unique<CodeBlock>()), after_(key.pipeline) {
   block_->key = key;
 }
 
 bool BlockRecording::full() const { return size() >= longest_block; }
 
-bool BlockRecording::crowded_by(const Site* next) const {
+bool BlockRecording::crowded_by(const DecodedSlot* next) const {
   const std::size_t words = next != nullptr && next->bound.flow == Flow::delayed ? 4 : 1;
   return size() + words > longest_cached_block;
 }
 
-void BlockRecording::append(const Step& step, const Way& way) {
-  const Bound& bound = step.site->bound;
-  const BlockKey& key = block_->key;
+void BlockRecording::append(const Step& step, const StepContext& context) {
+  const BoundInstruction& bound = step.decoded->bound;
+  const CodeBlockKey& key = block_->key;
   const isa::Operation operation = bound.row->operation;
-  Op op = step.site->ops[0];
+  Op op = step.decoded->ops[0];
   op.pc = key.pc + static_cast<Address>(size());
   if (bound.flow == Flow::directed || operation == isa::Operation::lat || operation == isa::Operation::reti)
-    op.direction = step.taken || (bound.flow == Flow::delayed && way.delay_taken) ? 1 : 0;
+    op.direction = step.taken || (bound.flow == Flow::delayed && context.delay_taken) ? 1 : 0;
   for (std::uint8_t k = 0; k < 2; ++k)
     if ((step.windows >> k & 1u) != 0) {
       op.access[k] = {};  // it misses each time
       block_->windows.push_back({.at = size(),
                                  .access = k,
-                                 .area = step.site->area[k],
-                                 .start = way.window_start,
+                                 .area = step.decoded->area[k],
+                                 .start = context.window_start,
                                  .interlocked = bound.row->interlocked,
                                  .lock = lock_after(operation)});
     }
   block_->ops.push_back(op);
   block_->start.push_back(at_);
   block_->causes.push_back(costs_);
-  block_->pipelines.push_back(way.before);
-  block_->delay_slots.push_back(way.slots);
+  block_->pipelines.push_back(context.before);
+  block_->delay_slots.push_back(context.slots);
   ++block_->size;
   reads_repeat_ |= bound.reads_repeat;
   chained_ &= !bound.dynamic_target && operation != isa::Operation::reti;
   if (cached()) block_->words.push_back(step.word);
   at_ += step.timing->total;
   add_timing(costs_, *step.timing);
-  after_ = way.after;
-  const bool ends_repeat = (key.mode & BlockKey::repeat) != 0 && op.pc == key.repeat_end;
+  after_ = context.after;
+  const bool ends_repeat = (key.mode & CodeBlockKey::repeat) != 0 && op.pc == key.repeat_end;
   if (bound.flow == Flow::branch || bound.flow == Flow::directed) {
-    close_with_branch(step, way.before);
-  } else if (way.slots == 1) {
+    close_with_branch(step, context.before);
+  } else if (context.slots == 1) {
     end_with(&execute::end_of_delay);
-  } else if (ends_repeat && way.slots == 0 && bound.flow == Flow::straight) {
+  } else if (ends_repeat && context.slots == 0 && bound.flow == Flow::straight) {
     block_->repeats = true;
     end_with(&execute::end_of_repeat);
   }
@@ -83,7 +83,7 @@ void BlockRecording::end_with(Handler terminal) {
   op.handler = terminal;
   op.pc = block_->key.pc + static_cast<Address>(size());
   block_->ops.push_back(op);
-  for (Block::Exit& exit : block_->exits) {
+  for (CodeBlock::Exit& exit : block_->exits) {
     exit.cycles = at_;
     exit.causes = costs_;
     exit.pipeline = after_;
@@ -95,10 +95,10 @@ void BlockRecording::end_with(Handler terminal) {
 void BlockRecording::close_with_branch(const Step& step, PipelineId before) {
   const std::size_t last = size() - 1;
   for (std::size_t direction = 0; direction < 2; ++direction) {
-    Block::Exit& exit = block_->exits[direction];
+    CodeBlock::Exit& exit = block_->exits[direction];
     Pipeline pipeline = pipelines_[before];
     Demand demand = step.demand();
-    demand.flush_cost = direction == 1 ? step.site->bound.taken_cost : step.site->bound.not_taken_cost;
+    demand.flush_cost = direction == 1 ? step.decoded->bound.taken_cost : step.decoded->bound.not_taken_cost;
     const StepTiming timing = pipeline.advance(demand);
     exit.cycles = block_->start[last] + timing.total;
     exit.causes = block_->causes[last];
@@ -109,22 +109,22 @@ void BlockRecording::close_with_branch(const Step& step, PipelineId before) {
   closed_ = true;
 }
 
-std::unique_ptr<Block> BlockRecording::finish(const Bound& last) {
+std::unique_ptr<CodeBlock> BlockRecording::finish(const BoundInstruction& last) {
   if (!closed_) end_with(&execute::end_of_block);
-  Block& block = *block_;
-  const BlockKey& key = block.key;
+  CodeBlock& block = *block_;
+  const CodeBlockKey& key = block.key;
   block.start.push_back(at_);
   block.causes.push_back(costs_);
   block.pipelines.push_back(block.exits[0].pipeline);
   block.last_start = block.start[block.size - 1];
-  for (Block::Exit& exit : block.exits) exit.size = block.size;
+  for (CodeBlock::Exit& exit : block.exits) exit.size = block.size;
   block.uses_cache = cached();
   block.plain = !block.repeats && !block.uses_cache;
   block.in_one_go = !block.repeats || (!block.windows.empty());
   const std::uint32_t own_words = block.size < longest_cached_block ? (1u << block.size) - 1 : ~0u;
   block.all_hits = (~key.hits & own_words) == 0;
-  const bool same_fetches = !block.uses_cache || block.all_hits || (key.mode & BlockKey::frozen) != 0;
-  const bool first_of_single = (key.mode >> BlockKey::repeat_single & 3) == 1;
+  const bool same_fetches = !block.uses_cache || block.all_hits || (key.mode & CodeBlockKey::frozen) != 0;
+  const bool first_of_single = (key.mode >> CodeBlockKey::repeat_single & 3) == 1;
   block.self_loop =
       block.repeats && !reads_repeat_ && same_fetches && block.exits[1].pipeline == key.pipeline && !first_of_single;
   const bool alone = block.self_loop && block.size == 1;

@@ -9,14 +9,14 @@ constexpr std::size_t most_blocks = 20000;
 
 }  // namespace
 
-Block* BlockStore::find(const BlockKey& key) const {
+CodeBlock* BlockStore::find(const CodeBlockKey& key) const {
   const auto found = by_key_.find(key);
   return found != by_key_.end() ? found->second : nullptr;
 }
 
 bool BlockStore::full() const { return blocks_.size() >= most_blocks; }
 
-void BlockStore::add(std::unique_ptr<Block> block, Memory& memory) {
+void BlockStore::add(std::unique_ptr<CodeBlock> block, Memory& memory) {
   for (std::size_t i = 0; i < block->size; ++i) {
     const Address pc = block->key.pc + static_cast<Address>(i);
     memory.find(pc)->mark_code(pc);
@@ -36,7 +36,7 @@ void BlockStore::clear(Memory& memory) {
 }
 
 void BlockStore::settle(Causes& causes, std::uint64_t& instructions) {
-  for (Block::Exit* exit : counted_) {
+  for (CodeBlock::Exit* exit : counted_) {
     for (std::size_t i = 0; i < block_cause_count; ++i) causes[i] += static_cast<Cycles>(exit->count) * exit->causes[i];
     instructions += exit->count * exit->size;
     exit->count = 0;

@@ -220,7 +220,7 @@ void Engine::list_state(state::Visitor& list) {
   peripherals_.state_changed();
   probe_.restart();
   code_ = {};
-  sites_.forget();
+  decoded_slots_.forget();
   cache_.was_loaded(memory_);
   flush_blocks();  // marks what the cache holds
 }

@@ -101,7 +101,7 @@ void DmaSide::block_ended(int channel, bool auxiliary, bool interrupt, Cycles at
   chip_.dma.stop_requested = true;
 }
 
-std::optional<DmaSurroundings::Span> DmaSide::acquire(const DmaPlace& place, Cycles from, Cycles limit, Word priority) {
+std::optional<DmaContext::Span> DmaSide::acquire(const DmaPlace& place, Cycles from, Cycles limit, Word priority) {
   const Unit unit = unit_of(place.access);
   if (unit == Unit::none) return Span{from, from + 1 + place.access.waits};
   const bool bus = is_bus(unit);
@@ -129,7 +129,7 @@ std::optional<DmaSurroundings::Span> DmaSide::acquire(const DmaPlace& place, Cyc
   return std::nullopt;
 }
 
-DmaSurroundings::Span DmaSide::take(Unit unit, const DmaPlace& place, Span span) {
+DmaContext::Span DmaSide::take(Unit unit, const DmaPlace& place, Span span) {
   const auto n = static_cast<std::size_t>(unit);
   taken_until_[n] = span.end;
   last_taken_ = std::max(last_taken_, span.end);

@@ -41,7 +41,7 @@ enum class DmaEffect : std::uint8_t {
 
 /// The chip as the DMA coprocessor works on it. Marks what it takes in the pipeline, and charges the processor with
 /// what that costs.
-class DmaSide final : public DmaSurroundings {
+class DmaSide final : public DmaContext {
  public:
   /// The parts of the chip that the DMA meets.
   struct Parts {
@@ -53,7 +53,7 @@ class DmaSide final : public DmaSurroundings {
     PipelineTable& pipelines;
     PipelineNow& pipeline;
     Dma& dma;
-    const PeripheralTeller& tell;
+    const PeripheralNotifier& tell;
     ProbePoint& probe;
     std::function<void(Address, Word)> poke;  ///< writes a word of memory, which may be code
   };

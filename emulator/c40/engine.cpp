@@ -78,7 +78,7 @@ State& Engine::touch() {
 void Engine::flush_blocks() {
   settle_counts();
   blocks_.clear(memory_);
-  exact_sites_.clear();
+  exact_addresses_.clear();
   onward_.clear();
   cache_.mark_code(memory_);
 }
@@ -87,7 +87,7 @@ void Engine::flush_blocks() {
 void Engine::forget_memory() {
   memory_.configure(state_.global_interface_control, state_.local_interface_control);
   code_ = {};
-  sites_.forget();
+  decoded_slots_.forget();
 }
 
 void Engine::set_probe(Probe* probe, ProbePlan plan) {
@@ -103,7 +103,7 @@ void Engine::forget_pipelines() {
   flush_blocks();
   touch();
   pipelines_.clear();
-  sites_.forget_transitions();
+  decoded_slots_.forget_transitions();
 }
 
 void Engine::settle_counts() {

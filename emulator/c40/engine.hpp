@@ -12,7 +12,7 @@
 #include "c40/bind.hpp"
 #include "c40/block_store.hpp"
 #include "c40/chip.hpp"
-#include "c40/decoded.hpp"
+#include "c40/decoded_slots.hpp"
 #include "c40/dma_side.hpp"
 #include "c40/instruction_cache.hpp"
 #include "c40/pending_access.hpp"
@@ -82,7 +82,7 @@ class Engine {
 
   TraceSink* trace = nullptr;
   WindowListener* window_listener = nullptr;
-  PeripheralTeller tell;  ///< of what the peripherals do
+  PeripheralNotifier tell;  ///< of what the peripherals do
   bool exact_only = false;
   std::set<Address> breakpoints;
 
@@ -119,10 +119,10 @@ class Engine {
   bool caching() const;
   bool by_blocks();
   bool fetch(Step& step);
-  bool bind_site(Site& site, Word word, bool set_condition);
+  bool bind_slot(DecodedSlot& decoded, Word word, bool set_condition);
   Stepped execute(Step& step);
   void annulled(const Step& step);
-  bool illegal_in_repeat(Address pc, const Bound& bound) const;
+  bool illegal_in_repeat(Address pc, const BoundInstruction& bound) const;
   Demand demand_through(const Step& step, bool annulled) const;
   const Transition& transition(const Demand& demand, Word word);
   const Transition& annulled_transition(const Step& step);
@@ -153,28 +153,28 @@ class Engine {
   void complete_dma(bool write, Word value, Cycles waited);
 
   // engine_record.cpp: recording blocks
-  BlockKey key();
-  Block* find_or_record(Cycles limit, Stepped& why);
-  void record(const BlockKey& key, Cycles limit, Stepped& why);
-  bool recordable(const Bound& bound) const;
+  CodeBlockKey key();
+  CodeBlock* find_or_record(Cycles limit, Stepped& why);
+  void record(const CodeBlockKey& key, Cycles limit, Stepped& why);
+  bool recordable(const BoundInstruction& bound) const;
 
   // engine_blocks.cpp: running blocks
   /// Where in a block a part of it began: its time is accounted for up to before `from`, all else up to before `seen`.
   struct InBlock {
     std::size_t from = 0, seen = 0;
   };
-  Stepped run_blocks(Block* block, std::size_t at, Cycles limit);
-  bool reach_window(Block& block, InBlock& in, const Outcome& outcome);
-  Outcome pass_window(Block& block, const InBlock& in, Cycles limit);
-  void leave(Block& block, InBlock in, std::size_t at);
-  void left_block(Block& block, InBlock in, const Outcome& outcome);
-  void rejoin(Block& block);
-  Outcome run_ops(Block& block, std::size_t from, Cycles budget);
-  Block::Exit* run_special(Block& block, InBlock in, Cycles limit, Outcome& outcome);
-  Block::Exit* run_repeated(Block& block, Cycles limit, Outcome& outcome);
-  Block::Exit& end_part(Block& block, InBlock in, const Outcome& outcome);
-  Block::Exit& end_repeat(Block& block, std::uint32_t passes);
-  std::uint32_t passes_within(const Block& block, Cycles limit) const;
+  Stepped run_blocks(CodeBlock* block, std::size_t at, Cycles limit);
+  bool reach_window(CodeBlock& block, InBlock& in, const Outcome& outcome);
+  Outcome pass_window(CodeBlock& block, const InBlock& in, Cycles limit);
+  void leave(CodeBlock& block, InBlock in, std::size_t at);
+  void left_block(CodeBlock& block, InBlock in, const Outcome& outcome);
+  void rejoin(CodeBlock& block);
+  Outcome run_ops(CodeBlock& block, std::size_t from, Cycles budget);
+  CodeBlock::Exit* run_special(CodeBlock& block, InBlock in, Cycles limit, Outcome& outcome);
+  CodeBlock::Exit* run_repeated(CodeBlock& block, Cycles limit, Outcome& outcome);
+  CodeBlock::Exit& end_part(CodeBlock& block, InBlock in, const Outcome& outcome);
+  CodeBlock::Exit& end_repeat(CodeBlock& block, std::uint32_t passes);
+  std::uint32_t passes_within(const CodeBlock& block, Cycles limit) const;
 
   State state_;
   PipelineTable pipelines_;
@@ -199,11 +199,11 @@ class Engine {
   } opened_;
   std::array<Scratch, 2> scratch_{};  ///< stands for a register or a window during one instruction
   Memory::OpenPages pages_;           ///< of the step under way
-  SiteTable sites_;
+  DecodedSlotTable decoded_slots_;
   CodeArea code_;
   InstructionCache cache_{state_};
   BlockStore blocks_;
-  ExactSites exact_sites_;
+  ExactAddresses exact_addresses_;
   Continuation onward_;
   Dma dma_;
   DmaSide dma_side_;

@@ -59,34 +59,34 @@ Engine::Stepped Engine::resolve(Step& step) {
   const std::size_t k = core.miss_access;
   const Address address = core.miss_address;
   const bool write = core.miss_write;
-  Site& site = *step.site;
-  const Memory::Area* area = site.area[k];
-  if (area == nullptr || !area->contains(address) || site.demand.data[k].write != write) {
-    area = site.area[k] = memory_.find(address);
+  DecodedSlot& decoded = *step.decoded;
+  const Memory::Area* area = decoded.area[k];
+  if (area == nullptr || !area->contains(address) || decoded.demand.data[k].write != write) {
+    area = decoded.area[k] = memory_.find(address);
     if (area == nullptr) return nothing_at(write ? "write to" : "read of", address);
     if (write && area->kind == Region::Kind::rom)
       return fail(Fault::Kind::reserved_address,
                   fmt::format("write to {:08X}h, which is in the {}", address, area->name), address);
     if (!step.paged) pages_ = state_.open_pages;
-    const Memory::Met met = memory_.meet(*area, address, write, pages_);
+    const Memory::AccessInfo met = memory_.meet(*area, address, write, pages_);
     step.paged |= met.paged;
-    site.demand.data[k] = met.access;
+    decoded.demand.data[k] = met.access;
     // An area on two strobes, or with pages, is looked up at every access.
-    if (met.paged || met.words != area->words) site.area[k] = nullptr;
+    if (met.paged || met.words != area->words) decoded.area[k] = nullptr;
   }
-  step.locks |= site.bound.row->interlocked && external(area->resource);
-  if (site.demand.count <= k) site.demand.count = static_cast<std::uint8_t>(k + 1);
-  site.data_bits = packed_data(site.demand);
+  step.locks |= decoded.bound.row->interlocked && external(area->resource);
+  if (decoded.demand.count <= k) decoded.demand.count = static_cast<std::uint8_t>(k + 1);
+  decoded.data_bits = packed_data(decoded.demand);
   step.address[k] = address;
-  Window& window = site.ops[0].access[k];
+  Window& window = decoded.ops[0].access[k];
   if (area->data != nullptr) {
     // Windows are whole areas, whose map of code words follows the data.
-    step.plain &= site.area[k] != nullptr && !step.locks;
+    step.plain &= decoded.area[k] != nullptr && !step.locks;
     step.repeatable &= step.plain;
     if (area->set_apart) [[unlikely]] {
       const Word held = area->data[address - area->base];
       probe_.note({.address = address, .before = held, .value = write ? core.miss_value : held, .write = write});
-      site.area[k] = nullptr;
+      decoded.area[k] = nullptr;
       step.plain = step.repeatable = false;
     }
     window = {area->data, area->base, area->words};
@@ -95,7 +95,7 @@ Engine::Stepped Engine::resolve(Step& step) {
     return Stepped::done;
   }
   step.plain = false;
-  step.repeatable &= area->kind == Region::Kind::external_window && site.area[k] != nullptr && step.windows == 0;
+  step.repeatable &= area->kind == Region::Kind::external_window && decoded.area[k] != nullptr && step.windows == 0;
   auto& cell = scratch_[k].cell;
   cell = {};
   if (area->kind == Region::Kind::registers && is_port_register(address)) {
@@ -111,7 +111,7 @@ Engine::Stepped Engine::resolve(Step& step) {
   } else {
     if (!access_.is_answer_to(k, address, write)) {
       const ExternalAccess access{
-          address, write, site.bound.row->interlocked, write ? core.miss_value : 0, access_cycle(step, k), -1};
+          address, write, decoded.bound.row->interlocked, write ? core.miss_value : 0, access_cycle(step, k), -1};
       if (!answers_at_once(access)) {
         access_.begin(k, access);
         return Stepped::external;

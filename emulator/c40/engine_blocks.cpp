@@ -8,7 +8,7 @@
 namespace c40 {
 
 // Leaves a block before instruction `at`. What was done before `seen` is accounted for, time before `from`.
-void Engine::leave(Block& block, InBlock in, std::size_t at) {
+void Engine::leave(CodeBlock& block, InBlock in, std::size_t at) {
   Core& core = state_.core;
   state_.cycle += block.start[at] - block.start[in.from];
   add_difference(state_.causes, block.causes[at], block.causes[in.seen]);
@@ -20,10 +20,10 @@ void Engine::leave(Block& block, InBlock in, std::size_t at) {
 }
 
 // `passes` passes through a repeated block are done: what the loop hardware made of them.
-Block::Exit& Engine::end_repeat(Block& block, std::uint32_t passes) {
+CodeBlock::Exit& Engine::end_repeat(CodeBlock& block, std::uint32_t passes) {
   Core& core = state_.core;
   core.r[reg::RC] -= passes;
-  Block::Exit& again = block.exits[1];
+  CodeBlock::Exit& again = block.exits[1];
   blocks_.count(again, passes - 1);
   state_.cycle += (passes - 1) * again.cycles;
   if (static_cast<std::int32_t>(core.r[reg::RC]) >= 0) {
@@ -37,7 +37,7 @@ Block::Exit& Engine::end_repeat(Block& block, std::uint32_t passes) {
 }
 
 // How often a block that follows itself may run in one go.
-std::uint32_t Engine::passes_within(const Block& block, Cycles limit) const {
+std::uint32_t Engine::passes_within(const CodeBlock& block, Cycles limit) const {
   const Core& core = state_.core;
   if (!block.self_loop || core.r[reg::RS] != block.key.pc || ends_blocks(block.key.pc)) return 1;
   const auto count = static_cast<std::int32_t>(core.r[reg::RC]);
@@ -47,7 +47,7 @@ std::uint32_t Engine::passes_within(const Block& block, Cycles limit) const {
 }
 
 // A repeated block, as many passes as the budget covers. A handler may do several at once and takes them off loop_left.
-Block::Exit* Engine::run_repeated(Block& block, Cycles limit, Outcome& outcome) {
+CodeBlock::Exit* Engine::run_repeated(CodeBlock& block, Cycles limit, Outcome& outcome) {
   Core& core = state_.core;
   const std::uint32_t passes = passes_within(block, limit);
   core.loop_left = block.only_nop ? 0 : passes - 1;
@@ -70,7 +70,7 @@ Block::Exit* Engine::run_repeated(Block& block, Cycles limit, Outcome& outcome) 
 }
 
 // From an instruction on, as far as `budget` goes: cycles since the block's beginning.
-Outcome Engine::run_ops(Block& block, std::size_t from, Cycles budget) {
+Outcome Engine::run_ops(CodeBlock& block, std::size_t from, Cycles budget) {
   Core& core = state_.core;
   core.loop_left = 0;
   if (block.last_start < budget) return block.ops[from].handler(core, &block.ops[from]);
@@ -85,9 +85,9 @@ Outcome Engine::run_ops(Block& block, std::size_t from, Cycles budget) {
 }
 
 // The rest of a block was run, to its end. The count that run_blocks will add stands for the whole block.
-Block::Exit& Engine::end_part(Block& block, InBlock in, const Outcome& outcome) {
+CodeBlock::Exit& Engine::end_part(CodeBlock& block, InBlock in, const Outcome& outcome) {
   cache_.fetch(block, in.seen, block.size);
-  Block::Exit& exit = block.repeats ? end_repeat(block, 1) : block.exits[outcome.exit == Exit::taken];
+  CodeBlock::Exit& exit = block.repeats ? end_repeat(block, 1) : block.exits[outcome.exit == Exit::taken];
   state_.cycle -= block.start[in.from];
   if (in.seen == 0) return exit;
   state_.instructions -= in.seen;
@@ -97,9 +97,9 @@ Block::Exit& Engine::end_part(Block& block, InBlock in, const Outcome& outcome) 
 
 // Block after block, as long as each leads to one that is known. What every block costs is here: counts and cycles
 // only.
-Engine::Stepped Engine::run_blocks(Block* block, std::size_t at, Cycles limit) {
+Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limit) {
   Core& core = state_.core;
-  Block::Exit* exit = nullptr;
+  CodeBlock::Exit* exit = nullptr;
   Cycles cycle = state_.cycle;
   InBlock in{at, at};
   for (;;) {
@@ -146,7 +146,7 @@ Engine::Stepped Engine::run_blocks(Block* block, std::size_t at, Cycles limit) {
 
 // One that repeats or comes from the cache, from the middle, or with a budget that does not cover it. Null: it was
 // left.
-Block::Exit* Engine::run_special(Block& block, InBlock in, Cycles limit, Outcome& outcome) {
+CodeBlock::Exit* Engine::run_special(CodeBlock& block, InBlock in, Cycles limit, Outcome& outcome) {
   const Cycles budget = limit - state_.cycle + block.start[in.from];
   const bool part = in.from != 0 || block.last_start >= budget;
   if (!part && block.repeats) return run_repeated(block, limit, outcome);
@@ -156,7 +156,7 @@ Block::Exit* Engine::run_special(Block& block, InBlock in, Cycles limit, Outcome
 
 // The access that an instruction could not do goes through a window, as it did when the block was recorded: it is
 // answered (opened_), or the chip stops before it (access_). False: neither.
-bool Engine::reach_window(Block& block, InBlock& in, const Outcome& outcome) {
+bool Engine::reach_window(CodeBlock& block, InBlock& in, const Outcome& outcome) {
   const Core& core = state_.core;
   const auto at = static_cast<std::size_t>(outcome.at - block.ops.data());
   const WindowAccess* const window = block.window(at);
@@ -194,7 +194,7 @@ bool Engine::reach_window(Block& block, InBlock& in, const Outcome& outcome) {
 }
 
 // The instruction whose access has been answered, whatever the budget, and what follows it.
-Outcome Engine::pass_window(Block& block, const InBlock& in, Cycles limit) {
+Outcome Engine::pass_window(CodeBlock& block, const InBlock& in, Cycles limit) {
   const auto [window, answer] = opened_;
   const std::size_t k = window->access;
   Op& op = block.ops[in.from];
@@ -213,7 +213,7 @@ Outcome Engine::pass_window(Block& block, const InBlock& in, Cycles limit) {
   return outcome;
 }
 
-void Engine::left_block(Block& block, InBlock in, const Outcome& outcome) {
+void Engine::left_block(CodeBlock& block, InBlock in, const Outcome& outcome) {
   const auto at = static_cast<std::size_t>(outcome.at - block.ops.data());
   if (outcome.exit == Exit::left_after) {
     const std::uint8_t slots = block.delay_slots[at];
@@ -232,7 +232,7 @@ void Engine::left_block(Block& block, InBlock in, const Outcome& outcome) {
 
 // After the exact engine did the instruction that the block could not: back into the block if everything is as
 // recorded.
-void Engine::rejoin(Block& block) {
+void Engine::rejoin(CodeBlock& block) {
   const Core& core = state_.core;
   const std::size_t at = core.pc - block.key.pc;
   if (at == 0 || at >= block.size || core.delay_slots != block.delay_slots[at]) return;

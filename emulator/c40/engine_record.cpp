@@ -3,28 +3,29 @@
 #include "c40/engine.hpp"
 
 namespace c40 {
-BlockKey Engine::key() {
+CodeBlockKey Engine::key() {
   const Core& core = state_.core;
-  BlockKey key;
+  CodeBlockKey key;
   key.pc = core.pc;
   key.pipeline = pipeline_.id();
   const bool repeat = (core.modes & st::RM) != 0;
   if (repeat) key.repeat_end = core.r[reg::RE];
-  key.mode = ((core.modes & st::SETCOND) != 0 ? BlockKey::set_condition : 0u) | (repeat ? BlockKey::repeat : 0u) |
-             static_cast<std::uint32_t>(core.repeat_single) << BlockKey::repeat_single;
+  key.mode = ((core.modes & st::SETCOND) != 0 ? CodeBlockKey::set_condition : 0u) |
+             (repeat ? CodeBlockKey::repeat : 0u) |
+             static_cast<std::uint32_t>(core.repeat_single) << CodeBlockKey::repeat_single;
   if (caching()) {
-    key.mode |= BlockKey::cached | (cache_.frozen() ? BlockKey::frozen : 0u);
+    key.mode |= CodeBlockKey::cached | (cache_.frozen() ? CodeBlockKey::frozen : 0u);
     key.hits = cache_.hits_from(core.pc);
   }
   return key;
 }
 
 // PC is where by_blocks() looked.
-Block* Engine::find_or_record(Cycles limit, Stepped& why) {
-  const BlockKey k = key();
-  Block* const block = blocks_.find(k);
+CodeBlock* Engine::find_or_record(Cycles limit, Stepped& why) {
+  const CodeBlockKey k = key();
+  CodeBlock* const block = blocks_.find(k);
   // The exit that led here leads here every time; but at a breakpoint, each run of blocks ends.
-  if (Block::Exit* from = onward_.take_exit(); from != nullptr && block != nullptr && from->chained)
+  if (CodeBlock::Exit* from = onward_.take_exit(); from != nullptr && block != nullptr && from->chained)
     if (!ends_blocks(k.pc)) from->next = block;
   if (block != nullptr) {
     cache_.note_fit(*block);
@@ -35,7 +36,7 @@ Block* Engine::find_or_record(Cycles limit, Stepped& why) {
   return nullptr;
 }
 
-bool Engine::recordable(const Bound& bound) const {
+bool Engine::recordable(const BoundInstruction& bound) const {
   using enum isa::Operation;
   // Their slots are fetched before CF changes.
   if (caching() && bound.flow == Flow::delayed && (bound.row->operation == lat || bound.row->operation == reti))
@@ -46,7 +47,7 @@ bool Engine::recordable(const Bound& bound) const {
 }
 
 // Executes as it records. Whatever cannot stand in a block ends it.
-void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
+void Engine::record(const CodeBlockKey& k, Cycles limit, Stepped& why) {
   Core& core = state_.core;
   BlockRecording recording(k, pipelines_);
   Step step;
@@ -61,10 +62,10 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
     Step look;
     const bool known = fetch(look);
     const bool cached = caching();
-    const bool crowded = cached && recording.crowded_by(look.site);
-    if (!known || look.paged || crowded || cached != recording.cached() || !recordable(look.site->bound)) {
+    const bool crowded = cached && recording.crowded_by(look.decoded);
+    if (!known || look.paged || crowded || cached != recording.cached() || !recordable(look.decoded->bound)) {
       if (n == 0) {
-        known ? exact_sites_.add(k.pc, false) : exact_sites_.remove(k.pc);
+        known ? exact_addresses_.add(k.pc, false) : exact_addresses_.remove(k.pc);
         why = exact_step(step, false);
         return;
       }
@@ -72,21 +73,21 @@ void Engine::record(const BlockKey& k, Cycles limit, Stepped& why) {
       if (core.delay_slots != 0) return;
       break;
     }
-    BlockRecording::Way way{.before = pipeline_.id(), .slots = static_cast<std::uint8_t>(core.delay_slots)};
+    BlockRecording::StepContext context{.before = pipeline_.id(), .slots = static_cast<std::uint8_t>(core.delay_slots)};
     why = exact_step(step, true);
     if (why != Stepped::done || !step.repeatable) {
-      if (n == 0) why == Stepped::done ? exact_sites_.add(k.pc, true) : exact_sites_.remove(k.pc);
-      if (n == 0 || way.slots != 0) return;
+      if (n == 0) why == Stepped::done ? exact_addresses_.add(k.pc, true) : exact_addresses_.remove(k.pc);
+      if (n == 0 || context.slots != 0) return;
       break;
     }
-    if (step.windows != 0) way.window_start = access_start(step, step.windows >> 1, way.before);
-    for (std::size_t i = 0; i < step.site->demand.count; ++i)
-      if (step.site->demand.data[i].write && step.address[i] - k.pc <= n) return;  // it changes itself
-    way.after = pipeline_.id();
-    way.delay_taken = core.delay_taken;
-    recording.append(step, way);
+    if (step.windows != 0) context.window_start = access_start(step, step.windows >> 1, context.before);
+    for (std::size_t i = 0; i < step.decoded->demand.count; ++i)
+      if (step.decoded->demand.data[i].write && step.address[i] - k.pc <= n) return;  // it changes itself
+    context.after = pipeline_.id();
+    context.delay_taken = core.delay_taken;
+    recording.append(step, context);
   }
-  blocks_.add(recording.finish(step.site->bound), memory_);
+  blocks_.add(recording.finish(step.decoded->bound), memory_);
 }
 
 }  // namespace c40

@@ -84,21 +84,21 @@ bool Engine::may_interrupt() const {
   const bool one =
       single || trace != nullptr || waiting_interrupt || dma_effect_ != DmaEffect::none || cache_.control_pending();
   if (!one && !exact_only && !onward_.is_missed()) {
-    if (Block* block = onward_.take_inside(); block != nullptr) {
+    if (CodeBlock* block = onward_.take_inside(); block != nullptr) {
       return run_blocks(block, onward_.at(), limit);
     }
-    if (core.delay_slots == 0 && !exact_sites_.contains(core.pc) && by_blocks()) {
+    if (core.delay_slots == 0 && !exact_addresses_.contains(core.pc) && by_blocks()) {
       Stepped why = Stepped::done;
-      if (Block* block = find_or_record(limit, why); block != nullptr) return run_blocks(block, 0, limit);
+      if (CodeBlock* block = find_or_record(limit, why); block != nullptr) return run_blocks(block, 0, limit);
       return why;
     }
   }
-  Block* const missed = onward_.take_missed();
+  CodeBlock* const missed = onward_.take_missed();
   onward_.clear();
   Step step;
   const Address pc = core.pc;
   if (const Stepped why = exact_step(step, trace != nullptr); why != Stepped::done) return why;
-  if (step.repeatable) exact_sites_.stayed_inside(pc);
+  if (step.repeatable) exact_addresses_.stayed_inside(pc);
   if (missed != nullptr && core.code_writes == 0) rejoin(*missed);
   return one || !breakpoints.empty() || probe_.on_code() || onward_.is_inside() ? Stepped::done : run_exactly(limit);
 }

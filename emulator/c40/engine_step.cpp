@@ -40,8 +40,8 @@ bool Engine::by_blocks() {
   return !cache_.stale() && (!code_.met.paged || cache_.find(pc) != nullptr);
 }
 
-bool Engine::bind_site(Site& site, Word word, bool set_condition) {
-  site.forget();
+bool Engine::bind_slot(DecodedSlot& decoded, Word word, bool set_condition) {
+  decoded.forget();
   auto bound = bind(word, set_condition);
   if (const auto* no = std::get_if<Unexecutable>(&bound)) {
     if (no->reserved)
@@ -50,7 +50,7 @@ bool Engine::bind_site(Site& site, Word word, bool set_condition) {
       fail(Fault::Kind::not_modelled, fmt::format("the instruction {} ({:08X}h) is not modelled", no->reason, word));
     return false;
   }
-  site.bind_to(std::get<Bound>(bound), set_condition);
+  decoded.bind_to(std::get<BoundInstruction>(bound), set_condition);
   return true;
 }
 
@@ -75,9 +75,9 @@ bool Engine::fetch(Step& step) {
     step.fetch = memory_.meet(*code_.area, pc, false, pages_).access;
     step.paged = true;
   }
-  step.site = &sites_[pc];
+  step.decoded = &decoded_slots_[pc];
   const bool set_condition = (core.modes & st::SETCOND) != 0;
-  return step.site->is(step.word, set_condition) || bind_site(*step.site, step.word, set_condition);
+  return step.decoded->is(step.word, set_condition) || bind_slot(*step.decoded, step.word, set_condition);
 }
 
 const Transition& Engine::transition(const Demand& demand, Word word) {
@@ -86,17 +86,17 @@ const Transition& Engine::transition(const Demand& demand, Word word) {
 
 Engine::Stepped Engine::execute(Step& step) {
   Core& core = state_.core;
-  Site& site = *step.site;
+  DecodedSlot& decoded = *step.decoded;
   const Address pc = core.pc;
-  site.ops[0].pc = pc;
-  if (site.bound.reads_status) core.r[reg::ST] = core.status();
+  decoded.ops[0].pc = pc;
+  if (decoded.bound.reads_status) core.r[reg::ST] = core.status();
   core.pc = pc + 1;
   for (;;) {
-    const Outcome outcome = site.ops[0].handler(core, site.ops.data());
+    const Outcome outcome = decoded.ops[0].handler(core, decoded.ops.data());
     if (outcome.exit == Exit::miss) {
       core.pc = pc;  // faults and stops name this instruction
       const Stepped why = resolve(step);
-      site.stale |= !step.plain;
+      decoded.stale |= !step.plain;
       if (why != Stepped::done) return why;
       core.pc = pc + 1;
       continue;
@@ -114,7 +114,7 @@ Engine::Stepped Engine::execute(Step& step) {
 // (c40-isa.md 8.2). LDA in the first slot, which is over with its read stage, does not come here.
 void Engine::annulled(const Step& step) {
   Core& core = state_.core;
-  const Bound& bound = step.site->bound;
+  const BoundInstruction& bound = step.decoded->bound;
   const std::uint32_t slot = 4 - core.delay_slots;  // 1 to 3
   core.pc += 1;
   if (slot == 3) return;
@@ -161,13 +161,13 @@ void Engine::settle_accesses(const Step& step, Address pc) {
   if (step.missed && !step.frozen) cache_.load(pc, step.word, *code_.area);
   if (step.paged) state_.open_pages = pages_;
   if (step.locks)
-    if (const auto lock = lock_after(step.site->bound.row->operation))
-      state_.locked[step.site->demand.data[0].resource == Resource::global] = *lock;
+    if (const auto lock = lock_after(step.decoded->bound.row->operation))
+      state_.locked[step.decoded->demand.data[0].resource == Resource::global] = *lock;
 }
 
 void Engine::finish_step(const Step& step) {
   Core& core = state_.core;
-  const Bound& bound = step.site->bound;
+  const BoundInstruction& bound = step.decoded->bound;
   for (std::size_t k = 0; step.register_writes != 0 && k < 2; ++k)
     if ((step.register_writes >> k & 1u) != 0)
       peripherals_.write(step.address[k], scratch_[k].cell[0], step.register_cycle[k]);
@@ -240,8 +240,8 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   Core& core = state_.core;
   step = Step{};
   if (!fetch(step)) return Stepped::fault;
-  Site& site = *step.site;
-  const Bound& bound = site.bound;
+  DecodedSlot& decoded = *step.decoded;
+  const BoundInstruction& bound = decoded.bound;
   const Address pc = core.pc;
   if ((core.delay_slots != 0 || core.repeat_single != 0) && bound.flow != Flow::straight)
     return fail(Fault::Kind::illegal_sequence,
@@ -251,7 +251,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
     return fail(Fault::Kind::illegal_sequence,
                 fmt::format("{} may not stand {} words before the end of a repeated block (RE = {:08X}h)",
                             bound.row->mnemonic, core.r[reg::RE] - pc, core.r[reg::RE]));
-  if (fresh || site.stale || !site.keeps_windows) site.forget_windows();
+  if (fresh || decoded.stale || !decoded.keeps_windows) decoded.forget_windows();
   const bool over_with_read = core.delay_slots == 3 && bound.row->write_stage == isa::WriteStage::read;
   const bool annul = core.annul && core.delay_slots != 0 && core.delay_slots < 4 && !over_with_read;
   if (annul) [[unlikely]] {
@@ -283,7 +283,7 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
   }
   if (bound.writes_interrupts) peripherals_.pins_changed();
   if (dma_effect_ == DmaEffect::under_way) [[unlikely]]
-    dma_side_.note_accesses(annul ? Demand{} : site.demand, *step.timing, before);
+    dma_side_.note_accesses(annul ? Demand{} : decoded.demand, *step.timing, before);
   if (bound.flow != Flow::straight || bound.writes_status) cache_.note_control(state_.cycle - 1 - step.timing->branch);
   advance_pc(pc);
   return Stepped::done;
@@ -291,14 +291,14 @@ Engine::Stepped Engine::untraced_step(Step& step, bool fresh) {
 
 // The last instruction of a repeated block may not control the program, nor may a delayed branch stand in the three
 // before (c40-isa.md 8.3).
-bool Engine::illegal_in_repeat(Address pc, const Bound& bound) const {
+bool Engine::illegal_in_repeat(Address pc, const BoundInstruction& bound) const {
   const Address left = state_.core.r[reg::RE] - pc;
   return bound.flow != Flow::straight && (left == 0 || (left <= 3 && bound.row->delay != isa::Delay::none));
 }
 
 // An annulled slot is fetched, and has no footprint.
 Demand Engine::demand_through(const Step& step, bool annulled) const {
-  const Bound& bound = step.site->bound;
+  const BoundInstruction& bound = step.decoded->bound;
   if (!annulled) {
     Demand demand = step.demand();
     demand.flush_cost = step.taken ? bound.taken_cost : bound.not_taken_cost;
@@ -313,7 +313,7 @@ Demand Engine::demand_through(const Step& step, bool annulled) const {
 const Transition& Engine::annulled_transition(const Step& step) { return transition(demand_through(step, true), 0); }
 
 const Transition& Engine::executed_transition(const Step& step) {
-  return step.site->transition = transition(demand_through(step, false), step.word);
+  return step.decoded->transition = transition(demand_through(step, false), step.word);
 }
 
 // The common case of untraced_step at a fraction of its price: an instruction that is known, out of slots, meets the
@@ -333,28 +333,30 @@ bool Engine::quick_step() {
   }
   const bool fetched = core.repeat_single != 2;
   if (!fetched) bits = packed_fetch({}, false, false);
-  Site& site = sites_[pc];
-  if (!site.quick || site.stale || site.bound.word != word || site.set_condition != ((core.modes & st::SETCOND) != 0))
+  DecodedSlot& decoded = decoded_slots_[pc];
+  if (!decoded.quick || decoded.stale || decoded.bound.word != word ||
+      decoded.set_condition != ((core.modes & st::SETCOND) != 0))
     return false;
-  if ((core.modes & st::RM) != 0 && site.bound.flow != Flow::straight) return false;  // perhaps where it may not stand
+  if ((core.modes & st::RM) != 0 && decoded.bound.flow != Flow::straight)
+    return false;  // perhaps where it may not stand
   core.pc = pc + 1;
-  site.ops[0].pc = pc;
-  const Exit exit = site.ops[0].handler(core, site.ops.data()).exit;
+  decoded.ops[0].pc = pc;
+  const Exit exit = decoded.ops[0].handler(core, decoded.ops.data()).exit;
   if (exit == Exit::miss || exit == Exit::trap_out) [[unlikely]] {
     core.pc = pc;
     return false;
   }
-  const int flush_cost = exit == Exit::taken ? site.bound.taken_cost : site.bound.not_taken_cost;
-  bits |= packed_flush(flush_cost) | site.data_bits;
-  if (site.transition.demand != bits || !pipeline_.is(site.transition.before)) {
-    Demand demand = site.demand;
+  const int flush_cost = exit == Exit::taken ? decoded.bound.taken_cost : decoded.bound.not_taken_cost;
+  bits |= packed_flush(flush_cost) | decoded.data_bits;
+  if (decoded.transition.demand != bits || !pipeline_.is(decoded.transition.before)) {
+    Demand demand = decoded.demand;
     demand.fetch = from_cache || !fetched ? Access{} : code_.met.access;
     demand.fetched = fetched;
     demand.flush_cost = flush_cost;
-    site.transition = pipelines_.transition(pipeline_.id(), demand, bits, word);
+    decoded.transition = pipelines_.transition(pipeline_.id(), demand, bits, word);
   }
-  pipeline_.set(site.transition.after);
-  account(site.transition.timing);
+  pipeline_.set(decoded.transition.after);
+  account(decoded.transition.timing);
   if (from_cache && fetched && !cache_.frozen()) cache_.hit(pc);
   if (core.delay_slots != 0 || (core.modes & st::RM) != 0) advance_pc(pc);
   return true;

@@ -37,13 +37,13 @@ void InstructionCache::load(Address pc, Word word, const Memory::Area& area) {
   ++version_;
 }
 
-bool InstructionCache::has_words_of(Block& block) const {
+bool InstructionCache::has_words_of(CodeBlock& block) const {
   if (hits_from(block.key.pc) != block.key.hits) return false;
   block.checked = version_;
   return true;
 }
 
-void InstructionCache::fetch_words(const Block& block, std::size_t from, std::size_t to) {
+void InstructionCache::fetch_words(const CodeBlock& block, std::size_t from, std::size_t to) {
   const Address begin = block.key.pc + static_cast<Address>(from), end = block.key.pc + static_cast<Address>(to);
   if (block.all_hits) {
     hit(begin);

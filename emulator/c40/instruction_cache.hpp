@@ -39,18 +39,18 @@ class InstructionCache {
   /// One that was not comes in.
   void load(Address pc, Word word, const Memory::Area& area);
   /// What fetching instructions [from, to) of a block does to the cache.
-  void fetch(const Block& block, std::size_t from, std::size_t to) {
-    if (!block.uses_cache || from == to || (block.key.mode & BlockKey::frozen) != 0) return;
+  void fetch(const CodeBlock& block, std::size_t from, std::size_t to) {
+    if (!block.uses_cache || from == to || (block.key.mode & CodeBlockKey::frozen) != 0) return;
     const Address begin = block.key.pc + static_cast<Address>(from), end = block.key.pc + static_cast<Address>(to);
     if (!block.all_hits || !state_.cache.is_latest(begin) || !state_.cache.is_latest(end - 1))
       fetch_words(block, from, to);
   }
   /// It has of the block's words what it had when the block was recorded.
-  bool fits(Block& block) const { return is_unchanged_for(block) || has_words_of(block); }
+  bool fits(CodeBlock& block) const { return is_unchanged_for(block) || has_words_of(block); }
   /// A block that was found by what the cache has fits.
-  void note_fit(Block& block) const { block.checked = version_; }
+  void note_fit(CodeBlock& block) const { block.checked = version_; }
   /// Nothing has come into it or left it since it was last seen to fit.
-  bool is_unchanged_for(const Block& block) const { return block.checked == version_; }
+  bool is_unchanged_for(const CodeBlock& block) const { return block.checked == version_; }
   /// Which of 32 words from an address on it has.
   std::uint32_t hits_from(Address pc) const { return state_.cache.hits_from(pc); }
 
@@ -72,8 +72,8 @@ class InstructionCache {
     return state_.cache_changes != 0 ? state_.cache_change[state_.cache_changes - 1].control : state_.cache_control;
   }
   void add_change(Cycles executed, Word control);
-  bool has_words_of(Block& block) const;
-  void fetch_words(const Block& block, std::size_t from, std::size_t to);
+  bool has_words_of(CodeBlock& block) const;
+  void fetch_words(const CodeBlock& block, std::size_t from, std::size_t to);
 
   State& state_;
   std::uint64_t version_ = 1;  ///< rises when words come into the cache or leave it

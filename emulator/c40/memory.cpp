@@ -131,11 +131,11 @@ void Memory::note_paged() {
     }
 }
 
-Memory::Met Memory::meet(const Area& area, Address address, bool write, OpenPages& pages) const {
-  Met met{{area.resource, static_cast<std::uint8_t>(write ? area.write_waits : area.read_waits), write, false},
-          area.base,
-          area.words,
-          false};
+Memory::AccessInfo Memory::meet(const Area& area, Address address, bool write, OpenPages& pages) const {
+  AccessInfo met{{area.resource, static_cast<std::uint8_t>(write ? area.write_waits : area.read_waits), write, false},
+                 area.base,
+                 area.words,
+                 false};
   if (!external(area.resource)) return met;
   const std::size_t b = bus_index(area.resource);
   const InterfaceControl& control = control_[b];

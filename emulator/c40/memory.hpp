@@ -50,7 +50,7 @@ class Memory {
     friend bool operator==(const OpenPages&, const OpenPages&) = default;
   };
   /// What an address is met with: how it is accessed, and how far around it the same holds.
-  struct Met {
+  struct AccessInfo {
     Access access;
     Address base = 0;
     Word words = 0;
@@ -62,7 +62,7 @@ class Memory {
   /// GMICR and LMICR have these values from now on.
   void configure(Word global, Word local);
   /// `pages` matter to, and are changed by, accesses to a strobe where some region counts them.
-  Met meet(const Area& area, Address address, bool write, OpenPages& pages) const;
+  AccessInfo meet(const Area& area, Address address, bool write, OpenPages& pages) const;
 
   /// The area of an address, or null for a reserved one. On a flat board a page is made when it is first asked for;
   /// null where that would be more than the board's flat_words_max.

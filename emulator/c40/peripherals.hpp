@@ -15,7 +15,7 @@ class Peripherals {
   /// GMICR and LMICR.
   static constexpr Address global_interface = peripheral_base + 0x00, local_interface = peripheral_base + 0x04;
 
-  Peripherals(State& state, Dma& dma, Pins& pins, const PeripheralTeller& tell)
+  Peripherals(State& state, Dma& dma, Pins& pins, const PeripheralNotifier& tell)
       : state_(state), dma_(dma), pins_(pins), tell_(tell) {}
 
   /// A register on the chip as it stands in cycle `at`; false if nothing of the kind is at the address, or the FIFO is
@@ -61,7 +61,7 @@ class Peripherals {
   State& state_;
   Dma& dma_;
   Pins& pins_;
-  const PeripheralTeller& tell_;
+  const PeripheralNotifier& tell_;
   Cycles next_event_ = 0;
   bool dma_active_ = false;
   bool interface_changed_ = false;

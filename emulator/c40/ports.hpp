@@ -9,7 +9,7 @@ namespace c40 {
 
 class Ports {
  public:
-  Ports(std::array<CommPort, port_count>& sides, const PeripheralTeller& tell) : sides_(sides), tell_(tell) {}
+  Ports(std::array<CommPort, port_count>& sides, const PeripheralNotifier& tell) : sides_(sides), tell_(tell) {}
 
   CommPort& operator[](int n) { return sides_[static_cast<std::size_t>(n)]; }
   /// Null detaches.
@@ -32,7 +32,7 @@ class Ports {
 
  private:
   std::array<CommPort, port_count>& sides_;
-  const PeripheralTeller& tell_;
+  const PeripheralNotifier& tell_;
   std::array<PortListener*, port_count> listeners_{};
   Word attached_ = 0;
 };

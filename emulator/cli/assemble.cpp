@@ -6,10 +6,10 @@
 #include "io/file_roles.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
-#include "toolchain/assembler.hpp"
-#include "toolchain/coff.hpp"
-#include "toolchain/disassembly.hpp"
-#include "toolchain/linker.hpp"
+#include "toolchain/assembler/assembler.hpp"
+#include "toolchain/disassembler/disassembly.hpp"
+#include "toolchain/linker/linker.hpp"
+#include "toolchain/objects/coff.hpp"
 
 namespace cli {
 namespace {

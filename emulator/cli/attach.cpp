@@ -5,7 +5,7 @@
 
 #include <system_error>
 
-#include "cmrc/debuggee.hpp"
+#include "cmrc/run/dock_debuggee.hpp"
 #include "io/print.hpp"
 #include "machine/debug/debugger.hpp"
 

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "cli/options.hpp"
-#include "cmrc/simulation.hpp"
+#include "cmrc/run/simulation.hpp"
 #include "debugger/dap_server.hpp"
 
 namespace cli {

@@ -139,8 +139,8 @@ void add_device_files(const ExecOptions& options, io::FileRoles& files) {
   files.writes("--console-record", options.console_record.value_or(""));
 }
 
-BoardFront::BoardFront(std::vector<std::pair<std::string, BoardDevices*>> boards, const ExecOptions& options,
-                       bool shows)
+BoardConsole::BoardConsole(std::vector<std::pair<std::string, BoardDevices*>> boards, const ExecOptions& options,
+                           bool shows)
     : boards_(std::move(boards)), shows_(shows) {
   for (const auto& [chip, devices] : boards_) {
     if (devices == nullptr) continue;
@@ -160,12 +160,12 @@ BoardFront::BoardFront(std::vector<std::pair<std::string, BoardDevices*>> boards
   if (options.console_record) record_.emplace(*options.console_record);
 }
 
-bool BoardFront::empty() const {
+bool BoardConsole::empty() const {
   return std::ranges::all_of(boards_,
                              [](const auto& board) { return board.second == nullptr || board.second->empty(); });
 }
 
-void BoardFront::listen(c40::Cycles now) {
+void BoardConsole::listen(c40::Cycles now) {
   if (!may_be_typed()) return;
   std::array<char, 256> typed;
   pollfd ready{STDIN_FILENO, POLLIN, 0};
@@ -182,7 +182,7 @@ void BoardFront::listen(c40::Cycles now) {
   live_->type(typed_.back());
 }
 
-void BoardFront::run_ended(const std::vector<std::string>& states) {
+void BoardConsole::run_ended(const std::vector<std::string>& states) {
   if (empty()) return;
   std::string inputs;
   for (const auto& [chip, devices] : boards_) {
@@ -212,11 +212,11 @@ void BoardFront::run_ended(const std::vector<std::string>& states) {
   if (record_) record_->commit();
 }
 
-std::string BoardFront::called(const std::string& chip, const std::string& device) const {
+std::string BoardConsole::called(const std::string& chip, const std::string& device) const {
   return boards_.size() > 1 ? fmt::format("{} of chip {}", device, chip) : device;
 }
 
-std::string BoardFront::text() const {
+std::string BoardConsole::text() const {
   constexpr std::size_t most_changes = 100, most_words = 8;
   std::string out = at_line_begin_ ? "" : "\n";
   for (const auto& [chip, devices] : boards_) {
@@ -246,9 +246,9 @@ std::string BoardFront::text() const {
   return out;
 }
 
-std::string BoardFront::hash_text() const { return hash_.empty() ? "" : fmt::format("hash {}\n", hash_); }
+std::string BoardConsole::hash_text() const { return hash_.empty() ? "" : fmt::format("hash {}\n", hash_); }
 
-void BoardFront::add_to(nlohmann::ordered_json& root) const {
+void BoardConsole::add_to(nlohmann::ordered_json& root) const {
   if (empty()) return;
   using Json = nlohmann::ordered_json;
   const bool one = boards_.size() == 1;

@@ -24,12 +24,12 @@ void add_inputs(const NamedBoards& boards, const ExecOptions& options);
 void add_device_files(const ExecOptions& options, io::FileRoles& files);
 
 /// What devices send goes to files and to the terminal; what is typed live comes to the console.
-class BoardFront {
+class BoardConsole {
  public:
   /// \param boards the chips' names, and their devices, null for none; they must outlive it
   /// \param shows the characters of a console on standard output as they come: of one chip only
-  BoardFront(std::vector<std::pair<std::string, machine::BoardDevices*>> boards, const ExecOptions& options,
-             bool shows);
+  BoardConsole(std::vector<std::pair<std::string, machine::BoardDevices*>> boards, const ExecOptions& options,
+               bool shows);
 
   /// Standard input is typed while the program runs (--console-input live).
   bool is_live() const { return live_ != nullptr; }

@@ -1,5 +1,5 @@
 // emulator compare: a run beside its ideal.
-#include "cmrc/compare.hpp"
+#include "cmrc/run/compare_with_ideal.hpp"
 
 #include <optional>
 

@@ -5,7 +5,7 @@
 #include "cli/network_arguments.hpp"
 #include "cli/settings.hpp"
 #include "cli/snapshots.hpp"
-#include "cmrc/debuggee.hpp"
+#include "cmrc/run/dock_debuggee.hpp"
 #include "machine/debug/network_debuggee.hpp"
 
 namespace cli {

@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "cli/options.hpp"
-#include "cmrc/simulation.hpp"
+#include "cmrc/run/simulation.hpp"
 #include "machine/debug/debuggee.hpp"
 #include "machine/network.hpp"
 

@@ -62,7 +62,7 @@ int exec(const ExecOptions& options) {
   for (const std::string& source : image.files_read) files.reads("a source", source);
   files.writes("--trace", options.trace.value_or("")).writes("--events", options.events.value_or(""));
   add_device_files(options, files);
-  BoardFront front({{"0", &around}}, options, !options.json);
+  BoardConsole front({{"0", &around}}, options, !options.json);
   const Until until = parse_until(options, image);
   std::vector<std::pair<Address, Address>> ranges;
   for (const std::string& text : options.dumps) ranges.push_back(parse_dump(text, image));

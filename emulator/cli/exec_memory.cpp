@@ -8,7 +8,7 @@
 #include "cli/program.hpp"
 #include "machine/board_reserved.hpp"
 #include "machine/boot.hpp"
-#include "toolchain/rom_file.hpp"
+#include "toolchain/objects/rom_file.hpp"
 
 namespace cli {
 

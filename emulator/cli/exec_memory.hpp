@@ -8,7 +8,7 @@
 #include "c40/chip.hpp"
 #include "cli/options.hpp"
 #include "machine/board_file.hpp"
-#include "toolchain/image.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace cli {
 

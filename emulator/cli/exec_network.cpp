@@ -168,7 +168,7 @@ Json chip_json(const Network& network, std::size_t n) {
 }
 
 void print_json(const Network& network, const machine::NetworkStop& stop, const std::vector<Dump>& dumps,
-                const Watched& watched, bool peripherals, bool asked, const BoardFront& front) {
+                const Watched& watched, bool peripherals, bool asked, const BoardConsole& front) {
   Json root = {
       {"stop",
        {{"reason", name(stop.reason)}, {"message", sentence(network, stop, asked)}, {"time_ps", stop.time.count()}}}};
@@ -274,7 +274,7 @@ int exec_network(const ExecOptions& options) {
   Watched watched(network, options);
   std::vector<std::pair<std::string, machine::BoardDevices*>> boards;
   for (std::size_t n = 0; n < network.chip_count(); ++n) boards.emplace_back(network.chip_name(n), network.devices(n));
-  BoardFront front(std::move(boards), options, false);
+  BoardConsole front(std::move(boards), options, false);
   std::optional<io::OutputFile> link_trace, events;
   if (options.link_trace) link_trace.emplace(*options.link_trace);
   if (options.events) events.emplace(*options.events);

@@ -30,7 +30,7 @@ struct ExecReport {
   const ChipListeners& listeners;
   std::optional<double> clock_mhz;
   bool peripherals = false;
-  const BoardFront& front;
+  const BoardConsole& front;
   const machine::IgnoredAccesses& ignored;
 };
 void print_text(const ExecReport& report);

@@ -10,7 +10,7 @@
 #include "machine/board_devices.hpp"
 #include "machine/board_reserved.hpp"
 #include "machine/boot.hpp"
-#include "toolchain/image.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace cli {
 
@@ -33,7 +33,7 @@ Until parse_until(const ExecOptions& options, const toolchain::Image& image);
 /// What stands around the chip.
 struct Surroundings {
   std::optional<machine::BootFeeder> feeder;  ///< of the port through which it boots
-  BoardFront& front;
+  BoardConsole& front;
   machine::LoneDevices& devices;
   machine::IgnoredAccesses& ignored;
 };

@@ -8,7 +8,7 @@
 #include "io/print.hpp"
 #include "machine/board_file.hpp"
 #include "machine/boot.hpp"
-#include "toolchain/rom_file.hpp"
+#include "toolchain/objects/rom_file.hpp"
 
 namespace cli {
 namespace {

@@ -50,10 +50,11 @@ class Drawing {
       const machine::NetworkLink& ends = network.ends(n);
       for (int side = 0; side < 2; ++side) {
         const auto& [from, to] = side == 0 ? std::pair(ends.a, ends.b) : std::pair(ends.b, ends.a);
-        const std::string way = fmt::format("{} > {}", to_text(from), to_text(to));
-        const PerfettoTrace::Track words = trace_.add_slices(way, links_);
-        ways_.push_back({words, from, to, Level(trace_, trace_.add_counter("on the way " + way, "words", links_))});
-        from_port_.emplace(from, ways_.size() - 1);
+        const std::string direction = fmt::format("{} > {}", to_text(from), to_text(to));
+        const PerfettoTrace::Track words = trace_.add_slices(direction, links_);
+        directions_.push_back(
+            {words, from, to, Level(trace_, trace_.add_counter("on the way " + direction, "words", links_))});
+        from_port_.emplace(from, directions_.size() - 1);
       }
     }
     for (std::size_t n = 0; n < network.chip_count(); ++n)
@@ -76,7 +77,7 @@ class Drawing {
   }
 
  private:
-  struct Way {
+  struct LinkDirection {
     PerfettoTrace::Track words;
     machine::PortName from, to;
     Level on_the_way;
@@ -94,7 +95,7 @@ class Drawing {
       case NetworkEvent::Kind::token: return;
       case NetworkEvent::Kind::rise: return nets_.at(event.place).set(event.time, 1);
       case NetworkEvent::Kind::fall: return nets_.at(event.place).set(event.time, 0);
-      case NetworkEvent::Kind::lost: way(event).on_the_way.add(event.time, -1); break;
+      case NetworkEvent::Kind::lost: direction(event).on_the_way.add(event.time, -1); break;
       case NetworkEvent::Kind::discarded: discarded(event); break;
       default: break;
     }
@@ -103,10 +104,12 @@ class Drawing {
     trace_.instant(events_, event.time, name(event.kind), notes);
   }
 
-  Way& way(const NetworkEvent& event) { return ways_.at(2 * event.place + static_cast<std::size_t>(event.side)); }
+  LinkDirection& direction(const NetworkEvent& event) {
+    return directions_.at(2 * event.place + static_cast<std::size_t>(event.side));
+  }
 
   void arrived(const NetworkEvent& event) {
-    Way& its = way(event);
+    LinkDirection& its = direction(event);
     const std::string word = fmt::format("{:08X}h", event.word);
     const PerfettoTrace::Note notes[] = {{"word", word}};
     trace_.instant(its.words, event.time, "word", notes);
@@ -119,7 +122,7 @@ class Drawing {
     if (event.count != 0)
       fifo(event.place, event.side).add(event.time, -1);
     else if (out != from_port_.end())
-      ways_.at(out->second).on_the_way.add(event.time, -1);
+      directions_.at(out->second).on_the_way.add(event.time, -1);
   }
 
   void happened(const machine::ChipEvent& told) {
@@ -129,7 +132,7 @@ class Drawing {
     switch (event.kind) {
       case Kind::port_write:
         if (const auto out = from_port_.find({told.chip, event.number}); out != from_port_.end())
-          ways_.at(out->second).on_the_way.add(told.time, 1);
+          directions_.at(out->second).on_the_way.add(told.time, 1);
         return;
       case Kind::port_read: return fifo(told.chip, event.number).add(told.time, -1);
       case Kind::dma_start:
@@ -160,7 +163,7 @@ class Drawing {
   }
 
   void finish() {
-    for (Way& its : ways_) its.on_the_way.tell();
+    for (LinkDirection& its : directions_) its.on_the_way.tell();
     for (Level& net : nets_) net.tell();
     for (Chip& chip : chips_) {
       for (auto& [port, level] : chip.fifos) level.tell();
@@ -173,7 +176,7 @@ class Drawing {
   const Network& network_;
   PerfettoTrace trace_;
   PerfettoTrace::Track links_ = 0, events_ = 0;
-  std::vector<Way> ways_;  // two for each link
+  std::vector<LinkDirection> directions_;  // two for each link
   std::map<machine::PortName, std::size_t> from_port_;
   std::vector<Chip> chips_;
   std::vector<Level> nets_;

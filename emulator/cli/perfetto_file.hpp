@@ -5,8 +5,8 @@
 
 #include "cli/options.hpp"
 #include "cli/timeline_file.hpp"
-#include "cmrc/config.hpp"
-#include "cmrc/perfetto_recorder.hpp"
+#include "cmrc/configuration/config.hpp"
+#include "cmrc/timelines/perfetto_recorder.hpp"
 #include "report/trace_text.hpp"
 
 namespace cli {

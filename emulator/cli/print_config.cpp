@@ -3,7 +3,7 @@
 
 #include "cli/options.hpp"
 #include "cli/settings.hpp"
-#include "cmrc/config.hpp"
+#include "cmrc/configuration/config.hpp"
 #include "io/print.hpp"
 
 namespace cli {

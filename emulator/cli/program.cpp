@@ -8,10 +8,10 @@
 
 #include "cli/options.hpp"
 #include "io/input_file.hpp"
-#include "toolchain/assembler.hpp"
-#include "toolchain/coff.hpp"
-#include "toolchain/linker.hpp"
-#include "toolchain/source_map.hpp"
+#include "toolchain/assembler/assembler.hpp"
+#include "toolchain/linker/linker.hpp"
+#include "toolchain/objects/coff.hpp"
+#include "toolchain/objects/source_map.hpp"
 
 namespace cli {
 namespace {

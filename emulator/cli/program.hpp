@@ -9,7 +9,7 @@
 #include "cli/options.hpp"
 #include "io/file_roles.hpp"
 #include "machine/board_file.hpp"
-#include "toolchain/image.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace cli {
 

@@ -15,7 +15,7 @@
 #include "cli/progress_line.hpp"
 #include "cli/settings.hpp"
 #include "cli/snapshots.hpp"
-#include "cmrc/simulation.hpp"
+#include "cmrc/run/simulation.hpp"
 #include "io/output_file.hpp"
 #include "io/print.hpp"
 #include "io/signals.hpp"

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "cli/options.hpp"
-#include "cmrc/config.hpp"
+#include "cmrc/configuration/config.hpp"
 #include "io/file_roles.hpp"
 #include "report/trace_text.hpp"
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "cli/options.hpp"
-#include "cmrc/config.hpp"
-#include "cmrc/snapshot.hpp"
+#include "cmrc/configuration/config.hpp"
+#include "cmrc/run/snapshot.hpp"
 #include "io/file_roles.hpp"
 
 namespace cli {

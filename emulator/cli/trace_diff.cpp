@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "cli/options.hpp"
-#include "cmrc/simulation.hpp"
+#include "cmrc/run/simulation.hpp"
 #include "io/print.hpp"
 #include "machine/instruction_trace.hpp"
 #include "machine/machine.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "toolchain/image.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace machine {
 

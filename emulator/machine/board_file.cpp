@@ -15,8 +15,8 @@
 #include "machine/board_toml.hpp"
 #include "machine/boot.hpp"
 #include "machine/shared_memory.hpp"
-#include "toolchain/image.hpp"
-#include "toolchain/rom_file.hpp"
+#include "toolchain/objects/image.hpp"
+#include "toolchain/objects/rom_file.hpp"
 
 namespace machine {
 namespace {

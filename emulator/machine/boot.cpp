@@ -8,7 +8,7 @@
 
 #include "c40/peripherals/link.hpp"
 #include "c40_programs/image.hpp"
-#include "toolchain/coff.hpp"
+#include "toolchain/objects/coff.hpp"
 
 namespace machine {
 namespace {

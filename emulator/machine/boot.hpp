@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "c40/chip.hpp"
-#include "toolchain/image.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace machine {
 

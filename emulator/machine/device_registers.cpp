@@ -2,8 +2,8 @@
 
 #include <type_traits>
 
-#include "plant/dock.hpp"
-#include "toolchain/image.hpp"
+#include "plant/dock/dock.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace machine {
 namespace {
@@ -29,7 +29,7 @@ constexpr std::array trip_bits{NamedBit{"TRIP_OVERSPEED", plant::trip_overspeed}
                                NamedBit{"TRIP_SATURATION", plant::trip_saturation},
                                NamedBit{"TRIP_HEAT", plant::trip_heat}, NamedBit{"TRIP_WARNING", plant::trip_warning}};
 
-using Bits = std::array<DeviceCards::Bit, 4>;
+using Bits = std::array<DeviceConnections::Bit, 4>;
 
 Bits placed(const std::array<NamedBit, 4>& names, const toolchain::Image& program) {
   Bits bits{};
@@ -38,7 +38,7 @@ Bits placed(const std::array<NamedBit, 4>& names, const toolchain::Image& progra
 }
 
 // What all drives say in one word.
-Word collected(const DeviceCards& cards, const Bits& bits, std::uint32_t (Dock::*say)(int, Time), Time t) {
+Word collected(const DeviceConnections& cards, const Bits& bits, std::uint32_t (Dock::*say)(int, Time), Time t) {
   Word all = 0;
   for (std::size_t channel = 0; channel < cards.joints.size(); ++channel) {
     const std::uint32_t said = (cards.dock.*say)(cards.joints[channel], t);
@@ -48,7 +48,7 @@ Word collected(const DeviceCards& cards, const Bits& bits, std::uint32_t (Dock::
   return all;
 }
 
-std::uint32_t joints_enabled(const DeviceCards& cards, Word channels) {
+std::uint32_t joints_enabled(const DeviceConnections& cards, Word channels) {
   std::uint32_t joints = 0;
   for (std::size_t channel = 0; channel < cards.joints.size(); ++channel)
     joints |= (channels >> channel & 1U) << cards.joints[channel];
@@ -57,7 +57,7 @@ std::uint32_t joints_enabled(const DeviceCards& cards, Word channels) {
 
 // Reads what the dock says, of the register's index, its ray and the time as far as the question takes them.
 template <auto ask>
-Word of_dock(const DeviceCards& cards, DevicePlace at, Time t) {
+Word of_dock(const DeviceConnections& cards, DevicePlace at, Time t) {
   using Ask = decltype(ask);
   if constexpr (std::is_invocable_v<Ask, Dock&, int, int, Time>)
     return static_cast<Word>((cards.dock.*ask)(at.index, at.ray, t));
@@ -70,32 +70,38 @@ Word of_dock(const DeviceCards& cards, DevicePlace at, Time t) {
 }
 // The same of an axis that has a symbol of its own.
 template <auto ask, int axis>
-Word of_axis(const DeviceCards& cards, DevicePlace, Time t) {
+Word of_axis(const DeviceConnections& cards, DevicePlace, Time t) {
   return static_cast<Word>((cards.dock.*ask)(axis, t));
 }
 template <auto value>
-Word constant(const DeviceCards&, DevicePlace, Time) {
+Word constant(const DeviceConnections&, DevicePlace, Time) {
   return static_cast<Word>(value);
 }
 
-Word drive_status(const DeviceCards& c, DevicePlace, Time t) {
+Word drive_status(const DeviceConnections& c, DevicePlace, Time t) {
   return collected(c, c.status_bits, &Dock::drive_status, t);
 }
-Word drive_trip(const DeviceCards& c, DevicePlace, Time t) { return collected(c, c.trip_bits, &Dock::drive_trip, t); }
+Word drive_trip(const DeviceConnections& c, DevicePlace, Time t) {
+  return collected(c, c.trip_bits, &Dock::drive_trip, t);
+}
 
-void set_torque(DeviceCards& c, DevicePlace at, Word value, Time t) {
+void set_torque(DeviceConnections& c, DevicePlace at, Word value, Time t) {
   c.dock.set_torque_code(at.index, torque_code(value), t);
 }
-void enable_drives(DeviceCards& c, DevicePlace, Word value, Time t) {
+void enable_drives(DeviceConnections& c, DevicePlace, Word value, Time t) {
   c.dock.enable_drives(joints_enabled(c, value), t);
 }
-void command_spreader(DeviceCards& c, DevicePlace, Word value, Time t) { c.dock.spreader_command(value, t); }
-void select_row(DeviceCards& c, DevicePlace, Word value, Time t) { c.dock.select_row(number(value), t); }
-void set_agv_period(DeviceCards& c, DevicePlace at, Word value, Time t) { c.dock.agv_period(at.index, value, t); }
-void set_agv_speed(DeviceCards& c, DevicePlace at, Word value, Time) { c.commands[at.index].speed = number(value); }
-void set_agv_front(DeviceCards& c, DevicePlace at, Word value, Time) { c.commands[at.index].front = number(value); }
-void push_agv(DeviceCards& c, DevicePlace at, Word value, Time t) {
-  const DeviceCards::AgvCommand& command = c.commands[at.index];
+void command_spreader(DeviceConnections& c, DevicePlace, Word value, Time t) { c.dock.spreader_command(value, t); }
+void select_row(DeviceConnections& c, DevicePlace, Word value, Time t) { c.dock.select_row(number(value), t); }
+void set_agv_period(DeviceConnections& c, DevicePlace at, Word value, Time t) { c.dock.agv_period(at.index, value, t); }
+void set_agv_speed(DeviceConnections& c, DevicePlace at, Word value, Time) {
+  c.commands[at.index].speed = number(value);
+}
+void set_agv_front(DeviceConnections& c, DevicePlace at, Word value, Time) {
+  c.commands[at.index].front = number(value);
+}
+void push_agv(DeviceConnections& c, DevicePlace at, Word value, Time t) {
+  const DeviceConnections::AgvCommand& command = c.commands[at.index];
   c.dock.agv_push(at.index, command.speed, command.front, number(value), t);
 }
 
@@ -158,14 +164,14 @@ std::vector<std::string_view> device_symbols() {
   return all;
 }
 
-DeviceCards::DeviceCards(plant::Dock& the_dock, const toolchain::Image& program)
+DeviceConnections::DeviceConnections(plant::Dock& the_dock, const toolchain::Image& program)
     : dock{the_dock},
       joints{plant::drive_channels(the_dock.config().crane.machine)},
       status_bits{placed(machine::status_bits, program)},
       trip_bits{placed(machine::trip_bits, program)},
       commands(static_cast<std::size_t>(the_dock.agv_count())) {}
 
-std::vector<PlacedRegister> placed_registers(const DeviceCards& cards, const toolchain::Image& program) {
+std::vector<PlacedRegister> placed_registers(const DeviceConnections& cards, const toolchain::Image& program) {
   std::vector<PlacedRegister> all;
   const auto agvs = static_cast<unsigned>(cards.commands.size());
   for (const DeviceRegister& row : registers) {

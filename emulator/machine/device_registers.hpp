@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include "machine/bus_topology.hpp"
 #include "machine/time.hpp"
-#include "machine/topology.hpp"
-#include "plant/config.hpp"
+#include "plant/parameters/config.hpp"
 
 namespace plant {
 class Dock;
@@ -23,7 +23,7 @@ namespace machine {
 using Word = std::uint32_t;
 
 /// What stands behind the registers: the dock, and what the devices' cards hold themselves.
-struct DeviceCards {
+struct DeviceConnections {
   /// A bit of what the dock says of one drive; the register has it of all drives, that of channel 0 at `place`.
   struct Bit {
     std::uint32_t of_drive;
@@ -36,7 +36,7 @@ struct DeviceCards {
   };
 
   /// \throws std::out_of_range with the name of a symbol that the program does not define
-  DeviceCards(plant::Dock& dock, const toolchain::Image& program);
+  DeviceConnections(plant::Dock& dock, const toolchain::Image& program);
 
   plant::Dock& dock;
   std::array<int, plant::joint_count> joints;  ///< behind each channel of the drives and encoders
@@ -64,9 +64,9 @@ struct DeviceRegister {
   std::string_view name;  ///< symbol of its offset: that of the first, or in the AGV's unit or range sensor
   DeviceGroup group;
   Repeated repeated;
-  Word (*read)(const DeviceCards&, DevicePlace, Time);         ///< null: no read is answered
-  void (*write)(DeviceCards&, DevicePlace, Word value, Time);  ///< null: no write is answered
-  bool (*fitted)(const plant::Dock&) = nullptr;                ///< null: in every dock
+  Word (*read)(const DeviceConnections&, DevicePlace, Time);         ///< null: no read is answered
+  void (*write)(DeviceConnections&, DevicePlace, Word value, Time);  ///< null: no write is answered
+  bool (*fitted)(const plant::Dock&) = nullptr;                      ///< null: in every dock
 };
 std::span<const DeviceRegister> device_registers();
 
@@ -80,6 +80,6 @@ struct PlacedRegister {
   unsigned index, ray;  ///< see DevicePlace
 };
 /// Those that this dock has, where the program knows them.
-std::vector<PlacedRegister> placed_registers(const DeviceCards& cards, const toolchain::Image& program);
+std::vector<PlacedRegister> placed_registers(const DeviceConnections& cards, const toolchain::Image& program);
 
 }  // namespace machine

@@ -44,8 +44,8 @@ void Devices::write(pci::Address offset, Word value, const pci::Access& access) 
   row.write(cards_, one.place, value, instant(row, access));
 }
 
-std::vector<Devices::Stretch> Devices::stretches() const {
-  std::vector<Stretch> all;
+std::vector<Devices::RegisterRange> Devices::ranges() const {
+  std::vector<RegisterRange> all;
   for (Offset offset = 0; offset < size(); ++offset) {
     const Register& one = registers_[offset];
     const bool there = one.row != none;
@@ -57,7 +57,7 @@ std::vector<Devices::Stretch> Devices::stretches() const {
 }
 
 void Devices::append_state(std::vector<std::uint64_t>& words) const {
-  for (const DeviceCards::AgvCommand& command : cards_.commands) {
+  for (const DeviceConnections::AgvCommand& command : cards_.commands) {
     words.push_back(static_cast<std::uint32_t>(command.speed));
     words.push_back(static_cast<std::uint32_t>(command.front));
   }

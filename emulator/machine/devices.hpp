@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "bus_model/bus.hpp"
+#include "machine/bus_topology.hpp"
 #include "machine/device_registers.hpp"
 #include "machine/shared_memory.hpp"
 #include "machine/time.hpp"
-#include "machine/topology.hpp"
 
 namespace machine {
 
@@ -28,12 +28,12 @@ class Devices final : public pci::Target {
     return write ? row.write != nullptr : row.read != nullptr;
   }
   /// A stretch of offsets whose registers belong together; a hole belongs to what stands before it.
-  struct Stretch {
+  struct RegisterRange {
     DeviceGroup group;
     Offset first;
     Offset end;
   };
-  std::vector<Stretch> stretches() const;
+  std::vector<RegisterRange> ranges() const;
   void append_state(std::vector<std::uint64_t>& words) const;
   void list_state(state::Visitor& list) { list("commands", cards_.commands); }
 
@@ -56,7 +56,7 @@ class Devices final : public pci::Target {
 
   std::array<Clock, device_groups> clocks_;  // of the bus on which each group stands
   const Fence& fence_;
-  DeviceCards cards_;
+  DeviceConnections cards_;
   std::span<const DeviceRegister> rows_ = device_registers();
   std::vector<Register> registers_;
 };

@@ -23,15 +23,15 @@ pci::MasterConfig master_of(const Config& config, unsigned slot) {
 
 }  // namespace
 
-Dsp::Dsp(unsigned slot, bool plugged, Surroundings& surroundings)
-    : slot_{slot}, around_{surroundings}, clock_{around_.chip_clocks[slot]}, chip_{around_.config.board}, sides_{} {
-  const Config& config = around_.config;
+Dsp::Dsp(unsigned slot, bool plugged, DspContext& context)
+    : slot_{slot}, context_{context}, clock_{context_.chip_clocks[slot]}, chip_{context_.config.board}, sides_{} {
+  const Config& config = context_.config;
   for (unsigned port = 0; port < config.topology.dsps.size(); ++port)
     sides_.emplace_back(*this, config.topology.dsps[port], master_of(config, slot),
-                        port == around_.window_a.front().port ? config.bridge_a : config.bridge_b);
-  around_.adapter.join(chip_, clock_, plugged);
+                        port == context_.window_a.front().port ? config.bridge_a : config.bridge_b);
+  context_.adapter.join(chip_, clock_, plugged);
   chip_.set_window_listener(this);
-  attach(around_.adapter.dsp_port(), around_.adapter.link(slot_), 1, adapter_wire_);
+  attach(context_.adapter.dsp_port(), context_.adapter.link(slot_), 1, adapter_wire_);
   if (!plugged) {
     chip_.hold(true);
   } else if (config.boot == Boot::preloaded) {
@@ -101,7 +101,7 @@ c40::Cycles Dsp::limit(Time horizon) const {
   const Time own = clock_.at(chip_.settled());  // what its own DMA does comes back over the link, too
   for (const Wire& wire : wires_) {
     // The adapter's end acts with the host, which the horizon knows; another DSP's at any time from now on.
-    const Time from = &wire == &wires_.front() ? own : std::min(own, around_.scheduler.earliest());
+    const Time from = &wire == &wires_.front() ? own : std::min(own, context_.scheduler.earliest());
     reach = std::min({reach, wire.actor.next(), from + wire.link.lookahead()});
   }
   return std::min(far, clock_.tick_at_or_after(reach));
@@ -157,35 +157,35 @@ bool Dsp::faulted(const c40::Fault& why) {
 }
 
 // The part of its window that holds the address; behind the last part nothing answers.
-const Way& Dsp::way_of(std::uint32_t address) const {
-  const std::vector<Way>& ways = on_a(address) ? around_.window_a : around_.window_b;
+const BusRoute& Dsp::route_of(std::uint32_t address) const {
+  const std::vector<BusRoute>& routes = on_a(address) ? context_.window_a : context_.window_b;
   const Offset offset = offset_of(address);
-  for (const Way& way : ways)
-    if (offset - way.first < way.end - way.first) return way;
-  return ways.back();
+  for (const BusRoute& route : routes)
+    if (offset - route.first < route.end - route.first) return route;
+  return routes.back();
 }
 
 bool Dsp::writable(Window window, Offset offset) const {
-  if (window == Window::b) return around_.devices != nullptr && around_.devices->answers(offset, true);
-  return offset < SharedSram::size || around_.registers.answers(offset, true, false);
+  if (window == Window::b) return context_.devices != nullptr && context_.devices->answers(offset, true);
+  return offset < SharedSram::size || context_.registers.answers(offset, true, false);
 }
 
 // A write that finds room in the bridge, a read that the bridge's line answers.
 std::optional<c40::WindowAnswer> Dsp::answer_at_once(const c40::ExternalAccess& access) {
-  const Way& way = way_of(access.address);
+  const BusRoute& route = route_of(access.address);
   if (access.write) {
     if (!writable(window_of(access.address), offset_of(access.address)) || clock_.at(access.cycle) >= run_end_ ||
-        !bridge(way).has_room())
+        !bridge(route).has_room())
       return {};
-    post(way, access);
+    post(route, access);
     return c40::WindowAnswer{};
   }
   pci::Bridge::Hit hit{};
-  if (!bridge(way).look_up(offset_of(access.address) + way.shift, hit)) return {};
-  const c40::Cycles there = clock_.tick_at_or_after(clock_of(way).at(hit.ready));
+  if (!bridge(route).look_up(offset_of(access.address) + route.shift, hit)) return {};
+  const c40::Cycles there = clock_.tick_at_or_after(clock_of(route).at(hit.ready));
   statistics_.prefetch_hits += 1;
   return c40::WindowAnswer{.value = hit.value,
-                           .transfer = std::max(there - access.cycle, around_.config.prefetch_hit_cycles)};
+                           .transfer = std::max(there - access.cycle, context_.config.prefetch_hit_cycles)};
 }
 
 // One that was not answered at once, or that the chip has to stop before: while its DMA is active.
@@ -193,7 +193,7 @@ bool Dsp::window_access(const c40::ExternalAccess& access) {
   if (access.write && !writable(window_of(access.address), offset_of(access.address))) {
     fault(access.cycle, chip_.pc(), access.address,
           fmt::format("a write that nothing on bus {} takes from a DSP (PCI master abort)",
-                      bus_name(way_of(access.address))));
+                      bus_name(route_of(access.address))));
     return false;
   }
   if (const auto answer = answer_at_once(access)) {
@@ -208,52 +208,53 @@ bool Dsp::window_access(const c40::ExternalAccess& access) {
   own_next_ = clock_.at(access.cycle);
   // A read with nothing before it may be asked for ahead of its turn, as a write is posted: nothing can act on the
   // board before it begins.
-  if (!access.write && !chip_.dma_active() && own_next_ < run_end_ && bridge(way_of(access.address)).is_clear())
+  if (!access.write && !chip_.dma_active() && own_next_ < run_end_ && bridge(route_of(access.address)).is_clear())
     begin_read();
   return false;
 }
 
 bool Dsp::needs_counters(const c40::ExternalAccess& access) const {
-  return access.write && around_.observer != nullptr &&
-         around_.observer->wants_issues_at(window_of(access.address), offset_of(access.address));
+  return access.write && context_.observer != nullptr &&
+         context_.observer->wants_issues_at(window_of(access.address), offset_of(access.address));
 }
 
-void Dsp::post(const Way& way, const c40::ExternalAccess& access) {
+void Dsp::post(const BusRoute& route, const c40::ExternalAccess& access) {
   const Time issued = clock_.at(access.cycle);
   statistics_.posted_writes += 1;
   if (needs_counters(access))
-    around_.observer->dsp_issue(slot_, window_of(access.address), offset_of(access.address), access.value, issued);
-  bridge(way).write({.address = offset_of(access.address) + way.shift,
-                     .value = access.value,
-                     .clock = clock_of(way).tick_at_or_after(issued),
-                     .stamp = issued.count()});
+    context_.observer->dsp_issue(slot_, window_of(access.address), offset_of(access.address), access.value, issued);
+  bridge(route).write({.address = offset_of(access.address) + route.shift,
+                       .value = access.value,
+                       .clock = clock_of(route).tick_at_or_after(issued),
+                       .stamp = issued.count()});
 }
 
 void Dsp::begin_access(Time horizon) {
-  const Way& way = way_of(access_.address);
-  if (access_.write && bridge(way).has_room()) {
-    post(way, access_);
+  const BusRoute& route = route_of(access_.address);
+  if (access_.write && bridge(route).has_room()) {
+    post(route, access_);
     chip_.complete_write(0, 0);
     return run(horizon);
   }
   if (!access_.write) return begin_read();
   state_ = State::blocked;
   own_next_ = never;
-  post(way, access_);
+  post(route, access_);
 }
 
 void Dsp::begin_read() {
-  const Way& way = way_of(access_.address);
+  const BusRoute& route = route_of(access_.address);
   state_ = State::blocked;
   own_next_ = never;
   statistics_.bus_reads += 1;
-  bridge(way).read(offset_of(access_.address) + way.shift, clock_of(way).tick_at_or_after(clock_.at(access_.cycle)));
+  bridge(route).read(offset_of(access_.address) + route.shift,
+                     clock_of(route).tick_at_or_after(clock_.at(access_.cycle)));
 }
 
 void Dsp::answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) {
   if (state_ != State::blocked) return;
   if (result != pci::Result::done) {
-    const c40::Cycles cycle = std::max(access_.cycle, clock_.tick_at_or_after(around_.bus_clocks[side.bus].at(ready)));
+    const c40::Cycles cycle = std::max(access_.cycle, clock_.tick_at_or_after(context_.bus_clocks[side.bus].at(ready)));
     return fault(cycle, chip_.pc(), access_.address,
                  fmt::format("a read that nothing on bus {} answers (PCI {} abort)", static_cast<char>('A' + side.bus),
                              result == pci::Result::master_abort ? "master" : "target"));
@@ -265,7 +266,7 @@ void Dsp::answered(const Side& side, Word value, pci::Clocks ready, pci::Clocks 
 // The chip waited from the access to bus clock `ready`, `arbitration` clocks of it without the bus.
 void Dsp::resume_at(const Side& side, pci::Clocks ready, pci::Clocks arbitration) {
   if (state_ != State::blocked) return;
-  const Clock& bus = around_.bus_clocks[side.bus];
+  const Clock& bus = context_.bus_clocks[side.bus];
   const c40::Cycles resumes = std::max(access_.cycle, clock_.tick_at_or_after(bus.at(ready)));
   const c40::Cycles waited = resumes - access_.cycle;
   arbitration_ = std::min(waited, clock_.ticks_in(bus.at(arbitration) - bus.at(0)));
@@ -281,9 +282,9 @@ void Dsp::complete(Time horizon) {
     statistics_.window_b_arbitration += arbitration_;
     statistics_.window_b_transfer += transfer_;
   }
-  if (around_.observer != nullptr)
-    around_.observer->dsp_waited(slot_, window, clock_.at(access_.cycle),
-                                 clock_.at(access_.cycle + arbitration_ + transfer_));
+  if (context_.observer != nullptr)
+    context_.observer->dsp_waited(slot_, window, clock_.at(access_.cycle),
+                                  clock_.at(access_.cycle + arbitration_ + transfer_));
   if (access_.write)
     chip_.complete_write(arbitration_, transfer_);
   else
@@ -294,11 +295,11 @@ void Dsp::complete(Time horizon) {
 // The word has left the board's bridge: it is at its target, or in a bridge between buses.
 void Dsp::landed(const Side& side, const pci::Posted& posted, pci::Clocks clock) {
   for (const Window window : {Window::a, Window::b}) {
-    for (const Way& way : window == Window::a ? around_.window_a : around_.window_b) {
-      const Offset offset = posted.address - way.shift;
-      if (&sides_[way.port] != &side || offset - way.first >= way.end - way.first) continue;
-      if (way.direct) return arrived(window, offset, posted, around_.bus_clocks[side.bus].at(clock));
-      underway_.push_back({way.bus, window, offset, posted});
+    for (const BusRoute& route : window == Window::a ? context_.window_a : context_.window_b) {
+      const Offset offset = posted.address - route.shift;
+      if (&sides_[route.port] != &side || offset - route.first >= route.end - route.first) continue;
+      if (route.direct) return arrived(window, offset, posted, context_.bus_clocks[side.bus].at(clock));
+      underway_.push_back({route.bus, window, offset, posted});
       return;
     }
   }
@@ -310,21 +311,21 @@ void Dsp::delivered(unsigned bus, pci::Address address, pci::Clocks clock, pci::
   if (first == underway_.end()) return;
   const Underway word = *first;
   underway_.erase(first);
-  if (result == pci::Result::done) arrived(word.window, word.offset, word.posted, around_.bus_clocks[bus].at(clock));
+  if (result == pci::Result::done) arrived(word.window, word.offset, word.posted, context_.bus_clocks[bus].at(clock));
 }
 
 void Dsp::arrived(Window window, Offset offset, const pci::Posted& posted, Time now) {
-  const auto refused = window == Window::a && around_.guard != nullptr
-                           ? around_.guard->take_refusal(slot_, offset, posted.value)
+  const auto refused = window == Window::a && context_.guard != nullptr
+                           ? context_.guard->take_refusal(slot_, offset, posted.value)
                            : std::nullopt;
-  const bool dropped = refused || around_.fence.closed(slot_);
+  const bool dropped = refused || context_.fence.closed(slot_);
   statistics_.dropped_writes += dropped;
-  if (around_.observer == nullptr) return;
-  if (refused) around_.observer->dsp_write_refused(slot_, offset, posted.value, *refused, now);
+  if (context_.observer == nullptr) return;
+  if (refused) context_.observer->dsp_write_refused(slot_, offset, posted.value, *refused, now);
   if (dropped)
-    around_.observer->dsp_write_dropped(slot_, window, offset, posted.value, Time{posted.stamp}, now);
+    context_.observer->dsp_write_dropped(slot_, window, offset, posted.value, Time{posted.stamp}, now);
   else
-    around_.observer->dsp_write(slot_, window, offset, posted.value, Time{posted.stamp}, now);
+    context_.observer->dsp_write(slot_, window, offset, posted.value, Time{posted.stamp}, now);
 }
 
 // Nothing outside may act on the chip before the horizon up to which it has been run.
@@ -365,7 +366,7 @@ void Dsp::deliver_edge(Time now) {
     case State::dead: return;
   }
   statistics_.interrupts += 1;
-  if (around_.observer != nullptr) around_.observer->interrupt(slot_, 0, now);
+  if (context_.observer != nullptr) context_.observer->interrupt(slot_, 0, now);
 }
 
 // Between two instructions at `now`; false in the middle of an access, or where there is no program running.
@@ -420,7 +421,7 @@ void Dsp::stand_still(Time now) {
   edge_waiting_ = hang_waiting_ = false;
   for (const PinChange& change : pins_waiting_) chip_.set_pin(change.pin, change.level, chip_.cycle());
   pins_waiting_.clear();
-  around_.in_reset -= in_reset();
+  context_.in_reset -= in_reset();
   state_ = State::dead;
 }
 
@@ -442,9 +443,9 @@ void Dsp::pace(Time now, std::int64_t parts_per_million) {
   Ticks reached = std::max(clock_.tick_at_or_after(now), chip_.cycle());
   if (state_ == State::access) reached = std::max(reached, access_.cycle);
   if (state_ == State::port) reached = std::max(reached, port_access_.cycle);
-  const std::int64_t ppm = slot_ < around_.config.chip_skews.size() ? around_.config.chip_skews[slot_].ppm : 0;
-  std::int64_t above = around_.config.chip_hz * parts_per_million,
-               below = 1'000'000 * around_.config.chip_hz_denominator;
+  const std::int64_t ppm = slot_ < context_.config.chip_skews.size() ? context_.config.chip_skews[slot_].ppm : 0;
+  std::int64_t above = context_.config.chip_hz * parts_per_million,
+               below = 1'000'000 * context_.config.chip_hz_denominator;
   const std::int64_t divisor = std::gcd(above, below);
   clock_.change(reached, Skew{ppm, Time{0}}, above / divisor, below / divisor);
   for (const Wire& wire : wires_) wire.link.set_clock(wire.side, clock_);
@@ -507,8 +508,8 @@ void Dsp::report_fault(Time now) {
   state_ = State::dead;
   own_next_ = never;
   settle(now);
-  around_.faults.push_back(fault_);
-  if (around_.observer != nullptr) around_.observer->fault(around_.faults.back());
+  context_.faults.push_back(fault_);
+  if (context_.observer != nullptr) context_.observer->fault(context_.faults.back());
 }
 
 }  // namespace machine

@@ -26,7 +26,7 @@
 namespace machine {
 
 /// What all boards share.
-struct Surroundings {
+struct DspContext {
   const Config& config;
   const Symbols& symbols;
   const toolchain::Image& program;
@@ -34,8 +34,8 @@ struct Surroundings {
   std::vector<Clock> chip_clocks;  ///< by slot
   std::vector<Clock> bus_clocks;   ///< by bus
   std::deque<pci::Bus>& buses;
-  std::vector<Way> window_a;  // as every DSP board reaches it
-  std::vector<Way> window_b;
+  std::vector<BusRoute> window_a;  // as every DSP board reaches it
+  std::vector<BusRoute> window_b;
   const SharedRegisters& registers;
   LinkAdapter& adapter;
   const Devices* devices;
@@ -60,13 +60,13 @@ class Dsp final : public Scheduler::Processor,
                   private c40::WindowListener,
                   private ChipRunner {
  public:
-  Dsp(unsigned slot, bool plugged, Surroundings& surroundings);
+  Dsp(unsigned slot, bool plugged, DspContext& context);
 
   Time next() const override { return next_; }
   void act(Time now) override;
   bool runs() const override { return state_ == State::running; }
   void run_ahead(Time until) override;
-  Time horizon() const override { return around_.earliest_action(); }
+  Time horizon() const override { return context_.earliest_action(); }
 
   void schedule_edge(Time time);
   void schedule_reset(Time time);
@@ -124,7 +124,7 @@ class Dsp final : public Scheduler::Processor,
   };
   struct Side final : pci::Bridge::Client {
     Side(Dsp& owner, unsigned which, const pci::MasterConfig& master, const pci::BridgeConfig& config)
-        : dsp{owner}, bus{which}, bridge{owner.around_.buses[which], master, config, *this} {}
+        : dsp{owner}, bus{which}, bridge{owner.context_.buses[which], master, config, *this} {}
     void answered(Word value, pci::Clocks ready, pci::Clocks arbitration, pci::Result result) override {
       dsp.answered(*this, value, ready, arbitration, result);
     }
@@ -186,7 +186,7 @@ class Dsp final : public Scheduler::Processor,
   void require_not_run_past(Time now) const;
   void run_dma(Time horizon);
   c40::Cycles limit(Time horizon) const;
-  void post(const Way& way, const c40::ExternalAccess& access);
+  void post(const BusRoute& route, const c40::ExternalAccess& access);
   void complete(Time horizon);
   void deliver_edge(Time now);
   bool caught_up(Time now);
@@ -205,18 +205,18 @@ class Dsp final : public Scheduler::Processor,
   void set_next();
   bool writable(Window window, Offset offset) const;
 
-  bool on_a(std::uint32_t address) const { return address >= around_.symbols.window_a; }
+  bool on_a(std::uint32_t address) const { return address >= context_.symbols.window_a; }
   Offset offset_of(std::uint32_t address) const {
-    return address - (on_a(address) ? around_.symbols.window_a : around_.symbols.window_b);
+    return address - (on_a(address) ? context_.symbols.window_a : context_.symbols.window_b);
   }
   Window window_of(std::uint32_t address) const { return on_a(address) ? Window::a : Window::b; }
-  const Way& way_of(std::uint32_t address) const;
-  pci::Bridge& bridge(const Way& way) { return sides_[way.port].bridge; }
-  const Clock& clock_of(const Way& way) const { return around_.bus_clocks[sides_[way.port].bus]; }
-  char bus_name(const Way& way) const { return static_cast<char>('A' + sides_[way.port].bus); }
+  const BusRoute& route_of(std::uint32_t address) const;
+  pci::Bridge& bridge(const BusRoute& route) { return sides_[route.port].bridge; }
+  const Clock& clock_of(const BusRoute& route) const { return context_.bus_clocks[sides_[route.port].bus]; }
+  char bus_name(const BusRoute& route) const { return static_cast<char>('A' + sides_[route.port].bus); }
 
   unsigned slot_;
-  Surroundings& around_;
+  DspContext& context_;
   PacedClock clock_;
   c40::Chip chip_;
   std::deque<Side> sides_;          // by bus on which the board stands

@@ -8,7 +8,7 @@
 #include "c40/peripherals/register_map.hpp"
 #include "machine/dsp.hpp"
 #include "machine/guard.hpp"
-#include "toolchain/image.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace machine {
 
@@ -53,7 +53,7 @@ void Dsp::link_event(const c40::LinkEvent& event) {
     if (!to_dsp && !std::exchange(answered_, true)) has_booted(event.time);
   } else if (event.kind == c40::LinkEvent::Kind::lost) {
     ++statistics_.words_lost;
-    if (around_.observer != nullptr) around_.observer->link_lost(slot_, to_dsp, event.word, event.bytes, event.time);
+    if (context_.observer != nullptr) context_.observer->link_lost(slot_, to_dsp, event.word, event.bytes, event.time);
   }
 }
 
@@ -61,62 +61,62 @@ void Dsp::link_event(const c40::LinkEvent& event) {
 
 void Dsp::unplug(Time now) {
   if (state_ == State::out) return;
-  for (Side& side : sides_) side.bridge.clear(around_.bus_clocks[side.bus].tick_at_or_after(now));
-  if (around_.guard != nullptr) around_.guard->forget(slot_);
+  for (Side& side : sides_) side.bridge.clear(context_.bus_clocks[side.bus].tick_at_or_after(now));
+  if (context_.guard != nullptr) context_.guard->forget(slot_);
   stand_still(now);
   state_ = State::out;
-  around_.adapter.reset(slot_, now);
-  around_.adapter.set_plugged(slot_, false, now);
+  context_.adapter.reset(slot_, now);
+  context_.adapter.set_plugged(slot_, false, now);
   edge_ = reset_ = never;
-  around_.slot_changed(slot_, now);
+  context_.slot_changed(slot_, now);
   set_next();
-  if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::unplugged, now);
+  if (context_.observer != nullptr) context_.observer->slot(slot_, SlotChange::unplugged, now);
 }
 
 void Dsp::plug(Time now) {
   if (state_ != State::out) return;
   broken_ = false;
   state_ = State::dead;
-  around_.adapter.set_plugged(slot_, true, now);
-  if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::plugged, now);
+  context_.adapter.set_plugged(slot_, true, now);
+  if (context_.observer != nullptr) context_.observer->slot(slot_, SlotChange::plugged, now);
   reset(now);
 }
 
 void Dsp::reset(Time now) {
   if (state_ == State::out || broken_) return;
-  for (Side& side : sides_) side.bridge.clear(around_.bus_clocks[side.bus].tick_at_or_after(now));
-  if (around_.guard != nullptr) around_.guard->forget(slot_);
+  for (Side& side : sides_) side.bridge.clear(context_.bus_clocks[side.bus].tick_at_or_after(now));
+  if (context_.guard != nullptr) context_.guard->forget(slot_);
   stand_still(now);
   hold_in_reset(now);
   edge_ = reset_ = never;
   set_next();
-  if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::reset, now);
+  if (context_.observer != nullptr) context_.observer->slot(slot_, SlotChange::reset, now);
 }
 
 // RESET is low for a while; it resets the adapter's end of the link too.
 void Dsp::hold_in_reset(Time now) {
   chip_.hold(true);
-  around_.in_reset += 1;
+  context_.in_reset += 1;
   state_ = State::booting;
   settle(now);
-  around_.adapter.reset(slot_, now);
-  if (around_.config.boot == Boot::link)
+  context_.adapter.reset(slot_, now);
+  if (context_.config.boot == Boot::link)
     chip_.boot();
   else
     chip_.reset();
   answered_ = false;
-  around_.slot_changed(slot_, now);
-  own_next_ = std::max(now, clock_.at(chip_.cycle())) + around_.config.reset_time;
+  context_.slot_changed(slot_, now);
+  own_next_ = std::max(now, clock_.at(chip_.cycle())) + context_.config.reset_time;
 }
 
 void Dsp::leave_reset(Time now) {
   settle(now);
-  around_.in_reset -= 1;
-  if (around_.config.boot == Boot::preloaded) return load();
+  context_.in_reset -= 1;
+  if (context_.config.boot == Boot::preloaded) return load();
   chip_.hold(false);
   state_ = State::running;
   own_next_ = clock_.at(chip_.cycle());
-  around_.adapter.request(slot_, now);
+  context_.adapter.request(slot_, now);
 }
 
 std::vector<std::pair<c40::Address, Word>> start_words(const Symbols& symbols, const Config& config, unsigned slot) {
@@ -126,7 +126,7 @@ std::vector<std::pair<c40::Address, Word>> start_words(const Symbols& symbols, c
 
 // As a loader would leave it (c40-hardware.md 9.4).
 void Dsp::load() {
-  for (const auto& section : around_.program.sections) {
+  for (const auto& section : context_.program.sections) {
     if (section.loaded) {
       chip_.write_block(section.address, section.words);
     } else {
@@ -134,10 +134,10 @@ void Dsp::load() {
       chip_.write_block(section.address, zeros);
     }
   }
-  for (const auto& [address, value] : start_words(around_.symbols, around_.config, slot_)) chip_.poke(address, value);
+  for (const auto& [address, value] : start_words(context_.symbols, context_.config, slot_)) chip_.poke(address, value);
   chip_.set_register(isa::Register::AR3,
-                     c40::register_named(fmt::format("PORT{}.control", around_.symbols.link_port)).address);
-  chip_.set_pc(around_.symbols.start);
+                     c40::register_named(fmt::format("PORT{}.control", context_.symbols.link_port)).address);
+  chip_.set_pc(context_.symbols.start);
   chip_.hold(false);
   state_ = State::running;
   own_next_ = clock_.at(chip_.cycle());
@@ -147,8 +147,8 @@ void Dsp::load() {
 
 void Dsp::has_booted(Time now) {
   statistics_.boots += 1;
-  around_.slot_changed(slot_, now);
-  if (around_.observer != nullptr) around_.observer->slot(slot_, SlotChange::booted, now);
+  context_.slot_changed(slot_, now);
+  if (context_.observer != nullptr) context_.observer->slot(slot_, SlotChange::booted, now);
 }
 
 }  // namespace machine

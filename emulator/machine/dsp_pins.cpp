@@ -24,7 +24,7 @@ void Dsp::driven(c40::Pin pin, c40::Drive drive, c40::Cycles at) {
     return std::ranges::find(net->description().drivers, mine) != net->description().drivers.end();
   };
   (*std::ranges::find_if(nets_out_, driven_by_it))
-      ->driven(mine, drive, std::max(around_.scheduler.now(), clock_.at(at)));
+      ->driven(mine, drive, std::max(context_.scheduler.now(), clock_.at(at)));
 }
 
 /// What its timers do at pins that drive nets, while it is in an access and its own time stands still.
@@ -36,7 +36,7 @@ Time Dsp::next_pin_event() const {
 
 Time Dsp::drives_from() const {
   if (state_ == State::running) return clock_.at(chip_.settled());
-  return std::min(next_pin_event(), around_.scheduler.earliest());
+  return std::min(next_pin_event(), context_.scheduler.earliest());
 }
 
 // RESET going low is a reset. An edge that finds the chip in the middle of an access is seen when the instruction has

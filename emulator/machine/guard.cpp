@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "toolchain/image.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace machine {
 

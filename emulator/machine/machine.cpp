@@ -16,7 +16,7 @@
 #include "machine/devices.hpp"
 #include "machine/dsp.hpp"
 #include "machine/guard.hpp"
-#include "machine/host.hpp"
+#include "machine/host_board.hpp"
 #include "machine/link_adapter.hpp"
 #include "machine/machine_config.hpp"
 #include "machine/scheduler.hpp"
@@ -24,15 +24,15 @@
 #include "machine/shared_memory.hpp"
 #include "machine/slot_links.hpp"
 #include "machine/symbols.hpp"
-#include "plant/dock.hpp"
-#include "toolchain/image.hpp"
+#include "plant/dock/dock.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace machine {
 
 namespace {
 
 // Master 0 of the host's buses when there is no host.
-struct Nobody final : pci::Initiator {
+struct SilentInitiator final : pci::Initiator {
   void completed(const pci::Transaction&, std::span<const Word>) override {}
 };
 
@@ -101,7 +101,7 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
     BusId bus;
   };
 
-  Nobody nobody;
+  SilentInitiator nobody;
   Config config;
   toolchain::Image program;
   Symbols symbols;
@@ -116,8 +116,8 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
   std::optional<Devices> devices;
   std::deque<DeviceWindow> device_windows;
   std::vector<Region> regions;
-  std::optional<Host> host;
-  std::optional<Surroundings> around;
+  std::optional<HostBoard> host;
+  std::optional<DspContext> around;
   std::deque<Dsp> dsps;
   std::deque<pci::BusBridge> bridges;
   std::deque<SlotWire> wires;  // between slots
@@ -132,7 +132,7 @@ class Machine::Parts final : public DoorbellClient, public LinkAdapter::Client, 
 
  private:
   void build_targets();
-  std::vector<Way> ways(const std::vector<unsigned>& standing, Window window, Offset at) const;
+  std::vector<BusRoute> routes(const std::vector<unsigned>& standing, Window window, Offset at) const;
   void build_bridges();
   void delivered(const pci::Bus& far, unsigned agent, pci::Address address, Word value, pci::Clocks clock,
                  pci::Result result) override;
@@ -162,31 +162,31 @@ Machine::Parts::Parts(Config given, const toolchain::Image& image, plant::Dock* 
   }
   build_targets();
   if (the_program != nullptr) {
-    std::vector<Way> host_ways = ways(config.topology.host, Window::a, 0);
-    for (const Way& way : ways(config.topology.host, Window::b, host_devices)) host_ways.push_back(way);
+    std::vector<BusRoute> host_ways = routes(config.topology.host, Window::a, 0);
+    for (const BusRoute& route : routes(config.topology.host, Window::b, host_devices)) host_ways.push_back(route);
     host.emplace(*the_program, config, buses, std::move(host_ways), bus_clocks, registers, adapter);
   } else {
     for (const unsigned bus : config.topology.host) buses[bus].add_master(config.host_master, nobody);
   }
-  around.emplace(Surroundings{.config = config,
-                              .symbols = symbols,
-                              .program = program,
-                              .chip_clock = Clock{config.chip_hz, config.chip_hz_denominator},
-                              .chip_clocks = clocks_of_chips(config),
-                              .bus_clocks = bus_clocks,
-                              .buses = buses,
-                              .window_a = ways(config.topology.dsps, Window::a, 0),
-                              .window_b = ways(config.topology.dsps, Window::b, 0),
-                              .registers = registers,
-                              .adapter = adapter,
-                              .devices = devices ? &*devices : nullptr,
-                              .fence = fence,
-                              .guard = guard ? &*guard : nullptr,
-                              .observer = nullptr,
-                              .faults = {},
-                              .earliest_action = [this] { return earliest_action(); },
-                              .slot_changed = [this](unsigned slot, Time now) { slot_changed(slot, now); },
-                              .scheduler = scheduler});
+  around.emplace(DspContext{.config = config,
+                            .symbols = symbols,
+                            .program = program,
+                            .chip_clock = Clock{config.chip_hz, config.chip_hz_denominator},
+                            .chip_clocks = clocks_of_chips(config),
+                            .bus_clocks = bus_clocks,
+                            .buses = buses,
+                            .window_a = routes(config.topology.dsps, Window::a, 0),
+                            .window_b = routes(config.topology.dsps, Window::b, 0),
+                            .registers = registers,
+                            .adapter = adapter,
+                            .devices = devices ? &*devices : nullptr,
+                            .fence = fence,
+                            .guard = guard ? &*guard : nullptr,
+                            .observer = nullptr,
+                            .faults = {},
+                            .earliest_action = [this] { return earliest_action(); },
+                            .slot_changed = [this](unsigned slot, Time now) { slot_changed(slot, now); },
+                            .scheduler = scheduler});
   for (unsigned slot = 0; slot < config.slots; ++slot) dsps.emplace_back(slot, slot < config.dsps, *around);
   build_bridges();
   for (const SlotLink& link : config.links) wires.emplace_back(link, dsps[link.a.slot], dsps[link.b.slot]);
@@ -248,7 +248,7 @@ void Machine::Parts::build_targets() {
                   std::array{clock(DeviceGroup::drives), clock(DeviceGroup::sensors), clock(DeviceGroup::comm_port)},
                   fence);
   static constexpr const char* names[device_groups] = {"drives", "sensors", "comm port"};
-  for (const Devices::Stretch& part : devices->stretches()) {
+  for (const Devices::RegisterRange& part : devices->ranges()) {
     const auto group = static_cast<std::size_t>(part.group);
     add(config.devices, names[group], topology.devices[group], device_windows.emplace_back(*devices, part.first),
         topology.devices_at[group] + part.first, part.end - part.first);
@@ -256,23 +256,23 @@ void Machine::Parts::build_targets() {
 }
 
 // How a board reaches the parts of a window that it finds from offset `at` on; a part that no way leads to is left out.
-std::vector<Way> Machine::Parts::ways(const std::vector<unsigned>& standing, Window window, Offset at) const {
+std::vector<BusRoute> Machine::Parts::routes(const std::vector<unsigned>& standing, Window window, Offset at) const {
   const Topology& topology = config.topology;
   if (window == Window::a)
-    return {way_to(topology, standing, topology.shared_memory, at, at + shared_space, pci::Address{0} - at)};
-  std::vector<Way> all;
+    return {route_to(topology, standing, topology.shared_memory, at, at + shared_space, pci::Address{0} - at)};
+  std::vector<BusRoute> all;
   const auto add = [&](DeviceGroup of, Offset first, Offset end) {
     const auto group = static_cast<std::size_t>(of);
     for (const unsigned bus : standing) {
       if (hops(topology, bus, topology.devices[group]) < 0) continue;
       all.push_back(
-          way_to(topology, standing, topology.devices[group], at + first, at + end, topology.devices_at[group] - at));
+          route_to(topology, standing, topology.devices[group], at + first, at + end, topology.devices_at[group] - at));
       return;
     }
   };
   if (!devices) add(DeviceGroup::drives, 0, device_space);
   if (devices)
-    for (const Devices::Stretch& part : devices->stretches()) add(part.group, part.first, part.end);
+    for (const Devices::RegisterRange& part : devices->ranges()) add(part.group, part.first, part.end);
   return all;
 }
 

@@ -24,11 +24,11 @@
 
 #include "bus_model/config.hpp"
 #include "c40/board.hpp"
+#include "machine/bus_topology.hpp"
 #include "machine/net.hpp"
 #include "machine/scripted_events.hpp"
 #include "machine/slot_links.hpp"
 #include "machine/time.hpp"
-#include "machine/topology.hpp"
 
 namespace c40 {
 class Chip;

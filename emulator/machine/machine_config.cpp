@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "machine/bus_topology.hpp"
 #include "machine/net.hpp"
 #include "machine/slot_links.hpp"
-#include "machine/topology.hpp"
 
 namespace machine {
 namespace {

@@ -29,7 +29,7 @@
 #include "machine/scheduler.hpp"
 #include "machine/time.hpp"
 #include "state/file.hpp"
-#include "toolchain/image.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace state {
 class Visitor;

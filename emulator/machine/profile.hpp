@@ -4,7 +4,7 @@
 
 #include "c40/profile.hpp"
 #include "report/profile_report.hpp"
-#include "toolchain/image.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace machine {
 

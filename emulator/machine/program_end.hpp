@@ -2,7 +2,7 @@
 // How a program says that it has ended: IDLE, or an unconditional branch to itself.
 #include <set>
 
-#include "toolchain/image.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace machine {
 

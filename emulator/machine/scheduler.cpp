@@ -38,7 +38,7 @@ void Scheduler::run_some_ahead(Time limit) {
 
 bool Scheduler::step(Time limit) {
   limit_ = limit;
-  const Calendar::Turn turn = calendar_.earliest();
+  const EventCalendar::Turn turn = calendar_.earliest();
   if (turn.time >= limit) return false;
   Actor& actor = *actors_[turn.who];
   assert(actor.next() >= turn.time && "an actor that has come to an earlier event has not said so");

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "machine/calendar.hpp"
+#include "machine/event_calendar.hpp"
 #include "machine/time.hpp"
 
 namespace machine {
@@ -103,7 +103,7 @@ class Scheduler {
     Scheduler& scheduler;
   };
 
-  Calendar calendar_;
+  EventCalendar calendar_;
   std::vector<Actor*> actors_;
   std::vector<Processor*> processors_;
   Time limit_{0};

@@ -18,7 +18,7 @@ class Dock;
 namespace machine {
 
 class Dsp;
-class Host;
+class HostBoard;
 class LinkAdapter;
 class SharedRegisters;
 struct Fence;
@@ -29,7 +29,7 @@ struct Stage {
   SharedRegisters& registers;
   Fence& fence;
   LinkAdapter& adapter;
-  Host* host;  ///< may be null
+  HostBoard* host;  ///< may be null
   std::deque<pci::Bus>& buses;
   const std::vector<Clock>& bus_clocks;
   plant::Dock* dock;  ///< may be null

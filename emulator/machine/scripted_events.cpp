@@ -8,11 +8,11 @@
 
 #include "bus_model/bus.hpp"
 #include "machine/dsp.hpp"
-#include "machine/host.hpp"
+#include "machine/host_board.hpp"
 #include "machine/link_adapter.hpp"
 #include "machine/script.hpp"
 #include "machine/shared_memory.hpp"
-#include "plant/dock.hpp"
+#include "plant/dock/dock.hpp"
 
 namespace machine {
 namespace {

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <string_view>
 
-#include "plant/config.hpp"
-#include "plant/device_codes.hpp"
-#include "toolchain/image.hpp"
+#include "plant/parameters/config.hpp"
+#include "plant/parameters/device_codes.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace machine {
 namespace {

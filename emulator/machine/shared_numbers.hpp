@@ -1,5 +1,5 @@
 #pragma once
-// Numbers that the dock's devices and the DSP programs both have (plant/device_codes.hpp,
+// Numbers that the dock's devices and the DSP programs both have (plant/parameters/device_codes.hpp,
 // c40_programs/include/devices.inc): who builds a dock and who programs its controller each need them. They are
 // compared when a program is loaded.
 #include <optional>

@@ -4,7 +4,7 @@
 #include <map>
 #include <string>
 
-#include "toolchain/image.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace machine {
 

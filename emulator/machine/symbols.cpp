@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "machine/device_registers.hpp"
-#include "toolchain/image.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace machine {
 

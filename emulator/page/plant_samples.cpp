@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cmrc/ti_float.hpp"
+#include "cmrc/tasks/ti_float.hpp"
 #include "machine/machine.hpp"
 #include "page/columns.hpp"
-#include "plant/math.hpp"
-#include "plant/scene.hpp"
-#include "toolchain/image.hpp"
+#include "plant/numerics/math.hpp"
+#include "plant/scene/scene.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace page {
 namespace {
@@ -56,7 +56,7 @@ nlohmann::json layout_of(const plant::DockConfig& config) {
   for (const auto& m : layout.movers) movers.push_back({m.radius, m.height});
   for (const auto& leg : layout.legs)
     for (const auto& s : leg) lanes.push_back({s.x, s.y, s.heading, s.length, s.curvature});
-  const bool gantry = crane.machine == plant::Machine::gantry;
+  const bool gantry = crane.machine == plant::CraneKind::gantry;
   return {
       {"size", {plant::container_length, plant::container_width, plant::container_height}},
       {"containers", containers},

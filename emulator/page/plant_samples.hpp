@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "cmrc/simulation.hpp"
+#include "cmrc/run/simulation.hpp"
 #include "machine/time.hpp"
 #include "nlohmann/json.hpp"
-#include "plant/dock.hpp"
+#include "plant/dock/dock.hpp"
 
 namespace page {
 

@@ -7,7 +7,7 @@
 #include <unordered_map>
 
 #include "bus_model/bus.hpp"
-#include "cmrc/kinds.hpp"
+#include "cmrc/tasks/job_kinds.hpp"
 #include "machine/machine.hpp"
 #include "machine/scripted_events.hpp"
 #include "page/columns.hpp"
@@ -70,25 +70,25 @@ void Recorder::latched(const plant::Dock& /*dock*/, Time now) {
   if (now % samples_.period() == Time{}) samples_.take(now);
 }
 
-void Recorder::stretch(const cmrc::Stretch& stretch) {
+void Recorder::interval(const cmrc::DspInterval& interval) {
   if (stretches_.size() >= most_) {
     ++left_out_;
-    lanes_until_ = std::min(lanes_until_, stretch.from);
+    lanes_until_ = std::min(lanes_until_, interval.from);
     return;
   }
   Lane lane;
-  lane.slot = static_cast<std::uint8_t>(stretch.slot);
-  lane.from = std::max(stretch.from, from_);
-  lane.to = std::max(stretch.to, lane.from);
-  lane.held_up = stretch.held_up;
-  switch (stretch.doing) {
+  lane.slot = static_cast<std::uint8_t>(interval.slot);
+  lane.from = std::max(interval.from, from_);
+  lane.to = std::max(interval.to, lane.from);
+  lane.held_up = interval.held_up;
+  switch (interval.doing) {
     case cmrc::SlotState::off: lane.what = off; break;
     case cmrc::SlotState::asleep: lane.what = asleep; break;
     case cmrc::SlotState::awake: lane.what = awake; break;
     case cmrc::SlotState::busy:
-      lane.what = static_cast<std::uint8_t>(job + stretch.block.job.kind);
-      lane.job = key(stretch.block.job);
-      lane.end = static_cast<std::uint8_t>(stretch.end);
+      lane.what = static_cast<std::uint8_t>(job + interval.block.job.kind);
+      lane.job = key(interval.block.job);
+      lane.end = static_cast<std::uint8_t>(interval.end);
       break;
   }
   stretches_.push_back(lane);
@@ -237,7 +237,7 @@ void Recorder::put_buses(Columns& columns, const report::RunReport& report) cons
 std::string Recorder::recording(const report::RunReport& report, const std::string& title) {
   const Time now = simulation_.time();
   samples_.take(now);
-  lanes_.finish(now);
+  intervals_.finish(now);
   simulation_.close_watch();
   const machine::Clock& clock = simulation_.machine().chip_clock();
 

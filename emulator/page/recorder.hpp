@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "cmrc/lanes.hpp"
-#include "cmrc/run_watcher.hpp"
-#include "cmrc/simulation.hpp"
+#include "cmrc/measures/dsp_intervals.hpp"
+#include "cmrc/measures/run_watcher.hpp"
+#include "cmrc/run/simulation.hpp"
 #include "page/plant_samples.hpp"
 #include "report/event_log.hpp"
 
@@ -24,7 +24,7 @@ inline constexpr std::size_t stretches_max = 6'000'000;
 /// Events of the dock that are kept.
 inline constexpr std::size_t dock_events_max = 50'000;
 
-class Recorder : public cmrc::RunWatcher, public cmrc::LaneListener, public report::EventSink {
+class Recorder : public cmrc::RunWatcher, public cmrc::DspIntervalListener, public report::EventSink {
  public:
   /// Records `simulation` from now on: before its run, or after restore(). It must live as long as the run.
   explicit Recorder(cmrc::Simulation& simulation, std::size_t stretches = stretches_max);
@@ -34,19 +34,19 @@ class Recorder : public cmrc::RunWatcher, public cmrc::LaneListener, public repo
   /// The recording of what has run, for a run that does not go on. \param report of that
   std::string recording(const report::RunReport& report, const std::string& title);
 
-  // cmrc::RunWatcher, LaneListener
-  void slot_is(unsigned slot, cmrc::SlotState state, Time at) override { lanes_.slot_is(slot, state, at); }
-  void booted(unsigned slot, Time at) override { lanes_.booted(slot, at); }
-  void took(unsigned slot, const cmrc::TakenBlock& block) override { lanes_.took(slot, block); }
+  // cmrc::RunWatcher, DspIntervalListener
+  void slot_is(unsigned slot, cmrc::SlotState state, Time at) override { intervals_.slot_is(slot, state, at); }
+  void booted(unsigned slot, Time at) override { intervals_.booted(slot, at); }
+  void took(unsigned slot, const cmrc::TakenBlock& block) override { intervals_.took(slot, block); }
   void left(unsigned slot, report::Run::End end, Time at, const std::vector<std::int64_t>& cycles) override {
-    lanes_.left(slot, end, at, cycles);
+    intervals_.left(slot, end, at, cycles);
   }
   void held_up(unsigned slot, machine::Window window, Time from, Time to) override {
-    lanes_.held_up(slot, window, from, to);
+    intervals_.held_up(slot, window, from, to);
   }
-  void refused(unsigned slot, Time at) override { lanes_.refused(slot, at); }
-  void list(unsigned owner, Time at) override { lanes_.list(owner, at); }
-  void stretch(const cmrc::Stretch& stretch) override;
+  void refused(unsigned slot, Time at) override { intervals_.refused(slot, at); }
+  void list(unsigned owner, Time at) override { intervals_.list(owner, at); }
+  void interval(const cmrc::DspInterval& interval) override;
   void ended(const cmrc::EndedJob& job) override;
   void on_bus(machine::BusId bus, const pci::Attempt& attempt, const machine::Clock& clock) override;
   void latched(const plant::Dock& dock, Time now) override;
@@ -84,7 +84,7 @@ class Recorder : public cmrc::RunWatcher, public cmrc::LaneListener, public repo
   std::size_t most_;
   Time from_, bus_slice_;
   PlantSamples samples_;
-  cmrc::Lanes lanes_{*this};
+  cmrc::DspIntervals intervals_{*this};
   std::vector<Lane> stretches_;
   std::vector<Job> jobs_;
   std::vector<Bus> buses_;

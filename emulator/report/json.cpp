@@ -89,7 +89,7 @@ Json optional_ps(const std::optional<Time>& time) { return time ? Json(time->cou
 
 Json miss(const MissReport& of, const std::vector<TaskReport>& kinds) {
   Json behind = Json::array();
-  for (const Behind& block : of.behind)
+  for (const BlockingJob& block : of.behind)
     behind.push_back({{"kind", kinds.at(block.job.kind).kind},
                       {"robot", block.job.robot},
                       {"number", block.job.number},

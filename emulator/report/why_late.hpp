@@ -49,7 +49,7 @@ std::string name(Wait wait);
 using WaitTimes = std::array<std::int64_t, wait_count>;  ///< ps
 
 /// A block that stood in the way.
-struct Behind {
+struct BlockingJob {
   JobName job;
   unsigned slot = 0;
   Time claimed{};
@@ -85,7 +85,7 @@ struct MissReport {
   std::optional<std::int64_t> usual;     ///< shortest run of its kind; none: none has finished
   std::optional<Time> unavoidable;  ///< first instant at which now + the shortest remaining time is past the deadline
   std::vector<Share> parts;         ///< without those that are 0; their sum is the lateness
-  std::vector<Behind> behind;
+  std::vector<BlockingJob> behind;
   std::vector<Run> runs;
   std::optional<std::int64_t> previous;  ///< dropped tick: number of the job that was still out
 };

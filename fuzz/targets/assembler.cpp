@@ -1,7 +1,7 @@
 // Assembler source. What assembles is written as COFF, and what is read back is the same program.
-#include "toolchain/assembler.hpp"
+#include "toolchain/assembler/assembler.hpp"
 #include "fuzz/target.hpp"
-#include "toolchain/coff.hpp"
+#include "toolchain/objects/coff.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t most = 4096;

@@ -2,8 +2,8 @@
 #include <algorithm>
 
 #include "fuzz/target.hpp"
-#include "toolchain/coff.hpp"
-#include "toolchain/disassembly.hpp"
+#include "toolchain/disassembler/disassembly.hpp"
+#include "toolchain/objects/coff.hpp"
 
 namespace {
 

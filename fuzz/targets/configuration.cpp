@@ -1,5 +1,5 @@
 // Configurations in TOML. One that is accepted is printed, and what was printed is read as the same.
-#include "cmrc/config.hpp"
+#include "cmrc/configuration/config.hpp"
 
 #include "fuzz/target.hpp"
 

@@ -8,7 +8,7 @@
 #include "fuzz/target.hpp"
 #include "machine/debug/network_debuggee.hpp"
 #include "machine/network.hpp"
-#include "toolchain/assembler.hpp"
+#include "toolchain/assembler/assembler.hpp"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // Any words, as text of either processor that assembles to the same words.
-#include "toolchain/disassembly.hpp"
+#include "toolchain/disassembler/disassembly.hpp"
 #include "fuzz/target.hpp"
-#include "toolchain/assembler.hpp"
+#include "toolchain/assembler/assembler.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t most = 2048;

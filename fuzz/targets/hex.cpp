@@ -2,8 +2,8 @@
 #include "cli/program.hpp"
 
 #include "fuzz/target.hpp"
-#include "toolchain/coff.hpp"
-#include "toolchain/linker.hpp"
+#include "toolchain/linker/linker.hpp"
+#include "toolchain/objects/coff.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t most = 16384;

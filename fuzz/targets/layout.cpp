@@ -1,9 +1,9 @@
 // Layouts of the dock in TOML. One that is accepted is one that the plant can stand in.
-#include "plant/layout_file.hpp"
+#include "plant/parameters/layout_file.hpp"
 
 #include "fuzz/target.hpp"
-#include "plant/check.hpp"
-#include "plant/dock.hpp"
+#include "plant/dock/dock.hpp"
+#include "plant/parameters/check.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t most = 16384;

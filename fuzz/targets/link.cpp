@@ -1,8 +1,8 @@
 // The linker: a memory map, four dashes, and a library whose members are linked, the first as an object of its own.
 #include "fuzz/target.hpp"
-#include "toolchain/archive.hpp"
-#include "toolchain/coff.hpp"
-#include "toolchain/linker.hpp"
+#include "toolchain/linker/linker.hpp"
+#include "toolchain/objects/archive.hpp"
+#include "toolchain/objects/coff.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   fuzz::Input input(data, size);

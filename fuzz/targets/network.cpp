@@ -2,7 +2,7 @@
 #include "machine/network_file.hpp"
 
 #include "fuzz/target.hpp"
-#include "toolchain/assembler.hpp"
+#include "toolchain/assembler/assembler.hpp"
 
 int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::size_t most = 8192, few_chips = 3;

@@ -8,7 +8,7 @@
 
 #include "fuzz/target.hpp"
 #include "machine/boot.hpp"
-#include "toolchain/rom_file.hpp"
+#include "toolchain/objects/rom_file.hpp"
 
 namespace {
 

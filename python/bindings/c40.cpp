@@ -23,7 +23,7 @@
 #include "python/bindings/devices.hpp"
 #include "state/archive.hpp"
 #include "state/file.hpp"
-#include "toolchain/assembler.hpp"
+#include "toolchain/assembler/assembler.hpp"
 
 namespace {
 

@@ -5,24 +5,24 @@
 #include <cmath>
 #include <map>
 
-#include "cmrc/config.hpp"
-#include "cmrc/consents.hpp"
-#include "cmrc/cycles.hpp"
-#include "cmrc/importance.hpp"
-#include "cmrc/ledger.hpp"
-#include "cmrc/list.hpp"
-#include "cmrc/reference_run.hpp"
-#include "cmrc/setup.hpp"
-#include "cmrc/simulation.hpp"
-#include "cmrc/snapshot_origin.hpp"
-#include "cmrc/ti_float.hpp"
+#include "cmrc/configuration/config.hpp"
+#include "cmrc/measures/ledger.hpp"
+#include "cmrc/processes/consents.hpp"
+#include "cmrc/processes/container_cycles.hpp"
+#include "cmrc/run/reference_run.hpp"
+#include "cmrc/run/setup.hpp"
+#include "cmrc/run/simulation.hpp"
+#include "cmrc/run/snapshot_origin.hpp"
+#include "cmrc/tasks/importance.hpp"
+#include "cmrc/tasks/task_list.hpp"
+#include "cmrc/tasks/ti_float.hpp"
 #include "machine/machine.hpp"
-#include "plant/dock.hpp"
+#include "plant/dock/dock.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/cmrc.hpp"
 #include "report/run_report.hpp"
 #include "report/version.hpp"
-#include "toolchain/image.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace {
 
@@ -221,7 +221,7 @@ class TickTable {
       if (kind.servo) load(kind.name, t);
       if (!kind.successor.empty()) load(kind.successor, 0);
     }
-    list_.refresh(1, [this](const cmrc::Block& block) {
+    list_.refresh(1, [this](const cmrc::TaskBlock& block) {
       return cmrc::importance(parameters_, block.task.x, block.task.y, block.t);
     });
     for (Dsp& dsp : dsps_) {
@@ -235,7 +235,7 @@ class TickTable {
     }
     std::vector<std::string> shown;
     for (const std::size_t index : list_.by_importance()) {
-      const cmrc::Block& block = list_[index];
+      const cmrc::TaskBlock& block = list_[index];
       shown.push_back(fmt::format("{}:{}:{:X}{}", kinds_[block.task.kind].name, block.t, block.importance,
                                   block.flag == cmrc::Flag::taken ? "*" : ""));
     }
@@ -334,30 +334,31 @@ void bind_parts(py::module_& m) {
       .def("given", &cmrc::Consents::given, py::arg("source"), py::arg("target"), py::arg("agv") = 0)
       .def("all", &cmrc::Consents::all, py::arg("target"), py::arg("agv") = 0)
       .def("consume", &cmrc::Consents::consume, py::arg("target"), py::arg("agv") = 0);
-  py::class_<cmrc::Instants>(m, "Instants", "When something happened, again and again, in bounded memory; picoseconds.")
+  py::class_<cmrc::EventTimes>(m, "Instants",
+                               "When something happened, again and again, in bounded memory; picoseconds.")
       .def(py::init<std::size_t, std::size_t>(), py::arg("kept_max"), py::arg("bins_max"))
       .def(
-          "add", [](cmrc::Instants& instants, std::int64_t ps) { instants.add(cmrc::Time{ps}); }, py::arg("ps"))
+          "add", [](cmrc::EventTimes& instants, std::int64_t ps) { instants.add(cmrc::Time{ps}); }, py::arg("ps"))
       .def(
-          "until", [](const cmrc::Instants& instants, std::int64_t ps) { return instants.until(cmrc::Time{ps}); },
+          "until", [](const cmrc::EventTimes& instants, std::int64_t ps) { return instants.until(cmrc::Time{ps}); },
           py::arg("ps"))
-      .def_property_readonly("count", &cmrc::Instants::count)
-      .def_property_readonly("bin_ps", [](const cmrc::Instants& instants) { return instants.bin().count(); })
-      .def("in_order", [](const cmrc::Instants& instants) {
+      .def_property_readonly("count", &cmrc::EventTimes::count)
+      .def_property_readonly("bin_ps", [](const cmrc::EventTimes& instants) { return instants.bin().count(); })
+      .def("in_order", [](const cmrc::EventTimes& instants) {
         std::vector<std::pair<std::int64_t, std::uint64_t>> all;
         for (const auto& some : instants.in_order()) all.emplace_back(some.time.count(), some.count);
         return all;
       });
-  py::class_<cmrc::Cycles>(m, "Cycles", "Times of the processes; seconds.")
+  py::class_<cmrc::ContainerCycles>(m, "Cycles", "Times of the processes; seconds.")
       .def(py::init<>())
       .def("process",
-           [](cmrc::Cycles& c, unsigned number, bool started, unsigned robot, double now) {
+           [](cmrc::ContainerCycles& c, unsigned number, bool started, unsigned robot, double now) {
              c.process(cmrc::built_in_processes().find(number)->account, started, robot, seconds(now));
            })
-      .def("agv_waits",
-           [](cmrc::Cycles& c, unsigned agv, bool waits, double now) { c.agv_waits(agv, waits, seconds(now)); })
-      .def_property_readonly("completed", &cmrc::Cycles::completed)
-      .def("cycles", [](const cmrc::Cycles& c) {
+      .def("agv_waits", [](cmrc::ContainerCycles& c, unsigned agv, bool waits,
+                           double now) { c.agv_waits(agv, waits, seconds(now)); })
+      .def_property_readonly("completed", &cmrc::ContainerCycles::completed)
+      .def("cycles", [](const cmrc::ContainerCycles& c) {
         py::list all;
         for (const auto& cycle : c.cycles()) all.append(to_dict(cycle));
         return all;

@@ -1,6 +1,6 @@
 #pragma once
 // What the files that bind the controller share.
-#include "cmrc/timed_event.hpp"
+#include "cmrc/configuration/timed_event.hpp"
 #include "python/bindings/bindings.hpp"
 
 /// An event from the fields of a row of [[events]]. \throws cmrc::ConfigError

@@ -13,9 +13,9 @@
 #include "bus_model/bus.hpp"
 #include "c40/chip.hpp"
 #include "machine/chip_stop.hpp"
-#include "plant/dock.hpp"
+#include "plant/dock/dock.hpp"
 #include "python/bindings/bindings.hpp"
-#include "toolchain/image.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace {
 

@@ -1,8 +1,8 @@
 // A crane and an AGV by themselves, without a dock.
 #include <pybind11/stl.h>
 
-#include "plant/agv_alone.hpp"
-#include "plant/crane_alone.hpp"
+#include "plant/crane/crane_alone.hpp"
+#include "plant/vehicles/agv_alone.hpp"
 #include "python/bindings/plant.hpp"
 #include "python/bindings/state.hpp"
 

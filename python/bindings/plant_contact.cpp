@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "plant/contact.hpp"
-#include "plant/math.hpp"
-#include "plant/ode_crane.hpp"
+#include "plant/crane/ode_crane.hpp"
+#include "plant/landing/contact.hpp"
+#include "plant/numerics/math.hpp"
 #include "python/bindings/plant.hpp"
 
 using namespace plant;

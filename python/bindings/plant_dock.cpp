@@ -1,8 +1,8 @@
 // The dock with its devices, and what it records.
 #include <pybind11/stl.h>
 
-#include "plant/dock.hpp"
-#include "plant/state.hpp"
+#include "plant/dock/dock.hpp"
+#include "plant/dock/state.hpp"
 #include "python/bindings/ctrl_c.hpp"
 #include "python/bindings/plant.hpp"
 #include "python/bindings/state.hpp"
@@ -48,14 +48,15 @@ void bind_records(py::module_& m) {
       .def_readonly("spin", &Momentum::spin)
       .def_readonly("travel", &Momentum::travel)
       .def_readonly("slewing", &Momentum::slewing);
-  py::class_<Switch>(m, "Switch", "Energy and momentum before and after a change of the payload's model or mass.")
-      .def_property_readonly("time", [](const Switch& s) { return s.time.count(); })
-      .def_property_readonly("kind", [](const Switch& s) { return std::string(name(s.kind)); })
-      .def_readonly("container", &Switch::container)
-      .def_readonly("energy_before", &Switch::energy_before)
-      .def_readonly("energy_after", &Switch::energy_after)
-      .def_readonly("before", &Switch::before)
-      .def_readonly("after", &Switch::after);
+  py::class_<PayloadChange>(m, "Switch",
+                            "Energy and momentum before and after a change of the payload's model or mass.")
+      .def_property_readonly("time", [](const PayloadChange& s) { return s.time.count(); })
+      .def_property_readonly("kind", [](const PayloadChange& s) { return std::string(name(s.kind)); })
+      .def_readonly("container", &PayloadChange::container)
+      .def_readonly("energy_before", &PayloadChange::energy_before)
+      .def_readonly("energy_after", &PayloadChange::energy_after)
+      .def_readonly("before", &PayloadChange::before)
+      .def_readonly("after", &PayloadChange::after);
   py::class_<AgvSignal>(m, "AgvSignal")
       .def_readonly("x", &AgvSignal::x)
       .def_readonly("y", &AgvSignal::y)

@@ -2,9 +2,9 @@
 #include <pybind11/native_enum.h>
 #include <pybind11/stl.h>
 
-#include "plant/check.hpp"
-#include "plant/layout_file.hpp"
-#include "plant/scene.hpp"
+#include "plant/parameters/check.hpp"
+#include "plant/parameters/layout_file.hpp"
+#include "plant/scene/scene.hpp"
 #include "python/bindings/plant.hpp"
 
 using namespace plant;

@@ -1,14 +1,14 @@
 // The level-luffing jib by itself.
 #include <pybind11/stl.h>
 
-#include "plant/linkage.hpp"
+#include "plant/crane/linkage.hpp"
 #include "python/bindings/plant.hpp"
 
 using namespace plant;
 
 void bind_plant_linkage(py::module_& m) {
   using P = LinkageParameters;
-  py::class_<P>(m, "LinkageParameters", "Bars in m, masses in kg (plant/linkage.hpp).")
+  py::class_<P>(m, "LinkageParameters", "Bars in m, masses in kg (plant/crane/linkage.hpp).")
       .def(py::init<>()) FIELD(jib) FIELD(jib_mass) FIELD(fly) FIELD(fly_mass) FIELD(back) FIELD(tie) FIELD(tie_mass)
           FIELD(base_x) FIELD(base_z) FIELD(load);
   py::class_<Linkage>(m, "Linkage", "A level-luffing double-link jib in its plane, by IDA.")

@@ -1,7 +1,7 @@
 // The crane's equations in closed form, and their integration.
 #include <pybind11/stl.h>
 
-#include "plant/motion.hpp"
+#include "plant/crane/crane_motion.hpp"
 #include "python/bindings/plant.hpp"
 
 using namespace plant;

@@ -1,13 +1,13 @@
-// Crane, vehicles, landing, sensors, wind and ship: their parameters (plant/config.hpp gives each value's unit and
-// source).
+// Crane, vehicles, landing, sensors, wind and ship: their parameters (plant/parameters/config.hpp gives each value's
+// unit and source).
 #include <pybind11/native_enum.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
-#include "plant/check.hpp"
-#include "plant/config.hpp"
-#include "plant/noise.hpp"
-#include "plant/wind.hpp"
+#include "plant/numerics/noise.hpp"
+#include "plant/parameters/check.hpp"
+#include "plant/parameters/config.hpp"
+#include "plant/scene/wind.hpp"
 #include "python/bindings/plant.hpp"
 
 using namespace plant;
@@ -27,9 +27,9 @@ void bind_drive(py::module_& m) {
 }
 
 void bind_crane(py::module_& m) {
-  py::native_enum<Machine>(m, "Machine", "enum.Enum")
-      .value("slewing", Machine::slewing)
-      .value("gantry", Machine::gantry)
+  py::native_enum<CraneKind>(m, "Machine", "enum.Enum")
+      .value("slewing", CraneKind::slewing)
+      .value("gantry", CraneKind::gantry)
       .finalize();
   {
     using P = Portal;

@@ -1,5 +1,5 @@
 // A dock's snapshot for Python: copied, and as bytes for builds of the same layout alone.
-#include "plant/state.hpp"
+#include "plant/dock/state.hpp"
 #include "python/bindings/plant.hpp"
 #include "python/bindings/state.hpp"
 

@@ -1,8 +1,8 @@
 // When sub-processes are released, and the clocks of a run: rules alone, without a run.
 #include <pybind11/stl.h>
 
-#include "cmrc/jitter.hpp"
-#include "cmrc/releases.hpp"
+#include "cmrc/configuration/clock_deviations.hpp"
+#include "cmrc/processes/releases.hpp"
 #include "python/bindings/bindings.hpp"
 
 void bind_releases(py::module_& core) {

@@ -12,16 +12,16 @@
 #include <utility>
 #include <vector>
 
-#include "cmrc/config.hpp"
-#include "cmrc/debuggee.hpp"
-#include "cmrc/kinds.hpp"
-#include "cmrc/measures.hpp"
-#include "cmrc/simulation.hpp"
-#include "cmrc/words.hpp"
+#include "cmrc/configuration/config.hpp"
+#include "cmrc/measures/measures.hpp"
+#include "cmrc/run/dock_debuggee.hpp"
+#include "cmrc/run/simulation.hpp"
+#include "cmrc/tasks/job_kinds.hpp"
+#include "cmrc/tasks/words.hpp"
 #include "machine/machine.hpp"
 #include "page/html.hpp"
 #include "page/recorder.hpp"
-#include "plant/dock.hpp"
+#include "plant/dock/dock.hpp"
 #include "python/bindings/chip_inspection.hpp"
 #include "python/bindings/cmrc.hpp"
 #include "python/bindings/ctrl_c.hpp"
@@ -29,7 +29,7 @@
 #include "python/bindings/one_user.hpp"
 #include "python/bindings/state.hpp"
 #include "report/trace_text.hpp"
-#include "toolchain/image.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace {
 

@@ -6,11 +6,11 @@
 
 #include "python/bindings/cpu.hpp"
 #include "python/bindings/ctrl_c.hpp"
-#include "toolchain/assembler.hpp"
-#include "toolchain/coff.hpp"
-#include "toolchain/float_format.hpp"
-#include "toolchain/linker.hpp"
-#include "toolchain/rom_file.hpp"
+#include "toolchain/assembler/assembler.hpp"
+#include "toolchain/linker/linker.hpp"
+#include "toolchain/objects/coff.hpp"
+#include "toolchain/objects/rom_file.hpp"
+#include "toolchain/syntax/float_format.hpp"
 
 namespace {
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "cmrc/compare.hpp"
-#include "cmrc/ledger.hpp"
+#include "cmrc/measures/ledger.hpp"
+#include "cmrc/run/compare_with_ideal.hpp"
 #include "python/bindings/ctrl_c.hpp"
 #include "report/run_report.hpp"
 
@@ -63,7 +63,7 @@ class Scene {
   void removed(std::size_t block) { ledger_.removed(block); }
   void slot_failed(unsigned slot, std::int64_t at) { ledger_.slot_failed(slot, Time{at}); }
   std::string report_json(std::int64_t now, const std::vector<std::vector<std::int64_t>>& causes) const {
-    cmrc::Ledger::Told told = ledger_.tell(
+    cmrc::Ledger::Report told = ledger_.tell(
         Time{now}, [&](unsigned slot) { return slot < causes.size() ? causes[slot] : cmrc::CauseTimes{}; });
     report::RunReport run;
     run.tasks = std::move(told.tasks);

@@ -592,7 +592,7 @@ class Agv:
         return self._core.energy()
 
 
-# ---- the dock's parts, as they stand in C++ (plant/config.hpp gives each value's unit and source)
+# ---- the dock's parts, as they stand in C++ (plant/parameters/config.hpp gives each value's unit and source)
 
 default_dock = _core.plant.default_dock
 """``default_dock(agv_count)``: the configuration of docs/plant.md, every value of which may be changed."""
@@ -641,7 +641,7 @@ AgvSignal = _core.plant.AgvSignal
 ContainerStatus = _core.plant.ContainerStatus
 """A container: state, AGV or -1, centre of its top in m, yaw in rad, mass in kg (``Scene.containers``)."""
 DockEvent = _core.plant.Event
-"""What happened on the dock: time in ps, kind, index, two values (``EventKind`` of plant/dock.hpp says which)."""
+"""What happened on the dock: time in ps, kind, index, two values (``EventKind`` of plant/dock/dock.hpp says which)."""
 DockState = _core.plant.DockState
 """A dock's complete state at a latch; opaque (``Scene.snapshot``)."""
 CraneSnapshot = _core.plant.CraneAloneState

@@ -59,7 +59,7 @@ class Emulated {
   explicit Emulated(const Operation& operation) : operation_(operation) {
     for (std::uint32_t selector = 0; selector < operation.selectors; ++selector) {
       const auto bound = c40::bind(instruction(std::string(operation.name), selector), false);
-      programs_.push_back({std::get<c40::Bound>(bound).op, c40::Op{}});
+      programs_.push_back({std::get<c40::BoundInstruction>(bound).op, c40::Op{}});
       programs_.back()[0].access[0] = {&memory_, 0, 1};
       programs_.back()[1].handler = &c40::execute::end_of_step;
     }

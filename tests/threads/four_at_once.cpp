@@ -7,7 +7,7 @@
 #include <string>
 #include <thread>
 
-#include "cmrc/simulation.hpp"
+#include "cmrc/run/simulation.hpp"
 
 namespace {
 

@@ -104,7 +104,7 @@ void Dma::reset() {
 }
 
 Word Dma::event_code(int c, bool write) const {
-  const Word die = around_.dma_interrupt_enable();
+  const Word die = context_.dma_interrupt_enable();
   if (c < 2) return die >> (4 * c + (write ? 2 : 0)) & 3u;
   return die >> (8 + 6 * (c - 2) + (write ? 3 : 0)) & 7u;
 }
@@ -112,7 +112,7 @@ Word Dma::event_code(int c, bool write) const {
 bool Dma::event_ready(int c, bool write) const {
   const Word code = event_code(c, write);
   if (code == 0) return false;
-  if (const auto level = around_.level(c, write, code)) return *level;
+  if (const auto level = context_.level(c, write, code)) return *level;
   return write ? channel(c).write_event : channel(c).read_event;
 }
 
@@ -148,7 +148,7 @@ bool Dma::ready(Half h) const {
   const bool write = state(h).has_data && !state(h).listing;
   if (synchronised(h) && !event_ready(h.channel, write)) return false;
   const Address next = address(h);
-  return !is_port_register(next) || around_.port_ready(next, write);
+  return !is_port_register(next) || context_.port_ready(next, write);
 }
 
 // Rotating: the half served last comes last; of a channel, the halves take turns. Fixed: channel 0 first
@@ -281,12 +281,12 @@ bool Dma::step(Cycles limit, std::optional<DmaRequest>& request) {
   DmaHalf& half = state(h);
   const bool write = half.has_data && !half.listing;
   const Address at = address(h);
-  const DmaPlace place = around_.place(at, write);
+  const DmaPlace place = context_.place(at, write);
   if (place.kind == DmaPlace::Kind::nothing) {
     request = DmaRequest{h.channel, write, at, write ? half.data : 0, s_.now, true};
     return false;
   }
-  const auto span = around_.acquire(place, s_.now, limit, PRI.of(word_of(h)));
+  const auto span = context_.acquire(place, s_.now, limit, PRI.of(word_of(h)));
   if (!span) {
     s_.now = limit;
     return false;
@@ -300,9 +300,9 @@ bool Dma::step(Cycles limit, std::optional<DmaRequest>& request) {
   }
   Word value = 0;
   if (write)
-    around_.write(at, half.data, span->begin);
+    context_.write(at, half.data, span->begin);
   else
-    value = around_.read(at, span->begin);
+    value = context_.read(at, span->begin);
   done(h, value, span->end);
   return true;
 }
@@ -348,7 +348,7 @@ void Dma::end_block(Half h, Cycles at) {
   Word& word = channel(h.channel)[control];
   const Fields& mine = fields[static_cast<std::size_t>(h.half)];
   word = mine.tcint.with(word, 1);
-  around_.block_ended(h.channel, h.half == 1, mine.tcc.in(word), at);
+  context_.block_ended(h.channel, h.half == 1, mine.tcc.in(word), at);
   if (mode(h) == mode_autoinit)
     begin_list(h);
   else if (mode(h) != mode_endless)

@@ -57,9 +57,9 @@ struct DmaPlace {
 };
 
 /// What the DMA coprocessor works on: the rest of the chip.
-class DmaSurroundings {
+class DmaContext {
  public:
-  virtual ~DmaSurroundings() = default;
+  virtual ~DmaContext() = default;
   virtual DmaPlace place(Address address, bool write) = 0;
   virtual Word read(Address address, Cycles at) = 0;
   virtual void write(Address address, Word value, Cycles at) = 0;
@@ -90,7 +90,7 @@ struct DmaRequest {
 
 class Dma {
  public:
-  Dma(DmaState& state, DmaSurroundings& around) : s_(state), around_(around) {}
+  Dma(DmaState& state, DmaContext& context) : s_(state), context_(context) {}
 
   Word read(int channel, DmaRegister reg) const;
   /// A write of the processor in cycle `at`.
@@ -175,7 +175,7 @@ class Dma {
   void load_list(Half h);
 
   DmaState& s_;
-  DmaSurroundings& around_;
+  DmaContext& context_;
 };
 
 /// DMA registers stand at 1000A0h + 10h * channel (c40-hardware.md 1.3).

@@ -41,7 +41,7 @@ class PeripheralSink {
 };
 
 /// The sink that may be there.
-struct PeripheralTeller {
+struct PeripheralNotifier {
   PeripheralSink* sink = nullptr;
   void operator()(const PeripheralEvent& event) const {
     if (sink != nullptr) sink->happened(event);

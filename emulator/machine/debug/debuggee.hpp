@@ -14,7 +14,7 @@
 #include "c40/chip.hpp"
 #include "c40/probe.hpp"
 #include "machine/time.hpp"
-#include "toolchain/image.hpp"
+#include "toolchain/objects/image.hpp"
 
 namespace machine::debug {
 
@@ -22,7 +22,7 @@ using c40::Address;
 using c40::Word;
 
 /// Something that happens to more than one chip's memory: a claim, a missed deadline, a word on a link.
-struct Happening {
+struct DebugEvent {
   Time time{};
   std::string kind;                   ///< "claim"
   std::optional<std::size_t> chip{};  ///< whose
@@ -30,10 +30,10 @@ struct Happening {
   std::string text;  ///< one line
 };
 
-class HappeningListener {
+class DebugEventListener {
  public:
-  virtual ~HappeningListener() = default;
-  virtual void happened(const Happening& happening) = 0;
+  virtual ~DebugEventListener() = default;
+  virtual void happened(const DebugEvent& happening) = 0;
 };
 
 /// A word that several chips reach, and who touched it.
@@ -108,7 +108,7 @@ class Debuggee {
 
   /// Kinds of happenings, with what they are.
   virtual std::vector<std::pair<std::string, std::string>> happenings() const { return {}; }
-  virtual void listen(HappeningListener* /*listener*/, const std::set<std::string>& /*kinds*/) {}
+  virtual void listen(DebugEventListener* /*listener*/, const std::set<std::string>& /*kinds*/) {}
 
   /// What else has a value: "plant.payload_z_m".
   virtual std::vector<std::string> value_names() { return {}; }

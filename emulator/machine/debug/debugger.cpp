@@ -12,7 +12,7 @@
 #include "c40/float40.hpp"
 #include "c40/self_check.hpp"
 #include "io/stop.hpp"
-#include "machine/debug/ear.hpp"
+#include "machine/debug/hit_recorder.hpp"
 
 namespace machine::debug {
 namespace {
@@ -73,7 +73,7 @@ struct Debugger::Manner {
 Debugger::Debugger(Debuggee& debuggee, HistoryLimits limits)
     : debuggee_(debuggee), history_(std::make_unique<History>(limits)) {
   for (std::size_t n = 0; n < debuggee.chips(); ++n) programs_.emplace_back(debuggee.program(n));
-  ear_ = std::make_unique<Ear>(debuggee_, programs_);
+  recorder_ = std::make_unique<HitRecorder>(debuggee_, programs_);
   stopped(Stop::Reason::start, 0, "before anything has happened");
   if (now() != Time{0}) stop_.text = fmt::format("at {}", seconds(now()));
   const auto begin = Clock::now();
@@ -193,7 +193,7 @@ void Debugger::load_before(Time time) {
 }
 
 void Debugger::move_to(Time time) {
-  ear_->close();
+  recorder_->close();
   heard_at_.reset();
   if (time < now()) load_before(time);
   run_to(time);
@@ -201,11 +201,11 @@ void Debugger::move_to(Time time) {
 
 /// The same, with what is met later than that, and has been done by then, kept for the next search.
 void Debugger::move_and_listen(Time time, const Manner& manner) {
-  ear_->close();
+  recorder_->close();
   if (time < now()) {
     load_before(time);
-    ear_->arm(triggers_, manner.steps);
-    ear_->listen(time);
+    recorder_->arm(triggers_, manner.steps);
+    recorder_->listen(time);
     run_to(time);
   }
   heard_at_ = now();
@@ -216,17 +216,17 @@ void Debugger::move_and_listen(Time time, const Manner& manner) {
 void Debugger::hear_what_is_under_way(const Manner& manner) {
   const auto same = [](const auto& a, const auto& b) { return a.first == b.first && a.second.same_as(b.second); };
   if (heard_at_ == now() && std::ranges::equal(heard_for_, lasting(triggers_), same)) {
-    ear_->rearm(triggers_, manner.steps);
+    recorder_->rearm(triggers_, manner.steps);
     return;
   }
   const bool needed = std::ranges::any_of(
       triggers_, [](const auto& entry) { return entry.second.enabled && entry.second.kind != Trigger::Kind::code; });
   const Time here = now();
   if (needed && here > beginning()) load_before(here - Time{1});
-  ear_->arm(triggers_, manner.steps);
-  ear_->listen(here);
+  recorder_->arm(triggers_, manner.steps);
+  recorder_->listen(here);
   run_to(here);
-  ear_->stepped.reset();
+  recorder_->stepped.reset();
 }
 
 const Stop& Debugger::go_to(Time time) {
@@ -234,7 +234,7 @@ const Stop& Debugger::go_to(Time time) {
   time = std::max(time, beginning());
   if (debuggee_.over() && time >= now()) return stopped(Stop::Reason::over, {}, *debuggee_.over());
   // Later than before, but perhaps there is a snapshot on the way.
-  if (const auto place = history_->before(time); place && place->time > now()) ear_->close(), load_before(time);
+  if (const auto place = history_->before(time); place && place->time > now()) recorder_->close(), load_before(time);
   move_to(time);
   if (now() < time) {
     if (const auto why = debuggee_.over()) return stopped(Stop::Reason::over, {}, *why);
@@ -259,7 +259,7 @@ bool Debugger::counts(const Hit& hit) {
   return false;
 }
 
-bool Debugger::holds(const Hit& hit) { return !hit.open || ear_->holds(hit); }
+bool Debugger::holds(const Hit& hit) { return !hit.open || recorder_->holds(hit); }
 
 /// All hits at the earliest instant after now at which any of them counts; none: there is none before `until`, nothing
 /// more happens, or it was asked to stop. The machine then stands at that instant or later.
@@ -269,7 +269,7 @@ std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
   Time slice = manner.steps ? microseconds{10} : debuggee_.slice();
   for (int turn = 0;; ++turn) {
     if (asked_to_stop() || debuggee_.over() || now() >= until) {
-      ear_->close();
+      recorder_->close();
       return {};
     }
     Time target = now() + slice;
@@ -279,27 +279,27 @@ std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
     } else if (manner.steps) {
       slice = std::min(slice * 2, debuggee_.slice());
     }
-    const bool values = ear_->looks_at_values();
+    const bool values = recorder_->looks_at_values();
     if (values) target = std::min(target, (now() / debuggee_.value_period() + 1) * debuggee_.value_period());
     run_to(std::min(target, until));
-    if (values) ear_->look_at_values(now());
-    while (!ear_->hits.empty() || ear_->stepped) {  // none of them later than `until`
+    if (values) recorder_->look_at_values(now());
+    while (!recorder_->hits.empty() || recorder_->stepped) {  // none of them later than `until`
       const auto first = [this] {
-        Time earliest = ear_->stepped.value_or(never);
-        for (const Hit& hit : ear_->hits) earliest = std::min(earliest, hit.time);
+        Time earliest = recorder_->stepped.value_or(never);
+        for (const Hit& hit : recorder_->hits) earliest = std::min(earliest, hit.time);
         return earliest;
       };
       Time at = first();
       if (at > until) break;
       // Other chips may yet be met before; and some things are told late.
-      const Time known = at + (ear_->hears_late() ? debuggee_.delay() : Time{0});
+      const Time known = at + (recorder_->hears_late() ? debuggee_.delay() : Time{0});
       if (now() < known) run_to(known), at = first();
       std::vector<Hit> here;
-      std::erase_if(ear_->hits, [&](const Hit& hit) {
+      std::erase_if(recorder_->hits, [&](const Hit& hit) {
         if (hit.time == at) here.push_back(hit);
         return hit.time == at;
       });
-      const bool step_ends = ear_->stepped == at;
+      const bool step_ends = recorder_->stepped == at;
       const bool open = std::ranges::any_of(here, &Hit::open);
       if (open) {
         move_and_listen(at, manner);
@@ -308,7 +308,7 @@ std::vector<Hit> Debugger::search(Time until, const Manner& manner) {
       std::erase_if(here, [this](const Hit& hit) { return !counts(hit); });
       if (step_ends) here.push_back({.trigger = temporary, .time = at, .chip = manner.steps});
       if (!here.empty()) {
-        ear_->close();
+        recorder_->close();
         return here;
       }
     }
@@ -355,7 +355,7 @@ const Stop& Debugger::go_on(Time until, const Manner& manner) {
   try {
     hits = search(until, manner);
   } catch (const DebugError&) {
-    ear_->close();
+    recorder_->close();
     triggers_.erase(temporary);
     stopped(Stop::Reason::paused, {}, fmt::format("paused at {}", seconds(now())));
     throw;
@@ -446,27 +446,27 @@ const Stop& Debugger::step_lines(std::size_t chip, bool over_calls) {
 std::vector<Hit> Debugger::last_hits(Time after, Time before) {
   for (Time end = before; end > after;) {
     if (asked_to_stop()) return {};
-    ear_->close();
+    recorder_->close();
     load_before(end - Time{1});
     if (now() < after) run_to(after);
     const Time begin = now();
-    ear_->arm(triggers_, std::nullopt);
-    ear_->listen(begin - Time{1});
-    const Time until = end + (ear_->hears_late() ? debuggee_.delay() : Time{0});
+    recorder_->arm(triggers_, std::nullopt);
+    recorder_->listen(begin - Time{1});
+    const Time until = end + (recorder_->hears_late() ? debuggee_.delay() : Time{0});
     while (now() < until && !asked_to_stop() && !debuggee_.over()) {
       Time target = std::min(until, now() + debuggee_.slice());
-      if (ear_->looks_at_values())
+      if (recorder_->looks_at_values())
         target = std::min(target, (now() / debuggee_.value_period() + 1) * debuggee_.value_period());
       run_to(target);
-      ear_->look_at_values(now());
-      std::erase_if(ear_->hits, [&](const Hit& hit) { return hit.time >= before; });
-      if (ear_->hits.size() > most_hits_kept)
-        ear_->hits.erase(ear_->hits.begin(), ear_->hits.end() - most_hits_kept / 2);
+      recorder_->look_at_values(now());
+      std::erase_if(recorder_->hits, [&](const Hit& hit) { return hit.time >= before; });
+      if (recorder_->hits.size() > most_hits_kept)
+        recorder_->hits.erase(recorder_->hits.begin(), recorder_->hits.end() - most_hits_kept / 2);
       if (progress) progress(begin, before, after);
     }
-    std::vector<Hit> all = std::move(ear_->hits);
+    std::vector<Hit> all = std::move(recorder_->hits);
     std::ranges::stable_sort(all, {}, &Hit::time);
-    ear_->close();
+    recorder_->close();
     while (!all.empty() && !asked_to_stop()) {
       const Time at = all.back().time;
       std::vector<Hit> here;
@@ -503,25 +503,25 @@ const Stop& Debugger::go_back(Time until) {
 
 /// Notes the instructions that a chip begins from about `from` up to `to`.
 void Debugger::look_at_past(std::size_t chip, Time from, Time to) {
-  ear_->close();
+  recorder_->close();
   load_before(from);
   run_to(from);
   if (const auto place = history_->before(from); place && place->time < from)
     history_->add_near({now(), changed_}, debuggee_.save());
-  ear_->arm({}, chip);
-  ear_->keeps_instructions = true;
-  ear_->listen(now());
+  recorder_->arm({}, chip);
+  recorder_->keeps_instructions = true;
+  recorder_->listen(now());
   Past past{.chip = chip, .from = now(), .to = to, .instructions = {}};
   auto sp = static_cast<Address>(debuggee_.chip(chip).register_value(isa::Register::SP));
   while (now() < to && !asked_to_stop() && !debuggee_.over()) run_to(std::min(to, now() + debuggee_.slice()));
-  for (const Ear::Instruction& instruction : ear_->instructions) {
+  for (const HitRecorder::Instruction& instruction : recorder_->instructions) {
     if (instruction.begins >= past.from && instruction.begins < to)
       past.instructions.push_back({instruction.begins, instruction.pc, sp, instruction.causes});
     sp = instruction.sp;
   }
-  ear_->keeps_instructions = false;
-  ear_->close();
-  ear_->arm({}, std::nullopt);
+  recorder_->keeps_instructions = false;
+  recorder_->close();
+  recorder_->arm({}, std::nullopt);
   past_ = std::move(past);
 }
 

@@ -168,7 +168,7 @@ class Debugger {
   std::function<void(Time at, Time from, Time to)> progress;
 
  private:
-  class Ear;
+  class HitRecorder;
   /// A change by hand, made again whenever its instant is passed.
   struct Change {
     Time time{};
@@ -205,7 +205,7 @@ class Debugger {
   std::vector<ProgramView> programs_;
   std::map<unsigned, Trigger> triggers_;
   unsigned next_number_ = 1;
-  std::unique_ptr<Ear> ear_;
+  std::unique_ptr<HitRecorder> recorder_;
   /// Where the machine stands with the ear having heard what ends later: instructions are done as a whole, and what
   /// they do may be after a stop.
   std::optional<Time> heard_at_;

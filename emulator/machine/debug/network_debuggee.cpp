@@ -81,11 +81,11 @@ void NetworkDebuggee::tell_new() {
   for (; told_ < events.size(); ++told_) {
     const NetworkEvent& event = events[told_];
     if (is_common(event.kind) || !wanted(machine::name(event.kind))) continue;
-    Happening happening{.time = event.time,
-                        .kind = std::string(machine::name(event.kind)),
-                        .chip = {},
-                        .fields = {},
-                        .text = network_.text(event)};
+    DebugEvent happening{.time = event.time,
+                         .kind = std::string(machine::name(event.kind)),
+                         .chip = {},
+                         .fields = {},
+                         .text = network_.text(event)};
     if (event.kind >= Kind::discarded) happening.chip = event.place;
     listener_->happened(happening);
   }
@@ -163,7 +163,7 @@ std::vector<std::pair<std::string, std::string>> NetworkDebuggee::happenings() c
   return all;
 }
 
-void NetworkDebuggee::listen(HappeningListener* listener, const std::set<std::string>& kinds) {
+void NetworkDebuggee::listen(DebugEventListener* listener, const std::set<std::string>& kinds) {
   listener_ = listener;
   kinds_ = kinds;
 }

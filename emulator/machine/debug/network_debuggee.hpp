@@ -31,7 +31,7 @@ class NetworkDebuggee final : public Debuggee {
   std::optional<Address> shared_word(std::size_t n, Address address) const override;
   void watch_shared(SharedListener* listener, std::vector<c40::AddressRange> words) override;
   std::vector<std::pair<std::string, std::string>> happenings() const override;
-  void listen(HappeningListener* listener, const std::set<std::string>& kinds) override;
+  void listen(DebugEventListener* listener, const std::set<std::string>& kinds) override;
   std::string output() override;
   std::vector<std::string> page_names() const override;
   std::string page(std::string_view name) override;
@@ -43,7 +43,7 @@ class NetworkDebuggee final : public Debuggee {
   Network& network_;
   Time now_{0};
   std::optional<NetworkStop> ended_;
-  HappeningListener* listener_ = nullptr;
+  DebugEventListener* listener_ = nullptr;
   std::set<std::string> kinds_;
   std::size_t told_ = 0;  ///< of the network's events
   std::vector<ChipStatus> status_;

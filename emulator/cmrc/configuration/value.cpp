@@ -1,0 +1,58 @@
+#include "cmrc/configuration/value.hpp"
+
+#include <fmt/format.h>
+
+namespace cmrc {
+namespace {
+
+std::string quoted(std::string_view word) {
+  std::string text = "\"";
+  for (std::size_t i = 0; i < word.size(); ++i) {
+    const char c = word[i];
+    const auto byte = static_cast<unsigned char>(c);
+    const unsigned next = i + 1 < word.size() ? static_cast<unsigned char>(word[i + 1]) : 0;
+    if (byte == 0xC2 && next >= 0x80 && next < 0xA0)
+      text += fmt::format("\\u{:04x}", next), ++i;  // U+0080 to U+009F: controls, too
+    else if (c == '"' || c == '\\')
+      text += fmt::format("\\{}", c);
+    else if (byte < 0x20 || byte == 0x7F)
+      text += fmt::format("\\u{:04x}", byte);
+    else
+      text += c;
+  }
+  return text + '"';
+}
+
+}  // namespace
+
+std::string Origin::text() const { return line > 0 ? fmt::format("{}:{}:{}", name, line, column) : name; }
+
+void refuse(const Origin& origin, std::string_view key, std::string_view what, std::string_view right) {
+  const std::string at = origin.text();
+  throw ConfigError(
+      fmt::format("{}{}{}{}{}; {}", at, at.empty() ? "" : ": ", key, key.empty() ? "" : ": ", what, right));
+}
+
+std::string show(const Value& value) {
+  if (const auto* flag = std::get_if<bool>(&value)) return *flag ? "true" : "false";
+  if (const auto* integer = std::get_if<std::int64_t>(&value)) return fmt::format("{}", *integer);
+  if (const auto* word = std::get_if<std::string>(&value)) return quoted(*word);
+  std::string text = fmt::format("{}", std::get<double>(value));
+  if (text.find_first_of(".en") == std::string::npos) text += ".0";
+  return text;
+}
+
+std::string_view noun(const Value& value) {
+  static constexpr std::string_view names[] = {"a boolean", "an integer", "a number", "a string"};
+  return names[value.index()];
+}
+
+std::string quoted_list(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    text += fmt::format("{}\"{}\"", i == 0 ? "" : i + 1 == words.size() ? " or " : ", ", words[i]);
+  }
+  return text;
+}
+
+}  // namespace cmrc

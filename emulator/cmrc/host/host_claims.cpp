@@ -1,0 +1,93 @@
+// The host's software and the claims of the DSPs: which blocks they have taken, and which DSP is rung for which block.
+#include <algorithm>
+#include <bit>
+#include <iterator>
+
+#include "cmrc/host/host.hpp"
+
+namespace cmrc {
+
+using report::EventKind;
+
+void Host::pointer_read(Word pointer) {
+  claimed_before(pointer);
+  if (!look_past(Step::passed)) collect_taken();
+}
+
+void Host::collect_taken() {
+  for (const std::size_t index : list_.order()) {
+    if (list_[index].flag == Flag::taken) flags_.push_back(index);
+  }
+  signs_ = flags_;
+  next_flag();
+}
+
+void Host::claimed_before(Word pointer) {
+  const auto at_pointer = [&](std::size_t index) { return words_.block(index) == pointer; };
+  const auto first = std::find_if(linked_.begin(), linked_.end(), at_pointer);
+  if (first == linked_.end() && pointer != 0) {
+    pointer_in_doubt_ = true;  // a DSP that has run wild wrote here
+    return;
+  }
+  std::for_each(linked_.begin(), first, [this](std::size_t index) {
+    if (waits(index)) list_.take(index);
+  });
+  linked_.erase(linked_.begin(), first);
+}
+
+// DSPs pass over a block that is for another one alone, and take what stands behind it (claim_own.asm); they stop at
+// the first block that waits for anybody. \returns false if no flag has to be read
+bool Host::look_past(Step step) {
+  passed_.clear();
+  if (!own_linked_ || pointer_in_doubt_) return false;
+  std::ranges::copy_if(linked_, std::back_inserter(passed_), [this](std::size_t index) { return waits(index); });
+  if (passed_.empty()) return false;
+  step_ = step;
+  port_->read(words_.block(passed_.front()) + words_.flag, 1, 0);
+  return true;
+}
+
+// \returns whether that was the last one
+bool Host::passed_read(Word flag) {
+  const std::size_t index = passed_.front();
+  passed_.pop_front();
+  if (flag != words_.flag_waiting)
+    taken_at_last(index);
+  else if (!own_slot(index))
+    passed_.clear();
+  if (passed_.empty()) return true;
+  port_->read(words_.block(passed_.front()) + words_.flag, 1, 0);
+  return false;
+}
+
+// Its flag says that it is taken, though it may stand behind the work pointer, where DSPs go on by its link.
+void Host::taken_at_last(std::size_t index) {
+  list_.take(index);
+  list_[index].passed_through = true;
+}
+
+// For each block that may be run, by falling J, one idle DSP: for a block that is for one DSP alone that one; for
+// another block the lowest for which no block of its own waits, or else the lowest. So a DSP is left to its own work
+// where another can do what stands before it: who is rung later comes to the list later.
+void Host::ring(Word idle) {
+  liveness_.signs(idle, looks());
+  Word wanted = 0;  // slots for which a block of their own waits
+  for (const std::size_t index : linked_) {
+    if (const auto own = own_slot(index); own && list_[index].importance > 0) wanted |= Word{1} << *own;
+  }
+  for (const std::size_t index : linked_) {
+    if (list_[index].importance == 0) break;
+    const auto own = own_slot(index);
+    const Word free = (idle & ~wanted) != 0 ? idle & ~wanted : idle;
+    const Word may = own ? idle & Word{1} << *own : free;
+    if (may == 0) continue;
+    const auto slot = static_cast<Word>(std::countr_zero(may));
+    idle &= ~(Word{1} << slot);
+    port_->write(words_.doorbell_ring, slot);
+    note(EventKind::doorbell, {slot, 0, 0, 0, 0});
+    ++counts_.doorbells;
+  }
+  end_refresh();
+}
+
+}  // namespace cmrc

@@ -1,0 +1,146 @@
+#pragma once
+// The course of a run: where crane, load and vehicles were at each latch of the drives, and how far each robot's work
+// had come. Two courses, a run's and its ideal run's, are what errors, lag and demand are measured from
+// (docs/report.md, Errors).
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "cmrc/measures/event_times.hpp"
+#include "machine/time.hpp"
+#include "plant/dock/dock.hpp"
+
+namespace cmrc {
+
+using machine::Time;
+
+/// The robot of an event or a job: 0 is the crane, n is AGV n - 1.
+using Robot = unsigned;
+
+/// Rows of doubles, in memory that a child process shares with its parent.
+class SharedRows {
+ public:
+  /// Room for `rows` rows; pages are taken from the system as rows are written. \throws std::runtime_error when there
+  /// is no room
+  SharedRows(std::size_t rows, std::size_t width);
+  ~SharedRows();
+  SharedRows(const SharedRows&) = delete;
+  SharedRows& operator=(const SharedRows&) = delete;
+
+  std::size_t room() const { return room_; }
+  std::size_t width() const { return width_; }
+  std::span<double> row(std::size_t index) { return {data_ + index * width_, width_}; }
+  std::span<const double> row(std::size_t index) const { return {data_ + index * width_, width_}; }
+  /// The first `rows` rows, one after the other.
+  std::span<double> first(std::size_t rows) { return {data_, rows * width_}; }
+
+ private:
+  std::size_t room_, width_;
+  double* data_ = nullptr;
+};
+
+/// Columns of a course's rows: joints in the order of plant::Joint (rad, m), the load's place in the world (3, m), sway
+/// angles (2, rad), then each AGV's place (2, m).
+inline constexpr std::size_t load_column = plant::joint_count, sway_column = load_column + 3,
+                             agv_column = sway_column + 2;
+
+/// What a robot has done, in the order in which it did it. A key tells the same deed in another run of the same work.
+struct Milestone {
+  enum class Kind : std::uint8_t { leg_begun, point, leg_ended, ramp_begun, ramp_ended, locked, opened, process_ended };
+  Robot robot = 0;
+  std::uint64_t key = 0;
+  Time at{};
+  Kind kind() const { return static_cast<Kind>(key >> 32 & 0xF); }
+};
+
+/// Jobs of one kind for one robot.
+struct JobTimes {
+  std::uint64_t misses = 0;
+  EventTimes released, finished;
+};
+using JobsByRobot = std::map<std::pair<std::size_t, Robot>, JobTimes>;  ///< by kind and robot
+
+/// Records one course while its run goes on. Its memory is bounded: where a run is long, only each second, fourth, ...
+/// latch has a row, and only each second, fourth, ... point of a leg is a milestone.
+class Course {
+ public:
+  static constexpr std::size_t milestones_max = 1 << 18;
+  /// Of a metre or a radian: rows are kept to a nanometre. What is finer is the integrators' noise, of which a long
+  /// run's snapshot would be full.
+  static constexpr double parts = 1 << 30;
+  static double to_grid(double value) { return std::floor(value * parts + 0.5) / parts; }
+
+  /// \param rows at most. 0: no rows, only milestones
+  Course(std::size_t rows, int agvs);
+
+  void latch(const plant::Dock& dock, Time time);
+  /// A robot begins a process: the following milestones are of it.
+  void process_begun(Robot robot, unsigned number);
+  /// A leg begins: its points are numbered from `first`, one `interval` apart.
+  void leg_begun(Robot robot, std::int64_t first, Time interval, Time at);
+  /// \param number of a point: its number within the run; of anything else 0
+  void milestone(Robot robot, Milestone::Kind kind, std::int64_t number, Time at);
+  /// PID and torque compensation are released from now on, or are not any more.
+  void servo(bool on, Time at);
+
+  bool recorded() const { return rows_.room() > 0; }
+  std::size_t size() const { return size_; }
+  /// Of its rows.
+  std::size_t bytes() const { return size_ * (agv_column + 2 * static_cast<std::size_t>(agvs_)) * sizeof(double); }
+  /// From a row to the next: row i is the latch at (i + 1) steps.
+  Time step() const { return every_ * plant::latch_period; }
+  /// The instant of the last row.
+  Time end() const { return static_cast<std::int64_t>(size_) * step(); }
+  /// The row at `time` or the last one before it; before the first one, that.
+  std::span<const double> at(Time time) const;
+  /// A column at any instant, linear between rows.
+  double at(Time time, std::size_t column) const;
+  const std::vector<Milestone>& milestones() const { return milestones_; }
+  /// Nominal time between the points of each leg, in the order of their milestones leg_begun.
+  const std::vector<Time>& leg_intervals() const { return leg_intervals_; }
+  /// Instants at which servoing began and ended, in turn.
+  const std::vector<Time>& servo_times() const { return servo_; }
+  /// Whole point intervals inside legs in which a robot consumed no new point, until `end`: a gap of g intervals counts
+  /// floor(g) - 1. By robot.
+  std::map<Robot, std::uint64_t> starved_intervals(Time end) const;
+
+  void list_state(state::Visitor& list);
+  /// Everything but the rows, for a process that shares these.
+  void list_all_but_rows(state::Visitor& list);
+
+ private:
+  /// Where a robot stands, as far as its milestones' keys need it.
+  struct Place {
+    std::uint64_t process = 0, begun = 0;   // number of the process, and how many the robot has begun
+    std::uint64_t legs = 0;                 // begun within the process
+    std::int64_t first_point = 0;           // of the leg
+    std::array<std::uint64_t, 8> counts{};  // of each kind within the process
+  };
+  /// The leg of a robot, as far as its starving needs it.
+  struct Leg {
+    Time last{}, interval{1};  // when it consumed a point, or the leg began
+    bool open = false;
+    std::uint64_t starved = 0;  // intervals, in all legs so far
+    std::uint64_t starved_at(Time time) const;
+  };
+
+  void thin_rows();
+  void thin_milestones();
+
+  SharedRows rows_;
+  std::size_t size_ = 0;
+  std::int64_t every_ = 1;          // latch of which has a row
+  std::uint64_t points_every_ = 1;  // point of a leg is a milestone
+  std::map<Robot, Leg> legs_;
+  int agvs_;
+  std::map<Robot, Place> places_;
+  std::vector<Milestone> milestones_;
+  std::vector<Time> leg_intervals_;
+  std::vector<Time> servo_;
+};
+
+}  // namespace cmrc

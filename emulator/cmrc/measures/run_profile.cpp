@@ -1,0 +1,198 @@
+#include "cmrc/measures/run_profile.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "machine/profile.hpp"
+
+namespace cmrc {
+namespace {
+
+using c40::Cause;
+using c40::Causes;
+using c40::ProfileCounts;
+
+void accumulate(Causes& to, const Causes& causes, int sign = 1) {
+  for (std::size_t i = 0; i < to.size(); ++i) to[i] += sign * causes[i];
+}
+
+/// Takes one cause out of `from`.
+Causes take(Causes& from, Cause cause) {
+  Causes out{};
+  std::swap(out[static_cast<std::size_t>(cause)], from[static_cast<std::size_t>(cause)]);
+  return out;
+}
+
+/// Which of the code between jobs claims and which waits. An image may lack these labels: then all is the executive's.
+struct Executive {
+  explicit Executive(const toolchain::Image& image) {
+    const auto find = [&image](std::string_view name) -> c40::Address {
+      const auto symbol = image.symbols.find(name);
+      return symbol == image.symbols.end() ? 0 : symbol->second;
+    };
+    claim = find("exec_claim");
+    idle = find("exec_idle");
+    starts = {image.entry, find("exec_next"), claim, idle};
+    starts.erase(0);
+  }
+  /// The executive's own, claim, idle: by the routine that an address lies in; and the boot ROM's.
+  std::array<ProfileCounts, 4> split(const ProfileCounts& counts, const std::set<c40::Address>& all_starts) const {
+    std::array<ProfileCounts, 4> parts;
+    const auto part = [&](c40::Address address) -> ProfileCounts& {
+      if (address < c40::rom_words) return parts[3];
+      const auto after = all_starts.upper_bound(address);
+      const c40::Address start = after == all_starts.begin() ? 0 : *std::prev(after);
+      return parts[start == 0 ? 0 : start == claim ? 1 : start == idle ? 2 : 0];
+    };
+    for (const auto& [address, entry] : counts.instructions()) part(address).add(address, entry);
+    for (const auto& [address, times] : counts.calls()) part(address).called(address, times);
+    return parts;
+  }
+  c40::Address claim = 0, idle = 0;
+  std::set<c40::Address> starts;
+};
+
+void require_equal(const report::TaskReport& task, const Causes& counted) {
+  for (std::size_t i = 0; i < counted.size(); ++i)
+    if (const report::Share& reported = task.execution_cycles.at(i); reported.amount != counted[i])
+      throw std::logic_error(fmt::format("profile: {} cycles of {} were {}, and the report has {}", counted[i],
+                                         task.kind, reported.name, reported.amount));
+}
+
+}  // namespace
+
+RunProfile::RunProfile(machine::Machine& machine) : machine_(machine) {
+  for (unsigned slot = 0; slot < machine.slots(); ++slot) {
+    slots_.push_back(std::make_unique<Slot>(Slot{.stream = c40::Profile(executive_), .job = nullptr}));
+    machine.chip(slot).set_trace(&slots_.back()->stream);
+  }
+}
+
+// A job's counts are made apart from its kind's, for it may never finish. Their memory is used again.
+std::unique_ptr<RunProfile::Span> RunProfile::fresh() {
+  if (spare_.empty()) return std::make_unique<Span>();
+  auto span = std::move(spare_.back());
+  spare_.pop_back();
+  return span;
+}
+
+void RunProfile::book(Kind& kind, std::unique_ptr<Span> span) {
+  ++kind.jobs;
+  kind.sum.counts.add(span->counts);
+  accumulate(kind.sum.outside, span->outside);
+  span->counts.clear();
+  span->outside = {};
+  spare_.push_back(std::move(span));
+}
+
+std::unique_ptr<RunProfile::Span> RunProfile::end_job(unsigned number) {
+  Slot& slot = *slots_.at(number);
+  slot.stream.count_into(executive_);
+  if (slot.job == nullptr) return nullptr;
+  slot.job->outside = outside_of_job(number);
+  return std::move(slot.job);
+}
+
+c40::Causes RunProfile::outside_of_job(unsigned number) const {
+  const Slot& slot = *slots_.at(number);
+  Causes outside = machine_.chip(number).causes();
+  accumulate(outside, slot.at_start, -1);
+  accumulate(outside, slot.job->counts.total().causes, -1);
+  return outside;
+}
+
+void RunProfile::taken(unsigned number) {
+  if (auto left = end_job(number)) book(unfinished_, std::move(left));
+  Slot& slot = *slots_.at(number);
+  slot.job = fresh();
+  slot.at_start = machine_.chip(number).causes();
+  slot.stream.count_into(slot.job->counts);
+}
+
+void RunProfile::done(unsigned slot, machine::Offset offset, Time issued) {
+  if (auto span = end_job(slot)) slots_[slot]->ended.push_back({offset, issued, std::move(span)});
+}
+
+void RunProfile::landed(unsigned number, machine::Offset offset, Time issued, std::optional<JobKind> job) {
+  auto& ended = slots_.at(number)->ended;
+  const auto it = std::ranges::find_if(ended, [&](const Ended& e) { return e.offset == offset && e.issued == issued; });
+  if (it == ended.end()) return;
+  if (job && kinds_.size() <= static_cast<std::size_t>(*job)) kinds_.resize(static_cast<std::size_t>(*job) + 1);
+  book(job ? kinds_[static_cast<std::size_t>(*job)] : unfinished_, std::move(it->span));
+  ended.erase(it);
+}
+
+void RunProfile::reset(unsigned number) {
+  if (auto left = end_job(number)) book(unfinished_, std::move(left));
+  for (Ended& ended : slots_[number]->ended) book(unfinished_, std::move(ended.span));
+  slots_[number]->ended.clear();
+}
+
+report::Profile RunProfile::report(const std::vector<report::TaskReport>& tasks, const toolchain::Image& image,
+                                   const toolchain::Image& rom) const {
+  const Executive executive(image);
+  std::set<c40::Address> starts = executive.starts;
+  const auto learn = [&starts](const ProfileCounts& counts) {
+    for (const auto& [address, calls] : counts.calls()) starts.insert(address);
+  };
+  for (const Kind& kind : kinds_) learn(kind.sum.counts);
+  const Kind unfinished = unfinished_now();
+  learn(unfinished.sum.counts);
+  learn(executive_);
+
+  report::Profile profile = machine::empty_profile();
+  Causes rest{};  // cycles of no instruction that are in no group yet
+  for (unsigned slot = 0; slot < machine_.slots(); ++slot) accumulate(rest, machine_.chip(slot).causes());
+  accumulate(rest, executive_.total().causes, -1);
+  const auto add_group = [&](std::string name, std::uint64_t jobs, const ProfileCounts& counts, const Causes& outside) {
+    report::ProfileGroup group = machine::profile_group(counts, outside, starts, name == "boot" ? rom : image, false);
+    group.name = std::move(name);
+    group.jobs = jobs;
+    if (group.total.cycles != 0 || jobs != 0) machine::add_group(profile, std::move(group));
+  };
+
+  for (std::size_t i = 0; i < kinds_.size(); ++i) {
+    const auto& [jobs, sum] = kinds_[i];
+    Causes all = sum.counts.total().causes;
+    accumulate(all, sum.outside);
+    accumulate(rest, all, -1);
+    require_equal(tasks.at(i), all);
+    add_group(tasks[i].kind, jobs, sum.counts, sum.outside);
+  }
+  accumulate(rest, unfinished.sum.counts.total().causes, -1);
+  Causes standing = take(rest, Cause::halted), idle = take(rest, Cause::idle), of_unfinished = unfinished.sum.outside;
+  take(of_unfinished, Cause::halted);
+  take(of_unfinished, Cause::idle);
+  accumulate(rest, of_unfinished, -1);
+  add_group("not finished", unfinished.jobs, unfinished.sum.counts, of_unfinished);
+  const auto parts = executive.split(executive_, starts);
+  for (const auto& [label, address] : rom.symbols) starts.insert(address);
+  add_group("boot", 0, parts[3], {});
+  add_group("executive", 0, parts[0], rest);
+  add_group("claim", 0, parts[1], {});
+  add_group("idle", 0, parts[2], idle);
+  add_group("halted", 0, {}, standing);
+  return profile;
+}
+
+// A DSP that is at a job now, and an end whose write has not landed, too.
+RunProfile::Kind RunProfile::unfinished_now() const {
+  Kind all;
+  const auto include = [&all](std::uint64_t jobs, const ProfileCounts& counts, const Causes& outside) {
+    all.jobs += jobs;
+    all.sum.counts.add(counts);
+    accumulate(all.sum.outside, outside);
+  };
+  include(unfinished_.jobs, unfinished_.sum.counts, unfinished_.sum.outside);
+  for (unsigned number = 0; number < slots_.size(); ++number) {
+    const Slot& slot = *slots_[number];
+    for (const Ended& ended : slot.ended) include(1, ended.span->counts, ended.span->outside);
+    if (slot.job != nullptr) include(1, slot.job->counts, outside_of_job(number));
+  }
+  return all;
+}
+
+}  // namespace cmrc

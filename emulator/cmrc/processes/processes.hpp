@@ -1,0 +1,127 @@
+#pragma once
+// The processes of the table at work: which one each robot is in, at which step, and what starts next.
+//
+// A process starts when it is demanded, or when all that have to consent have. Those of no robot run beside all others;
+// the crane and each AGV are in one at a time. When several of a robot's may start, the one with the lowest number
+// does, unless another says that it replaces it. A crane's process to which an AGV's consents takes the AGV that stands
+// in the loading spot.
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "cmrc/processes/consents.hpp"
+#include "cmrc/processes/crane_steps.hpp"
+#include "cmrc/processes/fleet.hpp"
+#include "cmrc/processes/host_services.hpp"
+#include "cmrc/processes/process_table.hpp"
+#include "cmrc/processes/releases.hpp"
+#include "cmrc/tasks/user_tasks.hpp"
+
+namespace cmrc {
+
+class Processes {
+ public:
+  Processes(const ProcessTable& table, std::span<const UserTask> tasks, const CraneJob& crane, const FleetJob& fleet,
+            const Words& words);
+
+  void start(HostServices& services);
+  /// A block has ended that is a step's, or a sub-process's of a robot.
+  void finished(const Task& task, Word result, Word notify, HostServices& services);
+  /// A block was dropped after too many recomputations: what it was for is asked for again.
+  void dropped(const Task& task);
+  /// ... and is not asked for any more: what it was for stops where it is. \returns what stops, for the report
+  std::string abandoned(const Task& task);
+  /// ... or again, after the operator has cleared the error.
+  void resume(const Task& task);
+  /// An error has the crane's steps stand still, or go on.
+  void hold_crane(bool held) { crane_held_ = held; }
+  /// An error has the load set down: the step `lower` ends, and nothing follows. Off: what follows does.
+  void set_crane_down(bool asked);
+  bool crane_is_down() const { return crane_down_; }
+  bool crane_lowers() const;
+  /// A landing that was given up is tried again.
+  void landing_again();
+  /// Moves on as far as the last reports allow.
+  void refresh(HostServices& services);
+
+  /// Sub-process `number` of a robot is to be released now.
+  bool releases(unsigned number, Robot robot) const;
+  /// The work of the crane and of every AGV is over (processes 7 and 8 have ended).
+  bool job_done() const;
+  /// AGVs whose range sensors the host reads at this refresh.
+  std::deque<unsigned> sensors_to_read(std::int64_t tick);
+  /// ... and what it has read: mm to the nearest echo in the vehicle's way.
+  void seen(unsigned agv, Word millimetres);
+  /// \param staggered AGVs' interval releases fall on refreshes apart, else on the same
+  void set_releases(const RangeWatch& watch, bool staggered) { watch_ = watch, staggered_ = staggered; }
+  /// The crane would begin a lift, and waits for less wind.
+  bool waits_for_wind() const;
+  CraneSteps& crane() { return crane_; }
+  const CraneSteps& crane() const { return crane_; }
+  Fleet& fleet() { return fleet_; }
+  const Fleet& fleet() const { return fleet_; }
+  void list_state(state::Visitor& list);
+
+ private:
+  /// A process that runs, or where one could.
+  struct Run {
+    const Process* process = nullptr;
+    std::size_t step = 0;
+    std::optional<unsigned> agv = std::nullopt;  // of an AGV's process, or bound to the crane's
+    bool wants_task = false;                     // the step's block is to be loaded
+    bool silent = false;   // it was never told to have started: an AGV that waits in the queue at the beginning
+    bool stopped = false;  // given up
+    bool retired = false;  // its robot's work is over
+  };
+  struct RunState;
+  std::optional<unsigned> agv_in_spot() const;
+  bool may_start(const Process& process, unsigned agv) const;
+  const Process* next_of(Robots robot, unsigned agv) const;
+  bool takes_agv(const Process& process) const;
+  void begin(Run& run, const Process& process, std::optional<unsigned> agv, HostServices& services);
+  void enter(Run& run, HostServices& services);
+  void advance(Run& run, Word notify, HostServices& services);
+  void end(Run& run, Word notify, HostServices& services);
+  void demand(unsigned target, std::optional<unsigned> agv, HostServices& services);
+  void start_free(HostServices& services);
+  void load_task(Run& run, HostServices& services);
+  Task task_of(const Run& run, const HostServices& services) const;
+  Task user_block(const std::string& name, Robot robot) const;
+  void move_crane(HostServices& services);
+  void start_crane(HostServices& services);
+  void move_agv(unsigned agv, HostServices& services);
+  void release(Robot robot, HostServices& services);
+  bool runs(const Release& release, std::int64_t tick) const;
+  Task block_of(const Release& release, const HostServices& services) const;
+  Release* release_of(const Task& task);
+  Run& run_of(const Task& task);
+  const Run& run_of_robot(Robot robot) const { return robot == 0 ? crane_run_ : agv_runs_.at(robot - 1); }
+  unsigned demands(const Process& process, unsigned agv) const {
+    return demands_.at(process.number).at(process.robot == Robots::agv ? agv : 0);
+  }
+
+  const ProcessTable table_;
+  const std::vector<UserTask> tasks_;
+  const Words& words_;
+  Word undemandable_ = 0;  // bits of TB_NOTIFY for what the row of sub-process 1 does not list
+  Consents consents_;
+  CraneSteps crane_;
+  Fleet fleet_;
+  std::vector<Run> free_runs_;  // processes of no robot, in the table's order
+  Run crane_run_;
+  bool start_waits_ = false;  // for less wind: the crane is between two processes
+  bool crane_held_ = false;   // by an error, as are:
+  bool crane_sets_down_ = false, crane_down_ = false;
+  std::vector<Run> agv_runs_;
+  std::vector<std::vector<unsigned>> demands_;  // [process][agv]: one-place, as consents are
+  std::vector<Release> releases_;               // of sub-processes that are released by interval or event
+  std::vector<RangeField> fields_;              // of each AGV's range sensor
+  RangeWatch watch_;
+  bool staggered_ = true;
+  std::int64_t read_until_ = 0;  // refresh up to which the sensors' readings are accounted for
+};
+
+}  // namespace cmrc

@@ -1,0 +1,37 @@
+#include "cmrc/processes/releases.hpp"
+
+#include <utility>
+
+namespace cmrc {
+
+std::int64_t congruent_before(std::int64_t tick, std::int64_t phase, std::int64_t period) {
+  const std::int64_t since = (tick - phase) % period;
+  return tick - (since < 0 ? since + period : since);
+}
+
+bool RangeField::entered(Word millimetres, const RangeWatch& watch) {
+  const std::int64_t nearest = millimetres;
+  const auto before = std::exchange(last_, nearest);
+  if (nearest >= watch.field_mm) return false;
+  return !before || *before >= watch.field_mm || nearest < *before - jump_mm;
+}
+
+Release::Due Release::due(std::int64_t tick, std::int64_t period, bool staggered) {
+  Due due;
+  const std::int64_t before = std::exchange(seen_, tick);
+  if (row_->by_interval()) {
+    const std::int64_t last = congruent_before(tick, phase(period, staggered), period);
+    const std::int64_t first = congruent_before(before, phase(period, staggered), period) + period;
+    for (std::int64_t nominal = first; nominal <= last; nominal += period) {
+      if (nominal < last || (out_ && deadline_ <= nominal))
+        due.dropped.push_back(nominal);
+      else if (!out_)
+        due.load = true;
+    }
+  }
+  if (object_ && !out_) due.load = true;
+  if (due.load) object_ = false;
+  return due;
+}
+
+}  // namespace cmrc

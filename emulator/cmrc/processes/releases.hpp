@@ -1,0 +1,84 @@
+#pragma once
+// When a sub-process of one robot is released: at refreshes of its interval, and when an object enters the field of its
+// AGV's range sensor. docs/processes.md, Releases.
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "cmrc/processes/process_table.hpp"
+#include "cmrc/tasks/words.hpp"
+
+namespace state {
+class Visitor;
+}
+
+namespace cmrc {
+
+/// The last refresh up to `tick` that is congruent to `phase` modulo `period`.
+std::int64_t congruent_before(std::int64_t tick, std::int64_t phase, std::int64_t period);
+
+/// How the host watches the field of the AGVs' range sensors.
+struct RangeWatch {
+  std::int64_t every = 8;          ///< refreshes between two readings of one sensor
+  std::int64_t field_mm = 15'000;  ///< length of the field ahead of the sensor
+};
+
+/// What one AGV's range sensor has shown, reading by reading.
+class RangeField {
+ public:
+  /// A reading: mm to the nearest echo in the vehicle's way. True when an object has entered: something is in the
+  /// field, and the reading before showed nothing there, or its nearest echo more than `jump_mm` farther.
+  bool entered(Word millimetres, const RangeWatch& watch);
+  /// Nobody looks any more: the next reading has none before it.
+  void forget() { last_.reset(); }
+  void list_state(state::Visitor& list);
+
+  /// More than vehicle and object can come closer between two readings 50 ms apart.
+  static constexpr std::int64_t jump_mm = 600;
+
+ private:
+  std::optional<std::int64_t> last_;
+};
+
+/// One sub-process of one robot.
+class Release {
+ public:
+  /// \param number of the robot among those of its kind; \param count of them: what staggers their refreshes
+  Release(const Subprocess& row, unsigned robot, unsigned number, unsigned count)
+      : row_(&row), robot_(robot), number_(number), count_(count) {}
+
+  const Subprocess& row() const { return *row_; }
+  unsigned robot() const { return robot_; }
+
+  /// floor(i N / n), or 0 when all are released together.
+  std::int64_t phase(std::int64_t period, bool staggered) const { return staggered ? number_ * period / count_ : 0; }
+
+  struct Due {
+    std::vector<std::int64_t> dropped;  ///< nominal refreshes that have passed without a block
+    bool load = false;                  ///< one is to be loaded now
+  };
+  /// At a refresh in which the sub-process runs. Nominal refreshes since the refresh before that the host was too late
+  /// for, or that found the block before still out after its deadline, are dropped.
+  Due due(std::int64_t tick, std::int64_t period, bool staggered);
+  /// ... in which it does not run.
+  void rests(std::int64_t tick) { seen_ = tick, object_ = false; }
+  void object_entered() { object_ = row_->by_event(); }
+
+  void loaded(std::int64_t deadline) { out_ = true, deadline_ = deadline; }
+  void ended() { out_ = false; }
+  void stop() { stopped_ = true; }
+  void resume() { stopped_ = false; }
+  bool stopped() const { return stopped_; }
+  void list_state(state::Visitor& list);
+
+ private:
+  const Subprocess* row_;
+  unsigned robot_, number_, count_;
+  std::int64_t seen_ = 0;      // refresh up to which nominal refreshes are accounted for
+  std::int64_t deadline_ = 0;  // of the block that is out
+  bool out_ = false;
+  bool object_ = false;   // has entered the field, and no block was loaded since
+  bool stopped_ = false;  // given up
+};
+
+}  // namespace cmrc

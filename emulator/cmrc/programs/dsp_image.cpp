@@ -1,0 +1,59 @@
+#include "cmrc/programs/dsp_image.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <span>
+
+#include "c40_programs/image.hpp"
+#include "cmrc/programs/kernels.hpp"
+#include "toolchain/assembler/assembler.hpp"
+#include "toolchain/objects/coff.hpp"
+#include "toolchain/objects/source_map.hpp"
+
+namespace cmrc {
+namespace {
+
+/// A COFF file and a source map that are built in.
+toolchain::Image with_source(std::span<const std::byte> program, std::span<const std::byte> map) {
+  toolchain::Image image = toolchain::read_coff(program);
+  toolchain::add_source_map(image, {reinterpret_cast<const char*>(map.data()), map.size()});
+  return image;
+}
+
+toolchain::Image assembled(const Config& config) {
+  const bool own = own_blocks(config.tasks);
+  if (config.machine.programs.empty())
+    return with_source(c40_programs::built_in_image(own), c40_programs::built_in_source_map(own));
+  const std::filesystem::path directory = config.machine.programs;
+  const std::filesystem::path source = directory / "dsp.asm";
+  if (!std::filesystem::is_regular_file(source)) {
+    throw ConfigError(
+        fmt::format("machine.programs: {} is not there; a directory with dsp.asm is expected", source.string()));
+  }
+  toolchain::Options options;
+  options.include_dirs = {directory, directory / "include"};
+  if (own) options.symbols["OWN_BLOCKS"] = 1;
+  toolchain::Image image = toolchain::assemble_file(source, options);
+  if (own && !image.symbols.contains("own_claim")) {
+    throw ConfigError(
+        fmt::format("tasks.dsp: the executive in {} knows no blocks for one DSP alone; "
+                    "the files executive.asm, dsp.asm and claim_own.asm of this emulator's programs are expected",
+                    directory.string()));
+  }
+  return image;
+}
+
+}  // namespace
+
+toolchain::Image dsp_image(const Config& config) {
+  toolchain::Image image = assembled(config);
+  place_kernels(image, config);
+  return image;
+}
+
+toolchain::Image boot_rom_image() {
+  return with_source(c40_programs::built_in_boot_rom(), c40_programs::built_in_boot_rom_source_map());
+}
+
+}  // namespace cmrc

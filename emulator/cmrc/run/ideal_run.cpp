@@ -1,0 +1,34 @@
+#include "cmrc/run/ideal_run.hpp"
+
+namespace cmrc {
+namespace {
+
+bool is_the_machines(const TimedEvent& event) {
+  const bool lost =
+      event.action == "set" && event.key.starts_with("scheduling.servo_") && event.key != "scheduling.servo_reload";
+  return lost || befalls_machine(event);
+}
+
+}  // namespace
+
+Config as_run(const Config& given) {
+  if (!given.run.ideal) return given;
+  Config config = given;
+  config.machine.boot = BootPolicy::preloaded;
+  config.machine.idle_policy = IdlePolicy::doorbell;
+  config.machine.cycle_time_factor = 1;
+  config.host.refresh_overhead_ns = config.host.per_block_ns = config.host.semaphore_retry_ns = 0;
+  config.dock.drive_delay_us = 0;
+  config.scheduling.servo_loss_share = 0;
+  config.scheduling.servo_loss_run = 1;
+  config.scheduling.servo_served_every = 1;
+  std::erase_if(config.events, is_the_machines);
+  return config;
+}
+
+Config ideal(Config config) {
+  config.run.ideal = true;
+  return config;
+}
+
+}  // namespace cmrc

@@ -1,0 +1,137 @@
+#pragma once
+// What a run shows of itself, from the machine and the dock to the event log, the ledger and the report's statistics.
+#include <array>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "cmrc/host/host.hpp"
+#include "cmrc/measures/instability.hpp"
+#include "cmrc/measures/ledger.hpp"
+#include "cmrc/measures/run_profile.hpp"
+#include "cmrc/measures/wind_watch.hpp"
+#include "cmrc/tasks/words.hpp"
+#include "machine/machine.hpp"
+#include "plant/dock/dock.hpp"
+#include "report/event_log.hpp"
+
+namespace cmrc {
+
+/// Mean square and peak of one joint's error as PID computed it.
+struct PidErrorSum {
+  double squares = 0, peak = 0;
+  std::uint64_t count = 0;
+};
+
+class RunObserver : public machine::Observer, public HostListener {
+ public:
+  /// \param samples_max of a summary, up to which its percentiles are exact
+  RunObserver(const Words& words, Ledger& ledger, report::EventLog& log, std::size_t samples_max);
+  /// The offsets of PID's five errors in the crane's area, and of its stage: the errors are none before that is
+  /// `servoing`.
+  void watch_errors(Word errors, Word stage, Word servoing) {
+    errors_ = errors, stage_ = stage, servoing_stage_ = servoing;
+  }
+  /// Slot's cycles by cause, asked when it issues a write.
+  void set_causes(std::function<CauseTimes(unsigned)> causes) { causes_ = std::move(causes); }
+  /// Shared memory without time.
+  void set_peek(std::function<machine::Word(machine::Offset)> peek) { peek_ = std::move(peek); }
+  /// Whether the crane is servoed now: where it is not, drives stop because their work is over.
+  void set_servoing(std::function<bool()> servoing) { servoing_ = std::move(servoing); }
+  /// Hears the dock, and records it in `course` if there is one that wants rows. `wind_limit`: m/s, see wind().
+  void attach(plant::Dock& dock, Course* course, double wind_limit);
+  /// Tells it when jobs begin and end; null: nobody.
+  void set_profile(RunProfile* profile) { profile_ = profile; }
+  /// It hears what the ledger hears, and the dock; null: nobody. Not a part of the state.
+  void watch(RunWatcher* watcher) { watcher_ = watcher, ledger_.watch(watcher); }
+
+  // machine::Observer
+  void dsp_issue(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
+                 Time issued) override;
+  bool wants_issues_at(machine::Window window, machine::Offset offset) const override {
+    return window == machine::Window::a && flag_of(offset).has_value();
+  }
+  void dsp_write(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value, Time issued,
+                 Time now) override;
+  void dsp_write_dropped(unsigned slot, machine::Window window, machine::Offset offset, machine::Word value,
+                         Time issued, Time now) override;
+  void dsp_waited(unsigned slot, machine::Window window, Time from, Time to) override {
+    ledger_.timeline().window(slot, window, from, to);
+  }
+  void dsp_write_refused(unsigned slot, machine::Offset offset, machine::Word value, machine::Word kind,
+                         Time now) override;
+  void transaction(machine::BusId bus, const pci::Transaction& transaction, Time now) override;
+  void interrupt(unsigned slot, int pin, Time now) override;
+  void semaphore(unsigned number, machine::SemaphoreEvent event, unsigned owner, Time now) override;
+  void fault(const machine::ChipFault& fault) override;
+  void slot(unsigned slot, machine::SlotChange change, Time now) override;
+  void link_lost(unsigned slot, bool to_dsp, machine::Word word, int bytes, Time now) override;
+  void scripted(const machine::ScriptedEvent& event, Time now) override;
+
+  // HostListener
+  void event(const report::Event& event) override { log_.add(event); }
+  void failure(const report::FailureReport& failure) override { failures_.push_back(failure); }
+
+  const std::vector<report::FailureReport>& failures() const { return failures_; }
+  const report::Distribution& semaphore_hold() const { return hold_; }
+  const std::array<PidErrorSum, 5>& pid_error() const { return pid_error_; }
+  /// The integral of the squared torque codes, s.
+  double drive_effort() const { return effort_; }
+  /// How long the wind has been above its limit.
+  const WindWatch& wind() const { return wind_.value(); }
+  /// Time at full torque by joint, in latches.
+  const std::array<std::int64_t, plant::joint_count>& saturated_latches() const { return saturated_; }
+  std::uint64_t faults(unsigned slot) const { return slot < faults_.size() ? faults_[slot] : 0; }
+  std::uint64_t resets(unsigned slot) const { return slot < resets_.size() ? resets_[slot] : 0; }
+  const std::vector<report::BootReport>& boots(unsigned slot) const { return boots_.at(slot); }
+  void list_state(state::Visitor& list);
+
+ private:
+  struct Snapshot {
+    Time issued;
+    machine::Offset offset;
+    CauseTimes causes;
+  };
+
+  void claim(unsigned slot, std::size_t block, Time issued, Time now);
+  void finish(unsigned slot, std::size_t block, Time issued, Time now);
+  void issued(unsigned slot, std::size_t block, Word flag, Time issued, Time now);
+  void idle(unsigned slot, bool idle, Time now);
+  std::optional<std::size_t> flag_of(machine::Offset offset) const;
+  CauseTimes take_snapshot(unsigned slot, machine::Offset offset, Time issued);
+  void dock_event(const plant::Event& event, plant::CraneKind crane);
+
+  const Words words_;
+  Ledger& ledger_;
+  report::EventLog& log_;
+  std::function<CauseTimes(unsigned)> causes_;
+  std::function<machine::Word(machine::Offset)> peek_;
+  std::function<bool()> servoing_;
+  std::vector<std::deque<Snapshot>> snapshots_;  // by slot: flag writes on their way
+  std::vector<std::array<Word, 16>> blocks_;     // what DSPs wrote into each block: result and notify
+  struct Refused {
+    std::size_t failure;  // its place among the failures, for the first one told
+    std::uint64_t count;
+    std::string first;
+  };
+  std::vector<report::FailureReport> failures_;
+  std::map<std::pair<unsigned, machine::Word>, Refused> refused_;  // by slot and kind
+  std::vector<std::uint64_t> faults_, resets_;
+  std::vector<std::vector<report::BootReport>> boots_;  // by slot
+  report::Distribution hold_;
+  Time held_since_{};
+  std::array<PidErrorSum, 5> pid_error_{};
+  std::array<std::int64_t, plant::joint_count> saturated_{};
+  Word errors_ = 0, stage_ = 0, servoing_stage_ = 0;
+  bool errors_hold_ = false;  // of the run of PID whose words are being written
+  Instability instability_;
+  double effort_ = 0;
+  Time effort_until_{};
+  std::optional<WindWatch> wind_;
+  RunProfile* profile_ = nullptr;
+  RunWatcher* watcher_ = nullptr;
+};
+
+}  // namespace cmrc

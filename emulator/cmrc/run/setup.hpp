@@ -1,0 +1,60 @@
+#pragma once
+// From the configuration to the parts of a run, and from the parts to the report.
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "cmrc/configuration/config.hpp"
+#include "cmrc/host/host.hpp"
+#include "cmrc/measures/ledger.hpp"
+#include "cmrc/processes/crane_steps.hpp"
+#include "cmrc/processes/fleet.hpp"
+#include "cmrc/run/observer.hpp"
+#include "machine/machine.hpp"
+#include "plant/dock/dock.hpp"
+#include "report/event_log.hpp"
+#include "report/run_report.hpp"
+
+namespace cmrc {
+
+/// With clocks that differ, where run.phase_jitter says so (clock_deviations.hpp).
+plant::DockConfig dock_of(const Config& config);
+plant::DockConfig nominal_dock_of(const Config& config);
+CraneJob crane_of(const Config& config, const plant::DockConfig& dock);
+FleetJob fleet_of(const Config& config, const plant::DockConfig& dock);
+/// \throws machine::BoardError
+machine::Config machine_of(const Config& config);
+machine::Config nominal_machine_of(const Config& config);
+
+/// What the operator loads into the job areas before the start.
+struct AreaWord {
+  Word offset;
+  Word value;
+};
+std::vector<AreaWord> initial_words(const Config& config, const plant::DockConfig& layout, const Words& words,
+                                    plant::Dock& dock);
+
+/// Everything a report is made from.
+struct ReportInputs {
+  const Config& config;
+  const machine::Machine& machine;
+  const plant::Dock& dock;
+  const plant::DockConfig& layout;
+  const Host& host;
+  const Ledger& ledger;
+  const RunObserver& observer;
+  const report::EventLog& log;
+  report::StopReason stop;
+  std::chrono::steady_clock::duration elapsed;
+  std::vector<std::string> causes;
+  Ledger::Report told;
+  const Course& course;
+  std::optional<report::Errors> errors;
+  std::string reference_problem;
+  std::optional<Time> account_end;             ///< nothing drove the crane any more from then on
+  std::function<std::string(Word)> kind_name;  ///< of a KIND_*
+};
+report::RunReport make_report(ReportInputs evidence);
+
+}  // namespace cmrc

@@ -1,0 +1,40 @@
+#pragma once
+// Equation (7): the importance J of a task block, a pure function of its kind x, its robot class y and its waiting
+// count t.
+#include <cstdint>
+
+#include "cmrc/configuration/config.hpp"
+
+namespace cmrc {
+
+/// Task kinds x of table 1 of the paper. The gaps are for users' own.
+namespace task {
+inline constexpr std::uint32_t error = 1, recompute = 2, trajectory = 5, inverse = 6, torque = 7, pid = 8,
+                               identify = 11, grab_path = 12, home_crane = 13, avoidance = 21, home_agv = 22;
+}  // namespace task
+
+namespace robot_class {
+inline constexpr std::uint32_t none = 0, crane = 1, agv = 2;
+}  // namespace robot_class
+
+/// What equation (7) depends on besides x, y and t; refreshes and importances.
+struct ImportanceParameters {
+  Equation7 equation = Equation7::restored;
+  std::int64_t n_servo = 8;   ///< N_p
+  std::int64_t n_crane = 64;  ///< N_t
+  std::int64_t n_agv = 160;   ///< N^_a of the block's AGV
+  std::int64_t gamma = 0;
+  std::int64_t alpha = 24;
+  std::int64_t beta = 12;
+  std::int64_t p = 0x4000;
+  std::int64_t q = 0x2000;
+  std::int64_t b = 0x100;
+  std::int64_t a = 0x40;
+};
+ImportanceParameters importance_parameters(const Config& config);
+
+/// J, 0..FFFFh, larger is earlier; 0 means not to be run yet. t counts refreshes and saturates at FFFFh, and so does J.
+/// \throws std::invalid_argument for a kind that equation (7) does not rank.
+std::uint32_t importance(const ImportanceParameters& parameters, std::uint32_t x, std::uint32_t y, std::int64_t t);
+
+}  // namespace cmrc

@@ -1,0 +1,36 @@
+#pragma once
+// The plant's signals in the Perfetto trace of a run: counters of joints, sway, load and vehicles, fifty times a
+// second.
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "plant/dock/dock.hpp"
+#include "report/perfetto_trace.hpp"
+#include "report/trace_text.hpp"
+
+namespace cmrc {
+
+class PerfettoPlant {
+ public:
+  using Trace = report::PerfettoTrace;
+
+  PerfettoPlant(Trace& trace, const plant::Dock& dock, report::Window window);
+  /// Reads the dock as it is at its last latch.
+  void latched(const plant::Dock& dock, report::Time now);
+
+ private:
+  struct Signal {
+    Trace::Track track;
+    double told = std::numeric_limits<double>::quiet_NaN();
+  };
+  void tell(double value, report::Time now);
+
+  Trace& trace_;
+  const report::Window window_;
+  std::vector<Signal> signals_;
+  std::size_t next_ = 0;  // of the signals, while they are told
+};
+
+}  // namespace cmrc

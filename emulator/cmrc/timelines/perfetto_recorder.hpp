@@ -1,0 +1,101 @@
+#pragma once
+// A run as a Perfetto trace, written while it goes on (docs/timelines.md): what its watchers hear, no more.
+#include <cstdint>
+#include <iosfwd>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "cmrc/measures/dsp_intervals.hpp"
+#include "cmrc/measures/run_watcher.hpp"
+#include "cmrc/timelines/perfetto_buses.hpp"
+#include "cmrc/timelines/perfetto_lanes.hpp"
+#include "cmrc/timelines/perfetto_plant.hpp"
+#include "report/event_log.hpp"
+#include "report/perfetto_trace.hpp"
+#include "report/trace_text.hpp"
+
+namespace cmrc {
+
+class Simulation;
+
+/// How much is drawn; each has what the one before has.
+enum class PerfettoDetail : std::uint8_t {
+  tasks,  ///< blocks, jobs, refreshes, misses, buses by the millisecond, the plant
+  bus,    ///< every time that a master is on a bus
+  all,    ///< every wait of a DSP, who has the list, the cycles of each block by cause
+};
+
+class PerfettoRecorder final : public report::EventSink, private RunWatcher, private DspIntervalListener {
+ public:
+  /// Before the run, or after restore(). `simulation` and `out` must outlive this. Only what lies in the window, or
+  /// reaches into it, is drawn.
+  PerfettoRecorder(Simulation& simulation, std::ostream& out, PerfettoDetail detail, report::Window window);
+  /// What stands open ends here. Once, after Simulation::report_so_far().
+  void finish();
+
+ private:
+  using Trace = report::PerfettoTrace;
+  struct Dsp {
+    Trace::Track track;
+    std::optional<Trace::Track> waits{};
+    std::array<std::int64_t, held_up_count> held_up{};  // of its executive, since it woke
+    Time waits_told{};
+  };
+
+  // RunWatcher
+  void slot_is(unsigned slot, SlotState state, Time at) override { intervals_.slot_is(slot, state, at); }
+  void booted(unsigned slot, Time at) override { intervals_.booted(slot, at); }
+  void took(unsigned slot, const TakenBlock& block) override { intervals_.took(slot, block); }
+  void left(unsigned slot, report::Run::End end, Time at, const std::vector<std::int64_t>& cycles) override {
+    intervals_.left(slot, end, at, cycles);
+  }
+  void held_up(unsigned slot, machine::Window window, Time from, Time to) override;
+  void refused(unsigned slot, Time at) override { intervals_.refused(slot, at); }
+  void list(unsigned owner, Time at) override;
+  void ended(const EndedJob& job) override;
+  void missed(const MissedWaits& waits) override;
+  void refreshed(const RefreshTimes& times, Time end, std::size_t blocks) override;
+  void on_bus(machine::BusId bus, const pci::Attempt& attempt, const machine::Clock& clock) override {
+    buses_.on_bus(bus, attempt, clock);
+  }
+  void latched(const plant::Dock& dock, Time now) override { plant_.latched(dock, now); }
+
+  void interval(const DspInterval& interval) override;
+  // The ordered events: processes, and what happens once in a while.
+  void event(const report::Event& event) override;
+
+  PerfettoBuses add_tracks();
+  void block(Dsp& dsp, const DspInterval& interval);
+  void close_executive(Dsp& dsp, Time at);
+  void process(const report::Event& event);
+  PerfettoLanes& jobs_of(const report::JobName& job);
+  std::string robot(const report::JobName& job) const;
+  bool within(Time from, Time to) const { return from < window_.to && (to > window_.from || window_.contains(from)); }
+
+  Simulation& simulation_;
+  const PerfettoDetail detail_;
+  const report::Window window_;
+  std::vector<std::string> kinds_, causes_;
+  Trace trace_;
+  DspIntervals intervals_{*this};
+  std::vector<Dsp> dsps_;
+  Trace::Track jobs_group_ = 0, misses_ = 0;
+  std::map<std::pair<std::size_t, std::uint32_t>, PerfettoLanes> jobs_;
+  Trace::Track refreshes_ = 0, list_length_ = 0;
+  std::optional<Trace::Track> list_owner_;
+  std::optional<std::pair<unsigned, Time>> owns_list_;
+  std::optional<std::size_t> length_told_;
+  PerfettoBuses buses_;
+  Trace::Track processes_group_;
+  std::map<std::uint32_t, PerfettoLanes> processes_;                   // by robot
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Time> under_way_;  // process and robot: since
+  Trace::Track events_;
+  PerfettoPlant plant_;
+  Trace::Flow last_flow_ = 0;
+};
+
+}  // namespace cmrc

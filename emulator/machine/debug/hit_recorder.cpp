@@ -1,0 +1,295 @@
+#include "machine/debug/hit_recorder.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace machine::debug {
+namespace {
+
+bool is_meant(Trigger::On on, bool write, bool changed) {
+  switch (on) {
+    case Trigger::On::write: return write;
+    case Trigger::On::read: return !write;
+    case Trigger::On::access: return true;
+    case Trigger::On::change: return write && changed;
+  }
+  return false;
+}
+
+}  // namespace
+
+/// One chip's share.
+class Debugger::HitRecorder::ChipEar final : public c40::Probe, public c40::TraceSink {
+ public:
+  ChipEar(HitRecorder& ear, std::size_t chip) : recorder_(ear), chip_(chip) {}
+
+  void plan(c40::ProbePlan plan, bool each_instruction, bool rules) {
+    c40::Chip& chip = recorder_.debuggee_.chip(chip_);
+    if (plan.code != plan_.code || plan.data != plan_.data) {
+      const bool nothing = plan.code.empty() && plan.data.empty();
+      chip.set_probe(nothing ? nullptr : this, plan);
+      plan_ = std::move(plan);
+    }
+    if (each_instruction != traces_) recorder_.debuggee_.set_trace(chip_, each_instruction ? this : nullptr);
+    traces_ = each_instruction;
+    if (!rules)
+      rules_.reset();
+    else if (!rules_)
+      look_for_breaches();
+  }
+  /// The chip stands where it did not stand before.
+  void moved() {
+    if (rules_) look_for_breaches();
+  }
+  /// Somebody may have changed its registers.
+  void look_again() {
+    if (rules_) rules_->look();
+  }
+
+  void reaches(Address pc, c40::Cycles cycle) override { recorder_.reached(chip_, pc, time(cycle)); }
+  void accessed(const c40::ProbedAccess& access) override { recorder_.accessed(chip_, access, time(access.cycle)); }
+  void instruction(const c40::TraceRecord& record) override {
+    ends_ = record.cycle + record.cycles;
+    if (rules_) rules_->instruction(record);
+    recorder_.executed(chip_, record);
+  }
+  void interrupt(Word vector, c40::Cycles cycle) override {
+    if (rules_) rules_->interrupt(vector, cycle);
+  }
+
+ private:
+  Time time(c40::Cycles cycle) const { return recorder_.debuggee_.time_of(chip_, cycle); }
+  void look_for_breaches() {
+    rules_.emplace(recorder_.debuggee_.chip(chip_));
+    rules_->on_breach = [this](const c40::Diagnostic& breach) { recorder_.broke_rule(chip_, breach, ends_); };
+  }
+  HitRecorder& recorder_;
+  std::size_t chip_;
+  c40::ProbePlan plan_;
+  bool traces_ = false;
+  std::optional<c40::SelfCheck> rules_;
+  c40::Cycles ends_ = 0;  ///< of the instruction that is heard
+};
+
+Debugger::HitRecorder::HitRecorder(Debuggee& debuggee, const std::vector<ProgramView>& programs)
+    : debuggee_(debuggee), programs_(programs) {
+  for (std::size_t n = 0; n < debuggee.chips(); ++n) chips_.push_back(std::make_unique<ChipEar>(*this, n));
+}
+
+Debugger::HitRecorder::~HitRecorder() {
+  for (auto& chip : chips_) chip->plan({}, false, false);
+  debuggee_.listen(nullptr, {});
+  debuggee_.watch_shared(nullptr, {});
+}
+
+bool Debugger::HitRecorder::shared(const Trigger& trigger) const {
+  return debuggee_.shared_word(trigger.chip.value_or(0), trigger.address).has_value();
+}
+
+void Debugger::HitRecorder::arm(const std::map<unsigned, Trigger>& triggers, std::optional<std::size_t> each) {
+  armed_.clear(), conditions_.clear(), values_.clear(), were_.clear();
+  for (const auto& [number, trigger] : triggers)
+    if (trigger.enabled) armed_.emplace(number, trigger);
+  each_ = each;
+  std::vector<c40::AddressRange> shared_words;
+  std::set<std::string> kinds;
+  for (const auto& [number, trigger] : armed_) {
+    if (trigger.kind == Trigger::Kind::happening && !trigger.of_rules()) kinds.insert(trigger.name);
+    if (trigger.kind == Trigger::Kind::word && shared(trigger))
+      shared_words.push_back({*debuggee_.shared_word(trigger.chip.value_or(0), trigger.address), trigger.words});
+    if (trigger.kind == Trigger::Kind::value)
+      values_.emplace(number, Expression(trigger.name, debuggee_, programs_, trigger.chip.value_or(0)));
+  }
+  for (std::size_t n = 0; n < chips_.size(); ++n) {
+    c40::ProbePlan plan;
+    bool steps = each_ == n, rules = false;
+    for (const auto& [number, trigger] : armed_) {
+      if (trigger.chip && *trigger.chip != n) continue;
+      if (trigger.kind == Trigger::Kind::code) plan.code.insert(trigger.address);
+      if (trigger.kind == Trigger::Kind::word && !shared(trigger))
+        plan.data.push_back({trigger.address, trigger.words});
+      steps = steps || trigger.by_instructions();
+      rules = rules || trigger.of_rules();
+    }
+    chips_[n]->plan(std::move(plan), steps, rules);
+  }
+  debuggee_.watch_shared(shared_words.empty() ? nullptr : this, shared_words);
+  debuggee_.listen(kinds.empty() ? nullptr : this, kinds);
+  hears_late_ = !kinds.empty() || !shared_words.empty();
+}
+
+void Debugger::HitRecorder::rearm(const std::map<unsigned, Trigger>& triggers, std::optional<std::size_t> each) {
+  const std::map<unsigned, bool> were = were_;
+  arm(triggers, each);
+  were_ = were;
+  for (auto& chip : chips_) chip->look_again();
+  open_ = true;
+  stepped.reset();
+}
+
+void Debugger::HitRecorder::listen(Time after) {
+  after_ = after;
+  open_ = true;
+  hits.clear(), instructions.clear(), stepped.reset();
+  for (auto& chip : chips_) chip->moved();
+  for (auto& [number, expression] : values_) were_[number] = expression.value().truth();
+}
+
+bool Debugger::HitRecorder::looks_at_values() const { return !values_.empty(); }
+
+void Debugger::HitRecorder::look_at_values(Time now) {
+  for (auto& [number, expression] : values_) {
+    const bool is = expression.value().truth();
+    if (is && !were_[number])
+      add(number, armed_.at(number), {.time = now, .text = fmt::format("{} is true", armed_.at(number).name)});
+    were_[number] = is;
+  }
+}
+
+std::string Debugger::HitRecorder::place(std::size_t chip, Address pc) const {
+  return fmt::format("{} ({:08X}h)", programs_[chip].name(pc), pc);
+}
+
+Expression& Debugger::HitRecorder::condition_of(unsigned number, const Trigger& trigger, std::size_t chip) {
+  const std::pair key{number, chip};
+  const auto found = conditions_.find(key);
+  if (found != conditions_.end()) return found->second;
+  return conditions_.emplace(key, Expression(trigger.condition, debuggee_, programs_, chip)).first->second;
+}
+
+bool Debugger::HitRecorder::holds(const Hit& hit) {
+  const auto found = armed_.find(hit.trigger);
+  if (found == armed_.end() || found->second.condition.empty()) return true;
+  return condition_of(hit.trigger, found->second, hit.chip.value_or(0)).value().truth();
+}
+
+void Debugger::HitRecorder::add(unsigned number, const Trigger& trigger, Hit hit) {
+  if (!open_ || hit.time <= after_) return;
+  hit.trigger = number;
+  hit.open = trigger.log.find('{') != std::string::npos;
+  if (!trigger.condition.empty()) {
+    // What is of this chip alone can be told at once; for the rest all chips have to stand at this instant.
+    std::optional<Value> met;
+    try {
+      if (hit.chip) met = condition_of(number, trigger, *hit.chip).own_value();
+    } catch (const DebugError&) {
+      // Told where the machine stands there.
+    }
+    if (met && !met->truth()) return;
+    hit.open = hit.open || !met;
+  }
+  hits.push_back(std::move(hit));
+}
+
+void Debugger::HitRecorder::reached(std::size_t chip, Address pc, Time time) {
+  if (!open_) return;
+  for (const auto& [number, trigger] : armed_)
+    if (trigger.kind == Trigger::Kind::code && trigger.address == pc && trigger.chip.value_or(chip) == chip)
+      add(number, trigger,
+          {.time = time,
+           .chip = chip,
+           .text = fmt::format("{} before {}", debuggee_.chip_name(chip), place(chip, pc)),
+           .pc = pc});
+}
+
+void Debugger::HitRecorder::accessed(std::size_t chip, const c40::ProbedAccess& access, Time time) {
+  if (!open_) return;
+  for (const auto& [number, trigger] : armed_) {
+    if (trigger.kind != Trigger::Kind::word || trigger.chip.value_or(chip) != chip ||
+        access.address - trigger.address >= trigger.words || shared(trigger))
+      continue;
+    if (!is_meant(trigger.on, access.write, access.before != access.value)) continue;
+    const std::string who = access.channel >= 0
+                                ? fmt::format("DMA channel {} of {}", access.channel, debuggee_.chip_name(chip))
+                            : access.interrupt ? fmt::format("{}, taking an interrupt,", debuggee_.chip_name(chip))
+                                               : debuggee_.chip_name(chip);
+    const std::string what = access.write
+                                 ? fmt::format("wrote {:08X}h (before: {:08X}h) to", access.value, access.before)
+                                 : fmt::format("read {:08X}h from", access.value);
+    add(number, trigger,
+        {.time = time,
+         .chip = chip,
+         .text = fmt::format("{} {} {} at {}", who, what, place(chip, access.address), place(chip, access.pc)),
+         .pc = access.pc,
+         .before = access.before,
+         .value = access.value});
+  }
+}
+
+void Debugger::HitRecorder::shared_access(const SharedAccess& access) {
+  if (!open_) return;
+  for (const auto& [number, trigger] : armed_) {
+    if (trigger.kind != Trigger::Kind::word) continue;
+    const auto word = debuggee_.shared_word(trigger.chip.value_or(0), trigger.address);
+    if (!word || access.word - *word >= trigger.words ||
+        !is_meant(trigger.on, access.write, access.before != access.value))
+      continue;
+    const std::string what = access.write
+                                 ? fmt::format("wrote {:08X}h (before: {:08X}h) to", access.value, access.before)
+                                 : fmt::format("read {:08X}h from", access.value);
+    const Address address = trigger.address + (access.word - *word);
+    add(number, trigger,
+        {.time = access.time,
+         .chip = access.chip,
+         .text = fmt::format("{} {} {}", access.who, what, place(trigger.chip.value_or(0), address)),
+         .pc = access.chip ? debuggee_.chip(*access.chip).pc() : 0,
+         .before = access.before,
+         .value = access.value});
+  }
+}
+
+void Debugger::HitRecorder::executed(std::size_t chip, const c40::TraceRecord& record) {
+  if (!open_) return;
+  const Time ends = debuggee_.time_of(chip, record.cycle + record.cycles);
+  if (each_ == chip) {
+    if (!stepped && ends > after_) stepped = ends;
+    if (keeps_instructions) {
+      const auto sp = static_cast<Address>(debuggee_.chip(chip).register_value(isa::Register::SP));
+      instructions.push_back({debuggee_.time_of(chip, record.cycle), ends, record.pc, sp, record.causes});
+    }
+  }
+  for (const auto& [number, trigger] : armed_) {
+    if (trigger.kind != Trigger::Kind::processor_register || trigger.chip.value_or(chip) != chip) continue;
+    const auto reg = isa::register_named(trigger.name);
+    for (const c40::RegisterChange& change : record.registers)
+      if (change.reg == reg)
+        add(number, trigger,
+            {.time = ends,
+             .chip = chip,
+             .text = fmt::format("{} set {} to {:X}h at {}", debuggee_.chip_name(chip), trigger.name, change.value,
+                                 place(chip, record.pc)),
+             .pc = record.pc,
+             .value = static_cast<Word>(change.value)});
+  }
+}
+
+void Debugger::HitRecorder::broke_rule(std::size_t chip, const c40::Diagnostic& breach, c40::Cycles cycle) {
+  const std::string rule(c40::name(breach.rule));
+  DebugEvent happening{.time = debuggee_.time_of(chip, cycle),
+                       .kind = std::string(Trigger::rules),
+                       .chip = chip,
+                       .fields = {{"rule", rule}},
+                       .text = {}};
+  happening.text = fmt::format("{} broke the rule {} ({} {}) at {}: {}: {}", debuggee_.chip_name(chip), rule,
+                               c40::document(breach.rule), breach.section, place(chip, breach.pc), breach.instruction,
+                               breach.message);
+  happened(happening);
+}
+
+void Debugger::HitRecorder::happened(const DebugEvent& happening) {
+  if (!open_) return;
+  for (const auto& [number, trigger] : armed_) {
+    if (trigger.kind != Trigger::Kind::happening ||
+        (trigger.name != happening.kind && (trigger.name != "any" || happening.kind == Trigger::rules)))
+      continue;
+    if (trigger.chip && trigger.chip != happening.chip) continue;
+    const bool fits = std::ranges::all_of(trigger.fields, [&](const auto& field) {
+      const auto found = happening.fields.find(field.first);
+      return found != happening.fields.end() && found->second == field.second;
+    });
+    if (fits) add(number, trigger, {.time = happening.time, .chip = happening.chip, .text = happening.text});
+  }
+}
+
+}  // namespace machine::debug

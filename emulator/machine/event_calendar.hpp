@@ -1,0 +1,61 @@
+#pragma once
+// Who is next: the instant of each actor's next event, and the earliest of them.
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <vector>
+
+#include "machine/time.hpp"
+
+namespace machine {
+
+/// A tree in which each node is the earlier of its two children. At one instant the lower number is the earlier.
+class EventCalendar {
+ public:
+  struct Turn {
+    Time time = never;
+    std::size_t who = 0;
+  };
+
+  /// A place for one more actor; its event is set afterwards.
+  std::size_t add() {
+    const std::size_t who = count_++;
+    if (count_ > leaves_) {
+      const std::vector<Turn> before(leaf(0), leaf(leaves_));
+      leaves_ = std::bit_ceil(count_);
+      nodes_.resize(2 * leaves_);
+      std::copy(before.begin(), before.end(), leaf(0));
+      for (std::size_t i = before.size(); i < leaves_; ++i) *leaf(i) = {never, i};
+      for (std::size_t i = leaves_ - 1; i > 0; --i) nodes_[i] = earlier_child(i);
+    }
+    return who;
+  }
+
+  void set(std::size_t who, Time time) {
+    if (leaf(who)->time == time) return;
+    leaf(who)->time = time;
+    for (std::size_t i = (leaves_ + who) / 2; i > 0; i /= 2) {
+      const Turn& earlier = earlier_child(i);
+      if (earlier.who == nodes_[i].who && earlier.time == nodes_[i].time) return;  // above, nothing has changed
+      nodes_[i] = earlier;
+    }
+  }
+
+  Time time(std::size_t who) const { return nodes_[leaves_ + who].time; }
+  const Turn& earliest() const { return nodes_[1]; }
+
+ private:
+  // Node i has the children 2i and 2i + 1; the leaves, which are the actors, stand behind the last inner node.
+  std::vector<Turn>::iterator leaf(std::size_t who) {
+    return nodes_.begin() + static_cast<std::ptrdiff_t>(leaves_ + who);
+  }
+  const Turn& earlier_child(std::size_t node) const {
+    const Turn *const left = &nodes_[2 * node], *const right = left + 1;
+    return right->time < left->time ? *right : *left;
+  }
+
+  std::size_t count_ = 0, leaves_ = 1;
+  std::vector<Turn> nodes_{2};
+};
+
+}  // namespace machine

@@ -1,0 +1,101 @@
+// c40_asm FILE -o OUT [-I DIR]... [-D NAME=VALUE]... [--section NAME=ADDRESS]... [--entry SYMBOL] [--dialect ti|gnu]
+//         [--listing FILE] [--source-map FILE]
+//
+// Assembles one source file to a COFF executable. Exit status 2 and no output file if anything is wrong.
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cstdio>
+#include <optional>
+#include <string>
+
+#include "io/output_file.hpp"
+#include "toolchain/assembler/assembler.hpp"
+#include "toolchain/objects/coff.hpp"
+#include "toolchain/objects/source_map.hpp"
+
+namespace {
+
+struct Arguments {
+  std::filesystem::path input, output, listing, source_map;
+  toolchain::Options options;
+};
+
+constexpr std::string_view usage =
+    "usage: c40_asm FILE -o OUT [-I DIR]... [-D NAME=VALUE]... [--section NAME=ADDRESS]... [--entry SYMBOL] [--dialect "
+    "ti|gnu] [--listing FILE] [--source-map FILE]";
+
+std::pair<std::string, toolchain::Word> parse_assignment(const std::string& text) {
+  const auto equals = text.find('=');
+  const std::string number = equals == std::string::npos ? "1" : text.substr(equals + 1);
+  const bool hex = number.starts_with("0x");
+  toolchain::Word value = 0;
+  const char* end = number.data() + number.size();
+  const auto [stop, error] = std::from_chars(number.data() + (hex ? 2 : 0), end, value, hex ? 16 : 10);
+  if (error != std::errc{} || stop != end || equals == 0)
+    throw std::invalid_argument(fmt::format("'{}' is not NAME=NUMBER (decimal or 0x...)\n{}", text, usage));
+  return {text.substr(0, equals), value};
+}
+
+Arguments parse(int count, char** values) {
+  Arguments out;
+  for (int i = 1; i < count; ++i) {
+    const std::string argument = values[i];
+    const auto next = [&]() -> std::string {
+      if (i + 1 >= count) throw std::invalid_argument(fmt::format("'{}' needs a value\n{}", argument, usage));
+      return values[++i];
+    };
+    if (argument == "-o")
+      out.output = next();
+    else if (argument == "-I")
+      out.options.include_dirs.emplace_back(next());
+    else if (argument == "-D")
+      out.options.symbols.insert(parse_assignment(next()));
+    else if (argument == "--section") {
+      const auto [name, address] = parse_assignment(next());
+      out.options.sections[name] = address;
+    } else if (argument == "--entry")
+      out.options.entry = next();
+    else if (argument == "--dialect") {
+      const std::string text = next();
+      out.options.dialect = toolchain::dialect_named(text);
+      if (!out.options.dialect)
+        throw std::invalid_argument(fmt::format("--dialect: '{}' is none; ti and gnu are\n{}", text, usage));
+    } else if (argument == "--listing")
+      out.listing = next();
+    else if (argument == "--source-map")
+      out.source_map = next();
+    else if (argument.starts_with("-") || !out.input.empty())
+      throw std::invalid_argument(fmt::format("'{}' not understood\n{}", argument, usage));
+    else
+      out.input = argument;
+  }
+  if (out.input.empty() || out.output.empty()) throw std::invalid_argument(std::string(usage));
+  return out;
+}
+
+void write(const std::filesystem::path& path, const std::string& text) {
+  io::OutputFile file(path.string());
+  file.stream() << text;
+  file.commit();
+}
+
+}  // namespace
+
+int main(int count, char** values) {
+  try {
+    const Arguments arguments = parse(count, values);
+    toolchain::Image image = toolchain::assemble_file(arguments.input, arguments.options);
+    for (const std::string& warning : image.warnings) fmt::print(stderr, "{}\n", warning);
+    if (!arguments.listing.empty()) write(arguments.listing, toolchain::listing(image));
+    if (!arguments.source_map.empty()) {
+      write(arguments.source_map, toolchain::source_map(image, arguments.input.parent_path()));
+      image.files.clear(), image.lines.clear();  // once is enough, and the map names no folder of this machine
+    }
+    toolchain::write_coff(image, arguments.output);
+    return 0;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return 2;
+  }
+}

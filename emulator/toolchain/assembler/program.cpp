@@ -1,0 +1,308 @@
+#include "toolchain/assembler/program.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "toolchain/assembler/checks.hpp"
+#include "toolchain/encoder/encoder.hpp"
+#include "toolchain/encoder/mnemonics.hpp"
+
+namespace toolchain {
+namespace {
+
+constexpr Address largest_loaded_section = 1U << 24;  // Words; a slip in a source should not eat the host's memory.
+constexpr Address largest_reserved_section = 0xFFFFFFFF;
+constexpr int deepest_definition = 200;
+constexpr Word nop = 0x0C800000;
+
+std::string place_of(const SourceLine* line) {
+  return line == nullptr ? "in the options" : fmt::format("at {}:{}", *line->file, line->number);
+}
+
+/// A local label without the number of its scope.
+std::string as_written(const std::string& name) {
+  const auto mark = name.find('?');
+  return mark == std::string::npos ? name : name.substr(0, name[0] == '$' ? mark : mark + 1);
+}
+
+/// TI's symbols for the processor and the memory model, in any case (SPRU035 as quoted by GNU as). For the C3x they are
+/// those of -v30.
+std::optional<std::int64_t> predefined(const std::string& name, isa::Cpu cpu) {
+  static const std::map<std::string_view, std::int64_t> c3x{
+      {".tms320xx", 30}, {".tms320c40", 0}, {".c4x", 0}, {".c40", 0}, {".tms320c30", 1}, {".c3x", 1}, {".c30", 1}};
+  static const std::map<std::string_view, std::int64_t> symbols{
+      {".tms320xx", 40}, {".tms320c40", 1}, {".c4x", 1},       {".c40", 1},       {".tms320c44", 0},
+      {".c44", 0},       {".tms320c30", 0}, {".tms320c31", 0}, {".tms320c32", 0}, {".tms320c33", 0},
+      {".tmx320c40", 0}, {".c3x", 0},       {".c30", 0},       {".c31", 0},       {".c32", 0},
+      {".c33", 0},       {".regparm", 0},   {".memparm", 1},   {".bigmodel", 0},  {".c30interrupt", 0}};
+  if (name.empty() || name[0] != '.') return std::nullopt;
+  if (const auto other = c3x.find(lower(name)); cpu == isa::Cpu::c3x && other != c3x.end()) return other->second;
+  const auto found = symbols.find(lower(name));
+  return found == symbols.end() ? std::nullopt : std::optional(found->second);
+}
+
+bool same(const Value& a, const Value& b) {
+  return a.kind == b.kind && a.integer == b.integer && a.section == b.section && a.real.nearest == b.real.nearest &&
+         a.real.residue == b.real.residue;
+}
+
+}  // namespace
+
+Program::Program(const Options& options) : options_(options) {
+  section(".text", Load::loaded, 0);
+  section(".data", Load::loaded, 0);
+  section(".bss", Load::reserved, 0);
+  for (const auto& [name, value] : options.symbols)
+    symbols_.insert({name, Symbol{Value::of(std::int64_t{value}), nullptr, 0}});
+}
+
+int Program::section(const std::string& name, Load load, std::size_t offset) {
+  for (std::size_t i = 0; i < sections_.size(); ++i) {
+    if (sections_[i].name != name) continue;
+    if (sections_[i].load != load)
+      throw LineError{offset, fmt::format("the section '{}' {} contents; it cannot be both", name,
+                                          sections_[i].load == Load::loaded ? "has" : "has no")};
+    return static_cast<int>(i);
+  }
+  sections_.push_back({.name = name, .load = load, .items = {}});
+  return static_cast<int>(sections_.size() - 1);
+}
+
+void Program::define(const std::string& name, const Value& value, const SourceLinePtr& line, std::size_t offset) {
+  const auto [found, fresh] = symbols_.insert({name, Symbol{value, line, offset}});
+  if (fresh) return;
+  // Constants may be repeated (a file included twice), but not changed.
+  const Value* old = std::get_if<Value>(&found->second.meaning);
+  if (old != nullptr && old->is_absolute() && value.is_absolute() && same(*old, value)) return;
+  throw LineError{offset,
+                  fmt::format("'{}' is defined already {}", as_written(name), place_of(found->second.line.get()))};
+}
+
+void Program::define(const std::string& name, Expression expression, const SourceLinePtr& line, std::size_t offset) {
+  std::optional<Value> value;
+  try {
+    value = evaluate(expression, *this);
+  } catch (const LineError&) {
+    // It may need what comes later; if it is wrong, finish() says so.
+  }
+  if (value) return define(name, *value, line, offset);
+  const auto [found, fresh] = symbols_.insert({name, Symbol{std::move(expression), line, offset}});
+  if (!fresh)
+    throw LineError{offset,
+                    fmt::format("'{}' is defined already {}", as_written(name), place_of(found->second.line.get()))};
+}
+
+void Program::declare_global(const std::string& name, bool must_be_defined, const SourceLinePtr& line,
+                             std::size_t offset) {
+  globals_.insert({name, Global{line, offset, must_be_defined}});
+}
+
+void Program::grow(Section& section, Address words, std::size_t offset) {
+  const Address largest = section.load == Load::loaded ? largest_loaded_section : largest_reserved_section;
+  if (words > largest || section.size > largest - words)
+    throw LineError{offset, fmt::format("the section '{}' would pass {} words", section.name, largest)};
+  section.size += words;
+}
+
+void Program::add(const SourceLinePtr& line, std::size_t offset,
+                  std::variant<InstructionItem, WordItem, FloatItem, FillItem> content) {
+  Section& section = sections_[index(current_)];
+  if (section.load == Load::reserved && !std::holds_alternative<FillItem>(content))
+    throw LineError{offset, fmt::format("the section '{}' is not loaded: it takes .space, no contents", section.name)};
+  Address words = 1;
+  if (const auto* w = std::get_if<WordItem>(&content)) words = static_cast<Address>(w->values.size());
+  if (const auto* f = std::get_if<FloatItem>(&content)) words = f->words();
+  if (const auto* fill = std::get_if<FillItem>(&content)) words = fill->count;
+  parallel_target_ = std::holds_alternative<InstructionItem>(content);
+  field_bits_ = 0;
+  const Address start = section.size;
+  grow(section, words, offset);
+  if (words > 0) section.items.push_back({line, start, std::move(content)});
+}
+
+Value Program::field_place(Address bits) const {
+  Value place = here();
+  if (field_bits_ != 0 && field_bits_ + bits <= 32) --place.integer;
+  return place;
+}
+
+void Program::add_field(const SourceLinePtr& line, std::size_t offset, Expression value, Address bits) {
+  if (field_bits_ == 0 || field_bits_ + bits > 32) {
+    WordItem item;
+    item.values.push_back(std::move(value));
+    add(line, offset, std::move(item));
+    field_bits_ = bits;
+    return;
+  }
+  auto& word = std::get<WordItem>(sections_[index(current_)].items.back().content).values.back();
+  word.value.integer |= value.value.integer << field_bits_;
+  field_bits_ += bits;
+}
+
+void Program::warn(const SourceLinePtr& line, std::size_t offset, const std::string& message) {
+  warnings_.push_back(make_diagnostic(*line, offset, message, true).format());
+}
+
+void Program::align(const SourceLinePtr& line, std::size_t offset, Address words) {
+  if (words == 0 || (words & (words - 1)) != 0) throw LineError{offset, "an alignment is a power of 2, in words"};
+  Section& section = sections_[index(current_)];
+  section.alignment = std::max(section.alignment, words);
+  const Address gap = (words - section.size % words) % words;
+  add(line, offset, FillItem{gap, section.name == ".text" ? nop : 0});
+}
+
+void Program::add_parallel(HalfSyntax half, const SourceLinePtr& line, std::size_t offset) {
+  Section& section = sections_[index(current_)];
+  auto* instruction = section.items.empty() ? nullptr : std::get_if<InstructionItem>(&section.items.back().content);
+  if (!parallel_target_ || instruction == nullptr) throw LineError{offset, "'||' has no instruction before it"};
+  if (instruction->second) throw LineError{offset, "an instruction has two parallel halves, not three"};
+  instruction->second = std::move(half);
+  instruction->second_line = line;
+}
+
+Value Program::reserve(int section_number, Address words, Address alignment, std::size_t offset) {
+  Section& section = sections_[index(section_number)];
+  if (alignment == 0 || (alignment & (alignment - 1)) != 0)
+    throw LineError{offset, "an alignment is a power of 2, in words"};
+  section.alignment = std::max(section.alignment, alignment);
+  grow(section, (alignment - section.size % alignment) % alignment, offset);
+  const Value place = Value::at(section_number, section.size);
+  grow(section, words, offset);
+  return place;
+}
+
+bool Program::is_defined(const std::string& name) const {
+  return symbols_.contains(name) || predefined(name, options_.cpu);
+}
+
+Value Program::value_of(const std::string& name, std::size_t offset) const {
+  const auto found = symbols_.find(name);
+  if (found == symbols_.end()) {
+    if (const auto value = predefined(name, options_.cpu)) return Value::of(*value);
+  }
+  // A register of the other processor is no other object's symbol, unless it is declared.
+  const bool taken_as_external = undefined_external_ && register_of_other(name, options_.cpu).empty();
+  if (found == symbols_.end() && relocatable_ && (globals_.contains(name) || taken_as_external)) {
+    const auto external = std::find(externals_.begin(), externals_.end(), name);
+    const auto number = static_cast<int>(external - externals_.begin());
+    if (external == externals_.end()) externals_.push_back(name);
+    return Value::external(number);
+  }
+  if (found == symbols_.end())
+    throw LineError{offset,
+                    fmt::format("undefined symbol '{}'{}", as_written(name),
+                                globals_.contains(name)
+                                    ? ", which another object is to define (emulator asm --object, emulator link)"
+                                    : register_of_other(name, options_.cpu))};
+  const Symbol& symbol = found->second;
+  if (const auto* value = std::get_if<Value>(&symbol.meaning)) return *value;
+  if (symbol.busy) throw LineError{offset, fmt::format("'{}' is defined in terms of itself", name)};
+  if (evaluation_depth_ >= deepest_definition)
+    throw LineError{offset,
+                    fmt::format("'{}' is defined through more than {} other symbols", name, deepest_definition)};
+  symbol.busy = true;
+  ++evaluation_depth_;
+  const auto leave = [&] {
+    symbol.busy = false;
+    --evaluation_depth_;
+  };
+  try {
+    const Value value = evaluate(std::get<Expression>(symbol.meaning), *this);
+    leave();
+    return value;
+  } catch (const LineError& error) {
+    leave();
+    if (evaluation_depth_ > 0) throw LineError{offset, error.message};
+    throw LineError{offset, fmt::format("{} (in '{}', defined {})", error.message, name, place_of(symbol.line.get()))};
+  }
+}
+
+std::vector<Program::Section*> Program::placement_order() {
+  const auto rank = [](const Section& s) {
+    if (s.name == ".text") return 0;
+    if (s.name == ".data") return 1;
+    if (s.load == Load::loaded) return 2;
+    return s.name == ".bss" ? 3 : 4;
+  };
+  std::vector<Section*> order;
+  for (Section& section : sections_) order.push_back(&section);
+  std::stable_sort(order.begin(), order.end(), [&](const Section* a, const Section* b) { return rank(*a) < rank(*b); });
+  return order;
+}
+
+void Program::check_overlaps(const std::vector<Section*>& order, std::vector<Diagnostic>& diagnostics) const {
+  const auto complain = [&](const Section& s, std::string message) {
+    const SourceLine nowhere{std::make_shared<const std::string>("sections"), 0, s.name, nullptr};
+    diagnostics.push_back(make_diagnostic(s.items.empty() ? nowhere : *s.items.front().line, 0, std::move(message)));
+  };
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Section& a = *order[i];
+    if (std::uint64_t{a.address} + a.size > isa::address_space(options_.cpu))
+      complain(a, fmt::format("the section '{}' ({} words at {:x}h) passes the end of the address space{}", a.name,
+                              a.size, a.address, options_.cpu == isa::Cpu::c3x ? " of the C3x, 0FFFFFFh" : ""));
+    for (std::size_t k = i + 1; k < order.size(); ++k) {
+      const Section& b = *order[k];
+      if (a.size == 0 || b.size == 0 || a.address - b.address >= b.size) {
+        if (a.size == 0 || b.size == 0 || b.address - a.address >= a.size) continue;
+      }
+      complain(b, fmt::format("the sections '{}' ({} words at {:x}h) and '{}' ({} words at {:x}h) overlap", a.name,
+                              a.size, a.address, b.name, b.size, b.address));
+    }
+  }
+}
+
+void Program::export_symbols(Image& image, std::vector<Diagnostic>& diagnostics) const {
+  for (const auto& [name, symbol] : symbols_) {
+    try {
+      const Value value = value_of(name, symbol.offset);
+      if (name.find('?') != std::string::npos) continue;
+      if (value.is_real()) {
+        const auto single = to_single(value.real);
+        if (single) image.symbols[name] = *single;
+        continue;
+      }
+      image.symbols[name] =
+          static_cast<Word>(value.is_absolute() ? value.integer : address_of_section(value.section) + value.integer);
+    } catch (const LineError& error) {
+      if (symbol.line) diagnostics.push_back(make_diagnostic(*symbol.line, error.offset, error.message));
+    }
+  }
+  check_globals(diagnostics);
+}
+
+void Program::check_globals(std::vector<Diagnostic>& diagnostics) const {
+  for (const auto& [name, global] : globals_)
+    if (global.must_be_defined && !symbols_.contains(name))
+      diagnostics.push_back(
+          make_diagnostic(*global.line, global.offset, fmt::format("'{}' is not defined in this program", name)));
+}
+
+Address Program::entry_point(const Image& image, std::vector<Diagnostic>& diagnostics) const {
+  if (!options_.entry.empty()) {
+    const auto found = image.symbols.find(options_.entry);
+    if (found != image.symbols.end()) return found->second;
+    const SourceLine nowhere{std::make_shared<const std::string>("options"), 0, options_.entry, nullptr};
+    diagnostics.push_back(
+        make_diagnostic(nowhere, 0, fmt::format("the entry symbol '{}' is not defined", options_.entry)));
+  }
+  for (const std::string_view name : {"_start", "_c_int00", "c_int00", "start", "START", "Start"})
+    if (const auto found = image.symbols.find(name); found != image.symbols.end()) return found->second;
+  return sections_[0].address;
+}
+
+Image Program::finish(std::vector<Diagnostic>& diagnostics) {
+  Image image;
+  image.cpu = options_.cpu;
+  image.warnings = warnings_;
+  image.dialects = dialects_;
+  image.files_read = files_read_;
+  place(diagnostics);
+  for (const Section& section : sections_) encode_section(section, image, diagnostics, nullptr);
+  export_symbols(image, diagnostics);
+  image.entry = entry_point(image, diagnostics);
+  return image;
+}
+
+}  // namespace toolchain

@@ -1,0 +1,170 @@
+// The places of sections and the words in them.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "toolchain/assembler/checks.hpp"
+#include "toolchain/assembler/program.hpp"
+
+namespace toolchain {
+namespace {
+
+/// The first address from `next` on that suits a section.
+Address placed_at(Address next, Address size, Address alignment, bool blocked) {
+  constexpr Address page = 1 << 16;
+  const Address place = (next + alignment - 1) & ~(alignment - 1);
+  const bool crosses = size != 0 && size <= page && place / page != (place + size - 1) / page;
+  return blocked && crosses ? (place + page - 1) & ~(page - 1) : place;
+}
+
+}  // namespace
+
+void Program::place(std::vector<Diagnostic>& diagnostics) {
+  Address next = 0x300000;
+  const auto order = placement_order();
+  for (Section* section : order) {
+    const auto wanted = options_.sections.find(section->name);
+    if (wanted != options_.sections.end())
+      section->address = wanted->second;
+    else
+      section->address = placed_at(next, section->size, section->alignment, section->blocked);
+    // An empty section takes no part, unless it was given a place that others follow.
+    if (section->size != 0 || wanted != options_.sections.end()) next = section->address + section->size;
+    if (section->address % section->alignment != 0) {
+      const SourceLine nowhere{std::make_shared<const std::string>("sections"), 0, section->name, nullptr};
+      diagnostics.push_back(make_diagnostic(nowhere, 0,
+                                            fmt::format("the section '{}' at {:x}h must be aligned to {} words",
+                                                        section->name, section->address, section->alignment)));
+    }
+  }
+  placed_ = true;
+  check_overlaps(order, diagnostics);
+}
+
+void Program::encode_float(const FloatItem& item, const Expression& expression, const Value& value,
+                           std::vector<Word>& out) {
+  const std::size_t before = out.size();
+  out.resize(before + (item.format == FloatItem::Format::extended ? 2 : 1));
+  if (!value.is_absolute()) throw LineError{expression.offset, "an address; .float takes numbers"};
+  const Real real = value.is_real() ? value.real : Real(static_cast<double>(value.integer));
+  const auto put = [&](std::optional<std::uint64_t> bits, std::string_view format) {
+    if (!bits) throw LineError{expression.offset, fmt::format("out of the range of {}", format)};
+    return *bits;
+  };
+  switch (item.format) {
+    case FloatItem::Format::single: out[before] = static_cast<Word>(put(to_single(real), "a 32-bit float")); return;
+    case FloatItem::Format::ieee:
+      out[before] = static_cast<Word>(put(to_ieee(real), "an IEEE single-precision float"));
+      return;
+    case FloatItem::Format::extended: {
+      const std::uint64_t bits = put(to_extended(real), "a 40-bit float");
+      out[before] = static_cast<Word>(bits >> 8);
+      out[before + 1] = static_cast<Word>(bits);
+    }
+  }
+}
+
+std::vector<Word> Program::encode_item(const Section& section, const Item& item, Image& image,
+                                       std::vector<Diagnostic>& diagnostics, WordRelocations* relocations) const {
+  if (const auto* fill = std::get_if<FillItem>(&item.content)) return std::vector<Word>(fill->count, fill->value);
+  std::vector<Word> words;
+  if (const auto* instruction = std::get_if<InstructionItem>(&item.content)) {
+    const auto line_of = [&](int half) -> const SourceLine& {
+      return half == 1 && instruction->second_line ? *instruction->second_line : *item.line;
+    };
+    const std::function<void(const LineError&)> warn = [&](const LineError& warning) {
+      image.warnings.push_back(make_diagnostic(line_of(warning.half), warning.offset, warning.message, true).format());
+    };
+    try {
+      std::vector<FieldRelocation> fields;
+      const EncodeContext context{section.address + item.offset,
+                                  *this,
+                                  warn,
+                                  relocations != nullptr ? &fields : nullptr,
+                                  static_cast<int>(&section - sections_.data()),
+                                  instruction->dialect,
+                                  options_.cpu};
+      words.push_back(encode(instruction->first, instruction->second ? &*instruction->second : nullptr, context));
+      for (const FieldRelocation& field : fields) relocations->push_back({item.offset, field});
+    } catch (const LineError& error) {
+      diagnostics.push_back(make_diagnostic(line_of(error.half), error.offset, error.message));
+      words.push_back(0);
+    }
+    return words;
+  }
+  const auto* floats = std::get_if<FloatItem>(&item.content);
+  for (const Expression& expression : floats != nullptr ? floats->values : std::get<WordItem>(item.content).values) {
+    words.push_back(0);
+    try {
+      const Value value = evaluate(expression, *this);
+      if (floats != nullptr) {
+        words.pop_back();
+        encode_float(*floats, expression, value, words);
+        continue;
+      }
+      const Address offset = item.offset + static_cast<Address>(words.size() - 1);
+      words.back() = plain_word(expression, value, offset, relocations);
+    } catch (const LineError& error) {
+      diagnostics.push_back(make_diagnostic(*item.line, error.offset, error.message));
+    }
+  }
+  return words;
+}
+
+Word Program::plain_word(const Expression& expression, const Value& value, Address offset,
+                         WordRelocations* relocations) const {
+  if (value.is_real()) throw LineError{expression.offset, "a float; use .float, or single(x) for its word"};
+  if (relocations != nullptr && !value.is_absolute()) {
+    if (value.half != Value::Half::none)
+      throw LineError{expression.offset, "half of an address that is not settled yet fits into instructions only"};
+    relocations->push_back({offset, {RelocationType::rellong, value}});
+    return static_cast<Word>(value.integer);
+  }
+  const std::int64_t number = value.is_absolute() ? value.integer : address_of_section(value.section) + value.integer;
+  if (number < -(std::int64_t{1} << 31) || number >= std::int64_t{1} << 32)
+    throw LineError{expression.offset, fmt::format("{} does not fit in 32 bits", number)};
+  return static_cast<Word>(number);
+}
+
+/// Warns about instructions that stand where they do not work.
+void Program::check_run(std::span<const Item> items, const Image::Section& section, Image& image) {
+  if (items.empty()) return;
+  const auto words = std::span(section.words).subspan(items.front().offset, items.size());
+  for (const Finding& finding : check_code(words, section.address + items.front().offset, image.cpu)) {
+    const SourceLine& line = *items[finding.index].line;
+    const auto first = line.text.find_first_not_of(" \t");
+    image.warnings.push_back(
+        make_diagnostic(line, first == std::string::npos ? 0 : first, finding.message, true).format());
+  }
+}
+
+void Program::encode_section(const Section& section, Image& image, std::vector<Diagnostic>& diagnostics,
+                             WordRelocations* relocations) const {
+  if (section.size == 0) return;
+  Image::Section out{section.name, section.address, section.size, {}, section.load == Load::loaded};
+  if (!out.loaded) {
+    image.sections.push_back(std::move(out));
+    return;
+  }
+  std::size_t run = 0;  // The first of the instructions that lead up to this item.
+  for (std::size_t i = 0; i < section.items.size(); ++i) {
+    const Item& item = section.items[i];
+    if (!std::holds_alternative<InstructionItem>(item.content)) {
+      check_run({section.items.data() + run, i - run}, out, image);
+      run = i + 1;
+    }
+    const auto words = encode_item(section, item, image, diagnostics, relocations);
+    const auto file = std::find(image.files.begin(), image.files.end(), *item.line->file);
+    const auto* instruction = std::get_if<InstructionItem>(&item.content);
+    const bool parallel = instruction != nullptr && instruction->second_line != nullptr;
+    image.lines.push_back({section.address + item.offset, static_cast<std::uint32_t>(file - image.files.begin()),
+                           item.line->number, item.line->text, static_cast<std::uint32_t>(image.sections.size()),
+                           parallel ? instruction->second_line->text : ""});
+    if (file == image.files.end()) image.files.push_back(*item.line->file);
+    out.words.insert(out.words.end(), words.begin(), words.end());
+  }
+  check_run(std::span(section.items).subspan(run), out, image);
+  image.sections.push_back(std::move(out));
+}
+
+}  // namespace toolchain

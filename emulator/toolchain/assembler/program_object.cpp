@@ -1,0 +1,121 @@
+// The end of an assembly whose addresses a linker settles.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "toolchain/assembler/program.hpp"
+
+namespace toolchain {
+
+/// The usual sections go in only if something stands in them or is named there.
+bool Program::goes_into_object(std::size_t section) const {
+  if (sections_[section].size != 0 || section > 2) return true;
+  for (const auto& [name, symbol] : symbols_)
+    if (const auto* value = std::get_if<Value>(&symbol.meaning))
+      if (value->section == static_cast<int>(section)) return true;
+  return false;
+}
+
+Object Program::finish_object(Image& listed, std::vector<Diagnostic>& diagnostics) {
+  relocatable_ = true;
+  listed.warnings = warnings_;
+  listed.dialects = dialects_;
+  listed.files_read = files_read_;
+  Object object;
+  object.cpu = listed.cpu = options_.cpu;
+  std::vector<int> numbers(sections_.size(), -1);  // In the object.
+  std::vector<WordRelocations> relocations(sections_.size());
+  for (std::size_t i = 0; i < sections_.size(); ++i) {
+    const Section& section = sections_[i];
+    if (!goes_into_object(i)) continue;
+    numbers[i] = static_cast<int>(object.sections.size());
+    encode_section(section, listed, diagnostics, &relocations[i]);
+    ObjectSection& out = object.sections.emplace_back();
+    out.name = section.name;
+    out.size = section.size;
+    out.loaded = section.load == Load::loaded;
+    out.alignment = section.alignment;
+    out.blocked = section.blocked;
+    if (section.size != 0) out.words = listed.sections.back().words;
+    for (const LineRecord& line : listed.lines)
+      if (section.size != 0 && line.section + 1 == listed.sections.size())
+        out.lines.push_back({line.address - listed.sections.back().address, line.file, line.line});
+  }
+  object.files = listed.files;
+  add_object_symbols(object, numbers, diagnostics);
+  for (std::size_t i = 0; i < sections_.size(); ++i)
+    for (const WordRelocation& wanted : relocations[i])
+      object.sections[static_cast<std::size_t>(numbers[i])].relocations.push_back(relocation(object, numbers, wanted));
+  return object;
+}
+
+/// First the sections' own symbols, then the others by name, then the external ones.
+void Program::add_object_symbols(Object& object, const std::vector<int>& numbers,
+                                 std::vector<Diagnostic>& diagnostics) const {
+  for (std::size_t i = 0; i < object.sections.size(); ++i)
+    object.symbols.push_back({.name = object.sections[i].name,
+                              .value = 0,
+                              .section = static_cast<int>(i),
+                              .global = false,
+                              .stands_for_section = true});
+  for (const auto& [name, symbol] : symbols_) {
+    try {
+      const Value value = value_of(name, symbol.offset);
+      if (name.find('?') != std::string::npos || value.is_real()) continue;
+      const bool global = globals_.contains(name);
+      if (value.is_external() || value.half != Value::Half::none) {
+        if (global)
+          throw LineError{symbol.offset,
+                          fmt::format("'{}' stands for what another object defines; it cannot be global", name)};
+        continue;
+      }
+      object.symbols.push_back({.name = name,
+                                .value = static_cast<Word>(value.integer),
+                                .section = value.is_absolute() ? ObjectSymbol::absolute : numbers[index(value.section)],
+                                .global = global,
+                                .stands_for_section = false});
+    } catch (const LineError& error) {
+      if (symbol.line) diagnostics.push_back(make_diagnostic(*symbol.line, error.offset, error.message));
+    }
+  }
+  check_globals(diagnostics);
+  for (const std::string& name : externals_)
+    object.symbols.push_back(
+        {.name = name, .value = 0, .section = ObjectSymbol::undefined, .global = true, .stands_for_section = false});
+}
+
+/// Branches are referred to a symbol at their very target, so that 16 bits always hold what is left of the distance;
+/// all others to the section's own symbol.
+Relocation Program::relocation(Object& object, const std::vector<int>& numbers, const WordRelocation& wanted) const {
+  const Value& target = wanted.field.target;
+  const auto value = static_cast<Word>(target.integer);
+  Relocation out{.offset = wanted.offset, .type = wanted.field.type, .symbol = 0, .low = 0};
+  if (out.type == RelocationType::partms16) out.low = value & 0xFFFF;
+  const auto found = [&](auto suits) {
+    const auto at = std::find_if(object.symbols.begin(), object.symbols.end(), suits);
+    out.symbol = static_cast<int>(at - object.symbols.begin());
+    return at != object.symbols.end();
+  };
+  if (target.is_external()) {
+    const std::string& name = externals_[static_cast<std::size_t>(target.external_number())];
+    found([&](const ObjectSymbol& s) { return s.section == ObjectSymbol::undefined && s.name == name; });
+    return out;
+  }
+  const int section = target.is_absolute() ? ObjectSymbol::absolute : numbers[index(target.section)];
+  if (!is_relative(out.type)) {
+    found([&](const ObjectSymbol& s) { return s.stands_for_section && s.section == section; });
+    return out;
+  }
+  if (!found([&](const ObjectSymbol& s) { return s.section == section && s.value == value; })) {
+    const std::string base =
+        target.is_absolute() ? std::string("=") : object.sections[static_cast<std::size_t>(section)].name + "+";
+    object.symbols.push_back({.name = fmt::format("{}{:X}h", base, value),
+                              .value = value,
+                              .section = section,
+                              .global = false,
+                              .stands_for_section = false});
+  }
+  return out;
+}
+
+}  // namespace toolchain

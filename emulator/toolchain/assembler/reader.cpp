@@ -1,0 +1,363 @@
+#include "toolchain/assembler/reader.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
+#include "io/input_file.hpp"
+#include "io/stop.hpp"
+#include "toolchain/encoder/encoder.hpp"
+
+namespace toolchain {
+namespace {
+
+constexpr std::size_t deepest_include = 64;
+constexpr std::size_t lines_between_looks = 4096;  // whether the assembly is to be stopped
+constexpr std::size_t most_errors = 1000;
+constexpr std::size_t longest_line = 1 << 16;
+constexpr std::int64_t most_lines = 1'000'000;  // Reached by macros that call themselves, not by programs.
+
+/// The first word of a line that is a directive, without its label.
+bool opens_collection(std::string_view operation) {
+  return operation == ".macro" || operation == ".rept" || operation == ".loop";
+}
+SourceLinePtr with_text(const SourceLinePtr& line, std::string text) {
+  return std::make_shared<const SourceLine>(SourceLine{line->file, line->number, std::move(text), line->expanded_from});
+}
+
+/// `NAME EQU 5`, as assemblers before TI's dots had it.
+bool is_undotted_set(std::string_view operation) { return operation == "equ"; }
+
+bool closes_collection(std::string_view operation) {
+  return operation == ".endm" || operation == ".endr" || operation == ".endloop";
+}
+
+}  // namespace
+
+Reader::Reader(Program& program, const Options& options, std::vector<Diagnostic>& diagnostics)
+    : program_(program), options_(options), diagnostics_(diagnostics) {
+  if (options.undefined_external || options.dialect == Dialect::gnu) program.leave_undefined_to_others();
+  if (options.dialect)
+    reading_ = {*options.dialect, "asked for"};
+  else
+    reading_.why = "the default";
+}
+
+ParseContext Reader::context() const {
+  return {program_.here(),
+          fmt::format("?{}", local_scope_),
+          fmt::format("?{}", block_),
+          &registers_,
+          reading_.dialect,
+          &parser_warnings_,
+          options_.cpu};
+}
+
+/// Ends the scope of $0 to $9 and, outside macros, of names ending in '?'.
+void Reader::new_block() {
+  block_ = ++last_scope_;
+  if (parameters_ == nullptr) local_scope_ = block_;
+}
+
+void Reader::report(const SourceLine& line, const LineError& error) {
+  if (given_up_) return;
+  given_up_ = diagnostics_.size() >= most_errors;
+  diagnostics_.push_back(make_diagnostic(line, error.offset, error.message));
+}
+
+void Reader::read_file(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto canonical = std::filesystem::weakly_canonical(path, error);
+  if (std::find(open_files_.begin(), open_files_.end(), canonical) != open_files_.end())
+    throw LineError{0, fmt::format("the file '{}' includes itself", path.string())};
+  if (open_files_.size() >= deepest_include)
+    throw LineError{0, fmt::format("includes are nested deeper than {}", deepest_include)};
+  const io::Input input = io::read_input(path);
+  if (!input.problem.empty()) throw LineError{0, fmt::format("'{}' {}", path.string(), input.problem)};
+  open_files_.push_back(canonical);
+  program_.note_file_read(path.string());
+  read_text(input.text, path.string(), path.parent_path());
+  open_files_.pop_back();
+}
+
+void Reader::read_text(std::string_view text, const std::string& name, const std::filesystem::path& directory) {
+  const auto file = std::make_shared<const std::string>(name);
+  const auto outer_directory = std::exchange(directory_, directory);
+  const int outer_scope = local_scope_;
+  Substitutes* const outer_parameters = std::exchange(parameters_, nullptr);
+  const Reading outer_reading = reading_;
+  reading_.said = reading_.has_code = false;
+  const bool is_included = open_texts_++ > 0;
+  const std::size_t outer_conditionals = conditionals_.size();
+  new_block();
+  int number = 0;
+  text = text.substr(0, text.find('\x1A'));  // where DOS ends a file
+  while (!text.empty() && !stopped()) {
+    const auto end = text.find('\n');
+    auto line = text.substr(0, end);
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    ++number;
+    if (line.size() > longest_line)
+      report(SourceLine{file, number, std::string(line.substr(0, 80)), nullptr},
+             {0, fmt::format("a line of {} characters; {} are the most", line.size(), longest_line)});
+    else
+      read_line(std::make_shared<const SourceLine>(SourceLine{file, number, std::string(line), nullptr}));
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+  end_of_source(outer_conditionals);
+  --open_texts_;
+  if (!is_included)
+    program_.note_dialect(fmt::format("{}: {}", toolchain::name(reading_.dialect), reading_.why), true);
+  else if (reading_.why != outer_reading.why)
+    program_.note_dialect(fmt::format("{} in {}: {}", toolchain::name(reading_.dialect), name, reading_.why));
+  reading_ = outer_reading;
+  ended_ = false;
+  new_block();
+  parameters_ = outer_parameters;
+  local_scope_ = outer_scope;
+  directory_ = outer_directory;
+}
+
+void Reader::end_of_source(std::size_t outer_conditionals) {
+  if (collector_) {
+    const bool macro = collector_->kind != Collector::Kind::repeat;
+    report(*collector_->opening, {0, macro ? ".macro has no .endm" : ".rept has no .endr"});
+    collector_.reset();
+  }
+  if (structure_ && open_files_.size() <= 1 && expansion_depth_ == 0) {
+    report(*structure_->opening, {0, ".struct has no .endstruct"});
+    structure_.reset();
+  }
+  while (conditionals_.size() > outer_conditionals) {
+    report(*conditionals_.back().opening, {0, ".if has no .endif"});
+    conditionals_.pop_back();
+  }
+}
+
+Reader::Statement Reader::take_apart(const SourceLinePtr& line) const {
+  Statement out{.line = line, .parser = Parser(line->text, context()), .label = {}, .operation = {}};
+  Parser& p = out.parser;
+  const bool in_first_column = !line->text.empty() && is_identifier_start(line->text[0]);
+  if (p.at_end()) return out;
+  if (p.accept("||")) {
+    out.bars = true;
+    return out;
+  }
+  std::size_t start = p.offset();
+  std::string word = p.identifier();
+  if (word.empty()) throw LineError{start, "a label, an instruction or a directive expected"};
+  const bool colon = p.peek() == ':';
+  if (colon || (in_first_column && word[0] != '.')) {
+    if (colon)
+      p.accept(":");
+    else if (is_operation(word) && !macros_.contains(word) && !is_operation(p.next_word()))
+      throw LineError{
+          start,
+          fmt::format("'{}' stands in the first column, where labels stand; indent it, or write '{}:' for a label",
+                      word, word)};
+    out.label = std::move(word);
+    out.label_offset = start;
+    p.skip_blanks();
+    start = p.offset();
+    if (p.at_bars()) throw LineError{start, "a label cannot stand between the halves of a parallel instruction"};
+    word = p.identifier();
+    if (word.empty() && !p.at_end()) throw LineError{start, "an instruction or a directive expected"};
+  }
+  out.operation = std::move(word);
+  out.operation_offset = start;
+  return out;
+}
+
+/// Whether the word names an instruction, a directive or a macro.
+bool Reader::is_operation(std::string_view word) const {
+  return !word.empty() && (word[0] == '.' || is_mnemonic(lower(word), options_.cpu) || macros_.contains(word) ||
+                           is_undotted_set(lower(word)));
+}
+
+bool Reader::collect(const SourceLinePtr& line) {
+  if (!collector_) return false;
+  std::string operation;
+  try {
+    operation = lower(take_apart(line).operation);
+  } catch (const LineError&) {
+    // Whatever is wrong with the line shows when it is expanded.
+  }
+  if (opens_collection(operation)) ++collector_->depth;
+  if (closes_collection(operation) && --collector_->depth == 0) {
+    finish_collecting();
+    return true;
+  }
+  // A macro that defines a macro puts its arguments in; a repeat's lines take theirs each time they are read.
+  const bool repeat = collector_->kind == Collector::Kind::repeat;
+  collector_->macro.body.push_back(
+      repeat || parameters_ == nullptr ? line : with_text(line, substitute(line->text, *parameters_, false)));
+  return true;
+}
+
+void Reader::finish_collecting() {
+  const auto collected = std::move(collector_);
+  if (collected->kind == Collector::Kind::macro) {
+    macros_[collected->name] = std::move(collected->macro);
+    return;
+  }
+  if (collected->kind == Collector::Kind::broken || collected->macro.body.empty()) return;
+  ++repeat_depth_;
+  const int outer_scope = local_scope_;
+  for (std::int64_t i = 0; i < collected->count && !stopped(); ++i) {
+    local_scope_ = ++last_scope_;
+    read_lines(collected->macro.body, collected->opening);
+  }
+  local_scope_ = outer_scope;
+  --repeat_depth_;
+  if (leaving_ == Leaving::repeat) leaving_ = Leaving::nothing;
+}
+
+void Reader::open_conditional(bool condition, const SourceLinePtr& line) {
+  const bool parent = is_active();
+  conditionals_.push_back({parent && condition, condition, parent, false, line});
+}
+
+bool Reader::conditional(Statement& s) {
+  const std::string operation = lower(s.operation);
+  Parser& p = s.parser;
+  if (operation == ".if" || operation == ".ifdef" || operation == ".ifndef") {
+    bool condition = false;
+    try {
+      if (is_active()) {
+        if (operation == ".if")
+          condition = known_number(p, "the condition") != 0;
+        else
+          condition = program_.is_defined(p.required_identifier("a symbol")) == (operation == ".ifdef");
+        p.expect_end();
+      }
+    } catch (const LineError& error) {
+      report(*s.line, error);
+    }
+    open_conditional(condition, s.line);
+    return true;
+  }
+  if (operation != ".else" && operation != ".elseif" && operation != ".endif") return false;
+  if (conditionals_.empty()) throw LineError{s.operation_offset, fmt::format("'{}' without .if", operation)};
+  Conditional& c = conditionals_.back();
+  if (operation == ".endif") {
+    conditionals_.pop_back();
+    return true;
+  }
+  if (c.after_else) throw LineError{s.operation_offset, fmt::format("'{}' after .else", operation)};
+  c.after_else = operation == ".else";
+  const bool possible = c.parent && !c.taken;
+  c.active = possible && (c.after_else || known_number(p, "the condition") != 0);
+  c.taken = c.taken || c.active;
+  return true;
+}
+
+/// The line with its substitution symbols replaced; the last operand of an assignment stays the name it is.
+SourceLinePtr Reader::substituted(const SourceLinePtr& line) {
+  if (parameters_ == nullptr && substitutes_.empty() && line->text.find('$') == std::string::npos) return line;
+  std::string text = line->text, kept;
+  std::string operation;
+  try {
+    operation = lower(take_apart(line).operation);
+  } catch (const LineError&) {
+    // It may become one that can be taken apart: ":NAME: nop".
+  }
+  if (operation == ".asg" || operation == ".eval") {
+    const auto comma = text.substr(0, text.find(';')).rfind(',');
+    if (comma != std::string::npos) {
+      kept = text.substr(comma);
+      text.resize(comma);
+    }
+  } else if (operation == ".var" || operation == ".unasg") {
+    return line;
+  }
+  text = replace_functions(text, {parameters_, &substitutes_, options_.cpu});
+  if (parameters_ != nullptr) text = substitute(text, *parameters_, false);
+  text = substitute(text, substitutes_, true) + kept;
+  return text == line->text ? line : with_text(line, std::move(text));
+}
+
+void Reader::read_line(const SourceLinePtr& raw_line) {
+  if (given_up_) return;
+  if (++lines_read_ > most_lines) {
+    report(*raw_line, {0, fmt::format("more than {} lines to assemble; does a macro call itself?", most_lines)});
+    given_up_ = true;
+    return;
+  }
+  if (lines_read_ % lines_between_looks == 0) io::stop_if_asked();
+  if (collect(raw_line)) return;
+  SourceLinePtr line = raw_line;
+  try {
+    line = substituted(raw_line);
+    parser_warnings_.clear();
+    Statement statement = take_apart(line);
+    if (!statement.operation.empty() && conditional(statement)) return;
+    if (is_active()) read_active_line(statement);
+    for (const LineError& warning : std::exchange(parser_warnings_, {}))
+      program_.warn(line, warning.offset, warning.message);
+  } catch (const LineError& error) {
+    if (is_active()) report(*line, error);
+  }
+}
+
+void Reader::define_label(const Statement& s) {
+  program_.define(s.label, program_.here(), s.line, s.label_offset);
+  if (s.label == "gcc2_compiled.") gcc_mark(s);
+}
+
+/// What GCC writes at the top of a file says how it is meant, unless somebody has said it.
+void Reader::gcc_mark(const Statement& s) {
+  if (options_.dialect || reading_.said || reading_.dialect == Dialect::gnu) return;
+  if (reading_.has_code)
+    return program_.warn(s.line, s.label_offset,
+                         "GCC's mark stands behind instructions, which were read in the dialect ti; .dialect gnu at "
+                         "the top, or --dialect gnu, is for the whole");
+  reading_.dialect = Dialect::gnu;
+  program_.leave_undefined_to_others();
+  reading_.why = fmt::format("GCC's mark gcc2_compiled. in line {}", s.line->number);
+}
+
+void Reader::read_active_line(Statement& s) {
+  if (s.bars) {
+    HalfSyntax half = s.parser.half();
+    s.parser.expect_end();
+    return program_.add_parallel(std::move(half), s.line, 0);
+  }
+  const std::string operation = lower(s.operation);
+  if (structure_ && (operation.empty() || operation[0] == '.')) return member(s);
+  if (!operation.empty() && operation[0] == '.') {
+    const Directive directive = directive_named(operation);
+    if (directive == nullptr)
+      throw LineError{s.operation_offset, fmt::format("no directive is called '{}'", s.operation)};
+    program_.end_instruction();
+    return (this->*directive)(s);
+  }
+  if (is_undotted_set(operation) && !s.label.empty() && !macros_.contains(s.operation)) return directive_set(s);
+  if (!s.label.empty()) {
+    program_.end_instruction();
+    define_label(s);
+  }
+  if (operation.empty()) return;
+  if (const auto macro = macros_.find(s.operation); macro != macros_.end()) {
+    program_.end_instruction();
+    const Macro copy = macro->second;  // It may redefine itself.
+    return expand(copy, s);
+  }
+  instruction(s);
+}
+
+void Reader::instruction(Statement& s) {
+  Parser& p = s.parser;
+  p.seek(s.operation_offset);
+  reading_.has_code = true;
+  InstructionItem item{.first = p.half(), .second = {}, .second_line = nullptr, .dialect = reading_.dialect};
+  if (p.accept("||")) {
+    item.second = p.half();
+    item.second_line = s.line;
+  }
+  p.expect_end();
+  program_.add(s.line, s.operation_offset, std::move(item));
+}
+
+}  // namespace toolchain

@@ -1,0 +1,187 @@
+#pragma once
+// Reads source lines in order: files and includes, conditional parts, macros and repeats, directives, instructions.
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "toolchain/assembler/program.hpp"
+#include "toolchain/assembler/substitution.hpp"
+
+namespace toolchain {
+
+class Reader {
+ public:
+  Reader(Program& program, const Options& options, std::vector<Diagnostic>& diagnostics);
+
+  void read_file(const std::filesystem::path& path);
+  void read_text(std::string_view text, const std::string& name, const std::filesystem::path& directory);
+
+ private:
+  struct Parameter {
+    std::string name;
+    std::string fallback;
+  };
+  struct Macro {
+    std::vector<Parameter> parameters;
+    std::vector<SourceLinePtr> body;
+  };
+  /// Lines being gathered for a macro or a repeat; `depth` counts the openings within.
+  struct Collector {
+    enum class Kind : std::uint8_t { macro, repeat, broken } kind = Kind::broken;
+    std::string name;
+    Macro macro;
+    std::int64_t count = 0;
+    SourceLinePtr opening;
+    int depth = 1;
+  };
+  struct Conditional {
+    bool active = false;  ///< The present part is assembled.
+    bool taken = false;   ///< A part was assembled already.
+    bool parent = false;  ///< What is around it is assembled.
+    bool after_else = false;
+    SourceLinePtr opening;
+  };
+  /// A line taken apart as far as its operation.
+  struct Statement {
+    SourceLinePtr line;
+    Parser parser;
+    std::string label;
+    std::size_t label_offset = 0;
+    std::string operation;  ///< As written; empty if there is none.
+    std::size_t operation_offset = 0;
+    bool bars = false;
+  };
+  /// A .struct or .union.
+  struct Structure {
+    std::string name;
+    std::vector<std::pair<std::string, Address>> members;  ///< With their places, in words.
+    Address size = 0;
+    Address place = 0;  ///< Of the next member.
+    bool is_union = false;
+    SourceLinePtr opening;
+  };
+  /// How a file is read.
+  struct Reading {
+    Dialect dialect = Dialect::ti;
+    std::string why;
+    bool said = false;      ///< by .dialect
+    bool has_code = false;  ///< an instruction has been read: too late to change it
+  };
+  using Directive = void (Reader::*)(Statement&);
+
+  // reader.cpp
+  void read_line(const SourceLinePtr& line);
+  SourceLinePtr substituted(const SourceLinePtr& line);
+  void read_active_line(Statement& statement);
+  Statement take_apart(const SourceLinePtr& line) const;
+  bool is_operation(std::string_view word) const;
+  bool collect(const SourceLinePtr& line);
+  void finish_collecting();
+  bool conditional(Statement& statement);
+  void open_conditional(bool condition, const SourceLinePtr& line);
+  bool stopped() const { return ended_ || given_up_ || leaving_ != Leaving::nothing; }
+  bool is_active() const { return conditionals_.empty() || conditionals_.back().active; }
+  void define_label(const Statement& statement);
+  void instruction(Statement& statement);
+  void report(const SourceLine& line, const LineError& error);
+  ParseContext context() const;
+  void new_block();
+  void end_of_source(std::size_t outer_conditionals);
+
+  // macros.cpp
+  void expand(const Macro& macro, Statement& statement);
+  void read_lines(const std::vector<SourceLinePtr>& body, const SourceLinePtr& from);
+  std::vector<std::string> macro_arguments(std::string_view text) const;
+  void start_macro(Statement& statement);
+  void start_repeat(Statement& statement);
+  void leave_macro(Statement& statement);
+  void leave_repeat(Statement& statement);
+  void assign_text(Statement& statement);
+  void assign_number(Statement& statement);
+  void declare_variables(Statement& statement);
+  void forget_text(Statement& statement);
+  void directive_newblock(Statement& statement);
+
+  // structures.cpp
+  void start_structure(Statement& statement);
+  void end_structure(Statement& statement);
+  void member(Statement& statement);
+  void tag(Statement& statement);
+  const Structure& structure_named(Parser& parser);
+
+  // directives.cpp
+  static const std::map<std::string, Directive, std::less<>>& directives();
+  static Directive directive_named(const std::string& name);
+  std::int64_t known_number(Parser& parser, std::string_view what);
+  Address alignment_of_reserved(Parser& parser, int section);
+  Address known_size(Parser& parser, std::string_view what);
+  std::string symbol_name(Statement& statement);
+  void directive_section_text(Statement&);
+  void directive_section_data(Statement&);
+  void directive_bss(Statement&);
+  void directive_sect(Statement&);
+  void directive_usect(Statement&);
+  void directive_word(Statement&);
+  void directive_byte(Statement&);
+  void directive_half_word(Statement&);
+  void directive_field(Statement&);
+  void directive_float(Statement&);
+  void directive_ieee(Statement&);
+  void directive_long_double(Statement&);
+  void directive_string(Statement&);
+  void directive_asciz(Statement&);
+  void directive_space(Statement&);
+  void directive_space_end(Statement&);
+  void directive_label(Statement&);
+  void directive_version(Statement&);
+  void directive_dialect(Statement&);
+  void gcc_mark(const Statement&);
+  void directive_warning(Statement&);
+  void directive_align(Statement&);
+  void directive_set(Statement&);
+  void directive_include(Statement&);
+  void directive_global(Statement&);
+  void directive_def(Statement&);
+  void directive_end(Statement&);
+  void directive_error(Statement&);
+  void directive_nothing(Statement&);
+  void directive_stray(Statement&);
+  void packed_strings(Statement& statement, bool terminated);
+  void floats(Statement& statement, FloatItem::Format format);
+  void select_section(Statement& statement, const std::string& name, Program::Load load, std::size_t offset);
+  WordItem numbers(Statement& statement, unsigned bits);
+
+  Program& program_;
+  const Options& options_;
+  std::vector<Diagnostic>& diagnostics_;
+  std::map<std::string, Macro, std::less<>> macros_;
+  std::map<std::string, Structure, std::less<>> structures_;
+  std::optional<Structure> structure_;  ///< Being declared.
+  std::vector<Conditional> conditionals_;
+  std::unique_ptr<Collector> collector_;
+  std::vector<std::filesystem::path> open_files_;  ///< The file at hand and those that include it.
+  std::filesystem::path directory_;
+  Substitutes substitutes_;
+  Substitutes* parameters_ = nullptr;  ///< Of the macro being expanded.
+  RegisterNames registers_;
+  mutable std::vector<LineError> parser_warnings_;                                           ///< Of the line at hand.
+  enum class Leaving : std::uint8_t { nothing, repeat, macro } leaving_ = Leaving::nothing;  ///< By .break or .mexit.
+  int repeat_depth_ = 0;
+  int block_ = 0;        ///< Of $0 to $9.
+  int local_scope_ = 0;  ///< Of names ending in '?'.
+  int last_scope_ = 0;
+  int expansion_depth_ = 0;
+  bool ended_ = false;     ///< By .end.
+  bool given_up_ = false;  ///< Too many lines or errors.
+  std::int64_t lines_read_ = 0;
+  Reading reading_;
+  int open_texts_ = 0;
+};
+
+}  // namespace toolchain

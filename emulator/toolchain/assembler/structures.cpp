@@ -1,0 +1,97 @@
+// .struct, .union and .tag of the assembler's reader: names for places within a record.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "toolchain/assembler/reader.hpp"
+
+namespace toolchain {
+
+/// `[NAME] .struct [offset]` or `.union`: the lines up to .endstruct or .endunion declare members.
+void Reader::start_structure(Statement& s) {
+  if (structure_) throw LineError{s.operation_offset, "a structure within a structure; use .tag for its members"};
+  Structure structure;
+  structure.name = s.label;
+  structure.is_union = lower(s.operation) == ".union";
+  structure.opening = s.line;
+  if (!s.parser.at_end()) structure.size = structure.place = known_size(s.parser, "the offset");
+  s.parser.expect_end();
+  if (structures_.contains(structure.name))
+    throw LineError{s.label_offset, fmt::format("the structure '{}' is defined already", structure.name)};
+  structure_ = std::move(structure);
+}
+
+/// `[SIZE] .endstruct`
+void Reader::end_structure(Statement& s) {
+  s.parser.expect_end();
+  if (!structure_) throw LineError{s.operation_offset, fmt::format("'{}' closes nothing", s.operation)};
+  const Structure structure = std::move(*structure_);
+  structure_.reset();
+  const Value size = Value::of(std::int64_t{structure.size});
+  for (const auto& [member, place] : structure.members) {
+    const std::string name = structure.name.empty() ? member : structure.name + "." + member;
+    program_.define(name, Value::of(std::int64_t{place}), s.line, s.operation_offset);
+  }
+  if (!s.label.empty()) program_.define(s.label, size, s.line, s.label_offset);
+  if (!structure.name.empty()) {
+    program_.define(structure.name, size, structure.opening, 0);
+    structures_[structure.name] = structure;
+  }
+}
+
+/// A line within a structure: `[member] .int [count]`, `[member] .tag OTHER`, .space, .align.
+void Reader::member(Statement& s) {
+  static const std::set<std::string_view> words{".int",    ".word", ".long",   ".byte",   ".hword", ".short", ".float",
+                                                ".single", ".ieee", ".double", ".string", ".space", ".block"};
+  const std::string operation = lower(s.operation);
+  if (operation == ".endstruct" || operation == ".endunion") return end_structure(s);
+  if (operation == ".struct" || operation == ".union") return start_structure(s);
+  Parser& p = s.parser;
+  Address size = 0;
+  if (operation == ".align") {
+    const Address alignment = p.at_end() ? 32 : known_size(p, "the alignment");
+    if (alignment == 0) throw LineError{s.operation_offset, "an alignment is a power of 2, in words"};
+    structure_->place = (structure_->place + alignment - 1) / alignment * alignment;
+  } else if (operation == ".tag") {
+    const Structure& other = structure_named(p);
+    if (!s.label.empty())
+      for (const auto& [name, place] : other.members)
+        structure_->members.emplace_back(s.label + "." + name, structure_->place + place);
+    size = other.size;
+  } else if (words.contains(operation) || operation == ".ldouble") {
+    const Address count = p.at_end() ? 1 : known_size(p, "the number of elements");
+    size = operation == ".ldouble" ? 2 * count : count;
+  } else if (!operation.empty()) {
+    throw LineError{s.operation_offset, fmt::format("'{}' declares no member of a structure", s.operation)};
+  }
+  p.expect_end();
+  if (!s.label.empty()) structure_->members.emplace_back(s.label, structure_->place);
+  structure_->size = std::max(structure_->size, structure_->place + size);
+  if (!structure_->is_union) structure_->place = structure_->size;
+}
+
+const Reader::Structure& Reader::structure_named(Parser& p) {
+  p.skip_blanks();
+  const std::size_t offset = p.offset();
+  const std::string name = p.required_identifier("a structure");
+  const auto found = structures_.find(name);
+  if (found == structures_.end()) throw LineError{offset, fmt::format("no structure is called '{}'", name)};
+  return found->second;
+}
+
+/// `NAME .tag STRUCTURE`: NAME.member for every member.
+void Reader::tag(Statement& s) {
+  if (s.label.empty()) throw LineError{s.operation_offset, ".tag needs a label: name .tag STRUCTURE"};
+  const Structure& structure = structure_named(s.parser);
+  s.parser.expect_end();
+  const std::size_t at = s.label_offset;
+  const Expression base{Expression::Kind::symbol, {}, s.label, {}, at};
+  for (const auto& [member, place] : structure.members) {
+    const Expression offset{Expression::Kind::constant, Value::of(std::int64_t{place}), {}, {}, at};
+    program_.define(s.label + "." + member, Expression{Expression::Kind::binary, {}, "+", {base, offset}, at}, s.line,
+                    at);
+  }
+}
+
+}  // namespace toolchain

@@ -1,0 +1,227 @@
+#include "toolchain/assembler/substitution.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <optional>
+#include <vector>
+
+#include "toolchain/syntax/diagnostics.hpp"
+#include "toolchain/syntax/parser.hpp"
+
+namespace toolchain {
+namespace {
+
+constexpr int deepest = 10;
+constexpr std::size_t longest_line = 1 << 16;
+
+bool is_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+std::string_view name_at(std::string_view text, std::size_t start, bool (*is_part)(char)) {
+  std::size_t end = start;
+  while (end < text.size() && is_part(text[end])) ++end;
+  return text.substr(start, end - start);
+}
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(" \t\r");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+std::optional<std::size_t> count_of(std::string_view text) {
+  std::size_t value = 0;
+  text = trimmed(text);
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+}
+
+class Substitution {
+ public:
+  Substitution(const Substitutes& symbols, bool nested) : symbols_(symbols), nested_(nested) {}
+
+  std::string line(std::string_view text, int depth) {
+    std::string out;
+    char quote = 0;
+    for (std::size_t i = 0; i < text.size();) {
+      const char c = text[i];
+      if (quote == 0 && (c == ';' || (i == 0 && c == '*' && depth == 0))) {
+        out += text.substr(i);  // A comment.
+        break;
+      }
+      if (c == '"') quote = quote == 0 ? c : '\0';
+      if (const std::size_t length = quote == 0 ? character_constant(text.substr(i)) : 0; length != 0) {
+        out += text.substr(i, length);
+        i += length;
+        continue;
+      }
+      const std::size_t taken = c == '\\' || c == ':'                        ? forced(text, i, out, depth)
+                                : quote == 0 && is_identifier(c) && c != '.' ? word(text, i, out, depth)
+                                                                             : 0;
+      if (taken == 0) out += c;
+      i += taken == 0 ? 1 : taken;
+      if (out.size() > longest_line)
+        throw LineError{0, fmt::format("substitution makes this line longer than {} characters", longest_line)};
+    }
+    return out;
+  }
+
+ private:
+  void put(const std::string& value, std::string& out, int depth) {
+    if (nested_ && depth + 1 < deepest)
+      out += line(value, depth + 1);
+    else
+      out += value;
+  }
+
+  std::size_t word(std::string_view text, std::size_t at, std::string& out, int depth) {
+    const auto name = name_at(text, at, is_identifier);
+    const auto found = symbols_.find(name);
+    if (found == symbols_.end())
+      out += name;
+    else
+      put(found->second, out, depth);
+    return name.size();
+  }
+
+  /// \name or :name: or a part of it, :name(n,count):
+  std::size_t forced(std::string_view text, std::size_t at, std::string& out, int depth) {
+    const auto name = name_at(text, at + 1, is_name);
+    const auto found = symbols_.find(name);
+    if (found == symbols_.end()) return 0;
+    std::size_t after = at + 1 + name.size();
+    if (text[at] == '\\') {
+      put(found->second, out, depth);
+      return after - at;
+    }
+    std::string value = found->second;
+    if (after < text.size() && text[after] == '(') {
+      const auto close = text.find(')', after);
+      if (close == std::string_view::npos) return 0;
+      const auto inside = text.substr(after + 1, close - after - 1);
+      const auto comma = inside.find(',');
+      const auto first = count_of(inside.substr(0, comma));
+      const auto count =
+          comma == std::string_view::npos ? std::optional<std::size_t>(1) : count_of(inside.substr(comma + 1));
+      if (!first || !count || *first == 0) return 0;
+      value = *first > value.size() ? std::string() : value.substr(*first - 1, *count);
+      after = close + 1;
+    }
+    if (after >= text.size() || text[after] != ':') return 0;
+    put(value, out, depth);
+    return after + 1 - at;
+  }
+
+  const Substitutes& symbols_;
+  bool nested_;
+};
+
+/// The functions of TI's macro language.
+class Functions {
+ public:
+  explicit Functions(const SubstituteScopes& symbols) : symbols_(symbols) {}
+
+  std::optional<long> call(std::string_view name, const std::vector<std::string>& arguments) {
+    const bool two = name == "$symcmp" || name == "$firstch" || name == "$lastch" || name == "$ismember";
+    if (arguments.size() != (two ? 2U : 1U)) return std::nullopt;
+    const std::string a = value(arguments[0]);
+    if (name == "$symlen") return static_cast<long>(a.size());
+    if (name == "$symcmp") return sign(a.compare(value(arguments[1])));
+    if (name == "$firstch") return place(a.find(character(arguments[1])));
+    if (name == "$lastch") return place(a.rfind(character(arguments[1])));
+    if (name == "$isdefed") return symbols_.find(arguments[0]) != nullptr ? 1 : 0;
+    if (name == "$ismember") return take_member(arguments[0], arguments[1]);
+    if (name == "$iscons") return !a.empty() && std::isdigit(static_cast<unsigned char>(a[0])) != 0 ? 1 : 0;
+    if (name == "$isname") return !a.empty() && is_identifier_start(a[0]) ? 1 : 0;
+    if (name == "$isreg") return isa::register_named(a, symbols_.cpu) ? 1 : 0;
+    return std::nullopt;
+  }
+
+ private:
+  static long sign(int order) { return order < 0 ? -1 : order > 0 ? 1 : 0; }
+  static long place(std::size_t index) { return index == std::string::npos ? 0 : static_cast<long>(index) + 1; }
+
+  static std::string unquoted(const std::string& text) {
+    return text.size() >= 2 && text.front() == '"' && text.back() == '"' ? text.substr(1, text.size() - 2) : text;
+  }
+
+  std::string value(const std::string& argument) const {
+    const std::string* found = symbols_.find(argument);
+    return unquoted(found != nullptr ? *found : argument);
+  }
+
+  std::string character(const std::string& argument) const {
+    return argument.size() == 3 && argument.front() == '\'' ? argument.substr(1, 1) : value(argument);
+  }
+
+  /// Takes the first item of the list `from` into `to`; 0 when there is none.
+  long take_member(const std::string& to, const std::string& from) {
+    const std::string* list = symbols_.find(from);
+    if (list == nullptr || trimmed(*list).empty()) return 0;
+    const std::string items = *list;
+    const auto comma = items.find(',');
+    symbols_.owner(from)[from] = comma == std::string::npos ? std::string() : items.substr(comma + 1);
+    symbols_.owner(to)[to] = std::string(trimmed(std::string_view(items).substr(0, comma)));
+    return 1;
+  }
+
+  const SubstituteScopes& symbols_;
+};
+
+std::vector<std::string> split_arguments(std::string_view text) {
+  std::vector<std::string> out;
+  bool quoted = false;
+  std::size_t start = 0;
+  for (std::size_t i = 0; i <= text.size(); ++i) {
+    if (i < text.size() && text[i] == '"') quoted = !quoted;
+    if (i == text.size() || (text[i] == ',' && !quoted && !(i > start && text[i - 1] == '\''))) {
+      out.emplace_back(trimmed(text.substr(start, i - start)));
+      start = i + 1;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string substitute(const std::string& text, const Substitutes& symbols, bool nested) {
+  return symbols.empty() ? text : Substitution(symbols, nested).line(text, 0);
+}
+
+const std::string* SubstituteScopes::find(std::string_view name) const {
+  for (const Substitutes* scope : {parameters, globals}) {
+    if (scope == nullptr) continue;
+    if (const auto found = scope->find(name); found != scope->end()) return &found->second;
+  }
+  return nullptr;
+}
+
+Substitutes& SubstituteScopes::owner(std::string_view name) const {
+  return parameters != nullptr && parameters->contains(name) ? *parameters : *globals;
+}
+
+std::string replace_functions(const std::string& text, const SubstituteScopes& symbols) {
+  static constexpr std::array<std::string_view, 9> names{"$symlen",   "$symcmp", "$firstch", "$lastch", "$isdefed",
+                                                         "$ismember", "$iscons", "$isname",  "$isreg"};
+  std::string out = text;
+  for (std::size_t at = out.find('$'); at != std::string::npos; at = out.find('$', at + 1)) {
+    const auto name = lower(name_at(out, at, is_identifier));
+    bool known = false;
+    for (const auto candidate : names) known = known || candidate == name;
+    const std::size_t open = at + name.size();
+    if (!known || open >= out.size() || out[open] != '(') continue;
+    std::size_t close = open;
+    bool quoted = false;
+    while (close < out.size() && (quoted || out[close] != ')')) quoted ^= out[close++] == '"';
+    if (close >= out.size()) throw LineError{open, "')' expected"};
+    const auto number =
+        Functions(symbols).call(name, split_arguments(std::string_view(out).substr(open + 1, close - open - 1)));
+    if (!number) throw LineError{at, fmt::format("wrong number of arguments for {}", name)};
+    out.replace(at, close + 1 - at, std::to_string(*number));
+  }
+  return out;
+}
+
+}  // namespace toolchain

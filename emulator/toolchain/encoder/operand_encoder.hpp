@@ -1,0 +1,84 @@
+#pragma once
+// One operand as written to the bits of one row's fields.
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "isa/table.hpp"
+#include "toolchain/encoder/encoder.hpp"
+#include "toolchain/encoder/mnemonics.hpp"
+
+namespace toolchain {
+
+/// A row that does not fit; the nearest miss of all candidates is what the user is told.
+struct Mismatch {
+  enum Rank : std::uint8_t { count, kind, contents } rank;
+  LineError error;
+};
+
+/// "the register r0", "a number or label"...
+std::string kind_text(const OperandSyntax& operand, isa::Cpu cpu);
+bool fits_signed(std::int64_t value, unsigned bits);
+bool fits_unsigned(std::int64_t value, unsigned bits);
+
+/// The statement at hand, seen from one row: its halves, and the bits of its operands. Everything throws Mismatch if
+/// the row does not take the operand and LineError if the operand itself is wrong (an undefined symbol).
+class OperandEncoder {
+ public:
+  OperandEncoder(const Candidate& candidate, const HalfSyntax& first, const HalfSyntax* second,
+                 const EncodeContext& context);
+
+  /// A page number, or the page of an address. With an at sign, and of a label, it is an address; a number is the page.
+  isa::Word page(const OperandSyntax& operand) const;
+  /// The page of an address, which may be a number, too. Warns of one that could be meant for a page.
+  isa::Word page_of_address(const OperandSyntax& operand) const;
+
+  /// Hands what the linker has to settle to the context, once the row is known to fit.
+  void note_relocations() const;
+
+ protected:
+  using Kind = OperandSyntax::Kind;
+  using Word = isa::Word;
+
+  [[noreturn]] void miss(Mismatch::Rank rank, std::size_t offset, std::string message) const;
+
+  const HalfSyntax& half() const { return *halves_[half_]; }
+  const std::vector<OperandSyntax>& operands() const { return half().operands; }
+  const OperandSyntax& operand(std::size_t i) const { return operands()[i]; }
+  void need(std::size_t count) const;  ///< Exactly so many operands.
+  void need_kind(const OperandSyntax& operand, Kind kind, std::string_view wanted) const;
+
+  Value value(const OperandSyntax& operand) const;
+  /// A number. In a relocatable object an address is none.
+  std::int64_t integer(const OperandSyntax& operand, const Value& value) const;
+  /// A number, or an address as far as it is known, with a relocation of this type noted for the rest.
+  std::int64_t address(const OperandSyntax& operand, const Value& value, RelocationType type) const;
+  std::int64_t integer(const OperandSyntax& operand) const { return integer(operand, value(operand)); }
+  Word in_range(const OperandSyntax& operand, std::int64_t number, bool fits, std::string_view range) const;
+
+  bool is_register(const OperandSyntax& operand) const;
+  Word register_code(const OperandSyntax& operand, isa::OperandClass allowed) const;
+  Word low_register(const OperandSyntax& operand) const;  ///< R0 to R7.
+  Word expansion_code(const OperandSyntax& operand) const;
+
+  std::int64_t displacement(const OperandSyntax& operand) const;
+  Word direct_field(const OperandSyntax& operand) const;
+  Word indirect_field(const OperandSyntax& operand) const;  ///< The 16-bit form.
+  Word byte(const OperandSyntax& operand) const;            ///< The 8-bit form, where a displacement can only be 1.
+  Word immediate(const OperandSyntax& operand) const;       ///< 16 bits.
+
+  const isa::Row& row_;
+  const EncodeContext& context_;
+  int half_ = 0;  ///< The half at hand, in the row's order.
+  mutable std::vector<FieldRelocation> relocations_;
+
+ private:
+  Word short_float(const OperandSyntax& operand, const Value& value) const;
+  Word page_that_exists(const OperandSyntax& operand, std::int64_t page) const;
+
+  std::array<const HalfSyntax*, 2> halves_{};
+  bool exchanged_;
+};
+
+}  // namespace toolchain

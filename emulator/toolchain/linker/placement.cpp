@@ -1,0 +1,137 @@
+#include "toolchain/linker/placement.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace toolchain {
+namespace {
+
+constexpr std::uint64_t page = 1 << 16;
+constexpr std::uint64_t address_space = std::uint64_t{1} << 32;
+
+std::uint64_t aligned(std::uint64_t address, std::uint64_t alignment) {
+  return (address + alignment - 1) / alignment * alignment;
+}
+
+int rank(const OutputSection& section) {
+  if (section.name == ".text") return 0;
+  if (section.name == ".data") return 1;
+  if (section.loaded) return 2;
+  return section.name == ".bss" ? 3 : 4;
+}
+
+std::string extent(const OutputSection& section) {
+  return fmt::format("{} ({} words at {:08X}h)", section.name, section.size, section.address);
+}
+
+}  // namespace
+
+void Placement::add(const ObjectSection& section, OutputSection::Source source) {
+  OutputSection* out = find(section.name);
+  if (out == nullptr) {
+    sections_.push_back({.name = section.name, .parts = {}});
+    out = &sections_.back();
+  }
+  const std::uint64_t offset = aligned(out->size, section.alignment);
+  out->parts.push_back({source, static_cast<Address>(offset)});
+  out->size = static_cast<Address>(std::min(offset + section.size, address_space - 1));
+  out->alignment = std::max(out->alignment, section.alignment);
+  out->blocked = out->blocked || section.blocked;
+  out->loaded = out->loaded || section.loaded;
+}
+
+OutputSection* Placement::find(std::string_view name) {
+  const auto found = std::find_if(sections_.begin(), sections_.end(), [&](const auto& s) { return s.name == name; });
+  return found == sections_.end() ? nullptr : &*found;
+}
+
+const OutputSection* Placement::find(std::string_view name) const { return const_cast<Placement*>(this)->find(name); }
+
+Address Placement::address_of(OutputSection::Source source) const { return addresses_.at(source); }
+
+void Placement::place(const MemoryMap& map, isa::Cpu cpu, std::vector<std::string>& errors) {
+  cpu_ = cpu;
+  for (const auto& wanted : map.sections) {
+    if (find(wanted.section) == nullptr && wanted.size != 0) sections_.push_back({.name = wanted.section, .parts = {}});
+    OutputSection* section = find(wanted.section);
+    if (section == nullptr) continue;
+    section->size = std::max(section->size, wanted.size);
+    section->alignment = std::max(section->alignment, wanted.alignment);
+  }
+  std::vector<OutputSection*> rest;
+  for (OutputSection& section : sections_)
+    if (!section.for_loader) rest.push_back(&section);
+  const auto take = [&](std::string_view name) -> OutputSection* {
+    const auto at = std::find_if(rest.begin(), rest.end(), [&](auto* s) { return s->name == name; });
+    if (at == rest.end()) return nullptr;
+    OutputSection* section = *at;
+    rest.erase(at);
+    return section;
+  };
+  for (const auto& wanted : map.sections)
+    if (wanted.address)
+      if (OutputSection* section = take(wanted.section))
+        put(*section, *wanted.address, map.memory(wanted.memory), errors);
+  for (const auto& wanted : map.sections)
+    if (!wanted.address)
+      if (OutputSection* section = take(wanted.section)) put_in(*section, *map.memory(wanted.memory), errors);
+  std::stable_sort(rest.begin(), rest.end(), [](auto* a, auto* b) { return rank(*a) < rank(*b); });
+  for (OutputSection* section : rest) put_in(*section, *map.memory(map.others), errors);
+  placed_.clear();
+  std::stable_sort(sections_.begin(), sections_.end(),
+                   [](const auto& a, const auto& b) { return a.address < b.address; });
+  for (const OutputSection& section : sections_)
+    for (const auto& part : section.parts) addresses_[part.source] = section.address + part.offset;
+}
+
+void Placement::check_end(const OutputSection& section, std::vector<std::string>& errors) const {
+  if (std::uint64_t{section.address} + section.size > isa::address_space(cpu_))
+    errors.push_back(fmt::format("section {} passes the end of the address space{}", extent(section),
+                                 cpu_ == isa::Cpu::c3x ? " of the C3x, 0FFFFFFh" : ""));
+}
+
+void Placement::put(OutputSection& section, Address address, const MemoryMap::Memory* memory,
+                    std::vector<std::string>& errors) {
+  section.address = address;
+  const std::uint64_t end = std::uint64_t{address} + section.size;
+  if (address % section.alignment != 0)
+    errors.push_back(fmt::format("section {} must be aligned to {} words", extent(section), section.alignment));
+  check_end(section, errors);
+  if (memory != nullptr && (address < memory->origin || end > memory->origin + memory->length))
+    errors.push_back(fmt::format("section {} does not lie in the memory '{}' ({} words at {:08X}h)", extent(section),
+                                 memory->name, memory->length, memory->origin));
+  for (const OutputSection* other : placed_)
+    if (section.size != 0 && other->size != 0 && address < std::uint64_t{other->address} + other->size &&
+        other->address < end)
+      errors.push_back(fmt::format("the sections {} and {} overlap", extent(*other), extent(section)));
+  placed_.push_back(&section);
+}
+
+void Placement::put_in(OutputSection& section, const MemoryMap::Memory& memory, std::vector<std::string>& errors) {
+  std::uint64_t at = memory.origin;
+  for (bool moved = true; moved;) {
+    moved = false;
+    at = aligned(at, section.alignment);
+    if (section.blocked && section.size != 0 && section.size <= page && at / page != (at + section.size - 1) / page)
+      at = aligned(at, page);
+    for (const OutputSection* other : placed_) {
+      const std::uint64_t end = std::uint64_t{other->address} + other->size;
+      if (section.size == 0 || other->size == 0 || at >= end || other->address >= at + section.size) continue;
+      at = end;
+      moved = true;
+    }
+  }
+  section.address = static_cast<Address>(std::min(at, address_space - 1));
+  if (at + section.size > memory.origin + memory.length) {
+    const std::uint64_t end = memory.origin + memory.length;
+    errors.push_back(
+        fmt::format("section '{}' of {} words does not fit in the memory '{}' ({} words at {:08X}h, {} left)",
+                    section.name, section.size, memory.name, memory.length, memory.origin, at < end ? end - at : 0));
+    return;  // Nothing else is moved out of the way for it.
+  }
+  check_end(section, errors);
+  placed_.push_back(&section);
+}
+
+}  // namespace toolchain

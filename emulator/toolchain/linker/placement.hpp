@@ -1,0 +1,60 @@
+#pragma once
+// Where the linker puts the objects' sections.
+#include <compare>
+#include <cstddef>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "toolchain/linker/memory_map.hpp"
+#include "toolchain/objects/object.hpp"
+
+namespace toolchain {
+
+/// A section of the program: those of that name of all objects, one behind the other.
+struct OutputSection {
+  struct Source {
+    std::size_t object = 0, section = 0;
+    auto operator<=>(const Source&) const = default;
+  };
+  struct Part {
+    Source source;
+    Address offset = 0;
+  };
+
+  std::string name;
+  Address address = 0;
+  Address size = 0;
+  Address alignment = 1;
+  bool blocked = false;
+  bool loaded = false;
+  bool for_loader = false;  ///< Worked off by whoever loads the program: it takes no memory, and stands at 0.
+  std::vector<Part> parts;
+};
+
+class Placement {
+ public:
+  void add(const ObjectSection& section, OutputSection::Source source);
+
+  /// Settles the addresses: sections with an address in the map first, then those of the map in its order, then .text,
+  /// .data, other loaded ones, .bss, other reserved ones, each at the first place of its memory that is free.
+  void place(const MemoryMap& map, isa::Cpu cpu, std::vector<std::string>& errors);
+
+  const std::vector<OutputSection>& sections() const { return sections_; }  ///< By rising address once placed.
+  OutputSection* find(std::string_view name);
+  const OutputSection* find(std::string_view name) const;
+  Address address_of(OutputSection::Source source) const;
+
+ private:
+  void put(OutputSection& section, Address address, const MemoryMap::Memory* memory, std::vector<std::string>& errors);
+  void check_end(const OutputSection& section, std::vector<std::string>& errors) const;
+  void put_in(OutputSection& section, const MemoryMap::Memory& memory, std::vector<std::string>& errors);
+
+  std::vector<OutputSection> sections_;
+  std::vector<const OutputSection*> placed_;
+  isa::Cpu cpu_ = isa::Cpu::c40;
+  std::map<OutputSection::Source, Address> addresses_;
+};
+
+}  // namespace toolchain

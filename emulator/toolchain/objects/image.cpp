@@ -1,0 +1,81 @@
+#include "toolchain/objects/image.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <stdexcept>
+
+#include "io/print.hpp"
+#include "toolchain/missing_symbol.hpp"
+
+namespace toolchain {
+
+Word Image::symbol(std::string_view name) const {
+  const auto found = symbols.find(name);
+  if (found == symbols.end()) throw MissingSymbol(fmt::format("the program has no symbol '{}'", name));
+  return found->second;
+}
+
+Word* Image::word_at(Address address) {
+  for (Section& section : sections)
+    if (section.loaded && address - section.address < section.words.size())
+      return &section.words[address - section.address];
+  return nullptr;
+}
+
+namespace {
+std::optional<std::uint64_t> parse_number(std::string_view text, int base) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value, base);
+  if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return std::nullopt;
+  return value;
+}
+
+std::optional<std::uint64_t> parse_integer(std::string_view text) {
+  if (text.starts_with("0x") || text.starts_with("0X")) return parse_number(text.substr(2), 16);
+  if (!text.empty() && (text.back() == 'h' || text.back() == 'H'))
+    return parse_number(text.substr(0, text.size() - 1), 16);
+  return parse_number(text, 10);
+}
+
+}  // namespace
+
+std::optional<Address> find_address(std::string_view text, const Image* image) {
+  if (image != nullptr)
+    if (const auto symbol = image->symbols.find(text); symbol != image->symbols.end()) return symbol->second;
+  const auto value = parse_integer(text);
+  return value && *value <= 0xFFFF'FFFF ? std::optional(static_cast<Address>(*value)) : std::nullopt;
+}
+
+void require_c40(const Image& image, std::string_view name) {
+  if (image.cpu == isa::Cpu::c40) return;
+  throw WrongProcessor(fmt::format(
+      "{}: a program of the TMS320{}; TMS320C40s are what runs here (asm, link and disasm do take the {}'s)", name,
+      isa::title(image.cpu), isa::title(image.cpu)));
+}
+
+std::string listing(const Image& image) {
+  std::string out;
+  if (image.cpu != isa::Cpu::c40) out += fmt::format("cpu {}\n", isa::name(image.cpu));
+  for (const std::string& dialect : image.dialects) out += fmt::format("dialect {}\n", dialect);
+  for (const Image::Section& section : image.sections) {
+    out += fmt::format("section {} at {:08x}h, {} words{}\n", section.name, section.address, section.size,
+                       section.loaded ? "" : ", not loaded");
+    for (const LineRecord& line : image.lines) {
+      const Address offset = line.address - section.address;
+      if (line.section != static_cast<std::uint32_t>(&section - image.sections.data())) continue;
+      const LineRecord* next = &line + 1;
+      const bool is_last = next == image.lines.data() + image.lines.size() || next->section != line.section;
+      const Address end = is_last ? section.size : next->address - section.address;
+      out += fmt::format("{:08x} {:08x}  {:>5}  {}\n", line.address, section.words[offset], line.line, line.text);
+      for (Address i = offset + 1; i < std::min(end, section.size); ++i)
+        out += fmt::format("{:08x} {:08x}\n", section.address + i, section.words[i]);
+    }
+  }
+  out += "symbols\n";
+  for (const auto& [name, value] : image.symbols) out += fmt::format("{:08x} {}\n", value, name);
+  return io::printable(out);  // a listing is looked at in a terminal
+}
+
+}  // namespace toolchain

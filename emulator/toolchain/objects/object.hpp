@@ -1,0 +1,92 @@
+#pragma once
+// A TI COFF file taken apart: sections, symbols, relocations (c40-hardware.md 10.1). Relocatable objects and
+// executables alike.
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "toolchain/objects/image.hpp"
+
+namespace toolchain {
+
+/// The numbers of the file format.
+enum class RelocationType : std::uint16_t {
+  rel24 = 5,      ///< 24 bits
+  relword = 16,   ///< 16 bits
+  rellong = 17,   ///< the whole word
+  pcrword = 19,   ///< 16 bits, relative to the word's own address
+  pcr24 = 21,     ///< 24 bits, relative to the word's own address
+  partls16 = 32,  ///< the low half of an address
+  partms16 = 33,  ///< the high half of an address
+};
+std::optional<RelocationType> relocation_type(std::uint16_t number);
+std::string_view name(RelocationType type);  ///< As the format's description has it: "R_PCR24".
+/// Low bits of the word that the relocation fills.
+unsigned width(RelocationType type);
+bool is_relative(RelocationType type);
+
+struct Relocation {
+  static constexpr int own_section = -1;
+
+  Address offset = 0;  ///< Of the word, from the start of its section.
+  RelocationType type = RelocationType::rellong;
+  int symbol = own_section;  ///< Index into Object::symbols; or the section's own move.
+  Word low = 0;              ///< partms16: the low half of what the field stood for, 0 if not known.
+};
+
+struct ObjectSymbol {
+  static constexpr int absolute = -1, undefined = -2;
+
+  std::string name;
+  Word value = 0;          ///< Address; of an undefined symbol the words of common storage it wants, or 0.
+  int section = absolute;  ///< Index into Object::sections.
+  bool global = false;
+  bool stands_for_section = false;
+};
+
+/// Where a word comes from.
+struct ObjectLine {
+  Address offset = 0;      ///< From the start of its section.
+  std::uint32_t file = 0;  ///< Index into Object::files.
+  int line = 0;            ///< Counted from 1.
+};
+
+struct ObjectSection {
+  std::string name;
+  Address address = 0;
+  Address size = 0;         ///< In words.
+  std::vector<Word> words;  ///< `size` words if loaded, else none.
+  bool loaded = true;
+  bool table_of_copies = false;  ///< A .cinit that the loader works off (COPY): `words` hold it, `loaded` is false.
+  Address alignment = 1;         ///< Power of 2.
+  bool blocked = false;          ///< Not to be spread over two pages if it fits into one.
+  std::vector<Relocation> relocations;
+  std::vector<ObjectLine> lines;  ///< By rising offset.
+};
+
+struct Object {
+  std::string name;  ///< Stands for the file in messages.
+  int version = 2;
+  isa::Cpu cpu = isa::Cpu::c40;
+  bool executable = false;
+  Address entry = 0;
+  std::vector<ObjectSection> sections;
+  std::vector<ObjectSymbol> symbols;
+  std::vector<std::string> files;  ///< That `lines` are of.
+};
+
+/// What a loader makes of a .cinit of the RAM model: a section for each record {count, address, words...}, up to a
+/// count of 0. `file` stands for the file in messages. Throws CoffError if a record runs out of the table's end.
+void add_initial_values(Image& image, const std::string& table, const std::vector<Word>& records,
+                        const std::string& file);
+/// Throws CoffError if two loaded sections overlap; `file` stands for the file in its message.
+void check_overlaps(const Image& image, const std::string& file);
+/// The program that a loader makes of an executable. Throws CoffError if two loaded sections overlap or the copies that
+/// .cinit asks for run out of its end.
+Image image_of(const Object& executable);
+/// The executable file of a program, with all symbols and lines.
+Object executable_of(const Image& image);
+
+}  // namespace toolchain

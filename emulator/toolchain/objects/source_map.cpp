@@ -1,0 +1,93 @@
+#include "toolchain/objects/source_map.hpp"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include "io/input_file.hpp"
+
+namespace toolchain {
+namespace {
+
+/// What stands before the next blank, which is passed.
+std::string_view next_word(std::string_view& line) {
+  const std::string_view word = line.substr(0, line.find(' '));
+  line.remove_prefix(std::min(word.size() + 1, line.size()));
+  return word;
+}
+
+template <typename Number>
+Number next_number(std::string_view& line, int base) {
+  const std::string_view word = next_word(line);
+  Number value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value, base);
+  if (error != std::errc{} || end != word.data() + word.size())
+    throw std::invalid_argument(fmt::format("source map: \"{}\" is no number", word));
+  return value;
+}
+
+}  // namespace
+
+std::string source_map(const Image& image, const std::filesystem::path& base) {
+  std::string out;
+  for (const std::string& file : image.files)
+    out += fmt::format("file {}\n", std::filesystem::path(file).lexically_proximate(base).generic_string());
+  for (const LineRecord& line : image.lines) {
+    out += fmt::format("line {:x} {} {} {} {}\n", line.address, line.section, line.file, line.line, line.text);
+    if (!line.second.empty()) out += fmt::format("second {}\n", line.second);
+  }
+  return out;
+}
+
+void add_source_text(Image& image, const std::filesystem::path& beside) {
+  std::vector<std::vector<std::string>> texts(image.files.size());
+  std::set<std::uint32_t> wanted;
+  for (const LineRecord& line : image.lines) wanted.insert(line.file);
+  for (const std::uint32_t file : wanted) {
+    const std::filesystem::path name(image.files[file]);
+    std::vector<std::string>& lines = texts[file];
+    for (const std::filesystem::path& path : {name, beside / name, beside / name.filename()}) {
+      std::error_code error;
+      if (!std::filesystem::is_regular_file(path, error)) continue;
+      std::istringstream text(io::read_input(path).text);
+      for (std::string line; std::getline(text, line);) lines.push_back(std::move(line));
+      break;
+    }
+  }
+  for (LineRecord& line : image.lines) {
+    const std::vector<std::string>& lines = texts[line.file];
+    if (line.line >= 1 && static_cast<std::size_t>(line.line) <= lines.size())
+      line.text = lines[static_cast<std::size_t>(line.line) - 1];
+  }
+}
+
+void add_source_map(Image& image, std::string_view map) {
+  image.files.clear();
+  image.lines.clear();
+  while (!map.empty()) {
+    std::string_view line = map.substr(0, map.find('\n'));
+    map.remove_prefix(std::min(line.size() + 1, map.size()));
+    const std::string_view what = next_word(line);
+    if (what == "file") {
+      image.files.emplace_back(line);
+      continue;
+    }
+    if (what == "second" && !image.lines.empty()) {
+      image.lines.back().second = line;
+      continue;
+    }
+    if (what != "line") throw std::invalid_argument(fmt::format("source map: \"{}\" begins no line of one", what));
+    LineRecord record;
+    record.address = next_number<Address>(line, 16);
+    record.section = next_number<std::uint32_t>(line, 10);
+    record.file = next_number<std::uint32_t>(line, 10);
+    record.line = next_number<int>(line, 10);
+    record.text = line;
+    image.lines.push_back(std::move(record));
+  }
+}
+
+}  // namespace toolchain

@@ -1,0 +1,44 @@
+#include "toolchain/syntax/diagnostics.hpp"
+
+#include <fmt/format.h>
+
+namespace toolchain {
+namespace {
+
+std::string join(const std::vector<Diagnostic>& diagnostics) {
+  std::string out;
+  for (const Diagnostic& diagnostic : diagnostics) {
+    if (!out.empty()) out += '\n';
+    out += diagnostic.format();
+  }
+  return out;
+}
+
+/// Blanks up to the caret; tabs are kept so that it stands under its column on any terminal.
+std::string indentation(std::string_view text, std::size_t width) {
+  std::string out;
+  for (std::size_t i = 0; i < width; ++i) out += i < text.size() && text[i] == '\t' ? '\t' : ' ';
+  return out;
+}
+
+}  // namespace
+
+std::string Diagnostic::format() const {
+  std::string out = fmt::format("{}:{}:{}: {}: {}\n  {}\n  {}^", file, line, column, warning ? "warning" : "error",
+                                message, text, indentation(text, static_cast<std::size_t>(column - 1)));
+  for (const std::string& note : notes) out += "\n  " + note;
+  return out;
+}
+
+Diagnostic make_diagnostic(const SourceLine& line, std::size_t offset, std::string message, bool warning) {
+  Diagnostic diagnostic{*line.file, line.number, static_cast<int>(offset) + 1, warning, std::move(message),
+                        line.text,  {}};
+  for (const SourceLine* from = line.expanded_from.get(); from != nullptr; from = from->expanded_from.get())
+    diagnostic.notes.push_back(fmt::format("expanded from {}:{}: {}", *from->file, from->number, from->text));
+  return diagnostic;
+}
+
+AssemblyError::AssemblyError(std::vector<Diagnostic> diagnostics)
+    : std::runtime_error(join(diagnostics)), diagnostics_(std::move(diagnostics)) {}
+
+}  // namespace toolchain

@@ -1,0 +1,84 @@
+#pragma once
+// A crane by itself: no dock, no codes, no latches. Motor torques in N m are held over a step; for controllers that
+// bring their own loop.
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "plant/crane/crane_events.hpp"
+#include "plant/scene/wind.hpp"
+
+namespace plant {
+
+struct CraneAloneConfig {
+  CraneParameters crane;
+  CranePose home = {0.0, 12.0, 16.0, 14.0, 0.0};
+  Payload load = {0.0, 0.0};  // besides the spreader: kg, kg m2
+  bool rigid = false;         // level L0
+  double tolerance = 1e-6;    // with order 4 a hundredth of an encoder count (docs/plant.md, From Python)
+  Method method = Method::erk;
+  int order = 4;             // of ERKStep, 3 to 5
+  bool bookkeeping = false;  // State::work is kept: more states to integrate, so other bits
+  SensorParameters sensors;
+  WindParameters wind;
+};
+
+// Derivatives of the coordinates and speeds by the payload's mass (per kg) and by the rope's length at the start (per
+// m).
+struct CraneSensitivity {
+  CraneVector q_by_mass, qd_by_mass, q_by_length, qd_by_length;
+};
+
+class CraneAlone {
+ public:
+  struct State {
+    std::int64_t time = 0;  // ps
+    CraneState crane;
+    CraneInputs inputs;
+    CraneModes modes;
+    std::uint32_t faulted = 0;  // drives that were given a torque that is no number
+    bool swung_out = false;     // a sway angle passed 40 degrees: all drives are off
+    Work work;                  // since the last reset, with bookkeeping
+  };
+  struct Event {
+    std::int64_t time;  // ps
+    CraneEvent::Kind kind;
+    int joint;
+  };
+  static constexpr double longest_step = 60.0;  // s
+
+  explicit CraneAlone(const CraneAloneConfig&);
+  // Goes on by `seconds`, 0 to longest_step (0 changes nothing but a drive's fault). Torques beyond 1.5 x rated
+  // saturate; one that is no finite number faults its drive, whose brake closes until reset.
+  void step(const Joints& torque, double seconds);
+  void set_load(const Payload& load);  // besides the spreader; positions and speeds stay
+  void reset(const CraneVector& q, const CraneVector& qd,
+             const Joints& torque);  // the motors', within what they can give
+
+  const State& state() const { return state_; }
+  void restore(const State& state);
+  const CraneAloneConfig& config() const { return config_; }
+  const Crane& crane() const { return motion_.crane(); }
+  CraneVector acceleration() const { return motion_.acceleration(state_.crane, state_.inputs); }
+  const std::vector<Event>& events() const { return events_; }  // since the start or the last reset or restore
+  double energy() const;                                        // J
+  std::array<std::uint32_t, joint_count> encoders() const;      // 24-bit counters
+  std::array<std::int32_t, 2> sway() const;                     // codes, 2048 = 10 degrees; of this instant
+  // By CVODES, over `seconds` from the present state with the torques held; the state stays.
+  // Of state(), which may be that of another crane of this config.
+  CraneMotion::Slope linearize(const State& state) const { return motion_.linearize(state.crane, state.inputs); }
+  CraneSensitivity sensitivity(const Joints& torque, double seconds) const;
+
+ private:
+  void piece(double at, double seconds);
+  void brake_off_drives();
+
+  CraneAloneConfig config_;
+  CraneMotion motion_;
+  Wind wind_;
+  State state_;
+  std::vector<Event> events_;
+  std::vector<CraneEvent> happenings_;  // scratch
+};
+
+}  // namespace plant

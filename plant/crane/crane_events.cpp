@@ -1,0 +1,195 @@
+#include "plant/crane/crane_events.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace plant {
+namespace {
+
+constexpr int most_events = 64;  // of one interval; more is a chatter that the next grid point ends
+
+struct Candidate {
+  CraneRoot root;
+  CraneEvent::Kind kind;
+  std::size_t joint;
+};
+
+class Interval {
+ public:
+  Interval(CraneMotion& motion, CraneState& state, CraneInputs& inputs, CraneModes& modes,
+           std::vector<CraneEvent>& happenings, Work* work)
+      : motion_(motion),
+        c_(state),
+        in_(inputs),
+        modes_(modes),
+        happenings_(happenings),
+        work_(work),
+        p_(motion.crane().parameters()) {}
+
+  void advance(double seconds) {
+    double at = 0.0;
+    for (int i = 0; i < most_events; ++i) {
+      if (p_.stiction) settle();
+      CraneState trial = c_;
+      Work done{};
+      if (work_ != nullptr)
+        done = motion_.advance_booked(trial, in_, seconds - at);
+      else
+        motion_.advance(trial, in_, seconds - at);
+      gather(trial);
+      if (count_ == 0 || i + 1 == most_events) {
+        c_ = trial;
+        if (work_ != nullptr) *work_ += done;
+        return;
+      }
+      std::array<CraneRoot, CraneMotion::most_roots> roots{};
+      for (std::size_t k = 0; k < count_; ++k) roots[k] = found_[k]->root;
+      CraneState before = c_;
+      int which = -1;
+      const double gone = motion_.advance_to(c_, in_, seconds - at, {roots.data(), count_}, which);
+      if (work_ != nullptr && gone > 0.0) *work_ += motion_.advance_booked(before, in_, gone);
+      at += gone;
+      if (which < 0) return;  // on the very end of the interval
+      happen(*found_[static_cast<std::size_t>(which)], at);
+      if (at >= seconds) return;
+    }
+  }
+
+ private:
+  bool locked(std::size_t k) const { return (in_.locked >> k & 1U) != 0; }
+
+  void consider(const CraneState& trial, const Candidate& candidate) {
+    const double now = motion_.value(candidate.root, c_, in_);
+    const double then = motion_.value(candidate.root, trial, in_);
+    if (now != 0.0 && now * then <= 0.0 && count_ < found_.size()) found_[count_++] = candidate;
+  }
+
+  // Every event that lies between the present state and the trial's.
+  void gather(const CraneState& trial) {
+    using Kind = CraneRoot::Kind;
+    count_ = 0;
+    for (std::size_t j = 0; j < joint_count; ++j) {
+      const std::size_t k = coordinate_of(j);
+      if (!locked(k)) {
+        if (c_.q[k] > p_.lower[j] && trial.q[k] <= p_.lower[j])
+          consider(trial, {{Kind::position, k, p_.lower[j]}, CraneEvent::Kind::limit, j});
+        if (c_.q[k] < p_.upper[j] && trial.q[k] >= p_.upper[j])
+          consider(trial, {{Kind::position, k, p_.upper[j]}, CraneEvent::Kind::limit, j});
+        if (in_.sliding[j] != 0) consider(trial, {{Kind::speed, k, 0.0}, CraneEvent::Kind::stuck, j});
+      } else if ((modes_.stuck >> j & 1U) != 0) {
+        consider(
+            trial,
+            {{Kind::sticking, j, motion_.crane().static_friction(static_cast<int>(j))}, CraneEvent::Kind::slipped, j});
+      }
+    }
+    if (locked(Q_ALPHA)) return;
+    for (const std::size_t k : {std::size_t{Q_ALPHA}, std::size_t{Q_BETA}}) {
+      if (std::fabs(trial.q[k]) < widest_sway || std::fabs(c_.q[k]) >= widest_sway) continue;
+      consider(trial, {{Kind::position, k, std::copysign(widest_sway, trial.q[k])}, CraneEvent::Kind::swung_out, k});
+    }
+    const CraneRoot tension{Kind::tension, Q_L, 0.0};
+    if (modes_.watch_rope && motion_.value(tension, trial, in_) <= 0.0 && motion_.value(tension, c_, in_) > 0.0)
+      consider(trial, {tension, CraneEvent::Kind::slack, joint_count});
+  }
+
+  void happen(const Candidate& what, double at) {
+    int joint = static_cast<int>(what.joint);
+    const std::uint32_t bit = 1U << what.joint;
+    switch (what.kind) {
+      case CraneEvent::Kind::limit:
+        c_.q[what.root.index] = what.root.level;
+        stop(what.root.index);
+        if ((modes_.at_limit & bit) != 0) return;
+        modes_.at_limit |= bit;
+        break;
+      case CraneEvent::Kind::stuck:
+        c_.qd[what.root.index] = 0.0;
+        if (!stick(what.joint)) return;
+        break;
+      case CraneEvent::Kind::slipped: break_away(what.joint); break;
+      case CraneEvent::Kind::slack: joint = -1; break;
+      case CraneEvent::Kind::swung_out: break;
+    }
+    happenings_.push_back({what.kind, joint, at});
+  }
+
+  void stop(std::size_t k) {
+    const double before = work_ == nullptr ? 0.0 : motion_.crane().kinetic_energy(c_.q, c_.qd, in_.payload);
+    motion_.stop(c_, in_, k);
+    if (work_ != nullptr) work_->impacts += before - motion_.crane().kinetic_energy(c_.q, c_.qd, in_.payload);
+  }
+
+  // ---- dry friction. A joint at rest sticks if friction can hold it there, else it slides where it is pushed.
+  void settle() {
+    for (std::size_t j = 0; j < joint_count; ++j) {
+      const std::size_t k = coordinate_of(j);
+      if (in_.braked[j]) in_.sliding[j] = 0;
+      if (in_.braked[j] || locked(k)) continue;
+      const double speed = c_.qd[k];
+      if (speed != 0.0)
+        in_.sliding[j] = speed > 0.0 ? 1 : -1;
+      else if (in_.sliding[j] == 0)
+        stick(j);
+    }
+  }
+
+  bool stick(std::size_t j) {
+    in_.locked |= 1U << coordinate_of(j);
+    in_.sliding[j] = 0;
+    modes_.stuck |= 1U << j;
+    const double force = motion_.sticking_force(c_, in_, j);
+    if (std::fabs(force) <= motion_.crane().static_friction(static_cast<int>(j))) return true;
+    break_away(j);
+    return false;
+  }
+
+  void break_away(std::size_t j) {
+    const double force = motion_.sticking_force(c_, in_, j);
+    in_.locked &= ~(1U << coordinate_of(j));
+    in_.sliding[j] = force > 0.0 ? -1 : 1;
+    modes_.stuck &= ~(1U << j);
+  }
+
+  CraneMotion& motion_;
+  CraneState& c_;
+  CraneInputs& in_;
+  CraneModes& modes_;
+  std::vector<CraneEvent>& happenings_;
+  Work* work_;
+  const CraneParameters& p_;
+  std::array<std::optional<Candidate>, CraneMotion::most_roots> found_{};
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+void advance_with_events(CraneMotion& motion, CraneState& state, CraneInputs& inputs, CraneModes& modes, double seconds,
+                         std::vector<CraneEvent>& happenings, Work* work) {
+  Interval(motion, state, inputs, modes, happenings, work).advance(seconds);
+}
+
+std::uint32_t rest_in_stops(const CraneMotion& motion, CraneState& state, const CraneInputs& inputs,
+                            CraneModes& modes) {
+  const CraneParameters& p = motion.crane().parameters();
+  std::uint32_t arrived = 0;
+  for (std::size_t j = 0; j < joint_count; ++j) {
+    const std::size_t k = coordinate_of(j);
+    const std::uint32_t bit = 1U << j;
+    const double low = p.lower[j];
+    const double high = p.upper[j];
+    double& q = state.q[k];
+    if (q > low && q < high) {
+      modes.at_limit &= ~bit;
+      continue;
+    }
+    arrived |= bit & ~modes.at_limit;
+    modes.at_limit |= bit;
+    q = std::clamp(q, low, high);
+    const double speed = state.qd[k];
+    if ((q <= low && speed < 0.0) || (q >= high && speed > 0.0)) motion.stop(state, inputs, k);
+  }
+  return arrived;
+}
+
+}  // namespace plant

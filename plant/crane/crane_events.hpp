@@ -1,0 +1,37 @@
+#pragma once
+// The crane over an interval in which things happen: joints run into their ends, stick and break away, the rope goes
+// slack, the load swings out. Each is found as a root by the integrator; the rest of the interval is integrated from
+// there. An interval whose ends show no change of sign costs nothing more.
+//
+// Inaccuracies: what changes its sign twice within one interval (125 us in the dock, 1 ms in CraneAlone) is not seen. A
+// joint that rests in its end stop is put back on it at each grid point, not held there by a constraint.
+#include <cstdint>
+#include <vector>
+
+#include "plant/crane/crane_motion.hpp"
+
+namespace plant {
+
+inline constexpr double widest_sway = 40.0 * std::numbers::pi / 180.0;  // rad, beyond which the drives are switched off
+
+struct CraneEvent {
+  enum class Kind : std::uint8_t { limit, stuck, slipped, slack, swung_out } kind;
+  int joint;  // or the sway coordinate, or -1
+  double at;  // s after the interval's start
+};
+
+struct CraneModes {
+  std::uint32_t at_limit = 0;  // joints in their end stops
+  std::uint32_t stuck = 0;     // joints held by dry friction; their bits of CraneInputs::locked are set
+  bool watch_rope = false;     // look for a rope that goes slack
+};
+
+// Moves on by `seconds`. `work`, if given, gets what was done meanwhile added.
+void advance_with_events(CraneMotion&, CraneState&, CraneInputs&, CraneModes&, double seconds, std::vector<CraneEvent>&,
+                         Work* work = nullptr);
+
+// At a grid point: what rests in or beyond an end stop is put back on it and moves no further out. Returns the joints
+// (bits) that have come to one since.
+std::uint32_t rest_in_stops(const CraneMotion&, CraneState&, const CraneInputs&, CraneModes&);
+
+}  // namespace plant

@@ -1,0 +1,119 @@
+#pragma once
+// The crane moving: equations of motion, drives, friction and brakes, integrated over an interval in which the commands
+// are held.
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <numbers>
+#include <span>
+
+#include "plant/crane/crane.hpp"
+#include "plant/numerics/integrator.hpp"
+
+namespace plant {
+
+struct CraneState {
+  CraneVector q{}, qd{};
+  Joints torque{};     // motor side, N m, behind the current loop's lag
+  double step = 1e-4;  // s, with which the integrator begins
+};
+
+// The sway angles, as bits of CraneInputs::locked.
+inline constexpr unsigned sway_coordinates = 1U << Q_ALPHA | 1U << Q_BETA;
+
+// What is held while the crane moves.
+struct CraneInputs {
+  Joints command{};                        // motor torque, N m
+  std::array<bool, joint_count> braked{};  // brake closed and slipping
+  unsigned locked = 0;                     // coordinates held at rest: brakes that hold, sway angles at L0 and L2
+  Payload payload{};
+  CraneVector external{};  // generalised forces besides the drives
+  std::array<std::int8_t, joint_count>
+      sliding{};  // stiction: the direction in which dry friction is exact; 0: friction is smoothed
+};
+
+// What changes its sign at an event.
+struct CraneRoot {
+  enum class Kind : std::uint8_t { position, speed, sticking, tension } kind;
+  std::size_t index = 0;  // coordinate; of sticking_force's magnitude, joint
+  double level = 0.0;     // subtracted from it
+};
+
+// Where energy went over an interval, J.
+struct Work {
+  double motors = 0.0;  // delivered at the motors' shafts
+  double gears = 0.0;   // lost between shaft and joint; negative where the load drives the motor (plant-and-bus.md 1.3)
+  double friction = 0.0;  // lost in the joints, slipping brakes included
+  double damping = 0.0;   // lost by the sway
+  double external = 0.0;  // done by CraneInputs::external
+  double impacts = 0.0;   // lost in end stops and by closing brakes
+  double stored() const {
+    return motors - gears - friction - damping + external - impacts;
+  }  // by how much the crane's energy grew
+  Work& operator+=(const Work& b) {
+    motors += b.motors, gears += b.gears, friction += b.friction, damping += b.damping, external += b.external,
+        impacts += b.impacts;
+    return *this;
+  }
+};
+
+class CraneMotion {
+ public:
+  CraneMotion(const CraneParameters&, const Integrator::Settings&);
+  const Crane& crane() const { return crane_; }
+
+  void advance(CraneState&, const CraneInputs&, double seconds);
+  CraneVector acceleration(const CraneState&, const CraneInputs&) const;
+  // Forces that the locked coordinates' brakes must hold, 0 for the free ones.
+  CraneVector holding_force(const CraneState&, const CraneInputs&) const;
+
+  // What dry friction must supply to keep a locked joint at rest against its own motor and all else.
+  double sticking_force(const CraneState&, const CraneInputs&, std::size_t joint) const;
+
+  double value(const CraneRoot&, const CraneState&, const CraneInputs&) const;
+  // Stops at the first root; returns the seconds gone, and in `which` the root or -1.
+  double advance_to(CraneState&, const CraneInputs&, double seconds, std::span<const CraneRoot>, int& which);
+  // The same as advance, with the work integrated as further states.
+  Work advance_booked(CraneState&, const CraneInputs&, double seconds);
+  // Steps of a fixed size (tests of the order).
+  void advance_fixed(CraneState&, const CraneInputs&, double seconds, double step);
+  // Brings one coordinate to rest by an impulse there; the others feel it through the crane's inertia.
+  void stop(CraneState&, const CraneInputs&, std::size_t coordinate) const;
+  // CVODES' forward sensitivities: derivatives of (q, qd) after `seconds` by the payload's mass and by the rope's
+  // length at the start.
+  std::array<std::array<double, 2 * crane_size>, 2> sensitivity(const CraneState&, const CraneInputs&,
+                                                                double seconds) const;
+
+  // d (qd, qdd) / d (q, qd, torque), by central differences of fourth order; rows and columns of locked coordinates are
+  // 0.
+  using Slope = std::array<std::array<double, 2 * crane_size + joint_count>, 2 * crane_size>;
+  Slope linearize(const CraneState&, const CraneInputs&) const;
+
+  static constexpr std::size_t size =
+      2 * crane_size;  // what is integrated: q and qd; the torques' lag is solved exactly
+  static constexpr std::size_t most_roots = 2 * joint_count + 4 + joint_count + 1;
+
+ private:
+  static constexpr std::size_t booked_size = size + 5;
+  using Packed = std::array<double, size>;
+  static void derivative(void* self, double t, const double* y, double* yd);
+  static void booked_derivative(void* self, double t, const double* y, double* yd);
+  static void root_values(void* self, double t, const double* y, double* values);
+  static Packed pack(const CraneState&);
+  static void unpack(std::span<const double>, CraneState&);
+  void begin(const CraneState&, const CraneInputs&);
+  Joints torque_at(double t) const;  // N m, so long after the call's beginning
+  CraneVector applied_force(const CraneVector& q, const CraneVector& qd, const Joints& torque,
+                            const CraneInputs&) const;
+
+  Crane crane_;
+  Integrator::Settings settings_;
+  Packed absolute_;
+  Integrator integrator_;
+  std::unique_ptr<Integrator> finder_, booker_;  // made when first needed
+  const CraneInputs* inputs_ = nullptr;
+  Joints torque_{};  // at the call's beginning
+  std::span<const CraneRoot> roots_;
+};
+
+}  // namespace plant

@@ -1,0 +1,252 @@
+#pragma once
+// The dock in time: crane, AGVs, containers, their drives and sensors. Knows no controller.
+//
+// The dock is advanced lazily. Its grid is the drives' 8-kHz latch; what it does depends on that grid and on what was
+// written, never on who reads what when. Calls come in nondecreasing t. A write takes effect at the first latch
+// strictly after its t; a read at t gives what the sensor shows at t (encoders: interpolated to the instant and
+// floored; sway: its own 100-Hz sample, 10 ms late).
+//
+// Inaccuracies: docs/plant.md, last section.
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "plant/parameters/config.hpp"
+#include "plant/parameters/device_codes.hpp"
+
+namespace state {
+class Visitor;
+}
+
+namespace plant {
+
+using Time = std::chrono::duration<std::int64_t, std::pico>;
+inline constexpr Time latch_period{125'000'000};  // 8 kHz
+inline constexpr double latch_seconds = 125e-6;
+inline constexpr std::int64_t agv_latches = 8;    // AGVs move on a 1-ms grid
+inline constexpr std::int64_t tick_latches = 80;  // 100 Hz: AGV drives, sway sensor
+
+enum class EventKind : std::uint8_t {
+  near_contact,   // the payload became a body: values = clearance m, energy jump J
+  free_again,     // it hangs on the ideal rope again: values = clearance m, energy jump J
+  touch,          // first contact: values = vertical speed, horizontal speed m/s (down positive)
+  hard_landing,   // that touch was outside the tolerances: same values
+  landed,         // all four corner switches closed
+  lifted,         // all four open again
+  locked,         // twist locks locked; index = container, -1: none under the spreader
+  opened,         // twist locks open; index = container that was let go, -1: none
+  refused,        // the twist locks turned back: landing lost, or command changed, before they were done
+  set_on_agv,     // container index stands on AGV values[0]
+  agv_dry,        // AGV index: its set-points ran dry while driving
+  agv_overflow,   // AGV index: a set-point was pushed into a full FIFO and dropped
+  agv_arrived,    // AGV index stands loaded in the warehouse spot
+  delivered,      // container index, taken from AGV values[0] by the warehouse
+  joint_limit,    // joint index ran into its end stop
+  drive_stopped,  // drive index: no torque code came for drive_timeout; its brake closes until one comes
+  drive_resumed,  // drive index takes codes again
+  drive_tripped,  // drive index: values = why (0 too fast, 1 too long at its largest code, 2 too hot), heat of its
+                  // thermal model
+  drive_warm,     // drive index: values = heat, above what the rated torque comes to (1)
+  fault,          // the sway passed 40 degrees: values = alpha, beta rad; the drives are off from here on
+  joint_stuck,    // joint index came to rest and sticks (stiction)
+  joint_slipped,  // joint index broke away
+  collision,      // AGV index ran into something: values = closing speed m/s, the other AGV or -1
+  missed,  // a touch came to nothing and is to be tried again: index = attempts so far, values = lateral error m, yaw
+           // error rad
+};
+const char* name(EventKind);
+
+struct Event {
+  Time time;
+  EventKind kind;
+  int index;
+  std::array<double, 2> values;
+};
+
+enum class ContainerState : std::uint8_t { on_ship, carried, on_agv, on_ground, delivered };
+
+struct ContainerStatus {
+  ContainerState state;
+  int agv;                   // carrier, or -1
+  double x, y, z, yaw;       // m, rad: centre of the top
+  std::array<double, 3> up;  // unit vector out of the top: what stands on a rolling ship tilts with it
+  double mass;               // kg
+};
+
+// Where a container's change of hands stands.
+enum class HandoverPhase : std::uint8_t {
+  free,     // hangs on the ideal rope
+  align,    // near something to land on
+  landed,   // all four corners closed
+  lock,     // twist locks turning
+  tension,  // they have turned; the rope takes the weight
+  lift,     // off the surface
+};
+const char* name(HandoverPhase);
+
+struct Handover {
+  HandoverPhase phase;
+  bool releasing;  // a container is under the spreader (in tension and lift: was set down)
+  int attempts;    // touches since the payload last hung free; more than 1 are retries
+};
+
+// What a change of the payload's model or mass did to energy and momentum.
+struct Momentum {
+  std::array<double, 3> payload;  // kg m/s
+  double spin;                    // kg m2/s of the payload about its own vertical
+  double travel, slewing;         // of everything: along the quay, kg m/s, and about the slewing axis, kg m2/s
+};
+struct PayloadChange {
+  Time time;
+  EventKind kind;                      // near_contact, free_again, locked (attached), opened (detached)
+  int container;                       // or -1
+  double energy_before, energy_after;  // J, crane and payload; of what was detached or attached too, if it moved
+  Momentum before, after;
+};
+
+struct AgvSignal {
+  double x, y, heading, speed, yaw_rate, front, rear, speed_command;
+};
+
+// One row of the recorded signals, taken at a latch. q in joint units.
+struct Signal {
+  Time time;
+  std::array<double, joint_count> q, qd, torque;  // torque: motor side, N m, behind the lag
+  std::array<int, joint_count> code;              // as latched
+  double alpha, beta;                             // rad
+  std::array<double, 3> tip, payload;             // m
+  double yaw;                                     // rad, payload in the world
+  double tension;                                 // N, sum of the falls
+  bool contact;
+};
+
+// Where crane and load are: what of a Signal costs little.
+struct Place {
+  std::array<double, joint_count> q;
+  double alpha, beta;             // rad
+  std::array<double, 3> payload;  // m
+};
+
+// How the load and the ship lie.
+struct Attitude {
+  std::array<double, 3> load_up;     // unit vector out of the load's top: what is near contact is a body and tilts
+  std::array<double, 3> ship_shift;  // m from where the ship lies in calm water
+  std::array<double, 3> ship_up;     // unit vector out of its deck; the ship does not turn about it
+};
+
+struct DockState;  // everything that the dock's future depends on; plant/dock/state.hpp
+
+class Dock {
+ public:
+  explicit Dock(const DockConfig&);  // throws std::invalid_argument saying which value is wrong
+  ~Dock();
+  Dock(const Dock&) = delete;
+  Dock& operator=(const Dock&) = delete;
+
+  void advance_to(Time);
+  Time time() const;        // as far as the dock was advanced
+  Time next_event() const;  // its next latch
+  const DockConfig& config() const;
+
+  // ---- crane drives and sensors (units: c40_programs/include/devices.inc)
+  void set_torque_code(int joint, int code,
+                       Time);  // of torque_bits (clamped); largest_torque_code = the drive's maximum_torque()
+  void enable_drives(std::uint32_t mask, Time);  // bit j; a disabled drive has no torque and its brake holds
+  std::uint32_t encoder(int joint, Time);        // encoder_bits of encoder_total
+  // A failed drive has no torque and its brake holds, whatever is written.
+  void fail_drive(int joint, bool failed, Time);
+  // A failed sensor goes on showing what it shows at this time.
+  void fail_encoder(int joint, bool failed, Time);
+  void fail_sway(int axis, bool failed, Time);
+  std::int64_t encoder_total(int joint, Time);  // the same count since joint zero, not wrapped (for start-up)
+  std::int32_t sway(int axis, Time);  // 0 alpha (radial), 1 beta (tangential); sway_codes = the sensor's range
+  // Ready; fault (failed, tripped, or the dock's own fault); no torque code for drive_timeout; brake closed:
+  // drive_ready ... drive_brake.
+  std::uint32_t drive_status(int joint, Time);
+  std::int32_t drive_speed(int joint, Time);  // the drive's own estimate of its motor's speed: rated_units = rated
+  // Why it tripped last, until it is switched on again: trip_overspeed, trip_saturation, trip_heat; trip_warning:
+  // warmer than the rated torque makes it.
+  std::uint32_t drive_trip(int joint, Time);
+  std::int32_t drive_heat(int joint, Time);  // its thermal model: rated_units is what the rated torque comes to
+  std::int32_t load_cell(Time);              // kg on the rope, in steps of 10; sampled with the sway
+  std::int32_t second_sway(int axis, Time);  // as sway(), with a noise of its own
+  std::int32_t wind_mean(Time);              // mm/s along the wind's direction, mean of the last 3 s
+  void fail_drive_status(int joint, bool failed, Time);
+  void fail_drive_speed(int joint, bool failed, Time);
+  void fail_load_cell(bool failed, Time);
+  void fail_second_sway(int axis, bool failed, Time);
+  void fail_anemometer(bool failed, Time);
+  void spreader_command(std::uint32_t, Time);  // 1 lock, 0 open
+  std::uint32_t spreader_status(Time);         // spreader_corners, spreader_locked, spreader_open
+
+  // ---- bay scanner, mm
+  std::int32_t scan_rows() const;
+  void select_row(std::int32_t row, Time);
+  std::int32_t scan_y(Time);
+  std::int32_t scan_x0() const;
+  std::int32_t scan_dx() const;
+  std::int32_t scan_deck() const;
+  std::int32_t profile(
+      int i,
+      Time);  // 0 .. scan_count - 1: mean height of a cell scan_dx long of the selected row, floored to scan_quantum
+
+  // ---- AGV units
+  int agv_count() const;
+  std::int32_t agv_x(int agv, Time);  // mm
+  std::int32_t agv_y(int agv, Time);
+  std::int32_t agv_heading(int agv, Time);  // microradians, -pi..pi
+  std::int32_t agv_speed(int agv, Time);    // mm/s
+  std::uint32_t agv_status(int agv, Time);  // agv_waiting ... agv_bumper
+  // Range sensor in front of the vehicle, looking ahead in a horizontal plane: ray 0 .. range_rays - 1, from the right
+  // to the left.
+  std::int32_t agv_range(int agv, int ray, Time);  // mm in steps of 8; range_most: nothing within it; 0: no valid echo
+  std::uint32_t range_scan(int agv, Time);         // number of the scan that agv_range shows
+  // mm from the vehicle's front to the nearest echo of that scan in its way, as the protective field reckons it;
+  // range_most: none.
+  std::int32_t range_way(int agv, Time);
+  std::int32_t range_mount() const;  // mm ahead of the vehicle's centre
+  void agv_period(int agv, std::uint32_t microseconds, Time);
+  // Speed mm/s, steering microradians; the machine keeps the first two registers and calls this at the write of the
+  // third. A vehicle with differential drive takes them for the turning that they would give a steered one.
+  void agv_push(int agv, std::int32_t speed, std::int32_t front, std::int32_t rear, Time);
+  void agv_push_wheels(int agv, std::int32_t left, std::int32_t right, Time);  // mm/s, differential drive only
+  // After a collision: the bumper is back, set-points are taken again.
+  void agv_reset_bumper(int agv, Time);
+
+  // ---- what an observer may see (true values, no sensors)
+  const std::vector<Event>& events() const;  // in order of time, since the start
+  std::vector<ContainerStatus> containers() const;
+  AgvSignal agv(int index) const;              // at the last latch
+  Signal signal() const;                       // at the last latch
+  Place place() const;                         // at the last latch
+  Attitude attitude() const;                   // at the last latch
+  const std::vector<Signal>& signals() const;  // recorded each config.signal_decimation latches, long runs' less often
+  const std::vector<std::vector<AgvSignal>>& agv_signals() const;  // same rows, per AGV
+  int delivered() const;                                           // containers
+  Handover handover() const;
+  const std::vector<PayloadChange>& switches()
+      const;  // bookkeeping of every hand-over between levels and of every attach and detach
+  bool faulted() const;
+  bool braked() const;          // no drive is on: brakes hold every joint, or are bringing it to rest
+  double payload_mass() const;  // kg on the rope, spreader included
+  double energy() const;        // J, crane and payload, kinetic and potential
+  void on_latch(std::function<void(Time, std::span<const int>)>);  // after each latch: the codes taken
+  void on_event(std::function<void(const Event&)>);
+
+  // ---- state: complete; restoring and going on equals never having stopped, bit for bit. Taken at the last latch.
+  std::shared_ptr<const DockState> snapshot() const;
+  void restore(const DockState&);  // of a dock with the same config
+  // The same with what has been recorded so far: events, switches, signals. Loads into a dock with the same config.
+  void list_state(state::Visitor& list);
+  std::array<std::uint64_t, 2> state_hash() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> self_;
+};
+
+}  // namespace plant

@@ -1,0 +1,117 @@
+#pragma once
+// What happens at each latch: dock_core.cpp in what order, dock_drives.cpp, dock_payload.cpp and dock_agvs.cpp each its
+// part. Private to the dock.
+#include <array>
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "plant/dock/dock.hpp"
+#include "plant/dock/state.hpp"
+#include "plant/landing/landing.hpp"
+#include "plant/scene/wind.hpp"
+#include "plant/vehicles/traffic.hpp"
+
+namespace plant {
+
+inline bool bit(std::uint32_t mask, std::size_t i) { return (mask >> i & 1U) != 0; }
+
+class DockCore {
+ public:
+  explicit DockCore(const DockConfig&);
+
+  void step();                // to the next latch
+  const CraneState& ahead();  // the crane at the next latch, integrated when first asked for
+  void meet_happenings();     // those of the interval that ends
+  void report(Time, EventKind, int index = -1, double first = 0.0, double second = 0.0);
+  void forget_ahead() { ahead_.reset(); }
+  // What the range sensor of an AGV shows now.
+  const Geometry::Scan& scan(std::size_t agv);
+  void forget_scans() { fresh_.clear(); }
+  std::uint32_t scan_number(std::size_t agv) const;
+  SampleClock unit_clock(std::size_t agv) const {
+    return agv < config.unit_clocks.size() ? config.unit_clocks[agv] : SampleClock{};
+  }
+  void list_records(state::Visitor& list);  // what has been recorded: nothing that the dock does depends on it
+  Time now() const { return state.latch * latch_period; }
+  Place make_place() const;
+  Signal make_signal() const;
+  AgvSignal make_agv_signal(std::size_t index) const;
+  double energy() const;
+  Momentum momentum() const;
+  bool accepted() const { return !config.landing.strict || state.handover.accepted; }  // the landing's corners count
+  double drum(const CraneState&, std::size_t joint) const;  // joint position as its encoder sees it
+  // Instruments (dock_instruments.cpp), as they show at the last latch.
+  std::uint32_t drive_status(std::size_t joint) const;
+  std::int32_t drive_speed(std::size_t joint) const;
+  std::uint32_t drive_trip(std::size_t joint) const;  // dock_trips.cpp
+  std::int32_t drive_heat(std::size_t joint) const;
+  std::int32_t wind_mean(double seconds) const;
+
+  DockConfig config;
+  CraneMotion crane;
+  AgvMotion agv_motion;
+  Traffic traffic;
+  Landing landing;
+  mutable Wind wind;  // what it remembers changes no value
+  DockState state;
+  std::vector<Event> events;
+  std::vector<PayloadChange> switches;
+  std::vector<Signal> signals;
+  std::vector<std::vector<AgvSignal>> agv_signals;
+  std::function<void(Time, std::span<const int>)> on_latch;
+  std::function<void(const Event&)> on_event;
+
+ private:
+  void begin_latch();  // everything that happens at the present latch
+  void record_signals();
+  void take_codes();
+  void watch_updates();
+  void protect_drives();  // dock_trips.cpp
+  bool count_swings(std::size_t joint, bool on);
+  void trip(std::size_t joint, Trip);
+  void apply_brakes();
+  void check_limits();
+  void check_fault();
+  void watch_free_payload();
+  void move_payload();
+  void blow();
+  Vector3 wind_force() const;  // N on the load, as it is now
+  void turn_locks();
+  void watch_handover(bool turned);
+  template <class Change>
+  auto booked(EventKind, int container, Change);  // a change of the payload, with what it does to energy and momentum
+  void move_agvs();
+  void look(std::size_t agv);
+  SampleClock range_clock(std::size_t agv) const {
+    return agv < config.sensors.range_clocks.size() ? config.sensors.range_clocks[agv] : SampleClock{};
+  }
+  void serve_warehouse(std::size_t agv);
+  void sample_sway();
+  void sample_instruments(std::int64_t sample);  // with the first sway sensor's
+  std::array<double, 2> sway() const;
+  double tension() const;  // N, sum of the falls
+  void report(EventKind kind, int index = -1, double first = 0.0, double second = 0.0) {
+    report(now(), kind, index, first, second);
+  }
+
+  // The crane at the next latch, and what happens to it until then.
+  struct Ahead {
+    CraneState crane;
+    CraneInputs inputs;
+    CraneModes modes;
+  };
+  std::optional<Ahead> ahead_;
+  std::vector<CraneEvent> happenings_;
+  // The scans of this latch that have been asked for, so that 180 reads cost one.
+  struct Fresh {
+    std::int64_t latch = -1;
+    Geometry::Scan codes{};
+  };
+  std::vector<Fresh> fresh_;
+  std::vector<Solid> solids_;
+  std::int64_t signals_thinned_ = 1;  // so many times config.signal_decimation lie between two rows
+};
+
+}  // namespace plant

@@ -1,0 +1,62 @@
+#pragma once
+// Elementary functions that give the same bits on every x86-64: SLEEF's deterministic ones, one or two at a time. The C
+// library picks variants by CPU. sqrt, floor and fabs are exact everywhere and come from <cmath>. To be included by
+// sources only: the header below is heavy.
+#include <emmintrin.h>
+#include <sleef.h>
+
+#include <cmath>
+#include <numbers>
+#include <span>
+
+#include "plant/numerics/vector.hpp"
+
+namespace plant {
+
+struct SinCos {
+  double sin, cos;
+};
+
+inline SinCos sin_cos(double x) {
+  const auto r = Sleef_cinz_sincosd1_u10purec(x);
+  return {r.x, r.y};
+}
+inline double sin(double x) { return Sleef_cinz_sind1_u10purec(x); }
+inline double cos(double x) { return Sleef_cinz_cosd1_u10purec(x); }
+inline double atan2(double y, double x) { return Sleef_cinz_atan2d1_u10purec(y, x); }
+// Beyond 20 the nearest double is 1 in any case.
+inline double tanh(double x) { return x > 20.0 ? 1.0 : x < -20.0 ? -1.0 : Sleef_cinz_tanhd1_u10purec(x); }
+inline double exp(double x) { return Sleef_cinz_expd1_u10purec(x); }
+// 0 for less than exp(-700).
+inline double small_exp(double x) { return x < -700.0 ? 0.0 : exp(x); }
+
+// Of each, with the bits of the scalar function; two at a time cost little more than one.
+inline void tanh_each(std::span<double> x) {
+  const auto within = [](double at, double value) { return at > 20.0 ? 1.0 : at < -20.0 ? -1.0 : value; };
+  std::size_t i = 0;
+  for (; i + 1 < x.size(); i += 2) {
+    const __m128d two = Sleef_cinz_tanhd2_u10sse2(_mm_loadu_pd(&x[i]));
+    x[i] = within(x[i], _mm_cvtsd_f64(two));
+    x[i + 1] = within(x[i + 1], _mm_cvtsd_f64(_mm_unpackhi_pd(two, two)));
+  }
+  if (i < x.size()) x[i] = tanh(x[i]);
+}
+inline void small_exp_each(std::span<double> x) {
+  const auto within = [](double at, double value) { return at < -700.0 ? 0.0 : value; };
+  std::size_t i = 0;
+  for (; i + 1 < x.size(); i += 2) {
+    const __m128d two = Sleef_cinz_expd2_u10sse2(_mm_loadu_pd(&x[i]));
+    x[i] = within(x[i], _mm_cvtsd_f64(two));
+    x[i + 1] = within(x[i + 1], _mm_cvtsd_f64(_mm_unpackhi_pd(two, two)));
+  }
+  if (i < x.size()) x[i] = small_exp(x[i]);
+}
+inline double log(double x) { return Sleef_cinz_logd1_u10purec(x); }
+inline double hypot(double x, double y) { return Sleef_cinz_hypotd1_u05purec(x, y); }
+
+inline double wrap_angle(double a) {
+  const double turn = 2.0 * std::numbers::pi;
+  return a - turn * std::floor((a + std::numbers::pi) / turn);
+}
+
+}  // namespace plant

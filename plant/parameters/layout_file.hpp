@@ -1,0 +1,21 @@
+#pragma once
+// A dock's layout as TOML (docs/plant.md, Your own layout).
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "plant/parameters/config.hpp"
+
+namespace plant {
+
+// Its text says file, line and column, what is wrong, and what would be right.
+struct LayoutError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Changes what the text names; the rest of the dock stays. Lanes follow `[[lanes]]`, or the default loop round the new
+// spot and warehouse. Throws LayoutError.
+void apply_layout(DockConfig&, std::string_view text, const std::string& name);
+void load_layout(DockConfig&, const std::string& path);
+
+}  // namespace plant

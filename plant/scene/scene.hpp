@@ -1,0 +1,67 @@
+#pragma once
+// What stands on the dock and what lies below a point: containers wherever they are, AGV decks, the ship, the ground.
+#include <array>
+#include <vector>
+
+#include "plant/dock/dock.hpp"
+#include "plant/scene/ship.hpp"
+#include "plant/vehicles/agv.hpp"
+
+namespace plant {
+
+struct ContainerData {
+  ContainerState state = ContainerState::on_ship;
+  int agv = -1;
+  double x = 0.0, y = 0.0, z = 0.0, yaw = 0.0;  // centre of the underside; on an AGV relative to its centre and heading
+  double mass = 0.0;
+};
+
+// A box turned about the vertical by yaw; on a rolling ship then tilted about the middle of its top.
+struct Solid {
+  double x, y, yaw;       // middle of the top, m, rad
+  double half_x, half_y;  // m
+  double bottom, top;     // z; tilted: of the top's middle, and as much below it as the solid is high
+  double sin_yaw, cos_yaw;
+  enum class Kind : std::uint8_t { ground, ship, container, agv, fixed, mover, crane } kind;
+  int index;           // container, AGV or mover, else -1
+  bool round = false;  // an upright cylinder of radius half_x; what has no use for that takes the box around it
+  double vx = 0.0, vy = 0.0, vz = 0.0;  // of the top's middle, m/s
+  bool tilted = false;
+  Frame tilt{};
+  Vector3 spin{};  // rad/s
+
+  double top_at(double px, double py) const;  // height of the top's plane there
+  Vector3 velocity_at(const Vector3&) const;
+  Vector3 middle() const;  // of the whole solid
+  Frame frame() const;     // its own axes: yaw, then tilt
+};
+
+Solid make_solid(Solid::Kind, int index, double x, double y, double yaw, double half_x, double half_y, double bottom,
+                 double top);
+
+Solid solid_of(Solid::Kind, const Box&);
+Solid solid_of(const AgvParameters&, int index, double x, double y, double heading);
+
+// A container as a solid, wherever it is. What nobody sees (carried, delivered) is where it was last.
+Solid solid_of(const ContainerData&, int index, const std::vector<AgvState>&, const ShipPose&);
+
+// Where a mover is, and how fast, at `seconds`.
+struct MoverPlace {
+  double x, y, vx, vy;
+};
+MoverPlace place_of(const Mover&, double seconds);
+
+// The legs of a crane that stands at `travel` (m) and travels at `speed` (m/s).
+void add_legs(const Portal&, double travel, double speed, std::vector<Solid>& solids);
+
+// Everything solid but the container `without`. Clears and fills `solids`.
+void collect_solids(const DockConfig&, const DockState&, int without, std::vector<Solid>& solids);
+
+bool covers(const Solid&, double x, double y);
+// Whether two turned rectangles overlap when the first is widened by `margin` on every side.
+bool overlaps(const Solid& a, const Solid& b, double margin);
+
+// Mean height of the topmost surface (container or deck) of the bay between two x along the line y, m.
+double bay_height(const DockConfig&, const DockState&, double x_from, double x_to, double y);
+
+}  // namespace plant

@@ -1,0 +1,79 @@
+#pragma once
+// One AGV (plant-and-bus.md 1.5): single-track model with two steered axles, drive and steering lags, or two driven
+// wheels; and its drive unit: a FIFO of set-points, each held for the period, and a speed loop at 100 Hz.
+#include <array>
+#include <cstdint>
+
+#include "plant/dock/dock.hpp"
+#include "plant/numerics/integrator.hpp"
+
+namespace plant {
+
+// With differential drive A_FRONT and A_REAR are the speeds of the left and the right wheel's rim, m/s.
+enum AgvCoordinate : std::uint8_t {
+  A_X,
+  A_Y,
+  A_HEADING,
+  A_SPEED,
+  A_SIDE,
+  A_YAW_RATE,
+  A_FRONT,
+  A_REAR,
+  A_FORCE,
+  agv_size
+};
+inline constexpr AgvCoordinate A_LEFT = A_FRONT, A_RIGHT = A_REAR;
+
+struct AgvSetPoint {
+  double speed, front, rear;  // m/s, rad
+  double turn = 0.0;          // rad/s, of a vehicle with differential drive
+};
+
+struct AgvState {
+  std::array<double, agv_size> y{};  // m, rad, m/s, rad/s, N
+  double step = 1e-3;                // s, with which the integrator begins
+  int container = -1;                // on the deck
+  double load_mass = 0.0, load_inertia = 0.0;
+
+  std::array<AgvSetPoint, agv_queue> fifo{};
+  int waiting = 0;
+  AgvSetPoint current{};        // held now
+  Time period{20'000'000'000};  // each set-point is held for this
+  Time due{0};                  // when the next one is taken; meaningful while running
+  bool running = false;         // set-points are being taken
+  bool dry = false;             // ran dry while driving; cleared when a set-point is taken
+  bool standing = true;         // brakes hold
+  bool bumped = false;          // ran into something: brakes until its bumper is reset
+  double reference = 0.0;       // m/s, ramped
+  double integral = 0.0;        // N
+  double command = 0.0;         // N, to the drive
+  Time served_since{-1};        // standing loaded in the warehouse since, or -1
+};
+
+// What it carries becomes another mass (kg) and inertia (kg m2 about the vertical). A load that comes moves by `motion`
+// (m/s along and across the vehicle, rad/s) and shares its momentum with it, unless brakes hold the vehicle; one that
+// goes takes its share of the momentum along.
+void change_load(AgvState&, const AgvParameters&, double mass, double inertia, const std::array<double, 3>& motion);
+
+class AgvMotion {
+ public:
+  AgvMotion(const AgvParameters&, double tolerance);
+  // Over an interval with the commands held. A standing vehicle only turns its wheels.
+  void advance(AgvState&, double seconds);
+  // The drive unit's 100-Hz tick: speed loop, standing brake. allowed: what the protective field admits forward, m/s.
+  void drive_tick(AgvState&, double allowed) const;
+  // Takes the next set-point if it is due at `now`. True if the FIFO ran dry while driving just now.
+  static bool take_set_point(AgvState&, Time now);
+  static bool push(AgvState&, const AgvSetPoint&);  // false: full, dropped
+
+ private:
+  static void derivative(void* self, double t, const double* y, double* yd);
+  void differential(const double* y, double* yd) const;
+  double mass(const AgvState& s) const { return p_.mass + s.load_mass; }
+
+  AgvParameters p_;
+  Integrator integrator_;
+  const AgvState* state_ = nullptr;
+};
+
+}  // namespace plant
