@@ -2,6 +2,7 @@
 
 #include "c40/handler_tables.hpp"
 #include "isa/hazards.hpp"
+#include "isa/operations.hpp"
 
 namespace c40 {
 namespace {
@@ -113,32 +114,7 @@ class Binder {
     return isa::is_extended(dst) || (set_condition_ && dst != isa::Register::ST);
   }
 
-  bool floating() const {
-    switch (row_.operation) {
-      case Operation::absf:
-      case Operation::addf:
-      case Operation::subf:
-      case Operation::mpyf:
-      case Operation::cmpf:
-      case Operation::negf:
-      case Operation::norm:
-      case Operation::rnd:
-      case Operation::toieee:
-      case Operation::frieee:
-      case Operation::rcpf:
-      case Operation::rsqrf:
-      case Operation::ldf:
-      case Operation::ldfi:
-      case Operation::lde:
-      case Operation::ldm:
-      case Operation::fix:
-      case Operation::float_:
-      case Operation::stf:
-      case Operation::stfi:
-      case Operation::ldf_cond: return true;
-      default: return false;
-    }
-  }
+  bool floating() const { return isa::operation_row(row_.operation).kind == isa::OperationKind::floating; }
 
   Handler single() {
     switch (row_.format) {
@@ -203,32 +179,7 @@ class Binder {
     return op.modn[0] == 4 && op.modn[1] == 4 ? Kind::post : Kind::indirect;
   }
 
-  bool is_control() const {
-    switch (row_.operation) {
-      case Operation::pop:
-      case Operation::popf:
-      case Operation::push:
-      case Operation::pushf:
-      case Operation::nop:
-      case Operation::idle:
-      case Operation::idle2:
-      case Operation::swi:
-      case Operation::iack:
-      case Operation::rpts:
-      case Operation::rptb:
-      case Operation::branch:
-      case Operation::db:
-      case Operation::call:
-      case Operation::laj:
-      case Operation::rets:
-      case Operation::reti:
-      case Operation::trap:
-      case Operation::lat:
-      case Operation::ldep:
-      case Operation::ldpe: return true;
-      default: return false;
-    }
-  }
+  bool is_control() const { return isa::operation_row(row_.operation).kind == isa::OperationKind::control; }
 
   void cost(int taken, int not_taken) {
     out_.taken_cost = taken;

@@ -5,6 +5,9 @@
 #include "isa/decode.hpp"
 
 namespace c40 {
+
+static_assert(cause_count == static_cast<std::size_t>(Cause::halted) + 1 && name(Cause::halted) == "halted",
+              "each cause has one name, in the order of Cause");
 namespace {
 
 /// How many instructions after this one the first of the routine that it calls is executed; 0 if it calls none.

@@ -55,6 +55,8 @@ bool repeats(const Instruction& instruction) {
 namespace {
 constexpr std::array<std::string_view, 8> names{"delay_slot",     "repeat_block", "repeat_nesting", "repeat_single",
                                                 "self_modifying", "interlocked",  "circular",       "reserved"};
+static_assert(names.size() == static_cast<std::size_t>(Rule::reserved) + 1 && names.back() == "reserved",
+              "one name each, in order");
 }  // namespace
 
 std::string_view name(Rule rule) { return names[static_cast<std::size_t>(rule)]; }

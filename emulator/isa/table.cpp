@@ -340,23 +340,8 @@ constexpr bool are_disjoint(std::span<const Row> rows) {
 static_assert(are_disjoint(table), "two rows of the instruction table claim the same word");
 static_assert(are_disjoint(c3x_table), "two rows of the C3x's instruction table claim the same word");
 
-// Same order as the enumeration.
-constexpr std::array<std::string_view, operation_count> operation_names{
-    "none",   "absf",   "absi",  "addc", "addf", "addi",  "and",  "andn",     "ash",      "cmpf",   "cmpi",
-    "fix",    "float",  "lde",   "ldf",  "ldfi", "ldi",   "ldii", "ldm",      "lsh",      "mpyf",   "mpyi",
-    "mpyshi", "mpyuhi", "negb",  "negf", "negi", "norm",  "not",  "or",       "rnd",      "rol",    "rolc",
-    "ror",    "rorc",   "sigi",  "subb", "subc", "subf",  "subi", "tstb",     "xor",      "toieee", "frieee",
-    "rsqrf",  "rcpf",   "lda",   "ldpk", "ldhi", "ldep",  "ldpe", "ldf_cond", "ldi_cond", "lb",     "lbu",
-    "lh",     "lhu",    "lwl",   "lwr",  "mb",   "mh",    "stf",  "stfi",     "sti",      "stii",   "pop",
-    "popf",   "push",   "pushf", "nop",  "idle", "idle2", "swi",  "iack",     "rpts",     "rptb",   "branch",
-    "db",     "call",   "laj",   "rets", "reti", "trap",  "lat",  "lopower",  "maxspeed",
-};
-static_assert(operation_names.back() == "maxspeed");
-
 }  // namespace
 
 std::span<const Row> rows(Cpu cpu) { return cpu == Cpu::c40 ? std::span<const Row>(table) : c3x_table; }
-
-std::string_view name(Operation operation) { return operation_names[static_cast<std::size_t>(operation)]; }
 
 }  // namespace isa

@@ -35,16 +35,24 @@ std::string_view name(NetworkEvent::Kind kind) {
   constexpr std::array<std::string_view, 14> names{"word",     "token", "lost",    "dead",    "cut",
                                                    "restored", "rise",  "fall",    "missed",  "discarded",
                                                    "reset",    "hold",  "release", "pull_out"};
+  static_assert(
+      names.size() == static_cast<std::size_t>(NetworkEvent::Kind::pull_out) + 1 && names.back() == "pull_out",
+      "one name each, in order");
   return names[static_cast<std::size_t>(kind)];
 }
 std::string_view name(ChipStatus status) {
   constexpr std::array<std::string_view, 11> names{"running",   "waiting", "looping", "sleeping",        "halt",
                                                    "idle",      "until",   "fault",   "external_access", "held",
                                                    "pulled_out"};
+  static_assert(names.size() == static_cast<std::size_t>(ChipStatus::pulled_out) + 1 && names.back() == "pulled_out",
+                "one name each, in order");
   return names[static_cast<std::size_t>(status)];
 }
 std::string_view name(NetworkStop::Reason reason) {
   constexpr std::array<std::string_view, 4> names{"ended", "deadlock", "limit", "interrupted"};
+  static_assert(
+      names.size() == static_cast<std::size_t>(NetworkStop::Reason::interrupted) + 1 && names.back() == "interrupted",
+      "one name each, in order");
   return names[static_cast<std::size_t>(reason)];
 }
 

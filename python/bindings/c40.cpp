@@ -21,6 +21,7 @@
 #include "python/bindings/ctrl_c.hpp"
 #include "python/bindings/debug.hpp"
 #include "python/bindings/devices.hpp"
+#include "python/bindings/errors.hpp"
 #include "state/archive.hpp"
 #include "state/file.hpp"
 #include "toolchain/assembler/assembler.hpp"
@@ -480,7 +481,7 @@ void bind_c40(py::module_& core) {
       },
       "Every memory-mapped register: name, address, value after reset, fields (lowest bit, width).");
   bind_float40(m);
-  py::register_exception<state::StateError>(core, "SnapshotError", PyExc_ValueError);
+  python::register_error<state::StateError>(core, "SnapshotError", PyExc_ValueError);
   core.def(
       "to_columns",
       [](std::string rows, std::size_t columns) {

@@ -20,6 +20,7 @@
 #include "plant/dock/dock.hpp"
 #include "python/bindings/bindings.hpp"
 #include "python/bindings/cmrc.hpp"
+#include "python/bindings/errors.hpp"
 #include "report/run_report.hpp"
 #include "report/version.hpp"
 #include "toolchain/objects/image.hpp"
@@ -75,7 +76,7 @@ namespace {
 
 void bind_config(py::module_& m) {
   m.attr("emulator_version") = report::emulator_version;
-  py::register_exception<cmrc::ConfigError>(m, "ConfigError", PyExc_ValueError);
+  python::register_error<cmrc::ConfigError>(m, "ConfigError", PyExc_ValueError);
 
   py::class_<cmrc::Config>(m, "Config", "All parameters of a run (docs/configuration.md).")
       .def(

@@ -1,5 +1,6 @@
 // cmrc._core.debug: stop conditions, steps and time backwards, as values that Python takes.
 #include "python/bindings/debug.hpp"
+#include "python/bindings/errors.hpp"
 
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
@@ -93,7 +94,7 @@ py::list shown(const std::vector<machine::debug::ShownRegister>& all) {
 
 void bind_debug(py::module_& core) {
   auto m = core.def_submodule("debug", "The debugger. Times are picoseconds.");
-  py::register_exception<machine::debug::DebugError>(m, "DebugError", PyExc_ValueError);
+  python::register_error<machine::debug::DebugError>(m, "DebugError", PyExc_ValueError);
   py::class_<PythonDebugger>(m, "Debugger", "Stop conditions, steps and time backwards over chips in one virtual time.")
       .def(
           "places",

@@ -5,11 +5,12 @@
 #include "io/output_file.hpp"
 #include "io/print.hpp"
 #include "python/bindings/bindings.hpp"
+#include "python/bindings/errors.hpp"
 
 void bind_io(py::module_& core) {
   auto m = core.def_submodule("io", "Files that appear whole or not at all.");
-  py::register_exception<io::CannotOpen>(m, "CannotOpen", PyExc_OSError);
-  py::register_exception<io::SameFile>(m, "SameFile", PyExc_ValueError);
+  python::register_error<io::CannotOpen>(m, "CannotOpen", PyExc_OSError);
+  python::register_error<io::SameFile>(m, "SameFile", PyExc_ValueError);
   m.def(
       "write",
       [](const std::filesystem::path& path, const py::bytes& content) {

@@ -16,6 +16,7 @@
 #include "python/bindings/ctrl_c.hpp"
 #include "python/bindings/debug.hpp"
 #include "python/bindings/devices.hpp"
+#include "python/bindings/errors.hpp"
 #include "python/bindings/state.hpp"
 #include "state/archive.hpp"
 #include "state/file.hpp"
@@ -113,7 +114,7 @@ py::dict link_of(const machine::Network& network, std::size_t n) {
 void bind_network(py::module_& core) {
   auto m =
       core.def_submodule("network", "Networks of chips joined by their communication ports. Times are picoseconds.");
-  py::register_exception<machine::NetworkError>(m, "NetworkError", PyExc_ValueError);
+  python::register_error<machine::NetworkError>(m, "NetworkError", PyExc_ValueError);
 
   m.def(
       "chips_of",

@@ -5,6 +5,7 @@
 #include "plant/parameters/check.hpp"
 #include "plant/parameters/layout_file.hpp"
 #include "plant/scene/scene.hpp"
+#include "python/bindings/errors.hpp"
 #include "python/bindings/plant.hpp"
 
 using namespace plant;
@@ -87,7 +88,7 @@ void bind_docks(py::module_& m) {
               FIELD(method) FIELD(tolerance) FIELD(signal_decimation) FIELD(signal_rows_max);
   m.def("default_dock", &default_dock, py::arg("agv_count") = 1, "the dock of docs/plant.md");
   m.def("gantry_dock", &gantry_dock, py::arg("agv_count") = 1, "the dock with a ship-to-shore gantry");
-  py::register_exception<LayoutError>(m, "LayoutError", PyExc_ValueError);
+  python::register_error<LayoutError>(m, "LayoutError", PyExc_ValueError);
   m.def("apply_layout", &apply_layout, py::arg("config"), py::arg("text"), py::arg("name") = "layout",
         "a layout in TOML into a DockConfig");
   m.def("load_layout", &load_layout, py::arg("config"), py::arg("path"), "the same from a file");

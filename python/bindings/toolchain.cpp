@@ -6,6 +6,7 @@
 
 #include "python/bindings/cpu.hpp"
 #include "python/bindings/ctrl_c.hpp"
+#include "python/bindings/errors.hpp"
 #include "toolchain/assembler/assembler.hpp"
 #include "toolchain/linker/linker.hpp"
 #include "toolchain/objects/coff.hpp"
@@ -127,7 +128,8 @@ void bind_toolchain(py::module_& core) {
   bind_object(m);
 
   // The exception types live as long as the module, which is never unloaded.
-  static py::object assembly_error = py::exception<toolchain::AssemblyError>(m, "AssemblyError", PyExc_ValueError);
+  static py::object assembly_error =
+      py::exception<toolchain::AssemblyError>(m, "AssemblyError", python::error_bases(PyExc_ValueError));
   py::register_exception_translator([](std::exception_ptr pointer) {
     try {
       if (pointer) std::rethrow_exception(pointer);
@@ -135,9 +137,9 @@ void bind_toolchain(py::module_& core) {
       raise_assembly_error(assembly_error, error);
     }
   });
-  py::register_exception<toolchain::CoffError>(m, "CoffError", PyExc_ValueError);
-  py::register_exception<toolchain::LinkError>(m, "LinkError", PyExc_ValueError);
-  py::register_exception<toolchain::RomError>(m, "RomError", PyExc_ValueError);
+  python::register_error<toolchain::CoffError>(m, "CoffError", PyExc_ValueError);
+  python::register_error<toolchain::LinkError>(m, "LinkError", PyExc_ValueError);
+  python::register_error<toolchain::RomError>(m, "RomError", PyExc_ValueError);
   m.def(
       "rom_words",
       [](const std::filesystem::path& path, std::optional<unsigned> width) {
@@ -148,7 +150,7 @@ void bind_toolchain(py::module_& core) {
         return toolchain::rom_words(bytes, *width);
       },
       py::arg("path"), py::arg("width") = py::none(), "What an EPROM holds, as memory of that width has it.");
-  py::register_exception<toolchain::MemoryMapError>(m, "MemoryMapError", PyExc_ValueError);
+  python::register_error<toolchain::MemoryMapError>(m, "MemoryMapError", PyExc_ValueError);
 
   m.def(
       "assemble",

@@ -19,6 +19,7 @@ if getattr(_core, "__file__", None) is None:  # only the folder of its type stub
 
 from cmrc import c40, network, plant
 from cmrc.differences import Difference, diff
+from cmrc.errors import Error
 from cmrc.result import Profile, Result
 from cmrc.simulation import ConfigError, Simulation, Snapshot, read_snapshot, run, write_snapshot
 from cmrc.snapshots import SnapshotError
@@ -28,5 +29,5 @@ from cmrc.table import Table
 
 __version__: str = _core.cmrc.emulator_version
 
-__all__ = ["Comparison", "ConfigError", "Difference", "Limits", "Profile", "Result", "Simulation", "Snapshot", "SnapshotError", "Table", "c40",
+__all__ = ["Comparison", "ConfigError", "Difference", "Error", "Limits", "Profile", "Result", "Simulation", "Snapshot", "SnapshotError", "Table", "c40",
            "compare", "diff", "limits", "network", "plant", "read_snapshot", "run", "search", "sweep", "write_snapshot"]

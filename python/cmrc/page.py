@@ -21,6 +21,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cmrc.errors import Error
+
 FORMAT = 1
 FIRST_KIND = 4
 """``what`` of a lane from here on is a job of kind ``what - FIRST_KIND``; below: off, dead, asleep, executive."""
@@ -28,7 +30,7 @@ FIRST_KIND = 4
 Column = NDArray[np.float64]
 
 
-class PageError(ValueError):
+class PageError(Error, ValueError):
     """A file that is no page of this emulator, or a damaged one."""
 
 

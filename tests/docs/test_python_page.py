@@ -8,10 +8,14 @@ import pytest
 from locations import ROOT
 
 
+def blocks() -> list[str]:
+    return re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "python.md").read_text(encoding="utf-8"), re.DOTALL)
+
+
 def test_the_python_of_its_page(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    [program] = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "python.md").read_text(encoding="utf-8"), re.DOTALL)
+    program = blocks()[0]
     [fewest] = re.findall(r"# the fewest DSPs without a miss: (\S+)", program)
     [r1] = re.findall(r"# (\d+\.\d), and the cycles it took", program)
     [missed] = re.findall(r"# (\d+) deadlines missed", program)
@@ -21,3 +25,10 @@ def test_the_python_of_its_page(
     assert misses == missed and int(missed) > 0 and "In its way" in explained and "Without" in explained
     assert os.listdir(tmp_path) == ["one_dsp.cmrc"]
     assert dsps == fewest and last.split()[0] == r1 and int(last.split()[1]) >= 2
+
+
+def test_the_error_of_its_page(capsys: pytest.CaptureFixture[str]) -> None:
+    refused = blocks()[1]
+    exec("import cmrc\n" + refused, {})  # noqa: S102
+    said = re.findall(r"# (.*)$", refused, re.MULTILINE)
+    assert capsys.readouterr().out.splitlines() == said and len(said) == 3

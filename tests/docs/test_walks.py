@@ -4,6 +4,7 @@ The blocks ```sh, ```python, ```asm and ```toml of a page are done in their orde
 `c40_programs` and `examples` of the tree. `sh` and `python` are run. `asm` and `toml` are written to the file that
 their first line names in a comment. A block ```text right after a run is what the run prints: its lines stand in the
 output in this order, `...` for any lines between.
+A block ```cpp stands, but for its first line, in the file of the tree that its first line names.
 A page with `<!-- campaign -->` takes long and is left out of the suite.
 """
 
@@ -19,6 +20,7 @@ from locations import BUILD, ROOT
 
 PAGES = [page for folder in ("paths", "how-to") for page in sorted((ROOT / "docs" / folder).glob("*.md"))]
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```\n", re.MULTILINE | re.DOTALL)
+QUOTED = re.compile(r"// (\S+\.[ch]pp)\n")
 FILE = re.compile(r"[;#] (\S+\.(?:asm|toml|txt))\b")
 
 
@@ -100,6 +102,12 @@ def test_a_page_can_be_walked_through(page: Path, tmp_path: Path) -> None:
             line = not_printed(block.text, output)
             assert line is None, (
                 f"{page.name}:{block.line}: the commands above do not print, at its place: {line!r}\n{output}"
+            )
+        elif block.language == "cpp":
+            quoted = QUOTED.match(block.text)
+            assert quoted, f"{page.name}:{block.line}: a block of C++ whose first line names no file"
+            assert block.text[quoted.end() :] in (ROOT / quoted[1]).read_text(encoding="utf-8"), (
+                f"{page.name}:{block.line}: {quoted[1]} reads otherwise"
             )
         else:
             named = FILE.match(block.text)

@@ -16,6 +16,8 @@ constexpr int last_byte_numerator = 7, last_byte_denominator = 8;
 
 std::string_view name(LinkEvent::Kind kind) {
   constexpr std::array<std::string_view, 6> names{"word", "token", "lost", "dead", "cut", "restored"};
+  static_assert(names.size() == static_cast<std::size_t>(LinkEvent::Kind::restored) + 1 && names.back() == "restored",
+                "one name each, in order");
   return names[static_cast<std::size_t>(kind)];
 }
 

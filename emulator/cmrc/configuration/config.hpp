@@ -28,7 +28,7 @@ enum class BootPolicy { preloaded, link };
 enum class DspClock { c40_40, c40_50, c40_60 };
 enum class Learning { off, proportional, unit };
 enum class CraneModel { sway, rigid };
-/// In the order of plant::Machine.
+/// In the order of plant::CraneKind.
 enum class CraneMachine { slewing, gantry };
 enum class ServoReload { locked, inherited };
 enum class WorkMode { full_load, slowed_agv, slowed_crane };

@@ -23,6 +23,8 @@ const std::array<KindRow, 13>& kind_rows() {
       {"error", &Words::kind_error, &W::long_run_us, 0},
       {"recompute", nullptr, &W::long_run_us, 0},
   }};
+  static_assert(rows.size() == static_cast<std::size_t>(JobKind::user) && !rows.back().name.empty(),
+                "each built-in kind has one row, in the order of JobKind");
   return rows;
 }
 

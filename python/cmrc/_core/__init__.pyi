@@ -10,7 +10,8 @@ from cmrc._core import report as report
 from cmrc._core import toolchain as toolchain
 from cmrc._core import trace as trace
 from cmrc._core import why_late as why_late
+from cmrc.errors import Error
 
-class SnapshotError(ValueError): ...
+class SnapshotError(Error, ValueError): ...
 
 def kind_of_snapshot(sealed: bytes, /) -> str: ...

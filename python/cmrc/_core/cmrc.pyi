@@ -4,12 +4,13 @@ from typing import Any
 from cmrc._core.debug import Debugger
 from cmrc._core.plant import DockConfig
 from cmrc._core.toolchain import Image
+from cmrc.errors import Error
 from numpy import float64
 from numpy.typing import NDArray
 
 emulator_version: str
 
-class ConfigError(ValueError): ...
+class ConfigError(Error, ValueError): ...
 
 class Config:
     def to_toml(self) -> str: ...

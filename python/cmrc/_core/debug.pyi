@@ -1,7 +1,9 @@
 from collections.abc import Callable
 from typing import Any
 
-class DebugError(ValueError): ...
+from cmrc.errors import Error
+
+class DebugError(Error, ValueError): ...
 
 class Debugger:
     def places(self, chip: int, text: str) -> list[int]: ...

@@ -3,8 +3,9 @@ from typing import Any, overload
 
 from cmrc._core.debug import Debugger
 from cmrc._core.toolchain import Image
+from cmrc.errors import Error
 
-class NetworkError(ValueError): ...
+class NetworkError(Error, ValueError): ...
 
 class Chip:
     pc: int

@@ -2,6 +2,7 @@ from collections.abc import Sequence
 from enum import Enum
 from typing import TypeAlias, overload
 
+from cmrc.errors import Error
 from numpy import float64
 from numpy.typing import NDArray
 
@@ -617,7 +618,7 @@ class AgvAlone:
     @property
     def time(self) -> float: ...
 
-class LayoutError(ValueError): ...
+class LayoutError(Error, ValueError): ...
 
 def default_dock(agv_count: int = 1) -> DockConfig: ...
 def gantry_dock(agv_count: int = 1) -> DockConfig: ...

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from cmrc import _core, files
+from cmrc.errors import Error
 from cmrc.extras import needed
 from cmrc.simulation import Setting
 
@@ -27,7 +28,7 @@ MOST_BYTES = 1 << 24
 SEED, PHASES = "run.seed", "run.phase_jitter"
 
 
-class GridError(ValueError):
+class GridError(Error, ValueError):
     """A grid that cannot be run. Says where, and what would be right."""
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
 from cmrc import _core, files
+from cmrc.errors import Error
 from cmrc.extras import needed
 from cmrc.sweeps.identity import build
 
@@ -42,7 +43,7 @@ COMPACT_BATCH = 1000
 Row = dict[str, Any]
 
 
-class SweepError(RuntimeError):
+class SweepError(Error, RuntimeError):
     """A sweep that cannot go on. What was written stays, and the next call goes on from there."""
 
 

@@ -1,0 +1,24 @@
+#pragma once
+// Operations, one row each: the name, and what computes it. docs/how-to/one-instruction.md shows one on its whole way.
+#include <string_view>
+
+#include "isa/table.hpp"
+
+namespace isa {
+
+/// Which handlers of the chip an operation belongs to.
+enum class OperationKind : std::uint8_t {
+  integer,   ///< a body of c40/integer.hpp, or a move of integers
+  floating,  ///< a body on 40-bit floats, or a move of them
+  control    ///< branches, the stack, repeats, IDLE and the like: c40/handlers_control.cpp
+};
+
+struct OperationRow {
+  Operation operation;
+  std::string_view name;
+  OperationKind kind;
+};
+
+const OperationRow& operation_row(Operation operation);
+
+}  // namespace isa

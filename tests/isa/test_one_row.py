@@ -1,0 +1,50 @@
+"""Who adds an operation, a kind of job, a cause or a network's event in one place and forgets its row is told by the compiler."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+from locations import ROOT
+
+EMULATOR = ROOT / "emulator"
+COMPILER = ["c++", "-std=c++20", "-fsyntax-only", "-DFMT_SHARED"]
+
+
+def compiled(unit: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """The unit with the headers and sources of `folder` in front of those of the tree."""
+    source = folder / unit if (folder / unit).exists() else EMULATOR / unit
+    command = [*COMPILER, f"-I{folder}", f"-I{EMULATOR}", f"-I{ROOT}", str(source)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def changed(folder: Path, name: str, old: str, new: str) -> None:
+    source = folder / name if (folder / name).exists() else EMULATOR / name
+    text = source.read_text(encoding="utf-8")
+    assert text.count(old) == 1, f"{name}: {old!r} stands there {text.count(old)} times"
+    (folder / name).parent.mkdir(parents=True, exist_ok=True)
+    (folder / name).write_text(text.replace(old, new), encoding="utf-8")
+
+
+@pytest.mark.skipif(shutil.which("c++") is None, reason="no C++ compiler")
+@pytest.mark.parametrize(
+    ("header", "entry", "unit", "row", "says"),
+    [
+        ("isa/table.hpp", ("  lopower, ", "  halve, lopower, "), "isa/operations.cpp",
+         ('    {O::lopower, "lopower"', '    {O::halve, "halve", B::integer},\n    {O::lopower, "lopower"'), "each operation has one row"),
+        ("c40/types.hpp", ("///< IDLE\n", "///< IDLE\n  thrown,\n"), "c40/profile.cpp", None, "each cause has one name"),
+        ("cmrc/tasks/job_kinds.hpp", ("  user  ///<", "  rewind,\n  user  ///<"), "cmrc/tasks/job_kinds.cpp", None, "each built-in kind has one row"),
+        ("c40/self_check.hpp", ("  reserved,  ///<", "  late,\n  reserved,  ///<"), "c40/self_check.cpp", None, "one name each, in order"),
+    ],
+    ids=["operation", "cause", "kind", "rule"],
+)  # fmt: skip
+def test_a_new_entry_without_its_row_does_not_compile(
+    tmp_path: Path, header: str, entry: tuple[str, str], unit: str, row: tuple[str, str] | None, says: str
+) -> None:
+    changed(tmp_path, header, *entry)
+    refused = compiled(unit, tmp_path)
+    assert refused.returncode != 0 and says in refused.stderr
+    if row is not None:
+        changed(tmp_path, unit, *row)
+        taken = compiled(unit, tmp_path)
+        assert taken.returncode == 0, taken.stderr
