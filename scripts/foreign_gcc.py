@@ -1,6 +1,6 @@
-"""What GCC 2.95's port for the C4x makes of C, through our assembler, linker, run-time and emulator (docs/from-c.md).
+"""What GCC's port for the C4x makes of C, through our assembler, linker, run-time and emulator (docs/from-c.md).
 
-The folder that is given holds either the compiler, `cc1` and `cccp`, wherever in it: then the programs of tests/programs/c are compiled in twelve sets of flags, and each has to
+The folder that is given holds either the compiler, `cc1` and of version 2.95 `cccp`, wherever in it: then the programs of tests/programs/c are compiled in twelve sets of flags, and each has to
 print what the host's own build of it prints; with `config/c4x/libgcc.S` beside, also linked with GCC's own library. Or it holds programs, NAME.s or NAME.o with what they print as NAME.expect.
 """
 
@@ -50,18 +50,24 @@ def run(*command: str | Path, most_s: float = 120) -> str:
 @dataclass(frozen=True)
 class Compiler:
     cc1: Path
-    cccp: Path
+    cccp: Path | None  # from version 3 on a part of cc1
+
+    def preprocess(self, source: Path, out: Path, *options: str) -> Path:
+        if self.cccp is not None:
+            run(self.cccp, *options, source, out)
+        else:
+            run(self.cc1, "-E", "-quiet", *options, source, "-o", out)
+        return out
 
     def compile(self, source: Path, flags: str, folder: Path) -> Path:
-        text, out = folder / f"{source.stem}.i", folder / f"{source.stem}.s"
-        run(self.cccp, source, text)
+        text, out = self.preprocess(source, folder / f"{source.stem}.i"), folder / f"{source.stem}.s"
         run(self.cc1, "-quiet", *flags.split(), text, "-o", out)
         return out
 
 
 def compiler_in(folder: Path) -> Compiler | None:
     found = [next(iter(sorted(path for path in folder.rglob(name) if path.is_file())), None) for name in ("cc1", "cccp")]
-    return Compiler(found[0], found[1]) if found[0] and found[1] else None
+    return Compiler(found[0], found[1]) if found[0] else None
 
 
 def printed(program: Path, inputs: list[Path], flags: str, folder: Path) -> str:
@@ -84,7 +90,7 @@ def libgcc(source: Path, compiler: Compiler, flags: str, folder: Path) -> list[P
     out = []
     for name in sorted(set(re.findall(r"^#ifdef L(_\w+)", source.read_text(encoding="latin-1"), re.MULTILINE))):
         text, made = folder / f"{name}.s", folder / f"{name}.o"
-        run(compiler.cccp, "-lang-asm", "-D_TMS320C4x", f"-DL{name}", source, text)
+        compiler.preprocess(source, text, "-lang-asm", "-D_TMS320C4x", f"-DL{name}")
         run(EMULATOR, "asm", "-c", "--dialect", "gnu", "-D", f".REGPARM={0 if '-mmemparm' in flags else 1}", text, "-o", made)
         out.append(made)
     return out
@@ -164,7 +170,7 @@ def report(folder: Path) -> int:
             counts = [ready_made(folder, work)]
             print(counts[0].line("ready-made programs print what is expected"))
             if not counts[0].same and not counts[0].others:
-                print("  neither cc1 and cccp of GCC 2.95 for the C4x, nor NAME.s or NAME.o with NAME.expect, is in the folder")
+                print("  neither cc1 of GCC for the C4x, nor NAME.s or NAME.o with NAME.expect, is in the folder")
                 return 2
     for count in counts:
         for other in count.others:
