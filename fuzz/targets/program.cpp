@@ -59,6 +59,7 @@ struct AtOnce final : c40::WindowListener {
     if ((access.address & 2) != 0) return {};
     return answer_of(access);
   }
+  bool needs_counters(const c40::ExternalAccess& access) const override { return (access.address & 4) != 0; }
 };
 
 struct Setting {
