@@ -50,6 +50,8 @@ def test_the_loop_closes_and_the_nose_stays_level():
     for t in np.linspace(0.75, 1.25, 30):
         linkage.place(t)
         assert linkage.open < 1e-12 and list(linkage.angles) == pytest.approx(pose(t))
+        joint, angle = P.jib * np.array([math.cos(t), math.sin(t)]), pose(t)[1]
+        assert linkage.nose == pytest.approx(joint + P.fly * np.array([math.cos(angle), math.sin(angle)]))
         noses.append(linkage.nose)
     x, z = np.array(noses).T
     assert np.ptp(x) > 15 and np.ptp(z) < 0.2  # a straight jib would lift its nose by 10 m
