@@ -105,7 +105,7 @@ def test_blocks_wait_longest_where_the_report_says(events: Path, report: Any) ->
         (["none.toml", "-o", "o"], "none.toml"),
         (["t", "-o", "t"], "RUN"),
         (["t", "-o", "no/folder"], "no/folder"),
-        (["t", "-o", "."], "is not a file"),
+        (["t", "-o", "."], "is a folder"),
         (["t", "-o", "o", "--set", "machine.dsps=2"], "--set: RUN is a trace"),
         (["t", "-o", "o"], "line 3: not a line of an event trace: '0.5 [host] nothing of the kind'"),
         (["empty", "-o", "o"], "line 1: not an event trace"),

@@ -80,9 +80,7 @@ def numbers(text: str, option: str) -> list[float]:
         return parts
     begin, end, step = parts
     if not (step > 0 and begin <= end and (end - begin) / step < MOST_POINTS):
-        raise ValueError(
-            f"{option}: {text!r} holds no value, or more than {MOST_POINTS}; FROM:TO:STEP is expected"
-        )
+        raise ValueError(f"{option}: {text!r} holds no value, or more than {MOST_POINTS}; FROM:TO:STEP is expected")
     return [round(begin + n * step, 6) for n in range(math.floor((end - begin) / step + 1e-9) + 1)]
 
 

@@ -111,13 +111,13 @@ def _plot(run: Path, plots: Path | None, given: argparse.Namespace) -> None:
 
 def _check_outputs(run: Path, out: Path | None, plots: Path | None) -> None:
     """Before a run that takes minutes. Raises ValueError, ImportError."""
-    output("--out", out)
-    picture("--plots", plots)
     roles = files.FileRoles()
     roles.reads("RUN", run)
     for role, path in (("--out", out), ("--plots", plots)):
         if path is not None:
+            output(role, path)
             roles.writes(role, path)
+    picture("--plots", plots)
 
 
 def _draw(recording: page.Recording, plots: Path) -> None:

@@ -47,10 +47,7 @@ def _configured(given: argparse.Namespace) -> _core.cmrc.Config:
     asked = vars(given)
     own = {key: asked[key] for _, key, _, _, _ in SETTINGS if asked[key] is not None}
     made = configured(given.config, given.preset, {**settings(given), **own}, (), {})
-    try:
-        _core.cmrc.files_digest(made)
-    except RuntimeError as error:  # a board, a layout or a program that is not there
-        raise ValueError(str(error)) from None
+    _core.cmrc.Simulation(made)  # a board or a layout that is not there is told before any run has begun
     if given.json is not None:
         values, roles = made.to_dict(), files.FileRoles()
         for role, path in (
