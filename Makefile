@@ -3,12 +3,13 @@ SHELL := /bin/bash
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 
-.PHONY: demo test build setup clean page golden lint vectors arithmetic oracles bench results coverage mutants fuzz trust docs docs-test wheels
+.PHONY: demo test build setup clean page golden lint vectors arithmetic oracles bench results coverage mutants fuzz trust docs docs-test wheels check
 
 demo: build
 	PYTHONPATH=build/python $(PYTHON) -m cmrc demo --out build/demo
 
 test: build
+	ctest --test-dir build --output-on-failure
 	$(PYTHON) -m pytest -q -n auto --dist loadfile tests
 
 build: setup
@@ -78,11 +79,16 @@ mutants: build
 
 # Layout of the C++ (.clang-format, one version of the tool), style and types of the Python, width of the pages, citations.
 lint:
-	$(PYTHON) -m pip install -q ruff mypy clang-format==19.1.7
+	@scripts/setup dev
 	git ls-files '*.cpp' '*.hpp' | xargs $(VENV)/bin/clang-format --dry-run -Werror
 	$(PYTHON) -m ruff check python tests
 	$(PYTHON) -m mypy --strict python/cmrc
 	$(PYTHON) -m pytest -q tests/docs/test_prose.py tests/docs/test_citations.py -k 'not sections_that_programs_name'
+
+# What changed since this branch left main: layout, style, types, the fast tests of its rooms. Builds little.
+check:
+	@scripts/setup dev
+	@scripts/check
 
 # The site, build-docs/html/index.html: Sphinx in an environment of its own, Doxygen for the C++. Warnings are errors; no page loads anything
 # from elsewhere.

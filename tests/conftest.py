@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from locations import BUILD, ROOT
+from spent import Spent
 
 GOLDEN = ROOT / "tests" / "golden"
 sys.path.insert(0, str(BUILD / "python"))
@@ -18,8 +19,7 @@ changes = pytest.StashKey[list[str]]()
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--update-golden", action="store_true", help="rewrite the files in tests/golden and print what changed")
-
-
+    parser.addoption("--spent", type=Path, help="append the processor time of each test to this file (tests/spent.py)")
     parser.addoption("--way", help="run every program in two ways of timing, and compare them at many points (tests/lockstep.py)")
 
 
@@ -41,6 +41,17 @@ def pytest_configure(config: pytest.Config) -> None:
         if signal.getsignal(number) == signal.SIG_IGN:
             signal.signal(number, usual)
     config.stash[changes] = []
+    # With workers each measures itself; the process that started them would count them once more.
+    if (output := config.getoption("--spent")) and (hasattr(config, "workerinput") or not config.getoption("numprocesses", None)):
+        config.pluginmanager.register(Spent(output))
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Marks as fast what is neither in tests/slow_tests.txt nor a campaign: `pytest -m fast`."""
+    slow = set((ROOT / "tests" / "slow_tests.txt").read_text().split())
+    for item in items:
+        if item.nodeid.split("[")[0] not in slow and item.get_closest_marker("campaign") is None:
+            item.add_marker(pytest.mark.fast)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
