@@ -1,5 +1,5 @@
 // May-load tokens (plant-and-bus.md 4.4, items 13 to 16).
-#include "cmrc/consents.hpp"
+#include "cmrc/processes/consents.hpp"
 
 #include <doctest/doctest.h>
 

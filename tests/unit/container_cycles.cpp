@@ -1,5 +1,5 @@
 // Cycle times and learning (plant-and-bus.md 4.7), against timelines made by hand; seconds.
-#include "cmrc/cycles.hpp"
+#include "cmrc/processes/container_cycles.hpp"
 
 #include <doctest/doctest.h>
 
@@ -7,13 +7,13 @@
 #include <cstdint>
 #include <optional>
 
-#include "cmrc/process_table.hpp"
+#include "cmrc/processes/process_table.hpp"
 
 namespace {
 
 report::Time seconds(double s) { return report::Time{std::llround(s * 1e12)}; }
 
-/// As cmrc::Cycles, with processes by their numbers and times in seconds.
+/// As cmrc::ContainerCycles, with processes by their numbers and times in seconds.
 class Cycles {
  public:
   void begins(unsigned number, unsigned robot, double at) { process(number, true, robot, at); }
@@ -27,7 +27,7 @@ class Cycles {
   void process(unsigned number, bool started, unsigned robot, double at) {
     cycles_.process(cmrc::built_in_processes().find(number)->account, started, robot, seconds(at));
   }
-  cmrc::Cycles cycles_;
+  cmrc::ContainerCycles cycles_;
 };
 
 double in_seconds(const std::optional<report::Time>& time) {

@@ -1,5 +1,5 @@
-// Instants in bounded memory (docs/report.md, Long runs); picoseconds.
-#include "cmrc/instants.hpp"
+// Times of events in bounded memory (docs/report.md, Long runs); picoseconds.
+#include "cmrc/measures/event_times.hpp"
 
 #include <doctest/doctest.h>
 
@@ -18,7 +18,7 @@ constexpr std::int64_t ms = 1'000'000'000;
 }  // namespace
 
 TEST_CASE("instants are kept as they are while there are few") {
-  cmrc::Instants instants(4, 100);
+  cmrc::EventTimes instants(4, 100);
   for (const std::int64_t at : {7, 3, 5, 9}) instants.add(Time{at * ms + 1});
   CHECK(instants.bin().count() == 0);
   const auto kept = instants.in_order();
@@ -35,7 +35,7 @@ TEST_CASE("instants are kept as they are while there are few") {
 
 TEST_CASE("many instants are counted in bins that double") {
   std::mt19937_64 draw(1);
-  cmrc::Instants instants(100, 64);
+  cmrc::EventTimes instants(100, 64);
   std::vector<std::int64_t> times;
   for (std::int64_t i = 0; i < 3000; ++i) {
     times.push_back(i * ms / 3 + std::uniform_int_distribution<std::int64_t>(0, ms / 3 - 1)(draw));

@@ -1,5 +1,5 @@
 // Signs of life; refreshes.
-#include "cmrc/liveness.hpp"
+#include "cmrc/host/liveness.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,5 +1,5 @@
 // Numbers in the C40's single format, for the job areas.
-#include "cmrc/ti_float.hpp"
+#include "cmrc/tasks/ti_float.hpp"
 
 #include <doctest/doctest.h>
 
