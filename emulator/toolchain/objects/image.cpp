@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "io/print.hpp"
-#include "toolchain/missing_symbol.hpp"
+#include "toolchain/objects/missing_symbol.hpp"
 
 namespace toolchain {
 
