@@ -213,7 +213,7 @@ class Bus {
   Attempt attempt_{};
   bool running_ = false;
   bool finishing_ = false;  // an attempt has ended, and who comes next is not chosen yet
-  bool ahead_ = false;  // the attempt's words have been read at FRAME#
+  bool ahead_ = false;      // the attempt's words have been read at FRAME#
   bool after_write_ = false;
   unsigned chosen_ = Arbiter::nobody;  // who starts at next_ when idle
   Clocks chosen_at_ = 0;               // and when he gets GNT#

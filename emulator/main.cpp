@@ -13,8 +13,8 @@
 #include "machine/network.hpp"
 #include "toolchain/linker/linker.hpp"
 #include "toolchain/linker/memory_map.hpp"
-#include "toolchain/objects/missing_symbol.hpp"
 #include "toolchain/objects/coff.hpp"
+#include "toolchain/objects/missing_symbol.hpp"
 #include "toolchain/objects/rom_file.hpp"
 #include "toolchain/syntax/diagnostics.hpp"
 
