@@ -106,11 +106,14 @@ Engine::Stepped Engine::run_blocks(CodeBlock* block, std::size_t at, Cycles limi
     Outcome outcome;
     if (in.from == 0 && block->last_start < limit - cycle &&
         (block->plain || (block->in_one_go && cache_.fits(*block)))) [[likely]] {
-      core.loop_left = 0;
+      if (block->repeats) core.loop_left = 0;
       outcome = block->ops[0].handler(core, block->ops.data());
       if (outcome.exit <= Exit::taken) [[likely]] {
-        if (!block->plain) cache_.fetch(*block, 0, block->size);
-        exit = block->repeats ? &end_repeat(*block, 1) : &block->exits[outcome.exit == Exit::taken];
+        exit = &block->exits[outcome.exit == Exit::taken];
+        if (!block->plain) {
+          cache_.fetch(*block, 0, block->size);
+          if (block->repeats) exit = &end_repeat(*block, 1);
+        }
       } else {
         exit = nullptr;
         state_.cycle = cycle;

@@ -143,7 +143,7 @@ def test_toml_that_is_nested_deep_is_refused(folder: Path, reader: list[str], te
 @pytest.mark.parametrize("text", [NESTED["arrays"], NESTED["a header"], NESTED["a dotted key"]])
 def test_toml_at_the_limit_is_not_refused_for_its_depth(folder: Path, text: Callable[[int], str]) -> None:
     (folder / "deep.toml").write_text(text(32))
-    refused(emulator(folder, *READERS["--config"]), "no such key")
+    refused(emulator(folder, *READERS["--config"]), "no such ")
 
 
 def test_dots_and_brackets_in_texts_and_comments_are_no_nesting(folder: Path) -> None:

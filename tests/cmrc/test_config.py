@@ -67,7 +67,7 @@ def test_an_integer_serves_as_a_number() -> None:
         ("[rate]\nservo_frequency_hz = 1e3\n", "dock.toml:2:1: rate.servo_frequency_hz:", "rates.servo_frequency_hz"),
         ("dsps = 4\n", "dock.toml:1:1: dsps:", "machine.dsps"),
         ('[machine]\ndsps = "4"\n', "dock.toml:2:8: machine.dsps:", "an integer from 1 to 16"),
-        ("[machine]\ndsps = 4.0\n", "dock.toml:2:8: machine.dsps:", "an integer from 1 to 16"),
+        ("[machine]\ndsps = 4.5\n", "dock.toml:2:8: machine.dsps:", "an integer from 1 to 16"),
         ("[machine]\ndsps = 0\n", "dock.toml:2:8: machine.dsps:", "from 1 to 16"),
         ("[machine]\ndsps = 10000\n", "dock.toml:2:8: machine.dsps:", "from 1 to 16"),
         ('[machine]\nidle_policy = "sleep"\n', "dock.toml:2:15: machine.idle_policy:", '"doorbell", "pause" or "spin"'),

@@ -3,6 +3,7 @@
 import contextlib
 import itertools
 import os
+import re
 import signal
 import threading
 import time
@@ -225,7 +226,7 @@ def test_a_cluster_that_is_not_there_is_named(tmp_path: Path, monkeypatch: pytes
 def test_runs_of_another_build_are_refused(done: Sweep, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(session, "build", lambda: "f" * 64)
     with pytest.raises(
-        SweepError, match=f"holds runs of emulator {cmrc.__version__}, build .*; this is build ffffffffffff"
+        SweepError, match=f"holds runs of emulator {re.escape(cmrc.__version__)}, build .*; this is build ffffffffffff"
     ):
         sweep(SMALL, done.folder.path)
 

@@ -60,7 +60,7 @@ def test_a_disassembly_names_sections_labels_and_targets(tmp_path: Path, emulato
     assert done.stdout.splitlines() == [
         "; section .text, 4 words at 00300000h", "start:", "00300000  08600001  ldi 1,r0", "again:", "00300001  6A00FFFF  bu again",
         "00300002  60FFFFFD  br start", "00300003  FFFFFFFF  .word 0xffffffff", "; section .data, 1 words at 00300004h", "d:",
-        "00300004  60000000  br x", "; section .bss, 3 words at 00300005h, reserved",
+        "00300004  60000000  .word 0x60000000", "; section .bss, 3 words at 00300005h, reserved",
     ]  # fmt: skip
     done = subprocess.run([emulator, "disasm", "--source", tmp_path / "p.asm"], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[1:] == [

@@ -1,6 +1,7 @@
 """Every named error of the package is a ``cmrc.Error`` with where, problem and right, and the built-in error it was."""
 
 import importlib
+import inspect
 import pkgutil
 from collections.abc import Callable
 
@@ -15,7 +16,7 @@ NAMED = ["AssemblyError", "CannotOpen", "CoffError", "ConfigError", "DebugError"
 
 def named_errors() -> dict[str, type]:
     modules = [importlib.import_module(m.name) for m in pkgutil.walk_packages(cmrc.__path__, "cmrc.") if not m.name.endswith("__main__")]
-    rooms = [getattr(_core, name) for name in dir(_core) if not name.startswith("__")]
+    rooms = [room for room in vars(_core).values() if inspect.ismodule(room)]
     found = {name: value for module in (*modules, _core, *rooms) for name, value in vars(module).items()
              if isinstance(value, type) and issubclass(value, Exception) and value.__module__.startswith("cmrc") and value is not cmrc.Error}
     return found
