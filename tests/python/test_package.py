@@ -14,7 +14,8 @@ HEAVY = ("pandas", "pyarrow", "matplotlib", "dask", "distributed", "optuna", "du
 
 def test_the_import_brings_no_heavy_package() -> None:
     code = f"import sys, cmrc; print([name for name in {HEAVY!r} if name in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    env = {"PYTHONPATH": str(Path(cmrc.__file__).parent.parent)}
+    done = subprocess.run([sys.executable, "-c", code], env=env, capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
 
 
